@@ -1,0 +1,234 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+
+/* Cellwalk: where does this ray hit this height field?
+ *
+ * Words. A *field* is nx × ny samples; sample (i, j) stands at field coordinates x = i, y = j and its value is z.
+ * *Cell* (i, j), 0 <= i < nx - 1, 0 <= j < ny - 1, lies between samples (i, j) and (i + 1, j + 1). Each cell is two
+ * *triangles*, split along the diagonal from (i, j) to (i + 1, j + 1):
+ *
+ *     CW_TRIANGLE_A = (i, j), (i + 1, j), (i + 1, j + 1)      below the diagonal (y - j <= x - i)
+ *     CW_TRIANGLE_B = (i, j), (i + 1, j + 1), (i, j + 1)      above the diagonal
+ *
+ * *Field space* has unit cells and the samples' own heights; *user space* is whatever the caller models in, tied to
+ * field space by an affine map that is kept in double.
+ *
+ * All functions are safe to call from several threads at once unless they say otherwise. None of the queries
+ * allocates. None changes the floating-point environment: queries run in the IEEE default environment (round to
+ * nearest, denormals kept) whatever the caller's is, and put the caller's back. */
+
+#ifndef CELLWALK_H
+#define CELLWALK_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#if defined(_WIN32)
+#define CW_API
+#else
+#define CW_API __attribute__((visibility("default")))
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define CW_VERSION "0.1.0"
+
+/* ---- status ----------------------------------------------------------------------------------------------------- */
+
+typedef enum cw_status {
+    CW_OK = 0,
+    CW_ERROR_ARGUMENT,    /* a required pointer is NULL, or an option has a value that is none of its own */
+    CW_ERROR_SIZE,        /* nx or ny below 2, above CW_SIDE_MAX, or too many samples for 31-bit sample numbers */
+    CW_ERROR_STRIDE,      /* a row stride shorter than a row */
+    CW_ERROR_MAP,         /* the affine map is not finite or cannot be inverted */
+    CW_ERROR_HOLE,        /* borrowed samples hold an infinity: mark holes by NaN, or let the field copy them */
+    CW_ERROR_MEMORY,      /* out of memory */
+    CW_ERROR_UNAVAILABLE, /* this machine, or the instruction-set limit, rules the kernel out */
+    CW_ERROR_UNSUPPORTED, /* the kernel has no such leaf test */
+    CW_ERROR_NOT_BUILT,   /* the kernel needs a structure that cw_field_build was not asked for */
+    CW_ERROR_THREAD       /* a thread could not be started */
+} cw_status;
+
+/* One English sentence without a full stop; never NULL, static storage. */
+CW_API const char *cw_status_message(cw_status status);
+
+/* ---- kernels ---------------------------------------------------------------------------------------------------- */
+
+/* Instruction sets in the order in which they include each other. */
+typedef enum cw_isa { CW_ISA_SCALAR = 0, CW_ISA_SSE42, CW_ISA_AVX2, CW_ISA_AVX512 } cw_isa;
+
+/* "scalar", "sse4.2", "avx2", "avx512"; NULL for any other value. */
+CW_API const char *cw_isa_name(cw_isa isa);
+
+/* The widest instruction set that CPU and operating system both support (CPUID and XGETBV) and that the limit allows.
+ * The limit is the environment variable CELLWALK_ISA (a name as above, read once) until cw_isa_limit sets another.
+ * Not to be called while queries run: cw_isa_limit. */
+CW_API cw_isa cw_isa_best(void);
+CW_API void cw_isa_limit(cw_isa highest);
+
+/* A leaf test decides where a ray meets one cell's two triangles. */
+typedef enum cw_leaf {
+    CW_LEAF_DEFAULT = 0,     /* what the kernel does best: see cw_kernel_info */
+    CW_LEAF_MOLLER_TRUMBORE, /* each triangle by itself (Möller and Trumbore 1997): a ray may slip between two */
+    CW_LEAF_WATERTIGHT       /* the sign of ray height minus surface height at each crossing, which neighbours share */
+} cw_leaf;
+enum { CW_LEAF_COUNT = 3 };
+
+/* "default", "moller-trumbore", "watertight"; NULL for any other value. */
+CW_API const char *cw_leaf_name(cw_leaf leaf);
+
+/* A kernel is one way to find hits. Kernels live as long as the program. */
+typedef struct cw_kernel cw_kernel;
+
+typedef struct cw_kernel_info {
+    const char *name; /* "packet8" */
+    const char *what; /* one line for a person */
+    cw_isa isa;       /* needed */
+    unsigned width;   /* rays that one instruction serves */
+    bool needs_build; /* cw_field_build must be called for it first */
+    bool available;   /* on this machine under the present limit */
+    cw_leaf default_leaf;
+} cw_kernel_info;
+
+CW_API size_t cw_kernel_count(void);
+/* number in [0, cw_kernel_count()), else NULL. */
+CW_API const cw_kernel *cw_kernel_at(size_t number);
+/* NULL where no kernel has that name. */
+CW_API const cw_kernel *cw_kernel_find(const char *name);
+CW_API cw_kernel_info cw_kernel_describe(const cw_kernel *kernel);
+
+/* ---- field ------------------------------------------------------------------------------------------------------ */
+
+/* Field coordinates must be exact in float: a side has at most 2^23 samples, and all samples are fewer than 2^31. */
+enum { CW_SIDE_MAX = 1 << 23 };
+
+typedef struct cw_field cw_field;
+
+typedef enum cw_storage {
+    CW_COPY = 0, /* the field keeps a copy; the caller's samples may go right after cw_field_create */
+    CW_BORROW    /* the field reads the caller's samples, which must stay and stay unchanged until cw_field_destroy */
+} cw_storage;
+
+typedef struct cw_field_desc {
+    const float *samples; /* sample (i, j) is samples[j * stride + i]; NaN and infinity mark holes */
+    size_t nx, ny;        /* samples a row, rows; each >= 2 */
+    size_t stride;        /* floats from one row to the next; 0 stands for nx */
+    cw_storage storage;
+    /* Field space to user space, three rows of four: user = map[.][0..2] · (x, y, z) + map[.][3]. */
+    double map[3][4];
+} cw_field_desc;
+
+/* No samples, no size, CW_COPY, identity map: fill in the rest. */
+CW_API cw_field_desc cw_field_desc_default(void);
+
+/* Makes a field, which the caller owns. On failure *field is NULL. A triangle with a hole at a vertex does not exist:
+ * every ray passes through it. Borrowed samples mark holes by NaN alone (else CW_ERROR_HOLE). */
+CW_API cw_status cw_field_create(const cw_field_desc *desc, cw_field **field);
+/* NULL is allowed. No query may be running on the field. */
+CW_API void cw_field_destroy(cw_field *field);
+
+/* Builds what a kernel with needs_build walks on; a second call does nothing. No query may be running on the field. */
+CW_API cw_status cw_field_build(cw_field *field, const cw_kernel *kernel);
+
+typedef struct cw_field_info {
+    size_t nx, ny;
+    float low, high;      /* over the samples that are not holes; low > high when all are */
+    size_t holes;         /* samples that are NaN or infinite */
+    size_t bytes_samples; /* owned by the field: 0 if borrowed */
+    size_t bytes_built;   /* all structures built so far */
+    double build_seconds; /* wall time spent on them */
+} cw_field_info;
+
+CW_API cw_field_info cw_field_describe(const cw_field *field);
+
+/* ---- queries ---------------------------------------------------------------------------------------------------- */
+
+/* Points org + t · dir for t in [tmin, tmax], both ends included, in field space. dir need not have unit length. tmin
+ * and tmax may be infinite (they are clamped to the largest floats). A direction component of at most 2^-128, whose
+ * reciprocal is no float, counts as zero. A ray with a NaN anywhere, an infinite origin or direction, a zero direction
+ * or tmin > tmax misses. A ray that touches the surface hits it. */
+typedef struct cw_ray {
+    float org[3];
+    float tmin;
+    float dir[3];
+    float tmax;
+} cw_ray;
+
+typedef enum cw_triangle { CW_TRIANGLE_A = 0, CW_TRIANGLE_B = 1 } cw_triangle;
+
+/* With p0, p1, p2 the triangle's vertices in the order given at the top, the hit is p0 + u (p1 - p0) + v (p2 - p0).
+ * A miss has t = +infinity, i = j = -1, triangle, u and v 0. */
+typedef struct cw_hit {
+    float t;
+    float u, v;
+    int32_t i, j;
+    uint32_t triangle; /* a cw_triangle */
+} cw_hit;
+
+/* Threads that wait for array queries to share. A pool serves one query at a time; two queries that are to run at once
+ * take a pool each. */
+typedef struct cw_pool cw_pool;
+
+/* threads >= 1 counts the calling thread; 0 stands for one per CPU this process may use. The caller owns the pool. */
+CW_API cw_status cw_pool_create(unsigned threads, cw_pool **pool);
+CW_API void cw_pool_destroy(cw_pool *pool);
+CW_API unsigned cw_pool_threads(const cw_pool *pool);
+
+typedef struct cw_query {
+    const cw_kernel *kernel; /* NULL: the best for this machine */
+    cw_leaf leaf;
+    cw_pool *pool; /* NULL: the calling thread alone */
+} cw_query;
+
+/* All zero: the best kernel, its default leaf test, one thread. A NULL query means the same. */
+CW_API cw_query cw_query_default(void);
+
+/* The kernel that a query runs on this field. */
+CW_API const cw_kernel *cw_query_kernel(const cw_field *field, const cw_query *query);
+
+/* Closest hit of each of n rays (n may be 0). rays and hits need no alignment beyond their types' and may not overlap.
+ * The answer for a ray does not depend on its neighbours, its place in the array or the number of threads. On an error
+ * hits are untouched. */
+CW_API cw_status cw_closest(const cw_field *field, const cw_query *query, const cw_ray *rays, size_t n, cw_hit *hits);
+
+/* occluded[k] = 1 if rays[k] hits anything, else 0; always what cw_closest would find. */
+CW_API cw_status cw_any(const cw_field *field, const cw_query *query, const cw_ray *rays, size_t n, uint8_t *occluded);
+
+/* ---- user space ------------------------------------------------------------------------------------------------- */
+
+/* A ray in user space; as cw_ray otherwise. */
+typedef struct cw_user_ray {
+    double org[3];
+    double tmin;
+    double dir[3];
+    double tmax;
+} cw_user_ray;
+
+/* Moves rays to field space in double and rounds last, so that a field far from the user's origin loses nothing. t is
+ * the same in both spaces. in and out may not overlap. */
+CW_API void cw_rays_to_field(const cw_field *field, const cw_user_ray *in, size_t n, cw_ray *out);
+
+/* ---- what follows from a hit: computed on request, so that a query pays only for what its scene requires ---------- */
+
+/* Each takes a hit that is not a miss on this field; the results are in user space. */
+
+/* The point on the triangle, from (i, j, triangle, u, v): it lies on the surface to rounding, unlike org + t · dir. */
+CW_API void cw_hit_point(const cw_field *field, const cw_hit *hit, double point[3]);
+
+/* Unit normal of the triangle, on the side of growing z. */
+CW_API void cw_hit_normal(const cw_field *field, const cw_hit *hit, double normal[3]);
+
+/* Unit Phong normal (Phong 1975): each vertex takes the area-weighted sum of the normals of its up to six triangles, the
+ * hit interpolates them by its barycentric coordinates. Triangles with holes count for nothing. */
+CW_API void cw_hit_phong_normal(const cw_field *field, const cw_hit *hit, double normal[3]);
+
+/* Texture coordinates (x / (nx - 1), y / (ny - 1)), each in [0, 1]. */
+CW_API void cw_hit_uv(const cw_field *field, const cw_hit *hit, float uv[2]);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

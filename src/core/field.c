@@ -1,0 +1,134 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "field.h"
+
+#include "affine.h"
+#include "kernels.h"
+
+#include <float.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+cw_field_desc cw_field_desc_default(void) {
+    return (cw_field_desc){.storage = CW_COPY, .map = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+}
+
+static cw_status check(const cw_field_desc *d) {
+    if (d->samples == NULL || (d->storage != CW_COPY && d->storage != CW_BORROW)) return CW_ERROR_ARGUMENT;
+    if (d->nx < 2 || d->ny < 2 || d->nx > CW_SIDE_MAX || d->ny > CW_SIDE_MAX) return CW_ERROR_SIZE;
+    if (d->nx * d->ny > INT32_MAX) return CW_ERROR_SIZE; /* no overflow: each factor is below 2^24 */
+    if (d->stride == 0) return CW_OK;
+    if (d->stride < d->nx || d->stride > (SIZE_MAX / sizeof(float) - d->nx) / (d->ny - 1)) return CW_ERROR_STRIDE;
+    /* Kernels number borrowed samples in place by 31 bits. */
+    if (d->storage == CW_BORROW && d->stride * (d->ny - 1) + d->nx > INT32_MAX) return CW_ERROR_SIZE;
+    return CW_OK;
+}
+
+/* Bounds and holes; in a copy an infinite sample becomes NaN, so that kernels meet one kind of hole. */
+static cw_status survey(cw_field *f) {
+    f->low = FLT_MAX;
+    f->high = -FLT_MAX;
+    for (size_t j = 0; j < f->ny; j++) {
+        for (size_t i = 0; i < f->nx; i++) {
+            const float h = f->z[j * f->stride + i];
+            if (isfinite(h)) {
+                f->low = h < f->low ? h : f->low;
+                f->high = h > f->high ? h : f->high;
+                continue;
+            }
+            f->holes++;
+            if (isnan(h)) continue;
+            if (!f->owned) return CW_ERROR_HOLE;
+            f->owned[j * f->stride + i] = NAN;
+        }
+    }
+    return CW_OK;
+}
+
+cw_status cw_field_create(const cw_field_desc *desc, cw_field **field) {
+    if (field == NULL) return CW_ERROR_ARGUMENT;
+    *field = NULL;
+    if (desc == NULL) return CW_ERROR_ARGUMENT;
+    cw_status status = check(desc);
+    if (status != CW_OK) return status;
+
+    cw_field *f = calloc(1, sizeof *f);
+    if (f == NULL) return CW_ERROR_MEMORY;
+    f->nx = desc->nx;
+    f->ny = desc->ny;
+    memcpy(f->to_user, desc->map, sizeof f->to_user);
+    if (!affine_invert(desc->map, f->to_field)) {
+        cw_field_destroy(f);
+        return CW_ERROR_MAP;
+    }
+    const size_t stride = desc->stride ? desc->stride : desc->nx;
+    if (desc->storage == CW_BORROW) {
+        f->z = desc->samples;
+        f->stride = stride;
+    } else {
+        f->z = f->owned = malloc(f->nx * f->ny * sizeof(float));
+        f->stride = f->nx;
+        if (f->owned == NULL) {
+            cw_field_destroy(f);
+            return CW_ERROR_MEMORY;
+        }
+        for (size_t j = 0; j < f->ny; j++)
+            memcpy(f->owned + j * f->nx, desc->samples + j * stride, f->nx * sizeof(float));
+    }
+    status = survey(f);
+    if (status != CW_OK) {
+        cw_field_destroy(f);
+        return status;
+    }
+    *field = f;
+    return CW_OK;
+}
+
+void cw_field_destroy(cw_field *field) {
+    if (field == NULL) return;
+    cw_grid3d_destroy(field->grid3d);
+    free(field->owned);
+    free(field);
+}
+
+static double now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+cw_status cw_field_build(cw_field *field, const cw_kernel *kernel) {
+    if (field == NULL || kernel == NULL) return CW_ERROR_ARGUMENT;
+    const double start = now();
+    cw_status status = CW_OK;
+    if ((kernel->needs & CW_NEEDS_GRID3D) && !field->grid3d) status = cw_grid3d_build(field);
+    field->build_seconds += now() - start;
+    return status;
+}
+
+cw_field_info cw_field_describe(const cw_field *field) {
+    return (cw_field_info){
+        .nx = field->nx,
+        .ny = field->ny,
+        .low = field->low,
+        .high = field->high,
+        .holes = field->holes,
+        .bytes_samples = field->owned ? field->nx * field->ny * sizeof(float) : 0,
+        .bytes_built = field->bytes_built,
+        .build_seconds = field->build_seconds,
+    };
+}
+
+void cw_rays_to_field(const cw_field *field, const cw_user_ray *in, size_t n, cw_ray *out) {
+    for (size_t k = 0; k < n; k++) {
+        double org[3], dir[3];
+        affine_point(field->to_field, in[k].org, org);
+        affine_vector(field->to_field, in[k].dir, dir);
+        out[k] = (cw_ray){
+            .org = {(float)org[0], (float)org[1], (float)org[2]},
+            .tmin = (float)in[k].tmin,
+            .dir = {(float)dir[0], (float)dir[1], (float)dir[2]},
+            .tmax = (float)in[k].tmax,
+        };
+    }
+}

@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A field as the kernels see it. */
+#ifndef CELLWALK_CORE_FIELD_H
+#define CELLWALK_CORE_FIELD_H
+
+#include "cellwalk.h"
+
+struct cw_grid3d;
+
+/* What kernels may need built before they run; bits of cw_kernel.needs. */
+enum { CW_NEEDS_GRID3D = 1 };
+
+struct cw_field {
+    const float *z; /* sample (i, j) is z[j * stride + i]; a hole is NaN, never infinite */
+    size_t nx, ny, stride;
+    float low, high; /* over samples that are not holes; high < low if there is none */
+    size_t holes;
+    float *owned; /* what z points to unless borrowed */
+
+    double to_user[3][4], to_field[3][4];
+
+    struct cw_grid3d *grid3d; /* NULL until built */
+    size_t bytes_built;
+    double build_seconds;
+};
+
+/* src/scalar/grid3d.c */
+cw_status cw_grid3d_build(cw_field *field);
+void cw_grid3d_destroy(struct cw_grid3d *grid);
+
+#endif

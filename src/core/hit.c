@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What follows from a hit. In field space a triangle is z = z0 + a·x + b·y, so its normal is (-a, -b, 1), and that vector
+ * is twice-the-area-weighted already: every triangle covers the same half cell of the plane. Summing such vectors and
+ * moving the sum by the inverse transpose gives the area-weighted user-space sum up to a factor, whatever the map. */
+
+#include "affine.h"
+#include "field.h"
+
+static float sample(const cw_field *f, size_t i, size_t j) { return f->z[j * f->stride + i]; }
+
+/* Slopes (dz/dx, dz/dy) of one triangle. */
+static void slopes(const cw_field *f, size_t i, size_t j, uint32_t triangle, double slope[2]) {
+    const double h00 = sample(f, i, j), h11 = sample(f, i + 1, j + 1);
+    if (triangle == CW_TRIANGLE_A) {
+        const double h10 = sample(f, i + 1, j);
+        slope[0] = h10 - h00;
+        slope[1] = h11 - h10;
+    } else {
+        const double h01 = sample(f, i, j + 1);
+        slope[0] = h11 - h01;
+        slope[1] = h01 - h00;
+    }
+}
+
+static void unit_in_user_space(const cw_field *f, const double n[3], double normal[3]) {
+    affine_covector(f->to_field, n, normal);
+    const double length = sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+    for (int c = 0; c < 3; c++) normal[c] /= length;
+}
+
+/* Barycentric weights of the hit's three vertices and the vertices themselves. */
+static void vertices(const cw_hit *hit, size_t vertex[3][2], double weight[3]) {
+    const size_t i = (size_t)hit->i, j = (size_t)hit->j;
+    const bool a = hit->triangle == CW_TRIANGLE_A;
+    vertex[0][0] = i;
+    vertex[0][1] = j;
+    vertex[1][0] = i + 1;
+    vertex[1][1] = a ? j : j + 1;
+    vertex[2][0] = a ? i + 1 : i;
+    vertex[2][1] = j + 1;
+    weight[1] = (double)hit->u;
+    weight[2] = (double)hit->v;
+    weight[0] = 1 - weight[1] - weight[2];
+}
+
+/* Position inside the cell; from p1 - p0 and p2 - p0 in the plane. */
+static void position(const cw_hit *hit, double xy[2]) {
+    const double u = (double)hit->u, v = (double)hit->v;
+    const bool a = hit->triangle == CW_TRIANGLE_A;
+    xy[0] = (double)hit->i + (a ? u + v : u);
+    xy[1] = (double)hit->j + (a ? v : u + v);
+}
+
+void cw_hit_point(const cw_field *field, const cw_hit *hit, double point[3]) {
+    size_t vertex[3][2];
+    double weight[3], p[3] = {0, 0, 0};
+    vertices(hit, vertex, weight);
+    position(hit, p);
+    for (int k = 0; k < 3; k++) p[2] += weight[k] * (double)sample(field, vertex[k][0], vertex[k][1]);
+    affine_point(field->to_user, p, point);
+}
+
+void cw_hit_normal(const cw_field *field, const cw_hit *hit, double normal[3]) {
+    double slope[2];
+    slopes(field, (size_t)hit->i, (size_t)hit->j, hit->triangle, slope);
+    unit_in_user_space(field, (double[3]){-slope[0], -slope[1], 1}, normal);
+}
+
+/* Adds the vertex normal of (i, j) times a weight. The six triangles around a vertex: both of the cells to its lower left
+ * and upper right, A of the upper left cell, B of the lower right one. */
+static void add_vertex_normal(const cw_field *f, size_t i, size_t j, double weight, double n[3]) {
+    static const struct {
+        int di, dj;
+        uint32_t triangle;
+    } around[6] = {{0, 0, CW_TRIANGLE_A},   {0, 0, CW_TRIANGLE_B},  {-1, -1, CW_TRIANGLE_A},
+                   {-1, -1, CW_TRIANGLE_B}, {-1, 0, CW_TRIANGLE_A}, {0, -1, CW_TRIANGLE_B}};
+    for (int k = 0; k < 6; k++) {
+        const size_t ci = i + (size_t)around[k].di, cj = j + (size_t)around[k].dj; /* wraps below 0, caught next */
+        if (ci >= f->nx - 1 || cj >= f->ny - 1) continue;
+        double slope[2];
+        slopes(f, ci, cj, around[k].triangle, slope);
+        if (isnan(slope[0] + slope[1])) continue;
+        n[0] -= weight * slope[0];
+        n[1] -= weight * slope[1];
+        n[2] += weight;
+    }
+}
+
+void cw_hit_phong_normal(const cw_field *field, const cw_hit *hit, double normal[3]) {
+    size_t vertex[3][2];
+    double weight[3], n[3] = {0, 0, 0};
+    vertices(hit, vertex, weight);
+    for (int k = 0; k < 3; k++) add_vertex_normal(field, vertex[k][0], vertex[k][1], weight[k], n);
+    unit_in_user_space(field, n, normal);
+}
+
+void cw_hit_uv(const cw_field *field, const cw_hit *hit, float uv[2]) {
+    double xy[2];
+    position(hit, xy);
+    uv[0] = (float)(xy[0] / (double)(field->nx - 1));
+    uv[1] = (float)(xy[1] / (double)(field->ny - 1));
+}

@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* CPU detection. CPUID says what the CPU has; XGETBV says whether the operating system saves the wider registers, which
+ * CPUID alone does not (a kernel booted with noxsave, or a hypervisor that hides AVX-512 state). */
+
+#include "isa.h"
+
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+#if defined(__x86_64__) || defined(__i386__)
+#include <cpuid.h>
+
+static uint64_t enabled_state(void) {
+    uint32_t low, high;
+    __asm__ volatile("xgetbv" : "=a"(low), "=d"(high) : "c"(0));
+    return (uint64_t)high << 32 | low;
+}
+
+static cw_isa detect(void) {
+    enum { LEAF1_SSE42 = 1 << 20, LEAF1_OSXSAVE = 1 << 27, LEAF1_AVX = 1 << 28, LEAF1_FMA = 1 << 12 };
+    enum { LEAF7_AVX2 = 1 << 5, LEAF7_BMI1 = 1 << 3, LEAF7_BMI2 = 1 << 8 };
+    const uint32_t leaf7_avx512 = 1u << 16 | 1u << 17 | 1u << 30 | 1u << 31; /* F, DQ, BW, VL */
+    const uint64_t ymm_state = 0x6, zmm_state = 0xe6;
+
+    uint32_t a, b, c, d;
+    if (!__get_cpuid(1, &a, &b, &c, &d) || !(c & LEAF1_SSE42)) return CW_ISA_SCALAR;
+    const uint64_t state = c & LEAF1_OSXSAVE ? enabled_state() : 0;
+    if (!(c & LEAF1_AVX) || !(c & LEAF1_FMA) || (state & ymm_state) != ymm_state) return CW_ISA_SSE42;
+    if (!__get_cpuid_count(7, 0, &a, &b, &c, &d)) return CW_ISA_SSE42;
+    if (!(b & LEAF7_AVX2) || !(b & LEAF7_BMI1) || !(b & LEAF7_BMI2)) return CW_ISA_SSE42;
+    if ((b & leaf7_avx512) != leaf7_avx512 || (state & zmm_state) != zmm_state) return CW_ISA_AVX2;
+    return CW_ISA_AVX512;
+}
+#else
+static cw_isa detect(void) { return CW_ISA_SCALAR; }
+#endif
+
+static const char *const names[] = {"scalar", "sse4.2", "avx2", "avx512"};
+enum { ISA_COUNT = sizeof names / sizeof names[0] };
+
+const char *cw_isa_name(cw_isa isa) { return (unsigned)isa < ISA_COUNT ? names[isa] : NULL; }
+
+/* Detection and the environment give the same answer every time, so two threads that race here both write it. */
+static atomic_int machine = -1, limit = -1;
+
+cw_isa cw_isa_machine(void) {
+    int m = atomic_load_explicit(&machine, memory_order_relaxed);
+    if (m < 0) {
+        m = (int)detect();
+        atomic_store_explicit(&machine, m, memory_order_relaxed);
+    }
+    return (cw_isa)m;
+}
+
+static int limit_from_environment(void) {
+    const char *text = getenv("CELLWALK_ISA");
+    for (int k = 0; text && k < ISA_COUNT; k++)
+        if (strcmp(text, names[k]) == 0) return k;
+    return CW_ISA_AVX512;
+}
+
+cw_isa cw_isa_best(void) {
+    int l = atomic_load_explicit(&limit, memory_order_relaxed);
+    if (l < 0) {
+        l = limit_from_environment();
+        int unset = -1; /* a limit set meanwhile through the API wins */
+        if (!atomic_compare_exchange_strong(&limit, &unset, l)) l = unset;
+    }
+    const cw_isa m = cw_isa_machine();
+    return m < (cw_isa)l ? m : (cw_isa)l;
+}
+
+void cw_isa_limit(cw_isa highest) { atomic_store(&limit, (int)highest); }

@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "kernels.h"
+
+#include "field.h"
+#include "isa.h"
+
+#include <string.h>
+
+CW_DECLARE_KERNEL(brute_mt)
+CW_DECLARE_KERNEL(grid3d_mt)
+CW_DECLARE_KERNEL(grid3d_early_mt)
+CW_DECLARE_KERNEL(cell_mt)
+CW_DECLARE_KERNEL(cell_wt)
+
+#define MT(path) [CW_LEAF_MOLLER_TRUMBORE] = path##_mt
+#define WT(path) [CW_LEAF_WATERTIGHT] = path##_wt
+#define ONLY_MT(path)                                                                                                  \
+    .default_leaf = CW_LEAF_MOLLER_TRUMBORE, .closest = {MT(cw_closest_##path)}, .any = {MT(cw_any_##path)}
+#define BOTH(path)                                                                                                     \
+    .default_leaf = CW_LEAF_WATERTIGHT, .closest = {MT(cw_closest_##path), WT(cw_closest_##path)},                     \
+    .any = {MT(cw_any_##path), WT(cw_any_##path)}
+
+/* From the plainest to the fastest: the last one available is the default. */
+static const cw_kernel kernels[] = {
+    {.name = "brute", .what = "every triangle, the ground truth for small fields", .width = 1, ONLY_MT(brute)},
+    {.name = "grid3d-early",
+     .what = "uniform 3D grid, 3D-DDA, returns at the first hit found: the coursework's shortcut, not exact",
+     .width = 1,
+     .needs = CW_NEEDS_GRID3D,
+     ONLY_MT(grid3d_early)},
+    {.name = "grid3d",
+     .what = "uniform 3D grid, 3D-DDA, a hit counts only inside the voxel",
+     .width = 1,
+     .needs = CW_NEEDS_GRID3D,
+     ONLY_MT(grid3d)},
+    {.name = "cell", .what = "2D-DDA from cell to cell, two triangles a cell", .width = 1, BOTH(cell)},
+};
+enum { KERNEL_COUNT = sizeof kernels / sizeof kernels[0] };
+
+size_t cw_kernel_count(void) { return KERNEL_COUNT; }
+
+const cw_kernel *cw_kernel_at(size_t number) { return number < KERNEL_COUNT ? &kernels[number] : NULL; }
+
+const cw_kernel *cw_kernel_find(const char *name) {
+    for (size_t k = 0; name && k < KERNEL_COUNT; k++)
+        if (strcmp(name, kernels[k].name) == 0) return &kernels[k];
+    return NULL;
+}
+
+cw_kernel_info cw_kernel_describe(const cw_kernel *kernel) {
+    return (cw_kernel_info){
+        .name = kernel->name,
+        .what = kernel->what,
+        .isa = kernel->isa,
+        .width = kernel->width,
+        .needs_build = kernel->needs != 0,
+        .available = kernel->isa <= cw_isa_best(),
+        .default_leaf = kernel->default_leaf,
+    };
+}
+
+const char *cw_leaf_name(cw_leaf leaf) {
+    static const char *const names[CW_LEAF_COUNT] = {"default", "moller-trumbore", "watertight"};
+    return (unsigned)leaf < CW_LEAF_COUNT ? names[leaf] : NULL;
+}
+
+const cw_kernel *cw_query_kernel(const cw_field *field, const cw_query *query) {
+    (void)field; /* every field is served by the same kernel so far */
+    if (query && query->kernel) return query->kernel;
+    size_t k = KERNEL_COUNT - 1;
+    while (kernels[k].isa > cw_isa_best()) k--; /* ends at the latest at a scalar kernel */
+    return &kernels[k];
+}

@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Public queries: check, choose the kernel, split over threads, keep the floating-point environment. */
+
+#include "field.h"
+#include "fpenv.h"
+#include "kernels.h"
+#include "pool.h"
+
+/* Rays a thread takes at a time: some 100 microseconds of work, so that handing out costs nothing and the last piece
+ * does not keep the others waiting. */
+enum { GRAIN = 4096 };
+
+typedef struct job {
+    const cw_field *field;
+    const cw_ray *rays;
+    cw_closest_fn *closest;
+    cw_any_fn *any;
+    cw_hit *hits;
+    uint8_t *occluded;
+} job;
+
+static void run(void *context, size_t begin, size_t end) {
+    const job *q = context;
+    const fpenv caller = fpenv_enter();
+    if (q->closest)
+        q->closest(q->field, q->rays + begin, end - begin, q->hits + begin);
+    else
+        q->any(q->field, q->rays + begin, end - begin, q->occluded + begin);
+    fpenv_leave(caller);
+}
+
+/* What can be wrong with a query, whichever its kind; on success the leaf test to run. */
+static cw_status check(const cw_field *field, const cw_query *query, const void *rays, const void *out, size_t n,
+                       const cw_kernel **kernel, cw_leaf *leaf) {
+    if (field == NULL || (n > 0 && (rays == NULL || out == NULL))) return CW_ERROR_ARGUMENT;
+    *kernel = cw_query_kernel(field, query);
+    *leaf = query ? query->leaf : CW_LEAF_DEFAULT;
+    if ((unsigned)*leaf >= CW_LEAF_COUNT) return CW_ERROR_ARGUMENT;
+    if (*leaf == CW_LEAF_DEFAULT) *leaf = (*kernel)->default_leaf;
+    if ((*kernel)->isa > cw_isa_best()) return CW_ERROR_UNAVAILABLE;
+    if ((*kernel)->closest[*leaf] == NULL) return CW_ERROR_UNSUPPORTED;
+    if (((*kernel)->needs & CW_NEEDS_GRID3D) && field->grid3d == NULL) return CW_ERROR_NOT_BUILT;
+    return CW_OK;
+}
+
+cw_query cw_query_default(void) { return (cw_query){.leaf = CW_LEAF_DEFAULT}; }
+
+cw_status cw_closest(const cw_field *field, const cw_query *query, const cw_ray *rays, size_t n, cw_hit *hits) {
+    const cw_kernel *kernel;
+    cw_leaf leaf;
+    const cw_status status = check(field, query, rays, hits, n, &kernel, &leaf);
+    if (status != CW_OK) return status;
+    job q = {.field = field, .rays = rays, .closest = kernel->closest[leaf], .hits = hits};
+    cw_pool_run(query ? query->pool : NULL, n, GRAIN, run, &q);
+    return CW_OK;
+}
+
+cw_status cw_any(const cw_field *field, const cw_query *query, const cw_ray *rays, size_t n, uint8_t *occluded) {
+    const cw_kernel *kernel;
+    cw_leaf leaf;
+    const cw_status status = check(field, query, rays, occluded, n, &kernel, &leaf);
+    if (status != CW_OK) return status;
+    job q = {.field = field, .rays = rays, .any = kernel->any[leaf], .occluded = occluded};
+    cw_pool_run(query ? query->pool : NULL, n, GRAIN, run, &q);
+    return CW_OK;
+}

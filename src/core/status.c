@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "cellwalk.h"
+
+const char *cw_status_message(cw_status status) {
+    switch (status) {
+    case CW_OK:
+        return "no error";
+    case CW_ERROR_ARGUMENT:
+        return "a required pointer is NULL or an option has no such value";
+    case CW_ERROR_SIZE:
+        return "a field needs 2 to 8388608 samples a side and fewer than 2147483648 in all";
+    case CW_ERROR_STRIDE:
+        return "the row stride is shorter than a row, or rows that far apart exceed the address space";
+    case CW_ERROR_MAP:
+        return "the map to user space is not finite or cannot be inverted";
+    case CW_ERROR_HOLE:
+        return "borrowed samples hold an infinity; mark holes by NaN or let the field copy them";
+    case CW_ERROR_MEMORY:
+        return "out of memory";
+    case CW_ERROR_UNAVAILABLE:
+        return "this CPU, or the limit on instruction sets, rules the kernel out";
+    case CW_ERROR_UNSUPPORTED:
+        return "the kernel does not offer this leaf test";
+    case CW_ERROR_NOT_BUILT:
+        return "the kernel needs a structure that has not been built for this field";
+    case CW_ERROR_THREAD:
+        return "a thread could not be started";
+    }
+    return "unknown status";
+}

@@ -1,0 +1,19 @@
+# The flags that every target of the project takes, as one interface target.
+add_library(cellwalk_flags INTERFACE)
+target_compile_options(cellwalk_flags INTERFACE
+    -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wvla -Wmissing-prototypes -Wstrict-prototypes
+    # No multiply and add is fused unless the source asks for it by name: GCC fuses even separate intrinsics as soon as
+    # the target has FMA, and then widths disagree in their bits.
+    -ffp-contract=off
+    # Square roots and the like need no errno, floating-point traps are masked; neither changes a result.
+    -fno-math-errno -fno-trapping-math)
+if(CELLWALK_WERROR)
+    target_compile_options(cellwalk_flags INTERFACE -Werror)
+endif()
+if(CELLWALK_SANITIZE)
+    target_compile_options(cellwalk_flags INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=all
+        -fno-omit-frame-pointer)
+    target_link_options(cellwalk_flags INTERFACE -fsanitize=address,undefined)
+endif()
+# POSIX and the few GNU calls in use (CPU affinity, sysconf); with C extensions off they must be asked for.
+target_compile_definitions(cellwalk_flags INTERFACE _GNU_SOURCE)

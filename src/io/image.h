@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Linear RGB pictures in memory and on disk. */
+#ifndef CELLWALK_IO_IMAGE_H
+#define CELLWALK_IO_IMAGE_H
+
+#include "error.h"
+
+#include <stddef.h>
+
+/* rgb[(y * width + x) * 3 + c], row 0 at the top, linear light. */
+typedef struct io_image {
+    size_t width, height;
+    float *rgb;
+} io_image;
+
+/* The format follows from the file name's ending: .exr (half RGBA, alpha 1), .png (8 bit, sRGB), .pfm (float). The file
+ * appears under its name only when it is whole: it is written beside it and renamed. On failure nothing is left. */
+bool io_image_write(const char *path, const io_image *image, io_error *error);
+
+/* Reads .exr (any channel types, R G B or Y) and .pfm. The caller frees the pixels with io_image_free. */
+bool io_image_read(const char *path, io_image *image, io_error *error);
+void io_image_free(io_image *image);
+
+/* True if the ending is one that this build can write; else error lists those that it can. */
+bool io_image_can_write(const char *path, io_error *error);
+
+#endif

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Every triangle of the field against every ray, without a walk and without its gate: the ground truth for small fields,
+ * as far as Möller-Trumbore in float is true. */
+
+#include "field.h"
+#include "kernels.h"
+#include "moller_trumbore.h"
+
+#include <float.h>
+
+CW_DECLARE_KERNEL(brute_mt)
+
+/* The nearest hit; among equally near ones the first in row order. */
+static bool trace(const cw_field *f, const cw_ray *ray, bool any, cw_hit *best) {
+    bool found = false;
+    const float tmin = ray->tmin > -FLT_MAX ? ray->tmin : -FLT_MAX;
+    float tmax = ray->tmax < FLT_MAX ? ray->tmax : FLT_MAX;
+    if (!(ray->tmin <= ray->tmax)) return false;
+    for (size_t j = 0; j + 1 < f->ny; j++) {
+        for (size_t i = 0; i + 1 < f->nx; i++) {
+            const float *h = f->z + j * f->stride + i;
+            cw_hit hit;
+            if (!mt_cell(ray, tmin, tmax, i, j, h[0], h[1], h[f->stride], h[f->stride + 1], &hit)) continue;
+            if (found && !(hit.t < best->t)) continue;
+            *best = hit;
+            found = true;
+            tmax = hit.t;
+            if (any) return true;
+        }
+    }
+    return found;
+}
+
+void cw_closest_brute_mt(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits) {
+    for (size_t k = 0; k < n; k++)
+        if (!trace(field, &rays[k], false, &hits[k])) hits[k] = miss();
+}
+
+void cw_any_brute_mt(const cw_field *field, const cw_ray *rays, size_t n, uint8_t *occluded) {
+    cw_hit unused;
+    for (size_t k = 0; k < n; k++) occluded[k] = trace(field, &rays[k], true, &unused);
+}

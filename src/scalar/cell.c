@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The 2D cell walk, one ray at a time: 2D-DDA after Amanatides and Woo, "A fast voxel traversal algorithm for ray
+ * tracing", 1987, but with each crossing computed from the border's coordinate rather than by adding a delta, so that
+ * errors do not build up along the ray and a crossing does not depend on where the walk began.
+ *
+ * This is the plain form of the algorithm that the packet kernels vectorise, and their oracle. */
+
+#include "kernels.h"
+#include "strict.h"
+#include "watertight.h"
+
+CW_DECLARE_KERNEL(cell_mt)
+CW_DECLARE_KERNEL(cell_wt)
+
+/* The first cell along an axis that is left at t or later. The place at t gives a guess, the crossings decide. */
+static size_t first_cell(const strict_axis *a, float t, size_t cells) {
+    const float last = (float)(cells - 1);
+    float place = floorf(a->org + t * a->dir);
+    place = max_second(0, min_second(last, place));
+    if (a->dir == 0) return (size_t)(a->center - 0.5f);
+    const float out = a->step > 0 ? 1 : 0, in = 1 - out, step = (float)a->step;
+    const float begin = a->step > 0 ? 0 : last, end = last - begin;
+    while (place != end && strict_crossing(a, place + out) < t) place += step;
+    while (place != begin && strict_crossing(a, place + in) >= t) place -= step;
+    return (size_t)place;
+}
+
+static inline bool walk(const cw_field *f, const cw_ray *ray, cw_leaf leaf, cw_hit *hit) {
+    strict_ray r;
+    if (!strict_ray_init(&r, f, ray)) return false;
+    const size_t cells_x = f->nx - 1, cells_y = f->ny - 1;
+    size_t i = first_cell(&r.x, r.t0, cells_x), j = first_cell(&r.y, r.t0, cells_y);
+    for (;;) { /* at most cells_x + cells_y times: each turn goes on along one axis and none turns back */
+        strict_cell c;
+        if (strict_gate(&c, &r, f, i, j)) {
+            const bool found = leaf == CW_LEAF_WATERTIGHT
+                                   ? wt_cell(&r, &c, hit)
+                                   : mt_cell(ray, r.tmin, r.tmax, i, j, c.h00, c.h10, c.h01, c.h11, hit);
+            if (found) return true;
+        }
+        const bool in_x = c.x_out <= c.y_out;
+        if ((in_x ? c.x_out : c.y_out) > r.t1) return false;
+        if (in_x) {
+            i += (size_t)(ptrdiff_t)r.x.step; /* below 0 it wraps, beyond every field */
+            if (i >= cells_x) return false;
+        } else {
+            j += (size_t)(ptrdiff_t)r.y.step;
+            if (j >= cells_y) return false;
+        }
+    }
+}
+
+static inline void closest(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, cw_leaf leaf) {
+    for (size_t k = 0; k < n; k++)
+        if (!walk(f, &rays[k], leaf, &hits[k])) hits[k] = miss();
+}
+
+static inline void any(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded, cw_leaf leaf) {
+    cw_hit unused;
+    for (size_t k = 0; k < n; k++) occluded[k] = walk(f, &rays[k], leaf, &unused);
+}
+
+void cw_closest_cell_mt(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits) {
+    closest(field, rays, n, hits, CW_LEAF_MOLLER_TRUMBORE);
+}
+void cw_closest_cell_wt(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits) {
+    closest(field, rays, n, hits, CW_LEAF_WATERTIGHT);
+}
+void cw_any_cell_mt(const cw_field *field, const cw_ray *rays, size_t n, uint8_t *occluded) {
+    any(field, rays, n, occluded, CW_LEAF_MOLLER_TRUMBORE);
+}
+void cw_any_cell_wt(const cw_field *field, const cw_ray *rays, size_t n, uint8_t *occluded) {
+    any(field, rays, n, occluded, CW_LEAF_WATERTIGHT);
+}
