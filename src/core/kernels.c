@@ -11,6 +11,14 @@ CW_DECLARE_KERNEL(grid3d_mt)
 CW_DECLARE_KERNEL(grid3d_early_mt)
 CW_DECLARE_KERNEL(cell_mt)
 CW_DECLARE_KERNEL(cell_wt)
+CW_DECLARE_KERNEL(packet1_mt)
+CW_DECLARE_KERNEL(packet1_wt)
+CW_DECLARE_KERNEL(packet4_mt)
+CW_DECLARE_KERNEL(packet4_wt)
+CW_DECLARE_KERNEL(packet8_mt)
+CW_DECLARE_KERNEL(packet8_wt)
+CW_DECLARE_KERNEL(packet16_mt)
+CW_DECLARE_KERNEL(packet16_wt)
 
 #define MT(path) [CW_LEAF_MOLLER_TRUMBORE] = path##_mt
 #define WT(path) [CW_LEAF_WATERTIGHT] = path##_wt
@@ -34,6 +42,12 @@ static const cw_kernel kernels[] = {
      .needs = CW_NEEDS_GRID3D,
      ONLY_MT(grid3d)},
     {.name = "cell", .what = "2D-DDA from cell to cell, two triangles a cell", .width = 1, BOTH(cell)},
+    {.name = "packet1", .what = "the packet kernel one ray wide: the oracle of its lanes", .width = 1, BOTH(packet1)},
+#if CELLWALK_SIMD
+    {.name = "packet4", .what = "2D cell walk, 4 rays at once", .isa = CW_ISA_SSE42, .width = 4, BOTH(packet4)},
+    {.name = "packet8", .what = "2D cell walk, 8 rays at once", .isa = CW_ISA_AVX2, .width = 8, BOTH(packet8)},
+    {.name = "packet16", .what = "2D cell walk, 16 rays at once", .isa = CW_ISA_AVX512, .width = 16, BOTH(packet16)},
+#endif
 };
 enum { KERNEL_COUNT = sizeof kernels / sizeof kernels[0] };
 

@@ -29,7 +29,9 @@ static inline bool walk(const cw_field *f, const cw_ray *ray, cw_leaf leaf, cw_h
     strict_ray r;
     if (!strict_ray_init(&r, f, ray)) return false;
     const size_t cells_x = f->nx - 1, cells_y = f->ny - 1;
-    size_t i = first_cell(&r.x, r.t0, cells_x), j = first_cell(&r.y, r.t0, cells_y);
+    float begin, end;
+    strict_slab(&r, f, &begin, &end);
+    size_t i = first_cell(&r.x, begin, cells_x), j = first_cell(&r.y, begin, cells_y);
     for (;;) { /* at most cells_x + cells_y times: each turn goes on along one axis and none turns back */
         strict_cell c;
         if (strict_gate(&c, &r, f, i, j)) {
@@ -39,7 +41,7 @@ static inline bool walk(const cw_field *f, const cw_ray *ray, cw_leaf leaf, cw_h
             if (found) return true;
         }
         const bool in_x = c.x_out <= c.y_out;
-        if ((in_x ? c.x_out : c.y_out) > r.t1) return false;
+        if ((in_x ? c.x_out : c.y_out) > end) return false;
         if (in_x) {
             i += (size_t)(ptrdiff_t)r.x.step; /* below 0 it wraps, beyond every field */
             if (i >= cells_x) return false;

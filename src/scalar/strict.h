@@ -9,7 +9,9 @@
  *     left in y, and entered in y earlier than left in x: a property of ray and cell alone, which any walk can check.
  *  3. The gate: only a cell on the walk, with t-interval [t0, t1] not empty, and in which the ray's heights at t0 and t1
  *     enclose a height between the cell's lowest and highest sample, is tested at all. Heights org + t · dir are
- *     monotone in t as well, so the same comparison on a block of cells can skip the block and never changes a hit. */
+ *     monotone in t as well, so the same comparison on a block of cells can skip the block and never changes a hit.
+ *  4. The slab: a walk may begin and end where the ray enters and leaves the heights between the field's lowest and
+ *     highest sample, moved apart by more than rounding can amount to; the gate fails outside anyway. */
 #ifndef CELLWALK_SCALAR_STRICT_H
 #define CELLWALK_SCALAR_STRICT_H
 
@@ -67,6 +69,20 @@ static inline bool strict_axis_init(strict_axis *a, float org, float dir, size_t
     const float cell = min_second(floorf(org), end - 1);
     *a = (strict_axis){org, 0, cell + 0.5f, INFINITY, 0, end, 1};
     return org >= 0 && org <= end;
+}
+
+/* Narrows the part of [t0, t1] that a walk has to visit to where the ray may be between the field's lowest and highest
+ * sample. The gate's heights fl(org + fl(t · dir)) are off by at most u (3 |org| + 2 |z|) (1 + 4u) where they compare with
+ * z, u = 2^-24; the computed bound itself is off by 3u relative. 8u and 4u cover both. With dir = 0 every term is
+ * infinite or NaN, and the comparisons keep t0 and t1. */
+static inline void strict_slab(const strict_ray *r, const cw_field *f, float *s0, float *s1) {
+    const float u = FLT_EPSILON / 2, inverse = 1.0f / r->dz;
+    const float enter = r->dz > 0 ? f->low : f->high, leave = r->dz > 0 ? f->high : f->low;
+    const float a = (enter - r->oz) * inverse, b = (leave - r->oz) * inverse;
+    const float slack_a = (8 * u) * ((fabsf(r->oz) + fabsf(enter)) * fabsf(inverse)) + (4 * u) * fabsf(a);
+    const float slack_b = (8 * u) * ((fabsf(r->oz) + fabsf(leave)) * fabsf(inverse)) + (4 * u) * fabsf(b);
+    *s0 = max_second(a - slack_a, r->t0);
+    *s1 = min_second(b + slack_b, r->t1);
 }
 
 /* False if the ray cannot hit: not a ray, or clear of the field's box. */

@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Möller and Trumbore 1997 on W cells at once, a ray each; operation by operation as in src/scalar/moller_trumbore.h.
+ * The edges' zeros and ones are constants that the compiler folds; multiplying by them is exact, so folding by hand
+ * changes no bit except the sign of zeros, which no comparison sees. */
+
+/* One triangle with edges e1 = (1, e1y, e1z), e2 = (e2x, 1, e2z), where e1y and e2x are 0 or 1. */
+static inline vmask mt_triangle(const vray *r, const vfloat d[3], const vfloat o[3], bool e1y, vfloat e1z, bool e2x,
+                                vfloat e2z, vhit *hit) {
+    const vfloat zero = vf_set(0), one = vf_set(1);
+    const vfloat px = vf_sub(vf_mul(d[1], e2z), d[2]);
+    const vfloat py = vf_sub(e2x ? d[2] : zero, vf_mul(d[0], e2z));
+    const vfloat pz = e2x ? vf_sub(d[0], d[1]) : d[0];
+    const vfloat det = vf_add(e1y ? vf_add(px, py) : px, vf_mul(pz, e1z));
+    const vfloat inverse = vf_div(one, det);
+    const vfloat u = vf_mul(vf_add(vf_add(vf_mul(o[0], px), vf_mul(o[1], py)), vf_mul(o[2], pz)), inverse);
+    const vfloat qx = e1y ? vf_sub(vf_mul(o[1], e1z), o[2]) : vf_mul(o[1], e1z);
+    const vfloat qy = vf_sub(o[2], vf_mul(o[0], e1z));
+    const vfloat qz = vf_sub(e1y ? o[0] : zero, o[1]);
+    const vfloat v = vf_mul(vf_add(vf_add(vf_mul(d[0], qx), vf_mul(d[1], qy)), vf_mul(d[2], qz)), inverse);
+    const vfloat t = vf_mul(vf_add(e2x ? vf_add(qx, qy) : qy, vf_mul(e2z, qz)), inverse);
+    *hit = (vhit){.t = t, .u = u, .v = v};
+    const vmask inside = vm_and(vm_and(vf_ge(u, zero), vf_ge(v, zero)), vf_le(vf_add(u, v), one));
+    return vm_and(inside, vm_and(vf_ge(t, r->tmin), vf_le(t, r->tmax)));
+}
+
+static inline vmask mt_cell(const vray *r, const vcell *c, vmask among, vhit *hit) {
+    const vfloat o[3] = {vf_sub(r->x.org, c->i), vf_sub(r->y.org, c->j), vf_sub(r->oz, c->h00)};
+    const vfloat d[3] = {r->x.dir, r->y.dir, r->dz};
+    const vfloat across = vf_sub(c->h11, c->h00);
+    vhit b;
+    const vmask hit_a = mt_triangle(r, d, o, false, vf_sub(c->h10, c->h00), true, across, hit);
+    const vmask hit_b = mt_triangle(r, d, o, true, across, false, vf_sub(c->h01, c->h00), &b);
+    hit->b = vm_andnot(hit_b, vm_and(hit_a, vf_le(hit->t, b.t)));
+    hit->t = vf_select(hit->b, b.t, hit->t);
+    hit->u = vf_select(hit->b, b.u, hit->u);
+    hit->v = vf_select(hit->b, b.v, hit->v);
+    return vm_and(among, vm_or(hit_a, hit_b));
+}

@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The packet kernels, 4 rays wide, for SSE4.2. */
+
+#include "vec_sse42.h"
+
+#include "packet.inc.c"
+
+#include "kernels.h"
+
+CW_DECLARE_KERNEL(packet4_mt)
+CW_DECLARE_KERNEL(packet4_wt)
+
+void cw_closest_packet4_mt(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits) {
+    packet_closest(field, rays, n, hits, CW_LEAF_MOLLER_TRUMBORE);
+}
+void cw_closest_packet4_wt(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits) {
+    packet_closest(field, rays, n, hits, CW_LEAF_WATERTIGHT);
+}
+void cw_any_packet4_mt(const cw_field *field, const cw_ray *rays, size_t n, uint8_t *occluded) {
+    packet_any(field, rays, n, occluded, CW_LEAF_MOLLER_TRUMBORE);
+}
+void cw_any_packet4_wt(const cw_field *field, const cw_ray *rays, size_t n, uint8_t *occluded) {
+    packet_any(field, rays, n, occluded, CW_LEAF_WATERTIGHT);
+}

@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* W rays made ready for a walk: the rules of src/scalar/strict.h, operation by operation. The vocabulary comes first. */
+
+#include "field.h"
+
+#include <float.h>
+#include <math.h>
+
+/* One axis of W rays; see strict_axis. */
+typedef struct vaxis {
+    vfloat org, dir, center, inverse;
+    vfloat first, last;
+    vmask up;
+    vfloat step; /* +1 or -1 */
+} vaxis;
+
+typedef struct vray {
+    vaxis x, y;
+    vfloat oz, dz;
+    vfloat tmin, tmax;
+    vfloat t0, t1;     /* inside the field */
+    vfloat begin, end; /* inside the slab: what a walk has to visit */
+} vray;
+
+static inline vfloat crossing(const vaxis *a, vfloat border) { return vf_mul(vf_sub(border, a->center), a->inverse); }
+
+static inline vfloat height(const vray *r, vfloat t) { return vf_add(r->oz, vf_mul(t, r->dz)); }
+
+/* Lanes whose heights on [t0, t1] meet [low, high]. */
+static inline vmask meets(const vray *r, vfloat t0, vfloat t1, vfloat low, vfloat high) {
+    const vfloat z0 = height(r, t0), z1 = height(r, t1);
+    return vm_and(vf_ge(vf_max(z0, z1), low), vf_le(vf_min(z0, z1), high));
+}
+
+static inline vmask has_inverse(vfloat inverse) { return vf_le(vf_abs(inverse), vf_set(FLT_MAX)); }
+
+/* Lanes that can be within the field on this axis. */
+static inline vmask make_axis(vaxis *a, vfloat org, vfloat dir, size_t samples) {
+    const vfloat end = vf_set((float)(samples - 1)), zero = vf_set(0);
+    const vfloat inverse = vf_div(vf_set(1), dir);
+    const vmask moves = has_inverse(inverse);
+    const vfloat cell = vf_min(vf_floor(org), vf_set((float)(samples - 1) - 1));
+    a->org = org;
+    a->dir = vf_select(moves, dir, zero);
+    a->center = vf_select(moves, org, vf_add(cell, vf_set(0.5f)));
+    a->inverse = vf_select(moves, inverse, vf_set(INFINITY));
+    a->up = vf_ge(a->dir, zero);
+    a->first = vf_select(a->up, zero, end);
+    a->last = vf_select(a->up, end, zero);
+    a->step = vf_select(a->up, vf_set(1), vf_set(-1));
+    return vm_or(moves, vm_and(vf_ge(org, zero), vf_le(org, end)));
+}
+
+static inline void make_slab(vray *r, const cw_field *f) {
+    const vfloat low = vf_set(f->low), high = vf_set(f->high), u = vf_set(FLT_EPSILON / 2);
+    const vfloat u4 = vf_mul(vf_set(4), u), u8 = vf_mul(vf_set(8), u);
+    const vfloat inverse = vf_div(vf_set(1), r->dz);
+    const vmask up = vf_gt(r->dz, vf_set(0));
+    const vfloat enter = vf_select(up, low, high), leave = vf_select(up, high, low);
+    const vfloat a = vf_mul(vf_sub(enter, r->oz), inverse), b = vf_mul(vf_sub(leave, r->oz), inverse);
+    const vfloat oz = vf_abs(r->oz), across = vf_abs(inverse);
+    const vfloat slack_a = vf_add(vf_mul(u8, vf_mul(vf_add(oz, vf_abs(enter)), across)), vf_mul(u4, vf_abs(a)));
+    const vfloat slack_b = vf_add(vf_mul(u8, vf_mul(vf_add(oz, vf_abs(leave)), across)), vf_mul(u4, vf_abs(b)));
+    r->begin = vf_max(vf_sub(a, slack_a), r->t0);
+    r->end = vf_min(vf_add(b, slack_b), r->t1);
+}
+
+/* Lanes that may hit. */
+static inline vmask make_rays(vray *r, const cw_field *f, const cw_ray *rays) {
+    vfloat c[8];
+    vf_load_rays(rays, c);
+    const vfloat zero = vf_set(0);
+    const vfloat poison = vf_add(vf_add(vf_add(vf_mul(c[0], zero), vf_mul(c[1], zero)), vf_mul(c[2], zero)),
+                                 vf_add(vf_add(vf_mul(c[4], zero), vf_mul(c[5], zero)), vf_mul(c[6], zero)));
+    vmask alive = vm_and(vf_eq(poison, zero), vf_le(c[3], c[7]));
+    alive = vm_and(alive, make_axis(&r->x, c[0], c[4], f->nx));
+    alive = vm_and(alive, make_axis(&r->y, c[1], c[5], f->ny));
+    r->oz = c[2];
+    r->dz = vf_select(has_inverse(vf_div(vf_set(1), c[6])), c[6], zero);
+    const vmask still = vm_and(vm_and(vf_eq(r->x.dir, zero), vf_eq(r->y.dir, zero)), vf_eq(r->dz, zero));
+    r->tmin = vf_max(c[3], vf_set(-FLT_MAX));
+    r->tmax = vf_min(c[7], vf_set(FLT_MAX));
+    r->t0 = vf_max(vf_max(crossing(&r->x, r->x.first), crossing(&r->y, r->y.first)), r->tmin);
+    r->t1 = vf_min(vf_min(crossing(&r->x, r->x.last), crossing(&r->y, r->y.last)), r->tmax);
+    alive = vm_and(vm_andnot(alive, still), vf_le(r->t0, r->t1));
+    alive = vm_and(alive, meets(r, r->t0, r->t1, vf_set(f->low), vf_set(f->high)));
+    make_slab(r, f);
+    return alive;
+}
+
+/* A cell a lane: its place, border crossings, t-interval and samples; see strict_cell. */
+typedef struct vcell {
+    vfloat i, j;
+    vfloat x_in, x_out, y_in, y_out;
+    vfloat t0, t1;
+    vfloat h00, h10, h01, h11;
+} vcell;
+
+/* What a leaf test finds; lanes outside its mask hold anything. */
+typedef struct vhit {
+    vfloat t, u, v;
+    vmask b; /* triangle B */
+} vhit;

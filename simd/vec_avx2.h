@@ -1,0 +1,86 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The vector vocabulary for AVX2: 8 lanes, masks as all-ones lanes. Meanings are in vec_scalar.h. */
+#ifndef CELLWALK_SIMD_VEC_AVX2_H
+#define CELLWALK_SIMD_VEC_AVX2_H
+
+#include "cellwalk.h"
+
+#include <immintrin.h>
+
+enum { W = 8 };
+
+typedef struct vfloat {
+    __m256 v;
+} vfloat;
+typedef struct vint {
+    __m256i v;
+} vint;
+typedef struct vmask {
+    __m256 v;
+} vmask;
+
+static inline vfloat vf_set(float a) { return (vfloat){_mm256_set1_ps(a)}; }
+static inline vfloat vf_load(const float *a) { return (vfloat){_mm256_loadu_ps(a)}; }
+static inline void vf_store(float *to, vfloat a) { _mm256_storeu_ps(to, a.v); }
+static inline vfloat vf_add(vfloat a, vfloat b) { return (vfloat){_mm256_add_ps(a.v, b.v)}; }
+static inline vfloat vf_sub(vfloat a, vfloat b) { return (vfloat){_mm256_sub_ps(a.v, b.v)}; }
+static inline vfloat vf_mul(vfloat a, vfloat b) { return (vfloat){_mm256_mul_ps(a.v, b.v)}; }
+static inline vfloat vf_div(vfloat a, vfloat b) { return (vfloat){_mm256_div_ps(a.v, b.v)}; }
+static inline vfloat vf_min(vfloat a, vfloat b) { return (vfloat){_mm256_min_ps(a.v, b.v)}; }
+static inline vfloat vf_max(vfloat a, vfloat b) { return (vfloat){_mm256_max_ps(a.v, b.v)}; }
+static inline vfloat vf_abs(vfloat a) { return (vfloat){_mm256_andnot_ps(_mm256_set1_ps(-0.0f), a.v)}; }
+static inline vfloat vf_floor(vfloat a) { return (vfloat){_mm256_floor_ps(a.v)}; }
+
+static inline vmask vf_lt(vfloat a, vfloat b) { return (vmask){_mm256_cmp_ps(a.v, b.v, _CMP_LT_OQ)}; }
+static inline vmask vf_le(vfloat a, vfloat b) { return (vmask){_mm256_cmp_ps(a.v, b.v, _CMP_LE_OQ)}; }
+static inline vmask vf_gt(vfloat a, vfloat b) { return (vmask){_mm256_cmp_ps(a.v, b.v, _CMP_GT_OQ)}; }
+static inline vmask vf_ge(vfloat a, vfloat b) { return (vmask){_mm256_cmp_ps(a.v, b.v, _CMP_GE_OQ)}; }
+static inline vmask vf_eq(vfloat a, vfloat b) { return (vmask){_mm256_cmp_ps(a.v, b.v, _CMP_EQ_OQ)}; }
+static inline vfloat vf_select(vmask m, vfloat a, vfloat b) { return (vfloat){_mm256_blendv_ps(b.v, a.v, m.v)}; }
+
+static inline vint vi_set(int32_t a) { return (vint){_mm256_set1_epi32(a)}; }
+static inline void vi_store(int32_t *to, vint a) { _mm256_storeu_si256((__m256i *)to, a.v); }
+static inline vint vi_add(vint a, vint b) { return (vint){_mm256_add_epi32(a.v, b.v)}; }
+static inline vint vi_mul(vint a, vint b) { return (vint){_mm256_mullo_epi32(a.v, b.v)}; }
+static inline vint vi_select(vmask m, vint a, vint b) {
+    return (vint){_mm256_blendv_epi8(b.v, a.v, _mm256_castps_si256(m.v))};
+}
+static inline vint vi_from_vf(vfloat a) { return (vint){_mm256_cvttps_epi32(a.v)}; }
+
+static inline vmask vm_and(vmask a, vmask b) { return (vmask){_mm256_and_ps(a.v, b.v)}; }
+static inline vmask vm_or(vmask a, vmask b) { return (vmask){_mm256_or_ps(a.v, b.v)}; }
+static inline vmask vm_xor(vmask a, vmask b) { return (vmask){_mm256_xor_ps(a.v, b.v)}; }
+static inline vmask vm_andnot(vmask a, vmask b) { return (vmask){_mm256_andnot_ps(b.v, a.v)}; }
+static inline vmask vm_not(vmask a) { return (vmask){_mm256_xor_ps(a.v, _mm256_castsi256_ps(_mm256_set1_epi32(-1)))}; }
+static inline vmask vm_first(size_t n) {
+    const __m256i lane = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+    return (vmask){_mm256_castsi256_ps(_mm256_cmpgt_epi32(_mm256_set1_epi32((int32_t)n), lane))};
+}
+static inline bool vm_any(vmask a) { return _mm256_movemask_ps(a.v) != 0; }
+static inline unsigned vm_bits(vmask a) { return (unsigned)_mm256_movemask_ps(a.v); }
+
+static inline vfloat vf_gather(const float *base, vint index, vmask m) {
+    return (vfloat){_mm256_mask_i32gather_ps(_mm256_setzero_ps(), base, index.v, m.v, sizeof(float))};
+}
+
+/* Transposes 8 rays of 8 floats: pairs, pairs of pairs, halves. */
+static inline void vf_load_rays(const cw_ray *rays, vfloat out[8]) {
+    __m256 r[8], s[8];
+    for (int k = 0; k < 8; k++) r[k] = _mm256_loadu_ps((const float *)(rays + k));
+    for (int k = 0; k < 4; k++) {
+        s[2 * k] = _mm256_unpacklo_ps(r[2 * k], r[2 * k + 1]);
+        s[2 * k + 1] = _mm256_unpackhi_ps(r[2 * k], r[2 * k + 1]);
+    }
+    for (int k = 0; k < 2; k++) {
+        r[4 * k + 0] = _mm256_shuffle_ps(s[4 * k], s[4 * k + 2], 0x44);
+        r[4 * k + 1] = _mm256_shuffle_ps(s[4 * k], s[4 * k + 2], 0xee);
+        r[4 * k + 2] = _mm256_shuffle_ps(s[4 * k + 1], s[4 * k + 3], 0x44);
+        r[4 * k + 3] = _mm256_shuffle_ps(s[4 * k + 1], s[4 * k + 3], 0xee);
+    }
+    for (int k = 0; k < 4; k++) {
+        out[k].v = _mm256_permute2f128_ps(r[k], r[4 + k], 0x20);
+        out[4 + k].v = _mm256_permute2f128_ps(r[k], r[4 + k], 0x31);
+    }
+}
+
+#endif

@@ -1,0 +1,84 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The vector vocabulary for AVX-512 (F, VL, DQ, BW): 16 lanes, masks in mask registers. Meanings are in vec_scalar.h. */
+#ifndef CELLWALK_SIMD_VEC_AVX512_H
+#define CELLWALK_SIMD_VEC_AVX512_H
+
+#include "cellwalk.h"
+
+#include <immintrin.h>
+
+enum { W = 16 };
+
+typedef struct vfloat {
+    __m512 v;
+} vfloat;
+typedef struct vint {
+    __m512i v;
+} vint;
+typedef struct vmask {
+    __mmask16 v;
+} vmask;
+
+static inline vfloat vf_set(float a) { return (vfloat){_mm512_set1_ps(a)}; }
+static inline vfloat vf_load(const float *a) { return (vfloat){_mm512_loadu_ps(a)}; }
+static inline void vf_store(float *to, vfloat a) { _mm512_storeu_ps(to, a.v); }
+static inline vfloat vf_add(vfloat a, vfloat b) { return (vfloat){_mm512_add_ps(a.v, b.v)}; }
+static inline vfloat vf_sub(vfloat a, vfloat b) { return (vfloat){_mm512_sub_ps(a.v, b.v)}; }
+static inline vfloat vf_mul(vfloat a, vfloat b) { return (vfloat){_mm512_mul_ps(a.v, b.v)}; }
+static inline vfloat vf_div(vfloat a, vfloat b) { return (vfloat){_mm512_div_ps(a.v, b.v)}; }
+static inline vfloat vf_min(vfloat a, vfloat b) { return (vfloat){_mm512_min_ps(a.v, b.v)}; }
+static inline vfloat vf_max(vfloat a, vfloat b) { return (vfloat){_mm512_max_ps(a.v, b.v)}; }
+static inline vfloat vf_abs(vfloat a) { return (vfloat){_mm512_abs_ps(a.v)}; }
+static inline vfloat vf_floor(vfloat a) {
+    return (vfloat){_mm512_roundscale_ps(a.v, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC)};
+}
+
+static inline vmask vf_lt(vfloat a, vfloat b) { return (vmask){_mm512_cmp_ps_mask(a.v, b.v, _CMP_LT_OQ)}; }
+static inline vmask vf_le(vfloat a, vfloat b) { return (vmask){_mm512_cmp_ps_mask(a.v, b.v, _CMP_LE_OQ)}; }
+static inline vmask vf_gt(vfloat a, vfloat b) { return (vmask){_mm512_cmp_ps_mask(a.v, b.v, _CMP_GT_OQ)}; }
+static inline vmask vf_ge(vfloat a, vfloat b) { return (vmask){_mm512_cmp_ps_mask(a.v, b.v, _CMP_GE_OQ)}; }
+static inline vmask vf_eq(vfloat a, vfloat b) { return (vmask){_mm512_cmp_ps_mask(a.v, b.v, _CMP_EQ_OQ)}; }
+static inline vfloat vf_select(vmask m, vfloat a, vfloat b) { return (vfloat){_mm512_mask_blend_ps(m.v, b.v, a.v)}; }
+
+static inline vint vi_set(int32_t a) { return (vint){_mm512_set1_epi32(a)}; }
+static inline void vi_store(int32_t *to, vint a) { _mm512_storeu_si512(to, a.v); }
+static inline vint vi_add(vint a, vint b) { return (vint){_mm512_add_epi32(a.v, b.v)}; }
+static inline vint vi_mul(vint a, vint b) { return (vint){_mm512_mullo_epi32(a.v, b.v)}; }
+static inline vint vi_select(vmask m, vint a, vint b) { return (vint){_mm512_mask_blend_epi32(m.v, b.v, a.v)}; }
+static inline vint vi_from_vf(vfloat a) { return (vint){_mm512_cvttps_epi32(a.v)}; }
+
+static inline vmask vm_and(vmask a, vmask b) { return (vmask){(__mmask16)(a.v & b.v)}; }
+static inline vmask vm_or(vmask a, vmask b) { return (vmask){(__mmask16)(a.v | b.v)}; }
+static inline vmask vm_xor(vmask a, vmask b) { return (vmask){(__mmask16)(a.v ^ b.v)}; }
+static inline vmask vm_andnot(vmask a, vmask b) { return (vmask){(__mmask16)(a.v & ~b.v)}; }
+static inline vmask vm_not(vmask a) { return (vmask){(__mmask16)~a.v}; }
+static inline vmask vm_first(size_t n) { return (vmask){(__mmask16)(n >= W ? 0xffff : (1u << n) - 1)}; }
+static inline bool vm_any(vmask a) { return a.v != 0; }
+static inline unsigned vm_bits(vmask a) { return a.v; }
+
+static inline vfloat vf_gather(const float *base, vint index, vmask m) {
+    return (vfloat){_mm512_mask_i32gather_ps(_mm512_setzero_ps(), m.v, index.v, base, sizeof(float))};
+}
+
+/* Rays k and k + 4, k + 8, k + 12 share a register in quarters, so that the 4 × 4 transposes within quarters do. */
+static inline void vf_load_rays(const cw_ray *rays, vfloat out[8]) {
+    for (int half = 0; half < 2; half++) {
+        enum { RAY = sizeof(cw_ray) / sizeof(float) };
+        __m512 r[4];
+        for (int k = 0; k < 4; k++) {
+            const float *from = (const float *)(rays + k) + 4 * half;
+            r[k] = _mm512_castps128_ps512(_mm_loadu_ps(from));
+            r[k] = _mm512_insertf32x4(r[k], _mm_loadu_ps(from + 4 * RAY), 1);
+            r[k] = _mm512_insertf32x4(r[k], _mm_loadu_ps(from + 8 * RAY), 2);
+            r[k] = _mm512_insertf32x4(r[k], _mm_loadu_ps(from + 12 * RAY), 3);
+        }
+        const __m512 low01 = _mm512_unpacklo_ps(r[0], r[1]), high01 = _mm512_unpackhi_ps(r[0], r[1]);
+        const __m512 low23 = _mm512_unpacklo_ps(r[2], r[3]), high23 = _mm512_unpackhi_ps(r[2], r[3]);
+        out[4 * half + 0].v = _mm512_shuffle_ps(low01, low23, 0x44);
+        out[4 * half + 1].v = _mm512_shuffle_ps(low01, low23, 0xee);
+        out[4 * half + 2].v = _mm512_shuffle_ps(high01, high23, 0x44);
+        out[4 * half + 3].v = _mm512_shuffle_ps(high01, high23, 0xee);
+    }
+}
+
+#endif

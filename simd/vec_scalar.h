@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The vector vocabulary one lane wide, in plain C: the oracle of the lanes, and what a CPU without SSE4.2 runs. It also
+ * documents the vocabulary: every vec_*.h offers the same names with the same meaning, lane by lane, bit for bit.
+ *
+ * vfloat, vint and vmask are three distinct types, so that a mask cannot be taken for a number. Arithmetic is IEEE,
+ * rounded once an operation; comparisons are false on NaN. */
+#ifndef CELLWALK_SIMD_VEC_SCALAR_H
+#define CELLWALK_SIMD_VEC_SCALAR_H
+
+#include "cellwalk.h"
+
+#include <math.h>
+
+enum { W = 1 };
+
+typedef struct vfloat {
+    float v;
+} vfloat;
+typedef struct vint {
+    int32_t v;
+} vint;
+typedef struct vmask {
+    bool v;
+} vmask;
+
+static inline vfloat vf_set(float a) { return (vfloat){a}; }
+static inline vfloat vf_load(const float *a) { return (vfloat){*a}; } /* W floats, any alignment */
+static inline void vf_store(float *to, vfloat a) { *to = a.v; }
+static inline vfloat vf_add(vfloat a, vfloat b) { return (vfloat){a.v + b.v}; }
+static inline vfloat vf_sub(vfloat a, vfloat b) { return (vfloat){a.v - b.v}; }
+static inline vfloat vf_mul(vfloat a, vfloat b) { return (vfloat){a.v * b.v}; }
+static inline vfloat vf_div(vfloat a, vfloat b) { return (vfloat){a.v / b.v}; }
+/* a < b ? a : b and a > b ? a : b, so b where either is NaN. */
+static inline vfloat vf_min(vfloat a, vfloat b) { return (vfloat){a.v < b.v ? a.v : b.v}; }
+static inline vfloat vf_max(vfloat a, vfloat b) { return (vfloat){a.v > b.v ? a.v : b.v}; }
+static inline vfloat vf_abs(vfloat a) { return (vfloat){fabsf(a.v)}; }
+static inline vfloat vf_floor(vfloat a) { return (vfloat){floorf(a.v)}; }
+
+static inline vmask vf_lt(vfloat a, vfloat b) { return (vmask){a.v < b.v}; }
+static inline vmask vf_le(vfloat a, vfloat b) { return (vmask){a.v <= b.v}; }
+static inline vmask vf_gt(vfloat a, vfloat b) { return (vmask){a.v > b.v}; }
+static inline vmask vf_ge(vfloat a, vfloat b) { return (vmask){a.v >= b.v}; }
+static inline vmask vf_eq(vfloat a, vfloat b) { return (vmask){a.v == b.v}; }
+/* m ? a : b */
+static inline vfloat vf_select(vmask m, vfloat a, vfloat b) { return m.v ? a : b; }
+
+static inline vint vi_set(int32_t a) { return (vint){a}; }
+static inline void vi_store(int32_t *to, vint a) { *to = a.v; }
+static inline vint vi_add(vint a, vint b) { return (vint){a.v + b.v}; }
+static inline vint vi_mul(vint a, vint b) { return (vint){a.v * b.v}; }
+static inline vint vi_select(vmask m, vint a, vint b) { return m.v ? a : b; }
+static inline vint vi_from_vf(vfloat a) { return (vint){(int32_t)a.v}; } /* toward zero; a within int32 */
+
+static inline vmask vm_and(vmask a, vmask b) { return (vmask){a.v && b.v}; }
+static inline vmask vm_or(vmask a, vmask b) { return (vmask){a.v || b.v}; }
+static inline vmask vm_xor(vmask a, vmask b) { return (vmask){a.v != b.v}; }
+static inline vmask vm_andnot(vmask a, vmask b) { return (vmask){a.v && !b.v}; } /* a and not b */
+static inline vmask vm_not(vmask a) { return (vmask){!a.v}; }
+static inline vmask vm_first(size_t n) { return (vmask){n > 0}; } /* lanes 0 to n - 1 */
+static inline bool vm_any(vmask a) { return a.v; }
+static inline unsigned vm_bits(vmask a) { return a.v; } /* bit k = lane k */
+
+/* base[index] where m, else 0; indices of lanes outside m are not used. */
+static inline vfloat vf_gather(const float *base, vint index, vmask m) { return (vfloat){m.v ? base[index.v] : 0}; }
+
+/* Rays of consecutive lanes, from an array of structures to one vector each of org x y z, tmin, dir x y z, tmax. */
+static inline void vf_load_rays(const cw_ray *rays, vfloat out[8]) {
+    for (int c = 0; c < 3; c++) {
+        out[c].v = rays->org[c];
+        out[4 + c].v = rays->dir[c];
+    }
+    out[3].v = rays->tmin;
+    out[7].v = rays->tmax;
+}
+
+#endif

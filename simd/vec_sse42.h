@@ -1,0 +1,84 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The vector vocabulary for SSE4.2: 4 lanes, masks as all-ones lanes. Meanings are in vec_scalar.h. */
+#ifndef CELLWALK_SIMD_VEC_SSE42_H
+#define CELLWALK_SIMD_VEC_SSE42_H
+
+#include "cellwalk.h"
+
+#include <nmmintrin.h>
+
+enum { W = 4 };
+
+typedef struct vfloat {
+    __m128 v;
+} vfloat;
+typedef struct vint {
+    __m128i v;
+} vint;
+typedef struct vmask {
+    __m128 v;
+} vmask;
+
+static inline vfloat vf_set(float a) { return (vfloat){_mm_set1_ps(a)}; }
+static inline vfloat vf_load(const float *a) { return (vfloat){_mm_loadu_ps(a)}; }
+static inline void vf_store(float *to, vfloat a) { _mm_storeu_ps(to, a.v); }
+static inline vfloat vf_add(vfloat a, vfloat b) { return (vfloat){_mm_add_ps(a.v, b.v)}; }
+static inline vfloat vf_sub(vfloat a, vfloat b) { return (vfloat){_mm_sub_ps(a.v, b.v)}; }
+static inline vfloat vf_mul(vfloat a, vfloat b) { return (vfloat){_mm_mul_ps(a.v, b.v)}; }
+static inline vfloat vf_div(vfloat a, vfloat b) { return (vfloat){_mm_div_ps(a.v, b.v)}; }
+static inline vfloat vf_min(vfloat a, vfloat b) { return (vfloat){_mm_min_ps(a.v, b.v)}; }
+static inline vfloat vf_max(vfloat a, vfloat b) { return (vfloat){_mm_max_ps(a.v, b.v)}; }
+static inline vfloat vf_abs(vfloat a) { return (vfloat){_mm_andnot_ps(_mm_set1_ps(-0.0f), a.v)}; }
+static inline vfloat vf_floor(vfloat a) { return (vfloat){_mm_floor_ps(a.v)}; }
+
+static inline vmask vf_lt(vfloat a, vfloat b) { return (vmask){_mm_cmplt_ps(a.v, b.v)}; }
+static inline vmask vf_le(vfloat a, vfloat b) { return (vmask){_mm_cmple_ps(a.v, b.v)}; }
+static inline vmask vf_gt(vfloat a, vfloat b) { return (vmask){_mm_cmpgt_ps(a.v, b.v)}; }
+static inline vmask vf_ge(vfloat a, vfloat b) { return (vmask){_mm_cmpge_ps(a.v, b.v)}; }
+static inline vmask vf_eq(vfloat a, vfloat b) { return (vmask){_mm_cmpeq_ps(a.v, b.v)}; }
+static inline vfloat vf_select(vmask m, vfloat a, vfloat b) { return (vfloat){_mm_blendv_ps(b.v, a.v, m.v)}; }
+
+static inline vint vi_set(int32_t a) { return (vint){_mm_set1_epi32(a)}; }
+static inline void vi_store(int32_t *to, vint a) { _mm_storeu_si128((__m128i *)to, a.v); }
+static inline vint vi_add(vint a, vint b) { return (vint){_mm_add_epi32(a.v, b.v)}; }
+static inline vint vi_mul(vint a, vint b) { return (vint){_mm_mullo_epi32(a.v, b.v)}; }
+static inline vint vi_select(vmask m, vint a, vint b) {
+    return (vint){_mm_blendv_epi8(b.v, a.v, _mm_castps_si128(m.v))};
+}
+static inline vint vi_from_vf(vfloat a) { return (vint){_mm_cvttps_epi32(a.v)}; }
+
+static inline vmask vm_and(vmask a, vmask b) { return (vmask){_mm_and_ps(a.v, b.v)}; }
+static inline vmask vm_or(vmask a, vmask b) { return (vmask){_mm_or_ps(a.v, b.v)}; }
+static inline vmask vm_xor(vmask a, vmask b) { return (vmask){_mm_xor_ps(a.v, b.v)}; }
+static inline vmask vm_andnot(vmask a, vmask b) { return (vmask){_mm_andnot_ps(b.v, a.v)}; }
+static inline vmask vm_not(vmask a) { return (vmask){_mm_xor_ps(a.v, _mm_castsi128_ps(_mm_set1_epi32(-1)))}; }
+static inline vmask vm_first(size_t n) {
+    return (vmask){_mm_castsi128_ps(_mm_cmpgt_epi32(_mm_set1_epi32((int32_t)n), _mm_setr_epi32(0, 1, 2, 3)))};
+}
+static inline bool vm_any(vmask a) { return _mm_movemask_ps(a.v) != 0; }
+static inline unsigned vm_bits(vmask a) { return (unsigned)_mm_movemask_ps(a.v); }
+
+/* No gather instruction: lanes one by one, those outside m from base[0]. */
+static inline vfloat vf_gather(const float *base, vint index, vmask m) {
+    const __m128i safe = _mm_and_si128(index.v, _mm_castps_si128(m.v));
+    const __m128 a = _mm_load_ss(base + _mm_cvtsi128_si32(safe)), b = _mm_load_ss(base + _mm_extract_epi32(safe, 1));
+    const __m128 c = _mm_load_ss(base + _mm_extract_epi32(safe, 2)), d = _mm_load_ss(base + _mm_extract_epi32(safe, 3));
+    return (vfloat){_mm_and_ps(_mm_movelh_ps(_mm_unpacklo_ps(a, b), _mm_unpacklo_ps(c, d)), m.v)};
+}
+
+static inline void vf_load_rays(const cw_ray *rays, vfloat out[8]) {
+    for (int half = 0; half < 2; half++) {
+        enum { RAY = sizeof(cw_ray) / sizeof(float) };
+        const float *from = (const float *)rays + 4 * half;
+        const __m128 a = _mm_loadu_ps(from), b = _mm_loadu_ps(from + RAY);
+        const __m128 c = _mm_loadu_ps(from + 2 * RAY), d = _mm_loadu_ps(from + 3 * RAY);
+        const __m128 ab_low = _mm_unpacklo_ps(a, b), ab_high = _mm_unpackhi_ps(a, b);
+        const __m128 cd_low = _mm_unpacklo_ps(c, d), cd_high = _mm_unpackhi_ps(c, d);
+        out[4 * half + 0].v = _mm_movelh_ps(ab_low, cd_low);
+        out[4 * half + 1].v = _mm_movehl_ps(cd_low, ab_low);
+        out[4 * half + 2].v = _mm_movelh_ps(ab_high, cd_high);
+        out[4 * half + 3].v = _mm_movehl_ps(cd_high, ab_high);
+    }
+}
+
+#endif
