@@ -185,7 +185,7 @@ typedef struct cw_query {
 /* All zero: the best kernel, its default leaf test, one thread. A NULL query means the same. */
 CW_API cw_query cw_query_default(void);
 
-/* The kernel that a query runs on this field. */
+/* The kernel that a query runs on this field; field may be NULL, which stands for a field like most. */
 CW_API const cw_kernel *cw_query_kernel(const cw_field *field, const cw_query *query);
 
 /* Closest hit of each of n rays (n may be 0). rays and hits need no alignment beyond their types' and may not overlap.

@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "cancel.h"
+
+#include "output.h"
+
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static atomic_bool cancelled;
+static atomic_int caught;
+_Static_assert(ATOMIC_BOOL_LOCK_FREE == 2 && ATOMIC_INT_LOCK_FREE == 2, "a signal handler may not take a lock");
+
+const atomic_bool *cancel_flag(void) { return &cancelled; }
+
+static void die(int number) {
+    io_output_discard_all();
+    signal(number, SIG_DFL);
+    raise(number);
+}
+
+static void on_signal(int number) {
+    atomic_store(&caught, number);
+    if (atomic_exchange(&cancelled, true)) die(number);
+}
+
+static void on_bus_error(int number) {
+    static const char text[] = "cellwalk: an input file shrank or became unreadable while it was being read\n";
+    (void)number;
+    io_output_discard_all();
+    if (write(STDERR_FILENO, text, sizeof text - 1) < 0) _exit(EXIT_FAILURE);
+    _exit(EXIT_FAILURE);
+}
+
+void cancel_install(void) {
+    struct sigaction action;
+    memset(&action, 0, sizeof action);
+    sigemptyset(&action.sa_mask);
+    action.sa_handler = on_signal;
+    action.sa_flags = SA_RESTART | SA_NODEFER; /* a raise in the handler takes effect at once */
+    const int asked[] = {SIGINT, SIGTERM, SIGHUP};
+    for (size_t k = 0; k < sizeof asked / sizeof asked[0]; k++) {
+        struct sigaction old;
+        /* nohup and background jobs of simple shells start programs with these ignored: so they stay. */
+        if (sigaction(asked[k], NULL, &old) == 0 && old.sa_handler != SIG_IGN) sigaction(asked[k], &action, NULL);
+    }
+    action.sa_handler = on_bus_error;
+    sigaction(SIGBUS, &action, NULL);
+    /* Writing fails with EFBIG or EPIPE instead. */
+    signal(SIGXFSZ, SIG_IGN);
+    signal(SIGPIPE, SIG_IGN);
+}
+
+void cancel_finish(void) {
+    const int number = atomic_load(&caught);
+    if (number != 0) die(number);
+}

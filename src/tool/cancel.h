@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Ctrl-C: the first asks the program to stop and clean up, the second ends it at once. Either way no temporary file is
+ * left. */
+#ifndef CELLWALK_TOOL_CANCEL_H
+#define CELLWALK_TOOL_CANCEL_H
+
+#include <stdatomic.h>
+
+/* Handles SIGINT, SIGTERM and SIGHUP from now on, and turns what would kill the program behind its back (a file size
+ * limit, a reader that goes away, a mapped input file that shrinks) into errors. */
+void cancel_install(void);
+
+/* Turns true with the first signal and stays so. */
+const atomic_bool *cancel_flag(void);
+
+/* Ends the program by the signal that was caught, so that a shell script which runs it stops as well. Returns if none
+ * was caught. */
+void cancel_finish(void);
+
+#endif

@@ -1,0 +1,128 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "query_options.h"
+
+#include "command.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { NAMES_MAX = 64, ISA_COUNT = CW_ISA_AVX512 + 1 };
+
+void query_options_rows(query_options *q, option_spec rows[QUERY_OPTION_COUNT]) {
+    rows[0] = (option_spec){.name = "kernel",
+                            .value = "NAME",
+                            .help = "how hits are found; `cellwalk info` lists the names\n(default: the best here)",
+                            .kind = OPTION_TEXT,
+                            .to = &q->kernel};
+    rows[1] = (option_spec){.name = "leaf",
+                            .value = "NAME",
+                            .help = "the test of a ray against a cell: watertight or\nmoller-trumbore (default: the "
+                                    "kernel's own)",
+                            .kind = OPTION_TEXT,
+                            .to = &q->leaf};
+    rows[2] = (option_spec){.name = "isa",
+                            .value = "NAME",
+                            .help = "the highest instruction set to use: scalar, sse4.2,\navx2 or avx512 (default: "
+                                    "CELLWALK_ISA, else all)",
+                            .kind = OPTION_TEXT,
+                            .to = &q->isa};
+    rows[3] = (option_spec){.name = "threads",
+                            .value = "N",
+                            .help = "threads; 0: one for each CPU (default)",
+                            .kind = OPTION_COUNT,
+                            .to = &q->threads,
+                            .high = 4096};
+}
+
+/* Prints "WHAT 'word' ...; there are a, b, c" with the closest name in front of the list. */
+static bool unknown_name(const char *name, const char *what, const char *word, const char *const *names, size_t count) {
+    char list[512] = "";
+    size_t used = 0;
+    for (size_t k = 0; k < count && used < sizeof list; k++)
+        used += (size_t)snprintf(list + used, sizeof list - used, "%s%s", k ? ", " : "", names[k]);
+    const char *meant = closest_match(word, names, count);
+    if (meant)
+        command_fail(name, "%s '%s' is unknown; did you mean %s? There are %s", what, word, meant, list);
+    else
+        command_fail(name, "%s '%s' is unknown; there are %s", what, word, list);
+    return false;
+}
+
+static bool find_isa(const char *name, const char *what, const char *word, cw_isa *isa) {
+    const char *names[ISA_COUNT];
+    for (int k = 0; k < ISA_COUNT; k++) {
+        names[k] = cw_isa_name((cw_isa)k);
+        if (strcmp(word, names[k]) != 0) continue;
+        *isa = (cw_isa)k;
+        return true;
+    }
+    return unknown_name(name, what, word, names, ISA_COUNT);
+}
+
+/* The environment is a limit that may lie above what the machine has. --isa asks for something: not to have it is an
+ * error, or else a measurement would carry the wrong label. */
+static bool apply_isa(const query_options *q, const char *name) {
+    cw_isa isa = CW_ISA_SCALAR;
+    const char *environment = getenv("CELLWALK_ISA");
+    if (environment && !find_isa(name, "CELLWALK_ISA", environment, &isa)) return false;
+    if (q->isa == NULL) return true;
+    if (!find_isa(name, "--isa", q->isa, &isa)) return false;
+    cw_isa_limit(isa);
+    if (cw_isa_best() == isa) return true;
+    command_fail(name, "--isa %s: this machine has no more than %s", q->isa, cw_isa_name(cw_isa_best()));
+    return false;
+}
+
+static bool find_kernel(const char *name, const char *word, const cw_kernel **kernel) {
+    *kernel = cw_kernel_find(word);
+    if (*kernel == NULL) {
+        const char *names[NAMES_MAX];
+        size_t count = 0;
+        for (; count < NAMES_MAX && count < cw_kernel_count(); count++)
+            names[count] = cw_kernel_describe(cw_kernel_at(count)).name;
+        return unknown_name(name, "--kernel", word, names, count);
+    }
+    const cw_kernel_info info = cw_kernel_describe(*kernel);
+    if (info.available) return true;
+    command_fail(name, "--kernel %s needs %s; this machine, or the limit set by --isa or CELLWALK_ISA, has %s", word,
+                 cw_isa_name(info.isa), cw_isa_name(cw_isa_best()));
+    return false;
+}
+
+static bool find_leaf(const char *name, const char *word, cw_leaf *leaf) {
+    const char *names[CW_LEAF_COUNT];
+    for (int k = 0; k < CW_LEAF_COUNT; k++) {
+        names[k] = cw_leaf_name((cw_leaf)k);
+        if (strcmp(word, names[k]) != 0) continue;
+        *leaf = (cw_leaf)k;
+        return true;
+    }
+    return unknown_name(name, "--leaf", word, names, CW_LEAF_COUNT);
+}
+
+/* A query of no rays on the smallest field answers whether kernel and leaf test go together. */
+static bool goes_together(const char *name, const cw_query *query) {
+    static const float flat[4] = {0};
+    cw_field_desc desc = cw_field_desc_default();
+    desc.samples = flat;
+    desc.nx = desc.ny = 2;
+    cw_field *field = NULL;
+    cw_status status = cw_field_create(&desc, &field);
+    const cw_kernel *kernel = status == CW_OK ? cw_query_kernel(field, query) : NULL;
+    if (status == CW_OK) status = cw_field_build(field, kernel);
+    if (status == CW_OK) status = cw_closest(field, query, NULL, 0, NULL);
+    cw_field_destroy(field);
+    if (status == CW_OK) return true;
+    command_fail(name, "kernel %s with leaf test %s: %s", kernel ? cw_kernel_describe(kernel).name : "(none)",
+                 cw_leaf_name(query->leaf), cw_status_message(status));
+    return false;
+}
+
+bool query_options_resolve(const query_options *q, const char *name, cw_query *query) {
+    *query = cw_query_default();
+    if (!apply_isa(q, name)) return false;
+    if (q->kernel && !find_kernel(name, q->kernel, &query->kernel)) return false;
+    if (q->leaf && !find_leaf(name, q->leaf, &query->leaf)) return false;
+    return goes_together(name, query);
+}

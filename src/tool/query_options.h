@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The options by which every subcommand that traces chooses kernel, leaf test, instruction set and threads. */
+#ifndef CELLWALK_TOOL_QUERY_OPTIONS_H
+#define CELLWALK_TOOL_QUERY_OPTIONS_H
+
+#include "cellwalk.h"
+#include "options.h"
+
+typedef struct query_options {
+    const char *kernel, *leaf, *isa; /* NULL: not given */
+    unsigned threads;                /* 0: one per CPU */
+} query_options;
+
+enum { QUERY_OPTION_COUNT = 4 };
+
+/* Fills in the four rows of a subcommand's table that set *q. */
+void query_options_rows(query_options *q, option_spec rows[QUERY_OPTION_COUNT]);
+
+/* Limits the instruction set to what --isa says, checks CELLWALK_ISA, and turns names into a query without a pool. Its
+ * kernel stays NULL if none was named: cw_query_kernel then tells which one a field gets. False, after a message that lists what there is, when that is impossible:
+ * end with EXIT_USAGE. To be called before any query runs. name is the subcommand's. */
+bool query_options_resolve(const query_options *q, const char *name, cw_query *query);
+
+#endif
