@@ -116,14 +116,15 @@ typedef struct cw_field_desc {
     size_t nx, ny;        /* samples a row, rows; each >= 2 */
     size_t stride;        /* floats from one row to the next; 0 stands for nx */
     cw_storage storage;
+    bool bare; /* build nothing yet: until cw_field_build only kernels without needs_build run */
     /* Field space to user space, three rows of four: user = map[.][0..2] · (x, y, z) + map[.][3]. */
     double map[3][4];
 } cw_field_desc;
 
-/* No samples, no size, CW_COPY, identity map: fill in the rest. */
+/* No samples, no size, CW_COPY, not bare, identity map: fill in the rest. */
 CW_API cw_field_desc cw_field_desc_default(void);
 
-/* Makes a field, which the caller owns. On failure *field is NULL. A triangle with a hole at a vertex does not exist:
+/* Makes a field, which the caller owns, with what the default kernel walks on. On failure *field is NULL. A triangle with a hole at a vertex does not exist:
  * every ray passes through it. Borrowed samples mark holes by NaN alone (else CW_ERROR_HOLE). */
 CW_API cw_status cw_field_create(const cw_field_desc *desc, cw_field **field);
 /* NULL is allowed. No query may be running on the field. */

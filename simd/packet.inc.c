@@ -38,20 +38,15 @@ static inline vfloat first_cell(const vaxis *a, vfloat t, size_t samples, vmask 
     return place;
 }
 
-/* Lanes that pass the gate; gathers their samples. */
+/* Lanes that pass the gate; gathers the samples of the living. */
 static inline vmask gate(vcell *c, const vray *r, const cw_field *f, vint sample, vmask alive) {
     c->t0 = vf_max(vf_max(c->x_in, c->y_in), r->tmin);
     c->t1 = vf_min(vf_min(c->x_out, c->y_out), r->tmax);
-    vmask m = vm_and(vf_le(c->x_in, c->y_out), vf_lt(c->y_in, c->x_out));
-    m = vm_and(vm_and(alive, m), vf_le(c->t0, c->t1));
-    c->h00 = vf_gather(f->z, sample, m);
-    c->h10 = vf_gather(f->z + 1, sample, m);
-    c->h01 = vf_gather(f->z + f->stride, sample, m);
-    c->h11 = vf_gather(f->z + f->stride + 1, sample, m);
-    /* Holes drop out: vf_min and vf_max yield the second operand where the first is NaN. */
-    const vfloat low = vf_min(c->h11, vf_min(c->h01, vf_min(c->h10, vf_min(c->h00, vf_set(INFINITY)))));
-    const vfloat high = vf_max(c->h11, vf_max(c->h01, vf_max(c->h10, vf_max(c->h00, vf_set(-INFINITY)))));
-    return vm_and(m, meets(r, c->t0, c->t1, low, high));
+    c->h00 = vf_gather(f->z, sample, alive);
+    c->h10 = vf_gather(f->z + 1, sample, alive);
+    c->h01 = vf_gather(f->z + f->stride, sample, alive);
+    c->h11 = vf_gather(f->z + f->stride + 1, sample, alive);
+    return vm_and(alive, cell_gate(r, c));
 }
 
 /* Walks W rays to their ends; the lanes that hit, with where. */

@@ -96,6 +96,15 @@ typedef struct vcell {
     vfloat h00, h10, h01, h11;
 } vcell;
 
+/* Lanes whose cell, with crossings, t-interval and samples filled in, passes the gate. Holes drop out of the bounds: vf_min
+ * and vf_max yield the second operand where the first is NaN. */
+static inline vmask cell_gate(const vray *r, const vcell *c) {
+    const vmask walked = vm_and(vf_le(c->x_in, c->y_out), vf_lt(c->y_in, c->x_out));
+    const vfloat low = vf_min(c->h11, vf_min(c->h01, vf_min(c->h10, vf_min(c->h00, vf_set(INFINITY)))));
+    const vfloat high = vf_max(c->h11, vf_max(c->h01, vf_max(c->h10, vf_max(c->h00, vf_set(-INFINITY)))));
+    return vm_and(vm_and(walked, vf_le(c->t0, c->t1)), meets(r, c->t0, c->t1, low, high));
+}
+
 /* What a leaf test finds; lanes outside its mask hold anything. */
 typedef struct vhit {
     vfloat t, u, v;

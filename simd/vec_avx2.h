@@ -83,4 +83,36 @@ static inline void vf_load_rays(const cw_ray *rays, vfloat out[8]) {
     }
 }
 
+static inline vmask vm_set(bool a) { return (vmask){_mm256_castsi256_ps(_mm256_set1_epi32(-(int32_t)a))}; }
+
+static inline float vf_lowest(vfloat a, vmask m) {
+    const __m256 y = _mm256_blendv_ps(_mm256_set1_ps(__builtin_inff()), a.v, m.v);
+    __m128 x = _mm_min_ps(_mm256_castps256_ps128(y), _mm256_extractf128_ps(y, 1));
+    x = _mm_min_ps(x, _mm_movehl_ps(x, x));
+    return _mm_cvtss_f32(_mm_min_ss(x, _mm_movehdup_ps(x)));
+}
+static inline float vf_highest(vfloat a, vmask m) {
+    const __m256 y = _mm256_blendv_ps(_mm256_set1_ps(-__builtin_inff()), a.v, m.v);
+    __m128 x = _mm_max_ps(_mm256_castps256_ps128(y), _mm256_extractf128_ps(y, 1));
+    x = _mm_max_ps(x, _mm_movehl_ps(x, x));
+    return _mm_cvtss_f32(_mm_max_ss(x, _mm_movehdup_ps(x)));
+}
+
+typedef struct vorder {
+    int flip_x, flip_y;
+    __m256i column; /* lane shuffle that turns each row of 4 round where flip_x */
+} vorder;
+
+static inline vorder vorder_make(bool up_x, bool up_y) {
+    const __m256i same = _mm256_setr_epi32(0, 1, 2, 3, 0, 1, 2, 3), turned = _mm256_setr_epi32(3, 2, 1, 0, 3, 2, 1, 0);
+    return (vorder){up_x ? 0 : 3, up_y ? 0 : 3, up_x ? same : turned};
+}
+
+static inline vfloat vf_load_block(const float *block, size_t stride, const vorder *o, size_t k) {
+    const float *near = block + ((2 * k) ^ (size_t)o->flip_y) * stride;
+    const float *far = block + ((2 * k + 1) ^ (size_t)o->flip_y) * stride;
+    const __m256 rows = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(near)), _mm_loadu_ps(far), 1);
+    return (vfloat){_mm256_permutevar_ps(rows, o->column)};
+}
+
 #endif

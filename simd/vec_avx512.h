@@ -81,4 +81,29 @@ static inline void vf_load_rays(const cw_ray *rays, vfloat out[8]) {
     }
 }
 
+static inline vmask vm_set(bool a) { return (vmask){(__mmask16)(a ? 0xffff : 0)}; }
+
+static inline float vf_lowest(vfloat a, vmask m) { return _mm512_mask_reduce_min_ps(m.v, a.v); }
+static inline float vf_highest(vfloat a, vmask m) { return _mm512_mask_reduce_max_ps(m.v, a.v); }
+
+typedef struct vorder {
+    int flip_x, flip_y;
+    __m512i lane;
+} vorder;
+
+static inline vorder vorder_make(bool up_x, bool up_y) {
+    const __m512i same = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+    const int flip = (up_x ? 0 : 3) | (up_y ? 0 : 12);
+    return (vorder){up_x ? 0 : 3, up_y ? 0 : 3, _mm512_xor_si512(same, _mm512_set1_epi32(flip))};
+}
+
+static inline vfloat vf_load_block(const float *block, size_t stride, const vorder *o, size_t k) {
+    (void)k; /* one vector is the whole block */
+    __m512 rows = _mm512_castps128_ps512(_mm_loadu_ps(block));
+    rows = _mm512_insertf32x4(rows, _mm_loadu_ps(block + stride), 1);
+    rows = _mm512_insertf32x4(rows, _mm_loadu_ps(block + 2 * stride), 2);
+    rows = _mm512_insertf32x4(rows, _mm_loadu_ps(block + 3 * stride), 3);
+    return (vfloat){_mm512_permutexvar_ps(o->lane, rows)};
+}
+
 #endif

@@ -73,4 +73,24 @@ static inline void vf_load_rays(const cw_ray *rays, vfloat out[8]) {
     out[7].v = rays->tmax;
 }
 
+static inline vmask vm_set(bool a) { return (vmask){a}; }
+
+/* Lowest and highest lane where m; +infinity and -infinity if there is none. No lane is NaN. */
+static inline float vf_lowest(vfloat a, vmask m) { return m.v ? a.v : INFINITY; }
+static inline float vf_highest(vfloat a, vmask m) { return m.v ? a.v : -INFINITY; }
+
+/* A block of 4 × 4 floats in the order in which a ray of one direction quadrant meets them: lane 4 y + x of the 16 is the
+ * x-th column from where x is entered and the y-th row from where y is entered. A ray goes through a block along a
+ * monotone staircase, so this order is front to back. */
+typedef struct vorder {
+    int flip_x, flip_y; /* 3 where the ray goes down, else 0: number in walk order XOR flip = number in the field */
+} vorder;
+
+static inline vorder vorder_make(bool up_x, bool up_y) { return (vorder){up_x ? 0 : 3, up_y ? 0 : 3}; }
+
+/* Lanes k W to k W + W - 1 of the block whose rows are stride floats apart. */
+static inline vfloat vf_load_block(const float *block, size_t stride, const vorder *o, size_t k) {
+    return (vfloat){block[((k >> 2) ^ (size_t)o->flip_y) * stride + ((k & 3) ^ (size_t)o->flip_x)]};
+}
+
 #endif

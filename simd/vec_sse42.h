@@ -81,4 +81,33 @@ static inline void vf_load_rays(const cw_ray *rays, vfloat out[8]) {
     }
 }
 
+static inline vmask vm_set(bool a) { return (vmask){_mm_castsi128_ps(_mm_set1_epi32(-(int32_t)a))}; }
+
+static inline float vf_lowest(vfloat a, vmask m) {
+    __m128 x = _mm_blendv_ps(_mm_set1_ps(__builtin_inff()), a.v, m.v);
+    x = _mm_min_ps(x, _mm_movehl_ps(x, x));
+    return _mm_cvtss_f32(_mm_min_ss(x, _mm_movehdup_ps(x)));
+}
+static inline float vf_highest(vfloat a, vmask m) {
+    __m128 x = _mm_blendv_ps(_mm_set1_ps(-__builtin_inff()), a.v, m.v);
+    x = _mm_max_ps(x, _mm_movehl_ps(x, x));
+    return _mm_cvtss_f32(_mm_max_ss(x, _mm_movehdup_ps(x)));
+}
+
+typedef struct vorder {
+    int flip_x, flip_y;
+    __m128i column; /* byte shuffle that turns a row round where flip_x */
+} vorder;
+
+static inline vorder vorder_make(bool up_x, bool up_y) {
+    const __m128i same = _mm_setr_epi8(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+    const __m128i turned = _mm_setr_epi8(12, 13, 14, 15, 8, 9, 10, 11, 4, 5, 6, 7, 0, 1, 2, 3);
+    return (vorder){up_x ? 0 : 3, up_y ? 0 : 3, up_x ? same : turned};
+}
+
+static inline vfloat vf_load_block(const float *block, size_t stride, const vorder *o, size_t k) {
+    const __m128i row = _mm_castps_si128(_mm_loadu_ps(block + (k ^ (size_t)o->flip_y) * stride));
+    return (vfloat){_mm_castsi128_ps(_mm_shuffle_epi8(row, o->column))};
+}
+
 #endif

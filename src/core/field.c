@@ -3,6 +3,7 @@
 
 #include "affine.h"
 #include "kernels.h"
+#include "memory.h"
 
 #include <float.h>
 #include <stdlib.h>
@@ -45,6 +46,21 @@ static cw_status survey(cw_field *f) {
     return CW_OK;
 }
 
+static double now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static cw_status build(cw_field *f, unsigned needs) {
+    const double start = now();
+    cw_status status = CW_OK;
+    if ((needs & CW_NEEDS_GRID3D) && !f->grid3d) status = cw_grid3d_build(f);
+    if ((needs & CW_NEEDS_PYRAMID) && !f->pyramid) status = cw_pyramid_build(f);
+    f->build_seconds += now() - start;
+    return status;
+}
+
 cw_status cw_field_create(const cw_field_desc *desc, cw_field **field) {
     if (field == NULL) return CW_ERROR_ARGUMENT;
     *field = NULL;
@@ -66,7 +82,7 @@ cw_status cw_field_create(const cw_field_desc *desc, cw_field **field) {
         f->z = desc->samples;
         f->stride = stride;
     } else {
-        f->z = f->owned = malloc(f->nx * f->ny * sizeof(float));
+        f->z = f->owned = cw_memory_allocate(f->nx * f->ny * sizeof(float));
         f->stride = f->nx;
         if (f->owned == NULL) {
             cw_field_destroy(f);
@@ -76,6 +92,7 @@ cw_status cw_field_create(const cw_field_desc *desc, cw_field **field) {
             memcpy(f->owned + j * f->nx, desc->samples + j * stride, f->nx * sizeof(float));
     }
     status = survey(f);
+    if (status == CW_OK && !desc->bare) status = build(f, CW_NEEDS_PYRAMID);
     if (status != CW_OK) {
         cw_field_destroy(f);
         return status;
@@ -87,23 +104,14 @@ cw_status cw_field_create(const cw_field_desc *desc, cw_field **field) {
 void cw_field_destroy(cw_field *field) {
     if (field == NULL) return;
     cw_grid3d_destroy(field->grid3d);
-    free(field->owned);
+    cw_pyramid_destroy(field->pyramid);
+    cw_memory_free(field->owned);
     free(field);
-}
-
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
 cw_status cw_field_build(cw_field *field, const cw_kernel *kernel) {
     if (field == NULL || kernel == NULL) return CW_ERROR_ARGUMENT;
-    const double start = now();
-    cw_status status = CW_OK;
-    if ((kernel->needs & CW_NEEDS_GRID3D) && !field->grid3d) status = cw_grid3d_build(field);
-    field->build_seconds += now() - start;
-    return status;
+    return build(field, kernel->needs);
 }
 
 cw_field_info cw_field_describe(const cw_field *field) {

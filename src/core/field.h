@@ -6,9 +6,10 @@
 #include "cellwalk.h"
 
 struct cw_grid3d;
+struct cw_pyramid;
 
 /* What kernels may need built before they run; bits of cw_kernel.needs. */
-enum { CW_NEEDS_GRID3D = 1 };
+enum { CW_NEEDS_GRID3D = 1, CW_NEEDS_PYRAMID = 2 };
 
 struct cw_field {
     const float *z; /* sample (i, j) is z[j * stride + i]; a hole is NaN, never infinite */
@@ -20,9 +21,14 @@ struct cw_field {
     double to_user[3][4], to_field[3][4];
 
     struct cw_grid3d *grid3d; /* NULL until built */
+    struct cw_pyramid *pyramid;
     size_t bytes_built;
     double build_seconds;
 };
+
+/* src/core/pyramid.c */
+cw_status cw_pyramid_build(cw_field *field);
+void cw_pyramid_destroy(struct cw_pyramid *pyramid);
 
 /* src/scalar/grid3d.c */
 cw_status cw_grid3d_build(cw_field *field);

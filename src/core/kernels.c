@@ -19,6 +19,14 @@ CW_DECLARE_KERNEL(packet8_mt)
 CW_DECLARE_KERNEL(packet8_wt)
 CW_DECLARE_KERNEL(packet16_mt)
 CW_DECLARE_KERNEL(packet16_wt)
+CW_DECLARE_KERNEL(pyramid1_mt)
+CW_DECLARE_KERNEL(pyramid1_wt)
+CW_DECLARE_KERNEL(pyramid4_mt)
+CW_DECLARE_KERNEL(pyramid4_wt)
+CW_DECLARE_KERNEL(pyramid8_mt)
+CW_DECLARE_KERNEL(pyramid8_wt)
+CW_DECLARE_KERNEL(pyramid16_mt)
+CW_DECLARE_KERNEL(pyramid16_wt)
 
 #define MT(path) [CW_LEAF_MOLLER_TRUMBORE] = path##_mt
 #define WT(path) [CW_LEAF_WATERTIGHT] = path##_wt
@@ -47,6 +55,31 @@ static const cw_kernel kernels[] = {
     {.name = "packet4", .what = "2D cell walk, 4 rays at once", .isa = CW_ISA_SSE42, .width = 4, BOTH(packet4)},
     {.name = "packet8", .what = "2D cell walk, 8 rays at once", .isa = CW_ISA_AVX2, .width = 8, BOTH(packet8)},
     {.name = "packet16", .what = "2D cell walk, 16 rays at once", .isa = CW_ISA_AVX512, .width = 16, BOTH(packet16)},
+#endif
+    {.name = "pyramid1",
+     .what = "bounds pyramid, one lane: the oracle of its lanes",
+     .width = 1,
+     .needs = CW_NEEDS_PYRAMID,
+     BOTH(pyramid1)},
+#if CELLWALK_SIMD
+    {.name = "pyramid4",
+     .what = "bounds pyramid, 4 lanes",
+     .isa = CW_ISA_SSE42,
+     .width = 4,
+     .needs = CW_NEEDS_PYRAMID,
+     BOTH(pyramid4)},
+    {.name = "pyramid8",
+     .what = "bounds pyramid, 8 lanes",
+     .isa = CW_ISA_AVX2,
+     .width = 8,
+     .needs = CW_NEEDS_PYRAMID,
+     BOTH(pyramid8)},
+    {.name = "pyramid16",
+     .what = "bounds pyramid, 16 lanes",
+     .isa = CW_ISA_AVX512,
+     .width = 16,
+     .needs = CW_NEEDS_PYRAMID,
+     BOTH(pyramid16)},
 #endif
 };
 enum { KERNEL_COUNT = sizeof kernels / sizeof kernels[0] };
@@ -79,9 +112,11 @@ const char *cw_leaf_name(cw_leaf leaf) {
 }
 
 const cw_kernel *cw_query_kernel(const cw_field *field, const cw_query *query) {
-    (void)field; /* every field is served by the same kernel so far */
     if (query && query->kernel) return query->kernel;
-    size_t k = KERNEL_COUNT - 1;
-    while (kernels[k].isa > cw_isa_best()) k--; /* ends at the latest at a scalar kernel */
-    return &kernels[k];
+    for (size_t k = KERNEL_COUNT - 1; k > 0; k--) {
+        if (kernels[k].isa > cw_isa_best()) continue;
+        if ((kernels[k].needs & CW_NEEDS_PYRAMID) && !field->pyramid) continue;
+        if (!(kernels[k].needs & CW_NEEDS_GRID3D)) return &kernels[k];
+    }
+    return &kernels[0];
 }

@@ -40,6 +40,7 @@ static cw_status check(const cw_field *field, const cw_query *query, const void 
     if ((*kernel)->isa > cw_isa_best()) return CW_ERROR_UNAVAILABLE;
     if ((*kernel)->closest[*leaf] == NULL) return CW_ERROR_UNSUPPORTED;
     if (((*kernel)->needs & CW_NEEDS_GRID3D) && field->grid3d == NULL) return CW_ERROR_NOT_BUILT;
+    if (((*kernel)->needs & CW_NEEDS_PYRAMID) && field->pyramid == NULL) return CW_ERROR_NOT_BUILT;
     return CW_OK;
 }
 

@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The pyramid kernels, one lane wide: the oracle of the lanes. */
+
+#include "vec_scalar.h"
+
+#include "pyramid.inc.c"
+
+#include "kernels.h"
+
+CW_DECLARE_KERNEL(pyramid1_mt)
+CW_DECLARE_KERNEL(pyramid1_wt)
+
+void cw_closest_pyramid1_mt(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits) {
+    pyramid_closest(field, rays, n, hits, CW_LEAF_MOLLER_TRUMBORE);
+}
+void cw_closest_pyramid1_wt(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits) {
+    pyramid_closest(field, rays, n, hits, CW_LEAF_WATERTIGHT);
+}
+void cw_any_pyramid1_mt(const cw_field *field, const cw_ray *rays, size_t n, uint8_t *occluded) {
+    pyramid_any(field, rays, n, occluded, CW_LEAF_MOLLER_TRUMBORE);
+}
+void cw_any_pyramid1_wt(const cw_field *field, const cw_ray *rays, size_t n, uint8_t *occluded) {
+    pyramid_any(field, rays, n, occluded, CW_LEAF_WATERTIGHT);
+}

@@ -1,0 +1,111 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "pyramid.h"
+
+#include "field.h"
+#include "memory.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static size_t blocks(size_t n) { return (n + 3) / 4; }
+
+/* a < b ? a : b with a the sample: a hole compares false and drops out; compilers turn it into one instruction. */
+static float lower(float a, float b) { return a < b ? a : b; }
+static float higher(float a, float b) { return a > b ? a : b; }
+
+/* Lowest and highest of each column over the rows of one row of blocks. */
+static void column_bounds(const cw_field *f, size_t row, float *restrict low, float *restrict high) {
+    const size_t last = row + 4 < f->ny - 1 ? row + 4 : f->ny - 1;
+    for (size_t i = 0; i < f->nx; i++) {
+        low[i] = INFINITY;
+        high[i] = -INFINITY;
+    }
+    for (size_t j = row; j <= last; j++) {
+        const float *restrict z = f->z + j * f->stride;
+        for (size_t i = 0; i < f->nx; i++) {
+            low[i] = lower(z[i], low[i]);
+            high[i] = higher(z[i], high[i]);
+        }
+    }
+}
+
+static float *node(const cw_pyramid_level *l, size_t x, size_t y) {
+    return l->bricks + ((y / 4) * (size_t)l->across + x / 4) * BRICK_FLOATS + (y % 4) * 4 + x % 4;
+}
+
+static void build_blocks(const cw_field *f, const cw_pyramid_level *l, float *low, float *high) {
+    for (size_t y = 0; y < blocks(f->ny - 1); y++) {
+        column_bounds(f, 4 * y, low, high);
+        for (size_t x = 0; x < blocks(f->nx - 1); x++) {
+            const size_t last = 4 * x + 4 < f->nx - 1 ? 4 * x + 4 : f->nx - 1;
+            float lo = INFINITY, hi = -INFINITY;
+            for (size_t i = 4 * x; i <= last; i++) {
+                lo = lower(low[i], lo);
+                hi = higher(high[i], hi);
+            }
+            float *n = node(l, x, y);
+            n[0] = lo;
+            n[16] = hi;
+        }
+    }
+}
+
+static void build_level(const cw_pyramid_level *from, const cw_pyramid_level *to) {
+    for (size_t y = 0; y < (size_t)from->down; y++)
+        for (size_t x = 0; x < (size_t)from->across; x++) {
+            const float *brick = node(from, 4 * x, 4 * y);
+            float lo = INFINITY, hi = -INFINITY;
+            for (int k = 0; k < 16; k++) {
+                lo = lower(brick[k], lo);
+                hi = higher(brick[16 + k], hi);
+            }
+            float *n = node(to, x, y);
+            n[0] = lo;
+            n[16] = hi;
+        }
+}
+
+cw_status cw_pyramid_build(cw_field *f) {
+    struct cw_pyramid *p = calloc(1, sizeof *p);
+    float *columns = malloc(2 * f->nx * sizeof *columns);
+    if (p == NULL || columns == NULL) goto no_memory;
+
+    size_t bricks = 0, begin[PYRAMID_LEVELS_MAX];
+    size_t x = blocks(f->nx - 1), y = blocks(f->ny - 1);
+    float side = 4;
+    do {
+        cw_pyramid_level *l = &p->level[p->levels];
+        x = blocks(x);
+        y = blocks(y);
+        *l = (cw_pyramid_level){.across = (int32_t)x, .down = (int32_t)y, .side = side};
+        begin[p->levels++] = bricks;
+        bricks += x * y;
+        side *= 4;
+    } while (x > 1 || y > 1);
+
+    p->bytes = bricks * BRICK_FLOATS * sizeof(float);
+    p->memory = cw_memory_allocate(p->bytes);
+    if (p->memory == NULL) goto no_memory;
+    for (int l = 0; l < p->levels; l++) {
+        p->level[l].bricks = (float *)p->memory + begin[l] * BRICK_FLOATS;
+        const size_t count = (size_t)p->level[l].across * (size_t)p->level[l].down;
+        for (size_t k = 0; k < count * BRICK_FLOATS; k++)
+            p->level[l].bricks[k] = k % BRICK_FLOATS < 16 ? INFINITY : -INFINITY;
+    }
+    build_blocks(f, &p->level[0], columns, columns + f->nx);
+    for (int l = 1; l < p->levels; l++) build_level(&p->level[l - 1], &p->level[l]);
+    free(columns);
+    f->pyramid = p;
+    f->bytes_built += sizeof *p + p->bytes;
+    return CW_OK;
+no_memory:
+    free(columns);
+    cw_pyramid_destroy(p);
+    return CW_ERROR_MEMORY;
+}
+
+void cw_pyramid_destroy(struct cw_pyramid *p) {
+    if (p == NULL) return;
+    cw_memory_free(p->memory);
+    free(p);
+}
