@@ -144,6 +144,9 @@ typedef struct cw_field_info {
 
 CW_API cw_field_info cw_field_describe(const cw_field *field);
 
+/* Sample (i, j) in field space as the kernels see it: holes are NaN. NaN outside the field as well. */
+CW_API float cw_field_sample(const cw_field *field, size_t i, size_t j);
+
 /* ---- queries ---------------------------------------------------------------------------------------------------- */
 
 /* Points org + t · dir for t in [tmin, tmax], both ends included, in field space. dir need not have unit length. tmin

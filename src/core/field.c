@@ -127,6 +127,10 @@ cw_field_info cw_field_describe(const cw_field *field) {
     };
 }
 
+float cw_field_sample(const cw_field *field, size_t i, size_t j) {
+    return i < field->nx && j < field->ny ? field->z[j * field->stride + i] : NAN;
+}
+
 void cw_rays_to_field(const cw_field *field, const cw_user_ray *in, size_t n, cw_ray *out) {
     for (size_t k = 0; k < n; k++) {
         double org[3], dir[3];
