@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The height fields of benchmark and tests, under fixed names and with fixed heights. */
+#ifndef CELLWALK_BENCH_FIELDS_H
+#define CELLWALK_BENCH_FIELDS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* "65", "257", "1025", "4097", "8193": fractal land of that many samples a side, height range 0.1 of the side.
+ * "sea-calm", "sea-rough": 1000 × 1000 samples of water. */
+typedef struct workload_field {
+    const char *name;
+    size_t nx, ny;
+    float *z; /* sample (i, j) is z[j * nx + i]; freed by workload_field_free */
+} workload_field;
+
+size_t workload_field_count(void);
+/* NULL from the count on. */
+const char *workload_field_name(size_t number);
+
+/* False if no field has that name, or out of memory: then field->name is NULL or not, in that order. */
+bool workload_field_make(const char *name, workload_field *field);
+void workload_field_free(workload_field *field);
+
+#endif
