@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "measure.h"
+
+#include "terrain.h"
+#include "timing.h"
+
+#include <stdlib.h>
+
+typedef struct samples {
+    double seconds[MEASURE_SAMPLES_MAX], ticks[MEASURE_SAMPLES_MAX], sorted[MEASURE_SAMPLES_MAX];
+    double spent;
+    size_t n;
+    bool done;
+} samples;
+
+static void shuffle(size_t *order, size_t count, uint32_t seed, uint32_t round) {
+    for (size_t k = count; k > 1; k--) {
+        const size_t other = terrain_hash(seed, round, (uint32_t)k) % k, held = order[k - 1];
+        order[k - 1] = order[other];
+        order[other] = held;
+    }
+}
+
+static void take_sample(measure_job *job, samples *s) {
+    const double start = timing_seconds();
+    const uint64_t first = timing_ticks();
+    job->run(job->context);
+    const uint64_t last = timing_ticks();
+    const double seconds = timing_seconds() - start;
+    s->seconds[s->n] = seconds;
+    s->ticks[s->n++] = (double)(last - first);
+    s->spent += seconds;
+}
+
+static statistics sorted_copy(samples *s, const double *from) {
+    for (size_t k = 0; k < s->n; k++) s->sorted[k] = from[k];
+    return statistics_of(s->sorted, s->n);
+}
+
+bool measure(measure_job *jobs, size_t count, const measure_limits *limits) {
+    samples *all = calloc(count ? count : 1, sizeof *all);
+    size_t *order = malloc((count ? count : 1) * sizeof *order);
+    const bool enough = all && order;
+    const size_t most = limits->most < MEASURE_SAMPLES_MAX ? limits->most : MEASURE_SAMPLES_MAX;
+    const double end = timing_seconds() + limits->seconds;
+    size_t running = enough ? count : 0;
+    for (size_t k = 0; k < running; k++) order[k] = k;
+    for (uint32_t round = 0; running > 0; round++) {
+        shuffle(order, count, limits->seed, round);
+        for (size_t k = 0; k < count; k++) {
+            samples *s = &all[order[k]];
+            if (!s->done) take_sample(&jobs[order[k]], s);
+        }
+        const bool late = timing_seconds() >= end;
+        for (size_t k = 0; k < count; k++) {
+            samples *s = &all[k];
+            if (s->done || s->n < limits->least) continue;
+            const statistics now = sorted_copy(s, s->seconds);
+            jobs[k].converged = now.sure && now.high - now.low <= limits->width * now.median;
+            const bool share_used = s->spent > 2 * limits->seconds / (double)count;
+            s->done = jobs[k].converged || late || share_used || s->n >= most;
+            running -= s->done;
+        }
+    }
+    for (size_t k = 0; enough && k < count; k++) {
+        jobs[k].seconds = sorted_copy(&all[k], all[k].seconds);
+        jobs[k].ticks = sorted_copy(&all[k], all[k].ticks);
+    }
+    free(all);
+    free(order);
+    return enough;
+}

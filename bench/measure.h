@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Timing jobs against each other: in rounds, each round in another random order, so that whatever the machine does
+ * meanwhile (clock, neighbours, temperature) falls on all alike. */
+#ifndef CELLWALK_BENCH_MEASURE_H
+#define CELLWALK_BENCH_MEASURE_H
+
+#include "statistics.h"
+
+#include <stdint.h>
+
+enum { MEASURE_SAMPLES_MAX = 1000 };
+
+typedef struct measure_limits {
+    double width;       /* stop a job when its median's confidence interval, over the median, is at most this */
+    double seconds;     /* stop all when this time is over, but not before least samples of each */
+    size_t least, most; /* samples a job; most <= MEASURE_SAMPLES_MAX */
+    uint32_t seed;      /* of the order */
+} measure_limits;
+
+typedef struct measure_job {
+    void (*run)(void *context);
+    void *context;
+    /* Results: wall seconds and time stamp counter ticks of a run. */
+    statistics seconds, ticks;
+    bool converged;
+} measure_job;
+
+/* Jobs should have run once before, so that caches and pages are warm. False if out of memory. A job that takes more
+ * than its share of the time makes others stop early, not later. */
+bool measure(measure_job *jobs, size_t count, const measure_limits *limits);
+
+#endif
