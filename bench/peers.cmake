@@ -1,0 +1,13 @@
+# Embree, behind one file. Its headers are not ours to keep free of warnings.
+find_package(embree 3 QUIET)
+add_library(cellwalk_peers STATIC)
+if(embree_FOUND)
+    message(STATUS "Peer: Embree ${embree_VERSION}")
+    target_sources(cellwalk_peers PRIVATE peer_embree.c)
+    target_link_libraries(cellwalk_peers PRIVATE embree)
+else()
+    message(STATUS "Peer: no Embree (Debian: libembree-dev), so cellwalk-bench has nothing to compare with")
+    target_sources(cellwalk_peers PRIVATE peer_absent.c)
+endif()
+target_include_directories(cellwalk_peers PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})
+target_link_libraries(cellwalk_peers PUBLIC cellwalk::cellwalk_static cellwalk_io PRIVATE cellwalk_flags m)
