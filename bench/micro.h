@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* cellwalk-bench micro: every kernel × ray class × field. */
+#ifndef CELLWALK_BENCH_MICRO_H
+#define CELLWALK_BENCH_MICRO_H
+
+#include "agree.h"
+#include "contender.h"
+#include "fields.h"
+#include "measure.h"
+#include "options.h"
+#include "output.h"
+#include "peer_embree.h"
+#include "ray_classes.h"
+
+#include <jansson.h>
+
+enum { MICRO_CONTENDERS_MAX = 96, MICRO_PEERS_MAX = 4 };
+
+typedef struct micro_options {
+    option_list kernels, rays, fields, leaves, peers;
+    const char *isa, *quality, *json;
+    uint64_t count, seed, cpu;
+    double seconds, width, pass;
+    bool longer, no_pin;
+} micro_options;
+
+/* A field with all that is measured on it. */
+typedef struct micro_peer {
+    const char *name; /* "embree/triangles" */
+    peer_embree *embree;
+} micro_peer;
+
+typedef struct micro_field {
+    workload_field samples;
+    cw_field *field;
+    micro_peer peers[MICRO_PEERS_MAX];
+    size_t peer_count;
+} micro_field;
+
+/* One contender's figures in a group: one class of rays on one field. */
+typedef struct micro_row {
+    contender contender;
+    kernel_contender kernel;
+    peer_contender peer;
+    double predicted; /* seconds of a pass by the probe, where the contender was left out; else 0 */
+    statistics seconds, ticks;
+    bool converged;
+    agreement agreement;
+    double to_embree; /* Embree's best median over this one's: above 1 is faster than Embree; 0 without Embree */
+} micro_row;
+
+typedef struct micro_group {
+    micro_field *on;
+    workload_class c;
+    cw_ray *rays;
+    size_t ray_count;
+    char reference[CONTENDER_NAME]; /* whose answers all others are held against */
+    micro_row rows[MICRO_CONTENDERS_MAX];
+    size_t row_count;
+    double hit_share;
+} micro_group;
+
+/* Fills group->rows from the options, verifies and measures. on and c are given. seconds is for all that. */
+bool micro_group_run(micro_group *group, const micro_options *options, double seconds, io_error *error);
+void micro_group_free(micro_group *group);
+
+/* Human text on standard output. */
+void micro_print_field(const micro_field *on);
+void micro_print_group(const micro_group *group);
+
+/* JSON lines; does nothing if out->file is NULL. */
+bool micro_write_line(io_output *out, json_t *line, io_error *error);
+bool micro_write_field(io_output *out, const micro_field *on, io_error *error);
+bool micro_write_group(io_output *out, const micro_group *group, io_error *error);
+
+/* The program's subcommand; an exit status. arguments do not hold its name. */
+int micro_main(char **arguments, int count);
+
+#endif
