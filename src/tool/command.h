@@ -14,6 +14,7 @@ typedef struct command {
 } command;
 
 extern const command command_info;
+extern const command command_trace;
 
 /* Exit statuses: EXIT_USAGE where the command line asks for something that does not exist, EXIT_FAILURE for all that
  * goes wrong later. A program that was interrupted dies of the signal. */

@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* NumPy's array files (.npy, versions 1.0 to 3.0): reading plain numbers in C order through the virtual memory, and
+ * writing from start to end. Neither needs memory for the whole array. */
+#ifndef CELLWALK_IO_NPY_H
+#define CELLWALK_IO_NPY_H
+
+#include "error.h"
+#include "output.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+enum { IO_NPY_RANK_MAX = 8, IO_NPY_TYPE_MAX = 8 };
+
+/* What a header says. */
+typedef struct io_npy_header {
+    char type[IO_NPY_TYPE_MAX]; /* NumPy's name of the element type: "<f4", "|u1" */
+    size_t item;                /* bytes an element */
+    size_t rank;
+    uint64_t shape[IO_NPY_RANK_MAX];
+} io_npy_header;
+
+/* Parses the header's text, a Python dictionary in the narrow form that the format prescribes. path and at (the text's
+ * place in the file) are for messages. */
+bool io_npy_parse(const char *text, size_t size, const char *path, uint64_t at, io_npy_header *header, io_error *error);
+
+typedef struct io_npy {
+    io_npy_header header;
+    char *path;
+    uint64_t offset;    /* of the first element in the file */
+    uint64_t row_bytes; /* of one step along the first axis */
+    int fd;
+    void *window;                                   /* the part of the file that is mapped */
+    uint64_t window_begin, window_from, window_end; /* its first page, first row, and end, in bytes of the file */
+    void *aligned;                                  /* a copy, where the file has its elements at odd places */
+} io_npy;
+
+/* Opens a file whose size agrees with its header. On failure npy needs no closing. */
+bool io_npy_open(io_npy *npy, const char *path, io_error *error);
+void io_npy_close(io_npy *npy);
+
+/* False, with what the file holds and what is wanted in error, unless the element type is one of count. */
+bool io_npy_expect_type(const io_npy *npy, const char *const *types, size_t count, io_error *error);
+
+/* "(1000, 8)" in text, for messages. */
+void io_npy_shape_text(const io_npy *npy, char *text, size_t size);
+
+/* Rows [first, first + count), each row_bytes long, aligned for their type; valid until the next call on npy. What an
+ * earlier call returned is unmapped, so that a pass over a file of any size occupies the memory of one call. NULL on
+ * failure. */
+const void *io_npy_rows(io_npy *npy, uint64_t first, uint64_t count, io_error *error);
+
+/* Takes the mapping that the last io_npy_rows made over, to be given to munmap; NULL where the rows were copied. */
+void *io_npy_take_window(io_npy *npy, size_t *bytes);
+
+typedef struct io_npy_writer {
+    io_output output;
+    uint64_t left; /* bytes that are still to come */
+} io_npy_writer;
+
+/* Starts an array of rows elements. type is a Python expression: "'<f4'" or a list of fields; item its size in bytes.
+ * Fails at once if the disk has no room for the whole array. On failure writer needs no discard. */
+bool io_npy_create(io_npy_writer *writer, const char *path, const char *type, size_t item, uint64_t rows,
+                   io_error *error);
+/* The next elements, in any portions. */
+bool io_npy_write(io_npy_writer *writer, const void *bytes, size_t size, io_error *error);
+/* The file gets its name; all elements must have been written. */
+bool io_npy_commit(io_npy_writer *writer, io_error *error);
+void io_npy_discard(io_npy_writer *writer);
+
+#endif
