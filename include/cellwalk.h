@@ -150,7 +150,7 @@ CW_API float cw_field_sample(const cw_field *field, size_t i, size_t j);
 /* ---- queries ---------------------------------------------------------------------------------------------------- */
 
 /* Points org + t · dir for t in [tmin, tmax], both ends included, in field space. dir need not have unit length. tmin
- * and tmax may be infinite (they are clamped to the largest floats). A direction component of at most 2^-128, whose
+ * and tmax may be infinite; both are clamped to half of the largest float. A direction component of at most 2^-128, whose
  * reciprocal is no float, counts as zero. A ray with a NaN anywhere, an infinite origin or direction, a zero direction
  * or tmin > tmax misses. A ray that touches the surface hits it. */
 typedef struct cw_ray {

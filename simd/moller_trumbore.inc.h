@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Möller and Trumbore 1997 on W cells at once, a ray each; operation by operation as in src/scalar/moller_trumbore.h.
- * The edges' zeros and ones are constants that the compiler folds; multiplying by them is exact, so folding by hand
- * changes no bit except the sign of zeros, which no comparison sees. */
+ * The edges' zeros and ones are constants; terms times 0 are left out there as here. */
 
 /* One triangle with edges e1 = (1, e1y, e1z), e2 = (e2x, 1, e2z), where e1y and e2x are 0 or 1. */
 static inline vmask mt_triangle(const vray *r, const vfloat d[3], const vfloat o[3], bool e1y, vfloat e1z, bool e2x,

@@ -21,7 +21,7 @@ static inline vfloat first_cell(const vaxis *a, vfloat t, size_t samples, vmask 
     const vfloat out = vf_select(a->up, one, zero), in = vf_sub(one, out);
     const vfloat begin = vf_select(a->up, zero, last), end = vf_sub(last, begin);
     vfloat place = vf_floor(vf_add(a->org, vf_mul(t, a->dir)));
-    place = vf_max(zero, vf_min(last, place));
+    place = vf_max(vf_min(last, place), zero); /* in this order -0 becomes 0, as if it had been an integer */
     const vmask stays = vf_eq(a->dir, zero);
     place = vf_select(stays, vf_sub(a->center, vf_set(0.5f)), place);
     const vmask moves = vm_andnot(alive, stays);
@@ -40,8 +40,8 @@ static inline vfloat first_cell(const vaxis *a, vfloat t, size_t samples, vmask 
 
 /* Lanes that pass the gate; gathers the samples of the living. */
 static inline vmask gate(vcell *c, const vray *r, const cw_field *f, vint sample, vmask alive) {
-    c->t0 = vf_max(vf_max(c->x_in, c->y_in), r->tmin);
-    c->t1 = vf_min(vf_min(c->x_out, c->y_out), r->tmax);
+    c->t0 = vf_max(vf_max(c->x_in, c->y_in), r->begin);
+    c->t1 = vf_min(vf_min(c->x_out, c->y_out), r->end);
     c->h00 = vf_gather(f->z, sample, alive);
     c->h10 = vf_gather(f->z + 1, sample, alive);
     c->h01 = vf_gather(f->z + f->stride, sample, alive);

@@ -19,7 +19,7 @@ typedef struct vray {
     vfloat oz, dz;
     vfloat tmin, tmax;
     vfloat t0, t1;     /* inside the field */
-    vfloat begin, end; /* inside the slab: what a walk has to visit */
+    vfloat begin, end; /* inside the slab too: a cell's interval lies in it */
 } vray;
 
 static inline vfloat crossing(const vaxis *a, vfloat border) { return vf_mul(vf_sub(border, a->center), a->inverse); }
@@ -61,8 +61,11 @@ static inline void make_slab(vray *r, const cw_field *f) {
     const vfloat oz = vf_abs(r->oz), across = vf_abs(inverse);
     const vfloat slack_a = vf_add(vf_mul(u8, vf_mul(vf_add(oz, vf_abs(enter)), across)), vf_mul(u4, vf_abs(a)));
     const vfloat slack_b = vf_add(vf_mul(u8, vf_mul(vf_add(oz, vf_abs(leave)), across)), vf_mul(u4, vf_abs(b)));
-    r->begin = vf_max(vf_sub(a, slack_a), r->t0);
-    r->end = vf_min(vf_add(b, slack_b), r->t1);
+    const vfloat s0 = vf_sub(a, slack_a), s1 = vf_add(b, slack_b), z0 = height(r, s0), z1 = height(r, s1);
+    const vmask beyond0 = vm_or(vm_and(up, vf_lt(z0, enter)), vm_andnot(vf_gt(z0, enter), up));
+    const vmask beyond1 = vm_or(vm_and(up, vf_gt(z1, leave)), vm_andnot(vf_lt(z1, leave), up));
+    r->begin = vf_select(vm_and(beyond0, vf_gt(s0, r->t0)), s0, r->t0);
+    r->end = vf_select(vm_and(beyond1, vf_lt(s1, r->t1)), s1, r->t1);
 }
 
 /* Lanes that may hit. */
@@ -78,8 +81,8 @@ static inline vmask make_rays(vray *r, const cw_field *f, const cw_ray *rays) {
     r->oz = c[2];
     r->dz = vf_select(has_inverse(vf_div(vf_set(1), c[6])), c[6], zero);
     const vmask still = vm_and(vm_and(vf_eq(r->x.dir, zero), vf_eq(r->y.dir, zero)), vf_eq(r->dz, zero));
-    r->tmin = vf_max(c[3], vf_set(-FLT_MAX));
-    r->tmax = vf_min(c[7], vf_set(FLT_MAX));
+    r->tmin = vf_max(c[3], vf_set(-FLT_MAX / 2));
+    r->tmax = vf_min(c[7], vf_set(FLT_MAX / 2));
     r->t0 = vf_max(vf_max(crossing(&r->x, r->x.first), crossing(&r->y, r->y.first)), r->tmin);
     r->t1 = vf_min(vf_min(crossing(&r->x, r->x.last), crossing(&r->y, r->y.last)), r->tmax);
     alive = vm_and(vm_andnot(alive, still), vf_le(r->t0, r->t1));

@@ -50,7 +50,7 @@ static inline vmask wt_cell(const vray *r, const vcell *c, vmask among, vhit *hi
     const vmask up_out = vm_or(vm_and(leave_x, r->x.up), vm_andnot(r->y.up, leave_x));
     vmask in_b = vm_not(vm_xor(enter_x, up_in)), out_b = vm_xor(leave_x, up_out);
     const vfloat in = vf_max(c->x_in, c->y_in), out = vf_min(c->x_out, c->y_out);
-    const vmask at_in = vf_ge(in, r->tmin), at_out = vf_le(out, r->tmax);
+    const vmask at_in = vf_ge(in, r->begin), at_out = vf_le(out, r->end);
     vfloat da = wt_border(r, c, c->t0, enter_x, vm_not(up_in));
     vfloat db = wt_border(r, c, c->t1, leave_x, up_out);
     if (vm_any(vm_andnot(among, vm_and(at_in, at_out)))) { /* ranges that start or end inside a cell are rare */

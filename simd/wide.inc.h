@@ -88,8 +88,8 @@ static inline bool wide_block(const wide_ray *w, const cw_field *f, int32_t x, i
         vfloat border_x, border_y;
         places(&r->x, start_x, step_x, vf_load(lane_x + k * W), &border_x, &c.x_in, &c.x_out);
         places(&r->y, start_y, step_y, vf_load(lane_y + k * W), &border_y, &c.y_in, &c.y_out);
-        c.t0 = vf_max(vf_max(c.x_in, c.y_in), r->tmin);
-        c.t1 = vf_min(vf_min(c.x_out, c.y_out), r->tmax);
+        c.t0 = vf_max(vf_max(c.x_in, c.y_in), r->begin);
+        c.t1 = vf_min(vf_min(c.x_out, c.y_out), r->end);
         c.h00 = vf_load_block(s.z, s.stride, &w->order, k);
         c.h10 = vf_load_block(s.z + 1, s.stride, &w->order, k);
         c.h01 = vf_load_block(s.z + s.stride, s.stride, &w->order, k);

@@ -5,26 +5,24 @@
 #include "field.h"
 #include "kernels.h"
 #include "moller_trumbore.h"
-
-#include <float.h>
+#include "ray.h"
 
 CW_DECLARE_KERNEL(brute_mt)
 
 /* The nearest hit; among equally near ones the first in row order. */
-static bool trace(const cw_field *f, const cw_ray *ray, bool any, cw_hit *best) {
+static bool trace(const cw_field *f, const cw_ray *given, bool any, cw_hit *best) {
     bool found = false;
-    const float tmin = ray->tmin > -FLT_MAX ? ray->tmin : -FLT_MAX;
-    float tmax = ray->tmax < FLT_MAX ? ray->tmax : FLT_MAX;
-    if (!(ray->tmin <= ray->tmax)) return false;
+    cw_ray ray;
+    if (!ray_clean(&ray, given)) return false;
     for (size_t j = 0; j + 1 < f->ny; j++) {
         for (size_t i = 0; i + 1 < f->nx; i++) {
             const float *h = f->z + j * f->stride + i;
             cw_hit hit;
-            if (!mt_cell(ray, tmin, tmax, i, j, h[0], h[1], h[f->stride], h[f->stride + 1], &hit)) continue;
+            if (!mt_cell(&ray, ray.tmin, ray.tmax, i, j, h[0], h[1], h[f->stride], h[f->stride + 1], &hit)) continue;
             if (found && !(hit.t < best->t)) continue;
             *best = hit;
             found = true;
-            tmax = hit.t;
+            ray.tmax = hit.t;
             if (any) return true;
         }
     }

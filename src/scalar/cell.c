@@ -28,20 +28,20 @@ static size_t first_cell(const strict_axis *a, float t, size_t cells) {
 static inline bool walk(const cw_field *f, const cw_ray *ray, cw_leaf leaf, cw_hit *hit) {
     strict_ray r;
     if (!strict_ray_init(&r, f, ray)) return false;
+    cw_ray clean; /* as in strict_ray */
+    if (!ray_clean(&clean, ray)) return false;
     const size_t cells_x = f->nx - 1, cells_y = f->ny - 1;
-    float begin, end;
-    strict_slab(&r, f, &begin, &end);
-    size_t i = first_cell(&r.x, begin, cells_x), j = first_cell(&r.y, begin, cells_y);
+    size_t i = first_cell(&r.x, r.begin, cells_x), j = first_cell(&r.y, r.begin, cells_y);
     for (;;) { /* at most cells_x + cells_y times: each turn goes on along one axis and none turns back */
         strict_cell c;
         if (strict_gate(&c, &r, f, i, j)) {
             const bool found = leaf == CW_LEAF_WATERTIGHT
                                    ? wt_cell(&r, &c, hit)
-                                   : mt_cell(ray, r.tmin, r.tmax, i, j, c.h00, c.h10, c.h01, c.h11, hit);
+                                   : mt_cell(&clean, r.tmin, r.tmax, i, j, c.h00, c.h10, c.h01, c.h11, hit);
             if (found) return true;
         }
         const bool in_x = c.x_out <= c.y_out;
-        if ((in_x ? c.x_out : c.y_out) > end) return false;
+        if ((in_x ? c.x_out : c.y_out) > r.end) return false;
         if (in_x) {
             i += (size_t)(ptrdiff_t)r.x.step; /* below 0 it wraps, beyond every field */
             if (i >= cells_x) return false;

@@ -11,6 +11,7 @@
 #include "field.h"
 #include "kernels.h"
 #include "moller_trumbore.h"
+#include "ray.h"
 
 #include <float.h>
 #include <stdlib.h>
@@ -142,13 +143,11 @@ static float crossing(const struct cw_grid3d *g, const grid_walk *w, int axis) {
 
 /* Slab test with the box padded by what rounding may take from its faces (Ize 2013: 2 ulp of the far t). */
 static bool enter_grid(const struct cw_grid3d *g, const cw_ray *ray, grid_walk *w) {
-    float t0 = ray->tmin > -FLT_MAX ? ray->tmin : -FLT_MAX, t1 = ray->tmax < FLT_MAX ? ray->tmax : FLT_MAX;
-    if (!(ray->tmin <= ray->tmax)) return false;
+    float t0 = ray->tmin, t1 = ray->tmax;
     w->tmin = t0;
     w->tmax = t1;
     for (int a = 0; a < 3; a++) {
         const float inverse = 1 / ray->dir[a];
-        if (!isfinite(ray->org[a]) || !isfinite(ray->dir[a])) return false;
         w->org[a] = ray->org[a];
         w->inverse[a] = inverse;
         if (!(fabsf(inverse) <= FLT_MAX)) {
@@ -161,7 +160,7 @@ static bool enter_grid(const struct cw_grid3d *g, const cw_ray *ray, grid_walk *
         t0 = fmaxf(t0, near - fabsf(near) * 4 * FLT_EPSILON);
         t1 = fminf(t1, far + fabsf(far) * 4 * FLT_EPSILON);
     }
-    if (!(t0 <= t1) || (w->inverse[0] == 0 && w->inverse[1] == 0 && w->inverse[2] == 0)) return false;
+    if (!(t0 <= t1)) return false;
     for (int a = 0; a < 3; a++) {
         w->voxel[a] = voxel_of(g, ray->org[a] + t0 * ray->dir[a], a);
         w->step[a] = w->inverse[a] > 0 ? 1 : -1;
@@ -183,8 +182,8 @@ static bool test_voxel(const struct cw_grid3d *g, const cw_field *f, const cw_ra
         const float o[3] = {ray->org[0] - (float)i, ray->org[1] - (float)j, ray->org[2] - h00};
         const bool a = (g->entry[k] & 1) == CW_TRIANGLE_A;
         cw_hit hit = {.i = (int32_t)i, .j = (int32_t)j, .triangle = a ? CW_TRIANGLE_A : CW_TRIANGLE_B};
-        if (!(a ? mt_triangle(o, ray->dir, 0, h[1] - h00, 1, h11 - h00, w->tmin, w->tmax, &hit)
-                : mt_triangle(o, ray->dir, 1, h11 - h00, 0, h[f->stride] - h00, w->tmin, w->tmax, &hit)))
+        if (!(a ? mt_triangle(o, ray->dir, false, h[1] - h00, true, h11 - h00, w->tmin, w->tmax, &hit)
+                : mt_triangle(o, ray->dir, true, h11 - h00, false, h[f->stride] - h00, w->tmin, w->tmax, &hit)))
             continue;
         if (found && !(hit.t < best->t)) continue;
         *best = hit;
@@ -193,15 +192,16 @@ static bool test_voxel(const struct cw_grid3d *g, const cw_field *f, const cw_ra
     return found;
 }
 
-static inline bool walk(const cw_field *f, const cw_ray *ray, bool early, bool any, cw_hit *hit) {
+static inline bool walk(const cw_field *f, const cw_ray *given, bool early, bool any, cw_hit *hit) {
     const struct cw_grid3d *g = f->grid3d;
+    cw_ray ray;
     grid_walk w;
     bool found = false;
-    if (!enter_grid(g, ray, &w)) return false;
+    if (!ray_clean(&ray, given) || !enter_grid(g, &ray, &w)) return false;
     for (;;) { /* at most n[0] + n[1] + n[2] voxels */
         const int axis = w.next[0] <= w.next[1] ? (w.next[0] <= w.next[2] ? 0 : 2) : (w.next[1] <= w.next[2] ? 1 : 2);
         cw_hit candidate;
-        if (test_voxel(g, f, ray, &w, &candidate) && (!found || candidate.t < hit->t)) {
+        if (test_voxel(g, f, &ray, &w, &candidate) && (!found || candidate.t < hit->t)) {
             *hit = candidate;
             found = true;
             if (early || any) return true;

@@ -9,17 +9,18 @@
 #include <math.h>
 
 /* Ray against one triangle of a cell, relative to the cell's sample (i, j): o = org - (i, j, h00), edges
- * e1 = (1, e1y, e1z) and e2 = (e2x, 1, e2z). True if hit->t, u, v are a hit in [tmin, tmax]. NaN in a vertex, or a ray
- * in the triangle's plane (determinant 0), makes a comparison fail. */
-static inline bool mt_triangle(const float o[3], const float d[3], float e1y, float e1z, float e2x, float e2z,
-                               float tmin, float tmax, cw_hit *hit) {
-    const float px = d[1] * e2z - d[2], py = d[2] * e2x - d[0] * e2z, pz = d[0] - d[1] * e2x;
-    const float det = (px + py * e1y) + pz * e1z;
+ * e1 = (1, e1y, e1z) and e2 = (e2x, 1, e2z), where e1y and e2x are 0 or 1 (constants to the compiler; a term times 0 is
+ * left out, as it would change the sign of a zero, or make NaN of what overflows). True if hit->t, u, v are a hit in
+ * [tmin, tmax]. NaN in a vertex, or a ray in the triangle's plane (determinant 0), makes a comparison fail. */
+static inline bool mt_triangle(const float o[3], const float d[3], bool e1y, float e1z, bool e2x, float e2z, float tmin,
+                               float tmax, cw_hit *hit) {
+    const float px = d[1] * e2z - d[2], py = (e2x ? d[2] : 0) - d[0] * e2z, pz = e2x ? d[0] - d[1] : d[0];
+    const float det = (e1y ? px + py : px) + pz * e1z;
     const float inverse = 1.0f / det;
     const float u = ((o[0] * px + o[1] * py) + o[2] * pz) * inverse;
-    const float qx = o[1] * e1z - o[2] * e1y, qy = o[2] - o[0] * e1z, qz = o[0] * e1y - o[1];
+    const float qx = e1y ? o[1] * e1z - o[2] : o[1] * e1z, qy = o[2] - o[0] * e1z, qz = (e1y ? o[0] : 0) - o[1];
     const float v = ((d[0] * qx + d[1] * qy) + d[2] * qz) * inverse;
-    const float t = ((e2x * qx + qy) + e2z * qz) * inverse;
+    const float t = ((e2x ? qx + qy : qy) + e2z * qz) * inverse;
     if (!(u >= 0 && v >= 0 && u + v <= 1 && t >= tmin && t <= tmax)) return false;
     hit->t = t;
     hit->u = u;
@@ -33,8 +34,8 @@ static inline bool mt_cell(const cw_ray *ray, float tmin, float tmax, size_t i, 
     const float o[3] = {ray->org[0] - (float)i, ray->org[1] - (float)j, ray->org[2] - h00};
     cw_hit b = {.triangle = CW_TRIANGLE_B};
     hit->triangle = CW_TRIANGLE_A;
-    const bool hit_a = mt_triangle(o, ray->dir, 0, h10 - h00, 1, h11 - h00, tmin, tmax, hit);
-    const bool hit_b = mt_triangle(o, ray->dir, 1, h11 - h00, 0, h01 - h00, tmin, tmax, &b);
+    const bool hit_a = mt_triangle(o, ray->dir, false, h10 - h00, true, h11 - h00, tmin, tmax, hit);
+    const bool hit_b = mt_triangle(o, ray->dir, true, h11 - h00, false, h01 - h00, tmin, tmax, &b);
     if (hit_b && !(hit_a && hit->t <= b.t)) *hit = b;
     hit->i = (int32_t)i;
     hit->j = (int32_t)j;

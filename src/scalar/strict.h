@@ -10,12 +10,14 @@
  *  3. The gate: only a cell on the walk, with t-interval [t0, t1] not empty, and in which the ray's heights at t0 and t1
  *     enclose a height between the cell's lowest and highest sample, is tested at all. Heights org + t · dir are
  *     monotone in t as well, so the same comparison on a block of cells can skip the block and never changes a hit.
- *  4. The slab: a walk may begin and end where the ray enters and leaves the heights between the field's lowest and
- *     highest sample, moved apart by more than rounding can amount to; the gate fails outside anyway. */
+ *  4. The slab: a ray's t-range is cut off where its height is strictly beyond the field's lowest and highest sample. No
+ *     hit is lost; and the heights at the two ends of a cell's interval, from which the leaf test interpolates, stay of
+ *     the size of the origin and the field even if a vertical ray has no ends at all. */
 #ifndef CELLWALK_SCALAR_STRICT_H
 #define CELLWALK_SCALAR_STRICT_H
 
 #include "field.h"
+#include "ray.h"
 
 #include <float.h>
 #include <math.h>
@@ -36,7 +38,8 @@ typedef struct strict_ray {
     strict_axis x, y;
     float oz, dz;
     float tmin, tmax; /* finite */
-    float t0, t1;     /* inside the field: a cell's interval lies in it */
+    float t0, t1;     /* inside the field */
+    float begin, end; /* inside the slab too: a cell's interval lies in it */
 } strict_ray;
 
 /* A cell on the walk, with its four border crossings. */
@@ -71,18 +74,19 @@ static inline bool strict_axis_init(strict_axis *a, float org, float dir, size_t
     return org >= 0 && org <= end;
 }
 
-/* Narrows the part of [t0, t1] that a walk has to visit to where the ray may be between the field's lowest and highest
- * sample. The gate's heights fl(org + fl(t · dir)) are off by at most u (3 |org| + 2 |z|) (1 + 4u) where they compare with
- * z, u = 2^-24; the computed bound itself is off by 3u relative. 8u and 4u cover both. With dir = 0 every term is
- * infinite or NaN, and the comparisons keep t0 and t1. */
-static inline void strict_slab(const strict_ray *r, const cw_field *f, float *s0, float *s1) {
+/* Cuts [t0, t1] off beyond the field's lowest and highest sample, in which it may be anywhere. The computed bound is off
+ * by 3u relative, u = 2^-24, and the heights there by at most u (|org| + 2 |z|) (1 + 4u): 4u and 8u make it likely that
+ * the height is strictly beyond. Whether it is decides, so that no underflow can cut off a hit; with dir = 0 it is not. */
+static inline void strict_slab(strict_ray *r, const cw_field *f) {
     const float u = FLT_EPSILON / 2, inverse = 1.0f / r->dz;
-    const float enter = r->dz > 0 ? f->low : f->high, leave = r->dz > 0 ? f->high : f->low;
+    const bool up = r->dz > 0;
+    const float enter = up ? f->low : f->high, leave = up ? f->high : f->low;
     const float a = (enter - r->oz) * inverse, b = (leave - r->oz) * inverse;
     const float slack_a = (8 * u) * ((fabsf(r->oz) + fabsf(enter)) * fabsf(inverse)) + (4 * u) * fabsf(a);
     const float slack_b = (8 * u) * ((fabsf(r->oz) + fabsf(leave)) * fabsf(inverse)) + (4 * u) * fabsf(b);
-    *s0 = max_second(a - slack_a, r->t0);
-    *s1 = min_second(b + slack_b, r->t1);
+    const float s0 = a - slack_a, s1 = b + slack_b, z0 = strict_height(r, s0), z1 = strict_height(r, s1);
+    r->begin = (up ? z0 < enter : z0 > enter) && s0 > r->t0 ? s0 : r->t0;
+    r->end = (up ? z1 > leave : z1 < leave) && s1 < r->t1 ? s1 : r->t1;
 }
 
 /* False if the ray cannot hit: not a ray, or clear of the field's box. */
@@ -92,13 +96,15 @@ static inline bool strict_ray_init(strict_ray *r, const cw_field *f, const cw_ra
     if (!(poison == 0 && ray->tmin <= ray->tmax)) return false;
     const bool x = strict_axis_init(&r->x, o[0], d[0], f->nx), y = strict_axis_init(&r->y, o[1], d[1], f->ny);
     r->oz = o[2];
-    r->dz = fabsf(1.0f / d[2]) <= FLT_MAX ? d[2] : 0;
+    r->dz = ray_direction(d[2]);
     if (!x || !y || (r->x.dir == 0 && r->y.dir == 0 && r->dz == 0)) return false;
-    r->tmin = max_second(ray->tmin, -FLT_MAX);
-    r->tmax = min_second(ray->tmax, FLT_MAX);
+    r->tmin = max_second(ray->tmin, -ray_t_limit());
+    r->tmax = min_second(ray->tmax, ray_t_limit());
     r->t0 = max_second(max_second(strict_crossing(&r->x, r->x.first), strict_crossing(&r->y, r->y.first)), r->tmin);
     r->t1 = min_second(min_second(strict_crossing(&r->x, r->x.last), strict_crossing(&r->y, r->y.last)), r->tmax);
-    return r->t0 <= r->t1 && !strict_clear(r, r->t0, r->t1, f->low, f->high);
+    if (!(r->t0 <= r->t1) || strict_clear(r, r->t0, r->t1, f->low, f->high)) return false;
+    strict_slab(r, f);
+    return true;
 }
 
 /* Fills c with cell (i, j) and says whether it passes the gate. */
@@ -111,8 +117,8 @@ static inline bool strict_gate(strict_cell *c, const strict_ray *r, const cw_fie
     c->y_in = strict_crossing(&r->y, r->y.step > 0 ? y_low : y_high);
     c->y_out = strict_crossing(&r->y, r->y.step > 0 ? y_high : y_low);
     if (!(c->x_in <= c->y_out && c->y_in < c->x_out)) return false;
-    c->t0 = max_second(max_second(c->x_in, c->y_in), r->tmin);
-    c->t1 = min_second(min_second(c->x_out, c->y_out), r->tmax);
+    c->t0 = max_second(max_second(c->x_in, c->y_in), r->begin);
+    c->t1 = min_second(min_second(c->x_out, c->y_out), r->end);
     if (!(c->t0 <= c->t1)) return false;
     const float *row = f->z + j * f->stride + i;
     c->h00 = row[0];

@@ -76,9 +76,9 @@ static inline bool wt_cell(const strict_ray *r, const strict_cell *c, cw_hit *hi
     bool in_b = enter_x ? up_x : !up_y, out_b = leave_x ? !up_x : up_y;
     const float in = max_second(c->x_in, c->y_in), out = min_second(c->x_out, c->y_out);
     const float da =
-        in >= r->tmin ? wt_border(r, c, c->t0, enter_x, enter_x ? !up_x : !up_y) : wt_inside(r, c, c->t0, &in_b);
+        in >= r->begin ? wt_border(r, c, c->t0, enter_x, enter_x ? !up_x : !up_y) : wt_inside(r, c, c->t0, &in_b);
     const float db =
-        out <= r->tmax ? wt_border(r, c, c->t1, leave_x, leave_x ? up_x : up_y) : wt_inside(r, c, c->t1, &out_b);
+        out <= r->end ? wt_border(r, c, c->t1, leave_x, leave_x ? up_x : up_y) : wt_inside(r, c, c->t1, &out_b);
     float ta = c->t0, tb = c->t1, d0 = da, d1 = db;
     bool b = in_b;
     bool found;
