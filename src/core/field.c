@@ -2,6 +2,7 @@
 #include "field.h"
 
 #include "affine.h"
+#include "fpenv.h"
 #include "kernels.h"
 #include "memory.h"
 
@@ -61,10 +62,7 @@ static cw_status build(cw_field *f, unsigned needs) {
     return status;
 }
 
-cw_status cw_field_create(const cw_field_desc *desc, cw_field **field) {
-    if (field == NULL) return CW_ERROR_ARGUMENT;
-    *field = NULL;
-    if (desc == NULL) return CW_ERROR_ARGUMENT;
+static cw_status create(const cw_field_desc *desc, cw_field **field) {
     cw_status status = check(desc);
     if (status != CW_OK) return status;
 
@@ -101,6 +99,17 @@ cw_status cw_field_create(const cw_field_desc *desc, cw_field **field) {
     return CW_OK;
 }
 
+/* In the environment in which queries will run: to a caller's denormals-are-zero, small samples would all be equal. */
+cw_status cw_field_create(const cw_field_desc *desc, cw_field **field) {
+    if (field == NULL) return CW_ERROR_ARGUMENT;
+    *field = NULL;
+    if (desc == NULL) return CW_ERROR_ARGUMENT;
+    const fpenv caller = fpenv_enter();
+    const cw_status status = create(desc, field);
+    fpenv_leave(caller);
+    return status;
+}
+
 void cw_field_destroy(cw_field *field) {
     if (field == NULL) return;
     cw_grid3d_destroy(field->grid3d);
@@ -111,7 +120,10 @@ void cw_field_destroy(cw_field *field) {
 
 cw_status cw_field_build(cw_field *field, const cw_kernel *kernel) {
     if (field == NULL || kernel == NULL) return CW_ERROR_ARGUMENT;
-    return build(field, kernel->needs);
+    const fpenv caller = fpenv_enter();
+    const cw_status status = build(field, kernel->needs);
+    fpenv_leave(caller);
+    return status;
 }
 
 cw_field_info cw_field_describe(const cw_field *field) {
@@ -132,6 +144,7 @@ float cw_field_sample(const cw_field *field, size_t i, size_t j) {
 }
 
 void cw_rays_to_field(const cw_field *field, const cw_user_ray *in, size_t n, cw_ray *out) {
+    const fpenv caller = fpenv_enter();
     for (size_t k = 0; k < n; k++) {
         double org[3], dir[3];
         affine_point(field->to_field, in[k].org, org);
@@ -143,4 +156,5 @@ void cw_rays_to_field(const cw_field *field, const cw_user_ray *in, size_t n, cw
             .tmax = (float)in[k].tmax,
         };
     }
+    fpenv_leave(caller);
 }
