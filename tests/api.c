@@ -1,0 +1,532 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The public functions: misuse gives the documented status, arrays of any length and alignment give the documented
+ * result, and what follows from a hit agrees with formulas in long double. */
+
+#include "check.h"
+#include "rays.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static test_field shape; /* 17 × 17, random */
+static cw_field *field;
+static cw_ray rays[20000];
+static cw_hit expected[20000], got[20000];
+enum { RAYS = sizeof rays / sizeof rays[0] };
+
+static int set_up(void **state) {
+    (void)state;
+    random_state r = {7};
+    field_make(&shape, FIELD_RANDOM, 17, 17, 7);
+    field = field_open(&shape);
+    for (size_t k = 0; k < RAYS; k++) rays[k] = ray_make((ray_class)(k % RAY_CLASSES), &shape, &r);
+    check_status(cw_closest(field, NULL, rays, RAYS, expected), CW_OK);
+    return 0;
+}
+
+static int tear_down(void **state) {
+    (void)state;
+    cw_field_destroy(field);
+    return 0;
+}
+
+/* ---- misuse ----------------------------------------------------------------------------------------------------- */
+
+static cw_status try_create(cw_field_desc desc) {
+    cw_field *f = (cw_field *)&desc; /* anything but NULL: failure has to reset it */
+    const cw_status status = cw_field_create(&desc, &f);
+    check((f == NULL) == (status != CW_OK), "field %p with status %d", (void *)f, (int)status);
+    cw_field_destroy(f);
+    return status;
+}
+
+static void test_bad_fields(void **state) {
+    (void)state;
+    static const float z[12] = {0};
+    cw_field_desc good = cw_field_desc_default(), d;
+    good.samples = z;
+    good.nx = 3;
+    good.ny = 2;
+    cw_field *f;
+    check_status(try_create(good), CW_OK);
+    check_status(cw_field_create(NULL, &f), CW_ERROR_ARGUMENT);
+    assert_null(f);
+    check_status(cw_field_create(&good, NULL), CW_ERROR_ARGUMENT);
+    d = good, d.samples = NULL;
+    check_status(try_create(d), CW_ERROR_ARGUMENT);
+    d = good, d.storage = (cw_storage)2;
+    check_status(try_create(d), CW_ERROR_ARGUMENT);
+
+    const size_t sides[] = {0, 1, (size_t)CW_SIDE_MAX + 1, SIZE_MAX / 2 + 1, SIZE_MAX};
+    for (size_t k = 0; k < sizeof sides / sizeof sides[0]; k++) {
+        d = good, d.nx = sides[k];
+        check_status(try_create(d), CW_ERROR_SIZE);
+        d = good, d.ny = sides[k];
+        check_status(try_create(d), CW_ERROR_SIZE);
+        d = good, d.nx = d.ny = sides[k];
+        check_status(try_create(d), CW_ERROR_SIZE);
+    }
+    d = good, d.nx = d.ny = 46341; /* 46341 squared is the first square above 2^31 */
+    check_status(try_create(d), CW_ERROR_SIZE);
+
+    d = good, d.stride = 2;
+    check_status(try_create(d), CW_ERROR_STRIDE);
+    d = good, d.stride = SIZE_MAX / 4;
+    check_status(try_create(d), CW_ERROR_STRIDE);
+    d = good, d.stride = SIZE_MAX;
+    check_status(try_create(d), CW_ERROR_STRIDE);
+    d = good, d.stride = (size_t)1 << 31, d.storage = CW_BORROW;
+    check_status(try_create(d), CW_ERROR_SIZE);
+    d = good, d.stride = 6;
+    check_status(try_create(d), CW_OK);
+}
+
+static void test_bad_maps(void **state) {
+    (void)state;
+    static const float z[4] = {0};
+    cw_field_desc good = cw_field_desc_default(), d;
+    good.samples = z;
+    good.nx = good.ny = 2;
+    for (int r = 0; r < 3; r++)
+        for (int c = 0; c < 4; c++) {
+            const double odd[] = {(double)NAN, (double)INFINITY, -(double)INFINITY};
+            for (size_t k = 0; k < 3; k++) {
+                d = good, d.map[r][c] = odd[k];
+                check_status(try_create(d), CW_ERROR_MAP);
+            }
+        }
+    d = good, d.map[1][1] = 0; /* a row of zeros */
+    check_status(try_create(d), CW_ERROR_MAP);
+    d = good, d.map[1][0] = 1, d.map[1][1] = 0; /* two equal rows */
+    check_status(try_create(d), CW_ERROR_MAP);
+    d = good, d.map[2][2] = 1e-320; /* the inverse overflows */
+    check_status(try_create(d), CW_ERROR_MAP);
+    d = good, d.map[0][0] = 1e-9, d.map[1][1] = 1e-9, d.map[2][2] = 1e-9; /* nanometres are no singular map */
+    check_status(try_create(d), CW_OK);
+}
+
+static void test_holes_in_borrowed_samples(void **state) {
+    (void)state;
+    float z[4] = {0, NAN, 1, 2};
+    cw_field_desc d = cw_field_desc_default();
+    d.samples = z;
+    d.nx = d.ny = 2;
+    d.storage = CW_BORROW;
+    check_status(try_create(d), CW_OK);
+    z[1] = -INFINITY;
+    check_status(try_create(d), CW_ERROR_HOLE);
+    d.storage = CW_COPY;
+    cw_field *f;
+    check_status(cw_field_create(&d, &f), CW_OK);
+    const cw_field_info info = cw_field_describe(f);
+    assert_int_equal(info.holes, 1);
+    check(info.low == 0 && info.high == 2, "holes count in the range %g to %g", (double)info.low, (double)info.high);
+    cw_field_destroy(f);
+    z[0] = z[1] = z[2] = z[3] = NAN;
+    check_status(cw_field_create(&d, &f), CW_OK);
+    check(cw_field_describe(f).low > cw_field_describe(f).high, "a field of holes has a range");
+    cw_field_destroy(f);
+}
+
+static void test_bad_queries(void **state) {
+    (void)state;
+    uint8_t occluded[2];
+    cw_hit hits[2];
+    memset(hits, 0x5a, sizeof hits);
+    memset(occluded, 0x5a, sizeof occluded);
+    check_status(cw_closest(NULL, NULL, rays, 2, hits), CW_ERROR_ARGUMENT);
+    check_status(cw_closest(field, NULL, NULL, 2, hits), CW_ERROR_ARGUMENT);
+    check_status(cw_closest(field, NULL, rays, 2, NULL), CW_ERROR_ARGUMENT);
+    check_status(cw_any(NULL, NULL, rays, 2, occluded), CW_ERROR_ARGUMENT);
+    check_status(cw_any(field, NULL, NULL, 2, occluded), CW_ERROR_ARGUMENT);
+    check_status(cw_any(field, NULL, rays, 2, NULL), CW_ERROR_ARGUMENT);
+    check_status(cw_closest(field, NULL, NULL, 0, NULL), CW_OK);
+    check_status(cw_any(field, NULL, NULL, 0, NULL), CW_OK);
+
+    cw_query q = cw_query_default();
+    q.leaf = (cw_leaf)CW_LEAF_COUNT;
+    check_status(cw_closest(field, &q, rays, 2, hits), CW_ERROR_ARGUMENT);
+    q.leaf = (cw_leaf)-1;
+    check_status(cw_any(field, &q, rays, 2, occluded), CW_ERROR_ARGUMENT);
+    q.leaf = CW_LEAF_WATERTIGHT;
+    q.kernel = cw_kernel_find("brute");
+    check_status(cw_closest(field, &q, rays, 2, hits), CW_ERROR_UNSUPPORTED);
+    check_status(cw_any(field, &q, rays, 2, occluded), CW_ERROR_UNSUPPORTED);
+
+    cw_field_desc d = cw_field_desc_default();
+    d.samples = shape.z;
+    d.nx = d.ny = 2;
+    cw_field *f;
+    check_status(cw_field_create(&d, &f), CW_OK);
+    q = (cw_query){.kernel = cw_kernel_find("grid3d")};
+    assert_true(cw_kernel_describe(q.kernel).needs_build);
+    check_status(cw_closest(f, &q, rays, 2, hits), CW_ERROR_NOT_BUILT);
+    check_status(cw_any(f, &q, rays, 2, occluded), CW_ERROR_NOT_BUILT);
+    check_status(cw_field_build(NULL, q.kernel), CW_ERROR_ARGUMENT);
+    check_status(cw_field_build(f, NULL), CW_ERROR_ARGUMENT);
+    check_status(cw_field_build(f, q.kernel), CW_OK);
+    const size_t built = cw_field_describe(f).bytes_built;
+    check(built > 0, "a build of no bytes");
+    check_status(cw_field_build(f, q.kernel), CW_OK);
+    assert_int_equal(cw_field_describe(f).bytes_built, built);
+    cw_field_destroy(f);
+    cw_field_destroy(NULL);
+
+    for (size_t k = 0; k < sizeof hits; k++) check(((uint8_t *)hits)[k] == 0x5a, "an error wrote to the hits");
+    for (size_t k = 0; k < sizeof occluded; k++) check(occluded[k] == 0x5a, "an error wrote to the results");
+}
+
+static void test_unavailable_kernels(void **state) {
+    (void)state;
+    const cw_isa machine = cw_isa_best();
+    for (int limit = CW_ISA_SCALAR; limit <= CW_ISA_AVX512; limit++) {
+        cw_isa_limit((cw_isa)limit);
+        check(cw_isa_best() <= machine && (int)cw_isa_best() <= limit, "the limit does not hold");
+        for (size_t k = 0; k < cw_kernel_count(); k++) {
+            const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
+            const cw_query q = {.kernel = cw_kernel_at(k)};
+            check(info.available == (info.isa <= cw_isa_best()), "%s: availability", info.name);
+            cw_hit hit;
+            check_status(cw_closest(field, &q, rays, 1, &hit), info.available ? CW_OK : CW_ERROR_UNAVAILABLE);
+        }
+        assert_true(cw_kernel_describe(cw_query_kernel(field, NULL)).available);
+        check_status(cw_closest(field, NULL, rays, RAYS, got), CW_OK);
+        for (size_t k = 0; k < RAYS; k++) check(hit_same(&got[k], &expected[k]), "the limit changes a hit");
+    }
+    cw_isa_limit(CW_ISA_AVX512);
+    assert_int_equal(cw_isa_best(), machine);
+}
+
+static void test_names(void **state) {
+    (void)state;
+    for (int s = CW_OK; s <= CW_ERROR_THREAD; s++) {
+        const char *text = cw_status_message((cw_status)s);
+        assert_non_null(text);
+        check(strlen(text) > 5 && text[strlen(text) - 1] != '.', "status %d: \"%s\"", s, text);
+        for (int other = CW_OK; other < s; other++) assert_string_not_equal(text, cw_status_message((cw_status)other));
+    }
+    assert_non_null(cw_status_message((cw_status)-1));
+    assert_non_null(cw_status_message((cw_status)1000));
+    assert_null(cw_isa_name((cw_isa)4));
+    assert_null(cw_isa_name((cw_isa)-1));
+    assert_null(cw_leaf_name((cw_leaf)CW_LEAF_COUNT));
+    assert_string_equal(cw_leaf_name(CW_LEAF_WATERTIGHT), "watertight");
+    assert_null(cw_kernel_at(cw_kernel_count()));
+    assert_null(cw_kernel_at(SIZE_MAX));
+    assert_null(cw_kernel_find(NULL));
+    assert_null(cw_kernel_find(""));
+    assert_null(cw_kernel_find("packet"));
+    for (size_t k = 0; k < cw_kernel_count(); k++) {
+        const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
+        assert_ptr_equal(cw_kernel_find(info.name), cw_kernel_at(k));
+        check(info.width >= 1 && info.what != NULL && strlen(info.what) > 5, "%s: width or description", info.name);
+        check(info.default_leaf != CW_LEAF_DEFAULT, "%s: no default leaf test", info.name);
+    }
+}
+
+static void test_borrowed_and_copied(void **state) {
+    (void)state;
+    float z[6] = {1, 1, 9, 1, 1, 9}; /* 2 × 2 in rows of three */
+    cw_field_desc d = cw_field_desc_default();
+    d.samples = z;
+    d.nx = d.ny = 2;
+    d.stride = 3;
+    cw_field *copied, *borrowed;
+    check_status(cw_field_create(&d, &copied), CW_OK);
+    d.storage = CW_BORROW;
+    check_status(cw_field_create(&d, &borrowed), CW_OK);
+    assert_int_equal(cw_field_describe(copied).bytes_samples, 4 * sizeof(float));
+    assert_int_equal(cw_field_describe(borrowed).bytes_samples, 0);
+    check(cw_field_describe(borrowed).high == 1, "a sample between rows counts");
+    z[0] = z[1] = z[3] = z[4] = NAN;
+    const cw_ray down = {.org = {0.25f, 0.5f, 3}, .dir = {0, 0, -1}, .tmax = INFINITY};
+    for (size_t k = 0; k < cw_kernel_count(); k++) {
+        const cw_query q = {.kernel = cw_kernel_at(k)};
+        if (!cw_kernel_describe(q.kernel).available) continue;
+        cw_hit hit;
+        check_status(cw_field_build(copied, q.kernel), CW_OK);
+        check_status(cw_closest(copied, &q, &down, 1, &hit), CW_OK);
+        check(fabsf(hit.t - 2) <= 0x1p-22f && hit.triangle == CW_TRIANGLE_B, "%s: the copy changed",
+              cw_kernel_describe(q.kernel).name);
+        check_status(cw_field_build(borrowed, q.kernel), CW_OK);
+        check_status(cw_closest(borrowed, &q, &down, 1, &hit), CW_OK);
+        check(hit.i == -1, "%s: borrowed samples are not read in place", cw_kernel_describe(q.kernel).name);
+    }
+    cw_field_destroy(copied);
+    cw_field_destroy(borrowed);
+}
+
+/* ---- arrays ----------------------------------------------------------------------------------------------------- */
+
+static void test_lengths_and_alignment(void **state) {
+    (void)state;
+    enum { LONGEST = 67, CANARY = 64 };
+    /* Rays and hits at every multiple of four bytes, hits and results between canaries. */
+    uint8_t *in = malloc(LONGEST * sizeof(cw_ray) + 64), *out = malloc(LONGEST * sizeof(cw_hit) + 64 + 2 * CANARY);
+    check(in != NULL && out != NULL, "out of memory");
+    for (size_t kernel = 0; kernel < cw_kernel_count(); kernel++) {
+        const cw_query q = {.kernel = cw_kernel_at(kernel)};
+        const cw_kernel_info info = cw_kernel_describe(q.kernel);
+        if (!info.available) continue;
+        cw_hit single[LONGEST];
+        for (size_t k = 0; k < LONGEST; k++) check_status(cw_closest(field, &q, &rays[k], 1, &single[k]), CW_OK);
+        for (size_t n = 0; n <= LONGEST; n++) {
+            const size_t offset = 4 * (n % 16), size = n * sizeof(cw_hit);
+            memcpy(in + offset, rays, n * sizeof(cw_ray));
+            const cw_ray *from = (const cw_ray *)(const void *)(in + offset);
+            cw_hit *hits = (cw_hit *)(void *)(out + CANARY + offset);
+            memset(out, 0xc3, LONGEST * sizeof(cw_hit) + 64 + 2 * CANARY);
+            check_status(cw_closest(field, &q, from, n, hits), CW_OK);
+            for (size_t k = 0; k < n; k++)
+                check(hit_same(&hits[k], &single[k]), "%s: ray %zu of %zu differs from itself alone", info.name, k, n);
+            for (size_t k = 0; k < CANARY + offset; k++) check(out[k] == 0xc3, "%s: wrote before hits", info.name);
+            for (size_t k = CANARY + offset + size; k < LONGEST * sizeof(cw_hit) + 64 + 2 * CANARY; k++)
+                check(out[k] == 0xc3, "%s: wrote beyond %zu hits", info.name, n);
+
+            uint8_t *occluded = out + CANARY + n % 16;
+            memset(out, 0xc3, LONGEST + 16 + 2 * CANARY);
+            check_status(cw_any(field, &q, from, n, occluded), CW_OK);
+            for (size_t k = 0; k < n; k++)
+                check(occluded[k] == (single[k].i >= 0), "%s: any hit, ray %zu of %zu", info.name, k, n);
+            for (const uint8_t *p = out; p < occluded; p++) check(*p == 0xc3, "%s: wrote before results", info.name);
+            for (const uint8_t *p = occluded + n; p < out + LONGEST + 16 + 2 * CANARY; p++)
+                check(*p == 0xc3, "%s: wrote beyond %zu results", info.name, n);
+        }
+    }
+    free(in);
+    free(out);
+}
+
+static void test_nan_rays_miss(void **state) {
+    (void)state;
+    const cw_ray good = {.org = {8, 8.3f, 5}, .tmin = 0, .dir = {0.1f, 0.2f, -1}, .tmax = 100};
+    for (size_t kernel = 0; kernel < cw_kernel_count(); kernel++) {
+        const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(kernel));
+        for (int leaf = CW_LEAF_MOLLER_TRUMBORE; info.available && leaf < CW_LEAF_COUNT; leaf++) {
+            const cw_query q = {.kernel = cw_kernel_at(kernel), .leaf = (cw_leaf)leaf};
+            cw_hit hit;
+            if (cw_closest(field, &q, &good, 1, &hit) == CW_ERROR_UNSUPPORTED) continue;
+            check(hit.i >= 0, "%s: the ray without NaN misses", info.name);
+            for (size_t part = 0; part < 8; part++)
+                for (int kind = 0; kind < 3; kind++) {
+                    const float odd[] = {NAN, INFINITY, -INFINITY};
+                    const bool range = part == 3 || part == 7;
+                    if (range && kind > 0) continue; /* an infinite t-range is a good one */
+                    float parts[8];
+                    memcpy(parts, &good, sizeof parts);
+                    parts[part] = odd[kind];
+                    cw_ray ray;
+                    memcpy(&ray, parts, sizeof ray);
+                    check_status(cw_closest(field, &q, &ray, 1, &hit), CW_OK);
+                    check(hit.t == INFINITY && hit.i == -1 && hit.j == -1 && hit.triangle == 0 && hit.u == 0 &&
+                              hit.v == 0,
+                          "%s: hit with %g in component %zu", info.name, (double)odd[kind], part);
+                    uint8_t occluded = 2;
+                    check_status(cw_any(field, &q, &ray, 1, &occluded), CW_OK);
+                    assert_int_equal(occluded, 0);
+                }
+        }
+    }
+}
+
+/* ---- what follows from a hit ------------------------------------------------------------------------------------- */
+
+typedef struct vec3 {
+    long double x[3];
+} vec3;
+
+static vec3 minus(vec3 a, vec3 b) { return (vec3){{a.x[0] - b.x[0], a.x[1] - b.x[1], a.x[2] - b.x[2]}}; }
+static vec3 cross(vec3 a, vec3 b) {
+    return (vec3){
+        {a.x[1] * b.x[2] - a.x[2] * b.x[1], a.x[2] * b.x[0] - a.x[0] * b.x[2], a.x[0] * b.x[1] - a.x[1] * b.x[0]}};
+}
+static vec3 unit(vec3 a) {
+    const long double length = sqrtl(a.x[0] * a.x[0] + a.x[1] * a.x[1] + a.x[2] * a.x[2]);
+    return (vec3){{a.x[0] / length, a.x[1] / length, a.x[2] / length}};
+}
+
+static void check_vector(const double v[3], vec3 wanted, const char *what) {
+    long double size = 0, off = 0;
+    for (int c = 0; c < 3; c++) {
+        size = fmaxl(size, fabsl(wanted.x[c]));
+        off = fmaxl(off, fabsl((long double)v[c] - wanted.x[c]));
+    }
+    check(off <= 1e-13L * size, "%s is off by %Lg of %Lg", what, off, size);
+}
+
+/* A map with shear, rotation and a far origin; mirrored, so that orientation is not taken for granted. */
+static const double map[3][4] = {{2, -0.5, 0.125, 300}, {0.75, 3, 0, -20}, {0.25, 0, -1.5, 7}};
+
+static vec3 vertex_in_user_space(size_t i, size_t j) {
+    const long double p[3] = {(long double)i, (long double)j, (long double)shape.z[j * shape.nx + i]};
+    vec3 v;
+    for (int r = 0; r < 3; r++)
+        v.x[r] = (long double)map[r][0] * p[0] + (long double)map[r][1] * p[1] + (long double)map[r][2] * p[2] +
+                 (long double)map[r][3];
+    return v;
+}
+
+static void corners(size_t i, size_t j, uint32_t triangle, vec3 p[3]) {
+    p[0] = vertex_in_user_space(i, j);
+    p[1] = triangle == CW_TRIANGLE_A ? vertex_in_user_space(i + 1, j) : vertex_in_user_space(i + 1, j + 1);
+    p[2] = triangle == CW_TRIANGLE_A ? vertex_in_user_space(i + 1, j + 1) : vertex_in_user_space(i, j + 1);
+}
+
+/* Twice the area times the unit normal on the side of growing field z. */
+static vec3 area_normal(size_t i, size_t j, uint32_t triangle) {
+    vec3 p[3];
+    corners(i, j, triangle, p);
+    vec3 n = cross(minus(p[1], p[0]), minus(p[2], p[0]));
+    long double up = 0;
+    for (int c = 0; c < 3; c++) up += n.x[c] * (long double)map[c][2];
+    for (int c = 0; c < 3; c++) n.x[c] = up < 0 ? -n.x[c] : n.x[c];
+    return n;
+}
+
+/* Area-weighted over the triangles that have (vi, vj) as a corner, found by looking at all. */
+static vec3 vertex_normal(size_t vi, size_t vj) {
+    vec3 sum = {{0, 0, 0}};
+    for (size_t j = vj ? vj - 1 : 0; j <= vj && j + 1 < shape.ny; j++)
+        for (size_t i = vi ? vi - 1 : 0; i <= vi && i + 1 < shape.nx; i++)
+            for (uint32_t triangle = 0; triangle < 2; triangle++) {
+                const size_t ci[3] = {i, i + 1, triangle == CW_TRIANGLE_A ? i + 1 : i};
+                const size_t cj[3] = {j, triangle == CW_TRIANGLE_A ? j : j + 1, j + 1};
+                bool corner = false;
+                for (int k = 0; k < 3; k++) corner |= ci[k] == vi && cj[k] == vj;
+                const vec3 n = area_normal(i, j, triangle);
+                for (int c = 0; corner && c < 3; c++) sum.x[c] += n.x[c];
+            }
+    return sum;
+}
+
+static void test_what_follows_from_a_hit(void **state) {
+    (void)state;
+    cw_field_desc d = cw_field_desc_default();
+    d.samples = shape.z;
+    d.nx = shape.nx;
+    d.ny = shape.ny;
+    memcpy(d.map, map, sizeof map);
+    cw_field *mapped;
+    check_status(cw_field_create(&d, &mapped), CW_OK);
+    size_t hits = 0;
+    for (size_t k = 0; k < RAYS; k++) {
+        const cw_hit *hit = &expected[k];
+        if (hit->i < 0) continue;
+        hits++;
+        const size_t i = (size_t)hit->i, j = (size_t)hit->j;
+        const long double u = (long double)hit->u, v = (long double)hit->v, w = 1 - u - v;
+        check(hit->u >= 0 && hit->v >= 0 && hit->u + hit->v <= 1 + 0x1p-22f, "u %a, v %a", (double)hit->u,
+              (double)hit->v);
+        vec3 p[3], point, phong = {{0, 0, 0}};
+        corners(i, j, hit->triangle, p);
+        for (int c = 0; c < 3; c++) point.x[c] = w * p[0].x[c] + u * p[1].x[c] + v * p[2].x[c];
+        double result[3];
+        cw_hit_point(mapped, hit, result);
+        check_vector(result, point, "point");
+        cw_hit_normal(mapped, hit, result);
+        check_vector(result, unit(area_normal(i, j, hit->triangle)), "normal");
+
+        const bool a = hit->triangle == CW_TRIANGLE_A;
+        const vec3 n[3] = {vertex_normal(i, j), vertex_normal(i + 1, a ? j : j + 1),
+                           vertex_normal(a ? i + 1 : i, j + 1)};
+        for (int c = 0; c < 3; c++) phong.x[c] = w * n[0].x[c] + u * n[1].x[c] + v * n[2].x[c];
+        cw_hit_phong_normal(mapped, hit, result);
+        check_vector(result, unit(phong), "Phong normal");
+
+        float uv[2];
+        cw_hit_uv(mapped, hit, uv);
+        const long double x = (long double)i + (a ? u + v : u), y = (long double)j + (a ? v : u + v);
+        check(fabsl((long double)uv[0] - x / 16) <= 0x1p-24L && fabsl((long double)uv[1] - y / 16) <= 0x1p-24L,
+              "uv (%a, %a)", (double)uv[0], (double)uv[1]);
+    }
+    check(hits > RAYS / 4, "only %zu hits", hits);
+    cw_field_destroy(mapped);
+}
+
+/* Triangles with a hole count for nothing in a vertex normal. */
+static void test_phong_normal_beside_a_hole(void **state) {
+    (void)state;
+    const float z[9] = {0, 1, NAN, 0, 1, 5, 0, 1, 2};
+    cw_field_desc d = cw_field_desc_default();
+    d.samples = z;
+    d.nx = d.ny = 3;
+    cw_field *f;
+    check_status(cw_field_create(&d, &f), CW_OK);
+    const cw_hit corner = {.t = 0, .u = 1, .v = 0, .i = 0, .j = 0, .triangle = CW_TRIANGLE_A}; /* sample (1, 0) */
+    double n[3];
+    cw_hit_phong_normal(f, &corner, n);
+    /* Of the three triangles at (1, 0): A of cell (0, 0) with slope (1, 0), B of cell (1, 0) with slope (4, 0). */
+    check_vector(n, unit((vec3){{-5, 0, 2}}), "Phong normal");
+    cw_field_destroy(f);
+}
+
+/* Centimetre cells at northing 5·10^6 m: the same hits, bit for bit, as at the origin. */
+static void test_far_user_space(void **state) {
+    (void)state;
+    enum { N = 2000 };
+    static cw_user_ray near_rays[N], far_rays[N];
+    static cw_ray a[N], b[N];
+    const double cell = 0.0078125, east = 500000, north = 5000000; /* a power of two: user coordinates are exact */
+    cw_field_desc d = cw_field_desc_default();
+    d.samples = shape.z;
+    d.nx = shape.nx;
+    d.ny = shape.ny;
+    for (int c = 0; c < 3; c++) d.map[c][c] = cell;
+    cw_field *here, *there;
+    check_status(cw_field_create(&d, &here), CW_OK);
+    d.map[0][3] = east;
+    d.map[1][3] = north;
+    check_status(cw_field_create(&d, &there), CW_OK);
+    random_state r = {11};
+    size_t hits = 0;
+    for (size_t k = 0; k < N; k++) {
+        for (int c = 0; c < 3; c++) { /* multiples of 2^-27 m, so that adding the origin is exact too */
+            near_rays[k].org[c] = cell * ldexp(floor(random_between(&r, -0x1p18, 0x1p20) * (c < 2 ? 16 : 2)), -20);
+            near_rays[k].dir[c] = random_between(&r, -1, 1);
+        }
+        near_rays[k].tmax = (double)INFINITY;
+        far_rays[k] = near_rays[k];
+        far_rays[k].org[0] += east;
+        far_rays[k].org[1] += north;
+    }
+    cw_rays_to_field(here, near_rays, N, a);
+    cw_rays_to_field(there, far_rays, N, b);
+    check_status(cw_closest(here, NULL, a, N, expected), CW_OK);
+    check_status(cw_closest(there, NULL, b, N, got), CW_OK);
+    for (size_t k = 0; k < N; k++) {
+        check(hit_same(&expected[k], &got[k]), "ray %zu hits elsewhere far from the origin", k);
+        if (got[k].i < 0) continue;
+        hits++;
+        double p[3], q[3];
+        cw_hit_point(here, &expected[k], p);
+        cw_hit_point(there, &got[k], q);
+        check(fabs(q[0] - east - p[0]) < 1e-9 && fabs(q[1] - north - p[1]) < 1e-8 && q[2] == p[2], "point");
+        for (int c = 0; c < 3; c++) {
+            const double on_ray = near_rays[k].org[c] + (double)got[k].t * near_rays[k].dir[c];
+            check(fabs(on_ray - p[c]) < 1e-4 * cell * 16, "ray %zu: hit off the ray by %g", k, on_ray - p[c]);
+        }
+    }
+    check(hits > N / 20, "only %zu hits", hits);
+    cw_field_destroy(here);
+    cw_field_destroy(there);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_bad_fields),
+        cmocka_unit_test(test_bad_maps),
+        cmocka_unit_test(test_holes_in_borrowed_samples),
+        cmocka_unit_test(test_bad_queries),
+        cmocka_unit_test(test_unavailable_kernels),
+        cmocka_unit_test(test_names),
+        cmocka_unit_test(test_borrowed_and_copied),
+        cmocka_unit_test(test_lengths_and_alignment),
+        cmocka_unit_test(test_nan_rays_miss),
+        cmocka_unit_test(test_what_follows_from_a_hit),
+        cmocka_unit_test(test_phong_normal_beside_a_hole),
+        cmocka_unit_test(test_far_user_space),
+    };
+    return cmocka_run_group_tests_name("api", tests, set_up, tear_down);
+}

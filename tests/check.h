@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Checks that say what went wrong in a sentence, and fail the cmocka test that runs. */
+#ifndef CELLWALK_TESTS_CHECK_H
+#define CELLWALK_TESTS_CHECK_H
+
+#include "cellwalk.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+/* Ends the test unless truth holds; the rest is printf's. */
+__attribute__((format(printf, 2, 3))) static inline void check(bool truth, const char *format, ...) {
+    if (truth) return;
+    va_list list;
+    va_start(list, format);
+    vprint_error(format, list);
+    va_end(list);
+    print_error("\n");
+    fail();
+}
+
+static inline void check_status(cw_status got, cw_status wanted) {
+    check(got == wanted, "status \"%s\" instead of \"%s\"", cw_status_message(got), cw_status_message(wanted));
+}
+
+#endif

@@ -1,0 +1,143 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Every kernel with a cell walk gives the same bits: packets of any width, any later walk, closest and any hit, each
+ * leaf test, on rays and fields from rays.h and fields.h, in runs of any length. There is no tolerance. */
+
+#include "check.h"
+#include "rays.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#ifndef TEST_SCALE_DOWN
+#define TEST_SCALE_DOWN 1
+#endif
+
+/* Kernels whose hits do not follow the rules of src/scalar/strict.h; tests/brute.c judges them. */
+static bool has_own_rules(const cw_kernel *kernel) {
+    static const char *const names[] = {"brute", "grid3d", "grid3d-early"};
+    for (size_t k = 0; k < sizeof names / sizeof names[0]; k++)
+        if (strcmp(cw_kernel_describe(kernel).name, names[k]) == 0) return true;
+    return false;
+}
+
+enum { RUN_MAX = 4096 };
+
+typedef struct run {
+    const test_field *shape;
+    const cw_field *field;
+    cw_leaf leaf;
+    size_t n;
+    cw_ray rays[RUN_MAX + 16];
+    cw_hit hits[RUN_MAX];
+} run;
+
+static void report(const run *q, size_t k, const char *name, const cw_hit *hit) {
+    field_print(q->shape);
+    ray_print(&q->rays[k]);
+    printf("leaf test %s, ray %zu of %zu\n", cw_leaf_name(q->leaf), k, q->n);
+    hit_print("cell", &q->hits[k]);
+    if (hit) hit_print(name, hit);
+}
+
+static void compare(const run *q, const cw_kernel *kernel) {
+    static cw_hit hits[RUN_MAX];
+    static uint8_t occluded[RUN_MAX];
+    const char *name = cw_kernel_describe(kernel).name;
+    const cw_query query = {.kernel = kernel, .leaf = q->leaf};
+    check_status(cw_closest(q->field, &query, q->rays, q->n, hits), CW_OK);
+    check_status(cw_any(q->field, &query, q->rays, q->n, occluded), CW_OK);
+    for (size_t k = 0; k < q->n; k++) {
+        if (!hit_same(&hits[k], &q->hits[k])) {
+            report(q, k, name, &hits[k]);
+            check(false, "%s and cell differ", name);
+        }
+        if (occluded[k] != (hits[k].i >= 0)) {
+            report(q, k, name, NULL);
+            check(false, "%s: any hit says %d", name, occluded[k]);
+        }
+    }
+}
+
+/* The reference, then each kernel against it. */
+static void run_all(run *q) {
+    const cw_kernel *reference = cw_kernel_find("cell");
+    for (int leaf = CW_LEAF_MOLLER_TRUMBORE; leaf < CW_LEAF_COUNT; leaf++) {
+        q->leaf = (cw_leaf)leaf;
+        const cw_query query = {.kernel = reference, .leaf = q->leaf};
+        check_status(cw_closest(q->field, &query, q->rays, q->n, q->hits), CW_OK);
+        for (size_t k = 0; k < cw_kernel_count(); k++) {
+            const cw_kernel *kernel = cw_kernel_at(k);
+            if (!has_own_rules(kernel) && cw_kernel_describe(kernel).available) compare(q, kernel);
+        }
+    }
+}
+
+/* Rays beyond the run that no kernel may look at, or may and must not heed. */
+static void add_junk(run *q) {
+    for (size_t k = q->n; k < q->n + 16; k++) memset(&q->rays[k], 0xff, sizeof q->rays[k]);
+}
+
+static void sweep(ray_class first, ray_class last, size_t rays_a_field) {
+    static test_field shape;
+    static run q;
+    random_state r = {20260101 + (uint64_t)first};
+    size_t rays = 0, hits = 0;
+    for (size_t s = 0; s < FIELD_SIZES; s++)
+        for (int kind = 0; kind < FIELD_SHAPES; kind++) {
+            field_make(&shape, (field_shape)kind, field_sizes[s].nx, field_sizes[s].ny, s + 1);
+            cw_field *field = field_open(&shape);
+            q.shape = &shape;
+            q.field = field;
+            for (size_t left = rays_a_field; left > 0; left -= q.n) {
+                q.n = 1 + random_below(&r, RUN_MAX);
+                if (q.n > left) q.n = left;
+                for (size_t k = 0; k < q.n; k++) {
+                    const size_t kinds = (size_t)(last - first + 1);
+                    q.rays[k] = ray_make((ray_class)(first + random_below(&r, kinds)), &shape, &r);
+                }
+                add_junk(&q);
+                run_all(&q);
+                for (size_t k = 0; k < q.n; k++) hits += q.hits[k].i >= 0;
+            }
+            rays += rays_a_field;
+            cw_field_destroy(field);
+        }
+    printf("%zu rays from class %s to %s, %zu hits, the same bits in every kernel\n", rays, ray_class_name(first),
+           ray_class_name(last), hits);
+    check(hits > rays / 10, "too few rays hit for the test to mean anything");
+}
+
+enum { FIELDS = FIELD_SIZES * FIELD_SHAPES, RAYS = 1056000 / FIELDS / TEST_SCALE_DOWN };
+
+static void test_random(void **state) {
+    (void)state;
+    sweep(RAY_RANDOM, RAY_RANDOM, RAYS);
+}
+
+static void test_adversarial(void **state) {
+    (void)state;
+    sweep(RAY_VERTEX, RAY_NOT_FINITE, RAYS);
+}
+
+/* All kernels that this machine can run took part: forget one and the rest proves less than it says. */
+static void test_every_kernel_takes_part(void **state) {
+    (void)state;
+    size_t part = 0;
+    for (size_t k = 0; k < cw_kernel_count(); k++) {
+        const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
+        const bool in = !has_own_rules(cw_kernel_at(k)) && info.available;
+        printf("%-14s %s\n", info.name, in ? "compared" : info.available ? "has rules of its own" : "not on this CPU");
+        part += in;
+    }
+    check(part >= 2, "fewer than two kernels to compare");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_every_kernel_takes_part),
+        cmocka_unit_test(test_random),
+        cmocka_unit_test(test_adversarial),
+    };
+    return cmocka_run_group_tests_name("lanes", tests, NULL, NULL);
+}

@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Rays that are hard on a tracer: aimed at what is exact in theory and rounded in practice. */
+#ifndef CELLWALK_TESTS_RAYS_H
+#define CELLWALK_TESTS_RAYS_H
+
+#include "fields.h"
+
+typedef enum ray_class {
+    RAY_RANDOM,     /* through two points of the field's box */
+    RAY_VERTEX,     /* from above or below through a sample */
+    RAY_EDGE,       /* through a point on a border edge between two samples */
+    RAY_DIAGONAL,   /* through a point on a diagonal */
+    RAY_ALONG,      /* within a vertical plane that holds borders or diagonals, some along the edge itself */
+    RAY_AXIS,       /* parallel to x or y in the plane, at any height */
+    RAY_VERTICAL,   /* x and y stand still; on a vertex, on an edge or inside a cell */
+    RAY_GRAZING,    /* at 1 to 1e-6 degrees to the triangle that it meets */
+    RAY_IN_PLANE,   /* within a triangle's plane, as far as floats allow */
+    RAY_OUTSIDE,    /* from up to 1000 cells off */
+    RAY_FAR,        /* from up to 10^8 cells off */
+    RAY_ZEROS,      /* components 0, -0, denormal or as small as counts as zero */
+    RAY_SCALED,     /* direction of length 1e-30 to 1e30 */
+    RAY_RANGE,      /* the t-range starts or ends on the surface, or within a cell, or is a point */
+    RAY_LATTICE,    /* small integers and halves throughout, so that ties are exact */
+    RAY_NOT_FINITE, /* NaN or infinity somewhere */
+    RAY_CLASSES
+} ray_class;
+
+/* "random", "vertex" … */
+const char *ray_class_name(ray_class kind);
+
+cw_ray ray_make(ray_class kind, const test_field *f, random_state *r);
+
+/* To stdout, components as hexadecimal floats. */
+void ray_print(const cw_ray *ray);
+void hit_print(const char *who, const cw_hit *hit);
+
+/* The same bits throughout. */
+bool hit_same(const cw_hit *a, const cw_hit *b);
+
+#endif
