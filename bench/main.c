@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The program cellwalk-bench. */
 
+#include "compare.h"
 #include "micro.h"
 #include "output.h"
 
@@ -18,6 +19,7 @@ typedef struct command {
 
 static const command commands[] = {
     {"micro", "times kernels and Embree on classes of rays and fields", micro_main},
+    {"compare", "says what changed between two runs of micro", compare_main},
 };
 enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
 

@@ -8,7 +8,7 @@
 
 typedef struct samples {
     double seconds[MEASURE_SAMPLES_MAX], ticks[MEASURE_SAMPLES_MAX], sorted[MEASURE_SAMPLES_MAX];
-    double spent;
+    double spent, cpu; /* seconds of the clock, of the CPU */
     size_t n;
     bool done;
 } samples;
@@ -22,14 +22,15 @@ static void shuffle(size_t *order, size_t count, uint32_t seed, uint32_t round) 
 }
 
 static void take_sample(measure_job *job, samples *s) {
-    const double start = timing_seconds();
+    const double start = timing_seconds(), cpu_start = timing_cpu_seconds();
     const uint64_t first = timing_ticks();
     job->run(job->context);
     const uint64_t last = timing_ticks();
-    const double seconds = timing_seconds() - start;
-    s->seconds[s->n] = seconds;
-    s->ticks[s->n++] = (double)(last - first);
+    const double cpu = timing_cpu_seconds() - cpu_start, seconds = timing_seconds() - start;
+    s->seconds[s->n] = cpu;
+    s->ticks[s->n++] = (double)(last - first) * (cpu / seconds);
     s->spent += seconds;
+    s->cpu += cpu;
 }
 
 static statistics sorted_copy(samples *s, const double *from) {
@@ -54,17 +55,21 @@ bool measure(measure_job *jobs, size_t count, const measure_limits *limits) {
         const bool late = timing_seconds() >= end;
         for (size_t k = 0; k < count; k++) {
             samples *s = &all[k];
-            if (s->done || s->n < limits->least) continue;
+            if (s->done) continue;
+            const double share = 2 * limits->seconds / (double)count;
+            /* A job that is slow as a whole is not repeated until it has eaten the others' time. */
+            const bool slow = s->spent > share * (double)s->n;
+            if (s->n < limits->least && !slow) continue;
             const statistics now = sorted_copy(s, s->seconds);
             jobs[k].converged = now.sure && now.high - now.low <= limits->width * now.median;
-            const bool share_used = s->spent > 2 * limits->seconds / (double)count;
-            s->done = jobs[k].converged || late || share_used || s->n >= most;
+            s->done = jobs[k].converged || late || s->spent > share || s->n >= most;
             running -= s->done;
         }
     }
     for (size_t k = 0; enough && k < count; k++) {
         jobs[k].seconds = sorted_copy(&all[k], all[k].seconds);
         jobs[k].ticks = sorted_copy(&all[k], all[k].ticks);
+        jobs[k].cpu_share = all[k].cpu / all[k].spent;
     }
     free(all);
     free(order);

@@ -20,13 +20,15 @@ typedef struct measure_limits {
 typedef struct measure_job {
     void (*run)(void *context);
     void *context;
-    /* Results: wall seconds and time stamp counter ticks of a run. */
+    /* Results for a run, which is to use one thread: seconds of CPU time, and the ticks that the time stamp counter made
+     * in that time. */
     statistics seconds, ticks;
+    double cpu_share; /* CPU time over the clock's time, all runs together: below 1 where other programs got between */
     bool converged;
 } measure_job;
 
 /* Jobs should have run once before, so that caches and pages are warm. False if out of memory. A job that takes more
- * than its share of the time makes others stop early, not later. */
+ * than twice its share of the time in one run is run once, whatever least says. */
 bool measure(measure_job *jobs, size_t count, const measure_limits *limits);
 
 #endif

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "micro.h"
 
+#include "compare.h"
+#include "results.h"
 #include "run_record.h"
 #include "timing.h"
 
@@ -16,7 +18,7 @@ static const char *const usage =
     "class\n"
     "of rays all contenders are verified against the plain cell walk, then timed in rounds, each round in another "
     "order,\n"
-    "on one thread. The numbers:\n"
+    "on one thread. Times are CPU time, so that other programs on the machine disturb less. The numbers:\n"
     "  Mrays/s    millions of rays a second, from the median time\n"
     "  CI +-%     half of the median's 97.5 % confidence interval; ! marks one that did not get narrow enough in time, "
     "?\n"
@@ -187,7 +189,7 @@ static bool run(const micro_options *o, cw_isa isa, io_output *out, io_error *er
     char text[512];
     run_record_text(record, text, sizeof text);
     printf("%s\n", text);
-    if (!micro_write_line(out, record, error)) return false;
+    if (!results_write(out, record, error)) return false;
 
     summary *s = calloc(1, sizeof *s);
     micro_group *g = calloc(1, sizeof *g);
@@ -221,6 +223,7 @@ static bool run(const micro_options *o, cw_isa isa, io_output *out, io_error *er
 }
 
 int micro_main(char **arguments, int count) {
+    if (count > 0 && strcmp(arguments[0], "--compare") == 0) return compare_main(arguments + 1, count - 1);
     micro_options o = {.quality = "high", .seed = 1, .cpu = UINT64_MAX, .width = 0.02};
     bool help = false;
     const option options[] = {

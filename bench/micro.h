@@ -12,8 +12,6 @@
 #include "peer_embree.h"
 #include "ray_classes.h"
 
-#include <jansson.h>
-
 enum { MICRO_CONTENDERS_MAX = 96, MICRO_PEERS_MAX = 4 };
 
 typedef struct micro_options {
@@ -45,6 +43,7 @@ typedef struct micro_row {
     double predicted; /* seconds of a pass by the probe, where the contender was left out; else 0 */
     statistics seconds, ticks;
     bool converged;
+    double cpu_share;
     agreement agreement;
     double to_embree; /* Embree's best median over this one's: above 1 is faster than Embree; 0 without Embree */
 } micro_row;
@@ -69,7 +68,6 @@ void micro_print_field(const micro_field *on);
 void micro_print_group(const micro_group *group);
 
 /* JSON lines; does nothing if out->file is NULL. */
-bool micro_write_line(io_output *out, json_t *line, io_error *error);
 bool micro_write_field(io_output *out, const micro_field *on, io_error *error);
 bool micro_write_group(io_output *out, const micro_group *group, io_error *error);
 

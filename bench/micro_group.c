@@ -159,6 +159,7 @@ static bool time_all(micro_group *g, const micro_options *o, double seconds, ans
         if (row->predicted > 0) continue;
         row->seconds = jobs[k].seconds;
         row->ticks = jobs[k].ticks;
+        row->cpu_share = jobs[k].cpu_share;
         row->converged = jobs[k++].converged;
         if (row->contender.embree && (best == 0 || row->seconds.median < best)) best = row->seconds.median;
     }

@@ -2,9 +2,9 @@
 /* What micro found, for people and as JSON lines. */
 
 #include "micro.h"
+#include "results.h"
 
 #include <stdio.h>
-#include <string.h>
 
 void micro_print_field(const micro_field *on) {
     const cw_field_info info = cw_field_describe(on->field);
@@ -48,72 +48,68 @@ void micro_print_group(const micro_group *g) {
 
 /* ---- JSON ---- */
 
-bool micro_write_line(io_output *out, json_t *line, io_error *error) {
-    if (line == NULL) return io_fail(error, "out of memory for a result");
-    bool good = true;
-    if (out->file) {
-        char *text = json_dumps(line, JSON_COMPACT | JSON_PRESERVE_ORDER);
-        good = text ? io_output_write(out, text, strlen(text), error) && io_output_write(out, "\n", 1, error)
-                    : io_fail(error, "out of memory for a result");
-        free(text);
-    }
-    json_decref(line);
-    return good;
+static json_t *line_of(const char *kind, const micro_field *on) {
+    json_t *line = json_object();
+    results_set_text(line, "kind", kind);
+    results_set_text(line, "field", on->samples.name);
+    return line;
 }
 
 bool micro_write_field(io_output *out, const micro_field *on, io_error *error) {
     const cw_field_info info = cw_field_describe(on->field);
-    if (!micro_write_line(out,
-                          json_pack("{s:s, s:s, s:I, s:I, s:f, s:f, s:I, s:f}", "kind", "field", "field",
-                                    on->samples.name, "nx", (json_int_t)info.nx, "ny", (json_int_t)info.ny, "low",
-                                    (double)info.low, "high", (double)info.high, "bytes_built",
-                                    (json_int_t)info.bytes_built, "build_seconds", info.build_seconds),
-                          error))
-        return false;
-    for (size_t p = 0; p < on->peer_count; p++) {
+    json_t *line = line_of("field", on);
+    results_set_count(line, "nx", info.nx);
+    results_set_count(line, "ny", info.ny);
+    results_set_number(line, "low", (double)info.low);
+    results_set_number(line, "high", (double)info.high);
+    results_set_count(line, "bytes_built", info.bytes_built);
+    results_set_number(line, "build_seconds", info.build_seconds);
+    bool good = results_write(out, line, error);
+    for (size_t p = 0; good && p < on->peer_count; p++) {
         const peer_info peer = peer_embree_describe(on->peers[p].embree);
-        if (!micro_write_line(out,
-                              json_pack("{s:s, s:s, s:s, s:f, s:I}", "kind", "peer_build", "field", on->samples.name,
-                                        "peer", on->peers[p].name, "build_seconds", peer.build_seconds, "bytes",
-                                        (json_int_t)peer.bytes),
-                              error))
-            return false;
+        line = line_of("peer_build", on);
+        results_set_text(line, "peer", on->peers[p].name);
+        results_set_number(line, "build_seconds", peer.build_seconds);
+        results_set_count(line, "bytes", peer.bytes);
+        good = results_write(out, line, error);
     }
-    return true;
+    return good;
 }
 
-static json_t *agreement_json(const agreement *a) {
-    json_t *why = json_object();
-    for (int r = 0; r < AGREE_REASON_COUNT; r++)
-        json_object_set_new(why, agree_reason_name((agree_reason)r), json_integer((json_int_t)a->why[r]));
-    return json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:o}", "hits_reference", (json_int_t)a->hits_a, "hits",
-                     (json_int_t)a->hits_b, "only_reference", (json_int_t)a->only_a, "only_this", (json_int_t)a->only_b,
-                     "far", (json_int_t)a->far, "other_triangle", (json_int_t)a->other_triangle, "worst_roundings",
-                     a->worst, "why", why);
+static void set_timing(json_t *line, const micro_group *g, const micro_row *row) {
+    const statistics *s = &row->seconds;
+    results_set_count(line, "samples", s->n);
+    results_set_number(line, "seconds_min", s->min);
+    results_set_number(line, "seconds_median", s->median);
+    results_set_number(line, "seconds_mad", s->mad);
+    results_set_number(line, "seconds_low", s->low);
+    results_set_number(line, "seconds_high", s->high);
+    results_set_bool(line, "interval_sure", s->sure);
+    results_set_bool(line, "converged", row->converged);
+    results_set_number(line, "cpu_share", row->cpu_share);
+    results_set_number(line, "mrays_per_s", mrays(g, s->median));
+    results_set_number(line, "tsc_per_ray", row->ticks.median / (double)g->ray_count);
+    if (row->to_embree > 0) results_set_number(line, "speed_to_embree_best", row->to_embree);
 }
 
 bool micro_write_group(io_output *out, const micro_group *g, io_error *error) {
-    for (size_t r = 0; r < g->row_count; r++) {
+    bool good = true;
+    for (size_t r = 0; good && r < g->row_count; r++) {
         const micro_row *row = &g->rows[r];
-        json_t *line =
-            json_pack("{s:s, s:s, s:s, s:s, s:s, s:i, s:I}", "kind", "result", "field", g->on->samples.name, "rays",
-                      workload_class_name(g->c), "query", workload_class_is_any(g->c) ? "any" : "closest", "contender",
-                      row->contender.name, "width", (int)row->contender.width, "ray_count", (json_int_t)g->ray_count);
+        json_t *line = line_of("result", g->on);
+        results_set_text(line, "rays", workload_class_name(g->c));
+        results_set_text(line, "query", workload_class_is_any(g->c) ? "any" : "closest");
+        results_set_text(line, "contender", row->contender.name);
+        results_set_count(line, "width", row->contender.width);
+        results_set_count(line, "ray_count", g->ray_count);
         if (row->predicted > 0) {
-            json_object_set_new(line, "left_out_seconds", json_real(row->predicted));
+            results_set_number(line, "left_out_seconds", row->predicted);
         } else {
-            const statistics *s = &row->seconds;
-            json_t *figures = json_pack("{s:I, s:f, s:f, s:f, s:f, s:f, s:b, s:b, s:f, s:f, s:s, s:o}", "samples",
-                                        (json_int_t)s->n, "seconds_min", s->min, "seconds_median", s->median,
-                                        "seconds_mad", s->mad, "seconds_low", s->low, "seconds_high", s->high,
-                                        "interval_sure", (int)s->sure, "converged", (int)row->converged, "mrays_per_s",
-                                        mrays(g, s->median), "tsc_per_ray", row->ticks.median / (double)g->ray_count,
-                                        "reference", g->reference, "agreement", agreement_json(&row->agreement));
-            json_object_update(line, figures);
-            json_decref(figures);
-            if (row->to_embree > 0) json_object_set_new(line, "speed_to_embree_best", json_real(row->to_embree));
+            set_timing(line, g, row);
+            results_set_text(line, "reference", g->reference);
+            json_object_set_new(line, "agreement", results_agreement(&row->agreement));
         }
-        if (!micro_write_line(out, line, error)) return false;
+        good = results_write(out, line, error);
     }
-    return true;
+    return good;
 }

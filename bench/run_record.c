@@ -5,6 +5,7 @@
 #include "cellwalk.h"
 #include "commit.h"
 #include "peer_embree.h"
+#include "results.h"
 #include "timing.h"
 
 #include <stdio.h>
@@ -38,13 +39,25 @@ json_t *run_record(const char *command, uint32_t seed, int cpu) {
     const time_t now = time(NULL);
     struct tm utc;
     strftime(date, sizeof date, "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&now, &utc));
-    const char *embree = peer_embree_version();
-    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:i, s:s, s:s, s:s, s:s, s:s, s:s?, s:I, s:i, s:f, s:f, s:s}", "kind",
-                     "run", "command", command, "cellwalk", CW_VERSION, "cpu", model, "cache", cache, "cpus",
-                     (int)sysconf(_SC_NPROCESSORS_ONLN), "isa", cw_isa_name(cw_isa_best()), "compiler",
-                     BUILD_INFO_COMPILER, "build_type", BUILD_INFO_TYPE, "flags", BUILD_INFO_FLAGS, "commit",
-                     BUILD_INFO_COMMIT, "embree", embree, "seed", (json_int_t)seed, "pinned_to_cpu", cpu, "load", load,
-                     "tsc_hz", timing_tick_rate(), "date", date);
+    json_t *record = json_object();
+    results_set_text(record, "kind", "run");
+    results_set_text(record, "command", command);
+    results_set_text(record, "cellwalk", CW_VERSION);
+    results_set_text(record, "cpu", model);
+    results_set_text(record, "cache", cache);
+    results_set_count(record, "cpus", (size_t)sysconf(_SC_NPROCESSORS_ONLN));
+    results_set_text(record, "isa", cw_isa_name(cw_isa_best()));
+    results_set_text(record, "compiler", BUILD_INFO_COMPILER);
+    results_set_text(record, "build_type", BUILD_INFO_TYPE);
+    results_set_text(record, "flags", BUILD_INFO_FLAGS);
+    results_set_text(record, "commit", BUILD_INFO_COMMIT);
+    results_set_text(record, "embree", peer_embree_version());
+    results_set_count(record, "seed", seed);
+    json_object_set_new(record, "pinned_to_cpu", json_integer(cpu));
+    results_set_number(record, "load", load);
+    results_set_number(record, "tsc_hz", timing_tick_rate());
+    results_set_text(record, "date", date);
+    return record;
 }
 
 static const char *text_of(const json_t *record, const char *key) {

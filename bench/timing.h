@@ -12,6 +12,14 @@ static inline double timing_seconds(void) {
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
+/* Time that the process has had a CPU for. One thread's work takes as much of it as of the clock's time, except that what
+ * the system gave to other programs meanwhile does not count. */
+static inline double timing_cpu_seconds(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
 /* The time stamp counter: it runs at a fixed rate whatever the core's clock does, so its "cycles" are units of time and
  * not cycles that the core has spent. 0 where there is none. */
 static inline uint64_t timing_ticks(void) {

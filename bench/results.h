@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Results as JSON lines: one object a line, the first of kind "run" (run_record.h). Written and read back here. */
+#ifndef CELLWALK_BENCH_RESULTS_H
+#define CELLWALK_BENCH_RESULTS_H
+
+#include "agree.h"
+#include "error.h"
+#include "output.h"
+
+#include <jansson.h>
+
+/* Appends a line and takes over the reference to it; only that if out is not open. line may be NULL: out of memory. */
+bool results_write(io_output *out, json_t *line, io_error *error);
+
+/* The lines as an array, which the caller decrefs. NULL with file and line in error; the first line is of kind "run". */
+json_t *results_read(const char *path, io_error *error);
+
+/* Add a member. */
+void results_set_text(json_t *object, const char *key, const char *text);
+void results_set_number(json_t *object, const char *key, double value);
+void results_set_count(json_t *object, const char *key, size_t value);
+void results_set_bool(json_t *object, const char *key, bool value);
+
+/* agree.h as an object. */
+json_t *results_agreement(const agreement *a);
+
+/* Members of an object; "" and 0 where there is none. */
+const char *results_text(const json_t *object, const char *key);
+double results_number(const json_t *object, const char *key);
+
+#endif
