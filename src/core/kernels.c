@@ -115,7 +115,7 @@ const cw_kernel *cw_query_kernel(const cw_field *field, const cw_query *query) {
     if (query && query->kernel) return query->kernel;
     for (size_t k = KERNEL_COUNT - 1; k > 0; k--) {
         if (kernels[k].isa > cw_isa_best()) continue;
-        if ((kernels[k].needs & CW_NEEDS_PYRAMID) && !field->pyramid) continue;
+        if ((kernels[k].needs & CW_NEEDS_PYRAMID) && field && !field->pyramid) continue;
         if (!(kernels[k].needs & CW_NEEDS_GRID3D)) return &kernels[k];
     }
     return &kernels[0];

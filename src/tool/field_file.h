@@ -9,12 +9,14 @@
 
 typedef struct field_file {
     cw_field *field;
-    io_raster raster; /* what the field borrows its samples from, if it does */
-    bool mapped;      /* the samples are pages of the file and no memory of the program's own */
+    const cw_kernel *kernel; /* that the query runs on the field; what it needs is built */
+    io_raster raster;        /* what the field borrows its samples from, if it does */
+    double map[3][4];        /* field space to the file's coordinates */
+    bool mapped;             /* the samples are pages of the file and no memory of the program's own */
 } field_file;
 
-/* On failure file needs no closing. */
-bool field_file_open(field_file *file, const char *path, io_error *error);
+/* Reads a field for query: nothing is built that it does not need. On failure file needs no closing. */
+bool field_file_open(field_file *file, const char *path, const cw_query *query, io_error *error);
 void field_file_close(field_file *file);
 
 #define FIELD_FILE_HELP                                                                                                \

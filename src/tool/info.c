@@ -2,7 +2,9 @@
 /* `cellwalk info`: what this machine can do, and what a field costs on it. */
 
 #include "cellwalk.h"
+#include "clock.h"
 #include "command.h"
+#include "field_file.h"
 #include "json.h"
 #include "query_options.h"
 
@@ -72,38 +74,119 @@ static void print_machine_json(const machine *m) {
     printf(", \"cpus\": %d, \"isa\": \"%s\", ", m->cpus, cw_isa_name(cw_isa_best()));
 }
 
-static int run(int argc, char **argv) {
-    query_options q = {0};
-    bool json = false;
-    option_spec options[QUERY_OPTION_COUNT + 1];
-    query_options_rows(&q, options);
-    options[QUERY_OPTION_COUNT] =
-        (option_spec){.name = "json", .help = "print one JSON object", .kind = OPTION_FLAG, .to = &json};
-    const options_usage usage = {
-        .name = "info",
-        .synopsis = "[OPTIONS]",
-        .what = "Shows the CPU, its instruction set as far as the system supports it, and the\n"
-                "kernels (ways to find hits) with the one that is chosen.\n",
-        .examples = "  cellwalk info\n"
-                    "  cellwalk info --isa avx2          what would be chosen without AVX-512\n",
-        .options = options,
-        .option_count = QUERY_OPTION_COUNT + 1,
-    };
-    const options_result result = options_parse(&usage, argc, argv, NULL);
-    if (result != OPTIONS_GO) return result == OPTIONS_HELP ? EXIT_SUCCESS : EXIT_USAGE;
-    cw_query query;
-    if (!query_options_resolve(&q, usage.name, &query)) return EXIT_USAGE;
+typedef struct survey {
+    field_file file;
+    cw_field_info info;
+    double read_seconds; /* from the file's name to the field, without what is built */
+} survey;
+
+static bool look_at_field(const char *path, const cw_query *query, survey *s, io_error *error) {
+    const double start = clock_seconds();
+    if (!field_file_open(&s->file, path, query, error)) return false;
+    s->info = cw_field_describe(s->file.field);
+    s->read_seconds = clock_seconds() - start - s->info.build_seconds;
+    return true;
+}
+
+static double sample_bytes(const cw_field_info *info) { return (double)info->nx * (double)info->ny * sizeof(float); }
+
+/* Samples and what was built on them, however the samples are held. */
+static double bytes_per_cell(const cw_field_info *info) {
+    return (sample_bytes(info) + (double)info->bytes_built) / ((double)(info->nx - 1) * (double)(info->ny - 1));
+}
+
+static void print_field(const char *path, const survey *s) {
+    const cw_field_info *f = &s->info;
+    printf("\n%s\n", path);
+    printf("  samples       %zu x %zu (%zu x %zu cells)\n", f->nx, f->ny, f->nx - 1, f->ny - 1);
+    if (f->low <= f->high)
+        printf("  heights       %.9g to %.9g\n", (double)f->low, (double)f->high);
+    else
+        puts("  heights       none");
+    printf("  holes         %zu\n", f->holes);
+    printf("  memory        %.0f bytes of samples%s, %zu bytes built: %.2f bytes a cell\n", sample_bytes(f),
+           s->file.mapped ? " (mapped from the file)" : "", f->bytes_built, bytes_per_cell(f));
+    printf("  read          %.6f s\n", s->read_seconds);
+    printf("  built         %.6f s, for kernel %s\n", f->build_seconds, cw_kernel_describe(s->file.kernel).name);
+    puts("  user space    rows of the map from (x, y, z, 1):");
+    for (int k = 0; k < 3; k++)
+        printf("                %.17g %.17g %.17g %.17g\n", s->file.map[k][0], s->file.map[k][1], s->file.map[k][2],
+               s->file.map[k][3]);
+}
+
+static void print_field_json(const char *path, const survey *s) {
+    const cw_field_info *f = &s->info;
+    const bool some = f->low <= f->high;
+    fputs(", \"field\": {\"path\": ", stdout);
+    json_string(stdout, path);
+    printf(", \"nx\": %zu, \"ny\": %zu, \"low\": ", f->nx, f->ny);
+    json_number(stdout, some ? (double)f->low : NAN);
+    fputs(", \"high\": ", stdout);
+    json_number(stdout, some ? (double)f->high : NAN);
+    printf(", \"holes\": %zu, \"bytes_samples\": %.0f, \"mapped\": %s, \"bytes_built\": %zu, \"bytes_per_cell\": ",
+           f->holes, sample_bytes(f), s->file.mapped ? "true" : "false", f->bytes_built);
+    json_number(stdout, bytes_per_cell(f));
+    fputs(", \"read_seconds\": ", stdout);
+    json_number(stdout, s->read_seconds);
+    fputs(", \"build_seconds\": ", stdout);
+    json_number(stdout, f->build_seconds);
+    fputs(", \"map\": [", stdout);
+    for (int k = 0; k < 3; k++)
+        printf("%s[%.17g, %.17g, %.17g, %.17g]", k ? ", " : "", s->file.map[k][0], s->file.map[k][1], s->file.map[k][2],
+               s->file.map[k][3]);
+    fputs("]}", stdout);
+}
+
+static int show(const char *path, const cw_query *query, bool json) {
+    survey s = {.read_seconds = 0};
+    io_error error = {""};
+    if (path && !look_at_field(path, query, &s, &error)) return command_fail("info", "%s", error.text);
     const machine m = look_at_machine();
-    const cw_kernel *chosen = cw_query_kernel(NULL, &query);
+    const cw_kernel *chosen = path ? s.file.kernel : cw_query_kernel(NULL, query);
     if (json) {
         print_machine_json(&m);
         print_kernels_json(chosen);
+        if (path) print_field_json(path, &s);
         puts("}");
     } else {
         print_machine(&m);
         print_kernels(chosen);
+        if (path) print_field(path, &s);
     }
+    field_file_close(&s.file);
     return EXIT_SUCCESS;
 }
 
-const command command_info = {"info", "this machine's kernels, and what a field costs", run};
+static int run(int argc, char **argv) {
+    query_options q = {0};
+    bool json = false;
+    option_spec options[QUERY_OPTION_COUNT];
+    query_options_rows(&q, options);
+    /* --threads is last of the shared rows; nothing here runs in threads, so --json takes its place. */
+    options[QUERY_THREADS] =
+        (option_spec){.name = "json", .help = "print one JSON object", .kind = OPTION_FLAG, .to = &json};
+    static const char *const operand_names[] = {"FIELD"};
+    const options_usage usage = {
+        .name = "info",
+        .synopsis = "[FIELD] [OPTIONS]",
+        .what = "Shows the CPU, its instruction set as far as the system supports it, and the\n"
+                "kernels (ways to find hits) with the one that is chosen. With FIELD also its\n"
+                "size, heights, holes and memory, and how long it takes to read and to build\n"
+                "what the chosen kernel needs.\n\n" FIELD_FILE_HELP,
+        .examples = "  cellwalk info\n"
+                    "  cellwalk info --isa sse4.2        what would be chosen without AVX2\n"
+                    "  cellwalk info terrain.npy --kernel grid3d --json\n",
+        .options = options,
+        .option_count = QUERY_OPTION_COUNT,
+        .operands = operand_names,
+        .operand_most = 1,
+    };
+    const char *path;
+    const options_result result = options_parse(&usage, argc, argv, &path);
+    if (result != OPTIONS_GO) return result == OPTIONS_HELP ? EXIT_SUCCESS : EXIT_USAGE;
+    cw_query query;
+    if (!query_options_resolve(&q, usage.name, &query)) return EXIT_USAGE;
+    return show(path, &query, json);
+}
+
+const command command_info = {"info", "show this machine's kernels, and what a field costs", run};

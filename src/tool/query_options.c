@@ -10,29 +10,32 @@
 enum { NAMES_MAX = 64, ISA_COUNT = CW_ISA_AVX512 + 1 };
 
 void query_options_rows(query_options *q, option_spec rows[QUERY_OPTION_COUNT]) {
-    rows[0] = (option_spec){.name = "kernel",
-                            .value = "NAME",
-                            .help = "how hits are found; `cellwalk info` lists the names\n(default: the best here)",
-                            .kind = OPTION_TEXT,
-                            .to = &q->kernel};
-    rows[1] = (option_spec){.name = "leaf",
-                            .value = "NAME",
-                            .help = "the test of a ray against a cell: watertight or\nmoller-trumbore (default: the "
-                                    "kernel's own)",
-                            .kind = OPTION_TEXT,
-                            .to = &q->leaf};
-    rows[2] = (option_spec){.name = "isa",
-                            .value = "NAME",
-                            .help = "the highest instruction set to use: scalar, sse4.2,\navx2 or avx512 (default: "
-                                    "CELLWALK_ISA, else all)",
-                            .kind = OPTION_TEXT,
-                            .to = &q->isa};
-    rows[3] = (option_spec){.name = "threads",
-                            .value = "N",
-                            .help = "threads; 0: one for each CPU (default)",
-                            .kind = OPTION_COUNT,
-                            .to = &q->threads,
-                            .high = 4096};
+    rows[QUERY_KERNEL] =
+        (option_spec){.name = "kernel",
+                      .value = "NAME",
+                      .help = "how hits are found; `cellwalk info` lists the names\n(default: the best here)",
+                      .kind = OPTION_TEXT,
+                      .to = &q->kernel};
+    rows[QUERY_LEAF] =
+        (option_spec){.name = "leaf",
+                      .value = "NAME",
+                      .help = "the test of a ray against a cell: watertight or\nmoller-trumbore (default: the "
+                              "kernel's own)",
+                      .kind = OPTION_TEXT,
+                      .to = &q->leaf};
+    rows[QUERY_ISA] =
+        (option_spec){.name = "isa",
+                      .value = "NAME",
+                      .help = "the highest instruction set to use: scalar, sse4.2,\navx2 or avx512 (default: "
+                              "CELLWALK_ISA, else all)",
+                      .kind = OPTION_TEXT,
+                      .to = &q->isa};
+    rows[QUERY_THREADS] = (option_spec){.name = "threads",
+                                        .value = "N",
+                                        .help = "threads; 0: one for each CPU (default)",
+                                        .kind = OPTION_COUNT,
+                                        .to = &q->threads,
+                                        .high = 4096};
 }
 
 /* Prints "WHAT 'word' ...; there are a, b, c" with the closest name in front of the list. */

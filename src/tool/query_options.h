@@ -11,7 +11,8 @@ typedef struct query_options {
     unsigned threads;                /* 0: one per CPU */
 } query_options;
 
-enum { QUERY_OPTION_COUNT = 4 };
+/* The rows' places. */
+enum { QUERY_KERNEL, QUERY_LEAF, QUERY_ISA, QUERY_THREADS, QUERY_OPTION_COUNT };
 
 /* Fills in the four rows of a subcommand's table that set *q. */
 void query_options_rows(query_options *q, option_spec rows[QUERY_OPTION_COUNT]);
