@@ -1,0 +1,283 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* OpenEXR through its C library. Pictures are put together in memory and written in one piece, because the library goes
+ * back to fill in its table of chunks and an output may be a pipe. */
+
+#include "image_format.h"
+
+#include <errno.h>
+#include <openexr.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The library's last message, to follow the file's name in ours; and the bytes written so far. */
+typedef struct sink {
+    char message[200];
+    uint8_t *bytes;
+    size_t size, capacity;
+} sink;
+
+static void keep_message(exr_const_context_t context, exr_result_t code, const char *message) {
+    void *user = NULL;
+    (void)code;
+    if (exr_get_user_data(context, &user) != EXR_ERR_SUCCESS || user == NULL) return;
+    sink *s = user;
+    snprintf(s->message, sizeof s->message, "%s", message);
+}
+
+static const char *reason(const sink *s, exr_result_t code) {
+    return s->message[0] != '\0' ? s->message : exr_get_default_error_message(code);
+}
+
+/* Where a channel's values stand among R, G, B, A; -1 for other names. */
+static int component(const char *name) {
+    static const char order[] = "RGBA";
+    const char *place = name[0] != '\0' && name[1] == '\0' ? strchr(order, name[0]) : NULL;
+    return place ? (int)(place - order) : -1;
+}
+
+/* ---- writing ------------------------------------------------------------------------------------------------------ */
+
+/* Rounds to nearest, ties to even. */
+static uint16_t half_from_float(float value) {
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    const uint16_t sign = (uint16_t)(bits >> 16 & 0x8000);
+    const uint32_t size = bits & 0x7fffffff;
+    uint32_t half;
+    if (size > 0x7f800000) {
+        half = 0x7e00; /* NaN */
+    } else if (size >= 0x477ff000) {
+        half = 0x7c00; /* from halfway between 65504 and 65536 */
+    } else if (size < 0x38800000) {
+        /* Below 2^-14 halves are multiples of 2^-24, and so are floats in [0.5, 1): the addition rounds. */
+        float magnitude;
+        memcpy(&magnitude, &size, sizeof magnitude);
+        magnitude += 0.5f;
+        memcpy(&half, &magnitude, sizeof half);
+        half -= 0x3f000000;
+    } else {
+        half = (size - (112u << 23) + 0xfff + (size >> 13 & 1)) >> 13;
+    }
+    return (uint16_t)(sign | half);
+}
+
+/* RGBA, alpha 1. NULL when out of memory. */
+static uint16_t *half_pixels(const io_image *image) {
+    const size_t n = image->width * image->height;
+    uint16_t *rgba = malloc(n * 4 * sizeof *rgba);
+    for (size_t k = 0; rgba != NULL && k < n; k++) {
+        for (size_t c = 0; c < 3; c++) rgba[k * 4 + c] = half_from_float(image->rgb[k * 3 + c]);
+        rgba[k * 4 + 3] = half_from_float(1);
+    }
+    return rgba;
+}
+
+static int64_t sink_write(exr_const_context_t context, void *user, const void *bytes, uint64_t size, uint64_t offset,
+                          exr_stream_error_func_ptr_t fail) {
+    sink *s = user;
+    const size_t end = (size_t)(offset + size);
+    if (end > s->capacity) {
+        const size_t capacity = end + end / 2;
+        uint8_t *more = realloc(s->bytes, capacity);
+        if (more == NULL) {
+            fail(context, EXR_ERR_OUT_OF_MEMORY, "out of memory");
+            return -1;
+        }
+        memset(more + s->capacity, 0, capacity - s->capacity);
+        s->bytes = more;
+        s->capacity = capacity;
+    }
+    memcpy(s->bytes + offset, bytes, (size_t)size);
+    if (end > s->size) s->size = end;
+    return (int64_t)size;
+}
+
+static exr_result_t encode_chunks(exr_context_t context, const uint16_t *rgba, size_t width, int height) {
+    int32_t lines = 1;
+    exr_result_t result = exr_get_scanlines_per_chunk(context, 0, &lines);
+    exr_encode_pipeline_t encoder = EXR_ENCODE_PIPELINE_INITIALIZER;
+    for (int y = 0; result == EXR_ERR_SUCCESS && y < height; y += lines) {
+        exr_chunk_info_t chunk;
+        result = exr_write_scanline_chunk_info(context, 0, y, &chunk);
+        if (result != EXR_ERR_SUCCESS) break;
+        result = y == 0 ? exr_encoding_initialize(context, 0, &chunk, &encoder)
+                        : exr_encoding_update(context, 0, &chunk, &encoder);
+        if (result != EXR_ERR_SUCCESS) break;
+        for (int c = 0; c < encoder.channel_count; c++) {
+            exr_coding_channel_info_t *channel = &encoder.channels[c];
+            const size_t place = (size_t)component(channel->channel_name);
+            channel->user_bytes_per_element = sizeof *rgba;
+            channel->user_data_type = EXR_PIXEL_HALF;
+            channel->user_pixel_stride = 4 * sizeof *rgba;
+            channel->user_line_stride = (int32_t)(width * 4 * sizeof *rgba);
+            channel->encode_from_ptr = (const uint8_t *)(rgba + (size_t)y * width * 4 + place);
+        }
+        if (y == 0) result = exr_encoding_choose_default_routines(context, 0, &encoder);
+        if (result == EXR_ERR_SUCCESS) result = exr_encoding_run(context, 0, &encoder);
+    }
+    exr_encoding_destroy(context, &encoder);
+    return result;
+}
+
+static exr_result_t encode(sink *s, const char *name, const io_image *image, const uint16_t *rgba) {
+    exr_context_initializer_t setup = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    setup.error_handler_fn = keep_message;
+    setup.user_data = s;
+    setup.write_fn = sink_write;
+    exr_context_t context = NULL;
+    exr_result_t result = exr_start_write(&context, name, EXR_WRITE_FILE_DIRECTLY, &setup);
+    if (result != EXR_ERR_SUCCESS) return result;
+
+    const int width = (int)image->width, height = (int)image->height;
+    int part = 0;
+    result = exr_add_part(context, NULL, EXR_STORAGE_SCANLINE, &part);
+    if (result == EXR_ERR_SUCCESS)
+        result = exr_initialize_required_attr_simple(context, part, width, height, EXR_COMPRESSION_ZIP);
+    static const char *const names[4] = {"A", "B", "G", "R"}; /* the file's order is the alphabet's */
+    for (int c = 0; c < 4 && result == EXR_ERR_SUCCESS; c++)
+        result = exr_add_channel(context, part, names[c], EXR_PIXEL_HALF, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
+    if (result == EXR_ERR_SUCCESS) result = exr_write_header(context);
+    if (result == EXR_ERR_SUCCESS) result = encode_chunks(context, rgba, image->width, height);
+    const exr_result_t finished = exr_finish(&context);
+    return result == EXR_ERR_SUCCESS ? finished : result;
+}
+
+static bool exr_write(io_output *out, const io_image *image, io_error *error) {
+    enum { SIDE_MAX = 1 << 24 }; /* keeps a row's bytes in the 31 bits that the library has for them */
+    if (image->width > SIDE_MAX || image->height > SIDE_MAX)
+        return io_fail(error, "%s: %zu x %zu pixels are too many for OpenEXR", out->name, image->width, image->height);
+    uint16_t *rgba = half_pixels(image);
+    if (rgba == NULL)
+        return io_fail(error, "%s: no memory for %zu x %zu pixels", out->name, image->width, image->height);
+    sink s = {0};
+    const exr_result_t result = encode(&s, out->name, image, rgba);
+    const bool good = result == EXR_ERR_SUCCESS ? io_output_write(out, s.bytes, s.size, error)
+                                                : io_fail(error, "%s: cannot write: %s", out->name, reason(&s, result));
+    free(s.bytes);
+    free(rgba);
+    return good;
+}
+
+/* ---- reading ------------------------------------------------------------------------------------------------------ */
+
+typedef struct reader {
+    exr_context_t context;
+    exr_decode_pipeline_t decoder;
+    bool started; /* the decoder */
+    bool grey;    /* Y alone */
+    io_image *image;
+} reader;
+
+/* Decodes one chunk whose first pixel is (x, y) of the picture. */
+static exr_result_t decode_chunk(reader *r, const exr_chunk_info_t *chunk, size_t x, size_t y) {
+    exr_result_t result = r->started ? exr_decoding_update(r->context, 0, chunk, &r->decoder)
+                                     : exr_decoding_initialize(r->context, 0, chunk, &r->decoder);
+    if (result != EXR_ERR_SUCCESS) return result;
+    for (int c = 0; c < r->decoder.channel_count; c++) {
+        exr_coding_channel_info_t *channel = &r->decoder.channels[c];
+        const int place = !r->grey                                  ? component(channel->channel_name)
+                          : strcmp(channel->channel_name, "Y") == 0 ? 0
+                                                                    : -1;
+        channel->decode_to_ptr = NULL;
+        if (place < 0 || place > 2) continue;
+        channel->user_bytes_per_element = sizeof(float);
+        channel->user_data_type = EXR_PIXEL_FLOAT;
+        channel->user_pixel_stride = 3 * sizeof(float);
+        channel->user_line_stride = (int32_t)(r->image->width * 3 * sizeof(float));
+        channel->decode_to_ptr = (uint8_t *)(r->image->rgb + (y * r->image->width + x) * 3 + (size_t)place);
+    }
+    if (!r->started) result = exr_decoding_choose_default_routines(r->context, 0, &r->decoder);
+    r->started = true;
+    return result == EXR_ERR_SUCCESS ? exr_decoding_run(r->context, 0, &r->decoder) : result;
+}
+
+static exr_result_t decode_lines(reader *r, int32_t top) {
+    int32_t lines = 1;
+    exr_result_t result = exr_get_scanlines_per_chunk(r->context, 0, &lines);
+    for (size_t y = 0; result == EXR_ERR_SUCCESS && y < r->image->height; y += (size_t)lines) {
+        exr_chunk_info_t chunk;
+        result = exr_read_scanline_chunk_info(r->context, 0, top + (int32_t)y, &chunk);
+        if (result == EXR_ERR_SUCCESS) result = decode_chunk(r, &chunk, 0, y);
+    }
+    return result;
+}
+
+static exr_result_t decode_tiles(reader *r) {
+    int32_t width = 1, height = 1;
+    exr_result_t result = exr_get_tile_sizes(r->context, 0, 0, 0, &width, &height);
+    for (size_t y = 0; y < r->image->height; y += (size_t)height)
+        for (size_t x = 0; x < r->image->width && result == EXR_ERR_SUCCESS; x += (size_t)width) {
+            exr_chunk_info_t chunk;
+            result = exr_read_tile_chunk_info(r->context, 0, (int)(x / (size_t)width), (int)(y / (size_t)height), 0, 0,
+                                              &chunk);
+            if (result == EXR_ERR_SUCCESS) result = decode_chunk(r, &chunk, x, y);
+        }
+    return result;
+}
+
+/* Looks for R, G and B, or Y alone; none of them thinned out. */
+static bool know_channels(exr_context_t context, bool *grey) {
+    const exr_attr_chlist_t *list = NULL;
+    if (exr_get_channels(context, 0, &list) != EXR_ERR_SUCCESS) return false;
+    enum { Y = 1 << 4 };
+    unsigned found = 0;
+    for (int c = 0; c < list->num_channels; c++) {
+        const exr_attr_chlist_entry_t *entry = &list->entries[c];
+        const int place = component(entry->name.str);
+        const unsigned bit = strcmp(entry->name.str, "Y") == 0 ? Y : place >= 0 ? 1u << place : 0;
+        if (bit != 0 && (entry->x_sampling != 1 || entry->y_sampling != 1)) return false;
+        found |= bit;
+    }
+    *grey = (found & 7) == 0;
+    return *grey ? (found & Y) != 0 : (found & 7) == 7;
+}
+
+static bool read_started(reader *r, const char *path, const sink *s, io_error *error) {
+    exr_storage_t storage;
+    exr_attr_box2i_t window;
+    exr_result_t result = exr_get_storage(r->context, 0, &storage);
+    if (result == EXR_ERR_SUCCESS) result = exr_get_data_window(r->context, 0, &window);
+    if (result != EXR_ERR_SUCCESS) return io_fail(error, "%s: cannot read: %s", path, reason(s, result));
+    if (storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED)
+        return io_fail(error, "%s: deep pictures are not supported", path);
+    if (!know_channels(r->context, &r->grey))
+        return io_fail(error, "%s: has neither the channels R, G and B nor Y at full resolution", path);
+
+    const int64_t width = (int64_t)window.max.x - window.min.x + 1, height = (int64_t)window.max.y - window.min.y + 1;
+    if (width < 1 || height < 1) return io_fail(error, "%s: has no pixels", path);
+    if (!image_allocate(r->image, (size_t)width, (size_t)height, path, error)) return false;
+    result = storage == EXR_STORAGE_TILED ? decode_tiles(r) : decode_lines(r, window.min.y);
+    if (result != EXR_ERR_SUCCESS) {
+        io_image_free(r->image);
+        return io_fail(error, "%s: cannot read: %s", path, reason(s, result));
+    }
+    for (size_t k = 0; r->grey && k < r->image->width * r->image->height; k++)
+        r->image->rgb[k * 3 + 1] = r->image->rgb[k * 3 + 2] = r->image->rgb[k * 3];
+    return true;
+}
+
+static bool exr_read(const char *path, io_image *image, io_error *error) {
+    /* The library reports a missing file less plainly. */
+    FILE *file = fopen(path, "rb");
+    if (file == NULL) return io_fail(error, "%s: cannot read: %s", path, strerror(errno));
+    fclose(file);
+
+    sink s = {0};
+    exr_context_initializer_t setup = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    setup.error_handler_fn = keep_message;
+    setup.user_data = &s;
+    setup.max_image_width = setup.max_image_height = 1 << 24;
+    setup.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
+    reader r = {.image = image, .decoder = EXR_DECODE_PIPELINE_INITIALIZER};
+    const exr_result_t result = exr_start_read(&r.context, path, &setup);
+    if (result != EXR_ERR_SUCCESS) {
+        exr_finish(&r.context);
+        return io_fail(error, "%s: not a readable OpenEXR picture: %s", path, reason(&s, result));
+    }
+    const bool good = read_started(&r, path, &s, error);
+    if (r.started) exr_decoding_destroy(r.context, &r.decoder);
+    exr_finish(&r.context);
+    return good;
+}
+
+const image_format image_exr = {".exr", exr_read, exr_write};
