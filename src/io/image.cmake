@@ -1,7 +1,7 @@
 # Pictures. OpenEXR (its C library) and libpng are optional; each sits behind one file.
 target_sources(cellwalk_io PRIVATE image.c image_pfm.c)
 
-find_package(OpenEXR 3.1 CONFIG QUIET)
+find_package(OpenEXR 3.1 CONFIG QUIET GLOBAL)
 if(TARGET OpenEXR::OpenEXRCore)
     target_sources(cellwalk_io PRIVATE image_exr.c)
     target_link_libraries(cellwalk_io PRIVATE OpenEXR::OpenEXRCore)
@@ -10,7 +10,7 @@ else()
     message(STATUS "OpenEXR 3.1 not found: no .exr pictures")
 endif()
 
-find_package(PNG QUIET)
+find_package(PNG QUIET GLOBAL)
 if(TARGET PNG::PNG)
     target_sources(cellwalk_io PRIVATE image_png.c)
     target_link_libraries(cellwalk_io PRIVATE PNG::PNG)

@@ -17,6 +17,10 @@ typedef void scene_warn_fn(void *context, const char *message);
 scene *scene_load(const char *path, scene_warn_fn *warn, void *warn_context, io_error *error);
 void scene_free(scene *s);
 
+/* The height field of a file that holds exactly one, with or without a scene around it: the samples as written, field
+ * space as user space. The caller owns it. NULL on failure. */
+cw_field *scene_load_heightfield(const char *path, io_error *error);
+
 /* The scene's height fields in the order of the file; owned by the scene. */
 size_t scene_field_count(const scene *s);
 cw_field *scene_field(scene *s, size_t number);
@@ -27,7 +31,8 @@ size_t scene_height(const scene *s);
 const char *scene_film_name(const scene *s);
 
 /* How rays meet height fields. The default is cw_closest and cw_any; a measuring program puts its own in. Called from
- * several threads at once. Rays are in the field space of that field. */
+ * several threads at once, for at most SCENE_BATCH rays. Rays are in the field space of that field. */
+enum { SCENE_BATCH = 4096 };
 typedef struct scene_tracer {
     void *context;
     void (*closest)(void *context, size_t field, const cw_ray *rays, size_t n, cw_hit *hits);
@@ -41,15 +46,16 @@ typedef struct scene_render_options {
     unsigned samples;           /* a pixel; 0: as the scene says */
     bool phong;                 /* Phong normals on height fields instead of the triangles' own */
     const atomic_bool *cancel;  /* NULL, or stops the rendering soon after it turns true */
-    void (*progress)(void *context,
-                     double done); /* NULL, or told the share done in [0, 1], from one thread at a time */
+    /* NULL, or told the share done in [0, 1], from one thread at a time. */
+    void (*progress)(void *context, double done);
     void *progress_context;
 } scene_render_options;
 
 typedef struct scene_render_stats {
     uint64_t camera_rays, shadow_rays, mirror_rays;
     uint64_t field_queries; /* rays given to a tracer, counted once for each field that they were given to */
-    double seconds;         /* wall time */
+    double seconds;         /* wall time, without build_seconds */
+    double build_seconds;   /* cw_field_build for the default tracer; 0 where it had been done before */
     double trace_seconds;   /* inside the tracer, added up over threads */
 } scene_render_stats;
 

@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A scene in memory, as the parser leaves it and the renderer reads it. */
+#ifndef CELLWALK_SCENE_MODEL_H
+#define CELLWALK_SCENE_MODEL_H
+
+#include "scene.h"
+#include "texture.h"
+#include "transform.h"
+
+typedef enum material_kind { MATTE, MIRROR } material_kind;
+
+/* colour is Kd of a matte material (Lambert's law) and Kr of a mirror; a texture stands in its place. */
+typedef struct material {
+    material_kind kind;
+    float colour[3];
+    const texture *image; /* NULL: colour */
+} material;
+
+typedef struct heightfield {
+    cw_field *field; /* maps field space to the world; borrows samples */
+    float *samples;
+    size_t nx, ny;
+    transform to_world; /* from object space, where the samples' x and y span [0, 1] */
+    material surface;
+} heightfield;
+
+/* Radius 1, z from -1 to 1, open ends. */
+typedef struct cylinder {
+    transform to_world, to_object;
+    material surface;
+} cylinder;
+
+typedef struct point_light {
+    double position[3];
+    float intensity[3];
+} point_light;
+
+struct scene {
+    char *film_name;
+    size_t width, height;
+    unsigned samples;          /* a pixel */
+    double field_of_view;      /* degrees, over the shorter side */
+    transform camera_to_world; /* the camera looks along +z, +y is up, +x right */
+
+    heightfield *heightfields;
+    cylinder *cylinders;
+    point_light *lights;
+    size_t heightfield_count, cylinder_count, light_count;
+
+    /* Pointers, because materials point to them. */
+    texture **textures;
+    size_t texture_count;
+    bool textured; /* some shape has a texture: rays carry differentials */
+};
+
+#endif

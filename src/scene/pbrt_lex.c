@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The large height fields make most of the text: a million numbers, which are read in one pass without copying. */
+
+#include "pbrt_lex.h"
+
+#include <errno.h>
+#include <locale.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+static bool read_all(FILE *file, pbrt_source *s) {
+    size_t capacity = 1 << 16;
+    s->text = malloc(capacity + 1);
+    while (s->text != NULL) {
+        s->size += fread(s->text + s->size, 1, capacity - s->size, file);
+        if (s->size < capacity) {
+            s->text[s->size] = '\0';
+            return !ferror(file);
+        }
+        capacity *= 2;
+        char *more = realloc(s->text, capacity + 1);
+        if (more == NULL) free(s->text);
+        s->text = more;
+    }
+    errno = ENOMEM;
+    return false;
+}
+
+bool pbrt_source_open(pbrt_source *s, const char *path, io_error *error) {
+    *s = (pbrt_source){.path = strdup(path)};
+    FILE *file = s->path ? fopen(path, "rb") : NULL;
+    const bool good = file != NULL && read_all(file, s);
+    if (!good) io_fail(error, "%s: cannot read: %s", path, strerror(errno));
+    if (file != NULL) fclose(file);
+    if (!good) pbrt_source_close(s);
+    return good;
+}
+
+void pbrt_source_close(pbrt_source *s) {
+    free(s->path);
+    free(s->text);
+    *s = (pbrt_source){0};
+}
+
+size_t pbrt_line(const pbrt_source *s, size_t offset) {
+    size_t line = 1;
+    for (size_t k = 0; k < offset; k++) line += s->text[k] == '\n';
+    return line;
+}
+
+static bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+static bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
+
+/* What strtod says in the C locale, for the few numbers that have too many digits for exact arithmetic in double. */
+static double slow_number(const char *text) {
+    const locale_t c_locale = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);
+    if (c_locale == (locale_t)0) return strtod(text, NULL);
+    const double number = strtod_l(text, NULL, c_locale);
+    freelocale(c_locale);
+    return number;
+}
+
+const char *pbrt_number(const char *text, double *number) {
+    const char *p = text;
+    const bool negative = *p == '-';
+    if (*p == '-' || *p == '+') p++;
+    /* number = mantissa · 10^exponent unless a digit beyond the 18th was dropped */
+    const uint64_t full = 100000000000000000;
+    uint64_t mantissa = 0;
+    long exponent = 0;
+    bool any = false, dropped = false;
+    for (; is_digit(*p); p++) {
+        any = true;
+        if (mantissa < full) {
+            mantissa = mantissa * 10 + (uint64_t)(*p - '0');
+        } else {
+            exponent++;
+            dropped = true;
+        }
+    }
+    if (*p == '.')
+        for (p++; is_digit(*p); p++) {
+            any = true;
+            if (mantissa < full) {
+                mantissa = mantissa * 10 + (uint64_t)(*p - '0');
+                exponent--;
+            } else {
+                dropped = true;
+            }
+        }
+    if (!any) return NULL;
+    if (*p == 'e' || *p == 'E') {
+        const char *q = p + 1;
+        const bool below = *q == '-';
+        if (*q == '-' || *q == '+') q++;
+        if (!is_digit(*q)) return NULL;
+        long power = 0;
+        for (; is_digit(*q); q++)
+            if (power < 100000) power = power * 10 + (*q - '0');
+        exponent += below ? -power : power;
+        p = q;
+    }
+    /* Mantissa and power of ten are exact in double, so that their product or quotient is rounded once. */
+    static const double power_of_ten[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
+                                          1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+    if (!dropped && mantissa <= (uint64_t)1 << 53 && exponent >= -22 && exponent <= 22) {
+        const double m = (double)mantissa;
+        const double size = exponent < 0 ? m / power_of_ten[-exponent] : m * power_of_ten[exponent];
+        *number = negative ? -size : size;
+    } else {
+        *number = slow_number(text);
+    }
+    return p;
+}
+
+static void skip_blanks_and_comments(pbrt_source *s) {
+    const char *p = s->text + s->at, *end = s->text + s->size;
+    for (;; p++) {
+        while (p < end && (*p == ' ' || *p == '\n' || *p == '\t' || *p == '\r')) p++;
+        if (p == end || *p != '#') break;
+        while (p < end && *p != '\n') p++;
+        if (p == end) break;
+    }
+    s->at = (size_t)(p - s->text);
+}
+
+static pbrt_token bad(pbrt_token token, const char *problem) {
+    token.kind = PBRT_BAD;
+    token.problem = problem;
+    return token;
+}
+
+static bool ends_token(char c) { return c == '\0' || strchr(" \n\t\r[]\"#", c) != NULL; }
+
+pbrt_token pbrt_next(pbrt_source *s) {
+    skip_blanks_and_comments(s);
+    const char *start = s->text + s->at, *end = s->text + s->size;
+    pbrt_token token = {.kind = PBRT_END, .offset = s->at, .start = start};
+    if (start == end) return token;
+    const char *p = start + 1;
+    if (*start == '[' || *start == ']') {
+        token.kind = *start == '[' ? PBRT_OPEN : PBRT_CLOSE;
+    } else if (*start == '"') {
+        while (p < end && *p != '"' && *p != '\n') p++;
+        if (p == end || *p == '\n') return bad(token, "unterminated string");
+        token.kind = PBRT_STRING;
+        token.start = start + 1;
+        token.length = (size_t)(p - start) - 1;
+        if (memchr(token.start, '\0', token.length) != NULL) return bad(token, "NUL byte in a string");
+        s->at = (size_t)(p + 1 - s->text);
+        return token;
+    } else if (is_letter(*start)) {
+        token.kind = PBRT_WORD;
+        while (is_letter(*p) || is_digit(*p)) p++;
+    } else if (is_digit(*start) || (*start != '\0' && strchr("+-.", *start) != NULL)) {
+        token.kind = PBRT_NUMBER;
+        p = pbrt_number(start, &token.number);
+        if (p == NULL || !ends_token(*p)) return bad(token, "malformed number");
+    } else {
+        return bad(token, "unexpected character");
+    }
+    token.length = (size_t)(p - start);
+    s->at = (size_t)(p - s->text);
+    return token;
+}

@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Words, strings, numbers and brackets of a .pbrt file. */
+#ifndef CELLWALK_SCENE_PBRT_LEX_H
+#define CELLWALK_SCENE_PBRT_LEX_H
+
+#include "error.h"
+
+#include <stddef.h>
+
+/* A file in memory. Lines are counted only when an error names one. */
+typedef struct pbrt_source {
+    char *path;
+    char *text; /* size bytes and a NUL */
+    size_t size;
+    size_t at; /* where the next token is looked for */
+} pbrt_source;
+
+typedef enum pbrt_kind { PBRT_END, PBRT_WORD, PBRT_STRING, PBRT_NUMBER, PBRT_OPEN, PBRT_CLOSE, PBRT_BAD } pbrt_kind;
+
+typedef struct pbrt_token {
+    pbrt_kind kind;
+    size_t offset;     /* in the file */
+    const char *start; /* a string's without the quotes */
+    size_t length;
+    double number;
+    const char *problem; /* of PBRT_BAD */
+} pbrt_token;
+
+bool pbrt_source_open(pbrt_source *s, const char *path, io_error *error);
+void pbrt_source_close(pbrt_source *s);
+size_t pbrt_line(const pbrt_source *s, size_t offset);
+
+pbrt_token pbrt_next(pbrt_source *s);
+
+/* A decimal number without regard to the locale, correctly rounded: [+-] digits [. digits] [e [+-] digits]. text must end
+ * in a NUL somewhere. Returns the end of the number, or NULL if there is none. */
+const char *pbrt_number(const char *text, double *number);
+
+#endif

@@ -1,0 +1,170 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "pbrt_params.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+bool pbrt_fail(const pbrt_source *s, size_t offset, const char *directive, io_error *error, const char *format, ...) {
+    char text[256];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    return io_fail(error, "%s:%zu: %s: %s", s->path, pbrt_line(s, offset), directive, text);
+}
+
+/* Splits "float Pz" into type and name. */
+static bool declare(pbrt_param *param, const pbrt_token *token) {
+    char text[64];
+    if (token->length >= sizeof text) return false;
+    memcpy(text, token->start, token->length);
+    text[token->length] = '\0';
+    char rest[2];
+    return sscanf(text, "%15s %31s %1s", param->type, param->name, rest) == 2;
+}
+
+/* Appends to values that have room for *capacity floats. */
+static bool append(pbrt_param *param, size_t *capacity, float value) {
+    if (param->count == *capacity) {
+        const size_t more = *capacity ? *capacity * 2 : 4;
+        float *floats = realloc(param->floats, more * sizeof *floats);
+        if (floats == NULL) return false;
+        param->floats = floats;
+        *capacity = more;
+    }
+    param->floats[param->count++] = value;
+    return true;
+}
+
+/* Takes one value into the parameter; all of a list must be of one kind. */
+static bool take_value(pbrt_params *params, pbrt_param *param, const pbrt_token *token, size_t *capacity,
+                       io_error *error) {
+    const pbrt_source *s = params->source;
+    if (token->kind == PBRT_STRING && param->floats == NULL) {
+        if (param->count++ > 0) return true;
+        param->text = strndup(token->start, token->length);
+        return param->text != NULL || pbrt_fail(s, token->offset, params->directive, error, "out of memory");
+    }
+    if (token->kind == PBRT_NUMBER && param->text == NULL) {
+        const float value = (float)token->number;
+        if (!isfinite(value))
+            return pbrt_fail(s, token->offset, params->directive, error, "\"%s\": %.*s is too large for a float",
+                             param->name, (int)(token->length < 40 ? token->length : 40), token->start);
+        if (param->count == 0) param->first = token->number;
+        return append(param, capacity, value) || pbrt_fail(s, token->offset, params->directive, error, "out of memory");
+    }
+    if (token->kind == PBRT_BAD)
+        return pbrt_fail(s, token->offset, params->directive, error, "\"%s\": %s", param->name, token->problem);
+    if (token->kind == PBRT_END)
+        return pbrt_fail(s, token->offset, params->directive, error, "\"%s\": the file ends within its values",
+                         param->name);
+    return pbrt_fail(s, token->offset, params->directive, error, "\"%s\": value %zu is not a %s but %.*s", param->name,
+                     param->count + 1, param->text ? "string" : "number",
+                     (int)(token->length < 40 ? token->length : 40), token->start);
+}
+
+static bool read_values(pbrt_params *params, pbrt_param *param, pbrt_source *s, io_error *error) {
+    size_t capacity = 0;
+    pbrt_token token = pbrt_next(s);
+    if (token.kind != PBRT_OPEN) return take_value(params, param, &token, &capacity, error);
+    for (token = pbrt_next(s); token.kind != PBRT_CLOSE; token = pbrt_next(s))
+        if (!take_value(params, param, &token, &capacity, error)) return false;
+    return true;
+}
+
+bool pbrt_params_read(pbrt_params *params, pbrt_source *s, const char *directive, io_error *error) {
+    params->source = s;
+    params->directive = directive;
+    params->count = 0;
+    for (;;) {
+        const size_t before = s->at;
+        const pbrt_token token = pbrt_next(s);
+        if (token.kind == PBRT_BAD) return pbrt_fail(s, token.offset, directive, error, "%s", token.problem);
+        if (token.kind != PBRT_STRING) {
+            s->at = before;
+            return true;
+        }
+        if (params->count == PBRT_PARAMS_MAX)
+            return pbrt_fail(s, token.offset, directive, error, "too many parameters");
+        pbrt_param *param = &params->list[params->count];
+        *param = (pbrt_param){.offset = token.offset};
+        if (!declare(param, &token))
+            return pbrt_fail(s, token.offset, directive, error, "\"%.*s\" is no parameter: \"type name\" is expected",
+                             (int)(token.length < 40 ? token.length : 40), token.start);
+        params->count++;
+        for (int k = 0; k + 1 < params->count; k++)
+            if (strcmp(params->list[k].name, param->name) == 0 && strcmp(params->list[k].type, param->type) == 0)
+                return pbrt_fail(s, token.offset, directive, error, "\"%s\" is given twice", param->name);
+        if (!read_values(params, param, s, error)) return false;
+    }
+}
+
+void pbrt_params_free(pbrt_params *params) {
+    for (int k = 0; k < params->count; k++) {
+        free(params->list[k].floats);
+        free(params->list[k].text);
+    }
+    params->count = 0;
+}
+
+pbrt_param *pbrt_param_find(pbrt_params *params, const char *type, const char *name) {
+    for (int k = 0; k < params->count; k++) {
+        pbrt_param *param = &params->list[k];
+        if (strcmp(param->type, type) != 0 || strcmp(param->name, name) != 0) continue;
+        param->used = true;
+        return param;
+    }
+    return NULL;
+}
+
+static bool wrong(const pbrt_params *params, const pbrt_param *param, io_error *error, const char *expected) {
+    return pbrt_fail(params->source, param->offset, params->directive, error, "\"%s %s\" must be %s", param->type,
+                     param->name, expected);
+}
+
+bool pbrt_param_integer(pbrt_params *params, const char *name, long low, long high, long *value, io_error *error) {
+    const pbrt_param *param = pbrt_param_find(params, "integer", name);
+    if (param == NULL) return true;
+    char expected[64];
+    snprintf(expected, sizeof expected, "a whole number from %ld to %ld", low, high);
+    if (param->count != 1 || param->floats == NULL || param->first != floor(param->first) ||
+        param->first < (double)low || param->first > (double)high)
+        return wrong(params, param, error, expected);
+    *value = (long)param->first;
+    return true;
+}
+
+bool pbrt_param_float(pbrt_params *params, const char *name, double *value, io_error *error) {
+    const pbrt_param *param = pbrt_param_find(params, "float", name);
+    if (param == NULL) return true;
+    if (param->count != 1 || param->floats == NULL) return wrong(params, param, error, "one number");
+    *value = param->first;
+    return true;
+}
+
+bool pbrt_param_colour(pbrt_params *params, const char *name, float value[3], io_error *error) {
+    const pbrt_param *param = pbrt_param_find(params, "color", name);
+    if (param == NULL) param = pbrt_param_find(params, "rgb", name);
+    if (param == NULL) return true;
+    if (param->count != 3 || param->floats == NULL) return wrong(params, param, error, "three numbers");
+    memcpy(value, param->floats, 3 * sizeof *value);
+    return true;
+}
+
+bool pbrt_param_string(pbrt_params *params, const char *type, const char *name, const char **value, io_error *error) {
+    const pbrt_param *param = pbrt_param_find(params, type, name);
+    if (param == NULL) return true;
+    if (param->count != 1 || param->text == NULL) return wrong(params, param, error, "one string");
+    *value = param->text;
+    return true;
+}
+
+bool pbrt_params_all_used(const pbrt_params *params, io_error *error) {
+    for (int k = 0; k < params->count; k++)
+        if (!params->list[k].used)
+            return pbrt_fail(params->source, params->list[k].offset, params->directive, error,
+                             "parameter \"%s %s\" is not supported", params->list[k].type, params->list[k].name);
+    return true;
+}

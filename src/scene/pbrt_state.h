@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What the directives of a .pbrt file share while it is read. */
+#ifndef CELLWALK_SCENE_PBRT_STATE_H
+#define CELLWALK_SCENE_PBRT_STATE_H
+
+#include "model.h"
+#include "pbrt_params.h"
+
+#include <sys/types.h>
+
+/* A Texture directive; its image is read when a shape needs it. */
+typedef struct pbrt_texture {
+    char *name, *path;
+    char *place; /* "file:line" */
+    texture *image;
+} pbrt_texture;
+
+enum { PBRT_DEPTH_MAX = 64, PBRT_INCLUDE_MAX = 16 };
+
+/* What AttributeBegin saves. */
+typedef struct pbrt_attributes {
+    transform current;
+    material surface;  /* without its image */
+    int image;         /* number of its texture, or -1 */
+    int texture_count; /* names that can be seen */
+} pbrt_attributes;
+
+typedef struct pbrt_state {
+    scene *scene;
+    bool fields_only;
+    scene_warn_fn *warn;
+    void *warn_context;
+
+    char *directory; /* of the first file, with its last slash: all names are relative to it */
+    struct {
+        dev_t device;
+        ino_t inode;
+    } open[PBRT_INCLUDE_MAX];
+    int open_count;
+
+    pbrt_attributes attributes, saved[PBRT_DEPTH_MAX];
+    int depth;
+    pbrt_texture *textures;
+    int texture_capacity;
+    bool camera, world, ended;
+} pbrt_state;
+
+/* The directive being read. */
+typedef struct pbrt_site {
+    pbrt_source *source;
+    size_t offset;
+    const char *name;
+} pbrt_site;
+
+typedef bool pbrt_directive_fn(pbrt_state *p, const pbrt_site *site, io_error *error);
+
+/* pbrt_shapes.c: directives that put something into the world. */
+pbrt_directive_fn pbrt_shape, pbrt_light, pbrt_material, pbrt_texture_define;
+
+/* Reads the string that follows a directive. The caller frees it; NULL on failure. */
+char *pbrt_read_string(const pbrt_site *site, io_error *error);
+/* name relative to the scene's directory; the caller frees it; NULL when out of memory. */
+char *pbrt_resolve(const pbrt_state *p, const char *name);
+
+#endif

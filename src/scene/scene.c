@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Scenes from their reading to their end. */
+
+#include "model.h"
+#include "pbrt_parse.h"
+
+#include <stdlib.h>
+
+void scene_free(scene *s) {
+    if (s == NULL) return;
+    for (size_t k = 0; k < s->heightfield_count; k++) {
+        cw_field_destroy(s->heightfields[k].field);
+        free(s->heightfields[k].samples);
+    }
+    for (size_t k = 0; k < s->texture_count; k++) texture_free(s->textures[k]);
+    free(s->heightfields);
+    free(s->cylinders);
+    free(s->lights);
+    free(s->textures);
+    free(s->film_name);
+    free(s);
+}
+
+static scene *load(const char *path, bool fields_only, scene_warn_fn *warn, void *warn_context, io_error *error) {
+    scene *s = calloc(1, sizeof *s);
+    if (s == NULL) {
+        io_fail(error, "%s: out of memory", path);
+        return NULL;
+    }
+    if (pbrt_parse(path, fields_only, s, warn, warn_context, error)) return s;
+    scene_free(s);
+    return NULL;
+}
+
+scene *scene_load(const char *path, scene_warn_fn *warn, void *warn_context, io_error *error) {
+    return load(path, false, warn, warn_context, error);
+}
+
+cw_field *scene_load_heightfield(const char *path, io_error *error) {
+    scene *s = load(path, true, NULL, NULL, error);
+    if (s == NULL) return NULL;
+    cw_field *field = NULL;
+    if (s->heightfield_count != 1) {
+        io_fail(error, "%s: holds %zu height fields, not one", path, s->heightfield_count);
+    } else {
+        const heightfield *h = &s->heightfields[0];
+        cw_field_desc desc = cw_field_desc_default();
+        desc.samples = h->samples;
+        desc.nx = h->nx;
+        desc.ny = h->ny;
+        const cw_status status = cw_field_create(&desc, &field);
+        if (status != CW_OK) io_fail(error, "%s: %s", path, cw_status_message(status));
+    }
+    scene_free(s);
+    return field;
+}
+
+size_t scene_field_count(const scene *s) { return s->heightfield_count; }
+
+cw_field *scene_field(scene *s, size_t number) { return s->heightfields[number].field; }
+
+size_t scene_width(const scene *s) { return s->width; }
+
+size_t scene_height(const scene *s) { return s->height; }
+
+const char *scene_film_name(const scene *s) { return s->film_name ? s->film_name : "pbrt.exr"; }

@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Affine maps, and vectors of three doubles. */
+#ifndef CELLWALK_SCENE_TRANSFORM_H
+#define CELLWALK_SCENE_TRANSFORM_H
+
+#include <math.h>
+#include <stdbool.h>
+
+/* Three rows of four: point -> m[.][0..2] · point + m[.][3]. */
+typedef struct transform {
+    double m[3][4];
+} transform;
+
+static inline double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+static inline void cross(const double a[3], const double b[3], double out[3]) {
+    const double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
+    out[0] = x;
+    out[1] = y;
+    out[2] = z;
+}
+
+static inline void normalise(double v[3]) {
+    const double scale = 1 / sqrt(dot(v, v));
+    for (int c = 0; c < 3; c++) v[c] *= scale;
+}
+
+static inline transform transform_identity(void) { return (transform){{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}}; }
+
+static inline void transform_vector(const transform *t, const double v[3], double out[3]) {
+    const double x = v[0], y = v[1], z = v[2];
+    for (int r = 0; r < 3; r++) out[r] = t->m[r][0] * x + t->m[r][1] * y + t->m[r][2] * z;
+}
+
+static inline void transform_point(const transform *t, const double p[3], double out[3]) {
+    transform_vector(t, p, out);
+    for (int r = 0; r < 3; r++) out[r] += t->m[r][3];
+}
+
+/* Applies b first, then a. */
+static inline transform transform_multiply(const transform *a, const transform *b) {
+    transform out;
+    for (int r = 0; r < 3; r++)
+        for (int c = 0; c < 4; c++)
+            out.m[r][c] =
+                a->m[r][0] * b->m[0][c] + a->m[r][1] * b->m[1][c] + a->m[r][2] * b->m[2][c] + (c == 3 ? a->m[r][3] : 0);
+    return out;
+}
+
+/* False, with out undefined, if a cannot be inverted. */
+static inline bool transform_invert(const transform *a, transform *out) {
+    double row[3][3]; /* of the matrix */
+    for (int r = 0; r < 3; r++)
+        for (int c = 0; c < 3; c++) row[r][c] = a->m[r][c];
+    double adjoint[3][3]; /* its columns are cross products of the matrix's rows */
+    cross(row[1], row[2], adjoint[0]);
+    cross(row[2], row[0], adjoint[1]);
+    cross(row[0], row[1], adjoint[2]);
+    const double determinant = dot(row[0], adjoint[0]);
+    bool good = true;
+    for (int r = 0; r < 3; r++) {
+        for (int c = 0; c < 3; c++) out->m[r][c] = adjoint[c][r] / determinant;
+        const double shift[3] = {a->m[0][3], a->m[1][3], a->m[2][3]};
+        out->m[r][3] = -(out->m[r][0] * shift[0] + out->m[r][1] * shift[1] + out->m[r][2] * shift[2]);
+        for (int c = 0; c < 4; c++) good = good && isfinite(out->m[r][c]);
+    }
+    return good;
+}
+
+#endif
