@@ -45,11 +45,15 @@ bool io_image_can_write(const char *path, io_error *error) {
     return (format != NULL && format->write != NULL) || refuse(path, format, true, error);
 }
 
+bool io_image_put(io_output *out, const io_image *image, io_error *error) {
+    return io_image_can_write(out->name, error) && format_of(out->name)->write(out, image, error);
+}
+
 bool io_image_write(const char *path, const io_image *image, io_error *error) {
     if (!io_image_can_write(path, error)) return false;
     io_output out;
     if (!io_output_open(&out, path, error)) return false;
-    if (format_of(path)->write(&out, image, error)) return io_output_commit(&out, error);
+    if (io_image_put(&out, image, error)) return io_output_commit(&out, error);
     io_output_discard(&out);
     return false;
 }

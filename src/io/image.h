@@ -3,7 +3,7 @@
 #ifndef CELLWALK_IO_IMAGE_H
 #define CELLWALK_IO_IMAGE_H
 
-#include "error.h"
+#include "output.h"
 
 #include <stddef.h>
 
@@ -16,6 +16,9 @@ typedef struct io_image {
 /* The format follows from the file name's ending: .exr (half RGBA, alpha 1), .png (8 bit, sRGB), .pfm (float). The file
  * appears under its name only when it is whole: it is written beside it and renamed. On failure nothing is left. */
 bool io_image_write(const char *path, const io_image *image, io_error *error);
+
+/* The same into an output that is open and stays so; its name says the format. */
+bool io_image_put(io_output *out, const io_image *image, io_error *error);
 
 /* Reads .exr (any channel types, R G B or Y) and .pfm. The caller frees the pixels with io_image_free. */
 bool io_image_read(const char *path, io_image *image, io_error *error);

@@ -4,7 +4,6 @@
 #define CELLWALK_IO_IMAGE_FORMAT_H
 
 #include "image.h"
-#include "output.h"
 
 typedef struct image_format {
     const char *ending; /* ".exr" */

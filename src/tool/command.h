@@ -14,6 +14,7 @@ typedef struct command {
 } command;
 
 extern const command command_info;
+extern const command command_render;
 extern const command command_trace;
 
 /* Exit statuses: EXIT_USAGE where the command line asks for something that does not exist, EXIT_FAILURE for all that
