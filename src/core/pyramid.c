@@ -65,9 +65,33 @@ static void build_level(const cw_pyramid_level *from, const cw_pyramid_level *to
         }
 }
 
+/* Separable: the highest of three nodes in a row, then of three such rows. */
+static void build_around(const cw_pyramid_level *l, float *row[3]) {
+    const size_t n = 4 * (size_t)l->across, rows = 4 * (size_t)l->down;
+    for (size_t y = 0; y <= rows; y++) {
+        float *below = row[(y + 2) % 3], *here = row[y % 3];
+        for (size_t x = 0; x < n; x++) {
+            if (y == rows) {
+                here[x] = -INFINITY;
+                continue;
+            }
+            float high = node(l, x, y)[16];
+            if (x > 0) high = higher(node(l, x - 1, y)[16], high);
+            if (x + 1 < n) high = higher(node(l, x + 1, y)[16], high);
+            here[x] = high;
+        }
+        if (y == 0) {
+            for (size_t x = 0; x < n; x++) below[x] = -INFINITY;
+            continue;
+        }
+        float *out = l->around + (y - 1) * n, *further = row[(y + 1) % 3];
+        for (size_t x = 0; x < n; x++) out[x] = higher(y >= 2 ? further[x] : -INFINITY, higher(below[x], here[x]));
+    }
+}
+
 cw_status cw_pyramid_build(cw_field *f) {
     struct cw_pyramid *p = calloc(1, sizeof *p);
-    float *columns = malloc(2 * f->nx * sizeof *columns);
+    float *columns = malloc((3 * f->nx + 64) * sizeof *columns); /* three rows of nodes fit as well */
     if (p == NULL || columns == NULL) goto no_memory;
 
     size_t bricks = 0, begin[PYRAMID_LEVELS_MAX];
@@ -83,18 +107,24 @@ cw_status cw_pyramid_build(cw_field *f) {
         side *= 4;
     } while (x > 1 || y > 1);
 
-    p->bytes = bricks * BRICK_FLOATS * sizeof(float);
+    p->bytes = bricks * (BRICK_FLOATS + 16) * sizeof(float);
     p->memory = cw_memory_allocate(p->bytes);
     if (p->memory == NULL) goto no_memory;
     for (int l = 0; l < p->levels; l++) {
         p->level[l].bricks = (float *)p->memory + begin[l] * BRICK_FLOATS;
+        p->level[l].around = (float *)p->memory + bricks * BRICK_FLOATS + begin[l] * 16;
         const size_t count = (size_t)p->level[l].across * (size_t)p->level[l].down;
         for (size_t k = 0; k < count * BRICK_FLOATS; k++)
             p->level[l].bricks[k] = k % BRICK_FLOATS < 16 ? INFINITY : -INFINITY;
     }
     build_blocks(f, &p->level[0], columns, columns + f->nx);
     for (int l = 1; l < p->levels; l++) build_level(&p->level[l - 1], &p->level[l]);
+    for (int l = 0; l < p->levels; l++) {
+        const size_t n = 4 * (size_t)p->level[l].across;
+        build_around(&p->level[l], (float *[3]){columns, columns + n, columns + 2 * n});
+    }
     free(columns);
+    p->high = f->high;
     f->pyramid = p;
     f->bytes_built += sizeof *p + p->bytes;
     return CW_OK;

@@ -3,7 +3,7 @@
  *
  * A node of level 0 covers a *block* of 4 × 4 cells; a node of level l + 1 covers 4 × 4 nodes of level l, which lie
  * together in memory as one *brick*: 16 lows, then 16 highs, two cache lines. The top level is one brick. Any field shape
- * costs less than 0.54 bytes a cell plus the partly filled bricks along its far borders; nodes outside the field have
+ * costs less than 0.81 bytes a cell plus the partly filled bricks along its far borders; nodes outside the field have
  * low > high, which no ray meets.
  *
  * After the maximum mipmaps of Tevs, Ihrke and Seidel (2008) and pbrt-like min-max quadtrees, but 16 children wide, so
@@ -21,10 +21,14 @@ typedef struct cw_pyramid_level {
     int32_t across; /* bricks in a row */
     int32_t down;
     float side; /* cells along one side of a node */
+    /* Highest sample of node (x, y) and its up to eight neighbours at around[y * 4 * across + x]: what a ray that starts
+     * in the node cannot meet anything above of before it has gone a node's side. */
+    float *around;
 } cw_pyramid_level;
 
 struct cw_pyramid {
     int levels; /* >= 1 */
+    float high; /* the field's highest sample */
     cw_pyramid_level level[PYRAMID_LEVELS_MAX];
     void *memory;
     size_t bytes;

@@ -1,0 +1,124 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The flat walk, a ray a lane: W rays, each in its own cell, step together. Amanatides and Woo 1987 with crossings
+ * computed from border coordinates (see src/scalar/cell.c, which this repeats lane by lane).
+ *
+ * Invariant: a lane's cell is on its walk, and x_in … y_out are its four crossings. Lanes share instructions, not
+ * cells, and what a lane computes depends on its ray alone; so packets of any width agree in every bit.
+ *
+ * Rejected: carrying the two samples that the new cell shares with the old one. A lane steps in x or in y, so two
+ * selects a sample replace two loads whose lines are in L1 already. */
+
+typedef struct lanes {
+    vray r;
+    vcell c;
+    vint sample; /* number of sample (i, j) */
+    vmask alive; /* still walking */
+    vmask found;
+    vhit hit; /* of the lanes in found, as far as the query wants it */
+    vint sample_hit;
+    /* Constants of the ray: border beyond the cell as an offset from its low corner, sample steps. */
+    vfloat x_in, x_out, y_in, y_out;
+    vint step_x, step_y;
+} lanes;
+
+/* The first cell along an axis that is left at t or later: the place at t gives a guess, the crossings decide. The loops
+ * end after one turn unless the origin is so far off that neighbouring floats are cells apart. */
+static inline vfloat first_cell(const vaxis *a, vfloat t, size_t samples, vmask alive) {
+    const vfloat zero = vf_set(0), one = vf_set(1), last = vf_set((float)(samples - 1) - 1);
+    const vfloat out = vf_select(a->up, one, zero), in = vf_sub(one, out);
+    const vfloat begin = vf_select(a->up, zero, last), end = vf_sub(last, begin);
+    vfloat place = vf_floor(vf_add(a->org, vf_mul(t, a->dir)));
+    place = vf_max(vf_min(last, place), zero); /* in this order -0 becomes 0, as if it had been an integer */
+    const vmask stays = vf_eq(a->dir, zero);
+    place = vf_select(stays, vf_sub(a->center, vf_set(0.5f)), place);
+    const vmask moves = vm_andnot(alive, stays);
+    for (;;) {
+        const vmask early = vm_andnot(vf_lt(crossing(a, vf_add(place, out)), t), vf_eq(place, end));
+        if (!vm_any(vm_and(early, moves))) break;
+        place = vf_select(vm_and(early, moves), vf_add(place, a->step), place);
+    }
+    for (;;) {
+        const vmask late = vm_andnot(vf_ge(crossing(a, vf_add(place, in)), t), vf_eq(place, begin));
+        if (!vm_any(vm_and(late, moves))) break;
+        place = vf_select(vm_and(late, moves), vf_sub(place, a->step), place);
+    }
+    return place;
+}
+
+/* Puts each living lane into the first cell that it has to visit. l->r and l->alive are given. */
+static inline void lanes_start(lanes *l, const cw_field *f) {
+    const vray *r = &l->r;
+    const vfloat zero = vf_set(0), one = vf_set(1);
+    vcell *c = &l->c;
+    c->i = first_cell(&r->x, r->from, f->nx, l->alive);
+    c->j = first_cell(&r->y, r->from, f->ny, l->alive);
+    l->x_in = vf_select(r->x.up, zero, one);
+    l->x_out = vf_sub(one, l->x_in);
+    l->y_in = vf_select(r->y.up, zero, one);
+    l->y_out = vf_sub(one, l->y_in);
+    c->x_in = crossing(&r->x, vf_add(c->i, l->x_in));
+    c->x_out = crossing(&r->x, vf_add(c->i, l->x_out));
+    c->y_in = crossing(&r->y, vf_add(c->j, l->y_in));
+    c->y_out = crossing(&r->y, vf_add(c->j, l->y_out));
+    const vint row = vi_set((int32_t)f->stride), minus_row = vi_set(-(int32_t)f->stride);
+    l->step_x = vi_select(r->x.up, vi_set(1), vi_set(-1));
+    l->step_y = vi_select(r->y.up, row, minus_row);
+    l->sample =
+        vi_add(vi_mul(vi_from_vf(vf_select(l->alive, c->j, zero)), row), vi_from_vf(vf_select(l->alive, c->i, zero)));
+    l->found = vm_set(false);
+    l->hit = (vhit){.t = zero, .u = zero, .v = zero, .b = l->found};
+    l->sample_hit = vi_set(0);
+}
+
+/* Tests the cell of each living lane and goes on to the next. */
+static inline void lanes_step(lanes *l, const cw_field *f, cw_leaf leaf, bool any) {
+    const vray *r = &l->r;
+    vcell *c = &l->c;
+    c->t0 = vf_max(vf_max(c->x_in, c->y_in), r->begin);
+    c->t1 = vf_min(vf_min(c->x_out, c->y_out), r->end);
+    vf_gather_pairs(f->z, l->sample, l->alive, &c->h00, &c->h10);
+    vf_gather_pairs(f->z + f->stride, l->sample, l->alive, &c->h01, &c->h11);
+    const vmask candidates = vm_and(l->alive, cell_gate(r, c));
+    if (vm_any(candidates)) {
+        vhit h;
+        const vmask now = leaf == CW_LEAF_WATERTIGHT ? wt_cell(r, c, candidates, &h) : mt_cell(r, c, candidates, &h);
+        if (!any) {
+            l->hit.t = vf_select(now, h.t, l->hit.t);
+            l->hit.u = vf_select(now, h.u, l->hit.u);
+            l->hit.v = vf_select(now, h.v, l->hit.v);
+            l->hit.b = vm_or(vm_and(now, h.b), vm_andnot(l->hit.b, now));
+            l->sample_hit = vi_select(now, l->sample, l->sample_hit);
+        }
+        l->found = vm_or(l->found, now);
+        l->alive = vm_andnot(l->alive, now);
+    }
+    const vmask in_x = vf_le(c->x_out, c->y_out);
+    const vmask leaves = vm_or(vm_and(in_x, vf_eq(vf_add(c->i, l->x_out), r->x.last)),
+                               vm_andnot(vf_eq(vf_add(c->j, l->y_out), r->y.last), in_x));
+    const vmask ends = vf_gt(vf_min(c->x_out, c->y_out), r->until);
+    l->alive = vm_andnot(l->alive, vm_or(leaves, ends));
+    c->i = vf_select(in_x, vf_add(c->i, r->x.step), c->i);
+    c->j = vf_select(in_x, c->j, vf_add(c->j, r->y.step));
+    c->x_in = vf_select(in_x, c->x_out, c->x_in);
+    c->y_in = vf_select(in_x, c->y_in, c->y_out);
+    c->x_out = crossing(&r->x, vf_add(c->i, l->x_out));
+    c->y_out = crossing(&r->y, vf_add(c->j, l->y_out));
+    l->sample = vi_add(l->sample, vi_select(in_x, l->step_x, l->step_y));
+}
+
+/* Writes the hits of the lanes in found; lanes bits tells which, so that the caller knows the rest. */
+static inline unsigned lanes_hits(const lanes *l, const cw_field *f, cw_hit *hits) {
+    const unsigned found = vm_bits(l->found), in_b = vm_bits(l->hit.b);
+    float t[W], u[W], v[W];
+    int32_t at[W];
+    vf_store(t, l->hit.t);
+    vf_store(u, l->hit.u);
+    vf_store(v, l->hit.v);
+    vi_store(at, l->sample_hit);
+    const int32_t stride = (int32_t)f->stride;
+    for (unsigned m = found; m != 0; m &= m - 1) {
+        const int k = __builtin_ctz(m);
+        hits[k] = (cw_hit){t[k], u[k], v[k], at[k] % stride, at[k] / stride, in_b >> k & 1};
+    }
+    return found;
+}
