@@ -65,6 +65,19 @@ static inline void lanes_start(lanes *l, const cw_field *f) {
     l->step_y = vi_select(r->y.up, row, minus_row);
     l->sample =
         vi_add(vi_mul(vi_from_vf(vf_select(l->alive, c->j, zero)), row), vi_from_vf(vf_select(l->alive, c->i, zero)));
+}
+
+/* Keeps the hits of the lanes in now, in the cell of the given sample. */
+static inline void lanes_keep(lanes *l, vmask now, const vhit *h, vint sample) {
+    l->hit.t = vf_select(now, h->t, l->hit.t);
+    l->hit.u = vf_select(now, h->u, l->hit.u);
+    l->hit.v = vf_select(now, h->v, l->hit.v);
+    l->hit.b = vm_or(vm_and(now, h->b), vm_andnot(l->hit.b, now));
+    l->sample_hit = vi_select(now, sample, l->sample_hit);
+}
+
+static inline void lanes_clear(lanes *l) {
+    const vfloat zero = vf_set(0);
     l->found = vm_set(false);
     l->hit = (vhit){.t = zero, .u = zero, .v = zero, .b = l->found};
     l->sample_hit = vi_set(0);
@@ -82,13 +95,7 @@ static inline void lanes_step(lanes *l, const cw_field *f, cw_leaf leaf, bool an
     if (vm_any(candidates)) {
         vhit h;
         const vmask now = leaf == CW_LEAF_WATERTIGHT ? wt_cell(r, c, candidates, &h) : mt_cell(r, c, candidates, &h);
-        if (!any) {
-            l->hit.t = vf_select(now, h.t, l->hit.t);
-            l->hit.u = vf_select(now, h.u, l->hit.u);
-            l->hit.v = vf_select(now, h.v, l->hit.v);
-            l->hit.b = vm_or(vm_and(now, h.b), vm_andnot(l->hit.b, now));
-            l->sample_hit = vi_select(now, l->sample, l->sample_hit);
-        }
+        if (!any) lanes_keep(l, now, &h, l->sample);
         l->found = vm_or(l->found, now);
         l->alive = vm_andnot(l->alive, now);
     }

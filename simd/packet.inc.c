@@ -17,6 +17,7 @@ static inline void packet_walk(lanes *l, const cw_field *f, const cw_ray *rays, 
         rays = tail;
     }
     l->alive = vm_and(vm_first(n), make_rays(&l->r, f, rays));
+    lanes_clear(l);
     lanes_start(l, f);
     while (vm_any(l->alive)) /* at most nx + ny turns: a lane goes one way on each axis and leaves the field */
         lanes_step(l, f, leaf, any);

@@ -15,10 +15,6 @@
 #include "climb.inc.h"
 #include "wide.inc.h"
 
-/* Steps of the flat walk, all lanes together, that a packet takes before its rays go on one by one: by then rays that
- * start at the surface and climb have left it, mostly, and the lanes are still nearly full. */
-enum { FLAT_STEPS = 6 };
-
 /* W rays as arrays, from which one is broadcast. */
 typedef struct ray_store {
     float x_org[W], x_dir[W], x_center[W], x_inverse[W];
@@ -68,53 +64,77 @@ static inline void pick_ray(wide_ray *w, const ray_store *s, size_t k) {
     w->order = vorder_make(w->up_x, w->up_y);
 }
 
-/* The first n of W rays; the lanes that hit. Where any is false, their hits are written. */
-static inline unsigned pyramid_walk(const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, bool any,
-                                    cw_hit *hits) {
-    cw_ray tail[W];
-    if (n < W) { /* lanes beyond the array get a ray of their own to read */
-        for (size_t k = 0; k < W; k++) tail[k] = rays[k < n ? k : 0];
-        rays = tail;
+#include "shared.inc.h"
+
+/* Steps of the flat walk, all lanes together, that a packet takes before its rays go on one by one: by then rays that
+ * start at the surface and climb have left it, mostly, and the lanes are still nearly full. */
+enum { FLAT_STEPS = 6 };
+
+/* Fewer rays than this do not pay for making a fat ray of them. */
+enum { SHARE_AT_LEAST = 4 };
+
+/* The first n of a group of rays; those that hit. Where any is false, their hits are written. */
+static inline unsigned pyramid_group(const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, bool any,
+                                     cw_hit *hits) {
+    lanes part[PARTS];
+    ray_store store[PARTS];
+    unsigned found = 0, rest = 0;
+    for (size_t p = 0; p < PARTS; p++) {
+        cw_ray tail[W];
+        lanes *l = &part[p];
+        const size_t begin = p * W, count = n <= begin ? 0 : n - begin < W ? n - begin : W;
+        const cw_ray *from = rays + begin;
+        if (count < W) { /* lanes beyond the array get a ray of the group to read */
+            for (size_t k = 0; k < W; k++) tail[k] = rays[k < count ? begin + k : 0];
+            from = tail;
+        }
+        l->alive = vm_and(vm_first(count), make_rays(&l->r, f, from));
+        lanes_clear(l);
+        if (!vm_any(l->alive)) continue;
+        const vmask near = climb(&l->r, f->pyramid, l->alive);
+        l->alive = vm_and(l->alive, vf_le(l->r.from, l->r.until));
+        if (vm_any(vm_and(l->alive, near))) {
+            lanes_start(l, f);
+            for (int k = 0; k < FLAT_STEPS && vm_any(l->alive); k++) lanes_step(l, f, leaf, any);
+            l->r.from = vf_max(l->r.from, vf_max(l->c.x_in, l->c.y_in));
+        }
+        rest |= vm_bits(l->alive) << begin;
+        if (vm_any(l->alive)) store_rays(&store[p], &l->r);
     }
-    lanes l;
-    l.alive = vm_and(vm_first(n), make_rays(&l.r, f, rays));
-    if (!vm_any(l.alive)) return 0;
-    unsigned found = 0;
-    const vmask near = climb(&l.r, f->pyramid, l.alive);
-    l.alive = vm_and(l.alive, vf_le(l.r.from, l.r.until));
-    if (vm_any(vm_and(l.alive, near))) {
-        lanes_start(&l, f);
-        for (int k = 0; k < FLAT_STEPS && vm_any(l.alive); k++) lanes_step(&l, f, leaf, any);
-        found = any ? vm_bits(l.found) : lanes_hits(&l, f, hits);
-        l.r.from = vf_max(l.r.from, vf_max(l.c.x_in, l.c.y_in));
+    if (rest != 0) {
+        fat_ray a;
+        if (__builtin_popcount(rest) >= SHARE_AT_LEAST && coherent(part, rest, f) && fat_init(&a, part, rest)) {
+            unsigned alone = 0;
+            shared_walk(&a, part, store, rest, f, leaf, any, hits, &alone);
+            found |= alone;
+        } else {
+            for (; rest != 0; rest &= rest - 1) {
+                const unsigned k = (unsigned)__builtin_ctz(rest);
+                wide_ray w;
+                pick_ray(&w, &store[k / W], k % W);
+                found |= (unsigned)wide_walk(&w, f, leaf, any, hits + k) << k;
+            }
+        }
     }
-    unsigned rest = vm_bits(l.alive);
-    if (rest == 0) return found;
-    ray_store s;
-    store_rays(&s, &l.r);
-    for (; rest != 0; rest &= rest - 1) {
-        const unsigned k = (unsigned)__builtin_ctz(rest);
-        wide_ray w;
-        pick_ray(&w, &s, k);
-        found |= (unsigned)wide_walk(&w, f, leaf, any, hits + k) << k;
-    }
+    for (size_t p = 0; p < PARTS; p++)
+        found |= (any ? vm_bits(part[p].found) : lanes_hits(&part[p], f, hits + p * W)) << (p * W);
     return found;
 }
 
 static inline void pyramid_closest(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, cw_leaf leaf) {
-    for (size_t k = 0; k < n; k += W) {
-        const size_t count = n - k < W ? n - k : W;
-        cw_hit h[W];
-        const unsigned found = pyramid_walk(f, rays + k, count, leaf, false, h);
+    for (size_t k = 0; k < n; k += CHILDREN) {
+        const size_t count = n - k < CHILDREN ? n - k : CHILDREN;
+        cw_hit h[CHILDREN];
+        const unsigned found = pyramid_group(f, rays + k, count, leaf, false, h);
         for (size_t m = 0; m < count; m++)
             hits[k + m] = found >> m & 1 ? h[m] : (cw_hit){.t = INFINITY, .i = -1, .j = -1};
     }
 }
 
 static inline void pyramid_any(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded, cw_leaf leaf) {
-    for (size_t k = 0; k < n; k += W) {
-        const size_t count = n - k < W ? n - k : W;
-        const unsigned found = pyramid_walk(f, rays + k, count, leaf, true, NULL);
+    for (size_t k = 0; k < n; k += CHILDREN) {
+        const size_t count = n - k < CHILDREN ? n - k : CHILDREN;
+        const unsigned found = pyramid_group(f, rays + k, count, leaf, true, NULL);
         for (size_t m = 0; m < count; m++) occluded[k + m] = found >> m & 1;
     }
 }

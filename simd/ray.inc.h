@@ -5,6 +5,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <stddef.h>
 
 /* One axis of W rays; see strict_axis. */
 typedef struct vaxis {
@@ -102,13 +103,19 @@ typedef struct vcell {
     vfloat h00, h10, h01, h11;
 } vcell;
 
-/* Lanes whose cell, with crossings, t-interval and samples filled in, passes the gate. Holes drop out of the bounds: vf_min
- * and vf_max yield the second operand where the first is NaN. */
+/* The cell's lowest and highest sample. Holes drop out: vf_min and vf_max yield the second operand where the first is
+ * NaN. */
+static inline vfloat cell_low(const vcell *c) {
+    return vf_min(c->h11, vf_min(c->h01, vf_min(c->h10, vf_min(c->h00, vf_set(INFINITY)))));
+}
+static inline vfloat cell_high(const vcell *c) {
+    return vf_max(c->h11, vf_max(c->h01, vf_max(c->h10, vf_max(c->h00, vf_set(-INFINITY)))));
+}
+
+/* Lanes whose cell, with crossings, t-interval and samples filled in, passes the gate. */
 static inline vmask cell_gate(const vray *r, const vcell *c) {
     const vmask walked = vm_and(vf_le(c->x_in, c->y_out), vf_lt(c->y_in, c->x_out));
-    const vfloat low = vf_min(c->h11, vf_min(c->h01, vf_min(c->h10, vf_min(c->h00, vf_set(INFINITY)))));
-    const vfloat high = vf_max(c->h11, vf_max(c->h01, vf_max(c->h10, vf_max(c->h00, vf_set(-INFINITY)))));
-    return vm_and(vm_and(walked, vf_le(c->t0, c->t1)), meets(r, c->t0, c->t1, low, high));
+    return vm_and(vm_and(walked, vf_le(c->t0, c->t1)), meets(r, c->t0, c->t1, cell_low(c), cell_high(c)));
 }
 
 /* What a leaf test finds; lanes outside its mask hold anything. */

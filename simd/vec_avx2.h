@@ -56,6 +56,11 @@ static inline vmask vm_first(size_t n) {
     const __m256i lane = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
     return (vmask){_mm256_castsi256_ps(_mm256_cmpgt_epi32(_mm256_set1_epi32((int32_t)n), lane))};
 }
+static inline vmask vm_from_bits(unsigned bits) {
+    const __m256i bit = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+    return (vmask){
+        _mm256_castsi256_ps(_mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32((int32_t)bits), bit), bit))};
+}
 static inline bool vm_any(vmask a) { return _mm256_movemask_ps(a.v) != 0; }
 static inline unsigned vm_bits(vmask a) { return (unsigned)_mm256_movemask_ps(a.v); }
 

@@ -53,6 +53,7 @@ static inline vmask vm_xor(vmask a, vmask b) { return (vmask){(__mmask16)(a.v ^ 
 static inline vmask vm_andnot(vmask a, vmask b) { return (vmask){(__mmask16)(a.v & ~b.v)}; }
 static inline vmask vm_not(vmask a) { return (vmask){(__mmask16)~a.v}; }
 static inline vmask vm_first(size_t n) { return (vmask){(__mmask16)(n >= W ? 0xffff : (1u << n) - 1)}; }
+static inline vmask vm_from_bits(unsigned bits) { return (vmask){(__mmask16)bits}; }
 static inline bool vm_any(vmask a) { return a.v != 0; }
 static inline unsigned vm_bits(vmask a) { return a.v; }
 

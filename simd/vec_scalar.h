@@ -57,6 +57,9 @@ static inline vmask vm_xor(vmask a, vmask b) { return (vmask){a.v != b.v}; }
 static inline vmask vm_andnot(vmask a, vmask b) { return (vmask){a.v && !b.v}; } /* a and not b */
 static inline vmask vm_not(vmask a) { return (vmask){!a.v}; }
 static inline vmask vm_first(size_t n) { return (vmask){n > 0}; } /* lanes 0 to n - 1 */
+static inline vmask vm_from_bits(unsigned bits) {
+    return (vmask){bits & 1};
+} /* lane k = bit k; further bits are ignored */
 static inline bool vm_any(vmask a) { return a.v; }
 static inline unsigned vm_bits(vmask a) { return a.v; } /* bit k = lane k */
 

@@ -55,6 +55,10 @@ static inline vmask vm_not(vmask a) { return (vmask){_mm_xor_ps(a.v, _mm_castsi1
 static inline vmask vm_first(size_t n) {
     return (vmask){_mm_castsi128_ps(_mm_cmpgt_epi32(_mm_set1_epi32((int32_t)n), _mm_setr_epi32(0, 1, 2, 3)))};
 }
+static inline vmask vm_from_bits(unsigned bits) {
+    const __m128i bit = _mm_setr_epi32(1, 2, 4, 8);
+    return (vmask){_mm_castsi128_ps(_mm_cmpeq_epi32(_mm_and_si128(_mm_set1_epi32((int32_t)bits), bit), bit))};
+}
 static inline bool vm_any(vmask a) { return _mm_movemask_ps(a.v) != 0; }
 static inline unsigned vm_bits(vmask a) { return (unsigned)_mm_movemask_ps(a.v); }
 

@@ -1,0 +1,284 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Coherent rays share their walk. A group of 16 rays goes through the pyramid as one *fat ray*, an interval for each of
+ * its numbers, judged against 16 children at once like a single ray (wide.inc.h); so opening a node costs the group
+ * little more than it costs one ray. At a block each ray decides for itself whether it is concerned; then either the
+ * rays take the block's cells one after another with the cell broadcast and the rays in lanes, or, where they no longer
+ * want the same cells, the packet falls apart there and each goes through the block on its own.
+ *
+ * Invariant: interval arithmetic in the gate's own operations, in their order, each of which is monotone in each of its
+ * arguments, also after rounding. So the fat ray's interval encloses, without padding, what each ray computes for itself,
+ * and no child that one of them must visit is skipped. Visits are front to back for all rays of one direction quadrant.
+ *
+ * After Boulos, Wald and Shirley 2006 and Wald et al. 2006 (interval and frustum traversal of grids by packets). Rejected:
+ * testing every ray against every child (DESIGN's prototype), 3 to 4 times the instructions a level. */
+
+/* Intervals over the rays of a group, each number in all lanes. In mirrored coordinates, in which x and y grow along the
+ * rays: centers times the sign of the direction, inverses without sign. */
+typedef struct fat_axis {
+    vfloat center_low, center_high, inverse_low, inverse_high;
+} fat_axis;
+
+typedef struct fat_ray {
+    fat_axis x, y;
+    vfloat oz_low, oz_high, dz_low, dz_high;
+    vfloat from, until;
+    vorder order;
+    bool up_x, up_y;
+} fat_ray;
+
+/* The members of vray that hulls are taken of. */
+static inline void hull(const lanes part[PARTS], unsigned rays, size_t offset, float *low, float *high) {
+    *low = INFINITY;
+    *high = -INFINITY;
+    for (size_t p = 0; p < PARTS; p++) {
+        const vmask m = vm_from_bits(rays >> (p * W));
+        const vfloat a = *(const vfloat *)(const void *)((const char *)&part[p].r + offset);
+        const float l = vf_lowest(a, m), h = vf_highest(a, m);
+        *low = l < *low ? l : *low;
+        *high = h > *high ? h : *high;
+    }
+}
+
+static inline bool fat_axis_init(fat_axis *a, const lanes part[PARTS], unsigned rays, size_t offset, bool up) {
+    float low, high;
+    hull(part, rays, offset + offsetof(vaxis, center), &low, &high);
+    a->center_low = vf_set(up ? low : -high);
+    a->center_high = vf_set(up ? high : -low);
+    hull(part, rays, offset + offsetof(vaxis, inverse), &low, &high);
+    a->inverse_low = vf_set(up ? low : -high);
+    a->inverse_high = vf_set(up ? high : -low);
+    return high <= FLT_MAX && low >= -FLT_MAX;
+}
+
+/* True if the rays are alike enough to share a walk: one direction quadrant, directions within 1/8 of their length from
+ * the first one's, origins within a few cells. What is left out is a matter of speed alone. */
+static inline bool coherent(const lanes part[PARTS], unsigned rays, const cw_field *f) {
+    const unsigned first = (unsigned)__builtin_ctz(rays);
+    const vray *one = &part[first / W].r;
+    float all[W];
+    vf_store(all, one->x.dir);
+    const vfloat dx = vf_set(all[first % W]);
+    vf_store(all, one->y.dir);
+    const vfloat dy = vf_set(all[first % W]);
+    vf_store(all, one->dz);
+    const vfloat dz = vf_set(all[first % W]);
+    vf_store(all, one->x.org);
+    const vfloat ox = vf_set(all[first % W]);
+    vf_store(all, one->y.org);
+    const vfloat oy = vf_set(all[first % W]);
+    const vfloat length = vf_max(vf_max(vf_abs(dx), vf_abs(dy)), vf_abs(dz)), angle = vf_mul(length, vf_set(0.125f));
+    const vfloat apart = vf_set(16 + (float)(f->nx + f->ny) * (1.0f / 64)), zero = vf_set(0);
+    for (size_t p = 0; p < PARTS; p++) {
+        const vray *r = &part[p].r;
+        vmask m = vm_and(vf_le(vf_abs(vf_sub(r->x.dir, dx)), angle), vf_le(vf_abs(vf_sub(r->y.dir, dy)), angle));
+        m = vm_and(m, vf_le(vf_abs(vf_sub(r->dz, dz)), angle));
+        m = vm_and(m, vm_and(vf_le(vf_abs(vf_sub(r->x.org, ox)), apart), vf_le(vf_abs(vf_sub(r->y.org, oy)), apart)));
+        m = vm_andnot(m, vm_or(vm_xor(r->x.up, vf_ge(dx, zero)), vm_xor(r->y.up, vf_ge(dy, zero))));
+        m = vm_and(m, vf_ge(r->from, zero)); /* products of t and dz keep their order */
+        const unsigned here = (rays >> (p * W)) & ((1u << W) - 1);
+        if ((vm_bits(m) & here) != here) return false;
+    }
+    return true;
+}
+
+/* False if an inverse is infinite, which intervals cannot be made of. */
+static inline bool fat_init(fat_ray *a, const lanes part[PARTS], unsigned rays) {
+    const unsigned first = (unsigned)__builtin_ctz(rays);
+    float low, high;
+    a->up_x = vm_bits(part[first / W].r.x.up) >> (first % W) & 1;
+    a->up_y = vm_bits(part[first / W].r.y.up) >> (first % W) & 1;
+    a->order = vorder_make(a->up_x, a->up_y);
+    hull(part, rays, offsetof(vray, oz), &low, &high);
+    a->oz_low = vf_set(low);
+    a->oz_high = vf_set(high);
+    hull(part, rays, offsetof(vray, dz), &low, &high);
+    a->dz_low = vf_set(low);
+    a->dz_high = vf_set(high);
+    hull(part, rays, offsetof(vray, from), &low, &high);
+    a->from = vf_set(low);
+    hull(part, rays, offsetof(vray, until), &low, &high);
+    a->until = vf_set(high);
+    return fat_axis_init(&a->x, part, rays, offsetof(vray, x), a->up_x) &&
+           fat_axis_init(&a->y, part, rays, offsetof(vray, y), a->up_y);
+}
+
+/* Earliest entry into and latest exit from the place between two borders, in mirrored coordinates. */
+static inline vfloat fat_in(const fat_axis *a, vfloat border) {
+    const vfloat far = vf_sub(border, a->center_high);
+    return vf_min(vf_mul(far, a->inverse_low), vf_mul(far, a->inverse_high));
+}
+static inline vfloat fat_out(const fat_axis *a, vfloat border) {
+    const vfloat far = vf_sub(border, a->center_low);
+    return vf_max(vf_mul(far, a->inverse_low), vf_mul(far, a->inverse_high));
+}
+
+/* Of the 16 places of the given side at part k, those in which some ray may meet heights in [low, high]. start_x and
+ * start_y are the mirrored borders at which walk order begins. */
+static inline vmask fat_meets(const fat_ray *a, vfloat start_x, vfloat start_y, vfloat side, size_t k, vfloat low,
+                              vfloat high) {
+    const vfloat x = vf_add(start_x, vf_mul(vf_load(lane_x + k * W), side));
+    const vfloat y = vf_add(start_y, vf_mul(vf_load(lane_y + k * W), side));
+    const vfloat t0 = vf_max(vf_max(fat_in(&a->x, x), fat_in(&a->y, y)), a->from);
+    const vfloat t1 = vf_min(vf_min(fat_out(&a->x, vf_add(x, side)), fat_out(&a->y, vf_add(y, side))), a->until);
+    const vfloat bottom = vf_add(a->oz_low, vf_min(vf_mul(t0, a->dz_low), vf_mul(t1, a->dz_low)));
+    const vfloat top = vf_add(a->oz_high, vf_max(vf_mul(t0, a->dz_high), vf_mul(t1, a->dz_high)));
+    return vm_and(vf_le(t0, t1), vm_and(vf_ge(top, low), vf_le(bottom, high)));
+}
+
+static inline vfloat mirrored_start(bool up, int32_t place, float side) {
+    return vf_set(up ? (float)place * side : -((float)place + 4) * side);
+}
+
+static inline unsigned fat_open(const fat_ray *a, const cw_pyramid_level *l, int32_t x, int32_t y) {
+    const float *brick = l->bricks + ((size_t)y * (size_t)l->across + (size_t)x) * BRICK_FLOATS;
+    const vfloat start_x = mirrored_start(a->up_x, 4 * x, l->side), start_y = mirrored_start(a->up_y, 4 * y, l->side);
+    unsigned mask = 0;
+    for (size_t k = 0; k < PARTS; k++)
+        mask |= vm_bits(fat_meets(a, start_x, start_y, vf_set(l->side), k, vf_load_block(brick, 4, &a->order, k),
+                                  vf_load_block(brick + 16, 4, &a->order, k)))
+                << (k * W);
+    return mask;
+}
+
+/* The cells of a block that some ray may meet. */
+static inline unsigned fat_cells(const fat_ray *a, const block_samples *s, int32_t x, int32_t y) {
+    const vfloat start_x = mirrored_start(a->up_x, 4 * x, 1), start_y = mirrored_start(a->up_y, 4 * y, 1);
+    unsigned mask = 0;
+    for (size_t k = 0; k < PARTS; k++) {
+        vcell c;
+        c.h00 = vf_load_block(s->z, s->stride, &a->order, k);
+        c.h10 = vf_load_block(s->z + 1, s->stride, &a->order, k);
+        c.h01 = vf_load_block(s->z + s->stride, s->stride, &a->order, k);
+        c.h11 = vf_load_block(s->z + s->stride + 1, s->stride, &a->order, k);
+        mask |= vm_bits(fat_meets(a, start_x, start_y, vf_set(1), k, cell_low(&c), cell_high(&c))) << (k * W);
+    }
+    return mask;
+}
+
+/* Crossings of the place with lowest corner (x, y), a ray a lane. */
+static inline void place_crossings(const vray *r, bool up_x, bool up_y, float x, float y, float side, vcell *c) {
+    c->x_in = crossing(&r->x, vf_set(up_x ? x : x + side));
+    c->x_out = crossing(&r->x, vf_set(up_x ? x + side : x));
+    c->y_in = crossing(&r->y, vf_set(up_y ? y : y + side));
+    c->y_out = crossing(&r->y, vf_set(up_y ? y + side : y));
+}
+
+/* Those of the rays that may meet something in the block. */
+static inline unsigned block_rays(const fat_ray *a, const lanes part[PARTS], unsigned rays, const cw_pyramid_level *l,
+                                  int32_t x, int32_t y) {
+    const float *n =
+        l->bricks + ((size_t)(y >> 2) * (size_t)l->across + (size_t)(x >> 2)) * BRICK_FLOATS + ((y & 3) << 2 | (x & 3));
+    unsigned concerned = 0;
+    for (size_t p = 0; p < PARTS; p++) {
+        if (!(rays >> (p * W) & ((1u << W) - 1))) continue;
+        const vray *r = &part[p].r;
+        vcell c;
+        place_crossings(r, a->up_x, a->up_y, (float)(4 * x), (float)(4 * y), 4, &c);
+        const vfloat t0 = vf_max(vf_max(c.x_in, c.y_in), r->from), t1 = vf_min(vf_min(c.x_out, c.y_out), r->until);
+        concerned |= vm_bits(vm_and(vf_le(t0, t1), meets(r, t0, t1, vf_set(n[0]), vf_set(n[16])))) << (p * W);
+    }
+    return concerned & rays;
+}
+
+/* One cell against the rays; the rays that hit. */
+static inline unsigned shared_cell(const fat_ray *a, lanes part[PARTS], unsigned rays, const cw_field *f,
+                                   const block_samples *s, int32_t i, int32_t j, cw_leaf leaf, bool any) {
+    const float *z = s->z + (size_t)(j & 3) * s->stride + (i & 3);
+    unsigned found = 0;
+    for (size_t p = 0; p < PARTS; p++) {
+        const vmask among = vm_from_bits(rays >> (p * W));
+        if (!vm_any(among)) continue;
+        lanes *l = &part[p];
+        const vray *r = &l->r;
+        vcell c;
+        place_crossings(r, a->up_x, a->up_y, (float)i, (float)j, 1, &c);
+        c.t0 = vf_max(vf_max(c.x_in, c.y_in), r->begin);
+        c.t1 = vf_min(vf_min(c.x_out, c.y_out), r->end);
+        c.h00 = vf_set(z[0]);
+        c.h10 = vf_set(z[1]);
+        c.h01 = vf_set(z[s->stride]);
+        c.h11 = vf_set(z[s->stride + 1]);
+        const vmask gate = vm_and(among, cell_gate(r, &c));
+        if (!vm_any(gate)) continue;
+        c.i = vf_set((float)i);
+        c.j = vf_set((float)j);
+        vhit h;
+        const vmask now = leaf == CW_LEAF_WATERTIGHT ? wt_cell(r, &c, gate, &h) : mt_cell(r, &c, gate, &h);
+        if (!any) lanes_keep(l, now, &h, vi_set(j * (int32_t)f->stride + i));
+        l->found = vm_or(l->found, now);
+        found |= vm_bits(now) << (p * W);
+    }
+    return found;
+}
+
+/* A packet falls apart in a block where going on together would test this many times more cells than there are rays. */
+enum { FALL_APART = 1 };
+
+/* First hits of the rays in block (x, y); the rays that hit, of which those alone have their hits written. */
+static inline unsigned shared_block(const fat_ray *a, lanes part[PARTS], ray_store store[PARTS], unsigned rays,
+                                    const cw_field *f, int32_t x, int32_t y, cw_leaf leaf, bool any, cw_hit *hits,
+                                    unsigned *alone) {
+    block_samples s;
+    load_samples(&s, f, (size_t)(4 * x), (size_t)(4 * y));
+    unsigned cells = fat_cells(a, &s, x, y), found = 0;
+    if (FALL_APART * __builtin_popcount(rays) <= __builtin_popcount(cells) * (int)PARTS) {
+        for (unsigned m = rays; m != 0; m &= m - 1) {
+            const unsigned k = (unsigned)__builtin_ctz(m);
+            wide_ray w;
+            pick_ray(&w, &store[k / W], k % W);
+            found |= (unsigned)wide_block(&w, f, x, y, leaf, any, hits + k) << k;
+        }
+        *alone |= found;
+        return found;
+    }
+    for (; cells != 0 && rays != 0; cells &= cells - 1) {
+        const int32_t place = __builtin_ctz(cells);
+        const unsigned now = shared_cell(a, part, rays, f, &s, 4 * x + ((place & 3) ^ a->order.flip_x),
+                                         4 * y + ((place >> 2) ^ a->order.flip_y), leaf, any);
+        rays &= ~now;
+        found |= now;
+    }
+    return found;
+}
+
+/* Walks the rays to their ends together; the rays that hit. */
+static inline unsigned shared_walk(const fat_ray *a, lanes part[PARTS], ray_store store[PARTS], unsigned rays,
+                                   const cw_field *f, cw_leaf leaf, bool any, cw_hit *hits, unsigned *alone) {
+    const struct cw_pyramid *p = f->pyramid;
+    struct {
+        unsigned mask;
+        int32_t x, y;
+    } todo[PYRAMID_LEVELS_MAX];
+    const int top = p->levels - 1;
+    int level = top;
+    int32_t x = 0, y = 0;
+    unsigned mask = fat_open(a, &p->level[top], 0, 0), found = 0;
+    for (;;) {
+        while (mask == 0) {
+            if (level == top) return found;
+            level++;
+            mask = todo[level].mask;
+            x = todo[level].x;
+            y = todo[level].y;
+        }
+        const int32_t place = __builtin_ctz(mask);
+        mask &= mask - 1;
+        const int32_t cx = 4 * x + ((place & 3) ^ a->order.flip_x), cy = 4 * y + ((place >> 2) ^ a->order.flip_y);
+        if (level == 0) {
+            const unsigned concerned = block_rays(a, part, rays, &p->level[0], cx, cy);
+            if (concerned == 0) continue;
+            const unsigned now = shared_block(a, part, store, concerned, f, cx, cy, leaf, any, hits, alone);
+            rays &= ~now;
+            found |= now;
+            if (rays == 0) return found;
+            continue;
+        }
+        todo[level].mask = mask;
+        todo[level].x = x;
+        todo[level].y = y;
+        level--;
+        x = cx;
+        y = cy;
+        mask = fat_open(a, &p->level[level], x, y);
+    }
+}
