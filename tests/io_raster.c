@@ -1,0 +1,247 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Rasters: the same heights from every format, and a clear word about every file that is not whole. */
+
+#include "check.h"
+#include "raster.h"
+#include "scratch.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { NX = 4, NY = 3, N = NX * NY };
+
+static const float heights[N] = {0, 1, 2, 3, 40, 500, 6000, 32767, 8, 9, 10, 11};
+
+static void make_npy(const char *name, const char *type, const void *data, size_t size) {
+    char bytes[512] = "\x93NUMPY\x01";
+    const int length =
+        snprintf(bytes + 10, 200, "{'descr': '%s', 'fortran_order': False, 'shape': (%d, %d), }", type, NY, NX);
+    assert_true(length > 0);
+    bytes[8] = (char)length;
+    memcpy(bytes + 10 + length, data, size);
+    scratch_write(name, bytes, 10 + (size_t)length + size);
+}
+
+static void check_heights(const char *name, const float *wanted, const double map[3][4]) {
+    io_raster r;
+    io_error error = {""};
+    check(io_raster_read(name, &r, &error), "%s", error.text);
+    assert_int_equal(r.nx, NX);
+    assert_int_equal(r.ny, NY);
+    for (size_t k = 0; k < N; k++)
+        check(r.z[k] == wanted[k] || (isnan(r.z[k]) && isnan(wanted[k])), "%s: sample %zu is %a, not %a", name, k,
+              (double)r.z[k], (double)wanted[k]);
+    for (int k = 0; k < 12; k++) assert_true(r.map[k / 4][k % 4] == map[k / 4][k % 4]);
+    io_raster_free(&r);
+    io_raster_free(&r); /* does nothing now */
+}
+
+static const double identity[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
+
+static void arrays_of_every_type(void **state) {
+    (void)state;
+    double f8[N];
+    int16_t i2[N];
+    uint16_t u2[N];
+    for (size_t k = 0; k < N; k++) {
+        f8[k] = (double)heights[k];
+        i2[k] = (int16_t)heights[k];
+        u2[k] = (uint16_t)heights[k];
+    }
+    make_npy("f4.npy", "<f4", heights, sizeof heights);
+    make_npy("f8.npy", "<f8", f8, sizeof f8);
+    make_npy("i2.NPY", "<i2", i2, sizeof i2);
+    make_npy("u2.npy", "<u2", u2, sizeof u2);
+    check_heights("f4.npy", heights, identity);
+    check_heights("f8.npy", heights, identity);
+    check_heights("i2.NPY", heights, identity);
+    check_heights("u2.npy", heights, identity);
+
+    /* The ends of the ranges. */
+    i2[0] = INT16_MIN;
+    u2[0] = UINT16_MAX;
+    float wanted[N];
+    memcpy(wanted, heights, sizeof wanted);
+    make_npy("i2.npy", "<i2", i2, sizeof i2);
+    make_npy("u2.npy", "<u2", u2, sizeof u2);
+    wanted[0] = -32768;
+    check_heights("i2.npy", wanted, identity);
+    wanted[0] = 65535;
+    check_heights("u2.npy", wanted, identity);
+    f8[0] = NAN;
+    f8[1] = INFINITY;
+    f8[2] = 0x1.0000011p0; /* rounded */
+    make_npy("f8.npy", "<f8", f8, sizeof f8);
+    wanted[0] = NAN;
+    wanted[1] = INFINITY;
+    wanted[2] = 0x1.000002p0f;
+    check_heights("f8.npy", wanted, identity);
+}
+
+static void images_of_both_depths(void **state) {
+    (void)state;
+    char bytes[256] = "P5 # comment 9 9\n#another\n4\t3\n65535\n";
+    size_t size = strlen(bytes);
+    for (size_t k = 0; k < N; k++) {
+        bytes[size++] = (char)((unsigned)heights[k] >> 8);
+        bytes[size++] = (char)((unsigned)heights[k] & 0xff);
+    }
+    scratch_write("deep.pgm", bytes, size);
+    check_heights("deep.pgm", heights, identity);
+
+    static const float grey[N] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 255};
+    static const char shallow[] = "P5\n4 3\n255\n\0\1\2\3\4\5\6\7\10\11\12\377";
+    scratch_write("shallow.pgm", shallow, sizeof shallow - 1);
+    check_heights("shallow.pgm", grey, identity);
+}
+
+#define ASC_SAMPLES "0 1 2 3\n40 5e2 +6000. 32767\n8 9.0 1.0E+1\n11"
+
+static void ascii_grids(void **state) {
+    (void)state;
+    /* Pixels are 10 by 10, the lower left corner at (100, 200): the first sample, of the northern row, is a pixel's
+     * centre at (105, 225). */
+    static const double map[3][4] = {{10, 0, 0, 105}, {0, -10, 0, 225}, {0, 0, 1, 0}};
+    static const double oblong[3][4] = {{10, 0, 0, 100}, {0, -20, 0, 240}, {0, 0, 1, 0}};
+    static const char corner[] = "ncols 4\nnrows 3\nxllcorner 100\nyllcorner 200\ncellsize 10\n" ASC_SAMPLES;
+    static const char centre[] =
+        "NROWS 3\r\nNCOLS 4\r\nYLLCENTER 205\r\nXLLCENTER 105\r\nCELLSIZE 10\r\n" ASC_SAMPLES "\r\n";
+    static const char sides[] =
+        "ncols 4 nrows 3 xllcenter 1e2 yllcenter 200 dx 10 dy 20 nodata_value -9999 " ASC_SAMPLES;
+    static const char holes[] =
+        "ncols 4\nnrows 3\nxllcorner 100\nyllcorner 200\ncellsize 10\nNODATA_value 3.0\n" ASC_SAMPLES;
+    static const char words[] = "ncols 4\nnrows 3\nxllcorner 100\nyllcorner 200\ncellsize 10\nnodata_value nan\nnan 1 "
+                                "2 NaN 40 500 6000 32767 8 9 10 11";
+    static const char doubles[] =
+        "ncols 4\nnrows 3\nxllcorner 100\nyllcorner 200\ncellsize 10\n"
+        "nodata_value -1.7976931348623157e308\n0 1 2 -1.7976931348623157e308 40 500 6000 32767 8 9 10 11";
+    scratch_write("a.asc", corner, sizeof corner - 1);
+    check_heights("a.asc", heights, map);
+    scratch_write("b.asc", centre, sizeof centre - 1);
+    check_heights("b.asc", heights, map);
+    scratch_write("c.asc", sides, sizeof sides - 1);
+    check_heights("c.asc", heights, oblong);
+
+    float wanted[N];
+    memcpy(wanted, heights, sizeof wanted);
+    wanted[3] = NAN;
+    scratch_write("d.asc", holes, sizeof holes - 1);
+    check_heights("d.asc", wanted, map);
+    scratch_write("e.asc", doubles, sizeof doubles - 1);
+    check_heights("e.asc", wanted, map);
+    wanted[0] = NAN;
+    scratch_write("f.asc", words, sizeof words - 1);
+    check_heights("f.asc", wanted, map);
+}
+
+static void check_refused(const char *name, const char *part) {
+    io_raster r;
+    io_error error = {""};
+    check(!io_raster_read(name, &r, &error), "%s was taken for a raster", name);
+    check(strncmp(error.text, name, strlen(name)) == 0, "%s is not named in '%s'", name, error.text);
+    check(strstr(error.text, part) != NULL, "'%s' is not in '%s'", part, error.text);
+}
+
+#define ASC_HEAD "ncols 4\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 1\n"
+
+static void bad_grids_are_refused(void **state) {
+    (void)state;
+    static const struct {
+        const char *text, *part;
+    } cases[] = {
+        {"", "truncated"},
+        {"ncols 4\n", "nrows"},
+        {"nrows 3\n", "ncols"},
+        {"ncols 4\nnrows 3\n" ASC_SAMPLES, "cellsize"},
+        {"ncols 4\nncols 4\n", "bad.asc:2: 'ncols'"},
+        {"ncols 4\nheight 3\n", "bad.asc:2: 'height'"},
+        {"ncols four\n", "bad.asc:1: 'four'"},
+        {"ncols 4.5\n", "bad.asc:1: '4.5'"},
+        {"ncols -4\n", "bad.asc:1: '-4'"},
+        {"ncols 99999999999\n", "99999999999"},
+        {"ncols 0x4\n", "0x4"},
+        {"ncols 2147483648\nnrows 2147483648\ncellsize 1\n0 0", "truncated"},
+        {"ncols 1000000000\nnrows 3\ncellsize 1\n0 0", "truncated"},
+        {"ncols 4\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 0\n" ASC_SAMPLES, "not positive"},
+        {"ncols 4\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize inf\n" ASC_SAMPLES, "'inf'"},
+        {"ncols 4\nnrows 3\nxllcorner 0\nxllcenter 0\ncellsize 1\n" ASC_SAMPLES, "corner and centre"},
+        {"ncols 4\nnrows 3\ndx 1\ncellsize 1\n" ASC_SAMPLES, "cellsize and dx"},
+        {ASC_HEAD "0 1 2 3\n4 5 6 7\n8 9 10", "bad.asc:8: truncated"},
+        {ASC_HEAD "0 1 2 3\n4 5 six 7\n8 9 10 11", "bad.asc:7: 'six'"},
+        {ASC_HEAD "0 1 2 3\n4 5 6x 7\n8 9 10 11", "bad.asc:7: '6x'"},
+        {ASC_HEAD "0 1 2 3\n4 5 6-7\n8 9 10 11 12", "bad.asc:7: '6-7'"},
+        {ASC_HEAD "0 1 2 3\n4 5 inf 7\n8 9 10 11", "bad.asc:7: 'inf'"},
+        {ASC_HEAD "0 1 2 3\n4 5 0x6 7\n8 9 10 11", "bad.asc:7: '0x6'"},
+        {ASC_HEAD "0 1 2 1e39\n4 5 6 7\n8 9 10 11", "range of float"},
+        {ASC_HEAD "0 1 2 3\n4 5 6 7\n8 9 10 11\n12", "bad.asc:9: '12'"},
+    };
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        scratch_write("bad.asc", cases[k].text, strlen(cases[k].text));
+        check_refused("bad.asc", cases[k].part);
+    }
+    static const char nul[] = ASC_HEAD "0 1 2 3\n4 5 6 7\n8 9 10 11\0 ";
+    scratch_write("bad.asc", nul, sizeof nul - 1);
+    check_refused("bad.asc", "bad.asc:8");
+}
+
+static void bad_images_are_refused(void **state) {
+    (void)state;
+    static const struct {
+        const char *text, *part;
+    } cases[] = {
+        {"", "not a PGM"},
+        {"GIF89a", "not a PGM"},
+        {"P2\n4 3\n255\n0 0 0", "P2 image"},
+        {"P5", "width"},
+        {"P5\nfour 3\n255\n", "byte 3"},
+        {"P5\n-4 3\n255\n", "width"},
+        {"P5\n4\n", "height"},
+        {"P5\n4 3\n", "largest value"},
+        {"P5\n4 3\n0\n", "largest value"},
+        {"P5\n4 3\n65536\n", "largest value"},
+        {"P5\n4 3\n255", "blank"},
+        {"P5\n4 3\n255\n12345678901", "truncated"},
+        {"P5\n4 3\n255\n1234567890123", "too long"},
+        {"P5\n4 3\n256\n123456789012", "truncated"},
+        {"P5\n4 3\n48\n000000000001", "above the header's largest value 48"},
+        {"P5\n2000000000 2000000000\n255\n1", "truncated"},
+        {"P5\n99999999999999999999 3\n255\n1", "width"},
+    };
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        scratch_write("bad.pgm", cases[k].text, strlen(cases[k].text));
+        check_refused("bad.pgm", cases[k].part);
+    }
+}
+
+static void bad_arrays_are_refused(void **state) {
+    (void)state;
+    double f8[N] = {0};
+    make_npy("bad.npy", "|u1", f8, N);
+    check_refused("bad.npy", "'|u1'");
+    make_npy("bad.npy", ">f4", f8, N * 4);
+    check_refused("bad.npy", "'>f4'");
+    f8[7] = -1e39;
+    make_npy("bad.npy", "<f8", f8, sizeof f8);
+    check_refused("bad.npy", "[1, 3] is -1e+39");
+    static const char line[] = "\x93NUMPY\1\0\x3a\0{'descr': '<f4', 'fortran_order': False, 'shape': (2,), } 12345678";
+    scratch_write("bad.npy", line, sizeof line - 1);
+    check_refused("bad.npy", "shape (2,)");
+    check_refused("absent.npy", "No such file");
+    check_refused("absent.asc", "No such file");
+    check_refused("absent.pgm", "No such file");
+    check_refused("field.xyz", "known are .npy");
+    check_refused("npy", "known are .npy");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(arrays_of_every_type, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(images_of_both_depths, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(ascii_grids, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(bad_grids_are_refused, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(bad_images_are_refused, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(bad_arrays_are_refused, scratch_enter, scratch_leave),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
