@@ -4,6 +4,7 @@
 #include "compare.h"
 #include "micro.h"
 #include "output.h"
+#include "table.h"
 
 #include <errno.h>
 #include <signal.h>
@@ -18,6 +19,7 @@ typedef struct command {
 } command;
 
 static const command commands[] = {
+    {"table", "renders the six scenes along every path and prints the performance table", table_main},
     {"micro", "times kernels and Embree on classes of rays and fields", micro_main},
     {"compare", "says what changed between two runs of micro", compare_main},
 };
