@@ -5,8 +5,10 @@
 #include "output.h"
 #include "scratch.h"
 
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -106,6 +108,35 @@ static void bad_targets_are_refused(void **state) {
     assert_int_equal(scratch_entries(), 2);
 }
 
+static void failures_leave_nothing(void **state) {
+    (void)state;
+    /* A name that another program takes meanwhile, in a way that renaming cannot undo. */
+    io_output out;
+    io_error error = {""};
+    open_and_write(&out, "a", "text");
+    assert_int_equal(mkdir("a", 0777), 0);
+    assert_false(io_output_commit(&out, &error));
+    check(strstr(error.text, "a: cannot write: Is a directory") != NULL, "%s", error.text);
+    assert_int_equal(scratch_entries(), 1);
+
+    /* No room: found out when writing, or as late as when the stream is flushed. */
+    static const char block[8192];
+    struct rlimit old;
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &old), 0);
+    const struct rlimit little = {1024, old.rlim_max};
+    signal(SIGXFSZ, SIG_IGN);
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &little), 0);
+    open_and_write(&out, "b", "text");
+    const bool written = io_output_write(&out, block, sizeof block, NULL);
+    io_output_discard(&out);
+    open_and_write(&out, "c", "text");
+    const bool buffered = io_output_write(&out, block, 1024, NULL), committed = io_output_commit(&out, &error);
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &old), 0);
+    assert_true(!written && buffered && !committed);
+    assert_string_equal(error.text, "c: cannot write: File too large");
+    assert_int_equal(scratch_entries(), 1);
+}
+
 static void devices_are_written_to(void **state) {
     (void)state;
     io_output out;
@@ -132,6 +163,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(links_are_followed, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(discard_all_removes_open_ones, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(bad_targets_are_refused, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(failures_leave_nothing, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(devices_are_written_to, scratch_enter, scratch_leave),
         cmocka_unit_test(full_disk_is_an_error),
     };

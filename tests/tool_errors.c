@@ -177,29 +177,73 @@ static void directories_without_permission(void **state) {
     const program_result *r = program_run(&powerless, arguments);
     if (r->status == 255) skip(); /* root that may not give up its rights */
     check_failure(r, 1, "closed/hits.npy: cannot write: Permission denied");
+    /* A file can be replaced wherever its directory may be written to; but its owner wants it to stay. */
+    scratch_write("hits.npy", "old", 3);
+    assert_int_equal(chmod("hits.npy", 0444), 0);
+    check_no_output("hits.npy", &powerless, "hits.npy: cannot write: Permission denied");
 }
 
-/* Waits until the program has opened its output, sends the signal and expects it to be the end. */
-static void check_signal(int number, unsigned times) {
-    const size_t entries = scratch_entries();
-    const pid_t process = program_start(NULL, (const char *const[]){"trace", "field.npy", "rays.npy", "-o", "hits.npy",
-                                                                    "--repeat", "1000000", "--threads", "2", NULL});
+/* Until the program that was started has opened its output. */
+static void wait_for_output(size_t entries) {
     const struct timespec pause = {.tv_nsec = 1000000};
     for (int k = 0; k < 10000 && scratch_entries() == entries; k++) nanosleep(&pause, NULL);
     assert_int_equal(scratch_entries(), entries + 1);
-    for (unsigned k = 0; k < times; k++) kill(process, number);
+}
+
+static void check_signal(int number) {
+    const size_t entries = scratch_entries();
+    const char *const arguments[] = {"trace",    "field.npy", "rays.npy",  "-o", "hits.npy",
+                                     "--repeat", "1000000",   "--threads", "2",  NULL};
+    const pid_t process = program_start(NULL, arguments);
+    wait_for_output(entries);
+    kill(process, number);
     const program_result *r = program_wait(process);
     check(r->status == 128 + number, "exit status %d: %s", r->status, r->err);
-    if (times == 1) check(strstr(r->err, "interrupted") != NULL, "%s", r->err);
+    check(strstr(r->err, "interrupted") != NULL, "%s", r->err);
     assert_int_equal(scratch_entries(), entries);
 }
 
 static void interruptions_leave_nothing(void **state) {
     (void)state;
-    check_signal(SIGINT, 1);
-    check_signal(SIGTERM, 1);
-    check_signal(SIGHUP, 1);
-    check_signal(SIGINT, 2);
+    check_signal(SIGINT);
+    check_signal(SIGTERM);
+    check_signal(SIGHUP);
+}
+
+/* The program is in the middle of a query that takes many seconds when it is told to stop, and told again. */
+static void second_interruption_is_the_end(void **state) {
+    (void)state;
+    enum { SIDE = 1000 };
+    float *z = calloc(SIDE * SIDE, sizeof *z);
+    assert_non_null(z);
+    field_file("large.npy", z, SIDE, SIDE);
+    free(z);
+    const size_t entries = scratch_entries();
+    const pid_t process = program_start(
+        NULL, (const char *const[]){"trace", "large.npy", "rays.npy", "-o", "hits.npy", "--kernel", "brute", NULL});
+    wait_for_output(entries);
+    const struct timespec pause = {.tv_nsec = 100000000};
+    nanosleep(&pause, NULL);
+    kill(process, SIGINT);
+    nanosleep(&pause, NULL);
+    assert_int_equal(kill(process, SIGINT), 0);
+    const program_result *r = program_wait(process);
+    check(r->status == 128 + SIGINT, "exit status %d: %s", r->status, r->err);
+    check(r->err[0] == '\0', "it had the time to say: %s", r->err);
+    assert_int_equal(scratch_entries(), entries);
+}
+
+static void shrinking_input_is_an_error(void **state) {
+    (void)state;
+    const size_t entries = scratch_entries();
+    const pid_t process = program_start(
+        NULL, (const char *const[]){"trace", "field.npy", "rays.npy", "-o", "hits.npy", "--repeat", "1000000", NULL});
+    wait_for_output(entries);
+    const struct timespec pause = {.tv_nsec = 50000000};
+    nanosleep(&pause, NULL);
+    assert_int_equal(truncate("rays.npy", 0), 0);
+    check_failure(program_wait(process), 1, "an input file shrank");
+    assert_int_equal(scratch_entries(), entries);
 }
 
 static void results_that_cannot_be_printed(void **state) {
@@ -223,6 +267,8 @@ int main(void) {
         cmocka_unit_test_setup_teardown(bad_outputs, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(directories_without_permission, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(interruptions_leave_nothing, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(second_interruption_is_the_end, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(shrinking_input_is_an_error, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(results_that_cannot_be_printed, enter, scratch_leave),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -6,7 +6,6 @@
 
 #include "command.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -60,10 +59,9 @@ static bool set_value(const options_usage *usage, const option_spec *o, const ch
         return true;
     }
     char *end = NULL;
-    errno = 0;
-    const unsigned long number = strtoul(value, &end, 10);
+    const unsigned long number = strtoul(value, &end, 10); /* the largest there is, if value is larger */
     const bool digits = value[0] >= '0' && value[0] <= '9' && *end == '\0'; /* strtoul would take " -1" */
-    if (!digits || errno != 0 || number < o->low || number > o->high) {
+    if (!digits || number < o->low || number > o->high) {
         command_fail(usage->name, "--%s takes a whole number from %u to %u, not '%s'", o->name, o->low, o->high, value);
         return false;
     }
