@@ -75,7 +75,7 @@ static inline void vf_gather_pairs(const float *base, vint index, vmask m, vfloa
     _mm256_storeu_si256((__m256i *)k, _mm256_and_si256(index.v, _mm256_castps_si256(m.v)));
     __m128 q[4];
     for (int p = 0; p < 4; p++) {
-        q[p] = _mm_castpd_ps(_mm_load_sd((const double *)(base + k[2 * p])));
+        q[p] = _mm_castsi128_ps(_mm_loadl_epi64((const __m128i *)(base + k[2 * p])));
         q[p] = _mm_loadh_pi(q[p], (const __m64 *)(base + k[2 * p + 1]));
     }
     const __m256 low = _mm256_insertf128_ps(_mm256_castps128_ps256(q[0]), q[2], 1);

@@ -70,11 +70,12 @@ static inline vfloat vf_gather(const float *base, vint index, vmask m) {
     return (vfloat){_mm_and_ps(_mm_movelh_ps(_mm_unpacklo_ps(a, b), _mm_unpacklo_ps(c, d)), m.v)};
 }
 
-/* Two floats as one 8-byte load, the lanes' pairs then parted by shuffles. */
+/* Two floats as one 8-byte load, the lanes' pairs then parted by shuffles. An integer load: _mm_load_sd would claim that a
+ * double lies there, aligned. */
 static inline void vf_gather_pairs(const float *base, vint index, vmask m, vfloat *first, vfloat *second) {
     const __m128i safe = _mm_and_si128(index.v, _mm_castps_si128(m.v));
-    __m128 low = _mm_castpd_ps(_mm_load_sd((const double *)(base + _mm_cvtsi128_si32(safe))));
-    __m128 high = _mm_castpd_ps(_mm_load_sd((const double *)(base + _mm_extract_epi32(safe, 2))));
+    __m128 low = _mm_castsi128_ps(_mm_loadl_epi64((const __m128i *)(base + _mm_cvtsi128_si32(safe))));
+    __m128 high = _mm_castsi128_ps(_mm_loadl_epi64((const __m128i *)(base + _mm_extract_epi32(safe, 2))));
     low = _mm_loadh_pi(low, (const __m64 *)(base + _mm_extract_epi32(safe, 1)));
     high = _mm_loadh_pi(high, (const __m64 *)(base + _mm_extract_epi32(safe, 3)));
     first->v = _mm_shuffle_ps(low, high, 0x88);
