@@ -9,6 +9,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdlib.h>
 
 #include <cmocka.h>
 
@@ -21,6 +22,14 @@ __attribute__((format(printf, 2, 3))) static inline void check(bool truth, const
     va_end(list);
     print_error("\n");
     fail();
+}
+
+/* How often tests with random parts repeat themselves: once, or what the environment variable CELLWALK_TEST_ROUNDS asks
+ * for, each time with other numbers. */
+static inline size_t test_rounds(void) {
+    const char *text = getenv("CELLWALK_TEST_ROUNDS");
+    const long rounds = text ? strtol(text, NULL, 10) : 1;
+    return rounds > 1 ? (size_t)rounds : 1;
 }
 
 static inline void check_status(cw_status got, cw_status wanted) {

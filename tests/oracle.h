@@ -1,0 +1,77 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The exact oracle: where a ray meets a height field, decided in integers of any length. Floats are whole multiples of
+ * powers of two, so nothing is rounded. It shares no code with the library; only the structs of its header.
+ *
+ * The exact answer to a ray: the smallest t in [tmin, tmax] at which org + t · dir lies on a closed triangle without a
+ * hole; with the header's conventions (direction components of at most 2^-128 are zero, t is clamped to half of the
+ * largest float, NaN and zero directions miss).
+ *
+ * Judging a kernel, which computes in float, needs to know what rounding excuses. With d(t) the exact height of the ray
+ * above the surface, E(t) the bound of papers/numerics.md on the error of a computed d, and delta(t) its bound on that
+ * of a computed place:
+ *  - d is *clear* at t if |d(t)| > E(t).
+ *  - The ray *passes* on a stretch of its t-range if the stretch lies over solid triangles, everywhere at least delta from
+ *    holes and from the field's outer border, and d is clear and of one sign at one crossing of it, clear and of the
+ *    other sign at a later one. Crossings: where the ray crosses a border or a diagonal, and the ends of the stretch.
+ *  - A miss is a *leak* if the ray passes.
+ *  - A hit is a *phantom* if its triangle has a hole, or the exact ray at the hit's t is farther than delta from the
+ *    triangle or than E from its plane. It is on the *wrong surface* if the ray has passed before the hit's t.
+ *  - All other answers are right; *exactly* if hit and triangle are the exact ones, *up to a tie* if they differ by what
+ *    lies within the bounds: a neighbour across an edge or vertex, or a touch. */
+#ifndef CELLWALK_TESTS_ORACLE_H
+#define CELLWALK_TESTS_ORACLE_H
+
+#include "cellwalk.h"
+
+typedef struct oracle oracle;
+
+/* Reads samples until it is destroyed; NULL when out of memory. */
+oracle *oracle_create(const float *samples, size_t nx, size_t ny);
+void oracle_destroy(oracle *o);
+
+typedef struct oracle_triangle {
+    int32_t i, j;
+    uint32_t triangle;
+} oracle_triangle;
+
+/* The exact answer. */
+typedef struct oracle_truth {
+    bool hit;
+    double t;    /* off by less than 2^-50 relative */
+    unsigned at; /* triangles that hold the point: 1 inside, 2 on an edge, up to 6 at a vertex */
+    oracle_triangle triangle[6];
+    bool coplanar; /* the ray runs within a triangle from the hit on */
+    bool passes;   /* clearly passes, at any t */
+    double pass_t; /* the first crossing by which it has */
+    /* Where it passes: the triangle that the ray goes through, the place there, and d' */
+    oracle_triangle pass_triangle;
+    double pass_edge; /* distance to the nearest edge of that triangle */
+    double pass_slope;
+    bool strict_pass; /* d changes sign over solid triangles, clearly or not */
+} oracle_truth;
+
+/* Traces one ray; the truth stays until the next. */
+const oracle_truth *oracle_trace(oracle *o, const cw_ray *ray);
+
+typedef enum verdict {
+    VERDICT_RIGHT,         /* miss and miss, or hit and hit on a triangle that holds the exact point */
+    VERDICT_TIE,           /* within the bounds of rounding, not the exact answer */
+    VERDICT_LEAK,          /* misses, though the ray passes */
+    VERDICT_PHANTOM,       /* hits what is not there */
+    VERDICT_WRONG_SURFACE, /* hits after the ray has passed */
+    VERDICTS
+} verdict;
+const char *verdict_name(verdict v);
+
+typedef struct judgement {
+    verdict verdict;
+    /* Of a right hit only: */
+    double t_error;  /* |t - exact t| */
+    double t_bound;  /* what it may be: E / |d'| and rounding of t itself; infinite where the ray is parallel */
+    double residual; /* |d| at the hit's t over its bound E, <= 1 unless a phantom */
+} judgement;
+
+/* Judges an answer to the ray last traced. */
+judgement oracle_judge(const oracle *o, const cw_hit *hit);
+
+#endif
