@@ -60,9 +60,11 @@ static inline void make_slab(vray *r, const cw_field *f) {
     const vmask up = vf_gt(r->dz, vf_set(0));
     const vfloat enter = vf_select(up, low, high), leave = vf_select(up, high, low);
     const vfloat a = vf_mul(vf_sub(enter, r->oz), inverse), b = vf_mul(vf_sub(leave, r->oz), inverse);
-    const vfloat oz = vf_abs(r->oz), across = vf_abs(inverse);
-    const vfloat slack_a = vf_add(vf_mul(u8, vf_mul(vf_add(oz, vf_abs(enter)), across)), vf_mul(u4, vf_abs(a)));
-    const vfloat slack_b = vf_add(vf_mul(u8, vf_mul(vf_add(oz, vf_abs(leave)), across)), vf_mul(u4, vf_abs(b)));
+    const vfloat least = vf_set(FLT_MIN), oz = vf_add(vf_abs(r->oz), least), across = vf_abs(inverse);
+    const vfloat slack_a =
+        vf_add(vf_mul(u8, vf_mul(vf_add(oz, vf_abs(enter)), across)), vf_mul(u4, vf_add(vf_abs(a), least)));
+    const vfloat slack_b =
+        vf_add(vf_mul(u8, vf_mul(vf_add(oz, vf_abs(leave)), across)), vf_mul(u4, vf_add(vf_abs(b), least)));
     const vfloat s0 = vf_sub(a, slack_a), s1 = vf_add(b, slack_b), z0 = height(r, s0), z1 = height(r, s1);
     const vmask beyond0 = vm_or(vm_and(up, vf_lt(z0, enter)), vm_andnot(vf_gt(z0, enter), up));
     const vmask beyond1 = vm_or(vm_and(up, vf_gt(z1, leave)), vm_andnot(vf_lt(z1, leave), up));

@@ -76,14 +76,16 @@ static inline bool strict_axis_init(strict_axis *a, float org, float dir, size_t
 
 /* Cuts [t0, t1] off beyond the field's lowest and highest sample, in which it may be anywhere. The computed bound is off
  * by 3u relative, u = 2^-24, and the heights there by at most u (|org| + 2 |z|) (1 + 4u): 4u and 8u make it likely that
- * the height is strictly beyond. Whether it is decides, so that no underflow can cut off a hit; with dir = 0 it is not. */
+ * the height is strictly beyond, FLT_MIN even where numbers are denormal. Whether it is decides, so that nothing cuts off
+ * a hit; with dir = 0 it is not. */
 static inline void strict_slab(strict_ray *r, const cw_field *f) {
     const float u = FLT_EPSILON / 2, inverse = 1.0f / r->dz;
     const bool up = r->dz > 0;
     const float enter = up ? f->low : f->high, leave = up ? f->high : f->low;
     const float a = (enter - r->oz) * inverse, b = (leave - r->oz) * inverse;
-    const float slack_a = (8 * u) * ((fabsf(r->oz) + fabsf(enter)) * fabsf(inverse)) + (4 * u) * fabsf(a);
-    const float slack_b = (8 * u) * ((fabsf(r->oz) + fabsf(leave)) * fabsf(inverse)) + (4 * u) * fabsf(b);
+    const float oz = fabsf(r->oz) + FLT_MIN, across = fabsf(inverse);
+    const float slack_a = (8 * u) * ((oz + fabsf(enter)) * across) + (4 * u) * (fabsf(a) + FLT_MIN);
+    const float slack_b = (8 * u) * ((oz + fabsf(leave)) * across) + (4 * u) * (fabsf(b) + FLT_MIN);
     const float s0 = a - slack_a, s1 = b + slack_b, z0 = strict_height(r, s0), z1 = strict_height(r, s1);
     r->begin = (up ? z0 < enter : z0 > enter) && s0 > r->t0 ? s0 : r->t0;
     r->end = (up ? z1 > leave : z1 < leave) && s1 < r->t1 ? s1 : r->t1;
