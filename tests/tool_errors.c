@@ -132,6 +132,13 @@ static void bad_fields(void **state) {
     npy_file("cut.npy", "<f4", "(4, 4)", values, 63);
     scratch_write("word.asc", "ncols 2\nnrows 2\ncellsize 1\n1 2\n3 four\n", 39);
     scratch_write("cut.pgm", "P5 4 4 65535\n0123", 17);
+    static const char sea[] = "Shape \"heightfield\" \"integer nu\" [2] \"integer nv\" [2] \"float Pz\" [0 1 2 3]\n";
+    char twice[2 * sizeof sea];
+    snprintf(twice, sizeof twice, "%s%s", sea, sea);
+    scratch_write("two.pbrt", twice, strlen(twice));
+    scratch_write("none.pbrt", "\n", 1);
+    check_refused(NULL, "two.pbrt", "rays.npy", "two.pbrt: holds 2 height fields, not one");
+    check_refused(NULL, "none.pbrt", "rays.npy", "none.pbrt: holds 0 height fields, not one");
     check_refused(NULL, "row.npy", "rays.npy", "row.npy: 16 x 1 samples: ");
     check_refused(NULL, "none.npy", "rays.npy", "none.npy: 16 x 0 samples: ");
     check_refused(NULL, "cube.npy", "rays.npy", "cube.npy: shape (2, 2, 4), but a raster is (rows, columns)");

@@ -136,6 +136,44 @@ static void no_rays_no_hits(void **state) {
     destroy(f);
 }
 
+/* The same heights in each kind of file. */
+static void formats_agree(void **state) {
+    (void)state;
+    static const float z[6] = {0, 1, 2, 7, 5, 3};
+    static const char pgm[] = "P5 3 2 65535\n\0\0\0\1\0\2\0\7\0\5\0\3",
+                      asc[] = "ncols 3 nrows 2 cellsize 1 0 1 2 7 5 3";
+    static const char pbrt[] =
+        "Shape \"heightfield\" \"integer nu\" [3] \"integer nv\" [2] \"float Pz\" [0 1 2 7 5 3]\n";
+    static const uint16_t u2[6] = {0, 1, 2, 7, 5, 3};
+    static cw_ray rays[1000];
+    static cw_hit hits[1000];
+    random_state r = {3};
+    for (size_t k = 0; k < 1000; k++)
+        rays[k] = (cw_ray){.org = {(float)random_between(&r, 0, 2), (float)random_between(&r, 0, 1), 9},
+                           .dir = {0.1f, 0.05f, -1},
+                           .tmax = INFINITY};
+    field_file("f4.npy", z, 3, 2);
+    npy_file("u2.npy", "<u2", "(2, 3)", u2, sizeof u2);
+    scratch_write("a.pgm", pgm, sizeof pgm - 1);
+    scratch_write("a.asc", asc, sizeof asc - 1);
+    scratch_write("a.pbrt", pbrt, sizeof pbrt - 1);
+    rays_file("rays.npy", rays, 1000);
+
+    cw_field_desc desc = cw_field_desc_default();
+    desc.samples = z;
+    desc.nx = 3;
+    desc.ny = 2;
+    cw_field *field;
+    check_status(cw_field_create(&desc, &field), CW_OK);
+    check_status(cw_closest(field, NULL, rays, 1000, hits), CW_OK);
+    cw_field_destroy(field);
+    static const char *const names[] = {"f4.npy", "u2.npy", "a.pgm", "a.asc", "a.pbrt"};
+    for (size_t k = 0; k < sizeof names / sizeof names[0]; k++) {
+        run_well((const char *const[]){"trace", names[k], "rays.npy", "-o", "hits.npy", NULL});
+        check_hits("hits.npy", hits, 1000);
+    }
+}
+
 static double number_after(const char *text, const char *key) {
     const char *at = strstr(text, key);
     check(at != NULL, "%s is not in %s", key, text);
@@ -202,6 +240,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(closest_is_the_librarys, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(any_marks_the_occluded, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(pieces_join, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(formats_agree, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(no_rays_no_hits, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(json_tells_the_time, scratch_enter, scratch_leave),
 #if !defined(__SANITIZE_ADDRESS__)

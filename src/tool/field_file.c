@@ -1,8 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "field_file.h"
 
-#include <string.h>
+#include "scene.h"
 
+#include <string.h>
+#include <strings.h>
+
+/* Holes that are infinite instead of NaN need a copy in which they are NaN. */
 static cw_status create(field_file *file, bool bare) {
     const io_raster *r = &file->raster;
     cw_field_desc desc = cw_field_desc_default();
@@ -16,23 +20,37 @@ static cw_status create(field_file *file, bool bare) {
     cw_status status = cw_field_create(&desc, &file->field);
     file->mapped = status == CW_OK && r->mapped_bytes > 0;
     if (status != CW_ERROR_HOLE) return status;
-    desc.storage = CW_COPY; /* infinite samples: the copy has NaN in their place */
+    desc.storage = CW_COPY;
     return cw_field_create(&desc, &file->field);
+}
+
+static bool open_raster(field_file *file, const char *path, bool bare, io_error *error) {
+    if (!io_raster_read(path, &file->raster, error)) return false;
+    const cw_status status = create(file, bare);
+    if (status == CW_OK) return true;
+    return io_fail(error, "%s: %zu x %zu samples: %s", path, file->raster.nx, file->raster.ny,
+                   cw_status_message(status));
+}
+
+static bool open_pbrt(field_file *file, const char *path, io_error *error) {
+    for (int k = 0; k < 3; k++) file->map[k][k] = 1;
+    file->field = scene_load_heightfield(path, error);
+    return file->field != NULL;
 }
 
 bool field_file_open(field_file *file, const char *path, const cw_query *query, io_error *error) {
     *file = (field_file){0};
-    if (!io_raster_read(path, &file->raster, error)) return false;
-    /* A kernel that was named says itself what it needs. */
-    cw_status status = create(file, query->kernel != NULL);
-    if (status == CW_OK) {
+    const bool bare = query->kernel != NULL; /* a kernel that was named says itself what it needs */
+    const char *ending = strrchr(path, '.');
+    const bool pbrt = ending && strcasecmp(ending, ".pbrt") == 0;
+    bool good = pbrt ? open_pbrt(file, path, error) : open_raster(file, path, bare, error);
+    if (good) {
         file->kernel = cw_query_kernel(file->field, query);
-        status = cw_field_build(file->field, file->kernel);
+        const cw_status status = cw_field_build(file->field, file->kernel);
+        good = status == CW_OK || io_fail(error, "%s: %s", path, cw_status_message(status));
     }
-    if (status == CW_OK) return true;
-    io_fail(error, "%s: %zu x %zu samples: %s", path, file->raster.nx, file->raster.ny, cw_status_message(status));
-    field_file_close(file);
-    return false;
+    if (!good) field_file_close(file);
+    return good;
 }
 
 void field_file_close(field_file *file) {

@@ -21,8 +21,8 @@ void field_file_close(field_file *file);
 
 #define FIELD_FILE_HELP                                                                                                \
     "FIELD is a height field: a NumPy array (.npy: two-dimensional, float32,\n"                                        \
-    "float64, int16 or uint16), a binary PGM image (.pgm) or an ESRI ASCII grid\n"                                     \
-    "(.asc). Sample [j, i] stands at x = i, y = j of field space; NaN, infinity and\n"                                 \
-    "missing data are holes.\n"
+    "float64, int16 or uint16), a binary PGM image (.pgm), an ESRI ASCII grid (.asc)\n"                                \
+    "or the only heightfield of a scene (.pbrt). Sample [j, i] stands at x = i, y = j\n"                               \
+    "of field space; NaN, infinity and missing data are holes.\n"
 
 #endif
