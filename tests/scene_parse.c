@@ -262,7 +262,7 @@ static void a_lone_heightfield_is_a_field(void **state) {
     io_error error = {""};
     const char *path = written("lone.pbrt", "Shape \"heightfield\" \"integer nu\" [3] \"integer nv\" [2] \"float Pz\" "
                                             "[0 1 2 3 4 -5.5]");
-    cw_field *field = scene_load_heightfield(path, &error);
+    cw_field *field = scene_load_heightfield(path, false, &error);
     check(field != NULL, "%s", error.text);
     const cw_field_info info = cw_field_describe(field);
     check(info.nx == 3 && info.ny == 2 && info.low == -5.5f && info.high == 4, "%zu x %zu, %g to %g", info.nx, info.ny,
@@ -274,13 +274,13 @@ static void a_lone_heightfield_is_a_field(void **state) {
     cw_field_destroy(field);
 
     /* With a scene around it, and where there is none or more than one. */
-    field = scene_load_heightfield(written("within.pbrt", HEAD "Scale 9 9 9\n" PLAIN "WorldEnd"), &error);
+    field = scene_load_heightfield(written("within.pbrt", HEAD "Scale 9 9 9\n" PLAIN "WorldEnd"), false, &error);
     check(field != NULL, "%s", error.text);
     cw_field_destroy(field);
-    check(scene_load_heightfield(written("two.pbrt", PLAIN PLAIN), &error) == NULL &&
+    check(scene_load_heightfield(written("two.pbrt", PLAIN PLAIN), false, &error) == NULL &&
               strstr(error.text, "holds 2 height fields") != NULL,
           "message: %s", error.text);
-    check(scene_load_heightfield(written("zero.pbrt", "\n"), &error) == NULL &&
+    check(scene_load_heightfield(written("zero.pbrt", "\n"), false, &error) == NULL &&
               strstr(error.text, "holds 0 height fields") != NULL,
           "message: %s", error.text);
 }

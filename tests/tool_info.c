@@ -64,6 +64,12 @@ static void fields_are_described(void **state) {
     r = run_well(NULL, (const char *const[]){"info", "holes.npy", "--json", "--kernel", "grid3d", NULL});
     check_has(r, "\"low\": null, \"high\": null, \"holes\": 4, \"bytes_samples\": 16, \"mapped\": true");
 
+    /* Nothing is built that the kernel does not need. */
+    static const char pbrt[] = "Shape \"heightfield\" \"integer nu\" [2] \"integer nv\" [2] \"float Pz\" [0 1 2 3]\n";
+    scratch_write("a.pbrt", pbrt, sizeof pbrt - 1);
+    r = run_well(NULL, (const char *const[]){"info", "a.pbrt", "--json", "--kernel", "cell", NULL});
+    check_has(r, "\"bytes_samples\": 16, \"mapped\": false, \"bytes_built\": 0, \"bytes_per_cell\": 16,");
+
     static const char asc[] = "ncols 2\nnrows 2\nxllcorner 10\nyllcorner 20\ncellsize 2\n1 2 3 4\n";
     scratch_write("a.asc", asc, sizeof asc - 1);
     r = run_well(NULL, (const char *const[]){"info", "a.asc", "--json", NULL});

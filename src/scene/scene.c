@@ -36,7 +36,7 @@ scene *scene_load(const char *path, scene_warn_fn *warn, void *warn_context, io_
     return load(path, false, warn, warn_context, error);
 }
 
-cw_field *scene_load_heightfield(const char *path, io_error *error) {
+cw_field *scene_load_heightfield(const char *path, bool bare, io_error *error) {
     scene *s = load(path, true, NULL, NULL, error);
     if (s == NULL) return NULL;
     cw_field *field = NULL;
@@ -48,6 +48,7 @@ cw_field *scene_load_heightfield(const char *path, io_error *error) {
         desc.samples = h->samples;
         desc.nx = h->nx;
         desc.ny = h->ny;
+        desc.bare = bare;
         const cw_status status = cw_field_create(&desc, &field);
         if (status != CW_OK) io_fail(error, "%s: %s", path, cw_status_message(status));
     }

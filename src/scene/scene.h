@@ -18,8 +18,8 @@ scene *scene_load(const char *path, scene_warn_fn *warn, void *warn_context, io_
 void scene_free(scene *s);
 
 /* The height field of a file that holds exactly one, with or without a scene around it: the samples as written, field
- * space as user space. The caller owns it. NULL on failure. */
-cw_field *scene_load_heightfield(const char *path, io_error *error);
+ * space as user space; bare as in cw_field_desc. The caller owns it. NULL on failure. */
+cw_field *scene_load_heightfield(const char *path, bool bare, io_error *error);
 
 /* The scene's height fields in the order of the file; owned by the scene. */
 size_t scene_field_count(const scene *s);

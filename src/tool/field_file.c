@@ -32,9 +32,9 @@ static bool open_raster(field_file *file, const char *path, bool bare, io_error 
                    cw_status_message(status));
 }
 
-static bool open_pbrt(field_file *file, const char *path, io_error *error) {
+static bool open_pbrt(field_file *file, const char *path, bool bare, io_error *error) {
     for (int k = 0; k < 3; k++) file->map[k][k] = 1;
-    file->field = scene_load_heightfield(path, error);
+    file->field = scene_load_heightfield(path, bare, error);
     return file->field != NULL;
 }
 
@@ -43,7 +43,7 @@ bool field_file_open(field_file *file, const char *path, const cw_query *query, 
     const bool bare = query->kernel != NULL; /* a kernel that was named says itself what it needs */
     const char *ending = strrchr(path, '.');
     const bool pbrt = ending && strcasecmp(ending, ".pbrt") == 0;
-    bool good = pbrt ? open_pbrt(file, path, error) : open_raster(file, path, bare, error);
+    bool good = pbrt ? open_pbrt(file, path, bare, error) : open_raster(file, path, bare, error);
     if (good) {
         file->kernel = cw_query_kernel(file->field, query);
         const cw_status status = cw_field_build(file->field, file->kernel);
