@@ -4,6 +4,7 @@
 #include "compare.h"
 #include "micro.h"
 #include "output.h"
+#include "report.h"
 #include "table.h"
 
 #include <errno.h>
@@ -22,6 +23,7 @@ static const command commands[] = {
     {"table", "renders the six scenes along every path and prints the performance table", table_main},
     {"micro", "times kernels and Embree on classes of rays and fields", micro_main},
     {"compare", "says what changed between two runs of micro", compare_main},
+    {"report", "turns results into Markdown, also inside a page", report_main},
 };
 enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
 

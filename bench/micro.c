@@ -157,7 +157,8 @@ static void summary_add(summary *s, size_t field, const micro_group *g) {
 
 static void summary_print(const summary *s, const micro_options *o) {
     if (s->count == 0) return;
-    printf("\nSpeed over Embree's best width, geometric mean over the classes of rays (those measured, if not all):\n");
+    bool partial = false;
+    printf("\nSpeed over Embree's best width, geometric mean over the classes of rays:\n");
     printf("  %-30s", "contender");
     for (size_t f = 0; f < o->fields.count && f < 16; f++) printf(" %9s", o->fields.items[f]);
     printf("\n");
@@ -169,10 +170,11 @@ static void summary_print(const summary *s, const micro_options *o) {
                 printf(" %9s", "-");
             else
                 printf(" %7.2f%s", statistics_geometric_mean(s->ratios[k][f], n), n == o->rays.count ? "  " : " *");
+            partial = partial || (n > 0 && n < o->rays.count);
         }
         printf("\n");
     }
-    printf("  * not all classes: the others would have taken too long\n");
+    if (partial) printf("  * not all classes: the others would have taken too long\n");
 }
 
 static workload_class class_of(const char *name) {

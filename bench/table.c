@@ -75,7 +75,7 @@ static bool save(files *f, const json_t *lines, io_error *error) {
     json_array_foreach((json_t *)lines, index, line) {
         if (!results_write(&f->json, json_incref(line), error)) return false;
     }
-    char *text = table_markdown(lines);
+    char *text = table_markdown(lines, false);
     if (text) fputs(text, stdout);
     return write_text(&f->markdown, text, error) && write_text(&f->csv, table_csv(lines), error) &&
            io_output_commit(&f->json, error) && io_output_commit(&f->csv, error) &&

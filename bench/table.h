@@ -48,8 +48,8 @@ json_t *table_scene_run(const char *name, const char *file, const table_path *pa
 
 /* ---- table_text.c: from JSON lines to text ---- */
 
-/* The whole page, or NULL if out of memory. The caller frees it. */
-char *table_markdown(const json_t *lines);
+/* The page, or its first two tables if brief. NULL if out of memory. The caller frees it. */
+char *table_markdown(const json_t *lines, bool brief);
 char *table_csv(const json_t *lines);
 
 int table_main(char **arguments, int count);

@@ -176,7 +176,7 @@ static const char *chosen_kernel(const json_t *lines) {
     return NULL;
 }
 
-static void page(FILE *to, const json_t *lines) {
+static void brief_page(FILE *to, const json_t *lines) {
     const json_t *record = json_array_get(lines, 0);
     char machine[512];
     run_record_text(record, machine, sizeof machine);
@@ -190,6 +190,10 @@ static void page(FILE *to, const json_t *lines) {
     times(to, lines);
     fputs("\nTracing alone, millions of rays a second (a ray counts once for each field that it is asked of):\n\n", to);
     traces(to, lines);
+}
+
+static void page(FILE *to, const json_t *lines) {
+    brief_page(to, lines);
     fputs("\nWhat was traced and built:\n\n", to);
     rays(to, lines);
     fprintf(
@@ -249,5 +253,5 @@ static char *into_memory(const json_t *lines, void (*print)(FILE *, const json_t
     return NULL;
 }
 
-char *table_markdown(const json_t *lines) { return into_memory(lines, page); }
+char *table_markdown(const json_t *lines, bool brief) { return into_memory(lines, brief ? brief_page : page); }
 char *table_csv(const json_t *lines) { return into_memory(lines, csv); }
