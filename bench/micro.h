@@ -5,12 +5,12 @@
 
 #include "agree.h"
 #include "contender.h"
-#include "fields.h"
 #include "measure.h"
 #include "options.h"
 #include "output.h"
 #include "peer_embree.h"
 #include "ray_classes.h"
+#include "workload_fields.h"
 
 enum { MICRO_CONTENDERS_MAX = 96, MICRO_PEERS_MAX = 4 };
 

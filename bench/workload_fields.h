@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The height fields of benchmark and tests, under fixed names and with fixed heights. */
-#ifndef CELLWALK_BENCH_FIELDS_H
-#define CELLWALK_BENCH_FIELDS_H
+#ifndef CELLWALK_BENCH_WORKLOAD_FIELDS_H
+#define CELLWALK_BENCH_WORKLOAD_FIELDS_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -1,0 +1,13 @@
+# Tests of the benchmark: its workloads, its arithmetic, its commands.
+if(CMOCKA_INCLUDE AND CMOCKA_LIBRARY)
+    cellwalk_test(bench_workload bench_workload.c)
+    target_link_libraries(test_bench_workload PRIVATE cellwalk_workload)
+    if(TARGET cellwalk_measure)
+        foreach(name IN ITEMS bench_statistics bench_agree bench_program)
+            cellwalk_test(${name} ${name}.c)
+            target_link_libraries(test_${name} PRIVATE cellwalk_measure)
+        endforeach()
+        target_link_libraries(test_bench_program PRIVATE cellwalk_test_scratch)
+        add_dependencies(test_bench_program scenes)
+    endif()
+endif()

@@ -1,0 +1,227 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The benchmark's commands from beginning to end, on work so small that their figures mean nothing: files hold the same
+ * numbers, comparisons of a file with itself decide nothing, mistakes are told and leave nothing behind. */
+#include "compare.h"
+#include "micro.h"
+#include "report.h"
+#include "results.h"
+#include "table.h"
+
+#include "check.h"
+#include "scratch.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { ARGUMENTS_MAX = 16 };
+
+typedef int command(char **arguments, int count);
+
+/* Splits at spaces, as a shell would; commands write into their arguments. */
+static int run(command *of, const char *line) {
+    char *copy = strdup(line), *arguments[ARGUMENTS_MAX];
+    int count = 0;
+    assert_non_null(copy);
+    for (char *word = strtok(copy, " "); word && count < ARGUMENTS_MAX; word = strtok(NULL, " "))
+        arguments[count++] = word;
+    const int status = of(arguments, count);
+    free(copy);
+    return status;
+}
+
+static void write_text(const char *name, const char *text) { scratch_write(name, text, strlen(text)); }
+
+static char *read_text(const char *name) {
+    size_t size;
+    return scratch_read(name, &size);
+}
+
+/* The line of a text that starts so; the text is cut up behind it. */
+static char *line_of(char *text, const char *start) {
+    for (char *line = strtok(text, "\n"); line; line = strtok(NULL, "\n"))
+        if (strncmp(line, start, strlen(start)) == 0) return line;
+    return NULL;
+}
+
+static void table_files_hold_the_same_numbers(void **state) {
+    (void)state;
+    check(run(table_main,
+              "--quick --scene hftest --seconds 0.2 --path default,grid3d,grid3d-phong,auto-phong --out a/b") == 0,
+          "the table fails");
+    io_error error;
+    json_t *lines = results_read("a/b/table.json", &error);
+    check(lines != NULL, "%s", error.text);
+    const json_t *scene = json_array_get(lines, json_array_size(lines) - 1);
+    check(strcmp(results_text(scene, "scene"), "hftest") == 0, "the last line is no scene");
+    const json_t *paths = json_object_get(scene, "paths"), *path;
+    check(json_array_size(paths) == (peer_embree_version() ? 4 : 3), "%zu paths", json_array_size(paths));
+    check(results_number(scene, "camera_rays") == 256 * 256, "%.0f camera rays", results_number(scene, "camera_rays"));
+
+    char *markdown = read_text("a/b/table.md"), *page = table_markdown(lines, false);
+    check(page && strcmp(markdown, page) == 0, "table.md is not what table.json gives");
+    const char *cell = line_of(markdown, "| hftest |");
+    check(cell != NULL, "table.md has no line on hftest");
+    cell += strlen("| hftest");
+    size_t k;
+    json_array_foreach(paths, k, path) {
+        const double seconds = results_number(path, "seconds_median");
+        cell = strchr(cell, '|') + 1;
+        check(fabs(strtod(cell, NULL) - seconds) <= 0.0005 + 0.01 * seconds, "table.md gives %.10s for %g", cell,
+              seconds);
+
+        char *csv = read_text("a/b/table.csv"), start[128];
+        snprintf(start, sizeof start, "hftest,%s,", results_text(path, "path"));
+        char *row = line_of(csv, start);
+        check(row != NULL, "table.csv has no line %s", start);
+        row += strlen(start);
+        for (int skip = 0; skip < 2; skip++) row = strchr(row, ',') + 1; /* by, samples */
+        check(fabs(strtod(row, NULL) - seconds) <= 1e-8 * seconds, "table.csv gives %.12s for %g", row, seconds);
+        free(csv);
+        check(results_number(json_object_get(json_object_get(path, "agreement"), "why"), "other") == 0,
+              "%s disagrees without a reason", results_text(path, "path"));
+    }
+    free(page);
+    free(markdown);
+    json_decref(lines);
+}
+
+static const char *const small_micro =
+    "--field 65 --rays primary,ao --kernel cell,packet1 --count 512 --seconds 0.3 --json m.json";
+
+static void micro_against_itself_is_undecided(void **state) {
+    (void)state;
+    check(run(micro_main, small_micro) == 0, "micro fails");
+    compare_counts counts;
+    io_error error;
+    check(compare_files("m.json", "m.json", 0, &counts, &error), "%s", error.text);
+    check(counts.faster == 0 && counts.slower == 0 && counts.undecided == 4 && counts.unmatched == 0,
+          "faster %zu, slower %zu, undecided %zu, without partner %zu", counts.faster, counts.slower, counts.undecided,
+          counts.unmatched);
+    check(run(compare_main, "m.json m.json") == 0, "compare fails");
+    check(run(micro_main, "--compare m.json m.json") == 0, "micro --compare fails");
+}
+
+/* Two kernels and a control, in two runs. */
+static void write_run(const char *name, double kernel, double control) {
+    char text[1024];
+    static const char *const format =
+        "{\"kind\":\"run\",\"command\":\"micro\"}\n"
+        "{\"kind\":\"result\",\"field\":\"65\",\"rays\":\"ao\",\"contender\":\"cell/watertight\",\"ray_count\":16,"
+        "\"seconds_median\":%g,\"seconds_low\":%g,\"seconds_high\":%g,\"interval_sure\":true}\n"
+        "{\"kind\":\"result\",\"field\":\"65\",\"rays\":\"ao\",\"contender\":\"embree/triangles/w1\",\"ray_count\":16,"
+        "\"seconds_median\":%g,\"seconds_low\":%g,\"seconds_high\":%g,\"interval_sure\":true}\n";
+    snprintf(text, sizeof text, format, kernel, kernel * 0.99, kernel * 1.01, control, control * 0.99, control * 1.01);
+    write_text(name, text);
+}
+
+static void comparisons_need_more_than_the_machine(void **state) {
+    (void)state;
+    compare_counts counts;
+    io_error error;
+    write_run("before", 1, 1);
+    write_run("after", 0.8, 1);
+    check(compare_files("before", "after", 0.02, &counts, &error), "%s", error.text);
+    check(counts.faster == 1 && counts.slower == 0, "0.8 s after 1 s is not faster");
+    check(compare_files("after", "before", 0.02, &counts, &error), "%s", error.text);
+    check(counts.faster == 0 && counts.slower == 1, "1 s after 0.8 s is not slower");
+    write_run("after", 0.8, 0.8);
+    check(compare_files("before", "after", 0.02, &counts, &error), "%s", error.text);
+    check(counts.undecided == 1, "a faster machine counts as a faster kernel");
+}
+
+static void results_are_checked(void **state) {
+    (void)state;
+    io_error error;
+    compare_counts counts;
+    check(!compare_files("none.json", "none.json", 0, &counts, &error) && strstr(error.text, "none.json"), "no file");
+    write_text("bad.json", "{\"kind\":\"run\"}\n{\"kind\":");
+    check(results_read("bad.json", &error) == NULL && strncmp(error.text, "bad.json:2:", 11) == 0, "told as %s",
+          error.text);
+    write_text("bad.json", "{\"kind\":\"result\"}\n");
+    check(results_read("bad.json", &error) == NULL && strncmp(error.text, "bad.json:1:", 11) == 0, "told as %s",
+          error.text);
+    write_text("bad.json", "");
+    check(results_read("bad.json", &error) == NULL, "an empty file has results");
+}
+
+static void pages_keep_what_is_not_between_markers(void **state) {
+    (void)state;
+    io_error error;
+    write_text("page.md", "before\n<!-- begin:table -->\nold\n<!-- end:table -->\nafter");
+    for (int again = 0; again < 2; again++) {
+        check(report_into("page.md", "table", "new\n", &error), "%s", error.text);
+        char *page = read_text("page.md");
+        check(strcmp(page, "before\n<!-- begin:table -->\nnew\n<!-- end:table -->\nafter") == 0, "the page is %s",
+              page);
+        free(page);
+    }
+    static const char *const bad[] = {"", "nothing", "<!-- begin:table -->", "<!-- end:table --> <!-- begin:table -->",
+                                      "<!-- begin:table --><!-- begin:table --><!-- end:table -->"};
+    for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) {
+        write_text("page.md", bad[k]);
+        const size_t entries = scratch_entries();
+        check(!report_into("page.md", "table", "new\n", &error) && strstr(error.text, "page.md"), "\"%s\" is a page",
+              bad[k]);
+        char *page = read_text("page.md");
+        check(strcmp(page, bad[k]) == 0 && scratch_entries() == entries, "\"%s\" has become %s", bad[k], page);
+        free(page);
+    }
+}
+
+static void mistakes_leave_nothing(void **state) {
+    (void)state;
+    static const struct {
+        command *of;
+        const char *arguments;
+        int status;
+    } mistakes[] = {
+        {micro_main, "--kernel nonesuch", 2},
+        {micro_main, "--field 66", 2},
+        {micro_main, "--count 0", 2},
+        {micro_main, "--count many", 2},
+        {micro_main, "--count 1e9", 2},
+        {micro_main, "--seconds", 2},
+        {micro_main, "--isa mmx", 2},
+        {micro_main, "--nonesuch", 2},
+        {micro_main, "loose", 2},
+        {micro_main, "--field 65 --json nowhere/m.json", 1},
+        {table_main, "--path nonesuch", 2},
+        {table_main, "--scene nonesuch", 2},
+        {table_main, "--quick --scene hftest --out file/out", 1},
+        {table_main, "--quick --scene hftest --out file", 1},
+        {table_main, "--quick --scene hftest --scenes nowhere --out out", 1},
+        {report_main, "", 2},
+        {report_main, "--json nowhere.json", 1},
+        {compare_main, "one.json", 2},
+        {compare_main, "nowhere.json nowhere.json", 1},
+    };
+    write_text("file", "");
+    for (size_t k = 0; k < sizeof mistakes / sizeof mistakes[0]; k++) {
+        const int status = run(mistakes[k].of, mistakes[k].arguments);
+        check(status == mistakes[k].status, "\"%s\" ends with %d", mistakes[k].arguments, status);
+    }
+    check(access("out/table.json", F_OK) != 0 && access("out/table.md", F_OK) != 0, "a failed table has left files");
+    check(rmdir("out") == 0, "a failed table has left something in its folder");
+}
+
+static void helps(void **state) {
+    (void)state;
+    command *const commands[] = {micro_main, table_main, compare_main, report_main};
+    for (size_t k = 0; k < 4; k++) check(run(commands[k], "--help") == 0, "help fails");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(table_files_hold_the_same_numbers, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(micro_against_itself_is_undecided, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(comparisons_need_more_than_the_machine, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(results_are_checked, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(pages_keep_what_is_not_between_markers, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(mistakes_leave_nothing, scratch_enter, scratch_leave),
+        cmocka_unit_test(helps),
+    };
+    return cmocka_run_group_tests_name("bench_program", tests, NULL, NULL);
+}

@@ -1,0 +1,172 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The benchmark's fields and rays are the same numbers everywhere, and are what their names say. */
+#include "ray_classes.h"
+#include "workload_fields.h"
+
+#include "check.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { RAYS = 8192 };
+
+typedef struct ground {
+    workload_field samples;
+    cw_field *field;
+    cw_ray rays[RAYS];
+} ground;
+
+/* FNV-1a over the bytes (Fowler, Noll, Vo). */
+static uint64_t hash(const void *bytes, size_t size) {
+    const unsigned char *b = bytes;
+    uint64_t h = 0xcbf29ce484222325u;
+    for (size_t k = 0; k < size; k++) h = (h ^ b[k]) * 0x100000001b3u;
+    return h;
+}
+
+static int open_ground(void **state) {
+    ground *g = calloc(1, sizeof *g);
+    if (g == NULL || !workload_field_make("257", &g->samples)) return -1;
+    cw_field_desc desc = cw_field_desc_default();
+    desc.samples = g->samples.z;
+    desc.nx = g->samples.nx;
+    desc.ny = g->samples.ny;
+    desc.storage = CW_BORROW;
+    *state = g;
+    return cw_field_create(&desc, &g->field) == CW_OK ? 0 : -1;
+}
+
+static int close_ground(void **state) {
+    ground *g = *state;
+    cw_field_destroy(g->field);
+    workload_field_free(&g->samples);
+    free(g);
+    return 0;
+}
+
+static void fields_are_what_they_were(void **state) {
+    (void)state;
+    static const struct {
+        const char *name;
+        size_t side;
+        float range; /* of heights, exactly; 0: not given */
+        uint64_t hash;
+    } known[] = {
+        {"65", 65, 6.4f, 0xb6efb7d0d6e51bf0u},       {"257", 257, 25.6f, 0xb09c7f2aa10db23fu},
+        {"1025", 1025, 102.4f, 0xac9dd3e347b17868u}, {"sea-calm", 1000, 0, 0xdd566efff66c770du},
+        {"sea-rough", 1000, 0, 0x7e6b294aed11b039u},
+    };
+    for (size_t k = 0; k < sizeof known / sizeof known[0]; k++) {
+        workload_field f;
+        check(workload_field_make(known[k].name, &f), "no field %s", known[k].name);
+        check(f.nx == known[k].side && f.ny == known[k].side, "field %s is %zu x %zu", known[k].name, f.nx, f.ny);
+        float low = f.z[0], high = f.z[0];
+        for (size_t s = 0; s < f.nx * f.ny; s++) {
+            low = f.z[s] < low ? f.z[s] : low;
+            high = f.z[s] > high ? f.z[s] : high;
+        }
+        check(known[k].range == 0 || fabsf(high - low - known[k].range) < 1e-4f, "field %s spans %g", known[k].name,
+              (double)(high - low));
+        const uint64_t h = hash(f.z, f.nx * f.ny * sizeof *f.z);
+        check(h == known[k].hash, "field %s has hash 0x%016llx", known[k].name, (unsigned long long)h);
+        workload_field_free(&f);
+    }
+}
+
+static void unknown_field(void **state) {
+    (void)state;
+    workload_field f;
+    check(!workload_field_make("66", &f) && f.z == NULL && f.name == NULL, "there is a field 66");
+    check(workload_field_name(workload_field_count()) == NULL, "names go on after the last field");
+}
+
+static void rays_are_what_they_were(void **state) {
+    ground *g = *state;
+    static const uint64_t known[WORKLOAD_CLASS_COUNT] = {0x1231d4f846518a25u, 0xe3d59734cc9e224bu, 0x62e82860a969bf5bu,
+                                                         0xa67b3c5094224481u, 0x0ce8f34c2a14040cu, 0x4f700ae024e1b3e8u};
+    for (int c = 0; c < WORKLOAD_CLASS_COUNT; c++) {
+        const char *name = workload_class_name((workload_class)c);
+        const size_t n = workload_rays_make(g->field, (workload_class)c, 1, RAYS, g->rays);
+        check(n == RAYS, "%zu %s rays", n, name);
+        const uint64_t first = hash(g->rays, sizeof g->rays);
+        check(first == known[c], "%s rays have hash 0x%016llx", name, (unsigned long long)first);
+        workload_rays_make(g->field, (workload_class)c, 1, RAYS, g->rays);
+        check(hash(g->rays, sizeof g->rays) == first, "%s rays change when made again", name);
+        workload_rays_make(g->field, (workload_class)c, 2, RAYS, g->rays);
+        const bool seeded = c != WORKLOAD_PRIMARY && c != WORKLOAD_SHADOW;
+        check((hash(g->rays, sizeof g->rays) != first) == seeded, "%s rays and their seed", name);
+        for (size_t k = 0; k < n; k++) {
+            double length = 0;
+            for (int a = 0; a < 3; a++) length += (double)g->rays[k].dir[a] * (double)g->rays[k].dir[a];
+            check(fabs(length - 1) < 1e-6, "%s ray %zu has direction of squared length %g", name, k, length);
+        }
+    }
+}
+
+static size_t hits_of(ground *g, size_t n) {
+    cw_hit *hits = malloc(n * sizeof *hits);
+    size_t count = 0;
+    assert_non_null(hits);
+    check_status(cw_closest(g->field, NULL, g->rays, n, hits), CW_OK);
+    for (size_t k = 0; k < n; k++) count += hits[k].i >= 0;
+    free(hits);
+    return count;
+}
+
+static void half_of_the_view_is_sky(void **state) {
+    ground *g = *state;
+    const size_t hits = hits_of(g, workload_rays_make(g->field, WORKLOAD_PRIMARY, 1, RAYS, g->rays));
+    check(hits > RAYS * 45 / 100 && hits < RAYS * 55 / 100, "%zu of %d primary rays hit", hits, RAYS);
+}
+
+/* Tiles of 4 × 4 pixels: within one, directions differ by less than 5 pixels' width. */
+static void primary_rays_come_in_tiles(void **state) {
+    ground *g = *state;
+    workload_rays_make(g->field, WORKLOAD_PRIMARY, 1, RAYS, g->rays);
+    const double pixel = 2 * 0.57735 / 1024;
+    for (size_t k = 0; k < RAYS; k++) {
+        const cw_ray *ray = &g->rays[k], *first = &g->rays[k - k % WORKLOAD_TILE];
+        const double x = (double)(ray->dir[0] / ray->dir[1] - first->dir[0] / first->dir[1]) / pixel;
+        const double y = (double)(first->dir[2] / first->dir[1] - ray->dir[2] / ray->dir[1]) / pixel;
+        const size_t p = k % WORKLOAD_TILE;
+        check(fabs(x - (double)(p % 4)) < 0.01 && fabs(y - (double)(p / 4)) < 0.01,
+              "ray %zu stands at pixel (%g, %g) of its tile", k, x, y);
+    }
+}
+
+static void grazing_rays_graze(void **state) {
+    ground *g = *state;
+    const size_t n = workload_rays_make(g->field, WORKLOAD_GRAZING, 1, RAYS, g->rays);
+    for (size_t k = 0; k < n; k++)
+        check(fabs(asin((double)g->rays[k].dir[2])) <= 1.0001 * acos(-1.0) / 180, "ray %zu rises by %g", k,
+              (double)g->rays[k].dir[2]);
+    const size_t hits = hits_of(g, n);
+    check(hits > n / 10 && hits < n * 9 / 10, "%zu of %zu grazing rays hit", hits, n);
+}
+
+/* Secondary rays leave a surface that is below them: were they to start under it, most would hit at once. */
+static void secondary_rays_start_above(void **state) {
+    ground *g = *state;
+    const workload_class classes[] = {WORKLOAD_SHADOW, WORKLOAD_AO, WORKLOAD_BOUNCE};
+    for (size_t c = 0; c < 3; c++) {
+        const size_t n = workload_rays_make(g->field, classes[c], 1, RAYS, g->rays);
+        const size_t hits = hits_of(g, n);
+        check(hits > n / 100 && hits < n / 2, "%zu of %zu %s rays hit", hits, n, workload_class_name(classes[c]));
+        for (size_t k = 0; k < n; k++) {
+            g->rays[k].dir[0] = g->rays[k].dir[1] = 0;
+            g->rays[k].dir[2] = 1;
+        }
+        check(hits_of(g, n) == 0, "a %s ray starts under the surface", workload_class_name(classes[c]));
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(fields_are_what_they_were),  cmocka_unit_test(unknown_field),
+        cmocka_unit_test(rays_are_what_they_were),    cmocka_unit_test(half_of_the_view_is_sky),
+        cmocka_unit_test(primary_rays_come_in_tiles), cmocka_unit_test(grazing_rays_graze),
+        cmocka_unit_test(secondary_rays_start_above),
+    };
+    return cmocka_run_group_tests_name("bench_workload", tests, open_ground, close_ground);
+}
