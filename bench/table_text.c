@@ -181,9 +181,12 @@ static void brief_page(FILE *to, const json_t *lines) {
     char machine[512];
     run_record_text(record, machine, sizeof machine);
     fprintf(to, "%s.\n\n", machine);
-    fputs("Seconds to render, median, CPU time of one thread; in brackets the time over that of Default (Embree's "
-          "triangle mesh) with the same normals, so below 1 is faster than Embree. Building is not in it.",
-          to);
+    fputs("Seconds to render, median, CPU time of one thread; building is not in it.", to);
+    if (strcmp(results_text(record, "embree"), "") != 0)
+        fputs(" In brackets the time over that of Default (Embree's triangle mesh) with the same normals: below 1 is "
+              "faster "
+              "than Embree.",
+              to);
     const char *by = chosen_kernel(lines);
     if (by) fprintf(to, " *cellwalk* is what the library chooses by itself, on the first scene %s.", by);
     fputs("\n\n", to);
