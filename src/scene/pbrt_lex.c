@@ -132,7 +132,22 @@ static pbrt_token bad(pbrt_token token, const char *problem) {
     return token;
 }
 
-static bool ends_token(char c) { return c == '\0' || strchr(" \n\t\r[]\"#", c) != NULL; }
+static bool ends_token(char c) {
+    switch (c) {
+    case '\0':
+    case ' ':
+    case '\n':
+    case '\t':
+    case '\r':
+    case '[':
+    case ']':
+    case '"':
+    case '#':
+        return true;
+    default:
+        return false;
+    }
+}
 
 pbrt_token pbrt_next(pbrt_source *s) {
     skip_blanks_and_comments(s);

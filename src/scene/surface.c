@@ -13,7 +13,7 @@ double cylinder_hit(const cylinder *c, const double org[3], const double dir[3],
     if (!(a > 0) || !(square >= 0)) return INFINITY;
     const double q = half < 0 ? sqrt(square) - half : -sqrt(square) - half;
     const double root = q != 0 ? (o[0] * o[0] + o[1] * o[1] - 1) / q : 0;
-    const double t[2] = {fmin(q / a, root), fmax(q / a, root)};
+    const double other = q / a, t[2] = {other < root ? other : root, other < root ? root : other};
     for (int k = 0; k < 2; k++)
         if (t[k] >= tmin && t[k] <= tmax && fabs(o[2] + t[k] * d[2]) <= 1) return t[k];
     return INFINITY;
@@ -93,8 +93,8 @@ static void triangle_sides(const heightfield *h, const cw_hit *hit, double side[
         for (int c = 0; c < 3; c++) side[k][c] -= origin[c];
 }
 
-void surface_uv_of_field(const heightfield *h, const cw_hit *hit, const surface *s, double change[2][3],
-                         double uv[2], double uv_change[2][2]) {
+void surface_uv_of_field(const heightfield *h, const cw_hit *hit, const surface *s, double change[2][3], double uv[2],
+                         double uv_change[2][2]) {
     float place[2];
     double side[2][3];
     cw_hit_uv(h->field, hit, place);

@@ -35,6 +35,18 @@ static void covered(size_t n, size_t halved, size_t k, size_t *first, size_t *la
     *last_part = (float)(high - (double)*last);
 }
 
+/* The mean of four texels: the usual case of even sides. */
+static void halve(const level *from, const level *to) {
+    for (size_t y = 0; y < to->height; y++) {
+        const float *above = from->rgb + 2 * y * from->width * 3, *below = above + from->width * 3;
+        float *out = to->rgb + y * to->width * 3;
+        for (size_t x = 0; x < to->width; x++)
+            for (size_t c = 0; c < 3; c++)
+                out[3 * x + c] =
+                    (above[6 * x + c] + above[6 * x + 3 + c] + below[6 * x + c] + below[6 * x + 3 + c]) / 4;
+    }
+}
+
 /* The mean of the texels under each one of the smaller level. */
 static void shrink(const level *from, const level *to) {
     for (size_t y = 0; y < to->height; y++)
@@ -71,7 +83,10 @@ texture *texture_create(io_image *image) {
             texture_free(t);
             return NULL;
         }
-        shrink(from, to);
+        if (from->width % 2 == 0 && from->height % 2 == 0)
+            halve(from, to);
+        else
+            shrink(from, to);
     }
     /* A Gaussian of variance 1/4, lowered to reach 0 at the edge. */
     for (int k = 0; k < WEIGHTS; k++) t->weight[k] = expf(-2 * (float)k / (WEIGHTS - 1)) - expf(-2);

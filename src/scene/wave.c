@@ -10,6 +10,17 @@
 /* Mirrors behind the first hit that a path may meet. */
 enum { BOUNCES = 4 };
 
+/* The way through the picture's upper left corner, and how it changes from pixel to pixel along x and along y. */
+static void aim_camera(wave *w) {
+    const scene *s = w->scene;
+    const double width = (double)s->width, height = (double)s->height;
+    const double reach = tan(s->field_of_view * (acos(-1) / 360)) / fmin(width, height);
+    const transform *camera = &s->camera_to_world;
+    transform_vector(camera, (double[3]){-width * reach, height * reach, 1}, w->corner);
+    transform_vector(camera, (double[3]){2 * reach, 0, 0}, w->along[0]);
+    transform_vector(camera, (double[3]){0, -2 * reach, 0}, w->along[1]);
+}
+
 wave *wave_create(const scene *s, const scene_tracer *tracer, const scene_render_options *options, unsigned samples) {
     wave *w = calloc(1, sizeof *w);
     if (w == NULL) return NULL;
@@ -18,6 +29,8 @@ wave *wave_create(const scene *s, const scene_tracer *tracer, const scene_render
     w->cancel = options->cancel;
     w->phong = options->phong;
     w->samples = samples;
+    w->sample_distance = 1 / sqrt((double)samples);
+    aim_camera(w);
     for (int k = 0; s->textured && k < 2; k++) {
         w->spreads[k] = malloc(SCENE_BATCH * sizeof *w->spreads[k]);
         if (w->spreads[k] != NULL) continue;
@@ -222,34 +235,29 @@ static void shade_paths(wave *w, int current, bool last) {
 
 /* ---- camera ------------------------------------------------------------------------------------------------------- */
 
-static void camera_direction(const scene *s, double x, double y, double dir[3]) {
-    const double width = (double)s->width, height = (double)s->height;
-    const double reach = tan(s->field_of_view * (acos(-1) / 360)) / fmin(width, height);
-    const double eye[3] = {(2 * x - width) * reach, (height - 2 * y) * reach, 1};
-    transform_vector(&s->camera_to_world, eye, dir);
-    normalise(dir);
-}
-
 static void camera_path(wave *w, size_t x, size_t y, unsigned sample, uint32_t pixel) {
-    const scene *s = w->scene;
     wave_path *path = &w->paths[0][w->count[0]];
     double place[2];
     pattern_sample((uint32_t)x, (uint32_t)y, sample, place);
     const double px = (double)x + place[0], py = (double)y + place[1];
-    for (int c = 0; c < 3; c++) path->org[c] = s->camera_to_world.m[c][3];
-    camera_direction(s, px, py, path->dir);
+    for (int c = 0; c < 3; c++) {
+        path->org[c] = w->scene->camera_to_world.m[c][3];
+        path->dir[c] = w->corner[c] + px * w->along[0][c] + py * w->along[1][c];
+    }
+    const double shorten = 1 / sqrt(dot(path->dir, path->dir));
+    for (int c = 0; c < 3; c++) path->dir[c] *= shorten;
     path->tmin = 0;
     path->throughput[0] = path->throughput[1] = path->throughput[2] = 1;
     path->pixel = pixel;
     if (w->spreads[0] != NULL) {
-        /* From pixel to pixel, shortened to the mean distance between samples. */
-        const double shorter = 1 / sqrt((double)w->samples);
+        /* The derivative of the unit vector over a pixel, shortened to the mean distance between samples. */
         ray_spread *spread = &w->spreads[0][w->count[0]];
-        *spread = (ray_spread){0};
         for (int k = 0; k < 2; k++) {
-            double dir[3];
-            camera_direction(s, px + (k == 0), py + (k == 1), dir);
-            for (int c = 0; c < 3; c++) spread->dir[k][c] = (float)((dir[c] - path->dir[c]) * shorter);
+            const double forward = dot(w->along[k], path->dir);
+            for (int c = 0; c < 3; c++) {
+                spread->org[k][c] = 0;
+                spread->dir[k][c] = (float)((w->along[k][c] - forward * path->dir[c]) * shorten * w->sample_distance);
+            }
         }
     }
     w->count[0]++;

@@ -35,6 +35,8 @@ typedef struct wave {
     const atomic_bool *cancel;
     bool phong;
     unsigned samples;
+    double sample_distance; /* in pixels, on average */
+    double corner[3], along[2][3];
 
     wave_path paths[2][SCENE_BATCH];
     ray_spread *spreads[2]; /* NULL in a scene without textures, else SCENE_BATCH each */
