@@ -94,7 +94,8 @@ static inline void lanes_step(lanes *l, const cw_field *f, cw_leaf leaf, bool an
     const vmask candidates = vm_and(l->alive, cell_gate(r, c));
     if (vm_any(candidates)) {
         vhit h;
-        const vmask now = leaf == CW_LEAF_WATERTIGHT ? wt_cell(r, c, candidates, &h) : mt_cell(r, c, candidates, &h);
+        const vmask now =
+            leaf == CW_LEAF_WATERTIGHT ? wt_cell(r, c, candidates, any, &h) : mt_cell(r, c, candidates, &h);
         if (!any) lanes_keep(l, now, &h, l->sample);
         l->found = vm_or(l->found, now);
         l->alive = vm_andnot(l->alive, now);

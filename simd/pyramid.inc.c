@@ -45,12 +45,17 @@ static inline void store_rays(ray_store *s, const vray *r) {
 }
 
 static inline void pick_ray(wide_ray *w, const ray_store *s, size_t k) {
-    w->up_x = s->up_x >> k & 1;
-    w->up_y = s->up_y >> k & 1;
-    w->r.x = (vaxis){vf_set(s->x_org[k]), vf_set(s->x_dir[k]), vf_set(s->x_center[k]), vf_set(s->x_inverse[k]),
-                     .up = vm_set(w->up_x)};
-    w->r.y = (vaxis){vf_set(s->y_org[k]), vf_set(s->y_dir[k]), vf_set(s->y_center[k]), vf_set(s->y_inverse[k]),
-                     .up = vm_set(w->up_y)};
+    const bool up_x = s->up_x >> k & 1, up_y = s->up_y >> k & 1;
+    w->r.x.org = vf_set(s->x_org[k]);
+    w->r.x.dir = vf_set(s->x_dir[k]);
+    w->r.x.center = vf_set(s->x_center[k]);
+    w->r.x.inverse = vf_set(s->x_inverse[k]);
+    w->r.x.up = vm_set(up_x);
+    w->r.y.org = vf_set(s->y_org[k]);
+    w->r.y.dir = vf_set(s->y_dir[k]);
+    w->r.y.center = vf_set(s->y_center[k]);
+    w->r.y.inverse = vf_set(s->y_inverse[k]);
+    w->r.y.up = vm_set(up_y);
     w->r.oz = vf_set(s->oz[k]);
     w->r.dz = vf_set(s->dz[k]);
     w->r.tmin = vf_set(s->tmin[k]);
@@ -59,9 +64,11 @@ static inline void pick_ray(wide_ray *w, const ray_store *s, size_t k) {
     w->r.end = vf_set(s->end[k]);
     w->r.from = vf_set(s->from[k]);
     w->r.until = vf_set(s->until[k]);
-    w->step_x = w->up_x ? 1.0f : -1.0f;
-    w->step_y = w->up_y ? 1.0f : -1.0f;
-    w->order = vorder_make(w->up_x, w->up_y);
+    w->step_x = up_x ? 1.0f : -1.0f;
+    w->step_y = up_y ? 1.0f : -1.0f;
+    w->first_x = up_x ? 0 : 4;
+    w->first_y = up_y ? 0 : 4;
+    w->order = vorder_make(up_x, up_y);
 }
 
 #include "shared.inc.h"

@@ -132,10 +132,12 @@ static inline vfloat mirrored_start(bool up, int32_t place, float side) {
 static inline unsigned fat_open(const fat_ray *a, const cw_pyramid_level *l, int32_t x, int32_t y) {
     const float *brick = l->bricks + ((size_t)y * (size_t)l->across + (size_t)x) * BRICK_FLOATS;
     const vfloat start_x = mirrored_start(a->up_x, 4 * x, l->side), start_y = mirrored_start(a->up_y, 4 * y, l->side);
+    const float *row = first_row(&a->order, brick, 4);
+    const ptrdiff_t step = row_step(&a->order, 4);
     unsigned mask = 0;
     for (size_t k = 0; k < PARTS; k++)
-        mask |= vm_bits(fat_meets(a, start_x, start_y, vf_set(l->side), k, vf_load_block(brick, 4, &a->order, k),
-                                  vf_load_block(brick + 16, 4, &a->order, k)))
+        mask |= vm_bits(fat_meets(a, start_x, start_y, vf_set(l->side), k, vf_load_block(row, step, &a->order, k),
+                                  vf_load_block(row + 16, step, &a->order, k)))
                 << (k * W);
     return mask;
 }
@@ -143,13 +145,15 @@ static inline unsigned fat_open(const fat_ray *a, const cw_pyramid_level *l, int
 /* The cells of a block that some ray may meet. */
 static inline unsigned fat_cells(const fat_ray *a, const block_samples *s, int32_t x, int32_t y) {
     const vfloat start_x = mirrored_start(a->up_x, 4 * x, 1), start_y = mirrored_start(a->up_y, 4 * y, 1);
+    const float *row = first_row(&a->order, s->z, s->stride);
+    const ptrdiff_t step = row_step(&a->order, s->stride);
     unsigned mask = 0;
     for (size_t k = 0; k < PARTS; k++) {
         vcell c;
-        c.h00 = vf_load_block(s->z, s->stride, &a->order, k);
-        c.h10 = vf_load_block(s->z + 1, s->stride, &a->order, k);
-        c.h01 = vf_load_block(s->z + s->stride, s->stride, &a->order, k);
-        c.h11 = vf_load_block(s->z + s->stride + 1, s->stride, &a->order, k);
+        c.h00 = vf_load_block(row, step, &a->order, k);
+        c.h10 = vf_load_block(row + 1, step, &a->order, k);
+        c.h01 = vf_load_block(row + s->stride, step, &a->order, k);
+        c.h11 = vf_load_block(row + s->stride + 1, step, &a->order, k);
         mask |= vm_bits(fat_meets(a, start_x, start_y, vf_set(1), k, cell_low(&c), cell_high(&c))) << (k * W);
     }
     return mask;
@@ -203,7 +207,7 @@ static inline unsigned shared_cell(const fat_ray *a, lanes part[PARTS], unsigned
         c.i = vf_set((float)i);
         c.j = vf_set((float)j);
         vhit h;
-        const vmask now = leaf == CW_LEAF_WATERTIGHT ? wt_cell(r, &c, gate, &h) : mt_cell(r, &c, gate, &h);
+        const vmask now = leaf == CW_LEAF_WATERTIGHT ? wt_cell(r, &c, gate, any, &h) : mt_cell(r, &c, gate, &h);
         if (!any) lanes_keep(l, now, &h, vi_set(j * (int32_t)f->stride + i));
         l->found = vm_or(l->found, now);
         found |= vm_bits(now) << (p * W);

@@ -6,6 +6,7 @@
 #include "cellwalk.h"
 
 #include <immintrin.h>
+#include <stddef.h>
 
 enum { W = 8 };
 
@@ -129,10 +130,9 @@ static inline vorder vorder_make(bool up_x, bool up_y) {
     return (vorder){up_x ? 0 : 3, up_y ? 0 : 3, up_x ? same : turned};
 }
 
-static inline vfloat vf_load_block(const float *block, size_t stride, const vorder *o, size_t k) {
-    const float *near = block + ((2 * k) ^ (size_t)o->flip_y) * stride;
-    const float *far = block + ((2 * k + 1) ^ (size_t)o->flip_y) * stride;
-    const __m256 rows = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(near)), _mm_loadu_ps(far), 1);
+static inline vfloat vf_load_block(const float *row, ptrdiff_t step, const vorder *o, size_t k) {
+    const float *near = row + (ptrdiff_t)(2 * k) * step;
+    const __m256 rows = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(near)), _mm_loadu_ps(near + step), 1);
     return (vfloat){_mm256_permutevar_ps(rows, o->column)};
 }
 

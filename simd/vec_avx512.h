@@ -6,6 +6,7 @@
 #include "cellwalk.h"
 
 #include <immintrin.h>
+#include <stddef.h>
 
 enum { W = 16 };
 
@@ -100,16 +101,16 @@ typedef struct vorder {
 
 static inline vorder vorder_make(bool up_x, bool up_y) {
     const __m512i same = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-    const int flip = (up_x ? 0 : 3) | (up_y ? 0 : 12);
+    const int flip = up_x ? 0 : 3;
     return (vorder){up_x ? 0 : 3, up_y ? 0 : 3, _mm512_xor_si512(same, _mm512_set1_epi32(flip))};
 }
 
-static inline vfloat vf_load_block(const float *block, size_t stride, const vorder *o, size_t k) {
+static inline vfloat vf_load_block(const float *row, ptrdiff_t step, const vorder *o, size_t k) {
     (void)k; /* one vector is the whole block */
-    __m512 rows = _mm512_castps128_ps512(_mm_loadu_ps(block));
-    rows = _mm512_insertf32x4(rows, _mm_loadu_ps(block + stride), 1);
-    rows = _mm512_insertf32x4(rows, _mm_loadu_ps(block + 2 * stride), 2);
-    rows = _mm512_insertf32x4(rows, _mm_loadu_ps(block + 3 * stride), 3);
+    __m512 rows = _mm512_castps128_ps512(_mm_loadu_ps(row));
+    rows = _mm512_insertf32x4(rows, _mm_loadu_ps(row + step), 1);
+    rows = _mm512_insertf32x4(rows, _mm_loadu_ps(row + 2 * step), 2);
+    rows = _mm512_insertf32x4(rows, _mm_loadu_ps(row + 3 * step), 3);
     return (vfloat){_mm512_permutexvar_ps(o->lane, rows)};
 }
 

@@ -98,9 +98,9 @@ typedef struct vorder {
 
 static inline vorder vorder_make(bool up_x, bool up_y) { return (vorder){up_x ? 0 : 3, up_y ? 0 : 3}; }
 
-/* Lanes k W to k W + W - 1 of the block whose rows are stride floats apart. */
-static inline vfloat vf_load_block(const float *block, size_t stride, const vorder *o, size_t k) {
-    return (vfloat){block[((k >> 2) ^ (size_t)o->flip_y) * stride + ((k & 3) ^ (size_t)o->flip_x)]};
+/* Lanes k W to k W + W - 1 of the block whose rows, in walk order, begin step floats apart from row on. */
+static inline vfloat vf_load_block(const float *row, ptrdiff_t step, const vorder *o, size_t k) {
+    return (vfloat){row[(ptrdiff_t)(k >> 2) * step + (ptrdiff_t)((k & 3) ^ (size_t)o->flip_x)]};
 }
 
 #endif

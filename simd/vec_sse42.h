@@ -6,6 +6,7 @@
 #include "cellwalk.h"
 
 #include <nmmintrin.h>
+#include <stddef.h>
 
 enum { W = 4 };
 
@@ -121,9 +122,9 @@ static inline vorder vorder_make(bool up_x, bool up_y) {
     return (vorder){up_x ? 0 : 3, up_y ? 0 : 3, up_x ? same : turned};
 }
 
-static inline vfloat vf_load_block(const float *block, size_t stride, const vorder *o, size_t k) {
-    const __m128i row = _mm_castps_si128(_mm_loadu_ps(block + (k ^ (size_t)o->flip_y) * stride));
-    return (vfloat){_mm_castsi128_ps(_mm_shuffle_epi8(row, o->column))};
+static inline vfloat vf_load_block(const float *row, ptrdiff_t step, const vorder *o, size_t k) {
+    const __m128i in_field_order = _mm_castps_si128(_mm_loadu_ps(row + (ptrdiff_t)k * step));
+    return (vfloat){_mm_castsi128_ps(_mm_shuffle_epi8(in_field_order, o->column))};
 }
 
 #endif

@@ -43,7 +43,8 @@ static inline vmask wt_between(vfloat da, vfloat db) {
     return vm_or(vm_and(vf_ge(da, zero), vf_le(db, zero)), vm_and(vf_le(da, zero), vf_ge(db, zero)));
 }
 
-static inline vmask wt_cell(const vray *r, const vcell *c, vmask among, vhit *hit) {
+/* Lanes among which the cell is hit; any says that no one wants to know where. */
+static inline vmask wt_cell(const vray *r, const vcell *c, vmask among, bool any, vhit *hit) {
     const vmask enter_x = vf_gt(c->x_in, c->y_in), leave_x = vf_le(c->x_out, c->y_out);
     /* Low side: entered going up, left going down. Triangle B is at the low x and the high y border. */
     const vmask up_in = vm_or(vm_and(enter_x, r->x.up), vm_andnot(r->y.up, enter_x));
@@ -70,12 +71,17 @@ static inline vmask wt_cell(const vray *r, const vcell *c, vmask among, vhit *hi
     const vmask first = vm_and(crosses, wt_between(da, dd)), second = vm_andnot(crosses, first);
     const vfloat ta = vf_select(second, td, c->t0), d0 = vf_select(second, dd, da);
     const vfloat tb = vf_select(first, td, c->t1), d1 = vf_select(first, dd, db);
-    const vmask found = vm_or(first, wt_between(d0, d1));
+    const vmask found = vm_and(among, vm_or(first, wt_between(d0, d1)));
+    if (any || !vm_any(found)) {
+        const vfloat none = vf_set(0);
+        *hit = (vhit){none, none, none, vm_set(false)};
+        return found;
+    }
     hit->b = vm_or(vm_andnot(in_b, second), vm_and(second, out_b));
     hit->t = wt_root(ta, d0, tb, d1);
     const vfloat x = wt_within(&r->x, hit->t, c->i), y = wt_within(&r->y, hit->t, c->j);
     const vfloat zero = vf_set(0), along = vf_select(hit->b, vf_sub(y, x), vf_sub(x, y));
     hit->u = vf_select(hit->b, x, vf_max(zero, along));
     hit->v = vf_select(hit->b, vf_max(zero, along), y);
-    return vm_and(among, found);
+    return found;
 }

@@ -17,13 +17,21 @@ enum { CHILDREN = 16, PARTS = CHILDREN / W };
 static const float lane_x[CHILDREN] = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
 static const float lane_y[CHILDREN] = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
 
-/* One ray in all lanes, and its direction quadrant. */
+/* One ray in all lanes, and what its direction quadrant decides. */
 typedef struct wide_ray {
     vray r;
     vorder order;
-    bool up_x, up_y;
-    float step_x, step_y;
+    float step_x, step_y;     /* to the next column and row in walk order: 1 or -1 */
+    int32_t first_x, first_y; /* where walk order begins in a row of 4: 0 or 4 */
 } wide_ray;
+
+/* First row, in walk order, of a block with rows stride floats apart; and the way to the next. */
+static inline const float *first_row(const vorder *o, const float *block, size_t stride) {
+    return block + (size_t)o->flip_y * stride;
+}
+static inline ptrdiff_t row_step(const vorder *o, size_t stride) {
+    return o->flip_y == 0 ? (ptrdiff_t)stride : -(ptrdiff_t)stride;
+}
 
 /* The sides in walk order of 4 places along an axis, each side cells long, of which the first begins at start. */
 static inline void places(const vaxis *a, vfloat start, vfloat step, vfloat lane, vfloat *border_in, vfloat *in,
@@ -33,15 +41,14 @@ static inline void places(const vaxis *a, vfloat start, vfloat step, vfloat lane
     *out = crossing(a, vf_add(*border_in, step));
 }
 
-/* Where walk order begins in a row of 4 places from low on. */
-static inline float walk_start(bool up, float low, float side) { return up ? low : low + 4 * side; }
-
 /* The children of brick (x, y) that the ray may hit something in. */
 static inline unsigned wide_open(const wide_ray *w, const cw_pyramid_level *l, int32_t x, int32_t y) {
     const vray *r = &w->r;
     const float *brick = l->bricks + ((size_t)y * (size_t)l->across + (size_t)x) * BRICK_FLOATS;
-    const vfloat start_x = vf_set(walk_start(w->up_x, (float)(4 * x) * l->side, l->side));
-    const vfloat start_y = vf_set(walk_start(w->up_y, (float)(4 * y) * l->side, l->side));
+    const vfloat start_x = vf_set((float)(4 * x + w->first_x) * l->side);
+    const vfloat start_y = vf_set((float)(4 * y + w->first_y) * l->side);
+    const float *row = first_row(&w->order, brick, 4);
+    const ptrdiff_t step = row_step(&w->order, 4);
     const vfloat step_x = vf_set(w->step_x * l->side), step_y = vf_set(w->step_y * l->side);
     unsigned mask = 0;
     for (size_t k = 0; k < PARTS; k++) {
@@ -49,7 +56,7 @@ static inline unsigned wide_open(const wide_ray *w, const cw_pyramid_level *l, i
         places(&r->x, start_x, step_x, vf_load(lane_x + k * W), &border, &x_in, &x_out);
         places(&r->y, start_y, step_y, vf_load(lane_y + k * W), &border, &y_in, &y_out);
         const vfloat t0 = vf_max(vf_max(x_in, y_in), r->from), t1 = vf_min(vf_min(x_out, y_out), r->until);
-        const vfloat low = vf_load_block(brick, 4, &w->order, k), high = vf_load_block(brick + 16, 4, &w->order, k);
+        const vfloat low = vf_load_block(row, step, &w->order, k), high = vf_load_block(row + 16, step, &w->order, k);
         mask |= vm_bits(vm_and(vf_le(t0, t1), meets(r, t0, t1, low, high))) << (k * W);
     }
     return mask;
@@ -79,10 +86,11 @@ static inline bool wide_block(const wide_ray *w, const cw_field *f, int32_t x, i
     const vray *r = &w->r;
     block_samples s;
     load_samples(&s, f, (size_t)(4 * x), (size_t)(4 * y));
-    const vfloat start_x = vf_set(walk_start(w->up_x, (float)(4 * x), 1));
-    const vfloat start_y = vf_set(walk_start(w->up_y, (float)(4 * y), 1));
+    const float *row = first_row(&w->order, s.z, s.stride);
+    const ptrdiff_t step = row_step(&w->order, s.stride);
+    const vfloat start_x = vf_set((float)(4 * x + w->first_x)), start_y = vf_set((float)(4 * y + w->first_y));
     const vfloat step_x = vf_set(w->step_x), step_y = vf_set(w->step_y);
-    const vfloat below_x = vf_set(w->up_x ? 0.0f : 1.0f), below_y = vf_set(w->up_y ? 0.0f : 1.0f);
+    const vfloat below_x = vf_set((float)w->first_x * 0.25f), below_y = vf_set((float)w->first_y * 0.25f);
     for (size_t k = 0; k < PARTS; k++) {
         vcell c;
         vfloat border_x, border_y;
@@ -90,17 +98,17 @@ static inline bool wide_block(const wide_ray *w, const cw_field *f, int32_t x, i
         places(&r->y, start_y, step_y, vf_load(lane_y + k * W), &border_y, &c.y_in, &c.y_out);
         c.t0 = vf_max(vf_max(c.x_in, c.y_in), r->begin);
         c.t1 = vf_min(vf_min(c.x_out, c.y_out), r->end);
-        c.h00 = vf_load_block(s.z, s.stride, &w->order, k);
-        c.h10 = vf_load_block(s.z + 1, s.stride, &w->order, k);
-        c.h01 = vf_load_block(s.z + s.stride, s.stride, &w->order, k);
-        c.h11 = vf_load_block(s.z + s.stride + 1, s.stride, &w->order, k);
+        c.h00 = vf_load_block(row, step, &w->order, k);
+        c.h10 = vf_load_block(row + 1, step, &w->order, k);
+        c.h01 = vf_load_block(row + s.stride, step, &w->order, k);
+        c.h11 = vf_load_block(row + s.stride + 1, step, &w->order, k);
         const vmask gate = cell_gate(r, &c);
         if (!vm_any(gate)) continue;
         c.i = vf_sub(border_x, below_x);
         c.j = vf_sub(border_y, below_y);
         vhit h;
         const unsigned found =
-            vm_bits(leaf == CW_LEAF_WATERTIGHT ? wt_cell(r, &c, gate, &h) : mt_cell(r, &c, gate, &h));
+            vm_bits(leaf == CW_LEAF_WATERTIGHT ? wt_cell(r, &c, gate, any, &h) : mt_cell(r, &c, gate, &h));
         if (found == 0) continue;
         if (any) return true;
         const unsigned lane = (unsigned)__builtin_ctz(found), place = (unsigned)(k * W) + lane;
