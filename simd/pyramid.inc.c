@@ -73,6 +73,8 @@ static inline void pick_ray(wide_ray *w, const ray_store *s, size_t k) {
 
 #include "shared.inc.h"
 
+#include "stream.inc.h"
+
 /* Steps of the flat walk, all lanes together, that a packet takes before its rays go on one by one: by then rays that
  * start at the surface and climb have left it, mostly, and the lanes are still nearly full. */
 enum { FLAT_STEPS = 6 };
@@ -80,9 +82,10 @@ enum { FLAT_STEPS = 6 };
 /* Fewer rays than this do not pay for making a fat ray of them. */
 enum { SHARE_AT_LEAST = 4 };
 
-/* The first n of a group of rays; those that hit. Where any is false, their hits are written. */
+/* The first n of a group of rays, of which the first is ray number base. Hits are written; rays that are to go on alone are
+ * put into the queue. Returns the rays that hit so far, and adds to *queued. */
 static inline unsigned pyramid_group(const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, bool any,
-                                     cw_hit *hits) {
+                                     cw_hit *hits, queued *queue, size_t *waiting, uint32_t base) {
     lanes part[PARTS];
     ray_store store[PARTS];
     unsigned found = 0, rest = 0;
@@ -108,19 +111,15 @@ static inline unsigned pyramid_group(const cw_field *f, const cw_ray *rays, size
         rest |= vm_bits(l->alive) << begin;
         if (vm_any(l->alive)) store_rays(&store[p], &l->r);
     }
-    if (rest != 0) {
-        fat_ray a;
-        if (__builtin_popcount(rest) >= SHARE_AT_LEAST && coherent(part, rest, f) && fat_init(&a, part, rest)) {
-            unsigned alone = 0;
-            shared_walk(&a, part, store, rest, f, leaf, any, hits, &alone);
-            found |= alone;
-        } else {
-            for (; rest != 0; rest &= rest - 1) {
-                const unsigned k = (unsigned)__builtin_ctz(rest);
-                wide_ray w;
-                pick_ray(&w, &store[k / W], k % W);
-                found |= (unsigned)wide_walk(&w, f, leaf, any, hits + k) << k;
-            }
+    fat_ray a;
+    if (__builtin_popcount(rest) >= SHARE_AT_LEAST && coherent(part, rest, f) && fat_init(&a, part, rest)) {
+        unsigned alone = 0;
+        shared_walk(&a, part, store, rest, f, leaf, any, hits, &alone);
+        found |= alone;
+    } else {
+        for (; rest != 0; rest &= rest - 1) {
+            const unsigned k = (unsigned)__builtin_ctz(rest);
+            enqueue(&queue[(*waiting)++], &store[k / W], k % W, base + k);
         }
     }
     for (size_t p = 0; p < PARTS; p++)
@@ -128,20 +127,37 @@ static inline unsigned pyramid_group(const cw_field *f, const cw_ray *rays, size
     return found;
 }
 
+/* Rays whose leftovers are collected for one run of the lane walk. */
+enum { BATCH = 16 * CHILDREN };
+
 static inline void pyramid_closest(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, cw_leaf leaf) {
-    for (size_t k = 0; k < n; k += CHILDREN) {
-        const size_t count = n - k < CHILDREN ? n - k : CHILDREN;
-        cw_hit h[CHILDREN];
-        const unsigned found = pyramid_group(f, rays + k, count, leaf, false, h);
-        for (size_t m = 0; m < count; m++)
-            hits[k + m] = found >> m & 1 ? h[m] : (cw_hit){.t = INFINITY, .i = -1, .j = -1};
+    for (size_t b = 0; b < n; b += BATCH) {
+        const size_t end = n - b < BATCH ? n : b + BATCH;
+        queued queue[BATCH];
+        size_t waiting = 0;
+        for (size_t k = b; k < end; k += CHILDREN) {
+            const size_t count = end - k < CHILDREN ? end - k : CHILDREN;
+            cw_hit h[CHILDREN];
+            const unsigned found =
+                pyramid_group(f, rays + k, count, leaf, false, h, queue, &waiting, (uint32_t)(k - b));
+            for (size_t m = 0; m < count; m++)
+                hits[k + m] = found >> m & 1 ? h[m] : (cw_hit){.t = INFINITY, .i = -1, .j = -1};
+        }
+        stream_walk(f, queue, waiting, leaf, false, hits + b, NULL);
     }
 }
 
 static inline void pyramid_any(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded, cw_leaf leaf) {
-    for (size_t k = 0; k < n; k += CHILDREN) {
-        const size_t count = n - k < CHILDREN ? n - k : CHILDREN;
-        const unsigned found = pyramid_group(f, rays + k, count, leaf, true, NULL);
-        for (size_t m = 0; m < count; m++) occluded[k + m] = found >> m & 1;
+    for (size_t b = 0; b < n; b += BATCH) {
+        const size_t end = n - b < BATCH ? n : b + BATCH;
+        queued queue[BATCH];
+        size_t waiting = 0;
+        for (size_t k = b; k < end; k += CHILDREN) {
+            const size_t count = end - k < CHILDREN ? end - k : CHILDREN;
+            const unsigned found =
+                pyramid_group(f, rays + k, count, leaf, true, NULL, queue, &waiting, (uint32_t)(k - b));
+            for (size_t m = 0; m < count; m++) occluded[k + m] = found >> m & 1;
+        }
+        stream_walk(f, queue, waiting, leaf, true, NULL, occluded + b);
     }
 }

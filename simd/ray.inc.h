@@ -6,6 +6,7 @@
 #include <float.h>
 #include <math.h>
 #include <stddef.h>
+#include <string.h>
 
 /* One axis of W rays; see strict_axis. */
 typedef struct vaxis {

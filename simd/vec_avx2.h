@@ -48,6 +48,22 @@ static inline vint vi_select(vmask m, vint a, vint b) {
 }
 static inline vint vi_from_vf(vfloat a) { return (vint){_mm256_cvttps_epi32(a.v)}; }
 
+static inline vfloat vf_from_vi(vint a) { return (vfloat){_mm256_cvtepi32_ps(a.v)}; }
+static inline vint vi_load(const int32_t *a) { return (vint){_mm256_loadu_si256((const __m256i *)a)}; }
+static inline vint vi_and(vint a, vint b) { return (vint){_mm256_and_si256(a.v, b.v)}; }
+static inline vint vi_or(vint a, vint b) { return (vint){_mm256_or_si256(a.v, b.v)}; }
+static inline vint vi_xor(vint a, vint b) { return (vint){_mm256_xor_si256(a.v, b.v)}; }
+static inline vint vi_neg(vint a) { return (vint){_mm256_sub_epi32(_mm256_setzero_si256(), a.v)}; }
+static inline vint vi_shift_right(vint a, vint by) { return (vint){_mm256_srlv_epi32(a.v, by.v)}; }
+static inline vmask vi_eq(vint a, vint b) { return (vmask){_mm256_castsi256_ps(_mm256_cmpeq_epi32(a.v, b.v))}; }
+static inline vint vi_lookup(const int32_t table[16], vint k) {
+    const __m256i *halves = (const __m256i *)table;
+    const __m256 low = _mm256_castsi256_ps(_mm256_permutevar8x32_epi32(_mm256_loadu_si256(halves), k.v));
+    const __m256 high = _mm256_castsi256_ps(_mm256_permutevar8x32_epi32(_mm256_loadu_si256(halves + 1), k.v));
+    const __m256 upper = _mm256_castsi256_ps(_mm256_slli_epi32(k.v, 28)); /* bit 3 as the sign */
+    return (vint){_mm256_castps_si256(_mm256_blendv_ps(low, high, upper))};
+}
+
 static inline vmask vm_and(vmask a, vmask b) { return (vmask){_mm256_and_ps(a.v, b.v)}; }
 static inline vmask vm_or(vmask a, vmask b) { return (vmask){_mm256_or_ps(a.v, b.v)}; }
 static inline vmask vm_xor(vmask a, vmask b) { return (vmask){_mm256_xor_ps(a.v, b.v)}; }

@@ -48,6 +48,18 @@ static inline vint vi_mul(vint a, vint b) { return (vint){_mm512_mullo_epi32(a.v
 static inline vint vi_select(vmask m, vint a, vint b) { return (vint){_mm512_mask_blend_epi32(m.v, b.v, a.v)}; }
 static inline vint vi_from_vf(vfloat a) { return (vint){_mm512_cvttps_epi32(a.v)}; }
 
+static inline vfloat vf_from_vi(vint a) { return (vfloat){_mm512_cvtepi32_ps(a.v)}; }
+static inline vint vi_load(const int32_t *a) { return (vint){_mm512_loadu_si512(a)}; }
+static inline vint vi_and(vint a, vint b) { return (vint){_mm512_and_si512(a.v, b.v)}; }
+static inline vint vi_or(vint a, vint b) { return (vint){_mm512_or_si512(a.v, b.v)}; }
+static inline vint vi_xor(vint a, vint b) { return (vint){_mm512_xor_si512(a.v, b.v)}; }
+static inline vint vi_neg(vint a) { return (vint){_mm512_sub_epi32(_mm512_setzero_si512(), a.v)}; }
+static inline vint vi_shift_right(vint a, vint by) { return (vint){_mm512_srlv_epi32(a.v, by.v)}; }
+static inline vmask vi_eq(vint a, vint b) { return (vmask){_mm512_cmpeq_epi32_mask(a.v, b.v)}; }
+static inline vint vi_lookup(const int32_t table[16], vint k) {
+    return (vint){_mm512_permutexvar_epi32(k.v, _mm512_loadu_si512(table))};
+}
+
 static inline vmask vm_and(vmask a, vmask b) { return (vmask){(__mmask16)(a.v & b.v)}; }
 static inline vmask vm_or(vmask a, vmask b) { return (vmask){(__mmask16)(a.v | b.v)}; }
 static inline vmask vm_xor(vmask a, vmask b) { return (vmask){(__mmask16)(a.v ^ b.v)}; }

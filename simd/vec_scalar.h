@@ -51,6 +51,17 @@ static inline vint vi_mul(vint a, vint b) { return (vint){a.v * b.v}; }
 static inline vint vi_select(vmask m, vint a, vint b) { return m.v ? a : b; }
 static inline vint vi_from_vf(vfloat a) { return (vint){(int32_t)a.v}; } /* toward zero; a within int32 */
 
+static inline vfloat vf_from_vi(vint a) { return (vfloat){(float)a.v}; }
+static inline vint vi_load(const int32_t *a) { return (vint){*a}; }
+static inline vint vi_and(vint a, vint b) { return (vint){a.v & b.v}; }
+static inline vint vi_or(vint a, vint b) { return (vint){a.v | b.v}; }
+static inline vint vi_xor(vint a, vint b) { return (vint){a.v ^ b.v}; }
+static inline vint vi_neg(vint a) { return (vint){-a.v}; }
+static inline vint vi_shift_right(vint a, vint by) { return (vint){a.v >> by.v}; } /* a >= 0, by in [0, 31] */
+static inline vmask vi_eq(vint a, vint b) { return (vmask){a.v == b.v}; }
+/* table[k] of 16 entries, k in [0, 15] */
+static inline vint vi_lookup(const int32_t table[16], vint k) { return (vint){table[k.v]}; }
+
 static inline vmask vm_and(vmask a, vmask b) { return (vmask){a.v && b.v}; }
 static inline vmask vm_or(vmask a, vmask b) { return (vmask){a.v || b.v}; }
 static inline vmask vm_xor(vmask a, vmask b) { return (vmask){a.v != b.v}; }

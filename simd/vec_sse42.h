@@ -48,6 +48,25 @@ static inline vint vi_select(vmask m, vint a, vint b) {
 }
 static inline vint vi_from_vf(vfloat a) { return (vint){_mm_cvttps_epi32(a.v)}; }
 
+static inline vfloat vf_from_vi(vint a) { return (vfloat){_mm_cvtepi32_ps(a.v)}; }
+static inline vint vi_load(const int32_t *a) { return (vint){_mm_loadu_si128((const __m128i *)a)}; }
+static inline vint vi_and(vint a, vint b) { return (vint){_mm_and_si128(a.v, b.v)}; }
+static inline vint vi_or(vint a, vint b) { return (vint){_mm_or_si128(a.v, b.v)}; }
+static inline vint vi_xor(vint a, vint b) { return (vint){_mm_xor_si128(a.v, b.v)}; }
+static inline vint vi_neg(vint a) { return (vint){_mm_sub_epi32(_mm_setzero_si128(), a.v)}; }
+static inline vmask vi_eq(vint a, vint b) { return (vmask){_mm_castsi128_ps(_mm_cmpeq_epi32(a.v, b.v))}; }
+/* No shift by a count of each lane's own and no lookup: lanes one by one. */
+static inline vint vi_shift_right(vint a, vint by) {
+    return (vint){_mm_setr_epi32(_mm_cvtsi128_si32(a.v) >> _mm_cvtsi128_si32(by.v),
+                                 _mm_extract_epi32(a.v, 1) >> _mm_extract_epi32(by.v, 1),
+                                 _mm_extract_epi32(a.v, 2) >> _mm_extract_epi32(by.v, 2),
+                                 _mm_extract_epi32(a.v, 3) >> _mm_extract_epi32(by.v, 3))};
+}
+static inline vint vi_lookup(const int32_t table[16], vint k) {
+    return (vint){_mm_setr_epi32(table[_mm_cvtsi128_si32(k.v)], table[_mm_extract_epi32(k.v, 1)],
+                                 table[_mm_extract_epi32(k.v, 2)], table[_mm_extract_epi32(k.v, 3)])};
+}
+
 static inline vmask vm_and(vmask a, vmask b) { return (vmask){_mm_and_ps(a.v, b.v)}; }
 static inline vmask vm_or(vmask a, vmask b) { return (vmask){_mm_or_ps(a.v, b.v)}; }
 static inline vmask vm_xor(vmask a, vmask b) { return (vmask){_mm_xor_ps(a.v, b.v)}; }

@@ -128,39 +128,3 @@ static inline bool wide_block(const wide_ray *w, const cw_field *f, int32_t x, i
     }
     return false;
 }
-
-/* Walks one ray to its end. Bounded: each brick and block is visited at most once. */
-static inline bool wide_walk(const wide_ray *w, const cw_field *f, cw_leaf leaf, bool any, cw_hit *hit) {
-    const struct cw_pyramid *p = f->pyramid;
-    struct {
-        unsigned mask;
-        int32_t x, y;
-    } todo[PYRAMID_LEVELS_MAX];
-    const int top = p->levels - 1;
-    int level = top;
-    int32_t x = 0, y = 0;
-    unsigned mask = wide_open(w, &p->level[top], 0, 0);
-    for (;;) {
-        while (mask == 0) {
-            if (level == top) return false;
-            level++;
-            mask = todo[level].mask;
-            x = todo[level].x;
-            y = todo[level].y;
-        }
-        const int32_t place = __builtin_ctz(mask);
-        mask &= mask - 1;
-        const int32_t cx = 4 * x + ((place & 3) ^ w->order.flip_x), cy = 4 * y + ((place >> 2) ^ w->order.flip_y);
-        if (level == 0) {
-            if (wide_block(w, f, cx, cy, leaf, any, hit)) return true;
-            continue;
-        }
-        todo[level].mask = mask;
-        todo[level].x = x;
-        todo[level].y = y;
-        level--;
-        x = cx;
-        y = cy;
-        mask = wide_open(w, &p->level[level], x, y);
-    }
-}

@@ -89,6 +89,17 @@ static void build_around(const cw_pyramid_level *l, float *row[3]) {
     }
 }
 
+static void build_pairs(struct cw_pyramid *p) {
+    for (int l = 0; l < p->levels; l++)
+        for (size_t y = 0; y < 4 * (size_t)p->level[l].down; y++)
+            for (size_t x = 0; x < 4 * (size_t)p->level[l].across; x++) {
+                const float *from = node(&p->level[l], x, y);
+                float *to = p->pairs + 2 * ((size_t)p->first[l] + y * (size_t)p->across + x);
+                to[0] = from[0];
+                to[1] = from[16];
+            }
+}
+
 cw_status cw_pyramid_build(cw_field *f) {
     struct cw_pyramid *p = calloc(1, sizeof *p);
     float *columns = malloc((3 * f->nx + 64) * sizeof *columns); /* three rows of nodes fit as well */
@@ -107,7 +118,13 @@ cw_status cw_pyramid_build(cw_field *f) {
         side *= 4;
     } while (x > 1 || y > 1);
 
-    p->bytes = bricks * (BRICK_FLOATS + 16) * sizeof(float);
+    size_t pairs = 0;
+    p->across = 4 * p->level[0].across;
+    for (int l = 0; l < p->levels; l++) {
+        p->first[l] = (int32_t)pairs;
+        pairs += 4 * (size_t)p->level[l].down * (size_t)p->across;
+    }
+    p->bytes = (bricks * (BRICK_FLOATS + 16) + 2 * pairs) * sizeof(float);
     p->memory = cw_memory_allocate(p->bytes);
     if (p->memory == NULL) goto no_memory;
     for (int l = 0; l < p->levels; l++) {
@@ -117,8 +134,10 @@ cw_status cw_pyramid_build(cw_field *f) {
         for (size_t k = 0; k < count * BRICK_FLOATS; k++)
             p->level[l].bricks[k] = k % BRICK_FLOATS < 16 ? INFINITY : -INFINITY;
     }
+    p->pairs = (float *)p->memory + bricks * (BRICK_FLOATS + 16);
     build_blocks(f, &p->level[0], columns, columns + f->nx);
     for (int l = 1; l < p->levels; l++) build_level(&p->level[l - 1], &p->level[l]);
+    build_pairs(p);
     for (int l = 0; l < p->levels; l++) {
         const size_t n = 4 * (size_t)p->level[l].across;
         build_around(&p->level[l], (float *[3]){columns, columns + n, columns + 2 * n});

@@ -3,7 +3,7 @@
  *
  * A node of level 0 covers a *block* of 4 × 4 cells; a node of level l + 1 covers 4 × 4 nodes of level l, which lie
  * together in memory as one *brick*: 16 lows, then 16 highs, two cache lines. The top level is one brick. Any field shape
- * costs less than 0.81 bytes a cell plus the partly filled bricks along its far borders; nodes outside the field have
+ * costs less than 1.5 bytes a cell plus the partly filled bricks along its far borders; nodes outside the field have
  * low > high, which no ray meets.
  *
  * After the maximum mipmaps of Tevs, Ihrke and Seidel (2008) and pbrt-like min-max quadtrees, but 16 children wide, so
@@ -28,6 +28,11 @@ typedef struct cw_pyramid_level {
 
 struct cw_pyramid {
     int levels; /* >= 1 */
+    /* The same bounds once more for the lane walk, whose lanes are at different levels: node (x, y) of level l has its low
+     * and high at pairs[2 * (first[l] + y * across + x)], one stride for all levels. */
+    float *pairs;
+    int32_t across;
+    int32_t first[PYRAMID_LEVELS_MAX];
     float high; /* the field's highest sample */
     cw_pyramid_level level[PYRAMID_LEVELS_MAX];
     void *memory;

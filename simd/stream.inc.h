@@ -1,0 +1,228 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The lane walk, for rays that have nothing in common: each lane has a ray, a node and a level of its own and reads its own
+ * bounds; lanes share instructions alone. A lane whose ray has ended is refilled from the queue, so the vector stays
+ * full.
+ *
+ * A lane at a node that its ray may hit something in goes down to the first child; otherwise it steps to the next node of
+ * the same size, and up where that has another parent. Levels are four apart, so that going down and up is rare. Lanes
+ * that have come down to a cell wait until half of the vector does: the leaf test costs as much as three steps.
+ *
+ * Invariant: t is at most the t at which the ray enters any cell that it still has to visit. A node is skipped only if
+ * the ray misses its heights over all of [t, t at which it leaves the node], in the gate's own monotone arithmetic
+ * (src/scalar/strict.h). Going down picks a child by the ray's place at t, set back by more than its rounding error: if
+ * that is a child too early, its interval is empty and the walk steps on.
+ *
+ * After the prototype described in papers/walks.md. Rejected for this job: 16 children of one ray's node at once
+ * (wide.inc.h), 2.5 times the instructions a ray, as a ray crosses 4 of 16 children. */
+
+/* A ray waiting for a lane. */
+typedef struct queued {
+    float x_org, x_dir, x_center, x_inverse;
+    float y_org, y_dir, y_center, y_inverse;
+    float oz, dz, tmin, tmax, begin, end, from, until;
+    uint32_t ray; /* where its hit goes */
+} queued;
+
+/* What each lane works on, as arrays, so that single lanes can be refilled. */
+typedef struct stream_lanes {
+    ray_store r;
+    float t[W], pad_x[W], pad_y[W];
+    int32_t i[W], j[W], level[W], side[W]; /* side = 4^level */
+    uint32_t ray[W];
+} stream_lanes;
+
+static inline void enqueue(queued *q, const ray_store *s, size_t k, uint32_t ray) {
+    *q = (queued){s->x_org[k],    s->x_dir[k],     s->x_center[k], s->x_inverse[k], s->y_org[k], s->y_dir[k],
+                  s->y_center[k], s->y_inverse[k], s->oz[k],       s->dz[k],        s->tmin[k],  s->tmax[k],
+                  s->begin[k],    s->end[k],       s->from[k],     s->until[k],     ray};
+}
+
+/* Puts a ray into lane k, at the root of the pyramid. */
+static inline void refill_lane(stream_lanes *l, size_t k, const queued *q, const cw_field *f) {
+    l->r.x_org[k] = q->x_org;
+    l->r.x_dir[k] = q->x_dir;
+    l->r.x_center[k] = q->x_center;
+    l->r.x_inverse[k] = q->x_inverse;
+    l->r.y_org[k] = q->y_org;
+    l->r.y_dir[k] = q->y_dir;
+    l->r.y_center[k] = q->y_center;
+    l->r.y_inverse[k] = q->y_inverse;
+    l->r.oz[k] = q->oz;
+    l->r.dz[k] = q->dz;
+    l->r.tmin[k] = q->tmin;
+    l->r.tmax[k] = q->tmax;
+    l->r.begin[k] = q->begin;
+    l->r.end[k] = q->end;
+    l->r.until[k] = q->until;
+    l->t[k] = q->from;
+    /* Rounding of org + t · dir within the field: less than 4 ulp of the larger of the origin and the field's side. */
+    const float pad_x = 0x1p-21f * (fabsf(q->x_org) + (float)f->nx),
+                pad_y = 0x1p-21f * (fabsf(q->y_org) + (float)f->ny);
+    l->pad_x[k] = q->x_inverse >= 0 ? -pad_x : pad_x;
+    l->pad_y[k] = q->y_inverse >= 0 ? -pad_y : pad_y;
+    l->i[k] = l->j[k] = 0;
+    l->level[k] = f->pyramid->levels + 1;
+    l->side[k] = 1 << (2 * l->level[k]);
+    l->ray[k] = q->ray;
+}
+
+/* The rays of the lanes, and only what a walk needs of them. */
+static inline void load_rays(vray *r, const ray_store *s) {
+    const vfloat zero = vf_set(0);
+    r->x.org = vf_load(s->x_org);
+    r->x.dir = vf_load(s->x_dir);
+    r->x.center = vf_load(s->x_center);
+    r->x.inverse = vf_load(s->x_inverse);
+    r->x.up = vf_ge(r->x.dir, zero);
+    r->y.org = vf_load(s->y_org);
+    r->y.dir = vf_load(s->y_dir);
+    r->y.center = vf_load(s->y_center);
+    r->y.inverse = vf_load(s->y_inverse);
+    r->y.up = vf_ge(r->y.dir, zero);
+    r->oz = vf_load(s->oz);
+    r->dz = vf_load(s->dz);
+    r->tmin = vf_load(s->tmin);
+    r->tmax = vf_load(s->tmax);
+    r->begin = vf_load(s->begin);
+    r->end = vf_load(s->end);
+    r->until = vf_load(s->until);
+}
+
+/* The low corner of the child of the given side in which the ray is at t, or an earlier one, of the node that begins at
+ * low and is four times as long. */
+static inline vint child_corner(const vaxis *a, vfloat t, vfloat pad, vint low, vfloat side, vfloat inverse_side) {
+    const vfloat place = vf_add(vf_add(a->org, vf_mul(t, a->dir)), pad), first = vf_from_vi(low);
+    const vfloat corner = vf_mul(vf_floor(vf_mul(place, inverse_side)), side);
+    const vfloat last = vf_add(first, vf_mul(side, vf_set(3)));
+    return vi_from_vf(vf_max(first, vf_min(last, corner)));
+}
+
+/* Lanes whose border, by which they leave a node, is the field's or beyond it. */
+static inline vmask outermost(const vaxis *a, vfloat border, vfloat last) {
+    return vm_or(vm_and(a->up, vf_ge(border, last)), vm_andnot(vf_le(border, vf_set(0)), a->up));
+}
+
+/* Writes what the leaf test found in the lanes of a mask. */
+static inline void stream_hits(const stream_lanes *s, unsigned found, const vhit *h, bool any, cw_hit *hits,
+                               uint8_t *occluded) {
+    if (any) {
+        for (; found != 0; found &= found - 1) occluded[s->ray[__builtin_ctz(found)]] = 1;
+        return;
+    }
+    float t[W], u[W], v[W];
+    vf_store(t, h->t);
+    vf_store(u, h->u);
+    vf_store(v, h->v);
+    const unsigned in_b = vm_bits(h->b);
+    for (; found != 0; found &= found - 1) {
+        const int k = __builtin_ctz(found);
+        hits[s->ray[k]] = (cw_hit){t[k], u[k], v[k], s->i[k], s->j[k], in_b >> k & 1};
+    }
+}
+
+/* Refill when this many lanes are empty; test cells when this many lanes wait at one. */
+enum { REFILL_AT = W / 4 > 0 ? W / 4 : 1, LEAF_AT = W / 2 > 0 ? W / 2 : 1 };
+
+/* Walks the queued rays to their ends. A hit is written to hits[ray], or for any hit 1 to occluded[ray]. */
+static inline void stream_walk(const cw_field *f, const queued *queue, size_t n, cw_leaf leaf, bool any, cw_hit *hits,
+                               uint8_t *occluded) {
+    const struct cw_pyramid *p = f->pyramid;
+    /* Levels here: cells 0, nodes of pyramid level l l + 1, the whole field one above; sides 4^level. */
+    int32_t first[16] = {0};
+    memcpy(first + 1, p->first, sizeof p->first);
+    stream_lanes s;
+    memset(&s, 0, sizeof s);
+    const vint zero = vi_set(0), one = vi_set(1), top = vi_set(p->levels + 1), across = vi_set(p->across);
+    const vfloat last_x = vf_set((float)(f->nx - 1)), last_y = vf_set((float)(f->ny - 1));
+    vmask alive = vm_set(false);
+    size_t next = 0;
+    for (;;) {
+        unsigned living = vm_bits(alive);
+        for (unsigned empty = ~living & ((1u << W) - 1); empty != 0 && next < n; empty &= empty - 1) {
+            const unsigned k = (unsigned)__builtin_ctz(empty);
+            refill_lane(&s, k, &queue[next++], f);
+            living |= 1u << k;
+        }
+        if (living == 0) return;
+        const bool drain = next == n;
+        alive = vm_from_bits(living);
+        vray r;
+        load_rays(&r, &s.r);
+        const vfloat pad_x = vf_load(s.pad_x), pad_y = vf_load(s.pad_y);
+        vint i = vi_load(s.i), j = vi_load(s.j), level = vi_load(s.level), side = vi_load(s.side);
+        vfloat t = vf_load(s.t);
+        do {
+            const vfloat length = vf_from_vi(side), low_x = vf_from_vi(i), low_y = vf_from_vi(j);
+            const vfloat border_x = vf_select(r.x.up, vf_add(low_x, length), low_x);
+            const vfloat border_y = vf_select(r.y.up, vf_add(low_y, length), low_y);
+            const vfloat x_out = crossing(&r.x, border_x), y_out = crossing(&r.y, border_y);
+            const vfloat out = vf_min(x_out, y_out);
+            const vmask at_cell = vi_eq(level, zero), waits = vm_and(alive, at_cell);
+            vmask moves = vm_andnot(alive, at_cell);
+            if (__builtin_popcount(vm_bits(waits)) >= LEAF_AT || !vm_any(moves)) {
+                vcell c = {.i = low_x, .j = low_y, .x_out = x_out, .y_out = y_out};
+                const vfloat unit = vf_set(1);
+                c.x_in = crossing(&r.x, vf_select(r.x.up, low_x, vf_add(low_x, unit)));
+                c.y_in = crossing(&r.y, vf_select(r.y.up, low_y, vf_add(low_y, unit)));
+                c.t0 = vf_max(vf_max(c.x_in, c.y_in), r.begin);
+                c.t1 = vf_min(out, r.end);
+                const vint sample = vi_add(vi_mul(j, vi_set((int32_t)f->stride)), i);
+                vf_gather_pairs(f->z, sample, waits, &c.h00, &c.h10);
+                vf_gather_pairs(f->z + f->stride, sample, waits, &c.h01, &c.h11);
+                const vmask gate = vm_and(waits, cell_gate(&r, &c));
+                vmask found = vm_set(false);
+                if (vm_any(gate)) {
+                    vhit h;
+                    found = leaf == CW_LEAF_WATERTIGHT ? wt_cell(&r, &c, gate, any, &h) : mt_cell(&r, &c, gate, &h);
+                    if (vm_any(found)) {
+                        vi_store(s.i, i);
+                        vi_store(s.j, j);
+                        stream_hits(&s, vm_bits(found), &h, any, hits, occluded);
+                    }
+                }
+                alive = vm_andnot(alive, found);
+                moves = vm_andnot(waits, found);
+            } else {
+                const vint shift = vi_add(level, level);
+                const vint node = vi_add(vi_add(vi_mul(vi_shift_right(j, shift), across), vi_shift_right(i, shift)),
+                                         vi_lookup(first, level));
+                vfloat low, high;
+                vf_gather_pairs(p->pairs, vi_add(node, node), moves, &low, &high);
+                const vfloat t1 = vf_min(out, r.until);
+                const vmask enters =
+                    vm_and(moves, vm_or(vi_eq(level, top), vm_and(vf_le(t, t1), meets(&r, t, t1, low, high))));
+                if (vm_any(enters)) {
+                    const vfloat child = vf_mul(length, vf_set(0.25f)), inverse = vf_div(vf_set(1), child);
+                    i = vi_select(enters, child_corner(&r.x, t, pad_x, i, child, inverse), i);
+                    j = vi_select(enters, child_corner(&r.y, t, pad_y, j, child, inverse), j);
+                    level = vi_select(enters, vi_add(level, vi_set(-1)), level);
+                    side = vi_select(enters, vi_shift_right(side, vi_set(2)), side);
+                }
+                moves = vm_andnot(moves, enters);
+            }
+            /* On to the next node of the same size, and to its parent where that is another one. */
+            const vmask in_x = vf_le(x_out, y_out);
+            const vmask leaves = vm_or(vm_and(in_x, outermost(&r.x, border_x, last_x)),
+                                       vm_andnot(outermost(&r.y, border_y, last_y), in_x));
+            alive = vm_andnot(alive, vm_and(moves, vm_or(leaves, vf_gt(out, r.until))));
+            const vint back = vi_neg(side);
+            const vint to_x = vi_add(i, vi_select(r.x.up, side, back)), to_y = vi_add(j, vi_select(r.y.up, side, back));
+            const vint new_i = vi_select(vm_and(moves, in_x), to_x, i),
+                       new_j = vi_select(vm_andnot(moves, in_x), to_y, j);
+            const vint above = vi_add(vi_add(side, side), vi_add(side, side)), parent = vi_neg(above);
+            const vint changed = vi_and(vi_or(vi_xor(new_i, i), vi_xor(new_j, j)), parent);
+            const vmask rises = vm_andnot(moves, vi_eq(changed, zero));
+            i = vi_select(rises, vi_and(new_i, parent), new_i);
+            j = vi_select(rises, vi_and(new_j, parent), new_j);
+            level = vi_select(rises, vi_add(level, one), level);
+            side = vi_select(rises, above, side);
+            t = vf_select(moves, vf_max(t, out), t);
+            living = vm_bits(alive);
+        } while (living != 0 && (drain || __builtin_popcount(living) > (int)W - REFILL_AT));
+        vi_store(s.i, i);
+        vi_store(s.j, j);
+        vi_store(s.level, level);
+        vi_store(s.side, side);
+        vf_store(s.t, t);
+    }
+}
