@@ -89,12 +89,12 @@ static inline void load_rays(vray *r, const ray_store *s) {
 }
 
 /* The low corner of the child of the given side in which the ray is at t, or an earlier one, of the node that begins at
- * low and is four times as long. */
-static inline vint child_corner(const vaxis *a, vfloat t, vfloat pad, vint low, vfloat side, vfloat inverse_side) {
-    const vfloat place = vf_add(vf_add(a->org, vf_mul(t, a->dir)), pad), first = vf_from_vi(low);
+ * low and is four times as long. It is no child outside the field: inside is the middle of the field's last cell. */
+static inline vint child_corner(const vaxis *a, vfloat t, vfloat pad, vfloat inside, vfloat low, vfloat side,
+                                vfloat inverse_side) {
+    const vfloat place = vf_min(vf_add(vf_add(a->org, vf_mul(t, a->dir)), pad), inside);
     const vfloat corner = vf_mul(vf_floor(vf_mul(place, inverse_side)), side);
-    const vfloat last = vf_add(first, vf_mul(side, vf_set(3)));
-    return vi_from_vf(vf_max(first, vf_min(last, corner)));
+    return vi_from_vf(vf_max(low, vf_min(vf_add(low, vf_mul(side, vf_set(3))), corner)));
 }
 
 /* Lanes whose border, by which they leave a node, is the field's or beyond it. */
@@ -134,6 +134,7 @@ static inline void stream_walk(const cw_field *f, const queued *queue, size_t n,
     memset(&s, 0, sizeof s);
     const vint zero = vi_set(0), one = vi_set(1), top = vi_set(p->levels + 1), across = vi_set(p->across);
     const vfloat last_x = vf_set((float)(f->nx - 1)), last_y = vf_set((float)(f->ny - 1));
+    const vfloat inside_x = vf_sub(last_x, vf_set(0.5f)), inside_y = vf_sub(last_y, vf_set(0.5f));
     vmask alive = vm_set(false);
     size_t next = 0;
     for (;;) {
@@ -193,8 +194,8 @@ static inline void stream_walk(const cw_field *f, const queued *queue, size_t n,
                     vm_and(moves, vm_or(vi_eq(level, top), vm_and(vf_le(t, t1), meets(&r, t, t1, low, high))));
                 if (vm_any(enters)) {
                     const vfloat child = vf_mul(length, vf_set(0.25f)), inverse = vf_div(vf_set(1), child);
-                    i = vi_select(enters, child_corner(&r.x, t, pad_x, i, child, inverse), i);
-                    j = vi_select(enters, child_corner(&r.y, t, pad_y, j, child, inverse), j);
+                    i = vi_select(enters, child_corner(&r.x, t, pad_x, inside_x, low_x, child, inverse), i);
+                    j = vi_select(enters, child_corner(&r.y, t, pad_y, inside_y, low_y, child, inverse), j);
                     level = vi_select(enters, vi_add(level, vi_set(-1)), level);
                     side = vi_select(enters, vi_shift_right(side, vi_set(2)), side);
                 }
