@@ -20,9 +20,10 @@ typedef struct vray {
     vaxis x, y;
     vfloat oz, dz;
     vfloat tmin, tmax;
-    vfloat t0, t1;      /* inside the field */
-    vfloat begin, end;  /* inside the slab too: a cell's interval lies in it */
-    vfloat from, until; /* what a walk still has to visit; unlike all the rest it may change on the way */
+    vfloat t0, t1;     /* inside the field */
+    vfloat begin, end; /* inside the slab's surroundings too: a cell's interval lies in it */
+    vfloat from,
+        until; /* inside the slab: what a walk still has to visit; unlike all the rest it may change on the way */
 } vray;
 
 static inline vfloat crossing(const vaxis *a, vfloat border) { return vf_mul(vf_sub(border, a->center), a->inverse); }
@@ -55,22 +56,25 @@ static inline vmask make_axis(vaxis *a, vfloat org, vfloat dir, size_t samples) 
 }
 
 static inline void make_slab(vray *r, const cw_field *f) {
-    const vfloat low = vf_set(f->low), high = vf_set(f->high), u = vf_set(FLT_EPSILON / 2);
+    const vfloat low = vf_set(f->low), high = vf_set(f->high), u = vf_set(FLT_EPSILON / 2), least = vf_set(FLT_MIN);
     const vfloat u4 = vf_mul(vf_set(4), u), u8 = vf_mul(vf_set(8), u);
-    const vfloat inverse = vf_div(vf_set(1), r->dz);
+    const vfloat inverse = vf_div(vf_set(1), r->dz), across = vf_abs(inverse);
     const vmask up = vf_gt(r->dz, vf_set(0));
     const vfloat enter = vf_select(up, low, high), leave = vf_select(up, high, low);
     const vfloat a = vf_mul(vf_sub(enter, r->oz), inverse), b = vf_mul(vf_sub(leave, r->oz), inverse);
-    const vfloat least = vf_set(FLT_MIN), oz = vf_add(vf_abs(r->oz), least), across = vf_abs(inverse);
-    const vfloat slack_a =
-        vf_add(vf_mul(u8, vf_mul(vf_add(oz, vf_abs(enter)), across)), vf_mul(u4, vf_add(vf_abs(a), least)));
-    const vfloat slack_b =
-        vf_add(vf_mul(u8, vf_mul(vf_add(oz, vf_abs(leave)), across)), vf_mul(u4, vf_add(vf_abs(b), least)));
-    const vfloat s0 = vf_sub(a, slack_a), s1 = vf_add(b, slack_b), z0 = height(r, s0), z1 = height(r, s1);
+    const vfloat oz = vf_add(vf_abs(r->oz), least);
+    const vfloat reach_a = vf_mul(vf_add(oz, vf_abs(enter)), across);
+    const vfloat reach_b = vf_mul(vf_add(oz, vf_abs(leave)), across);
+    const vfloat s0 = vf_sub(a, vf_add(vf_mul(u8, reach_a), vf_mul(u4, vf_add(vf_abs(a), least))));
+    const vfloat s1 = vf_add(b, vf_add(vf_mul(u8, reach_b), vf_mul(u4, vf_add(vf_abs(b), least))));
+    const vfloat z0 = height(r, s0), z1 = height(r, s1);
     const vmask beyond0 = vm_or(vm_and(up, vf_lt(z0, enter)), vm_andnot(vf_gt(z0, enter), up));
     const vmask beyond1 = vm_or(vm_and(up, vf_gt(z1, leave)), vm_andnot(vf_lt(z1, leave), up));
-    r->begin = vf_select(vm_and(beyond0, vf_gt(s0, r->t0)), s0, r->t0);
-    r->end = vf_select(vm_and(beyond1, vf_lt(s1, r->t1)), s1, r->t1);
+    r->from = vf_select(vm_and(beyond0, vf_gt(s0, r->t0)), s0, r->t0);
+    r->until = vf_select(vm_and(beyond1, vf_lt(s1, r->t1)), s1, r->t1);
+    const vfloat span = vf_mul(vf_sub(high, low), across);
+    r->begin = vf_max(vf_sub(r->from, vf_add(reach_a, span)), r->t0);
+    r->end = vf_min(vf_add(r->until, vf_add(reach_b, span)), r->t1);
 }
 
 /* Lanes that may hit. */
@@ -93,8 +97,6 @@ static inline vmask make_rays(vray *r, const cw_field *f, const cw_ray *rays) {
     alive = vm_and(vm_andnot(alive, still), vf_le(r->t0, r->t1));
     alive = vm_and(alive, meets(r, r->t0, r->t1, vf_set(f->low), vf_set(f->high)));
     make_slab(r, f);
-    r->from = r->begin;
-    r->until = r->end;
     return alive;
 }
 

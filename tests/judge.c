@@ -178,7 +178,7 @@ judgement oracle_judge(const oracle *o, const cw_hit *hit) {
     /* A cell is crossed within a range of t that is no longer than this. */
     const double range = (double)o->ray.tmax - (double)o->ray.tmin;
     const double across = minimum3(1 / fabs(o->dx), 1 / fabs(o->dy), range);
-    const double span = fmin(o->top - o->low, fabs(o->dz) * across);
+    const double span = fmin(fabs(o->oz) + 3 * o->all.high, fabs(o->dz) * across);
     const double error = height_error(o, at, t.i, t.j, span);
     j.residual = fabs(oracle_height(o, &t, at)) / error;
     if (!(j.residual <= 1)) return j;

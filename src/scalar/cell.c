@@ -31,7 +31,7 @@ static inline bool walk(const cw_field *f, const cw_ray *ray, cw_leaf leaf, cw_h
     cw_ray clean; /* as in strict_ray */
     if (!ray_clean(&clean, ray)) return false;
     const size_t cells_x = f->nx - 1, cells_y = f->ny - 1;
-    size_t i = first_cell(&r.x, r.begin, cells_x), j = first_cell(&r.y, r.begin, cells_y);
+    size_t i = first_cell(&r.x, r.from, cells_x), j = first_cell(&r.y, r.from, cells_y);
     for (;;) { /* at most cells_x + cells_y times: each turn goes on along one axis and none turns back */
         strict_cell c;
         if (strict_gate(&c, &r, f, i, j)) {
@@ -41,7 +41,7 @@ static inline bool walk(const cw_field *f, const cw_ray *ray, cw_leaf leaf, cw_h
             if (found) return true;
         }
         const bool in_x = c.x_out <= c.y_out;
-        if ((in_x ? c.x_out : c.y_out) > r.end) return false;
+        if ((in_x ? c.x_out : c.y_out) > r.until) return false;
         if (in_x) {
             i += (size_t)(ptrdiff_t)r.x.step; /* below 0 it wraps, beyond every field */
             if (i >= cells_x) return false;

@@ -10,9 +10,10 @@
  *  3. The gate: only a cell on the walk, with t-interval [t0, t1] not empty, and in which the ray's heights at t0 and t1
  *     enclose a height between the cell's lowest and highest sample, is tested at all. Heights org + t · dir are
  *     monotone in t as well, so the same comparison on a block of cells can skip the block and never changes a hit.
- *  4. The slab: a ray's t-range is cut off where its height is strictly beyond the field's lowest and highest sample. No
- *     hit is lost; and the heights at the two ends of a cell's interval, from which the leaf test interpolates, stay of
- *     the size of the origin and the field even if a vertical ray has no ends at all. */
+ *  4. The slab: a walk may begin and end where the ray is strictly beyond the field's lowest and highest sample; the gate
+ *     fails there anyway. The t-range itself is cut off a little farther out. No hit is lost; and the heights at the two
+ *     ends of a cell's interval, from which the leaf test interpolates, stay of the size of the origin and the field even
+ *     if a vertical ray has no ends at all. */
 #ifndef CELLWALK_SCALAR_STRICT_H
 #define CELLWALK_SCALAR_STRICT_H
 
@@ -37,9 +38,10 @@ typedef struct strict_axis {
 typedef struct strict_ray {
     strict_axis x, y;
     float oz, dz;
-    float tmin, tmax; /* finite */
-    float t0, t1;     /* inside the field */
-    float begin, end; /* inside the slab too: a cell's interval lies in it */
+    float tmin, tmax;  /* finite */
+    float t0, t1;      /* inside the field */
+    float begin, end;  /* inside the slab's surroundings too: a cell's interval lies in it */
+    float from, until; /* inside the slab: what a walk has to visit */
 } strict_ray;
 
 /* A cell on the walk, with its four border crossings. */
@@ -74,21 +76,28 @@ static inline bool strict_axis_init(strict_axis *a, float org, float dir, size_t
     return org >= 0 && org <= end;
 }
 
-/* Cuts [t0, t1] off beyond the field's lowest and highest sample, in which it may be anywhere. The computed bound is off
- * by 3u relative, u = 2^-24, and the heights there by at most u (|org| + 2 |z|) (1 + 4u): 4u and 8u make it likely that
- * the height is strictly beyond, FLT_MIN even where numbers are denormal. Whether it is decides, so that nothing cuts off
- * a hit; with dir = 0 it is not. */
+/* [from, until] cuts [t0, t1] off where it leaves the heights between the field's lowest and highest sample, in which a
+ * hole counts for nothing. The computed bound is off by 3u relative, u = 2^-24, and the heights there by at most
+ * u (|org| + 2 |z|) (1 + 4u): 4u and 8u make it likely that the height is strictly beyond, FLT_MIN even where numbers are
+ * denormal. Whether it is decides, so that nothing cuts off a hit; with dir = 0 it is not.
+ *
+ * [begin, end] goes on by the size of the origin and the field, so that a leaf test which starts there starts well off the
+ * surface: a start within rounding of it would lose touches that are exact. */
 static inline void strict_slab(strict_ray *r, const cw_field *f) {
-    const float u = FLT_EPSILON / 2, inverse = 1.0f / r->dz;
+    const float u = FLT_EPSILON / 2, inverse = 1.0f / r->dz, across = fabsf(inverse);
     const bool up = r->dz > 0;
     const float enter = up ? f->low : f->high, leave = up ? f->high : f->low;
     const float a = (enter - r->oz) * inverse, b = (leave - r->oz) * inverse;
-    const float oz = fabsf(r->oz) + FLT_MIN, across = fabsf(inverse);
-    const float slack_a = (8 * u) * ((oz + fabsf(enter)) * across) + (4 * u) * (fabsf(a) + FLT_MIN);
-    const float slack_b = (8 * u) * ((oz + fabsf(leave)) * across) + (4 * u) * (fabsf(b) + FLT_MIN);
-    const float s0 = a - slack_a, s1 = b + slack_b, z0 = strict_height(r, s0), z1 = strict_height(r, s1);
-    r->begin = (up ? z0 < enter : z0 > enter) && s0 > r->t0 ? s0 : r->t0;
-    r->end = (up ? z1 > leave : z1 < leave) && s1 < r->t1 ? s1 : r->t1;
+    const float oz = fabsf(r->oz) + FLT_MIN;
+    const float reach_a = (oz + fabsf(enter)) * across, reach_b = (oz + fabsf(leave)) * across;
+    const float s0 = a - ((8 * u) * reach_a + (4 * u) * (fabsf(a) + FLT_MIN));
+    const float s1 = b + ((8 * u) * reach_b + (4 * u) * (fabsf(b) + FLT_MIN));
+    const float z0 = strict_height(r, s0), z1 = strict_height(r, s1);
+    r->from = (up ? z0 < enter : z0 > enter) && s0 > r->t0 ? s0 : r->t0;
+    r->until = (up ? z1 > leave : z1 < leave) && s1 < r->t1 ? s1 : r->t1;
+    const float span = (f->high - f->low) * across;
+    r->begin = max_second(r->from - (reach_a + span), r->t0);
+    r->end = min_second(r->until + (reach_b + span), r->t1);
 }
 
 /* False if the ray cannot hit: not a ray, or clear of the field's box. */
