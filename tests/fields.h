@@ -30,7 +30,7 @@ typedef struct field_size {
 /* 2 × 2, one cell wide, one cell long, square and neither square nor a power of two. */
 enum { FIELD_SIZES = 6 };
 extern const field_size field_sizes[FIELD_SIZES];
-enum { FIELD_SAMPLES_MAX = 4225 };
+enum { FIELD_SAMPLES_MAX = 1 << 16 };
 
 /* A shape in a size, with what the ray generators need to know about it. */
 typedef struct test_field {
