@@ -30,6 +30,12 @@ static void proc_value(const char *path, const char *key, char *value, size_t si
     fclose(file);
 }
 
+double run_memory_available(void) {
+    char kibibytes[64];
+    proc_value("/proc/meminfo", "MemAvailable", kibibytes, sizeof kibibytes);
+    return strtod(kibibytes, NULL) * 1024;
+}
+
 json_t *run_record(const char *command, uint32_t seed, int cpu) {
     char model[256], cache[64], date[32];
     proc_value("/proc/cpuinfo", "model name", model, sizeof model);

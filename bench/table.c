@@ -126,6 +126,7 @@ static bool run(const table_options *o, io_error *error) {
     io_output_discard(&out.csv);
     io_output_discard(&out.markdown);
     json_decref(lines);
+    fflush(stdout);
     if (good) fprintf(stderr, "saved %s/table.md, table.csv and table.json\n", o->out);
     return good;
 }
