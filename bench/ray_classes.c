@@ -56,21 +56,13 @@ static cw_ray camera_ray(const camera *c, double px, double py) {
     return make_ray(c->eye, dir);
 }
 
-/* Rays that start at the field's samples answer for heights: the camera has no access to the samples. */
-static double height_at(const cw_field *field, const cw_query *query, double x, double y, double top) {
-    const cw_ray down = {.org = {(float)x, (float)y, (float)top}, .dir = {0, 0, -1}, .tmax = INFINITY};
-    cw_hit hit;
-    if (cw_closest(field, query, &down, 1, &hit) != CW_OK || hit.i < 0) return 0;
-    return top - (double)hit.t;
-}
-
 /* Tilts the view until half of a coarse raster of its pixels are sky. */
 static camera camera_place(const cw_field *field, const cw_query *query) {
     enum { COARSE = 32 };
     const cw_field_info info = cw_field_describe(field);
-    const double width = (double)(info.nx - 1), depth = (double)(info.ny - 1), side = fmax(width, depth);
-    camera c = {.eye = {width * 0.5, depth * 0.02, 0}};
-    c.eye[2] = height_at(field, query, c.eye[0], c.eye[1], (double)info.high + 1) + 0.04 * side;
+    const double side = (double)((info.nx > info.ny ? info.nx : info.ny) - 1);
+    const size_t i = (info.nx - 1) / 2, j = (info.ny - 1) / 50;
+    camera c = {.eye = {(double)i, (double)j, (double)cw_field_sample(field, i, j) + 0.04 * side}};
 
     double low = -1, high = 1; /* the whole field lies below the view's axis at -1, above it at 1 */
     for (int step = 0; step < 12; step++) {
@@ -113,6 +105,23 @@ static size_t primary(const cw_field *field, const cw_query *query, size_t n, cw
 
 /* ---- secondary ---- */
 
+/* Where the ray meets the plane of the triangle hit, and the triangle's normal, in double from ray and samples: of the
+ * hit only the triangle counts, so that the rays outlive changes in the last bits of t, u and v. */
+static void meet(const cw_field *field, const cw_ray *ray, const cw_hit *hit, double point[3], double normal[3]) {
+    const size_t i = (size_t)hit->i, j = (size_t)hit->j;
+    const double h00 = (double)cw_field_sample(field, i, j), h11 = (double)cw_field_sample(field, i + 1, j + 1);
+    const bool a = hit->triangle == CW_TRIANGLE_A;
+    const double h = (double)(a ? cw_field_sample(field, i + 1, j) : cw_field_sample(field, i, j + 1));
+    const double sx = a ? h - h00 : h11 - h, sy = a ? h11 - h : h - h00, length = sqrt(1 + sx * sx + sy * sy);
+    const double above =
+        (double)ray->org[2] - h00 - sx * ((double)ray->org[0] - (double)i) - sy * ((double)ray->org[1] - (double)j);
+    const double falling = sx * (double)ray->dir[0] + sy * (double)ray->dir[1] - (double)ray->dir[2];
+    for (int k = 0; k < 3; k++) point[k] = (double)ray->org[k] + above / falling * (double)ray->dir[k];
+    normal[0] = -sx / length;
+    normal[1] = -sy / length;
+    normal[2] = 1 / length;
+}
+
 /* A direction about the unit normal, with probability in proportion to the cosine (Malley: a uniform point of the unit
  * disc, lifted to the half sphere). The frame is that of Duff et al. 2017, which needs no angle either. */
 static void cosine_direction(const double n[3], uint32_t seed, size_t ray, uint32_t stream, double dir[3]) {
@@ -150,8 +159,7 @@ static size_t secondary(const cw_field *field, const cw_query *query, workload_c
         for (size_t k = 0; k < views && made < n; k++) {
             if (hits[k].i < 0) continue;
             double point[3], normal[3], dir[3];
-            cw_hit_point(field, &hits[k], point);
-            cw_hit_normal(field, &hits[k], normal);
+            meet(field, &view[k], &hits[k], point, normal);
             if (c == WORKLOAD_SHADOW)
                 for (int a = 0; a < 3; a++) dir[a] = sun[a];
             else
