@@ -112,13 +112,23 @@ static double slope(const oracle *o, const oracle_triangle *t) {
     return o->dz - p.a * o->dx - p.b * o->dy;
 }
 
+/* How far Möller-Trumbore's barycentric coordinates may be off: quotients of sums of products of the origin, as seen from
+ * the cell, and the direction; the divisor is d'. */
+static double blur(const oracle *o, const oracle_triangle *t) {
+    const plane p = oracle_plane(o, t);
+    const double x = fabs(o->ox - t->i) + fabs(o->oy - t->j) + 1, z = fabs(o->oz - p.h);
+    const double flat = fabs(o->dx) + fabs(o->dy), steep = fabs(o->dz) + 2 * (fabs(p.a) + fabs(p.b)) * flat;
+    const double terms = x * steep + z * flat;
+    return terms < 0x1p124 ? 16 * unit(o) * terms / fabs(slope(o, t)) : (double)INFINITY; /* overflows in float */
+}
+
 static void note_pass(oracle *o, double at, const segment *change) {
     if (o->truth.passes) return;
     const oracle_triangle *t = &change->triangle[0];
     o->truth.passes = true;
     o->truth.pass_t = at;
     o->truth.pass_triangle = *t;
-    o->truth.pass_slope = slope(o, t);
+    o->truth.pass_blur = blur(o, t);
     const double near = change->from.t, root = near - oracle_height(o, t, near) / slope(o, t);
     o->truth.pass_edge = edge_distance(o, t, root);
 }
@@ -174,14 +184,15 @@ judgement oracle_judge(const oracle *o, const cw_hit *hit) {
     const double at = (double)hit->t;
     j.verdict = VERDICT_PHANTOM;
     if (!oracle_solid(o, t.i, t.j, t.triangle) || !(hit->t >= o->ray.tmin && hit->t <= o->ray.tmax)) return j;
-    if (edge_distance(o, &t, at) < -2 * delta(o, at, t.i, t.j)) return j;
+    j.blur = blur(o, &t);
+    j.apart = -edge_distance(o, &t, at);
     /* A cell is crossed within a range of t that is no longer than this. */
     const double range = (double)o->ray.tmax - (double)o->ray.tmin;
     const double across = minimum3(1 / fabs(o->dx), 1 / fabs(o->dy), range);
     const double span = fmin(fabs(o->oz) + 3 * o->all.high, fabs(o->dz) * across);
     const double error = height_error(o, at, t.i, t.j, span);
     j.residual = fabs(oracle_height(o, &t, at)) / error;
-    if (!(j.residual <= 1)) return j;
+    if (j.apart > 2 * delta(o, at, t.i, t.j) || !(j.residual <= 1)) return j;
     if (truth->passes && at > truth->pass_t + 8 * unit(o) * fabs(truth->pass_t)) {
         j.verdict = VERDICT_WRONG_SURFACE;
         return j;

@@ -43,10 +43,10 @@ typedef struct oracle_truth {
     bool coplanar; /* the ray runs within a triangle from the hit on */
     bool passes;   /* clearly passes, at any t */
     double pass_t; /* the first crossing by which it has */
-    /* Where it passes: the triangle that the ray goes through, the place there, and d' */
+    /* Where it goes through: the triangle, the distance to its nearest edge, and how far Möller-Trumbore's place there
+     * may be off: it may leak where pass_edge <= pass_blur, and has no excuse elsewhere. */
     oracle_triangle pass_triangle;
-    double pass_edge; /* distance to the nearest edge of that triangle */
-    double pass_slope;
+    double pass_edge, pass_blur;
     bool strict_pass; /* d changes sign over solid triangles, clearly or not */
 } oracle_truth;
 
@@ -65,10 +65,13 @@ const char *verdict_name(verdict v);
 
 typedef struct judgement {
     verdict verdict;
-    /* Of a right hit only: */
-    double t_error;  /* |t - exact t| */
-    double t_bound;  /* what it may be: E / |d'| and rounding of t itself; infinite where the ray is parallel */
+    /* Of hits on solid triangles: */
     double residual; /* |d| at the hit's t over its bound E, <= 1 unless a phantom */
+    double apart;    /* distance of the exact ray, at the hit's t, from the triangle; <= 0 within */
+    double blur;     /* how far off Möller-Trumbore's place in it may be; infinite if the ray is parallel */
+    /* Of right hits: */
+    double t_error; /* |t - exact t| */
+    double t_bound; /* what it may be: E / |d'| and rounding of t itself; infinite if the ray is parallel */
 } judgement;
 
 /* Judges an answer to the ray last traced. */

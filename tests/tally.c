@@ -20,7 +20,7 @@ void tally_print(const char *what, const tally *t) {
 
 void tally_explain(const test_field *f, const cw_ray *ray, const cw_hit *hit, const oracle_truth *truth,
                    const judgement *j) {
-    printf("%s, |d|/E %g\n", verdict_name(j->verdict), j->residual);
+    printf("%s, |d|/E %g, %g off the triangle (%g)\n", verdict_name(j->verdict), j->residual, j->apart, j->blur);
     field_print(f);
     ray_print(ray);
     hit_print("kernel", hit);
@@ -28,7 +28,7 @@ void tally_explain(const test_field *f, const cw_ray *ray, const cw_hit *hit, co
            (int)truth->triangle[0].i, (int)truth->triangle[0].j, (unsigned)truth->triangle[0].triangle,
            truth->coplanar ? ", coplanar" : "", truth->strict_pass ? ", changes sides" : "");
     if (truth->passes)
-        printf(", has passed at t %a, through a triangle %g from its nearest edge, d' %g", truth->pass_t,
-               truth->pass_edge, truth->pass_slope);
+        printf(", has passed at t %a, through a triangle %g from its nearest edge (%g)", truth->pass_t,
+               truth->pass_edge, truth->pass_blur);
     printf("\n");
 }
