@@ -20,7 +20,7 @@ if(CMOCKA_INCLUDE AND CMOCKA_LIBRARY AND GMP_INCLUDE AND GMP_LIBRARY)
 
     cellwalk_test(oracle oracle_test.c)
     target_link_libraries(test_oracle PRIVATE cellwalk_test_oracle)
-    foreach(test IN ITEMS brute exhaustive watertight)
+    foreach(test IN ITEMS brute exhaustive extremes watertight)
         cellwalk_test(${test} ${test}.c)
         target_link_libraries(test_${test} PRIVATE cellwalk_test_oracle)
     endforeach()

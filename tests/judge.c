@@ -112,14 +112,16 @@ static double slope(const oracle *o, const oracle_triangle *t) {
     return o->dz - p.a * o->dx - p.b * o->dy;
 }
 
-/* How far Möller-Trumbore's barycentric coordinates may be off: quotients of sums of products of the origin, as seen from
- * the cell, and the direction; the divisor is d'. */
+/* How far Möller-Trumbore's place may be off: quotients of sums of products of the origin, as seen from the cell, and the
+ * direction; the divisor is d'. Infinite where rounding decides about the divisor, its reciprocal is no float, or a
+ * product overflows. */
 static double blur(const oracle *o, const oracle_triangle *t) {
     const plane p = oracle_plane(o, t);
-    const double x = fabs(o->ox - t->i) + fabs(o->oy - t->j) + 1, z = fabs(o->oz - p.h);
+    const double x = fabs(o->ox - t->i) + fabs(o->oy - t->j) + 1, z = fabs(o->oz - p.h), divisor = fabs(slope(o, t));
     const double flat = fabs(o->dx) + fabs(o->dy), steep = fabs(o->dz) + 2 * (fabs(p.a) + fabs(p.b)) * flat;
-    const double terms = x * steep + z * flat;
-    return terms < 0x1p124 ? 16 * unit(o) * terms / fabs(slope(o, t)) : (double)INFINITY; /* overflows in float */
+    const double terms = x * steep + z * flat, u = unit(o), least = 0x1p-146;
+    if (32 * (u * steep + least) > divisor || divisor < 0x1p-126 || terms > 0x1p124) return (double)INFINITY;
+    return (32 * u * terms + least * (x + z + 1)) / divisor;
 }
 
 static void note_pass(oracle *o, double at, const segment *change) {
