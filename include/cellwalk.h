@@ -228,6 +228,10 @@ CW_API void cw_hit_normal(const cw_field *field, const cw_hit *hit, double norma
  * hit interpolates them by its barycentric coordinates. Triangles with holes count for nothing. */
 CW_API void cw_hit_phong_normal(const cw_field *field, const cw_hit *hit, double normal[3]);
 
+/* The same normal and how it turns over the triangle: its derivatives by field x (change[0]) and by field y (change[1]),
+ * which say how far apart reflected neighbours go. */
+CW_API void cw_hit_phong_change(const cw_field *field, const cw_hit *hit, double normal[3], double change[2][3]);
+
 /* Texture coordinates (x / (nx - 1), y / (ny - 1)), each in [0, 1]. */
 CW_API void cw_hit_uv(const cw_field *field, const cw_hit *hit, float uv[2]);
 

@@ -22,10 +22,12 @@ static void slopes(const cw_field *f, size_t i, size_t j, uint32_t triangle, dou
     }
 }
 
-static void unit_in_user_space(const cw_field *f, const double n[3], double normal[3]) {
+/* Returns the length that the moved vector had. */
+static double unit_in_user_space(const cw_field *f, const double n[3], double normal[3]) {
     affine_covector(f->to_field, n, normal);
     const double length = sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
     for (int c = 0; c < 3; c++) normal[c] /= length;
+    return length;
 }
 
 /* Barycentric weights of the hit's three vertices and the vertices themselves. */
@@ -66,32 +68,75 @@ void cw_hit_normal(const cw_field *field, const cw_hit *hit, double normal[3]) {
     unit_in_user_space(field, (double[3]){-slope[0], -slope[1], 1}, normal);
 }
 
-/* Adds the vertex normal of (i, j) times a weight. The six triangles around a vertex: both of the cells to its lower left
- * and upper right, A of the upper left cell, B of the lower right one. */
-static void add_vertex_normal(const cw_field *f, size_t i, size_t j, double weight, double n[3]) {
+/* The vertex normal of (i, j) triangle by triangle, without those that lie outside or have a hole. The six triangles
+ * around a vertex: both of the cells to its lower left and upper right, A of the upper left cell, B of the lower right
+ * one. */
+static void vertex_normal_of_some(const cw_field *f, size_t i, size_t j, double n[3]) {
     static const struct {
         int di, dj;
         uint32_t triangle;
     } around[6] = {{0, 0, CW_TRIANGLE_A},   {0, 0, CW_TRIANGLE_B},  {-1, -1, CW_TRIANGLE_A},
                    {-1, -1, CW_TRIANGLE_B}, {-1, 0, CW_TRIANGLE_A}, {0, -1, CW_TRIANGLE_B}};
+    n[0] = n[1] = n[2] = 0;
     for (int k = 0; k < 6; k++) {
         const size_t ci = i + (size_t)around[k].di, cj = j + (size_t)around[k].dj; /* wraps below 0, caught next */
         if (ci >= f->nx - 1 || cj >= f->ny - 1) continue;
         double slope[2];
         slopes(f, ci, cj, around[k].triangle, slope);
         if (isnan(slope[0] + slope[1])) continue;
-        n[0] -= weight * slope[0];
-        n[1] -= weight * slope[1];
-        n[2] += weight;
+        n[0] -= slope[0];
+        n[1] -= slope[1];
+        n[2] += 1;
     }
 }
 
-void cw_hit_phong_normal(const cw_field *field, const cw_hit *hit, double normal[3]) {
+/* The same with all six triangles, the usual case: their slopes are differences along the edges of the hexagon around
+ * the vertex, and those of the two edges that run through the vertex are in the sum twice. */
+static void vertex_normal(const cw_field *f, size_t i, size_t j, double n[3]) {
+    if (i > 0 && j > 0 && i < f->nx - 1 && j < f->ny - 1) {
+        const float *z = f->z + j * f->stride + i, *above = z + f->stride, *below = z - f->stride;
+        const double west = z[-1], east = z[1], north = above[0], south = below[0], north_east = above[1];
+        const double south_west = below[-1];
+        n[0] = 2 * (west - east) + (north - north_east) + (south_west - south);
+        n[1] = 2 * (south - north) + (east - north_east) + (south_west - west);
+        n[2] = 6;
+        if (!isnan(n[0] + n[1])) return;
+    }
+    vertex_normal_of_some(f, i, j, n);
+}
+
+/* The three vertex normals and their mean by the hit's weights. */
+static void interpolate_normals(const cw_field *f, const cw_hit *hit, double n[3][3], double mean[3]) {
     size_t vertex[3][2];
-    double weight[3], n[3] = {0, 0, 0};
+    double weight[3];
     vertices(hit, vertex, weight);
-    for (int k = 0; k < 3; k++) add_vertex_normal(field, vertex[k][0], vertex[k][1], weight[k], n);
-    unit_in_user_space(field, n, normal);
+    for (int k = 0; k < 3; k++) vertex_normal(f, vertex[k][0], vertex[k][1], n[k]);
+    for (int c = 0; c < 3; c++) mean[c] = weight[0] * n[0][c] + weight[1] * n[1][c] + weight[2] * n[2][c];
+}
+
+void cw_hit_phong_normal(const cw_field *field, const cw_hit *hit, double normal[3]) {
+    double n[3][3], mean[3];
+    interpolate_normals(field, hit, n, mean);
+    unit_in_user_space(field, mean, normal);
+}
+
+void cw_hit_phong_change(const cw_field *field, const cw_hit *hit, double normal[3], double change[2][3]) {
+    double n[3][3], mean[3];
+    interpolate_normals(field, hit, n, mean);
+    const double scale = 1 / unit_in_user_space(field, mean, normal);
+
+    /* A step along x leads from vertex 0 to 1 in A and from 2 to 1 in B, one along y from 1 to 2 in A and from 0 to 2
+     * in B. */
+    const bool a = hit->triangle == CW_TRIANGLE_A;
+    const int end[2] = {1, 2}, begin[2] = {a ? 0 : 2, a ? 1 : 0};
+    for (int k = 0; k < 2; k++) {
+        double step[3];
+        for (int c = 0; c < 3; c++) step[c] = (n[end[k]][c] - n[begin[k]][c]) * scale;
+        affine_covector(field->to_field, step, change[k]);
+        /* The part that only makes the sum longer does not turn it. */
+        const double along = normal[0] * change[k][0] + normal[1] * change[k][1] + normal[2] * change[k][2];
+        for (int c = 0; c < 3; c++) change[k][c] -= along * normal[c];
+    }
 }
 
 void cw_hit_uv(const cw_field *field, const cw_hit *hit, float uv[2]) {
