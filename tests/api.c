@@ -435,6 +435,25 @@ static void test_what_follows_from_a_hit(void **state) {
         cw_hit_phong_normal(mapped, hit, result);
         check_vector(result, unit(phong), "Phong normal");
 
+        /* d(n / |n|) = (dn - (n dn / |n|²) n) / |n|, where n changes linearly over the triangle. */
+        double change[2][3];
+        cw_hit_phong_change(mapped, hit, result, change);
+        check_vector(result, unit(phong), "Phong normal with its change");
+        const vec3 *const step[2][2] = {{&n[a ? 0 : 2], &n[1]}, {&n[a ? 1 : 0], &n[2]}};
+        for (int s = 0; s < 2; s++) {
+            long double square = 0, along = 0;
+            vec3 turn;
+            for (int c = 0; c < 3; c++) {
+                turn.x[c] = step[s][1]->x[c] - step[s][0]->x[c];
+                square += phong.x[c] * phong.x[c];
+                along += phong.x[c] * turn.x[c];
+            }
+            for (int c = 0; c < 3; c++) turn.x[c] = (turn.x[c] - along / square * phong.x[c]) / sqrtl(square);
+            long double off = 0;
+            for (int c = 0; c < 3; c++) off = fmaxl(off, fabsl((long double)change[s][c] - turn.x[c]));
+            check(off <= 1e-13L, "change %d of the Phong normal is off by %Lg", s, off);
+        }
+
         float uv[2];
         cw_hit_uv(mapped, hit, uv);
         const long double x = (long double)i + (a ? u + v : u), y = (long double)j + (a ? v : u + v);
