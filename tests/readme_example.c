@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The example of README.md, which shows it word for word from the first #include on (readme.cmake compares them). */
+/* The example of README.md, which shows it word for word from here on (readme_text.cmake compares them). */
 #include <cellwalk.h>
 #include <stdio.h>
 

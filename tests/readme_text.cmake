@@ -1,14 +1,16 @@
-# Is the C code between the README's example markers the source file from its first #include on?
+# Is the C code between the README's example markers the source file but for the comments at its top?
 file(READ ${README} page)
 file(READ ${SOURCE} source)
 string(FIND "${page}" "<!-- begin:example -->\n```c\n" begin)
 string(FIND "${page}" "```\n<!-- end:example -->" end)
-string(FIND "${source}" "#include" first)
+string(FIND "${source}" " */\n#include" first)
 if(begin LESS 0 OR end LESS begin OR first LESS 0)
     message(FATAL_ERROR "${README}: no C code between begin:example and end:example")
 endif()
 string(LENGTH "<!-- begin:example -->\n```c\n" skip)
 math(EXPR begin "${begin} + ${skip}")
+string(LENGTH " */\n" comment)
+math(EXPR first "${first} + ${comment}")
 math(EXPR length "${end} - ${begin}")
 string(SUBSTRING "${page}" ${begin} ${length} shown)
 string(SUBSTRING "${source}" ${first} -1 code)
