@@ -110,7 +110,8 @@ static void judge_class(ray_class kind, field_shape shape) {
         for (size_t k = 0; k < RAYS; k++) rays[k] = ray_make(kind, &f, &r);
         met += judge_rays(&f, rays, RAYS);
     }
-    check(met > 0 || kind == RAY_NOT_FINITE, "no ray of class %s meets the field", ray_class_name(kind));
+    check(met > 0 || kind == RAY_NOT_FINITE || kind == RAY_LATTICE, "no ray of class %s meets the field",
+          ray_class_name(kind));
 }
 
 static void judge_class_on_all(ray_class kind) {
