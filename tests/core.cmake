@@ -25,3 +25,15 @@ if(CMOCKA_INCLUDE AND CMOCKA_LIBRARY AND GMP_INCLUDE AND GMP_LIBRARY)
         target_link_libraries(test_${test} PRIVATE cellwalk_test_oracle)
     endforeach()
 endif()
+
+# The installed library, and what leaves it. Sanitizers add symbols and need their flags in the consumer too.
+if(NOT CELLWALK_SANITIZE)
+    add_test(NAME install COMMAND ${CMAKE_COMMAND} -DBUILD=${PROJECT_BINARY_DIR}
+        -DWORK=${CMAKE_CURRENT_BINARY_DIR}/install -DCONSUMER=${CMAKE_CURRENT_SOURCE_DIR}/consumer
+        -DCC=${CMAKE_C_COMPILER} -DCONFIG=${CMAKE_BUILD_TYPE} -DGENERATOR=${CMAKE_GENERATOR}
+        -P ${CMAKE_CURRENT_SOURCE_DIR}/consumer/install.cmake)
+    add_test(NAME symbols COMMAND ${CMAKE_COMMAND} "-DSHARED=$<$<TARGET_EXISTS:cellwalk>:$<TARGET_FILE:cellwalk::cellwalk>>"
+        -DSTATIC=$<TARGET_FILE:cellwalk::cellwalk_static> -DNM=${CMAKE_NM} -DOBJDUMP=${CMAKE_OBJDUMP} -DSIMD=${CELLWALK_SIMD}
+        -P ${CMAKE_CURRENT_SOURCE_DIR}/symbols.cmake)
+    set_tests_properties(symbols PROPERTIES SKIP_REGULAR_EXPRESSION "SKIPPED")
+endif()
