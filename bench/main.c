@@ -4,6 +4,7 @@
 #include "compare.h"
 #include "micro.h"
 #include "output.h"
+#include "plot.h"
 #include "report.h"
 #include "table.h"
 
@@ -24,6 +25,7 @@ static const command commands[] = {
     {"micro", "times kernels and Embree on classes of rays and fields", micro_main},
     {"compare", "says what changed between two runs of micro", compare_main},
     {"report", "turns results into Markdown, also inside a page", report_main},
+    {"plot", "draws results of micro as SVG pictures", plot_main},
 };
 enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
 

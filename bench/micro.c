@@ -136,11 +136,11 @@ static bool open_field(micro_field *on, const char *name, const micro_options *o
                                       .quality = strcmp(o->quality, "high") == 0 ? PEER_HIGH : PEER_MEDIUM,
                                       .robust = p >= 2};
         micro_peer *peer = &on->peers[on->peer_count];
-        *peer = (micro_peer){.name = labels[p], .embree = peer_embree_create(on->field, &options, error)};
-        if (peer->embree == NULL) return false;
+        *peer = (micro_peer){.build = {.name = labels[p]}};
+        if (!micro_build_peer(peer, on->field, &options, error)) return false;
         on->peer_count++;
     }
-    return true;
+    return micro_build_kernels(on, o, error);
 }
 
 /* ---- summary: the geometric mean over classes, one line a contender, one column a field ---- */

@@ -12,7 +12,7 @@
 #include "ray_classes.h"
 #include "workload_fields.h"
 
-enum { MICRO_CONTENDERS_MAX = 96, MICRO_PEERS_MAX = 4 };
+enum { MICRO_CONTENDERS_MAX = 96, MICRO_PEERS_MAX = 4, MICRO_KERNELS_MAX = 32 };
 
 typedef struct micro_options {
     option_list kernels, rays, fields, leaves, peers;
@@ -22,18 +22,34 @@ typedef struct micro_options {
     bool longer, no_pin;
 } micro_options;
 
-/* A field with all that is measured on it. */
+/* What a contender needs built, seconds: median of the builds. */
+typedef struct micro_build {
+    const char *name; /* a kernel's, or "embree/triangles" */
+    double seconds;
+    size_t builds, bytes;
+    const char *quality; /* "high" or "medium" for Embree, NULL for kernels */
+} micro_build;
+
 typedef struct micro_peer {
-    const char *name; /* "embree/triangles" */
+    micro_build build;
     peer_embree *embree;
 } micro_peer;
+
+/* A field with all that is measured on it. */
 
 typedef struct micro_field {
     workload_field samples;
     cw_field *field;
     micro_peer peers[MICRO_PEERS_MAX];
     size_t peer_count;
+    micro_build builds[MICRO_KERNELS_MAX]; /* of the kernels that need something built */
+    size_t build_count;
 } micro_field;
+
+/* Both build as often as fits half a second, but at most five times and at least once; a lone build of a small field
+ * would time the clock. on->field is there. The kernels build on a field of their own. */
+bool micro_build_kernels(micro_field *on, const micro_options *options, io_error *error);
+bool micro_build_peer(micro_peer *peer, const cw_field *field, const peer_options *options, io_error *error);
 
 /* One contender's figures in a group: one class of rays on one field. */
 typedef struct micro_row {

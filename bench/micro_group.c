@@ -55,7 +55,7 @@ static bool add_peers(micro_group *g, io_error *error) {
             micro_row *row = new_row(g);
             if (row == NULL) return io_fail(error, "more than %d contenders", MICRO_CONTENDERS_MAX);
             contender_from_peer(&row->contender, &row->peer, peer->embree, width, workload_class_is_coherent(g->c));
-            snprintf(row->contender.name, sizeof row->contender.name, "%s/w%u%s", peer->name, width,
+            snprintf(row->contender.name, sizeof row->contender.name, "%s/w%u%s", peer->build.name, width,
                      peer_embree_is_native(peer->embree, width) ? "" : "-split");
             g->row_count++;
         }

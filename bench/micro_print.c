@@ -6,16 +6,17 @@
 
 #include <stdio.h>
 
+static void print_build(const micro_build *b, double cells) {
+    printf("; %s built in %.3g s, %.1f bytes a cell", b->name, b->seconds, (double)b->bytes / cells);
+}
+
 void micro_print_field(const micro_field *on) {
     const cw_field_info info = cw_field_describe(on->field);
     const double cells = (double)(info.nx - 1) * (double)(info.ny - 1);
     printf("\nField %s: %zu x %zu samples, heights %g to %g", on->samples.name, info.nx, info.ny, (double)info.low,
            (double)info.high);
-    for (size_t p = 0; p < on->peer_count; p++) {
-        const peer_info peer = peer_embree_describe(on->peers[p].embree);
-        printf("; %s built in %.3g s, %.1f bytes a cell", on->peers[p].name, peer.build_seconds,
-               (double)peer.bytes / cells);
-    }
+    for (size_t b = 0; b < on->build_count; b++) print_build(&on->builds[b], cells);
+    for (size_t p = 0; p < on->peer_count; p++) print_build(&on->peers[p].build, cells);
     printf("\n");
 }
 
@@ -55,6 +56,17 @@ static json_t *line_of(const char *kind, const micro_field *on) {
     return line;
 }
 
+static bool write_build(io_output *out, const micro_field *on, const char *kind, const char *key, const micro_build *b,
+                        io_error *error) {
+    json_t *line = line_of(kind, on);
+    results_set_text(line, key, b->name);
+    results_set_number(line, "build_seconds", b->seconds);
+    results_set_count(line, "builds", b->builds);
+    results_set_count(line, "bytes", b->bytes);
+    if (b->quality) results_set_text(line, "quality", b->quality);
+    return results_write(out, line, error);
+}
+
 bool micro_write_field(io_output *out, const micro_field *on, io_error *error) {
     const cw_field_info info = cw_field_describe(on->field);
     json_t *line = line_of("field", on);
@@ -62,17 +74,12 @@ bool micro_write_field(io_output *out, const micro_field *on, io_error *error) {
     results_set_count(line, "ny", info.ny);
     results_set_number(line, "low", (double)info.low);
     results_set_number(line, "high", (double)info.high);
-    results_set_count(line, "bytes_built", info.bytes_built);
-    results_set_number(line, "build_seconds", info.build_seconds);
+    results_set_count(line, "bytes_samples", info.nx * info.ny * sizeof *on->samples.z);
     bool good = results_write(out, line, error);
-    for (size_t p = 0; good && p < on->peer_count; p++) {
-        const peer_info peer = peer_embree_describe(on->peers[p].embree);
-        line = line_of("peer_build", on);
-        results_set_text(line, "peer", on->peers[p].name);
-        results_set_number(line, "build_seconds", peer.build_seconds);
-        results_set_count(line, "bytes", peer.bytes);
-        good = results_write(out, line, error);
-    }
+    for (size_t b = 0; good && b < on->build_count; b++)
+        good = write_build(out, on, "kernel_build", "kernel", &on->builds[b], error);
+    for (size_t p = 0; good && p < on->peer_count; p++)
+        good = write_build(out, on, "peer_build", "peer", &on->peers[p].build, error);
     return good;
 }
 

@@ -78,20 +78,6 @@ bool report_into(const char *path, const char *mark, const char *text, io_error 
 
 enum { NAMES_MAX = 32 };
 
-/* Texts of a member in order of first appearance. */
-static size_t distinct(const json_t *lines, const char *key, const char *names[NAMES_MAX]) {
-    size_t count = 0, index;
-    const json_t *line;
-    json_array_foreach(lines, index, line) {
-        if (strcmp(results_text(line, "kind"), "result") != 0) continue;
-        const char *name = results_text(line, key);
-        size_t k = 0;
-        while (k < count && strcmp(names[k], name) != 0) k++;
-        if (k == count && count < NAMES_MAX) names[count++] = name;
-    }
-    return count;
-}
-
 static const json_t *fastest_own(const json_t *lines, const char *field, const char *rays) {
     const json_t *best = NULL, *line;
     size_t index;
@@ -107,7 +93,8 @@ static const json_t *fastest_own(const json_t *lines, const char *field, const c
 
 static void micro_page(FILE *to, const json_t *lines) {
     const char *fields[NAMES_MAX], *rays[NAMES_MAX];
-    const size_t field_count = distinct(lines, "field", fields), ray_count = distinct(lines, "rays", rays);
+    const size_t field_count = results_distinct(lines, "field", fields, NAMES_MAX);
+    const size_t ray_count = results_distinct(lines, "rays", rays, NAMES_MAX);
     char machine[512];
     run_record_text(json_array_get(lines, 0), machine, sizeof machine);
     fprintf(

@@ -92,3 +92,16 @@ const char *results_text(const json_t *object, const char *key) {
 }
 
 double results_number(const json_t *object, const char *key) { return json_number_value(json_object_get(object, key)); }
+
+size_t results_distinct(const json_t *lines, const char *key, const char **texts, size_t most) {
+    size_t count = 0, index;
+    const json_t *line;
+    json_array_foreach(lines, index, line) {
+        if (strcmp(results_text(line, "kind"), "result") != 0) continue;
+        const char *text = results_text(line, key);
+        size_t k = 0;
+        while (k < count && strcmp(texts[k], text) != 0) k++;
+        if (k == count && count < most) texts[count++] = text;
+    }
+    return count;
+}

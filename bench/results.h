@@ -28,4 +28,7 @@ json_t *results_agreement(const agreement *a);
 const char *results_text(const json_t *object, const char *key);
 double results_number(const json_t *object, const char *key);
 
+/* The texts that a member has in lines of kind "result", in order of first appearance; at most most of them. */
+size_t results_distinct(const json_t *lines, const char *key, const char **texts, size_t most);
+
 #endif

@@ -3,6 +3,7 @@
  * numbers, comparisons of a file with itself decide nothing, mistakes are told and leave nothing behind. */
 #include "compare.h"
 #include "micro.h"
+#include "plot.h"
 #include "report.h"
 #include "results.h"
 #include "table.h"
@@ -89,7 +90,7 @@ static void table_files_hold_the_same_numbers(void **state) {
 }
 
 static const char *const small_micro =
-    "--field 65 --rays primary,ao --kernel cell,packet1 --count 512 --seconds 0.3 --json m.json";
+    "--field 65 --rays primary,ao --kernel cell,pyramid1 --count 512 --seconds 0.3 --json m.json";
 
 static void micro_against_itself_is_undecided(void **state) {
     (void)state;
@@ -101,6 +102,18 @@ static void micro_against_itself_is_undecided(void **state) {
           "faster %zu, slower %zu, undecided %zu, without partner %zu", counts.faster, counts.slower, counts.undecided,
           counts.unmatched);
     check(run(compare_main, "m.json m.json") == 0, "compare fails");
+    json_t *lines = results_read("m.json", &error), *line;
+    check(lines != NULL, "%s", error.text);
+    size_t builds = 0, k;
+    json_array_foreach(lines, k, line) {
+        const char *kind = results_text(line, "kind");
+        if (strcmp(kind, "kernel_build") != 0 && strcmp(kind, "peer_build") != 0) continue;
+        builds++;
+        check(results_number(line, "build_seconds") > 0 && results_number(line, "bytes") > 0,
+              "a %s without time or bytes", kind);
+    }
+    check(builds == (peer_embree_version() ? 2 : 1), "%zu builds", builds);
+    json_decref(lines);
     check(run(micro_main, "--compare m.json m.json") == 0, "micro --compare fails");
 }
 
@@ -171,6 +184,76 @@ static void pages_keep_what_is_not_between_markers(void **state) {
     }
 }
 
+/* Two sizes, two classes, one contender left out. */
+static void write_results(const char *name) {
+    static const char *const fields[] = {"65", "257"}, *const rays[] = {"primary", "ao"};
+    char text[8192] = "{\"kind\":\"run\",\"command\":\"micro\",\"cpu\":\"Abacus 3000\",\"embree\":\"3.13.5\"}\n";
+    for (int f = 0; f < 2; f++) {
+        size_t used = strlen(text);
+        for (int r = 0; r < 2; r++)
+            used += (size_t)snprintf(text + used, sizeof text - used,
+                                     "{\"kind\":\"result\",\"field\":\"%s\",\"rays\":\"%s\",\"contender\":"
+                                     "\"pyramid8/watertight\",\"mrays_per_s\":%d}\n"
+                                     "{\"kind\":\"result\",\"field\":\"%s\",\"rays\":\"%s\",\"contender\":"
+                                     "\"embree/triangles/w16-split\",\"left_out_seconds\":9}\n"
+                                     "{\"kind\":\"result\",\"field\":\"%s\",\"rays\":\"%s\",\"contender\":"
+                                     "\"embree/triangles/w8\",\"mrays_per_s\":7}\n",
+                                     fields[f], rays[r], 9 + r, fields[f], rays[r], fields[f], rays[r]);
+        snprintf(text + used, sizeof text - used,
+                 "{\"kind\":\"field\",\"field\":\"%s\",\"nx\":%s,\"ny\":%s,\"bytes_samples\":16900}\n"
+                 "{\"kind\":\"kernel_build\",\"field\":\"%s\",\"kernel\":\"pyramid8\",\"build_seconds\":1e-5,"
+                 "\"bytes\":6000}\n"
+                 "{\"kind\":\"peer_build\",\"field\":\"%s\",\"peer\":\"embree/triangles\",\"build_seconds\":0.01,"
+                 "\"bytes\":700000,\"quality\":\"high\"}\n",
+                 fields[f], fields[f], fields[f], fields[f], fields[f]);
+    }
+    write_text(name, text);
+}
+
+static void pictures_repeat(void **state) {
+    (void)state;
+    if (system("gnuplot --version >gnuplot 2>&1") != 0) skip();
+    write_results("m.json");
+    check(run(plot_main, "--json m.json --out a") == 0 && run(plot_main, "--json m.json --out it's") == 0,
+          "plot fails");
+    static const struct {
+        const char *name;
+        const char *has[4];
+    } pictures[] = {
+        {"speed-65.svg", {"Abacus 3000", "million rays / s", "pyramid8", "Embree triangles, 8 wide"}},
+        {"speed-257.svg", {"257 × 257 samples", "primary", "ao", "Embree triangles, 8 wide"}},
+        {"scaling.svg", {"Abacus 3000", "pyramid8", "primary", "Embree, its fastest width"}},
+        {"building.svg", {"bytes a cell", "seconds to build", "pyramid", "Embree triangles, high build quality"}},
+    };
+    for (size_t k = 0; k < sizeof pictures / sizeof pictures[0]; k++) {
+        char one[64], other[64];
+        snprintf(one, sizeof one, "a/%s", pictures[k].name);
+        snprintf(other, sizeof other, "it's/%s", pictures[k].name);
+        char *first = read_text(one), *second = read_text(other);
+        check(strcmp(first, second) == 0, "%s differs from itself", pictures[k].name);
+        for (size_t h = 0; h < 4; h++)
+            check(strstr(first, pictures[k].has[h]) != NULL, "%s does not say %s", one, pictures[k].has[h]);
+        check(strstr(first, "(split)") == NULL, "%s draws who was left out", one);
+        free(second);
+        free(first);
+    }
+    /* One size gives no curve. */
+    write_run("one.json", 1, 1);
+    check(run(plot_main, "--json one.json --out b") == 1, "a picture of nothing");
+}
+
+static void pictures_need_gnuplot(void **state) {
+    (void)state;
+    write_results("m.json");
+    char *path = strdup(getenv("PATH") ? getenv("PATH") : "");
+    check(path && setenv("PATH", "nowhere", 1) == 0, "no environment");
+    const int status = run(plot_main, "--json m.json --out a");
+    check(setenv("PATH", path, 1) == 0, "no environment");
+    free(path);
+    check(status == 1, "plot without gnuplot ends with %d", status);
+    check(rmdir("a") == 0, "plot without gnuplot leaves something behind");
+}
+
 static void mistakes_leave_nothing(void **state) {
     (void)state;
     static const struct {
@@ -195,6 +278,9 @@ static void mistakes_leave_nothing(void **state) {
         {table_main, "--quick --scene hftest --scenes nowhere --out out", 1},
         {report_main, "", 2},
         {report_main, "--json nowhere.json", 1},
+        {plot_main, "", 2},
+        {plot_main, "--json m.json", 2},
+        {plot_main, "--json nowhere.json --out out", 1},
         {compare_main, "one.json", 2},
         {compare_main, "nowhere.json nowhere.json", 1},
     };
@@ -209,8 +295,8 @@ static void mistakes_leave_nothing(void **state) {
 
 static void helps(void **state) {
     (void)state;
-    command *const commands[] = {micro_main, table_main, compare_main, report_main};
-    for (size_t k = 0; k < 4; k++) check(run(commands[k], "--help") == 0, "help fails");
+    command *const commands[] = {micro_main, table_main, compare_main, report_main, plot_main};
+    for (size_t k = 0; k < 5; k++) check(run(commands[k], "--help") == 0, "help fails");
 }
 
 int main(void) {
@@ -220,6 +306,8 @@ int main(void) {
         cmocka_unit_test_setup_teardown(comparisons_need_more_than_the_machine, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(results_are_checked, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(pages_keep_what_is_not_between_markers, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(pictures_repeat, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(pictures_need_gnuplot, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(mistakes_leave_nothing, scratch_enter, scratch_leave),
         cmocka_unit_test(helps),
     };

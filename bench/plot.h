@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* cellwalk-bench plot: results of micro as SVG pictures. gnuplot draws them; it is looked for when the program runs. */
+#ifndef CELLWALK_BENCH_PLOT_H
+#define CELLWALK_BENCH_PLOT_H
+
+#include "error.h"
+
+#include <jansson.h>
+#include <stdio.h>
+
+/* Each writes gnuplot's commands for one picture, all but terminal and output. False if the results do not have what it
+ * takes: then nothing is written that matters. */
+
+/* Speed of every contender on every class of rays over one field. */
+bool plot_speed(FILE *to, const json_t *lines, const char *field);
+/* Speed over the side of square fields, a panel a class of rays: every kernel, and Embree's fastest width. */
+bool plot_scaling(FILE *to, const json_t *lines);
+/* Bytes a cell and building time over the side of square fields, both sides. */
+bool plot_building(FILE *to, const json_t *lines);
+
+/* All that the results allow, as DIR/speed-FIELD.svg, scaling.svg, building.svg; the directory is made. The same results
+ * give the same files to the byte. */
+bool plot_all(const json_t *lines, const char *directory, io_error *error);
+
+int plot_main(char **arguments, int count);
+
+#endif

@@ -1,0 +1,360 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What the pictures show, as gnuplot's commands with the data among them. */
+
+#include "plot.h"
+#include "results.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { NAMES_MAX = 96, BARS_MAX = 10, SIDES_MAX = 16 };
+
+/* Cool colours are the library's, warm ones Embree's. */
+static const char *const cool[] = {"#2f7fd1", "#109a8c", "#8468dc", "#5b8c2a", "#3f6f9f", "#b05fc0"};
+static const char *const warm[] = {"#a8642a", "#e0892b", "#d9534f", "#9c8a1a", "#c0567f", "#8f6f3f"};
+enum { COLOURS = sizeof cool / sizeof cool[0] };
+
+static bool is_embree(const char *name) { return strncmp(name, "embree/", 7) == 0; }
+
+/* "pyramid8", or "pyramid8/watertight" where the results have another leaf test of it too; "Embree triangles, 8 wide",
+ * with "(split)" where Embree takes such packets to pieces. */
+static void put_label(FILE *to, const char *name, const char *const *all, size_t count) {
+    if (is_embree(name)) {
+        const char *geometry = name + 7, *width = strchr(geometry, '/');
+        fprintf(to, "\"Embree %.*s", (int)strcspn(geometry, "/"), geometry);
+        const size_t digits = width ? strspn(width + 2, "0123456789") : 0;
+        if (digits) fprintf(to, ", %.*s wide%s", (int)digits, width + 2, width[2 + digits] ? " (split)" : "");
+        fputc('"', to);
+        return;
+    }
+    const size_t length = strcspn(name, "/");
+    size_t same = 0;
+    for (size_t k = 0; k < count; k++) same += strncmp(all[k], name, length) == 0 && all[k][length] == '/';
+    if (same > 1)
+        fprintf(to, "\"%s\"", name);
+    else
+        fprintf(to, "\"%.*s\"", (int)length, name);
+}
+
+/* Mrays/s; 0 where the contender was left out. */
+static double speed(const json_t *lines, const char *field, const char *rays, const char *name) {
+    const json_t *line;
+    size_t index;
+    json_array_foreach(lines, index, line) {
+        if (strcmp(results_text(line, "kind"), "result") == 0 && strcmp(results_text(line, "field"), field) == 0 &&
+            strcmp(results_text(line, "rays"), rays) == 0 && strcmp(results_text(line, "contender"), name) == 0)
+            return results_number(line, "mrays_per_s");
+    }
+    return 0;
+}
+
+static const json_t *field_line(const json_t *lines, const char *field) {
+    const json_t *line;
+    size_t index;
+    json_array_foreach(lines, index, line) {
+        if (strcmp(results_text(line, "kind"), "field") == 0 && strcmp(results_text(line, "field"), field) == 0)
+            return line;
+    }
+    return NULL;
+}
+
+/* The title, and under it in small type what the figures depend on. */
+static void put_titles(FILE *to, const json_t *lines, const char *what) {
+    const json_t *run = json_array_get(lines, 0);
+    const char *date = results_text(run, "date"), *embree = results_text(run, "embree");
+    fprintf(to, "set label 1 \"%s\" at screen 0.5,0.965 center textcolor '#7a7a7a' font 'sans-serif,15'\n", what);
+    fprintf(to, "set label 2 \"%s, %s, %s, Cellwalk %s (%.10s), ", results_text(run, "cpu"), results_text(run, "isa"),
+            results_text(run, "compiler"), results_text(run, "cellwalk"), results_text(run, "commit"));
+    if (*embree) fprintf(to, "Embree %s, ", embree);
+    fprintf(to, "one thread, load %.1f, %.10s\"", results_number(run, "load"), date);
+    fputs(" at screen 0.5,0.915 center textcolor '#7a7a7a' font 'sans-serif,11'\n", to);
+}
+
+/* ---- speed ---- */
+
+/* The fastest of the contenders over all classes, in the order of the results; the rest would make hairlines of bars. */
+static size_t choose_bars(const json_t *lines, const char *field, const char *const *rays, size_t ray_count,
+                          const char **names, size_t count) {
+    double sums[NAMES_MAX];
+    for (size_t k = 0; k < count; k++) {
+        sums[k] = 0;
+        for (size_t r = 0; r < ray_count; r++) sums[k] += speed(lines, field, rays[r], names[k]);
+    }
+    size_t left = 0;
+    for (size_t k = 0; k < count; k++) {
+        size_t faster = 0;
+        for (size_t n = 0; n < count; n++) faster += sums[n] > sums[k];
+        if (sums[k] > 0 && faster < BARS_MAX && left < BARS_MAX) names[left++] = names[k];
+    }
+    return left;
+}
+
+bool plot_speed(FILE *to, const json_t *lines, const char *field) {
+    const char *rays[NAMES_MAX], *names[NAMES_MAX];
+    const size_t ray_count = results_distinct(lines, "rays", rays, NAMES_MAX);
+    size_t count = results_distinct(lines, "contender", names, NAMES_MAX);
+    count = choose_bars(lines, field, rays, ray_count, names, count);
+    const json_t *about = field_line(lines, field);
+    if (count == 0 || about == NULL) return false;
+
+    char title[256];
+    snprintf(title, sizeof title, "Speed by class of rays: field %s of %.0f × %.0f samples", field,
+             results_number(about, "nx"), results_number(about, "ny"));
+    put_titles(to, lines, title);
+    fputs("$data << END\n", to);
+    for (size_t r = 0; r < ray_count; r++) {
+        fprintf(to, "%s", rays[r]);
+        for (size_t k = 0; k < count; k++) fprintf(to, " %.6g", speed(lines, field, rays[r], names[k]));
+        fputc('\n', to);
+    }
+    fputs("END\nset style data histogram\nset style histogram clustered gap 1.5\nset style fill solid 1 noborder\n"
+          "set tmargin 5\nset key bottom outside center horizontal samplen 1.5 height 0.5 Left reverse\nset yrange "
+          "[0:*]\nset "
+          "ylabel 'million rays / s'\n"
+          "set xtics scale 0\nplot ",
+          to);
+    size_t own = 0, other = 0;
+    for (size_t k = 0; k < count; k++) {
+        fprintf(to, "%s$data using %zu:xtic(1) title ", k ? ", " : "", k + 2);
+        put_label(to, names[k], names, count);
+        fprintf(to, " linecolor rgb '%s'", is_embree(names[k]) ? warm[other++ % COLOURS] : cool[own++ % COLOURS]);
+    }
+    fputc('\n', to);
+    return true;
+}
+
+/* ---- over the side ---- */
+
+typedef struct side {
+    const char *field;
+    double samples;
+} side;
+
+static int by_samples(const void *a, const void *b) {
+    const side *left = a, *right = b;
+    return (left->samples > right->samples) - (left->samples < right->samples);
+}
+
+/* Square land, smallest first: fields of one kind whose name is their side. */
+static size_t sides_of(const json_t *lines, side sides[SIDES_MAX]) {
+    const char *fields[NAMES_MAX];
+    const size_t count = results_distinct(lines, "field", fields, NAMES_MAX);
+    size_t found = 0;
+    for (size_t k = 0; k < count && found < SIDES_MAX; k++) {
+        const json_t *about = field_line(lines, fields[k]);
+        const double nx = about ? results_number(about, "nx") : 0;
+        if (nx > 0 && strtod(fields[k], NULL) == nx) sides[found++] = (side){fields[k], nx};
+    }
+    qsort(sides, found, sizeof *sides, by_samples);
+    return found;
+}
+
+static void put_side_axis(FILE *to, const side *sides, size_t count) {
+    fputs("set logscale xy\nset xtics (", to);
+    for (size_t k = 0; k < count; k++) fprintf(to, "%s'%.0f' %.0f", k ? ", " : "", sides[k].samples, sides[k].samples);
+    fprintf(to, ")\nset xrange [%g:%g]\n", sides[0].samples / 1.4, sides[count - 1].samples * 1.4);
+}
+
+/* Embree's fastest at this place; 0 if there is none. */
+static double best_embree(const json_t *lines, const char *field, const char *rays, const char *const *names,
+                          size_t count) {
+    double best = 0;
+    for (size_t k = 0; k < count; k++) {
+        const double is = is_embree(names[k]) ? speed(lines, field, rays, names[k]) : 0;
+        if (is > best) best = is;
+    }
+    return best;
+}
+
+typedef struct span {
+    double low, high; /* 0 while there is nothing */
+} span;
+
+static void put_point(FILE *to, double value, span *range) {
+    if (!(value > 0)) {
+        fputs(" NaN", to);
+        return;
+    }
+    fprintf(to, " %.6g", value);
+    if (range->low <= 0 || value < range->low) range->low = value;
+    if (value > range->high) range->high = value;
+}
+
+/* Below several panels one legend for all: a plot without axes, of nothing. */
+static void begin_legend(FILE *to) {
+    fputs("set margins screen 0.08, screen 0.98, screen 0.01, screen 0.08\n"
+          "unset title\nunset xlabel\nunset ylabel\nunset border\nunset tics\nunset grid\n"
+          "set key center center horizontal samplen 2 Left reverse\nset yrange [1:2]\nplot ",
+          to);
+}
+
+bool plot_scaling(FILE *to, const json_t *lines) {
+    side sides[SIDES_MAX];
+    const char *rays[NAMES_MAX], *names[NAMES_MAX];
+    const size_t side_count = sides_of(lines, sides), ray_count = results_distinct(lines, "rays", rays, NAMES_MAX);
+    const size_t count = results_distinct(lines, "contender", names, NAMES_MAX);
+    if (side_count < 2 || ray_count == 0) return false;
+    put_titles(to, lines, "Speed over the side of the field, by class of rays");
+    span range = {0}; /* one for all panels, so that they can be held against each other */
+    bool embree = false;
+    for (size_t r = 0; r < ray_count; r++) {
+        fprintf(to, "$rays%zu << END\n", r);
+        for (size_t s = 0; s < side_count; s++) {
+            fprintf(to, "%.0f", sides[s].samples);
+            for (size_t k = 0; k < count; k++)
+                if (!is_embree(names[k])) put_point(to, speed(lines, sides[s].field, rays[r], names[k]), &range);
+            const double best = best_embree(lines, sides[s].field, rays[r], names, count);
+            embree = embree || best > 0;
+            put_point(to, best, &range);
+            fputc('\n', to);
+        }
+        fputs("END\n", to);
+    }
+    if (range.high <= 0) return false;
+    const size_t columns = ray_count < 3 ? ray_count : 3, rows = (ray_count + columns - 1) / columns;
+    put_side_axis(to, sides, side_count);
+    fprintf(to,
+            "set multiplot layout %zu,%zu margins 0.08,0.98,0.19,0.83 spacing 0.06,0.13\nunset key\n"
+            "set yrange [%g:%g]\n",
+            rows, columns, range.low / 1.3, range.high * 1.3);
+    for (size_t r = 0; r < ray_count; r++) {
+        if (r == 1) fputs("unset label 1\nunset label 2\n", to);
+        fprintf(to, "set title '%s' offset 0,-0.6\n%s\n%s\nplot ", rays[r],
+                r % columns == 0 ? "set ylabel 'million rays / s' textcolor '#7a7a7a'" : "unset ylabel",
+                r / columns == rows - 1 ? "set xlabel 'samples a side' offset 0,0.7 textcolor '#7a7a7a'"
+                                        : "unset xlabel");
+        size_t own = 0;
+        for (size_t k = 0; k < count; k++) {
+            if (is_embree(names[k])) continue;
+            fprintf(to,
+                    "$rays%zu using 1:%zu with linespoints pointtype 7 pointsize 0.5 linewidth 2 linecolor rgb '%s', ",
+                    r, own + 2, cool[own % COLOURS]);
+            own++;
+        }
+        fprintf(to, "$rays%zu using 1:%zu with linespoints pointtype 5 pointsize 0.5 linewidth 2 linecolor rgb '%s'\n",
+                r, own + 2, warm[1]);
+    }
+    begin_legend(to);
+    size_t own = 0;
+    for (size_t k = 0; k < count; k++) {
+        if (is_embree(names[k])) continue;
+        fputs("NaN title ", to);
+        put_label(to, names[k], names, count);
+        fprintf(to, " with linespoints pointtype 7 pointsize 0.5 linewidth 2 linecolor rgb '%s', ",
+                cool[own++ % COLOURS]);
+    }
+    fprintf(
+        to,
+        "NaN with linespoints pointtype 5 pointsize 0.5 linewidth 2 linecolor rgb '%s' title '%s'\nunset multiplot\n",
+        warm[1], embree ? "Embree, its fastest width" : "");
+    return true;
+}
+
+/* ---- building ---- */
+
+/* A member of a build line, NULL if there is none. */
+static const json_t *build_member(const json_t *lines, const char *field, const char *key, const char *name,
+                                  const char *member) {
+    const json_t *line;
+    size_t index;
+    json_array_foreach(lines, index, line) {
+        if (strcmp(results_text(line, key), name) == 0 && strcmp(results_text(line, "field"), field) == 0 &&
+            strcmp(results_text(line, "kind"), strcmp(key, "kernel") == 0 ? "kernel_build" : "peer_build") == 0)
+            return json_object_get(line, member);
+    }
+    return NULL;
+}
+
+static double build_number(const json_t *lines, const char *field, const char *key, const char *name,
+                           const char *member) {
+    return json_number_value(build_member(lines, field, key, name, member));
+}
+
+typedef struct builder {
+    const char *key, *name;
+} builder;
+
+/* Whose builds the results have. Kernels that walk on the same structure have equally many bytes; the first stands for
+ * them. */
+static size_t builders_of(const json_t *lines, const char *field, builder *builders, size_t most) {
+    size_t count = 0, index;
+    const json_t *line;
+    json_array_foreach(lines, index, line) {
+        const char *kind = results_text(line, "kind");
+        const bool kernel = strcmp(kind, "kernel_build") == 0;
+        if ((!kernel && strcmp(kind, "peer_build") != 0) || strcmp(results_text(line, "field"), field) != 0) continue;
+        const char *key = kernel ? "kernel" : "peer";
+        bool known = false;
+        for (size_t k = 0; k < count && kernel; k++)
+            known =
+                known || (strcmp(builders[k].key, key) == 0 &&
+                          build_number(lines, field, key, builders[k].name, "bytes") == results_number(line, "bytes"));
+        if (!known && count < most) builders[count++] = (builder){key, results_text(line, key)};
+    }
+    return count;
+}
+
+static void put_builder(FILE *to, const json_t *lines, const char *field, const builder *b) {
+    if (strcmp(b->key, "kernel") == 0) { /* "pyramid", whose kernels end in their width */
+        fprintf(to, "'%.*s'", (int)strcspn(b->name, "0123456789"), b->name);
+        return;
+    }
+    const char *quality = json_string_value(build_member(lines, field, b->key, b->name, "quality"));
+    fprintf(to, "'Embree %s", is_embree(b->name) ? b->name + 7 : b->name);
+    if (quality) fprintf(to, ", %s build quality", quality);
+    fputc('\'', to);
+}
+
+bool plot_building(FILE *to, const json_t *lines) {
+    side sides[SIDES_MAX];
+    builder builders[COLOURS];
+    const size_t side_count = sides_of(lines, sides);
+    const size_t count = side_count ? builders_of(lines, sides[0].field, builders, COLOURS) : 0;
+    if (side_count < 2 || count == 0) return false;
+    span ranges[2] = {{0}};
+    put_titles(to, lines, "Memory and building time over the side of the field");
+    fputs("$data << END\n", to);
+    for (size_t s = 0; s < side_count; s++) {
+        const double cells = (sides[s].samples - 1) * (sides[s].samples - 1);
+        const double samples = results_number(field_line(lines, sides[s].field), "bytes_samples");
+        fprintf(to, "%.0f", sides[s].samples);
+        for (size_t k = 0; k < count; k++) {
+            const builder *b = &builders[k];
+            const bool kernel = strcmp(b->key, "kernel") == 0;
+            const double bytes = build_number(lines, sides[s].field, b->key, b->name, "bytes");
+            put_point(to, bytes > 0 ? (bytes + (kernel ? samples : 0)) / cells : 0, &ranges[0]);
+            put_point(to, build_number(lines, sides[s].field, b->key, b->name, "build_seconds"), &ranges[1]);
+        }
+        fputc('\n', to);
+    }
+    fputs("END\n", to);
+    put_side_axis(to, sides, side_count);
+    fputs(
+        "set multiplot layout 1,2 margins 0.09,0.98,0.22,0.80 spacing 0.11,0\nset xlabel 'samples a side'\nunset key\n",
+        to);
+    static const char *const titles[] = {"bytes a cell, samples included", "seconds to build, one thread"};
+    for (size_t panel = 0; panel < 2; panel++) {
+        fprintf(to, "set title '%s'\nset yrange [%g:%g]\nset format y '%%g'\nplot ", titles[panel],
+                panel ? ranges[1].low / 2 : 1, ranges[panel].high * 2);
+        size_t own = 0, other = 0;
+        for (size_t k = 0; k < count; k++) {
+            const bool kernel = strcmp(builders[k].key, "kernel") == 0;
+            fprintf(to,
+                    "%s$data using 1:%zu with linespoints pointtype %d pointsize 0.6 linewidth 2 linecolor rgb '%s'",
+                    k ? ", " : "", 2 * k + 2 + panel, kernel ? 7 : 5,
+                    kernel ? cool[own++] : warm[1 + other++ % (COLOURS - 1)]);
+        }
+        fputs("\nunset label 1\nunset label 2\n", to);
+    }
+    begin_legend(to);
+    size_t own = 0, other = 0;
+    for (size_t k = 0; k < count; k++) {
+        const bool kernel = strcmp(builders[k].key, "kernel") == 0;
+        fprintf(to, "%sNaN title ", k ? ", " : "");
+        put_builder(to, lines, sides[0].field, &builders[k]);
+        fprintf(to, " with linespoints pointtype %d pointsize 0.6 linewidth 2 linecolor rgb '%s'", kernel ? 7 : 5,
+                kernel ? cool[own++] : warm[1 + other++ % (COLOURS - 1)]);
+    }
+    fputs("\nunset multiplot\n", to);
+    return true;
+}
