@@ -161,7 +161,11 @@ static inline void stream_walk(const cw_field *f, const queued *queue, size_t n,
             const vmask at_cell = vi_eq(level, zero), waits = vm_and(alive, at_cell);
             vmask moves = vm_andnot(alive, at_cell);
             if (__builtin_popcount(vm_bits(waits)) >= LEAF_AT || !vm_any(moves)) {
-                vcell c = {.i = low_x, .j = low_y, .x_out = x_out, .y_out = y_out};
+                vcell c; /* no initialiser: it would clear all of it first */
+                c.i = low_x;
+                c.j = low_y;
+                c.x_out = x_out;
+                c.y_out = y_out;
                 const vfloat unit = vf_set(1);
                 c.x_in = crossing(&r.x, vf_select(r.x.up, low_x, vf_add(low_x, unit)));
                 c.y_in = crossing(&r.y, vf_select(r.y.up, low_y, vf_add(low_y, unit)));

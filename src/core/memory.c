@@ -1,20 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "memory.h"
 
+#include <stdbool.h>
 #include <stdlib.h>
 #include <sys/mman.h>
 
 enum { CACHE_LINE = 64, HUGE_PAGE = 1 << 21 };
 
-/* Whole huge pages only from the size on at which the last one's unused part is below an eighth. */
-static size_t alignment(size_t bytes) { return bytes >= 8 * (size_t)HUGE_PAGE ? HUGE_PAGE : CACHE_LINE; }
-
 void *cw_memory_allocate(size_t bytes) {
-    const size_t align = alignment(bytes), rounded = (bytes + align - 1) / align * align;
-    if (rounded < bytes) return NULL;
-    void *memory = aligned_alloc(align, rounded ? rounded : align);
+    void *memory;
+    const bool large = bytes >= HUGE_PAGE;
+    if (posix_memalign(&memory, large ? HUGE_PAGE : CACHE_LINE, bytes ? bytes : 1) != 0) return NULL;
 #ifdef MADV_HUGEPAGE
-    if (memory && align == HUGE_PAGE) (void)madvise(memory, rounded, MADV_HUGEPAGE); /* a wish: nothing depends on it */
+    /* A wish, on which nothing depends; the last, partly used huge page is left to small ones. */
+    if (large) (void)madvise(memory, bytes / HUGE_PAGE * HUGE_PAGE, MADV_HUGEPAGE);
 #endif
     return memory;
 }
