@@ -84,11 +84,11 @@ enum { SHARE_AT_LEAST = 4 };
 
 /* The first n of a group of rays, of which the first is ray number base. Hits are written; rays that are to go on alone are
  * put into the queue. Returns the rays that hit so far, and adds to *queued. */
-static inline unsigned pyramid_group(const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, bool any,
-                                     cw_hit *hits, queued *queue, size_t *waiting, uint32_t base) {
+CW_INLINE unsigned pyramid_group(const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, bool any, cw_hit *hits,
+                                 queued *queue, size_t *waiting, uint32_t base) {
     lanes part[PARTS];
     ray_store store[PARTS];
-    unsigned found = 0, rest = 0;
+    unsigned found = 0, rest = 0, near = 0; /* near: bits of parts that have walked from cell to cell */
     for (size_t p = 0; p < PARTS; p++) {
         cw_ray tail[W];
         lanes *l = &part[p];
@@ -101,9 +101,10 @@ static inline unsigned pyramid_group(const cw_field *f, const cw_ray *rays, size
         l->alive = vm_and(vm_first(count), make_rays(&l->r, f, from));
         lanes_clear(l);
         if (!vm_any(l->alive)) continue;
-        const vmask near = climb(&l->r, f->pyramid, l->alive);
+        const vmask short_way = climb(&l->r, f->pyramid, l->alive);
         l->alive = vm_and(l->alive, vf_le(l->r.from, l->r.until));
-        if (vm_any(vm_and(l->alive, near))) {
+        if (vm_any(vm_and(l->alive, short_way))) {
+            near |= ((1u << W) - 1) << begin;
             lanes_start(l, f);
             for (int k = 0; k < FLAT_STEPS && vm_any(l->alive); k++) lanes_step(l, f, leaf, any);
             l->r.from = vf_max(l->r.from, vf_max(l->c.x_in, l->c.y_in));
@@ -119,7 +120,7 @@ static inline unsigned pyramid_group(const cw_field *f, const cw_ray *rays, size
     } else {
         for (; rest != 0; rest &= rest - 1) {
             const unsigned k = (unsigned)__builtin_ctz(rest);
-            enqueue(&queue[(*waiting)++], &store[k / W], k % W, base + k);
+            enqueue(&queue[(*waiting)++], &store[k / W], k % W, base + k, near >> k & 1);
         }
     }
     for (size_t p = 0; p < PARTS; p++)
@@ -130,7 +131,7 @@ static inline unsigned pyramid_group(const cw_field *f, const cw_ray *rays, size
 /* Rays whose leftovers are collected for one run of the lane walk. */
 enum { BATCH = 16 * CHILDREN };
 
-static inline void pyramid_closest(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, cw_leaf leaf) {
+CW_INLINE void pyramid_closest(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, cw_leaf leaf) {
     for (size_t b = 0; b < n; b += BATCH) {
         const size_t end = n - b < BATCH ? n : b + BATCH;
         queued queue[BATCH];
@@ -147,7 +148,7 @@ static inline void pyramid_closest(const cw_field *f, const cw_ray *rays, size_t
     }
 }
 
-static inline void pyramid_any(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded, cw_leaf leaf) {
+CW_INLINE void pyramid_any(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded, cw_leaf leaf) {
     for (size_t b = 0; b < n; b += BATCH) {
         const size_t end = n - b < BATCH ? n : b + BATCH;
         queued queue[BATCH];

@@ -8,6 +8,10 @@
 #include <stddef.h>
 #include <string.h>
 
+/* For bodies that take constant arguments (leaf test, kind of query) or a ray by pointer: unless it is inlined, a compiler
+ * keeps the choice at run time and writes the ray's twenty vectors to the stack for the call. */
+#define CW_INLINE static inline __attribute__((always_inline))
+
 /* One axis of W rays; see strict_axis. */
 typedef struct vaxis {
     vfloat org, dir, center, inverse;
@@ -118,7 +122,7 @@ static inline vfloat cell_high(const vcell *c) {
 }
 
 /* Lanes whose cell, with crossings, t-interval and samples filled in, passes the gate. */
-static inline vmask cell_gate(const vray *r, const vcell *c) {
+CW_INLINE vmask cell_gate(const vray *r, const vcell *c) {
     const vmask walked = vm_and(vf_le(c->x_in, c->y_out), vf_lt(c->y_in, c->x_out));
     return vm_and(vm_and(walked, vf_le(c->t0, c->t1)), meets(r, c->t0, c->t1, cell_low(c), cell_high(c)));
 }

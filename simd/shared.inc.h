@@ -185,8 +185,8 @@ static inline unsigned block_rays(const fat_ray *a, const lanes part[PARTS], uns
 }
 
 /* One cell against the rays; the rays that hit. */
-static inline unsigned shared_cell(const fat_ray *a, lanes part[PARTS], unsigned rays, const cw_field *f,
-                                   const block_samples *s, int32_t i, int32_t j, cw_leaf leaf, bool any) {
+CW_INLINE unsigned shared_cell(const fat_ray *a, lanes part[PARTS], unsigned rays, const cw_field *f,
+                               const block_samples *s, int32_t i, int32_t j, cw_leaf leaf, bool any) {
     const float *z = s->z + (size_t)(j & 3) * s->stride + (i & 3);
     unsigned found = 0;
     for (size_t p = 0; p < PARTS; p++) {
@@ -219,9 +219,9 @@ static inline unsigned shared_cell(const fat_ray *a, lanes part[PARTS], unsigned
 enum { FALL_APART = 1 };
 
 /* First hits of the rays in block (x, y); the rays that hit, of which those alone have their hits written. */
-static inline unsigned shared_block(const fat_ray *a, lanes part[PARTS], ray_store store[PARTS], unsigned rays,
-                                    const cw_field *f, int32_t x, int32_t y, cw_leaf leaf, bool any, cw_hit *hits,
-                                    unsigned *alone) {
+CW_INLINE unsigned shared_block(const fat_ray *a, lanes part[PARTS], ray_store store[PARTS], unsigned rays,
+                                const cw_field *f, int32_t x, int32_t y, cw_leaf leaf, bool any, cw_hit *hits,
+                                unsigned *alone) {
     block_samples s;
     load_samples(&s, f, (size_t)(4 * x), (size_t)(4 * y));
     unsigned cells = fat_cells(a, &s, x, y), found = 0;
@@ -246,8 +246,8 @@ static inline unsigned shared_block(const fat_ray *a, lanes part[PARTS], ray_sto
 }
 
 /* Walks the rays to their ends together; the rays that hit. */
-static inline unsigned shared_walk(const fat_ray *a, lanes part[PARTS], ray_store store[PARTS], unsigned rays,
-                                   const cw_field *f, cw_leaf leaf, bool any, cw_hit *hits, unsigned *alone) {
+CW_INLINE unsigned shared_walk(const fat_ray *a, lanes part[PARTS], ray_store store[PARTS], unsigned rays,
+                               const cw_field *f, cw_leaf leaf, bool any, cw_hit *hits, unsigned *alone) {
     const struct cw_pyramid *p = f->pyramid;
     struct {
         unsigned mask;

@@ -12,8 +12,9 @@
  * (src/scalar/strict.h). Going down picks a child by the ray's place at t, set back by more than its rounding error: if
  * that is a child too early, its interval is empty and the walk steps on.
  *
- * After the prototype described in papers/walks.md. Rejected for this job: 16 children of one ray's node at once
- * (wide.inc.h), 2.5 times the instructions a ray, as a ray crosses 4 of 16 children. */
+ * Rejected for this job: 16 children of one ray's node at once (wide.inc.h). On AVX2 it takes as many instructions a ray
+ * (1590 and 1570 for random rays in 1025² samples, callgrind), since a ray crosses 4 of the 16 children; it mispredicts
+ * more branches, and gains less from wider vectors. */
 
 /* A ray waiting for a lane. */
 typedef struct queued {
@@ -21,6 +22,7 @@ typedef struct queued {
     float y_org, y_dir, y_center, y_inverse;
     float oz, dz, tmin, tmax, begin, end, from, until;
     uint32_t ray; /* where its hit goes */
+    bool low;     /* starts near the surface: best at the block it is in */
 } queued;
 
 /* What each lane works on, as arrays, so that single lanes can be refilled. */
@@ -29,15 +31,24 @@ typedef struct stream_lanes {
     float t[W], pad_x[W], pad_y[W];
     int32_t i[W], j[W], level[W], side[W]; /* side = 4^level */
     uint32_t ray[W];
+    vmask alive;
 } stream_lanes;
 
-static inline void enqueue(queued *q, const ray_store *s, size_t k, uint32_t ray) {
+static inline void enqueue(queued *q, const ray_store *s, size_t k, uint32_t ray, bool low) {
     *q = (queued){s->x_org[k],    s->x_dir[k],     s->x_center[k], s->x_inverse[k], s->y_org[k], s->y_dir[k],
                   s->y_center[k], s->y_inverse[k], s->oz[k],       s->dz[k],        s->tmin[k],  s->tmax[k],
-                  s->begin[k],    s->end[k],       s->from[k],     s->until[k],     ray};
+                  s->begin[k],    s->end[k],       s->from[k],     s->until[k],     ray,         low};
 }
 
-/* Puts a ray into lane k, at the root of the pyramid. */
+/* Low corner of the block that the place is in, or of the nearest one in the field. */
+static inline int32_t block_corner(float place, size_t samples) {
+    const float last = (float)(samples - 1) - 0.5f;
+    const float inside = place < last ? place : last;
+    return inside > 0 ? (int32_t)inside & ~3 : 0;
+}
+
+/* Puts a ray into lane k, at the root of the pyramid or, if it is low, at its block: a ray that has just left the surface
+ * then rises no further than it must. */
 static inline void refill_lane(stream_lanes *l, size_t k, const queued *q, const cw_field *f) {
     l->r.x_org[k] = q->x_org;
     l->r.x_dir[k] = q->x_dir;
@@ -60,14 +71,19 @@ static inline void refill_lane(stream_lanes *l, size_t k, const queued *q, const
                 pad_y = 0x1p-21f * (fabsf(q->y_org) + (float)f->ny);
     l->pad_x[k] = q->x_inverse >= 0 ? -pad_x : pad_x;
     l->pad_y[k] = q->y_inverse >= 0 ? -pad_y : pad_y;
+    l->ray[k] = q->ray;
     l->i[k] = l->j[k] = 0;
     l->level[k] = f->pyramid->levels + 1;
+    if (q->low) {
+        l->level[k] = 1;
+        l->i[k] = block_corner(q->x_org + q->from * q->x_dir + l->pad_x[k], f->nx);
+        l->j[k] = block_corner(q->y_org + q->from * q->y_dir + l->pad_y[k], f->ny);
+    }
     l->side[k] = 1 << (2 * l->level[k]);
-    l->ray[k] = q->ray;
 }
 
 /* The rays of the lanes, and only what a walk needs of them. */
-static inline void load_rays(vray *r, const ray_store *s) {
+CW_INLINE void load_rays(vray *r, const ray_store *s) {
     const vfloat zero = vf_set(0);
     r->x.org = vf_load(s->x_org);
     r->x.dir = vf_load(s->x_dir);
@@ -90,8 +106,8 @@ static inline void load_rays(vray *r, const ray_store *s) {
 
 /* The low corner of the child of the given side in which the ray is at t, or an earlier one, of the node that begins at
  * low and is four times as long. It is no child outside the field: inside is the middle of the field's last cell. */
-static inline vint child_corner(const vaxis *a, vfloat t, vfloat pad, vfloat inside, vfloat low, vfloat side,
-                                vfloat inverse_side) {
+CW_INLINE vint child_corner(const vaxis *a, vfloat t, vfloat pad, vfloat inside, vfloat low, vfloat side,
+                            vfloat inverse_side) {
     const vfloat place = vf_min(vf_add(vf_add(a->org, vf_mul(t, a->dir)), pad), inside);
     const vfloat corner = vf_mul(vf_floor(vf_mul(place, inverse_side)), side);
     return vi_from_vf(vf_max(low, vf_min(vf_add(low, vf_mul(side, vf_set(3))), corner)));
@@ -103,8 +119,8 @@ static inline vmask outermost(const vaxis *a, vfloat border, vfloat last) {
 }
 
 /* Writes what the leaf test found in the lanes of a mask. */
-static inline void stream_hits(const stream_lanes *s, unsigned found, const vhit *h, bool any, cw_hit *hits,
-                               uint8_t *occluded) {
+CW_INLINE void stream_hits(const stream_lanes *s, unsigned found, const vhit *h, bool any, cw_hit *hits,
+                           uint8_t *occluded) {
     if (any) {
         for (; found != 0; found &= found - 1) occluded[s->ray[__builtin_ctz(found)]] = 1;
         return;
@@ -123,111 +139,109 @@ static inline void stream_hits(const stream_lanes *s, unsigned found, const vhit
 /* Refill when this many lanes are empty; test cells when this many lanes wait at one. */
 enum { REFILL_AT = W / 4 > 0 ? W / 4 : 1, LEAF_AT = W / 2 > 0 ? W / 2 : 1 };
 
-/* Walks the queued rays to their ends. A hit is written to hits[ray], or for any hit 1 to occluded[ray]. */
-static inline void stream_walk(const cw_field *f, const queued *queue, size_t n, cw_leaf leaf, bool any, cw_hit *hits,
-                               uint8_t *occluded) {
+/* Tests the cells that lanes wait at; the lanes that hit. */
+CW_INLINE vmask stream_leaf(stream_lanes *s, const vray *r, const cw_field *f, vmask waits, vint i, vint j,
+                            vfloat x_out, vfloat y_out, cw_leaf leaf, bool any, cw_hit *hits, uint8_t *occluded) {
+    const vfloat unit = vf_set(1), low_x = vf_from_vi(i), low_y = vf_from_vi(j);
+    vcell c; /* no initialiser: it would clear all of it first */
+    c.i = low_x;
+    c.j = low_y;
+    c.x_in = crossing(&r->x, vf_select(r->x.up, low_x, vf_add(low_x, unit)));
+    c.y_in = crossing(&r->y, vf_select(r->y.up, low_y, vf_add(low_y, unit)));
+    c.x_out = x_out;
+    c.y_out = y_out;
+    c.t0 = vf_max(vf_max(c.x_in, c.y_in), r->begin);
+    c.t1 = vf_min(vf_min(x_out, y_out), r->end);
+    const vint sample = vi_add(vi_mul(j, vi_set((int32_t)f->stride)), i);
+    vf_gather_pairs(f->z, sample, waits, &c.h00, &c.h10);
+    vf_gather_pairs(f->z + f->stride, sample, waits, &c.h01, &c.h11);
+    const vmask gate = vm_and(waits, cell_gate(r, &c));
+    if (!vm_any(gate)) return gate;
+    vhit h;
+    const vmask found = leaf == CW_LEAF_WATERTIGHT ? wt_cell(r, &c, gate, any, &h) : mt_cell(r, &c, gate, &h);
+    if (vm_any(found)) stream_hits(s, vm_bits(found), &h, any, hits, occluded);
+    return found;
+}
+
+/* One step of every living lane, but for those that wait at a cell. */
+CW_INLINE void stream_step(stream_lanes *s, const cw_field *f, const int32_t first[16], cw_leaf leaf, bool any,
+                           cw_hit *hits, uint8_t *occluded) {
     const struct cw_pyramid *p = f->pyramid;
+    const vint zero = vi_set(0), one = vi_set(1);
+    vray r;
+    load_rays(&r, &s->r);
+    vint i = vi_load(s->i), j = vi_load(s->j), level = vi_load(s->level), side = vi_load(s->side);
+    const vfloat t = vf_load(s->t), length = vf_from_vi(side), low_x = vf_from_vi(i), low_y = vf_from_vi(j);
+    const vfloat border_x = vf_select(r.x.up, vf_add(low_x, length), low_x);
+    const vfloat border_y = vf_select(r.y.up, vf_add(low_y, length), low_y);
+    const vfloat x_out = crossing(&r.x, border_x), y_out = crossing(&r.y, border_y), out = vf_min(x_out, y_out);
+    const vmask at_cell = vi_eq(level, zero), waits = vm_and(s->alive, at_cell);
+    vmask moves = vm_andnot(s->alive, at_cell);
+    if (__builtin_popcount(vm_bits(waits)) >= LEAF_AT || !vm_any(moves)) {
+        const vmask found = stream_leaf(s, &r, f, waits, i, j, x_out, y_out, leaf, any, hits, occluded);
+        s->alive = vm_andnot(s->alive, found);
+        moves = vm_andnot(waits, found);
+    } else {
+        const vint shift = vi_add(level, level), across = vi_set(p->across);
+        const vint row = vi_mul(vi_shift_right(j, shift), across);
+        const vint node = vi_add(vi_add(row, vi_shift_right(i, shift)), vi_lookup(first, level));
+        vfloat low, high;
+        vf_gather_pairs(p->pairs, vi_add(node, node), moves, &low, &high);
+        const vfloat t1 = vf_min(out, r.until);
+        const vmask root = vi_eq(level, vi_set(p->levels + 1));
+        const vmask enters = vm_and(moves, vm_or(root, vm_and(vf_le(t, t1), meets(&r, t, t1, low, high))));
+        if (vm_any(enters)) {
+            const vfloat child = vf_mul(length, vf_set(0.25f)), inverse = vf_div(vf_set(1), child);
+            const vfloat inside_x = vf_set((float)(f->nx - 1) - 0.5f), inside_y = vf_set((float)(f->ny - 1) - 0.5f);
+            i = vi_select(enters, child_corner(&r.x, t, vf_load(s->pad_x), inside_x, low_x, child, inverse), i);
+            j = vi_select(enters, child_corner(&r.y, t, vf_load(s->pad_y), inside_y, low_y, child, inverse), j);
+            level = vi_select(enters, vi_add(level, vi_set(-1)), level);
+            side = vi_select(enters, vi_shift_right(side, vi_set(2)), side);
+        }
+        moves = vm_andnot(moves, enters);
+    }
+    /* On to the next node of the same size, and to its parent where that is another one. */
+    const vmask in_x = vf_le(x_out, y_out);
+    const vmask leaves = vm_or(vm_and(in_x, outermost(&r.x, border_x, vf_set((float)(f->nx - 1)))),
+                               vm_andnot(outermost(&r.y, border_y, vf_set((float)(f->ny - 1))), in_x));
+    s->alive = vm_andnot(s->alive, vm_and(moves, vm_or(leaves, vf_gt(out, r.until))));
+    const vint back = vi_neg(side);
+    const vint to_x = vi_add(i, vi_select(r.x.up, side, back)), to_y = vi_add(j, vi_select(r.y.up, side, back));
+    const vint new_i = vi_select(vm_and(moves, in_x), to_x, i), new_j = vi_select(vm_andnot(moves, in_x), to_y, j);
+    const vint above = vi_add(vi_add(side, side), vi_add(side, side)), parent = vi_neg(above);
+    const vint changed = vi_and(vi_or(vi_xor(new_i, i), vi_xor(new_j, j)), parent);
+    const vmask rises = vm_andnot(moves, vi_eq(changed, zero));
+    vi_store(s->i, vi_select(rises, vi_and(new_i, parent), new_i));
+    vi_store(s->j, vi_select(rises, vi_and(new_j, parent), new_j));
+    vi_store(s->level, vi_select(rises, vi_add(level, one), level));
+    vi_store(s->side, vi_select(rises, above, side));
+    vf_store(s->t, vf_select(moves, vf_max(t, out), t));
+}
+
+/* Walks the queued rays to their ends. A hit is written to hits[ray], or for any hit 1 to occluded[ray].
+ *
+ * Rejected: two vectors of lanes that take turns, so that one works while the other waits for its bounds or samples. It
+ * runs more instructions at once, but needs 5 to 20 % more of them for state that no longer fits into registers, and is
+ * 7 % slower on Zen 3 (cellwalk-bench micro, field 1025, random, ao and grazing rays). */
+CW_INLINE void stream_walk(const cw_field *f, const queued *queue, size_t n, cw_leaf leaf, bool any, cw_hit *hits,
+                           uint8_t *occluded) {
     /* Levels here: cells 0, nodes of pyramid level l l + 1, the whole field one above; sides 4^level. */
     int32_t first[16] = {0};
-    memcpy(first + 1, p->first, sizeof p->first);
+    memcpy(first + 1, f->pyramid->first, sizeof f->pyramid->first);
     stream_lanes s;
     memset(&s, 0, sizeof s);
-    const vint zero = vi_set(0), one = vi_set(1), top = vi_set(p->levels + 1), across = vi_set(p->across);
-    const vfloat last_x = vf_set((float)(f->nx - 1)), last_y = vf_set((float)(f->ny - 1));
-    const vfloat inside_x = vf_sub(last_x, vf_set(0.5f)), inside_y = vf_sub(last_y, vf_set(0.5f));
-    vmask alive = vm_set(false);
     size_t next = 0;
     for (;;) {
-        unsigned living = vm_bits(alive);
-        for (unsigned empty = ~living & ((1u << W) - 1); empty != 0 && next < n; empty &= empty - 1) {
-            const unsigned k = (unsigned)__builtin_ctz(empty);
-            refill_lane(&s, k, &queue[next++], f);
-            living |= 1u << k;
+        unsigned living = vm_bits(s.alive);
+        if (next < n && __builtin_popcount(living) <= (int)W - REFILL_AT) {
+            for (unsigned empty = ~living & ((1u << W) - 1); empty != 0 && next < n; empty &= empty - 1) {
+                const unsigned lane = (unsigned)__builtin_ctz(empty);
+                refill_lane(&s, lane, &queue[next++], f);
+                living |= 1u << lane;
+            }
+            s.alive = vm_from_bits(living);
         }
         if (living == 0) return;
-        const bool drain = next == n;
-        alive = vm_from_bits(living);
-        vray r;
-        load_rays(&r, &s.r);
-        const vfloat pad_x = vf_load(s.pad_x), pad_y = vf_load(s.pad_y);
-        vint i = vi_load(s.i), j = vi_load(s.j), level = vi_load(s.level), side = vi_load(s.side);
-        vfloat t = vf_load(s.t);
-        do {
-            const vfloat length = vf_from_vi(side), low_x = vf_from_vi(i), low_y = vf_from_vi(j);
-            const vfloat border_x = vf_select(r.x.up, vf_add(low_x, length), low_x);
-            const vfloat border_y = vf_select(r.y.up, vf_add(low_y, length), low_y);
-            const vfloat x_out = crossing(&r.x, border_x), y_out = crossing(&r.y, border_y);
-            const vfloat out = vf_min(x_out, y_out);
-            const vmask at_cell = vi_eq(level, zero), waits = vm_and(alive, at_cell);
-            vmask moves = vm_andnot(alive, at_cell);
-            if (__builtin_popcount(vm_bits(waits)) >= LEAF_AT || !vm_any(moves)) {
-                vcell c; /* no initialiser: it would clear all of it first */
-                c.i = low_x;
-                c.j = low_y;
-                c.x_out = x_out;
-                c.y_out = y_out;
-                const vfloat unit = vf_set(1);
-                c.x_in = crossing(&r.x, vf_select(r.x.up, low_x, vf_add(low_x, unit)));
-                c.y_in = crossing(&r.y, vf_select(r.y.up, low_y, vf_add(low_y, unit)));
-                c.t0 = vf_max(vf_max(c.x_in, c.y_in), r.begin);
-                c.t1 = vf_min(out, r.end);
-                const vint sample = vi_add(vi_mul(j, vi_set((int32_t)f->stride)), i);
-                vf_gather_pairs(f->z, sample, waits, &c.h00, &c.h10);
-                vf_gather_pairs(f->z + f->stride, sample, waits, &c.h01, &c.h11);
-                const vmask gate = vm_and(waits, cell_gate(&r, &c));
-                vmask found = vm_set(false);
-                if (vm_any(gate)) {
-                    vhit h;
-                    found = leaf == CW_LEAF_WATERTIGHT ? wt_cell(&r, &c, gate, any, &h) : mt_cell(&r, &c, gate, &h);
-                    if (vm_any(found)) {
-                        vi_store(s.i, i);
-                        vi_store(s.j, j);
-                        stream_hits(&s, vm_bits(found), &h, any, hits, occluded);
-                    }
-                }
-                alive = vm_andnot(alive, found);
-                moves = vm_andnot(waits, found);
-            } else {
-                const vint shift = vi_add(level, level);
-                const vint node = vi_add(vi_add(vi_mul(vi_shift_right(j, shift), across), vi_shift_right(i, shift)),
-                                         vi_lookup(first, level));
-                vfloat low, high;
-                vf_gather_pairs(p->pairs, vi_add(node, node), moves, &low, &high);
-                const vfloat t1 = vf_min(out, r.until);
-                const vmask enters =
-                    vm_and(moves, vm_or(vi_eq(level, top), vm_and(vf_le(t, t1), meets(&r, t, t1, low, high))));
-                if (vm_any(enters)) {
-                    const vfloat child = vf_mul(length, vf_set(0.25f)), inverse = vf_div(vf_set(1), child);
-                    i = vi_select(enters, child_corner(&r.x, t, pad_x, inside_x, low_x, child, inverse), i);
-                    j = vi_select(enters, child_corner(&r.y, t, pad_y, inside_y, low_y, child, inverse), j);
-                    level = vi_select(enters, vi_add(level, vi_set(-1)), level);
-                    side = vi_select(enters, vi_shift_right(side, vi_set(2)), side);
-                }
-                moves = vm_andnot(moves, enters);
-            }
-            /* On to the next node of the same size, and to its parent where that is another one. */
-            const vmask in_x = vf_le(x_out, y_out);
-            const vmask leaves = vm_or(vm_and(in_x, outermost(&r.x, border_x, last_x)),
-                                       vm_andnot(outermost(&r.y, border_y, last_y), in_x));
-            alive = vm_andnot(alive, vm_and(moves, vm_or(leaves, vf_gt(out, r.until))));
-            const vint back = vi_neg(side);
-            const vint to_x = vi_add(i, vi_select(r.x.up, side, back)), to_y = vi_add(j, vi_select(r.y.up, side, back));
-            const vint new_i = vi_select(vm_and(moves, in_x), to_x, i),
-                       new_j = vi_select(vm_andnot(moves, in_x), to_y, j);
-            const vint above = vi_add(vi_add(side, side), vi_add(side, side)), parent = vi_neg(above);
-            const vint changed = vi_and(vi_or(vi_xor(new_i, i), vi_xor(new_j, j)), parent);
-            const vmask rises = vm_andnot(moves, vi_eq(changed, zero));
-            i = vi_select(rises, vi_and(new_i, parent), new_i);
-            j = vi_select(rises, vi_and(new_j, parent), new_j);
-            level = vi_select(rises, vi_add(level, one), level);
-            side = vi_select(rises, above, side);
-            t = vf_select(moves, vf_max(t, out), t);
-            living = vm_bits(alive);
-        } while (living != 0 && (drain || __builtin_popcount(living) > (int)W - REFILL_AT));
-        vi_store(s.i, i);
-        vi_store(s.j, j);
-        vi_store(s.level, level);
-        vi_store(s.side, side);
-        vf_store(s.t, t);
+        stream_step(&s, f, first, leaf, any, hits, occluded);
     }
 }

@@ -81,8 +81,8 @@ static inline void load_samples(block_samples *s, const cw_field *f, size_t i, s
 }
 
 /* First hit in the block of 4 × 4 cells with lowest cell (4 x, 4 y). */
-static inline bool wide_block(const wide_ray *w, const cw_field *f, int32_t x, int32_t y, cw_leaf leaf, bool any,
-                              cw_hit *hit) {
+CW_INLINE bool wide_block(const wide_ray *w, const cw_field *f, int32_t x, int32_t y, cw_leaf leaf, bool any,
+                          cw_hit *hit) {
     const vray *r = &w->r;
     block_samples s;
     load_samples(&s, f, (size_t)(4 * x), (size_t)(4 * y));
