@@ -9,8 +9,9 @@
  * arguments, also after rounding. So the fat ray's interval encloses, without padding, what each ray computes for itself,
  * and no child that one of them must visit is skipped. Visits are front to back for all rays of one direction quadrant.
  *
- * After Boulos, Wald and Shirley 2006 and Wald et al. 2006 (interval and frustum traversal of grids by packets). Rejected:
- * testing every ray against every child (DESIGN's prototype), 3 to 4 times the instructions a level. */
+ * After Boulos, Wald and Shirley 2006 and Wald et al. 2006 (interval and frustum traversal of grids by packets). Not
+ * done: testing every ray against every child, which costs a level as much for each vector of rays as the fat ray costs
+ * once. */
 
 /* Intervals over the rays of a group, each number in all lanes. In mirrored coordinates, in which x and y grow along the
  * rays: centers times the sign of the direction, inverses without sign. */

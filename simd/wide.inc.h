@@ -6,10 +6,7 @@
  * coming back up needs the rest of the mask, and that is all the state a level has.
  *
  * Invariant: a child is skipped only if every cell in it fails the gate of src/scalar/strict.h. The comparisons are the
- * gate's own, on wider intervals of the same monotone functions, so they need no padding and skip nothing by rounding.
- *
- * Rejected: the lane walk (a ray a lane, bounds by gather), which needs a gather a step (some 20 cycles on Zen 3), three
- * to four times as many steps, and refilling; papers/walks.md has the numbers. */
+ * gate's own, on wider intervals of the same monotone functions, so they need no padding and skip nothing by rounding. */
 
 enum { CHILDREN = 16, PARTS = CHILDREN / W };
 
