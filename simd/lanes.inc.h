@@ -68,7 +68,7 @@ static inline void lanes_start(lanes *l, const cw_field *f) {
 }
 
 /* Keeps the hits of the lanes in now, in the cell of the given sample. */
-CW_INLINE void lanes_keep(lanes *l, vmask now, const vhit *h, vint sample) {
+static inline void lanes_keep(lanes *l, vmask now, const vhit *h, vint sample) {
     l->hit.t = vf_select(now, h->t, l->hit.t);
     l->hit.u = vf_select(now, h->u, l->hit.u);
     l->hit.v = vf_select(now, h->v, l->hit.v);
@@ -84,7 +84,7 @@ static inline void lanes_clear(lanes *l) {
 }
 
 /* Tests the cell of each living lane and goes on to the next. */
-CW_INLINE void lanes_step(lanes *l, const cw_field *f, cw_leaf leaf, bool any) {
+static inline void lanes_step(lanes *l, const cw_field *f, cw_leaf leaf, bool any) {
     const vray *r = &l->r;
     vcell *c = &l->c;
     c->t0 = vf_max(vf_max(c->x_in, c->y_in), r->begin);

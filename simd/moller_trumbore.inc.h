@@ -3,8 +3,8 @@
  * The edges' zeros and ones are constants; terms times 0 are left out there as here. */
 
 /* One triangle with edges e1 = (1, e1y, e1z), e2 = (e2x, 1, e2z), where e1y and e2x are 0 or 1. */
-CW_INLINE vmask mt_triangle(const vray *r, const vfloat d[3], const vfloat o[3], bool e1y, vfloat e1z, bool e2x,
-                            vfloat e2z, vhit *hit) {
+static inline vmask mt_triangle(const vray *r, const vfloat d[3], const vfloat o[3], bool e1y, vfloat e1z, bool e2x,
+                                vfloat e2z, vhit *hit) {
     const vfloat zero = vf_set(0), one = vf_set(1);
     const vfloat px = vf_sub(vf_mul(d[1], e2z), d[2]);
     const vfloat py = vf_sub(e2x ? d[2] : zero, vf_mul(d[0], e2z));
@@ -22,7 +22,7 @@ CW_INLINE vmask mt_triangle(const vray *r, const vfloat d[3], const vfloat o[3],
     return vm_and(inside, vm_and(vf_ge(t, r->tmin), vf_le(t, r->tmax)));
 }
 
-CW_INLINE vmask mt_cell(const vray *r, const vcell *c, vmask among, vhit *hit) {
+static inline vmask mt_cell(const vray *r, const vcell *c, vmask among, vhit *hit) {
     const vfloat o[3] = {vf_sub(r->x.org, c->i), vf_sub(r->y.org, c->j), vf_sub(r->oz, c->h00)};
     const vfloat d[3] = {r->x.dir, r->y.dir, r->dz};
     const vfloat across = vf_sub(c->h11, c->h00);

@@ -10,7 +10,7 @@
 #include "lanes.inc.h"
 
 /* Walks the first n of W rays to their ends. */
-CW_INLINE void packet_walk(lanes *l, const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, bool any) {
+static inline void packet_walk(lanes *l, const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, bool any) {
     cw_ray tail[W];
     if (n < W) { /* lanes beyond the array get a ray of their own to read */
         for (size_t k = 0; k < W; k++) tail[k] = rays[k < n ? k : 0];
@@ -23,7 +23,7 @@ CW_INLINE void packet_walk(lanes *l, const cw_field *f, const cw_ray *rays, size
         lanes_step(l, f, leaf, any);
 }
 
-CW_INLINE void packet_closest(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, cw_leaf leaf) {
+static inline void packet_closest(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, cw_leaf leaf) {
     for (size_t k = 0; k < n; k += W) {
         const size_t count = n - k < W ? n - k : W;
         lanes l;
@@ -34,7 +34,7 @@ CW_INLINE void packet_closest(const cw_field *f, const cw_ray *rays, size_t n, c
     }
 }
 
-CW_INLINE void packet_any(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded, cw_leaf leaf) {
+static inline void packet_any(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded, cw_leaf leaf) {
     for (size_t k = 0; k < n; k += W) {
         const size_t count = n - k < W ? n - k : W;
         lanes l;

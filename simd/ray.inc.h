@@ -122,7 +122,7 @@ static inline vfloat cell_high(const vcell *c) {
 }
 
 /* Lanes whose cell, with crossings, t-interval and samples filled in, passes the gate. */
-CW_INLINE vmask cell_gate(const vray *r, const vcell *c) {
+static inline vmask cell_gate(const vray *r, const vcell *c) {
     const vmask walked = vm_and(vf_le(c->x_in, c->y_out), vf_lt(c->y_in, c->x_out));
     return vm_and(vm_and(walked, vf_le(c->t0, c->t1)), meets(r, c->t0, c->t1, cell_low(c), cell_high(c)));
 }

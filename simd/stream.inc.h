@@ -31,8 +31,15 @@ typedef struct stream_lanes {
     float t[W], pad_x[W], pad_y[W];
     int32_t i[W], j[W], level[W], side[W]; /* side = 4^level */
     uint32_t ray[W];
-    vmask alive;
 } stream_lanes;
+
+/* The same in registers, as far as a step needs it, between two refills. */
+typedef struct stream_state {
+    vray r;
+    vfloat t, pad_x, pad_y;
+    vint i, j, level, side;
+    vmask alive;
+} stream_state;
 
 static inline void enqueue(queued *q, const ray_store *s, size_t k, uint32_t ray, bool low) {
     *q = (queued){s->x_org[k],    s->x_dir[k],     s->x_center[k], s->x_inverse[k], s->y_org[k], s->y_dir[k],
@@ -119,20 +126,23 @@ static inline vmask outermost(const vaxis *a, vfloat border, vfloat last) {
 }
 
 /* Writes what the leaf test found in the lanes of a mask. */
-CW_INLINE void stream_hits(const stream_lanes *s, unsigned found, const vhit *h, bool any, cw_hit *hits,
+CW_INLINE void stream_hits(const uint32_t ray[W], unsigned found, const vhit *h, vint i, vint j, bool any, cw_hit *hits,
                            uint8_t *occluded) {
     if (any) {
-        for (; found != 0; found &= found - 1) occluded[s->ray[__builtin_ctz(found)]] = 1;
+        for (; found != 0; found &= found - 1) occluded[ray[__builtin_ctz(found)]] = 1;
         return;
     }
     float t[W], u[W], v[W];
     vf_store(t, h->t);
     vf_store(u, h->u);
     vf_store(v, h->v);
+    int32_t cell_i[W], cell_j[W];
+    vi_store(cell_i, i);
+    vi_store(cell_j, j);
     const unsigned in_b = vm_bits(h->b);
     for (; found != 0; found &= found - 1) {
         const int k = __builtin_ctz(found);
-        hits[s->ray[k]] = (cw_hit){t[k], u[k], v[k], s->i[k], s->j[k], in_b >> k & 1};
+        hits[ray[k]] = (cw_hit){t[k], u[k], v[k], cell_i[k], cell_j[k], in_b >> k & 1};
     }
 }
 
@@ -140,7 +150,7 @@ CW_INLINE void stream_hits(const stream_lanes *s, unsigned found, const vhit *h,
 enum { REFILL_AT = W / 4 > 0 ? W / 4 : 1, LEAF_AT = W / 2 > 0 ? W / 2 : 1 };
 
 /* Tests the cells that lanes wait at; the lanes that hit. */
-CW_INLINE vmask stream_leaf(stream_lanes *s, const vray *r, const cw_field *f, vmask waits, vint i, vint j,
+CW_INLINE vmask stream_leaf(const uint32_t ray[W], const vray *r, const cw_field *f, vmask waits, vint i, vint j,
                             vfloat x_out, vfloat y_out, cw_leaf leaf, bool any, cw_hit *hits, uint8_t *occluded) {
     const vfloat unit = vf_set(1), low_x = vf_from_vi(i), low_y = vf_from_vi(j);
     vcell c; /* no initialiser: it would clear all of it first */
@@ -159,26 +169,25 @@ CW_INLINE vmask stream_leaf(stream_lanes *s, const vray *r, const cw_field *f, v
     if (!vm_any(gate)) return gate;
     vhit h;
     const vmask found = leaf == CW_LEAF_WATERTIGHT ? wt_cell(r, &c, gate, any, &h) : mt_cell(r, &c, gate, &h);
-    if (vm_any(found)) stream_hits(s, vm_bits(found), &h, any, hits, occluded);
+    if (vm_any(found)) stream_hits(ray, vm_bits(found), &h, i, j, any, hits, occluded);
     return found;
 }
 
 /* One step of every living lane, but for those that wait at a cell. */
-CW_INLINE void stream_step(stream_lanes *s, const cw_field *f, const int32_t first[16], cw_leaf leaf, bool any,
-                           cw_hit *hits, uint8_t *occluded) {
+CW_INLINE void stream_step(stream_state *s, const uint32_t ray[W], const cw_field *f, const int32_t first[16],
+                           cw_leaf leaf, bool any, cw_hit *hits, uint8_t *occluded) {
     const struct cw_pyramid *p = f->pyramid;
     const vint zero = vi_set(0), one = vi_set(1);
-    vray r;
-    load_rays(&r, &s->r);
-    vint i = vi_load(s->i), j = vi_load(s->j), level = vi_load(s->level), side = vi_load(s->side);
-    const vfloat t = vf_load(s->t), length = vf_from_vi(side), low_x = vf_from_vi(i), low_y = vf_from_vi(j);
-    const vfloat border_x = vf_select(r.x.up, vf_add(low_x, length), low_x);
-    const vfloat border_y = vf_select(r.y.up, vf_add(low_y, length), low_y);
-    const vfloat x_out = crossing(&r.x, border_x), y_out = crossing(&r.y, border_y), out = vf_min(x_out, y_out);
+    const vray *r = &s->r;
+    vint i = s->i, j = s->j, level = s->level, side = s->side;
+    const vfloat t = s->t, length = vf_from_vi(side), low_x = vf_from_vi(i), low_y = vf_from_vi(j);
+    const vfloat border_x = vf_select(r->x.up, vf_add(low_x, length), low_x);
+    const vfloat border_y = vf_select(r->y.up, vf_add(low_y, length), low_y);
+    const vfloat x_out = crossing(&r->x, border_x), y_out = crossing(&r->y, border_y), out = vf_min(x_out, y_out);
     const vmask at_cell = vi_eq(level, zero), waits = vm_and(s->alive, at_cell);
     vmask moves = vm_andnot(s->alive, at_cell);
     if (__builtin_popcount(vm_bits(waits)) >= LEAF_AT || !vm_any(moves)) {
-        const vmask found = stream_leaf(s, &r, f, waits, i, j, x_out, y_out, leaf, any, hits, occluded);
+        const vmask found = stream_leaf(ray, r, f, waits, i, j, x_out, y_out, leaf, any, hits, occluded);
         s->alive = vm_andnot(s->alive, found);
         moves = vm_andnot(waits, found);
     } else {
@@ -187,14 +196,14 @@ CW_INLINE void stream_step(stream_lanes *s, const cw_field *f, const int32_t fir
         const vint node = vi_add(vi_add(row, vi_shift_right(i, shift)), vi_lookup(first, level));
         vfloat low, high;
         vf_gather_pairs(p->pairs, vi_add(node, node), moves, &low, &high);
-        const vfloat t1 = vf_min(out, r.until);
+        const vfloat t1 = vf_min(out, r->until);
         const vmask root = vi_eq(level, vi_set(p->levels + 1));
-        const vmask enters = vm_and(moves, vm_or(root, vm_and(vf_le(t, t1), meets(&r, t, t1, low, high))));
+        const vmask enters = vm_and(moves, vm_or(root, vm_and(vf_le(t, t1), meets(r, t, t1, low, high))));
         if (vm_any(enters)) {
             const vfloat child = vf_mul(length, vf_set(0.25f)), inverse = vf_div(vf_set(1), child);
             const vfloat inside_x = vf_set((float)(f->nx - 1) - 0.5f), inside_y = vf_set((float)(f->ny - 1) - 0.5f);
-            i = vi_select(enters, child_corner(&r.x, t, vf_load(s->pad_x), inside_x, low_x, child, inverse), i);
-            j = vi_select(enters, child_corner(&r.y, t, vf_load(s->pad_y), inside_y, low_y, child, inverse), j);
+            i = vi_select(enters, child_corner(&r->x, t, s->pad_x, inside_x, low_x, child, inverse), i);
+            j = vi_select(enters, child_corner(&r->y, t, s->pad_y, inside_y, low_y, child, inverse), j);
             level = vi_select(enters, vi_add(level, vi_set(-1)), level);
             side = vi_select(enters, vi_shift_right(side, vi_set(2)), side);
         }
@@ -202,20 +211,20 @@ CW_INLINE void stream_step(stream_lanes *s, const cw_field *f, const int32_t fir
     }
     /* On to the next node of the same size, and to its parent where that is another one. */
     const vmask in_x = vf_le(x_out, y_out);
-    const vmask leaves = vm_or(vm_and(in_x, outermost(&r.x, border_x, vf_set((float)(f->nx - 1)))),
-                               vm_andnot(outermost(&r.y, border_y, vf_set((float)(f->ny - 1))), in_x));
-    s->alive = vm_andnot(s->alive, vm_and(moves, vm_or(leaves, vf_gt(out, r.until))));
+    const vmask leaves = vm_or(vm_and(in_x, outermost(&r->x, border_x, vf_set((float)(f->nx - 1)))),
+                               vm_andnot(outermost(&r->y, border_y, vf_set((float)(f->ny - 1))), in_x));
+    s->alive = vm_andnot(s->alive, vm_and(moves, vm_or(leaves, vf_gt(out, r->until))));
     const vint back = vi_neg(side);
-    const vint to_x = vi_add(i, vi_select(r.x.up, side, back)), to_y = vi_add(j, vi_select(r.y.up, side, back));
+    const vint to_x = vi_add(i, vi_select(r->x.up, side, back)), to_y = vi_add(j, vi_select(r->y.up, side, back));
     const vint new_i = vi_select(vm_and(moves, in_x), to_x, i), new_j = vi_select(vm_andnot(moves, in_x), to_y, j);
     const vint above = vi_add(vi_add(side, side), vi_add(side, side)), parent = vi_neg(above);
     const vint changed = vi_and(vi_or(vi_xor(new_i, i), vi_xor(new_j, j)), parent);
     const vmask rises = vm_andnot(moves, vi_eq(changed, zero));
-    vi_store(s->i, vi_select(rises, vi_and(new_i, parent), new_i));
-    vi_store(s->j, vi_select(rises, vi_and(new_j, parent), new_j));
-    vi_store(s->level, vi_select(rises, vi_add(level, one), level));
-    vi_store(s->side, vi_select(rises, above, side));
-    vf_store(s->t, vf_select(moves, vf_max(t, out), t));
+    s->i = vi_select(rises, vi_and(new_i, parent), new_i);
+    s->j = vi_select(rises, vi_and(new_j, parent), new_j);
+    s->level = vi_select(rises, vi_add(level, one), level);
+    s->side = vi_select(rises, above, side);
+    s->t = vf_select(moves, vf_max(t, out), t);
 }
 
 /* Walks the queued rays to their ends. A hit is written to hits[ray], or for any hit 1 to occluded[ray].
@@ -228,20 +237,35 @@ CW_INLINE void stream_walk(const cw_field *f, const queued *queue, size_t n, cw_
     /* Levels here: cells 0, nodes of pyramid level l l + 1, the whole field one above; sides 4^level. */
     int32_t first[16] = {0};
     memcpy(first + 1, f->pyramid->first, sizeof f->pyramid->first);
-    stream_lanes s;
-    memset(&s, 0, sizeof s);
-    size_t next = 0;
-    for (;;) {
-        unsigned living = vm_bits(s.alive);
-        if (next < n && __builtin_popcount(living) <= (int)W - REFILL_AT) {
-            for (unsigned empty = ~living & ((1u << W) - 1); empty != 0 && next < n; empty &= empty - 1) {
-                const unsigned lane = (unsigned)__builtin_ctz(empty);
-                refill_lane(&s, lane, &queue[next++], f);
-                living |= 1u << lane;
-            }
-            s.alive = vm_from_bits(living);
+    stream_lanes store;
+    memset(&store, 0, sizeof store);
+    stream_state s;
+    unsigned living = 0;
+    for (size_t next = 0;;) {
+        for (unsigned empty = ~living & ((1u << W) - 1); empty != 0 && next < n; empty &= empty - 1) {
+            const unsigned lane = (unsigned)__builtin_ctz(empty);
+            refill_lane(&store, lane, &queue[next++], f);
+            living |= 1u << lane;
         }
         if (living == 0) return;
-        stream_step(&s, f, first, leaf, any, hits, occluded);
+        load_rays(&s.r, &store.r);
+        s.t = vf_load(store.t);
+        s.pad_x = vf_load(store.pad_x);
+        s.pad_y = vf_load(store.pad_y);
+        s.i = vi_load(store.i);
+        s.j = vi_load(store.j);
+        s.level = vi_load(store.level);
+        s.side = vi_load(store.side);
+        s.alive = vm_from_bits(living);
+        const int refill_at = next < n ? (int)W - REFILL_AT : 0;
+        do {
+            stream_step(&s, store.ray, f, first, leaf, any, hits, occluded);
+            living = vm_bits(s.alive);
+        } while (__builtin_popcount(living) > refill_at);
+        vf_store(store.t, s.t);
+        vi_store(store.i, s.i);
+        vi_store(store.j, s.j);
+        vi_store(store.level, s.level);
+        vi_store(store.side, s.side);
     }
 }

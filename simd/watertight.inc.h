@@ -13,7 +13,7 @@ static inline vfloat wt_within(const vaxis *a, vfloat t, vfloat low) {
 }
 
 /* Height difference on the x border (where x_border) or y border, on its high side (where high_side) or low one. */
-CW_INLINE vfloat wt_border(const vray *r, const vcell *c, vfloat t, vmask x_border, vmask high_side) {
+static inline vfloat wt_border(const vray *r, const vcell *c, vfloat t, vmask x_border, vmask high_side) {
     const vfloat along_x = wt_within(&r->x, t, c->i), along_y = wt_within(&r->y, t, c->j);
     /* The edge's first sample lies at the low end of the axis along the border, the second at the high end. */
     const vfloat a = vf_select(high_side, vf_select(x_border, c->h10, c->h01), c->h00);
@@ -21,7 +21,7 @@ CW_INLINE vfloat wt_border(const vray *r, const vcell *c, vfloat t, vmask x_bord
     return vf_sub(height(r, t), wt_edge(a, b, vf_select(x_border, along_y, along_x)));
 }
 
-CW_INLINE vfloat wt_inside(const vray *r, const vcell *c, vfloat t, vmask *in_b) {
+static inline vfloat wt_inside(const vray *r, const vcell *c, vfloat t, vmask *in_b) {
     const vfloat x = wt_within(&r->x, t, c->i), y = wt_within(&r->y, t, c->j);
     *in_b = vf_gt(y, x);
     const vfloat corner = vf_select(*in_b, c->h01, c->h10);
@@ -44,7 +44,7 @@ static inline vmask wt_between(vfloat da, vfloat db) {
 }
 
 /* Lanes among which the cell is hit; any says that no one wants to know where. */
-CW_INLINE vmask wt_cell(const vray *r, const vcell *c, vmask among, bool any, vhit *hit) {
+static inline vmask wt_cell(const vray *r, const vcell *c, vmask among, bool any, vhit *hit) {
     const vmask enter_x = vf_gt(c->x_in, c->y_in), leave_x = vf_le(c->x_out, c->y_out);
     /* Low side: entered going up, left going down. Triangle B is at the low x and the high y border. */
     const vmask up_in = vm_or(vm_and(enter_x, r->x.up), vm_andnot(r->y.up, enter_x));
