@@ -481,6 +481,54 @@ static void test_phong_normal_beside_a_hole(void **state) {
     cw_field_destroy(f);
 }
 
+/* Every instruction set moves rays in the same way, bit for bit, whatever is in them. */
+static void test_moved_rays_agree(void **state) {
+    (void)state;
+    enum { N = 500 };
+    static cw_user_ray given[N];
+    static cw_ray got_rays[2][N];
+    cw_field_desc d = cw_field_desc_default();
+    d.samples = shape.z;
+    d.nx = shape.nx;
+    d.ny = shape.ny;
+    memcpy(d.map, map, sizeof map);
+    cw_field *f;
+    check_status(cw_field_create(&d, &f), CW_OK);
+    random_state r = {12};
+    for (size_t k = 0; k < N; k++) {
+        for (int c = 0; c < 3; c++) {
+            given[k].org[c] = random_between(&r, -1000, 1000);
+            given[k].dir[c] = random_between(&r, -1, 1);
+        }
+        given[k].tmin = random_between(&r, -1, 1);
+        given[k].tmax = k % 2 ? INFINITY : random_between(&r, 1, 1e60);
+        /* Sums that cancel show in what order they were taken. */
+        for (int c = 0; c < 3 && k % 4 == 1; c++) {
+            given[k].org[c] = map[c][3] + random_between(&r, -1e-12, 1e-12);
+            given[k].dir[c] = map[c][0] + 2 * map[c][1] + random_between(&r, -1e-15, 1e-15);
+        }
+        if (k % 16 == 3) given[k].org[k / 16 % 3] = INFINITY;
+    }
+    const cw_isa best = cw_isa_best();
+    cw_rays_to_field(f, given, N, got_rays[0]);
+    for (cw_isa isa = CW_ISA_SCALAR; isa <= best; isa++) {
+        cw_isa_limit(isa);
+        cw_rays_to_field(f, given, N, got_rays[1]);
+        for (size_t k = 0; k < N; k++) {
+            const float *a = got_rays[0][k].org, *b = got_rays[1][k].org; /* a NaN has no one bit pattern */
+            for (int c = 0; c < 3; c++)
+                check(a[c] == b[c] || (isnan(a[c]) && isnan(b[c])), "%s moves an origin elsewhere", cw_isa_name(isa));
+            check(memcmp(got_rays[0][k].dir, got_rays[1][k].dir, sizeof got_rays[0][k].dir) == 0 &&
+                      memcmp(&got_rays[0][k].tmin, &got_rays[1][k].tmin, sizeof(float)) == 0 &&
+                      memcmp(&got_rays[0][k].tmax, &got_rays[1][k].tmax, sizeof(float)) == 0 &&
+                      got_rays[1][k].tmin == (float)given[k].tmin && got_rays[1][k].tmax == (float)given[k].tmax,
+                  "%s moves ray %zu otherwise", cw_isa_name(isa), k);
+        }
+    }
+    cw_isa_limit(best);
+    cw_field_destroy(f);
+}
+
 /* Centimetre cells at northing 5·10^6 m: the same hits, bit for bit, as at the origin. */
 static void test_far_user_space(void **state) {
     (void)state;
@@ -545,6 +593,7 @@ int main(void) {
         cmocka_unit_test(test_nan_rays_miss),
         cmocka_unit_test(test_what_follows_from_a_hit),
         cmocka_unit_test(test_phong_normal_beside_a_hole),
+        cmocka_unit_test(test_moved_rays_agree),
         cmocka_unit_test(test_far_user_space),
     };
     return cmocka_run_group_tests_name("api", tests, set_up, tear_down);

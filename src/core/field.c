@@ -5,6 +5,7 @@
 #include "fpenv.h"
 #include "kernels.h"
 #include "memory.h"
+#include "to_field.h"
 
 #include <float.h>
 #include <stdlib.h>
@@ -143,12 +144,11 @@ float cw_field_sample(const cw_field *field, size_t i, size_t j) {
     return i < field->nx && j < field->ny ? field->z[j * field->stride + i] : NAN;
 }
 
-void cw_rays_to_field(const cw_field *field, const cw_user_ray *in, size_t n, cw_ray *out) {
-    const fpenv caller = fpenv_enter();
+static void to_field(const double m[3][4], const cw_user_ray *in, size_t n, cw_ray *out) {
     for (size_t k = 0; k < n; k++) {
         double org[3], dir[3];
-        affine_point(field->to_field, in[k].org, org);
-        affine_vector(field->to_field, in[k].dir, dir);
+        affine_point(m, in[k].org, org);
+        affine_vector(m, in[k].dir, dir);
         out[k] = (cw_ray){
             .org = {(float)org[0], (float)org[1], (float)org[2]},
             .tmin = (float)in[k].tmin,
@@ -156,5 +156,15 @@ void cw_rays_to_field(const cw_field *field, const cw_user_ray *in, size_t n, cw
             .tmax = (float)in[k].tmax,
         };
     }
+}
+
+void cw_rays_to_field(const cw_field *field, const cw_user_ray *in, size_t n, cw_ray *out) {
+    const fpenv caller = fpenv_enter();
+#if CELLWALK_SIMD
+    if (cw_isa_best() >= CW_ISA_AVX2)
+        cw_to_field_avx2(field->to_field, in, n, out);
+    else
+#endif
+        to_field(field->to_field, in, n, out);
     fpenv_leave(caller);
 }

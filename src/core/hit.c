@@ -22,13 +22,7 @@ static void slopes(const cw_field *f, size_t i, size_t j, uint32_t triangle, dou
     }
 }
 
-/* Returns the length that the moved vector had. */
-static double unit_in_user_space(const cw_field *f, const double n[3], double normal[3]) {
-    affine_covector(f->to_field, n, normal);
-    const double length = sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
-    for (int c = 0; c < 3; c++) normal[c] /= length;
-    return length;
-}
+static double length(const double v[3]) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
 /* Barycentric weights of the hit's three vertices and the vertices themselves. */
 static void vertices(const cw_hit *hit, size_t vertex[3][2], double weight[3]) {
@@ -65,7 +59,9 @@ void cw_hit_point(const cw_field *field, const cw_hit *hit, double point[3]) {
 void cw_hit_normal(const cw_field *field, const cw_hit *hit, double normal[3]) {
     double slope[2];
     slopes(field, (size_t)hit->i, (size_t)hit->j, hit->triangle, slope);
-    unit_in_user_space(field, (double[3]){-slope[0], -slope[1], 1}, normal);
+    affine_covector(field->to_field, (double[3]){-slope[0], -slope[1], 1}, normal);
+    const double size = length(normal);
+    for (int c = 0; c < 3; c++) normal[c] /= size;
 }
 
 /* The vertex normal of (i, j) triangle by triangle, without those that lie outside or have a hole. The six triangles
@@ -105,25 +101,27 @@ static void vertex_normal(const cw_field *f, size_t i, size_t j, double n[3]) {
     vertex_normal_of_some(f, i, j, n);
 }
 
-/* The three vertex normals and their mean by the hit's weights. */
-static void interpolate_normals(const cw_field *f, const cw_hit *hit, double n[3][3], double mean[3]) {
+/* The three vertex normals in field space and the unit normal between them; returns what made its length 1. */
+static double unit_phong_normal(const cw_field *f, const cw_hit *hit, double n[3][3], double normal[3]) {
     size_t vertex[3][2];
-    double weight[3];
+    double weight[3], mean[3];
     vertices(hit, vertex, weight);
     for (int k = 0; k < 3; k++) vertex_normal(f, vertex[k][0], vertex[k][1], n[k]);
     for (int c = 0; c < 3; c++) mean[c] = weight[0] * n[0][c] + weight[1] * n[1][c] + weight[2] * n[2][c];
+    affine_covector(f->to_field, mean, normal);
+    const double scale = 1 / length(normal);
+    for (int c = 0; c < 3; c++) normal[c] *= scale;
+    return scale;
 }
 
 void cw_hit_phong_normal(const cw_field *field, const cw_hit *hit, double normal[3]) {
-    double n[3][3], mean[3];
-    interpolate_normals(field, hit, n, mean);
-    unit_in_user_space(field, mean, normal);
+    double n[3][3];
+    unit_phong_normal(field, hit, n, normal);
 }
 
 void cw_hit_phong_change(const cw_field *field, const cw_hit *hit, double normal[3], double change[2][3]) {
-    double n[3][3], mean[3];
-    interpolate_normals(field, hit, n, mean);
-    const double scale = 1 / unit_in_user_space(field, mean, normal);
+    double n[3][3];
+    const double scale = unit_phong_normal(field, hit, n, normal);
 
     /* A step along x leads from vertex 0 to 1 in A and from 2 to 1 in B, one along y from 1 to 2 in A and from 0 to 2
      * in B. */
