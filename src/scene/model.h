@@ -20,13 +20,15 @@ typedef struct heightfield {
     cw_field *field; /* maps field space to the world; borrows samples */
     float *samples;
     size_t nx, ny;
-    transform to_world; /* from object space, where the samples' x and y span [0, 1] */
+    transform to_world; /* from object space, where the samples' x and y span [0, 1] and are u and v */
+    float to_uv[2][3];  /* of a vector in the world */
     material surface;
 } heightfield;
 
 /* Radius 1, z from -1 to 1, open ends. */
 typedef struct cylinder {
-    transform to_world, to_object;
+    transform to_object;
+    float linear[3][3]; /* of to_object: moves vectors */
     material surface;
 } cylinder;
 

@@ -23,31 +23,37 @@ static inline uint32_t reverse_bits(uint32_t x) {
     return (x & 0x55555555) << 1 | (x & 0xaaaaaaaa) >> 1;
 }
 
-/* Each bit of the result depends on itself and on the higher bits of x alone. */
-static inline uint32_t owen_scramble(uint32_t x, uint32_t seed) {
-    x = reverse_bits(x);
+/* Numbers are kept with their bits reversed, which is how scrambling wants them: each bit of the result depends on itself
+ * and on the lower bits of x alone. */
+static inline uint32_t scramble_reversed(uint32_t x, uint32_t seed) {
     x += seed;
     x ^= x * 0x6c50b47cu;
     x ^= x * 0xb82f1e52u;
     x ^= x * 0xc7afe638u;
-    x ^= x * 0x8d22f6e6u;
-    return reverse_bits(x);
+    return x ^ x * 0x8d22f6e6u;
 }
 
-/* The second dimension's matrix: Pascal's triangle modulo 2. */
-static inline uint32_t sobol_second(uint32_t number) {
+/* The first dimension is van der Corput's: the number's own bits, reversed; the second one's matrix is Pascal's triangle
+ * modulo 2. */
+static inline uint32_t pattern_first(uint32_t number) { return number; }
+
+static inline uint32_t pattern_second(uint32_t number) {
     uint32_t value = 0;
     for (uint32_t column = 0x80000000u; number != 0; number >>= 1, column ^= column >> 1)
         if (number & 1) value ^= column;
-    return value;
+    return reverse_bits(value);
 }
 
-/* Sample number of pixel (x, y), in [0, 1)². */
-static inline void pattern_sample(uint32_t x, uint32_t y, uint32_t number, double place[2]) {
-    const uint32_t seed = pattern_hash(x + pattern_hash(y));
-    const double unit = 1.0 / 4294967296.0;
-    place[0] = owen_scramble(reverse_bits(number), seed) * unit;
-    place[1] = owen_scramble(sobol_second(number), pattern_hash(seed)) * unit;
+/* A pixel's seeds for the two dimensions. */
+static inline void pattern_seeds(uint32_t x, uint32_t y, uint32_t seed[2]) {
+    seed[0] = pattern_hash(x + pattern_hash(y));
+    seed[1] = pattern_hash(seed[0]);
+}
+
+/* In [0, 1): where a sample lies along one dimension; 24 bits, so that a float holds them. */
+static inline float pattern_place(uint32_t dimension, uint32_t seed) {
+    const uint32_t place = reverse_bits(scramble_reversed(dimension, seed));
+    return (float)(int32_t)(place >> 8) * 0x1p-24f;
 }
 
 #endif

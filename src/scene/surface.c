@@ -1,144 +1,124 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "surface.h"
 
+#include "float3.h"
+
 #include <string.h>
 
-double cylinder_hit(const cylinder *c, const double org[3], const double dir[3], double tmin, double tmax) {
-    double o[3], d[3];
-    transform_point(&c->to_object, org, o);
-    transform_vector(&c->to_object, dir, d);
-    /* |o + t d|² = 1 in x and y; with half = b / 2 and the root that does not cancel. */
-    const double a = d[0] * d[0] + d[1] * d[1], half = o[0] * d[0] + o[1] * d[1];
-    const double square = half * half - a * (o[0] * o[0] + o[1] * o[1] - 1);
-    if (!(a > 0) || !(square >= 0)) return INFINITY;
-    const double q = half < 0 ? sqrt(square) - half : -sqrt(square) - half;
-    const double root = q != 0 ? (o[0] * o[0] + o[1] * o[1] - 1) / q : 0;
-    const double other = q / a, t[2] = {other < root ? other : root, other < root ? root : other};
-    for (int k = 0; k < 2; k++)
-        if (t[k] >= tmin && t[k] <= tmax && fabs(o[2] + t[k] * d[2]) <= 1) return t[k];
-    return INFINITY;
+/* ---- cylinders ---------------------------------------------------------------------------------------------------- */
+
+/* |o + t d|² - 1 in the cylinder's x and y is a t² + 2 half t + c. */
+typedef struct quadratic {
+    double a, half, c;
+} quadratic;
+
+static quadratic cylinder_quadratic(const cylinder *shape, const cw_user_ray *ray) {
+    const double(*m)[4] = shape->to_object.m;
+    const double ox = dot(m[0], ray->org) + m[0][3], oy = dot(m[1], ray->org) + m[1][3];
+    const double dx = dot(m[0], ray->dir), dy = dot(m[1], ray->dir);
+    return (quadratic){dx * dx + dy * dy, ox * dx + oy * dy, ox * ox + oy * oy - 1};
 }
 
-void surface_of_field(const heightfield *h, const cw_hit *hit, bool phong, surface *s) {
-    s->material = &h->surface;
-    cw_hit_point(h->field, hit, s->point);
-    cw_hit_normal(h->field, hit, s->normal);
-    if (phong)
-        cw_hit_phong_normal(h->field, hit, s->shading);
-    else
-        memcpy(s->shading, s->normal, sizeof s->shading);
-    s->offset = surface_offset_field * (double)hit->t;
+static bool cylinder_holds(const cylinder *shape, const cw_user_ray *ray, double t) {
+    const double *row = shape->to_object.m[2];
+    return t >= ray->tmin && t <= ray->tmax && fabs(dot(row, ray->org) + row[3] + t * dot(row, ray->dir)) <= 1;
 }
 
-/* The sides of the parameter rectangle at a point, in the world. */
-static void cylinder_axes(const cylinder *c, const double object[3], double du[3], double dv[3]) {
-    const double turn = 2 * acos(-1);
-    transform_vector(&c->to_world, (double[3]){-turn * object[1], turn * object[0], 0}, du);
-    transform_vector(&c->to_world, (double[3]){0, 0, 2}, dv);
+double cylinder_hit(const cylinder *shape, const cw_user_ray *ray) {
+    const quadratic f = cylinder_quadratic(shape, ray);
+    const double square = f.half * f.half - f.a * f.c;
+    if (!(f.a > 0) || !(square >= 0)) return INFINITY;
+    /* The sum that does not cancel; one root is q / a, the other c / q. */
+    const double q = f.half < 0 ? sqrt(square) - f.half : -sqrt(square) - f.half;
+    /* From inside, the nearer root lies behind. */
+    if (!(f.c < 0 && ray->tmin >= 0)) {
+        const double near = f.half < 0 ? f.c / q : q / f.a;
+        if (cylinder_holds(shape, ray, near)) return near;
+    }
+    const double far = f.half < 0 ? q / f.a : f.c / q;
+    return cylinder_holds(shape, ray, far) ? far : INFINITY;
 }
 
-void surface_of_cylinder(const cylinder *c, const double org[3], const double dir[3], double t, surface *s) {
-    double object[3], du[3], dv[3];
-    s->material = &c->surface;
-    for (int k = 0; k < 3; k++) s->point[k] = org[k] + t * dir[k];
-    transform_point(&c->to_object, s->point, object);
-    cylinder_axes(c, object, du, dv);
-    cross(du, dv, s->normal);
-    normalise(s->normal);
+bool cylinder_blocks(const cylinder *shape, const cw_user_ray *ray) {
+    /* The inside is convex: a segment with both ends inside stays there. */
+    const quadratic f = cylinder_quadratic(shape, ray);
+    const double t0 = ray->tmin, t1 = ray->tmax;
+    if ((f.a * t0 + 2 * f.half) * t0 + f.c < 0 && (f.a * t1 + 2 * f.half) * t1 + f.c < 0) return false;
+    return cylinder_hit(shape, ray) < INFINITY;
+}
+
+void surface_of_cylinder(const cylinder *c, const cw_user_ray *ray, double t, surface *s) {
+    const double(*m)[4] = c->to_object.m;
+    for (int k = 0; k < 3; k++) s->point[k] = ray->org[k] + t * ray->dir[k];
+    for (int r = 0; r < 3; r++) s->object[r] = (float)(dot(m[r], s->point) + m[r][3]);
+    /* (x, y, 0) by the transposed inverse. */
+    for (int k = 0; k < 3; k++) s->normal[k] = s->object[0] * c->linear[0][k] + s->object[1] * c->linear[1][k];
+    float3_normalise(s->normal);
     memcpy(s->shading, s->normal, sizeof s->shading);
     s->offset = surface_offset_cylinder * t;
 }
 
-void surface_spread(const surface *s, const double org[3], const double dir[3], const ray_spread *spread,
-                    double change[2][3]) {
+static const float by_whole_turn = 0.159154943f;
+
+/* The angle of (x, y) as a share of the whole turn, in [-1/2, 1/2], to 2^-22: a tenth of a texel where an image is 400000
+ * texels wide. x and y are on the unit circle, so that no size needs care; the polynomial is within 4·10^-8 of
+ * atan(x) / 2 pi on [0, 1], with the least error that its degree allows. */
+static float turn_of(float x, float y) {
+    static const float coefficient[7] = {0.159154326f,  -0.0530262291f,  0.0315250382f, -0.0210612342f,
+                                         0.0126720183f, -0.00534788379f, 0.00108400721f};
+    const float ax = fabsf(x), ay = fabsf(y);
+    const float tangent = ax > ay ? ay / ax : ax / ay, square = tangent * tangent;
+    float sum = 0;
+    for (int k = 6; k >= 0; k--) sum = sum * square + coefficient[k];
+    float turn = tangent * sum;
+    if (ay >= ax) turn = 0.25f - turn;
+    if (x < 0) turn = 0.5f - turn;
+    return y < 0 ? -turn : turn;
+}
+
+void surface_uv_of_cylinder(const surface *s, float uv[2]) {
+    uv[0] = turn_of(s->object[0], s->object[1]); /* images repeat: [-1/2, 0) is as good as [1/2, 1) */
+    uv[1] = (s->object[2] + 1) / 2;
+}
+
+void surface_uv_change_on_cylinder(const cylinder *c, const surface *s, float change[2][3], float uv_change[2][2]) {
     for (int k = 0; k < 2; k++) {
-        double o[3], d[3], gap[3];
+        float d[3];
+        for (int r = 0; r < 3; r++) d[r] = float3_dot(c->linear[r], change[k]);
+        uv_change[k][0] = (s->object[0] * d[1] - s->object[1] * d[0]) * by_whole_turn;
+        uv_change[k][1] = d[2] / 2;
+    }
+}
+
+/* ---- height fields ------------------------------------------------------------------------------------------------ */
+
+void surface_of_field(const heightfield *h, const cw_hit *hit, bool phong, surface *s, float turn[2][3]) {
+    double normal[3];
+    cw_hit_point(h->field, hit, s->point);
+    cw_hit_normal(h->field, hit, normal);
+    float3_from(normal, s->normal);
+    s->offset = surface_offset_field * (double)hit->t;
+    if (!phong) {
+        memcpy(s->shading, s->normal, sizeof s->shading);
+        if (turn != NULL) memset(turn, 0, 2 * sizeof *turn);
+        return;
+    }
+    if (turn == NULL) {
+        cw_hit_phong_normal(h->field, hit, normal);
+    } else {
+        double change[2][3];
+        cw_hit_phong_change(h->field, hit, normal, change);
         for (int c = 0; c < 3; c++) {
-            o[c] = org[c] + (double)spread->org[k][c];
-            d[c] = dir[c] + (double)spread->dir[k][c];
-            gap[c] = s->point[c] - o[c];
+            turn[0][c] = (float)change[0][c] * (float)(h->nx - 1);
+            turn[1][c] = (float)change[1][c] * (float)(h->ny - 1);
         }
-        const double t = dot(gap, s->normal) / dot(d, s->normal);
-        for (int c = 0; c < 3; c++) change[k][c] = t * d[c] - gap[c];
-        /* A neighbour that runs along the surface says nothing about the size of the sample's footprint. */
-        if (!isfinite(dot(change[k], change[k]))) memset(change[k], 0, sizeof change[k]);
     }
+    float3_from(normal, s->shading);
 }
 
-/* Solves change = share[0] · a + share[1] · b for vectors in the plane with this normal, in the two coordinates in which
- * the plane's projection is largest. */
-static void solve(const double a[3], const double b[3], const double normal[3], const double change[3],
-                  double share[2]) {
-    int drop = fabs(normal[0]) > fabs(normal[1]) ? 0 : 1;
-    if (fabs(normal[2]) > fabs(normal[drop])) drop = 2;
-    const int p = (drop + 1) % 3, q = (drop + 2) % 3;
-    const double determinant = a[p] * b[q] - a[q] * b[p];
-    share[0] = (change[p] * b[q] - change[q] * b[p]) / determinant;
-    share[1] = (a[p] * change[q] - a[q] * change[p]) / determinant;
-    if (!isfinite(share[0]) || !isfinite(share[1])) share[0] = share[1] = 0;
-}
+void surface_uv_of_field(const heightfield *h, const cw_hit *hit, float uv[2]) { cw_hit_uv(h->field, hit, uv); }
 
-/* The two sides of the hit's triangle that its u and v count along. */
-static void triangle_sides(const heightfield *h, const cw_hit *hit, double side[2][3]) {
-    cw_hit corner = *hit;
-    double origin[3];
-    corner.u = corner.v = 0;
-    cw_hit_point(h->field, &corner, origin);
-    corner.u = 1;
-    cw_hit_point(h->field, &corner, side[0]);
-    corner.u = 0;
-    corner.v = 1;
-    cw_hit_point(h->field, &corner, side[1]);
+void surface_uv_change_on_field(const heightfield *h, float change[2][3], float uv_change[2][2]) {
     for (int k = 0; k < 2; k++)
-        for (int c = 0; c < 3; c++) side[k][c] -= origin[c];
-}
-
-void surface_uv_of_field(const heightfield *h, const cw_hit *hit, const surface *s, double change[2][3], double uv[2],
-                         double uv_change[2][2]) {
-    float place[2];
-    double side[2][3];
-    cw_hit_uv(h->field, hit, place);
-    uv[0] = (double)place[0];
-    uv[1] = (double)place[1];
-    triangle_sides(h, hit, side);
-    for (int k = 0; k < 2; k++) {
-        double share[2];
-        solve(side[0], side[1], s->normal, change[k], share);
-        /* One of the sides is the cell's diagonal, the other lies along x (A) or y (B). */
-        const bool a = hit->triangle == CW_TRIANGLE_A;
-        uv_change[k][0] = (a ? share[0] + share[1] : share[0]) / (double)(h->nx - 1);
-        uv_change[k][1] = (a ? share[1] : share[0] + share[1]) / (double)(h->ny - 1);
-    }
-}
-
-void surface_uv_of_cylinder(const cylinder *c, const surface *s, double change[2][3], double uv[2],
-                            double uv_change[2][2]) {
-    const double turn = 2 * acos(-1);
-    double object[3], du[3], dv[3];
-    transform_point(&c->to_object, s->point, object);
-    const double angle = atan2(object[1], object[0]);
-    uv[0] = (angle < 0 ? angle + turn : angle) / turn;
-    uv[1] = (object[2] + 1) / 2;
-    cylinder_axes(c, object, du, dv);
-    for (int k = 0; k < 2; k++) solve(du, dv, s->normal, change[k], uv_change[k]);
-}
-
-void surface_normal_change(const heightfield *h, const cw_hit *hit, const surface *s, double change[2][3],
-                           double normal_change[2][3]) {
-    /* Derivatives along the triangle's sides by a step that is small against the triangle and large against the rounding
-     * of u and v. */
-    const float step = 1.0f / 64;
-    double side[2][3], slope[2][3];
-    triangle_sides(h, hit, side);
-    for (int k = 0; k < 2; k++) {
-        cw_hit moved = *hit;
-        *(k == 0 ? &moved.u : &moved.v) += step;
-        cw_hit_phong_normal(h->field, &moved, slope[k]);
-        for (int c = 0; c < 3; c++) slope[k][c] = (slope[k][c] - s->shading[c]) / (double)step;
-    }
-    for (int k = 0; k < 2; k++) {
-        double share[2];
-        solve(side[0], side[1], s->normal, change[k], share);
-        for (int c = 0; c < 3; c++) normal_change[k][c] = share[0] * slope[0][c] + share[1] * slope[1][c];
-    }
+        for (int r = 0; r < 2; r++) uv_change[k][r] = float3_dot(h->to_uv[r], change[k]);
 }

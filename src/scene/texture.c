@@ -1,16 +1,22 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A pyramid of halved images (Williams 1983), filtered by a Gaussian over the ellipse that a pixel covers (Greene and
- * Heckbert 1986). Long ellipses read a level fine enough for their short axis; those longer than eight short axes are
- * fattened, which bounds the cost. */
+/* A pyramid of halved images (Williams 1983), read at a level as fine as the footprint of a sample is wide, in as many
+ * probes along its length as it is longer (McCormack et al. 1999): one where it is nearly round. Footprints longer than
+ * eight times their width are widened, which bounds the cost. */
 
 #include "texture.h"
 
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 
-enum { LEVELS_MAX = 32, WEIGHTS = 128 };
-static const double longest_ellipse = 8;
+enum { LEVELS_MAX = 32 };
+
+/* A footprint is at most this many times as long as wide. */
+static const float probes_most = 8;
+
+/* By so much of its width it may be longer before it takes another probe. */
+static const float probes_slack = 0.5f;
 
 typedef struct level {
     size_t width, height;
@@ -20,7 +26,6 @@ typedef struct level {
 struct texture {
     level levels[LEVELS_MAX];
     int count;
-    float weight[WEIGHTS]; /* of a texel at squared distance k / WEIGHTS, the ellipse's edge being at 1 */
 };
 
 /* The stretch of a row of n texels that texel k of a row of half as many covers: texels first … last, the outer two by
@@ -88,8 +93,6 @@ texture *texture_create(io_image *image) {
         else
             shrink(from, to);
     }
-    /* A Gaussian of variance 1/4, lowered to reach 0 at the edge. */
-    for (int k = 0; k < WEIGHTS; k++) t->weight[k] = expf(-2 * (float)k / (WEIGHTS - 1)) - expf(-2);
     *image = (io_image){0};
     return t;
 }
@@ -108,83 +111,62 @@ static size_t wrap(int64_t k, size_t n) {
     return (size_t)(r < 0 ? r + size : r);
 }
 
-static const float *texel(const level *l, int64_t x, int64_t y) {
-    return l->rgb + (wrap(y, l->height) * l->width + wrap(x, l->width)) * 3;
+static int64_t floor_of(float x) {
+    const int64_t k = (int64_t)x;
+    return k - (x < (float)k);
 }
 
-static void bilinear(const level *l, const double uv[2], float colour[3]) {
-    const double x = uv[0] * (double)l->width - 0.5, y = uv[1] * (double)l->height - 0.5;
-    const int64_t i = (int64_t)floor(x), j = (int64_t)floor(y);
-    const float fx = (float)(x - (double)i), fy = (float)(y - (double)j);
-    const float *t00 = texel(l, i, j), *t10 = texel(l, i + 1, j);
-    const float *t01 = texel(l, i, j + 1), *t11 = texel(l, i + 1, j + 1);
+/* Adds weight times the interpolated colour at (u, v). */
+static void add_bilinear(const level *l, float u, float v, float weight, float colour[3]) {
+    const float x = u * (float)l->width - 0.5f, y = v * (float)l->height - 0.5f;
+    const int64_t i = floor_of(x), j = floor_of(y);
+    const float right = x - (float)i, down = y - (float)j;
+    const float *above = l->rgb + 3 * l->width * wrap(j, l->height);
+    const float *below = l->rgb + 3 * l->width * wrap(j + 1, l->height);
+    const size_t column[2] = {3 * wrap(i, l->width), 3 * wrap(i + 1, l->width)};
+    const float share[2][2] = {{weight * (1 - down) * (1 - right), weight * (1 - down) * right},
+                               {weight * down * (1 - right), weight * down * right}};
     for (int c = 0; c < 3; c++)
-        colour[c] = (1 - fy) * ((1 - fx) * t00[c] + fx * t10[c]) + fy * ((1 - fx) * t01[c] + fx * t11[c]);
+        colour[c] += share[0][0] * above[column[0] + (size_t)c] + share[0][1] * above[column[1] + (size_t)c] +
+                     share[1][0] * below[column[0] + (size_t)c] + share[1][1] * below[column[1] + (size_t)c];
 }
 
-/* Adds share times the mean over the ellipse whose axes are long_axis and short_axis (any two conjugate radii), widened
- * by a texel so that it holds some. */
-static void add_ellipse(const texture *t, int number, float share, const double uv[2], const double long_axis[2],
-                        const double short_axis[2], float colour[3]) {
-    if (share == 0) return;
-    const level *l = &t->levels[number];
-    const double w = (double)l->width, h = (double)l->height;
-    const double x = uv[0] * w - 0.5, y = uv[1] * h - 0.5;
-    const double ax = long_axis[0] * w, ay = long_axis[1] * h, bx = short_axis[0] * w, by = short_axis[1] * h;
-
-    /* Inside: q(dx, dy) = a dx² + b dx dy + c dy² < 1. */
-    double a = ay * ay + by * by + 1, b = -2 * (ax * ay + bx * by), c = ax * ax + bx * bx + 1;
-    const double f = a * c - b * b / 4;
-    a /= f;
-    b /= f;
-    c /= f;
-    const double determinant = 4 * a * c - b * b;
-    const double half_width = 2 * sqrt(c / determinant), half_height = 2 * sqrt(a / determinant);
-    const int64_t x0 = (int64_t)ceil(x - half_width), x1 = (int64_t)floor(x + half_width);
-    const int64_t y0 = (int64_t)ceil(y - half_height), y1 = (int64_t)floor(y + half_height);
-
-    float sum[3] = {0, 0, 0}, total = 0;
-    for (int64_t j = y0; j <= y1; j++) {
-        const double dy = (double)j - y;
-        for (int64_t i = x0; i <= x1; i++) {
-            const double dx = (double)i - x, q = a * dx * dx + b * dx * dy + c * dy * dy;
-            if (!(q < 1)) continue;
-            const float weight = t->weight[(int)(q * WEIGHTS)];
-            const float *value = texel(l, i, j);
-            for (int k = 0; k < 3; k++) sum[k] += weight * value[k];
-            total += weight;
-        }
+/* Adds weight times the mean of count probes along an axis through uv. */
+static void add_probes(const level *l, const float uv[2], const float axis[2], int count, float weight,
+                       float colour[3]) {
+    const float step = 1 / (float)count;
+    for (int k = 0; k < count; k++) {
+        const float along = ((float)k + 0.5f) * step - 0.5f;
+        add_bilinear(l, uv[0] + along * axis[0], uv[1] + along * axis[1], weight * step, colour);
     }
-    if (total > 0)
-        for (int k = 0; k < 3; k++) colour[k] += share * sum[k] / total;
 }
 
-static double length(const double v[2]) { return sqrt(v[0] * v[0] + v[1] * v[1]); }
+/* Square of the length in texels of the image itself. */
+static float square_in_texels(const texture *t, const float v[2]) {
+    const float x = v[0] * (float)t->levels[0].width, y = v[1] * (float)t->levels[0].height;
+    return x * x + y * y;
+}
 
-void texture_lookup(const texture *t, const double uv[2], const double along_x[2], const double along_y[2],
+void texture_lookup(const texture *t, const float uv[2], const float along_x[2], const float along_y[2],
                     float colour[3]) {
-    const bool x_longer = length(along_x) > length(along_y);
-    const double *longer = x_longer ? along_x : along_y, *shorter = x_longer ? along_y : along_x;
-    double minor = length(shorter), fatter = 1;
-    const double major = length(longer);
-    if (minor * longest_ellipse < major && minor > 0) fatter = major / (minor * longest_ellipse);
-    minor *= fatter;
-    if (!(minor > 0) || !isfinite(major)) {
-        bilinear(&t->levels[0], uv, colour);
+    const float x = square_in_texels(t, along_x), y = square_in_texels(t, along_y);
+    const float major = x > y ? x : y, minor = fmaxf(x > y ? y : x, major / (probes_most * probes_most));
+    const float *axis = x > y ? along_x : along_y;
+    colour[0] = colour[1] = colour[2] = 0;
+    if (!(minor > 1)) {
+        /* Magnified, at least along the short axis: probes are a texel apart. */
+        const int count = major > 1 ? (int)ceilf(sqrtf(major)) : 1;
+        add_probes(&t->levels[0], uv, axis, count, 1, colour);
         return;
     }
     /* The level whose texels are as wide as the short axis. */
-    const size_t side = t->levels[0].width > t->levels[0].height ? t->levels[0].width : t->levels[0].height;
-    double number = log2(minor * (double)side);
-    number = number < 0 ? 0 : number;
-    colour[0] = colour[1] = colour[2] = 0;
-    if (number >= t->count - 1) {
-        for (int c = 0; c < 3; c++) colour[c] = t->levels[t->count - 1].rgb[c];
+    const float number = 0.5f * log2f(minor);
+    if (!(number < (float)(t->count - 1))) {
+        memcpy(colour, t->levels[t->count - 1].rgb, 3 * sizeof *colour);
         return;
     }
-    const int finer = (int)number;
-    const float share = (float)(number - finer);
-    const double axis[2] = {shorter[0] * fatter, shorter[1] * fatter};
-    add_ellipse(t, finer, 1 - share, uv, longer, axis, colour);
-    add_ellipse(t, finer + 1, share, uv, longer, axis, colour);
+    const int finer = (int)number, count = (int)ceilf(sqrtf(major / minor) - probes_slack);
+    const float share = number - (float)finer;
+    add_probes(&t->levels[finer], uv, axis, count, 1 - share, colour);
+    add_probes(&t->levels[finer + 1], uv, axis, count, share, colour);
 }

@@ -12,9 +12,9 @@ typedef struct texture texture;
 texture *texture_create(io_image *image);
 void texture_free(texture *t);
 
-/* Mean colour around (u, v), repeated beyond [0, 1), row 0 at v = 0. The axes of the ellipse to average over are the
- * changes of (u, v) from one sample to the next along the picture's x and y. */
-void texture_lookup(const texture *t, const double uv[2], const double along_x[2], const double along_y[2],
+/* Mean colour around (u, v), repeated beyond [0, 1), row 0 at v = 0, over the parallelogram between this sample and the
+ * next ones: the changes of (u, v) along the picture's x and y. */
+void texture_lookup(const texture *t, const float uv[2], const float along_x[2], const float along_y[2],
                     float colour[3]);
 
 #endif
