@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The pyramid walk over an array of rays: W rays are made ready together, those that leave the surface are cut short, a few
- * steps of the flat walk finish what is near, and what is left goes through the pyramid ray by ray. A stub includes a
- * vocabulary and then this body. */
+/* The pyramid kernels: which walk a ray takes. Groups of 16 rays are made ready W at a time; rays that climb out of the
+ * terrain are cut short (climb.inc.h); a few steps of the flat walk finish what is near (lanes.inc.h); what is left of a
+ * group shares its walk if it is coherent (shared.inc.h), else it is queued for the lane walk (stream.inc.h). Which way a
+ * ray takes never changes its hit. A stub includes a vocabulary and then this body. */
 
 #include "ray.inc.h"
 
@@ -82,8 +83,8 @@ enum { FLAT_STEPS = 6 };
 /* Fewer rays than this do not pay for making a fat ray of them. */
 enum { SHARE_AT_LEAST = 4 };
 
-/* The first n of a group of rays, of which the first is ray number base. Hits are written; rays that are to go on alone are
- * put into the queue. Returns the rays that hit so far, and adds to *queued. */
+/* The first n rays of a group, of which the first is ray number base of its batch. Returns the rays that hit, with their
+ * hits written unless any; rays that are to go on alone are put into the queue, and counted in *waiting. */
 CW_INLINE unsigned pyramid_group(const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, bool any, cw_hit *hits,
                                  queued *queue, size_t *waiting, uint32_t base) {
     lanes part[PARTS];
