@@ -22,7 +22,7 @@ typedef struct micro_options {
     bool longer, no_pin;
 } micro_options;
 
-/* What a contender needs built, seconds: median of the builds. */
+/* What a contender needs built. seconds: CPU time, median of the builds. */
 typedef struct micro_build {
     const char *name; /* a kernel's, or "embree/triangles" */
     double seconds;

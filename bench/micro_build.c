@@ -38,11 +38,12 @@ static bool build_kernel(micro_build *build, const workload_field *samples, cons
     while (go_on(&b)) {
         cw_field *field = NULL;
         cw_status status = cw_field_create(&desc, &field);
+        const double start = timing_cpu_seconds();
         if (status == CW_OK) status = cw_field_build(field, kernel);
+        b.seconds[b.count] = timing_cpu_seconds() - start;
         if (status == CW_OK) {
-            const cw_field_info info = cw_field_describe(field);
-            b.seconds[b.count++] = info.build_seconds;
-            bytes = info.bytes_built;
+            bytes = cw_field_describe(field).bytes_built;
+            b.count++;
         }
         cw_field_destroy(field);
         if (status != CW_OK)
@@ -72,7 +73,7 @@ bool micro_build_peer(micro_peer *peer, const cw_field *field, const peer_option
         peer_embree_destroy(peer->embree);
         peer->embree = peer_embree_create(field, options, error);
         if (peer->embree == NULL) return false;
-        b.seconds[b.count++] = peer_embree_describe(peer->embree).build_seconds;
+        b.seconds[b.count++] = peer_embree_describe(peer->embree).build_cpu_seconds;
     }
     peer->build.quality = options->quality == PEER_HIGH ? "high" : "medium";
     finish(&peer->build, &b, peer_embree_describe(peer->embree).bytes);

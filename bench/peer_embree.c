@@ -15,7 +15,7 @@ struct peer_embree {
     size_t nx, ny;
     bool grid;
     double cells_inverse; /* one over the cells of a row */
-    double build_seconds;
+    double build_seconds, build_cpu_seconds;
     _Atomic int64_t bytes;
 };
 
@@ -78,11 +78,12 @@ static bool build(peer_embree *p, const cw_field *field, const peer_options *o) 
     const bool filled = add_vertices(geometry, field, p->nx, p->ny, p->grid) &&
                         (p->grid ? add_grid(geometry, p->nx, p->ny) : add_triangles(geometry, p->nx, p->ny));
     if (filled) {
-        const double start = timing_seconds();
+        const double start = timing_seconds(), cpu_start = timing_cpu_seconds();
         rtcCommitGeometry(geometry);
         rtcAttachGeometry(p->scene, geometry);
         rtcCommitScene(p->scene);
         p->build_seconds = timing_seconds() - start;
+        p->build_cpu_seconds = timing_cpu_seconds() - cpu_start;
     }
     rtcReleaseGeometry(geometry);
     return filled && rtcGetDeviceError(p->device) == RTC_ERROR_NONE;
@@ -125,7 +126,9 @@ void peer_embree_destroy(peer_embree *p) {
 
 peer_info peer_embree_describe(const peer_embree *p) {
     const int64_t bytes = atomic_load(&p->bytes);
-    return (peer_info){.build_seconds = p->build_seconds, .bytes = bytes > 0 ? (size_t)bytes : 0};
+    return (peer_info){.build_seconds = p->build_seconds,
+                       .build_cpu_seconds = p->build_cpu_seconds,
+                       .bytes = bytes > 0 ? (size_t)bytes : 0};
 }
 
 bool peer_embree_is_native(const peer_embree *p, unsigned width) {

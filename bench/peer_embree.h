@@ -32,7 +32,8 @@ void peer_embree_destroy(peer_embree *peer);
 
 typedef struct peer_info {
     double build_seconds; /* one thread, vertex and index arrays not counted */
-    size_t bytes;         /* all that Embree allocated and holds, vertices and indices included */
+    double build_cpu_seconds;
+    size_t bytes; /* all that Embree allocated and holds, vertices and indices included */
 } peer_info;
 peer_info peer_embree_describe(const peer_embree *peer);
 

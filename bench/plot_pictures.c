@@ -332,7 +332,7 @@ bool plot_building(FILE *to, const json_t *lines) {
     fputs(
         "set multiplot layout 1,2 margins 0.09,0.98,0.22,0.80 spacing 0.11,0\nset xlabel 'samples a side'\nunset key\n",
         to);
-    static const char *const titles[] = {"bytes a cell, samples included", "seconds to build, one thread"};
+    static const char *const titles[] = {"bytes a cell, samples included", "CPU seconds to build, one thread"};
     for (size_t panel = 0; panel < 2; panel++) {
         fprintf(to, "set title '%s'\nset yrange [%g:%g]\nset format y '%%g'\nplot ", titles[panel],
                 panel ? ranges[1].low / 2 : 1, ranges[panel].high * 2);
