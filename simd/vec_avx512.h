@@ -30,9 +30,7 @@ static inline vfloat vf_div(vfloat a, vfloat b) { return (vfloat){_mm512_div_ps(
 static inline vfloat vf_min(vfloat a, vfloat b) { return (vfloat){_mm512_min_ps(a.v, b.v)}; }
 static inline vfloat vf_max(vfloat a, vfloat b) { return (vfloat){_mm512_max_ps(a.v, b.v)}; }
 static inline vfloat vf_abs(vfloat a) { return (vfloat){_mm512_abs_ps(a.v)}; }
-static inline vfloat vf_floor(vfloat a) {
-    return (vfloat){_mm512_roundscale_ps(a.v, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC)};
-}
+static inline vfloat vf_floor(vfloat a) { return (vfloat){_mm512_floor_ps(a.v)}; }
 
 static inline vmask vf_lt(vfloat a, vfloat b) { return (vmask){_mm512_cmp_ps_mask(a.v, b.v, _CMP_LT_OQ)}; }
 static inline vmask vf_le(vfloat a, vfloat b) { return (vmask){_mm512_cmp_ps_mask(a.v, b.v, _CMP_LE_OQ)}; }

@@ -11,6 +11,24 @@ if(CMOCKA_INCLUDE AND CMOCKA_LIBRARY)
     target_link_libraries(test_environment PRIVATE cellwalk_test_rays Threads::Threads)
     cellwalk_test(lanes lanes.c)
     target_link_libraries(test_lanes PRIVATE cellwalk_test_rays)
+
+    # The same with AVX-512 emulated, for the machines without it: these objects stand in for the library's own, which
+    # the linker then has no reason to take. The rest of such a build needs AVX2.
+    find_path(SIMDE_INCLUDE simde/x86/avx512.h)
+    if(CELLWALK_SIMD AND SIMDE_INCLUDE AND CMAKE_C_COMPILER_ID STREQUAL "GNU" AND NOT CELLWALK_SANITIZE)
+        add_library(cellwalk_emulated OBJECT ${PROJECT_SOURCE_DIR}/simd/packet16.c ${PROJECT_SOURCE_DIR}/simd/pyramid16.c)
+        target_include_directories(cellwalk_emulated PRIVATE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/src/core)
+        target_include_directories(cellwalk_emulated SYSTEM PRIVATE ${SIMDE_INCLUDE})
+        # Vectors wider than the machine's are passed in memory, of which GCC warns; all of it is one compile unit.
+        target_compile_options(cellwalk_emulated PRIVATE -mavx2 -mfma -ffp-contract=off -fno-math-errno -fno-trapping-math
+            -Wno-psabi -include ${CMAKE_CURRENT_SOURCE_DIR}/emulated_avx512.h)
+        cellwalk_test(lanes_avx512_emulated lanes.c ${PROJECT_SOURCE_DIR}/src/core/isa.c $<TARGET_OBJECTS:cellwalk_emulated>)
+        target_include_directories(test_lanes_avx512_emulated PRIVATE ${PROJECT_SOURCE_DIR}/src/core)
+        target_compile_definitions(test_lanes_avx512_emulated PRIVATE CELLWALK_MACHINE_ISA=CW_ISA_AVX512)
+        target_link_libraries(test_lanes_avx512_emulated PRIVATE cellwalk_test_rays)
+    else()
+        message(STATUS "Kernels for AVX-512 are tested only where the CPU has it (emulation: libsimde-dev, GCC, no sanitizer)")
+    endif()
 endif()
 
 if(CMOCKA_INCLUDE AND CMOCKA_LIBRARY AND GMP_INCLUDE AND GMP_LIBRARY)

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* AVX-512 for CPUs without it: SIMDe carries out its intrinsics, so that vec_avx512.h and the kernels 16 lanes wide are
+ * tested on any machine. Included ahead of a stub by the compiler's -include. What SIMDe lacks is written out here. */
+#ifndef CELLWALK_TESTS_EMULATED_AVX512_H
+#define CELLWALK_TESTS_EMULATED_AVX512_H
+
+#include <stdbool.h>
+
+#define SIMDE_ENABLE_NATIVE_ALIASES
+#include <simde/x86/avx512.h>
+
+static inline __m512 emulated_cvtepi32_ps(__m512i a) {
+    int32_t from[16];
+    float to[16];
+    _mm512_storeu_si512(from, a);
+    for (int k = 0; k < 16; k++) to[k] = (float)from[k];
+    return _mm512_loadu_ps(to);
+}
+#define _mm512_cvtepi32_ps emulated_cvtepi32_ps
+
+/* The instruction's answer for what no int32 holds is INT32_MIN. */
+static inline __m512i emulated_cvttps_epi32(__m512 a) {
+    float from[16];
+    int32_t to[16];
+    _mm512_storeu_ps(from, a);
+    for (int k = 0; k < 16; k++) to[k] = from[k] >= -0x1p31f && from[k] < 0x1p31f ? (int32_t)from[k] : INT32_MIN;
+    return _mm512_loadu_si512(to);
+}
+#define _mm512_cvttps_epi32 emulated_cvttps_epi32
+
+static inline __m512 emulated_mask_gather(__m512 other, __mmask16 m, __m512i index, const float *base) {
+    int32_t at[16];
+    float to[16];
+    _mm512_storeu_si512(at, index);
+    _mm512_storeu_ps(to, other);
+    for (int k = 0; k < 16; k++)
+        if (m >> k & 1) to[k] = base[at[k]];
+    return _mm512_loadu_ps(to);
+}
+#undef _mm512_i32gather_ps
+#undef _mm512_mask_i32gather_ps
+#define _mm512_i32gather_ps(index, base, scale)                emulated_mask_gather(_mm512_setzero_ps(), 0xffff, index, base)
+#define _mm512_mask_i32gather_ps(other, m, index, base, scale) emulated_mask_gather(other, m, index, base)
+
+static inline float emulated_mask_reduce(__mmask16 m, __m512 a, bool max) {
+    float from[16], best = max ? -__builtin_inff() : __builtin_inff();
+    _mm512_storeu_ps(from, a);
+    for (int k = 0; k < 16; k++)
+        if (m >> k & 1) best = (max ? from[k] > best : from[k] < best) ? from[k] : best;
+    return best;
+}
+#define _mm512_mask_reduce_max_ps(m, a) emulated_mask_reduce(m, a, true)
+#define _mm512_mask_reduce_min_ps(m, a) emulated_mask_reduce(m, a, false)
+
+#endif
