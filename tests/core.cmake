@@ -31,6 +31,17 @@ if(CMOCKA_INCLUDE AND CMOCKA_LIBRARY)
     endif()
 endif()
 
+# Old CPUs, emulated: up to SSE3, SSE4.2, AVX2.
+find_program(QEMU qemu-x86_64)
+if(QEMU AND TARGET test_lanes AND NOT CELLWALK_SANITIZE AND CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
+    foreach(cpu IN ITEMS core2duo Nehalem Haswell)
+        add_test(NAME lanes_${cpu} COMMAND ${CMAKE_COMMAND} -DQEMU=${QEMU} -DCPU=${cpu} -DTEST=$<TARGET_FILE:test_lanes>
+            -DLOG=${CMAKE_CURRENT_BINARY_DIR}/lanes_${cpu}.log -DSIMD=${CELLWALK_SIMD}
+            -P ${CMAKE_CURRENT_SOURCE_DIR}/old_cpu.cmake)
+        set_tests_properties(lanes_${cpu} PROPERTIES TIMEOUT 300 SKIP_REGULAR_EXPRESSION "SKIPPED")
+    endforeach()
+endif()
+
 if(CMOCKA_INCLUDE AND CMOCKA_LIBRARY AND GMP_INCLUDE AND GMP_LIBRARY)
     add_library(cellwalk_test_oracle STATIC exact.c judge.c oracle.c tally.c)
     target_include_directories(cellwalk_test_oracle PUBLIC ${GMP_INCLUDE})
