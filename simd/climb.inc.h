@@ -28,6 +28,7 @@ static inline vmask climb(vray *r, const struct cw_pyramid *p, vmask alive) {
         vfloat above = vf_set(p->high);
         for (int k = p->levels - 1; k >= 0; k--) {
             const cw_pyramid_level *l = &p->level[k];
+            count_lanes(COUNT_CLIMB, chain);
             const vfloat scale = vf_set(1 / l->side), side = vf_set(l->side);
             const vfloat i = vf_max(zero, vf_min(vf_floor(vf_mul(x, scale)), vf_set((float)(4 * l->across - 1))));
             const vfloat j = vf_max(zero, vf_min(vf_floor(vf_mul(y, scale)), vf_set((float)(4 * l->down - 1))));

@@ -87,12 +87,14 @@ static inline void lanes_clear(lanes *l) {
 static inline void lanes_step(lanes *l, const cw_field *f, cw_leaf leaf, bool any) {
     const vray *r = &l->r;
     vcell *c = &l->c;
+    count_lanes(COUNT_FLAT, l->alive);
     c->t0 = vf_max(vf_max(c->x_in, c->y_in), r->begin);
     c->t1 = vf_min(vf_min(c->x_out, c->y_out), r->end);
     vf_gather_pairs(f->z, l->sample, l->alive, &c->h00, &c->h10);
     vf_gather_pairs(f->z + f->stride, l->sample, l->alive, &c->h01, &c->h11);
     const vmask candidates = vm_and(l->alive, cell_gate(r, c));
     if (vm_any(candidates)) {
+        count_lanes(COUNT_LEAF, candidates);
         vhit h;
         const vmask now =
             leaf == CW_LEAF_WATERTIGHT ? wt_cell(r, c, candidates, any, &h) : mt_cell(r, c, candidates, &h);

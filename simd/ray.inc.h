@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* W rays made ready for a walk: the rules of src/scalar/strict.h, operation by operation. The vocabulary comes first. */
 
+#include "count.h"
 #include "field.h"
 
 #include <float.h>
@@ -11,6 +12,13 @@
 /* For bodies that take constant arguments (leaf test, kind of query) or a ray by pointer: unless it is inlined, a compiler
  * keeps the choice at run time and writes the ray's twenty vectors to the stack for the call. */
 #define CW_INLINE static inline __attribute__((always_inline))
+
+/* Counts an event with the lanes of a mask. */
+#ifdef CELLWALK_COUNT
+CW_INLINE void count_lanes(count_kind kind, vmask lanes) { count_step(kind, vm_bits(lanes)); }
+#else
+CW_INLINE void count_lanes(count_kind kind, vmask lanes) { (void)kind, (void)lanes; }
+#endif
 
 /* One axis of W rays; see strict_axis. */
 typedef struct vaxis {
@@ -101,6 +109,7 @@ static inline vmask make_rays(vray *r, const cw_field *f, const cw_ray *rays) {
     alive = vm_and(vm_andnot(alive, still), vf_le(r->t0, r->t1));
     alive = vm_and(alive, meets(r, r->t0, r->t1, vf_set(f->low), vf_set(f->high)));
     make_slab(r, f);
+    count_lanes(COUNT_RAY, alive);
     return alive;
 }
 

@@ -190,6 +190,7 @@ CW_INLINE unsigned shared_cell(const fat_ray *a, lanes part[PARTS], unsigned ray
                                const block_samples *s, int32_t i, int32_t j, cw_leaf leaf, bool any) {
     const float *z = s->z + (size_t)(j & 3) * s->stride + (i & 3);
     unsigned found = 0;
+    count_step(COUNT_SHARED_CELL, rays);
     for (size_t p = 0; p < PARTS; p++) {
         const vmask among = vm_from_bits(rays >> (p * W));
         if (!vm_any(among)) continue;
@@ -205,6 +206,7 @@ CW_INLINE unsigned shared_cell(const fat_ray *a, lanes part[PARTS], unsigned ray
         c.h11 = vf_set(z[s->stride + 1]);
         const vmask gate = vm_and(among, cell_gate(r, &c));
         if (!vm_any(gate)) continue;
+        count_lanes(COUNT_LEAF, gate);
         c.i = vf_set((float)i);
         c.j = vf_set((float)j);
         vhit h;
@@ -226,6 +228,7 @@ CW_INLINE unsigned shared_block(const fat_ray *a, lanes part[PARTS], ray_store s
                                 const cw_field *f, int32_t x, int32_t y, cw_leaf leaf, bool any, cw_hit *hits,
                                 unsigned *alone) {
     block_samples s;
+    count_step(COUNT_SHARED_BLOCK, rays);
     load_samples(&s, f, (size_t)(4 * x), (size_t)(4 * y));
     unsigned cells = fat_cells(a, &s, x, y), found = 0;
     if (FALL_APART * __builtin_popcount(rays) <= __builtin_popcount(cells) * (int)PARTS) {
@@ -260,6 +263,8 @@ CW_INLINE unsigned shared_walk(const fat_ray *a, lanes part[PARTS], ray_store st
     int level = top;
     int32_t x = 0, y = 0;
     unsigned mask = fat_open(a, &p->level[top], 0, 0), found = 0;
+    count_step(COUNT_SHARED, rays);
+    count_step(COUNT_SHARED_NODE, rays);
     for (;;) {
         while (mask == 0) {
             if (level == top) return found;
@@ -287,5 +292,6 @@ CW_INLINE unsigned shared_walk(const fat_ray *a, lanes part[PARTS], ray_store st
         x = cx;
         y = cy;
         mask = fat_open(a, &p->level[level], x, y);
+        count_step(COUNT_SHARED_NODE, rays);
     }
 }

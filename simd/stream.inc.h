@@ -57,6 +57,7 @@ static inline int32_t block_corner(float place, size_t samples) {
 /* Puts a ray into lane k, at the root of the pyramid or, if it is low, at its block: a ray that has just left the surface
  * then rises no further than it must. */
 static inline void refill_lane(stream_lanes *l, size_t k, const queued *q, const cw_field *f) {
+    count_step(COUNT_REFILL, 1);
     l->r.x_org[k] = q->x_org;
     l->r.x_dir[k] = q->x_dir;
     l->r.x_center[k] = q->x_center;
@@ -167,6 +168,7 @@ CW_INLINE vmask stream_leaf(const uint32_t ray[W], const vray *r, const cw_field
     vf_gather_pairs(f->z + f->stride, sample, waits, &c.h01, &c.h11);
     const vmask gate = vm_and(waits, cell_gate(r, &c));
     if (!vm_any(gate)) return gate;
+    count_lanes(COUNT_LEAF, gate);
     vhit h;
     const vmask found = leaf == CW_LEAF_WATERTIGHT ? wt_cell(r, &c, gate, any, &h) : mt_cell(r, &c, gate, &h);
     if (vm_any(found)) stream_hits(ray, vm_bits(found), &h, i, j, any, hits, occluded);
@@ -186,11 +188,14 @@ CW_INLINE void stream_step(stream_state *s, const uint32_t ray[W], const cw_fiel
     const vfloat x_out = crossing(&r->x, border_x), y_out = crossing(&r->y, border_y), out = vf_min(x_out, y_out);
     const vmask at_cell = vi_eq(level, zero), waits = vm_and(s->alive, at_cell);
     vmask moves = vm_andnot(s->alive, at_cell);
+    count_lanes(COUNT_STREAM, s->alive);
     if (__builtin_popcount(vm_bits(waits)) >= LEAF_AT || !vm_any(moves)) {
+        count_lanes(COUNT_ROUND, waits);
         const vmask found = stream_leaf(ray, r, f, waits, i, j, x_out, y_out, leaf, any, hits, occluded);
         s->alive = vm_andnot(s->alive, found);
         moves = vm_andnot(waits, found);
     } else {
+        count_lanes(COUNT_NODE, moves);
         const vint shift = vi_add(level, level), across = vi_set(p->across);
         const vint row = vi_mul(vi_shift_right(j, shift), across);
         const vint node = vi_add(vi_add(row, vi_shift_right(i, shift)), vi_lookup(first, level));
@@ -248,6 +253,7 @@ CW_INLINE void stream_walk(const cw_field *f, const queued *queue, size_t n, cw_
             living |= 1u << lane;
         }
         if (living == 0) return;
+        count_step(COUNT_RELOAD, living);
         load_rays(&s.r, &store.r);
         s.t = vf_load(store.t);
         s.pad_x = vf_load(store.pad_x);

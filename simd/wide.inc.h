@@ -82,6 +82,7 @@ CW_INLINE bool wide_block(const wide_ray *w, const cw_field *f, int32_t x, int32
                           cw_hit *hit) {
     const vray *r = &w->r;
     block_samples s;
+    count_step(COUNT_WIDE, 1);
     load_samples(&s, f, (size_t)(4 * x), (size_t)(4 * y));
     const float *row = first_row(&w->order, s.z, s.stride);
     const ptrdiff_t step = row_step(&w->order, s.stride);
@@ -101,6 +102,7 @@ CW_INLINE bool wide_block(const wide_ray *w, const cw_field *f, int32_t x, int32
         c.h11 = vf_load_block(row + s.stride + 1, step, &w->order, k);
         const vmask gate = cell_gate(r, &c);
         if (!vm_any(gate)) continue;
+        count_lanes(COUNT_LEAF, gate);
         c.i = vf_sub(border_x, below_x);
         c.j = vf_sub(border_y, below_y);
         vhit h;

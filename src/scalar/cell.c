@@ -5,6 +5,7 @@
  *
  * This is the plain form of the algorithm that the packet kernels vectorise, and their oracle. */
 
+#include "count.h"
 #include "kernels.h"
 #include "strict.h"
 #include "watertight.h"
@@ -34,7 +35,9 @@ static inline bool walk(const cw_field *f, const cw_ray *ray, cw_leaf leaf, cw_h
     size_t i = first_cell(&r.x, r.from, cells_x), j = first_cell(&r.y, r.from, cells_y);
     for (;;) { /* at most cells_x + cells_y times: each turn goes on along one axis and none turns back */
         strict_cell c;
+        count_step(COUNT_FLAT, 1);
         if (strict_gate(&c, &r, f, i, j)) {
+            count_step(COUNT_LEAF, 1);
             const bool found = leaf == CW_LEAF_WATERTIGHT
                                    ? wt_cell(&r, &c, hit)
                                    : mt_cell(&clean, r.tmin, r.tmax, i, j, c.h00, c.h10, c.h01, c.h11, hit);

@@ -8,6 +8,7 @@
  * voxel's t-range; the early form returns the first hit found, as the coursework did, and is kept so that its error can
  * be measured. */
 
+#include "count.h"
 #include "field.h"
 #include "kernels.h"
 #include "moller_trumbore.h"
@@ -174,8 +175,10 @@ static bool enter_grid(const struct cw_grid3d *g, const cw_ray *ray, grid_walk *
 static bool test_voxel(const struct cw_grid3d *g, const cw_field *f, const cw_ray *ray, const grid_walk *w,
                        cw_hit *best) {
     const size_t v = voxel_number(g, w->voxel);
+    count_step(COUNT_VOXEL, 1);
     bool found = false;
     for (uint32_t k = g->begin[v]; k < g->begin[v + 1]; k++) {
+        count_step(COUNT_TRIANGLE, 1);
         const size_t number = g->entry[k] >> TRIANGLE_BITS, i = number % f->nx, j = number / f->nx;
         const float *h = f->z + j * f->stride + i;
         const float h00 = h[0], h11 = h[f->stride + 1];

@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What a walk does, counted: calls of count_step stand where it steps, and are nothing unless CELLWALK_COUNT is defined.
+ * The build makes a second set of the kernels' objects with it, for cellwalk-bench alone; so what is counted is the
+ * code that is timed, and what is timed does not count. Both sets give the same hits. */
+#ifndef CELLWALK_CORE_COUNT_H
+#define CELLWALK_CORE_COUNT_H
+
+#include <stdint.h>
+
+/* Events, each with the lanes (or rays of a group) that took part in it. */
+typedef enum count_kind {
+    COUNT_RAY,          /* vectors of rays made ready; lanes: rays that may hit */
+    COUNT_CLIMB,        /* levels that climbing rays looked at */
+    COUNT_FLAT,         /* steps from cell to cell */
+    COUNT_STREAM,       /* turns of the lane walk; lanes: those that hold a ray */
+    COUNT_NODE,         /* of these, steps from node to node; lanes: those that take it, the rest wait at cells */
+    COUNT_ROUND,        /* of these, rounds of cell tests; lanes: those that wait for it */
+    COUNT_RELOAD,       /* stops of the lane walk to refill; lanes: those that hold a ray then */
+    COUNT_REFILL,       /* rays put into a lane */
+    COUNT_SHARED,       /* groups that share a walk; lanes: their rays */
+    COUNT_SHARED_NODE,  /* nodes that a group opened together */
+    COUNT_SHARED_BLOCK, /* blocks of 4 × 4 cells that a group came to; lanes: rays concerned */
+    COUNT_SHARED_CELL,  /* cells that a group looked at together */
+    COUNT_WIDE,         /* blocks that one ray took alone, 16 cells at once, since its group fell apart there */
+    COUNT_LEAF,         /* leaf tests: ray against the two triangles of a cell; lanes: rays that passed the gate */
+    COUNT_VOXEL,        /* voxels of the 3D grid */
+    COUNT_TRIANGLE,     /* triangles tested in them */
+    COUNT_KINDS
+} count_kind;
+
+#ifdef CELLWALK_COUNT
+
+typedef struct count_sum {
+    uint64_t events, lanes;
+} count_sum;
+
+/* Defined by whoever links the counting objects; for one thread. */
+extern count_sum cw_counts[COUNT_KINDS];
+
+/* One event in which these lanes take part. */
+static inline void count_step(count_kind kind, unsigned lanes) {
+    cw_counts[kind].events++;
+    cw_counts[kind].lanes += (uint64_t)__builtin_popcount(lanes);
+}
+
+#else
+
+static inline __attribute__((always_inline)) void count_step(count_kind kind, unsigned lanes) {
+    (void)kind, (void)lanes;
+}
+
+#endif
+
+#endif
