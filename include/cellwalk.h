@@ -151,8 +151,9 @@ CW_API float cw_field_sample(const cw_field *field, size_t i, size_t j);
 
 /* Points org + t · dir for t in [tmin, tmax], both ends included, in field space. dir need not have unit length. tmin
  * and tmax may be infinite; both are clamped to half of the largest float. A direction component of at most 2^-128, whose
- * reciprocal is no float, counts as zero. A ray with a NaN anywhere, an infinite origin or direction, a zero direction
- * or tmin > tmax misses. A ray that touches the surface hits it. */
+ * reciprocal is no float, counts as zero; one above 2^126, whose reciprocal is denormal, counts as infinite. A ray with a
+ * NaN anywhere, an infinite origin or direction, a zero direction or tmin > tmax misses. A ray that touches the surface
+ * hits it. */
 typedef struct cw_ray {
     float org[3];
     float tmin;

@@ -50,6 +50,9 @@ static inline vmask meets(const vray *r, vfloat t0, vfloat t1, vfloat low, vfloa
 
 static inline vmask has_inverse(vfloat inverse) { return vf_le(vf_abs(inverse), vf_set(FLT_MAX)); }
 
+/* False where the direction is NaN, infinite or so large that its inverse is denormal. */
+static inline vmask direction_counts(vfloat inverse) { return vf_ge(vf_abs(inverse), vf_set(FLT_MIN)); }
+
 /* Lanes that can be within the field on this axis. */
 static inline vmask make_axis(vaxis *a, vfloat org, vfloat dir, size_t samples) {
     const vfloat end = vf_set((float)(samples - 1)), zero = vf_set(0);
@@ -64,7 +67,7 @@ static inline vmask make_axis(vaxis *a, vfloat org, vfloat dir, size_t samples) 
     a->first = vf_select(a->up, zero, end);
     a->last = vf_select(a->up, end, zero);
     a->step = vf_select(a->up, vf_set(1), vf_set(-1));
-    return vm_or(moves, vm_and(vf_ge(org, zero), vf_le(org, end)));
+    return vm_and(direction_counts(inverse), vm_or(moves, vm_and(vf_ge(org, zero), vf_le(org, end))));
 }
 
 static inline void make_slab(vray *r, const cw_field *f) {
@@ -94,13 +97,14 @@ static inline vmask make_rays(vray *r, const cw_field *f, const cw_ray *rays) {
     vfloat c[8];
     vf_load_rays(rays, c);
     const vfloat zero = vf_set(0);
-    const vfloat poison = vf_add(vf_add(vf_add(vf_mul(c[0], zero), vf_mul(c[1], zero)), vf_mul(c[2], zero)),
-                                 vf_add(vf_add(vf_mul(c[4], zero), vf_mul(c[5], zero)), vf_mul(c[6], zero)));
+    const vfloat poison = vf_add(vf_add(vf_mul(c[0], zero), vf_mul(c[1], zero)), vf_mul(c[2], zero));
+    const vfloat inverse_z = vf_div(vf_set(1), c[6]);
     vmask alive = vm_and(vf_eq(poison, zero), vf_le(c[3], c[7]));
     alive = vm_and(alive, make_axis(&r->x, c[0], c[4], f->nx));
     alive = vm_and(alive, make_axis(&r->y, c[1], c[5], f->ny));
     r->oz = c[2];
-    r->dz = vf_select(has_inverse(vf_div(vf_set(1), c[6])), c[6], zero);
+    alive = vm_and(alive, direction_counts(inverse_z));
+    r->dz = vf_select(has_inverse(inverse_z), c[6], zero);
     const vmask still = vm_and(vm_and(vf_eq(r->x.dir, zero), vf_eq(r->y.dir, zero)), vf_eq(r->dz, zero));
     r->tmin = vf_max(c[3], vf_set(-FLT_MAX / 2));
     r->tmax = vf_min(c[7], vf_set(FLT_MAX / 2));

@@ -64,7 +64,7 @@ static inline vmask wt_cell(const vray *r, const vcell *c, vmask among, bool any
     }
     const vmask crosses = vm_xor(in_b, out_b);
     const vfloat k = vf_sub(c->i, c->j);
-    vfloat td = vf_mul(vf_sub(k, vf_sub(r->x.org, r->y.org)), vf_div(vf_set(1), vf_sub(r->x.dir, r->y.dir)));
+    vfloat td = vf_div(vf_sub(k, vf_sub(r->x.org, r->y.org)), vf_sub(r->x.dir, r->y.dir));
     td = vf_max(c->t0, vf_min(td, c->t1));
     const vfloat dd = vf_sub(height(r, td), wt_edge(c->h00, c->h11, wt_within(&r->x, td, c->i)));
     /* Up to the diagonal, or beyond it; without a crossing the one stretch from border to border. */

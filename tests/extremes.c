@@ -178,6 +178,22 @@ static void test_zero_and_denormal_components(void **state) {
     expect(2, 2, z, ray, 1, 1, "a component that counts as zero");
 }
 
+/* Up to 2^126, beyond which a reciprocal is denormal and a difference of two components may overflow. */
+static void test_long_directions(void **state) {
+    (void)state;
+    const float z[4] = {0, 0, 0, 0}, longest = 0x1p126f, beyond = nextafterf(longest, INFINITY);
+    cw_ray ray = {.org = {0.25f, 0.5f, 1}, .dir = {0, 0, -longest}, .tmin = -INFINITY, .tmax = INFINITY};
+    expect(2, 2, z, ray, 0x1p-126f, 0x1p-126f, "the longest direction that counts");
+    ray.dir[2] = -beyond;
+    expect(2, 2, z, ray, INFINITY, INFINITY, "too long in z");
+    ray.dir[2] = -1;
+    ray.dir[0] = beyond;
+    expect(2, 2, z, ray, INFINITY, INFINITY, "too long in x");
+    ray.dir[0] = 0;
+    ray.dir[1] = -FLT_MAX;
+    expect(2, 2, z, ray, INFINITY, INFINITY, "too long in y");
+}
+
 static void test_through_vertices(void **state) {
     (void)state;
     judge_class_on_all(RAY_VERTEX);
@@ -373,6 +389,7 @@ int main(void) {
         cmocka_unit_test(test_axis_parallel),
         cmocka_unit_test(test_vertical),
         cmocka_unit_test(test_zero_and_denormal_components),
+        cmocka_unit_test(test_long_directions),
         cmocka_unit_test(test_through_vertices),
         cmocka_unit_test(test_through_and_along_edges),
         cmocka_unit_test(test_in_plane),

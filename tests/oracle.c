@@ -324,7 +324,7 @@ const oracle_truth *oracle_trace(oracle *o, const cw_ray *ray) {
     o->ray = *ray;
     cw_ray *r = &o->ray;
     for (int c = 0; c < 3; c++) {
-        if (!isfinite(r->org[c]) || !isfinite(r->dir[c])) return &o->truth;
+        if (!isfinite(r->org[c]) || !(fabsf(r->dir[c]) <= 0x1p126f)) return &o->truth;
         r->dir[c] = counted(r->dir[c]);
     }
     if (!(r->tmin <= r->tmax) || (r->dir[0] == 0 && r->dir[1] == 0 && r->dir[2] == 0)) return &o->truth;

@@ -3,8 +3,8 @@
  * powers of two, so nothing is rounded. It shares no code with the library; only the structs of its header.
  *
  * The exact answer to a ray: the smallest t in [tmin, tmax] at which org + t · dir lies on a closed triangle without a
- * hole; with the header's conventions (direction components of at most 2^-128 are zero, t is clamped to half of the
- * largest float, NaN and zero directions miss).
+ * hole; with the header's conventions (direction components of at most 2^-128 are zero, those above 2^126 infinite, t is
+ * clamped to half of the largest float, NaN, infinite and zero directions miss).
  *
  * Judging a kernel, which computes in float, needs to know what rounding excuses. With d(t) the exact height of the ray
  * above the surface, E(t) the bound of papers/numerics.md on the error of a computed d, and delta(t) its bound on that

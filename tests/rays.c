@@ -182,6 +182,25 @@ static cw_ray with_range(const test_field *f, random_state *r) {
     return ray;
 }
 
+/* Every other one has any length that a float can have, so that its reciprocals and t come near the ends of the floats'
+ * range too; one in four of these is all but parallel to the diagonal, where the difference of directions is far smaller
+ * than they are. */
+static cw_ray scaled(const test_field *f, random_state *r) {
+    double p[3];
+    on_edge(f, r, p);
+    cw_ray ray = from_outside(f, r, p);
+    double length = pow(10, random_between(r, -30, 30));
+    if (random_below(r, 2)) {
+        if (random_below(r, 4) == 0)
+            ray.dir[1] = ray.dir[0] * (float)(1 + ldexp(random_unit(r), -(int)random_below(r, 24)));
+        const double longest = fmax(fmax(fabs((double)ray.dir[0]), fabs((double)ray.dir[1])), fabs((double)ray.dir[2]));
+        length = longest > 0 ? exp2(random_between(r, -129, 127)) / longest : 1;
+        ray.tmin = -INFINITY;
+    }
+    for (int c = 0; c < 3; c++) ray.dir[c] = (float)((double)ray.dir[c] * length);
+    return ray;
+}
+
 static cw_ray lattice(const test_field *f, random_state *r) {
     cw_ray ray = {.tmin = (float)random_below(r, 3) - 1, .tmax = random_below(r, 2) ? INFINITY : 2};
     const size_t side[2] = {f->nx, f->ny};
@@ -249,13 +268,8 @@ cw_ray ray_make(ray_class kind, const test_field *f, random_state *r) {
     }
     case RAY_ZEROS:
         return with_zeros(f, r);
-    case RAY_SCALED: {
-        on_edge(f, r, p);
-        ray = from_outside(f, r, p);
-        const double length = pow(10, random_between(r, -30, 30));
-        for (int c = 0; c < 3; c++) ray.dir[c] = (float)((double)ray.dir[c] * length);
-        return ray;
-    }
+    case RAY_SCALED:
+        return scaled(f, r);
     case RAY_RANGE:
         return with_range(f, r);
     case RAY_LATTICE:

@@ -18,7 +18,7 @@ typedef enum ray_class {
     RAY_OUTSIDE,    /* from up to 1000 cells off */
     RAY_FAR,        /* from up to 10^8 cells off */
     RAY_ZEROS,      /* components 0, -0, denormal or as small as counts as zero */
-    RAY_SCALED,     /* direction of length 1e-30 to 1e30 */
+    RAY_SCALED,     /* direction of length 1e-30 to 1e30, or of any length that a float can have */
     RAY_RANGE,      /* the t-range starts or ends on the surface, or within a cell, or is a point */
     RAY_LATTICE,    /* small integers and halves throughout, so that ties are exact */
     RAY_NOT_FINITE, /* NaN or infinity somewhere */

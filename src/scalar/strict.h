@@ -103,8 +103,9 @@ static inline void strict_slab(strict_ray *r, const cw_field *f) {
 /* False if the ray cannot hit: not a ray, or clear of the field's box. */
 static inline bool strict_ray_init(strict_ray *r, const cw_field *f, const cw_ray *ray) {
     const float *o = ray->org, *d = ray->dir;
-    const float poison = ((o[0] * 0 + o[1] * 0) + o[2] * 0) + ((d[0] * 0 + d[1] * 0) + d[2] * 0);
+    const float poison = (o[0] * 0 + o[1] * 0) + o[2] * 0;
     if (!(poison == 0 && ray->tmin <= ray->tmax)) return false;
+    if (!(ray_direction_counts(d[0]) && ray_direction_counts(d[1]) && ray_direction_counts(d[2]))) return false;
     const bool x = strict_axis_init(&r->x, o[0], d[0], f->nx), y = strict_axis_init(&r->y, o[1], d[1], f->ny);
     r->oz = o[2];
     r->dz = ray_direction(d[2]);

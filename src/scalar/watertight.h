@@ -85,9 +85,10 @@ static inline bool wt_cell(const strict_ray *r, const strict_cell *c, cw_hit *hi
     if (in_b == out_b) {
         found = wt_between(da, db);
     } else {
-        /* The diagonal x - i = y - j. A ray along it takes any t: the first comparison yields t1 for NaN. */
+        /* The diagonal x - i = y - j. A ray along it takes any t: the first comparison yields t1 for NaN. A quotient, as
+         * the reciprocal of a difference of small directions need not be a float. */
         const float k = (float)c->i - (float)c->j;
-        float td = (k - (r->x.org - r->y.org)) * (1.0f / (r->x.dir - r->y.dir));
+        float td = (k - (r->x.org - r->y.org)) / (r->x.dir - r->y.dir);
         td = max_second(c->t0, min_second(td, c->t1));
         const float dd = strict_height(r, td) - wt_edge(c->h00, c->h11, wt_within(&r->x, td, (float)c->i));
         found = wt_between(da, dd);
