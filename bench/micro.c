@@ -79,7 +79,8 @@ static bool check_options(micro_options *o, cw_isa *isa, io_error *error) {
     names[count++] = "all";
     if (!check_names(&o->leaves, "--leaf", names, count, 0, error)) return false;
 
-    if (!check_names(&o->peers, "--peer", peer_names, PEER_NAMES, peer_embree_version() ? 1 : 0, error)) return false;
+    if (!check_names(&o->peers, "--peer", peer_names, PEER_NAMES, peer_embree_version() && !o->counters ? 1 : 0, error))
+        return false;
 
     if (strcmp(o->quality, "high") != 0 && strcmp(o->quality, "medium") != 0)
         return io_fail(error, "--quality %s: must be high or medium", o->quality);
@@ -223,9 +224,14 @@ static bool run(const micro_options *o, cw_isa isa, io_output *out, io_error *er
             good = micro_group_run(g, o, left > 0 ? left / (double)groups : 0, error);
             groups--;
             if (good) {
-                micro_print_group(g);
-                summary_add(s, f, g);
-                good = micro_write_group(out, g, error);
+                if (o->counters) {
+                    micro_print_counts(g);
+                    good = micro_write_counts(out, g, error);
+                } else {
+                    micro_print_group(g);
+                    summary_add(s, f, g);
+                    good = micro_write_group(out, g, error);
+                }
             }
             micro_group_free(g);
         }
@@ -240,6 +246,8 @@ static bool run(const micro_options *o, cw_isa isa, io_output *out, io_error *er
 
 int micro_main(char **arguments, int count) {
     if (count > 0 && strcmp(arguments[0], "--compare") == 0) return compare_main(arguments + 1, count - 1);
+    for (int k = 0; k < count; k++)
+        if (strcmp(arguments[k], "--counters") == 0 && !counters_here()) return micro_run_counting(arguments, count);
     micro_options o = {.quality = "high", .seed = 1, .cpu = UINT64_MAX, .width = 0.02};
     bool help = false;
     const option options[] = {
@@ -270,6 +278,8 @@ int micro_main(char **arguments, int count) {
         {"--cpu", "N", "stay on this CPU; by default on the one that the program starts on", OPTION_COUNT, &o.cpu, 0,
          1023},
         {"--no-pin", NULL, "let the system move the program between CPUs", OPTION_FLAG, &o.no_pin, 0, 0},
+        {"--counters", NULL, "count steps, leaf tests, busy lanes and refills of the kernels instead of timing",
+         OPTION_FLAG, &o.counters, 0, 0},
         {"--long", NULL, "all fields, more rays, more time", OPTION_FLAG, &o.longer, 0, 0},
         {"--json", "FILE", "write JSON lines there", OPTION_TEXT, &o.json, 0, 0},
         {"--help", NULL, "this text", OPTION_FLAG, &help, 0, 0},
@@ -290,7 +300,7 @@ int micro_main(char **arguments, int count) {
     }
     if (o.count == 0) o.count = o.longer ? 262144 : 32768;
     if (o.seconds <= 0) o.seconds = o.longer ? 900 : 40;
-    if (o.pass <= 0) o.pass = o.longer ? 5 : 0.5;
+    if (o.pass <= 0) o.pass = o.longer || o.counters ? 5 : 0.5;
     if (!check_options(&o, &isa, &error)) goto usage_error;
     cw_isa_limit(isa);
 

@@ -5,6 +5,7 @@
 
 #include "agree.h"
 #include "contender.h"
+#include "counters.h"
 #include "measure.h"
 #include "options.h"
 #include "output.h"
@@ -20,6 +21,7 @@ typedef struct micro_options {
     uint64_t count, seed, cpu;
     double seconds, width, pass;
     bool longer, no_pin;
+    bool counters; /* count what the kernels do instead of timing them */
 } micro_options;
 
 /* What a contender needs built. seconds: CPU time, median of the builds. */
@@ -60,6 +62,7 @@ typedef struct micro_row {
     statistics seconds, ticks;
     bool converged;
     double cpu_share;
+    counter counts[COUNTERS_MAX]; /* of a pass, if the options ask for them */
     agreement agreement;
     double to_embree; /* Embree's best median over this one's: above 1 is faster than Embree; 0 without Embree */
 } micro_row;
@@ -75,17 +78,23 @@ typedef struct micro_group {
     double hit_share;
 } micro_group;
 
-/* Fills group->rows from the options, verifies and measures. on and c are given. seconds is for all that. */
+/* Fills group->rows from the options, verifies, and measures or counts. on and c are given. seconds is for all that. */
 bool micro_group_run(micro_group *group, const micro_options *options, double seconds, io_error *error);
 void micro_group_free(micro_group *group);
 
 /* Human text on standard output. */
 void micro_print_field(const micro_field *on);
 void micro_print_group(const micro_group *group);
+void micro_print_counts(const micro_group *group);
 
 /* JSON lines; does nothing if out->file is NULL. */
 bool micro_write_field(io_output *out, const micro_field *on, io_error *error);
 bool micro_write_group(io_output *out, const micro_group *group, io_error *error);
+bool micro_write_counts(io_output *out, const micro_group *group, io_error *error);
+
+/* Becomes the program whose kernels count, which lies beside this one, with the same arguments; returns an exit status
+ * only if that fails. */
+int micro_run_counting(char **arguments, int count);
 
 /* The program's subcommand; an exit status. arguments do not hold its name. */
 int micro_main(char **arguments, int count);

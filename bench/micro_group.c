@@ -126,7 +126,9 @@ static bool verify(micro_group *g, const micro_options *o, const contender *refe
             continue;
         }
         running++;
+        counters_reset();
         run_pass(&p);
+        counters_read(row->counts);
         if (any)
             agree_any(&row->agreement, g->on->field, g->rays, g->ray_count, expected.occluded, out.occluded, reference,
                       &row->contender);
@@ -185,7 +187,7 @@ bool micro_group_run(micro_group *g, const micro_options *o, double seconds, io_
     bool good = g->rays && expected.hits && expected.occluded && out.hits && out.occluded;
     if (good) g->ray_count = workload_rays_make(g->on->field, g->c, (uint32_t)o->seed, n, g->rays);
     good = good && g->ray_count > 0;
-    if (good && verify(g, o, &reference, expected, out)) {
+    if (good && verify(g, o, &reference, expected, out) && !o->counters) {
         const double left = end - timing_seconds();
         good = time_all(g, o, left > 0 ? left : 0, out);
     }
