@@ -149,27 +149,20 @@ bool compare_files(const char *path_a, const char *path_b, double margin, compar
 
 int compare_main(char **arguments, int count) {
     double margin = 0.02;
-    bool help = false;
     const option options[] = {
         {"--margin", "SHARE", "what may change between two runs of the same program (0.02)", OPTION_REAL, &margin, 0,
          10},
-        {"--help", NULL, "this text", OPTION_FLAG, &help, 0, 0},
     };
-    const size_t option_count = sizeof options / sizeof options[0];
-    io_error error = {{0}};
-    bool good = options_parse(options, option_count, arguments, &count, &error);
-    if (good && help) {
-        fputs(usage, stdout);
-        options_print(stdout, options, option_count);
-        return EXIT_SUCCESS;
-    }
-    if (good && count != 2) good = io_fail(&error, "two files of results are needed, not %d", count);
-    if (!good) {
-        fprintf(stderr, "cellwalk-bench compare: %s\nTry 'cellwalk-bench compare --help'.\n", error.text);
-        return 2;
-    }
+    const option_frame frame = {.command = "compare",
+                                .usage = usage,
+                                .options = options,
+                                .option_count = sizeof options / sizeof options[0],
+                                .loose = 2,
+                                .loose_what = "files of results"};
+    int status;
+    if (!options_begin(&frame, arguments, &count, &status)) return status;
     compare_counts counts;
+    io_error error;
     if (compare_files(arguments[0], arguments[1], margin, &counts, &error)) return EXIT_SUCCESS;
-    fprintf(stderr, "cellwalk-bench compare: %s\n", error.text);
-    return EXIT_FAILURE;
+    return options_failed("compare", &error);
 }

@@ -249,7 +249,6 @@ int micro_main(char **arguments, int count) {
     for (int k = 0; k < count; k++)
         if (strcmp(arguments[k], "--counters") == 0 && !counters_here()) return micro_run_counting(arguments, count);
     micro_options o = {.quality = "high", .seed = 1, .cpu = UINT64_MAX, .width = 0.02};
-    bool help = false;
     const option options[] = {
         {"--kernel", "NAMES", "only these kernels (cellwalk info lists them); all by default", OPTION_LIST, &o.kernels,
          0, 0},
@@ -282,26 +281,20 @@ int micro_main(char **arguments, int count) {
          OPTION_FLAG, &o.counters, 0, 0},
         {"--long", NULL, "all fields, more rays, more time", OPTION_FLAG, &o.longer, 0, 0},
         {"--json", "FILE", "write JSON lines there", OPTION_TEXT, &o.json, 0, 0},
-        {"--help", NULL, "this text", OPTION_FLAG, &help, 0, 0},
     };
-    const size_t option_count = sizeof options / sizeof options[0];
+    const option_frame frame = {.command = "micro",
+                                .usage = usage,
+                                .examples = examples,
+                                .options = options,
+                                .option_count = sizeof options / sizeof options[0]};
+    int status;
+    if (!options_begin(&frame, arguments, &count, &status)) return status;
     io_error error = {{0}};
     cw_isa isa = CW_ISA_SCALAR;
-    if (!options_parse(options, option_count, arguments, &count, &error)) goto usage_error;
-    if (help) {
-        fputs(usage, stdout);
-        options_print(stdout, options, option_count);
-        fputs(examples, stdout);
-        return EXIT_SUCCESS;
-    }
-    if (count > 0) {
-        io_fail(&error, "%s: micro takes options alone", arguments[0]);
-        goto usage_error;
-    }
     if (o.count == 0) o.count = o.longer ? 262144 : 32768;
     if (o.seconds <= 0) o.seconds = o.longer ? 900 : 40;
     if (o.pass <= 0) o.pass = o.longer || o.counters ? 5 : 0.5;
-    if (!check_options(&o, &isa, &error)) goto usage_error;
+    if (!check_options(&o, &isa, &error)) return options_misused("micro", &error);
     cw_isa_limit(isa);
 
     io_output out = {0};
@@ -311,9 +304,5 @@ int micro_main(char **arguments, int count) {
     return EXIT_SUCCESS;
 failure:
     io_output_discard(&out);
-    fprintf(stderr, "cellwalk-bench micro: %s\n", error.text);
-    return EXIT_FAILURE;
-usage_error:
-    fprintf(stderr, "cellwalk-bench micro: %s\nTry 'cellwalk-bench micro --help'.\n", error.text);
-    return 2;
+    return options_failed("micro", &error);
 }

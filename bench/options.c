@@ -83,3 +83,33 @@ void options_print(FILE *file, const option *options, size_t option_count) {
         fprintf(file, "  %s%s%s\n      %s\n", options[k].name, options[k].value ? " " : "",
                 options[k].value ? options[k].value : "", options[k].help);
 }
+
+int options_misused(const char *command, const io_error *error) {
+    fprintf(stderr, "cellwalk-bench %s: %s\nTry 'cellwalk-bench %s --help'.\n", command, error->text, command);
+    return 2;
+}
+
+int options_failed(const char *command, const io_error *error) {
+    fprintf(stderr, "cellwalk-bench %s: %s\n", command, error->text);
+    return EXIT_FAILURE;
+}
+
+bool options_begin(const option_frame *frame, char **arguments, int *count, int *status) {
+    io_error error = {{0}};
+    for (int k = 0; k < *count; k++)
+        if (strcmp(arguments[k], "--help") == 0) {
+            fputs(frame->usage, stdout);
+            options_print(stdout, frame->options, frame->option_count);
+            fputs("  --help\n      this text\n", stdout);
+            if (frame->examples) fputs(frame->examples, stdout);
+            *status = EXIT_SUCCESS;
+            return false;
+        }
+    bool good = options_parse(frame->options, frame->option_count, arguments, count, &error);
+    if (good && *count > 0 && frame->loose == 0)
+        good = io_fail(&error, "%s: %s takes options alone", arguments[0], frame->command);
+    if (good && *count != frame->loose)
+        good = io_fail(&error, "%d %s are needed, not %d", frame->loose, frame->loose_what, *count);
+    if (!good) *status = options_misused(frame->command, &error);
+    return good;
+}

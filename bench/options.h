@@ -34,4 +34,23 @@ bool options_parse(const option *options, size_t option_count, char **arguments,
 /* The options, one paragraph each. */
 void options_print(FILE *file, const option *options, size_t option_count);
 
+/* What every subcommand begins with. --help need not be among the options. */
+typedef struct option_frame {
+    const char *command;  /* "report", for messages */
+    const char *usage;    /* what --help begins with, the title of the options included */
+    const char *examples; /* what it ends with, or NULL */
+    const option *options;
+    size_t option_count;
+    int loose;              /* how many arguments besides options there have to be */
+    const char *loose_what; /* what they are, in the plural; NULL if there are none */
+} option_frame;
+
+/* True if the work is to be done, with arguments that are not options left over. Else *status is what the program ends
+ * with: help has been printed, or on standard error what is wrong with the arguments. */
+bool options_begin(const option_frame *frame, char **arguments, int *count, int *status);
+
+/* Prints the error with the command's name; what to end with: 2 if the arguments were wrong, 1 if the work failed. */
+int options_misused(const char *command, const io_error *error);
+int options_failed(const char *command, const io_error *error);
+
 #endif

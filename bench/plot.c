@@ -125,28 +125,19 @@ static bool run(const char *json, const char *directory, io_error *error) {
 
 int plot_main(char **arguments, int count) {
     const char *json = NULL, *directory = NULL;
-    bool help = false;
     const option options[] = {
         {"--json", "FILE", "the results: what micro --json wrote", OPTION_TEXT, &json, 0, 0},
         {"--out", "DIR", "where to put the pictures", OPTION_TEXT, &directory, 0, 0},
-        {"--help", NULL, "this text", OPTION_FLAG, &help, 0, 0},
     };
-    const size_t option_count = sizeof options / sizeof options[0];
+    const option_frame frame = {
+        .command = "plot", .usage = usage, .options = options, .option_count = sizeof options / sizeof options[0]};
+    int status;
+    if (!options_begin(&frame, arguments, &count, &status)) return status;
     io_error error = {{0}};
-    bool good = options_parse(options, option_count, arguments, &count, &error);
-    if (good && help) {
-        fputs(usage, stdout);
-        options_print(stdout, options, option_count);
-        return EXIT_SUCCESS;
-    }
-    if (good && count > 0) good = io_fail(&error, "%s: plot takes options alone", arguments[0]);
+    bool good = true;
     if (good && json == NULL) good = io_fail(&error, "--json: the file of results is missing");
     if (good && directory == NULL) good = io_fail(&error, "--out: the directory is missing");
-    if (!good) {
-        fprintf(stderr, "cellwalk-bench plot: %s\nTry 'cellwalk-bench plot --help'.\n", error.text);
-        return 2;
-    }
+    if (!good) return options_misused("plot", &error);
     if (run(json, directory, &error)) return EXIT_SUCCESS;
-    fprintf(stderr, "cellwalk-bench plot: %s\n", error.text);
-    return EXIT_FAILURE;
+    return options_failed("plot", &error);
 }

@@ -156,29 +156,21 @@ static bool run(const char *json, const char *into, const char *mark, bool brief
 
 int report_main(char **arguments, int count) {
     const char *json = NULL, *into = NULL, *mark = NULL;
-    bool brief = false, help = false;
+    bool brief = false;
     const option options[] = {
         {"--json", "FILE", "the results: table.json, or what micro --json wrote", OPTION_TEXT, &json, 0, 0},
         {"--into", "FILE", "the page to put them into; without it they are printed", OPTION_TEXT, &into, 0, 0},
         {"--mark", "NAME", "the markers' name; by default table or micro", OPTION_TEXT, &mark, 0, 0},
         {"--brief", NULL, "of a table: only times and tracing speed", OPTION_FLAG, &brief, 0, 0},
-        {"--help", NULL, "this text", OPTION_FLAG, &help, 0, 0},
     };
-    const size_t option_count = sizeof options / sizeof options[0];
+    const option_frame frame = {
+        .command = "report", .usage = usage, .options = options, .option_count = sizeof options / sizeof options[0]};
+    int status;
+    if (!options_begin(&frame, arguments, &count, &status)) return status;
     io_error error = {{0}};
-    bool good = options_parse(options, option_count, arguments, &count, &error);
-    if (good && help) {
-        fputs(usage, stdout);
-        options_print(stdout, options, option_count);
-        return EXIT_SUCCESS;
-    }
-    if (good && count > 0) good = io_fail(&error, "%s: report takes options alone", arguments[0]);
+    bool good = true;
     if (good && json == NULL) good = io_fail(&error, "--json: the file of results is missing");
-    if (!good) {
-        fprintf(stderr, "cellwalk-bench report: %s\nTry 'cellwalk-bench report --help'.\n", error.text);
-        return 2;
-    }
+    if (!good) return options_misused("report", &error);
     if (run(json, into, mark, brief, &error)) return EXIT_SUCCESS;
-    fprintf(stderr, "cellwalk-bench report: %s\n", error.text);
-    return EXIT_FAILURE;
+    return options_failed("report", &error);
 }

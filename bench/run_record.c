@@ -36,6 +36,23 @@ double run_memory_available(void) {
     return strtod(kibibytes, NULL) * 1024;
 }
 
+static char arguments_text[4096];
+
+/* Words that a shell would take apart are quoted. */
+static void append_word(char *text, size_t size, const char *word) {
+    size_t used = strlen(text);
+    if (used > 0 && used + 1 < size) text[used++] = ' ';
+    text[used] = '\0';
+    const bool plain = *word != '\0' && strspn(word, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+                                                     "-_=+,./:@%") == strlen(word);
+    snprintf(text + used, size - used, plain ? "%s" : "'%s'", word);
+}
+
+void run_record_arguments(char **arguments, int count) {
+    arguments_text[0] = '\0';
+    for (int k = 0; k < count; k++) append_word(arguments_text, sizeof arguments_text, arguments[k]);
+}
+
 json_t *run_record(const char *command, uint32_t seed, int cpu) {
     char model[256], cache[64], date[32];
     proc_value("/proc/cpuinfo", "model name", model, sizeof model);
@@ -48,6 +65,7 @@ json_t *run_record(const char *command, uint32_t seed, int cpu) {
     json_t *record = json_object();
     results_set_text(record, "kind", "run");
     results_set_text(record, "command", command);
+    results_set_text(record, "arguments", arguments_text);
     results_set_text(record, "cellwalk", CW_VERSION);
     results_set_text(record, "cpu", model);
     results_set_text(record, "cache", cache);

@@ -8,6 +8,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* Keeps the arguments that the program was started with, its name not among them, for the record: as one may type them
+ * after "cellwalk-bench". To be called before anything takes them apart. */
+void run_record_arguments(char **arguments, int count);
+
 /* A JSON object of kind "run"; NULL if out of memory. cpu is where the process is pinned to, or -1. */
 json_t *run_record(const char *command, uint32_t seed, int cpu);
 

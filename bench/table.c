@@ -161,7 +161,6 @@ int table_main(char **arguments, int count) {
                        .seed = 1,
                        .cpu = UINT64_MAX,
                        .width = 0.02};
-    bool help = false;
     const option options[] = {
         {"--out", "FOLDER", "where to save table.md, .csv and .json; made if need be (out/table)", OPTION_TEXT, &o.out,
          0, 0},
@@ -186,24 +185,15 @@ int table_main(char **arguments, int count) {
          1023},
         {"--no-pin", NULL, "let the system move the program between CPUs", OPTION_FLAG, &o.no_pin, 0, 0},
         {"--quick", NULL, "one sample a pixel, fewer rounds: a first look", OPTION_FLAG, &o.quick, 0, 0},
-        {"--help", NULL, "this text", OPTION_FLAG, &help, 0, 0},
     };
-    const size_t option_count = sizeof options / sizeof options[0];
+    const option_frame frame = {
+        .command = "table", .usage = usage, .options = options, .option_count = sizeof options / sizeof options[0]};
+    int status;
+    if (!options_begin(&frame, arguments, &count, &status)) return status;
     io_error error = {{0}};
-    bool good = options_parse(options, option_count, arguments, &count, &error);
-    if (good && help) {
-        fputs(usage, stdout);
-        options_print(stdout, options, option_count);
-        return EXIT_SUCCESS;
-    }
-    if (good && count > 0) good = io_fail(&error, "%s: table takes options alone", arguments[0]);
     if (o.seconds <= 0) o.seconds = o.quick ? 15 : 120;
     if (o.quick && o.samples == 0) o.samples = 1;
-    if (!good || !check(&o, &error)) {
-        fprintf(stderr, "cellwalk-bench table: %s\nTry 'cellwalk-bench table --help'.\n", error.text);
-        return 2;
-    }
+    if (!check(&o, &error)) return options_misused("table", &error);
     if (run(&o, &error)) return EXIT_SUCCESS;
-    fprintf(stderr, "cellwalk-bench table: %s\n", error.text);
-    return EXIT_FAILURE;
+    return options_failed("table", &error);
 }
