@@ -20,7 +20,7 @@ cw_status contender_from_kernel(contender *c, kernel_contender *k, cw_field *fie
     if (leaf == CW_LEAF_DEFAULT) leaf = info.default_leaf;
     if (!info.available) return CW_ERROR_UNAVAILABLE;
     *k = (kernel_contender){.field = field, .query = {.kernel = kernel, .leaf = leaf}};
-    *c = (contender){.width = info.width, .self = k, .closest = closest, .any = any};
+    *c = (contender){.width = info.width, .threads = 1, .self = k, .closest = closest, .any = any};
     snprintf(c->name, sizeof c->name, "%s/%s", info.name, cw_leaf_name(leaf));
     cw_status status = cw_field_build(field, kernel);
     if (status == CW_OK) status = cw_closest(field, &k->query, NULL, 0, NULL);

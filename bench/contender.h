@@ -9,7 +9,7 @@ enum { CONTENDER_NAME = 64 };
 
 typedef struct contender {
     char name[CONTENDER_NAME]; /* "packet8/watertight", "embree/triangles/w8" */
-    unsigned width;
+    unsigned width, threads;
     bool embree;      /* counts for "Embree's best width" */
     const void *self; /* given to the functions */
     void (*closest)(const void *self, const cw_ray *rays, size_t n, cw_hit *hits);

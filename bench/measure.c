@@ -27,8 +27,9 @@ static void take_sample(measure_job *job, samples *s) {
     job->run(job->context);
     const uint64_t last = timing_ticks();
     const double cpu = timing_cpu_seconds() - cpu_start, seconds = timing_seconds() - start;
-    s->seconds[s->n] = cpu;
-    s->ticks[s->n++] = (double)(last - first) * (cpu / seconds);
+    const double counts = job->by_clock ? seconds : cpu;
+    s->seconds[s->n] = counts;
+    s->ticks[s->n++] = (double)(last - first) * (counts / seconds);
     s->spent += seconds;
     s->cpu += cpu;
 }

@@ -20,10 +20,12 @@ typedef struct measure_limits {
 typedef struct measure_job {
     void (*run)(void *context);
     void *context;
-    /* Results for a run, which is to use one thread: seconds of CPU time, and the ticks that the time stamp counter made
-     * in that time. */
+    /* What is timed: CPU time of the process, for a run that uses one thread, or the clock's, for one that may use more. */
+    bool by_clock;
+    /* Results for a run: seconds, and the ticks that the time stamp counter made in that time. */
     statistics seconds, ticks;
-    double cpu_share; /* CPU time over the clock's time, all runs together: below 1 where other programs got between */
+    double cpu_share; /* CPU time over the clock's time, all runs together: below the number of threads where other
+                       * programs got between */
     bool converged;
 } measure_job;
 

@@ -18,7 +18,9 @@ static const char *const usage =
     "class\n"
     "of rays all contenders are verified against the plain cell walk, then timed in rounds, each round in another "
     "order,\n"
-    "on one thread. Times are CPU time, so that other programs on the machine disturb less. The numbers:\n"
+    "on one thread unless --threads says more. Times are CPU time, so that other programs on the machine disturb "
+    "less.\n"
+    "The numbers:\n"
     "  Mrays/s    millions of rays a second, from the median time\n"
     "  CI +-%     half of the median's 97.5 % confidence interval; ! marks one that did not get narrow enough in time, "
     "?\n"
@@ -58,6 +60,35 @@ static bool check_names(option_list *list, const char *flag, const char *const *
     return true;
 }
 
+static bool check_threads(micro_options *o, io_error *error) {
+    if (o->threads.count == 0) o->threads.items[o->threads.count++] = "1";
+    if (o->threads.count > MICRO_THREADS_MAX)
+        return io_fail(error, "--threads: more than %d numbers", MICRO_THREADS_MAX);
+    for (size_t t = 0; t < o->threads.count; t++) {
+        char *end;
+        const long value = strtol(o->threads.items[t], &end, 10);
+        if (*end != '\0' || value < 1 || value > 1024)
+            return io_fail(error, "--threads %s: must be a whole number from 1 to 1024", o->threads.items[t]);
+        o->thread_counts[t] = (unsigned)value;
+        if (value > 1) o->by_clock = o->no_pin = true;
+    }
+    if (o->by_clock && o->counters) return io_fail(error, "--counters: counts are those of one thread");
+    return true;
+}
+
+static bool open_pools(micro_options *o, io_error *error) {
+    for (size_t t = 0; t < o->threads.count; t++) {
+        if (o->thread_counts[t] == 1) continue;
+        const cw_status status = cw_pool_create(o->thread_counts[t], &o->pools[t]);
+        if (status != CW_OK) return io_fail(error, "--threads %u: %s", o->thread_counts[t], cw_status_message(status));
+    }
+    return true;
+}
+
+static void close_pools(micro_options *o) {
+    for (size_t t = 0; t < o->threads.count; t++) cw_pool_destroy(o->pools[t]);
+}
+
 static const char *const peer_names[] = {"triangles", "grid", "triangles-robust", "grid-robust", "none"};
 enum { PEER_NAMES = sizeof peer_names / sizeof peer_names[0] };
 
@@ -72,7 +103,13 @@ static bool check_options(micro_options *o, cw_isa *isa, io_error *error) {
     if (!check_names(&o->fields, "--field", names, count, o->longer ? count : 3, error)) return false;
 
     for (count = 0; count < WORKLOAD_CLASS_COUNT; count++) names[count] = workload_class_name((workload_class)count);
-    if (!check_names(&o->rays, "--rays", names, count, count, error)) return false;
+    names[count] = "none";
+    if (!check_names(&o->rays, "--rays", names, count + 1, count, error)) return false;
+    for (size_t k = 0; k < o->rays.count; k++) {
+        if (strcmp(o->rays.items[k], "none") != 0) continue;
+        if (o->rays.count > 1) return io_fail(error, "--rays none: and no other class");
+        o->rays.count = 0;
+    }
 
     count = 0;
     for (int leaf = 1; leaf < CW_LEAF_COUNT; leaf++) names[count++] = cw_leaf_name((cw_leaf)leaf);
@@ -82,6 +119,7 @@ static bool check_options(micro_options *o, cw_isa *isa, io_error *error) {
     if (!check_names(&o->peers, "--peer", peer_names, PEER_NAMES, peer_embree_version() && !o->counters ? 1 : 0, error))
         return false;
 
+    if (!check_threads(o, error)) return false;
     if (strcmp(o->quality, "high") != 0 && strcmp(o->quality, "medium") != 0)
         return io_fail(error, "--quality %s: must be high or medium", o->quality);
     *isa = cw_isa_best();
@@ -127,6 +165,7 @@ static bool open_field(micro_field *on, const char *name, const micro_options *o
     desc.storage = CW_BORROW;
     const cw_status status = cw_field_create(&desc, &on->field);
     if (status != CW_OK) return io_fail(error, "field %s: %s", name, cw_status_message(status));
+    on->default_kernel = cw_kernel_describe(cw_query_kernel(on->field, NULL)).name;
     for (size_t p = 0; p + 1 < PEER_NAMES; p++) {
         bool wanted = false;
         for (size_t k = 0; k < o->peers.count; k++) wanted = wanted || strcmp(o->peers.items[k], peer_names[p]) == 0;
@@ -190,6 +229,16 @@ static void summary_print(const summary *s, const micro_options *o) {
     if (partial) printf("  * not all classes: the others would have taken too long\n");
 }
 
+/* "1, 2" in the record of a run. */
+static void set_threads(json_t *record, const micro_options *o) {
+    char text[128] = "";
+    for (size_t t = 0; t < o->threads.count; t++) {
+        const size_t used = strlen(text);
+        snprintf(text + used, sizeof text - used, "%s%u", t ? ", " : "", o->thread_counts[t]);
+    }
+    results_set_text(record, "threads", text);
+}
+
 static workload_class class_of(const char *name) {
     int c = 0;
     while (strcmp(workload_class_name((workload_class)c), name) != 0) c++;
@@ -202,6 +251,7 @@ static bool run(const micro_options *o, cw_isa isa, io_output *out, io_error *er
         return io_fail(error, "--cpu %d: the system does not allow this process there", (int)o->cpu);
     json_t *record = run_record("micro", (uint32_t)o->seed, cpu);
     char text[512];
+    if (o->by_clock) set_threads(record, o);
     run_record_text(record, text, sizeof text);
     printf("%s\n", text);
     if (!results_write(out, record, error)) return false;
@@ -252,8 +302,10 @@ int micro_main(char **arguments, int count) {
     const option options[] = {
         {"--kernel", "NAMES", "only these kernels (cellwalk info lists them); all by default", OPTION_LIST, &o.kernels,
          0, 0},
-        {"--rays", "NAMES", "only these classes: primary, shadow, ao, bounce, random, grazing", OPTION_LIST, &o.rays, 0,
-         0},
+        {"--rays", "NAMES",
+         "only these classes: primary, shadow, ao, bounce, random, grazing; or none, to "
+         "build alone",
+         OPTION_LIST, &o.rays, 0, 0},
         {"--field", "NAMES",
          "65, 257, 1025 (these by default), 4097, 8193, sea-calm, sea-rough (these too with --long)", OPTION_LIST,
          &o.fields, 0, 0},
@@ -261,6 +313,9 @@ int micro_main(char **arguments, int count) {
          &o.leaves, 0, 0},
         {"--peer", "NAMES", "Embree as triangles (default), grid, triangles-robust, grid-robust; or none", OPTION_LIST,
          &o.peers, 0, 0},
+        {"--threads", "NUMBERS",
+         "how many threads a query of a kernel has (1); with more than one all is timed by the clock", OPTION_LIST,
+         &o.threads, 0, 0},
         {"--quality", "HIGH", "Embree's build quality: high (default) or medium, which is its own default", OPTION_TEXT,
          &o.quality, 0, 0},
         {"--isa", "NAME", "instruction set for all, Embree as well: scalar, sse4.2, avx2 or avx512", OPTION_TEXT,
@@ -299,7 +354,9 @@ int micro_main(char **arguments, int count) {
 
     io_output out = {0};
     if (o.json && !io_output_open(&out, o.json, &error)) goto failure;
-    if (!run(&o, isa, &out, &error)) goto failure;
+    const bool good = open_pools(&o, &error) && run(&o, isa, &out, &error);
+    close_pools(&o);
+    if (!good) goto failure;
     if (o.json && !io_output_commit(&out, &error)) goto failure;
     return EXIT_SUCCESS;
 failure:

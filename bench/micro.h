@@ -13,14 +13,19 @@
 #include "ray_classes.h"
 #include "workload_fields.h"
 
-enum { MICRO_CONTENDERS_MAX = 96, MICRO_PEERS_MAX = 4, MICRO_KERNELS_MAX = 32 };
+enum { MICRO_CONTENDERS_MAX = 96, MICRO_PEERS_MAX = 4, MICRO_KERNELS_MAX = 32, MICRO_THREADS_MAX = 16 };
 
 typedef struct micro_options {
-    option_list kernels, rays, fields, leaves, peers;
+    option_list kernels, rays, fields, leaves, peers, threads;
     const char *isa, *quality, *json;
     uint64_t count, seed, cpu;
     double seconds, width, pass;
     bool longer, no_pin;
+    /* Thread counts to run each kernel with, and a pool for each above 1, else NULL. More than one thread is timed by the
+     * clock, and then everything is. */
+    unsigned thread_counts[MICRO_THREADS_MAX];
+    cw_pool *pools[MICRO_THREADS_MAX];
+    bool by_clock;
     bool counters; /* count what the kernels do instead of timing them */
 } micro_options;
 
@@ -42,6 +47,7 @@ typedef struct micro_peer {
 typedef struct micro_field {
     workload_field samples;
     cw_field *field;
+    const char *default_kernel; /* what the library would choose for it */
     micro_peer peers[MICRO_PEERS_MAX];
     size_t peer_count;
     micro_build builds[MICRO_KERNELS_MAX]; /* of the kernels that need something built */

@@ -21,15 +21,23 @@ static micro_row *new_row(micro_group *g) {
     return row;
 }
 
-static bool add_kernel(micro_group *g, const cw_kernel *kernel, cw_leaf leaf, io_error *error) {
-    micro_row *row = new_row(g);
-    if (row == NULL) return io_fail(error, "more than %d contenders", MICRO_CONTENDERS_MAX);
-    const cw_status status = contender_from_kernel(&row->contender, &row->kernel, g->on->field, kernel, leaf);
-    if (status == CW_ERROR_UNAVAILABLE || status == CW_ERROR_UNSUPPORTED) return true;
-    if (status != CW_OK)
-        return io_fail(error, "%s on field %s: %s", cw_kernel_describe(kernel).name, g->on->samples.name,
-                       cw_status_message(status));
-    g->row_count++;
+static bool add_kernel(micro_group *g, const micro_options *o, const cw_kernel *kernel, cw_leaf leaf, io_error *error) {
+    for (size_t t = 0; t < o->threads.count; t++) {
+        micro_row *row = new_row(g);
+        if (row == NULL) return io_fail(error, "more than %d contenders", MICRO_CONTENDERS_MAX);
+        const cw_status status = contender_from_kernel(&row->contender, &row->kernel, g->on->field, kernel, leaf);
+        if (status == CW_ERROR_UNAVAILABLE || status == CW_ERROR_UNSUPPORTED) return true;
+        if (status != CW_OK)
+            return io_fail(error, "%s on field %s: %s", cw_kernel_describe(kernel).name, g->on->samples.name,
+                           cw_status_message(status));
+        row->contender.threads = o->thread_counts[t];
+        row->kernel.query.pool = o->pools[t];
+        if (o->pools[t]) {
+            const size_t used = strlen(row->contender.name);
+            snprintf(row->contender.name + used, sizeof row->contender.name - used, "/t%u", o->thread_counts[t]);
+        }
+        g->row_count++;
+    }
     return true;
 }
 
@@ -37,10 +45,11 @@ static bool add_kernels(micro_group *g, const micro_options *o, io_error *error)
     for (size_t k = 0; k < cw_kernel_count(); k++) {
         const cw_kernel *kernel = cw_kernel_at(k);
         if (o->kernels.count && !listed(&o->kernels, cw_kernel_describe(kernel).name)) continue;
-        if (o->leaves.count == 0 && !add_kernel(g, kernel, CW_LEAF_DEFAULT, error)) return false;
+        if (o->leaves.count == 0 && !add_kernel(g, o, kernel, CW_LEAF_DEFAULT, error)) return false;
         for (int leaf = 1; leaf < CW_LEAF_COUNT; leaf++) {
             const char *name = cw_leaf_name((cw_leaf)leaf);
-            if ((listed(&o->leaves, name) || listed(&o->leaves, "all")) && !add_kernel(g, kernel, (cw_leaf)leaf, error))
+            if ((listed(&o->leaves, name) || listed(&o->leaves, "all")) &&
+                !add_kernel(g, o, kernel, (cw_leaf)leaf, error))
                 return false;
         }
     }
@@ -149,7 +158,7 @@ static bool time_all(micro_group *g, const micro_options *o, double seconds, ans
                                .n = g->ray_count,
                                .any = workload_class_is_any(g->c),
                                .out = out};
-        jobs[count] = (measure_job){.run = run_pass, .context = &passes[count]};
+        jobs[count] = (measure_job){.run = run_pass, .context = &passes[count], .by_clock = o->by_clock};
         count++;
     }
     const measure_limits limits = {
@@ -166,7 +175,8 @@ static bool time_all(micro_group *g, const micro_options *o, double seconds, ans
         if (row->contender.embree && (best == 0 || row->seconds.median < best)) best = row->seconds.median;
     }
     for (size_t r = 0; r < g->row_count; r++)
-        if (best > 0 && g->rows[r].predicted == 0) g->rows[r].to_embree = best / g->rows[r].seconds.median;
+        if (best > 0 && g->rows[r].predicted == 0 && g->rows[r].contender.threads == 1)
+            g->rows[r].to_embree = best / g->rows[r].seconds.median;
     return true;
 }
 

@@ -74,6 +74,7 @@ bool micro_write_field(io_output *out, const micro_field *on, io_error *error) {
     results_set_count(line, "ny", info.ny);
     results_set_number(line, "low", (double)info.low);
     results_set_number(line, "high", (double)info.high);
+    results_set_text(line, "default_kernel", on->default_kernel);
     results_set_count(line, "bytes_samples", info.nx * info.ny * sizeof *on->samples.z);
     bool good = results_write(out, line, error);
     for (size_t b = 0; good && b < on->build_count; b++)
@@ -108,6 +109,7 @@ bool micro_write_group(io_output *out, const micro_group *g, io_error *error) {
         results_set_text(line, "query", workload_class_is_any(g->c) ? "any" : "closest");
         results_set_text(line, "contender", row->contender.name);
         results_set_count(line, "width", row->contender.width);
+        results_set_count(line, "threads", row->contender.threads);
         results_set_count(line, "ray_count", g->ray_count);
         if (row->predicted > 0) {
             results_set_number(line, "left_out_seconds", row->predicted);

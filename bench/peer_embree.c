@@ -350,5 +350,5 @@ static void any(const void *self, const cw_ray *rays, size_t n, uint8_t *occlude
 
 void contender_from_peer(contender *c, peer_contender *p, const peer_embree *peer, unsigned width, bool coherent) {
     *p = (peer_contender){.peer = peer, .width = width, .coherent = coherent};
-    *c = (contender){.embree = true, .width = width, .self = p, .closest = closest, .any = any};
+    *c = (contender){.embree = true, .width = width, .threads = 1, .self = p, .closest = closest, .any = any};
 }

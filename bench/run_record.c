@@ -90,9 +90,12 @@ static const char *text_of(const json_t *record, const char *key) {
 }
 
 void run_record_text(const json_t *record, char *text, size_t size) {
-    snprintf(text, size,
-             "%s, %s, %s, %s, commit %s, Embree %s, one thread, seed %" JSON_INTEGER_FORMAT ", load %.2f, %s",
+    const char *threads = json_string_value(json_object_get(record, "threads"));
+    char threads_text[64] = "one thread";
+    if (threads) snprintf(threads_text, sizeof threads_text, "%s threads", threads);
+    snprintf(text, size, "%s, %s, %s, %s, commit %s, Embree %s, %s, seed %" JSON_INTEGER_FORMAT ", load %.2f, %s",
              text_of(record, "cpu"), text_of(record, "isa"), text_of(record, "compiler"), text_of(record, "build_type"),
-             text_of(record, "commit"), text_of(record, "embree"), json_integer_value(json_object_get(record, "seed")),
-             json_real_value(json_object_get(record, "load")), text_of(record, "date"));
+             text_of(record, "commit"), text_of(record, "embree"), threads_text,
+             json_integer_value(json_object_get(record, "seed")), json_real_value(json_object_get(record, "load")),
+             text_of(record, "date"));
 }

@@ -117,6 +117,39 @@ static void micro_against_itself_is_undecided(void **state) {
     check(run(micro_main, "--compare m.json m.json") == 0, "micro --compare fails");
 }
 
+/* Answers of two threads are verified like all others, and their times are the clock's. */
+static void threads_take_part(void **state) {
+    (void)state;
+    check(run(micro_main, "--field 65 --rays random --kernel pyramid1 --peer none --threads 1,2 --count 16384 "
+                          "--seconds 0.2 --json t.json") == 0,
+          "micro fails");
+    io_error error;
+    json_t *lines = results_read("t.json", &error), *line;
+    check(lines != NULL, "%s", error.text);
+    size_t found = 0, k;
+    json_array_foreach(lines, k, line) {
+        if (strcmp(results_text(line, "kind"), "result") != 0) continue;
+        const double threads = results_number(line, "threads");
+        const bool two = strcmp(results_text(line, "contender"), "pyramid1/watertight/t2") == 0;
+        check(threads == (two ? 2 : 1), "%s has %.0f threads", results_text(line, "contender"), threads);
+        check(results_number(json_object_get(line, "agreement"), "same_bits") == 16384, "answers differ");
+        found++;
+    }
+    check(found == 2, "%zu results", found);
+    json_decref(lines);
+}
+
+static void nothing_but_building(void **state) {
+    (void)state;
+    check(run(micro_main, "--field 65 --rays none --kernel pyramid1 --peer none --json b.json") == 0, "micro fails");
+    io_error error;
+    json_t *lines = results_read("b.json", &error);
+    check(lines != NULL, "%s", error.text);
+    check(json_array_size(lines) == 3 && results_number(json_array_get(lines, 2), "build_seconds") > 0, "%zu lines",
+          json_array_size(lines));
+    json_decref(lines);
+}
+
 /* Two kernels and a control, in two runs. */
 static void write_run(const char *name, double kernel, double control) {
     char text[1024];
@@ -268,6 +301,10 @@ static void mistakes_leave_nothing(void **state) {
         {micro_main, "--count 1e9", 2},
         {micro_main, "--seconds", 2},
         {micro_main, "--isa mmx", 2},
+        {micro_main, "--threads 0", 2},
+        {micro_main, "--threads two", 2},
+        {micro_main, "--threads 2 --counters", 1},
+        {micro_main, "--rays none,ao", 2},
         {micro_main, "--nonesuch", 2},
         {micro_main, "loose", 2},
         {micro_main, "--field 65 --json nowhere/m.json", 1},
@@ -303,6 +340,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(table_files_hold_the_same_numbers, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(micro_against_itself_is_undecided, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(threads_take_part, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(nothing_but_building, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(comparisons_need_more_than_the_machine, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(results_are_checked, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(pages_keep_what_is_not_between_markers, scratch_enter, scratch_leave),
