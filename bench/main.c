@@ -4,6 +4,7 @@
 #include "compare.h"
 #include "micro.h"
 #include "output.h"
+#include "parts.h"
 #include "plot.h"
 #include "report.h"
 #include "run_record.h"
@@ -24,6 +25,7 @@ typedef struct command {
 static const command commands[] = {
     {"table", "renders the six scenes along every path and prints the performance table", table_main},
     {"micro", "times kernels and Embree on classes of rays and fields", micro_main},
+    {"parts", "times the pieces that the kernels are made of", parts_main},
     {"compare", "says what changed between two runs of micro", compare_main},
     {"report", "turns results into Markdown, also inside a page", report_main},
     {"plot", "draws results of micro as SVG pictures", plot_main},

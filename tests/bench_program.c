@@ -3,6 +3,7 @@
  * numbers, comparisons of a file with itself decide nothing, mistakes are told and leave nothing behind. */
 #include "compare.h"
 #include "micro.h"
+#include "parts.h"
 #include "plot.h"
 #include "report.h"
 #include "results.h"
@@ -136,6 +137,30 @@ static void threads_take_part(void **state) {
         found++;
     }
     check(found == 2, "%zu results", found);
+    json_decref(lines);
+}
+
+/* Each piece for each instruction set, and its figures agree with each other. */
+static void pieces_are_timed(void **state) {
+    (void)state;
+    check(run(parts_main, "--quick --seconds 0.05 --json p.json") == 0, "parts fails");
+    io_error error;
+    json_t *lines = results_read("p.json", &error), *line;
+    check(lines != NULL, "%s", error.text);
+    size_t found = 0, sets = 0, k;
+    for (size_t n = 0; n < cw_kernel_count(); n++) {
+        const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(n));
+        sets += info.available && strncmp(info.name, "pyramid", 7) == 0;
+    }
+    json_array_foreach(lines, k, line) {
+        if (strcmp(results_text(line, "kind"), "part") != 0) continue;
+        const double rate = results_number(line, "operations") / results_number(line, "seconds_median");
+        check(rate > 0 && fabs(results_number(line, "per_second") / rate - 1) < 1e-6, "%s: %g a second, not %g",
+              results_text(line, "part"), results_number(line, "per_second"), rate);
+        found++;
+    }
+    /* Five that read no table, four that read three, for each set; building and copying. */
+    check(found == sets * (5 + 4 * 3) + 2, "%zu parts", found);
     json_decref(lines);
 }
 
@@ -341,6 +366,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(table_files_hold_the_same_numbers, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(micro_against_itself_is_undecided, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(threads_take_part, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(pieces_are_timed, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(nothing_but_building, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(comparisons_need_more_than_the_machine, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(results_are_checked, scratch_enter, scratch_leave),
