@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The program cellwalk-bench. */
 
+#include "campaign.h"
 #include "compare.h"
 #include "micro.h"
 #include "output.h"
@@ -26,6 +27,7 @@ static const command commands[] = {
     {"table", "renders the six scenes along every path and prints the performance table", table_main},
     {"micro", "times kernels and Embree on classes of rays and fields", micro_main},
     {"parts", "times the pieces that the kernels are made of", parts_main},
+    {"measure", "makes every file of results that the papers quote", campaign_main},
     {"compare", "says what changed between two runs of micro", compare_main},
     {"report", "turns results into Markdown, also inside a page", report_main},
     {"plot", "draws results of micro as SVG pictures", plot_main},

@@ -2,6 +2,7 @@
 #include "results.h"
 
 #include <errno.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -104,4 +105,32 @@ size_t results_distinct(const json_t *lines, const char *key, const char **texts
         if (k == count && count < most) texts[count++] = text;
     }
     return count;
+}
+
+static bool has_pairs(const json_t *line, const char *kind, va_list pairs) {
+    bool is = strcmp(results_text(line, "kind"), kind) == 0;
+    for (const char *key = va_arg(pairs, const char *); is && key; key = va_arg(pairs, const char *))
+        is = strcmp(results_text(line, key), va_arg(pairs, const char *)) == 0;
+    return is;
+}
+
+bool results_is(const json_t *line, const char *kind, ...) {
+    va_list pairs;
+    va_start(pairs, kind);
+    const bool is = has_pairs(line, kind, pairs);
+    va_end(pairs);
+    return is;
+}
+
+const json_t *results_find(const json_t *lines, const char *kind, ...) {
+    size_t index;
+    const json_t *line;
+    json_array_foreach(lines, index, line) {
+        va_list pairs;
+        va_start(pairs, kind);
+        const bool is = has_pairs(line, kind, pairs);
+        va_end(pairs);
+        if (is) return line;
+    }
+    return NULL;
 }

@@ -2,16 +2,15 @@
 #include "table.h"
 
 #include "build_info.h"
+#include "folder.h"
 #include "output.h"
 #include "results.h"
 #include "run_record.h"
 #include "timing.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 static const char *const scene_names[] = {"hftest", "landsea-0", "landsea-1", "landsea-2", "texture", "landsea-big"};
 enum { SCENE_COUNT = sizeof scene_names / sizeof scene_names[0] };
@@ -24,26 +23,6 @@ static const char *const usage =
     "table.md, table.csv and table.json in a folder.\n"
     "\n"
     "Options (lists are NAME,NAME or the option again):\n";
-
-static bool make_folders(const char *path, io_error *error) {
-    char *copy = strdup(path);
-    if (copy == NULL) return io_fail(error, "out of memory");
-    bool good = true;
-    for (char *end = copy + 1; good; end++) {
-        const char held = *end;
-        if (held != '/' && held != '\0') continue;
-        *end = '\0';
-        struct stat there;
-        if (mkdir(copy, 0777) != 0 && errno != EEXIST)
-            good = io_fail(error, "--out %s: cannot make folder %s: %s", path, copy, strerror(errno));
-        else if (stat(copy, &there) != 0 || !S_ISDIR(there.st_mode))
-            good = io_fail(error, "--out %s: %s is not a folder", path, copy);
-        *end = held;
-        if (held == '\0') break;
-    }
-    free(copy);
-    return good;
-}
 
 /* The three files of a table, opened before any work, so that a folder that cannot be written to is found out first. */
 typedef struct files {
@@ -59,7 +38,7 @@ static bool open_file(io_output *out, const char *folder, const char *name, io_e
 }
 
 static bool open_files(files *f, const char *folder, io_error *error) {
-    return make_folders(folder, error) && open_file(&f->markdown, folder, "table.md", error) &&
+    return folder_make(folder, error) && open_file(&f->markdown, folder, "table.md", error) &&
            open_file(&f->csv, folder, "table.csv", error) && open_file(&f->json, folder, "table.json", error);
 }
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The benchmark's commands from beginning to end, on work so small that their figures mean nothing: files hold the same
  * numbers, comparisons of a file with itself decide nothing, mistakes are told and leave nothing behind. */
+#include "campaign.h"
 #include "compare.h"
 #include "micro.h"
 #include "parts.h"
@@ -8,6 +9,7 @@
 #include "report.h"
 #include "results.h"
 #include "table.h"
+#include "targets.h"
 
 #include "check.h"
 #include "scratch.h"
@@ -218,6 +220,96 @@ static void results_are_checked(void **state) {
     check(results_read("bad.json", &error) == NULL, "an empty file has results");
 }
 
+static void add_line(char *text, size_t size, const char *line) {
+    const size_t used = strlen(text);
+    check(used + strlen(line) + 2 < size, "the file is too long");
+    snprintf(text + used, size - used, "%s\n", line);
+}
+
+/* Speeds of 20 against 10 and 8, so that each ratio is 2; but for one class on one field, where it is given. */
+static void write_speeds(const char *name, const char *odd_field, const char *odd_rays, double odd) {
+    static const char *const fields[] = {"65", "257", "1025", "4097", "8193"};
+    static const char *const rays[] = {"primary", "shadow", "ao", "bounce", "random", "grazing"};
+    static char text[65536];
+    char line[512];
+    text[0] = '\0';
+    add_line(text, sizeof text, "{\"kind\":\"run\",\"command\":\"micro\",\"cpu\":\"Abacus 3000\"}");
+    for (size_t f = 0; f < 5; f++) {
+        snprintf(line, sizeof line,
+                 "{\"kind\":\"field\",\"field\":\"%s\",\"nx\":%s,\"ny\":%s,"
+                 "\"default_kernel\":\"pyramid8\",\"bytes_samples\":1000}",
+                 fields[f], fields[f], fields[f]);
+        add_line(text, sizeof text, line);
+        for (size_t r = 0; r < 6; r++) {
+            const bool is_odd = strcmp(fields[f], odd_field) == 0 && strcmp(rays[r], odd_rays) == 0;
+            static const struct {
+                const char *name;
+                double speed;
+                int threads;
+            } rows[] = {{"embree/triangles/w4", 8, 1},  {"embree/triangles/w8", 10, 1},
+                        {"embree/grid/w8", 90, 1},      {"pyramid80/watertight", 99, 1},
+                        {"pyramid8/watertight", 20, 1}, {"pyramid8/watertight/t2", 98, 2}};
+            for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
+                const double speed = k == 4 && is_odd ? odd * 10 : rows[k].speed;
+                snprintf(line, sizeof line,
+                         "{\"kind\":\"result\",\"field\":\"%s\",\"rays\":\"%s\",\"contender\":\"%s\","
+                         "\"threads\":%d,\"mrays_per_s\":%g}",
+                         fields[f], rays[r], rows[k].name, rows[k].threads, speed);
+                add_line(text, sizeof text, line);
+            }
+        }
+    }
+    write_text(name, text);
+}
+
+static void expect_target(const targets_data *d, target_kind kind, double measured, bool met) {
+    const target t = target_of(d, 1, kind); /* AVX2 */
+    check(fabs(t.measured - measured) <= 1e-9 * measured && target_is_met(&t) == met, "%s: %.12g, %s",
+          target_title(kind), t.measured, target_is_met(&t) ? "met" : "missed");
+}
+
+static void targets_follow_from_the_files(void **state) {
+    (void)state;
+    io_error error;
+    targets_data d;
+    check(!targets_open(&d, ".", &error), "targets of nothing");
+    targets_close(&d);
+    write_speeds("speed-avx2.json", "4097", "bounce", 4);
+    check(targets_open(&d, ".", &error), "%s", error.text);
+    expect_target(&d, TARGET_MEAN, 2 * pow(2, 1.0 / 18), false);
+    expect_target(&d, TARGET_PRIMARY, 2, true);
+    expect_target(&d, TARGET_SHADOW, 2, true);
+    expect_target(&d, TARGET_SCATTERED, 2, false); /* the lower one, ao */
+    expect_target(&d, TARGET_SCALING, 1, true);
+    expect_target(&d, TARGET_MEMORY, 0, false); /* not measured */
+    targets_close(&d);
+    write_speeds("speed-avx2.json", "65", "shadow", 1.9);
+    write_text("building.json",
+               "{\"kind\":\"run\",\"command\":\"micro\"}\n"
+               "{\"kind\":\"kernel_build\",\"field\":\"1025\",\"kernel\":\"pyramid8\",\"build_seconds\":0.001,"
+               "\"bytes\":2000000}\n"
+               "{\"kind\":\"peer_build\",\"field\":\"1025\",\"peer\":\"embree/triangles\",\"build_seconds\":0.06}\n"
+               "{\"kind\":\"peer_build\",\"field\":\"1025\",\"peer\":\"embree/grid\",\"build_seconds\":0.004}\n"
+               "{\"kind\":\"field\",\"field\":\"1025\",\"nx\":1025,\"ny\":1025,\"bytes_samples\":4202500,"
+               "\"default_kernel\":\"pyramid8\"}\n");
+    write_speeds("threads.json", "", "", 0);
+    check(targets_open(&d, ".", &error), "%s", error.text);
+    expect_target(&d, TARGET_SHADOW, 1.9, false);
+    expect_target(&d, TARGET_MEMORY, 5202500.0 / 1048576, true);
+    expect_target(&d, TARGET_BUILD_TRIANGLES, 60, true);
+    expect_target(&d, TARGET_BUILD_GRID, 4, false);
+    expect_target(&d, TARGET_THREADS, 4.9, true);
+    targets_close(&d);
+    write_text("page.md", "<!-- begin:targets -->\n<!-- end:targets -->\n");
+    check(run(report_main, "--targets . --into page.md --csv t.csv") == 0, "report fails");
+    char *page = read_text("page.md"), *csv = read_text("t.csv");
+    check(strstr(page, "| ≥ 2 | 1.90 (65) **missed** |") && strstr(page, "| ≤ 7 | 4.96 (1025) |"), "the page is %s",
+          page);
+    check(strstr(csv, "avx2,,,2,1.9,no,\"65\"") && strstr(csv, "speed,avx2,65,shadow,,1.9,"), "the CSV is %s", csv);
+    free(csv);
+    free(page);
+}
+
 static void pages_keep_what_is_not_between_markers(void **state) {
     (void)state;
     io_error error;
@@ -339,6 +431,12 @@ static void mistakes_leave_nothing(void **state) {
         {table_main, "--quick --scene hftest --out file", 1},
         {table_main, "--quick --scene hftest --scenes nowhere --out out", 1},
         {report_main, "", 2},
+        {report_main, "--json m.json --targets .", 2},
+        {report_main, "--json m.json --csv m.csv", 2},
+        {report_main, "--targets nowhere", 1},
+        {campaign_main, "loose", 2},
+        {campaign_main, "--out file/out", 1},
+        {parts_main, "--json nowhere/p.json", 1},
         {report_main, "--json nowhere.json", 1},
         {plot_main, "", 2},
         {plot_main, "--json m.json", 2},
@@ -370,6 +468,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(nothing_but_building, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(comparisons_need_more_than_the_machine, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(results_are_checked, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(targets_follow_from_the_files, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(pages_keep_what_is_not_between_markers, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(pictures_repeat, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(pictures_need_gnuplot, scratch_enter, scratch_leave),
