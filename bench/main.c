@@ -10,6 +10,7 @@
 #include "report.h"
 #include "run_record.h"
 #include "table.h"
+#include "tradeoff_main.h"
 
 #include <errno.h>
 #include <signal.h>
@@ -28,6 +29,7 @@ static const command commands[] = {
     {"micro", "times kernels and Embree on classes of rays and fields", micro_main},
     {"parts", "times the pieces that the kernels are made of", parts_main},
     {"measure", "makes every file of results that the papers quote", campaign_main},
+    {"tradeoff", "holds speed against error for every mode of accuracy", tradeoff_main},
     {"compare", "says what changed between two runs of micro", compare_main},
     {"report", "turns results into Markdown, also inside a page", report_main},
     {"plot", "draws results of micro as SVG pictures", plot_main},

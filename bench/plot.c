@@ -18,10 +18,12 @@ extern char **environ;
 static const char *const usage =
     "Usage: cellwalk-bench plot [OPTIONS] --json FILE --out DIR\n"
     "\n"
-    "Draws results of 'micro --json' with gnuplot (Debian: gnuplot-nox) into the directory DIR:\n"
+    "Draws results of 'micro --json' or 'tradeoff' with gnuplot (Debian: gnuplot-nox) into the directory DIR:\n"
     "  speed-FIELD.svg  speed by class of rays, one picture a field\n"
     "  scaling.svg      speed over the size of the field, if the results have at least two sizes\n"
     "  building.svg     memory and building time over the size of the field, likewise\n"
+    "or of 'tradeoff':\n"
+    "  tradeoff.svg     speed against error\n"
     "The background is transparent and the colours can be read on white and on black. The same file gives the same\n"
     "pictures.\n"
     "\n"
@@ -68,7 +70,7 @@ static void put_style(FILE *to, const char *path) {
           to);
 }
 
-typedef enum picture { SPEED, SCALING, BUILDING } picture;
+typedef enum picture { SPEED, SCALING, BUILDING, TRADEOFF } picture;
 
 /* *drawn says whether the results have what the picture takes. */
 static bool draw(picture p, const json_t *lines, const char *field, const char *path, bool *drawn, io_error *error) {
@@ -79,9 +81,10 @@ static bool draw(picture p, const json_t *lines, const char *field, const char *
     *drawn = false;
     if (good) {
         put_style(commands, out.temporary);
-        *drawn = p == SPEED     ? plot_speed(commands, lines, field)
-                 : p == SCALING ? plot_scaling(commands, lines)
-                                : plot_building(commands, lines);
+        *drawn = p == SPEED      ? plot_speed(commands, lines, field)
+                 : p == SCALING  ? plot_scaling(commands, lines)
+                 : p == BUILDING ? plot_building(commands, lines)
+                                 : plot_tradeoff(commands, lines);
         if (*drawn) good = run_gnuplot(commands, path, error) && io_output_commit(&out, error);
     }
     io_output_discard(&out);
@@ -112,13 +115,28 @@ bool plot_all(const json_t *lines, const char *directory, io_error *error) {
     return good && (pictures > 0 || io_fail(error, "the results have nothing to draw"));
 }
 
+bool plot_tradeoff_file(const json_t *lines, const char *path, io_error *error) {
+    bool drawn;
+    return draw(TRADEOFF, lines, NULL, path, &drawn, error) &&
+           (drawn || io_fail(error, "%s: the results have nothing to draw", path));
+}
+
+static bool tradeoff_into(const json_t *lines, const char *directory, io_error *error) {
+    char path[4096];
+    if (mkdir(directory, 0777) != 0 && errno != EEXIST) return io_fail(error, "%s: %s", directory, strerror(errno));
+    snprintf(path, sizeof path, "%s/tradeoff.svg", directory);
+    return plot_tradeoff_file(lines, path, error);
+}
+
 static bool run(const char *json, const char *directory, io_error *error) {
     json_t *lines = results_read(json, error);
     if (lines == NULL) return false;
     const char *command = results_text(json_array_get(lines, 0), "command");
-    const bool good = (strcmp(command, "micro") == 0 ||
-                       io_fail(error, "%s:1: results of '%s': only those of micro can be drawn", json, command)) &&
-                      plot_all(lines, directory, error);
+    const bool tradeoff = strcmp(command, "tradeoff") == 0;
+    const bool good =
+        (tradeoff || strcmp(command, "micro") == 0 ||
+         io_fail(error, "%s:1: results of '%s': only those of micro and tradeoff can be drawn", json, command)) &&
+        (tradeoff ? tradeoff_into(lines, directory, error) : plot_all(lines, directory, error));
     json_decref(lines);
     return good;
 }
@@ -126,7 +144,7 @@ static bool run(const char *json, const char *directory, io_error *error) {
 int plot_main(char **arguments, int count) {
     const char *json = NULL, *directory = NULL;
     const option options[] = {
-        {"--json", "FILE", "the results: what micro --json wrote", OPTION_TEXT, &json, 0, 0},
+        {"--json", "FILE", "the results: what micro --json wrote, or tradeoff.json", OPTION_TEXT, &json, 0, 0},
         {"--out", "DIR", "where to put the pictures", OPTION_TEXT, &directory, 0, 0},
     };
     const option_frame frame = {

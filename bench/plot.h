@@ -17,10 +17,15 @@ bool plot_speed(FILE *to, const json_t *lines, const char *field);
 bool plot_scaling(FILE *to, const json_t *lines);
 /* Bytes a cell and building time over the side of square fields, both sides. */
 bool plot_building(FILE *to, const json_t *lines);
+/* Results of tradeoff: speed against wrong answers and against the worst error of t, with both frontiers. */
+bool plot_tradeoff(FILE *to, const json_t *lines);
 
 /* All that the results allow, as DIR/speed-FIELD.svg, scaling.svg, building.svg; the directory is made. The same results
  * give the same files to the byte. */
 bool plot_all(const json_t *lines, const char *directory, io_error *error);
+
+/* The picture of tradeoff under this name. */
+bool plot_tradeoff_file(const json_t *lines, const char *path, io_error *error);
 
 int plot_main(char **arguments, int count);
 

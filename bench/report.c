@@ -7,20 +7,22 @@
 #include "run_record.h"
 #include "table.h"
 #include "targets.h"
+#include "tradeoff_main.h"
 
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const usage = "Usage: cellwalk-bench report [OPTIONS] --json FILE\n"
-                                 "       cellwalk-bench report [OPTIONS] --targets FOLDER\n"
-                                 "\n"
-                                 "Prints results of 'table', 'micro --json' or 'parts --json' as Markdown, or puts "
-                                 "them into a page between the two lines\n"
-                                 "<!-- begin:NAME --> and <!-- end:NAME -->. The same file gives the same text.\n"
-                                 "\n"
-                                 "Options:\n";
+static const char *const usage =
+    "Usage: cellwalk-bench report [OPTIONS] --json FILE\n"
+    "       cellwalk-bench report [OPTIONS] --targets FOLDER\n"
+    "\n"
+    "Prints results of 'table', 'tradeoff', 'micro --json' or 'parts --json' as Markdown, or puts "
+    "them into a page between the two lines\n"
+    "<!-- begin:NAME --> and <!-- end:NAME -->. The same file gives the same text.\n"
+    "\n"
+    "Options:\n";
 
 /* ---- into a page ---- */
 
@@ -224,6 +226,7 @@ typedef struct report_options {
 static char *page_of(const json_t *lines, bool brief, const char **name) {
     if (strcmp(*name = results_text(json_array_get(lines, 0), "command"), "table") == 0)
         return table_markdown(lines, brief);
+    if (strcmp(*name, "tradeoff") == 0) return tradeoff_markdown(lines);
     const bool parts = results_find(lines, "part", NULL) != NULL, counts = results_find(lines, "counts", NULL) != NULL;
     if (!parts && !counts) return report_micro(lines);
     *name = parts ? "parts" : "counters";
@@ -246,9 +249,10 @@ static bool report_results(const report_options *o, io_error *error) {
     json_t *lines = results_read(o->json, error);
     if (lines == NULL) return false;
     const char *name = results_text(json_array_get(lines, 0), "command");
-    bool good =
-        strcmp(name, "table") == 0 || strcmp(name, "micro") == 0 || strcmp(name, "parts") == 0 ||
-        io_fail(error, "%s:1: results of '%s': only those of table, micro and parts can be reported", o->json, name);
+    bool good = strcmp(name, "table") == 0 || strcmp(name, "micro") == 0 || strcmp(name, "parts") == 0 ||
+                strcmp(name, "tradeoff") == 0 ||
+                io_fail(error, "%s:1: results of '%s': only those of table, micro, parts and tradeoff can be reported",
+                        o->json, name);
     if (good) {
         char *text = page_of(lines, o->brief, &name);
         good = put_page(o, name, text, error);
@@ -284,8 +288,8 @@ static bool report_targets(const report_options *o, io_error *error) {
 int report_main(char **arguments, int count) {
     report_options o = {.brief = false};
     const option options[] = {
-        {"--json", "FILE", "the results: table.json, or what micro --json or parts --json wrote", OPTION_TEXT, &o.json,
-         0, 0},
+        {"--json", "FILE", "the results: table.json, tradeoff.json, or what micro --json or parts --json wrote",
+         OPTION_TEXT, &o.json, 0, 0},
         {"--targets", "FOLDER", "instead: what is aimed at, from the files that measure made there", OPTION_TEXT,
          &o.targets, 0, 0},
         {"--into", "FILE", "the page to put them into; without it they are printed", OPTION_TEXT, &o.into, 0, 0},

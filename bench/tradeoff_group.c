@@ -1,0 +1,304 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* One class of rays on one field: everybody's errors, then everybody's speed. */
+
+#include "results.h"
+#include "run_record.h"
+#include "timing.h"
+#include "tradeoff.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+bool tradeoff_listed(const option_list *list, const char *name) {
+    for (size_t k = 0; k < list->count; k++)
+        if (strcmp(list->items[k], name) == 0) return true;
+    return list->count == 0;
+}
+
+/* ---- a field ---- */
+
+void tradeoff_field_close(tradeoff_field *on) {
+    for (size_t s = 0; s < on->stage_count; s++) tradeoff_stage_close(&on->stages[s]);
+    cw_field_destroy(on->field);
+    workload_field_free(&on->samples);
+    *on = (tradeoff_field){0};
+}
+
+/* Embree's peak while it builds, in bytes a cell, as measured for micro. */
+static bool fits(const tradeoff_field *on, const tradeoff_mode *mode) {
+    if (!mode->embree) return true;
+    const double needed = (double)on->ground.nx * (double)on->ground.ny * (mode->geometry == PEER_GRID ? 50 : 260);
+    const double available = run_memory_available();
+    if (available <= 0 || needed < available) return true;
+    printf("%s is left out on field %s: it would take about %.1f GB\n", mode->name, on->samples.name, needed * 1e-9);
+    return false;
+}
+
+bool tradeoff_field_open(tradeoff_field *on, const char *name, const tradeoff_options *o, io_error *error) {
+    *on = (tradeoff_field){0};
+    if (!workload_field_make(name, &on->samples)) return io_fail(error, "out of memory for field %s", name);
+    on->ground = (tradeoff_ground){.z = on->samples.z, .nx = on->samples.nx, .ny = on->samples.ny};
+    cw_field_desc desc = cw_field_desc_default();
+    desc.samples = on->ground.z;
+    desc.nx = on->ground.nx;
+    desc.ny = on->ground.ny;
+    desc.storage = CW_BORROW;
+    cw_status status = cw_field_create(&desc, &on->field);
+    if (status == CW_OK) status = cw_field_build(on->field, cw_kernel_find("cell"));
+    bool good = status == CW_OK || io_fail(error, "field %s: %s", name, cw_status_message(status));
+    for (size_t m = 0; good && m < tradeoff_mode_count(); m++) {
+        const tradeoff_mode *mode = tradeoff_mode_at(m);
+        if (!tradeoff_listed(&o->modes, mode->name) || on->stage_count == TRADEOFF_MODES_MAX) continue;
+        if ((mode->embree && peer_embree_version() == NULL) || !fits(on, mode)) continue;
+        good = tradeoff_stage_open(&on->stages[on->stage_count], mode, on->field, &on->ground, o->isa, error);
+        on->stage_count += good;
+    }
+    if (!good) tradeoff_field_close(on);
+    return good;
+}
+
+/* ---- contenders ---- */
+
+typedef struct row {
+    const tradeoff_stage *stage;
+    contender contender;
+    kernel_contender kernel;
+    peer_contender peer;
+    char kernel_name[CONTENDER_NAME]; /* "pyramid8"; "w8" with Embree */
+    unsigned thin;
+    double left_out; /* seconds for a pass over the thinnest set; 0 if that is no problem */
+    tradeoff_errors errors;
+    measure_job job;
+} row;
+
+enum { THIN_MAX = 6 };
+
+typedef struct group {
+    const tradeoff_field *on;
+    int ray_class;
+    bool any;
+    cw_ray *rays[THIN_MAX + 1]; /* thinned; NULL until asked for */
+    size_t counts[THIN_MAX + 1];
+    cw_hit *hits;
+    uint8_t *occluded;
+    tradeoff_truth truth;
+    row *rows;
+    size_t row_count;
+} group;
+
+static bool add_row(group *g, const row *r, io_error *error) {
+    if (g->row_count == TRADEOFF_ROWS_MAX) return io_fail(error, "more than %d contenders", TRADEOFF_ROWS_MAX);
+    row *to = &g->rows[g->row_count++];
+    *to = *r;
+    to->contender.self = r->stage->mode->embree ? (const void *)&to->peer : (const void *)&to->kernel;
+    snprintf(to->kernel_name, sizeof to->kernel_name, "%s", strchr(to->contender.name, '/') + 1);
+    return true;
+}
+
+static bool add_rows(group *g, const tradeoff_options *o, io_error *error) {
+    for (size_t s = 0; s < g->on->stage_count; s++) {
+        row r = {.stage = &g->on->stages[s]};
+        if (r.stage->mode->embree) {
+            for (size_t w = 0; w < PEER_WIDTH_COUNT; w++) {
+                tradeoff_stage_peer(r.stage, peer_embree_widths[w], tradeoff_class_is_coherent(g->ray_class),
+                                    &r.contender, &r.peer);
+                if (!add_row(g, &r, error)) return false;
+            }
+            continue;
+        }
+        for (size_t k = 0; k < cw_kernel_count(); k++) {
+            const cw_kernel *kernel = cw_kernel_at(k);
+            const char *name = cw_kernel_describe(kernel).name;
+            if (!tradeoff_listed(&o->kernels, name)) continue;
+            const cw_status status = tradeoff_stage_kernel(r.stage, kernel, &r.contender, &r.kernel);
+            if (status == CW_ERROR_UNAVAILABLE || status == CW_ERROR_UNSUPPORTED) continue;
+            if (status != CW_OK)
+                return io_fail(error, "%s with %s on field %s: %s", r.stage->mode->name, name, g->on->samples.name,
+                               cw_status_message(status));
+            if (!add_row(g, &r, error)) return false;
+        }
+    }
+    return g->row_count > 0 || io_fail(error, "no kernel that is asked for has a mode that is asked for");
+}
+
+/* ---- passes ---- */
+
+typedef struct pass {
+    const group *on;
+    const row *row;
+} pass;
+
+static void run_pass(void *context) {
+    const pass *p = context;
+    const contender *c = &p->row->contender;
+    const unsigned thin = p->row->thin;
+    if (p->on->any)
+        c->any(c->self, p->on->rays[thin], p->on->counts[thin], p->on->occluded);
+    else
+        c->closest(c->self, p->on->rays[thin], p->on->counts[thin], p->on->hits);
+}
+
+/* The slow ones take fewer of the rays, so that a pass takes at most about limit seconds. The first pass only warms up. */
+static void choose_thin(const group *g, row *r, double limit) {
+    pass p = {g, r};
+    double seconds = 0;
+    r->thin = THIN_MAX;
+    for (int repeat = 0; repeat < 2 && seconds <= limit; repeat++) {
+        const double start = timing_cpu_seconds();
+        run_pass(&p);
+        seconds = timing_cpu_seconds() - start;
+    }
+    if (seconds > limit) {
+        r->left_out = seconds;
+        return;
+    }
+    for (; r->thin > 0 && 2 * seconds <= limit; r->thin--) seconds *= 2;
+}
+
+static void find_errors(group *g) {
+    const size_t n = g->counts[0];
+    bool known = false;
+    tradeoff_errors strict = {0};
+    for (size_t k = 0; k < g->row_count; k++) {
+        row *r = &g->rows[k];
+        if (r->left_out > 0) continue;
+        pass p = {g, r};
+        run_pass(&p);
+        if (g->any) {
+            r->errors = tradeoff_errors_any(&g->truth, r->thin, &r->stage->claim, g->occluded);
+            continue;
+        }
+        /* Most kernels give the reference's bits, whose errors need to be found only once. */
+        const bool same = r->thin == 0 && r->stage->field == g->on->field && r->stage->claim.height == 0 &&
+                          r->stage->claim.cone == 0 && memcmp(g->hits, g->truth.hits, n * sizeof *g->hits) == 0;
+        if (same && known) {
+            r->errors = strict;
+            continue;
+        }
+        r->errors = tradeoff_errors_closest(&g->truth, r->thin, &r->stage->claim, r->stage->field, g->hits);
+        if (same) strict = r->errors;
+        known = known || same;
+    }
+}
+
+static bool time_all(group *g, const tradeoff_options *o, double seconds, io_error *error) {
+    measure_job jobs[TRADEOFF_ROWS_MAX];
+    pass passes[TRADEOFF_ROWS_MAX];
+    size_t count = 0;
+    for (size_t k = 0; k < g->row_count; k++) {
+        if (g->rows[k].left_out > 0) continue;
+        passes[count] = (pass){g, &g->rows[k]};
+        jobs[count] = (measure_job){.run = run_pass, .context = &passes[count]};
+        count++;
+    }
+    const measure_limits limits = {
+        .width = 0.02, .seconds = seconds, .least = 3, .most = MEASURE_SAMPLES_MAX, .seed = (uint32_t)o->seed};
+    if (!measure(jobs, count, &limits)) return io_fail(error, "out of memory");
+    for (size_t k = 0, job = 0; k < g->row_count; k++)
+        if (g->rows[k].left_out == 0) g->rows[k].job = jobs[job++];
+    return true;
+}
+
+/* ---- JSON ---- */
+
+static void set_errors(json_t *line, const tradeoff_errors *e) {
+    const double million = e->rays ? 1e6 / (double)e->rays : 0;
+    results_set_count(line, "ray_count", e->rays);
+    results_set_count(line, "hits", e->hits);
+    results_set_count(line, "ties", e->verdicts[TRADEOFF_TIE]);
+    results_set_count(line, "leaks", e->verdicts[TRADEOFF_LEAK]);
+    results_set_count(line, "phantoms", e->verdicts[TRADEOFF_PHANTOM]);
+    results_set_count(line, "wrong", e->verdicts[TRADEOFF_WRONG]);
+    results_set_number(line, "leaks_per_million", (double)e->verdicts[TRADEOFF_LEAK] * million);
+    results_set_number(line, "phantoms_per_million", (double)e->verdicts[TRADEOFF_PHANTOM] * million);
+    results_set_number(line, "wrong_per_million", (double)e->verdicts[TRADEOFF_WRONG] * million);
+    results_set_count(line, "broken", e->broken);
+    results_set_number(line, "broken_per_million", (double)e->broken * million);
+    if (e->ulp.n == 0) return;
+    results_set_count(line, "right_hits", e->ulp.n);
+    results_set_number(line, "t_ulp_median", e->ulp.median);
+    results_set_number(line, "t_ulp_worst", e->ulp.worst);
+    results_set_number(line, "t_cells_median", e->cells.median);
+    results_set_number(line, "t_cells_worst", e->cells.worst);
+    results_set_number(line, "off_cells_median", e->off.median);
+    results_set_number(line, "off_cells_worst", e->off.worst);
+    results_set_number(line, "normal_degrees_median", e->degrees.median);
+    results_set_number(line, "normal_degrees_worst", e->degrees.worst);
+}
+
+static void set_speed(json_t *line, const group *g, const row *r) {
+    const statistics *s = &r->job.seconds;
+    results_set_count(line, "samples", s->n);
+    results_set_number(line, "seconds_median", s->median);
+    results_set_number(line, "seconds_low", s->low);
+    results_set_number(line, "seconds_high", s->high);
+    results_set_bool(line, "interval_sure", s->sure);
+    results_set_bool(line, "converged", r->job.converged);
+    results_set_number(line, "mrays_per_s", (double)g->counts[r->thin] / s->median * 1e-6);
+}
+
+static bool append_rows(const group *g, json_t *lines, io_error *error) {
+    for (size_t k = 0; k < g->row_count; k++) {
+        const row *r = &g->rows[k];
+        json_t *line = json_object();
+        results_set_text(line, "kind", "result");
+        results_set_text(line, "field", g->on->samples.name);
+        results_set_text(line, "rays", tradeoff_class_name(g->ray_class));
+        results_set_text(line, "query", g->any ? "any" : "closest");
+        results_set_text(line, "contender", r->contender.name);
+        results_set_text(line, "mode", r->stage->mode->name);
+        results_set_text(line, "kernel", r->kernel_name);
+        results_set_count(line, "width", r->contender.width);
+        if (r->left_out > 0) {
+            results_set_number(line, "left_out_seconds", r->left_out);
+        } else {
+            results_set_number(line, "claim_height", r->stage->claim.height);
+            results_set_number(line, "claim_cone", r->stage->claim.cone);
+            set_errors(line, &r->errors);
+            if (tradeoff_class_is_timed(g->ray_class)) set_speed(line, g, r);
+        }
+        if (json_array_append_new(lines, line) != 0) return io_fail(error, "out of memory");
+    }
+    return true;
+}
+
+/* ---- all together ---- */
+
+static bool make_rays(group *g, const tradeoff_options *o, io_error *error) {
+    const size_t n = (size_t)o->count;
+    for (unsigned thin = 0; thin <= THIN_MAX; thin++) {
+        g->rays[thin] = malloc(n * sizeof *g->rays[thin]);
+        if (g->rays[thin] == NULL) return io_fail(error, "out of memory for %zu rays", n);
+    }
+    g->hits = malloc(n * sizeof *g->hits);
+    g->occluded = malloc(n);
+    g->counts[0] = tradeoff_rays_make(g->on->field, g->ray_class, (uint32_t)o->seed, n, g->rays[0]);
+    if (g->hits == NULL || g->occluded == NULL || g->counts[0] == 0)
+        return io_fail(error, "out of memory for %zu rays", n);
+    for (unsigned thin = 1; thin <= THIN_MAX; thin++)
+        g->counts[thin] = tradeoff_thin(g->rays[0], g->counts[0], thin, g->rays[thin]);
+    return tradeoff_truth_make(&g->truth, &g->on->ground, g->on->field, g->rays[0], g->counts[0]) ||
+           io_fail(error, "out of memory for %zu rays", n);
+}
+
+bool tradeoff_group_run(const tradeoff_field *on, int ray_class, const tradeoff_options *o, double seconds,
+                        json_t *lines, io_error *error) {
+    const double end = timing_seconds() + seconds;
+    group g = {.on = on, .ray_class = ray_class, .any = tradeoff_class_is_any(ray_class)};
+    g.rows = calloc(TRADEOFF_ROWS_MAX, sizeof *g.rows);
+    bool good = (g.rows || io_fail(error, "out of memory")) && make_rays(&g, o, error) && add_rows(&g, o, error);
+    if (good) {
+        for (size_t k = 0; k < g.row_count; k++) choose_thin(&g, &g.rows[k], o->pass);
+        find_errors(&g);
+        const double left = end - timing_seconds();
+        good = (!tradeoff_class_is_timed(ray_class) || time_all(&g, o, left > 0 ? left : 0, error)) &&
+               append_rows(&g, lines, error);
+    }
+    for (unsigned thin = 0; thin <= THIN_MAX; thin++) free(g.rays[thin]);
+    free(g.hits);
+    free(g.occluded);
+    if (g.truth.hits) tradeoff_truth_free(&g.truth);
+    free(g.rows);
+    return good;
+}

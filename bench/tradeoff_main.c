@@ -1,0 +1,216 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The command line of cellwalk-bench tradeoff, and its files. */
+
+#include "tradeoff_main.h"
+
+#include "build_info.h"
+#include "folder.h"
+#include "output.h"
+#include "plot.h"
+#include "report.h"
+#include "results.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const usage =
+    "Usage: cellwalk-bench tradeoff [OPTIONS]\n"
+    "\n"
+    "What does accuracy cost, and what does giving some up buy? Runs every mode of accuracy with every kernel that has "
+    "it,\n"
+    "and Embree, on the same rays; finds each answer's error, then times all of them in rounds on one thread.\n"
+    "\n"
+    "The truth is the strict watertight answer, which the tests hold against an exact oracle, with t computed anew "
+    "from ray\n"
+    "and triangle to 2^-26 of a float's last place. What rounding excuses (papers/numerics.md) does not count:\n"
+    "  leak      the ray passes clearly through the surface, and there is no hit\n"
+    "  phantom   a hit where the ray is clear of the surface\n"
+    "  wrong     a hit, but behind a surface that the ray has clearly passed\n"
+    "  beyond    the sum of these that the mode's own claim, half a step of 16-bit samples say, does not explain\n"
+    "  t         error of all other hits: in ULP of the exact t, and as a distance along the ray in cells\n"
+    "  off       how far such a hit is above or below the surface, in cells; unlike t it does not grow where rays run "
+    "along it\n"
+    "  normal    angle between the Phong normals at the hit and at the exact place, degrees\n"
+    "\n"
+    "Who is beaten by nobody in both speed and error is on the Pareto frontier: once for wrong answers a million rays, "
+    "once\n"
+    "for the worst height off the surface. Beside the benchmark's classes of rays, 'vertices' and 'edges' are aimed "
+    "at\n"
+    "these, to find leaks; they are not timed. The six scenes are rendered with each mode and held against strict. "
+    "Three\n"
+    "claims of the coursework are answered with numbers.\n"
+    "\n"
+    "Saves tradeoff.json, tradeoff.md and, with gnuplot, tradeoff.svg in a folder.\n"
+    "\n"
+    "Options (lists are NAME,NAME or the option again):\n";
+
+static const char *const examples =
+    "\n"
+    "Examples:\n"
+    "  cellwalk-bench tradeoff\n"
+    "      A first look, in a minute.\n"
+    "  cellwalk-bench tradeoff --mode strict,moller-trumbore --kernel pyramid8 --field 1025 --scene none\n"
+    "      What does the watertight leaf test cost?\n"
+    "  cellwalk-bench tradeoff --long --into papers/tradeoff.md --picture papers/pictures/tradeoff.svg\n"
+    "      The figures of the page, on a quiet machine.\n";
+
+static const char *const scene_names[] = {"hftest",  "landsea-0",   "landsea-1", "landsea-2",
+                                          "texture", "landsea-big", "none"};
+enum { SCENE_NAMES = sizeof scene_names / sizeof scene_names[0] };
+
+/* Fills an empty list, or says which name of the list is none of those known. */
+static bool check_names(option_list *list, const char *flag, const char *const *known, size_t count, size_t by_default,
+                        io_error *error) {
+    if (list->count == 0)
+        for (size_t k = 0; k < by_default; k++) list->items[list->count++] = known[k];
+    for (size_t k = 0; k < list->count; k++) {
+        size_t found = 0;
+        while (found < count && strcmp(known[found], list->items[k]) != 0) found++;
+        if (found < count) continue;
+        io_fail(error, "%s %s: no such name; there are", flag, list->items[k]);
+        for (size_t n = 0; n < count; n++) {
+            const size_t used = strlen(error->text);
+            snprintf(error->text + used, sizeof error->text - used, "%s %s", n ? "," : "", known[n]);
+        }
+        return false;
+    }
+    return true;
+}
+
+static bool check_options(tradeoff_options *o, io_error *error) {
+    const char *names[OPTION_LIST_MAX];
+    size_t count = 0;
+    for (; count < tradeoff_mode_count() && count < OPTION_LIST_MAX; count++)
+        names[count] = tradeoff_mode_at(count)->name;
+    if (!check_names(&o->modes, "--mode", names, count, 0, error)) return false;
+    for (count = 0; count < cw_kernel_count() && count < OPTION_LIST_MAX; count++)
+        names[count] = cw_kernel_describe(cw_kernel_at(count)).name;
+    if (!check_names(&o->kernels, "--kernel", names, count, 0, error)) return false;
+    for (count = 0; count < TRADEOFF_CLASS_COUNT; count++) names[count] = tradeoff_class_name((int)count);
+    if (!check_names(&o->rays, "--rays", names, count, count, error)) return false;
+    for (count = 0; count < workload_field_count(); count++) names[count] = workload_field_name(count);
+    if (o->fields.count == 0) {
+        static const char *const some[] = {"257", "1025"}, *const more[] = {"65",   "257",      "1025",
+                                                                            "4097", "sea-calm", "sea-rough"};
+        for (size_t k = 0; k < (o->longer ? 6 : 2); k++)
+            o->fields.items[o->fields.count++] = (o->longer ? more : some)[k];
+    }
+    if (!check_names(&o->fields, "--field", names, count, 0, error)) return false;
+    if (!check_names(&o->scenes, "--scene", scene_names, SCENE_NAMES, SCENE_NAMES - 1, error)) return false;
+    o->isa = cw_isa_best();
+    if (o->isa_name == NULL) return true;
+    for (int k = CW_ISA_SCALAR; k <= CW_ISA_AVX512; k++) {
+        if (strcmp(o->isa_name, cw_isa_name((cw_isa)k)) != 0) continue;
+        if ((cw_isa)k > o->isa)
+            return io_fail(error, "--isa %s: this machine, or CELLWALK_ISA, allows no more than %s", o->isa_name,
+                           cw_isa_name(o->isa));
+        o->isa = (cw_isa)k;
+        return true;
+    }
+    return io_fail(error, "--isa %s: must be scalar, sse4.2, avx2 or avx512", o->isa_name);
+}
+
+/* ---- files ---- */
+
+static bool open_file(io_output *out, const char *folder, const char *name, io_error *error) {
+    char path[4352];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    return io_output_open(out, path, error);
+}
+
+static bool save(const tradeoff_options *o, const json_t *lines, io_output *json, io_output *markdown,
+                 io_error *error) {
+    size_t index;
+    json_t *line;
+    json_array_foreach((json_t *)lines, index, line) {
+        if (!results_write(json, json_incref(line), error)) return false;
+    }
+    char *text = tradeoff_markdown(lines);
+    bool good = text || io_fail(error, "out of memory");
+    if (good) fputs(text, stdout);
+    good = good && io_output_write(markdown, text, strlen(text), error) && io_output_commit(json, error) &&
+           io_output_commit(markdown, error) && (!o->into || report_into(o->into, "tradeoff", text, error));
+    free(text);
+    return good;
+}
+
+/* Figures are not lost for want of gnuplot, unless the picture was asked for by name. */
+static bool draw(const tradeoff_options *o, const json_t *lines, io_error *error) {
+    char path[4352];
+    if (o->picture) return plot_tradeoff_file(lines, o->picture, error);
+    snprintf(path, sizeof path, "%s/tradeoff.svg", o->out);
+    io_error why;
+    if (!plot_tradeoff_file(lines, path, &why)) fprintf(stderr, "cellwalk-bench tradeoff: %s\n", why.text);
+    return true;
+}
+
+static bool run(const tradeoff_options *o, io_error *error) {
+    io_output json = {0}, markdown = {0};
+    json_t *lines = json_array();
+    bool good = (lines || io_fail(error, "out of memory")) && folder_make(o->out, error) &&
+                open_file(&json, o->out, "tradeoff.json", error) &&
+                open_file(&markdown, o->out, "tradeoff.md", error) && tradeoff_run(o, lines, error) &&
+                save(o, lines, &json, &markdown, error) && draw(o, lines, error);
+    io_output_discard(&json);
+    io_output_discard(&markdown);
+    json_decref(lines);
+    fflush(stdout);
+    if (good) fprintf(stderr, "saved in %s\n", o->out);
+    return good;
+}
+
+int tradeoff_main(char **arguments, int count) {
+    tradeoff_options o = {.out = "out/tradeoff", .scene_folder = BUILD_INFO_SCENES, .seed = 1, .cpu = UINT64_MAX};
+    const option options[] = {
+        {"--mode", "NAMES",
+         "only these: strict, moller-trumbore, early, samples-16, embree, embree-robust, embree-grid, "
+         "embree-grid-robust",
+         OPTION_LIST, &o.modes, 0, 0},
+        {"--kernel", "NAMES", "only these kernels (cellwalk info lists them), beside Embree", OPTION_LIST, &o.kernels,
+         0, 0},
+        {"--rays", "NAMES", "only these classes: primary, shadow, ao, bounce, random, grazing, vertices, edges",
+         OPTION_LIST, &o.rays, 0, 0},
+        {"--field", "NAMES", "fields of micro; 257, 1025 by default; 65, 4097, sea-calm, sea-rough too with --long",
+         OPTION_LIST, &o.fields, 0, 0},
+        {"--scene", "NAMES", "only these: hftest, landsea-0, landsea-1, landsea-2, texture, landsea-big; or none",
+         OPTION_LIST, &o.scenes, 0, 0},
+        {"--scenes", "FOLDER", "where the scenes' .pbrt files are; by default those made with this program",
+         OPTION_TEXT, &o.scene_folder, 0, 0},
+        {"--isa", "NAME", "instruction set for all, Embree as well: scalar, sse4.2, avx2 or avx512", OPTION_TEXT,
+         &o.isa_name, 0, 0},
+        {"--count", "N", "rays in a class (16384; 1048576 with --long)", OPTION_COUNT, &o.count, 64, 1 << 24},
+        {"--samples", "N", "samples a pixel of the scenes (1; what the scene says with --long)", OPTION_COUNT,
+         &o.samples, 0, 1024},
+        {"--seconds", "S", "time for errors and speeds on the fields, as far as it can be kept (30; 1200 with --long)",
+         OPTION_REAL, &o.seconds, 0.01, 1e6},
+        {"--pass", "S", "who takes longer for one pass runs on fewer rays, down to a 64th (0.05; 1 with --long)",
+         OPTION_REAL, &o.pass, 1e-6, 1e6},
+        {"--seed", "N", "of rays and order (1)", OPTION_COUNT, &o.seed, 0, UINT32_MAX},
+        {"--cpu", "N", "stay on this CPU; by default on the one that the program starts on", OPTION_COUNT, &o.cpu, 0,
+         1023},
+        {"--no-pin", NULL, "let the system move the program between CPUs", OPTION_FLAG, &o.no_pin, 0, 0},
+        {"--long", NULL, "all fields but the largest, more rays, more time", OPTION_FLAG, &o.longer, 0, 0},
+        {"--out", "FOLDER", "where to save the files; made if need be (out/tradeoff)", OPTION_TEXT, &o.out, 0, 0},
+        {"--into", "PAGE", "also put the Markdown into this page, between the markers tradeoff (as report does)",
+         OPTION_TEXT, &o.into, 0, 0},
+        {"--picture", "FILE", "the picture's name, if it is not to be tradeoff.svg in the folder", OPTION_TEXT,
+         &o.picture, 0, 0},
+    };
+    const option_frame frame = {.command = "tradeoff",
+                                .usage = usage,
+                                .examples = examples,
+                                .options = options,
+                                .option_count = sizeof options / sizeof options[0]};
+    int status;
+    if (!options_begin(&frame, arguments, &count, &status)) return status;
+    io_error error = {{0}};
+    if (o.count == 0) o.count = o.longer ? 1 << 20 : 1 << 14;
+    if (o.seconds <= 0) o.seconds = o.longer ? 1200 : 30;
+    if (o.pass <= 0) o.pass = o.longer ? 1 : 0.05;
+    if (o.samples == 0 && !o.longer) o.samples = 1;
+    if (!check_options(&o, &error)) return options_misused("tradeoff", &error);
+    cw_isa_limit(o.isa);
+    if (run(&o, &error)) return EXIT_SUCCESS;
+    return options_failed("tradeoff", &error);
+}

@@ -1,0 +1,124 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "tradeoff_modes.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* clang-format off: a row a mode */
+static const tradeoff_mode modes[] = {
+    {.name = "strict", .what = "the default: watertight leaf test, IEEE operations alone", .leaf = CW_LEAF_WATERTIGHT},
+    {.name = "moller-trumbore",
+     .what = "strict operations, each triangle by itself (Möller and Trumbore 1997)",
+     .leaf = CW_LEAF_MOLLER_TRUMBORE},
+    {.name = "early",
+     .what = "a 3D grid that returns the first hit it finds",
+     .leaf = CW_LEAF_MOLLER_TRUMBORE,
+     .only = "grid3d-early"},
+    {.name = "samples-16",
+     .what = "strict on samples rounded to 16 bits beforehand",
+     .leaf = CW_LEAF_WATERTIGHT,
+     .change = tradeoff_quantise},
+    {.name = "embree", .what = "Embree, a mesh of triangles", .embree = true},
+    {.name = "embree-robust", .what = "Embree, a mesh of triangles, ROBUST", .embree = true, .robust = true},
+    {.name = "embree-grid", .what = "Embree, its grid geometry", .embree = true, .geometry = PEER_GRID},
+    {.name = "embree-grid-robust",
+     .what = "Embree, its grid geometry, ROBUST",
+     .embree = true,
+     .robust = true,
+     .geometry = PEER_GRID},
+};
+/* clang-format on */
+enum { MODE_COUNT = sizeof modes / sizeof modes[0] };
+
+size_t tradeoff_mode_count(void) { return MODE_COUNT; }
+const tradeoff_mode *tradeoff_mode_at(size_t number) { return number < MODE_COUNT ? &modes[number] : NULL; }
+
+bool tradeoff_mode_takes(const tradeoff_mode *mode, const char *kernel) {
+    if (mode->embree) return false;
+    if (mode->only) return strcmp(mode->only, kernel) == 0;
+    for (size_t m = 0; m < MODE_COUNT; m++)
+        if (modes[m].only && strcmp(modes[m].only, kernel) == 0) return false;
+    return true;
+}
+
+tradeoff_claim tradeoff_quantise(float *z, size_t count) {
+    double low = INFINITY, high = -INFINITY;
+    for (size_t k = 0; k < count; k++) {
+        if (!isfinite(z[k])) continue;
+        low = fmin(low, (double)z[k]);
+        high = fmax(high, (double)z[k]);
+    }
+    const double step = (high - low) / UINT16_MAX;
+    if (!(step > 0)) return (tradeoff_claim){0};
+    for (size_t k = 0; k < count; k++)
+        if (isfinite(z[k])) z[k] = (float)(low + step * rint(((double)z[k] - low) / step));
+    return (tradeoff_claim){.height = step / 2 + 0x1p-24 * fmax(fabs(low), fabs(high))};
+}
+
+static bool own_field(tradeoff_stage *s, cw_field *base, const tradeoff_ground *ground, io_error *error) {
+    const tradeoff_mode *mode = s->mode;
+    cw_field_desc desc = cw_field_desc_default();
+    desc.samples = ground->z;
+    desc.nx = ground->nx;
+    desc.ny = ground->ny;
+    desc.storage = CW_BORROW;
+    s->field = base;
+    if (mode->change == NULL && mode->describe == NULL) return true;
+    if (mode->change) {
+        const size_t count = ground->nx * ground->ny;
+        s->z = malloc(count * sizeof *s->z);
+        if (s->z == NULL) return io_fail(error, "out of memory for mode %s", mode->name);
+        memcpy(s->z, ground->z, count * sizeof *s->z);
+        const tradeoff_claim more = mode->change(s->z, count);
+        s->claim.height += more.height;
+        s->claim.cone += more.cone;
+        desc.samples = s->z;
+    }
+    if (mode->describe) mode->describe(&desc);
+    const cw_status status = cw_field_create(&desc, &s->own);
+    if (status != CW_OK) return io_fail(error, "the field of mode %s: %s", mode->name, cw_status_message(status));
+    s->field = s->own;
+    return true;
+}
+
+bool tradeoff_stage_open(tradeoff_stage *stage, const tradeoff_mode *mode, cw_field *base,
+                         const tradeoff_ground *ground, cw_isa isa, io_error *error) {
+    *stage = (tradeoff_stage){.mode = mode, .claim = mode->claim};
+    bool good = own_field(stage, base, ground, error);
+    if (good && mode->embree) {
+        const peer_options options = {
+            .isa = isa, .geometry = mode->geometry, .quality = PEER_HIGH, .robust = mode->robust};
+        stage->peer = peer_embree_create(base, &options, error);
+        good = stage->peer != NULL;
+    }
+    if (!good) tradeoff_stage_close(stage);
+    return good;
+}
+
+void tradeoff_stage_close(tradeoff_stage *stage) {
+    peer_embree_destroy(stage->peer);
+    cw_field_destroy(stage->own);
+    free(stage->z);
+    *stage = (tradeoff_stage){0};
+}
+
+cw_status tradeoff_stage_kernel(const tradeoff_stage *stage, const cw_kernel *kernel, contender *c,
+                                kernel_contender *k) {
+    const tradeoff_mode *mode = stage->mode;
+    const char *name = cw_kernel_describe(kernel).name;
+    if (!tradeoff_mode_takes(mode, name)) return CW_ERROR_UNSUPPORTED;
+    cw_status status = contender_from_kernel(c, k, stage->field, kernel, mode->leaf);
+    if (status != CW_OK) return status;
+    if (mode->query) mode->query(&k->query);
+    snprintf(c->name, sizeof c->name, "%s/%s", mode->name, name);
+    return cw_closest(stage->field, &k->query, NULL, 0, NULL);
+}
+
+void tradeoff_stage_peer(const tradeoff_stage *stage, unsigned width, bool coherent, contender *c, peer_contender *p) {
+    contender_from_peer(c, p, stage->peer, width, coherent);
+    snprintf(c->name, sizeof c->name, "%s/w%u%s", stage->mode->name, width,
+             peer_embree_is_native(stage->peer, width) ? "" : "-split");
+}
