@@ -43,7 +43,7 @@ if(QEMU AND TARGET test_lanes AND NOT CELLWALK_SANITIZE AND CMAKE_SYSTEM_PROCESS
 endif()
 
 if(CMOCKA_INCLUDE AND CMOCKA_LIBRARY AND GMP_INCLUDE AND GMP_LIBRARY)
-    add_library(cellwalk_test_oracle STATIC exact.c judge.c oracle.c tally.c)
+    add_library(cellwalk_test_oracle STATIC doubt.c exact.c judge.c oracle.c tally.c)
     target_include_directories(cellwalk_test_oracle PUBLIC ${GMP_INCLUDE})
     target_link_libraries(cellwalk_test_oracle PRIVATE cellwalk_flags PUBLIC cellwalk_test_rays ${GMP_LIBRARY} m)
 

@@ -1,33 +1,48 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What rounding excuses: the bounds E and delta of papers/numerics.md, the clear pass, and verdicts. All in double, whose
- * error is 2^-29 of the bounds. */
+ * error is 2^-27 of the bounds or less. */
 
 #include "oracle_walk.h"
 
 #include <float.h>
 #include <math.h>
 
-/* Relative rounding error of a float operation. The reciprocal of a direction above 2^126 is denormal and off by up to
- * 2^-150 absolutely. */
-static double unit(const oracle *o) {
-    const double fastest = fmax(fmax(fabs(o->dx), fabs(o->dy)), fabs(o->dx - o->dy));
-    return 0x1p-24 + 0x1p-150 * fastest;
+/* Relative rounding error of a float operation, u, and what the products of several such errors add. */
+static const double unit = 0x1p-24 * (1 + 0x1p-19);
+
+/* P: what |org| + |t dir| of x and y together cannot exceed anywhere in the cell. */
+static double place_size(const oracle *o, int32_t i, int32_t j) { return fabs(o->ox) + fabs(o->oy) + i + j + 2; }
+
+static double delta(const oracle *o, int32_t i, int32_t j) {
+    return 4 * unit * place_size(o, i, j) + 0x1p-148 * (fabs(o->dx) + fabs(o->dy));
 }
 
-/* Size of the numbers that a place is computed from. */
-static double place_size(const oracle *o, double t, int32_t i, int32_t j) {
-    return fabs(o->ox) + fabs(o->oy) + fabs(t) * (fabs(o->dx) + fabs(o->dy)) + i + j + 2;
+static const cell_bounds *bounds_at(const oracle *o, int32_t i, int32_t j) {
+    return delta(o, i, j) < 0.5 ? &o->cell[(size_t)j * (o->nx - 1) + (size_t)i] : &o->all;
 }
 
-static double delta(const oracle *o, double t, int32_t i, int32_t j) {
-    return 8 * unit(o) * place_size(o, t, i, j) + 0x1p-148 * (fabs(o->dx) + fabs(o->dy));
+/* E(t) near a cell, at a crossing; a hit adds root_error. */
+static double height_error(const oracle *o, double t, int32_t i, int32_t j) {
+    const cell_bounds *b = bounds_at(o, i, j);
+    const double size = fabs(o->oz) + fabs(t * o->dz) + 4 * b->high + 8 * b->slope * place_size(o, i, j);
+    return unit * size + 0x1p-146 * (1 + fabs(o->dz) + b->slope * (fabs(o->dx) + fabs(o->dy)));
 }
 
-/* E(t) near a cell; span is the size of d at the ends of the stretch that a hit was interpolated on. */
-static double height_error(const oracle *o, double t, int32_t i, int32_t j, double span) {
-    const cell_bounds *b = delta(o, t, i, j) < 0.5 ? &o->cell[(size_t)j * (o->nx - 1) + (size_t)i] : &o->all;
-    const double size = fabs(o->oz) + fabs(t * o->dz) + b->high + b->slope * place_size(o, t, i, j) + span;
-    return 8 * unit(o) * size + 0x1p-146 * (1 + fabs(o->dz) + b->slope * (fabs(o->dx) + fabs(o->dy)));
+/* The most that d can be where the slab of strict.h cuts the range off. */
+static double slab_size(const oracle *o) { return fabs(o->oz) + 5 * o->all.high; }
+
+/* The longest range of t that the ray may spend in a cell. */
+static double crossing_time(const oracle *o, int32_t i, int32_t j) {
+    const double rounded = 1 + 6 * unit * place_size(o, i, j), range = (double)o->ray.tmax - (double)o->ray.tmin;
+    return fmin(fmin(rounded / fabs(o->dx), rounded / fabs(o->dy)), fmin(range, 2 * slab_size(o) / fabs(o->dz)));
+}
+
+/* What interpolation between d at two crossings adds to E. */
+static double root_error(const oracle *o, int32_t i, int32_t j) {
+    const cell_bounds *b = bounds_at(o, i, j);
+    const double time = crossing_time(o, i, j);
+    const double change = (fabs(o->dz) + b->slope * (fabs(o->dx) + fabs(o->dy))) * time;
+    return unit * fmin(7 * slab_size(o), 5 * change);
 }
 
 /* ---- the clear pass ---------------------------------------------------------------------------------------------- */
@@ -86,7 +101,7 @@ static stretch safe_part(const oracle *o, const segment *s, double from, double 
     stretch part = {from, to};
     if (s->solid < s->count || s->count < s->whole) return (stretch){1, 0};
     const oracle_triangle *t = &s->triangle[0];
-    const double margin = 2 * fmax(delta(o, from, t->i, t->j), delta(o, to, t->i, t->j));
+    const double margin = 2 * delta(o, t->i, t->j);
     if (margin >= 1) { /* so far from the origin that places are off by cells */
         if (o->holes) return (stretch){1, 0};
         keep(&part, o->ox, o->dx, margin);
@@ -119,7 +134,7 @@ static double blur(const oracle *o, const oracle_triangle *t) {
     const plane p = oracle_plane(o, t);
     const double x = fabs(o->ox - t->i) + fabs(o->oy - t->j) + 1, z = fabs(o->oz - p.h), divisor = fabs(slope(o, t));
     const double flat = fabs(o->dx) + fabs(o->dy), steep = fabs(o->dz) + 2 * (fabs(p.a) + fabs(p.b)) * flat;
-    const double terms = x * steep + z * flat, u = unit(o), least = 0x1p-146;
+    const double terms = x * steep + z * flat, u = unit, least = 0x1p-146;
     if (32 * (u * steep + least) > divisor || divisor < 0x1p-126 || terms > 0x1p124) return (double)INFINITY;
     return (32 * u * terms + least * (x + z + 1)) / divisor;
 }
@@ -151,7 +166,7 @@ void oracle_find_pass(oracle *o) {
             const oracle_triangle *t = &s->triangle[0];
             const double at = end ? part.b : part.a, d = oracle_height(o, t, at);
             if (end && s->side_from != s->side_to) change = s;
-            if (!(fabs(d) > height_error(o, at, t->i, t->j, 0))) continue;
+            if (!(fabs(d) > height_error(o, at, t->i, t->j))) continue;
             const int clear = d > 0 ? 1 : -1;
             if (last && clear != last) note_pass(o, at, change ? change : s);
             last = clear;
@@ -175,6 +190,44 @@ static bool holds_the_point(const oracle_truth *truth, const cw_hit *hit) {
     return false;
 }
 
+bool oracle_clear(const oracle *o, double at, int side, const oracle_triangle *over) {
+    const double x = o->ox + at * o->dx, y = o->oy + at * o->dy, z = o->oz + at * o->dz;
+    if (over) {
+        const double d = oracle_height(o, over, at);
+        return side * d > height_error(o, at, over->i, over->j) &&
+               edge_distance(o, over, at) > 2 * delta(o, over->i, over->j);
+    }
+    const int32_t last_i = (int32_t)o->nx - 1, last_j = (int32_t)o->ny - 1;
+    const double margin = 2 * delta(o, last_i, last_j), low = o->low, high = o->top;
+    const double size =
+        fabs(o->oz) + fabs(at * o->dz) + 4 * o->all.high + 8 * o->all.slope * place_size(o, last_i, last_j);
+    const double error = 2 * unit * size + 0x1p-140; /* twice E */
+    return x > margin && x < last_i - margin && y > margin && y < last_j - margin &&
+           (side > 0 ? z - high > error : low - z > error);
+}
+
+/* E at a hit. */
+static double residual_bound(const oracle *o, const cw_hit *hit) {
+    return height_error(o, (double)hit->t, hit->i, hit->j) + root_error(o, hit->i, hit->j);
+}
+
+hit_check oracle_check(const oracle *o, const cw_hit *hit) {
+    const double doubt = 0x1p-20; /* doubles are off by less than 2^-26 of the bounds */
+    const oracle_triangle t = {hit->i, hit->j, hit->triangle};
+    hit_check c = {.holds = false};
+    if (!oracle_solid(o, t.i, t.j, t.triangle) || !(hit->t >= o->ray.tmin && hit->t <= o->ray.tmax)) return c;
+    const double at = (double)hit->t, error = residual_bound(o, hit);
+    c.apart = -edge_distance(o, &t, at);
+    c.apart_most = delta(o, t.i, t.j);
+    c.residual = fabs(oracle_height(o, &t, at)) / error;
+    c.in_doubt = fabs(c.apart - c.apart_most) <= doubt * c.apart_most || fabs(c.residual - 1) <= doubt;
+    if (c.in_doubt)
+        c.holds = oracle_exactly_within(o, &t, at, error, c.apart_most);
+    else
+        c.holds = c.apart <= c.apart_most && c.residual <= 1;
+    return c;
+}
+
 judgement oracle_judge(const oracle *o, const cw_hit *hit) {
     const oracle_truth *truth = &o->truth;
     judgement j = {.verdict = VERDICT_RIGHT};
@@ -184,18 +237,15 @@ judgement oracle_judge(const oracle *o, const cw_hit *hit) {
     }
     const oracle_triangle t = {hit->i, hit->j, hit->triangle};
     const double at = (double)hit->t;
+    const hit_check c = oracle_check(o, hit);
     j.verdict = VERDICT_PHANTOM;
-    if (!oracle_solid(o, t.i, t.j, t.triangle) || !(hit->t >= o->ray.tmin && hit->t <= o->ray.tmax)) return j;
-    j.blur = blur(o, &t);
-    j.apart = -edge_distance(o, &t, at);
-    /* A cell is crossed within a range of t that is no longer than this. */
-    const double range = (double)o->ray.tmax - (double)o->ray.tmin;
-    const double across = minimum3(1 / fabs(o->dx), 1 / fabs(o->dy), range);
-    const double span = fmin(fabs(o->oz) + 3 * o->all.high, fabs(o->dz) * across);
-    const double error = height_error(o, at, t.i, t.j, span);
-    j.residual = fabs(oracle_height(o, &t, at)) / error;
-    if (j.apart > 2 * delta(o, at, t.i, t.j) || !(j.residual <= 1)) return j;
-    if (truth->passes && at > truth->pass_t + 8 * unit(o) * fabs(truth->pass_t)) {
+    j.apart = c.apart;
+    j.apart_most = c.apart_most;
+    j.residual = c.residual;
+    if (oracle_solid(o, t.i, t.j, t.triangle)) j.blur = blur(o, &t);
+    if (!c.holds) return j;
+    const double error = residual_bound(o, hit);
+    if (truth->passes && at > truth->pass_t + unit * (fabs(truth->pass_t) + 4 * crossing_time(o, t.i, t.j))) {
         j.verdict = VERDICT_WRONG_SURFACE;
         return j;
     }
@@ -205,6 +255,9 @@ judgement oracle_judge(const oracle *o, const cw_hit *hit) {
     }
     j.verdict = VERDICT_RIGHT;
     j.t_error = fabs(at - truth->t);
-    j.t_bound = error / fabs(slope(o, &t)) + 0x1p-23 * fabs(at) + 0x1p-148;
+    const plane p = oracle_plane(o, &t);
+    const double steep = fabs(o->dz) + (fabs(p.a) + fabs(p.b)) * (fabs(o->dx) + fabs(o->dy));
+    const double divisor = fabs(slope(o, &t)) - 0x1p-50 * steep;
+    j.t_bound = divisor > 0 ? error / divisor + 0x1p-49 * fabs(at) : (double)INFINITY;
     return j;
 }

@@ -318,23 +318,27 @@ static bool clip(oracle *o, crossing_kind kind, double origin, double direction,
 
 static float counted(float direction) { return fabsf(direction) <= 0x1p-128f ? 0 : direction; }
 
-const oracle_truth *oracle_trace(oracle *o, const cw_ray *ray) {
-    o->truth = (oracle_truth){.t = (double)INFINITY};
-    o->segments = 0;
+bool oracle_ray(oracle *o, const cw_ray *ray) {
     o->ray = *ray;
     cw_ray *r = &o->ray;
     for (int c = 0; c < 3; c++) {
-        if (!isfinite(r->org[c]) || !(fabsf(r->dir[c]) <= 0x1p126f)) return &o->truth;
+        if (!isfinite(r->org[c]) || !(fabsf(r->dir[c]) <= 0x1p126f)) return false;
         r->dir[c] = counted(r->dir[c]);
     }
-    if (!(r->tmin <= r->tmax) || (r->dir[0] == 0 && r->dir[1] == 0 && r->dir[2] == 0)) return &o->truth;
+    if (!(r->tmin <= r->tmax) || (r->dir[0] == 0 && r->dir[1] == 0 && r->dir[2] == 0)) return false;
     if (r->tmin < -FLT_MAX / 2) r->tmin = -FLT_MAX / 2;
     if (r->tmax > FLT_MAX / 2) r->tmax = FLT_MAX / 2;
-    exact_ray(&o->numbers, r);
     o->ox = (double)r->org[0], o->oy = (double)r->org[1], o->oz = (double)r->org[2];
     o->dx = (double)r->dir[0], o->dy = (double)r->dir[1], o->dz = (double)r->dir[2];
-    crossing start = constant(r->tmin), end = constant(r->tmax);
-    if (!(r->tmin <= r->tmax)) return &o->truth;
+    return r->tmin <= r->tmax;
+}
+
+const oracle_truth *oracle_trace(oracle *o, const cw_ray *ray) {
+    o->truth = (oracle_truth){.t = (double)INFINITY};
+    o->segments = 0;
+    if (!oracle_ray(o, ray)) return &o->truth;
+    exact_ray(&o->numbers, &o->ray);
+    crossing start = constant(o->ray.tmin), end = constant(o->ray.tmax);
     if (!clip(o, CROSSING_X, o->ox, o->dx, o->nx, &start, &end)) return &o->truth;
     if (!clip(o, CROSSING_Y, o->oy, o->dy, o->ny, &start, &end)) return &o->truth;
     walk(o, start, end);

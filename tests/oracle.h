@@ -66,15 +66,36 @@ const char *verdict_name(verdict v);
 typedef struct judgement {
     verdict verdict;
     /* Of hits on solid triangles: */
-    double residual; /* |d| at the hit's t over its bound E, <= 1 unless a phantom */
-    double apart;    /* distance of the exact ray, at the hit's t, from the triangle; <= 0 within */
-    double blur;     /* how far off Möller-Trumbore's place in it may be; infinite if the ray is parallel */
+    double residual;   /* |d| at the hit's t over its bound E, <= 1 unless a phantom */
+    double apart;      /* distance of the exact ray, at the hit's t, from the triangle; <= 0 within */
+    double apart_most; /* delta, which it may not exceed */
+    double blur;       /* how far off Möller-Trumbore's place in it may be; infinite if the ray is parallel */
     /* Of right hits: */
     double t_error; /* |t - exact t| */
-    double t_bound; /* what it may be: E / |d'| and rounding of t itself; infinite if the ray is parallel */
+    double t_bound; /* what it may be: E / |d'|; infinite if the ray is parallel */
 } judgement;
 
 /* Judges an answer to the ray last traced. */
 judgement oracle_judge(const oracle *o, const cw_hit *hit);
+
+/* ---- without tracing: for rays of which the truth is known by construction --------------------------------------- */
+
+/* Makes a ray the present one; false if by the header's conventions it misses. */
+bool oracle_ray(oracle *o, const cw_ray *ray);
+
+/* Whether the present ray is, at t, clear of the surface: on the side of side (1 above, -1 below) by more than E, over the
+ * field by more than delta. over: the triangle that it is over; or NULL, and then it is clear of all samples. A ray that
+ * is clear on one side and later on the other, on a field without holes, passes. */
+bool oracle_clear(const oracle *o, double at, int side, const oracle_triangle *over);
+
+/* What oracle_judge looks at first: is a hit where the present ray and the surface are, within the bounds? Doubles decide
+ * where their error cannot matter, rational numbers where it could. */
+typedef struct hit_check {
+    bool holds;      /* no phantom */
+    bool in_doubt;   /* doubles could not decide */
+    double residual; /* as in judgement */
+    double apart, apart_most;
+} hit_check;
+hit_check oracle_check(const oracle *o, const cw_hit *hit);
 
 #endif
