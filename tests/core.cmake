@@ -53,6 +53,25 @@ if(CMOCKA_INCLUDE AND CMOCKA_LIBRARY AND GMP_INCLUDE AND GMP_LIBRARY)
         cellwalk_test(${test} ${test}.c)
         target_link_libraries(test_${test} PRIVATE cellwalk_test_oracle)
     endforeach()
+
+    # The long run of stability.c, and the part of it that is a test. It takes fields and Embree from bench/, and stands
+    # here because it needs the oracle, hence GMP, which the benchmark must not.
+    add_library(cellwalk_stability_run STATIC aimed.c stability_run.c)
+    target_link_libraries(cellwalk_stability_run PRIVATE cellwalk_flags
+        PUBLIC cellwalk_test_oracle cellwalk_workload cellwalk_peers)
+    cellwalk_test(stability stability_test.c)
+    target_link_libraries(test_stability PRIVATE cellwalk_stability_run)
+    if(TARGET cellwalk_measure) # JSON, options and pages
+        add_executable(cellwalk_stability stability.c stability_page.c)
+        set_target_properties(cellwalk_stability PROPERTIES OUTPUT_NAME cellwalk-stability)
+        target_link_libraries(cellwalk_stability PRIVATE cellwalk_stability_run cellwalk_measure cellwalk_flags)
+        # Hours on a slow machine: by hand, not by CTest. Figures into papers/stability.md.
+        add_custom_target(stability
+            COMMAND cellwalk_stability run --json ${PROJECT_SOURCE_DIR}/papers/data/stability.json
+            COMMAND cellwalk_stability report --json ${PROJECT_SOURCE_DIR}/papers/data/stability.json
+                --into ${PROJECT_SOURCE_DIR}/papers/stability.md
+            WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} USES_TERMINAL VERBATIM)
+    endif()
 endif()
 
 # The installed library, and what leaves it. Sanitizers add symbols and need their flags in the consumer too.

@@ -3,6 +3,8 @@
 
 #include "oracle_walk.h"
 
+#include <math.h>
+
 enum { X, Y, Z, H00, H10, H01, H11, D, TERM, NUMBERS };
 
 /* a + b c */
@@ -11,8 +13,10 @@ static void add_product(mpq_t a, const mpq_t b, const mpq_t c, mpq_t term) {
     mpq_add(a, a, term);
 }
 
+/* A hole becomes 0: it is a sample of the cell's other triangle. */
 static void set_sample(mpq_t z, const oracle *o, int32_t i, int32_t j) {
-    mpq_set_d(z, (double)o->z[(size_t)j * o->nx + (size_t)i]);
+    const double sample = (double)o->z[(size_t)j * o->nx + (size_t)i];
+    mpq_set_d(z, isfinite(sample) ? sample : 0);
 }
 
 /* x and y within the cell, z above its sample (i, j), of the ray at t. */

@@ -3,7 +3,7 @@
  * and the set of triangles that hold the hit have to be equal. */
 
 #include "check.h"
-#include "oracle.h"
+#include "oracle_walk.h"
 #include "rays.h"
 
 #include <float.h>
@@ -141,16 +141,16 @@ static void compare(const test_field *f, const cw_ray *given, const oracle_truth
                     same_t++;
                     found += named(truth, i, j, triangle);
                 }
-    const double exact = hit ? mpq_get_d(first) : (double)INFINITY;
+    const double rational = hit ? mpq_get_d(first) : (double)INFINITY;
     const bool right =
         hit == truth->hit &&
-        (!hit || (fabs(exact - truth->t) <= 0x1p-49 * fabs(exact) && same_t == truth->at && found == same_t));
+        (!hit || (fabs(rational - truth->t) <= 0x1p-49 * fabs(rational) && same_t == truth->at && found == same_t));
     mpq_clears(t, first, (mpq_ptr)NULL);
     if (right) return;
     field_print(f);
     ray_print(given);
     printf("oracle: %s at t %a on %u triangles; plainly: %s at t %a on %u, of which the oracle names %u\n",
-           truth->hit ? "hit" : "miss", truth->t, truth->at, hit ? "hit" : "miss", exact, same_t, found);
+           truth->hit ? "hit" : "miss", truth->t, truth->at, hit ? "hit" : "miss", rational, same_t, found);
     check(false, "the oracle is wrong");
 }
 
@@ -182,7 +182,43 @@ static void test_against_every_triangle(void **state) {
     check(hits > rays / 4 && ties > 200 && coplanar > 50, "too few hits or ties for the test to mean anything");
 }
 
+/* Places of which doubles know well how far they are from a triangle and its plane: rational numbers must agree, with
+ * bounds a little above and a little below. */
+static void test_doubts_are_decided(void **state) {
+    (void)state;
+    static test_field f;
+    random_state r = {7};
+    size_t heights = 0, places = 0;
+    field_make(&f, FIELD_HOLES, 9, 7, 3);
+    oracle *o = oracle_create(f.z, f.nx, f.ny);
+    assert_non_null(o);
+    for (int k = 0; k < 5000; k++) {
+        const cw_ray ray = ray_make(RAY_RANDOM, &f, &r);
+        const oracle_triangle t = {(int32_t)random_below(&r, 8), (int32_t)random_below(&r, 6),
+                                   (uint32_t)random_below(&r, 2)};
+        if (!oracle_ray(o, &ray) || !oracle_solid(o, t.i, t.j, t.triangle)) continue;
+        const double at = (double)(float)random_between(&r, -2, 2), d = fabs(oracle_height(o, &t, at));
+        const double x = o->ox + at * o->dx - t.i, y = o->oy + at * o->dy - t.j;
+        const bool a = t.triangle == CW_TRIANGLE_A;
+        const double outside = fmax(fmax(a ? -y : -x, a ? x - 1 : y - 1), a ? y - x : x - y);
+        const double near = 1 - 0x1p-20, far = 1 + 0x1p-20, anything = 100;
+        if (d > 0x1p-10) {
+            heights++;
+            check(oracle_exactly_within(o, &t, at, d * far, anything), "height: not within a bound just above");
+            check(!oracle_exactly_within(o, &t, at, d * near, anything), "height: within a bound just below");
+        }
+        if (outside > 0x1p-10) {
+            places++;
+            check(oracle_exactly_within(o, &t, at, anything, outside * far), "place: not within a bound just above");
+            check(!oracle_exactly_within(o, &t, at, anything, outside * near), "place: within a bound just below");
+        }
+    }
+    oracle_destroy(o);
+    check(heights > 1000 && places > 1000, "too few for the test to mean anything");
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_against_every_triangle)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_against_every_triangle),
+                                       cmocka_unit_test(test_doubts_are_decided)};
     return cmocka_run_group_tests_name("oracle", tests, NULL, NULL);
 }

@@ -1,0 +1,328 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "aimed.h"
+
+#include "terrain.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const struct {
+    const char *name, *text;
+} aims[AIM_COUNT] = {
+    {"inside", "inside a triangle"},
+    {"vertex", "at a sample"},
+    {"edge", "at a border edge"},
+    {"diagonal", "at a diagonal"},
+    {"borders", "along grid lines"},
+    {"axis", "axis-parallel between grid lines"},
+    {"corners", "over samples in whole steps"},
+    {"vertical", "vertical"},
+    {"steep", "all but vertical"},
+    {"long", "across the field, low"},
+    {"far", "from up to 10^6 cells"},
+    {"grazing", "1 to 10^-6 degrees to a triangle"},
+};
+
+const char *aim_name(aim kind) { return aims[kind].name; }
+const char *aim_text(aim kind) { return aims[kind].text; }
+
+/* ---- fields ------------------------------------------------------------------------------------------------------ */
+
+typedef enum shape { FRACTAL, NOISE, INTEGERS, CLIFFS, SLOPE, SWELL, FLAT, SEA } shape;
+
+static const struct {
+    const char *name, *text;
+    size_t nx, ny;
+} fields[AIMED_FIELDS] = {
+    [FRACTAL] = {"fractal", "fractal land, 513 x 513, relief a tenth of the side", 513, 513},
+    [NOISE] = {"noise", "uniform in [0, 1), 65 x 65", 65, 65},
+    [INTEGERS] = {"integers", "whole numbers from -2 to 2, 64 x 33", 64, 33},
+    [CLIFFS] = {"cliffs", "0 beside 10^6, 48 x 48", 48, 48},
+    [SLOPE] = {"slope", "one plane, exactly, 129 x 129", 129, 129},
+    [SWELL] = {"swell", "a slope of 0.3 with ripples of 10^-4, 257 x 257", 257, 257},
+    [FLAT] = {"flat", "one height, 33 x 33", 33, 33},
+    [SEA] = {"sea", "waves, 200 x 200", 200, 200},
+};
+
+static double sample(shape kind, size_t i, size_t j, random_state *r) {
+    const double x = random_unit(r);
+    switch (kind) {
+    case NOISE:
+        return x;
+    case INTEGERS:
+        return floor(5 * x) - 2;
+    case CLIFFS:
+        return (i + j) / 2 % 2 ? 1e6 : 0;
+    case SLOPE:
+        return 3 * (double)i - 2 * (double)j;
+    case SWELL:
+        return 0.3 * (double)i + 0.1 * (double)j + 1e-4 * x;
+    default:
+        return 0.375;
+    }
+}
+
+bool aimed_field_make(aimed_field *f, size_t number) {
+    const shape kind = (shape)number;
+    random_state r = {number};
+    *f = (aimed_field){.name = fields[number].name, .text = fields[number].text};
+    f->nx = fields[number].nx;
+    f->ny = fields[number].ny;
+    f->z = malloc(f->nx * f->ny * sizeof *f->z);
+    if (f->z == NULL) return false;
+    if (kind == FRACTAL)
+        terrain_fractal(f->z, f->nx, f->ny, 5, 0.1f);
+    else if (kind == SEA)
+        terrain_sea(f->z, f->nx, f->ny, 5, 0.2f);
+    else
+        for (size_t k = 0; k < f->nx * f->ny; k++) f->z[k] = (float)sample(kind, k % f->nx, k / f->nx, &r);
+    f->low = (double)INFINITY;
+    f->high = -(double)INFINITY;
+    for (size_t k = 0; k < f->nx * f->ny; k++) {
+        f->low = fmin(f->low, (double)f->z[k]);
+        f->high = fmax(f->high, (double)f->z[k]);
+    }
+    cw_field_desc desc = cw_field_desc_default();
+    desc.samples = f->z;
+    desc.nx = f->nx;
+    desc.ny = f->ny;
+    desc.storage = CW_BORROW;
+    f->oracle = oracle_create(f->z, f->nx, f->ny);
+    if (f->oracle && cw_field_create(&desc, &f->field) == CW_OK) return true;
+    aimed_field_free(f);
+    return false;
+}
+
+void aimed_field_free(aimed_field *f) {
+    cw_field_destroy(f->field);
+    oracle_destroy(f->oracle);
+    free(f->z);
+    *f = (aimed_field){.name = NULL};
+}
+
+/* ---- rays -------------------------------------------------------------------------------------------------------- */
+
+/* A ray in the making: it goes through p, n · step before it and m · step behind it being clear of all samples, while it
+ * rises by rise with every step. */
+typedef struct plan {
+    double p[3], step[2], rise;
+    double n, m;
+    double farther; /* steps before all that, which the ray starts ahead */
+    bool exact;     /* places and steps are whole or halves: keep them so */
+} plan;
+
+static double height_at(const aimed_field *f, size_t i, size_t j) { return (double)f->z[j * f->nx + i]; }
+
+/* p becomes the place at x, y in [0, 1] of cell (i, j). */
+static void surface(const aimed_field *f, size_t i, size_t j, double x, double y, double p[3]) {
+    const double h00 = height_at(f, i, j), h11 = height_at(f, i + 1, j + 1);
+    const double corner = x >= y ? height_at(f, i + 1, j) : height_at(f, i, j + 1);
+    p[0] = (double)i + x;
+    p[1] = (double)j + y;
+    p[2] = h00 + fmax(x, y) * (corner - h00) + fmin(x, y) * (h11 - corner);
+}
+
+static double sign(random_state *r) { return random_bits(r) >> 63 ? 1 : -1; }
+
+static void edge_place(const aimed_field *f, random_state *r, size_t i, size_t j, double p[3]) {
+    const double along = random_unit(r);
+    if (random_below(r, 2))
+        surface(f, i, j, along, 0, p);
+    else
+        surface(f, i, j, 0, along, p);
+}
+
+/* How many steps from p stay within the field, most of a cell off its border. */
+static double room(const aimed_field *f, const double p[3], const double step[2], double direction) {
+    const double margin = 0.75, last[2] = {(double)(f->nx - 1), (double)(f->ny - 1)};
+    double most = 1e300;
+    for (int c = 0; c < 2; c++) {
+        const double d = direction * step[c];
+        if (d > 0) most = fmin(most, (last[c] - margin - p[c]) / d);
+        if (d < 0) most = fmin(most, (margin - p[c]) / d);
+    }
+    return most;
+}
+
+static void turn(random_state *r, double step[2]) {
+    const double angle = random_between(r, 0, 6.283185307179586);
+    step[0] = cos(angle);
+    step[1] = sin(angle);
+}
+
+static void aim_at(aim kind, const aimed_field *f, random_state *r, plan *q) {
+    const size_t i = 1 + random_below(r, f->nx - 3), j = 1 + random_below(r, f->ny - 3); /* an inner sample */
+    const double x = random_unit(r), y = random_unit(r);
+    turn(r, q->step);
+    switch (kind) {
+    case AIM_EDGE:
+        edge_place(f, r, i, j, q->p);
+        break;
+    case AIM_DIAGONAL:
+        surface(f, i, j, x, x, q->p);
+        break;
+    case AIM_BORDERS: {
+        const bool along_x = random_below(r, 2);
+        q->step[0] = along_x ? sign(r) : 0;
+        q->step[1] = along_x ? 0 : sign(r);
+        q->exact = random_below(r, 2);
+        surface(f, i, j, along_x && !q->exact ? x : 0, along_x || q->exact ? 0 : y, q->p);
+        break;
+    }
+    case AIM_AXIS: {
+        const bool along_x = random_below(r, 2);
+        q->step[0] = along_x ? sign(r) : 0;
+        q->step[1] = along_x ? 0 : sign(r);
+        surface(f, i, j, x, y, q->p);
+        break;
+    }
+    case AIM_CORNERS:
+        surface(f, i, j, 0, 0, q->p);
+        do {
+            q->step[0] = (double)random_below(r, 7) - 3;
+            q->step[1] = (double)random_below(r, 7) - 3;
+        } while (q->step[0] == 0 && q->step[1] == 0);
+        q->exact = room(f, q->p, q->step, -1) >= 1 && room(f, q->p, q->step, 1) >= 1;
+        break;
+    case AIM_STEEP: {
+        const double tiny = pow(10, random_between(r, -12, -2)) * (random_below(r, 8) ? 1 : 1e-28);
+        edge_place(f, r, i, j, q->p);
+        q->step[0] *= tiny;
+        q->step[1] *= random_below(r, 4) ? tiny : 0;
+        break;
+    }
+    case AIM_VERTICAL:
+        q->step[0] = q->step[1] = 0;
+        switch (random_below(r, 4)) {
+        case 0:
+            surface(f, i, j, 0, 0, q->p);
+            break;
+        case 1:
+            edge_place(f, r, i, j, q->p);
+            break;
+        case 2:
+            surface(f, i, j, x, x, q->p);
+            break;
+        default:
+            surface(f, i, j, x, y, q->p);
+        }
+        for (int c = 0; c < 2; c++) q->p[c] = (double)(float)q->p[c];
+        break;
+    case AIM_LONG:
+    case AIM_FAR:
+        if (random_below(r, 2))
+            edge_place(f, r, i, j, q->p);
+        else
+            surface(f, i, j, 0, 0, q->p);
+        break;
+    case AIM_VERTEX:
+        surface(f, i, j, 0, 0, q->p);
+        break;
+    default:
+        surface(f, i, j, x, y, q->p);
+    }
+}
+
+/* Where the ray starts and how steep it is: clear of all samples n steps before p and m steps behind it. */
+static void place_ends(aim kind, const aimed_field *f, random_state *r, plan *q) {
+    const double span = f->high - f->low, tall = span > 0 ? span : fmax(fabs(f->high), 1);
+    const double back = fmin(room(f, q->p, q->step, -1), 1e6), ahead = fmin(room(f, q->p, q->step, 1), 1e6);
+    double clear = tall * pow(10, random_between(r, -3, 0));
+    if (q->exact) {
+        q->n = 1 + floor(random_unit(r) * (back - 1));
+        q->m = 1 + floor(random_unit(r) * (ahead - 1));
+    } else if (kind == AIM_LONG) {
+        q->n = back;
+        q->m = ahead;
+        clear = tall * pow(10, random_between(r, -4, -2));
+    } else {
+        q->n = back * random_between(r, 0.001, 1);
+        q->m = ahead * random_between(r, 0.001, 1);
+    }
+    q->rise = -fmax((f->high - q->p[2] + clear) / q->n, (q->p[2] - f->low + clear) / q->m);
+    if (random_below(r, 2)) { /* upwards, from below */
+        const double n = q->n;
+        q->n = q->m;
+        q->m = n;
+        q->step[0] = -q->step[0];
+        q->step[1] = -q->step[1];
+        q->rise = -q->rise;
+    }
+    if (kind == AIM_FAR) q->farther = pow(10, random_between(r, 1, 6));
+}
+
+/* A length for the direction: as it comes, normalised, or any. */
+static double any_length(random_state *r, const double d[3]) {
+    const double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    switch (random_below(r, 4)) {
+    case 0:
+        return 1;
+    case 1:
+        return exp2(random_between(r, -20, 20)) / length;
+    default:
+        return 1 / length;
+    }
+}
+
+static aimed_ray from_plan(const aimed_field *f, random_state *r, const plan *q) {
+    const double total = q->n + q->farther;
+    const double step[3] = {q->step[0], q->step[1], q->rise};
+    aimed_ray a = {.ray = {.tmin = 0, .tmax = INFINITY}};
+    double d[3];
+    for (int c = 0; c < 3; c++) {
+        a.ray.org[c] = (float)(q->p[c] - total * step[c]);
+        d[c] = q->p[c] - (double)a.ray.org[c];
+    }
+    const double scale = q->exact ? exp2((double)random_below(r, 5) - 2) / total : any_length(r, d);
+    for (int c = 0; c < 3; c++) a.ray.dir[c] = (float)(d[c] * scale);
+    const double one = 1 / (scale * total), begin = q->farther * one, end = (total + q->m) * one;
+    if (random_below(r, 2)) a.ray.tmax = (float)end;
+    const double last = isinf(a.ray.tmax) ? end : (double)a.ray.tmax;
+    const int side = q->rise < 0 ? 1 : -1;
+    a.passes = oracle_ray(f->oracle, &a.ray) && oracle_clear(f->oracle, begin, side, NULL) &&
+               oracle_clear(f->oracle, last, -side, NULL);
+    return a;
+}
+
+/* Through a place well inside a triangle, at a small angle to it. */
+static aimed_ray grazing(const aimed_field *f, random_state *r) {
+    const size_t i = random_below(r, f->nx - 1), j = random_below(r, f->ny - 1);
+    const bool in_a = random_below(r, 2);
+    double p[3], step[2], x = random_unit(r), y = random_unit(r);
+    if (x + y > 1) x = 1 - x, y = 1 - y;
+    const double u = 0.1 + 0.7 * x, v = 0.1 + 0.7 * y; /* barycentric, 0.1 to 0.9 in sum */
+    surface(f, i, j, in_a ? u + v : u, in_a ? v : u + v, p);
+    turn(r, step);
+    const double h00 = height_at(f, i, j), h11 = height_at(f, i + 1, j + 1);
+    const double along_x = in_a ? height_at(f, i + 1, j) - h00 : h11 - height_at(f, i, j + 1);
+    const double along_y = in_a ? h11 - height_at(f, i + 1, j) : height_at(f, i, j + 1) - h00;
+    const double slope = along_x * step[0] + along_y * step[1];
+    const double angle = sign(r) * 0.017453292519943295 * pow(10, random_between(r, -6, 0));
+    const double rise = slope + angle * sqrt(1 + slope * slope), back = pow(10, random_between(r, -1, 2));
+    const double d[3] = {step[0] * back, step[1] * back, rise * back};
+    const double scale = any_length(r, d);
+    aimed_ray a = {.ray = {.tmin = 0, .tmax = INFINITY}};
+    for (int c = 0; c < 3; c++) {
+        a.ray.org[c] = (float)(p[c] - d[c]);
+        a.ray.dir[c] = (float)((p[c] - (double)a.ray.org[c]) * scale);
+    }
+    /* 0.04 steps off p it is still inside. */
+    const oracle_triangle t = {(int32_t)i, (int32_t)j, in_a ? CW_TRIANGLE_A : CW_TRIANGLE_B};
+    const double at = 1 / scale, off = 0.04 * at / back;
+    const int side = angle < 0 ? 1 : -1;
+    a.passes = oracle_ray(f->oracle, &a.ray) && oracle_clear(f->oracle, at - off, side, &t) &&
+               oracle_clear(f->oracle, at + off, -side, &t);
+    return a;
+}
+
+aimed_ray aimed_ray_make(aim kind, const aimed_field *f, random_state *r) {
+    if (kind == AIM_GRAZING) return grazing(f, r);
+    aimed_ray a = {.passes = false};
+    for (int tries = 0; tries < 8 && !a.passes; tries++) { /* rounding may spoil one */
+        plan q = {.farther = 0};
+        aim_at(kind, f, r, &q);
+        place_ends(kind, f, r, &q);
+        a = from_plan(f, r, &q);
+    }
+    return a;
+}

@@ -1,0 +1,215 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "stability_run.h"
+
+#include "rays.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+void counts_add(counts *a, const counts *b) {
+    a->rays += b->rays;
+    a->hits += b->hits;
+    a->pass += b->pass;
+    a->leaks += b->leaks;
+    a->phantoms += b->phantoms;
+    a->doubts += b->doubts;
+    a->other += b->other;
+    a->residual = fmax(a->residual, b->residual);
+    a->apart = fmax(a->apart, b->apart);
+    a->sampled += b->sampled;
+    for (int v = 0; v < VERDICTS; v++) a->verdict[v] += b->verdict[v];
+    a->t_error = fmax(a->t_error, b->t_error);
+    for (int k = 0; k < ULP_BINS; k++) a->ulp[k] += b->ulp[k];
+    a->unfounded += b->unfounded;
+}
+
+/* ---- contenders -------------------------------------------------------------------------------------------------- */
+
+static bool is_slow(const char *kernel) { return strncmp(kernel, "grid3d", 6) == 0; }
+
+/* Brute force tests each triangle as grid3d does, and takes thousands of times as long on these fields. */
+static bool left_out(const cw_kernel_info *info) { return !info->available || strcmp(info->name, "brute") == 0; }
+
+static bool add_kernels(stability *s, size_t f, const stability_shares *shares, unsigned *n) {
+    const cw_kernel *best = cw_query_kernel(NULL, NULL);
+    for (int leaf = CW_LEAF_WATERTIGHT; leaf >= CW_LEAF_MOLLER_TRUMBORE; leaf--)
+        for (size_t k = cw_kernel_count(); k-- > 0;) { /* the default first */
+            const cw_kernel *kernel = cw_kernel_at(k);
+            const cw_kernel_info info = cw_kernel_describe(kernel);
+            const bool watertight = leaf == CW_LEAF_WATERTIGHT;
+            if (left_out(&info) || (watertight && info.default_leaf != CW_LEAF_WATERTIGHT)) continue;
+            /* Kernels with the cell walk differ in no bit (lanes.c): one of them speaks for Möller-Trumbore. */
+            if (!watertight && kernel != best && !is_slow(info.name)) continue;
+            tested *t = &s->tested[f][*n];
+            t->role = !watertight ? ROLE_OTHER_RULES : kernel == best ? ROLE_REFERENCE : ROLE_SAME_BITS;
+            t->rays = is_slow(info.name) ? SLOW_RAYS : BATCH_RAYS;
+            t->every = kernel == best && watertight ? 1 : is_slow(info.name) ? shares->slow : shares->others;
+            if (contender_from_kernel(&t->contender, &t->kernel, s->field[f].field, kernel, (cw_leaf)leaf) != CW_OK)
+                return false;
+            (*n)++;
+        }
+    return s->tested[f][0].role == ROLE_REFERENCE;
+}
+
+static bool add_peers(stability *s, size_t f, const stability_shares *shares, unsigned *n, io_error *error) {
+    for (int robust = 0; robust < 2; robust++) {
+        const peer_options o = {.isa = cw_isa_best(), .quality = PEER_HIGH, .robust = robust};
+        s->peers[f][robust] = peer_embree_create(s->field[f].field, &o, error);
+        if (s->peers[f][robust] == NULL) return false;
+        for (unsigned width = 1; width <= 8; width += 7) {
+            tested *t = &s->tested[f][(*n)++];
+            contender_from_peer(&t->contender, &t->peer, s->peers[f][robust], width, false);
+            snprintf(t->contender.name, sizeof t->contender.name, "embree%s/w%u", robust ? "-robust" : "", width);
+            t->role = ROLE_OTHER_RULES;
+            t->every = shares->peers;
+            t->rays = BATCH_RAYS;
+        }
+    }
+    return true;
+}
+
+bool stability_make(stability *s, stability_shares shares, unsigned sample, io_error *error) {
+    *s = (stability){.sample = sample};
+    for (size_t f = 0; f < AIMED_FIELDS; f++) {
+        unsigned n = 0;
+        if (!aimed_field_make(&s->field[f], f)) return io_fail(error, "out of memory");
+        if (!add_kernels(s, f, &shares, &n)) return io_fail(error, "a kernel could not be prepared");
+        if (shares.peers && !add_peers(s, f, &shares, &n, error)) return false;
+        s->contenders = n;
+    }
+    return true;
+}
+
+void stability_free(stability *s) {
+    for (size_t f = 0; f < AIMED_FIELDS; f++) {
+        for (int robust = 0; robust < 2; robust++) peer_embree_destroy(s->peers[f][robust]);
+        aimed_field_free(&s->field[f]);
+    }
+}
+
+/* ---- a batch ----------------------------------------------------------------------------------------------------- */
+
+typedef struct batch {
+    stability *s;
+    const aimed_field *field;
+    aim kind;
+    uint64_t number;
+    aimed_ray aimed[BATCH_RAYS];
+    cw_ray rays[BATCH_RAYS];
+    cw_hit reference[BATCH_RAYS], hits[BATCH_RAYS];
+} batch;
+
+static void explain(batch *b, const tested *t, size_t k, const cw_hit *hit, const char *what) {
+    if (!b->s->explain || b->s->explained++ >= 8) return;
+    printf("%s: %s, field %s, class %s, batch %llu, ray %zu\n", t->contender.name, what, b->field->name,
+           aim_name(b->kind), (unsigned long long)b->number, k);
+    ray_print(&b->rays[k]);
+    hit_print(t->contender.name, hit);
+}
+
+/* What needs no oracle: leaks of rays known to pass, and phantoms. */
+static void check_all(batch *b, const tested *t, const cw_hit *hits, counts *c) {
+    oracle *o = b->field->oracle;
+    for (size_t k = 0; k < t->rays; k++) {
+        const bool pass = b->aimed[k].passes;
+        c->pass += pass;
+        if (hits[k].i < 0) {
+            if (!pass) continue;
+            c->leaks++;
+            if (t->role == ROLE_REFERENCE) explain(b, t, k, &hits[k], "leak");
+            continue;
+        }
+        c->hits++;
+        oracle_ray(o, &b->rays[k]);
+        const hit_check check = oracle_check(o, &hits[k]);
+        c->doubts += check.in_doubt;
+        if (check.holds) {
+            c->residual = fmax(c->residual, check.residual);
+            c->apart = fmax(c->apart, check.apart / check.apart_most);
+            continue;
+        }
+        c->phantoms++;
+        if (t->role == ROLE_REFERENCE) explain(b, t, k, &hits[k], "phantom");
+    }
+}
+
+static void count_ulp(counts *c, double error, double t) {
+    const double ulp = fmax(ldexp(1, ilogb(t == 0 ? 0x1p-126 : t) - 23), 0x1p-149);
+    int bin = 0;
+    while (bin < ULP_BINS - 1 && error > ldexp(ulp, bin - 1)) bin++;
+    c->ulp[bin]++;
+}
+
+/* In full, against the ray last traced. */
+static void judge(batch *b, const tested *t, size_t k, const cw_hit *hit, const oracle_truth *truth, counts *c) {
+    const judgement j = oracle_judge(b->field->oracle, hit);
+    c->sampled++;
+    c->verdict[j.verdict]++;
+    c->unfounded += b->aimed[k].passes && !truth->passes;
+    if (j.verdict > VERDICT_TIE && t->role == ROLE_REFERENCE) explain(b, t, k, hit, verdict_name(j.verdict));
+    if (j.verdict != VERDICT_RIGHT || hit->i < 0) return;
+    count_ulp(c, j.t_error, truth->t);
+    if (isfinite(j.t_bound) && j.t_error > 0) c->t_error = fmax(c->t_error, j.t_error / j.t_bound);
+}
+
+static void judge_sample(batch *b, const tested *t, const cw_hit *hits, counts *c) {
+    for (size_t k = (size_t)(b->number % b->s->sample); k < t->rays; k += b->s->sample)
+        judge(b, t, k, &hits[k], oracle_trace(b->field->oracle, &b->rays[k]), c);
+}
+
+static void compare(batch *b, const tested *t, counts *c) {
+    static _Thread_local uint8_t occluded[BATCH_RAYS];
+    t->contender.any(t->contender.self, b->rays, t->rays, occluded);
+    for (size_t k = 0; k < t->rays; k++) {
+        c->hits += b->hits[k].i >= 0;
+        const bool same = hit_same(&b->hits[k], &b->reference[k]) && occluded[k] == (b->reference[k].i >= 0);
+        if (same) continue;
+        c->other++;
+        explain(b, t, k, &b->hits[k], "not the reference's bits");
+    }
+}
+
+void stability_batch(stability *s, uint64_t number) {
+    static _Thread_local batch b;
+    b.s = s;
+    b.number = number;
+    b.kind = (aim)(number % AIM_COUNT);
+    const size_t f = number / AIM_COUNT % AIMED_FIELDS;
+    const uint64_t round = number / ROUND_BATCHES;
+    b.field = &s->field[f];
+    random_state r = {number * 0x9e3779b97f4a7c15u};
+    r.state = random_bits(&r); /* so that neighbours do not share numbers */
+    for (size_t k = 0; k < BATCH_RAYS; k++) {
+        b.aimed[k] = aimed_ray_make(b.kind, b.field, &r);
+        b.rays[k] = b.aimed[k].ray;
+    }
+    for (unsigned n = 0; n < s->contenders; n++) {
+        const tested *t = &s->tested[f][n];
+        if (round % t->every != n % t->every) continue; /* each in rounds of its own */
+        counts *c = &s->count[n][b.kind];
+        cw_hit *hits = t->role == ROLE_REFERENCE ? b.reference : b.hits;
+        t->contender.closest(t->contender.self, b.rays, t->rays, hits);
+        c->rays += t->rays;
+        if (t->role == ROLE_SAME_BITS) {
+            compare(&b, t, c);
+            continue;
+        }
+        check_all(&b, t, hits, c);
+        judge_sample(&b, t, hits, c);
+    }
+    s->batches++;
+}
+
+uint64_t stability_faults(const stability *s) {
+    uint64_t faults = 0;
+    for (unsigned n = 0; n < s->contenders; n++)
+        for (int kind = 0; kind < AIM_COUNT; kind++) {
+            const counts *c = &s->count[n][kind];
+            faults += c->other + c->unfounded;
+            if (s->tested[0][n].role == ROLE_REFERENCE)
+                faults += c->leaks + c->phantoms + c->verdict[VERDICT_LEAK] + c->verdict[VERDICT_PHANTOM] +
+                          c->verdict[VERDICT_WRONG_SURFACE] + (c->t_error > 1);
+        }
+    return faults;
+}
