@@ -20,7 +20,14 @@ bool plot_building(FILE *to, const json_t *lines);
 /* Results of tradeoff: speed against wrong answers and against the worst error of t, with both frontiers. */
 bool plot_tradeoff(FILE *to, const json_t *lines);
 
-/* All that the results allow, as DIR/speed-FIELD.svg, scaling.svg, building.svg; the directory is made. The same results
+/* Speed of several threads over one. */
+bool plot_threads(FILE *to, const json_t *lines);
+/* Speed over the width of packets on the largest field, a panel a class of rays. */
+bool plot_widths(FILE *to, const json_t *lines);
+/* The time of each path over that of a triangle mesh, beside what the coursework reports. lines: of table. */
+bool plot_coursework(FILE *to, const json_t *lines);
+
+/* All that the results allow, as DIR/speed-FIELD.svg, scaling.svg and so on; the directory is made. The same results
  * give the same files to the byte. */
 bool plot_all(const json_t *lines, const char *directory, io_error *error);
 

@@ -2,24 +2,21 @@
 /* What the pictures show, as gnuplot's commands with the data among them. */
 
 #include "plot.h"
+#include "plot_parts.h"
 #include "results.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-enum { NAMES_MAX = 96, BARS_MAX = 10, SIDES_MAX = 16 };
+enum { BARS_MAX = 10, SIDES_MAX = 16 };
 
-/* Cool colours are the library's, warm ones Embree's. */
-static const char *const cool[] = {"#2f7fd1", "#109a8c", "#8468dc", "#5b8c2a", "#3f6f9f", "#b05fc0"};
-static const char *const warm[] = {"#a8642a", "#e0892b", "#d9534f", "#9c8a1a", "#c0567f", "#8f6f3f"};
-enum { COLOURS = sizeof cool / sizeof cool[0] };
+const char *const plot_cool[PLOT_COLOURS] = {"#2f7fd1", "#109a8c", "#8468dc", "#5b8c2a", "#3f6f9f", "#b05fc0"};
+const char *const plot_warm[PLOT_COLOURS] = {"#a8642a", "#e0892b", "#d9534f", "#9c8a1a", "#c0567f", "#8f6f3f"};
 
-static bool is_embree(const char *name) { return strncmp(name, "embree/", 7) == 0; }
+bool plot_is_embree(const char *name) { return strncmp(name, "embree/", 7) == 0; }
 
-/* "pyramid8", or "pyramid8/watertight" where the results have another leaf test of it too; "Embree triangles, 8 wide",
- * with "(split)" where Embree takes such packets to pieces. */
-static void put_label(FILE *to, const char *name, const char *const *all, size_t count) {
-    if (is_embree(name)) {
+void plot_put_label(FILE *to, const char *name, const char *const *all, size_t count) {
+    if (plot_is_embree(name)) {
         const char *geometry = name + 7, *width = strchr(geometry, '/');
         fprintf(to, "\"Embree %.*s", (int)strcspn(geometry, "/"), geometry);
         const size_t digits = width ? strspn(width + 2, "0123456789") : 0;
@@ -36,8 +33,7 @@ static void put_label(FILE *to, const char *name, const char *const *all, size_t
         fprintf(to, "\"%.*s\"", (int)length, name);
 }
 
-/* Mrays/s; 0 where the contender was left out. */
-static double speed(const json_t *lines, const char *field, const char *rays, const char *name) {
+double plot_speed_of(const json_t *lines, const char *field, const char *rays, const char *name) {
     const json_t *line;
     size_t index;
     json_array_foreach(lines, index, line) {
@@ -58,15 +54,16 @@ static const json_t *field_line(const json_t *lines, const char *field) {
     return NULL;
 }
 
-/* The title, and under it in small type what the figures depend on. */
-static void put_titles(FILE *to, const json_t *lines, const char *what) {
+void plot_put_titles(FILE *to, const json_t *lines, const char *what) {
     const json_t *run = json_array_get(lines, 0);
     const char *date = results_text(run, "date"), *embree = results_text(run, "embree");
     fprintf(to, "set label 1 \"%s\" at screen 0.5,0.965 center textcolor '#7a7a7a' font 'sans-serif,15'\n", what);
     fprintf(to, "set label 2 \"%s, %s, %s, Cellwalk %s (%.10s), ", results_text(run, "cpu"), results_text(run, "isa"),
             results_text(run, "compiler"), results_text(run, "cellwalk"), results_text(run, "commit"));
     if (*embree) fprintf(to, "Embree %s, ", embree);
-    fprintf(to, "one thread, load %.1f, %.10s\"", results_number(run, "load"), date);
+    const char *threads = results_text(run, "threads");
+    fprintf(to, "%s%s, load %.1f, %.10s\"", *threads ? threads : "one", *threads ? " threads" : " thread",
+            results_number(run, "load"), date);
     fputs(" at screen 0.5,0.915 center textcolor '#7a7a7a' font 'sans-serif,11'\n", to);
 }
 
@@ -75,10 +72,10 @@ static void put_titles(FILE *to, const json_t *lines, const char *what) {
 /* The fastest of the contenders over all classes, in the order of the results; the rest would make hairlines of bars. */
 static size_t choose_bars(const json_t *lines, const char *field, const char *const *rays, size_t ray_count,
                           const char **names, size_t count) {
-    double sums[NAMES_MAX];
+    double sums[PLOT_NAMES_MAX];
     for (size_t k = 0; k < count; k++) {
         sums[k] = 0;
-        for (size_t r = 0; r < ray_count; r++) sums[k] += speed(lines, field, rays[r], names[k]);
+        for (size_t r = 0; r < ray_count; r++) sums[k] += plot_speed_of(lines, field, rays[r], names[k]);
     }
     size_t left = 0;
     for (size_t k = 0; k < count; k++) {
@@ -90,9 +87,9 @@ static size_t choose_bars(const json_t *lines, const char *field, const char *co
 }
 
 bool plot_speed(FILE *to, const json_t *lines, const char *field) {
-    const char *rays[NAMES_MAX], *names[NAMES_MAX];
-    const size_t ray_count = results_distinct(lines, "rays", rays, NAMES_MAX);
-    size_t count = results_distinct(lines, "contender", names, NAMES_MAX);
+    const char *rays[PLOT_NAMES_MAX], *names[PLOT_NAMES_MAX];
+    const size_t ray_count = results_distinct(lines, "rays", rays, PLOT_NAMES_MAX);
+    size_t count = results_distinct(lines, "contender", names, PLOT_NAMES_MAX);
     count = choose_bars(lines, field, rays, ray_count, names, count);
     const json_t *about = field_line(lines, field);
     if (count == 0 || about == NULL) return false;
@@ -100,11 +97,11 @@ bool plot_speed(FILE *to, const json_t *lines, const char *field) {
     char title[256];
     snprintf(title, sizeof title, "Speed by class of rays: field %s of %.0f × %.0f samples", field,
              results_number(about, "nx"), results_number(about, "ny"));
-    put_titles(to, lines, title);
+    plot_put_titles(to, lines, title);
     fputs("$data << END\n", to);
     for (size_t r = 0; r < ray_count; r++) {
         fprintf(to, "%s", rays[r]);
-        for (size_t k = 0; k < count; k++) fprintf(to, " %.6g", speed(lines, field, rays[r], names[k]));
+        for (size_t k = 0; k < count; k++) fprintf(to, " %.6g", plot_speed_of(lines, field, rays[r], names[k]));
         fputc('\n', to);
     }
     fputs("END\nset style data histogram\nset style histogram clustered gap 1.5\nset style fill solid 1 noborder\n"
@@ -116,8 +113,9 @@ bool plot_speed(FILE *to, const json_t *lines, const char *field) {
     size_t own = 0, other = 0;
     for (size_t k = 0; k < count; k++) {
         fprintf(to, "%s$data using %zu:xtic(1) title ", k ? ", " : "", k + 2);
-        put_label(to, names[k], names, count);
-        fprintf(to, " linecolor rgb '%s'", is_embree(names[k]) ? warm[other++ % COLOURS] : cool[own++ % COLOURS]);
+        plot_put_label(to, names[k], names, count);
+        fprintf(to, " linecolor rgb '%s'",
+                plot_is_embree(names[k]) ? plot_warm[other++ % PLOT_COLOURS] : plot_cool[own++ % PLOT_COLOURS]);
     }
     fputc('\n', to);
     return true;
@@ -137,13 +135,12 @@ static int by_samples(const void *a, const void *b) {
 
 /* Square land, smallest first: fields of one kind whose name is their side. */
 static size_t sides_of(const json_t *lines, side sides[SIDES_MAX]) {
-    const char *fields[NAMES_MAX];
-    const size_t count = results_distinct(lines, "field", fields, NAMES_MAX);
-    size_t found = 0;
-    for (size_t k = 0; k < count && found < SIDES_MAX; k++) {
-        const json_t *about = field_line(lines, fields[k]);
-        const double nx = about ? results_number(about, "nx") : 0;
-        if (nx > 0 && strtod(fields[k], NULL) == nx) sides[found++] = (side){fields[k], nx};
+    size_t found = 0, index;
+    const json_t *line;
+    json_array_foreach(lines, index, line) {
+        const double nx = results_number(line, "nx");
+        if (results_is(line, "field", NULL) && found < SIDES_MAX && strtod(results_text(line, "field"), NULL) == nx)
+            sides[found++] = (side){results_text(line, "field"), nx};
     }
     qsort(sides, found, sizeof *sides, by_samples);
     return found;
@@ -160,17 +157,13 @@ static double best_embree(const json_t *lines, const char *field, const char *ra
                           size_t count) {
     double best = 0;
     for (size_t k = 0; k < count; k++) {
-        const double is = is_embree(names[k]) ? speed(lines, field, rays, names[k]) : 0;
+        const double is = plot_is_embree(names[k]) ? plot_speed_of(lines, field, rays, names[k]) : 0;
         if (is > best) best = is;
     }
     return best;
 }
 
-typedef struct span {
-    double low, high; /* 0 while there is nothing */
-} span;
-
-static void put_point(FILE *to, double value, span *range) {
+void plot_put_point(FILE *to, double value, plot_span *range) {
     if (!(value > 0)) {
         fputs(" NaN", to);
         return;
@@ -180,73 +173,85 @@ static void put_point(FILE *to, double value, span *range) {
     if (value > range->high) range->high = value;
 }
 
-/* Below several panels one legend for all: a plot without axes, of nothing. */
-static void begin_legend(FILE *to) {
+void plot_begin_legend(FILE *to) {
     fputs("set margins screen 0.08, screen 0.98, screen 0.01, screen 0.08\n"
           "unset title\nunset xlabel\nunset ylabel\nunset border\nunset tics\nunset grid\n"
-          "set key center center horizontal samplen 2 Left reverse\nset yrange [1:2]\nplot ",
+          "set key center center horizontal maxrows 2 width -7 samplen 2 Left reverse\nset yrange [1:2]\nplot ",
           to);
+}
+
+void plot_begin_panels(FILE *to, size_t count, const plot_span *range) {
+    const size_t columns = count < 3 ? count : 3;
+    fprintf(to,
+            "set multiplot layout %zu,%zu margins 0.08,0.98,0.19,0.83 spacing 0.06,0.13\nunset key\n"
+            "set yrange [%g:%g]\n",
+            (count + columns - 1) / columns, columns, range->low / 1.3, range->high * 1.3);
+}
+
+void plot_begin_panel(FILE *to, size_t number, size_t count, const char *title, const char *x_label) {
+    const size_t columns = count < 3 ? count : 3, rows = (count + columns - 1) / columns;
+    if (number == 1) fputs("unset label 1\nunset label 2\n", to);
+    fprintf(to, "set title '%s' offset 0,-0.6\n", title);
+    fputs(number % columns == 0 ? "set ylabel 'million rays / s' textcolor '#7a7a7a'\n" : "unset ylabel\n", to);
+    if (number / columns == rows - 1)
+        fprintf(to, "set xlabel '%s' offset 0,0.7 textcolor '#7a7a7a'\n", x_label);
+    else
+        fputs("unset xlabel\n", to);
+    fputs("plot ", to);
 }
 
 bool plot_scaling(FILE *to, const json_t *lines) {
     side sides[SIDES_MAX];
-    const char *rays[NAMES_MAX], *names[NAMES_MAX];
-    const size_t side_count = sides_of(lines, sides), ray_count = results_distinct(lines, "rays", rays, NAMES_MAX);
-    const size_t count = results_distinct(lines, "contender", names, NAMES_MAX);
+    const char *rays[PLOT_NAMES_MAX], *names[PLOT_NAMES_MAX];
+    const size_t side_count = sides_of(lines, sides), ray_count = results_distinct(lines, "rays", rays, PLOT_NAMES_MAX);
+    const size_t count = results_distinct(lines, "contender", names, PLOT_NAMES_MAX);
     if (side_count < 2 || ray_count == 0) return false;
-    put_titles(to, lines, "Speed over the side of the field, by class of rays");
-    span range = {0}; /* one for all panels, so that they can be held against each other */
+    plot_put_titles(to, lines, "Speed over the side of the field, by class of rays");
+    plot_span range = {0}; /* one for all panels, so that they can be held against each other */
     bool embree = false;
     for (size_t r = 0; r < ray_count; r++) {
         fprintf(to, "$rays%zu << END\n", r);
         for (size_t s = 0; s < side_count; s++) {
             fprintf(to, "%.0f", sides[s].samples);
             for (size_t k = 0; k < count; k++)
-                if (!is_embree(names[k])) put_point(to, speed(lines, sides[s].field, rays[r], names[k]), &range);
+                if (!plot_is_embree(names[k]))
+                    plot_put_point(to, plot_speed_of(lines, sides[s].field, rays[r], names[k]), &range);
             const double best = best_embree(lines, sides[s].field, rays[r], names, count);
             embree = embree || best > 0;
-            put_point(to, best, &range);
+            plot_put_point(to, best, &range);
             fputc('\n', to);
         }
         fputs("END\n", to);
     }
     if (range.high <= 0) return false;
-    const size_t columns = ray_count < 3 ? ray_count : 3, rows = (ray_count + columns - 1) / columns;
     put_side_axis(to, sides, side_count);
-    fprintf(to,
-            "set multiplot layout %zu,%zu margins 0.08,0.98,0.19,0.83 spacing 0.06,0.13\nunset key\n"
-            "set yrange [%g:%g]\n",
-            rows, columns, range.low / 1.3, range.high * 1.3);
+    plot_begin_panels(to, ray_count, &range);
     for (size_t r = 0; r < ray_count; r++) {
-        if (r == 1) fputs("unset label 1\nunset label 2\n", to);
-        fprintf(to, "set title '%s' offset 0,-0.6\n%s\n%s\nplot ", rays[r],
-                r % columns == 0 ? "set ylabel 'million rays / s' textcolor '#7a7a7a'" : "unset ylabel",
-                r / columns == rows - 1 ? "set xlabel 'samples a side' offset 0,0.7 textcolor '#7a7a7a'"
-                                        : "unset xlabel");
+        plot_begin_panel(to, r, ray_count, rays[r], "samples a side");
         size_t own = 0;
         for (size_t k = 0; k < count; k++) {
-            if (is_embree(names[k])) continue;
+            if (plot_is_embree(names[k])) continue;
             fprintf(to,
                     "$rays%zu using 1:%zu with linespoints pointtype 7 pointsize 0.5 linewidth 2 linecolor rgb '%s', ",
-                    r, own + 2, cool[own % COLOURS]);
+                    r, own + 2, plot_cool[own % PLOT_COLOURS]);
             own++;
         }
         fprintf(to, "$rays%zu using 1:%zu with linespoints pointtype 5 pointsize 0.5 linewidth 2 linecolor rgb '%s'\n",
-                r, own + 2, warm[1]);
+                r, own + 2, plot_warm[1]);
     }
-    begin_legend(to);
+    plot_begin_legend(to);
     size_t own = 0;
     for (size_t k = 0; k < count; k++) {
-        if (is_embree(names[k])) continue;
+        if (plot_is_embree(names[k])) continue;
         fputs("NaN title ", to);
-        put_label(to, names[k], names, count);
+        plot_put_label(to, names[k], names, count);
         fprintf(to, " with linespoints pointtype 7 pointsize 0.5 linewidth 2 linecolor rgb '%s', ",
-                cool[own++ % COLOURS]);
+                plot_cool[own++ % PLOT_COLOURS]);
     }
     fprintf(
         to,
         "NaN with linespoints pointtype 5 pointsize 0.5 linewidth 2 linecolor rgb '%s' title '%s'\nunset multiplot\n",
-        warm[1], embree ? "Embree, its fastest width" : "");
+        plot_warm[1], embree ? "Embree, its fastest width" : "");
     return true;
 }
 
@@ -296,23 +301,25 @@ static size_t builders_of(const json_t *lines, const char *field, builder *build
 
 static void put_builder(FILE *to, const json_t *lines, const char *field, const builder *b) {
     if (strcmp(b->key, "kernel") == 0) { /* "pyramid", whose kernels end in their width */
-        fprintf(to, "'%.*s'", (int)strcspn(b->name, "0123456789"), b->name);
+        size_t length = strlen(b->name);
+        while (length > 1 && b->name[length - 1] >= '0' && b->name[length - 1] <= '9') length--;
+        fprintf(to, "'%.*s'", (int)length, b->name);
         return;
     }
     const char *quality = json_string_value(build_member(lines, field, b->key, b->name, "quality"));
-    fprintf(to, "'Embree %s", is_embree(b->name) ? b->name + 7 : b->name);
+    fprintf(to, "'Embree %s", plot_is_embree(b->name) ? b->name + 7 : b->name);
     if (quality) fprintf(to, ", %s build quality", quality);
     fputc('\'', to);
 }
 
 bool plot_building(FILE *to, const json_t *lines) {
     side sides[SIDES_MAX];
-    builder builders[COLOURS];
+    builder builders[PLOT_COLOURS];
     const size_t side_count = sides_of(lines, sides);
-    const size_t count = side_count ? builders_of(lines, sides[0].field, builders, COLOURS) : 0;
+    const size_t count = side_count ? builders_of(lines, sides[0].field, builders, PLOT_COLOURS) : 0;
     if (side_count < 2 || count == 0) return false;
-    span ranges[2] = {{0}};
-    put_titles(to, lines, "Memory and building time over the side of the field");
+    plot_span ranges[2] = {{0}};
+    plot_put_titles(to, lines, "Memory and building time over the side of the field");
     fputs("$data << END\n", to);
     for (size_t s = 0; s < side_count; s++) {
         const double cells = (sides[s].samples - 1) * (sides[s].samples - 1);
@@ -322,16 +329,16 @@ bool plot_building(FILE *to, const json_t *lines) {
             const builder *b = &builders[k];
             const bool kernel = strcmp(b->key, "kernel") == 0;
             const double bytes = build_number(lines, sides[s].field, b->key, b->name, "bytes");
-            put_point(to, bytes > 0 ? (bytes + (kernel ? samples : 0)) / cells : 0, &ranges[0]);
-            put_point(to, build_number(lines, sides[s].field, b->key, b->name, "build_seconds"), &ranges[1]);
+            plot_put_point(to, bytes > 0 ? (bytes + (kernel ? samples : 0)) / cells : 0, &ranges[0]);
+            plot_put_point(to, build_number(lines, sides[s].field, b->key, b->name, "build_seconds"), &ranges[1]);
         }
         fputc('\n', to);
     }
     fputs("END\n", to);
     put_side_axis(to, sides, side_count);
-    fputs(
-        "set multiplot layout 1,2 margins 0.09,0.98,0.22,0.80 spacing 0.11,0\nset xlabel 'samples a side'\nunset key\n",
-        to);
+    fputs("set multiplot layout 1,2 margins 0.09,0.98,0.24,0.80 spacing 0.11,0\nset xlabel 'samples a side' offset "
+          "0,0.5\nunset key\n",
+          to);
     static const char *const titles[] = {"bytes a cell, samples included", "CPU seconds to build, one thread"};
     for (size_t panel = 0; panel < 2; panel++) {
         fprintf(to, "set title '%s'\nset yrange [%g:%g]\nset format y '%%g'\nplot ", titles[panel],
@@ -342,18 +349,18 @@ bool plot_building(FILE *to, const json_t *lines) {
             fprintf(to,
                     "%s$data using 1:%zu with linespoints pointtype %d pointsize 0.6 linewidth 2 linecolor rgb '%s'",
                     k ? ", " : "", 2 * k + 2 + panel, kernel ? 7 : 5,
-                    kernel ? cool[own++] : warm[1 + other++ % (COLOURS - 1)]);
+                    kernel ? plot_cool[own++] : plot_warm[1 + other++ % (PLOT_COLOURS - 1)]);
         }
         fputs("\nunset label 1\nunset label 2\n", to);
     }
-    begin_legend(to);
+    plot_begin_legend(to);
     size_t own = 0, other = 0;
     for (size_t k = 0; k < count; k++) {
         const bool kernel = strcmp(builders[k].key, "kernel") == 0;
         fprintf(to, "%sNaN title ", k ? ", " : "");
         put_builder(to, lines, sides[0].field, &builders[k]);
         fprintf(to, " with linespoints pointtype %d pointsize 0.6 linewidth 2 linecolor rgb '%s'", kernel ? 7 : 5,
-                kernel ? cool[own++] : warm[1 + other++ % (COLOURS - 1)]);
+                kernel ? plot_cool[own++] : plot_warm[1 + other++ % (PLOT_COLOURS - 1)]);
     }
     fputs("\nunset multiplot\n", to);
     return true;

@@ -9,18 +9,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What the coursework that the scenes come from reports: pbrt-v2 on a 2.7 GHz Core i7, 8 threads, seconds. */
-typedef struct coursework {
-    const char *scene;
-    double plain, grid, grid_phong, cell_phong;
-} coursework;
-
-static const coursework courseworks[] = {
+static const table_coursework courseworks[] = {
     {"hftest", 3.2, 4.3, 4.4, 3.1},        {"landsea-0", 18.3, 36.6, 37.1, 63.0},
     {"landsea-1", 10.3, 18.2, 18.5, 21.3}, {"landsea-2", 8.7, 15.0, 16.2, 24.3},
     {"texture", 6.0, 12.9, 13.2, 15.6},    {"landsea-big", 21.7, 115.8, 117.8, 356.3},
 };
 enum { COURSEWORK_COUNT = sizeof courseworks / sizeof courseworks[0] };
+
+const table_coursework *table_coursework_of(const char *scene) {
+    for (size_t k = 0; k < COURSEWORK_COUNT; k++)
+        if (strcmp(courseworks[k].scene, scene) == 0) return &courseworks[k];
+    return NULL;
+}
 
 static bool is_scene(const json_t *line) { return strcmp(results_text(line, "kind"), "scene") == 0; }
 
@@ -152,7 +152,7 @@ static void agreements(FILE *to, const json_t *lines) {
 static void coursework_table(FILE *to) {
     fputs("| scene | Default | grid + 3D-DDA | with Phong | 2D-DDA with Phong |\n|---|--:|--:|--:|--:|\n", to);
     for (size_t k = 0; k < COURSEWORK_COUNT; k++) {
-        const coursework *c = &courseworks[k];
+        const table_coursework *c = &courseworks[k];
         fprintf(to, "| %s | %.1f | %.1f (%.2f) | %.1f (%.2f) | %.1f (%.2f) |\n", c->scene, c->plain, c->grid,
                 c->grid / c->plain, c->grid_phong, c->grid_phong / c->plain, c->cell_phong, c->cell_phong / c->plain);
     }

@@ -17,6 +17,13 @@ if(CMOCKA_INCLUDE AND CMOCKA_LIBRARY)
         add_dependencies(test_bench_program scenes)
     endif()
 endif()
+if(TARGET cellwalk_bench)
+    find_program(GNUPLOT gnuplot)
+    add_test(NAME bench_measure COMMAND ${CMAKE_COMMAND} -DBENCH=$<TARGET_FILE:cellwalk_bench>
+        -DFOLDER=${CMAKE_CURRENT_BINARY_DIR}/bench_measure -DGNUPLOT=$<IF:$<BOOL:${GNUPLOT}>,${GNUPLOT},>
+        -P ${CMAKE_CURRENT_SOURCE_DIR}/bench_measure.cmake)
+    set_tests_properties(bench_measure PROPERTIES TIMEOUT 300)
+endif()
 # The guard against slow-downs; the test tells why where it is skipped.
 add_test(NAME guard WORKING_DIRECTORY ${PROJECT_BINARY_DIR}/bench
     COMMAND cellwalk_guard check $<TARGET_FILE:cellwalk_guard_work> ${PROJECT_SOURCE_DIR}/bench/guard.csv)
