@@ -387,6 +387,30 @@ static void pictures_repeat(void **state) {
         free(second);
         free(first);
     }
+    write_speeds("t.json", "", "", 0);
+    check(run(plot_main, "--json t.json --out a") == 0, "plot fails");
+    char *threads = read_text("a/threads.svg");
+    check(strstr(threads, "pyramid8, 2 threads, 8193") && strstr(threads, "speed over one thread"),
+          "threads.svg lacks text");
+    free(threads);
+    write_text("w.json", "{\"kind\":\"run\",\"command\":\"micro\"}\n"
+                         "{\"kind\":\"field\",\"field\":\"65\",\"nx\":65,\"ny\":65}\n"
+                         "{\"kind\":\"result\",\"field\":\"65\",\"rays\":\"ao\",\"contender\":\"pyramid1/watertight\","
+                         "\"mrays_per_s\":1}\n"
+                         "{\"kind\":\"result\",\"field\":\"65\",\"rays\":\"ao\",\"contender\":\"pyramid4/watertight\","
+                         "\"mrays_per_s\":3}\n");
+    check(run(plot_main, "--json w.json --out a") == 0, "plot fails");
+    char *widths = read_text("a/widths.svg");
+    check(strstr(widths, "rays at a time") && strstr(widths, "field 65"), "widths.svg lacks text");
+    free(widths);
+    write_text("s.json", "{\"kind\":\"run\",\"command\":\"table\"}\n"
+                         "{\"kind\":\"scene\",\"scene\":\"landsea-big\",\"paths\":[{\"path\":\"auto-phong\","
+                         "\"time_to_default\":0.5}]}\n");
+    check(run(plot_main, "--json s.json --out a") == 0, "plot fails");
+    char *coursework = read_text("a/coursework.svg");
+    check(strstr(coursework, "landsea-big") && strstr(coursework, "what the library chooses"),
+          "coursework.svg lacks text");
+    free(coursework);
     /* One size gives no curve. */
     write_run("one.json", 1, 1);
     check(run(plot_main, "--json one.json --out b") == 1, "a picture of nothing");
@@ -440,6 +464,8 @@ static void mistakes_leave_nothing(void **state) {
         {report_main, "--json nowhere.json", 1},
         {plot_main, "", 2},
         {plot_main, "--json m.json", 2},
+        {plot_main, "--json m.json --data . --out out", 2},
+        {plot_main, "--data nowhere --out out", 1},
         {plot_main, "--json nowhere.json --out out", 1},
         {compare_main, "one.json", 2},
         {compare_main, "nowhere.json nowhere.json", 1},
