@@ -19,28 +19,26 @@
 
 extern char **environ;
 
-static const char *const usage = "Usage: cellwalk-bench measure [OPTIONS]\n"
-                                 "\n"
-                                 "Makes every file of results that the papers quote, one after the other: speed "
-                                 "against Embree for each instruction\n"
-                                 "set that this CPU has, all of Embree's geometries and modes, packet widths, threads, "
-                                 "building, the kernels' pieces,\n"
-                                 "their counts, and the table of scenes. A file that is there already is kept, so a "
-                                 "run that was broken off goes on\n"
-                                 "where it was. For figures to publish nothing else should run on the machine.\n"
-                                 "\n"
-                                 "Files:\n"
-                                 "  speed-ISA.json     all classes of rays on all fields, the library's kernel and "
-                                 "Embree's triangles at their widths\n"
-                                 "  peers.json         Embree's triangles and grids, normal and robust\n"
-                                 "  widths.json        every width of every walk\n"
-                                 "  threads.json       one thread, two, and one a CPU\n"
-                                 "  building.json      memory and building time, Embree at its default quality\n"
-                                 "  parts.json         the kernels' pieces\n"
-                                 "  counters.json      what the kernels do for a ray\n"
-                                 "  scenes/table.json  the six scenes\n"
-                                 "\n"
-                                 "Options:\n";
+static const char *const usage =
+    "Usage: cellwalk-bench measure [OPTIONS]\n"
+    "\n"
+    "Makes every file of results that the papers quote, one after the other. A file that is there already is kept, so "
+    "a\n"
+    "run that was broken off goes on where it was. For figures to publish nothing else should run on the machine.\n"
+    "\n"
+    "Files:\n"
+    "  speed-ISA.json          each instruction set: all classes of rays on all fields, the library's kernel and "
+    "Embree\n"
+    "  peers.json              Embree's triangles and grids, normal and robust\n"
+    "  widths.json             every width of every walk\n"
+    "  threads.json            one thread, two, and one a CPU\n"
+    "  building.json           memory and building time, Embree at its default quality\n"
+    "  parts.json              the kernels' pieces\n"
+    "  counters.json           what the kernels do for a ray\n"
+    "  scenes/table.json       the six scenes\n"
+    "  tradeoff/tradeoff.json  speed against error\n"
+    "\n"
+    "Options:\n";
 
 enum { WORDS_MAX = 32, STEPS_MAX = 16 };
 
@@ -48,7 +46,7 @@ enum { WORDS_MAX = 32, STEPS_MAX = 16 };
 typedef struct step {
     char file[64];
     char command[512]; /* without seconds, JSON file and seed; words have no spaces */
-    bool table;        /* takes the file's folder instead of the file */
+    bool folder;       /* takes the file's folder instead of the file */
     bool counts;       /* no clock is looked at: takes no time to be given */
     double share;
 } step;
@@ -63,7 +61,7 @@ static void add(campaign *c, double share, const char *file, const char *command
     *s = (step){.share = share};
     snprintf(s->file, sizeof s->file, "%s", file);
     snprintf(s->command, sizeof s->command, "%s", command);
-    s->table = strncmp(command, "table", 5) == 0;
+    s->folder = strncmp(command, "table", 5) == 0 || strncmp(command, "tradeoff", 8) == 0;
     s->counts = strstr(command, "--counters") != NULL;
 }
 
@@ -125,6 +123,8 @@ static void plan(campaign *c, bool quick) {
              quick ? "2048" : "32768");
     add(c, 0, "counters.json", command);
     add(c, 2, "scenes/table.json", quick ? "table --quick --scene hftest" : "table");
+    add(c, 4, "tradeoff/tradeoff.json",
+        quick ? "tradeoff --count 512 --field 65 --scene none" : "tradeoff --field 257,1025 --count 131072 --pass 1");
 }
 
 /* ---- running ---- */
@@ -166,8 +166,8 @@ static outcome run_step(const step *s, const char *path, double seconds, uint32_
     char place[1024];
     take_words(&w, "cellwalk-bench", s, seconds, seed);
     snprintf(place, sizeof place, "%s", path);
-    if (s->table) *strrchr(place, '/') = '\0';
-    w.word[w.count++] = s->table ? out : json;
+    if (s->folder) *strrchr(place, '/') = '\0';
+    w.word[w.count++] = s->folder ? out : json;
     w.word[w.count++] = place;
     w.word[w.count] = NULL;
     pid_t child;

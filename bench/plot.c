@@ -170,6 +170,7 @@ static bool plot_folder(const char *folder, const char *directory, io_error *err
         {"threads.json", "threads"},
         {"widths.json", "widths"},
         {"scenes/table.json", "coursework"},
+        {"tradeoff/tradeoff.json", "tradeoff"},
     };
     bool good = true, speeds = false;
     size_t count = 0;
