@@ -86,13 +86,7 @@ bool micro_write_field(io_output *out, const micro_field *on, io_error *error) {
 
 static void set_timing(json_t *line, const micro_group *g, const micro_row *row) {
     const statistics *s = &row->seconds;
-    results_set_count(line, "samples", s->n);
-    results_set_number(line, "seconds_min", s->min);
-    results_set_number(line, "seconds_median", s->median);
-    results_set_number(line, "seconds_mad", s->mad);
-    results_set_number(line, "seconds_low", s->low);
-    results_set_number(line, "seconds_high", s->high);
-    results_set_bool(line, "interval_sure", s->sure);
+    results_set_seconds(line, s);
     results_set_bool(line, "converged", row->converged);
     results_set_number(line, "cpu_share", row->cpu_share);
     results_set_number(line, "mrays_per_s", mrays(g, s->median));

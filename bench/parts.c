@@ -183,17 +183,6 @@ static bool count_operations(trial *t, io_error *error) {
     return t->operations > 0 || io_fail(error, "%s: none was counted", parts[t->kind].name);
 }
 
-static void set_statistics(json_t *line, const statistics *s, double amount, const char *per_second) {
-    results_set_count(line, "samples", s->n);
-    results_set_number(line, "seconds_min", s->min);
-    results_set_number(line, "seconds_median", s->median);
-    results_set_number(line, "seconds_mad", s->mad);
-    results_set_number(line, "seconds_low", s->low);
-    results_set_number(line, "seconds_high", s->high);
-    results_set_bool(line, "interval_sure", s->sure);
-    results_set_number(line, per_second, amount / s->median);
-}
-
 static bool write_trial(io_output *out, const trial *t, const measure_job *job, io_error *error) {
     const statistics *s = &job->seconds;
     const double rate = (double)t->operations / s->median;
@@ -213,7 +202,8 @@ static bool write_trial(io_output *out, const trial *t, const measure_job *job, 
     results_set_count(line, "operations", (size_t)t->operations);
     if (t->work.hits > 0) results_set_count(line, "hits", t->work.hits);
     if (t->kind == PART_NODE) results_set_number(line, "test_share", t->test_share);
-    set_statistics(line, s, (double)t->operations, "per_second");
+    results_set_seconds(line, s);
+    results_set_number(line, "per_second", rate);
     return results_write(out, line, error);
 }
 
@@ -310,7 +300,8 @@ static bool write_building(io_output *out, const workload_field *samples, const 
     results_set_text(line, "field", samples->name);
     results_set_number(line, "operations", bytes);
     if (built) results_set_count(line, "bytes_built", built);
-    set_statistics(line, &s, bytes, "per_second");
+    results_set_seconds(line, &s);
+    results_set_number(line, "per_second", bytes / s.median);
     return results_write(out, line, error);
 }
 

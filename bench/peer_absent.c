@@ -6,6 +6,8 @@ const unsigned peer_embree_widths[PEER_WIDTH_COUNT] = {1, 4, 8, 16};
 
 const char *peer_embree_version(void) { return NULL; }
 
+bool peer_embree_has_assertions(void) { return false; }
+
 peer_embree *peer_embree_create(const cw_field *field, const peer_options *options, io_error *error) {
     (void)field, (void)options;
     io_fail(error, "this program was built without Embree: install libembree-dev and configure again");

@@ -26,6 +26,9 @@ typedef struct peer_embree peer_embree;
 /* "3.13.5"; NULL if the program was built without Embree. */
 const char *peer_embree_version(void);
 
+/* True if the library that this program runs with was compiled with its assertions, which cost speed. Debian's is. */
+bool peer_embree_has_assertions(void);
+
 /* The field must stay until peer_embree_destroy. NULL on failure, with the reason in error. */
 peer_embree *peer_embree_create(const cw_field *field, const peer_options *options, io_error *error);
 void peer_embree_destroy(peer_embree *peer);

@@ -200,9 +200,9 @@ bool plot_coursework(FILE *to, const json_t *lines) {
         if (!results_is(line, "scene", NULL)) continue;
         fprintf(to, "%s %zu", results_text(line, "scene"), scenes++);
         for (size_t w = 0; w < WAYS; w++) {
-            const double ratio = time_ratio(line, w);
-            ours = ours || (ways[w].path && ratio > 0);
-            plot_put_point(to, ratio, &range);
+            const double times = time_ratio(line, w);
+            ours = ours || (ways[w].path && times > 0);
+            plot_put_point(to, times, &range);
         }
         fputc('\n', to);
     }

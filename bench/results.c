@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "results.h"
 
+#include "statistics.h"
+
 #include <errno.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -69,6 +71,16 @@ void results_set_count(json_t *object, const char *key, size_t value) {
 
 void results_set_bool(json_t *object, const char *key, bool value) {
     json_object_set_new(object, key, json_boolean(value));
+}
+
+void results_set_seconds(json_t *object, const statistics *s) {
+    results_set_count(object, "samples", s->n);
+    results_set_number(object, "seconds_min", s->min);
+    results_set_number(object, "seconds_median", s->median);
+    results_set_number(object, "seconds_mad", s->mad);
+    results_set_number(object, "seconds_low", s->low);
+    results_set_number(object, "seconds_high", s->high);
+    results_set_bool(object, "interval_sure", s->sure);
 }
 
 json_t *results_agreement(const agreement *a) {

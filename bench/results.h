@@ -21,6 +21,10 @@ void results_set_number(json_t *object, const char *key, double value);
 void results_set_count(json_t *object, const char *key, size_t value);
 void results_set_bool(json_t *object, const char *key, bool value);
 
+/* Members samples, seconds_min, _median, _mad, _low, _high, and interval_sure. */
+struct statistics; /* statistics.h */
+void results_set_seconds(json_t *object, const struct statistics *seconds);
+
 /* agree.h as an object. */
 json_t *results_agreement(const agreement *a);
 

@@ -76,6 +76,7 @@ json_t *run_record(const char *command, uint32_t seed, int cpu) {
     results_set_text(record, "flags", BUILD_INFO_FLAGS);
     results_set_text(record, "commit", BUILD_INFO_COMMIT);
     results_set_text(record, "embree", peer_embree_version());
+    if (peer_embree_version()) results_set_bool(record, "embree_assertions", peer_embree_has_assertions());
     results_set_count(record, "seed", seed);
     json_object_set_new(record, "pinned_to_cpu", json_integer(cpu));
     results_set_number(record, "load", load);
@@ -93,9 +94,10 @@ void run_record_text(const json_t *record, char *text, size_t size) {
     const char *threads = json_string_value(json_object_get(record, "threads"));
     char threads_text[64] = "one thread";
     if (threads) snprintf(threads_text, sizeof threads_text, "%s threads", threads);
-    snprintf(text, size, "%s, %s, %s, %s, commit %s, Embree %s, %s, seed %" JSON_INTEGER_FORMAT ", load %.2f, %s",
+    snprintf(text, size, "%s, %s, %s, %s, commit %s, Embree %s%s, %s, seed %" JSON_INTEGER_FORMAT ", load %.2f, %s",
              text_of(record, "cpu"), text_of(record, "isa"), text_of(record, "compiler"), text_of(record, "build_type"),
-             text_of(record, "commit"), text_of(record, "embree"), threads_text,
-             json_integer_value(json_object_get(record, "seed")), json_real_value(json_object_get(record, "load")),
-             text_of(record, "date"));
+             text_of(record, "commit"), text_of(record, "embree"),
+             json_is_true(json_object_get(record, "embree_assertions")) ? " (compiled with assertions)" : "",
+             threads_text, json_integer_value(json_object_get(record, "seed")),
+             json_real_value(json_object_get(record, "load")), text_of(record, "date"));
 }

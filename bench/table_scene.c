@@ -221,16 +221,6 @@ static void set_pixels(json_t *line, const io_image *a, const io_image *b) {
     results_set_number(line, "pixels_worst", worst);
 }
 
-static void set_statistics(json_t *line, const statistics *s) {
-    results_set_count(line, "samples", s->n);
-    results_set_number(line, "seconds_min", s->min);
-    results_set_number(line, "seconds_median", s->median);
-    results_set_number(line, "seconds_mad", s->mad);
-    results_set_number(line, "seconds_low", s->low);
-    results_set_number(line, "seconds_high", s->high);
-    results_set_bool(line, "interval_sure", s->sure);
-}
-
 static json_t *path_json(job *jobs, const measure_job *measured, size_t count, size_t k) {
     job *j = &jobs[k];
     json_t *line = json_object();
@@ -239,7 +229,7 @@ static json_t *path_json(job *jobs, const measure_job *measured, size_t count, s
     results_set_text(line, "by", j->tracer->embree ? "embree/triangles" : j->tracer->on[0].name);
     if (j->tracer->embree) results_set_count(line, "embree_width", j->tracer->width);
     results_set_bool(line, "phong", j->path->phong);
-    set_statistics(line, &measured[k].seconds);
+    results_set_seconds(line, &measured[k].seconds);
     results_set_number(line, "cpu_share", measured[k].cpu_share);
     const statistics trace = statistics_of(j->trace_seconds, j->runs);
     results_set_count(line, "traced_rays", j->traced);
