@@ -61,6 +61,8 @@ tradeoff_errors tradeoff_errors_closest(const tradeoff_truth *truth, unsigned th
 tradeoff_errors tradeoff_errors_any(const tradeoff_truth *truth, unsigned thin, const tradeoff_claim *claim,
                                     const uint8_t *answers);
 
+/* The number in the whole set of ray m of a thinned one. Runs of 16 stay together, so that packets do. */
+size_t tradeoff_thinned_at(size_t m, unsigned thin);
 /* Copies the rays of those runs and returns how many they are; out may be NULL. */
 size_t tradeoff_thin(const cw_ray *rays, size_t n, unsigned thin, cw_ray *out);
 
@@ -82,6 +84,8 @@ void tradeoff_field_close(tradeoff_field *on);
 bool tradeoff_group_run(const tradeoff_field *on, int ray_class, const tradeoff_options *options, double seconds,
                         json_t *lines, io_error *error);
 
+/* True if the mode is to be measured. */
+bool tradeoff_mode_wanted(const tradeoff_mode *mode, const tradeoff_options *options);
 /* True if the list is empty or holds the name. */
 bool tradeoff_listed(const option_list *list, const char *name);
 

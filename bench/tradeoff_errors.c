@@ -10,13 +10,12 @@ enum { RUN = 16 };
 
 static const tradeoff_claim none;
 
-/* Ray m of a thinned set is this one of the whole. Runs of 16 stay together, so that packets do. */
-static size_t original(size_t m, unsigned thin) { return ((m / RUN) << thin) * RUN + m % RUN; }
+size_t tradeoff_thinned_at(size_t m, unsigned thin) { return ((m / RUN) << thin) * RUN + m % RUN; }
 
 size_t tradeoff_thin(const cw_ray *rays, size_t n, unsigned thin, cw_ray *out) {
     size_t m = 0;
-    for (; original(m, thin) < n; m++)
-        if (out) out[m] = rays[original(m, thin)];
+    for (; tradeoff_thinned_at(m, thin) < n; m++)
+        if (out) out[m] = rays[tradeoff_thinned_at(m, thin)];
     return m;
 }
 
@@ -72,7 +71,7 @@ tradeoff_errors tradeoff_errors_closest(const tradeoff_truth *truth, unsigned th
     tradeoff_errors e = {.rays = tradeoff_thin(truth->rays, truth->n, thin, NULL)};
     size_t n = 0;
     for (size_t m = 0; m < e.rays; m++) {
-        const size_t k = original(m, thin);
+        const size_t k = tradeoff_thinned_at(m, thin);
         const cw_ray *ray = &truth->rays[k];
         const tradeoff_place *exact = truth->hits[k].i >= 0 ? &truth->exact[k] : NULL;
         const tradeoff_verdict v =
@@ -102,7 +101,7 @@ tradeoff_errors tradeoff_errors_any(const tradeoff_truth *truth, unsigned thin, 
                                     const uint8_t *answers) {
     tradeoff_errors e = {.rays = tradeoff_thin(truth->rays, truth->n, thin, NULL)};
     for (size_t m = 0; m < e.rays; m++) {
-        const size_t k = original(m, thin);
+        const size_t k = tradeoff_thinned_at(m, thin);
         const bool right = truth->hits[k].i >= 0, answer = answers[m] != 0;
         e.hits += answer;
         e.broken += tradeoff_judge_any(truth->ground, &truth->rays[k], claim, right, answer) > TRADEOFF_TIE;

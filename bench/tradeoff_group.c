@@ -16,6 +16,10 @@ bool tradeoff_listed(const option_list *list, const char *name) {
     return list->count == 0;
 }
 
+bool tradeoff_mode_wanted(const tradeoff_mode *mode, const tradeoff_options *o) {
+    return o->modes.count ? tradeoff_listed(&o->modes, mode->name) : o->longer || !mode->longer;
+}
+
 /* ---- a field ---- */
 
 void tradeoff_field_close(tradeoff_field *on) {
@@ -49,7 +53,7 @@ bool tradeoff_field_open(tradeoff_field *on, const char *name, const tradeoff_op
     bool good = status == CW_OK || io_fail(error, "field %s: %s", name, cw_status_message(status));
     for (size_t m = 0; good && m < tradeoff_mode_count(); m++) {
         const tradeoff_mode *mode = tradeoff_mode_at(m);
-        if (!tradeoff_listed(&o->modes, mode->name) || on->stage_count == TRADEOFF_MODES_MAX) continue;
+        if (!tradeoff_mode_wanted(mode, o) || on->stage_count == TRADEOFF_MODES_MAX) continue;
         if ((mode->embree && peer_embree_version() == NULL) || !fits(on, mode)) continue;
         good = tradeoff_stage_open(&on->stages[on->stage_count], mode, on->field, &on->ground, o->isa, error);
         on->stage_count += good;
@@ -60,19 +64,21 @@ bool tradeoff_field_open(tradeoff_field *on, const char *name, const tradeoff_op
 
 /* ---- contenders ---- */
 
-typedef struct row {
+typedef struct row row;
+struct row {
     const tradeoff_stage *stage;
     contender contender;
     kernel_contender kernel;
     peer_contender peer;
     char kernel_name[CONTENDER_NAME]; /* "pyramid8"; "w8" with Embree */
-    unsigned thin;
-    double left_out; /* seconds for a pass over the thinnest set; 0 if that is no problem */
+    unsigned thin, thin_errors;       /* of the rays that are timed, and of those whose errors are looked for */
+    double left_out;                  /* seconds for a pass over the thinnest set; 0 if that is no problem */
     tradeoff_errors errors;
+    const row *same_as; /* whose errors these are, because it gives the same bits; or NULL */
     measure_job job;
-} row;
+};
 
-enum { THIN_MAX = 6 };
+enum { THIN_MAX = 6, RAYS_SPARE = 32 }; /* of a thinned set at most a run is more than its share */
 
 typedef struct group {
     const tradeoff_field *on;
@@ -80,8 +86,8 @@ typedef struct group {
     bool any;
     cw_ray *rays[THIN_MAX + 1]; /* thinned; NULL until asked for */
     size_t counts[THIN_MAX + 1];
-    cw_hit *hits;
-    uint8_t *occluded;
+    cw_hit *hits, *leader_hits; /* answers; and those of the row that others are held against */
+    uint8_t *occluded, *leader_occluded;
     tradeoff_truth truth;
     row *rows;
     size_t row_count;
@@ -127,60 +133,101 @@ static bool add_rows(group *g, const tradeoff_options *o, io_error *error) {
 typedef struct pass {
     const group *on;
     const row *row;
+    unsigned thin;
 } pass;
 
 static void run_pass(void *context) {
     const pass *p = context;
     const contender *c = &p->row->contender;
-    const unsigned thin = p->row->thin;
+    const cw_ray *rays = p->on->rays[p->thin];
+    const size_t n = p->on->counts[p->thin];
     if (p->on->any)
-        c->any(c->self, p->on->rays[thin], p->on->counts[thin], p->on->occluded);
+        c->any(c->self, rays, n, p->on->occluded);
     else
-        c->closest(c->self, p->on->rays[thin], p->on->counts[thin], p->on->hits);
+        c->closest(c->self, rays, n, p->on->hits);
 }
 
-/* The slow ones take fewer of the rays, so that a pass takes at most about limit seconds. The first pass only warms up. */
+/* The thinnest set that takes at most about this long, of those that take longer than the thinnest of all. */
+static unsigned thin_for(double seconds, double limit) {
+    unsigned thin = THIN_MAX;
+    for (; thin > 0 && 2 * seconds <= limit; thin--) seconds *= 2;
+    return thin;
+}
+
+/* The slow ones take fewer of the rays, so that a pass takes at most about limit seconds. Errors are rarer than speed is
+ * uneven and need one pass alone, so they get more time. The first pass only warms up. */
 static void choose_thin(const group *g, row *r, double limit) {
-    pass p = {g, r};
+    enum { ERRORS_LONGER = 4 };
+    pass p = {g, r, THIN_MAX};
     double seconds = 0;
-    r->thin = THIN_MAX;
     for (int repeat = 0; repeat < 2 && seconds <= limit; repeat++) {
         const double start = timing_cpu_seconds();
         run_pass(&p);
         seconds = timing_cpu_seconds() - start;
     }
-    if (seconds > limit) {
-        r->left_out = seconds;
-        return;
+    if (seconds > limit) r->left_out = seconds;
+    r->thin = thin_for(seconds, limit);
+    r->thin_errors = thin_for(seconds, limit * ERRORS_LONGER);
+}
+
+/* ---- errors ---- */
+
+static void judge(const group *g, row *r) {
+    const tradeoff_stage *s = r->stage;
+    r->errors = g->any ? tradeoff_errors_any(&g->truth, r->thin_errors, &s->claim, g->occluded)
+                       : tradeoff_errors_closest(&g->truth, r->thin_errors, &s->claim, s->field, g->hits);
+}
+
+/* The answers that lie there for a thinned set are bit for bit those that the leader gave for the same rays. */
+static bool same_as_leader(const group *g, const row *leader, const row *r) {
+    if (r->thin_errors < leader->thin_errors) return false;
+    const size_t n = g->counts[r->thin_errors];
+    for (size_t m = 0; m < n; m++) {
+        const size_t of = tradeoff_thinned_at(m, r->thin_errors - leader->thin_errors);
+        if (g->any ? g->occluded[m] != g->leader_occluded[of]
+                   : memcmp(&g->hits[m], &g->leader_hits[of], sizeof *g->hits) != 0)
+            return false;
     }
-    for (; r->thin > 0 && 2 * seconds <= limit; r->thin--) seconds *= 2;
+    return true;
+}
+
+/* Of a mode's kernels the one that takes most rays is judged; and each other one that does not give the same bits. So
+ * kernels that only walk differently have the same errors, however few rays the slow ones take. */
+static void find_errors_of(group *g, const tradeoff_stage *stage) {
+    row *leader = NULL;
+    for (size_t k = 0; k < g->row_count; k++) {
+        row *r = &g->rows[k];
+        if (r->stage != stage || r->left_out > 0) continue;
+        if (leader == NULL || r->thin_errors <= leader->thin_errors) leader = r;
+    }
+    if (leader == NULL) return;
+    pass p = {g, leader, leader->thin_errors};
+    run_pass(&p);
+    judge(g, leader);
+    const size_t n = g->counts[leader->thin_errors];
+    if (g->any)
+        memcpy(g->leader_occluded, g->occluded, n);
+    else
+        memcpy(g->leader_hits, g->hits, n * sizeof *g->hits);
+    for (size_t k = 0; k < g->row_count; k++) {
+        row *r = &g->rows[k];
+        if (r->stage != stage || r == leader || r->left_out > 0) continue;
+        p = (pass){g, r, r->thin_errors};
+        run_pass(&p);
+        if (same_as_leader(g, leader, r)) {
+            r->errors = leader->errors;
+            r->same_as = leader;
+        } else {
+            judge(g, r);
+        }
+    }
 }
 
 static void find_errors(group *g) {
-    const size_t n = g->counts[0];
-    bool known = false;
-    tradeoff_errors strict = {0};
-    for (size_t k = 0; k < g->row_count; k++) {
-        row *r = &g->rows[k];
-        if (r->left_out > 0) continue;
-        pass p = {g, r};
-        run_pass(&p);
-        if (g->any) {
-            r->errors = tradeoff_errors_any(&g->truth, r->thin, &r->stage->claim, g->occluded);
-            continue;
-        }
-        /* Most kernels give the reference's bits, whose errors need to be found only once. */
-        const bool same = r->thin == 0 && r->stage->field == g->on->field && r->stage->claim.height == 0 &&
-                          r->stage->claim.cone == 0 && memcmp(g->hits, g->truth.hits, n * sizeof *g->hits) == 0;
-        if (same && known) {
-            r->errors = strict;
-            continue;
-        }
-        r->errors = tradeoff_errors_closest(&g->truth, r->thin, &r->stage->claim, r->stage->field, g->hits);
-        if (same) strict = r->errors;
-        known = known || same;
-    }
+    for (size_t s = 0; s < g->on->stage_count; s++) find_errors_of(g, &g->on->stages[s]);
 }
+
+/* ---- speed ---- */
 
 static bool time_all(group *g, const tradeoff_options *o, double seconds, io_error *error) {
     measure_job jobs[TRADEOFF_ROWS_MAX];
@@ -188,7 +235,7 @@ static bool time_all(group *g, const tradeoff_options *o, double seconds, io_err
     size_t count = 0;
     for (size_t k = 0; k < g->row_count; k++) {
         if (g->rows[k].left_out > 0) continue;
-        passes[count] = (pass){g, &g->rows[k]};
+        passes[count] = (pass){g, &g->rows[k], g->rows[k].thin};
         jobs[count] = (measure_job){.run = run_pass, .context = &passes[count]};
         count++;
     }
@@ -256,6 +303,7 @@ static bool append_rows(const group *g, json_t *lines, io_error *error) {
             results_set_number(line, "claim_height", r->stage->claim.height);
             results_set_number(line, "claim_cone", r->stage->claim.cone);
             set_errors(line, &r->errors);
+            if (r->same_as) results_set_text(line, "same_bits_as", r->same_as->contender.name);
             if (tradeoff_class_is_timed(g->ray_class)) set_speed(line, g, r);
         }
         if (json_array_append_new(lines, line) != 0) return io_fail(error, "out of memory");
@@ -268,13 +316,15 @@ static bool append_rows(const group *g, json_t *lines, io_error *error) {
 static bool make_rays(group *g, const tradeoff_options *o, io_error *error) {
     const size_t n = (size_t)o->count;
     for (unsigned thin = 0; thin <= THIN_MAX; thin++) {
-        g->rays[thin] = malloc(n * sizeof *g->rays[thin]);
+        g->rays[thin] = malloc(((n >> thin) + RAYS_SPARE) * sizeof *g->rays[thin]);
         if (g->rays[thin] == NULL) return io_fail(error, "out of memory for %zu rays", n);
     }
     g->hits = malloc(n * sizeof *g->hits);
+    g->leader_hits = malloc(n * sizeof *g->leader_hits);
     g->occluded = malloc(n);
+    g->leader_occluded = malloc(n);
     g->counts[0] = tradeoff_rays_make(g->on->field, g->ray_class, (uint32_t)o->seed, n, g->rays[0]);
-    if (g->hits == NULL || g->occluded == NULL || g->counts[0] == 0)
+    if (!g->hits || !g->leader_hits || !g->occluded || !g->leader_occluded || g->counts[0] == 0)
         return io_fail(error, "out of memory for %zu rays", n);
     for (unsigned thin = 1; thin <= THIN_MAX; thin++)
         g->counts[thin] = tradeoff_thin(g->rays[0], g->counts[0], thin, g->rays[thin]);
@@ -297,7 +347,9 @@ bool tradeoff_group_run(const tradeoff_field *on, int ray_class, const tradeoff_
     }
     for (unsigned thin = 0; thin <= THIN_MAX; thin++) free(g.rays[thin]);
     free(g.hits);
+    free(g.leader_hits);
     free(g.occluded);
+    free(g.leader_occluded);
     if (g.truth.hits) tradeoff_truth_free(&g.truth);
     free(g.rows);
     return good;

@@ -23,12 +23,13 @@ static const tradeoff_mode modes[] = {
      .change = tradeoff_quantise},
     {.name = "embree", .what = "Embree, a mesh of triangles", .embree = true},
     {.name = "embree-robust", .what = "Embree, a mesh of triangles, ROBUST", .embree = true, .robust = true},
-    {.name = "embree-grid", .what = "Embree, its grid geometry", .embree = true, .geometry = PEER_GRID},
+    {.name = "embree-grid", .what = "Embree, its grid geometry", .embree = true, .geometry = PEER_GRID, .longer = true},
     {.name = "embree-grid-robust",
      .what = "Embree, its grid geometry, ROBUST",
      .embree = true,
      .robust = true,
-     .geometry = PEER_GRID},
+     .geometry = PEER_GRID,
+     .longer = true},
 };
 /* clang-format on */
 enum { MODE_COUNT = sizeof modes / sizeof modes[0] };

@@ -18,6 +18,7 @@ typedef struct tradeoff_mode {
     tradeoff_claim (*change)(float *z, size_t count); /* or changes the samples of the mode's own field, and says by how
                                                        * much at most */
     tradeoff_claim claim;                             /* what query and describe may cost */
+    bool longer;                                      /* only with --long, or if asked for by name */
     bool embree, robust;                              /* Embree instead of a kernel */
     peer_geometry geometry;
 } tradeoff_mode;

@@ -217,7 +217,7 @@ bool tradeoff_scene_run(const char *name, const char *file, const tradeoff_optio
     bool good = open_set(&s, file, error);
     for (size_t m = 0; good && m < tradeoff_mode_count(); m++) {
         const tradeoff_mode *mode = tradeoff_mode_at(m);
-        if (m > 0 && !tradeoff_listed(&o->modes, mode->name)) continue; /* the first is what others are held against */
+        if (m > 0 && !tradeoff_mode_wanted(mode, o)) continue; /* the first is what others are held against */
         good = render_mode(&s, name, mode, o, &strict, lines, error);
     }
     good = good && (add_counts(&s, name, lines) || io_fail(error, "out of memory"));

@@ -83,13 +83,28 @@ static void files_agree(void **state) {
     check((find(lines, "summary", "mode", "embree") != NULL) == (peer_embree_version() != NULL), "Embree is missing");
     check(find(lines, "summary", "contender", "strict/grid3d-early") == NULL, "a mode has a kernel that is another's");
 
+    /* Walks with equal bits share their errors, another leaf test's bits are its own. */
+    size_t index, shared = 0;
+    const json_t *line;
+    json_array_foreach(lines, index, line) {
+        const char *as = results_text(line, "same_bits_as");
+        if (*as == '\0') continue;
+        shared++;
+        check(strncmp(as, results_text(line, "mode"), strlen(results_text(line, "mode"))) == 0,
+              "%s is said to give the bits of %s", results_text(line, "contender"), as);
+        check(strcmp(results_text(line, "contender"), "moller-trumbore/grid3d") != 0 ||
+                  strcmp(results_text(line, "rays"), "vertices") != 0,
+              "grid3d is said to leak like %s", as);
+    }
+    check(shared >= 9, "only %zu results share their errors",
+          shared); /* strict, samples-16, Möller-Trumbore × 3 groups */
+
     const json_t *exact = find(lines, "picture", "mode", "strict"),
                  *other = find(lines, "picture", "mode", "samples-16");
     check(exact && results_number(exact, "rmse") == 0 && results_number(exact, "pixels_differ") == 0,
           "strict differs from itself");
     check(other && results_number(other, "pixels_differ") > 0, "16-bit samples change nothing");
-    size_t index, counts = 0;
-    const json_t *line;
+    size_t counts = 0;
     json_array_foreach(lines, index, line) {
         if (strcmp(results_text(line, "kind"), "count") != 0) continue;
         counts++;
