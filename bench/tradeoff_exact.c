@@ -4,6 +4,12 @@
 #include <float.h>
 #include <math.h>
 
+tradeoff_ground tradeoff_ground_of(const float *z, size_t nx, size_t ny) {
+    float highest = 0;
+    for (size_t k = 0; k < nx * ny; k++) highest = fmaxf(highest, fabsf(z[k]));
+    return (tradeoff_ground){.z = z, .nx = nx, .ny = ny, .highest = (double)highest};
+}
+
 /* a + b = sum + error, exactly (Knuth). */
 static double two_sum(double a, double b, double *error) {
     const double sum = a + b, part = sum - a;

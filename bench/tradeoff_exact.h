@@ -9,11 +9,14 @@
 
 #include "cellwalk.h"
 
-/* Samples as the reference sees them: (i, j) is z[j * nx + i]; no holes. */
+/* Samples as the reference sees them: (i, j) is z[j * nx + i]; no holes. They must stay. */
 typedef struct tradeoff_ground {
     const float *z;
     size_t nx, ny;
+    double highest; /* of the samples' absolute values */
 } tradeoff_ground;
+
+tradeoff_ground tradeoff_ground_of(const float *z, size_t nx, size_t ny);
 
 typedef struct tradeoff_place {
     double t, u, v; /* u and v as in cw_hit */

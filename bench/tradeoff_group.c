@@ -42,7 +42,7 @@ static bool fits(const tradeoff_field *on, const tradeoff_mode *mode) {
 bool tradeoff_field_open(tradeoff_field *on, const char *name, const tradeoff_options *o, io_error *error) {
     *on = (tradeoff_field){0};
     if (!workload_field_make(name, &on->samples)) return io_fail(error, "out of memory for field %s", name);
-    on->ground = (tradeoff_ground){.z = on->samples.z, .nx = on->samples.nx, .ny = on->samples.ny};
+    on->ground = tradeoff_ground_of(on->samples.z, on->samples.nx, on->samples.ny);
     cw_field_desc desc = cw_field_desc_default();
     desc.samples = on->ground.z;
     desc.nx = on->ground.nx;

@@ -20,7 +20,7 @@ static course course_of(const tradeoff_ground *on, const cw_ray *ray, const trad
     return c;
 }
 
-/* The ray at one t: its height above the surface, and what it takes to be clear of it. */
+/* The ray at one t: its height above the surface, and what its rounding depends on. */
 typedef struct station {
     double above;
     double size, slope; /* of the cell there: largest height, largest difference between neighbours */
@@ -42,18 +42,23 @@ static station station_at(const course *c, double t) {
         .above = c->oz + t * c->dz - surface,
         .size = fmax(fmax(fabs(h00), fabs(h10)), fmax(fabs(h01), fabs(h11))),
         .slope = fmax(fmax(fabs(h10 - h00), fabs(h01 - h00)), fmax(fabs(h11 - h10), fabs(h11 - h01))),
-        .place = fabs(c->ox) + fabs(c->oy) + fabs(t) * (fabs(c->dx) + fabs(c->dy)) + i + j + 2,
+        .place = fabs(c->ox) + fabs(c->oy) + i + j + 2,
     };
 }
 
-/* E of papers/numerics.md and the claim. A crossing belongs to the cells on both its sides: the station before brings the
- * other cell's numbers. */
+/* E of papers/numerics.md for a hit, and the claim. A crossing belongs to the cells on both its sides: the station before
+ * brings the other cell's numbers. */
 static double slack_at(const course *c, double t, const station *here, const station *before) {
+    const double u = 0x1p-24 * (1 + 0x1p-19), across = fabs(c->dx) + fabs(c->dy);
     const double size = fmax(here->size, before->size), slope = fmax(here->slope, before->slope);
-    const double span = fabs(here->above - before->above);
-    const double rounding =
-        0x1p-21 * (fabs(c->oz) + fabs(t * c->dz) + size + slope * here->place + span) + 0x1p-146 * (1 + fabs(c->dz));
-    return rounding + c->claim->height + c->claim->cone * fabs(t) * c->length;
+    const double place = fmax(here->place, before->place);
+    const double crossing = u * (fabs(c->oz) + fabs(t * c->dz) + 4 * size + 8 * slope * place) +
+                            0x1p-146 * (1 + fabs(c->dz) + slope * across);
+    /* The longest stay in a cell, and how much the height above the surface changes in it. */
+    const double rounded = 1 + 6 * u * place, slab = fabs(c->oz) + 5 * c->on->highest;
+    const double stay = fmin(fmin(rounded / fabs(c->dx), rounded / fabs(c->dy)), 2 * slab / fabs(c->dz));
+    const double root = u * fmin(7 * slab, 5 * (fabs(c->dz) + slope * across) * stay);
+    return crossing + root + c->claim->height + c->claim->cone * fabs(t) * c->length;
 }
 
 /* A family of parallel lines that the ray crosses, at whole numbers: x, y, or x - y. */
@@ -157,14 +162,11 @@ static bool is_away(const tradeoff_ground *on, const cw_ray *ray, double t, cons
     if (!isfinite(t)) return true;
     const course c = course_of(on, ray, claim);
     const double x = c.ox + t * c.dx, y = c.oy + t * c.dy;
-    const double delta = 0x1p-21 * (fabs(c.ox) + fabs(c.oy) + fabs(t) * (fabs(c.dx) + fabs(c.dy)) + 2);
-    if (x < -delta || x > (double)(on->nx - 1) + delta || y < -delta || y > (double)(on->ny - 1) + delta) return true;
+    const double end_x = (double)(on->nx - 1), end_y = (double)(on->ny - 1);
+    const double delta = 0x1p-22 * (fabs(c.ox) + fabs(c.oy) + end_x + end_y + 2);
+    if (x < -delta || x > end_x + delta || y < -delta || y > end_y + delta) return true;
     const station here = station_at(&c, t);
-    /* The station before is not known: d changes by less than this over one cell, and a t-range is cut off where the ray
-     * is that far from the field. */
-    station before = here;
-    before.above += fmin(fabs(c.dz) / fmax(fabs(c.dx), fabs(c.dy)), fabs(c.oz) + here.size) + 2 * here.slope;
-    return fabs(here.above) > slack_at(&c, t, &here, &before);
+    return fabs(here.above) > slack_at(&c, t, &here, &here);
 }
 
 double tradeoff_off_surface(const tradeoff_ground *on, const cw_ray *ray, double t) {

@@ -149,7 +149,7 @@ static bool run(const tradeoff_options *o, io_error *error) {
     io_output json = {0}, markdown = {0};
     json_t *lines = json_array();
     bool good = (lines || io_fail(error, "out of memory")) && folder_make(o->out, error) &&
-                open_file(&json, o->out, "tradeoff.json", error) &&
+                (o->json ? io_output_open(&json, o->json, error) : open_file(&json, o->out, "tradeoff.json", error)) &&
                 open_file(&markdown, o->out, "tradeoff.md", error) && tradeoff_run(o, lines, error) &&
                 save(o, lines, &json, &markdown, error) && draw(o, lines, error);
     io_output_discard(&json);
@@ -195,6 +195,8 @@ int tradeoff_main(char **arguments, int count) {
         {"--out", "FOLDER", "where to save the files; made if need be (out/tradeoff)", OPTION_TEXT, &o.out, 0, 0},
         {"--into", "PAGE", "also put the Markdown into this page, between the markers tradeoff (as report does)",
          OPTION_TEXT, &o.into, 0, 0},
+        {"--json", "FILE", "the JSON's name, if it is not to be tradeoff.json in the folder", OPTION_TEXT, &o.json, 0,
+         0},
         {"--picture", "FILE", "the picture's name, if it is not to be tradeoff.svg in the folder", OPTION_TEXT,
          &o.picture, 0, 0},
     };

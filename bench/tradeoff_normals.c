@@ -124,8 +124,8 @@ static double cost(const tradeoff_ground *g, const cw_hit *hits, tradeoff_normal
 }
 
 static json_t *measure_wave(const wave *w, float *z, const cw_hit *hits, double *errors) {
-    const tradeoff_ground g = {z, SIDE, SIDE};
     for (size_t k = 0; k < (size_t)SIDE * SIDE; k++) z[k] = (float)wave_z(w, (double)(k % SIDE), (double)(k / SIDE));
+    const tradeoff_ground g = tradeoff_ground_of(z, SIDE, SIDE);
     json_t *line = json_object();
     results_set_text(line, "kind", "normal");
     results_set_number(line, "wave_length", w->length);

@@ -117,7 +117,7 @@ static bool open_set(set *s, const char *file, io_error *error) {
         if (s->z[f] == NULL || cw_field_build(field, cw_kernel_find("cell")) != CW_OK)
             return io_fail(error, "%s: out of memory", file);
         for (size_t k = 0; k < info.nx * info.ny; k++) s->z[f][k] = cw_field_sample(field, k % info.nx, k / info.nx);
-        s->grounds[f] = (tradeoff_ground){s->z[f], info.nx, info.ny};
+        s->grounds[f] = tradeoff_ground_of(s->z[f], info.nx, info.ny);
         s->counters[f] = tradeoff_counter_make(&s->grounds[f]);
         if (s->counters[f] == NULL) return io_fail(error, "%s: out of memory", file);
     }

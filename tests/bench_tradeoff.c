@@ -89,7 +89,7 @@ static void places_are_exact(void **state) {
     (void)state;
     float z[SAMPLES];
     make_ground(z, true);
-    const tradeoff_ground on = {z, SIDE, SIDE};
+    const tradeoff_ground on = tradeoff_ground_of(z, SIDE, SIDE);
     /* Triangle A of cell (4, 2) is z = 3 - 2 (x - 4). */
     const cw_ray ray = {.org = {5, 2.25f, 2}, .dir = {-1, 0, 1}, .tmax = 9};
     tradeoff_place p;
@@ -118,7 +118,7 @@ static void errors_have_units(void **state) {
     check(tradeoff_t_cells(&ray, 2, 2.5) == 2.5, "t off by 0.5 is %g cells", tradeoff_t_cells(&ray, 2, 2.5));
     float z[SAMPLES];
     make_ground(z, true);
-    const tradeoff_ground on = {z, SIDE, SIDE};
+    const tradeoff_ground on = tradeoff_ground_of(z, SIDE, SIDE);
     const cw_ray falling = {.org = {4.75f, 2.125f, 4}, .dir = {0, 0, -1}, .tmax = 9};
     check(tradeoff_off_surface(&on, &falling, 2) == 0.5, "off by %g", tradeoff_off_surface(&on, &falling, 2));
 }
@@ -199,7 +199,7 @@ static void verdicts_are_right(void **state) {
         float z[SAMPLES];
         make_ground(z, q->wall);
         cw_field *field = make_field(z);
-        const tradeoff_ground on = {z, SIDE, SIDE};
+        const tradeoff_ground on = tradeoff_ground_of(z, SIDE, SIDE);
         const tradeoff_claim claim = {.height = q->claim};
         cw_hit truth;
         check_status(cw_closest(field, &strict, &q->ray, 1, &truth), CW_OK);
@@ -221,7 +221,7 @@ static void cones_grow(void **state) {
     (void)state;
     float z[SAMPLES];
     make_ground(z, false);
-    const tradeoff_ground on = {z, SIDE, SIDE};
+    const tradeoff_ground on = tradeoff_ground_of(z, SIDE, SIDE);
     const tradeoff_claim cone = {.cone = 0.125};
     const cw_ray ray = {.org = {1.5f, 2.5f, 1.5f}, .dir = {1, 0, 0}, .tmax = 6};
     check(tradeoff_follow(&on, &ray, 0, 3, &cone).clear, "0.5 above is not clear at 3");
@@ -237,7 +237,7 @@ static void errors_are_counted(void **state) {
     (void)state;
     float z[SAMPLES];
     make_ground(z, false);
-    const tradeoff_ground on = {z, SIDE, SIDE};
+    const tradeoff_ground on = tradeoff_ground_of(z, SIDE, SIDE);
     cw_field *field = make_field(z);
     cw_ray rays[RAYS];
     for (size_t k = 0; k < RAYS; k++)
@@ -349,7 +349,7 @@ static void counts_are_known(void **state) {
     float z[SAMPLES];
     for (size_t k = 0; k < SAMPLES; k++) z[k] = 0;
     z[SAMPLES - 1] = 8; /* makes the box 8 × 8 × 8: 3 · cbrt(128) / 8 voxels a cell are 15 an axis */
-    const tradeoff_ground on = {z, SIDE, SIDE};
+    const tradeoff_ground on = tradeoff_ground_of(z, SIDE, SIDE);
     cw_field *field = make_field(z);
     tradeoff_counter *counter = tradeoff_counter_make(&on);
     check(counter != NULL, "out of memory");
@@ -391,7 +391,7 @@ static void normals_are_known(void **state) {
     float z[SAMPLES], plane[SAMPLES];
     terrain_fractal(z, SIDE, SIDE, 5, 0.5f);
     for (size_t k = 0; k < SAMPLES; k++) plane[k] = 2 * (float)(k % SIDE) - 3 * (float)(k / SIDE);
-    const tradeoff_ground on = {z, SIDE, SIDE}, flat = {plane, SIDE, SIDE};
+    const tradeoff_ground on = tradeoff_ground_of(z, SIDE, SIDE), flat = tradeoff_ground_of(plane, SIDE, SIDE);
     cw_field *field = make_field(z);
     const double up = sqrt(14), right[3] = {-2 / up, 3 / up, 1 / up};
     for (uint32_t k = 0; k < 200; k++) {
