@@ -183,7 +183,7 @@ int tradeoff_main(char **arguments, int count) {
         {"--count", "N", "rays in a class (16384; 1048576 with --long)", OPTION_COUNT, &o.count, 64, 1 << 24},
         {"--samples", "N", "samples a pixel of the scenes (1; what the scene says with --long)", OPTION_COUNT,
          &o.samples, 0, 1024},
-        {"--seconds", "S", "time for errors and speeds on the fields, as far as it can be kept (20; 1200 with --long)",
+        {"--seconds", "S", "time for errors and speeds on the fields, as far as it can be kept (15; 1200 with --long)",
          OPTION_REAL, &o.seconds, 0.01, 1e6},
         {"--pass", "S", "who takes longer for one pass runs on fewer rays, down to a 64th (0.05; 0.5 with --long)",
          OPTION_REAL, &o.pass, 1e-6, 1e6},
@@ -209,7 +209,7 @@ int tradeoff_main(char **arguments, int count) {
     if (!options_begin(&frame, arguments, &count, &status)) return status;
     io_error error = {{0}};
     if (o.count == 0) o.count = o.longer ? 1 << 20 : 1 << 14;
-    if (o.seconds <= 0) o.seconds = o.longer ? 1200 : 20;
+    if (o.seconds <= 0) o.seconds = o.longer ? 1200 : 15;
     if (o.pass <= 0) o.pass = o.longer ? 0.5 : 0.05;
     if (o.samples == 0 && !o.longer) o.samples = 1;
     if (!check_options(&o, &error)) return options_misused("tradeoff", &error);

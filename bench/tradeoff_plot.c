@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NAMES_MAX = 192 };
+enum { NAMES_MAX = 192, FIRST_LABEL = 10 };
 
 /* Cool colours are the library's, warm ones Embree's, as in the other pictures. */
 static const char *const cool[] = {"#2f7fd1", "#109a8c", "#8468dc", "#5b8c2a", "#3f6f9f", "#b05fc0"};
@@ -78,17 +78,41 @@ static int by_speed(const void *a, const void *b) {
     return (u > v) - (u < v);
 }
 
-/* From the slowest on the frontier to the fastest, with their kernels' names. */
-static void put_frontier(FILE *to, const json_t *lines, const panel *p, const axis *a) {
-    const json_t *on[NAMES_MAX], *line;
+/* From the slowest on the frontier to the fastest. */
+static size_t frontier_of(const json_t *lines, const panel *p, const json_t **on) {
+    const json_t *line;
     size_t count = 0, index;
     json_array_foreach(lines, index, line) {
         if (is_drawn(line, p) && json_is_true(json_object_get(line, p->flag)) && count < NAMES_MAX) on[count++] = line;
     }
     qsort(on, count, sizeof *on, by_speed);
+    return count;
+}
+
+static void put_frontier(FILE *to, const json_t *lines, const panel *p, const axis *a) {
+    const json_t *on[NAMES_MAX];
+    const size_t count = frontier_of(lines, p, on);
     for (size_t k = 0; k < count; k++)
-        fprintf(to, "%.6g %.6g \"%s\"\n", results_number(on[k], "mrays_per_s"), place(a, results_number(on[k], p->key)),
-                results_text(on[k], "contender"));
+        fprintf(to, "%.6g %.6g\n", results_number(on[k], "mrays_per_s"), place(a, results_number(on[k], p->key)));
+}
+
+/* Names, above and below their points in turn and farther away each time, since the points may lie close together. */
+static void put_names(FILE *to, const json_t *lines, const panel *p, const axis *a) {
+    const json_t *on[NAMES_MAX];
+    const size_t count = frontier_of(lines, p, on);
+    for (size_t k = 0; k < count; k++) {
+        const double away = 1.1 * (double)((count - 1 - k) / 2) + 1;
+        fprintf(to,
+                "set label %zu \"%s\" at %.6g,%.6g right offset -0.8,%.2f textcolor '#7a7a7a' font 'sans-serif,11'\n",
+                FIRST_LABEL + k, results_text(on[k], "contender"), results_number(on[k], "mrays_per_s"),
+                place(a, results_number(on[k], p->key)), (count - 1 - k) % 2 ? -away : away);
+    }
+}
+
+static void drop_names(FILE *to, const json_t *lines, const panel *p) {
+    const json_t *on[NAMES_MAX];
+    const size_t count = frontier_of(lines, p, on);
+    for (size_t k = 0; k < count; k++) fprintf(to, "unset label %zu\n", FIRST_LABEL + k);
 }
 
 /* Distinct modes that have a point, in order. */
@@ -113,7 +137,7 @@ static void put_style_of(FILE *to, const char *mode, size_t *own, size_t *other)
 
 static void put_axis(FILE *to, const axis *a) {
     fprintf(to, "set xrange [%g:%g]\n", a->slow / 1.4, a->fast * 1.6);
-    fprintf(to, "set yrange [%g:%g]\nset format y '10^{%%T}'\nset ytics nomirror (", a->none ? a->low / 30 : a->low / 2,
+    fprintf(to, "set yrange [%g:%g]\nset format y '10^{%%T}'\nset ytics nomirror (", a->none ? a->low / 80 : a->low / 2,
             a->high * 6);
     if (a->none) fprintf(to, "'0' %g, ", a->low / 10);
     const int first = (int)lround(log10(a->low)), last = (int)lround(log10(a->high));
@@ -154,6 +178,7 @@ bool plot_tradeoff(FILE *to, const json_t *lines) {
     for (size_t p = 0; p < PANEL_COUNT; p++) {
         fprintf(to, "set title '%s'\n", panels[p].title);
         put_axis(to, &axes[p]);
+        put_names(to, lines, &panels[p], &axes[p]);
         fprintf(to, "plot $frontier%zu using 1:2 with lines linewidth 1.5 linecolor rgb '#7a7a7a'", p);
         size_t own = 0, other = 0;
         for (size_t m = 0; m < count; m++) {
@@ -161,10 +186,10 @@ bool plot_tradeoff(FILE *to, const json_t *lines) {
             put_style_of(to, modes[m], &own, &other);
         }
         fprintf(to,
-                ", $frontier%zu using 1:2 with points pointtype 6 pointsize 1.6 linewidth 1.5 linecolor rgb '#7a7a7a'"
-                ", $frontier%zu using 1:2:3 with labels offset -0.6,0.9 right textcolor '#7a7a7a' font "
-                "'sans-serif,11'\nunset label 1\nunset label 2\n",
-                p, p);
+                ", $frontier%zu using 1:2 with points pointtype 6 pointsize 1.6 linewidth 1.5 linecolor rgb '#7a7a7a'\n"
+                "unset label 1\nunset label 2\n",
+                p);
+        drop_names(to, lines, &panels[p]);
     }
     /* One legend for both: a plot without axes, of nothing. */
     fputs("set margins screen 0.04, screen 0.98, screen 0.01, screen 0.14\nunset logscale\n"
