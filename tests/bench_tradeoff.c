@@ -216,6 +216,22 @@ static void verdicts_are_right(void **state) {
     }
 }
 
+/* Walls that a ray meets only where it crosses a line y = j, or a diagonal. */
+static void all_crossings_are_looked_at(void **state) {
+    (void)state;
+    float along[SAMPLES], across[SAMPLES];
+    for (size_t k = 0; k < SAMPLES; k++) {
+        along[k] = k / SIDE == 4 ? 3 : 1;
+        across[k] = k / SIDE == k % SIDE ? 3 : 1;
+    }
+    const tradeoff_ground y = tradeoff_ground_of(along, SIDE, SIDE), diagonal = tradeoff_ground_of(across, SIDE, SIDE);
+    const tradeoff_claim none = {0};
+    const cw_ray over_y = {.org = {2.5f, 2.5f, 2.5f}, .dir = {0, 1, 0}, .tmax = 3};
+    const cw_ray over_diagonal = {.org = {3, 4, 2.5f}, .dir = {1, -1, 0}, .tmax = 1};
+    check(tradeoff_follow(&y, &over_y, 0, 3, &none).passes, "a wall along x is not seen");
+    check(tradeoff_follow(&diagonal, &over_diagonal, 0, 1, &none).passes, "a wall along a diagonal is not seen");
+}
+
 /* The cone's claim grows with the distance. */
 static void cones_grow(void **state) {
     (void)state;
@@ -295,6 +311,8 @@ static void quantising_keeps_its_claim(void **state) {
         check(isnan(z[k]) == isnan(q[k]), "sample %zu: hole or none", k);
         if (!isnan(z[k])) worst = fmax(worst, fabs((double)z[k] - (double)q[k]));
     }
+    /* Heights span 0.3 · 64 cells; half of a 65535th of that. */
+    check(fabs(claim.height - 19.2 / 65535 / 2) < 1e-6, "the claim is %g", claim.height);
     check(worst <= claim.height && worst > 0.9 * claim.height, "off by %g of %g", worst, claim.height);
     float flat[] = {2, 2, 2};
     check(tradeoff_quantise(flat, 3).height == 0 && flat[1] == 2, "a flat field is quantised");
@@ -454,6 +472,7 @@ int main(void) {
         cmocka_unit_test(errors_have_units),
         cmocka_unit_test(verdicts_are_right),
         cmocka_unit_test(cones_grow),
+        cmocka_unit_test(all_crossings_are_looked_at),
         cmocka_unit_test(errors_are_counted),
         cmocka_unit_test(quantising_keeps_its_claim),
         cmocka_unit_test(aimed_rays_have_to_hit),
