@@ -398,6 +398,35 @@ static void counts_are_known(void **state) {
     cw_field_destroy(field);
 }
 
+/* Through steep land, where a triangle reaches into many voxels: the walk must not end at a hit beyond its voxel. */
+static void counted_walks_find_the_closest(void **state) {
+    (void)state;
+    enum { LAND = 65, COUNT = 4096 };
+    float *z = malloc((size_t)LAND * LAND * sizeof *z);
+    cw_ray *rays = malloc(COUNT * sizeof *rays);
+    cw_hit *hits = malloc(COUNT * sizeof *hits);
+    check(z && rays && hits, "out of memory");
+    terrain_fractal(z, LAND, LAND, 4, 2);
+    cw_field_desc desc = cw_field_desc_default();
+    desc.samples = z;
+    desc.nx = desc.ny = LAND;
+    cw_field *field;
+    check_status(cw_field_create(&desc, &field), CW_OK);
+    const tradeoff_ground on = tradeoff_ground_of(z, LAND, LAND);
+    tradeoff_counter *counter = tradeoff_counter_make(&on);
+    check(counter && tradeoff_rays_make(field, WORKLOAD_RANDOM, 1, COUNT, rays) == COUNT, "out of memory");
+    const cw_query strict = {.kernel = cw_kernel_find("cell"), .leaf = CW_LEAF_WATERTIGHT};
+    check_status(cw_closest(field, &strict, rays, COUNT, hits), CW_OK);
+    tradeoff_counts c = {0};
+    tradeoff_count(counter, rays, COUNT, hits, false, &c);
+    check(c.astray == 0, "%zu of %zu walks go astray", c.astray, c.rays);
+    tradeoff_counter_free(counter);
+    cw_field_destroy(field);
+    free(hits);
+    free(rays);
+    free(z);
+}
+
 /* ---- normals ---- */
 
 static double apart(const double a[3], const double b[3]) {
@@ -477,6 +506,7 @@ int main(void) {
         cmocka_unit_test(quantising_keeps_its_claim),
         cmocka_unit_test(aimed_rays_have_to_hit),
         cmocka_unit_test(counts_are_known),
+        cmocka_unit_test(counted_walks_find_the_closest),
         cmocka_unit_test(normals_are_known),
         cmocka_unit_test(pictures_are_compared),
     };
