@@ -41,25 +41,6 @@ static const char *const examples =
     "  cellwalk-bench micro --json before.json;  cellwalk-bench compare before.json after.json\n"
     "      Did a change make anything faster?\n";
 
-/* Fills an empty list, or says which name of the list is none of those known. */
-static bool check_names(option_list *list, const char *flag, const char *const *known, size_t known_count,
-                        size_t by_default, io_error *error) {
-    if (list->count == 0)
-        for (size_t k = 0; k < by_default; k++) list->items[list->count++] = known[k];
-    for (size_t k = 0; k < list->count; k++) {
-        size_t found = 0;
-        while (found < known_count && strcmp(known[found], list->items[k]) != 0) found++;
-        if (found < known_count) continue;
-        io_fail(error, "%s %s: no such name; there are", flag, list->items[k]);
-        for (size_t n = 0; n < known_count && error; n++) {
-            const size_t used = strlen(error->text);
-            snprintf(error->text + used, sizeof error->text - used, "%s %s", n ? "," : "", known[n]);
-        }
-        return false;
-    }
-    return true;
-}
-
 static bool check_threads(micro_options *o, io_error *error) {
     if (o->threads.count == 0) o->threads.items[o->threads.count++] = "1";
     if (o->threads.count > MICRO_THREADS_MAX)
@@ -97,14 +78,14 @@ static bool check_options(micro_options *o, cw_isa *isa, io_error *error) {
     size_t count = 0;
     for (; count < cw_kernel_count() && count < OPTION_LIST_MAX; count++)
         names[count] = cw_kernel_describe(cw_kernel_at(count)).name;
-    if (!check_names(&o->kernels, "--kernel", names, count, 0, error)) return false;
+    if (!options_check_names(&o->kernels, "--kernel", names, count, 0, error)) return false;
 
     for (count = 0; count < workload_field_count(); count++) names[count] = workload_field_name(count);
-    if (!check_names(&o->fields, "--field", names, count, o->longer ? count : 3, error)) return false;
+    if (!options_check_names(&o->fields, "--field", names, count, o->longer ? count : 3, error)) return false;
 
     for (count = 0; count < WORKLOAD_CLASS_COUNT; count++) names[count] = workload_class_name((workload_class)count);
     names[count] = "none";
-    if (!check_names(&o->rays, "--rays", names, count + 1, count, error)) return false;
+    if (!options_check_names(&o->rays, "--rays", names, count + 1, count, error)) return false;
     for (size_t k = 0; k < o->rays.count; k++) {
         if (strcmp(o->rays.items[k], "none") != 0) continue;
         if (o->rays.count > 1) return io_fail(error, "--rays none: and no other class");
@@ -114,9 +95,10 @@ static bool check_options(micro_options *o, cw_isa *isa, io_error *error) {
     count = 0;
     for (int leaf = 1; leaf < CW_LEAF_COUNT; leaf++) names[count++] = cw_leaf_name((cw_leaf)leaf);
     names[count++] = "all";
-    if (!check_names(&o->leaves, "--leaf", names, count, 0, error)) return false;
+    if (!options_check_names(&o->leaves, "--leaf", names, count, 0, error)) return false;
 
-    if (!check_names(&o->peers, "--peer", peer_names, PEER_NAMES, peer_embree_version() && !o->counters ? 1 : 0, error))
+    if (!options_check_names(&o->peers, "--peer", peer_names, PEER_NAMES, peer_embree_version() && !o->counters ? 1 : 0,
+                             error))
         return false;
 
     if (!check_threads(o, error)) return false;

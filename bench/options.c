@@ -84,6 +84,24 @@ void options_print(FILE *file, const option *options, size_t option_count) {
                 options[k].value ? options[k].value : "", options[k].help);
 }
 
+bool options_check_names(option_list *list, const char *flag, const char *const *known, size_t count, size_t by_default,
+                         io_error *error) {
+    if (list->count == 0)
+        for (size_t k = 0; k < by_default; k++) list->items[list->count++] = known[k];
+    for (size_t k = 0; k < list->count; k++) {
+        size_t found = 0;
+        while (found < count && strcmp(known[found], list->items[k]) != 0) found++;
+        if (found < count) continue;
+        io_fail(error, "%s %s: no such name; there are", flag, list->items[k]);
+        for (size_t n = 0; n < count && error; n++) {
+            const size_t used = strlen(error->text);
+            snprintf(error->text + used, sizeof error->text - used, "%s %s", n ? "," : "", known[n]);
+        }
+        return false;
+    }
+    return true;
+}
+
 int options_misused(const char *command, const io_error *error) {
     fprintf(stderr, "cellwalk-bench %s: %s\nTry 'cellwalk-bench %s --help'.\n", command, error->text, command);
     return 2;

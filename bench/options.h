@@ -34,6 +34,11 @@ bool options_parse(const option *options, size_t option_count, char **arguments,
 /* The options, one paragraph each. */
 void options_print(FILE *file, const option *options, size_t option_count);
 
+/* Fills a list that is empty with the first by_default of the known names. False if it holds any other name, which error
+ * then tells, after the flag, with those known. */
+bool options_check_names(option_list *list, const char *flag, const char *const *known, size_t count, size_t by_default,
+                         io_error *error);
+
 /* What every subcommand begins with. --help need not be among the options. */
 typedef struct option_frame {
     const char *command;  /* "report", for messages */

@@ -59,36 +59,17 @@ static const char *const scene_names[] = {"hftest",  "landsea-0",   "landsea-1",
                                           "texture", "landsea-big", "none"};
 enum { SCENE_NAMES = sizeof scene_names / sizeof scene_names[0] };
 
-/* Fills an empty list, or says which name of the list is none of those known. */
-static bool check_names(option_list *list, const char *flag, const char *const *known, size_t count, size_t by_default,
-                        io_error *error) {
-    if (list->count == 0)
-        for (size_t k = 0; k < by_default; k++) list->items[list->count++] = known[k];
-    for (size_t k = 0; k < list->count; k++) {
-        size_t found = 0;
-        while (found < count && strcmp(known[found], list->items[k]) != 0) found++;
-        if (found < count) continue;
-        io_fail(error, "%s %s: no such name; there are", flag, list->items[k]);
-        for (size_t n = 0; n < count; n++) {
-            const size_t used = strlen(error->text);
-            snprintf(error->text + used, sizeof error->text - used, "%s %s", n ? "," : "", known[n]);
-        }
-        return false;
-    }
-    return true;
-}
-
 static bool check_options(tradeoff_options *o, io_error *error) {
     const char *names[OPTION_LIST_MAX];
     size_t count = 0;
     for (; count < tradeoff_mode_count() && count < OPTION_LIST_MAX; count++)
         names[count] = tradeoff_mode_at(count)->name;
-    if (!check_names(&o->modes, "--mode", names, count, 0, error)) return false;
+    if (!options_check_names(&o->modes, "--mode", names, count, 0, error)) return false;
     for (count = 0; count < cw_kernel_count() && count < OPTION_LIST_MAX; count++)
         names[count] = cw_kernel_describe(cw_kernel_at(count)).name;
-    if (!check_names(&o->kernels, "--kernel", names, count, 0, error)) return false;
+    if (!options_check_names(&o->kernels, "--kernel", names, count, 0, error)) return false;
     for (count = 0; count < TRADEOFF_CLASS_COUNT; count++) names[count] = tradeoff_class_name((int)count);
-    if (!check_names(&o->rays, "--rays", names, count, count, error)) return false;
+    if (!options_check_names(&o->rays, "--rays", names, count, count, error)) return false;
     for (count = 0; count < workload_field_count(); count++) names[count] = workload_field_name(count);
     if (o->fields.count == 0) {
         static const char *const some[] = {"257", "1025"}, *const more[] = {"65",   "257",      "1025",
@@ -96,8 +77,8 @@ static bool check_options(tradeoff_options *o, io_error *error) {
         for (size_t k = 0; k < (o->longer ? 6 : 2); k++)
             o->fields.items[o->fields.count++] = (o->longer ? more : some)[k];
     }
-    if (!check_names(&o->fields, "--field", names, count, 0, error)) return false;
-    if (!check_names(&o->scenes, "--scene", scene_names, SCENE_NAMES, SCENE_NAMES - 1, error)) return false;
+    if (!options_check_names(&o->fields, "--field", names, count, 0, error)) return false;
+    if (!options_check_names(&o->scenes, "--scene", scene_names, SCENE_NAMES, SCENE_NAMES - 1, error)) return false;
     o->isa = cw_isa_best();
     if (o->isa_name == NULL) return true;
     for (int k = CW_ISA_SCALAR; k <= CW_ISA_AVX512; k++) {
