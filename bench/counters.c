@@ -25,7 +25,7 @@ static const struct {
     [COUNT_SHARED_NODE] = {"shared_node", "nodes that a group opens; lanes: its rays"},
     [COUNT_SHARED_BLOCK] = {"shared_block", "blocks of 4 x 4 cells that a group comes to; lanes: rays concerned"},
     [COUNT_SHARED_CELL] = {"shared_cell", "cells that a group looks at together; lanes: its rays"},
-    [COUNT_WIDE] = {"wide", "blocks that a ray takes alone where its group falls apart"},
+    [COUNT_APART] = {"apart", "places where a group falls apart; lanes: rays that go on alone there"},
     [COUNT_LEAF] = {"leaf", "leaf tests; lanes: rays against a cell, two triangles each"},
     [COUNT_VOXEL] = {"voxel", "voxels of the 3D grid visited"},
     [COUNT_TRIANGLE] = {"triangle", "triangles tested in voxels"},

@@ -37,7 +37,7 @@ void micro_print_counts(const micro_group *g) {
     printf("\n%s, %s: %zu rays, %.1f %% hit, %s\n", g->on->samples.name, workload_class_name(g->c), g->ray_count,
            100 * g->hit_share, workload_class_is_any(g->c) ? "any hit" : "closest hit");
     printf("  %-28s %8s %5s %8s %5s %8s %5s %7s %7s %7s %7s %7s %8s\n", "a ray:", "cells", "busy%", "nodes", "busy%",
-           "tests", "busy%", "refills", "sh.node", "sh.cell", "alone", "voxels", "triangles");
+           "tests", "busy%", "refills", "sh.node", "sh.cell", "apart", "voxels", "triangles");
     for (size_t r = 0; r < g->row_count; r++) {
         const micro_row *row = &g->rows[r];
         if (row->predicted == 0 && !counted(row)) continue; /* brute */
@@ -55,7 +55,7 @@ void micro_print_counts(const micro_group *g) {
         print_cell(per_ray(g, row, "refill"), "%.3f", 7);
         print_cell((double)counters_find(row->counts, "shared_node")->events / rays, "%.3f", 7);
         print_cell((double)counters_find(row->counts, "shared_cell")->events / rays, "%.3f", 7);
-        print_cell(per_ray(g, row, "wide"), "%.3f", 7);
+        print_cell(per_ray(g, row, "apart"), "%.3f", 7);
         print_cell(per_ray(g, row, "voxel"), "%.3f", 7);
         print_cell(per_ray(g, row, "triangle") + 2 * per_ray(g, row, "leaf"), "%.3f", 8);
         printf("\n");

@@ -10,7 +10,7 @@ typedef enum part_kind {
     PART_LEAF_WATERTIGHT, /* a ray against a cell: wt_cell */
     PART_LEAF_MOLLER_TRUMBORE,
     PART_NODE,      /* a step of the lane walk from node to node: stream_step */
-    PART_REFILL,    /* a ray into a lane: refill_lane, and the lanes into registers: load_rays */
+    PART_REFILL,    /* a ray into a lane: refill_lane, and the lanes into registers: load_lanes */
     PART_GATHER,    /* a number a lane from anywhere: vf_gather */
     PART_PAIRS,     /* two neighbouring numbers a lane: vf_gather_pairs */
     PART_LOAD,      /* numbers that lie together, one a lane: vf_load */

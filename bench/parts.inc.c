@@ -15,7 +15,7 @@ typedef struct leaf_case {
     vmask gate;
 } leaf_case;
 static leaf_case cases[CASES];
-static queued waiting[PARTS_RAYS];
+static stream_queue waiting[PARTS_RAYS / BATCH];
 static size_t waiting_count;
 static bool ready;
 
@@ -43,14 +43,14 @@ static void make_cases(const parts_work *w) {
 
 static void make_queue(const parts_work *w) {
     for (size_t k = 0; k < VECTORS; k++) {
+        stream_queue *q = &waiting[k * W / BATCH];
+        const size_t part = k % (BATCH / W);
         vray r;
-        ray_store s;
         const unsigned alive = vm_bits(make_rays(&r, w->field, w->rays + k * W));
-        store_rays(&s, &r);
-        for (size_t lane = 0; lane < W; lane++)
-            if (alive >> lane & 1) enqueue(&waiting[waiting_count++], &s, lane, (uint32_t)(k * W + lane), false);
+        mirror_rays(&q->ready[part], &r, w->field, CW_LEAF_WATERTIGHT);
+        enqueue(q, part, alive, r.from, w->field->pyramid->levels);
     }
-    waiting_count -= waiting_count % W;
+    for (size_t k = 0; k < PARTS_RAYS / BATCH; k++) waiting_count += waiting[k].n -= waiting[k].n % W;
 }
 
 static float total(vfloat a) {
@@ -88,28 +88,20 @@ CW_INLINE uint64_t run_leaf(parts_work *w, cw_leaf leaf) {
     return PARTS_AIMED;
 }
 
-CW_INLINE void load_state(stream_state *s, stream_lanes *store, const queued *from, const cw_field *f) {
-    for (size_t lane = 0; lane < W; lane++) refill_lane(store, lane, &from[lane], f);
-    load_rays(&s->r, &store->r);
-    s->t = vf_load(store->t);
-    s->pad_x = vf_load(store->pad_x);
-    s->pad_y = vf_load(store->pad_y);
-    s->i = vi_load(store->i);
-    s->j = vi_load(store->j);
-    s->level = vi_load(store->level);
-    s->side = vi_load(store->side);
-    s->alive = vm_set(true);
+CW_INLINE stream_state refill(stream_lanes *l, const stream_queue *q, size_t from) {
+    for (size_t lane = 0; lane < W; lane++) refill_lane(l, lane, q, &q->rays[from + lane], CW_LEAF_WATERTIGHT);
+    return load_lanes(l, (1u << W) - 1);
 }
 
 static uint64_t run_refill(parts_work *w) {
-    stream_lanes store;
-    memset(&store, 0, sizeof store);
+    stream_lanes l;
+    memset(&l, 0, sizeof l);
     vfloat sum = vf_set(0);
-    for (size_t k = 0; k < waiting_count; k += W) {
-        stream_state s;
-        load_state(&s, &store, waiting + k, w->field);
-        sum = vf_add(sum, vf_add(vf_add(s.t, s.r.x.org), vf_add(s.r.until, s.pad_x)));
-    }
+    for (const stream_queue *q = waiting; q < waiting + PARTS_RAYS / BATCH; q++)
+        for (size_t k = 0; k < q->n; k += W) {
+            const stream_state s = refill(&l, q, k);
+            sum = vf_add(sum, vf_add(vf_add(s.t, vf_from_vi(s.x)), vf_load(l.rays.f[RAY_UNTIL])));
+        }
     w->sink = total(sum);
     return waiting_count;
 }
@@ -117,19 +109,17 @@ static uint64_t run_refill(parts_work *w) {
 /* The first steps of a walk; to be divided by the steps from node to node that the counting twin finds among them. The
  * refill before is in it: PART_REFILL says what it takes. */
 static uint64_t run_node(parts_work *w) {
-    static cw_hit hits[PARTS_RAYS];
-    int32_t first[16] = {0};
-    memcpy(first + 1, w->field->pyramid->first, sizeof w->field->pyramid->first);
-    stream_lanes store;
-    memset(&store, 0, sizeof store);
+    static cw_hit hits[BATCH];
+    stream_lanes l;
+    memset(&l, 0, sizeof l);
     vfloat sum = vf_set(0);
-    for (size_t k = 0; k < waiting_count; k += W) {
-        stream_state s;
-        load_state(&s, &store, waiting + k, w->field);
-        for (int step = 0; step < STEPS && vm_any(s.alive); step++)
-            stream_step(&s, store.ray, w->field, first, CW_LEAF_WATERTIGHT, false, hits, NULL);
-        sum = vf_add(sum, s.t);
-    }
+    for (const stream_queue *q = waiting; q < waiting + PARTS_RAYS / BATCH; q++)
+        for (size_t k = 0; k < q->n; k += W) {
+            stream_state s = refill(&l, q, k);
+            for (int step = 0; step < STEPS && vm_any(s.alive); step++)
+                stream_step(&s, &l, w->field, CW_LEAF_WATERTIGHT, false, hits, NULL);
+            sum = vf_add(sum, s.t);
+        }
     w->sink = total(sum) + hits[0].t;
     return 0;
 }

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Coherent rays share their walk. A group of 16 rays goes through the pyramid as one *fat ray*, an interval for each of
- * its numbers, judged against 16 children at once like a single ray (wide.inc.h); so opening a node costs the group
- * little more than it costs one ray. At a block each ray decides for itself whether it is concerned; then either the
- * rays take the block's cells one after another with the cell broadcast and the rays in lanes, or, where they no longer
- * want the same cells, the packet falls apart there and each goes through the block on its own.
+ * its numbers, judged against 16 children at once (places.inc.h); so opening a node costs the group little more than it
+ * would cost one ray. At a block each ray decides for itself whether it is concerned; then the rays take the block's cells
+ * one after another with the cell broadcast and the rays in lanes. Where they no longer want the same, the group falls
+ * apart: the rays concerned are queued for the lane walk, which begins at that node (stream.inc.h).
  *
  * Invariant: interval arithmetic in the gate's own operations, in their order, each of which is monotone in each of its
  * arguments, also after rounding. So the fat ray's interval encloses, without padding, what each ray computes for itself,
  * and no child that one of them must visit is skipped. Visits are front to back for all rays of one direction quadrant.
  *
- * After Boulos, Wald and Shirley 2006 and Wald et al. 2006 (interval and frustum traversal of grids by packets). Not
+ * After Reshetov, Soupikov and Hurley 2005 (one traversal finds where many rays begin), Boulos, Wald and Shirley 2006 and Wald et al. 2006 (interval and frustum traversal of grids by packets). Not
  * done: testing every ray against every child, which costs a level as much for each vector of rays as the fat ray costs
  * once. */
 
@@ -218,42 +218,55 @@ CW_INLINE unsigned shared_cell(const fat_ray *a, lanes part[PARTS], unsigned ray
     return found;
 }
 
-/* A packet falls apart in a block where going on together would test this many times more cells, counted once for each
- * vector of rays, than there are rays. Least instructions for primary and shadow rays on 257² to 4097² samples among 1, 2,
- * 4, 8 and never (callgrind); 16 % less than 1 on primary rays at 1025². */
-enum { FALL_APART = 4 };
+/* A group falls apart at a block where going on together would test this many times more cells, counted once for each
+ * vector of rays, than there are rays; and at a node of which more children than this have to be visited. Least
+ * instructions for primary and shadow rays on 65² to 4097² samples among 2, 4, 8 and 4, 5, 6, 8, 16 (callgrind). Without
+ * the second, shadow rays on 4097² take 2.5 times as many. */
+enum { FALL_APART = 2, CHILDREN_AT_MOST = 5 };
 
-/* First hits of the rays in block (x, y); the rays that hit, of which those alone have their hits written. */
-CW_INLINE unsigned shared_block(const fat_ray *a, lanes part[PARTS], ray_store store[PARTS], unsigned rays,
-                                const cw_field *f, int32_t x, int32_t y, cw_leaf leaf, bool any, cw_hit *hits,
-                                unsigned *alone) {
-    block_samples s;
-    count_step(COUNT_SHARED_BLOCK, rays);
-    load_samples(&s, f, (size_t)(4 * x), (size_t)(4 * y));
-    unsigned cells = fat_cells(a, &s, x, y), found = 0;
-    if (FALL_APART * __builtin_popcount(rays) <= __builtin_popcount(cells) * (int)PARTS) {
-        for (unsigned m = rays; m != 0; m &= m - 1) {
-            const unsigned k = (unsigned)__builtin_ctz(m);
-            wide_ray w;
-            pick_ray(&w, &store[k / W], k % W);
-            found |= (unsigned)wide_block(&w, f, x, y, leaf, any, hits + k) << k;
-        }
-        *alone |= found;
-        return found;
+/* Queues those of the rays that cross the node of the given level of the pyramid and place; the rest of their walk is
+ * theirs alone. Returns them. */
+static inline unsigned fall_apart(const fat_ray *a, const lanes part[PARTS], unsigned rays, const cw_pyramid_level *l,
+                                  int level, int32_t x, int32_t y, stream_queue *queue, size_t first_part) {
+    unsigned apart = 0;
+    for (size_t p = 0; p < PARTS; p++) {
+        const unsigned among = rays >> (p * W) & ((1u << W) - 1);
+        if (among == 0) continue;
+        const vray *r = &part[p].r;
+        vcell c;
+        place_crossings(r, a->up_x, a->up_y, (float)x * l->side, (float)y * l->side, l->side, &c);
+        const vfloat t0 = vf_max(vf_max(c.x_in, c.y_in), r->from), t1 = vf_min(vf_min(c.x_out, c.y_out), r->until);
+        const unsigned now = vm_bits(vf_le(t0, t1)) & among;
+        if (now == 0) continue;
+        enqueue(queue, first_part + p, now, t0, level + 1);
+        apart |= now << (p * W);
     }
+    count_step(COUNT_APART, apart);
+    return apart;
+}
+
+/* First hits of the rays in block (x, y); the rays that are done with, by a hit or by being queued. */
+CW_INLINE unsigned shared_block(const fat_ray *a, lanes part[PARTS], unsigned rays, const cw_field *f, int32_t x,
+                                int32_t y, cw_leaf leaf, bool any, stream_queue *queue, size_t first_part) {
+    count_step(COUNT_SHARED_BLOCK, rays);
+    block_samples s;
+    load_samples(&s, f, (size_t)(4 * x), (size_t)(4 * y));
+    unsigned cells = fat_cells(a, &s, x, y), done = 0;
+    if (FALL_APART * __builtin_popcount(rays) <= __builtin_popcount(cells) * (int)PARTS)
+        return fall_apart(a, part, rays, &f->pyramid->level[0], 0, x, y, queue, first_part);
     for (; cells != 0 && rays != 0; cells &= cells - 1) {
         const int32_t place = __builtin_ctz(cells);
         const unsigned now = shared_cell(a, part, rays, f, &s, 4 * x + ((place & 3) ^ a->order.flip_x),
                                          4 * y + ((place >> 2) ^ a->order.flip_y), leaf, any);
         rays &= ~now;
-        found |= now;
+        done |= now;
     }
-    return found;
+    return done;
 }
 
-/* Walks the rays to their ends together; the rays that hit. */
-CW_INLINE unsigned shared_walk(const fat_ray *a, lanes part[PARTS], ray_store store[PARTS], unsigned rays,
-                               const cw_field *f, cw_leaf leaf, bool any, cw_hit *hits, unsigned *alone) {
+/* Walks the rays together, to their ends or until they fall apart. */
+CW_INLINE void shared_walk(const fat_ray *a, lanes part[PARTS], unsigned rays, const cw_field *f, cw_leaf leaf,
+                           bool any, stream_queue *queue, size_t first_part) {
     const struct cw_pyramid *p = f->pyramid;
     struct {
         unsigned mask;
@@ -262,12 +275,12 @@ CW_INLINE unsigned shared_walk(const fat_ray *a, lanes part[PARTS], ray_store st
     const int top = p->levels - 1;
     int level = top;
     int32_t x = 0, y = 0;
-    unsigned mask = fat_open(a, &p->level[top], 0, 0), found = 0;
     count_step(COUNT_SHARED, rays);
     count_step(COUNT_SHARED_NODE, rays);
+    unsigned mask = fat_open(a, &p->level[top], 0, 0);
     for (;;) {
         while (mask == 0) {
-            if (level == top) return found;
+            if (level == top) return;
             level++;
             mask = todo[level].mask;
             x = todo[level].x;
@@ -279,10 +292,15 @@ CW_INLINE unsigned shared_walk(const fat_ray *a, lanes part[PARTS], ray_store st
         if (level == 0) {
             const unsigned concerned = block_rays(a, part, rays, &p->level[0], cx, cy);
             if (concerned == 0) continue;
-            const unsigned now = shared_block(a, part, store, concerned, f, cx, cy, leaf, any, hits, alone);
-            rays &= ~now;
-            found |= now;
-            if (rays == 0) return found;
+            rays &= ~shared_block(a, part, concerned, f, cx, cy, leaf, any, queue, first_part);
+            if (rays == 0) return;
+            continue;
+        }
+        count_step(COUNT_SHARED_NODE, rays);
+        const unsigned children = fat_open(a, &p->level[level - 1], cx, cy);
+        if (__builtin_popcount(children) > CHILDREN_AT_MOST) {
+            rays &= ~fall_apart(a, part, rays, &p->level[level], level, cx, cy, queue, first_part);
+            if (rays == 0) return;
             continue;
         }
         todo[level].mask = mask;
@@ -291,7 +309,6 @@ CW_INLINE unsigned shared_walk(const fat_ray *a, lanes part[PARTS], ray_store st
         level--;
         x = cx;
         y = cy;
-        mask = fat_open(a, &p->level[level], x, y);
-        count_step(COUNT_SHARED_NODE, rays);
+        mask = children;
     }
 }

@@ -3,128 +3,22 @@
  * bounds; lanes share instructions alone. A lane whose ray has ended is refilled from the queue, so the vector stays
  * full.
  *
- * A lane at a node that its ray may hit something in goes down to the first child; otherwise it steps to the next node of
- * the same size, and up where that has another parent. Levels are four apart, so that going down and up is rare. Lanes
- * that have come down to a cell wait until half of the vector does: the leaf test costs as much as three steps.
+ * A lane at a node whose slab its ray meets goes down to a child; otherwise it steps to the next node of the same size, and
+ * up where that has another parent. Going down cuts off what is before and after the slab: the lane goes on where the ray
+ * enters it, and passes over the rest of the node from where it leaves it (leave); of its nodes a lane remembers that for
+ * the lowest alone. Levels are four apart, so that going down and up is rare. Lanes that have come down to a cell wait for
+ * others: the leaf test costs as much as two steps. Against levels bounded by lowest and highest sample, without the cuts,
+ * random rays take 13.6 steps instead of 22.4, and 1.8 cell tests instead of 4.5 (fractal terrain, 1025²).
  *
- * Invariant: t is at most the t at which the ray enters any cell that it still has to visit. A node is skipped only if
- * the ray misses its heights over all of [t, t at which it leaves the node], in the gate's own monotone arithmetic
- * (src/scalar/strict.h). Going down picks a child by the ray's place at t, set back by more than its rounding error: if
- * that is a child too early, its interval is empty and the walk steps on.
+ * Invariant: at all t before s->t, and from s->leave on within the parent, whatever the leaf test computes of the ray's
+ * height above the surface has one strict sign. So a cell in which the computed sign may change is not left out: a node is
+ * passed over only if the sign is strict on all of it. Slabs are wide enough for that; papers/numerics.md derives how
+ * wide. Going down picks a child by the ray's place at t, set back by more than its rounding error: if that is a child too
+ * early, its interval is empty and the walk steps on.
  *
- * Rejected for this job: 16 children of one ray's node at once (wide.inc.h). On AVX2 it takes as many instructions a ray
- * (1590 and 1570 for random rays in 1025² samples, callgrind), since a ray crosses 4 of the 16 children; it mispredicts
- * more branches, and gains less from wider vectors. */
-
-/* A ray waiting for a lane. */
-typedef struct queued {
-    float x_org, x_dir, x_center, x_inverse;
-    float y_org, y_dir, y_center, y_inverse;
-    float oz, dz, tmin, tmax, begin, end, from, until;
-    uint32_t ray; /* where its hit goes */
-    bool low;     /* starts near the surface: best at the block it is in */
-} queued;
-
-/* What each lane works on, as arrays, so that single lanes can be refilled. */
-typedef struct stream_lanes {
-    ray_store r;
-    float t[W], pad_x[W], pad_y[W];
-    int32_t i[W], j[W], level[W], side[W]; /* side = 4^level */
-    uint32_t ray[W];
-} stream_lanes;
-
-/* The same in registers, as far as a step needs it, between two refills. */
-typedef struct stream_state {
-    vray r;
-    vfloat t, pad_x, pad_y;
-    vint i, j, level, side;
-    vmask alive;
-} stream_state;
-
-static inline void enqueue(queued *q, const ray_store *s, size_t k, uint32_t ray, bool low) {
-    *q = (queued){s->x_org[k],    s->x_dir[k],     s->x_center[k], s->x_inverse[k], s->y_org[k], s->y_dir[k],
-                  s->y_center[k], s->y_inverse[k], s->oz[k],       s->dz[k],        s->tmin[k],  s->tmax[k],
-                  s->begin[k],    s->end[k],       s->from[k],     s->until[k],     ray,         low};
-}
-
-/* Low corner of the block that the place is in, or of the nearest one in the field. */
-static inline int32_t block_corner(float place, size_t samples) {
-    const float last = (float)(samples - 1) - 0.5f;
-    const float inside = place < last ? place : last;
-    return inside > 0 ? (int32_t)inside & ~3 : 0;
-}
-
-/* Puts a ray into lane k, at the root of the pyramid or, if it is low, at its block: a ray that has just left the surface
- * then rises no further than it must. */
-static inline void refill_lane(stream_lanes *l, size_t k, const queued *q, const cw_field *f) {
-    count_step(COUNT_REFILL, 1);
-    l->r.x_org[k] = q->x_org;
-    l->r.x_dir[k] = q->x_dir;
-    l->r.x_center[k] = q->x_center;
-    l->r.x_inverse[k] = q->x_inverse;
-    l->r.y_org[k] = q->y_org;
-    l->r.y_dir[k] = q->y_dir;
-    l->r.y_center[k] = q->y_center;
-    l->r.y_inverse[k] = q->y_inverse;
-    l->r.oz[k] = q->oz;
-    l->r.dz[k] = q->dz;
-    l->r.tmin[k] = q->tmin;
-    l->r.tmax[k] = q->tmax;
-    l->r.begin[k] = q->begin;
-    l->r.end[k] = q->end;
-    l->r.until[k] = q->until;
-    l->t[k] = q->from;
-    /* Rounding of org + t · dir within the field: less than 4 ulp of the larger of the origin and the field's side. */
-    const float pad_x = 0x1p-21f * (fabsf(q->x_org) + (float)f->nx),
-                pad_y = 0x1p-21f * (fabsf(q->y_org) + (float)f->ny);
-    l->pad_x[k] = q->x_inverse >= 0 ? -pad_x : pad_x;
-    l->pad_y[k] = q->y_inverse >= 0 ? -pad_y : pad_y;
-    l->ray[k] = q->ray;
-    l->i[k] = l->j[k] = 0;
-    l->level[k] = f->pyramid->levels + 1;
-    if (q->low) {
-        l->level[k] = 1;
-        l->i[k] = block_corner(q->x_org + q->from * q->x_dir + l->pad_x[k], f->nx);
-        l->j[k] = block_corner(q->y_org + q->from * q->y_dir + l->pad_y[k], f->ny);
-    }
-    l->side[k] = 1 << (2 * l->level[k]);
-}
-
-/* The rays of the lanes, and only what a walk needs of them. */
-CW_INLINE void load_rays(vray *r, const ray_store *s) {
-    const vfloat zero = vf_set(0);
-    r->x.org = vf_load(s->x_org);
-    r->x.dir = vf_load(s->x_dir);
-    r->x.center = vf_load(s->x_center);
-    r->x.inverse = vf_load(s->x_inverse);
-    r->x.up = vf_ge(r->x.dir, zero);
-    r->y.org = vf_load(s->y_org);
-    r->y.dir = vf_load(s->y_dir);
-    r->y.center = vf_load(s->y_center);
-    r->y.inverse = vf_load(s->y_inverse);
-    r->y.up = vf_ge(r->y.dir, zero);
-    r->oz = vf_load(s->oz);
-    r->dz = vf_load(s->dz);
-    r->tmin = vf_load(s->tmin);
-    r->tmax = vf_load(s->tmax);
-    r->begin = vf_load(s->begin);
-    r->end = vf_load(s->end);
-    r->until = vf_load(s->until);
-}
-
-/* The low corner of the child of the given side in which the ray is at t, or an earlier one, of the node that begins at
- * low and is four times as long. It is no child outside the field: inside is the middle of the field's last cell. */
-CW_INLINE vint child_corner(const vaxis *a, vfloat t, vfloat pad, vfloat inside, vfloat low, vfloat side,
-                            vfloat inverse_side) {
-    const vfloat place = vf_min(vf_add(vf_add(a->org, vf_mul(t, a->dir)), pad), inside);
-    const vfloat corner = vf_mul(vf_floor(vf_mul(place, inverse_side)), side);
-    return vi_from_vf(vf_max(low, vf_min(vf_add(low, vf_mul(side, vf_set(3))), corner)));
-}
-
-/* Lanes whose border, by which they leave a node, is the field's or beyond it. */
-static inline vmask outermost(const vaxis *a, vfloat border, vfloat last) {
-    return vm_or(vm_and(a->up, vf_ge(border, last)), vm_andnot(vf_le(border, vf_set(0)), a->up));
-}
+ * Rejected for this job: 16 children of one ray's node at once. On AVX2 it took as many instructions a ray as lanes did
+ * before slabs (1590 and 1570 for random rays in 1025² samples, callgrind), since a ray crosses 4 of the 16 children; it
+ * mispredicts more branches, and gains less from wider vectors. */
 
 /* Writes what the leaf test found in the lanes of a mask. */
 CW_INLINE void stream_hits(const uint32_t ray[W], unsigned found, const vhit *h, vint i, vint j, bool any, cw_hit *hits,
@@ -148,88 +42,217 @@ CW_INLINE void stream_hits(const uint32_t ray[W], unsigned found, const vhit *h,
 }
 
 /* Refill when this many lanes are empty; test cells when this many lanes wait at one. */
-enum { REFILL_AT = W / 4 > 0 ? W / 4 : 1, LEAF_AT = W / 2 > 0 ? W / 2 : 1 };
+enum { REFILL_AT = W / 4 > 0 ? W / 4 : 1, LEAF_AT = (3 * W + 7) / 8 };
+
+/* What changes on the way, in registers between two refills. The rest of each ray is read from where it is. */
+typedef struct stream_state {
+    vfloat t;
+    vfloat
+        leave;  /* t from which the rest of the parent is passed over; -infinity: pass over this node; else infinity */
+    vint x, y;  /* low corner of the node, mirrored */
+    vint level; /* 0 for cells; side 4^level */
+    vmask alive;
+} stream_state;
+
+/* All of it where lanes are refilled. */
+typedef struct stream_lanes {
+    stream_rays rays;
+    float t[W], leave[W];
+    int32_t x[W], y[W], level[W];
+    uint32_t ray[W]; /* where its hit goes */
+} stream_lanes;
+
+CW_INLINE void refill_lane(stream_lanes *l, size_t lane, const stream_queue *queue, const queued *q, cw_leaf leaf) {
+    count_step(COUNT_REFILL, 1);
+    copy_ray(&l->rays, lane, &queue->ready[q->part], q->lane, leaf);
+    l->t[lane] = q->t;
+    l->leave[lane] = INFINITY;
+    l->x[lane] = q->x;
+    l->y[lane] = q->y;
+    l->level[lane] = q->level;
+    l->ray[lane] = q->ray;
+}
+
+CW_INLINE stream_state load_lanes(const stream_lanes *l, unsigned living) {
+    return (stream_state){vf_load(l->t), vf_load(l->leave), vi_load(l->x),
+                          vi_load(l->y), vi_load(l->level), vm_from_bits(living)};
+}
+
+CW_INLINE void store_lanes(stream_lanes *l, const stream_state *s) {
+    vf_store(l->t, s->t);
+    vf_store(l->leave, s->leave);
+    vi_store(l->x, s->x);
+    vi_store(l->y, s->y);
+    vi_store(l->level, s->level);
+}
+
+/* What a step knows of one axis. */
+typedef struct stream_axis {
+    vfloat org, dir, corner, border, out;
+} stream_axis;
+
+CW_INLINE stream_axis look_along(float f[RAY_AXIS][W], vint corner, vfloat side) {
+    stream_axis a;
+    a.org = vf_load(f[RAY_ORG]);
+    a.dir = vf_load(f[RAY_DIR]);
+    a.corner = vf_from_vi(corner);
+    a.border = vf_add(a.corner, side);
+    a.out = vf_mul(vf_sub(a.border, vf_load(f[RAY_CENTER])), vf_load(f[RAY_INVERSE]));
+    return a;
+}
+
+/* An axis as leaf tests want it. */
+CW_INLINE void turn_back(vaxis *a, float f[RAY_AXIS][W], vint turned) {
+    const vfloat sign = vf_load(f[RAY_SIGN]);
+    a->org = vf_flip(vf_load(f[RAY_ORG]), sign);
+    a->dir = vf_flip(vf_load(f[RAY_DIR]), sign);
+    a->up = vi_eq(turned, vi_set(0));
+}
 
 /* Tests the cells that lanes wait at; the lanes that hit. */
-CW_INLINE vmask stream_leaf(const uint32_t ray[W], const vray *r, const cw_field *f, vmask waits, vint i, vint j,
-                            vfloat x_out, vfloat y_out, cw_leaf leaf, bool any, cw_hit *hits, uint8_t *occluded) {
-    const vfloat unit = vf_set(1), low_x = vf_from_vi(i), low_y = vf_from_vi(j);
-    vcell c; /* no initialiser: it would clear all of it first */
-    c.i = low_x;
-    c.j = low_y;
-    c.x_in = crossing(&r->x, vf_select(r->x.up, low_x, vf_add(low_x, unit)));
-    c.y_in = crossing(&r->y, vf_select(r->y.up, low_y, vf_add(low_y, unit)));
-    c.x_out = x_out;
-    c.y_out = y_out;
-    c.t0 = vf_max(vf_max(c.x_in, c.y_in), r->begin);
-    c.t1 = vf_min(vf_min(x_out, y_out), r->end);
+CW_INLINE vmask stream_leaf(stream_rays *rays, const uint32_t ray[W], const cw_field *f, const stream_state *s,
+                            const stream_axis axis[2], vmask waits, cw_leaf leaf, bool any, cw_hit *hits,
+                            uint8_t *occluded) {
+    const vint turned_x = vi_load(rays->i[RAY_TURNED_X]), turned_y = vi_load(rays->i[RAY_TURNED_Y]);
+    const vint i = vi_xor(s->x, turned_x), j = vi_xor(s->y, turned_y);
+    float(*fx)[W] = rays->f, (*fy)[W] = rays->f + RAY_AXIS;
+    vray r; /* no initialisers: they would clear all of it first */
+    turn_back(&r.x, fx, turned_x);
+    turn_back(&r.y, fy, turned_y);
+    r.oz = vf_load(rays->f[RAY_OZ]);
+    r.dz = vf_load(rays->f[RAY_DZ]);
+    r.begin = vf_load(rays->f[RAY_BEGIN]);
+    r.end = vf_load(rays->f[RAY_END]);
+    r.tmin = vf_load(rays->f[RAY_TMIN]);
+    r.tmax = vf_load(rays->f[RAY_TMAX]);
+    vcell c;
+    c.i = vf_from_vi(i);
+    c.j = vf_from_vi(j);
+    c.x_in = vf_mul(vf_sub(axis[0].corner, vf_load(fx[RAY_CENTER])), vf_load(fx[RAY_INVERSE]));
+    c.y_in = vf_mul(vf_sub(axis[1].corner, vf_load(fy[RAY_CENTER])), vf_load(fy[RAY_INVERSE]));
+    c.x_out = axis[0].out;
+    c.y_out = axis[1].out;
+    c.t0 = vf_max(vf_max(c.x_in, c.y_in), r.begin);
+    c.t1 = vf_min(vf_min(c.x_out, c.y_out), r.end);
     const vint sample = vi_add(vi_mul(j, vi_set((int32_t)f->stride)), i);
     vf_gather_pairs(f->z, sample, waits, &c.h00, &c.h10);
     vf_gather_pairs(f->z + f->stride, sample, waits, &c.h01, &c.h11);
-    const vmask gate = vm_and(waits, cell_gate(r, &c));
+    const vmask gate = vm_and(waits, cell_gate(&r, &c));
     if (!vm_any(gate)) return gate;
     count_lanes(COUNT_LEAF, gate);
     vhit h;
-    const vmask found = leaf == CW_LEAF_WATERTIGHT ? wt_cell(r, &c, gate, any, &h) : mt_cell(r, &c, gate, &h);
+    const vmask found = leaf == CW_LEAF_WATERTIGHT ? wt_cell(&r, &c, gate, any, &h) : mt_cell(&r, &c, gate, &h);
     if (vm_any(found)) stream_hits(ray, vm_bits(found), &h, i, j, any, hits, occluded);
     return found;
 }
 
-/* One step of every living lane, but for those that wait at a cell. */
-CW_INLINE void stream_step(stream_state *s, const uint32_t ray[W], const cw_field *f, const int32_t first[16],
-                           cw_leaf leaf, bool any, cw_hit *hits, uint8_t *occluded) {
+/* The height of the ray above the node's plane at t, for a slab whose slopes are mirrored; middle is the node's. */
+CW_INLINE vfloat above_plane(const stream_rays *rays, const stream_axis axis[2], const vfloat middle[2],
+                             const vfloat slope[2], vfloat t) {
+    const vfloat x = vf_sub(vf_add(axis[0].org, vf_mul(t, axis[0].dir)), middle[0]);
+    const vfloat y = vf_sub(vf_add(axis[1].org, vf_mul(t, axis[1].dir)), middle[1]);
+    const vfloat z = vf_add(vf_load(rays->f[RAY_OZ]), vf_mul(t, vf_load(rays->f[RAY_DZ])));
+    return vf_sub(vf_sub(z, vf_mul(slope[0], x)), vf_mul(slope[1], y));
+}
+
+/* Number along the axis, of 0 to 3, of the child in which the ray is at t, or of an earlier one. */
+CW_INLINE vint child_at(float f[RAY_AXIS][W], const stream_axis *a, vfloat t, vfloat inverse_side) {
+    const vfloat last = vf_sub(vf_load(f[RAY_LAST]), vf_set(0.5f));
+    vfloat place = vf_add(vf_load(f[RAY_EARLY]), vf_mul(t, a->dir));
+    place = vf_max(vf_load(f[RAY_FIRST]), vf_min(last, place));
+    const vfloat number = vf_mul(vf_sub(place, a->corner), inverse_side);
+    return vi_from_vf(vf_max(vf_set(0), vf_min(vf_set(3), number)));
+}
+
+/* Lanes of moves that go down to a child of their node; for them, new t, leave and place. */
+CW_INLINE vmask stream_descend(stream_state *s, stream_rays *rays, const cw_field *f, const stream_axis axis[2],
+                               vfloat side, vfloat out, vmask moves) {
     const struct cw_pyramid *p = f->pyramid;
-    const vint zero = vi_set(0), one = vi_set(1);
-    const vray *r = &s->r;
-    vint i = s->i, j = s->j, level = s->level, side = s->side;
-    const vfloat t = s->t, length = vf_from_vi(side), low_x = vf_from_vi(i), low_y = vf_from_vi(j);
-    const vfloat border_x = vf_select(r->x.up, vf_add(low_x, length), low_x);
-    const vfloat border_y = vf_select(r->y.up, vf_add(low_y, length), low_y);
-    const vfloat x_out = crossing(&r->x, border_x), y_out = crossing(&r->y, border_y), out = vf_min(x_out, y_out);
-    const vmask at_cell = vi_eq(level, zero), waits = vm_and(s->alive, at_cell);
-    vmask moves = vm_andnot(s->alive, at_cell);
+    const vint shift = vi_add(s->level, s->level), one = vi_set(1);
+    const vint i = vi_shift_right(vi_xor(s->x, vi_load(rays->i[RAY_TURNED_X])), shift);
+    const vint j = vi_shift_right(vi_xor(s->y, vi_load(rays->i[RAY_TURNED_Y])), shift);
+    const vint across = vi_add(one, vi_shift_right(vi_set((int32_t)f->nx - 2), shift));
+    const vint node = vi_add(vi_add(vi_mul(j, across), i), vi_lookup(p->first, s->level));
+    vfloat slab[4];
+    vf_gather_quads(&p->slab->low, node, moves, slab);
+    const vfloat pad = vf_load(rays->f[RAY_PAD]), low = vf_sub(slab[0], pad), high = vf_add(slab[1], pad);
+    const vfloat slope[2] = {vf_flip(slab[2], vf_load(rays->f[RAY_SIGN])),
+                             vf_flip(slab[3], vf_load(rays->f[RAY_AXIS + RAY_SIGN]))};
+    const vfloat half = vf_mul(side, vf_set(0.5f));
+    const vfloat middle[2] = {vf_add(axis[0].corner, half), vf_add(axis[1].corner, half)};
+    const vfloat t = s->t, t1 = vf_min(out, vf_load(rays->f[RAY_UNTIL])), span = vf_sub(t1, t);
+    const vfloat d0 = above_plane(rays, axis, middle, slope, t);
+    const vfloat rate =
+        vf_sub(vf_sub(vf_load(rays->f[RAY_DZ]), vf_mul(slope[0], axis[0].dir)), vf_mul(slope[1], axis[1].dir));
+    const vfloat change = vf_mul(span, rate), d1 = vf_add(d0, change);
+    const vmask misses = vm_or(vf_gt(vf_min(d0, d1), high), vf_lt(vf_max(d0, d1), low));
+    const vmask wanted = vf_le(t, s->leave);
+    s->leave = vf_select(wanted, s->leave, vf_set(INFINITY));
+    const vmask enters = vm_and(moves, vm_andnot(vm_and(wanted, vf_le(t, t1)), misses));
+    if (!vm_any(enters)) return enters;
+    /* Cut what is before and after the slab off: t where the ray enters it and leaves it again. Where change is NaN, so
+     * are both quotients, and the comparisons let t and infinity win. */
+    const vfloat zero = vf_set(0), per = vf_div(span, vf_max(vf_set(FLT_MIN), vf_abs(change)));
+    const vfloat before = vf_max(zero, vf_max(vf_sub(d0, high), vf_sub(low, d0)));
+    const vfloat after = vf_max(zero, vf_max(vf_sub(d1, high), vf_sub(low, d1)));
+    const vfloat start = vf_min(vf_max(vf_add(t, vf_mul(before, per)), t), t1);
+    const vfloat leave = vf_max(start, vf_min(vf_sub(t1, vf_mul(after, per)), vf_set(INFINITY)));
+    s->t = vf_select(enters, start, t);
+    s->leave = vf_select(enters, leave, s->leave);
+    const vint child_shift = vi_add(shift, vi_set(-2)), none = vi_set(0);
+    const vfloat inverse = vf_power_of_2(vi_add(none, vi_sub(none, child_shift)));
+    const vint x = child_at(rays->f, &axis[0], start, inverse),
+               y = child_at(rays->f + RAY_AXIS, &axis[1], start, inverse);
+    s->x = vi_add(s->x, vi_where(enters, vi_shift_left(x, child_shift)));
+    s->y = vi_add(s->y, vi_where(enters, vi_shift_left(y, child_shift)));
+    s->level = vi_add(s->level, vi_where(enters, vi_set(-1)));
+    return enters;
+}
+
+/* Takes lanes on to the next node of the same size, and up to the parent where that is another one or the rest of the
+ * parent is to be passed over. */
+CW_INLINE void stream_advance(stream_state *s, stream_rays *rays, const stream_axis axis[2], vfloat out, vmask moves) {
+    const vmask in_x = vf_le(axis[0].out, axis[1].out);
+    const vmask leaves = vm_or(vm_and(in_x, vf_ge(axis[0].border, vf_load(rays->f[RAY_LAST]))),
+                               vm_andnot(vf_ge(axis[1].border, vf_load(rays->f[RAY_AXIS + RAY_LAST])), in_x));
+    const vmask ends = vm_and(moves, vm_or(leaves, vf_gt(out, vf_load(rays->f[RAY_UNTIL]))));
+    s->alive = vm_andnot(s->alive, ends);
+    const vint one = vi_set(1), side = vi_shift_left(one, vi_add(s->level, s->level));
+    const vint x = vi_add(s->x, vi_where(vm_and(moves, in_x), side));
+    const vint y = vi_add(s->y, vi_where(vm_andnot(moves, in_x), side));
+    const vint parent = vi_sub(vi_set(0), vi_add(vi_add(side, side), vi_add(side, side)));
+    const vint changed = vi_and(vi_or(vi_xor(x, s->x), vi_xor(y, s->y)), parent);
+    const vmask elsewhere = vm_andnot(moves, vi_eq(changed, vi_set(0)));
+    const vfloat t = vf_select(moves, vf_max(s->t, out), s->t);
+    const vmask through = vm_andnot(vm_and(moves, vf_gt(t, s->leave)), elsewhere), rises = vm_or(elsewhere, through);
+    s->leave = vf_select(elsewhere, vf_set(INFINITY), vf_select(through, vf_set(-INFINITY), s->leave));
+    const vint to = vi_select(rises, parent, vi_set(-1));
+    s->x = vi_and(x, to);
+    s->y = vi_and(y, to);
+    s->level = vi_add(s->level, vi_where(rises, one));
+    s->t = t;
+}
+
+/* One step of every living lane, but for those that wait at a cell. Levels here: cells 0, nodes of pyramid level l l + 1. */
+CW_INLINE void stream_step(stream_state *s, stream_lanes *l, const cw_field *f, cw_leaf leaf, bool any, cw_hit *hits,
+                           uint8_t *occluded) {
+    stream_rays *rays = &l->rays;
     count_lanes(COUNT_STREAM, s->alive);
+    const vfloat side = vf_power_of_2(vi_add(s->level, s->level));
+    const stream_axis axis[2] = {look_along(rays->f, s->x, side), look_along(rays->f + RAY_AXIS, s->y, side)};
+    const vfloat out = vf_min(axis[0].out, axis[1].out);
+    const vmask at_cell = vi_eq(s->level, vi_set(0)), waits = vm_and(s->alive, at_cell);
+    vmask moves = vm_andnot(s->alive, at_cell);
     if (__builtin_popcount(vm_bits(waits)) >= LEAF_AT || !vm_any(moves)) {
         count_lanes(COUNT_ROUND, waits);
-        const vmask found = stream_leaf(ray, r, f, waits, i, j, x_out, y_out, leaf, any, hits, occluded);
+        const vmask found = stream_leaf(rays, l->ray, f, s, axis, waits, leaf, any, hits, occluded);
         s->alive = vm_andnot(s->alive, found);
         moves = vm_andnot(waits, found);
     } else {
         count_lanes(COUNT_NODE, moves);
-        const vint shift = vi_add(level, level), across = vi_set(p->across);
-        const vint row = vi_mul(vi_shift_right(j, shift), across);
-        const vint node = vi_add(vi_add(row, vi_shift_right(i, shift)), vi_lookup(first, level));
-        vfloat low, high;
-        vf_gather_pairs(p->pairs, vi_add(node, node), moves, &low, &high);
-        const vfloat t1 = vf_min(out, r->until);
-        const vmask root = vi_eq(level, vi_set(p->levels + 1));
-        const vmask enters = vm_and(moves, vm_or(root, vm_and(vf_le(t, t1), meets(r, t, t1, low, high))));
-        if (vm_any(enters)) {
-            const vfloat child = vf_mul(length, vf_set(0.25f)), inverse = vf_div(vf_set(1), child);
-            const vfloat inside_x = vf_set((float)(f->nx - 1) - 0.5f), inside_y = vf_set((float)(f->ny - 1) - 0.5f);
-            i = vi_select(enters, child_corner(&r->x, t, s->pad_x, inside_x, low_x, child, inverse), i);
-            j = vi_select(enters, child_corner(&r->y, t, s->pad_y, inside_y, low_y, child, inverse), j);
-            level = vi_select(enters, vi_add(level, vi_set(-1)), level);
-            side = vi_select(enters, vi_shift_right(side, vi_set(2)), side);
-        }
-        moves = vm_andnot(moves, enters);
+        moves = vm_andnot(moves, stream_descend(s, rays, f, axis, side, out, moves));
     }
-    /* On to the next node of the same size, and to its parent where that is another one. */
-    const vmask in_x = vf_le(x_out, y_out);
-    const vmask leaves = vm_or(vm_and(in_x, outermost(&r->x, border_x, vf_set((float)(f->nx - 1)))),
-                               vm_andnot(outermost(&r->y, border_y, vf_set((float)(f->ny - 1))), in_x));
-    s->alive = vm_andnot(s->alive, vm_and(moves, vm_or(leaves, vf_gt(out, r->until))));
-    const vint back = vi_neg(side);
-    const vint to_x = vi_add(i, vi_select(r->x.up, side, back)), to_y = vi_add(j, vi_select(r->y.up, side, back));
-    const vint new_i = vi_select(vm_and(moves, in_x), to_x, i), new_j = vi_select(vm_andnot(moves, in_x), to_y, j);
-    const vint above = vi_add(vi_add(side, side), vi_add(side, side)), parent = vi_neg(above);
-    const vint changed = vi_and(vi_or(vi_xor(new_i, i), vi_xor(new_j, j)), parent);
-    const vmask rises = vm_andnot(moves, vi_eq(changed, zero));
-    s->i = vi_select(rises, vi_and(new_i, parent), new_i);
-    s->j = vi_select(rises, vi_and(new_j, parent), new_j);
-    s->level = vi_select(rises, vi_add(level, one), level);
-    s->side = vi_select(rises, above, side);
-    s->t = vf_select(moves, vf_max(t, out), t);
+    stream_advance(s, rays, axis, out, moves);
 }
 
 /* Walks the queued rays to their ends. A hit is written to hits[ray], or for any hit 1 to occluded[ray].
@@ -237,41 +260,26 @@ CW_INLINE void stream_step(stream_state *s, const uint32_t ray[W], const cw_fiel
  * Rejected: two vectors of lanes that take turns, so that one works while the other waits for its bounds or samples. It
  * runs more instructions at once, but needs 5 to 20 % more of them for state that no longer fits into registers, and is
  * 7 % slower on Zen 3 (cellwalk-bench micro, field 1025, random, ao and grazing rays). */
-CW_INLINE void stream_walk(const cw_field *f, const queued *queue, size_t n, cw_leaf leaf, bool any, cw_hit *hits,
+CW_INLINE void stream_walk(const cw_field *f, const stream_queue *queue, cw_leaf leaf, bool any, cw_hit *hits,
                            uint8_t *occluded) {
-    /* Levels here: cells 0, nodes of pyramid level l l + 1, the whole field one above; sides 4^level. */
-    int32_t first[16] = {0};
-    memcpy(first + 1, f->pyramid->first, sizeof f->pyramid->first);
-    stream_lanes store;
-    memset(&store, 0, sizeof store);
-    stream_state s;
+    if (queue->n == 0) return;
+    stream_lanes l;
+    memset(&l, 0, sizeof l);
     unsigned living = 0;
     for (size_t next = 0;;) {
-        for (unsigned empty = ~living & ((1u << W) - 1); empty != 0 && next < n; empty &= empty - 1) {
+        for (unsigned empty = ~living & ((1u << W) - 1); empty != 0 && next < queue->n; empty &= empty - 1) {
             const unsigned lane = (unsigned)__builtin_ctz(empty);
-            refill_lane(&store, lane, &queue[next++], f);
+            refill_lane(&l, lane, queue, &queue->rays[next++], leaf);
             living |= 1u << lane;
         }
         if (living == 0) return;
         count_step(COUNT_RELOAD, living);
-        load_rays(&s.r, &store.r);
-        s.t = vf_load(store.t);
-        s.pad_x = vf_load(store.pad_x);
-        s.pad_y = vf_load(store.pad_y);
-        s.i = vi_load(store.i);
-        s.j = vi_load(store.j);
-        s.level = vi_load(store.level);
-        s.side = vi_load(store.side);
-        s.alive = vm_from_bits(living);
-        const int refill_at = next < n ? (int)W - REFILL_AT : 0;
+        stream_state s = load_lanes(&l, living);
+        const int refill_at = next < queue->n ? (int)W - REFILL_AT : 0;
         do {
-            stream_step(&s, store.ray, f, first, leaf, any, hits, occluded);
+            stream_step(&s, &l, f, leaf, any, hits, occluded);
             living = vm_bits(s.alive);
         } while (__builtin_popcount(living) > refill_at);
-        vf_store(store.t, s.t);
-        vi_store(store.i, s.i);
-        vi_store(store.j, s.j);
-        vi_store(store.level, s.level);
-        vi_store(store.side, s.side);
+        store_lanes(&l, &s);
     }
 }

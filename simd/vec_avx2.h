@@ -53,8 +53,9 @@ static inline vint vi_load(const int32_t *a) { return (vint){_mm256_loadu_si256(
 static inline vint vi_and(vint a, vint b) { return (vint){_mm256_and_si256(a.v, b.v)}; }
 static inline vint vi_or(vint a, vint b) { return (vint){_mm256_or_si256(a.v, b.v)}; }
 static inline vint vi_xor(vint a, vint b) { return (vint){_mm256_xor_si256(a.v, b.v)}; }
-static inline vint vi_neg(vint a) { return (vint){_mm256_sub_epi32(_mm256_setzero_si256(), a.v)}; }
+static inline vint vi_sub(vint a, vint b) { return (vint){_mm256_sub_epi32(a.v, b.v)}; }
 static inline vint vi_shift_right(vint a, vint by) { return (vint){_mm256_srlv_epi32(a.v, by.v)}; }
+static inline vint vi_shift_left(vint a, vint by) { return (vint){_mm256_sllv_epi32(a.v, by.v)}; }
 static inline vmask vi_eq(vint a, vint b) { return (vmask){_mm256_castsi256_ps(_mm256_cmpeq_epi32(a.v, b.v))}; }
 static inline vint vi_lookup(const int32_t table[16], vint k) {
     const __m256i *halves = (const __m256i *)table;
@@ -62,6 +63,12 @@ static inline vint vi_lookup(const int32_t table[16], vint k) {
     const __m256 high = _mm256_castsi256_ps(_mm256_permutevar8x32_epi32(_mm256_loadu_si256(halves + 1), k.v));
     const __m256 upper = _mm256_castsi256_ps(_mm256_slli_epi32(k.v, 28)); /* bit 3 as the sign */
     return (vint){_mm256_castps_si256(_mm256_blendv_ps(low, high, upper))};
+}
+
+static inline vint vi_where(vmask m, vint a) { return (vint){_mm256_and_si256(a.v, _mm256_castps_si256(m.v))}; }
+static inline vfloat vf_flip(vfloat a, vfloat sign) { return (vfloat){_mm256_xor_ps(a.v, sign.v)}; }
+static inline vfloat vf_power_of_2(vint k) {
+    return (vfloat){_mm256_castsi256_ps(_mm256_slli_epi32(_mm256_add_epi32(k.v, _mm256_set1_epi32(127)), 23))};
 }
 
 static inline vmask vm_and(vmask a, vmask b) { return (vmask){_mm256_and_ps(a.v, b.v)}; }
@@ -99,6 +106,22 @@ static inline void vf_gather_pairs(const float *base, vint index, vmask m, vfloa
     const __m256 high = _mm256_insertf128_ps(_mm256_castps128_ps256(q[1]), q[3], 1);
     first->v = _mm256_shuffle_ps(low, high, 0x88);
     second->v = _mm256_shuffle_ps(low, high, 0xdd);
+}
+
+/* Lanes k and k + 4 share a register, then a 4 × 4 transpose within halves. */
+static inline void vf_gather_quads(const float *base, vint index, vmask m, vfloat out[4]) {
+    int32_t k[8];
+    _mm256_storeu_si256((__m256i *)k, _mm256_and_si256(index.v, _mm256_castps_si256(m.v)));
+    __m256 r[4];
+    for (int q = 0; q < 4; q++)
+        r[q] = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(base + 4 * (ptrdiff_t)k[q])),
+                                    _mm_load_ps(base + 4 * (ptrdiff_t)k[q + 4]), 1);
+    const __m256 a = _mm256_unpacklo_ps(r[0], r[1]), b = _mm256_unpackhi_ps(r[0], r[1]);
+    const __m256 c = _mm256_unpacklo_ps(r[2], r[3]), d = _mm256_unpackhi_ps(r[2], r[3]);
+    out[0].v = _mm256_shuffle_ps(a, c, 0x44);
+    out[1].v = _mm256_shuffle_ps(a, c, 0xee);
+    out[2].v = _mm256_shuffle_ps(b, d, 0x44);
+    out[3].v = _mm256_shuffle_ps(b, d, 0xee);
 }
 
 /* Transposes 8 rays of 8 floats: pairs, pairs of pairs, halves. */

@@ -51,11 +51,20 @@ static inline vint vi_load(const int32_t *a) { return (vint){_mm512_loadu_si512(
 static inline vint vi_and(vint a, vint b) { return (vint){_mm512_and_si512(a.v, b.v)}; }
 static inline vint vi_or(vint a, vint b) { return (vint){_mm512_or_si512(a.v, b.v)}; }
 static inline vint vi_xor(vint a, vint b) { return (vint){_mm512_xor_si512(a.v, b.v)}; }
-static inline vint vi_neg(vint a) { return (vint){_mm512_sub_epi32(_mm512_setzero_si512(), a.v)}; }
+static inline vint vi_sub(vint a, vint b) { return (vint){_mm512_sub_epi32(a.v, b.v)}; }
 static inline vint vi_shift_right(vint a, vint by) { return (vint){_mm512_srlv_epi32(a.v, by.v)}; }
+static inline vint vi_shift_left(vint a, vint by) { return (vint){_mm512_sllv_epi32(a.v, by.v)}; }
 static inline vmask vi_eq(vint a, vint b) { return (vmask){_mm512_cmpeq_epi32_mask(a.v, b.v)}; }
 static inline vint vi_lookup(const int32_t table[16], vint k) {
     return (vint){_mm512_permutexvar_epi32(k.v, _mm512_loadu_si512(table))};
+}
+
+static inline vint vi_where(vmask m, vint a) { return (vint){_mm512_maskz_mov_epi32(m.v, a.v)}; }
+static inline vfloat vf_flip(vfloat a, vfloat sign) {
+    return (vfloat){_mm512_castsi512_ps(_mm512_xor_si512(_mm512_castps_si512(a.v), _mm512_castps_si512(sign.v)))};
+}
+static inline vfloat vf_power_of_2(vint k) {
+    return (vfloat){_mm512_castsi512_ps(_mm512_slli_epi32(_mm512_add_epi32(k.v, _mm512_set1_epi32(127)), 23))};
 }
 
 static inline vmask vm_and(vmask a, vmask b) { return (vmask){(__mmask16)(a.v & b.v)}; }
@@ -76,6 +85,25 @@ static inline void vf_gather_pairs(const float *base, vint index, vmask m, vfloa
     const __m512i safe = _mm512_maskz_mov_epi32(m.v, index.v);
     first->v = _mm512_i32gather_ps(safe, base, sizeof(float));
     second->v = _mm512_i32gather_ps(safe, base + 1, sizeof(float));
+}
+
+/* Lanes k and k + 4, k + 8, k + 12 share a register in quarters, as in vf_load_rays. */
+static inline void vf_gather_quads(const float *base, vint index, vmask m, vfloat out[4]) {
+    int32_t k[16];
+    _mm512_storeu_si512(k, _mm512_maskz_mov_epi32(m.v, index.v));
+    __m512 r[4];
+    for (int q = 0; q < 4; q++) {
+        r[q] = _mm512_castps128_ps512(_mm_load_ps(base + 4 * (ptrdiff_t)k[q]));
+        r[q] = _mm512_insertf32x4(r[q], _mm_load_ps(base + 4 * (ptrdiff_t)k[q + 4]), 1);
+        r[q] = _mm512_insertf32x4(r[q], _mm_load_ps(base + 4 * (ptrdiff_t)k[q + 8]), 2);
+        r[q] = _mm512_insertf32x4(r[q], _mm_load_ps(base + 4 * (ptrdiff_t)k[q + 12]), 3);
+    }
+    const __m512 a = _mm512_unpacklo_ps(r[0], r[1]), b = _mm512_unpackhi_ps(r[0], r[1]);
+    const __m512 c = _mm512_unpacklo_ps(r[2], r[3]), d = _mm512_unpackhi_ps(r[2], r[3]);
+    out[0].v = _mm512_shuffle_ps(a, c, 0x44);
+    out[1].v = _mm512_shuffle_ps(a, c, 0xee);
+    out[2].v = _mm512_shuffle_ps(b, d, 0x44);
+    out[3].v = _mm512_shuffle_ps(b, d, 0xee);
 }
 
 /* Rays k and k + 4, k + 8, k + 12 share a register in quarters, so that the 4 × 4 transposes within quarters do. */

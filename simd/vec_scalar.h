@@ -56,11 +56,20 @@ static inline vint vi_load(const int32_t *a) { return (vint){*a}; }
 static inline vint vi_and(vint a, vint b) { return (vint){a.v & b.v}; }
 static inline vint vi_or(vint a, vint b) { return (vint){a.v | b.v}; }
 static inline vint vi_xor(vint a, vint b) { return (vint){a.v ^ b.v}; }
-static inline vint vi_neg(vint a) { return (vint){-a.v}; }
-static inline vint vi_shift_right(vint a, vint by) { return (vint){a.v >> by.v}; } /* a >= 0, by in [0, 31] */
+static inline vint vi_sub(vint a, vint b) { return (vint){a.v - b.v}; }
+static inline vint vi_shift_right(vint a, vint by) { return (vint){a.v >> by.v}; } /* a in [0, 2^24], by in [0, 31] */
+static inline vint vi_shift_left(vint a, vint by) {
+    return (vint){(int32_t)((uint32_t)a.v << by.v)};
+} /* by in [0, 31] */
 static inline vmask vi_eq(vint a, vint b) { return (vmask){a.v == b.v}; }
 /* table[k] of 16 entries, k in [0, 15] */
 static inline vint vi_lookup(const int32_t table[16], vint k) { return (vint){table[k.v]}; }
+
+static inline vint vi_where(vmask m, vint a) { return (vint){m.v ? a.v : 0}; }
+static inline vfloat vf_flip(vfloat a, vfloat sign) {
+    return (vfloat){signbit(sign.v) ? -a.v : a.v};
+} /* sign: 0 or -0 */
+static inline vfloat vf_power_of_2(vint k) { return (vfloat){ldexpf(1, k.v)}; } /* k in [-126, 127] */
 
 static inline vmask vm_and(vmask a, vmask b) { return (vmask){a.v && b.v}; }
 static inline vmask vm_or(vmask a, vmask b) { return (vmask){a.v || b.v}; }
@@ -82,6 +91,12 @@ static inline void vf_gather_pairs(const float *base, vint index, vmask m, vfloa
     const int32_t k = m.v ? index.v : 0;
     first->v = base[k];
     second->v = base[k + 1];
+}
+
+/* base[4 index] to base[4 index + 3] where m, else base[0] to base[3]; base + 4 k is aligned to 16 bytes. */
+static inline void vf_gather_quads(const float *base, vint index, vmask m, vfloat out[4]) {
+    const float *from = base + 4 * (ptrdiff_t)(m.v ? index.v : 0);
+    for (int c = 0; c < 4; c++) out[c].v = from[c];
 }
 
 /* Rays of consecutive lanes, from an array of structures to one vector each of org x y z, tmin, dir x y z, tmax. */

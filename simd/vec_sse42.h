@@ -53,18 +53,28 @@ static inline vint vi_load(const int32_t *a) { return (vint){_mm_loadu_si128((co
 static inline vint vi_and(vint a, vint b) { return (vint){_mm_and_si128(a.v, b.v)}; }
 static inline vint vi_or(vint a, vint b) { return (vint){_mm_or_si128(a.v, b.v)}; }
 static inline vint vi_xor(vint a, vint b) { return (vint){_mm_xor_si128(a.v, b.v)}; }
-static inline vint vi_neg(vint a) { return (vint){_mm_sub_epi32(_mm_setzero_si128(), a.v)}; }
+static inline vint vi_sub(vint a, vint b) { return (vint){_mm_sub_epi32(a.v, b.v)}; }
+/* SSE4.2 has no shift by a vector: times 2^by, put together as a float. */
+static inline vint vi_shift_left(vint a, vint by) {
+    const __m128 power = _mm_castsi128_ps(_mm_slli_epi32(_mm_add_epi32(by.v, _mm_set1_epi32(127)), 23));
+    return (vint){_mm_mullo_epi32(a.v, _mm_cvttps_epi32(power))};
+}
 static inline vmask vi_eq(vint a, vint b) { return (vmask){_mm_castsi128_ps(_mm_cmpeq_epi32(a.v, b.v))}; }
 /* No shift by a count of each lane's own and no lookup: lanes one by one. */
+/* SSE4.2 has no shift by a vector. A float has room for the 24 bits that a, and a product with a power of two, may have. */
 static inline vint vi_shift_right(vint a, vint by) {
-    return (vint){_mm_setr_epi32(_mm_cvtsi128_si32(a.v) >> _mm_cvtsi128_si32(by.v),
-                                 _mm_extract_epi32(a.v, 1) >> _mm_extract_epi32(by.v, 1),
-                                 _mm_extract_epi32(a.v, 2) >> _mm_extract_epi32(by.v, 2),
-                                 _mm_extract_epi32(a.v, 3) >> _mm_extract_epi32(by.v, 3))};
+    const __m128 power = _mm_castsi128_ps(_mm_slli_epi32(_mm_sub_epi32(_mm_set1_epi32(127), by.v), 23));
+    return (vint){_mm_cvttps_epi32(_mm_mul_ps(_mm_cvtepi32_ps(a.v), power))};
 }
 static inline vint vi_lookup(const int32_t table[16], vint k) {
     return (vint){_mm_setr_epi32(table[_mm_cvtsi128_si32(k.v)], table[_mm_extract_epi32(k.v, 1)],
                                  table[_mm_extract_epi32(k.v, 2)], table[_mm_extract_epi32(k.v, 3)])};
+}
+
+static inline vint vi_where(vmask m, vint a) { return (vint){_mm_and_si128(a.v, _mm_castps_si128(m.v))}; }
+static inline vfloat vf_flip(vfloat a, vfloat sign) { return (vfloat){_mm_xor_ps(a.v, sign.v)}; }
+static inline vfloat vf_power_of_2(vint k) {
+    return (vfloat){_mm_castsi128_ps(_mm_slli_epi32(_mm_add_epi32(k.v, _mm_set1_epi32(127)), 23))};
 }
 
 static inline vmask vm_and(vmask a, vmask b) { return (vmask){_mm_and_ps(a.v, b.v)}; }
@@ -100,6 +110,19 @@ static inline void vf_gather_pairs(const float *base, vint index, vmask m, vfloa
     high = _mm_loadh_pi(high, (const __m64 *)(base + _mm_extract_epi32(safe, 3)));
     first->v = _mm_shuffle_ps(low, high, 0x88);
     second->v = _mm_shuffle_ps(low, high, 0xdd);
+}
+
+static inline void vf_gather_quads(const float *base, vint index, vmask m, vfloat out[4]) {
+    int32_t k[4];
+    _mm_storeu_si128((__m128i *)k, _mm_and_si128(index.v, _mm_castps_si128(m.v)));
+    __m128 r[4];
+    for (int q = 0; q < 4; q++) r[q] = _mm_load_ps(base + 4 * (ptrdiff_t)k[q]);
+    const __m128 a = _mm_unpacklo_ps(r[0], r[1]), b = _mm_unpackhi_ps(r[0], r[1]);
+    const __m128 c = _mm_unpacklo_ps(r[2], r[3]), d = _mm_unpackhi_ps(r[2], r[3]);
+    out[0].v = _mm_movelh_ps(a, c);
+    out[1].v = _mm_movehl_ps(c, a);
+    out[2].v = _mm_movelh_ps(b, d);
+    out[3].v = _mm_movehl_ps(d, b);
 }
 
 static inline void vf_load_rays(const cw_ray *rays, vfloat out[8]) {

@@ -124,8 +124,11 @@ static void lanes_are_within_bounds(void **state) {
             check(counters_find(all, "leaf")->lanes >= found, "%s: %zu hits from %d leaf tests", info.name, found,
                   (int)counters_find(all, "leaf")->lanes);
             const counter *refill = counters_find(all, "refill"), *groups = counters_find(all, "shared");
-            check(refill->events + groups->lanes <= n, "%s: %zu rays, but %d refills and %d that share", info.name, n,
-                  (int)refill->events, (int)groups->lanes);
+            const counter *apart = counters_find(all, "apart");
+            check(groups->lanes <= n && apart->lanes <= groups->lanes &&
+                      refill->events + groups->lanes <= n + apart->lanes,
+                  "%s: %zu rays, but %d refills, %d that share and %d of them no more", info.name, n,
+                  (int)refill->events, (int)groups->lanes, (int)apart->lanes);
             check(counters_find(all, "stream")->events ==
                       counters_find(all, "node")->events + counters_find(all, "round")->events,
                   "%s: a turn of the lane walk that neither steps nor tests", info.name);

@@ -21,7 +21,7 @@ typedef enum count_kind {
     COUNT_SHARED_NODE,  /* nodes that a group opened together */
     COUNT_SHARED_BLOCK, /* blocks of 4 × 4 cells that a group came to; lanes: rays concerned */
     COUNT_SHARED_CELL,  /* cells that a group looked at together */
-    COUNT_WIDE,         /* blocks that one ray took alone, 16 cells at once, since its group fell apart there */
+    COUNT_APART,        /* places where a group falls apart; lanes: rays that go on alone */
     COUNT_LEAF,         /* leaf tests: ray against the two triangles of a cell; lanes: rays that passed the gate */
     COUNT_VOXEL,        /* voxels of the 3D grid */
     COUNT_TRIANGLE,     /* triangles tested in them */

@@ -9,10 +9,6 @@
 
 static size_t blocks(size_t n) { return (n + 3) / 4; }
 
-/* a < b ? a : b with a the sample: a hole compares false and drops out; compilers turn it into one instruction. */
-static float lower(float a, float b) { return a < b ? a : b; }
-static float higher(float a, float b) { return a > b ? a : b; }
-
 /* Lowest and highest of each column over the rows of one row of blocks. */
 static void column_bounds(const cw_field *f, size_t row, float *restrict low, float *restrict high) {
     const size_t last = row + 4 < f->ny - 1 ? row + 4 : f->ny - 1;
@@ -89,20 +85,9 @@ static void build_around(const cw_pyramid_level *l, float *row[3]) {
     }
 }
 
-static void build_pairs(struct cw_pyramid *p) {
-    for (int l = 0; l < p->levels; l++)
-        for (size_t y = 0; y < 4 * (size_t)p->level[l].down; y++)
-            for (size_t x = 0; x < 4 * (size_t)p->level[l].across; x++) {
-                const float *from = node(&p->level[l], x, y);
-                float *to = p->pairs + 2 * ((size_t)p->first[l] + y * (size_t)p->across + x);
-                to[0] = from[0];
-                to[1] = from[16];
-            }
-}
-
 cw_status cw_pyramid_build(cw_field *f) {
     struct cw_pyramid *p = calloc(1, sizeof *p);
-    float *columns = malloc((3 * f->nx + 64) * sizeof *columns); /* three rows of nodes fit as well */
+    float *columns = malloc((4 * f->nx + 64) * sizeof *columns); /* three rows of nodes fit as well */
     if (p == NULL || columns == NULL) goto no_memory;
 
     size_t bricks = 0, begin[PYRAMID_LEVELS_MAX];
@@ -118,13 +103,13 @@ cw_status cw_pyramid_build(cw_field *f) {
         side *= 4;
     } while (x > 1 || y > 1);
 
-    size_t pairs = 0;
-    p->across = 4 * p->level[0].across;
+    size_t slabs = 0;
     for (int l = 0; l < p->levels; l++) {
-        p->first[l] = (int32_t)pairs;
-        pairs += 4 * (size_t)p->level[l].down * (size_t)p->across;
+        const size_t node_side = (size_t)p->level[l].side;
+        p->first[l + 1] = (int32_t)slabs;
+        slabs += ((f->nx - 2) / node_side + 1) * ((f->ny - 2) / node_side + 1);
     }
-    p->bytes = (bricks * (BRICK_FLOATS + 16) + 2 * pairs) * sizeof(float);
+    p->bytes = bricks * (BRICK_FLOATS + 16) * sizeof(float) + slabs * sizeof(cw_pyramid_slab);
     p->memory = cw_memory_allocate(p->bytes);
     if (p->memory == NULL) goto no_memory;
     for (int l = 0; l < p->levels; l++) {
@@ -134,10 +119,10 @@ cw_status cw_pyramid_build(cw_field *f) {
         for (size_t k = 0; k < count * BRICK_FLOATS; k++)
             p->level[l].bricks[k] = k % BRICK_FLOATS < 16 ? INFINITY : -INFINITY;
     }
-    p->pairs = (float *)p->memory + bricks * (BRICK_FLOATS + 16);
+    p->slab = (cw_pyramid_slab *)((float *)p->memory + bricks * (BRICK_FLOATS + 16));
     build_blocks(f, &p->level[0], columns, columns + f->nx);
     for (int l = 1; l < p->levels; l++) build_level(&p->level[l - 1], &p->level[l]);
-    build_pairs(p);
+    cw_pyramid_build_slabs(p, f, columns);
     for (int l = 0; l < p->levels; l++) {
         const size_t n = 4 * (size_t)p->level[l].across;
         build_around(&p->level[l], (float *[3]){columns, columns + n, columns + 2 * n});

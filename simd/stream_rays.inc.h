@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Rays made ready for the lane walk (stream.inc.h): mirrored, and with the place where each begins.
+ *
+ * Mirroring turns the axes along which a ray goes down, so that all lanes go up: x becomes -x, which no float operation
+ * rounds differently. A node is told by its low corner in mirrored coordinates, corner; its exit borders are corner +
+ * side, and its number along the axis is (corner XOR turned) >> 2 level, with turned = -1 for a mirrored axis, else 0. */
+
+/* Numbers of a ray, W rays an array. */
+enum {
+    RAY_ORG,     /* mirrored, like all on an axis */
+    RAY_EARLY,   /* org, set back by more than the rounding of org + t · dir within the field */
+    RAY_DIR,     /* never negative */
+    RAY_CENTER,  /* what crossings are measured from */
+    RAY_INVERSE, /* 1 / dir */
+    RAY_FIRST,   /* the field's border where rays come in */
+    RAY_LAST,    /* and where they go out */
+    RAY_SIGN,    /* -0 where the axis is mirrored, else 0 */
+    RAY_AXIS,    /* numbers an axis */
+    RAY_OZ = 2 * RAY_AXIS,
+    RAY_DZ,
+    RAY_PAD,   /* what rounding may do to the height above a slab, beyond what the slab has room for */
+    RAY_UNTIL, /* the walk ends here */
+    RAY_BEGIN, /* of the leaf tests: see vray */
+    RAY_END,
+    RAY_TMIN,
+    RAY_TMAX,
+    RAY_FLOATS
+};
+enum { RAY_TURNED_X, RAY_TURNED_Y, RAY_INTS };
+
+typedef struct stream_rays {
+    float f[RAY_FLOATS][W];
+    int32_t i[RAY_INTS][W];
+} stream_rays;
+
+/* A ray waiting for a lane: which one it is of the rays made ready, where its walk begins, and where its hit goes. */
+typedef struct queued {
+    uint16_t part, lane;
+    uint32_t ray;
+    float t;
+    int32_t x, y, level; /* low corner, mirrored, of its first node, with the level as in stream.inc.h */
+} queued;
+
+/* Rays whose leftovers are collected for one run of the lane walk. */
+enum { BATCH = 256 };
+
+typedef struct stream_queue {
+    stream_rays ready[BATCH / W];
+    queued rays[BATCH];
+    size_t n;
+} stream_queue;
+
+/* One axis of W rays. */
+static inline void mirror_axis(float f[RAY_AXIS][W], int32_t turned[W], const vaxis *a, size_t samples) {
+    const vfloat zero = vf_set(0), end = vf_set((float)(samples - 1));
+    const vfloat sign = vf_select(a->up, zero, vf_set(-0.0f)), org = vf_flip(a->org, sign);
+    vf_store(f[RAY_ORG], org);
+    vf_store(f[RAY_EARLY], vf_sub(org, vf_mul(vf_set(0x1p-21f), vf_add(vf_abs(org), vf_set((float)samples)))));
+    vf_store(f[RAY_DIR], vf_flip(a->dir, sign));
+    vf_store(f[RAY_CENTER], vf_flip(a->center, sign));
+    vf_store(f[RAY_INVERSE], vf_flip(a->inverse, sign));
+    vf_store(f[RAY_FIRST], vf_select(a->up, zero, vf_sub(zero, end)));
+    vf_store(f[RAY_LAST], vf_select(a->up, end, zero));
+    vf_store(f[RAY_SIGN], sign);
+    vi_store(turned, vi_select(a->up, vi_set(0), vi_set(-1)));
+}
+
+/* Makes W rays ready for walks with the given leaf test. */
+static inline void mirror_rays(stream_rays *s, const vray *r, const cw_field *f, cw_leaf leaf) {
+    mirror_axis(s->f, s->i[RAY_TURNED_X], &r->x, f->nx);
+    mirror_axis(s->f + RAY_AXIS, s->i[RAY_TURNED_Y], &r->y, f->ny);
+    /* Slabs have room for the rounding of rays that begin within the field or not far from it, and of the watertight test.
+     * Of heights we allow 64 u. */
+    const vfloat size = vf_set((float)(f->nx + f->ny)), origin = vf_add(vf_abs(r->x.org), vf_abs(r->y.org));
+    const vfloat outside = leaf == CW_LEAF_WATERTIGHT ? vf_max(vf_set(0), vf_sub(origin, size)) : vf_add(origin, size);
+    const vfloat tallest = vf_set(fmaxf(fabsf(f->low), fabsf(f->high))), steepest = vf_set(f->pyramid->steepest);
+    const vfloat heights = vf_add(vf_mul(vf_set(2), vf_add(vf_abs(r->oz), tallest)), vf_mul(steepest, outside));
+    const vfloat denormal = vf_mul(vf_set(FLT_MIN), vf_add(vf_set(1), vf_sub(r->until, r->from)));
+    vf_store(s->f[RAY_OZ], r->oz);
+    vf_store(s->f[RAY_DZ], r->dz);
+    vf_store(s->f[RAY_PAD], vf_add(vf_mul(vf_set(SLAB_ROUNDING), heights), denormal));
+    vf_store(s->f[RAY_UNTIL], r->until);
+    vf_store(s->f[RAY_BEGIN], r->begin);
+    vf_store(s->f[RAY_END], r->end);
+    vf_store(s->f[RAY_TMIN], r->tmin);
+    vf_store(s->f[RAY_TMAX], r->tmax);
+}
+
+/* Low corner, mirrored, of the node of the given side that the rays are in at t, or of an earlier one. */
+static inline vint first_corner(float f[RAY_AXIS][W], vfloat t, vfloat side) {
+    const vfloat last = vf_sub(vf_load(f[RAY_LAST]), vf_set(0.5f));
+    vfloat place = vf_add(vf_load(f[RAY_EARLY]), vf_mul(t, vf_load(f[RAY_DIR])));
+    place = vf_max(vf_load(f[RAY_FIRST]), vf_min(last, place));
+    return vi_from_vf(vf_mul(vf_floor(vf_div(place, side)), side));
+}
+
+/* Queues those of the rays of a part, made ready before, in the lanes of which; each begins at t in a node of the level. */
+static inline void enqueue(stream_queue *q, size_t part, unsigned which, vfloat t, int level) {
+    float from[W];
+    int32_t x[W], y[W];
+    stream_rays *s = &q->ready[part];
+    const vfloat side = vf_power_of_2(vi_set(2 * level));
+    vf_store(from, t);
+    vi_store(x, first_corner(s->f, t, side));
+    vi_store(y, first_corner(s->f + RAY_AXIS, t, side));
+    for (; which != 0; which &= which - 1) {
+        const unsigned k = (unsigned)__builtin_ctz(which);
+        q->rays[q->n++] = (queued){(uint16_t)part, (uint16_t)k, (uint32_t)(part * W) + k, from[k], x[k], y[k], level};
+    }
+}
+
+/* Copies a ray that has been made ready into a lane. In runs of at most 16, which compilers turn into straight code. */
+static inline void copy_ray(stream_rays *to, size_t lane, const stream_rays *from, size_t k, cw_leaf leaf) {
+    const int end = leaf == CW_LEAF_MOLLER_TRUMBORE ? RAY_FLOATS : RAY_TMIN;
+    for (int c = 0; c < RAY_AXIS; c++) to->f[c][lane] = from->f[c][k];
+    for (int c = RAY_AXIS; c < 2 * RAY_AXIS; c++) to->f[c][lane] = from->f[c][k];
+    for (int c = 2 * RAY_AXIS; c < end; c++) to->f[c][lane] = from->f[c][k];
+    for (int c = 0; c < RAY_INTS; c++) to->i[c][lane] = from->i[c][k];
+}
