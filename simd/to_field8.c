@@ -13,10 +13,11 @@ static inline vdouble combine(const vdouble column[3], const double v[3]) {
 }
 
 void cw_to_field_avx2(const double m[3][4], const cw_user_ray *in, size_t n, cw_ray *out) {
-    vdouble column[4];
-    for (int c = 0; c < 4; c++) column[c] = vd_setr(m[0][c], m[1][c], m[2][c], 0);
+    vdouble column[3];
+    for (int c = 0; c < 3; c++) column[c] = vd_setr(m[0][c], m[1][c], m[2][c], 0);
     for (size_t k = 0; k < n; k++) {
-        const vdouble org = vd_add(combine(column, in[k].org), column[3]), dir = combine(column, in[k].dir);
+        const double *o = in[k].org, from[3] = {o[0] - m[0][3], o[1] - m[1][3], o[2] - m[2][3]};
+        const vdouble org = combine(column, from), dir = combine(column, in[k].dir);
         vd_store_floats((float *)&out[k], vd_replace_last(org, vd_broadcast(&in[k].tmin)));
         vd_store_floats((float *)&out[k] + 4, vd_replace_last(dir, vd_broadcast(&in[k].tmax)));
     }

@@ -327,6 +327,36 @@ static void test_holes(void **state) {
     expect(4, 2, z, steep, 2.5f, 2.5f, "through holes onto what lies behind");
 }
 
+/* Infinite samples, of both signs, are holes as NaN is: the same bits in every path, and whoever copied them. */
+static void test_infinite_samples(void **state) {
+    (void)state;
+    static test_field f, infinite;
+    static cw_ray rays[RAYS];
+    static cw_hit hits[RAYS], same[RAYS];
+    random_state r = {17};
+    size_t through = 0;
+    for (size_t s = 0; s < FIELD_SIZES; s++) {
+        field_make(&f, FIELD_HOLES, field_sizes[s].nx, field_sizes[s].ny, s);
+        infinite = f;
+        for (size_t k = 0, n = 0; k < f.nx * f.ny; k++)
+            if (isnan(f.z[k])) infinite.z[k] = n++ % 2 ? INFINITY : -INFINITY;
+        cw_field *a = field_open(&f), *b = field_open_copied(&infinite);
+        for (size_t k = 0; k < RAYS; k++) rays[k] = ray_make((ray_class)(k % RAY_CLASSES), &f, &r);
+        for (size_t p = 0; p < path_count; p++) {
+            check_status(cw_closest(a, &paths[p].query, rays, RAYS, hits), CW_OK);
+            check_status(cw_closest(b, &paths[p].query, rays, RAYS, same), CW_OK);
+            for (size_t k = 0; k < RAYS; k++) {
+                through += hits[k].i < 0;
+                check(hit_same(&hits[k], &same[k]), "%s with %s: other hits with infinite samples than with NaN",
+                      paths[p].name, cw_leaf_name(paths[p].leaf));
+            }
+        }
+        cw_field_destroy(a);
+        cw_field_destroy(b);
+    }
+    check(through > 0, "no ray goes through a hole");
+}
+
 /* ---- origins and t-ranges ---------------------------------------------------------------------------------------- */
 
 static void test_far_origins(void **state) {
@@ -401,6 +431,7 @@ int main(void) {
         cmocka_unit_test(test_scaled_heights_change_nothing),
         cmocka_unit_test(test_sizes),
         cmocka_unit_test(test_holes),
+        cmocka_unit_test(test_infinite_samples),
         cmocka_unit_test(test_far_origins),
         cmocka_unit_test(test_not_finite),
         cmocka_unit_test(test_ranges_that_end_on_the_surface),

@@ -62,17 +62,20 @@ void field_make(test_field *f, field_shape shape, size_t nx, size_t ny, uint64_t
     if (f->low > f->high) f->low = f->high = 0; /* holes only */
 }
 
-cw_field *field_open(const test_field *f) {
+static cw_field *open_as(const test_field *f, cw_storage storage) {
     cw_field_desc desc = cw_field_desc_default();
     desc.samples = f->z;
     desc.nx = f->nx;
     desc.ny = f->ny;
-    desc.storage = CW_BORROW;
+    desc.storage = storage;
     cw_field *field;
     check_status(cw_field_create(&desc, &field), CW_OK);
     for (size_t k = 0; k < cw_kernel_count(); k++) check_status(cw_field_build(field, cw_kernel_at(k)), CW_OK);
     return field;
 }
+
+cw_field *field_open(const test_field *f) { return open_as(f, CW_BORROW); }
+cw_field *field_open_copied(const test_field *f) { return open_as(f, CW_COPY); }
 
 void field_print(const test_field *f) {
     printf("field %s, %zu x %zu\n", field_shape_name(f->shape), f->nx, f->ny);

@@ -42,8 +42,10 @@ typedef struct test_field {
 
 void field_make(test_field *f, field_shape shape, size_t nx, size_t ny, uint64_t seed);
 
-/* The library's field over f's samples, which are borrowed; with what every kernel needs built. */
+/* The library's field over f's samples, which are borrowed; with what every kernel needs built. The other one copies them,
+ * and so allows infinities. */
 cw_field *field_open(const test_field *f);
+cw_field *field_open_copied(const test_field *f);
 
 /* To stdout, each sample as a hexadecimal float; a field of more than 64 samples by its name alone. */
 void field_print(const test_field *f);

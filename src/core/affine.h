@@ -21,8 +21,16 @@ static inline void affine_covector(const double inverse[3][4], const double n[3]
     for (int c = 0; c < 3; c++) out[c] = inverse[0][c] * n[0] + inverse[1][c] * n[1] + inverse[2][c] * n[2];
 }
 
-/* False if m is not finite or singular: a determinant that vanishes or overflows once the rows are scaled to unit size,
- * so that neither kilometres nor nanometres count as singular. */
+/* p by the inverse of a map, as affine_invert gives it: first off comes the translation, which is exact or nearly so for
+ * all that is near it, then comes the linear part. A field thousands of kilometres from the origin loses nothing. */
+static inline void affine_point_back(const double inverse[3][4], const double p[3], double out[3]) {
+    const double from[3] = {p[0] - inverse[0][3], p[1] - inverse[1][3], p[2] - inverse[2][3]};
+    affine_vector(inverse, from, out);
+}
+
+/* The inverse of the linear part, with the translation of m itself beside it. False if m is not finite or singular: a
+ * determinant that vanishes or overflows once the rows are scaled to unit size, so that neither kilometres nor nanometres
+ * count as singular. */
 static inline bool affine_invert(const double m[3][4], double out[3][4]) {
     double scale[3], a[3][3];
     for (int r = 0; r < 3; r++) {
@@ -45,11 +53,7 @@ static inline bool affine_invert(const double m[3][4], double out[3][4]) {
             out[r][c] = cofactor[r][c] / det / scale[c];
             if (!isfinite(out[r][c])) return false;
         }
-        out[r][3] = 0;
-    }
-    for (int r = 0; r < 3; r++) {
-        out[r][3] = -(out[r][0] * m[0][3] + out[r][1] * m[1][3] + out[r][2] * m[2][3]);
-        if (!isfinite(out[r][3])) return false;
+        out[r][3] = m[r][3];
     }
     return true;
 }

@@ -147,7 +147,7 @@ float cw_field_sample(const cw_field *field, size_t i, size_t j) {
 static void to_field(const double m[3][4], const cw_user_ray *in, size_t n, cw_ray *out) {
     for (size_t k = 0; k < n; k++) {
         double org[3], dir[3];
-        affine_point(m, in[k].org, org);
+        affine_point_back(m, in[k].org, org);
         affine_vector(m, in[k].dir, dir);
         out[k] = (cw_ray){
             .org = {(float)org[0], (float)org[1], (float)org[2]},

@@ -18,7 +18,7 @@ struct cw_field {
     size_t holes;
     float *owned; /* what z points to unless borrowed */
 
-    double to_user[3][4], to_field[3][4];
+    double to_user[3][4], to_field[3][4]; /* to_field by affine_invert */
 
     struct cw_grid3d *grid3d; /* NULL until built */
     struct cw_pyramid *pyramid;
