@@ -5,6 +5,7 @@
 #include "plot_parts.h"
 #include "results.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -148,7 +149,11 @@ static size_t sides_of(const json_t *lines, side sides[SIDES_MAX]) {
 
 static void put_side_axis(FILE *to, const side *sides, size_t count) {
     fputs("set logscale xy\nset xtics (", to);
-    for (size_t k = 0; k < count; k++) fprintf(to, "%s'%.0f' %.0f", k ? ", " : "", sides[k].samples, sides[k].samples);
+    for (size_t k = 0; k < count; k++) {
+        const bool thousands = sides[k].samples >= 1024; /* 4097 and 8193 would touch in a narrow panel */
+        fprintf(to, "%s'%.0f%s' %.0f", k ? ", " : "", thousands ? floor(sides[k].samples / 1024) : sides[k].samples,
+                thousands ? "k" : "", sides[k].samples);
+    }
     fprintf(to, ")\nset xrange [%g:%g]\n", sides[0].samples / 1.4, sides[count - 1].samples * 1.4);
 }
 
@@ -184,7 +189,7 @@ void plot_begin_panels(FILE *to, size_t count, const plot_span *range) {
     const size_t columns = count < 3 ? count : 3;
     fprintf(to,
             "set multiplot layout %zu,%zu margins 0.08,0.98,0.19,0.83 spacing 0.06,0.13\nunset key\n"
-            "set yrange [%g:%g]\n",
+            "set yrange [%g:%g]\nset ytics (0.03, 0.1, 0.3, 1, 3, 10, 30, 100, 300)\n",
             (count + columns - 1) / columns, columns, range->low / 1.3, range->high * 1.3);
 }
 
@@ -227,7 +232,7 @@ bool plot_scaling(FILE *to, const json_t *lines) {
     put_side_axis(to, sides, side_count);
     plot_begin_panels(to, ray_count, &range);
     for (size_t r = 0; r < ray_count; r++) {
-        plot_begin_panel(to, r, ray_count, rays[r], "samples a side");
+        plot_begin_panel(to, r, ray_count, rays[r], "samples a side, 1k: 1025");
         size_t own = 0;
         for (size_t k = 0; k < count; k++) {
             if (plot_is_embree(names[k])) continue;
@@ -336,13 +341,18 @@ bool plot_building(FILE *to, const json_t *lines) {
     }
     fputs("END\n", to);
     put_side_axis(to, sides, side_count);
-    fputs("set multiplot layout 1,2 margins 0.09,0.98,0.24,0.80 spacing 0.11,0\nset xlabel 'samples a side' offset "
+    fputs("set multiplot layout 1,2 margins 0.09,0.98,0.24,0.80 spacing 0.11,0\nset xlabel 'samples a side, 1k: 1025' "
+          "offset "
           "0,0.5\nunset key\n",
           to);
-    static const char *const titles[] = {"bytes a cell, samples included", "CPU seconds to build, one thread"};
+    static const char *const titles[] = {"bytes a cell, samples included", "CPU time to build, one thread"};
+    static const char *const tics[] = {
+        "1, 2, 5, 10, 20, 50, 100, 200, 500",
+        "'1 µs' 1e-6, '10 µs' 1e-5, '100 µs' 1e-4, '1 ms' 1e-3, '10 ms' 1e-2, '100 ms' 0.1, '1 s' 1, '10 s' 10, "
+        "'100 s' 100, '1000 s' 1000"};
     for (size_t panel = 0; panel < 2; panel++) {
-        fprintf(to, "set title '%s'\nset yrange [%g:%g]\nset format y '%%g'\nplot ", titles[panel],
-                panel ? ranges[1].low / 2 : 1, ranges[panel].high * 2);
+        fprintf(to, "set title '%s'\nset yrange [%g:%g]\nset ytics (%s)\nplot ", titles[panel],
+                panel ? ranges[1].low / 2 : 1, ranges[panel].high * 2, tics[panel]);
         size_t own = 0, other = 0;
         for (size_t k = 0; k < count; k++) {
             const bool kernel = strcmp(builders[k].key, "kernel") == 0;

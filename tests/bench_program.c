@@ -373,7 +373,7 @@ static void pictures_repeat(void **state) {
         {"speed-65.svg", {"Abacus 3000", "million rays / s", "pyramid8", "Embree triangles, 8 wide"}},
         {"speed-257.svg", {"257 × 257 samples", "primary", "ao", "Embree triangles, 8 wide"}},
         {"scaling.svg", {"Abacus 3000", "pyramid8", "primary", "Embree, its fastest width"}},
-        {"building.svg", {"bytes a cell", "CPU seconds to build", "pyramid", "Embree triangles, high build quality"}},
+        {"building.svg", {"bytes a cell", "CPU time to build", "pyramid", "Embree triangles, high build quality"}},
     };
     for (size_t k = 0; k < sizeof pictures / sizeof pictures[0]; k++) {
         char one[64], other[64];
