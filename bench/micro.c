@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "micro.h"
 
+#include "choices.h"
 #include "compare.h"
 #include "results.h"
 #include "run_record.h"
@@ -76,13 +77,8 @@ enum { PEER_NAMES = sizeof peer_names / sizeof peer_names[0] };
 static bool check_options(micro_options *o, cw_isa *isa, io_error *error) {
     const char *names[OPTION_LIST_MAX];
     size_t count = 0;
-    for (; count < cw_kernel_count() && count < OPTION_LIST_MAX; count++)
-        names[count] = cw_kernel_describe(cw_kernel_at(count)).name;
-    if (!options_check_names(&o->kernels, "--kernel", names, count, 0, error)) return false;
-
-    for (count = 0; count < workload_field_count(); count++) names[count] = workload_field_name(count);
-    if (!options_check_names(&o->fields, "--field", names, count, o->longer ? count : 3, error)) return false;
-
+    if (!choices_kernels(&o->kernels, error) || !choices_fields(&o->fields, o->longer ? OPTION_LIST_MAX : 3, error))
+        return false;
     for (count = 0; count < WORKLOAD_CLASS_COUNT; count++) names[count] = workload_class_name((workload_class)count);
     names[count] = "none";
     if (!options_check_names(&o->rays, "--rays", names, count + 1, count, error)) return false;
@@ -104,17 +100,7 @@ static bool check_options(micro_options *o, cw_isa *isa, io_error *error) {
     if (!check_threads(o, error)) return false;
     if (strcmp(o->quality, "high") != 0 && strcmp(o->quality, "medium") != 0)
         return io_fail(error, "--quality %s: must be high or medium", o->quality);
-    *isa = cw_isa_best();
-    if (o->isa == NULL) return true;
-    for (int k = CW_ISA_SCALAR; k <= CW_ISA_AVX512; k++) {
-        if (strcmp(o->isa, cw_isa_name((cw_isa)k)) != 0) continue;
-        if ((cw_isa)k > *isa)
-            return io_fail(error, "--isa %s: this machine, or CELLWALK_ISA, allows no more than %s", o->isa,
-                           cw_isa_name(*isa));
-        *isa = (cw_isa)k;
-        return true;
-    }
-    return io_fail(error, "--isa %s: must be scalar, sse4.2, avx2 or avx512", o->isa);
+    return choices_isa(o->isa, isa, error);
 }
 
 static void close_field(micro_field *on) {

@@ -4,6 +4,7 @@
 #include "tradeoff_main.h"
 
 #include "build_info.h"
+#include "choices.h"
 #include "folder.h"
 #include "output.h"
 #include "plot.h"
@@ -65,31 +66,18 @@ static bool check_options(tradeoff_options *o, io_error *error) {
     for (; count < tradeoff_mode_count() && count < OPTION_LIST_MAX; count++)
         names[count] = tradeoff_mode_at(count)->name;
     if (!options_check_names(&o->modes, "--mode", names, count, 0, error)) return false;
-    for (count = 0; count < cw_kernel_count() && count < OPTION_LIST_MAX; count++)
-        names[count] = cw_kernel_describe(cw_kernel_at(count)).name;
-    if (!options_check_names(&o->kernels, "--kernel", names, count, 0, error)) return false;
+    if (!choices_kernels(&o->kernels, error)) return false;
     for (count = 0; count < TRADEOFF_CLASS_COUNT; count++) names[count] = tradeoff_class_name((int)count);
     if (!options_check_names(&o->rays, "--rays", names, count, count, error)) return false;
-    for (count = 0; count < workload_field_count(); count++) names[count] = workload_field_name(count);
     if (o->fields.count == 0) {
         static const char *const some[] = {"257", "1025"}, *const more[] = {"65",   "257",      "1025",
                                                                             "4097", "sea-calm", "sea-rough"};
         for (size_t k = 0; k < (o->longer ? 6 : 2); k++)
             o->fields.items[o->fields.count++] = (o->longer ? more : some)[k];
     }
-    if (!options_check_names(&o->fields, "--field", names, count, 0, error)) return false;
+    if (!choices_fields(&o->fields, 0, error)) return false;
     if (!options_check_names(&o->scenes, "--scene", scene_names, SCENE_NAMES, SCENE_NAMES - 1, error)) return false;
-    o->isa = cw_isa_best();
-    if (o->isa_name == NULL) return true;
-    for (int k = CW_ISA_SCALAR; k <= CW_ISA_AVX512; k++) {
-        if (strcmp(o->isa_name, cw_isa_name((cw_isa)k)) != 0) continue;
-        if ((cw_isa)k > o->isa)
-            return io_fail(error, "--isa %s: this machine, or CELLWALK_ISA, allows no more than %s", o->isa_name,
-                           cw_isa_name(o->isa));
-        o->isa = (cw_isa)k;
-        return true;
-    }
-    return io_fail(error, "--isa %s: must be scalar, sse4.2, avx2 or avx512", o->isa_name);
+    return choices_isa(o->isa_name, &o->isa, error);
 }
 
 /* ---- files ---- */
