@@ -5,6 +5,7 @@
 #include "compare.h"
 #include "micro.h"
 #include "output.h"
+#include "papers.h"
 #include "parts.h"
 #include "plot.h"
 #include "report.h"
@@ -33,6 +34,7 @@ static const command commands[] = {
     {"compare", "says what changed between two runs of micro", compare_main},
     {"report", "turns results into Markdown, also inside a page", report_main},
     {"plot", "draws results of micro as SVG pictures", plot_main},
+    {"papers", "makes every table and picture of README and papers from their files", papers_main},
 };
 enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
 

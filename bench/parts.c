@@ -144,6 +144,7 @@ typedef struct trial {
     parts_work work;
     unsigned repeats;    /* passes a run, so that it is long for the clock */
     uint64_t operations; /* in a run */
+    uint64_t turns;      /* of the lane walk in a run, steps and rounds of tests */
     double test_share;   /* of a node step: turns that test cells, among all */
 } trial;
 
@@ -179,6 +180,7 @@ static bool count_operations(trial *t, io_error *error) {
     t->set->count(t->kind, &t->work);
     counters_read(all);
     t->operations = counters_find(all, "node")->lanes * t->repeats;
+    t->turns = counters_find(all, "stream")->events * t->repeats;
     t->test_share = (double)counters_find(all, "round")->events / (double)counters_find(all, "stream")->events;
     return t->operations > 0 || io_fail(error, "%s: none was counted", parts[t->kind].name);
 }
@@ -201,7 +203,10 @@ static bool write_trial(io_output *out, const trial *t, const measure_job *job, 
     }
     results_set_count(line, "operations", (size_t)t->operations);
     if (t->work.hits > 0) results_set_count(line, "hits", t->work.hits);
-    if (t->kind == PART_NODE) results_set_number(line, "test_share", t->test_share);
+    if (t->kind == PART_NODE) {
+        results_set_count(line, "turns", (size_t)t->turns);
+        results_set_number(line, "test_share", t->test_share);
+    }
     results_set_seconds(line, s);
     results_set_number(line, "per_second", rate);
     return results_write(out, line, error);
@@ -222,6 +227,9 @@ static bool run_trials(trial *trials, size_t count, double seconds, uint32_t see
     return good;
 }
 
+static const void *volatile kept;
+static void keep(const void *of) { kept = of; }
+
 static parts_work work_of(const ground *g, size_t table) {
     return (parts_work){.field = g->field,
                         .rays = g->rays,
@@ -230,7 +238,8 @@ static parts_work work_of(const ground *g, size_t table) {
                         .cell_j = g->cell_j,
                         .table = g->table,
                         .places = g->places[table],
-                        .place_count = tables[table].places};
+                        .place_count = tables[table].places,
+                        .keep = keep};
 }
 
 static bool run_parts(const ground *g, double seconds, uint32_t seed, io_output *out, io_error *error) {

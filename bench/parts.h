@@ -31,6 +31,7 @@ typedef struct parts_work {
     size_t place_count;             /* a multiple of 64 */
     size_t hits;                    /* of the last leaf test: all of the aimed rays, or it has been set up wrongly */
     volatile float sink;            /* keeps the compiler from leaving work out */
+    void (*keep)(const void *of);   /* looks at all of it, as far as the compiler can tell */
 } parts_work;
 
 /* Runs a part once over all that there is; how many operations that were: rays, tests, steps, numbers. */

@@ -100,7 +100,8 @@ static uint64_t run_refill(parts_work *w) {
     for (const stream_queue *q = waiting; q < waiting + PARTS_RAYS / BATCH; q++)
         for (size_t k = 0; k < q->n; k += W) {
             const stream_state s = refill(&l, q, k);
-            sum = vf_add(sum, vf_add(vf_add(s.t, vf_from_vi(s.x)), vf_load(l.rays.f[RAY_UNTIL])));
+            w->keep(&l); /* a single lane would else never be written */
+            sum = vf_add(sum, vf_add(s.t, vf_from_vi(s.x)));
         }
     w->sink = total(sum);
     return waiting_count;

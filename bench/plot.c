@@ -159,7 +159,7 @@ static bool plot_file(const char *json, const char *directory, io_error *error) 
 
 /* The files that cellwalk-bench measure makes, and what is drawn of each. Of the speeds the first one that is there: the
  * widest instruction set. */
-static bool plot_folder(const char *folder, const char *directory, io_error *error) {
+bool plot_folder(const char *folder, const char *directory, io_error *error) {
     static const struct {
         const char *file, *pictures;
     } sources[] = {

@@ -31,6 +31,9 @@ bool plot_coursework(FILE *to, const json_t *lines);
  * give the same files to the byte. */
 bool plot_all(const json_t *lines, const char *directory, io_error *error);
 
+/* The pictures of a folder of files that measure made. */
+bool plot_folder(const char *folder, const char *directory, io_error *error);
+
 /* The picture of tradeoff under this name. */
 bool plot_tradeoff_file(const json_t *lines, const char *path, io_error *error);
 

@@ -26,7 +26,7 @@ static const char *const usage =
 
 /* ---- into a page ---- */
 
-static char *read_whole(const char *path, io_error *error) {
+char *report_read_page(const char *path, io_error *error) {
     FILE *file = fopen(path, "rb");
     char *text = NULL;
     size_t size = 0;
@@ -55,27 +55,49 @@ static char *find_marker(char *page, const char *path, const char *marker, io_er
     return found;
 }
 
-bool report_into(const char *path, const char *mark, const char *text, io_error *error) {
+/* A page between whose markers something stands. */
+typedef struct marked {
+    char *page, *first, *last; /* first: after the beginning marker; last: the ending one */
+} marked;
+
+static bool open_marked(marked *m, const char *path, const char *mark, io_error *error) {
     char begin[128], end[128];
+    *m = (marked){NULL, NULL, NULL};
     if (snprintf(begin, sizeof begin, "<!-- begin:%s -->", mark) >= (int)sizeof begin)
         return io_fail(error, "--mark %s: too long", mark);
     snprintf(end, sizeof end, "<!-- end:%s -->", mark);
-    char *page = read_whole(path, error);
-    if (page == NULL) return false;
-    char *first = find_marker(page, path, begin, error), *last = first ? find_marker(page, path, end, error) : NULL;
-    bool good = first && last;
-    if (good && last < first) good = io_fail(error, "%s: %s stands before %s", path, end, begin);
-    io_output out = {0};
-    good = good && io_output_open(&out, path, error);
-    if (good) {
-        first += strlen(begin);
-        good = io_output_write(&out, page, (size_t)(first - page), error) && io_output_write(&out, "\n", 1, error) &&
-               io_output_write(&out, text, strlen(text), error) && io_output_write(&out, last, strlen(last), error) &&
-               io_output_commit(&out, error);
+    m->page = report_read_page(path, error);
+    if (m->page) m->first = find_marker(m->page, path, begin, error);
+    if (m->first) m->last = find_marker(m->page, path, end, error);
+    if (m->last && m->last < m->first) io_fail(error, "%s: %s stands before %s", path, end, begin);
+    if (m->last && m->last > m->first) {
+        m->first += strlen(begin);
+        return true;
     }
+    free(m->page);
+    return false;
+}
+
+bool report_into(const char *path, const char *mark, const char *text, io_error *error) {
+    marked m;
+    if (!open_marked(&m, path, mark, error)) return false;
+    io_output out = {0};
+    const bool good = io_output_open(&out, path, error) &&
+                      io_output_write(&out, m.page, (size_t)(m.first - m.page), error) &&
+                      io_output_write(&out, "\n", 1, error) && io_output_write(&out, text, strlen(text), error) &&
+                      io_output_write(&out, m.last, strlen(m.last), error) && io_output_commit(&out, error);
     io_output_discard(&out);
-    free(page);
+    free(m.page);
     return good;
+}
+
+bool report_is_in(const char *path, const char *mark, const char *text, bool *same, io_error *error) {
+    marked m;
+    if (!open_marked(&m, path, mark, error)) return false;
+    const size_t length = strlen(text);
+    *same = *m.first == '\n' && (size_t)(m.last - m.first) == length + 1 && memcmp(m.first + 1, text, length) == 0;
+    free(m.page);
+    return true;
 }
 
 /* ---- micro ---- */

@@ -54,6 +54,10 @@ const json_t *targets_embree(const json_t *lines, const char *field, const char 
 
 /* targets_text.c: the whole page, and the same figures with commas. */
 void targets_markdown(FILE *to, const targets_data *data);
+/* Its three parts: what is aimed at, speeds, and memory with building, which is nothing without its file. */
+void targets_put_table(FILE *to, const targets_data *data);
+void targets_put_speeds(FILE *to, const targets_data *data);
+void targets_put_building(FILE *to, const targets_data *data);
 void targets_csv(FILE *to, const targets_data *data);
 
 #endif

@@ -19,7 +19,7 @@ static void put_measured(FILE *to, const target *t) {
     fprintf(to, "%s |", target_is_met(t) ? "" : " **missed**");
 }
 
-static void put_targets(FILE *to, const targets_data *d) {
+void targets_put_table(FILE *to, const targets_data *d) {
     fputs("|", to);
     for (size_t k = 0; k < TARGETS_ISAS; k++)
         if (d->speed[k]) fprintf(to, " | %s, wanted | measured", targets_isa(k));
@@ -68,8 +68,7 @@ static void put_speeds(FILE *to, const json_t *lines, const char *isa) {
     const size_t ray_count = results_distinct(lines, "rays", rays, NAMES_MAX);
     char machine[512];
     run_record_text(json_array_get(lines, 0), machine, sizeof machine);
-    fprintf(to,
-            "\n%s: speed over that of Embree's best width, in brackets both in millions of rays a second.\n%s.\n\n|",
+    fprintf(to, "%s: speed over that of Embree's best width, in brackets both in millions of rays a second.\n%s.\n\n|",
             isa, machine);
     for (size_t f = 0; f < field_count; f++) fprintf(to, " | %s", fields[f]);
     fputs(" |\n|---|", to);
@@ -83,8 +82,10 @@ static void put_speeds(FILE *to, const json_t *lines, const char *isa) {
 }
 
 /* A row a build: whose, bytes a cell with the samples, seconds. */
-static void put_building(FILE *to, const json_t *lines) {
-    fputs("\nMemory with the samples, and CPU seconds of one thread to build.\n\n| field | | bytes a cell | s |\n"
+void targets_put_building(FILE *to, const targets_data *d) {
+    const json_t *lines = d->building;
+    if (lines == NULL) return;
+    fputs("Memory with the samples, and CPU seconds of one thread to build.\n\n| field | | bytes a cell | s |\n"
           "|---|---|--:|--:|\n",
           to);
     const json_t *line;
@@ -103,11 +104,20 @@ static void put_building(FILE *to, const json_t *lines) {
     }
 }
 
+void targets_put_speeds(FILE *to, const targets_data *d) {
+    for (size_t k = 0, put = 0; k < TARGETS_ISAS; k++) {
+        if (d->speed[k] == NULL) continue;
+        if (put++) fputc('\n', to);
+        put_speeds(to, d->speed[k], targets_isa(k));
+    }
+}
+
 void targets_markdown(FILE *to, const targets_data *d) {
-    put_targets(to, d);
-    for (size_t k = 0; k < TARGETS_ISAS; k++)
-        if (d->speed[k]) put_speeds(to, d->speed[k], targets_isa(k));
-    if (d->building) put_building(to, d->building);
+    targets_put_table(to, d);
+    fputc('\n', to);
+    targets_put_speeds(to, d);
+    if (d->building) fputc('\n', to);
+    targets_put_building(to, d);
 }
 
 void targets_csv(FILE *to, const targets_data *d) {

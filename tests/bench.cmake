@@ -23,6 +23,10 @@ if(TARGET cellwalk_bench)
         -DFOLDER=${CMAKE_CURRENT_BINARY_DIR}/bench_measure -DGNUPLOT=$<IF:$<BOOL:${GNUPLOT}>,${GNUPLOT},>
         -P ${CMAKE_CURRENT_SOURCE_DIR}/bench_measure.cmake)
     set_tests_properties(bench_measure PROPERTIES TIMEOUT 300)
+    # No figure in README or papers that the files beside them do not give.
+    if(EXISTS ${PROJECT_SOURCE_DIR}/papers/data/counters.json)
+        add_test(NAME papers COMMAND cellwalk_bench papers --check WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
+    endif()
 endif()
 # The guard against slow-downs; the test tells why where it is skipped.
 add_test(NAME guard WORKING_DIRECTORY ${PROJECT_BINARY_DIR}/bench
