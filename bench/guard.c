@@ -8,17 +8,13 @@
  * instructions and still be slower; that is for cellwalk-bench to say. Another compiler makes other code, so the figures
  * hold for one compiler and one set of flags, and every other build is skipped. */
 #include "build_info.h"
+#include "guard_callgrind.h"
 #include "guard_figures.h"
 
 #include <errno.h>
-#include <fcntl.h>
-#include <spawn.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
 #include <unistd.h>
-
-extern char **environ;
 
 enum { SKIPPED = 77 }; /* the exit status that the test's property SKIP_RETURN_CODE names */
 
@@ -32,30 +28,6 @@ static const char *const usage =
 
 static const char *const update_command = "cmake --build --preset ci --target guard-update";
 static const char *const runs_file = "guard.runs", *const profile_file = "guard.callgrind";
-
-/* Runs callgrind on the workload; its exit status, or -1 with errno. */
-static int run_callgrind(char *workload) {
-    static char quiet[] = "-q", tool[] = "--tool=callgrind", off[] = "--collect-atstart=no",
-                toggle[] = "--toggle-collect=guard_trace", dump[] = "--dump-after=guard_trace",
-                combine[] = "--combine-dumps=yes", names[] = "--compress-strings=no", lines[] = "--compress-pos=no",
-                out[] = "--callgrind-out-file=guard.callgrind", valgrind[] = "valgrind";
-    char *const arguments[] = {valgrind, quiet, tool, off, toggle, dump, combine, names, lines, out, workload, NULL};
-    posix_spawn_file_actions_t actions;
-    pid_t child;
-    int status, failure = posix_spawn_file_actions_init(&actions);
-    if (failure == 0) {
-        posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, runs_file, O_WRONLY | O_CREAT | O_TRUNC, 0666);
-        failure = posix_spawnp(&child, valgrind, &actions, NULL, arguments, environ);
-        posix_spawn_file_actions_destroy(&actions);
-    }
-    if (failure != 0) {
-        errno = failure;
-        return -1;
-    }
-    while (waitpid(child, &status, 0) < 0)
-        if (errno != EINTR) return -1;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : EXIT_FAILURE;
-}
 
 static int skip(const char *reason) {
     printf("skipped: %s\n", reason);
@@ -112,9 +84,9 @@ int main(int argc, char **argv) {
         return EXIT_FAILURE;
     }
 
-    const int status = run_callgrind(argv[2]);
-    /* Where posix_spawn is a plain fork, a program that is not there shows as 127. */
-    if ((status < 0 && errno == ENOENT) || status == 127) return skip("valgrind is not installed (Debian: valgrind)");
+    char *const workload[] = {argv[2], NULL};
+    const int status = guard_callgrind(workload, runs_file, NULL, profile_file);
+    if (status == 127) return skip("valgrind is not installed (Debian: valgrind)");
     if (status != 0) {
         io_fail(&error, "valgrind on %s: %s", argv[2], status < 0 ? strerror(errno) : "failed");
         return fail(&error);

@@ -182,10 +182,11 @@ bool papers_pieces(FILE *to, papers_data *d, io_error *error) {
 
 /* ---- limits ---- */
 
-/* Instructions a ray with every lever on; 0 where they were not counted. */
-static double instructions_of(const json_t *ablation, const char *field, const char *rays) {
-    const json_t *line =
-        ablation ? results_find(ablation, "ablation", "variant", "as it is", "field", field, "rays", rays, NULL) : NULL;
+/* Instructions a ray with every lever on; 0 where they were not counted for this kernel. */
+static double instructions_of(const json_t *ablation, const char *field, const char *rays, const char *kernel) {
+    const json_t *line = ablation ? results_find(ablation, "ablation", "variant", "as it is", "field", field, "rays",
+                                                 rays, "kernel", kernel, NULL)
+                                  : NULL;
     return line ? results_number(line, "instructions") / results_number(line, "ray_count") : 0;
 }
 
@@ -224,7 +225,7 @@ bool papers_limits(FILE *to, papers_data *d, io_error *error) {
             const json_t *line = own ? counts_of(counters, fields[f], rays[r], kernel) : NULL;
             if (line == NULL) continue;
             const double ns = 1e3 / results_number(own, "mrays_per_s"), ticks = results_number(own, "tsc_per_ray");
-            const double instructions = instructions_of(ablation, fields[f], rays[r]);
+            const double instructions = instructions_of(ablation, fields[f], rays[r], kernel);
             const double apart = fmax(0, lanes(line, "leaf") - lanes(line, "round"));
             const double pieces = prepare + events(line, "stream") * turn + apart * leaf;
             fprintf(to, "| %s | %s | %.1f | %.0f |", fields[f], rays[r], ns, ticks);
@@ -268,7 +269,7 @@ bool papers_ablation(FILE *to, papers_data *d, io_error *error) {
             for (size_t r = 0; r < ray_count; r++) {
                 const json_t *line =
                     results_find(lines, "ablation", "variant", variants[v], "field", fields[f], "rays", rays[r], NULL);
-                const double base = instructions_of(lines, fields[f], rays[r]);
+                const double base = instructions_of(lines, fields[f], rays[r], results_text(first, "kernel"));
                 const double is = line ? results_number(line, "instructions") / results_number(line, "ray_count") : 0;
                 put_number(to, is, " %.0f");
                 if (is > 0) fprintf(to, v && base > 0 ? " (%.2f) |" : " |", is / base);
