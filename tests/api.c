@@ -18,11 +18,7 @@ enum { RAYS = sizeof rays / sizeof rays[0] };
 
 static int set_up(void **state) {
     (void)state;
-    random_state r = {7};
-    field_make(&shape, FIELD_RANDOM, 17, 17, 7);
-    field = field_open(&shape);
-    for (size_t k = 0; k < RAYS; k++) rays[k] = ray_make((ray_class)(k % RAY_CLASSES), &shape, &r);
-    check_status(cw_closest(field, NULL, rays, RAYS, expected), CW_OK);
+    field = ray_case(&shape, FIELD_RANDOM, 17, 17, 7, rays, expected, RAYS);
     return 0;
 }
 
@@ -299,38 +295,6 @@ static void test_lengths_and_alignment(void **state) {
     free(out);
 }
 
-static void test_nan_rays_miss(void **state) {
-    (void)state;
-    const cw_ray good = {.org = {8, 8.3f, 5}, .tmin = 0, .dir = {0.1f, 0.2f, -1}, .tmax = 100};
-    for (size_t kernel = 0; kernel < cw_kernel_count(); kernel++) {
-        const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(kernel));
-        for (int leaf = CW_LEAF_MOLLER_TRUMBORE; info.available && leaf < CW_LEAF_COUNT; leaf++) {
-            const cw_query q = {.kernel = cw_kernel_at(kernel), .leaf = (cw_leaf)leaf};
-            cw_hit hit;
-            if (cw_closest(field, &q, &good, 1, &hit) == CW_ERROR_UNSUPPORTED) continue;
-            check(hit.i >= 0, "%s: the ray without NaN misses", info.name);
-            for (size_t part = 0; part < 8; part++)
-                for (int kind = 0; kind < 3; kind++) {
-                    const float odd[] = {NAN, INFINITY, -INFINITY};
-                    const bool range = part == 3 || part == 7;
-                    if (range && kind > 0) continue; /* an infinite t-range is a good one */
-                    float parts[8];
-                    memcpy(parts, &good, sizeof parts);
-                    parts[part] = odd[kind];
-                    cw_ray ray;
-                    memcpy(&ray, parts, sizeof ray);
-                    check_status(cw_closest(field, &q, &ray, 1, &hit), CW_OK);
-                    check(hit.t == INFINITY && hit.i == -1 && hit.j == -1 && hit.triangle == 0 && hit.u == 0 &&
-                              hit.v == 0,
-                          "%s: hit with %g in component %zu", info.name, (double)odd[kind], part);
-                    uint8_t occluded = 2;
-                    check_status(cw_any(field, &q, &ray, 1, &occluded), CW_OK);
-                    assert_int_equal(occluded, 0);
-                }
-        }
-    }
-}
-
 /* ---- what follows from a hit ------------------------------------------------------------------------------------- */
 
 typedef struct vec3 {
@@ -529,68 +493,6 @@ static void test_moved_rays_agree(void **state) {
     cw_field_destroy(f);
 }
 
-/* Centimetre cells at northing 5·10^6 m: the same hits, bit for bit, as at the origin. */
-static void test_far_user_space(void **state) {
-    (void)state;
-    enum { N = 2000 };
-    static cw_user_ray near_rays[N], far_rays[N];
-    static cw_ray a[N], b[N];
-    const double cell = 0.01, east = 5000000, north = 5000000;
-    cw_field_desc d = cw_field_desc_default();
-    d.samples = shape.z;
-    d.nx = shape.nx;
-    d.ny = shape.ny;
-    for (int c = 0; c < 3; c++) d.map[c][c] = cell;
-    cw_field *here, *there;
-    check_status(cw_field_create(&d, &here), CW_OK);
-    d.map[0][3] = east;
-    d.map[1][3] = north;
-    check_status(cw_field_create(&d, &there), CW_OK);
-    random_state r = {11};
-    size_t hits = 0;
-    for (size_t k = 0; k < N; k++) {
-        for (int c = 0; c < 3; c++) { /* multiples of 2^-27 m, so that adding the origin is exact too */
-            near_rays[k].org[c] = ldexp(floor(random_between(&r, -0x1p18, 0x1p20) * (c < 2 ? 16 : 2)), -27);
-            near_rays[k].dir[c] = random_between(&r, -1, 1);
-        }
-        near_rays[k].tmax = (double)INFINITY;
-        far_rays[k] = near_rays[k];
-        far_rays[k].org[0] += east;
-        far_rays[k].org[1] += north;
-    }
-    cw_rays_to_field(here, near_rays, N, a);
-    cw_rays_to_field(there, far_rays, N, b);
-    for (size_t kernel = 0; kernel < cw_kernel_count(); kernel++)
-        for (int leaf = CW_LEAF_MOLLER_TRUMBORE; leaf < CW_LEAF_COUNT; leaf++) {
-            const cw_query query = {.kernel = cw_kernel_at(kernel), .leaf = (cw_leaf)leaf};
-            const cw_kernel_info info = cw_kernel_describe(query.kernel);
-            if (!info.available || (leaf == CW_LEAF_WATERTIGHT && info.default_leaf != CW_LEAF_WATERTIGHT)) continue;
-            check_status(cw_field_build(here, query.kernel), CW_OK);
-            check_status(cw_field_build(there, query.kernel), CW_OK);
-            check_status(cw_closest(here, &query, a, N, expected), CW_OK);
-            check_status(cw_closest(there, &query, b, N, got), CW_OK);
-            for (size_t k = 0; k < N; k++)
-                check(hit_same(&expected[k], &got[k]), "%s with %s: ray %zu hits elsewhere far from the origin",
-                      info.name, cw_leaf_name((cw_leaf)leaf), k);
-        }
-    check_status(cw_closest(there, NULL, b, N, got), CW_OK);
-    for (size_t k = 0; k < N; k++) {
-        if (got[k].i < 0) continue;
-        hits++;
-        double p[3], q[3];
-        cw_hit_point(here, &got[k], p);
-        cw_hit_point(there, &got[k], q);
-        check(fabs(q[0] - east - p[0]) < 1e-9 && fabs(q[1] - north - p[1]) < 1e-8 && q[2] == p[2], "point");
-        for (int c = 0; c < 3; c++) {
-            const double on_ray = near_rays[k].org[c] + (double)got[k].t * near_rays[k].dir[c];
-            check(fabs(on_ray - p[c]) < 1e-4 * cell * 16, "ray %zu: hit off the ray by %g", k, on_ray - p[c]);
-        }
-    }
-    check(hits > N / 20, "only %zu hits", hits);
-    cw_field_destroy(here);
-    cw_field_destroy(there);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_bad_fields),
@@ -601,11 +503,9 @@ int main(void) {
         cmocka_unit_test(test_names),
         cmocka_unit_test(test_borrowed_and_copied),
         cmocka_unit_test(test_lengths_and_alignment),
-        cmocka_unit_test(test_nan_rays_miss),
         cmocka_unit_test(test_what_follows_from_a_hit),
         cmocka_unit_test(test_phong_normal_beside_a_hole),
         cmocka_unit_test(test_moved_rays_agree),
-        cmocka_unit_test(test_far_user_space),
     };
     return cmocka_run_group_tests_name("api", tests, set_up, tear_down);
 }

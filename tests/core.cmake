@@ -1,7 +1,15 @@
 # Tests of the tracing core.
+
+# Makes a test take the emulated kernels for the machine's, as described below.
+function(cellwalk_emulate test)
+    target_include_directories(test_${test} PRIVATE ${PROJECT_SOURCE_DIR}/src/core)
+    target_compile_definitions(test_${test} PRIVATE CELLWALK_MACHINE_ISA=CW_ISA_AVX512)
+    target_link_libraries(test_${test} PRIVATE cellwalk_test_rays)
+endfunction()
+
 find_package(Threads REQUIRED)
 if(CMOCKA_INCLUDE AND CMOCKA_LIBRARY)
-    add_library(cellwalk_test_rays STATIC fields.c rays.c)
+    add_library(cellwalk_test_rays STATIC fields.c paths.c rays.c)
     target_include_directories(cellwalk_test_rays PRIVATE ${CMOCKA_INCLUDE})
     target_link_libraries(cellwalk_test_rays PUBLIC cellwalk::cellwalk_static PRIVATE cellwalk_flags ${CMOCKA_LIBRARY})
 
@@ -22,10 +30,9 @@ if(CMOCKA_INCLUDE AND CMOCKA_LIBRARY)
         # Vectors wider than the machine's are passed in memory, of which GCC warns; all of it is one compile unit.
         target_compile_options(cellwalk_emulated PRIVATE -mavx2 -mfma -ffp-contract=off -fno-math-errno -fno-trapping-math
             -Wno-psabi -include ${CMAKE_CURRENT_SOURCE_DIR}/emulated_avx512.h)
-        cellwalk_test(lanes_avx512_emulated lanes.c ${PROJECT_SOURCE_DIR}/src/core/isa.c $<TARGET_OBJECTS:cellwalk_emulated>)
-        target_include_directories(test_lanes_avx512_emulated PRIVATE ${PROJECT_SOURCE_DIR}/src/core)
-        target_compile_definitions(test_lanes_avx512_emulated PRIVATE CELLWALK_MACHINE_ISA=CW_ISA_AVX512)
-        target_link_libraries(test_lanes_avx512_emulated PRIVATE cellwalk_test_rays)
+        set(emulated ${PROJECT_SOURCE_DIR}/src/core/isa.c $<TARGET_OBJECTS:cellwalk_emulated>)
+        cellwalk_test(lanes_avx512_emulated lanes.c ${emulated})
+        cellwalk_emulate(lanes_avx512_emulated)
     else()
         message(STATUS "Kernels for AVX-512 are tested only where the CPU has it (emulation: libsimde-dev, GCC, no sanitizer)")
     endif()
@@ -49,10 +56,19 @@ if(CMOCKA_INCLUDE AND CMOCKA_LIBRARY AND GMP_INCLUDE AND GMP_LIBRARY)
 
     cellwalk_test(oracle oracle_test.c)
     target_link_libraries(test_oracle PRIVATE cellwalk_test_oracle)
-    foreach(test IN ITEMS brute exhaustive extremes watertight)
+    foreach(test IN ITEMS brute exhaustive watertight)
         cellwalk_test(${test} ${test}.c)
         target_link_libraries(test_${test} PRIVATE cellwalk_test_oracle)
     endforeach()
+    cellwalk_test(extremes extremes.c extremes_judge.c)
+    target_link_libraries(test_extremes PRIVATE cellwalk_test_oracle)
+    set(all_extremes test_extremes)
+    if(TARGET cellwalk_emulated)
+        set(all_extremes test_extremes_avx512_emulated)
+        cellwalk_test(extremes_avx512_emulated extremes.c extremes_judge.c ${emulated})
+        cellwalk_emulate(extremes_avx512_emulated)
+        target_link_libraries(test_extremes_avx512_emulated PRIVATE cellwalk_test_oracle)
+    endif()
 
     # The long run of stability.c, and the part of it that is a test. It takes fields and Embree from bench/, and stands
     # here because it needs the oracle, hence GMP, which the benchmark must not.
@@ -62,15 +78,31 @@ if(CMOCKA_INCLUDE AND CMOCKA_LIBRARY AND GMP_INCLUDE AND GMP_LIBRARY)
     cellwalk_test(stability stability_test.c)
     target_link_libraries(test_stability PRIVATE cellwalk_stability_run)
     if(TARGET cellwalk_measure) # JSON, options and pages
-        add_executable(cellwalk_stability stability.c stability_page.c)
+        add_executable(cellwalk_stability stability.c stability_page.c stability_tables.c)
         set_target_properties(cellwalk_stability PROPERTIES OUTPUT_NAME cellwalk-stability)
         target_link_libraries(cellwalk_stability PRIVATE cellwalk_stability_run cellwalk_measure cellwalk_flags)
-        # Hours on a slow machine: by hand, not by CTest. Figures into papers/stability.md.
+        # Figures for papers/stability.md. The long run takes a quarter of an hour to half of one and is started by hand,
+        # not by CTest; the extremes take seconds, the exhaustive test of all fields half an hour.
+        set(data ${PROJECT_SOURCE_DIR}/papers/data/stability)
+        set(page ${PROJECT_SOURCE_DIR}/papers/stability.md)
         add_custom_target(stability
-            COMMAND cellwalk_stability run --json ${PROJECT_SOURCE_DIR}/papers/data/stability.json
-            COMMAND cellwalk_stability report --json ${PROJECT_SOURCE_DIR}/papers/data/stability.json
-                --into ${PROJECT_SOURCE_DIR}/papers/stability.md
+            COMMAND ${CMAKE_COMMAND} -E make_directory ${data}
+            COMMAND cellwalk_stability run --json ${data}/aimed.json
+            COMMAND cellwalk_stability report --json ${data}/aimed.json --into ${page}
             WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} USES_TERMINAL VERBATIM)
+        add_custom_target(stability-extremes
+            COMMAND ${CMAKE_COMMAND} -E make_directory ${data}
+            COMMAND ${CMAKE_COMMAND} -E env CELLWALK_TEST_COUNTS=${data}/extremes.json $<TARGET_FILE:${all_extremes}>
+            COMMAND cellwalk_stability report --json ${data}/extremes.json --into ${page}
+            WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} USES_TERMINAL VERBATIM)
+        add_dependencies(stability-extremes ${all_extremes})
+        add_custom_target(stability-exhaustive
+            COMMAND ${CMAKE_COMMAND} -E make_directory ${data}
+            COMMAND ${CMAKE_COMMAND} -E env CELLWALK_TEST_COUNTS=${data}/exhaustive.json CELLWALK_TEST_ROUNDS=1001
+                $<TARGET_FILE:test_exhaustive>
+            COMMAND cellwalk_stability report --json ${data}/exhaustive.json --into ${page}
+            WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} USES_TERMINAL VERBATIM)
+        add_dependencies(stability-exhaustive test_exhaustive)
     endif()
 endif()
 

@@ -21,11 +21,7 @@ static cw_hit expected[RAYS], got[RAYS];
 
 static int set_up(void **state) {
     (void)state;
-    random_state r = {13};
-    field_make(&shape, FIELD_TINY, 31, 12, 13);
-    field = field_open(&shape);
-    for (size_t k = 0; k < RAYS; k++) rays[k] = ray_make((ray_class)(k % RAY_CLASSES), &shape, &r);
-    check_status(cw_closest(field, NULL, rays, RAYS, expected), CW_OK);
+    field = ray_case(&shape, FIELD_TINY, 31, 12, 13, rays, expected, RAYS);
     return 0;
 }
 

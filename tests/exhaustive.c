@@ -1,36 +1,39 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Every field of 2 × 2 samples with heights 0, 1, 2 or a hole, and fields of 3 × 3 with heights 0, 1, 2, against every
- * ray from a lattice of origins and directions: all the ways in which rays and small fields can touch. Whole numbers
- * and halves make most of it exact in float, so the watertight kernel has to name the exact answer but for few ties.
+/* Every field of 2 × 2, 2 × 3 and 3 × 2 samples with heights 0, 1, 2 or a hole, and of 3 × 3 with heights 0, 1, 2, against
+ * every ray from a lattice of origins and directions: all the ways in which rays and small fields can touch. Whole numbers
+ * and halves make most of it exact in float, so the watertight kernels have to name the exact answer but for few ties.
  *
- * CELLWALK_TEST_ROUNDS = n takes n times as many of the 3 × 3 fields; 1000 takes all. */
+ * The test takes all of 2 × 2 and a share of the rest; CELLWALK_TEST_ROUNDS = n takes n times as many of the larger
+ * fields, 1001 takes all. With CELLWALK_TEST_COUNTS = FILE the counts are kept for papers/stability.md. */
 
 #include "check.h"
+#include "paths.h"
 #include "tally.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #ifndef TEST_SCALE_DOWN
 #define TEST_SCALE_DOWN 1
 #endif
 
-/* Origins from -1 to the field's side and beyond in steps of a half, heights from -1 to 3; directions of -2 … 2. */
+/* Origins from -1/2 to half a cell beyond the field in steps of a half, heights from -1 to 3; directions of -2 … 2. */
 typedef struct lattice {
-    size_t places, heights; /* a side */
     size_t rays;
     cw_ray *ray;
 } lattice;
 
-static lattice make_lattice(size_t side) {
-    lattice l = {.places = 2 * side + 1, .heights = 5};
-    l.ray = malloc(l.places * l.places * l.heights * 124 * 2 * sizeof *l.ray);
+static lattice make_lattice(size_t nx, size_t ny) {
+    const size_t along_x = 2 * nx + 1, along_y = 2 * ny + 1, places = along_x * along_y * 5;
+    lattice l = {.ray = malloc(places * 124 * 2 * sizeof *l.ray)};
     check(l.ray != NULL, "out of memory");
-    for (size_t p = 0; p < l.places * l.places * l.heights; p++)
+    for (size_t p = 0; p < places; p++)
         for (int d = 0; d < 125; d++) {
             if (d == 62) continue; /* no direction */
-            const float x = 0.5f * (float)(p % l.places) - 0.5f, y = 0.5f * (float)(p / l.places % l.places) - 0.5f;
-            cw_ray ray = {.org = {x, y, (float)(p / l.places / l.places) - 1},
+            const float x = 0.5f * (float)(p % along_x) - 0.5f, y = 0.5f * (float)(p / along_x % along_y) - 0.5f;
+            cw_ray ray = {.org = {x, y, (float)(p / along_x / along_y) - 1},
                           .dir = {(float)(d % 5 - 2), (float)(d / 5 % 5 - 2), (float)(d / 25 - 2)},
                           .tmax = INFINITY};
             l.ray[l.rays++] = ray;
@@ -42,10 +45,11 @@ static lattice make_lattice(size_t side) {
 }
 
 /* Field number in the numeral system of the heights. */
-static void numbered_field(test_field *f, size_t side, size_t number, const float *heights, size_t count) {
+static void numbered_field(test_field *f, size_t nx, size_t ny, size_t number, const float *heights, size_t count) {
     f->shape = FIELD_INTEGERS;
-    f->nx = f->ny = side;
-    for (size_t k = 0; k < side * side; k++, number /= count) f->z[k] = heights[number % count];
+    f->nx = nx;
+    f->ny = ny;
+    for (size_t k = 0; k < nx * ny; k++, number /= count) f->z[k] = heights[number % count];
 }
 
 /* Ties that are allowed, each for a reason. */
@@ -75,8 +79,40 @@ static bool excused(const cw_ray *ray, const oracle_truth *truth, excuses *e) {
     return false;
 }
 
+/* What one size of fields came to. */
+typedef struct outcome {
+    size_t fields, all_fields, answers; /* answers: bit for bit the judged ones, of all other kernels */
+    tally tally;
+    excuses excuses;
+} outcome;
+
+/* All kernels with this leaf test against the hits that were judged. */
+static void compare_paths(const cw_field *field, const lattice *l, const cw_hit *hits, outcome *o) {
+    static path paths[PATHS_MAX];
+    static size_t count;
+    if (count == 0) count = paths_find(paths);
+    cw_hit *same = malloc(l->rays * sizeof *same);
+    uint8_t *occluded = malloc(l->rays);
+    check(same != NULL && occluded != NULL, "out of memory");
+    for (size_t p = 0; p < count; p++) {
+        if (paths[p].leaf != CW_LEAF_WATERTIGHT) continue;
+        check_status(cw_closest(field, &paths[p].query, l->ray, l->rays, same), CW_OK);
+        check_status(cw_any(field, &paths[p].query, l->ray, l->rays, occluded), CW_OK);
+        for (size_t k = 0; k < l->rays; k++)
+            if (!hit_same(&same[k], &hits[k]) || occluded[k] != (hits[k].i >= 0)) {
+                ray_print(&l->ray[k]);
+                hit_print("judged", &hits[k]);
+                hit_print(paths[p].name, &same[k]);
+                check(false, "%s: other answers", paths[p].name);
+            }
+        o->answers += l->rays;
+    }
+    free(same);
+    free(occluded);
+}
+
 /* Every ray against one field; the number judged wrong or tied without an excuse. */
-static size_t judge_all(const test_field *f, const lattice *l, tally *t, excuses *e) {
+static size_t judge_all(const test_field *f, const lattice *l, bool every_path, outcome *out) {
     size_t wrong = 0;
     cw_field *field = field_open(f);
     oracle *o = oracle_create(f->z, f->nx, f->ny);
@@ -87,11 +123,12 @@ static size_t judge_all(const test_field *f, const lattice *l, tally *t, excuses
     for (size_t k = 0; k < l->rays; k++) {
         const oracle_truth *truth = oracle_trace(o, &l->ray[k]);
         const judgement j = oracle_judge(o, &hits[k]);
-        tally_add(t, &hits[k], truth, &j);
+        tally_add(&out->tally, &hits[k], truth, &j);
         if (j.verdict == VERDICT_RIGHT) continue;
-        if (j.verdict == VERDICT_TIE && excused(&l->ray[k], truth, e)) continue;
+        if (j.verdict == VERDICT_TIE && excused(&l->ray[k], truth, &out->excuses)) continue;
         if (wrong++ < 2) tally_explain(f, &l->ray[k], &hits[k], truth, &j);
     }
+    if (every_path) compare_paths(field, l, hits, out);
     free(hits);
     oracle_destroy(o);
     cw_field_destroy(field);
@@ -100,36 +137,84 @@ static size_t judge_all(const test_field *f, const lattice *l, tally *t, excuses
 
 static const float heights[] = {0, 1, 2, NAN};
 
-static void judge_fields(size_t side, size_t count, size_t step) {
+static FILE *counts; /* NULL: not asked for */
+
+static void write_counts(size_t nx, size_t ny, size_t height_count, const outcome *o) {
+    const size_t *v = o->tally.verdict;
+    if (counts == NULL) return;
+    fprintf(
+        counts,
+        "{\"kind\": \"exhaustive\", \"field\": \"%zu x %zu\", \"heights\": \"%s\", \"fields\": %zu, \"all_fields\": "
+        "%zu, \"rays\": %zu, \"hits\": %zu, \"pass\": %zu, \"right\": %zu, \"tie\": %zu, \"rims\": %zu, "
+        "\"thirds\": %zu, \"leak\": %zu, \"phantom\": %zu, \"wrong_surface\": %zu, \"same_bits\": %zu}\n",
+        nx, ny, height_count == 4 ? "0, 1, 2, hole" : "0, 1, 2", o->fields, o->all_fields, o->tally.rays, o->tally.hits,
+        o->tally.passes, v[VERDICT_RIGHT], v[VERDICT_TIE], o->excuses.rims, o->excuses.thirds, v[VERDICT_LEAK],
+        v[VERDICT_PHANTOM], v[VERDICT_WRONG_SURFACE], o->answers);
+    fflush(counts);
+}
+
+static void judge_fields(size_t nx, size_t ny, size_t height_count, size_t step) {
     static test_field f;
-    size_t fields = 1, wrong = 0;
-    for (size_t k = 0; k < side * side; k++) fields *= count;
-    const lattice l = make_lattice(side);
-    tally t = {.rays = 0};
-    excuses e = {0, 0};
-    for (size_t number = 0; number < fields && wrong < 10; number += step) {
-        numbered_field(&f, side, number, heights, count);
-        wrong += judge_all(&f, &l, &t, &e);
+    size_t wrong = 0;
+    outcome o = {.all_fields = 1};
+    for (size_t k = 0; k < nx * ny; k++) o.all_fields *= height_count;
+    const lattice l = make_lattice(nx, ny);
+    for (size_t number = 0; number < o.all_fields && wrong < 10; number += step) {
+        numbered_field(&f, nx, ny, number, heights, height_count);
+        const bool every_path = o.fields < 256 || o.fields % 16 == 0; /* they take as long as the oracle */
+        wrong += judge_all(&f, &l, every_path, &o);
+        o.fields++;
     }
     free(l.ray);
-    tally_print(side == 2 ? "2 x 2" : "3 x 3", &t);
-    printf("  ties: %zu on the rim of a hole or of the field, %zu because a third is no float\n", e.rims, e.thirds);
+    char what[32];
+    snprintf(what, sizeof what, "%zu x %zu", nx, ny);
+    tally_print(what, &o.tally);
+    printf("  %zu of %zu fields; ties: %zu on the rim of a hole or of the field, %zu because a third is no float\n",
+           o.fields, o.all_fields, o.excuses.rims, o.excuses.thirds);
+    write_counts(nx, ny, height_count, &o);
     check(wrong == 0, "%zu rays judged wrong, or tied without an excuse", wrong);
-    check(t.hits > t.rays / 50, "too few hits for the test to mean anything");
+    check(o.tally.hits > o.tally.rays / 50, "too few hits for the test to mean anything");
+}
+
+/* One field in so many, that of a test of CELLWALK_TEST_ROUNDS = 1 being least. */
+static size_t one_in(size_t least) {
+    const size_t every = least * TEST_SCALE_DOWN, rounds = test_rounds();
+    return rounds < every ? every / rounds : 1;
 }
 
 static void test_2x2(void **state) {
     (void)state;
-    judge_fields(2, 4, TEST_SCALE_DOWN);
+    judge_fields(2, 2, 4, TEST_SCALE_DOWN);
+}
+
+static void test_2x3(void **state) {
+    (void)state;
+    judge_fields(2, 3, 4, one_in(211));
+    judge_fields(3, 2, 4, one_in(211));
 }
 
 static void test_3x3(void **state) {
     (void)state;
-    const size_t every = 1001 * TEST_SCALE_DOWN, rounds = test_rounds();
-    judge_fields(3, 3, rounds < every ? every / rounds : 1);
+    judge_fields(3, 3, 3, one_in(1001));
+}
+
+static int open_counts(void **state) {
+    (void)state;
+    const char *where = getenv("CELLWALK_TEST_COUNTS");
+    if (where == NULL) return 0;
+    counts = fopen(where, "w");
+    if (counts && fputs("{\"kind\": \"run\", \"command\": \"exhaustive\"}\n", counts) >= 0) return 0;
+    print_error("%s: %s\n", where, strerror(errno));
+    return -1;
+}
+
+static int close_counts(void **state) {
+    (void)state;
+    return counts && fclose(counts) != 0 ? -1 : 0;
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_2x2), cmocka_unit_test(test_3x3)};
-    return cmocka_run_group_tests_name("exhaustive", tests, NULL, NULL);
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_2x2), cmocka_unit_test(test_2x3),
+                                       cmocka_unit_test(test_3x3)};
+    return cmocka_run_group_tests_name("exhaustive", tests, open_counts, close_counts);
 }

@@ -62,20 +62,23 @@ void field_make(test_field *f, field_shape shape, size_t nx, size_t ny, uint64_t
     if (f->low > f->high) f->low = f->high = 0; /* holes only */
 }
 
-static cw_field *open_as(const test_field *f, cw_storage storage) {
+static cw_field *open_as(const test_field *f, cw_storage storage, double cell, double corner) {
     cw_field_desc desc = cw_field_desc_default();
     desc.samples = f->z;
     desc.nx = f->nx;
     desc.ny = f->ny;
     desc.storage = storage;
+    for (int c = 0; c < 3; c++) desc.map[c][c] = cell;
+    desc.map[0][3] = desc.map[1][3] = corner;
     cw_field *field;
     check_status(cw_field_create(&desc, &field), CW_OK);
     for (size_t k = 0; k < cw_kernel_count(); k++) check_status(cw_field_build(field, cw_kernel_at(k)), CW_OK);
     return field;
 }
 
-cw_field *field_open(const test_field *f) { return open_as(f, CW_BORROW); }
-cw_field *field_open_copied(const test_field *f) { return open_as(f, CW_COPY); }
+cw_field *field_open(const test_field *f) { return open_as(f, CW_BORROW, 1, 0); }
+cw_field *field_open_copied(const test_field *f) { return open_as(f, CW_COPY, 1, 0); }
+cw_field *field_open_at(const test_field *f, double cell, double corner) { return open_as(f, CW_BORROW, cell, corner); }
 
 void field_print(const test_field *f) {
     printf("field %s, %zu x %zu\n", field_shape_name(f->shape), f->nx, f->ny);

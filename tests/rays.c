@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "rays.h"
 
+#include "check.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -284,6 +286,16 @@ cw_ray ray_make(ray_class kind, const test_field *f, random_state *r) {
         ray.tmin = -INFINITY;
         return ray;
     }
+}
+
+cw_field *ray_case(test_field *f, field_shape shape, size_t nx, size_t ny, uint64_t seed, cw_ray *rays, cw_hit *hits,
+                   size_t n) {
+    random_state r = {seed};
+    field_make(f, shape, nx, ny, seed);
+    cw_field *field = field_open(f);
+    for (size_t k = 0; k < n; k++) rays[k] = ray_make((ray_class)(k % RAY_CLASSES), f, &r);
+    check_status(cw_closest(field, NULL, rays, n, hits), CW_OK);
+    return field;
 }
 
 void ray_print(const cw_ray *ray) {

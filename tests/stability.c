@@ -3,8 +3,8 @@
  * tables of papers/stability.md. It is no subcommand of cellwalk-bench because it judges with the exact oracle, which
  * needs GMP, and belongs to the tests.
  *
- * One run is one thread. Several processes with --part 1/N … N/N do what one does without it, and the report adds their
- * files up: batch number n is the same rays wherever it runs. */
+ * One run is one thread. Several processes with --part 1/N … N/N do what one does without it, and a run that was ended
+ * early goes on with --first; the report adds their files up: batch number n is the same rays wherever it runs. */
 
 #include "options.h"
 #include "report.h"
@@ -24,9 +24,9 @@ static const char *const usage =
     "\n"
     "run traces rays that are aimed at vertices, edges and the like, of which it is known that they hit, through all\n"
     "kernels and Embree, and counts leaks, phantoms and wrong surfaces. Ctrl-C ends it early, with all results so "
-    "far.\n"
+    "far,\nand says how to go on.\n"
     "report prints the results as Markdown, or puts them into a page between the lines <!-- begin:stability --> and\n"
-    "<!-- end:stability -->.\n"
+    "<!-- end:stability -->; and so the counts of the tests extremes and exhaustive, between lines named after them.\n"
     "\n"
     "Options:\n";
 
@@ -53,61 +53,90 @@ static bool parse_part(const char *text, unsigned *part, unsigned *parts, io_err
     return io_fail(error, "--part %s: want K/N with 1 <= K <= N", text);
 }
 
-static bool run(uint64_t million, unsigned sample, const char *part_text, const char *json, bool no_embree,
-                io_error *error) {
-    static stability s;
-    unsigned part = 1, parts = 1;
-    if (part_text && !parse_part(part_text, &part, &parts, error)) return false;
+typedef struct run_options {
+    uint64_t million, sample, first;
+    const char *part, *json;
+    bool no_embree;
+} run_options;
+
+static bool plan_range(const run_options *o, batch_range *r, io_error *error) {
     const uint64_t round_rays = (uint64_t)ROUND_BATCHES * BATCH_RAYS;
-    const uint64_t batches = (million * 1000000 + round_rays - 1) / round_rays * ROUND_BATCHES;
-    const bool embree = !no_embree && peer_embree_version();
-    if (!no_embree && !embree) fputs("cellwalk-stability: built without Embree, which is left out\n", stderr);
-    bool good =
-        stability_make(&s, (stability_shares){.others = 64, .slow = 128, .peers = embree ? 32 : 0}, sample, error);
-    s.explain = true;
-    signal(SIGINT, stop);
-    signal(SIGTERM, stop);
+    *r = (batch_range){.part = 1, .parts = 1, .first = o->first};
+    r->end = (o->million * 1000000 + round_rays - 1) / round_rays * ROUND_BATCHES;
+    if (o->part && !parse_part(o->part, &r->part, &r->parts, error)) return false;
+    return r->first < r->end || io_fail(error, "--first %llu: there are only %llu batches",
+                                        (unsigned long long)r->first, (unsigned long long)r->end);
+}
+
+/* s->range.end becomes where it ended; the seconds that it took. */
+static double run_batches(stability *s) {
+    batch_range *r = &s->range;
     const double begin = timing_seconds(), every = isatty(STDERR_FILENO) ? 1 : 60;
     double shown = begin;
-    const uint64_t mine = (batches - part) / parts + 1;
-    for (uint64_t n = part - 1; good && n < batches && !stopped; n += parts) {
-        stability_batch(&s, n);
+    const uint64_t wanted = (r->end - r->first + r->parts - 1) / r->parts;
+    uint64_t n = r->first;
+    for (; n < r->end && !stopped; n++) {
+        if (n % r->parts != r->part - 1) continue;
+        stability_batch(s, n);
         const double now = timing_seconds();
         if (now - shown < every) continue;
         shown = now;
-        show_progress(&s, s.batches, mine, now - begin);
+        show_progress(s, s->batches, wanted, now - begin);
     }
+    r->end = n;
+    const double seconds = timing_seconds() - begin;
+    show_progress(s, s->batches, s->batches, seconds);
+    fputc('\n', stderr);
+    return seconds;
+}
+
+static bool run(const run_options *o, io_error *error) {
+    static stability s;
+    batch_range range;
+    if (!plan_range(o, &range, error)) return false;
+    const uint64_t all = range.end;
+    const bool embree = !o->no_embree && peer_embree_version();
+    if (!o->no_embree && !embree) fputs("cellwalk-stability: built without Embree, which is left out\n", stderr);
+    const stability_shares shares = {.others = 16, .slow = 128, .peers = embree ? 16 : 0};
+    bool good = stability_make(&s, shares, (unsigned)o->sample, error);
+    s.explain = true;
+    s.range = range;
+    signal(SIGINT, stop);
+    signal(SIGTERM, stop);
     if (good) {
-        const double seconds = timing_seconds() - begin;
-        show_progress(&s, s.batches, s.batches, seconds);
-        fputc('\n', stderr);
-        good = json == NULL || stability_write(&s, json, seconds, error);
+        const double seconds = run_batches(&s);
+        good = o->json == NULL || stability_write(&s, o->json, seconds, error);
     }
-    const uint64_t faults = stability_faults(&s);
+    const uint64_t faults = stability_faults(&s), end = s.range.end;
     stability_free(&s);
-    if (good && stopped) fputs("cellwalk-stability: ended early\n", stderr);
+    if (good && end < all)
+        fprintf(stderr, "cellwalk-stability: ended early; go on with --first %llu and another file\n",
+                (unsigned long long)end);
     return good && (faults == 0 || io_fail(error, "%llu faults", (unsigned long long)faults));
 }
 
 static bool report(option_list *files, const char *into, io_error *error) {
-    char *text = stability_page(files->items, files->count, error);
+    const char *mark;
+    char *text = stability_page(files->items, files->count, &mark, error);
     if (text == NULL) return false;
-    const bool good = into == NULL || report_into(into, "stability", text, error);
+    const bool good = into == NULL || report_into(into, mark, text, error);
     if (into == NULL) fputs(text, stdout);
     free(text);
     return good;
 }
 
 int main(int argc, char **argv) {
-    uint64_t million = 1000, sample = 1024;
-    const char *part = NULL, *into = NULL;
+    run_options o = {.million = 1000, .sample = 1024};
+    const char *into = NULL;
     option_list files = {.count = 0};
-    bool no_embree = false, help = false;
+    bool help = false;
     const option options[] = {
-        {"--million", "N", "millions of rays in all parts together, 1000 by default", OPTION_COUNT, &million, 1, 1e9},
-        {"--sample", "N", "judge one ray in N in full; 1024 by default", OPTION_COUNT, &sample, 1, BATCH_RAYS},
-        {"--part", "K/N", "only every Nth batch, from the Kth on", OPTION_TEXT, &part, 0, 0},
-        {"--no-embree", NULL, "leave Embree out", OPTION_FLAG, &no_embree, 0, 0},
+        {"--million", "N", "millions of rays in all parts together, 1000 by default", OPTION_COUNT, &o.million, 1, 1e9},
+        {"--sample", "N", "judge one ray in N in full; 1024 by default", OPTION_COUNT, &o.sample, 1, BATCH_RAYS},
+        {"--part", "K/N", "only every Nth batch, from the Kth on", OPTION_TEXT, &o.part, 0, 0},
+        {"--first", "N", "begin with batch N, where a run that was ended early says so", OPTION_COUNT, &o.first, 0,
+         1e15},
+        {"--no-embree", NULL, "leave Embree out", OPTION_FLAG, &o.no_embree, 0, 0},
         {"--json", "FILE", "of run: write results to it; of report: read them, from several if given", OPTION_LIST,
          &files, 0, 0},
         {"--into", "PAGE", "of report: the page to put the tables into", OPTION_TEXT, &into, 0, 0},
@@ -132,8 +161,9 @@ int main(int argc, char **argv) {
         fprintf(stderr, "cellwalk-stability: %s\nTry 'cellwalk-stability --help'.\n", error.text);
         return 2;
     }
+    if (files.count) o.json = files.items[0];
     if (runs)
-        good = run(million, (unsigned)sample, part, files.count ? files.items[0] : NULL, no_embree, &error);
+        good = run(&o, &error);
     else
         good = report(&files, into, &error);
     if (good) return EXIT_SUCCESS;

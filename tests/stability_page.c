@@ -23,10 +23,8 @@ static json_t *result_line(const tested *t, aim kind, const counts *c) {
     results_set_text(line, "rays", aim_name(kind));
     results_set_count(line, "traced", c->rays);
     results_set_count(line, "hits", c->hits);
-    if (t->role == ROLE_SAME_BITS) {
-        results_set_count(line, "other_bits", c->other);
-        return line;
-    }
+    results_set_count(line, "other_bits", c->other);
+    if (t->role == ROLE_SAME_BITS) return line;
     results_set_count(line, "pass", c->pass);
     results_set_count(line, "leaks", c->leaks);
     results_set_count(line, "phantoms", c->phantoms);
@@ -46,6 +44,10 @@ static json_t *result_line(const tested *t, aim kind, const counts *c) {
 
 static bool write_lines(io_output *out, const stability *s, double seconds, io_error *error) {
     json_t *run = run_record("stability", 0, -1);
+    results_set_count(run, "part", s->range.part);
+    results_set_count(run, "parts", s->range.parts);
+    results_set_count(run, "first", s->range.first);
+    results_set_count(run, "end", s->range.end);
     results_set_count(run, "batches", s->batches);
     results_set_count(run, "sample", s->sample);
     results_set_number(run, "seconds", seconds);
@@ -81,8 +83,12 @@ typedef struct row {
     counts count[AIM_COUNT];
 } row;
 
+enum { FILES_MAX = 64 };
+
 typedef struct page {
     row rows[CONTENDERS_MAX];
+    batch_range range[FILES_MAX];
+    size_t files;
     size_t count;
     unsigned sample;
     double seconds;
@@ -126,12 +132,32 @@ static bool add_line(page *p, const json_t *line) {
     return true;
 }
 
+/* Rays that two files have traced must not count twice. */
+static bool add_range(page *p, const json_t *run, const char *path, io_error *error) {
+    const batch_range now = {.part = (unsigned)number(run, "part"),
+                             .parts = (unsigned)number(run, "parts"),
+                             .first = number(run, "first"),
+                             .end = number(run, "end")};
+    for (size_t k = 0; k < p->files; k++) {
+        const batch_range *r = &p->range[k];
+        const bool other_part = r->parts == now.parts && r->part != now.part;
+        if (!other_part && r->first < now.end && now.first < r->end)
+            return io_fail(error, "%s:1: batches %llu to %llu are in another file as well", path,
+                           (unsigned long long)now.first, (unsigned long long)now.end);
+    }
+    if (p->files == FILES_MAX) return io_fail(error, "%s: more than %d files", path, FILES_MAX);
+    p->range[p->files++] = now;
+    return true;
+}
+
 static bool read_file(page *p, const char *path, io_error *error) {
     json_t *lines = results_read(path, error);
     if (lines == NULL) return false;
     const json_t *run = json_array_get(lines, 0);
-    bool good = strcmp(results_text(run, "command"), "stability") == 0 ||
-                io_fail(error, "%s:1: results of '%s', not of cellwalk-stability", path, results_text(run, "command"));
+    const char *command = results_text(run, "command");
+    bool good = strcmp(command, "stability") == 0 ||
+                io_fail(error, "%s:1: results of '%s', not of cellwalk-stability run", path, command);
+    good = good && add_range(p, run, path, error);
     if (p->machine[0] == 0) run_record_text(run, p->machine, sizeof p->machine);
     p->sample = (unsigned)number(run, "sample");
     p->seconds += results_number(run, "seconds");
@@ -152,19 +178,9 @@ static counts total(const row *r) {
     return sum;
 }
 
-/* 1234567 as "1 234 567". */
-static void print_count(FILE *to, uint64_t n) {
-    char digits[24];
-    const int length = snprintf(digits, sizeof digits, "%llu", (unsigned long long)n);
-    for (int k = 0; k < length; k++) {
-        if (k > 0 && (length - k) % 3 == 0) fputc(' ', to);
-        fputc(digits[k], to);
-    }
-}
-
 static void print_cell(FILE *to, uint64_t n) {
     fputs(" ", to);
-    print_count(to, n);
+    stability_print_count(to, n);
     fputs(" |", to);
 }
 
@@ -200,6 +216,33 @@ static void reference_table(FILE *to, const row *r) {
     for (int kind = 0; kind < AIM_COUNT; kind++) reference_line(to, aim_text((aim)kind), &r->count[kind]);
     const counts sum = total(r);
     reference_line(to, "all", &sum);
+}
+
+/* A line a contender, all classes together. */
+static void summary_table(FILE *to, const page *p) {
+    fputs("| contender | rays | known to pass | leaks | phantoms | judged in full | wrong surfaces | other answers "
+          "than the "
+          "reference's |\n|---|--:|--:|--:|--:|--:|--:|--:|\n",
+          to);
+    for (size_t k = 0; k < p->count; k++) {
+        const counts c = total(&p->rows[k]);
+        fprintf(to, "| `%s` |", p->rows[k].name);
+        print_cell(to, c.rays);
+        if (p->rows[k].role == ROLE_SAME_BITS) {
+            fputs(" | | | | |", to);
+        } else {
+            print_cell(to, c.pass);
+            print_cell(to, c.leaks);
+            print_cell(to, c.phantoms);
+            print_cell(to, c.sampled);
+            print_cell(to, c.verdict[VERDICT_WRONG_SURFACE]);
+        }
+        if (p->rows[k].role == ROLE_OTHER_RULES)
+            fputs(" |", to);
+        else
+            print_cell(to, c.other);
+        fputc('\n', to);
+    }
 }
 
 static void rate(FILE *to, uint64_t n, uint64_t of) {
@@ -247,41 +290,51 @@ static void rates_table(FILE *to, const page *p, bool leaks) {
     fputs("\n", to);
 }
 
-static void same_bits(FILE *to, const page *p) {
-    fputs("\nClosest and any hit, bit for bit those of the reference: ", to);
-    const char *comma = "";
-    for (size_t k = 0; k < p->count; k++) {
-        if (p->rows[k].role != ROLE_SAME_BITS) continue;
-        const counts sum = total(&p->rows[k]);
-        fprintf(to, "%s`%s` on ", comma, p->rows[k].name);
-        print_count(to, sum.rays);
-        fprintf(to, " rays, %llu different", (unsigned long long)sum.other);
-        comma = "; ";
-    }
-    fputs(".\n", to);
+static void aimed_tables(FILE *to, const page *p) {
+    const counts sum = total(&p->rows[0]);
+    fputs("\n", to);
+    stability_print_count(to, sum.rays);
+    fprintf(to, " rays, of which one in %u was judged in full; %.0f seconds of one thread. %s.\n\n", p->sample,
+            p->seconds, p->machine);
+    summary_table(to, p);
+    fputs("\n", to);
+    reference_table(to, &p->rows[0]);
+    rates_table(to, p, true);
+    rates_table(to, p, false);
+    fputs("\n", to);
 }
 
-char *stability_page(const char *const *paths, size_t count, io_error *error) {
+static bool read_aimed(page *p, const char *const *paths, size_t count, io_error *error) {
+    bool good = true;
+    for (size_t k = 0; good && k < count; k++) good = read_file(p, paths[k], error);
+    return good && (p->count > 0 || io_fail(error, "%s: no results in it", paths[0]));
+}
+
+char *stability_page(const char *const *paths, size_t count, const char **mark, io_error *error) {
+    json_t *lines = results_read(paths[0], error);
+    if (lines == NULL) return NULL;
+    const char *command = results_text(json_array_get(lines, 0), "command");
+    const bool extremes = strcmp(command, "extremes") == 0, exhaustive = strcmp(command, "exhaustive") == 0;
+    *mark = extremes ? "extremes" : exhaustive ? "exhaustive" : "stability";
     page *p = calloc(1, sizeof *p);
     char *text = NULL;
     size_t size = 0;
     bool good = p != NULL || io_fail(error, "out of memory");
-    for (size_t k = 0; good && k < count; k++) good = read_file(p, paths[k], error);
-    if (good && p->count == 0) good = io_fail(error, "%s: no results in it", paths[0]);
+    if (extremes || exhaustive)
+        good = good && (count == 1 || io_fail(error, "%s: cannot be added to other files", paths[0]));
+    else
+        good = good && read_aimed(p, paths, count, error);
     FILE *to = good ? open_memstream(&text, &size) : NULL;
     if (to) {
-        counts sum = total(&p->rows[0]);
-        fputs("\n", to);
-        print_count(to, sum.rays);
-        fprintf(to, " rays, of which one in %u was judged in full; %.0f minutes of one thread. %s.\n\n", p->sample,
-                p->seconds / 60, p->machine);
-        reference_table(to, &p->rows[0]);
-        same_bits(to, p);
-        rates_table(to, p, true);
-        rates_table(to, p, false);
-        fputs("\n", to);
-        if (fclose(to) != 0) good = false;
+        if (extremes)
+            stability_extremes(to, lines);
+        else if (exhaustive)
+            stability_exhaustive(to, lines);
+        else
+            aimed_tables(to, p);
+        if (fclose(to) != 0) good = io_fail(error, "out of memory");
     }
+    json_decref(lines);
     free(p);
     if (good && text) return text;
     free(text);

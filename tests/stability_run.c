@@ -158,15 +158,15 @@ static void judge_sample(batch *b, const tested *t, const cw_hit *hits, counts *
         judge(b, t, k, &hits[k], oracle_trace(b->field->oracle, &b->rays[k]), c);
 }
 
-static void compare(batch *b, const tested *t, counts *c) {
+/* Closest hits, and any hit, against the reference's closest hits. */
+static void compare(batch *b, const tested *t, const cw_hit *hits, counts *c) {
     static _Thread_local uint8_t occluded[BATCH_RAYS];
     t->contender.any(t->contender.self, b->rays, t->rays, occluded);
     for (size_t k = 0; k < t->rays; k++) {
-        c->hits += b->hits[k].i >= 0;
-        const bool same = hit_same(&b->hits[k], &b->reference[k]) && occluded[k] == (b->reference[k].i >= 0);
+        const bool same = hit_same(&hits[k], &b->reference[k]) && occluded[k] == (b->reference[k].i >= 0);
         if (same) continue;
         c->other++;
-        explain(b, t, k, &b->hits[k], "not the reference's bits");
+        explain(b, t, k, &hits[k], "not the reference's answer");
     }
 }
 
@@ -191,8 +191,9 @@ void stability_batch(stability *s, uint64_t number) {
         cw_hit *hits = t->role == ROLE_REFERENCE ? b.reference : b.hits;
         t->contender.closest(t->contender.self, b.rays, t->rays, hits);
         c->rays += t->rays;
+        if (t->role != ROLE_OTHER_RULES) compare(&b, t, hits, c);
         if (t->role == ROLE_SAME_BITS) {
-            compare(&b, t, c);
+            for (size_t k = 0; k < t->rays; k++) c->hits += hits[k].i >= 0;
             continue;
         }
         check_all(&b, t, hits, c);

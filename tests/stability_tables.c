@@ -1,0 +1,133 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What the tests extremes and exhaustive counted (CELLWALK_TEST_COUNTS), as tables. */
+
+#include "stability_page.h"
+
+#include "results.h"
+
+#include <string.h>
+
+enum { NAMES_MAX = 64 };
+
+static uint64_t number(const json_t *line, const char *key) { return (uint64_t)results_number(line, key); }
+
+void stability_print_count(FILE *to, uint64_t n) {
+    char digits[24];
+    const int length = snprintf(digits, sizeof digits, "%llu", (unsigned long long)n);
+    for (int k = 0; k < length; k++) {
+        if (k > 0 && (length - k) % 3 == 0) fputc(' ', to);
+        fputc(digits[k], to);
+    }
+}
+
+/* ---- extremes ---------------------------------------------------------------------------------------------------- */
+
+/* The texts of a member in lines of kind "extreme", in order of first appearance. leaf may be NULL. */
+static size_t distinct(const json_t *lines, const char *key, const char *leaf, const char *texts[NAMES_MAX]) {
+    size_t count = 0, index;
+    const json_t *line;
+    json_array_foreach(lines, index, line) {
+        if (!results_is(line, "extreme", NULL) || (leaf && strcmp(results_text(line, "leaf"), leaf) != 0)) continue;
+        const char *text = results_text(line, key);
+        size_t k = 0;
+        while (k < count && strcmp(texts[k], text) != 0) k++;
+        if (k == count && count < NAMES_MAX) texts[count++] = text;
+    }
+    return count;
+}
+
+/* "13 200", or "13 200 (12)" where 12 of them are excused; and how many were neither. */
+static uint64_t answers(FILE *to, const json_t *line) {
+    if (line == NULL || number(line, "asked") == 0) {
+        fputs(" - |", to);
+        return 0;
+    }
+    const uint64_t excused = number(line, "slipped") + number(line, "parallel") + number(line, "early");
+    const uint64_t expected = number(line, "as_expected") + excused, asked = number(line, "asked");
+    fputc(' ', to);
+    stability_print_count(to, expected);
+    if (excused) fprintf(to, " (%llu)", (unsigned long long)excused);
+    fputs(" |", to);
+    return asked - expected;
+}
+
+static void leaf_table(FILE *to, const json_t *lines, const char *leaf) {
+    const char *items[NAMES_MAX], *kernels[NAMES_MAX];
+    const size_t item_count = distinct(lines, "item", leaf, items);
+    const size_t kernel_count = distinct(lines, "kernel", leaf, kernels);
+    uint64_t wrong = 0;
+    fprintf(to, "\nAnswers as expected, leaf test `%s`:\n\n| extreme |", leaf);
+    for (size_t k = 0; k < kernel_count; k++) fprintf(to, " %s |", kernels[k]);
+    fputs("\n|---|", to);
+    for (size_t k = 0; k < kernel_count; k++) fputs("--:|", to);
+    for (size_t n = 0; n < item_count; n++) {
+        fprintf(to, "\n| %s |", items[n]);
+        for (size_t k = 0; k < kernel_count; k++)
+            wrong +=
+                answers(to, results_find(lines, "extreme", "item", items[n], "kernel", kernels[k], "leaf", leaf, NULL));
+    }
+    fprintf(to, "\n\nNot as expected: **%llu**.\n", (unsigned long long)wrong);
+}
+
+void stability_extremes(FILE *to, const json_t *lines) {
+    const char *items[NAMES_MAX];
+    const size_t count = distinct(lines, "item", NULL, items);
+    fputs("\n| extreme | rays | what is expected, and why |\n|---|--:|---|\n", to);
+    for (size_t n = 0; n < count; n++) {
+        uint64_t rays = 0;
+        const json_t *line;
+        size_t index;
+        json_array_foreach(lines, index, line) {
+            if (results_is(line, "extreme", "item", items[n], NULL) && number(line, "asked") > rays)
+                rays = number(line, "asked");
+        }
+        fprintf(to, "| %s | ", items[n]);
+        stability_print_count(to, rays);
+        fprintf(to, " | %s |\n", results_text(results_find(lines, "extreme", "item", items[n], NULL), "expected"));
+    }
+    leaf_table(to, lines, "watertight");
+    leaf_table(to, lines, "moller-trumbore");
+    if (json_is_true(json_object_get(json_array_get(lines, 0), "emulated")))
+        fputs("\nThe kernels 16 lanes wide ran through an emulation of AVX-512.\n", to);
+    fputc('\n', to);
+}
+
+/* ---- exhaustive -------------------------------------------------------------------------------------------------- */
+
+static void put(FILE *to, const json_t *line, const char *key) {
+    fputc(' ', to);
+    stability_print_count(to, number(line, key));
+    fputs(" |", to);
+}
+
+void stability_exhaustive(FILE *to, const json_t *lines) {
+    fputs("\n| fields | heights | fields judged | rays | hits | exact | ties at a rim | ties at a third | other ties | "
+          "leaks | phantoms | wrong surfaces | same bits from other kernels |\n"
+          "|---|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n",
+          to);
+    const json_t *line;
+    size_t index;
+    json_array_foreach(lines, index, line) {
+        if (!results_is(line, "exhaustive", NULL)) continue;
+        fprintf(to, "| %s | %s |", results_text(line, "field"), results_text(line, "heights"));
+        const uint64_t fields = number(line, "fields"), all = number(line, "all_fields");
+        fputc(' ', to);
+        stability_print_count(to, fields);
+        if (fields == all) {
+            fputs(", all |", to);
+        } else {
+            fputs(" of ", to);
+            stability_print_count(to, all);
+            fputs(" |", to);
+        }
+        static const char *const keys[] = {"rays", "hits", "right", "rims", "thirds"};
+        for (size_t k = 0; k < sizeof keys / sizeof keys[0]; k++) put(to, line, keys[k]);
+        fprintf(to, " %llu |",
+                (unsigned long long)(number(line, "tie") - number(line, "rims") - number(line, "thirds")));
+        static const char *const faults[] = {"leak", "phantom", "wrong_surface"};
+        for (size_t k = 0; k < 3; k++) fprintf(to, " **%llu** |", (unsigned long long)number(line, faults[k]));
+        put(to, line, "same_bits");
+        fputc('\n', to);
+    }
+    fputc('\n', to);
+}
