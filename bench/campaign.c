@@ -103,8 +103,9 @@ static void plan(campaign *c, bool quick) {
              embree ? "triangles,grid,triangles-robust,grid-robust" : "none", some, rays);
     add(c, 3, "peers.json", command);
     snprintf(command, sizeof command, "micro --kernel cell,%s --peer %s --field %s %s",
-             best >= CW_ISA_SSE42 ? "packet1,packet4,packet8,packet16,pyramid1,pyramid4,pyramid8,pyramid16"
-                                  : "packet1,pyramid1",
+             best >= CW_ISA_SSE42
+                 ? "packet1,packet4,packet8,packet16,pyramid1,pyramid4,pyramid4x2,pyramid8,pyramid8x2,pyramid16"
+                 : "packet1,pyramid1",
              triangles, some, rays);
     if (cw_kernel_find("packet4")) add(c, 3, "widths.json", command);
     const long cpus = sysconf(_SC_NPROCESSORS_ONLN);

@@ -67,6 +67,7 @@ static const struct {
     bool embree;
 } families[] = {
     {"pyramid", "pyramid", "/", false},
+    {"pyramid, two vectors", "pyramid", "x2/", false},
     {"packet", "packet", "/", false},
     {"Embree triangles", "embree/triangles/w", "", true},
 };

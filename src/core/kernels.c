@@ -23,8 +23,12 @@ CW_DECLARE_KERNEL(pyramid1_mt)
 CW_DECLARE_KERNEL(pyramid1_wt)
 CW_DECLARE_KERNEL(pyramid4_mt)
 CW_DECLARE_KERNEL(pyramid4_wt)
+CW_DECLARE_KERNEL(pyramid4x2_mt)
+CW_DECLARE_KERNEL(pyramid4x2_wt)
 CW_DECLARE_KERNEL(pyramid8_mt)
 CW_DECLARE_KERNEL(pyramid8_wt)
+CW_DECLARE_KERNEL(pyramid8x2_mt)
+CW_DECLARE_KERNEL(pyramid8x2_wt)
 CW_DECLARE_KERNEL(pyramid16_mt)
 CW_DECLARE_KERNEL(pyramid16_wt)
 
@@ -68,12 +72,24 @@ static const cw_kernel kernels[] = {
      .width = 4,
      .needs = CW_NEEDS_PYRAMID,
      BOTH(pyramid4)},
+    {.name = "pyramid4x2",
+     .what = "bounds pyramid, two vectors of 4 lanes in lockstep",
+     .isa = CW_ISA_SSE42,
+     .width = 8,
+     .needs = CW_NEEDS_PYRAMID,
+     BOTH(pyramid4x2)},
     {.name = "pyramid8",
      .what = "bounds pyramid, 8 lanes",
      .isa = CW_ISA_AVX2,
      .width = 8,
      .needs = CW_NEEDS_PYRAMID,
      BOTH(pyramid8)},
+    {.name = "pyramid8x2",
+     .what = "bounds pyramid, two vectors of 8 lanes in lockstep",
+     .isa = CW_ISA_AVX2,
+     .width = 16,
+     .needs = CW_NEEDS_PYRAMID,
+     BOTH(pyramid8x2)},
     {.name = "pyramid16",
      .what = "bounds pyramid, 16 lanes",
      .isa = CW_ISA_AVX512,

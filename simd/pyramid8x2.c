@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The pyramid kernels, twice 8 lanes wide, for AVX2. */
+
+#include "vec_half.h"
+
+#include "vec_avx2.h"
+
+#include "vec_twice.h"
+
+#include "pyramid.inc.c"
+
+#include "kernels.h"
+
+CW_DECLARE_KERNEL(pyramid8x2_mt)
+CW_DECLARE_KERNEL(pyramid8x2_wt)
+
+void cw_closest_pyramid8x2_mt(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits) {
+    pyramid_closest(field, rays, n, hits, CW_LEAF_MOLLER_TRUMBORE);
+}
+void cw_closest_pyramid8x2_wt(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits) {
+    pyramid_closest(field, rays, n, hits, CW_LEAF_WATERTIGHT);
+}
+void cw_any_pyramid8x2_mt(const cw_field *field, const cw_ray *rays, size_t n, uint8_t *occluded) {
+    pyramid_any(field, rays, n, occluded, CW_LEAF_MOLLER_TRUMBORE);
+}
+void cw_any_pyramid8x2_wt(const cw_field *field, const cw_ray *rays, size_t n, uint8_t *occluded) {
+    pyramid_any(field, rays, n, occluded, CW_LEAF_WATERTIGHT);
+}

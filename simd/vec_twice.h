@@ -1,0 +1,196 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The vector vocabulary for pairs of vectors: twice as many lanes of whichever vocabulary was included between vec_half.h
+ * and this. Meanings are in vec_scalar.h.
+ *
+ * A step of the lane walk is one chain of some forty dependent operations, longer than the CPU can look ahead, so one
+ * vector leaves most of its units idle: about 1.1 instructions a cycle on Zen 3. Two vectors in lockstep, operation by
+ * operation, are two chains at once. Rejected: vectors that take turns step by step, between which the CPU sees one chain
+ * at a time all the same. */
+#ifndef CELLWALK_SIMD_VEC_TWICE_H
+#define CELLWALK_SIMD_VEC_TWICE_H
+
+#undef W
+#undef vfloat
+#undef vint
+#undef vmask
+#undef vf_abs
+#undef vf_add
+#undef vf_div
+#undef vf_eq
+#undef vf_flip
+#undef vf_floor
+#undef vf_from_vi
+#undef vf_gather
+#undef vf_gather_pairs
+#undef vf_gather_quads
+#undef vf_ge
+#undef vf_gt
+#undef vf_highest
+#undef vf_le
+#undef vf_load
+#undef vf_load_block
+#undef vf_load_rays
+#undef vf_lowest
+#undef vf_lt
+#undef vf_max
+#undef vf_min
+#undef vf_mul
+#undef vf_power_of_2
+#undef vf_select
+#undef vf_set
+#undef vf_store
+#undef vf_sub
+#undef vi_add
+#undef vi_and
+#undef vi_eq
+#undef vi_from_vf
+#undef vi_load
+#undef vi_lookup
+#undef vi_mul
+#undef vi_or
+#undef vi_select
+#undef vi_set
+#undef vi_shift_left
+#undef vi_shift_right
+#undef vi_store
+#undef vi_sub
+#undef vi_where
+#undef vi_xor
+#undef vm_and
+#undef vm_andnot
+#undef vm_any
+#undef vm_bits
+#undef vm_first
+#undef vm_from_bits
+#undef vm_not
+#undef vm_or
+#undef vm_set
+#undef vm_xor
+
+enum { W = 2 * half_W };
+
+typedef struct vfloat {
+    half_vfloat a, b;
+} vfloat;
+typedef struct vint {
+    half_vint a, b;
+} vint;
+typedef struct vmask {
+    half_vmask a, b;
+} vmask;
+
+/* A word that does the same in each lane, of one or two vectors. */
+#define ONE(result, word, type)                                                                                        \
+    static inline result word(type x) { return (result){half_##word(x.a), half_##word(x.b)}; }
+#define TWO(result, word, left, right)                                                                                 \
+    static inline result word(left x, right y) { return (result){half_##word(x.a, y.a), half_##word(x.b, y.b)}; }
+
+/* clang-format off: a word a line */
+TWO(vfloat, vf_add, vfloat, vfloat)
+TWO(vfloat, vf_sub, vfloat, vfloat)
+TWO(vfloat, vf_mul, vfloat, vfloat)
+TWO(vfloat, vf_div, vfloat, vfloat)
+TWO(vfloat, vf_min, vfloat, vfloat)
+TWO(vfloat, vf_max, vfloat, vfloat)
+TWO(vfloat, vf_flip, vfloat, vfloat)
+TWO(vmask, vf_lt, vfloat, vfloat)
+TWO(vmask, vf_le, vfloat, vfloat)
+TWO(vmask, vf_gt, vfloat, vfloat)
+TWO(vmask, vf_ge, vfloat, vfloat)
+TWO(vmask, vf_eq, vfloat, vfloat)
+TWO(vint, vi_add, vint, vint)
+TWO(vint, vi_sub, vint, vint)
+TWO(vint, vi_mul, vint, vint)
+TWO(vint, vi_and, vint, vint)
+TWO(vint, vi_or, vint, vint)
+TWO(vint, vi_xor, vint, vint)
+TWO(vint, vi_shift_left, vint, vint)
+TWO(vint, vi_shift_right, vint, vint)
+TWO(vmask, vi_eq, vint, vint)
+TWO(vint, vi_where, vmask, vint)
+TWO(vmask, vm_and, vmask, vmask)
+TWO(vmask, vm_or, vmask, vmask)
+TWO(vmask, vm_xor, vmask, vmask)
+TWO(vmask, vm_andnot, vmask, vmask)
+ONE(vfloat, vf_abs, vfloat)
+ONE(vfloat, vf_floor, vfloat)
+ONE(vfloat, vf_from_vi, vint)
+ONE(vint, vi_from_vf, vfloat)
+ONE(vfloat, vf_power_of_2, vint)
+ONE(vmask, vm_not, vmask)
+/* clang-format on */
+
+#undef ONE
+#undef TWO
+
+static inline vfloat vf_set(float a) { return (vfloat){half_vf_set(a), half_vf_set(a)}; }
+static inline vfloat vf_load(const float *a) { return (vfloat){half_vf_load(a), half_vf_load(a + half_W)}; }
+static inline void vf_store(float *to, vfloat a) {
+    half_vf_store(to, a.a);
+    half_vf_store(to + half_W, a.b);
+}
+static inline vfloat vf_select(vmask m, vfloat a, vfloat b) {
+    return (vfloat){half_vf_select(m.a, a.a, b.a), half_vf_select(m.b, a.b, b.b)};
+}
+
+static inline vint vi_set(int32_t a) { return (vint){half_vi_set(a), half_vi_set(a)}; }
+static inline vint vi_load(const int32_t *a) { return (vint){half_vi_load(a), half_vi_load(a + half_W)}; }
+static inline void vi_store(int32_t *to, vint a) {
+    half_vi_store(to, a.a);
+    half_vi_store(to + half_W, a.b);
+}
+static inline vint vi_select(vmask m, vint a, vint b) {
+    return (vint){half_vi_select(m.a, a.a, b.a), half_vi_select(m.b, a.b, b.b)};
+}
+static inline vint vi_lookup(const int32_t table[16], vint k) {
+    return (vint){half_vi_lookup(table, k.a), half_vi_lookup(table, k.b)};
+}
+
+static inline vmask vm_set(bool a) { return (vmask){half_vm_set(a), half_vm_set(a)}; }
+static inline vmask vm_first(size_t n) { return (vmask){half_vm_first(n), half_vm_first(n < half_W ? 0 : n - half_W)}; }
+static inline vmask vm_from_bits(unsigned bits) {
+    return (vmask){half_vm_from_bits(bits), half_vm_from_bits(bits >> half_W)};
+}
+static inline bool vm_any(vmask a) { return half_vm_any(half_vm_or(a.a, a.b)); }
+static inline unsigned vm_bits(vmask a) { return half_vm_bits(a.a) | half_vm_bits(a.b) << half_W; }
+
+static inline vfloat vf_gather(const float *base, vint index, vmask m) {
+    return (vfloat){half_vf_gather(base, index.a, m.a), half_vf_gather(base, index.b, m.b)};
+}
+static inline void vf_gather_pairs(const float *base, vint index, vmask m, vfloat *first, vfloat *second) {
+    half_vf_gather_pairs(base, index.a, m.a, &first->a, &second->a);
+    half_vf_gather_pairs(base, index.b, m.b, &first->b, &second->b);
+}
+
+/* Puts n vectors together from their halves. */
+static inline void twice_join(const half_vfloat *a, const half_vfloat *b, vfloat *out, size_t n) {
+    for (size_t k = 0; k < n; k++) out[k] = (vfloat){a[k], b[k]};
+}
+static inline void vf_gather_quads(const float *base, vint index, vmask m, vfloat out[4]) {
+    half_vfloat a[4], b[4];
+    half_vf_gather_quads(base, index.a, m.a, a);
+    half_vf_gather_quads(base, index.b, m.b, b);
+    twice_join(a, b, out, 4);
+}
+static inline void vf_load_rays(const cw_ray *rays, vfloat out[8]) {
+    half_vfloat a[8], b[8];
+    half_vf_load_rays(rays, a);
+    half_vf_load_rays(rays + half_W, b);
+    twice_join(a, b, out, 8);
+}
+
+static inline float vf_lowest(vfloat a, vmask m) {
+    const float low = half_vf_lowest(a.a, m.a), other = half_vf_lowest(a.b, m.b);
+    return low < other ? low : other;
+}
+static inline float vf_highest(vfloat a, vmask m) {
+    const float high = half_vf_highest(a.a, m.a), other = half_vf_highest(a.b, m.b);
+    return high > other ? high : other;
+}
+
+/* vorder is the halves' own. */
+static inline vfloat vf_load_block(const float *row, ptrdiff_t step, const vorder *o, size_t k) {
+    return (vfloat){half_vf_load_block(row, step, o, 2 * k), half_vf_load_block(row, step, o, 2 * k + 1)};
+}
+
+#endif
