@@ -146,40 +146,49 @@ bool papers_walks(FILE *to, papers_data *d, io_error *error) {
 
 /* ---- pieces ---- */
 
-/* Nanoseconds of a piece, by the member that counts it; 0 if it was not timed. */
-static double piece(const json_t *lines, const char *part, const char *isa, const char *count) {
-    const json_t *line = results_find(lines, "part", "part", part, "isa", isa, NULL);
-    const double operations = line ? results_number(line, count) : 0;
+/* Nanoseconds of a piece; 0 if it was not timed. */
+static double piece(const json_t *lines, const char *part, const char *kernel) {
+    const json_t *line = results_find(lines, "part", "part", part, "kernel", kernel, NULL);
+    const double operations = line ? results_number(line, "operations") : 0;
     return operations > 0 ? 1e9 * results_number(line, "seconds_median") / operations : 0;
+}
+
+/* Of a turn of the lane walk, without the refills that were timed with it. */
+static double turn_of(const json_t *lines, const char *kernel) {
+    const json_t *line = results_find(lines, "part", "part", "node step", "kernel", kernel, NULL);
+    if (line == NULL || !(results_number(line, "turns") > 0)) return 0;
+    const double refills = results_number(line, "refills") * piece(lines, "refill", kernel);
+    return (1e9 * results_number(line, "seconds_median") - refills) / results_number(line, "turns");
 }
 
 bool papers_pieces(FILE *to, papers_data *d, io_error *error) {
     const json_t *lines = papers_lines(d, "parts.json", error), *line;
     if (lines == NULL) return false;
-    const char *isas[NAMES_MAX], *names[NAMES_MAX], *memories[NAMES_MAX + 1];
-    const size_t isa_count = distinct(lines, "part", "isa", isas), name_count = distinct(lines, "part", "part", names);
+    const char *kernels[NAMES_MAX], *names[NAMES_MAX], *memories[NAMES_MAX + 1];
+    const size_t kernel_count = distinct(lines, "part", "kernel", kernels);
+    const size_t name_count = distinct(lines, "part", "part", names);
     const size_t memory_count = distinct(lines, "part", "memory", memories);
     memories[memory_count] = "";
     fputs("Millions a second, medians; one for each lane.\n\n| piece | of |", to);
-    for (size_t k = 0; k < isa_count; k++) fprintf(to, " %s |", isas[k]);
+    for (size_t k = 0; k < kernel_count; k++) fprintf(to, " %s |", kernels[k]);
     fputs("\n|---|---|", to);
-    for (size_t k = 0; k < isa_count; k++) fputs("--:|", to);
+    for (size_t k = 0; k < kernel_count; k++) fputs("--:|", to);
     fputc('\n', to);
     for (size_t n = 0; n < name_count; n++)
         for (size_t m = 0; m <= memory_count; m++) {
             const json_t *of[NAMES_MAX], *any = NULL;
-            for (size_t k = 0; k < isa_count; k++) {
+            for (size_t k = 0; k < kernel_count; k++) {
                 size_t index;
                 of[k] = NULL;
                 json_array_foreach(lines, index, line) {
-                    if (results_is(line, "part", "part", names[n], "isa", isas[k], NULL) &&
+                    if (results_is(line, "part", "part", names[n], "kernel", kernels[k], NULL) &&
                         strcmp(results_text(line, "memory"), memories[m]) == 0)
                         of[k] = any = line;
                 }
             }
             if (any == NULL) continue;
             fprintf(to, "| %s%s%s | %s |", names[n], *memories[m] ? ", " : "", memories[m], results_text(any, "unit"));
-            for (size_t k = 0; k < isa_count; k++)
+            for (size_t k = 0; k < kernel_count; k++)
                 fprintf(to, of[k] ? " %.4g |" : " |", of[k] ? results_number(of[k], "per_second") * 1e-6 : 0.0);
             fputc('\n', to);
         }
@@ -224,16 +233,16 @@ bool papers_limits(FILE *to, papers_data *d, io_error *error) {
     const char *fields[NAMES_MAX], *rays[NAMES_MAX];
     const size_t field_count = results_distinct(speeds, "field", fields, NAMES_MAX);
     const size_t ray_count = results_distinct(speeds, "rays", rays, NAMES_MAX);
-    const double prepare = piece(parts, "prepare", isa, "operations"), turn = piece(parts, "node step", isa, "turns");
-    const double leaf = piece(parts, "leaf watertight", isa, "operations");
     fprintf(
         to,
         "With %s, one thread, a ray on average; in brackets the share of the lanes that took part. *Pieces* is what\n"
-        "making the ray ready, the turns of the lane walk, and leaf tests beyond these take where each runs alone in "
-        "the\nfirst-level cache: a turn %.1f ns.\n\n"
-        "| field | rays | ns | ticks | instructions | a tick | cell steps | turns | node steps | leaf tests | refills "
-        "| nodes shared | pieces, ns | of all |\n|---|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n",
-        isa, turn);
+        "making the ray ready, the turns of the lane walk, refills, and leaf tests beyond these take where each runs "
+        "alone on\na field of 257 × 257 samples.\n\n"
+        "| field | rays | kernel | ns | ticks | instructions | a tick | cell steps | turns | ns a turn, alone | node "
+        "steps "
+        "| leaf tests | refills | nodes shared | pieces, ns | of all |\n"
+        "|---|---|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n",
+        isa);
     for (size_t f = 0; f < field_count; f++)
         for (size_t r = 0; r < ray_count; r++) {
             const json_t *own = targets_own(speeds, fields[f], rays[r]);
@@ -244,18 +253,24 @@ bool papers_limits(FILE *to, papers_data *d, io_error *error) {
             if (line == NULL) continue;
             const double ns = 1e3 / results_number(own, "mrays_per_s"), ticks = results_number(own, "tsc_per_ray");
             const double instructions = instructions_of(ablation, fields[f], rays[r], kernel);
+            const double prepare = piece(parts, "prepare", kernel), refill = piece(parts, "refill", kernel);
+            const double leaf = piece(parts, "leaf watertight", kernel), turn = turn_of(parts, kernel);
             const double apart = fmax(0, lanes(line, "leaf") - lanes(line, "round"));
-            const double pieces = prepare + events(line, "stream") * turn + apart * leaf;
-            fprintf(to, "| %s | %s | %.1f | %.0f |", fields[f], rays[r], ns, ticks);
+            const double pieces =
+                prepare + events(line, "stream") * turn + events(line, "refill") * refill + apart * leaf;
+            fprintf(to, "| %s | %s | %s | %.1f | %.0f |", fields[f], rays[r], kernel, ns, ticks);
             put_number(to, instructions, " %.0f |");
             put_number(to, instructions / ticks, " %.2f |");
             put_busy(to, line, "flat");
             put_number(to, events(line, "stream"), " %.2f |");
+            put_number(to, turn, " %.1f |");
             put_busy(to, line, "node");
             put_busy(to, line, "leaf");
             put_number(to, events(line, "refill"), " %.2f |");
             put_number(to, events(line, "shared_node"), " %.2f |");
-            fprintf(to, " %.1f | %.0f %% |\n", pieces, 100 * pieces / ns);
+            put_number(to, turn > 0 ? pieces : 0, " %.1f |");
+            put_number(to, turn > 0 ? 100 * pieces / ns : 0, " %.0f %% |");
+            fputc('\n', to);
         }
     return true;
 }

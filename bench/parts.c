@@ -19,8 +19,9 @@
 static const char *const usage =
     "Usage: cellwalk-bench parts [OPTIONS]\n"
     "\n"
-    "Times the pieces that the kernels are made of, each by itself in the kernels' own code, for each instruction set\n"
-    "that this CPU has: making rays ready, leaf tests, steps from node to node, refilling lanes, reading by gather "
+    "Times the pieces that the kernels are made of, each by itself in the kernels' own code, for each width and\n"
+    "instruction set that this CPU has: making rays ready, leaf tests, steps from node to node, refilling lanes, "
+    "reading by gather "
     "and\n"
     "by loads that lanes share, from memory of several sizes; and building the pyramid, beside copying the samples.\n"
     "One thread, medians of CPU time.\n"
@@ -28,17 +29,20 @@ static const char *const usage =
     "Options:\n";
 
 typedef struct parts_set {
+    const char *kernel; /* whose pieces */
     cw_isa isa;
     unsigned width;
     parts_run *run, *count;
 } parts_set;
 
 static const parts_set sets[] = {
-    {CW_ISA_SCALAR, 1, parts_run_scalar, parts_count_scalar},
+    {"pyramid1", CW_ISA_SCALAR, 1, parts_run_scalar, parts_count_scalar},
 #if CELLWALK_SIMD
-    {CW_ISA_SSE42, 4, parts_run_sse42, parts_count_sse42},
-    {CW_ISA_AVX2, 8, parts_run_avx2, parts_count_avx2},
-    {CW_ISA_AVX512, 16, parts_run_avx512, parts_count_avx512},
+    {"pyramid4", CW_ISA_SSE42, 4, parts_run_sse42, parts_count_sse42},
+    {"pyramid4x2", CW_ISA_SSE42, 8, parts_run_sse42_twice, parts_count_sse42_twice},
+    {"pyramid8", CW_ISA_AVX2, 8, parts_run_avx2, parts_count_avx2},
+    {"pyramid8x2", CW_ISA_AVX2, 16, parts_run_avx2_twice, parts_count_avx2_twice},
+    {"pyramid16", CW_ISA_AVX512, 16, parts_run_avx512, parts_count_avx512},
 #endif
 };
 enum { SET_COUNT = sizeof sets / sizeof sets[0] };
@@ -145,6 +149,7 @@ typedef struct trial {
     unsigned repeats;    /* passes a run, so that it is long for the clock */
     uint64_t operations; /* in a run */
     uint64_t turns;      /* of the lane walk in a run, steps and rounds of tests */
+    uint64_t refills;    /* and rays put into lanes for them */
     double test_share;   /* of a node step: turns that test cells, among all */
 } trial;
 
@@ -181,6 +186,7 @@ static bool count_operations(trial *t, io_error *error) {
     counters_read(all);
     t->operations = counters_find(all, "node")->lanes * t->repeats;
     t->turns = counters_find(all, "stream")->events * t->repeats;
+    t->refills = counters_find(all, "refill")->events * t->repeats;
     t->test_share = (double)counters_find(all, "round")->events / (double)counters_find(all, "stream")->events;
     return t->operations > 0 || io_fail(error, "%s: none was counted", parts[t->kind].name);
 }
@@ -188,13 +194,14 @@ static bool count_operations(trial *t, io_error *error) {
 static bool write_trial(io_output *out, const trial *t, const measure_job *job, io_error *error) {
     const statistics *s = &job->seconds;
     const double rate = (double)t->operations / s->median;
-    printf("  %-8s %2u  %-22s %-8s %9.1f M%-8s/s  %6.2f ns  CI +-%.1f %%  MAD %.1f %%\n", cw_isa_name(t->set->isa),
+    printf("  %-10s %2u  %-22s %-8s %9.1f M%-8s/s  %6.2f ns  CI +-%.1f %%  MAD %.1f %%\n", t->set->kernel,
            t->set->width, parts[t->kind].name, parts[t->kind].reads ? tables[t->table].name : "", rate * 1e-6,
            parts[t->kind].unit, 1e9 / rate, 50 * (s->high - s->low) / s->median, 100 * s->mad / s->median);
     json_t *line = json_object();
     results_set_text(line, "kind", "part");
     results_set_text(line, "part", parts[t->kind].name);
     results_set_text(line, "unit", parts[t->kind].unit);
+    results_set_text(line, "kernel", t->set->kernel);
     results_set_text(line, "isa", cw_isa_name(t->set->isa));
     results_set_count(line, "width", t->set->width);
     if (parts[t->kind].reads) {
@@ -205,6 +212,7 @@ static bool write_trial(io_output *out, const trial *t, const measure_job *job, 
     if (t->work.hits > 0) results_set_count(line, "hits", t->work.hits);
     if (t->kind == PART_NODE) {
         results_set_count(line, "turns", (size_t)t->turns);
+        results_set_count(line, "refills", (size_t)t->refills);
         results_set_number(line, "test_share", t->test_share);
     }
     results_set_seconds(line, s);

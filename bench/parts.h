@@ -37,10 +37,12 @@ typedef struct parts_work {
 /* Runs a part once over all that there is; how many operations that were: rays, tests, steps, numbers. */
 typedef uint64_t parts_run(part_kind kind, parts_work *work);
 
-/* parts.inc.c, compiled for each instruction set; the second of each pair counts (src/core/count.h). */
+/* parts.inc.c, compiled for each kernel of the pyramid; the second of each pair counts (src/core/count.h). */
 parts_run parts_run_scalar, parts_count_scalar;
 parts_run parts_run_sse42, parts_count_sse42;
+parts_run parts_run_sse42_twice, parts_count_sse42_twice;
 parts_run parts_run_avx2, parts_count_avx2;
+parts_run parts_run_avx2_twice, parts_count_avx2_twice;
 parts_run parts_run_avx512, parts_count_avx512;
 
 int parts_main(char **arguments, int count);
