@@ -124,8 +124,9 @@ typedef struct cw_field_desc {
 /* No samples, no size, CW_COPY, not bare, identity map: fill in the rest. */
 CW_API cw_field_desc cw_field_desc_default(void);
 
-/* Makes a field, which the caller owns, with what the default kernel walks on. On failure *field is NULL. A triangle with a hole at a vertex does not exist:
- * every ray passes through it. Borrowed samples mark holes by NaN alone (else CW_ERROR_HOLE). */
+/* Makes a field, which the caller owns, with what the default kernel walks on: the bounds pyramid, but nothing if it has at
+ * most 32 cells a side, on which packets are faster without. On failure *field is NULL. A triangle with a hole at a vertex
+ * does not exist: every ray passes through it. Borrowed samples mark holes by NaN alone (else CW_ERROR_HOLE). */
 CW_API cw_status cw_field_create(const cw_field_desc *desc, cw_field **field);
 /* NULL is allowed. No query may be running on the field. */
 CW_API void cw_field_destroy(cw_field *field);
