@@ -28,6 +28,8 @@ if(TARGET cellwalk_bench)
         add_test(NAME papers COMMAND cellwalk_bench papers --check WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
     endif()
 endif()
+add_test(NAME papers_notes COMMAND ${CMAKE_COMMAND} -DSOURCE=${PROJECT_SOURCE_DIR}
+    -P ${CMAKE_CURRENT_SOURCE_DIR}/papers_notes.cmake)
 # The levers that papers/report.md takes away one by one are still where bench/ablation.cmake looks for them.
 add_test(NAME ablation_levers COMMAND ${CMAKE_COMMAND} -DSOURCE=${PROJECT_SOURCE_DIR}
     -DFOLDER=${CMAKE_CURRENT_BINARY_DIR}/ablation_levers -P ${PROJECT_SOURCE_DIR}/bench/ablation.cmake)
