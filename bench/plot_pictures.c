@@ -181,7 +181,7 @@ void plot_put_point(FILE *to, double value, plot_span *range) {
 void plot_begin_legend(FILE *to) {
     fputs("set margins screen 0.08, screen 0.98, screen 0.01, screen 0.08\n"
           "unset title\nunset xlabel\nunset ylabel\nunset border\nunset tics\nunset grid\n"
-          "set key center center horizontal maxrows 2 width -7 samplen 2 Left reverse\nset yrange [1:2]\nplot ",
+          "set key center center horizontal maxrows 2 width -4 samplen 2 Left reverse\nset yrange [1:2]\nplot ",
           to);
 }
 
@@ -305,8 +305,10 @@ static size_t builders_of(const json_t *lines, const char *field, builder *build
 }
 
 static void put_builder(FILE *to, const json_t *lines, const char *field, const builder *b) {
-    if (strcmp(b->key, "kernel") == 0) { /* "pyramid", whose kernels end in their width */
+    if (strcmp(b->key, "kernel") == 0) { /* "pyramid", whose kernels end in their width, "8" or "8x2" */
         size_t length = strlen(b->name);
+        const char *pair = strstr(b->name, "x2");
+        if (pair && pair[2] == '\0') length -= 2;
         while (length > 1 && b->name[length - 1] >= '0' && b->name[length - 1] <= '9') length--;
         fprintf(to, "'%.*s'", (int)length, b->name);
         return;
