@@ -75,6 +75,8 @@ if(CMOCKA_INCLUDE AND CMOCKA_LIBRARY AND GMP_INCLUDE AND GMP_LIBRARY)
     add_library(cellwalk_stability_run STATIC aimed.c stability_run.c)
     target_link_libraries(cellwalk_stability_run PRIVATE cellwalk_flags
         PUBLIC cellwalk_test_oracle cellwalk_workload cellwalk_peers)
+    cellwalk_test(stress stress.c)
+    target_link_libraries(test_stress PRIVATE cellwalk_test_rays cellwalk_workload)
     cellwalk_test(stability stability_test.c)
     target_link_libraries(test_stability PRIVATE cellwalk_stability_run)
     if(TARGET cellwalk_measure) # JSON, options and pages
@@ -103,6 +105,13 @@ if(CMOCKA_INCLUDE AND CMOCKA_LIBRARY AND GMP_INCLUDE AND GMP_LIBRARY)
             COMMAND cellwalk_stability report --json ${data}/exhaustive.json --into ${page}
             WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} USES_TERMINAL VERBATIM)
         add_dependencies(stability-exhaustive test_exhaustive)
+        add_custom_target(stability-stress
+            COMMAND ${CMAKE_COMMAND} -E make_directory ${data}
+            COMMAND ${CMAKE_COMMAND} -E env CELLWALK_TEST_COUNTS=${data}/stress.json CELLWALK_TEST_ROUNDS=170
+                $<TARGET_FILE:test_stress>
+            COMMAND cellwalk_stability report --json ${data}/stress.json --into ${page}
+            WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} USES_TERMINAL VERBATIM)
+        add_dependencies(stability-stress test_stress)
     endif()
 endif()
 

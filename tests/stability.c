@@ -26,7 +26,8 @@ static const char *const usage =
     "kernels and Embree, and counts leaks, phantoms and wrong surfaces. Ctrl-C ends it early, with all results so "
     "far,\nand says how to go on.\n"
     "report prints the results as Markdown, or puts them into a page between the lines <!-- begin:stability --> and\n"
-    "<!-- end:stability -->; and so the counts of the tests extremes and exhaustive, between lines named after them.\n"
+    "<!-- end:stability -->; and so the counts of the tests extremes, exhaustive and stress, between lines named after "
+    "them.\n"
     "\n"
     "Options:\n";
 

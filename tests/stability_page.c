@@ -314,22 +314,29 @@ char *stability_page(const char *const *paths, size_t count, const char **mark, 
     json_t *lines = results_read(paths[0], error);
     if (lines == NULL) return NULL;
     const char *command = results_text(json_array_get(lines, 0), "command");
-    const bool extremes = strcmp(command, "extremes") == 0, exhaustive = strcmp(command, "exhaustive") == 0;
-    *mark = extremes ? "extremes" : exhaustive ? "exhaustive" : "stability";
+    static const struct {
+        const char *name;
+        void (*print)(FILE *to, const json_t *lines);
+    } tests[] = {{"extremes", stability_extremes}, {"exhaustive", stability_exhaustive}, {"stress", stability_stress}};
+    void (*print)(FILE *, const json_t *) = NULL;
+    *mark = "stability";
+    for (size_t k = 0; k < sizeof tests / sizeof tests[0]; k++)
+        if (strcmp(command, tests[k].name) == 0) {
+            *mark = tests[k].name;
+            print = tests[k].print;
+        }
     page *p = calloc(1, sizeof *p);
     char *text = NULL;
     size_t size = 0;
     bool good = p != NULL || io_fail(error, "out of memory");
-    if (extremes || exhaustive)
+    if (print)
         good = good && (count == 1 || io_fail(error, "%s: cannot be added to other files", paths[0]));
     else
         good = good && read_aimed(p, paths, count, error);
     FILE *to = good ? open_memstream(&text, &size) : NULL;
     if (to) {
-        if (extremes)
-            stability_extremes(to, lines);
-        else if (exhaustive)
-            stability_exhaustive(to, lines);
+        if (print)
+            print(to, lines);
         else
             aimed_tables(to, p);
         if (fclose(to) != 0) good = io_fail(error, "out of memory");

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the tests extremes and exhaustive counted (CELLWALK_TEST_COUNTS), as tables. */
+/* What the tests extremes, exhaustive and stress counted (CELLWALK_TEST_COUNTS), as tables. */
 
 #include "stability_page.h"
 
@@ -128,6 +128,22 @@ void stability_exhaustive(FILE *to, const json_t *lines) {
         for (size_t k = 0; k < 3; k++) fprintf(to, " **%llu** |", (unsigned long long)number(line, faults[k]));
         put(to, line, "same_bits");
         fputc('\n', to);
+    }
+    fputc('\n', to);
+}
+
+/* ---- stress ------------------------------------------------------------------------------------------------------ */
+
+void stability_stress(FILE *to, const json_t *lines) {
+    fputs("\n| rays | traced | hits | answers of other kernels | with other bits |\n|---|--:|--:|--:|--:|\n", to);
+    const json_t *line;
+    size_t index;
+    json_array_foreach(lines, index, line) {
+        if (!results_is(line, "stress", NULL)) continue;
+        fprintf(to, "| %s |", results_text(line, "rays"));
+        static const char *const keys[] = {"traced", "hits", "answers"};
+        for (size_t k = 0; k < sizeof keys / sizeof keys[0]; k++) put(to, line, keys[k]);
+        fprintf(to, " **%llu** |\n", (unsigned long long)number(line, "other_bits"));
     }
     fputc('\n', to);
 }
