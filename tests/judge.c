@@ -24,8 +24,14 @@ static const cell_bounds *bounds_at(const oracle *o, int32_t i, int32_t j) {
 /* E(t) near a cell, at a crossing; a hit adds root_error. */
 static double height_error(const oracle *o, double t, int32_t i, int32_t j) {
     const cell_bounds *b = bounds_at(o, i, j);
-    const double size = fabs(o->oz) + fabs(t * o->dz) + 4 * b->high + 8 * b->slope * place_size(o, i, j);
+    const double size = fabs(o->oz) + fabs(t * o->dz) + 4 * b->high + 9 * b->slope * place_size(o, i, j);
     return unit * size + 0x1p-146 * (1 + fabs(o->dz) + b->slope * (fabs(o->dx) + fabs(o->dy)));
+}
+
+/* Beyond this a computed d has the sign of d(t), on whichever of the triangles within delta it is computed: two planes that
+ * meet within delta of the place differ there by 2 S delta at most. */
+static double clear_error(const oracle *o, double t, int32_t i, int32_t j) {
+    return height_error(o, t, i, j) + 2 * bounds_at(o, i, j)->slope * delta(o, i, j);
 }
 
 /* The most that d can be where the slab of strict.h cuts the range off. */
@@ -166,7 +172,7 @@ void oracle_find_pass(oracle *o) {
             const oracle_triangle *t = &s->triangle[0];
             const double at = end ? part.b : part.a, d = oracle_height(o, t, at);
             if (end && s->side_from != s->side_to) change = s;
-            if (!(fabs(d) > height_error(o, at, t->i, t->j))) continue;
+            if (!(fabs(d) > clear_error(o, at, t->i, t->j))) continue;
             const int clear = d > 0 ? 1 : -1;
             if (last && clear != last) note_pass(o, at, change ? change : s);
             last = clear;
@@ -200,8 +206,8 @@ bool oracle_clear(const oracle *o, double at, int side, const oracle_triangle *o
     const int32_t last_i = (int32_t)o->nx - 1, last_j = (int32_t)o->ny - 1;
     const double margin = 2 * delta(o, last_i, last_j), low = o->low, high = o->top;
     const double size =
-        fabs(o->oz) + fabs(at * o->dz) + 4 * o->all.high + 8 * o->all.slope * place_size(o, last_i, last_j);
-    const double error = 2 * unit * size + 0x1p-140; /* twice E */
+        fabs(o->oz) + fabs(at * o->dz) + 4 * o->all.high + 17 * o->all.slope * place_size(o, last_i, last_j);
+    const double error = unit * size + 0x1p-140 * (1 + fabs(o->dz) + o->all.slope * (fabs(o->dx) + fabs(o->dy)));
     return x > margin && x < last_i - margin && y > margin && y < last_j - margin &&
            (side > 0 ? z - high > error : low - z > error);
 }

@@ -9,7 +9,8 @@
  * Judging a kernel, which computes in float, needs to know what rounding excuses. With d(t) the exact height of the ray
  * above the surface, E(t) the bound of papers/numerics.md on the error of a computed d, and delta(t) its bound on that
  * of a computed place:
- *  - d is *clear* at t if |d(t)| > E(t).
+ *  - d is *clear* at t if |d(t)| > E(t) + 2 S delta(t), S being the slope: then no triangle within delta of the place has
+ *    a computed d of the other sign.
  *  - The ray *passes* on a stretch of its t-range if the stretch lies over solid triangles, everywhere at least delta from
  *    holes and from the field's outer border, and d is clear and of one sign at one crossing of it, clear and of the
  *    other sign at a later one. Crossings: where the ray crosses a border or a diagonal, and the ends of the stretch.
@@ -83,8 +84,9 @@ judgement oracle_judge(const oracle *o, const cw_hit *hit);
 /* Makes a ray the present one; false if by the header's conventions it misses. */
 bool oracle_ray(oracle *o, const cw_ray *ray);
 
-/* Whether the present ray is, at t, clear of the surface: on the side of side (1 above, -1 below) by more than E, over the
- * field by more than delta. over: the triangle that it is over; or NULL, and then it is clear of all samples. A ray that
+/* Whether the present ray is, at t, clear of the surface on the side of side (1 above, -1 below), and over the field by
+ * more than 2 delta. over: the triangle that it is over, by more than 2 delta, and then E is enough; or NULL, and then it
+ * is clear of all samples. A ray that
  * is clear on one side and later on the other, on a field without holes, passes. */
 bool oracle_clear(const oracle *o, double at, int side, const oracle_triangle *over);
 

@@ -294,8 +294,8 @@ static void aimed_tables(FILE *to, const page *p) {
     const counts sum = total(&p->rows[0]);
     fputs("\n", to);
     stability_print_count(to, sum.rays);
-    fprintf(to, " rays, of which one in %u was judged in full; %.0f seconds of one thread. %s.\n\n", p->sample,
-            p->seconds, p->machine);
+    fprintf(to, " rays, of which one in %u was judged in full; %.0f seconds of CPU time on one thread. %s.\n\n",
+            p->sample, p->seconds, p->machine);
     summary_table(to, p);
     fputs("\n", to);
     reference_table(to, &p->rows[0]);
@@ -310,33 +310,39 @@ static bool read_aimed(page *p, const char *const *paths, size_t count, io_error
     return good && (p->count > 0 || io_fail(error, "%s: no results in it", paths[0]));
 }
 
+typedef void put_lines(FILE *to, const json_t *lines);
+
+/* What a file of results other than the long run's becomes, by its command. */
+static const struct {
+    const char *command, *mark;
+    put_lines *put;
+} tables[] = {
+    {"extremes", "extremes", stability_extremes},
+    {"exhaustive", "exhaustive", stability_exhaustive},
+    {"stress", "stress", stability_stress},
+    {"micro", "leaf", stability_leaf},
+};
+enum { TABLES = sizeof tables / sizeof tables[0] };
+
 char *stability_page(const char *const *paths, size_t count, const char **mark, io_error *error) {
     json_t *lines = results_read(paths[0], error);
     if (lines == NULL) return NULL;
-    const char *command = results_text(json_array_get(lines, 0), "command");
-    static const struct {
-        const char *name;
-        void (*print)(FILE *to, const json_t *lines);
-    } tests[] = {{"extremes", stability_extremes}, {"exhaustive", stability_exhaustive}, {"stress", stability_stress}};
-    void (*print)(FILE *, const json_t *) = NULL;
-    *mark = "stability";
-    for (size_t k = 0; k < sizeof tests / sizeof tests[0]; k++)
-        if (strcmp(command, tests[k].name) == 0) {
-            *mark = tests[k].name;
-            print = tests[k].print;
-        }
+    size_t table = 0;
+    while (table < TABLES && strcmp(results_text(json_array_get(lines, 0), "command"), tables[table].command) != 0)
+        table++;
+    *mark = table < TABLES ? tables[table].mark : "stability";
     page *p = calloc(1, sizeof *p);
     char *text = NULL;
     size_t size = 0;
     bool good = p != NULL || io_fail(error, "out of memory");
-    if (print)
+    if (table < TABLES)
         good = good && (count == 1 || io_fail(error, "%s: cannot be added to other files", paths[0]));
     else
         good = good && read_aimed(p, paths, count, error);
     FILE *to = good ? open_memstream(&text, &size) : NULL;
     if (to) {
-        if (print)
-            print(to, lines);
+        if (table < TABLES)
+            tables[table].put(to, lines);
         else
             aimed_tables(to, p);
         if (fclose(to) != 0) good = io_fail(error, "out of memory");

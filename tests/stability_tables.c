@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the tests extremes, exhaustive and stress counted (CELLWALK_TEST_COUNTS), as tables. */
+/* What the tests extremes, exhaustive and stress counted (CELLWALK_TEST_COUNTS), as tables; and what the leaf tests
+ * cost. */
 
 #include "stability_page.h"
 
 #include "results.h"
+#include "run_record.h"
 
 #include <string.h>
 
@@ -146,4 +148,59 @@ void stability_stress(FILE *to, const json_t *lines) {
         fprintf(to, " **%llu** |\n", (unsigned long long)number(line, "other_bits"));
     }
     fputc('\n', to);
+}
+
+/* ---- leaf tests -------------------------------------------------------------------------------------------------- */
+
+static const char *const reference_leaf = "moller-trumbore";
+
+/* The line of a kernel with a leaf test; NULL if there is none. */
+static const json_t *timed(const json_t *lines, const char *field, const char *rays, const char *kernel,
+                           const char *leaf) {
+    char name[64];
+    snprintf(name, sizeof name, "%s/%s", kernel, leaf);
+    return results_find(lines, "result", "field", field, "rays", rays, "contender", name, NULL);
+}
+
+/* Kernels that were timed with both; "pyramid8/moller-trumbore" begins with the name. */
+static size_t leaf_kernels(const json_t *lines, char kernels[NAMES_MAX][32]) {
+    const char *contenders[NAMES_MAX];
+    const size_t all = results_distinct(lines, "contender", contenders, NAMES_MAX);
+    size_t count = 0;
+    for (size_t k = 0; k < all; k++) {
+        const char *slash = strchr(contenders[k], '/');
+        if (slash == NULL || strcmp(slash + 1, reference_leaf) != 0) continue;
+        snprintf(kernels[count++], sizeof kernels[0], "%.*s", (int)(slash - contenders[k]), contenders[k]);
+    }
+    return count;
+}
+
+void stability_leaf(FILE *to, const json_t *lines) {
+    static char kernels[NAMES_MAX][32];
+    const char *fields[NAMES_MAX], *rays[NAMES_MAX];
+    const size_t kernel_count = leaf_kernels(lines, kernels);
+    const size_t field_count = results_distinct(lines, "field", fields, NAMES_MAX);
+    const size_t ray_count = results_distinct(lines, "rays", rays, NAMES_MAX);
+    char machine[512];
+    run_record_text(json_array_get(lines, 0), machine, sizeof machine);
+    fprintf(to, "\n%s. In brackets what the medians' intervals allow.\n\n| field | rays |", machine);
+    for (size_t k = 0; k < kernel_count; k++) fprintf(to, " %s |", kernels[k]);
+    fputs("\n|---|---|", to);
+    for (size_t k = 0; k < kernel_count; k++) fputs("--:|", to);
+    for (size_t f = 0; f < field_count; f++)
+        for (size_t r = 0; r < ray_count; r++) {
+            fprintf(to, "\n| %s | %s |", fields[f], rays[r]);
+            for (size_t k = 0; k < kernel_count; k++) {
+                const json_t *mt = timed(lines, fields[f], rays[r], kernels[k], reference_leaf);
+                const json_t *wt = timed(lines, fields[f], rays[r], kernels[k], "watertight");
+                if (mt && wt && results_number(mt, "seconds_low") > 0 && results_number(wt, "seconds_low") > 0)
+                    fprintf(to, " %.2f (%.2f to %.2f) |",
+                            results_number(mt, "seconds_median") / results_number(wt, "seconds_median"),
+                            results_number(mt, "seconds_low") / results_number(wt, "seconds_high"),
+                            results_number(mt, "seconds_high") / results_number(wt, "seconds_low"));
+                else
+                    fputs(" |", to);
+            }
+        }
+    fputs("\n\n", to);
 }
