@@ -48,6 +48,7 @@ pid_t program_start(const program_setting *setting, program_arguments arguments)
     dup2(fileno(err), STDERR_FILENO);
     apply(setting ? setting : &(program_setting){0});
     execv(CELLWALK_PROGRAM, argv);
+    perror(CELLWALK_PROGRAM); /* it may just be linked anew, by a build at the same time */
     _exit(NO_SETTING);
 }
 

@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -32,6 +33,9 @@ static int set_up(void **state) {
     return 0;
 }
 
+/* Bytes that the program may write to a file; 0 for any number. */
+static unsigned long file_limit;
+
 /* Starts `cellwalk render …` with its output in files of the scratch folder. */
 static pid_t start(const char *const *arguments) {
     char *argv[16] = {(char *)CELLWALK, (char *)"render"};
@@ -41,6 +45,8 @@ static pid_t start(const char *const *arguments) {
     const pid_t child = fork();
     if (child != 0) return child;
     signal(SIGINT, SIG_DFL); /* a shell may have started the test with it ignored */
+    const struct rlimit limit = {file_limit, file_limit};
+    if (file_limit > 0 && setrlimit(RLIMIT_FSIZE, &limit) != 0) _exit(99);
     if (freopen(out, "w", stdout) && freopen(err, "w", stderr)) execv(CELLWALK, argv);
     _exit(99);
 }
@@ -115,6 +121,23 @@ static void a_full_disk_is_a_failure(void **state) {
         "full.pfm: cannot write: No space left on device");
 }
 
+/* The picture does not fit, which shows while it is being put into its file, not only when that is closed. */
+static void a_picture_that_does_not_fit_leaves_nothing(void **state) {
+    (void)state;
+    written("stdout", "");
+    written("stderr", "");
+    const char *const pictures[] = {"d.pfm", "d.png", "d.exr"};
+    for (size_t k = 0; k < sizeof pictures / sizeof pictures[0]; k++) {
+        io_error error;
+        if (!io_image_can_write(pictures[k], &error)) continue;
+        const size_t before = scratch_entries();
+        file_limit = 64; /* less than any of them takes */
+        run((const char *const[]){scene_file, "-o", pictures[k], NULL}, 1, pictures[k]);
+        file_limit = 0;
+        check(scratch_entries() == before, "%s: files are left", pictures[k]);
+    }
+}
+
 static void ctrl_c_leaves_nothing(void **state) {
     (void)state;
     written("stdout", "");
@@ -137,6 +160,7 @@ int main(void) {
         cmocka_unit_test(pictures_are_the_same_in_all_formats),
         cmocka_unit_test(mistakes_leave_nothing),
         cmocka_unit_test(a_full_disk_is_a_failure),
+        cmocka_unit_test(a_picture_that_does_not_fit_leaves_nothing),
         cmocka_unit_test(ctrl_c_leaves_nothing),
     };
     return cmocka_run_group_tests(tests, set_up, scratch_leave);
