@@ -89,7 +89,7 @@ CW_INLINE uint64_t run_leaf(parts_work *w, cw_leaf leaf) {
 }
 
 CW_INLINE stream_state refill(stream_lanes *l, const stream_queue *q, size_t from) {
-    for (size_t lane = 0; lane < W; lane++) refill_lane(l, lane, q, &q->rays[from + lane], CW_LEAF_WATERTIGHT);
+    for (size_t lane = 0; lane < W; lane++) refill_lane(l, lane, q, &q->rays[from + lane], CW_LEAF_WATERTIGHT, false);
     return load_lanes(l, (1u << W) - 1);
 }
 
@@ -118,7 +118,7 @@ static uint64_t run_node(parts_work *w) {
         for (size_t k = 0; k < q->n; k += W) {
             stream_state s = refill(&l, q, k);
             for (int step = 0; step < STEPS && vm_any(s.alive); step++)
-                stream_step(&s, &l, w->field, CW_LEAF_WATERTIGHT, false, hits, NULL);
+                stream_step(&s, &l, w->field, CW_LEAF_WATERTIGHT, NULL, false, hits, NULL);
             sum = vf_add(sum, s.t);
         }
     w->sink = total(sum) + hits[0].t;

@@ -186,16 +186,24 @@ typedef struct cw_query {
     const cw_kernel *kernel; /* NULL: the best for this machine */
     cw_leaf leaf;
     cw_pool *pool; /* NULL: the calling thread alone */
+    /* Tolerant queries may take the surface for as thick as tolerance + cone · t · |dir|, in the field's heights, with |dir|
+     * as it is in field space and nothing for the cone where t < 0. org + t · dir then lies within that of the hit's
+     * triangle, in height. Each ray that hits hits still; one that passes as near may hit as well, also right where it
+     * starts. Which point within the tolerance is the hit depends on the walk, so tolerant hits, unlike all others, may
+     * differ between kernels and with a ray's neighbours in the array. Meant for detail below a pixel at its distance:
+     * cone is a pixel's width at distance 1. Both are finite and not negative; 0 stands for strict. Only the
+     * pyramid kernels with CW_LEAF_WATERTIGHT make use of them; others answer as without. */
+    float tolerance, cone;
 } cw_query;
 
-/* All zero: the best kernel, its default leaf test, one thread. A NULL query means the same. */
+/* All zero: the best kernel, its default leaf test, one thread, strict. A NULL query means the same. */
 CW_API cw_query cw_query_default(void);
 
 /* The kernel that a query runs on this field; field may be NULL, which stands for a field like most. */
 CW_API const cw_kernel *cw_query_kernel(const cw_field *field, const cw_query *query);
 
 /* Closest hit of each of n rays (n may be 0). rays and hits need no alignment beyond their types' and may not overlap.
- * The answer for a ray does not depend on its neighbours, its place in the array or the number of threads. On an error
+ * Unless the query is tolerant, the answer for a ray does not depend on its neighbours, its place in the array or the number of threads. On an error
  * hits are untouched. */
 CW_API cw_status cw_closest(const cw_field *field, const cw_query *query, const cw_ray *rays, size_t n, cw_hit *hits);
 

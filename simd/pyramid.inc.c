@@ -2,7 +2,8 @@
 /* The pyramid kernels: which walk a ray takes. Groups of 16 rays are made ready W at a time; rays that climb out of the
  * terrain are cut short (climb.inc.h); a few steps of the flat walk finish what is near (lanes.inc.h); what is left of a
  * group shares its walk as long as it is coherent (shared.inc.h), and then is queued for the lane walk (stream.inc.h).
- * Which way a ray takes never changes its hit. A stub includes a vocabulary and then this body. */
+ * Which way a ray takes never changes its hit, but for tolerant queries: the lane walk alone makes use of a tolerance.
+ * A stub includes a vocabulary and then this body. */
 
 #include "ray.inc.h"
 
@@ -11,6 +12,7 @@
 
 #include "lanes.inc.h"
 
+#include "kernels.h"
 #include "pyramid.h"
 
 #include "climb.inc.h"
@@ -32,7 +34,7 @@ enum { SHARE_AT_LEAST = 4 };
 /* The first n rays of a group, of which the first is ray number base of its batch. Returns the rays that hit, with their
  * hits written unless any; rays that are to go on alone are put into the queue, and counted in *waiting. */
 CW_INLINE unsigned pyramid_group(const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, bool any, cw_hit *hits,
-                                 stream_queue *queue, size_t first_part) {
+                                 stream_queue *queue, size_t first_part, const cw_tolerance *tolerance) {
     lanes part[PARTS];
     unsigned found = 0, rest = 0, near = 0; /* near: bits of parts that have walked from cell to cell */
     for (size_t p = 0; p < PARTS; p++) {
@@ -56,7 +58,9 @@ CW_INLINE unsigned pyramid_group(const cw_field *f, const cw_ray *rays, size_t n
             l->r.from = vf_max(l->r.from, vf_max(l->c.x_in, l->c.y_in));
         }
         rest |= vm_bits(l->alive) << begin;
-        if (vm_any(l->alive)) mirror_rays(&queue->ready[first_part + p], &l->r, f, leaf);
+        if (!vm_any(l->alive)) continue;
+        mirror_rays(&queue->ready[first_part + p], &l->r, f, leaf);
+        if (tolerance) set_cones(&queue->cone[(first_part + p) * W], from, tolerance);
     }
     fat_ray a;
     if (__builtin_popcount(rest) >= SHARE_AT_LEAST && coherent(part, rest, f) && fat_init(&a, part, rest)) {
@@ -75,7 +79,8 @@ CW_INLINE unsigned pyramid_group(const cw_field *f, const cw_ray *rays, size_t n
     return found;
 }
 
-CW_INLINE void pyramid_closest(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, cw_leaf leaf) {
+CW_INLINE void pyramid_closest(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, cw_leaf leaf,
+                               const cw_tolerance *tolerance) {
     for (size_t b = 0; b < n; b += BATCH) {
         const size_t end = n - b < BATCH ? n : b + BATCH;
         stream_queue queue;
@@ -83,24 +88,25 @@ CW_INLINE void pyramid_closest(const cw_field *f, const cw_ray *rays, size_t n, 
         for (size_t k = b; k < end; k += CHILDREN) {
             const size_t count = end - k < CHILDREN ? end - k : CHILDREN;
             cw_hit h[CHILDREN];
-            const unsigned found = pyramid_group(f, rays + k, count, leaf, false, h, &queue, (k - b) / W);
+            const unsigned found = pyramid_group(f, rays + k, count, leaf, false, h, &queue, (k - b) / W, tolerance);
             for (size_t m = 0; m < count; m++)
                 hits[k + m] = found >> m & 1 ? h[m] : (cw_hit){.t = INFINITY, .i = -1, .j = -1};
         }
-        stream_walk(f, &queue, leaf, false, hits + b, NULL);
+        stream_walk(f, &queue, leaf, tolerance, false, hits + b, NULL);
     }
 }
 
-CW_INLINE void pyramid_any(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded, cw_leaf leaf) {
+CW_INLINE void pyramid_any(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded, cw_leaf leaf,
+                           const cw_tolerance *tolerance) {
     for (size_t b = 0; b < n; b += BATCH) {
         const size_t end = n - b < BATCH ? n : b + BATCH;
         stream_queue queue;
         queue.n = 0;
         for (size_t k = b; k < end; k += CHILDREN) {
             const size_t count = end - k < CHILDREN ? end - k : CHILDREN;
-            const unsigned found = pyramid_group(f, rays + k, count, leaf, true, NULL, &queue, (k - b) / W);
+            const unsigned found = pyramid_group(f, rays + k, count, leaf, true, NULL, &queue, (k - b) / W, tolerance);
             for (size_t m = 0; m < count; m++) occluded[k + m] = found >> m & 1;
         }
-        stream_walk(f, &queue, leaf, true, NULL, occluded + b);
+        stream_walk(f, &queue, leaf, tolerance, true, NULL, occluded + b);
     }
 }

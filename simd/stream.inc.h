@@ -60,11 +60,14 @@ typedef struct stream_lanes {
     float t[W], leave[W];
     int32_t x[W], y[W], level[W];
     uint32_t ray[W]; /* where its hit goes */
+    float cone[W];   /* of tolerant queries */
 } stream_lanes;
 
-CW_INLINE void refill_lane(stream_lanes *l, size_t lane, const stream_queue *queue, const queued *q, cw_leaf leaf) {
+CW_INLINE void refill_lane(stream_lanes *l, size_t lane, const stream_queue *queue, const queued *q, cw_leaf leaf,
+                           bool tolerant) {
     count_step(COUNT_REFILL, 1);
     copy_ray(&l->rays, lane, &queue->ready[q->part], q->lane, leaf);
+    if (tolerant) l->cone[lane] = queue->cone[q->part * W + q->lane];
     l->t[lane] = q->t;
     l->leave[lane] = INFINITY;
     l->x[lane] = q->x;
@@ -164,9 +167,47 @@ CW_INLINE vint child_at(float f[RAY_AXIS][W], const stream_axis *a, vfloat t, vf
     return vi_from_vf(vf_max(vf_set(0), vf_min(vf_set(3), number)));
 }
 
-/* Lanes of moves that go down to a child of their node; for them, new t, leave and place. */
-CW_INLINE vmask stream_descend(stream_state *s, stream_rays *rays, const cw_field *f, const stream_axis axis[2],
-                               vfloat side, vfloat out, vmask moves) {
+/* Where along the axis, in field coordinates, lanes are at t: in cell, that far in. Both lie in the node that begins at
+ * corner, and in the field. */
+CW_INLINE vfloat stop_at(float f[RAY_AXIS][W], const stream_axis *a, vfloat t, vint corner, vfloat side, size_t samples,
+                         vfloat *cell) {
+    const vfloat low = vf_from_vi(corner), high = vf_min(vf_add(low, side), vf_set((float)(samples - 1)));
+    vfloat place = vf_flip(vf_add(a->org, vf_mul(t, a->dir)), vf_load(f[RAY_SIGN]));
+    place = vf_max(low, vf_min(high, place));
+    *cell = vf_min(vf_floor(place), vf_sub(high, vf_set(1)));
+    return vf_sub(place, *cell);
+}
+
+/* Takes the slab for the surface, for lanes that are in it from t on: their hits are there. */
+CW_INLINE void stream_stop(stream_lanes *l, const cw_field *f, const stream_axis axis[2], vint i, vint j, vfloat side,
+                           vfloat t, vmask stops, bool any, cw_hit *hits, uint8_t *occluded) {
+    vfloat cell_i, cell_j;
+    const vfloat x = stop_at(l->rays.f, &axis[0], t, i, side, f->nx, &cell_i);
+    const vfloat y = stop_at(l->rays.f + RAY_AXIS, &axis[1], t, j, side, f->ny, &cell_j);
+    const vmask b = vf_gt(y, x);
+    const vhit h = {t, vf_select(b, x, vf_sub(x, y)), vf_select(b, vf_sub(y, x), y), b};
+    stream_hits(l->ray, vm_bits(stops), &h, vi_from_vf(cell_i), vi_from_vf(cell_j), any, hits, occluded);
+}
+
+/* Lanes that are at t in slabs no thicker than what is allowed there. Neither NaN nor infinite is. */
+CW_INLINE vmask stream_near(const stream_lanes *l, const cw_tolerance *tolerance, vfloat low, vfloat high, vfloat t) {
+    const vfloat cone = vf_mul(t, vf_load(l->cone));
+    return vf_lt(vf_sub(high, low), vf_add(vf_set(tolerance->height), cone));
+}
+
+/* Lanes of nodes among whose samples are no holes: no plane fits these, and theirs is level. */
+CW_INLINE vmask stream_solid(const cw_field *f, const vfloat slope[2]) {
+    const vfloat zero = vf_set(0);
+    const vmask level = vm_and(vf_eq(slope[0], zero), vf_eq(slope[1], zero));
+    return f->holes == 0 ? vm_set(true) : vm_not(level);
+}
+
+/* Lanes of moves that go down to a child of their node; for them, new t, leave and place. Those for which it is near
+ * enough to the surface hit instead, and are alive no longer. */
+CW_INLINE vmask stream_descend(stream_state *s, stream_lanes *l, const cw_field *f, const stream_axis axis[2],
+                               vfloat side, vfloat out, vmask moves, const cw_tolerance *tolerance, bool any,
+                               cw_hit *hits, uint8_t *occluded) {
+    stream_rays *rays = &l->rays;
     const struct cw_pyramid *p = f->pyramid;
     const vint shift = vi_add(s->level, s->level), one = vi_set(1);
     const vint i = vi_shift_right(vi_xor(s->x, vi_load(rays->i[RAY_TURNED_X])), shift);
@@ -197,6 +238,15 @@ CW_INLINE vmask stream_descend(stream_state *s, stream_rays *rays, const cw_fiel
     const vfloat after = vf_max(zero, vf_max(vf_sub(d1, high), vf_sub(low, d1)));
     const vfloat start = vf_min(vf_max(vf_add(t, vf_mul(before, per)), t), t1);
     const vfloat leave = vf_max(start, vf_min(vf_sub(t1, vf_mul(after, per)), vf_set(INFINITY)));
+    if (tolerance) {
+        vmask stops = vm_and(enters, stream_near(l, tolerance, low, high, start));
+        if (vm_any(stops)) {
+            stops = vm_and(stops, stream_solid(f, slope));
+            stream_stop(l, f, axis, vi_shift_left(i, shift), vi_shift_left(j, shift), side, start, stops, any, hits,
+                        occluded);
+            s->alive = vm_andnot(s->alive, stops);
+        }
+    }
     s->t = vf_select(enters, start, t);
     s->leave = vf_select(enters, leave, s->leave);
     const vint child_shift = vi_add(shift, vi_set(-2)), none = vi_set(0);
@@ -234,8 +284,8 @@ CW_INLINE void stream_advance(stream_state *s, stream_rays *rays, const stream_a
 }
 
 /* One step of every living lane, but for those that wait at a cell. Levels here: cells 0, nodes of pyramid level l l + 1. */
-CW_INLINE void stream_step(stream_state *s, stream_lanes *l, const cw_field *f, cw_leaf leaf, bool any, cw_hit *hits,
-                           uint8_t *occluded) {
+CW_INLINE void stream_step(stream_state *s, stream_lanes *l, const cw_field *f, cw_leaf leaf,
+                           const cw_tolerance *tolerance, bool any, cw_hit *hits, uint8_t *occluded) {
     stream_rays *rays = &l->rays;
     count_lanes(COUNT_STREAM, s->alive);
     const vfloat side = vf_power_of_2(vi_add(s->level, s->level));
@@ -250,7 +300,7 @@ CW_INLINE void stream_step(stream_state *s, stream_lanes *l, const cw_field *f, 
         moves = vm_andnot(waits, found);
     } else {
         count_lanes(COUNT_NODE, moves);
-        moves = vm_andnot(moves, stream_descend(s, rays, f, axis, side, out, moves));
+        moves = vm_andnot(moves, stream_descend(s, l, f, axis, side, out, moves, tolerance, any, hits, occluded));
     }
     stream_advance(s, rays, axis, out, moves);
 }
@@ -260,8 +310,8 @@ CW_INLINE void stream_step(stream_state *s, stream_lanes *l, const cw_field *f, 
  * Rejected: two vectors of lanes that take turns, so that one works while the other waits for its bounds or samples. It
  * runs more instructions at once, but needs 5 to 20 % more of them for state that no longer fits into registers, and is
  * 7 % slower on Zen 3 (cellwalk-bench micro, field 1025, random, ao and grazing rays). */
-CW_INLINE void stream_walk(const cw_field *f, const stream_queue *queue, cw_leaf leaf, bool any, cw_hit *hits,
-                           uint8_t *occluded) {
+CW_INLINE void stream_walk(const cw_field *f, const stream_queue *queue, cw_leaf leaf, const cw_tolerance *tolerance,
+                           bool any, cw_hit *hits, uint8_t *occluded) {
     if (queue->n == 0) return;
     stream_lanes l;
     memset(&l, 0, sizeof l);
@@ -269,7 +319,7 @@ CW_INLINE void stream_walk(const cw_field *f, const stream_queue *queue, cw_leaf
     for (size_t next = 0;;) {
         for (unsigned empty = ~living & ((1u << W) - 1); empty != 0 && next < queue->n; empty &= empty - 1) {
             const unsigned lane = (unsigned)__builtin_ctz(empty);
-            refill_lane(&l, lane, queue, &queue->rays[next++], leaf);
+            refill_lane(&l, lane, queue, &queue->rays[next++], leaf, tolerance != NULL);
             living |= 1u << lane;
         }
         if (living == 0) return;
@@ -277,7 +327,7 @@ CW_INLINE void stream_walk(const cw_field *f, const stream_queue *queue, cw_leaf
         stream_state s = load_lanes(&l, living);
         const int refill_at = next < queue->n ? (int)W - REFILL_AT : 0;
         do {
-            stream_step(&s, &l, f, leaf, any, hits, occluded);
+            stream_step(&s, &l, f, leaf, tolerance, any, hits, occluded);
             living = vm_bits(s.alive);
         } while (__builtin_popcount(living) > refill_at);
         store_lanes(&l, &s);

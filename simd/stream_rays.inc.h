@@ -48,6 +48,7 @@ typedef struct stream_queue {
     stream_rays ready[BATCH / W];
     queued rays[BATCH];
     size_t n;
+    float cone[BATCH]; /* tolerant queries alone: allowed error in height for each unit of t */
 } stream_queue;
 
 /* One axis of W rays. */
@@ -106,6 +107,14 @@ static inline void enqueue(stream_queue *q, size_t part, unsigned which, vfloat 
     for (; which != 0; which &= which - 1) {
         const unsigned k = (unsigned)__builtin_ctz(which);
         q->rays[q->n++] = (queued){(uint16_t)part, (uint16_t)k, (uint32_t)(part * W) + k, from[k], x[k], y[k], level};
+    }
+}
+
+/* What tolerant queries need besides of the rays of a part. */
+static inline void set_cones(float cone[W], const cw_ray rays[W], const cw_tolerance *tolerance) {
+    for (size_t k = 0; k < W; k++) {
+        const double x = (double)rays[k].dir[0], y = (double)rays[k].dir[1], z = (double)rays[k].dir[2];
+        cone[k] = tolerance->cone * (float)sqrt(x * x + y * y + z * z);
     }
 }
 

@@ -24,7 +24,8 @@ if(CMOCKA_INCLUDE AND CMOCKA_LIBRARY)
     # the linker then has no reason to take. The rest of such a build needs AVX2.
     find_path(SIMDE_INCLUDE simde/x86/avx512.h)
     if(CELLWALK_SIMD AND SIMDE_INCLUDE AND CMAKE_C_COMPILER_ID STREQUAL "GNU" AND NOT CELLWALK_SANITIZE)
-        add_library(cellwalk_emulated OBJECT ${PROJECT_SOURCE_DIR}/simd/packet16.c ${PROJECT_SOURCE_DIR}/simd/pyramid16.c)
+        add_library(cellwalk_emulated OBJECT ${PROJECT_SOURCE_DIR}/simd/packet16.c ${PROJECT_SOURCE_DIR}/simd/pyramid16.c
+            ${PROJECT_SOURCE_DIR}/simd/near16.c)
         target_include_directories(cellwalk_emulated PRIVATE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/src/core)
         target_include_directories(cellwalk_emulated SYSTEM PRIVATE ${SIMDE_INCLUDE})
         # Vectors wider than the machine's are passed in memory, of which GCC warns; all of it is one compile unit.
@@ -56,7 +57,7 @@ if(CMOCKA_INCLUDE AND CMOCKA_LIBRARY AND GMP_INCLUDE AND GMP_LIBRARY)
 
     cellwalk_test(oracle oracle_test.c)
     target_link_libraries(test_oracle PRIVATE cellwalk_test_oracle)
-    foreach(test IN ITEMS brute exhaustive watertight)
+    foreach(test IN ITEMS brute exhaustive tolerance watertight)
         cellwalk_test(${test} ${test}.c)
         target_link_libraries(test_${test} PRIVATE cellwalk_test_oracle)
     endforeach()
@@ -68,6 +69,15 @@ if(CMOCKA_INCLUDE AND CMOCKA_LIBRARY AND GMP_INCLUDE AND GMP_LIBRARY)
         cellwalk_test(extremes_avx512_emulated extremes.c extremes_judge.c ${emulated})
         cellwalk_emulate(extremes_avx512_emulated)
         target_link_libraries(test_extremes_avx512_emulated PRIVATE cellwalk_test_oracle)
+    endif()
+
+    if(TARGET cellwalk_emulated) # see lanes_avx512_emulated
+        cellwalk_test(tolerance_avx512_emulated tolerance.c ${PROJECT_SOURCE_DIR}/src/core/isa.c
+            $<TARGET_OBJECTS:cellwalk_emulated>)
+        target_include_directories(test_tolerance_avx512_emulated PRIVATE ${PROJECT_SOURCE_DIR}/src/core)
+        target_compile_definitions(test_tolerance_avx512_emulated PRIVATE CELLWALK_MACHINE_ISA=CW_ISA_AVX512)
+        target_link_libraries(test_tolerance_avx512_emulated PRIVATE cellwalk_test_oracle)
+        set_tests_properties(tolerance_avx512_emulated PROPERTIES ENVIRONMENT CELLWALK_TEST_DIVIDE=16)
     endif()
 
     # The long run of stability.c, and the part of it that is a test. It takes fields and Embree from bench/, and stands

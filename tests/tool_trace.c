@@ -98,6 +98,21 @@ static void closest_is_the_librarys(void **state) {
     destroy(f);
 }
 
+static void tolerances_reach_the_query(void **state) {
+    (void)state;
+    fixture *f = make();
+    const cw_query query = {.tolerance = 0.5f, .cone = 0.125f};
+    check_status(cw_closest(f->open, &query, f->rays, RAYS, f->hits), CW_OK);
+    run_well((const char *const[]){"trace", "field.npy", "rays.npy", "-o", "hits.npy", "--tolerance", "0.5",
+                                   "--cone=0.125", "--threads", "1", NULL});
+    check_hits("hits.npy", f->hits, RAYS);
+    const cw_query height = {.tolerance = 0.5f};
+    check_status(cw_closest(f->open, &height, f->rays, RAYS, f->hits), CW_OK);
+    run_well((const char *const[]){"trace", "field.npy", "rays.npy", "-o", "hits.npy", "--tolerance", "5e-1", NULL});
+    check_hits("hits.npy", f->hits, RAYS);
+    destroy(f);
+}
+
 static void any_marks_the_occluded(void **state) {
     (void)state;
     fixture *f = make();
@@ -238,6 +253,7 @@ static void rays_need_not_fit(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(closest_is_the_librarys, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(tolerances_reach_the_query, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(any_marks_the_occluded, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(pieces_join, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(formats_agree, scratch_enter, scratch_leave),

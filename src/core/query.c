@@ -6,6 +6,8 @@
 #include "kernels.h"
 #include "pool.h"
 
+#include <float.h>
+
 /* Rays a thread takes at a time: some 100 microseconds of work, so that handing out costs nothing and the last piece
  * does not keep the others waiting. */
 enum { GRAIN = 4096 };
@@ -15,6 +17,9 @@ typedef struct job {
     const cw_ray *rays;
     cw_closest_fn *closest;
     cw_any_fn *any;
+    cw_closest_near_fn *closest_near; /* these instead unless they are NULL */
+    cw_any_near_fn *any_near;
+    cw_tolerance tolerance;
     cw_hit *hits;
     uint8_t *occluded;
 } job;
@@ -22,11 +27,20 @@ typedef struct job {
 static void run(void *context, size_t begin, size_t end) {
     const job *q = context;
     const fpenv caller = fpenv_enter();
-    if (q->closest)
+    if (q->closest_near)
+        q->closest_near(q->field, q->rays + begin, end - begin, q->hits + begin, &q->tolerance);
+    else if (q->any_near)
+        q->any_near(q->field, q->rays + begin, end - begin, q->occluded + begin, &q->tolerance);
+    else if (q->closest)
         q->closest(q->field, q->rays + begin, end - begin, q->hits + begin);
     else
         q->any(q->field, q->rays + begin, end - begin, q->occluded + begin);
     fpenv_leave(caller);
+}
+
+/* All of them are allowed errors: finite, not negative. */
+static bool is_tolerance(const cw_query *query) {
+    return query->tolerance >= 0 && query->tolerance <= FLT_MAX && query->cone >= 0 && query->cone <= FLT_MAX;
 }
 
 /* What can be wrong with a query, whichever its kind; on success the leaf test to run. */
@@ -36,12 +50,24 @@ static cw_status check(const cw_field *field, const cw_query *query, const void 
     *kernel = cw_query_kernel(field, query);
     *leaf = query ? query->leaf : CW_LEAF_DEFAULT;
     if ((unsigned)*leaf >= CW_LEAF_COUNT) return CW_ERROR_ARGUMENT;
+    if (query && !is_tolerance(query)) return CW_ERROR_ARGUMENT;
     if (*leaf == CW_LEAF_DEFAULT) *leaf = (*kernel)->default_leaf;
     if ((*kernel)->isa > cw_isa_best()) return CW_ERROR_UNAVAILABLE;
     if ((*kernel)->closest[*leaf] == NULL) return CW_ERROR_UNSUPPORTED;
     if (((*kernel)->needs & CW_NEEDS_GRID3D) && field->grid3d == NULL) return CW_ERROR_NOT_BUILT;
     if (((*kernel)->needs & CW_NEEDS_PYRAMID) && field->pyramid == NULL) return CW_ERROR_NOT_BUILT;
     return CW_OK;
+}
+
+/* True if the query asks for less than exact hits and its kernel makes use of that. */
+static bool is_tolerant(const cw_query *query, const cw_kernel *kernel, cw_leaf leaf) {
+    return query && (query->tolerance > 0 || query->cone > 0) && kernel->closest_near && leaf == CW_LEAF_WATERTIGHT;
+}
+
+/* Less by more than what the kernels' sums and products of it round. */
+static cw_tolerance narrowed(const cw_query *query) {
+    const float less = 1 - 0x1p-20f;
+    return (cw_tolerance){less * query->tolerance, less * query->cone};
 }
 
 cw_query cw_query_default(void) { return (cw_query){.leaf = CW_LEAF_DEFAULT}; }
@@ -52,6 +78,10 @@ cw_status cw_closest(const cw_field *field, const cw_query *query, const cw_ray 
     const cw_status status = check(field, query, rays, hits, n, &kernel, &leaf);
     if (status != CW_OK) return status;
     job q = {.field = field, .rays = rays, .closest = kernel->closest[leaf], .hits = hits};
+    if (is_tolerant(query, kernel, leaf)) {
+        q.closest_near = kernel->closest_near;
+        q.tolerance = narrowed(query);
+    }
     cw_pool_run(query ? query->pool : NULL, n, GRAIN, run, &q);
     return CW_OK;
 }
@@ -62,6 +92,10 @@ cw_status cw_any(const cw_field *field, const cw_query *query, const cw_ray *ray
     const cw_status status = check(field, query, rays, occluded, n, &kernel, &leaf);
     if (status != CW_OK) return status;
     job q = {.field = field, .rays = rays, .any = kernel->any[leaf], .occluded = occluded};
+    if (is_tolerant(query, kernel, leaf)) {
+        q.any_near = kernel->any_near;
+        q.tolerance = narrowed(query);
+    }
     cw_pool_run(query ? query->pool : NULL, n, GRAIN, run, &q);
     return CW_OK;
 }

@@ -6,6 +6,7 @@
 
 #include "command.h"
 
+#include <float.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -59,6 +60,14 @@ static bool set_value(const options_usage *usage, const option_spec *o, const ch
         return true;
     }
     char *end = NULL;
+    if (o->kind == OPTION_REAL) {
+        const float real = strtof(value, &end);
+        const bool whole = end != value && *end == '\0';
+        if (!whole || !(real >= 0 && real <= FLT_MAX))
+            return command_fail(usage->name, "--%s takes a number from 0 on, not '%s'", o->name, value), false;
+        *(float *)o->to = real;
+        return true;
+    }
     const unsigned long number = strtoul(value, &end, 10); /* the largest there is, if value is larger */
     const bool digits = value[0] >= '0' && value[0] <= '9' && *end == '\0'; /* strtoul would take " -1" */
     if (!digits || number < o->low || number > o->high) {

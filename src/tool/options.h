@@ -9,9 +9,10 @@
 #include <stddef.h>
 
 typedef enum option_kind {
-    OPTION_FLAG, /* to: bool *; takes no value */
-    OPTION_TEXT, /* to: const char **; the argument itself, not a copy */
-    OPTION_COUNT /* to: unsigned *; a whole number in [low, high] */
+    OPTION_FLAG,  /* to: bool *; takes no value */
+    OPTION_TEXT,  /* to: const char **; the argument itself, not a copy */
+    OPTION_COUNT, /* to: unsigned *; a whole number in [low, high] */
+    OPTION_REAL   /* to: float *; finite, not negative */
 } option_kind;
 
 typedef struct option_spec {

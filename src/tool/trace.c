@@ -27,6 +27,7 @@ typedef struct request {
     query_options query;
     bool any, json;
     unsigned repeat;
+    float tolerance, cone;
 } request;
 
 typedef struct trace {
@@ -186,6 +187,7 @@ static const char what[] = "Finds where rays hit a height field.\n"
 static const char examples[] = "  cellwalk trace terrain.npy rays.npy -o hits.npy\n"
                                "  cellwalk trace dem.asc sun.npy -o shadow.npy --any --threads 4\n"
                                "  cellwalk trace terrain.npy rays.npy --kernel packet8 --threads 1 --repeat 9 --json\n"
+                               "  cellwalk trace terrain.npy view.npy -o hits.npy --cone 0.001\n"
                                "\n"
                                "In Python:\n"
                                "  rays = numpy.zeros((1000, 8), 'float32')      # origin, tmin, direction, tmax\n"
@@ -194,7 +196,7 @@ static const char examples[] = "  cellwalk trace terrain.npy rays.npy -o hits.np
 
 static int run(int argc, char **argv) {
     request r = {.repeat = 0};
-    enum { OWN = 4, ALL = OWN + QUERY_OPTION_COUNT };
+    enum { OWN = 6, ALL = OWN + QUERY_OPTION_COUNT };
     option_spec options[ALL] = {
         {.name = "output",
          .letter = 'o',
@@ -216,6 +218,17 @@ static int run(int argc, char **argv) {
          .help = "print one JSON object: kernel, rays, hits, threads,\nseconds_min, seconds_median, mrays_per_s\n"
                  "(by the median); -o may then be left out",
          .to = &r.json},
+        {.name = "tolerance",
+         .value = "H",
+         .help =
+             "hits may lie off the surface by this height, and a ray\nthat passes as near may hit (default: 0, exact)",
+         .kind = OPTION_REAL,
+         .to = &r.tolerance},
+        {.name = "cone",
+         .value = "A",
+         .help = "the same, by A more for each unit of distance: a pixel's\nwidth at distance 1",
+         .kind = OPTION_REAL,
+         .to = &r.cone},
     };
     query_options_rows(&r.query, options + OWN);
     static const char *const operand_names[] = {"FIELD", "RAYS.npy"};
@@ -241,6 +254,8 @@ static int run(int argc, char **argv) {
     if (r.repeat == 0) r.repeat = 1;
     cw_query query;
     if (!query_options_resolve(&r.query, usage.name, &query)) return EXIT_USAGE;
+    query.tolerance = r.tolerance;
+    query.cone = r.cone;
     return run_request(&r, &query, timing);
 }
 

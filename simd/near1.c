@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The pyramid kernels for tolerant queries, one lane wide: the oracle of the lanes. */
+
+#include "vec_scalar.h"
+
+#include "pyramid.inc.c"
+
+#include "kernels.h"
+
+CW_DECLARE_NEAR(pyramid1)
+
+void cw_closest_near_pyramid1(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits,
+                              const cw_tolerance *tolerance) {
+    pyramid_closest(field, rays, n, hits, CW_LEAF_WATERTIGHT, tolerance);
+}
+void cw_any_near_pyramid1(const cw_field *field, const cw_ray *rays, size_t n, uint8_t *occluded,
+                          const cw_tolerance *tolerance) {
+    pyramid_any(field, rays, n, occluded, CW_LEAF_WATERTIGHT, tolerance);
+}
