@@ -134,7 +134,7 @@ int tradeoff_main(char **arguments, int count) {
     const option options[] = {
         {"--mode", "NAMES",
          "only these; all but the grids by default, and these too with --long: strict, moller-trumbore, early, "
-         "samples-16, embree, embree-robust, embree-grid, "
+         "samples-16, tolerance-0.1, tolerance-1, cone-pixel, embree, embree-robust, embree-grid, "
          "embree-grid-robust",
          OPTION_LIST, &o.modes, 0, 0},
         {"--kernel", "NAMES", "only these kernels (cellwalk info lists them), beside Embree", OPTION_LIST, &o.kernels,

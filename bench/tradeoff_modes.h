@@ -12,12 +12,11 @@ typedef struct tradeoff_mode {
     const char *name; /* "strict"; a contender is called NAME/KERNEL, or NAME/wWIDTH with Embree */
     const char *what; /* one line for a person */
     cw_leaf leaf;
-    const char *only;               /* the one kernel that has this mode; NULL: all, but those that others name here */
-    void (*query)(cw_query *query); /* sets what the mode asks of a query; may be NULL */
-    void (*describe)(cw_field_desc *desc);            /* the same of a field, which is then the mode's own */
-    tradeoff_claim (*change)(float *z, size_t count); /* or changes the samples of the mode's own field, and says by how
+    const char *only;         /* the one kernel that has this mode; NULL: all, but those that others name here */
+    const char *family;       /* or only kernels whose names begin so; NULL: all */
+    tradeoff_claim tolerance; /* of the query, which is also what it may cost: in units of tradeoff_cell_height */
+    tradeoff_claim (*change)(float *z, size_t count); /* changes the samples of the mode's own field, and says by how
                                                        * much at most */
-    tradeoff_claim claim;                             /* what query and describe may cost */
     bool longer;                                      /* only with --long, or if asked for by name */
     bool embree, robust;                              /* Embree instead of a kernel */
     peer_geometry geometry;
@@ -30,13 +29,16 @@ const tradeoff_mode *tradeoff_mode_at(size_t number);
 /* True if the mode is to be tried on the kernel. */
 bool tradeoff_mode_takes(const tradeoff_mode *mode, const char *kernel);
 
+/* How much of the field's height is as long in user space as a cell's side, where a unit of field space is shortest. */
+double tradeoff_cell_height(const cw_field *field);
+
 /* A mode on one field, with all that it needs. */
 typedef struct tradeoff_stage {
     const tradeoff_mode *mode;
     cw_field *field; /* the given one, or: */
     cw_field *own;   /* made from: */
     float *z;
-    tradeoff_claim claim;
+    tradeoff_claim tolerance, claim;
     peer_embree *peer;
 } tradeoff_stage;
 

@@ -318,6 +318,30 @@ static void quantising_keeps_its_claim(void **state) {
     check(tradeoff_quantise(flat, 3).height == 0 && flat[1] == 2, "a flat field is quantised");
 }
 
+static void cells_have_heights(void **state) {
+    (void)state;
+    static const float flat[4];
+    static const struct {
+        double map[3][4], height;
+    } cases[] = {
+        {{{1, 0, 0, 5}, {0, 1, 0, 0}, {0, 0, 1, 0}}, 1},
+        {{{2, 0, 0, 0}, {0, 2, 0, 0}, {0, 0, 10, 1}}, 0.2},
+        {{{0, -4, 0, 0}, {2, 0, 0, 0}, {0, 0, 8, 0}}, 0.25}, /* turned, the shorter side counts */
+        {{{0, 0, 2, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}}, 0.5},   /* on its side */
+    };
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        cw_field_desc desc = cw_field_desc_default();
+        desc.samples = flat;
+        desc.nx = desc.ny = 2;
+        memcpy(desc.map, cases[k].map, sizeof desc.map);
+        cw_field *field = NULL;
+        check_status(cw_field_create(&desc, &field), CW_OK);
+        const double height = tradeoff_cell_height(field);
+        check(fabs(height - cases[k].height) < 1e-6, "map %zu: a cell's height is %g", k, height);
+        cw_field_destroy(field);
+    }
+}
+
 /* ---- aimed rays ---- */
 
 static void aimed_rays_have_to_hit(void **state) {
@@ -494,21 +518,14 @@ static void pictures_are_compared(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(frontier_is_marked),
-        cmocka_unit_test(frontier_is_pareto),
-        cmocka_unit_test(sums_are_exact),
-        cmocka_unit_test(places_are_exact),
-        cmocka_unit_test(errors_have_units),
-        cmocka_unit_test(verdicts_are_right),
-        cmocka_unit_test(cones_grow),
-        cmocka_unit_test(all_crossings_are_looked_at),
-        cmocka_unit_test(errors_are_counted),
-        cmocka_unit_test(quantising_keeps_its_claim),
-        cmocka_unit_test(aimed_rays_have_to_hit),
-        cmocka_unit_test(counts_are_known),
-        cmocka_unit_test(counted_walks_find_the_closest),
-        cmocka_unit_test(normals_are_known),
-        cmocka_unit_test(pictures_are_compared),
+        cmocka_unit_test(frontier_is_marked), cmocka_unit_test(frontier_is_pareto),
+        cmocka_unit_test(sums_are_exact),     cmocka_unit_test(places_are_exact),
+        cmocka_unit_test(errors_have_units),  cmocka_unit_test(verdicts_are_right),
+        cmocka_unit_test(cones_grow),         cmocka_unit_test(all_crossings_are_looked_at),
+        cmocka_unit_test(errors_are_counted), cmocka_unit_test(quantising_keeps_its_claim),
+        cmocka_unit_test(cells_have_heights), cmocka_unit_test(aimed_rays_have_to_hit),
+        cmocka_unit_test(counts_are_known),   cmocka_unit_test(counted_walks_find_the_closest),
+        cmocka_unit_test(normals_are_known),  cmocka_unit_test(pictures_are_compared),
     };
     return cmocka_run_group_tests_name("bench_tradeoff", tests, NULL, NULL);
 }

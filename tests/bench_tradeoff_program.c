@@ -47,7 +47,8 @@ static const json_t *find(const json_t *lines, const char *kind, const char *key
 }
 
 static const char *const small =
-    "--field 65 --rays random,ao,vertices --mode strict,moller-trumbore,early,samples-16,embree "
+    "--field 65 --rays random,ao,vertices --mode strict,moller-trumbore,early,samples-16,tolerance-1,"
+    "cone-pixel,embree "
     "--kernel cell,grid3d,grid3d-early,pyramid1 --scene hftest --count 4096 --seconds 0.3 "
     "--out a/b";
 
@@ -80,6 +81,14 @@ static void files_agree(void **state) {
               results_number(coarse, "off_cells_worst") < 1.1 * results_number(result, "claim_height"),
           "16-bit samples are off by %g, and claim %g", results_number(coarse, "off_cells_worst"),
           results_number(result, "claim_height"));
+    static const char *const tolerant[] = {"tolerance-1/pyramid1", "cone-pixel/pyramid1"};
+    for (size_t k = 0; k < 2; k++) {
+        const json_t *near = find(lines, "summary", "contender", tolerant[k]);
+        check(near && results_number(near, "broken_per_million") == 0, "%s breaks its claim", tolerant[k]);
+        check(results_number(near, "off_cells_worst") > 10 * results_number(strict, "off_cells_worst"),
+              "%s is no less exact than strict", tolerant[k]);
+    }
+    check(find(lines, "summary", "contender", "tolerance-1/cell") == NULL, "a kernel has a tolerance that ignores it");
     check((find(lines, "summary", "mode", "embree") != NULL) == (peer_embree_version() != NULL), "Embree is missing");
     check(find(lines, "summary", "contender", "moller-trumbore/grid3d-early") == NULL,
           "a mode has a kernel that is another's");
