@@ -14,8 +14,8 @@
 #ifndef TEST_SCALE_DOWN
 #define TEST_SCALE_DOWN 1
 #endif
-/* More than 10^5 rays of each class. */
-enum { SIZES = FIELD_SIZES + 1, FIELDS = SIZES * FIELD_SHAPES, RAYS = 1344 / TEST_SCALE_DOWN };
+/* CELLWALK_TEST_ROUNDS=3 makes more than 10^5 rays of each class of it. */
+enum { SIZES = FIELD_SIZES + 1, FIELDS = SIZES * FIELD_SHAPES, RAYS = 448 / TEST_SCALE_DOWN };
 static const field_size large = {261, 131}; /* several levels of the pyramid, and nodes that stick out of the field */
 
 static bool is_tolerant(const cw_kernel *kernel) {
@@ -142,8 +142,9 @@ static void test_class(void **state) {
     static test_field shape;
     static run q;
     seen s = {0};
-    for (size_t k = 0; k < FIELDS; k++) {
-        const field_size size = k / FIELD_SHAPES < FIELD_SIZES ? field_sizes[k / FIELD_SHAPES] : large;
+    for (size_t k = 0, n = test_rounds() * FIELDS; k < n; k++) {
+        const size_t which = k % FIELDS / FIELD_SHAPES;
+        const field_size size = which < FIELD_SIZES ? field_sizes[which] : large;
         random_state r = {(uint64_t)kind + RAY_CLASSES * k + 4711};
         field_make(&shape, (field_shape)(k % FIELD_SHAPES), size.nx, size.ny, k);
         q = (run){.shape = &shape, .field = field_open(&shape), .n = test_share(RAYS)};
