@@ -182,10 +182,18 @@ CW_API cw_status cw_pool_create(unsigned threads, cw_pool **pool);
 CW_API void cw_pool_destroy(cw_pool *pool);
 CW_API unsigned cw_pool_threads(const cw_pool *pool);
 
+/* What is known of rays that are neighbours in the array. It changes speed, never an answer of a strict query. */
+typedef enum cw_coherence {
+    CW_COHERENCE_AUTO = 0, /* nothing: each group of 16 is looked at */
+    CW_COHERENCE_LOW,      /* they have nothing in common: each goes its own way */
+    CW_COHERENCE_HIGH      /* they run side by side: they share their way for as long as it pays, even if far apart */
+} cw_coherence;
+
 typedef struct cw_query {
     const cw_kernel *kernel; /* NULL: the best for this machine */
     cw_leaf leaf;
     cw_pool *pool; /* NULL: the calling thread alone */
+    cw_coherence coherence;
     /* Tolerant queries may take the surface for as thick as tolerance + cone · t · |dir|, in the field's heights, with |dir|
      * as it is in field space and nothing for the cone where t < 0. org + t · dir then lies within that of the hit's
      * triangle, in height. Each ray that hits hits still; one that passes as near may hit as well, also right where it
@@ -196,7 +204,7 @@ typedef struct cw_query {
     float tolerance, cone;
 } cw_query;
 
-/* All zero: the best kernel, its default leaf test, one thread, strict. A NULL query means the same. */
+/* All zero: the best kernel, its default leaf test, one thread, no hint, strict. A NULL query means the same. */
 CW_API cw_query cw_query_default(void);
 
 /* The kernel that a query runs on this field; field may be NULL, which stands for a field like most. */

@@ -11,9 +11,9 @@ CW_DECLARE_NEAR(pyramid4)
 
 void cw_closest_near_pyramid4(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits,
                               const cw_tolerance *tolerance) {
-    pyramid_closest(field, rays, n, hits, CW_LEAF_WATERTIGHT, tolerance);
+    pyramid_closest(field, rays, n, CW_COHERENCE_AUTO, hits, CW_LEAF_WATERTIGHT, tolerance);
 }
 void cw_any_near_pyramid4(const cw_field *field, const cw_ray *rays, size_t n, uint8_t *occluded,
                           const cw_tolerance *tolerance) {
-    pyramid_any(field, rays, n, occluded, CW_LEAF_WATERTIGHT, tolerance);
+    pyramid_any(field, rays, n, CW_COHERENCE_AUTO, occluded, CW_LEAF_WATERTIGHT, tolerance);
 }

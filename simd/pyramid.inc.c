@@ -33,8 +33,9 @@ enum { SHARE_AT_LEAST = 4 };
 
 /* The first n rays of a group, of which the first is ray number base of its batch. Returns the rays that hit, with their
  * hits written unless any; rays that are to go on alone are put into the queue, and counted in *waiting. */
-CW_INLINE unsigned pyramid_group(const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, bool any, cw_hit *hits,
-                                 stream_queue *queue, size_t first_part, const cw_tolerance *tolerance) {
+CW_INLINE unsigned pyramid_group(const cw_field *f, const cw_ray *rays, size_t n, cw_coherence hint, cw_leaf leaf,
+                                 bool any, cw_hit *hits, stream_queue *queue, size_t first_part,
+                                 const cw_tolerance *tolerance) {
     lanes part[PARTS];
     unsigned found = 0, rest = 0, near = 0; /* near: bits of parts that have walked from cell to cell */
     for (size_t p = 0; p < PARTS; p++) {
@@ -63,7 +64,8 @@ CW_INLINE unsigned pyramid_group(const cw_field *f, const cw_ray *rays, size_t n
         if (tolerance) set_cones(&queue->cone[(first_part + p) * W], from, tolerance);
     }
     fat_ray a;
-    if (__builtin_popcount(rest) >= SHARE_AT_LEAST && coherent(part, rest, f) && fat_init(&a, part, rest)) {
+    if (hint != CW_COHERENCE_LOW && __builtin_popcount(rest) >= SHARE_AT_LEAST && coherent(part, rest, f, hint) &&
+        fat_init(&a, part, rest)) {
         shared_walk(&a, part, rest, f, leaf, any, queue, first_part);
     } else if (rest != 0) {
         for (size_t p = 0; p < PARTS; p++) {
@@ -79,8 +81,8 @@ CW_INLINE unsigned pyramid_group(const cw_field *f, const cw_ray *rays, size_t n
     return found;
 }
 
-CW_INLINE void pyramid_closest(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, cw_leaf leaf,
-                               const cw_tolerance *tolerance) {
+CW_INLINE void pyramid_closest(const cw_field *f, const cw_ray *rays, size_t n, cw_coherence hint, cw_hit *hits,
+                               cw_leaf leaf, const cw_tolerance *tolerance) {
     for (size_t b = 0; b < n; b += BATCH) {
         const size_t end = n - b < BATCH ? n : b + BATCH;
         stream_queue queue;
@@ -88,7 +90,8 @@ CW_INLINE void pyramid_closest(const cw_field *f, const cw_ray *rays, size_t n, 
         for (size_t k = b; k < end; k += CHILDREN) {
             const size_t count = end - k < CHILDREN ? end - k : CHILDREN;
             cw_hit h[CHILDREN];
-            const unsigned found = pyramid_group(f, rays + k, count, leaf, false, h, &queue, (k - b) / W, tolerance);
+            const unsigned found =
+                pyramid_group(f, rays + k, count, hint, leaf, false, h, &queue, (k - b) / W, tolerance);
             for (size_t m = 0; m < count; m++)
                 hits[k + m] = found >> m & 1 ? h[m] : (cw_hit){.t = INFINITY, .i = -1, .j = -1};
         }
@@ -96,15 +99,16 @@ CW_INLINE void pyramid_closest(const cw_field *f, const cw_ray *rays, size_t n, 
     }
 }
 
-CW_INLINE void pyramid_any(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded, cw_leaf leaf,
-                           const cw_tolerance *tolerance) {
+CW_INLINE void pyramid_any(const cw_field *f, const cw_ray *rays, size_t n, cw_coherence hint, uint8_t *occluded,
+                           cw_leaf leaf, const cw_tolerance *tolerance) {
     for (size_t b = 0; b < n; b += BATCH) {
         const size_t end = n - b < BATCH ? n : b + BATCH;
         stream_queue queue;
         queue.n = 0;
         for (size_t k = b; k < end; k += CHILDREN) {
             const size_t count = end - k < CHILDREN ? end - k : CHILDREN;
-            const unsigned found = pyramid_group(f, rays + k, count, leaf, true, NULL, &queue, (k - b) / W, tolerance);
+            const unsigned found =
+                pyramid_group(f, rays + k, count, hint, leaf, true, NULL, &queue, (k - b) / W, tolerance);
             for (size_t m = 0; m < count; m++) occluded[k + m] = found >> m & 1;
         }
         stream_walk(f, &queue, leaf, tolerance, true, NULL, occluded + b);

@@ -52,8 +52,9 @@ static inline bool fat_axis_init(fat_axis *a, const lanes part[PARTS], unsigned 
 }
 
 /* True if the rays are alike enough to share a walk: one direction quadrant, directions within 1/8 of their length from
- * the first one's, origins within a few cells. What is left out is a matter of speed alone. */
-static inline bool coherent(const lanes part[PARTS], unsigned rays, const cw_field *f) {
+ * the first one's, origins within a few cells; with the hint CW_COHERENCE_HIGH the quadrant alone. What is left out is a matter of speed
+ * alone. */
+static inline bool coherent(const lanes part[PARTS], unsigned rays, const cw_field *f, cw_coherence hint) {
     const unsigned first = (unsigned)__builtin_ctz(rays);
     const vray *one = &part[first / W].r;
     float all[W];
@@ -67,8 +68,10 @@ static inline bool coherent(const lanes part[PARTS], unsigned rays, const cw_fie
     const vfloat ox = vf_set(all[first % W]);
     vf_store(all, one->y.org);
     const vfloat oy = vf_set(all[first % W]);
-    const vfloat length = vf_max(vf_max(vf_abs(dx), vf_abs(dy)), vf_abs(dz)), angle = vf_mul(length, vf_set(0.125f));
-    const vfloat apart = vf_set(16 + (float)(f->nx + f->ny) * (1.0f / 64)), zero = vf_set(0);
+    const vfloat length = vf_max(vf_max(vf_abs(dx), vf_abs(dy)), vf_abs(dz)), zero = vf_set(0);
+    const bool any = hint == CW_COHERENCE_HIGH;
+    const vfloat angle = any ? vf_set(INFINITY) : vf_mul(length, vf_set(0.125f));
+    const vfloat apart = vf_set(any ? INFINITY : 16 + (float)(f->nx + f->ny) * (1.0f / 64));
     for (size_t p = 0; p < PARTS; p++) {
         const vray *r = &part[p].r;
         vmask m = vm_and(vf_le(vf_abs(vf_sub(r->x.dir, dx)), angle), vf_le(vf_abs(vf_sub(r->y.dir, dy)), angle));

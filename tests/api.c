@@ -147,6 +147,10 @@ static void test_bad_queries(void **state) {
     q.leaf = (cw_leaf)-1;
     check_status(cw_any(field, &q, rays, 2, occluded), CW_ERROR_ARGUMENT);
     q.leaf = CW_LEAF_WATERTIGHT;
+    q.coherence = (cw_coherence)(CW_COHERENCE_HIGH + 1);
+    check_status(cw_closest(field, &q, rays, 2, hits), CW_ERROR_ARGUMENT);
+    check_status(cw_any(field, &q, rays, 2, occluded), CW_ERROR_ARGUMENT);
+    q.coherence = CW_COHERENCE_AUTO;
     q.kernel = cw_kernel_find("brute");
     check_status(cw_closest(field, &q, rays, 2, hits), CW_ERROR_UNSUPPORTED);
     check_status(cw_any(field, &q, rays, 2, occluded), CW_ERROR_UNSUPPORTED);

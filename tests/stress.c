@@ -56,14 +56,25 @@ typedef struct work {
     uint8_t occluded[RAYS];
 } work;
 
-/* One path against the hits that are expected. */
-static void compare(work *w, const cw_field *field, const path *p, size_t n, count *c) {
-    check_status(cw_closest(field, &p->query, w->rays, n, w->hits), CW_OK);
-    check_status(cw_any(field, &p->query, w->rays, n, w->occluded), CW_OK);
-    for (size_t k = 0; k < n; k++)
-        c->other +=
-            memcmp(&w->hits[k], &w->expected[k], sizeof w->hits[k]) != 0 || w->occluded[k] != (w->expected[k].i >= 0);
+/* One path's answers for rays from begin on against the hits that are expected. */
+static void compare_rays(work *w, const cw_field *field, const cw_query *q, size_t begin, size_t n, count *c) {
+    check_status(cw_closest(field, q, w->rays + begin, n, w->hits), CW_OK);
+    check_status(cw_any(field, q, w->rays + begin, n, w->occluded), CW_OK);
+    for (size_t k = 0; k < n; k++) {
+        const cw_hit *expected = &w->expected[begin + k];
+        c->other += memcmp(&w->hits[k], expected, sizeof *expected) != 0 || w->occluded[k] != (expected->i >= 0);
+    }
     c->answers += n;
+}
+
+/* All rays without a hint, and a half of them with each, which may change no answer. */
+static void compare(work *w, const cw_field *field, const path *p, size_t n, count *c) {
+    cw_query q = p->query;
+    compare_rays(w, field, &q, 0, n, c);
+    q.coherence = CW_COHERENCE_LOW;
+    compare_rays(w, field, &q, 0, n / 2, c);
+    q.coherence = CW_COHERENCE_HIGH;
+    compare_rays(w, field, &q, n / 2, n - n / 2, c);
 }
 
 static void compare_class(work *w, const cw_field *field, const path *paths, size_t path_count, workload_class class,

@@ -19,23 +19,23 @@ CW_DECLARE_KERNEL(packet8_mt)
 CW_DECLARE_KERNEL(packet8_wt)
 CW_DECLARE_KERNEL(packet16_mt)
 CW_DECLARE_KERNEL(packet16_wt)
-CW_DECLARE_KERNEL(pyramid1_mt)
-CW_DECLARE_KERNEL(pyramid1_wt)
+CW_DECLARE_GROUP_KERNEL(pyramid1_mt)
+CW_DECLARE_GROUP_KERNEL(pyramid1_wt)
 CW_DECLARE_NEAR(pyramid1)
-CW_DECLARE_KERNEL(pyramid4_mt)
-CW_DECLARE_KERNEL(pyramid4_wt)
+CW_DECLARE_GROUP_KERNEL(pyramid4_mt)
+CW_DECLARE_GROUP_KERNEL(pyramid4_wt)
 CW_DECLARE_NEAR(pyramid4)
-CW_DECLARE_KERNEL(pyramid4x2_mt)
-CW_DECLARE_KERNEL(pyramid4x2_wt)
+CW_DECLARE_GROUP_KERNEL(pyramid4x2_mt)
+CW_DECLARE_GROUP_KERNEL(pyramid4x2_wt)
 CW_DECLARE_NEAR(pyramid4x2)
-CW_DECLARE_KERNEL(pyramid8_mt)
-CW_DECLARE_KERNEL(pyramid8_wt)
+CW_DECLARE_GROUP_KERNEL(pyramid8_mt)
+CW_DECLARE_GROUP_KERNEL(pyramid8_wt)
 CW_DECLARE_NEAR(pyramid8)
-CW_DECLARE_KERNEL(pyramid8x2_mt)
-CW_DECLARE_KERNEL(pyramid8x2_wt)
+CW_DECLARE_GROUP_KERNEL(pyramid8x2_mt)
+CW_DECLARE_GROUP_KERNEL(pyramid8x2_wt)
 CW_DECLARE_NEAR(pyramid8x2)
-CW_DECLARE_KERNEL(pyramid16_mt)
-CW_DECLARE_KERNEL(pyramid16_wt)
+CW_DECLARE_GROUP_KERNEL(pyramid16_mt)
+CW_DECLARE_GROUP_KERNEL(pyramid16_wt)
 CW_DECLARE_NEAR(pyramid16)
 
 #define MT(path) [CW_LEAF_MOLLER_TRUMBORE] = path##_mt
@@ -45,6 +45,9 @@ CW_DECLARE_NEAR(pyramid16)
 #define BOTH(path)                                                                                                     \
     .default_leaf = CW_LEAF_WATERTIGHT, .closest = {MT(cw_closest_##path), WT(cw_closest_##path)},                     \
     .any = {MT(cw_any_##path), WT(cw_any_##path)}
+#define GROUP(path)                                                                                                    \
+    .default_leaf = CW_LEAF_WATERTIGHT, .closest_group = {MT(cw_closest_##path), WT(cw_closest_##path)},               \
+    .any_group = {MT(cw_any_##path), WT(cw_any_##path)}
 #define NEAR(path) .closest_near = cw_closest_near_##path, .any_near = cw_any_near_##path
 
 /* From the plainest to the fastest: the last one available is the default. */
@@ -71,7 +74,7 @@ static const cw_kernel kernels[] = {
      .what = "bounds pyramid, one lane: the oracle of its lanes",
      .width = 1,
      .needs = CW_NEEDS_PYRAMID,
-     BOTH(pyramid1),
+     GROUP(pyramid1),
      NEAR(pyramid1)},
 #if CELLWALK_SIMD
     {.name = "pyramid4",
@@ -79,35 +82,35 @@ static const cw_kernel kernels[] = {
      .isa = CW_ISA_SSE42,
      .width = 4,
      .needs = CW_NEEDS_PYRAMID,
-     BOTH(pyramid4),
+     GROUP(pyramid4),
      NEAR(pyramid4)},
     {.name = "pyramid4x2",
      .what = "bounds pyramid, two vectors of 4 lanes in lockstep",
      .isa = CW_ISA_SSE42,
      .width = 8,
      .needs = CW_NEEDS_PYRAMID,
-     BOTH(pyramid4x2),
+     GROUP(pyramid4x2),
      NEAR(pyramid4x2)},
     {.name = "pyramid8",
      .what = "bounds pyramid, 8 lanes",
      .isa = CW_ISA_AVX2,
      .width = 8,
      .needs = CW_NEEDS_PYRAMID,
-     BOTH(pyramid8),
+     GROUP(pyramid8),
      NEAR(pyramid8)},
     {.name = "pyramid8x2",
      .what = "bounds pyramid, two vectors of 8 lanes in lockstep",
      .isa = CW_ISA_AVX2,
      .width = 16,
      .needs = CW_NEEDS_PYRAMID,
-     BOTH(pyramid8x2),
+     GROUP(pyramid8x2),
      NEAR(pyramid8x2)},
     {.name = "pyramid16",
      .what = "bounds pyramid, 16 lanes",
      .isa = CW_ISA_AVX512,
      .width = 16,
      .needs = CW_NEEDS_PYRAMID,
-     BOTH(pyramid16),
+     GROUP(pyramid16),
      NEAR(pyramid16)},
 #endif
 };

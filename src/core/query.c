@@ -17,6 +17,9 @@ typedef struct job {
     const cw_ray *rays;
     cw_closest_fn *closest;
     cw_any_fn *any;
+    cw_closest_group_fn *closest_group; /* or these */
+    cw_any_group_fn *any_group;
+    cw_coherence hint;
     cw_closest_near_fn *closest_near; /* these instead unless they are NULL */
     cw_any_near_fn *any_near;
     cw_tolerance tolerance;
@@ -31,6 +34,10 @@ static void run(void *context, size_t begin, size_t end) {
         q->closest_near(q->field, q->rays + begin, end - begin, q->hits + begin, &q->tolerance);
     else if (q->any_near)
         q->any_near(q->field, q->rays + begin, end - begin, q->occluded + begin, &q->tolerance);
+    else if (q->closest_group)
+        q->closest_group(q->field, q->rays + begin, end - begin, q->hint, q->hits + begin);
+    else if (q->any_group)
+        q->any_group(q->field, q->rays + begin, end - begin, q->hint, q->occluded + begin);
     else if (q->closest)
         q->closest(q->field, q->rays + begin, end - begin, q->hits + begin);
     else
@@ -50,10 +57,11 @@ static cw_status check(const cw_field *field, const cw_query *query, const void 
     *kernel = cw_query_kernel(field, query);
     *leaf = query ? query->leaf : CW_LEAF_DEFAULT;
     if ((unsigned)*leaf >= CW_LEAF_COUNT) return CW_ERROR_ARGUMENT;
+    if (query && (unsigned)query->coherence > CW_COHERENCE_HIGH) return CW_ERROR_ARGUMENT;
     if (query && !is_tolerance(query)) return CW_ERROR_ARGUMENT;
     if (*leaf == CW_LEAF_DEFAULT) *leaf = (*kernel)->default_leaf;
     if ((*kernel)->isa > cw_isa_best()) return CW_ERROR_UNAVAILABLE;
-    if ((*kernel)->closest[*leaf] == NULL) return CW_ERROR_UNSUPPORTED;
+    if ((*kernel)->closest[*leaf] == NULL && (*kernel)->closest_group[*leaf] == NULL) return CW_ERROR_UNSUPPORTED;
     if (((*kernel)->needs & CW_NEEDS_GRID3D) && field->grid3d == NULL) return CW_ERROR_NOT_BUILT;
     if (((*kernel)->needs & CW_NEEDS_PYRAMID) && field->pyramid == NULL) return CW_ERROR_NOT_BUILT;
     return CW_OK;
@@ -77,7 +85,12 @@ cw_status cw_closest(const cw_field *field, const cw_query *query, const cw_ray 
     cw_leaf leaf;
     const cw_status status = check(field, query, rays, hits, n, &kernel, &leaf);
     if (status != CW_OK) return status;
-    job q = {.field = field, .rays = rays, .closest = kernel->closest[leaf], .hits = hits};
+    job q = {.field = field,
+             .rays = rays,
+             .closest = kernel->closest[leaf],
+             .closest_group = kernel->closest_group[leaf],
+             .hint = query ? query->coherence : CW_COHERENCE_AUTO,
+             .hits = hits};
     if (is_tolerant(query, kernel, leaf)) {
         q.closest_near = kernel->closest_near;
         q.tolerance = narrowed(query);
@@ -91,7 +104,12 @@ cw_status cw_any(const cw_field *field, const cw_query *query, const cw_ray *ray
     cw_leaf leaf;
     const cw_status status = check(field, query, rays, occluded, n, &kernel, &leaf);
     if (status != CW_OK) return status;
-    job q = {.field = field, .rays = rays, .any = kernel->any[leaf], .occluded = occluded};
+    job q = {.field = field,
+             .rays = rays,
+             .any = kernel->any[leaf],
+             .any_group = kernel->any_group[leaf],
+             .hint = query ? query->coherence : CW_COHERENCE_AUTO,
+             .occluded = occluded};
     if (is_tolerant(query, kernel, leaf)) {
         q.any_near = kernel->any_near;
         q.tolerance = narrowed(query);

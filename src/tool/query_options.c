@@ -30,6 +30,13 @@ void query_options_rows(query_options *q, option_spec rows[QUERY_OPTION_COUNT]) 
                               "CELLWALK_ISA, else all)",
                       .kind = OPTION_TEXT,
                       .to = &q->isa};
+    rows[QUERY_COHERENCE] =
+        (option_spec){.name = "coherence",
+                      .value = "HINT",
+                      .help = "what neighbours in the array have in common: high, low\nor auto (default), which looks; "
+                              "speed alone",
+                      .kind = OPTION_TEXT,
+                      .to = &q->coherence};
     rows[QUERY_THREADS] = (option_spec){.name = "threads",
                                         .value = "N",
                                         .help = "threads; 0: one for each CPU (default)",
@@ -104,6 +111,18 @@ static bool find_leaf(const char *name, const char *word, cw_leaf *leaf) {
     return unknown_name(name, "--leaf", word, names, CW_LEAF_COUNT);
 }
 
+static bool find_coherence(const char *name, const char *word, cw_coherence *coherence) {
+    static const char *const names[] = {
+        [CW_COHERENCE_AUTO] = "auto", [CW_COHERENCE_LOW] = "low", [CW_COHERENCE_HIGH] = "high"};
+    enum { COUNT = sizeof names / sizeof names[0] };
+    for (int k = 0; k < COUNT; k++) {
+        if (strcmp(word, names[k]) != 0) continue;
+        *coherence = (cw_coherence)k;
+        return true;
+    }
+    return unknown_name(name, "--coherence", word, names, COUNT);
+}
+
 /* A query of no rays on the smallest field answers whether kernel and leaf test go together. */
 static bool goes_together(const char *name, const cw_query *query) {
     static const float flat[4] = {0};
@@ -127,5 +146,6 @@ bool query_options_resolve(const query_options *q, const char *name, cw_query *q
     if (!apply_isa(q, name)) return false;
     if (q->kernel && !find_kernel(name, q->kernel, &query->kernel)) return false;
     if (q->leaf && !find_leaf(name, q->leaf, &query->leaf)) return false;
+    if (q->coherence && !find_coherence(name, q->coherence, &query->coherence)) return false;
     return goes_together(name, query);
 }

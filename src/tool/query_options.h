@@ -7,14 +7,14 @@
 #include "options.h"
 
 typedef struct query_options {
-    const char *kernel, *leaf, *isa; /* NULL: not given */
-    unsigned threads;                /* 0: one per CPU */
+    const char *kernel, *leaf, *isa, *coherence; /* NULL: not given */
+    unsigned threads;                            /* 0: one per CPU */
 } query_options;
 
 /* The rows' places. */
-enum { QUERY_KERNEL, QUERY_LEAF, QUERY_ISA, QUERY_THREADS, QUERY_OPTION_COUNT };
+enum { QUERY_KERNEL, QUERY_LEAF, QUERY_ISA, QUERY_COHERENCE, QUERY_THREADS, QUERY_OPTION_COUNT };
 
-/* Fills in the four rows of a subcommand's table that set *q. */
+/* Fills in the five rows of a subcommand's table that set *q. */
 void query_options_rows(query_options *q, option_spec rows[QUERY_OPTION_COUNT]);
 
 /* Limits the instruction set to what --isa says, checks CELLWALK_ISA, and turns names into a query without a pool. Its
