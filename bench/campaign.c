@@ -83,6 +83,18 @@ static void speed_file(char *text, size_t size, cw_isa isa) {
     snprintf(text + used, size - used, ".json");
 }
 
+/* "cell,packet1,packet4": the kernels of the walks that can run here. */
+static void list_kernels(char *text, size_t size, const char *const *walks, size_t walk_count) {
+    size_t used = 0;
+    for (size_t k = 0; k < cw_kernel_count(); k++) {
+        const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
+        bool wanted = false;
+        for (size_t w = 0; w < walk_count; w++) wanted |= strncmp(info.name, walks[w], strlen(walks[w])) == 0;
+        if (info.available && wanted && used < size)
+            used += (size_t)snprintf(text + used, size - used, "%s%s", used ? "," : "", info.name);
+    }
+}
+
 static void plan(campaign *c, bool quick) {
     const char *const fields = quick ? "65,257" : "65,257,1025,4097,8193,sea-calm,sea-rough";
     const char *const some = quick ? "65" : "257,1025", *const land = quick ? "65,257" : "65,257,1025,4097,8193";
@@ -102,21 +114,18 @@ static void plan(campaign *c, bool quick) {
     snprintf(command, sizeof command, "micro --kernel %s --peer %s --field %s %s", kernel_of("pyramid", best),
              embree ? "triangles,grid,triangles-robust,grid-robust" : "none", some, rays);
     add(c, 3, "peers.json", command);
-    snprintf(command, sizeof command, "micro --kernel cell,%s --peer %s --field %s %s",
-             best >= CW_ISA_SSE42
-                 ? "packet1,packet4,packet8,packet16,pyramid1,pyramid4,pyramid4x2,pyramid8,pyramid8x2,pyramid16"
-                 : "packet1,pyramid1",
-             triangles, some, rays);
-    if (cw_kernel_find("packet4")) add(c, 3, "widths.json", command);
+    static const char *const walks[] = {"cell", "packet", "pyramid"};
+    used = (size_t)snprintf(command, sizeof command, "micro --peer %s --field %s %s --kernel ", triangles, some, rays);
+    list_kernels(command + used, sizeof command - used, walks, sizeof walks / sizeof walks[0]);
+    add(c, 3, "widths.json", command);
+    /* One CPU has nothing to be faster than, which is a result like another. */
     const long cpus = sysconf(_SC_NPROCESSORS_ONLN);
-    if (cpus > 1) {
-        char threads[32] = "1,2";
-        if (cpus > 2) snprintf(threads, sizeof threads, "1,2,%ld", cpus);
-        snprintf(command, sizeof command, "micro --threads %s --kernel %s --peer none --field %s %s", threads,
-                 kernel_of("pyramid", best), quick ? "65" : "257,1025,4097",
-                 quick ? "--count 16384" : "--count 524288 --pass 5");
-        add(c, 2, "threads.json", command);
-    }
+    char threads[32] = "1";
+    if (cpus > 1) snprintf(threads, sizeof threads, cpus > 2 ? "1,2,%ld" : "1,2", cpus);
+    snprintf(command, sizeof command, "micro --threads %s --kernel %s --peer none --field %s %s", threads,
+             kernel_of("pyramid", best), quick ? "65" : "257,1025,4097",
+             quick ? "--count 16384" : "--count 524288 --pass 5");
+    add(c, 2, "threads.json", command);
     snprintf(command, sizeof command, "micro --rays none --quality medium --kernel %s,grid3d --peer %s --field %s",
              kernel_of("pyramid", best), embree ? "triangles,grid" : "none", land);
     add(c, 0, "building.json", command);
@@ -124,11 +133,8 @@ static void plan(campaign *c, bool quick) {
     /* Brute force counts nothing. Pass is long, so that who takes part does not depend on the machine's mood. */
     used = (size_t)snprintf(command, sizeof command, "micro --counters --pass 60 --field %s --count %s --kernel ", most,
                             quick ? "2048" : "8192");
-    for (size_t k = 0, listed = 0; k < cw_kernel_count() && used < sizeof command; k++) {
-        const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
-        if (!info.available || strcmp(info.name, "brute") == 0) continue;
-        used += (size_t)snprintf(command + used, sizeof command - used, "%s%s", listed++ ? "," : "", info.name);
-    }
+    static const char *const counting[] = {"cell", "grid3d", "packet", "pyramid"};
+    list_kernels(command + used, sizeof command - used, counting, sizeof counting / sizeof counting[0]);
     add(c, 0, "counters.json", command);
     add(c, 2, "scenes/table.json", quick ? "table --quick --scene hftest" : "table");
     add(c, 4, "tradeoff/tradeoff.json",
