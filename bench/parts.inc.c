@@ -90,12 +90,13 @@ CW_INLINE uint64_t run_leaf(parts_work *w, cw_leaf leaf) {
 
 CW_INLINE stream_state refill(stream_lanes *l, const stream_queue *q, size_t from) {
     for (size_t lane = 0; lane < W; lane++) refill_lane(l, lane, q, &q->rays[from + lane], CW_LEAF_WATERTIGHT, false);
-    return load_lanes(l, (1u << W) - 1);
+    l->living = (1u << W) - 1;
+    return load_lanes(l);
 }
 
 static uint64_t run_refill(parts_work *w) {
     stream_lanes l;
-    memset(&l, 0, sizeof l);
+    stream_clear(&l);
     vfloat sum = vf_set(0);
     for (const stream_queue *q = waiting; q < waiting + PARTS_RAYS / BATCH; q++)
         for (size_t k = 0; k < q->n; k += W) {
@@ -112,7 +113,7 @@ static uint64_t run_refill(parts_work *w) {
 static uint64_t run_node(parts_work *w) {
     static cw_hit hits[BATCH];
     stream_lanes l;
-    memset(&l, 0, sizeof l);
+    stream_clear(&l);
     vfloat sum = vf_set(0);
     for (const stream_queue *q = waiting; q < waiting + PARTS_RAYS / BATCH; q++)
         for (size_t k = 0; k < q->n; k += W) {

@@ -83,34 +83,37 @@ CW_INLINE unsigned pyramid_group(const cw_field *f, const cw_ray *rays, size_t n
 
 CW_INLINE void pyramid_closest(const cw_field *f, const cw_ray *rays, size_t n, cw_coherence hint, cw_hit *hits,
                                cw_leaf leaf, const cw_tolerance *tolerance) {
+    stream_lanes alone;
+    alone.living = 0;
     for (size_t b = 0; b < n; b += BATCH) {
-        const size_t end = n - b < BATCH ? n : b + BATCH;
+        const size_t end = n - b < BATCH ? n : b + BATCH, run = b / STREAM_RUN * STREAM_RUN;
         stream_queue queue;
         queue.n = 0;
+        queue.first = (uint32_t)(b - run);
         for (size_t k = b; k < end; k += CHILDREN) {
             const size_t count = end - k < CHILDREN ? end - k : CHILDREN;
-            cw_hit h[CHILDREN];
-            const unsigned found =
-                pyramid_group(f, rays + k, count, hint, leaf, false, h, &queue, (k - b) / W, tolerance);
-            for (size_t m = 0; m < count; m++)
-                hits[k + m] = found >> m & 1 ? h[m] : (cw_hit){.t = INFINITY, .i = -1, .j = -1};
+            for (size_t m = k; m < k + count; m++) hits[m] = (cw_hit){.t = INFINITY, .i = -1, .j = -1};
+            (void)pyramid_group(f, rays + k, count, hint, leaf, false, hits + k, &queue, (k - b) / W, tolerance);
         }
-        stream_walk(f, &queue, leaf, tolerance, false, hits + b, NULL);
+        stream_walk(f, &queue, &alone, end < n && end % STREAM_RUN != 0, leaf, tolerance, false, hits + run, NULL);
     }
 }
 
 CW_INLINE void pyramid_any(const cw_field *f, const cw_ray *rays, size_t n, cw_coherence hint, uint8_t *occluded,
                            cw_leaf leaf, const cw_tolerance *tolerance) {
+    stream_lanes alone;
+    alone.living = 0;
     for (size_t b = 0; b < n; b += BATCH) {
-        const size_t end = n - b < BATCH ? n : b + BATCH;
+        const size_t end = n - b < BATCH ? n : b + BATCH, run = b / STREAM_RUN * STREAM_RUN;
         stream_queue queue;
         queue.n = 0;
+        queue.first = (uint32_t)(b - run);
         for (size_t k = b; k < end; k += CHILDREN) {
             const size_t count = end - k < CHILDREN ? end - k : CHILDREN;
             const unsigned found =
                 pyramid_group(f, rays + k, count, hint, leaf, true, NULL, &queue, (k - b) / W, tolerance);
             for (size_t m = 0; m < count; m++) occluded[k + m] = found >> m & 1;
         }
-        stream_walk(f, &queue, leaf, tolerance, true, NULL, occluded + b);
+        stream_walk(f, &queue, &alone, end < n && end % STREAM_RUN != 0, leaf, tolerance, true, NULL, occluded + run);
     }
 }

@@ -92,7 +92,7 @@ static inline void make_slab(vray *r, const cw_field *f) {
     r->end = vf_min(vf_add(r->until, vf_add(reach_b, span)), r->t1);
 }
 
-/* Lanes that may hit. */
+/* Lanes that may hit. Where none may, the slab is left out. */
 static inline vmask make_rays(vray *r, const cw_field *f, const cw_ray *rays) {
     vfloat c[8];
     vf_load_rays(rays, c);
@@ -112,8 +112,11 @@ static inline vmask make_rays(vray *r, const cw_field *f, const cw_ray *rays) {
     r->t1 = vf_min(vf_min(crossing(&r->x, r->x.last), crossing(&r->y, r->y.last)), r->tmax);
     alive = vm_and(vm_andnot(alive, still), vf_le(r->t0, r->t1));
     alive = vm_and(alive, meets(r, r->t0, r->t1, vf_set(f->low), vf_set(f->high)));
-    make_slab(r, f);
     count_lanes(COUNT_RAY, alive);
+    if (vm_any(alive))
+        make_slab(r, f);
+    else
+        r->from = r->until = r->begin = r->end = r->t0;
     return alive;
 }
 

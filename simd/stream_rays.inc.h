@@ -41,13 +41,15 @@ typedef struct queued {
     int32_t x, y, level; /* low corner, mirrored, of its first node, with the level as in stream.inc.h */
 } queued;
 
-/* Rays whose leftovers are collected for one run of the lane walk. */
-enum { BATCH = 256 };
+/* Rays whose leftovers are collected before the lane walk goes on; and rays after which it ends them all, so that their
+ * numbers stay small. */
+enum { BATCH = 256, STREAM_RUN = 1 << 16 };
 
 typedef struct stream_queue {
     stream_rays ready[BATCH / W];
     queued rays[BATCH];
     size_t n;
+    uint32_t first;    /* number of the batch's first ray, from which those of rays count */
     float cone[BATCH]; /* tolerant queries alone: allowed error in height for each unit of t */
 } stream_queue;
 

@@ -175,6 +175,42 @@ static void test_known(void **state) {
     }
 }
 
+/* Many rays in one call, as runs of few answer them: the lane walk keeps rays from batch to batch, and counts them anew
+ * after some 2^16. */
+enum { LONG = 140000 };
+
+static void test_long_call(void **state) {
+    (void)state;
+    static cw_ray rays[LONG];
+    static cw_hit hits[LONG];
+    static uint8_t occluded[LONG];
+    static test_field shape;
+    static run q = {.shape = &shape, .leaf = CW_LEAF_WATERTIGHT};
+    random_state r = {20261121};
+    field_make(&shape, FIELD_RANDOM, large.nx, large.ny, 1);
+    cw_field *field = field_open(&shape);
+    q.field = field;
+    for (size_t k = 0; k < LONG; k++) rays[k] = ray_make(RAY_RANDOM, &shape, &r);
+    for (size_t k = 0; k < cw_kernel_count(); k++) {
+        const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
+        if (strncmp(info.name, "pyramid", 7) != 0 || !info.available) continue;
+        const cw_query query = {.kernel = cw_kernel_at(k), .leaf = q.leaf};
+        check_status(cw_closest(field, &query, rays, LONG, hits), CW_OK);
+        check_status(cw_any(field, &query, rays, LONG, occluded), CW_OK);
+        for (size_t begin = 0; begin < LONG; begin += q.n) {
+            q.n = LONG - begin < RUN_MAX ? LONG - begin : RUN_MAX;
+            memcpy(q.rays, rays + begin, q.n * sizeof *rays);
+            check_status(cw_closest(field, &query, q.rays, q.n, q.hits), CW_OK);
+            for (size_t m = 0; m < q.n; m++) {
+                if (!hit_same(&hits[begin + m], &q.hits[m])) report(&q, m, info.name, &hits[begin + m]);
+                check(hit_same(&hits[begin + m], &q.hits[m]) && occluded[begin + m] == (q.hits[m].i >= 0),
+                      "%s: ray %zu of a long call is answered otherwise in a short one", info.name, begin + m);
+            }
+        }
+    }
+    cw_field_destroy(field);
+}
+
 /* All kernels that this machine can run took part: forget one and the rest proves less than it says. */
 static void test_every_kernel_takes_part(void **state) {
     (void)state;
@@ -192,6 +228,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_kernel_takes_part),
         cmocka_unit_test(test_known),
+        cmocka_unit_test(test_long_call),
         cmocka_unit_test(test_random),
         cmocka_unit_test(test_adversarial),
     };
