@@ -130,7 +130,6 @@ static bool open_field(micro_field *on, const char *name, const micro_options *o
     desc.samples = on->samples.z;
     desc.nx = on->samples.nx;
     desc.ny = on->samples.ny;
-    desc.storage = CW_BORROW;
     const cw_status status = cw_field_create(&desc, &on->field);
     if (status != CW_OK) return io_fail(error, "field %s: %s", name, cw_status_message(status));
     on->default_kernel = cw_kernel_describe(cw_query_kernel(on->field, NULL)).name;

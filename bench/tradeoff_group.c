@@ -47,7 +47,6 @@ bool tradeoff_field_open(tradeoff_field *on, const char *name, const tradeoff_op
     desc.samples = on->ground.z;
     desc.nx = on->ground.nx;
     desc.ny = on->ground.ny;
-    desc.storage = CW_BORROW;
     cw_status status = cw_field_create(&desc, &on->field);
     if (status == CW_OK) status = cw_field_build(on->field, cw_kernel_find("cell"));
     bool good = status == CW_OK || io_fail(error, "field %s: %s", name, cw_status_message(status));

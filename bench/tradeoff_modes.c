@@ -109,7 +109,6 @@ static bool own_field(tradeoff_stage *s, cw_field *base, const tradeoff_ground *
     desc.samples = ground->z;
     desc.nx = ground->nx;
     desc.ny = ground->ny;
-    desc.storage = CW_BORROW;
     s->field = base;
     if (mode->change == NULL) return true;
     const size_t count = ground->nx * ground->ny;
