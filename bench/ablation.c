@@ -34,7 +34,7 @@ static bool count_variant(char **variant, char *field, char *rays, char first[32
     char *const workload[] = {variant[1], variant[2], field, rays, NULL};
     const char *slash = strrchr(variant[1], '/');
     char answers[32] = "";
-    const int status = guard_callgrind(workload, runs_file, answers_file, profile_file);
+    const int status = guard_callgrind(NULL, workload, runs_file, answers_file, profile_file);
     if (status != 0)
         return io_fail(error, "%s: valgrind %s", variant[0],
                        status == 127 ? "is not installed (Debian: valgrind)" : "or the workload failed");

@@ -32,6 +32,7 @@ static const char *const usage =
     "  peers.json              Embree's triangles and grids, normal and robust\n"
     "  widths.json             every width of every walk\n"
     "  threads.json            one thread, two, and one a CPU\n"
+    "  pages-*.json            large fields on huge and on ordinary pages\n"
     "  building.json           memory and building time, Embree at its default quality\n"
     "  parts.json              the kernels' pieces\n"
     "  counters.json           what the kernels do for a ray\n"
@@ -126,6 +127,12 @@ static void plan(campaign *c, bool quick) {
              kernel_of("pyramid", best), quick ? "65" : "257,1025,4097",
              quick ? "--count 16384" : "--count 524288 --pass 5");
     add(c, 2, "threads.json", command);
+    for (int huge = 1; huge >= 0; huge--) {
+        snprintf(command, sizeof command, "micro --kernel %s --peer none --field %s --count %s%s",
+                 kernel_of("pyramid", best), quick ? "65" : "1025,4097,8193", quick ? "2048" : "131072 --pass 5",
+                 huge ? "" : " --small-pages");
+        add(c, 1, huge ? "pages-huge.json" : "pages-small.json", command);
+    }
     snprintf(command, sizeof command, "micro --rays none --quality medium --kernel %s,grid3d --peer %s --field %s",
              kernel_of("pyramid", best), embree ? "triangles,grid" : "none", land);
     add(c, 0, "building.json", command);

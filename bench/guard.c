@@ -85,7 +85,7 @@ int main(int argc, char **argv) {
     }
 
     char *const workload[] = {argv[2], NULL};
-    const int status = guard_callgrind(workload, runs_file, NULL, profile_file);
+    const int status = guard_callgrind(NULL, workload, runs_file, NULL, profile_file);
     if (status == 127) return skip("valgrind is not installed (Debian: valgrind)");
     if (status != 0) {
         io_fail(&error, "valgrind on %s: %s", argv[2], status < 0 ? strerror(errno) : "failed");

@@ -12,16 +12,20 @@
 
 extern char **environ;
 
-enum { WORDS_MAX = 8, OPTIONS = 10 };
+enum { WORDS_MAX = 8, OPTIONS = 10, OPTIONS_MAX = OPTIONS + 4 };
 
-int guard_callgrind(char *const *workload, const char *runs, const char *errors, const char *profile) {
+int guard_callgrind(char *const *options, char *const *workload, const char *runs, const char *errors,
+                    const char *profile) {
     static char valgrind[] = "valgrind", quiet[] = "-q", tool[] = "--tool=callgrind", off[] = "--collect-atstart=no",
                 toggle[] = "--toggle-collect=guard_trace", dump[] = "--dump-after=guard_trace",
                 combine[] = "--combine-dumps=yes", names[] = "--compress-strings=no", lines[] = "--compress-pos=no";
     char out[4096];
     snprintf(out, sizeof out, "--callgrind-out-file=%s", profile);
-    char *arguments[OPTIONS + WORDS_MAX + 1] = {valgrind, quiet, tool, off, toggle, dump, combine, names, lines, out};
-    for (size_t k = 0; k < WORDS_MAX && workload[k]; k++) arguments[OPTIONS + k] = workload[k];
+    char *arguments[OPTIONS_MAX + WORDS_MAX + 1] = {valgrind, quiet,   tool,  off,   toggle,
+                                                    dump,     combine, names, lines, out};
+    size_t count = OPTIONS;
+    for (; options && *options && count < OPTIONS_MAX; options++) arguments[count++] = *options;
+    for (size_t k = 0; k < WORDS_MAX && workload[k]; k++) arguments[count++] = workload[k];
     posix_spawn_file_actions_t actions;
     pid_t child;
     int status, failure = posix_spawn_file_actions_init(&actions);

@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/prctl.h>
 
 static const char *const usage =
     "Usage: cellwalk-bench micro [OPTIONS]\n"
@@ -299,6 +300,8 @@ int micro_main(char **arguments, int count) {
         {"--cpu", "N", "stay on this CPU; by default on the one that the program starts on", OPTION_COUNT, &o.cpu, 0,
          1023},
         {"--no-pin", NULL, "let the system move the program between CPUs", OPTION_FLAG, &o.no_pin, 0, 0},
+        {"--small-pages", NULL, "keep the system from backing large fields with huge pages", OPTION_FLAG,
+         &o.small_pages, 0, 0},
         {"--counters", NULL, "count steps, leaf tests, busy lanes and refills of the kernels instead of timing",
          OPTION_FLAG, &o.counters, 0, 0},
         {"--long", NULL, "all fields, more rays, more time", OPTION_FLAG, &o.longer, 0, 0},
@@ -320,6 +323,10 @@ int micro_main(char **arguments, int count) {
     cw_isa_limit(isa);
 
     io_output out = {0};
+    if (o.small_pages && prctl(PR_SET_THP_DISABLE, 1, 0, 0, 0) != 0) {
+        io_fail(&error, "--small-pages: the system does not allow it");
+        goto failure;
+    }
     if (o.json && !io_output_open(&out, o.json, &error)) goto failure;
     const bool good = open_pools(&o, &error) && run(&o, isa, &out, &error);
     close_pools(&o);

@@ -20,7 +20,7 @@ typedef struct micro_options {
     const char *isa, *quality, *json;
     uint64_t count, seed, cpu;
     double seconds, width, pass;
-    bool longer, no_pin;
+    bool longer, no_pin, small_pages;
     /* Thread counts to run each kernel with, and a pool for each above 1, else NULL. More than one thread is timed by the
      * clock, and then everything is. */
     unsigned thread_counts[MICRO_THREADS_MAX];

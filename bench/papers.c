@@ -115,7 +115,7 @@ static const struct {
     {"summary", papers_summary},   {"threads", papers_threads},       {"widths", papers_widths},
     {"peers", papers_peers},       {"coursework", papers_coursework}, {"frontier", papers_frontier},
     {"walks", papers_walks},       {"limits", papers_limits},         {"pieces", papers_pieces},
-    {"ablation", papers_ablation},
+    {"ablation", papers_ablation}, {"caches", papers_caches},         {"pages", papers_pages},
 };
 enum { BLOCKS = sizeof blocks / sizeof blocks[0] };
 

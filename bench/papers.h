@@ -9,7 +9,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-enum { PAPERS_FILES = 16 };
+enum { PAPERS_FILES = 24 };
 
 /* The files of a folder, read when they are first asked for. */
 typedef struct papers_data {
@@ -34,6 +34,8 @@ papers_block papers_sources, papers_summary, papers_threads, papers_widths, pape
     papers_frontier;
 /* ---- papers_work.c: counts ---- */
 papers_block papers_walks, papers_limits, papers_pieces, papers_ablation;
+/* ---- papers_memory.c: caches and pages ---- */
+papers_block papers_caches, papers_pages;
 
 int papers_main(char **arguments, int count);
 

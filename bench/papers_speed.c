@@ -26,10 +26,10 @@ static void put_head(FILE *to, const char *first, const char *const *names, size
 /* ---- sources ---- */
 
 bool papers_sources(FILE *to, papers_data *d, io_error *error) {
-    static const char *const files[] = {"speed-avx512.json", "speed-avx2.json",   "speed-sse42.json",
-                                        "peers.json",        "widths.json",       "threads.json",
-                                        "building.json",     "parts.json",        "counters.json",
-                                        "ablation.json",     "scenes/table.json", "tradeoff/tradeoff.json"};
+    static const char *const files[] = {
+        "speed-avx512.json", "speed-avx2.json", "speed-sse42.json", "peers.json",        "widths.json",
+        "threads.json",      "building.json",   "parts.json",       "counters.json",     "ablation.json",
+        "caches.json",       "pages-huge.json", "pages-small.json", "scenes/table.json", "tradeoff/tradeoff.json"};
     const char *cpu = NULL;
     fputs("| file | made by | commit | load | date |\n|---|---|---|--:|---|\n", to);
     const json_t *first = NULL;
@@ -39,14 +39,15 @@ bool papers_sources(FILE *to, papers_data *d, io_error *error) {
         if (lines == NULL) continue;
         const json_t *run = json_array_get(lines, 0);
         if (first == NULL) first = run;
-        const bool ablation = strcmp(results_text(run, "command"), "ablation") == 0;
+        const char *command = results_text(run, "command");
+        const bool build_target = strcmp(command, "ablation") == 0 || strcmp(command, "caches") == 0;
         const bool same = cpu == NULL || strcmp(cpu, results_text(run, "cpu")) == 0;
         cpu = results_text(first, "cpu");
-        fprintf(to, "| [%s](data/%s)%s%s | `%s%s` | %s | %.2f | %.10s |\n", files[k], files[k], same ? "" : ", on ",
+        fprintf(to, "| [%s](data/%s)%s%s | `%s%s%s` | %s | %.2f | %.10s |\n", files[k], files[k], same ? "" : ", on ",
                 same ? "" : results_text(run, "cpu"),
-                ablation ? "cmake --build --preset release --target ablation" : "cellwalk-bench ",
-                ablation ? "" : results_text(run, "arguments"), results_text(run, "commit"),
-                results_number(run, "load"), results_text(run, "date"));
+                build_target ? "cmake --build --preset release --target " : "cellwalk-bench ",
+                build_target ? command : "", build_target ? "" : results_text(run, "arguments"),
+                results_text(run, "commit"), results_number(run, "load"), results_text(run, "date"));
     }
     if (first == NULL) return io_fail(error, "%s: has no files of results", d->folder);
     fprintf(to, "\n%s, %s cache, %.0f CPUs, %s; %s, `%s`", cpu, results_text(first, "cache"),

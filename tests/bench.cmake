@@ -28,6 +28,12 @@ if(TARGET cellwalk_bench)
         add_test(NAME papers COMMAND cellwalk_bench papers --check WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
     endif()
 endif()
+if(TARGET cellwalk_caches)
+    add_test(NAME bench_caches COMMAND ${CMAKE_COMMAND} -DCACHES=$<TARGET_FILE:cellwalk_caches>
+        -DWORK=$<TARGET_FILE:cellwalk_ablation_work> -DFOLDER=${CMAKE_CURRENT_BINARY_DIR}/bench_caches
+        -P ${CMAKE_CURRENT_SOURCE_DIR}/bench_caches.cmake)
+    set_tests_properties(bench_caches PROPERTIES TIMEOUT 300 SKIP_REGULAR_EXPRESSION "SKIPPED")
+endif()
 add_test(NAME papers_notes COMMAND ${CMAKE_COMMAND} -DSOURCE=${PROJECT_SOURCE_DIR}
     -P ${CMAKE_CURRENT_SOURCE_DIR}/papers_notes.cmake)
 # The levers that papers/report.md takes away one by one are still where bench/ablation.cmake looks for them.

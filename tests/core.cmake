@@ -124,7 +124,7 @@ if(CMOCKA_INCLUDE AND CMOCKA_LIBRARY AND GMP_INCLUDE AND GMP_LIBRARY)
         add_dependencies(stability-stress test_stress)
         add_custom_target(stability-leaf
             COMMAND ${CMAKE_COMMAND} -E make_directory ${data}
-            COMMAND cellwalk_bench micro --kernel cell,packet8,pyramid8 --leaf all --peer none --field 257,1025 --seconds 120
+            COMMAND cellwalk_bench micro --kernel cell,packet8,pyramid8x2 --leaf all --peer none --field 257,1025 --seconds 120
                 --pass 2 --json ${data}/leaf.json
             COMMAND cellwalk_stability report --json ${data}/leaf.json --into ${PROJECT_SOURCE_DIR}/papers/watertight.md
             WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} USES_TERMINAL VERBATIM)
