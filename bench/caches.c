@@ -55,9 +55,10 @@ static bool read_part(FILE *profile, uint64_t counts[EVENTS], io_error *error) {
 
 static bool write_run(io_output *out, char *run, const char *field, size_t level, const uint64_t counts[EVENTS],
                       io_error *error) {
-    char *words[5];
+    char *words[5], *rest;
     size_t n = 0;
-    for (char *word = strtok(run, ",\n"); word && n < 5; word = strtok(NULL, ",\n")) words[n++] = word;
+    for (char *word = strtok_r(run, ",\n", &rest); word && n < 5; word = strtok_r(NULL, ",\n", &rest))
+        words[n++] = word;
     if (n != 5) return io_fail(error, "%s: has a line that is no run", runs_file);
     json_t *line = json_object();
     results_set_text(line, "kind", "caches");
@@ -103,7 +104,8 @@ int main(int argc, char **argv) {
     io_error error = {{0}};
     io_output out = {0};
     bool good = io_output_open(&out, argv[1], &error) && results_write(&out, run_record("caches", 1, -1), &error);
-    for (char *field = strtok(argv[3], ","); good && field; field = strtok(NULL, ","))
+    char *rest;
+    for (char *field = strtok_r(argv[3], ",", &rest); good && field; field = strtok_r(NULL, ",", &rest))
         for (size_t level = 0; good && level < LEVELS; level++) {
             char *workload[] = {argv[4], argv[5], field, argv[2], NULL};
             printf("field %s: %s\n", field, levels[level].name);

@@ -124,9 +124,9 @@ static void plan(campaign *c, bool quick) {
     char threads[32] = "1";
     if (cpus > 1) snprintf(threads, sizeof threads, cpus > 2 ? "1,2,%ld" : "1,2", cpus);
     snprintf(command, sizeof command, "micro --threads %s --kernel %s --peer none --field %s %s", threads,
-             kernel_of("pyramid", best), quick ? "65" : "257,1025,4097",
-             quick ? "--count 16384" : "--count 524288 --pass 5");
-    add(c, 2, "threads.json", command);
+             kernel_of("pyramid", best), quick ? "65" : "257,1025",
+             quick ? "--count 16384" : "--count 262144 --pass 5");
+    add(c, 3, "threads.json", command);
     for (int huge = 1; huge >= 0; huge--) {
         snprintf(command, sizeof command, "micro --kernel %s --peer none --field %s --count %s%s",
                  kernel_of("pyramid", best), quick ? "65" : "1025,4097,8193", quick ? "2048" : "131072 --pass 5",
