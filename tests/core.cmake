@@ -95,8 +95,8 @@ if(CMOCKA_INCLUDE AND CMOCKA_LIBRARY AND GMP_INCLUDE AND GMP_LIBRARY)
         target_link_libraries(cellwalk_stability PRIVATE cellwalk_stability_run cellwalk_measure cellwalk_flags)
         # Figures for papers/stability.md. The long run takes a quarter of an hour to half of one and is started by hand,
         # not by CTest; the extremes take seconds, the exhaustive test of all fields half an hour.
-        set(data ${PROJECT_SOURCE_DIR}/papers/data/stability)
-        set(page ${PROJECT_SOURCE_DIR}/papers/stability.md)
+        set(data papers/data/stability) # all run in the project's folder, so that no path is recorded
+        set(page papers/stability.md)
         add_custom_target(stability
             COMMAND ${CMAKE_COMMAND} -E make_directory ${data}
             COMMAND cellwalk_stability run --json ${data}/aimed.json
@@ -126,7 +126,7 @@ if(CMOCKA_INCLUDE AND CMOCKA_LIBRARY AND GMP_INCLUDE AND GMP_LIBRARY)
             COMMAND ${CMAKE_COMMAND} -E make_directory ${data}
             COMMAND cellwalk_bench micro --kernel cell,packet8,pyramid8x2 --leaf all --peer none --field 257,1025 --seconds 120
                 --pass 2 --json ${data}/leaf.json
-            COMMAND cellwalk_stability report --json ${data}/leaf.json --into ${PROJECT_SOURCE_DIR}/papers/watertight.md
+            COMMAND cellwalk_stability report --json ${data}/leaf.json --into papers/watertight.md
             WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} USES_TERMINAL VERBATIM)
     endif()
 endif()
