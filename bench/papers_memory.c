@@ -20,8 +20,8 @@ bool papers_caches(FILE *to, papers_data *d, io_error *error) {
     const json_t *lines = papers_lines(d, "caches.json", error);
     if (lines == NULL) return false;
     const char *fields[NAMES_MAX], *rays[NAMES_MAX];
-    const size_t field_count = results_distinct(lines, "field", fields, NAMES_MAX);
-    const size_t ray_count = results_distinct(lines, "rays", rays, NAMES_MAX);
+    const size_t field_count = results_distinct_of(lines, "caches", "field", fields, NAMES_MAX);
+    const size_t ray_count = results_distinct_of(lines, "caches", "rays", rays, NAMES_MAX);
     const json_t *first = results_find(lines, "caches", NULL);
     if (first == NULL) return io_fail(error, "%s/caches.json: has no counts", d->folder);
     fprintf(to,

@@ -12,19 +12,6 @@
 
 enum { NAMES_MAX = 96 };
 
-/* The texts of a member in lines of a kind, in order of first appearance. */
-static size_t distinct(const json_t *lines, const char *kind, const char *key, const char *names[NAMES_MAX]) {
-    const json_t *line;
-    size_t count = 0, index;
-    json_array_foreach(lines, index, line) {
-        if (!results_is(line, kind, NULL) || *results_text(line, key) == '\0') continue;
-        size_t k = 0;
-        while (k < count && strcmp(names[k], results_text(line, key)) != 0) k++;
-        if (k == count && count < NAMES_MAX) names[count++] = results_text(line, key);
-    }
-    return count;
-}
-
 /* ---- counts ---- */
 
 /* Of the kernel, whatever its leaf test; NULL if it was not counted there. */
@@ -105,8 +92,8 @@ bool papers_walks(FILE *to, papers_data *d, io_error *error) {
     const json_t *lines = papers_lines(d, "counters.json", error);
     if (lines == NULL) return false;
     const char *fields[NAMES_MAX], *rays[NAMES_MAX];
-    const size_t field_count = distinct(lines, "counts", "field", fields);
-    const size_t ray_count = distinct(lines, "counts", "rays", rays);
+    const size_t field_count = results_distinct_of(lines, "counts", "field", fields, NAMES_MAX);
+    const size_t ray_count = results_distinct_of(lines, "counts", "rays", rays, NAMES_MAX);
     ratios to_grid = {.n = 0}, to_cell = {.n = 0}, both = {.n = 0};
     size_t fewer_places = 0, fewer_triangles = 0;
     fputs("A ray, on average. Places are voxels, cells, or nodes and cells.\n\n"
@@ -165,9 +152,9 @@ bool papers_pieces(FILE *to, papers_data *d, io_error *error) {
     const json_t *lines = papers_lines(d, "parts.json", error), *line;
     if (lines == NULL) return false;
     const char *kernels[NAMES_MAX], *names[NAMES_MAX], *memories[NAMES_MAX + 1];
-    const size_t kernel_count = distinct(lines, "part", "kernel", kernels);
-    const size_t name_count = distinct(lines, "part", "part", names);
-    const size_t memory_count = distinct(lines, "part", "memory", memories);
+    const size_t kernel_count = results_distinct_of(lines, "part", "kernel", kernels, NAMES_MAX);
+    const size_t name_count = results_distinct_of(lines, "part", "part", names, NAMES_MAX);
+    const size_t memory_count = results_distinct_of(lines, "part", "memory", memories, NAMES_MAX);
     memories[memory_count] = "";
     fputs("Millions a second, medians; one for each lane.\n\n| piece | of |", to);
     for (size_t k = 0; k < kernel_count; k++) fprintf(to, " %s |", kernels[k]);
@@ -281,9 +268,9 @@ bool papers_ablation(FILE *to, papers_data *d, io_error *error) {
     const json_t *lines = papers_lines(d, "ablation.json", error);
     if (lines == NULL) return false;
     const char *fields[NAMES_MAX], *rays[NAMES_MAX], *variants[NAMES_MAX];
-    const size_t field_count = distinct(lines, "ablation", "field", fields);
-    const size_t ray_count = distinct(lines, "ablation", "rays", rays);
-    const size_t variant_count = distinct(lines, "ablation", "variant", variants);
+    const size_t field_count = results_distinct_of(lines, "ablation", "field", fields, NAMES_MAX);
+    const size_t ray_count = results_distinct_of(lines, "ablation", "rays", rays, NAMES_MAX);
+    const size_t variant_count = results_distinct_of(lines, "ablation", "variant", variants, NAMES_MAX);
     const json_t *first = results_find(lines, "ablation", NULL);
     if (first == NULL) return io_fail(error, "%s/ablation.json: has no counts", d->folder);
     fprintf(

@@ -107,11 +107,15 @@ const char *results_text(const json_t *object, const char *key) {
 double results_number(const json_t *object, const char *key) { return json_number_value(json_object_get(object, key)); }
 
 size_t results_distinct(const json_t *lines, const char *key, const char **texts, size_t most) {
+    return results_distinct_of(lines, "result", key, texts, most);
+}
+
+size_t results_distinct_of(const json_t *lines, const char *kind, const char *key, const char **texts, size_t most) {
     size_t count = 0, index;
     const json_t *line;
     json_array_foreach(lines, index, line) {
-        if (strcmp(results_text(line, "kind"), "result") != 0) continue;
         const char *text = results_text(line, key);
+        if (strcmp(results_text(line, "kind"), kind) != 0 || *text == '\0') continue;
         size_t k = 0;
         while (k < count && strcmp(texts[k], text) != 0) k++;
         if (k == count && count < most) texts[count++] = text;

@@ -34,6 +34,8 @@ double results_number(const json_t *object, const char *key);
 
 /* The texts that a member has in lines of kind "result", in order of first appearance; at most most of them. */
 size_t results_distinct(const json_t *lines, const char *key, const char **texts, size_t most);
+/* The same of lines of another kind than "result". */
+size_t results_distinct_of(const json_t *lines, const char *kind, const char *key, const char **texts, size_t most);
 
 /* True if the line is of that kind and has these texts: pairs of key and text, then NULL. */
 bool results_is(const json_t *line, const char *kind, ...);
