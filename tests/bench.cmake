@@ -28,7 +28,7 @@ if(TARGET cellwalk_bench)
         add_test(NAME papers COMMAND cellwalk_bench papers --check WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
     endif()
 endif()
-if(TARGET cellwalk_caches)
+if(TARGET cellwalk_caches AND NOT CELLWALK_SANITIZE) # valgrind does not run sanitized programs
     add_test(NAME bench_caches COMMAND ${CMAKE_COMMAND} -DCACHES=$<TARGET_FILE:cellwalk_caches>
         -DWORK=$<TARGET_FILE:cellwalk_ablation_work> -DFOLDER=${CMAKE_CURRENT_BINARY_DIR}/bench_caches
         -P ${CMAKE_CURRENT_SOURCE_DIR}/bench_caches.cmake)
