@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The pyramid kernels for tolerant queries, 16 lanes wide, for AVX-512. */
 
+/* A tolerant hit lies where its ray enters a slab, so that is computed with the same bits at every width. */
+#define CELLWALK_UNFUSED
 #include "vec_avx512.h"
 
 #include "pyramid.inc.c"

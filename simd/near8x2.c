@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The pyramid kernels for tolerant queries, twice 8 lanes wide, for AVX2. */
 
+/* A tolerant hit lies where its ray enters a slab, so that is computed with the same bits at every width. */
+#define CELLWALK_UNFUSED
 #include "vec_half.h"
 
 #include "vec_avx2.h"

@@ -154,19 +154,25 @@ CW_INLINE vmask stream_leaf(stream_rays *rays, const uint32_t ray[W], const cw_f
     return found;
 }
 
-/* The height of the ray above the node's plane at t, for a slab whose slopes are mirrored; middle is the node's. */
-CW_INLINE vfloat above_plane(const stream_rays *rays, const stream_axis axis[2], const vfloat middle[2],
-                             const vfloat slope[2], vfloat t) {
-    const vfloat x = vf_sub(vf_add(axis[0].org, vf_mul(t, axis[0].dir)), middle[0]);
-    const vfloat y = vf_sub(vf_add(axis[1].org, vf_mul(t, axis[1].dir)), middle[1]);
-    const vfloat z = vf_add(vf_load(rays->f[RAY_OZ]), vf_mul(t, vf_load(rays->f[RAY_DZ])));
-    return vf_sub(vf_sub(z, vf_mul(slope[0], x)), vf_mul(slope[1], y));
+/* The height of the rays above the planes of their nodes, as origin + t rate; slopes are mirrored. */
+typedef struct stream_plane {
+    vfloat origin, rate;
+} stream_plane;
+
+CW_INLINE stream_plane above_plane(const stream_rays *rays, const stream_axis axis[2], const vfloat slope[2],
+                                   vfloat half_side) {
+    const vfloat x = vf_sub(axis[0].org, vf_add(axis[0].corner, half_side)); /* from the node's middle */
+    const vfloat y = vf_sub(axis[1].org, vf_add(axis[1].corner, half_side));
+    return (stream_plane){
+        vf_fnma(slope[1], y, vf_fnma(slope[0], x, vf_load(rays->f[RAY_OZ]))),
+        vf_fnma(slope[1], axis[1].dir, vf_fnma(slope[0], axis[0].dir, vf_load(rays->f[RAY_DZ]))),
+    };
 }
 
 /* Number along the axis, of 0 to 3, of the child in which the ray is at t, or of an earlier one. */
 CW_INLINE vint child_at(float f[RAY_AXIS][W], const stream_axis *a, vfloat t, vfloat inverse_side) {
     const vfloat last = vf_sub(vf_load(f[RAY_LAST]), vf_set(0.5f));
-    vfloat place = vf_add(vf_load(f[RAY_EARLY]), vf_mul(t, a->dir));
+    vfloat place = vf_fma(t, a->dir, vf_load(f[RAY_EARLY]));
     place = vf_max(vf_load(f[RAY_FIRST]), vf_min(last, place));
     const vfloat number = vf_mul(vf_sub(place, a->corner), inverse_side);
     return vi_from_vf(vf_max(vf_set(0), vf_min(vf_set(3), number)));
@@ -224,25 +230,21 @@ CW_INLINE vmask stream_descend(stream_state *s, stream_lanes *l, const cw_field 
     const vfloat pad = vf_load(rays->f[RAY_PAD]), low = vf_sub(slab[0], pad), high = vf_add(slab[1], pad);
     const vfloat slope[2] = {vf_flip(slab[2], vf_load(rays->f[RAY_SIGN])),
                              vf_flip(slab[3], vf_load(rays->f[RAY_AXIS + RAY_SIGN]))};
-    const vfloat half = vf_mul(side, vf_set(0.5f));
-    const vfloat middle[2] = {vf_add(axis[0].corner, half), vf_add(axis[1].corner, half)};
-    const vfloat t = s->t, t1 = vf_min(out, vf_load(rays->f[RAY_UNTIL])), span = vf_sub(t1, t);
-    const vfloat d0 = above_plane(rays, axis, middle, slope, t);
-    const vfloat rate =
-        vf_sub(vf_sub(vf_load(rays->f[RAY_DZ]), vf_mul(slope[0], axis[0].dir)), vf_mul(slope[1], axis[1].dir));
-    const vfloat change = vf_mul(span, rate), d1 = vf_add(d0, change);
+    const stream_plane above = above_plane(rays, axis, slope, vf_mul(side, vf_set(0.5f)));
+    const vfloat t = s->t, t1 = vf_min(out, vf_load(rays->f[RAY_UNTIL]));
+    const vfloat d0 = vf_fma(t, above.rate, above.origin), d1 = vf_fma(t1, above.rate, above.origin);
     const vmask misses = vm_or(vf_gt(vf_min(d0, d1), high), vf_lt(vf_max(d0, d1), low));
     const vmask wanted = vf_le(t, s->leave);
     s->leave = vf_select(wanted, s->leave, vf_set(INFINITY));
     const vmask enters = vm_and(moves, vm_andnot(vm_and(wanted, vf_le(t, t1)), misses));
     if (!vm_any(enters)) return enters;
-    /* Cut what is before and after the slab off: t where the ray enters it and leaves it again. Where change is NaN, so
-     * are both quotients, and the comparisons let t and infinity win. */
-    const vfloat zero = vf_set(0), per = vf_div(span, vf_max(vf_set(FLT_MIN), vf_abs(change)));
+    /* Cut what is before and after the slab off: t where the ray enters it and leaves it again. Where the rate is NaN, so
+     * are both products, and the comparisons let t and infinity win. */
+    const vfloat zero = vf_set(0), per = vf_div(vf_set(1), vf_max(vf_set(FLT_MIN), vf_abs(above.rate)));
     const vfloat before = vf_max(zero, vf_max(vf_sub(d0, high), vf_sub(low, d0)));
     const vfloat after = vf_max(zero, vf_max(vf_sub(d1, high), vf_sub(low, d1)));
-    const vfloat start = vf_min(vf_max(vf_add(t, vf_mul(before, per)), t), t1);
-    const vfloat leave = vf_max(start, vf_min(vf_sub(t1, vf_mul(after, per)), vf_set(INFINITY)));
+    const vfloat start = vf_min(vf_max(vf_fma(before, per, t), t), t1);
+    const vfloat leave = vf_max(start, vf_min(vf_fnma(after, per, t1), vf_set(INFINITY)));
     if (tolerance) {
         vmask stops = vm_and(enters, stream_near(l, tolerance, low, high, start));
         if (vm_any(stops)) {

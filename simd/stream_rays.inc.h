@@ -78,10 +78,16 @@ static inline void mirror_rays(stream_rays *s, const vray *r, const cw_field *f,
     const vfloat outside = leaf == CW_LEAF_WATERTIGHT ? vf_max(vf_set(0), vf_sub(origin, size)) : vf_add(origin, size);
     const vfloat tallest = vf_set(fmaxf(fabsf(f->low), fabsf(f->high))), steepest = vf_set(f->pyramid->steepest);
     const vfloat heights = vf_add(vf_mul(vf_set(2), vf_add(vf_abs(r->oz), tallest)), vf_mul(steepest, outside));
-    const vfloat denormal = vf_mul(vf_set(FLT_MIN), vf_add(vf_set(1), vf_sub(r->until, r->from)));
+    const vfloat longest = vf_max(vf_abs(r->from), vf_abs(r->until));
+    const vfloat denormal = vf_mul(vf_set(FLT_MIN), vf_add(vf_set(1), longest));
+    const vfloat pad = vf_add(vf_mul(vf_set(SLAB_ROUNDING), heights), denormal);
+    /* Where a height above a slab or its rate might overflow, no slab is worth anything. The walk's own sums stay below
+     * eight of these each. */
+    const vfloat ground = vf_add(vf_add(origin, size), vf_add(vf_abs(r->x.dir), vf_abs(r->y.dir)));
+    const vfloat numbers = vf_add(vf_add(heights, vf_abs(r->dz)), vf_mul(steepest, ground));
     vf_store(s->f[RAY_OZ], r->oz);
     vf_store(s->f[RAY_DZ], r->dz);
-    vf_store(s->f[RAY_PAD], vf_add(vf_mul(vf_set(SLAB_ROUNDING), heights), denormal));
+    vf_store(s->f[RAY_PAD], vf_select(vf_le(numbers, vf_set(0x1p120f)), pad, vf_set(INFINITY)));
     vf_store(s->f[RAY_UNTIL], r->until);
     vf_store(s->f[RAY_BEGIN], r->begin);
     vf_store(s->f[RAY_END], r->end);

@@ -27,6 +27,13 @@ static inline vfloat vf_add(vfloat a, vfloat b) { return (vfloat){_mm256_add_ps(
 static inline vfloat vf_sub(vfloat a, vfloat b) { return (vfloat){_mm256_sub_ps(a.v, b.v)}; }
 static inline vfloat vf_mul(vfloat a, vfloat b) { return (vfloat){_mm256_mul_ps(a.v, b.v)}; }
 static inline vfloat vf_div(vfloat a, vfloat b) { return (vfloat){_mm256_div_ps(a.v, b.v)}; }
+#ifdef CELLWALK_UNFUSED
+static inline vfloat vf_fma(vfloat a, vfloat b, vfloat c) { return vf_add(vf_mul(a, b), c); }
+static inline vfloat vf_fnma(vfloat a, vfloat b, vfloat c) { return vf_sub(c, vf_mul(a, b)); }
+#else
+static inline vfloat vf_fma(vfloat a, vfloat b, vfloat c) { return (vfloat){_mm256_fmadd_ps(a.v, b.v, c.v)}; }
+static inline vfloat vf_fnma(vfloat a, vfloat b, vfloat c) { return (vfloat){_mm256_fnmadd_ps(a.v, b.v, c.v)}; }
+#endif
 static inline vfloat vf_min(vfloat a, vfloat b) { return (vfloat){_mm256_min_ps(a.v, b.v)}; }
 static inline vfloat vf_max(vfloat a, vfloat b) { return (vfloat){_mm256_max_ps(a.v, b.v)}; }
 static inline vfloat vf_abs(vfloat a) { return (vfloat){_mm256_andnot_ps(_mm256_set1_ps(-0.0f), a.v)}; }
@@ -92,15 +99,28 @@ static inline vfloat vf_gather(const float *base, vint index, vmask m) {
     return (vfloat){_mm256_mask_i32gather_ps(_mm256_setzero_ps(), base, index.v, m.v, sizeof(float))};
 }
 
+/* Lanes that are not negative, two a register: extractions are the dearer part of an index, and this takes half as many.
+ * (An array of all eight is put together in memory by GCC, for which loads then wait.) */
+typedef struct lane_pairs {
+    uint64_t pair[4];
+} lane_pairs;
+static inline lane_pairs lanes_out(__m256i a) {
+    const __m128i low = _mm256_castsi256_si128(a), high = _mm256_extracti128_si256(a, 1);
+    return (lane_pairs){{(uint64_t)_mm_cvtsi128_si64(low), (uint64_t)_mm_extract_epi64(low, 1),
+                         (uint64_t)_mm_cvtsi128_si64(high), (uint64_t)_mm_extract_epi64(high, 1)}};
+}
+static inline size_t lane_out(lane_pairs a, int k) {
+    return k % 2 == 0 ? (uint32_t)a.pair[k / 2] : (size_t)(a.pair[k / 2] >> 32);
+}
+
 /* Two floats as one 8-byte load, the lanes' pairs then parted by shuffles: CPUs that break a gather into
  * dozens of operations take less time for both vectors this way than for one of them. */
 static inline void vf_gather_pairs(const float *base, vint index, vmask m, vfloat *first, vfloat *second) {
-    int32_t k[8];
-    _mm256_storeu_si256((__m256i *)k, _mm256_and_si256(index.v, _mm256_castps_si256(m.v)));
+    const lane_pairs k = lanes_out(_mm256_and_si256(index.v, _mm256_castps_si256(m.v)));
     __m128 q[4];
     for (int p = 0; p < 4; p++) {
-        q[p] = _mm_castsi128_ps(_mm_loadl_epi64((const __m128i *)(base + k[2 * p])));
-        q[p] = _mm_loadh_pi(q[p], (const __m64 *)(base + k[2 * p + 1]));
+        q[p] = _mm_castsi128_ps(_mm_loadl_epi64((const __m128i *)(base + lane_out(k, 2 * p))));
+        q[p] = _mm_loadh_pi(q[p], (const __m64 *)(base + lane_out(k, 2 * p + 1)));
     }
     const __m256 low = _mm256_insertf128_ps(_mm256_castps128_ps256(q[0]), q[2], 1);
     const __m256 high = _mm256_insertf128_ps(_mm256_castps128_ps256(q[1]), q[3], 1);
@@ -108,14 +128,15 @@ static inline void vf_gather_pairs(const float *base, vint index, vmask m, vfloa
     second->v = _mm256_shuffle_ps(low, high, 0xdd);
 }
 
-/* Lanes k and k + 4 share a register, then a 4 × 4 transpose within halves. */
+/* Lanes k and k + 4 share a register, then a 4 × 4 transpose within halves. Indices are doubled as a vector, so that an
+ * address's own factor of 8 makes 16 bytes of them. */
 static inline void vf_gather_quads(const float *base, vint index, vmask m, vfloat out[4]) {
-    int32_t k[8];
-    _mm256_storeu_si256((__m256i *)k, _mm256_and_si256(index.v, _mm256_castps_si256(m.v)));
+    const __m256i safe = _mm256_and_si256(index.v, _mm256_castps_si256(m.v));
+    const lane_pairs k = lanes_out(_mm256_add_epi32(safe, safe));
     __m256 r[4];
     for (int q = 0; q < 4; q++)
-        r[q] = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(base + 4 * (ptrdiff_t)k[q])),
-                                    _mm_load_ps(base + 4 * (ptrdiff_t)k[q + 4]), 1);
+        r[q] = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(base + 2 * lane_out(k, q))),
+                                    _mm_load_ps(base + 2 * lane_out(k, q + 4)), 1);
     const __m256 a = _mm256_unpacklo_ps(r[0], r[1]), b = _mm256_unpackhi_ps(r[0], r[1]);
     const __m256 c = _mm256_unpacklo_ps(r[2], r[3]), d = _mm256_unpackhi_ps(r[2], r[3]);
     out[0].v = _mm256_shuffle_ps(a, c, 0x44);

@@ -27,6 +27,13 @@ static inline vfloat vf_add(vfloat a, vfloat b) { return (vfloat){_mm512_add_ps(
 static inline vfloat vf_sub(vfloat a, vfloat b) { return (vfloat){_mm512_sub_ps(a.v, b.v)}; }
 static inline vfloat vf_mul(vfloat a, vfloat b) { return (vfloat){_mm512_mul_ps(a.v, b.v)}; }
 static inline vfloat vf_div(vfloat a, vfloat b) { return (vfloat){_mm512_div_ps(a.v, b.v)}; }
+#ifdef CELLWALK_UNFUSED
+static inline vfloat vf_fma(vfloat a, vfloat b, vfloat c) { return vf_add(vf_mul(a, b), c); }
+static inline vfloat vf_fnma(vfloat a, vfloat b, vfloat c) { return vf_sub(c, vf_mul(a, b)); }
+#else
+static inline vfloat vf_fma(vfloat a, vfloat b, vfloat c) { return (vfloat){_mm512_fmadd_ps(a.v, b.v, c.v)}; }
+static inline vfloat vf_fnma(vfloat a, vfloat b, vfloat c) { return (vfloat){_mm512_fnmadd_ps(a.v, b.v, c.v)}; }
+#endif
 static inline vfloat vf_min(vfloat a, vfloat b) { return (vfloat){_mm512_min_ps(a.v, b.v)}; }
 static inline vfloat vf_max(vfloat a, vfloat b) { return (vfloat){_mm512_max_ps(a.v, b.v)}; }
 static inline vfloat vf_abs(vfloat a) { return (vfloat){_mm512_abs_ps(a.v)}; }

@@ -18,6 +18,8 @@
 #define vf_eq           half_vf_eq
 #define vf_flip         half_vf_flip
 #define vf_floor        half_vf_floor
+#define vf_fma          half_vf_fma
+#define vf_fnma         half_vf_fnma
 #define vf_from_vi      half_vf_from_vi
 #define vf_gather       half_vf_gather
 #define vf_gather_pairs half_vf_gather_pairs

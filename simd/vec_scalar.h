@@ -3,7 +3,7 @@
  * documents the vocabulary: every vec_*.h offers the same names with the same meaning, lane by lane, bit for bit.
  *
  * vfloat, vint and vmask are three distinct types, so that a mask cannot be taken for a number. Arithmetic is IEEE,
- * rounded once an operation; comparisons are false on NaN. */
+ * rounded once an operation; comparisons are false on NaN. The one exception are vf_fma and vf_fnma. */
 #ifndef CELLWALK_SIMD_VEC_SCALAR_H
 #define CELLWALK_SIMD_VEC_SCALAR_H
 
@@ -30,6 +30,10 @@ static inline vfloat vf_add(vfloat a, vfloat b) { return (vfloat){a.v + b.v}; }
 static inline vfloat vf_sub(vfloat a, vfloat b) { return (vfloat){a.v - b.v}; }
 static inline vfloat vf_mul(vfloat a, vfloat b) { return (vfloat){a.v * b.v}; }
 static inline vfloat vf_div(vfloat a, vfloat b) { return (vfloat){a.v / b.v}; }
+/* a b + c and c - a b, rounded once where the instruction set fuses them, else twice: for what decides how far a walk
+ * looks, never for what a hit is made of. With CELLWALK_UNFUSED always twice. */
+static inline vfloat vf_fma(vfloat a, vfloat b, vfloat c) { return vf_add(vf_mul(a, b), c); }
+static inline vfloat vf_fnma(vfloat a, vfloat b, vfloat c) { return vf_sub(c, vf_mul(a, b)); }
 /* a < b ? a : b and a > b ? a : b, so b where either is NaN. */
 static inline vfloat vf_min(vfloat a, vfloat b) { return (vfloat){a.v < b.v ? a.v : b.v}; }
 static inline vfloat vf_max(vfloat a, vfloat b) { return (vfloat){a.v > b.v ? a.v : b.v}; }

@@ -27,6 +27,8 @@ static inline vfloat vf_add(vfloat a, vfloat b) { return (vfloat){_mm_add_ps(a.v
 static inline vfloat vf_sub(vfloat a, vfloat b) { return (vfloat){_mm_sub_ps(a.v, b.v)}; }
 static inline vfloat vf_mul(vfloat a, vfloat b) { return (vfloat){_mm_mul_ps(a.v, b.v)}; }
 static inline vfloat vf_div(vfloat a, vfloat b) { return (vfloat){_mm_div_ps(a.v, b.v)}; }
+static inline vfloat vf_fma(vfloat a, vfloat b, vfloat c) { return vf_add(vf_mul(a, b), c); }
+static inline vfloat vf_fnma(vfloat a, vfloat b, vfloat c) { return vf_sub(c, vf_mul(a, b)); }
 static inline vfloat vf_min(vfloat a, vfloat b) { return (vfloat){_mm_min_ps(a.v, b.v)}; }
 static inline vfloat vf_max(vfloat a, vfloat b) { return (vfloat){_mm_max_ps(a.v, b.v)}; }
 static inline vfloat vf_abs(vfloat a) { return (vfloat){_mm_andnot_ps(_mm_set1_ps(-0.0f), a.v)}; }

@@ -19,6 +19,8 @@
 #undef vf_eq
 #undef vf_flip
 #undef vf_floor
+#undef vf_fma
+#undef vf_fnma
 #undef vf_from_vi
 #undef vf_gather
 #undef vf_gather_pairs
@@ -79,11 +81,15 @@ typedef struct vmask {
     half_vmask a, b;
 } vmask;
 
-/* A word that does the same in each lane, of one or two vectors. */
+/* A word that does the same in each lane, of one to three vectors. */
 #define ONE(result, word, type)                                                                                        \
     static inline result word(type x) { return (result){half_##word(x.a), half_##word(x.b)}; }
 #define TWO(result, word, left, right)                                                                                 \
     static inline result word(left x, right y) { return (result){half_##word(x.a, y.a), half_##word(x.b, y.b)}; }
+#define THREE(result, word, type)                                                                                      \
+    static inline result word(type x, type y, type z) {                                                                \
+        return (result){half_##word(x.a, y.a, z.a), half_##word(x.b, y.b, z.b)};                                       \
+    }
 
 /* clang-format off: a word a line */
 TWO(vfloat, vf_add, vfloat, vfloat)
@@ -93,6 +99,8 @@ TWO(vfloat, vf_div, vfloat, vfloat)
 TWO(vfloat, vf_min, vfloat, vfloat)
 TWO(vfloat, vf_max, vfloat, vfloat)
 TWO(vfloat, vf_flip, vfloat, vfloat)
+THREE(vfloat, vf_fma, vfloat)
+THREE(vfloat, vf_fnma, vfloat)
 TWO(vmask, vf_lt, vfloat, vfloat)
 TWO(vmask, vf_le, vfloat, vfloat)
 TWO(vmask, vf_gt, vfloat, vfloat)
@@ -122,6 +130,7 @@ ONE(vmask, vm_not, vmask)
 
 #undef ONE
 #undef TWO
+#undef THREE
 
 static inline vfloat vf_set(float a) { return (vfloat){half_vf_set(a), half_vf_set(a)}; }
 static inline vfloat vf_load(const float *a) { return (vfloat){half_vf_load(a), half_vf_load(a + half_W)}; }
