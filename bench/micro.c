@@ -112,7 +112,8 @@ static void close_field(micro_field *on) {
 }
 
 /* Embree's peak while building, over what it holds in the end: measured at 1025 and 4097 samples a side, 245 bytes a cell
- * for triangles at high quality, 38 for a grid. An 8193 field would take 17 GB, and a system that runs out of memory kills somebody. */
+ * for triangles at high quality, 38 for a grid. An 8193 field would take 17 GB, and a system that runs out of memory kills
+ * somebody. */
 static bool embree_fits(const cw_field_info *info, bool grid, const char *label) {
     const double needed = (double)(info->nx - 1) * (double)(info->ny - 1) * (grid ? 50 : 260);
     const double available = run_memory_available();

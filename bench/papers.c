@@ -69,6 +69,23 @@ const json_t *papers_speeds(papers_data *d, const char **isa, io_error *error) {
     return lines;
 }
 
+/* ---- what tables share ---- */
+
+void papers_put_head(FILE *to, const char *first, const char *const *names, size_t count) {
+    fprintf(to, "| %s |", first);
+    for (size_t k = 0; k < count; k++) fprintf(to, " %s |", names[k]);
+    fputs("\n|---|", to);
+    for (size_t k = 0; k < count; k++) fputs("--:|", to);
+    fputc('\n', to);
+}
+
+void papers_put_ratio(FILE *to, double above, double below) {
+    if (above > 0 && below > 0)
+        fprintf(to, " %.2f |", above / below);
+    else
+        fputs(" |", to);
+}
+
 /* ---- blocks that other commands have as well ---- */
 
 static bool put_text(FILE *to, char *text, io_error *error) {

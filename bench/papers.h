@@ -26,6 +26,11 @@ bool papers_lines_if_there(papers_data *data, const char *name, const json_t **l
 /* The speeds with the widest instruction set that there are, and its name. */
 const json_t *papers_speeds(papers_data *data, const char **isa, io_error *error);
 
+/* The head of a table: a first column and one of numbers for each name. */
+void papers_put_head(FILE *to, const char *first, const char *const *names, size_t count);
+/* A field of a table: above / below, or nothing unless both are above 0. */
+void papers_put_ratio(FILE *to, double above, double below);
+
 /* Writes what stands between a pair of markers. */
 typedef bool papers_block(FILE *to, papers_data *data, io_error *error);
 

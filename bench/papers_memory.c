@@ -25,8 +25,9 @@ bool papers_caches(FILE *to, papers_data *d, io_error *error) {
     const json_t *first = results_find(lines, "caches", NULL);
     if (first == NULL) return io_fail(error, "%s/caches.json: has no counts", d->folder);
     fprintf(to,
-            "A ray on average, `%s`, %.0f rays a class: reads, and how many miss caches of 32 KiB, 512 KiB and 32 MiB, "
-            "by\ncallgrind's model, which has no prefetches.\n\n"
+            "A ray on average, `%s`, %.0f rays a class: reads, and the reads and writes that miss caches of 32 KiB, "
+            "512 KiB "
+            "and\n32 MiB, by callgrind's model, which has no prefetches.\n\n"
             "| field | rays | reads | not in 32 KiB | not in 512 KiB | not in 32 MiB |\n|---|---|--:|--:|--:|--:|\n",
             results_text(first, "kernel"), results_number(first, "ray_count"));
     for (size_t f = 0; f < field_count; f++)
@@ -48,20 +49,15 @@ bool papers_pages(FILE *to, papers_data *d, io_error *error) {
     const char *fields[NAMES_MAX], *rays[NAMES_MAX];
     const size_t field_count = results_distinct(huge, "field", fields, NAMES_MAX);
     const size_t ray_count = results_distinct(huge, "rays", rays, NAMES_MAX);
-    fputs("Speed on huge pages over that on ordinary ones.\n\n| field |", to);
-    for (size_t r = 0; r < ray_count; r++) fprintf(to, " %s |", rays[r]);
-    fputs("\n|---|", to);
-    for (size_t r = 0; r < ray_count; r++) fputs("--:|", to);
-    fputc('\n', to);
+    fputs("Speed on huge pages over that on ordinary ones.\n\n", to);
+    papers_put_head(to, "field", rays, ray_count);
     for (size_t f = 0; f < field_count; f++) {
         fprintf(to, "| %s |", fields[f]);
         for (size_t r = 0; r < ray_count; r++) {
-            const json_t *above = targets_own(huge, fields[f], rays[r]),
-                         *below = targets_own(small, fields[f], rays[r]);
-            if (above && below)
-                fprintf(to, " %.2f |", results_number(above, "mrays_per_s") / results_number(below, "mrays_per_s"));
-            else
-                fputs(" |", to);
+            const json_t *above = targets_own(huge, fields[f], rays[r]);
+            const json_t *below = targets_own(small, fields[f], rays[r]);
+            papers_put_ratio(to, above ? results_number(above, "mrays_per_s") : 0,
+                             below ? results_number(below, "mrays_per_s") : 0);
         }
         fputc('\n', to);
     }

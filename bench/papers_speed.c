@@ -15,14 +15,6 @@ enum { NAMES_MAX = 96 };
 
 static bool starts_with(const char *text, const char *start) { return strncmp(text, start, strlen(start)) == 0; }
 
-static void put_head(FILE *to, const char *first, const char *const *names, size_t count) {
-    fprintf(to, "| %s |", first);
-    for (size_t k = 0; k < count; k++) fprintf(to, " %s |", names[k]);
-    fputs("\n|---|", to);
-    for (size_t k = 0; k < count; k++) fputs("--:|", to);
-    fputc('\n', to);
-}
-
 /* ---- sources ---- */
 
 bool papers_sources(FILE *to, papers_data *d, io_error *error) {
@@ -180,13 +172,6 @@ static double speed_of(const json_t *lines, const char *field, const char *rays,
     return best;
 }
 
-static void put_ratio(FILE *to, double above, double below) {
-    if (above > 0 && below > 0)
-        fprintf(to, " %.2f |", above / below);
-    else
-        fputs(" |", to);
-}
-
 bool papers_threads(FILE *to, papers_data *d, io_error *error) {
     const json_t *lines = papers_lines(d, "threads.json", error), *line;
     if (lines == NULL) return false;
@@ -208,8 +193,8 @@ bool papers_threads(FILE *to, papers_data *d, io_error *error) {
         for (size_t r = 0; r < ray_count; r++) {
             fprintf(to, "| %.0f | %s |", threads, rays[r]);
             for (size_t f = 0; f < field_count; f++)
-                put_ratio(to, speed_of(lines, fields[f], rays[r], "", threads),
-                          speed_of(lines, fields[f], rays[r], "", 1));
+                papers_put_ratio(to, speed_of(lines, fields[f], rays[r], "", threads),
+                                 speed_of(lines, fields[f], rays[r], "", 1));
             fputc('\n', to);
         }
     }
@@ -226,7 +211,7 @@ bool papers_widths(FILE *to, papers_data *d, io_error *error) {
     fputs("Millions of rays a second.\n", to);
     for (size_t f = 0; f < field_count; f++) {
         fprintf(to, "\n**%s**\n\n", fields[f]);
-        put_head(to, "", rays, ray_count);
+        papers_put_head(to, "", rays, ray_count);
         for (size_t k = 0; k < count; k++) {
             const bool embree = starts_with(names[k], "embree/");
             fprintf(to, "| %.*s |", embree ? (int)strlen(names[k]) : (int)strcspn(names[k], "/"), names[k]);
@@ -253,13 +238,13 @@ bool papers_peers(FILE *to, papers_data *d, io_error *error) {
     fputs("The library's speed over that of Embree's fastest width.\n", to);
     for (size_t f = 0; f < field_count; f++) {
         fprintf(to, "\n**%s**\n\n", fields[f]);
-        put_head(to, "Embree's", rays, ray_count);
+        papers_put_head(to, "Embree's", rays, ray_count);
         for (size_t g = 0; g < sizeof geometries / sizeof geometries[0]; g++) {
             fprintf(to, "| %s |", geometries[g][1]);
             for (size_t r = 0; r < ray_count; r++) {
                 const json_t *own = targets_own(lines, fields[f], rays[r]);
-                put_ratio(to, own ? results_number(own, "mrays_per_s") : 0,
-                          speed_of(lines, fields[f], rays[r], geometries[g][0], 1));
+                papers_put_ratio(to, own ? results_number(own, "mrays_per_s") : 0,
+                                 speed_of(lines, fields[f], rays[r], geometries[g][0], 1));
             }
             fputc('\n', to);
         }
@@ -292,9 +277,9 @@ bool papers_coursework(FILE *to, papers_data *d, io_error *error) {
         if (!results_is(line, "scene", NULL)) continue;
         const table_coursework *c = table_coursework_of(results_text(line, "scene"));
         fprintf(to, "| %s |", results_text(line, "scene"));
-        put_ratio(to, c ? c->grid_phong : 0, c ? c->plain : 0);
-        put_ratio(to, c ? c->cell_phong : 0, c ? c->plain : 0);
-        for (size_t k = 0; k < sizeof ours / sizeof ours[0]; k++) put_ratio(to, time_of(line, ours[k]), 1);
+        papers_put_ratio(to, c ? c->grid_phong : 0, c ? c->plain : 0);
+        papers_put_ratio(to, c ? c->cell_phong : 0, c ? c->plain : 0);
+        for (size_t k = 0; k < sizeof ours / sizeof ours[0]; k++) papers_put_ratio(to, time_of(line, ours[k]), 1);
         fputc('\n', to);
     }
     return true;

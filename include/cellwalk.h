@@ -211,8 +211,8 @@ CW_API cw_query cw_query_default(void);
 CW_API const cw_kernel *cw_query_kernel(const cw_field *field, const cw_query *query);
 
 /* Closest hit of each of n rays (n may be 0). rays and hits need no alignment beyond their types' and may not overlap.
- * Unless the query is tolerant, the answer for a ray does not depend on its neighbours, its place in the array or the number of threads. On an error
- * hits are untouched. */
+ * Unless the query is tolerant, the answer for a ray does not depend on its neighbours, its place in the array or the
+ * number of threads. On an error hits are untouched. */
 CW_API cw_status cw_closest(const cw_field *field, const cw_query *query, const cw_ray *rays, size_t n, cw_hit *hits);
 
 /* occluded[k] = 1 if rays[k] hits anything, else 0; always what cw_closest would find. */

@@ -14,8 +14,8 @@ typedef struct lanes {
     vint sample; /* number of sample (i, j) */
     vmask alive; /* still walking */
     vmask found;
-    vhit hit; /* of the lanes in found, as far as the query wants it */
-    vint sample_hit;
+    vhit hit;            /* of the lanes in found, as far as the query wants it */
+    vfloat hit_i, hit_j; /* and their cells */
     /* Constants of the ray: border beyond the cell as an offset from its low corner, sample steps. */
     vfloat x_in, x_out, y_in, y_out;
     vint step_x, step_y;
@@ -67,20 +67,21 @@ static inline void lanes_start(lanes *l, const cw_field *f) {
         vi_add(vi_mul(vi_from_vf(vf_select(l->alive, c->j, zero)), row), vi_from_vf(vf_select(l->alive, c->i, zero)));
 }
 
-/* Keeps the hits of the lanes in now, in the cell of the given sample. */
-static inline void lanes_keep(lanes *l, vmask now, const vhit *h, vint sample) {
+/* Keeps the hits of the lanes in now, in cell c. */
+static inline void lanes_keep(lanes *l, vmask now, const vhit *h, const vcell *c) {
     l->hit.t = vf_select(now, h->t, l->hit.t);
     l->hit.u = vf_select(now, h->u, l->hit.u);
     l->hit.v = vf_select(now, h->v, l->hit.v);
     l->hit.b = vm_or(vm_and(now, h->b), vm_andnot(l->hit.b, now));
-    l->sample_hit = vi_select(now, sample, l->sample_hit);
+    l->hit_i = vf_select(now, c->i, l->hit_i);
+    l->hit_j = vf_select(now, c->j, l->hit_j);
 }
 
 static inline void lanes_clear(lanes *l) {
     const vfloat zero = vf_set(0);
     l->found = vm_set(false);
     l->hit = (vhit){.t = zero, .u = zero, .v = zero, .b = l->found};
-    l->sample_hit = vi_set(0);
+    l->hit_i = l->hit_j = zero;
 }
 
 /* Tests the cell of each living lane and goes on to the next. */
@@ -98,7 +99,7 @@ static inline void lanes_step(lanes *l, const cw_field *f, cw_leaf leaf, bool an
         vhit h;
         const vmask now =
             leaf == CW_LEAF_WATERTIGHT ? wt_cell(r, c, candidates, any, &h) : mt_cell(r, c, candidates, &h);
-        if (!any) lanes_keep(l, now, &h, l->sample);
+        if (!any) lanes_keep(l, now, &h, c);
         l->found = vm_or(l->found, now);
         l->alive = vm_andnot(l->alive, now);
     }
@@ -117,18 +118,18 @@ static inline void lanes_step(lanes *l, const cw_field *f, cw_leaf leaf, bool an
 }
 
 /* Writes the hits of the lanes in found; lanes bits tells which, so that the caller knows the rest. */
-static inline unsigned lanes_hits(const lanes *l, const cw_field *f, cw_hit *hits) {
+static inline unsigned lanes_hits(const lanes *l, cw_hit *hits) {
     const unsigned found = vm_bits(l->found), in_b = vm_bits(l->hit.b);
     float t[W], u[W], v[W];
-    int32_t at[W];
+    int32_t i[W], j[W];
     vf_store(t, l->hit.t);
     vf_store(u, l->hit.u);
     vf_store(v, l->hit.v);
-    vi_store(at, l->sample_hit);
-    const int32_t stride = (int32_t)f->stride;
+    vi_store(i, vi_from_vf(l->hit_i));
+    vi_store(j, vi_from_vf(l->hit_j));
     for (unsigned m = found; m != 0; m &= m - 1) {
         const int k = __builtin_ctz(m);
-        hits[k] = (cw_hit){t[k], u[k], v[k], at[k] % stride, at[k] / stride, in_b >> k & 1};
+        hits[k] = (cw_hit){t[k], u[k], v[k], i[k], j[k], in_b >> k & 1};
     }
     return found;
 }

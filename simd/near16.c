@@ -9,13 +9,13 @@
 
 #include "kernels.h"
 
-CW_DECLARE_NEAR(pyramid16)
+CW_DECLARE_KERNEL(near_pyramid16)
 
-void cw_closest_near_pyramid16(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits,
-                               const cw_tolerance *tolerance) {
-    pyramid_closest(field, rays, n, CW_COHERENCE_AUTO, hits, CW_LEAF_WATERTIGHT, tolerance);
+void cw_closest_near_pyramid16(const cw_field *field, const cw_ray *rays, size_t n, const cw_query *query,
+                               cw_hit *hits) {
+    pyramid_closest(field, rays, n, query, hits, CW_LEAF_WATERTIGHT, query);
 }
-void cw_any_near_pyramid16(const cw_field *field, const cw_ray *rays, size_t n, uint8_t *occluded,
-                           const cw_tolerance *tolerance) {
-    pyramid_any(field, rays, n, CW_COHERENCE_AUTO, occluded, CW_LEAF_WATERTIGHT, tolerance);
+void cw_any_near_pyramid16(const cw_field *field, const cw_ray *rays, size_t n, const cw_query *query,
+                           uint8_t *occluded) {
+    pyramid_any(field, rays, n, query, occluded, CW_LEAF_WATERTIGHT, query);
 }

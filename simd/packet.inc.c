@@ -28,7 +28,7 @@ static inline void packet_closest(const cw_field *f, const cw_ray *rays, size_t 
         const size_t count = n - k < W ? n - k : W;
         lanes l;
         packet_walk(&l, f, rays + k, count, leaf, false);
-        const unsigned found = lanes_hits(&l, f, hits + k);
+        const unsigned found = lanes_hits(&l, hits + k);
         for (size_t m = 0; m < count; m++)
             if (!(found >> m & 1)) hits[k + m] = (cw_hit){.t = INFINITY, .i = -1, .j = -1};
     }

@@ -10,15 +10,19 @@
 CW_DECLARE_KERNEL(packet4_mt)
 CW_DECLARE_KERNEL(packet4_wt)
 
-void cw_closest_packet4_mt(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits) {
+void cw_closest_packet4_mt(const cw_field *field, const cw_ray *rays, size_t n, const cw_query *query, cw_hit *hits) {
+    (void)query;
     packet_closest(field, rays, n, hits, CW_LEAF_MOLLER_TRUMBORE);
 }
-void cw_closest_packet4_wt(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits) {
+void cw_closest_packet4_wt(const cw_field *field, const cw_ray *rays, size_t n, const cw_query *query, cw_hit *hits) {
+    (void)query;
     packet_closest(field, rays, n, hits, CW_LEAF_WATERTIGHT);
 }
-void cw_any_packet4_mt(const cw_field *field, const cw_ray *rays, size_t n, uint8_t *occluded) {
+void cw_any_packet4_mt(const cw_field *field, const cw_ray *rays, size_t n, const cw_query *query, uint8_t *occluded) {
+    (void)query;
     packet_any(field, rays, n, occluded, CW_LEAF_MOLLER_TRUMBORE);
 }
-void cw_any_packet4_wt(const cw_field *field, const cw_ray *rays, size_t n, uint8_t *occluded) {
+void cw_any_packet4_wt(const cw_field *field, const cw_ray *rays, size_t n, const cw_query *query, uint8_t *occluded) {
+    (void)query;
     packet_any(field, rays, n, occluded, CW_LEAF_WATERTIGHT);
 }

@@ -31,13 +31,14 @@ enum { FLAT_STEPS = 4 };
 /* Fewer rays than this do not pay for making a fat ray of them. */
 enum { SHARE_AT_LEAST = 4 };
 
-/* The first n rays of a group, of which the first is ray number base of its batch. Returns the rays that hit, with their
- * hits written unless any; rays that are to go on alone are put into the queue, and counted in *waiting. */
+/* The first n rays of a group, whose parts are numbers first_part and on of the queue. Returns the rays that hit, with
+ * their hits written unless any; rays that are to go on alone are put into the queue. near: the query if it is tolerant,
+ * else NULL. */
 CW_INLINE unsigned pyramid_group(const cw_field *f, const cw_ray *rays, size_t n, cw_coherence hint, cw_leaf leaf,
-                                 bool any, cw_hit *hits, stream_queue *queue, size_t first_part,
-                                 const cw_tolerance *tolerance) {
+                                 bool any, cw_hit *hits, stream_queue *queue, size_t first_part, const cw_query *near) {
     lanes part[PARTS];
-    unsigned found = 0, rest = 0, near = 0; /* near: bits of parts that have walked from cell to cell */
+    unsigned found = 0, rest = 0, flat = 0; /* flat: bits of parts that have walked from cell to cell */
+    queue->mirrored = 0;
     for (size_t p = 0; p < PARTS; p++) {
         cw_ray tail[W];
         lanes *l = &part[p];
@@ -53,15 +54,14 @@ CW_INLINE unsigned pyramid_group(const cw_field *f, const cw_ray *rays, size_t n
         const vmask short_way = climb(&l->r, f->pyramid, l->alive);
         l->alive = vm_and(l->alive, vf_le(l->r.from, l->r.until));
         if (vm_any(vm_and(l->alive, short_way))) {
-            near |= ((1u << W) - 1) << begin;
+            flat |= ((1u << W) - 1) << begin;
             lanes_start(l, f);
             for (int k = 0; k < FLAT_STEPS && vm_any(l->alive); k++) lanes_step(l, f, leaf, any);
             l->r.from = vf_max(l->r.from, vf_max(l->c.x_in, l->c.y_in));
         }
         rest |= vm_bits(l->alive) << begin;
         if (!vm_any(l->alive)) continue;
-        mirror_rays(&queue->ready[first_part + p], &l->r, f, leaf);
-        if (tolerance) set_cones(&queue->cone[(first_part + p) * W], from, tolerance);
+        if (near) set_cones(&queue->cone[(first_part + p) * W], from, near);
     }
     fat_ray a;
     if (hint != CW_COHERENCE_LOW && __builtin_popcount(rest) >= SHARE_AT_LEAST && coherent(part, rest, f, hint) &&
@@ -71,18 +71,27 @@ CW_INLINE unsigned pyramid_group(const cw_field *f, const cw_ray *rays, size_t n
         for (size_t p = 0; p < PARTS; p++) {
             const unsigned alone = rest >> (p * W) & ((1u << W) - 1);
             if (alone == 0) continue;
+            mirror_part(queue, first_part, p, &part[p].r, f, leaf);
             /* A ray that has just left the surface begins at its block, and so rises no further than it must. */
-            const int level = near >> (p * W) & 1 ? 1 : f->pyramid->levels;
+            const int level = flat >> (p * W) & 1 ? 1 : f->pyramid->levels;
             enqueue(queue, first_part + p, alone, part[p].r.from, level);
         }
     }
     for (size_t p = 0; p < PARTS; p++)
-        found |= (any ? vm_bits(part[p].found) : lanes_hits(&part[p], f, hits + p * W)) << (p * W);
+        found |= (any ? vm_bits(part[p].found) : lanes_hits(&part[p], hits + p * W)) << (p * W);
     return found;
 }
 
-CW_INLINE void pyramid_closest(const cw_field *f, const cw_ray *rays, size_t n, cw_coherence hint, cw_hit *hits,
-                               cw_leaf leaf, const cw_tolerance *tolerance) {
+/* Four at a time, for which compilers use whole registers: one by one it costs primary rays 4 %. */
+static inline void write_misses(cw_hit *hits, size_t n) {
+    const cw_hit miss = {.t = INFINITY, .i = -1, .j = -1}, misses[4] = {miss, miss, miss, miss};
+    size_t k = 0;
+    for (; k + 4 <= n; k += 4) memcpy(hits + k, misses, sizeof misses);
+    for (; k < n; k++) hits[k] = miss;
+}
+
+CW_INLINE void pyramid_closest(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query, cw_hit *hits,
+                               cw_leaf leaf, const cw_query *near) {
     stream_lanes alone;
     alone.living = 0;
     for (size_t b = 0; b < n; b += BATCH) {
@@ -90,17 +99,17 @@ CW_INLINE void pyramid_closest(const cw_field *f, const cw_ray *rays, size_t n, 
         stream_queue queue;
         queue.n = 0;
         queue.first = (uint32_t)(b - run);
+        write_misses(hits + b, end - b);
         for (size_t k = b; k < end; k += CHILDREN) {
             const size_t count = end - k < CHILDREN ? end - k : CHILDREN;
-            for (size_t m = k; m < k + count; m++) hits[m] = (cw_hit){.t = INFINITY, .i = -1, .j = -1};
-            (void)pyramid_group(f, rays + k, count, hint, leaf, false, hits + k, &queue, (k - b) / W, tolerance);
+            (void)pyramid_group(f, rays + k, count, query->coherence, leaf, false, hits + k, &queue, (k - b) / W, near);
         }
-        stream_walk(f, &queue, &alone, end < n && end % STREAM_RUN != 0, leaf, tolerance, false, hits + run, NULL);
+        stream_walk(f, &queue, &alone, end < n && end % STREAM_RUN != 0, leaf, near, false, hits + run, NULL);
     }
 }
 
-CW_INLINE void pyramid_any(const cw_field *f, const cw_ray *rays, size_t n, cw_coherence hint, uint8_t *occluded,
-                           cw_leaf leaf, const cw_tolerance *tolerance) {
+CW_INLINE void pyramid_any(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query, uint8_t *occluded,
+                           cw_leaf leaf, const cw_query *near) {
     stream_lanes alone;
     alone.living = 0;
     for (size_t b = 0; b < n; b += BATCH) {
@@ -111,9 +120,9 @@ CW_INLINE void pyramid_any(const cw_field *f, const cw_ray *rays, size_t n, cw_c
         for (size_t k = b; k < end; k += CHILDREN) {
             const size_t count = end - k < CHILDREN ? end - k : CHILDREN;
             const unsigned found =
-                pyramid_group(f, rays + k, count, hint, leaf, true, NULL, &queue, (k - b) / W, tolerance);
+                pyramid_group(f, rays + k, count, query->coherence, leaf, true, NULL, &queue, (k - b) / W, near);
             for (size_t m = 0; m < count; m++) occluded[k + m] = found >> m & 1;
         }
-        stream_walk(f, &queue, &alone, end < n && end % STREAM_RUN != 0, leaf, tolerance, true, NULL, occluded + run);
+        stream_walk(f, &queue, &alone, end < n && end % STREAM_RUN != 0, leaf, near, true, NULL, occluded + run);
     }
 }

@@ -7,18 +7,18 @@
 
 #include "kernels.h"
 
-CW_DECLARE_GROUP_KERNEL(pyramid4_mt)
-CW_DECLARE_GROUP_KERNEL(pyramid4_wt)
+CW_DECLARE_KERNEL(pyramid4_mt)
+CW_DECLARE_KERNEL(pyramid4_wt)
 
-void cw_closest_pyramid4_mt(const cw_field *field, const cw_ray *rays, size_t n, cw_coherence hint, cw_hit *hits) {
-    pyramid_closest(field, rays, n, hint, hits, CW_LEAF_MOLLER_TRUMBORE, NULL);
+void cw_closest_pyramid4_mt(const cw_field *field, const cw_ray *rays, size_t n, const cw_query *query, cw_hit *hits) {
+    pyramid_closest(field, rays, n, query, hits, CW_LEAF_MOLLER_TRUMBORE, NULL);
 }
-void cw_closest_pyramid4_wt(const cw_field *field, const cw_ray *rays, size_t n, cw_coherence hint, cw_hit *hits) {
-    pyramid_closest(field, rays, n, hint, hits, CW_LEAF_WATERTIGHT, NULL);
+void cw_closest_pyramid4_wt(const cw_field *field, const cw_ray *rays, size_t n, const cw_query *query, cw_hit *hits) {
+    pyramid_closest(field, rays, n, query, hits, CW_LEAF_WATERTIGHT, NULL);
 }
-void cw_any_pyramid4_mt(const cw_field *field, const cw_ray *rays, size_t n, cw_coherence hint, uint8_t *occluded) {
-    pyramid_any(field, rays, n, hint, occluded, CW_LEAF_MOLLER_TRUMBORE, NULL);
+void cw_any_pyramid4_mt(const cw_field *field, const cw_ray *rays, size_t n, const cw_query *query, uint8_t *occluded) {
+    pyramid_any(field, rays, n, query, occluded, CW_LEAF_MOLLER_TRUMBORE, NULL);
 }
-void cw_any_pyramid4_wt(const cw_field *field, const cw_ray *rays, size_t n, cw_coherence hint, uint8_t *occluded) {
-    pyramid_any(field, rays, n, hint, occluded, CW_LEAF_WATERTIGHT, NULL);
+void cw_any_pyramid4_wt(const cw_field *field, const cw_ray *rays, size_t n, const cw_query *query, uint8_t *occluded) {
+    pyramid_any(field, rays, n, query, occluded, CW_LEAF_WATERTIGHT, NULL);
 }

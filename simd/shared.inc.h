@@ -9,9 +9,9 @@
  * arguments, also after rounding. So the fat ray's interval encloses, without padding, what each ray computes for itself,
  * and no child that one of them must visit is skipped. Visits are front to back for all rays of one direction quadrant.
  *
- * After Reshetov, Soupikov and Hurley 2005 (one traversal finds where many rays begin), Boulos, Wald and Shirley 2006 and Wald et al. 2006 (interval and frustum traversal of grids by packets). Not
- * done: testing every ray against every child, which costs a level as much for each vector of rays as the fat ray costs
- * once. */
+ * After Reshetov, Soupikov and Hurley 2005 (one traversal finds where many rays begin), Boulos, Wald and Shirley 2006 and
+ * Wald et al. 2006 (interval and frustum traversal of grids by packets). Not done: testing every ray against every child,
+ * which costs a level as much for each vector of rays as the fat ray costs once. */
 
 /* Intervals over the rays of a group, each number in all lanes. In mirrored coordinates, in which x and y grow along the
  * rays: centers times the sign of the direction, inverses without sign. */
@@ -52,8 +52,8 @@ static inline bool fat_axis_init(fat_axis *a, const lanes part[PARTS], unsigned 
 }
 
 /* True if the rays are alike enough to share a walk: one direction quadrant, directions within 1/8 of their length from
- * the first one's, origins within a few cells; with the hint CW_COHERENCE_HIGH the quadrant alone. What is left out is a matter of speed
- * alone. */
+ * the first one's, origins within a few cells; with the hint CW_COHERENCE_HIGH the quadrant alone. What is left out is a
+ * matter of speed alone. */
 static inline bool coherent(const lanes part[PARTS], unsigned rays, const cw_field *f, cw_coherence hint) {
     const unsigned first = (unsigned)__builtin_ctz(rays);
     const vray *one = &part[first / W].r;
@@ -189,8 +189,8 @@ static inline unsigned block_rays(const fat_ray *a, const lanes part[PARTS], uns
 }
 
 /* One cell against the rays; the rays that hit. */
-CW_INLINE unsigned shared_cell(const fat_ray *a, lanes part[PARTS], unsigned rays, const cw_field *f,
-                               const block_samples *s, int32_t i, int32_t j, cw_leaf leaf, bool any) {
+CW_INLINE unsigned shared_cell(const fat_ray *a, lanes part[PARTS], unsigned rays, const block_samples *s, int32_t i,
+                               int32_t j, cw_leaf leaf, bool any) {
     const float *z = s->z + (size_t)(j & 3) * s->stride + (i & 3);
     unsigned found = 0;
     count_step(COUNT_SHARED_CELL, rays);
@@ -214,7 +214,7 @@ CW_INLINE unsigned shared_cell(const fat_ray *a, lanes part[PARTS], unsigned ray
         c.j = vf_set((float)j);
         vhit h;
         const vmask now = leaf == CW_LEAF_WATERTIGHT ? wt_cell(r, &c, gate, any, &h) : mt_cell(r, &c, gate, &h);
-        if (!any) lanes_keep(l, now, &h, vi_set(j * (int32_t)f->stride + i));
+        if (!any) lanes_keep(l, now, &h, &c);
         l->found = vm_or(l->found, now);
         found |= vm_bits(now) << (p * W);
     }
@@ -229,9 +229,11 @@ enum { FALL_APART = 2, CHILDREN_AT_MOST = 5 };
 
 /* Queues those of the rays that cross the node of the given level of the pyramid and place; the rest of their walk is
  * theirs alone. Returns them. */
-static inline unsigned fall_apart(const fat_ray *a, const lanes part[PARTS], unsigned rays, const cw_pyramid_level *l,
-                                  int level, int32_t x, int32_t y, stream_queue *queue, size_t first_part) {
+static inline unsigned fall_apart(const fat_ray *a, const lanes part[PARTS], unsigned rays, const cw_field *f,
+                                  int level, int32_t x, int32_t y, cw_leaf leaf, stream_queue *queue,
+                                  size_t first_part) {
     unsigned apart = 0;
+    const cw_pyramid_level *l = &f->pyramid->level[level];
     for (size_t p = 0; p < PARTS; p++) {
         const unsigned among = rays >> (p * W) & ((1u << W) - 1);
         if (among == 0) continue;
@@ -241,6 +243,7 @@ static inline unsigned fall_apart(const fat_ray *a, const lanes part[PARTS], uns
         const vfloat t0 = vf_max(vf_max(c.x_in, c.y_in), r->from), t1 = vf_min(vf_min(c.x_out, c.y_out), r->until);
         const unsigned now = vm_bits(vf_le(t0, t1)) & among;
         if (now == 0) continue;
+        mirror_part(queue, first_part, p, r, f, leaf);
         enqueue(queue, first_part + p, now, t0, level + 1);
         apart |= now << (p * W);
     }
@@ -256,10 +259,10 @@ CW_INLINE unsigned shared_block(const fat_ray *a, lanes part[PARTS], unsigned ra
     load_samples(&s, f, (size_t)(4 * x), (size_t)(4 * y));
     unsigned cells = fat_cells(a, &s, x, y), done = 0;
     if (FALL_APART * __builtin_popcount(rays) <= __builtin_popcount(cells) * (int)PARTS)
-        return fall_apart(a, part, rays, &f->pyramid->level[0], 0, x, y, queue, first_part);
+        return fall_apart(a, part, rays, f, 0, x, y, leaf, queue, first_part);
     for (; cells != 0 && rays != 0; cells &= cells - 1) {
         const int32_t place = __builtin_ctz(cells);
-        const unsigned now = shared_cell(a, part, rays, f, &s, 4 * x + ((place & 3) ^ a->order.flip_x),
+        const unsigned now = shared_cell(a, part, rays, &s, 4 * x + ((place & 3) ^ a->order.flip_x),
                                          4 * y + ((place >> 2) ^ a->order.flip_y), leaf, any);
         rays &= ~now;
         done |= now;
@@ -302,7 +305,7 @@ CW_INLINE void shared_walk(const fat_ray *a, lanes part[PARTS], unsigned rays, c
         count_step(COUNT_SHARED_NODE, rays);
         const unsigned children = fat_open(a, &p->level[level - 1], cx, cy);
         if (__builtin_popcount(children) > CHILDREN_AT_MOST) {
-            rays &= ~fall_apart(a, part, rays, &p->level[level], level, cx, cy, queue, first_part);
+            rays &= ~fall_apart(a, part, rays, f, level, cx, cy, leaf, queue, first_part);
             if (rays == 0) return;
             continue;
         }

@@ -201,9 +201,9 @@ CW_INLINE void stream_stop(stream_lanes *l, const cw_field *f, const stream_axis
 }
 
 /* Lanes that are at t in slabs no thicker than what is allowed there. Neither NaN nor infinite is. */
-CW_INLINE vmask stream_near(const stream_lanes *l, const cw_tolerance *tolerance, vfloat low, vfloat high, vfloat t) {
+CW_INLINE vmask stream_near(const stream_lanes *l, const cw_query *near, vfloat low, vfloat high, vfloat t) {
     const vfloat cone = vf_mul(t, vf_load(l->cone));
-    return vf_lt(vf_sub(high, low), vf_add(vf_set(tolerance->height), cone));
+    return vf_lt(vf_sub(high, low), vf_add(vf_set(near->tolerance), cone));
 }
 
 /* Lanes of nodes among whose samples are no holes: no plane fits these, and theirs is level. */
@@ -216,8 +216,8 @@ CW_INLINE vmask stream_solid(const cw_field *f, const vfloat slope[2]) {
 /* Lanes of moves that go down to a child of their node; for them, new t, leave and place. Those for which it is near
  * enough to the surface hit instead, and are alive no longer. */
 CW_INLINE vmask stream_descend(stream_state *s, stream_lanes *l, const cw_field *f, const stream_axis axis[2],
-                               vfloat side, vfloat out, vmask moves, const cw_tolerance *tolerance, bool any,
-                               cw_hit *hits, uint8_t *occluded) {
+                               vfloat side, vfloat out, vmask moves, const cw_query *near, bool any, cw_hit *hits,
+                               uint8_t *occluded) {
     stream_rays *rays = &l->rays;
     const struct cw_pyramid *p = f->pyramid;
     const vint shift = vi_add(s->level, s->level), one = vi_set(1);
@@ -245,8 +245,8 @@ CW_INLINE vmask stream_descend(stream_state *s, stream_lanes *l, const cw_field 
     const vfloat after = vf_max(zero, vf_max(vf_sub(d1, high), vf_sub(low, d1)));
     const vfloat start = vf_min(vf_max(vf_fma(before, per, t), t), t1);
     const vfloat leave = vf_max(start, vf_min(vf_fnma(after, per, t1), vf_set(INFINITY)));
-    if (tolerance) {
-        vmask stops = vm_and(enters, stream_near(l, tolerance, low, high, start));
+    if (near) {
+        vmask stops = vm_and(enters, stream_near(l, near, low, high, start));
         if (vm_any(stops)) {
             stops = vm_and(stops, stream_solid(f, slope));
             stream_stop(l, f, axis, vi_shift_left(i, shift), vi_shift_left(j, shift), side, start, stops, any, hits,
@@ -291,8 +291,8 @@ CW_INLINE void stream_advance(stream_state *s, stream_rays *rays, const stream_a
 }
 
 /* One step of every living lane, but for those that wait at a cell. Levels here: cells 0, nodes of pyramid level l l + 1. */
-CW_INLINE void stream_step(stream_state *s, stream_lanes *l, const cw_field *f, cw_leaf leaf,
-                           const cw_tolerance *tolerance, bool any, cw_hit *hits, uint8_t *occluded) {
+CW_INLINE void stream_step(stream_state *s, stream_lanes *l, const cw_field *f, cw_leaf leaf, const cw_query *near,
+                           bool any, cw_hit *hits, uint8_t *occluded) {
     stream_rays *rays = &l->rays;
     count_lanes(COUNT_STREAM, s->alive);
     const vfloat side = vf_power_of_2(vi_add(s->level, s->level));
@@ -307,7 +307,7 @@ CW_INLINE void stream_step(stream_state *s, stream_lanes *l, const cw_field *f, 
         moves = vm_andnot(waits, found);
     } else {
         count_lanes(COUNT_NODE, moves);
-        moves = vm_andnot(moves, stream_descend(s, l, f, axis, side, out, moves, tolerance, any, hits, occluded));
+        moves = vm_andnot(moves, stream_descend(s, l, f, axis, side, out, moves, near, any, hits, occluded));
     }
     stream_advance(s, rays, axis, out, moves);
 }
@@ -322,7 +322,7 @@ CW_INLINE void stream_step(stream_state *s, stream_lanes *l, const cw_field *f, 
  * faster in 4097² samples, where all waits for memory, 5 % for bounce and ambient-occlusion rays there, and 7 to 30 %
  * slower in smaller fields. */
 CW_INLINE void stream_walk(const cw_field *f, const stream_queue *queue, stream_lanes *l, bool more, cw_leaf leaf,
-                           const cw_tolerance *tolerance, bool any, cw_hit *hits, uint8_t *occluded) {
+                           const cw_query *near, bool any, cw_hit *hits, uint8_t *occluded) {
     if (l->living == 0) {
         if (queue->n == 0) return;
         stream_clear(l);
@@ -330,7 +330,7 @@ CW_INLINE void stream_walk(const cw_field *f, const stream_queue *queue, stream_
     for (size_t next = 0;;) {
         for (unsigned empty = ~l->living & ((1u << W) - 1); empty != 0 && next < queue->n; empty &= empty - 1) {
             const unsigned lane = (unsigned)__builtin_ctz(empty);
-            refill_lane(l, lane, queue, &queue->rays[next++], leaf, tolerance != NULL);
+            refill_lane(l, lane, queue, &queue->rays[next++], leaf, near != NULL);
             l->living |= 1u << lane;
         }
         const int refill_at = more || next < queue->n ? (int)W - REFILL_AT : 0;
@@ -339,7 +339,7 @@ CW_INLINE void stream_walk(const cw_field *f, const stream_queue *queue, stream_
         stream_state s = load_lanes(l);
         unsigned living;
         do {
-            stream_step(&s, l, f, leaf, tolerance, any, hits, occluded);
+            stream_step(&s, l, f, leaf, near, any, hits, occluded);
             living = vm_bits(s.alive);
         } while (__builtin_popcount(living) > refill_at);
         store_lanes(l, &s);

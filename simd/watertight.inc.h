@@ -14,11 +14,13 @@ static inline vfloat wt_within(const vaxis *a, vfloat t, vfloat low) {
 
 /* Height difference on the x border (where x_border) or y border, on its high side (where high_side) or low one. */
 static inline vfloat wt_border(const vray *r, const vcell *c, vfloat t, vmask x_border, vmask high_side) {
-    const vfloat along_x = wt_within(&r->x, t, c->i), along_y = wt_within(&r->y, t, c->j);
+    const vfloat org = vf_select(x_border, r->y.org, r->x.org), dir = vf_select(x_border, r->y.dir, r->x.dir);
+    const vfloat x = vf_sub(vf_add(org, vf_mul(t, dir)), vf_select(x_border, c->j, c->i));
+    const vfloat along = vf_max(vf_set(0), vf_min(vf_set(1), x));
     /* The edge's first sample lies at the low end of the axis along the border, the second at the high end. */
     const vfloat a = vf_select(high_side, vf_select(x_border, c->h10, c->h01), c->h00);
     const vfloat b = vf_select(high_side, c->h11, vf_select(x_border, c->h01, c->h10));
-    return vf_sub(height(r, t), wt_edge(a, b, vf_select(x_border, along_y, along_x)));
+    return vf_sub(height(r, t), wt_edge(a, b, along));
 }
 
 static inline vfloat wt_inside(const vray *r, const vcell *c, vfloat t, vmask *in_b) {

@@ -19,24 +19,24 @@ CW_DECLARE_KERNEL(packet8_mt)
 CW_DECLARE_KERNEL(packet8_wt)
 CW_DECLARE_KERNEL(packet16_mt)
 CW_DECLARE_KERNEL(packet16_wt)
-CW_DECLARE_GROUP_KERNEL(pyramid1_mt)
-CW_DECLARE_GROUP_KERNEL(pyramid1_wt)
-CW_DECLARE_NEAR(pyramid1)
-CW_DECLARE_GROUP_KERNEL(pyramid4_mt)
-CW_DECLARE_GROUP_KERNEL(pyramid4_wt)
-CW_DECLARE_NEAR(pyramid4)
-CW_DECLARE_GROUP_KERNEL(pyramid4x2_mt)
-CW_DECLARE_GROUP_KERNEL(pyramid4x2_wt)
-CW_DECLARE_NEAR(pyramid4x2)
-CW_DECLARE_GROUP_KERNEL(pyramid8_mt)
-CW_DECLARE_GROUP_KERNEL(pyramid8_wt)
-CW_DECLARE_NEAR(pyramid8)
-CW_DECLARE_GROUP_KERNEL(pyramid8x2_mt)
-CW_DECLARE_GROUP_KERNEL(pyramid8x2_wt)
-CW_DECLARE_NEAR(pyramid8x2)
-CW_DECLARE_GROUP_KERNEL(pyramid16_mt)
-CW_DECLARE_GROUP_KERNEL(pyramid16_wt)
-CW_DECLARE_NEAR(pyramid16)
+CW_DECLARE_KERNEL(pyramid1_mt)
+CW_DECLARE_KERNEL(pyramid1_wt)
+CW_DECLARE_KERNEL(near_pyramid1)
+CW_DECLARE_KERNEL(pyramid4_mt)
+CW_DECLARE_KERNEL(pyramid4_wt)
+CW_DECLARE_KERNEL(near_pyramid4)
+CW_DECLARE_KERNEL(pyramid4x2_mt)
+CW_DECLARE_KERNEL(pyramid4x2_wt)
+CW_DECLARE_KERNEL(near_pyramid4x2)
+CW_DECLARE_KERNEL(pyramid8_mt)
+CW_DECLARE_KERNEL(pyramid8_wt)
+CW_DECLARE_KERNEL(near_pyramid8)
+CW_DECLARE_KERNEL(pyramid8x2_mt)
+CW_DECLARE_KERNEL(pyramid8x2_wt)
+CW_DECLARE_KERNEL(near_pyramid8x2)
+CW_DECLARE_KERNEL(pyramid16_mt)
+CW_DECLARE_KERNEL(pyramid16_wt)
+CW_DECLARE_KERNEL(near_pyramid16)
 
 #define MT(path) [CW_LEAF_MOLLER_TRUMBORE] = path##_mt
 #define WT(path) [CW_LEAF_WATERTIGHT] = path##_wt
@@ -45,9 +45,6 @@ CW_DECLARE_NEAR(pyramid16)
 #define BOTH(path)                                                                                                     \
     .default_leaf = CW_LEAF_WATERTIGHT, .closest = {MT(cw_closest_##path), WT(cw_closest_##path)},                     \
     .any = {MT(cw_any_##path), WT(cw_any_##path)}
-#define GROUP(path)                                                                                                    \
-    .default_leaf = CW_LEAF_WATERTIGHT, .closest_group = {MT(cw_closest_##path), WT(cw_closest_##path)},               \
-    .any_group = {MT(cw_any_##path), WT(cw_any_##path)}
 #define NEAR(path) .closest_near = cw_closest_near_##path, .any_near = cw_any_near_##path
 
 /* From the plainest to the fastest: the last one available is the default. */
@@ -74,7 +71,7 @@ static const cw_kernel kernels[] = {
      .what = "bounds pyramid, one lane: the oracle of its lanes",
      .width = 1,
      .needs = CW_NEEDS_PYRAMID,
-     GROUP(pyramid1),
+     BOTH(pyramid1),
      NEAR(pyramid1)},
 #if CELLWALK_SIMD
     {.name = "pyramid4",
@@ -82,35 +79,35 @@ static const cw_kernel kernels[] = {
      .isa = CW_ISA_SSE42,
      .width = 4,
      .needs = CW_NEEDS_PYRAMID,
-     GROUP(pyramid4),
+     BOTH(pyramid4),
      NEAR(pyramid4)},
     {.name = "pyramid4x2",
      .what = "bounds pyramid, two vectors of 4 lanes in lockstep",
      .isa = CW_ISA_SSE42,
      .width = 8,
      .needs = CW_NEEDS_PYRAMID,
-     GROUP(pyramid4x2),
+     BOTH(pyramid4x2),
      NEAR(pyramid4x2)},
     {.name = "pyramid8",
      .what = "bounds pyramid, 8 lanes",
      .isa = CW_ISA_AVX2,
      .width = 8,
      .needs = CW_NEEDS_PYRAMID,
-     GROUP(pyramid8),
+     BOTH(pyramid8),
      NEAR(pyramid8)},
     {.name = "pyramid8x2",
      .what = "bounds pyramid, two vectors of 8 lanes in lockstep",
      .isa = CW_ISA_AVX2,
      .width = 16,
      .needs = CW_NEEDS_PYRAMID,
-     GROUP(pyramid8x2),
+     BOTH(pyramid8x2),
      NEAR(pyramid8x2)},
     {.name = "pyramid16",
      .what = "bounds pyramid, 16 lanes",
      .isa = CW_ISA_AVX512,
      .width = 16,
      .needs = CW_NEEDS_PYRAMID,
-     GROUP(pyramid16),
+     BOTH(pyramid16),
      NEAR(pyramid16)},
 #endif
 };

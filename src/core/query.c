@@ -15,14 +15,9 @@ enum { GRAIN = 4096 };
 typedef struct job {
     const cw_field *field;
     const cw_ray *rays;
-    cw_closest_fn *closest;
-    cw_any_fn *any;
-    cw_closest_group_fn *closest_group; /* or these */
-    cw_any_group_fn *any_group;
-    cw_coherence hint;
-    cw_closest_near_fn *closest_near; /* these instead unless they are NULL */
-    cw_any_near_fn *any_near;
-    cw_tolerance tolerance;
+    cw_query query;
+    cw_closest_fn *closest; /* this writes hits */
+    cw_any_fn *any;         /* or this occluded */
     cw_hit *hits;
     uint8_t *occluded;
 } job;
@@ -30,18 +25,10 @@ typedef struct job {
 static void run(void *context, size_t begin, size_t end) {
     const job *q = context;
     const fpenv caller = fpenv_enter();
-    if (q->closest_near)
-        q->closest_near(q->field, q->rays + begin, end - begin, q->hits + begin, &q->tolerance);
-    else if (q->any_near)
-        q->any_near(q->field, q->rays + begin, end - begin, q->occluded + begin, &q->tolerance);
-    else if (q->closest_group)
-        q->closest_group(q->field, q->rays + begin, end - begin, q->hint, q->hits + begin);
-    else if (q->any_group)
-        q->any_group(q->field, q->rays + begin, end - begin, q->hint, q->occluded + begin);
-    else if (q->closest)
-        q->closest(q->field, q->rays + begin, end - begin, q->hits + begin);
+    if (q->closest)
+        q->closest(q->field, q->rays + begin, end - begin, &q->query, q->hits + begin);
     else
-        q->any(q->field, q->rays + begin, end - begin, q->occluded + begin);
+        q->any(q->field, q->rays + begin, end - begin, &q->query, q->occluded + begin);
     fpenv_leave(caller);
 }
 
@@ -61,21 +48,24 @@ static cw_status check(const cw_field *field, const cw_query *query, const void 
     if (query && !is_tolerance(query)) return CW_ERROR_ARGUMENT;
     if (*leaf == CW_LEAF_DEFAULT) *leaf = (*kernel)->default_leaf;
     if ((*kernel)->isa > cw_isa_best()) return CW_ERROR_UNAVAILABLE;
-    if ((*kernel)->closest[*leaf] == NULL && (*kernel)->closest_group[*leaf] == NULL) return CW_ERROR_UNSUPPORTED;
+    if ((*kernel)->closest[*leaf] == NULL) return CW_ERROR_UNSUPPORTED;
     if (((*kernel)->needs & CW_NEEDS_GRID3D) && field->grid3d == NULL) return CW_ERROR_NOT_BUILT;
     if (((*kernel)->needs & CW_NEEDS_PYRAMID) && field->pyramid == NULL) return CW_ERROR_NOT_BUILT;
     return CW_OK;
 }
 
+/* The query for the kernel, NULL being the default. A tolerance is less by more than what the kernels' sums and products
+ * of it round. */
+static cw_query settled(const cw_query *query) {
+    cw_query q = query ? *query : cw_query_default();
+    q.tolerance *= 1 - 0x1p-20f;
+    q.cone *= 1 - 0x1p-20f;
+    return q;
+}
+
 /* True if the query asks for less than exact hits and its kernel makes use of that. */
 static bool is_tolerant(const cw_query *query, const cw_kernel *kernel, cw_leaf leaf) {
     return query && (query->tolerance > 0 || query->cone > 0) && kernel->closest_near && leaf == CW_LEAF_WATERTIGHT;
-}
-
-/* Less by more than what the kernels' sums and products of it round. */
-static cw_tolerance narrowed(const cw_query *query) {
-    const float less = 1 - 0x1p-20f;
-    return (cw_tolerance){less * query->tolerance, less * query->cone};
 }
 
 cw_query cw_query_default(void) { return (cw_query){.leaf = CW_LEAF_DEFAULT}; }
@@ -85,16 +75,12 @@ cw_status cw_closest(const cw_field *field, const cw_query *query, const cw_ray 
     cw_leaf leaf;
     const cw_status status = check(field, query, rays, hits, n, &kernel, &leaf);
     if (status != CW_OK) return status;
+    const bool near = is_tolerant(query, kernel, leaf);
     job q = {.field = field,
              .rays = rays,
-             .closest = kernel->closest[leaf],
-             .closest_group = kernel->closest_group[leaf],
-             .hint = query ? query->coherence : CW_COHERENCE_AUTO,
+             .query = settled(query),
+             .closest = near ? kernel->closest_near : kernel->closest[leaf],
              .hits = hits};
-    if (is_tolerant(query, kernel, leaf)) {
-        q.closest_near = kernel->closest_near;
-        q.tolerance = narrowed(query);
-    }
     cw_pool_run(query ? query->pool : NULL, n, GRAIN, run, &q);
     return CW_OK;
 }
@@ -104,16 +90,12 @@ cw_status cw_any(const cw_field *field, const cw_query *query, const cw_ray *ray
     cw_leaf leaf;
     const cw_status status = check(field, query, rays, occluded, n, &kernel, &leaf);
     if (status != CW_OK) return status;
+    const bool near = is_tolerant(query, kernel, leaf);
     job q = {.field = field,
              .rays = rays,
-             .any = kernel->any[leaf],
-             .any_group = kernel->any_group[leaf],
-             .hint = query ? query->coherence : CW_COHERENCE_AUTO,
+             .query = settled(query),
+             .any = near ? kernel->any_near : kernel->any[leaf],
              .occluded = occluded};
-    if (is_tolerant(query, kernel, leaf)) {
-        q.any_near = kernel->any_near;
-        q.tolerance = narrowed(query);
-    }
     cw_pool_run(query ? query->pool : NULL, n, GRAIN, run, &q);
     return CW_OK;
 }

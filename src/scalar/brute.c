@@ -29,12 +29,14 @@ static bool trace(const cw_field *f, const cw_ray *given, bool any, cw_hit *best
     return found;
 }
 
-void cw_closest_brute_mt(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits) {
+void cw_closest_brute_mt(const cw_field *field, const cw_ray *rays, size_t n, const cw_query *query, cw_hit *hits) {
+    (void)query;
     for (size_t k = 0; k < n; k++)
         if (!trace(field, &rays[k], false, &hits[k])) hits[k] = miss();
 }
 
-void cw_any_brute_mt(const cw_field *field, const cw_ray *rays, size_t n, uint8_t *occluded) {
+void cw_any_brute_mt(const cw_field *field, const cw_ray *rays, size_t n, const cw_query *query, uint8_t *occluded) {
+    (void)query;
     cw_hit unused;
     for (size_t k = 0; k < n; k++) occluded[k] = trace(field, &rays[k], true, &unused);
 }

@@ -65,15 +65,19 @@ static inline void any(const cw_field *f, const cw_ray *rays, size_t n, uint8_t 
     for (size_t k = 0; k < n; k++) occluded[k] = walk(f, &rays[k], leaf, &unused);
 }
 
-void cw_closest_cell_mt(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits) {
+void cw_closest_cell_mt(const cw_field *field, const cw_ray *rays, size_t n, const cw_query *query, cw_hit *hits) {
+    (void)query;
     closest(field, rays, n, hits, CW_LEAF_MOLLER_TRUMBORE);
 }
-void cw_closest_cell_wt(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits) {
+void cw_closest_cell_wt(const cw_field *field, const cw_ray *rays, size_t n, const cw_query *query, cw_hit *hits) {
+    (void)query;
     closest(field, rays, n, hits, CW_LEAF_WATERTIGHT);
 }
-void cw_any_cell_mt(const cw_field *field, const cw_ray *rays, size_t n, uint8_t *occluded) {
+void cw_any_cell_mt(const cw_field *field, const cw_ray *rays, size_t n, const cw_query *query, uint8_t *occluded) {
+    (void)query;
     any(field, rays, n, occluded, CW_LEAF_MOLLER_TRUMBORE);
 }
-void cw_any_cell_wt(const cw_field *field, const cw_ray *rays, size_t n, uint8_t *occluded) {
+void cw_any_cell_wt(const cw_field *field, const cw_ray *rays, size_t n, const cw_query *query, uint8_t *occluded) {
+    (void)query;
     any(field, rays, n, occluded, CW_LEAF_WATERTIGHT);
 }

@@ -218,19 +218,25 @@ static inline bool walk(const cw_field *f, const cw_ray *given, bool early, bool
     }
 }
 
-void cw_closest_grid3d_mt(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits) {
+void cw_closest_grid3d_mt(const cw_field *field, const cw_ray *rays, size_t n, const cw_query *query, cw_hit *hits) {
+    (void)query;
     for (size_t k = 0; k < n; k++)
         if (!walk(field, &rays[k], false, false, &hits[k])) hits[k] = miss();
 }
-void cw_closest_grid3d_early_mt(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits) {
+void cw_closest_grid3d_early_mt(const cw_field *field, const cw_ray *rays, size_t n, const cw_query *query,
+                                cw_hit *hits) {
+    (void)query;
     for (size_t k = 0; k < n; k++)
         if (!walk(field, &rays[k], true, false, &hits[k])) hits[k] = miss();
 }
 /* Any triangle on the way answers this query, wherever it was found. */
-void cw_any_grid3d_mt(const cw_field *field, const cw_ray *rays, size_t n, uint8_t *occluded) {
+void cw_any_grid3d_mt(const cw_field *field, const cw_ray *rays, size_t n, const cw_query *query, uint8_t *occluded) {
+    (void)query;
     cw_hit unused;
     for (size_t k = 0; k < n; k++) occluded[k] = walk(field, &rays[k], false, true, &unused);
 }
-void cw_any_grid3d_early_mt(const cw_field *field, const cw_ray *rays, size_t n, uint8_t *occluded) {
-    cw_any_grid3d_mt(field, rays, n, occluded);
+void cw_any_grid3d_early_mt(const cw_field *field, const cw_ray *rays, size_t n, const cw_query *query,
+                            uint8_t *occluded) {
+    (void)query;
+    cw_any_grid3d_mt(field, rays, n, query, occluded);
 }

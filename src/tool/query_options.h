@@ -18,8 +18,9 @@ enum { QUERY_KERNEL, QUERY_LEAF, QUERY_ISA, QUERY_COHERENCE, QUERY_THREADS, QUER
 void query_options_rows(query_options *q, option_spec rows[QUERY_OPTION_COUNT]);
 
 /* Limits the instruction set to what --isa says, checks CELLWALK_ISA, and turns names into a query without a pool. Its
- * kernel stays NULL if none was named: cw_query_kernel then tells which one a field gets. False, after a message that lists what there is, when that is impossible:
- * end with EXIT_USAGE. To be called before any query runs. name is the subcommand's. */
+ * kernel stays NULL if none was named: cw_query_kernel then tells which one a field gets. False, after a message that
+ * lists what there is, when that is impossible: end with EXIT_USAGE. To be called before any query runs. name is the
+ * subcommand's. */
 bool query_options_resolve(const query_options *q, const char *name, cw_query *query);
 
 #endif
