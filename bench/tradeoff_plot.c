@@ -2,6 +2,7 @@
 /* Speed against error as a picture: two panels, a point a contender, a colour a mode, and the frontier as a line. */
 
 #include "plot.h"
+#include "plot_parts.h"
 #include "results.h"
 
 #include <math.h>
@@ -9,11 +10,6 @@
 #include <string.h>
 
 enum { NAMES_MAX = 192, FIRST_LABEL = 10 };
-
-/* Cool colours are the library's, warm ones Embree's, as in the other pictures. */
-static const char *const cool[] = {"#2f7fd1", "#109a8c", "#8468dc", "#5b8c2a", "#3f6f9f", "#b05fc0"};
-static const char *const warm[] = {"#a8642a", "#e0892b", "#d9534f", "#9c8a1a", "#c0567f", "#8f6f3f"};
-enum { COLOURS = sizeof cool / sizeof cool[0] };
 
 typedef struct panel {
     const char *key, *flag, *title;
@@ -96,17 +92,14 @@ static void put_frontier(FILE *to, const json_t *lines, const panel *p, const ax
         fprintf(to, "%.6g %.6g\n", results_number(on[k], "mrays_per_s"), place(a, results_number(on[k], p->key)));
 }
 
-/* Names, above and below their points in turn and farther away each time, since the points may lie close together. */
+/* Names, to the right of their points: nothing on the frontier has a faster contender beside it at its error. */
 static void put_names(FILE *to, const json_t *lines, const panel *p, const axis *a) {
     const json_t *on[NAMES_MAX];
     const size_t count = frontier_of(lines, p, on);
-    for (size_t k = 0; k < count; k++) {
-        const double away = 1.1 * (double)((count - 1 - k) / 2) + 1;
-        fprintf(to,
-                "set label %zu \"%s\" at %.6g,%.6g right offset -0.8,%.2f textcolor '#7a7a7a' font 'sans-serif,11'\n",
+    for (size_t k = 0; k < count; k++)
+        fprintf(to, "set label %zu \"%s\" at %.6g,%.6g left offset 1.6,0 textcolor '#7a7a7a' font 'sans-serif,11'\n",
                 FIRST_LABEL + k, results_text(on[k], "contender"), results_number(on[k], "mrays_per_s"),
-                place(a, results_number(on[k], p->key)), (count - 1 - k) % 2 ? -away : away);
-    }
+                place(a, results_number(on[k], p->key)));
 }
 
 static void drop_names(FILE *to, const json_t *lines, const panel *p) {
@@ -131,12 +124,16 @@ static size_t modes_of(const json_t *lines, const char **modes) {
 
 static void put_style_of(FILE *to, const char *mode, size_t *own, size_t *other) {
     const bool embree = strncmp(mode, "embree", 6) == 0;
-    fprintf(to, "pointtype %d pointsize 0.8 linecolor rgb '%s'", embree ? 5 : 7,
-            embree ? warm[(*other)++ % COLOURS] : cool[(*own)++ % COLOURS]);
+    const size_t k = embree ? (*other)++ : (*own)++;
+    fprintf(to, "pointtype %d pointsize 0.8 linecolor rgb '%s'",
+            embree             ? 5
+            : k < PLOT_COLOURS ? 7
+                               : 9,
+            embree ? plot_warm[k % PLOT_COLOURS] : plot_cool[k % PLOT_COLOURS]);
 }
 
 static void put_axis(FILE *to, const axis *a) {
-    fprintf(to, "set xrange [%g:%g]\n", a->slow / 1.4, a->fast * 1.6);
+    fprintf(to, "set xrange [%g:%g]\n", a->slow / 1.4, a->fast * 20); /* with room for names */
     fprintf(to, "set yrange [%g:%g]\nset format y '10^{%%T}'\nset ytics nomirror (", a->none ? a->low / 80 : a->low / 2,
             a->high * 6);
     if (a->none) fprintf(to, "'0' %g, ", a->low / 10);

@@ -3,6 +3,7 @@
 
 /* A tolerant hit lies where its ray enters a slab, so that is computed with the same bits at every width. */
 #define CELLWALK_UNFUSED
+
 #include "vec_avx512.h"
 
 #include "pyramid.inc.c"
