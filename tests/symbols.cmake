@@ -45,10 +45,11 @@ endif()
 # Nothing is fused, or results would depend on which instruction set a kernel was compiled for; but for what only culls, in
 # the lane walk of strict queries.
 read(code ${OBJDUMP} -d --no-show-raw-insn ${STATIC})
-string(REGEX MATCHALL "[A-Za-z0-9_.]+:  +file format|vfn?m(add|sub)[0-9a-z]*" found "${code}")
+# "pyramid8.c.o:     file format" (binutils), "libcellwalk.a(pyramid8.c.o):\tfile format" (LLVM)
+string(REGEX MATCHALL "[A-Za-z0-9_.]+\\)?:[ \t]+file format|vfn?m(add|sub)[0-9a-z]*" found "${code}")
 set(object "")
 foreach(word IN LISTS found)
-    if(word MATCHES "(.*):  +file format")
+    if(word MATCHES "([^)]*)\\)?:[ \t]+file format")
         set(object ${CMAKE_MATCH_1})
         list(APPEND objects ${object})
     elseif(object MATCHES "^pyramid(8|8x2|16)\\.c")
