@@ -82,7 +82,7 @@ CW_INLINE unsigned pyramid_group(const cw_field *f, const cw_ray *rays, size_t n
     return found;
 }
 
-/* Four at a time, for which compilers use whole registers: one by one it costs primary rays 4 %. */
+/* Four at a time, for which compilers use whole registers: 3 % fewer instructions for primary rays than one by one. */
 static inline void write_misses(cw_hit *hits, size_t n) {
     const cw_hit miss = {.t = INFINITY, .i = -1, .j = -1}, misses[4] = {miss, miss, miss, miss};
     size_t k = 0;
