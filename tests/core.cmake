@@ -94,7 +94,7 @@ if(CMOCKA_INCLUDE AND CMOCKA_LIBRARY AND GMP_INCLUDE AND GMP_LIBRARY)
         set_target_properties(cellwalk_stability PROPERTIES OUTPUT_NAME cellwalk-stability)
         target_link_libraries(cellwalk_stability PRIVATE cellwalk_stability_run cellwalk_measure cellwalk_flags)
         # Figures for papers/stability.md. The long run takes a quarter of an hour to half of one and is started by hand,
-        # not by CTest; the extremes take seconds, the exhaustive test of all fields half an hour.
+        # not by CTest; the extremes take seconds, the exhaustive test of all fields forty minutes, the stress test half an hour.
         set(data papers/data/stability) # all run in the project's folder, so that no path is recorded
         set(page papers/stability.md)
         add_custom_target(stability
