@@ -24,14 +24,15 @@ if(CMOCKA_INCLUDE AND CMOCKA_LIBRARY)
     # the linker then has no reason to take. The rest of such a build needs AVX2.
     find_path(SIMDE_INCLUDE simde/x86/avx512.h)
     if(CELLWALK_SIMD AND SIMDE_INCLUDE AND CMAKE_C_COMPILER_ID STREQUAL "GNU" AND NOT CELLWALK_SANITIZE)
-        add_library(cellwalk_emulated OBJECT ${PROJECT_SOURCE_DIR}/simd/packet16.c ${PROJECT_SOURCE_DIR}/simd/pyramid16.c
-            ${PROJECT_SOURCE_DIR}/simd/near16.c)
-        target_include_directories(cellwalk_emulated PRIVATE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/src/core)
-        target_include_directories(cellwalk_emulated SYSTEM PRIVATE ${SIMDE_INCLUDE})
         # Vectors wider than the machine's are passed in memory, of which GCC warns; all of it is one compile unit.
-        target_compile_options(cellwalk_emulated PRIVATE -mavx2 -mfma -ffp-contract=off -fno-math-errno -fno-trapping-math
-            -Wno-psabi -include ${CMAKE_CURRENT_SOURCE_DIR}/emulated_avx512.h)
-        set(emulated ${PROJECT_SOURCE_DIR}/src/core/isa.c $<TARGET_OBJECTS:cellwalk_emulated>)
+        set(emulation -mavx2 -mfma -ffp-contract=off -fno-math-errno -fno-trapping-math -Wno-psabi
+            -include ${CMAKE_CURRENT_SOURCE_DIR}/emulated_avx512.h)
+        set(emulated ${PROJECT_SOURCE_DIR}/src/core/isa.c)
+        foreach(body IN ITEMS packet pyramid tolerant)
+            cellwalk_kernel_objects(cellwalk_emulated_${body} ${body} 16 vec_avx512.h ${emulation})
+            target_include_directories(cellwalk_emulated_${body} SYSTEM PRIVATE ${SIMDE_INCLUDE})
+            list(APPEND emulated $<TARGET_OBJECTS:cellwalk_emulated_${body}>)
+        endforeach()
         cellwalk_test(lanes_avx512_emulated lanes.c ${emulated})
         cellwalk_emulate(lanes_avx512_emulated)
     else()
@@ -64,16 +65,15 @@ if(CMOCKA_INCLUDE AND CMOCKA_LIBRARY AND GMP_INCLUDE AND GMP_LIBRARY)
     cellwalk_test(extremes extremes.c extremes_judge.c)
     target_link_libraries(test_extremes PRIVATE cellwalk_test_oracle)
     set(all_extremes test_extremes)
-    if(TARGET cellwalk_emulated)
+    if(TARGET cellwalk_emulated_packet)
         set(all_extremes test_extremes_avx512_emulated)
         cellwalk_test(extremes_avx512_emulated extremes.c extremes_judge.c ${emulated})
         cellwalk_emulate(extremes_avx512_emulated)
         target_link_libraries(test_extremes_avx512_emulated PRIVATE cellwalk_test_oracle)
     endif()
 
-    if(TARGET cellwalk_emulated) # see lanes_avx512_emulated
-        cellwalk_test(tolerance_avx512_emulated tolerance.c ${PROJECT_SOURCE_DIR}/src/core/isa.c
-            $<TARGET_OBJECTS:cellwalk_emulated>)
+    if(TARGET cellwalk_emulated_packet) # see lanes_avx512_emulated
+        cellwalk_test(tolerance_avx512_emulated tolerance.c ${emulated})
         target_include_directories(test_tolerance_avx512_emulated PRIVATE ${PROJECT_SOURCE_DIR}/src/core)
         target_compile_definitions(test_tolerance_avx512_emulated PRIVATE CELLWALK_MACHINE_ISA=CW_ISA_AVX512)
         target_link_libraries(test_tolerance_avx512_emulated PRIVATE cellwalk_test_oracle)
@@ -138,7 +138,7 @@ if(NOT CELLWALK_SANITIZE)
         -DCC=${CMAKE_C_COMPILER} -DCONFIG=${CMAKE_BUILD_TYPE} -DGENERATOR=${CMAKE_GENERATOR}
         -P ${CMAKE_CURRENT_SOURCE_DIR}/consumer/install.cmake)
     add_test(NAME symbols COMMAND ${CMAKE_COMMAND} "-DSHARED=$<$<TARGET_EXISTS:cellwalk>:$<TARGET_FILE:cellwalk::cellwalk>>"
-        -DSTATIC=$<TARGET_FILE:cellwalk::cellwalk_static> -DNM=${CMAKE_NM} -DOBJDUMP=${CMAKE_OBJDUMP} -DSIMD=${CELLWALK_SIMD}
+        -DSTATIC=$<TARGET_FILE:cellwalk::cellwalk_static> "-DOBJECTS=$<TARGET_OBJECTS:cellwalk_objects>;${CELLWALK_SIMD_OBJECTS}" -DNM=${CMAKE_NM} -DOBJDUMP=${CMAKE_OBJDUMP} -DSIMD=${CELLWALK_SIMD}
         -P ${CMAKE_CURRENT_SOURCE_DIR}/symbols.cmake)
     set_tests_properties(symbols PROPERTIES SKIP_REGULAR_EXPRESSION "SKIPPED")
 endif()

@@ -6,111 +6,32 @@
 
 #include <string.h>
 
-CW_DECLARE_KERNEL(brute_mt)
-CW_DECLARE_KERNEL(grid3d_mt)
-CW_DECLARE_KERNEL(grid3d_early_mt)
-CW_DECLARE_KERNEL(cell_mt)
-CW_DECLARE_KERNEL(cell_wt)
-CW_DECLARE_KERNEL(packet1_mt)
-CW_DECLARE_KERNEL(packet1_wt)
-CW_DECLARE_KERNEL(packet4_mt)
-CW_DECLARE_KERNEL(packet4_wt)
-CW_DECLARE_KERNEL(packet8_mt)
-CW_DECLARE_KERNEL(packet8_wt)
-CW_DECLARE_KERNEL(packet16_mt)
-CW_DECLARE_KERNEL(packet16_wt)
-CW_DECLARE_KERNEL(pyramid1_mt)
-CW_DECLARE_KERNEL(pyramid1_wt)
-CW_DECLARE_KERNEL(near_pyramid1)
-CW_DECLARE_KERNEL(pyramid4_mt)
-CW_DECLARE_KERNEL(pyramid4_wt)
-CW_DECLARE_KERNEL(near_pyramid4)
-CW_DECLARE_KERNEL(pyramid4x2_mt)
-CW_DECLARE_KERNEL(pyramid4x2_wt)
-CW_DECLARE_KERNEL(near_pyramid4x2)
-CW_DECLARE_KERNEL(pyramid8_mt)
-CW_DECLARE_KERNEL(pyramid8_wt)
-CW_DECLARE_KERNEL(near_pyramid8)
-CW_DECLARE_KERNEL(pyramid8x2_mt)
-CW_DECLARE_KERNEL(pyramid8x2_wt)
-CW_DECLARE_KERNEL(near_pyramid8x2)
-CW_DECLARE_KERNEL(pyramid16_mt)
-CW_DECLARE_KERNEL(pyramid16_wt)
-CW_DECLARE_KERNEL(near_pyramid16)
-
-#define MT(path) [CW_LEAF_MOLLER_TRUMBORE] = path##_mt
-#define WT(path) [CW_LEAF_WATERTIGHT] = path##_wt
-#define ONLY_MT(path)                                                                                                  \
-    .default_leaf = CW_LEAF_MOLLER_TRUMBORE, .closest = {MT(cw_closest_##path)}, .any = {MT(cw_any_##path)}
-#define BOTH(path)                                                                                                     \
-    .default_leaf = CW_LEAF_WATERTIGHT, .closest = {MT(cw_closest_##path), WT(cw_closest_##path)},                     \
-    .any = {MT(cw_any_##path), WT(cw_any_##path)}
-#define NEAR(path) .closest_near = cw_closest_near_##path, .any_near = cw_any_near_##path
-
 /* From the plainest to the fastest: the last one available is the default. */
+/* clang-format off */
 static const cw_kernel kernels[] = {
-    {.name = "brute", .what = "every triangle, the ground truth for small fields", .width = 1, ONLY_MT(brute)},
-    {.name = "grid3d-early",
-     .what = "uniform 3D grid, 3D-DDA, returns at the first hit found: the coursework's shortcut, not exact",
-     .width = 1,
-     .needs = CW_NEEDS_GRID3D,
-     ONLY_MT(grid3d_early)},
-    {.name = "grid3d",
-     .what = "uniform 3D grid, 3D-DDA, a hit counts only inside the voxel",
-     .width = 1,
-     .needs = CW_NEEDS_GRID3D,
-     ONLY_MT(grid3d)},
-    {.name = "cell", .what = "2D-DDA from cell to cell, two triangles a cell", .width = 1, BOTH(cell)},
-    {.name = "packet1", .what = "the packet kernel one ray wide: the oracle of its lanes", .width = 1, BOTH(packet1)},
+    {"brute", "every triangle: the ground truth for small fields", CW_ISA_SCALAR, 1, 0, &cw_brute, NULL},
+    {"grid3d-early", "uniform 3D grid, 3D-DDA; returns the first hit found, which may be a wrong one",
+     CW_ISA_SCALAR, 1, CW_NEEDS_GRID3D, &cw_grid3d_early, NULL},
+    {"grid3d", "uniform 3D grid, 3D-DDA", CW_ISA_SCALAR, 1, CW_NEEDS_GRID3D, &cw_grid3d, NULL},
+    {"cell", "2D cell walk, one ray at a time", CW_ISA_SCALAR, 1, 0, &cw_cell, NULL},
+    {"packet1", "2D cell walk, the packet kernel one ray wide", CW_ISA_SCALAR, 1, 0, &cw_packet1, NULL},
 #if CELLWALK_SIMD
-    {.name = "packet4", .what = "2D cell walk, 4 rays at once", .isa = CW_ISA_SSE42, .width = 4, BOTH(packet4)},
-    {.name = "packet8", .what = "2D cell walk, 8 rays at once", .isa = CW_ISA_AVX2, .width = 8, BOTH(packet8)},
-    {.name = "packet16", .what = "2D cell walk, 16 rays at once", .isa = CW_ISA_AVX512, .width = 16, BOTH(packet16)},
+    {"packet4", "2D cell walk, 4 rays at once", CW_ISA_SSE42, 4, 0, &cw_packet4, NULL},
+    {"packet8", "2D cell walk, 8 rays at once", CW_ISA_AVX2, 8, 0, &cw_packet8, NULL},
+    {"packet16", "2D cell walk, 16 rays at once", CW_ISA_AVX512, 16, 0, &cw_packet16, NULL},
 #endif
-    {.name = "pyramid1",
-     .what = "bounds pyramid, one lane: the oracle of its lanes",
-     .width = 1,
-     .needs = CW_NEEDS_PYRAMID,
-     BOTH(pyramid1),
-     NEAR(pyramid1)},
+    {"pyramid1", "bounds pyramid, one lane", CW_ISA_SCALAR, 1, CW_NEEDS_PYRAMID, &cw_pyramid1, &cw_tolerant1},
 #if CELLWALK_SIMD
-    {.name = "pyramid4",
-     .what = "bounds pyramid, 4 lanes",
-     .isa = CW_ISA_SSE42,
-     .width = 4,
-     .needs = CW_NEEDS_PYRAMID,
-     BOTH(pyramid4),
-     NEAR(pyramid4)},
-    {.name = "pyramid4x2",
-     .what = "bounds pyramid, two vectors of 4 lanes in lockstep",
-     .isa = CW_ISA_SSE42,
-     .width = 8,
-     .needs = CW_NEEDS_PYRAMID,
-     BOTH(pyramid4x2),
-     NEAR(pyramid4x2)},
-    {.name = "pyramid8",
-     .what = "bounds pyramid, 8 lanes",
-     .isa = CW_ISA_AVX2,
-     .width = 8,
-     .needs = CW_NEEDS_PYRAMID,
-     BOTH(pyramid8),
-     NEAR(pyramid8)},
-    {.name = "pyramid8x2",
-     .what = "bounds pyramid, two vectors of 8 lanes in lockstep",
-     .isa = CW_ISA_AVX2,
-     .width = 16,
-     .needs = CW_NEEDS_PYRAMID,
-     BOTH(pyramid8x2),
-     NEAR(pyramid8x2)},
-    {.name = "pyramid16",
-     .what = "bounds pyramid, 16 lanes",
-     .isa = CW_ISA_AVX512,
-     .width = 16,
-     .needs = CW_NEEDS_PYRAMID,
-     BOTH(pyramid16),
-     NEAR(pyramid16)},
+    {"pyramid4", "bounds pyramid, 4 lanes", CW_ISA_SSE42, 4, CW_NEEDS_PYRAMID, &cw_pyramid4, &cw_tolerant4},
+    {"pyramid4x2", "bounds pyramid, two vectors of 4 lanes in lockstep",
+     CW_ISA_SSE42, 8, CW_NEEDS_PYRAMID, &cw_pyramid4x2, &cw_tolerant4x2},
+    {"pyramid8", "bounds pyramid, 8 lanes", CW_ISA_AVX2, 8, CW_NEEDS_PYRAMID, &cw_pyramid8, &cw_tolerant8},
+    {"pyramid8x2", "bounds pyramid, two vectors of 8 lanes in lockstep",
+     CW_ISA_AVX2, 16, CW_NEEDS_PYRAMID, &cw_pyramid8x2, &cw_tolerant8x2},
+    {"pyramid16", "bounds pyramid, 16 lanes", CW_ISA_AVX512, 16, CW_NEEDS_PYRAMID, &cw_pyramid16, &cw_tolerant16},
 #endif
 };
+/* clang-format on */
 enum { KERNEL_COUNT = sizeof kernels / sizeof kernels[0] };
 
 size_t cw_kernel_count(void) { return KERNEL_COUNT; }
@@ -123,6 +44,10 @@ const cw_kernel *cw_kernel_find(const char *name) {
     return NULL;
 }
 
+cw_leaf cw_kernel_default_leaf(const cw_kernel *kernel) {
+    return kernel->strict->closest[CW_LEAF_WATERTIGHT] ? CW_LEAF_WATERTIGHT : CW_LEAF_MOLLER_TRUMBORE;
+}
+
 cw_kernel_info cw_kernel_describe(const cw_kernel *kernel) {
     return (cw_kernel_info){
         .name = kernel->name,
@@ -131,7 +56,7 @@ cw_kernel_info cw_kernel_describe(const cw_kernel *kernel) {
         .width = kernel->width,
         .needs_build = kernel->needs != 0,
         .available = kernel->isa <= cw_isa_best(),
-        .default_leaf = kernel->default_leaf,
+        .default_leaf = cw_kernel_default_leaf(kernel),
     };
 }
 

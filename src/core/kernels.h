@@ -1,32 +1,39 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The table of kernels: the one place that knows them all. */
+/* What a kernel is to the rest of the library. kernels.c has the table of them all. */
 #ifndef CELLWALK_CORE_KERNELS_H
 #define CELLWALK_CORE_KERNELS_H
 
 #include "cellwalk.h"
 
 /* Trace rays[0..n) and write hits[0..n) or occluded[0..n). Run in the IEEE default environment. The query is never NULL;
- * what a kernel has no use for it passes over, and which kernel and leaf test it names is settled. */
+ * its leaf test is one that the kernel has, never CW_LEAF_DEFAULT, and what a kernel has no use for it ignores. */
 typedef void cw_closest_fn(const cw_field *field, const cw_ray *rays, size_t n, const cw_query *query, cw_hit *hits);
 typedef void cw_any_fn(const cw_field *field, const cw_ray *rays, size_t n, const cw_query *query, uint8_t *occluded);
+
+/* By leaf test; NULL where the kernel has none such. Entry CW_LEAF_DEFAULT is unused. */
+typedef struct cw_kernel_code {
+    cw_closest_fn *closest[CW_LEAF_COUNT];
+    cw_any_fn *any[CW_LEAF_COUNT];
+} cw_kernel_code;
 
 struct cw_kernel {
     const char *name, *what;
     cw_isa isa;
     unsigned width;
     unsigned needs; /* CW_NEEDS_… of field.h */
-    cw_leaf default_leaf;
-    /* By leaf test; NULL where the kernel has none such. Entry CW_LEAF_DEFAULT is unused. */
-    cw_closest_fn *closest[CW_LEAF_COUNT];
-    cw_any_fn *any[CW_LEAF_COUNT];
-    /* For tolerant queries, with the watertight test; NULL where the kernel has no use for a tolerance. */
-    cw_closest_fn *closest_near;
-    cw_any_fn *any_near;
+    const cw_kernel_code *strict;
+    const cw_kernel_code *tolerant; /* with the watertight test; NULL where the kernel has no use for a tolerance */
 };
 
-/* The two functions of each compiled combination of path, leaf test and width. */
-#define CW_DECLARE_KERNEL(name)                                                                                        \
-    cw_closest_fn cw_closest_##name;                                                                                   \
-    cw_any_fn cw_any_##name;
+/* The watertight test where the kernel has it. */
+cw_leaf cw_kernel_default_leaf(const cw_kernel *kernel);
+
+/* src/scalar/ */
+extern const cw_kernel_code cw_brute, cw_cell, cw_grid3d, cw_grid3d_early;
+
+/* simd/packet.c and simd/pyramid.c, each compiled for the rows of the table in simd/CMakeLists.txt */
+extern const cw_kernel_code cw_packet1, cw_packet4, cw_packet8, cw_packet16;
+extern const cw_kernel_code cw_pyramid1, cw_pyramid4, cw_pyramid4x2, cw_pyramid8, cw_pyramid8x2, cw_pyramid16;
+extern const cw_kernel_code cw_tolerant1, cw_tolerant4, cw_tolerant4x2, cw_tolerant8, cw_tolerant8x2, cw_tolerant16;
 
 #endif

@@ -16,19 +16,22 @@ typedef struct job {
     const cw_field *field;
     const cw_ray *rays;
     cw_query query;
-    cw_closest_fn *closest; /* this writes hits */
-    cw_any_fn *any;         /* or this occluded */
-    cw_hit *hits;
-    uint8_t *occluded;
+    const cw_kernel_code *code;
+    cw_hit *hits;      /* of a closest-hit query */
+    uint8_t *occluded; /* of an any-hit query */
 } job;
 
-static void run(void *context, size_t begin, size_t end) {
+static void run_closest(void *context, size_t begin, size_t end) {
     const job *q = context;
     const fpenv caller = fpenv_enter();
-    if (q->closest)
-        q->closest(q->field, q->rays + begin, end - begin, &q->query, q->hits + begin);
-    else
-        q->any(q->field, q->rays + begin, end - begin, &q->query, q->occluded + begin);
+    q->code->closest[q->query.leaf](q->field, q->rays + begin, end - begin, &q->query, q->hits + begin);
+    fpenv_leave(caller);
+}
+
+static void run_any(void *context, size_t begin, size_t end) {
+    const job *q = context;
+    const fpenv caller = fpenv_enter();
+    q->code->any[q->query.leaf](q->field, q->rays + begin, end - begin, &q->query, q->occluded + begin);
     fpenv_leave(caller);
 }
 
@@ -37,65 +40,44 @@ static bool is_tolerance(const cw_query *query) {
     return query->tolerance >= 0 && query->tolerance <= FLT_MAX && query->cone >= 0 && query->cone <= FLT_MAX;
 }
 
-/* What can be wrong with a query, whichever its kind; on success the leaf test to run. */
-static cw_status check(const cw_field *field, const cw_query *query, const void *rays, const void *out, size_t n,
-                       const cw_kernel **kernel, cw_leaf *leaf) {
+/* Checks a query and settles it: kernel, leaf test and code that run. out is where the answers go. */
+static cw_status settle(job *q, const cw_field *field, const cw_query *query, const cw_ray *rays, const void *out,
+                        size_t n) {
     if (field == NULL || (n > 0 && (rays == NULL || out == NULL))) return CW_ERROR_ARGUMENT;
-    *kernel = cw_query_kernel(field, query);
-    *leaf = query ? query->leaf : CW_LEAF_DEFAULT;
-    if ((unsigned)*leaf >= CW_LEAF_COUNT) return CW_ERROR_ARGUMENT;
-    if (query && (unsigned)query->coherence > CW_COHERENCE_HIGH) return CW_ERROR_ARGUMENT;
-    if (query && !is_tolerance(query)) return CW_ERROR_ARGUMENT;
-    if (*leaf == CW_LEAF_DEFAULT) *leaf = (*kernel)->default_leaf;
-    if ((*kernel)->isa > cw_isa_best()) return CW_ERROR_UNAVAILABLE;
-    if ((*kernel)->closest[*leaf] == NULL) return CW_ERROR_UNSUPPORTED;
-    if (((*kernel)->needs & CW_NEEDS_GRID3D) && field->grid3d == NULL) return CW_ERROR_NOT_BUILT;
-    if (((*kernel)->needs & CW_NEEDS_PYRAMID) && field->pyramid == NULL) return CW_ERROR_NOT_BUILT;
+    *q = (job){.field = field, .rays = rays, .query = query ? *query : cw_query_default()};
+    cw_query *s = &q->query;
+    if ((unsigned)s->leaf >= CW_LEAF_COUNT || (unsigned)s->coherence > CW_COHERENCE_HIGH) return CW_ERROR_ARGUMENT;
+    if (!is_tolerance(s)) return CW_ERROR_ARGUMENT;
+    const cw_kernel *kernel = s->kernel = cw_query_kernel(field, s);
+    if (s->leaf == CW_LEAF_DEFAULT) s->leaf = cw_kernel_default_leaf(kernel);
+    if (kernel->isa > cw_isa_best()) return CW_ERROR_UNAVAILABLE;
+    if (kernel->strict->closest[s->leaf] == NULL) return CW_ERROR_UNSUPPORTED;
+    if ((kernel->needs & CW_NEEDS_GRID3D) && field->grid3d == NULL) return CW_ERROR_NOT_BUILT;
+    if ((kernel->needs & CW_NEEDS_PYRAMID) && field->pyramid == NULL) return CW_ERROR_NOT_BUILT;
+    const bool tolerant = (s->tolerance > 0 || s->cone > 0) && kernel->tolerant && s->leaf == CW_LEAF_WATERTIGHT;
+    q->code = tolerant ? kernel->tolerant : kernel->strict;
+    /* Less by more than what the kernels' sums and products of it round. */
+    s->tolerance *= 1 - 0x1p-20f;
+    s->cone *= 1 - 0x1p-20f;
     return CW_OK;
-}
-
-/* The query for the kernel, NULL being the default. A tolerance is less by more than what the kernels' sums and products
- * of it round. */
-static cw_query settled(const cw_query *query) {
-    cw_query q = query ? *query : cw_query_default();
-    q.tolerance *= 1 - 0x1p-20f;
-    q.cone *= 1 - 0x1p-20f;
-    return q;
-}
-
-/* True if the query asks for less than exact hits and its kernel makes use of that. */
-static bool is_tolerant(const cw_query *query, const cw_kernel *kernel, cw_leaf leaf) {
-    return query && (query->tolerance > 0 || query->cone > 0) && kernel->closest_near && leaf == CW_LEAF_WATERTIGHT;
 }
 
 cw_query cw_query_default(void) { return (cw_query){.leaf = CW_LEAF_DEFAULT}; }
 
 cw_status cw_closest(const cw_field *field, const cw_query *query, const cw_ray *rays, size_t n, cw_hit *hits) {
-    const cw_kernel *kernel;
-    cw_leaf leaf;
-    const cw_status status = check(field, query, rays, hits, n, &kernel, &leaf);
+    job q;
+    const cw_status status = settle(&q, field, query, rays, hits, n);
     if (status != CW_OK) return status;
-    const bool near = is_tolerant(query, kernel, leaf);
-    job q = {.field = field,
-             .rays = rays,
-             .query = settled(query),
-             .closest = near ? kernel->closest_near : kernel->closest[leaf],
-             .hits = hits};
-    cw_pool_run(query ? query->pool : NULL, n, GRAIN, run, &q);
+    q.hits = hits;
+    cw_pool_run(q.query.pool, n, GRAIN, run_closest, &q);
     return CW_OK;
 }
 
 cw_status cw_any(const cw_field *field, const cw_query *query, const cw_ray *rays, size_t n, uint8_t *occluded) {
-    const cw_kernel *kernel;
-    cw_leaf leaf;
-    const cw_status status = check(field, query, rays, occluded, n, &kernel, &leaf);
+    job q;
+    const cw_status status = settle(&q, field, query, rays, occluded, n);
     if (status != CW_OK) return status;
-    const bool near = is_tolerant(query, kernel, leaf);
-    job q = {.field = field,
-             .rays = rays,
-             .query = settled(query),
-             .any = near ? kernel->any_near : kernel->any[leaf],
-             .occluded = occluded};
-    cw_pool_run(query ? query->pool : NULL, n, GRAIN, run, &q);
+    q.occluded = occluded;
+    cw_pool_run(q.query.pool, n, GRAIN, run_any, &q);
     return CW_OK;
 }

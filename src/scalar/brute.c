@@ -7,8 +7,6 @@
 #include "moller_trumbore.h"
 #include "ray.h"
 
-CW_DECLARE_KERNEL(brute_mt)
-
 /* The nearest hit; among equally near ones the first in row order. */
 static bool trace(const cw_field *f, const cw_ray *given, bool any, cw_hit *best) {
     bool found = false;
@@ -29,14 +27,17 @@ static bool trace(const cw_field *f, const cw_ray *given, bool any, cw_hit *best
     return found;
 }
 
-void cw_closest_brute_mt(const cw_field *field, const cw_ray *rays, size_t n, const cw_query *query, cw_hit *hits) {
+static void closest(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query, cw_hit *hits) {
     (void)query;
     for (size_t k = 0; k < n; k++)
-        if (!trace(field, &rays[k], false, &hits[k])) hits[k] = miss();
+        if (!trace(f, &rays[k], false, &hits[k])) hits[k] = miss();
 }
 
-void cw_any_brute_mt(const cw_field *field, const cw_ray *rays, size_t n, const cw_query *query, uint8_t *occluded) {
+static void any(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query, uint8_t *occluded) {
     (void)query;
     cw_hit unused;
-    for (size_t k = 0; k < n; k++) occluded[k] = trace(field, &rays[k], true, &unused);
+    for (size_t k = 0; k < n; k++) occluded[k] = trace(f, &rays[k], true, &unused);
 }
+
+const cw_kernel_code cw_brute = {.closest = {[CW_LEAF_MOLLER_TRUMBORE] = closest},
+                                 .any = {[CW_LEAF_MOLLER_TRUMBORE] = any}};

@@ -10,9 +10,6 @@
 #include "strict.h"
 #include "watertight.h"
 
-CW_DECLARE_KERNEL(cell_mt)
-CW_DECLARE_KERNEL(cell_wt)
-
 /* The first cell along an axis that is left at t or later. The place at t gives a guess, the crossings decide. */
 static size_t first_cell(const strict_axis *a, float t, size_t cells) {
     const float last = (float)(cells - 1);
@@ -55,29 +52,34 @@ static inline bool walk(const cw_field *f, const cw_ray *ray, cw_leaf leaf, cw_h
     }
 }
 
-static inline void closest(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, cw_leaf leaf) {
+static inline void trace(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, cw_leaf leaf) {
     for (size_t k = 0; k < n; k++)
         if (!walk(f, &rays[k], leaf, &hits[k])) hits[k] = miss();
 }
 
-static inline void any(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded, cw_leaf leaf) {
+static inline void occlude(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded, cw_leaf leaf) {
     cw_hit unused;
     for (size_t k = 0; k < n; k++) occluded[k] = walk(f, &rays[k], leaf, &unused);
 }
 
-void cw_closest_cell_mt(const cw_field *field, const cw_ray *rays, size_t n, const cw_query *query, cw_hit *hits) {
+static void closest_cell_mt(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query, cw_hit *hits) {
     (void)query;
-    closest(field, rays, n, hits, CW_LEAF_MOLLER_TRUMBORE);
+    trace(f, rays, n, hits, CW_LEAF_MOLLER_TRUMBORE);
 }
-void cw_closest_cell_wt(const cw_field *field, const cw_ray *rays, size_t n, const cw_query *query, cw_hit *hits) {
+static void any_cell_mt(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query, uint8_t *occluded) {
     (void)query;
-    closest(field, rays, n, hits, CW_LEAF_WATERTIGHT);
+    occlude(f, rays, n, occluded, CW_LEAF_MOLLER_TRUMBORE);
 }
-void cw_any_cell_mt(const cw_field *field, const cw_ray *rays, size_t n, const cw_query *query, uint8_t *occluded) {
+static void closest_cell_wt(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query, cw_hit *hits) {
     (void)query;
-    any(field, rays, n, occluded, CW_LEAF_MOLLER_TRUMBORE);
+    trace(f, rays, n, hits, CW_LEAF_WATERTIGHT);
 }
-void cw_any_cell_wt(const cw_field *field, const cw_ray *rays, size_t n, const cw_query *query, uint8_t *occluded) {
+static void any_cell_wt(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query, uint8_t *occluded) {
     (void)query;
-    any(field, rays, n, occluded, CW_LEAF_WATERTIGHT);
+    occlude(f, rays, n, occluded, CW_LEAF_WATERTIGHT);
 }
+
+const cw_kernel_code cw_cell = {
+    .closest = {[CW_LEAF_MOLLER_TRUMBORE] = closest_cell_mt, [CW_LEAF_WATERTIGHT] = closest_cell_wt},
+    .any = {[CW_LEAF_MOLLER_TRUMBORE] = any_cell_mt, [CW_LEAF_WATERTIGHT] = any_cell_wt},
+};

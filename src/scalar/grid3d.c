@@ -17,9 +17,6 @@
 #include <float.h>
 #include <stdlib.h>
 
-CW_DECLARE_KERNEL(grid3d_mt)
-CW_DECLARE_KERNEL(grid3d_early_mt)
-
 enum { VOXELS_MAX = 64, TRIANGLE_BITS = 1 };
 
 struct cw_grid3d {
@@ -218,25 +215,26 @@ static inline bool walk(const cw_field *f, const cw_ray *given, bool early, bool
     }
 }
 
-void cw_closest_grid3d_mt(const cw_field *field, const cw_ray *rays, size_t n, const cw_query *query, cw_hit *hits) {
+static void closest(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query, cw_hit *hits) {
     (void)query;
     for (size_t k = 0; k < n; k++)
-        if (!walk(field, &rays[k], false, false, &hits[k])) hits[k] = miss();
+        if (!walk(f, &rays[k], false, false, &hits[k])) hits[k] = miss();
 }
-void cw_closest_grid3d_early_mt(const cw_field *field, const cw_ray *rays, size_t n, const cw_query *query,
-                                cw_hit *hits) {
+
+static void closest_early(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query, cw_hit *hits) {
     (void)query;
     for (size_t k = 0; k < n; k++)
-        if (!walk(field, &rays[k], true, false, &hits[k])) hits[k] = miss();
+        if (!walk(f, &rays[k], true, false, &hits[k])) hits[k] = miss();
 }
+
 /* Any triangle on the way answers this query, wherever it was found. */
-void cw_any_grid3d_mt(const cw_field *field, const cw_ray *rays, size_t n, const cw_query *query, uint8_t *occluded) {
+static void any(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query, uint8_t *occluded) {
     (void)query;
     cw_hit unused;
-    for (size_t k = 0; k < n; k++) occluded[k] = walk(field, &rays[k], false, true, &unused);
+    for (size_t k = 0; k < n; k++) occluded[k] = walk(f, &rays[k], false, true, &unused);
 }
-void cw_any_grid3d_early_mt(const cw_field *field, const cw_ray *rays, size_t n, const cw_query *query,
-                            uint8_t *occluded) {
-    (void)query;
-    cw_any_grid3d_mt(field, rays, n, query, occluded);
-}
+
+const cw_kernel_code cw_grid3d = {.closest = {[CW_LEAF_MOLLER_TRUMBORE] = closest},
+                                  .any = {[CW_LEAF_MOLLER_TRUMBORE] = any}};
+const cw_kernel_code cw_grid3d_early = {.closest = {[CW_LEAF_MOLLER_TRUMBORE] = closest_early},
+                                        .any = {[CW_LEAF_MOLLER_TRUMBORE] = any}};

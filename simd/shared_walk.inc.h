@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Coherent rays share their walk. A group of 16 rays goes through the pyramid as one *fat ray*, an interval for each of
- * its numbers, judged against 16 children at once (places.inc.h); so opening a node costs the group little more than it
+ * its numbers, judged against 16 children at once (children.inc.h); so opening a node costs the group little more than it
  * would cost one ray. At a block each ray decides for itself whether it is concerned; then the rays take the block's cells
  * one after another with the cell broadcast and the rays in lanes. Where they no longer want the same, the group falls
- * apart: the rays concerned are queued for the lane walk, which begins at that node (stream.inc.h).
+ * apart: the rays concerned are queued for the lane walk, which begins at that node (lane_walk.inc.h).
  *
  * Invariant: interval arithmetic in the gate's own operations, in their order, each of which is monotone in each of its
  * arguments, also after rounding. So the fat ray's interval encloses, without padding, what each ray computes for itself,
@@ -28,24 +28,24 @@ typedef struct fat_ray {
 } fat_ray;
 
 /* The members of vray that hulls are taken of. */
-static inline void hull(const lanes part[PARTS], unsigned rays, size_t offset, float *low, float *high) {
+static inline void hull(const packet packets[PACKETS], unsigned rays, size_t offset, float *low, float *high) {
     *low = INFINITY;
     *high = -INFINITY;
-    for (size_t p = 0; p < PARTS; p++) {
+    for (size_t p = 0; p < PACKETS; p++) {
         const vmask m = vm_from_bits(rays >> (p * W));
-        const vfloat a = *(const vfloat *)(const void *)((const char *)&part[p].r + offset);
+        const vfloat a = *(const vfloat *)(const void *)((const char *)&packets[p].r + offset);
         const float l = vf_lowest(a, m), h = vf_highest(a, m);
         *low = l < *low ? l : *low;
         *high = h > *high ? h : *high;
     }
 }
 
-static inline bool fat_axis_init(fat_axis *a, const lanes part[PARTS], unsigned rays, size_t offset, bool up) {
+static inline bool fat_axis_init(fat_axis *a, const packet packets[PACKETS], unsigned rays, size_t offset, bool up) {
     float low, high;
-    hull(part, rays, offset + offsetof(vaxis, center), &low, &high);
+    hull(packets, rays, offset + offsetof(vaxis, center), &low, &high);
     a->center_low = vf_set(up ? low : -high);
     a->center_high = vf_set(up ? high : -low);
-    hull(part, rays, offset + offsetof(vaxis, inverse), &low, &high);
+    hull(packets, rays, offset + offsetof(vaxis, inverse), &low, &high);
     a->inverse_low = vf_set(up ? low : -high);
     a->inverse_high = vf_set(up ? high : -low);
     return high <= FLT_MAX && low >= -FLT_MAX;
@@ -54,9 +54,9 @@ static inline bool fat_axis_init(fat_axis *a, const lanes part[PARTS], unsigned 
 /* True if the rays are alike enough to share a walk: one direction quadrant, directions within 1/8 of their length from
  * the first one's, origins within a few cells; with the hint CW_COHERENCE_HIGH the quadrant alone. What is left out is a
  * matter of speed alone. */
-static inline bool coherent(const lanes part[PARTS], unsigned rays, const cw_field *f, cw_coherence hint) {
+static inline bool coherent(const packet packets[PACKETS], unsigned rays, const cw_field *f, cw_coherence hint) {
     const unsigned first = (unsigned)__builtin_ctz(rays);
-    const vray *one = &part[first / W].r;
+    const vray *one = &packets[first / W].r;
     float all[W];
     vf_store(all, one->x.dir);
     const vfloat dx = vf_set(all[first % W]);
@@ -72,8 +72,8 @@ static inline bool coherent(const lanes part[PARTS], unsigned rays, const cw_fie
     const bool any = hint == CW_COHERENCE_HIGH;
     const vfloat angle = any ? vf_set(INFINITY) : vf_mul(length, vf_set(0.125f));
     const vfloat apart = vf_set(any ? INFINITY : 16 + (float)(f->nx + f->ny) * (1.0f / 64));
-    for (size_t p = 0; p < PARTS; p++) {
-        const vray *r = &part[p].r;
+    for (size_t p = 0; p < PACKETS; p++) {
+        const vray *r = &packets[p].r;
         vmask m = vm_and(vf_le(vf_abs(vf_sub(r->x.dir, dx)), angle), vf_le(vf_abs(vf_sub(r->y.dir, dy)), angle));
         m = vm_and(m, vf_le(vf_abs(vf_sub(r->dz, dz)), angle));
         m = vm_and(m, vm_and(vf_le(vf_abs(vf_sub(r->x.org, ox)), apart), vf_le(vf_abs(vf_sub(r->y.org, oy)), apart)));
@@ -86,24 +86,24 @@ static inline bool coherent(const lanes part[PARTS], unsigned rays, const cw_fie
 }
 
 /* False if an inverse is infinite, which intervals cannot be made of. */
-static inline bool fat_init(fat_ray *a, const lanes part[PARTS], unsigned rays) {
+static inline bool fat_init(fat_ray *a, const packet packets[PACKETS], unsigned rays) {
     const unsigned first = (unsigned)__builtin_ctz(rays);
     float low, high;
-    a->up_x = vm_bits(part[first / W].r.x.up) >> (first % W) & 1;
-    a->up_y = vm_bits(part[first / W].r.y.up) >> (first % W) & 1;
+    a->up_x = vm_bits(packets[first / W].r.x.up) >> (first % W) & 1;
+    a->up_y = vm_bits(packets[first / W].r.y.up) >> (first % W) & 1;
     a->order = vorder_make(a->up_x, a->up_y);
-    hull(part, rays, offsetof(vray, oz), &low, &high);
+    hull(packets, rays, offsetof(vray, oz), &low, &high);
     a->oz_low = vf_set(low);
     a->oz_high = vf_set(high);
-    hull(part, rays, offsetof(vray, dz), &low, &high);
+    hull(packets, rays, offsetof(vray, dz), &low, &high);
     a->dz_low = vf_set(low);
     a->dz_high = vf_set(high);
-    hull(part, rays, offsetof(vray, from), &low, &high);
+    hull(packets, rays, offsetof(vray, from), &low, &high);
     a->from = vf_set(low);
-    hull(part, rays, offsetof(vray, until), &low, &high);
+    hull(packets, rays, offsetof(vray, until), &low, &high);
     a->until = vf_set(high);
-    return fat_axis_init(&a->x, part, rays, offsetof(vray, x), a->up_x) &&
-           fat_axis_init(&a->y, part, rays, offsetof(vray, y), a->up_y);
+    return fat_axis_init(&a->x, packets, rays, offsetof(vray, x), a->up_x) &&
+           fat_axis_init(&a->y, packets, rays, offsetof(vray, y), a->up_y);
 }
 
 /* Earliest entry into and latest exit from the place between two borders, in mirrored coordinates. */
@@ -116,7 +116,7 @@ static inline vfloat fat_out(const fat_axis *a, vfloat border) {
     return vf_max(vf_mul(far, a->inverse_low), vf_mul(far, a->inverse_high));
 }
 
-/* Of the 16 places of the given side at part k, those in which some ray may meet heights in [low, high]. start_x and
+/* Of the 16 places of the given side at packet k, those in which some ray may meet heights in [low, high]. start_x and
  * start_y are the mirrored borders at which walk order begins. */
 static inline vmask fat_meets(const fat_ray *a, vfloat start_x, vfloat start_y, vfloat side, size_t k, vfloat low,
                               vfloat high) {
@@ -139,7 +139,7 @@ static inline unsigned fat_open(const fat_ray *a, const cw_pyramid_level *l, int
     const float *row = first_row(&a->order, brick, 4);
     const ptrdiff_t step = row_step(&a->order, 4);
     unsigned mask = 0;
-    for (size_t k = 0; k < PARTS; k++)
+    for (size_t k = 0; k < PACKETS; k++)
         mask |= vm_bits(fat_meets(a, start_x, start_y, vf_set(l->side), k, vf_load_block(row, step, &a->order, k),
                                   vf_load_block(row + 16, step, &a->order, k)))
                 << (k * W);
@@ -152,7 +152,7 @@ static inline unsigned fat_cells(const fat_ray *a, const block_samples *s, int32
     const float *row = first_row(&a->order, s->z, s->stride);
     const ptrdiff_t step = row_step(&a->order, s->stride);
     unsigned mask = 0;
-    for (size_t k = 0; k < PARTS; k++) {
+    for (size_t k = 0; k < PACKETS; k++) {
         vcell c;
         c.h00 = vf_load_block(row, step, &a->order, k);
         c.h10 = vf_load_block(row + 1, step, &a->order, k);
@@ -172,14 +172,14 @@ static inline void place_crossings(const vray *r, bool up_x, bool up_y, float x,
 }
 
 /* Those of the rays that may meet something in the block. */
-static inline unsigned block_rays(const fat_ray *a, const lanes part[PARTS], unsigned rays, const cw_pyramid_level *l,
-                                  int32_t x, int32_t y) {
+static inline unsigned block_rays(const fat_ray *a, const packet packets[PACKETS], unsigned rays,
+                                  const cw_pyramid_level *l, int32_t x, int32_t y) {
     const float *n =
         l->bricks + ((size_t)(y >> 2) * (size_t)l->across + (size_t)(x >> 2)) * BRICK_FLOATS + ((y & 3) << 2 | (x & 3));
     unsigned concerned = 0;
-    for (size_t p = 0; p < PARTS; p++) {
+    for (size_t p = 0; p < PACKETS; p++) {
         if (!(rays >> (p * W) & ((1u << W) - 1))) continue;
-        const vray *r = &part[p].r;
+        const vray *r = &packets[p].r;
         vcell c;
         place_crossings(r, a->up_x, a->up_y, (float)(4 * x), (float)(4 * y), 4, &c);
         const vfloat t0 = vf_max(vf_max(c.x_in, c.y_in), r->from), t1 = vf_min(vf_min(c.x_out, c.y_out), r->until);
@@ -189,15 +189,15 @@ static inline unsigned block_rays(const fat_ray *a, const lanes part[PARTS], uns
 }
 
 /* One cell against the rays; the rays that hit. */
-CW_INLINE unsigned shared_cell(const fat_ray *a, lanes part[PARTS], unsigned rays, const block_samples *s, int32_t i,
-                               int32_t j, cw_leaf leaf, bool any) {
+CW_INLINE unsigned shared_cell(const fat_ray *a, packet packets[PACKETS], unsigned rays, const block_samples *s,
+                               int32_t i, int32_t j, cw_leaf leaf, bool any) {
     const float *z = s->z + (size_t)(j & 3) * s->stride + (i & 3);
     unsigned found = 0;
     count_step(COUNT_SHARED_CELL, rays);
-    for (size_t p = 0; p < PARTS; p++) {
+    for (size_t p = 0; p < PACKETS; p++) {
         const vmask among = vm_from_bits(rays >> (p * W));
         if (!vm_any(among)) continue;
-        lanes *l = &part[p];
+        packet *l = &packets[p];
         const vray *r = &l->r;
         vcell c;
         place_crossings(r, a->up_x, a->up_y, (float)i, (float)j, 1, &c);
@@ -214,7 +214,7 @@ CW_INLINE unsigned shared_cell(const fat_ray *a, lanes part[PARTS], unsigned ray
         c.j = vf_set((float)j);
         vhit h;
         const vmask now = leaf == CW_LEAF_WATERTIGHT ? wt_cell(r, &c, gate, any, &h) : mt_cell(r, &c, gate, &h);
-        if (!any) lanes_keep(l, now, &h, &c);
+        if (!any) packet_keep(l, now, &h, &c);
         l->found = vm_or(l->found, now);
         found |= vm_bits(now) << (p * W);
     }
@@ -229,22 +229,22 @@ enum { FALL_APART = 2, CHILDREN_AT_MOST = 5 };
 
 /* Queues those of the rays that cross the node of the given level of the pyramid and place; the rest of their walk is
  * theirs alone. Returns them. */
-static inline unsigned fall_apart(const fat_ray *a, const lanes part[PARTS], unsigned rays, const cw_field *f,
-                                  int level, int32_t x, int32_t y, cw_leaf leaf, stream_queue *queue,
-                                  size_t first_part) {
+static inline unsigned fall_apart(const fat_ray *a, const packet packets[PACKETS], unsigned rays, const cw_field *f,
+                                  int level, int32_t x, int32_t y, cw_leaf leaf, lane_queue *queue,
+                                  size_t first_packet) {
     unsigned apart = 0;
     const cw_pyramid_level *l = &f->pyramid->level[level];
-    for (size_t p = 0; p < PARTS; p++) {
+    for (size_t p = 0; p < PACKETS; p++) {
         const unsigned among = rays >> (p * W) & ((1u << W) - 1);
         if (among == 0) continue;
-        const vray *r = &part[p].r;
+        const vray *r = &packets[p].r;
         vcell c;
         place_crossings(r, a->up_x, a->up_y, (float)x * l->side, (float)y * l->side, l->side, &c);
         const vfloat t0 = vf_max(vf_max(c.x_in, c.y_in), r->from), t1 = vf_min(vf_min(c.x_out, c.y_out), r->until);
         const unsigned now = vm_bits(vf_le(t0, t1)) & among;
         if (now == 0) continue;
-        mirror_part(queue, first_part, p, r, f, leaf);
-        enqueue(queue, first_part + p, now, t0, level + 1);
+        mirror_packet(queue, first_packet, p, r, f, leaf);
+        enqueue(queue, first_packet + p, now, t0, level + 1);
         apart |= now << (p * W);
     }
     count_step(COUNT_APART, apart);
@@ -252,17 +252,17 @@ static inline unsigned fall_apart(const fat_ray *a, const lanes part[PARTS], uns
 }
 
 /* First hits of the rays in block (x, y); the rays that are done with, by a hit or by being queued. */
-CW_INLINE unsigned shared_block(const fat_ray *a, lanes part[PARTS], unsigned rays, const cw_field *f, int32_t x,
-                                int32_t y, cw_leaf leaf, bool any, stream_queue *queue, size_t first_part) {
+CW_INLINE unsigned shared_block(const fat_ray *a, packet packets[PACKETS], unsigned rays, const cw_field *f, int32_t x,
+                                int32_t y, cw_leaf leaf, bool any, lane_queue *queue, size_t first_packet) {
     count_step(COUNT_SHARED_BLOCK, rays);
     block_samples s;
     load_samples(&s, f, (size_t)(4 * x), (size_t)(4 * y));
     unsigned cells = fat_cells(a, &s, x, y), done = 0;
-    if (FALL_APART * __builtin_popcount(rays) <= __builtin_popcount(cells) * (int)PARTS)
-        return fall_apart(a, part, rays, f, 0, x, y, leaf, queue, first_part);
+    if (FALL_APART * __builtin_popcount(rays) <= __builtin_popcount(cells) * (int)PACKETS)
+        return fall_apart(a, packets, rays, f, 0, x, y, leaf, queue, first_packet);
     for (; cells != 0 && rays != 0; cells &= cells - 1) {
         const int32_t place = __builtin_ctz(cells);
-        const unsigned now = shared_cell(a, part, rays, &s, 4 * x + ((place & 3) ^ a->order.flip_x),
+        const unsigned now = shared_cell(a, packets, rays, &s, 4 * x + ((place & 3) ^ a->order.flip_x),
                                          4 * y + ((place >> 2) ^ a->order.flip_y), leaf, any);
         rays &= ~now;
         done |= now;
@@ -271,8 +271,8 @@ CW_INLINE unsigned shared_block(const fat_ray *a, lanes part[PARTS], unsigned ra
 }
 
 /* Walks the rays together, to their ends or until they fall apart. */
-CW_INLINE void shared_walk(const fat_ray *a, lanes part[PARTS], unsigned rays, const cw_field *f, cw_leaf leaf,
-                           bool any, stream_queue *queue, size_t first_part) {
+CW_INLINE void shared_walk(const fat_ray *a, packet packets[PACKETS], unsigned rays, const cw_field *f, cw_leaf leaf,
+                           bool any, lane_queue *queue, size_t first_packet) {
     const struct cw_pyramid *p = f->pyramid;
     struct {
         unsigned mask;
@@ -296,16 +296,16 @@ CW_INLINE void shared_walk(const fat_ray *a, lanes part[PARTS], unsigned rays, c
         mask &= mask - 1;
         const int32_t cx = 4 * x + ((place & 3) ^ a->order.flip_x), cy = 4 * y + ((place >> 2) ^ a->order.flip_y);
         if (level == 0) {
-            const unsigned concerned = block_rays(a, part, rays, &p->level[0], cx, cy);
+            const unsigned concerned = block_rays(a, packets, rays, &p->level[0], cx, cy);
             if (concerned == 0) continue;
-            rays &= ~shared_block(a, part, concerned, f, cx, cy, leaf, any, queue, first_part);
+            rays &= ~shared_block(a, packets, concerned, f, cx, cy, leaf, any, queue, first_packet);
             if (rays == 0) return;
             continue;
         }
         count_step(COUNT_SHARED_NODE, rays);
         const unsigned children = fat_open(a, &p->level[level - 1], cx, cy);
         if (__builtin_popcount(children) > CHILDREN_AT_MOST) {
-            rays &= ~fall_apart(a, part, rays, f, level, cx, cy, leaf, queue, first_part);
+            rays &= ~fall_apart(a, packets, rays, f, level, cx, cy, leaf, queue, first_packet);
             if (rays == 0) return;
             continue;
         }

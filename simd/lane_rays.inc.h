@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Rays made ready for the lane walk (stream.inc.h): mirrored, and with the place where each begins.
+/* Rays made ready for the lane walk (lane_walk.inc.h): mirrored, and with the place where each begins.
  *
  * Mirroring turns the axes along which a ray goes down, so that all lanes go up: x becomes -x, which no float operation
  * rounds differently. A node is told by its low corner in mirrored coordinates, corner; its exit borders are corner +
@@ -28,31 +28,31 @@ enum {
 };
 enum { RAY_TURNED_X, RAY_TURNED_Y, RAY_INTS };
 
-typedef struct stream_rays {
+typedef struct lane_rays {
     float f[RAY_FLOATS][W];
     int32_t i[RAY_INTS][W];
-} stream_rays;
+} lane_rays;
 
 /* A ray waiting for a lane: which one it is of the rays made ready, where its walk begins, and where its hit goes. */
 typedef struct queued {
-    uint16_t part, lane;
+    uint16_t packet, lane;
     uint32_t ray;
     float t;
-    int32_t x, y, level; /* low corner, mirrored, of its first node, with the level as in stream.inc.h */
+    int32_t x, y, level; /* low corner, mirrored, of its first node, with the level as in lane_walk.inc.h */
 } queued;
 
 /* Rays whose leftovers are collected before the lane walk goes on; and rays after which it ends them all, so that their
  * numbers stay small. */
-enum { BATCH = 256, STREAM_RUN = 1 << 16 };
+enum { BATCH = 256, LANE_RUN = 1 << 16 };
 
-typedef struct stream_queue {
-    stream_rays ready[BATCH / W];
+typedef struct lane_queue {
+    lane_rays ready[BATCH / W];
     queued rays[BATCH];
     size_t n;
-    unsigned mirrored; /* bits of the parts of the present group that are in ready */
+    unsigned mirrored; /* bits of the present group's packets that are in ready */
     uint32_t first;    /* number of the batch's first ray, from which those of rays count */
     float cone[BATCH]; /* tolerant queries alone: allowed error in height for each unit of t */
-} stream_queue;
+} lane_queue;
 
 /* One axis of W rays. */
 static inline void mirror_axis(float f[RAY_AXIS][W], int32_t turned[W], const vaxis *a, size_t samples) {
@@ -70,7 +70,7 @@ static inline void mirror_axis(float f[RAY_AXIS][W], int32_t turned[W], const va
 }
 
 /* Makes W rays ready for walks with the given leaf test. */
-static inline void mirror_rays(stream_rays *s, const vray *r, const cw_field *f, cw_leaf leaf) {
+static inline void mirror_rays(lane_rays *s, const vray *r, const cw_field *f, cw_leaf leaf) {
     mirror_axis(s->f, s->i[RAY_TURNED_X], &r->x, f->nx);
     mirror_axis(s->f + RAY_AXIS, s->i[RAY_TURNED_Y], &r->y, f->ny);
     /* Slabs have room for the rounding of rays that begin within the field or not far from it, and of the watertight test.
@@ -96,13 +96,13 @@ static inline void mirror_rays(stream_rays *s, const vray *r, const cw_field *f,
     vf_store(s->f[RAY_TMAX], r->tmax);
 }
 
-/* The same for part p of the present group, which is number first_part + p of the queue. Rays that never are alone are
+/* The same for packet p of the present group, number first_packet + p of the queue. Rays that never are alone are
  * left out: for primary rays that is 4 % of all instructions, and for those that always are alone 1 % more. */
-CW_INLINE void mirror_part(stream_queue *q, size_t first_part, size_t p, const vray *r, const cw_field *f,
-                           cw_leaf leaf) {
+CW_INLINE void mirror_packet(lane_queue *q, size_t first_packet, size_t p, const vray *r, const cw_field *f,
+                             cw_leaf leaf) {
     if (q->mirrored >> p & 1) return;
     q->mirrored |= 1u << p;
-    mirror_rays(&q->ready[first_part + p], r, f, leaf);
+    mirror_rays(&q->ready[first_packet + p], r, f, leaf);
 }
 
 /* Low corner, mirrored, of the node of the given side that the rays are in at t, or of an earlier one. */
@@ -113,31 +113,32 @@ static inline vint first_corner(float f[RAY_AXIS][W], vfloat t, vfloat side) {
     return vi_from_vf(vf_mul(vf_floor(vf_div(place, side)), side));
 }
 
-/* Queues those of the rays of a part, made ready before, in the lanes of which; each begins at t in a node of the level. */
-static inline void enqueue(stream_queue *q, size_t part, unsigned which, vfloat t, int level) {
+/* Queues those of the rays of a packet, made ready before, in the lanes of which; each begins at t in a node of the level. */
+static inline void enqueue(lane_queue *q, size_t packet_number, unsigned which, vfloat t, int level) {
     float from[W];
     int32_t x[W], y[W];
-    stream_rays *s = &q->ready[part];
+    lane_rays *s = &q->ready[packet_number];
     const vfloat side = vf_power_of_2(vi_set(2 * level));
     vf_store(from, t);
     vi_store(x, first_corner(s->f, t, side));
     vi_store(y, first_corner(s->f + RAY_AXIS, t, side));
     for (; which != 0; which &= which - 1) {
         const unsigned k = (unsigned)__builtin_ctz(which);
-        q->rays[q->n++] = (queued){(uint16_t)part, (uint16_t)k, (uint32_t)(part * W) + k, from[k], x[k], y[k], level};
+        q->rays[q->n++] = (queued){
+            (uint16_t)packet_number, (uint16_t)k, (uint32_t)(packet_number * W) + k, from[k], x[k], y[k], level};
     }
 }
 
-/* What tolerant queries need besides of the rays of a part. */
-static inline void set_cones(float cone[W], const cw_ray rays[W], const cw_query *near) {
+/* What tolerant queries need besides of the rays of a packet. */
+static inline void set_cones(float cone[W], const cw_ray rays[W], const cw_query *tolerant) {
     for (size_t k = 0; k < W; k++) {
         const double x = (double)rays[k].dir[0], y = (double)rays[k].dir[1], z = (double)rays[k].dir[2];
-        cone[k] = near->cone * (float)sqrt(x * x + y * y + z * z);
+        cone[k] = tolerant->cone * (float)sqrt(x * x + y * y + z * z);
     }
 }
 
 /* Copies a ray that has been made ready into a lane. In runs of at most 16, which compilers turn into straight code. */
-static inline void copy_ray(stream_rays *to, size_t lane, const stream_rays *from, size_t k, cw_leaf leaf) {
+static inline void copy_ray(lane_rays *to, size_t lane, const lane_rays *from, size_t k, cw_leaf leaf) {
     const int end = leaf == CW_LEAF_MOLLER_TRUMBORE ? RAY_FLOATS : RAY_TMIN;
     for (int c = 0; c < RAY_AXIS; c++) to->f[c][lane] = from->f[c][k];
     for (int c = RAY_AXIS; c < 2 * RAY_AXIS; c++) to->f[c][lane] = from->f[c][k];

@@ -8,7 +8,7 @@
  * Rejected: carrying the two samples that the new cell shares with the old one. A lane steps in x or in y, so two
  * selects a sample replace two loads whose lines are in L1 already. */
 
-typedef struct lanes {
+typedef struct packet {
     vray r;
     vcell c;
     vint sample; /* number of sample (i, j) */
@@ -19,7 +19,7 @@ typedef struct lanes {
     /* Constants of the ray: border beyond the cell as an offset from its low corner, sample steps. */
     vfloat x_in, x_out, y_in, y_out;
     vint step_x, step_y;
-} lanes;
+} packet;
 
 /* The first cell along an axis that is left at t or later: the place at t gives a guess, the crossings decide. The loops
  * end after one turn unless the origin is so far off that neighbouring floats are cells apart. */
@@ -46,7 +46,7 @@ static inline vfloat first_cell(const vaxis *a, vfloat t, size_t samples, vmask 
 }
 
 /* Puts each living lane into the first cell that it has to visit. l->r and l->alive are given. */
-static inline void lanes_start(lanes *l, const cw_field *f) {
+static inline void flat_start(packet *l, const cw_field *f) {
     const vray *r = &l->r;
     const vfloat zero = vf_set(0), one = vf_set(1);
     vcell *c = &l->c;
@@ -68,7 +68,7 @@ static inline void lanes_start(lanes *l, const cw_field *f) {
 }
 
 /* Keeps the hits of the lanes in now, in cell c. */
-static inline void lanes_keep(lanes *l, vmask now, const vhit *h, const vcell *c) {
+static inline void packet_keep(packet *l, vmask now, const vhit *h, const vcell *c) {
     l->hit.t = vf_select(now, h->t, l->hit.t);
     l->hit.u = vf_select(now, h->u, l->hit.u);
     l->hit.v = vf_select(now, h->v, l->hit.v);
@@ -77,7 +77,7 @@ static inline void lanes_keep(lanes *l, vmask now, const vhit *h, const vcell *c
     l->hit_j = vf_select(now, c->j, l->hit_j);
 }
 
-static inline void lanes_clear(lanes *l) {
+static inline void packet_clear(packet *l) {
     const vfloat zero = vf_set(0);
     l->found = vm_set(false);
     l->hit = (vhit){.t = zero, .u = zero, .v = zero, .b = l->found};
@@ -85,7 +85,7 @@ static inline void lanes_clear(lanes *l) {
 }
 
 /* Tests the cell of each living lane and goes on to the next. */
-static inline void lanes_step(lanes *l, const cw_field *f, cw_leaf leaf, bool any) {
+static inline void flat_step(packet *l, const cw_field *f, cw_leaf leaf, bool any) {
     const vray *r = &l->r;
     vcell *c = &l->c;
     count_lanes(COUNT_FLAT, l->alive);
@@ -99,7 +99,7 @@ static inline void lanes_step(lanes *l, const cw_field *f, cw_leaf leaf, bool an
         vhit h;
         const vmask now =
             leaf == CW_LEAF_WATERTIGHT ? wt_cell(r, c, candidates, any, &h) : mt_cell(r, c, candidates, &h);
-        if (!any) lanes_keep(l, now, &h, c);
+        if (!any) packet_keep(l, now, &h, c);
         l->found = vm_or(l->found, now);
         l->alive = vm_andnot(l->alive, now);
     }
@@ -118,7 +118,7 @@ static inline void lanes_step(lanes *l, const cw_field *f, cw_leaf leaf, bool an
 }
 
 /* Writes the hits of the lanes in found; lanes bits tells which, so that the caller knows the rest. */
-static inline unsigned lanes_hits(const lanes *l, cw_hit *hits) {
+static inline unsigned packet_hits(const packet *l, cw_hit *hits) {
     const unsigned found = vm_bits(l->found), in_b = vm_bits(l->hit.b);
     float t[W], u[W], v[W];
     int32_t i[W], j[W];

@@ -21,8 +21,8 @@
  * mispredicts more branches, and gains less from wider vectors. */
 
 /* Writes what the leaf test found in the lanes of a mask. */
-CW_INLINE void stream_hits(const uint32_t ray[W], unsigned found, const vhit *h, vint i, vint j, bool any, cw_hit *hits,
-                           uint8_t *occluded) {
+CW_INLINE void lane_hits(const uint32_t ray[W], unsigned found, const vhit *h, vint i, vint j, bool any, cw_hit *hits,
+                         uint8_t *occluded) {
     if (any) {
         for (; found != 0; found &= found - 1) occluded[ray[__builtin_ctz(found)]] = 1;
         return;
@@ -45,33 +45,33 @@ CW_INLINE void stream_hits(const uint32_t ray[W], unsigned found, const vhit *h,
 enum { REFILL_AT = W / 4 > 0 ? W / 4 : 1, LEAF_AT = (3 * W + 7) / 8 };
 
 /* What changes on the way, in registers between two refills. The rest of each ray is read from where it is. */
-typedef struct stream_state {
+typedef struct lane_state {
     vfloat t;
     vfloat
         leave;  /* t from which the rest of the parent is passed over; -infinity: pass over this node; else infinity */
     vint x, y;  /* low corner of the node, mirrored */
     vint level; /* 0 for cells; side 4^level */
     vmask alive;
-} stream_state;
+} lane_state;
 
 /* All of it where lanes are refilled. */
-typedef struct stream_lanes {
-    stream_rays rays;
+typedef struct lane_set {
+    lane_rays rays;
     float t[W], leave[W];
     int32_t x[W], y[W], level[W];
     uint32_t ray[W]; /* where its hit goes */
     float cone[W];   /* of tolerant queries */
     unsigned living; /* lanes that hold a ray; where none does, nothing else is of use */
-} stream_lanes;
+} lane_set;
 
 /* Empty lanes, whose numbers are computed with like all others. */
-CW_INLINE void stream_clear(stream_lanes *l) { memset(l, 0, sizeof *l); }
+CW_INLINE void lane_clear(lane_set *l) { memset(l, 0, sizeof *l); }
 
-CW_INLINE void refill_lane(stream_lanes *l, size_t lane, const stream_queue *queue, const queued *q, cw_leaf leaf,
+CW_INLINE void refill_lane(lane_set *l, size_t lane, const lane_queue *queue, const queued *q, cw_leaf leaf,
                            bool tolerant) {
     count_step(COUNT_REFILL, 1);
-    copy_ray(&l->rays, lane, &queue->ready[q->part], q->lane, leaf);
-    if (tolerant) l->cone[lane] = queue->cone[q->part * W + q->lane];
+    copy_ray(&l->rays, lane, &queue->ready[q->packet], q->lane, leaf);
+    if (tolerant) l->cone[lane] = queue->cone[q->packet * W + q->lane];
     l->t[lane] = q->t;
     l->leave[lane] = INFINITY;
     l->x[lane] = q->x;
@@ -80,12 +80,12 @@ CW_INLINE void refill_lane(stream_lanes *l, size_t lane, const stream_queue *que
     l->ray[lane] = queue->first + q->ray;
 }
 
-CW_INLINE stream_state load_lanes(const stream_lanes *l) {
-    return (stream_state){vf_load(l->t), vf_load(l->leave), vi_load(l->x),
-                          vi_load(l->y), vi_load(l->level), vm_from_bits(l->living)};
+CW_INLINE lane_state load_lanes(const lane_set *l) {
+    return (lane_state){vf_load(l->t), vf_load(l->leave), vi_load(l->x),
+                        vi_load(l->y), vi_load(l->level), vm_from_bits(l->living)};
 }
 
-CW_INLINE void store_lanes(stream_lanes *l, const stream_state *s) {
+CW_INLINE void store_lanes(lane_set *l, const lane_state *s) {
     vf_store(l->t, s->t);
     vf_store(l->leave, s->leave);
     vi_store(l->x, s->x);
@@ -95,12 +95,12 @@ CW_INLINE void store_lanes(stream_lanes *l, const stream_state *s) {
 }
 
 /* What a step knows of one axis. */
-typedef struct stream_axis {
+typedef struct lane_axis {
     vfloat org, dir, corner, border, out;
-} stream_axis;
+} lane_axis;
 
-CW_INLINE stream_axis look_along(float f[RAY_AXIS][W], vint corner, vfloat side) {
-    stream_axis a;
+CW_INLINE lane_axis look_along(float f[RAY_AXIS][W], vint corner, vfloat side) {
+    lane_axis a;
     a.org = vf_load(f[RAY_ORG]);
     a.dir = vf_load(f[RAY_DIR]);
     a.corner = vf_from_vi(corner);
@@ -118,9 +118,9 @@ CW_INLINE void turn_back(vaxis *a, float f[RAY_AXIS][W], vint turned) {
 }
 
 /* Tests the cells that lanes wait at; the lanes that hit. */
-CW_INLINE vmask stream_leaf(stream_rays *rays, const uint32_t ray[W], const cw_field *f, const stream_state *s,
-                            const stream_axis axis[2], vmask waits, cw_leaf leaf, bool any, cw_hit *hits,
-                            uint8_t *occluded) {
+CW_INLINE vmask lane_leaf(lane_rays *rays, const uint32_t ray[W], const cw_field *f, const lane_state *s,
+                          const lane_axis axis[2], vmask waits, cw_leaf leaf, bool any, cw_hit *hits,
+                          uint8_t *occluded) {
     const vint turned_x = vi_load(rays->i[RAY_TURNED_X]), turned_y = vi_load(rays->i[RAY_TURNED_Y]);
     const vint i = vi_xor(s->x, turned_x), j = vi_xor(s->y, turned_y);
     float(*fx)[W] = rays->f, (*fy)[W] = rays->f + RAY_AXIS;
@@ -150,27 +150,27 @@ CW_INLINE vmask stream_leaf(stream_rays *rays, const uint32_t ray[W], const cw_f
     count_lanes(COUNT_LEAF, gate);
     vhit h;
     const vmask found = leaf == CW_LEAF_WATERTIGHT ? wt_cell(&r, &c, gate, any, &h) : mt_cell(&r, &c, gate, &h);
-    if (vm_any(found)) stream_hits(ray, vm_bits(found), &h, i, j, any, hits, occluded);
+    if (vm_any(found)) lane_hits(ray, vm_bits(found), &h, i, j, any, hits, occluded);
     return found;
 }
 
 /* The height of the rays above the planes of their nodes, as origin + t rate; slopes are mirrored. */
-typedef struct stream_plane {
+typedef struct lane_plane {
     vfloat origin, rate;
-} stream_plane;
+} lane_plane;
 
-CW_INLINE stream_plane above_plane(const stream_rays *rays, const stream_axis axis[2], const vfloat slope[2],
-                                   vfloat half_side) {
+CW_INLINE lane_plane above_plane(const lane_rays *rays, const lane_axis axis[2], const vfloat slope[2],
+                                 vfloat half_side) {
     const vfloat x = vf_sub(axis[0].org, vf_add(axis[0].corner, half_side)); /* from the node's middle */
     const vfloat y = vf_sub(axis[1].org, vf_add(axis[1].corner, half_side));
-    return (stream_plane){
+    return (lane_plane){
         vf_fnma(slope[1], y, vf_fnma(slope[0], x, vf_load(rays->f[RAY_OZ]))),
         vf_fnma(slope[1], axis[1].dir, vf_fnma(slope[0], axis[0].dir, vf_load(rays->f[RAY_DZ]))),
     };
 }
 
 /* Number along the axis, of 0 to 3, of the child in which the ray is at t, or of an earlier one. */
-CW_INLINE vint child_at(float f[RAY_AXIS][W], const stream_axis *a, vfloat t, vfloat inverse_side) {
+CW_INLINE vint child_at(float f[RAY_AXIS][W], const lane_axis *a, vfloat t, vfloat inverse_side) {
     const vfloat last = vf_sub(vf_load(f[RAY_LAST]), vf_set(0.5f));
     vfloat place = vf_fma(t, a->dir, vf_load(f[RAY_EARLY]));
     place = vf_max(vf_load(f[RAY_FIRST]), vf_min(last, place));
@@ -180,7 +180,7 @@ CW_INLINE vint child_at(float f[RAY_AXIS][W], const stream_axis *a, vfloat t, vf
 
 /* Where along the axis, in field coordinates, lanes are at t: in cell, that far in. Both lie in the node that begins at
  * corner, and in the field. */
-CW_INLINE vfloat stop_at(float f[RAY_AXIS][W], const stream_axis *a, vfloat t, vint corner, vfloat side, size_t samples,
+CW_INLINE vfloat stop_at(float f[RAY_AXIS][W], const lane_axis *a, vfloat t, vint corner, vfloat side, size_t samples,
                          vfloat *cell) {
     const vfloat low = vf_from_vi(corner), high = vf_min(vf_add(low, side), vf_set((float)(samples - 1)));
     vfloat place = vf_flip(vf_add(a->org, vf_mul(t, a->dir)), vf_load(f[RAY_SIGN]));
@@ -190,24 +190,24 @@ CW_INLINE vfloat stop_at(float f[RAY_AXIS][W], const stream_axis *a, vfloat t, v
 }
 
 /* Takes the slab for the surface, for lanes that are in it from t on: their hits are there. */
-CW_INLINE void stream_stop(stream_lanes *l, const cw_field *f, const stream_axis axis[2], vint i, vint j, vfloat side,
-                           vfloat t, vmask stops, bool any, cw_hit *hits, uint8_t *occluded) {
+CW_INLINE void lane_tolerant_hits(lane_set *l, const cw_field *f, const lane_axis axis[2], vint i, vint j, vfloat side,
+                                  vfloat t, vmask stops, bool any, cw_hit *hits, uint8_t *occluded) {
     vfloat cell_i, cell_j;
     const vfloat x = stop_at(l->rays.f, &axis[0], t, i, side, f->nx, &cell_i);
     const vfloat y = stop_at(l->rays.f + RAY_AXIS, &axis[1], t, j, side, f->ny, &cell_j);
     const vmask b = vf_gt(y, x);
     const vhit h = {t, vf_select(b, x, vf_sub(x, y)), vf_select(b, vf_sub(y, x), y), b};
-    stream_hits(l->ray, vm_bits(stops), &h, vi_from_vf(cell_i), vi_from_vf(cell_j), any, hits, occluded);
+    lane_hits(l->ray, vm_bits(stops), &h, vi_from_vf(cell_i), vi_from_vf(cell_j), any, hits, occluded);
 }
 
 /* Lanes that are at t in slabs no thicker than what is allowed there. Neither NaN nor infinite is. */
-CW_INLINE vmask stream_near(const stream_lanes *l, const cw_query *near, vfloat low, vfloat high, vfloat t) {
+CW_INLINE vmask lane_within_tolerance(const lane_set *l, const cw_query *tolerant, vfloat low, vfloat high, vfloat t) {
     const vfloat cone = vf_mul(t, vf_load(l->cone));
-    return vf_lt(vf_sub(high, low), vf_add(vf_set(near->tolerance), cone));
+    return vf_lt(vf_sub(high, low), vf_add(vf_set(tolerant->tolerance), cone));
 }
 
 /* Lanes of nodes among whose samples are no holes: no plane fits these, and theirs is level. */
-CW_INLINE vmask stream_solid(const cw_field *f, const vfloat slope[2]) {
+CW_INLINE vmask lane_solid(const cw_field *f, const vfloat slope[2]) {
     const vfloat zero = vf_set(0);
     const vmask level = vm_and(vf_eq(slope[0], zero), vf_eq(slope[1], zero));
     return f->holes == 0 ? vm_set(true) : vm_not(level);
@@ -215,10 +215,10 @@ CW_INLINE vmask stream_solid(const cw_field *f, const vfloat slope[2]) {
 
 /* Lanes of moves that go down to a child of their node; for them, new t, leave and place. Those for which it is near
  * enough to the surface hit instead, and are alive no longer. */
-CW_INLINE vmask stream_descend(stream_state *s, stream_lanes *l, const cw_field *f, const stream_axis axis[2],
-                               vfloat side, vfloat out, vmask moves, const cw_query *near, bool any, cw_hit *hits,
-                               uint8_t *occluded) {
-    stream_rays *rays = &l->rays;
+CW_INLINE vmask lane_descend(lane_state *s, lane_set *l, const cw_field *f, const lane_axis axis[2], vfloat side,
+                             vfloat out, vmask moves, const cw_query *tolerant, bool any, cw_hit *hits,
+                             uint8_t *occluded) {
+    lane_rays *rays = &l->rays;
     const struct cw_pyramid *p = f->pyramid;
     const vint shift = vi_add(s->level, s->level), one = vi_set(1);
     const vint i = vi_shift_right(vi_xor(s->x, vi_load(rays->i[RAY_TURNED_X])), shift);
@@ -230,7 +230,7 @@ CW_INLINE vmask stream_descend(stream_state *s, stream_lanes *l, const cw_field 
     const vfloat pad = vf_load(rays->f[RAY_PAD]), low = vf_sub(slab[0], pad), high = vf_add(slab[1], pad);
     const vfloat slope[2] = {vf_flip(slab[2], vf_load(rays->f[RAY_SIGN])),
                              vf_flip(slab[3], vf_load(rays->f[RAY_AXIS + RAY_SIGN]))};
-    const stream_plane above = above_plane(rays, axis, slope, vf_mul(side, vf_set(0.5f)));
+    const lane_plane above = above_plane(rays, axis, slope, vf_mul(side, vf_set(0.5f)));
     const vfloat t = s->t, t1 = vf_min(out, vf_load(rays->f[RAY_UNTIL]));
     const vfloat d0 = vf_fma(t, above.rate, above.origin), d1 = vf_fma(t1, above.rate, above.origin);
     const vmask misses = vm_or(vf_gt(vf_min(d0, d1), high), vf_lt(vf_max(d0, d1), low));
@@ -245,12 +245,12 @@ CW_INLINE vmask stream_descend(stream_state *s, stream_lanes *l, const cw_field 
     const vfloat after = vf_max(zero, vf_max(vf_sub(d1, high), vf_sub(low, d1)));
     const vfloat start = vf_min(vf_max(vf_fma(before, per, t), t), t1);
     const vfloat leave = vf_max(start, vf_min(vf_fnma(after, per, t1), vf_set(INFINITY)));
-    if (near) {
-        vmask stops = vm_and(enters, stream_near(l, near, low, high, start));
+    if (tolerant) {
+        vmask stops = vm_and(enters, lane_within_tolerance(l, tolerant, low, high, start));
         if (vm_any(stops)) {
-            stops = vm_and(stops, stream_solid(f, slope));
-            stream_stop(l, f, axis, vi_shift_left(i, shift), vi_shift_left(j, shift), side, start, stops, any, hits,
-                        occluded);
+            stops = vm_and(stops, lane_solid(f, slope));
+            lane_tolerant_hits(l, f, axis, vi_shift_left(i, shift), vi_shift_left(j, shift), side, start, stops, any,
+                               hits, occluded);
             s->alive = vm_andnot(s->alive, stops);
         }
     }
@@ -268,7 +268,7 @@ CW_INLINE vmask stream_descend(stream_state *s, stream_lanes *l, const cw_field 
 
 /* Takes lanes on to the next node of the same size, and up to the parent where that is another one or the rest of the
  * parent is to be passed over. */
-CW_INLINE void stream_advance(stream_state *s, stream_rays *rays, const stream_axis axis[2], vfloat out, vmask moves) {
+CW_INLINE void lane_advance(lane_state *s, lane_rays *rays, const lane_axis axis[2], vfloat out, vmask moves) {
     const vmask in_x = vf_le(axis[0].out, axis[1].out);
     const vmask leaves = vm_or(vm_and(in_x, vf_ge(axis[0].border, vf_load(rays->f[RAY_LAST]))),
                                vm_andnot(vf_ge(axis[1].border, vf_load(rays->f[RAY_AXIS + RAY_LAST])), in_x));
@@ -291,25 +291,25 @@ CW_INLINE void stream_advance(stream_state *s, stream_rays *rays, const stream_a
 }
 
 /* One step of every living lane, but for those that wait at a cell. Levels here: cells 0, nodes of pyramid level l l + 1. */
-CW_INLINE void stream_step(stream_state *s, stream_lanes *l, const cw_field *f, cw_leaf leaf, const cw_query *near,
-                           bool any, cw_hit *hits, uint8_t *occluded) {
-    stream_rays *rays = &l->rays;
+CW_INLINE void lane_step(lane_state *s, lane_set *l, const cw_field *f, cw_leaf leaf, const cw_query *tolerant,
+                         bool any, cw_hit *hits, uint8_t *occluded) {
+    lane_rays *rays = &l->rays;
     count_lanes(COUNT_STREAM, s->alive);
     const vfloat side = vf_power_of_2(vi_add(s->level, s->level));
-    const stream_axis axis[2] = {look_along(rays->f, s->x, side), look_along(rays->f + RAY_AXIS, s->y, side)};
+    const lane_axis axis[2] = {look_along(rays->f, s->x, side), look_along(rays->f + RAY_AXIS, s->y, side)};
     const vfloat out = vf_min(axis[0].out, axis[1].out);
     const vmask at_cell = vi_eq(s->level, vi_set(0)), waits = vm_and(s->alive, at_cell);
     vmask moves = vm_andnot(s->alive, at_cell);
     if (__builtin_popcount(vm_bits(waits)) >= LEAF_AT || !vm_any(moves)) {
         count_lanes(COUNT_ROUND, waits);
-        const vmask found = stream_leaf(rays, l->ray, f, s, axis, waits, leaf, any, hits, occluded);
+        const vmask found = lane_leaf(rays, l->ray, f, s, axis, waits, leaf, any, hits, occluded);
         s->alive = vm_andnot(s->alive, found);
         moves = vm_andnot(waits, found);
     } else {
         count_lanes(COUNT_NODE, moves);
-        moves = vm_andnot(moves, stream_descend(s, l, f, axis, side, out, moves, near, any, hits, occluded));
+        moves = vm_andnot(moves, lane_descend(s, l, f, axis, side, out, moves, tolerant, any, hits, occluded));
     }
-    stream_advance(s, rays, axis, out, moves);
+    lane_advance(s, rays, axis, out, moves);
 }
 
 /* Walks rays in the lanes and in the queue. A hit is written to hits[ray], or for any hit 1 to occluded[ray]. All come to
@@ -321,25 +321,25 @@ CW_INLINE void stream_step(stream_state *s, stream_lanes *l, const cw_field *f, 
  * 257² and 1025² samples). With prefetches of what the next turn of each reads, 39 % more instructions, it is 19 to 26 %
  * faster in 4097² samples, where all waits for memory, 5 % for bounce and ambient-occlusion rays there, and 7 to 30 %
  * slower in smaller fields. */
-CW_INLINE void stream_walk(const cw_field *f, const stream_queue *queue, stream_lanes *l, bool more, cw_leaf leaf,
-                           const cw_query *near, bool any, cw_hit *hits, uint8_t *occluded) {
+CW_INLINE void lane_walk(const cw_field *f, const lane_queue *queue, lane_set *l, bool more, cw_leaf leaf,
+                         const cw_query *tolerant, bool any, cw_hit *hits, uint8_t *occluded) {
     if (l->living == 0) {
         if (queue->n == 0) return;
-        stream_clear(l);
+        lane_clear(l);
     }
     for (size_t next = 0;;) {
         for (unsigned empty = ~l->living & ((1u << W) - 1); empty != 0 && next < queue->n; empty &= empty - 1) {
             const unsigned lane = (unsigned)__builtin_ctz(empty);
-            refill_lane(l, lane, queue, &queue->rays[next++], leaf, near != NULL);
+            refill_lane(l, lane, queue, &queue->rays[next++], leaf, tolerant != NULL);
             l->living |= 1u << lane;
         }
         const int refill_at = more || next < queue->n ? (int)W - REFILL_AT : 0;
         if (__builtin_popcount(l->living) <= refill_at) return;
         count_step(COUNT_RELOAD, l->living);
-        stream_state s = load_lanes(l);
+        lane_state s = load_lanes(l);
         unsigned living;
         do {
-            stream_step(&s, l, f, leaf, near, any, hits, occluded);
+            lane_step(&s, l, f, leaf, tolerant, any, hits, occluded);
             living = vm_bits(s.alive);
         } while (__builtin_popcount(living) > refill_at);
         store_lanes(l, &s);

@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The packet kernels: W rays in the flat walk until the last one has ended. simd/CMakeLists.txt compiles this once for
+ * each row of its table. */
+
+#include "vocabulary.h"
+
+#include "ray.inc.h"
+
+#include "moller_trumbore.inc.h"
+#include "watertight.inc.h"
+
+#include "flat_walk.inc.h"
+
+#include "kernels.h"
+
+/* Walks the first n of W rays to their ends. */
+static inline void packet_walk(packet *l, const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, bool any) {
+    cw_ray tail[W];
+    if (n < W) { /* lanes beyond the array get a ray of their own to read */
+        for (size_t k = 0; k < W; k++) tail[k] = rays[k < n ? k : 0];
+        rays = tail;
+    }
+    l->alive = vm_and(vm_first(n), make_rays(&l->r, f, rays));
+    packet_clear(l);
+    flat_start(l, f);
+    while (vm_any(l->alive)) /* at most nx + ny turns: a lane goes one way on each axis and leaves the field */
+        flat_step(l, f, leaf, any);
+}
+
+static inline void packet_closest(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, cw_leaf leaf) {
+    for (size_t k = 0; k < n; k += W) {
+        const size_t count = n - k < W ? n - k : W;
+        packet l;
+        packet_walk(&l, f, rays + k, count, leaf, false);
+        const unsigned found = packet_hits(&l, hits + k);
+        for (size_t m = 0; m < count; m++)
+            if (!(found >> m & 1)) hits[k + m] = (cw_hit){.t = INFINITY, .i = -1, .j = -1};
+    }
+}
+
+static inline void packet_any(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded, cw_leaf leaf) {
+    for (size_t k = 0; k < n; k += W) {
+        const size_t count = n - k < W ? n - k : W;
+        packet l;
+        packet_walk(&l, f, rays + k, count, leaf, true);
+        const unsigned found = vm_bits(l.found);
+        for (size_t m = 0; m < count; m++) occluded[k + m] = found >> m & 1;
+    }
+}
+
+static void CW_CODE(closest_packet_mt_)(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query,
+                                        cw_hit *hits) {
+    (void)query;
+    packet_closest(f, rays, n, hits, CW_LEAF_MOLLER_TRUMBORE);
+}
+static void CW_CODE(any_packet_mt_)(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query,
+                                    uint8_t *occluded) {
+    (void)query;
+    packet_any(f, rays, n, occluded, CW_LEAF_MOLLER_TRUMBORE);
+}
+static void CW_CODE(closest_packet_wt_)(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query,
+                                        cw_hit *hits) {
+    (void)query;
+    packet_closest(f, rays, n, hits, CW_LEAF_WATERTIGHT);
+}
+static void CW_CODE(any_packet_wt_)(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query,
+                                    uint8_t *occluded) {
+    (void)query;
+    packet_any(f, rays, n, occluded, CW_LEAF_WATERTIGHT);
+}
+
+/* A function a leaf test: one function for both, with a branch at its top, takes up to 15 % more instructions, as compilers
+ * then have too few registers. */
+const cw_kernel_code CW_CODE(packet) = {
+    .closest =
+        {[CW_LEAF_MOLLER_TRUMBORE] = CW_CODE(closest_packet_mt_), [CW_LEAF_WATERTIGHT] = CW_CODE(closest_packet_wt_)},
+    .any = {[CW_LEAF_MOLLER_TRUMBORE] = CW_CODE(any_packet_mt_), [CW_LEAF_WATERTIGHT] = CW_CODE(any_packet_wt_)},
+};

@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The vector vocabulary that the build names for this object, and the name of the code that comes of it:
+ *
+ *     CELLWALK_VOCABULARY  "vec_avx2.h", the header with the vectors' types and operations
+ *     CELLWALK_PAIRS       defined where two such vectors go in lockstep as one
+ *     CELLWALK_SUFFIX      8x2, of which CW_CODE(pyramid) makes cw_pyramid8x2
+ *
+ * simd/CMakeLists.txt sets them. */
+#ifndef CELLWALK_SIMD_VOCABULARY_H
+#define CELLWALK_SIMD_VOCABULARY_H
+
+#ifdef CELLWALK_PAIRS
+#include "vec_half.h"
+#endif
+
+#include CELLWALK_VOCABULARY
+
+#ifdef CELLWALK_PAIRS
+#include "vec_twice.h"
+#endif
+
+#define CW_PASTE(kind, suffix)   cw_##kind##suffix
+#define CW_CODE_OF(kind, suffix) CW_PASTE(kind, suffix)
+#define CW_CODE(kind)            CW_CODE_OF(kind, CELLWALK_SUFFIX)
+
+#endif
