@@ -1,0 +1,136 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Tables of README.md and papers/*.md, from the results in papers/data. A table stands in a page between the lines
+<!-- begin:NAME --> and <!-- end:NAME -->; the same results give the same text."""
+
+import argparse
+import glob
+import os
+import sys
+
+import blocks_scenes
+import blocks_speed
+import blocks_stability
+import blocks_tradeoff
+import blocks_work
+from markdown import Page, table
+from results import Data, Problem, Results
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+# Blocks of pages that are no tables: commands and a program, which tests read.
+NOT_TABLES = {"install", "test", "example"}
+
+# What a file of results becomes, by the command that made it: the block's name, and its text.
+OWN = {
+    "table": ("table", blocks_scenes.brief),
+    "tradeoff": ("tradeoff", blocks_tradeoff.page),
+    "micro": ("micro", blocks_speed.micro),
+    "counters": ("counters", blocks_work.counters),
+    "leaf": ("leaf", blocks_stability.leaf),
+    "extremes": ("extremes", blocks_stability.extremes),
+    "exhaustive": ("exhaustive", blocks_stability.exhaustive),
+    "stress": ("stress", blocks_stability.stress),
+}
+
+
+def from_file(name, make):
+    return lambda data: make(data[name])
+
+
+BLOCKS = {
+    "summary": lambda data: blocks_speed.summary(data) + blocks_tradeoff.accuracy(data),
+    "table": from_file("scenes/table.json", blocks_scenes.brief),
+    "tradeoff": from_file("tradeoff/tradeoff.json", blocks_tradeoff.page),
+    "leaf": from_file("stability/leaf.json", blocks_stability.leaf),
+    "stability": lambda data: blocks_stability.stability([data["stability/aimed.json"]]),
+    "extremes": from_file("stability/extremes.json", blocks_stability.extremes),
+    "exhaustive": from_file("stability/exhaustive.json", blocks_stability.exhaustive),
+    "stress": from_file("stability/stress.json", blocks_stability.stress),
+    "coursework": blocks_scenes.coursework,
+    "frontier": blocks_tradeoff.modes,
+    **{make.__name__: make for make in (
+        blocks_speed.speeds, blocks_speed.targets, blocks_speed.peers, blocks_speed.widths, blocks_speed.threads,
+        blocks_speed.building, blocks_work.walks, blocks_work.ablation, blocks_work.caches, blocks_work.pages)},
+}
+
+
+def pages(root):
+    return [Page(path) for path in [os.path.join(root, "README.md"), *sorted(glob.glob(os.path.join(root, "papers/*.md")))]]
+
+
+def fill(root, data):
+    """All blocks of all pages, in memory: (page, name, text)."""
+    fills = [(page, name, None) for page in pages(root) for name in page.names() if name not in NOT_TABLES]
+    for page, name, _ in fills:
+        if name not in BLOCKS:
+            raise Problem(f"{page.path}: there is no table {name}; there are {', '.join(sorted(BLOCKS))}")
+    missing = BLOCKS.keys() - {name for _, name, _ in fills}
+    if missing:
+        raise Problem(f"no page has the table {', '.join(sorted(missing))}")
+    made = {name: BLOCKS[name](data) for name in BLOCKS}
+    return [(page, name, made[name]) for page, name, _ in fills]
+
+
+def check(fills, root):
+    stale = 0
+    for page, name, text in fills:
+        difference = page.difference(name, text)
+        if difference:
+            number, have, want = difference
+            stale += 1
+            print(f"{os.path.relpath(page.path, root)}:{number}: {name} is not what the data give\n"
+                  f"  page: {have}\n  data: {want}")
+    if stale:
+        raise Problem(f"{stale} tables are out of date; papers/scripts/tables.py makes them again")
+
+
+def own_run(paths, into, block):
+    files = [Results(path) for path in paths]
+    command = files[0].run.text("command")
+    if command == "stability":
+        name, text = "stability", blocks_stability.stability(files)
+    else:
+        if len(files) > 1:
+            raise Problem(f"{paths[1]}: only runs of cellwalk-stability can be added up")
+        if command == "micro" and files[0].first("counts"):
+            command = "counters"
+        if command not in OWN:
+            raise Problem(f"{paths[0]}:1: results of {command}: there is no table of these")
+        if block and block != command and block in OWN:
+            command = block
+        name, text = OWN[command][0], OWN[command][1](files[0])
+    if into is None:
+        print(text, end="")
+        return
+    page = Page(into)
+    page.put(block or name, text)
+    page.save()
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--check", action="store_true", help="write nothing; fail if a page has other figures")
+    parser.add_argument("--root", default=ROOT, help="where README.md and papers/ are")
+    parser.add_argument("--data", nargs="+", metavar="FILE",
+                        help="instead: the table of an own run, such as out/table/table.json, printed unless --into")
+    parser.add_argument("--into", metavar="PAGE", help="with --data: the page to put it into")
+    parser.add_argument("--block", metavar="NAME", help="with --data: the block's name, if not that of the command")
+    options = parser.parse_args()
+    if options.data:
+        own_run(options.data, options.into, options.block)
+        return
+    fills = fill(options.root, Data(os.path.join(options.root, "papers/data")))
+    if options.check:
+        check(fills, options.root)
+        return
+    for page, name, text in fills:
+        page.put(name, text)
+    for page in {page.path: page for page, _, _ in fills}.values():
+        page.save()
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except Problem as problem:
+        sys.exit(f"tables.py: {problem}")
