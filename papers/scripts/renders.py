@@ -1,0 +1,112 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Pictures of scenes in papers/pictures: renders them again, or with --check compares every pixel. Pixels depend neither on
+the kernel nor on the number of threads, so the bound is 0: one pixel that differs is a failure."""
+
+import argparse
+import os
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+import zlib
+
+from results import Problem
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+# Picture: scene, what is replaced in its text, and options of cellwalk render.
+RENDERS = {"landsea-0.png": ("landsea-0.pbrt", ('"integer xresolution" 400', '"integer xresolution" 800'),
+                             ["--phong", "--samples", "16"])}
+
+
+def render(tool, scenes, name, output):
+    scene, (old, new), options = RENDERS[name]
+    path = os.path.join(scenes, scene)
+    try:
+        with open(path, encoding="utf-8") as file:
+            text = file.read()
+    except OSError as error:
+        raise Problem(f"{path}: {error.strerror}") from None
+    if text.count(old) != 1:
+        raise Problem(f"{path}: has {text.count(old)} times {old}; want one")
+    with tempfile.TemporaryDirectory() as folder:  # the changed scene beside what it includes
+        for other in os.listdir(scenes):
+            if other != scene:
+                os.symlink(os.path.join(os.path.abspath(scenes), other), os.path.join(folder, other))
+        changed = os.path.join(folder, scene)
+        with open(changed, "w", encoding="utf-8") as file:
+            file.write(text.replace(old, new))
+        done = subprocess.run([tool, "render", changed, *options, "-o", output], capture_output=True, text=True)
+    if done.returncode != 0:
+        raise Problem(f"{tool} render {scene} failed with status {done.returncode}: {done.stderr.strip()}")
+
+
+def pixels(path):
+    """Width, height and rows of bytes of a PNG of 8-bit RGB, which cellwalk writes."""
+    with open(path, "rb") as file:
+        data = file.read()
+    at, header, packed = 8, None, b""
+    while at < len(data):
+        length, kind = struct.unpack(">I4s", data[at:at + 8])
+        body = data[at + 8:at + 8 + length]
+        header = struct.unpack(">IIBBBBB", body) if kind == b"IHDR" else header
+        packed += body if kind == b"IDAT" else b""
+        at += length + 12
+    if data[:8] != b"\x89PNG\r\n\x1a\n" or header is None or header[2:] != (8, 2, 0, 0, 0):
+        raise Problem(f"{path}: is no PNG of 8-bit RGB")
+    width, height = header[:2]
+    raw, step = zlib.decompress(packed), 3
+    rows, above = [], bytes(width * step)
+    for y in range(height):
+        kind, *line = raw[y * (width * step + 1):(y + 1) * (width * step + 1)]
+        for x in range(len(line)):
+            left, up, corner = (line[x - step], above[x], above[x - step]) if x >= step else (0, above[x], 0)
+            if kind == 4:  # Paeth: whichever of the three is nearest to left + up - corner
+                near = left + up - corner
+                guess = min((left, up, corner), key=lambda value: abs(near - value))
+            else:
+                guess = (0, left, up, (left + up) // 2)[kind]
+            line[x] = (line[x] + guess) & 255
+        above = line
+        rows.append(bytes(line))
+    return width, height, rows
+
+
+def compare(name, wanted, rendered):
+    have, want = pixels(wanted), pixels(rendered)
+    if have[:2] != want[:2]:
+        raise Problem(f"{wanted}: has {have[0]} x {have[1]} pixels, rendered are {want[0]} x {want[1]}")
+    differ = [(x // 3, y, abs(a - b)) for y, (row, other) in enumerate(zip(have[2], want[2])) if row != other
+              for x, (a, b) in enumerate(zip(row, other)) if a != b]
+    if differ:
+        x, y, _ = differ[0]
+        raise Problem(f"{wanted}: {len({place[:2] for place in differ})} pixels differ from what is rendered, by at most "
+                      f"{max(place[2] for place in differ)} of 255; the first is ({x}, {y}). papers/scripts/renders.py "
+                      "renders it again")
+    print(f"{name}: all {have[0]} x {have[1]} pixels are equal")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--check", action="store_true", help="write nothing; fail if a pixel differs")
+    parser.add_argument("--tool", default="build/release/src/tool/cellwalk", help="the program cellwalk")
+    parser.add_argument("--scenes", default="build/release/bench/scenes", help="the folder of scenes in the build tree")
+    parser.add_argument("--root", default=ROOT, help="where papers/ is")
+    options = parser.parse_args()
+    for name in RENDERS:
+        picture = os.path.join(options.root, "papers/pictures", name)
+        with tempfile.TemporaryDirectory() as folder:
+            rendered = os.path.join(folder, name)
+            render(options.tool, options.scenes, name, rendered)
+            if options.check:
+                compare(name, picture, rendered)
+            else:
+                shutil.copyfile(rendered, picture)
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except (Problem, OSError) as problem:
+        sys.exit(f"renders.py: {problem}")
