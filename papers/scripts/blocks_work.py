@@ -1,74 +1,124 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tables of work: what the walks do for a ray, what each lever saves, cache misses, pages, and where the time goes."""
+"""Tables of work: what the walks do for a ray, what each part of a kernel saves, cache misses, pages, and where the time
+goes."""
 
+import names
 from blocks_speed import matrix, own, speed
 from markdown import ratio, table
-from results import geometric_mean, run_text
+from results import Problem, geometric_mean, run_text
 
 
 def counts_of(results, field, rays, kernel):
     """What a kernel counted, whatever its leaf test."""
-    for line in results.of("counts", field=field, rays=rays):
-        if line.text("contender").split("/")[0] == kernel:
-            return line
-    return None
+    return next((line for line in results.of("counts", field=field, rays=rays)
+                 if names.kernel(line.text("contender")) == kernel), None)
 
 
-def a_ray(line, kind, member):
+def a_ray(line, kind, member="events"):
     """Events, or the lanes that took part in them, a ray."""
     counts = line.inner("counts")
     return counts.inner(kind).number(member) / line.number("ray_count") if kind in counts else 0
 
 
+def busy(line, kind):
+    """Lanes a ray, and in brackets which share of the vector's lanes that is."""
+    events, lanes = a_ray(line, kind), a_ray(line, kind, "lanes")
+    return f"{lanes:.2f} ({100 * lanes / (events * line.number('width')):.0f} %)" if events else ""
+
+
+def count(line, kind):
+    return f"{a_ray(line, kind):.2f}" if a_ray(line, kind) else ""
+
+
 def places(line):
-    """Voxels, cells and nodes that a walk comes to."""
-    return (a_ray(line, "voxel", "events") + a_ray(line, "flat", "lanes") + a_ray(line, "node", "lanes") +
-            a_ray(line, "round", "lanes") + a_ray(line, "shared_node", "events") +
-            a_ray(line, "shared_cell", "events"))
+    """Voxels, cells and nodes that a walk visits."""
+    return (sum(a_ray(line, kind, "lanes") for kind in ("flat", "node", "round")) +
+            sum(a_ray(line, kind) for kind in ("voxel", "shared_node", "shared_cell")))
 
 
 def triangles(line):
-    return a_ray(line, "triangle", "events") + 2 * a_ray(line, "leaf", "lanes")
+    return a_ray(line, "triangle") + 2 * a_ray(line, "leaf", "lanes")
+
+
+# ---- what the walks do ----
+
+WALKS = ("grid3d", "cell", "pyramid1")
+
+
+def work(data):
+    """(places, triangles) of each of WALKS, for each field and class of rays that all have."""
+    results = data["counters.json"]
+    found = {}
+    for field in results.distinct("field", "counts"):
+        for rays in results.distinct("rays", "counts"):
+            lines = [counts_of(results, field, rays, kernel) for kernel in WALKS]
+            if all(lines):
+                found[field, rays] = [(places(line), triangles(line)) for line in lines]
+    if not found:
+        raise Problem(f"{results.path}: has no counts of all of {', '.join(WALKS)}")
+    return found
+
+
+def mean_ratio(found, above, below, k):
+    return geometric_mean([of[above][k] / of[below][k] for of in found.values()])
 
 
 def walks(data):
+    found = work(data)
+    fewer = [sum(cell[k] < grid[k] for grid, cell, _ in found.values()) for k in (0, 1)]
+    both = [2 * cell[0] / grid[1] for grid, cell, _ in found.values()]
+    return (
+        f"- The cell walk visits {mean_ratio(found, 1, 0, 0):.1f} times as many cells as the 3D grid visits voxels, but "
+        f"tests only {100 * mean_ratio(found, 1, 0, 1):.2g} % as many triangles (geometric means over {len(found)} sets of "
+        "rays).\n"
+        f"- It visits fewer cells than the grid visits voxels in {fewer[0]} of these sets, and tests fewer triangles in "
+        f"{fewer[1]}. If it tested both triangles of every cell that it visits, it would test up to {max(both):.1f} times as "
+        f"many as the grid.\n"
+        f"- The pyramid visits {100 * mean_ratio(found, 2, 1, 0):.2g} % as many nodes and cells as the cell walk visits "
+        f"cells, and tests {100 * mean_ratio(found, 2, 1, 1):.2g} % as many triangles (geometric means).\n")
+
+
+def visits(data):
+    rows = [[names.field(field), rays, *(text for p, t in of for text in (f"{p:.1f}", f"{t:.2f}"))]
+            for (field, rays), of in work(data).items()]
+    return table(["field", "rays", "`grid3d`: voxels", "triangles", "`cell`: cells", "triangles",
+                  "`pyramid1`: nodes and cells", "triangles"], rows, "llrrrrrr")
+
+
+def steps(data):
     results = data["counters.json"]
-    kernels = ["grid3d", "cell", "pyramid1"]
-    rows, done = [], []
-    for field in results.distinct("field", "counts"):
+    rows = []
+    for about in results.of("field"):
+        kernel = about.text("default_kernel")
         for rays in results.distinct("rays", "counts"):
-            lines = [counts_of(results, field, rays, kernel) for kernel in kernels]
-            work = [(places(line), triangles(line)) if line else ("", "") for line in lines]
-            rows.append([field, rays, *(text for p, t in work for text in
-                                        ((f"{p:.1f}", f"{t:.2f}") if p != "" else ("", "")))])
-            if all(lines):
-                done.append(work)
-    text = "A ray, on average. Places are voxels, cells, or nodes and cells.\n\n"
-    text += table(["field", "rays", "`grid3d`: places", "triangles", "`cell`: places", "triangles",
-                   "`pyramid1`: places", "triangles"], rows, "llrrrrrr")
-    if not done:
-        return text
+            line = counts_of(results, about.text("field"), rays, kernel)
+            if line:
+                rows.append([names.field(about.text("field")), rays, count(line, "shared_node"), busy(line, "flat"),
+                             busy(line, "node"), busy(line, "leaf"), count(line, "refill")])
+    return (f"`{kernel}`, per ray. In brackets: the share of the vector's lanes that took part.\n\n" +
+            table(["field", "rays", "nodes opened together", "flat steps", "lane walk: node steps", "leaf tests",
+                   "refills"], rows, "llrrrrr"))
 
-    def means(above, below):
-        return [geometric_mean([work[above][k] / work[below][k] for work in done]) for k in (0, 1)]
 
-    to_grid, to_cell = means(1, 0), means(2, 1)
-    both = [2 * cell[0] / grid[1] for grid, cell, _ in done]
-    return text + (
-        f"\n- The cell walk comes to {to_grid[0]:.3g} times as many places as the 3D grid and tests {to_grid[1]:.2g} "
-        "times as many triangles (geometric means).\n"
-        f"- It comes to fewer places than the grid in {sum(cell[0] < grid[0] for grid, cell, _ in done)} of "
-        f"{len(done)} rows and tests fewer triangles in {sum(cell[1] < grid[1] for grid, cell, _ in done)}. If it "
-        f"tested both triangles wherever it comes, these would be {geometric_mean(both):.2g} times the grid's "
-        f"(geometric mean), at most {max(both):.3g} times.\n"
-        f"- The pyramid comes to {to_cell[0]:.3g} times as many places as the cell walk and tests {to_cell[1]:.2g} "
-        "times as many triangles (geometric means).\n")
+# ---- where the time goes ----
+
+def profile(data):
+    results = data["profile.json"]
+    phases = list(dict.fromkeys(phase for line in results.of("profile") for phase in line.inner("shares")))
+    phases.sort(key=lambda phase: phase == "other")
+    text = f"{run_text(results.run)}. `{results.some('profile')[0].text('kernel')}`, per cent of the samples in it.\n"
+    for field in results.distinct("field", "profile"):
+        of = {line.text("rays"): line.inner("shares") for line in results.of("profile", field=field)}
+        rows = [[phase, *(f"{100 * shares.number(phase, 0.0):.0f}".removeprefix("0")
+                          for shares in of.values())] for phase in phases]
+        text += f"\n**{names.field(field)}**\n\n" + table(["phase", *of], rows)
+    return text
 
 
 def ablation(data):
     results = data["ablation.json"]
     classes, variants = results.distinct("rays", "ablation"), results.distinct("variant", "ablation")
-    first = results.of("ablation")[0]
+    first = results.some("ablation")[0]
     of = {(line.text("field"), line.text("variant"), line.text("rays")):
           line.number("instructions") / line.number("ray_count") for line in results.of("ablation")}
 
@@ -78,12 +128,11 @@ def ablation(data):
             return ""
         return f"{value:.0f} ({value / base:.2f})" if variant != variants[0] and base else f"{value:.0f}"
 
-    text = (f"Instructions a ray inside the query, `{first.text('kernel')}`, in brackets over those of the code as it "
-            f"is; counted by callgrind, {first.number('ray_count')} rays a\nclass. All variants gave the same "
-            "answers.\n")
+    text = (f"Instructions per ray inside the query, `{first.text('kernel')}`, {first.number('ray_count')} rays a class, "
+            "counted by callgrind.\nIn brackets: relative to the unchanged kernel. All variants gave the same answers.\n")
     for field in results.distinct("field", "ablation"):
         rows = [[variant, *(cell(field, variant, rays) for rays in classes)] for variant in variants]
-        text += f"\n**{field}**\n\n" + table(["", *classes], rows)
+        text += f"\n**{names.field(field)}**\n\n" + table(["", *classes], rows)
     return text
 
 
@@ -94,44 +143,34 @@ def caches(data):
     for field in results.distinct("field", "caches"):
         for rays in results.distinct("rays", "caches"):
             lines = [(results.first("caches", field=field, rays=rays, level=level), key) for level, key in columns]
-            rows.append([field, rays, *(f"{line.number(key) / line.number('ray_count'):.2f}" if line else ""
-                                        for line, key in lines)])
-    first = results.of("caches")[0]
-    return (f"A ray on average, `{first.text('kernel')}`, {first.number('ray_count')} rays a class: reads, and the reads "
-            "and writes that miss caches of 32 KiB, 512 KiB and\n32 MiB, by callgrind's model, which has no "
-            "prefetches.\n\n" +
-            table(["field", "rays", "reads", "not in 32 KiB", "not in 512 KiB", "not in 32 MiB"], rows, "llrrrr"))
+            rows.append([names.field(field), rays, *(f"{line.number(key) / line.number('ray_count'):.2f}" if line else ""
+                                                     for line, key in lines)])
+    first = results.some("caches")[0]
+    return (f"Per ray, `{first.text('kernel')}`, {first.number('ray_count')} rays a class.\n\n" +
+            table(["field", "rays", "reads", "misses of 32 KiB", "of 512 KiB", "of 32 MiB"], rows, "llrrrr"))
 
 
 def pages(data):
     huge, small = data["pages-huge.json"], data["pages-small.json"]
     fields, classes = matrix(huge)
-    rows = [[field, *(ratio(speed(own(huge, field, rays)), speed(own(small, field, rays))) for rays in classes)]
-            for field in fields]
-    return "Speed on huge pages over that on ordinary ones.\n\n" + table(["field", *classes], rows)
+    rows = [[names.field(field), *(ratio(speed(own(huge, field, rays)), speed(own(small, field, rays)))
+                                   for rays in classes)] for field in fields]
+    return table(["field", *classes], rows)
 
 
 # ---- an own run ----
 
 def counters(results):
-    """One file of micro --counters, for a page of one's own."""
-    text = (f"{run_text(results.run)}.\n\nCounts a ray, in brackets the share of the vector's lanes that took part. A "
-            "leaf test is a ray against a cell of two triangles; grids test single triangles.\n")
-
-    def busy(line, kind):
-        events, lanes = a_ray(line, kind, "events"), a_ray(line, kind, "lanes")
-        return f"{lanes:.2f} ({100 * lanes / (events * line.number('width')):.0f} %)" if events else ""
-
-    def plain(count):
-        return f"{count:.2f}" if count else ""
-
+    """One file of cellwalk-bench micro --counters, for a page of one's own."""
+    text = (f"{run_text(results.run)}.\n\nCounts per ray. In brackets: the share of the vector's lanes that took part. A "
+            "leaf test is a ray against the two triangles of a cell; grids test single triangles.\n")
     groups = {}
     for line in results.of("counts"):
         groups.setdefault((line.text("field"), line.text("rays")), []).append(line)
     for (field, rays), lines in groups.items():
-        rows = [[line.text("contender"), busy(line, "flat"), busy(line, "node"), busy(line, "leaf"),
-                 plain(a_ray(line, "refill", "events")), plain(a_ray(line, "shared_node", "events")),
-                 plain(a_ray(line, "voxel", "events")), plain(triangles(line))] for line in lines]
-        text += f"\n**{field}, {rays}**, {100 * lines[0].number('hit_share'):.0f} % hit\n\n"
-        text += table(["", "cells", "node steps", "leaf tests", "refills", "shared nodes", "voxels", "triangles"], rows)
+        rows = [[names.label(line.text("contender")), busy(line, "flat"), busy(line, "node"), busy(line, "leaf"), count(line, "refill"),
+                 count(line, "shared_node"), count(line, "voxel"), f"{triangles(line):.2f}"] for line in lines]
+        text += f"\n**{names.field(field)}, {rays}**, {100 * lines[0].number('hit_share'):.0f} % hit\n\n"
+        text += table(["", "flat steps", "node steps", "leaf tests", "refills", "nodes opened together", "voxels",
+                       "triangles"], rows)
     return text

@@ -81,6 +81,13 @@ class Results:
         return [line for line in self.lines
                 if line.get("kind") == kind and all(line.get(key) == value for key, value in texts.items())]
 
+    def some(self, kind):
+        """The same, of which there has to be one."""
+        found = self.of(kind)
+        if not found:
+            raise Problem(f'{self.path}: has no line of kind "{kind}"')
+        return found
+
     def first(self, kind, **texts):
         found = self.of(kind, **texts)
         return found[0] if found else None
@@ -102,6 +109,10 @@ class Data:
         if name not in self.files:
             self.files[name] = Results(path) if os.path.exists(path) else None
         return self.files[name]
+
+    def files_there(self):
+        return {os.path.relpath(os.path.join(folder, file), self.folder)
+                for folder, _, files in os.walk(self.folder) for file in files if file.endswith(".json")}
 
     def __getitem__(self, name):
         if self.get(name) is None:

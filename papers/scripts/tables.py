@@ -13,6 +13,7 @@ import blocks_speed
 import blocks_stability
 import blocks_tradeoff
 import blocks_work
+import names
 from markdown import Page, table
 from results import Data, Problem, Results
 
@@ -20,17 +21,37 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 # Blocks of pages that are no tables: commands and a program, which tests read.
 NOT_TABLES = {"install", "test", "example"}
 
-# What a file of results becomes, by the command that made it: the block's name, and its text.
+# What a file of results becomes, by the command that made it.
 OWN = {
-    "table": ("table", blocks_scenes.brief),
-    "tradeoff": ("tradeoff", blocks_tradeoff.page),
-    "micro": ("micro", blocks_speed.micro),
-    "counters": ("counters", blocks_work.counters),
-    "leaf": ("leaf", blocks_stability.leaf),
-    "extremes": ("extremes", blocks_stability.extremes),
-    "exhaustive": ("exhaustive", blocks_stability.exhaustive),
-    "stress": ("stress", blocks_stability.stress),
+    "table": blocks_scenes.brief, "tradeoff": blocks_tradeoff.page, "micro": blocks_speed.micro,
+    "counters": blocks_work.counters, "leaf": blocks_stability.leaf, "extremes": blocks_stability.extremes,
+    "exhaustive": blocks_stability.exhaustive, "stress": blocks_stability.stress,
 }
+# Files of results, and what makes those that do not say by which arguments they were made.
+SOURCES = {
+    **dict.fromkeys(names.SPEED_FILES.values()), "peers.json": None, "widths.json": None, "threads.json": None,
+    "building.json": None, "counters.json": None, "profile.json": "papers/scripts/profile_kernels.py",
+    "ablation.json": "--target ablation", "caches.json": "--target caches", "pages-huge.json": None,
+    "pages-small.json": None, "scenes/table.json": None, "tradeoff/tradeoff.json": None,
+    "stability/aimed.json": "--target stability", "stability/extremes.json": "--target stability-extremes",
+    "stability/exhaustive.json": "--target stability-exhaustive", "stability/stress.json": "--target stability-stress",
+    "stability/leaf.json": "--target stability-leaf",
+}
+
+
+def sources(data):
+    rows = []
+    for name, made_by in SOURCES.items():
+        if data.get(name):
+            run = data[name].run
+            command = made_by or "cellwalk-bench " + run.text("arguments")
+            load = f"{run.number('load'):.2f}" if "load" in run else ""
+            rows.append([f"[{name}](data/{name})", f"`{command}`", run.text("isa", ""), run.text("commit", ""), load,
+                         run.text("date", "")[:10]])
+    unknown = data.files_there() - SOURCES.keys()
+    if unknown:
+        raise Problem(f"{data.folder}: {', '.join(sorted(unknown))}: no page says what made this")
+    return table(["file", "made by", "up to", "commit", "load", "date"], rows, "llllrl")
 
 
 def from_file(name, make):
@@ -40,17 +61,16 @@ def from_file(name, make):
 BLOCKS = {
     "summary": lambda data: blocks_speed.summary(data) + blocks_tradeoff.accuracy(data),
     "table": from_file("scenes/table.json", blocks_scenes.brief),
-    "tradeoff": from_file("tradeoff/tradeoff.json", blocks_tradeoff.page),
-    "leaf": from_file("stability/leaf.json", blocks_stability.leaf),
     "stability": lambda data: blocks_stability.stability([data["stability/aimed.json"]]),
-    "extremes": from_file("stability/extremes.json", blocks_stability.extremes),
-    "exhaustive": from_file("stability/exhaustive.json", blocks_stability.exhaustive),
-    "stress": from_file("stability/stress.json", blocks_stability.stress),
-    "coursework": blocks_scenes.coursework,
-    "frontier": blocks_tradeoff.modes,
+    **{name: from_file(f"stability/{name}.json", OWN[name]) for name in ("extremes", "exhaustive", "stress", "leaf")},
     **{make.__name__: make for make in (
-        blocks_speed.speeds, blocks_speed.targets, blocks_speed.peers, blocks_speed.widths, blocks_speed.threads,
-        blocks_speed.building, blocks_work.walks, blocks_work.ablation, blocks_work.caches, blocks_work.pages)},
+        blocks_speed.speeds, blocks_speed.rates, blocks_speed.targets, blocks_speed.peers, blocks_speed.widths,
+        blocks_speed.threads, blocks_speed.building, blocks_work.walks, blocks_work.visits, blocks_work.steps,
+        blocks_work.profile, blocks_work.ablation, blocks_work.caches, blocks_work.pages, blocks_scenes.coursework,
+        blocks_tradeoff.cells, sources)},
+    **{make.__name__: from_file(blocks_tradeoff.FILE, make) for make in (
+        blocks_tradeoff.modes, blocks_tradeoff.frontiers, blocks_tradeoff.errors, blocks_tradeoff.mode_speeds,
+        blocks_tradeoff.pictures, blocks_tradeoff.early, blocks_tradeoff.normals)},
 }
 
 
@@ -85,20 +105,19 @@ def check(fills, root):
 
 
 def own_run(paths, into, block):
+    """The table of one file, or of several parts of a long run."""
     files = [Results(path) for path in paths]
-    command = files[0].run.text("command")
-    if command == "stability":
-        name, text = "stability", blocks_stability.stability(files)
+    name = files[0].run.text("command")
+    if name == "stability":
+        text = blocks_stability.stability(files)
     else:
         if len(files) > 1:
             raise Problem(f"{paths[1]}: only runs of cellwalk-stability can be added up")
-        if command == "micro" and files[0].first("counts"):
-            command = "counters"
-        if command not in OWN:
-            raise Problem(f"{paths[0]}:1: results of {command}: there is no table of these")
-        if block and block != command and block in OWN:
-            command = block
-        name, text = OWN[command][0], OWN[command][1](files[0])
+        if name == "micro":
+            name = "leaf" if block == "leaf" else "counters" if files[0].first("counts") else "micro"
+        if name not in OWN:
+            raise Problem(f"{paths[0]}:1: results of {name}: there is no table of these")
+        text = OWN[name](files[0])
     if into is None:
         print(text, end="")
         return

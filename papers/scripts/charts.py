@@ -1,0 +1,273 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the pictures show: one function a chart. Blue is Cellwalk, orange is Embree, grey is everything else; lines and bars
+are labelled where they are, so that no legend has to be looked up."""
+
+from matplotlib import pyplot
+from matplotlib.ticker import NullFormatter, NullLocator
+
+import blocks_tradeoff
+import names
+from blocks_scenes import BESIDE, COURSEWORK
+from blocks_speed import build_of, bytes_a_cell, fastest, own, speed, speed_files
+from results import Problem
+
+OURS, OURS_LIGHT, EMBREE, EMBREE_LIGHT, GREY = "#1f6fb4", "#7fb2dc", "#d9731a", "#efb27c", "#8a8a8a"
+WIDTH = 8.4  # inches
+
+
+def canvas(height, rows=1, columns=1, title="", run=None, **adjust):
+    """Axes under a title and a line about the run."""
+    figure, axes = pyplot.subplots(rows, columns, figsize=(WIDTH, height), squeeze=False)
+    place = {"left": 0.08, "right": 0.97, "bottom": 0.5 / height, "top": 1 - 0.75 / height, **adjust}
+    figure.subplots_adjust(**place)
+    figure.text(0.012, 1 - 0.22 / height, title, fontsize=12, fontweight="bold")
+    if run:
+        peer = f", Embree {run.text('embree')}" if run.text("embree", "") else ""
+        compiler = run.text("compiler").replace("GNU", "GCC")
+        figure.text(0.012, 1 - 0.40 / height, f"{run.text('cpu')}, {names.ISAS[run.text('isa')]}, {compiler}, commit "
+                    f"{run.text('commit')}{peer}, {run.text('date')[:10]}", fontsize=7.5, color="#666666")
+    return figure, axes
+
+
+def log_axis(axis, ticks, labels=None):
+    axis.set_major_locator(pyplot.FixedLocator(list(ticks)))
+    axis.set_ticklabels([f"{tick:g}" for tick in ticks] if labels is None else labels)
+    axis.set_minor_locator(NullLocator())
+    axis.set_minor_formatter(NullFormatter())
+
+
+def note(axes, text, point, shift, color, **more):
+    """A label at a point, shifted by so many points of type."""
+    axes.annotate(text, point, shift, textcoords="offset points", color=color, **{"fontsize": 7.5, **more})
+
+
+def panels(axes, draw, y_label, x_label):
+    """A panel a class of rays, two rows of three; draw(axes, class)."""
+    for k, rays in enumerate(names.CLASSES):
+        panel = axes[k // 3][k % 3]
+        panel.set_title(names.CLASSES[rays], pad=3)
+        panel.grid(axis="y", color="#e4e4e4", linewidth=0.6)
+        panel.set_axisbelow(True)
+        draw(panel, rays)
+        if k % 3 == 0:
+            panel.set_ylabel(y_label)
+        if k // 3 == 1:
+            panel.set_xlabel(x_label)
+
+
+# ---- speed ----
+
+def pair(results, field, rays):
+    """Cellwalk's speed and Embree's."""
+    ours, theirs = own(results, field, rays), fastest(results, field, rays)
+    if not (ours and theirs):
+        raise Problem(f"{results.path}: has no speeds of both Cellwalk and Embree for {rays} rays on field {field}")
+    return speed(ours), speed(theirs)
+
+
+def speeds(data, field="1025"):
+    isa, results = next(iter(speed_files(data).items()))
+    title = f"Millions of rays a second, {field} × {field} samples, one thread, {names.ISAS[isa]}"
+    figure, ((axes,),) = canvas(3.6, title=title, run=results.run, left=0.17, right=0.95, bottom=0.03)
+    most = max(pair(results, field, rays)[0] for rays in names.CLASSES)
+    for k, rays in enumerate(names.CLASSES):
+        ours, theirs = pair(results, field, rays)
+        axes.barh(k - 0.19, ours, 0.36, color=OURS)
+        axes.barh(k + 0.19, theirs, 0.36, color=EMBREE)
+        text = f"{ours:.3g}  ({ours / theirs:.2f} times as fast)" + ("   Cellwalk" if k == 0 else "")
+        axes.text(ours + most / 100, k - 0.19, text, va="center", color=OURS, fontweight="bold", fontsize=8.5)
+        axes.text(theirs + most / 100, k + 0.19, f"{theirs:.3g}" + ("   Embree, its fastest packet width" if k == 0 else ""),
+                  va="center", color=EMBREE, fontsize=8.5)
+    axes.set_yticks(range(len(names.CLASSES)), names.CLASSES.values())
+    axes.invert_yaxis()
+    axes.set_xlim(0, most * 1.45)
+    axes.xaxis.set_visible(False)
+    axes.spines["bottom"].set_visible(False)
+    axes.tick_params(axis="y", length=0)
+    return figure
+
+
+def scaling(data):
+    isa, results = next(iter(speed_files(data).items()))
+    figure, axes = canvas(4.9, 2, 3, f"Speed and size of the field, one thread, {names.ISAS[isa]}", results.run,
+                          hspace=0.32, wspace=0.16)
+    fields = [field for field in names.LAND if results.first("field", field=field)]
+
+    def draw(panel, rays):
+        ours, theirs = zip(*(pair(results, field, rays) for field in fields))
+        panel.plot(ours, "o-", color=OURS)
+        panel.plot(theirs, "s-", color=EMBREE)
+        for k, (above, below) in enumerate(zip(ours, theirs)):
+            note(panel, f"{above / below:.2f}×", (k, max(above, below)), (0, 6), OURS, ha="center")
+        if rays == "primary":
+            note(panel, "Cellwalk, and how many\ntimes Embree's speed", (1.7, 47), (0, 0), OURS)
+            note(panel, "Embree, its fastest\npacket width", (0, 6), (0, 0), EMBREE)
+        panel.set_yscale("log")
+        panel.set_ylim(0.5, 110)
+        panel.set_xlim(-0.45, len(fields) - 0.55)
+        log_axis(panel.yaxis, (1, 3, 10, 30, 100))
+        panel.set_xticks(range(len(fields)), fields)
+
+    panels(axes, draw, "million rays / s", "samples a side")
+    return figure
+
+
+def widths(data, field="1025"):
+    results = data["widths.json"]
+    figure, axes = canvas(4.9, 2, 3, f"Speed and vector width, {field} × {field} samples, one thread", results.run,
+                          hspace=0.32, wspace=0.16)
+    of = {(line.text("contender"), line.text("rays")): speed(line) for line in results.of("result", field=field)}
+    lanes = (1, 4, 8, 16)
+    series = [("pyramid", OURS, "o-", "pyramid{}/watertight", (6, -11)),
+              ("two vectors\nin lockstep", OURS_LIGHT, "D--", "pyramid{}x2/watertight", (-30, 8)),
+              ("flat walk", GREY, "^-", "packet{}/watertight", (6, 6)),
+              ("Embree", EMBREE, "s-", "embree/triangles/w{}", (6, 5))]
+
+    def draw(panel, rays):
+        for text, color, style, name, shift in series:
+            points = [(width, of[name.format(width), rays]) for width in lanes if of.get((name.format(width), rays))]
+            panel.loglog([x for x, _ in points], [y for _, y in points], style, color=color)
+            if rays == "random" and points:
+                note(panel, text, points[-1 if "vectors" in text else 0], shift, OURS if color == OURS_LIGHT else color)
+        panel.set_ylim(0.07, 60)
+        panel.set_xlim(0.85, 11)
+        log_axis(panel.yaxis, (0.1, 0.3, 1, 3, 10, 30))
+        log_axis(panel.xaxis, (1, 4, 8))
+
+    panels(axes, draw, "million rays / s", "lanes in a vector")
+    return figure
+
+
+# ---- memory and building ----
+
+def building(data):
+    results = data["building.json"]
+    figure, ((memory, time),) = canvas(3.4, 1, 2, "Memory and time to build", results.run, wspace=0.5, right=0.85)
+    fields = [line for line in results.of("field") if line.text("field") in names.LAND]
+    structures = {"Cellwalk": (OURS, OURS, "o-", lambda field: build_of(results, field)),
+                  "3D grid": (GREY, GREY, "^-", lambda field: results.first("kernel_build", field=field, kernel="grid3d")),
+                  "Embree, triangles": (EMBREE, EMBREE, "s-", lambda field: results.first("peer_build", field=field,
+                                                                                        peer="embree/triangles")),
+                  "Embree, grid": (EMBREE_LIGHT, EMBREE, "D-", lambda field: results.first("peer_build", field=field,
+                                                                                          peer="embree/grid"))}
+    for text, (color, text_color, style, build) in structures.items():
+        lines = [build(line.text("field")) for line in fields]
+        if all(lines):
+            for panel, values in ((memory, [bytes_a_cell(about, line) for about, line in zip(fields, lines)]),
+                                  (time, [line.number("build_seconds") for line in lines])):
+                panel.plot(values, style, color=color)
+                up = 2 if panel is time and text == "3D grid" else -8 if panel is time and text == "Embree, grid" else -3
+                note(panel, text, (len(fields) - 1, values[-1]), (7, up), text_color, fontsize=8)
+    for panel, title, ticks in ((memory, "bytes a cell, samples included", (5, 10, 20, 50, 100, 200)),
+                                (time, "seconds, one thread", (1e-4, 1e-3, 1e-2, 0.1, 1, 10, 100))):
+        panel.set_title(title)
+        panel.set_yscale("log")
+        log_axis(panel.yaxis, ticks)
+        panel.set_xticks(range(len(fields)), [line.text("field") for line in fields])
+        panel.set_xlabel("samples a side")
+        panel.grid(axis="y", color="#e4e4e4", linewidth=0.6)
+    memory.set_ylim(4, 250)
+    return figure
+
+
+# ---- scenes ----
+
+def coursework(data):
+    results = data["scenes/table.json"]
+    scenes = results.some("scene")
+    figure, ((axes,),) = canvas(3.5, title="Time to render, relative to a triangle mesh (Phong normals)", run=results.run,
+                                left=0.11, right=0.98, top=0.70)
+    styles = {"coursework: 3D grid": ("^", "none", GREY), "coursework: cell walk": ("o", "none", GREY),
+              "3D grid": ("^", OURS_LIGHT, OURS_LIGHT), "cell walk": ("o", OURS_LIGHT, OURS_LIGHT),
+              "Cellwalk's choice": ("o", OURS, OURS)}
+    for k, line in enumerate(scenes):
+        mesh, *others = COURSEWORK[line.text("scene")]
+        of = {path.text("path"): path.number("time_to_default", 0.0) for path in line.lines("paths")}
+        values = [other / mesh for other in others] + [of.get(path) for path in BESIDE]
+        axes.axhline(k, color="#e4e4e4", linewidth=0.6, zorder=0)
+        for (text, (marker, face, edge)), value in zip(styles.items(), values):
+            if value:
+                axes.plot(value, k, marker, markersize=7, markerfacecolor=face, markeredgecolor=edge, markeredgewidth=1.4,
+                          linestyle="none", label=text if k == 0 else None)
+    axes.axvline(1, color="#444444", linewidth=0.8)
+    axes.set_xscale("log")
+    log_axis(axes.xaxis, (0.5, 1, 2, 5, 10, 20), ["0.5", "1: triangle mesh", "2", "5", "10", "20"])
+    axes.set_xlim(0.7, 20)
+    axes.set_yticks(range(len(scenes)), [line.text("scene") for line in scenes])
+    axes.set_ylim(len(scenes) - 0.5, -0.5)
+    axes.tick_params(axis="y", length=0)
+    axes.legend(loc="lower left", bbox_to_anchor=(-0.02, 1), ncol=5, columnspacing=1.2, handletextpad=0.3, fontsize=8.5)
+    return figure
+
+
+# ---- speed against error ----
+
+def tradeoff(data):
+    results = data[blocks_tradeoff.FILE]
+    everyone = blocks_tradeoff.summaries(results)
+    best = blocks_tradeoff.fastest_of_modes(everyone)
+    figure, (axes,) = canvas(3.9, 1, 2, "Speed against error: the fastest kernel of each mode, and Embree", results.run,
+                             wspace=0.24)
+    lowest = {"answers": 100, "place": 1e-4}
+    # Where labels would overlap: offset in points.
+    shift = {("answers", "moller-trumbore"): (7, -9), ("answers", "samples-16"): (-8, 8),
+             ("answers", "tolerance-0.1"): (-16, -13), ("place", "tolerance-0.1"): (-30, -13), ("place", "samples-16"): (8, -7),
+             ("place", "cone-pixel"): (-24, 8), ("place", "embree-robust"): (-48, -13), ("place", "tolerance-1"): (-26, -13)}
+    for panel, (name, (title, error)) in zip(axes, blocks_tradeoff.FRONTIERS.items()):
+        low = lowest[name] / 10
+
+        def place(value):
+            return max(value, low)
+
+        line = blocks_tradeoff.frontier(everyone, error)
+        panel.plot([s.speed for s in line], [place(error(s)) for s in line], "-", color="#bbbbbb", zorder=0)
+        for mode, s in best.items():
+            embree = mode.startswith("embree")
+            color = EMBREE if embree else OURS if s in line else OURS_LIGHT
+            panel.plot(s.speed, place(error(s)), "o", color=color, markersize=6)
+            note(panel, mode, (s.speed, place(error(s))), shift.get((name, mode), (7, -3)), EMBREE if embree else OURS,
+                 fontsize=8)
+        panel.set_yscale("log")
+        panel.set_title(title)
+        panel.set_xlabel("million rays / s; the grey line is the frontier")
+        panel.set_xlim(0, 14)
+        panel.grid(color="#eeeeee", linewidth=0.6)
+        panel.set_axisbelow(True)
+    log_axis(axes[0].yaxis, (10, 100, 1e3, 1e4, 1e5), ["0", "100", "1000", "10 000", "100 000"])
+    axes[0].set_ylim(4, 2e5)
+    log_axis(axes[1].yaxis, (1e-4, 1e-3, 1e-2, 0.1, 1))
+    axes[1].set_ylim(5e-5, 3)
+    return figure
+
+
+# ---- where the time goes ----
+
+GROUPS = {"rays made ready": "#4d4d4d", "climb": "#8c6bb1", "flat steps": "#2b9c8c", "shared walk": OURS,
+          "lane walk": "#c9a227", "leaf test": "#b5443c", "misses and hits written": "#9a9a9a", "other": "#dddddd"}
+
+
+def profile(data):
+    results = data["profile.json"]
+    lines = results.some("profile")
+    kernel = lines[0].text("kernel")
+    figure, ((axes,),) = canvas(4.3, title=f"Where the time of a ray goes, {kernel}, per cent", run=results.run, left=0.22,
+                                bottom=0.03, top=0.76)
+    for k, line in enumerate(lines):
+        y, begin = k + (k >= len(names.CLASSES)) * 0.6, 0
+        for group, color in GROUPS.items():
+            share = 100 * sum(value for phase, value in line.inner("shares").items() if phase.split(":")[0] == group)
+            axes.barh(y, share, 0.78, left=begin, color=color, label=group if k == 0 else None)
+            if share >= 4.5:
+                axes.text(begin + share / 2, y, f"{share:.0f}", ha="center", va="center", fontsize=8,
+                          color="black" if group in ("other", "misses and hits written", "lane walk") else "white")
+            begin += share
+        axes.text(-1, y, f"{names.CLASSES[line.text('rays')]}, {names.field(line.text('field'))}", ha="right", va="center")
+    axes.set_xlim(0, 100)
+    axes.set_ylim(len(lines) + 0.2, -0.6)
+    axes.axis("off")
+    axes.legend(loc="lower left", bbox_to_anchor=(-0.28, 1), ncol=4, fontsize=8.5, handlelength=1, columnspacing=1.2)
+    return figure
+
+
+CHARTS = {"speed-1025": speeds, "scaling": scaling, "widths": widths, "building": building, "coursework": coursework,
+          "tradeoff": tradeoff, "profile": profile}

@@ -1,0 +1,53 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Checks what pages point at: links to files and to headings, and paths of the project in `code`, such as
+`src/scalar/strict.h`. Names file, line and target of each that is not there."""
+
+import glob
+import os
+import re
+import sys
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+PAGES = ("README.md", "CONTRIBUTING.md", "bench/README.md", "tests/README.md", "papers/*.md", "papers/*/*.md")
+PATH = re.compile(r"`((?:src|simd|bench|tests|include|papers)/[\w./*-]+)`")
+
+
+def read(path):
+    with open(path, encoding="utf-8") as file:
+        return file.read()
+
+
+def headings(path):
+    """Their names in links, as GitHub makes them."""
+    text = re.sub(r"^```.*?^```", "", read(path), flags=re.MULTILINE | re.DOTALL)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
+            for heading in re.findall(r"^#+ +(.*?) *$", text, re.MULTILINE)}
+
+
+def missing(path, root):
+    """(line, target) of each link and path that leads nowhere."""
+    text = read(path)
+    prose = re.sub(r"^```.*?^```", lambda match: re.sub(r"[^\n]", " ", match[0]), text, flags=re.MULTILINE | re.DOTALL)
+    for match in re.finditer(r"\]\(\s*([^()\s]+)\)", prose):
+        file, _, heading = match[1].partition("#")
+        target = os.path.normpath(os.path.join(os.path.dirname(path), file)) if file else path
+        if "://" in match[1]:
+            continue
+        if not os.path.exists(target) or (heading and heading not in headings(target)):
+            yield text.count("\n", 0, match.start()) + 1, match[1]
+    for match in PATH.finditer(prose):
+        if "NAME" not in match[1] and not glob.glob(os.path.join(root, match[1])):
+            yield text.count("\n", 0, match.start()) + 1, match[1]
+
+
+def main(root):
+    wrong = [(os.path.relpath(path, root), line, target) for pattern in PAGES
+             for path in sorted(glob.glob(os.path.join(root, pattern))) for line, target in missing(path, root)]
+    for path, line, target in wrong:
+        print(f"{path}:{line}: {target} is not there")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1] if len(sys.argv) > 1 else ROOT))

@@ -1,0 +1,284 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of the scripts, on small made-up results: what tables say, what wrong input gives, and that --check notices an
+edited figure."""
+
+import contextlib
+import io
+import json
+import os
+import struct
+import sys
+import tempfile
+import unittest
+import zlib
+from unittest import mock
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+
+import blocks_speed
+import blocks_stability
+import blocks_tradeoff
+import links
+import markdown
+import pictures
+import profile_kernels
+import renders
+import results
+import tables
+
+RUN = {"kind": "run", "command": "micro", "cpu": "Abacus", "isa": "avx2", "compiler": "GNU 12", "build_type": "Release",
+       "commit": "abc", "seed": 1, "load": 0.5, "date": "2026-01-02T03:04:05Z", "embree": "3.13.5", "embree_assertions": True}
+
+
+class Folder(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+
+    def path(self, name):
+        return os.path.join(self.folder.name, name)
+
+    def write(self, name, text):
+        os.makedirs(os.path.dirname(self.path(name)), exist_ok=True)
+        with open(self.path(name), "w", encoding="utf-8") as file:
+            file.write(text)
+        return self.path(name)
+
+    def results(self, *lines, name="data.json", run=None):
+        path = self.write(name, "".join(json.dumps(line) + "\n" for line in (run or RUN, *lines)))
+        return results.Results(path)
+
+    def fails(self, text, call, *arguments):
+        with self.assertRaises(results.Problem) as caught:
+            call(*arguments)
+        self.assertIn(text, str(caught.exception))
+
+
+def speed(field, rays, contender, mrays, threads=1):
+    return {"kind": "result", "field": field, "rays": rays, "contender": contender, "threads": threads, "mrays_per_s": mrays}
+
+
+class ReadingResults(Folder):
+    def test_names_file_line_and_key(self):
+        read = self.results({"kind": "result", "field": "65", "mrays_per_s": "fast"})
+        line = read.of("result")[0]
+        self.fails('data.json:2: has no key "rays"', line.text, "rays")
+        self.fails('data.json:2: "mrays_per_s" is "fast"; want a number', line.number, "mrays_per_s")
+        self.fails('data.json:2: "field" is "65"; want a number', line.number, "field")
+        self.assertEqual(line.number("absent", 7), 7)
+
+    def test_wrong_files(self):
+        self.fails("is not JSON", results.Results, self.write("a.json", json.dumps(RUN) + "\n{nonsense\n"))
+        self.fails("b.json:1: not results", results.Results, self.write("b.json", '{"kind":"result"}\n'))
+        self.fails("c.json:2: is not a JSON object", results.Results, self.write("c.json", json.dumps(RUN) + "\n[1]\n"))
+        self.fails("none.json: No such file", results.Results, self.path("none.json"))
+        self.fails("empty.json:1: not results", results.Results, self.write("empty.json", ""))
+
+
+class Markdown(Folder):
+    def test_tables_and_numbers(self):
+        self.assertEqual(markdown.table(["", "n"], [["a", 1], ["b", ""]]), "| | n |\n|---|--:|\n| a | 1 |\n| b | |\n")
+        self.assertEqual([markdown.grouped(1234567), markdown.three(0.1284), markdown.three(999.7), markdown.three(51172)],
+                         ["1 234 567", "0.128", "1 000", "51 200"])
+        self.assertEqual([markdown.duration(0.0000347), markdown.duration(0.134), markdown.duration(105.2)],
+                         ["34.7 µs", "134 ms", "105 s"])
+        self.assertEqual([markdown.ratio(3, 2), markdown.ratio(3, 0), markdown.ratio(None, 1)], ["1.50", "", ""])
+
+    def test_pages(self):
+        page = markdown.Page(self.write("page.md", "top\n<!-- begin:x -->\nold\n<!-- end:x -->\nend\n"))
+        self.assertEqual(page.names(), ["x"])
+        self.assertIsNone(page.difference("x", "old\n"))
+        self.assertEqual(page.difference("x", "new\n"), (3, "old", "new"))
+        self.assertEqual(page.difference("x", "old\nmore\n"), (4, "", "more"))
+        page.put("x", "new\n")
+        page.save()
+        self.assertEqual(markdown.Page(page.path).text, "top\n<!-- begin:x -->\nnew\n<!-- end:x -->\nend\n")
+        self.fails("has 0 lines <!-- begin:y -->", page.span, "y")
+        self.fails("stands before", markdown.Page(self.write("b.md", "<!-- end:x -->\n<!-- begin:x -->\n")).span, "x")
+
+
+class Speeds(Folder):
+    def test_own_kernel_over_the_fastest_width(self):
+        read = self.results(
+            {"kind": "field", "field": "65", "default_kernel": "pyramid8"},
+            speed("65", "ao", "pyramid8/watertight", 8, threads=2), speed("65", "ao", "pyramid8/watertight", 6),
+            speed("65", "ao", "pyramid8x2/watertight", 9), speed("65", "ao", "embree/triangles/w1", 2),
+            speed("65", "ao", "embree/triangles/w8", 3), speed("65", "ao", "embree/triangles-robust/w8", 100))
+        self.assertEqual(blocks_speed.over_embree(read, "65", "ao"), 2)
+        self.assertEqual(blocks_speed.over_embree(read, "65", "primary"), 0)
+        self.assertEqual(blocks_speed.micro(read).splitlines()[-1], "| ao | 9 `pyramid8x2` |")
+
+    def test_threads(self):
+        self.results(speed("65", "ao", "k/w", 10), speed("65", "ao", "k/w", 19, threads=2), name="threads.json",
+                     run={**RUN, "cpus": 2})
+        self.assertIn("| 2 | ao | 1.90 |", blocks_speed.threads(results.Data(self.folder.name)))
+
+
+class Tradeoff(Folder):
+    def line(self, mode, rays, mrays, wrong, off):
+        zero = {f"{key}_per_million": 0 for key in ("leaks", "phantoms", "wrong", "broken")}
+        spread = {f"{key}_{of}": off for key in blocks_tradeoff.ERRORS for of in ("median", "worst")}
+        line = {"kind": "result", "contender": f"{mode}/k", "mode": mode, "kernel": "k", "field": "65", "rays": rays,
+                **zero, **spread, "leaks_per_million": wrong}
+        return line if mrays is None else {**line, "mrays_per_s": mrays}
+
+    def test_frontier_and_means(self):
+        lines = []
+        for mode, mrays, wrong, off in (("exact", 10, 0, 1e-4), ("noise", 10.1, 5, 1e-4), ("fast", 20, 100, 1e-3),
+                                        ("bad", 15, 900, 1)):
+            lines += [self.line(mode, "ao", mrays, wrong, off), self.line(mode, "edges", None, 3 * wrong, off)]
+        read = self.results(*lines, run={**RUN, "rays_a_class": 8})
+        everyone = blocks_tradeoff.summaries(read)
+        found = blocks_tradeoff.frontier(everyone, lambda s: s.wrong)
+        self.assertEqual([s.mode for s in found], ["exact", "fast"])  # less than 2 % is no step, and bad is beaten
+        self.assertEqual((found[1].ordinary, found[1].aimed, found[1].wrong), (100, 300, 200))
+        self.assertAlmostEqual(found[1].speed, 20)
+        self.assertIn("| | fast | `k` | 20 | +100.0 % | 200 |", blocks_tradeoff.frontiers(read))
+
+    def test_one_that_did_not_run_everywhere_is_on_no_frontier(self):
+        read = self.results(self.line("exact", "ao", 10, 0, 1), self.line("exact", "random", 10, 0, 1),
+                            self.line("part", "ao", 99, 0, 1),
+                            {"kind": "result", "contender": "part/k", "mode": "part", "kernel": "k", "field": "65",
+                             "rays": "random", "left_out_seconds": 5})
+        found = blocks_tradeoff.frontier(blocks_tradeoff.summaries(read), lambda s: s.wrong)
+        self.assertEqual([s.mode for s in found], ["exact"])
+
+
+class Stability(Folder):
+    def part(self, name, first, end, **counts):
+        line = {"kind": "result", "contender": "k/watertight", "role": "reference", "rays": "vertex", "traced": 10, "hits": 10,
+                "pass": 10, "leaks": 0, "phantoms": 0, "sampled": 2, "residual": 0.5, "apart": 0.1, "t_error": 0.2,
+                "other_bits": 0, "verdicts": {"right": 2, "tie": 0, "wrong_surface": 0}, "t_error_ulp": [1, 1], **counts}
+        run = {**RUN, "command": "stability", "part": 1, "parts": 1, "first": first, "end": end, "sample": 5, "seconds": 1}
+        return self.results(line, name=name, run=run)
+
+    def test_parts_add_up_and_never_twice(self):
+        a, b = self.part("a.json", 0, 4, residual=0.9), self.part("b.json", 4, 8, leaks=1)
+        text = blocks_stability.stability([a, b])
+        self.assertIn("| `k` | 20 | 20 | 1 | 0 | 4 | 0 |", text)
+        self.assertIn("| at a sample | 0.90 | 0.10 | 0.20 | 0.5 | 50 000 |", text)
+        self.fails("c.json:1: batches 2 to 3 are in", blocks_stability.stability, [a, self.part("c.json", 2, 3)])
+        self.fails('"rays" is "odd", an unknown class', blocks_stability.stability, [self.part("d.json", 0, 1, rays="odd")])
+
+    def test_extremes_count_what_is_not_as_expected(self):
+        line = {"kind": "extreme", "item": "spikes", "expected": "a hit", "kernel": "k", "leaf": "watertight", "asked": 10,
+                "as_expected": 9, "slipped": 0, "parallel": 0, "early": 0}
+        self.assertIn("10 answers, **1** not as expected", blocks_stability.extremes(self.results(line)))
+        self.fails("is excused", blocks_stability.extremes, self.results({**line, "slipped": 1}))
+
+
+class Checking(Folder):
+    """tables.py as it is called, on a page with one table."""
+
+    def setUp(self):
+        super().setUp()
+        self.results(speed("65", "ao", "k/w", 10), speed("65", "ao", "k/w", 19, threads=2), name="papers/data/threads.json",
+                     run={**RUN, "cpus": 2})
+        self.write("README.md", "intro\n<!-- begin:install -->\nsh\n<!-- end:install -->\n")
+        self.write("papers/page.md", "text\n<!-- begin:threads -->\n<!-- end:threads -->\n")
+
+    def call(self, *arguments):
+        out = io.StringIO()
+        with mock.patch.object(tables, "BLOCKS", {"threads": blocks_speed.threads}), contextlib.redirect_stdout(out), \
+                mock.patch.object(sys, "argv", ["tables.py", "--root", self.folder.name, *arguments]):
+            tables.main()
+        return out.getvalue()
+
+    def test_check_agrees_then_notices_an_edited_figure(self):
+        self.call()
+        self.assertEqual(self.call("--check"), "")
+        page = self.path("papers/page.md")
+        with open(page, encoding="utf-8") as file:
+            text = file.read()
+        self.write("papers/page.md", text.replace("1.90", "2.90"))
+        out = io.StringIO()
+        with contextlib.redirect_stdout(out), self.assertRaises(results.Problem):
+            tables.check([(markdown.Page(page), "threads", text.split("-->\n")[1].split("<!--")[0])], self.folder.name)
+        self.assertIn("papers/page.md:7: threads is not what the data give\n"
+                      "  page: | 2 | ao | 2.90 |\n  data: | 2 | ao | 1.90 |", out.getvalue())
+        self.fails("1 tables are out of date", self.call, "--check")
+
+    def test_a_misspelt_or_lost_block(self):
+        self.write("papers/page.md", "<!-- begin:thread -->\n<!-- end:thread -->\n")
+        self.fails("there is no table thread", self.call, "--check")
+        self.write("papers/page.md", "nothing\n")
+        self.fails("no page has the table threads", self.call, "--check")
+
+    def test_an_own_run_goes_into_a_page(self):
+        data = self.results(speed("65", "ao", "k/w", 10), name="own.json").path
+        page = self.write("own.md", "<!-- begin:micro -->\n<!-- end:micro -->\n")
+        self.call("--data", data, "--into", page)
+        self.assertIn("| ao | 10 `k` |", markdown.Page(page).text)
+        self.assertIn("| ao | 10 `k` |", self.call("--data", data))
+        self.fails("there is no table of these", self.call, "--data", self.results(run={**RUN, "command": "odd"}).path)
+
+
+class Pictures(Folder):
+    def test_check_notices_an_edited_picture(self):
+        if pictures.matplotlib is None:
+            self.skipTest("matplotlib is missing")
+        with mock.patch.object(pictures, "load", lambda: {"a": lambda data: "figure"}), \
+                mock.patch.object(pictures, "svg", lambda figure: version + "<b/>\n"):
+            version = f"<Matplotlib v{pictures.matplotlib.__version__}>\n"
+            self.write("a.svg", version + "<b/>\n")
+            self.assertEqual(pictures.check(self.folder.name, None), 0)
+            self.write("a.svg", version + "<c/>\n")
+            self.fails("a.svg:2: is not what the data give", pictures.check, self.folder.name, None)
+            self.write("b.svg", version)
+            self.fails("b.svg: is none that pictures.py draws", pictures.check, self.folder.name, None)
+
+    def test_another_version_is_skipped(self):
+        self.write("a.svg", "Matplotlib v0.0.1\n")
+        with contextlib.redirect_stdout(io.StringIO()):
+            self.assertEqual(pictures.check(self.folder.name, None), pictures.SKIPPED)
+
+
+class Renders(Folder):
+    def png(self, name, rows, kinds):
+        """Rows of bytes, each already filtered as its kind says."""
+        raw = b"".join(bytes([kind]) + bytes(row) for kind, row in zip(kinds, rows))
+        parts = [(b"IHDR", struct.pack(">IIBBBBB", len(rows[0]) // 3, len(rows), 8, 2, 0, 0, 0)), (b"IDAT", zlib.compress(raw)),
+                 (b"IEND", b"")]
+        with open(self.path(name), "wb") as file:
+            file.write(b"\x89PNG\r\n\x1a\n" + b"".join(struct.pack(">I", len(body)) + kind + body + bytes(4)
+                                                       for kind, body in parts))
+        return self.path(name)
+
+    def test_every_filter_and_one_pixel_that_differs(self):
+        rows = [[1, 2, 3, 4, 6, 8], [1, 2, 3, 3, 4, 5], [9, 9, 9, 9, 9, 9], [5, 5, 5, 1, 1, 1], [252, 0, 0, 0, 0, 3]]
+        wanted = [(1, 2, 3, 4, 6, 8), (1, 2, 3, 4, 6, 8), (10, 11, 12, 13, 15, 17), (10, 10, 11, 12, 13, 15),
+                  (6, 10, 11, 6, 13, 18)]  # Paeth's guess for the fourth: left and corner are as near, left is first
+        width, height, found = renders.pixels(self.png("a.png", rows, range(5)))
+        self.assertEqual((width, height, [tuple(row) for row in found]), (2, 5, wanted))
+        other = [list(row) for row in wanted]
+        other[3][4] += 2
+        with contextlib.redirect_stdout(io.StringIO()):
+            renders.compare("a.png", self.path("a.png"), self.png("same.png", wanted, [0] * 5))
+        self.fails("1 pixels differ from what is rendered, by at most 2 of 255; the first is (1, 3)", renders.compare, "a.png",
+                   self.path("a.png"), self.png("other.png", other, [0] * 5))
+
+
+class Profile(unittest.TestCase):
+    def test_innermost_known_function_decides(self):
+        stacks = {1: [("vf_add", "/x/simd/vec_avx2.h"), ("wt_edge", "/x/simd/w.h"), ("stream_leaf", "/x/simd/l.h")],
+                  2: [("crossing", "/x/simd/ray.h"), ("shared_cell", "/x/simd/s.h")], 3: [("walk", "/x/src/scalar/cell.c")],
+                  4: [("renamed", "/x/simd/new.h"), ("pyramid_closest", "/x/simd/p.c")]}
+        with mock.patch.object(profile_kernels, "addresses", lambda program, recording: {1: 5, 2: 3, 3: 100, 4: 2}), \
+                mock.patch.object(profile_kernels, "frames", lambda program, wanted: stacks):
+            counts, unknown = profile_kernels.shares("program", "recording")
+        self.assertEqual(counts, {"leaf test": 5, "shared walk: cells": 3, "other": 2})
+        self.assertEqual(unknown, {"renamed": 2})
+
+
+class Links(Folder):
+    def test_links_headings_and_paths(self):
+        self.write("src/a.c", "")
+        self.write("papers/b.md", "# One thing: two\n")
+        page = self.write("papers/a.md", "[b](b.md) [h](b.md#one-thing-two) `src/a.c` `src/*.c`\n```\n[x](gone.md)\n```\n"
+                          "[no](b.md#three)\n[gone](c.md) `src/gone.c` [web](https://x.org/)\n")
+        self.assertEqual(list(links.missing(page, self.folder.name)), [(5, "b.md#three"), (6, "c.md"), (6, "src/gone.c")])
+
+
+if __name__ == "__main__":
+    unittest.main()
