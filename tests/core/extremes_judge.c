@@ -176,7 +176,7 @@ int extremes_begin(void **state) {
 
 /* Names and texts hold nothing that JSON would have to escape. */
 static void write_counts(FILE *to) {
-#ifdef CELLWALK_MACHINE_ISA /* set for kernels that are emulated */
+#ifdef CELLWALK_EMULATES_AVX512
     const bool emulated = true;
 #else
     const bool emulated = false;

@@ -38,7 +38,7 @@ static unsigned long file_limit;
 
 /* Starts `cellwalk render …` with its output in files of the scratch folder. */
 static pid_t start(const char *const *arguments) {
-    char *argv[16] = {(char *)CELLWALK, (char *)"render"};
+    char *argv[16] = {(char *)CELLWALK_PROGRAM, (char *)"render"};
     int argc = 2;
     while (*arguments != NULL) argv[argc++] = (char *)*arguments++;
     const char *out = "stdout", *err = "stderr";
@@ -47,7 +47,7 @@ static pid_t start(const char *const *arguments) {
     signal(SIGINT, SIG_DFL); /* a shell may have started the test with it ignored */
     const struct rlimit limit = {file_limit, file_limit};
     if (file_limit > 0 && setrlimit(RLIMIT_FSIZE, &limit) != 0) _exit(99);
-    if (freopen(out, "w", stdout) && freopen(err, "w", stderr)) execv(CELLWALK, argv);
+    if (freopen(out, "w", stdout) && freopen(err, "w", stderr)) execv(CELLWALK_PROGRAM, argv);
     _exit(99);
 }
 
