@@ -25,10 +25,7 @@ static void limit(int resource, unsigned long bytes) {
 static void apply(const program_setting *s) {
     limit(RLIMIT_FSIZE, s->file_size_limit);
     limit(RLIMIT_AS, s->address_space_limit);
-    if (s->isa)
-        setenv("CELLWALK_ISA", s->isa, 1);
-    else
-        unsetenv("CELLWALK_ISA");
+    if (s->isa) setenv("CELLWALK_ISA", s->isa, 1);
     if (s->powerless && geteuid() == 0 && prctl(PR_SET_SECUREBITS, SECBIT_NOROOT, 0, 0, 0) != 0) _exit(NO_SETTING);
 }
 

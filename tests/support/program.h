@@ -10,7 +10,7 @@ enum { PROGRAM_TEXT_MAX = 1 << 16, PROGRAM_ARGUMENTS_MAX = 24 };
 
 /* What the program runs under. */
 typedef struct program_setting {
-    const char *isa;                   /* CELLWALK_ISA; NULL: not set */
+    const char *isa;                   /* CELLWALK_ISA; NULL: as the test itself has it */
     unsigned long file_size_limit;     /* bytes; 0: none */
     unsigned long address_space_limit; /* bytes; 0: none */
     bool powerless;                    /* without the rights of root, even if the test has them */

@@ -94,6 +94,10 @@ static void kernels_out_of_reach(void **state) {
     check_failure(program_run(NULL, (const char *const[]){"trace", "field.npy", "rays.npy", "--json", "--kernel",
                                                           "packet4", "--isa", "scalar", NULL}),
                   2, "--kernel packet4 needs sse4.2");
+    /* The variable is an upper bound: no option lifts it. */
+    check_failure(program_run(&scalar, (const char *const[]){"trace", "field.npy", "rays.npy", "--json", "--isa",
+                                                             "sse4.2", NULL}),
+                  2, "--isa sse4.2: this machine, or CELLWALK_ISA, allows no more than scalar");
 }
 
 static void bad_rays(void **state) {

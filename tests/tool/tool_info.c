@@ -43,7 +43,15 @@ static void limits_are_kept(void **state) {
     (void)state;
     const program_setting scalar = {.isa = "scalar"};
     check_has(run_well(&scalar, (const char *const[]){"info", "--json", NULL}), "\"isa\": \"scalar\"");
-    check_has(run_well(NULL, (const char *const[]){"info", "--isa=scalar", NULL}), "instruction set scalar\n");
+    for (int isa = CW_ISA_SCALAR; isa <= (int)cw_isa_best(); isa++) {
+        const program_setting bound = {.isa = cw_isa_name((cw_isa)isa)};
+        const program_result *r = run_well(&bound, (const char *const[]){"info", NULL});
+        check_has(r, "instruction set %s (CELLWALK_ISA=%s)\n", bound.isa, bound.isa);
+        cw_isa_limit((cw_isa)isa);
+        check_has(r, "* %s ", cw_kernel_describe(cw_query_kernel(NULL, NULL)).name);
+        cw_isa_limit(CW_ISA_AVX512);
+    }
+    check_has(run_well(NULL, (const char *const[]){"info", "--isa=scalar", NULL}), "instruction set scalar");
     check_has(run_well(NULL, (const char *const[]){"info", "--kernel", "cell", NULL}), "* cell ");
 }
 
