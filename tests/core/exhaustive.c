@@ -176,15 +176,15 @@ static void judge_fields(size_t nx, size_t ny, size_t height_count, size_t step)
     check(o.tally.hits > o.tally.rays / 50, "too few hits for the test to mean anything");
 }
 
-/* One field in so many, that of a test of CELLWALK_TEST_ROUNDS = 1 being least. */
+/* One field in so many, that of a test of CELLWALK_TEST_ROUNDS = 1 being least. CELLWALK_TEST_DIVIDE is heeded too. */
 static size_t one_in(size_t least) {
-    const size_t every = least * TEST_SCALE_DOWN, rounds = test_rounds();
+    const size_t every = least * TEST_SCALE_DOWN * test_divisor(), rounds = test_rounds();
     return rounds < every ? every / rounds : 1;
 }
 
 static void test_2x2(void **state) {
     (void)state;
-    judge_fields(2, 2, 4, TEST_SCALE_DOWN);
+    judge_fields(2, 2, 4, one_in(1));
 }
 
 static void test_2x3(void **state) {

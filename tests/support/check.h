@@ -32,12 +32,15 @@ static inline size_t test_rounds(void) {
     return rounds > 1 ? (size_t)rounds : 1;
 }
 
-/* n, or the fraction of it that the environment variable CELLWALK_TEST_DIVIDE asks for: emulated CPUs are slow. */
-static inline size_t test_share(size_t n) {
+/* What tests of slow, emulated CPUs and kernels divide their rays by: the environment variable CELLWALK_TEST_DIVIDE, or 1. */
+static inline size_t test_divisor(void) {
     const char *text = getenv("CELLWALK_TEST_DIVIDE");
     const long by = text ? strtol(text, NULL, 10) : 1;
-    return by > 1 && n >= (size_t)by ? n / (size_t)by : n;
+    return by > 1 ? (size_t)by : 1;
 }
+
+/* That share of n, but never nothing. */
+static inline size_t test_share(size_t n) { return n >= test_divisor() ? n / test_divisor() : n; }
 
 static inline void check_status(cw_status got, cw_status wanted) {
     check(got == wanted, "status \"%s\" instead of \"%s\"", cw_status_message(got), cw_status_message(wanted));
