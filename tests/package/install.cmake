@@ -1,5 +1,5 @@
 # Installs the build into a fresh tree, moves the tree, and builds and runs the consumer against it, once through the CMake
-# package and once through pkg-config, shared and static. Arguments: BUILD, WORK, CONSUMER, CC, CONFIG, GENERATOR.
+# package and once through pkg-config, linked as it comes and statically. Arguments: BUILD, WORK, CONSUMER, CC, CONFIG, GENERATOR.
 file(REMOVE_RECURSE ${WORK})
 file(MAKE_DIRECTORY ${WORK})
 
