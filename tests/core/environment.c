@@ -3,17 +3,16 @@
  * other queries at the same time. */
 
 #include "check.h"
+#include "fp_register.h"
 #include "rays.h"
 
 #include <math.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <string.h>
-#if defined(__SSE__)
-#include <xmmintrin.h>
-#endif
 
 enum { RAYS = 20000 };
+static size_t count; /* of these, as many as there is time for */
 static test_field shape;
 static cw_field *field;
 static cw_ray rays[RAYS];
@@ -21,7 +20,8 @@ static cw_hit expected[RAYS], got[RAYS];
 
 static int set_up(void **state) {
     (void)state;
-    field = ray_case(&shape, FIELD_TINY, 31, 12, 13, rays, expected, RAYS);
+    count = test_share(RAYS);
+    field = ray_case(&shape, FIELD_TINY, 31, 12, 13, rays, expected, count);
     return 0;
 }
 
@@ -46,41 +46,40 @@ static void check_queries(const char *where) {
         const cw_kernel_info info = cw_kernel_describe(q.kernel);
         if (!info.available || strcmp(info.name, "brute") == 0) continue;
         const bool watertight = info.default_leaf == CW_LEAF_WATERTIGHT;
-        check_status(cw_closest(field, &q, rays, RAYS, mine), CW_OK);
-        check_status(cw_any(field, &q, rays, RAYS, occluded), CW_OK);
-        if (watertight) check(same(mine, expected, RAYS), "%s: other hits with %s", info.name, where);
-        for (size_t k = 0; k < RAYS; k++)
+        check_status(cw_closest(field, &q, rays, count, mine), CW_OK);
+        check_status(cw_any(field, &q, rays, count, occluded), CW_OK);
+        if (watertight) check(same(mine, expected, count), "%s: other hits with %s", info.name, where);
+        for (size_t k = 0; k < count; k++)
             check(occluded[k] == (mine[k].i >= 0), "%s: any hit with %s", info.name, where);
     }
 }
 
-#if defined(__SSE__)
 /* Flush-to-zero and denormals-are-zero change what denormal directions and heights are, rounding modes change bits. */
 static void test_caller_environment(void **state) {
     (void)state;
-    enum { FTZ = 0x8000, DAZ = 0x0040, ROUNDING = 0x2000 };
-    const unsigned before = _mm_getcsr();
-    for (unsigned mode = 0; mode < 16; mode++) {
-        const unsigned set =
-            0x1f80u | (mode & 1 ? FTZ : 0u) | (mode & 2 ? DAZ : 0u) | mode / 4 * ROUNDING | 0x20u /* inexact raised */;
-        char where[32];
-        snprintf(where, sizeof where, "MXCSR %#x", set);
-        _mm_setcsr(set);
-        check_status(cw_closest(field, NULL, rays, RAYS, got), CW_OK);
-        const unsigned after = _mm_getcsr();
-        const bool equal = same(got, expected, RAYS);
-        _mm_setcsr(before);
-        check(after == set, "%s became %#x", where, after);
+    if (FP_MODES == 0) skip();
+    const uint64_t before = fp_register();
+    for (unsigned mode = 0; mode < FP_MODES; mode++) {
+        const uint64_t set = fp_register_mode(mode);
+        char where[64];
+        snprintf(where, sizeof where, "floating-point register %#llx", (unsigned long long)set);
+        fp_register_set(set);
+        check_status(cw_closest(field, NULL, rays, count, got), CW_OK);
+        const uint64_t after = fp_register();
+        const bool equal = same(got, expected, count);
+        fp_register_set(before);
+        check(after == set, "%s became %#llx", where, (unsigned long long)after);
         check(equal, "other hits with %s", where);
-        _mm_setcsr(set);
+        fp_register_set(set);
         check_queries(where);
-        _mm_setcsr(before);
+        fp_register_set(before);
     }
 }
 
 /* Samples so small that a caller's DAZ turns them to zero: the field's range and its structures must not. */
 static void test_field_made_under_daz(void **state) {
     (void)state;
+    if (FP_MODES == 0) skip();
     static test_field small;
     static cw_hit here[RAYS];
     random_state r = {14};
@@ -95,11 +94,11 @@ static void test_field_made_under_daz(void **state) {
         down[k] = (cw_ray){.org = {8 * (float)random_unit(&r), 8 * (float)random_unit(&r), 0x1p-126f},
                            .dir = {0, 0, -0x1p-127f},
                            .tmax = INFINITY};
-    const unsigned before = _mm_getcsr();
+    const uint64_t before = fp_register();
     cw_field *plain = field_open(&small);
-    _mm_setcsr(before | 0x8040u);
+    fp_register_set(fp_register_mode(FP_FLUSHES));
     cw_field *under_daz = field_open(&small);
-    _mm_setcsr(before);
+    fp_register_set(before);
     const cw_field_info a = cw_field_describe(plain), b = cw_field_describe(under_daz);
     check(a.low == b.low && a.high == b.high, "range %a to %a, but %a to %a under DAZ", (double)a.low, (double)a.high,
           (double)b.low, (double)b.high);
@@ -118,27 +117,27 @@ static void test_field_made_under_daz(void **state) {
 /* The map and its inverse, and the way from user space. */
 static void test_spaces_under_other_rounding(void **state) {
     (void)state;
+    if (FP_MODES == 0) skip();
     const cw_user_ray in = {.org = {0.1, 0.2, 0.3}, .dir = {1.0 / 3, 0.7, -0.9}, .tmax = 1e3};
     cw_field_desc d = cw_field_desc_default();
     d.samples = shape.z;
     d.nx = shape.nx;
     d.ny = shape.ny;
     for (int c = 0; c < 3; c++) d.map[c][c] = 0.3, d.map[c][3] = 0.7;
-    const unsigned before = _mm_getcsr();
+    const uint64_t before = fp_register();
     cw_ray ray[4];
     for (unsigned mode = 0; mode < 4; mode++) {
         cw_field *f;
         memset(&ray[mode], 0, sizeof ray[mode]);
-        _mm_setcsr(0x1f80u | mode * 0x2000u);
+        fp_register_set(fp_register_mode(4 * mode));
         const cw_status status = cw_field_create(&d, &f);
         cw_rays_to_field(f, &in, 1, &ray[mode]);
-        _mm_setcsr(before);
+        fp_register_set(before);
         check_status(status, CW_OK);
         check(memcmp(&ray[mode], &ray[0], sizeof ray[0]) == 0, "other field-space ray under rounding mode %u", mode);
         cw_field_destroy(f);
     }
 }
-#endif
 
 static void test_pools(void **state) {
     (void)state;
@@ -149,7 +148,7 @@ static void test_pools(void **state) {
         check_status(cw_pool_create(threads, &pool), CW_OK);
         check(threads ? cw_pool_threads(pool) == threads : cw_pool_threads(pool) >= 1, "threads of the pool");
         const cw_query q = {.pool = pool};
-        for (size_t n = RAYS; n > 0; n /= 3) { /* down to lengths below what a thread takes at a time */
+        for (size_t n = count; n > 0; n /= 3) { /* down to lengths below what a thread takes at a time */
             memset(got, 0, sizeof got);
             check_status(cw_closest(field, &q, rays, n, got), CW_OK);
             check(same(got, expected, n), "%u threads, %zu rays: other hits", threads, n);
@@ -172,8 +171,8 @@ static void *query_again(void *argument) {
     worker *w = argument;
     w->equal = true;
     for (int turn = 0; turn < 5; turn++) {
-        if (cw_closest(field, NULL, rays, RAYS, w->hits) != CW_OK) w->equal = false;
-        if (!same(w->hits, expected, RAYS)) w->equal = false;
+        if (cw_closest(field, NULL, rays, count, w->hits) != CW_OK) w->equal = false;
+        if (!same(w->hits, expected, count)) w->equal = false;
         memset(w->hits, 0, sizeof w->hits);
     }
     return NULL;
@@ -191,11 +190,9 @@ static void test_queries_at_once(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-#if defined(__SSE__)
         cmocka_unit_test(test_caller_environment),
         cmocka_unit_test(test_field_made_under_daz),
         cmocka_unit_test(test_spaces_under_other_rounding),
-#endif
         cmocka_unit_test(test_pools),
         cmocka_unit_test(test_queries_at_once),
     };

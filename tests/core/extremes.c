@@ -8,14 +8,12 @@
 
 #include "check.h"
 #include "extremes_judge.h"
+#include "fp_register.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#if defined(__SSE__)
-#include <xmmintrin.h>
-#endif
 
 #ifndef TEST_SCALE_DOWN
 #define TEST_SCALE_DOWN 1
@@ -414,17 +412,17 @@ static void test_ranges_that_end_on_the_surface(void **state) {
     }
 }
 
-#if defined(__SSE__)
 /* Whether the caller flushes denormals or not, each path gives the same bits. */
 static void test_flush_to_zero(void **state) {
     (void)state;
+    if (FP_MODES == 0) skip();
     extreme_item("FTZ and DAZ on", "the same bits as with both off, and the caller's flags as they were");
     static test_field f;
     static cw_ray rays[RAYS];
     static cw_hit plain[RAYS], flushed[RAYS];
     static uint8_t occluded[RAYS];
     random_state r = {16};
-    const unsigned before = _mm_getcsr(), flush = before | 0x8040u;
+    const uint64_t before = fp_register(), flush = fp_register_mode(FP_FLUSHES);
     for (int shape = FIELD_TINY; shape <= FIELD_HOLES; shape++) {
         field_make(&f, (field_shape)shape, 17, 17, 16);
         for (size_t k = 0; k < RAYS; k++)
@@ -433,14 +431,14 @@ static void test_flush_to_zero(void **state) {
         for (size_t p = 0; p < extreme_path_count; p++) {
             const path *q = &extreme_paths[p];
             check_status(cw_closest(field, &q->query, rays, RAYS, plain), CW_OK);
-            _mm_setcsr(flush);
+            fp_register_set(flush);
             const cw_status closest = cw_closest(field, &q->query, rays, RAYS, flushed);
             const cw_status any = cw_any(field, &q->query, rays, RAYS, occluded);
-            const unsigned after = _mm_getcsr();
-            _mm_setcsr(before);
+            const uint64_t after = fp_register();
+            fp_register_set(before);
             check_status(closest, CW_OK);
             check_status(any, CW_OK);
-            check(after == flush, "%s: the caller's environment became %#x", q->name, after);
+            check(after == flush, "%s: the caller's environment became %#llx", q->name, (unsigned long long)after);
             for (size_t k = 0; k < RAYS; k++)
                 check(hit_same(&plain[k], &flushed[k]) && occluded[k] == (plain[k].i >= 0),
                       "%s: other answers with FTZ and DAZ", q->name);
@@ -449,7 +447,6 @@ static void test_flush_to_zero(void **state) {
         cw_field_destroy(field);
     }
 }
-#endif
 
 int main(void) {
     const struct CMUnitTest tests[] = {
@@ -477,9 +474,7 @@ int main(void) {
         cmocka_unit_test(test_infinite_samples),
         cmocka_unit_test(test_not_finite),
         cmocka_unit_test(test_ranges_that_end_on_the_surface),
-#if defined(__SSE__)
         cmocka_unit_test(test_flush_to_zero),
-#endif
     };
     return cmocka_run_group_tests_name("extremes", tests, extremes_begin, extremes_end);
 }
