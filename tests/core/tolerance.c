@@ -27,6 +27,44 @@ enum { KERNELS_MAX = 16 };
 static const cw_kernel *tolerant[KERNELS_MAX];
 static size_t tolerant_count;
 
+/* A field and its oracle, which take longer to make than a class of rays takes on most of them: kept from class to class. */
+typedef struct ground {
+    size_t number;
+    test_field shape;
+    cw_field *field;
+    oracle *o;
+} ground;
+static ground *grounds[FIELDS];
+
+static void ground_free(ground *g) {
+    if (g == NULL) return;
+    oracle_destroy(g->o);
+    cw_field_destroy(g->field);
+    free(g);
+}
+
+static const ground *ground_get(size_t number) {
+    ground **g = &grounds[number % FIELDS];
+    if (*g && (*g)->number == number) return *g;
+    ground_free(*g);
+    const size_t which = number % FIELDS / FIELD_SHAPES;
+    const field_size size = which < FIELD_SIZES ? field_sizes[which] : large;
+    *g = calloc(1, sizeof **g);
+    assert_non_null(*g);
+    (*g)->number = number;
+    field_make(&(*g)->shape, (field_shape)(number % FIELD_SHAPES), size.nx, size.ny, number);
+    (*g)->field = field_open(&(*g)->shape);
+    (*g)->o = oracle_create((*g)->shape.z, size.nx, size.ny);
+    assert_non_null((*g)->o);
+    return *g;
+}
+
+static int free_grounds(void **state) {
+    (void)state;
+    for (size_t k = 0; k < FIELDS; k++) ground_free(grounds[k]);
+    return 0;
+}
+
 static int find_kernels(void **state) {
     (void)state;
     for (size_t k = 0; k < cw_kernel_count(); k++)
@@ -209,33 +247,27 @@ static void set_back(cw_ray *ray, random_state *r) {
 static void test_class(void **state) {
     const rays_asked *a = *state;
     const ray_class kind = a->kind;
-    static test_field shape;
     static run q;
     seen s[KERNELS_MAX] = {{0}};
     for (size_t k = 0, n = test_rounds() * FIELDS; k < n; k++) {
-        const size_t which = k % FIELDS / FIELD_SHAPES;
-        const field_size size = which < FIELD_SIZES ? field_sizes[which] : large;
+        const ground *g = ground_get(k);
+        const test_field *shape = &g->shape;
         random_state r = {(uint64_t)kind + RAY_CLASSES * k + 4711};
-        field_make(&shape, (field_shape)(k % FIELD_SHAPES), size.nx, size.ny, k);
-        q = (run){.shape = &shape, .field = field_open(&shape), .n = test_share(RAYS)};
-        q.o = oracle_create(shape.z, shape.nx, shape.ny);
-        assert_non_null(q.o);
+        q = (run){.shape = shape, .field = g->field, .o = g->o, .n = test_share(RAYS)};
         /* From much less than the field's heights to more than all of them, so that nodes of every level are taken. */
-        const double range = (double)shape.high - (double)shape.low;
+        const double range = (double)shape->high - (double)shape->low;
         const double part = range * pow(10, random_between(&r, -3, 0.5));
         const bool cone = random_below(&r, 2);
         q.tolerance = (float)(cone ? 0 : part);
-        q.cone = (float)(cone ? part / (double)(size.nx + size.ny) : 0);
+        q.cone = (float)(cone ? part / (double)(shape->nx + shape->ny) : 0);
         for (size_t m = 0; m < q.n; m++) {
-            q.rays[m] = ray_make(kind, &shape, &r);
+            q.rays[m] = ray_make(kind, shape, &r);
             if (a->set_back) set_back(&q.rays[m], &r);
         }
         const cw_query strict = {.kernel = cw_kernel_find("cell")};
         check_status(cw_closest(q.field, &strict, q.rays, q.n, q.strict), CW_OK);
         judge(&q, s);
         compare_alone(&q);
-        oracle_destroy(q.o);
-        cw_field_destroy(q.field);
     }
     for (size_t m = 0; m < tolerant_count; m++) {
         const char *name = cw_kernel_describe(tolerant[m]).name;
@@ -325,5 +357,5 @@ int main(void) {
     tests[ASKED] = (struct CMUnitTest)cmocka_unit_test(test_holes);
     tests[ASKED + 1] = (struct CMUnitTest)cmocka_unit_test(test_ignored);
     tests[ASKED + 2] = (struct CMUnitTest)cmocka_unit_test(test_arguments);
-    return cmocka_run_group_tests_name("tolerance", tests, find_kernels, NULL);
+    return cmocka_run_group_tests_name("tolerance", tests, find_kernels, free_grounds);
 }
