@@ -14,7 +14,7 @@
 #define TEST_SCALE_DOWN 1
 #endif
 
-/* Kernels whose hits do not follow the rules of src/scalar/strict.h; tests/brute.c judges them. */
+/* Kernels whose hits do not follow the rules of src/scalar/strict.h; brute.c judges them. */
 static bool has_own_rules(const cw_kernel *kernel) {
     static const char *const names[] = {"brute", "grid3d", "grid3d-early"};
     for (size_t k = 0; k < sizeof names / sizeof names[0]; k++)
