@@ -174,6 +174,7 @@ static void judge_fields(size_t nx, size_t ny, size_t height_count, size_t step)
     write_counts(nx, ny, height_count, &o);
     check(wrong == 0, "%zu rays judged wrong, or tied without an excuse", wrong);
     check(o.tally.hits > o.tally.rays / 50, "too few hits for the test to mean anything");
+    check(o.answers > o.tally.rays / o.fields, "no kernel was compared with the one that was judged");
 }
 
 /* One field in so many, that of a test of CELLWALK_TEST_ROUNDS = 1 being least. CELLWALK_TEST_DIVIDE is heeded too. */

@@ -144,8 +144,9 @@ void extreme_expect(size_t nx, size_t ny, const float *z, cw_ray ray, float wate
     cw_field_destroy(field);
 }
 
-void extreme_compare(const cw_field *a, const cw_ray *rays, const cw_field *b, const cw_ray *same_rays, size_t n,
-                     bool except_grid, const char *what) {
+size_t extreme_compare(const cw_field *a, const cw_ray *rays, const cw_field *b, const cw_ray *same_rays, size_t n,
+                       bool except_grid, const char *what) {
+    size_t found = 0;
     static cw_hit hits[EXTREME_RAYS], same[EXTREME_RAYS];
     static uint8_t occluded[EXTREME_RAYS], too[EXTREME_RAYS];
     for (size_t p = 0; p < extreme_path_count; p++) {
@@ -156,6 +157,7 @@ void extreme_compare(const cw_field *a, const cw_ray *rays, const cw_field *b, c
         check_status(cw_any(a, &q->query, rays, n, occluded), CW_OK);
         check_status(cw_any(b, &q->query, same_rays, n, too), CW_OK);
         for (size_t k = 0; k < n; k++) {
+            found += hits[k].i >= 0;
             if (hit_same(&hits[k], &same[k]) && occluded[k] == too[k]) continue;
             ray_print(&rays[k]);
             hit_print("as is", &hits[k]);
@@ -164,6 +166,7 @@ void extreme_compare(const cw_field *a, const cw_ray *rays, const cw_field *b, c
         }
         extreme_count(p, n);
     }
+    return found;
 }
 
 /* ---- counts ------------------------------------------------------------------------------------------------------ */

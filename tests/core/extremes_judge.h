@@ -28,9 +28,10 @@ size_t extreme_judge(const test_field *f, const cw_ray *rays, size_t n);
 void extreme_expect(size_t nx, size_t ny, const float *z, cw_ray ray, float watertight, float moller_trumbore,
                     const char *what);
 
-/* Every path finds the same bits for rays on field a as for same_rays on field b. except_grid leaves out the 3D grid. */
-void extreme_compare(const cw_field *a, const cw_ray *rays, const cw_field *b, const cw_ray *same_rays, size_t n,
-                     bool except_grid, const char *what);
+/* Every path finds the same bits for rays on field a as for same_rays on field b. except_grid leaves out the 3D grid.
+ * Returns the hits. */
+size_t extreme_compare(const cw_field *a, const cw_ray *rays, const cw_field *b, const cw_ray *same_rays, size_t n,
+                       bool except_grid, const char *what);
 
 /* n more answers of path p that are as expected. */
 void extreme_count(size_t p, size_t n);

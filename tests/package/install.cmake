@@ -26,7 +26,7 @@ endforeach()
 
 find_program(PKG_CONFIG pkg-config)
 if(NOT PKG_CONFIG)
-    message(STATUS "pkg-config is not installed: its file is not tested")
+    message(STATUS "SKIPPED: without pkg-config (Debian: pkg-config) its file is not tested")
     return()
 endif()
 file(GLOB_RECURSE files ${WORK}/tree/cellwalk.pc)

@@ -182,6 +182,9 @@ static void formats_agree(void **state) {
     check_status(cw_field_create(&desc, &field), CW_OK);
     check_status(cw_closest(field, NULL, rays, 1000, hits), CW_OK);
     cw_field_destroy(field);
+    size_t found = 0;
+    for (size_t k = 0; k < 1000; k++) found += hits[k].i >= 0;
+    assert_in_range(found, 100, 1000);
     static const char *const names[] = {"f4.npy", "u2.npy", "a.pgm", "a.asc", "a.pbrt"};
     for (size_t k = 0; k < sizeof names / sizeof names[0]; k++) {
         run_well((const char *const[]){"trace", names[k], "rays.npy", "-o", "hits.npy", NULL});
