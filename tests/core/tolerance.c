@@ -316,8 +316,7 @@ static void test_ignored(void **state) {
     random_state r = {5};
     field_make(&shape, FIELD_RANDOM, 40, 40, 1);
     cw_field *field = field_open(&shape);
-    size_t queries = 0,
-           found = 0; /* grid3d twice, brute, packet1 and cell with two leaf tests, pyramid1 with one: at least */
+    size_t queries = 0, found = 0;
     for (size_t k = 0; k < 1000; k++) rays[k] = ray_make(RAY_RANDOM, &shape, &r);
     for (size_t m = 0; m < cw_kernel_count(); m++)
         for (int leaf = 1; leaf < CW_LEAF_COUNT; leaf++) {
@@ -333,6 +332,7 @@ static void test_ignored(void **state) {
                 found += hits[k].i >= 0;
             }
         }
+    /* At least brute, both grid3d, pyramid1 with one leaf test, packet1 and cell with two. */
     check(queries >= 8 && found > 500 * queries, "%zu kernels and leaf tests with %zu hits", queries, found);
     cw_field_destroy(field);
 }
