@@ -1,4 +1,4 @@
-# CMake's toolchain for aarch64: Debian's cross compiler, libraries unpacked under AARCH64_ROOT (.ci/aarch64), programs run by
+# CMake's toolchain for aarch64: Debian's cross compiler, libraries unpacked under AARCH64_ROOT (.ci/run), programs run by
 # qemu-user.
 set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR aarch64)
