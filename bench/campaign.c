@@ -106,7 +106,7 @@ static void plan(campaign *c, bool quick) {
     const cw_isa best = cw_isa_best();
     char command[512], file[64];
     size_t used;
-    for (int isa = (int)best; isa >= CW_ISA_SSE42; isa--) {
+    for (int isa = (int)best; isa >= CW_ISA_SSE42 || isa == (int)best; isa--) { /* the best may be scalar */
         speed_file(file, sizeof file, (cw_isa)isa);
         snprintf(command, sizeof command, "micro --isa %s --kernel %s --peer %s --field %s %s",
                  cw_isa_name((cw_isa)isa), kernel_of("pyramid", (cw_isa)isa), triangles, fields, rays);

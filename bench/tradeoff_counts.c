@@ -67,11 +67,12 @@ static void enter_all(tradeoff_counter *c, bool write) {
 
 static void set_resolution(tradeoff_counter *c) {
     const tradeoff_ground *g = &c->ground;
-    c->low[2] = INFINITY, c->high[2] = -INFINITY;
+    float low = INFINITY, high = -INFINITY; /* floats: with fmin and fmax in double, GCC 12 for aarch64 breaks down */
     for (size_t k = 0; k < g->nx * g->ny; k++) {
-        c->low[2] = fmin(c->low[2], (double)g->z[k]);
-        c->high[2] = fmax(c->high[2], (double)g->z[k]);
+        low = fminf(low, g->z[k]);
+        high = fmaxf(high, g->z[k]);
     }
+    c->low[2] = (double)low, c->high[2] = (double)high;
     c->high[0] = (double)(g->nx - 1);
     c->high[1] = (double)(g->ny - 1);
     double longest = 0;

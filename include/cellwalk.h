@@ -62,9 +62,14 @@ typedef enum cw_isa { CW_ISA_SCALAR = 0, CW_ISA_SSE42, CW_ISA_AVX2, CW_ISA_AVX51
 /* "scalar", "sse4.2", "avx2", "avx512"; NULL for any other value. */
 CW_API const char *cw_isa_name(cw_isa isa);
 
-/* The widest instruction set that CPU and operating system both support (CPUID and XGETBV) and that the limit allows.
- * The limit is the environment variable CELLWALK_ISA (a name as above, read once) until cw_isa_limit sets another.
- * Not to be called while queries run: cw_isa_limit. */
+/* The widest instruction set in use, which is the least of three bounds:
+ *  - what CPU and operating system both support (CPUID and XGETBV);
+ *  - the environment variable CELLWALK_ISA, the user's upper bound for the whole process. It holds a name as above and is
+ *    read once, at the first call that has to know. The library takes any other value for no bound at all, since it has
+ *    nowhere to complain: a program should check the variable when it starts, as cellwalk and cellwalk-bench do;
+ *  - the last cw_isa_limit, which is the program's own bound: it may be lowered and raised again, but lifts neither of the
+ *    other two. CW_ISA_AVX512, or anything beyond, takes it away.
+ * cw_isa_limit may not be called while queries run. */
 CW_API cw_isa cw_isa_best(void);
 CW_API void cw_isa_limit(cw_isa highest);
 

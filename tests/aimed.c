@@ -76,12 +76,13 @@ bool aimed_field_make(aimed_field *f, size_t number) {
         terrain_sea(f->z, f->nx, f->ny, 5, 0.2f);
     else
         for (size_t k = 0; k < f->nx * f->ny; k++) f->z[k] = (float)sample(kind, k % f->nx, k / f->nx, &r);
-    f->low = (double)INFINITY;
-    f->high = -(double)INFINITY;
+    float low = INFINITY, high = -INFINITY; /* floats: with fmin and fmax in double, GCC 12 for aarch64 breaks down */
     for (size_t k = 0; k < f->nx * f->ny; k++) {
-        f->low = fmin(f->low, (double)f->z[k]);
-        f->high = fmax(f->high, (double)f->z[k]);
+        low = fminf(low, f->z[k]);
+        high = fmaxf(high, f->z[k]);
     }
+    f->low = (double)low;
+    f->high = (double)high;
     cw_field_desc desc = cw_field_desc_default();
     desc.samples = f->z;
     desc.nx = f->nx;

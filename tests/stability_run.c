@@ -45,6 +45,7 @@ static bool add_kernels(stability *s, size_t f, const stability_shares *shares, 
             t->role = !watertight ? ROLE_OTHER_RULES : kernel == best ? ROLE_REFERENCE : ROLE_SAME_BITS;
             t->rays = is_slow(info.name) ? SLOW_RAYS : BATCH_RAYS;
             t->every = kernel == best && watertight ? 1 : is_slow(info.name) ? shares->slow : shares->others;
+            t->turn = (unsigned)k;
             if (contender_from_kernel(&t->contender, &t->kernel, s->field[f].field, kernel, (cw_leaf)leaf) != CW_OK)
                 return false;
             (*n)++;
@@ -63,6 +64,7 @@ static bool add_peers(stability *s, size_t f, const stability_shares *shares, un
             snprintf(t->contender.name, sizeof t->contender.name, "embree%s/w%u", robust ? "-robust" : "", width);
             t->role = ROLE_OTHER_RULES;
             t->every = shares->peers;
+            t->turn = 2 * (unsigned)robust + width / 8;
             t->rays = BATCH_RAYS;
         }
     }
@@ -186,7 +188,7 @@ void stability_batch(stability *s, uint64_t number) {
     }
     for (unsigned n = 0; n < s->contenders; n++) {
         const tested *t = &s->tested[f][n];
-        if (round % t->every != n % t->every) continue; /* each in rounds of its own */
+        if (round % t->every != t->turn % t->every) continue;
         counts *c = &s->count[n][b.kind];
         cw_hit *hits = t->role == ROLE_REFERENCE ? b.reference : b.hits;
         t->contender.closest(t->contender.self, b.rays, t->rays, hits);

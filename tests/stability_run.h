@@ -22,6 +22,7 @@ typedef struct tested {
     peer_contender peer;
     contender_role role;
     unsigned every; /* takes part in one round of that many */
+    unsigned turn;  /* which one; it does not depend on what else this machine runs */
     size_t rays;    /* with that many rays of each batch, the first */
 } tested;
 

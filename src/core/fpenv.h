@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The IEEE default environment for the time of a query: round to nearest, denormals kept, exceptions masked. A caller
- * that runs with flush-to-zero or another rounding mode would otherwise get other bits, and leaks. Only MXCSR is set;
- * fesetenv(FE_DFL_ENV) would also reload the x87 state, at ten times the cost, and nothing here uses x87. */
+ * that runs with flush-to-zero or another rounding mode would otherwise get other bits, and leaks. On x86-64 only MXCSR is
+ * set; fesetenv(FE_DFL_ENV) would also reload the x87 state, at ten times the cost, and nothing here uses x87. Elsewhere it
+ * does what is wanted: on aarch64 it sets FPCR, flush-to-zero included, if that is not what it should be. */
 #ifndef CELLWALK_CORE_FPENV_H
 #define CELLWALK_CORE_FPENV_H
 

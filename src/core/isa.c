@@ -8,9 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#if defined(CELLWALK_MACHINE_ISA) /* a test's build that emulates instruction sets */
-static cw_isa detect(void) { return CELLWALK_MACHINE_ISA; }
-#elif defined(__x86_64__) || defined(__i386__)
+#if defined(__x86_64__) || defined(__i386__)
 #include <cpuid.h>
 
 static uint64_t enabled_state(void) {
@@ -44,33 +42,38 @@ enum { ISA_COUNT = sizeof names / sizeof names[0] };
 const char *cw_isa_name(cw_isa isa) { return (unsigned)isa < ISA_COUNT ? names[isa] : NULL; }
 
 /* Detection and the environment give the same answer every time, so two threads that race here both write it. */
-static atomic_int machine = -1, limit = -1;
+static atomic_int machine = -1, most = -1;
+static atomic_int limit = CW_ISA_AVX512;
 
 cw_isa cw_isa_machine(void) {
     int m = atomic_load_explicit(&machine, memory_order_relaxed);
     if (m < 0) {
         m = (int)detect();
+#if defined(CELLWALK_EMULATES_AVX512) /* a test's build, whose kernels for AVX-512 need AVX2 alone */
+        if (m == CW_ISA_AVX2) m = CW_ISA_AVX512;
+#endif
         atomic_store_explicit(&machine, m, memory_order_relaxed);
     }
     return (cw_isa)m;
 }
 
-static int limit_from_environment(void) {
+/* The user's upper bound. A name that is unknown here bounds nothing: it may be one that a later version knows. */
+static cw_isa allowed(void) {
     const char *text = getenv("CELLWALK_ISA");
     for (int k = 0; text && k < ISA_COUNT; k++)
-        if (strcmp(text, names[k]) == 0) return k;
+        if (strcmp(text, names[k]) == 0) return (cw_isa)k;
     return CW_ISA_AVX512;
 }
 
+static cw_isa lesser(cw_isa a, cw_isa b) { return a < b ? a : b; }
+
 cw_isa cw_isa_best(void) {
-    int l = atomic_load_explicit(&limit, memory_order_relaxed);
-    if (l < 0) {
-        l = limit_from_environment();
-        int unset = -1; /* a limit set meanwhile through the API wins */
-        if (!atomic_compare_exchange_strong(&limit, &unset, l)) l = unset;
+    int m = atomic_load_explicit(&most, memory_order_relaxed);
+    if (m < 0) {
+        m = (int)lesser(cw_isa_machine(), allowed());
+        atomic_store_explicit(&most, m, memory_order_relaxed);
     }
-    const cw_isa m = cw_isa_machine();
-    return m < (cw_isa)l ? m : (cw_isa)l;
+    return lesser((cw_isa)m, (cw_isa)atomic_load_explicit(&limit, memory_order_relaxed));
 }
 
-void cw_isa_limit(cw_isa highest) { atomic_store(&limit, (int)highest); }
+void cw_isa_limit(cw_isa highest) { atomic_store(&limit, (int)lesser(highest, CW_ISA_AVX512)); }

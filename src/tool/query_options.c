@@ -26,8 +26,8 @@ void query_options_rows(query_options *q, option_spec rows[QUERY_OPTION_COUNT]) 
     rows[QUERY_ISA] =
         (option_spec){.name = "isa",
                       .value = "NAME",
-                      .help = "the highest instruction set to use: scalar, sse4.2,\navx2 or avx512 (default: "
-                              "CELLWALK_ISA, else all)",
+                      .help = "the highest instruction set to use: scalar, sse4.2,\navx2 or avx512, within what "
+                              "CELLWALK_ISA allows",
                       .kind = OPTION_TEXT,
                       .to = &q->isa};
     rows[QUERY_COHERENCE] =
@@ -70,7 +70,7 @@ static bool find_isa(const char *name, const char *what, const char *word, cw_is
     return unknown_name(name, what, word, names, ISA_COUNT);
 }
 
-/* The environment is a limit that may lie above what the machine has. --isa asks for something: not to have it is an
+/* CELLWALK_ISA is an upper bound, which may lie above what the machine has. --isa asks for something: not to get it is an
  * error, or else a measurement would carry the wrong label. */
 static bool apply_isa(const query_options *q, const char *name) {
     cw_isa isa = CW_ISA_SCALAR;
@@ -80,7 +80,8 @@ static bool apply_isa(const query_options *q, const char *name) {
     if (!find_isa(name, "--isa", q->isa, &isa)) return false;
     cw_isa_limit(isa);
     if (cw_isa_best() == isa) return true;
-    command_fail(name, "--isa %s: this machine has no more than %s", q->isa, cw_isa_name(cw_isa_best()));
+    command_fail(name, "--isa %s: this machine, or CELLWALK_ISA, allows no more than %s", q->isa,
+                 cw_isa_name(cw_isa_best()));
     return false;
 }
 

@@ -1,0 +1,109 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The part of the long run (stability.c) that a test has time for: at least 10^6 aimed rays a class through the default
+ * kernel, and a share of them through every other one; no leak, no phantom, the same bits. And that the run would see a
+ * fault if there were one. */
+
+#include "check.h"
+#include "stability_run.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#ifndef TEST_SCALE_DOWN
+#define TEST_SCALE_DOWN 1
+#endif
+enum { ROUNDS = (1000000 / (AIMED_FIELDS * BATCH_RAYS) + 1) / TEST_SCALE_DOWN };
+
+static stability run;
+
+static int set_up(void **state) {
+    (void)state;
+    io_error error = {{0}};
+    const bool good = stability_make(&run, (stability_shares){.others = 8, .slow = 31}, 512, &error);
+    check(good, "%s", error.text);
+    run.explain = true;
+    return 0;
+}
+
+static int tear_down(void **state) {
+    (void)state;
+    stability_free(&run);
+    return 0;
+}
+
+static void test_million_rays_a_class(void **state) {
+    (void)state;
+    const uint64_t batches = test_share(test_rounds() * ROUNDS) * ROUND_BATCHES;
+    for (uint64_t n = 0; n < batches; n++) stability_batch(&run, n);
+    for (int kind = 0; kind < AIM_COUNT; kind++) {
+        const counts *c = &run.count[0][kind];
+        printf(
+            "%-9s %9llu rays, %9llu known to pass, %llu leaks, %llu phantoms; worst |d| / E %.3f, off the triangle / "
+            "delta %.3f, error of t / bound %.3f\n",
+            aim_name((aim)kind), (unsigned long long)c->rays, (unsigned long long)c->pass, (unsigned long long)c->leaks,
+            (unsigned long long)c->phantoms, c->residual, c->apart, c->t_error);
+        const uint64_t least = kind == AIM_GRAZING ? c->rays / 8 : c->rays - c->rays / 100;
+        check(c->pass >= least, "class %s: too few rays are known to pass for the test to mean anything",
+              aim_name((aim)kind));
+    }
+    for (unsigned n = 1; n < run.contenders; n++) {
+        counts sum = {0};
+        for (int kind = 0; kind < AIM_COUNT; kind++) counts_add(&sum, &run.count[n][kind]);
+        printf("%-26s %9llu rays, %llu leaks, %llu phantoms, %llu other bits\n", run.tested[0][n].contender.name,
+               (unsigned long long)sum.rays, (unsigned long long)sum.leaks, (unsigned long long)sum.phantoms,
+               (unsigned long long)sum.other);
+        check(sum.rays > 0 || batches < run.tested[0][n].every * (uint64_t)ROUND_BATCHES, "%s took no part",
+              run.tested[0][n].contender.name);
+    }
+    check(stability_faults(&run) == 0, "%llu faults", (unsigned long long)stability_faults(&run));
+}
+
+/* A wrapper around the reference that answers wrongly now and then. */
+static const contender *honest;
+static double wrong_by; /* cells of height; 0: miss instead */
+
+static void lie(const void *self, const cw_ray *rays, size_t n, cw_hit *hits) {
+    honest->closest(self, rays, n, hits);
+    for (size_t k = 0; k < n; k += 64) {
+        if (hits[k].i < 0) continue;
+        if (wrong_by == 0)
+            hits[k] = (cw_hit){.t = INFINITY, .i = -1, .j = -1};
+        else
+            hits[k].t += (float)(wrong_by / fabs((double)rays[k].dir[2]));
+    }
+}
+
+static counts lies(double by) {
+    static stability liar;
+    io_error error = {{0}};
+    check(stability_make(&liar, (stability_shares){.others = 1u << 30, .slow = 1u << 30}, 512, &error), "%s",
+          error.text);
+    for (size_t f = 0; f < AIMED_FIELDS; f++) liar.tested[f][0].contender.closest = lie;
+    honest = &run.tested[0][0].contender;
+    wrong_by = by;
+    counts sum = {0};
+    for (uint64_t n = 0; n < ROUND_BATCHES; n++) stability_batch(&liar, n);
+    for (int kind = 0; kind < AIM_COUNT; kind++) counts_add(&sum, &liar.count[0][kind]);
+    stability_free(&liar);
+    return sum;
+}
+
+static void test_faults_are_seen(void **state) {
+    (void)state;
+    const uint64_t changed = (uint64_t)ROUND_BATCHES * BATCH_RAYS / 64;
+    const counts missing = lies(0), shifted = lies(1);
+    check(missing.leaks > changed / 2, "only %llu of %llu hits that were taken away count as leaks",
+          (unsigned long long)missing.leaks, (unsigned long long)changed);
+    check(missing.phantoms == 0, "a miss counts as a phantom");
+    check(shifted.phantoms > changed / 2, "only %llu of %llu shifted hits count as phantoms",
+          (unsigned long long)shifted.phantoms, (unsigned long long)changed);
+    check(shifted.leaks == 0, "a shifted hit counts as a leak");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_million_rays_a_class),
+        cmocka_unit_test(test_faults_are_seen),
+    };
+    return cmocka_run_group_tests_name("stability", tests, set_up, tear_down);
+}

@@ -1,0 +1,17 @@
+# The emulated kernels are what an emulated test runs: its program has no instruction of AVX-512, where the ordinary one has
+# many. Arguments: EMULATED, ORDINARY (programs), OBJDUMP.
+cmake_minimum_required(VERSION 3.25)
+foreach(which IN ITEMS EMULATED ORDINARY)
+    execute_process(COMMAND ${OBJDUMP} -d --no-show-raw-insn ${${which}} OUTPUT_VARIABLE code RESULT_VARIABLE result)
+    if(NOT result EQUAL 0)
+        message(FATAL_ERROR "${OBJDUMP} ${${which}} ended with ${result}")
+    endif()
+    string(REGEX MATCHALL "%zmm[0-9]+[^\n]*" found "${code}")
+    list(LENGTH found ${which}_wide)
+    string(REGEX MATCHALL "%ymm[0-9]+[^\n]*" found "${code}")
+    list(LENGTH found ${which}_narrow)
+endforeach()
+message(STATUS "512 bits wide: ${EMULATED_wide} and ${ORDINARY_wide}, 256 bits: ${EMULATED_narrow} and ${ORDINARY_narrow}")
+if(EMULATED_wide GREATER 0 OR ORDINARY_wide LESS 1000 OR NOT EMULATED_narrow GREATER ORDINARY_narrow)
+    message(FATAL_ERROR "the emulated program does not run the emulated kernels, or the ordinary one does")
+endif()

@@ -1,0 +1,206 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What surrounds a query must not change its result: the caller's floating-point environment, the number of threads,
+ * other queries at the same time. */
+
+#include "check.h"
+#include "fp_register.h"
+#include "rays.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { RAYS = 20000 };
+static size_t count; /* of these, as many as there is time for */
+static test_field shape;
+static cw_field *field;
+static cw_ray rays[RAYS];
+static cw_hit expected[RAYS], got[RAYS];
+
+static int set_up(void **state) {
+    (void)state;
+    count = test_share(RAYS);
+    field = ray_case(&shape, FIELD_TINY, 31, 12, 13, rays, expected, count);
+    size_t hits = 0;
+    for (size_t k = 0; k < count; k++) hits += expected[k].i >= 0;
+    check(hits > count / 4, "too few hits for the tests to mean anything");
+    return 0;
+}
+
+static int tear_down(void **state) {
+    (void)state;
+    cw_field_destroy(field);
+    return 0;
+}
+
+static bool same(const cw_hit *a, const cw_hit *b, size_t n) {
+    for (size_t k = 0; k < n; k++)
+        if (!hit_same(&a[k], &b[k])) return false;
+    return true;
+}
+
+/* Both queries with each kernel in the present environment. */
+static void check_queries(const char *where) {
+    static cw_hit mine[RAYS];
+    static uint8_t occluded[RAYS];
+    for (size_t kernel = 0; kernel < cw_kernel_count(); kernel++) {
+        const cw_query q = {.kernel = cw_kernel_at(kernel)};
+        const cw_kernel_info info = cw_kernel_describe(q.kernel);
+        if (!info.available || strcmp(info.name, "brute") == 0) continue;
+        const bool watertight = info.default_leaf == CW_LEAF_WATERTIGHT;
+        check_status(cw_closest(field, &q, rays, count, mine), CW_OK);
+        check_status(cw_any(field, &q, rays, count, occluded), CW_OK);
+        if (watertight) check(same(mine, expected, count), "%s: other hits with %s", info.name, where);
+        for (size_t k = 0; k < count; k++)
+            check(occluded[k] == (mine[k].i >= 0), "%s: any hit with %s", info.name, where);
+    }
+}
+
+/* Flush-to-zero and denormals-are-zero change what denormal directions and heights are, rounding modes change bits. */
+static void test_caller_environment(void **state) {
+    (void)state;
+    if (FP_MODES == 0) skip();
+    const uint64_t before = fp_register();
+    for (unsigned mode = 0; mode < FP_MODES; mode++) {
+        const uint64_t set = fp_register_mode(mode);
+        char where[64];
+        snprintf(where, sizeof where, "floating-point register %#llx", (unsigned long long)set);
+        fp_register_set(set);
+        check_status(cw_closest(field, NULL, rays, count, got), CW_OK);
+        const uint64_t after = fp_register();
+        const bool equal = same(got, expected, count);
+        fp_register_set(before);
+        check(after == set, "%s became %#llx", where, (unsigned long long)after);
+        check(equal, "other hits with %s", where);
+        fp_register_set(set);
+        check_queries(where);
+        fp_register_set(before);
+    }
+}
+
+/* Samples so small that a caller's DAZ turns them to zero: the field's range and its structures must not. */
+static void test_field_made_under_daz(void **state) {
+    (void)state;
+    if (FP_MODES == 0) skip();
+    static test_field small;
+    static cw_hit here[RAYS];
+    random_state r = {14};
+    field_make(&small, FIELD_RANDOM, 9, 9, 14);
+    for (size_t k = 0; k < 81; k++) small.z[k] = (small.z[k] - 0.5f) * 0x1p-127f;
+    small.low = -0x1p-128f;
+    small.high = 0x1p-128f;
+    cw_ray *down = rays;
+    static cw_ray saved[RAYS];
+    memcpy(saved, rays, sizeof rays);
+    for (size_t k = 0; k < 500; k++)
+        down[k] = (cw_ray){.org = {8 * (float)random_unit(&r), 8 * (float)random_unit(&r), 0x1p-126f},
+                           .dir = {0, 0, -0x1p-127f},
+                           .tmax = INFINITY};
+    size_t hits = 0;
+    const uint64_t before = fp_register();
+    cw_field *plain = field_open(&small);
+    fp_register_set(fp_register_mode(FP_FLUSHES));
+    cw_field *under_daz = field_open(&small);
+    fp_register_set(before);
+    const cw_field_info a = cw_field_describe(plain), b = cw_field_describe(under_daz);
+    check(a.low == b.low && a.high == b.high, "range %a to %a, but %a to %a under DAZ", (double)a.low, (double)a.high,
+          (double)b.low, (double)b.high);
+    for (size_t k = 0; k < cw_kernel_count(); k++) {
+        const cw_query q = {.kernel = cw_kernel_at(k)};
+        if (!cw_kernel_describe(q.kernel).available) continue;
+        check_status(cw_closest(plain, &q, down, 500, here), CW_OK);
+        check_status(cw_closest(under_daz, &q, down, 500, got), CW_OK);
+        check(same(here, got, 500), "%s: other hits in a field made under DAZ", cw_kernel_describe(q.kernel).name);
+        for (size_t m = 0; m < 500; m++) hits += here[m].i >= 0;
+    }
+    check(hits > 500, "too few hits for the test to mean anything");
+    memcpy(rays, saved, sizeof rays);
+    cw_field_destroy(plain);
+    cw_field_destroy(under_daz);
+}
+
+/* The map and its inverse, and the way from user space. */
+static void test_spaces_under_other_rounding(void **state) {
+    (void)state;
+    if (FP_MODES == 0) skip();
+    const cw_user_ray in = {.org = {0.1, 0.2, 0.3}, .dir = {1.0 / 3, 0.7, -0.9}, .tmax = 1e3};
+    cw_field_desc d = cw_field_desc_default();
+    d.samples = shape.z;
+    d.nx = shape.nx;
+    d.ny = shape.ny;
+    for (int c = 0; c < 3; c++) d.map[c][c] = 0.3, d.map[c][3] = 0.7;
+    const uint64_t before = fp_register();
+    cw_ray ray[4];
+    for (unsigned mode = 0; mode < 4; mode++) {
+        cw_field *f;
+        memset(&ray[mode], 0, sizeof ray[mode]);
+        fp_register_set(fp_register_mode(4 * mode));
+        const cw_status status = cw_field_create(&d, &f);
+        cw_rays_to_field(f, &in, 1, &ray[mode]);
+        fp_register_set(before);
+        check_status(status, CW_OK);
+        check(memcmp(&ray[mode], &ray[0], sizeof ray[0]) == 0, "other field-space ray under rounding mode %u", mode);
+        cw_field_destroy(f);
+    }
+}
+
+static void test_pools(void **state) {
+    (void)state;
+    check_status(cw_pool_create(1, NULL), CW_ERROR_ARGUMENT);
+    cw_pool_destroy(NULL);
+    for (unsigned threads = 0; threads <= 7; threads++) {
+        cw_pool *pool;
+        check_status(cw_pool_create(threads, &pool), CW_OK);
+        check(threads ? cw_pool_threads(pool) == threads : cw_pool_threads(pool) >= 1, "threads of the pool");
+        const cw_query q = {.pool = pool};
+        for (size_t n = count; n > 0; n /= 3) { /* down to lengths below what a thread takes at a time */
+            memset(got, 0, sizeof got);
+            check_status(cw_closest(field, &q, rays, n, got), CW_OK);
+            check(same(got, expected, n), "%u threads, %zu rays: other hits", threads, n);
+            static uint8_t occluded[RAYS];
+            check_status(cw_any(field, &q, rays, n, occluded), CW_OK);
+            for (size_t k = 0; k < n; k++) check(occluded[k] == (expected[k].i >= 0), "%u threads: any hit", threads);
+        }
+        check_status(cw_closest(field, &q, NULL, 0, NULL), CW_OK);
+        cw_pool_destroy(pool);
+    }
+}
+
+typedef struct worker {
+    pthread_t thread;
+    cw_hit hits[RAYS];
+    bool equal;
+} worker;
+
+static void *query_again(void *argument) {
+    worker *w = argument;
+    w->equal = true;
+    for (int turn = 0; turn < 5; turn++) {
+        if (cw_closest(field, NULL, rays, count, w->hits) != CW_OK) w->equal = false;
+        if (!same(w->hits, expected, count)) w->equal = false;
+        memset(w->hits, 0, sizeof w->hits);
+    }
+    return NULL;
+}
+
+static void test_queries_at_once(void **state) {
+    (void)state;
+    enum { WORKERS = 4 };
+    static worker workers[WORKERS];
+    for (int k = 0; k < WORKERS; k++)
+        assert_int_equal(pthread_create(&workers[k].thread, NULL, query_again, &workers[k]), 0);
+    for (int k = 0; k < WORKERS; k++) pthread_join(workers[k].thread, NULL);
+    for (int k = 0; k < WORKERS; k++) check(workers[k].equal, "thread %d found other hits", k);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_caller_environment),
+        cmocka_unit_test(test_field_made_under_daz),
+        cmocka_unit_test(test_spaces_under_other_rounding),
+        cmocka_unit_test(test_pools),
+        cmocka_unit_test(test_queries_at_once),
+    };
+    return cmocka_run_group_tests_name("environment", tests, set_up, tear_down);
+}

@@ -1,0 +1,111 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The bounds on instruction sets: the machine's, the user's by CELLWALK_ISA, the program's by cw_isa_limit. The variable is
+ * read once a process, so each case is a process of its own. */
+
+#include "check.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+enum { ISA_COUNT = CW_ISA_AVX512 + 1 };
+
+static cw_isa lesser(cw_isa a, cw_isa b) { return a < b ? a : b; }
+
+/* Runs a check in a child whose CELLWALK_ISA is value, NULL for not set; what the check returns, 0 being good. */
+static int in_child(const char *value, int (*run)(cw_isa allowed), cw_isa allowed) {
+    fflush(stdout);
+    const pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        if (value)
+            setenv("CELLWALK_ISA", value, 1);
+        else
+            unsetenv("CELLWALK_ISA");
+        _exit(run(allowed));
+    }
+    int status;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    check(WIFEXITED(status), "the child ended with status %#x", (unsigned)status);
+    return WEXITSTATUS(status);
+}
+
+static int best(cw_isa allowed) {
+    (void)allowed;
+    return (int)cw_isa_best();
+}
+
+/* What the machine has, where nothing bounds it. */
+static cw_isa machine(void) { return (cw_isa)in_child(NULL, best, CW_ISA_AVX512); }
+
+/* 0 if the program's limit works within what is allowed, else the number of what does not hold. */
+static int limit_within(cw_isa allowed) {
+    for (int from = 0; from < ISA_COUNT; from++)
+        for (int to = 0; to < ISA_COUNT; to++) { /* down and up */
+            cw_isa_limit((cw_isa)from);
+            if (cw_isa_best() != lesser((cw_isa)from, allowed)) return 1;
+            cw_isa_limit((cw_isa)to);
+            if (cw_isa_best() != lesser((cw_isa)to, allowed)) return 2;
+            for (size_t k = 0; k < cw_kernel_count(); k++) {
+                const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
+                if (info.available != (info.isa <= cw_isa_best())) return 3;
+            }
+        }
+    cw_isa_limit(CW_ISA_SCALAR);
+    cw_isa_limit((cw_isa)(CW_ISA_AVX512 + 1));
+    if (cw_isa_best() != allowed) return 4;
+    setenv("CELLWALK_ISA", allowed == CW_ISA_SCALAR ? "avx512" : "scalar", 1); /* it has been read */
+    return cw_isa_best() == allowed ? 0 : 5;
+}
+
+/* A limit set before anything asks is no way around the variable either. */
+static int limit_first(cw_isa allowed) {
+    cw_isa_limit(CW_ISA_AVX512);
+    return cw_isa_best() == allowed ? 0 : 1;
+}
+
+static void test_the_variable_bounds_the_process(void **state) {
+    (void)state;
+    const cw_isa all = machine();
+    printf("this machine has %s\n", cw_isa_name(all));
+    for (int k = 0; k < ISA_COUNT; k++) {
+        const char *name = cw_isa_name((cw_isa)k);
+        const cw_isa allowed = lesser(all, (cw_isa)k);
+        check(in_child(name, best, allowed) == (int)allowed, "CELLWALK_ISA=%s does not give %s", name,
+              cw_isa_name(allowed));
+        const int within = in_child(name, limit_within, allowed), first = in_child(name, limit_first, allowed);
+        check(within == 0, "CELLWALK_ISA=%s: cw_isa_limit within it, case %d", name, within);
+        check(first == 0, "CELLWALK_ISA=%s: cw_isa_limit comes before it", name);
+    }
+}
+
+static void test_unknown_values_bound_nothing(void **state) {
+    (void)state;
+    static const char *const values[] = {"", "sse", "AVX2", "avx512 ", "none"};
+    const cw_isa all = machine();
+    for (size_t k = 0; k < sizeof values / sizeof values[0]; k++) {
+        check(in_child(values[k], best, all) == (int)all, "CELLWALK_ISA='%s' bounds something", values[k]);
+        check(in_child(values[k], limit_within, all) == 0, "CELLWALK_ISA='%s' disturbs cw_isa_limit", values[k]);
+    }
+}
+
+/* A build with emulated kernels says that it has them wherever they can run. */
+static void test_emulation_is_on(void **state) {
+    (void)state;
+#if defined(CELLWALK_EMULATES_AVX512)
+    if (!__builtin_cpu_supports("avx2")) skip();
+    assert_int_equal(machine(), CW_ISA_AVX512);
+#else
+    skip();
+#endif
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_the_variable_bounds_the_process),
+        cmocka_unit_test(test_unknown_values_bound_nothing),
+        cmocka_unit_test(test_emulation_is_on),
+    };
+    return cmocka_run_group_tests_name("isa", tests, NULL, NULL);
+}

@@ -1,0 +1,253 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Every kernel with a cell walk gives the same bits: packets of any width, any later walk, closest and any hit, each
+ * leaf test, on rays and fields from rays.h and fields.h, in runs of any length. There is no tolerance. */
+
+#include "check.h"
+#include "rays.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#ifndef TEST_SCALE_DOWN
+#define TEST_SCALE_DOWN 1
+#endif
+
+/* Kernels whose hits do not follow the rules of src/scalar/strict.h; brute.c judges them. */
+static bool has_own_rules(const cw_kernel *kernel) {
+    static const char *const names[] = {"brute", "grid3d", "grid3d-early"};
+    for (size_t k = 0; k < sizeof names / sizeof names[0]; k++)
+        if (strcmp(cw_kernel_describe(kernel).name, names[k]) == 0) return true;
+    return false;
+}
+
+enum { RUN_MAX = 4096, SIZES = FIELD_SIZES + 1 };
+static const field_size large = {261, 131}; /* several levels of any pyramid, and blocks that stick out */
+
+typedef struct run {
+    const test_field *shape;
+    const cw_field *field;
+    cw_leaf leaf;
+    size_t n;
+    cw_ray rays[RUN_MAX + 16];
+    cw_hit hits[RUN_MAX];
+} run;
+
+static void report(const run *q, size_t k, const char *name, const cw_hit *hit) {
+    field_print(q->shape);
+    ray_print(&q->rays[k]);
+    printf("leaf test %s, ray %zu of %zu\n", cw_leaf_name(q->leaf), k, q->n);
+    hit_print("cell", &q->hits[k]);
+    if (hit) hit_print(name, hit);
+}
+
+static void compare(const run *q, const cw_kernel *kernel) {
+    static cw_hit hits[RUN_MAX];
+    static uint8_t occluded[RUN_MAX];
+    const char *name = cw_kernel_describe(kernel).name;
+    const cw_query query = {.kernel = kernel, .leaf = q->leaf};
+    check_status(cw_closest(q->field, &query, q->rays, q->n, hits), CW_OK);
+    check_status(cw_any(q->field, &query, q->rays, q->n, occluded), CW_OK);
+    for (size_t k = 0; k < q->n; k++) {
+        if (!hit_same(&hits[k], &q->hits[k])) {
+            report(q, k, name, &hits[k]);
+            check(false, "%s and cell differ", name);
+        }
+        if (occluded[k] != (hits[k].i >= 0)) {
+            report(q, k, name, NULL);
+            check(false, "%s: any hit says %d", name, occluded[k]);
+        }
+    }
+}
+
+/* The reference, then each kernel against it. */
+static void run_all(run *q) {
+    const cw_kernel *reference = cw_kernel_find("cell");
+    for (int leaf = CW_LEAF_MOLLER_TRUMBORE; leaf < CW_LEAF_COUNT; leaf++) {
+        q->leaf = (cw_leaf)leaf;
+        const cw_query query = {.kernel = reference, .leaf = q->leaf};
+        check_status(cw_closest(q->field, &query, q->rays, q->n, q->hits), CW_OK);
+        for (size_t k = 0; k < cw_kernel_count(); k++) {
+            const cw_kernel *kernel = cw_kernel_at(k);
+            if (!has_own_rules(kernel) && cw_kernel_describe(kernel).available) compare(q, kernel);
+        }
+    }
+}
+
+/* Rays beyond the run that no kernel may look at, or may and must not heed. */
+static void add_junk(run *q) {
+    for (size_t k = q->n; k < q->n + 16; k++) memset(&q->rays[k], 0xff, sizeof q->rays[k]);
+}
+
+/* A run in bundles of rays alike, as cameras, lights and leaf hits send them: some kernels treat such rays together. */
+static void fill_bundles(run *q, ray_class first, ray_class last, random_state *r) {
+    static const double spreads[] = {0, 1e-7, 1e-3, 0.02, 0.1, 0.3};
+    for (size_t k = 0; k < q->n;) {
+        const cw_ray one = ray_make((ray_class)(first + random_below(r, (size_t)(last - first + 1))), q->shape, r);
+        const double turn = spreads[random_below(r, 6)], shift = 10 * spreads[random_below(r, 6)];
+        float longest = 0;
+        for (int c = 0; c < 3; c++) longest = fmaxf(longest, fabsf(one.dir[c]));
+        for (size_t left = 4 + random_below(r, 60); left > 0 && k < q->n; left--, k++) {
+            q->rays[k] = one;
+            for (int c = 0; c < 3; c++) {
+                q->rays[k].dir[c] += (float)(turn * random_between(r, -1, 1)) * longest;
+                if (c < 2) q->rays[k].org[c] += (float)(shift * random_between(r, -1, 1));
+            }
+        }
+    }
+}
+
+static void fill(run *q, ray_class first, ray_class last, random_state *r) {
+    for (size_t k = 0; k < q->n; k++)
+        q->rays[k] = ray_make((ray_class)(first + random_below(r, (size_t)(last - first + 1))), q->shape, r);
+}
+
+static void sweep(ray_class first, ray_class last, size_t most_rays_a_field) {
+    const size_t rays_a_field = test_share(most_rays_a_field);
+    static test_field shape;
+    static run q;
+    random_state r = {20260101 + (uint64_t)first};
+    size_t rays = 0, hits = 0;
+    for (size_t s = 0; s < SIZES; s++)
+        for (int kind = 0; kind < FIELD_SHAPES; kind++) {
+            const field_size size = s < FIELD_SIZES ? field_sizes[s] : large;
+            field_make(&shape, (field_shape)kind, size.nx, size.ny, s + 1);
+            cw_field *field = field_open(&shape);
+            q.shape = &shape;
+            q.field = field;
+            for (size_t left = rays_a_field; left > 0; left -= q.n) {
+                q.n = 1 + random_below(&r, RUN_MAX);
+                if (q.n > left) q.n = left;
+                if (random_below(&r, 2))
+                    fill(&q, first, last, &r);
+                else
+                    fill_bundles(&q, first, last, &r);
+                add_junk(&q);
+                run_all(&q);
+                for (size_t k = 0; k < q.n; k++) hits += q.hits[k].i >= 0;
+            }
+            rays += rays_a_field;
+            cw_field_destroy(field);
+        }
+    printf("%zu rays from class %s to %s, %zu hits, the same bits in every kernel\n", rays, ray_class_name(first),
+           ray_class_name(last), hits);
+    check(hits > rays / 10, "too few rays hit for the test to mean anything");
+}
+
+enum { FIELDS = SIZES * FIELD_SHAPES, RAYS = 1001000 / FIELDS / TEST_SCALE_DOWN };
+
+static void test_random(void **state) {
+    (void)state;
+    sweep(RAY_RANDOM, RAY_RANDOM, RAYS);
+}
+
+static void test_adversarial(void **state) {
+    (void)state;
+    sweep(RAY_VERTEX, RAY_NOT_FINITE, RAYS);
+}
+
+/* Rays on which kernels once differed: a component that counts as zero, and signs of zeros. */
+static void test_known(void **state) {
+    (void)state;
+    static const struct {
+        float z[4];
+        cw_ray ray;
+    } known[] = {
+        {{0x1.22145cp-1f, 0x1.f12746p-1f, 0x1.c6ed54p-2f, 0x1.c133d8p-1f},
+         {{0, 0x1.b5880ep-2f, 0x1.5148aap+0f}, 0, {0x1p-128f, 0x1.bd3f8ap-2f, -0x1.b678p-1f}, INFINITY}},
+        {{0, 0, 0, 0x1.e848p+19f},
+         {{0, 0x1.e4c49cp-3f, -0.0f}, 0, {0x1.00001p-128f, 0x1.1deefp-1f, 0x1.9a5836p+19f}, INFINITY}},
+        {{0, 0, 0, 0}, {{0, -0.0f, -0.0f}, 0, {1, -0x1.fffd62p-1f, 0x1p-128f}, INFINITY}},
+    };
+    static test_field shape = {.shape = FIELD_RANDOM, .nx = 2, .ny = 2};
+    static run q = {.shape = &shape};
+    for (size_t k = 0; k < sizeof known / sizeof known[0]; k++) {
+        memcpy(shape.z, known[k].z, sizeof known[k].z);
+        cw_field *field = field_open(&shape);
+        q.field = field;
+        for (q.n = 1; q.n <= 33; q.n += 16) { /* alone and among its like */
+            for (size_t m = 0; m < q.n; m++) q.rays[m] = known[k].ray;
+            add_junk(&q);
+            run_all(&q);
+        }
+        cw_field_destroy(field);
+    }
+}
+
+/* Many rays in one call, as runs of few answer them: the lane walk keeps rays from batch to batch, and counts them anew
+ * after some 2^16. On an emulated CPU they are no more than that takes, and only for the kernels that need all of the CPU:
+ * the others take their turn on an older one. */
+enum { LONG = 140000, LONG_ENOUGH = 75000 };
+
+static bool takes_long_calls(const cw_kernel_info *info) {
+    return info->available && strncmp(info->name, "pyramid", 7) == 0;
+}
+
+static void test_long_call(void **state) {
+    (void)state;
+    static cw_ray rays[LONG];
+    static cw_hit hits[LONG];
+    static uint8_t occluded[LONG];
+    static test_field shape;
+    static run q = {.shape = &shape, .leaf = CW_LEAF_WATERTIGHT};
+    const bool slow = test_share(LONG) < LONG;
+    const size_t n = slow ? LONG_ENOUGH : LONG;
+    cw_isa most = CW_ISA_SCALAR;
+    for (size_t k = 0; k < cw_kernel_count(); k++) {
+        const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
+        if (takes_long_calls(&info) && info.isa > most) most = info.isa;
+    }
+    random_state r = {20261121};
+    field_make(&shape, FIELD_RANDOM, large.nx, large.ny, 1);
+    cw_field *field = field_open(&shape);
+    q.field = field;
+    for (size_t k = 0; k < n; k++) rays[k] = ray_make(RAY_RANDOM, &shape, &r);
+    size_t kernels = 0;
+    for (size_t k = 0; k < cw_kernel_count(); k++) {
+        const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
+        if (!takes_long_calls(&info) || (slow && info.isa != most)) continue;
+        kernels++;
+        const cw_query query = {.kernel = cw_kernel_at(k), .leaf = q.leaf};
+        check_status(cw_closest(field, &query, rays, n, hits), CW_OK);
+        check_status(cw_any(field, &query, rays, n, occluded), CW_OK);
+        for (size_t begin = 0; begin < n; begin += q.n) {
+            q.n = n - begin < RUN_MAX ? n - begin : RUN_MAX;
+            memcpy(q.rays, rays + begin, q.n * sizeof *rays);
+            check_status(cw_closest(field, &query, q.rays, q.n, q.hits), CW_OK);
+            for (size_t m = 0; m < q.n; m++) {
+                if (!hit_same(&hits[begin + m], &q.hits[m])) report(&q, m, info.name, &hits[begin + m]);
+                check(hit_same(&hits[begin + m], &q.hits[m]) && occluded[begin + m] == (q.hits[m].i >= 0),
+                      "%s: ray %zu of a long call is answered otherwise in a short one", info.name, begin + m);
+            }
+        }
+    }
+    check(kernels > 0, "no kernel took a long call");
+    cw_field_destroy(field);
+}
+
+/* All kernels that this machine can run took part: forget one and the rest proves less than it says. */
+static void test_every_kernel_takes_part(void **state) {
+    (void)state;
+    size_t part = 0;
+    for (size_t k = 0; k < cw_kernel_count(); k++) {
+        const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
+        const bool in = !has_own_rules(cw_kernel_at(k)) && info.available;
+        check(has_own_rules(cw_kernel_at(k)) == (info.default_leaf != CW_LEAF_WATERTIGHT),
+              "%s: has it rules of its own?", info.name);
+        printf("%-14s %s\n", info.name, in ? "compared" : info.available ? "has rules of its own" : "not on this CPU");
+        part += in;
+    }
+    check(part >= 2, "fewer than two kernels to compare");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_every_kernel_takes_part),
+        cmocka_unit_test(test_known),
+        cmocka_unit_test(test_long_call),
+        cmocka_unit_test(test_random),
+        cmocka_unit_test(test_adversarial),
+    };
+    return cmocka_run_group_tests_name("lanes", tests, NULL, NULL);
+}

@@ -1,0 +1,70 @@
+# AVX-512 for machines without it: every kernel that is compiled for it, compiled once more for AVX2 with its intrinsics
+# carried out by SIMDe. A program that links cellwalk_emulated takes these objects in place of the library's, which the
+# linker then has no reason to take, and believes that the machine has AVX-512 if it has AVX2. So the kernels 16 lanes wide
+# are tested on every machine, and every test can be run as it runs on a machine with AVX-512.
+
+find_path(SIMDE_INCLUDE simde/x86/avx512.h)
+set(no_emulation "")
+if(NOT CELLWALK_SIMD)
+    set(no_emulation "there are no vector kernels to emulate")
+elseif(CELLWALK_SANITIZE OR NOT CMAKE_C_COMPILER_ID STREQUAL "GNU")
+    set(no_emulation "AVX-512 is emulated in builds by GCC without sanitizers alone")
+elseif(NOT SIMDE_INCLUDE)
+    set(no_emulation "SIMDe (Debian: libsimde-dev), which emulates AVX-512, not found")
+endif()
+if(no_emulation)
+    return()
+endif()
+
+add_library(cellwalk_emulated_isa OBJECT EXCLUDE_FROM_ALL ${PROJECT_SOURCE_DIR}/src/core/isa.c)
+target_include_directories(cellwalk_emulated_isa PRIVATE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/src/core)
+target_compile_definitions(cellwalk_emulated_isa PRIVATE CELLWALK_EMULATES_AVX512)
+target_link_libraries(cellwalk_emulated_isa PRIVATE cellwalk_flags)
+
+add_library(cellwalk_emulated INTERFACE)
+target_sources(cellwalk_emulated INTERFACE $<TARGET_OBJECTS:cellwalk_emulated_isa>)
+# For a test that writes down what it has run.
+target_compile_definitions(cellwalk_emulated INTERFACE CELLWALK_EMULATES_AVX512)
+
+get_property(kernels DIRECTORY ${PROJECT_SOURCE_DIR}/simd PROPERTY BUILDSYSTEM_TARGETS)
+set(emulated 0)
+foreach(kernel IN LISTS kernels)
+    get_target_property(options ${kernel} COMPILE_OPTIONS)
+    get_target_property(definitions ${kernel} COMPILE_DEFINITIONS)
+    if(NOT options MATCHES "-mavx512" OR "CELLWALK_COUNT" IN_LIST definitions)
+        continue()
+    endif()
+    get_target_property(sources ${kernel} SOURCES)
+    list(TRANSFORM sources PREPEND ${PROJECT_SOURCE_DIR}/simd/ REGEX "^[^/$]")
+    add_library(${kernel}_emulated OBJECT EXCLUDE_FROM_ALL ${sources})
+    foreach(property IN ITEMS INCLUDE_DIRECTORIES COMPILE_DEFINITIONS)
+        get_target_property(value ${kernel} ${property})
+        if(value)
+            set_target_properties(${kernel}_emulated PROPERTIES ${property} "${value}")
+        endif()
+    endforeach()
+    target_include_directories(${kernel}_emulated SYSTEM PRIVATE ${SIMDE_INCLUDE})
+    target_sources(cellwalk_emulated INTERFACE $<TARGET_OBJECTS:${kernel}_emulated>)
+    # The flags of src/flags.cmake that change code, without the warnings, for SIMDe's inline functions. Vectors wider than
+    # the machine's are passed in memory, of which GCC warns; all of it is one compile unit.
+    target_compile_options(${kernel}_emulated PRIVATE -mavx2 -mfma -ffp-contract=off -fno-math-errno -fno-trapping-math
+        -Wno-psabi -include ${CMAKE_CURRENT_LIST_DIR}/emulated_avx512.h)
+    math(EXPR emulated "${emulated} + 1")
+endforeach()
+if(emulated EQUAL 0)
+    message(FATAL_ERROR "simd/ has no kernel for AVX-512 to emulate")
+endif()
+
+# The same program with emulated kernels: ${program}_emulated.
+function(cellwalk_emulated_twin program)
+    if(TARGET ${program}_emulated)
+        return()
+    endif()
+    get_target_property(folder ${program} SOURCE_DIR)
+    get_target_property(sources ${program} SOURCES)
+    get_target_property(libraries ${program} LINK_LIBRARIES)
+    list(TRANSFORM sources PREPEND ${folder}/ REGEX "^[^/$]")
+    add_executable(${program}_emulated EXCLUDE_FROM_ALL ${sources})
+    target_include_directories(${program}_emulated PRIVATE ${folder})
+    target_link_libraries(${program}_emulated PRIVATE cellwalk_emulated ${libraries})
+endfunction()

@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "program.h"
+
+#include "check.h"
+
+#include <linux/securebits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+enum { NO_SETTING = 255 };
+
+static FILE *out, *err;
+
+static void limit(int resource, unsigned long bytes) {
+    const struct rlimit l = {bytes, bytes};
+    if (bytes > 0 && setrlimit((__rlimit_resource_t)resource, &l) != 0) _exit(NO_SETTING);
+}
+
+/* In the child. Root may write anywhere unless executing a program gives it no rights. */
+static void apply(const program_setting *s) {
+    limit(RLIMIT_FSIZE, s->file_size_limit);
+    limit(RLIMIT_AS, s->address_space_limit);
+    if (s->isa) setenv("CELLWALK_ISA", s->isa, 1);
+    if (s->powerless && geteuid() == 0 && prctl(PR_SET_SECUREBITS, SECBIT_NOROOT, 0, 0, 0) != 0) _exit(NO_SETTING);
+}
+
+pid_t program_start(const program_setting *setting, program_arguments arguments) {
+    char *argv[PROGRAM_ARGUMENTS_MAX + 2] = {(char *)"cellwalk"};
+    for (size_t k = 0; arguments[k]; k++) {
+        assert_true(k < PROGRAM_ARGUMENTS_MAX);
+        argv[k + 1] = (char *)arguments[k];
+    }
+    out = tmpfile();
+    err = tmpfile();
+    assert_true(out && err);
+    const pid_t process = fork();
+    assert_true(process >= 0);
+    if (process > 0) return process;
+    dup2(fileno(out), STDOUT_FILENO);
+    dup2(fileno(err), STDERR_FILENO);
+    apply(setting ? setting : &(program_setting){0});
+    execv(CELLWALK_PROGRAM, argv);
+    perror(CELLWALK_PROGRAM); /* it may just be linked anew, by a build at the same time */
+    _exit(NO_SETTING);
+}
+
+static void take_text(FILE *file, char *text) {
+    rewind(file);
+    text[fread(text, 1, PROGRAM_TEXT_MAX - 1, file)] = '\0';
+    fclose(file);
+}
+
+const program_result *program_wait(pid_t process) {
+    static program_result result;
+    int status;
+    assert_int_equal(waitpid(process, &status, 0), process);
+    result.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    take_text(out, result.out);
+    take_text(err, result.err);
+    check(strstr(result.err, "Sanitizer") == NULL && strstr(result.err, "runtime error") == NULL, "%s", result.err);
+    return &result;
+}
+
+const program_result *program_run(const program_setting *setting, program_arguments arguments) {
+    return program_wait(program_start(setting, arguments));
+}

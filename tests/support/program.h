@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Runs the built program cellwalk as a user would. */
+#ifndef CELLWALK_TESTS_PROGRAM_H
+#define CELLWALK_TESTS_PROGRAM_H
+
+#include <stdbool.h>
+#include <sys/types.h>
+
+enum { PROGRAM_TEXT_MAX = 1 << 16, PROGRAM_ARGUMENTS_MAX = 24 };
+
+/* What the program runs under. */
+typedef struct program_setting {
+    const char *isa;                   /* CELLWALK_ISA; NULL: as the test itself has it */
+    unsigned long file_size_limit;     /* bytes; 0: none */
+    unsigned long address_space_limit; /* bytes; 0: none */
+    bool powerless;                    /* without the rights of root, even if the test has them */
+} program_setting;
+
+typedef struct program_result {
+    int status; /* exit status; 128 + the signal's number if one ended it; 255 if the setting is not to be had */
+    char out[PROGRAM_TEXT_MAX], err[PROGRAM_TEXT_MAX];
+} program_result;
+
+/* Arguments, without the program's name and up to NULL. setting may be NULL. */
+typedef const char *const *program_arguments;
+
+/* Runs to the end. The result is static: the next run overwrites it. */
+const program_result *program_run(const program_setting *setting, program_arguments arguments);
+
+/* Starts, and waits for the end of what was started; one at a time. */
+pid_t program_start(const program_setting *setting, program_arguments arguments);
+const program_result *program_wait(pid_t process);
+
+#endif

@@ -1,0 +1,137 @@
+# How the tests of the table in tests/CMakeLists.txt are registered. A test that cannot be built is named when configuring,
+# with the reason, and ctest lists it as disabled.
+
+# What a test may need: cellwalk_offer(WORD "why it is missing" CONDITION…), the condition as for if().
+macro(cellwalk_offer word reason)
+    if(${ARGN})
+        set(lacks_${word} "")
+    else()
+        set(lacks_${word} "${reason}")
+    endif()
+endmacro()
+
+# Sets result to true if all words are on offer; else registers the test as left out.
+function(cellwalk_is_possible result name)
+    set(${result} TRUE PARENT_SCOPE)
+    foreach(word IN LISTS ARGN)
+        if(NOT DEFINED lacks_${word})
+            message(FATAL_ERROR "${name} needs ${word}, which nothing offers")
+        endif()
+        if(lacks_${word})
+            add_test(NAME ${name} COMMAND ${CMAKE_COMMAND} -E false)
+            set_tests_properties(${name} PROPERTIES DISABLED TRUE)
+            set_property(GLOBAL APPEND PROPERTY cellwalk_left_out_why ${word})
+            set_property(GLOBAL APPEND PROPERTY cellwalk_left_out_for_${word} ${name})
+            set(${result} FALSE PARENT_SCOPE)
+            return()
+        endif()
+    endforeach()
+endfunction()
+
+function(cellwalk_tell_left_out)
+    get_property(words GLOBAL PROPERTY cellwalk_left_out_why)
+    list(REMOVE_DUPLICATES words)
+    foreach(word IN LISTS words)
+        get_property(names GLOBAL PROPERTY cellwalk_left_out_for_${word})
+        list(JOIN names ", " names)
+        message(STATUS "Tests left out, ${lacks_${word}}: ${names}")
+    endforeach()
+endfunction()
+
+# A row of the table: the cmocka program test_NAME from sources in FOLDER, and the test NAME that runs it.
+#   SOURCES file…   in FOLDER
+#   LINKS target…   beside cmocka and the library
+#   NEEDS word…     beside cmocka
+#   RUNS target     the program that the test starts, as CELLWALK_PROGRAM
+#   AFTER target…   what else has to be built first
+#   DEFINES a=b…    for its sources
+#   KERNELS share   its outcome may depend on which kernels the machine has. So it gets the label kernels, and runs again as
+#                   NAME_avx512_emulated (emulated.cmake) with one ray in that many where it makes rays by the number; 0: not
+#   SECONDS n       roughly, if it is long: the longest start first
+function(cellwalk_test folder name)
+    cmake_parse_arguments(PARSE_ARGV 2 row "" "RUNS;KERNELS;SECONDS" "SOURCES;LINKS;NEEDS;AFTER;DEFINES")
+    if(row_UNPARSED_ARGUMENTS OR NOT row_SOURCES)
+        message(FATAL_ERROR "${name}: ${row_UNPARSED_ARGUMENTS} is none of a row's words, or sources are missing")
+    endif()
+    list(TRANSFORM row_SOURCES PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/ REGEX "^[^$]")
+    cellwalk_is_possible(possible ${name} cmocka ${row_NEEDS})
+    if(possible)
+        cellwalk_add_program(${name} "${row_RUNS}" ${row_LINKS})
+        if(DEFINED row_KERNELS)
+            set_tests_properties(${name} PROPERTIES LABELS kernels)
+        endif()
+    endif()
+    if(row_KERNELS)
+        set(twin ${name}_avx512_emulated)
+        cellwalk_is_possible(possible ${twin} cmocka ${row_NEEDS} emulation)
+        if(possible)
+            if(row_RUNS)
+                cellwalk_emulated_twin(${row_RUNS})
+                string(APPEND row_RUNS _emulated)
+            endif()
+            cellwalk_add_program(${twin} "${row_RUNS}" cellwalk_emulated ${row_LINKS})
+            set_tests_properties(${twin} PROPERTIES ENVIRONMENT CELLWALK_TEST_DIVIDE=${row_KERNELS} LABELS emulated)
+        endif()
+    endif()
+endfunction()
+
+# Takes the row from cellwalk_test.
+function(cellwalk_add_program name program)
+    set(target test_${name})
+    add_executable(${target} ${row_SOURCES})
+    target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/${folder})
+    target_link_libraries(${target} PRIVATE ${ARGN} cellwalk_test_support cellwalk_flags)
+    if(CELLWALK_SANITIZE OR CMAKE_BUILD_TYPE STREQUAL "Debug" OR CMAKE_CROSSCOMPILING)
+        # Slow: tests with random parts run a tenth of their rays.
+        target_compile_definitions(${target} PRIVATE TEST_SCALE_DOWN=10)
+    endif()
+    target_compile_definitions(${target} PRIVATE ${row_DEFINES})
+    if(program)
+        target_compile_definitions(${target} PRIVATE CELLWALK_PROGRAM="$<TARGET_FILE:${program}>")
+        add_dependencies(${target} ${program})
+    endif()
+    if(row_AFTER)
+        add_dependencies(${target} ${row_AFTER})
+    endif()
+    add_test(NAME ${name} COMMAND ${target})
+    cellwalk_limit_time(${name})
+endfunction()
+
+# Takes SECONDS from the row of its caller.
+function(cellwalk_limit_time name)
+    set_tests_properties(${name} PROPERTIES TIMEOUT 300)
+    if(row_SECONDS)
+        set_tests_properties(${name} PROPERTIES COST ${row_SECONDS})
+    endif()
+endfunction()
+
+# A row for a CMake script in FOLDER, which prints SKIPPED where it finds that it cannot run.
+#   SCRIPT file, WITH name=value…, NEEDS word…, SECONDS n
+function(cellwalk_script_test folder name)
+    cmake_parse_arguments(PARSE_ARGV 2 row "" "SCRIPT;SECONDS" "WITH;NEEDS")
+    if(row_UNPARSED_ARGUMENTS OR NOT row_SCRIPT)
+        message(FATAL_ERROR "${name}: ${row_UNPARSED_ARGUMENTS} is none of a row's words, or the script is missing")
+    endif()
+    cellwalk_is_possible(possible ${name} ${row_NEEDS})
+    if(NOT possible)
+        return()
+    endif()
+    list(TRANSFORM row_WITH PREPEND -D)
+    cmake_path(ABSOLUTE_PATH row_SCRIPT BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/${folder})
+    add_test(NAME ${name} COMMAND ${CMAKE_COMMAND} ${row_WITH} -P ${row_SCRIPT})
+    set_tests_properties(${name} PROPERTIES SKIP_REGULAR_EXPRESSION SKIPPED)
+    cellwalk_limit_time(${name})
+endfunction()
+
+# A row for any other command: COMMAND word…, IN folder, NEEDS word…, SECONDS n; properties may be added after it.
+function(cellwalk_command_test name)
+    cmake_parse_arguments(PARSE_ARGV 1 row "" "IN;SECONDS" "COMMAND;NEEDS")
+    cellwalk_is_possible(possible ${name} ${row_NEEDS})
+    if(NOT row_IN)
+        set(row_IN ${CMAKE_CURRENT_BINARY_DIR})
+    endif()
+    if(possible)
+        add_test(NAME ${name} COMMAND ${row_COMMAND} WORKING_DIRECTORY ${row_IN})
+        cellwalk_limit_time(${name})
+    endif()
+endfunction()

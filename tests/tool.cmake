@@ -1,9 +1,0 @@
-# Tests of the program cellwalk, run as its users run it.
-if(TARGET cellwalk_tool AND CMOCKA_INCLUDE AND CMOCKA_LIBRARY)
-    foreach(name IN ITEMS tool_errors tool_info tool_trace)
-        cellwalk_test(${name} ${name}.c program.c)
-        target_link_libraries(test_${name} PRIVATE cellwalk_test_scratch cellwalk_test_rays)
-        target_compile_definitions(test_${name} PRIVATE CELLWALK_PROGRAM="$<TARGET_FILE:cellwalk_tool>")
-        add_dependencies(test_${name} cellwalk_tool)
-    endforeach()
-endif()

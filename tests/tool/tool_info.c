@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* `cellwalk info` says what the library says. */
+
+#include "program.h"
+#include "tool_files.h"
+
+#include <math.h>
+#include <stdio.h>
+
+static const program_result *run_well(const program_setting *setting, program_arguments arguments) {
+    const program_result *r = program_run(setting, arguments);
+    check(r->status == 0, "exit status %d: %s", r->status, r->err);
+    check(r->err[0] == '\0', "standard error: %s", r->err);
+    return r;
+}
+
+__attribute__((format(printf, 2, 3))) static void check_has(const program_result *r, const char *format, ...) {
+    char part[256];
+    va_list list;
+    va_start(list, format);
+    vsnprintf(part, sizeof part, format, list);
+    va_end(list);
+    check(strstr(r->out, part) != NULL, "'%s' is not in:\n%s", part, r->out);
+}
+
+static void kernels_are_listed(void **state) {
+    (void)state;
+    const program_result *r = run_well(NULL, (const char *const[]){"info", "--json", NULL});
+    const cw_kernel *chosen = cw_query_kernel(NULL, NULL);
+    for (size_t k = 0; k < cw_kernel_count(); k++) {
+        const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
+        check_has(
+            r,
+            "{\"name\": \"%s\", \"width\": %u, \"isa\": \"%s\", \"leaf\": \"%s\", \"available\": %s, \"chosen\": %s,",
+            info.name, info.width, cw_isa_name(info.isa), cw_leaf_name(info.default_leaf),
+            info.available ? "true" : "false", cw_kernel_at(k) == chosen ? "true" : "false");
+    }
+    check_has(r, "\"isa\": \"%s\"", cw_isa_name(cw_isa_best()));
+    check_has(run_well(NULL, (const char *const[]){"info", NULL}), "* %s ", cw_kernel_describe(chosen).name);
+}
+
+static void limits_are_kept(void **state) {
+    (void)state;
+    const program_setting scalar = {.isa = "scalar"};
+    check_has(run_well(&scalar, (const char *const[]){"info", "--json", NULL}), "\"isa\": \"scalar\"");
+    for (int isa = CW_ISA_SCALAR; isa <= (int)cw_isa_best(); isa++) {
+        const program_setting bound = {.isa = cw_isa_name((cw_isa)isa)};
+        const program_result *r = run_well(&bound, (const char *const[]){"info", NULL});
+        check_has(r, "instruction set %s (CELLWALK_ISA=%s)\n", bound.isa, bound.isa);
+        cw_isa_limit((cw_isa)isa);
+        check_has(r, "* %s ", cw_kernel_describe(cw_query_kernel(NULL, NULL)).name);
+        cw_isa_limit(CW_ISA_AVX512);
+    }
+    check_has(run_well(NULL, (const char *const[]){"info", "--isa=scalar", NULL}), "instruction set scalar");
+    check_has(run_well(NULL, (const char *const[]){"info", "--kernel", "cell", NULL}), "* cell ");
+}
+
+static void fields_are_described(void **state) {
+    (void)state;
+    static const float z[12] = {3, 1, 2, NAN, -5.5f, 0, 7.25f, 8, 1, 1, INFINITY, 2};
+    field_file("quo\"te.npy", z, 4, 3);
+    const program_result *r =
+        run_well(NULL, (const char *const[]){"info", "quo\"te.npy", "--json", "--kernel", "cell", NULL});
+    check_has(r, "\"path\": \"quo\\\"te.npy\", \"nx\": 4, \"ny\": 3, \"low\": -5.5, \"high\": 8, \"holes\": 2, "
+                 "\"bytes_samples\": 48, \"mapped\": false, \"bytes_built\": 0, \"bytes_per_cell\": 8,");
+    r = run_well(NULL, (const char *const[]){"info", "quo\"te.npy", NULL});
+    check_has(r, "4 x 3 (3 x 2 cells)");
+    check_has(r, "-5.5 to 8");
+
+    static const float holes[4] = {NAN, NAN, NAN, NAN};
+    field_file("holes.npy", holes, 2, 2);
+    r = run_well(NULL, (const char *const[]){"info", "holes.npy", "--json", "--kernel", "grid3d", NULL});
+    check_has(r, "\"low\": null, \"high\": null, \"holes\": 4, \"bytes_samples\": 16, \"mapped\": true");
+
+    /* Nothing is built that the kernel does not need. */
+    static const char pbrt[] = "Shape \"heightfield\" \"integer nu\" [2] \"integer nv\" [2] \"float Pz\" [0 1 2 3]\n";
+    scratch_write("a.pbrt", pbrt, sizeof pbrt - 1);
+    r = run_well(NULL, (const char *const[]){"info", "a.pbrt", "--json", "--kernel", "cell", NULL});
+    check_has(r, "\"bytes_samples\": 16, \"mapped\": false, \"bytes_built\": 0, \"bytes_per_cell\": 16,");
+
+    static const char asc[] = "ncols 2\nnrows 2\nxllcorner 10\nyllcorner 20\ncellsize 2\n1 2 3 4\n";
+    scratch_write("a.asc", asc, sizeof asc - 1);
+    r = run_well(NULL, (const char *const[]){"info", "a.asc", "--json", NULL});
+    check_has(r, "\"map\": [[2, 0, 0, 11], [0, -2, 0, 23], [0, 0, 1, 0]]");
+}
+
+static void help_is_printed(void **state) {
+    (void)state;
+    check_has(run_well(NULL, (const char *const[]){"--help", NULL}), "  trace ");
+    check_has(run_well(NULL, (const char *const[]){"--version", NULL}), "cellwalk %s\n", CW_VERSION);
+    check_has(run_well(NULL, (const char *const[]){"trace", "--help", NULL}), "-o, --output HITS.npy");
+    check_has(run_well(NULL, (const char *const[]){"info", "x", "-h", NULL}), "Usage: cellwalk info");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(kernels_are_listed, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(limits_are_kept, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(fields_are_described, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(help_is_printed, scratch_enter, scratch_leave),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

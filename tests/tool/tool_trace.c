@@ -1,0 +1,270 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* `cellwalk trace` gives what cw_closest and cw_any give, bit for bit, in a file that NumPy can read. */
+
+#include "fields.h"
+#include "program.h"
+#include "rays.h"
+#include "tool_files.h"
+
+#include <math.h>
+
+enum { RAYS = 20000, RECORD = 21 };
+
+typedef struct fixture {
+    test_field field;
+    cw_field *open;
+    cw_ray rays[RAYS];
+    cw_hit hits[RAYS];
+    uint8_t occluded[RAYS];
+} fixture;
+
+static fixture *make(void) {
+    fixture *f = calloc(1, sizeof *f);
+    assert_non_null(f);
+    field_make(&f->field, FIELD_HOLES, 49, 33, 1);
+    f->open = field_open(&f->field);
+    random_state r = {2};
+    for (size_t k = 0; k < RAYS; k++) f->rays[k] = ray_make((ray_class)(k % RAY_CLASSES), &f->field, &r);
+    field_file("field.npy", f->field.z, f->field.nx, f->field.ny);
+    rays_file("rays.npy", f->rays, RAYS);
+    return f;
+}
+
+static void destroy(fixture *f) {
+    cw_field_destroy(f->open);
+    free(f);
+}
+
+static void run_well(program_arguments arguments) {
+    const program_result *r = program_run(NULL, arguments);
+    check(r->status == 0, "exit status %d: %s", r->status, r->err);
+    check(r->err[0] == '\0', "standard error: %s", r->err);
+}
+
+/* The records, after a look at the header. The caller frees *file. */
+static const unsigned char *read_hits(const char *name, size_t n, char **file) {
+    static const char descr[] =
+        "{'descr': [('t', '<f4'), ('i', '<i4'), ('j', '<i4'), ('triangle', '|u1'), ('u', '<f4'), ('v', '<f4')], "
+        "'fortran_order': False, 'shape': (";
+    size_t size;
+    *file = scratch_read(name, &size);
+    assert_memory_equal(*file, "\x93NUMPY\x01\x00", 8);
+    const unsigned char *bytes = (const unsigned char *)*file;
+    const size_t start = 10 + (size_t)bytes[8] + 256 * (size_t)bytes[9];
+    assert_int_equal(start % 64, 0);
+    assert_int_equal(bytes[start - 1], '\n');
+    assert_memory_equal(*file + 10, descr, sizeof descr - 1);
+    char shape[32];
+    const int length = snprintf(shape, sizeof shape, "%zu,), }", n);
+    assert_memory_equal(*file + 10 + sizeof descr - 1, shape, (size_t)length);
+    assert_int_equal(size, start + n * RECORD);
+    return bytes + start;
+}
+
+static void check_hits(const char *name, const cw_hit *wanted, size_t n) {
+    char *file;
+    const unsigned char *record = read_hits(name, n, &file);
+    for (size_t k = 0; k < n; k++, record += RECORD) {
+        const cw_hit *w = &wanted[k];
+        const bool same = memcmp(record, &w->t, 4) == 0 && memcmp(record + 4, &w->i, 4) == 0 &&
+                          memcmp(record + 8, &w->j, 4) == 0 && record[12] == w->triangle &&
+                          memcmp(record + 13, &w->u, 4) == 0 && memcmp(record + 17, &w->v, 4) == 0;
+        check(same, "%s: record %zu is not what the library finds", name, k);
+    }
+    free(file);
+}
+
+static void closest_is_the_librarys(void **state) {
+    (void)state;
+    fixture *f = make();
+    for (size_t k = 0; k < cw_kernel_count(); k++) {
+        cw_query query = cw_query_default();
+        query.kernel = cw_kernel_at(k);
+        const cw_kernel_info info = cw_kernel_describe(query.kernel);
+        if (!info.available) continue;
+        check_status(cw_closest(f->open, &query, f->rays, RAYS, f->hits), CW_OK);
+        run_well((const char *const[]){"trace", "field.npy", "rays.npy", "-o", "hits.npy", "--kernel", info.name,
+                                       "--leaf", cw_leaf_name(info.default_leaf), "--threads", "1", NULL});
+        check_hits("hits.npy", f->hits, RAYS);
+    }
+    /* The default kernel, in threads, by other spellings of the options. */
+    check_status(cw_closest(f->open, NULL, f->rays, RAYS, f->hits), CW_OK);
+    size_t found = 0;
+    for (size_t k = 0; k < RAYS; k++) found += f->hits[k].i >= 0;
+    assert_in_range(found, RAYS / 10, RAYS * 9 / 10);
+    run_well((const char *const[]){"trace", "--threads=3", "-ohits.npy", "--", "field.npy", "rays.npy", NULL});
+    check_hits("hits.npy", f->hits, RAYS);
+    assert_int_equal(scratch_entries(), 3);
+    destroy(f);
+}
+
+static void tolerances_reach_the_query(void **state) {
+    (void)state;
+    fixture *f = make();
+    const cw_query query = {.tolerance = 0.5f, .cone = 0.125f};
+    check_status(cw_closest(f->open, &query, f->rays, RAYS, f->hits), CW_OK);
+    run_well((const char *const[]){"trace", "field.npy", "rays.npy", "-o", "hits.npy", "--tolerance", "0.5",
+                                   "--cone=0.125", "--threads", "1", NULL});
+    check_hits("hits.npy", f->hits, RAYS);
+    const cw_query height = {.tolerance = 0.5f};
+    check_status(cw_closest(f->open, &height, f->rays, RAYS, f->hits), CW_OK);
+    run_well((const char *const[]){"trace", "field.npy", "rays.npy", "-o", "hits.npy", "--tolerance", "5e-1", NULL});
+    check_hits("hits.npy", f->hits, RAYS);
+    destroy(f);
+}
+
+static void any_marks_the_occluded(void **state) {
+    (void)state;
+    fixture *f = make();
+    check_status(cw_any(f->open, NULL, f->rays, RAYS, f->occluded), CW_OK);
+    for (size_t k = 0; k < RAYS; k++)
+        f->hits[k] = (cw_hit){.t = f->occluded[k] ? f->rays[k].tmin : INFINITY, .i = -1, .j = -1};
+    run_well((const char *const[]){"trace", "--any", "field.npy", "rays.npy", "--output=hits.npy", NULL});
+    check_hits("hits.npy", f->hits, RAYS);
+    destroy(f);
+}
+
+/* More rays than one piece holds, the last piece being short. */
+static void pieces_join(void **state) {
+    (void)state;
+    fixture *f = make();
+    enum { COPIES = 27 };
+    cw_ray *rays = malloc(COPIES * RAYS * sizeof *rays);
+    cw_hit *hits = malloc(COPIES * RAYS * sizeof *hits);
+    assert_true(rays && hits);
+    for (size_t k = 0; k < COPIES; k++) memcpy(rays + k * RAYS, f->rays, sizeof f->rays);
+    check_status(cw_closest(f->open, NULL, rays, COPIES * RAYS, hits), CW_OK);
+    rays_file("many.npy", rays, COPIES * RAYS);
+    run_well((const char *const[]){"trace", "field.npy", "many.npy", "-o", "hits.npy", NULL});
+    check_hits("hits.npy", hits, COPIES * RAYS);
+    free(rays);
+    free(hits);
+    destroy(f);
+}
+
+static void no_rays_no_hits(void **state) {
+    (void)state;
+    fixture *f = make();
+    rays_file("none.npy", f->rays, 0);
+    run_well((const char *const[]){"trace", "field.npy", "none.npy", "-o", "hits.npy", "--json", NULL});
+    check_hits("hits.npy", f->hits, 0);
+    destroy(f);
+}
+
+/* The same heights in each kind of file. */
+static void formats_agree(void **state) {
+    (void)state;
+    static const float z[6] = {0, 1, 2, 7, 5, 3};
+    static const char pgm[] = "P5 3 2 65535\n\0\0\0\1\0\2\0\7\0\5\0\3",
+                      asc[] = "ncols 3 nrows 2 cellsize 1 0 1 2 7 5 3";
+    static const char pbrt[] =
+        "Shape \"heightfield\" \"integer nu\" [3] \"integer nv\" [2] \"float Pz\" [0 1 2 7 5 3]\n";
+    static const uint16_t u2[6] = {0, 1, 2, 7, 5, 3};
+    static cw_ray rays[1000];
+    static cw_hit hits[1000];
+    random_state r = {3};
+    for (size_t k = 0; k < 1000; k++)
+        rays[k] = (cw_ray){.org = {(float)random_between(&r, 0, 2), (float)random_between(&r, 0, 1), 9},
+                           .dir = {0.1f, 0.05f, -1},
+                           .tmax = INFINITY};
+    field_file("f4.npy", z, 3, 2);
+    npy_file("u2.npy", "<u2", "(2, 3)", u2, sizeof u2);
+    scratch_write("a.pgm", pgm, sizeof pgm - 1);
+    scratch_write("a.asc", asc, sizeof asc - 1);
+    scratch_write("a.pbrt", pbrt, sizeof pbrt - 1);
+    rays_file("rays.npy", rays, 1000);
+
+    cw_field_desc desc = cw_field_desc_default();
+    desc.samples = z;
+    desc.nx = 3;
+    desc.ny = 2;
+    cw_field *field;
+    check_status(cw_field_create(&desc, &field), CW_OK);
+    check_status(cw_closest(field, NULL, rays, 1000, hits), CW_OK);
+    cw_field_destroy(field);
+    size_t found = 0;
+    for (size_t k = 0; k < 1000; k++) found += hits[k].i >= 0;
+    assert_in_range(found, 100, 1000);
+    static const char *const names[] = {"f4.npy", "u2.npy", "a.pgm", "a.asc", "a.pbrt"};
+    for (size_t k = 0; k < sizeof names / sizeof names[0]; k++) {
+        run_well((const char *const[]){"trace", names[k], "rays.npy", "-o", "hits.npy", NULL});
+        check_hits("hits.npy", hits, 1000);
+    }
+}
+
+static double number_after(const char *text, const char *key) {
+    const char *at = strstr(text, key);
+    check(at != NULL, "%s is not in %s", key, text);
+    return strtod(at + strlen(key), NULL);
+}
+
+static void json_tells_the_time(void **state) {
+    (void)state;
+    fixture *f = make();
+    check_status(cw_closest(f->open, NULL, f->rays, RAYS, f->hits), CW_OK);
+    size_t found = 0;
+    for (size_t k = 0; k < RAYS; k++) found += f->hits[k].i >= 0;
+    const program_result *r =
+        program_run(NULL, (const char *const[]){"trace", "field.npy", "rays.npy", "--json", "--repeat", "5", "--kernel",
+                                                "packet1", "--threads", "2", NULL});
+    check(r->status == 0, "%s", r->err);
+    check(strncmp(r->out, "{\"kernel\": \"packet1\", ", 22) == 0, "%s", r->out);
+    check(strchr(r->out, '\n') == r->out + strlen(r->out) - 1, "more than one line: %s", r->out);
+    assert_true(number_after(r->out, "\"rays\": ") == RAYS);
+    assert_true(number_after(r->out, "\"hits\": ") == (double)found);
+    assert_true(number_after(r->out, "\"threads\": ") == 2);
+    const double least = number_after(r->out, "\"seconds_min\": ");
+    const double median = number_after(r->out, "\"seconds_median\": ");
+    const double speed = number_after(r->out, "\"mrays_per_s\": ");
+    check(0 < least && least <= median && median < 60, "%s", r->out);
+    check(fabs(speed * median * 1e6 - RAYS) < 1e-3 * RAYS, "%s", r->out);
+    assert_int_equal(scratch_entries(), 2);
+    destroy(f);
+}
+
+#if !defined(__SANITIZE_ADDRESS__)
+/* 128 MiB of rays through 64 MiB of address space. The rays are a hole in the file: all zero, so they miss. */
+static void rays_need_not_fit(void **state) {
+    (void)state;
+    fixture *f = make();
+    const size_t n = 4u << 20;
+    rays_file("sparse.npy", NULL, 0);
+    char header[128];
+    const int length =
+        snprintf(header, sizeof header, "{'descr': '<f4', 'fortran_order': False, 'shape': (%zu, 8)}", n);
+    memset(header + length, ' ', sizeof header - (size_t)length);
+    FILE *file = fopen("sparse.npy", "wb");
+    assert_non_null(file);
+    fwrite("\x93NUMPY\x01\x00\x76\x00", 1, 10, file);
+    fwrite(header, 1, 0x76, file);
+    assert_int_equal(fseek(file, (long)(128 + n * sizeof(cw_ray) - 1), SEEK_SET), 0);
+    fputc(0, file);
+    assert_int_equal(fclose(file), 0);
+    const program_setting little = {.address_space_limit = 64u << 20};
+    const program_result *r = program_run(
+        &little, (const char *const[]){"trace", "field.npy", "sparse.npy", "-o", "hits.npy", "--threads", "1", NULL});
+    check(r->status == 0, "exit status %d: %s", r->status, r->err);
+    char *bytes;
+    const unsigned char *record = read_hits("hits.npy", n, &bytes);
+    const unsigned char miss[RECORD] = {0, 0, 0x80, 0x7f, 255, 255, 255, 255, 255, 255, 255, 255};
+    for (size_t k = 0; k < n; k += 1001) assert_memory_equal(record + k * RECORD, miss, RECORD);
+    free(bytes);
+    destroy(f);
+}
+#endif
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(closest_is_the_librarys, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(tolerances_reach_the_query, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(any_marks_the_occluded, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(pieces_join, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(formats_agree, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(no_rays_no_hits, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(json_tells_the_time, scratch_enter, scratch_leave),
+#if !defined(__SANITIZE_ADDRESS__)
+        cmocka_unit_test_setup_teardown(rays_need_not_fit, scratch_enter, scratch_leave),
+#endif
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
