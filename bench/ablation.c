@@ -65,7 +65,7 @@ int main(int argc, char **argv) {
         fputs(usage, stderr);
         return 2;
     }
-    run_record_arguments(argv + 1, argc - 1);
+    run_record_begin(argv + 1, argc - 1);
     io_error error = {{0}};
     io_output out = {0};
     bool good = io_output_open(&out, argv[1], &error) && results_write(&out, run_record("ablation", 1, -1), &error);

@@ -100,7 +100,7 @@ int main(int argc, char **argv) {
         fputs(usage, stderr);
         return 2;
     }
-    run_record_arguments(argv + 2, 2); /* where files are does not matter */
+    run_record_begin(argv + 2, 2); /* where files are does not matter */
     io_error error = {{0}};
     io_output out = {0};
     bool good = io_output_open(&out, argv[1], &error) && results_write(&out, run_record("caches", 1, -1), &error);

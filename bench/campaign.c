@@ -2,12 +2,13 @@
 #include "campaign.h"
 
 #include "cellwalk.h"
+#include "clock.h"
+#include "cpus.h"
 #include "folder.h"
 #include "options.h"
 #include "peer_embree.h"
 #include "results.h"
 #include "run_record.h"
-#include "timing.h"
 
 #include <errno.h>
 #include <spawn.h>
@@ -120,9 +121,9 @@ static void plan(campaign *c, bool quick) {
     list_kernels(command + used, sizeof command - used, walks, sizeof walks / sizeof walks[0]);
     add(c, 3, "widths.json", command);
     /* One CPU has nothing to be faster than, which is a result like another. */
-    const long cpus = sysconf(_SC_NPROCESSORS_ONLN);
+    const unsigned cpus = cpus_usable();
     char threads[32] = "1";
-    if (cpus > 1) snprintf(threads, sizeof threads, cpus > 2 ? "1,2,%ld" : "1,2", cpus);
+    if (cpus > 1) snprintf(threads, sizeof threads, cpus > 2 ? "1,2,%u" : "1,2", cpus);
     snprintf(command, sizeof command, "micro --threads %s --kernel %s --peer none --field %s %s", threads,
              kernel_of("pyramid", best), quick ? "65" : "257,1025",
              quick ? "--count 16384" : "--count 262144 --pass 5");
@@ -225,7 +226,7 @@ static bool run(const campaign *c, const char *folder, double seconds, uint32_t 
     for (size_t k = 0; k < c->count; k++) shares += c->steps[k].share;
     if (!folder_make(folder, error)) return false;
     tell_load();
-    const double start = timing_seconds();
+    const double start = clock_seconds();
     for (size_t k = 0; k < c->count; k++) {
         const step *s = &c->steps[k];
         char path[900];
@@ -235,14 +236,14 @@ static bool run(const campaign *c, const char *folder, double seconds, uint32_t 
             tell_kept(path, k + 1, c->count);
             continue;
         }
-        fprintf(stderr, "[%zu of %zu, %.0f s] %s: cellwalk-bench %s\n", k + 1, c->count, timing_seconds() - start, path,
+        fprintf(stderr, "[%zu of %zu, %.0f s] %s: cellwalk-bench %s\n", k + 1, c->count, clock_seconds() - start, path,
                 s->command);
         const outcome o = run_step(s, path, seconds * s->share / shares, seed, error);
         if (o == STOPPED) return false;
         if (o == FAILED) fprintf(stderr, "cellwalk-bench measure: %s\n", error->text);
         failed += o == FAILED;
     }
-    fprintf(stderr, "%.0f s, %zu of %zu files are in %s\n", timing_seconds() - start, c->count - failed, c->count,
+    fprintf(stderr, "%.0f s, %zu of %zu files are in %s\n", clock_seconds() - start, c->count - failed, c->count,
             folder);
     return failed == 0 || io_fail(error, "%zu files could not be made", failed);
 }

@@ -63,7 +63,7 @@ int main(int argc, char **argv) {
         print_help(stderr);
         return 2;
     }
-    run_record_arguments(argv + 1, argc - 1);
+    run_record_begin(argv + 1, argc - 1);
     const char *word = argv[1];
     if (strncmp(word, "--", 2) == 0) word += 2; /* --compare and --help as well as compare and help */
     if (strcmp(word, "help") == 0 || strcmp(argv[1], "-h") == 0) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "measure.h"
 
+#include "clock.h"
 #include "terrain.h"
 #include "timing.h"
 
@@ -22,11 +23,11 @@ static void shuffle(size_t *order, size_t count, uint32_t seed, uint32_t round) 
 }
 
 static void take_sample(measure_job *job, samples *s) {
-    const double start = timing_seconds(), cpu_start = timing_cpu_seconds();
+    const double start = clock_seconds(), cpu_start = clock_cpu_seconds();
     const uint64_t first = timing_ticks();
     job->run(job->context);
     const uint64_t last = timing_ticks();
-    const double cpu = timing_cpu_seconds() - cpu_start, seconds = timing_seconds() - start;
+    const double cpu = clock_cpu_seconds() - cpu_start, seconds = clock_seconds() - start;
     const double counts = job->by_clock ? seconds : cpu;
     s->seconds[s->n] = counts;
     s->ticks[s->n++] = (double)(last - first) * (counts / seconds);
@@ -44,7 +45,7 @@ bool measure(measure_job *jobs, size_t count, const measure_limits *limits) {
     size_t *order = malloc((count ? count : 1) * sizeof *order);
     const bool enough = all && order;
     const size_t most = limits->most < MEASURE_SAMPLES_MAX ? limits->most : MEASURE_SAMPLES_MAX;
-    const double end = timing_seconds() + limits->seconds;
+    const double end = clock_seconds() + limits->seconds;
     size_t running = enough ? count : 0;
     for (size_t k = 0; k < running; k++) order[k] = k;
     for (uint32_t round = 0; running > 0; round++) {
@@ -53,7 +54,7 @@ bool measure(measure_job *jobs, size_t count, const measure_limits *limits) {
             samples *s = &all[order[k]];
             if (!s->done) take_sample(&jobs[order[k]], s);
         }
-        const bool late = timing_seconds() >= end;
+        const bool late = clock_seconds() >= end;
         for (size_t k = 0; k < count; k++) {
             samples *s = &all[k];
             if (s->done) continue;

@@ -2,6 +2,7 @@
 #include "micro.h"
 
 #include "choices.h"
+#include "clock.h"
 #include "compare.h"
 #include "results.h"
 #include "run_record.h"
@@ -228,18 +229,18 @@ static bool run(const micro_options *o, cw_isa isa, io_output *out, io_error *er
     summary *s = calloc(1, sizeof *s);
     micro_group *g = calloc(1, sizeof *g);
     bool good = (s && g) || io_fail(error, "out of memory");
-    double end = timing_seconds() + o->seconds;
+    double end = clock_seconds() + o->seconds;
     size_t groups = o->fields.count * o->rays.count;
     for (size_t f = 0; good && f < o->fields.count; f++) {
         fprintf(stderr, "field %s: making it and building Embree\n", o->fields.items[f]);
         micro_field on;
-        const double start = timing_seconds();
+        const double start = clock_seconds();
         good = open_field(&on, o->fields.items[f], o, isa, error);
-        end += timing_seconds() - start;
+        end += clock_seconds() - start;
         if (good) micro_print_field(&on);
         for (size_t c = 0; good && c < o->rays.count; c++) {
             *g = (micro_group){.on = &on, .c = class_of(o->rays.items[c])};
-            const double left = end - timing_seconds();
+            const double left = end - clock_seconds();
             good = micro_group_run(g, o, left > 0 ? left / (double)groups : 0, error);
             groups--;
             if (good) {

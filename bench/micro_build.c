@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What building costs each side, in time and memory. */
 
+#include "clock.h"
 #include "micro.h"
-#include "timing.h"
 
 #include <string.h>
 
@@ -16,7 +16,7 @@ typedef struct builds {
 
 /* True if there is to be one more. */
 static bool go_on(const builds *b) {
-    return b->count == 0 || (b->count < BUILDS_MAX && timing_seconds() - b->start < build_seconds_max);
+    return b->count == 0 || (b->count < BUILDS_MAX && clock_seconds() - b->start < build_seconds_max);
 }
 
 static void finish(micro_build *build, builds *b, size_t bytes) {
@@ -34,13 +34,13 @@ static bool build_kernel(micro_build *build, const workload_field *samples, cons
     desc.storage = CW_BORROW;
     desc.bare = true;
     size_t bytes = 0;
-    builds b = {.start = timing_seconds()};
+    builds b = {.start = clock_seconds()};
     while (go_on(&b)) {
         cw_field *field = NULL;
         cw_status status = cw_field_create(&desc, &field);
-        const double start = timing_cpu_seconds();
+        const double start = clock_cpu_seconds();
         if (status == CW_OK) status = cw_field_build(field, kernel);
-        b.seconds[b.count] = timing_cpu_seconds() - start;
+        b.seconds[b.count] = clock_cpu_seconds() - start;
         if (status == CW_OK) {
             bytes = cw_field_describe(field).bytes_built;
             b.count++;
@@ -68,7 +68,7 @@ bool micro_build_kernels(micro_field *on, const micro_options *o, io_error *erro
 }
 
 bool micro_build_peer(micro_peer *peer, const cw_field *field, const peer_options *options, io_error *error) {
-    builds b = {.start = timing_seconds()};
+    builds b = {.start = clock_seconds()};
     while (go_on(&b)) {
         peer_embree_destroy(peer->embree);
         peer->embree = peer_embree_create(field, options, error);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* One class of rays on one field: who takes part, do they agree, how fast are they. */
 
+#include "clock.h"
 #include "micro.h"
-#include "timing.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -99,9 +99,9 @@ static double time_part(const pass *whole, size_t begin, size_t n) {
     pass part = *whole;
     part.rays += begin;
     part.n = n;
-    const double start = timing_seconds();
+    const double start = clock_seconds();
     run_pass(&part);
-    return timing_seconds() - start;
+    return clock_seconds() - start;
 }
 
 /* Seconds that a pass over all rays would take: from 16 rays, and if that is not hopeless from an eighth of the rays, in
@@ -181,7 +181,7 @@ static bool time_all(micro_group *g, const micro_options *o, double seconds, ans
 }
 
 bool micro_group_run(micro_group *g, const micro_options *o, double seconds, io_error *error) {
-    const double end = timing_seconds() + seconds;
+    const double end = clock_seconds() + seconds;
     g->row_count = 0;
     const size_t n = (size_t)o->count;
     contender reference;
@@ -198,7 +198,7 @@ bool micro_group_run(micro_group *g, const micro_options *o, double seconds, io_
     if (good) g->ray_count = workload_rays_make(g->on->field, g->c, (uint32_t)o->seed, n, g->rays);
     good = good && g->ray_count > 0;
     if (good && verify(g, o, &reference, expected, out) && !o->counters) {
-        const double left = end - timing_seconds();
+        const double left = end - clock_seconds();
         good = time_all(g, o, left > 0 ? left : 0, out);
     }
     free(expected.hits);

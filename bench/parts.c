@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "parts.h"
 
+#include "clock.h"
 #include "counters.h"
 #include "measure.h"
 #include "options.h"
@@ -160,12 +161,12 @@ static void run_trial(void *context) {
 
 static unsigned repeats_of(trial *t) {
     static const double enough = 5e-4;
-    const double start = timing_cpu_seconds();
+    const double start = clock_cpu_seconds();
     unsigned passes = 0;
     do {
         t->set->run(t->kind, &t->work);
         passes++;
-    } while (timing_cpu_seconds() - start < enough);
+    } while (clock_cpu_seconds() - start < enough);
     return passes;
 }
 
@@ -289,14 +290,14 @@ static bool time_building(const workload_field *samples, double build[BUILDS], d
     for (size_t k = 0; k < BUILDS && status == CW_OK; k++) {
         cw_field *field = NULL;
         status = cw_field_create(&desc, &field);
-        double start = timing_cpu_seconds();
+        double start = clock_cpu_seconds();
         if (status == CW_OK) status = cw_field_build(field, kernel);
-        build[k] = timing_cpu_seconds() - start;
+        build[k] = clock_cpu_seconds() - start;
         if (status == CW_OK) *bytes = cw_field_describe(field).bytes_built;
         cw_field_destroy(field);
-        start = timing_cpu_seconds();
+        start = clock_cpu_seconds();
         memcpy(to, samples->z, size);
-        copy[k] = timing_cpu_seconds() - start;
+        copy[k] = clock_cpu_seconds() - start;
         volatile float used = to[k];
         (void)used;
     }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "peer_embree.h"
 
-#include "timing.h"
+#include "clock.h"
 
 #include <embree3/rtcore.h>
 
@@ -104,12 +104,12 @@ static bool build(peer_embree *p, const cw_field *field, const peer_options *o) 
     const bool filled = add_vertices(geometry, field, p->nx, p->ny, p->grid) &&
                         (p->grid ? add_grid(geometry, p->nx, p->ny) : add_triangles(geometry, p->nx, p->ny));
     if (filled) {
-        const double start = timing_seconds(), cpu_start = timing_cpu_seconds();
+        const double start = clock_seconds(), cpu_start = clock_cpu_seconds();
         rtcCommitGeometry(geometry);
         rtcAttachGeometry(p->scene, geometry);
         rtcCommitScene(p->scene);
-        p->build_seconds = timing_seconds() - start;
-        p->build_cpu_seconds = timing_cpu_seconds() - cpu_start;
+        p->build_seconds = clock_seconds() - start;
+        p->build_cpu_seconds = clock_cpu_seconds() - cpu_start;
     }
     rtcReleaseGeometry(geometry);
     return filled && rtcGetDeviceError(p->device) == RTC_ERROR_NONE;

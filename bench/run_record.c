@@ -4,6 +4,7 @@
 #include "build_info.h"
 #include "cellwalk.h"
 #include "commit.h"
+#include "cpus.h"
 #include "peer_embree.h"
 #include "results.h"
 #include "timing.h"
@@ -37,6 +38,7 @@ double run_memory_available(void) {
 }
 
 static char arguments_text[4096];
+static unsigned cpus; /* before a measurement stays on one of them */
 
 /* Words that a shell would take apart are quoted. */
 static void append_word(char *text, size_t size, const char *word) {
@@ -48,13 +50,15 @@ static void append_word(char *text, size_t size, const char *word) {
     snprintf(text + used, size - used, plain ? "%s" : "'%s'", word);
 }
 
-void run_record_arguments(char **arguments, int count) {
+void run_record_begin(char **arguments, int count) {
+    cpus = cpus_usable();
     arguments_text[0] = '\0';
     for (int k = 0; k < count; k++) append_word(arguments_text, sizeof arguments_text, arguments[k]);
 }
 
 json_t *run_record(const char *command, uint32_t seed, int cpu) {
     char model[256], cache[64], date[32];
+    if (cpus == 0) cpus = cpus_usable();
     proc_value("/proc/cpuinfo", "model name", model, sizeof model);
     proc_value("/proc/cpuinfo", "cache size", cache, sizeof cache);
     double load = -1;
@@ -69,7 +73,7 @@ json_t *run_record(const char *command, uint32_t seed, int cpu) {
     results_set_text(record, "cellwalk", CW_VERSION);
     results_set_text(record, "cpu", model);
     results_set_text(record, "cache", cache);
-    results_set_count(record, "cpus", (size_t)sysconf(_SC_NPROCESSORS_ONLN));
+    results_set_count(record, "cpus", cpus);
     results_set_text(record, "isa", cw_isa_name(cw_isa_best()));
     results_set_text(record, "compiler", BUILD_INFO_COMPILER);
     results_set_text(record, "build_type", BUILD_INFO_TYPE);

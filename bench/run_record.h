@@ -8,9 +8,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Keeps the arguments that the program was started with, its name not among them, for the record: as one may type them
- * after "cellwalk-bench". To be called before anything takes them apart. */
-void run_record_arguments(char **arguments, int count);
+/* Keeps for the record the arguments that the program was started with, its name not among them, as one may type them
+ * after "cellwalk-bench", and how many CPUs it may use. To be called before anything takes the arguments apart or pins the
+ * program to a CPU. */
+void run_record_begin(char **arguments, int count);
 
 /* A JSON object of kind "run"; NULL if out of memory. cpu is where the process is pinned to, or -1. */
 json_t *run_record(const char *command, uint32_t seed, int cpu);

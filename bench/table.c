@@ -2,6 +2,7 @@
 #include "table.h"
 
 #include "build_info.h"
+#include "clock.h"
 #include "folder.h"
 #include "output.h"
 #include "results.h"
@@ -65,7 +66,7 @@ static bool save(files *f, const json_t *lines, io_error *error) {
 static double weight(const char *scene) { return strcmp(scene, "landsea-big") == 0 ? 4 : 1; }
 
 static bool run_scenes(const table_options *o, const table_path *paths, size_t count, json_t *lines, io_error *error) {
-    const double start = timing_seconds();
+    const double start = clock_seconds();
     double weights = 0;
     for (size_t s = 0; s < o->scenes.count; s++) weights += weight(o->scenes.items[s]);
     for (size_t s = 0; s < o->scenes.count; s++) {
@@ -73,7 +74,7 @@ static bool run_scenes(const table_options *o, const table_path *paths, size_t c
         char file[4096];
         if (snprintf(file, sizeof file, "%s/%s.pbrt", o->scene_folder, name) >= (int)sizeof file)
             return io_fail(error, "--scenes %s: the name is too long", o->scene_folder);
-        const double left = o->seconds - (timing_seconds() - start);
+        const double left = o->seconds - (clock_seconds() - start);
         fprintf(stderr, "%s (%zu of %zu)\n", name, s + 1, o->scenes.count);
         json_t *line =
             table_scene_run(name, file, paths, count, o, left > 0 ? left * weight(name) / weights : 0, error);

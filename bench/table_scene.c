@@ -2,12 +2,12 @@
 /* One scene of the table: verify on the scene's own rays, then render along all paths in rounds. */
 
 #include "agree.h"
+#include "clock.h"
 #include "contender.h"
 #include "measure.h"
 #include "results.h"
 #include "scene.h"
 #include "table.h"
-#include "timing.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -57,17 +57,17 @@ typedef struct job {
 
 static void closest(void *context, size_t field, const cw_ray *rays, size_t n, cw_hit *hits) {
     tracer *t = context;
-    const double start = timing_cpu_seconds();
+    const double start = clock_cpu_seconds();
     t->on[field].closest(t->on[field].self, rays, n, hits);
-    t->cpu_seconds += timing_cpu_seconds() - start;
+    t->cpu_seconds += clock_cpu_seconds() - start;
     t->rays += n;
 }
 
 static void any(void *context, size_t field, const cw_ray *rays, size_t n, uint8_t *occluded) {
     tracer *t = context;
-    const double start = timing_cpu_seconds();
+    const double start = clock_cpu_seconds();
     t->on[field].any(t->on[field].self, rays, n, occluded);
-    t->cpu_seconds += timing_cpu_seconds() - start;
+    t->cpu_seconds += clock_cpu_seconds() - start;
     t->rays += n;
 }
 
@@ -284,7 +284,7 @@ static json_t *scene_json(const char *name, stage *s, job *jobs, const measure_j
 
 json_t *table_scene_run(const char *name, const char *file, const table_path *paths, size_t path_count,
                         const table_options *o, double seconds, io_error *error) {
-    const double end = timing_seconds() + seconds;
+    const double end = clock_seconds() + seconds;
     json_t *line = NULL;
     stage *s = calloc(1, sizeof *s);
     job *jobs = calloc(path_count, sizeof *jobs);
@@ -296,7 +296,7 @@ json_t *table_scene_run(const char *name, const char *file, const table_path *pa
         measured[k] = (measure_job){.run = render, .context = &jobs[k]};
     }
     if (good) {
-        const double left = end - timing_seconds();
+        const double left = end - clock_seconds();
         const measure_limits limits = {.width = o->width,
                                        .seconds = left > 0 ? left : 0,
                                        .least = o->quick ? 1 : 3,

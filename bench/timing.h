@@ -1,24 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Clocks, and the CPU that a measurement stays on. */
+/* The time stamp counter, and the CPU that a measurement stays on. */
 #ifndef CELLWALK_BENCH_TIMING_H
 #define CELLWALK_BENCH_TIMING_H
 
 #include <stdint.h>
-#include <time.h>
-
-static inline double timing_seconds(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-/* Time that the process has had a CPU for. One thread's work takes as much of it as of the clock's time, except that what
- * the system gave to other programs meanwhile does not count. */
-static inline double timing_cpu_seconds(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 /* The time stamp counter: it runs at a fixed rate whatever the core's clock does, so its "cycles" are units of time and
  * not cycles that the core has spent. 0 where there is none. */

@@ -2,6 +2,7 @@
 #include "tradeoff.h"
 
 #include "build_info.h"
+#include "clock.h"
 #include "output.h"
 #include "results.h"
 #include "run_record.h"
@@ -56,20 +57,20 @@ static size_t classes_of(const tradeoff_options *o, bool timed) {
 }
 
 static bool run_fields(const tradeoff_options *o, json_t *lines, io_error *error) {
-    double end = timing_seconds() + o->seconds;
+    double end = clock_seconds() + o->seconds;
     size_t groups = o->fields.count * classes_of(o, true);
     tradeoff_field *on = calloc(1, sizeof *on);
     bool good = on || io_fail(error, "out of memory");
     for (size_t f = 0; good && f < o->fields.count; f++) {
-        const double start = timing_seconds();
+        const double start = clock_seconds();
         fprintf(stderr, "field %s: making it and building Embree\n", o->fields.items[f]);
         good = tradeoff_field_open(on, o->fields.items[f], o, error) && count_field(on, o, lines, error);
-        end += timing_seconds() - start; /* building does not count */
+        end += clock_seconds() - start; /* building does not count */
         for (int c = 0; good && c < TRADEOFF_CLASS_COUNT; c++) {
             if (!tradeoff_listed(&o->rays, tradeoff_class_name(c))) continue;
             fprintf(stderr, "field %s: %s\n", o->fields.items[f], tradeoff_class_name(c));
             const bool timed = tradeoff_class_is_timed(c);
-            const double left = end - timing_seconds();
+            const double left = end - clock_seconds();
             good = tradeoff_group_run(on, c, o, timed && left > 0 ? left / (double)groups : 0, lines, error);
             groups -= timed;
         }

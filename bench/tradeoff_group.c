@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* One class of rays on one field: everybody's errors, then everybody's speed. */
 
+#include "clock.h"
 #include "results.h"
 #include "run_record.h"
-#include "timing.h"
 #include "tradeoff.h"
 
 #include <stdio.h>
@@ -160,9 +160,9 @@ static void choose_thin(const group *g, row *r, double limit) {
     pass p = {g, r, THIN_MAX};
     double seconds = 0;
     for (int repeat = 0; repeat < 2 && seconds <= limit; repeat++) {
-        const double start = timing_cpu_seconds();
+        const double start = clock_cpu_seconds();
         run_pass(&p);
-        seconds = timing_cpu_seconds() - start;
+        seconds = clock_cpu_seconds() - start;
     }
     if (seconds > limit) r->left_out = seconds;
     r->thin = thin_for(seconds, limit);
@@ -333,14 +333,14 @@ static bool make_rays(group *g, const tradeoff_options *o, io_error *error) {
 
 bool tradeoff_group_run(const tradeoff_field *on, int ray_class, const tradeoff_options *o, double seconds,
                         json_t *lines, io_error *error) {
-    const double end = timing_seconds() + seconds;
+    const double end = clock_seconds() + seconds;
     group g = {.on = on, .ray_class = ray_class, .any = tradeoff_class_is_any(ray_class)};
     g.rows = calloc(TRADEOFF_ROWS_MAX, sizeof *g.rows);
     bool good = (g.rows || io_fail(error, "out of memory")) && make_rays(&g, o, error) && add_rows(&g, o, error);
     if (good) {
         for (size_t k = 0; k < g.row_count; k++) choose_thin(&g, &g.rows[k], o->pass);
         find_errors(&g);
-        const double left = end - timing_seconds();
+        const double left = end - clock_seconds();
         good = (!tradeoff_class_is_timed(ray_class) || time_all(&g, o, left > 0 ? left : 0, error)) &&
                append_rows(&g, lines, error);
     }

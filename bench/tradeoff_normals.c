@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "tradeoff_normals.h"
 
+#include "clock.h"
 #include "results.h"
 #include "statistics.h"
 #include "terrain.h"
-#include "timing.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -110,14 +110,14 @@ static double cost(const tradeoff_ground *g, const cw_hit *hits, tradeoff_normal
     double seconds[REPEATS];
     volatile double sink = 0;
     for (int r = 0; r < REPEATS; r++) {
-        const double start = timing_cpu_seconds();
+        const double start = clock_cpu_seconds();
         double sum = 0;
         for (size_t k = 0; k < HITS; k++) {
             double n[3];
             normal_at(g, &hits[k], kind, n);
             sum += n[0] + n[1];
         }
-        seconds[r] = timing_cpu_seconds() - start;
+        seconds[r] = clock_cpu_seconds() - start;
         sink = sink + sum;
     }
     return statistics_of(seconds, REPEATS).median / HITS * 1e9;

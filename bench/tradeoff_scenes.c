@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "tradeoff_scenes.h"
 
+#include "clock.h"
 #include "results.h"
 #include "scene.h"
-#include "timing.h"
 #include "tradeoff_counts.h"
 
 #include <math.h>
@@ -38,17 +38,17 @@ typedef struct set {
 
 static void closest(void *context, size_t field, const cw_ray *rays, size_t n, cw_hit *hits) {
     mode_tracer *t = context;
-    const double start = timing_cpu_seconds();
+    const double start = clock_cpu_seconds();
     t->on[field].closest(t->on[field].self, rays, n, hits);
-    t->cpu_seconds += timing_cpu_seconds() - start;
+    t->cpu_seconds += clock_cpu_seconds() - start;
     t->rays += n;
 }
 
 static void any(void *context, size_t field, const cw_ray *rays, size_t n, uint8_t *occluded) {
     mode_tracer *t = context;
-    const double start = timing_cpu_seconds();
+    const double start = clock_cpu_seconds();
     t->on[field].any(t->on[field].self, rays, n, occluded);
-    t->cpu_seconds += timing_cpu_seconds() - start;
+    t->cpu_seconds += clock_cpu_seconds() - start;
     t->rays += n;
 }
 

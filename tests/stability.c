@@ -6,11 +6,11 @@
  * One run is one thread. Several processes with --part 1/N … N/N do what one does without it, and a run that was ended
  * early goes on with --first; the report adds their files up: batch number n is the same rays wherever it runs. */
 
+#include "clock.h"
 #include "options.h"
 #include "report.h"
 #include "run_record.h"
 #include "stability_page.h"
-#include "timing.h"
 
 #include <signal.h>
 #include <stdio.h>
@@ -73,22 +73,22 @@ static bool plan_range(const run_options *o, batch_range *r, io_error *error) {
 /* s->range.end becomes where it ended; the CPU time that it took. */
 static double run_batches(stability *s) {
     batch_range *r = &s->range;
-    const double begin = timing_seconds(), begin_cpu = timing_cpu_seconds(), every = isatty(STDERR_FILENO) ? 1 : 60;
+    const double begin = clock_seconds(), begin_cpu = clock_cpu_seconds(), every = isatty(STDERR_FILENO) ? 1 : 60;
     double shown = begin;
     const uint64_t wanted = (r->end - r->first + r->parts - 1) / r->parts;
     uint64_t n = r->first;
     for (; n < r->end && !stopped; n++) {
         if (n % r->parts != r->part - 1) continue;
         stability_batch(s, n);
-        const double now = timing_seconds();
+        const double now = clock_seconds();
         if (now - shown < every) continue;
         shown = now;
         show_progress(s, s->batches, wanted, now - begin);
     }
     r->end = n;
-    show_progress(s, s->batches, s->batches, timing_seconds() - begin);
+    show_progress(s, s->batches, s->batches, clock_seconds() - begin);
     fputc('\n', stderr);
-    return timing_cpu_seconds() - begin_cpu;
+    return clock_cpu_seconds() - begin_cpu;
 }
 
 static bool run(const run_options *o, io_error *error) {
@@ -146,7 +146,7 @@ int main(int argc, char **argv) {
     const size_t option_count = sizeof options / sizeof options[0];
     io_error error = {{0}};
     int count = argc - 1;
-    run_record_arguments(argv + 1, count);
+    run_record_begin(argv + 1, count);
     bool good = options_parse(options, option_count, argv + 1, &count, &error);
     const bool runs = good && count == 1 && strcmp(argv[1], "run") == 0;
     const bool reports = good && count == 1 && strcmp(argv[1], "report") == 0;

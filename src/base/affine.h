@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Affine maps as three rows of four doubles. */
-#ifndef CELLWALK_CORE_AFFINE_H
-#define CELLWALK_CORE_AFFINE_H
+#ifndef CELLWALK_BASE_AFFINE_H
+#define CELLWALK_BASE_AFFINE_H
 
 #include <math.h>
 #include <stdbool.h>
