@@ -7,3 +7,11 @@ if(TARGET cellwalk_tool AND CMOCKA_INCLUDE AND CMOCKA_LIBRARY)
         add_dependencies(test_${name} cellwalk_tool)
     endforeach()
 endif()
+# The command lines of both programs.
+if(TARGET cellwalk_tool AND CMOCKA_INCLUDE AND CMOCKA_LIBRARY)
+    cellwalk_test(tool_options tool_options.c)
+    target_link_libraries(test_tool_options PRIVATE cellwalk_test_scratch cellwalk_options)
+    target_compile_definitions(test_tool_options PRIVATE
+        OPTIONS_PROGRAMS="$<TARGET_FILE:cellwalk_tool>")
+    add_dependencies(test_tool_options cellwalk_tool)
+endif()

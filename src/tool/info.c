@@ -4,6 +4,7 @@
 #include "cellwalk.h"
 #include "clock.h"
 #include "command.h"
+#include "commands.h"
 #include "cpus.h"
 #include "field_file.h"
 #include "json.h"
@@ -180,8 +181,8 @@ static int run(int argc, char **argv) {
         .operand_most = 1,
     };
     const char *path;
-    const options_result result = options_parse(&usage, argc, argv, &path);
-    if (result != OPTIONS_GO) return result == OPTIONS_HELP ? EXIT_SUCCESS : EXIT_USAGE;
+    const int status = options_parse(&usage, argc, argv, &path);
+    if (status != OPTIONS_GO) return status;
     cw_query query;
     if (!query_options_resolve(&q, usage.name, &query)) return EXIT_USAGE;
     return show(path, &query, json);
