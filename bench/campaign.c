@@ -35,7 +35,6 @@ static const char *const usage =
     "  threads.json            one thread, two, and one a CPU\n"
     "  pages-*.json            large fields on huge and on ordinary pages\n"
     "  building.json           memory and building time, Embree at its default quality\n"
-    "  parts.json              the kernels' pieces\n"
     "  counters.json           what the kernels do for a ray\n"
     "  scenes/table.json       the six scenes\n"
     "  tradeoff/tradeoff.json  speed against error\n"
@@ -137,7 +136,6 @@ static void plan(campaign *c, bool quick) {
     snprintf(command, sizeof command, "micro --rays none --quality medium --kernel %s,grid3d --peer %s --field %s",
              kernel_of("pyramid", best), embree ? "triangles,grid" : "none", land);
     add(c, 0, "building.json", command);
-    add(c, 1, "parts.json", quick ? "parts --quick" : "parts");
     /* Brute force counts nothing. Pass is long, so that who takes part does not depend on the machine's mood. */
     used = (size_t)snprintf(command, sizeof command, "micro --counters --pass 60 --field %s --count %s --kernel ", most,
                             quick ? "2048" : "8192");

@@ -5,10 +5,6 @@
 #include "compare.h"
 #include "micro.h"
 #include "output.h"
-#include "papers.h"
-#include "parts.h"
-#include "plot.h"
-#include "report.h"
 #include "run_record.h"
 #include "table.h"
 #include "tradeoff_main.h"
@@ -28,13 +24,9 @@ typedef struct command {
 static const command commands[] = {
     {"table", "renders the six scenes along every path and prints the performance table", table_main},
     {"micro", "times kernels and Embree on classes of rays and fields", micro_main},
-    {"parts", "times the pieces that the kernels are made of", parts_main},
     {"measure", "makes every file of results that the papers quote", campaign_main},
     {"tradeoff", "holds speed against error for every mode of accuracy", tradeoff_main},
     {"compare", "says what changed between two runs of micro", compare_main},
-    {"report", "turns results into Markdown, also inside a page", report_main},
-    {"plot", "draws results of micro as SVG pictures", plot_main},
-    {"papers", "makes every table and picture of README and papers from their files", papers_main},
 };
 enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
 

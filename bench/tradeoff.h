@@ -16,7 +16,7 @@ enum { TRADEOFF_MODES_MAX = 32, TRADEOFF_ROWS_MAX = 192 };
 
 typedef struct tradeoff_options {
     option_list modes, kernels, rays, fields, scenes;
-    const char *isa_name, *scene_folder, *out, *into, *json, *picture;
+    const char *isa_name, *scene_folder, *out;
     uint64_t count, seed, cpu, samples;
     double seconds, pass;
     bool longer, no_pin;

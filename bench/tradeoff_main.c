@@ -7,8 +7,6 @@
 #include "choices.h"
 #include "folder.h"
 #include "output.h"
-#include "plot.h"
-#include "report.h"
 #include "results.h"
 
 #include <stdio.h>
@@ -38,11 +36,9 @@ static const char *const usage =
     "once\n"
     "for the worst height off the surface. Beside the benchmark's classes of rays, 'vertices' and 'edges' are aimed "
     "at\n"
-    "these, to find leaks; they are not timed. The six scenes are rendered with each mode and held against strict. "
-    "Three\n"
-    "claims of the coursework are answered with numbers.\n"
+    "these, to find leaks; they are not timed. The six scenes are rendered with each mode and held against strict.\n"
     "\n"
-    "Saves tradeoff.json, tradeoff.md and, with gnuplot, tradeoff.svg in a folder.\n"
+    "Saves tradeoff.json in a folder.\n"
     "\n"
     "Options (lists are NAME,NAME or the option again):\n";
 
@@ -53,7 +49,7 @@ static const char *const examples =
     "      A first look, in a minute.\n"
     "  cellwalk-bench tradeoff --mode strict,moller-trumbore --kernel pyramid8 --field 1025 --scene none\n"
     "      What does the watertight leaf test cost?\n"
-    "  cellwalk-bench tradeoff --long --into papers/tradeoff.md --picture papers/pictures/tradeoff.svg\n"
+    "  cellwalk-bench tradeoff --long --out papers/data/tradeoff\n"
     "      The figures of the page, on a quiet machine.\n";
 
 static const char *const scene_names[] = {"hftest",  "landsea-0",   "landsea-1", "landsea-2",
@@ -88,44 +84,20 @@ static bool open_file(io_output *out, const char *folder, const char *name, io_e
     return io_output_open(out, path, error);
 }
 
-static bool save(const tradeoff_options *o, const json_t *lines, io_output *json, io_output *markdown,
-                 io_error *error) {
-    size_t index;
-    json_t *line;
-    json_array_foreach((json_t *)lines, index, line) {
-        if (!results_write(json, json_incref(line), error)) return false;
-    }
-    char *text = tradeoff_markdown(lines);
-    bool good = text || io_fail(error, "out of memory");
-    if (good) fputs(text, stdout);
-    good = good && io_output_write(markdown, text, strlen(text), error) && io_output_commit(json, error) &&
-           io_output_commit(markdown, error) && (!o->into || report_into(o->into, "tradeoff", text, error));
-    free(text);
-    return good;
-}
-
-/* Figures are not lost for want of gnuplot, unless the picture was asked for by name. */
-static bool draw(const tradeoff_options *o, const json_t *lines, io_error *error) {
-    char path[4352];
-    if (o->picture) return plot_tradeoff_file(lines, o->picture, error);
-    snprintf(path, sizeof path, "%s/tradeoff.svg", o->out);
-    io_error why;
-    if (!plot_tradeoff_file(lines, path, &why)) fprintf(stderr, "cellwalk-bench tradeoff: %s\n", why.text);
-    return true;
-}
-
 static bool run(const tradeoff_options *o, io_error *error) {
-    io_output json = {0}, markdown = {0};
+    io_output json = {0};
     json_t *lines = json_array();
     bool good = (lines || io_fail(error, "out of memory")) && folder_make(o->out, error) &&
-                (o->json ? io_output_open(&json, o->json, error) : open_file(&json, o->out, "tradeoff.json", error)) &&
-                open_file(&markdown, o->out, "tradeoff.md", error) && tradeoff_run(o, lines, error) &&
-                save(o, lines, &json, &markdown, error) && draw(o, lines, error);
+                open_file(&json, o->out, "tradeoff.json", error) && tradeoff_run(o, lines, error);
+    size_t index;
+    json_t *line;
+    json_array_foreach(lines, index, line) good = good && results_write(&json, json_incref(line), error);
+    good = good && io_output_commit(&json, error);
+    if (good) tradeoff_print(lines);
     io_output_discard(&json);
-    io_output_discard(&markdown);
     json_decref(lines);
     fflush(stdout);
-    if (good) fprintf(stderr, "saved in %s\n", o->out);
+    if (good) fprintf(stderr, "saved %s/tradeoff.json\n", o->out);
     return good;
 }
 
@@ -161,13 +133,7 @@ int tradeoff_main(char **arguments, int count) {
          1023},
         {"--no-pin", NULL, "let the system move the program between CPUs", OPTION_FLAG, &o.no_pin, 0, 0},
         {"--long", NULL, "all fields but the largest, more rays, more time", OPTION_FLAG, &o.longer, 0, 0},
-        {"--out", "FOLDER", "where to save the files; made if need be (out/tradeoff)", OPTION_TEXT, &o.out, 0, 0},
-        {"--into", "PAGE", "also put the Markdown into this page, between the markers tradeoff (as report does)",
-         OPTION_TEXT, &o.into, 0, 0},
-        {"--json", "FILE", "the JSON's name, if it is not to be tradeoff.json in the folder", OPTION_TEXT, &o.json, 0,
-         0},
-        {"--picture", "FILE", "the picture's name, if it is not to be tradeoff.svg in the folder", OPTION_TEXT,
-         &o.picture, 0, 0},
+        {"--out", "FOLDER", "where to save tradeoff.json; made if need be (out/tradeoff)", OPTION_TEXT, &o.out, 0, 0},
     };
     const option_frame frame = {.command = "tradeoff",
                                 .usage = usage,

@@ -7,8 +7,8 @@
 /* All measurements, as JSON lines appended to the array. */
 bool tradeoff_run(const tradeoff_options *options, json_t *lines, io_error *error);
 
-/* The page made from the lines; the same lines give the same text. NULL if out of memory. The caller frees it. */
-char *tradeoff_markdown(const json_t *lines);
+/* Prints the contenders, fastest first, from their lines of kind "summary". */
+void tradeoff_print(const json_t *lines);
 
 int tradeoff_main(char **arguments, int count);
 

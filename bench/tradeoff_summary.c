@@ -3,9 +3,11 @@
 
 #include "results.h"
 #include "statistics.h"
+#include "tradeoff_main.h"
 #include "tradeoff_pareto.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { CONTENDERS_MAX = 192, GROUPS_MAX = 256 };
@@ -128,48 +130,19 @@ static json_t *summary_of(const json_t *lines, const groups *g, const char *name
 /* ---- frontiers ---- */
 
 typedef struct frontier {
-    const char *name, *key, *flag, *unit;
+    const char *key, *flag;
 } frontier;
 
 static const frontier frontiers[] = {
-    {"answers", "wrong_answers_per_million", "frontier_answers", "wrong answers in a million rays"},
-    {"place", "off_cells_worst", "frontier_place", "cells above or below the surface at worst"},
+    {"wrong_answers_per_million", "frontier_answers"},
+    {"off_cells_worst", "frontier_place"},
 };
 enum { FRONTIER_COUNT = sizeof frontiers / sizeof frontiers[0] };
-
-/* With three digits, or whole from 1000 on. */
-static void price(const frontier *f, const json_t *of, char *text, size_t size) {
-    const double error = results_number(of, f->key);
-    snprintf(text, size, error < 1000 ? "%.3g" : "%.0f", error);
-}
-
-static json_t *step_line(const frontier *f, const json_t *from, const json_t *to) {
-    char text[512], before[32], after[32];
-    const char *name = results_text(to, "contender");
-    const double speed = results_number(to, "mrays_per_s");
-    price(f, to, after, sizeof after);
-    if (from == NULL) {
-        snprintf(text, sizeof text, "%s is the fastest of those with the least error: %.3g Mrays/s, %s %s.", name,
-                 speed, after, f->unit);
-    } else {
-        price(f, from, before, sizeof before);
-        snprintf(text, sizeof text, "From %s to %s: %.1f %% faster, but %s instead of %s %s.",
-                 results_text(from, "contender"), name, 100 * (speed / results_number(from, "mrays_per_s") - 1), after,
-                 before, f->unit);
-    }
-    json_t *line = json_object();
-    results_set_text(line, "kind", "step");
-    results_set_text(line, "frontier", f->name);
-    results_set_text(line, "from", from ? results_text(from, "contender") : NULL);
-    results_set_text(line, "to", name);
-    results_set_text(line, "text", text);
-    return line;
-}
 
 /* Less is noise: what changes from run to run of the same program, as compare takes it. */
 static const double step_margin = 0.02;
 
-static bool mark(const frontier *f, json_t **summaries, size_t count, json_t *lines) {
+static void mark(const frontier *f, json_t **summaries, size_t count) {
     tradeoff_point points[CONTENDERS_MAX];
     size_t order[CONTENDERS_MAX];
     for (size_t k = 0; k < count; k++) {
@@ -178,13 +151,8 @@ static bool mark(const frontier *f, json_t **summaries, size_t count, json_t *li
         points[k].speed = partial ? 0 : results_number(summaries[k], "mrays_per_s");
         points[k].error = error ? json_number_value(error) : (double)NAN;
     }
-    const size_t found = tradeoff_pareto(points, count, step_margin, order);
+    tradeoff_pareto(points, count, step_margin, order);
     for (size_t k = 0; k < count; k++) results_set_bool(summaries[k], f->flag, points[k].frontier);
-    bool good = true;
-    for (size_t k = 0; good && k < found; k++)
-        good = json_array_append_new(lines,
-                                     step_line(f, k > 0 ? summaries[order[k - 1]] : NULL, summaries[order[k]])) == 0;
-    return good;
 }
 
 bool tradeoff_summarise(json_t *lines, io_error *error) {
@@ -194,8 +162,45 @@ bool tradeoff_summarise(json_t *lines, io_error *error) {
     const groups g = groups_of(lines);
     bool good = true;
     for (size_t k = 0; k < count; k++) summaries[k] = summary_of(lines, &g, names[k]);
+    for (size_t f = 0; f < FRONTIER_COUNT; f++) mark(&frontiers[f], summaries, count);
     for (size_t k = 0; k < count; k++) good = json_array_append_new(lines, summaries[k]) == 0 && good;
-    for (size_t f = 0; good && f < FRONTIER_COUNT; f++) good = mark(&frontiers[f], summaries, count, lines);
-    good = good && tradeoff_answer_claims(lines);
     return good || io_fail(error, "out of memory");
+}
+
+/* ---- for people ---- */
+
+static int by_speed(const void *a, const void *b) {
+    const json_t *x = *(const json_t *const *)a, *y = *(const json_t *const *)b;
+    const double u = results_number(x, "mrays_per_s"), v = results_number(y, "mrays_per_s");
+    if (u != v) return u < v ? 1 : -1;
+    return strcmp(results_text(x, "contender"), results_text(y, "contender"));
+}
+
+static void print_number(const json_t *line, const char *key) {
+    if (json_object_get(line, key))
+        printf(" %9.3g", results_number(line, key));
+    else
+        printf(" %9s", "");
+}
+
+void tradeoff_print(const json_t *lines) {
+    static const char *const keys[] = {"mrays_per_s",          "leaks_per_million",  "wrong_per_million",
+                                       "phantoms_per_million", "broken_per_million", "aimed_wrong_answers_per_million",
+                                       "off_cells_worst"};
+    const json_t *all[CONTENDERS_MAX], *line;
+    size_t count = 0, index;
+    json_array_foreach(lines, index, line) {
+        if (results_is(line, "summary", NULL) && results_number(line, "groups") > 0) all[count++] = line;
+    }
+    qsort(all, count, sizeof *all, by_speed);
+    printf("In a million rays; a marks the frontier of speed and wrong answers, h that of speed and height off the "
+           "surface,\n* who did not run everywhere.\n\n%-28s %9s %9s %9s %9s %9s %9s %9s\n",
+           "mode / kernel", "Mrays/s", "leaks", "wrong", "phantoms", "beyond", "aimed", "cells off");
+    for (size_t k = 0; k < count; k++) {
+        printf("%-28s", results_text(all[k], "contender"));
+        for (size_t n = 0; n < sizeof keys / sizeof keys[0]; n++) print_number(all[k], keys[n]);
+        printf("  %s%s%s\n", json_is_true(json_object_get(all[k], "frontier_answers")) ? "a" : "",
+               json_is_true(json_object_get(all[k], "frontier_place")) ? "h" : "",
+               json_is_true(json_object_get(all[k], "partial")) ? "*" : "");
+    }
 }

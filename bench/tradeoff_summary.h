@@ -8,18 +8,11 @@
 #include <jansson.h>
 #include <stdbool.h>
 
-/* Appends
- *   a line of kind "summary" a contender: the geometric mean of its speeds, the means of its rates of wrong answers, the
+/* Appends a line of kind "summary" a contender: the geometric mean of its speeds, the means of its rates of wrong answers, the
  *     median of its median errors and the largest of its worst ones, all over the groups (fields × classes of rays); and
  *     whether it is on the frontiers "answers" (speed, wrong answers a million) and "place" (speed, worst height off
- *     the surface).
- *     Who has not run in all groups is "partial" and on none;
- *   a line of kind "step" for each step along a frontier, from the least error to the highest speed, with a sentence;
- *   a line of kind "hypothesis" for each claim that is put to the test, with a verdict and a sentence.
+ *     the surface). Who has not run in all groups is "partial" and on none.
  * False if out of memory. */
 bool tradeoff_summarise(json_t *lines, io_error *error);
-
-/* The answers to the claims (tradeoff_claims.c): the last part of the above. */
-bool tradeoff_answer_claims(json_t *lines);
 
 #endif

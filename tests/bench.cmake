@@ -18,15 +18,9 @@ if(CMOCKA_INCLUDE AND CMOCKA_LIBRARY)
     endif()
 endif()
 if(TARGET cellwalk_bench)
-    find_program(GNUPLOT gnuplot)
     add_test(NAME bench_measure COMMAND ${CMAKE_COMMAND} -DBENCH=$<TARGET_FILE:cellwalk_bench>
-        -DFOLDER=${CMAKE_CURRENT_BINARY_DIR}/bench_measure -DGNUPLOT=$<IF:$<BOOL:${GNUPLOT}>,${GNUPLOT},>
-        -P ${CMAKE_CURRENT_SOURCE_DIR}/bench_measure.cmake)
+        -DFOLDER=${CMAKE_CURRENT_BINARY_DIR}/bench_measure -P ${CMAKE_CURRENT_SOURCE_DIR}/bench_measure.cmake)
     set_tests_properties(bench_measure PROPERTIES TIMEOUT 300)
-    # No figure in README or papers that the files beside them do not give.
-    if(EXISTS ${PROJECT_SOURCE_DIR}/papers/data/counters.json)
-        add_test(NAME papers COMMAND cellwalk_bench papers --check WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
-    endif()
 endif()
 if(TARGET cellwalk_caches AND NOT CELLWALK_SANITIZE) # valgrind does not run sanitized programs
     add_test(NAME bench_caches COMMAND ${CMAKE_COMMAND} -DCACHES=$<TARGET_FILE:cellwalk_caches>

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The program cellwalk-stability: aimed rays by the thousand million, every contender before the same ones; and the
- * tables of papers/stability.md. It is no subcommand of cellwalk-bench because it judges with the exact oracle, which
+/* The program cellwalk-stability: aimed rays by the thousand million, every contender before the same ones. It is no subcommand of cellwalk-bench because it judges with the exact oracle, which
  * needs GMP, and belongs to the tests.
  *
  * One run is one thread. Several processes with --part 1/N … N/N do what one does without it, and a run that was ended
@@ -8,7 +7,6 @@
 
 #include "clock.h"
 #include "options.h"
-#include "report.h"
 #include "run_record.h"
 #include "stability_page.h"
 
@@ -20,15 +18,10 @@
 
 static const char *const usage =
     "Usage: cellwalk-stability run [OPTIONS]\n"
-    "       cellwalk-stability report --json FILE[,FILE…] [--into PAGE]\n"
     "\n"
-    "run traces rays that are aimed at vertices, edges and the like, of which it is known that they hit, through all\n"
+    "Traces rays that are aimed at vertices, edges and the like, of which it is known that they hit, through all\n"
     "kernels and Embree, and counts leaks, phantoms and wrong surfaces. Ctrl-C ends it early, with all results so "
     "far,\nand says how to go on.\n"
-    "report prints the results as Markdown, or puts them into a page between the lines <!-- begin:stability --> and\n"
-    "<!-- end:stability -->; and so the counts of the tests extremes, exhaustive and stress, between lines named "
-    "after\n"
-    "them, and what micro --leaf all of cellwalk-bench wrote, between lines named leaf.\n"
     "\n"
     "Options:\n";
 
@@ -116,20 +109,8 @@ static bool run(const run_options *o, io_error *error) {
     return good && (faults == 0 || io_fail(error, "%llu faults", (unsigned long long)faults));
 }
 
-static bool report(option_list *files, const char *into, io_error *error) {
-    const char *mark;
-    char *text = stability_page(files->items, files->count, &mark, error);
-    if (text == NULL) return false;
-    const bool good = into == NULL || report_into(into, mark, text, error);
-    if (into == NULL) fputs(text, stdout);
-    free(text);
-    return good;
-}
-
 int main(int argc, char **argv) {
     run_options o = {.million = 1000, .sample = 1024};
-    const char *into = NULL;
-    option_list files = {.count = 0};
     bool help = false;
     const option options[] = {
         {"--million", "N", "millions of rays in all parts together, 1000 by default", OPTION_COUNT, &o.million, 1, 1e9},
@@ -138,9 +119,7 @@ int main(int argc, char **argv) {
         {"--first", "N", "begin with batch N, where a run that was ended early says so", OPTION_COUNT, &o.first, 0,
          1e15},
         {"--no-embree", NULL, "leave Embree out", OPTION_FLAG, &o.no_embree, 0, 0},
-        {"--json", "FILE", "of run: write results to it; of report: read them, from several if given", OPTION_LIST,
-         &files, 0, 0},
-        {"--into", "PAGE", "of report: the page to put the tables into", OPTION_TEXT, &into, 0, 0},
+        {"--json", "FILE", "write results to it", OPTION_TEXT, &o.json, 0, 0},
         {"--help", NULL, "this text", OPTION_FLAG, &help, 0, 0},
     };
     const size_t option_count = sizeof options / sizeof options[0];
@@ -148,26 +127,17 @@ int main(int argc, char **argv) {
     int count = argc - 1;
     run_record_begin(argv + 1, count);
     bool good = options_parse(options, option_count, argv + 1, &count, &error);
-    const bool runs = good && count == 1 && strcmp(argv[1], "run") == 0;
-    const bool reports = good && count == 1 && strcmp(argv[1], "report") == 0;
     if (good && help) {
         fputs(usage, stdout);
         options_print(stdout, options, option_count);
         return EXIT_SUCCESS;
     }
-    if (good && !runs && !reports) good = io_fail(&error, "want one of the words run and report");
-    if (good && reports && files.count == 0) good = io_fail(&error, "--json: the file of results is missing");
-    if (good && runs && files.count > 1) good = io_fail(&error, "--json: run writes one file");
+    if (good && !(count == 1 && strcmp(argv[1], "run") == 0)) good = io_fail(&error, "want the word run");
     if (!good) {
         fprintf(stderr, "cellwalk-stability: %s\nTry 'cellwalk-stability --help'.\n", error.text);
         return 2;
     }
-    if (files.count) o.json = files.items[0];
-    if (runs)
-        good = run(&o, &error);
-    else
-        good = report(&files, into, &error);
-    if (good) return EXIT_SUCCESS;
+    if (run(&o, &error)) return EXIT_SUCCESS;
     fprintf(stderr, "cellwalk-stability: %s\n", error.text);
     return EXIT_FAILURE;
 }
