@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The program cellwalk-bench. */
 
-#include "campaign.h"
-#include "compare.h"
-#include "micro.h"
+#include "accuracy/run.h"
+#include "harness/measure.h"
+#include "harness/run_record.h"
+#include "micro/compare.h"
+#include "micro/micro.h"
 #include "output.h"
-#include "run_record.h"
-#include "table.h"
-#include "tradeoff_main.h"
+#include "scenes/table.h"
 
 #include <errno.h>
 #include <signal.h>
@@ -24,7 +24,7 @@ typedef struct command {
 static const command commands[] = {
     {"table", "renders the six scenes along every path and prints the performance table", table_main},
     {"micro", "times kernels and Embree on classes of rays and fields", micro_main},
-    {"measure", "makes every file of results that the papers quote", campaign_main},
+    {"measure", "makes every file of results that the papers quote", measure_main},
     {"tradeoff", "holds speed against error for every mode of accuracy", tradeoff_main},
     {"compare", "says what changed between two runs of micro", compare_main},
 };

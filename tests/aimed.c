@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "aimed.h"
 
-#include "terrain.h"
+#include "workload/terrain.h"
 
 #include <math.h>
 #include <stdlib.h>

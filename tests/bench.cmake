@@ -30,10 +30,10 @@ if(TARGET cellwalk_caches AND NOT CELLWALK_SANITIZE) # valgrind does not run san
 endif()
 add_test(NAME papers_notes COMMAND ${CMAKE_COMMAND} -DSOURCE=${PROJECT_SOURCE_DIR}
     -P ${CMAKE_CURRENT_SOURCE_DIR}/papers_notes.cmake)
-# The levers that papers/report.md takes away one by one are still where bench/ablation.cmake looks for them.
+# The levers that papers/report.md takes away one by one are still where bench/instructions/ablation.cmake looks for them.
 add_test(NAME ablation_levers COMMAND ${CMAKE_COMMAND} -DSOURCE=${PROJECT_SOURCE_DIR}
-    -DFOLDER=${CMAKE_CURRENT_BINARY_DIR}/ablation_levers -P ${PROJECT_SOURCE_DIR}/bench/ablation.cmake)
+    -DFOLDER=${CMAKE_CURRENT_BINARY_DIR}/ablation_levers -P ${PROJECT_SOURCE_DIR}/bench/instructions/ablation.cmake)
 # The guard against slow-downs; the test tells why where it is skipped.
 add_test(NAME guard WORKING_DIRECTORY ${PROJECT_BINARY_DIR}/bench
-    COMMAND cellwalk_guard check $<TARGET_FILE:cellwalk_guard_work> ${PROJECT_SOURCE_DIR}/bench/guard.csv)
+    COMMAND cellwalk_guard check $<TARGET_FILE:cellwalk_guard_work> ${PROJECT_SOURCE_DIR}/bench/instructions/guard.csv)
 set_tests_properties(guard PROPERTIES LABELS guard SKIP_RETURN_CODE 77 TIMEOUT 300)

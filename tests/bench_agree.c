@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Differences between hits are seen, counted once, and put down to the right reason. */
-#include "agree.h"
+#include "harness/agree.h"
 
 #include "check.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Counts of the counting kernels where they can be told beforehand, and bounds that hold where they cannot. */
-#include "counters.h"
-#include "micro.h"
+#include "micro/counters.h"
+#include "micro/micro.h"
 
 #include "check.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The guard's arithmetic on profiles and figures made up here: what counts, what does not, and which changes it tells. */
-#include "guard_figures.h"
+#include "instructions/figures.h"
 
 #include "check.h"
 #include "scratch.h"

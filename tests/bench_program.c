@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The benchmark's commands from beginning to end, on work so small that their figures mean nothing: files hold the same
  * numbers, comparisons of a file with itself decide nothing, mistakes are told and leave nothing behind. */
-#include "campaign.h"
-#include "compare.h"
-#include "micro.h"
-#include "results.h"
-#include "table.h"
+#include "harness/measure.h"
+#include "harness/results.h"
+#include "micro/compare.h"
+#include "micro/micro.h"
+#include "scenes/table.h"
 
 #include "check.h"
 #include "scratch.h"
@@ -218,8 +218,8 @@ static void mistakes_leave_nothing(void **state) {
         {table_main, "--quick --scene hftest --out file/out", 1},
         {table_main, "--quick --scene hftest --out file", 1},
         {table_main, "--quick --scene hftest --scenes nowhere --out out", 1},
-        {campaign_main, "loose", 2},
-        {campaign_main, "--out file/out", 1},
+        {measure_main, "loose", 2},
+        {measure_main, "--out file/out", 1},
         {compare_main, "one.json", 2},
         {compare_main, "nowhere.json nowhere.json", 1},
     };
@@ -234,7 +234,7 @@ static void mistakes_leave_nothing(void **state) {
 
 static void helps(void **state) {
     (void)state;
-    command *const commands[] = {micro_main, table_main, compare_main, campaign_main};
+    command *const commands[] = {micro_main, table_main, compare_main, measure_main};
     for (size_t k = 0; k < 4; k++) check(run(commands[k], "--help") == 0, "help fails");
 }
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Medians, deviations, intervals and verdicts against samples worked out by hand. */
-#include "statistics.h"
+#include "harness/statistics.h"
 
 #include "check.h"
 

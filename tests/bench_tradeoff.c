@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* How the trade of speed against error is measured: exact places, verdicts, counts, normals and the frontier, on cases whose
  * answers are known. */
-#include "tradeoff.h"
-#include "tradeoff_counts.h"
-#include "tradeoff_normals.h"
-#include "tradeoff_pareto.h"
-#include "tradeoff_scenes.h"
+#include "accuracy/counts.h"
+#include "accuracy/normals.h"
+#include "accuracy/pareto.h"
+#include "accuracy/scenes.h"
+#include "accuracy/tradeoff.h"
 
 #include "check.h"
-#include "terrain.h"
+#include "workload/terrain.h"
 
 #include <math.h>
 #include <stdlib.h>

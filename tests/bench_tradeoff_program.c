@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* cellwalk-bench tradeoff from beginning to end, on work so small that its speeds mean nothing: what is saved agrees with
  * itself, sums and verdicts are those of their lines, mistakes are told and leave nothing behind. */
-#include "peer_embree.h"
-#include "results.h"
-#include "tradeoff_main.h"
-#include "tradeoff_summary.h"
+#include "accuracy/run.h"
+#include "accuracy/summary.h"
+#include "harness/results.h"
+#include "peers/embree.h"
 
 #include "check.h"
 #include "scratch.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The benchmark's fields and rays are the same numbers everywhere, and are what their names say. */
-#include "ray_classes.h"
-#include "workload_fields.h"
+#include "workload/fields.h"
+#include "workload/ray_classes.h"
 
 #include "check.h"
 

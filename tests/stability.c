@@ -6,8 +6,8 @@
  * early goes on with --first; the report adds their files up: batch number n is the same rays wherever it runs. */
 
 #include "clock.h"
-#include "options.h"
-#include "run_record.h"
+#include "harness/options.h"
+#include "harness/run_record.h"
 #include "stability_page.h"
 
 #include <signal.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "stability_page.h"
 
-#include "results.h"
-#include "run_record.h"
+#include "harness/results.h"
+#include "harness/run_record.h"
 
 static const char *const verdict_keys[VERDICTS] = {"right", "tie", "leak", "phantom", "wrong_surface"};
 

@@ -5,8 +5,8 @@
 #define CELLWALK_TESTS_STABILITY_RUN_H
 
 #include "aimed.h"
-#include "contender.h"
-#include "peer_embree.h"
+#include "peers/contender.h"
+#include "peers/embree.h"
 
 enum { BATCH_RAYS = 4096, SLOW_RAYS = 512, CONTENDERS_MAX = 48, ULP_BINS = 32 };
 

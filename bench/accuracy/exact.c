@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "accuracy/exact.h"
+
+#include <float.h>
+#include <math.h>
+
+tradeoff_ground tradeoff_ground_of(const float *z, size_t nx, size_t ny) {
+    float highest = 0;
+    for (size_t k = 0; k < nx * ny; k++) highest = fmaxf(highest, fabsf(z[k]));
+    return (tradeoff_ground){.z = z, .nx = nx, .ny = ny, .highest = (double)highest};
+}
+
+/* a + b = sum + error, exactly (Knuth). */
+static double two_sum(double a, double b, double *error) {
+    const double sum = a + b, part = sum - a;
+    *error = (a - (sum - part)) + (b - part);
+    return sum;
+}
+
+double tradeoff_sum(const double *numbers, int count) {
+    double expansion[TRADEOFF_SUM_MAX]; /* components from small to large that do not overlap */
+    int size = 0;
+    for (int k = 0; k < count; k++) {
+        double carry = numbers[k];
+        int kept = 0;
+        for (int c = 0; c < size; c++) {
+            double error;
+            carry = two_sum(carry, expansion[c], &error);
+            if (error != 0) expansion[kept++] = error;
+        }
+        expansion[kept++] = carry;
+        size = kept;
+    }
+    double sum = 0;
+    for (int c = 0; c < size; c++) sum += expansion[c];
+    return sum;
+}
+
+/* A direction that the library counts as zero. */
+static double direction(float d) { return fabsf(1.0f / d) <= FLT_MAX ? (double)d : 0; }
+
+static double sample(const tradeoff_ground *on, int32_t i, int32_t j) {
+    return (double)on->z[(size_t)j * on->nx + (size_t)i];
+}
+
+bool tradeoff_meet(const tradeoff_ground *on, const cw_ray *ray, int32_t i, int32_t j, uint32_t triangle,
+                   tradeoff_place *place) {
+    const bool a = triangle == CW_TRIANGLE_A;
+    const double h = sample(on, i, j);
+    const double far = sample(on, i + 1, j + 1), corner = a ? sample(on, i + 1, j) : sample(on, i, j + 1);
+    /* Slope along x: x_to - x_from; along y: y_to - y_from. */
+    const double x_from = a ? h : corner, x_to = a ? corner : far, y_from = a ? corner : h, y_to = a ? far : corner;
+    const double ox = (double)ray->org[0], oy = (double)ray->org[1], oz = (double)ray->org[2];
+    const double dx = direction(ray->dir[0]), dy = direction(ray->dir[1]), dz = direction(ray->dir[2]);
+    const double above[] = {oz,          -h,         -x_to * ox,  x_from * ox, x_to * i,
+                            -x_from * i, -y_to * oy, y_from * oy, y_to * j,    -y_from * j};
+    const double falling[] = {x_to * dx, -x_from * dx, y_to * dy, -y_from * dy, -dz};
+    const double rate = tradeoff_sum(falling, 5);
+    if (rate == 0) return false;
+    const double t = tradeoff_sum(above, 10) / rate;
+    const double x = (ox - i) + t * dx, y = (oy - j) + t * dy;
+    *place = (tradeoff_place){
+        .t = t, .u = a ? x - y : x, .v = a ? y : y - x, .i = i, .j = j, .triangle = a ? CW_TRIANGLE_A : CW_TRIANGLE_B};
+    return true;
+}
+
+double tradeoff_t_ulp(double t, double exact) {
+    int exponent;
+    frexp(exact, &exponent); /* |exact| in [2^(exponent - 1), 2^exponent) */
+    if (exact == 0 || exponent < FLT_MIN_EXP) exponent = FLT_MIN_EXP;
+    return fabs(t - exact) / ldexp(1, exponent - FLT_MANT_DIG);
+}
+
+double tradeoff_t_cells(const cw_ray *ray, double t, double exact) {
+    double squares = 0;
+    for (int k = 0; k < 3; k++) squares += (double)ray->dir[k] * (double)ray->dir[k];
+    return fabs(t - exact) * sqrt(squares);
+}

@@ -1,0 +1,355 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* One class of rays on one field: everybody's errors, then everybody's speed. */
+
+#include "accuracy/tradeoff.h"
+#include "clock.h"
+#include "harness/results.h"
+#include "harness/run_record.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+bool tradeoff_listed(const option_list *list, const char *name) {
+    for (size_t k = 0; k < list->count; k++)
+        if (strcmp(list->items[k], name) == 0) return true;
+    return list->count == 0;
+}
+
+bool tradeoff_mode_wanted(const tradeoff_mode *mode, const tradeoff_options *o) {
+    return o->modes.count ? tradeoff_listed(&o->modes, mode->name) : o->longer || !mode->longer;
+}
+
+/* ---- a field ---- */
+
+void tradeoff_field_close(tradeoff_field *on) {
+    for (size_t s = 0; s < on->stage_count; s++) tradeoff_stage_close(&on->stages[s]);
+    cw_field_destroy(on->field);
+    workload_field_free(&on->samples);
+    *on = (tradeoff_field){0};
+}
+
+/* Embree's peak while it builds, in bytes a cell, as measured for micro. */
+static bool fits(const tradeoff_field *on, const tradeoff_mode *mode) {
+    if (!mode->embree) return true;
+    const double needed = (double)on->ground.nx * (double)on->ground.ny * (mode->geometry == PEER_GRID ? 50 : 260);
+    const double available = run_memory_available();
+    if (available <= 0 || needed < available) return true;
+    printf("%s is left out on field %s: it would take about %.1f GB\n", mode->name, on->samples.name, needed * 1e-9);
+    return false;
+}
+
+bool tradeoff_field_open(tradeoff_field *on, const char *name, const tradeoff_options *o, io_error *error) {
+    *on = (tradeoff_field){0};
+    if (!workload_field_make(name, &on->samples)) return io_fail(error, "out of memory for field %s", name);
+    on->ground = tradeoff_ground_of(on->samples.z, on->samples.nx, on->samples.ny);
+    cw_field_desc desc = cw_field_desc_default();
+    desc.samples = on->ground.z;
+    desc.nx = on->ground.nx;
+    desc.ny = on->ground.ny;
+    cw_status status = cw_field_create(&desc, &on->field);
+    if (status == CW_OK) status = cw_field_build(on->field, cw_kernel_find("cell"));
+    bool good = status == CW_OK || io_fail(error, "field %s: %s", name, cw_status_message(status));
+    for (size_t m = 0; good && m < tradeoff_mode_count(); m++) {
+        const tradeoff_mode *mode = tradeoff_mode_at(m);
+        if (!tradeoff_mode_wanted(mode, o) || on->stage_count == TRADEOFF_MODES_MAX) continue;
+        if ((mode->embree && peer_embree_version() == NULL) || !fits(on, mode)) continue;
+        good = tradeoff_stage_open(&on->stages[on->stage_count], mode, on->field, &on->ground, o->isa, error);
+        on->stage_count += good;
+    }
+    if (!good) tradeoff_field_close(on);
+    return good;
+}
+
+/* ---- contenders ---- */
+
+typedef struct row row;
+struct row {
+    const tradeoff_stage *stage;
+    contender contender;
+    kernel_contender kernel;
+    peer_contender peer;
+    char kernel_name[CONTENDER_NAME]; /* "pyramid8"; "w8" with Embree */
+    unsigned thin, thin_errors;       /* of the rays that are timed, and of those whose errors are looked for */
+    double left_out;                  /* seconds for a pass over the thinnest set; 0 if that is no problem */
+    tradeoff_errors errors;
+    const row *same_as; /* whose errors these are, because it gives the same bits; or NULL */
+    interleave_job job;
+};
+
+enum { THIN_MAX = 6, RAYS_SPARE = 32 }; /* of a thinned set at most a run is more than its share */
+
+typedef struct group {
+    const tradeoff_field *on;
+    int ray_class;
+    bool any;
+    cw_ray *rays[THIN_MAX + 1]; /* thinned; NULL until asked for */
+    size_t counts[THIN_MAX + 1];
+    cw_hit *hits, *leader_hits; /* answers; and those of the row that others are held against */
+    uint8_t *occluded, *leader_occluded;
+    tradeoff_truth truth;
+    row *rows;
+    size_t row_count;
+} group;
+
+static bool add_row(group *g, const row *r, io_error *error) {
+    if (g->row_count == TRADEOFF_ROWS_MAX) return io_fail(error, "more than %d contenders", TRADEOFF_ROWS_MAX);
+    row *to = &g->rows[g->row_count++];
+    *to = *r;
+    to->contender.self = r->stage->mode->embree ? (const void *)&to->peer : (const void *)&to->kernel;
+    snprintf(to->kernel_name, sizeof to->kernel_name, "%s", strchr(to->contender.name, '/') + 1);
+    return true;
+}
+
+static bool add_rows(group *g, const tradeoff_options *o, io_error *error) {
+    for (size_t s = 0; s < g->on->stage_count; s++) {
+        row r = {.stage = &g->on->stages[s]};
+        if (r.stage->mode->embree) {
+            for (size_t w = 0; w < PEER_WIDTH_COUNT; w++) {
+                tradeoff_stage_peer(r.stage, peer_embree_widths[w], tradeoff_class_is_coherent(g->ray_class),
+                                    &r.contender, &r.peer);
+                if (!add_row(g, &r, error)) return false;
+            }
+            continue;
+        }
+        for (size_t k = 0; k < cw_kernel_count(); k++) {
+            const cw_kernel *kernel = cw_kernel_at(k);
+            const char *name = cw_kernel_describe(kernel).name;
+            if (!tradeoff_listed(&o->kernels, name)) continue;
+            const cw_status status = tradeoff_stage_kernel(r.stage, kernel, &r.contender, &r.kernel);
+            if (status == CW_ERROR_UNAVAILABLE || status == CW_ERROR_UNSUPPORTED) continue;
+            if (status != CW_OK)
+                return io_fail(error, "%s with %s on field %s: %s", r.stage->mode->name, name, g->on->samples.name,
+                               cw_status_message(status));
+            if (!add_row(g, &r, error)) return false;
+        }
+    }
+    return g->row_count > 0 || io_fail(error, "no kernel that is asked for has a mode that is asked for");
+}
+
+/* ---- passes ---- */
+
+typedef struct pass {
+    const group *on;
+    const row *row;
+    unsigned thin;
+} pass;
+
+static void run_pass(void *context) {
+    const pass *p = context;
+    const contender *c = &p->row->contender;
+    const cw_ray *rays = p->on->rays[p->thin];
+    const size_t n = p->on->counts[p->thin];
+    if (p->on->any)
+        c->any(c->self, rays, n, p->on->occluded);
+    else
+        c->closest(c->self, rays, n, p->on->hits);
+}
+
+/* The thinnest set that takes at most about this long, of those that take longer than the thinnest of all. */
+static unsigned thin_for(double seconds, double limit) {
+    unsigned thin = THIN_MAX;
+    for (; thin > 0 && 2 * seconds <= limit; thin--) seconds *= 2;
+    return thin;
+}
+
+/* The slow ones take fewer of the rays, so that a pass takes at most about limit seconds. Errors are rarer than speed is
+ * uneven and need one pass alone, so they get more time. The first pass only warms up. */
+static void choose_thin(const group *g, row *r, double limit) {
+    enum { ERRORS_LONGER = 4 };
+    pass p = {g, r, THIN_MAX};
+    double seconds = 0;
+    for (int repeat = 0; repeat < 2 && seconds <= limit; repeat++) {
+        const double start = clock_cpu_seconds();
+        run_pass(&p);
+        seconds = clock_cpu_seconds() - start;
+    }
+    if (seconds > limit) r->left_out = seconds;
+    r->thin = thin_for(seconds, limit);
+    r->thin_errors = thin_for(seconds, limit * ERRORS_LONGER);
+}
+
+/* ---- errors ---- */
+
+static void judge(const group *g, row *r) {
+    const tradeoff_stage *s = r->stage;
+    r->errors = g->any ? tradeoff_errors_any(&g->truth, r->thin_errors, &s->claim, g->occluded)
+                       : tradeoff_errors_closest(&g->truth, r->thin_errors, &s->claim, s->field, g->hits);
+}
+
+/* The answers that lie there for a thinned set are bit for bit those that the leader gave for the same rays. */
+static bool same_as_leader(const group *g, const row *leader, const row *r) {
+    if (r->thin_errors < leader->thin_errors) return false;
+    const size_t n = g->counts[r->thin_errors];
+    for (size_t m = 0; m < n; m++) {
+        const size_t of = tradeoff_thinned_at(m, r->thin_errors - leader->thin_errors);
+        if (g->any ? g->occluded[m] != g->leader_occluded[of]
+                   : memcmp(&g->hits[m], &g->leader_hits[of], sizeof *g->hits) != 0)
+            return false;
+    }
+    return true;
+}
+
+/* Of a mode's kernels the one that takes most rays is judged; and each other one that does not give the same bits. So
+ * kernels that only walk differently have the same errors, however few rays the slow ones take. */
+static void find_errors_of(group *g, const tradeoff_stage *stage) {
+    row *leader = NULL;
+    for (size_t k = 0; k < g->row_count; k++) {
+        row *r = &g->rows[k];
+        if (r->stage != stage || r->left_out > 0) continue;
+        if (leader == NULL || r->thin_errors <= leader->thin_errors) leader = r;
+    }
+    if (leader == NULL) return;
+    pass p = {g, leader, leader->thin_errors};
+    run_pass(&p);
+    judge(g, leader);
+    const size_t n = g->counts[leader->thin_errors];
+    if (g->any)
+        memcpy(g->leader_occluded, g->occluded, n);
+    else
+        memcpy(g->leader_hits, g->hits, n * sizeof *g->hits);
+    for (size_t k = 0; k < g->row_count; k++) {
+        row *r = &g->rows[k];
+        if (r->stage != stage || r == leader || r->left_out > 0) continue;
+        p = (pass){g, r, r->thin_errors};
+        run_pass(&p);
+        if (same_as_leader(g, leader, r)) {
+            r->errors = leader->errors;
+            r->same_as = leader;
+        } else {
+            judge(g, r);
+        }
+    }
+}
+
+static void find_errors(group *g) {
+    for (size_t s = 0; s < g->on->stage_count; s++) find_errors_of(g, &g->on->stages[s]);
+}
+
+/* ---- speed ---- */
+
+static bool time_all(group *g, const tradeoff_options *o, double seconds, io_error *error) {
+    interleave_job jobs[TRADEOFF_ROWS_MAX];
+    pass passes[TRADEOFF_ROWS_MAX];
+    size_t count = 0;
+    for (size_t k = 0; k < g->row_count; k++) {
+        if (g->rows[k].left_out > 0) continue;
+        passes[count] = (pass){g, &g->rows[k], g->rows[k].thin};
+        jobs[count] = (interleave_job){.run = run_pass, .context = &passes[count]};
+        count++;
+    }
+    const interleave_limits limits = {
+        .width = 0.02, .seconds = seconds, .least = 3, .most = INTERLEAVE_SAMPLES_MAX, .seed = (uint32_t)o->seed};
+    if (!interleave(jobs, count, &limits)) return io_fail(error, "out of memory");
+    for (size_t k = 0, job = 0; k < g->row_count; k++)
+        if (g->rows[k].left_out == 0) g->rows[k].job = jobs[job++];
+    return true;
+}
+
+/* ---- JSON ---- */
+
+static void set_errors(json_t *line, const tradeoff_errors *e) {
+    const double million = e->rays ? 1e6 / (double)e->rays : 0;
+    results_set_count(line, "ray_count", e->rays);
+    results_set_count(line, "hits", e->hits);
+    results_set_count(line, "ties", e->verdicts[TRADEOFF_TIE]);
+    results_set_count(line, "leaks", e->verdicts[TRADEOFF_LEAK]);
+    results_set_count(line, "phantoms", e->verdicts[TRADEOFF_PHANTOM]);
+    results_set_count(line, "wrong", e->verdicts[TRADEOFF_WRONG]);
+    results_set_number(line, "leaks_per_million", (double)e->verdicts[TRADEOFF_LEAK] * million);
+    results_set_number(line, "phantoms_per_million", (double)e->verdicts[TRADEOFF_PHANTOM] * million);
+    results_set_number(line, "wrong_per_million", (double)e->verdicts[TRADEOFF_WRONG] * million);
+    results_set_count(line, "broken", e->broken);
+    results_set_number(line, "broken_per_million", (double)e->broken * million);
+    if (e->ulp.n == 0) return;
+    results_set_count(line, "right_hits", e->ulp.n);
+    results_set_number(line, "t_ulp_median", e->ulp.median);
+    results_set_number(line, "t_ulp_worst", e->ulp.worst);
+    results_set_number(line, "t_cells_median", e->cells.median);
+    results_set_number(line, "t_cells_worst", e->cells.worst);
+    results_set_number(line, "off_cells_median", e->off.median);
+    results_set_number(line, "off_cells_worst", e->off.worst);
+    results_set_number(line, "normal_degrees_median", e->degrees.median);
+    results_set_number(line, "normal_degrees_worst", e->degrees.worst);
+}
+
+static void set_speed(json_t *line, const group *g, const row *r) {
+    const statistics *s = &r->job.seconds;
+    results_set_count(line, "samples", s->n);
+    results_set_number(line, "seconds_median", s->median);
+    results_set_number(line, "seconds_low", s->low);
+    results_set_number(line, "seconds_high", s->high);
+    results_set_bool(line, "interval_sure", s->sure);
+    results_set_bool(line, "converged", r->job.converged);
+    results_set_number(line, "mrays_per_s", (double)g->counts[r->thin] / s->median * 1e-6);
+}
+
+static bool append_rows(const group *g, json_t *lines, io_error *error) {
+    for (size_t k = 0; k < g->row_count; k++) {
+        const row *r = &g->rows[k];
+        json_t *line = json_object();
+        results_set_text(line, "kind", "result");
+        results_set_text(line, "field", g->on->samples.name);
+        results_set_text(line, "rays", tradeoff_class_name(g->ray_class));
+        results_set_text(line, "query", g->any ? "any" : "closest");
+        results_set_text(line, "contender", r->contender.name);
+        results_set_text(line, "mode", r->stage->mode->name);
+        results_set_text(line, "kernel", r->kernel_name);
+        results_set_count(line, "width", r->contender.width);
+        if (r->left_out > 0) {
+            results_set_number(line, "left_out_seconds", r->left_out);
+        } else {
+            results_set_number(line, "claim_height", r->stage->claim.height);
+            results_set_number(line, "claim_cone", r->stage->claim.cone);
+            set_errors(line, &r->errors);
+            if (r->same_as) results_set_text(line, "same_bits_as", r->same_as->contender.name);
+            if (tradeoff_class_is_timed(g->ray_class)) set_speed(line, g, r);
+        }
+        if (json_array_append_new(lines, line) != 0) return io_fail(error, "out of memory");
+    }
+    return true;
+}
+
+/* ---- all together ---- */
+
+static bool make_rays(group *g, const tradeoff_options *o, io_error *error) {
+    const size_t n = (size_t)o->count;
+    for (unsigned thin = 0; thin <= THIN_MAX; thin++) {
+        g->rays[thin] = malloc(((n >> thin) + RAYS_SPARE) * sizeof *g->rays[thin]);
+        if (g->rays[thin] == NULL) return io_fail(error, "out of memory for %zu rays", n);
+    }
+    g->hits = malloc(n * sizeof *g->hits);
+    g->leader_hits = malloc(n * sizeof *g->leader_hits);
+    g->occluded = malloc(n);
+    g->leader_occluded = malloc(n);
+    g->counts[0] = tradeoff_rays_make(g->on->field, g->ray_class, (uint32_t)o->seed, n, g->rays[0]);
+    if (!g->hits || !g->leader_hits || !g->occluded || !g->leader_occluded || g->counts[0] == 0)
+        return io_fail(error, "out of memory for %zu rays", n);
+    for (unsigned thin = 1; thin <= THIN_MAX; thin++)
+        g->counts[thin] = tradeoff_thin(g->rays[0], g->counts[0], thin, g->rays[thin]);
+    return tradeoff_truth_make(&g->truth, &g->on->ground, g->on->field, g->rays[0], g->counts[0]) ||
+           io_fail(error, "out of memory for %zu rays", n);
+}
+
+bool tradeoff_group_run(const tradeoff_field *on, int ray_class, const tradeoff_options *o, double seconds,
+                        json_t *lines, io_error *error) {
+    const double end = clock_seconds() + seconds;
+    group g = {.on = on, .ray_class = ray_class, .any = tradeoff_class_is_any(ray_class)};
+    g.rows = calloc(TRADEOFF_ROWS_MAX, sizeof *g.rows);
+    bool good = (g.rows || io_fail(error, "out of memory")) && make_rays(&g, o, error) && add_rows(&g, o, error);
+    if (good) {
+        for (size_t k = 0; k < g.row_count; k++) choose_thin(&g, &g.rows[k], o->pass);
+        find_errors(&g);
+        const double left = end - clock_seconds();
+        good = (!tradeoff_class_is_timed(ray_class) || time_all(&g, o, left > 0 ? left : 0, error)) &&
+               append_rows(&g, lines, error);
+    }
+    for (unsigned thin = 0; thin <= THIN_MAX; thin++) free(g.rays[thin]);
+    free(g.hits);
+    free(g.leader_hits);
+    free(g.occluded);
+    free(g.leader_occluded);
+    if (g.truth.hits) tradeoff_truth_free(&g.truth);
+    free(g.rows);
+    return good;
+}

@@ -1,0 +1,168 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "accuracy/modes.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* clang-format off: a row a mode */
+static const tradeoff_mode modes[] = {
+    {.name = "strict", .what = "the default: watertight leaf test, IEEE operations alone", .leaf = CW_LEAF_WATERTIGHT},
+    {.name = "moller-trumbore",
+     .what = "strict operations, each triangle by itself (Möller and Trumbore 1997)",
+     .leaf = CW_LEAF_MOLLER_TRUMBORE},
+    {.name = "early",
+     .what = "a 3D grid that returns the first hit it finds",
+     .leaf = CW_LEAF_MOLLER_TRUMBORE,
+     .only = "grid3d-early"},
+    {.name = "samples-16",
+     .what = "strict on samples rounded to 16 bits beforehand",
+     .leaf = CW_LEAF_WATERTIGHT,
+     .change = tradeoff_quantise},
+    {.name = "tolerance-0.1",
+     .what = "tolerance: heights off by a tenth of a cell's side",
+     .leaf = CW_LEAF_WATERTIGHT,
+     .family = "pyramid",
+     .tolerance = {.height = 0.1}},
+    {.name = "tolerance-1",
+     .what = "tolerance: heights off by a cell's side",
+     .leaf = CW_LEAF_WATERTIGHT,
+     .family = "pyramid",
+     .tolerance = {.height = 1}},
+    {.name = "cone-pixel",
+     .what = "tolerance: a cone as wide as a pixel of the 1024² view",
+     .leaf = CW_LEAF_WATERTIGHT,
+     .family = "pyramid",
+     .tolerance = {.cone = 2 * 0.57735 / 1024}},
+    {.name = "embree", .what = "Embree, a mesh of triangles", .embree = true},
+    {.name = "embree-robust", .what = "Embree, a mesh of triangles, ROBUST", .embree = true, .robust = true},
+    {.name = "embree-grid", .what = "Embree, its grid geometry", .embree = true, .geometry = PEER_GRID, .longer = true},
+    {.name = "embree-grid-robust",
+     .what = "Embree, its grid geometry, ROBUST",
+     .embree = true,
+     .robust = true,
+     .geometry = PEER_GRID,
+     .longer = true},
+};
+/* clang-format on */
+enum { MODE_COUNT = sizeof modes / sizeof modes[0] };
+
+size_t tradeoff_mode_count(void) { return MODE_COUNT; }
+const tradeoff_mode *tradeoff_mode_at(size_t number) { return number < MODE_COUNT ? &modes[number] : NULL; }
+
+bool tradeoff_mode_takes(const tradeoff_mode *mode, const char *kernel) {
+    if (mode->embree) return false;
+    if (mode->only) return strcmp(mode->only, kernel) == 0;
+    if (mode->family && strncmp(kernel, mode->family, strlen(mode->family)) != 0) return false;
+    for (size_t m = 0; m < MODE_COUNT; m++)
+        if (modes[m].only && strcmp(modes[m].only, kernel) == 0) return false;
+    return true;
+}
+
+tradeoff_claim tradeoff_quantise(float *z, size_t count) {
+    double low = INFINITY, high = -INFINITY;
+    for (size_t k = 0; k < count; k++) {
+        if (!isfinite(z[k])) continue;
+        low = fmin(low, (double)z[k]);
+        high = fmax(high, (double)z[k]);
+    }
+    const double step = (high - low) / UINT16_MAX;
+    if (!(step > 0)) return (tradeoff_claim){0};
+    for (size_t k = 0; k < count; k++)
+        if (isfinite(z[k])) z[k] = (float)(low + step * rint(((double)z[k] - low) / step));
+    return (tradeoff_claim){.height = step / 2 + 0x1p-24 * fmax(fabs(low), fabs(high))};
+}
+
+double tradeoff_cell_height(const cw_field *field) {
+    /* The linear map from user space, column by column. */
+    cw_user_ray axes[3] = {{.dir = {1, 0, 0}}, {.dir = {0, 1, 0}}, {.dir = {0, 0, 1}}};
+    cw_ray in_field[3];
+    cw_rays_to_field(field, axes, 3, in_field);
+    double m[3][3], most_of_row = 0, most_of_column = 0;
+    for (int a = 0; a < 3; a++) {
+        double row = 0, column = 0;
+        for (int b = 0; b < 3; b++) {
+            m[a][b] = (double)in_field[b].dir[a];
+            row += fabs(m[a][b]);
+            column += fabs((double)in_field[a].dir[b]);
+        }
+        most_of_row = fmax(most_of_row, row);
+        most_of_column = fmax(most_of_column, column);
+    }
+    /* A vertical unit of field space is the third column of the inverse: the cross product of the first two rows over
+     * the determinant. A unit of user space is at most sqrt(most_of_row · most_of_column) long in field space. */
+    double square = 0, determinant = 0;
+    for (int c = 0; c < 3; c++) {
+        const int d = (c + 1) % 3, e = (c + 2) % 3;
+        const double up = m[0][d] * m[1][e] - m[0][e] * m[1][d];
+        square += up * up;
+        determinant += up * m[2][c];
+    }
+    return fabs(determinant) / sqrt(square * most_of_row * most_of_column);
+}
+
+static bool own_field(tradeoff_stage *s, cw_field *base, const tradeoff_ground *ground, io_error *error) {
+    const tradeoff_mode *mode = s->mode;
+    cw_field_desc desc = cw_field_desc_default();
+    desc.samples = ground->z;
+    desc.nx = ground->nx;
+    desc.ny = ground->ny;
+    s->field = base;
+    if (mode->change == NULL) return true;
+    const size_t count = ground->nx * ground->ny;
+    s->z = malloc(count * sizeof *s->z);
+    if (s->z == NULL) return io_fail(error, "out of memory for mode %s", mode->name);
+    memcpy(s->z, ground->z, count * sizeof *s->z);
+    const tradeoff_claim more = mode->change(s->z, count);
+    s->claim.height += more.height;
+    s->claim.cone += more.cone;
+    desc.samples = s->z;
+    const cw_status status = cw_field_create(&desc, &s->own);
+    if (status != CW_OK) return io_fail(error, "the field of mode %s: %s", mode->name, cw_status_message(status));
+    s->field = s->own;
+    return true;
+}
+
+bool tradeoff_stage_open(tradeoff_stage *stage, const tradeoff_mode *mode, cw_field *base,
+                         const tradeoff_ground *ground, cw_isa isa, io_error *error) {
+    const double cell = tradeoff_cell_height(base);
+    const tradeoff_claim tolerance = {mode->tolerance.height * cell, mode->tolerance.cone * cell};
+    *stage = (tradeoff_stage){.mode = mode, .tolerance = tolerance, .claim = tolerance};
+    bool good = own_field(stage, base, ground, error);
+    if (good && mode->embree) {
+        const peer_options options = {
+            .isa = isa, .geometry = mode->geometry, .quality = PEER_HIGH, .robust = mode->robust};
+        stage->peer = peer_embree_create(base, &options, error);
+        good = stage->peer != NULL;
+    }
+    if (!good) tradeoff_stage_close(stage);
+    return good;
+}
+
+void tradeoff_stage_close(tradeoff_stage *stage) {
+    peer_embree_destroy(stage->peer);
+    cw_field_destroy(stage->own);
+    free(stage->z);
+    *stage = (tradeoff_stage){0};
+}
+
+cw_status tradeoff_stage_kernel(const tradeoff_stage *stage, const cw_kernel *kernel, contender *c,
+                                kernel_contender *k) {
+    const tradeoff_mode *mode = stage->mode;
+    const char *name = cw_kernel_describe(kernel).name;
+    if (!tradeoff_mode_takes(mode, name)) return CW_ERROR_UNSUPPORTED;
+    cw_status status = contender_from_kernel(c, k, stage->field, kernel, mode->leaf);
+    if (status != CW_OK) return status;
+    k->query.tolerance = (float)stage->tolerance.height;
+    k->query.cone = (float)stage->tolerance.cone;
+    snprintf(c->name, sizeof c->name, "%s/%s", mode->name, name);
+    return cw_closest(stage->field, &k->query, NULL, 0, NULL);
+}
+
+void tradeoff_stage_peer(const tradeoff_stage *stage, unsigned width, bool coherent, contender *c, peer_contender *p) {
+    contender_from_peer(c, p, stage->peer, width, coherent);
+    snprintf(c->name, sizeof c->name, "%s/w%u%s", stage->mode->name, width,
+             peer_embree_is_native(stage->peer, width) ? "" : "-split");
+}

@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "accuracy/normals.h"
+
+#include "clock.h"
+#include "harness/results.h"
+#include "harness/statistics.h"
+#include "workload/terrain.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const char *const names[TRADEOFF_NORMAL_COUNT] = {"facet", "barycentric", "bilinear"};
+
+const char *tradeoff_normal_name(tradeoff_normal kind) { return names[kind]; }
+
+static inline void unit(double n[3]) {
+    const double scale = 1 / sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    for (int k = 0; k < 3; k++) n[k] *= scale;
+}
+
+/* Sum of the normals of the six triangles around a vertex, each as long as twice its area (src/core/hit.c). */
+static inline void vertex_normal(const tradeoff_ground *g, size_t at, double n[3]) {
+    const float *z = g->z + at, *north = z + g->nx, *south = z - g->nx;
+    const double w = (double)z[-1], e = (double)z[1], nn = (double)north[0], s = (double)south[0];
+    const double ne = (double)north[1], sw = (double)south[-1];
+    n[0] = 2 * (w - e) + (nn - ne) + (sw - s);
+    n[1] = 2 * (s - nn) + (e - ne) + (sw - w);
+    n[2] = 6;
+}
+
+static inline void normal_at(const tradeoff_ground *g, const cw_hit *hit, tradeoff_normal kind, double n[3]) {
+    const size_t at = (size_t)hit->j * g->nx + (size_t)hit->i;
+    const bool a = hit->triangle == CW_TRIANGLE_A;
+    const double u = (double)hit->u, v = (double)hit->v;
+    const size_t corner[4] = {at, at + 1, at + g->nx, at + g->nx + 1};
+    double weight[4] = {1 - u - v, a ? u : 0, a ? 0 : v, a ? v : u};
+    if (kind == TRADEOFF_FACET) {
+        const double h = (double)g->z[corner[0]], h10 = (double)g->z[corner[1]];
+        const double h01 = (double)g->z[corner[2]], h11 = (double)g->z[corner[3]];
+        n[0] = a ? h - h10 : h01 - h11;
+        n[1] = a ? h10 - h11 : h - h01;
+        n[2] = 1;
+        unit(n);
+        return;
+    }
+    if (kind == TRADEOFF_BILINEAR) {
+        const double x = a ? u + v : u, y = a ? v : u + v;
+        weight[0] = (1 - x) * (1 - y);
+        weight[1] = x * (1 - y);
+        weight[2] = (1 - x) * y;
+        weight[3] = x * y;
+    }
+    n[0] = n[1] = n[2] = 0;
+    for (int k = 0; k < 4; k++) {
+        double vertex[3];
+        if (kind == TRADEOFF_BARYCENTRIC && k == (a ? 2 : 1)) continue; /* not a vertex of this triangle */
+        vertex_normal(g, corner[k], vertex);
+        for (int c = 0; c < 3; c++) n[c] += weight[k] * vertex[c];
+    }
+    unit(n);
+}
+
+void tradeoff_normal_at(const tradeoff_ground *g, const cw_hit *hit, tradeoff_normal kind, double normal[3]) {
+    normal_at(g, hit, kind, normal);
+}
+
+/* ---- the experiment ---- */
+
+/* A sea that a formula gives: height · sin(x · turn) · cos(0.7 y · turn), turn = 2 pi / length. */
+typedef struct wave {
+    double length, height; /* in cells */
+} wave;
+
+static double turn_of(const wave *w) { return 2 * 3.14159265358979323846 / w->length; }
+
+static double wave_z(const wave *w, double x, double y) {
+    return w->height * sin(x * turn_of(w)) * cos(0.7 * y * turn_of(w));
+}
+
+static void wave_normal(const wave *w, double x, double y, double n[3]) {
+    const double k = turn_of(w);
+    n[0] = -w->height * k * cos(x * k) * cos(0.7 * y * k);
+    n[1] = w->height * 0.7 * k * sin(x * k) * sin(0.7 * y * k);
+    n[2] = 1;
+    unit(n);
+}
+
+static double degrees(const double a[3], const double b[3]) {
+    double squares = 0;
+    for (int k = 0; k < 3; k++) squares += (a[k] - b[k]) * (a[k] - b[k]);
+    return 2 * asin(sqrt(squares) / 2) * (180 / 3.14159265358979323846);
+}
+
+enum { SIDE = 257, HITS = 65536, REPEATS = 9 };
+
+static cw_hit some_hit(uint32_t seed, uint32_t k) {
+    const double x = 1 + (SIDE - 3) * ((double)terrain_hash(seed, k, 1) * 0x1p-32);
+    const double y = 1 + (SIDE - 3) * ((double)terrain_hash(seed, k, 2) * 0x1p-32);
+    const double i = floor(x), j = floor(y), fx = x - i, fy = y - j;
+    const bool a = fy <= fx;
+    return (cw_hit){.u = (float)(a ? fx - fy : fx),
+                    .v = (float)(a ? fy : fy - fx),
+                    .i = (int32_t)i,
+                    .j = (int32_t)j,
+                    .triangle = a ? CW_TRIANGLE_A : CW_TRIANGLE_B};
+}
+
+/* Nanoseconds a normal: the median of some passes. */
+static double cost(const tradeoff_ground *g, const cw_hit *hits, tradeoff_normal kind) {
+    double seconds[REPEATS];
+    volatile double sink = 0;
+    for (int r = 0; r < REPEATS; r++) {
+        const double start = clock_cpu_seconds();
+        double sum = 0;
+        for (size_t k = 0; k < HITS; k++) {
+            double n[3];
+            normal_at(g, &hits[k], kind, n);
+            sum += n[0] + n[1];
+        }
+        seconds[r] = clock_cpu_seconds() - start;
+        sink = sink + sum;
+    }
+    return statistics_of(seconds, REPEATS).median / HITS * 1e9;
+}
+
+static json_t *measure_wave(const wave *w, float *z, const cw_hit *hits, double *errors) {
+    for (size_t k = 0; k < (size_t)SIDE * SIDE; k++) z[k] = (float)wave_z(w, (double)(k % SIDE), (double)(k / SIDE));
+    const tradeoff_ground g = tradeoff_ground_of(z, SIDE, SIDE);
+    json_t *line = json_object();
+    results_set_text(line, "kind", "normal");
+    results_set_number(line, "wave_length", w->length);
+    results_set_number(line, "wave_height", w->height);
+    for (int kind = 0; kind < TRADEOFF_NORMAL_COUNT; kind++) {
+        double sum = 0;
+        for (size_t k = 0; k < HITS; k++) {
+            const bool a = hits[k].triangle == CW_TRIANGLE_A;
+            const double u = (double)hits[k].u, v = (double)hits[k].v;
+            double right[3], n[3];
+            wave_normal(w, hits[k].i + (a ? u + v : u), hits[k].j + (a ? v : u + v), right);
+            normal_at(&g, &hits[k], (tradeoff_normal)kind, n);
+            errors[k] = degrees(n, right);
+            sum += errors[k] * errors[k];
+        }
+        json_t *of = json_object();
+        results_set_number(of, "degrees_rms", sqrt(sum / HITS));
+        results_set_number(of, "degrees_median", statistics_of(errors, HITS).median);
+        results_set_number(of, "degrees_worst", errors[HITS - 1]);
+        results_set_number(of, "nanoseconds", cost(&g, hits, (tradeoff_normal)kind));
+        json_object_set_new(line, names[kind], of);
+    }
+    return line;
+}
+
+bool tradeoff_normals_run(uint32_t seed, json_t *lines, io_error *error) {
+    static const wave waves[] = {{6, 0.6}, {12, 1.2}, {24, 2.4}, {48, 4.8}, {24, 0.3}};
+    float *z = malloc((size_t)SIDE * SIDE * sizeof *z);
+    cw_hit *hits = malloc(HITS * sizeof *hits);
+    double *errors = malloc(HITS * sizeof *errors);
+    bool good = z && hits && errors;
+    for (uint32_t k = 0; good && k < HITS; k++) hits[k] = some_hit(seed, k);
+    for (size_t w = 0; good && w < sizeof waves / sizeof waves[0]; w++)
+        good = json_array_append_new(lines, measure_wave(&waves[w], z, hits, errors)) == 0;
+    free(z);
+    free(hits);
+    free(errors);
+    return good || io_fail(error, "out of memory");
+}

@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* cellwalk-bench tradeoff: speed against error, for every mode of accuracy, leaf test, walk and width, and for Embree. All
+ * that is printed, drawn or put into a page is made from the JSON lines, so that no two of them can disagree. */
+#ifndef CELLWALK_BENCH_ACCURACY_TRADEOFF_H
+#define CELLWALK_BENCH_ACCURACY_TRADEOFF_H
+
+#include "accuracy/modes.h"
+#include "accuracy/rays.h"
+#include "harness/interleave.h"
+#include "harness/options.h"
+#include "workload/fields.h"
+
+#include <jansson.h>
+
+enum { TRADEOFF_MODES_MAX = 32, TRADEOFF_ROWS_MAX = 192 };
+
+typedef struct tradeoff_options {
+    option_list modes, kernels, rays, fields, scenes;
+    const char *isa_name, *scene_folder, *out;
+    uint64_t count, seed, cpu, samples;
+    double seconds, pass;
+    bool longer, no_pin;
+    cw_isa isa;
+} tradeoff_options;
+
+/* What is to be told of a mode's answers. */
+typedef struct tradeoff_errors {
+    size_t rays, hits;
+    /* Held against the true surface: what only the mode's claim explains does not count as a tie here, but as what it is. */
+    size_t verdicts[TRADEOFF_VERDICT_COUNT];
+    size_t broken; /* of them, what the claim does not explain */
+    /* Of the right hits; n = 0 where only "any hit" was asked. */
+    struct {
+        size_t n;
+        double median, worst;
+    } ulp, cells, off, degrees;
+} tradeoff_errors;
+
+/* ---- tradeoff_errors.c ---- */
+
+/* The reference's answers to n rays, made once; degrees are measured with the Phong normals of field, which has the
+ * ground's samples. */
+typedef struct tradeoff_truth {
+    const tradeoff_ground *ground;
+    const cw_field *field;
+    const cw_ray *rays;
+    size_t n;
+    cw_hit *hits;          /* the strict answer */
+    tradeoff_place *exact; /* where hits[k] is one */
+    double *scratch[4];    /* n numbers each */
+} tradeoff_truth;
+
+/* False if out of memory. field must have been built for the kernel cell. */
+bool tradeoff_truth_make(tradeoff_truth *truth, const tradeoff_ground *ground, const cw_field *field,
+                         const cw_ray *rays, size_t n);
+void tradeoff_truth_free(tradeoff_truth *truth);
+
+/* Answers to every (2^thin)-th run of 16 rays, as tradeoff_thin picks them. field: whose normals the answer has. */
+tradeoff_errors tradeoff_errors_closest(const tradeoff_truth *truth, unsigned thin, const tradeoff_claim *claim,
+                                        const cw_field *field, const cw_hit *answers);
+tradeoff_errors tradeoff_errors_any(const tradeoff_truth *truth, unsigned thin, const tradeoff_claim *claim,
+                                    const uint8_t *answers);
+
+/* The number in the whole set of ray m of a thinned one. Runs of 16 stay together, so that packets do. */
+size_t tradeoff_thinned_at(size_t m, unsigned thin);
+/* Copies the rays of those runs and returns how many they are; out may be NULL. */
+size_t tradeoff_thin(const cw_ray *rays, size_t n, unsigned thin, cw_ray *out);
+
+/* ---- tradeoff_group.c ---- */
+
+/* A field with its modes. */
+typedef struct tradeoff_field {
+    workload_field samples;
+    tradeoff_ground ground;
+    cw_field *field;
+    tradeoff_stage stages[TRADEOFF_MODES_MAX];
+    size_t stage_count;
+} tradeoff_field;
+
+bool tradeoff_field_open(tradeoff_field *on, const char *name, const tradeoff_options *options, io_error *error);
+void tradeoff_field_close(tradeoff_field *on);
+
+/* One class of rays on one field: appends a line of kind "result" a contender. */
+bool tradeoff_group_run(const tradeoff_field *on, int ray_class, const tradeoff_options *options, double seconds,
+                        json_t *lines, io_error *error);
+
+/* True if the mode is to be measured. */
+bool tradeoff_mode_wanted(const tradeoff_mode *mode, const tradeoff_options *options);
+/* True if the list is empty or holds the name. */
+bool tradeoff_listed(const option_list *list, const char *name);
+
+#endif

@@ -1,0 +1,274 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "harness/measure.h"
+
+#include "cellwalk.h"
+#include "clock.h"
+#include "cpus.h"
+#include "harness/folder.h"
+#include "harness/options.h"
+#include "harness/results.h"
+#include "harness/run_record.h"
+#include "peers/embree.h"
+
+#include <errno.h>
+#include <spawn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+extern char **environ;
+
+static const char *const usage =
+    "Usage: cellwalk-bench measure [OPTIONS]\n"
+    "\n"
+    "Makes every file of results that the papers quote, one after the other. A file that is there already is kept, so "
+    "a\n"
+    "run that was broken off goes on where it was. For figures to publish nothing else should run on the machine.\n"
+    "\n"
+    "Files:\n"
+    "  speed-ISA.json          each instruction set: all classes of rays on all fields, the library's kernel and "
+    "Embree\n"
+    "  peers.json              Embree's triangles and grids, normal and robust\n"
+    "  widths.json             every width of every walk\n"
+    "  threads.json            one thread, two, and one a CPU\n"
+    "  pages-*.json            large fields on huge and on ordinary pages\n"
+    "  building.json           memory and building time, Embree at its default quality\n"
+    "  counters.json           what the kernels do for a ray\n"
+    "  scenes/table.json       the six scenes\n"
+    "  tradeoff/tradeoff.json  speed against error\n"
+    "\n"
+    "Options:\n";
+
+enum { WORDS_MAX = 32, STEPS_MAX = 16 };
+
+/* One file. share: of the time for all. */
+typedef struct step {
+    char file[64];
+    char command[512]; /* without seconds, JSON file and seed; words have no spaces */
+    bool folder;       /* takes the file's folder instead of the file */
+    bool counts;       /* no clock is looked at: takes no time to be given */
+    double share;
+} step;
+
+typedef struct campaign {
+    step steps[STEPS_MAX];
+    size_t count;
+} campaign;
+
+static void add(campaign *c, double share, const char *file, const char *command) {
+    step *s = &c->steps[c->count++];
+    *s = (step){.share = share};
+    snprintf(s->file, sizeof s->file, "%s", file);
+    snprintf(s->command, sizeof s->command, "%s", command);
+    s->folder = strncmp(command, "table", 5) == 0 || strncmp(command, "tradeoff", 8) == 0;
+    s->counts = strstr(command, "--counters") != NULL;
+}
+
+/* The widest kernel of the walk that an instruction set runs. */
+static const char *kernel_of(const char *walk, cw_isa isa) {
+    const char *best = "cell";
+    for (size_t k = 0; k < cw_kernel_count(); k++) {
+        const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
+        if (info.isa <= isa && strncmp(info.name, walk, strlen(walk)) == 0) best = info.name;
+    }
+    return best;
+}
+
+/* "speed-sse42.json": names of files without a dot in the middle. */
+static void speed_file(char *text, size_t size, cw_isa isa) {
+    size_t used = (size_t)snprintf(text, size, "speed-");
+    for (const char *from = cw_isa_name(isa); *from && used + 1 < size; from++)
+        if (*from != '.') text[used++] = *from;
+    snprintf(text + used, size - used, ".json");
+}
+
+/* "cell,packet1,packet4": the kernels of the walks that can run here. */
+static void list_kernels(char *text, size_t size, const char *const *walks, size_t walk_count) {
+    size_t used = 0;
+    for (size_t k = 0; k < cw_kernel_count(); k++) {
+        const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
+        bool wanted = false;
+        for (size_t w = 0; w < walk_count; w++) wanted |= strncmp(info.name, walks[w], strlen(walks[w])) == 0;
+        if (info.available && wanted && used < size)
+            used += (size_t)snprintf(text + used, size - used, "%s%s", used ? "," : "", info.name);
+    }
+}
+
+static void plan(campaign *c, bool quick) {
+    const char *const fields = quick ? "65,257" : "65,257,1025,4097,8193,sea-calm,sea-rough";
+    const char *const some = quick ? "65" : "257,1025", *const land = quick ? "65,257" : "65,257,1025,4097,8193";
+    const char *const most = quick ? "65" : "65,257,1025,4097,sea-calm,sea-rough";
+    const char *const rays = quick ? "--count 2048" : "--count 131072 --pass 5";
+    const bool embree = peer_embree_version() != NULL;
+    const char *const triangles = embree ? "triangles" : "none";
+    const cw_isa best = cw_isa_best();
+    char command[512], file[64];
+    size_t used;
+    for (int isa = (int)best; isa >= CW_ISA_SSE42; isa--) {
+        speed_file(file, sizeof file, (cw_isa)isa);
+        snprintf(command, sizeof command, "micro --isa %s --kernel %s --peer %s --field %s %s",
+                 cw_isa_name((cw_isa)isa), kernel_of("pyramid", (cw_isa)isa), triangles, fields, rays);
+        add(c, isa == (int)best ? 8 : 5, file, command);
+    }
+    snprintf(command, sizeof command, "micro --kernel %s --peer %s --field %s %s", kernel_of("pyramid", best),
+             embree ? "triangles,grid,triangles-robust,grid-robust" : "none", some, rays);
+    add(c, 3, "peers.json", command);
+    static const char *const walks[] = {"cell", "packet", "pyramid"};
+    used = (size_t)snprintf(command, sizeof command, "micro --peer %s --field %s %s --kernel ", triangles, some, rays);
+    list_kernels(command + used, sizeof command - used, walks, sizeof walks / sizeof walks[0]);
+    add(c, 3, "widths.json", command);
+    /* One CPU has nothing to be faster than, which is a result like another. */
+    const unsigned cpus = cpus_usable();
+    char threads[32] = "1";
+    if (cpus > 1) snprintf(threads, sizeof threads, cpus > 2 ? "1,2,%u" : "1,2", cpus);
+    snprintf(command, sizeof command, "micro --threads %s --kernel %s --peer none --field %s %s", threads,
+             kernel_of("pyramid", best), quick ? "65" : "257,1025",
+             quick ? "--count 16384" : "--count 262144 --pass 5");
+    add(c, 3, "threads.json", command);
+    for (int huge = 1; huge >= 0; huge--) {
+        snprintf(command, sizeof command, "micro --kernel %s --peer none --field %s --count %s%s",
+                 kernel_of("pyramid", best), quick ? "65" : "1025,4097,8193", quick ? "2048" : "131072 --pass 5",
+                 huge ? "" : " --small-pages");
+        add(c, 1, huge ? "pages-huge.json" : "pages-small.json", command);
+    }
+    snprintf(command, sizeof command, "micro --rays none --quality medium --kernel %s,grid3d --peer %s --field %s",
+             kernel_of("pyramid", best), embree ? "triangles,grid" : "none", land);
+    add(c, 0, "building.json", command);
+    /* Brute force counts nothing. Pass is long, so that who takes part does not depend on the machine's mood. */
+    used = (size_t)snprintf(command, sizeof command, "micro --counters --pass 60 --field %s --count %s --kernel ", most,
+                            quick ? "2048" : "8192");
+    static const char *const counting[] = {"cell", "grid3d", "packet", "pyramid"};
+    list_kernels(command + used, sizeof command - used, counting, sizeof counting / sizeof counting[0]);
+    add(c, 0, "counters.json", command);
+    add(c, 2, "scenes/table.json", quick ? "table --quick --scene hftest" : "table");
+    add(c, 4, "tradeoff/tradeoff.json",
+        quick ? "tradeoff --count 512 --field 65 --scene none" : "tradeoff --field 257,1025 --count 131072 --pass 1");
+}
+
+/* ---- running ---- */
+
+typedef struct words {
+    char text[2048];
+    char *word[WORDS_MAX];
+    size_t count;
+} words;
+
+static void take_words(words *w, const char *program, const step *s, double seconds, uint32_t seed) {
+    size_t used = (size_t)snprintf(w->text, sizeof w->text, "%s %s --seed %u", program, s->command, seed);
+    if (!s->counts && s->share > 0)
+        used += (size_t)snprintf(w->text + used, sizeof w->text - used, " --seconds %.3g", seconds);
+    w->count = 0;
+    for (char *word = strtok(w->text, " "); word && w->count + 4 < WORDS_MAX; word = strtok(NULL, " "))
+        w->word[w->count++] = word;
+}
+
+/* The commit that a file's figures are of; they are not to be mixed with another's unnoticed. */
+static void tell_kept(const char *path, size_t number, size_t count) {
+    io_error error = {{0}};
+    json_t *lines = results_read(path, &error), *now = run_record("measure", 0, -1);
+    const char *was = lines ? results_text(json_array_get(lines, 0), "commit") : "", *is = results_text(now, "commit");
+    fprintf(stderr, "[%zu of %zu] %s is there already", number, count, path);
+    if (lines == NULL)
+        fprintf(stderr, ", but cannot be read: %s\n", error.text);
+    else
+        fprintf(stderr, strcmp(was, is) != 0 ? ", of another commit: %s\n" : "\n", was);
+    json_decref(now);
+    json_decref(lines);
+}
+
+typedef enum outcome { MADE, FAILED, STOPPED } outcome;
+
+static outcome run_step(const step *s, const char *path, double seconds, uint32_t seed, io_error *error) {
+    static char program[] = "/proc/self/exe", json[] = "--json", out[] = "--out";
+    words w;
+    char place[1024];
+    take_words(&w, "cellwalk-bench", s, seconds, seed);
+    snprintf(place, sizeof place, "%s", path);
+    if (s->folder) *strrchr(place, '/') = '\0';
+    w.word[w.count++] = s->folder ? out : json;
+    w.word[w.count++] = place;
+    w.word[w.count] = NULL;
+    pid_t child;
+    int status;
+    fflush(stdout);
+    const int failure = posix_spawn(&child, program, NULL, NULL, w.word, environ);
+    if (failure != 0) {
+        io_fail(error, "%s: the program does not start again: %s", s->file, strerror(failure));
+        return FAILED;
+    }
+    while (waitpid(child, &status, 0) < 0)
+        if (errno != EINTR) {
+            io_fail(error, "%s: waiting: %s", s->file, strerror(errno));
+            return FAILED;
+        }
+    if (WIFSIGNALED(status)) {
+        io_fail(error, "%s: stopped by signal %d; the same command goes on from here", s->file, WTERMSIG(status));
+        return STOPPED;
+    }
+    if (WEXITSTATUS(status) == 0 && access(path, F_OK) == 0) return MADE;
+    io_fail(error, "%s: ended with status %d", s->file, WEXITSTATUS(status));
+    return FAILED;
+}
+
+static void tell_load(void) {
+    double load = 0;
+    if (getloadavg(&load, 1) == 1 && load > 0.5)
+        fprintf(stderr, "The load of this machine is %.1f: other programs disturb the measurement.\n", load);
+}
+
+static bool run(const campaign *c, const char *folder, double seconds, uint32_t seed, bool again, io_error *error) {
+    double shares = 0;
+    size_t failed = 0;
+    for (size_t k = 0; k < c->count; k++) shares += c->steps[k].share;
+    if (!folder_make(folder, error)) return false;
+    tell_load();
+    const double start = clock_seconds();
+    for (size_t k = 0; k < c->count; k++) {
+        const step *s = &c->steps[k];
+        char path[900];
+        if (snprintf(path, sizeof path, "%s/%s", folder, s->file) >= (int)sizeof path)
+            return io_fail(error, "--out %s: the name is too long", folder);
+        if (!again && access(path, F_OK) == 0) {
+            tell_kept(path, k + 1, c->count);
+            continue;
+        }
+        fprintf(stderr, "[%zu of %zu, %.0f s] %s: cellwalk-bench %s\n", k + 1, c->count, clock_seconds() - start, path,
+                s->command);
+        const outcome o = run_step(s, path, seconds * s->share / shares, seed, error);
+        if (o == STOPPED) return false;
+        if (o == FAILED) fprintf(stderr, "cellwalk-bench measure: %s\n", error->text);
+        failed += o == FAILED;
+    }
+    fprintf(stderr, "%.0f s, %zu of %zu files are in %s\n", clock_seconds() - start, c->count - failed, c->count,
+            folder);
+    return failed == 0 || io_fail(error, "%zu files could not be made", failed);
+}
+
+int measure_main(char **arguments, int count) {
+    const char *folder = "out/measure";
+    double seconds = 0;
+    uint64_t seed = 1;
+    bool quick = false, again = false;
+    const option options[] = {
+        {"--out", "FOLDER", "where to put the files; made if need be (out/measure)", OPTION_TEXT, &folder, 0, 0},
+        {"--seconds", "S",
+         "time for what is timed (1500; 10 with --quick); making fields and building Embree takes a quarter of an hour "
+         "more",
+         OPTION_REAL, &seconds, 0.01, 1e6},
+        {"--seed", "N", "of rays and order (1)", OPTION_COUNT, &seed, 0, UINT32_MAX},
+        {"--again", NULL, "make the files that are there, too", OPTION_FLAG, &again, 0, 0},
+        {"--quick", NULL, "small fields and few rays: to see whether all runs", OPTION_FLAG, &quick, 0, 0},
+    };
+    const option_frame frame = {
+        .command = "measure", .usage = usage, .options = options, .option_count = sizeof options / sizeof options[0]};
+    int status;
+    if (!options_begin(&frame, arguments, &count, &status)) return status;
+    io_error error = {{0}};
+    campaign c = {.count = 0};
+    plan(&c, quick);
+    if (seconds <= 0) seconds = quick ? 10 : 1500;
+    if (run(&c, folder, seconds, (uint32_t)seed, again, &error)) return EXIT_SUCCESS;
+    return options_failed("measure", &error);
+}

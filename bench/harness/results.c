@@ -1,0 +1,152 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "harness/results.h"
+
+#include "harness/statistics.h"
+
+#include <errno.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+bool results_write(io_output *out, json_t *line, io_error *error) {
+    if (line == NULL) return io_fail(error, "out of memory for a result");
+    bool good = true;
+    if (out->file) {
+        char *text = json_dumps(line, JSON_COMPACT | JSON_PRESERVE_ORDER);
+        good = text ? io_output_write(out, text, strlen(text), error) && io_output_write(out, "\n", 1, error)
+                    : io_fail(error, "out of memory for a result");
+        free(text);
+    }
+    json_decref(line);
+    return good;
+}
+
+static bool read_lines(FILE *file, const char *path, json_t *lines, io_error *error) {
+    char *text = NULL;
+    size_t size = 0, number = 0;
+    bool good = true;
+    for (ssize_t length; good && (length = getline(&text, &size, file)) > 0;) {
+        number++;
+        json_error_t detail;
+        json_t *line = json_loadb(text, (size_t)length, JSON_REJECT_DUPLICATES, &detail);
+        if (line == NULL)
+            good = io_fail(error, "%s:%zu: not a line of JSON: %s", path, number, detail.text);
+        else if (!json_is_object(line))
+            good = io_fail(error, "%s:%zu: not a JSON object", path, number);
+        if (!good || json_array_append(lines, line) != 0) good = good && io_fail(error, "out of memory");
+        json_decref(line);
+    }
+    free(text);
+    if (good && ferror(file)) good = io_fail(error, "%s: %s", path, strerror(errno));
+    if (good && strcmp(results_text(json_array_get(lines, 0), "kind"), "run") != 0)
+        good = io_fail(error, "%s:1: no results of cellwalk-bench: they start with an object of kind \"run\"", path);
+    return good;
+}
+
+json_t *results_read(const char *path, io_error *error) {
+    FILE *file = fopen(path, "r");
+    if (file == NULL) {
+        io_fail(error, "%s: %s", path, strerror(errno));
+        return NULL;
+    }
+    json_t *lines = json_array();
+    const bool good = lines ? read_lines(file, path, lines, error) : io_fail(error, "out of memory");
+    fclose(file);
+    if (good) return lines;
+    json_decref(lines);
+    return NULL;
+}
+
+void results_set_text(json_t *object, const char *key, const char *text) {
+    json_object_set_new(object, key, text ? json_string(text) : json_null());
+}
+
+void results_set_number(json_t *object, const char *key, double value) {
+    json_object_set_new(object, key, json_real(value));
+}
+
+void results_set_count(json_t *object, const char *key, size_t value) {
+    json_object_set_new(object, key, json_integer((json_int_t)value));
+}
+
+void results_set_bool(json_t *object, const char *key, bool value) {
+    json_object_set_new(object, key, json_boolean(value));
+}
+
+void results_set_seconds(json_t *object, const statistics *s) {
+    results_set_count(object, "samples", s->n);
+    results_set_number(object, "seconds_min", s->min);
+    results_set_number(object, "seconds_median", s->median);
+    results_set_number(object, "seconds_mad", s->mad);
+    results_set_number(object, "seconds_low", s->low);
+    results_set_number(object, "seconds_high", s->high);
+    results_set_bool(object, "interval_sure", s->sure);
+}
+
+json_t *results_agreement(const agreement *a) {
+    json_t *why = json_object(), *object = json_object();
+    for (int r = 0; r < AGREE_REASON_COUNT; r++) results_set_count(why, agree_reason_name((agree_reason)r), a->why[r]);
+    results_set_count(object, "rays", a->rays);
+    results_set_count(object, "hits_reference", a->hits_a);
+    results_set_count(object, "hits", a->hits_b);
+    results_set_count(object, "only_reference", a->only_a);
+    results_set_count(object, "only_this", a->only_b);
+    results_set_count(object, "far", a->far);
+    results_set_count(object, "other_triangle", a->other_triangle);
+    results_set_count(object, "same_bits", a->same_bits);
+    results_set_number(object, "worst_roundings", a->worst);
+    json_object_set_new(object, "why", why);
+    return object;
+}
+
+const char *results_text(const json_t *object, const char *key) {
+    const char *text = json_string_value(json_object_get(object, key));
+    return text ? text : "";
+}
+
+double results_number(const json_t *object, const char *key) { return json_number_value(json_object_get(object, key)); }
+
+size_t results_distinct(const json_t *lines, const char *key, const char **texts, size_t most) {
+    return results_distinct_of(lines, "result", key, texts, most);
+}
+
+size_t results_distinct_of(const json_t *lines, const char *kind, const char *key, const char **texts, size_t most) {
+    size_t count = 0, index;
+    const json_t *line;
+    json_array_foreach(lines, index, line) {
+        const char *text = results_text(line, key);
+        if (strcmp(results_text(line, "kind"), kind) != 0 || *text == '\0') continue;
+        size_t k = 0;
+        while (k < count && strcmp(texts[k], text) != 0) k++;
+        if (k == count && count < most) texts[count++] = text;
+    }
+    return count;
+}
+
+static bool has_pairs(const json_t *line, const char *kind, va_list pairs) {
+    bool is = strcmp(results_text(line, "kind"), kind) == 0;
+    for (const char *key = va_arg(pairs, const char *); is && key; key = va_arg(pairs, const char *))
+        is = strcmp(results_text(line, key), va_arg(pairs, const char *)) == 0;
+    return is;
+}
+
+bool results_is(const json_t *line, const char *kind, ...) {
+    va_list pairs;
+    va_start(pairs, kind);
+    const bool is = has_pairs(line, kind, pairs);
+    va_end(pairs);
+    return is;
+}
+
+const json_t *results_find(const json_t *lines, const char *kind, ...) {
+    size_t index;
+    const json_t *line;
+    json_array_foreach(lines, index, line) {
+        va_list pairs;
+        va_start(pairs, kind);
+        const bool is = has_pairs(line, kind, pairs);
+        va_end(pairs);
+        if (is) return line;
+    }
+    return NULL;
+}

@@ -1,0 +1,107 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "harness/run_record.h"
+
+#include "build_info.h"
+#include "cellwalk.h"
+#include "commit.h"
+#include "cpus.h"
+#include "harness/results.h"
+#include "harness/timing.h"
+#include "peers/embree.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+/* The value of the first line of a /proc file that starts with key; "unknown" if there is none. */
+static void proc_value(const char *path, const char *key, char *value, size_t size) {
+    snprintf(value, size, "unknown");
+    FILE *file = fopen(path, "r");
+    if (file == NULL) return;
+    char line[512];
+    while (fgets(line, sizeof line, file)) {
+        const char *colon = strchr(line, ':');
+        if (strncmp(line, key, strlen(key)) != 0 || colon == NULL) continue;
+        colon += 1 + strspn(colon + 1, " \t");
+        snprintf(value, size, "%.*s", (int)strcspn(colon, "\n"), colon);
+        break;
+    }
+    fclose(file);
+}
+
+double run_memory_available(void) {
+    char kibibytes[64];
+    proc_value("/proc/meminfo", "MemAvailable", kibibytes, sizeof kibibytes);
+    return strtod(kibibytes, NULL) * 1024;
+}
+
+static char arguments_text[4096];
+static unsigned cpus; /* before a measurement stays on one of them */
+
+/* Words that a shell would take apart are quoted. */
+static void append_word(char *text, size_t size, const char *word) {
+    size_t used = strlen(text);
+    if (used > 0 && used + 1 < size) text[used++] = ' ';
+    text[used] = '\0';
+    const bool plain = *word != '\0' && strspn(word, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+                                                     "-_=+,./:@%") == strlen(word);
+    snprintf(text + used, size - used, plain ? "%s" : "'%s'", word);
+}
+
+void run_record_begin(char **arguments, int count) {
+    cpus = cpus_usable();
+    arguments_text[0] = '\0';
+    for (int k = 0; k < count; k++) append_word(arguments_text, sizeof arguments_text, arguments[k]);
+}
+
+json_t *run_record(const char *command, uint32_t seed, int cpu) {
+    char model[256], cache[64], date[32];
+    if (cpus == 0) cpus = cpus_usable();
+    proc_value("/proc/cpuinfo", "model name", model, sizeof model);
+    proc_value("/proc/cpuinfo", "cache size", cache, sizeof cache);
+    double load = -1;
+    if (getloadavg(&load, 1) != 1) load = -1;
+    const time_t now = time(NULL);
+    struct tm utc;
+    strftime(date, sizeof date, "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&now, &utc));
+    json_t *record = json_object();
+    results_set_text(record, "kind", "run");
+    results_set_text(record, "command", command);
+    results_set_text(record, "arguments", arguments_text);
+    results_set_text(record, "cellwalk", CW_VERSION);
+    results_set_text(record, "cpu", model);
+    results_set_text(record, "cache", cache);
+    results_set_count(record, "cpus", cpus);
+    results_set_text(record, "isa", cw_isa_name(cw_isa_best()));
+    results_set_text(record, "compiler", BUILD_INFO_COMPILER);
+    results_set_text(record, "build_type", BUILD_INFO_TYPE);
+    results_set_text(record, "flags", BUILD_INFO_FLAGS);
+    results_set_text(record, "commit", BUILD_INFO_COMMIT);
+    results_set_text(record, "embree", peer_embree_version());
+    if (peer_embree_version()) results_set_bool(record, "embree_assertions", peer_embree_has_assertions());
+    results_set_count(record, "seed", seed);
+    json_object_set_new(record, "pinned_to_cpu", json_integer(cpu));
+    results_set_number(record, "load", load);
+    results_set_number(record, "tsc_hz", timing_tick_rate());
+    results_set_text(record, "date", date);
+    return record;
+}
+
+static const char *text_of(const json_t *record, const char *key) {
+    const char *text = json_string_value(json_object_get(record, key));
+    return text ? text : "none";
+}
+
+void run_record_text(const json_t *record, char *text, size_t size) {
+    const char *threads = json_string_value(json_object_get(record, "threads"));
+    char threads_text[64] = "one thread";
+    if (threads) snprintf(threads_text, sizeof threads_text, "%s threads", threads);
+    snprintf(text, size, "%s, %s, %s, %s, commit %s, Embree %s%s, %s, seed %" JSON_INTEGER_FORMAT ", load %.2f, %s",
+             text_of(record, "cpu"), text_of(record, "isa"), text_of(record, "compiler"), text_of(record, "build_type"),
+             text_of(record, "commit"), text_of(record, "embree"),
+             json_is_true(json_object_get(record, "embree_assertions")) ? " (compiled with assertions)" : "",
+             threads_text, json_integer_value(json_object_get(record, "seed")),
+             json_real_value(json_object_get(record, "load")), text_of(record, "date"));
+}

@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* cellwalk-bench compare: what changed between two runs, and what only seems to have. */
+#ifndef CELLWALK_BENCH_MICRO_COMPARE_H
+#define CELLWALK_BENCH_MICRO_COMPARE_H
+
+#include "error.h"
+
+/* How many comparisons came out which way. */
+typedef struct compare_counts {
+    size_t faster, slower, undecided, unmatched;
+} compare_counts;
+
+/* Prints a line for each result that both files have. margin: see statistics_ratio. */
+bool compare_files(const char *path_a, const char *path_b, double margin, compare_counts *counts, io_error *error);
+
+int compare_main(char **arguments, int count);
+
+#endif

@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* cellwalk-bench micro: every kernel × ray class × field. */
+#ifndef CELLWALK_BENCH_MICRO_MICRO_H
+#define CELLWALK_BENCH_MICRO_MICRO_H
+
+#include "harness/agree.h"
+#include "harness/interleave.h"
+#include "harness/options.h"
+#include "micro/counters.h"
+#include "output.h"
+#include "peers/contender.h"
+#include "peers/embree.h"
+#include "workload/fields.h"
+#include "workload/ray_classes.h"
+
+enum { MICRO_CONTENDERS_MAX = 96, MICRO_PEERS_MAX = 4, MICRO_KERNELS_MAX = 32, MICRO_THREADS_MAX = 16 };
+
+typedef struct micro_options {
+    option_list kernels, rays, fields, leaves, peers, threads;
+    const char *isa, *quality, *json;
+    uint64_t count, seed, cpu;
+    double seconds, width, pass;
+    bool longer, no_pin, small_pages;
+    /* Thread counts to run each kernel with, and a pool for each above 1, else NULL. More than one thread is timed by the
+     * clock, and then everything is. */
+    unsigned thread_counts[MICRO_THREADS_MAX];
+    cw_pool *pools[MICRO_THREADS_MAX];
+    bool by_clock;
+    bool counters; /* count what the kernels do instead of timing them */
+} micro_options;
+
+/* What a contender needs built. seconds: CPU time, median of the builds. */
+typedef struct micro_build {
+    const char *name; /* a kernel's, or "embree/triangles" */
+    double seconds;
+    size_t builds, bytes;
+    const char *quality; /* "high" or "medium" for Embree, NULL for kernels */
+} micro_build;
+
+typedef struct micro_peer {
+    micro_build build;
+    peer_embree *embree;
+} micro_peer;
+
+/* A field with all that is measured on it. */
+
+typedef struct micro_field {
+    workload_field samples;
+    cw_field *field;
+    const char *default_kernel; /* what the library would choose for it */
+    micro_peer peers[MICRO_PEERS_MAX];
+    size_t peer_count;
+    micro_build builds[MICRO_KERNELS_MAX]; /* of the kernels that need something built */
+    size_t build_count;
+} micro_field;
+
+/* Both build as often as fits half a second, but at most five times and at least once; a lone build of a small field
+ * would time the clock. on->field is there. The kernels build on a field of their own. */
+bool micro_build_kernels(micro_field *on, const micro_options *options, io_error *error);
+bool micro_build_peer(micro_peer *peer, const cw_field *field, const peer_options *options, io_error *error);
+
+/* One contender's figures in a group: one class of rays on one field. */
+typedef struct micro_row {
+    contender contender;
+    kernel_contender kernel;
+    peer_contender peer;
+    double predicted; /* seconds of a pass by the probe, where the contender was left out; else 0 */
+    statistics seconds, ticks;
+    bool converged;
+    double cpu_share;
+    counter counts[COUNTERS_MAX]; /* of a pass, if the options ask for them */
+    agreement agreement;
+    double to_embree; /* Embree's best median over this one's: above 1 is faster than Embree; 0 without Embree */
+} micro_row;
+
+typedef struct micro_group {
+    micro_field *on;
+    workload_class c;
+    cw_ray *rays;
+    size_t ray_count;
+    char reference[CONTENDER_NAME]; /* whose answers all others are held against */
+    micro_row rows[MICRO_CONTENDERS_MAX];
+    size_t row_count;
+    double hit_share;
+} micro_group;
+
+/* Fills group->rows from the options, verifies, and measures or counts. on and c are given. seconds is for all that. */
+bool micro_group_run(micro_group *group, const micro_options *options, double seconds, io_error *error);
+void micro_group_free(micro_group *group);
+
+/* Human text on standard output. */
+void micro_print_field(const micro_field *on);
+void micro_print_group(const micro_group *group);
+void micro_print_counts(const micro_group *group);
+
+/* JSON lines; does nothing if out->file is NULL. */
+bool micro_write_field(io_output *out, const micro_field *on, io_error *error);
+bool micro_write_group(io_output *out, const micro_group *group, io_error *error);
+bool micro_write_counts(io_output *out, const micro_group *group, io_error *error);
+
+/* Becomes the program whose kernels count, which lies beside this one, with the same arguments; returns an exit status
+ * only if that fails. */
+int micro_run_counting(char **arguments, int count);
+
+/* The program's subcommand; an exit status. arguments do not hold its name. */
+int micro_main(char **arguments, int count);
+
+#endif

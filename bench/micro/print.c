@@ -1,0 +1,118 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What micro found, for people and as JSON lines. */
+
+#include "harness/results.h"
+#include "micro/micro.h"
+
+#include <stdio.h>
+
+static void print_build(const micro_build *b, double cells) {
+    printf("; %s built in %.3g s, %.1f bytes a cell", b->name, b->seconds, (double)b->bytes / cells);
+}
+
+void micro_print_field(const micro_field *on) {
+    const cw_field_info info = cw_field_describe(on->field);
+    const double cells = (double)(info.nx - 1) * (double)(info.ny - 1);
+    printf("\nField %s: %zu x %zu samples, heights %g to %g", on->samples.name, info.nx, info.ny, (double)info.low,
+           (double)info.high);
+    for (size_t b = 0; b < on->build_count; b++) print_build(&on->builds[b], cells);
+    for (size_t p = 0; p < on->peer_count; p++) print_build(&on->peers[p].build, cells);
+    printf("\n");
+}
+
+static double mrays(const micro_group *g, double seconds) { return (double)g->ray_count / seconds * 1e-6; }
+
+void micro_print_group(const micro_group *g) {
+    printf("\n%s, %s: %zu rays, %.1f %% hit, %s\n", g->on->samples.name, workload_class_name(g->c), g->ray_count,
+           100 * g->hit_share, workload_class_is_any(g->c) ? "any hit" : "closest hit");
+    printf("  %-30s %9s %7s %7s %9s %9s  %s\n", "contender", "Mrays/s", "CI +-%", "MAD %", "TSC/ray", "/Embree",
+           "against the reference");
+    for (size_t r = 0; r < g->row_count; r++) {
+        const micro_row *row = &g->rows[r];
+        if (row->predicted > 0) {
+            printf("  %-30s left out: a pass would take %.2g s\n", row->contender.name, row->predicted);
+            continue;
+        }
+        const statistics *s = &row->seconds;
+        char ratio_text[16] = "-", agreement_text[160];
+        if (row->to_embree > 0) snprintf(ratio_text, sizeof ratio_text, "%.2f", row->to_embree);
+        agree_text(&row->agreement, agreement_text, sizeof agreement_text);
+        printf("  %-30s %9.3f %6.1f%s %7.1f %9.1f %9s  %s\n", row->contender.name, mrays(g, s->median),
+               50 * (s->high - s->low) / s->median,
+               row->converged ? " "
+               : s->sure      ? "!"
+                              : "?",
+               100 * s->mad / s->median, row->ticks.median / (double)g->ray_count, ratio_text, agreement_text);
+    }
+    fflush(stdout);
+}
+
+/* ---- JSON ---- */
+
+static json_t *line_of(const char *kind, const micro_field *on) {
+    json_t *line = json_object();
+    results_set_text(line, "kind", kind);
+    results_set_text(line, "field", on->samples.name);
+    return line;
+}
+
+static bool write_build(io_output *out, const micro_field *on, const char *kind, const char *key, const micro_build *b,
+                        io_error *error) {
+    json_t *line = line_of(kind, on);
+    results_set_text(line, key, b->name);
+    results_set_number(line, "build_seconds", b->seconds);
+    results_set_count(line, "builds", b->builds);
+    results_set_count(line, "bytes", b->bytes);
+    if (b->quality) results_set_text(line, "quality", b->quality);
+    return results_write(out, line, error);
+}
+
+bool micro_write_field(io_output *out, const micro_field *on, io_error *error) {
+    const cw_field_info info = cw_field_describe(on->field);
+    json_t *line = line_of("field", on);
+    results_set_count(line, "nx", info.nx);
+    results_set_count(line, "ny", info.ny);
+    results_set_number(line, "low", (double)info.low);
+    results_set_number(line, "high", (double)info.high);
+    results_set_text(line, "default_kernel", on->default_kernel);
+    results_set_count(line, "bytes_samples", info.nx * info.ny * sizeof *on->samples.z);
+    bool good = results_write(out, line, error);
+    for (size_t b = 0; good && b < on->build_count; b++)
+        good = write_build(out, on, "kernel_build", "kernel", &on->builds[b], error);
+    for (size_t p = 0; good && p < on->peer_count; p++)
+        good = write_build(out, on, "peer_build", "peer", &on->peers[p].build, error);
+    return good;
+}
+
+static void set_timing(json_t *line, const micro_group *g, const micro_row *row) {
+    const statistics *s = &row->seconds;
+    results_set_seconds(line, s);
+    results_set_bool(line, "converged", row->converged);
+    results_set_number(line, "cpu_share", row->cpu_share);
+    results_set_number(line, "mrays_per_s", mrays(g, s->median));
+    results_set_number(line, "tsc_per_ray", row->ticks.median / (double)g->ray_count);
+    if (row->to_embree > 0) results_set_number(line, "speed_to_embree_best", row->to_embree);
+}
+
+bool micro_write_group(io_output *out, const micro_group *g, io_error *error) {
+    bool good = true;
+    for (size_t r = 0; good && r < g->row_count; r++) {
+        const micro_row *row = &g->rows[r];
+        json_t *line = line_of("result", g->on);
+        results_set_text(line, "rays", workload_class_name(g->c));
+        results_set_text(line, "query", workload_class_is_any(g->c) ? "any" : "closest");
+        results_set_text(line, "contender", row->contender.name);
+        results_set_count(line, "width", row->contender.width);
+        results_set_count(line, "threads", row->contender.threads);
+        results_set_count(line, "ray_count", g->ray_count);
+        if (row->predicted > 0) {
+            results_set_number(line, "left_out_seconds", row->predicted);
+        } else {
+            set_timing(line, g, row);
+            results_set_text(line, "reference", g->reference);
+            json_object_set_new(line, "agreement", results_agreement(&row->agreement));
+        }
+        good = results_write(out, line, error);
+    }
+    return good;
+}

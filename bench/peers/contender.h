@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* One way to answer ray queries, whoever provides it: what the benchmark times against each other. */
+#ifndef CELLWALK_BENCH_PEERS_CONTENDER_H
+#define CELLWALK_BENCH_PEERS_CONTENDER_H
+
+#include "cellwalk.h"
+
+enum { CONTENDER_NAME = 64 };
+
+typedef struct contender {
+    char name[CONTENDER_NAME]; /* "packet8/watertight", "embree/triangles/w8" */
+    unsigned width, threads;
+    bool embree;      /* counts for "Embree's best width" */
+    const void *self; /* given to the functions */
+    void (*closest)(const void *self, const cw_ray *rays, size_t n, cw_hit *hits);
+    void (*any)(const void *self, const cw_ray *rays, size_t n, uint8_t *occluded);
+} contender;
+
+/* A kernel of the library on a field. */
+typedef struct kernel_contender {
+    const cw_field *field;
+    cw_query query;
+} kernel_contender;
+
+/* The contender refers to k, which is filled in here. CW_OK only if the kernel has this leaf test and may run here; what
+ * it needs built is built. */
+cw_status contender_from_kernel(contender *c, kernel_contender *k, cw_field *field, const cw_kernel *kernel,
+                                cw_leaf leaf);
+
+#endif

@@ -1,0 +1,380 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "peers/embree.h"
+
+#include "clock.h"
+
+#include <embree3/rtcore.h>
+
+#include <dlfcn.h>
+#include <math.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct peer_embree {
+    RTCDevice device;
+    RTCScene scene;
+    size_t nx, ny;
+    bool grid;
+    double cells_inverse; /* one over the cells of a row */
+    double build_seconds, build_cpu_seconds;
+    _Atomic int64_t bytes;
+};
+
+const unsigned peer_embree_widths[PEER_WIDTH_COUNT] = {1, 4, 8, 16};
+
+const char *peer_embree_version(void) { return RTC_VERSION_STRING; }
+
+/* A library that can fail an assertion names the function that tells so among those it needs. */
+bool peer_embree_has_assertions(void) {
+    static const char name[] = "__assert_fail";
+    static char bytes[1 << 16];
+    const size_t overlap = sizeof name;
+    Dl_info info;
+    RTCDevice (*const inside)(const char *) = rtcNewDevice;
+    const void *address;
+    memcpy(&address, &inside, sizeof address);
+    FILE *file = dladdr(address, &info) != 0 ? fopen(info.dli_fname, "rb") : NULL;
+    if (file == NULL) return false;
+    bool found = false;
+    size_t kept = 0;
+    for (size_t got; !found && (got = fread(bytes + kept, 1, sizeof bytes - kept, file)) > 0;) {
+        const size_t size = kept + got;
+        found = memmem(bytes, size, name, sizeof name) != NULL;
+        kept = size < overlap ? size : overlap;
+        memmove(bytes, bytes + size - kept, kept);
+    }
+    fclose(file);
+    return found;
+}
+
+/* ---- building ---- */
+
+static bool count_memory(void *peer, ssize_t bytes, bool after) {
+    (void)after;
+    atomic_fetch_add(&((peer_embree *)peer)->bytes, (int64_t)bytes);
+    return true;
+}
+
+/* Vertices (i, j, height). Embree's grids split a quad along the diagonal that starts at its second corner, so for them
+ * rows run backwards in i, which turns it into the diagonal of a cell. */
+static bool add_vertices(RTCGeometry geometry, const cw_field *field, size_t nx, size_t ny, bool backwards) {
+    float *v = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof *v, nx * ny);
+    if (v == NULL) return false;
+    for (size_t j = 0; j < ny; j++)
+        for (size_t k = 0; k < nx; k++, v += 3) {
+            const size_t i = backwards ? nx - 1 - k : k;
+            v[0] = (float)i;
+            v[1] = (float)j;
+            v[2] = cw_field_sample(field, i, j);
+        }
+    return true;
+}
+
+/* Triangle 2 · cell is A, 2 · cell + 1 is B, vertices in the order of cellwalk.h, so that u and v mean the same. */
+static bool add_triangles(RTCGeometry geometry, size_t nx, size_t ny) {
+    const size_t count = 2 * (nx - 1) * (ny - 1);
+    unsigned *t = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof *t, count);
+    if (t == NULL) return false;
+    for (size_t j = 0; j + 1 < ny; j++)
+        for (size_t i = 0; i + 1 < nx; i++, t += 6) {
+            const unsigned p00 = (unsigned)(j * nx + i), p01 = p00 + (unsigned)nx;
+            t[0] = p00, t[1] = p00 + 1, t[2] = p01 + 1;
+            t[3] = p00, t[4] = p01 + 1, t[5] = p01;
+        }
+    return true;
+}
+
+static bool add_grid(RTCGeometry geometry, size_t nx, size_t ny) {
+    struct RTCGrid *g = NULL;
+    g = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, sizeof *g, 1);
+    if (g == NULL) return false;
+    *g = (struct RTCGrid){.startVertexID = 0, .stride = (unsigned)nx, .width = (uint16_t)nx, .height = (uint16_t)ny};
+    return true;
+}
+
+static bool build(peer_embree *p, const cw_field *field, const peer_options *o) {
+    const RTCGeometry geometry =
+        rtcNewGeometry(p->device, p->grid ? RTC_GEOMETRY_TYPE_GRID : RTC_GEOMETRY_TYPE_TRIANGLE);
+    p->scene = rtcNewScene(p->device);
+    if (geometry == NULL || p->scene == NULL) return false;
+    rtcSetSceneBuildQuality(p->scene, o->quality == PEER_HIGH ? RTC_BUILD_QUALITY_HIGH : RTC_BUILD_QUALITY_MEDIUM);
+    rtcSetSceneFlags(p->scene, o->robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
+    const bool filled = add_vertices(geometry, field, p->nx, p->ny, p->grid) &&
+                        (p->grid ? add_grid(geometry, p->nx, p->ny) : add_triangles(geometry, p->nx, p->ny));
+    if (filled) {
+        const double start = clock_seconds(), cpu_start = clock_cpu_seconds();
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometry(p->scene, geometry);
+        rtcCommitScene(p->scene);
+        p->build_seconds = clock_seconds() - start;
+        p->build_cpu_seconds = clock_cpu_seconds() - cpu_start;
+    }
+    rtcReleaseGeometry(geometry);
+    return filled && rtcGetDeviceError(p->device) == RTC_ERROR_NONE;
+}
+
+peer_embree *peer_embree_create(const cw_field *field, const peer_options *o, io_error *error) {
+    static const char *const configs[] = {"threads=1,isa=sse2", "threads=1,isa=sse4.2", "threads=1,isa=avx2",
+                                          "threads=1,isa=avx512"};
+    const cw_field_info info = cw_field_describe(field);
+    if (o->geometry == PEER_GRID && (info.nx > INT16_MAX || info.ny > INT16_MAX)) {
+        io_fail(error, "Embree's grids have at most %d samples a side, the field has %zu x %zu", INT16_MAX, info.nx,
+                info.ny);
+        return NULL;
+    }
+    peer_embree *p = calloc(1, sizeof *p);
+    if (p == NULL) {
+        io_fail(error, "out of memory");
+        return NULL;
+    }
+    p->nx = info.nx;
+    p->ny = info.ny;
+    p->grid = o->geometry == PEER_GRID;
+    p->cells_inverse = 1 / (double)(info.nx - 1);
+    p->device = rtcNewDevice(configs[o->isa]);
+    if (p->device) rtcSetDeviceMemoryMonitorFunction(p->device, count_memory, p);
+    if (p->device == NULL || !build(p, field, o)) {
+        io_fail(error, "Embree (%s) could not build a field of %zu x %zu samples", configs[o->isa], info.nx, info.ny);
+        peer_embree_destroy(p);
+        return NULL;
+    }
+    return p;
+}
+
+void peer_embree_destroy(peer_embree *p) {
+    if (p == NULL) return;
+    if (p->scene) rtcReleaseScene(p->scene);
+    if (p->device) rtcReleaseDevice(p->device);
+    free(p);
+}
+
+peer_info peer_embree_describe(const peer_embree *p) {
+    const int64_t bytes = atomic_load(&p->bytes);
+    return (peer_info){.build_seconds = p->build_seconds,
+                       .build_cpu_seconds = p->build_cpu_seconds,
+                       .bytes = bytes > 0 ? (size_t)bytes : 0};
+}
+
+bool peer_embree_is_native(const peer_embree *p, unsigned width) {
+    static const enum RTCDeviceProperty properties[] = {RTC_DEVICE_PROPERTY_NATIVE_RAY4_SUPPORTED,
+                                                        RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED,
+                                                        RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED};
+    return width == 1 || rtcGetDeviceProperty(p->device, properties[width == 4 ? 0 : width == 8 ? 1 : 2]) != 0;
+}
+
+/* ---- tracing ---- */
+
+/* Flush to zero and denormals are zero, for as long as Embree runs. */
+#if defined(__SSE__)
+static unsigned flush_denormals(void) {
+    enum { MXCSR_FTZ = 0x8000, MXCSR_DAZ = 0x40 };
+    const unsigned caller = __builtin_ia32_stmxcsr();
+    __builtin_ia32_ldmxcsr(caller | MXCSR_FTZ | MXCSR_DAZ);
+    return caller;
+}
+static void restore_denormals(unsigned caller) { __builtin_ia32_ldmxcsr(caller); }
+#else
+static unsigned flush_denormals(void) { return 0; }
+static void restore_denormals(unsigned caller) { (void)caller; }
+#endif
+
+/* RTCRayHit4, 8 and 16 as what they are: rows of N numbers. */
+enum { ORG_X, ORG_Y, ORG_Z, TNEAR, DIR_X, DIR_Y, DIR_Z, TIME, TFAR, MASK, ID, FLAGS };
+enum { NG_X = FLAGS + 1, NG_Y, NG_Z, HIT_U, HIT_V, PRIM_ID, GEOM_ID, INST_ID, ROWS };
+typedef union packet {
+    struct RTCRayHit16 whole;
+    float f[ROWS * 16];
+    unsigned u[ROWS * 16];
+} packet;
+
+static inline void packet_clear(packet *p, unsigned n) {
+    for (unsigned k = 0; k < n; k++) {
+        p->f[TIME * n + k] = 0;
+        p->u[MASK * n + k] = UINT32_MAX;
+        p->u[ID * n + k] = 0;
+        p->u[FLAGS * n + k] = 0;
+        p->u[INST_ID * n + k] = RTC_INVALID_GEOMETRY_ID;
+    }
+}
+
+/* Lanes that are not used repeat the last ray: Embree looks at them although they are not valid. */
+static inline void packet_fill(packet *p, unsigned n, const cw_ray *rays, unsigned used) {
+    for (unsigned k = 0; k < n; k++) {
+        const cw_ray *ray = &rays[k < used ? k : used - 1];
+        for (unsigned a = 0; a < 3; a++) p->f[(ORG_X + a) * n + k] = ray->org[a];
+        p->f[TNEAR * n + k] = ray->tmin;
+        for (unsigned a = 0; a < 3; a++) p->f[(DIR_X + a) * n + k] = ray->dir[a];
+        p->f[TFAR * n + k] = ray->tmax;
+    }
+}
+
+static inline cw_hit miss(void) { return (cw_hit){.t = INFINITY, .i = -1, .j = -1}; }
+
+static inline cw_hit triangle_hit(const peer_embree *p, unsigned prim, float t, float u, float v) {
+    const unsigned cell = prim / 2, cells = (unsigned)p->nx - 1;
+    /* The half keeps the product clear of whole numbers, so that cutting it off is dividing. */
+    const unsigned j = (unsigned)(int)((cell + 0.5) * p->cells_inverse);
+    return (cw_hit){.t = t, .u = u, .v = v, .i = (int32_t)(cell - j * cells), .j = (int32_t)j, .triangle = prim % 2};
+}
+
+/* A grid tells the place on the whole grid in [0, 1] × [0, 1], along its rows and across. */
+static inline cw_hit grid_hit(const peer_embree *p, float t, float u, float v) {
+    const float last_i = (float)(p->nx - 1), last_j = (float)(p->ny - 1);
+    const float x = last_i - u * last_i, y = v * last_j;
+    const float i = fmaxf(0, fminf(floorf(x), last_i - 1)), j = fmaxf(0, fminf(floorf(y), last_j - 1));
+    const float a = x - i, b = y - j;
+    const bool upper = b > a;
+    return (cw_hit){.t = t,
+                    .u = upper ? a : a - b,
+                    .v = upper ? b - a : b,
+                    .i = (int32_t)i,
+                    .j = (int32_t)j,
+                    .triangle = upper ? CW_TRIANGLE_B : CW_TRIANGLE_A};
+}
+
+static inline cw_hit make_hit(const peer_embree *p, unsigned geometry, unsigned prim, float t, float u, float v) {
+    if (geometry == RTC_INVALID_GEOMETRY_ID) return miss();
+    return p->grid ? grid_hit(p, t, u, v) : triangle_hit(p, prim, t, u, v);
+}
+
+static struct RTCIntersectContext new_context(const peer_contender *c) {
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = c->coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    return context;
+}
+
+static inline void single_fill(struct RTCRay *r, const cw_ray *ray) {
+    r->org_x = ray->org[0], r->org_y = ray->org[1], r->org_z = ray->org[2], r->tnear = ray->tmin;
+    r->dir_x = ray->dir[0], r->dir_y = ray->dir[1], r->dir_z = ray->dir[2], r->tfar = ray->tmax;
+}
+
+static void closest_single(const peer_contender *c, const cw_ray *rays, size_t n, cw_hit *hits) {
+    struct RTCIntersectContext context = new_context(c);
+    struct RTCRayHit r = {.ray = {.mask = UINT32_MAX}};
+    for (size_t k = 0; k < n; k++) {
+        single_fill(&r.ray, &rays[k]);
+        r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+        rtcIntersect1(c->peer->scene, &context, &r);
+        hits[k] = make_hit(c->peer, r.hit.geomID, r.hit.primID, r.ray.tfar, r.hit.u, r.hit.v);
+    }
+}
+
+static void any_single(const peer_contender *c, const cw_ray *rays, size_t n, uint8_t *occluded) {
+    struct RTCIntersectContext context = new_context(c);
+    struct RTCRay r = {.mask = UINT32_MAX};
+    for (size_t k = 0; k < n; k++) {
+        single_fill(&r, &rays[k]);
+        rtcOccluded1(c->peer->scene, &context, &r);
+        occluded[k] = r.tfar < 0;
+    }
+}
+
+static inline void intersect(const peer_contender *c, unsigned width, const int *valid,
+                             struct RTCIntersectContext *context, packet *p) {
+    if (width == 4)
+        rtcIntersect4(valid, c->peer->scene, context, (struct RTCRayHit4 *)p);
+    else if (width == 8)
+        rtcIntersect8(valid, c->peer->scene, context, (struct RTCRayHit8 *)p);
+    else
+        rtcIntersect16(valid, c->peer->scene, context, &p->whole);
+}
+
+static inline void occlude(const peer_contender *c, unsigned width, const int *valid,
+                           struct RTCIntersectContext *context, packet *p) {
+    if (width == 4)
+        rtcOccluded4(valid, c->peer->scene, context, (struct RTCRay4 *)p);
+    else if (width == 8)
+        rtcOccluded8(valid, c->peer->scene, context, (struct RTCRay8 *)p);
+    else
+        rtcOccluded16(valid, c->peer->scene, context, &p->whole.ray);
+}
+
+/* Bodies for any width, compiled once for each because the callers give it as a constant. */
+static inline void closest_packets(const peer_contender *c, unsigned width, const cw_ray *rays, size_t n,
+                                   cw_hit *hits) {
+    struct RTCIntersectContext context = new_context(c);
+    _Alignas(64) int valid[16];
+    packet p;
+    packet_clear(&p, width);
+    for (unsigned k = 0; k < width; k++) valid[k] = -1;
+    for (size_t begin = 0; begin < n; begin += width) {
+        const unsigned used = n - begin < width ? (unsigned)(n - begin) : width;
+        if (used == width)
+            packet_fill(&p, width, rays + begin, width);
+        else
+            packet_fill(&p, width, rays + begin, used);
+        for (unsigned k = used; k < width; k++) valid[k] = 0;
+        for (unsigned k = 0; k < width; k++) p.u[GEOM_ID * width + k] = RTC_INVALID_GEOMETRY_ID;
+        intersect(c, width, valid, &context, &p);
+        for (unsigned k = 0; k < used; k++)
+            hits[begin + k] = make_hit(c->peer, p.u[GEOM_ID * width + k], p.u[PRIM_ID * width + k],
+                                       p.f[TFAR * width + k], p.f[HIT_U * width + k], p.f[HIT_V * width + k]);
+    }
+}
+
+static inline void any_packets(const peer_contender *c, unsigned width, const cw_ray *rays, size_t n,
+                               uint8_t *occluded) {
+    struct RTCIntersectContext context = new_context(c);
+    _Alignas(64) int valid[16];
+    packet p;
+    packet_clear(&p, width);
+    for (unsigned k = 0; k < width; k++) valid[k] = -1;
+    for (size_t begin = 0; begin < n; begin += width) {
+        const unsigned used = n - begin < width ? (unsigned)(n - begin) : width;
+        if (used == width)
+            packet_fill(&p, width, rays + begin, width);
+        else
+            packet_fill(&p, width, rays + begin, used);
+        for (unsigned k = used; k < width; k++) valid[k] = 0;
+        occlude(c, width, valid, &context, &p);
+        for (unsigned k = 0; k < used; k++) occluded[begin + k] = p.f[TFAR * width + k] < 0;
+    }
+}
+
+static void closest(const void *self, const cw_ray *rays, size_t n, cw_hit *hits) {
+    const peer_contender *c = self;
+    const unsigned caller = flush_denormals();
+    switch (c->width) {
+    case 4:
+        closest_packets(c, 4, rays, n, hits);
+        break;
+    case 8:
+        closest_packets(c, 8, rays, n, hits);
+        break;
+    case 16:
+        closest_packets(c, 16, rays, n, hits);
+        break;
+    default:
+        closest_single(c, rays, n, hits);
+        break;
+    }
+    restore_denormals(caller);
+}
+
+static void any(const void *self, const cw_ray *rays, size_t n, uint8_t *occluded) {
+    const peer_contender *c = self;
+    const unsigned caller = flush_denormals();
+    switch (c->width) {
+    case 4:
+        any_packets(c, 4, rays, n, occluded);
+        break;
+    case 8:
+        any_packets(c, 8, rays, n, occluded);
+        break;
+    case 16:
+        any_packets(c, 16, rays, n, occluded);
+        break;
+    default:
+        any_single(c, rays, n, occluded);
+        break;
+    }
+    restore_denormals(caller);
+}
+
+void contender_from_peer(contender *c, peer_contender *p, const peer_embree *peer, unsigned width, bool coherent) {
+    *p = (peer_contender){.peer = peer, .width = width, .coherent = coherent};
+    *c = (contender){.embree = true, .width = width, .threads = 1, .self = p, .closest = closest, .any = any};
+}

@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Embree (Wald et al. 2014) as a peer: the same field as a triangle mesh or as its grid geometry, the same rays, the same
+ * hits. Optional: without the library every function is there, peer_embree_version is NULL and nothing can be made.
+ *
+ * What is inside the time: reading rays from an array of cw_ray, filling packets, tracing, writing cw_hit. Denormals are
+ * flushed to zero while Embree runs, as its manual asks for. What is not: building, which is timed by itself. */
+#ifndef CELLWALK_BENCH_PEERS_EMBREE_H
+#define CELLWALK_BENCH_PEERS_EMBREE_H
+
+#include "cellwalk.h"
+#include "error.h"
+#include "peers/contender.h"
+
+typedef enum peer_geometry { PEER_TRIANGLES = 0, PEER_GRID } peer_geometry;
+typedef enum peer_quality { PEER_MEDIUM = 0, PEER_HIGH } peer_quality; /* medium is Embree's default */
+
+typedef struct peer_options {
+    cw_isa isa; /* the widest that Embree may use */
+    peer_geometry geometry;
+    peer_quality quality;
+    bool robust; /* RTC_SCENE_FLAG_ROBUST */
+} peer_options;
+
+typedef struct peer_embree peer_embree;
+
+/* "3.13.5"; NULL if the program was built without Embree. */
+const char *peer_embree_version(void);
+
+/* True if the library that this program runs with was compiled with its assertions, which cost speed. Debian's is. */
+bool peer_embree_has_assertions(void);
+
+/* The field must stay until peer_embree_destroy. NULL on failure, with the reason in error. */
+peer_embree *peer_embree_create(const cw_field *field, const peer_options *options, io_error *error);
+void peer_embree_destroy(peer_embree *peer);
+
+typedef struct peer_info {
+    double build_seconds; /* one thread, vertex and index arrays not counted */
+    double build_cpu_seconds;
+    size_t bytes; /* all that Embree allocated and holds, vertices and indices included */
+} peer_info;
+peer_info peer_embree_describe(const peer_embree *peer);
+
+/* Rays at a time, and whether they are announced as coherent. */
+typedef struct peer_contender {
+    const peer_embree *peer;
+    unsigned width;
+    bool coherent;
+} peer_contender;
+
+/* The widths that Embree has: width must be one of them. */
+enum { PEER_WIDTH_COUNT = 4 };
+extern const unsigned peer_embree_widths[PEER_WIDTH_COUNT];
+
+/* The contender refers to p, which is filled in here. */
+void contender_from_peer(contender *c, peer_contender *p, const peer_embree *peer, unsigned width, bool coherent);
+
+/* True if Embree runs packets of this width as they are; else it splits them. */
+bool peer_embree_is_native(const peer_embree *peer, unsigned width);
+
+#endif

@@ -1,0 +1,314 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* One scene of the table: verify on the scene's own rays, then render along all paths in rounds. */
+
+#include "clock.h"
+#include "harness/agree.h"
+#include "harness/interleave.h"
+#include "harness/results.h"
+#include "peers/contender.h"
+#include "scene.h"
+#include "scenes/table.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { FIELDS_MAX = 16, CONTENDERS_MAX = TABLE_PATHS_MAX + PEER_WIDTH_COUNT };
+
+/* What traces: a kernel or a width of Embree, on each of the scene's fields. Paths with other normals share it. */
+typedef struct tracer {
+    const cw_kernel *kernel; /* NULL with embree, or the library's choice */
+    bool embree;
+    unsigned width; /* of Embree */
+    contender on[FIELDS_MAX];
+    kernel_contender kernels[FIELDS_MAX];
+    peer_contender peers[FIELDS_MAX];
+    double cpu_seconds, build_seconds;
+    uint64_t rays;
+    agreement agreement;
+} tracer;
+
+typedef struct stage {
+    scene *scene;
+    size_t field_count;
+    peer_embree *embree[FIELDS_MAX];
+    tracer reference, tracers[CONTENDERS_MAX];
+    size_t tracer_count;
+    cw_hit hits[SCENE_BATCH];
+    uint8_t occluded[SCENE_BATCH];
+} stage;
+
+/* A rendering that interleave() repeats. */
+typedef struct job {
+    stage *on;
+    const table_path *path;
+    tracer *tracer;
+    unsigned samples;
+    double trace_seconds[INTERLEAVE_SAMPLES_MAX];
+    size_t runs;
+    uint64_t traced;
+    io_image image; /* of the last run */
+    scene_render_stats stats;
+    io_error error;
+} job;
+
+/* ---- tracing ---- */
+
+static void closest(void *context, size_t field, const cw_ray *rays, size_t n, cw_hit *hits) {
+    tracer *t = context;
+    const double start = clock_cpu_seconds();
+    t->on[field].closest(t->on[field].self, rays, n, hits);
+    t->cpu_seconds += clock_cpu_seconds() - start;
+    t->rays += n;
+}
+
+static void any(void *context, size_t field, const cw_ray *rays, size_t n, uint8_t *occluded) {
+    tracer *t = context;
+    const double start = clock_cpu_seconds();
+    t->on[field].any(t->on[field].self, rays, n, occluded);
+    t->cpu_seconds += clock_cpu_seconds() - start;
+    t->rays += n;
+}
+
+/* While verifying, the reference answers and everyone else is asked the same. */
+static void verify_closest(void *context, size_t field, const cw_ray *rays, size_t n, cw_hit *hits) {
+    stage *s = context;
+    closest(&s->reference, field, rays, n, hits);
+    for (size_t k = 0; k < s->tracer_count; k++) {
+        closest(&s->tracers[k], field, rays, n, s->hits);
+        agree_closest(&s->tracers[k].agreement, scene_field(s->scene, field), rays, n, hits, s->hits);
+    }
+}
+
+static void verify_any(void *context, size_t field, const cw_ray *rays, size_t n, uint8_t *occluded) {
+    stage *s = context;
+    any(&s->reference, field, rays, n, occluded);
+    for (size_t k = 0; k < s->tracer_count; k++) {
+        any(&s->tracers[k], field, rays, n, s->occluded);
+        agree_any(&s->tracers[k].agreement, scene_field(s->scene, field), rays, n, occluded, s->occluded,
+                  &s->reference.on[field], &s->tracers[k].on[field]);
+    }
+}
+
+/* ---- setting up ---- */
+
+static bool tracer_for_kernel(stage *s, tracer *t, const cw_kernel *kernel, cw_leaf leaf, io_error *error) {
+    t->kernel = kernel;
+    for (size_t f = 0; f < s->field_count; f++) {
+        cw_field *field = scene_field(s->scene, f);
+        const cw_query automatic = cw_query_default();
+        const cw_kernel *chosen = kernel ? kernel : cw_query_kernel(field, &automatic);
+        const double before = cw_field_describe(field).build_seconds;
+        const cw_status status = contender_from_kernel(&t->on[f], &t->kernels[f], field, chosen, leaf);
+        if (status != CW_OK)
+            return io_fail(error, "%s on field %zu of the scene: %s", cw_kernel_describe(chosen).name, f,
+                           cw_status_message(status));
+        t->build_seconds += cw_field_describe(field).build_seconds - before;
+    }
+    return true;
+}
+
+static void tracer_for_embree(stage *s, tracer *t, unsigned width) {
+    t->embree = true;
+    t->width = width;
+    for (size_t f = 0; f < s->field_count; f++) {
+        contender_from_peer(&t->on[f], &t->peers[f], s->embree[f], width, true);
+        t->build_seconds += peer_embree_describe(s->embree[f]).build_seconds;
+    }
+}
+
+static bool build_embree(stage *s, cw_isa isa, io_error *error) {
+    const peer_options options = {.isa = isa, .geometry = PEER_TRIANGLES, .quality = PEER_HIGH};
+    for (size_t f = 0; f < s->field_count; f++) {
+        s->embree[f] = peer_embree_create(scene_field(s->scene, f), &options, error);
+        if (s->embree[f] == NULL) return false;
+    }
+    for (size_t w = 0; w < PEER_WIDTH_COUNT; w++)
+        tracer_for_embree(s, &s->tracers[s->tracer_count++], peer_embree_widths[w]);
+    return true;
+}
+
+static bool open_stage(stage *s, const char *file, const table_path *paths, size_t path_count, cw_isa isa,
+                       io_error *error) {
+    s->scene = scene_load(file, NULL, NULL, error);
+    if (s->scene == NULL) return false;
+    s->field_count = scene_field_count(s->scene);
+    if (s->field_count > FIELDS_MAX) return io_fail(error, "%s: more than %d height fields", file, FIELDS_MAX);
+    if (!tracer_for_kernel(s, &s->reference, cw_kernel_find("cell"), CW_LEAF_WATERTIGHT, error)) return false;
+    for (size_t p = 0; p < path_count; p++) {
+        bool there = false;
+        for (size_t k = 0; k < s->tracer_count; k++)
+            there = there || (s->tracers[k].embree == paths[p].embree &&
+                              (paths[p].embree || s->tracers[k].kernel == paths[p].kernel));
+        if (there) continue;
+        if (paths[p].embree
+                ? !build_embree(s, isa, error)
+                : !tracer_for_kernel(s, &s->tracers[s->tracer_count++], paths[p].kernel, paths[p].leaf, error))
+            return false;
+    }
+    return true;
+}
+
+static void close_stage(stage *s) {
+    for (size_t f = 0; f < s->field_count; f++) peer_embree_destroy(s->embree[f]);
+    if (s->scene) scene_free(s->scene);
+    free(s);
+}
+
+/* The tracer of a path; of Embree's widths the one that was fastest while verifying. */
+static tracer *tracer_of(stage *s, const table_path *path) {
+    tracer *best = NULL;
+    for (size_t k = 0; k < s->tracer_count; k++) {
+        tracer *t = &s->tracers[k];
+        if (t->embree != path->embree || (!t->embree && t->kernel != path->kernel)) continue;
+        if (best == NULL || t->cpu_seconds < best->cpu_seconds) best = t;
+    }
+    return best;
+}
+
+/* ---- rendering ---- */
+
+static bool verify(stage *s, unsigned samples, io_error *error) {
+    const scene_tracer all = {s, verify_closest, verify_any};
+    const scene_render_options options = {.tracer = &all, .threads = 1, .samples = samples, .phong = true};
+    io_image image;
+    if (!scene_render(s->scene, &options, &image, NULL, error)) return false;
+    io_image_free(&image);
+    return true;
+}
+
+static void render(void *context) {
+    job *j = context;
+    if (j->error.text[0] || j->runs == INTERLEAVE_SAMPLES_MAX) return;
+    const scene_tracer own = {j->tracer, closest, any};
+    const scene_render_options options = {.tracer = &own, .threads = 1, .samples = j->samples, .phong = j->path->phong};
+    io_image_free(&j->image);
+    j->image = (io_image){0};
+    j->tracer->cpu_seconds = 0;
+    j->tracer->rays = 0;
+    if (!scene_render(j->on->scene, &options, &j->image, &j->stats, &j->error)) {
+        j->image = (io_image){0};
+        return;
+    }
+    j->trace_seconds[j->runs++] = j->tracer->cpu_seconds;
+    j->traced = j->tracer->rays;
+}
+
+/* ---- results ---- */
+
+/* Pixels of two pictures that differ in any bit, and those where an eye could see it: by more than half a step of 8-bit
+ * linear colour. */
+static void set_pixels(json_t *line, const io_image *a, const io_image *b) {
+    size_t differ = 0, visible = 0;
+    double worst = 0;
+    for (size_t p = 0; p < a->width * a->height; p++) {
+        const float *x = a->rgb + 3 * p, *y = b->rgb + 3 * p;
+        double seen = 0;
+        bool same = true;
+        for (int c = 0; c < 3; c++) {
+            const double u = fmin(1, (double)x[c]), v = fmin(1, (double)y[c]);
+            same = same && x[c] == y[c];
+            seen = fmax(seen, fabs(u - v));
+            worst = fmax(worst, fabs((double)x[c] - (double)y[c]));
+        }
+        differ += !same;
+        visible += seen > 0.5 / 255;
+    }
+    results_set_count(line, "pixels", a->width * a->height);
+    results_set_count(line, "pixels_differ", differ);
+    results_set_count(line, "pixels_visibly", visible);
+    results_set_number(line, "pixels_worst", worst);
+}
+
+static json_t *path_json(job *jobs, const interleave_job *measured, size_t count, size_t k) {
+    job *j = &jobs[k];
+    json_t *line = json_object();
+    results_set_text(line, "path", j->path->name);
+    results_set_text(line, "title", j->path->title);
+    results_set_text(line, "by", j->tracer->embree ? "embree/triangles" : j->tracer->on[0].name);
+    if (j->tracer->embree) results_set_count(line, "embree_width", j->tracer->width);
+    results_set_bool(line, "phong", j->path->phong);
+    results_set_seconds(line, &measured[k].seconds);
+    results_set_number(line, "cpu_share", measured[k].cpu_share);
+    const statistics trace = statistics_of(j->trace_seconds, j->runs);
+    results_set_count(line, "traced_rays", j->traced);
+    results_set_number(line, "trace_seconds_median", trace.median);
+    results_set_number(line, "trace_mrays_per_s", (double)j->traced / trace.median * 1e-6);
+    results_set_number(line, "build_seconds", j->tracer->build_seconds);
+    json_object_set_new(line, "agreement", results_agreement(&j->tracer->agreement));
+
+    /* Ratios are taken against Embree, pictures against the reference kernel's, or else the first other one that is not
+     * Embree's, all with the same normals. */
+    const job *against = NULL;
+    for (size_t o = 0; o < count; o++) {
+        if (jobs[o].path->phong != j->path->phong) continue;
+        if (jobs[o].path->embree) {
+            results_set_number(line, "time_to_default", measured[k].seconds.median / measured[o].seconds.median);
+            continue;
+        }
+        const bool reference = strcmp(jobs[o].tracer->on[0].name, j->on->reference.on[0].name) == 0;
+        if (against == NULL || reference) against = &jobs[o];
+    }
+    if (against) {
+        results_set_text(line, "pixels_against", against->path->name);
+        set_pixels(line, &j->image, &against->image);
+    }
+    return line;
+}
+
+static json_t *scene_json(const char *name, stage *s, job *jobs, const interleave_job *measured, size_t count) {
+    json_t *line = json_object(), *fields = json_array(), *paths = json_array();
+    results_set_text(line, "kind", "scene");
+    results_set_text(line, "scene", name);
+    results_set_count(line, "width", scene_width(s->scene));
+    results_set_count(line, "height", scene_height(s->scene));
+    const scene_render_stats *stats = &jobs[0].stats;
+    results_set_count(line, "camera_rays", stats->camera_rays);
+    results_set_count(line, "shadow_rays", stats->shadow_rays);
+    results_set_count(line, "mirror_rays", stats->mirror_rays);
+    results_set_count(line, "field_queries", stats->field_queries);
+    for (size_t f = 0; f < s->field_count; f++) {
+        const cw_field_info info = cw_field_describe(scene_field(s->scene, f));
+        json_t *field = json_object();
+        results_set_count(field, "nx", info.nx);
+        results_set_count(field, "ny", info.ny);
+        json_array_append_new(fields, field);
+    }
+    json_object_set_new(line, "fields", fields);
+    results_set_text(line, "reference", s->reference.on[0].name);
+    for (size_t k = 0; k < count; k++) json_array_append_new(paths, path_json(jobs, measured, count, k));
+    json_object_set_new(line, "paths", paths);
+    return line;
+}
+
+json_t *table_scene_run(const char *name, const char *file, const table_path *paths, size_t path_count,
+                        const table_options *o, double seconds, io_error *error) {
+    const double end = clock_seconds() + seconds;
+    json_t *line = NULL;
+    stage *s = calloc(1, sizeof *s);
+    job *jobs = calloc(path_count, sizeof *jobs);
+    interleave_job measured[TABLE_PATHS_MAX];
+    bool good = (s && jobs) || io_fail(error, "out of memory");
+    good = good && open_stage(s, file, paths, path_count, o->isa, error) && verify(s, 1, error);
+    for (size_t k = 0; good && k < path_count; k++) {
+        jobs[k] = (job){.on = s, .path = &paths[k], .samples = (unsigned)o->samples, .tracer = tracer_of(s, &paths[k])};
+        measured[k] = (interleave_job){.run = render, .context = &jobs[k]};
+    }
+    if (good) {
+        const double left = end - clock_seconds();
+        const interleave_limits limits = {.width = o->width,
+                                          .seconds = left > 0 ? left : 0,
+                                          .least = o->quick ? 1 : 3,
+                                          .most = 50,
+                                          .seed = (uint32_t)o->seed};
+        good = interleave(measured, path_count, &limits) || io_fail(error, "out of memory");
+    }
+    for (size_t k = 0; good && k < path_count; k++)
+        if (jobs[k].error.text[0]) good = io_fail(error, "%s: %s", paths[k].name, jobs[k].error.text);
+    if (good) line = scene_json(name, s, jobs, measured, path_count);
+    for (size_t k = 0; jobs && k < path_count; k++) io_image_free(&jobs[k].image);
+    free(jobs);
+    if (s) close_stage(s);
+    return line;
+}
