@@ -360,23 +360,24 @@ static void aimed_rays_have_to_hit(void **state) {
     cw_hit *hits = malloc(COUNT * sizeof *hits);
     const cw_query strict = {.leaf = CW_LEAF_WATERTIGHT};
     for (int c = TRADEOFF_VERTICES; c < TRADEOFF_CLASS_COUNT; c++) {
-        check(tradeoff_rays_make(field, c, 3, COUNT, rays) == COUNT, "no rays");
+        check(tradeoff_rays_make(field, &samples, c, 3, COUNT, rays) == COUNT, "no rays");
         check_status(cw_closest(field, &strict, rays, COUNT, hits), CW_OK);
-        size_t near = 0; /* hits at a vertex, or an edge */
+        size_t near = 0, upwards = 0; /* hits at a vertex, or an edge */
         for (size_t k = 0; k < COUNT; k++) {
             const cw_ray *r = &rays[k];
-            check(r->org[2] > info.high && r->org[2] + r->tmax * r->dir[2] < info.low, "ray %zu is too short", k);
-            for (int end = 0; end < 2; end++)
-                for (int a = 0; a < 2; a++) {
-                    const float at = r->org[a] + (end ? r->tmax * r->dir[a] : 0);
-                    check(at >= 0 && at <= 64, "ray %zu leaves the field", k);
-                }
+            const float begin = r->org[2], end = r->org[2] + r->tmax * r->dir[2];
+            const bool up = r->dir[2] > 0;
+            check(up ? begin < info.low && end > info.high : begin > info.high && end < info.low,
+                  "ray %zu is too short", k);
+            upwards += up;
+            for (int a = 0; a < 2; a++) check(r->org[a] > 0 && r->org[a] < 64, "ray %zu starts beside the field", k);
             check(hits[k].i >= 0, "strict misses with ray %zu", k);
             const float u = hits[k].u, v = hits[k].v, w = 1 - u - v, hair = 1e-4f;
             const bool edge = u < hair || v < hair || w<hair, vertex = u> 1 - hair || v > 1 - hair || w > 1 - hair;
             near += c == TRADEOFF_VERTICES ? vertex : edge;
         }
         check(near > COUNT / 2, "only %zu of the rays hit what they are aimed at", near);
+        check(upwards > COUNT / 3 && upwards < COUNT - COUNT / 3, "%zu rays go upwards", upwards);
     }
     free(rays);
     free(hits);
@@ -438,7 +439,7 @@ static void counted_walks_find_the_closest(void **state) {
     check_status(cw_field_create(&desc, &field), CW_OK);
     const tradeoff_ground on = tradeoff_ground_of(z, LAND, LAND);
     tradeoff_counter *counter = tradeoff_counter_make(&on);
-    check(counter && tradeoff_rays_make(field, WORKLOAD_RANDOM, 1, COUNT, rays) == COUNT, "out of memory");
+    check(counter && workload_rays_make(field, WORKLOAD_RANDOM, 1, COUNT, rays) == COUNT, "out of memory");
     const cw_query strict = {.kernel = cw_kernel_find("cell"), .leaf = CW_LEAF_WATERTIGHT};
     check_status(cw_closest(field, &strict, rays, COUNT, hits), CW_OK);
     tradeoff_counts c = {0};

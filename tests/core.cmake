@@ -11,7 +11,7 @@ find_package(Threads REQUIRED)
 if(CMOCKA_INCLUDE AND CMOCKA_LIBRARY)
     add_library(cellwalk_test_rays STATIC fields.c paths.c rays.c)
     target_include_directories(cellwalk_test_rays PRIVATE ${CMOCKA_INCLUDE})
-    target_link_libraries(cellwalk_test_rays PUBLIC cellwalk::cellwalk_static PRIVATE cellwalk_flags ${CMOCKA_LIBRARY})
+    target_link_libraries(cellwalk_test_rays PUBLIC cellwalk_workload PRIVATE cellwalk_flags ${CMOCKA_LIBRARY})
 
     cellwalk_test(api api.c)
     target_link_libraries(test_api PRIVATE cellwalk_test_rays)
@@ -52,7 +52,7 @@ endif()
 
 if(CMOCKA_INCLUDE AND CMOCKA_LIBRARY AND GMP_INCLUDE AND GMP_LIBRARY)
     add_library(cellwalk_test_oracle STATIC doubt.c exact.c judge.c oracle.c tally.c)
-    target_include_directories(cellwalk_test_oracle PUBLIC ${GMP_INCLUDE})
+    target_include_directories(cellwalk_test_oracle PUBLIC ${GMP_INCLUDE} ${CMAKE_CURRENT_SOURCE_DIR})
     target_link_libraries(cellwalk_test_oracle PRIVATE cellwalk_flags PUBLIC cellwalk_test_rays ${GMP_LIBRARY} m)
 
     cellwalk_test(oracle oracle_test.c)
@@ -63,9 +63,7 @@ if(CMOCKA_INCLUDE AND CMOCKA_LIBRARY AND GMP_INCLUDE AND GMP_LIBRARY)
     endforeach()
     cellwalk_test(extremes extremes.c extremes_judge.c)
     target_link_libraries(test_extremes PRIVATE cellwalk_test_oracle)
-    set(all_extremes test_extremes)
     if(TARGET cellwalk_emulated)
-        set(all_extremes test_extremes_avx512_emulated)
         cellwalk_test(extremes_avx512_emulated extremes.c extremes_judge.c ${emulated})
         cellwalk_emulate(extremes_avx512_emulated)
         target_link_libraries(test_extremes_avx512_emulated PRIVATE cellwalk_test_oracle)
@@ -80,49 +78,10 @@ if(CMOCKA_INCLUDE AND CMOCKA_LIBRARY AND GMP_INCLUDE AND GMP_LIBRARY)
         set_tests_properties(tolerance_avx512_emulated PROPERTIES ENVIRONMENT CELLWALK_TEST_DIVIDE=16)
     endif()
 
-    # The long run of stability.c, and the part of it that is a test. It takes fields and Embree from bench/, and stands
-    # here because it needs the oracle, hence GMP, which the benchmark must not.
-    add_library(cellwalk_stability_run STATIC aimed.c stability_run.c)
-    target_link_libraries(cellwalk_stability_run PRIVATE cellwalk_flags
-        PUBLIC cellwalk_test_oracle cellwalk_workload cellwalk_peers)
     cellwalk_test(stress stress.c)
     target_link_libraries(test_stress PRIVATE cellwalk_test_rays cellwalk_workload)
     cellwalk_test(stability stability_test.c)
     target_link_libraries(test_stability PRIVATE cellwalk_stability_run)
-    if(TARGET cellwalk_measure) # JSON and options
-        add_executable(cellwalk_stability stability.c stability_page.c)
-        set_target_properties(cellwalk_stability PROPERTIES OUTPUT_NAME cellwalk-stability)
-        target_link_libraries(cellwalk_stability PRIVATE cellwalk_stability_run cellwalk_measure cellwalk_flags)
-        # Figures for papers/stability.md. The long run takes a quarter of an hour to half of one and is started by hand,
-        # not by CTest; the extremes take seconds, the exhaustive test of all fields forty minutes, the stress test half an hour.
-        set(data papers/data/stability) # all run in the project's folder, so that no path is recorded
-        add_custom_target(stability
-            COMMAND ${CMAKE_COMMAND} -E make_directory ${data}
-            COMMAND cellwalk_stability run --json ${data}/aimed.json
-            WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} USES_TERMINAL VERBATIM)
-        add_custom_target(stability-extremes
-            COMMAND ${CMAKE_COMMAND} -E make_directory ${data}
-            COMMAND ${CMAKE_COMMAND} -E env CELLWALK_TEST_COUNTS=${data}/extremes.json $<TARGET_FILE:${all_extremes}>
-            WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} USES_TERMINAL VERBATIM)
-        add_dependencies(stability-extremes ${all_extremes})
-        add_custom_target(stability-exhaustive
-            COMMAND ${CMAKE_COMMAND} -E make_directory ${data}
-            COMMAND ${CMAKE_COMMAND} -E env CELLWALK_TEST_COUNTS=${data}/exhaustive.json CELLWALK_TEST_ROUNDS=1001
-                $<TARGET_FILE:test_exhaustive>
-            WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} USES_TERMINAL VERBATIM)
-        add_dependencies(stability-exhaustive test_exhaustive)
-        add_custom_target(stability-stress
-            COMMAND ${CMAKE_COMMAND} -E make_directory ${data}
-            COMMAND ${CMAKE_COMMAND} -E env CELLWALK_TEST_COUNTS=${data}/stress.json CELLWALK_TEST_ROUNDS=170
-                $<TARGET_FILE:test_stress>
-            WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} USES_TERMINAL VERBATIM)
-        add_dependencies(stability-stress test_stress)
-        add_custom_target(stability-leaf
-            COMMAND ${CMAKE_COMMAND} -E make_directory ${data}
-            COMMAND cellwalk_bench micro --kernel cell,packet8,pyramid8x2 --leaf all --peer none --field 257,1025 --seconds 120
-                --pass 2 --json ${data}/leaf.json
-            WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} USES_TERMINAL VERBATIM)
-    endif()
 endif()
 
 # The installed library, and what leaves it. Sanitizers add symbols and need their flags in the consumer too.

@@ -322,7 +322,7 @@ static bool make_rays(group *g, const tradeoff_options *o, io_error *error) {
     g->leader_hits = malloc(n * sizeof *g->leader_hits);
     g->occluded = malloc(n);
     g->leader_occluded = malloc(n);
-    g->counts[0] = tradeoff_rays_make(g->on->field, g->ray_class, (uint32_t)o->seed, n, g->rays[0]);
+    g->counts[0] = tradeoff_rays_make(g->on->field, &g->on->samples, g->ray_class, (uint32_t)o->seed, n, g->rays[0]);
     if (!g->hits || !g->leader_hits || !g->occluded || !g->leader_occluded || g->counts[0] == 0)
         return io_fail(error, "out of memory for %zu rays", n);
     for (unsigned thin = 1; thin <= THIN_MAX; thin++)

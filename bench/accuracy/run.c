@@ -30,7 +30,7 @@ static bool count_field(const tradeoff_field *on, const tradeoff_options *o, jso
     bool good = (counter && rays && hits) || io_fail(error, "out of memory");
     for (int c = 0; good && c < WORKLOAD_CLASS_COUNT; c++) {
         if (!tradeoff_listed(&o->rays, tradeoff_class_name(c))) continue;
-        const size_t n = tradeoff_rays_make(on->field, c, (uint32_t)o->seed, COUNTED, rays);
+        const size_t n = tradeoff_rays_make(on->field, &on->samples, c, (uint32_t)o->seed, COUNTED, rays);
         tradeoff_counts counts = {0};
         good = cw_closest(on->field, &query, rays, n, hits) == CW_OK;
         if (good) tradeoff_count(counter, rays, n, hits, tradeoff_class_is_any(c), &counts);

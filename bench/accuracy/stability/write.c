@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "stability_page.h"
+#include "accuracy/stability/run.h"
 
 #include "harness/results.h"
 #include "harness/run_record.h"
@@ -49,8 +49,8 @@ static bool write_lines(io_output *out, const stability *s, double seconds, io_e
     for (size_t f = 0; f < AIMED_FIELDS; f++) {
         json_t *line = json_object();
         results_set_text(line, "kind", "field");
-        results_set_text(line, "field", s->field[f].name);
-        results_set_text(line, "text", s->field[f].text);
+        results_set_text(line, "field", s->field[f].aimed.samples.name);
+        results_set_text(line, "text", s->field[f].aimed.text);
         if (!results_write(out, line, error)) return false;
     }
     for (unsigned n = 0; n < s->contenders; n++)

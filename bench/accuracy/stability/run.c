@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "stability_run.h"
-
-#include "rays.h"
+#include "accuracy/stability/run.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -69,11 +67,23 @@ static bool add_peers(stability *s, size_t f, const stability_shares *shares, un
     return true;
 }
 
+static bool make_field(stability_field *f, size_t number) {
+    if (!aimed_field_make(&f->aimed, number)) return false;
+    const workload_field *samples = &f->aimed.samples;
+    cw_field_desc desc = cw_field_desc_default();
+    desc.samples = samples->z;
+    desc.nx = samples->nx;
+    desc.ny = samples->ny;
+    desc.storage = CW_BORROW;
+    f->oracle = oracle_create(samples->z, samples->nx, samples->ny);
+    return f->oracle && cw_field_create(&desc, &f->field) == CW_OK;
+}
+
 bool stability_make(stability *s, stability_shares shares, unsigned sample, io_error *error) {
     *s = (stability){.sample = sample};
     for (size_t f = 0; f < AIMED_FIELDS; f++) {
         unsigned n = 0;
-        if (!aimed_field_make(&s->field[f], f)) return io_fail(error, "out of memory");
+        if (!make_field(&s->field[f], f)) return io_fail(error, "out of memory");
         if (!add_kernels(s, f, &shares, &n)) return io_fail(error, "a kernel could not be prepared");
         if (shares.peers && !add_peers(s, f, &shares, &n, error)) return false;
         s->contenders = n;
@@ -84,7 +94,9 @@ bool stability_make(stability *s, stability_shares shares, unsigned sample, io_e
 void stability_free(stability *s) {
     for (size_t f = 0; f < AIMED_FIELDS; f++) {
         for (int robust = 0; robust < 2; robust++) peer_embree_destroy(s->peers[f][robust]);
-        aimed_field_free(&s->field[f]);
+        cw_field_destroy(s->field[f].field);
+        oracle_destroy(s->field[f].oracle);
+        workload_field_free(&s->field[f].aimed.samples);
     }
 }
 
@@ -92,27 +104,31 @@ void stability_free(stability *s) {
 
 typedef struct batch {
     stability *s;
-    const aimed_field *field;
+    const stability_field *field;
     aim kind;
     uint64_t number;
-    aimed_ray aimed[BATCH_RAYS];
+    proven_ray proven[BATCH_RAYS];
     cw_ray rays[BATCH_RAYS];
     cw_hit reference[BATCH_RAYS], hits[BATCH_RAYS];
 } batch;
 
 static void explain(batch *b, const tested *t, size_t k, const cw_hit *hit, const char *what) {
     if (!b->s->explain || b->s->explained++ >= 8) return;
-    printf("%s: %s, field %s, class %s, batch %llu, ray %zu\n", t->contender.name, what, b->field->name,
+    printf("%s: %s, field %s, class %s, batch %llu, ray %zu\n", t->contender.name, what, b->field->aimed.samples.name,
            aim_name(b->kind), (unsigned long long)b->number, k);
-    ray_print(&b->rays[k]);
-    hit_print(t->contender.name, hit);
+    const cw_ray *r = &b->rays[k];
+    printf("ray org {%a, %a, %a} dir {%a, %a, %a} t [%a, %a]\n", (double)r->org[0], (double)r->org[1],
+           (double)r->org[2], (double)r->dir[0], (double)r->dir[1], (double)r->dir[2], (double)r->tmin,
+           (double)r->tmax);
+    printf("hit t %a u %a v %a cell (%d, %d) triangle %u\n", (double)hit->t, (double)hit->u, (double)hit->v,
+           (int)hit->i, (int)hit->j, (unsigned)hit->triangle);
 }
 
 /* What needs no oracle: leaks of rays known to pass, and phantoms. */
 static void check_all(batch *b, const tested *t, const cw_hit *hits, counts *c) {
     oracle *o = b->field->oracle;
     for (size_t k = 0; k < t->rays; k++) {
-        const bool pass = b->aimed[k].passes;
+        const bool pass = b->proven[k].passes;
         c->pass += pass;
         if (hits[k].i < 0) {
             if (!pass) continue;
@@ -146,7 +162,7 @@ static void judge(batch *b, const tested *t, size_t k, const cw_hit *hit, const 
     const judgement j = oracle_judge(b->field->oracle, hit);
     c->sampled++;
     c->verdict[j.verdict]++;
-    c->unfounded += b->aimed[k].passes && !truth->passes;
+    c->unfounded += b->proven[k].passes && !truth->passes;
     if (j.verdict > VERDICT_TIE && t->role == ROLE_REFERENCE) explain(b, t, k, hit, verdict_name(j.verdict));
     if (j.verdict != VERDICT_RIGHT || hit->i < 0) return;
     count_ulp(c, j.t_error, truth->t);
@@ -163,7 +179,8 @@ static void compare(batch *b, const tested *t, const cw_hit *hits, counts *c) {
     static _Thread_local uint8_t occluded[BATCH_RAYS];
     t->contender.any(t->contender.self, b->rays, t->rays, occluded);
     for (size_t k = 0; k < t->rays; k++) {
-        const bool same = hit_same(&hits[k], &b->reference[k]) && occluded[k] == (b->reference[k].i >= 0);
+        const bool same =
+            memcmp(&hits[k], &b->reference[k], sizeof hits[k]) == 0 && occluded[k] == (b->reference[k].i >= 0);
         if (same) continue;
         c->other++;
         explain(b, t, k, &hits[k], "not the reference's answer");
@@ -181,8 +198,8 @@ void stability_batch(stability *s, uint64_t number) {
     random_state r = {number * 0x9e3779b97f4a7c15u};
     r.state = random_bits(&r); /* so that neighbours do not share numbers */
     for (size_t k = 0; k < BATCH_RAYS; k++) {
-        b.aimed[k] = aimed_ray_make(b.kind, b.field, &r);
-        b.rays[k] = b.aimed[k].ray;
+        b.proven[k] = proven_ray_make(b.kind, &b.field->aimed, b.field->oracle, &r);
+        b.rays[k] = b.proven[k].ray;
     }
     for (unsigned n = 0; n < s->contenders; n++) {
         const tested *t = &s->tested[f][n];

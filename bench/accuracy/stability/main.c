@@ -5,10 +5,10 @@
  * One run is one thread. Several processes with --part 1/N … N/N do what one does without it, and a run that was ended
  * early goes on with --first; the report adds their files up: batch number n is the same rays wherever it runs. */
 
+#include "accuracy/stability/run.h"
 #include "clock.h"
 #include "harness/options.h"
 #include "harness/run_record.h"
-#include "stability_page.h"
 
 #include <signal.h>
 #include <stdio.h>

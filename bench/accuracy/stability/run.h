@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Contenders before the same aimed rays, counted by class of rays: what the test runs for some seconds and the program
  * cellwalk-stability for as long as one likes. */
-#ifndef CELLWALK_TESTS_STABILITY_RUN_H
-#define CELLWALK_TESTS_STABILITY_RUN_H
+#ifndef CELLWALK_BENCH_STABILITY_RUN_H
+#define CELLWALK_BENCH_STABILITY_RUN_H
 
-#include "aimed.h"
+#include "accuracy/stability/proven.h"
 #include "peers/contender.h"
 #include "peers/embree.h"
 
@@ -51,8 +51,15 @@ typedef struct batch_range {
     uint64_t first, end;
 } batch_range;
 
+/* A field, for those who trace and for the oracle. */
+typedef struct stability_field {
+    aimed_field aimed;
+    cw_field *field;
+    oracle *oracle;
+} stability_field;
+
 typedef struct stability {
-    aimed_field field[AIMED_FIELDS];
+    stability_field field[AIMED_FIELDS];
     tested tested[AIMED_FIELDS][CONTENDERS_MAX];
     peer_embree *peers[AIMED_FIELDS][2];
     unsigned contenders;
@@ -81,5 +88,9 @@ enum { ROUND_BATCHES = AIM_COUNT * AIMED_FIELDS };
 /* Faults: of the reference leaks, phantoms, wrong surfaces, and classes in which an error of t exceeds its bound; of its
  * like other bits; of the construction unfounded rays. */
 uint64_t stability_faults(const stability *s);
+
+/* write.c, which needs jansson: a line of JSON of kind "run", one of kind "field" for each field, one of kind "result" for each
+ * contender and class. */
+bool stability_write(const stability *s, const char *path, double seconds, io_error *error);
 
 #endif

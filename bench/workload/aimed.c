@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "aimed.h"
-
-#include "workload/terrain.h"
+#include "workload/aimed.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 static const struct {
     const char *name, *text;
@@ -26,82 +23,6 @@ static const struct {
 const char *aim_name(aim kind) { return aims[kind].name; }
 const char *aim_text(aim kind) { return aims[kind].text; }
 
-/* ---- fields ------------------------------------------------------------------------------------------------------ */
-
-typedef enum shape { FRACTAL, NOISE, INTEGERS, CLIFFS, SLOPE, SWELL, FLAT, SEA } shape;
-
-static const struct {
-    const char *name, *text;
-    size_t nx, ny;
-} fields[AIMED_FIELDS] = {
-    [FRACTAL] = {"fractal", "fractal land, 513 x 513, relief a tenth of the side", 513, 513},
-    [NOISE] = {"noise", "uniform in [0, 1), 65 x 65", 65, 65},
-    [INTEGERS] = {"integers", "whole numbers from -2 to 2, 64 x 33", 64, 33},
-    [CLIFFS] = {"cliffs", "0 beside 10^6, 48 x 48", 48, 48},
-    [SLOPE] = {"slope", "one plane, exactly, 129 x 129", 129, 129},
-    [SWELL] = {"swell", "a slope of 0.3 with ripples of 10^-4, 257 x 257", 257, 257},
-    [FLAT] = {"flat", "one height, 33 x 33", 33, 33},
-    [SEA] = {"sea", "waves, 200 x 200", 200, 200},
-};
-
-static double sample(shape kind, size_t i, size_t j, random_state *r) {
-    const double x = random_unit(r);
-    switch (kind) {
-    case NOISE:
-        return x;
-    case INTEGERS:
-        return floor(5 * x) - 2;
-    case CLIFFS:
-        return (i + j) / 2 % 2 ? 1e6 : 0;
-    case SLOPE:
-        return 3 * (double)i - 2 * (double)j;
-    case SWELL:
-        return 0.3 * (double)i + 0.1 * (double)j + 1e-4 * x;
-    default:
-        return 0.375;
-    }
-}
-
-bool aimed_field_make(aimed_field *f, size_t number) {
-    const shape kind = (shape)number;
-    random_state r = {number};
-    *f = (aimed_field){.name = fields[number].name, .text = fields[number].text};
-    f->nx = fields[number].nx;
-    f->ny = fields[number].ny;
-    f->z = malloc(f->nx * f->ny * sizeof *f->z);
-    if (f->z == NULL) return false;
-    if (kind == FRACTAL)
-        terrain_fractal(f->z, f->nx, f->ny, 5, 0.1f);
-    else if (kind == SEA)
-        terrain_sea(f->z, f->nx, f->ny, 5, 0.2f);
-    else
-        for (size_t k = 0; k < f->nx * f->ny; k++) f->z[k] = (float)sample(kind, k % f->nx, k / f->nx, &r);
-    f->low = (double)INFINITY;
-    f->high = -(double)INFINITY;
-    for (size_t k = 0; k < f->nx * f->ny; k++) {
-        f->low = fmin(f->low, (double)f->z[k]);
-        f->high = fmax(f->high, (double)f->z[k]);
-    }
-    cw_field_desc desc = cw_field_desc_default();
-    desc.samples = f->z;
-    desc.nx = f->nx;
-    desc.ny = f->ny;
-    desc.storage = CW_BORROW;
-    f->oracle = oracle_create(f->z, f->nx, f->ny);
-    if (f->oracle && cw_field_create(&desc, &f->field) == CW_OK) return true;
-    aimed_field_free(f);
-    return false;
-}
-
-void aimed_field_free(aimed_field *f) {
-    cw_field_destroy(f->field);
-    oracle_destroy(f->oracle);
-    free(f->z);
-    *f = (aimed_field){.name = NULL};
-}
-
-/* ---- rays -------------------------------------------------------------------------------------------------------- */
-
 /* A ray in the making: it goes through p, n · step before it and m · step behind it being clear of all samples, while it
  * rises by rise with every step. */
 typedef struct plan {
@@ -111,7 +32,9 @@ typedef struct plan {
     bool exact;     /* places and steps are whole or halves: keep them so */
 } plan;
 
-static double height_at(const aimed_field *f, size_t i, size_t j) { return (double)f->z[j * f->nx + i]; }
+static double height_at(const aimed_field *f, size_t i, size_t j) {
+    return (double)f->samples.z[j * f->samples.nx + i];
+}
 
 /* p becomes the place at x, y in [0, 1] of cell (i, j). */
 static void surface(const aimed_field *f, size_t i, size_t j, double x, double y, double p[3]) {
@@ -134,7 +57,7 @@ static void edge_place(const aimed_field *f, random_state *r, size_t i, size_t j
 
 /* How many steps from p stay within the field, most of a cell off its border. */
 static double room(const aimed_field *f, const double p[3], const double step[2], double direction) {
-    const double margin = 0.75, last[2] = {(double)(f->nx - 1), (double)(f->ny - 1)};
+    const double margin = 0.75, last[2] = {(double)(f->samples.nx - 1), (double)(f->samples.ny - 1)};
     double most = 1e300;
     for (int c = 0; c < 2; c++) {
         const double d = direction * step[c];
@@ -151,7 +74,8 @@ static void turn(random_state *r, double step[2]) {
 }
 
 static void aim_at(aim kind, const aimed_field *f, random_state *r, plan *q) {
-    const size_t i = 1 + random_below(r, f->nx - 3), j = 1 + random_below(r, f->ny - 3); /* an inner sample */
+    const size_t i = 1 + random_below(r, f->samples.nx - 3),
+                 j = 1 + random_below(r, f->samples.ny - 3); /* an inner sample */
     const double x = random_unit(r), y = random_unit(r);
     turn(r, q->step);
     switch (kind) {
@@ -239,7 +163,12 @@ static void place_ends(aim kind, const aimed_field *f, random_state *r, plan *q)
         q->n = back * random_between(r, 0.001, 1);
         q->m = ahead * random_between(r, 0.001, 1);
     }
-    q->rise = -fmax((f->high - q->p[2] + clear) / q->n, (q->p[2] - f->low + clear) / q->m);
+    const double above = f->high - q->p[2] + clear, below = q->p[2] - f->low + clear;
+    q->rise = -fmax(above / q->n, below / q->m);
+    if (f->bounded) {
+        q->n = above / -q->rise;
+        q->m = below / -q->rise;
+    }
     if (random_below(r, 2)) { /* upwards, from below */
         const double n = q->n;
         q->n = q->m;
@@ -264,10 +193,10 @@ static double any_length(random_state *r, const double d[3]) {
     }
 }
 
-static aimed_ray from_plan(const aimed_field *f, random_state *r, const plan *q) {
+static aimed_ray from_plan(random_state *r, const plan *q, bool bounded) {
     const double total = q->n + q->farther;
     const double step[3] = {q->step[0], q->step[1], q->rise};
-    aimed_ray a = {.ray = {.tmin = 0, .tmax = INFINITY}};
+    aimed_ray a = {.ray = {.tmin = 0, .tmax = INFINITY}, .over = {.i = -1}};
     double d[3];
     for (int c = 0; c < 3; c++) {
         a.ray.org[c] = (float)(q->p[c] - total * step[c]);
@@ -275,18 +204,17 @@ static aimed_ray from_plan(const aimed_field *f, random_state *r, const plan *q)
     }
     const double scale = q->exact ? exp2((double)random_below(r, 5) - 2) / total : any_length(r, d);
     for (int c = 0; c < 3; c++) a.ray.dir[c] = (float)(d[c] * scale);
-    const double one = 1 / (scale * total), begin = q->farther * one, end = (total + q->m) * one;
-    if (random_below(r, 2)) a.ray.tmax = (float)end;
-    const double last = isinf(a.ray.tmax) ? end : (double)a.ray.tmax;
-    const int side = q->rise < 0 ? 1 : -1;
-    a.passes = oracle_ray(f->oracle, &a.ray) && oracle_clear(f->oracle, begin, side, NULL) &&
-               oracle_clear(f->oracle, last, -side, NULL);
+    const double one = 1 / (scale * total), end = (total + q->m) * one;
+    if (random_below(r, 2) || bounded) a.ray.tmax = (float)end;
+    a.from = q->farther * one;
+    a.to = isinf(a.ray.tmax) ? end : (double)a.ray.tmax;
+    a.side = q->rise < 0 ? 1 : -1;
     return a;
 }
 
 /* Through a place well inside a triangle, at a small angle to it. */
 static aimed_ray grazing(const aimed_field *f, random_state *r) {
-    const size_t i = random_below(r, f->nx - 1), j = random_below(r, f->ny - 1);
+    const size_t i = random_below(r, f->samples.nx - 1), j = random_below(r, f->samples.ny - 1);
     const bool in_a = random_below(r, 2);
     double p[3], step[2], x = random_unit(r), y = random_unit(r);
     if (x + y > 1) x = 1 - x, y = 1 - y;
@@ -301,28 +229,24 @@ static aimed_ray grazing(const aimed_field *f, random_state *r) {
     const double rise = slope + angle * sqrt(1 + slope * slope), back = pow(10, random_between(r, -1, 2));
     const double d[3] = {step[0] * back, step[1] * back, rise * back};
     const double scale = any_length(r, d);
-    aimed_ray a = {.ray = {.tmin = 0, .tmax = INFINITY}};
+    aimed_ray a = {.ray = {.tmin = 0, .tmax = INFINITY}, .over = {.i = -1}};
     for (int c = 0; c < 3; c++) {
         a.ray.org[c] = (float)(p[c] - d[c]);
         a.ray.dir[c] = (float)((p[c] - (double)a.ray.org[c]) * scale);
     }
     /* 0.04 steps off p it is still inside. */
-    const oracle_triangle t = {(int32_t)i, (int32_t)j, in_a ? CW_TRIANGLE_A : CW_TRIANGLE_B};
     const double at = 1 / scale, off = 0.04 * at / back;
-    const int side = angle < 0 ? 1 : -1;
-    a.passes = oracle_ray(f->oracle, &a.ray) && oracle_clear(f->oracle, at - off, side, &t) &&
-               oracle_clear(f->oracle, at + off, -side, &t);
+    a.over = (cw_hit){.i = (int32_t)i, .j = (int32_t)j, .triangle = in_a ? CW_TRIANGLE_A : CW_TRIANGLE_B};
+    a.from = at - off;
+    a.to = at + off;
+    a.side = angle < 0 ? 1 : -1;
     return a;
 }
 
 aimed_ray aimed_ray_make(aim kind, const aimed_field *f, random_state *r) {
     if (kind == AIM_GRAZING) return grazing(f, r);
-    aimed_ray a = {.passes = false};
-    for (int tries = 0; tries < 8 && !a.passes; tries++) { /* rounding may spoil one */
-        plan q = {.farther = 0};
-        aim_at(kind, f, r, &q);
-        place_ends(kind, f, r, &q);
-        a = from_plan(f, r, &q);
-    }
-    return a;
+    plan q = {.farther = 0};
+    aim_at(kind, f, r, &q);
+    place_ends(kind, f, r, &q);
+    return from_plan(r, &q, f->bounded);
 }
