@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The benchmark's commands from beginning to end, on work so small that their figures mean nothing: files hold the same
  * numbers, comparisons of a file with itself decide nothing, mistakes are told and leave nothing behind. */
-#include "harness/measure.h"
+#include "commands.h"
 #include "harness/results.h"
 #include "micro/compare.h"
 #include "micro/micro.h"
@@ -16,18 +16,18 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { ARGUMENTS_MAX = 16 };
-
-typedef int command(char **arguments, int count);
+enum { ARGUMENTS_MAX = 24 };
 
 /* Splits at spaces, as a shell would; commands write into their arguments. */
-static int run(command *of, const char *line) {
-    char *copy = strdup(line), *arguments[ARGUMENTS_MAX];
-    int count = 0;
+static int run(const command *of, const char *line) {
+    char *copy = strdup(line), *arguments[ARGUMENTS_MAX + 1] = {strdup(of->name)};
+    int count = 1;
     assert_non_null(copy);
     for (char *word = strtok(copy, " "); word && count < ARGUMENTS_MAX; word = strtok(NULL, " "))
         arguments[count++] = word;
-    const int status = of(arguments, count);
+    arguments[count] = NULL;
+    const int status = of->run(count, arguments);
+    free(arguments[0]);
     free(copy);
     return status;
 }
@@ -46,9 +46,55 @@ static char *line_of(char *text, const char *start) {
     return NULL;
 }
 
+/* The caller frees it. */
+static char *table_text(const json_t *lines, table_format format) {
+    char *text = NULL;
+    size_t size;
+    FILE *file = open_memstream(&text, &size);
+    assert_non_null(file);
+    table_write(file, lines, format);
+    fclose(file);
+    return text;
+}
+
+static void check_width(const char *text, size_t most) {
+    for (const char *line = text; *line;) {
+        size_t columns = 0;
+        const size_t length = strcspn(line, "\n");
+        for (size_t k = 0; k < length; k++) columns += ((unsigned char)line[k] & 0xc0) != 0x80;
+        check(columns <= most, "%zu columns: %.*s", columns, (int)length, line);
+        line += length + (line[length] == '\n');
+    }
+}
+
+/* All kernels as paths are more columns than a terminal has: the rest goes below. */
+static void wide_tables_are_folded(void **state) {
+    (void)state;
+    json_t *lines = json_array(), *paths = json_array();
+    json_array_append_new(lines, json_pack("{s:s}", "kind", "run"));
+    for (int k = 0; k < 24; k++) {
+        char title[32];
+        snprintf(title, sizeof title, "kernel%d, Phong", k);
+        json_array_append_new(paths, json_pack("{s:s, s:s, s:f, s:f}", "path", "x", "title", title, "seconds_median",
+                                               1 + k / 100.0, "trace_mrays_per_s", 100.0 + k));
+    }
+    json_array_append_new(lines, json_pack("{s:s, s:s, s:o}", "kind", "scene", "scene", "hftest", "paths", paths));
+    char *text = table_text(lines, TABLE_TEXT);
+    check_width(text, 100);
+    for (int k = 0; k < 24; k++) {
+        char cell[32];
+        snprintf(cell, sizeof cell, " %.2f", 1 + k / 100.0);
+        check(strstr(text, cell) != NULL, "%s is lost: %s", cell, text);
+        snprintf(cell, sizeof cell, " kernel%d", k);
+        check(strstr(text, cell) != NULL, "%s is lost: %s", cell, text);
+    }
+    free(text);
+    json_decref(lines);
+}
+
 static void table_files_hold_the_same_numbers(void **state) {
     (void)state;
-    check(run(table_main,
+    check(run(&command_table,
               "--quick --scene hftest --seconds 0.2 --path default,grid3d,grid3d-phong,auto-phong --out a/b") == 0,
           "the table fails");
     io_error error;
@@ -60,8 +106,13 @@ static void table_files_hold_the_same_numbers(void **state) {
     check(json_array_size(paths) == (peer_embree_version() ? 4 : 3), "%zu paths", json_array_size(paths));
     check(results_number(scene, "camera_rays") == 256 * 256, "%.0f camera rays", results_number(scene, "camera_rays"));
 
-    char *markdown = read_text("a/b/table.md"), *page = table_markdown(lines, false);
-    check(page && strcmp(markdown, page) == 0, "table.md is not what table.json gives");
+    char *markdown = read_text("a/b/table.md"), *page = table_text(lines, TABLE_MARKDOWN);
+    check(strcmp(markdown, page) == 0, "table.md is not what table.json gives");
+    free(page);
+    page = table_text(lines, TABLE_TEXT);
+    check_width(page, 100);
+    check(strstr(page, "\nhftest ") != NULL, "the printed table has no line on hftest");
+    free(page);
     const char *cell = line_of(markdown, "| hftest |");
     check(cell != NULL, "table.md has no line on hftest");
     cell += strlen("| hftest");
@@ -83,7 +134,6 @@ static void table_files_hold_the_same_numbers(void **state) {
         check(results_number(json_object_get(json_object_get(path, "agreement"), "why"), "other") == 0,
               "%s disagrees without a reason", results_text(path, "path"));
     }
-    free(page);
     free(markdown);
     json_decref(lines);
 }
@@ -93,14 +143,14 @@ static const char *const small_micro =
 
 static void micro_against_itself_is_undecided(void **state) {
     (void)state;
-    check(run(micro_main, small_micro) == 0, "micro fails");
+    check(run(&command_micro, small_micro) == 0, "micro fails");
     compare_counts counts;
     io_error error;
     check(compare_files("m.json", "m.json", 0, &counts, &error), "%s", error.text);
     check(counts.faster == 0 && counts.slower == 0 && counts.undecided == 4 && counts.unmatched == 0,
           "faster %zu, slower %zu, undecided %zu, without partner %zu", counts.faster, counts.slower, counts.undecided,
           counts.unmatched);
-    check(run(compare_main, "m.json m.json") == 0, "compare fails");
+    check(run(&command_compare, "m.json m.json") == 0, "compare fails");
     json_t *lines = results_read("m.json", &error), *line;
     check(lines != NULL, "%s", error.text);
     size_t builds = 0, k;
@@ -113,14 +163,13 @@ static void micro_against_itself_is_undecided(void **state) {
     }
     check(builds == (peer_embree_version() ? 2 : 1), "%zu builds", builds);
     json_decref(lines);
-    check(run(micro_main, "--compare m.json m.json") == 0, "micro --compare fails");
 }
 
 /* Answers of two threads are verified like all others, and their times are the clock's. */
 static void threads_take_part(void **state) {
     (void)state;
-    check(run(micro_main, "--field 65 --rays random --kernel pyramid1 --peer none --threads 1,2 --count 16384 "
-                          "--seconds 0.2 --json t.json") == 0,
+    check(run(&command_micro, "--field 65 --rays random --kernel pyramid1 --peer none --threads 1,2 --count 16384 "
+                              "--seconds 0.2 --json t.json") == 0,
           "micro fails");
     io_error error;
     json_t *lines = results_read("t.json", &error), *line;
@@ -140,7 +189,8 @@ static void threads_take_part(void **state) {
 
 static void nothing_but_building(void **state) {
     (void)state;
-    check(run(micro_main, "--field 65 --rays none --kernel pyramid1 --peer none --json b.json") == 0, "micro fails");
+    check(run(&command_micro, "--field 65 --rays none --kernel pyramid1 --peer none --json b.json") == 0,
+          "micro fails");
     io_error error;
     json_t *lines = results_read("b.json", &error);
     check(lines != NULL, "%s", error.text);
@@ -195,33 +245,33 @@ static void results_are_checked(void **state) {
 static void mistakes_leave_nothing(void **state) {
     (void)state;
     static const struct {
-        command *of;
+        const command *of;
         const char *arguments;
         int status;
     } mistakes[] = {
-        {micro_main, "--kernel nonesuch", 2},
-        {micro_main, "--field 66", 2},
-        {micro_main, "--count 0", 2},
-        {micro_main, "--count many", 2},
-        {micro_main, "--count 1e9", 2},
-        {micro_main, "--seconds", 2},
-        {micro_main, "--isa mmx", 2},
-        {micro_main, "--threads 0", 2},
-        {micro_main, "--threads two", 2},
-        {micro_main, "--threads 2 --counters", 1},
-        {micro_main, "--rays none,ao", 2},
-        {micro_main, "--nonesuch", 2},
-        {micro_main, "loose", 2},
-        {micro_main, "--field 65 --json nowhere/m.json", 1},
-        {table_main, "--path nonesuch", 2},
-        {table_main, "--scene nonesuch", 2},
-        {table_main, "--quick --scene hftest --out file/out", 1},
-        {table_main, "--quick --scene hftest --out file", 1},
-        {table_main, "--quick --scene hftest --scenes nowhere --out out", 1},
-        {measure_main, "loose", 2},
-        {measure_main, "--out file/out", 1},
-        {compare_main, "one.json", 2},
-        {compare_main, "nowhere.json nowhere.json", 1},
+        {&command_micro, "--kernel nonesuch", 2},
+        {&command_micro, "--field 66", 2},
+        {&command_micro, "--count 0", 2},
+        {&command_micro, "--count many", 2},
+        {&command_micro, "--count 1e9", 2},
+        {&command_micro, "--seconds", 2},
+        {&command_micro, "--isa mmx", 2},
+        {&command_micro, "--threads 0", 2},
+        {&command_micro, "--threads two", 2},
+        {&command_micro, "--threads 2 --counters", 1},
+        {&command_micro, "--rays none,ao", 2},
+        {&command_micro, "--nonesuch", 2},
+        {&command_micro, "loose", 2},
+        {&command_micro, "--field 65 --json nowhere/m.json", 1},
+        {&command_table, "--path nonesuch", 2},
+        {&command_table, "--scene nonesuch", 2},
+        {&command_table, "--quick --scene hftest --out file/out", 1},
+        {&command_table, "--quick --scene hftest --out file", 1},
+        {&command_table, "--quick --scene hftest --scenes nowhere --out out", 1},
+        {&command_measure, "loose", 2},
+        {&command_measure, "--out file/out", 1},
+        {&command_compare, "one.json", 2},
+        {&command_compare, "nowhere.json nowhere.json", 1},
     };
     write_text("file", "");
     for (size_t k = 0; k < sizeof mistakes / sizeof mistakes[0]; k++) {
@@ -234,12 +284,13 @@ static void mistakes_leave_nothing(void **state) {
 
 static void helps(void **state) {
     (void)state;
-    command *const commands[] = {micro_main, table_main, compare_main, measure_main};
+    const command *const commands[] = {&command_micro, &command_table, &command_compare, &command_measure};
     for (size_t k = 0; k < 4; k++) check(run(commands[k], "--help") == 0, "help fails");
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(wide_tables_are_folded),
         cmocka_unit_test_setup_teardown(table_files_hold_the_same_numbers, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(micro_against_itself_is_undecided, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(threads_take_part, scratch_enter, scratch_leave),

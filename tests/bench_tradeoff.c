@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* How the trade of speed against error is measured: exact places, verdicts, counts, normals and the frontier, on cases whose
  * answers are known. */
-#include "accuracy/counts.h"
 #include "accuracy/normals.h"
 #include "accuracy/pareto.h"
-#include "accuracy/scenes.h"
 #include "accuracy/tradeoff.h"
+
+#include "scenes/tracer.h"
 
 #include "check.h"
 #include "workload/terrain.h"
@@ -385,73 +385,6 @@ static void aimed_rays_have_to_hit(void **state) {
     workload_field_free(&samples);
 }
 
-/* ---- counts ---- */
-
-static void counts_are_known(void **state) {
-    (void)state;
-    float z[SAMPLES];
-    for (size_t k = 0; k < SAMPLES; k++) z[k] = 0;
-    z[SAMPLES - 1] = 8; /* makes the box 8 × 8 × 8: 3 · cbrt(128) / 8 voxels a cell are 15 an axis */
-    const tradeoff_ground on = tradeoff_ground_of(z, SIDE, SIDE);
-    cw_field *field = make_field(z);
-    tradeoff_counter *counter = tradeoff_counter_make(&on);
-    check(counter != NULL, "out of memory");
-    static const cw_ray rays[] = {
-        {{-1, 0.3f, 4}, 0, {1, 0, 0}, 99},    /* over low ground: 8 cells, 15 voxels, nothing tested */
-        {{2.6f, 3.3f, 9}, 0, {0, 0, -1}, 99}, /* down into one cell, through a column of 15 voxels */
-        {{-1, 0.3f, 9}, 0, {1, 0, 0}, 99},    /* over everything */
-    };
-    static const uint64_t cells[] = {8, 1, 0}, triangles[] = {0, 2, 0}, voxels[] = {15, 15, 0};
-    for (size_t k = 0; k < 3; k++) {
-        cw_hit hit;
-        const cw_query strict = {.kernel = cw_kernel_find("cell"), .leaf = CW_LEAF_WATERTIGHT};
-        check_status(cw_closest(field, &strict, &rays[k], 1, &hit), CW_OK);
-        tradeoff_counts c = {0};
-        tradeoff_count(counter, &rays[k], 1, &hit, false, &c);
-        check(c.rays == 1 && c.astray == 0, "ray %zu goes astray", k);
-        check(c.cells == cells[k] && c.cell_triangles == triangles[k] && c.voxels == voxels[k],
-              "ray %zu: %llu cells, %llu triangles, %llu voxels", k, (unsigned long long)c.cells,
-              (unsigned long long)c.cell_triangles, (unsigned long long)c.voxels);
-        check((c.voxel_triangles > 0) == (k == 1), "ray %zu: %llu triangles in voxels", k,
-              (unsigned long long)c.voxel_triangles);
-        /* Who is told of another hit has to notice. */
-        hit = (cw_hit){.t = 1, .i = 7, .j = 7, .triangle = CW_TRIANGLE_A};
-        tradeoff_count(counter, &rays[k], 1, &hit, false, &c);
-        check(c.astray == 1, "a false hit of ray %zu is believed", k);
-    }
-    tradeoff_counter_free(counter);
-    cw_field_destroy(field);
-}
-
-/* Through steep land, where a triangle reaches into many voxels: the walk must not end at a hit beyond its voxel. */
-static void counted_walks_find_the_closest(void **state) {
-    (void)state;
-    enum { LAND = 65, COUNT = 4096 };
-    float *z = malloc((size_t)LAND * LAND * sizeof *z);
-    cw_ray *rays = malloc(COUNT * sizeof *rays);
-    cw_hit *hits = malloc(COUNT * sizeof *hits);
-    check(z && rays && hits, "out of memory");
-    terrain_fractal(z, LAND, LAND, 4, 2);
-    cw_field_desc desc = cw_field_desc_default();
-    desc.samples = z;
-    desc.nx = desc.ny = LAND;
-    cw_field *field;
-    check_status(cw_field_create(&desc, &field), CW_OK);
-    const tradeoff_ground on = tradeoff_ground_of(z, LAND, LAND);
-    tradeoff_counter *counter = tradeoff_counter_make(&on);
-    check(counter && workload_rays_make(field, WORKLOAD_RANDOM, 1, COUNT, rays) == COUNT, "out of memory");
-    const cw_query strict = {.kernel = cw_kernel_find("cell"), .leaf = CW_LEAF_WATERTIGHT};
-    check_status(cw_closest(field, &strict, rays, COUNT, hits), CW_OK);
-    tradeoff_counts c = {0};
-    tradeoff_count(counter, rays, COUNT, hits, false, &c);
-    check(c.astray == 0, "%zu of %zu walks go astray", c.astray, c.rays);
-    tradeoff_counter_free(counter);
-    cw_field_destroy(field);
-    free(hits);
-    free(rays);
-    free(z);
-}
-
 /* ---- normals ---- */
 
 static double apart(const double a[3], const double b[3]) {
@@ -508,12 +441,12 @@ static void pictures_are_compared(void **state) {
     float a[12] = {0, 0, 0, 0.5f, 0.5f, 0.5f, 1, 1, 1, 9, 9, 9}, b[12];
     memcpy(b, a, sizeof a);
     b[3] = 0.25f;    /* pixel (1, 0) */
-    b[6] = 1 + 0.5f; /* white already */
+    b[6] = 1 + 0.5f; /* white already: another number, but the same to see */
     b[0] = 0x1p-12f; /* to be seen by no eye */
     const io_image first = {2, 2, a}, second = {2, 2, b};
-    const tradeoff_picture p = tradeoff_compare(&first, &second);
+    const picture_difference p = picture_compare(&first, &second);
     check(p.worst == 0.25 && p.worst_x == 1 && p.worst_y == 0, "worst %g at (%zu, %zu)", p.worst, p.worst_x, p.worst_y);
-    check(p.differ == 2 && p.visible == 1, "%zu pixels differ, %zu visibly", p.differ, p.visible);
+    check(p.pixels == 4 && p.differ == 3 && p.visible == 1, "%zu pixels differ, %zu visibly", p.differ, p.visible);
     check(fabs(p.rmse - sqrt((0.0625 + 0x1p-24) / 12)) < 1e-12, "RMSE %g", p.rmse);
 }
 
@@ -525,7 +458,6 @@ int main(void) {
         cmocka_unit_test(cones_grow),         cmocka_unit_test(all_crossings_are_looked_at),
         cmocka_unit_test(errors_are_counted), cmocka_unit_test(quantising_keeps_its_claim),
         cmocka_unit_test(cells_have_heights), cmocka_unit_test(aimed_rays_have_to_hit),
-        cmocka_unit_test(counts_are_known),   cmocka_unit_test(counted_walks_find_the_closest),
         cmocka_unit_test(normals_are_known),  cmocka_unit_test(pictures_are_compared),
     };
     return cmocka_run_group_tests_name("bench_tradeoff", tests, NULL, NULL);

@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* cellwalk-bench tradeoff from beginning to end, on work so small that its speeds mean nothing: what is saved agrees with
  * itself, sums and verdicts are those of their lines, mistakes are told and leave nothing behind. */
-#include "accuracy/run.h"
 #include "accuracy/summary.h"
+#include "commands.h"
 #include "harness/results.h"
+#include "micro/counters.h"
 #include "peers/embree.h"
+#include "workload/fields.h"
+#include "workload/ray_classes.h"
 
 #include "check.h"
 #include "scratch.h"
@@ -17,15 +20,15 @@
 
 enum { ARGUMENTS_MAX = 24 };
 
-typedef int command(char **arguments, int count);
-
-static int run(command *of, const char *line) {
-    char *copy = strdup(line), *arguments[ARGUMENTS_MAX];
-    int count = 0;
+static int run(const char *line) {
+    char *copy = strdup(line), *arguments[ARGUMENTS_MAX + 1] = {strdup("tradeoff")};
+    int count = 1;
     assert_non_null(copy);
     for (char *word = strtok(copy, " "); word && count < ARGUMENTS_MAX; word = strtok(NULL, " "))
         arguments[count++] = word;
-    const int status = of(arguments, count);
+    arguments[count] = NULL;
+    const int status = command_tradeoff.run(count, arguments);
+    free(arguments[0]);
     free(copy);
     return status;
 }
@@ -45,9 +48,33 @@ static const char *const small =
     "--kernel cell,grid3d,grid3d-early,pyramid1 --scene hftest --count 4096 --seconds 0.3 "
     "--out a/b";
 
+/* The cells and triangles of the line are those that the kernel cell counts on the same rays. */
+static void check_counts(const json_t *line) {
+    enum { RAYS = 4096 };
+    workload_field samples;
+    cw_field *field = NULL;
+    check(workload_field_make("65", &samples), "no field");
+    check_status(workload_field_open(&samples, CW_BORROW, false, &field), CW_OK);
+    cw_ray *rays = malloc(RAYS * sizeof *rays);
+    cw_hit *hits = malloc(RAYS * sizeof *hits);
+    assert_true(rays && hits && workload_rays_make(field, WORKLOAD_RANDOM, 1, RAYS, rays) == RAYS);
+    const cw_query query = {.kernel = cw_kernel_find("cell")};
+    counter all[COUNTERS_MAX];
+    counters_reset();
+    check_status(cw_closest(field, &query, rays, RAYS, hits), CW_OK);
+    counters_read(all);
+    check(results_number(line, "cells") * RAYS == (double)counters_find(all, "flat")->events &&
+              results_number(line, "cell_triangles") * RAYS == 2 * (double)counters_find(all, "leaf")->events,
+          "%g cells and %g triangles a ray", results_number(line, "cells"), results_number(line, "cell_triangles"));
+    cw_field_destroy(field);
+    workload_field_free(&samples);
+    free(rays);
+    free(hits);
+}
+
 static void files_agree(void **state) {
     (void)state;
-    check(run(tradeoff_main, small) == 0, "tradeoff fails");
+    check(run(small) == 0, "tradeoff fails");
     io_error error;
     json_t *lines = results_read("a/b/tradeoff.json", &error);
     check(lines != NULL, "%s", error.text);
@@ -106,10 +133,12 @@ static void files_agree(void **state) {
     json_array_foreach(lines, index, line) {
         if (strcmp(results_text(line, "kind"), "count") != 0) continue;
         counts++;
-        check(results_number(line, "astray") == 0 && results_number(line, "ray_count") > 0,
-              "%.0f counted rays of %s go astray", results_number(line, "astray"), results_text(line, "where"));
+        static const char *const keys[] = {"ray_count", "voxels", "voxel_triangles", "cells", "cell_triangles"};
+        for (size_t k = 0; k < 5; k++)
+            check(results_number(line, keys[k]) > 0, "no %s on %s", keys[k], results_text(line, "where"));
     }
     check(counts == 3, "%zu counts", counts);
+    check_counts(find(lines, "count", "rays", "random"));
     json_decref(lines);
 }
 
@@ -206,7 +235,7 @@ static void mistakes_leave_nothing(void **state) {
     };
     scratch_write("file", "", 0);
     for (size_t k = 0; k < sizeof mistakes / sizeof mistakes[0]; k++) {
-        const int status = run(tradeoff_main, mistakes[k].arguments);
+        const int status = run(mistakes[k].arguments);
         check(status == mistakes[k].status, "\"%s\" ends with %d", mistakes[k].arguments, status);
     }
     check(access("out/tradeoff.json", F_OK) != 0, "a failure has left files");
@@ -215,7 +244,7 @@ static void mistakes_leave_nothing(void **state) {
 
 static void helps(void **state) {
     (void)state;
-    check(run(tradeoff_main, "--help") == 0, "help fails");
+    check(run("--help") == 0, "help fails");
 }
 
 int main(void) {

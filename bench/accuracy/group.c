@@ -10,14 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-bool tradeoff_listed(const option_list *list, const char *name) {
-    for (size_t k = 0; k < list->count; k++)
-        if (strcmp(list->items[k], name) == 0) return true;
-    return list->count == 0;
-}
-
-bool tradeoff_mode_wanted(const tradeoff_mode *mode, const tradeoff_options *o) {
-    return o->modes.count ? tradeoff_listed(&o->modes, mode->name) : o->longer || !mode->longer;
+bool tradeoff_mode_wanted(size_t number, const tradeoff_options *o) {
+    return o->modes.count ? option_wanted(&o->modes, number) : o->longer || !tradeoff_mode_at(number)->longer;
 }
 
 /* ---- a field ---- */
@@ -43,18 +37,15 @@ bool tradeoff_field_open(tradeoff_field *on, const char *name, const tradeoff_op
     *on = (tradeoff_field){0};
     if (!workload_field_make(name, &on->samples)) return io_fail(error, "out of memory for field %s", name);
     on->ground = tradeoff_ground_of(on->samples.z, on->samples.nx, on->samples.ny);
-    cw_field_desc desc = cw_field_desc_default();
-    desc.samples = on->ground.z;
-    desc.nx = on->ground.nx;
-    desc.ny = on->ground.ny;
-    cw_status status = cw_field_create(&desc, &on->field);
+    cw_status status = workload_field_open(&on->samples, CW_COPY, false, &on->field);
     if (status == CW_OK) status = cw_field_build(on->field, cw_kernel_find("cell"));
     bool good = status == CW_OK || io_fail(error, "field %s: %s", name, cw_status_message(status));
     for (size_t m = 0; good && m < tradeoff_mode_count(); m++) {
         const tradeoff_mode *mode = tradeoff_mode_at(m);
-        if (!tradeoff_mode_wanted(mode, o) || on->stage_count == TRADEOFF_MODES_MAX) continue;
+        if (!tradeoff_mode_wanted(m, o) || on->stage_count == TRADEOFF_MODES_MAX) continue;
         if ((mode->embree && peer_embree_version() == NULL) || !fits(on, mode)) continue;
-        good = tradeoff_stage_open(&on->stages[on->stage_count], mode, on->field, &on->ground, o->isa, error);
+        good =
+            tradeoff_stage_open(&on->stages[on->stage_count], mode, on->field, &on->ground, (cw_isa)o->run.isa, error);
         on->stage_count += good;
     }
     if (!good) tradeoff_field_close(on);
@@ -115,7 +106,7 @@ static bool add_rows(group *g, const tradeoff_options *o, io_error *error) {
         for (size_t k = 0; k < cw_kernel_count(); k++) {
             const cw_kernel *kernel = cw_kernel_at(k);
             const char *name = cw_kernel_describe(kernel).name;
-            if (!tradeoff_listed(&o->kernels, name)) continue;
+            if (!option_wanted(&o->kernels, k)) continue;
             const cw_status status = tradeoff_stage_kernel(r.stage, kernel, &r.contender, &r.kernel);
             if (status == CW_ERROR_UNAVAILABLE || status == CW_ERROR_UNSUPPORTED) continue;
             if (status != CW_OK)
@@ -129,21 +120,8 @@ static bool add_rows(group *g, const tradeoff_options *o, io_error *error) {
 
 /* ---- passes ---- */
 
-typedef struct pass {
-    const group *on;
-    const row *row;
-    unsigned thin;
-} pass;
-
-static void run_pass(void *context) {
-    const pass *p = context;
-    const contender *c = &p->row->contender;
-    const cw_ray *rays = p->on->rays[p->thin];
-    const size_t n = p->on->counts[p->thin];
-    if (p->on->any)
-        c->any(c->self, rays, n, p->on->occluded);
-    else
-        c->closest(c->self, rays, n, p->on->hits);
+static contender_pass pass_of(const group *g, const row *r, unsigned thin) {
+    return (contender_pass){&r->contender, g->rays[thin], g->counts[thin], g->any, g->hits, g->occluded};
 }
 
 /* The thinnest set that takes at most about this long, of those that take longer than the thinnest of all. */
@@ -157,11 +135,11 @@ static unsigned thin_for(double seconds, double limit) {
  * uneven and need one pass alone, so they get more time. The first pass only warms up. */
 static void choose_thin(const group *g, row *r, double limit) {
     enum { ERRORS_LONGER = 4 };
-    pass p = {g, r, THIN_MAX};
+    contender_pass p = pass_of(g, r, THIN_MAX);
     double seconds = 0;
     for (int repeat = 0; repeat < 2 && seconds <= limit; repeat++) {
         const double start = clock_cpu_seconds();
-        run_pass(&p);
+        contender_run(&p);
         seconds = clock_cpu_seconds() - start;
     }
     if (seconds > limit) r->left_out = seconds;
@@ -200,8 +178,8 @@ static void find_errors_of(group *g, const tradeoff_stage *stage) {
         if (leader == NULL || r->thin_errors <= leader->thin_errors) leader = r;
     }
     if (leader == NULL) return;
-    pass p = {g, leader, leader->thin_errors};
-    run_pass(&p);
+    contender_pass p = pass_of(g, leader, leader->thin_errors);
+    contender_run(&p);
     judge(g, leader);
     const size_t n = g->counts[leader->thin_errors];
     if (g->any)
@@ -211,8 +189,8 @@ static void find_errors_of(group *g, const tradeoff_stage *stage) {
     for (size_t k = 0; k < g->row_count; k++) {
         row *r = &g->rows[k];
         if (r->stage != stage || r == leader || r->left_out > 0) continue;
-        p = (pass){g, r, r->thin_errors};
-        run_pass(&p);
+        p = pass_of(g, r, r->thin_errors);
+        contender_run(&p);
         if (same_as_leader(g, leader, r)) {
             r->errors = leader->errors;
             r->same_as = leader;
@@ -230,16 +208,16 @@ static void find_errors(group *g) {
 
 static bool time_all(group *g, const tradeoff_options *o, double seconds, io_error *error) {
     interleave_job jobs[TRADEOFF_ROWS_MAX];
-    pass passes[TRADEOFF_ROWS_MAX];
+    contender_pass passes[TRADEOFF_ROWS_MAX];
     size_t count = 0;
     for (size_t k = 0; k < g->row_count; k++) {
         if (g->rows[k].left_out > 0) continue;
-        passes[count] = (pass){g, &g->rows[k], g->rows[k].thin};
-        jobs[count] = (interleave_job){.run = run_pass, .context = &passes[count]};
+        passes[count] = pass_of(g, &g->rows[k], g->rows[k].thin);
+        jobs[count] = (interleave_job){.run = contender_run, .context = &passes[count]};
         count++;
     }
     const interleave_limits limits = {
-        .width = 0.02, .seconds = seconds, .least = 3, .most = INTERLEAVE_SAMPLES_MAX, .seed = (uint32_t)o->seed};
+        .width = 0.02, .seconds = seconds, .least = 3, .most = INTERLEAVE_SAMPLES_MAX, .seed = o->run.seed};
     if (!interleave(jobs, count, &limits)) return io_fail(error, "out of memory");
     for (size_t k = 0, job = 0; k < g->row_count; k++)
         if (g->rows[k].left_out == 0) g->rows[k].job = jobs[job++];
@@ -313,7 +291,7 @@ static bool append_rows(const group *g, json_t *lines, io_error *error) {
 /* ---- all together ---- */
 
 static bool make_rays(group *g, const tradeoff_options *o, io_error *error) {
-    const size_t n = (size_t)o->count;
+    const size_t n = o->count;
     for (unsigned thin = 0; thin <= THIN_MAX; thin++) {
         g->rays[thin] = malloc(((n >> thin) + RAYS_SPARE) * sizeof *g->rays[thin]);
         if (g->rays[thin] == NULL) return io_fail(error, "out of memory for %zu rays", n);
@@ -322,7 +300,7 @@ static bool make_rays(group *g, const tradeoff_options *o, io_error *error) {
     g->leader_hits = malloc(n * sizeof *g->leader_hits);
     g->occluded = malloc(n);
     g->leader_occluded = malloc(n);
-    g->counts[0] = tradeoff_rays_make(g->on->field, &g->on->samples, g->ray_class, (uint32_t)o->seed, n, g->rays[0]);
+    g->counts[0] = tradeoff_rays_make(g->on->field, &g->on->samples, g->ray_class, o->run.seed, n, g->rays[0]);
     if (!g->hits || !g->leader_hits || !g->occluded || !g->leader_occluded || g->counts[0] == 0)
         return io_fail(error, "out of memory for %zu rays", n);
     for (unsigned thin = 1; thin <= THIN_MAX; thin++)

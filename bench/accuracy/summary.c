@@ -2,7 +2,6 @@
 #include "accuracy/summary.h"
 
 #include "accuracy/pareto.h"
-#include "accuracy/run.h"
 #include "harness/results.h"
 #include "harness/statistics.h"
 
@@ -11,8 +10,6 @@
 #include <string.h>
 
 enum { CONTENDERS_MAX = 192, GROUPS_MAX = 256 };
-
-static bool is_result(const json_t *line) { return strcmp(results_text(line, "kind"), "result") == 0; }
 
 /* Groups that the results have, and those of them that are timed. */
 typedef struct groups {
@@ -31,7 +28,7 @@ static groups groups_of(const json_t *lines) {
     size_t index;
     const json_t *line;
     json_array_foreach(lines, index, line) {
-        if (!is_result(line)) continue;
+        if (!results_is(line, "result")) continue;
         size_t k = 0;
         while (k < g.count && !is_group(g.first[k], line)) k++;
         if (k == GROUPS_MAX) continue;
@@ -84,7 +81,7 @@ static json_t *summary_of(const json_t *lines, const groups *g, const char *name
     size_t ran = 0, rays = 0, index;
     const json_t *line, *any = NULL;
     json_array_foreach(lines, index, line) {
-        if (!is_result(line) || strcmp(results_text(line, "contender"), name) != 0) continue;
+        if (!results_is(line, "result") || strcmp(results_text(line, "contender"), name) != 0) continue;
         any = line;
         if (json_object_get(line, "left_out_seconds")) continue;
         ran++;
@@ -158,7 +155,7 @@ static void mark(const frontier *f, json_t **summaries, size_t count) {
 bool tradeoff_summarise(json_t *lines, io_error *error) {
     const char *names[CONTENDERS_MAX];
     json_t *summaries[CONTENDERS_MAX];
-    const size_t count = results_distinct(lines, "contender", names, CONTENDERS_MAX);
+    const size_t count = results_distinct(lines, "result", "contender", names, CONTENDERS_MAX);
     const groups g = groups_of(lines);
     bool good = true;
     for (size_t k = 0; k < count; k++) summaries[k] = summary_of(lines, &g, names[k]);
@@ -183,14 +180,14 @@ static void print_number(const json_t *line, const char *key) {
         printf(" %9s", "");
 }
 
-void tradeoff_print(const json_t *lines) {
+void summary_print(const json_t *lines) {
     static const char *const keys[] = {"mrays_per_s",          "leaks_per_million",  "wrong_per_million",
                                        "phantoms_per_million", "broken_per_million", "aimed_wrong_answers_per_million",
                                        "off_cells_worst"};
     const json_t *all[CONTENDERS_MAX], *line;
     size_t count = 0, index;
     json_array_foreach(lines, index, line) {
-        if (results_is(line, "summary", NULL) && results_number(line, "groups") > 0) all[count++] = line;
+        if (results_is(line, "summary") && results_number(line, "groups") > 0) all[count++] = line;
     }
     qsort(all, count, sizeof *all, by_speed);
     printf("In a million rays; a marks the frontier of speed and wrong answers, h that of speed and height off the "

@@ -15,4 +15,7 @@
  * False if out of memory. */
 bool tradeoff_summarise(json_t *lines, io_error *error);
 
+/* Prints the contenders, fastest first, from these lines. */
+void summary_print(const json_t *lines);
+
 #endif

@@ -1,154 +1,146 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The command line of cellwalk-bench tradeoff, and its files. */
+/* The command line of cellwalk-bench tradeoff, and its file. */
 
-#include "accuracy/run.h"
+#include "accuracy/tradeoff.h"
 
+#include "accuracy/summary.h"
+#include "accuracy/walks.h"
 #include "build_info.h"
-#include "harness/choices.h"
+#include "commands.h"
+#include "harness/child.h"
 #include "harness/folder.h"
 #include "harness/results.h"
-#include "output.h"
+#include "harness/run_record.h"
+#include "micro/counters.h"
+#include "scenes/tracer.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const usage =
-    "Usage: cellwalk-bench tradeoff [OPTIONS]\n"
-    "\n"
+static const char what[] =
     "What does accuracy cost, and what does giving some up buy? Runs every mode of accuracy with every kernel that has "
-    "it,\n"
-    "and Embree, on the same rays; finds each answer's error, then times all of them in rounds on one thread.\n"
-    "\n"
+    "it, and "
+    "Embree, on the same rays; finds the error of each answer, then times all of them in rounds on one thread.\n\n"
     "The truth is the strict watertight answer, which the tests hold against an exact oracle, with t computed anew "
-    "from ray\n"
-    "and triangle to 2^-26 of a float's last place. What rounding excuses (papers/numerics.md) does not count:\n"
-    "  leak      the ray passes clearly through the surface, and there is no hit\n"
-    "  phantom   a hit where the ray is clear of the surface\n"
-    "  wrong     a hit, but behind a surface that the ray has clearly passed\n"
-    "  beyond    the sum of these that the mode's own claim, half a step of 16-bit samples say, does not explain\n"
-    "  t         error of all other hits: in ULP of the exact t, and as a distance along the ray in cells\n"
-    "  off       how far such a hit is above or below the surface, in cells; unlike t it does not grow where rays run "
+    "from ray and "
+    "triangle to 2^-26 of a float's last place. What rounding excuses (papers/numerics.md) does not count:\n"
+    "  leak     the ray passes clearly through the surface, and there is no hit\n"
+    "  phantom  a hit where the ray is clear of the surface\n"
+    "  wrong    a hit, but behind a surface that the ray has clearly passed\n"
+    "  beyond   the sum of these that the mode's own claim, half a step of 16-bit samples say, does not explain\n"
+    "  t        error of all other hits: in ULP of the exact t, and as a distance along the ray in cells\n"
+    "  off      how far such a hit is above or below the surface, in cells; unlike t it does not grow where rays run "
     "along it\n"
-    "  normal    angle between the Phong normals at the hit and at the exact place, degrees\n"
-    "\n"
-    "Who is beaten by nobody in both speed and error is on the Pareto frontier: once for wrong answers a million rays, "
-    "once\n"
-    "for the worst height off the surface. Beside the benchmark's classes of rays, 'vertices' and 'edges' are aimed "
-    "at\n"
-    "these, to find leaks; they are not timed. The six scenes are rendered with each mode and held against strict.\n"
-    "\n"
-    "Saves tradeoff.json in a folder.\n"
-    "\n"
-    "Options (lists are NAME,NAME or the option again):\n";
+    "  normal   angle between the Phong normals at the hit and at the exact place, degrees\n\n"
+    "Who is beaten by nobody in both speed and error is on the Pareto frontier: once for wrong answers in a million "
+    "rays, once "
+    "for the worst height off the surface. Beside the benchmark's classes of rays, vertices and edges are aimed at "
+    "these, to "
+    "find leaks; they are not timed. The six scenes are rendered with each mode and held against strict. Saves "
+    "tradeoff.json in "
+    "a folder.";
 
-static const char *const examples =
-    "\n"
-    "Examples:\n"
-    "  cellwalk-bench tradeoff\n"
-    "      A first look, in a minute.\n"
-    "  cellwalk-bench tradeoff --mode strict,moller-trumbore --kernel pyramid8 --field 1025 --scene none\n"
-    "      What does the watertight leaf test cost?\n"
-    "  cellwalk-bench tradeoff --long --out papers/data/tradeoff\n"
-    "      The figures of the page, on a quiet machine.\n";
+static const char examples[] = "  cellwalk-bench tradeoff            a first look, in a minute\n"
+                               "  cellwalk-bench tradeoff --mode strict,moller-trumbore --kernel pyramid8 \\\n"
+                               "      --field 1025 --scene none      what does the watertight leaf test cost?\n"
+                               "  cellwalk-bench tradeoff --long --out papers/data/tradeoff\n";
 
-static const char *const scene_names[] = {"hftest",  "landsea-0",   "landsea-1", "landsea-2",
-                                          "texture", "landsea-big", "none"};
-enum { SCENE_NAMES = sizeof scene_names / sizeof scene_names[0] };
+static const char *scene_or_none(size_t number) { return number == SCENES ? "none" : scene_names(number); }
+static const char *mode_names(size_t number) {
+    return number < tradeoff_mode_count() ? tradeoff_mode_at(number)->name : NULL;
+}
+static const char *class_names(size_t number) { return tradeoff_class_name((int)number); }
 
-static bool check_options(tradeoff_options *o, io_error *error) {
-    const char *names[OPTION_LIST_MAX];
-    size_t count = 0;
-    for (; count < tradeoff_mode_count() && count < OPTION_LIST_MAX; count++)
-        names[count] = tradeoff_mode_at(count)->name;
-    if (!options_check_names(&o->modes, "--mode", names, count, 0, error)) return false;
-    if (!choices_kernels(&o->kernels, error)) return false;
-    for (count = 0; count < TRADEOFF_CLASS_COUNT; count++) names[count] = tradeoff_class_name((int)count);
-    if (!options_check_names(&o->rays, "--rays", names, count, count, error)) return false;
-    if (o->fields.count == 0) {
-        static const char *const some[] = {"257", "1025"}, *const more[] = {"65",   "257",      "1025",
-                                                                            "4097", "sea-calm", "sea-rough"};
-        for (size_t k = 0; k < (o->longer ? 6 : 2); k++)
-            o->fields.items[o->fields.count++] = (o->longer ? more : some)[k];
+static void set_defaults(tradeoff_options *o) {
+    if (o->count == 0) o->count = o->longer ? 1 << 20 : 1 << 14;
+    if (o->seconds <= 0) o->seconds = o->longer ? 1200 : 15;
+    if (o->pass <= 0) o->pass = o->longer ? 0.5 : 0.05;
+    if (o->samples == 0 && !o->longer) o->samples = 1;
+    if (o->fields.count == 0) { /* 257, 1025; with --long all but the largest */
+        option_list_fill(&o->fields, workload_field_name, o->longer ? 0 : 1, o->longer ? 4 : 3);
+        if (o->longer) option_list_fill(&o->fields, workload_field_name, 5, 7);
     }
-    if (!choices_fields(&o->fields, 0, error)) return false;
-    if (!options_check_names(&o->scenes, "--scene", scene_names, SCENE_NAMES, SCENE_NAMES - 1, error)) return false;
-    return choices_isa(o->isa_name, &o->isa, error);
+    if (o->rays.count == 0) option_list_fill(&o->rays, class_names, 0, OPTION_LIST_MAX);
+    if (o->scenes.count == 0) option_list_fill(&o->scenes, scene_names, 0, SCENES);
+    if (option_wanted(&o->scenes, SCENES)) o->scenes.count = 0;
 }
 
-/* ---- files ---- */
-
-static bool open_file(io_output *out, const char *folder, const char *name, io_error *error) {
-    char path[4352];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    return io_output_open(out, path, error);
-}
-
-static bool run(const tradeoff_options *o, io_error *error) {
+/* argv: the arguments, for the program that counts. */
+static bool run(const tradeoff_options *o, int argc, char **argv, io_error *error) {
     io_output json = {0};
-    json_t *lines = json_array();
-    bool good = (lines || io_fail(error, "out of memory")) && folder_make(o->out, error) &&
-                open_file(&json, o->out, "tradeoff.json", error) && tradeoff_run(o, lines, error);
-    size_t index;
-    json_t *line;
-    json_array_foreach(lines, index, line) good = good && results_write(&json, json_incref(line), error);
-    good = good && io_output_commit(&json, error);
-    if (good) tradeoff_print(lines);
+    int cpu;
+    if (!run_options_pin(&o->run, &cpu, error)) return false;
+    json_t *lines = json_array(), *record = run_record("tradeoff", o->run.seed, cpu);
+    results_set_count(record, "rays_a_class", o->count);
+    results_set_count(record, "samples_a_pixel", o->samples);
+    bool good = json_array_append_new(lines, record) == 0 || io_fail(error, "out of memory");
+    good = good && folder_open(&json, o->out, o->counters ? "counts.json" : "tradeoff.json", error);
+    /* First what may fail soon. */
+    if (good && counters_here())
+        good = walks_count(o, lines, error);
+    else if (good)
+        good = walks_count_elsewhere(argc, argv, o->out, lines, error);
+    if (good && o->counters) {
+        walks_print(lines);
+    } else if (good) {
+        good = tradeoff_run(o, lines, error);
+        if (good) summary_print(lines);
+    }
+    good = good && results_write_all(&json, lines, error) && io_output_commit(&json, error);
     io_output_discard(&json);
     json_decref(lines);
     fflush(stdout);
-    if (good) fprintf(stderr, "saved %s/tradeoff.json\n", o->out);
+    if (good) fprintf(stderr, "saved in %s\n", o->out);
     return good;
 }
 
-int tradeoff_main(char **arguments, int count) {
-    tradeoff_options o = {.out = "out/tradeoff", .scene_folder = BUILD_INFO_SCENES, .seed = 1, .cpu = UINT64_MAX};
-    const option options[] = {
-        {"--mode", "NAMES",
-         "only these; all but the grids by default, and these too with --long: strict, moller-trumbore, early, "
-         "samples-16, tolerance-0.1, tolerance-1, cone-pixel, embree, embree-robust, embree-grid, "
-         "embree-grid-robust",
-         OPTION_LIST, &o.modes, 0, 0},
-        {"--kernel", "NAMES", "only these kernels (cellwalk info lists them), beside Embree", OPTION_LIST, &o.kernels,
-         0, 0},
-        {"--rays", "NAMES", "only these classes: primary, shadow, ao, bounce, random, grazing, vertices, edges",
-         OPTION_LIST, &o.rays, 0, 0},
-        {"--field", "NAMES", "fields of micro; 257, 1025 by default; 65, 4097, sea-calm, sea-rough too with --long",
-         OPTION_LIST, &o.fields, 0, 0},
-        {"--scene", "NAMES", "only these: hftest, landsea-0, landsea-1, landsea-2, texture, landsea-big; or none",
-         OPTION_LIST, &o.scenes, 0, 0},
-        {"--scenes", "FOLDER", "where the scenes' .pbrt files are; by default those made with this program",
-         OPTION_TEXT, &o.scene_folder, 0, 0},
-        {"--isa", "NAME", "instruction set for all, Embree as well: scalar, sse4.2, avx2 or avx512", OPTION_TEXT,
-         &o.isa_name, 0, 0},
-        {"--count", "N", "rays in a class (16384; 1048576 with --long)", OPTION_COUNT, &o.count, 64, 1 << 24},
-        {"--samples", "N", "samples a pixel of the scenes (1; what the scene says with --long)", OPTION_COUNT,
-         &o.samples, 0, 1024},
-        {"--seconds", "S", "time for errors and speeds on the fields, as far as it can be kept (15; 1200 with --long)",
-         OPTION_REAL, &o.seconds, 0.01, 1e6},
-        {"--pass", "S", "who takes longer for one pass runs on fewer rays, down to a 64th (0.05; 0.5 with --long)",
-         OPTION_REAL, &o.pass, 1e-6, 1e6},
-        {"--seed", "N", "of rays and order (1)", OPTION_COUNT, &o.seed, 0, UINT32_MAX},
-        {"--cpu", "N", "stay on this CPU; by default on the one that the program starts on", OPTION_COUNT, &o.cpu, 0,
-         1023},
-        {"--no-pin", NULL, "let the system move the program between CPUs", OPTION_FLAG, &o.no_pin, 0, 0},
-        {"--long", NULL, "all fields but the largest, more rays, more time", OPTION_FLAG, &o.longer, 0, 0},
-        {"--out", "FOLDER", "where to save tradeoff.json; made if need be (out/tradeoff)", OPTION_TEXT, &o.out, 0, 0},
+static int start(int argc, char **argv) {
+    tradeoff_options o = {.out = "out/tradeoff", .scene_folder = BUILD_INFO_SCENES};
+    enum { OWN = 13 };
+    option_spec options[OWN + RUN_OPTION_COUNT] = {
+        {"mode", "NAMES", "only these; all but Embree's grids by default, and these too with --long", OPTION_LIST,
+         .to = &o.modes, .names = mode_names},
+        {"kernel", "NAMES", "only these kernels, beside Embree", OPTION_LIST, .to = &o.kernels,
+         .names = option_kernel_names},
+        {"rays", "NAMES", "only these classes of rays", OPTION_LIST, .to = &o.rays, .names = class_names},
+        {"field", "NAMES", "these fields instead of 257 and 1025, or all but 8193 with --long", OPTION_LIST,
+         .to = &o.fields, .names = workload_field_name},
+        {"scene", "NAMES", "only these", OPTION_LIST, .to = &o.scenes, .names = scene_or_none},
+        {"scenes", "FOLDER", "where the scenes' .pbrt files are; by default those made with this program", OPTION_TEXT,
+         .to = &o.scene_folder},
+        {"count", "N", "rays in a class (16384; 1048576 with --long)", OPTION_COUNT, .to = &o.count, .low = 64,
+         .high = 1 << 24},
+        {"samples", "N", "samples a pixel of the scenes (1; what the scene says with --long)", OPTION_COUNT,
+         .to = &o.samples, .high = 1024},
+        {"seconds", "S", "time for errors and speeds on the fields, as far as it can be kept (15; 1200 with --long)",
+         OPTION_REAL, .to = &o.seconds, .low = 0.01, .high = 1e6},
+        {"pass", "S", "who takes longer for one pass runs on fewer rays, down to a 64th (0.05; 0.5 with --long)",
+         OPTION_REAL, .to = &o.pass, .low = 1e-6, .high = 1e6},
+        {"counters", NULL, "only count what rays cost in the kernels grid3d and cell, and save that in counts.json",
+         OPTION_FLAG, .to = &o.counters},
+        {"long", NULL, "all fields but the largest, more rays, more time", OPTION_FLAG, .to = &o.longer},
+        {"out", "FOLDER", "where to save tradeoff.json; made if need be (out/tradeoff)", OPTION_TEXT, .to = &o.out},
     };
-    const option_frame frame = {.command = "tradeoff",
-                                .usage = usage,
-                                .examples = examples,
-                                .options = options,
-                                .option_count = sizeof options / sizeof options[0]};
-    int status;
-    if (!options_begin(&frame, arguments, &count, &status)) return status;
+    run_options_rows(&o.run, options + OWN);
+    const options_usage usage = {.name = "tradeoff",
+                                 .synopsis = "[OPTIONS]",
+                                 .what = what,
+                                 .examples = examples,
+                                 .options = options,
+                                 .option_count = OWN + RUN_OPTION_COUNT};
+    char *whole[256]; /* the arguments as they are: the parser takes lists apart */
+    if (argc > 255) return command_fail("tradeoff", "too many arguments"), EXIT_USAGE;
+    for (int k = 0; k < argc; k++) whole[k] = strdup(argv[k]);
+    int status = options_parse(&usage, argc, argv, NULL);
     io_error error = {{0}};
-    if (o.count == 0) o.count = o.longer ? 1 << 20 : 1 << 14;
-    if (o.seconds <= 0) o.seconds = o.longer ? 1200 : 15;
-    if (o.pass <= 0) o.pass = o.longer ? 0.5 : 0.05;
-    if (o.samples == 0 && !o.longer) o.samples = 1;
-    if (!check_options(&o, &error)) return options_misused("tradeoff", &error);
-    cw_isa_limit(o.isa);
-    if (run(&o, &error)) return EXIT_SUCCESS;
-    return options_failed("tradeoff", &error);
+    set_defaults(&o);
+    if (status == OPTIONS_GO && !run_options_check(&o.run, "tradeoff")) status = EXIT_USAGE;
+    if (status == OPTIONS_GO && o.counters && !counters_here()) status = child_run_counting(argc, whole);
+    if (status == OPTIONS_GO)
+        status = run(&o, argc, whole, &error) ? EXIT_SUCCESS : command_fail("tradeoff", "%s", error.text);
+    for (int k = 0; k < argc; k++) free(whole[k]);
+    return status;
 }
+
+const command command_tradeoff = {"tradeoff", "weigh speed against error for every mode of accuracy", start};

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* cellwalk-bench tradeoff: speed against error, for every mode of accuracy, leaf test, walk and width, and for Embree. All
- * that is printed, drawn or put into a page is made from the JSON lines, so that no two of them can disagree. */
+/* cellwalk-bench tradeoff: speed against error, for every mode of accuracy, leaf test, walk and width, and for Embree. What
+ * is printed is made from the JSON lines that are saved. */
 #ifndef CELLWALK_BENCH_ACCURACY_TRADEOFF_H
 #define CELLWALK_BENCH_ACCURACY_TRADEOFF_H
 
 #include "accuracy/modes.h"
 #include "accuracy/rays.h"
 #include "harness/interleave.h"
-#include "harness/options.h"
+#include "harness/run_options.h"
 #include "workload/fields.h"
 
 #include <jansson.h>
@@ -15,12 +15,12 @@
 enum { TRADEOFF_MODES_MAX = 32, TRADEOFF_ROWS_MAX = 192 };
 
 typedef struct tradeoff_options {
-    option_list modes, kernels, rays, fields, scenes;
-    const char *isa_name, *scene_folder, *out;
-    uint64_t count, seed, cpu, samples;
+    run_options run;
+    option_list modes, kernels, rays, fields, scenes; /* numbers: of modes, kernels, classes, fields, scenes */
+    const char *scene_folder, *out;
+    unsigned count, samples;
     double seconds, pass;
-    bool longer, no_pin;
-    cw_isa isa;
+    bool longer, counters;
 } tradeoff_options;
 
 /* What is to be told of a mode's answers. */
@@ -85,8 +85,11 @@ bool tradeoff_group_run(const tradeoff_field *on, int ray_class, const tradeoff_
                         json_t *lines, io_error *error);
 
 /* True if the mode is to be measured. */
-bool tradeoff_mode_wanted(const tradeoff_mode *mode, const tradeoff_options *options);
-/* True if the list is empty or holds the name. */
-bool tradeoff_listed(const option_list *list, const char *name);
+bool tradeoff_mode_wanted(size_t number, const tradeoff_options *options);
+
+/* ---- run.c ---- */
+
+/* All measurements but the counts of walks, as JSON lines appended to the array. */
+bool tradeoff_run(const tradeoff_options *options, json_t *lines, io_error *error);
 
 #endif

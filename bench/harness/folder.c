@@ -25,3 +25,12 @@ bool folder_make(const char *path, io_error *error) {
     free(copy);
     return good;
 }
+
+bool folder_open(io_output *out, const char *folder, const char *name, io_error *error) {
+    char *path = NULL;
+    if (!folder_make(folder, error)) return false;
+    if (asprintf(&path, "%s/%s", folder, name) < 0) return io_fail(error, "out of memory");
+    const bool good = io_output_open(out, path, error);
+    free(path);
+    return good;
+}

@@ -1,33 +1,27 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "harness/measure.h"
+/* cellwalk-bench measure: every measurement that the papers quote, one file of results each, in one go. */
 
 #include "cellwalk.h"
 #include "clock.h"
+#include "commands.h"
 #include "cpus.h"
+#include "harness/child.h"
 #include "harness/folder.h"
-#include "harness/options.h"
 #include "harness/results.h"
 #include "harness/run_record.h"
+#include "options.h"
 #include "peers/embree.h"
 
 #include <errno.h>
-#include <spawn.h>
-#include <stdio.h>
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
-extern char **environ;
-
-static const char *const usage =
-    "Usage: cellwalk-bench measure [OPTIONS]\n"
-    "\n"
+static const char what[] =
     "Makes every file of results that the papers quote, one after the other. A file that is there already is kept, so "
-    "a\n"
-    "run that was broken off goes on where it was. For figures to publish nothing else should run on the machine.\n"
-    "\n"
-    "Files:\n"
+    "a run that "
+    "was broken off goes on where it was. For figures to publish nothing else should run on the machine. Files:\n"
     "  speed-ISA.json          each instruction set: all classes of rays on all fields, the library's kernel and "
     "Embree\n"
     "  peers.json              Embree's triangles and grids, normal and robust\n"
@@ -37,18 +31,16 @@ static const char *const usage =
     "  building.json           memory and building time, Embree at its default quality\n"
     "  counters.json           what the kernels do for a ray\n"
     "  scenes/table.json       the six scenes\n"
-    "  tradeoff/tradeoff.json  speed against error\n"
-    "\n"
-    "Options:\n";
+    "  tradeoff/tradeoff.json  speed against error";
 
 enum { WORDS_MAX = 32, STEPS_MAX = 16 };
 
 /* One file. share: of the time for all. */
 typedef struct step {
     char file[64];
-    char command[512]; /* without seconds, JSON file and seed; words have no spaces */
-    bool folder;       /* takes the file's folder instead of the file */
-    bool counts;       /* no clock is looked at: takes no time to be given */
+    char words[512]; /* without seconds, JSON file and seed; words have no spaces */
+    bool folder;     /* takes the file's folder instead of the file */
+    bool counts;     /* no clock is looked at: takes no time to be given */
     double share;
 } step;
 
@@ -57,13 +49,13 @@ typedef struct campaign {
     size_t count;
 } campaign;
 
-static void add(campaign *c, double share, const char *file, const char *command) {
+static void add(campaign *c, double share, const char *file, const char *words) {
     step *s = &c->steps[c->count++];
     *s = (step){.share = share};
     snprintf(s->file, sizeof s->file, "%s", file);
-    snprintf(s->command, sizeof s->command, "%s", command);
-    s->folder = strncmp(command, "table", 5) == 0 || strncmp(command, "tradeoff", 8) == 0;
-    s->counts = strstr(command, "--counters") != NULL;
+    snprintf(s->words, sizeof s->words, "%s", words);
+    s->folder = strncmp(words, "table", 5) == 0 || strncmp(words, "tradeoff", 8) == 0;
+    s->counts = strstr(words, "--counters") != NULL;
 }
 
 /* The widest kernel of the walk that an instruction set runs. */
@@ -104,44 +96,44 @@ static void plan(campaign *c, bool quick) {
     const bool embree = peer_embree_version() != NULL;
     const char *const triangles = embree ? "triangles" : "none";
     const cw_isa best = cw_isa_best();
-    char command[512], file[64];
+    char words[512], file[64];
     size_t used;
     for (int isa = (int)best; isa >= CW_ISA_SSE42; isa--) {
         speed_file(file, sizeof file, (cw_isa)isa);
-        snprintf(command, sizeof command, "micro --isa %s --kernel %s --peer %s --field %s %s",
-                 cw_isa_name((cw_isa)isa), kernel_of("pyramid", (cw_isa)isa), triangles, fields, rays);
-        add(c, isa == (int)best ? 8 : 5, file, command);
+        snprintf(words, sizeof words, "micro --isa %s --kernel %s --peer %s --field %s %s", cw_isa_name((cw_isa)isa),
+                 kernel_of("pyramid", (cw_isa)isa), triangles, fields, rays);
+        add(c, isa == (int)best ? 8 : 5, file, words);
     }
-    snprintf(command, sizeof command, "micro --kernel %s --peer %s --field %s %s", kernel_of("pyramid", best),
+    snprintf(words, sizeof words, "micro --kernel %s --peer %s --field %s %s", kernel_of("pyramid", best),
              embree ? "triangles,grid,triangles-robust,grid-robust" : "none", some, rays);
-    add(c, 3, "peers.json", command);
+    add(c, 3, "peers.json", words);
     static const char *const walks[] = {"cell", "packet", "pyramid"};
-    used = (size_t)snprintf(command, sizeof command, "micro --peer %s --field %s %s --kernel ", triangles, some, rays);
-    list_kernels(command + used, sizeof command - used, walks, sizeof walks / sizeof walks[0]);
-    add(c, 3, "widths.json", command);
+    used = (size_t)snprintf(words, sizeof words, "micro --peer %s --field %s %s --kernel ", triangles, some, rays);
+    list_kernels(words + used, sizeof words - used, walks, sizeof walks / sizeof walks[0]);
+    add(c, 3, "widths.json", words);
     /* One CPU has nothing to be faster than, which is a result like another. */
     const unsigned cpus = cpus_usable();
     char threads[32] = "1";
     if (cpus > 1) snprintf(threads, sizeof threads, cpus > 2 ? "1,2,%u" : "1,2", cpus);
-    snprintf(command, sizeof command, "micro --threads %s --kernel %s --peer none --field %s %s", threads,
+    snprintf(words, sizeof words, "micro --threads %s --kernel %s --peer none --field %s %s", threads,
              kernel_of("pyramid", best), quick ? "65" : "257,1025",
              quick ? "--count 16384" : "--count 262144 --pass 5");
-    add(c, 3, "threads.json", command);
+    add(c, 3, "threads.json", words);
     for (int huge = 1; huge >= 0; huge--) {
-        snprintf(command, sizeof command, "micro --kernel %s --peer none --field %s --count %s%s",
+        snprintf(words, sizeof words, "micro --kernel %s --peer none --field %s --count %s%s",
                  kernel_of("pyramid", best), quick ? "65" : "1025,4097,8193", quick ? "2048" : "131072 --pass 5",
                  huge ? "" : " --small-pages");
-        add(c, 1, huge ? "pages-huge.json" : "pages-small.json", command);
+        add(c, 1, huge ? "pages-huge.json" : "pages-small.json", words);
     }
-    snprintf(command, sizeof command, "micro --rays none --quality medium --kernel %s,grid3d --peer %s --field %s",
+    snprintf(words, sizeof words, "micro --rays none --quality medium --kernel %s,grid3d --peer %s --field %s",
              kernel_of("pyramid", best), embree ? "triangles,grid" : "none", land);
-    add(c, 0, "building.json", command);
+    add(c, 0, "building.json", words);
     /* Brute force counts nothing. Pass is long, so that who takes part does not depend on the machine's mood. */
-    used = (size_t)snprintf(command, sizeof command, "micro --counters --pass 60 --field %s --count %s --kernel ", most,
+    used = (size_t)snprintf(words, sizeof words, "micro --counters --pass 60 --field %s --count %s --kernel ", most,
                             quick ? "2048" : "8192");
     static const char *const counting[] = {"cell", "grid3d", "packet", "pyramid"};
-    list_kernels(command + used, sizeof command - used, counting, sizeof counting / sizeof counting[0]);
-    add(c, 0, "counters.json", command);
+    list_kernels(words + used, sizeof words - used, counting, sizeof counting / sizeof counting[0]);
+    add(c, 0, "counters.json", words);
     add(c, 2, "scenes/table.json", quick ? "table --quick --scene hftest" : "table");
     add(c, 4, "tradeoff/tradeoff.json",
         quick ? "tradeoff --count 512 --field 65 --scene none" : "tradeoff --field 257,1025 --count 131072 --pass 1");
@@ -149,20 +141,12 @@ static void plan(campaign *c, bool quick) {
 
 /* ---- running ---- */
 
-typedef struct words {
-    char text[2048];
-    char *word[WORDS_MAX];
-    size_t count;
-} words;
-
-static void take_words(words *w, const char *program, const step *s, double seconds, uint32_t seed) {
-    size_t used = (size_t)snprintf(w->text, sizeof w->text, "%s %s --seed %u", program, s->command, seed);
-    if (!s->counts && s->share > 0)
-        used += (size_t)snprintf(w->text + used, sizeof w->text - used, " --seconds %.3g", seconds);
-    w->count = 0;
-    for (char *word = strtok(w->text, " "); word && w->count + 4 < WORDS_MAX; word = strtok(NULL, " "))
-        w->word[w->count++] = word;
-}
+typedef struct measure_options {
+    const char *out;
+    double seconds;
+    unsigned seed;
+    bool quick, again;
+} measure_options;
 
 /* The commit that a file's figures are of; they are not to be mixed with another's unnoticed. */
 static void tell_kept(const char *path, size_t number, size_t count) {
@@ -178,97 +162,78 @@ static void tell_kept(const char *path, size_t number, size_t count) {
     json_decref(lines);
 }
 
-typedef enum outcome { MADE, FAILED, STOPPED } outcome;
-
-static outcome run_step(const step *s, const char *path, double seconds, uint32_t seed, io_error *error) {
-    static char program[] = "/proc/self/exe", json[] = "--json", out[] = "--out";
-    words w;
-    char place[1024];
-    take_words(&w, "cellwalk-bench", s, seconds, seed);
+/* This program again, with the step's command. The status that it ends with. */
+static int run_step(const step *s, const char *path, double seconds, unsigned seed) {
+    static char self[] = "/proc/self/exe", json[] = "--json", out[] = "--out";
+    char text[1024], place[1024], *words[WORDS_MAX] = {self};
+    size_t count = 1;
+    int used = snprintf(text, sizeof text, "%s --seed %u", s->words, seed);
+    if (!s->counts && s->share > 0) snprintf(text + used, sizeof text - (size_t)used, " --seconds %.3g", seconds);
+    for (char *word = strtok(text, " "); word && count + 3 < WORDS_MAX; word = strtok(NULL, " ")) words[count++] = word;
     snprintf(place, sizeof place, "%s", path);
     if (s->folder) *strrchr(place, '/') = '\0';
-    w.word[w.count++] = s->folder ? out : json;
-    w.word[w.count++] = place;
-    w.word[w.count] = NULL;
-    pid_t child;
-    int status;
-    fflush(stdout);
-    const int failure = posix_spawn(&child, program, NULL, NULL, w.word, environ);
-    if (failure != 0) {
-        io_fail(error, "%s: the program does not start again: %s", s->file, strerror(failure));
-        return FAILED;
-    }
-    while (waitpid(child, &status, 0) < 0)
-        if (errno != EINTR) {
-            io_fail(error, "%s: waiting: %s", s->file, strerror(errno));
-            return FAILED;
-        }
-    if (WIFSIGNALED(status)) {
-        io_fail(error, "%s: stopped by signal %d; the same command goes on from here", s->file, WTERMSIG(status));
-        return STOPPED;
-    }
-    if (WEXITSTATUS(status) == 0 && access(path, F_OK) == 0) return MADE;
-    io_fail(error, "%s: ended with status %d", s->file, WEXITSTATUS(status));
-    return FAILED;
+    words[count++] = s->folder ? out : json;
+    words[count++] = place;
+    return child_run(words, NULL, NULL);
 }
 
-static void tell_load(void) {
-    double load = 0;
-    if (getloadavg(&load, 1) == 1 && load > 0.5)
-        fprintf(stderr, "The load of this machine is %.1f: other programs disturb the measurement.\n", load);
-}
-
-static bool run(const campaign *c, const char *folder, double seconds, uint32_t seed, bool again, io_error *error) {
-    double shares = 0;
+static bool run(const campaign *c, const measure_options *o, io_error *error) {
+    double shares = 0, load = 0;
     size_t failed = 0;
     for (size_t k = 0; k < c->count; k++) shares += c->steps[k].share;
-    if (!folder_make(folder, error)) return false;
-    tell_load();
+    if (!folder_make(o->out, error)) return false;
+    if (getloadavg(&load, 1) == 1 && load > 0.5)
+        fprintf(stderr, "The load of this machine is %.1f: other programs disturb the measurement.\n", load);
     const double start = clock_seconds();
     for (size_t k = 0; k < c->count; k++) {
         const step *s = &c->steps[k];
         char path[900];
-        if (snprintf(path, sizeof path, "%s/%s", folder, s->file) >= (int)sizeof path)
-            return io_fail(error, "--out %s: the name is too long", folder);
-        if (!again && access(path, F_OK) == 0) {
+        if (snprintf(path, sizeof path, "%s/%s", o->out, s->file) >= (int)sizeof path)
+            return io_fail(error, "--out %s: the name is too long", o->out);
+        if (!o->again && access(path, F_OK) == 0) {
             tell_kept(path, k + 1, c->count);
             continue;
         }
         fprintf(stderr, "[%zu of %zu, %.0f s] %s: cellwalk-bench %s\n", k + 1, c->count, clock_seconds() - start, path,
-                s->command);
-        const outcome o = run_step(s, path, seconds * s->share / shares, seed, error);
-        if (o == STOPPED) return false;
-        if (o == FAILED) fprintf(stderr, "cellwalk-bench measure: %s\n", error->text);
-        failed += o == FAILED;
+                s->words);
+        const int status = run_step(s, path, o->seconds * s->share / shares, o->seed);
+        if (status < 0) return io_fail(error, "%s: the program does not start again: %s", s->file, strerror(errno));
+        if (status > 128)
+            return io_fail(error, "%s: stopped by signal %d; the same command goes on from here", s->file,
+                           status - 128);
+        if (status == 0 && access(path, F_OK) == 0) continue;
+        command_fail("measure", "%s: ended with status %d", s->file, status);
+        failed++;
     }
     fprintf(stderr, "%.0f s, %zu of %zu files are in %s\n", clock_seconds() - start, c->count - failed, c->count,
-            folder);
+            o->out);
     return failed == 0 || io_fail(error, "%zu files could not be made", failed);
 }
 
-int measure_main(char **arguments, int count) {
-    const char *folder = "out/measure";
-    double seconds = 0;
-    uint64_t seed = 1;
-    bool quick = false, again = false;
-    const option options[] = {
-        {"--out", "FOLDER", "where to put the files; made if need be (out/measure)", OPTION_TEXT, &folder, 0, 0},
-        {"--seconds", "S",
+static int start(int argc, char **argv) {
+    measure_options o = {.out = "out/measure", .seed = 1};
+    const option_spec options[] = {
+        {"out", "FOLDER", "where to put the files; made if need be (out/measure)", OPTION_TEXT, .to = &o.out},
+        {"seconds", "S",
          "time for what is timed (1500; 10 with --quick); making fields and building Embree takes a quarter of an hour "
          "more",
-         OPTION_REAL, &seconds, 0.01, 1e6},
-        {"--seed", "N", "of rays and order (1)", OPTION_COUNT, &seed, 0, UINT32_MAX},
-        {"--again", NULL, "make the files that are there, too", OPTION_FLAG, &again, 0, 0},
-        {"--quick", NULL, "small fields and few rays: to see whether all runs", OPTION_FLAG, &quick, 0, 0},
+         OPTION_REAL, .to = &o.seconds, .low = 0.01, .high = 1e6},
+        {"seed", "N", "seed of rays and order (1)", OPTION_COUNT, .to = &o.seed, .high = UINT_MAX},
+        {"again", NULL, "make the files that are there, too", OPTION_FLAG, .to = &o.again},
+        {"quick", NULL, "small fields and few rays: to see whether all runs", OPTION_FLAG, .to = &o.quick},
     };
-    const option_frame frame = {
-        .command = "measure", .usage = usage, .options = options, .option_count = sizeof options / sizeof options[0]};
-    int status;
-    if (!options_begin(&frame, arguments, &count, &status)) return status;
+    const options_usage usage = {.name = "measure",
+                                 .synopsis = "[OPTIONS]",
+                                 .what = what,
+                                 .options = options,
+                                 .option_count = sizeof options / sizeof options[0]};
+    const int status = options_parse(&usage, argc, argv, NULL);
+    if (status != OPTIONS_GO) return status;
     io_error error = {{0}};
     campaign c = {.count = 0};
-    plan(&c, quick);
-    if (seconds <= 0) seconds = quick ? 10 : 1500;
-    if (run(&c, folder, seconds, (uint32_t)seed, again, &error)) return EXIT_SUCCESS;
-    return options_failed("measure", &error);
+    plan(&c, o.quick);
+    if (o.seconds <= 0) o.seconds = o.quick ? 10 : 1500;
+    return run(&c, &o, &error) ? EXIT_SUCCESS : command_fail("measure", "%s", error.text);
 }
+
+const command command_measure = {"measure", "make every file of results that the papers quote", start};

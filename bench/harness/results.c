@@ -4,7 +4,6 @@
 #include "harness/statistics.h"
 
 #include <errno.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -19,6 +18,15 @@ bool results_write(io_output *out, json_t *line, io_error *error) {
     }
     json_decref(line);
     return good;
+}
+
+bool results_write_all(io_output *out, const json_t *lines, io_error *error) {
+    size_t index;
+    json_t *line;
+    json_array_foreach((json_t *)lines, index, line) {
+        if (!results_write(out, json_incref(line), error)) return false;
+    }
+    return true;
 }
 
 static bool read_lines(FILE *file, const char *path, json_t *lines, io_error *error) {
@@ -106,47 +114,26 @@ const char *results_text(const json_t *object, const char *key) {
 
 double results_number(const json_t *object, const char *key) { return json_number_value(json_object_get(object, key)); }
 
-size_t results_distinct(const json_t *lines, const char *key, const char **texts, size_t most) {
-    return results_distinct_of(lines, "result", key, texts, most);
+bool results_is(const json_t *line, const char *kind) { return strcmp(results_text(line, "kind"), kind) == 0; }
+
+const json_t *results_first(const json_t *lines, const char *kind) {
+    size_t index;
+    const json_t *line;
+    json_array_foreach(lines, index, line) {
+        if (results_is(line, kind)) return line;
+    }
+    return NULL;
 }
 
-size_t results_distinct_of(const json_t *lines, const char *kind, const char *key, const char **texts, size_t most) {
+size_t results_distinct(const json_t *lines, const char *kind, const char *key, const char **texts, size_t most) {
     size_t count = 0, index;
     const json_t *line;
     json_array_foreach(lines, index, line) {
         const char *text = results_text(line, key);
-        if (strcmp(results_text(line, "kind"), kind) != 0 || *text == '\0') continue;
+        if (!results_is(line, kind) || *text == '\0') continue;
         size_t k = 0;
         while (k < count && strcmp(texts[k], text) != 0) k++;
         if (k == count && count < most) texts[count++] = text;
     }
     return count;
-}
-
-static bool has_pairs(const json_t *line, const char *kind, va_list pairs) {
-    bool is = strcmp(results_text(line, "kind"), kind) == 0;
-    for (const char *key = va_arg(pairs, const char *); is && key; key = va_arg(pairs, const char *))
-        is = strcmp(results_text(line, key), va_arg(pairs, const char *)) == 0;
-    return is;
-}
-
-bool results_is(const json_t *line, const char *kind, ...) {
-    va_list pairs;
-    va_start(pairs, kind);
-    const bool is = has_pairs(line, kind, pairs);
-    va_end(pairs);
-    return is;
-}
-
-const json_t *results_find(const json_t *lines, const char *kind, ...) {
-    size_t index;
-    const json_t *line;
-    json_array_foreach(lines, index, line) {
-        va_list pairs;
-        va_start(pairs, kind);
-        const bool is = has_pairs(line, kind, pairs);
-        va_end(pairs);
-        if (is) return line;
-    }
-    return NULL;
 }

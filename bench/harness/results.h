@@ -12,6 +12,9 @@
 /* Appends a line and takes over the reference to it; only that if out is not open. line may be NULL: out of memory. */
 bool results_write(io_output *out, json_t *line, io_error *error);
 
+/* Appends all lines of the array, to which the references stay the caller's. */
+bool results_write_all(io_output *out, const json_t *lines, io_error *error);
+
 /* The lines as an array, which the caller decrefs. NULL with file and line in error; the first line is of kind "run". */
 json_t *results_read(const char *path, io_error *error);
 
@@ -32,14 +35,11 @@ json_t *results_agreement(const agreement *a);
 const char *results_text(const json_t *object, const char *key);
 double results_number(const json_t *object, const char *key);
 
-/* The texts that a member has in lines of kind "result", in order of first appearance; at most most of them. */
-size_t results_distinct(const json_t *lines, const char *key, const char **texts, size_t most);
-/* The same of lines of another kind than "result". */
-size_t results_distinct_of(const json_t *lines, const char *kind, const char *key, const char **texts, size_t most);
-
-/* True if the line is of that kind and has these texts: pairs of key and text, then NULL. */
-bool results_is(const json_t *line, const char *kind, ...);
+/* True if the line is of that kind. */
+bool results_is(const json_t *line, const char *kind);
 /* The first such line; NULL if there is none. */
-const json_t *results_find(const json_t *lines, const char *kind, ...);
+const json_t *results_first(const json_t *lines, const char *kind);
+/* The texts that a member has in lines of that kind, in order of first appearance; at most most of them. */
+size_t results_distinct(const json_t *lines, const char *kind, const char *key, const char **texts, size_t most);
 
 #endif

@@ -4,8 +4,6 @@
 #include "clock.h"
 #include "micro/micro.h"
 
-#include <string.h>
-
 enum { BUILDS_MAX = 5 };
 static const double build_seconds_max = 0.5;
 
@@ -27,17 +25,11 @@ static void finish(micro_build *build, builds *b, size_t bytes) {
 
 static bool build_kernel(micro_build *build, const workload_field *samples, const cw_kernel *kernel, io_error *error) {
     const char *name = cw_kernel_describe(kernel).name;
-    cw_field_desc desc = cw_field_desc_default();
-    desc.samples = samples->z;
-    desc.nx = samples->nx;
-    desc.ny = samples->ny;
-    desc.storage = CW_BORROW;
-    desc.bare = true;
     size_t bytes = 0;
     builds b = {.start = clock_seconds()};
     while (go_on(&b)) {
         cw_field *field = NULL;
-        cw_status status = cw_field_create(&desc, &field);
+        cw_status status = workload_field_open(samples, CW_BORROW, true, &field);
         const double start = clock_cpu_seconds();
         if (status == CW_OK) status = cw_field_build(field, kernel);
         b.seconds[b.count] = clock_cpu_seconds() - start;
@@ -58,9 +50,9 @@ bool micro_build_kernels(micro_field *on, const micro_options *o, io_error *erro
     for (size_t k = 0; k < cw_kernel_count(); k++) {
         const cw_kernel *kernel = cw_kernel_at(k);
         const cw_kernel_info info = cw_kernel_describe(kernel);
-        bool wanted = o->kernels.count == 0;
-        for (size_t n = 0; n < o->kernels.count; n++) wanted = wanted || strcmp(o->kernels.items[n], info.name) == 0;
-        if (!wanted || !info.needs_build || !info.available || on->build_count == MICRO_KERNELS_MAX) continue;
+        if (!option_wanted(&o->kernels, k) || !info.needs_build || !info.available ||
+            on->build_count == MICRO_KERNELS_MAX)
+            continue;
         if (!build_kernel(&on->builds[on->build_count], &on->samples, kernel, error)) return false;
         on->build_count++;
     }

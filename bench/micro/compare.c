@@ -1,25 +1,24 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "micro/compare.h"
 
-#include "harness/options.h"
+#include "commands.h"
 #include "harness/results.h"
 #include "harness/statistics.h"
+#include "options.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const usage =
-    "Usage: cellwalk-bench compare [OPTIONS] A.json B.json\n"
-    "\n"
+static const char what[] =
     "Says for every measurement that both runs of 'cellwalk-bench micro --json' have whether B is faster or slower "
-    "than A:\n"
-    "only if the 95 % interval of the ratio of the two medians lies beyond 1 by more than the margin, else it is\n"
-    "undecided. The interval knows the noise within a run; the margin stands for what changes between runs of one and\n"
-    "the same program, where memory is laid out anew. Embree is the control: it is the same in both runs, so what it\n"
-    "gained or lost is the machine's doing, and a verdict must hold after dividing by that as well.\n"
-    "\n"
-    "Options:\n";
+    "than A: "
+    "only if the 95 % interval of the ratio of the two medians lies beyond 1 by more than the margin, else it is "
+    "undecided. "
+    "The interval knows the noise within a run; the margin stands for what changes between runs of one and the same "
+    "program, where memory is laid out anew. Embree is the control: it is the same in both runs, so what it gained or "
+    "lost "
+    "is the machine's doing, and a verdict must hold after dividing by that as well.";
 
 /* What makes two results comparable. */
 static bool same_subject(const json_t *a, const json_t *b) {
@@ -147,22 +146,26 @@ bool compare_files(const char *path_a, const char *path_b, double margin, compar
     return good;
 }
 
-int compare_main(char **arguments, int count) {
+static int start(int argc, char **argv) {
     double margin = 0.02;
-    const option options[] = {
-        {"--margin", "SHARE", "what may change between two runs of the same program (0.02)", OPTION_REAL, &margin, 0,
-         10},
-    };
-    const option_frame frame = {.command = "compare",
-                                .usage = usage,
-                                .options = options,
-                                .option_count = sizeof options / sizeof options[0],
-                                .loose = 2,
-                                .loose_what = "files of results"};
-    int status;
-    if (!options_begin(&frame, arguments, &count, &status)) return status;
+    const option_spec options[] = {{"margin", "SHARE", "what may change between two runs of the same program (0.02)",
+                                    OPTION_REAL, .to = &margin, .high = 10}};
+    static const char *const operands[] = {"A.json", "B.json"};
+    const options_usage usage = {.name = "compare",
+                                 .synopsis = "A.json B.json [OPTIONS]",
+                                 .what = what,
+                                 .options = options,
+                                 .option_count = 1,
+                                 .operands = operands,
+                                 .operand_least = 2,
+                                 .operand_most = 2};
+    const char *files[2];
+    const int status = options_parse(&usage, argc, argv, files);
+    if (status != OPTIONS_GO) return status;
     compare_counts counts;
     io_error error;
-    if (compare_files(arguments[0], arguments[1], margin, &counts, &error)) return EXIT_SUCCESS;
-    return options_failed("compare", &error);
+    if (compare_files(files[0], files[1], margin, &counts, &error)) return EXIT_SUCCESS;
+    return command_fail("compare", "%s", error.text);
 }
+
+const command command_compare = {"compare", "tell what changed between two runs of micro", start};

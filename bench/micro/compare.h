@@ -13,6 +13,4 @@ typedef struct compare_counts {
 /* Prints a line for each result that both files have. margin: see statistics_ratio. */
 bool compare_files(const char *path_a, const char *path_b, double margin, compare_counts *counts, io_error *error);
 
-int compare_main(char **arguments, int count);
-
 #endif

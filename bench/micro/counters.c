@@ -10,36 +10,33 @@
 
 count_sum cw_counts[COUNT_KINDS];
 
-static const struct {
-    const char *name, *what;
-} kinds[] = {
-    [COUNT_RAY] = {"ray", "vectors of rays made ready; lanes: rays that may hit"},
-    [COUNT_CLIMB] = {"climb", "levels of the pyramid that climbing rays looked at"},
-    [COUNT_FLAT] = {"flat", "steps from cell to cell"},
-    [COUNT_STREAM] = {"stream", "turns of the lane walk; lanes: those that hold a ray"},
-    [COUNT_NODE] = {"node", "turns in which lanes step from node to node; lanes: those that do"},
-    [COUNT_ROUND] = {"round", "turns in which lanes test the cell they are at; lanes: those that do"},
-    [COUNT_RELOAD] = {"reload", "stops of the lane walk to refill lanes; lanes: those that hold a ray then"},
-    [COUNT_REFILL] = {"refill", "rays put into a lane"},
-    [COUNT_SHARED] = {"shared", "groups that share their walk; lanes: their rays"},
-    [COUNT_SHARED_NODE] = {"shared_node", "nodes that a group opens; lanes: its rays"},
-    [COUNT_SHARED_BLOCK] = {"shared_block", "blocks of 4 x 4 cells that a group comes to; lanes: rays concerned"},
-    [COUNT_SHARED_CELL] = {"shared_cell", "cells that a group looks at together; lanes: its rays"},
-    [COUNT_APART] = {"apart", "places where a group falls apart; lanes: rays that go on alone there"},
-    [COUNT_LEAF] = {"leaf", "leaf tests; lanes: rays against a cell, two triangles each"},
-    [COUNT_VOXEL] = {"voxel", "voxels of the 3D grid visited"},
-    [COUNT_TRIANGLE] = {"triangle", "triangles tested in voxels"},
+static const char *const names[] = {
+    [COUNT_RAY] = "ray",
+    [COUNT_CLIMB] = "climb",
+    [COUNT_FLAT] = "flat",
+    [COUNT_STREAM] = "stream",
+    [COUNT_NODE] = "node",
+    [COUNT_ROUND] = "round",
+    [COUNT_RELOAD] = "reload",
+    [COUNT_REFILL] = "refill",
+    [COUNT_SHARED] = "shared",
+    [COUNT_SHARED_NODE] = "shared_node",
+    [COUNT_SHARED_BLOCK] = "shared_block",
+    [COUNT_SHARED_CELL] = "shared_cell",
+    [COUNT_APART] = "apart",
+    [COUNT_LEAF] = "leaf",
+    [COUNT_VOXEL] = "voxel",
+    [COUNT_TRIANGLE] = "triangle",
 };
-_Static_assert(sizeof kinds / sizeof kinds[0] == COUNT_KINDS, "a kind has no name");
+_Static_assert(sizeof names / sizeof names[0] == COUNT_KINDS, "a kind has no name");
 _Static_assert((int)COUNT_KINDS <= (int)COUNTERS_MAX, "COUNTERS_MAX is too small");
 
 size_t counters_count(void) { return COUNT_KINDS; }
-const char *counters_name(size_t number) { return number < COUNT_KINDS ? kinds[number].name : NULL; }
-const char *counters_what(size_t number) { return number < COUNT_KINDS ? kinds[number].what : NULL; }
+const char *counters_name(size_t number) { return number < COUNT_KINDS ? names[number] : NULL; }
 
 const counter *counters_find(const counter *all, const char *name) {
     size_t k = 0;
-    while (strcmp(kinds[k].name, name) != 0) k++;
+    while (strcmp(names[k], name) != 0) k++;
     return &all[k];
 }
 

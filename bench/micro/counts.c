@@ -4,11 +4,7 @@
 #include "harness/results.h"
 #include "micro/micro.h"
 
-#include <errno.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
 
 static bool counted(const micro_row *row) {
     for (size_t k = 0; k < counters_count(); k++)
@@ -90,24 +86,4 @@ bool micro_write_counts(io_output *out, const micro_group *g, io_error *error) {
         good = results_write(out, line, error);
     }
     return good;
-}
-
-int micro_run_counting(char **arguments, int count) {
-    static const char name[] = "cellwalk-bench-counting";
-    char path[4096];
-    const ssize_t length = readlink("/proc/self/exe", path, sizeof path - sizeof name);
-    char **whole = calloc((size_t)count + 3, sizeof *whole);
-    static char micro[] = "micro";
-    if (length > 0 && whole) {
-        path[length] = '\0';
-        char *slash = strrchr(path, '/');
-        memcpy(slash ? slash + 1 : path, name, sizeof name);
-        whole[0] = path;
-        whole[1] = micro;
-        for (int k = 0; k < count; k++) whole[k + 2] = arguments[k];
-        execv(path, whole);
-    }
-    fprintf(stderr, "cellwalk-bench micro: --counters: %s, which counts, does not start: %s\n", name, strerror(errno));
-    free(whole);
-    return EXIT_FAILURE;
 }

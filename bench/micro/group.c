@@ -8,12 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static bool listed(const option_list *list, const char *name) {
-    for (size_t k = 0; k < list->count; k++)
-        if (strcmp(list->items[k], name) == 0) return true;
-    return false;
-}
-
 static micro_row *new_row(micro_group *g) {
     if (g->row_count == MICRO_CONTENDERS_MAX) return NULL;
     micro_row *row = &g->rows[g->row_count];
@@ -44,13 +38,11 @@ static bool add_kernel(micro_group *g, const micro_options *o, const cw_kernel *
 static bool add_kernels(micro_group *g, const micro_options *o, io_error *error) {
     for (size_t k = 0; k < cw_kernel_count(); k++) {
         const cw_kernel *kernel = cw_kernel_at(k);
-        if (o->kernels.count && !listed(&o->kernels, cw_kernel_describe(kernel).name)) continue;
+        if (!option_wanted(&o->kernels, k)) continue;
         if (o->leaves.count == 0 && !add_kernel(g, o, kernel, CW_LEAF_DEFAULT, error)) return false;
-        for (int leaf = 1; leaf < CW_LEAF_COUNT; leaf++) {
-            const char *name = cw_leaf_name((cw_leaf)leaf);
-            if ((listed(&o->leaves, name) || listed(&o->leaves, "all")) &&
-                !add_kernel(g, o, kernel, (cw_leaf)leaf, error))
-                return false;
+        for (size_t leaf = 1; o->leaves.count > 0 && leaf < CW_LEAF_COUNT; leaf++) {
+            const bool wanted = option_wanted(&o->leaves, leaf - 1) || option_wanted(&o->leaves, CW_LEAF_COUNT - 1);
+            if (wanted && !add_kernel(g, o, kernel, (cw_leaf)leaf, error)) return false;
         }
     }
     return true;
@@ -78,35 +70,23 @@ typedef struct answers {
     uint8_t *occluded;
 } answers;
 
-typedef struct pass {
-    const contender *c;
-    const cw_ray *rays;
-    size_t n;
-    bool any;
-    answers out;
-} pass;
-
-static void run_pass(void *context) {
-    const pass *p = context;
-    if (p->any)
-        p->c->any(p->c->self, p->rays, p->n, p->out.occluded);
-    else
-        p->c->closest(p->c->self, p->rays, p->n, p->out.hits);
+static contender_pass pass_of(const micro_group *g, const contender *of, answers out) {
+    return (contender_pass){of, g->rays, g->ray_count, workload_class_is_any(g->c), out.hits, out.occluded};
 }
 
 /* Seconds that the pass takes for rays [begin, begin + n). */
-static double time_part(const pass *whole, size_t begin, size_t n) {
-    pass part = *whole;
+static double time_part(const contender_pass *whole, size_t begin, size_t n) {
+    contender_pass part = *whole;
     part.rays += begin;
     part.n = n;
     const double start = clock_seconds();
-    run_pass(&part);
+    contender_run(&part);
     return clock_seconds() - start;
 }
 
 /* Seconds that a pass over all rays would take: from 16 rays, and if that is not hopeless from an eighth of the rays, in
  * pieces from all over the array, because neighbouring rays cost alike. */
-static double predict(const pass *whole, double limit) {
+static double predict(const contender_pass *whole, double limit) {
     enum { PIECES = 32, FEW = 16 };
     if (whole->n < (size_t)PIECES * FEW) return 0;
     const double few = time_part(whole, whole->n / 2, FEW) * (double)whole->n / FEW;
@@ -120,15 +100,14 @@ static double predict(const pass *whole, double limit) {
 /* Shadow, ambient occlusion: any. Other classes: closest. The reference is the plain cell walk with the watertight test. */
 static bool verify(micro_group *g, const micro_options *o, const contender *reference, answers expected, answers out) {
     const bool any = workload_class_is_any(g->c);
-    pass p = {.c = reference, .rays = g->rays, .n = g->ray_count, .any = any, .out = expected};
-    run_pass(&p);
-    p.out = out;
+    contender_pass p = pass_of(g, reference, expected);
+    contender_run(&p);
     size_t hits = 0, running = 0;
     for (size_t k = 0; k < g->ray_count; k++) hits += any ? expected.occluded[k] : expected.hits[k].i >= 0;
     g->hit_share = g->ray_count ? (double)hits / (double)g->ray_count : 0;
     for (size_t r = 0; r < g->row_count; r++) {
         micro_row *row = &g->rows[r];
-        p.c = &row->contender;
+        p = pass_of(g, &row->contender, out);
         const double predicted = predict(&p, o->pass);
         if (predicted > o->pass) {
             row->predicted = predicted;
@@ -136,7 +115,7 @@ static bool verify(micro_group *g, const micro_options *o, const contender *refe
         }
         running++;
         counters_reset();
-        run_pass(&p);
+        contender_run(&p);
         counters_read(row->counts);
         if (any)
             agree_any(&row->agreement, g->on->field, g->rays, g->ray_count, expected.occluded, out.occluded, reference,
@@ -149,20 +128,16 @@ static bool verify(micro_group *g, const micro_options *o, const contender *refe
 
 static bool time_all(micro_group *g, const micro_options *o, double seconds, answers out) {
     interleave_job jobs[MICRO_CONTENDERS_MAX];
-    pass passes[MICRO_CONTENDERS_MAX];
+    contender_pass passes[MICRO_CONTENDERS_MAX];
     size_t count = 0;
     for (size_t r = 0; r < g->row_count; r++) {
         if (g->rows[r].predicted > 0) continue;
-        passes[count] = (pass){.c = &g->rows[r].contender,
-                               .rays = g->rays,
-                               .n = g->ray_count,
-                               .any = workload_class_is_any(g->c),
-                               .out = out};
-        jobs[count] = (interleave_job){.run = run_pass, .context = &passes[count], .by_clock = o->by_clock};
+        passes[count] = pass_of(g, &g->rows[r].contender, out);
+        jobs[count] = (interleave_job){.run = contender_run, .context = &passes[count], .by_clock = o->by_clock};
         count++;
     }
     const interleave_limits limits = {
-        .width = o->width, .seconds = seconds, .least = 3, .most = INTERLEAVE_SAMPLES_MAX, .seed = (uint32_t)o->seed};
+        .width = o->width, .seconds = seconds, .least = 3, .most = INTERLEAVE_SAMPLES_MAX, .seed = o->run.seed};
     if (!interleave(jobs, count, &limits)) return false;
     double best = 0;
     for (size_t r = 0, k = 0; r < g->row_count; r++) {
@@ -195,7 +170,7 @@ bool micro_group_run(micro_group *g, const micro_options *o, double seconds, io_
     g->rays = malloc(n * sizeof *g->rays);
     answers expected = {malloc(n * sizeof(cw_hit)), malloc(n)}, out = {malloc(n * sizeof(cw_hit)), malloc(n)};
     bool good = g->rays && expected.hits && expected.occluded && out.hits && out.occluded;
-    if (good) g->ray_count = workload_rays_make(g->on->field, g->c, (uint32_t)o->seed, n, g->rays);
+    if (good) g->ray_count = workload_rays_make(g->on->field, g->c, o->run.seed, n, g->rays);
     good = good && g->ray_count > 0;
     if (good && verify(g, o, &reference, expected, out) && !o->counters) {
         const double left = end - clock_seconds();

@@ -5,7 +5,7 @@
 
 #include "harness/agree.h"
 #include "harness/interleave.h"
-#include "harness/options.h"
+#include "harness/run_options.h"
 #include "micro/counters.h"
 #include "output.h"
 #include "peers/contender.h"
@@ -13,14 +13,16 @@
 #include "workload/fields.h"
 #include "workload/ray_classes.h"
 
-enum { MICRO_CONTENDERS_MAX = 96, MICRO_PEERS_MAX = 4, MICRO_KERNELS_MAX = 32, MICRO_THREADS_MAX = 16 };
+enum { MICRO_CONTENDERS_MAX = 96, PEER_KINDS = 4, MICRO_KERNELS_MAX = 32, MICRO_THREADS_MAX = 16 };
 
 typedef struct micro_options {
-    option_list kernels, rays, fields, leaves, peers, threads;
-    const char *isa, *quality, *json;
-    uint64_t count, seed, cpu;
+    run_options run;
+    option_list kernels, rays, fields, leaves, peers, threads; /* numbers: of kernels, classes, fields, peers */
+    const char *json;
+    unsigned count;
+    int quality; /* of Embree: 0 high, 1 medium */
     double seconds, width, pass;
-    bool longer, no_pin, small_pages;
+    bool longer, small_pages;
     /* Thread counts to run each kernel with, and a pool for each above 1, else NULL. More than one thread is timed by the
      * clock, and then everything is. */
     unsigned thread_counts[MICRO_THREADS_MAX];
@@ -43,12 +45,11 @@ typedef struct micro_peer {
 } micro_peer;
 
 /* A field with all that is measured on it. */
-
 typedef struct micro_field {
     workload_field samples;
     cw_field *field;
     const char *default_kernel; /* what the library would choose for it */
-    micro_peer peers[MICRO_PEERS_MAX];
+    micro_peer peers[PEER_KINDS];
     size_t peer_count;
     micro_build builds[MICRO_KERNELS_MAX]; /* of the kernels that need something built */
     size_t build_count;
@@ -97,12 +98,5 @@ void micro_print_counts(const micro_group *group);
 bool micro_write_field(io_output *out, const micro_field *on, io_error *error);
 bool micro_write_group(io_output *out, const micro_group *group, io_error *error);
 bool micro_write_counts(io_output *out, const micro_group *group, io_error *error);
-
-/* Becomes the program whose kernels count, which lies beside this one, with the same arguments; returns an exit status
- * only if that fails. */
-int micro_run_counting(char **arguments, int count);
-
-/* The program's subcommand; an exit status. arguments do not hold its name. */
-int micro_main(char **arguments, int count);
 
 #endif

@@ -26,3 +26,11 @@ cw_status contender_from_kernel(contender *c, kernel_contender *k, cw_field *fie
     if (status == CW_OK) status = cw_closest(field, &k->query, NULL, 0, NULL);
     return status;
 }
+
+void contender_run(void *pass) {
+    const contender_pass *p = pass;
+    if (p->any)
+        p->of->any(p->of->self, p->rays, p->n, p->occluded);
+    else
+        p->of->closest(p->of->self, p->rays, p->n, p->hits);
+}

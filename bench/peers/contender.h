@@ -27,4 +27,17 @@ typedef struct kernel_contender {
 cw_status contender_from_kernel(contender *c, kernel_contender *k, cw_field *field, const cw_kernel *kernel,
                                 cw_leaf leaf);
 
+/* All rays once: any says which answers are asked for. */
+typedef struct contender_pass {
+    const contender *of;
+    const cw_ray *rays;
+    size_t n;
+    bool any;
+    cw_hit *hits;
+    uint8_t *occluded;
+} contender_pass;
+
+/* pass is a contender_pass, untyped so that this can be a job. */
+void contender_run(void *pass);
+
 #endif

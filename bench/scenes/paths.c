@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "peers/embree.h"
 #include "scenes/table.h"
 
 #include <stdio.h>
@@ -9,10 +10,10 @@ static const char *const default_paths[] = {"default",       "default-phong",  "
                                             "grid3d-phong",  "cell-phong",     "packet4-phong",
                                             "packet8-phong", "packet16-phong", "auto-phong"};
 
-bool table_path_parse(const char *text, cw_leaf leaf, table_path *path, io_error *error) {
+bool table_path_parse(const char *text, table_path *path, io_error *error) {
     static const char suffix[] = "-phong";
     const size_t length = strlen(text), cut = sizeof suffix - 1;
-    *path = (table_path){.leaf = leaf, .phong = length > cut && strcmp(text + length - cut, suffix) == 0};
+    *path = (table_path){.phong = length > cut && strcmp(text + length - cut, suffix) == 0};
     char name[TABLE_NAME];
     if (length >= sizeof name) return io_fail(error, "--path %s: no such path", text);
     snprintf(name, sizeof name, "%.*s", (int)(path->phong ? length - cut : length), text);
@@ -55,11 +56,11 @@ bool table_paths_choose(const table_options *o, table_path *paths, size_t *count
     const size_t wanted = standard ? sizeof default_paths / sizeof default_paths[0] : o->paths.count;
     *count = 0;
     for (size_t k = 0; k < wanted; k++) {
-        const char *text = standard ? default_paths[k] : o->paths.items[k];
+        const char *text = standard ? default_paths[k] : o->paths.item[k];
         if (*count == TABLE_PATHS_MAX) return io_fail(error, "--path: more than %d paths", TABLE_PATHS_MAX);
         table_path *path = &paths[*count];
         char why[160];
-        if (!table_path_parse(text, o->leaf, path, error)) {
+        if (!table_path_parse(text, path, error)) {
             /* A build without the SIMD kernels does not know them at all. */
             if (!standard) return false;
             snprintf(why, sizeof why, "this build has no such kernel");

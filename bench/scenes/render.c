@@ -5,35 +5,29 @@
 #include "harness/agree.h"
 #include "harness/interleave.h"
 #include "harness/results.h"
-#include "peers/contender.h"
-#include "scene.h"
 #include "scenes/table.h"
+#include "scenes/tracer.h"
 
-#include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { FIELDS_MAX = 16, CONTENDERS_MAX = TABLE_PATHS_MAX + PEER_WIDTH_COUNT };
+enum { TRACERS_MAX = TABLE_PATHS_MAX + PEER_WIDTH_COUNT };
 
 /* What traces: a kernel or a width of Embree, on each of the scene's fields. Paths with other normals share it. */
 typedef struct tracer {
     const cw_kernel *kernel; /* NULL with embree, or the library's choice */
     bool embree;
     unsigned width; /* of Embree */
-    contender on[FIELDS_MAX];
-    kernel_contender kernels[FIELDS_MAX];
-    peer_contender peers[FIELDS_MAX];
-    double cpu_seconds, build_seconds;
-    uint64_t rays;
+    field_tracer fields;
+    double build_seconds;
     agreement agreement;
 } tracer;
 
 typedef struct stage {
     scene *scene;
     size_t field_count;
-    peer_embree *embree[FIELDS_MAX];
-    tracer reference, tracers[CONTENDERS_MAX];
+    peer_embree *embree[SCENE_FIELDS_MAX];
+    tracer reference, tracers[TRACERS_MAX];
     size_t tracer_count;
     cw_hit hits[SCENE_BATCH];
     uint8_t occluded[SCENE_BATCH];
@@ -53,41 +47,29 @@ typedef struct job {
     io_error error;
 } job;
 
-/* ---- tracing ---- */
+/* ---- verifying ---- */
 
-static void closest(void *context, size_t field, const cw_ray *rays, size_t n, cw_hit *hits) {
-    tracer *t = context;
-    const double start = clock_cpu_seconds();
-    t->on[field].closest(t->on[field].self, rays, n, hits);
-    t->cpu_seconds += clock_cpu_seconds() - start;
-    t->rays += n;
-}
-
-static void any(void *context, size_t field, const cw_ray *rays, size_t n, uint8_t *occluded) {
-    tracer *t = context;
-    const double start = clock_cpu_seconds();
-    t->on[field].any(t->on[field].self, rays, n, occluded);
-    t->cpu_seconds += clock_cpu_seconds() - start;
-    t->rays += n;
-}
-
-/* While verifying, the reference answers and everyone else is asked the same. */
+/* The reference answers and everyone else is asked the same. */
 static void verify_closest(void *context, size_t field, const cw_ray *rays, size_t n, cw_hit *hits) {
     stage *s = context;
-    closest(&s->reference, field, rays, n, hits);
+    scene_tracer t = field_tracer_of(&s->reference.fields);
+    t.closest(t.context, field, rays, n, hits);
     for (size_t k = 0; k < s->tracer_count; k++) {
-        closest(&s->tracers[k], field, rays, n, s->hits);
+        t = field_tracer_of(&s->tracers[k].fields);
+        t.closest(t.context, field, rays, n, s->hits);
         agree_closest(&s->tracers[k].agreement, scene_field(s->scene, field), rays, n, hits, s->hits);
     }
 }
 
 static void verify_any(void *context, size_t field, const cw_ray *rays, size_t n, uint8_t *occluded) {
     stage *s = context;
-    any(&s->reference, field, rays, n, occluded);
+    scene_tracer t = field_tracer_of(&s->reference.fields);
+    t.any(t.context, field, rays, n, occluded);
     for (size_t k = 0; k < s->tracer_count; k++) {
-        any(&s->tracers[k], field, rays, n, s->occluded);
+        t = field_tracer_of(&s->tracers[k].fields);
+        t.any(t.context, field, rays, n, s->occluded);
         agree_any(&s->tracers[k].agreement, scene_field(s->scene, field), rays, n, occluded, s->occluded,
-                  &s->reference.on[field], &s->tracers[k].on[field]);
+                  &s->reference.fields.on[field], &s->tracers[k].fields.on[field]);
     }
 }
 
@@ -100,7 +82,7 @@ static bool tracer_for_kernel(stage *s, tracer *t, const cw_kernel *kernel, cw_l
         const cw_query automatic = cw_query_default();
         const cw_kernel *chosen = kernel ? kernel : cw_query_kernel(field, &automatic);
         const double before = cw_field_describe(field).build_seconds;
-        const cw_status status = contender_from_kernel(&t->on[f], &t->kernels[f], field, chosen, leaf);
+        const cw_status status = contender_from_kernel(&t->fields.on[f], &t->fields.kernels[f], field, chosen, leaf);
         if (status != CW_OK)
             return io_fail(error, "%s on field %zu of the scene: %s", cw_kernel_describe(chosen).name, f,
                            cw_status_message(status));
@@ -113,7 +95,7 @@ static void tracer_for_embree(stage *s, tracer *t, unsigned width) {
     t->embree = true;
     t->width = width;
     for (size_t f = 0; f < s->field_count; f++) {
-        contender_from_peer(&t->on[f], &t->peers[f], s->embree[f], width, true);
+        contender_from_peer(&t->fields.on[f], &t->fields.peers[f], s->embree[f], width, true);
         t->build_seconds += peer_embree_describe(s->embree[f]).build_seconds;
     }
 }
@@ -129,12 +111,11 @@ static bool build_embree(stage *s, cw_isa isa, io_error *error) {
     return true;
 }
 
-static bool open_stage(stage *s, const char *file, const table_path *paths, size_t path_count, cw_isa isa,
+static bool open_stage(stage *s, const char *name, const table_path *paths, size_t path_count, const table_options *o,
                        io_error *error) {
-    s->scene = scene_load(file, NULL, NULL, error);
+    s->scene = scene_open(o->scene_folder, name, error);
     if (s->scene == NULL) return false;
     s->field_count = scene_field_count(s->scene);
-    if (s->field_count > FIELDS_MAX) return io_fail(error, "%s: more than %d height fields", file, FIELDS_MAX);
     if (!tracer_for_kernel(s, &s->reference, cw_kernel_find("cell"), CW_LEAF_WATERTIGHT, error)) return false;
     for (size_t p = 0; p < path_count; p++) {
         bool there = false;
@@ -143,8 +124,8 @@ static bool open_stage(stage *s, const char *file, const table_path *paths, size
                               (paths[p].embree || s->tracers[k].kernel == paths[p].kernel));
         if (there) continue;
         if (paths[p].embree
-                ? !build_embree(s, isa, error)
-                : !tracer_for_kernel(s, &s->tracers[s->tracer_count++], paths[p].kernel, paths[p].leaf, error))
+                ? !build_embree(s, (cw_isa)o->run.isa, error)
+                : !tracer_for_kernel(s, &s->tracers[s->tracer_count++], paths[p].kernel, (cw_leaf)o->leaf, error))
             return false;
     }
     return true;
@@ -162,7 +143,7 @@ static tracer *tracer_of(stage *s, const table_path *path) {
     for (size_t k = 0; k < s->tracer_count; k++) {
         tracer *t = &s->tracers[k];
         if (t->embree != path->embree || (!t->embree && t->kernel != path->kernel)) continue;
-        if (best == NULL || t->cpu_seconds < best->cpu_seconds) best = t;
+        if (best == NULL || t->fields.cpu_seconds < best->fields.cpu_seconds) best = t;
     }
     return best;
 }
@@ -181,44 +162,29 @@ static bool verify(stage *s, unsigned samples, io_error *error) {
 static void render(void *context) {
     job *j = context;
     if (j->error.text[0] || j->runs == INTERLEAVE_SAMPLES_MAX) return;
-    const scene_tracer own = {j->tracer, closest, any};
+    field_tracer *fields = &j->tracer->fields;
+    const scene_tracer own = field_tracer_of(fields);
     const scene_render_options options = {.tracer = &own, .threads = 1, .samples = j->samples, .phong = j->path->phong};
     io_image_free(&j->image);
     j->image = (io_image){0};
-    j->tracer->cpu_seconds = 0;
-    j->tracer->rays = 0;
+    fields->cpu_seconds = 0;
+    fields->rays = 0;
     if (!scene_render(j->on->scene, &options, &j->image, &j->stats, &j->error)) {
         j->image = (io_image){0};
         return;
     }
-    j->trace_seconds[j->runs++] = j->tracer->cpu_seconds;
-    j->traced = j->tracer->rays;
+    j->trace_seconds[j->runs++] = fields->cpu_seconds;
+    j->traced = fields->rays;
 }
 
 /* ---- results ---- */
 
-/* Pixels of two pictures that differ in any bit, and those where an eye could see it: by more than half a step of 8-bit
- * linear colour. */
 static void set_pixels(json_t *line, const io_image *a, const io_image *b) {
-    size_t differ = 0, visible = 0;
-    double worst = 0;
-    for (size_t p = 0; p < a->width * a->height; p++) {
-        const float *x = a->rgb + 3 * p, *y = b->rgb + 3 * p;
-        double seen = 0;
-        bool same = true;
-        for (int c = 0; c < 3; c++) {
-            const double u = fmin(1, (double)x[c]), v = fmin(1, (double)y[c]);
-            same = same && x[c] == y[c];
-            seen = fmax(seen, fabs(u - v));
-            worst = fmax(worst, fabs((double)x[c] - (double)y[c]));
-        }
-        differ += !same;
-        visible += seen > 0.5 / 255;
-    }
-    results_set_count(line, "pixels", a->width * a->height);
-    results_set_count(line, "pixels_differ", differ);
-    results_set_count(line, "pixels_visibly", visible);
-    results_set_number(line, "pixels_worst", worst);
+    const picture_difference d = picture_compare(a, b);
+    results_set_count(line, "pixels", d.pixels);
+    results_set_count(line, "pixels_differ", d.differ);
+    results_set_count(line, "pixels_visibly", d.visible);
+    results_set_number(line, "pixels_worst", d.worst);
 }
 
 static json_t *path_json(job *jobs, const interleave_job *measured, size_t count, size_t k) {
@@ -226,7 +192,7 @@ static json_t *path_json(job *jobs, const interleave_job *measured, size_t count
     json_t *line = json_object();
     results_set_text(line, "path", j->path->name);
     results_set_text(line, "title", j->path->title);
-    results_set_text(line, "by", j->tracer->embree ? "embree/triangles" : j->tracer->on[0].name);
+    results_set_text(line, "by", j->tracer->embree ? "embree/triangles" : j->tracer->fields.on[0].name);
     if (j->tracer->embree) results_set_count(line, "embree_width", j->tracer->width);
     results_set_bool(line, "phong", j->path->phong);
     results_set_seconds(line, &measured[k].seconds);
@@ -247,7 +213,7 @@ static json_t *path_json(job *jobs, const interleave_job *measured, size_t count
             results_set_number(line, "time_to_default", measured[k].seconds.median / measured[o].seconds.median);
             continue;
         }
-        const bool reference = strcmp(jobs[o].tracer->on[0].name, j->on->reference.on[0].name) == 0;
+        const bool reference = strcmp(jobs[o].tracer->fields.on[0].name, j->on->reference.fields.on[0].name) == 0;
         if (against == NULL || reference) against = &jobs[o];
     }
     if (against) {
@@ -276,23 +242,23 @@ static json_t *scene_json(const char *name, stage *s, job *jobs, const interleav
         json_array_append_new(fields, field);
     }
     json_object_set_new(line, "fields", fields);
-    results_set_text(line, "reference", s->reference.on[0].name);
+    results_set_text(line, "reference", s->reference.fields.on[0].name);
     for (size_t k = 0; k < count; k++) json_array_append_new(paths, path_json(jobs, measured, count, k));
     json_object_set_new(line, "paths", paths);
     return line;
 }
 
-json_t *table_scene_run(const char *name, const char *file, const table_path *paths, size_t path_count,
-                        const table_options *o, double seconds, io_error *error) {
+json_t *table_scene_run(const char *name, const table_path *paths, size_t path_count, const table_options *o,
+                        double seconds, io_error *error) {
     const double end = clock_seconds() + seconds;
     json_t *line = NULL;
     stage *s = calloc(1, sizeof *s);
     job *jobs = calloc(path_count, sizeof *jobs);
     interleave_job measured[TABLE_PATHS_MAX];
     bool good = (s && jobs) || io_fail(error, "out of memory");
-    good = good && open_stage(s, file, paths, path_count, o->isa, error) && verify(s, 1, error);
+    good = good && open_stage(s, name, paths, path_count, o, error) && verify(s, 1, error);
     for (size_t k = 0; good && k < path_count; k++) {
-        jobs[k] = (job){.on = s, .path = &paths[k], .samples = (unsigned)o->samples, .tracer = tracer_of(s, &paths[k])};
+        jobs[k] = (job){.on = s, .path = &paths[k], .samples = o->samples, .tracer = tracer_of(s, &paths[k])};
         measured[k] = (interleave_job){.run = render, .context = &jobs[k]};
     }
     if (good) {
@@ -301,7 +267,7 @@ json_t *table_scene_run(const char *name, const char *file, const table_path *pa
                                           .seconds = left > 0 ? left : 0,
                                           .least = o->quick ? 1 : 3,
                                           .most = 50,
-                                          .seed = (uint32_t)o->seed};
+                                          .seed = o->run.seed};
         good = interleave(measured, path_count, &limits) || io_fail(error, "out of memory");
     }
     for (size_t k = 0; good && k < path_count; k++)

@@ -47,3 +47,13 @@ void workload_field_free(workload_field *field) {
     free(field->z);
     *field = (workload_field){0};
 }
+
+cw_status workload_field_open(const workload_field *samples, cw_storage storage, bool bare, cw_field **field) {
+    cw_field_desc desc = cw_field_desc_default();
+    desc.samples = samples->z;
+    desc.nx = samples->nx;
+    desc.ny = samples->ny;
+    desc.storage = storage;
+    desc.bare = bare;
+    return cw_field_create(&desc, field);
+}

@@ -3,8 +3,7 @@
 #ifndef CELLWALK_BENCH_WORKLOAD_FIELDS_H
 #define CELLWALK_BENCH_WORKLOAD_FIELDS_H
 
-#include <stdbool.h>
-#include <stddef.h>
+#include "cellwalk.h"
 
 /* "65", "257", "1025", "4097", "8193": fractal land of that many samples a side, height range 0.1 of the side.
  * "sea-calm", "sea-rough": 1000 × 1000 samples of water. */
@@ -21,5 +20,8 @@ const char *workload_field_name(size_t number);
 /* False if no field has that name, or out of memory: then field->name is NULL or not, in that order. */
 bool workload_field_make(const char *name, workload_field *field);
 void workload_field_free(workload_field *field);
+
+/* The field in cells; storage and bare as in cw_field_desc. */
+cw_status workload_field_open(const workload_field *samples, cw_storage storage, bool bare, cw_field **field);
 
 #endif

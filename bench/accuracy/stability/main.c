@@ -1,29 +1,21 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The program cellwalk-stability: aimed rays by the thousand million, every contender before the same ones. It is no subcommand of cellwalk-bench because it judges with the exact oracle, which
- * needs GMP, and belongs to the tests.
+/* The program cellwalk-stability: aimed rays by the thousand million, every contender before the same ones. It is no
+ * subcommand of cellwalk-bench because it judges with the exact oracle, which needs GMP and belongs to the tests.
  *
  * One run is one thread. Several processes with --part 1/N … N/N do what one does without it, and a run that was ended
- * early goes on with --first; the report adds their files up: batch number n is the same rays wherever it runs. */
+ * early goes on with --first; their files add up: batch number n is the same rays wherever it runs. */
 
 #include "accuracy/stability/run.h"
 #include "clock.h"
-#include "harness/options.h"
+#include "command.h"
 #include "harness/run_record.h"
+#include "options.h"
 
+#include <limits.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
-
-static const char *const usage =
-    "Usage: cellwalk-stability run [OPTIONS]\n"
-    "\n"
-    "Traces rays that are aimed at vertices, edges and the like, of which it is known that they hit, through all\n"
-    "kernels and Embree, and counts leaks, phantoms and wrong surfaces. Ctrl-C ends it early, with all results so "
-    "far,\nand says how to go on.\n"
-    "\n"
-    "Options:\n";
 
 static volatile sig_atomic_t stopped;
 
@@ -48,16 +40,16 @@ static bool parse_part(const char *text, unsigned *part, unsigned *parts, io_err
     return io_fail(error, "--part %s: want K/N with 1 <= K <= N", text);
 }
 
-typedef struct run_options {
-    uint64_t million, sample, first;
+typedef struct settings {
+    unsigned million, sample, first;
     const char *part, *json;
     bool no_embree;
-} run_options;
+} settings;
 
-static bool plan_range(const run_options *o, batch_range *r, io_error *error) {
+static bool plan_range(const settings *o, batch_range *r, io_error *error) {
     const uint64_t round_rays = (uint64_t)ROUND_BATCHES * BATCH_RAYS;
     *r = (batch_range){.part = 1, .parts = 1, .first = o->first};
-    r->end = (o->million * 1000000 + round_rays - 1) / round_rays * ROUND_BATCHES;
+    r->end = ((uint64_t)o->million * 1000000 + round_rays - 1) / round_rays * ROUND_BATCHES;
     if (o->part && !parse_part(o->part, &r->part, &r->parts, error)) return false;
     return r->first < r->end || io_fail(error, "--first %llu: there are only %llu batches",
                                         (unsigned long long)r->first, (unsigned long long)r->end);
@@ -84,21 +76,32 @@ static double run_batches(stability *s) {
     return clock_cpu_seconds() - begin_cpu;
 }
 
-static bool run(const run_options *o, io_error *error) {
+/* A line a contender, all classes together. */
+static void print_counts(const stability *s) {
+    printf("%-28s %14s %14s %10s %10s %10s\n", "contender", "rays", "known to pass", "leaks", "phantoms", "other bits");
+    for (unsigned n = 0; n < s->contenders; n++) {
+        counts sum = {0};
+        for (int kind = 0; kind < AIM_COUNT; kind++) counts_add(&sum, &s->count[n][kind]);
+        printf("%-28s %14llu %14llu %10llu %10llu %10llu\n", s->tested[0][n].contender.name,
+               (unsigned long long)sum.rays, (unsigned long long)sum.pass, (unsigned long long)sum.leaks,
+               (unsigned long long)sum.phantoms, (unsigned long long)sum.other);
+    }
+}
+
+static bool run(const settings *o, batch_range range, io_error *error) {
     static stability s;
-    batch_range range;
-    if (!plan_range(o, &range, error)) return false;
     const uint64_t all = range.end;
     const bool embree = !o->no_embree && peer_embree_version();
     if (!o->no_embree && !embree) fputs("cellwalk-stability: built without Embree, which is left out\n", stderr);
     const stability_shares shares = {.others = 16, .slow = 128, .peers = embree ? 16 : 0};
-    bool good = stability_make(&s, shares, (unsigned)o->sample, error);
+    bool good = stability_make(&s, shares, o->sample, error);
     s.explain = true;
     s.range = range;
     signal(SIGINT, stop);
     signal(SIGTERM, stop);
     if (good) {
         const double seconds = run_batches(&s);
+        print_counts(&s);
         good = o->json == NULL || stability_write(&s, o->json, seconds, error);
     }
     const uint64_t faults = stability_faults(&s), end = s.range.end;
@@ -109,35 +112,42 @@ static bool run(const run_options *o, io_error *error) {
     return good && (faults == 0 || io_fail(error, "%llu faults", (unsigned long long)faults));
 }
 
-int main(int argc, char **argv) {
-    run_options o = {.million = 1000, .sample = 1024};
-    bool help = false;
-    const option options[] = {
-        {"--million", "N", "millions of rays in all parts together, 1000 by default", OPTION_COUNT, &o.million, 1, 1e9},
-        {"--sample", "N", "judge one ray in N in full; 1024 by default", OPTION_COUNT, &o.sample, 1, BATCH_RAYS},
-        {"--part", "K/N", "only every Nth batch, from the Kth on", OPTION_TEXT, &o.part, 0, 0},
-        {"--first", "N", "begin with batch N, where a run that was ended early says so", OPTION_COUNT, &o.first, 0,
-         1e15},
-        {"--no-embree", NULL, "leave Embree out", OPTION_FLAG, &o.no_embree, 0, 0},
-        {"--json", "FILE", "write results to it", OPTION_TEXT, &o.json, 0, 0},
-        {"--help", NULL, "this text", OPTION_FLAG, &help, 0, 0},
+static int start(int argc, char **argv) {
+    settings o = {.million = 1000, .sample = 1024};
+    const option_spec options[] = {
+        {"million", "N", "millions of rays in all parts together (1000)", OPTION_COUNT, .to = &o.million, .low = 1,
+         .high = 1e6},
+        {"sample", "N", "judge one ray in N in full (1024)", OPTION_COUNT, .to = &o.sample, .low = 1,
+         .high = BATCH_RAYS},
+        {"part", "K/N", "only every Nth batch, from the Kth on", OPTION_TEXT, .to = &o.part},
+        {"first", "N", "begin with batch N, where a run that was ended early says so", OPTION_COUNT, .to = &o.first,
+         .high = UINT_MAX},
+        {"no-embree", NULL, "leave Embree out", OPTION_FLAG, .to = &o.no_embree},
+        {"json", "FILE", "write results to it", OPTION_TEXT, .to = &o.json},
     };
-    const size_t option_count = sizeof options / sizeof options[0];
+    const options_usage usage = {
+        .name = "run",
+        .synopsis = "[OPTIONS]",
+        .what = "Traces rays that are aimed at vertices, edges and the like, of which it is known "
+                "that they hit, through all kernels and Embree, and counts leaks, phantoms and wrong "
+                "surfaces. Ctrl-C ends it early, with all results so far, and says how to go on.",
+        .options = options,
+        .option_count = sizeof options / sizeof options[0]};
+    const int status = options_parse(&usage, argc, argv, NULL);
     io_error error = {{0}};
-    int count = argc - 1;
-    run_record_begin(argv + 1, count);
-    bool good = options_parse(options, option_count, argv + 1, &count, &error);
-    if (good && help) {
-        fputs(usage, stdout);
-        options_print(stdout, options, option_count);
-        return EXIT_SUCCESS;
-    }
-    if (good && !(count == 1 && strcmp(argv[1], "run") == 0)) good = io_fail(&error, "want the word run");
-    if (!good) {
-        fprintf(stderr, "cellwalk-stability: %s\nTry 'cellwalk-stability --help'.\n", error.text);
-        return 2;
-    }
-    if (run(&o, &error)) return EXIT_SUCCESS;
-    fprintf(stderr, "cellwalk-stability: %s\n", error.text);
-    return EXIT_FAILURE;
+    batch_range range;
+    if (status != OPTIONS_GO) return status;
+    if (!plan_range(&o, &range, &error)) return command_fail("run", "%s", error.text), EXIT_USAGE;
+    return run(&o, range, &error) ? EXIT_SUCCESS : command_fail("run", "%s", error.text);
+}
+
+int main(int argc, char **argv) {
+    static const command run_command = {"run", "trace aimed rays and count what is wrong with the answers", start};
+    static const command *const commands[] = {&run_command};
+    static const program stability_program = {.name = "cellwalk-stability",
+                                              .what = "Does any kernel leak, and does Embree?",
+                                              .commands = commands,
+                                              .command_count = 1};
+    run_record_begin(argv + 1, argc - 1);
+    return program_main(&stability_program, argc, argv);
 }
