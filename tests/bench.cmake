@@ -24,9 +24,9 @@ if(TARGET cellwalk_bench)
         -DFOLDER=${CMAKE_CURRENT_BINARY_DIR}/bench_measure -P ${CMAKE_CURRENT_SOURCE_DIR}/bench_measure.cmake)
     set_tests_properties(bench_measure PROPERTIES TIMEOUT 300)
 endif()
-if(TARGET cellwalk_caches AND NOT CELLWALK_SANITIZE) # valgrind does not run sanitized programs
-    add_test(NAME bench_caches COMMAND ${CMAKE_COMMAND} -DCACHES=$<TARGET_FILE:cellwalk_caches>
-        -DWORK=$<TARGET_FILE:cellwalk_ablation_work> -DFOLDER=${CMAKE_CURRENT_BINARY_DIR}/bench_caches
+if(TARGET cellwalk_instructions AND NOT CELLWALK_SANITIZE) # valgrind does not run sanitized programs
+    add_test(NAME bench_caches COMMAND ${CMAKE_COMMAND} -DCACHES=$<TARGET_FILE:cellwalk_instructions>
+        -DWORK=$<TARGET_FILE:cellwalk_counted_work> -DFOLDER=${CMAKE_CURRENT_BINARY_DIR}/bench_caches
         -P ${CMAKE_CURRENT_SOURCE_DIR}/bench_caches.cmake)
     set_tests_properties(bench_caches PROPERTIES TIMEOUT 300 SKIP_REGULAR_EXPRESSION "SKIPPED")
 endif()
@@ -37,5 +37,5 @@ add_test(NAME ablation_levers COMMAND ${CMAKE_COMMAND} -DSOURCE=${PROJECT_SOURCE
     -DFOLDER=${CMAKE_CURRENT_BINARY_DIR}/ablation_levers -P ${PROJECT_SOURCE_DIR}/bench/instructions/ablation.cmake)
 # The guard against slow-downs; the test tells why where it is skipped.
 add_test(NAME guard WORKING_DIRECTORY ${PROJECT_BINARY_DIR}/bench
-    COMMAND cellwalk_guard check $<TARGET_FILE:cellwalk_guard_work> ${PROJECT_SOURCE_DIR}/bench/instructions/guard.csv)
+    COMMAND cellwalk_guard check $<TARGET_FILE:cellwalk_counted_work> ${PROJECT_SOURCE_DIR}/bench/instructions/guard.csv)
 set_tests_properties(guard PROPERTIES LABELS guard SKIP_RETURN_CODE 77 TIMEOUT 300)

@@ -12,7 +12,7 @@
 
 extern char **environ;
 
-int child_run(char *const *argv, const char *out, const char *err) {
+int child_run(const char *const *argv, const char *out, const char *err) {
     posix_spawn_file_actions_t actions;
     pid_t child;
     int status, failure = posix_spawn_file_actions_init(&actions);
@@ -21,7 +21,7 @@ int child_run(char *const *argv, const char *out, const char *err) {
         const int flags = O_WRONLY | O_CREAT | O_TRUNC;
         if (out) posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out, flags, 0666);
         if (err) posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, err, flags, 0666);
-        failure = posix_spawnp(&child, argv[0], &actions, NULL, argv, environ);
+        failure = posix_spawnp(&child, argv[0], &actions, NULL, (char *const *)argv, environ);
         posix_spawn_file_actions_destroy(&actions);
     }
     if (failure == ENOENT) return 127;
@@ -35,18 +35,18 @@ int child_run(char *const *argv, const char *out, const char *err) {
                              : 128 + WTERMSIG(status); /* where posix_spawn is a plain fork, 127 too */
 }
 
-int child_run_counting(int argc, char *const *argv) {
+int child_run_counting(int argc, char **argv) {
     static const char name[] = "cellwalk-bench-counting";
     char path[4096];
     const ssize_t length = readlink("/proc/self/exe", path, sizeof path - sizeof name);
-    char **whole = calloc((size_t)argc + 2, sizeof *whole);
+    const char **whole = calloc((size_t)argc + 2, sizeof *whole);
     int status = -1;
     if (length > 0 && whole) {
         path[length] = '\0';
         char *slash = strrchr(path, '/');
         memcpy(slash ? slash + 1 : path, name, sizeof name);
         whole[0] = path;
-        memcpy(whole + 1, argv, (size_t)argc * sizeof *whole);
+        for (int k = 0; k < argc; k++) whole[k + 1] = argv[k];
         status = child_run(whole, NULL, NULL);
     }
     free(whole);

@@ -164,15 +164,15 @@ static void tell_kept(const char *path, size_t number, size_t count) {
 
 /* This program again, with the step's command. The status that it ends with. */
 static int run_step(const step *s, const char *path, double seconds, unsigned seed) {
-    static char self[] = "/proc/self/exe", json[] = "--json", out[] = "--out";
-    char text[1024], place[1024], *words[WORDS_MAX] = {self};
+    char text[1024], place[1024];
+    const char *words[WORDS_MAX + 1] = {"/proc/self/exe"};
     size_t count = 1;
     int used = snprintf(text, sizeof text, "%s --seed %u", s->words, seed);
     if (!s->counts && s->share > 0) snprintf(text + used, sizeof text - (size_t)used, " --seconds %.3g", seconds);
     for (char *word = strtok(text, " "); word && count + 3 < WORDS_MAX; word = strtok(NULL, " ")) words[count++] = word;
     snprintf(place, sizeof place, "%s", path);
     if (s->folder) *strrchr(place, '/') = '\0';
-    words[count++] = s->folder ? out : json;
+    words[count++] = s->folder ? "--out" : "--json";
     words[count++] = place;
     return child_run(words, NULL, NULL);
 }

@@ -1,4 +1,4 @@
-# What is each lever of the kernels worth? Builds the workload of ablation_work.c from copies of the sources in each of which
+# What is each lever of the kernels worth? Builds the work of work.c from copies of the sources in each of which
 # one lever is off, and counts instructions. A lever is a text that has to stand in its file exactly once, so that it cannot
 # miss its mark unnoticed.
 # Arguments: SOURCE (the project), FOLDER (to build in), COMPILER, GENERATOR, ABLATION (the program), RESULTS (what to write),
@@ -34,8 +34,8 @@ function(variant label kernel)
     list(LENGTH variants number)
     math(EXPR number "${number} / 3")
     if(ABLATION)
-        run(${CMAKE_COMMAND} --build ${build} --target cellwalk_ablation_work)
-        file(COPY_FILE ${build}/bench/instructions/cellwalk-ablation-work ${FOLDER}/work-${number})
+        run(${CMAKE_COMMAND} --build ${build} --target cellwalk_counted_work)
+        file(COPY_FILE ${build}/bench/instructions/cellwalk-counted-work ${FOLDER}/work-${number})
     endif()
     foreach(file IN LISTS files)
         file(COPY_FILE ${SOURCE}/${file} ${copy}/${file})
@@ -72,7 +72,7 @@ list(APPEND variants "one vector, pyramid8" ./work-0 pyramid8 "the flat walk, pa
 if(NOT ABLATION)
     return()
 endif()
-execute_process(COMMAND ${ABLATION} ablation.json ${RAYS} ${FIELDS} ${variants} WORKING_DIRECTORY ${FOLDER}
+execute_process(COMMAND ${ABLATION} ablation ablation.json ${RAYS} ${FIELDS} ${variants} WORKING_DIRECTORY ${FOLDER}
     RESULT_VARIABLE status)
 if(NOT status EQUAL 0)
     message(FATAL_ERROR "the variants could not be counted")

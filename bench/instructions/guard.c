@@ -8,26 +8,22 @@
  * instructions and still be slower; that is for cellwalk-bench to say. Another compiler makes other code, so the figures
  * hold for one compiler and one set of flags, and every other build is skipped. */
 #include "build_info.h"
-#include "instructions/callgrind.h"
 #include "instructions/figures.h"
 
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 enum { SKIPPED = 77 }; /* the exit status that the test's property SKIP_RETURN_CODE names */
 
-static const char *const usage =
-    "Usage: cellwalk-guard check|update WORKLOAD FIGURES\n"
-    "\n"
-    "Counts the instructions of the program WORKLOAD (cellwalk-guard-work) with valgrind and compares them with the\n"
-    "file FIGURES, or writes them there. Leaves guard.runs and guard.callgrind in the current directory, for\n"
-    "callgrind_annotate. Exit status: 0 within the tolerance, 1 above it or failed, 77 if there is nothing to "
-    "compare.\n";
+static const char *const usage = "Usage: cellwalk-guard check|update WORK FIGURES\n\n"
+                                 "Counts the instructions of the program WORK (cellwalk-counted-work) with\n"
+                                 "valgrind and compares them with the file FIGURES, or writes them there. Leaves\n"
+                                 "guard.runs and guard.callgrind in the current folder, for callgrind_annotate.\n"
+                                 "Exit status: 0 within the tolerance, 1 above it or failed, 77 if there is\n"
+                                 "nothing to compare.\n";
 
 static const char *const update_command = "cmake --build --preset ci --target guard-update";
-static const char *const runs_file = "guard.runs", *const profile_file = "guard.callgrind";
 
 static int skip(const char *reason) {
     printf("skipped: %s\n", reason);
@@ -39,8 +35,8 @@ static int fail(const io_error *error) {
     return EXIT_FAILURE;
 }
 
-static int check(const guard_figures *committed, const guard_figures *counted) {
-    const guard_verdict v = guard_compare(committed, counted, stdout);
+static int check(const guard_figures *committed, const guard_figures *now) {
+    const guard_verdict v = guard_compare(&committed->all, &now->all, stdout);
     printf("%zu counts compared, tolerance %d %%: %zu above, %zu below", v.compared, GUARD_TOLERANCE, v.above, v.below);
     if (v.absent) printf("; %zu figures are of kernels that this machine cannot run", v.absent);
     printf("\n");
@@ -53,10 +49,10 @@ static int check(const guard_figures *committed, const guard_figures *counted) {
     return bad ? EXIT_FAILURE : EXIT_SUCCESS;
 }
 
-static int update(const guard_figures *counted, const char *path) {
+static int update(const guard_figures *now, const char *path) {
     io_error error;
     io_output out = {0};
-    if (io_output_open(&out, path, &error) && guard_write(counted, &out, &error) && io_output_commit(&out, &error)) {
+    if (io_output_open(&out, path, &error) && guard_write(now, &out, &error) && io_output_commit(&out, &error)) {
         printf("%s is rewritten\n", path);
         return EXIT_SUCCESS;
     }
@@ -70,28 +66,21 @@ int main(int argc, char **argv) {
         fputs(usage, stderr);
         return 2;
     }
-    static guard_figures committed, counted;
+    static guard_figures committed, now;
     io_error error;
     const bool first = updates && access(argv[3], F_OK) != 0;
     if (!first && !guard_read(&committed, argv[3], &error)) return fail(&error);
-    snprintf(counted.compiler, sizeof counted.compiler, "%s", BUILD_INFO_COMPILER);
-    snprintf(counted.flags, sizeof counted.flags, "%s", BUILD_INFO_FLAGS);
-    if (!first && (strcmp(committed.compiler, counted.compiler) != 0 || strcmp(committed.flags, counted.flags) != 0)) {
+    snprintf(now.compiler, sizeof now.compiler, "%s", BUILD_INFO_COMPILER);
+    snprintf(now.flags, sizeof now.flags, "%s", BUILD_INFO_FLAGS);
+    if (!first && (strcmp(committed.compiler, now.compiler) != 0 || strcmp(committed.flags, now.flags) != 0)) {
         printf("The figures hold for %s with %s,\nthis build is by %s with %s.\n", committed.compiler, committed.flags,
-               counted.compiler, counted.flags);
+               now.compiler, now.flags);
         if (!updates) return skip("another compiler or other flags make other code");
         printf("To take this build for the measure from now on, remove %s first.\n", argv[3]);
         return EXIT_FAILURE;
     }
-
-    char *const workload[] = {argv[2], NULL};
-    const int status = guard_callgrind(NULL, workload, runs_file, NULL, profile_file);
-    if (status == 127) return skip("valgrind is not installed (Debian: valgrind)");
-    if (status != 0) {
-        io_fail(&error, "valgrind on %s: %s", argv[2], status < 0 ? strerror(errno) : "failed");
-        return fail(&error);
-    }
-    const char *slash = strrchr(argv[2], '/');
-    if (!guard_read_counts(&counted, runs_file, profile_file, slash ? slash + 1 : argv[2], &error)) return fail(&error);
-    return updates ? update(&counted, argv[3]) : check(&committed, &counted);
+    bool missing;
+    if (!callgrind_run(&now.all, "guard", (const char *[]){argv[2], NULL}, NULL, &missing, &error))
+        return missing ? skip(error.text) : fail(&error);
+    return updates ? update(&now, argv[3]) : check(&committed, &now);
 }
