@@ -2,6 +2,7 @@
 /* The benchmark's commands from beginning to end, on work so small that their figures mean nothing: files hold the same
  * numbers, comparisons of a file with itself decide nothing, mistakes are told and leave nothing behind. */
 #include "commands.h"
+#include "harness/markdown.h"
 #include "harness/results.h"
 #include "micro/compare.h"
 #include "micro/micro.h"
@@ -46,15 +47,16 @@ static char *line_of(char *text, const char *start) {
     return NULL;
 }
 
-/* The caller frees it. */
-static char *table_text(const json_t *lines, table_format format) {
-    char *text = NULL;
-    size_t size;
-    FILE *file = open_memstream(&text, &size);
-    assert_non_null(file);
-    table_write(file, lines, format);
-    fclose(file);
-    return text;
+/* What markdown_print makes of the text; the caller frees it. */
+static char *printed(const char *markdown) {
+    fflush(stdout);
+    const int held = dup(STDOUT_FILENO);
+    assert_true(held >= 0 && freopen("printed", "w", stdout));
+    markdown_print(markdown);
+    fflush(stdout);
+    assert_true(dup2(held, STDOUT_FILENO) >= 0);
+    close(held);
+    return read_text("printed");
 }
 
 static void check_width(const char *text, size_t most) {
@@ -67,29 +69,30 @@ static void check_width(const char *text, size_t most) {
     }
 }
 
-/* All kernels as paths are more columns than a terminal has: the rest goes below. */
-static void wide_tables_are_folded(void **state) {
+static void tables_are_printed_in_columns(void **state) {
     (void)state;
-    json_t *lines = json_array(), *paths = json_array();
-    json_array_append_new(lines, json_pack("{s:s}", "kind", "run"));
-    for (int k = 0; k < 24; k++) {
-        char title[32];
-        snprintf(title, sizeof title, "kernel%d, Phong", k);
-        json_array_append_new(paths, json_pack("{s:s, s:s, s:f, s:f}", "path", "x", "title", title, "seconds_median",
-                                               1 + k / 100.0, "trace_mrays_per_s", 100.0 + k));
+    char *text = printed("A table:\n\n| what | one, two | three |\n|---|--:|---|\n| ½ | 1 | a |\n| longer | 10 | |\n");
+    check(strcmp(text, "A table:\nwhat    one  three\n        two\n½         1  a\nlonger   10\n") == 0, "it is\n%s",
+          text);
+    free(text);
+    /* More columns than a terminal has: the rest goes below. */
+    char wide[4096] = "| name |", row[4096] = "| x |", dashes[512] = "|---|";
+    for (int k = 0; k < 30; k++) {
+        snprintf(wide + strlen(wide), sizeof wide - strlen(wide), " kernel%d, Phong |", k);
+        snprintf(row + strlen(row), sizeof row - strlen(row), " 1.%02d |", k);
+        strcat(dashes, "--:|");
     }
-    json_array_append_new(lines, json_pack("{s:s, s:s, s:o}", "kind", "scene", "scene", "hftest", "paths", paths));
-    char *text = table_text(lines, TABLE_TEXT);
+    snprintf(wide + strlen(wide), sizeof wide - strlen(wide), "\n%s\n%.2000s\n", dashes, row);
+    text = printed(wide);
     check_width(text, 100);
-    for (int k = 0; k < 24; k++) {
+    for (int k = 0; k < 30; k++) {
         char cell[32];
-        snprintf(cell, sizeof cell, " %.2f", 1 + k / 100.0);
+        snprintf(cell, sizeof cell, " 1.%02d", k);
         check(strstr(text, cell) != NULL, "%s is lost: %s", cell, text);
         snprintf(cell, sizeof cell, " kernel%d", k);
         check(strstr(text, cell) != NULL, "%s is lost: %s", cell, text);
     }
     free(text);
-    json_decref(lines);
 }
 
 static void table_files_hold_the_same_numbers(void **state) {
@@ -106,17 +109,21 @@ static void table_files_hold_the_same_numbers(void **state) {
     check(json_array_size(paths) == (peer_embree_version() ? 4 : 3), "%zu paths", json_array_size(paths));
     check(results_number(scene, "camera_rays") == 256 * 256, "%.0f camera rays", results_number(scene, "camera_rays"));
 
-    char *markdown = read_text("a/b/table.md"), *page = table_text(lines, TABLE_MARKDOWN);
+    char *markdown = read_text("a/b/table.md"), *page = NULL;
+    size_t size, k;
+    FILE *memory = open_memstream(&page, &size);
+    assert_non_null(memory);
+    table_write_markdown(memory, lines);
+    fclose(memory);
     check(strcmp(markdown, page) == 0, "table.md is not what table.json gives");
-    free(page);
-    page = table_text(lines, TABLE_TEXT);
-    check_width(page, 100);
-    check(strstr(page, "\nhftest ") != NULL, "the printed table has no line on hftest");
+    char *text = printed(page);
+    check_width(text, 100);
+    check(strstr(text, "\nhftest ") != NULL, "the printed table has no line on hftest");
+    free(text);
     free(page);
     const char *cell = line_of(markdown, "| hftest |");
     check(cell != NULL, "table.md has no line on hftest");
     cell += strlen("| hftest");
-    size_t k;
     json_array_foreach(paths, k, path) {
         const double seconds = results_number(path, "seconds_median");
         cell = strchr(cell, '|') + 1;
@@ -290,7 +297,7 @@ static void helps(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(wide_tables_are_folded),
+        cmocka_unit_test_setup_teardown(tables_are_printed_in_columns, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(table_files_hold_the_same_numbers, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(micro_against_itself_is_undecided, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(threads_take_part, scratch_enter, scratch_leave),

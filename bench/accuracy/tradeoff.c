@@ -8,7 +8,6 @@
 #include "build_info.h"
 #include "commands.h"
 #include "harness/child.h"
-#include "harness/folder.h"
 #include "harness/results.h"
 #include "harness/run_record.h"
 #include "micro/counters.h"
@@ -75,7 +74,7 @@ static bool run(const tradeoff_options *o, int argc, char **argv, io_error *erro
     results_set_count(record, "rays_a_class", o->count);
     results_set_count(record, "samples_a_pixel", o->samples);
     bool good = json_array_append_new(lines, record) == 0 || io_fail(error, "out of memory");
-    good = good && folder_open(&json, o->out, o->counters ? "counts.json" : "tradeoff.json", error);
+    good = good && io_output_open_in(&json, o->out, o->counters ? "counts.json" : "tradeoff.json", error);
     /* First what may fail soon. */
     if (good && counters_here())
         good = walks_count(o, lines, error);

@@ -2,7 +2,6 @@
 #include "harness/interleave.h"
 
 #include "clock.h"
-#include "harness/timing.h"
 #include "workload/terrain.h"
 
 #include <stdlib.h>
@@ -24,9 +23,9 @@ static void shuffle(size_t *order, size_t count, uint32_t seed, uint32_t round) 
 
 static void take_sample(interleave_job *job, samples *s) {
     const double start = clock_seconds(), cpu_start = clock_cpu_seconds();
-    const uint64_t first = timing_ticks();
+    const uint64_t first = clock_ticks();
     job->run(job->context);
-    const uint64_t last = timing_ticks();
+    const uint64_t last = clock_ticks();
     const double cpu = clock_cpu_seconds() - cpu_start, seconds = clock_seconds() - start;
     const double counts = job->by_clock ? seconds : cpu;
     s->seconds[s->n] = counts;

@@ -6,7 +6,6 @@
 #include "commands.h"
 #include "cpus.h"
 #include "harness/child.h"
-#include "harness/folder.h"
 #include "harness/results.h"
 #include "harness/run_record.h"
 #include "options.h"
@@ -181,7 +180,7 @@ static bool run(const campaign *c, const measure_options *o, io_error *error) {
     double shares = 0, load = 0;
     size_t failed = 0;
     for (size_t k = 0; k < c->count; k++) shares += c->steps[k].share;
-    if (!folder_make(o->out, error)) return false;
+    if (!io_folder_make(o->out, error)) return false;
     if (getloadavg(&load, 1) == 1 && load > 0.5)
         fprintf(stderr, "The load of this machine is %.1f: other programs disturb the measurement.\n", load);
     const double start = clock_seconds();

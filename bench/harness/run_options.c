@@ -2,9 +2,9 @@
 #include "harness/run_options.h"
 
 #include "command.h"
-#include "harness/timing.h"
 
 #include <limits.h>
+#include <sched.h>
 
 void run_options_rows(run_options *run, option_spec rows[RUN_OPTION_COUNT]) {
     *run = (run_options){.seed = 1, .isa = -1, .cpu = UINT_MAX};
@@ -36,7 +36,11 @@ bool run_options_check(run_options *run, const char *name) {
 }
 
 bool run_options_pin(const run_options *run, int *cpu, io_error *error) {
-    *cpu = run->no_pin ? -1 : timing_pin(run->cpu == UINT_MAX ? -1 : (int)run->cpu);
-    return run->no_pin || *cpu >= 0 ||
-           io_fail(error, "--cpu %d: the system does not allow this process there", (int)run->cpu);
+    cpu_set_t set;
+    *cpu = run->cpu == UINT_MAX ? sched_getcpu() : (int)run->cpu;
+    CPU_ZERO(&set);
+    if (*cpu >= 0 && *cpu < CPU_SETSIZE) CPU_SET((size_t)*cpu, &set);
+    if (run->no_pin) *cpu = -1;
+    return run->no_pin || sched_setaffinity(0, sizeof set, &set) == 0 ||
+           io_fail(error, "--cpu %d: the system does not allow this process there", *cpu);
 }

@@ -4,7 +4,7 @@
 #include "build_info.h"
 #include "clock.h"
 #include "commands.h"
-#include "harness/folder.h"
+#include "harness/markdown.h"
 #include "harness/results.h"
 #include "harness/run_record.h"
 #include "scenes/tracer.h"
@@ -24,10 +24,17 @@ typedef struct files {
 } files;
 
 static bool save(files *f, const json_t *lines, io_error *error) {
-    table_write(stdout, lines, TABLE_TEXT);
-    table_write(f->markdown.file, lines, TABLE_MARKDOWN);
+    char *text = NULL;
+    size_t size;
+    FILE *memory = open_memstream(&text, &size);
+    if (memory == NULL) return io_fail(error, "out of memory");
+    table_write_markdown(memory, lines);
+    bool good = fclose(memory) == 0 || io_fail(error, "out of memory");
+    if (good) markdown_print(text);
+    good = good && io_output_write(&f->markdown, text, size, error);
+    free(text);
     table_write_csv(f->csv.file, lines);
-    return results_write_all(&f->json, lines, error) && io_output_commit(&f->json, error) &&
+    return good && results_write_all(&f->json, lines, error) && io_output_commit(&f->json, error) &&
            io_output_commit(&f->csv, error) && io_output_commit(&f->markdown, error);
 }
 
@@ -59,11 +66,12 @@ static bool run(const table_options *o, io_error *error) {
     files out = {0};
     results_set_bool(record, "quick", o->quick);
     results_set_count(record, "samples_a_pixel", o->samples);
-    const bool good =
-        (json_array_append_new(lines, record) == 0 || io_fail(error, "out of memory")) &&
-        table_paths_choose(o, paths, &count, lines, error) && folder_open(&out.markdown, o->out, "table.md", error) &&
-        folder_open(&out.csv, o->out, "table.csv", error) && folder_open(&out.json, o->out, "table.json", error) &&
-        run_scenes(o, paths, count, lines, error) && save(&out, lines, error);
+    const bool good = (json_array_append_new(lines, record) == 0 || io_fail(error, "out of memory")) &&
+                      table_paths_choose(o, paths, &count, lines, error) &&
+                      io_output_open_in(&out.markdown, o->out, "table.md", error) &&
+                      io_output_open_in(&out.csv, o->out, "table.csv", error) &&
+                      io_output_open_in(&out.json, o->out, "table.json", error) &&
+                      run_scenes(o, paths, count, lines, error) && save(&out, lines, error);
     io_output_discard(&out.json);
     io_output_discard(&out.csv);
     io_output_discard(&out.markdown);

@@ -45,9 +45,7 @@ json_t *table_scene_run(const char *name, const table_path *paths, size_t path_c
 
 /* ---- text.c: from JSON lines to text, the same from the same ---- */
 
-typedef enum table_format { TABLE_TEXT, TABLE_MARKDOWN } table_format;
-/* For a terminal of 100 columns, or as Markdown. */
-void table_write(FILE *to, const json_t *lines, table_format format);
+void table_write_markdown(FILE *to, const json_t *lines);
 void table_write_csv(FILE *to, const json_t *lines);
 
 #endif

@@ -3,6 +3,7 @@
 #ifndef CELLWALK_BASE_CLOCK_H
 #define CELLWALK_BASE_CLOCK_H
 
+#include <stdint.h>
 #include <time.h>
 
 static inline double clock_read(clockid_t which) {
@@ -17,5 +18,15 @@ static inline double clock_seconds(void) { return clock_read(CLOCK_MONOTONIC); }
 /* Time that the process has had a CPU for. One thread's work takes as much of it as of the clock's time, except that what
  * the system gave to other programs meanwhile does not count. */
 static inline double clock_cpu_seconds(void) { return clock_read(CLOCK_PROCESS_CPUTIME_ID); }
+
+/* The time stamp counter: it runs at a fixed rate whatever the core's clock does, so its "cycles" are units of time and
+ * not cycles that the core has spent. 0 where there is none. */
+static inline uint64_t clock_ticks(void) {
+#if defined(__x86_64__) || defined(__i386__)
+    return __builtin_ia32_rdtsc();
+#else
+    return 0;
+#endif
+}
 
 #endif
