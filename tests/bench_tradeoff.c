@@ -80,26 +80,26 @@ static cw_field *make_field(const float *z) {
 static void sums_are_exact(void **state) {
     (void)state;
     const double cancels[] = {1e100, 1, 0x1p-60, -1e100, -1, 3, -3};
-    check(tradeoff_sum(cancels, 7) == 0x1p-60, "the sum is %g", tradeoff_sum(cancels, 7));
+    check(exact_sum(cancels, 7) == 0x1p-60, "the sum is %g", exact_sum(cancels, 7));
     const double tenth[] = {0.1, 0.2, -0.3};
-    check(tradeoff_sum(tenth, 3) == 0x1p-55, "0.1 + 0.2 - 0.3 is %a", tradeoff_sum(tenth, 3));
+    check(exact_sum(tenth, 3) == 0x1p-55, "0.1 + 0.2 - 0.3 is %a", exact_sum(tenth, 3));
 }
 
 static void places_are_exact(void **state) {
     (void)state;
     float z[SAMPLES];
     make_ground(z, true);
-    const tradeoff_ground on = tradeoff_ground_of(z, SIDE, SIDE);
+    const true_surface on = true_surface_of(z, SIDE, SIDE);
     /* Triangle A of cell (4, 2) is z = 3 - 2 (x - 4). */
     const cw_ray ray = {.org = {5, 2.25f, 2}, .dir = {-1, 0, 1}, .tmax = 9};
-    tradeoff_place p;
-    check(tradeoff_meet(&on, &ray, 4, 2, CW_TRIANGLE_A, &p), "the ray is parallel");
+    exact_hit p;
+    check(exact_meet(&on, &ray, 4, 2, CW_TRIANGLE_A, &p), "the ray is parallel");
     check(p.t == 1, "t is %.17g", p.t); /* 2 + t = 3 - 2 (1 - t) */
     const cw_ray falling = {.org = {4.75f, 2.125f, 4}, .dir = {0, 0, -3}, .tmax = 9};
-    check(tradeoff_meet(&on, &falling, 4, 2, CW_TRIANGLE_A, &p), "the ray is parallel");
+    check(exact_meet(&on, &falling, 4, 2, CW_TRIANGLE_A, &p), "the ray is parallel");
     check(fabs(p.t - 2.5 / 3) < 1e-15 && p.u == 0.625 && p.v == 0.125, "t, u, v are %.17g, %g, %g", p.t, p.u, p.v);
     const cw_ray along = {.org = {4.75f, 2.125f, 4}, .dir = {1, 0, -2}, .tmax = 9};
-    check(!tradeoff_meet(&on, &along, 4, 2, CW_TRIANGLE_A, &p), "the ray is not parallel");
+    check(!exact_meet(&on, &along, 4, 2, CW_TRIANGLE_A, &p), "the ray is not parallel");
 
     /* A hit that names the wrong triangle beside the edge is led to the right one; u and v in it. */
     const cw_ray beside = {.org = {4.5f, 2.5625f, 4}, .dir = {0, 0, -1}, .tmax = 9};
@@ -112,13 +112,13 @@ static void places_are_exact(void **state) {
 static void errors_have_units(void **state) {
     (void)state;
     const cw_ray ray = {.dir = {0, 3, 4}};
-    check(tradeoff_t_ulp(1 + 0x1p-23, 1) == 1, "an ULP of 1 is %g", tradeoff_t_ulp(1 + 0x1p-23, 1));
-    check(tradeoff_t_ulp(0.75, 0.75 - 0x1p-23) == 2, "an ULP of 0.75 is %g", tradeoff_t_ulp(0.75, 0.75 - 0x1p-23));
-    check(tradeoff_t_ulp(0x1p-149, 0) == 1, "an ULP of 0 is %g", tradeoff_t_ulp(0x1p-149, 0));
-    check(tradeoff_t_cells(&ray, 2, 2.5) == 2.5, "t off by 0.5 is %g cells", tradeoff_t_cells(&ray, 2, 2.5));
+    check(exact_error_ulp(1 + 0x1p-23, 1) == 1, "an ULP of 1 is %g", exact_error_ulp(1 + 0x1p-23, 1));
+    check(exact_error_ulp(0.75, 0.75 - 0x1p-23) == 2, "an ULP of 0.75 is %g", exact_error_ulp(0.75, 0.75 - 0x1p-23));
+    check(exact_error_ulp(0x1p-149, 0) == 1, "an ULP of 0 is %g", exact_error_ulp(0x1p-149, 0));
+    check(exact_error_cells(&ray, 2, 2.5) == 2.5, "t off by 0.5 is %g cells", exact_error_cells(&ray, 2, 2.5));
     float z[SAMPLES];
     make_ground(z, true);
-    const tradeoff_ground on = tradeoff_ground_of(z, SIDE, SIDE);
+    const true_surface on = true_surface_of(z, SIDE, SIDE);
     const cw_ray falling = {.org = {4.75f, 2.125f, 4}, .dir = {0, 0, -1}, .tmax = 9};
     check(tradeoff_off_surface(&on, &falling, 2) == 0.5, "off by %g", tradeoff_off_surface(&on, &falling, 2));
 }
@@ -199,13 +199,13 @@ static void verdicts_are_right(void **state) {
         float z[SAMPLES];
         make_ground(z, q->wall);
         cw_field *field = make_field(z);
-        const tradeoff_ground on = tradeoff_ground_of(z, SIDE, SIDE);
+        const true_surface on = true_surface_of(z, SIDE, SIDE);
         const tradeoff_claim claim = {.height = q->claim};
         cw_hit truth;
         check_status(cw_closest(field, &strict, &q->ray, 1, &truth), CW_OK);
         cw_field_destroy(field);
         const bool hit = truth.i >= 0;
-        tradeoff_place exact = {0};
+        exact_hit exact = {0};
         if (hit) exact = tradeoff_exact(&on, &q->ray, &truth);
         const cw_hit answer = hit_at(&q->ray, q->answer);
         const tradeoff_verdict closest =
@@ -224,7 +224,7 @@ static void all_crossings_are_looked_at(void **state) {
         along[k] = k / SIDE == 4 ? 3 : 1;
         across[k] = k / SIDE == k % SIDE ? 3 : 1;
     }
-    const tradeoff_ground y = tradeoff_ground_of(along, SIDE, SIDE), diagonal = tradeoff_ground_of(across, SIDE, SIDE);
+    const true_surface y = true_surface_of(along, SIDE, SIDE), diagonal = true_surface_of(across, SIDE, SIDE);
     const tradeoff_claim none = {0};
     const cw_ray over_y = {.org = {2.5f, 2.5f, 2.5f}, .dir = {0, 1, 0}, .tmax = 3};
     const cw_ray over_diagonal = {.org = {3, 4, 2.5f}, .dir = {1, -1, 0}, .tmax = 1};
@@ -237,7 +237,7 @@ static void cones_grow(void **state) {
     (void)state;
     float z[SAMPLES];
     make_ground(z, false);
-    const tradeoff_ground on = tradeoff_ground_of(z, SIDE, SIDE);
+    const true_surface on = true_surface_of(z, SIDE, SIDE);
     const tradeoff_claim cone = {.cone = 0.125};
     const cw_ray ray = {.org = {1.5f, 2.5f, 1.5f}, .dir = {1, 0, 0}, .tmax = 6};
     check(tradeoff_follow(&on, &ray, 0, 3, &cone).clear, "0.5 above is not clear at 3");
@@ -253,7 +253,7 @@ static void errors_are_counted(void **state) {
     (void)state;
     float z[SAMPLES];
     make_ground(z, false);
-    const tradeoff_ground on = tradeoff_ground_of(z, SIDE, SIDE);
+    const true_surface on = true_surface_of(z, SIDE, SIDE);
     cw_field *field = make_field(z);
     cw_ray rays[RAYS];
     for (size_t k = 0; k < RAYS; k++)
@@ -396,7 +396,7 @@ static void normals_are_known(void **state) {
     float z[SAMPLES], plane[SAMPLES];
     terrain_fractal(z, SIDE, SIDE, 5, 0.5f);
     for (size_t k = 0; k < SAMPLES; k++) plane[k] = 2 * (float)(k % SIDE) - 3 * (float)(k / SIDE);
-    const tradeoff_ground on = tradeoff_ground_of(z, SIDE, SIDE), flat = tradeoff_ground_of(plane, SIDE, SIDE);
+    const true_surface on = true_surface_of(z, SIDE, SIDE), flat = true_surface_of(plane, SIDE, SIDE);
     cw_field *field = make_field(z);
     const double up = sqrt(14), right[3] = {-2 / up, 3 / up, 1 / up};
     for (uint32_t k = 0; k < 200; k++) {

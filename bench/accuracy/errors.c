@@ -19,10 +19,10 @@ size_t tradeoff_thin(const cw_ray *rays, size_t n, unsigned thin, cw_ray *out) {
     return m;
 }
 
-bool tradeoff_truth_make(tradeoff_truth *truth, const tradeoff_ground *ground, const cw_field *field,
-                         const cw_ray *rays, size_t n) {
+bool tradeoff_truth_make(tradeoff_truth *truth, const true_surface *surface, const cw_field *field, const cw_ray *rays,
+                         size_t n) {
     const cw_query query = {.kernel = cw_kernel_find("cell"), .leaf = CW_LEAF_WATERTIGHT};
-    *truth = (tradeoff_truth){.ground = ground, .field = field, .rays = rays, .n = n};
+    *truth = (tradeoff_truth){.surface = surface, .field = field, .rays = rays, .n = n};
     truth->hits = malloc((n ? n : 1) * sizeof *truth->hits);
     truth->exact = malloc((n ? n : 1) * sizeof *truth->exact);
     bool good = truth->hits && truth->exact;
@@ -32,7 +32,7 @@ bool tradeoff_truth_make(tradeoff_truth *truth, const tradeoff_ground *ground, c
     }
     good = good && cw_closest(field, &query, rays, n, truth->hits) == CW_OK;
     for (size_t k = 0; good && k < n; k++)
-        if (truth->hits[k].i >= 0) truth->exact[k] = tradeoff_exact(ground, &rays[k], &truth->hits[k]);
+        if (truth->hits[k].i >= 0) truth->exact[k] = tradeoff_exact(surface, &rays[k], &truth->hits[k]);
     if (!good) tradeoff_truth_free(truth);
     return good;
 }
@@ -56,7 +56,7 @@ static double angle(const double a[3], const double b[3]) {
     return atan2(sqrt(cross), dot) * (180 / 3.14159265358979323846);
 }
 
-static double normal_error(const tradeoff_truth *truth, const tradeoff_place *exact, const cw_field *field,
+static double normal_error(const tradeoff_truth *truth, const exact_hit *exact, const cw_field *field,
                            const cw_hit *answer) {
     const cw_hit right = {
         .u = (float)exact->u, .v = (float)exact->v, .i = exact->i, .j = exact->j, .triangle = exact->triangle};
@@ -73,18 +73,18 @@ tradeoff_errors tradeoff_errors_closest(const tradeoff_truth *truth, unsigned th
     for (size_t m = 0; m < e.rays; m++) {
         const size_t k = tradeoff_thinned_at(m, thin);
         const cw_ray *ray = &truth->rays[k];
-        const tradeoff_place *exact = truth->hits[k].i >= 0 ? &truth->exact[k] : NULL;
+        const exact_hit *exact = truth->hits[k].i >= 0 ? &truth->exact[k] : NULL;
         const tradeoff_verdict v =
-            tradeoff_judge_closest(truth->ground, ray, claim, &truth->hits[k], exact, &answers[m]);
+            tradeoff_judge_closest(truth->surface, ray, claim, &truth->hits[k], exact, &answers[m]);
         e.broken += v > TRADEOFF_TIE;
         e.hits += answers[m].i >= 0;
         e.verdicts[v == TRADEOFF_TIE
-                       ? tradeoff_judge_closest(truth->ground, ray, &none, &truth->hits[k], exact, &answers[m])
+                       ? tradeoff_judge_closest(truth->surface, ray, &none, &truth->hits[k], exact, &answers[m])
                        : v]++;
         if (v != TRADEOFF_RIGHT || exact == NULL) continue;
-        truth->scratch[0][n] = tradeoff_t_ulp((double)answers[m].t, exact->t);
-        truth->scratch[1][n] = tradeoff_t_cells(ray, (double)answers[m].t, exact->t);
-        truth->scratch[2][n] = tradeoff_off_surface(truth->ground, ray, (double)answers[m].t);
+        truth->scratch[0][n] = exact_error_ulp((double)answers[m].t, exact->t);
+        truth->scratch[1][n] = exact_error_cells(ray, (double)answers[m].t, exact->t);
+        truth->scratch[2][n] = tradeoff_off_surface(truth->surface, ray, (double)answers[m].t);
         truth->scratch[3][n++] = normal_error(truth, exact, field, &answers[m]);
     }
     double *median[4] = {&e.ulp.median, &e.cells.median, &e.off.median, &e.degrees.median};
@@ -104,8 +104,8 @@ tradeoff_errors tradeoff_errors_any(const tradeoff_truth *truth, unsigned thin, 
         const size_t k = tradeoff_thinned_at(m, thin);
         const bool right = truth->hits[k].i >= 0, answer = answers[m] != 0;
         e.hits += answer;
-        e.broken += tradeoff_judge_any(truth->ground, &truth->rays[k], claim, right, answer) > TRADEOFF_TIE;
-        e.verdicts[tradeoff_judge_any(truth->ground, &truth->rays[k], &none, right, answer)]++;
+        e.broken += tradeoff_judge_any(truth->surface, &truth->rays[k], claim, right, answer) > TRADEOFF_TIE;
+        e.verdicts[tradeoff_judge_any(truth->surface, &truth->rays[k], &none, right, answer)]++;
     }
     return e;
 }

@@ -9,32 +9,31 @@
 
 #include "cellwalk.h"
 
-/* Samples as the reference sees them: (i, j) is z[j * nx + i]; no holes. They must stay. */
-typedef struct tradeoff_ground {
+/* The true surface: sample (i, j) is z[j * nx + i]; no holes. The samples must stay. */
+typedef struct true_surface {
     const float *z;
     size_t nx, ny;
-    double highest; /* of the samples' absolute values */
-} tradeoff_ground;
+    double highest, steepest; /* of all samples and of their differences along edges, in size */
+} true_surface;
 
-tradeoff_ground tradeoff_ground_of(const float *z, size_t nx, size_t ny);
+true_surface true_surface_of(const float *z, size_t nx, size_t ny);
 
-typedef struct tradeoff_place {
+typedef struct exact_hit {
     double t, u, v; /* u and v as in cw_hit */
     int32_t i, j;
     uint32_t triangle;
-} tradeoff_place;
+} exact_hit;
 
-/* Sum of count numbers, rounded about once: its relative error is less than 2^-52. count <= TRADEOFF_SUM_MAX. */
-enum { TRADEOFF_SUM_MAX = 16 };
-double tradeoff_sum(const double *numbers, int count);
+/* Sum of count numbers, rounded about once: its relative error is less than 2^-52. count <= EXACT_SUM_MAX. */
+enum { EXACT_SUM_MAX = 16 };
+double exact_sum(const double *numbers, int count);
 
 /* Where the ray meets the plane of a triangle; u and v tell whether inside. False if it runs parallel to it. */
-bool tradeoff_meet(const tradeoff_ground *on, const cw_ray *ray, int32_t i, int32_t j, uint32_t triangle,
-                   tradeoff_place *place);
+bool exact_meet(const true_surface *on, const cw_ray *ray, int32_t i, int32_t j, uint32_t triangle, exact_hit *hit);
 
 /* Errors of a t: in units of the float's last place at the exact t; as the distance along the ray between the two places,
  * in cells. */
-double tradeoff_t_ulp(double t, double exact);
-double tradeoff_t_cells(const cw_ray *ray, double t, double exact);
+double exact_error_ulp(double t, double exact);
+double exact_error_cells(const cw_ray *ray, double t, double exact);
 
 #endif

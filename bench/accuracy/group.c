@@ -26,7 +26,7 @@ void tradeoff_field_close(tradeoff_field *on) {
 /* Embree's peak while it builds, in bytes a cell, as measured for micro. */
 static bool fits(const tradeoff_field *on, const tradeoff_mode *mode) {
     if (!mode->embree) return true;
-    const double needed = (double)on->ground.nx * (double)on->ground.ny * (mode->geometry == PEER_GRID ? 50 : 260);
+    const double needed = (double)on->surface.nx * (double)on->surface.ny * (mode->geometry == PEER_GRID ? 50 : 260);
     const double available = run_memory_available();
     if (available <= 0 || needed < available) return true;
     printf("%s is left out on field %s: it would take about %.1f GB\n", mode->name, on->samples.name, needed * 1e-9);
@@ -36,7 +36,7 @@ static bool fits(const tradeoff_field *on, const tradeoff_mode *mode) {
 bool tradeoff_field_open(tradeoff_field *on, const char *name, const tradeoff_options *o, io_error *error) {
     *on = (tradeoff_field){0};
     if (!workload_field_make(name, &on->samples)) return io_fail(error, "out of memory for field %s", name);
-    on->ground = tradeoff_ground_of(on->samples.z, on->samples.nx, on->samples.ny);
+    on->surface = true_surface_of(on->samples.z, on->samples.nx, on->samples.ny);
     cw_status status = workload_field_open(&on->samples, CW_COPY, false, &on->field);
     if (status == CW_OK) status = cw_field_build(on->field, cw_kernel_find("cell"));
     bool good = status == CW_OK || io_fail(error, "field %s: %s", name, cw_status_message(status));
@@ -45,7 +45,7 @@ bool tradeoff_field_open(tradeoff_field *on, const char *name, const tradeoff_op
         if (!tradeoff_mode_wanted(m, o) || on->stage_count == TRADEOFF_MODES_MAX) continue;
         if ((mode->embree && peer_embree_version() == NULL) || !fits(on, mode)) continue;
         good =
-            tradeoff_stage_open(&on->stages[on->stage_count], mode, on->field, &on->ground, (cw_isa)o->run.isa, error);
+            tradeoff_stage_open(&on->stages[on->stage_count], mode, on->field, &on->surface, (cw_isa)o->run.isa, error);
         on->stage_count += good;
     }
     if (!good) tradeoff_field_close(on);
@@ -305,7 +305,7 @@ static bool make_rays(group *g, const tradeoff_options *o, io_error *error) {
         return io_fail(error, "out of memory for %zu rays", n);
     for (unsigned thin = 1; thin <= THIN_MAX; thin++)
         g->counts[thin] = tradeoff_thin(g->rays[0], g->counts[0], thin, g->rays[thin]);
-    return tradeoff_truth_make(&g->truth, &g->on->ground, g->on->field, g->rays[0], g->counts[0]) ||
+    return tradeoff_truth_make(&g->truth, &g->on->surface, g->on->field, g->rays[0], g->counts[0]) ||
            io_fail(error, "out of memory for %zu rays", n);
 }
 

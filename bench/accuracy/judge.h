@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What is wrong with an answer. The ray is followed over the surface in double, crossing by crossing, and what it does
- * counts only where it is clear: farther from the surface than rounding, bounded as in papers/numerics.md, and what the
- * answer's mode claims can explain. */
+ * counts only where it is clear: farther from the surface than what rounding (tests/oracle/bounds.h) and the claim of the
+ * answer's mode can explain. */
 #ifndef CELLWALK_BENCH_ACCURACY_JUDGE_H
 #define CELLWALK_BENCH_ACCURACY_JUDGE_H
 
@@ -25,27 +25,27 @@ typedef enum tradeoff_verdict {
 typedef struct tradeoff_track {
     bool passes; /* the ray is clear on one side of the surface, and later on the other */
     bool clear;  /* it is clear on one side at every crossing */
-    bool near;   /* it is clear at none of the crossings; all three are false if it is not over the field */
+    bool near;   /* it might be a hit at all of the crossings; all three are false if it is not over the field */
 } tradeoff_track;
 
 /* The ray for t in [from, to], as far as it is over the field. */
-tradeoff_track tradeoff_follow(const tradeoff_ground *on, const cw_ray *ray, double from, double to,
+tradeoff_track tradeoff_follow(const true_surface *on, const cw_ray *ray, double from, double to,
                                const tradeoff_claim *claim);
 
 /* The place where the ray meets the surface that a hit means: on the hit's triangle, or, where the ray exactly passes beside
  * that, on one of the cells around it, the nearest in t that the ray reaches from the hit without getting clear of the
  * surface. Where there is none, on the triangle's plane; where the ray runs within that plane, at the hit's own t. */
-tradeoff_place tradeoff_exact(const tradeoff_ground *on, const cw_ray *ray, const cw_hit *hit);
+exact_hit tradeoff_exact(const true_surface *on, const cw_ray *ray, const cw_hit *hit);
 
 /* How far above or below the surface the ray's point at t is, in cells; outside the field, the surface goes on as at its
  * border. Unlike the error of t it stays small where the ray runs along the surface, where a rounding of the ray itself would
  * move t by as much. */
-double tradeoff_off_surface(const tradeoff_ground *on, const cw_ray *ray, double t);
+double tradeoff_off_surface(const true_surface *on, const cw_ray *ray, double t);
 
 /* truth is the reference's answer and exact what tradeoff_exact makes of it, NULL if it misses. */
-tradeoff_verdict tradeoff_judge_closest(const tradeoff_ground *on, const cw_ray *ray, const tradeoff_claim *claim,
-                                        const cw_hit *truth, const tradeoff_place *exact, const cw_hit *answer);
-tradeoff_verdict tradeoff_judge_any(const tradeoff_ground *on, const cw_ray *ray, const tradeoff_claim *claim,
-                                    bool truth, bool answer);
+tradeoff_verdict tradeoff_judge_closest(const true_surface *on, const cw_ray *ray, const tradeoff_claim *claim,
+                                        const cw_hit *truth, const exact_hit *exact, const cw_hit *answer);
+tradeoff_verdict tradeoff_judge_any(const true_surface *on, const cw_ray *ray, const tradeoff_claim *claim, bool truth,
+                                    bool answer);
 
 #endif

@@ -103,18 +103,18 @@ double tradeoff_cell_height(const cw_field *field) {
     return fabs(determinant) / sqrt(square * most_of_row * most_of_column);
 }
 
-static bool own_field(tradeoff_stage *s, cw_field *base, const tradeoff_ground *ground, io_error *error) {
+static bool own_field(tradeoff_stage *s, cw_field *base, const true_surface *surface, io_error *error) {
     const tradeoff_mode *mode = s->mode;
     cw_field_desc desc = cw_field_desc_default();
-    desc.samples = ground->z;
-    desc.nx = ground->nx;
-    desc.ny = ground->ny;
+    desc.samples = surface->z;
+    desc.nx = surface->nx;
+    desc.ny = surface->ny;
     s->field = base;
     if (mode->change == NULL) return true;
-    const size_t count = ground->nx * ground->ny;
+    const size_t count = surface->nx * surface->ny;
     s->z = malloc(count * sizeof *s->z);
     if (s->z == NULL) return io_fail(error, "out of memory for mode %s", mode->name);
-    memcpy(s->z, ground->z, count * sizeof *s->z);
+    memcpy(s->z, surface->z, count * sizeof *s->z);
     const tradeoff_claim more = mode->change(s->z, count);
     s->claim.height += more.height;
     s->claim.cone += more.cone;
@@ -125,12 +125,12 @@ static bool own_field(tradeoff_stage *s, cw_field *base, const tradeoff_ground *
     return true;
 }
 
-bool tradeoff_stage_open(tradeoff_stage *stage, const tradeoff_mode *mode, cw_field *base,
-                         const tradeoff_ground *ground, cw_isa isa, io_error *error) {
+bool tradeoff_stage_open(tradeoff_stage *stage, const tradeoff_mode *mode, cw_field *base, const true_surface *surface,
+                         cw_isa isa, io_error *error) {
     const double cell = tradeoff_cell_height(base);
     const tradeoff_claim tolerance = {mode->tolerance.height * cell, mode->tolerance.cone * cell};
     *stage = (tradeoff_stage){.mode = mode, .tolerance = tolerance, .claim = tolerance};
-    bool good = own_field(stage, base, ground, error);
+    bool good = own_field(stage, base, surface, error);
     if (good && mode->embree) {
         const peer_options options = {
             .isa = isa, .geometry = mode->geometry, .quality = PEER_HIGH, .robust = mode->robust};

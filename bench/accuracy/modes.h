@@ -44,8 +44,8 @@ typedef struct tradeoff_stage {
 
 /* base has the samples given by ground and must stay until the stage is closed, and so must they. isa is the widest that
  * Embree may use. On failure the stage needs no closing. */
-bool tradeoff_stage_open(tradeoff_stage *stage, const tradeoff_mode *mode, cw_field *base,
-                         const tradeoff_ground *ground, cw_isa isa, io_error *error);
+bool tradeoff_stage_open(tradeoff_stage *stage, const tradeoff_mode *mode, cw_field *base, const true_surface *surface,
+                         cw_isa isa, io_error *error);
 void tradeoff_stage_close(tradeoff_stage *stage);
 
 /* The mode's contender with a kernel; named as above. CW_ERROR_UNAVAILABLE or CW_ERROR_UNSUPPORTED where there is none. */

@@ -19,7 +19,7 @@ static inline void unit(double n[3]) {
 }
 
 /* Sum of the normals of the six triangles around a vertex, each as long as twice its area (src/core/hit.c). */
-static inline void vertex_normal(const tradeoff_ground *g, size_t at, double n[3]) {
+static inline void vertex_normal(const true_surface *g, size_t at, double n[3]) {
     const float *z = g->z + at, *north = z + g->nx, *south = z - g->nx;
     const double w = (double)z[-1], e = (double)z[1], nn = (double)north[0], s = (double)south[0];
     const double ne = (double)north[1], sw = (double)south[-1];
@@ -28,7 +28,7 @@ static inline void vertex_normal(const tradeoff_ground *g, size_t at, double n[3
     n[2] = 6;
 }
 
-static inline void normal_at(const tradeoff_ground *g, const cw_hit *hit, tradeoff_normal kind, double n[3]) {
+static inline void normal_at(const true_surface *g, const cw_hit *hit, tradeoff_normal kind, double n[3]) {
     const size_t at = (size_t)hit->j * g->nx + (size_t)hit->i;
     const bool a = hit->triangle == CW_TRIANGLE_A;
     const double u = (double)hit->u, v = (double)hit->v;
@@ -60,7 +60,7 @@ static inline void normal_at(const tradeoff_ground *g, const cw_hit *hit, tradeo
     unit(n);
 }
 
-void tradeoff_normal_at(const tradeoff_ground *g, const cw_hit *hit, tradeoff_normal kind, double normal[3]) {
+void tradeoff_normal_at(const true_surface *g, const cw_hit *hit, tradeoff_normal kind, double normal[3]) {
     normal_at(g, hit, kind, normal);
 }
 
@@ -106,7 +106,7 @@ static cw_hit some_hit(uint32_t seed, uint32_t k) {
 }
 
 /* Nanoseconds a normal: the median of some passes. */
-static double cost(const tradeoff_ground *g, const cw_hit *hits, tradeoff_normal kind) {
+static double cost(const true_surface *g, const cw_hit *hits, tradeoff_normal kind) {
     double seconds[REPEATS];
     volatile double sink = 0;
     for (int r = 0; r < REPEATS; r++) {
@@ -125,7 +125,7 @@ static double cost(const tradeoff_ground *g, const cw_hit *hits, tradeoff_normal
 
 static json_t *measure_wave(const wave *w, float *z, const cw_hit *hits, double *errors) {
     for (size_t k = 0; k < (size_t)SIDE * SIDE; k++) z[k] = (float)wave_z(w, (double)(k % SIDE), (double)(k / SIDE));
-    const tradeoff_ground g = tradeoff_ground_of(z, SIDE, SIDE);
+    const true_surface g = true_surface_of(z, SIDE, SIDE);
     json_t *line = json_object();
     results_set_text(line, "kind", "normal");
     results_set_number(line, "wave_length", w->length);

@@ -21,7 +21,7 @@ const char *tradeoff_normal_name(tradeoff_normal kind);
 
 /* Unit normal at a hit, in field space, of samples without holes. The vertex normals are those of cw_hit_phong_normal;
  * hits in the cells at the field's border are not to be asked for. */
-void tradeoff_normal_at(const tradeoff_ground *ground, const cw_hit *hit, tradeoff_normal kind, double normal[3]);
+void tradeoff_normal_at(const true_surface *surface, const cw_hit *hit, tradeoff_normal kind, double normal[3]);
 
 /* Adds a line of kind "normal" for each of several waves, from steep and short to flat and long. */
 bool tradeoff_normals_run(uint32_t seed, json_t *lines, io_error *error);

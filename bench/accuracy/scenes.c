@@ -12,7 +12,7 @@ enum { PEER_WIDTH = 8 };
 typedef struct set {
     scene *scene;
     size_t field_count, open; /* stages that are open */
-    tradeoff_ground grounds[SCENE_FIELDS_MAX];
+    true_surface surfaces[SCENE_FIELDS_MAX];
     float *z[SCENE_FIELDS_MAX];
     tradeoff_stage stages[SCENE_FIELDS_MAX];
     field_tracer tracer;
@@ -33,7 +33,7 @@ static bool open_mode(set *s, const tradeoff_mode *mode, cw_isa isa, bool *runs,
     *runs = !mode->embree || peer_embree_version();
     for (size_t f = 0; *runs && f < s->field_count; f++) {
         cw_field *base = scene_field(s->scene, f);
-        if (!tradeoff_stage_open(&s->stages[f], mode, base, &s->grounds[f], isa, error)) return false;
+        if (!tradeoff_stage_open(&s->stages[f], mode, base, &s->surfaces[f], isa, error)) return false;
         s->open++;
         if (mode->embree) {
             tradeoff_stage_peer(&s->stages[f], PEER_WIDTH, true, &t->on[f], &t->peers[f]);
@@ -62,7 +62,7 @@ static bool open_set(set *s, const char *folder, const char *name, io_error *err
         if (s->z[f] == NULL || cw_field_build(field, cw_kernel_find("cell")) != CW_OK)
             return io_fail(error, "scene %s: out of memory", name);
         for (size_t k = 0; k < info.nx * info.ny; k++) s->z[f][k] = cw_field_sample(field, k % info.nx, k / info.nx);
-        s->grounds[f] = tradeoff_ground_of(s->z[f], info.nx, info.ny);
+        s->surfaces[f] = true_surface_of(s->z[f], info.nx, info.ny);
     }
     return true;
 }

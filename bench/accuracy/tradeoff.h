@@ -41,18 +41,18 @@ typedef struct tradeoff_errors {
 /* The reference's answers to n rays, made once; degrees are measured with the Phong normals of field, which has the
  * ground's samples. */
 typedef struct tradeoff_truth {
-    const tradeoff_ground *ground;
+    const true_surface *surface;
     const cw_field *field;
     const cw_ray *rays;
     size_t n;
-    cw_hit *hits;          /* the strict answer */
-    tradeoff_place *exact; /* where hits[k] is one */
-    double *scratch[4];    /* n numbers each */
+    cw_hit *hits;       /* the strict answer */
+    exact_hit *exact;   /* where hits[k] is one */
+    double *scratch[4]; /* n numbers each */
 } tradeoff_truth;
 
 /* False if out of memory. field must have been built for the kernel cell. */
-bool tradeoff_truth_make(tradeoff_truth *truth, const tradeoff_ground *ground, const cw_field *field,
-                         const cw_ray *rays, size_t n);
+bool tradeoff_truth_make(tradeoff_truth *truth, const true_surface *surface, const cw_field *field, const cw_ray *rays,
+                         size_t n);
 void tradeoff_truth_free(tradeoff_truth *truth);
 
 /* Answers to every (2^thin)-th run of 16 rays, as tradeoff_thin picks them. field: whose normals the answer has. */
@@ -71,7 +71,7 @@ size_t tradeoff_thin(const cw_ray *rays, size_t n, unsigned thin, cw_ray *out);
 /* A field with its modes. */
 typedef struct tradeoff_field {
     workload_field samples;
-    tradeoff_ground ground;
+    true_surface surface;
     cw_field *field;
     tradeoff_stage stages[TRADEOFF_MODES_MAX];
     size_t stage_count;
