@@ -4,10 +4,7 @@
 #include "accuracy/summary.h"
 #include "commands.h"
 #include "harness/results.h"
-#include "micro/counters.h"
 #include "peers/embree.h"
-#include "workload/fields.h"
-#include "workload/ray_classes.h"
 
 #include "check.h"
 #include "scratch.h"
@@ -47,30 +44,6 @@ static const char *const small =
     "cone-pixel,embree "
     "--kernel cell,grid3d,grid3d-early,pyramid1 --scene hftest --count 4096 --seconds 0.3 "
     "--out a/b";
-
-/* The cells and triangles of the line are those that the kernel cell counts on the same rays. */
-static void check_counts(const json_t *line) {
-    enum { RAYS = 4096 };
-    workload_field samples;
-    cw_field *field = NULL;
-    check(workload_field_make("65", &samples), "no field");
-    check_status(workload_field_open(&samples, CW_BORROW, false, &field), CW_OK);
-    cw_ray *rays = malloc(RAYS * sizeof *rays);
-    cw_hit *hits = malloc(RAYS * sizeof *hits);
-    assert_true(rays && hits && workload_rays_make(field, WORKLOAD_RANDOM, 1, RAYS, rays) == RAYS);
-    const cw_query query = {.kernel = cw_kernel_find("cell")};
-    counter all[COUNTERS_MAX];
-    counters_reset();
-    check_status(cw_closest(field, &query, rays, RAYS, hits), CW_OK);
-    counters_read(all);
-    check(results_number(line, "cells") * RAYS == (double)counters_find(all, "flat")->events &&
-              results_number(line, "cell_triangles") * RAYS == 2 * (double)counters_find(all, "leaf")->events,
-          "%g cells and %g triangles a ray", results_number(line, "cells"), results_number(line, "cell_triangles"));
-    cw_field_destroy(field);
-    workload_field_free(&samples);
-    free(rays);
-    free(hits);
-}
 
 static void files_agree(void **state) {
     (void)state;
@@ -129,16 +102,6 @@ static void files_agree(void **state) {
     check(exact && results_number(exact, "rmse") == 0 && results_number(exact, "pixels_differ") == 0,
           "strict differs from itself");
     check(other && results_number(other, "pixels_differ") > 0, "16-bit samples change nothing");
-    size_t counts = 0;
-    json_array_foreach(lines, index, line) {
-        if (strcmp(results_text(line, "kind"), "count") != 0) continue;
-        counts++;
-        static const char *const keys[] = {"ray_count", "voxels", "voxel_triangles", "cells", "cell_triangles"};
-        for (size_t k = 0; k < 5; k++)
-            check(results_number(line, keys[k]) > 0, "no %s on %s", keys[k], results_text(line, "where"));
-    }
-    check(counts == 3, "%zu counts", counts);
-    check_counts(find(lines, "count", "rays", "random"));
     json_decref(lines);
 }
 
@@ -187,7 +150,7 @@ static void sums_are_of_their_lines(void **state) {
     };
     json_t *lines = parse(texts, sizeof texts / sizeof texts[0]);
     io_error error;
-    check(tradeoff_summarise(lines, &error), "%s", error.text);
+    check(summary_add(lines, &error), "%s", error.text);
     const json_t *early = find(lines, "summary", "contender", "early/grid3d-early");
     check(is_near(results_number(early, "mrays_per_s"), 4), "the mean of 2 and 8 is %g",
           results_number(early, "mrays_per_s"));

@@ -26,7 +26,7 @@ bool tradeoff_truth_make(tradeoff_truth *truth, const true_surface *surface, con
     truth->hits = malloc((n ? n : 1) * sizeof *truth->hits);
     truth->exact = malloc((n ? n : 1) * sizeof *truth->exact);
     bool good = truth->hits && truth->exact;
-    for (int k = 0; k < 4; k++) {
+    for (int k = 0; k < TRADEOFF_ERROR_KINDS; k++) {
         truth->scratch[k] = malloc((n ? n : 1) * sizeof *truth->scratch[k]);
         good = good && truth->scratch[k];
     }
@@ -40,7 +40,7 @@ bool tradeoff_truth_make(tradeoff_truth *truth, const true_surface *surface, con
 void tradeoff_truth_free(tradeoff_truth *truth) {
     free(truth->hits);
     free(truth->exact);
-    for (int k = 0; k < 4; k++) free(truth->scratch[k]);
+    for (int k = 0; k < TRADEOFF_ERROR_KINDS; k++) free(truth->scratch[k]);
     *truth = (tradeoff_truth){0};
 }
 
@@ -87,12 +87,10 @@ tradeoff_errors tradeoff_errors_closest(const tradeoff_truth *truth, unsigned th
         truth->scratch[2][n] = tradeoff_off_surface(truth->surface, ray, (double)answers[m].t);
         truth->scratch[3][n++] = normal_error(truth, exact, field, &answers[m]);
     }
-    double *median[4] = {&e.ulp.median, &e.cells.median, &e.off.median, &e.degrees.median};
-    double *worst[4] = {&e.ulp.worst, &e.cells.worst, &e.off.worst, &e.degrees.worst};
-    e.ulp.n = e.cells.n = e.off.n = e.degrees.n = n;
-    for (int s = 0; s < 4; s++) {
-        *median[s] = statistics_of(truth->scratch[s], n).median;
-        *worst[s] = n ? truth->scratch[s][n - 1] : 0; /* sorted by now */
+    e.right_hits = n;
+    for (int k = 0; k < TRADEOFF_ERROR_KINDS; k++) {
+        e.median[k] = statistics_of(truth->scratch[k], n).median;
+        e.worst[k] = n ? truth->scratch[k][n - 1] : 0; /* sorted by now */
     }
     return e;
 }

@@ -60,9 +60,8 @@ struct row {
     contender contender;
     kernel_contender kernel;
     peer_contender peer;
-    char kernel_name[CONTENDER_NAME]; /* "pyramid8"; "w8" with Embree */
-    unsigned thin, thin_errors;       /* of the rays that are timed, and of those whose errors are looked for */
-    double left_out;                  /* seconds for a pass over the thinnest set; 0 if that is no problem */
+    unsigned thin, thin_errors; /* of the rays that are timed, and of those whose errors are looked for */
+    double left_out;            /* seconds for a pass over the thinnest set; 0 if that is no problem */
     tradeoff_errors errors;
     const row *same_as; /* whose errors these are, because it gives the same bits; or NULL */
     interleave_job job;
@@ -83,36 +82,33 @@ typedef struct group {
     size_t row_count;
 } group;
 
-static bool add_row(group *g, const row *r, io_error *error) {
-    if (g->row_count == TRADEOFF_ROWS_MAX) return io_fail(error, "more than %d contenders", TRADEOFF_ROWS_MAX);
-    row *to = &g->rows[g->row_count++];
-    *to = *r;
-    to->contender.self = r->stage->mode->embree ? (const void *)&to->peer : (const void *)&to->kernel;
-    snprintf(to->kernel_name, sizeof to->kernel_name, "%s", strchr(to->contender.name, '/') + 1);
-    return true;
+/* Makes room for a row; NULL, with the error, if there is none. */
+static row *new_row(group *g, const tradeoff_stage *stage, io_error *error) {
+    row *r = g->row_count < TRADEOFF_ROWS_MAX ? &g->rows[g->row_count] : NULL;
+    if (r == NULL) io_fail(error, "more than %d contenders", TRADEOFF_ROWS_MAX);
+    if (r) *r = (row){.stage = stage};
+    return r;
 }
 
 static bool add_rows(group *g, const tradeoff_options *o, io_error *error) {
     for (size_t s = 0; s < g->on->stage_count; s++) {
-        row r = {.stage = &g->on->stages[s]};
-        if (r.stage->mode->embree) {
-            for (size_t w = 0; w < PEER_WIDTH_COUNT; w++) {
-                tradeoff_stage_peer(r.stage, peer_embree_widths[w], tradeoff_class_is_coherent(g->ray_class),
-                                    &r.contender, &r.peer);
-                if (!add_row(g, &r, error)) return false;
-            }
-            continue;
+        const tradeoff_stage *stage = &g->on->stages[s];
+        for (size_t w = 0; stage->mode->embree && w < PEER_WIDTH_COUNT; w++, g->row_count++) {
+            row *r = new_row(g, stage, error);
+            if (r == NULL) return false;
+            tradeoff_stage_peer(stage, peer_embree_widths[w], tradeoff_class_is_coherent(g->ray_class), &r->contender,
+                                &r->peer);
         }
-        for (size_t k = 0; k < cw_kernel_count(); k++) {
-            const cw_kernel *kernel = cw_kernel_at(k);
-            const char *name = cw_kernel_describe(kernel).name;
+        for (size_t k = 0; !stage->mode->embree && k < cw_kernel_count(); k++) {
+            row *r = option_wanted(&o->kernels, k) ? new_row(g, stage, error) : NULL;
             if (!option_wanted(&o->kernels, k)) continue;
-            const cw_status status = tradeoff_stage_kernel(r.stage, kernel, &r.contender, &r.kernel);
-            if (status == CW_ERROR_UNAVAILABLE || status == CW_ERROR_UNSUPPORTED) continue;
-            if (status != CW_OK)
-                return io_fail(error, "%s with %s on field %s: %s", r.stage->mode->name, name, g->on->samples.name,
+            if (r == NULL) return false;
+            const cw_status status = tradeoff_stage_kernel(stage, cw_kernel_at(k), &r->contender, &r->kernel);
+            g->row_count += status == CW_OK;
+            if (status != CW_OK && status != CW_ERROR_UNAVAILABLE && status != CW_ERROR_UNSUPPORTED)
+                return io_fail(error, "%s with %s on field %s: %s", stage->mode->name,
+                               cw_kernel_describe(cw_kernel_at(k)).name, g->on->samples.name,
                                cw_status_message(status));
-            if (!add_row(g, &r, error)) return false;
         }
     }
     return g->row_count > 0 || io_fail(error, "no kernel that is asked for has a mode that is asked for");
@@ -200,10 +196,6 @@ static void find_errors_of(group *g, const tradeoff_stage *stage) {
     }
 }
 
-static void find_errors(group *g) {
-    for (size_t s = 0; s < g->on->stage_count; s++) find_errors_of(g, &g->on->stages[s]);
-}
-
 /* ---- speed ---- */
 
 static bool time_all(group *g, const tradeoff_options *o, double seconds, io_error *error) {
@@ -227,65 +219,48 @@ static bool time_all(group *g, const tradeoff_options *o, double seconds, io_err
 /* ---- JSON ---- */
 
 static void set_errors(json_t *line, const tradeoff_errors *e) {
+    static const char *const keys[] = {[TRADEOFF_TIE] = "ties", "leaks", "phantoms", "wrong"};
+    static const char *const kinds[] = {"t_ulp", "t_cells", "off_cells", "normal_degrees"};
     const double million = e->rays ? 1e6 / (double)e->rays : 0;
+    char key[64];
     results_set_count(line, "ray_count", e->rays);
     results_set_count(line, "hits", e->hits);
-    results_set_count(line, "ties", e->verdicts[TRADEOFF_TIE]);
-    results_set_count(line, "leaks", e->verdicts[TRADEOFF_LEAK]);
-    results_set_count(line, "phantoms", e->verdicts[TRADEOFF_PHANTOM]);
-    results_set_count(line, "wrong", e->verdicts[TRADEOFF_WRONG]);
-    results_set_number(line, "leaks_per_million", (double)e->verdicts[TRADEOFF_LEAK] * million);
-    results_set_number(line, "phantoms_per_million", (double)e->verdicts[TRADEOFF_PHANTOM] * million);
-    results_set_number(line, "wrong_per_million", (double)e->verdicts[TRADEOFF_WRONG] * million);
+    for (int v = TRADEOFF_TIE; v < TRADEOFF_VERDICT_COUNT; v++) results_set_count(line, keys[v], e->verdicts[v]);
+    for (int v = TRADEOFF_LEAK; v < TRADEOFF_VERDICT_COUNT; v++) {
+        snprintf(key, sizeof key, "%s_per_million", keys[v]);
+        results_set_number(line, key, (double)e->verdicts[v] * million);
+    }
     results_set_count(line, "broken", e->broken);
     results_set_number(line, "broken_per_million", (double)e->broken * million);
-    if (e->ulp.n == 0) return;
-    results_set_count(line, "right_hits", e->ulp.n);
-    results_set_number(line, "t_ulp_median", e->ulp.median);
-    results_set_number(line, "t_ulp_worst", e->ulp.worst);
-    results_set_number(line, "t_cells_median", e->cells.median);
-    results_set_number(line, "t_cells_worst", e->cells.worst);
-    results_set_number(line, "off_cells_median", e->off.median);
-    results_set_number(line, "off_cells_worst", e->off.worst);
-    results_set_number(line, "normal_degrees_median", e->degrees.median);
-    results_set_number(line, "normal_degrees_worst", e->degrees.worst);
-}
-
-static void set_speed(json_t *line, const group *g, const row *r) {
-    const statistics *s = &r->job.seconds;
-    results_set_count(line, "samples", s->n);
-    results_set_number(line, "seconds_median", s->median);
-    results_set_number(line, "seconds_low", s->low);
-    results_set_number(line, "seconds_high", s->high);
-    results_set_bool(line, "interval_sure", s->sure);
-    results_set_bool(line, "converged", r->job.converged);
-    results_set_number(line, "mrays_per_s", (double)g->counts[r->thin] / s->median * 1e-6);
-}
-
-static bool append_rows(const group *g, json_t *lines, io_error *error) {
-    for (size_t k = 0; k < g->row_count; k++) {
-        const row *r = &g->rows[k];
-        json_t *line = json_object();
-        results_set_text(line, "kind", "result");
-        results_set_text(line, "field", g->on->samples.name);
-        results_set_text(line, "rays", tradeoff_class_name(g->ray_class));
-        results_set_text(line, "query", g->any ? "any" : "closest");
-        results_set_text(line, "contender", r->contender.name);
-        results_set_text(line, "mode", r->stage->mode->name);
-        results_set_text(line, "kernel", r->kernel_name);
-        results_set_count(line, "width", r->contender.width);
-        if (r->left_out > 0) {
-            results_set_number(line, "left_out_seconds", r->left_out);
-        } else {
-            results_set_number(line, "claim_height", r->stage->claim.height);
-            results_set_number(line, "claim_cone", r->stage->claim.cone);
-            set_errors(line, &r->errors);
-            if (r->same_as) results_set_text(line, "same_bits_as", r->same_as->contender.name);
-            if (tradeoff_class_is_timed(g->ray_class)) set_speed(line, g, r);
-        }
-        if (json_array_append_new(lines, line) != 0) return io_fail(error, "out of memory");
+    if (e->right_hits == 0) return;
+    results_set_count(line, "right_hits", e->right_hits);
+    for (int k = 0; k < TRADEOFF_ERROR_KINDS; k++) {
+        snprintf(key, sizeof key, "%s_median", kinds[k]);
+        results_set_number(line, key, e->median[k]);
+        snprintf(key, sizeof key, "%s_worst", kinds[k]);
+        results_set_number(line, key, e->worst[k]);
     }
-    return true;
+}
+
+static json_t *row_line(const group *g, const row *r) {
+    const char *name = r->contender.name;
+    json_t *line =
+        json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:s, s:i}", "kind", "result", "field", g->on->samples.name, "rays",
+                  tradeoff_class_name(g->ray_class), "query", g->any ? "any" : "closest", "contender", name, "mode",
+                  r->stage->mode->name, "kernel", strchr(name, '/') + 1, "width", (int)r->contender.width);
+    if (r->left_out > 0) {
+        results_set_number(line, "left_out_seconds", r->left_out);
+        return line;
+    }
+    results_set_number(line, "claim_height", r->stage->claim.height);
+    results_set_number(line, "claim_cone", r->stage->claim.cone);
+    set_errors(line, &r->errors);
+    if (r->same_as) results_set_text(line, "same_bits_as", r->same_as->contender.name);
+    if (!tradeoff_class_is_timed(g->ray_class)) return line;
+    results_set_seconds(line, &r->job.seconds);
+    results_set_bool(line, "converged", r->job.converged);
+    results_set_number(line, "mrays_per_s", (double)g->counts[r->thin] / r->job.seconds.median * 1e-6);
+    return line;
 }
 
 /* ---- all together ---- */
@@ -317,10 +292,11 @@ bool tradeoff_group_run(const tradeoff_field *on, int ray_class, const tradeoff_
     bool good = (g.rows || io_fail(error, "out of memory")) && make_rays(&g, o, error) && add_rows(&g, o, error);
     if (good) {
         for (size_t k = 0; k < g.row_count; k++) choose_thin(&g, &g.rows[k], o->pass);
-        find_errors(&g);
+        for (size_t k = 0; k < on->stage_count; k++) find_errors_of(&g, &on->stages[k]);
         const double left = end - clock_seconds();
-        good = (!tradeoff_class_is_timed(ray_class) || time_all(&g, o, left > 0 ? left : 0, error)) &&
-               append_rows(&g, lines, error);
+        good = !tradeoff_class_is_timed(ray_class) || time_all(&g, o, left > 0 ? left : 0, error);
+        for (size_t k = 0; good && k < g.row_count; k++)
+            good = json_array_append_new(lines, row_line(&g, &g.rows[k])) == 0 || io_fail(error, "out of memory");
     }
     for (unsigned thin = 0; thin <= THIN_MAX; thin++) free(g.rays[thin]);
     free(g.hits);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "accuracy/normals.h"
+#include "accuracy/tradeoff.h"
 
 #include "clock.h"
 #include "harness/results.h"
@@ -10,8 +10,6 @@
 #include <stdlib.h>
 
 static const char *const names[TRADEOFF_NORMAL_COUNT] = {"facet", "barycentric", "bilinear"};
-
-const char *tradeoff_normal_name(tradeoff_normal kind) { return names[kind]; }
 
 static inline void unit(double n[3]) {
     const double scale = 1 / sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "accuracy/rays.h"
+#include "accuracy/tradeoff.h"
 
 #include "workload/aimed.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "accuracy/scenes.h"
+#include "accuracy/tradeoff.h"
 
 #include "harness/results.h"
 #include "scenes/tracer.h"

@@ -4,18 +4,15 @@
 #include "accuracy/tradeoff.h"
 
 #include "accuracy/summary.h"
-#include "accuracy/walks.h"
 #include "build_info.h"
+#include "clock.h"
 #include "commands.h"
-#include "harness/child.h"
 #include "harness/results.h"
 #include "harness/run_record.h"
-#include "micro/counters.h"
 #include "scenes/tracer.h"
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 static const char what[] =
     "What does accuracy cost, and what does giving some up buy? Runs every mode of accuracy with every kernel that has "
@@ -65,38 +62,77 @@ static void set_defaults(tradeoff_options *o) {
     if (option_wanted(&o->scenes, SCENES)) o->scenes.count = 0;
 }
 
-/* argv: the arguments, for the program that counts. */
-static bool run(const tradeoff_options *o, int argc, char **argv, io_error *error) {
+static size_t classes_of(const tradeoff_options *o, bool timed) {
+    size_t count = 0;
+    for (int c = 0; c < TRADEOFF_CLASS_COUNT; c++)
+        count += option_wanted(&o->rays, (size_t)c) && (!timed || tradeoff_class_is_timed(c));
+    return count;
+}
+
+static bool run_fields(const tradeoff_options *o, json_t *lines, io_error *error) {
+    double end = clock_seconds() + o->seconds;
+    size_t groups = o->fields.count * classes_of(o, true);
+    tradeoff_field *on = calloc(1, sizeof *on);
+    bool good = on || io_fail(error, "out of memory");
+    for (size_t f = 0; good && f < o->fields.count; f++) {
+        const double start = clock_seconds();
+        fprintf(stderr, "field %s: making it and building Embree\n", o->fields.item[f]);
+        good = tradeoff_field_open(on, o->fields.item[f], o, error);
+        end += clock_seconds() - start; /* building does not count */
+        for (int c = 0; good && c < TRADEOFF_CLASS_COUNT; c++) {
+            if (!option_wanted(&o->rays, (size_t)c)) continue;
+            fprintf(stderr, "field %s: %s\n", o->fields.item[f], tradeoff_class_name(c));
+            const bool timed = tradeoff_class_is_timed(c);
+            const double left = end - clock_seconds();
+            good = tradeoff_group_run(on, c, o, timed && left > 0 ? left / (double)groups : 0, lines, error);
+            groups -= timed;
+        }
+        tradeoff_field_close(on);
+    }
+    free(on);
+    return good;
+}
+
+static json_t *modes_line(void) {
+    json_t *line = json_object(), *modes = json_object();
+    results_set_text(line, "kind", "modes");
+    for (size_t m = 0; m < tradeoff_mode_count(); m++)
+        results_set_text(modes, tradeoff_mode_at(m)->name, tradeoff_mode_at(m)->what);
+    json_object_set_new(line, "modes", modes);
+    return line;
+}
+
+static bool measure_all(const tradeoff_options *o, json_t *lines, io_error *error) {
+    bool good = json_array_append_new(lines, modes_line()) == 0 || io_fail(error, "out of memory");
+    good = good && run_fields(o, lines, error);
+    for (size_t s = 0; good && s < o->scenes.count; s++) {
+        fprintf(stderr, "scene %s\n", o->scenes.item[s]);
+        good = tradeoff_scene_run(o->scenes.item[s], o, lines, error);
+    }
+    return good && tradeoff_normals_run(o->run.seed, lines, error) && summary_add(lines, error);
+}
+
+static bool run(const tradeoff_options *o, io_error *error) {
     io_output json = {0};
     int cpu;
     if (!run_options_pin(&o->run, &cpu, error)) return false;
     json_t *lines = json_array(), *record = run_record("tradeoff", o->run.seed, cpu);
     results_set_count(record, "rays_a_class", o->count);
     results_set_count(record, "samples_a_pixel", o->samples);
-    bool good = json_array_append_new(lines, record) == 0 || io_fail(error, "out of memory");
-    good = good && io_output_open_in(&json, o->out, o->counters ? "counts.json" : "tradeoff.json", error);
-    /* First what may fail soon. */
-    if (good && counters_here())
-        good = walks_count(o, lines, error);
-    else if (good)
-        good = walks_count_elsewhere(argc, argv, o->out, lines, error);
-    if (good && o->counters) {
-        walks_print(lines);
-    } else if (good) {
-        good = tradeoff_run(o, lines, error);
-        if (good) summary_print(lines);
-    }
-    good = good && results_write_all(&json, lines, error) && io_output_commit(&json, error);
+    const bool good = (json_array_append_new(lines, record) == 0 || io_fail(error, "out of memory")) &&
+                      io_output_open_in(&json, o->out, "tradeoff.json", error) && measure_all(o, lines, error) &&
+                      results_write_all(&json, lines, error) && io_output_commit(&json, error);
+    if (good) summary_print(lines);
     io_output_discard(&json);
     json_decref(lines);
     fflush(stdout);
-    if (good) fprintf(stderr, "saved in %s\n", o->out);
+    if (good) fprintf(stderr, "saved %s/tradeoff.json\n", o->out);
     return good;
 }
 
 static int start(int argc, char **argv) {
     tradeoff_options o = {.out = "out/tradeoff", .scene_folder = BUILD_INFO_SCENES};
-    enum { OWN = 13 };
+    enum { OWN = 12 };
     option_spec options[OWN + RUN_OPTION_COUNT] = {
         {"mode", "NAMES", "only these; all but Embree's grids by default, and these too with --long", OPTION_LIST,
          .to = &o.modes, .names = mode_names},
@@ -116,8 +152,6 @@ static int start(int argc, char **argv) {
          OPTION_REAL, .to = &o.seconds, .low = 0.01, .high = 1e6},
         {"pass", "S", "who takes longer for one pass runs on fewer rays, down to a 64th (0.05; 0.5 with --long)",
          OPTION_REAL, .to = &o.pass, .low = 1e-6, .high = 1e6},
-        {"counters", NULL, "only count what rays cost in the kernels grid3d and cell, and save that in counts.json",
-         OPTION_FLAG, .to = &o.counters},
         {"long", NULL, "all fields but the largest, more rays, more time", OPTION_FLAG, .to = &o.longer},
         {"out", "FOLDER", "where to save tradeoff.json; made if need be (out/tradeoff)", OPTION_TEXT, .to = &o.out},
     };
@@ -128,18 +162,12 @@ static int start(int argc, char **argv) {
                                  .examples = examples,
                                  .options = options,
                                  .option_count = OWN + RUN_OPTION_COUNT};
-    char *whole[256]; /* the arguments as they are: the parser takes lists apart */
-    if (argc > 255) return command_fail("tradeoff", "too many arguments"), EXIT_USAGE;
-    for (int k = 0; k < argc; k++) whole[k] = strdup(argv[k]);
-    int status = options_parse(&usage, argc, argv, NULL);
+    const int status = options_parse(&usage, argc, argv, NULL);
+    if (status != OPTIONS_GO) return status;
     io_error error = {{0}};
     set_defaults(&o);
-    if (status == OPTIONS_GO && !run_options_check(&o.run, "tradeoff")) status = EXIT_USAGE;
-    if (status == OPTIONS_GO && o.counters && !counters_here()) status = child_run_counting(argc, whole);
-    if (status == OPTIONS_GO)
-        status = run(&o, argc, whole, &error) ? EXIT_SUCCESS : command_fail("tradeoff", "%s", error.text);
-    for (int k = 0; k < argc; k++) free(whole[k]);
-    return status;
+    if (!run_options_check(&o.run, "tradeoff")) return EXIT_USAGE;
+    return run(&o, &error) ? EXIT_SUCCESS : command_fail("tradeoff", "%s", error.text);
 }
 
 const command command_tradeoff = {"tradeoff", "weigh speed against error for every mode of accuracy", start};

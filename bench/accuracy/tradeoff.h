@@ -5,10 +5,10 @@
 #define CELLWALK_BENCH_ACCURACY_TRADEOFF_H
 
 #include "accuracy/modes.h"
-#include "accuracy/rays.h"
 #include "harness/interleave.h"
 #include "harness/run_options.h"
 #include "workload/fields.h"
+#include "workload/ray_classes.h"
 
 #include <jansson.h>
 
@@ -20,8 +20,28 @@ typedef struct tradeoff_options {
     const char *scene_folder, *out;
     unsigned count, samples;
     double seconds, pass;
-    bool longer, counters;
+    bool longer;
 } tradeoff_options;
+
+/* ---- rays.c ---- */
+
+/* The benchmark's classes, and two of aimed rays (workload/aimed.h): through a vertex of the surface, or a point of an edge along
+ * x, along y or diagonal, from above every sample to below every sample or the reverse, so that who finds no hit has a leak. They
+ * count errors and are not timed. */
+enum { TRADEOFF_VERTICES = WORKLOAD_CLASS_COUNT, TRADEOFF_EDGES, TRADEOFF_CLASS_COUNT };
+
+/* Of any class; the name is NULL from the count on. */
+const char *tradeoff_class_name(int c);
+bool tradeoff_class_is_any(int c);
+bool tradeoff_class_is_timed(int c);
+bool tradeoff_class_is_coherent(int c);
+
+/* As workload_rays_make; the field has these samples, of which aimed rays need 4 a side. */
+size_t tradeoff_rays_make(const cw_field *field, const workload_field *samples, int c, uint32_t seed, size_t n,
+                          cw_ray *rays);
+
+/* Errors of t in ULP and in cells, heights off the surface, angles of normals. */
+enum { TRADEOFF_ERROR_KINDS = 4 };
 
 /* What is to be told of a mode's answers. */
 typedef struct tradeoff_errors {
@@ -29,17 +49,15 @@ typedef struct tradeoff_errors {
     /* Held against the true surface: what only the mode's claim explains does not count as a tie here, but as what it is. */
     size_t verdicts[TRADEOFF_VERDICT_COUNT];
     size_t broken; /* of them, what the claim does not explain */
-    /* Of the right hits; n = 0 where only "any hit" was asked. */
-    struct {
-        size_t n;
-        double median, worst;
-    } ulp, cells, off, degrees;
+    /* Of the right hits; none where only "any hit" was asked. */
+    size_t right_hits;
+    double median[TRADEOFF_ERROR_KINDS], worst[TRADEOFF_ERROR_KINDS];
 } tradeoff_errors;
 
-/* ---- tradeoff_errors.c ---- */
+/* ---- errors.c ---- */
 
 /* The reference's answers to n rays, made once; degrees are measured with the Phong normals of field, which has the
- * ground's samples. */
+ * surface's samples. */
 typedef struct tradeoff_truth {
     const true_surface *surface;
     const cw_field *field;
@@ -66,7 +84,7 @@ size_t tradeoff_thinned_at(size_t m, unsigned thin);
 /* Copies the rays of those runs and returns how many they are; out may be NULL. */
 size_t tradeoff_thin(const cw_ray *rays, size_t n, unsigned thin, cw_ray *out);
 
-/* ---- tradeoff_group.c ---- */
+/* ---- group.c ---- */
 
 /* A field with its modes. */
 typedef struct tradeoff_field {
@@ -87,9 +105,27 @@ bool tradeoff_group_run(const tradeoff_field *on, int ray_class, const tradeoff_
 /* True if the mode is to be measured. */
 bool tradeoff_mode_wanted(size_t number, const tradeoff_options *options);
 
-/* ---- run.c ---- */
+/* ---- scenes.c ---- */
 
-/* All measurements but the counts of walks, as JSON lines appended to the array. */
-bool tradeoff_run(const tradeoff_options *options, json_t *lines, io_error *error);
+/* What the modes do to a scene's picture: appends a line of kind "picture" a mode. */
+bool tradeoff_scene_run(const char *name, const tradeoff_options *options, json_t *lines, io_error *error);
+
+/* ---- normals.c: "barycentric Phong beats bilinear" ---- */
+
+/* Normals interpolated between the vertices of the triangle hit, and between the four of its cell, held against those of a
+ * smooth surface that is known by its formula. */
+typedef enum tradeoff_normal {
+    TRADEOFF_FACET,       /* the triangle's own */
+    TRADEOFF_BARYCENTRIC, /* what cw_hit_phong_normal does */
+    TRADEOFF_BILINEAR,    /* of the cell's four vertex normals */
+    TRADEOFF_NORMAL_COUNT
+} tradeoff_normal;
+
+/* Unit normal at a hit, in field space, of samples without holes. The vertex normals are those of cw_hit_phong_normal;
+ * hits in the cells at the field's border are not to be asked for. */
+void tradeoff_normal_at(const true_surface *surface, const cw_hit *hit, tradeoff_normal kind, double normal[3]);
+
+/* Appends a line of kind "normal" for each of several waves, from steep and short to flat and long. */
+bool tradeoff_normals_run(uint32_t seed, json_t *lines, io_error *error);
 
 #endif

@@ -29,6 +29,7 @@ static const char what[] =
     "  pages-*.json            large fields on huge and on ordinary pages\n"
     "  building.json           memory and building time, Embree at its default quality\n"
     "  counters.json           what the kernels do for a ray\n"
+    "  scene-counters/table.json  what the kernels grid3d and cell do for a ray of the scenes\n"
     "  scenes/table.json       the six scenes\n"
     "  tradeoff/tradeoff.json  speed against error";
 
@@ -133,6 +134,8 @@ static void plan(campaign *c, bool quick) {
     static const char *const counting[] = {"cell", "grid3d", "packet", "pyramid"};
     list_kernels(words + used, sizeof words - used, counting, sizeof counting / sizeof counting[0]);
     add(c, 0, "counters.json", words);
+    add(c, 0, "scene-counters/table.json",
+        quick ? "table --counters --path grid3d,cell --scene hftest" : "table --counters --path grid3d,cell");
     add(c, 2, "scenes/table.json", quick ? "table --quick --scene hftest" : "table");
     add(c, 4, "tradeoff/tradeoff.json",
         quick ? "tradeoff --count 512 --field 65 --scene none" : "tradeoff --field 257,1025 --count 131072 --pass 1");

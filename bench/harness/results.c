@@ -92,19 +92,13 @@ void results_set_seconds(json_t *object, const statistics *s) {
 }
 
 json_t *results_agreement(const agreement *a) {
-    json_t *why = json_object(), *object = json_object();
+    json_t *why = json_object();
     for (int r = 0; r < AGREE_REASON_COUNT; r++) results_set_count(why, agree_reason_name((agree_reason)r), a->why[r]);
-    results_set_count(object, "rays", a->rays);
-    results_set_count(object, "hits_reference", a->hits_a);
-    results_set_count(object, "hits", a->hits_b);
-    results_set_count(object, "only_reference", a->only_a);
-    results_set_count(object, "only_this", a->only_b);
-    results_set_count(object, "far", a->far);
-    results_set_count(object, "other_triangle", a->other_triangle);
-    results_set_count(object, "same_bits", a->same_bits);
-    results_set_number(object, "worst_roundings", a->worst);
-    json_object_set_new(object, "why", why);
-    return object;
+    return json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:o}", "rays", (json_int_t)a->rays,
+                     "hits_reference", (json_int_t)a->hits_a, "hits", (json_int_t)a->hits_b, "only_reference",
+                     (json_int_t)a->only_a, "only_this", (json_int_t)a->only_b, "far", (json_int_t)a->far,
+                     "other_triangle", (json_int_t)a->other_triangle, "same_bits", (json_int_t)a->same_bits,
+                     "worst_roundings", a->worst, "why", why);
 }
 
 const char *results_text(const json_t *object, const char *key) {
@@ -125,15 +119,18 @@ const json_t *results_first(const json_t *lines, const char *kind) {
     return NULL;
 }
 
-size_t results_distinct(const json_t *lines, const char *kind, const char *key, const char **texts, size_t most) {
+size_t results_distinct(const json_t *lines, const char *key, const char **texts, size_t most) {
     size_t count = 0, index;
     const json_t *line;
     json_array_foreach(lines, index, line) {
         const char *text = results_text(line, key);
-        if (!results_is(line, kind) || *text == '\0') continue;
         size_t k = 0;
         while (k < count && strcmp(texts[k], text) != 0) k++;
-        if (k == count && count < most) texts[count++] = text;
+        if (results_is(line, "result") && *text != '\0' && k == count && count < most) texts[count++] = text;
     }
     return count;
+}
+
+bool results_same(const json_t *a, const json_t *b, const char *key) {
+    return strcmp(results_text(a, key), results_text(b, key)) == 0;
 }

@@ -39,7 +39,9 @@ double results_number(const json_t *object, const char *key);
 bool results_is(const json_t *line, const char *kind);
 /* The first such line; NULL if there is none. */
 const json_t *results_first(const json_t *lines, const char *kind);
-/* The texts that a member has in lines of that kind, in order of first appearance; at most most of them. */
-size_t results_distinct(const json_t *lines, const char *kind, const char *key, const char **texts, size_t most);
+/* The texts that a member has in lines of kind "result", in order of first appearance; at most most of them. */
+size_t results_distinct(const json_t *lines, const char *key, const char **texts, size_t most);
+/* True if a member is the same text in both. */
+bool results_same(const json_t *a, const json_t *b, const char *key);
 
 #endif

@@ -22,10 +22,8 @@ static const char what[] =
 
 /* What makes two results comparable. */
 static bool same_subject(const json_t *a, const json_t *b) {
-    static const char *const keys[] = {"kind", "field", "rays", "contender"};
-    for (size_t k = 0; k < sizeof keys / sizeof keys[0]; k++)
-        if (strcmp(results_text(a, keys[k]), results_text(b, keys[k])) != 0) return false;
-    return results_number(a, "ray_count") == results_number(b, "ray_count");
+    return results_same(a, b, "field") && results_same(a, b, "rays") && results_same(a, b, "contender") &&
+           results_number(a, "ray_count") == results_number(b, "ray_count");
 }
 
 static statistics timing_of(const json_t *result) {
@@ -39,7 +37,7 @@ static statistics timing_of(const json_t *result) {
 }
 
 static bool is_timed(const json_t *line) {
-    return strcmp(results_text(line, "kind"), "result") == 0 && json_object_get(line, "seconds_median");
+    return results_is(line, "result") && json_object_get(line, "seconds_median");
 }
 
 static const json_t *partner(const json_t *lines, const json_t *of) {
@@ -65,11 +63,6 @@ static void tell_differences(const json_t *a, const json_t *b) {
 
 static bool is_control(const json_t *result) { return strncmp(results_text(result, "contender"), "embree/", 7) == 0; }
 
-static bool same_group(const json_t *a, const json_t *b) {
-    return strcmp(results_text(a, "field"), results_text(b, "field")) == 0 &&
-           strcmp(results_text(a, "rays"), results_text(b, "rays")) == 0;
-}
-
 /* How much the machine changed on these rays: from the lowest to the highest ratio that any control allows. */
 static ratio control_of(const json_t *in_a, const json_t *in_b, const json_t *of) {
     ratio hull = {.value = 1, .low = 1, .high = 1};
@@ -77,7 +70,7 @@ static ratio control_of(const json_t *in_a, const json_t *in_b, const json_t *of
     size_t index;
     const json_t *b;
     json_array_foreach(in_b, index, b) {
-        if (!is_timed(b) || !is_control(b) || !same_group(b, of)) continue;
+        if (!is_timed(b) || !is_control(b) || !results_same(b, of, "field") || !results_same(b, of, "rays")) continue;
         const json_t *a = partner(in_a, b);
         if (a == NULL) continue;
         const statistics time_a = timing_of(a), time_b = timing_of(b);

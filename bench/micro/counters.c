@@ -2,7 +2,10 @@
 #include "micro/counters.h"
 
 #include "cellwalk.h"
+#include "command.h"
+#include "harness/child.h"
 
+#include <errno.h>
 #include <string.h>
 
 #define CELLWALK_COUNT /* for the declaration of what the counting objects write to */
@@ -42,9 +45,21 @@ const counter *counters_find(const counter *all, const char *name) {
 
 void counters_reset(void) { memset(cw_counts, 0, sizeof cw_counts); }
 
-void counters_read(counter all[COUNTERS_MAX]) {
-    memset(all, 0, COUNTERS_MAX * sizeof *all);
-    for (size_t k = 0; k < COUNT_KINDS; k++) all[k] = (counter){cw_counts[k].events, cw_counts[k].lanes};
+void counters_add(counter all[COUNTERS_MAX]) {
+    for (size_t k = 0; k < COUNT_KINDS; k++) {
+        all[k].events += cw_counts[k].events;
+        all[k].lanes += cw_counts[k].lanes;
+    }
+}
+
+json_t *counters_json(const counter all[COUNTERS_MAX]) {
+    json_t *counts = json_object();
+    for (size_t k = 0; k < COUNT_KINDS; k++)
+        if (all[k].events > 0)
+            json_object_set_new(
+                counts, names[k],
+                json_pack("{s:I, s:I}", "events", (json_int_t)all[k].events, "lanes", (json_int_t)all[k].lanes));
+    return counts;
 }
 
 bool counters_here(void) {
@@ -62,4 +77,14 @@ bool counters_here(void) {
     const bool counted = cw_closest(field, &query, &ray, 1, &hit) == CW_OK && cw_counts[COUNT_FLAT].events > before;
     cw_field_destroy(field);
     return counted;
+}
+
+int counters_elsewhere(int argc, char **argv) {
+    bool wanted = false;
+    for (int k = 1; k < argc; k++) wanted = wanted || strcmp(argv[k], "--counters") == 0;
+    if (!wanted || counters_here()) return -1;
+    const int status = child_run_counting(argc, argv);
+    return status >= 0 && status != 127
+               ? status
+               : command_fail(argv[0], "--counters: cellwalk-bench-counting does not start: %s", strerror(errno));
 }

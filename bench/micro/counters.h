@@ -4,8 +4,8 @@
 #ifndef CELLWALK_BENCH_MICRO_COUNTERS_H
 #define CELLWALK_BENCH_MICRO_COUNTERS_H
 
+#include <jansson.h>
 #include <stdbool.h>
-#include <stddef.h>
 #include <stdint.h>
 
 enum { COUNTERS_MAX = 32 };
@@ -23,10 +23,17 @@ const char *counters_name(size_t number);
 const counter *counters_find(const counter *all, const char *name);
 
 void counters_reset(void);
-/* Since the last reset, by kernels on any thread but not on two at once. */
-void counters_read(counter all[COUNTERS_MAX]);
+/* Adds what was counted since the last reset, by kernels on any thread but not on two at once. */
+void counters_add(counter all[COUNTERS_MAX]);
+
+/* {"flat": {"events": 1, "lanes": 8}} of all that have events. */
+json_t *counters_json(const counter all[COUNTERS_MAX]);
 
 /* True if the kernels of this program count: tries one. */
 bool counters_here(void);
+
+/* If the arguments have --counters and the kernels of this program do not count, runs cellwalk-bench-counting with them: its
+ * exit status; else -1. */
+int counters_elsewhere(int argc, char **argv);
 
 #endif

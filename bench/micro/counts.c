@@ -64,26 +64,15 @@ bool micro_write_counts(io_output *out, const micro_group *g, io_error *error) {
     for (size_t r = 0; good && r < g->row_count; r++) {
         const micro_row *row = &g->rows[r];
         if (row->predicted > 0 || !counted(row)) continue;
-        json_t *line = json_object(), *counts = json_object();
-        results_set_text(line, "kind", "counts");
-        results_set_text(line, "field", g->on->samples.name);
-        results_set_text(line, "rays", workload_class_name(g->c));
-        results_set_text(line, "query", workload_class_is_any(g->c) ? "any" : "closest");
-        results_set_text(line, "contender", row->contender.name);
-        results_set_count(line, "width", row->contender.width);
-        results_set_count(line, "ray_count", g->ray_count);
-        results_set_number(line, "hit_share", g->hit_share);
-        for (size_t k = 0; k < counters_count(); k++) {
-            if (row->counts[k].events == 0) continue;
-            json_t *one = json_object();
-            results_set_count(one, "events", (size_t)row->counts[k].events);
-            results_set_count(one, "lanes", (size_t)row->counts[k].lanes);
-            json_object_set_new(counts, counters_name(k), one);
-        }
-        json_object_set_new(line, "counts", counts);
-        results_set_text(line, "reference", g->reference);
-        json_object_set_new(line, "agreement", results_agreement(&row->agreement));
-        good = results_write(out, line, error);
+        good =
+            results_write(out,
+                          json_pack("{s:s, s:s, s:s, s:s, s:s, s:i, s:I, s:f, s:o, s:s, s:o}", "kind", "counts",
+                                    "field", g->on->samples.name, "rays", workload_class_name(g->c), "query",
+                                    workload_class_is_any(g->c) ? "any" : "closest", "contender", row->contender.name,
+                                    "width", (int)row->contender.width, "ray_count", (json_int_t)g->ray_count,
+                                    "hit_share", g->hit_share, "counts", counters_json(row->counts), "reference",
+                                    g->reference, "agreement", results_agreement(&row->agreement)),
+                          error);
     }
     return good;
 }

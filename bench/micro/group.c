@@ -116,7 +116,7 @@ static bool verify(micro_group *g, const micro_options *o, const contender *refe
         running++;
         counters_reset();
         contender_run(&p);
-        counters_read(row->counts);
+        counters_add(row->counts);
         if (any)
             agree_any(&row->agreement, g->on->field, g->rays, g->ray_count, expected.occluded, out.occluded, reference,
                       &row->contender);

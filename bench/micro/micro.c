@@ -3,11 +3,9 @@
 
 #include "clock.h"
 #include "commands.h"
-#include "harness/child.h"
 #include "harness/results.h"
 #include "harness/run_record.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -263,14 +261,8 @@ static bool run_into_file(micro_options *o, io_error *error) {
 }
 
 static int start(int argc, char **argv) {
-    for (int k = 1; k < argc; k++)
-        if (strcmp(argv[k], "--counters") == 0 && !counters_here()) {
-            const int status = child_run_counting(argc, argv);
-            return status >= 0 && status != 127
-                       ? status
-                       : command_fail("micro", "--counters: cellwalk-bench-counting does not start: %s",
-                                      strerror(errno));
-        }
+    const int elsewhere = counters_elsewhere(argc, argv);
+    if (elsewhere >= 0) return elsewhere;
     micro_options o = {.width = 0.02};
     enum { OWN = 15 };
     option_spec options[OWN + RUN_OPTION_COUNT] = {

@@ -5,6 +5,7 @@
 #include "harness/agree.h"
 #include "harness/interleave.h"
 #include "harness/results.h"
+#include "micro/counters.h"
 #include "scenes/table.h"
 #include "scenes/tracer.h"
 
@@ -21,6 +22,7 @@ typedef struct tracer {
     field_tracer fields;
     double build_seconds;
     agreement agreement;
+    counter counts[COUNTERS_MAX]; /* of the rays that were verified, where kernels count */
 } tracer;
 
 typedef struct stage {
@@ -52,24 +54,26 @@ typedef struct job {
 /* The reference answers and everyone else is asked the same. */
 static void verify_closest(void *context, size_t field, const cw_ray *rays, size_t n, cw_hit *hits) {
     stage *s = context;
-    scene_tracer t = field_tracer_of(&s->reference.fields);
-    t.closest(t.context, field, rays, n, hits);
+    field_tracer_of(&s->reference.fields).closest(&s->reference.fields, field, rays, n, hits);
     for (size_t k = 0; k < s->tracer_count; k++) {
-        t = field_tracer_of(&s->tracers[k].fields);
-        t.closest(t.context, field, rays, n, s->hits);
-        agree_closest(&s->tracers[k].agreement, scene_field(s->scene, field), rays, n, hits, s->hits);
+        tracer *t = &s->tracers[k];
+        counters_reset();
+        field_tracer_of(&t->fields).closest(&t->fields, field, rays, n, s->hits);
+        counters_add(t->counts);
+        agree_closest(&t->agreement, scene_field(s->scene, field), rays, n, hits, s->hits);
     }
 }
 
 static void verify_any(void *context, size_t field, const cw_ray *rays, size_t n, uint8_t *occluded) {
     stage *s = context;
-    scene_tracer t = field_tracer_of(&s->reference.fields);
-    t.any(t.context, field, rays, n, occluded);
+    field_tracer_of(&s->reference.fields).any(&s->reference.fields, field, rays, n, occluded);
     for (size_t k = 0; k < s->tracer_count; k++) {
-        t = field_tracer_of(&s->tracers[k].fields);
-        t.any(t.context, field, rays, n, s->occluded);
-        agree_any(&s->tracers[k].agreement, scene_field(s->scene, field), rays, n, occluded, s->occluded,
-                  &s->reference.fields.on[field], &s->tracers[k].fields.on[field]);
+        tracer *t = &s->tracers[k];
+        counters_reset();
+        field_tracer_of(&t->fields).any(&t->fields, field, rays, n, s->occluded);
+        counters_add(t->counts);
+        agree_any(&t->agreement, scene_field(s->scene, field), rays, n, occluded, s->occluded,
+                  &s->reference.fields.on[field], &t->fields.on[field]);
     }
 }
 
@@ -203,6 +207,7 @@ static json_t *path_json(job *jobs, const interleave_job *measured, size_t count
     results_set_number(line, "trace_mrays_per_s", (double)j->traced / trace.median * 1e-6);
     results_set_number(line, "build_seconds", j->tracer->build_seconds);
     json_object_set_new(line, "agreement", results_agreement(&j->tracer->agreement));
+    if (counters_here()) json_object_set_new(line, "counts", counters_json(j->tracer->counts));
 
     /* Ratios are taken against Embree, pictures against the reference kernel's, or else the first other one that is not
      * Embree's, all with the same normals. */
@@ -265,7 +270,7 @@ json_t *table_scene_run(const char *name, const table_path *paths, size_t path_c
         const double left = end - clock_seconds();
         const interleave_limits limits = {.width = o->width,
                                           .seconds = left > 0 ? left : 0,
-                                          .least = o->quick ? 1 : 3,
+                                          .least = o->quick || o->counters ? 1 : 3,
                                           .most = 50,
                                           .seed = o->run.seed};
         good = interleave(measured, path_count, &limits) || io_fail(error, "out of memory");
