@@ -219,41 +219,34 @@ static bool time_all(group *g, const tradeoff_options *o, double seconds, io_err
 /* ---- JSON ---- */
 
 static void set_errors(json_t *line, const tradeoff_errors *e) {
-    static const char *const keys[] = {[TRADEOFF_TIE] = "ties", "leaks", "phantoms", "wrong"};
-    static const char *const kinds[] = {"t_ulp", "t_cells", "off_cells", "normal_degrees"};
-    const double million = e->rays ? 1e6 / (double)e->rays : 0;
-    char key[64];
-    results_set_count(line, "ray_count", e->rays);
-    results_set_count(line, "hits", e->hits);
-    for (int v = TRADEOFF_TIE; v < TRADEOFF_VERDICT_COUNT; v++) results_set_count(line, keys[v], e->verdicts[v]);
-    for (int v = TRADEOFF_LEAK; v < TRADEOFF_VERDICT_COUNT; v++) {
-        snprintf(key, sizeof key, "%s_per_million", keys[v]);
-        results_set_number(line, key, (double)e->verdicts[v] * million);
-    }
-    results_set_count(line, "broken", e->broken);
-    results_set_number(line, "broken_per_million", (double)e->broken * million);
+    const double million = e->rays ? 1e6 / (double)e->rays : 0, *m = e->median, *w = e->worst;
+    const size_t *v = e->verdicts;
+    results_set_counts(line, "ray_count hits ties leaks phantoms wrong broken",
+                       (size_t[]){e->rays, e->hits, v[TRADEOFF_TIE], v[TRADEOFF_LEAK], v[TRADEOFF_PHANTOM],
+                                  v[TRADEOFF_WRONG], e->broken});
+    results_set_numbers(line, "leaks_per_million phantoms_per_million wrong_per_million broken_per_million",
+                        (double[]){(double)v[TRADEOFF_LEAK] * million, (double)v[TRADEOFF_PHANTOM] * million,
+                                   (double)v[TRADEOFF_WRONG] * million, (double)e->broken * million});
     if (e->right_hits == 0) return;
     results_set_count(line, "right_hits", e->right_hits);
-    for (int k = 0; k < TRADEOFF_ERROR_KINDS; k++) {
-        snprintf(key, sizeof key, "%s_median", kinds[k]);
-        results_set_number(line, key, e->median[k]);
-        snprintf(key, sizeof key, "%s_worst", kinds[k]);
-        results_set_number(line, key, e->worst[k]);
-    }
+    results_set_numbers(line,
+                        "t_ulp_median t_ulp_worst t_cells_median t_cells_worst off_cells_median off_cells_worst "
+                        "normal_degrees_median normal_degrees_worst",
+                        (double[]){m[0], w[0], m[1], w[1], m[2], w[2], m[3], w[3]});
 }
 
 static json_t *row_line(const group *g, const row *r) {
     const char *name = r->contender.name;
-    json_t *line =
-        json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:s, s:i}", "kind", "result", "field", g->on->samples.name, "rays",
-                  tradeoff_class_name(g->ray_class), "query", g->any ? "any" : "closest", "contender", name, "mode",
-                  r->stage->mode->name, "kernel", strchr(name, '/') + 1, "width", (int)r->contender.width);
+    json_t *line = json_object();
+    results_set_texts(line, "kind field rays query contender mode kernel",
+                      (const char *[]){"result", g->on->samples.name, tradeoff_class_name(g->ray_class),
+                                       g->any ? "any" : "closest", name, r->stage->mode->name, strchr(name, '/') + 1});
+    results_set_count(line, "width", r->contender.width);
     if (r->left_out > 0) {
         results_set_number(line, "left_out_seconds", r->left_out);
         return line;
     }
-    results_set_number(line, "claim_height", r->stage->claim.height);
-    results_set_number(line, "claim_cone", r->stage->claim.cone);
+    results_set_numbers(line, "claim_height claim_cone", (double[]){r->stage->claim.height, r->stage->claim.cone});
     set_errors(line, &r->errors);
     if (r->same_as) results_set_text(line, "same_bits_as", r->same_as->contender.name);
     if (!tradeoff_class_is_timed(g->ray_class)) return line;

@@ -126,8 +126,7 @@ static json_t *measure_wave(const wave *w, float *z, const cw_hit *hits, double 
     const true_surface g = true_surface_of(z, SIDE, SIDE);
     json_t *line = json_object();
     results_set_text(line, "kind", "normal");
-    results_set_number(line, "wave_length", w->length);
-    results_set_number(line, "wave_height", w->height);
+    results_set_numbers(line, "wave_length wave_height", (double[]){w->length, w->height});
     for (int kind = 0; kind < TRADEOFF_NORMAL_COUNT; kind++) {
         double sum = 0;
         for (size_t k = 0; k < HITS; k++) {
@@ -140,10 +139,10 @@ static json_t *measure_wave(const wave *w, float *z, const cw_hit *hits, double 
             sum += errors[k] * errors[k];
         }
         json_t *of = json_object();
-        results_set_number(of, "degrees_rms", sqrt(sum / HITS));
-        results_set_number(of, "degrees_median", statistics_of(errors, HITS).median);
-        results_set_number(of, "degrees_worst", errors[HITS - 1]);
-        results_set_number(of, "nanoseconds", cost(&g, hits, (tradeoff_normal)kind));
+        const double median = statistics_of(errors, HITS).median; /* sorts them */
+        results_set_numbers(
+            of, "degrees_rms degrees_median degrees_worst nanoseconds",
+            (double[]){sqrt(sum / HITS), median, errors[HITS - 1], cost(&g, hits, (tradeoff_normal)kind)});
         json_object_set_new(line, names[kind], of);
     }
     return line;

@@ -78,11 +78,13 @@ static void close_set(set *s) {
 static json_t *picture_line(const char *name, const tradeoff_mode *mode, const field_tracer *t, const io_image *image,
                             const io_image *strict) {
     const picture_difference d = picture_compare(image, strict);
-    return json_pack("{s:s, s:s, s:s, s:s, s:I, s:I, s:I, s:f, s:f, s:I, s:I, s:I, s:f}", "kind", "picture", "scene",
-                     name, "mode", mode->name, "contender", t->on[0].name, "pixels", (json_int_t)d.pixels,
-                     "pixels_differ", (json_int_t)d.differ, "pixels_visibly", (json_int_t)d.visible, "rmse", d.rmse,
-                     "worst", d.worst, "worst_x", (json_int_t)d.worst_x, "worst_y", (json_int_t)d.worst_y,
-                     "traced_rays", (json_int_t)t->rays, "trace_mrays_per_s", (double)t->rays / t->cpu_seconds * 1e-6);
+    json_t *line = json_object();
+    results_set_texts(line, "kind scene mode contender", (const char *[]){"picture", name, mode->name, t->on[0].name});
+    results_set_counts(line, "pixels pixels_differ pixels_visibly worst_x worst_y traced_rays",
+                       (size_t[]){d.pixels, d.differ, d.visible, d.worst_x, d.worst_y, t->rays});
+    results_set_numbers(line, "rmse worst trace_mrays_per_s",
+                        (double[]){d.rmse, d.worst, (double)t->rays / t->cpu_seconds * 1e-6});
+    return line;
 }
 
 /* Renders with a mode; the first, which is strict, becomes the one to compare with. */

@@ -83,9 +83,11 @@ static json_t *summary_of(const json_t *lines, const char *name, size_t groups, 
         add(sums, sum);
         if (is_aimed) add(aimed, sum);
     }
-    json_t *s = json_pack("{s:s, s:s, s:s, s:s, s:I, s:I, s:b}", "kind", "summary", "contender", name, "mode",
-                          results_text(any, "mode"), "kernel", results_text(any, "kernel"), "groups", (json_int_t)ran,
-                          "ray_count", (json_int_t)rays, "partial", ran < groups || speeds->n < timed);
+    json_t *s = json_object();
+    results_set_texts(s, "kind contender mode kernel",
+                      (const char *[]){"summary", name, results_text(any, "mode"), results_text(any, "kernel")});
+    results_set_counts(s, "groups ray_count", (size_t[]){ran, rays});
+    results_set_bool(s, "partial", ran < groups || speeds->n < timed);
     if (speeds->n) results_set_number(s, "mrays_per_s", statistics_geometric_mean(speeds->values, speeds->n));
     set_mean(s, "wrong_answers_per_million", sums);
     for (int k = 0; k < KINDS; k++) {

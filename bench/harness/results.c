@@ -81,24 +81,45 @@ void results_set_bool(json_t *object, const char *key, bool value) {
     json_object_set_new(object, key, json_boolean(value));
 }
 
+/* The next of the names in keys; false if there is none. */
+static bool next_key(const char **keys, char key[64]) {
+    const size_t length = strcspn(*keys, " ");
+    snprintf(key, 64, "%.*s", (int)length, *keys);
+    *keys += length + strspn(*keys + length, " ");
+    return length > 0;
+}
+
+void results_set_texts(json_t *object, const char *keys, const char *const *texts) {
+    char key[64];
+    while (next_key(&keys, key)) results_set_text(object, key, *texts++);
+}
+
+void results_set_numbers(json_t *object, const char *keys, const double *values) {
+    char key[64];
+    while (next_key(&keys, key)) results_set_number(object, key, *values++);
+}
+
+void results_set_counts(json_t *object, const char *keys, const size_t *values) {
+    char key[64];
+    while (next_key(&keys, key)) results_set_count(object, key, *values++);
+}
+
 void results_set_seconds(json_t *object, const statistics *s) {
     results_set_count(object, "samples", s->n);
-    results_set_number(object, "seconds_min", s->min);
-    results_set_number(object, "seconds_median", s->median);
-    results_set_number(object, "seconds_mad", s->mad);
-    results_set_number(object, "seconds_low", s->low);
-    results_set_number(object, "seconds_high", s->high);
+    results_set_numbers(object, "seconds_min seconds_median seconds_mad seconds_low seconds_high",
+                        (double[]){s->min, s->median, s->mad, s->low, s->high});
     results_set_bool(object, "interval_sure", s->sure);
 }
 
 json_t *results_agreement(const agreement *a) {
-    json_t *why = json_object();
+    json_t *object = json_object(), *why = json_object();
     for (int r = 0; r < AGREE_REASON_COUNT; r++) results_set_count(why, agree_reason_name((agree_reason)r), a->why[r]);
-    return json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:o}", "rays", (json_int_t)a->rays,
-                     "hits_reference", (json_int_t)a->hits_a, "hits", (json_int_t)a->hits_b, "only_reference",
-                     (json_int_t)a->only_a, "only_this", (json_int_t)a->only_b, "far", (json_int_t)a->far,
-                     "other_triangle", (json_int_t)a->other_triangle, "same_bits", (json_int_t)a->same_bits,
-                     "worst_roundings", a->worst, "why", why);
+    results_set_counts(
+        object, "rays hits_reference hits only_reference only_this far other_triangle same_bits",
+        (size_t[]){a->rays, a->hits_a, a->hits_b, a->only_a, a->only_b, a->far, a->other_triangle, a->same_bits});
+    results_set_number(object, "worst_roundings", a->worst);
+    json_object_set_new(object, "why", why);
+    return object;
 }
 
 const char *results_text(const json_t *object, const char *key) {

@@ -23,6 +23,10 @@ void results_set_text(json_t *object, const char *key, const char *text);
 void results_set_number(json_t *object, const char *key, double value);
 void results_set_count(json_t *object, const char *key, size_t value);
 void results_set_bool(json_t *object, const char *key, bool value);
+/* Add several, whose names stand in keys with a space between. */
+void results_set_texts(json_t *object, const char *keys, const char *const *texts);
+void results_set_numbers(json_t *object, const char *keys, const double *values);
+void results_set_counts(json_t *object, const char *keys, const size_t *values);
 
 /* Members samples, seconds_min, _median, _mad, _low, _high, and interval_sure. */
 struct statistics; /* statistics.h */

@@ -75,16 +75,17 @@ json_t *run_record(const char *command, uint32_t seed, int cpu) {
     const time_t now = time(NULL);
     struct tm utc;
     strftime(date, sizeof date, "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&now, &utc));
-    json_t *record = json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:i, s:s, s:s, s:s, s:s, s:s, s:s?}", "kind", "run",
-                               "command", command, "arguments", arguments_text, "cellwalk", CW_VERSION, "cpu", model,
-                               "cache", cache, "cpus", (int)cpus, "isa", cw_isa_name(cw_isa_best()), "compiler",
-                               BUILD_INFO_COMPILER, "build_type", BUILD_INFO_TYPE, "flags", BUILD_INFO_FLAGS, "commit",
-                               BUILD_INFO_COMMIT, "embree", peer_embree_version());
+    json_t *record = json_object();
+    results_set_texts(record, "kind command arguments cellwalk cpu cache",
+                      (const char *[]){"run", command, arguments_text, CW_VERSION, model, cache});
+    results_set_count(record, "cpus", cpus);
+    results_set_texts(record, "isa compiler build_type flags commit embree",
+                      (const char *[]){cw_isa_name(cw_isa_best()), BUILD_INFO_COMPILER, BUILD_INFO_TYPE,
+                                       BUILD_INFO_FLAGS, BUILD_INFO_COMMIT, peer_embree_version()});
     if (peer_embree_version()) results_set_bool(record, "embree_assertions", peer_embree_has_assertions());
     results_set_count(record, "seed", seed);
     json_object_set_new(record, "pinned_to_cpu", json_integer(cpu));
-    results_set_number(record, "load", load);
-    results_set_number(record, "tsc_hz", tick_rate());
+    results_set_numbers(record, "load tsc_hz", (double[]){load, tick_rate()});
     results_set_text(record, "date", date);
     return record;
 }

@@ -41,8 +41,10 @@ static bool count_work(counted *all, const char *name, const char *const *work, 
 }
 
 static json_t *line_of(const char *kind, const counted_run *r, const char *field) {
-    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:I}", "kind", kind, "kernel", r->kernel, "leaf", r->leaf, "field",
-                     field, "rays", r->rays, "ray_count", (json_int_t)r->count);
+    json_t *line = json_object();
+    results_set_texts(line, "kind kernel leaf field rays", (const char *[]){kind, r->kernel, r->leaf, field, r->rays});
+    results_set_count(line, "ray_count", r->count);
+    return line;
 }
 
 /* ---- ablation ---- */
@@ -109,10 +111,8 @@ static bool count_misses(const char **operands, char *field, io_output *out, io_
             const uint64_t *e = all.runs[k].events;
             json_t *line = line_of("caches", &all.runs[k], field);
             results_set_text(line, "level", levels[level]);
-            results_set_count(line, "reads", (size_t)e[DR]);
-            results_set_count(line, "writes", (size_t)e[DW]);
-            results_set_count(line, "first_misses", (size_t)(e[D1MR] + e[D1MW]));
-            results_set_count(line, "misses", (size_t)(e[DLMR] + e[DLMW]));
+            results_set_counts(line, "reads writes first_misses misses",
+                               (size_t[]){e[DR], e[DW], e[D1MR] + e[D1MW], e[DLMR] + e[DLMW]});
             if (!results_write(out, line, error)) return false;
         }
     }

@@ -64,15 +64,10 @@ bool micro_write_counts(io_output *out, const micro_group *g, io_error *error) {
     for (size_t r = 0; good && r < g->row_count; r++) {
         const micro_row *row = &g->rows[r];
         if (row->predicted > 0 || !counted(row)) continue;
-        good =
-            results_write(out,
-                          json_pack("{s:s, s:s, s:s, s:s, s:s, s:i, s:I, s:f, s:o, s:s, s:o}", "kind", "counts",
-                                    "field", g->on->samples.name, "rays", workload_class_name(g->c), "query",
-                                    workload_class_is_any(g->c) ? "any" : "closest", "contender", row->contender.name,
-                                    "width", (int)row->contender.width, "ray_count", (json_int_t)g->ray_count,
-                                    "hit_share", g->hit_share, "counts", counters_json(row->counts), "reference",
-                                    g->reference, "agreement", results_agreement(&row->agreement)),
-                          error);
+        json_t *line = micro_row_line(g, row, "counts");
+        results_set_number(line, "hit_share", g->hit_share);
+        json_object_set_new(line, "counts", counters_json(row->counts));
+        good = results_write(out, line, error);
     }
     return good;
 }

@@ -94,7 +94,8 @@ void micro_print_field(const micro_field *on);
 void micro_print_group(const micro_group *group);
 void micro_print_counts(const micro_group *group);
 
-/* JSON lines; does nothing if out->file is NULL. */
+/* JSON lines; does nothing if out->file is NULL. A row's has what it is and whether it agrees. */
+json_t *micro_row_line(const micro_group *group, const micro_row *row, const char *kind);
 bool micro_write_field(io_output *out, const micro_field *on, io_error *error);
 bool micro_write_group(io_output *out, const micro_group *group, io_error *error);
 bool micro_write_counts(io_output *out, const micro_group *group, io_error *error);

@@ -49,31 +49,23 @@ void micro_print_group(const micro_group *g) {
 
 /* ---- JSON ---- */
 
-static json_t *line_of(const char *kind, const micro_field *on) {
-    json_t *line = json_object();
-    results_set_text(line, "kind", kind);
-    results_set_text(line, "field", on->samples.name);
-    return line;
-}
-
 static bool write_build(io_output *out, const micro_field *on, const char *kind, const char *key, const micro_build *b,
                         io_error *error) {
-    json_t *line = line_of(kind, on);
+    json_t *line = json_object();
+    results_set_texts(line, "kind field", (const char *[]){kind, on->samples.name});
     results_set_text(line, key, b->name);
     results_set_number(line, "build_seconds", b->seconds);
-    results_set_count(line, "builds", b->builds);
-    results_set_count(line, "bytes", b->bytes);
+    results_set_counts(line, "builds bytes", (size_t[]){b->builds, b->bytes});
     if (b->quality) results_set_text(line, "quality", b->quality);
     return results_write(out, line, error);
 }
 
 bool micro_write_field(io_output *out, const micro_field *on, io_error *error) {
     const cw_field_info info = cw_field_describe(on->field);
-    json_t *line = line_of("field", on);
-    results_set_count(line, "nx", info.nx);
-    results_set_count(line, "ny", info.ny);
-    results_set_number(line, "low", (double)info.low);
-    results_set_number(line, "high", (double)info.high);
+    json_t *line = json_object();
+    results_set_texts(line, "kind field", (const char *[]){"field", on->samples.name});
+    results_set_counts(line, "nx ny", (size_t[]){info.nx, info.ny});
+    results_set_numbers(line, "low high", (double[]){(double)info.low, (double)info.high});
     results_set_text(line, "default_kernel", on->default_kernel);
     results_set_count(line, "bytes_samples", info.nx * info.ny * sizeof *on->samples.z);
     bool good = results_write(out, line, error);
@@ -84,33 +76,33 @@ bool micro_write_field(io_output *out, const micro_field *on, io_error *error) {
     return good;
 }
 
-static void set_timing(json_t *line, const micro_group *g, const micro_row *row) {
-    const statistics *s = &row->seconds;
-    results_set_seconds(line, s);
-    results_set_bool(line, "converged", row->converged);
-    results_set_number(line, "cpu_share", row->cpu_share);
-    results_set_number(line, "mrays_per_s", mrays(g, s->median));
-    results_set_number(line, "tsc_per_ray", row->ticks.median / (double)g->ray_count);
-    if (row->to_embree > 0) results_set_number(line, "speed_to_embree_best", row->to_embree);
+json_t *micro_row_line(const micro_group *g, const micro_row *row, const char *kind) {
+    json_t *line = json_object();
+    results_set_texts(line, "kind field rays query contender",
+                      (const char *[]){kind, g->on->samples.name, workload_class_name(g->c),
+                                       workload_class_is_any(g->c) ? "any" : "closest", row->contender.name});
+    results_set_counts(line, "width threads ray_count",
+                       (size_t[]){row->contender.width, row->contender.threads, g->ray_count});
+    if (row->predicted > 0) return line;
+    results_set_text(line, "reference", g->reference);
+    json_object_set_new(line, "agreement", results_agreement(&row->agreement));
+    return line;
 }
 
 bool micro_write_group(io_output *out, const micro_group *g, io_error *error) {
     bool good = true;
     for (size_t r = 0; good && r < g->row_count; r++) {
         const micro_row *row = &g->rows[r];
-        json_t *line = line_of("result", g->on);
-        results_set_text(line, "rays", workload_class_name(g->c));
-        results_set_text(line, "query", workload_class_is_any(g->c) ? "any" : "closest");
-        results_set_text(line, "contender", row->contender.name);
-        results_set_count(line, "width", row->contender.width);
-        results_set_count(line, "threads", row->contender.threads);
-        results_set_count(line, "ray_count", g->ray_count);
+        json_t *line = micro_row_line(g, row, "result");
         if (row->predicted > 0) {
             results_set_number(line, "left_out_seconds", row->predicted);
         } else {
-            set_timing(line, g, row);
-            results_set_text(line, "reference", g->reference);
-            json_object_set_new(line, "agreement", results_agreement(&row->agreement));
+            results_set_seconds(line, &row->seconds);
+            results_set_bool(line, "converged", row->converged);
+            results_set_numbers(
+                line, "cpu_share mrays_per_s tsc_per_ray",
+                (double[]){row->cpu_share, mrays(g, row->seconds.median), row->ticks.median / (double)g->ray_count});
+            if (row->to_embree > 0) results_set_number(line, "speed_to_embree_best", row->to_embree);
         }
         good = results_write(out, line, error);
     }

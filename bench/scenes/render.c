@@ -183,31 +183,23 @@ static void render(void *context) {
 
 /* ---- results ---- */
 
-static void set_pixels(json_t *line, const io_image *a, const io_image *b) {
-    const picture_difference d = picture_compare(a, b);
-    results_set_count(line, "pixels", d.pixels);
-    results_set_count(line, "pixels_differ", d.differ);
-    results_set_count(line, "pixels_visibly", d.visible);
-    results_set_number(line, "pixels_worst", d.worst);
-}
-
 static json_t *path_json(job *jobs, const interleave_job *measured, size_t count, size_t k) {
     job *j = &jobs[k];
+    const tracer *t = j->tracer;
+    const statistics trace = statistics_of(j->trace_seconds, j->runs);
     json_t *line = json_object();
-    results_set_text(line, "path", j->path->name);
-    results_set_text(line, "title", j->path->title);
-    results_set_text(line, "by", j->tracer->embree ? "embree/triangles" : j->tracer->fields.on[0].name);
-    if (j->tracer->embree) results_set_count(line, "embree_width", j->tracer->width);
+    results_set_texts(
+        line, "path title by",
+        (const char *[]){j->path->name, j->path->title, t->embree ? "embree/triangles" : t->fields.on[0].name});
+    if (t->embree) results_set_count(line, "embree_width", t->width);
     results_set_bool(line, "phong", j->path->phong);
     results_set_seconds(line, &measured[k].seconds);
-    results_set_number(line, "cpu_share", measured[k].cpu_share);
-    const statistics trace = statistics_of(j->trace_seconds, j->runs);
     results_set_count(line, "traced_rays", j->traced);
-    results_set_number(line, "trace_seconds_median", trace.median);
-    results_set_number(line, "trace_mrays_per_s", (double)j->traced / trace.median * 1e-6);
-    results_set_number(line, "build_seconds", j->tracer->build_seconds);
-    json_object_set_new(line, "agreement", results_agreement(&j->tracer->agreement));
-    if (counters_here()) json_object_set_new(line, "counts", counters_json(j->tracer->counts));
+    results_set_numbers(
+        line, "cpu_share trace_seconds_median trace_mrays_per_s build_seconds",
+        (double[]){measured[k].cpu_share, trace.median, (double)j->traced / trace.median * 1e-6, t->build_seconds});
+    json_object_set_new(line, "agreement", results_agreement(&t->agreement));
+    if (counters_here()) json_object_set_new(line, "counts", counters_json(t->counts));
 
     /* Ratios are taken against Embree, pictures against the reference kernel's, or else the first other one that is not
      * Embree's, all with the same normals. */
@@ -221,29 +213,25 @@ static json_t *path_json(job *jobs, const interleave_job *measured, size_t count
         const bool reference = strcmp(jobs[o].tracer->fields.on[0].name, j->on->reference.fields.on[0].name) == 0;
         if (against == NULL || reference) against = &jobs[o];
     }
-    if (against) {
-        results_set_text(line, "pixels_against", against->path->name);
-        set_pixels(line, &j->image, &against->image);
-    }
+    if (against == NULL) return line;
+    const picture_difference d = picture_compare(&j->image, &against->image);
+    results_set_text(line, "pixels_against", against->path->name);
+    results_set_counts(line, "pixels pixels_differ pixels_visibly", (size_t[]){d.pixels, d.differ, d.visible});
+    results_set_number(line, "pixels_worst", d.worst);
     return line;
 }
 
 static json_t *scene_json(const char *name, stage *s, job *jobs, const interleave_job *measured, size_t count) {
     json_t *line = json_object(), *fields = json_array(), *paths = json_array();
-    results_set_text(line, "kind", "scene");
-    results_set_text(line, "scene", name);
-    results_set_count(line, "width", scene_width(s->scene));
-    results_set_count(line, "height", scene_height(s->scene));
     const scene_render_stats *stats = &jobs[0].stats;
-    results_set_count(line, "camera_rays", stats->camera_rays);
-    results_set_count(line, "shadow_rays", stats->shadow_rays);
-    results_set_count(line, "mirror_rays", stats->mirror_rays);
-    results_set_count(line, "field_queries", stats->field_queries);
+    results_set_texts(line, "kind scene", (const char *[]){"scene", name});
+    results_set_counts(line, "width height camera_rays shadow_rays mirror_rays field_queries",
+                       (size_t[]){scene_width(s->scene), scene_height(s->scene), stats->camera_rays, stats->shadow_rays,
+                                  stats->mirror_rays, stats->field_queries});
     for (size_t f = 0; f < s->field_count; f++) {
         const cw_field_info info = cw_field_describe(scene_field(s->scene, f));
         json_t *field = json_object();
-        results_set_count(field, "nx", info.nx);
-        results_set_count(field, "ny", info.ny);
+        results_set_counts(field, "nx ny", (size_t[]){info.nx, info.ny});
         json_array_append_new(fields, field);
     }
     json_object_set_new(line, "fields", fields);

@@ -4,32 +4,23 @@
 #include "harness/results.h"
 #include "harness/run_record.h"
 
-static const char *const verdict_keys[VERDICTS] = {"right", "tie", "leak", "phantom", "wrong_surface"};
-
 /* What a contender is before the reference: "reference", "same-bits", "own-rules". */
 static const char *const roles[] = {"reference", "same-bits", "own-rules"};
 
 static json_t *result_line(const tested *t, aim kind, const counts *c) {
-    json_t *line = json_object();
-    results_set_text(line, "kind", "result");
-    results_set_text(line, "contender", t->contender.name);
-    results_set_text(line, "role", roles[t->role]);
-    results_set_text(line, "rays", aim_name(kind));
-    results_set_count(line, "traced", c->rays);
-    results_set_count(line, "hits", c->hits);
-    results_set_count(line, "other_bits", c->other);
-    if (t->role == ROLE_SAME_BITS) return line;
-    results_set_count(line, "pass", c->pass);
-    results_set_count(line, "leaks", c->leaks);
-    results_set_count(line, "phantoms", c->phantoms);
-    results_set_count(line, "decided_exactly", c->doubts);
-    results_set_number(line, "residual", c->residual);
-    results_set_number(line, "apart", c->apart);
-    results_set_count(line, "sampled", c->sampled);
-    json_t *verdicts = json_object();
-    for (int v = 0; v < VERDICTS; v++) results_set_count(verdicts, verdict_keys[v], c->verdict[v]);
+    json_t *line = json_object(), *verdicts = json_object();
+    results_set_texts(line, "kind contender role rays",
+                      (const char *[]){"result", t->contender.name, roles[t->role], aim_name(kind)});
+    results_set_counts(line, "traced hits other_bits", (size_t[]){c->rays, c->hits, c->other});
+    if (t->role == ROLE_SAME_BITS) {
+        json_decref(verdicts);
+        return line;
+    }
+    results_set_counts(line, "pass leaks phantoms decided_exactly sampled",
+                       (size_t[]){c->pass, c->leaks, c->phantoms, c->doubts, c->sampled});
+    results_set_numbers(line, "residual apart t_error", (double[]){c->residual, c->apart, c->t_error});
+    results_set_counts(verdicts, "right tie leak phantom wrong_surface", c->verdict);
     json_object_set_new(line, "verdicts", verdicts);
-    results_set_number(line, "t_error", c->t_error);
     json_t *ulp = json_array();
     for (int k = 0; k < ULP_BINS; k++) json_array_append_new(ulp, json_integer((json_int_t)c->ulp[k]));
     json_object_set_new(line, "t_error_ulp", ulp);
@@ -38,19 +29,14 @@ static json_t *result_line(const tested *t, aim kind, const counts *c) {
 
 static bool write_lines(io_output *out, const stability *s, double seconds, io_error *error) {
     json_t *run = run_record("stability", 0, -1);
-    results_set_count(run, "part", s->range.part);
-    results_set_count(run, "parts", s->range.parts);
-    results_set_count(run, "first", s->range.first);
-    results_set_count(run, "end", s->range.end);
-    results_set_count(run, "batches", s->batches);
-    results_set_count(run, "sample", s->sample);
+    results_set_counts(run, "part parts first end batches sample",
+                       (size_t[]){s->range.part, s->range.parts, s->range.first, s->range.end, s->batches, s->sample});
     results_set_number(run, "seconds", seconds);
     if (!results_write(out, run, error)) return false;
     for (size_t f = 0; f < AIMED_FIELDS; f++) {
         json_t *line = json_object();
-        results_set_text(line, "kind", "field");
-        results_set_text(line, "field", s->field[f].aimed.samples.name);
-        results_set_text(line, "text", s->field[f].aimed.text);
+        results_set_texts(line, "kind field text",
+                          (const char *[]){"field", s->field[f].aimed.samples.name, s->field[f].aimed.text});
         if (!results_write(out, line, error)) return false;
     }
     for (unsigned n = 0; n < s->contenders; n++)
