@@ -64,6 +64,7 @@ struct row {
     double left_out;            /* seconds for a pass over the thinnest set; 0 if that is no problem */
     tradeoff_errors errors;
     const row *same_as; /* whose errors these are, because it gives the same bits; or NULL */
+    contender_pass pass;
     interleave_job job;
 };
 
@@ -199,21 +200,17 @@ static void find_errors_of(group *g, const tradeoff_stage *stage) {
 /* ---- speed ---- */
 
 static bool time_all(group *g, const tradeoff_options *o, double seconds, io_error *error) {
-    interleave_job jobs[TRADEOFF_ROWS_MAX];
-    contender_pass passes[TRADEOFF_ROWS_MAX];
+    interleave_job *jobs[TRADEOFF_ROWS_MAX];
     size_t count = 0;
     for (size_t k = 0; k < g->row_count; k++) {
-        if (g->rows[k].left_out > 0) continue;
-        passes[count] = pass_of(g, &g->rows[k], g->rows[k].thin);
-        jobs[count] = (interleave_job){.run = contender_run, .context = &passes[count]};
-        count++;
+        row *r = &g->rows[k];
+        r->pass = pass_of(g, r, r->thin);
+        r->job = (interleave_job){.run = contender_run, .context = &r->pass};
+        if (r->left_out == 0) jobs[count++] = &r->job;
     }
     const interleave_limits limits = {
         .width = 0.02, .seconds = seconds, .least = 3, .most = INTERLEAVE_SAMPLES_MAX, .seed = o->run.seed};
-    if (!interleave(jobs, count, &limits)) return io_fail(error, "out of memory");
-    for (size_t k = 0, job = 0; k < g->row_count; k++)
-        if (g->rows[k].left_out == 0) g->rows[k].job = jobs[job++];
-    return true;
+    return interleave(jobs, count, &limits) || io_fail(error, "out of memory");
 }
 
 /* ---- JSON ---- */

@@ -162,7 +162,5 @@ cw_status tradeoff_stage_kernel(const tradeoff_stage *stage, const cw_kernel *ke
 }
 
 void tradeoff_stage_peer(const tradeoff_stage *stage, unsigned width, bool coherent, contender *c, peer_contender *p) {
-    contender_from_peer(c, p, stage->peer, width, coherent);
-    snprintf(c->name, sizeof c->name, "%s/w%u%s", stage->mode->name, width,
-             peer_embree_is_native(stage->peer, width) ? "" : "-split");
+    contender_from_peer(c, p, stage->peer, width, coherent, stage->mode->name);
 }

@@ -39,7 +39,7 @@ static statistics sorted_copy(samples *s, const double *from) {
     return statistics_of(s->sorted, s->n);
 }
 
-bool interleave(interleave_job *jobs, size_t count, const interleave_limits *limits) {
+bool interleave(interleave_job **jobs, size_t count, const interleave_limits *limits) {
     samples *all = calloc(count ? count : 1, sizeof *all);
     size_t *order = malloc((count ? count : 1) * sizeof *order);
     const bool enough = all && order;
@@ -51,7 +51,7 @@ bool interleave(interleave_job *jobs, size_t count, const interleave_limits *lim
         shuffle(order, count, limits->seed, round);
         for (size_t k = 0; k < count; k++) {
             samples *s = &all[order[k]];
-            if (!s->done) take_sample(&jobs[order[k]], s);
+            if (!s->done) take_sample(jobs[order[k]], s);
         }
         const bool late = clock_seconds() >= end;
         for (size_t k = 0; k < count; k++) {
@@ -62,15 +62,15 @@ bool interleave(interleave_job *jobs, size_t count, const interleave_limits *lim
             const bool slow = s->spent > share * (double)s->n;
             if (s->n < limits->least && !slow) continue;
             const statistics now = sorted_copy(s, s->seconds);
-            jobs[k].converged = now.sure && now.high - now.low <= limits->width * now.median;
-            s->done = jobs[k].converged || late || s->spent > share || s->n >= most;
+            jobs[k]->converged = now.sure && now.high - now.low <= limits->width * now.median;
+            s->done = jobs[k]->converged || late || s->spent > share || s->n >= most;
             running -= s->done;
         }
     }
     for (size_t k = 0; enough && k < count; k++) {
-        jobs[k].seconds = sorted_copy(&all[k], all[k].seconds);
-        jobs[k].ticks = sorted_copy(&all[k], all[k].ticks);
-        jobs[k].cpu_share = all[k].cpu / all[k].spent;
+        jobs[k]->seconds = sorted_copy(&all[k], all[k].seconds);
+        jobs[k]->ticks = sorted_copy(&all[k], all[k].ticks);
+        jobs[k]->cpu_share = all[k].cpu / all[k].spent;
     }
     free(all);
     free(order);

@@ -52,12 +52,10 @@ static bool add_peers(micro_group *g, io_error *error) {
     for (size_t p = 0; p < g->on->peer_count; p++)
         for (size_t w = 0; w < PEER_WIDTH_COUNT; w++) {
             const micro_peer *peer = &g->on->peers[p];
-            const unsigned width = peer_embree_widths[w];
             micro_row *row = new_row(g);
             if (row == NULL) return io_fail(error, "more than %d contenders", MICRO_CONTENDERS_MAX);
-            contender_from_peer(&row->contender, &row->peer, peer->embree, width, workload_class_is_coherent(g->c));
-            snprintf(row->contender.name, sizeof row->contender.name, "%s/w%u%s", peer->build.name, width,
-                     peer_embree_is_native(peer->embree, width) ? "" : "-split");
+            contender_from_peer(&row->contender, &row->peer, peer->embree, peer_embree_widths[w],
+                                workload_class_is_coherent(g->c), peer->build.name);
             g->row_count++;
         }
     return true;
@@ -127,31 +125,26 @@ static bool verify(micro_group *g, const micro_options *o, const contender *refe
 }
 
 static bool time_all(micro_group *g, const micro_options *o, double seconds, answers out) {
-    interleave_job jobs[MICRO_CONTENDERS_MAX];
-    contender_pass passes[MICRO_CONTENDERS_MAX];
+    interleave_job *jobs[MICRO_CONTENDERS_MAX];
     size_t count = 0;
     for (size_t r = 0; r < g->row_count; r++) {
-        if (g->rows[r].predicted > 0) continue;
-        passes[count] = pass_of(g, &g->rows[r].contender, out);
-        jobs[count] = (interleave_job){.run = contender_run, .context = &passes[count], .by_clock = o->by_clock};
-        count++;
+        micro_row *row = &g->rows[r];
+        row->pass = pass_of(g, &row->contender, out);
+        row->job = (interleave_job){.run = contender_run, .context = &row->pass, .by_clock = o->by_clock};
+        if (row->predicted == 0) jobs[count++] = &row->job;
     }
     const interleave_limits limits = {
         .width = o->width, .seconds = seconds, .least = 3, .most = INTERLEAVE_SAMPLES_MAX, .seed = o->run.seed};
     if (!interleave(jobs, count, &limits)) return false;
     double best = 0;
-    for (size_t r = 0, k = 0; r < g->row_count; r++) {
-        micro_row *row = &g->rows[r];
-        if (row->predicted > 0) continue;
-        row->seconds = jobs[k].seconds;
-        row->ticks = jobs[k].ticks;
-        row->cpu_share = jobs[k].cpu_share;
-        row->converged = jobs[k++].converged;
-        if (row->contender.embree && (best == 0 || row->seconds.median < best)) best = row->seconds.median;
+    for (size_t r = 0; r < g->row_count; r++) {
+        const double median = g->rows[r].job.seconds.median;
+        if (g->rows[r].contender.embree && median > 0 && (best == 0 || median < best)) best = median;
     }
-    for (size_t r = 0; r < g->row_count; r++)
-        if (best > 0 && g->rows[r].predicted == 0 && g->rows[r].contender.threads == 1)
-            g->rows[r].to_embree = best / g->rows[r].seconds.median;
+    for (size_t r = 0; r < g->row_count; r++) {
+        micro_row *row = &g->rows[r];
+        if (row->predicted == 0 && row->contender.threads == 1) row->to_embree = best / row->job.seconds.median;
+    }
     return true;
 }
 

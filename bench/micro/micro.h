@@ -66,9 +66,8 @@ typedef struct micro_row {
     kernel_contender kernel;
     peer_contender peer;
     double predicted; /* seconds of a pass by the probe, where the contender was left out; else 0 */
-    statistics seconds, ticks;
-    bool converged;
-    double cpu_share;
+    contender_pass pass;
+    interleave_job job;
     counter counts[COUNTERS_MAX]; /* of a pass, if the options ask for them */
     agreement agreement;
     double to_embree; /* Embree's best median over this one's: above 1 is faster than Embree; 0 without Embree */

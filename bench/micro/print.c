@@ -33,16 +33,16 @@ void micro_print_group(const micro_group *g) {
             printf("  %-30s left out: a pass would take %.2g s\n", row->contender.name, row->predicted);
             continue;
         }
-        const statistics *s = &row->seconds;
+        const statistics *s = &row->job.seconds;
         char ratio_text[16] = "-", agreement_text[160];
         if (row->to_embree > 0) snprintf(ratio_text, sizeof ratio_text, "%.2f", row->to_embree);
         agree_text(&row->agreement, agreement_text, sizeof agreement_text);
         printf("  %-30s %9.3f %6.1f%s %7.1f %9.1f %9s  %s\n", row->contender.name, mrays(g, s->median),
                50 * (s->high - s->low) / s->median,
-               row->converged ? " "
-               : s->sure      ? "!"
-                              : "?",
-               100 * s->mad / s->median, row->ticks.median / (double)g->ray_count, ratio_text, agreement_text);
+               row->job.converged ? " "
+               : s->sure          ? "!"
+                                  : "?",
+               100 * s->mad / s->median, row->job.ticks.median / (double)g->ray_count, ratio_text, agreement_text);
     }
     fflush(stdout);
 }
@@ -97,11 +97,11 @@ bool micro_write_group(io_output *out, const micro_group *g, io_error *error) {
         if (row->predicted > 0) {
             results_set_number(line, "left_out_seconds", row->predicted);
         } else {
-            results_set_seconds(line, &row->seconds);
-            results_set_bool(line, "converged", row->converged);
-            results_set_numbers(
-                line, "cpu_share mrays_per_s tsc_per_ray",
-                (double[]){row->cpu_share, mrays(g, row->seconds.median), row->ticks.median / (double)g->ray_count});
+            results_set_seconds(line, &row->job.seconds);
+            results_set_bool(line, "converged", row->job.converged);
+            results_set_numbers(line, "cpu_share mrays_per_s tsc_per_ray",
+                                (double[]){row->job.cpu_share, mrays(g, row->job.seconds.median),
+                                           row->job.ticks.median / (double)g->ray_count});
             if (row->to_embree > 0) results_set_number(line, "speed_to_embree_best", row->to_embree);
         }
         good = results_write(out, line, error);

@@ -21,12 +21,9 @@ peer_info peer_embree_describe(const peer_embree *peer) {
     return (peer_info){0};
 }
 
-void contender_from_peer(contender *c, peer_contender *p, const peer_embree *peer, unsigned width, bool coherent) {
+void contender_from_peer(contender *c, peer_contender *p, const peer_embree *peer, unsigned width, bool coherent,
+                         const char *prefix) {
+    (void)prefix;
     *p = (peer_contender){.peer = peer, .width = width, .coherent = coherent};
     *c = (contender){.embree = true, .width = width, .self = p};
-}
-
-bool peer_embree_is_native(const peer_embree *peer, unsigned width) {
-    (void)peer, (void)width;
-    return false;
 }

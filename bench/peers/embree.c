@@ -157,14 +157,14 @@ peer_info peer_embree_describe(const peer_embree *p) {
                        .bytes = bytes > 0 ? (size_t)bytes : 0};
 }
 
-bool peer_embree_is_native(const peer_embree *p, unsigned width) {
+static bool is_native(const peer_embree *p, unsigned width) {
     static const enum RTCDeviceProperty properties[] = {RTC_DEVICE_PROPERTY_NATIVE_RAY4_SUPPORTED,
                                                         RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED,
                                                         RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED};
     return width == 1 || rtcGetDeviceProperty(p->device, properties[width == 4 ? 0 : width == 8 ? 1 : 2]) != 0;
 }
 
-/* ---- tracing ---- */
+/* ---- rays and hits ---- */
 
 /* Flush to zero and denormals are zero, for as long as Embree runs. */
 #if defined(__SSE__)
@@ -210,8 +210,6 @@ static inline void packet_fill(packet *p, unsigned n, const cw_ray *rays, unsign
     }
 }
 
-static inline cw_hit miss(void) { return (cw_hit){.t = INFINITY, .i = -1, .j = -1}; }
-
 static inline cw_hit triangle_hit(const peer_embree *p, unsigned prim, float t, float u, float v) {
     const unsigned cell = prim / 2, cells = (unsigned)p->nx - 1;
     /* The half keeps the product clear of whole numbers, so that cutting it off is dividing. */
@@ -235,146 +233,110 @@ static inline cw_hit grid_hit(const peer_embree *p, float t, float u, float v) {
 }
 
 static inline cw_hit make_hit(const peer_embree *p, unsigned geometry, unsigned prim, float t, float u, float v) {
-    if (geometry == RTC_INVALID_GEOMETRY_ID) return miss();
+    if (geometry == RTC_INVALID_GEOMETRY_ID) return (cw_hit){.t = INFINITY, .i = -1, .j = -1};
     return p->grid ? grid_hit(p, t, u, v) : triangle_hit(p, prim, t, u, v);
 }
 
-static struct RTCIntersectContext new_context(const peer_contender *c) {
+/* ---- tracing ---- */
+
+/* Where answers go: hits for the closest ones, occluded for any. */
+typedef struct answers {
+    cw_hit *hits;
+    uint8_t *occluded;
+} answers;
+
+static void trace_single(const peer_contender *c, struct RTCIntersectContext *context, const cw_ray *rays, size_t n,
+                         answers out) {
+    struct RTCRayHit r = {.ray = {.mask = UINT32_MAX}};
+    for (size_t k = 0; k < n; k++) {
+        const cw_ray *from = &rays[k];
+        struct RTCRay *to = &r.ray;
+        to->org_x = from->org[0], to->org_y = from->org[1], to->org_z = from->org[2], to->tnear = from->tmin;
+        to->dir_x = from->dir[0], to->dir_y = from->dir[1], to->dir_z = from->dir[2], to->tfar = from->tmax;
+        r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+        if (out.occluded) {
+            rtcOccluded1(c->peer->scene, context, to);
+            out.occluded[k] = to->tfar < 0;
+        } else {
+            rtcIntersect1(c->peer->scene, context, &r);
+            out.hits[k] = make_hit(c->peer, r.hit.geomID, r.hit.primID, to->tfar, r.hit.u, r.hit.v);
+        }
+    }
+}
+
+static inline void trace_packet(const peer_contender *c, unsigned width, bool any, const int *valid,
+                                struct RTCIntersectContext *context, packet *p) {
+    RTCScene in = c->peer->scene;
+    if (width == 4 && any)
+        rtcOccluded4(valid, in, context, (struct RTCRay4 *)p);
+    else if (width == 4)
+        rtcIntersect4(valid, in, context, (struct RTCRayHit4 *)p);
+    else if (width == 8 && any)
+        rtcOccluded8(valid, in, context, (struct RTCRay8 *)p);
+    else if (width == 8)
+        rtcIntersect8(valid, in, context, (struct RTCRayHit8 *)p);
+    else if (any)
+        rtcOccluded16(valid, in, context, &p->whole.ray);
+    else
+        rtcIntersect16(valid, in, context, &p->whole);
+}
+
+/* A body for any width and both queries, compiled once for each because the callers give them as constants. */
+static inline __attribute__((always_inline)) void trace_packets(const peer_contender *c, unsigned width, bool any,
+                                                                struct RTCIntersectContext *context, const cw_ray *rays,
+                                                                size_t n, answers out) {
+    _Alignas(64) int valid[16];
+    packet p;
+    packet_clear(&p, width);
+    for (unsigned k = 0; k < width; k++) valid[k] = -1;
+    for (size_t begin = 0; begin < n; begin += width) {
+        const unsigned used = n - begin < width ? (unsigned)(n - begin) : width;
+        if (used == width)
+            packet_fill(&p, width, rays + begin, width);
+        else
+            packet_fill(&p, width, rays + begin, used);
+        for (unsigned k = used; k < width; k++) valid[k] = 0;
+        for (unsigned k = 0; !any && k < width; k++) p.u[GEOM_ID * width + k] = RTC_INVALID_GEOMETRY_ID;
+        trace_packet(c, width, any, valid, context, &p);
+        for (unsigned k = 0; k < used; k++) {
+            const float t = p.f[TFAR * width + k];
+            if (any)
+                out.occluded[begin + k] = t < 0;
+            else
+                out.hits[begin + k] = make_hit(c->peer, p.u[GEOM_ID * width + k], p.u[PRIM_ID * width + k], t,
+                                               p.f[HIT_U * width + k], p.f[HIT_V * width + k]);
+        }
+    }
+}
+
+static inline __attribute__((always_inline)) void trace(const peer_contender *c, bool any, const cw_ray *rays, size_t n,
+                                                        answers out) {
+    const unsigned caller = flush_denormals();
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     context.flags = c->coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-    return context;
-}
-
-static inline void single_fill(struct RTCRay *r, const cw_ray *ray) {
-    r->org_x = ray->org[0], r->org_y = ray->org[1], r->org_z = ray->org[2], r->tnear = ray->tmin;
-    r->dir_x = ray->dir[0], r->dir_y = ray->dir[1], r->dir_z = ray->dir[2], r->tfar = ray->tmax;
-}
-
-static void closest_single(const peer_contender *c, const cw_ray *rays, size_t n, cw_hit *hits) {
-    struct RTCIntersectContext context = new_context(c);
-    struct RTCRayHit r = {.ray = {.mask = UINT32_MAX}};
-    for (size_t k = 0; k < n; k++) {
-        single_fill(&r.ray, &rays[k]);
-        r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-        rtcIntersect1(c->peer->scene, &context, &r);
-        hits[k] = make_hit(c->peer, r.hit.geomID, r.hit.primID, r.ray.tfar, r.hit.u, r.hit.v);
-    }
-}
-
-static void any_single(const peer_contender *c, const cw_ray *rays, size_t n, uint8_t *occluded) {
-    struct RTCIntersectContext context = new_context(c);
-    struct RTCRay r = {.mask = UINT32_MAX};
-    for (size_t k = 0; k < n; k++) {
-        single_fill(&r, &rays[k]);
-        rtcOccluded1(c->peer->scene, &context, &r);
-        occluded[k] = r.tfar < 0;
-    }
-}
-
-static inline void intersect(const peer_contender *c, unsigned width, const int *valid,
-                             struct RTCIntersectContext *context, packet *p) {
-    if (width == 4)
-        rtcIntersect4(valid, c->peer->scene, context, (struct RTCRayHit4 *)p);
-    else if (width == 8)
-        rtcIntersect8(valid, c->peer->scene, context, (struct RTCRayHit8 *)p);
+    if (c->width == 4)
+        trace_packets(c, 4, any, &context, rays, n, out);
+    else if (c->width == 8)
+        trace_packets(c, 8, any, &context, rays, n, out);
+    else if (c->width == 16)
+        trace_packets(c, 16, any, &context, rays, n, out);
     else
-        rtcIntersect16(valid, c->peer->scene, context, &p->whole);
-}
-
-static inline void occlude(const peer_contender *c, unsigned width, const int *valid,
-                           struct RTCIntersectContext *context, packet *p) {
-    if (width == 4)
-        rtcOccluded4(valid, c->peer->scene, context, (struct RTCRay4 *)p);
-    else if (width == 8)
-        rtcOccluded8(valid, c->peer->scene, context, (struct RTCRay8 *)p);
-    else
-        rtcOccluded16(valid, c->peer->scene, context, &p->whole.ray);
-}
-
-/* Bodies for any width, compiled once for each because the callers give it as a constant. */
-static inline void closest_packets(const peer_contender *c, unsigned width, const cw_ray *rays, size_t n,
-                                   cw_hit *hits) {
-    struct RTCIntersectContext context = new_context(c);
-    _Alignas(64) int valid[16];
-    packet p;
-    packet_clear(&p, width);
-    for (unsigned k = 0; k < width; k++) valid[k] = -1;
-    for (size_t begin = 0; begin < n; begin += width) {
-        const unsigned used = n - begin < width ? (unsigned)(n - begin) : width;
-        if (used == width)
-            packet_fill(&p, width, rays + begin, width);
-        else
-            packet_fill(&p, width, rays + begin, used);
-        for (unsigned k = used; k < width; k++) valid[k] = 0;
-        for (unsigned k = 0; k < width; k++) p.u[GEOM_ID * width + k] = RTC_INVALID_GEOMETRY_ID;
-        intersect(c, width, valid, &context, &p);
-        for (unsigned k = 0; k < used; k++)
-            hits[begin + k] = make_hit(c->peer, p.u[GEOM_ID * width + k], p.u[PRIM_ID * width + k],
-                                       p.f[TFAR * width + k], p.f[HIT_U * width + k], p.f[HIT_V * width + k]);
-    }
-}
-
-static inline void any_packets(const peer_contender *c, unsigned width, const cw_ray *rays, size_t n,
-                               uint8_t *occluded) {
-    struct RTCIntersectContext context = new_context(c);
-    _Alignas(64) int valid[16];
-    packet p;
-    packet_clear(&p, width);
-    for (unsigned k = 0; k < width; k++) valid[k] = -1;
-    for (size_t begin = 0; begin < n; begin += width) {
-        const unsigned used = n - begin < width ? (unsigned)(n - begin) : width;
-        if (used == width)
-            packet_fill(&p, width, rays + begin, width);
-        else
-            packet_fill(&p, width, rays + begin, used);
-        for (unsigned k = used; k < width; k++) valid[k] = 0;
-        occlude(c, width, valid, &context, &p);
-        for (unsigned k = 0; k < used; k++) occluded[begin + k] = p.f[TFAR * width + k] < 0;
-    }
+        trace_single(c, &context, rays, n, out);
+    restore_denormals(caller);
 }
 
 static void closest(const void *self, const cw_ray *rays, size_t n, cw_hit *hits) {
-    const peer_contender *c = self;
-    const unsigned caller = flush_denormals();
-    switch (c->width) {
-    case 4:
-        closest_packets(c, 4, rays, n, hits);
-        break;
-    case 8:
-        closest_packets(c, 8, rays, n, hits);
-        break;
-    case 16:
-        closest_packets(c, 16, rays, n, hits);
-        break;
-    default:
-        closest_single(c, rays, n, hits);
-        break;
-    }
-    restore_denormals(caller);
+    trace(self, false, rays, n, (answers){.hits = hits});
 }
 
 static void any(const void *self, const cw_ray *rays, size_t n, uint8_t *occluded) {
-    const peer_contender *c = self;
-    const unsigned caller = flush_denormals();
-    switch (c->width) {
-    case 4:
-        any_packets(c, 4, rays, n, occluded);
-        break;
-    case 8:
-        any_packets(c, 8, rays, n, occluded);
-        break;
-    case 16:
-        any_packets(c, 16, rays, n, occluded);
-        break;
-    default:
-        any_single(c, rays, n, occluded);
-        break;
-    }
-    restore_denormals(caller);
+    trace(self, true, rays, n, (answers){.occluded = occluded});
 }
 
-void contender_from_peer(contender *c, peer_contender *p, const peer_embree *peer, unsigned width, bool coherent) {
+void contender_from_peer(contender *c, peer_contender *p, const peer_embree *peer, unsigned width, bool coherent,
+                         const char *prefix) {
     *p = (peer_contender){.peer = peer, .width = width, .coherent = coherent};
     *c = (contender){.embree = true, .width = width, .threads = 1, .self = p, .closest = closest, .any = any};
+    snprintf(c->name, sizeof c->name, "%s/w%u%s", prefix, width, is_native(peer, width) ? "" : "-split");
 }

@@ -51,10 +51,9 @@ typedef struct peer_contender {
 enum { PEER_WIDTH_COUNT = 4 };
 extern const unsigned peer_embree_widths[PEER_WIDTH_COUNT];
 
-/* The contender refers to p, which is filled in here. */
-void contender_from_peer(contender *c, peer_contender *p, const peer_embree *peer, unsigned width, bool coherent);
-
-/* True if Embree runs packets of this width as they are; else it splits them. */
-bool peer_embree_is_native(const peer_embree *peer, unsigned width);
+/* The contender, which refers to p, is called PREFIX/wWIDTH, or PREFIX/wWIDTH-split if Embree takes packets of this width to
+ * pieces instead of running them as they are. */
+void contender_from_peer(contender *c, peer_contender *p, const peer_embree *peer, unsigned width, bool coherent,
+                         const char *prefix);
 
 #endif

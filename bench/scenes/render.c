@@ -37,6 +37,7 @@ typedef struct stage {
 
 /* A rendering that interleave() repeats. */
 typedef struct job {
+    interleave_job timing;
     stage *on;
     const table_path *path;
     tracer *tracer;
@@ -99,7 +100,7 @@ static void tracer_for_embree(stage *s, tracer *t, unsigned width) {
     t->embree = true;
     t->width = width;
     for (size_t f = 0; f < s->field_count; f++) {
-        contender_from_peer(&t->fields.on[f], &t->fields.peers[f], s->embree[f], width, true);
+        contender_from_peer(&t->fields.on[f], &t->fields.peers[f], s->embree[f], width, true, "embree/triangles");
         t->build_seconds += peer_embree_describe(s->embree[f]).build_seconds;
     }
 }
@@ -183,7 +184,7 @@ static void render(void *context) {
 
 /* ---- results ---- */
 
-static json_t *path_json(job *jobs, const interleave_job *measured, size_t count, size_t k) {
+static json_t *path_json(job *jobs, size_t count, size_t k) {
     job *j = &jobs[k];
     const tracer *t = j->tracer;
     const statistics trace = statistics_of(j->trace_seconds, j->runs);
@@ -193,11 +194,11 @@ static json_t *path_json(job *jobs, const interleave_job *measured, size_t count
         (const char *[]){j->path->name, j->path->title, t->embree ? "embree/triangles" : t->fields.on[0].name});
     if (t->embree) results_set_count(line, "embree_width", t->width);
     results_set_bool(line, "phong", j->path->phong);
-    results_set_seconds(line, &measured[k].seconds);
+    results_set_seconds(line, &j->timing.seconds);
     results_set_count(line, "traced_rays", j->traced);
     results_set_numbers(
         line, "cpu_share trace_seconds_median trace_mrays_per_s build_seconds",
-        (double[]){measured[k].cpu_share, trace.median, (double)j->traced / trace.median * 1e-6, t->build_seconds});
+        (double[]){j->timing.cpu_share, trace.median, (double)j->traced / trace.median * 1e-6, t->build_seconds});
     json_object_set_new(line, "agreement", results_agreement(&t->agreement));
     if (counters_here()) json_object_set_new(line, "counts", counters_json(t->counts));
 
@@ -207,7 +208,7 @@ static json_t *path_json(job *jobs, const interleave_job *measured, size_t count
     for (size_t o = 0; o < count; o++) {
         if (jobs[o].path->phong != j->path->phong) continue;
         if (jobs[o].path->embree) {
-            results_set_number(line, "time_to_default", measured[k].seconds.median / measured[o].seconds.median);
+            results_set_number(line, "time_to_default", j->timing.seconds.median / jobs[o].timing.seconds.median);
             continue;
         }
         const bool reference = strcmp(jobs[o].tracer->fields.on[0].name, j->on->reference.fields.on[0].name) == 0;
@@ -221,7 +222,7 @@ static json_t *path_json(job *jobs, const interleave_job *measured, size_t count
     return line;
 }
 
-static json_t *scene_json(const char *name, stage *s, job *jobs, const interleave_job *measured, size_t count) {
+static json_t *scene_json(const char *name, stage *s, job *jobs, size_t count) {
     json_t *line = json_object(), *fields = json_array(), *paths = json_array();
     const scene_render_stats *stats = &jobs[0].stats;
     results_set_texts(line, "kind scene", (const char *[]){"scene", name});
@@ -236,7 +237,7 @@ static json_t *scene_json(const char *name, stage *s, job *jobs, const interleav
     }
     json_object_set_new(line, "fields", fields);
     results_set_text(line, "reference", s->reference.fields.on[0].name);
-    for (size_t k = 0; k < count; k++) json_array_append_new(paths, path_json(jobs, measured, count, k));
+    for (size_t k = 0; k < count; k++) json_array_append_new(paths, path_json(jobs, count, k));
     json_object_set_new(line, "paths", paths);
     return line;
 }
@@ -247,12 +248,13 @@ json_t *table_scene_run(const char *name, const table_path *paths, size_t path_c
     json_t *line = NULL;
     stage *s = calloc(1, sizeof *s);
     job *jobs = calloc(path_count, sizeof *jobs);
-    interleave_job measured[TABLE_PATHS_MAX];
+    interleave_job *timed[TABLE_PATHS_MAX];
     bool good = (s && jobs) || io_fail(error, "out of memory");
     good = good && open_stage(s, name, paths, path_count, o, error) && verify(s, 1, error);
     for (size_t k = 0; good && k < path_count; k++) {
         jobs[k] = (job){.on = s, .path = &paths[k], .samples = o->samples, .tracer = tracer_of(s, &paths[k])};
-        measured[k] = (interleave_job){.run = render, .context = &jobs[k]};
+        jobs[k].timing = (interleave_job){.run = render, .context = &jobs[k]};
+        timed[k] = &jobs[k].timing;
     }
     if (good) {
         const double left = end - clock_seconds();
@@ -261,11 +263,11 @@ json_t *table_scene_run(const char *name, const table_path *paths, size_t path_c
                                           .least = o->quick || o->counters ? 1 : 3,
                                           .most = 50,
                                           .seed = o->run.seed};
-        good = interleave(measured, path_count, &limits) || io_fail(error, "out of memory");
+        good = interleave(timed, path_count, &limits) || io_fail(error, "out of memory");
     }
     for (size_t k = 0; good && k < path_count; k++)
         if (jobs[k].error.text[0]) good = io_fail(error, "%s: %s", paths[k].name, jobs[k].error.text);
-    if (good) line = scene_json(name, s, jobs, measured, path_count);
+    if (good) line = scene_json(name, s, jobs, path_count);
     for (size_t k = 0; jobs && k < path_count; k++) io_image_free(&jobs[k].image);
     free(jobs);
     if (s) close_stage(s);

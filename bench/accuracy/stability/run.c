@@ -57,8 +57,8 @@ static bool add_peers(stability *s, size_t f, const stability_shares *shares, un
         if (s->peers[f][robust] == NULL) return false;
         for (unsigned width = 1; width <= 8; width += 7) {
             tested *t = &s->tested[f][(*n)++];
-            contender_from_peer(&t->contender, &t->peer, s->peers[f][robust], width, false);
-            snprintf(t->contender.name, sizeof t->contender.name, "embree%s/w%u", robust ? "-robust" : "", width);
+            contender_from_peer(&t->contender, &t->peer, s->peers[f][robust], width, false,
+                                robust ? "embree-robust" : "embree");
             t->role = ROLE_OTHER_RULES;
             t->every = shares->peers;
             t->rays = BATCH_RAYS;
