@@ -2,8 +2,8 @@
 /* The benchmark's commands from beginning to end, on work so small that their figures mean nothing: files hold the same
  * numbers, comparisons of a file with itself decide nothing, mistakes are told and leave nothing behind. */
 #include "commands.h"
-#include "harness/markdown.h"
 #include "harness/results.h"
+#include "markdown.h"
 #include "micro/compare.h"
 #include "micro/micro.h"
 #include "scenes/table.h"

@@ -4,9 +4,9 @@
 #include "build_info.h"
 #include "clock.h"
 #include "commands.h"
-#include "harness/markdown.h"
 #include "harness/results.h"
 #include "harness/run_record.h"
+#include "markdown.h"
 #include "micro/counters.h"
 #include "scenes/tracer.h"
 

@@ -54,43 +54,50 @@ bool words_unknown(const char *name, const char *what, const char *word, const c
     return false;
 }
 
-/* Columns that so many bytes of UTF-8 take. */
-static int columns_of(const char *text, size_t bytes) {
-    int columns = 0;
+size_t words_columns(const char *text, size_t bytes) {
+    size_t columns = 0;
     for (size_t k = 0; k < bytes; k++) columns += ((unsigned char)text[k] & 0xc0) != 0x80;
     return columns;
 }
 
-/* Where a line of a list goes on when it is wrapped: below what stands behind the first gap of two spaces or more. */
-static int hang_of(const char *line) {
-    const size_t length = strcspn(line, "\n"), indent = strspn(line, " ");
-    for (size_t k = indent; indent > 0 && k + 1 < length; k++)
-        if (line[k] == ' ' && line[k + 1] == ' ') return columns_of(line, k + strspn(line + k, " "));
-    return (int)indent;
-}
-
-void words_wrap(const char *text, int column) {
-    int at = column, hang = column + hang_of(text);
-    while (*text) {
-        if (*text == '\n' && (text[1] == '\n' || text[1] == ' ' || text[1] == '\0' || text[-1] == '\n')) {
-            putchar('\n');
-            if (*++text != '\n' && *text != '\0') printf("%*s", column, "");
-            at = column;
-            hang = column + hang_of(text);
-            continue;
-        }
+size_t words_fold(const char *text, size_t bytes, size_t at, size_t hang, size_t most) {
+    for (const char *end = text + bytes; text < end;) {
         const size_t spaces = strspn(text, " \n"), length = strcspn(text + spaces, " \n");
-        const int width = columns_of(text + spaces, length);
-        if (at > hang && at + (int)spaces + width > COLUMNS) {
-            printf("\n%*s", hang, "");
+        const size_t width = words_columns(text + spaces, length);
+        if (at > hang && at + spaces + width > most) {
+            printf("\n%*s", (int)hang, "");
             at = hang;
         } else {
             printf("%*s", (int)spaces, "");
-            at += (int)spaces;
+            at += spaces;
         }
         printf("%.*s", (int)length, text + spaces);
         at += width;
         text += spaces + length;
+    }
+    return at;
+}
+
+/* Where a line of a list goes on when it is wrapped: below what stands behind the first gap of two spaces or more. */
+static size_t hang_of(const char *line) {
+    const size_t length = strcspn(line, "\n"), indent = strspn(line, " ");
+    for (size_t k = indent; indent > 0 && k + 1 < length; k++)
+        if (line[k] == ' ' && line[k + 1] == ' ') return words_columns(line, k + strspn(line + k, " "));
+    return indent;
+}
+
+void words_wrap(const char *text, size_t column) {
+    size_t at = column;
+    while (*text) {
+        /* Up to the end of the paragraph, or of the list's line. */
+        size_t length = strcspn(text, "\n");
+        while (text[length] == '\n' && !strchr("\n ", text[length + 1])) length += 1 + strcspn(text + length + 1, "\n");
+        at = words_fold(text, length, at, column + hang_of(text), COLUMNS);
+        for (text += length; *text == '\n'; text++) {
+            putchar('\n');
+            at = 0;
+        }
+        if (at == 0 && *text) at = (size_t)printf("%*s", (int)column, "");
     }
     if (at > column) putchar('\n');
 }

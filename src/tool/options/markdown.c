@@ -1,35 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "harness/markdown.h"
+#include "markdown.h"
+
+#include "words.h"
 
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 
 enum { WIDTH = 100, GAP = 2, COLUMNS_MAX = 40, HEAD_LINES = 3 };
-
-/* Columns of a terminal that so many bytes of UTF-8 take. */
-static size_t width_of(const char *text, size_t bytes) {
-    size_t width = 0;
-    for (size_t k = 0; k < bytes; k++) width += ((unsigned char)text[k] & 0xc0) != 0x80;
-    return width;
-}
-
-/* A paragraph, up to the end of its line. */
-static void print_folded(const char *text, size_t bytes) {
-    size_t at = 0;
-    for (const char *end = text + bytes; text < end;) {
-        const size_t length = strcspn(text, " \n"), width = width_of(text, length);
-        if (at > 0 && at + 1 + width > WIDTH) {
-            putchar('\n');
-            at = 0;
-        }
-        printf("%s%.*s", at ? " " : "", (int)length, text);
-        at += width + (at > 0);
-        text += length;
-        text += strspn(text, " ");
-    }
-    putchar('\n');
-}
 
 /* Line number of a cell of a row "| a | b |"; only heads have more than one, which end at commas. */
 static const char *cell_line(const char *row, size_t column, bool head, size_t line, size_t *bytes) {
@@ -66,7 +44,7 @@ static table measure_table(const char *rows) {
         for (const char *row = rows; *row == '|'; row = row == rows ? next_row(next_row(row)) : next_row(row))
             for (size_t line = 0; line < (row == rows ? HEAD_LINES : 1); line++) {
                 const char *text = cell_line(row, column, row == rows, line, &bytes);
-                if (width_of(text, bytes) > t.width[column]) t.width[column] = width_of(text, bytes);
+                if (words_columns(text, bytes) > t.width[column]) t.width[column] = words_columns(text, bytes);
             }
     }
     return t;
@@ -78,7 +56,7 @@ static void print_row(const table *t, const char *row, size_t line, size_t first
     bool any = false;
     for (size_t c = 0; c < last; c = c == 0 ? first : c + 1) {
         const char *text = cell_line(row, c, row == t->rows, line, &bytes);
-        const size_t pad = t->width[c] - width_of(text, bytes);
+        const size_t pad = t->width[c] - words_columns(text, bytes);
         owed += (c == 0 ? 0 : GAP) + (t->left[c] ? 0 : pad);
         if (bytes > 0) {
             printf("%*s%.*s", (int)owed, "", (int)bytes, text);
@@ -114,7 +92,8 @@ void markdown_print(const char *text) {
             continue;
         }
         const size_t length = strcspn(text, "\n");
-        print_folded(text, length);
+        words_fold(text, length, 0, 0, WIDTH);
+        putchar('\n');
         text += length + (text[length] == '\n');
         /* A paragraph stands on its table. */
         if (length > 0 && text[0] == '\n' && text[1] == '|') text++;
