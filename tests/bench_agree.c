@@ -74,7 +74,7 @@ static void reasons(void **state) {
     check(sum.why[AGREE_GRAZING] == 1 || sum.why[AGREE_END] == 1, "a miss of a level ray counts as a defect");
 }
 
-static void closest_finds(const void *self, const cw_ray *rays, size_t n, cw_hit *hits) {
+static void closest_finds(const contender *self, const cw_ray *rays, size_t n, cw_hit *hits) {
     (void)self, (void)rays;
     for (size_t k = 0; k < n; k++) hits[k] = inside;
 }

@@ -61,7 +61,7 @@ static void test_million_rays_a_class(void **state) {
 static const contender *honest;
 static double wrong_by; /* cells of height; 0: miss instead */
 
-static void lie(const void *self, const cw_ray *rays, size_t n, cw_hit *hits) {
+static void lie(const contender *self, const cw_ray *rays, size_t n, cw_hit *hits) {
     honest->closest(self, rays, n, hits);
     for (size_t k = 0; k < n; k += 64) {
         if (hits[k].i < 0) continue;

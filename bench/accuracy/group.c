@@ -23,16 +23,6 @@ void tradeoff_field_close(tradeoff_field *on) {
     *on = (tradeoff_field){0};
 }
 
-/* Embree's peak while it builds, in bytes a cell, as measured for micro. */
-static bool fits(const tradeoff_field *on, const tradeoff_mode *mode) {
-    if (!mode->embree) return true;
-    const double needed = (double)on->surface.nx * (double)on->surface.ny * (mode->geometry == PEER_GRID ? 50 : 260);
-    const double available = run_memory_available();
-    if (available <= 0 || needed < available) return true;
-    printf("%s is left out on field %s: it would take about %.1f GB\n", mode->name, on->samples.name, needed * 1e-9);
-    return false;
-}
-
 bool tradeoff_field_open(tradeoff_field *on, const char *name, const tradeoff_options *o, io_error *error) {
     *on = (tradeoff_field){0};
     if (!workload_field_make(name, &on->samples)) return io_fail(error, "out of memory for field %s", name);
@@ -43,7 +33,9 @@ bool tradeoff_field_open(tradeoff_field *on, const char *name, const tradeoff_op
     for (size_t m = 0; good && m < tradeoff_mode_count(); m++) {
         const tradeoff_mode *mode = tradeoff_mode_at(m);
         if (!tradeoff_mode_wanted(m, o) || on->stage_count == TRADEOFF_MODES_MAX) continue;
-        if ((mode->embree && peer_embree_version() == NULL) || !fits(on, mode)) continue;
+        if (mode->embree && (peer_embree_version() == NULL ||
+                             !run_memory_has(peer_embree_needs(on->field, mode->geometry), mode->name, name)))
+            continue;
         good =
             tradeoff_stage_open(&on->stages[on->stage_count], mode, on->field, &on->surface, (cw_isa)o->run.isa, error);
         on->stage_count += good;
@@ -58,8 +50,6 @@ typedef struct row row;
 struct row {
     const tradeoff_stage *stage;
     contender contender;
-    kernel_contender kernel;
-    peer_contender peer;
     unsigned thin, thin_errors; /* of the rays that are timed, and of those whose errors are looked for */
     double left_out;            /* seconds for a pass over the thinnest set; 0 if that is no problem */
     tradeoff_errors errors;
@@ -97,14 +87,14 @@ static bool add_rows(group *g, const tradeoff_options *o, io_error *error) {
         for (size_t w = 0; stage->mode->embree && w < PEER_WIDTH_COUNT; w++, g->row_count++) {
             row *r = new_row(g, stage, error);
             if (r == NULL) return false;
-            tradeoff_stage_peer(stage, peer_embree_widths[w], tradeoff_class_is_coherent(g->ray_class), &r->contender,
-                                &r->peer);
+            contender_from_peer(&r->contender, stage->peer, peer_embree_widths[w],
+                                tradeoff_class_is_coherent(g->ray_class), stage->mode->name);
         }
         for (size_t k = 0; !stage->mode->embree && k < cw_kernel_count(); k++) {
             row *r = option_wanted(&o->kernels, k) ? new_row(g, stage, error) : NULL;
             if (!option_wanted(&o->kernels, k)) continue;
             if (r == NULL) return false;
-            const cw_status status = tradeoff_stage_kernel(stage, cw_kernel_at(k), &r->contender, &r->kernel);
+            const cw_status status = tradeoff_stage_kernel(stage, cw_kernel_at(k), &r->contender);
             g->row_count += status == CW_OK;
             if (status != CW_OK && status != CW_ERROR_UNAVAILABLE && status != CW_ERROR_UNSUPPORTED)
                 return io_fail(error, "%s with %s on field %s: %s", stage->mode->name,

@@ -148,19 +148,14 @@ void tradeoff_stage_close(tradeoff_stage *stage) {
     *stage = (tradeoff_stage){0};
 }
 
-cw_status tradeoff_stage_kernel(const tradeoff_stage *stage, const cw_kernel *kernel, contender *c,
-                                kernel_contender *k) {
+cw_status tradeoff_stage_kernel(const tradeoff_stage *stage, const cw_kernel *kernel, contender *c) {
     const tradeoff_mode *mode = stage->mode;
     const char *name = cw_kernel_describe(kernel).name;
     if (!tradeoff_mode_takes(mode, name)) return CW_ERROR_UNSUPPORTED;
-    cw_status status = contender_from_kernel(c, k, stage->field, kernel, mode->leaf);
+    const cw_status status = contender_from_kernel(c, stage->field, kernel, mode->leaf);
     if (status != CW_OK) return status;
-    k->query.tolerance = (float)stage->tolerance.height;
-    k->query.cone = (float)stage->tolerance.cone;
+    c->query.tolerance = (float)stage->tolerance.height;
+    c->query.cone = (float)stage->tolerance.cone;
     snprintf(c->name, sizeof c->name, "%s/%s", mode->name, name);
-    return cw_closest(stage->field, &k->query, NULL, 0, NULL);
-}
-
-void tradeoff_stage_peer(const tradeoff_stage *stage, unsigned width, bool coherent, contender *c, peer_contender *p) {
-    contender_from_peer(c, p, stage->peer, width, coherent, stage->mode->name);
+    return cw_closest(stage->field, &c->query, NULL, 0, NULL);
 }

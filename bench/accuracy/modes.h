@@ -48,10 +48,8 @@ bool tradeoff_stage_open(tradeoff_stage *stage, const tradeoff_mode *mode, cw_fi
                          cw_isa isa, io_error *error);
 void tradeoff_stage_close(tradeoff_stage *stage);
 
-/* The mode's contender with a kernel; named as above. CW_ERROR_UNAVAILABLE or CW_ERROR_UNSUPPORTED where there is none. */
-cw_status tradeoff_stage_kernel(const tradeoff_stage *stage, const cw_kernel *kernel, contender *c,
-                                kernel_contender *k);
-void tradeoff_stage_peer(const tradeoff_stage *stage, unsigned width, bool coherent, contender *c, peer_contender *p);
+/* The mode's contender with a kernel, named as above. CW_ERROR_UNAVAILABLE or CW_ERROR_UNSUPPORTED where there is none. */
+cw_status tradeoff_stage_kernel(const tradeoff_stage *stage, const cw_kernel *kernel, contender *c);
 
 /* Rounds samples to 2^16 levels from the lowest to the highest; holes stay. The claim is half a step and the rounding of
  * the result to float. */

@@ -36,13 +36,13 @@ static bool open_mode(set *s, const tradeoff_mode *mode, cw_isa isa, bool *runs,
         if (!tradeoff_stage_open(&s->stages[f], mode, base, &s->surfaces[f], isa, error)) return false;
         s->open++;
         if (mode->embree) {
-            tradeoff_stage_peer(&s->stages[f], PEER_WIDTH, true, &t->on[f], &t->peers[f]);
+            contender_from_peer(&t->on[f], s->stages[f].peer, PEER_WIDTH, true, mode->name);
             continue;
         }
         const cw_query automatic = cw_query_default();
         const cw_kernel *kernel = mode->only ? cw_kernel_find(mode->only) : cw_query_kernel(base, &automatic);
         cw_status status = CW_ERROR_UNAVAILABLE;
-        if (kernel) status = tradeoff_stage_kernel(&s->stages[f], kernel, &t->on[f], &t->kernels[f]);
+        if (kernel) status = tradeoff_stage_kernel(&s->stages[f], kernel, &t->on[f]);
         if (status == CW_ERROR_UNAVAILABLE || status == CW_ERROR_UNSUPPORTED)
             *runs = false;
         else if (status != CW_OK)

@@ -95,7 +95,7 @@ void agree_any(agreement *sum, const cw_field *field, const cw_ray *rays, size_t
         *(a[k] ? &sum->only_a : &sum->only_b) += 1;
         cw_hit hit;
         const contender *of = a[k] ? of_a : of_b;
-        of->closest(of->self, &rays[k], 1, &hit);
+        of->closest(of, &rays[k], 1, &hit);
         /* A contender that answers "any" against its own closest hit is at fault by itself. */
         sum->why[hit.i < 0 ? AGREE_OTHER : reason_of(field, &rays[k], &hit, slack_of(&info, &rays[k]))]++;
     }

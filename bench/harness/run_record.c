@@ -31,10 +31,14 @@ static void proc_value(const char *path, const char *key, char *value, size_t si
     fclose(file);
 }
 
-double run_memory_available(void) {
+bool run_memory_has(double bytes, const char *what, const char *field) {
     char kibibytes[64];
     proc_value("/proc/meminfo", "MemAvailable", kibibytes, sizeof kibibytes);
-    return strtod(kibibytes, NULL) * 1024;
+    const double available = strtod(kibibytes, NULL) * 1024;
+    if (available <= 0 || bytes < available) return true;
+    printf("%s is left out on field %s: it would take about %.1f GB, and %.1f GB are available\n", what, field,
+           bytes * 1e-9, available * 1e-9);
+    return false;
 }
 
 static char arguments_text[4096];

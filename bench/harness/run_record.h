@@ -5,6 +5,7 @@
 #define CELLWALK_BENCH_HARNESS_RUN_RECORD_H
 
 #include <jansson.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -16,8 +17,8 @@ void run_record_begin(char **arguments, int count);
 /* A JSON object of kind "run"; NULL if out of memory. cpu is where the process is pinned to, or -1. */
 json_t *run_record(const char *command, uint32_t seed, int cpu);
 
-/* Bytes that programs may still take without swapping; 0 if the system does not tell. */
-double run_memory_available(void);
+/* True if so many bytes may be had without swapping, or the system does not tell; else prints that what is left out on field. */
+bool run_memory_has(double bytes, const char *what, const char *field);
 
 /* One line of it for a person: "AMD EPYC, GCC 12.2.0, avx2, commit 1234567, Embree 3.13.5, one thread, load 0.42". */
 void run_record_text(const json_t *record, char *text, size_t size);

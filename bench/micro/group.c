@@ -19,13 +19,13 @@ static bool add_kernel(micro_group *g, const micro_options *o, const cw_kernel *
     for (size_t t = 0; t < o->threads.count; t++) {
         micro_row *row = new_row(g);
         if (row == NULL) return io_fail(error, "more than %d contenders", MICRO_CONTENDERS_MAX);
-        const cw_status status = contender_from_kernel(&row->contender, &row->kernel, g->on->field, kernel, leaf);
+        const cw_status status = contender_from_kernel(&row->contender, g->on->field, kernel, leaf);
         if (status == CW_ERROR_UNAVAILABLE || status == CW_ERROR_UNSUPPORTED) return true;
         if (status != CW_OK)
             return io_fail(error, "%s on field %s: %s", cw_kernel_describe(kernel).name, g->on->samples.name,
                            cw_status_message(status));
         row->contender.threads = o->thread_counts[t];
-        row->kernel.query.pool = o->pools[t];
+        row->contender.query.pool = o->pools[t];
         if (o->pools[t]) {
             const size_t used = strlen(row->contender.name);
             snprintf(row->contender.name + used, sizeof row->contender.name - used, "/t%u", o->thread_counts[t]);
@@ -54,8 +54,8 @@ static bool add_peers(micro_group *g, io_error *error) {
             const micro_peer *peer = &g->on->peers[p];
             micro_row *row = new_row(g);
             if (row == NULL) return io_fail(error, "more than %d contenders", MICRO_CONTENDERS_MAX);
-            contender_from_peer(&row->contender, &row->peer, peer->embree, peer_embree_widths[w],
-                                workload_class_is_coherent(g->c), peer->build.name);
+            contender_from_peer(&row->contender, peer->embree, peer_embree_widths[w], workload_class_is_coherent(g->c),
+                                peer->build.name);
             g->row_count++;
         }
     return true;
@@ -153,9 +153,7 @@ bool micro_group_run(micro_group *g, const micro_options *o, double seconds, io_
     g->row_count = 0;
     const size_t n = (size_t)o->count;
     contender reference;
-    kernel_contender reference_kernel;
-    if (contender_from_kernel(&reference, &reference_kernel, g->on->field, cw_kernel_find("cell"),
-                              CW_LEAF_WATERTIGHT) != CW_OK)
+    if (contender_from_kernel(&reference, g->on->field, cw_kernel_find("cell"), CW_LEAF_WATERTIGHT) != CW_OK)
         return io_fail(error, "the reference kernel cell does not run");
     memcpy(g->reference, reference.name, sizeof g->reference);
     if (!add_kernels(g, o, error) || !add_peers(g, error)) return false;

@@ -6,6 +6,7 @@
 #include "harness/results.h"
 #include "harness/run_record.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -103,18 +104,6 @@ static void close_field(micro_field *on) {
     *on = (micro_field){0};
 }
 
-/* Embree's peak while building, over what it holds in the end: measured at 1025 and 4097 samples a side, 245 bytes a cell
- * for triangles at high quality, 38 for a grid. An 8193 field would take 17 GB, and a system that runs out of memory kills
- * somebody. */
-static bool embree_fits(const cw_field_info *info, bool grid, const char *label) {
-    const double needed = (double)(info->nx - 1) * (double)(info->ny - 1) * (grid ? 50 : 260);
-    const double available = run_memory_available();
-    if (available <= 0 || needed < available) return true;
-    printf("%s is left out: it would take about %.1f GB, and %.1f GB are available\n", label, needed * 1e-9,
-           available * 1e-9);
-    return false;
-}
-
 static bool open_field(micro_field *on, const char *name, const micro_options *o, io_error *error) {
     static const char *const labels[PEER_KINDS] = {"embree/triangles", "embree/grid", "embree/triangles-robust",
                                                    "embree/grid-robust"};
@@ -123,11 +112,12 @@ static bool open_field(micro_field *on, const char *name, const micro_options *o
     const cw_status status = workload_field_open(&on->samples, CW_COPY, false, &on->field);
     if (status != CW_OK) return io_fail(error, "field %s: %s", name, cw_status_message(status));
     on->default_kernel = cw_kernel_describe(cw_query_kernel(on->field, NULL)).name;
-    const cw_field_info info = cw_field_describe(on->field);
     for (size_t p = 0; p < PEER_KINDS; p++) {
-        if (!option_wanted(&o->peers, p) || !embree_fits(&info, p % 2 != 0, labels[p])) continue;
+        const peer_geometry geometry = p % 2 ? PEER_GRID : PEER_TRIANGLES;
+        if (!option_wanted(&o->peers, p) || !run_memory_has(peer_embree_needs(on->field, geometry), labels[p], name))
+            continue;
         const peer_options options = {.isa = (cw_isa)o->run.isa,
-                                      .geometry = p % 2 ? PEER_GRID : PEER_TRIANGLES,
+                                      .geometry = geometry,
                                       .quality = o->quality == 0 ? PEER_HIGH : PEER_MEDIUM,
                                       .robust = p >= 2};
         micro_peer *peer = &on->peers[on->peer_count];
@@ -140,48 +130,45 @@ static bool open_field(micro_field *on, const char *name, const micro_options *o
 
 /* ---- summary: the geometric mean over classes, one line a contender, one column a field ---- */
 
+enum { SUMMARY_FIELDS = 16 };
+
 typedef struct summary {
-    char names[MICRO_CONTENDERS_MAX][CONTENDER_NAME];
-    double ratios[MICRO_CONTENDERS_MAX][16][WORKLOAD_CLASS_COUNT];
-    size_t counts[MICRO_CONTENDERS_MAX][16];
+    struct {
+        char name[CONTENDER_NAME];
+        double log_sum[SUMMARY_FIELDS];
+        size_t n[SUMMARY_FIELDS];
+    } rows[MICRO_CONTENDERS_MAX];
     size_t count;
 } summary;
 
 static void summary_add(summary *s, size_t field, const micro_group *g) {
     for (size_t r = 0; r < g->row_count; r++) {
         const micro_row *row = &g->rows[r];
-        if (!(row->to_embree > 0) || field >= 16) continue;
         size_t k = 0;
-        while (k < s->count && strcmp(s->names[k], row->contender.name) != 0) k++;
-        if (k == MICRO_CONTENDERS_MAX) return;
-        if (k == s->count) {
-            memcpy(s->names[k], row->contender.name, sizeof s->names[k]);
-            s->count++;
-        }
-        s->ratios[k][field][s->counts[k][field]++] = row->to_embree;
+        while (k < s->count && strcmp(s->rows[k].name, row->contender.name) != 0) k++;
+        if (!(row->to_embree > 0) || field >= SUMMARY_FIELDS || k == MICRO_CONTENDERS_MAX) continue;
+        memcpy(s->rows[k].name, row->contender.name, sizeof s->rows[k].name);
+        s->rows[k].log_sum[field] += log(row->to_embree);
+        s->rows[k].n[field]++;
+        s->count += k == s->count;
     }
 }
 
 static void summary_print(const summary *s, const micro_options *o) {
     if (s->count == 0) return;
     bool partial = false;
-    printf("\nSpeed over Embree's best width, geometric mean over the classes of rays:\n");
-    printf("  %-30s", "contender");
-    for (size_t f = 0; f < o->fields.count && f < 16; f++) printf(" %9s", o->fields.item[f]);
-    printf("\n");
+    printf("\nSpeed over Embree's best width, geometric mean over the classes of rays:\n  %-30s", "contender");
+    for (size_t f = 0; f < o->fields.count && f < SUMMARY_FIELDS; f++) printf(" %9s", o->fields.item[f]);
     for (size_t k = 0; k < s->count; k++) {
-        printf("  %-30s", s->names[k]);
-        for (size_t f = 0; f < o->fields.count && f < 16; f++) {
-            const size_t n = s->counts[k][f];
-            if (n == 0)
-                printf(" %9s", "-");
-            else
-                printf(" %7.2f%s", statistics_geometric_mean(s->ratios[k][f], n), n == o->rays.count ? "  " : " *");
+        printf("\n  %-30s", s->rows[k].name);
+        for (size_t f = 0; f < o->fields.count && f < SUMMARY_FIELDS; f++) {
+            const size_t n = s->rows[k].n[f];
+            if (n == 0) printf(" %9s", "-");
+            if (n > 0) printf(" %7.2f%s", exp(s->rows[k].log_sum[f] / (double)n), n == o->rays.count ? "  " : " *");
             partial = partial || (n > 0 && n < o->rays.count);
         }
-        printf("\n");
     }
-    if (partial) printf("  * not all classes: the others would have taken too long\n");
+    puts(partial ? "\n  * not all classes: the others would have taken too long" : "");
 }
 
 /* "1, 2" in the record of a run. */

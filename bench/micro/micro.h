@@ -63,8 +63,6 @@ bool micro_build_peer(micro_peer *peer, const cw_field *field, const peer_option
 /* One contender's figures in a group: one class of rays on one field. */
 typedef struct micro_row {
     contender contender;
-    kernel_contender kernel;
-    peer_contender peer;
     double predicted; /* seconds of a pass by the probe, where the contender was left out; else 0 */
     contender_pass pass;
     interleave_job job;

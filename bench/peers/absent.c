@@ -21,9 +21,7 @@ peer_info peer_embree_describe(const peer_embree *peer) {
     return (peer_info){0};
 }
 
-void contender_from_peer(contender *c, peer_contender *p, const peer_embree *peer, unsigned width, bool coherent,
-                         const char *prefix) {
-    (void)prefix;
-    *p = (peer_contender){.peer = peer, .width = width, .coherent = coherent};
-    *c = (contender){.embree = true, .width = width, .self = p};
+void contender_from_peer(contender *c, const peer_embree *peer, unsigned width, bool coherent, const char *prefix) {
+    (void)peer, (void)coherent, (void)prefix;
+    *c = (contender){.width = width, .embree = true};
 }

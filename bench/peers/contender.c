@@ -4,33 +4,29 @@
 #include <stdio.h>
 
 /* Queries cannot fail here: contender_from_kernel has tried one. */
-static void closest(const void *self, const cw_ray *rays, size_t n, cw_hit *hits) {
-    const kernel_contender *k = self;
-    (void)cw_closest(k->field, &k->query, rays, n, hits);
+static void closest(const contender *c, const cw_ray *rays, size_t n, cw_hit *hits) {
+    (void)cw_closest(c->field, &c->query, rays, n, hits);
 }
 
-static void any(const void *self, const cw_ray *rays, size_t n, uint8_t *occluded) {
-    const kernel_contender *k = self;
-    (void)cw_any(k->field, &k->query, rays, n, occluded);
+static void any(const contender *c, const cw_ray *rays, size_t n, uint8_t *occluded) {
+    (void)cw_any(c->field, &c->query, rays, n, occluded);
 }
 
-cw_status contender_from_kernel(contender *c, kernel_contender *k, cw_field *field, const cw_kernel *kernel,
-                                cw_leaf leaf) {
+cw_status contender_from_kernel(contender *c, cw_field *field, const cw_kernel *kernel, cw_leaf leaf) {
     const cw_kernel_info info = cw_kernel_describe(kernel);
     if (leaf == CW_LEAF_DEFAULT) leaf = info.default_leaf;
     if (!info.available) return CW_ERROR_UNAVAILABLE;
-    *k = (kernel_contender){.field = field, .query = {.kernel = kernel, .leaf = leaf}};
-    *c = (contender){.width = info.width, .threads = 1, .self = k, .closest = closest, .any = any};
+    *c = (contender){.width = info.width, .threads = 1, .closest = closest, .any = any, .field = field};
+    c->query = (cw_query){.kernel = kernel, .leaf = leaf};
     snprintf(c->name, sizeof c->name, "%s/%s", info.name, cw_leaf_name(leaf));
-    cw_status status = cw_field_build(field, kernel);
-    if (status == CW_OK) status = cw_closest(field, &k->query, NULL, 0, NULL);
-    return status;
+    const cw_status status = cw_field_build(field, kernel);
+    return status == CW_OK ? cw_closest(field, &c->query, NULL, 0, NULL) : status;
 }
 
 void contender_run(void *pass) {
     const contender_pass *p = pass;
     if (p->any)
-        p->of->any(p->of->self, p->rays, p->n, p->occluded);
+        p->of->any(p->of, p->rays, p->n, p->occluded);
     else
-        p->of->closest(p->of->self, p->rays, p->n, p->hits);
+        p->of->closest(p->of, p->rays, p->n, p->hits);
 }

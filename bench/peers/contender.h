@@ -7,25 +7,22 @@
 
 enum { CONTENDER_NAME = 64 };
 
-typedef struct contender {
+typedef struct contender contender;
+struct contender {
     char name[CONTENDER_NAME]; /* "packet8/watertight", "embree/triangles/w8" */
     unsigned width, threads;
-    bool embree;      /* counts for "Embree's best width" */
-    const void *self; /* given to the functions */
-    void (*closest)(const void *self, const cw_ray *rays, size_t n, cw_hit *hits);
-    void (*any)(const void *self, const cw_ray *rays, size_t n, uint8_t *occluded);
-} contender;
-
-/* A kernel of the library on a field. */
-typedef struct kernel_contender {
+    bool embree; /* counts for "Embree's best width" */
+    void (*closest)(const contender *self, const cw_ray *rays, size_t n, cw_hit *hits);
+    void (*any)(const contender *self, const cw_ray *rays, size_t n, uint8_t *occluded);
+    /* A kernel of the library on a field; or Embree. */
     const cw_field *field;
     cw_query query;
-} kernel_contender;
+    const struct peer_embree *peer;
+    bool coherent; /* rays are announced as that */
+};
 
-/* The contender refers to k, which is filled in here. CW_OK only if the kernel has this leaf test and may run here; what
- * it needs built is built. */
-cw_status contender_from_kernel(contender *c, kernel_contender *k, cw_field *field, const cw_kernel *kernel,
-                                cw_leaf leaf);
+/* CW_OK only if the kernel has this leaf test and may run here; what it needs built is built. */
+cw_status contender_from_kernel(contender *c, cw_field *field, const cw_kernel *kernel, cw_leaf leaf);
 
 /* All rays once: any says which answers are asked for. */
 typedef struct contender_pass {

@@ -245,7 +245,7 @@ typedef struct answers {
     uint8_t *occluded;
 } answers;
 
-static void trace_single(const peer_contender *c, struct RTCIntersectContext *context, const cw_ray *rays, size_t n,
+static void trace_single(const contender *c, struct RTCIntersectContext *context, const cw_ray *rays, size_t n,
                          answers out) {
     struct RTCRayHit r = {.ray = {.mask = UINT32_MAX}};
     for (size_t k = 0; k < n; k++) {
@@ -264,7 +264,7 @@ static void trace_single(const peer_contender *c, struct RTCIntersectContext *co
     }
 }
 
-static inline void trace_packet(const peer_contender *c, unsigned width, bool any, const int *valid,
+static inline void trace_packet(const contender *c, unsigned width, bool any, const int *valid,
                                 struct RTCIntersectContext *context, packet *p) {
     RTCScene in = c->peer->scene;
     if (width == 4 && any)
@@ -282,7 +282,7 @@ static inline void trace_packet(const peer_contender *c, unsigned width, bool an
 }
 
 /* A body for any width and both queries, compiled once for each because the callers give them as constants. */
-static inline __attribute__((always_inline)) void trace_packets(const peer_contender *c, unsigned width, bool any,
+static inline __attribute__((always_inline)) void trace_packets(const contender *c, unsigned width, bool any,
                                                                 struct RTCIntersectContext *context, const cw_ray *rays,
                                                                 size_t n, answers out) {
     _Alignas(64) int valid[16];
@@ -309,7 +309,7 @@ static inline __attribute__((always_inline)) void trace_packets(const peer_conte
     }
 }
 
-static inline __attribute__((always_inline)) void trace(const peer_contender *c, bool any, const cw_ray *rays, size_t n,
+static inline __attribute__((always_inline)) void trace(const contender *c, bool any, const cw_ray *rays, size_t n,
                                                         answers out) {
     const unsigned caller = flush_denormals();
     struct RTCIntersectContext context;
@@ -326,17 +326,17 @@ static inline __attribute__((always_inline)) void trace(const peer_contender *c,
     restore_denormals(caller);
 }
 
-static void closest(const void *self, const cw_ray *rays, size_t n, cw_hit *hits) {
+static void closest(const contender *self, const cw_ray *rays, size_t n, cw_hit *hits) {
     trace(self, false, rays, n, (answers){.hits = hits});
 }
 
-static void any(const void *self, const cw_ray *rays, size_t n, uint8_t *occluded) {
+static void any(const contender *self, const cw_ray *rays, size_t n, uint8_t *occluded) {
     trace(self, true, rays, n, (answers){.occluded = occluded});
 }
 
-void contender_from_peer(contender *c, peer_contender *p, const peer_embree *peer, unsigned width, bool coherent,
-                         const char *prefix) {
-    *p = (peer_contender){.peer = peer, .width = width, .coherent = coherent};
-    *c = (contender){.embree = true, .width = width, .threads = 1, .self = p, .closest = closest, .any = any};
+void contender_from_peer(contender *c, const peer_embree *peer, unsigned width, bool coherent, const char *prefix) {
+    *c = (contender){.width = width, .threads = 1, .embree = true, .closest = closest, .any = any};
+    c->peer = peer;
+    c->coherent = coherent;
     snprintf(c->name, sizeof c->name, "%s/w%u%s", prefix, width, is_native(peer, width) ? "" : "-split");
 }

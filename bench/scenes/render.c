@@ -87,7 +87,7 @@ static bool tracer_for_kernel(stage *s, tracer *t, const cw_kernel *kernel, cw_l
         const cw_query automatic = cw_query_default();
         const cw_kernel *chosen = kernel ? kernel : cw_query_kernel(field, &automatic);
         const double before = cw_field_describe(field).build_seconds;
-        const cw_status status = contender_from_kernel(&t->fields.on[f], &t->fields.kernels[f], field, chosen, leaf);
+        const cw_status status = contender_from_kernel(&t->fields.on[f], field, chosen, leaf);
         if (status != CW_OK)
             return io_fail(error, "%s on field %zu of the scene: %s", cw_kernel_describe(chosen).name, f,
                            cw_status_message(status));
@@ -100,7 +100,7 @@ static void tracer_for_embree(stage *s, tracer *t, unsigned width) {
     t->embree = true;
     t->width = width;
     for (size_t f = 0; f < s->field_count; f++) {
-        contender_from_peer(&t->fields.on[f], &t->fields.peers[f], s->embree[f], width, true, "embree/triangles");
+        contender_from_peer(&t->fields.on[f], s->embree[f], width, true, "embree/triangles");
         t->build_seconds += peer_embree_describe(s->embree[f]).build_seconds;
     }
 }

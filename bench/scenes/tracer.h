@@ -17,8 +17,6 @@ scene *scene_open(const char *folder, const char *name, io_error *error);
 /* Who traces, and what that took. */
 typedef struct field_tracer {
     contender on[SCENE_FIELDS_MAX];
-    kernel_contender kernels[SCENE_FIELDS_MAX];
-    peer_contender peers[SCENE_FIELDS_MAX];
     double cpu_seconds;
     uint64_t rays;
 } field_tracer;

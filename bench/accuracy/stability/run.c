@@ -43,8 +43,7 @@ static bool add_kernels(stability *s, size_t f, const stability_shares *shares, 
             t->role = !watertight ? ROLE_OTHER_RULES : kernel == best ? ROLE_REFERENCE : ROLE_SAME_BITS;
             t->rays = is_slow(info.name) ? SLOW_RAYS : BATCH_RAYS;
             t->every = kernel == best && watertight ? 1 : is_slow(info.name) ? shares->slow : shares->others;
-            if (contender_from_kernel(&t->contender, &t->kernel, s->field[f].field, kernel, (cw_leaf)leaf) != CW_OK)
-                return false;
+            if (contender_from_kernel(&t->contender, s->field[f].field, kernel, (cw_leaf)leaf) != CW_OK) return false;
             (*n)++;
         }
     return s->tested[f][0].role == ROLE_REFERENCE;
@@ -57,8 +56,7 @@ static bool add_peers(stability *s, size_t f, const stability_shares *shares, un
         if (s->peers[f][robust] == NULL) return false;
         for (unsigned width = 1; width <= 8; width += 7) {
             tested *t = &s->tested[f][(*n)++];
-            contender_from_peer(&t->contender, &t->peer, s->peers[f][robust], width, false,
-                                robust ? "embree-robust" : "embree");
+            contender_from_peer(&t->contender, s->peers[f][robust], width, false, robust ? "embree-robust" : "embree");
             t->role = ROLE_OTHER_RULES;
             t->every = shares->peers;
             t->rays = BATCH_RAYS;
@@ -177,7 +175,7 @@ static void judge_sample(batch *b, const tested *t, const cw_hit *hits, counts *
 /* Closest hits, and any hit, against the reference's closest hits. */
 static void compare(batch *b, const tested *t, const cw_hit *hits, counts *c) {
     static _Thread_local uint8_t occluded[BATCH_RAYS];
-    t->contender.any(t->contender.self, b->rays, t->rays, occluded);
+    t->contender.any(&t->contender, b->rays, t->rays, occluded);
     for (size_t k = 0; k < t->rays; k++) {
         const bool same =
             memcmp(&hits[k], &b->reference[k], sizeof hits[k]) == 0 && occluded[k] == (b->reference[k].i >= 0);
@@ -206,7 +204,7 @@ void stability_batch(stability *s, uint64_t number) {
         if (round % t->every != n % t->every) continue; /* each in rounds of its own */
         counts *c = &s->count[n][b.kind];
         cw_hit *hits = t->role == ROLE_REFERENCE ? b.reference : b.hits;
-        t->contender.closest(t->contender.self, b.rays, t->rays, hits);
+        t->contender.closest(&t->contender, b.rays, t->rays, hits);
         c->rays += t->rays;
         if (t->role != ROLE_OTHER_RULES) compare(&b, t, hits, c);
         if (t->role == ROLE_SAME_BITS) {

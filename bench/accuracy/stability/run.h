@@ -18,8 +18,6 @@ typedef enum contender_role {
 
 typedef struct tested {
     contender contender;
-    kernel_contender kernel;
-    peer_contender peer;
     contender_role role;
     unsigned every; /* takes part in one round of that many */
     size_t rays;    /* with that many rays of each batch, the first */
