@@ -1,95 +1,72 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "accuracy/tradeoff.h"
-
 #include "clock.h"
 #include "harness/results.h"
-#include "harness/statistics.h"
 #include "workload/terrain.h"
 
 #include <math.h>
 #include <stdlib.h>
-
-static const char *const names[TRADEOFF_NORMAL_COUNT] = {"facet", "barycentric", "bilinear"};
 
 static inline void unit(double n[3]) {
     const double scale = 1 / sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
     for (int k = 0; k < 3; k++) n[k] *= scale;
 }
 
-/* Sum of the normals of the six triangles around a vertex, each as long as twice its area (src/core/hit.c). */
-static inline void vertex_normal(const true_surface *g, size_t at, double n[3]) {
-    const float *z = g->z + at, *north = z + g->nx, *south = z - g->nx;
-    const double w = (double)z[-1], e = (double)z[1], nn = (double)north[0], s = (double)south[0];
+/* Adds weight times the sum of the normals of the six triangles around a vertex, each as long as twice its area
+ * (src/core/hit.c). */
+static inline void add_vertex_normal(const true_surface *s, size_t at, double weight, double n[3]) {
+    const float *z = s->z + at, *north = z + s->nx, *south = z - s->nx;
+    const double w = (double)z[-1], e = (double)z[1], nn = (double)north[0], ss = (double)south[0];
     const double ne = (double)north[1], sw = (double)south[-1];
-    n[0] = 2 * (w - e) + (nn - ne) + (sw - s);
-    n[1] = 2 * (s - nn) + (e - ne) + (sw - w);
-    n[2] = 6;
+    n[0] += weight * (2 * (w - e) + (nn - ne) + (sw - ss));
+    n[1] += weight * (2 * (ss - nn) + (e - ne) + (sw - w));
+    n[2] += weight * 6;
 }
 
-static inline void normal_at(const true_surface *g, const cw_hit *hit, tradeoff_normal kind, double n[3]) {
-    const size_t at = (size_t)hit->j * g->nx + (size_t)hit->i;
+static inline void normal_at(const true_surface *s, const cw_hit *hit, tradeoff_normal kind, double n[3]) {
+    const size_t at = (size_t)hit->j * s->nx + (size_t)hit->i;
+    const size_t corner[4] = {at, at + 1, at + s->nx, at + s->nx + 1};
     const bool a = hit->triangle == CW_TRIANGLE_A;
-    const double u = (double)hit->u, v = (double)hit->v;
-    const size_t corner[4] = {at, at + 1, at + g->nx, at + g->nx + 1};
-    double weight[4] = {1 - u - v, a ? u : 0, a ? 0 : v, a ? v : u};
+    const double u = (double)hit->u, v = (double)hit->v, x = a ? u + v : u, y = a ? v : u + v;
+    n[0] = n[1] = n[2] = 0;
     if (kind == TRADEOFF_FACET) {
-        const double h = (double)g->z[corner[0]], h10 = (double)g->z[corner[1]];
-        const double h01 = (double)g->z[corner[2]], h11 = (double)g->z[corner[3]];
+        const double h = (double)s->z[corner[0]], h11 = (double)s->z[corner[3]];
+        const double h10 = (double)s->z[corner[1]], h01 = (double)s->z[corner[2]];
         n[0] = a ? h - h10 : h01 - h11;
         n[1] = a ? h10 - h11 : h - h01;
         n[2] = 1;
-        unit(n);
-        return;
-    }
-    if (kind == TRADEOFF_BILINEAR) {
-        const double x = a ? u + v : u, y = a ? v : u + v;
-        weight[0] = (1 - x) * (1 - y);
-        weight[1] = x * (1 - y);
-        weight[2] = (1 - x) * y;
-        weight[3] = x * y;
-    }
-    n[0] = n[1] = n[2] = 0;
-    for (int k = 0; k < 4; k++) {
-        double vertex[3];
-        if (kind == TRADEOFF_BARYCENTRIC && k == (a ? 2 : 1)) continue; /* not a vertex of this triangle */
-        vertex_normal(g, corner[k], vertex);
-        for (int c = 0; c < 3; c++) n[c] += weight[k] * vertex[c];
+    } else if (kind == TRADEOFF_BARYCENTRIC) {
+        add_vertex_normal(s, corner[0], 1 - u - v, n);
+        add_vertex_normal(s, corner[a ? 1 : 2], a ? u : v, n);
+        add_vertex_normal(s, corner[3], a ? v : u, n);
+    } else {
+        const double weight[4] = {(1 - x) * (1 - y), x * (1 - y), (1 - x) * y, x * y};
+        for (int k = 0; k < 4; k++) add_vertex_normal(s, corner[k], weight[k], n);
     }
     unit(n);
 }
 
-void tradeoff_normal_at(const true_surface *g, const cw_hit *hit, tradeoff_normal kind, double normal[3]) {
-    normal_at(g, hit, kind, normal);
+void tradeoff_normal_at(const true_surface *s, const cw_hit *hit, tradeoff_normal kind, double normal[3]) {
+    normal_at(s, hit, kind, normal);
 }
 
 /* ---- the experiment ---- */
 
-/* A sea that a formula gives: height · sin(x · turn) · cos(0.7 y · turn), turn = 2 pi / length. */
+enum { SIDE = 257, HITS = 65536, REPEATS = 9 };
+
+/* A sea that a formula gives: height · sin(x · turn) · cos(0.7 y · turn), turn = 2 pi / length; in cells. */
 typedef struct wave {
-    double length, height; /* in cells */
+    double length, height;
 } wave;
 
-static double turn_of(const wave *w) { return 2 * 3.14159265358979323846 / w->length; }
-
-static double wave_z(const wave *w, double x, double y) {
-    return w->height * sin(x * turn_of(w)) * cos(0.7 * y * turn_of(w));
+static double wave_at(const wave *w, double x, double y, double normal[3]) {
+    const double k = 2 * 3.14159265358979323846 / w->length;
+    normal[0] = -w->height * k * cos(x * k) * cos(0.7 * y * k);
+    normal[1] = w->height * 0.7 * k * sin(x * k) * sin(0.7 * y * k);
+    normal[2] = 1;
+    unit(normal);
+    return w->height * sin(x * k) * cos(0.7 * y * k);
 }
-
-static void wave_normal(const wave *w, double x, double y, double n[3]) {
-    const double k = turn_of(w);
-    n[0] = -w->height * k * cos(x * k) * cos(0.7 * y * k);
-    n[1] = w->height * 0.7 * k * sin(x * k) * sin(0.7 * y * k);
-    n[2] = 1;
-    unit(n);
-}
-
-static double degrees(const double a[3], const double b[3]) {
-    double squares = 0;
-    for (int k = 0; k < 3; k++) squares += (a[k] - b[k]) * (a[k] - b[k]);
-    return 2 * asin(sqrt(squares) / 2) * (180 / 3.14159265358979323846);
-}
-
-enum { SIDE = 257, HITS = 65536, REPEATS = 9 };
 
 static cw_hit some_hit(uint32_t seed, uint32_t k) {
     const double x = 1 + (SIDE - 3) * ((double)terrain_hash(seed, k, 1) * 0x1p-32);
@@ -104,7 +81,7 @@ static cw_hit some_hit(uint32_t seed, uint32_t k) {
 }
 
 /* Nanoseconds a normal: the median of some passes. */
-static double cost(const true_surface *g, const cw_hit *hits, tradeoff_normal kind) {
+static double cost(const true_surface *s, const cw_hit *hits, tradeoff_normal kind) {
     double seconds[REPEATS];
     volatile double sink = 0;
     for (int r = 0; r < REPEATS; r++) {
@@ -112,7 +89,7 @@ static double cost(const true_surface *g, const cw_hit *hits, tradeoff_normal ki
         double sum = 0;
         for (size_t k = 0; k < HITS; k++) {
             double n[3];
-            normal_at(g, &hits[k], kind, n);
+            normal_at(s, &hits[k], kind, n);
             sum += n[0] + n[1];
         }
         seconds[r] = clock_cpu_seconds() - start;
@@ -122,8 +99,11 @@ static double cost(const true_surface *g, const cw_hit *hits, tradeoff_normal ki
 }
 
 static json_t *measure_wave(const wave *w, float *z, const cw_hit *hits, double *errors) {
-    for (size_t k = 0; k < (size_t)SIDE * SIDE; k++) z[k] = (float)wave_z(w, (double)(k % SIDE), (double)(k / SIDE));
-    const true_surface g = true_surface_of(z, SIDE, SIDE);
+    static const char *const names[TRADEOFF_NORMAL_COUNT] = {"facet", "barycentric", "bilinear"};
+    double right[3], n[3];
+    for (size_t k = 0; k < (size_t)SIDE * SIDE; k++)
+        z[k] = (float)wave_at(w, (double)(k % SIDE), (double)(k / SIDE), n);
+    const true_surface s = true_surface_of(z, SIDE, SIDE);
     json_t *line = json_object();
     results_set_text(line, "kind", "normal");
     results_set_numbers(line, "wave_length wave_height", (double[]){w->length, w->height});
@@ -132,17 +112,17 @@ static json_t *measure_wave(const wave *w, float *z, const cw_hit *hits, double 
         for (size_t k = 0; k < HITS; k++) {
             const bool a = hits[k].triangle == CW_TRIANGLE_A;
             const double u = (double)hits[k].u, v = (double)hits[k].v;
-            double right[3], n[3];
-            wave_normal(w, hits[k].i + (a ? u + v : u), hits[k].j + (a ? v : u + v), right);
-            normal_at(&g, &hits[k], (tradeoff_normal)kind, n);
-            errors[k] = degrees(n, right);
+            wave_at(w, hits[k].i + (a ? u + v : u), hits[k].j + (a ? v : u + v), right);
+            normal_at(&s, &hits[k], (tradeoff_normal)kind, n);
+            const double apart = hypot(hypot(n[0] - right[0], n[1] - right[1]), n[2] - right[2]);
+            errors[k] = 2 * asin(apart / 2) * (180 / 3.14159265358979323846);
             sum += errors[k] * errors[k];
         }
         json_t *of = json_object();
         const double median = statistics_of(errors, HITS).median; /* sorts them */
         results_set_numbers(
             of, "degrees_rms degrees_median degrees_worst nanoseconds",
-            (double[]){sqrt(sum / HITS), median, errors[HITS - 1], cost(&g, hits, (tradeoff_normal)kind)});
+            (double[]){sqrt(sum / HITS), median, errors[HITS - 1], cost(&s, hits, (tradeoff_normal)kind)});
         json_object_set_new(line, names[kind], of);
     }
     return line;

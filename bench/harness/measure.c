@@ -13,6 +13,7 @@
 
 #include <errno.h>
 #include <limits.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -35,13 +36,10 @@ static const char what[] =
 
 enum { WORDS_MAX = 32, STEPS_MAX = 16 };
 
-/* One file. share: of the time for all. */
+/* One file. */
 typedef struct step {
-    char file[64];
-    char words[512]; /* without seconds, JSON file and seed; words have no spaces */
-    bool folder;     /* takes the file's folder instead of the file */
-    bool counts;     /* no clock is looked at: takes no time to be given */
-    double share;
+    char file[64], words[512]; /* of the command, without seconds, JSON file and seed; words have no spaces */
+    double share;              /* of the time for all; 0 where no clock is looked at */
 } step;
 
 typedef struct campaign {
@@ -49,96 +47,75 @@ typedef struct campaign {
     size_t count;
 } campaign;
 
-static void add(campaign *c, double share, const char *file, const char *words) {
+__attribute__((format(printf, 4, 5))) static void add(campaign *c, double share, const char *file, const char *format,
+                                                      ...) {
     step *s = &c->steps[c->count++];
+    va_list list;
+    va_start(list, format);
     *s = (step){.share = share};
     snprintf(s->file, sizeof s->file, "%s", file);
-    snprintf(s->words, sizeof s->words, "%s", words);
-    s->folder = strncmp(words, "table", 5) == 0 || strncmp(words, "tradeoff", 8) == 0;
-    s->counts = strstr(words, "--counters") != NULL;
+    vsnprintf(s->words, sizeof s->words, format, list);
+    va_end(list);
 }
 
-/* The widest kernel of the walk that an instruction set runs. */
-static const char *kernel_of(const char *walk, cw_isa isa) {
+/* The widest kernel of the pyramid that an instruction set runs. */
+static const char *kernel_of(cw_isa isa) {
     const char *best = "cell";
     for (size_t k = 0; k < cw_kernel_count(); k++) {
         const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
-        if (info.isa <= isa && strncmp(info.name, walk, strlen(walk)) == 0) best = info.name;
+        if (info.isa <= isa && strncmp(info.name, "pyramid", 7) == 0) best = info.name;
     }
     return best;
 }
 
-/* "speed-sse42.json": names of files without a dot in the middle. */
-static void speed_file(char *text, size_t size, cw_isa isa) {
-    size_t used = (size_t)snprintf(text, size, "speed-");
-    for (const char *from = cw_isa_name(isa); *from && used + 1 < size; from++)
-        if (*from != '.') text[used++] = *from;
-    snprintf(text + used, size - used, ".json");
-}
-
-/* "cell,packet1,packet4": the kernels of the walks that can run here. */
-static void list_kernels(char *text, size_t size, const char *const *walks, size_t walk_count) {
+/* "cell,packet1,packet4": the kernels that can run here, but for brute force and, unless grids take part, the 3D grids. */
+static const char *kernels(char text[256], bool grids) {
     size_t used = 0;
     for (size_t k = 0; k < cw_kernel_count(); k++) {
         const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
-        bool wanted = false;
-        for (size_t w = 0; w < walk_count; w++) wanted |= strncmp(info.name, walks[w], strlen(walks[w])) == 0;
-        if (info.available && wanted && used < size)
-            used += (size_t)snprintf(text + used, size - used, "%s%s", used ? "," : "", info.name);
+        if (info.available && strcmp(info.name, "brute") != 0 && (grids || strncmp(info.name, "grid", 4) != 0) &&
+            used < 256)
+            used += (size_t)snprintf(text + used, 256 - used, "%s%s", used ? "," : "", info.name);
     }
+    return text;
 }
 
 static void plan(campaign *c, bool quick) {
-    const char *const fields = quick ? "65,257" : "65,257,1025,4097,8193,sea-calm,sea-rough";
-    const char *const some = quick ? "65" : "257,1025", *const land = quick ? "65,257" : "65,257,1025,4097,8193";
-    const char *const most = quick ? "65" : "65,257,1025,4097,sea-calm,sea-rough";
-    const char *const rays = quick ? "--count 2048" : "--count 131072 --pass 5";
+    const char *const rays = quick ? "--count 2048" : "--count 131072 --pass 5", *const some =
+                                                                                     quick ? "65" : "257,1025";
     const bool embree = peer_embree_version() != NULL;
-    const char *const triangles = embree ? "triangles" : "none";
-    const cw_isa best = cw_isa_best();
-    char words[512], file[64];
-    size_t used;
-    for (int isa = (int)best; isa >= CW_ISA_SSE42; isa--) {
-        speed_file(file, sizeof file, (cw_isa)isa);
-        snprintf(words, sizeof words, "micro --isa %s --kernel %s --peer %s --field %s %s", cw_isa_name((cw_isa)isa),
-                 kernel_of("pyramid", (cw_isa)isa), triangles, fields, rays);
-        add(c, isa == (int)best ? 8 : 5, file, words);
+    const char *const triangles = embree ? "triangles" : "none", *const best = kernel_of(cw_isa_best());
+    char names[256];
+    for (int isa = (int)cw_isa_best(); isa >= CW_ISA_SSE42; isa--) {
+        char file[64] = "speed-";
+        for (const char *from = cw_isa_name((cw_isa)isa); *from; from++) /* without the dot of sse4.2 */
+            if (*from != '.') strncat(file, from, 1);
+        strcat(file, ".json");
+        add(c, isa == (int)cw_isa_best() ? 8 : 5, file, "micro --isa %s --kernel %s --peer %s --field %s %s",
+            cw_isa_name((cw_isa)isa), kernel_of((cw_isa)isa), triangles,
+            quick ? "65,257" : "65,257,1025,4097,8193,sea-calm,sea-rough", rays);
     }
-    snprintf(words, sizeof words, "micro --kernel %s --peer %s --field %s %s", kernel_of("pyramid", best),
-             embree ? "triangles,grid,triangles-robust,grid-robust" : "none", some, rays);
-    add(c, 3, "peers.json", words);
-    static const char *const walks[] = {"cell", "packet", "pyramid"};
-    used = (size_t)snprintf(words, sizeof words, "micro --peer %s --field %s %s --kernel ", triangles, some, rays);
-    list_kernels(words + used, sizeof words - used, walks, sizeof walks / sizeof walks[0]);
-    add(c, 3, "widths.json", words);
+    add(c, 3, "peers.json", "micro --kernel %s --peer %s --field %s %s", best,
+        embree ? "triangles,grid,triangles-robust,grid-robust" : "none", some, rays);
+    add(c, 3, "widths.json", "micro --peer %s --field %s %s --kernel %s", triangles, some, rays, kernels(names, false));
     /* One CPU has nothing to be faster than, which is a result like another. */
-    const unsigned cpus = cpus_usable();
     char threads[32] = "1";
+    const unsigned cpus = cpus_usable();
     if (cpus > 1) snprintf(threads, sizeof threads, cpus > 2 ? "1,2,%u" : "1,2", cpus);
-    snprintf(words, sizeof words, "micro --threads %s --kernel %s --peer none --field %s %s", threads,
-             kernel_of("pyramid", best), quick ? "65" : "257,1025",
-             quick ? "--count 16384" : "--count 262144 --pass 5");
-    add(c, 3, "threads.json", words);
-    for (int huge = 1; huge >= 0; huge--) {
-        snprintf(words, sizeof words, "micro --kernel %s --peer none --field %s --count %s%s",
-                 kernel_of("pyramid", best), quick ? "65" : "1025,4097,8193", quick ? "2048" : "131072 --pass 5",
-                 huge ? "" : " --small-pages");
-        add(c, 1, huge ? "pages-huge.json" : "pages-small.json", words);
-    }
-    snprintf(words, sizeof words, "micro --rays none --quality medium --kernel %s,grid3d --peer %s --field %s",
-             kernel_of("pyramid", best), embree ? "triangles,grid" : "none", land);
-    add(c, 0, "building.json", words);
-    /* Brute force counts nothing. Pass is long, so that who takes part does not depend on the machine's mood. */
-    used = (size_t)snprintf(words, sizeof words, "micro --counters --pass 60 --field %s --count %s --kernel ", most,
-                            quick ? "2048" : "8192");
-    static const char *const counting[] = {"cell", "grid3d", "packet", "pyramid"};
-    list_kernels(words + used, sizeof words - used, counting, sizeof counting / sizeof counting[0]);
-    add(c, 0, "counters.json", words);
-    add(c, 0, "scene-counters/table.json",
-        quick ? "table --counters --path grid3d,cell --scene hftest" : "table --counters --path grid3d,cell");
-    add(c, 2, "scenes/table.json", quick ? "table --quick --scene hftest" : "table");
-    add(c, 4, "tradeoff/tradeoff.json",
-        quick ? "tradeoff --count 512 --field 65 --scene none" : "tradeoff --field 257,1025 --count 131072 --pass 1");
+    add(c, 3, "threads.json", "micro --threads %s --kernel %s --peer none --field %s %s", threads, best, some,
+        quick ? "--count 16384" : "--count 262144 --pass 5");
+    for (int huge = 1; huge >= 0; huge--)
+        add(c, 1, huge ? "pages-huge.json" : "pages-small.json", "micro --kernel %s --peer none --field %s %s%s", best,
+            quick ? "65" : "1025,4097,8193", rays, huge ? "" : " --small-pages");
+    add(c, 0, "building.json", "micro --rays none --quality medium --kernel %s,grid3d --peer %s --field %s", best,
+        embree ? "triangles,grid" : "none", quick ? "65,257" : "65,257,1025,4097,8193");
+    /* Pass is long, so that who takes part does not depend on the machine's mood. */
+    add(c, 0, "counters.json", "micro --counters --pass 60 --field %s --count %s --kernel %s",
+        quick ? "65" : "65,257,1025,4097,sea-calm,sea-rough", quick ? "2048" : "8192", kernels(names, true));
+    add(c, 0, "scene-counters/table.json", "table --counters --path grid3d,cell%s", quick ? " --scene hftest" : "");
+    add(c, 2, "scenes/table.json", "table%s", quick ? " --quick --scene hftest" : "");
+    add(c, 4, "tradeoff/tradeoff.json", "tradeoff %s",
+        quick ? "--count 512 --field 65 --scene none" : "--field 257,1025 --count 131072 --pass 1");
 }
 
 /* ---- running ---- */
@@ -170,11 +147,12 @@ static int run_step(const step *s, const char *path, double seconds, unsigned se
     const char *words[WORDS_MAX + 1] = {"/proc/self/exe"};
     size_t count = 1;
     int used = snprintf(text, sizeof text, "%s --seed %u", s->words, seed);
-    if (!s->counts && s->share > 0) snprintf(text + used, sizeof text - (size_t)used, " --seconds %.3g", seconds);
+    if (s->share > 0) snprintf(text + used, sizeof text - (size_t)used, " --seconds %.3g", seconds);
     for (char *word = strtok(text, " "); word && count + 3 < WORDS_MAX; word = strtok(NULL, " ")) words[count++] = word;
     snprintf(place, sizeof place, "%s", path);
-    if (s->folder) *strrchr(place, '/') = '\0';
-    words[count++] = s->folder ? "--out" : "--json";
+    const bool folder = strncmp(s->words, "micro", 5) != 0; /* takes the file's folder instead of the file */
+    if (folder) *strrchr(place, '/') = '\0';
+    words[count++] = folder ? "--out" : "--json";
     words[count++] = place;
     return child_run(words, NULL, NULL);
 }
