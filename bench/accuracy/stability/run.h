@@ -4,9 +4,10 @@
 #ifndef CELLWALK_BENCH_STABILITY_RUN_H
 #define CELLWALK_BENCH_STABILITY_RUN_H
 
-#include "accuracy/stability/proven.h"
+#include "oracle.h"
 #include "peers/contender.h"
 #include "peers/embree.h"
+#include "workload/aimed.h"
 
 enum { BATCH_RAYS = 4096, SLOW_RAYS = 512, CONTENDERS_MAX = 48, ULP_BINS = 32 };
 
@@ -86,9 +87,5 @@ enum { ROUND_BATCHES = AIM_COUNT * AIMED_FIELDS };
 /* Faults: of the reference leaks, phantoms, wrong surfaces, and classes in which an error of t exceeds its bound; of its
  * like other bits; of the construction unfounded rays. */
 uint64_t stability_faults(const stability *s);
-
-/* write.c, which needs jansson: a line of JSON of kind "run", one of kind "field" for each field, one of kind "result" for each
- * contender and class. */
-bool stability_write(const stability *s, const char *path, double seconds, io_error *error);
 
 #endif
