@@ -18,7 +18,6 @@ enum { TRACERS_MAX = TABLE_PATHS_MAX + PEER_WIDTH_COUNT };
 typedef struct tracer {
     const cw_kernel *kernel; /* NULL with embree, or the library's choice */
     bool embree;
-    unsigned width; /* of Embree */
     field_tracer fields;
     double build_seconds;
     agreement agreement;
@@ -50,14 +49,12 @@ typedef struct job {
     io_error error;
 } job;
 
-/* ---- verifying ---- */
+/* ---- verifying: the reference answers and everyone else is asked the same ---- */
 
-/* The reference answers and everyone else is asked the same. */
 static void verify_closest(void *context, size_t field, const cw_ray *rays, size_t n, cw_hit *hits) {
     stage *s = context;
     field_tracer_of(&s->reference.fields).closest(&s->reference.fields, field, rays, n, hits);
-    for (size_t k = 0; k < s->tracer_count; k++) {
-        tracer *t = &s->tracers[k];
+    for (tracer *t = s->tracers; t < s->tracers + s->tracer_count; t++) {
         counters_reset();
         field_tracer_of(&t->fields).closest(&t->fields, field, rays, n, s->hits);
         counters_add(t->counts);
@@ -68,14 +65,22 @@ static void verify_closest(void *context, size_t field, const cw_ray *rays, size
 static void verify_any(void *context, size_t field, const cw_ray *rays, size_t n, uint8_t *occluded) {
     stage *s = context;
     field_tracer_of(&s->reference.fields).any(&s->reference.fields, field, rays, n, occluded);
-    for (size_t k = 0; k < s->tracer_count; k++) {
-        tracer *t = &s->tracers[k];
+    for (tracer *t = s->tracers; t < s->tracers + s->tracer_count; t++) {
         counters_reset();
         field_tracer_of(&t->fields).any(&t->fields, field, rays, n, s->occluded);
         counters_add(t->counts);
         agree_any(&t->agreement, scene_field(s->scene, field), rays, n, occluded, s->occluded,
                   &s->reference.fields.on[field], &t->fields.on[field]);
     }
+}
+
+static bool verify(stage *s, io_error *error) {
+    const scene_tracer all = {s, verify_closest, verify_any};
+    const scene_render_options options = {.tracer = &all, .threads = 1, .samples = 1, .phong = true};
+    io_image image;
+    if (!scene_render(s->scene, &options, &image, NULL, error)) return false;
+    io_image_free(&image);
+    return true;
 }
 
 /* ---- setting up ---- */
@@ -96,24 +101,31 @@ static bool tracer_for_kernel(stage *s, tracer *t, const cw_kernel *kernel, cw_l
     return true;
 }
 
-static void tracer_for_embree(stage *s, tracer *t, unsigned width) {
-    t->embree = true;
-    t->width = width;
-    for (size_t f = 0; f < s->field_count; f++) {
-        contender_from_peer(&t->fields.on[f], s->embree[f], width, true, "embree/triangles");
-        t->build_seconds += peer_embree_describe(s->embree[f]).build_seconds;
-    }
-}
-
-static bool build_embree(stage *s, cw_isa isa, io_error *error) {
+/* One for each width. */
+static bool tracers_for_embree(stage *s, cw_isa isa, io_error *error) {
     const peer_options options = {.isa = isa, .geometry = PEER_TRIANGLES, .quality = PEER_HIGH};
     for (size_t f = 0; f < s->field_count; f++) {
         s->embree[f] = peer_embree_create(scene_field(s->scene, f), &options, error);
         if (s->embree[f] == NULL) return false;
+        for (size_t w = 0; w < PEER_WIDTH_COUNT; w++) {
+            tracer *t = &s->tracers[s->tracer_count + w];
+            t->embree = true;
+            t->build_seconds += peer_embree_describe(s->embree[f]).build_seconds;
+            contender_from_peer(&t->fields.on[f], s->embree[f], peer_embree_widths[w], true, "embree/triangles");
+        }
     }
-    for (size_t w = 0; w < PEER_WIDTH_COUNT; w++)
-        tracer_for_embree(s, &s->tracers[s->tracer_count++], peer_embree_widths[w]);
+    s->tracer_count += PEER_WIDTH_COUNT;
     return true;
+}
+
+/* The tracer of a path, of Embree's widths the one that was fastest while verifying; NULL if there is none yet. */
+static tracer *tracer_of(stage *s, const table_path *path) {
+    tracer *best = NULL;
+    for (tracer *t = s->tracers; t < s->tracers + s->tracer_count; t++) {
+        if (t->embree != path->embree || (!t->embree && t->kernel != path->kernel)) continue;
+        if (best == NULL || t->fields.cpu_seconds < best->fields.cpu_seconds) best = t;
+    }
+    return best;
 }
 
 static bool open_stage(stage *s, const char *name, const table_path *paths, size_t path_count, const table_options *o,
@@ -121,19 +133,14 @@ static bool open_stage(stage *s, const char *name, const table_path *paths, size
     s->scene = scene_open(o->scene_folder, name, error);
     if (s->scene == NULL) return false;
     s->field_count = scene_field_count(s->scene);
-    if (!tracer_for_kernel(s, &s->reference, cw_kernel_find("cell"), CW_LEAF_WATERTIGHT, error)) return false;
-    for (size_t p = 0; p < path_count; p++) {
-        bool there = false;
-        for (size_t k = 0; k < s->tracer_count; k++)
-            there = there || (s->tracers[k].embree == paths[p].embree &&
-                              (paths[p].embree || s->tracers[k].kernel == paths[p].kernel));
-        if (there) continue;
-        if (paths[p].embree
-                ? !build_embree(s, (cw_isa)o->run.isa, error)
-                : !tracer_for_kernel(s, &s->tracers[s->tracer_count++], paths[p].kernel, (cw_leaf)o->leaf, error))
-            return false;
+    bool good = tracer_for_kernel(s, &s->reference, cw_kernel_find("cell"), CW_LEAF_WATERTIGHT, error);
+    for (size_t p = 0; good && p < path_count; p++) {
+        if (tracer_of(s, &paths[p])) continue;
+        good = paths[p].embree
+                   ? tracers_for_embree(s, (cw_isa)o->run.isa, error)
+                   : tracer_for_kernel(s, &s->tracers[s->tracer_count++], paths[p].kernel, (cw_leaf)o->leaf, error);
     }
-    return true;
+    return good;
 }
 
 static void close_stage(stage *s) {
@@ -142,27 +149,7 @@ static void close_stage(stage *s) {
     free(s);
 }
 
-/* The tracer of a path; of Embree's widths the one that was fastest while verifying. */
-static tracer *tracer_of(stage *s, const table_path *path) {
-    tracer *best = NULL;
-    for (size_t k = 0; k < s->tracer_count; k++) {
-        tracer *t = &s->tracers[k];
-        if (t->embree != path->embree || (!t->embree && t->kernel != path->kernel)) continue;
-        if (best == NULL || t->fields.cpu_seconds < best->fields.cpu_seconds) best = t;
-    }
-    return best;
-}
-
 /* ---- rendering ---- */
-
-static bool verify(stage *s, unsigned samples, io_error *error) {
-    const scene_tracer all = {s, verify_closest, verify_any};
-    const scene_render_options options = {.tracer = &all, .threads = 1, .samples = samples, .phong = true};
-    io_image image;
-    if (!scene_render(s->scene, &options, &image, NULL, error)) return false;
-    io_image_free(&image);
-    return true;
-}
 
 static void render(void *context) {
     job *j = context;
@@ -171,13 +158,9 @@ static void render(void *context) {
     const scene_tracer own = field_tracer_of(fields);
     const scene_render_options options = {.tracer = &own, .threads = 1, .samples = j->samples, .phong = j->path->phong};
     io_image_free(&j->image);
-    j->image = (io_image){0};
     fields->cpu_seconds = 0;
     fields->rays = 0;
-    if (!scene_render(j->on->scene, &options, &j->image, &j->stats, &j->error)) {
-        j->image = (io_image){0};
-        return;
-    }
+    if (!scene_render(j->on->scene, &options, &j->image, &j->stats, &j->error)) j->image = (io_image){0};
     j->trace_seconds[j->runs++] = fields->cpu_seconds;
     j->traced = fields->rays;
 }
@@ -192,7 +175,7 @@ static json_t *path_json(job *jobs, size_t count, size_t k) {
     results_set_texts(
         line, "path title by",
         (const char *[]){j->path->name, j->path->title, t->embree ? "embree/triangles" : t->fields.on[0].name});
-    if (t->embree) results_set_count(line, "embree_width", t->width);
+    if (t->embree) results_set_count(line, "embree_width", t->fields.on[0].width);
     results_set_bool(line, "phong", j->path->phong);
     results_set_seconds(line, &j->timing.seconds);
     results_set_count(line, "traced_rays", j->traced);
@@ -250,7 +233,7 @@ json_t *table_scene_run(const char *name, const table_path *paths, size_t path_c
     job *jobs = calloc(path_count, sizeof *jobs);
     interleave_job *timed[TABLE_PATHS_MAX];
     bool good = (s && jobs) || io_fail(error, "out of memory");
-    good = good && open_stage(s, name, paths, path_count, o, error) && verify(s, 1, error);
+    good = good && open_stage(s, name, paths, path_count, o, error) && verify(s, error);
     for (size_t k = 0; good && k < path_count; k++) {
         jobs[k] = (job){.on = s, .path = &paths[k], .samples = o->samples, .tracer = tracer_of(s, &paths[k])};
         jobs[k].timing = (interleave_job){.run = render, .context = &jobs[k]};
