@@ -184,8 +184,7 @@ void summary_print(const json_t *lines) {
     }
     qsort(all, count, sizeof *all, by_speed);
     printf("\nIn a million rays; a: on the frontier of speed and wrong answers, h: of speed and height off "
-           "the\nsurface, *: did "
-           "not run everywhere.\n%-27s %8s %8s %8s %8s %8s %8s %9s\n",
+           "the\nsurface, *: did not run everywhere.\n%-27s %8s %8s %8s %8s %8s %8s %9s\n",
            "mode / kernel", "Mrays/s", "leaks", "wrong", "phantoms", "beyond", "aimed", "cells off");
     for (size_t k = 0; k < count; k++) {
         printf("%-27s", results_text(all[k], "contender"));

@@ -16,11 +16,11 @@
 
 static const char what[] =
     "What does accuracy cost, and what does giving some up buy? Runs every mode of accuracy with every kernel that has "
-    "it, and "
-    "Embree, on the same rays; finds the error of each answer, then times all of them in rounds on one thread.\n\n"
+    "it, and Embree, on the same rays; finds the error of each answer, then times all of them in rounds on one "
+    "thread.\n\n"
     "The truth is the strict watertight answer, which the tests hold against an exact oracle, with t computed anew "
-    "from ray and "
-    "triangle to 2^-26 of a float's last place. What rounding excuses (papers/numerics.md) does not count:\n"
+    "from ray and triangle to 2^-26 of a float's last place. What rounding excuses (papers/numerics.md) does not "
+    "count:\n"
     "  leak     the ray passes clearly through the surface, and there is no hit\n"
     "  phantom  a hit where the ray is clear of the surface\n"
     "  wrong    a hit, but behind a surface that the ray has clearly passed\n"
@@ -30,12 +30,9 @@ static const char what[] =
     "along it\n"
     "  normal   angle between the Phong normals at the hit and at the exact place, degrees\n\n"
     "Who is beaten by nobody in both speed and error is on the Pareto frontier: once for wrong answers in a million "
-    "rays, once "
-    "for the worst height off the surface. Beside the benchmark's classes of rays, vertices and edges are aimed at "
-    "these, to "
-    "find leaks; they are not timed. The six scenes are rendered with each mode and held against strict. Saves "
-    "tradeoff.json in "
-    "a folder.";
+    "rays, once for the worst height off the surface. Beside the benchmark's classes of rays, vertices and edges are "
+    "aimed at these, to find leaks; they are not timed. The six scenes are rendered with each mode and held against "
+    "strict. Saves tradeoff.json in a folder.";
 
 static const char examples[] = "  cellwalk-bench tradeoff            a first look, in a minute\n"
                                "  cellwalk-bench tradeoff --mode strict,moller-trumbore --kernel pyramid8 \\\n"

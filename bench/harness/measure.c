@@ -18,21 +18,20 @@
 #include <string.h>
 #include <unistd.h>
 
-static const char what[] =
-    "Makes every file of results that the papers quote, one after the other. A file that is there already is kept, so "
-    "a run that "
-    "was broken off goes on where it was. For figures to publish nothing else should run on the machine. Files:\n"
-    "  speed-ISA.json          each instruction set: all classes of rays on all fields, the library's kernel and "
-    "Embree\n"
-    "  peers.json              Embree's triangles and grids, normal and robust\n"
-    "  widths.json             every width of every walk\n"
-    "  threads.json            one thread, two, and one a CPU\n"
-    "  pages-*.json            large fields on huge and on ordinary pages\n"
-    "  building.json           memory and building time, Embree at its default quality\n"
-    "  counters.json           what the kernels do for a ray\n"
-    "  scene-counters/table.json  what the kernels grid3d and cell do for a ray of the scenes\n"
-    "  scenes/table.json       the six scenes\n"
-    "  tradeoff/tradeoff.json  speed against error";
+static const char what[] = "Makes every file of results that the papers quote, one after the other. A file that is "
+                           "there already is kept, so a run that was broken off goes on where it was. For figures to "
+                           "publish nothing else should run on the machine. Files:\n"
+                           "  speed-ISA.json          each instruction set: all classes of rays on all fields, the "
+                           "library's kernel and Embree\n"
+                           "  peers.json              Embree's triangles and grids, normal and robust\n"
+                           "  widths.json             every width of every walk\n"
+                           "  threads.json            one thread, two, and one a CPU\n"
+                           "  pages-*.json            large fields on huge and on ordinary pages\n"
+                           "  building.json           memory and building time, Embree at its default quality\n"
+                           "  counters.json           what the kernels do for a ray\n"
+                           "  scene-counters/table.json  what the kernels grid3d and cell do for a ray of the scenes\n"
+                           "  scenes/table.json       the six scenes\n"
+                           "  tradeoff/tradeoff.json  speed against error";
 
 enum { WORDS_MAX = 32, STEPS_MAX = 16 };
 

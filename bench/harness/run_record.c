@@ -49,8 +49,9 @@ static void append_word(char *text, size_t size, const char *word) {
     size_t used = strlen(text);
     if (used > 0 && used + 1 < size) text[used++] = ' ';
     text[used] = '\0';
-    const bool plain = *word != '\0' && strspn(word, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
-                                                     "-_=+,./:@%") == strlen(word);
+    const bool plain =
+        *word != '\0' &&
+        strspn(word, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_=+,./:@%") == strlen(word);
     snprintf(text + used, size - used, plain ? "%s" : "'%s'", word);
 }
 

@@ -82,14 +82,14 @@ static int ablation(int argc, char **argv) {
     enum { MOST = 255 };
     static const char *operands[MOST + 1],
         *names[MOST] = {"RESULTS", "RAYS", "FIELD,..", "LABEL", "WORK", "KERNEL", "LABEL.."};
-    const options_usage usage = {
-        .name = "ablation",
-        .synopsis = "RESULTS RAYS FIELD,.. LABEL WORK KERNEL [LABEL WORK KERNEL]..",
-        .what = "Counts the instructions of each WORK, a cellwalk-counted-work, with the KERNEL, and "
-                "writes them to the file RESULTS. All have to give the same answers.",
-        .operands = names,
-        .operand_least = 6,
-        .operand_most = MOST};
+    const options_usage usage = {.name = "ablation",
+                                 .synopsis = "RESULTS RAYS FIELD,.. LABEL WORK KERNEL [LABEL WORK KERNEL]..",
+                                 .what =
+                                     "Counts the instructions of each WORK, a cellwalk-counted-work, with the KERNEL, "
+                                     "and writes them to the file RESULTS. All have to give the same answers.",
+                                 .operands = names,
+                                 .operand_least = 6,
+                                 .operand_most = MOST};
     const int status = options_parse(&usage, argc, argv, operands);
     if (status != OPTIONS_GO) return status;
     if (argc % 3 != 1) return command_fail("ablation", "a variant is a LABEL, a WORK and a KERNEL"), EXIT_USAGE;
@@ -124,8 +124,8 @@ static int caches(int argc, char **argv) {
     const options_usage usage = {
         .name = "caches",
         .synopsis = "RESULTS RAYS FIELD,.. WORK KERNEL",
-        .what = "Counts the reads of WORK, a cellwalk-counted-work, with the KERNEL, and those that "
-                "miss caches of 32 KiB, 512 KiB and 32 MiB, and writes them to the file RESULTS.",
+        .what = "Counts the reads of WORK, a cellwalk-counted-work, with the KERNEL, and those that miss caches of 32 "
+                "KiB, 512 KiB and 32 MiB, and writes them to the file RESULTS.",
         .operands = names,
         .operand_least = 5,
         .operand_most = 5};

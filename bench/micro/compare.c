@@ -11,15 +11,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char what[] = "Says for every measurement that both runs of 'cellwalk-bench micro --json' have whether B "
-                           "is faster or slower than A: only "
-                           "if the 95 % interval of the ratio of the two medians lies beyond 1 by more than the "
-                           "margin, else it is undecided. The "
-                           "interval knows the noise within a run; the margin stands for what changes between runs of "
-                           "one and the same program, where "
-                           "memory is laid out anew. Embree is the control: it is the same in both runs, so what it "
-                           "gained or lost is the machine's "
-                           "doing, and a verdict must hold after dividing by that as well.";
+static const char what[] =
+    "Says for every measurement that both runs of 'cellwalk-bench micro --json' have whether B is faster or slower "
+    "than A: only if the 95 % interval of the ratio of the two medians lies beyond 1 by more than the margin, else it "
+    "is undecided. The interval knows the noise within a run; the margin stands for what changes between runs of one "
+    "and the same program, where memory is laid out anew. Embree is the control: it is the same in both runs, so what "
+    "it gained or lost is the machine's doing, and a verdict must hold after dividing by that as well.";
 
 static bool same_group(const json_t *a, const json_t *b) {
     return results_same(a, b, "field") && results_same(a, b, "rays");

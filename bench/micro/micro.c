@@ -14,14 +14,12 @@
 
 static const char what[] =
     "Times every kernel that this CPU can run, and Embree at its four packet widths, on the same rays. For each field "
-    "and "
-    "class of rays all contenders are first verified against the plain cell walk, then timed in rounds, each round in "
-    "another order, on one thread unless --threads says otherwise. Times are CPU time, so that other programs on the "
-    "machine disturb less. The columns:\n"
+    "and class of rays all contenders are first verified against the plain cell walk, then timed in rounds, each round "
+    "in another order, on one thread unless --threads says otherwise. Times are CPU time, so that other programs on "
+    "the machine disturb less. The columns:\n"
     "  Mrays/s  millions of rays a second, from the median time\n"
     "  CI +-%   half of the median's 97.5 % confidence interval; ! marks one that did not get narrow enough in time, ? "
-    "one "
-    "from fewer than 7 passes, which covers less than that\n"
+    "one from fewer than 7 passes, which covers less than that\n"
     "  MAD %    median absolute deviation of the times\n"
     "  TSC/ray  ticks of the time stamp counter a ray: units of time, not cycles of the core\n"
     "  /Embree  speed over that of Embree's fastest width: above 1 is faster than Embree";

@@ -20,10 +20,10 @@ bool table_path_parse(const char *text, table_path *path, io_error *error) {
     path->kernel = cw_kernel_find(name);
     const bool automatic = strcmp(name, "auto") == 0;
     if (!path->embree && !automatic && path->kernel == NULL)
-        return io_fail(error,
-                       "--path %s: a path is default, auto or a kernel (see cellwalk info), and -phong after it for "
-                       "Phong normals",
-                       text);
+        return io_fail(
+            error,
+            "--path %s: a path is default, auto or a kernel (see cellwalk info), and -phong after it for Phong normals",
+            text);
     snprintf(path->title, sizeof path->title, "%s%s",
              path->embree ? "Default"
              : automatic  ? "cellwalk"

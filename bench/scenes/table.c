@@ -13,11 +13,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char what[] = "Renders the six scenes on one thread along every path, in rounds, each round in another "
-                           "order, and prints time, ratio to "
-                           "Default (Embree's triangle mesh) and tracing speed. Saves table.md and table.csv, which "
-                           "also hold the counts of rays and "
-                           "whether all paths agree, and table.json in a folder.";
+static const char what[] =
+    "Renders the six scenes on one thread along every path, in rounds, each round in another order, and prints time, "
+    "ratio to Default (Embree's triangle mesh) and tracing speed. Saves table.md and table.csv, which also hold the "
+    "counts of rays and whether all paths agree, and table.json in a folder.";
 
 /* The three files of a table, opened before any work, so that a folder that cannot be written to is found out first. */
 typedef struct files {

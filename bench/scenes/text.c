@@ -55,8 +55,7 @@ static void put_rays(FILE *to, const json_t *lines) {
     size_t index, k;
     const json_t *line, *field;
     fputs("| scene | picture | fields | camera, rays | shadow, rays | reflection, rays | build s, Embree | build s, "
-          "slowest "
-          "other |\n|---|---|---|--:|--:|--:|--:|--:|\n",
+          "slowest other |\n|---|---|---|--:|--:|--:|--:|--:|\n",
           to);
     json_array_foreach(lines, index, line) {
         if (!results_is(line, "scene")) continue;
@@ -117,8 +116,7 @@ void table_write_markdown(FILE *to, const json_t *lines) {
     fprintf(to, "%s.\n\nSeconds to render: the median of the CPU time of one thread, building not included.", machine);
     if (*results_text(record, "embree"))
         fputs(" In brackets the time over that of Default (Embree's triangle mesh) with the same normals: below 1 is "
-              "faster "
-              "than Embree.",
+              "faster than Embree.",
               to);
     if (by) fprintf(to, " *cellwalk* is what the library chooses by itself, on the first scene %s.", by);
     fputs("\n\n", to);
@@ -127,17 +125,14 @@ void table_write_markdown(FILE *to, const json_t *lines) {
     put_paths(to, lines, put_speed);
     fputs("\nWhat was traced and built:\n\n", to);
     put_rays(to, lines);
-    fprintf(
-        to,
-        "\nAgreement. All paths answered the same rays of one sample a pixel, and were held against %s; their pictures "
-        "against that of the same kernel, or else of the first path that is not Default, with the same normals. Why "
-        "hits "
-        "differ: *end*, the hit is a rounding away from where the ray starts or ends; *edge*, from an edge that two "
-        "triangles share; *grazing*, the ray lies too flat to tell; *other*, a defect (grid3d-early has them by "
-        "design). "
-        "Pixels differ by rounding alone where two leaf tests compute the same hit; visibly means by half an 8-bit "
-        "step.\n\n",
-        results_text(scene, "reference"));
+    fprintf(to,
+            "\nAgreement. All paths answered the same rays of one sample a pixel, and were held against %s; their "
+            "pictures against that of the same kernel, or else of the first path that is not Default, with the same "
+            "normals. Why hits differ: *end*, the hit is a rounding away from where the ray starts or ends; *edge*, "
+            "from an edge that two triangles share; *grazing*, the ray lies too flat to tell; *other*, a defect "
+            "(grid3d-early has them by design). Pixels differ by rounding alone where two leaf tests compute the same "
+            "hit; visibly means by half an 8-bit step.\n\n",
+            results_text(scene, "reference"));
     put_agreement(to, lines);
     json_array_foreach(lines, k, line) {
         if (results_is(line, "skipped"))
