@@ -2,7 +2,7 @@
 /* The program cellwalk-bench. */
 
 #include "commands.h"
-#include "harness/run_record.h"
+#include "harness/run.h"
 #include "output.h"
 
 #include <signal.h>

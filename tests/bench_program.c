@@ -4,7 +4,6 @@
 #include "commands.h"
 #include "harness/results.h"
 #include "markdown.h"
-#include "micro/compare.h"
 #include "micro/micro.h"
 #include "scenes/table.h"
 

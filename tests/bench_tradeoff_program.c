@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* cellwalk-bench tradeoff from beginning to end, on work so small that its speeds mean nothing: what is saved agrees with
  * itself, sums and verdicts are those of their lines, mistakes are told and leave nothing behind. */
-#include "accuracy/summary.h"
+#include "accuracy/tradeoff.h"
 #include "commands.h"
 #include "harness/results.h"
 #include "peers/embree.h"
@@ -149,8 +149,7 @@ static void sums_are_of_their_lines(void **state) {
          "\"mode\":\"strict\",\"kernel\":\"cell\",\"left_out_seconds\":9}"),
     };
     json_t *lines = parse(texts, sizeof texts / sizeof texts[0]);
-    io_error error;
-    check(summary_add(lines, &error), "%s", error.text);
+    summary_add(lines);
     const json_t *early = find(lines, "summary", "contender", "early/grid3d-early");
     check(is_near(results_number(early, "mrays_per_s"), 4), "the mean of 2 and 8 is %g",
           results_number(early, "mrays_per_s"));

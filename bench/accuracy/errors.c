@@ -2,6 +2,7 @@
 /* How far answers are from the truth. */
 
 #include "accuracy/tradeoff.h"
+#include "harness/memory.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -19,22 +20,17 @@ size_t tradeoff_thin(const cw_ray *rays, size_t n, unsigned thin, cw_ray *out) {
     return m;
 }
 
-bool tradeoff_truth_make(tradeoff_truth *truth, const true_surface *surface, const cw_field *field, const cw_ray *rays,
-                         size_t n) {
+cw_status tradeoff_truth_make(tradeoff_truth *truth, const true_surface *surface, const cw_field *field,
+                              const cw_ray *rays, size_t n) {
     const cw_query query = {.kernel = cw_kernel_find("cell"), .leaf = CW_LEAF_WATERTIGHT};
     *truth = (tradeoff_truth){.surface = surface, .field = field, .rays = rays, .n = n};
-    truth->hits = malloc((n ? n : 1) * sizeof *truth->hits);
-    truth->exact = malloc((n ? n : 1) * sizeof *truth->exact);
-    bool good = truth->hits && truth->exact;
-    for (int k = 0; k < TRADEOFF_ERROR_KINDS; k++) {
-        truth->scratch[k] = malloc((n ? n : 1) * sizeof *truth->scratch[k]);
-        good = good && truth->scratch[k];
-    }
-    good = good && cw_closest(field, &query, rays, n, truth->hits) == CW_OK;
-    for (size_t k = 0; good && k < n; k++)
+    truth->hits = memory(n, sizeof *truth->hits);
+    truth->exact = memory(n, sizeof *truth->exact);
+    for (int k = 0; k < TRADEOFF_ERROR_KINDS; k++) truth->scratch[k] = memory(n, sizeof *truth->scratch[k]);
+    const cw_status status = cw_closest(field, &query, rays, n, truth->hits);
+    for (size_t k = 0; status == CW_OK && k < n; k++)
         if (truth->hits[k].i >= 0) truth->exact[k] = tradeoff_exact(surface, &rays[k], &truth->hits[k]);
-    if (!good) tradeoff_truth_free(truth);
-    return good;
+    return status;
 }
 
 void tradeoff_truth_free(tradeoff_truth *truth) {

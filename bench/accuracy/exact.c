@@ -1,5 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "accuracy/exact.h"
+/* Where a ray exactly meets a triangle, so that even the strict answer has a measured error.
+ *
+ * t is a quotient of two sums of products of floats. A product of two floats is exact in double (48 bits of 53), and the
+ * sums are made without error (expansions, Shewchuk 1997), so only their rounding to double and the division are not
+ * exact: t is off by less than 2^-50 of itself, which is 2^-26 of a float's last place. */
+#include "accuracy/judge.h"
 
 #include <float.h>
 #include <math.h>

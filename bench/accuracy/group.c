@@ -3,9 +3,11 @@
 
 #include "accuracy/tradeoff.h"
 #include "clock.h"
+#include "harness/memory.h"
 #include "harness/results.h"
-#include "harness/run_record.h"
+#include "harness/run.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -62,53 +64,47 @@ enum { THIN_MAX = 6, RAYS_SPARE = 32 }; /* of a thinned set at most a run is mor
 
 typedef struct group {
     const tradeoff_field *on;
-    int ray_class;
+    workload_class c;
     bool any;
     cw_ray *rays[THIN_MAX + 1]; /* thinned; NULL until asked for */
     size_t counts[THIN_MAX + 1];
-    cw_hit *hits, *leader_hits; /* answers; and those of the row that others are held against */
-    uint8_t *occluded, *leader_occluded;
+    contender_answers answers, of_leader; /* and those of the row that others are held against */
     tradeoff_truth truth;
     row *rows;
     size_t row_count;
 } group;
 
-/* Makes room for a row; NULL, with the error, if there is none. */
-static row *new_row(group *g, const tradeoff_stage *stage, io_error *error) {
-    row *r = g->row_count < TRADEOFF_ROWS_MAX ? &g->rows[g->row_count] : NULL;
-    if (r == NULL) io_fail(error, "more than %d contenders", TRADEOFF_ROWS_MAX);
-    if (r) *r = (row){.stage = stage};
-    return r;
+/* A contender, if the mode has it here, becomes the next row. */
+static bool add_row(group *g, const tradeoff_stage *stage, const cw_kernel *kernel, unsigned width, io_error *error) {
+    if (g->row_count == TRADEOFF_ROWS_MAX) return io_fail(error, "more than %d contenders", TRADEOFF_ROWS_MAX);
+    row *r = &g->rows[g->row_count];
+    cw_status status = CW_OK;
+    if (kernel)
+        status = tradeoff_stage_kernel(stage, kernel, &r->contender);
+    else
+        contender_from_peer(&r->contender, stage->peer, width, workload_class_is_coherent(g->c), stage->mode->name);
+    r->stage = stage;
+    g->row_count += status == CW_OK;
+    return status == CW_OK || status == CW_ERROR_UNAVAILABLE || status == CW_ERROR_UNSUPPORTED ||
+           io_fail(error, "%s with %s on field %s: %s", stage->mode->name, cw_kernel_describe(kernel).name,
+                   g->on->samples.name, cw_status_message(status));
 }
 
 static bool add_rows(group *g, const tradeoff_options *o, io_error *error) {
     for (size_t s = 0; s < g->on->stage_count; s++) {
         const tradeoff_stage *stage = &g->on->stages[s];
-        for (size_t w = 0; stage->mode->embree && w < PEER_WIDTH_COUNT; w++, g->row_count++) {
-            row *r = new_row(g, stage, error);
-            if (r == NULL) return false;
-            contender_from_peer(&r->contender, stage->peer, peer_embree_widths[w],
-                                tradeoff_class_is_coherent(g->ray_class), stage->mode->name);
-        }
-        for (size_t k = 0; !stage->mode->embree && k < cw_kernel_count(); k++) {
-            row *r = option_wanted(&o->kernels, k) ? new_row(g, stage, error) : NULL;
-            if (!option_wanted(&o->kernels, k)) continue;
-            if (r == NULL) return false;
-            const cw_status status = tradeoff_stage_kernel(stage, cw_kernel_at(k), &r->contender);
-            g->row_count += status == CW_OK;
-            if (status != CW_OK && status != CW_ERROR_UNAVAILABLE && status != CW_ERROR_UNSUPPORTED)
-                return io_fail(error, "%s with %s on field %s: %s", stage->mode->name,
-                               cw_kernel_describe(cw_kernel_at(k)).name, g->on->samples.name,
-                               cw_status_message(status));
-        }
+        for (size_t w = 0; stage->mode->embree && w < PEER_WIDTH_COUNT; w++)
+            if (!add_row(g, stage, NULL, peer_embree_widths[w], error)) return false;
+        for (size_t k = 0; !stage->mode->embree && k < cw_kernel_count(); k++)
+            if (option_wanted(&o->kernels, k) && !add_row(g, stage, cw_kernel_at(k), 0, error)) return false;
     }
     return g->row_count > 0 || io_fail(error, "no kernel that is asked for has a mode that is asked for");
 }
 
 /* ---- passes ---- */
 
-static contender_pass pass_of(const group *g, const row *r, unsigned thin) {
-    return (contender_pass){&r->contender, g->rays[thin], g->counts[thin], g->any, g->hits, g->occluded};
+static contender_pass pass_of(const group *g, const row *r, unsigned thin, contender_answers out) {
+    return (contender_pass){&r->contender, g->rays[thin], g->counts[thin], g->any, out};
 }
 
 /* The thinnest set that takes at most about this long, of those that take longer than the thinnest of all. */
@@ -122,7 +118,7 @@ static unsigned thin_for(double seconds, double limit) {
  * uneven and need one pass alone, so they get more time. The first pass only warms up. */
 static void choose_thin(const group *g, row *r, double limit) {
     enum { ERRORS_LONGER = 4 };
-    contender_pass p = pass_of(g, r, THIN_MAX);
+    contender_pass p = pass_of(g, r, THIN_MAX, g->answers);
     double seconds = 0;
     for (int repeat = 0; repeat < 2 && seconds <= limit; repeat++) {
         const double start = clock_cpu_seconds();
@@ -136,20 +132,25 @@ static void choose_thin(const group *g, row *r, double limit) {
 
 /* ---- errors ---- */
 
-static void judge(const group *g, row *r) {
+/* Lets the row answer the rays whose errors are looked for. */
+static void answer(const group *g, const row *r, contender_answers out) {
+    contender_pass p = pass_of(g, r, r->thin_errors, out);
+    contender_run(&p);
+}
+
+static void judge(const group *g, row *r, contender_answers out) {
     const tradeoff_stage *s = r->stage;
-    r->errors = g->any ? tradeoff_errors_any(&g->truth, r->thin_errors, &s->claim, g->occluded)
-                       : tradeoff_errors_closest(&g->truth, r->thin_errors, &s->claim, s->field, g->hits);
+    r->errors = g->any ? tradeoff_errors_any(&g->truth, r->thin_errors, &s->claim, out.occluded)
+                       : tradeoff_errors_closest(&g->truth, r->thin_errors, &s->claim, s->field, out.hits);
 }
 
 /* The answers that lie there for a thinned set are bit for bit those that the leader gave for the same rays. */
 static bool same_as_leader(const group *g, const row *leader, const row *r) {
     if (r->thin_errors < leader->thin_errors) return false;
-    const size_t n = g->counts[r->thin_errors];
-    for (size_t m = 0; m < n; m++) {
+    for (size_t m = 0; m < g->counts[r->thin_errors]; m++) {
         const size_t of = tradeoff_thinned_at(m, r->thin_errors - leader->thin_errors);
-        if (g->any ? g->occluded[m] != g->leader_occluded[of]
-                   : memcmp(&g->hits[m], &g->leader_hits[of], sizeof *g->hits) != 0)
+        if (g->any ? g->answers.occluded[m] != g->of_leader.occluded[of]
+                   : memcmp(&g->answers.hits[m], &g->of_leader.hits[of], sizeof(cw_hit)) != 0)
             return false;
     }
     return true;
@@ -159,48 +160,37 @@ static bool same_as_leader(const group *g, const row *leader, const row *r) {
  * kernels that only walk differently have the same errors, however few rays the slow ones take. */
 static void find_errors_of(group *g, const tradeoff_stage *stage) {
     row *leader = NULL;
-    for (size_t k = 0; k < g->row_count; k++) {
-        row *r = &g->rows[k];
-        if (r->stage != stage || r->left_out > 0) continue;
-        if (leader == NULL || r->thin_errors <= leader->thin_errors) leader = r;
-    }
+    for (row *r = g->rows; r < g->rows + g->row_count; r++)
+        if (r->stage == stage && r->left_out == 0 && (leader == NULL || r->thin_errors <= leader->thin_errors))
+            leader = r;
     if (leader == NULL) return;
-    contender_pass p = pass_of(g, leader, leader->thin_errors);
-    contender_run(&p);
-    judge(g, leader);
-    const size_t n = g->counts[leader->thin_errors];
-    if (g->any)
-        memcpy(g->leader_occluded, g->occluded, n);
-    else
-        memcpy(g->leader_hits, g->hits, n * sizeof *g->hits);
-    for (size_t k = 0; k < g->row_count; k++) {
-        row *r = &g->rows[k];
+    answer(g, leader, g->of_leader);
+    judge(g, leader, g->of_leader);
+    for (row *r = g->rows; r < g->rows + g->row_count; r++) {
         if (r->stage != stage || r == leader || r->left_out > 0) continue;
-        p = pass_of(g, r, r->thin_errors);
-        contender_run(&p);
+        answer(g, r, g->answers);
         if (same_as_leader(g, leader, r)) {
             r->errors = leader->errors;
             r->same_as = leader;
         } else {
-            judge(g, r);
+            judge(g, r, g->answers);
         }
     }
 }
 
 /* ---- speed ---- */
 
-static bool time_all(group *g, const tradeoff_options *o, double seconds, io_error *error) {
+static void time_all(group *g, const tradeoff_options *o, double seconds) {
     interleave_job *jobs[TRADEOFF_ROWS_MAX];
     size_t count = 0;
-    for (size_t k = 0; k < g->row_count; k++) {
-        row *r = &g->rows[k];
-        r->pass = pass_of(g, r, r->thin);
+    for (row *r = g->rows; r < g->rows + g->row_count; r++) {
+        r->pass = pass_of(g, r, r->thin, g->answers);
         r->job = (interleave_job){.run = contender_run, .context = &r->pass};
         if (r->left_out == 0) jobs[count++] = &r->job;
     }
     const interleave_limits limits = {
         .width = 0.02, .seconds = seconds, .least = 3, .most = INTERLEAVE_SAMPLES_MAX, .seed = o->run.seed};
-    return interleave(jobs, count, &limits) || io_fail(error, "out of memory");
+    interleave(jobs, count, &limits);
 }
 
 /* ---- JSON ---- */
@@ -226,7 +216,7 @@ static json_t *row_line(const group *g, const row *r) {
     const char *name = r->contender.name;
     json_t *line = json_object();
     results_set_texts(line, "kind field rays query contender mode kernel",
-                      (const char *[]){"result", g->on->samples.name, tradeoff_class_name(g->ray_class),
+                      (const char *[]){"result", g->on->samples.name, workload_class_name(g->c),
                                        g->any ? "any" : "closest", name, r->stage->mode->name, strchr(name, '/') + 1});
     results_set_count(line, "width", r->contender.width);
     if (r->left_out > 0) {
@@ -236,7 +226,7 @@ static json_t *row_line(const group *g, const row *r) {
     results_set_numbers(line, "claim_height claim_cone", (double[]){r->stage->claim.height, r->stage->claim.cone});
     set_errors(line, &r->errors);
     if (r->same_as) results_set_text(line, "same_bits_as", r->same_as->contender.name);
-    if (!tradeoff_class_is_timed(g->ray_class)) return line;
+    if (g->c >= WORKLOAD_CLASS_COUNT) return line;
     results_set_seconds(line, &r->job.seconds);
     results_set_bool(line, "converged", r->job.converged);
     results_set_number(line, "mrays_per_s", (double)g->counts[r->thin] / r->job.seconds.median * 1e-6);
@@ -247,43 +237,34 @@ static json_t *row_line(const group *g, const row *r) {
 
 static bool make_rays(group *g, const tradeoff_options *o, io_error *error) {
     const size_t n = o->count;
-    for (unsigned thin = 0; thin <= THIN_MAX; thin++) {
-        g->rays[thin] = malloc(((n >> thin) + RAYS_SPARE) * sizeof *g->rays[thin]);
-        if (g->rays[thin] == NULL) return io_fail(error, "out of memory for %zu rays", n);
-    }
-    g->hits = malloc(n * sizeof *g->hits);
-    g->leader_hits = malloc(n * sizeof *g->leader_hits);
-    g->occluded = malloc(n);
-    g->leader_occluded = malloc(n);
-    g->counts[0] = tradeoff_rays_make(g->on->field, &g->on->samples, g->ray_class, o->run.seed, n, g->rays[0]);
-    if (!g->hits || !g->leader_hits || !g->occluded || !g->leader_occluded || g->counts[0] == 0)
-        return io_fail(error, "out of memory for %zu rays", n);
+    g->answers = answers_make(n);
+    g->of_leader = answers_make(n);
+    for (unsigned thin = 0; thin <= THIN_MAX; thin++)
+        g->rays[thin] = memory((n >> thin) + RAYS_SPARE, sizeof *g->rays[thin]);
+    g->counts[0] = workload_rays_make(g->on->field, g->c, o->run.seed, n, g->rays[0]);
+    if (g->counts[0] == 0) return io_fail(error, "no rays on field %s", g->on->samples.name);
     for (unsigned thin = 1; thin <= THIN_MAX; thin++)
         g->counts[thin] = tradeoff_thin(g->rays[0], g->counts[0], thin, g->rays[thin]);
-    return tradeoff_truth_make(&g->truth, &g->on->surface, g->on->field, g->rays[0], g->counts[0]) ||
-           io_fail(error, "out of memory for %zu rays", n);
+    const cw_status status = tradeoff_truth_make(&g->truth, &g->on->surface, g->on->field, g->rays[0], g->counts[0]);
+    return status == CW_OK || io_fail(error, "the reference kernel cell: %s", cw_status_message(status));
 }
 
-bool tradeoff_group_run(const tradeoff_field *on, int ray_class, const tradeoff_options *o, double seconds,
+bool tradeoff_group_run(const tradeoff_field *on, workload_class c, const tradeoff_options *o, double seconds,
                         json_t *lines, io_error *error) {
     const double end = clock_seconds() + seconds;
-    group g = {.on = on, .ray_class = ray_class, .any = tradeoff_class_is_any(ray_class)};
-    g.rows = calloc(TRADEOFF_ROWS_MAX, sizeof *g.rows);
-    bool good = (g.rows || io_fail(error, "out of memory")) && make_rays(&g, o, error) && add_rows(&g, o, error);
+    group g = {.on = on, .c = c, .any = workload_class_is_any(c)};
+    g.rows = memory(TRADEOFF_ROWS_MAX, sizeof *g.rows);
+    const bool good = make_rays(&g, o, error) && add_rows(&g, o, error);
     if (good) {
         for (size_t k = 0; k < g.row_count; k++) choose_thin(&g, &g.rows[k], o->pass);
         for (size_t k = 0; k < on->stage_count; k++) find_errors_of(&g, &on->stages[k]);
-        const double left = end - clock_seconds();
-        good = !tradeoff_class_is_timed(ray_class) || time_all(&g, o, left > 0 ? left : 0, error);
-        for (size_t k = 0; good && k < g.row_count; k++)
-            good = json_array_append_new(lines, row_line(&g, &g.rows[k])) == 0 || io_fail(error, "out of memory");
+        if (c < WORKLOAD_CLASS_COUNT) time_all(&g, o, fmax(0, end - clock_seconds()));
+        for (size_t k = 0; k < g.row_count; k++) results_append(lines, row_line(&g, &g.rows[k]));
     }
     for (unsigned thin = 0; thin <= THIN_MAX; thin++) free(g.rays[thin]);
-    free(g.hits);
-    free(g.leader_hits);
-    free(g.occluded);
-    free(g.leader_occluded);
-    if (g.truth.hits) tradeoff_truth_free(&g.truth);
+    answers_free(g.answers);
+    answers_free(g.of_leader);
+    tradeoff_truth_free(&g.truth);
     free(g.rows);
     return good;
 }

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "accuracy/modes.h"
 
+#include "harness/memory.h"
+#include "workload/fields.h"
+
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -52,7 +55,8 @@ enum { MODE_COUNT = sizeof modes / sizeof modes[0] };
 size_t tradeoff_mode_count(void) { return MODE_COUNT; }
 const tradeoff_mode *tradeoff_mode_at(size_t number) { return number < MODE_COUNT ? &modes[number] : NULL; }
 
-bool tradeoff_mode_takes(const tradeoff_mode *mode, const char *kernel) {
+/* True if the mode is to be tried on the kernel. */
+static bool takes(const tradeoff_mode *mode, const char *kernel) {
     if (mode->embree) return false;
     if (mode->only) return strcmp(mode->only, kernel) == 0;
     if (mode->family && strncmp(kernel, mode->family, strlen(mode->family)) != 0) return false;
@@ -105,21 +109,16 @@ double tradeoff_cell_height(const cw_field *field) {
 
 static bool own_field(tradeoff_stage *s, cw_field *base, const true_surface *surface, io_error *error) {
     const tradeoff_mode *mode = s->mode;
-    cw_field_desc desc = cw_field_desc_default();
-    desc.samples = surface->z;
-    desc.nx = surface->nx;
-    desc.ny = surface->ny;
     s->field = base;
     if (mode->change == NULL) return true;
     const size_t count = surface->nx * surface->ny;
-    s->z = malloc(count * sizeof *s->z);
-    if (s->z == NULL) return io_fail(error, "out of memory for mode %s", mode->name);
+    s->z = memory(count, sizeof *s->z);
     memcpy(s->z, surface->z, count * sizeof *s->z);
     const tradeoff_claim more = mode->change(s->z, count);
     s->claim.height += more.height;
     s->claim.cone += more.cone;
-    desc.samples = s->z;
-    const cw_status status = cw_field_create(&desc, &s->own);
+    const workload_field changed = {.nx = surface->nx, .ny = surface->ny, .z = s->z};
+    const cw_status status = workload_field_open(&changed, CW_COPY, false, &s->own);
     if (status != CW_OK) return io_fail(error, "the field of mode %s: %s", mode->name, cw_status_message(status));
     s->field = s->own;
     return true;
@@ -151,7 +150,7 @@ void tradeoff_stage_close(tradeoff_stage *stage) {
 cw_status tradeoff_stage_kernel(const tradeoff_stage *stage, const cw_kernel *kernel, contender *c) {
     const tradeoff_mode *mode = stage->mode;
     const char *name = cw_kernel_describe(kernel).name;
-    if (!tradeoff_mode_takes(mode, name)) return CW_ERROR_UNSUPPORTED;
+    if (!takes(mode, name)) return CW_ERROR_UNSUPPORTED;
     const cw_status status = contender_from_kernel(c, stage->field, kernel, mode->leaf);
     if (status != CW_OK) return status;
     c->query.tolerance = (float)stage->tolerance.height;

@@ -26,9 +26,6 @@ size_t tradeoff_mode_count(void);
 /* NULL from the count on. */
 const tradeoff_mode *tradeoff_mode_at(size_t number);
 
-/* True if the mode is to be tried on the kernel. */
-bool tradeoff_mode_takes(const tradeoff_mode *mode, const char *kernel);
-
 /* How much of the field's height is as long in user space as a cell's side, where a unit of field space is shortest. */
 double tradeoff_cell_height(const cw_field *field);
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "accuracy/tradeoff.h"
 #include "clock.h"
+#include "harness/memory.h"
 #include "harness/results.h"
 #include "workload/terrain.h"
 
@@ -128,17 +129,15 @@ static json_t *measure_wave(const wave *w, float *z, const cw_hit *hits, double 
     return line;
 }
 
-bool tradeoff_normals_run(uint32_t seed, json_t *lines, io_error *error) {
+void tradeoff_normals_run(uint32_t seed, json_t *lines) {
     static const wave waves[] = {{6, 0.6}, {12, 1.2}, {24, 2.4}, {48, 4.8}, {24, 0.3}};
-    float *z = malloc((size_t)SIDE * SIDE * sizeof *z);
-    cw_hit *hits = malloc(HITS * sizeof *hits);
-    double *errors = malloc(HITS * sizeof *errors);
-    bool good = z && hits && errors;
-    for (uint32_t k = 0; good && k < HITS; k++) hits[k] = some_hit(seed, k);
-    for (size_t w = 0; good && w < sizeof waves / sizeof waves[0]; w++)
-        good = json_array_append_new(lines, measure_wave(&waves[w], z, hits, errors)) == 0;
+    float *z = memory((size_t)SIDE * SIDE, sizeof *z);
+    cw_hit *hits = memory(HITS, sizeof *hits);
+    double *errors = memory(HITS, sizeof *errors);
+    for (uint32_t k = 0; k < HITS; k++) hits[k] = some_hit(seed, k);
+    for (size_t w = 0; w < sizeof waves / sizeof waves[0]; w++)
+        results_append(lines, measure_wave(&waves[w], z, hits, errors));
     free(z);
     free(hits);
     free(errors);
-    return good || io_fail(error, "out of memory");
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "accuracy/tradeoff.h"
 
+#include "harness/memory.h"
 #include "harness/results.h"
 #include "scenes/tracer.h"
 
@@ -58,9 +59,9 @@ static bool open_set(set *s, const char *folder, const char *name, io_error *err
     for (size_t f = 0; f < s->field_count; f++) {
         cw_field *field = scene_field(s->scene, f);
         const cw_field_info info = cw_field_describe(field);
-        s->z[f] = malloc(info.nx * info.ny * sizeof *s->z[f]);
-        if (s->z[f] == NULL || cw_field_build(field, cw_kernel_find("cell")) != CW_OK)
-            return io_fail(error, "scene %s: out of memory", name);
+        const cw_status status = cw_field_build(field, cw_kernel_find("cell"));
+        if (status != CW_OK) return io_fail(error, "scene %s: %s", name, cw_status_message(status));
+        s->z[f] = memory(info.nx * info.ny, sizeof *s->z[f]);
         for (size_t k = 0; k < info.nx * info.ny; k++) s->z[f][k] = cw_field_sample(field, k % info.nx, k / info.nx);
         s->surfaces[f] = true_surface_of(s->z[f], info.nx, info.ny);
     }
@@ -99,8 +100,7 @@ static bool render_mode(set *s, const char *name, const tradeoff_mode *mode, con
         good = scene_render(s->scene, &options, &image, NULL, error);
         if (!good) image = (io_image){0};
         if (good && first) *strict = image;
-        good = good && (json_array_append_new(lines, picture_line(name, mode, &s->tracer, &image, strict)) == 0 ||
-                        io_fail(error, "out of memory"));
+        if (good) results_append(lines, picture_line(name, mode, &s->tracer, &image, strict));
         if (!first) io_image_free(&image);
     }
     close_mode(s);
@@ -108,8 +108,7 @@ static bool render_mode(set *s, const char *name, const tradeoff_mode *mode, con
 }
 
 bool tradeoff_scene_run(const char *name, const tradeoff_options *o, json_t *lines, io_error *error) {
-    set *s = calloc(1, sizeof *s);
-    if (s == NULL) return io_fail(error, "out of memory");
+    set *s = memory(1, sizeof *s);
     io_image strict = {0};
     bool good = open_set(s, o->scene_folder, name, error);
     for (size_t m = 0; good && m < tradeoff_mode_count(); m++) {

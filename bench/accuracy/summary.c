@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "accuracy/summary.h"
+/* What the results of tradeoff come to, from their JSON lines alone. */
+#include "accuracy/tradeoff.h"
 
 #include "harness/results.h"
 #include "harness/statistics.h"
@@ -11,93 +12,98 @@
 
 enum { CONTENDERS_MAX = 192, GROUPS_MAX = 256 };
 
-/* ---- sums ---- */
+/* ---- sums over the groups: a field and a class of rays each ---- */
 
-/* Numbers of one contender, over the groups (a field, a class of rays) in which it ran. */
-typedef struct series {
-    double values[GROUPS_MAX];
-    size_t n;
-} series;
+/* How the numbers of a contender become one, and of which rays they are. */
+typedef enum reduction { GEOMETRIC_MEAN, MEAN, MEDIAN, WORST } reduction;
+typedef enum aims { ALL, AIMED, NOT_AIMED } aims;
 
-static void add(series *s, double value) {
-    if (s->n < GROUPS_MAX) s->values[s->n++] = value;
+static const char wrong_answers[] = "wrong_answers_per_million"; /* of whichever kind */
+
+static const struct {
+    const char *key;
+    reduction by;
+    aims of;
+} members[] = {
+    {"mrays_per_s", GEOMETRIC_MEAN, ALL},
+    {"wrong_answers_per_million", MEAN, ALL},
+    {"leaks_per_million", MEAN, NOT_AIMED},
+    {"phantoms_per_million", MEAN, NOT_AIMED},
+    {"wrong_per_million", MEAN, NOT_AIMED},
+    {"broken_per_million", MEAN, ALL},
+    {"aimed_wrong_answers_per_million", MEAN, AIMED},
+    {"t_ulp_median", MEDIAN, ALL},
+    {"t_ulp_worst", WORST, ALL},
+    {"t_cells_median", MEDIAN, ALL},
+    {"t_cells_worst", WORST, ALL},
+    {"off_cells_median", MEDIAN, ALL},
+    {"off_cells_worst", WORST, ALL},
+    {"normal_degrees_median", MEDIAN, ALL},
+    {"normal_degrees_worst", WORST, ALL},
+};
+
+static bool is_aimed(const json_t *line) {
+    const char *rays = results_text(line, "rays");
+    return strcmp(rays, "vertices") == 0 || strcmp(rays, "edges") == 0;
 }
 
-static void add_member(series *s, const json_t *line, const char *key) {
-    const json_t *value = json_object_get(line, key);
-    if (value) add(s, json_number_value(value));
-}
-
-static void set_mean(json_t *line, const char *key, const series *s) {
-    double sum = 0;
-    for (size_t k = 0; k < s->n; k++) sum += s->values[k];
-    if (s->n) results_set_number(line, key, sum / (double)s->n);
-}
-
-static void set_spread(json_t *line, const char *of, series *medians, series *worsts) {
-    char key[64];
-    if (worsts->n == 0) return;
-    snprintf(key, sizeof key, "%s_median", of);
-    results_set_number(line, key, statistics_of(medians->values, medians->n).median);
-    snprintf(key, sizeof key, "%s_worst", of);
-    statistics_of(worsts->values, worsts->n); /* sorts them */
-    results_set_number(line, key, worsts->values[worsts->n - 1]);
-}
-
-enum { KINDS = 4 };
-static const char *const rates[KINDS] = {"leaks", "phantoms", "wrong", "broken"};
-static const char *const errors[KINDS] = {"t_ulp", "t_cells", "off_cells", "normal_degrees"};
-
-static bool is_result_of(const json_t *line, const char *name) {
-    return results_is(line, "result") && strcmp(results_text(line, "contender"), name) == 0;
-}
-
-/* groups, timed: how many there are, and how many of them are timed. */
-static json_t *summary_of(const json_t *lines, const char *name, size_t groups, size_t timed) {
-    series *const all = calloc(3 + 3 * KINDS, sizeof *all), *const speeds = all, *const sums = all + 1,
-                  *const aimed = all + 2;
-    series *const own = all + 3, *const medians = own + KINDS, *const worsts = medians + KINDS;
-    size_t ran = 0, rays = 0, index;
-    const json_t *line, *any = NULL;
-    if (all == NULL) return NULL;
+/* The contender's numbers under a key; how many groups have them. */
+static size_t numbers_of(const json_t *lines, const char *name, const char *key, aims of, double *numbers) {
+    size_t n = 0, index;
+    const json_t *line;
     json_array_foreach(lines, index, line) {
-        if (!is_result_of(line, name)) continue;
-        any = line;
-        if (json_object_get(line, "left_out_seconds")) continue;
-        const char *class = results_text(line, "rays");
-        const bool is_aimed = strcmp(class, "vertices") == 0 || strcmp(class, "edges") == 0;
-        double sum = 0;
-        ran++;
-        rays += (size_t)results_number(line, "ray_count");
-        add_member(speeds, line, "mrays_per_s");
-        for (int k = 0; k < KINDS; k++) {
-            char key[64];
-            snprintf(key, sizeof key, "%s_per_million", rates[k]);
-            if (k < 3) sum += results_number(line, key);
-            if (k == 3 || !is_aimed) add_member(&own[k], line, key);
-            snprintf(key, sizeof key, "%s_median", errors[k]);
-            add_member(&medians[k], line, key);
-            snprintf(key, sizeof key, "%s_worst", errors[k]);
-            add_member(&worsts[k], line, key);
+        const bool sum = strcmp(key, wrong_answers) == 0;
+        if (!results_is(line, "result") || strcmp(results_text(line, "contender"), name) != 0 || n == GROUPS_MAX ||
+            (of != ALL && is_aimed(line) != (of == AIMED)) || !json_object_get(line, sum ? "ray_count" : key))
+            continue;
+        numbers[n++] = sum ? results_number(line, "leaks_per_million") + results_number(line, "phantoms_per_million") +
+                                 results_number(line, "wrong_per_million")
+                           : results_number(line, key);
+    }
+    return n;
+}
+
+static double reduce(double *numbers, size_t n, reduction by) {
+    double sum = 0;
+    for (size_t k = 0; k < n; k++) sum += numbers[k];
+    if (by == GEOMETRIC_MEAN) return statistics_geometric_mean(numbers, n);
+    if (by == MEAN) return sum / (double)n;
+    const double median = statistics_of(numbers, n).median; /* sorts them */
+    return by == MEDIAN ? median : numbers[n - 1];
+}
+
+/* In how many groups somebody has this member. */
+static size_t groups_with(const json_t *lines, const char *key) {
+    size_t groups = 0, index, other;
+    const json_t *line, *before;
+    json_array_foreach(lines, index, line) {
+        bool first = results_is(line, "result") && json_object_get(line, key);
+        json_array_foreach(lines, other, before) {
+            if (!first || other == index) break;
+            first = !results_is(before, "result") || !json_object_get(before, key) ||
+                    !results_same(before, line, "field") || !results_same(before, line, "rays");
         }
-        add(sums, sum);
-        if (is_aimed) add(aimed, sum);
+        groups += first;
     }
+    return groups;
+}
+
+static json_t *summary_of(const json_t *lines, const char *name, size_t groups, size_t timed) {
+    double numbers[GROUPS_MAX], rays = 0;
+    const char *slash = strchr(name, '/');
+    char mode[64];
+    const size_t ran = numbers_of(lines, name, "ray_count", ALL, numbers);
+    for (size_t k = 0; k < ran; k++) rays += numbers[k];
+    snprintf(mode, sizeof mode, "%.*s", (int)(slash - name), name);
     json_t *s = json_object();
-    results_set_texts(s, "kind contender mode kernel",
-                      (const char *[]){"summary", name, results_text(any, "mode"), results_text(any, "kernel")});
-    results_set_counts(s, "groups ray_count", (size_t[]){ran, rays});
-    results_set_bool(s, "partial", ran < groups || speeds->n < timed);
-    if (speeds->n) results_set_number(s, "mrays_per_s", statistics_geometric_mean(speeds->values, speeds->n));
-    set_mean(s, "wrong_answers_per_million", sums);
-    for (int k = 0; k < KINDS; k++) {
-        char key[64];
-        snprintf(key, sizeof key, "%s_per_million", rates[k]);
-        set_mean(s, key, &own[k]);
-        set_spread(s, errors[k], &medians[k], &worsts[k]);
+    results_set_texts(s, "kind contender mode kernel", (const char *[]){"summary", name, mode, slash + 1});
+    results_set_counts(s, "groups ray_count", (size_t[]){ran, (size_t)rays});
+    results_set_bool(s, "partial", ran < groups || numbers_of(lines, name, "mrays_per_s", ALL, numbers) < timed);
+    for (size_t m = 0; m < sizeof members / sizeof members[0]; m++) {
+        const char *key = members[m].key + (members[m].of == AIMED ? strlen("aimed_") : 0);
+        const size_t n = numbers_of(lines, name, key, members[m].of, numbers);
+        if (n) results_set_number(s, members[m].key, reduce(numbers, n, members[m].by));
     }
-    set_mean(s, "aimed_wrong_answers_per_million", aimed);
-    free(all);
     return s;
 }
 
@@ -138,31 +144,15 @@ static void mark(json_t **summaries, size_t count, const char *key, const char *
     for (size_t k = 0; k < count; k++) results_set_bool(summaries[k], flag, points[k].frontier);
 }
 
-bool summary_add(json_t *lines, io_error *error) {
+void summary_add(json_t *lines) {
     const char *names[CONTENDERS_MAX];
     json_t *summaries[CONTENDERS_MAX];
     const size_t count = results_distinct(lines, "contender", names, CONTENDERS_MAX);
-    size_t groups = 0, timed = 0, index, other;
-    const json_t *line, *before;
-    /* A group is counted at its first line, and as timed if any of its lines has a speed. */
-    json_array_foreach(lines, index, line) {
-        bool first = results_is(line, "result"), speed = false;
-        json_array_foreach(lines, other, before) {
-            if (!first || !results_is(before, "result") || !results_same(before, line, "field") ||
-                !results_same(before, line, "rays"))
-                continue;
-            first = other >= index;
-            speed = speed || json_object_get(before, "mrays_per_s");
-        }
-        groups += first;
-        timed += first && speed;
-    }
+    const size_t groups = groups_with(lines, "contender"), timed = groups_with(lines, "mrays_per_s");
     for (size_t k = 0; k < count; k++) summaries[k] = summary_of(lines, names[k], groups, timed);
-    mark(summaries, count, "wrong_answers_per_million", "frontier_answers");
+    mark(summaries, count, wrong_answers, "frontier_answers");
     mark(summaries, count, "off_cells_worst", "frontier_place");
-    bool good = true;
-    for (size_t k = 0; k < count; k++) good = json_array_append_new(lines, summaries[k]) == 0 && good;
-    return good || io_fail(error, "out of memory");
+    for (size_t k = 0; k < count; k++) results_append(lines, summaries[k]);
 }
 
 /* ---- for people ---- */

@@ -3,12 +3,12 @@
 
 #include "accuracy/tradeoff.h"
 
-#include "accuracy/summary.h"
 #include "build_info.h"
 #include "clock.h"
 #include "commands.h"
+#include "harness/memory.h"
 #include "harness/results.h"
-#include "harness/run_record.h"
+#include "harness/run.h"
 #include "scenes/tracer.h"
 
 #include <stdio.h>
@@ -43,7 +43,7 @@ static const char *scene_or_none(size_t number) { return number == SCENES ? "non
 static const char *mode_names(size_t number) {
     return number < tradeoff_mode_count() ? tradeoff_mode_at(number)->name : NULL;
 }
-static const char *class_names(size_t number) { return tradeoff_class_name((int)number); }
+static const char *class_names(size_t number) { return workload_class_name((workload_class)number); }
 
 static void set_defaults(tradeoff_options *o) {
     if (o->count == 0) o->count = o->longer ? 1 << 20 : 1 << 14;
@@ -61,27 +61,27 @@ static void set_defaults(tradeoff_options *o) {
 
 static size_t classes_of(const tradeoff_options *o, bool timed) {
     size_t count = 0;
-    for (int c = 0; c < TRADEOFF_CLASS_COUNT; c++)
-        count += option_wanted(&o->rays, (size_t)c) && (!timed || tradeoff_class_is_timed(c));
+    for (size_t c = 0; c < (timed ? WORKLOAD_CLASS_COUNT : WORKLOAD_ALL); c++) count += option_wanted(&o->rays, c);
     return count;
 }
 
 static bool run_fields(const tradeoff_options *o, json_t *lines, io_error *error) {
     double end = clock_seconds() + o->seconds;
     size_t groups = o->fields.count * classes_of(o, true);
-    tradeoff_field *on = calloc(1, sizeof *on);
-    bool good = on || io_fail(error, "out of memory");
+    tradeoff_field *on = memory(1, sizeof *on);
+    bool good = true;
     for (size_t f = 0; good && f < o->fields.count; f++) {
         const double start = clock_seconds();
         fprintf(stderr, "field %s: making it and building Embree\n", o->fields.item[f]);
         good = tradeoff_field_open(on, o->fields.item[f], o, error);
         end += clock_seconds() - start; /* building does not count */
-        for (int c = 0; good && c < TRADEOFF_CLASS_COUNT; c++) {
-            if (!option_wanted(&o->rays, (size_t)c)) continue;
-            fprintf(stderr, "field %s: %s\n", o->fields.item[f], tradeoff_class_name(c));
-            const bool timed = tradeoff_class_is_timed(c);
+        for (size_t c = 0; good && c < WORKLOAD_ALL; c++) {
+            if (!option_wanted(&o->rays, c)) continue;
+            fprintf(stderr, "field %s: %s\n", o->fields.item[f], workload_class_name((workload_class)c));
+            const bool timed = c < WORKLOAD_CLASS_COUNT;
             const double left = end - clock_seconds();
-            good = tradeoff_group_run(on, c, o, timed && left > 0 ? left / (double)groups : 0, lines, error);
+            good = tradeoff_group_run(on, (workload_class)c, o, timed && left > 0 ? left / (double)groups : 0, lines,
+                                      error);
             groups -= timed;
         }
         tradeoff_field_close(on);
@@ -100,13 +100,15 @@ static json_t *modes_line(void) {
 }
 
 static bool measure_all(const tradeoff_options *o, json_t *lines, io_error *error) {
-    bool good = json_array_append_new(lines, modes_line()) == 0 || io_fail(error, "out of memory");
-    good = good && run_fields(o, lines, error);
+    results_append(lines, modes_line());
+    bool good = run_fields(o, lines, error);
     for (size_t s = 0; good && s < o->scenes.count; s++) {
         fprintf(stderr, "scene %s\n", o->scenes.item[s]);
         good = tradeoff_scene_run(o->scenes.item[s], o, lines, error);
     }
-    return good && tradeoff_normals_run(o->run.seed, lines, error) && summary_add(lines, error);
+    if (good) tradeoff_normals_run(o->run.seed, lines);
+    if (good) summary_add(lines);
+    return good;
 }
 
 static bool run(const tradeoff_options *o, io_error *error) {
@@ -116,8 +118,8 @@ static bool run(const tradeoff_options *o, io_error *error) {
     json_t *lines = json_array(), *record = run_record("tradeoff", o->run.seed, cpu);
     results_set_count(record, "rays_a_class", o->count);
     results_set_count(record, "samples_a_pixel", o->samples);
-    const bool good = (json_array_append_new(lines, record) == 0 || io_fail(error, "out of memory")) &&
-                      io_output_open_in(&json, o->out, "tradeoff.json", error) && measure_all(o, lines, error) &&
+    results_append(lines, record);
+    const bool good = io_output_open_in(&json, o->out, "tradeoff.json", error) && measure_all(o, lines, error) &&
                       results_write_all(&json, lines, error) && io_output_commit(&json, error);
     if (good) summary_print(lines);
     io_output_discard(&json);
@@ -128,9 +130,8 @@ static bool run(const tradeoff_options *o, io_error *error) {
 }
 
 static int start(int argc, char **argv) {
-    tradeoff_options o = {.out = "out/tradeoff", .scene_folder = BUILD_INFO_SCENES};
-    enum { OWN = 12 };
-    option_spec options[OWN + RUN_OPTION_COUNT] = {
+    tradeoff_options o = {.run = RUN_DEFAULTS, .out = "out/tradeoff", .scene_folder = BUILD_INFO_SCENES};
+    const option_spec options[] = {
         {"mode", "NAMES", "only these; all but Embree's grids by default, and these too with --long", OPTION_LIST,
          .to = &o.modes, .names = mode_names},
         {"kernel", "NAMES", "only these kernels, beside Embree", OPTION_LIST, .to = &o.kernels,
@@ -151,14 +152,10 @@ static int start(int argc, char **argv) {
          OPTION_REAL, .to = &o.pass, .low = 1e-6, .high = 1e6},
         {"long", NULL, "all fields but the largest, more rays, more time", OPTION_FLAG, .to = &o.longer},
         {"out", "FOLDER", "where to save tradeoff.json; made if need be (out/tradeoff)", OPTION_TEXT, .to = &o.out},
+        RUN_OPTIONS(o.run),
     };
-    run_options_rows(&o.run, options + OWN);
-    const options_usage usage = {.name = "tradeoff",
-                                 .synopsis = "[OPTIONS]",
-                                 .what = what,
-                                 .examples = examples,
-                                 .options = options,
-                                 .option_count = OWN + RUN_OPTION_COUNT};
+    const options_usage usage = {"tradeoff", "[OPTIONS]", what, examples, options, sizeof options / sizeof *options,
+                                 NULL,       0,           0};
     const int status = options_parse(&usage, argc, argv, NULL);
     if (status != OPTIONS_GO) return status;
     io_error error = {{0}};

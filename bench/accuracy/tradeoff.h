@@ -6,7 +6,7 @@
 
 #include "accuracy/modes.h"
 #include "harness/interleave.h"
-#include "harness/run_options.h"
+#include "harness/run.h"
 #include "workload/fields.h"
 #include "workload/ray_classes.h"
 
@@ -22,23 +22,6 @@ typedef struct tradeoff_options {
     double seconds, pass;
     bool longer;
 } tradeoff_options;
-
-/* ---- rays.c ---- */
-
-/* The benchmark's classes, and two of aimed rays (workload/aimed.h): through a vertex of the surface, or a point of an edge along
- * x, along y or diagonal, from above every sample to below every sample or the reverse, so that who finds no hit has a leak. They
- * count errors and are not timed. */
-enum { TRADEOFF_VERTICES = WORKLOAD_CLASS_COUNT, TRADEOFF_EDGES, TRADEOFF_CLASS_COUNT };
-
-/* Of any class; the name is NULL from the count on. */
-const char *tradeoff_class_name(int c);
-bool tradeoff_class_is_any(int c);
-bool tradeoff_class_is_timed(int c);
-bool tradeoff_class_is_coherent(int c);
-
-/* As workload_rays_make; the field has these samples, of which aimed rays need 4 a side. */
-size_t tradeoff_rays_make(const cw_field *field, const workload_field *samples, int c, uint32_t seed, size_t n,
-                          cw_ray *rays);
 
 /* Errors of t in ULP and in cells, heights off the surface, angles of normals. */
 enum { TRADEOFF_ERROR_KINDS = 4 };
@@ -68,9 +51,9 @@ typedef struct tradeoff_truth {
     double *scratch[4]; /* n numbers each */
 } tradeoff_truth;
 
-/* False if out of memory. field must have been built for the kernel cell. */
-bool tradeoff_truth_make(tradeoff_truth *truth, const true_surface *surface, const cw_field *field, const cw_ray *rays,
-                         size_t n);
+/* field must have been built for the kernel cell. To be freed in any case. */
+cw_status tradeoff_truth_make(tradeoff_truth *truth, const true_surface *surface, const cw_field *field,
+                              const cw_ray *rays, size_t n);
 void tradeoff_truth_free(tradeoff_truth *truth);
 
 /* Answers to every (2^thin)-th run of 16 rays, as tradeoff_thin picks them. field: whose normals the answer has. */
@@ -99,7 +82,7 @@ bool tradeoff_field_open(tradeoff_field *on, const char *name, const tradeoff_op
 void tradeoff_field_close(tradeoff_field *on);
 
 /* One class of rays on one field: appends a line of kind "result" a contender. */
-bool tradeoff_group_run(const tradeoff_field *on, int ray_class, const tradeoff_options *options, double seconds,
+bool tradeoff_group_run(const tradeoff_field *on, workload_class c, const tradeoff_options *options, double seconds,
                         json_t *lines, io_error *error);
 
 /* True if the mode is to be measured. */
@@ -126,6 +109,29 @@ typedef enum tradeoff_normal {
 void tradeoff_normal_at(const true_surface *surface, const cw_hit *hit, tradeoff_normal kind, double normal[3]);
 
 /* Appends a line of kind "normal" for each of several waves, from steep and short to flat and long. */
-bool tradeoff_normals_run(uint32_t seed, json_t *lines, io_error *error);
+void tradeoff_normals_run(uint32_t seed, json_t *lines);
+
+/* ---- summary.c ---- */
+
+/* Appends a line of kind "summary" a contender: the geometric mean of its speeds, the means of its rates of wrong answers, the
+ * median of its median errors and the largest of its worst ones, all over the groups (fields × classes of rays); and
+ * whether it is on the frontiers "answers" (speed, wrong answers a million) and "place" (speed, worst height off
+ * the surface). Who has not run in all groups is "partial" and on none. */
+void summary_add(json_t *lines);
+
+/* Prints the contenders, fastest first, from these lines. */
+void summary_print(const json_t *lines);
+
+/* A point whose speed is not above 0, whose error is below 0, or with a NaN, is not a point and never on the frontier. */
+typedef struct pareto_point {
+    double speed, error;
+    bool frontier; /* set by summary_pareto */
+} pareto_point;
+
+/* Marks the Pareto frontier, beginning at the fastest of those with the least error: each next one has the least error among
+ * those that are faster by more than margin (0.02: two per cent, so that noise is no step; 0: the plain frontier), and is the
+ * fastest with that error; the first of equals. Writes the numbers of its points to order, which has room for count, in
+ * that order, and returns how many there are. */
+size_t summary_pareto(pareto_point *points, size_t count, double margin, size_t *order);
 
 #endif

@@ -2,6 +2,7 @@
 #include "harness/interleave.h"
 
 #include "clock.h"
+#include "harness/memory.h"
 #include "workload/terrain.h"
 
 #include <stdlib.h>
@@ -39,14 +40,12 @@ static statistics sorted_copy(samples *s, const double *from) {
     return statistics_of(s->sorted, s->n);
 }
 
-bool interleave(interleave_job **jobs, size_t count, const interleave_limits *limits) {
-    samples *all = calloc(count ? count : 1, sizeof *all);
-    size_t *order = malloc((count ? count : 1) * sizeof *order);
-    const bool enough = all && order;
+void interleave(interleave_job **jobs, size_t count, const interleave_limits *limits) {
+    samples *all = memory(count, sizeof *all);
+    size_t *order = memory(count, sizeof *order), running = count;
     const size_t most = limits->most < INTERLEAVE_SAMPLES_MAX ? limits->most : INTERLEAVE_SAMPLES_MAX;
     const double end = clock_seconds() + limits->seconds;
-    size_t running = enough ? count : 0;
-    for (size_t k = 0; k < running; k++) order[k] = k;
+    for (size_t k = 0; k < count; k++) order[k] = k;
     for (uint32_t round = 0; running > 0; round++) {
         shuffle(order, count, limits->seed, round);
         for (size_t k = 0; k < count; k++) {
@@ -67,12 +66,11 @@ bool interleave(interleave_job **jobs, size_t count, const interleave_limits *li
             running -= s->done;
         }
     }
-    for (size_t k = 0; enough && k < count; k++) {
+    for (size_t k = 0; k < count; k++) {
         jobs[k]->seconds = sorted_copy(&all[k], all[k].seconds);
         jobs[k]->ticks = sorted_copy(&all[k], all[k].ticks);
         jobs[k]->cpu_share = all[k].cpu / all[k].spent;
     }
     free(all);
     free(order);
-    return enough;
 }

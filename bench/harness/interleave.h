@@ -29,8 +29,8 @@ typedef struct interleave_job {
     bool converged;
 } interleave_job;
 
-/* Jobs should have run once before, so that caches and pages are warm. False if out of memory. A job that takes more
+/* Jobs should have run once before, so that caches and pages are warm. A job that takes more
  * than twice its share of the time in one run is run once, whatever least says. */
-bool interleave(interleave_job **jobs, size_t count, const interleave_limits *limits);
+void interleave(interleave_job **jobs, size_t count, const interleave_limits *limits);
 
 #endif

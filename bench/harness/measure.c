@@ -7,7 +7,7 @@
 #include "cpus.h"
 #include "harness/child.h"
 #include "harness/results.h"
-#include "harness/run_record.h"
+#include "harness/run.h"
 #include "options.h"
 #include "peers/embree.h"
 
@@ -201,11 +201,8 @@ static int start(int argc, char **argv) {
         {"again", NULL, "make the files that are there, too", OPTION_FLAG, .to = &o.again},
         {"quick", NULL, "small fields and few rays: to see whether all runs", OPTION_FLAG, .to = &o.quick},
     };
-    const options_usage usage = {.name = "measure",
-                                 .synopsis = "[OPTIONS]",
-                                 .what = what,
-                                 .options = options,
-                                 .option_count = sizeof options / sizeof options[0]};
+    const options_usage usage = {"measure", "[OPTIONS]", what, NULL, options, sizeof options / sizeof *options,
+                                 NULL,      0,           0};
     const int status = options_parse(&usage, argc, argv, NULL);
     if (status != OPTIONS_GO) return status;
     io_error error = {{0}};

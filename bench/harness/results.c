@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "harness/results.h"
 
+#include "harness/memory.h"
 #include "harness/statistics.h"
 
 #include <errno.h>
@@ -8,16 +9,19 @@
 #include <string.h>
 
 bool results_write(io_output *out, json_t *line, io_error *error) {
-    if (line == NULL) return io_fail(error, "out of memory for a result");
     bool good = true;
     if (out->file) {
         char *text = json_dumps(line, JSON_COMPACT | JSON_PRESERVE_ORDER);
-        good = text ? io_output_write(out, text, strlen(text), error) && io_output_write(out, "\n", 1, error)
-                    : io_fail(error, "out of memory for a result");
+        if (text == NULL) memory_end();
+        good = io_output_write(out, text, strlen(text), error) && io_output_write(out, "\n", 1, error);
         free(text);
     }
     json_decref(line);
     return good;
+}
+
+void results_append(json_t *lines, json_t *line) {
+    if (json_array_append_new(lines, line) != 0) memory_end();
 }
 
 bool results_write_all(io_output *out, const json_t *lines, io_error *error) {
@@ -29,37 +33,27 @@ bool results_write_all(io_output *out, const json_t *lines, io_error *error) {
     return true;
 }
 
-static bool read_lines(FILE *file, const char *path, json_t *lines, io_error *error) {
+json_t *results_read(const char *path, io_error *error) {
+    json_t *lines = json_array();
+    FILE *file = fopen(path, "r");
+    bool good = file || io_fail(error, "%s: %s", path, strerror(errno));
     char *text = NULL;
     size_t size = 0, number = 0;
-    bool good = true;
     for (ssize_t length; good && (length = getline(&text, &size, file)) > 0;) {
-        number++;
         json_error_t detail;
         json_t *line = json_loadb(text, (size_t)length, JSON_REJECT_DUPLICATES, &detail);
+        number++;
         if (line == NULL)
             good = io_fail(error, "%s:%zu: not a line of JSON: %s", path, number, detail.text);
         else if (!json_is_object(line))
             good = io_fail(error, "%s:%zu: not a JSON object", path, number);
-        if (!good || json_array_append(lines, line) != 0) good = good && io_fail(error, "out of memory");
-        json_decref(line);
+        results_append(lines, line ? line : json_null());
     }
-    free(text);
     if (good && ferror(file)) good = io_fail(error, "%s: %s", path, strerror(errno));
-    if (good && strcmp(results_text(json_array_get(lines, 0), "kind"), "run") != 0)
+    if (good && !results_is(json_array_get(lines, 0), "run"))
         good = io_fail(error, "%s:1: no results of cellwalk-bench: they start with an object of kind \"run\"", path);
-    return good;
-}
-
-json_t *results_read(const char *path, io_error *error) {
-    FILE *file = fopen(path, "r");
-    if (file == NULL) {
-        io_fail(error, "%s: %s", path, strerror(errno));
-        return NULL;
-    }
-    json_t *lines = json_array();
-    const bool good = lines ? read_lines(file, path, lines, error) : io_fail(error, "out of memory");
-    fclose(file);
+    free(text);
+    if (file) fclose(file);
     if (good) return lines;
     json_decref(lines);
     return NULL;
@@ -132,12 +126,9 @@ double results_number(const json_t *object, const char *key) { return json_numbe
 bool results_is(const json_t *line, const char *kind) { return strcmp(results_text(line, "kind"), kind) == 0; }
 
 const json_t *results_first(const json_t *lines, const char *kind) {
-    size_t index;
-    const json_t *line;
-    json_array_foreach(lines, index, line) {
-        if (results_is(line, kind)) return line;
-    }
-    return NULL;
+    size_t k = 0;
+    while (k < json_array_size(lines) && !results_is(json_array_get(lines, k), kind)) k++;
+    return json_array_get(lines, k);
 }
 
 size_t results_distinct(const json_t *lines, const char *key, const char **texts, size_t most) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Results as JSON lines: one object a line, the first of kind "run" (run_record.h). Written and read back here. */
+/* Results as JSON lines: one object a line, the first of kind "run" (run.h). Written and read back here. */
 #ifndef CELLWALK_BENCH_HARNESS_RESULTS_H
 #define CELLWALK_BENCH_HARNESS_RESULTS_H
 
@@ -9,10 +9,13 @@
 
 #include <jansson.h>
 
-/* Appends a line and takes over the reference to it; only that if out is not open. line may be NULL: out of memory. */
+/* Appends a line and takes over the reference to it; only that if out is not open. */
 bool results_write(io_output *out, json_t *line, io_error *error);
 
-/* Appends all lines of the array, to which the references stay the caller's. */
+/* Appends a line to the array, for which memory is taken; line may be NULL. */
+void results_append(json_t *lines, json_t *line);
+
+/* Writes all lines of the array, to which the references stay the caller's. */
 bool results_write_all(io_output *out, const json_t *lines, io_error *error);
 
 /* The lines as an array, which the caller decrefs. NULL with file and line in error; the first line is of kind "run". */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "micro/compare.h"
+/* cellwalk-bench compare: what changed between two runs, and what only seems to have. */
+#include "micro/micro.h"
 
 #include "commands.h"
 #include "harness/results.h"
@@ -131,15 +132,8 @@ static int start(int argc, char **argv) {
     double margin = 0.02;
     const option_spec options[] = {{"margin", "SHARE", "what may change between two runs of the same program (0.02)",
                                     OPTION_REAL, .to = &margin, .high = 10}};
-    static const char *const operands[] = {"A.json", "B.json"};
-    const options_usage usage = {.name = "compare",
-                                 .synopsis = "A.json B.json [OPTIONS]",
-                                 .what = what,
-                                 .options = options,
-                                 .option_count = 1,
-                                 .operands = operands,
-                                 .operand_least = 2,
-                                 .operand_most = 2};
+    static const char *const names[] = {"A.json", "B.json"};
+    const options_usage usage = {"compare", "A.json B.json [OPTIONS]", what, NULL, options, 1, names, 2, 2};
     const char *files[2];
     const int status = options_parse(&usage, argc, argv, files);
     if (status != OPTIONS_GO) return status;

@@ -2,35 +2,32 @@
 /* One class of rays on one field: who takes part, do they agree, how fast are they. */
 
 #include "clock.h"
+#include "harness/memory.h"
 #include "micro/micro.h"
 
+#include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
-static micro_row *new_row(micro_group *g) {
-    if (g->row_count == MICRO_CONTENDERS_MAX) return NULL;
-    micro_row *row = &g->rows[g->row_count];
-    memset(row, 0, sizeof *row);
-    return row;
+/* The contender, if it can run here, becomes the next row. */
+static bool add_row(micro_group *g, const contender *c, cw_status status, io_error *error) {
+    if (status == CW_ERROR_UNAVAILABLE || status == CW_ERROR_UNSUPPORTED) return true;
+    if (status != CW_OK)
+        return io_fail(error, "%s on field %s: %s", c->name, g->on->samples.name, cw_status_message(status));
+    if (g->row_count == MICRO_CONTENDERS_MAX) return io_fail(error, "more than %d contenders", MICRO_CONTENDERS_MAX);
+    g->rows[g->row_count++].contender = *c;
+    return true;
 }
 
 static bool add_kernel(micro_group *g, const micro_options *o, const cw_kernel *kernel, cw_leaf leaf, io_error *error) {
     for (size_t t = 0; t < o->threads.count; t++) {
-        micro_row *row = new_row(g);
-        if (row == NULL) return io_fail(error, "more than %d contenders", MICRO_CONTENDERS_MAX);
-        const cw_status status = contender_from_kernel(&row->contender, g->on->field, kernel, leaf);
-        if (status == CW_ERROR_UNAVAILABLE || status == CW_ERROR_UNSUPPORTED) return true;
-        if (status != CW_OK)
-            return io_fail(error, "%s on field %s: %s", cw_kernel_describe(kernel).name, g->on->samples.name,
-                           cw_status_message(status));
-        row->contender.threads = o->thread_counts[t];
-        row->contender.query.pool = o->pools[t];
-        if (o->pools[t]) {
-            const size_t used = strlen(row->contender.name);
-            snprintf(row->contender.name + used, sizeof row->contender.name - used, "/t%u", o->thread_counts[t]);
-        }
-        g->row_count++;
+        contender c;
+        const cw_status status = contender_from_kernel(&c, g->on->field, kernel, leaf);
+        c.threads = o->thread_counts[t];
+        c.query.pool = o->pools[t];
+        const size_t used = strlen(c.name);
+        if (o->pools[t]) snprintf(c.name + used, sizeof c.name - used, "/t%u", c.threads);
+        if (!add_row(g, &c, status, error)) return false;
     }
     return true;
 }
@@ -49,27 +46,20 @@ static bool add_kernels(micro_group *g, const micro_options *o, io_error *error)
 }
 
 static bool add_peers(micro_group *g, io_error *error) {
-    for (size_t p = 0; p < g->on->peer_count; p++)
+    for (const micro_peer *peer = g->on->peers; peer < g->on->peers + g->on->peer_count; peer++)
         for (size_t w = 0; w < PEER_WIDTH_COUNT; w++) {
-            const micro_peer *peer = &g->on->peers[p];
-            micro_row *row = new_row(g);
-            if (row == NULL) return io_fail(error, "more than %d contenders", MICRO_CONTENDERS_MAX);
-            contender_from_peer(&row->contender, peer->embree, peer_embree_widths[w], workload_class_is_coherent(g->c),
+            contender c;
+            contender_from_peer(&c, peer->embree, peer_embree_widths[w], workload_class_is_coherent(g->c),
                                 peer->build.name);
-            g->row_count++;
+            if (!add_row(g, &c, CW_OK, error)) return false;
         }
     return true;
 }
 
 /* ---- a pass over all rays ---- */
 
-typedef struct answers {
-    cw_hit *hits;
-    uint8_t *occluded;
-} answers;
-
-static contender_pass pass_of(const micro_group *g, const contender *of, answers out) {
-    return (contender_pass){of, g->rays, g->ray_count, workload_class_is_any(g->c), out.hits, out.occluded};
+static contender_pass pass_of(const micro_group *g, const contender *of, contender_answers out) {
+    return (contender_pass){of, g->rays, g->ray_count, workload_class_is_any(g->c), out};
 }
 
 /* Seconds that the pass takes for rays [begin, begin + n). */
@@ -95,16 +85,16 @@ static double predict(const contender_pass *whole, double limit) {
     return seconds * (double)whole->n / (double)(PIECES * piece);
 }
 
-/* Shadow, ambient occlusion: any. Other classes: closest. The reference is the plain cell walk with the watertight test. */
-static bool verify(micro_group *g, const micro_options *o, const contender *reference, answers expected, answers out) {
+/* Everybody's answers against the reference's, and what the kernels count meanwhile. Who is too slow is left out. False if that
+ * is everybody. */
+static bool verify(micro_group *g, const micro_options *o, contender_answers expected, contender_answers out) {
     const bool any = workload_class_is_any(g->c);
-    contender_pass p = pass_of(g, reference, expected);
+    contender_pass p = pass_of(g, &g->reference, expected);
     contender_run(&p);
     size_t hits = 0, running = 0;
     for (size_t k = 0; k < g->ray_count; k++) hits += any ? expected.occluded[k] : expected.hits[k].i >= 0;
-    g->hit_share = g->ray_count ? (double)hits / (double)g->ray_count : 0;
-    for (size_t r = 0; r < g->row_count; r++) {
-        micro_row *row = &g->rows[r];
+    g->hit_share = (double)hits / (double)g->ray_count;
+    for (micro_row *row = g->rows; row < g->rows + g->row_count; row++) {
         p = pass_of(g, &row->contender, out);
         const double predicted = predict(&p, o->pass);
         if (predicted > o->pass) {
@@ -116,65 +106,45 @@ static bool verify(micro_group *g, const micro_options *o, const contender *refe
         contender_run(&p);
         counters_add(row->counts);
         if (any)
-            agree_any(&row->agreement, g->on->field, g->rays, g->ray_count, expected.occluded, out.occluded, reference,
-                      &row->contender);
+            agree_any(&row->agreement, g->on->field, g->rays, g->ray_count, expected.occluded, out.occluded,
+                      &g->reference, &row->contender);
         else
             agree_closest(&row->agreement, g->on->field, g->rays, g->ray_count, expected.hits, out.hits);
     }
     return running > 0;
 }
 
-static bool time_all(micro_group *g, const micro_options *o, double seconds, answers out) {
+static void time_all(micro_group *g, const micro_options *o, double seconds, contender_answers out) {
     interleave_job *jobs[MICRO_CONTENDERS_MAX];
     size_t count = 0;
-    for (size_t r = 0; r < g->row_count; r++) {
-        micro_row *row = &g->rows[r];
+    for (micro_row *row = g->rows; row < g->rows + g->row_count; row++) {
         row->pass = pass_of(g, &row->contender, out);
         row->job = (interleave_job){.run = contender_run, .context = &row->pass, .by_clock = o->by_clock};
         if (row->predicted == 0) jobs[count++] = &row->job;
     }
     const interleave_limits limits = {
         .width = o->width, .seconds = seconds, .least = 3, .most = INTERLEAVE_SAMPLES_MAX, .seed = o->run.seed};
-    if (!interleave(jobs, count, &limits)) return false;
-    double best = 0;
-    for (size_t r = 0; r < g->row_count; r++) {
-        const double median = g->rows[r].job.seconds.median;
-        if (g->rows[r].contender.embree && median > 0 && (best == 0 || median < best)) best = median;
-    }
-    for (size_t r = 0; r < g->row_count; r++) {
-        micro_row *row = &g->rows[r];
-        if (row->predicted == 0 && row->contender.threads == 1) row->to_embree = best / row->job.seconds.median;
-    }
-    return true;
+    interleave(jobs, count, &limits);
+    double best = INFINITY;
+    for (const micro_row *row = g->rows; row < g->rows + g->row_count; row++)
+        if (row->predicted == 0 && row->contender.embree) best = fmin(best, row->job.seconds.median);
+    for (micro_row *row = g->rows; row < g->rows + g->row_count; row++)
+        if (row->predicted == 0 && row->contender.threads == 1 && isfinite(best))
+            row->to_embree = best / row->job.seconds.median;
 }
 
 bool micro_group_run(micro_group *g, const micro_options *o, double seconds, io_error *error) {
     const double end = clock_seconds() + seconds;
-    g->row_count = 0;
-    const size_t n = (size_t)o->count;
-    contender reference;
-    if (contender_from_kernel(&reference, g->on->field, cw_kernel_find("cell"), CW_LEAF_WATERTIGHT) != CW_OK)
-        return io_fail(error, "the reference kernel cell does not run");
-    memcpy(g->reference, reference.name, sizeof g->reference);
+    const cw_status status =
+        contender_from_kernel(&g->reference, g->on->field, cw_kernel_find("cell"), CW_LEAF_WATERTIGHT);
+    if (status != CW_OK) return io_fail(error, "the reference kernel cell: %s", cw_status_message(status));
     if (!add_kernels(g, o, error) || !add_peers(g, error)) return false;
-
-    g->rays = malloc(n * sizeof *g->rays);
-    answers expected = {malloc(n * sizeof(cw_hit)), malloc(n)}, out = {malloc(n * sizeof(cw_hit)), malloc(n)};
-    bool good = g->rays && expected.hits && expected.occluded && out.hits && out.occluded;
-    if (good) g->ray_count = workload_rays_make(g->on->field, g->c, o->run.seed, n, g->rays);
-    good = good && g->ray_count > 0;
-    if (good && verify(g, o, &reference, expected, out) && !o->counters) {
-        const double left = end - clock_seconds();
-        good = time_all(g, o, left > 0 ? left : 0, out);
-    }
-    free(expected.hits);
-    free(expected.occluded);
-    free(out.hits);
-    free(out.occluded);
-    return good || io_fail(error, "out of memory for %zu rays", n);
-}
-
-void micro_group_free(micro_group *g) {
-    free(g->rays);
-    g->rays = NULL;
+    g->rays = memory(o->count, sizeof *g->rays);
+    g->ray_count = workload_rays_make(g->on->field, g->c, o->run.seed, o->count, g->rays);
+    if (g->ray_count == 0) return io_fail(error, "no rays on field %s", g->on->samples.name);
+    const contender_answers expected = answers_make(o->count), out = answers_make(o->count);
+    if (verify(g, o, expected, out) && !o->counters) time_all(g, o, fmax(0, end - clock_seconds()), out);
+    answers_free(expected);
+    answers_free(out);
+    return true;
 }

@@ -3,10 +3,10 @@
 
 #include "clock.h"
 #include "commands.h"
+#include "harness/memory.h"
 #include "harness/results.h"
-#include "harness/run_record.h"
+#include "harness/run.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -126,28 +126,22 @@ static bool open_field(micro_field *on, const char *name, const micro_options *o
     return micro_build_kernels(on, o, error);
 }
 
-/* ---- summary: the geometric mean over classes, one line a contender, one column a field ---- */
-
-enum { SUMMARY_FIELDS = 16 };
+/* ---- summary: one line a contender, one column a field ---- */
 
 typedef struct summary {
-    struct {
-        char name[CONTENDER_NAME];
-        double log_sum[SUMMARY_FIELDS];
-        size_t n[SUMMARY_FIELDS];
-    } rows[MICRO_CONTENDERS_MAX];
     size_t count;
+    char names[MICRO_CONTENDERS_MAX][CONTENDER_NAME];
+    double speeds[MICRO_CONTENDERS_MAX][WORKLOAD_FIELDS][WORKLOAD_CLASS_COUNT]; /* to Embree's */
+    size_t classes[MICRO_CONTENDERS_MAX][WORKLOAD_FIELDS];                      /* that have one */
 } summary;
 
 static void summary_add(summary *s, size_t field, const micro_group *g) {
-    for (size_t r = 0; r < g->row_count; r++) {
-        const micro_row *row = &g->rows[r];
+    for (const micro_row *row = g->rows; row < g->rows + g->row_count; row++) {
         size_t k = 0;
-        while (k < s->count && strcmp(s->rows[k].name, row->contender.name) != 0) k++;
-        if (!(row->to_embree > 0) || field >= SUMMARY_FIELDS || k == MICRO_CONTENDERS_MAX) continue;
-        memcpy(s->rows[k].name, row->contender.name, sizeof s->rows[k].name);
-        s->rows[k].log_sum[field] += log(row->to_embree);
-        s->rows[k].n[field]++;
+        while (k < s->count && strcmp(s->names[k], row->contender.name) != 0) k++;
+        if (!(row->to_embree > 0) || k == MICRO_CONTENDERS_MAX) continue;
+        memcpy(s->names[k], row->contender.name, CONTENDER_NAME);
+        s->speeds[k][field][s->classes[k][field]++] = row->to_embree;
         s->count += k == s->count;
     }
 }
@@ -156,14 +150,15 @@ static void summary_print(const summary *s, const micro_options *o) {
     if (s->count == 0) return;
     bool partial = false;
     printf("\nSpeed over Embree's best width, geometric mean over the classes of rays:\n  %-30s", "contender");
-    for (size_t f = 0; f < o->fields.count && f < SUMMARY_FIELDS; f++) printf(" %9s", o->fields.item[f]);
+    for (size_t f = 0; f < o->fields.count; f++) printf(" %9s", o->fields.item[f]);
     for (size_t k = 0; k < s->count; k++) {
-        printf("\n  %-30s", s->rows[k].name);
-        for (size_t f = 0; f < o->fields.count && f < SUMMARY_FIELDS; f++) {
-            const size_t n = s->rows[k].n[f];
+        printf("\n  %-30s", s->names[k]);
+        for (size_t f = 0; f < o->fields.count; f++) {
+            const size_t n = s->classes[k][f];
+            const bool whole = n == 0 || n == o->rays.count;
             if (n == 0) printf(" %9s", "-");
-            if (n > 0) printf(" %7.2f%s", exp(s->rows[k].log_sum[f] / (double)n), n == o->rays.count ? "  " : " *");
-            partial = partial || (n > 0 && n < o->rays.count);
+            if (n > 0) printf(" %7.2f%s", statistics_geometric_mean(s->speeds[k][f], n), whole ? "  " : " *");
+            partial = partial || !whole;
         }
     }
     puts(partial ? "\n  * not all classes: the others would have taken too long" : "");
@@ -181,20 +176,14 @@ static void set_threads(json_t *record, const micro_options *o) {
 
 static bool run_group(micro_field *on, size_t f, workload_class c, const micro_options *o, double seconds, summary *s,
                       io_output *out, io_error *error) {
-    micro_group *g = calloc(1, sizeof *g);
-    if (g == NULL) return io_fail(error, "out of memory");
+    micro_group *g = memory(1, sizeof *g);
     g->on = on;
     g->c = c;
     bool good = micro_group_run(g, o, seconds, error);
-    if (good && o->counters) {
-        micro_print_counts(g);
-        good = micro_write_counts(out, g, error);
-    } else if (good) {
-        micro_print_group(g);
-        summary_add(s, f, g);
-        good = micro_write_group(out, g, error);
-    }
-    micro_group_free(g);
+    if (good) micro_print_group(g, o->counters);
+    if (good) summary_add(s, f, g);
+    good = good && micro_write_group(out, g, o->counters, error);
+    free(g->rays);
     free(g);
     return good;
 }
@@ -209,8 +198,8 @@ static bool run(const micro_options *o, io_output *out, io_error *error) {
     printf("%s\n", text);
     if (!results_write(out, record, error)) return false;
 
-    summary *s = calloc(1, sizeof *s);
-    bool good = s || io_fail(error, "out of memory");
+    summary *s = memory(1, sizeof *s);
+    bool good = true;
     double end = clock_seconds() + o->seconds;
     size_t groups = o->fields.count * o->rays.count;
     for (size_t f = 0; good && f < o->fields.count; f++) {
@@ -248,9 +237,8 @@ static bool run_into_file(micro_options *o, io_error *error) {
 static int start(int argc, char **argv) {
     const int elsewhere = counters_elsewhere(argc, argv);
     if (elsewhere >= 0) return elsewhere;
-    micro_options o = {.width = 0.02};
-    enum { OWN = 15 };
-    option_spec options[OWN + RUN_OPTION_COUNT] = {
+    micro_options o = {.run = RUN_DEFAULTS, .width = 0.02};
+    const option_spec options[] = {
         {"kernel", "NAMES", "only these kernels; all by default", OPTION_LIST, .to = &o.kernels,
          .names = option_kernel_names},
         {"rays", "NAMES", "only these classes of rays; none is for building alone", OPTION_LIST, .to = &o.rays,
@@ -280,14 +268,10 @@ static int start(int argc, char **argv) {
          OPTION_FLAG, .to = &o.counters},
         {"long", NULL, "all fields, more rays, more time", OPTION_FLAG, .to = &o.longer},
         {"json", "FILE", "write JSON lines there", OPTION_TEXT, .to = &o.json},
+        RUN_OPTIONS(o.run),
     };
-    run_options_rows(&o.run, options + OWN);
-    const options_usage usage = {.name = "micro",
-                                 .synopsis = "[OPTIONS]",
-                                 .what = what,
-                                 .examples = examples,
-                                 .options = options,
-                                 .option_count = OWN + RUN_OPTION_COUNT};
+    const options_usage usage = {"micro", "[OPTIONS]", what, examples, options, sizeof options / sizeof *options,
+                                 NULL,    0,           0};
     const int status = options_parse(&usage, argc, argv, NULL);
     if (status != OPTIONS_GO) return status;
     io_error error = {{0}};

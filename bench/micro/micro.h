@@ -5,7 +5,7 @@
 
 #include "harness/agree.h"
 #include "harness/interleave.h"
-#include "harness/run_options.h"
+#include "harness/run.h"
 #include "micro/counters.h"
 #include "output.h"
 #include "peers/contender.h"
@@ -66,7 +66,7 @@ typedef struct micro_row {
     double predicted; /* seconds of a pass by the probe, where the contender was left out; else 0 */
     contender_pass pass;
     interleave_job job;
-    counter counts[COUNTERS_MAX]; /* of a pass, if the options ask for them */
+    counter counts[COUNTERS_MAX]; /* of a pass */
     agreement agreement;
     double to_embree; /* Embree's best median over this one's: above 1 is faster than Embree; 0 without Embree */
 } micro_row;
@@ -76,25 +76,32 @@ typedef struct micro_group {
     workload_class c;
     cw_ray *rays;
     size_t ray_count;
-    char reference[CONTENDER_NAME]; /* whose answers all others are held against */
+    contender reference; /* whose answers all others are held against */
     micro_row rows[MICRO_CONTENDERS_MAX];
     size_t row_count;
     double hit_share;
 } micro_group;
 
-/* Fills group->rows from the options, verifies, and measures or counts. on and c are given. seconds is for all that. */
+/* Fills group from the options, verifies, and measures or counts. on and c are given, all else is zero; rays are to be freed.
+ * seconds is for all that. */
 bool micro_group_run(micro_group *group, const micro_options *options, double seconds, io_error *error);
-void micro_group_free(micro_group *group);
 
-/* Human text on standard output. */
+/* Human text on standard output; of a group what the kernels counted, or times. */
 void micro_print_field(const micro_field *on);
-void micro_print_group(const micro_group *group);
-void micro_print_counts(const micro_group *group);
+void micro_print_group(const micro_group *group, bool counted);
 
-/* JSON lines; does nothing if out->file is NULL. A row's has what it is and whether it agrees. */
-json_t *micro_row_line(const micro_group *group, const micro_row *row, const char *kind);
+/* JSON lines; does nothing if out->file is NULL. */
 bool micro_write_field(io_output *out, const micro_field *on, io_error *error);
-bool micro_write_group(io_output *out, const micro_group *group, io_error *error);
-bool micro_write_counts(io_output *out, const micro_group *group, io_error *error);
+bool micro_write_group(io_output *out, const micro_group *group, bool counted, io_error *error);
+
+/* ---- compare.c ---- */
+
+/* How many comparisons came out which way. */
+typedef struct compare_counts {
+    size_t faster, slower, undecided, unmatched;
+} compare_counts;
+
+/* Prints a line for each result that both files have. margin: see statistics_ratio. */
+bool compare_files(const char *path_a, const char *path_b, double margin, compare_counts *counts, io_error *error);
 
 #endif

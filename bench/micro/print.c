@@ -6,6 +6,8 @@
 
 #include <stdio.h>
 
+/* ---- a field ---- */
+
 static void print_build(const micro_build *b, double cells) {
     printf("; %s built in %.3g s, %.1f bytes a cell", b->name, b->seconds, (double)b->bytes / cells);
 }
@@ -19,35 +21,6 @@ void micro_print_field(const micro_field *on) {
     for (size_t p = 0; p < on->peer_count; p++) print_build(&on->peers[p].build, cells);
     printf("\n");
 }
-
-static double mrays(const micro_group *g, double seconds) { return (double)g->ray_count / seconds * 1e-6; }
-
-void micro_print_group(const micro_group *g) {
-    printf("\n%s, %s: %zu rays, %.1f %% hit, %s\n", g->on->samples.name, workload_class_name(g->c), g->ray_count,
-           100 * g->hit_share, workload_class_is_any(g->c) ? "any hit" : "closest hit");
-    printf("  %-30s %9s %7s %7s %9s %9s  %s\n", "contender", "Mrays/s", "CI +-%", "MAD %", "TSC/ray", "/Embree",
-           "against the reference");
-    for (size_t r = 0; r < g->row_count; r++) {
-        const micro_row *row = &g->rows[r];
-        if (row->predicted > 0) {
-            printf("  %-30s left out: a pass would take %.2g s\n", row->contender.name, row->predicted);
-            continue;
-        }
-        const statistics *s = &row->job.seconds;
-        char ratio_text[16] = "-", agreement_text[160];
-        if (row->to_embree > 0) snprintf(ratio_text, sizeof ratio_text, "%.2f", row->to_embree);
-        agree_text(&row->agreement, agreement_text, sizeof agreement_text);
-        printf("  %-30s %9.3f %6.1f%s %7.1f %9.1f %9s  %s\n", row->contender.name, mrays(g, s->median),
-               50 * (s->high - s->low) / s->median,
-               row->job.converged ? " "
-               : s->sure          ? "!"
-                                  : "?",
-               100 * s->mad / s->median, row->job.ticks.median / (double)g->ray_count, ratio_text, agreement_text);
-    }
-    fflush(stdout);
-}
-
-/* ---- JSON ---- */
 
 static bool write_build(io_output *out, const micro_field *on, const char *kind, const char *key, const micro_build *b,
                         io_error *error) {
@@ -76,33 +49,110 @@ bool micro_write_field(io_output *out, const micro_field *on, io_error *error) {
     return good;
 }
 
-json_t *micro_row_line(const micro_group *g, const micro_row *row, const char *kind) {
-    json_t *line = json_object();
-    results_set_texts(line, "kind field rays query contender",
-                      (const char *[]){kind, g->on->samples.name, workload_class_name(g->c),
-                                       workload_class_is_any(g->c) ? "any" : "closest", row->contender.name});
-    results_set_counts(line, "width threads ray_count",
-                       (size_t[]){row->contender.width, row->contender.threads, g->ray_count});
-    if (row->predicted > 0) return line;
-    results_set_text(line, "reference", g->reference);
-    json_object_set_new(line, "agreement", results_agreement(&row->agreement));
-    return line;
+/* ---- a group, timed ---- */
+
+static double mrays(const micro_group *g, const micro_row *row) {
+    return (double)g->ray_count / row->job.seconds.median * 1e-6;
+}
+static double ticks(const micro_group *g, const micro_row *row) { return row->job.ticks.median / (double)g->ray_count; }
+
+static void print_times(const micro_group *g, const micro_row *row) {
+    const statistics *s = &row->job.seconds;
+    char ratio_text[16] = "-", agreement_text[160];
+    if (row->to_embree > 0) snprintf(ratio_text, sizeof ratio_text, "%.2f", row->to_embree);
+    agree_text(&row->agreement, agreement_text, sizeof agreement_text);
+    printf(" %9.3f %6.1f%s %7.1f %9.1f %9s  %s\n", mrays(g, row), 50 * (s->high - s->low) / s->median,
+           row->job.converged ? " "
+           : s->sure          ? "!"
+                              : "?",
+           100 * s->mad / s->median, ticks(g, row), ratio_text, agreement_text);
 }
 
-bool micro_write_group(io_output *out, const micro_group *g, io_error *error) {
+static void set_times(json_t *line, const micro_group *g, const micro_row *row) {
+    results_set_seconds(line, &row->job.seconds);
+    results_set_bool(line, "converged", row->job.converged);
+    results_set_numbers(line, "cpu_share mrays_per_s tsc_per_ray",
+                        (double[]){row->job.cpu_share, mrays(g, row), ticks(g, row)});
+    if (row->to_embree > 0) results_set_number(line, "speed_to_embree_best", row->to_embree);
+}
+
+/* ---- a group, counted ---- */
+
+/* Brute force counts nothing. */
+static bool is_counted(const micro_row *row) {
+    size_t k = 0;
+    while (k < counters_count() && row->counts[k].events == 0) k++;
+    return k < counters_count();
+}
+
+static void print_cell(double value, const char *format, int width) {
+    char text[32] = "-";
+    if (value > 0) snprintf(text, sizeof text, format, value);
+    printf(" %*s", width, text);
+}
+
+static void print_counts(const micro_group *g, const micro_row *row) {
+    static const char *const walks[] = {"flat", "node", "leaf"};
+    static const struct {
+        const char *name;
+        bool events;
+    } others[] = {{"refill", false}, {"shared_node", true}, {"shared_cell", true}, {"apart", false}, {"voxel", false}};
+    const double rays = (double)g->ray_count;
+    for (size_t w = 0; w < 3; w++) { /* lanes a ray, and how many of the vector's lanes take part */
+        const counter *c = counters_find(row->counts, walks[w]);
+        print_cell((double)c->lanes / rays, "%.3f", 8);
+        print_cell(100 * (double)c->lanes / (double)(c->events * row->contender.width), "%.0f", 5);
+    }
+    for (size_t k = 0; k < sizeof others / sizeof others[0]; k++) {
+        const counter *c = counters_find(row->counts, others[k].name);
+        print_cell((double)(others[k].events ? c->events : c->lanes) / rays, "%.3f", 7);
+    }
+    const counter *triangles = counters_find(row->counts, "triangle"), *cells = counters_find(row->counts, "leaf");
+    print_cell((double)(triangles->lanes + 2 * cells->lanes) / rays, "%.3f", 8);
+    printf("\n");
+}
+
+/* ---- a group ---- */
+
+void micro_print_group(const micro_group *g, bool counted) {
+    printf("\n%s, %s: %zu rays, %.1f %% hit, %s\n", g->on->samples.name, workload_class_name(g->c), g->ray_count,
+           100 * g->hit_share, workload_class_is_any(g->c) ? "any hit" : "closest hit");
+    if (counted)
+        printf("  %-28s %8s %5s %8s %5s %8s %5s %7s %7s %7s %7s %7s %8s\n", "a ray:", "cells", "busy%", "nodes",
+               "busy%", "tests", "busy%", "refills", "sh.node", "sh.cell", "apart", "voxels", "triangles");
+    else
+        printf("  %-30s %9s %7s %7s %9s %9s  %s\n", "contender", "Mrays/s", "CI +-%", "MAD %", "TSC/ray", "/Embree",
+               "against the reference");
+    for (const micro_row *row = g->rows; row < g->rows + g->row_count; row++) {
+        if (counted && row->predicted == 0 && !is_counted(row)) continue;
+        printf("  %-*s", counted ? 28 : 30, row->contender.name);
+        if (row->predicted > 0)
+            printf(" left out: a pass would take %.2g s\n", row->predicted);
+        else
+            (counted ? print_counts : print_times)(g, row);
+    }
+    fflush(stdout);
+}
+
+bool micro_write_group(io_output *out, const micro_group *g, bool counted, io_error *error) {
     bool good = true;
-    for (size_t r = 0; good && r < g->row_count; r++) {
-        const micro_row *row = &g->rows[r];
-        json_t *line = micro_row_line(g, row, "result");
+    for (const micro_row *row = g->rows; good && row < g->rows + g->row_count; row++) {
+        if (counted && (row->predicted > 0 || !is_counted(row))) continue;
+        json_t *line = json_object();
+        results_set_texts(line, "kind field rays query contender",
+                          (const char *[]){counted ? "counts" : "result", g->on->samples.name,
+                                           workload_class_name(g->c), workload_class_is_any(g->c) ? "any" : "closest",
+                                           row->contender.name});
+        results_set_counts(line, "width threads ray_count",
+                           (size_t[]){row->contender.width, row->contender.threads, g->ray_count});
         if (row->predicted > 0) {
             results_set_number(line, "left_out_seconds", row->predicted);
         } else {
-            results_set_seconds(line, &row->job.seconds);
-            results_set_bool(line, "converged", row->job.converged);
-            results_set_numbers(line, "cpu_share mrays_per_s tsc_per_ray",
-                                (double[]){row->job.cpu_share, mrays(g, row->job.seconds.median),
-                                           row->job.ticks.median / (double)g->ray_count});
-            if (row->to_embree > 0) results_set_number(line, "speed_to_embree_best", row->to_embree);
+            results_set_text(line, "reference", g->reference.name);
+            json_object_set_new(line, "agreement", results_agreement(&row->agreement));
+            if (!counted) set_times(line, g, row);
+            if (counted) results_set_number(line, "hit_share", g->hit_share);
+            if (counted) json_object_set_new(line, "counts", counters_json(row->counts));
         }
         good = results_write(out, line, error);
     }

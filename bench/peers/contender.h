@@ -24,14 +24,19 @@ struct contender {
 /* CW_OK only if the kernel has this leaf test and may run here; what it needs built is built. */
 cw_status contender_from_kernel(contender *c, cw_field *field, const cw_kernel *kernel, cw_leaf leaf);
 
+/* Where answers go: hits for the closest ones, occluded for any. */
+typedef struct contender_answers {
+    cw_hit *hits;
+    uint8_t *occluded;
+} contender_answers;
+
 /* All rays once: any says which answers are asked for. */
 typedef struct contender_pass {
     const contender *of;
     const cw_ray *rays;
     size_t n;
     bool any;
-    cw_hit *hits;
-    uint8_t *occluded;
+    contender_answers out;
 } contender_pass;
 
 /* pass is a contender_pass, untyped so that this can be a job. */

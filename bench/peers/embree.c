@@ -180,7 +180,7 @@ static unsigned flush_denormals(void) { return 0; }
 static void restore_denormals(unsigned caller) { (void)caller; }
 #endif
 
-/* RTCRayHit4, 8 and 16 as what they are: rows of N numbers. */
+/* RTCRayHit, RTCRayHit4, 8 and 16 as what they are: rows of 1, 4, 8 or 16 numbers. */
 enum { ORG_X, ORG_Y, ORG_Z, TNEAR, DIR_X, DIR_Y, DIR_Z, TIME, TFAR, MASK, ID, FLAGS };
 enum { NG_X = FLAGS + 1, NG_Y, NG_Z, HIT_U, HIT_V, PRIM_ID, GEOM_ID, INST_ID, ROWS };
 typedef union packet {
@@ -239,35 +239,14 @@ static inline cw_hit make_hit(const peer_embree *p, unsigned geometry, unsigned 
 
 /* ---- tracing ---- */
 
-/* Where answers go: hits for the closest ones, occluded for any. */
-typedef struct answers {
-    cw_hit *hits;
-    uint8_t *occluded;
-} answers;
-
-static void trace_single(const contender *c, struct RTCIntersectContext *context, const cw_ray *rays, size_t n,
-                         answers out) {
-    struct RTCRayHit r = {.ray = {.mask = UINT32_MAX}};
-    for (size_t k = 0; k < n; k++) {
-        const cw_ray *from = &rays[k];
-        struct RTCRay *to = &r.ray;
-        to->org_x = from->org[0], to->org_y = from->org[1], to->org_z = from->org[2], to->tnear = from->tmin;
-        to->dir_x = from->dir[0], to->dir_y = from->dir[1], to->dir_z = from->dir[2], to->tfar = from->tmax;
-        r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-        if (out.occluded) {
-            rtcOccluded1(c->peer->scene, context, to);
-            out.occluded[k] = to->tfar < 0;
-        } else {
-            rtcIntersect1(c->peer->scene, context, &r);
-            out.hits[k] = make_hit(c->peer, r.hit.geomID, r.hit.primID, to->tfar, r.hit.u, r.hit.v);
-        }
-    }
-}
-
 static inline void trace_packet(const contender *c, unsigned width, bool any, const int *valid,
                                 struct RTCIntersectContext *context, packet *p) {
     RTCScene in = c->peer->scene;
-    if (width == 4 && any)
+    if (width == 1 && any)
+        rtcOccluded1(in, context, (struct RTCRay *)p);
+    else if (width == 1)
+        rtcIntersect1(in, context, (struct RTCRayHit *)p);
+    else if (width == 4 && any)
         rtcOccluded4(valid, in, context, (struct RTCRay4 *)p);
     else if (width == 4)
         rtcIntersect4(valid, in, context, (struct RTCRayHit4 *)p);
@@ -284,7 +263,7 @@ static inline void trace_packet(const contender *c, unsigned width, bool any, co
 /* A body for any width and both queries, compiled once for each because the callers give them as constants. */
 static inline __attribute__((always_inline)) void trace_packets(const contender *c, unsigned width, bool any,
                                                                 struct RTCIntersectContext *context, const cw_ray *rays,
-                                                                size_t n, answers out) {
+                                                                size_t n, contender_answers out) {
     _Alignas(64) int valid[16];
     packet p;
     packet_clear(&p, width);
@@ -310,7 +289,7 @@ static inline __attribute__((always_inline)) void trace_packets(const contender 
 }
 
 static inline __attribute__((always_inline)) void trace(const contender *c, bool any, const cw_ray *rays, size_t n,
-                                                        answers out) {
+                                                        contender_answers out) {
     const unsigned caller = flush_denormals();
     struct RTCIntersectContext context;
     rtcInitIntersectContext(&context);
@@ -322,16 +301,16 @@ static inline __attribute__((always_inline)) void trace(const contender *c, bool
     else if (c->width == 16)
         trace_packets(c, 16, any, &context, rays, n, out);
     else
-        trace_single(c, &context, rays, n, out);
+        trace_packets(c, 1, any, &context, rays, n, out);
     restore_denormals(caller);
 }
 
 static void closest(const contender *self, const cw_ray *rays, size_t n, cw_hit *hits) {
-    trace(self, false, rays, n, (answers){.hits = hits});
+    trace(self, false, rays, n, (contender_answers){.hits = hits});
 }
 
 static void any(const contender *self, const cw_ray *rays, size_t n, uint8_t *occluded) {
-    trace(self, true, rays, n, (answers){.occluded = occluded});
+    trace(self, true, rays, n, (contender_answers){.occluded = occluded});
 }
 
 void contender_from_peer(contender *c, const peer_embree *peer, unsigned width, bool coherent, const char *prefix) {

@@ -98,17 +98,6 @@ static void sky(double u, double v, float rgb[3]) {
     }
 }
 
-static bool write_sky(const char *path, io_error *error) {
-    enum { WIDTH = 1024, HEIGHT = 512 };
-    const io_image image = {WIDTH, HEIGHT, floats((size_t)WIDTH * HEIGHT * 3)};
-    for (size_t y = 0; y < HEIGHT; y++)
-        for (size_t x = 0; x < WIDTH; x++)
-            sky(((double)x + 0.5) / WIDTH, ((double)y + 0.5) / HEIGHT, image.rgb + (y * WIDTH + x) * 3);
-    const bool good = io_image_write(path, &image, error);
-    free(image.rgb);
-    return good;
-}
-
 /* Four tinted quarters under a grid of ten by ten dark lines; the origin's corner has a disc. */
 static void grid(double u, double v, float rgb[3]) {
     static const double tint[4][3] = {{0.8, 0.5, 0.5}, {0.5, 0.55, 0.85}, {0.5, 0.75, 0.5}, {0.75, 0.75, 0.7}};
@@ -120,12 +109,14 @@ static void grid(double u, double v, float rgb[3]) {
     for (int c = 0; c < 3; c++) rgb[c] = (float)(middle || disc ? 0.03 : to_line < 0.025 ? 0.15 : colour[c]);
 }
 
-static bool write_grid(const char *path, io_error *error) {
-    enum { WIDTH = 512 };
-    const io_image image = {WIDTH, WIDTH, floats((size_t)WIDTH * WIDTH * 3)};
-    for (size_t y = 0; y < WIDTH; y++)
-        for (size_t x = 0; x < WIDTH; x++)
-            grid(((double)x + 0.5) / WIDTH, ((double)y + 0.5) / WIDTH, image.rgb + (y * WIDTH + x) * 3);
+/* shade: the colour at u, v in [0, 1], of each pixel's middle. */
+static bool write_image(const char *path, size_t width, size_t height, void (*shade)(double, double, float[3]),
+                        io_error *error) {
+    const io_image image = {width, height, floats(width * height * 3)};
+    for (size_t y = 0; y < height; y++)
+        for (size_t x = 0; x < width; x++)
+            shade(((double)x + 0.5) / (double)width, ((double)y + 0.5) / (double)height,
+                  image.rgb + (y * width + x) * 3);
     const bool good = io_image_write(path, &image, error);
     free(image.rgb);
     return good;
@@ -136,8 +127,8 @@ static bool write_one(const char *path, io_error *error) {
     if (strcmp(name, "land.pbrt") == 0) return write_land(path, error);
     if (strcmp(name, "sea.pbrt") == 0) return write_sea(path, SIDE, 4, 3, 3, error);
     if (strcmp(name, "sea-l.pbrt") == 0) return write_sea(path, LARGE_SIDE, 1, 4, 0.4f, error);
-    if (strcmp(name, "sky.pfm") == 0) return write_sky(path, error);
-    if (strcmp(name, "grid.pfm") == 0) return write_grid(path, error);
+    if (strcmp(name, "sky.pfm") == 0) return write_image(path, 1024, 512, sky, error);
+    if (strcmp(name, "grid.pfm") == 0) return write_image(path, 512, 512, grid, error);
     return io_fail(error, "%s: not land.pbrt, sea.pbrt, sea-l.pbrt, sky.pfm or grid.pfm", path);
 }
 

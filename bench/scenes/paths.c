@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "harness/results.h"
 #include "peers/embree.h"
 #include "scenes/table.h"
 
@@ -54,9 +55,8 @@ bool table_paths_choose(const table_options *o, table_path *paths, size_t *count
         if (!known && !standard) return false;
         if (known) obstacle(&paths[*count], why);
         *count += why[0] == '\0';
-        if (why[0] && json_array_append_new(
-                          skipped, json_pack("{s:s, s:s, s:s}", "kind", "skipped", "path", texts[k], "why", why)) != 0)
-            return io_fail(error, "out of memory");
+        if (why[0])
+            results_append(skipped, json_pack("{s:s, s:s, s:s}", "kind", "skipped", "path", texts[k], "why", why));
     }
     return *count > 0 || io_fail(error, "none of the paths can run here");
 }

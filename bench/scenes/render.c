@@ -4,11 +4,13 @@
 #include "clock.h"
 #include "harness/agree.h"
 #include "harness/interleave.h"
+#include "harness/memory.h"
 #include "harness/results.h"
 #include "micro/counters.h"
 #include "scenes/table.h"
 #include "scenes/tracer.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -229,30 +231,26 @@ json_t *table_scene_run(const char *name, const table_path *paths, size_t path_c
                         double seconds, io_error *error) {
     const double end = clock_seconds() + seconds;
     json_t *line = NULL;
-    stage *s = calloc(1, sizeof *s);
-    job *jobs = calloc(path_count, sizeof *jobs);
+    stage *s = memory(1, sizeof *s);
+    job *jobs = memory(path_count, sizeof *jobs);
     interleave_job *timed[TABLE_PATHS_MAX];
-    bool good = (s && jobs) || io_fail(error, "out of memory");
-    good = good && open_stage(s, name, paths, path_count, o, error) && verify(s, error);
+    bool good = open_stage(s, name, paths, path_count, o, error) && verify(s, error);
     for (size_t k = 0; good && k < path_count; k++) {
         jobs[k] = (job){.on = s, .path = &paths[k], .samples = o->samples, .tracer = tracer_of(s, &paths[k])};
         jobs[k].timing = (interleave_job){.run = render, .context = &jobs[k]};
         timed[k] = &jobs[k].timing;
     }
-    if (good) {
-        const double left = end - clock_seconds();
-        const interleave_limits limits = {.width = o->width,
-                                          .seconds = left > 0 ? left : 0,
-                                          .least = o->quick || o->counters ? 1 : 3,
-                                          .most = 50,
-                                          .seed = o->run.seed};
-        good = interleave(timed, path_count, &limits) || io_fail(error, "out of memory");
-    }
+    const interleave_limits limits = {.width = o->width,
+                                      .seconds = fmax(0, end - clock_seconds()),
+                                      .least = o->quick || o->counters ? 1 : 3,
+                                      .most = 50,
+                                      .seed = o->run.seed};
+    if (good) interleave(timed, path_count, &limits);
     for (size_t k = 0; good && k < path_count; k++)
         if (jobs[k].error.text[0]) good = io_fail(error, "%s: %s", paths[k].name, jobs[k].error.text);
     if (good) line = scene_json(name, s, jobs, path_count);
-    for (size_t k = 0; jobs && k < path_count; k++) io_image_free(&jobs[k].image);
+    for (size_t k = 0; k < path_count; k++) io_image_free(&jobs[k].image);
     free(jobs);
-    if (s) close_stage(s);
+    close_stage(s);
     return line;
 }

@@ -4,8 +4,9 @@
 #include "build_info.h"
 #include "clock.h"
 #include "commands.h"
+#include "harness/memory.h"
 #include "harness/results.h"
-#include "harness/run_record.h"
+#include "harness/run.h"
 #include "markdown.h"
 #include "micro/counters.h"
 #include "scenes/tracer.h"
@@ -18,24 +19,24 @@ static const char what[] =
     "ratio to Default (Embree's triangle mesh) and tracing speed. Saves table.md and table.csv, which also hold the "
     "counts of rays and whether all paths agree, and table.json in a folder.";
 
-/* The three files of a table, opened before any work, so that a folder that cannot be written to is found out first. */
-typedef struct files {
-    io_output markdown, csv, json;
-} files;
+/* The files of a table, opened before any work, so that a folder that cannot be written to is found out first. */
+enum { MARKDOWN, CSV, JSON, FILES };
+static const char *const names[FILES] = {"table.md", "table.csv", "table.json"};
 
-static bool save(files *f, const json_t *lines, io_error *error) {
+static bool save(io_output *out, const json_t *lines, io_error *error) {
     char *text = NULL;
     size_t size;
-    FILE *memory = open_memstream(&text, &size);
-    if (memory == NULL) return io_fail(error, "out of memory");
-    table_write_markdown(memory, lines);
-    bool good = fclose(memory) == 0 || io_fail(error, "out of memory");
-    if (good) markdown_print(text);
-    good = good && io_output_write(&f->markdown, text, size, error);
+    FILE *stream = open_memstream(&text, &size);
+    if (stream == NULL) memory_end();
+    table_write_markdown(stream, lines);
+    if (fclose(stream) != 0) memory_end();
+    markdown_print(text);
+    bool good = io_output_write(&out[MARKDOWN], text, size, error);
     free(text);
-    table_write_csv(f->csv.file, lines);
-    return good && results_write_all(&f->json, lines, error) && io_output_commit(&f->json, error) &&
-           io_output_commit(&f->csv, error) && io_output_commit(&f->markdown, error);
+    table_write_csv(out[CSV].file, lines);
+    good = good && results_write_all(&out[JSON], lines, error);
+    for (size_t f = FILES; good && f-- > 0;) good = io_output_commit(&out[f], error);
+    return good;
 }
 
 /* Large scenes take longer, so time is not shared evenly. */
@@ -52,7 +53,7 @@ static bool run_scenes(const table_options *o, const table_path *paths, size_t c
         json_t *line = table_scene_run(name, paths, count, o, left > 0 ? left * weight(name) / weights : 0, error);
         weights -= weight(name);
         if (line == NULL) return false;
-        if (json_array_append_new(lines, line) != 0) return io_fail(error, "out of memory");
+        results_append(lines, line);
     }
     return true;
 }
@@ -63,18 +64,14 @@ static bool run(const table_options *o, io_error *error) {
     int cpu;
     if (!run_options_pin(&o->run, &cpu, error)) return false;
     json_t *lines = json_array(), *record = run_record("table", o->run.seed, cpu);
-    files out = {0};
+    io_output out[FILES] = {0};
     results_set_bool(record, "quick", o->quick);
     results_set_count(record, "samples_a_pixel", o->samples);
-    const bool good = (json_array_append_new(lines, record) == 0 || io_fail(error, "out of memory")) &&
-                      table_paths_choose(o, paths, &count, lines, error) &&
-                      io_output_open_in(&out.markdown, o->out, "table.md", error) &&
-                      io_output_open_in(&out.csv, o->out, "table.csv", error) &&
-                      io_output_open_in(&out.json, o->out, "table.json", error) &&
-                      run_scenes(o, paths, count, lines, error) && save(&out, lines, error);
-    io_output_discard(&out.json);
-    io_output_discard(&out.csv);
-    io_output_discard(&out.markdown);
+    results_append(lines, record);
+    bool good = table_paths_choose(o, paths, &count, lines, error);
+    for (size_t f = 0; good && f < FILES; f++) good = io_output_open_in(&out[f], o->out, names[f], error);
+    good = good && run_scenes(o, paths, count, lines, error) && save(out, lines, error);
+    for (size_t f = 0; f < FILES; f++) io_output_discard(&out[f]);
     json_decref(lines);
     fflush(stdout);
     if (good) fprintf(stderr, "saved %s/table.md, table.csv and table.json\n", o->out);
@@ -84,9 +81,8 @@ static bool run(const table_options *o, io_error *error) {
 static int start(int argc, char **argv) {
     const int elsewhere = counters_elsewhere(argc, argv);
     if (elsewhere >= 0) return elsewhere;
-    table_options o = {.out = "out/table", .scene_folder = BUILD_INFO_SCENES, .width = 0.02};
-    enum { OWN = 10 };
-    option_spec options[OWN + RUN_OPTION_COUNT] = {
+    table_options o = {.run = RUN_DEFAULTS, .out = "out/table", .scene_folder = BUILD_INFO_SCENES, .width = 0.02};
+    const option_spec options[] = {
         {"out", "FOLDER", "where to save table.md, .csv and .json; made if need be (out/table)", OPTION_TEXT,
          .to = &o.out},
         {"scene", "NAMES", "only these", OPTION_LIST, .to = &o.scenes, .names = scene_names},
@@ -106,13 +102,10 @@ static int start(int argc, char **argv) {
         {"counters", NULL, "count what the kernels do for the scenes' rays instead of timing them", OPTION_FLAG,
          .to = &o.counters},
         {"quick", NULL, "one sample a pixel, fewer rounds: a first look", OPTION_FLAG, .to = &o.quick},
+        RUN_OPTIONS(o.run),
     };
-    run_options_rows(&o.run, options + OWN);
-    const options_usage usage = {.name = "table",
-                                 .synopsis = "[OPTIONS]",
-                                 .what = what,
-                                 .options = options,
-                                 .option_count = OWN + RUN_OPTION_COUNT};
+    const options_usage usage = {"table", "[OPTIONS]", what, NULL, options, sizeof options / sizeof *options,
+                                 NULL,    0,           0};
     const int status = options_parse(&usage, argc, argv, NULL);
     if (status != OPTIONS_GO) return status;
     io_error error = {{0}};

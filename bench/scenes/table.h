@@ -4,7 +4,7 @@
 #ifndef CELLWALK_BENCH_SCENES_TABLE_H
 #define CELLWALK_BENCH_SCENES_TABLE_H
 
-#include "harness/run_options.h"
+#include "harness/run.h"
 
 #include <jansson.h>
 

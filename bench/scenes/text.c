@@ -2,7 +2,7 @@
 /* The table as Markdown and CSV, from its JSON lines and from nothing else: the same lines give the same text. */
 
 #include "harness/results.h"
-#include "harness/run_record.h"
+#include "harness/run.h"
 #include "scenes/table.h"
 
 #include <string.h>

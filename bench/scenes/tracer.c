@@ -35,12 +35,12 @@ static void trace(void *context, const contender_pass *pass) {
 
 static void closest(void *context, size_t field, const cw_ray *rays, size_t n, cw_hit *hits) {
     field_tracer *t = context;
-    trace(t, &(contender_pass){.of = &t->on[field], .rays = rays, .n = n, .hits = hits});
+    trace(t, &(contender_pass){.of = &t->on[field], .rays = rays, .n = n, .out.hits = hits});
 }
 
 static void any(void *context, size_t field, const cw_ray *rays, size_t n, uint8_t *occluded) {
     field_tracer *t = context;
-    trace(t, &(contender_pass){.of = &t->on[field], .rays = rays, .n = n, .any = true, .occluded = occluded});
+    trace(t, &(contender_pass){.of = &t->on[field], .rays = rays, .n = n, .any = true, .out.occluded = occluded});
 }
 
 scene_tracer field_tracer_of(field_tracer *tracer) { return (scene_tracer){tracer, closest, any}; }

@@ -3,25 +3,11 @@
 
 #include <math.h>
 
-static const struct {
-    const char *name, *text;
-} aims[AIM_COUNT] = {
-    {"inside", "inside a triangle"},
-    {"vertex", "at a sample"},
-    {"edge", "at a border edge"},
-    {"diagonal", "at a diagonal"},
-    {"borders", "along grid lines"},
-    {"axis", "axis-parallel between grid lines"},
-    {"corners", "over samples in whole steps"},
-    {"vertical", "vertical"},
-    {"steep", "all but vertical"},
-    {"long", "across the field, low"},
-    {"far", "from up to 10^6 cells"},
-    {"grazing", "1 to 10^-6 degrees to a triangle"},
-};
-
-const char *aim_name(aim kind) { return aims[kind].name; }
-const char *aim_text(aim kind) { return aims[kind].text; }
+const char *aim_name(aim kind) {
+    static const char *const names[AIM_COUNT] = {"inside",  "vertex",   "edge",  "diagonal", "borders", "axis",
+                                                 "corners", "vertical", "steep", "long",     "far",     "grazing"};
+    return names[kind];
+}
 
 /* A ray in the making: it goes through p, n · step before it and m · step behind it being clear of all samples, while it
  * rises by rise with every step. */
@@ -32,9 +18,13 @@ typedef struct plan {
     bool exact;     /* places and steps are whole or halves: keep them so */
 } plan;
 
-static double height_at(const aimed_field *f, size_t i, size_t j) {
-    return (double)f->samples.z[j * f->samples.nx + i];
+aimed_field aimed_field_of(const cw_field *field) {
+    const cw_field_info info = cw_field_describe(field);
+    return (aimed_field){
+        .field = field, .nx = info.nx, .ny = info.ny, .low = (double)info.low, .high = (double)info.high};
 }
+
+static double height_at(const aimed_field *f, size_t i, size_t j) { return (double)cw_field_sample(f->field, i, j); }
 
 /* p becomes the place at x, y in [0, 1] of cell (i, j). */
 static void surface(const aimed_field *f, size_t i, size_t j, double x, double y, double p[3]) {
@@ -47,17 +37,21 @@ static void surface(const aimed_field *f, size_t i, size_t j, double x, double y
 
 static double sign(random_state *r) { return random_bits(r) >> 63 ? 1 : -1; }
 
-static void edge_place(const aimed_field *f, random_state *r, size_t i, size_t j, double p[3]) {
-    const double along = random_unit(r);
-    if (random_below(r, 2))
-        surface(f, i, j, along, 0, p);
-    else
-        surface(f, i, j, 0, along, p);
+/* A place of that kind in the cell, or on the borders that begin at its sample; x, y as for surface. */
+static void place_of(aim kind, const aimed_field *f, random_state *r, size_t i, size_t j, double x, double y,
+                     double p[3]) {
+    if (kind == AIM_EDGE) {
+        const double along = random_unit(r);
+        const bool along_x = random_below(r, 2);
+        surface(f, i, j, along_x ? along : 0, along_x ? 0 : along, p);
+    } else {
+        surface(f, i, j, kind == AIM_VERTEX ? 0 : x, kind == AIM_VERTEX ? 0 : kind == AIM_DIAGONAL ? x : y, p);
+    }
 }
 
 /* How many steps from p stay within the field, most of a cell off its border. */
 static double room(const aimed_field *f, const double p[3], const double step[2], double direction) {
-    const double margin = 0.75, last[2] = {(double)(f->samples.nx - 1), (double)(f->samples.ny - 1)};
+    const double margin = 0.75, last[2] = {(double)(f->nx - 1), (double)(f->ny - 1)};
     double most = 1e300;
     for (int c = 0; c < 2; c++) {
         const double d = direction * step[c];
@@ -74,30 +68,19 @@ static void turn(random_state *r, double step[2]) {
 }
 
 static void aim_at(aim kind, const aimed_field *f, random_state *r, plan *q) {
-    const size_t i = 1 + random_below(r, f->samples.nx - 3),
-                 j = 1 + random_below(r, f->samples.ny - 3); /* an inner sample */
+    const size_t i = 1 + random_below(r, f->nx - 3), j = 1 + random_below(r, f->ny - 3); /* an inner sample */
     const double x = random_unit(r), y = random_unit(r);
     turn(r, q->step);
     switch (kind) {
-    case AIM_EDGE:
-        edge_place(f, r, i, j, q->p);
-        break;
-    case AIM_DIAGONAL:
-        surface(f, i, j, x, x, q->p);
-        break;
-    case AIM_BORDERS: {
-        const bool along_x = random_below(r, 2);
-        q->step[0] = along_x ? sign(r) : 0;
-        q->step[1] = along_x ? 0 : sign(r);
-        q->exact = random_below(r, 2);
-        surface(f, i, j, along_x && !q->exact ? x : 0, along_x || q->exact ? 0 : y, q->p);
-        break;
-    }
+    case AIM_BORDERS:
     case AIM_AXIS: {
         const bool along_x = random_below(r, 2);
         q->step[0] = along_x ? sign(r) : 0;
         q->step[1] = along_x ? 0 : sign(r);
-        surface(f, i, j, x, y, q->p);
+        q->exact = kind == AIM_BORDERS && random_below(r, 2);
+        const bool any_x = kind == AIM_AXIS || (along_x && !q->exact),
+                   any_y = kind == AIM_AXIS || !(along_x || q->exact);
+        surface(f, i, j, any_x ? x : 0, any_y ? y : 0, q->p);
         break;
     }
     case AIM_CORNERS:
@@ -110,40 +93,24 @@ static void aim_at(aim kind, const aimed_field *f, random_state *r, plan *q) {
         break;
     case AIM_STEEP: {
         const double tiny = pow(10, random_between(r, -12, -2)) * (random_below(r, 8) ? 1 : 1e-28);
-        edge_place(f, r, i, j, q->p);
+        place_of(AIM_EDGE, f, r, i, j, x, y, q->p);
         q->step[0] *= tiny;
         q->step[1] *= random_below(r, 4) ? tiny : 0;
         break;
     }
-    case AIM_VERTICAL:
+    case AIM_VERTICAL: {
+        static const aim places[4] = {AIM_VERTEX, AIM_EDGE, AIM_DIAGONAL, AIM_INSIDE};
         q->step[0] = q->step[1] = 0;
-        switch (random_below(r, 4)) {
-        case 0:
-            surface(f, i, j, 0, 0, q->p);
-            break;
-        case 1:
-            edge_place(f, r, i, j, q->p);
-            break;
-        case 2:
-            surface(f, i, j, x, x, q->p);
-            break;
-        default:
-            surface(f, i, j, x, y, q->p);
-        }
+        place_of(places[random_below(r, 4)], f, r, i, j, x, y, q->p);
         for (int c = 0; c < 2; c++) q->p[c] = (double)(float)q->p[c];
         break;
+    }
     case AIM_LONG:
     case AIM_FAR:
-        if (random_below(r, 2))
-            edge_place(f, r, i, j, q->p);
-        else
-            surface(f, i, j, 0, 0, q->p);
-        break;
-    case AIM_VERTEX:
-        surface(f, i, j, 0, 0, q->p);
+        place_of(random_below(r, 2) ? AIM_EDGE : AIM_VERTEX, f, r, i, j, x, y, q->p);
         break;
     default:
-        surface(f, i, j, x, y, q->p);
+        place_of(kind, f, r, i, j, x, y, q->p);
     }
 }
 
@@ -214,7 +181,7 @@ static aimed_ray from_plan(random_state *r, const plan *q, bool bounded) {
 
 /* Through a place well inside a triangle, at a small angle to it. */
 static aimed_ray grazing(const aimed_field *f, random_state *r) {
-    const size_t i = random_below(r, f->samples.nx - 1), j = random_below(r, f->samples.ny - 1);
+    const size_t i = random_below(r, f->nx - 1), j = random_below(r, f->ny - 1);
     const bool in_a = random_below(r, 2);
     double p[3], step[2], x = random_unit(r), y = random_unit(r);
     if (x + y > 1) x = 1 - x, y = 1 - y;

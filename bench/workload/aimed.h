@@ -7,7 +7,6 @@
 #define CELLWALK_BENCH_WORKLOAD_AIMED_H
 
 #include "cellwalk.h"
-#include "workload/fields.h"
 #include "workload/random.h"
 
 typedef enum aim {
@@ -28,23 +27,17 @@ typedef enum aim {
 
 /* "inside", "vertex" … */
 const char *aim_name(aim kind);
-/* A few words for a table. */
-const char *aim_text(aim kind);
 
 typedef struct aimed_field {
-    workload_field samples;
-    const char *text; /* a few words for a table, of those that are made here */
+    const cw_field *field;
+    size_t nx, ny;
     double low, high;
     bool
         bounded; /* rays begin and end where they have just become clear of all samples; else many go on, far above or below */
 } aimed_field;
 
-enum { AIMED_FIELDS = 8 };
-
-/* Field number in [0, AIMED_FIELDS), without holes, whose samples workload_field_free frees; false when out of memory. */
-bool aimed_field_make(aimed_field *f, size_t number);
-/* Any samples, at least 4 a side and without holes, which stay the caller's. */
-aimed_field aimed_field_of(const workload_field *samples);
+/* Of a field in cells, at least 4 samples a side and without holes, which must stay. */
+aimed_field aimed_field_of(const cw_field *field);
 
 typedef struct aimed_ray {
     cw_ray ray;

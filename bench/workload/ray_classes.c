@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "workload/ray_classes.h"
 
+#include "workload/aimed.h"
 #include "workload/terrain.h"
 
 #include <math.h>
@@ -9,15 +10,18 @@
 static const struct {
     const char *name;
     bool any, coherent;
-} classes[WORKLOAD_CLASS_COUNT] = {
-    [WORKLOAD_PRIMARY] = {"primary", false, true}, [WORKLOAD_SHADOW] = {"shadow", true, true},
-    [WORKLOAD_AO] = {"ao", true, false},           [WORKLOAD_BOUNCE] = {"bounce", false, false},
-    [WORKLOAD_RANDOM] = {"random", false, false},  [WORKLOAD_GRAZING] = {"grazing", false, false},
+} classes[WORKLOAD_ALL] = {
+    [WORKLOAD_PRIMARY] = {"primary", false, true},
+    [WORKLOAD_SHADOW] = {"shadow", true, true},
+    [WORKLOAD_AO] = {"ao", true, false},
+    [WORKLOAD_BOUNCE] = {"bounce", false, false},
+    [WORKLOAD_RANDOM] = {"random", false, false},
+    [WORKLOAD_GRAZING] = {"grazing", false, false},
+    [WORKLOAD_VERTICES] = {"vertices", false, false},
+    [WORKLOAD_EDGES] = {"edges", false, false},
 };
 
-const char *workload_class_name(workload_class c) {
-    return (unsigned)c < WORKLOAD_CLASS_COUNT ? classes[c].name : NULL;
-}
+const char *workload_class_name(workload_class c) { return (unsigned)c < WORKLOAD_ALL ? classes[c].name : NULL; }
 bool workload_class_is_any(workload_class c) { return classes[c].any; }
 bool workload_class_is_coherent(workload_class c) { return classes[c].coherent; }
 
@@ -206,6 +210,17 @@ static cw_ray grazing_ray(const cw_field_info *info, uint32_t seed, size_t k) {
     return make_ray(org, dir);
 }
 
+static size_t aimed(const cw_field *field, workload_class c, uint32_t seed, size_t n, cw_ray *rays) {
+    aimed_field f = aimed_field_of(field);
+    f.bounded = true; /* or errors would tell how far rays come from, not how they meet the surface */
+    random_state r = {(uint64_t)seed << 8 | (unsigned)c};
+    for (size_t k = 0; k < n; k++) {
+        const aim edge = k % 3 ? AIM_EDGE : AIM_DIAGONAL;
+        rays[k] = aimed_ray_make(c == WORKLOAD_EDGES ? edge : AIM_VERTEX, &f, &r).ray;
+    }
+    return n;
+}
+
 size_t workload_rays_make(const cw_field *field, workload_class c, uint32_t seed, size_t n, cw_ray *rays) {
     /* One fixed kernel and leaf test, so that the rays do not change when a better kernel becomes the default. */
     const cw_query query = {.kernel = cw_kernel_find("cell"), .leaf = CW_LEAF_WATERTIGHT};
@@ -223,7 +238,11 @@ size_t workload_rays_make(const cw_field *field, workload_class c, uint32_t seed
     case WORKLOAD_GRAZING:
         for (size_t k = 0; k < n; k++) rays[k] = grazing_ray(&info, seed, k);
         return n;
-    case WORKLOAD_CLASS_COUNT:
+    case WORKLOAD_VERTICES:
+    case WORKLOAD_EDGES:
+        if (info.nx >= 4 && info.ny >= 4) return aimed(field, c, seed, n, rays);
+        break;
+    case WORKLOAD_ALL:
         break;
     }
     return 0;

@@ -9,7 +9,7 @@
 #include "clock.h"
 #include "command.h"
 #include "harness/results.h"
-#include "harness/run_record.h"
+#include "harness/run.h"
 #include "options.h"
 
 #include <limits.h>
@@ -111,7 +111,7 @@ static bool write_lines(io_output *out, const stability *s, double seconds, io_e
     for (size_t f = 0; f < AIMED_FIELDS; f++) {
         json_t *line = json_object();
         results_set_texts(line, "kind field text",
-                          (const char *[]){"field", s->field[f].aimed.samples.name, s->field[f].aimed.text});
+                          (const char *[]){"field", s->field[f].samples.name, s->field[f].samples.text});
         if (!results_write(out, line, error)) return false;
     }
     for (unsigned n = 0; n < s->contenders; n++)
@@ -167,6 +167,10 @@ static bool run(const settings *o, batch_range range, io_error *error) {
     return good && (faults == 0 || io_fail(error, "%llu faults", (unsigned long long)faults));
 }
 
+static const char what[] = "Traces rays that are aimed at vertices, edges and the like, of which it is known that they "
+                           "hit, through all kernels and Embree, and counts leaks, phantoms and wrong surfaces. Ctrl-C "
+                           "ends it early, with all results so far, and says how to go on.";
+
 static int start(int argc, char **argv) {
     settings o = {.million = 1000, .sample = 1024};
     const option_spec options[] = {
@@ -180,14 +184,7 @@ static int start(int argc, char **argv) {
         {"no-embree", NULL, "leave Embree out", OPTION_FLAG, .to = &o.no_embree},
         {"json", "FILE", "write results to it", OPTION_TEXT, .to = &o.json},
     };
-    const options_usage usage = {
-        .name = "run",
-        .synopsis = "[OPTIONS]",
-        .what = "Traces rays that are aimed at vertices, edges and the like, of which it is known "
-                "that they hit, through all kernels and Embree, and counts leaks, phantoms and wrong "
-                "surfaces. Ctrl-C ends it early, with all results so far, and says how to go on.",
-        .options = options,
-        .option_count = sizeof options / sizeof options[0]};
+    const options_usage usage = {"run", "[OPTIONS]", what, NULL, options, sizeof options / sizeof *options, NULL, 0, 0};
     const int status = options_parse(&usage, argc, argv, NULL);
     io_error error = {{0}};
     batch_range range;
@@ -199,10 +196,8 @@ static int start(int argc, char **argv) {
 int main(int argc, char **argv) {
     static const command run_command = {"run", "trace aimed rays and count what is wrong with the answers", start};
     static const command *const commands[] = {&run_command};
-    static const program stability_program = {.name = "cellwalk-stability",
-                                              .what = "Does any kernel leak, and does Embree?",
-                                              .commands = commands,
-                                              .command_count = 1};
+    static const program stability_program = {"cellwalk-stability", "Does any kernel leak, and does Embree?", commands,
+                                              1, NULL};
     run_record_begin(argv + 1, argc - 1);
     return program_main(&stability_program, argc, argv);
 }

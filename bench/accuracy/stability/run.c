@@ -66,10 +66,13 @@ static bool add_peers(stability *s, size_t f, const stability_shares *shares, un
 }
 
 static bool make_field(stability_field *f, size_t number) {
-    if (!aimed_field_make(&f->aimed, number)) return false;
-    const workload_field *samples = &f->aimed.samples;
+    workload_field *samples = &f->samples;
+    if (!workload_field_make(workload_aimed_name(number), samples) ||
+        workload_field_open(samples, CW_BORROW, false, &f->field) != CW_OK)
+        return false;
+    f->aimed = aimed_field_of(f->field);
     f->oracle = oracle_create(samples->z, samples->nx, samples->ny);
-    return f->oracle && workload_field_open(samples, CW_BORROW, false, &f->field) == CW_OK;
+    return f->oracle != NULL;
 }
 
 bool stability_make(stability *s, stability_shares shares, unsigned sample, io_error *error) {
@@ -89,7 +92,7 @@ void stability_free(stability *s) {
         for (int robust = 0; robust < 2; robust++) peer_embree_destroy(s->peers[f][robust]);
         cw_field_destroy(s->field[f].field);
         oracle_destroy(s->field[f].oracle);
-        workload_field_free(&s->field[f].aimed.samples);
+        workload_field_free(&s->field[f].samples);
     }
 }
 
@@ -128,7 +131,7 @@ typedef struct batch {
 
 static void explain(batch *b, const tested *t, size_t k, const cw_hit *hit, const char *what) {
     if (!b->s->explain || b->s->explained++ >= 8) return;
-    printf("%s: %s, field %s, class %s, batch %llu, ray %zu\n", t->contender.name, what, b->field->aimed.samples.name,
+    printf("%s: %s, field %s, class %s, batch %llu, ray %zu\n", t->contender.name, what, b->field->samples.name,
            aim_name(b->kind), (unsigned long long)b->number, k);
     const cw_ray *r = &b->rays[k];
     printf("ray org {%a, %a, %a} dir {%a, %a, %a} t [%a, %a]\n", (double)r->org[0], (double)r->org[1],

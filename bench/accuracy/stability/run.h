@@ -8,6 +8,7 @@
 #include "peers/contender.h"
 #include "peers/embree.h"
 #include "workload/aimed.h"
+#include "workload/fields.h"
 
 enum { BATCH_RAYS = 4096, SLOW_RAYS = 512, CONTENDERS_MAX = 48, ULP_BINS = 32 };
 
@@ -52,6 +53,7 @@ typedef struct batch_range {
 
 /* A field, for those who trace and for the oracle. */
 typedef struct stability_field {
+    workload_field samples;
     aimed_field aimed;
     cw_field *field;
     oracle *oracle;

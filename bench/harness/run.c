@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "harness/run_record.h"
+#include "harness/run.h"
 
 #include "build_info.h"
-#include "cellwalk.h"
 #include "clock.h"
+#include "command.h"
 #include "commit.h"
 #include "cpus.h"
 #include "harness/results.h"
@@ -14,6 +14,32 @@
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
+
+/* ---- options ---- */
+
+bool run_options_check(run_options *run, const char *name) {
+    const cw_isa best = cw_isa_best();
+    if (run->isa < 0) run->isa = (int)best;
+    if (run->isa > (int)best) {
+        command_fail(name, "--isa %s: this machine, or CELLWALK_ISA, allows no more than %s",
+                     cw_isa_name((cw_isa)run->isa), cw_isa_name(best));
+        return false;
+    }
+    cw_isa_limit((cw_isa)run->isa);
+    return true;
+}
+
+bool run_options_pin(const run_options *run, int *cpu, io_error *error) {
+    cpu_set_t set;
+    *cpu = run->cpu == UINT_MAX ? sched_getcpu() : (int)run->cpu;
+    CPU_ZERO(&set);
+    if (*cpu >= 0 && *cpu < CPU_SETSIZE) CPU_SET((size_t)*cpu, &set);
+    if (run->no_pin) *cpu = -1;
+    return run->no_pin || sched_setaffinity(0, sizeof set, &set) == 0 ||
+           io_fail(error, "--cpu %d: the system does not allow this process there", *cpu);
+}
+
+/* ---- record ---- */
 
 /* The value of the first line of a /proc file that starts with key; "unknown" if there is none. */
 static void proc_value(const char *path, const char *key, char *value, size_t size) {
@@ -70,7 +96,7 @@ static double tick_rate(void) {
     return (double)(clock_ticks() - first) / (now - start);
 }
 
-json_t *run_record(const char *command, uint32_t seed, int cpu) {
+json_t *run_record(const char *name, uint32_t seed, int cpu) {
     char model[256], cache[64], date[32];
     if (cpus == 0) cpus = cpus_usable();
     proc_value("/proc/cpuinfo", "model name", model, sizeof model);
@@ -82,7 +108,7 @@ json_t *run_record(const char *command, uint32_t seed, int cpu) {
     strftime(date, sizeof date, "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&now, &utc));
     json_t *record = json_object();
     results_set_texts(record, "kind command arguments cellwalk cpu cache",
-                      (const char *[]){"run", command, arguments_text, CW_VERSION, model, cache});
+                      (const char *[]){"run", name, arguments_text, CW_VERSION, model, cache});
     results_set_count(record, "cpus", cpus);
     results_set_texts(record, "isa compiler build_type flags commit embree",
                       (const char *[]){cw_isa_name(cw_isa_best()), BUILD_INFO_COMPILER, BUILD_INFO_TYPE,
