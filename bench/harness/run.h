@@ -21,21 +21,16 @@ typedef struct run_options {
 } run_options;
 
 /* The defaults, and the rows of a subcommand's table that change them. */
-#define RUN_DEFAULTS                                                                                                   \
-    { .seed = 1, .isa = -1, .cpu = UINT_MAX }
-#define RUN_OPTIONS(run)                                                                                               \
-    {"isa",       "NAME",           "the highest instruction set to use, by Embree as well; by default the best here", \
-     OPTION_NAME, .to = &(run).isa, .names = option_isa_names},                                                        \
-        {"seed", "N", "seed of rays and order (1)", OPTION_COUNT, .to = &(run).seed, .high = UINT_MAX},                \
-        {"cpu",                                                                                                        \
-         "N",                                                                                                          \
-         "stay on this CPU; by default on the one that the program starts on",                                         \
-         OPTION_COUNT,                                                                                                 \
-         .to = &(run).cpu,                                                                                             \
-         .high = 1023},                                                                                                \
-    {                                                                                                                  \
-        "no-pin", NULL, "let the system move the program between CPUs", OPTION_FLAG, .to = &(run).no_pin               \
-    }
+/* clang-format off: as tables of options are written elsewhere */
+#define RUN_DEFAULTS {.seed = 1, .isa = -1, .cpu = UINT_MAX}
+#define RUN_OPTIONS(run) \
+    {"isa", "NAME", "the highest instruction set to use, by Embree as well; by default the best here", OPTION_NAME, \
+     .to = &(run).isa, .names = option_isa_names}, \
+    {"seed", "N", "seed of rays and order (1)", OPTION_COUNT, .to = &(run).seed, .high = UINT_MAX}, \
+    {"cpu", "N", "stay on this CPU; by default on the one that the program starts on", OPTION_COUNT, \
+     .to = &(run).cpu, .high = 1023}, \
+    {"no-pin", NULL, "let the system move the program between CPUs", OPTION_FLAG, .to = &(run).no_pin}
+/* clang-format on */
 
 /* Limits the library to the instruction set; false, after a message, if this machine or CELLWALK_ISA does not allow it. */
 bool run_options_check(run_options *run, const char *name);
