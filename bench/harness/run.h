@@ -21,7 +21,7 @@ typedef struct run_options {
 } run_options;
 
 /* The defaults, and the rows of a subcommand's table that change them. */
-/* clang-format off: as tables of options are written elsewhere */
+/* clang-format off */
 #define RUN_DEFAULTS {.seed = 1, .isa = -1, .cpu = UINT_MAX}
 #define RUN_OPTIONS(run) \
     {"isa", "NAME", "the highest instruction set to use, by Embree as well; by default the best here", OPTION_NAME, \
