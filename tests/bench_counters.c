@@ -1,12 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Counts of the counting kernels where they can be told beforehand, and bounds that hold where they cannot. */
-#include "commands.h"
-#include "harness/results.h"
 #include "micro/counters.h"
 #include "micro/micro.h"
 
 #include "check.h"
-#include "scratch.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -30,10 +27,9 @@ static void trace(const cw_field *field, const cw_kernel *kernel, const cw_ray *
                   counter counts[COUNTERS_MAX]) {
     const cw_query query = {.kernel = kernel};
     cw_hit hits[LANES_MAX];
-    memset(counts, 0, COUNTERS_MAX * sizeof *counts);
     counters_reset();
     check_status(cw_closest(field, &query, rays, n, hits), CW_OK);
-    counters_add(counts);
+    counters_read(counts);
 }
 
 static void expect(const counter *counts, const char *kernel, const char *name, uint64_t events, uint64_t lanes) {
@@ -119,33 +115,6 @@ static void grids_step_from_voxel_to_voxel(void **state) {
     cw_field_destroy(field);
 }
 
-/* The table counts on the rays of the scene: those that the claim on cells and triangles is held against. */
-static void scenes_are_counted(void **state) {
-    (void)state;
-    char line[] = "table --counters --scene hftest --path grid3d,cell --out a", *argv[16];
-    int argc = 0;
-    for (char *word = strtok(line, " "); word; word = strtok(NULL, " ")) argv[argc++] = word;
-    argv[argc] = NULL;
-    check(command_table.run(argc, argv) == 0, "the table fails");
-    io_error error;
-    json_t *lines = results_read("a/table.json", &error);
-    check(lines != NULL, "%s", error.text);
-    const json_t *paths = json_object_get(json_array_get(lines, 1), "paths"), *path;
-    size_t k;
-    json_array_foreach(paths, k, path) {
-        const json_t *counts = json_object_get(path, "counts");
-        const bool grid = strcmp(results_text(path, "path"), "grid3d") == 0;
-        static const char *const names[] = {"flat", "leaf", "voxel", "triangle"};
-        for (size_t n = 0; n < 4; n++)
-            check((results_number(json_object_get(counts, names[n]), "events") > 0) == (grid == (n >= 2)),
-                  "%s counts %g events of %s", results_text(path, "path"),
-                  results_number(json_object_get(counts, names[n]), "events"), names[n]);
-        check(results_number(json_object_get(path, "agreement"), "rays") > 65536, "too few rays");
-    }
-    check(k == 2, "%zu paths", k);
-    json_decref(lines);
-}
-
 /* Whatever the walk, no more lanes are busy than there are, each hit had a leaf test, and no ray is refilled twice. */
 static void lanes_are_within_bounds(void **state) {
     (void)state;
@@ -169,10 +138,10 @@ static void lanes_are_within_bounds(void **state) {
             const cw_kernel_info info = cw_kernel_describe(kernel);
             if (!info.available || strncmp(info.name, "pyramid", 7) != 0) continue;
             const cw_query query = {.kernel = kernel};
-            counter all[COUNTERS_MAX] = {{0, 0}};
+            counter all[COUNTERS_MAX];
             counters_reset();
             check_status(cw_closest(field, &query, rays, n, hits), CW_OK);
-            counters_add(all);
+            counters_read(all);
             static const char *const walks[] = {"flat", "stream", "node", "round", "reload", "leaf"};
             for (size_t w = 0; w < sizeof walks / sizeof walks[0]; w++) {
                 const counter *one = counters_find(all, walks[w]);
@@ -210,7 +179,6 @@ int main(void) {
         cmocka_unit_test(grids_test_each_triangle_of_a_voxel),
         cmocka_unit_test(grids_step_from_voxel_to_voxel),
         cmocka_unit_test(lanes_are_within_bounds),
-        cmocka_unit_test_setup_teardown(scenes_are_counted, scratch_enter, scratch_leave),
     };
     return cmocka_run_group_tests_name("bench_counters", tests, NULL, NULL);
 }

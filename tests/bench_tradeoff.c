@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* How the trade of speed against error is measured: exact places, verdicts, counts, normals and the frontier, on cases whose
- * answers are known. */
+/* How the trade of speed against error is measured: exact places, verdicts, counts and normals, on cases whose answers are
+ * known. */
 #include "accuracy/tradeoff.h"
 
 #include "scenes/tracer.h"
@@ -11,48 +11,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* ---- the frontier ---- */
-
-static void frontier_is_marked(void **state) {
-    (void)state;
-    /* Equal errors, equal points, beaten ones, and what is no point at all. */
-    pareto_point p[] = {{5, 1, false},   {6, 1, false},  {9, 3, false}, {6, 1, false},           {8, 4, false},
-                        {2, 0.5, false}, {20, -1, true}, {0, 0, true},  {30, (double)NAN, true}, {9.1, 5, false}};
-    enum { COUNT = sizeof p / sizeof p[0] };
-    size_t order[COUNT];
-    check(summary_pareto(p, COUNT, 0, order) == 4, "the plain frontier has another size");
-    static const size_t plain[] = {5, 1, 2, 9};
-    for (size_t k = 0; k < 4; k++) check(order[k] == plain[k], "point %zu of the frontier is %zu", k, order[k]);
-    for (size_t k = 0; k < COUNT; k++) {
-        bool on = false;
-        for (size_t n = 0; n < 4; n++) on = on || plain[n] == k;
-        check(p[k].frontier == on, "point %zu is marked wrongly", k);
-    }
-    check(summary_pareto(p, COUNT, 0.02, order) == 3 && order[2] == 2 && !p[9].frontier, "1 %% is a step of 2 %%");
-    check(summary_pareto(p, 0, 0, order) == 0, "nothing has a frontier");
-}
-
-/* Each pair of the frontier is a trade, and each point beside it is beaten: on random points. */
-static void frontier_is_pareto(void **state) {
-    (void)state;
-    enum { COUNT = 40 };
-    for (uint32_t seed = 0; seed < 200; seed++) {
-        pareto_point p[COUNT];
-        size_t order[COUNT];
-        for (uint32_t k = 0; k < COUNT; k++)
-            p[k] = (pareto_point){terrain_hash(seed, k, 0) % 16, terrain_hash(seed, k, 1) % 16, false};
-        const size_t found = summary_pareto(p, COUNT, 0, order);
-        for (size_t k = 1; k < found; k++)
-            check(p[order[k]].speed > p[order[k - 1]].speed && p[order[k]].error > p[order[k - 1]].error, "no trade");
-        for (size_t k = 0; k < COUNT; k++) {
-            bool beaten = !(p[k].speed > 0);
-            for (size_t n = 0; n < found; n++)
-                beaten = beaten || (p[order[n]].speed >= p[k].speed && p[order[n]].error <= p[k].error);
-            check(beaten, "nobody on the frontier beats point %zu of set %u", k, seed);
-        }
-    }
-}
 
 /* ---- fields ---- */
 
@@ -450,7 +408,6 @@ static void pictures_are_compared(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(frontier_is_marked), cmocka_unit_test(frontier_is_pareto),
         cmocka_unit_test(sums_are_exact),     cmocka_unit_test(places_are_exact),
         cmocka_unit_test(errors_have_units),  cmocka_unit_test(verdicts_are_right),
         cmocka_unit_test(cones_grow),         cmocka_unit_test(all_crossings_are_looked_at),

@@ -29,10 +29,9 @@ static const char what[] =
     "  off      how far such a hit is above or below the surface, in cells; unlike t it does not grow where rays run "
     "along it\n"
     "  normal   angle between the Phong normals at the hit and at the exact place, degrees\n\n"
-    "Who is beaten by nobody in both speed and error is on the Pareto frontier: once for wrong answers in a million "
-    "rays, once for the worst height off the surface. Beside the benchmark's classes of rays, vertices and edges are "
-    "aimed at these, to find leaks; they are not timed. The six scenes are rendered with each mode and held against "
-    "strict. Saves tradeoff.json in a folder.";
+    "Beside the benchmark's classes of rays, vertices and edges are aimed at these, to find leaks; they are not timed. "
+    "The six scenes are rendered with each mode and held against strict. Saves tradeoff.json in a folder, of which "
+    "papers/scripts/tables.py --data makes tables, and tells who is on the Pareto frontier.";
 
 static const char examples[] = "  cellwalk-bench tradeoff            a first look, in a minute\n"
                                "  cellwalk-bench tradeoff --mode strict,moller-trumbore --kernel pyramid8 \\\n"
@@ -107,7 +106,6 @@ static bool measure_all(const tradeoff_options *o, json_t *lines, io_error *erro
         good = tradeoff_scene_run(o->scenes.item[s], o, lines, error);
     }
     if (good) tradeoff_normals_run(o->run.seed, lines);
-    if (good) summary_add(lines);
     return good;
 }
 
@@ -121,7 +119,7 @@ static bool run(const tradeoff_options *o, io_error *error) {
     results_append(lines, record);
     const bool good = io_output_open_in(&json, o->out, "tradeoff.json", error) && measure_all(o, lines, error) &&
                       results_write_all(&json, lines, error) && io_output_commit(&json, error);
-    if (good) summary_print(lines);
+    if (good) tradeoff_print(lines);
     io_output_discard(&json);
     json_decref(lines);
     fflush(stdout);

@@ -111,27 +111,20 @@ void tradeoff_normal_at(const true_surface *surface, const cw_hit *hit, tradeoff
 /* Appends a line of kind "normal" for each of several waves, from steep and short to flat and long. */
 void tradeoff_normals_run(uint32_t seed, json_t *lines);
 
-/* ---- summary.c ---- */
+/* ---- print.c ---- */
 
-/* Appends a line of kind "summary" a contender: the geometric mean of its speeds, the means of its rates of wrong answers, the
- * median of its median errors and the largest of its worst ones, all over the groups (fields × classes of rays); and
- * whether it is on the frontiers "answers" (speed, wrong answers a million) and "place" (speed, worst height off
- * the surface). Who has not run in all groups is "partial" and on none. */
-void summary_add(json_t *lines);
+/* One contender over all groups (a field and a class of rays) in which it ran. */
+typedef struct tradeoff_sums {
+    const char *name;
+    size_t groups;
+    double speed;         /* geometric mean, millions of rays a second */
+    double rates[3];      /* leaks, wrong and phantoms in a million rays: means over the classes that are not aimed */
+    double aimed, beyond; /* all of these over the classes that are; what the claim does not explain, over all */
+    double off;           /* worst height off the surface */
+} tradeoff_sums;
+tradeoff_sums tradeoff_sums_of(const json_t *lines, const char *name);
 
-/* Prints the contenders, fastest first, from these lines. */
-void summary_print(const json_t *lines);
-
-/* A point whose speed is not above 0, whose error is below 0, or with a NaN, is not a point and never on the frontier. */
-typedef struct pareto_point {
-    double speed, error;
-    bool frontier; /* set by summary_pareto */
-} pareto_point;
-
-/* Marks the Pareto frontier, beginning at the fastest of those with the least error: each next one has the least error among
- * those that are faster by more than margin (0.02: two per cent, so that noise is no step; 0: the plain frontier), and is the
- * fastest with that error; the first of equals. Writes the numbers of its points to order, which has room for count, in
- * that order, and returns how many there are. */
-size_t summary_pareto(pareto_point *points, size_t count, double margin, size_t *order);
+/* A line a contender, fastest first. */
+void tradeoff_print(const json_t *lines);
 
 #endif

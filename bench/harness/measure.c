@@ -29,7 +29,6 @@ static const char what[] = "Makes every file of results that the papers quote, o
                            "  pages-*.json            large fields on huge and on ordinary pages\n"
                            "  building.json           memory and building time, Embree at its default quality\n"
                            "  counters.json           what the kernels do for a ray\n"
-                           "  scene-counters/table.json  what the kernels grid3d and cell do for a ray of the scenes\n"
                            "  scenes/table.json       the six scenes\n"
                            "  tradeoff/tradeoff.json  speed against error";
 
@@ -111,7 +110,6 @@ static void plan(campaign *c, bool quick) {
     /* Pass is long, so that who takes part does not depend on the machine's mood. */
     add(c, 0, "counters.json", "micro --counters --pass 60 --field %s --count %s --kernel %s",
         quick ? "65" : "65,257,1025,4097,sea-calm,sea-rough", quick ? "2048" : "8192", kernels(names, true));
-    add(c, 0, "scene-counters/table.json", "table --counters --path grid3d,cell%s", quick ? " --scene hftest" : "");
     add(c, 2, "scenes/table.json", "table%s", quick ? " --quick --scene hftest" : "");
     add(c, 4, "tradeoff/tradeoff.json", "tradeoff %s",
         quick ? "--count 512 --field 65 --scene none" : "--field 257,1025 --count 131072 --pass 1");

@@ -44,11 +44,8 @@ const counter *counters_find(const counter *all, const char *name) {
 
 void counters_reset(void) { memset(cw_counts, 0, sizeof cw_counts); }
 
-void counters_add(counter all[COUNTERS_MAX]) {
-    for (size_t k = 0; k < COUNT_KINDS; k++) {
-        all[k].events += cw_counts[k].events;
-        all[k].lanes += cw_counts[k].lanes;
-    }
+void counters_read(counter all[COUNTERS_MAX]) {
+    for (size_t k = 0; k < COUNT_KINDS; k++) all[k] = (counter){cw_counts[k].events, cw_counts[k].lanes};
 }
 
 json_t *counters_json(const counter all[COUNTERS_MAX]) {

@@ -22,8 +22,8 @@ size_t counters_count(void);
 const counter *counters_find(const counter *all, const char *name);
 
 void counters_reset(void);
-/* Adds what was counted since the last reset, by kernels on any thread but not on two at once. */
-void counters_add(counter all[COUNTERS_MAX]);
+/* What was counted since, by kernels on any thread but not on two at once. */
+void counters_read(counter all[COUNTERS_MAX]);
 
 /* {"flat": {"events": 1, "lanes": 8}} of all that have events. */
 json_t *counters_json(const counter all[COUNTERS_MAX]);

@@ -104,7 +104,7 @@ static bool verify(micro_group *g, const micro_options *o, contender_answers exp
         running++;
         counters_reset();
         contender_run(&p);
-        counters_add(row->counts);
+        counters_read(row->counts);
         if (any)
             agree_any(&row->agreement, g->on->field, g->rays, g->ray_count, expected.occluded, out.occluded,
                       &g->reference, &row->contender);

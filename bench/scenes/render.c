@@ -6,7 +6,6 @@
 #include "harness/interleave.h"
 #include "harness/memory.h"
 #include "harness/results.h"
-#include "micro/counters.h"
 #include "scenes/table.h"
 #include "scenes/tracer.h"
 
@@ -23,7 +22,6 @@ typedef struct tracer {
     field_tracer fields;
     double build_seconds;
     agreement agreement;
-    counter counts[COUNTERS_MAX]; /* of the rays that were verified, where kernels count */
 } tracer;
 
 typedef struct stage {
@@ -57,9 +55,7 @@ static void verify_closest(void *context, size_t field, const cw_ray *rays, size
     stage *s = context;
     field_tracer_of(&s->reference.fields).closest(&s->reference.fields, field, rays, n, hits);
     for (tracer *t = s->tracers; t < s->tracers + s->tracer_count; t++) {
-        counters_reset();
         field_tracer_of(&t->fields).closest(&t->fields, field, rays, n, s->hits);
-        counters_add(t->counts);
         agree_closest(&t->agreement, scene_field(s->scene, field), rays, n, hits, s->hits);
     }
 }
@@ -68,9 +64,7 @@ static void verify_any(void *context, size_t field, const cw_ray *rays, size_t n
     stage *s = context;
     field_tracer_of(&s->reference.fields).any(&s->reference.fields, field, rays, n, occluded);
     for (tracer *t = s->tracers; t < s->tracers + s->tracer_count; t++) {
-        counters_reset();
         field_tracer_of(&t->fields).any(&t->fields, field, rays, n, s->occluded);
-        counters_add(t->counts);
         agree_any(&t->agreement, scene_field(s->scene, field), rays, n, occluded, s->occluded,
                   &s->reference.fields.on[field], &t->fields.on[field]);
     }
@@ -185,7 +179,6 @@ static json_t *path_json(job *jobs, size_t count, size_t k) {
         line, "cpu_share trace_seconds_median trace_mrays_per_s build_seconds",
         (double[]){j->timing.cpu_share, trace.median, (double)j->traced / trace.median * 1e-6, t->build_seconds});
     json_object_set_new(line, "agreement", results_agreement(&t->agreement));
-    if (counters_here()) json_object_set_new(line, "counts", counters_json(t->counts));
 
     /* Ratios are taken against Embree, pictures against the reference kernel's, or else the first other one that is not
      * Embree's, all with the same normals. */
@@ -242,7 +235,7 @@ json_t *table_scene_run(const char *name, const table_path *paths, size_t path_c
     }
     const interleave_limits limits = {.width = o->width,
                                       .seconds = fmax(0, end - clock_seconds()),
-                                      .least = o->quick || o->counters ? 1 : 3,
+                                      .least = o->quick ? 1 : 3,
                                       .most = 50,
                                       .seed = o->run.seed};
     if (good) interleave(timed, path_count, &limits);

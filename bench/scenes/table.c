@@ -8,7 +8,6 @@
 #include "harness/results.h"
 #include "harness/run.h"
 #include "markdown.h"
-#include "micro/counters.h"
 #include "scenes/tracer.h"
 
 #include <stdlib.h>
@@ -79,8 +78,6 @@ static bool run(const table_options *o, io_error *error) {
 }
 
 static int start(int argc, char **argv) {
-    const int elsewhere = counters_elsewhere(argc, argv);
-    if (elsewhere >= 0) return elsewhere;
     table_options o = {.run = RUN_DEFAULTS, .out = "out/table", .scene_folder = BUILD_INFO_SCENES, .width = 0.02};
     const option_spec options[] = {
         {"out", "FOLDER", "where to save table.md, .csv and .json; made if need be (out/table)", OPTION_TEXT,
@@ -99,8 +96,6 @@ static int start(int argc, char **argv) {
          .low = 0.01, .high = 1e6},
         {"width", "SHARE", "narrow enough: width of the confidence interval over the median (0.02)", OPTION_REAL,
          .to = &o.width, .low = 1e-6, .high = 10},
-        {"counters", NULL, "count what the kernels do for the scenes' rays instead of timing them", OPTION_FLAG,
-         .to = &o.counters},
         {"quick", NULL, "one sample a pixel, fewer rounds: a first look", OPTION_FLAG, .to = &o.quick},
         RUN_OPTIONS(o.run),
     };
@@ -109,7 +104,7 @@ static int start(int argc, char **argv) {
     const int status = options_parse(&usage, argc, argv, NULL);
     if (status != OPTIONS_GO) return status;
     io_error error = {{0}};
-    if (o.seconds <= 0 || o.counters) o.seconds = o.counters ? 0 : o.quick ? 15 : 120;
+    if (o.seconds <= 0) o.seconds = o.quick ? 15 : 120;
     if (o.quick && o.samples == 0) o.samples = 1;
     if (o.scenes.count == 0) option_list_fill(&o.scenes, scene_names, 0, SCENES);
     if (!run_options_check(&o.run, "table")) return EXIT_USAGE;

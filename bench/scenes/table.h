@@ -25,7 +25,7 @@ typedef struct table_options {
     const char *out, *scene_folder;
     unsigned samples;
     double seconds, width;
-    bool quick, counters;
+    bool quick;
     int leaf; /* a cw_leaf */
 } table_options;
 
