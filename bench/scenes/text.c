@@ -5,6 +5,7 @@
 #include "harness/run.h"
 #include "scenes/table.h"
 
+#include <math.h>
 #include <string.h>
 
 static bool is_default(const json_t *path) { return strncmp(results_text(path, "path"), "default", 7) == 0; }
@@ -45,28 +46,21 @@ static double longest_build(const json_t *scene, bool embree) {
     const json_t *path;
     double longest = 0;
     json_array_foreach(json_object_get(scene, "paths"), k, path) {
-        const double seconds = results_number(path, "build_seconds");
-        if (is_default(path) == embree && seconds > longest) longest = seconds;
+        if (is_default(path) == embree) longest = fmax(longest, results_number(path, "build_seconds"));
     }
     return longest;
 }
 
-static void put_rays(FILE *to, const json_t *lines) {
-    size_t index, k;
-    const json_t *line, *field;
-    fputs("| scene | picture | fields | camera, rays | shadow, rays | reflection, rays | build s, Embree | build s, "
-          "slowest other |\n|---|---|---|--:|--:|--:|--:|--:|\n",
-          to);
-    json_array_foreach(lines, index, line) {
-        if (!results_is(line, "scene")) continue;
-        fprintf(to, "| %s | %.0f x %.0f |", results_text(line, "scene"), results_number(line, "width"),
-                results_number(line, "height"));
-        json_array_foreach(json_object_get(line, "fields"), k, field)
-            fprintf(to, "%s %.0f x %.0f", k ? "," : "", results_number(field, "nx"), results_number(field, "ny"));
-        fprintf(to, " | %.0f | %.0f | %.0f | %.3f | %.3f |\n", results_number(line, "camera_rays"),
-                results_number(line, "shadow_rays"), results_number(line, "mirror_rays"), longest_build(line, true),
-                longest_build(line, false));
-    }
+static void put_rays(FILE *to, const json_t *scene) {
+    size_t k;
+    const json_t *field;
+    fprintf(to, "| %s | %.0f x %.0f |", results_text(scene, "scene"), results_number(scene, "width"),
+            results_number(scene, "height"));
+    json_array_foreach(json_object_get(scene, "fields"), k, field)
+        fprintf(to, "%s %.0f x %.0f", k ? "," : "", results_number(field, "nx"), results_number(field, "ny"));
+    fprintf(to, " | %.0f | %.0f | %.0f | %.3f | %.3f |\n", results_number(scene, "camera_rays"),
+            results_number(scene, "shadow_rays"), results_number(scene, "mirror_rays"), longest_build(scene, true),
+            longest_build(scene, false));
 }
 
 static double differ_of(const json_t *agreed) {
@@ -74,31 +68,35 @@ static double differ_of(const json_t *agreed) {
            results_number(agreed, "far");
 }
 
-static void put_agreement(FILE *to, const json_t *lines) {
-    size_t index, k;
-    const json_t *line, *path;
-    fputs("| scene | path | rays, that differ | why | pixels, that differ | visibly |\n|---|---|--:|---|--:|--:|\n",
-          to);
-    json_array_foreach(lines, index, line) {
-        size_t alike = 0;
-        json_array_foreach(json_object_get(line, "paths"), k, path) {
-            const json_t *agreed = json_object_get(path, "agreement");
-            const double differ = differ_of(agreed), pixels = results_number(path, "pixels_differ");
-            const char *reason, *between = "";
-            json_t *count;
-            alike += differ == 0 && pixels == 0;
-            if (differ == 0 && pixels == 0) continue;
-            fprintf(to, "| %s | %s | %.0f of %.0f | ", results_text(line, "scene"), results_text(path, "title"), differ,
-                    results_number(agreed, "rays"));
-            json_object_foreach(json_object_get(agreed, "why"), reason, count) {
-                if (json_integer_value(count) == 0) continue;
-                fprintf(to, "%s%.0f %s", between, json_number_value(count), reason);
-                between = ", ";
-            }
-            fprintf(to, " | %.0f of %.0f | %.0f |\n", pixels, results_number(path, "pixels"),
-                    results_number(path, "pixels_visibly"));
+static void put_agreement(FILE *to, const json_t *scene) {
+    size_t k, alike = 0;
+    const json_t *path;
+    json_array_foreach(json_object_get(scene, "paths"), k, path) {
+        const json_t *agreed = json_object_get(path, "agreement");
+        const double differ = differ_of(agreed), pixels = results_number(path, "pixels_differ");
+        const char *reason, *between = "";
+        json_t *count;
+        alike += differ == 0 && pixels == 0;
+        if (differ == 0 && pixels == 0) continue;
+        fprintf(to, "| %s | %s | %.0f of %.0f | ", results_text(scene, "scene"), results_text(path, "title"), differ,
+                results_number(agreed, "rays"));
+        json_object_foreach(json_object_get(agreed, "why"), reason, count) {
+            if (json_integer_value(count) == 0) continue;
+            fprintf(to, "%s%.0f %s", between, json_number_value(count), reason);
+            between = ", ";
         }
-        if (alike) fprintf(to, "| %s | the other %zu | 0 | | 0 | 0 |\n", results_text(line, "scene"), alike);
+        fprintf(to, " | %.0f of %.0f | %.0f |\n", pixels, results_number(path, "pixels"),
+                results_number(path, "pixels_visibly"));
+    }
+    if (alike) fprintf(to, "| %s | the other %zu | 0 | | 0 | 0 |\n", results_text(scene, "scene"), alike);
+}
+
+static void put_scenes(FILE *to, const json_t *lines, const char *head, void (*put)(FILE *, const json_t *)) {
+    size_t index;
+    const json_t *line;
+    fputs(head, to);
+    json_array_foreach(lines, index, line) {
+        if (results_is(line, "scene")) put(to, line);
     }
 }
 
@@ -113,27 +111,37 @@ void table_write_markdown(FILE *to, const json_t *lines) {
     json_array_foreach(json_object_get(scene, "paths"), k, path) {
         if (by == NULL && strncmp(results_text(path, "path"), "auto", 4) == 0) by = results_text(path, "by");
     }
-    fprintf(to, "%s.\n\nSeconds to render: the median of the CPU time of one thread, building not included.", machine);
+    fprintf(to, "%s.\n\nSeconds to render: median CPU time of one thread, building excluded.", machine);
     if (*results_text(record, "embree"))
-        fputs(" In brackets the time over that of Default (Embree's triangle mesh) with the same normals: below 1 is "
+        fputs(" In brackets: time relative to Default, Embree's triangle mesh, with the same normals; below 1 is "
               "faster than Embree.",
               to);
-    if (by) fprintf(to, " *cellwalk* is what the library chooses by itself, on the first scene %s.", by);
+    if (by)
+        fprintf(to, " *cellwalk* is the kernel that the library chooses, in the first scene `%.*s`.",
+                (int)strcspn(by, "/"), by);
     fputs("\n\n", to);
     put_paths(to, lines, put_time);
-    fputs("\nTracing alone, millions of rays a second (a ray counts once for each field that it is asked of):\n\n", to);
+    fputs("\nTracing alone, in millions of rays a second (a ray counts once for each field that it is tested "
+          "against):\n\n",
+          to);
     put_paths(to, lines, put_speed);
     fputs("\nWhat was traced and built:\n\n", to);
-    put_rays(to, lines);
+    put_scenes(to, lines,
+               "| scene | picture | fields | camera, rays | shadow, rays | reflection, rays | build s, Embree | build "
+               "s, slowest other |\n|---|---|---|--:|--:|--:|--:|--:|\n",
+               put_rays);
     fprintf(to,
-            "\nAgreement. All paths answered the same rays of one sample a pixel, and were held against %s; their "
-            "pictures against that of the same kernel, or else of the first path that is not Default, with the same "
+            "\nAgreement. All paths answered the same rays of one sample a pixel and were compared with %s, their "
+            "pictures with that of the same kernel, or else of the first path that is not Default, with the same "
             "normals. Why hits differ: *end*, the hit is a rounding away from where the ray starts or ends; *edge*, "
             "from an edge that two triangles share; *grazing*, the ray lies too flat to tell; *other*, a defect "
             "(grid3d-early has them by design). Pixels differ by rounding alone where two leaf tests compute the same "
-            "hit; visibly means by half an 8-bit step.\n\n",
+            "hit; visibly means by more than half an 8-bit step.\n\n",
             results_text(scene, "reference"));
-    put_agreement(to, lines);
+    put_scenes(
+        to, lines,
+        "| scene | path | rays, that differ | why | pixels, that differ | visibly |\n|---|---|--:|---|--:|--:|\n",
+        put_agreement);
     json_array_foreach(lines, k, line) {
         if (results_is(line, "skipped"))
             fprintf(to, "\nLeft out: %s: %s.\n", results_text(line, "path"), results_text(line, "why"));
