@@ -92,8 +92,8 @@ static void any_hit(void **state) {
     check(sum.rays == 3 && sum.only_a == 1 && sum.only_b == 1 && sum.why[AGREE_OTHER] == 2, "different answers agree");
     cw_field_destroy(field);
 
-    char text[128];
-    agree_text(&sum, text, sizeof text);
+    char text[AGREE_TEXT];
+    agree_text(&sum, text);
     check(strcmp(text, "2 of 3 rays differ (2 other)") == 0, "told as \"%s\"", text);
 }
 

@@ -102,11 +102,12 @@ static void table_files_hold_the_same_numbers(void **state) {
     io_error error;
     json_t *lines = results_read("a/b/table.json", &error);
     check(lines != NULL, "%s", error.text);
-    const json_t *scene = json_array_get(lines, json_array_size(lines) - 1);
-    check(strcmp(results_text(scene, "scene"), "hftest") == 0, "the last line is no scene");
-    const json_t *paths = json_object_get(scene, "paths"), *path;
+    const json_t *of_scene = json_array_get(lines, json_array_size(lines) - 1);
+    check(strcmp(results_text(of_scene, "scene"), "hftest") == 0, "the last line is no scene");
+    const json_t *paths = json_object_get(of_scene, "paths"), *path;
     check(json_array_size(paths) == (peer_embree_version() ? 4 : 3), "%zu paths", json_array_size(paths));
-    check(results_number(scene, "camera_rays") == 256 * 256, "%.0f camera rays", results_number(scene, "camera_rays"));
+    check(results_number(of_scene, "camera_rays") == 256 * 256, "%.0f camera rays",
+          results_number(of_scene, "camera_rays"));
 
     char *markdown = read_text("a/b/table.md"), *page = NULL;
     size_t size, k;

@@ -3,7 +3,7 @@
  * known. */
 #include "accuracy/tradeoff.h"
 
-#include "scenes/tracer.h"
+#include "scenes/table.h"
 
 #include "check.h"
 #include "workload/terrain.h"
@@ -221,7 +221,7 @@ static void errors_are_counted(void **state) {
     memcpy(answers, truth.hits, sizeof answers);
     memset(occluded, 1, sizeof occluded);
     const tradeoff_claim none = {0};
-    tradeoff_errors e = tradeoff_errors_closest(&truth, 0, &none, field, answers);
+    tradeoff_errors e = tradeoff_errors_of(&truth, 0, &none, field, (contender_answers){.hits = answers});
     check(e.rays == RAYS && e.hits == RAYS && e.verdicts[TRADEOFF_RIGHT] == RAYS && e.broken == 0,
           "strict is not right");
     check(e.right_hits == RAYS && e.worst[0] == 0 && e.worst[2] == 0 && e.worst[3] < 1e-6, "exact hits have errors");
@@ -229,18 +229,18 @@ static void errors_are_counted(void **state) {
     answers[3] = (cw_hit){.t = INFINITY, .i = -1, .j = -1};
     answers[5].t = 2 + 0x1p-20f; /* 4 ULP of 2 */
     occluded[3] = occluded[9] = 0;
-    e = tradeoff_errors_closest(&truth, 0, &none, field, answers);
+    e = tradeoff_errors_of(&truth, 0, &none, field, (contender_answers){.hits = answers});
     check(e.hits == RAYS - 1 && e.verdicts[TRADEOFF_LEAK] == 1 && e.broken == 1, "the leak is not counted");
     check(e.right_hits == RAYS - 1 && e.median[0] == 0 && e.worst[0] == 4, "the worst error is %g ULP", e.worst[0]);
     check(e.worst[1] == 0x1p-20 && e.worst[2] == 0x1p-20, "the worst error is %g cells", e.worst[1]);
-    e = tradeoff_errors_any(&truth, 0, &none, occluded);
+    e = tradeoff_errors_of(&truth, 0, &none, NULL, (contender_answers){.occluded = occluded});
     check(e.hits == RAYS - 2 && e.verdicts[TRADEOFF_LEAK] == 2, "leaks of any hit: %zu", e.verdicts[TRADEOFF_LEAK]);
 
     /* A claim explains the leak, which stays one against the true surface. */
     const tradeoff_claim wide = {.height = 9};
-    e = tradeoff_errors_closest(&truth, 0, &wide, field, answers);
+    e = tradeoff_errors_of(&truth, 0, &wide, field, (contender_answers){.hits = answers});
     check(e.verdicts[TRADEOFF_LEAK] == 1 && e.broken == 0, "a claim hides a leak, or does not explain it");
-    e = tradeoff_errors_any(&truth, 0, &wide, occluded);
+    e = tradeoff_errors_of(&truth, 0, &wide, NULL, (contender_answers){.occluded = occluded});
     check(e.verdicts[TRADEOFF_LEAK] == 2 && e.broken == 0, "a claim hides a leak, or does not explain it");
 
     /* Every second run of 16: rays 0 to 15, 32 to 47, … */
@@ -248,7 +248,7 @@ static void errors_are_counted(void **state) {
     check(tradeoff_thin(rays, RAYS, 1, thin) == 104, "thinned to %zu", tradeoff_thin(rays, RAYS, 1, NULL));
     check(memcmp(&thin[16], &rays[32], 16 * sizeof thin[0]) == 0, "the second run is another");
     for (size_t m = 0; m < 104; m++) answers[m] = truth.hits[m / 16 * 32 + m % 16];
-    e = tradeoff_errors_closest(&truth, 1, &none, field, answers);
+    e = tradeoff_errors_of(&truth, 1, &none, field, (contender_answers){.hits = answers});
     check(e.rays == 104 && e.verdicts[TRADEOFF_RIGHT] == 104, "thinned answers are held against other rays");
     tradeoff_truth_free(&truth);
     cw_field_destroy(field);

@@ -9,8 +9,6 @@
 
 enum { RUN = 16 };
 
-static const tradeoff_claim none;
-
 size_t tradeoff_thinned_at(size_t m, unsigned thin) { return ((m / RUN) << thin) * RUN + m % RUN; }
 
 size_t tradeoff_thin(const cw_ray *rays, size_t n, unsigned thin, cw_ray *out) {
@@ -40,16 +38,8 @@ void tradeoff_truth_free(tradeoff_truth *truth) {
     *truth = (tradeoff_truth){0};
 }
 
-/* By the cross product, since the cosine of a small angle is 1. */
-static double angle(const double a[3], const double b[3]) {
-    double cross = 0, dot = 0;
-    for (int k = 0; k < 3; k++) {
-        const int m = (k + 1) % 3, n = (k + 2) % 3;
-        const double c = a[m] * b[n] - a[n] * b[m];
-        cross += c * c;
-        dot += a[k] * b[k];
-    }
-    return atan2(sqrt(cross), dot) * (180 / 3.14159265358979323846);
+double tradeoff_degrees(const double a[3], const double b[3]) {
+    return 2 * asin(fmin(1, hypot(hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2]) / 2)) * (180 / 3.14159265358979323846);
 }
 
 static double normal_error(const tradeoff_truth *truth, const exact_hit *exact, const cw_field *field,
@@ -59,47 +49,44 @@ static double normal_error(const tradeoff_truth *truth, const exact_hit *exact, 
     double a[3], b[3];
     cw_hit_phong_normal(truth->field, &right, a);
     cw_hit_phong_normal(field, answer, b);
-    return angle(a, b);
+    return tradeoff_degrees(a, b);
 }
 
-tradeoff_errors tradeoff_errors_closest(const tradeoff_truth *truth, unsigned thin, const tradeoff_claim *claim,
-                                        const cw_field *field, const cw_hit *answers) {
-    tradeoff_errors e = {.rays = tradeoff_thin(truth->rays, truth->n, thin, NULL)};
-    size_t n = 0;
-    for (size_t m = 0; m < e.rays; m++) {
-        const size_t k = tradeoff_thinned_at(m, thin);
-        const cw_ray *ray = &truth->rays[k];
-        const exact_hit *exact = truth->hits[k].i >= 0 ? &truth->exact[k] : NULL;
-        const tradeoff_verdict v =
-            tradeoff_judge_closest(truth->surface, ray, claim, &truth->hits[k], exact, &answers[m]);
-        e.broken += v > TRADEOFF_TIE;
-        e.hits += answers[m].i >= 0;
-        e.verdicts[v == TRADEOFF_TIE
-                       ? tradeoff_judge_closest(truth->surface, ray, &none, &truth->hits[k], exact, &answers[m])
-                       : v]++;
-        if (v != TRADEOFF_RIGHT || exact == NULL) continue;
-        truth->scratch[0][n] = exact_error_ulp((double)answers[m].t, exact->t);
-        truth->scratch[1][n] = exact_error_cells(ray, (double)answers[m].t, exact->t);
-        truth->scratch[2][n] = tradeoff_off_surface(truth->surface, ray, (double)answers[m].t);
-        truth->scratch[3][n++] = normal_error(truth, exact, field, &answers[m]);
-    }
-    e.right_hits = n;
-    for (int k = 0; k < TRADEOFF_ERROR_KINDS; k++) {
-        e.median[k] = statistics_of(truth->scratch[k], n).median;
-        e.worst[k] = n ? truth->scratch[k][n - 1] : 0; /* sorted by now */
-    }
-    return e;
+/* Of a ray that is answered right. */
+static void measure(const tradeoff_truth *truth, size_t k, size_t n, const cw_field *field, const cw_hit *answer) {
+    const cw_ray *ray = &truth->rays[k];
+    const double t = (double)answer->t;
+    truth->scratch[0][n] = exact_error_ulp(t, truth->exact[k].t);
+    truth->scratch[1][n] = exact_error_cells(ray, t, truth->exact[k].t);
+    truth->scratch[2][n] = tradeoff_off_surface(truth->surface, ray, t);
+    truth->scratch[3][n] = normal_error(truth, &truth->exact[k], field, answer);
 }
 
-tradeoff_errors tradeoff_errors_any(const tradeoff_truth *truth, unsigned thin, const tradeoff_claim *claim,
-                                    const uint8_t *answers) {
+static tradeoff_verdict judge(const tradeoff_truth *truth, size_t k, const tradeoff_claim *claim, const cw_hit *hit,
+                              bool answer) {
+    const bool should = truth->hits[k].i >= 0;
+    return hit ? tradeoff_judge_closest(truth->surface, &truth->rays[k], claim, &truth->hits[k],
+                                        should ? &truth->exact[k] : NULL, hit)
+               : tradeoff_judge_any(truth->surface, &truth->rays[k], claim, should, answer);
+}
+
+tradeoff_errors tradeoff_errors_of(const tradeoff_truth *truth, unsigned thin, const tradeoff_claim *claim,
+                                   const cw_field *field, contender_answers answers) {
+    static const tradeoff_claim none;
     tradeoff_errors e = {.rays = tradeoff_thin(truth->rays, truth->n, thin, NULL)};
     for (size_t m = 0; m < e.rays; m++) {
         const size_t k = tradeoff_thinned_at(m, thin);
-        const bool right = truth->hits[k].i >= 0, answer = answers[m] != 0;
+        const cw_hit *hit = answers.hits ? &answers.hits[m] : NULL;
+        const bool answer = hit ? hit->i >= 0 : answers.occluded[m] != 0;
+        const tradeoff_verdict v = judge(truth, k, claim, hit, answer);
         e.hits += answer;
-        e.broken += tradeoff_judge_any(truth->surface, &truth->rays[k], claim, right, answer) > TRADEOFF_TIE;
-        e.verdicts[tradeoff_judge_any(truth->surface, &truth->rays[k], &none, right, answer)]++;
+        e.broken += v > TRADEOFF_TIE;
+        e.verdicts[v == TRADEOFF_TIE ? judge(truth, k, &none, hit, answer) : v]++;
+        if (hit && v == TRADEOFF_RIGHT && truth->hits[k].i >= 0) measure(truth, k, e.right_hits++, field, hit);
+    }
+    for (int k = 0; k < TRADEOFF_ERROR_KINDS; k++) {
+        e.median[k] = statistics_of(truth->scratch[k], e.right_hits).median;
+        e.worst[k] = e.right_hits ? truth->scratch[k][e.right_hits - 1] : 0; /* sorted by now */
     }
     return e;
 }

@@ -5,10 +5,8 @@
 #include "clock.h"
 #include "harness/memory.h"
 #include "harness/results.h"
-#include "harness/run.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -32,7 +30,7 @@ bool tradeoff_field_open(tradeoff_field *on, const char *name, const tradeoff_op
     cw_status status = workload_field_open(&on->samples, CW_COPY, false, &on->field);
     if (status == CW_OK) status = cw_field_build(on->field, cw_kernel_find("cell"));
     bool good = status == CW_OK || io_fail(error, "field %s: %s", name, cw_status_message(status));
-    for (size_t m = 0; good && m < tradeoff_mode_count(); m++) {
+    for (size_t m = 0; good && tradeoff_mode_at(m); m++) {
         const tradeoff_mode *mode = tradeoff_mode_at(m);
         if (!tradeoff_mode_wanted(m, o) || on->stage_count == TRADEOFF_MODES_MAX) continue;
         if (mode->embree && (peer_embree_version() == NULL ||
@@ -140,8 +138,8 @@ static void answer(const group *g, const row *r, contender_answers out) {
 
 static void judge(const group *g, row *r, contender_answers out) {
     const tradeoff_stage *s = r->stage;
-    r->errors = g->any ? tradeoff_errors_any(&g->truth, r->thin_errors, &s->claim, out.occluded)
-                       : tradeoff_errors_closest(&g->truth, r->thin_errors, &s->claim, s->field, out.hits);
+    if (g->any) out.hits = NULL;
+    r->errors = tradeoff_errors_of(&g->truth, r->thin_errors, &s->claim, s->field, out);
 }
 
 /* The answers that lie there for a thinned set are bit for bit those that the leader gave for the same rays. */

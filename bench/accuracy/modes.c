@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "accuracy/modes.h"
+#include "accuracy/tradeoff.h"
 
 #include "harness/memory.h"
-#include "workload/fields.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,47 +10,26 @@
 
 /* clang-format off: a row a mode */
 static const tradeoff_mode modes[] = {
-    {.name = "strict", .what = "the default: watertight leaf test, IEEE operations alone", .leaf = CW_LEAF_WATERTIGHT},
-    {.name = "moller-trumbore",
-     .what = "strict operations, each triangle by itself (Möller and Trumbore 1997)",
-     .leaf = CW_LEAF_MOLLER_TRUMBORE},
-    {.name = "early",
-     .what = "a 3D grid that returns the first hit it finds",
-     .leaf = CW_LEAF_MOLLER_TRUMBORE,
-     .only = "grid3d-early"},
-    {.name = "samples-16",
-     .what = "strict on samples rounded to 16 bits beforehand",
-     .leaf = CW_LEAF_WATERTIGHT,
-     .change = tradeoff_quantise},
-    {.name = "tolerance-0.1",
-     .what = "tolerance: heights off by a tenth of a cell's side",
-     .leaf = CW_LEAF_WATERTIGHT,
-     .family = "pyramid",
+    {"strict", "the default: watertight leaf test, IEEE operations alone", CW_LEAF_WATERTIGHT, .only = NULL},
+    {"moller-trumbore", "strict operations, each triangle by itself (Möller and Trumbore 1997)",
+     CW_LEAF_MOLLER_TRUMBORE, .only = NULL},
+    {"early", "a 3D grid that returns the first hit it finds", CW_LEAF_MOLLER_TRUMBORE, .only = "grid3d-early"},
+    {"samples-16", "strict on samples rounded to 16 bits beforehand", CW_LEAF_WATERTIGHT, .change = tradeoff_quantise},
+    {"tolerance-0.1", "tolerance: heights off by a tenth of a cell's side", CW_LEAF_WATERTIGHT, .family = "pyramid",
      .tolerance = {.height = 0.1}},
-    {.name = "tolerance-1",
-     .what = "tolerance: heights off by a cell's side",
-     .leaf = CW_LEAF_WATERTIGHT,
-     .family = "pyramid",
+    {"tolerance-1", "tolerance: heights off by a cell's side", CW_LEAF_WATERTIGHT, .family = "pyramid",
      .tolerance = {.height = 1}},
-    {.name = "cone-pixel",
-     .what = "tolerance: a cone as wide as a pixel of the 1024² view",
-     .leaf = CW_LEAF_WATERTIGHT,
-     .family = "pyramid",
+    {"cone-pixel", "tolerance: a cone as wide as a pixel of the 1024² view", CW_LEAF_WATERTIGHT, .family = "pyramid",
      .tolerance = {.cone = 2 * 0.57735 / 1024}},
-    {.name = "embree", .what = "Embree, a mesh of triangles", .embree = true},
-    {.name = "embree-robust", .what = "Embree, a mesh of triangles, ROBUST", .embree = true, .robust = true},
-    {.name = "embree-grid", .what = "Embree, its grid geometry", .embree = true, .geometry = PEER_GRID, .longer = true},
-    {.name = "embree-grid-robust",
-     .what = "Embree, its grid geometry, ROBUST",
-     .embree = true,
-     .robust = true,
-     .geometry = PEER_GRID,
+    {"embree", "Embree, a mesh of triangles", .embree = true},
+    {"embree-robust", "Embree, a mesh of triangles, ROBUST", .embree = true, .robust = true},
+    {"embree-grid", "Embree, its grid geometry", .embree = true, .geometry = PEER_GRID, .longer = true},
+    {"embree-grid-robust", "Embree, its grid geometry, ROBUST", .embree = true, .geometry = PEER_GRID, .robust = true,
      .longer = true},
 };
 /* clang-format on */
 enum { MODE_COUNT = sizeof modes / sizeof modes[0] };
 
-size_t tradeoff_mode_count(void) { return MODE_COUNT; }
 const tradeoff_mode *tradeoff_mode_at(size_t number) { return number < MODE_COUNT ? &modes[number] : NULL; }
 
 /* True if the mode is to be tried on the kernel. */

@@ -24,7 +24,7 @@ static inline void add_vertex_normal(const true_surface *s, size_t at, double we
     n[2] += weight * 6;
 }
 
-static inline void normal_at(const true_surface *s, const cw_hit *hit, tradeoff_normal kind, double n[3]) {
+void tradeoff_normal_at(const true_surface *s, const cw_hit *hit, tradeoff_normal kind, double n[3]) {
     const size_t at = (size_t)hit->j * s->nx + (size_t)hit->i;
     const size_t corner[4] = {at, at + 1, at + s->nx, at + s->nx + 1};
     const bool a = hit->triangle == CW_TRIANGLE_A;
@@ -45,10 +45,6 @@ static inline void normal_at(const true_surface *s, const cw_hit *hit, tradeoff_
         for (int k = 0; k < 4; k++) add_vertex_normal(s, corner[k], weight[k], n);
     }
     unit(n);
-}
-
-void tradeoff_normal_at(const true_surface *s, const cw_hit *hit, tradeoff_normal kind, double normal[3]) {
-    normal_at(s, hit, kind, normal);
 }
 
 /* ---- the experiment ---- */
@@ -90,7 +86,7 @@ static double cost(const true_surface *s, const cw_hit *hits, tradeoff_normal ki
         double sum = 0;
         for (size_t k = 0; k < HITS; k++) {
             double n[3];
-            normal_at(s, &hits[k], kind, n);
+            tradeoff_normal_at(s, &hits[k], kind, n);
             sum += n[0] + n[1];
         }
         seconds[r] = clock_cpu_seconds() - start;
@@ -114,9 +110,8 @@ static json_t *measure_wave(const wave *w, float *z, const cw_hit *hits, double 
             const bool a = hits[k].triangle == CW_TRIANGLE_A;
             const double u = (double)hits[k].u, v = (double)hits[k].v;
             wave_at(w, hits[k].i + (a ? u + v : u), hits[k].j + (a ? v : u + v), right);
-            normal_at(&s, &hits[k], (tradeoff_normal)kind, n);
-            const double apart = hypot(hypot(n[0] - right[0], n[1] - right[1]), n[2] - right[2]);
-            errors[k] = 2 * asin(apart / 2) * (180 / 3.14159265358979323846);
+            tradeoff_normal_at(&s, &hits[k], (tradeoff_normal)kind, n);
+            errors[k] = tradeoff_degrees(n, right);
             sum += errors[k] * errors[k];
         }
         json_t *of = json_object();

@@ -3,11 +3,9 @@
 
 #include "harness/memory.h"
 #include "harness/results.h"
-#include "scenes/tracer.h"
+#include "scenes/table.h"
 
 #include <stdlib.h>
-
-enum { PEER_WIDTH = 8 };
 
 /* A scene, and one mode at a time on each of its fields. */
 typedef struct set {
@@ -37,11 +35,10 @@ static bool open_mode(set *s, const tradeoff_mode *mode, cw_isa isa, bool *runs,
         if (!tradeoff_stage_open(&s->stages[f], mode, base, &s->surfaces[f], isa, error)) return false;
         s->open++;
         if (mode->embree) {
-            contender_from_peer(&t->on[f], s->stages[f].peer, PEER_WIDTH, true, mode->name);
+            contender_from_peer(&t->on[f], s->stages[f].peer, 8, true, mode->name);
             continue;
         }
-        const cw_query automatic = cw_query_default();
-        const cw_kernel *kernel = mode->only ? cw_kernel_find(mode->only) : cw_query_kernel(base, &automatic);
+        const cw_kernel *kernel = mode->only ? cw_kernel_find(mode->only) : cw_query_kernel(base, NULL);
         cw_status status = CW_ERROR_UNAVAILABLE;
         if (kernel) status = tradeoff_stage_kernel(&s->stages[f], kernel, &t->on[f]);
         if (status == CW_ERROR_UNAVAILABLE || status == CW_ERROR_UNSUPPORTED)
@@ -111,7 +108,7 @@ bool tradeoff_scene_run(const char *name, const tradeoff_options *o, json_t *lin
     set *s = memory(1, sizeof *s);
     io_image strict = {0};
     bool good = open_set(s, o->scene_folder, name, error);
-    for (size_t m = 0; good && m < tradeoff_mode_count(); m++) {
+    for (size_t m = 0; good && tradeoff_mode_at(m); m++) {
         if (m > 0 && !tradeoff_mode_wanted(m, o)) continue; /* the first is what others are held against */
         good = render_mode(s, name, tradeoff_mode_at(m), o, &strict, lines, error);
     }

@@ -8,8 +8,7 @@
 #include "commands.h"
 #include "harness/memory.h"
 #include "harness/results.h"
-#include "harness/run.h"
-#include "scenes/tracer.h"
+#include "scenes/table.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -40,7 +39,7 @@ static const char examples[] = "  cellwalk-bench tradeoff            a first loo
 
 static const char *scene_or_none(size_t number) { return number == SCENES ? "none" : scene_names(number); }
 static const char *mode_names(size_t number) {
-    return number < tradeoff_mode_count() ? tradeoff_mode_at(number)->name : NULL;
+    return tradeoff_mode_at(number) ? tradeoff_mode_at(number)->name : NULL;
 }
 static const char *class_names(size_t number) { return workload_class_name((workload_class)number); }
 
@@ -58,15 +57,10 @@ static void set_defaults(tradeoff_options *o) {
     if (option_wanted(&o->scenes, SCENES)) o->scenes.count = 0;
 }
 
-static size_t classes_of(const tradeoff_options *o, bool timed) {
-    size_t count = 0;
-    for (size_t c = 0; c < (timed ? WORKLOAD_CLASS_COUNT : WORKLOAD_ALL); c++) count += option_wanted(&o->rays, c);
-    return count;
-}
-
 static bool run_fields(const tradeoff_options *o, json_t *lines, io_error *error) {
     double end = clock_seconds() + o->seconds;
-    size_t groups = o->fields.count * classes_of(o, true);
+    size_t groups = 0; /* that are timed */
+    for (size_t c = 0; c < WORKLOAD_CLASS_COUNT; c++) groups += option_wanted(&o->rays, c) ? o->fields.count : 0;
     tradeoff_field *on = memory(1, sizeof *on);
     bool good = true;
     for (size_t f = 0; good && f < o->fields.count; f++) {
@@ -92,7 +86,7 @@ static bool run_fields(const tradeoff_options *o, json_t *lines, io_error *error
 static json_t *modes_line(void) {
     json_t *line = json_object(), *modes = json_object();
     results_set_text(line, "kind", "modes");
-    for (size_t m = 0; m < tradeoff_mode_count(); m++)
+    for (size_t m = 0; tradeoff_mode_at(m); m++)
         results_set_text(modes, tradeoff_mode_at(m)->name, tradeoff_mode_at(m)->what);
     json_object_set_new(line, "modes", modes);
     return line;

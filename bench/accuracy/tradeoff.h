@@ -4,9 +4,11 @@
 #ifndef CELLWALK_BENCH_ACCURACY_TRADEOFF_H
 #define CELLWALK_BENCH_ACCURACY_TRADEOFF_H
 
-#include "accuracy/modes.h"
+#include "accuracy/judge.h"
 #include "harness/interleave.h"
 #include "harness/run.h"
+#include "peers/contender.h"
+#include "peers/embree.h"
 #include "workload/fields.h"
 #include "workload/ray_classes.h"
 
@@ -23,6 +25,54 @@ typedef struct tradeoff_options {
     bool longer;
 } tradeoff_options;
 
+/* ---- modes.c: what is measured ---- */
+
+/* A new mode is a new row. Whatever it leaves out stays as it is: the strict query on the field's own samples. */
+typedef struct tradeoff_mode {
+    const char *name; /* "strict"; a contender is called NAME/KERNEL, or NAME/wWIDTH with Embree */
+    const char *what; /* one line for a person */
+    cw_leaf leaf;
+    const char *only;         /* the one kernel that has this mode; NULL: all, but those that others name here */
+    const char *family;       /* or only kernels whose names begin so; NULL: all */
+    tradeoff_claim tolerance; /* of the query, which is also what it may cost: in units of tradeoff_cell_height */
+    tradeoff_claim (*change)(float *z, size_t count); /* changes the samples of the mode's own field, and says by how
+                                                       * much at most */
+    bool longer;                                      /* only with --long, or if asked for by name */
+    bool embree, robust;                              /* Embree instead of a kernel */
+    peer_geometry geometry;
+} tradeoff_mode;
+
+/* NULL from the count on. */
+const tradeoff_mode *tradeoff_mode_at(size_t number);
+
+/* How much of the field's height is as long in user space as a cell's side, where a unit of field space is shortest. */
+double tradeoff_cell_height(const cw_field *field);
+
+/* A mode on one field, with all that it needs. */
+typedef struct tradeoff_stage {
+    const tradeoff_mode *mode;
+    cw_field *field; /* the given one, or: */
+    cw_field *own;   /* made from: */
+    float *z;
+    tradeoff_claim tolerance, claim;
+    peer_embree *peer;
+} tradeoff_stage;
+
+/* base has the samples given by ground and must stay until the stage is closed, and so must they. isa is the widest that
+ * Embree may use. On failure the stage needs no closing. */
+bool tradeoff_stage_open(tradeoff_stage *stage, const tradeoff_mode *mode, cw_field *base, const true_surface *surface,
+                         cw_isa isa, io_error *error);
+void tradeoff_stage_close(tradeoff_stage *stage);
+
+/* The mode's contender with a kernel, named as above. CW_ERROR_UNAVAILABLE or CW_ERROR_UNSUPPORTED where there is none. */
+cw_status tradeoff_stage_kernel(const tradeoff_stage *stage, const cw_kernel *kernel, contender *c);
+
+/* Rounds samples to 2^16 levels from the lowest to the highest; holes stay. The claim is half a step and the rounding of
+ * the result to float. */
+tradeoff_claim tradeoff_quantise(float *z, size_t count);
+
+/* ---- errors.c ---- */
+
 /* Errors of t in ULP and in cells, heights off the surface, angles of normals. */
 enum { TRADEOFF_ERROR_KINDS = 4 };
 
@@ -36,8 +86,6 @@ typedef struct tradeoff_errors {
     size_t right_hits;
     double median[TRADEOFF_ERROR_KINDS], worst[TRADEOFF_ERROR_KINDS];
 } tradeoff_errors;
-
-/* ---- errors.c ---- */
 
 /* The reference's answers to n rays, made once; degrees are measured with the Phong normals of field, which has the
  * surface's samples. */
@@ -56,11 +104,13 @@ cw_status tradeoff_truth_make(tradeoff_truth *truth, const true_surface *surface
                               const cw_ray *rays, size_t n);
 void tradeoff_truth_free(tradeoff_truth *truth);
 
-/* Answers to every (2^thin)-th run of 16 rays, as tradeoff_thin picks them. field: whose normals the answer has. */
-tradeoff_errors tradeoff_errors_closest(const tradeoff_truth *truth, unsigned thin, const tradeoff_claim *claim,
-                                        const cw_field *field, const cw_hit *answers);
-tradeoff_errors tradeoff_errors_any(const tradeoff_truth *truth, unsigned thin, const tradeoff_claim *claim,
-                                    const uint8_t *answers);
+/* Of answers to every (2^thin)-th run of 16 rays, as tradeoff_thin picks them: of hits, or where these are NULL of occluded.
+ * field: whose normals the answer has. */
+tradeoff_errors tradeoff_errors_of(const tradeoff_truth *truth, unsigned thin, const tradeoff_claim *claim,
+                                   const cw_field *field, contender_answers answers);
+
+/* Between two unit vectors; from their difference, since the cosine of a small angle is 1. */
+double tradeoff_degrees(const double a[3], const double b[3]);
 
 /* The number in the whole set of ray m of a thinned one. Runs of 16 stay together, so that packets do. */
 size_t tradeoff_thinned_at(size_t m, unsigned thin);

@@ -48,8 +48,6 @@ static agree_reason reason_of(const cw_field *field, const cw_ray *ray, const cw
     return edge <= bound / c ? AGREE_EDGE : AGREE_OTHER;
 }
 
-static bool same_bits(const cw_hit *a, const cw_hit *b) { return memcmp(a, b, sizeof *a) == 0; }
-
 void agree_closest(agreement *sum, const cw_field *field, const cw_ray *rays, size_t n, const cw_hit *a,
                    const cw_hit *b) {
     const cw_field_info info = cw_field_describe(field);
@@ -58,7 +56,7 @@ void agree_closest(agreement *sum, const cw_field *field, const cw_ray *rays, si
         const bool hit_a = a[k].i >= 0, hit_b = b[k].i >= 0;
         sum->hits_a += hit_a;
         sum->hits_b += hit_b;
-        if (same_bits(&a[k], &b[k])) {
+        if (memcmp(&a[k], &b[k], sizeof *a) == 0) {
             sum->same_bits++;
             continue;
         }
@@ -103,18 +101,16 @@ void agree_any(agreement *sum, const cw_field *field, const cw_ray *rays, size_t
 
 size_t agree_differ(const agreement *sum) { return sum->only_a + sum->only_b + sum->far; }
 
-void agree_text(const agreement *sum, char *text, size_t size) {
+void agree_text(const agreement *sum, char text[AGREE_TEXT]) {
     const size_t differ = agree_differ(sum);
-    if (differ == 0) {
-        snprintf(text, size, "all %zu rays agree%s", sum->rays, sum->same_bits == sum->rays ? ", bit for bit" : "");
-        return;
-    }
-    int used = snprintf(text, size, "%zu of %zu rays differ (", differ, sum->rays);
+    int used = differ ? snprintf(text, AGREE_TEXT, "%zu of %zu rays differ (", differ, sum->rays)
+                      : snprintf(text, AGREE_TEXT, "all %zu rays agree%s", sum->rays,
+                                 sum->same_bits == sum->rays ? ", bit for bit" : "");
     const char *between = "";
-    for (int r = 0; r < AGREE_REASON_COUNT && used >= 0 && (size_t)used < size; r++) {
+    for (int r = 0; differ && r < AGREE_REASON_COUNT; r++) {
         if (sum->why[r] == 0) continue;
-        used += snprintf(text + used, size - (size_t)used, "%s%zu %s", between, sum->why[r], reason_names[r]);
+        used += snprintf(text + used, AGREE_TEXT - (size_t)used, "%s%zu %s", between, sum->why[r], reason_names[r]);
         between = ", ";
     }
-    if (used >= 0 && (size_t)used < size) snprintf(text + used, size - (size_t)used, ")");
+    if (differ) snprintf(text + used, AGREE_TEXT - (size_t)used, ")");
 }

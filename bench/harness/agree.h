@@ -46,6 +46,7 @@ void agree_any(agreement *sum, const cw_field *field, const cw_ray *rays, size_t
 /* Rays that do not agree: only_a + only_b + far. */
 size_t agree_differ(const agreement *sum);
 /* "12 of 65536 rays differ (10 edge, 2 end)", "all 65536 rays agree, bit for bit", … */
-void agree_text(const agreement *sum, char *text, size_t size);
+enum { AGREE_TEXT = 192 }; /* room for six numbers */
+void agree_text(const agreement *sum, char text[AGREE_TEXT]);
 
 #endif

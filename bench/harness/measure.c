@@ -8,7 +8,6 @@
 #include "harness/child.h"
 #include "harness/results.h"
 #include "harness/run.h"
-#include "options.h"
 #include "peers/embree.h"
 
 #include <errno.h>
@@ -128,12 +127,15 @@ typedef struct measure_options {
 static void tell_kept(const char *path, size_t number, size_t count) {
     io_error error = {{0}};
     json_t *lines = results_read(path, &error), *now = run_record("measure", 0, -1);
-    const char *was = lines ? results_text(json_array_get(lines, 0), "commit") : "", *is = results_text(now, "commit");
-    fprintf(stderr, "[%zu of %zu] %s is there already", number, count, path);
-    if (lines == NULL)
-        fprintf(stderr, ", but cannot be read: %s\n", error.text);
-    else
-        fprintf(stderr, strcmp(was, is) != 0 ? ", of another commit: %s\n" : "\n", was);
+    const json_t *run = json_array_get(lines, 0);
+    const bool same = results_same(run, now, "commit");
+    fprintf(stderr, "[%zu of %zu] %s is there already%s%s\n", number, count, path,
+            lines == NULL ? ", but cannot be read: "
+            : same        ? ""
+                          : ", of another commit: ",
+            lines == NULL ? error.text
+            : same        ? ""
+                          : results_text(run, "commit"));
     json_decref(now);
     json_decref(lines);
 }

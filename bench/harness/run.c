@@ -13,7 +13,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
-#include <unistd.h>
 
 /* ---- options ---- */
 
@@ -70,21 +69,17 @@ bool run_memory_has(double bytes, const char *what, const char *field) {
 static char arguments_text[4096];
 static unsigned cpus; /* before a measurement stays on one of them */
 
-/* Words that a shell would take apart are quoted. */
-static void append_word(char *text, size_t size, const char *word) {
-    size_t used = strlen(text);
-    if (used > 0 && used + 1 < size) text[used++] = ' ';
-    text[used] = '\0';
-    const bool plain =
-        *word != '\0' &&
-        strspn(word, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_=+,./:@%") == strlen(word);
-    snprintf(text + used, size - used, plain ? "%s" : "'%s'", word);
-}
-
 void run_record_begin(char **arguments, int count) {
+    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_=+,./:@%";
+    size_t used = 0;
     cpus = cpus_usable();
     arguments_text[0] = '\0';
-    for (int k = 0; k < count; k++) append_word(arguments_text, sizeof arguments_text, arguments[k]);
+    for (int k = 0; k < count && used < sizeof arguments_text;
+         k++) { /* words that a shell would take apart are quoted */
+        const char *quote = *arguments[k] && arguments[k][strspn(arguments[k], plain)] == '\0' ? "" : "'";
+        used += (size_t)snprintf(arguments_text + used, sizeof arguments_text - used, "%s%s%s%s", k ? " " : "", quote,
+                                 arguments[k], quote);
+    }
 }
 
 /* Ticks of the time stamp counter a second, measured against the clock for 20 ms; 0 where there is no counter. */
@@ -121,19 +116,12 @@ json_t *run_record(const char *name, uint32_t seed, int cpu) {
     return record;
 }
 
-static const char *text_of(const json_t *record, const char *key) {
-    const char *text = json_string_value(json_object_get(record, key));
-    return text ? text : "none";
-}
-
 void run_record_text(const json_t *record, char *text, size_t size) {
-    const char *threads = json_string_value(json_object_get(record, "threads"));
-    char threads_text[64] = "one thread";
-    if (threads) snprintf(threads_text, sizeof threads_text, "%s threads", threads);
-    snprintf(text, size, "%s, %s, %s, %s, commit %s, Embree %s%s, %s, seed %" JSON_INTEGER_FORMAT ", load %.2f, %s",
-             text_of(record, "cpu"), text_of(record, "isa"), text_of(record, "compiler"), text_of(record, "build_type"),
-             text_of(record, "commit"), text_of(record, "embree"),
+    const char *threads = results_text(record, "threads"), *embree = results_text(record, "embree");
+    snprintf(text, size, "%s, %s, %s, %s, commit %s, Embree %s%s, %s%s, seed %.0f, load %.2f, %s",
+             results_text(record, "cpu"), results_text(record, "isa"), results_text(record, "compiler"),
+             results_text(record, "build_type"), results_text(record, "commit"), *embree ? embree : "none",
              json_is_true(json_object_get(record, "embree_assertions")) ? " (compiled with assertions)" : "",
-             threads_text, json_integer_value(json_object_get(record, "seed")),
-             json_real_value(json_object_get(record, "load")), text_of(record, "date"));
+             *threads ? threads : "one", *threads ? " threads" : " thread", results_number(record, "seed"),
+             results_number(record, "load"), results_text(record, "date"));
 }

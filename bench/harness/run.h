@@ -4,12 +4,12 @@
 #ifndef CELLWALK_BENCH_HARNESS_RUN_H
 #define CELLWALK_BENCH_HARNESS_RUN_H
 
-#include "cellwalk.h"
 #include "error.h"
 #include "options.h"
 
 #include <jansson.h>
 #include <limits.h>
+#include <stdint.h>
 
 /* ---- options ---- */
 

@@ -63,9 +63,3 @@ ratio statistics_ratio(const statistics *a, const statistics *b, double margin) 
     if (a->sure && b->sure && r.low > 1 + margin) r.verdict = VERDICT_HIGHER;
     return r;
 }
-
-double statistics_geometric_mean(const double *values, size_t n) {
-    double sum = 0;
-    for (size_t k = 0; k < n; k++) sum += log(values[k]);
-    return n ? exp(sum / (double)n) : 0;
-}

@@ -37,6 +37,4 @@ typedef struct ratio {
 } ratio;
 ratio statistics_ratio(const statistics *a, const statistics *b, double margin);
 
-double statistics_geometric_mean(const double *values, size_t n);
-
 #endif

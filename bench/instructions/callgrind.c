@@ -113,23 +113,17 @@ bool callgrind_read(counted *all, const char *runs_path, const char *profile_pat
 bool callgrind_run(counted *all, const char *name, const char *const *work, const char *const *options, bool *missing,
                    io_error *error) {
     enum { WORDS_MAX = 24 };
-    static const char *const fixed[] = {"valgrind",
-                                        "-q",
-                                        "--tool=callgrind",
-                                        "--collect-atstart=no",
-                                        "--toggle-collect=guard_trace",
-                                        "--dump-after=guard_trace",
-                                        "--combine-dumps=yes",
-                                        "--compress-strings=no",
-                                        "--compress-pos=no"};
-    char runs[64], errors[64], out[96];
-    const char *words[WORDS_MAX];
+    char line[512], runs[64], errors[64], out[64];
+    const char *words[WORDS_MAX], *slash = strrchr(work[0], '/');
     size_t count = 0;
     snprintf(runs, sizeof runs, "%s.runs", name);
     snprintf(errors, sizeof errors, "%s.errors", name);
-    snprintf(out, sizeof out, "--callgrind-out-file=%s.callgrind", name);
-    for (; count < sizeof fixed / sizeof fixed[0]; count++) words[count] = fixed[count];
-    words[count++] = out;
+    snprintf(out, sizeof out, "%s.callgrind", name);
+    snprintf(line, sizeof line,
+             "valgrind -q --tool=callgrind --collect-atstart=no --toggle-collect=guard_trace --dump-after=guard_trace "
+             "--combine-dumps=yes --compress-strings=no --compress-pos=no --callgrind-out-file=%s",
+             out);
+    for (char *word = strtok(line, " "); word; word = strtok(NULL, " ")) words[count++] = word;
     for (; options && *options; options++) words[count++] = *options;
     for (const char *const *word = work; *word && count + 1 < WORDS_MAX; word++) words[count++] = *word;
     words[count] = NULL;
@@ -137,6 +131,5 @@ bool callgrind_run(counted *all, const char *name, const char *const *work, cons
     *missing = status == 127;
     if (*missing) return io_fail(error, "valgrind is not installed (Debian: valgrind)");
     if (status != 0) return io_fail(error, "valgrind on %s: %s", work[0], status < 0 ? strerror(errno) : "failed");
-    const char *slash = strrchr(work[0], '/');
-    return callgrind_read(all, runs, strchr(out, '=') + 1, slash ? slash + 1 : work[0], error);
+    return callgrind_read(all, runs, out, slash ? slash + 1 : work[0], error);
 }

@@ -16,8 +16,7 @@ typedef enum event { IR, DR, DW, I1MR, D1MR, D1MW, ILMR, DLMR, DLMW, EVENTS } ev
 
 typedef struct counted_run {
     char kernel[COUNTED_NAME], leaf[COUNTED_NAME], rays[COUNTED_NAME];
-    uint64_t
-        count; /* rays traced; 0 where this machine cannot run the kernel, which then has no leaf, rays and events */
+    uint64_t count; /* rays traced; 0 if this machine cannot run the kernel: then there is no leaf, rays and events */
     uint64_t events[EVENTS];
 } counted_run;
 

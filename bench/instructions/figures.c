@@ -89,17 +89,14 @@ guard_verdict guard_compare(const counted *committed, const counted *now, FILE *
     }
     for (size_t k = 0; k < committed->count; k++) {
         const counted_run *was = &committed->runs[k];
-        const counted_run none = *was;
         counted_run absent = {.count = 0};
-        memcpy(absent.kernel, none.kernel, sizeof absent.kernel);
-        if (find(now, was)) continue;
-        if (find(now, &absent)) {
-            v.absent++;
-            continue;
-        }
-        v.stale++;
-        fprintf(report, "%s, %s, %s rays: there is a figure, but this program does not trace them\n", was->kernel,
-                was->leaf, was->rays);
+        memcpy(absent.kernel, was->kernel, sizeof absent.kernel);
+        const bool known = find(now, was) != NULL, here = find(now, &absent) == NULL;
+        v.absent += !known && !here;
+        v.stale += !known && here;
+        if (!known && here)
+            fprintf(report, "%s, %s, %s rays: there is a figure, but this program does not trace them\n", was->kernel,
+                    was->leaf, was->rays);
     }
     return v;
 }

@@ -23,8 +23,6 @@ static const char *const usage = "Usage: cellwalk-guard check|update WORK FIGURE
                                  "Exit status: 0 within the tolerance, 1 above it or failed, 77 if there is\n"
                                  "nothing to compare.\n";
 
-static const char *const update_command = "cmake --build --preset ci --target guard-update";
-
 static int skip(const char *reason) {
     printf("skipped: %s\n", reason);
     return SKIPPED;
@@ -41,23 +39,20 @@ static int check(const guard_figures *committed, const guard_figures *now) {
     if (v.absent) printf("; %zu figures are of kernels that this machine cannot run", v.absent);
     printf("\n");
     const bool bad = v.above || v.missing || v.stale;
-    if (bad)
-        printf("If this is meant, rewrite the figures and commit them with the change that explains them:\n");
-    else if (v.below)
-        printf("An improvement; rewrite the figures, so that it cannot be lost again unseen:\n");
-    if (bad || v.below) printf("  %s\n", update_command);
+    if (bad || v.below)
+        printf("%s:\n  cmake --build --preset ci --target guard-update\n",
+               bad ? "If this is meant, rewrite the figures and commit them with the change that explains them"
+                   : "An improvement; rewrite the figures, so that it cannot be lost again unseen");
     return bad ? EXIT_FAILURE : EXIT_SUCCESS;
 }
 
 static int update(const guard_figures *now, const char *path) {
     io_error error;
     io_output out = {0};
-    if (io_output_open(&out, path, &error) && guard_write(now, &out, &error) && io_output_commit(&out, &error)) {
-        printf("%s is rewritten\n", path);
-        return EXIT_SUCCESS;
-    }
+    const bool good =
+        io_output_open(&out, path, &error) && guard_write(now, &out, &error) && io_output_commit(&out, &error);
     io_output_discard(&out);
-    return fail(&error);
+    return good ? printf("%s is rewritten\n", path), EXIT_SUCCESS : fail(&error);
 }
 
 int main(int argc, char **argv) {

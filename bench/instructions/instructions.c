@@ -12,7 +12,6 @@
 #include "harness/results.h"
 #include "harness/run.h"
 #include "instructions/callgrind.h"
-#include "options.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -104,13 +103,14 @@ static int start(int argc, char **argv) {
     return good ? EXIT_SUCCESS : command_fail(kind, "%s", error.text);
 }
 
+static const command by_name[] = {
+    {"ablation", "count the instructions of builds without a lever each", start},
+    {"caches", "count reads, and those that miss caches of 32 KiB, 512 KiB and 32 MiB", start},
+};
+
 int main(int argc, char **argv) {
-    static const command count_instructions = {"ablation", "count the instructions of builds without a lever each",
-                                               start},
-                         count_misses = {
-                             "caches", "count reads, and those that miss caches of 32 KiB, 512 KiB and 32 MiB", start};
-    static const command *const commands[] = {&count_instructions, &count_misses};
+    static const command *const commands[] = {&by_name[0], &by_name[1]};
     static const program counting = {"cellwalk-instructions", "What does callgrind count of the kernels?", commands, 2,
-                                     NULL};
+                                     0};
     return program_main(&counting, argc, argv);
 }

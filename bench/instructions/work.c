@@ -90,15 +90,16 @@ static bool run_kernel(work *w, const char *kernel) {
 }
 
 static bool make_rays(work *w, size_t most) {
-    for (int c = 0; c < WORKLOAD_CLASS_COUNT; c++) {
-        w->class_rays[c] = malloc(most * sizeof *w->rays);
-        if (w->class_rays[c] == NULL) return false;
-        w->class_counts[c] = workload_rays_make(w->field, (workload_class)c, 1, most, w->class_rays[c]);
-        if (w->class_counts[c] == 0) return false;
-    }
     w->hits = malloc(most * sizeof *w->hits);
     w->occluded = malloc(most);
-    return w->hits && w->occluded;
+    bool good = w->hits && w->occluded;
+    for (int c = 0; good && c < WORKLOAD_CLASS_COUNT; c++) {
+        w->class_rays[c] = malloc(most * sizeof *w->rays);
+        if (w->class_rays[c])
+            w->class_counts[c] = workload_rays_make(w->field, (workload_class)c, 1, most, w->class_rays[c]);
+        good = w->class_counts[c] > 0;
+    }
+    return good;
 }
 
 int main(int argc, char **argv) {

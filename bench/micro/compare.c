@@ -22,11 +22,9 @@ static const char what[] =
 static bool same_group(const json_t *a, const json_t *b) {
     return results_same(a, b, "field") && results_same(a, b, "rays");
 }
-
 static bool is_timed(const json_t *line) {
     return results_is(line, "result") && json_object_get(line, "seconds_median");
 }
-
 static bool is_control(const json_t *result) { return strncmp(results_text(result, "contender"), "embree/", 7) == 0; }
 
 /* The same measurement in the other run. */
@@ -41,14 +39,15 @@ static const json_t *partner(const json_t *lines, const json_t *of) {
     return NULL;
 }
 
+static bool is_sure(const json_t *result) { return json_is_true(json_object_get(result, "interval_sure")); }
+
 static ratio ratio_of(const json_t *a, const json_t *b, double margin) {
     statistics s[2];
     for (int k = 0; k < 2; k++) {
         const json_t *r = k ? b : a;
-        s[k] = (statistics){.median = results_number(r, "seconds_median"),
-                            .low = results_number(r, "seconds_low"),
-                            .high = results_number(r, "seconds_high"),
-                            .sure = json_is_true(json_object_get(r, "interval_sure"))};
+        s[k] = (statistics){.median = results_number(r, "seconds_median"), .sure = is_sure(r)};
+        s[k].low = results_number(r, "seconds_low");
+        s[k].high = results_number(r, "seconds_high");
     }
     return statistics_ratio(&s[0], &s[1], margin);
 }
@@ -89,9 +88,7 @@ static const char *verdict_on(const json_t *a, const json_t *b, const ratio *tim
     if (slower && time->low > (1 + margin) * machine->high) return counts->slower++, "slower";
     counts->undecided++;
     if (faster || slower) return "undecided (the machine changed too)";
-    const bool sure =
-        json_is_true(json_object_get(a, "interval_sure")) && json_is_true(json_object_get(b, "interval_sure"));
-    return sure ? "undecided" : "undecided (too few passes)";
+    return is_sure(a) && is_sure(b) ? "undecided" : "undecided (too few passes)";
 }
 
 static void compare_lines(const json_t *in_a, const json_t *in_b, double margin, compare_counts *counts) {

@@ -35,6 +35,7 @@ _Static_assert(sizeof names / sizeof names[0] == COUNT_KINDS, "a kind has no nam
 _Static_assert((int)COUNT_KINDS <= (int)COUNTERS_MAX, "COUNTERS_MAX is too small");
 
 size_t counters_count(void) { return COUNT_KINDS; }
+const char *counters_name(size_t number) { return names[number]; }
 
 const counter *counters_find(const counter *all, const char *name) {
     size_t k = 0;

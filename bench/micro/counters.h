@@ -15,8 +15,9 @@ typedef struct counter {
     uint64_t events, lanes;
 } counter;
 
-/* How many there are. src/core/count.h says what they count, and has their names, such as "node" and "leaf", in capitals. */
+/* How many there are; their names, such as "node" and "leaf". src/core/count.h says what they count. */
 size_t counters_count(void);
+const char *counters_name(size_t number);
 
 /* The counter of that name in an array of all; it must be one of them. */
 const counter *counters_find(const counter *all, const char *name);

@@ -5,7 +5,6 @@
 #include "commands.h"
 #include "harness/memory.h"
 #include "harness/results.h"
-#include "harness/run.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -45,28 +44,13 @@ static bool check_threads(micro_options *o, io_error *error) {
     return true;
 }
 
-static bool open_pools(micro_options *o, io_error *error) {
-    for (size_t t = 0; t < o->threads.count; t++) {
-        if (o->thread_counts[t] == 1) continue;
-        const cw_status status = cw_pool_create(o->thread_counts[t], &o->pools[t]);
-        if (status != CW_OK) return io_fail(error, "--threads %u: %s", o->thread_counts[t], cw_status_message(status));
-    }
-    return true;
-}
-
-static void close_pools(micro_options *o) {
-    for (size_t t = 0; t < o->threads.count; t++) cw_pool_destroy(o->pools[t]);
-}
-
+static const char *const peers[PEER_KINDS] = {"embree/triangles", "embree/grid", "embree/triangles-robust",
+                                              "embree/grid-robust"};
 static const char *peer_names(size_t number) {
-    static const char *const names[] = {"triangles", "grid", "triangles-robust", "grid-robust", "none"};
-    return number < sizeof names / sizeof names[0] ? names[number] : NULL;
+    return number < PEER_KINDS ? peers[number] + strlen("embree/") : number == PEER_KINDS ? "none" : NULL;
 }
 
-static const char *quality_names(size_t number) {
-    static const char *const names[] = {"high", "medium"};
-    return number < 2 ? names[number] : NULL;
-}
+static const char *quality_names(size_t number) { return number == 0 ? "high" : number == 1 ? "medium" : NULL; }
 
 static const char *ray_names(size_t number) {
     return number < WORKLOAD_CLASS_COUNT ? workload_class_name((workload_class)number)
@@ -103,8 +87,6 @@ static void close_field(micro_field *on) {
 }
 
 static bool open_field(micro_field *on, const char *name, const micro_options *o, io_error *error) {
-    static const char *const labels[PEER_KINDS] = {"embree/triangles", "embree/grid", "embree/triangles-robust",
-                                                   "embree/grid-robust"};
     *on = (micro_field){0};
     if (!workload_field_make(name, &on->samples)) return io_fail(error, "out of memory for field %s", name);
     const cw_status status = workload_field_open(&on->samples, CW_COPY, false, &on->field);
@@ -112,56 +94,18 @@ static bool open_field(micro_field *on, const char *name, const micro_options *o
     on->default_kernel = cw_kernel_describe(cw_query_kernel(on->field, NULL)).name;
     for (size_t p = 0; p < PEER_KINDS; p++) {
         const peer_geometry geometry = p % 2 ? PEER_GRID : PEER_TRIANGLES;
-        if (!option_wanted(&o->peers, p) || !run_memory_has(peer_embree_needs(on->field, geometry), labels[p], name))
+        if (!option_wanted(&o->peers, p) || !run_memory_has(peer_embree_needs(on->field, geometry), peers[p], name))
             continue;
         const peer_options options = {.isa = (cw_isa)o->run.isa,
                                       .geometry = geometry,
                                       .quality = o->quality == 0 ? PEER_HIGH : PEER_MEDIUM,
                                       .robust = p >= 2};
         micro_peer *peer = &on->peers[on->peer_count];
-        *peer = (micro_peer){.build = {.name = labels[p]}};
+        *peer = (micro_peer){.build = {.name = peers[p]}};
         if (!micro_build_peer(peer, on->field, &options, error)) return false;
         on->peer_count++;
     }
     return micro_build_kernels(on, o, error);
-}
-
-/* ---- summary: one line a contender, one column a field ---- */
-
-typedef struct summary {
-    size_t count;
-    char names[MICRO_CONTENDERS_MAX][CONTENDER_NAME];
-    double speeds[MICRO_CONTENDERS_MAX][WORKLOAD_FIELDS][WORKLOAD_CLASS_COUNT]; /* to Embree's */
-    size_t classes[MICRO_CONTENDERS_MAX][WORKLOAD_FIELDS];                      /* that have one */
-} summary;
-
-static void summary_add(summary *s, size_t field, const micro_group *g) {
-    for (const micro_row *row = g->rows; row < g->rows + g->row_count; row++) {
-        size_t k = 0;
-        while (k < s->count && strcmp(s->names[k], row->contender.name) != 0) k++;
-        if (!(row->to_embree > 0) || k == MICRO_CONTENDERS_MAX) continue;
-        memcpy(s->names[k], row->contender.name, CONTENDER_NAME);
-        s->speeds[k][field][s->classes[k][field]++] = row->to_embree;
-        s->count += k == s->count;
-    }
-}
-
-static void summary_print(const summary *s, const micro_options *o) {
-    if (s->count == 0) return;
-    bool partial = false;
-    printf("\nSpeed over Embree's best width, geometric mean over the classes of rays:\n  %-30s", "contender");
-    for (size_t f = 0; f < o->fields.count; f++) printf(" %9s", o->fields.item[f]);
-    for (size_t k = 0; k < s->count; k++) {
-        printf("\n  %-30s", s->names[k]);
-        for (size_t f = 0; f < o->fields.count; f++) {
-            const size_t n = s->classes[k][f];
-            const bool whole = n == 0 || n == o->rays.count;
-            if (n == 0) printf(" %9s", "-");
-            if (n > 0) printf(" %7.2f%s", statistics_geometric_mean(s->speeds[k][f], n), whole ? "  " : " *");
-            partial = partial || !whole;
-        }
-    }
-    puts(partial ? "\n  * not all classes: the others would have taken too long" : "");
 }
 
 /* "1, 2" in the record of a run. */
@@ -174,14 +118,13 @@ static void set_threads(json_t *record, const micro_options *o) {
     results_set_text(record, "threads", text);
 }
 
-static bool run_group(micro_field *on, size_t f, workload_class c, const micro_options *o, double seconds, summary *s,
-                      io_output *out, io_error *error) {
+static bool run_group(micro_field *on, workload_class c, const micro_options *o, double seconds, io_output *out,
+                      io_error *error) {
     micro_group *g = memory(1, sizeof *g);
     g->on = on;
     g->c = c;
     bool good = micro_group_run(g, o, seconds, error);
     if (good) micro_print_group(g, o->counters);
-    if (good) summary_add(s, f, g);
     good = good && micro_write_group(out, g, o->counters, error);
     free(g->rays);
     free(g);
@@ -198,7 +141,6 @@ static bool run(const micro_options *o, io_output *out, io_error *error) {
     printf("%s\n", text);
     if (!results_write(out, record, error)) return false;
 
-    summary *s = memory(1, sizeof *s);
     bool good = true;
     double end = clock_seconds() + o->seconds;
     size_t groups = o->fields.count * o->rays.count;
@@ -211,14 +153,12 @@ static bool run(const micro_options *o, io_output *out, io_error *error) {
         if (good) micro_print_field(&on);
         for (size_t c = 0; good && c < o->rays.count; c++, groups--) {
             const double left = end - clock_seconds();
-            good = run_group(&on, f, (workload_class)o->rays.number[c], o, left > 0 ? left / (double)groups : 0, s, out,
-                             error);
+            good =
+                run_group(&on, (workload_class)o->rays.number[c], o, left > 0 ? left / (double)groups : 0, out, error);
         }
         if (good) good = micro_write_field(out, &on, error);
         close_field(&on);
     }
-    if (good) summary_print(s, o);
-    free(s);
     return good;
 }
 
@@ -227,9 +167,14 @@ static bool run_into_file(micro_options *o, io_error *error) {
     io_output out = {0};
     if (o->small_pages && prctl(PR_SET_THP_DISABLE, 1, 0, 0, 0) != 0)
         return io_fail(error, "--small-pages: the system does not allow it");
-    const bool good = (o->json == NULL || io_output_open(&out, o->json, error)) && open_pools(o, error) &&
-                      run(o, &out, error) && (o->json == NULL || io_output_commit(&out, error));
-    close_pools(o);
+    bool good = o->json == NULL || io_output_open(&out, o->json, error);
+    for (size_t t = 0; good && t < o->threads.count; t++) {
+        const unsigned threads = o->thread_counts[t];
+        const cw_status status = threads > 1 ? cw_pool_create(threads, &o->pools[t]) : CW_OK;
+        good = status == CW_OK || io_fail(error, "--threads %u: %s", threads, cw_status_message(status));
+    }
+    good = good && run(o, &out, error) && (o->json == NULL || io_output_commit(&out, error));
+    for (size_t t = 0; t < o->threads.count; t++) cw_pool_destroy(o->pools[t]);
     io_output_discard(&out);
     return good;
 }

@@ -58,9 +58,9 @@ static double ticks(const micro_group *g, const micro_row *row) { return row->jo
 
 static void print_times(const micro_group *g, const micro_row *row) {
     const statistics *s = &row->job.seconds;
-    char ratio_text[16] = "-", agreement_text[160];
+    char ratio_text[16] = "-", agreement_text[AGREE_TEXT];
     if (row->to_embree > 0) snprintf(ratio_text, sizeof ratio_text, "%.2f", row->to_embree);
-    agree_text(&row->agreement, agreement_text, sizeof agreement_text);
+    agree_text(&row->agreement, agreement_text);
     printf(" %9.3f %6.1f%s %7.1f %9.1f %9s  %s\n", mrays(g, row), 50 * (s->high - s->low) / s->median,
            row->job.converged ? " "
            : s->sure          ? "!"
@@ -85,30 +85,14 @@ static bool is_counted(const micro_row *row) {
     return k < counters_count();
 }
 
-static void print_cell(double value, const char *format, int width) {
-    char text[32] = "-";
-    if (value > 0) snprintf(text, sizeof text, format, value);
-    printf(" %*s", width, text);
-}
-
+/* Of each kind the events a ray, and in brackets how many lanes took part in one. */
 static void print_counts(const micro_group *g, const micro_row *row) {
-    static const char *const walks[] = {"flat", "node", "leaf"};
-    static const struct {
-        const char *name;
-        bool events;
-    } others[] = {{"refill", false}, {"shared_node", true}, {"shared_cell", true}, {"apart", false}, {"voxel", false}};
-    const double rays = (double)g->ray_count;
-    for (size_t w = 0; w < 3; w++) { /* lanes a ray, and how many of the vector's lanes take part */
-        const counter *c = counters_find(row->counts, walks[w]);
-        print_cell((double)c->lanes / rays, "%.3f", 8);
-        print_cell(100 * (double)c->lanes / (double)(c->events * row->contender.width), "%.0f", 5);
+    for (size_t k = 0; k < counters_count(); k++) {
+        const counter *c = &row->counts[k];
+        if (c->events == 0) continue;
+        printf(" %s %.3g (%.3g)", counters_name(k), (double)c->events / (double)g->ray_count,
+               (double)c->lanes / (double)c->events);
     }
-    for (size_t k = 0; k < sizeof others / sizeof others[0]; k++) {
-        const counter *c = counters_find(row->counts, others[k].name);
-        print_cell((double)(others[k].events ? c->events : c->lanes) / rays, "%.3f", 7);
-    }
-    const counter *triangles = counters_find(row->counts, "triangle"), *cells = counters_find(row->counts, "leaf");
-    print_cell((double)(triangles->lanes + 2 * cells->lanes) / rays, "%.3f", 8);
     printf("\n");
 }
 
@@ -118,14 +102,13 @@ void micro_print_group(const micro_group *g, bool counted) {
     printf("\n%s, %s: %zu rays, %.1f %% hit, %s\n", g->on->samples.name, workload_class_name(g->c), g->ray_count,
            100 * g->hit_share, workload_class_is_any(g->c) ? "any hit" : "closest hit");
     if (counted)
-        printf("  %-28s %8s %5s %8s %5s %8s %5s %7s %7s %7s %7s %7s %8s\n", "a ray:", "cells", "busy%", "nodes",
-               "busy%", "tests", "busy%", "refills", "sh.node", "sh.cell", "apart", "voxels", "triangles");
+        printf("  events a ray, and in brackets the lanes that take part in one:\n");
     else
         printf("  %-30s %9s %7s %7s %9s %9s  %s\n", "contender", "Mrays/s", "CI +-%", "MAD %", "TSC/ray", "/Embree",
                "against the reference");
     for (const micro_row *row = g->rows; row < g->rows + g->row_count; row++) {
         if (counted && row->predicted == 0 && !is_counted(row)) continue;
-        printf("  %-*s", counted ? 28 : 30, row->contender.name);
+        printf("  %-30s", row->contender.name);
         if (row->predicted > 0)
             printf(" left out: a pass would take %.2g s\n", row->predicted);
         else

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Stands in for peer_embree.c where Embree is not installed. */
+/* Stands in for embree.c where Embree is not installed. */
 #include "peers/embree.h"
 
 const unsigned peer_embree_widths[PEER_WIDTH_COUNT] = {1, 4, 8, 16};
 
 const char *peer_embree_version(void) { return NULL; }
-
 bool peer_embree_has_assertions(void) { return false; }
 
 peer_embree *peer_embree_create(const cw_field *field, const peer_options *options, io_error *error) {
@@ -13,7 +12,6 @@ peer_embree *peer_embree_create(const cw_field *field, const peer_options *optio
     io_fail(error, "this program was built without Embree: install libembree-dev and configure again");
     return NULL;
 }
-
 void peer_embree_destroy(peer_embree *peer) { (void)peer; }
 
 peer_info peer_embree_describe(const peer_embree *peer) {

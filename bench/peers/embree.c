@@ -6,11 +6,15 @@
 #include <embree3/rtcore.h>
 
 #include <dlfcn.h>
+#include <fcntl.h>
 #include <math.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 struct peer_embree {
     RTCDevice device;
@@ -28,24 +32,17 @@ const char *peer_embree_version(void) { return RTC_VERSION_STRING; }
 
 /* A library that can fail an assertion names the function that tells so among those it needs. */
 bool peer_embree_has_assertions(void) {
-    static const char name[] = "__assert_fail";
-    static char bytes[1 << 16];
-    const size_t overlap = sizeof name;
-    Dl_info info;
     RTCDevice (*const inside)(const char *) = rtcNewDevice;
     const void *address;
+    Dl_info info;
+    struct stat about;
     memcpy(&address, &inside, sizeof address);
-    FILE *file = dladdr(address, &info) != 0 ? fopen(info.dli_fname, "rb") : NULL;
-    if (file == NULL) return false;
-    bool found = false;
-    size_t kept = 0;
-    for (size_t got; !found && (got = fread(bytes + kept, 1, sizeof bytes - kept, file)) > 0;) {
-        const size_t size = kept + got;
-        found = memmem(bytes, size, name, sizeof name) != NULL;
-        kept = size < overlap ? size : overlap;
-        memmove(bytes, bytes + size - kept, kept);
-    }
-    fclose(file);
+    const int file = dladdr(address, &info) != 0 ? open(info.dli_fname, O_RDONLY) : -1;
+    const size_t size = file >= 0 && fstat(file, &about) == 0 ? (size_t)about.st_size : 0;
+    void *bytes = size > 0 ? mmap(NULL, size, PROT_READ, MAP_PRIVATE, file, 0) : MAP_FAILED;
+    if (file >= 0) close(file);
+    const bool found = bytes != MAP_FAILED && memmem(bytes, size, "__assert_fail", sizeof "__assert_fail") != NULL;
+    if (bytes != MAP_FAILED) munmap(bytes, size);
     return found;
 }
 
@@ -125,22 +122,18 @@ peer_embree *peer_embree_create(const cw_field *field, const peer_options *o, io
         return NULL;
     }
     peer_embree *p = calloc(1, sizeof *p);
-    if (p == NULL) {
-        io_fail(error, "out of memory");
-        return NULL;
+    if (p) {
+        p->nx = info.nx;
+        p->ny = info.ny;
+        p->grid = o->geometry == PEER_GRID;
+        p->cells_inverse = 1 / (double)(info.nx - 1);
+        p->device = rtcNewDevice(configs[o->isa]);
+        if (p->device) rtcSetDeviceMemoryMonitorFunction(p->device, count_memory, p);
+        if (p->device && build(p, field, o)) return p;
     }
-    p->nx = info.nx;
-    p->ny = info.ny;
-    p->grid = o->geometry == PEER_GRID;
-    p->cells_inverse = 1 / (double)(info.nx - 1);
-    p->device = rtcNewDevice(configs[o->isa]);
-    if (p->device) rtcSetDeviceMemoryMonitorFunction(p->device, count_memory, p);
-    if (p->device == NULL || !build(p, field, o)) {
-        io_fail(error, "Embree (%s) could not build a field of %zu x %zu samples", configs[o->isa], info.nx, info.ny);
-        peer_embree_destroy(p);
-        return NULL;
-    }
-    return p;
+    io_fail(error, "Embree (%s) could not build a field of %zu x %zu samples", configs[o->isa], info.nx, info.ny);
+    peer_embree_destroy(p);
+    return NULL;
 }
 
 void peer_embree_destroy(peer_embree *p) {

@@ -14,8 +14,8 @@
 enum { SIDE = 64, LARGE_SIDE = 1000 };
 
 static float *floats(size_t n) {
-    float *memory = malloc(n * sizeof *memory);
-    if (memory != NULL) return memory;
+    float *room = malloc(n * sizeof *room);
+    if (room) return room;
     fputs("cellwalk-terrain: out of memory\n", stderr);
     exit(EXIT_FAILURE);
 }

@@ -2,12 +2,11 @@
 /* One scene of the table: verify on the scene's own rays, then render along all paths in rounds. */
 
 #include "clock.h"
-#include "harness/agree.h"
 #include "harness/interleave.h"
 #include "harness/memory.h"
 #include "harness/results.h"
+#include "peers/embree.h"
 #include "scenes/table.h"
-#include "scenes/tracer.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -73,10 +72,10 @@ static void verify_any(void *context, size_t field, const cw_ray *rays, size_t n
 static bool verify(stage *s, io_error *error) {
     const scene_tracer all = {s, verify_closest, verify_any};
     const scene_render_options options = {.tracer = &all, .threads = 1, .samples = 1, .phong = true};
-    io_image image;
-    if (!scene_render(s->scene, &options, &image, NULL, error)) return false;
-    io_image_free(&image);
-    return true;
+    io_image image = {0};
+    const bool good = scene_render(s->scene, &options, &image, NULL, error);
+    if (good) io_image_free(&image);
+    return good;
 }
 
 /* ---- setting up ---- */
@@ -85,12 +84,11 @@ static bool tracer_for_kernel(stage *s, tracer *t, const cw_kernel *kernel, cw_l
     t->kernel = kernel;
     for (size_t f = 0; f < s->field_count; f++) {
         cw_field *field = scene_field(s->scene, f);
-        const cw_query automatic = cw_query_default();
-        const cw_kernel *chosen = kernel ? kernel : cw_query_kernel(field, &automatic);
+        const cw_kernel *chosen = kernel ? kernel : cw_query_kernel(field, NULL);
         const double before = cw_field_describe(field).build_seconds;
         const cw_status status = contender_from_kernel(&t->fields.on[f], field, chosen, leaf);
         if (status != CW_OK)
-            return io_fail(error, "%s on field %zu of the scene: %s", cw_kernel_describe(chosen).name, f,
+            return io_fail(error, "%s on field %zu of the scene: %s", t->fields.on[f].name, f,
                            cw_status_message(status));
         t->build_seconds += cw_field_describe(field).build_seconds - before;
     }

@@ -6,9 +6,7 @@
 #include "commands.h"
 #include "harness/memory.h"
 #include "harness/results.h"
-#include "harness/run.h"
 #include "markdown.h"
-#include "scenes/tracer.h"
 
 #include <stdlib.h>
 #include <string.h>

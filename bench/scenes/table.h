@@ -1,12 +1,44 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* cellwalk-bench table: the six scenes, each rendered along every path, timed against Embree ("Default") in one process.
- * Everything that is printed or saved is made from the JSON lines, so that no two of them can disagree. */
+/* The six scenes before contenders, and cellwalk-bench table: each rendered along every path, timed against Embree ("Default") in
+ * one process. Everything that is printed or saved is made from the JSON lines, so that no two of them can disagree. */
 #ifndef CELLWALK_BENCH_SCENES_TABLE_H
 #define CELLWALK_BENCH_SCENES_TABLE_H
 
 #include "harness/run.h"
+#include "peers/contender.h"
+#include "scene.h"
 
 #include <jansson.h>
+
+/* ---- tracer.c: rays of the scenes before a contender for each of their height fields, and how their pictures differ ---- */
+
+/* "hftest" …; NULL from the count on. */
+enum { SCENES = 6, SCENE_FIELDS_MAX = 16 };
+const char *scene_names(size_t number);
+
+/* folder/NAME.pbrt. NULL, with the reason in error, if it cannot be read or has more than SCENE_FIELDS_MAX fields. */
+scene *scene_open(const char *folder, const char *name, io_error *error);
+
+/* Who traces, and what that took. */
+typedef struct field_tracer {
+    contender on[SCENE_FIELDS_MAX];
+    double cpu_seconds;
+    uint64_t rays;
+} field_tracer;
+
+/* The tracer for scene_render; on has a contender for each field. */
+scene_tracer field_tracer_of(field_tracer *tracer);
+
+/* How two pictures of equal size differ. */
+typedef struct picture_difference {
+    size_t pixels, differ; /* in any bit */
+    size_t visible;        /* where an eye could see it: by more than half a step of 8-bit linear colour */
+    double rmse, worst;    /* over all colour values, of what can be shown: clamped to [0, 1] */
+    size_t worst_x, worst_y;
+} picture_difference;
+picture_difference picture_compare(const io_image *a, const io_image *b);
+
+/* ---- the table ---- */
 
 enum { TABLE_PATHS_MAX = 32, TABLE_NAME = 64 };
 

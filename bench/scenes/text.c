@@ -2,7 +2,6 @@
 /* The table as Markdown and CSV, from its JSON lines and from nothing else: the same lines give the same text. */
 
 #include "harness/results.h"
-#include "harness/run.h"
 #include "scenes/table.h"
 
 #include <math.h>
@@ -41,26 +40,26 @@ static void put_paths(FILE *to, const json_t *lines, void (*put)(FILE *, const j
 /* ---- rays, building, agreement ---- */
 
 /* The path that needs longest to build, of Embree's or of the library's own. */
-static double longest_build(const json_t *scene, bool embree) {
+static double longest_build(const json_t *of, bool embree) {
     size_t k;
     const json_t *path;
     double longest = 0;
-    json_array_foreach(json_object_get(scene, "paths"), k, path) {
+    json_array_foreach(json_object_get(of, "paths"), k, path) {
         if (is_default(path) == embree) longest = fmax(longest, results_number(path, "build_seconds"));
     }
     return longest;
 }
 
-static void put_rays(FILE *to, const json_t *scene) {
+static void put_rays(FILE *to, const json_t *of) {
     size_t k;
     const json_t *field;
-    fprintf(to, "| %s | %.0f x %.0f |", results_text(scene, "scene"), results_number(scene, "width"),
-            results_number(scene, "height"));
-    json_array_foreach(json_object_get(scene, "fields"), k, field)
+    fprintf(to, "| %s | %.0f x %.0f |", results_text(of, "scene"), results_number(of, "width"),
+            results_number(of, "height"));
+    json_array_foreach(json_object_get(of, "fields"), k, field)
         fprintf(to, "%s %.0f x %.0f", k ? "," : "", results_number(field, "nx"), results_number(field, "ny"));
-    fprintf(to, " | %.0f | %.0f | %.0f | %.3f | %.3f |\n", results_number(scene, "camera_rays"),
-            results_number(scene, "shadow_rays"), results_number(scene, "mirror_rays"), longest_build(scene, true),
-            longest_build(scene, false));
+    fprintf(to, " | %.0f | %.0f | %.0f | %.3f | %.3f |\n", results_number(of, "camera_rays"),
+            results_number(of, "shadow_rays"), results_number(of, "mirror_rays"), longest_build(of, true),
+            longest_build(of, false));
 }
 
 static double differ_of(const json_t *agreed) {
@@ -68,17 +67,17 @@ static double differ_of(const json_t *agreed) {
            results_number(agreed, "far");
 }
 
-static void put_agreement(FILE *to, const json_t *scene) {
+static void put_agreement(FILE *to, const json_t *of) {
     size_t k, alike = 0;
     const json_t *path;
-    json_array_foreach(json_object_get(scene, "paths"), k, path) {
+    json_array_foreach(json_object_get(of, "paths"), k, path) {
         const json_t *agreed = json_object_get(path, "agreement");
         const double differ = differ_of(agreed), pixels = results_number(path, "pixels_differ");
         const char *reason, *between = "";
         json_t *count;
         alike += differ == 0 && pixels == 0;
         if (differ == 0 && pixels == 0) continue;
-        fprintf(to, "| %s | %s | %.0f of %.0f | ", results_text(scene, "scene"), results_text(path, "title"), differ,
+        fprintf(to, "| %s | %s | %.0f of %.0f | ", results_text(of, "scene"), results_text(path, "title"), differ,
                 results_number(agreed, "rays"));
         json_object_foreach(json_object_get(agreed, "why"), reason, count) {
             if (json_integer_value(count) == 0) continue;
@@ -88,7 +87,7 @@ static void put_agreement(FILE *to, const json_t *scene) {
         fprintf(to, " | %.0f of %.0f | %.0f |\n", pixels, results_number(path, "pixels"),
                 results_number(path, "pixels_visibly"));
     }
-    if (alike) fprintf(to, "| %s | the other %zu | 0 | | 0 | 0 |\n", results_text(scene, "scene"), alike);
+    if (alike) fprintf(to, "| %s | the other %zu | 0 | | 0 | 0 |\n", results_text(of, "scene"), alike);
 }
 
 static void put_scenes(FILE *to, const json_t *lines, const char *head, void (*put)(FILE *, const json_t *)) {
@@ -103,12 +102,12 @@ static void put_scenes(FILE *to, const json_t *lines, const char *head, void (*p
 /* ---- all of it ---- */
 
 void table_write_markdown(FILE *to, const json_t *lines) {
-    const json_t *record = json_array_get(lines, 0), *scene = results_first(lines, "scene"), *path, *line;
+    const json_t *record = json_array_get(lines, 0), *of = results_first(lines, "scene"), *path, *line;
     char machine[512];
     const char *by = NULL;
     size_t k;
     run_record_text(record, machine, sizeof machine);
-    json_array_foreach(json_object_get(scene, "paths"), k, path) {
+    json_array_foreach(json_object_get(of, "paths"), k, path) {
         if (by == NULL && strncmp(results_text(path, "path"), "auto", 4) == 0) by = results_text(path, "by");
     }
     fprintf(to, "%s.\n\nSeconds to render: median CPU time of one thread, building excluded.", machine);
@@ -137,7 +136,7 @@ void table_write_markdown(FILE *to, const json_t *lines) {
             "from an edge that two triangles share; *grazing*, the ray lies too flat to tell; *other*, a defect "
             "(grid3d-early has them by design). Pixels differ by rounding alone where two leaf tests compute the same "
             "hit; visibly means by more than half an 8-bit step.\n\n",
-            results_text(scene, "reference"));
+            results_text(of, "reference"));
     put_scenes(
         to, lines,
         "| scene | path | rays, that differ | why | pixels, that differ | visibly |\n|---|---|--:|---|--:|--:|\n",

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "scenes/tracer.h"
+#include "scenes/table.h"
 
 #include "clock.h"
 

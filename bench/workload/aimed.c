@@ -150,14 +150,8 @@ static void place_ends(aim kind, const aimed_field *f, random_state *r, plan *q)
 /* A length for the direction: as it comes, normalised, or any. */
 static double any_length(random_state *r, const double d[3]) {
     const double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-    switch (random_below(r, 4)) {
-    case 0:
-        return 1;
-    case 1:
-        return exp2(random_between(r, -20, 20)) / length;
-    default:
-        return 1 / length;
-    }
+    const size_t kind = random_below(r, 4);
+    return kind == 0 ? 1 : (kind == 1 ? exp2(random_between(r, -20, 20)) : 1) / length;
 }
 
 static aimed_ray from_plan(random_state *r, const plan *q, bool bounded) {

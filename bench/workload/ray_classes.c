@@ -225,25 +225,10 @@ size_t workload_rays_make(const cw_field *field, workload_class c, uint32_t seed
     /* One fixed kernel and leaf test, so that the rays do not change when a better kernel becomes the default. */
     const cw_query query = {.kernel = cw_kernel_find("cell"), .leaf = CW_LEAF_WATERTIGHT};
     const cw_field_info info = cw_field_describe(field);
-    switch (c) {
-    case WORKLOAD_PRIMARY:
-        return primary(field, &query, n, rays);
-    case WORKLOAD_SHADOW:
-    case WORKLOAD_AO:
-    case WORKLOAD_BOUNCE:
-        return secondary(field, &query, c, seed, n, rays);
-    case WORKLOAD_RANDOM:
-        for (size_t k = 0; k < n; k++) rays[k] = random_ray(&info, seed, k);
-        return n;
-    case WORKLOAD_GRAZING:
-        for (size_t k = 0; k < n; k++) rays[k] = grazing_ray(&info, seed, k);
-        return n;
-    case WORKLOAD_VERTICES:
-    case WORKLOAD_EDGES:
-        if (info.nx >= 4 && info.ny >= 4) return aimed(field, c, seed, n, rays);
-        break;
-    case WORKLOAD_ALL:
-        break;
-    }
-    return 0;
+    if (c == WORKLOAD_PRIMARY) return primary(field, &query, n, rays);
+    if (c < WORKLOAD_RANDOM) return secondary(field, &query, c, seed, n, rays);
+    if (c >= WORKLOAD_CLASS_COUNT) return info.nx >= 4 && info.ny >= 4 ? aimed(field, c, seed, n, rays) : 0;
+    for (size_t k = 0; k < n; k++)
+        rays[k] = c == WORKLOAD_RANDOM ? random_ray(&info, seed, k) : grazing_ray(&info, seed, k);
+    return n;
 }

@@ -10,8 +10,8 @@
 #include "command.h"
 #include "harness/results.h"
 #include "harness/run.h"
-#include "options.h"
 
+#include <inttypes.h>
 #include <limits.h>
 #include <signal.h>
 #include <stdio.h>
@@ -26,20 +26,18 @@ static void stop(int signal_number) {
 }
 
 static void show_progress(const stability *s, uint64_t done, uint64_t wanted, double seconds) {
-    counts sum = {0};
-    for (int kind = 0; kind < AIM_COUNT; kind++) counts_add(&sum, &s->count[0][kind]);
-    const double rays = (double)sum.rays, left = done ? seconds * (double)(wanted - done) / (double)done : 0;
-    fprintf(stderr, "\r%.0f million rays, %.2f million a second, %llu faults, %.0f s left   ", rays * 1e-6,
-            seconds > 0 ? rays * 1e-6 / seconds : 0, (unsigned long long)stability_faults(s), left);
+    const double rays = (double)(s->batches * BATCH_RAYS),
+                 left = done ? seconds * (double)(wanted - done) / (double)done : 0;
+    fprintf(stderr, "\r%.0f million rays, %.2f million a second, %" PRIu64 " faults, %.0f s left   ", rays * 1e-6,
+            seconds > 0 ? rays * 1e-6 / seconds : 0, stability_faults(s), left);
     if (!isatty(STDERR_FILENO)) fputc('\n', stderr);
 }
 
-/* "2/3": 1 and 3. */
-static bool parse_part(const char *text, unsigned *part, unsigned *parts, io_error *error) {
-    char rest;
-    if (sscanf(text, "%u/%u%c", part, parts, &rest) == 2 && *part >= 1 && *part <= *parts) return true;
-    return io_fail(error, "--part %s: want K/N with 1 <= K <= N", text);
-}
+/* Batches first, first + 1 … end - 1 that fall to part of parts: those with number % parts == part - 1. */
+typedef struct batch_range {
+    unsigned part, parts;
+    uint64_t first, end;
+} batch_range;
 
 typedef struct settings {
     unsigned million, sample, first;
@@ -49,16 +47,17 @@ typedef struct settings {
 
 static bool plan_range(const settings *o, batch_range *r, io_error *error) {
     const uint64_t round_rays = (uint64_t)ROUND_BATCHES * BATCH_RAYS;
+    char rest;
     *r = (batch_range){.part = 1, .parts = 1, .first = o->first};
     r->end = ((uint64_t)o->million * 1000000 + round_rays - 1) / round_rays * ROUND_BATCHES;
-    if (o->part && !parse_part(o->part, &r->part, &r->parts, error)) return false;
-    return r->first < r->end || io_fail(error, "--first %llu: there are only %llu batches",
-                                        (unsigned long long)r->first, (unsigned long long)r->end);
+    if (o->part && (sscanf(o->part, "%u/%u%c", &r->part, &r->parts, &rest) != 2 || r->part < 1 || r->part > r->parts))
+        return io_fail(error, "--part %s: want K/N with 1 <= K <= N", o->part);
+    return r->first < r->end ||
+           io_fail(error, "--first %" PRIu64 ": there are only %" PRIu64 " batches", r->first, r->end);
 }
 
-/* s->range.end becomes where it ended; the CPU time that it took. */
-static double run_batches(stability *s) {
-    batch_range *r = &s->range;
+/* r->end becomes where it ended; the CPU time that it took. */
+static double run_batches(stability *s, batch_range *r) {
     const double begin = clock_seconds(), begin_cpu = clock_cpu_seconds(), every = isatty(STDERR_FILENO) ? 1 : 60;
     double shown = begin;
     const uint64_t wanted = (r->end - r->first + r->parts - 1) / r->parts;
@@ -83,29 +82,27 @@ static double run_batches(stability *s) {
 static const char *const roles[] = {"reference", "same-bits", "own-rules"};
 
 static json_t *result_line(const tested *t, aim kind, const counts *c) {
-    json_t *line = json_object(), *verdicts = json_object();
+    json_t *line = json_object();
     results_set_texts(line, "kind contender role rays",
                       (const char *[]){"result", t->contender.name, roles[t->role], aim_name(kind)});
     results_set_counts(line, "traced hits other_bits", (size_t[]){c->rays, c->hits, c->other});
-    if (t->role == ROLE_SAME_BITS) {
-        json_decref(verdicts);
-        return line;
-    }
+    if (t->role == ROLE_SAME_BITS) return line;
     results_set_counts(line, "pass leaks phantoms decided_exactly sampled",
                        (size_t[]){c->pass, c->leaks, c->phantoms, c->doubts, c->sampled});
     results_set_numbers(line, "residual apart t_error", (double[]){c->residual, c->apart, c->t_error});
+    json_t *verdicts = json_object(), *ulp = json_array();
     results_set_counts(verdicts, "right tie leak phantom wrong_surface", c->verdict);
     json_object_set_new(line, "verdicts", verdicts);
-    json_t *ulp = json_array();
     for (int k = 0; k < ULP_BINS; k++) json_array_append_new(ulp, json_integer((json_int_t)c->ulp[k]));
     json_object_set_new(line, "t_error_ulp", ulp);
     return line;
 }
 
-static bool write_lines(io_output *out, const stability *s, double seconds, io_error *error) {
+/* A line of kind "run", one of kind "field" for each field, one of kind "result" for each contender and class. */
+static bool write_lines(io_output *out, const stability *s, const batch_range *r, double seconds, io_error *error) {
     json_t *run = run_record("stability", 0, -1);
     results_set_counts(run, "part parts first end batches sample",
-                       (size_t[]){s->range.part, s->range.parts, s->range.first, s->range.end, s->batches, s->sample});
+                       (size_t[]){r->part, r->parts, r->first, r->end, s->batches, s->sample});
     results_set_number(run, "seconds", seconds);
     if (!results_write(out, run, error)) return false;
     for (size_t f = 0; f < AIMED_FIELDS; f++) {
@@ -122,24 +119,14 @@ static bool write_lines(io_output *out, const stability *s, double seconds, io_e
     return true;
 }
 
-/* A line of kind "run", one of kind "field" for each field, one of kind "result" for each contender and class. */
-static bool write_results(const stability *s, const char *path, double seconds, io_error *error) {
-    io_output out = {0};
-    const bool good =
-        io_output_open(&out, path, error) && write_lines(&out, s, seconds, error) && io_output_commit(&out, error);
-    io_output_discard(&out);
-    return good;
-}
-
 /* A line a contender, all classes together. */
 static void print_counts(const stability *s) {
     printf("%-28s %14s %14s %10s %10s %10s\n", "contender", "rays", "known to pass", "leaks", "phantoms", "other bits");
     for (unsigned n = 0; n < s->contenders; n++) {
         counts sum = {0};
         for (int kind = 0; kind < AIM_COUNT; kind++) counts_add(&sum, &s->count[n][kind]);
-        printf("%-28s %14llu %14llu %10llu %10llu %10llu\n", s->tested[0][n].contender.name,
-               (unsigned long long)sum.rays, (unsigned long long)sum.pass, (unsigned long long)sum.leaks,
-               (unsigned long long)sum.phantoms, (unsigned long long)sum.other);
+        printf("%-28s %14" PRIu64 " %14" PRIu64 " %10" PRIu64 " %10" PRIu64 " %10" PRIu64 "\n",
+               s->tested[0][n].contender.name, sum.rays, sum.pass, sum.leaks, sum.phantoms, sum.other);
     }
 }
 
@@ -151,20 +138,22 @@ static bool run(const settings *o, batch_range range, io_error *error) {
     const stability_shares shares = {.others = 16, .slow = 128, .peers = embree ? 16 : 0};
     bool good = stability_make(&s, shares, o->sample, error);
     s.explain = true;
-    s.range = range;
     signal(SIGINT, stop);
     signal(SIGTERM, stop);
     if (good) {
-        const double seconds = run_batches(&s);
+        const double seconds = run_batches(&s, &range);
         print_counts(&s);
-        good = o->json == NULL || write_results(&s, o->json, seconds, error);
+        io_output out = {0};
+        good = o->json == NULL || (io_output_open(&out, o->json, error) &&
+                                   write_lines(&out, &s, &range, seconds, error) && io_output_commit(&out, error));
+        io_output_discard(&out);
     }
-    const uint64_t faults = stability_faults(&s), end = s.range.end;
+    const uint64_t faults = stability_faults(&s);
     stability_free(&s);
-    if (good && end < all)
-        fprintf(stderr, "cellwalk-stability: ended early; go on with --first %llu and another file\n",
-                (unsigned long long)end);
-    return good && (faults == 0 || io_fail(error, "%llu faults", (unsigned long long)faults));
+    if (good && range.end < all)
+        fprintf(stderr, "cellwalk-stability: ended early; go on with --first %" PRIu64 " and another file\n",
+                range.end);
+    return good && (faults == 0 || io_fail(error, "%" PRIu64 " faults", faults));
 }
 
 static const char what[] = "Traces rays that are aimed at vertices, edges and the like, of which it is known that they "

@@ -26,9 +26,6 @@ void counts_add(counts *a, const counts *b) {
 
 static bool is_slow(const char *kernel) { return strncmp(kernel, "grid3d", 6) == 0; }
 
-/* Brute force tests each triangle as grid3d does, and takes thousands of times as long on these fields. */
-static bool left_out(const cw_kernel_info *info) { return !info->available || strcmp(info->name, "brute") == 0; }
-
 static bool add_kernels(stability *s, size_t f, const stability_shares *shares, unsigned *n) {
     const cw_kernel *best = cw_query_kernel(NULL, NULL);
     for (int leaf = CW_LEAF_WATERTIGHT; leaf >= CW_LEAF_MOLLER_TRUMBORE; leaf--)
@@ -36,7 +33,9 @@ static bool add_kernels(stability *s, size_t f, const stability_shares *shares, 
             const cw_kernel *kernel = cw_kernel_at(k);
             const cw_kernel_info info = cw_kernel_describe(kernel);
             const bool watertight = leaf == CW_LEAF_WATERTIGHT;
-            if (left_out(&info) || (watertight && info.default_leaf != CW_LEAF_WATERTIGHT)) continue;
+            /* Brute force tests each triangle as grid3d does, and takes thousands of times as long on these fields. */
+            if (!info.available || strcmp(info.name, "brute") == 0) continue;
+            if (watertight && info.default_leaf != CW_LEAF_WATERTIGHT) continue;
             /* Kernels with the cell walk differ in no bit (lanes.c): one of them speaks for Möller-Trumbore. */
             if (!watertight && kernel != best && !is_slow(info.name)) continue;
             tested *t = &s->tested[f][*n];
@@ -174,21 +173,20 @@ static void count_ulp(counts *c, double error, double t) {
     c->ulp[bin]++;
 }
 
-/* In full, against the ray last traced. */
-static void judge(batch *b, const tested *t, size_t k, const cw_hit *hit, const oracle_truth *truth, counts *c) {
-    const judgement j = oracle_judge(b->field->oracle, hit);
-    c->sampled++;
-    c->verdict[j.verdict]++;
-    c->unfounded += b->proven[k].passes && !truth->passes;
-    if (j.verdict > VERDICT_TIE && t->role == ROLE_REFERENCE) explain(b, t, k, hit, verdict_name(j.verdict));
-    if (j.verdict != VERDICT_RIGHT || hit->i < 0) return;
-    count_ulp(c, j.t_error, truth->t);
-    if (isfinite(j.t_bound) && j.t_error > 0) c->t_error = fmax(c->t_error, j.t_error / j.t_bound);
-}
-
+/* One ray in so many, in full. */
 static void judge_sample(batch *b, const tested *t, const cw_hit *hits, counts *c) {
-    for (size_t k = (size_t)(b->number % b->s->sample); k < t->rays; k += b->s->sample)
-        judge(b, t, k, &hits[k], oracle_trace(b->field->oracle, &b->rays[k]), c);
+    oracle *o = b->field->oracle;
+    for (size_t k = (size_t)(b->number % b->s->sample); k < t->rays; k += b->s->sample) {
+        const oracle_truth *truth = oracle_trace(o, &b->rays[k]);
+        const judgement j = oracle_judge(o, &hits[k]);
+        c->sampled++;
+        c->verdict[j.verdict]++;
+        c->unfounded += b->proven[k].passes && !truth->passes;
+        if (j.verdict > VERDICT_TIE && t->role == ROLE_REFERENCE) explain(b, t, k, &hits[k], verdict_name(j.verdict));
+        if (j.verdict != VERDICT_RIGHT || hits[k].i < 0) continue;
+        count_ulp(c, j.t_error, truth->t);
+        if (isfinite(j.t_bound) && j.t_error > 0) c->t_error = fmax(c->t_error, j.t_error / j.t_bound);
+    }
 }
 
 /* Closest hits, and any hit, against the reference's closest hits. */

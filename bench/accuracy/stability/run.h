@@ -31,11 +31,10 @@ typedef struct counts {
     uint64_t leaks;    /* misses of those */
     uint64_t phantoms; /* of all hits */
     uint64_t doubts;   /* hits that rational numbers had to decide on */
-    uint64_t
-        other; /* rays with another answer than the reference's closest hit: any hit, and for ROLE_SAME_BITS both */
-    double residual;  /* worst |d| / E of hits that hold */
-    double apart;     /* worst distance off the triangle over delta of hits that hold */
-    uint64_t sampled; /* judged in full by the oracle */
+    uint64_t other;    /* rays whose any hit, or for ROLE_SAME_BITS either hit, is not the reference's closest */
+    double residual;   /* worst |d| / E of hits that hold */
+    double apart;      /* worst distance off the triangle over delta of hits that hold */
+    uint64_t sampled;  /* judged in full by the oracle */
     uint64_t verdict[VERDICTS];
     double t_error;         /* worst error of t over its bound */
     uint64_t ulp[ULP_BINS]; /* right hits with an error of t of at most 2^(k - 1) ulp; all beyond in the last */
@@ -44,12 +43,6 @@ typedef struct counts {
 
 /* Adds b to a. */
 void counts_add(counts *a, const counts *b);
-
-/* Batches first, first + 1 … end - 1 that fall to part of parts: those with number % parts == part - 1. */
-typedef struct batch_range {
-    unsigned part, parts;
-    uint64_t first, end;
-} batch_range;
 
 /* A field, for those who trace and for the oracle. */
 typedef struct stability_field {
@@ -65,10 +58,9 @@ typedef struct stability {
     peer_embree *peers[AIMED_FIELDS][2];
     unsigned contenders;
     counts count[CONTENDERS_MAX][AIM_COUNT];
-    unsigned sample;   /* one ray in so many is judged in full */
-    batch_range range; /* which batches, for the record; set by who calls stability_batch */
-    uint64_t batches;  /* so far, over all classes and fields */
-    bool explain;      /* print what is wrong with the reference's answers, for the first few */
+    unsigned sample;  /* one ray in so many is judged in full */
+    uint64_t batches; /* so far, over all classes and fields */
+    bool explain;     /* print what is wrong with the reference's answers, for the first few */
     unsigned explained;
 } stability;
 
