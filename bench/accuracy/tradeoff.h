@@ -58,8 +58,7 @@ typedef struct tradeoff_stage {
     peer_embree *peer;
 } tradeoff_stage;
 
-/* base has the samples given by ground and must stay until the stage is closed, and so must they. isa is the widest that
- * Embree may use. On failure the stage needs no closing. */
+/* base has the samples of surface; both must stay until the stage is closed. isa is the widest that Embree may use. On failure the stage needs no closing. */
 bool tradeoff_stage_open(tradeoff_stage *stage, const tradeoff_mode *mode, cw_field *base, const true_surface *surface,
                          cw_isa isa, io_error *error);
 void tradeoff_stage_close(tradeoff_stage *stage);

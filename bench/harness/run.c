@@ -74,8 +74,8 @@ void run_record_begin(char **arguments, int count) {
     size_t used = 0;
     cpus = cpus_usable();
     arguments_text[0] = '\0';
-    for (int k = 0; k < count && used < sizeof arguments_text;
-         k++) { /* words that a shell would take apart are quoted */
+    /* Words that a shell would take apart are quoted. */
+    for (int k = 0; k < count && used < sizeof arguments_text; k++) {
         const char *quote = *arguments[k] && arguments[k][strspn(arguments[k], plain)] == '\0' ? "" : "'";
         used += (size_t)snprintf(arguments_text + used, sizeof arguments_text - used, "%s%s%s%s", k ? " " : "", quote,
                                  arguments[k], quote);
