@@ -23,11 +23,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#if defined(_WIN32)
-#define CW_API
-#else
 #define CW_API __attribute__((visibility("default")))
-#endif
 
 #ifdef __cplusplus
 extern "C" {

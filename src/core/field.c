@@ -2,6 +2,7 @@
 #include "field.h"
 
 #include "affine.h"
+#include "clock.h"
 #include "fpenv.h"
 #include "kernels.h"
 #include "memory.h"
@@ -10,7 +11,6 @@
 #include <float.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 cw_field_desc cw_field_desc_default(void) {
     return (cw_field_desc){.storage = CW_COPY, .map = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
@@ -48,18 +48,12 @@ static cw_status survey(cw_field *f) {
     return CW_OK;
 }
 
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 static cw_status build(cw_field *f, unsigned needs) {
-    const double start = now();
+    const double start = clock_seconds();
     cw_status status = CW_OK;
     if ((needs & CW_NEEDS_GRID3D) && !f->grid3d) status = cw_grid3d_build(f);
     if ((needs & CW_NEEDS_PYRAMID) && !f->pyramid) status = cw_pyramid_build(f);
-    f->build_seconds += now() - start;
+    f->build_seconds += clock_seconds() - start;
     return status;
 }
 

@@ -4,8 +4,9 @@
 
 #include "pool.h"
 
+#include "cpus.h"
+
 #include <pthread.h>
-#include <sched.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 
@@ -51,16 +52,10 @@ static void *help(void *argument) {
     return NULL;
 }
 
-static unsigned cpus(void) {
-    cpu_set_t set;
-    if (sched_getaffinity(0, sizeof set, &set) != 0) return 1;
-    return (unsigned)CPU_COUNT(&set);
-}
-
 cw_status cw_pool_create(unsigned threads, cw_pool **pool) {
     if (pool == NULL) return CW_ERROR_ARGUMENT;
     *pool = NULL;
-    if (threads == 0) threads = cpus();
+    if (threads == 0) threads = cpus_usable();
     cw_pool *p = calloc(1, sizeof *p + (threads - 1) * sizeof p->helper[0]);
     if (p == NULL) return CW_ERROR_MEMORY;
     pthread_mutex_init(&p->lock, NULL);

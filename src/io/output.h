@@ -24,6 +24,11 @@ typedef struct io_output {
 enum { IO_OUTPUT_MAX = 16 };
 bool io_output_open(io_output *out, const char *path, io_error *error);
 
+/* Makes a folder and those that it lies in; one that is there already is good as well. */
+bool io_folder_make(const char *path, io_error *error);
+/* Opens the file in the folder, which is made if need be. */
+bool io_output_open_in(io_output *out, const char *folder, const char *name, io_error *error);
+
 /* Claims room for a file of this size, so that a full disk is found out before the work and not after it. File systems
  * that cannot promise room do not fail here. */
 bool io_output_reserve(io_output *out, uint64_t bytes, io_error *error);

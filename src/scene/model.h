@@ -38,7 +38,6 @@ typedef struct point_light {
 } point_light;
 
 struct scene {
-    char *film_name;
     size_t width, height;
     unsigned samples;          /* a pixel */
     double field_of_view;      /* degrees, over the shorter side */

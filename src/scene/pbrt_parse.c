@@ -145,7 +145,7 @@ static bool film(pbrt_state *p, const pbrt_site *site, io_error *error) {
     char *class;
     pbrt_params params = {.count = 0};
     long width = 640, height = 480;
-    const char *filename = "pbrt.exr";
+    const char *filename = NULL; /* not used: the program asks where to write */
     bool good = read_class(site, "image", &class, &params, error) &&
                 pbrt_param_integer(&params, "xresolution", 1, SIDE_MAX, &width, error) &&
                 pbrt_param_integer(&params, "yresolution", 1, SIDE_MAX, &height, error) &&
@@ -154,11 +154,8 @@ static bool film(pbrt_state *p, const pbrt_site *site, io_error *error) {
     if (display != NULL) warn_at(p, site->source, display->offset, site->name, "\"bool display\" is skipped");
     good = good && pbrt_params_all_used(&params, error);
     if (good) {
-        free(p->scene->film_name);
-        p->scene->film_name = strdup(filename);
         p->scene->width = (size_t)width;
         p->scene->height = (size_t)height;
-        good = p->scene->film_name != NULL || fail_at(site, error, "out of memory");
     }
     pbrt_params_free(&params);
     free(class);

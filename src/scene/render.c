@@ -3,10 +3,11 @@
 
 #include "wave.h"
 
+#include "clock.h"
+#include "cpus.h"
+
 #include <pthread.h>
-#include <sched.h>
 #include <stdlib.h>
-#include <time.h>
 
 enum { THREADS_MAX = 1024 };
 
@@ -59,17 +60,6 @@ static bool prepare(const library *l, io_error *error) {
 }
 
 /* ---- threads ------------------------------------------------------------------------------------------------------ */
-
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-static unsigned cpus(void) {
-    cpu_set_t set;
-    return sched_getaffinity(0, sizeof set, &set) == 0 ? (unsigned)CPU_COUNT(&set) : 1;
-}
 
 static void report(render *r) {
     pthread_mutex_lock(&r->lock);
@@ -135,20 +125,20 @@ bool scene_render(const scene *s, const scene_render_options *options, io_image 
     *stats = (scene_render_stats){0};
     *image = (io_image){.width = s->width, .height = s->height};
 
-    double start = now();
+    double start = clock_seconds();
     library own = {s, options->query};
     own.query.pool = NULL;
     const scene_tracer standard = {&own, library_closest, library_any};
     if (options->tracer == NULL && !prepare(&own, error)) return false;
-    stats->build_seconds = options->tracer == NULL ? now() - start : 0;
+    stats->build_seconds = options->tracer == NULL ? clock_seconds() - start : 0;
 
-    start = now();
+    start = clock_seconds();
     image->rgb = malloc(s->width * s->height * 3 * sizeof *image->rgb);
     if (image->rgb == NULL) return io_fail(error, "no memory for %zu x %zu pixels", s->width, s->height);
     render r = {.scene = s, .options = options, .image = image};
     r.tiles_x = (s->width + WAVE_TILE - 1) / WAVE_TILE;
     r.tiles = r.tiles_x * ((s->height + WAVE_TILE - 1) / WAVE_TILE);
-    unsigned threads = options->threads ? options->threads : cpus();
+    unsigned threads = options->threads ? options->threads : cpus_usable();
     if (threads > r.tiles) threads = (unsigned)r.tiles;
     if (threads > THREADS_MAX) threads = THREADS_MAX;
 
@@ -157,7 +147,7 @@ bool scene_render(const scene *s, const scene_render_options *options, io_image 
         good = render_with(&r, options->tracer ? options->tracer : &standard, threads, stats, error);
         pthread_mutex_destroy(&r.lock);
     }
-    stats->seconds = now() - start;
+    stats->seconds = clock_seconds() - start;
     if (!good) io_image_free(image);
     return good;
 }

@@ -17,7 +17,6 @@ void scene_free(scene *s) {
     free(s->cylinders);
     free(s->lights);
     free(s->textures);
-    free(s->film_name);
     free(s);
 }
 
@@ -63,5 +62,3 @@ cw_field *scene_field(scene *s, size_t number) { return s->heightfields[number].
 size_t scene_width(const scene *s) { return s->width; }
 
 size_t scene_height(const scene *s) { return s->height; }
-
-const char *scene_film_name(const scene *s) { return s->film_name ? s->film_name : "pbrt.exr"; }

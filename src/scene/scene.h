@@ -27,8 +27,6 @@ cw_field *scene_field(scene *s, size_t number);
 
 size_t scene_width(const scene *s);
 size_t scene_height(const scene *s);
-/* The file name that the scene's Film names. */
-const char *scene_film_name(const scene *s);
 
 /* How rays meet height fields. The default is cw_closest and cw_any; a measuring program puts its own in. Called from
  * several threads at once, for at most SCENE_BATCH rays. Rays are in the field space of that field. */

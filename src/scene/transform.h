@@ -3,8 +3,7 @@
 #ifndef CELLWALK_SCENE_TRANSFORM_H
 #define CELLWALK_SCENE_TRANSFORM_H
 
-#include <math.h>
-#include <stdbool.h>
+#include "affine.h"
 
 /* Three rows of four: point -> m[.][0..2] · point + m[.][3]. */
 typedef struct transform {
@@ -28,8 +27,8 @@ static inline void normalise(double v[3]) {
 static inline transform transform_identity(void) { return (transform){{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}}; }
 
 static inline void transform_vector(const transform *t, const double v[3], double out[3]) {
-    const double x = v[0], y = v[1], z = v[2];
-    for (int r = 0; r < 3; r++) out[r] = t->m[r][0] * x + t->m[r][1] * y + t->m[r][2] * z;
+    const double from[3] = {v[0], v[1], v[2]}; /* v may be out */
+    affine_vector(t->m, from, out);
 }
 
 static inline void transform_point(const transform *t, const double p[3], double out[3]) {
@@ -49,22 +48,16 @@ static inline transform transform_multiply(const transform *a, const transform *
 
 /* False, with out undefined, if a cannot be inverted. */
 static inline bool transform_invert(const transform *a, transform *out) {
-    double row[3][3]; /* of the matrix */
-    for (int r = 0; r < 3; r++)
-        for (int c = 0; c < 3; c++) row[r][c] = a->m[r][c];
-    double adjoint[3][3]; /* its columns are cross products of the matrix's rows */
-    cross(row[1], row[2], adjoint[0]);
-    cross(row[2], row[0], adjoint[1]);
-    cross(row[0], row[1], adjoint[2]);
-    const double determinant = dot(row[0], adjoint[0]);
-    bool good = true;
+    if (!affine_invert(a->m, out->m)) return false;
+    const transform linear = *out;
+    const double shift[3] = {a->m[0][3], a->m[1][3], a->m[2][3]};
+    double back[3];
+    affine_vector(linear.m, shift, back);
     for (int r = 0; r < 3; r++) {
-        for (int c = 0; c < 3; c++) out->m[r][c] = adjoint[c][r] / determinant;
-        const double shift[3] = {a->m[0][3], a->m[1][3], a->m[2][3]};
-        out->m[r][3] = -(out->m[r][0] * shift[0] + out->m[r][1] * shift[1] + out->m[r][2] * shift[2]);
-        for (int c = 0; c < 4; c++) good = good && isfinite(out->m[r][c]);
+        out->m[r][3] = -back[r];
+        if (!isfinite(back[r])) return false;
     }
-    return good;
+    return true;
 }
 
 #endif

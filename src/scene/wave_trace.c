@@ -3,28 +3,23 @@
 
 #include "wave.h"
 
-#include <string.h>
-#include <time.h>
+#include "clock.h"
 
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
+#include <string.h>
 
 static void closest(wave *w, size_t field, const cw_user_ray *rays, size_t n, cw_hit *hits) {
     cw_rays_to_field(w->scene->heightfields[field].field, rays, n, w->field_rays);
-    const double start = now();
+    const double start = clock_seconds();
     w->tracer->closest(w->tracer->context, field, w->field_rays, n, hits);
-    w->stats.trace_seconds += now() - start;
+    w->stats.trace_seconds += clock_seconds() - start;
     w->stats.field_queries += n;
 }
 
 static void any(wave *w, size_t field, size_t n, uint8_t *hidden) {
     cw_rays_to_field(w->scene->heightfields[field].field, w->shadow_rays, n, w->field_rays);
-    const double start = now();
+    const double start = clock_seconds();
     w->tracer->any(w->tracer->context, field, w->field_rays, n, hidden);
-    w->stats.trace_seconds += now() - start;
+    w->stats.trace_seconds += clock_seconds() - start;
     w->stats.field_queries += n;
 }
 

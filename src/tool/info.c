@@ -4,22 +4,23 @@
 #include "cellwalk.h"
 #include "clock.h"
 #include "command.h"
+#include "commands.h"
+#include "cpus.h"
 #include "field_file.h"
 #include "json.h"
 #include "query_options.h"
 
-#include <sched.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 typedef struct machine {
     char cpu[128];
-    int cpus; /* that this process may use */
+    unsigned cpus; /* that this process may use */
 } machine;
 
 static machine look_at_machine(void) {
-    machine m = {.cpu = "unknown"};
+    machine m = {.cpu = "unknown", .cpus = cpus_usable()};
     FILE *file = fopen("/proc/cpuinfo", "r");
     char line[256];
     while (file && fgets(line, sizeof line, file)) {
@@ -29,8 +30,6 @@ static machine look_at_machine(void) {
         break;
     }
     if (file) fclose(file);
-    cpu_set_t set;
-    m.cpus = sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
     return m;
 }
 
@@ -61,7 +60,7 @@ static void print_kernels_json(const cw_kernel *chosen) {
 }
 
 static void print_machine(const machine *m) {
-    printf("cellwalk        %s\nCPU             %s, %d to use\ninstruction set %s", CW_VERSION, m->cpu, m->cpus,
+    printf("cellwalk        %s\nCPU             %s, %u to use\ninstruction set %s", CW_VERSION, m->cpu, m->cpus,
            cw_isa_name(cw_isa_best()));
     const char *limit = getenv("CELLWALK_ISA");
     if (limit) printf(" (CELLWALK_ISA=%s)", limit);
@@ -71,7 +70,7 @@ static void print_machine(const machine *m) {
 static void print_machine_json(const machine *m) {
     printf("{\"version\": \"%s\", \"cpu\": ", CW_VERSION);
     json_string(stdout, m->cpu);
-    printf(", \"cpus\": %d, \"isa\": \"%s\", ", m->cpus, cw_isa_name(cw_isa_best()));
+    printf(", \"cpus\": %u, \"isa\": \"%s\", ", m->cpus, cw_isa_name(cw_isa_best()));
 }
 
 typedef struct survey {
@@ -182,8 +181,8 @@ static int run(int argc, char **argv) {
         .operand_most = 1,
     };
     const char *path;
-    const options_result result = options_parse(&usage, argc, argv, &path);
-    if (result != OPTIONS_GO) return result == OPTIONS_HELP ? EXIT_SUCCESS : EXIT_USAGE;
+    const int status = options_parse(&usage, argc, argv, &path);
+    if (status != OPTIONS_GO) return status;
     cw_query query;
     if (!query_options_resolve(&q, usage.name, &query)) return EXIT_USAGE;
     return show(path, &query, json);

@@ -2,6 +2,7 @@
 #include "query_options.h"
 
 #include "command.h"
+#include "words.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -45,20 +46,6 @@ void query_options_rows(query_options *q, option_spec rows[QUERY_OPTION_COUNT]) 
                                         .high = 4096};
 }
 
-/* Prints "WHAT 'word' ...; there are a, b, c" with the closest name in front of the list. */
-static bool unknown_name(const char *name, const char *what, const char *word, const char *const *names, size_t count) {
-    char list[512] = "";
-    size_t used = 0;
-    for (size_t k = 0; k < count && used < sizeof list; k++)
-        used += (size_t)snprintf(list + used, sizeof list - used, "%s%s", k ? ", " : "", names[k]);
-    const char *meant = closest_match(word, names, count);
-    if (meant)
-        command_fail(name, "%s '%s' is unknown; did you mean %s? There are %s", what, word, meant, list);
-    else
-        command_fail(name, "%s '%s' is unknown; there are %s", what, word, list);
-    return false;
-}
-
 static bool find_isa(const char *name, const char *what, const char *word, cw_isa *isa) {
     const char *names[ISA_COUNT];
     for (int k = 0; k < ISA_COUNT; k++) {
@@ -67,7 +54,7 @@ static bool find_isa(const char *name, const char *what, const char *word, cw_is
         *isa = (cw_isa)k;
         return true;
     }
-    return unknown_name(name, what, word, names, ISA_COUNT);
+    return words_unknown(name, what, word, names, ISA_COUNT);
 }
 
 /* CELLWALK_ISA is an upper bound, which may lie above what the machine has. --isa asks for something: not to get it is an
@@ -92,7 +79,7 @@ static bool find_kernel(const char *name, const char *word, const cw_kernel **ke
         size_t count = 0;
         for (; count < NAMES_MAX && count < cw_kernel_count(); count++)
             names[count] = cw_kernel_describe(cw_kernel_at(count)).name;
-        return unknown_name(name, "--kernel", word, names, count);
+        return words_unknown(name, "--kernel", word, names, count);
     }
     const cw_kernel_info info = cw_kernel_describe(*kernel);
     if (info.available) return true;
@@ -109,7 +96,7 @@ static bool find_leaf(const char *name, const char *word, cw_leaf *leaf) {
         *leaf = (cw_leaf)k;
         return true;
     }
-    return unknown_name(name, "--leaf", word, names, CW_LEAF_COUNT);
+    return words_unknown(name, "--leaf", word, names, CW_LEAF_COUNT);
 }
 
 static bool find_coherence(const char *name, const char *word, cw_coherence *coherence) {
@@ -121,7 +108,7 @@ static bool find_coherence(const char *name, const char *word, cw_coherence *coh
         *coherence = (cw_coherence)k;
         return true;
     }
-    return unknown_name(name, "--coherence", word, names, COUNT);
+    return words_unknown(name, "--coherence", word, names, COUNT);
 }
 
 /* A query of no rays on the smallest field answers whether kernel and leaf test go together. */

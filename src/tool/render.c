@@ -3,6 +3,7 @@
 
 #include "cancel.h"
 #include "command.h"
+#include "commands.h"
 #include "image.h"
 #include "json.h"
 #include "options.h"
@@ -147,8 +148,8 @@ static int run(int argc, char **argv) {
         .operand_most = 1,
     };
     const char *path = NULL;
-    const options_result result = options_parse(&usage, argc, argv, &path);
-    if (result != OPTIONS_GO) return result == OPTIONS_HELP ? EXIT_SUCCESS : EXIT_USAGE;
+    const int status = options_parse(&usage, argc, argv, &path);
+    if (status != OPTIONS_GO) return status;
     cw_query query;
     if (!query_options_resolve(&c.query, name, &query)) return EXIT_USAGE;
     io_error error;

@@ -6,6 +6,7 @@
 #include "cellwalk.h"
 #include "clock.h"
 #include "command.h"
+#include "commands.h"
 #include "field_file.h"
 #include "hits_file.h"
 #include "json.h"
@@ -13,6 +14,7 @@
 #include "progress.h"
 #include "query_options.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -27,7 +29,7 @@ typedef struct request {
     query_options query;
     bool any, json;
     unsigned repeat;
-    float tolerance, cone;
+    double tolerance, cone;
 } request;
 
 typedef struct trace {
@@ -186,7 +188,7 @@ static const char what[] = "Finds where rays hit a height field.\n"
 
 static const char examples[] = "  cellwalk trace terrain.npy rays.npy -o hits.npy\n"
                                "  cellwalk trace dem.asc sun.npy -o shadow.npy --any --threads 4\n"
-                               "  cellwalk trace terrain.npy rays.npy --kernel packet8 --threads 1 --repeat 9 --json\n"
+                               "  cellwalk trace terrain.npy rays.npy --threads 1 --repeat 9 --json\n"
                                "  cellwalk trace terrain.npy view.npy -o hits.npy --cone 0.001\n"
                                "\n"
                                "In Python:\n"
@@ -223,12 +225,14 @@ static int run(int argc, char **argv) {
          .help =
              "hits may lie off the surface by this height, and a ray\nthat passes as near may hit (default: 0, exact)",
          .kind = OPTION_REAL,
-         .to = &r.tolerance},
+         .to = &r.tolerance,
+         .high = (double)FLT_MAX},
         {.name = "cone",
          .value = "A",
          .help = "the same, by A more for each unit of distance: a pixel's\nwidth at distance 1",
          .kind = OPTION_REAL,
-         .to = &r.cone},
+         .to = &r.cone,
+         .high = (double)FLT_MAX},
     };
     query_options_rows(&r.query, options + OWN);
     static const char *const operand_names[] = {"FIELD", "RAYS.npy"};
@@ -242,8 +246,8 @@ static int run(int argc, char **argv) {
                                  .operand_least = 2,
                                  .operand_most = 2};
     const char *operands[2];
-    const options_result result = options_parse(&usage, argc, argv, operands);
-    if (result != OPTIONS_GO) return result == OPTIONS_HELP ? EXIT_SUCCESS : EXIT_USAGE;
+    const int status = options_parse(&usage, argc, argv, operands);
+    if (status != OPTIONS_GO) return status;
     r.field = operands[0];
     r.rays = operands[1];
     const bool timing = r.repeat > 0 || r.json;
@@ -254,8 +258,8 @@ static int run(int argc, char **argv) {
     if (r.repeat == 0) r.repeat = 1;
     cw_query query;
     if (!query_options_resolve(&r.query, usage.name, &query)) return EXIT_USAGE;
-    query.tolerance = r.tolerance;
-    query.cone = r.cone;
+    query.tolerance = (float)r.tolerance;
+    query.cone = (float)r.cone;
     return run_request(&r, &query, timing);
 }
 

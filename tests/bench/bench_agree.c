@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Differences between hits are seen, counted once, and put down to the right reason. */
-#include "agree.h"
+#include "harness/agree.h"
 
 #include "check.h"
 
@@ -74,7 +74,7 @@ static void reasons(void **state) {
     check(sum.why[AGREE_GRAZING] == 1 || sum.why[AGREE_END] == 1, "a miss of a level ray counts as a defect");
 }
 
-static void closest_finds(const void *self, const cw_ray *rays, size_t n, cw_hit *hits) {
+static void closest_finds(const contender *self, const cw_ray *rays, size_t n, cw_hit *hits) {
     (void)self, (void)rays;
     for (size_t k = 0; k < n; k++) hits[k] = inside;
 }
@@ -92,8 +92,8 @@ static void any_hit(void **state) {
     check(sum.rays == 3 && sum.only_a == 1 && sum.only_b == 1 && sum.why[AGREE_OTHER] == 2, "different answers agree");
     cw_field_destroy(field);
 
-    char text[128];
-    agree_text(&sum, text, sizeof text);
+    char text[AGREE_TEXT];
+    agree_text(&sum, text);
     check(strcmp(text, "2 of 3 rays differ (2 other)") == 0, "told as \"%s\"", text);
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Counts of the counting kernels where they can be told beforehand, and bounds that hold where they cannot. */
-#include "counters.h"
-#include "micro.h"
+#include "micro/counters.h"
+#include "micro/micro.h"
 
 #include "check.h"
 
@@ -86,6 +86,35 @@ static void grids_test_each_triangle_of_a_voxel(void **state) {
     cw_field_destroy(field);
 }
 
+/* A box of 8 × 8 × 8 cells has 15 voxels an axis: 3 · cbrt(128) / 8 a cell. */
+static void grids_step_from_voxel_to_voxel(void **state) {
+    (void)state;
+    enum { SIDE = 9 };
+    static float z[SIDE * SIDE];
+    z[SIDE * SIDE - 1] = 8;
+    cw_field_desc desc = cw_field_desc_default();
+    desc.samples = z;
+    desc.nx = desc.ny = SIDE;
+    cw_field *field = NULL;
+    const cw_kernel *kernel = cw_kernel_find("grid3d");
+    check_status(cw_field_create(&desc, &field), CW_OK);
+    check_status(cw_field_build(field, kernel), CW_OK);
+    static const cw_ray rays[] = {
+        {{-1, 0.3f, 4}, 0, {1, 0, 0}, 99},    /* over low ground: a row of voxels with nothing in them */
+        {{2.6f, 3.3f, 9}, 0, {0, 0, -1}, 99}, /* down a column of them to the ground */
+        {{-1, 0.3f, 9}, 0, {1, 0, 0}, 99},    /* over everything */
+    };
+    static const uint64_t voxels[] = {15, 15, 0};
+    for (size_t k = 0; k < 3; k++) {
+        counter counts[COUNTERS_MAX];
+        trace(field, kernel, &rays[k], 1, counts);
+        expect(counts, "grid3d", "voxel", voxels[k], voxels[k]);
+        check((counters_find(counts, "triangle")->events > 0) == (k == 1), "ray %zu: %d triangles", k,
+              (int)counters_find(counts, "triangle")->events);
+    }
+    cw_field_destroy(field);
+}
+
 /* Whatever the walk, no more lanes are busy than there are, each hit had a leaf test, and no ray is refilled twice. */
 static void lanes_are_within_bounds(void **state) {
     (void)state;
@@ -148,6 +177,7 @@ int main(void) {
         cmocka_unit_test(these_kernels_count),
         cmocka_unit_test(cell_walks_take_a_step_a_cell),
         cmocka_unit_test(grids_test_each_triangle_of_a_voxel),
+        cmocka_unit_test(grids_step_from_voxel_to_voxel),
         cmocka_unit_test(lanes_are_within_bounds),
     };
     return cmocka_run_group_tests_name("bench_counters", tests, NULL, NULL);

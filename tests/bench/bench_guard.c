@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The guard's arithmetic on profiles and figures made up here: what counts, what does not, and which changes it tells. */
-#include "guard_figures.h"
+#include "instructions/figures.h"
 
 #include "check.h"
 #include "scratch.h"
@@ -23,23 +23,22 @@ static void write_text(const char *name, const char *text) { scratch_write(name,
 
 static void counts_are_the_programs_own(void **state) {
     (void)state;
-    static guard_figures figures;
+    static counted figures;
     io_error error;
     write_text("runs", runs);
     write_text("profile", profile);
-    check(guard_read_counts(&figures, "runs", "profile", "work", &error), "%s", error.text);
+    check(callgrind_read(&figures, "runs", "profile", "work", &error), "%s", error.text);
     check(figures.count == 3, "%zu figures", figures.count);
-    check(figures.items[0].instructions == 100, "%zu instructions", (size_t)figures.items[0].instructions);
-    check(figures.items[1].instructions == 0 && figures.items[1].count == 0, "absent kernels have counts");
-    check(figures.items[2].instructions == 1000, "%zu instructions", (size_t)figures.items[2].instructions);
+    check(figures.runs[0].events[IR] == 100, "%zu instructions", (size_t)figures.runs[0].events[IR]);
+    check(figures.runs[1].events[IR] == 0 && figures.runs[1].count == 0, "absent kernels have counts");
+    check(figures.runs[2].events[IR] == 1000, "%zu instructions", (size_t)figures.runs[2].events[IR]);
 
-    check(!guard_read_counts(&figures, "runs", "profile", "other", &error) && strstr(error.text, "profile"),
+    check(!callgrind_read(&figures, "runs", "profile", "other", &error) && strstr(error.text, "profile"),
           "a program that is not in the profile has counts");
     write_text("runs", "run,cell,watertight,random,2048\nrun,cell,watertight\n");
-    check(!guard_read_counts(&figures, "runs", "profile", "work", &error) && strncmp(error.text, "runs:2:", 7) == 0,
+    check(!callgrind_read(&figures, "runs", "profile", "work", &error) && strncmp(error.text, "runs:2:", 7) == 0,
           "half a line is told as %s", error.text);
-    check(!guard_read_counts(&figures, "nowhere", "profile", "work", &error) && strstr(error.text, "nowhere"),
-          "no file");
+    check(!callgrind_read(&figures, "nowhere", "profile", "work", &error) && strstr(error.text, "nowhere"), "no file");
 }
 
 static guard_figures *new_figures(void) {
@@ -51,8 +50,8 @@ static guard_figures *new_figures(void) {
 }
 
 static void add(guard_figures *to, const char *kernel, uint64_t count, uint64_t instructions) {
-    guard_figure *f = &to->items[to->count++];
-    *f = (guard_figure){.count = count, .instructions = instructions};
+    counted_run *f = &to->all.runs[to->all.count++];
+    *f = (counted_run){.count = count, .events = {instructions}};
     snprintf(f->kernel, sizeof f->kernel, "%s", kernel);
     if (count == 0) return;
     snprintf(f->leaf, sizeof f->leaf, "watertight");
@@ -72,8 +71,9 @@ static void files_keep_figures(void **state) {
     check(guard_read(in, "f.csv", &error), "%s", error.text);
     check(strcmp(in->compiler, out->compiler) == 0 && strcmp(in->flags, out->flags) == 0, "built by %s with %s",
           in->compiler, in->flags);
-    check(in->count == 2 && in->items[0].instructions == out->items[0].instructions && in->items[1].count == 16,
-          "%zu figures, the first %zu", in->count, (size_t)in->items[0].instructions);
+    check(in->all.count == 2 && in->all.runs[0].events[IR] == out->all.runs[0].events[IR] &&
+              in->all.runs[1].count == 16,
+          "%zu figures, the first %zu", in->all.count, (size_t)in->all.runs[0].events[IR]);
     static const char *const bad[] = {"cell,watertight,random,2048\n", "cell,watertight,random,2048,-3\n",
                                       "cell,watertight,random,2048,0\n", "cell,watertight,random,2048,7,8\n", "\n"};
     for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) {
@@ -87,14 +87,14 @@ static void files_keep_figures(void **state) {
 
 /* The report on one figure of 100000 instructions that has become so many. */
 static guard_verdict verdict_on(uint64_t now, char *report, size_t size) {
-    guard_figures *committed = new_figures(), *counted = new_figures();
+    guard_figures *committed = new_figures(), *fresh = new_figures();
     add(committed, "cell", 2048, 100000);
-    add(counted, "cell", 2048, now);
+    add(fresh, "cell", 2048, now);
     FILE *file = fmemopen(report, size, "w");
     check(file != NULL, "no stream");
-    const guard_verdict v = guard_compare(committed, counted, file);
+    const guard_verdict v = guard_compare(&committed->all, &fresh->all, file);
     fclose(file);
-    free(counted);
+    free(fresh);
     free(committed);
     return v;
 }
@@ -117,22 +117,22 @@ static void changes_beyond_the_tolerance_are_told(void **state) {
 
 static void figures_and_kernels_must_match(void **state) {
     (void)state;
-    guard_figures *committed = new_figures(), *counted = new_figures();
+    guard_figures *committed = new_figures(), *fresh = new_figures();
     add(committed, "gone", 2048, 1000);
     add(committed, "packet16", 2048, 1000);
     add(committed, "cell", 1024, 1000);
-    add(counted, "cell", 2048, 1000);
-    add(counted, "new", 2048, 1000);
-    add(counted, "packet16", 0, 0);
+    add(fresh, "cell", 2048, 1000);
+    add(fresh, "new", 2048, 1000);
+    add(fresh, "packet16", 0, 0);
     char report[1024] = "";
     FILE *file = fmemopen(report, sizeof report, "w");
     check(file != NULL, "no stream");
-    const guard_verdict v = guard_compare(committed, counted, file);
+    const guard_verdict v = guard_compare(&committed->all, &fresh->all, file);
     fclose(file);
     check(v.stale == 1 && strstr(report, "gone") != NULL, "%zu stale: %s", v.stale, report);
     check(v.absent == 1 && strstr(report, "packet16") == NULL, "%zu absent: %s", v.absent, report);
     check(v.missing == 2 && v.compared == 0, "%zu missing, %zu compared: %s", v.missing, v.compared, report);
-    free(counted);
+    free(fresh);
     free(committed);
 }
 

@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* cellwalk-bench tradeoff from beginning to end, on work so small that its speeds mean nothing: what is saved agrees with
  * itself, sums and verdicts are those of their lines, mistakes are told and leave nothing behind. */
-#include "peer_embree.h"
-#include "plot.h"
-#include "report.h"
-#include "results.h"
-#include "tradeoff_main.h"
-#include "tradeoff_summary.h"
+#include "accuracy/tradeoff.h"
+#include "commands.h"
+#include "harness/results.h"
+#include "peers/embree.h"
 
 #include "check.h"
 #include "scratch.h"
@@ -19,22 +17,17 @@
 
 enum { ARGUMENTS_MAX = 24 };
 
-typedef int command(char **arguments, int count);
-
-static int run(command *of, const char *line) {
-    char *copy = strdup(line), *arguments[ARGUMENTS_MAX];
-    int count = 0;
+static int run(const char *line) {
+    char *copy = strdup(line), *arguments[ARGUMENTS_MAX + 1] = {strdup("tradeoff")};
+    int count = 1;
     assert_non_null(copy);
     for (char *word = strtok(copy, " "); word && count < ARGUMENTS_MAX; word = strtok(NULL, " "))
         arguments[count++] = word;
-    const int status = of(arguments, count);
+    arguments[count] = NULL;
+    const int status = command_tradeoff.run(count, arguments);
+    free(arguments[0]);
     free(copy);
     return status;
-}
-
-static char *read_text(const char *name) {
-    size_t size;
-    return scratch_read(name, &size);
 }
 
 static const json_t *find(const json_t *lines, const char *kind, const char *key, const char *value) {
@@ -54,49 +47,44 @@ static const char *const small =
 
 static void files_agree(void **state) {
     (void)state;
-    check(run(tradeoff_main, small) == 0, "tradeoff fails");
+    check(run(small) == 0, "tradeoff fails");
     io_error error;
     json_t *lines = results_read("a/b/tradeoff.json", &error);
     check(lines != NULL, "%s", error.text);
-    char *saved = read_text("a/b/tradeoff.md"), *made = tradeoff_markdown(lines), *again = tradeoff_markdown(lines);
-    check(made && again && strcmp(saved, made) == 0 && strcmp(made, again) == 0, "the page is not that of the lines");
-    scratch_write("page.md", "x<!-- begin:tradeoff --><!-- end:tradeoff -->y", 45);
-    check(run(report_main, "--json a/b/tradeoff.json --into page.md") == 0, "report fails");
-    char *page = read_text("page.md");
-    check(strstr(page, made) != NULL && page[0] == 'x', "report puts another text into the page");
 
     /* What is known without measuring. */
-    const json_t *strict = find(lines, "summary", "contender", "strict/pyramid1");
-    const json_t *triangles = find(lines, "summary", "contender", "moller-trumbore/cell");
-    check(strict && triangles, "a contender is missing");
-    check(results_number(strict, "wrong_answers_per_million") == 0, "strict gives wrong answers");
-    check(results_number(strict, "t_ulp_worst") > 0, "strict has no error in t");
-    check(results_number(triangles, "aimed_wrong_answers_per_million") > 0, "Möller-Trumbore does not leak");
-    check(results_number(strict, "groups") == 3 && !json_is_true(json_object_get(strict, "partial")),
-          "a group is missing");
-    const json_t *coarse = find(lines, "summary", "contender", "samples-16/pyramid1");
-    const json_t *result = find(lines, "result", "contender", "samples-16/pyramid1");
-    check(results_number(coarse, "broken_per_million") == 0, "16-bit samples break their claim");
-    check(results_number(coarse, "off_cells_worst") > 0.5 * results_number(result, "claim_height") &&
-              results_number(coarse, "off_cells_worst") < 1.1 * results_number(result, "claim_height"),
-          "16-bit samples are off by %g, and claim %g", results_number(coarse, "off_cells_worst"),
-          results_number(result, "claim_height"));
+    const tradeoff_sums strict = tradeoff_sums_of(lines, "strict/pyramid1");
+    const tradeoff_sums triangles = tradeoff_sums_of(lines, "moller-trumbore/cell");
+    check(strict.groups == 3 && triangles.groups == 3, "a group is missing");
+    check(strict.rates[0] + strict.rates[1] + strict.rates[2] + strict.aimed == 0, "strict gives wrong answers");
+    check(strict.off > 0, "strict has no error");
+    check(triangles.aimed > 0, "Möller-Trumbore does not leak");
+    const tradeoff_sums coarse = tradeoff_sums_of(lines, "samples-16/pyramid1");
+    const double claim = results_number(find(lines, "result", "contender", "samples-16/pyramid1"), "claim_height");
+    check(coarse.groups == 3 && coarse.beyond == 0, "16-bit samples break their claim");
+    check(coarse.off > 0.5 * claim && coarse.off < 1.1 * claim, "16-bit samples are off by %g, and claim %g",
+          coarse.off, claim);
     static const char *const tolerant[] = {"tolerance-1/pyramid1", "cone-pixel/pyramid1"};
     for (size_t k = 0; k < 2; k++) {
-        const json_t *near = find(lines, "summary", "contender", tolerant[k]);
-        check(near && results_number(near, "broken_per_million") == 0, "%s breaks its claim", tolerant[k]);
+        const tradeoff_sums near = tradeoff_sums_of(lines, tolerant[k]);
+        check(near.groups == 3 && near.beyond == 0, "%s breaks its claim", tolerant[k]);
         /* On a field as small as this no detail is below a pixel. */
-        check(k == 1 || results_number(near, "off_cells_worst") > 10 * results_number(strict, "off_cells_worst"),
-              "%s is no less exact than strict", tolerant[k]);
+        check(k == 1 || near.off > 10 * strict.off, "%s is no less exact than strict", tolerant[k]);
     }
-    check(find(lines, "summary", "contender", "tolerance-1/cell") == NULL, "a kernel has a tolerance that ignores it");
-    check((find(lines, "summary", "mode", "embree") != NULL) == (peer_embree_version() != NULL), "Embree is missing");
-    check(find(lines, "summary", "contender", "moller-trumbore/grid3d-early") == NULL,
+    check(find(lines, "result", "contender", "tolerance-1/cell") == NULL, "a kernel has a tolerance that ignores it");
+    check((find(lines, "result", "mode", "embree") != NULL) == (peer_embree_version() != NULL), "Embree is missing");
+    check(find(lines, "result", "contender", "moller-trumbore/grid3d-early") == NULL,
           "a mode has a kernel that is another's");
+    json_t *line;
+    size_t index, shared = 0;
+    bool has_error = false;
+    json_array_foreach(lines, index, line) {
+        const bool of_strict = strcmp(results_text(line, "contender"), "strict/pyramid1") == 0;
+        has_error = has_error || (of_strict && results_number(line, "t_ulp_worst") > 0);
+    }
+    check(has_error, "strict has no error in t");
 
     /* Walks with equal bits share their errors, another leaf test's bits are its own. */
-    size_t index, shared = 0;
-    const json_t *line;
     json_array_foreach(lines, index, line) {
         const char *as = results_text(line, "same_bits_as");
         if (*as == '\0') continue;
@@ -115,25 +103,6 @@ static void files_agree(void **state) {
     check(exact && results_number(exact, "rmse") == 0 && results_number(exact, "pixels_differ") == 0,
           "strict differs from itself");
     check(other && results_number(other, "pixels_differ") > 0, "16-bit samples change nothing");
-    size_t counts = 0;
-    json_array_foreach(lines, index, line) {
-        if (strcmp(results_text(line, "kind"), "count") != 0) continue;
-        counts++;
-        check(results_number(line, "astray") == 0 && results_number(line, "ray_count") > 0,
-              "%.0f counted rays of %s go astray", results_number(line, "astray"), results_text(line, "where"));
-    }
-    check(counts == 3, "%zu counts", counts);
-    static const char *const claims[] = {"early", "cells", "normals"};
-    for (size_t k = 0; k < 3; k++) {
-        const json_t *answer = find(lines, "hypothesis", "name", claims[k]);
-        check(answer && strcmp(results_text(answer, "verdict"), "not measured") != 0, "%s is not answered", claims[k]);
-        check(strstr(made, results_text(answer, "text")) != NULL, "the page does not answer %s", claims[k]);
-    }
-    check(find(lines, "step", "frontier", "answers") && find(lines, "step", "frontier", "place"), "no frontier");
-    free(page);
-    free(again);
-    free(made);
-    free(saved);
     json_decref(lines);
 }
 
@@ -149,125 +118,34 @@ static json_t *parse(const char *const *texts, size_t count) {
 
 static bool is_near(double a, double b) { return fabs(a - b) <= 1e-12 * fabs(b); }
 
-/* Two groups; one contender that lost a group to time; numbers by hand. */
+/* Two groups that are timed and one of aimed rays; a contender that lost a group to time; numbers by hand. */
 static void sums_are_of_their_lines(void **state) {
     (void)state;
     static const char *const texts[] = {
-        "{\"kind\":\"run\",\"command\":\"tradeoff\",\"rays_a_class\":100}",
-        ("{\"kind\":\"result\",\"field\":\"65\",\"rays\":\"random\",\"query\":\"closest\",\"contender\":\"early/"
-         "grid3d-early\","
-         "\"mode\":\"early\",\"kernel\":\"grid3d-early\",\"ray_count\":100,\"leaks\":0,\"phantoms\":0,\"wrong\":1,"
-         "\"leaks_per_million\":0,\"phantoms_per_million\":0,\"wrong_per_million\":10000,\"mrays_per_s\":2,"
-         "\"t_ulp_median\":0.5,\"t_ulp_worst\":2,\"off_cells_median\":1e-6,\"off_cells_worst\":1e-4}"),
-        ("{\"kind\":\"result\",\"field\":\"257\",\"rays\":\"random\",\"query\":\"closest\",\"contender\":\"early/"
-         "grid3d-early\","
-         "\"mode\":\"early\",\"kernel\":\"grid3d-early\",\"ray_count\":50,\"leaks\":1,\"phantoms\":1,\"wrong\":1,"
-         "\"leaks_per_million\":20000,\"phantoms_per_million\":20000,\"wrong_per_million\":20000,\"mrays_per_s\":8,"
-         "\"t_ulp_median\":1.5,\"t_ulp_worst\":1.75,\"off_cells_median\":1e-6,\"off_cells_worst\":2e-4}"),
-        ("{\"kind\":\"result\",\"field\":\"65\",\"rays\":\"random\",\"query\":\"closest\",\"contender\":"
-         "\"moller-trumbore/grid3d\",\"mode\":\"moller-trumbore\",\"kernel\":\"grid3d\",\"ray_count\":100,\"leaks\":0,"
-         "\"phantoms\":0,\"wrong\":0,\"leaks_per_million\":0,\"phantoms_per_million\":0,\"wrong_per_million\":0,"
-         "\"mrays_per_s\":1,\"off_cells_worst\":1e-5}"),
-        ("{\"kind\":\"result\",\"field\":\"257\",\"rays\":\"random\",\"query\":\"closest\",\"contender\":"
-         "\"moller-trumbore/grid3d\",\"mode\":\"moller-trumbore\",\"kernel\":\"grid3d\",\"ray_count\":100,\"leaks\":0,"
-         "\"phantoms\":0,\"wrong\":0,\"leaks_per_million\":0,\"phantoms_per_million\":0,\"wrong_per_million\":0,"
-         "\"mrays_per_s\":4,\"off_cells_worst\":2e-5}"),
-        ("{\"kind\":\"result\",\"field\":\"65\",\"rays\":\"random\",\"query\":\"closest\",\"contender\":\"strict/"
-         "cell\","
-         "\"mode\":\"strict\",\"kernel\":\"cell\",\"ray_count\":100,\"leaks_per_million\":0,\"phantoms_per_million\":0,"
-         "\"wrong_per_million\":0,\"mrays_per_s\":99,\"off_cells_worst\":1e-7}"),
-        ("{\"kind\":\"result\",\"field\":\"257\",\"rays\":\"random\",\"query\":\"closest\",\"contender\":\"strict/"
-         "cell\","
-         "\"mode\":\"strict\",\"kernel\":\"cell\",\"left_out_seconds\":9}"),
-        ("{\"kind\":\"count\",\"where\":\"65\",\"rays\":\"random\",\"ray_count\":9,\"astray\":0,\"voxels\":10,"
-         "\"voxel_triangles\":20,\"cells\":5,\"cell_triangles\":40}"),
-        ("{\"kind\":\"normal\",\"wave_length\":6,\"wave_height\":1,"
-         "\"facet\":{\"degrees_rms\":9,\"degrees_worst\":9,\"nanoseconds\":1},"
-         "\"barycentric\":{\"degrees_rms\":1,\"degrees_worst\":2,\"nanoseconds\":3},"
-         "\"bilinear\":{\"degrees_rms\":2,\"degrees_worst\":3,\"nanoseconds\":6}}"),
+        "{\"kind\":\"run\",\"command\":\"tradeoff\"}",
+        "{\"kind\":\"result\",\"rays\":\"random\",\"contender\":\"early/grid3d-early\",\"leaks_per_million\":0,"
+        "\"phantoms_per_million\":0,\"wrong_per_million\":10000,\"broken_per_million\":3,\"mrays_per_s\":2,"
+        "\"off_cells_worst\":1e-4}",
+        "{\"kind\":\"result\",\"rays\":\"ao\",\"contender\":\"early/grid3d-early\",\"leaks_per_million\":20000,"
+        "\"phantoms_per_million\":40000,\"wrong_per_million\":20000,\"broken_per_million\":6,\"mrays_per_s\":8,"
+        "\"off_cells_worst\":2e-4}",
+        "{\"kind\":\"result\",\"rays\":\"edges\",\"contender\":\"early/grid3d-early\",\"leaks_per_million\":1,"
+        "\"phantoms_per_million\":2,\"wrong_per_million\":4,\"broken_per_million\":0,\"off_cells_worst\":1e-5}",
+        "{\"kind\":\"result\",\"rays\":\"random\",\"contender\":\"strict/cell\",\"leaks_per_million\":0,"
+        "\"mrays_per_s\":99,\"off_cells_worst\":1e-7}",
+        "{\"kind\":\"result\",\"rays\":\"ao\",\"contender\":\"strict/cell\",\"left_out_seconds\":9}",
     };
     json_t *lines = parse(texts, sizeof texts / sizeof texts[0]);
-    io_error error;
-    check(tradeoff_summarise(lines, &error), "%s", error.text);
-    const json_t *early = find(lines, "summary", "contender", "early/grid3d-early");
-    check(is_near(results_number(early, "mrays_per_s"), 4), "the mean of 2 and 8 is %g",
-          results_number(early, "mrays_per_s"));
-    check(is_near(results_number(early, "wrong_answers_per_million"), 35000), "the rate is %g",
-          results_number(early, "wrong_answers_per_million"));
-    check(is_near(results_number(early, "wrong_per_million"), 15000), "the rate is %g",
-          results_number(early, "wrong_per_million"));
-    check(results_number(early, "t_ulp_median") == 1 && results_number(early, "t_ulp_worst") == 2,
-          "the errors are others");
-    check(results_number(early, "ray_count") == 150, "%.0f rays", results_number(early, "ray_count"));
-    const json_t *left_out = find(lines, "summary", "contender", "strict/cell");
-    check(json_is_true(json_object_get(left_out, "partial")) &&
-              !json_is_true(json_object_get(left_out, "frontier_answers")),
-          "who was left out is on the frontier");
-    const json_t *grid = find(lines, "summary", "contender", "moller-trumbore/grid3d");
-    check(json_is_true(json_object_get(grid, "frontier_answers")) &&
-              json_is_true(json_object_get(early, "frontier_place")),
-          "who belongs to a frontier is not on it");
-    const json_t *step = find(lines, "step", "to", "early/grid3d-early");
-    check(step && strcmp(results_text(step, "text"),
-                         "From moller-trumbore/grid3d to early/grid3d-early: 100.0 % faster, but "
-                         "35000 instead of 0 wrong answers in a million rays.") == 0,
-          "the step is: %s", step ? results_text(step, "text") : "none");
-    static const char *const verdicts[][2] = {{"early", "refuted"}, {"cells", "confirmed"}, {"normals", "confirmed"}};
-    for (size_t k = 0; k < 3; k++) {
-        const json_t *answer = find(lines, "hypothesis", "name", verdicts[k][0]);
-        check(answer && strcmp(results_text(answer, "verdict"), verdicts[k][1]) == 0, "%s: %s", verdicts[k][0],
-              answer ? results_text(answer, "verdict") : "none");
-    }
-    check(strstr(results_text(find(lines, "hypothesis", "name", "early"), "text"), "4 of 150 rays, at worst 60000"),
-          "the answer is: %s", results_text(find(lines, "hypothesis", "name", "early"), "text"));
-    char *page = tradeoff_markdown(lines);
-    check(page && strstr(page, "| early/grid3d-early | 4 | answers, place |"), "the page has no line on early");
-    const char *left = strstr(page, "| strict/cell \\* |"), *slow = strstr(page, "| moller-trumbore/grid3d |");
-    check(left != NULL, "the page does not mark who was left out");
-    check(slow && left < strstr(page, "| early/grid3d-early |") && strstr(page, "| early/grid3d-early |") < slow,
-          "the page is not in order of speed");
-    free(page);
+    const tradeoff_sums early = tradeoff_sums_of(lines, "early/grid3d-early");
+    check(early.groups == 3 && is_near(early.speed, 4), "the mean of 2 and 8 is %g", early.speed);
+    check(early.rates[0] == 10000 && early.rates[1] == 15000 && early.rates[2] == 20000, "the rates are %g, %g, %g",
+          early.rates[0], early.rates[1], early.rates[2]);
+    check(early.aimed == 7 && early.beyond == 3, "of aimed rays %g are wrong, %g beyond claims", early.aimed,
+          early.beyond);
+    check(early.off == 2e-4, "off by %g", early.off);
+    const tradeoff_sums strict = tradeoff_sums_of(lines, "strict/cell");
+    check(strict.groups == 1 && is_near(strict.speed, 99), "who was left out counts as one who ran");
     json_decref(lines);
-
-    /* With other numbers each claim is answered otherwise. */
-    static const char *const others[] = {
-        "{\"kind\":\"run\",\"command\":\"tradeoff\"}",
-        "{\"kind\":\"count\",\"voxels\":10,\"voxel_triangles\":20,\"cells\":15,\"cell_triangles\":4}",
-        ("{\"kind\":\"normal\",\"barycentric\":{\"degrees_rms\":3,\"nanoseconds\":3},\"bilinear\":{\"degrees_rms\":2,"
-         "\"nanoseconds\":6}}"),
-    };
-    lines = parse(others, 3);
-    check(tradeoff_summarise(lines, &error), "%s", error.text);
-    static const char *const otherwise[][2] = {
-        {"early", "not measured"}, {"cells", "refuted"}, {"normals", "refuted for accuracy, confirmed for cost"}};
-    for (size_t k = 0; k < 3; k++)
-        check(strcmp(results_text(find(lines, "hypothesis", "name", otherwise[k][0]), "verdict"), otherwise[k][1]) == 0,
-              "%s is answered otherwise", otherwise[k][0]);
-    json_decref(lines);
-}
-
-static void pictures_repeat(void **state) {
-    (void)state;
-    if (system("gnuplot --version >gnuplot 2>&1") != 0) skip();
-    const char *const text =
-        "{\"kind\":\"run\",\"command\":\"tradeoff\",\"cpu\":\"Abacus 3000\"}\n"
-        "{\"kind\":\"summary\",\"contender\":\"strict/cell\",\"mode\":\"strict\",\"kernel\":\"cell\",\"partial\":false,"
-        "\"mrays_per_s\":2,\"wrong_answers_per_million\":0,\"off_cells_worst\":1e-6,\"frontier_answers\":true,"
-        "\"frontier_place\":true}\n"
-        "{\"kind\":\"summary\",\"contender\":\"embree/w8\",\"mode\":\"embree\",\"kernel\":\"w8\",\"partial\":false,"
-        "\"mrays_per_s\":5,\"wrong_answers_per_million\":20,\"off_cells_worst\":1e-5,\"frontier_answers\":true,"
-        "\"frontier_place\":true}\n";
-    scratch_write("t.json", text, strlen(text));
-    check(run(plot_main, "--json t.json --out a") == 0 && run(plot_main, "--json t.json --out b") == 0, "plot fails");
-    char *first = read_text("a/tradeoff.svg"), *second = read_text("b/tradeoff.svg");
-    check(strcmp(first, second) == 0, "the picture differs from itself");
-    static const char *const has[] = {"Abacus 3000", "strict/cell", "embree/w8", "wrong answers in a million rays",
-                                      "frontier"};
-    for (size_t k = 0; k < 5; k++) check(strstr(first, has[k]) != NULL, "the picture does not say %s", has[k]);
-    free(second);
-    free(first);
-    scratch_write("t.json", text, strcspn(text, "\n") + 1);
-    check(run(plot_main, "--json t.json --out c") == 1, "a picture of nothing");
 }
 
 static void mistakes_leave_nothing(void **state) {
@@ -296,32 +174,22 @@ static void mistakes_leave_nothing(void **state) {
     };
     scratch_write("file", "", 0);
     for (size_t k = 0; k < sizeof mistakes / sizeof mistakes[0]; k++) {
-        const int status = run(tradeoff_main, mistakes[k].arguments);
+        const int status = run(mistakes[k].arguments);
         check(status == mistakes[k].status, "\"%s\" ends with %d", mistakes[k].arguments, status);
     }
-    check(access("out/tradeoff.json", F_OK) != 0 && access("out/tradeoff.md", F_OK) != 0, "a failure has left files");
+    check(access("out/tradeoff.json", F_OK) != 0, "a failure has left files");
     check(rmdir("out") == 0, "a failure has left something in its folder");
-    /* A page without markers stays as it was. */
-    scratch_write("page.md", "text", 4);
-    check(run(tradeoff_main,
-              "--field 65 --rays random --count 64 --seconds 0.01 --mode strict --kernel cell --scene none "
-              "--out out --into page.md") == 1,
-          "a page without markers is taken");
-    char *page = read_text("page.md");
-    check(strcmp(page, "text") == 0, "a page without markers is changed");
-    free(page);
 }
 
 static void helps(void **state) {
     (void)state;
-    check(run(tradeoff_main, "--help") == 0, "help fails");
+    check(run("--help") == 0, "help fails");
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(files_agree, scratch_enter, scratch_leave),
         cmocka_unit_test(sums_are_of_their_lines),
-        cmocka_unit_test_setup_teardown(pictures_repeat, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(mistakes_leave_nothing, scratch_enter, scratch_leave),
         cmocka_unit_test(helps),
     };

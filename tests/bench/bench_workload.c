@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The benchmark's fields and rays are the same numbers everywhere, and are what their names say. */
-#include "ray_classes.h"
-#include "workload_fields.h"
+#include "workload/fields.h"
+#include "workload/ray_classes.h"
 
 #include "check.h"
 
@@ -78,7 +78,7 @@ static void unknown_field(void **state) {
     (void)state;
     workload_field f;
     check(!workload_field_make("66", &f) && f.z == NULL && f.name == NULL, "there is a field 66");
-    check(workload_field_name(workload_field_count()) == NULL, "names go on after the last field");
+    check(workload_field_name(WORKLOAD_FIELDS) == NULL, "names go on after the last field");
 }
 
 static void rays_are_what_they_were(void **state) {

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The part of the long run (stability.c) that a test has time for: at least 10^6 aimed rays a class through the default
+/* The part of the long run (bench/accuracy/stability) that a test has time for: at least 10^6 aimed rays a class through the default
  * kernel, and a share of them through every other one; no leak, no phantom, the same bits. And that the run would see a
  * fault if there were one. */
 
+#include "accuracy/stability/run.h"
 #include "check.h"
-#include "stability_run.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -62,7 +62,7 @@ static void test_million_rays_a_class(void **state) {
 static const contender *honest;
 static double wrong_by; /* cells of height; 0: miss instead */
 
-static void lie(const void *self, const cw_ray *rays, size_t n, cw_hit *hits) {
+static void lie(const contender *self, const cw_ray *rays, size_t n, cw_hit *hits) {
     honest->closest(self, rays, n, hits);
     for (size_t k = 0; k < n; k += 64) {
         if (hits[k].i < 0) continue;

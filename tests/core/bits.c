@@ -5,8 +5,8 @@
 
 #include "check.h"
 
-#include "ray_classes.h"
-#include "terrain.h"
+#include "workload/ray_classes.h"
+#include "workload/terrain.h"
 
 #include <stdio.h>
 #include <string.h>

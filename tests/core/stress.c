@@ -7,8 +7,8 @@
 #include "check.h"
 #include "paths.h"
 
-#include "ray_classes.h"
-#include "terrain.h"
+#include "workload/ray_classes.h"
+#include "workload/terrain.h"
 
 #include <errno.h>
 #include <stdio.h>

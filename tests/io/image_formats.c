@@ -3,7 +3,7 @@
 
 #include "check.h"
 #include "image.h"
-#include "random.h"
+#include "workload/random.h"
 #include "scratch.h"
 
 #include <math.h>

@@ -1,54 +1,52 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What rounding excuses: the bounds E and delta of papers/numerics.md, the clear pass, and verdicts. All in double, whose
- * error is 2^-27 of the bounds or less. */
+/* What rounding excuses, by the bounds of papers/numerics.md: the clear pass, and verdicts. All in double, whose error is 2^-27
+ * of the bounds or less. */
 
+#include "bounds.h"
 #include "oracle_walk.h"
 
 #include <float.h>
 #include <math.h>
 
-/* Relative rounding error of a float operation, u, and what the products of several such errors add. */
-static const double unit = 0x1p-24 * (1 + 0x1p-19);
+static bounds_ray ray_of(const oracle *o) { return (bounds_ray){o->ox, o->oy, o->oz, o->dx, o->dy, o->dz}; }
 
-/* P: what |org| + |t dir| of x and y together cannot exceed anywhere in the cell. */
-static double place_size(const oracle *o, int32_t i, int32_t j) { return fabs(o->ox) + fabs(o->oy) + i + j + 2; }
-
-static double delta(const oracle *o, int32_t i, int32_t j) {
-    return 4 * unit * place_size(o, i, j) + 0x1p-148 * (fabs(o->dx) + fabs(o->dy));
+static double place_size(const oracle *o, int32_t i, int32_t j) {
+    const bounds_ray r = ray_of(o);
+    return bounds_P(&r, i, j);
 }
 
-static const cell_bounds *bounds_at(const oracle *o, int32_t i, int32_t j) {
-    return delta(o, i, j) < 0.5 ? &o->cell[(size_t)j * (o->nx - 1) + (size_t)i] : &o->all;
+static double delta(const oracle *o, int32_t i, int32_t j) {
+    const bounds_ray r = ray_of(o);
+    return bounds_delta(&r, place_size(o, i, j));
+}
+
+static bounds_surface surface_at(const oracle *o, int32_t i, int32_t j) {
+    const cell_bounds *b = delta(o, i, j) < 0.5 ? &o->cell[(size_t)j * (o->nx - 1) + (size_t)i] : &o->all;
+    return (bounds_surface){b->high, b->slope};
 }
 
 /* E(t) near a cell, at a crossing; a hit adds root_error. */
 static double height_error(const oracle *o, double t, int32_t i, int32_t j) {
-    const cell_bounds *b = bounds_at(o, i, j);
-    const double size = fabs(o->oz) + fabs(t * o->dz) + 4 * b->high + 9 * b->slope * place_size(o, i, j);
-    return unit * size + 0x1p-146 * (1 + fabs(o->dz) + b->slope * (fabs(o->dx) + fabs(o->dy)));
+    const bounds_ray r = ray_of(o);
+    return bounds_E(&r, t, place_size(o, i, j), surface_at(o, i, j));
 }
 
-/* Beyond this a computed d has the sign of d(t), on whichever of the triangles within delta it is computed: two planes that
- * meet within delta of the place differ there by 2 S delta at most. */
 static double clear_error(const oracle *o, double t, int32_t i, int32_t j) {
-    return height_error(o, t, i, j) + 2 * bounds_at(o, i, j)->slope * delta(o, i, j);
+    const bounds_ray r = ray_of(o);
+    return bounds_clear(&r, t, place_size(o, i, j), surface_at(o, i, j));
 }
-
-/* The most that d can be where the slab of strict.h cuts the range off. */
-static double slab_size(const oracle *o) { return fabs(o->oz) + 5 * o->all.high; }
 
 /* The longest range of t that the ray may spend in a cell. */
 static double crossing_time(const oracle *o, int32_t i, int32_t j) {
-    const double rounded = 1 + 6 * unit * place_size(o, i, j), range = (double)o->ray.tmax - (double)o->ray.tmin;
-    return fmin(fmin(rounded / fabs(o->dx), rounded / fabs(o->dy)), fmin(range, 2 * slab_size(o) / fabs(o->dz)));
+    const bounds_ray r = ray_of(o);
+    const double range = (double)o->ray.tmax - (double)o->ray.tmin;
+    return bounds_T(&r, place_size(o, i, j), bounds_A(&r, o->all.high), range);
 }
 
 /* What interpolation between d at two crossings adds to E. */
 static double root_error(const oracle *o, int32_t i, int32_t j) {
-    const cell_bounds *b = bounds_at(o, i, j);
-    const double time = crossing_time(o, i, j);
-    const double change = (fabs(o->dz) + b->slope * (fabs(o->dx) + fabs(o->dy))) * time;
-    return unit * fmin(7 * slab_size(o), 5 * change);
+    const bounds_ray r = ray_of(o);
+    return bounds_interpolation(&r, crossing_time(o, i, j), bounds_A(&r, o->all.high), surface_at(o, i, j).S);
 }
 
 /* ---- the clear pass ---------------------------------------------------------------------------------------------- */
@@ -140,7 +138,7 @@ static double blur(const oracle *o, const oracle_triangle *t) {
     const plane p = oracle_plane(o, t);
     const double x = fabs(o->ox - t->i) + fabs(o->oy - t->j) + 1, z = fabs(o->oz - p.h), divisor = fabs(slope(o, t));
     const double flat = fabs(o->dx) + fabs(o->dy), steep = fabs(o->dz) + 2 * (fabs(p.a) + fabs(p.b)) * flat;
-    const double terms = x * steep + z * flat, u = unit, least = 0x1p-146;
+    const double terms = x * steep + z * flat, u = bounds_u(), least = 0x1p-146;
     if (32 * (u * steep + least) > divisor || divisor < 0x1p-126 || terms > 0x1p124) return (double)INFINITY;
     return (32 * u * terms + least * (x + z + 1)) / divisor;
 }
@@ -205,9 +203,9 @@ bool oracle_clear(const oracle *o, double at, int side, const oracle_triangle *o
     }
     const int32_t last_i = (int32_t)o->nx - 1, last_j = (int32_t)o->ny - 1;
     const double margin = 2 * delta(o, last_i, last_j), low = o->low, high = o->top;
-    const double size =
-        fabs(o->oz) + fabs(at * o->dz) + 4 * o->all.high + 17 * o->all.slope * place_size(o, last_i, last_j);
-    const double error = unit * size + 0x1p-140 * (1 + fabs(o->dz) + o->all.slope * (fabs(o->dx) + fabs(o->dy)));
+    const bounds_ray r = ray_of(o);
+    const double error =
+        bounds_clear(&r, at, place_size(o, last_i, last_j), (bounds_surface){o->all.high, o->all.slope});
     return x > margin && x < last_i - margin && y > margin && y < last_j - margin &&
            (side > 0 ? z - high > error : low - z > error);
 }
@@ -251,7 +249,7 @@ judgement oracle_judge(const oracle *o, const cw_hit *hit) {
     if (oracle_solid(o, t.i, t.j, t.triangle)) j.blur = blur(o, &t);
     if (!c.holds) return j;
     const double error = residual_bound(o, hit);
-    if (truth->passes && at > truth->pass_t + unit * (fabs(truth->pass_t) + 4 * crossing_time(o, t.i, t.j))) {
+    if (truth->passes && at > truth->pass_t + bounds_u() * (fabs(truth->pass_t) + 4 * crossing_time(o, t.i, t.j))) {
         j.verdict = VERDICT_WRONG_SURFACE;
         return j;
     }

@@ -3,7 +3,7 @@
 
 #include "check.h"
 #include "pbrt_lex.h"
-#include "random.h"
+#include "workload/random.h"
 #include "scene.h"
 #include "scratch.h"
 

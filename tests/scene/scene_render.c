@@ -2,7 +2,7 @@
 /* Pictures against closed formulas, and that neither kernel nor number of threads changes a pixel. */
 
 #include "check.h"
-#include "random.h"
+#include "workload/random.h"
 #include "scene.h"
 #include "scratch.h"
 

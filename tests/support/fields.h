@@ -4,7 +4,7 @@
 #define CELLWALK_TESTS_FIELDS_H
 
 #include "cellwalk.h"
-#include "random.h"
+#include "workload/random.h"
 
 typedef enum field_shape {
     FIELD_RANDOM,   /* uniform in [0, 1) */

@@ -123,15 +123,19 @@ function(cellwalk_script_test folder name)
     cellwalk_limit_time(${name})
 endfunction()
 
-# A row for any other command: COMMAND word…, IN folder, NEEDS word…, SECONDS n; properties may be added after it.
+# A row for any other command: COMMAND word…, IN folder, NEEDS word…, SECONDS n, SKIPS if it exits with 77 where it finds that
+# it cannot run; properties may be added after it.
 function(cellwalk_command_test name)
-    cmake_parse_arguments(PARSE_ARGV 1 row "" "IN;SECONDS" "COMMAND;NEEDS")
+    cmake_parse_arguments(PARSE_ARGV 1 row "SKIPS" "IN;SECONDS" "COMMAND;NEEDS")
     cellwalk_is_possible(possible ${name} ${row_NEEDS})
     if(NOT row_IN)
         set(row_IN ${CMAKE_CURRENT_BINARY_DIR})
     endif()
     if(possible)
         add_test(NAME ${name} COMMAND ${row_COMMAND} WORKING_DIRECTORY ${row_IN})
+        if(row_SKIPS)
+            set_tests_properties(${name} PROPERTIES SKIP_RETURN_CODE 77)
+        endif()
         cellwalk_limit_time(${name})
     endif()
 endfunction()

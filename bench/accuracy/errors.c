@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* How far answers are from the truth. */
+
+#include "accuracy/tradeoff.h"
+#include "harness/memory.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { RUN = 16 };
+
+size_t tradeoff_thinned_at(size_t m, unsigned thin) { return ((m / RUN) << thin) * RUN + m % RUN; }
+
+size_t tradeoff_thin(const cw_ray *rays, size_t n, unsigned thin, cw_ray *out) {
+    size_t m = 0;
+    for (; tradeoff_thinned_at(m, thin) < n; m++)
+        if (out) out[m] = rays[tradeoff_thinned_at(m, thin)];
+    return m;
+}
+
+cw_status tradeoff_truth_make(tradeoff_truth *truth, const true_surface *surface, const cw_field *field,
+                              const cw_ray *rays, size_t n) {
+    const cw_query query = {.kernel = cw_kernel_find("cell"), .leaf = CW_LEAF_WATERTIGHT};
+    *truth = (tradeoff_truth){.surface = surface, .field = field, .rays = rays, .n = n};
+    truth->hits = memory(n, sizeof *truth->hits);
+    truth->exact = memory(n, sizeof *truth->exact);
+    for (int k = 0; k < TRADEOFF_ERROR_KINDS; k++) truth->scratch[k] = memory(n, sizeof *truth->scratch[k]);
+    const cw_status status = cw_closest(field, &query, rays, n, truth->hits);
+    for (size_t k = 0; status == CW_OK && k < n; k++)
+        if (truth->hits[k].i >= 0) truth->exact[k] = tradeoff_exact(surface, &rays[k], &truth->hits[k]);
+    return status;
+}
+
+void tradeoff_truth_free(tradeoff_truth *truth) {
+    free(truth->hits);
+    free(truth->exact);
+    for (int k = 0; k < TRADEOFF_ERROR_KINDS; k++) free(truth->scratch[k]);
+    *truth = (tradeoff_truth){0};
+}
+
+double tradeoff_degrees(const double a[3], const double b[3]) {
+    return 2 * asin(fmin(1, hypot(hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2]) / 2)) * (180 / 3.14159265358979323846);
+}
+
+static double normal_error(const tradeoff_truth *truth, const exact_hit *exact, const cw_field *field,
+                           const cw_hit *answer) {
+    const cw_hit right = {
+        .u = (float)exact->u, .v = (float)exact->v, .i = exact->i, .j = exact->j, .triangle = exact->triangle};
+    double a[3], b[3];
+    cw_hit_phong_normal(truth->field, &right, a);
+    cw_hit_phong_normal(field, answer, b);
+    return tradeoff_degrees(a, b);
+}
+
+/* Of a ray that is answered right. */
+static void measure(const tradeoff_truth *truth, size_t k, size_t n, const cw_field *field, const cw_hit *answer) {
+    const cw_ray *ray = &truth->rays[k];
+    const double t = (double)answer->t;
+    truth->scratch[0][n] = exact_error_ulp(t, truth->exact[k].t);
+    truth->scratch[1][n] = exact_error_cells(ray, t, truth->exact[k].t);
+    truth->scratch[2][n] = tradeoff_off_surface(truth->surface, ray, t);
+    truth->scratch[3][n] = normal_error(truth, &truth->exact[k], field, answer);
+}
+
+static tradeoff_verdict judge(const tradeoff_truth *truth, size_t k, const tradeoff_claim *claim, const cw_hit *hit,
+                              bool answer) {
+    const bool should = truth->hits[k].i >= 0;
+    return hit ? tradeoff_judge_closest(truth->surface, &truth->rays[k], claim, &truth->hits[k],
+                                        should ? &truth->exact[k] : NULL, hit)
+               : tradeoff_judge_any(truth->surface, &truth->rays[k], claim, should, answer);
+}
+
+tradeoff_errors tradeoff_errors_of(const tradeoff_truth *truth, unsigned thin, const tradeoff_claim *claim,
+                                   const cw_field *field, contender_answers answers) {
+    static const tradeoff_claim none;
+    tradeoff_errors e = {.rays = tradeoff_thin(truth->rays, truth->n, thin, NULL)};
+    for (size_t m = 0; m < e.rays; m++) {
+        const size_t k = tradeoff_thinned_at(m, thin);
+        const cw_hit *hit = answers.hits ? &answers.hits[m] : NULL;
+        const bool answer = hit ? hit->i >= 0 : answers.occluded[m] != 0;
+        const tradeoff_verdict v = judge(truth, k, claim, hit, answer);
+        e.hits += answer;
+        e.broken += v > TRADEOFF_TIE;
+        e.verdicts[v == TRADEOFF_TIE ? judge(truth, k, &none, hit, answer) : v]++;
+        if (hit && v == TRADEOFF_RIGHT && truth->hits[k].i >= 0) measure(truth, k, e.right_hits++, field, hit);
+    }
+    for (int k = 0; k < TRADEOFF_ERROR_KINDS; k++) {
+        e.median[k] = statistics_of(truth->scratch[k], e.right_hits).median;
+        e.worst[k] = e.right_hits ? truth->scratch[k][e.right_hits - 1] : 0; /* sorted by now */
+    }
+    return e;
+}

@@ -1,0 +1,82 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What is wrong with an answer. The ray is followed over the surface in double, crossing by crossing, and what it does
+ * counts only where it is clear: farther from the surface than what rounding (tests/oracle/bounds.h) and the claim of the
+ * answer's mode can explain. */
+#ifndef CELLWALK_BENCH_ACCURACY_JUDGE_H
+#define CELLWALK_BENCH_ACCURACY_JUDGE_H
+
+#include "cellwalk.h"
+
+/* ---- exact.c ---- */
+
+/* The true surface: sample (i, j) is z[j * nx + i]; no holes. The samples must stay. */
+typedef struct true_surface {
+    const float *z;
+    size_t nx, ny;
+    double highest, steepest; /* of all samples and of their differences along edges, in size */
+} true_surface;
+
+true_surface true_surface_of(const float *z, size_t nx, size_t ny);
+
+typedef struct exact_hit {
+    double t, u, v; /* u and v as in cw_hit */
+    int32_t i, j;
+    uint32_t triangle;
+} exact_hit;
+
+/* Sum of count numbers, rounded about once: its relative error is less than 2^-52. count <= EXACT_SUM_MAX. */
+enum { EXACT_SUM_MAX = 16 };
+double exact_sum(const double *numbers, int count);
+
+/* Where the ray meets the plane of a triangle; u and v tell whether inside. False if it runs parallel to it. */
+bool exact_meet(const true_surface *on, const cw_ray *ray, int32_t i, int32_t j, uint32_t triangle, exact_hit *hit);
+
+/* Errors of a t: in units of the float's last place at the exact t; as the distance along the ray between the two places,
+ * in cells. */
+double exact_error_ulp(double t, double exact);
+double exact_error_cells(const cw_ray *ray, double t, double exact);
+
+/* ---- judge.c ---- */
+
+/* What a mode owns up to: its surface may be that far from the true one, in height: height + cone × distance from the
+ * ray's origin, in cells. All zero for the exact surface. */
+typedef struct tradeoff_claim {
+    double height, cone;
+} tradeoff_claim;
+
+typedef enum tradeoff_verdict {
+    TRADEOFF_RIGHT = 0, /* the same surface, or both miss: its t can be held against the exact one */
+    TRADEOFF_TIE,       /* another answer, within what rounding and claim explain: a touch, an end, a silhouette */
+    TRADEOFF_LEAK,      /* a miss, although the ray passes from clearly above to clearly below, or the reverse */
+    TRADEOFF_PHANTOM,   /* a hit where the ray is clear of the surface */
+    TRADEOFF_WRONG,     /* a hit, but the ray has clearly passed through the surface before */
+    TRADEOFF_VERDICT_COUNT
+} tradeoff_verdict;
+
+typedef struct tradeoff_track {
+    bool passes; /* the ray is clear on one side of the surface, and later on the other */
+    bool clear;  /* it is clear on one side at every crossing */
+    bool near;   /* it might be a hit at all of the crossings; all three are false if it is not over the field */
+} tradeoff_track;
+
+/* The ray for t in [from, to], as far as it is over the field. */
+tradeoff_track tradeoff_follow(const true_surface *on, const cw_ray *ray, double from, double to,
+                               const tradeoff_claim *claim);
+
+/* The place where the ray meets the surface that a hit means: on the hit's triangle, or, where the ray exactly passes beside
+ * that, on one of the cells around it, the nearest in t that the ray reaches from the hit without getting clear of the
+ * surface. Where there is none, on the triangle's plane; where the ray runs within that plane, at the hit's own t. */
+exact_hit tradeoff_exact(const true_surface *on, const cw_ray *ray, const cw_hit *hit);
+
+/* How far above or below the surface the ray's point at t is, in cells; outside the field, the surface goes on as at its
+ * border. Unlike the error of t it stays small where the ray runs along the surface, where a rounding of the ray itself would
+ * move t by as much. */
+double tradeoff_off_surface(const true_surface *on, const cw_ray *ray, double t);
+
+/* truth is the reference's answer and exact what tradeoff_exact makes of it, NULL if it misses. */
+tradeoff_verdict tradeoff_judge_closest(const true_surface *on, const cw_ray *ray, const tradeoff_claim *claim,
+                                        const cw_hit *truth, const exact_hit *exact, const cw_hit *answer);
+tradeoff_verdict tradeoff_judge_any(const true_surface *on, const cw_ray *ray, const tradeoff_claim *claim, bool truth,
+                                    bool answer);
+
+#endif

@@ -1,0 +1,138 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "accuracy/tradeoff.h"
+
+#include "harness/memory.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* clang-format off: a row a mode */
+static const tradeoff_mode modes[] = {
+    {"strict", "the default: watertight leaf test, IEEE operations alone", CW_LEAF_WATERTIGHT, .only = NULL},
+    {"moller-trumbore", "strict operations, each triangle by itself (Möller and Trumbore 1997)",
+     CW_LEAF_MOLLER_TRUMBORE, .only = NULL},
+    {"early", "a 3D grid that returns the first hit it finds", CW_LEAF_MOLLER_TRUMBORE, .only = "grid3d-early"},
+    {"samples-16", "strict on samples rounded to 16 bits beforehand", CW_LEAF_WATERTIGHT, .change = tradeoff_quantise},
+    {"tolerance-0.1", "tolerance: heights off by a tenth of a cell's side", CW_LEAF_WATERTIGHT, .family = "pyramid",
+     .tolerance = {.height = 0.1}},
+    {"tolerance-1", "tolerance: heights off by a cell's side", CW_LEAF_WATERTIGHT, .family = "pyramid",
+     .tolerance = {.height = 1}},
+    {"cone-pixel", "tolerance: a cone as wide as a pixel of the 1024² view", CW_LEAF_WATERTIGHT, .family = "pyramid",
+     .tolerance = {.cone = 2 * 0.57735 / 1024}},
+    {"embree", "Embree, a mesh of triangles", .embree = true},
+    {"embree-robust", "Embree, a mesh of triangles, ROBUST", .embree = true, .robust = true},
+    {"embree-grid", "Embree, its grid geometry", .embree = true, .geometry = PEER_GRID, .longer = true},
+    {"embree-grid-robust", "Embree, its grid geometry, ROBUST", .embree = true, .geometry = PEER_GRID, .robust = true,
+     .longer = true},
+};
+/* clang-format on */
+enum { MODE_COUNT = sizeof modes / sizeof modes[0] };
+
+const tradeoff_mode *tradeoff_mode_at(size_t number) { return number < MODE_COUNT ? &modes[number] : NULL; }
+
+/* True if the mode is to be tried on the kernel. */
+static bool takes(const tradeoff_mode *mode, const char *kernel) {
+    if (mode->embree) return false;
+    if (mode->only) return strcmp(mode->only, kernel) == 0;
+    if (mode->family && strncmp(kernel, mode->family, strlen(mode->family)) != 0) return false;
+    for (size_t m = 0; m < MODE_COUNT; m++)
+        if (modes[m].only && strcmp(modes[m].only, kernel) == 0) return false;
+    return true;
+}
+
+tradeoff_claim tradeoff_quantise(float *z, size_t count) {
+    float lowest = INFINITY, highest = -INFINITY; /* floats: with fmin and fmax in double, GCC 12 for aarch64 breaks down */
+    for (size_t k = 0; k < count; k++) {
+        if (!isfinite(z[k])) continue;
+        lowest = fminf(lowest, z[k]);
+        highest = fmaxf(highest, z[k]);
+    }
+    const double low = (double)lowest, high = (double)highest;
+    const double step = (high - low) / UINT16_MAX;
+    if (!(step > 0)) return (tradeoff_claim){0};
+    for (size_t k = 0; k < count; k++)
+        if (isfinite(z[k])) z[k] = (float)(low + step * rint(((double)z[k] - low) / step));
+    return (tradeoff_claim){.height = step / 2 + 0x1p-24 * fmax(fabs(low), fabs(high))};
+}
+
+double tradeoff_cell_height(const cw_field *field) {
+    /* The linear map from user space, column by column. */
+    cw_user_ray axes[3] = {{.dir = {1, 0, 0}}, {.dir = {0, 1, 0}}, {.dir = {0, 0, 1}}};
+    cw_ray in_field[3];
+    cw_rays_to_field(field, axes, 3, in_field);
+    double m[3][3], most_of_row = 0, most_of_column = 0;
+    for (int a = 0; a < 3; a++) {
+        double row = 0, column = 0;
+        for (int b = 0; b < 3; b++) {
+            m[a][b] = (double)in_field[b].dir[a];
+            row += fabs(m[a][b]);
+            column += fabs((double)in_field[a].dir[b]);
+        }
+        most_of_row = fmax(most_of_row, row);
+        most_of_column = fmax(most_of_column, column);
+    }
+    /* A vertical unit of field space is the third column of the inverse: the cross product of the first two rows over
+     * the determinant. A unit of user space is at most sqrt(most_of_row · most_of_column) long in field space. */
+    double square = 0, determinant = 0;
+    for (int c = 0; c < 3; c++) {
+        const int d = (c + 1) % 3, e = (c + 2) % 3;
+        const double up = m[0][d] * m[1][e] - m[0][e] * m[1][d];
+        square += up * up;
+        determinant += up * m[2][c];
+    }
+    return fabs(determinant) / sqrt(square * most_of_row * most_of_column);
+}
+
+static bool own_field(tradeoff_stage *s, cw_field *base, const true_surface *surface, io_error *error) {
+    const tradeoff_mode *mode = s->mode;
+    s->field = base;
+    if (mode->change == NULL) return true;
+    const size_t count = surface->nx * surface->ny;
+    s->z = memory(count, sizeof *s->z);
+    memcpy(s->z, surface->z, count * sizeof *s->z);
+    const tradeoff_claim more = mode->change(s->z, count);
+    s->claim.height += more.height;
+    s->claim.cone += more.cone;
+    const workload_field changed = {.nx = surface->nx, .ny = surface->ny, .z = s->z};
+    const cw_status status = workload_field_open(&changed, CW_COPY, false, &s->own);
+    if (status != CW_OK) return io_fail(error, "the field of mode %s: %s", mode->name, cw_status_message(status));
+    s->field = s->own;
+    return true;
+}
+
+bool tradeoff_stage_open(tradeoff_stage *stage, const tradeoff_mode *mode, cw_field *base, const true_surface *surface,
+                         cw_isa isa, io_error *error) {
+    const double cell = tradeoff_cell_height(base);
+    const tradeoff_claim tolerance = {mode->tolerance.height * cell, mode->tolerance.cone * cell};
+    *stage = (tradeoff_stage){.mode = mode, .tolerance = tolerance, .claim = tolerance};
+    bool good = own_field(stage, base, surface, error);
+    if (good && mode->embree) {
+        const peer_options options = {
+            .isa = isa, .geometry = mode->geometry, .quality = PEER_HIGH, .robust = mode->robust};
+        stage->peer = peer_embree_create(base, &options, error);
+        good = stage->peer != NULL;
+    }
+    if (!good) tradeoff_stage_close(stage);
+    return good;
+}
+
+void tradeoff_stage_close(tradeoff_stage *stage) {
+    peer_embree_destroy(stage->peer);
+    cw_field_destroy(stage->own);
+    free(stage->z);
+    *stage = (tradeoff_stage){0};
+}
+
+cw_status tradeoff_stage_kernel(const tradeoff_stage *stage, const cw_kernel *kernel, contender *c) {
+    const tradeoff_mode *mode = stage->mode;
+    const char *name = cw_kernel_describe(kernel).name;
+    if (!takes(mode, name)) return CW_ERROR_UNSUPPORTED;
+    const cw_status status = contender_from_kernel(c, stage->field, kernel, mode->leaf);
+    if (status != CW_OK) return status;
+    c->query.tolerance = (float)stage->tolerance.height;
+    c->query.cone = (float)stage->tolerance.cone;
+    snprintf(c->name, sizeof c->name, "%s/%s", mode->name, name);
+    return cw_closest(stage->field, &c->query, NULL, 0, NULL);
+}

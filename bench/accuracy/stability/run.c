@@ -1,0 +1,250 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "accuracy/stability/run.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+void counts_add(counts *a, const counts *b) {
+    a->rays += b->rays;
+    a->hits += b->hits;
+    a->pass += b->pass;
+    a->leaks += b->leaks;
+    a->phantoms += b->phantoms;
+    a->doubts += b->doubts;
+    a->other += b->other;
+    a->residual = fmax(a->residual, b->residual);
+    a->apart = fmax(a->apart, b->apart);
+    a->sampled += b->sampled;
+    for (int v = 0; v < VERDICTS; v++) a->verdict[v] += b->verdict[v];
+    a->t_error = fmax(a->t_error, b->t_error);
+    for (int k = 0; k < ULP_BINS; k++) a->ulp[k] += b->ulp[k];
+    a->unfounded += b->unfounded;
+}
+
+/* ---- contenders -------------------------------------------------------------------------------------------------- */
+
+static bool is_slow(const char *kernel) { return strncmp(kernel, "grid3d", 6) == 0; }
+
+static bool add_kernels(stability *s, size_t f, const stability_shares *shares, unsigned *n) {
+    const cw_kernel *best = cw_query_kernel(NULL, NULL);
+    for (int leaf = CW_LEAF_WATERTIGHT; leaf >= CW_LEAF_MOLLER_TRUMBORE; leaf--)
+        for (size_t k = cw_kernel_count(); k-- > 0;) { /* the default first */
+            const cw_kernel *kernel = cw_kernel_at(k);
+            const cw_kernel_info info = cw_kernel_describe(kernel);
+            const bool watertight = leaf == CW_LEAF_WATERTIGHT;
+            /* Brute force tests each triangle as grid3d does, and takes thousands of times as long on these fields. */
+            if (!info.available || strcmp(info.name, "brute") == 0) continue;
+            if (watertight && info.default_leaf != CW_LEAF_WATERTIGHT) continue;
+            /* Kernels with the cell walk differ in no bit (lanes.c): one of them speaks for Möller-Trumbore. */
+            if (!watertight && kernel != best && !is_slow(info.name)) continue;
+            tested *t = &s->tested[f][*n];
+            t->role = !watertight ? ROLE_OTHER_RULES : kernel == best ? ROLE_REFERENCE : ROLE_SAME_BITS;
+            t->rays = is_slow(info.name) ? SLOW_RAYS : BATCH_RAYS;
+            t->every = kernel == best && watertight ? 1 : is_slow(info.name) ? shares->slow : shares->others;
+            t->turn = (unsigned)k;
+            if (contender_from_kernel(&t->contender, s->field[f].field, kernel, (cw_leaf)leaf) != CW_OK) return false;
+            (*n)++;
+        }
+    return s->tested[f][0].role == ROLE_REFERENCE;
+}
+
+static bool add_peers(stability *s, size_t f, const stability_shares *shares, unsigned *n, io_error *error) {
+    for (int robust = 0; robust < 2; robust++) {
+        const peer_options o = {.isa = cw_isa_best(), .quality = PEER_HIGH, .robust = robust};
+        s->peers[f][robust] = peer_embree_create(s->field[f].field, &o, error);
+        if (s->peers[f][robust] == NULL) return false;
+        for (unsigned width = 1; width <= 8; width += 7) {
+            tested *t = &s->tested[f][(*n)++];
+            contender_from_peer(&t->contender, s->peers[f][robust], width, false, robust ? "embree-robust" : "embree");
+            t->role = ROLE_OTHER_RULES;
+            t->every = shares->peers;
+            t->turn = 2 * (unsigned)robust + width / 8;
+            t->rays = BATCH_RAYS;
+        }
+    }
+    return true;
+}
+
+static bool make_field(stability_field *f, size_t number) {
+    workload_field *samples = &f->samples;
+    if (!workload_field_make(workload_aimed_name(number), samples) ||
+        workload_field_open(samples, CW_BORROW, false, &f->field) != CW_OK)
+        return false;
+    f->aimed = aimed_field_of(f->field);
+    f->oracle = oracle_create(samples->z, samples->nx, samples->ny);
+    return f->oracle != NULL;
+}
+
+bool stability_make(stability *s, stability_shares shares, unsigned sample, io_error *error) {
+    *s = (stability){.sample = sample};
+    for (size_t f = 0; f < AIMED_FIELDS; f++) {
+        unsigned n = 0;
+        if (!make_field(&s->field[f], f)) return io_fail(error, "out of memory");
+        if (!add_kernels(s, f, &shares, &n)) return io_fail(error, "a kernel could not be prepared");
+        if (shares.peers && !add_peers(s, f, &shares, &n, error)) return false;
+        s->contenders = n;
+    }
+    return true;
+}
+
+void stability_free(stability *s) {
+    for (size_t f = 0; f < AIMED_FIELDS; f++) {
+        for (int robust = 0; robust < 2; robust++) peer_embree_destroy(s->peers[f][robust]);
+        cw_field_destroy(s->field[f].field);
+        oracle_destroy(s->field[f].oracle);
+        workload_field_free(&s->field[f].samples);
+    }
+}
+
+/* ---- a batch ----------------------------------------------------------------------------------------------------- */
+
+/* Aimed rays of which the exact oracle's bounds say, without tracing anything, that they pass: so a miss is a leak. */
+typedef struct proven_ray {
+    cw_ray ray;
+    bool passes; /* a miss is a leak; else nothing is known about misses */
+} proven_ray;
+
+static bool passes(oracle *o, const aimed_ray *a) {
+    const oracle_triangle over = {a->over.i, a->over.j, a->over.triangle}, *t = a->over.i < 0 ? NULL : &over;
+    return oracle_ray(o, &a->ray) && oracle_clear(o, a->from, a->side, t) && oracle_clear(o, a->to, -a->side, t);
+}
+
+static proven_ray make_ray(aim kind, const stability_field *f, random_state *r) {
+    proven_ray p = {.passes = false};
+    /* Rounding may spoil one; many of those that graze cannot be proved. */
+    for (int tries = kind == AIM_GRAZING ? 1 : 8; tries > 0 && !p.passes; tries--) {
+        const aimed_ray a = aimed_ray_make(kind, &f->aimed, r);
+        p = (proven_ray){a.ray, passes(f->oracle, &a)};
+    }
+    return p;
+}
+
+typedef struct batch {
+    stability *s;
+    const stability_field *field;
+    aim kind;
+    uint64_t number;
+    proven_ray proven[BATCH_RAYS];
+    cw_ray rays[BATCH_RAYS];
+    cw_hit reference[BATCH_RAYS], hits[BATCH_RAYS];
+} batch;
+
+static void explain(batch *b, const tested *t, size_t k, const cw_hit *hit, const char *what) {
+    if (!b->s->explain || b->s->explained++ >= 8) return;
+    printf("%s: %s, field %s, class %s, batch %llu, ray %zu\n", t->contender.name, what, b->field->samples.name,
+           aim_name(b->kind), (unsigned long long)b->number, k);
+    const cw_ray *r = &b->rays[k];
+    printf("ray org {%a, %a, %a} dir {%a, %a, %a} t [%a, %a]\n", (double)r->org[0], (double)r->org[1],
+           (double)r->org[2], (double)r->dir[0], (double)r->dir[1], (double)r->dir[2], (double)r->tmin,
+           (double)r->tmax);
+    printf("hit t %a u %a v %a cell (%d, %d) triangle %u\n", (double)hit->t, (double)hit->u, (double)hit->v,
+           (int)hit->i, (int)hit->j, (unsigned)hit->triangle);
+}
+
+/* What needs no oracle: leaks of rays known to pass, and phantoms. */
+static void check_all(batch *b, const tested *t, const cw_hit *hits, counts *c) {
+    oracle *o = b->field->oracle;
+    for (size_t k = 0; k < t->rays; k++) {
+        const bool pass = b->proven[k].passes;
+        c->pass += pass;
+        if (hits[k].i < 0) {
+            if (!pass) continue;
+            c->leaks++;
+            if (t->role == ROLE_REFERENCE) explain(b, t, k, &hits[k], "leak");
+            continue;
+        }
+        c->hits++;
+        oracle_ray(o, &b->rays[k]);
+        const hit_check check = oracle_check(o, &hits[k]);
+        c->doubts += check.in_doubt;
+        if (check.holds) {
+            c->residual = fmax(c->residual, check.residual);
+            c->apart = fmax(c->apart, check.apart / check.apart_most);
+            continue;
+        }
+        c->phantoms++;
+        if (t->role == ROLE_REFERENCE) explain(b, t, k, &hits[k], "phantom");
+    }
+}
+
+static void count_ulp(counts *c, double error, double t) {
+    const double ulp = fmax(ldexp(1, ilogb(t == 0 ? 0x1p-126 : t) - 23), 0x1p-149);
+    int bin = 0;
+    while (bin < ULP_BINS - 1 && error > ldexp(ulp, bin - 1)) bin++;
+    c->ulp[bin]++;
+}
+
+/* One ray in so many, in full. */
+static void judge_sample(batch *b, const tested *t, const cw_hit *hits, counts *c) {
+    oracle *o = b->field->oracle;
+    for (size_t k = (size_t)(b->number % b->s->sample); k < t->rays; k += b->s->sample) {
+        const oracle_truth *truth = oracle_trace(o, &b->rays[k]);
+        const judgement j = oracle_judge(o, &hits[k]);
+        c->sampled++;
+        c->verdict[j.verdict]++;
+        c->unfounded += b->proven[k].passes && !truth->passes;
+        if (j.verdict > VERDICT_TIE && t->role == ROLE_REFERENCE) explain(b, t, k, &hits[k], verdict_name(j.verdict));
+        if (j.verdict != VERDICT_RIGHT || hits[k].i < 0) continue;
+        count_ulp(c, j.t_error, truth->t);
+        if (isfinite(j.t_bound) && j.t_error > 0) c->t_error = fmax(c->t_error, j.t_error / j.t_bound);
+    }
+}
+
+/* Closest hits, and any hit, against the reference's closest hits. */
+static void compare(batch *b, const tested *t, const cw_hit *hits, counts *c) {
+    static _Thread_local uint8_t occluded[BATCH_RAYS];
+    t->contender.any(&t->contender, b->rays, t->rays, occluded);
+    for (size_t k = 0; k < t->rays; k++) {
+        const bool same =
+            memcmp(&hits[k], &b->reference[k], sizeof hits[k]) == 0 && occluded[k] == (b->reference[k].i >= 0);
+        if (same) continue;
+        c->other++;
+        explain(b, t, k, &hits[k], "not the reference's answer");
+    }
+}
+
+void stability_batch(stability *s, uint64_t number) {
+    static _Thread_local batch b;
+    b.s = s;
+    b.number = number;
+    b.kind = (aim)(number % AIM_COUNT);
+    const size_t f = number / AIM_COUNT % AIMED_FIELDS;
+    const uint64_t round = number / ROUND_BATCHES;
+    b.field = &s->field[f];
+    random_state r = {number * 0x9e3779b97f4a7c15u};
+    r.state = random_bits(&r); /* so that neighbours do not share numbers */
+    for (size_t k = 0; k < BATCH_RAYS; k++) {
+        b.proven[k] = make_ray(b.kind, b.field, &r);
+        b.rays[k] = b.proven[k].ray;
+    }
+    for (unsigned n = 0; n < s->contenders; n++) {
+        const tested *t = &s->tested[f][n];
+        if (round % t->every != t->turn % t->every) continue;
+        counts *c = &s->count[n][b.kind];
+        cw_hit *hits = t->role == ROLE_REFERENCE ? b.reference : b.hits;
+        t->contender.closest(&t->contender, b.rays, t->rays, hits);
+        c->rays += t->rays;
+        if (t->role != ROLE_OTHER_RULES) compare(&b, t, hits, c);
+        if (t->role == ROLE_SAME_BITS) {
+            for (size_t k = 0; k < t->rays; k++) c->hits += hits[k].i >= 0;
+            continue;
+        }
+        check_all(&b, t, hits, c);
+        judge_sample(&b, t, hits, c);
+    }
+    s->batches++;
+}
+
+uint64_t stability_faults(const stability *s) {
+    uint64_t faults = 0;
+    for (unsigned n = 0; n < s->contenders; n++)
+        for (int kind = 0; kind < AIM_COUNT; kind++) {
+            const counts *c = &s->count[n][kind];
+            faults += c->other + c->unfounded;
+            if (s->tested[0][n].role == ROLE_REFERENCE)
+                faults += c->leaks + c->phantoms + c->verdict[VERDICT_LEAK] + c->verdict[VERDICT_PHANTOM] +
+                          c->verdict[VERDICT_WRONG_SURFACE] + (c->t_error > 1);
+        }
+    return faults;
+}

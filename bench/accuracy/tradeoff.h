@@ -1,0 +1,179 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* cellwalk-bench tradeoff: speed against error, for every mode of accuracy, leaf test, walk and width, and for Embree. What
+ * is printed is made from the JSON lines that are saved. */
+#ifndef CELLWALK_BENCH_ACCURACY_TRADEOFF_H
+#define CELLWALK_BENCH_ACCURACY_TRADEOFF_H
+
+#include "accuracy/judge.h"
+#include "harness/interleave.h"
+#include "harness/run.h"
+#include "peers/contender.h"
+#include "peers/embree.h"
+#include "workload/fields.h"
+#include "workload/ray_classes.h"
+
+#include <jansson.h>
+
+enum { TRADEOFF_MODES_MAX = 32, TRADEOFF_ROWS_MAX = 192 };
+
+typedef struct tradeoff_options {
+    run_options run;
+    option_list modes, kernels, rays, fields, scenes; /* numbers: of modes, kernels, classes, fields, scenes */
+    const char *scene_folder, *out;
+    unsigned count, samples;
+    double seconds, pass;
+    bool longer;
+} tradeoff_options;
+
+/* ---- modes.c: what is measured ---- */
+
+/* A new mode is a new row. Whatever it leaves out stays as it is: the strict query on the field's own samples. */
+typedef struct tradeoff_mode {
+    const char *name; /* "strict"; a contender is called NAME/KERNEL, or NAME/wWIDTH with Embree */
+    const char *what; /* one line for a person */
+    cw_leaf leaf;
+    const char *only;         /* the one kernel that has this mode; NULL: all, but those that others name here */
+    const char *family;       /* or only kernels whose names begin so; NULL: all */
+    tradeoff_claim tolerance; /* of the query, which is also what it may cost: in units of tradeoff_cell_height */
+    tradeoff_claim (*change)(float *z, size_t count); /* changes the samples of the mode's own field, and says by how
+                                                       * much at most */
+    bool longer;                                      /* only with --long, or if asked for by name */
+    bool embree, robust;                              /* Embree instead of a kernel */
+    peer_geometry geometry;
+} tradeoff_mode;
+
+/* NULL from the count on. */
+const tradeoff_mode *tradeoff_mode_at(size_t number);
+
+/* How much of the field's height is as long in user space as a cell's side, where a unit of field space is shortest. */
+double tradeoff_cell_height(const cw_field *field);
+
+/* A mode on one field, with all that it needs. */
+typedef struct tradeoff_stage {
+    const tradeoff_mode *mode;
+    cw_field *field; /* the given one, or: */
+    cw_field *own;   /* made from: */
+    float *z;
+    tradeoff_claim tolerance, claim;
+    peer_embree *peer;
+} tradeoff_stage;
+
+/* base has the samples of surface; both must stay until the stage is closed. isa is the widest that Embree may use. On failure the stage needs no closing. */
+bool tradeoff_stage_open(tradeoff_stage *stage, const tradeoff_mode *mode, cw_field *base, const true_surface *surface,
+                         cw_isa isa, io_error *error);
+void tradeoff_stage_close(tradeoff_stage *stage);
+
+/* The mode's contender with a kernel, named as above. CW_ERROR_UNAVAILABLE or CW_ERROR_UNSUPPORTED where there is none. */
+cw_status tradeoff_stage_kernel(const tradeoff_stage *stage, const cw_kernel *kernel, contender *c);
+
+/* Rounds samples to 2^16 levels from the lowest to the highest; holes stay. The claim is half a step and the rounding of
+ * the result to float. */
+tradeoff_claim tradeoff_quantise(float *z, size_t count);
+
+/* ---- errors.c ---- */
+
+/* Errors of t in ULP and in cells, heights off the surface, angles of normals. */
+enum { TRADEOFF_ERROR_KINDS = 4 };
+
+/* What is to be told of a mode's answers. */
+typedef struct tradeoff_errors {
+    size_t rays, hits;
+    /* Held against the true surface: what only the mode's claim explains does not count as a tie here, but as what it is. */
+    size_t verdicts[TRADEOFF_VERDICT_COUNT];
+    size_t broken; /* of them, what the claim does not explain */
+    /* Of the right hits; none where only "any hit" was asked. */
+    size_t right_hits;
+    double median[TRADEOFF_ERROR_KINDS], worst[TRADEOFF_ERROR_KINDS];
+} tradeoff_errors;
+
+/* The reference's answers to n rays, made once; degrees are measured with the Phong normals of field, which has the
+ * surface's samples. */
+typedef struct tradeoff_truth {
+    const true_surface *surface;
+    const cw_field *field;
+    const cw_ray *rays;
+    size_t n;
+    cw_hit *hits;       /* the strict answer */
+    exact_hit *exact;   /* where hits[k] is one */
+    double *scratch[4]; /* n numbers each */
+} tradeoff_truth;
+
+/* field must have been built for the kernel cell. To be freed in any case. */
+cw_status tradeoff_truth_make(tradeoff_truth *truth, const true_surface *surface, const cw_field *field,
+                              const cw_ray *rays, size_t n);
+void tradeoff_truth_free(tradeoff_truth *truth);
+
+/* Of answers to every (2^thin)-th run of 16 rays, as tradeoff_thin picks them: of hits, or where these are NULL of occluded.
+ * field: whose normals the answer has. */
+tradeoff_errors tradeoff_errors_of(const tradeoff_truth *truth, unsigned thin, const tradeoff_claim *claim,
+                                   const cw_field *field, contender_answers answers);
+
+/* Between two unit vectors; from their difference, since the cosine of a small angle is 1. */
+double tradeoff_degrees(const double a[3], const double b[3]);
+
+/* The number in the whole set of ray m of a thinned one. Runs of 16 stay together, so that packets do. */
+size_t tradeoff_thinned_at(size_t m, unsigned thin);
+/* Copies the rays of those runs and returns how many they are; out may be NULL. */
+size_t tradeoff_thin(const cw_ray *rays, size_t n, unsigned thin, cw_ray *out);
+
+/* ---- group.c ---- */
+
+/* A field with its modes. */
+typedef struct tradeoff_field {
+    workload_field samples;
+    true_surface surface;
+    cw_field *field;
+    tradeoff_stage stages[TRADEOFF_MODES_MAX];
+    size_t stage_count;
+} tradeoff_field;
+
+bool tradeoff_field_open(tradeoff_field *on, const char *name, const tradeoff_options *options, io_error *error);
+void tradeoff_field_close(tradeoff_field *on);
+
+/* One class of rays on one field: appends a line of kind "result" a contender. */
+bool tradeoff_group_run(const tradeoff_field *on, workload_class c, const tradeoff_options *options, double seconds,
+                        json_t *lines, io_error *error);
+
+/* True if the mode is to be measured. */
+bool tradeoff_mode_wanted(size_t number, const tradeoff_options *options);
+
+/* ---- scenes.c ---- */
+
+/* What the modes do to a scene's picture: appends a line of kind "picture" a mode. */
+bool tradeoff_scene_run(const char *name, const tradeoff_options *options, json_t *lines, io_error *error);
+
+/* ---- normals.c: "barycentric Phong beats bilinear" ---- */
+
+/* Normals interpolated between the vertices of the triangle hit, and between the four of its cell, held against those of a
+ * smooth surface that is known by its formula. */
+typedef enum tradeoff_normal {
+    TRADEOFF_FACET,       /* the triangle's own */
+    TRADEOFF_BARYCENTRIC, /* what cw_hit_phong_normal does */
+    TRADEOFF_BILINEAR,    /* of the cell's four vertex normals */
+    TRADEOFF_NORMAL_COUNT
+} tradeoff_normal;
+
+/* Unit normal at a hit, in field space, of samples without holes. The vertex normals are those of cw_hit_phong_normal;
+ * hits in the cells at the field's border are not to be asked for. */
+void tradeoff_normal_at(const true_surface *surface, const cw_hit *hit, tradeoff_normal kind, double normal[3]);
+
+/* Appends a line of kind "normal" for each of several waves, from steep and short to flat and long. */
+void tradeoff_normals_run(uint32_t seed, json_t *lines);
+
+/* ---- print.c ---- */
+
+/* One contender over all groups (a field and a class of rays) in which it ran. */
+typedef struct tradeoff_sums {
+    const char *name;
+    size_t groups;
+    double speed;         /* geometric mean, millions of rays a second */
+    double rates[3];      /* leaks, wrong and phantoms in a million rays: means over the classes that are not aimed */
+    double aimed, beyond; /* all of these over the classes that are; what the claim does not explain, over all */
+    double off;           /* worst height off the surface */
+} tradeoff_sums;
+tradeoff_sums tradeoff_sums_of(const json_t *lines, const char *name);
+
+/* A line a contender, fastest first. */
+void tradeoff_print(const json_t *lines);
+
+#endif

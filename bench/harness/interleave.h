@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Timing jobs against each other: in rounds, each round in another random order, so that whatever the machine does
+ * meanwhile (clock, neighbours, temperature) falls on all alike. */
+#ifndef CELLWALK_BENCH_HARNESS_INTERLEAVE_H
+#define CELLWALK_BENCH_HARNESS_INTERLEAVE_H
+
+#include "harness/statistics.h"
+
+#include <stdint.h>
+
+enum { INTERLEAVE_SAMPLES_MAX = 1000 };
+
+typedef struct interleave_limits {
+    double width;       /* stop a job when its median's confidence interval, over the median, is at most this */
+    double seconds;     /* stop all when this time is over, but not before least samples of each */
+    size_t least, most; /* samples a job; most <= INTERLEAVE_SAMPLES_MAX */
+    uint32_t seed;      /* of the order */
+} interleave_limits;
+
+typedef struct interleave_job {
+    void (*run)(void *context);
+    void *context;
+    /* What is timed: CPU time of the process, for a run that uses one thread, or the clock's, for one that may use more. */
+    bool by_clock;
+    /* Results for a run: seconds, and the ticks that the time stamp counter made in that time. */
+    statistics seconds, ticks;
+    double cpu_share; /* CPU time over the clock's time, all runs together: below the number of threads where other
+                       * programs got between */
+    bool converged;
+} interleave_job;
+
+/* Jobs should have run once before, so that caches and pages are warm. A job that takes more
+ * than twice its share of the time in one run is run once, whatever least says. */
+void interleave(interleave_job **jobs, size_t count, const interleave_limits *limits);
+
+#endif

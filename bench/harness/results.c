@@ -1,0 +1,148 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "harness/results.h"
+
+#include "harness/memory.h"
+#include "harness/statistics.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+bool results_write(io_output *out, json_t *line, io_error *error) {
+    bool good = true;
+    if (out->file) {
+        char *text = json_dumps(line, JSON_COMPACT | JSON_PRESERVE_ORDER);
+        if (text == NULL) memory_end();
+        good = io_output_write(out, text, strlen(text), error) && io_output_write(out, "\n", 1, error);
+        free(text);
+    }
+    json_decref(line);
+    return good;
+}
+
+void results_append(json_t *lines, json_t *line) {
+    if (json_array_append_new(lines, line) != 0) memory_end();
+}
+
+bool results_write_all(io_output *out, const json_t *lines, io_error *error) {
+    size_t index;
+    json_t *line;
+    json_array_foreach((json_t *)lines, index, line) {
+        if (!results_write(out, json_incref(line), error)) return false;
+    }
+    return true;
+}
+
+json_t *results_read(const char *path, io_error *error) {
+    json_t *lines = json_array();
+    FILE *file = fopen(path, "r");
+    bool good = file || io_fail(error, "%s: %s", path, strerror(errno));
+    char *text = NULL;
+    size_t size = 0, number = 0;
+    for (ssize_t length; good && (length = getline(&text, &size, file)) > 0;) {
+        json_error_t detail;
+        json_t *line = json_loadb(text, (size_t)length, JSON_REJECT_DUPLICATES, &detail);
+        number++;
+        if (line == NULL)
+            good = io_fail(error, "%s:%zu: not a line of JSON: %s", path, number, detail.text);
+        else if (!json_is_object(line))
+            good = io_fail(error, "%s:%zu: not a JSON object", path, number);
+        results_append(lines, line ? line : json_null());
+    }
+    if (good && ferror(file)) good = io_fail(error, "%s: %s", path, strerror(errno));
+    if (good && !results_is(json_array_get(lines, 0), "run"))
+        good = io_fail(error, "%s:1: no results of cellwalk-bench: they start with an object of kind \"run\"", path);
+    free(text);
+    if (file) fclose(file);
+    if (good) return lines;
+    json_decref(lines);
+    return NULL;
+}
+
+void results_set_text(json_t *object, const char *key, const char *text) {
+    json_object_set_new(object, key, text ? json_string(text) : json_null());
+}
+
+void results_set_number(json_t *object, const char *key, double value) {
+    json_object_set_new(object, key, json_real(value));
+}
+
+void results_set_count(json_t *object, const char *key, size_t value) {
+    json_object_set_new(object, key, json_integer((json_int_t)value));
+}
+
+void results_set_bool(json_t *object, const char *key, bool value) {
+    json_object_set_new(object, key, json_boolean(value));
+}
+
+/* The next of the names in keys; false if there is none. */
+static bool next_key(const char **keys, char key[64]) {
+    const size_t length = strcspn(*keys, " ");
+    snprintf(key, 64, "%.*s", (int)length, *keys);
+    *keys += length + strspn(*keys + length, " ");
+    return length > 0;
+}
+
+void results_set_texts(json_t *object, const char *keys, const char *const *texts) {
+    char key[64];
+    while (next_key(&keys, key)) results_set_text(object, key, *texts++);
+}
+
+void results_set_numbers(json_t *object, const char *keys, const double *values) {
+    char key[64];
+    while (next_key(&keys, key)) results_set_number(object, key, *values++);
+}
+
+void results_set_counts(json_t *object, const char *keys, const size_t *values) {
+    char key[64];
+    while (next_key(&keys, key)) results_set_count(object, key, *values++);
+}
+
+void results_set_seconds(json_t *object, const statistics *s) {
+    results_set_count(object, "samples", s->n);
+    results_set_numbers(object, "seconds_min seconds_median seconds_mad seconds_low seconds_high",
+                        (double[]){s->min, s->median, s->mad, s->low, s->high});
+    results_set_bool(object, "interval_sure", s->sure);
+}
+
+json_t *results_agreement(const agreement *a) {
+    json_t *object = json_object(), *why = json_object();
+    for (int r = 0; r < AGREE_REASON_COUNT; r++) results_set_count(why, agree_reason_name((agree_reason)r), a->why[r]);
+    results_set_counts(
+        object, "rays hits_reference hits only_reference only_this far other_triangle same_bits",
+        (size_t[]){a->rays, a->hits_a, a->hits_b, a->only_a, a->only_b, a->far, a->other_triangle, a->same_bits});
+    results_set_number(object, "worst_roundings", a->worst);
+    json_object_set_new(object, "why", why);
+    return object;
+}
+
+const char *results_text(const json_t *object, const char *key) {
+    const char *text = json_string_value(json_object_get(object, key));
+    return text ? text : "";
+}
+
+double results_number(const json_t *object, const char *key) { return json_number_value(json_object_get(object, key)); }
+
+bool results_is(const json_t *line, const char *kind) { return strcmp(results_text(line, "kind"), kind) == 0; }
+
+const json_t *results_first(const json_t *lines, const char *kind) {
+    size_t k = 0;
+    while (k < json_array_size(lines) && !results_is(json_array_get(lines, k), kind)) k++;
+    return json_array_get(lines, k);
+}
+
+size_t results_distinct(const json_t *lines, const char *key, const char **texts, size_t most) {
+    size_t count = 0, index;
+    const json_t *line;
+    json_array_foreach(lines, index, line) {
+        const char *text = results_text(line, key);
+        size_t k = 0;
+        while (k < count && strcmp(texts[k], text) != 0) k++;
+        if (results_is(line, "result") && *text != '\0' && k == count && count < most) texts[count++] = text;
+    }
+    return count;
+}
+
+bool results_same(const json_t *a, const json_t *b, const char *key) {
+    return strcmp(results_text(a, key), results_text(b, key)) == 0;
+}

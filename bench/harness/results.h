@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Results as JSON lines: one object a line, the first of kind "run" (run.h). Written and read back here. */
+#ifndef CELLWALK_BENCH_HARNESS_RESULTS_H
+#define CELLWALK_BENCH_HARNESS_RESULTS_H
+
+#include "error.h"
+#include "harness/agree.h"
+#include "output.h"
+
+#include <jansson.h>
+
+/* Appends a line and takes over the reference to it; only that if out is not open. */
+bool results_write(io_output *out, json_t *line, io_error *error);
+
+/* Appends a line to the array, for which memory is taken; line may be NULL. */
+void results_append(json_t *lines, json_t *line);
+
+/* Writes all lines of the array, to which the references stay the caller's. */
+bool results_write_all(io_output *out, const json_t *lines, io_error *error);
+
+/* The lines as an array, which the caller decrefs. NULL with file and line in error; the first line is of kind "run". */
+json_t *results_read(const char *path, io_error *error);
+
+/* Add a member. */
+void results_set_text(json_t *object, const char *key, const char *text);
+void results_set_number(json_t *object, const char *key, double value);
+void results_set_count(json_t *object, const char *key, size_t value);
+void results_set_bool(json_t *object, const char *key, bool value);
+/* Add several, whose names stand in keys with a space between. */
+void results_set_texts(json_t *object, const char *keys, const char *const *texts);
+void results_set_numbers(json_t *object, const char *keys, const double *values);
+void results_set_counts(json_t *object, const char *keys, const size_t *values);
+
+/* Members samples, seconds_min, _median, _mad, _low, _high, and interval_sure. */
+struct statistics; /* statistics.h */
+void results_set_seconds(json_t *object, const struct statistics *seconds);
+
+/* agree.h as an object. */
+json_t *results_agreement(const agreement *a);
+
+/* Members of an object; "" and 0 where there is none. */
+const char *results_text(const json_t *object, const char *key);
+double results_number(const json_t *object, const char *key);
+
+/* True if the line is of that kind. */
+bool results_is(const json_t *line, const char *kind);
+/* The first such line; NULL if there is none. */
+const json_t *results_first(const json_t *lines, const char *kind);
+/* The texts that a member has in lines of kind "result", in order of first appearance; at most most of them. */
+size_t results_distinct(const json_t *lines, const char *key, const char **texts, size_t most);
+/* True if a member is the same text in both. */
+bool results_same(const json_t *a, const json_t *b, const char *key);
+
+#endif

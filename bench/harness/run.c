@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "harness/run.h"
+
+#include "build_info.h"
+#include "clock.h"
+#include "command.h"
+#include "commit.h"
+#include "cpus.h"
+#include "harness/results.h"
+#include "peers/embree.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+/* ---- options ---- */
+
+bool run_options_check(run_options *run, const char *name) {
+    const cw_isa best = cw_isa_best();
+    if (run->isa < 0) run->isa = (int)best;
+    if (run->isa > (int)best) {
+        command_fail(name, "--isa %s: this machine, or CELLWALK_ISA, allows no more than %s",
+                     cw_isa_name((cw_isa)run->isa), cw_isa_name(best));
+        return false;
+    }
+    cw_isa_limit((cw_isa)run->isa);
+    return true;
+}
+
+bool run_options_pin(const run_options *run, int *cpu, io_error *error) {
+    cpu_set_t set;
+    *cpu = run->cpu == UINT_MAX ? sched_getcpu() : (int)run->cpu;
+    CPU_ZERO(&set);
+    if (*cpu >= 0 && *cpu < CPU_SETSIZE) CPU_SET((size_t)*cpu, &set);
+    if (run->no_pin) *cpu = -1;
+    return run->no_pin || sched_setaffinity(0, sizeof set, &set) == 0 ||
+           io_fail(error, "--cpu %d: the system does not allow this process there", *cpu);
+}
+
+/* ---- record ---- */
+
+/* The value of the first line of a /proc file that starts with key; "unknown" if there is none. */
+static void proc_value(const char *path, const char *key, char *value, size_t size) {
+    snprintf(value, size, "unknown");
+    FILE *file = fopen(path, "r");
+    if (file == NULL) return;
+    char line[512];
+    while (fgets(line, sizeof line, file)) {
+        const char *colon = strchr(line, ':');
+        if (strncmp(line, key, strlen(key)) != 0 || colon == NULL) continue;
+        colon += 1 + strspn(colon + 1, " \t");
+        snprintf(value, size, "%.*s", (int)strcspn(colon, "\n"), colon);
+        break;
+    }
+    fclose(file);
+}
+
+bool run_memory_has(double bytes, const char *what, const char *field) {
+    char kibibytes[64];
+    proc_value("/proc/meminfo", "MemAvailable", kibibytes, sizeof kibibytes);
+    const double available = strtod(kibibytes, NULL) * 1024;
+    if (available <= 0 || bytes < available) return true;
+    printf("%s is left out on field %s: it would take about %.1f GB, and %.1f GB are available\n", what, field,
+           bytes * 1e-9, available * 1e-9);
+    return false;
+}
+
+static char arguments_text[4096];
+static unsigned cpus; /* before a measurement stays on one of them */
+
+void run_record_begin(char **arguments, int count) {
+    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_=+,./:@%";
+    size_t used = 0;
+    cpus = cpus_usable();
+    arguments_text[0] = '\0';
+    /* Words that a shell would take apart are quoted. */
+    for (int k = 0; k < count && used < sizeof arguments_text; k++) {
+        const char *quote = *arguments[k] && arguments[k][strspn(arguments[k], plain)] == '\0' ? "" : "'";
+        used += (size_t)snprintf(arguments_text + used, sizeof arguments_text - used, "%s%s%s%s", k ? " " : "", quote,
+                                 arguments[k], quote);
+    }
+}
+
+/* Ticks of the time stamp counter a second, measured against the clock for 20 ms; 0 where there is no counter. */
+static double tick_rate(void) {
+    const double start = clock_seconds();
+    const uint64_t first = clock_ticks();
+    double now = start;
+    while (now < start + 0.02) now = clock_seconds();
+    return (double)(clock_ticks() - first) / (now - start);
+}
+
+json_t *run_record(const char *name, uint32_t seed, int cpu) {
+    char model[256], cache[64], date[32];
+    if (cpus == 0) cpus = cpus_usable();
+    proc_value("/proc/cpuinfo", "model name", model, sizeof model);
+    proc_value("/proc/cpuinfo", "cache size", cache, sizeof cache);
+    double load = -1;
+    if (getloadavg(&load, 1) != 1) load = -1;
+    const time_t now = time(NULL);
+    struct tm utc;
+    strftime(date, sizeof date, "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&now, &utc));
+    json_t *record = json_object();
+    results_set_texts(record, "kind command arguments cellwalk cpu cache",
+                      (const char *[]){"run", name, arguments_text, CW_VERSION, model, cache});
+    results_set_count(record, "cpus", cpus);
+    results_set_texts(record, "isa compiler build_type flags commit embree",
+                      (const char *[]){cw_isa_name(cw_isa_best()), BUILD_INFO_COMPILER, BUILD_INFO_TYPE,
+                                       BUILD_INFO_FLAGS, BUILD_INFO_COMMIT, peer_embree_version()});
+    if (peer_embree_version()) results_set_bool(record, "embree_assertions", peer_embree_has_assertions());
+    results_set_count(record, "seed", seed);
+    json_object_set_new(record, "pinned_to_cpu", json_integer(cpu));
+    results_set_numbers(record, "load tsc_hz", (double[]){load, tick_rate()});
+    results_set_text(record, "date", date);
+    return record;
+}
+
+void run_record_text(const json_t *record, char *text, size_t size) {
+    const char *threads = results_text(record, "threads"), *embree = results_text(record, "embree");
+    snprintf(text, size, "%s, %s, %s, %s, commit %s, Embree %s%s, %s%s, seed %.0f, load %.2f, %s",
+             results_text(record, "cpu"), results_text(record, "isa"), results_text(record, "compiler"),
+             results_text(record, "build_type"), results_text(record, "commit"), *embree ? embree : "none",
+             json_is_true(json_object_get(record, "embree_assertions")) ? " (compiled with assertions)" : "",
+             *threads ? threads : "one", *threads ? " threads" : " thread", results_number(record, "seed"),
+             results_number(record, "load"), results_text(record, "date"));
+}

@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What every subcommand that measures has in common: the options which instruction sets, which CPU and which seed, and the record
+ * of what a figure depends on besides the code, which is the first line of every JSON file and the last of every printed table. */
+#ifndef CELLWALK_BENCH_HARNESS_RUN_H
+#define CELLWALK_BENCH_HARNESS_RUN_H
+
+#include "error.h"
+#include "options.h"
+
+#include <jansson.h>
+#include <limits.h>
+#include <stdint.h>
+
+/* ---- options ---- */
+
+typedef struct run_options {
+    unsigned seed;
+    int isa;      /* a cw_isa; below 0 the best that may be used here, until run_options_check */
+    unsigned cpu; /* UINT_MAX: the one that the program is on */
+    bool no_pin;
+} run_options;
+
+/* The defaults, and the rows of a subcommand's table that change them. */
+/* clang-format off */
+#define RUN_DEFAULTS {.seed = 1, .isa = -1, .cpu = UINT_MAX}
+#define RUN_OPTIONS(run) \
+    {"isa", "NAME", "the highest instruction set to use, by Embree as well; by default the best here", OPTION_NAME, \
+     .to = &(run).isa, .names = option_isa_names}, \
+    {"seed", "N", "seed of rays and order (1)", OPTION_COUNT, .to = &(run).seed, .high = UINT_MAX}, \
+    {"cpu", "N", "stay on this CPU; by default on the one that the program starts on", OPTION_COUNT, \
+     .to = &(run).cpu, .high = 1023}, \
+    {"no-pin", NULL, "let the system move the program between CPUs", OPTION_FLAG, .to = &(run).no_pin}
+/* clang-format on */
+
+/* Limits the library to the instruction set; false, after a message, if this machine or CELLWALK_ISA does not allow it. */
+bool run_options_check(run_options *run, const char *name);
+
+/* Keeps the program on its CPU: that CPU, or -1 if it is to be free. False if the system does not allow it. */
+bool run_options_pin(const run_options *run, int *cpu, io_error *error);
+
+/* ---- record ---- */
+
+/* Keeps for the record the arguments that the program was started with, its name not among them, as one may type them
+ * after "cellwalk-bench", and how many CPUs it may use. To be called before anything takes the arguments apart or pins the
+ * program to a CPU. */
+void run_record_begin(char **arguments, int count);
+
+/* A JSON object of kind "run". cpu is where the process is pinned to, or -1. */
+json_t *run_record(const char *name, uint32_t seed, int cpu);
+
+/* True if so many bytes may be had without swapping, or the system does not tell; else prints that what is left out on field. */
+bool run_memory_has(double bytes, const char *what, const char *field);
+
+/* One line of it for a person: "AMD EPYC, GCC 12.2.0, avx2, commit 1234567, Embree 3.13.5, one thread, load 0.42". */
+void run_record_text(const json_t *record, char *text, size_t size);
+
+#endif

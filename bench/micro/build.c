@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What building costs each side, in time and memory. */
+
+#include "clock.h"
+#include "micro/micro.h"
+
+enum { BUILDS_MAX = 5 };
+static const double build_seconds_max = 0.5;
+
+/* True if there is to be one more build, when so many have been made since start. */
+static bool again(size_t made, double start) {
+    return made == 0 || (made < BUILDS_MAX && clock_seconds() - start < build_seconds_max);
+}
+
+static bool build_kernel(micro_build *build, const workload_field *samples, const cw_kernel *kernel, io_error *error) {
+    const double start = clock_seconds();
+    double seconds[BUILDS_MAX];
+    *build = (micro_build){.name = cw_kernel_describe(kernel).name};
+    for (; again(build->builds, start); build->builds++) {
+        cw_field *field = NULL;
+        cw_status status = workload_field_open(samples, CW_BORROW, true, &field);
+        const double begin = clock_cpu_seconds();
+        if (status == CW_OK) status = cw_field_build(field, kernel);
+        seconds[build->builds] = clock_cpu_seconds() - begin;
+        if (status == CW_OK) build->bytes = cw_field_describe(field).bytes_built;
+        cw_field_destroy(field);
+        if (status != CW_OK)
+            return io_fail(error, "building for %s on field %s: %s", build->name, samples->name,
+                           cw_status_message(status));
+    }
+    build->seconds = statistics_of(seconds, build->builds).median;
+    return true;
+}
+
+bool micro_build_kernels(micro_field *on, const micro_options *o, io_error *error) {
+    for (size_t k = 0; k < cw_kernel_count() && on->build_count < MICRO_KERNELS_MAX; k++) {
+        const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
+        if (!option_wanted(&o->kernels, k) || !info.needs_build || !info.available) continue;
+        if (!build_kernel(&on->builds[on->build_count], &on->samples, cw_kernel_at(k), error)) return false;
+        on->build_count++;
+    }
+    return true;
+}
+
+bool micro_build_peer(micro_peer *peer, const cw_field *field, const peer_options *options, io_error *error) {
+    const double start = clock_seconds();
+    double seconds[BUILDS_MAX];
+    for (; again(peer->build.builds, start); peer->build.builds++) {
+        peer_embree_destroy(peer->embree);
+        peer->embree = peer_embree_create(field, options, error);
+        if (peer->embree == NULL) return false;
+        seconds[peer->build.builds] = peer_embree_describe(peer->embree).build_cpu_seconds;
+    }
+    peer->build.seconds = statistics_of(seconds, peer->build.builds).median;
+    peer->build.bytes = peer_embree_describe(peer->embree).bytes;
+    peer->build.quality = options->quality == PEER_HIGH ? "high" : "medium";
+    return true;
+}

@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "micro/counters.h"
+
+#include "cellwalk.h"
+#include "command.h"
+#include "harness/child.h"
+
+#include <errno.h>
+#include <string.h>
+
+#define CELLWALK_COUNT /* for the declaration of what the counting objects write to */
+#include "count.h"
+
+count_sum cw_counts[COUNT_KINDS];
+
+static const char *const names[] = {
+    [COUNT_RAY] = "ray",
+    [COUNT_CLIMB] = "climb",
+    [COUNT_FLAT] = "flat",
+    [COUNT_STREAM] = "stream",
+    [COUNT_NODE] = "node",
+    [COUNT_ROUND] = "round",
+    [COUNT_RELOAD] = "reload",
+    [COUNT_REFILL] = "refill",
+    [COUNT_SHARED] = "shared",
+    [COUNT_SHARED_NODE] = "shared_node",
+    [COUNT_SHARED_BLOCK] = "shared_block",
+    [COUNT_SHARED_CELL] = "shared_cell",
+    [COUNT_APART] = "apart",
+    [COUNT_LEAF] = "leaf",
+    [COUNT_VOXEL] = "voxel",
+    [COUNT_TRIANGLE] = "triangle",
+};
+_Static_assert(sizeof names / sizeof names[0] == COUNT_KINDS, "a kind has no name");
+_Static_assert((int)COUNT_KINDS <= (int)COUNTERS_MAX, "COUNTERS_MAX is too small");
+
+size_t counters_count(void) { return COUNT_KINDS; }
+const char *counters_name(size_t number) { return names[number]; }
+
+const counter *counters_find(const counter *all, const char *name) {
+    size_t k = 0;
+    while (strcmp(names[k], name) != 0) k++;
+    return &all[k];
+}
+
+void counters_reset(void) { memset(cw_counts, 0, sizeof cw_counts); }
+
+void counters_read(counter all[COUNTERS_MAX]) {
+    for (size_t k = 0; k < COUNT_KINDS; k++) all[k] = (counter){cw_counts[k].events, cw_counts[k].lanes};
+}
+
+json_t *counters_json(const counter all[COUNTERS_MAX]) {
+    json_t *counts = json_object();
+    for (size_t k = 0; k < COUNT_KINDS; k++)
+        if (all[k].events > 0)
+            json_object_set_new(
+                counts, names[k],
+                json_pack("{s:I, s:I}", "events", (json_int_t)all[k].events, "lanes", (json_int_t)all[k].lanes));
+    return counts;
+}
+
+bool counters_here(void) {
+    static const float flat[4] = {0, 0, 0, 0};
+    cw_field_desc desc = cw_field_desc_default();
+    desc.samples = flat;
+    desc.nx = desc.ny = 2;
+    desc.bare = true;
+    cw_field *field = NULL;
+    if (cw_field_create(&desc, &field) != CW_OK) return false;
+    const cw_query query = {.kernel = cw_kernel_find("cell")};
+    const cw_ray ray = {.org = {0.5f, 0.25f, 1}, .dir = {0, 0, -1}, .tmax = 2};
+    cw_hit hit;
+    const uint64_t before = cw_counts[COUNT_FLAT].events;
+    const bool counted = cw_closest(field, &query, &ray, 1, &hit) == CW_OK && cw_counts[COUNT_FLAT].events > before;
+    cw_field_destroy(field);
+    return counted;
+}
+
+int counters_elsewhere(int argc, char **argv) {
+    bool wanted = false;
+    for (int k = 1; k < argc; k++) wanted = wanted || strcmp(argv[k], "--counters") == 0;
+    if (!wanted || counters_here()) return -1;
+    const int status = child_run_counting(argc, argv);
+    return status >= 0 && status != 127
+               ? status
+               : command_fail(argv[0], "--counters: cellwalk-bench-counting does not start: %s", strerror(errno));
+}

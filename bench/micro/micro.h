@@ -1,0 +1,107 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* cellwalk-bench micro: every kernel × ray class × field. */
+#ifndef CELLWALK_BENCH_MICRO_MICRO_H
+#define CELLWALK_BENCH_MICRO_MICRO_H
+
+#include "harness/agree.h"
+#include "harness/interleave.h"
+#include "harness/run.h"
+#include "micro/counters.h"
+#include "output.h"
+#include "peers/contender.h"
+#include "peers/embree.h"
+#include "workload/fields.h"
+#include "workload/ray_classes.h"
+
+enum { MICRO_CONTENDERS_MAX = 96, PEER_KINDS = 4, MICRO_KERNELS_MAX = 32, MICRO_THREADS_MAX = 16 };
+
+typedef struct micro_options {
+    run_options run;
+    option_list kernels, rays, fields, leaves, peers, threads; /* numbers: of kernels, classes, fields, peers */
+    const char *json;
+    unsigned count;
+    int quality; /* of Embree: 0 high, 1 medium */
+    double seconds, width, pass;
+    bool longer, small_pages;
+    /* Thread counts to run each kernel with, and a pool for each above 1, else NULL. More than one thread is timed by the
+     * clock, and then everything is. */
+    unsigned thread_counts[MICRO_THREADS_MAX];
+    cw_pool *pools[MICRO_THREADS_MAX];
+    bool by_clock;
+    bool counters; /* count what the kernels do instead of timing them */
+} micro_options;
+
+/* What a contender needs built. seconds: CPU time, median of the builds. */
+typedef struct micro_build {
+    const char *name; /* a kernel's, or "embree/triangles" */
+    double seconds;
+    size_t builds, bytes;
+    const char *quality; /* "high" or "medium" for Embree, NULL for kernels */
+} micro_build;
+
+typedef struct micro_peer {
+    micro_build build;
+    peer_embree *embree;
+} micro_peer;
+
+/* A field with all that is measured on it. */
+typedef struct micro_field {
+    workload_field samples;
+    cw_field *field;
+    const char *default_kernel; /* what the library would choose for it */
+    micro_peer peers[PEER_KINDS];
+    size_t peer_count;
+    micro_build builds[MICRO_KERNELS_MAX]; /* of the kernels that need something built */
+    size_t build_count;
+} micro_field;
+
+/* Both build as often as fits half a second, but at most five times and at least once; a lone build of a small field
+ * would time the clock. on->field is there. The kernels build on a field of their own. */
+bool micro_build_kernels(micro_field *on, const micro_options *options, io_error *error);
+bool micro_build_peer(micro_peer *peer, const cw_field *field, const peer_options *options, io_error *error);
+
+/* One contender's figures in a group: one class of rays on one field. */
+typedef struct micro_row {
+    contender contender;
+    double predicted; /* seconds of a pass by the probe, where the contender was left out; else 0 */
+    contender_pass pass;
+    interleave_job job;
+    counter counts[COUNTERS_MAX]; /* of a pass */
+    agreement agreement;
+    double to_embree; /* Embree's best median over this one's: above 1 is faster than Embree; 0 without Embree */
+} micro_row;
+
+typedef struct micro_group {
+    micro_field *on;
+    workload_class c;
+    cw_ray *rays;
+    size_t ray_count;
+    contender reference; /* whose answers all others are held against */
+    micro_row rows[MICRO_CONTENDERS_MAX];
+    size_t row_count;
+    double hit_share;
+} micro_group;
+
+/* Fills group from the options, verifies, and measures or counts. on and c are given, all else is zero; rays are to be freed.
+ * seconds is for all that. */
+bool micro_group_run(micro_group *group, const micro_options *options, double seconds, io_error *error);
+
+/* Human text on standard output; of a group what the kernels counted, or times. */
+void micro_print_field(const micro_field *on);
+void micro_print_group(const micro_group *group, bool counted);
+
+/* JSON lines; does nothing if out->file is NULL. */
+bool micro_write_field(io_output *out, const micro_field *on, io_error *error);
+bool micro_write_group(io_output *out, const micro_group *group, bool counted, io_error *error);
+
+/* ---- compare.c ---- */
+
+/* How many comparisons came out which way. */
+typedef struct compare_counts {
+    size_t faster, slower, undecided, unmatched;
+} compare_counts;
+
+/* Prints a line for each result that both files have. margin: see statistics_ratio. */
+bool compare_files(const char *path_a, const char *path_b, double margin, compare_counts *counts, io_error *error);
+
+#endif

@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "peers/contender.h"
+
+#include <stdio.h>
+
+/* Queries cannot fail here: contender_from_kernel has tried one. */
+static void closest(const contender *c, const cw_ray *rays, size_t n, cw_hit *hits) {
+    (void)cw_closest(c->field, &c->query, rays, n, hits);
+}
+
+static void any(const contender *c, const cw_ray *rays, size_t n, uint8_t *occluded) {
+    (void)cw_any(c->field, &c->query, rays, n, occluded);
+}
+
+cw_status contender_from_kernel(contender *c, cw_field *field, const cw_kernel *kernel, cw_leaf leaf) {
+    const cw_kernel_info info = cw_kernel_describe(kernel);
+    if (leaf == CW_LEAF_DEFAULT) leaf = info.default_leaf;
+    *c = (contender){.width = info.width, .threads = 1, .closest = closest, .any = any, .field = field};
+    c->query = (cw_query){.kernel = kernel, .leaf = leaf};
+    snprintf(c->name, sizeof c->name, "%s/%s", info.name, cw_leaf_name(leaf));
+    const cw_status status = info.available ? cw_field_build(field, kernel) : CW_ERROR_UNAVAILABLE;
+    return status == CW_OK ? cw_closest(field, &c->query, NULL, 0, NULL) : status;
+}
+
+void contender_run(void *pass) {
+    const contender_pass *p = pass;
+    if (p->any)
+        p->of->any(p->of, p->rays, p->n, p->out.occluded);
+    else
+        p->of->closest(p->of, p->rays, p->n, p->out.hits);
+}

@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* One way to answer ray queries, whoever provides it: what the benchmark times against each other. */
+#ifndef CELLWALK_BENCH_PEERS_CONTENDER_H
+#define CELLWALK_BENCH_PEERS_CONTENDER_H
+
+#include "cellwalk.h"
+
+enum { CONTENDER_NAME = 64 };
+
+typedef struct contender contender;
+struct contender {
+    char name[CONTENDER_NAME]; /* "packet8/watertight", "embree/triangles/w8" */
+    unsigned width, threads;
+    bool embree; /* counts for "Embree's best width" */
+    void (*closest)(const contender *self, const cw_ray *rays, size_t n, cw_hit *hits);
+    void (*any)(const contender *self, const cw_ray *rays, size_t n, uint8_t *occluded);
+    /* A kernel of the library on a field; or Embree. */
+    const cw_field *field;
+    cw_query query;
+    const struct peer_embree *peer;
+    bool coherent; /* rays are announced as that */
+};
+
+/* CW_OK only if the kernel has this leaf test and may run here; what it needs built is built. */
+cw_status contender_from_kernel(contender *c, cw_field *field, const cw_kernel *kernel, cw_leaf leaf);
+
+/* Where answers go: hits for the closest ones, occluded for any. */
+typedef struct contender_answers {
+    cw_hit *hits;
+    uint8_t *occluded;
+} contender_answers;
+
+/* All rays once: any says which answers are asked for. */
+typedef struct contender_pass {
+    const contender *of;
+    const cw_ray *rays;
+    size_t n;
+    bool any;
+    contender_answers out;
+} contender_pass;
+
+/* pass is a contender_pass, untyped so that this can be a job. */
+void contender_run(void *pass);
+
+#endif

@@ -1,0 +1,314 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "peers/embree.h"
+
+#include "clock.h"
+
+#include <embree3/rtcore.h>
+
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <math.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+struct peer_embree {
+    RTCDevice device;
+    RTCScene scene;
+    size_t nx, ny;
+    bool grid;
+    double cells_inverse; /* one over the cells of a row */
+    double build_seconds, build_cpu_seconds;
+    _Atomic int64_t bytes;
+};
+
+const unsigned peer_embree_widths[PEER_WIDTH_COUNT] = {1, 4, 8, 16};
+
+const char *peer_embree_version(void) { return RTC_VERSION_STRING; }
+
+/* A library that can fail an assertion names the function that tells so among those it needs. */
+bool peer_embree_has_assertions(void) {
+    RTCDevice (*const inside)(const char *) = rtcNewDevice;
+    const void *address;
+    Dl_info info;
+    struct stat about;
+    memcpy(&address, &inside, sizeof address);
+    const int file = dladdr(address, &info) != 0 ? open(info.dli_fname, O_RDONLY) : -1;
+    const size_t size = file >= 0 && fstat(file, &about) == 0 ? (size_t)about.st_size : 0;
+    void *bytes = size > 0 ? mmap(NULL, size, PROT_READ, MAP_PRIVATE, file, 0) : MAP_FAILED;
+    if (file >= 0) close(file);
+    const bool found = bytes != MAP_FAILED && memmem(bytes, size, "__assert_fail", sizeof "__assert_fail") != NULL;
+    if (bytes != MAP_FAILED) munmap(bytes, size);
+    return found;
+}
+
+/* ---- building ---- */
+
+static bool count_memory(void *peer, ssize_t bytes, bool after) {
+    (void)after;
+    atomic_fetch_add(&((peer_embree *)peer)->bytes, (int64_t)bytes);
+    return true;
+}
+
+/* Vertices (i, j, height). Embree's grids split a quad along the diagonal that starts at its second corner, so for them
+ * rows run backwards in i, which turns it into the diagonal of a cell. */
+static bool add_vertices(RTCGeometry geometry, const cw_field *field, size_t nx, size_t ny, bool backwards) {
+    float *v = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof *v, nx * ny);
+    if (v == NULL) return false;
+    for (size_t j = 0; j < ny; j++)
+        for (size_t k = 0; k < nx; k++, v += 3) {
+            const size_t i = backwards ? nx - 1 - k : k;
+            v[0] = (float)i;
+            v[1] = (float)j;
+            v[2] = cw_field_sample(field, i, j);
+        }
+    return true;
+}
+
+/* Triangle 2 · cell is A, 2 · cell + 1 is B, vertices in the order of cellwalk.h, so that u and v mean the same. */
+static bool add_triangles(RTCGeometry geometry, size_t nx, size_t ny) {
+    const size_t count = 2 * (nx - 1) * (ny - 1);
+    unsigned *t = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof *t, count);
+    if (t == NULL) return false;
+    for (size_t j = 0; j + 1 < ny; j++)
+        for (size_t i = 0; i + 1 < nx; i++, t += 6) {
+            const unsigned p00 = (unsigned)(j * nx + i), p01 = p00 + (unsigned)nx;
+            t[0] = p00, t[1] = p00 + 1, t[2] = p01 + 1;
+            t[3] = p00, t[4] = p01 + 1, t[5] = p01;
+        }
+    return true;
+}
+
+static bool add_grid(RTCGeometry geometry, size_t nx, size_t ny) {
+    struct RTCGrid *g = NULL;
+    g = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, sizeof *g, 1);
+    if (g == NULL) return false;
+    *g = (struct RTCGrid){.startVertexID = 0, .stride = (unsigned)nx, .width = (uint16_t)nx, .height = (uint16_t)ny};
+    return true;
+}
+
+static bool build(peer_embree *p, const cw_field *field, const peer_options *o) {
+    const RTCGeometry geometry =
+        rtcNewGeometry(p->device, p->grid ? RTC_GEOMETRY_TYPE_GRID : RTC_GEOMETRY_TYPE_TRIANGLE);
+    p->scene = rtcNewScene(p->device);
+    if (geometry == NULL || p->scene == NULL) return false;
+    rtcSetSceneBuildQuality(p->scene, o->quality == PEER_HIGH ? RTC_BUILD_QUALITY_HIGH : RTC_BUILD_QUALITY_MEDIUM);
+    rtcSetSceneFlags(p->scene, o->robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
+    const bool filled = add_vertices(geometry, field, p->nx, p->ny, p->grid) &&
+                        (p->grid ? add_grid(geometry, p->nx, p->ny) : add_triangles(geometry, p->nx, p->ny));
+    if (filled) {
+        const double start = clock_seconds(), cpu_start = clock_cpu_seconds();
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometry(p->scene, geometry);
+        rtcCommitScene(p->scene);
+        p->build_seconds = clock_seconds() - start;
+        p->build_cpu_seconds = clock_cpu_seconds() - cpu_start;
+    }
+    rtcReleaseGeometry(geometry);
+    return filled && rtcGetDeviceError(p->device) == RTC_ERROR_NONE;
+}
+
+peer_embree *peer_embree_create(const cw_field *field, const peer_options *o, io_error *error) {
+    static const char *const configs[] = {"threads=1,isa=sse2", "threads=1,isa=sse4.2", "threads=1,isa=avx2",
+                                          "threads=1,isa=avx512"};
+    const cw_field_info info = cw_field_describe(field);
+    if (o->geometry == PEER_GRID && (info.nx > INT16_MAX || info.ny > INT16_MAX)) {
+        io_fail(error, "Embree's grids have at most %d samples a side, the field has %zu x %zu", INT16_MAX, info.nx,
+                info.ny);
+        return NULL;
+    }
+    peer_embree *p = calloc(1, sizeof *p);
+    if (p) {
+        p->nx = info.nx;
+        p->ny = info.ny;
+        p->grid = o->geometry == PEER_GRID;
+        p->cells_inverse = 1 / (double)(info.nx - 1);
+        p->device = rtcNewDevice(configs[o->isa]);
+        if (p->device) rtcSetDeviceMemoryMonitorFunction(p->device, count_memory, p);
+        if (p->device && build(p, field, o)) return p;
+    }
+    io_fail(error, "Embree (%s) could not build a field of %zu x %zu samples", configs[o->isa], info.nx, info.ny);
+    peer_embree_destroy(p);
+    return NULL;
+}
+
+void peer_embree_destroy(peer_embree *p) {
+    if (p == NULL) return;
+    if (p->scene) rtcReleaseScene(p->scene);
+    if (p->device) rtcReleaseDevice(p->device);
+    free(p);
+}
+
+peer_info peer_embree_describe(const peer_embree *p) {
+    const int64_t bytes = atomic_load(&p->bytes);
+    return (peer_info){.build_seconds = p->build_seconds,
+                       .build_cpu_seconds = p->build_cpu_seconds,
+                       .bytes = bytes > 0 ? (size_t)bytes : 0};
+}
+
+static bool is_native(const peer_embree *p, unsigned width) {
+    static const enum RTCDeviceProperty properties[] = {RTC_DEVICE_PROPERTY_NATIVE_RAY4_SUPPORTED,
+                                                        RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED,
+                                                        RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED};
+    return width == 1 || rtcGetDeviceProperty(p->device, properties[width == 4 ? 0 : width == 8 ? 1 : 2]) != 0;
+}
+
+/* ---- rays and hits ---- */
+
+/* Flush to zero and denormals are zero, for as long as Embree runs. */
+#if defined(__SSE__)
+static unsigned flush_denormals(void) {
+    enum { MXCSR_FTZ = 0x8000, MXCSR_DAZ = 0x40 };
+    const unsigned caller = __builtin_ia32_stmxcsr();
+    __builtin_ia32_ldmxcsr(caller | MXCSR_FTZ | MXCSR_DAZ);
+    return caller;
+}
+static void restore_denormals(unsigned caller) { __builtin_ia32_ldmxcsr(caller); }
+#else
+static unsigned flush_denormals(void) { return 0; }
+static void restore_denormals(unsigned caller) { (void)caller; }
+#endif
+
+/* RTCRayHit, RTCRayHit4, 8 and 16 as what they are: rows of 1, 4, 8 or 16 numbers. */
+enum { ORG_X, ORG_Y, ORG_Z, TNEAR, DIR_X, DIR_Y, DIR_Z, TIME, TFAR, MASK, ID, FLAGS };
+enum { NG_X = FLAGS + 1, NG_Y, NG_Z, HIT_U, HIT_V, PRIM_ID, GEOM_ID, INST_ID, ROWS };
+typedef union packet {
+    struct RTCRayHit16 whole;
+    float f[ROWS * 16];
+    unsigned u[ROWS * 16];
+} packet;
+
+static inline void packet_clear(packet *p, unsigned n) {
+    for (unsigned k = 0; k < n; k++) {
+        p->f[TIME * n + k] = 0;
+        p->u[MASK * n + k] = UINT32_MAX;
+        p->u[ID * n + k] = 0;
+        p->u[FLAGS * n + k] = 0;
+        p->u[INST_ID * n + k] = RTC_INVALID_GEOMETRY_ID;
+    }
+}
+
+/* Lanes that are not used repeat the last ray: Embree looks at them although they are not valid. */
+static inline void packet_fill(packet *p, unsigned n, const cw_ray *rays, unsigned used) {
+    for (unsigned k = 0; k < n; k++) {
+        const cw_ray *ray = &rays[k < used ? k : used - 1];
+        for (unsigned a = 0; a < 3; a++) p->f[(ORG_X + a) * n + k] = ray->org[a];
+        p->f[TNEAR * n + k] = ray->tmin;
+        for (unsigned a = 0; a < 3; a++) p->f[(DIR_X + a) * n + k] = ray->dir[a];
+        p->f[TFAR * n + k] = ray->tmax;
+    }
+}
+
+static inline cw_hit triangle_hit(const peer_embree *p, unsigned prim, float t, float u, float v) {
+    const unsigned cell = prim / 2, cells = (unsigned)p->nx - 1;
+    /* The half keeps the product clear of whole numbers, so that cutting it off is dividing. */
+    const unsigned j = (unsigned)(int)((cell + 0.5) * p->cells_inverse);
+    return (cw_hit){.t = t, .u = u, .v = v, .i = (int32_t)(cell - j * cells), .j = (int32_t)j, .triangle = prim % 2};
+}
+
+/* A grid tells the place on the whole grid in [0, 1] × [0, 1], along its rows and across. */
+static inline cw_hit grid_hit(const peer_embree *p, float t, float u, float v) {
+    const float last_i = (float)(p->nx - 1), last_j = (float)(p->ny - 1);
+    const float x = last_i - u * last_i, y = v * last_j;
+    const float i = fmaxf(0, fminf(floorf(x), last_i - 1)), j = fmaxf(0, fminf(floorf(y), last_j - 1));
+    const float a = x - i, b = y - j;
+    const bool upper = b > a;
+    return (cw_hit){.t = t,
+                    .u = upper ? a : a - b,
+                    .v = upper ? b - a : b,
+                    .i = (int32_t)i,
+                    .j = (int32_t)j,
+                    .triangle = upper ? CW_TRIANGLE_B : CW_TRIANGLE_A};
+}
+
+static inline cw_hit make_hit(const peer_embree *p, unsigned geometry, unsigned prim, float t, float u, float v) {
+    if (geometry == RTC_INVALID_GEOMETRY_ID) return (cw_hit){.t = INFINITY, .i = -1, .j = -1};
+    return p->grid ? grid_hit(p, t, u, v) : triangle_hit(p, prim, t, u, v);
+}
+
+/* ---- tracing ---- */
+
+static inline void trace_packet(const contender *c, unsigned width, bool any, const int *valid,
+                                struct RTCIntersectContext *context, packet *p) {
+    RTCScene in = c->peer->scene;
+    if (width == 1 && any)
+        rtcOccluded1(in, context, (struct RTCRay *)p);
+    else if (width == 1)
+        rtcIntersect1(in, context, (struct RTCRayHit *)p);
+    else if (width == 4 && any)
+        rtcOccluded4(valid, in, context, (struct RTCRay4 *)p);
+    else if (width == 4)
+        rtcIntersect4(valid, in, context, (struct RTCRayHit4 *)p);
+    else if (width == 8 && any)
+        rtcOccluded8(valid, in, context, (struct RTCRay8 *)p);
+    else if (width == 8)
+        rtcIntersect8(valid, in, context, (struct RTCRayHit8 *)p);
+    else if (any)
+        rtcOccluded16(valid, in, context, &p->whole.ray);
+    else
+        rtcIntersect16(valid, in, context, &p->whole);
+}
+
+/* A body for any width and both queries, compiled once for each because the callers give them as constants. */
+static inline __attribute__((always_inline)) void trace_packets(const contender *c, unsigned width, bool any,
+                                                                struct RTCIntersectContext *context, const cw_ray *rays,
+                                                                size_t n, contender_answers out) {
+    _Alignas(64) int valid[16];
+    packet p;
+    packet_clear(&p, width);
+    for (unsigned k = 0; k < width; k++) valid[k] = -1;
+    for (size_t begin = 0; begin < n; begin += width) {
+        const unsigned used = n - begin < width ? (unsigned)(n - begin) : width;
+        if (used == width)
+            packet_fill(&p, width, rays + begin, width);
+        else
+            packet_fill(&p, width, rays + begin, used);
+        for (unsigned k = used; k < width; k++) valid[k] = 0;
+        for (unsigned k = 0; !any && k < width; k++) p.u[GEOM_ID * width + k] = RTC_INVALID_GEOMETRY_ID;
+        trace_packet(c, width, any, valid, context, &p);
+        for (unsigned k = 0; k < used; k++) {
+            const float t = p.f[TFAR * width + k];
+            if (any)
+                out.occluded[begin + k] = t < 0;
+            else
+                out.hits[begin + k] = make_hit(c->peer, p.u[GEOM_ID * width + k], p.u[PRIM_ID * width + k], t,
+                                               p.f[HIT_U * width + k], p.f[HIT_V * width + k]);
+        }
+    }
+}
+
+static inline __attribute__((always_inline)) void trace(const contender *c, bool any, const cw_ray *rays, size_t n,
+                                                        contender_answers out) {
+    const unsigned caller = flush_denormals();
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = c->coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    if (c->width == 4)
+        trace_packets(c, 4, any, &context, rays, n, out);
+    else if (c->width == 8)
+        trace_packets(c, 8, any, &context, rays, n, out);
+    else if (c->width == 16)
+        trace_packets(c, 16, any, &context, rays, n, out);
+    else
+        trace_packets(c, 1, any, &context, rays, n, out);
+    restore_denormals(caller);
+}
+
+static void closest(const contender *self, const cw_ray *rays, size_t n, cw_hit *hits) {
+    trace(self, false, rays, n, (contender_answers){.hits = hits});
+}
+
+static void any(const contender *self, const cw_ray *rays, size_t n, uint8_t *occluded) {
+    trace(self, true, rays, n, (contender_answers){.occluded = occluded});
+}
+
+void contender_from_peer(contender *c, const peer_embree *peer, unsigned width, bool coherent, const char *prefix) {
+    *c = (contender){.width = width, .threads = 1, .embree = true, .closest = closest, .any = any};
+    c->peer = peer;
+    c->coherent = coherent;
+    snprintf(c->name, sizeof c->name, "%s/w%u%s", prefix, width, is_native(peer, width) ? "" : "-split");
+}

@@ -1,0 +1,213 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "workload/aimed.h"
+
+#include <math.h>
+
+const char *aim_name(aim kind) {
+    static const char *const names[AIM_COUNT] = {"inside",  "vertex",   "edge",  "diagonal", "borders", "axis",
+                                                 "corners", "vertical", "steep", "long",     "far",     "grazing"};
+    return names[kind];
+}
+
+/* A ray in the making: it goes through p, n · step before it and m · step behind it being clear of all samples, while it
+ * rises by rise with every step. */
+typedef struct plan {
+    double p[3], step[2], rise;
+    double n, m;
+    double farther; /* steps before all that, which the ray starts ahead */
+    bool exact;     /* places and steps are whole or halves: keep them so */
+} plan;
+
+aimed_field aimed_field_of(const cw_field *field) {
+    const cw_field_info info = cw_field_describe(field);
+    return (aimed_field){
+        .field = field, .nx = info.nx, .ny = info.ny, .low = (double)info.low, .high = (double)info.high};
+}
+
+static double height_at(const aimed_field *f, size_t i, size_t j) { return (double)cw_field_sample(f->field, i, j); }
+
+/* p becomes the place at x, y in [0, 1] of cell (i, j). */
+static void surface(const aimed_field *f, size_t i, size_t j, double x, double y, double p[3]) {
+    const double h00 = height_at(f, i, j), h11 = height_at(f, i + 1, j + 1);
+    const double corner = x >= y ? height_at(f, i + 1, j) : height_at(f, i, j + 1);
+    p[0] = (double)i + x;
+    p[1] = (double)j + y;
+    p[2] = h00 + fmax(x, y) * (corner - h00) + fmin(x, y) * (h11 - corner);
+}
+
+static double sign(random_state *r) { return random_bits(r) >> 63 ? 1 : -1; }
+
+/* A place of that kind in the cell, or on the borders that begin at its sample; x, y as for surface. */
+static void place_of(aim kind, const aimed_field *f, random_state *r, size_t i, size_t j, double x, double y,
+                     double p[3]) {
+    if (kind == AIM_EDGE) {
+        const double along = random_unit(r);
+        const bool along_x = random_below(r, 2);
+        surface(f, i, j, along_x ? along : 0, along_x ? 0 : along, p);
+    } else {
+        surface(f, i, j, kind == AIM_VERTEX ? 0 : x, kind == AIM_VERTEX ? 0 : kind == AIM_DIAGONAL ? x : y, p);
+    }
+}
+
+/* How many steps from p stay within the field, most of a cell off its border. */
+static double room(const aimed_field *f, const double p[3], const double step[2], double direction) {
+    const double margin = 0.75, last[2] = {(double)(f->nx - 1), (double)(f->ny - 1)};
+    double most = 1e300;
+    for (int c = 0; c < 2; c++) {
+        const double d = direction * step[c];
+        if (d > 0) most = fmin(most, (last[c] - margin - p[c]) / d);
+        if (d < 0) most = fmin(most, (margin - p[c]) / d);
+    }
+    return most;
+}
+
+static void turn(random_state *r, double step[2]) {
+    const double angle = random_between(r, 0, 6.283185307179586);
+    step[0] = cos(angle);
+    step[1] = sin(angle);
+}
+
+static void aim_at(aim kind, const aimed_field *f, random_state *r, plan *q) {
+    const size_t i = 1 + random_below(r, f->nx - 3), j = 1 + random_below(r, f->ny - 3); /* an inner sample */
+    const double x = random_unit(r), y = random_unit(r);
+    turn(r, q->step);
+    switch (kind) {
+    case AIM_BORDERS:
+    case AIM_AXIS: {
+        const bool along_x = random_below(r, 2);
+        q->step[0] = along_x ? sign(r) : 0;
+        q->step[1] = along_x ? 0 : sign(r);
+        q->exact = kind == AIM_BORDERS && random_below(r, 2);
+        const bool any_x = kind == AIM_AXIS || (along_x && !q->exact),
+                   any_y = kind == AIM_AXIS || !(along_x || q->exact);
+        surface(f, i, j, any_x ? x : 0, any_y ? y : 0, q->p);
+        break;
+    }
+    case AIM_CORNERS:
+        surface(f, i, j, 0, 0, q->p);
+        do {
+            q->step[0] = (double)random_below(r, 7) - 3;
+            q->step[1] = (double)random_below(r, 7) - 3;
+        } while (q->step[0] == 0 && q->step[1] == 0);
+        q->exact = room(f, q->p, q->step, -1) >= 1 && room(f, q->p, q->step, 1) >= 1;
+        break;
+    case AIM_STEEP: {
+        const double tiny = pow(10, random_between(r, -12, -2)) * (random_below(r, 8) ? 1 : 1e-28);
+        place_of(AIM_EDGE, f, r, i, j, x, y, q->p);
+        q->step[0] *= tiny;
+        q->step[1] *= random_below(r, 4) ? tiny : 0;
+        break;
+    }
+    case AIM_VERTICAL: {
+        static const aim places[4] = {AIM_VERTEX, AIM_EDGE, AIM_DIAGONAL, AIM_INSIDE};
+        q->step[0] = q->step[1] = 0;
+        place_of(places[random_below(r, 4)], f, r, i, j, x, y, q->p);
+        for (int c = 0; c < 2; c++) q->p[c] = (double)(float)q->p[c];
+        break;
+    }
+    case AIM_LONG:
+    case AIM_FAR:
+        place_of(random_below(r, 2) ? AIM_EDGE : AIM_VERTEX, f, r, i, j, x, y, q->p);
+        break;
+    default:
+        place_of(kind, f, r, i, j, x, y, q->p);
+    }
+}
+
+/* Where the ray starts and how steep it is: clear of all samples n steps before p and m steps behind it. */
+static void place_ends(aim kind, const aimed_field *f, random_state *r, plan *q) {
+    const double span = f->high - f->low, tall = span > 0 ? span : fmax(fabs(f->high), 1);
+    const double back = fmin(room(f, q->p, q->step, -1), 1e6), ahead = fmin(room(f, q->p, q->step, 1), 1e6);
+    double clear = tall * pow(10, random_between(r, -3, 0));
+    if (q->exact) {
+        q->n = 1 + floor(random_unit(r) * (back - 1));
+        q->m = 1 + floor(random_unit(r) * (ahead - 1));
+    } else if (kind == AIM_LONG) {
+        q->n = back;
+        q->m = ahead;
+        clear = tall * pow(10, random_between(r, -4, -2));
+    } else {
+        q->n = back * random_between(r, 0.001, 1);
+        q->m = ahead * random_between(r, 0.001, 1);
+    }
+    const double above = f->high - q->p[2] + clear, below = q->p[2] - f->low + clear;
+    q->rise = -fmax(above / q->n, below / q->m);
+    if (f->bounded) {
+        q->n = above / -q->rise;
+        q->m = below / -q->rise;
+    }
+    if (random_below(r, 2)) { /* upwards, from below */
+        const double n = q->n;
+        q->n = q->m;
+        q->m = n;
+        q->step[0] = -q->step[0];
+        q->step[1] = -q->step[1];
+        q->rise = -q->rise;
+    }
+    if (kind == AIM_FAR) q->farther = pow(10, random_between(r, 1, 6));
+}
+
+/* A length for the direction: as it comes, normalised, or any. */
+static double any_length(random_state *r, const double d[3]) {
+    const double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    const size_t kind = random_below(r, 4);
+    return kind == 0 ? 1 : (kind == 1 ? exp2(random_between(r, -20, 20)) : 1) / length;
+}
+
+static aimed_ray from_plan(random_state *r, const plan *q, bool bounded) {
+    const double total = q->n + q->farther;
+    const double step[3] = {q->step[0], q->step[1], q->rise};
+    aimed_ray a = {.ray = {.tmin = 0, .tmax = INFINITY}, .over = {.i = -1}};
+    double d[3];
+    for (int c = 0; c < 3; c++) {
+        a.ray.org[c] = (float)(q->p[c] - total * step[c]);
+        d[c] = q->p[c] - (double)a.ray.org[c];
+    }
+    const double scale = q->exact ? exp2((double)random_below(r, 5) - 2) / total : any_length(r, d);
+    for (int c = 0; c < 3; c++) a.ray.dir[c] = (float)(d[c] * scale);
+    const double one = 1 / (scale * total), end = (total + q->m) * one;
+    if (random_below(r, 2) || bounded) a.ray.tmax = (float)end;
+    a.from = q->farther * one;
+    a.to = isinf(a.ray.tmax) ? end : (double)a.ray.tmax;
+    a.side = q->rise < 0 ? 1 : -1;
+    return a;
+}
+
+/* Through a place well inside a triangle, at a small angle to it. */
+static aimed_ray grazing(const aimed_field *f, random_state *r) {
+    const size_t i = random_below(r, f->nx - 1), j = random_below(r, f->ny - 1);
+    const bool in_a = random_below(r, 2);
+    double p[3], step[2], x = random_unit(r), y = random_unit(r);
+    if (x + y > 1) x = 1 - x, y = 1 - y;
+    const double u = 0.1 + 0.7 * x, v = 0.1 + 0.7 * y; /* barycentric, 0.1 to 0.9 in sum */
+    surface(f, i, j, in_a ? u + v : u, in_a ? v : u + v, p);
+    turn(r, step);
+    const double h00 = height_at(f, i, j), h11 = height_at(f, i + 1, j + 1);
+    const double along_x = in_a ? height_at(f, i + 1, j) - h00 : h11 - height_at(f, i, j + 1);
+    const double along_y = in_a ? h11 - height_at(f, i + 1, j) : height_at(f, i, j + 1) - h00;
+    const double slope = along_x * step[0] + along_y * step[1];
+    const double angle = sign(r) * 0.017453292519943295 * pow(10, random_between(r, -6, 0));
+    const double rise = slope + angle * sqrt(1 + slope * slope), back = pow(10, random_between(r, -1, 2));
+    const double d[3] = {step[0] * back, step[1] * back, rise * back};
+    const double scale = any_length(r, d);
+    aimed_ray a = {.ray = {.tmin = 0, .tmax = INFINITY}, .over = {.i = -1}};
+    for (int c = 0; c < 3; c++) {
+        a.ray.org[c] = (float)(p[c] - d[c]);
+        a.ray.dir[c] = (float)((p[c] - (double)a.ray.org[c]) * scale);
+    }
+    /* 0.04 steps off p it is still inside. */
+    const double at = 1 / scale, off = 0.04 * at / back;
+    a.over = (cw_hit){.i = (int32_t)i, .j = (int32_t)j, .triangle = in_a ? CW_TRIANGLE_A : CW_TRIANGLE_B};
+    a.from = at - off;
+    a.to = at + off;
+    a.side = angle < 0 ? 1 : -1;
+    return a;
+}
+
+aimed_ray aimed_ray_make(aim kind, const aimed_field *f, random_state *r) {
+    if (kind == AIM_GRAZING) return grazing(f, r);
+    plan q = {.farther = 0};
+    aim_at(kind, f, r, &q);
+    place_ends(kind, f, r, &q);
+    return from_plan(r, &q, f->bounded);
+}

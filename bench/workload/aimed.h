@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Rays that are aimed at what rounding can miss, and that pass through the surface by construction: they start clearly above all
+ * samples and are clearly below all of them somewhere over the field, or the reverse. Those that graze a triangle cross it
+ * well inside, by more than the bound on a computed height where they can. Rounding may spoil a ray: whoever has to know asks
+ * the exact oracle whether it is clear at both ends. Sines and powers are libm's, so another libm makes other rays. */
+#ifndef CELLWALK_BENCH_WORKLOAD_AIMED_H
+#define CELLWALK_BENCH_WORKLOAD_AIMED_H
+
+#include "cellwalk.h"
+#include "workload/random.h"
+
+typedef enum aim {
+    AIM_INSIDE,   /* at a place inside a triangle: the others' control */
+    AIM_VERTEX,   /* at a sample */
+    AIM_EDGE,     /* at a place on a border edge */
+    AIM_DIAGONAL, /* at a place on a diagonal */
+    AIM_BORDERS,  /* along a grid line, exactly above or on its edges and samples */
+    AIM_AXIS,     /* along x or y between two grid lines */
+    AIM_CORNERS,  /* over samples in whole steps, where x and y borders and diagonals are crossed at once */
+    AIM_VERTICAL, /* straight up or down, at a sample, an edge, a diagonal or inside */
+    AIM_STEEP,    /* all but vertical, down to directions so small that they count as zero */
+    AIM_LONG,     /* across the whole field, hardly above its highest sample to hardly below its lowest */
+    AIM_FAR,      /* at a sample or edge from up to a million cells away */
+    AIM_GRAZING,  /* at 1 to 1e-6 degrees to a triangle */
+    AIM_COUNT
+} aim;
+
+/* "inside", "vertex" … */
+const char *aim_name(aim kind);
+
+typedef struct aimed_field {
+    const cw_field *field;
+    size_t nx, ny;
+    double low, high;
+    bool
+        bounded; /* rays begin and end where they have just become clear of all samples; else many go on, far above or below */
+} aimed_field;
+
+/* Of a field in cells, at least 4 samples a side and without holes, which must stay. */
+aimed_field aimed_field_of(const cw_field *field);
+
+typedef struct aimed_ray {
+    cw_ray ray;
+    double from, to; /* at t = from the ray is on one side of the surface, at t = to, within its range, on the other: */
+    int side;        /* at from it is above if 1, below if -1 */
+    cw_hit over;     /* above or below the plane of this triangle, well inside it; or, if i is negative, all samples */
+} aimed_ray;
+
+aimed_ray aimed_ray_make(aim kind, const aimed_field *f, random_state *r);
+
+#endif

@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The height fields of benchmark and tests, under fixed names and with fixed heights. */
+#ifndef CELLWALK_BENCH_WORKLOAD_FIELDS_H
+#define CELLWALK_BENCH_WORKLOAD_FIELDS_H
+
+#include "cellwalk.h"
+
+typedef struct workload_field {
+    const char *name, *text; /* text: a few words for a table, of fields for aimed rays */
+    size_t nx, ny;
+    float *z; /* sample (i, j) is z[j * nx + i]; freed by workload_field_free */
+} workload_field;
+
+/* "65", "257", "1025", "4097", "8193": fractal land of that many samples a side, height range 0.1 of the side.
+ * "sea-calm", "sea-rough": 1000 × 1000 samples of water. */
+enum { WORKLOAD_FIELDS = 7 };
+/* NULL from there on. */
+const char *workload_field_name(size_t number);
+
+/* Small fields for aimed rays (aimed.h), from smooth land to whole numbers and cliffs. */
+enum { AIMED_FIELDS = 8 };
+const char *workload_aimed_name(size_t number);
+
+/* False if no field has that name, or out of memory: then field->name is NULL or not, in that order. */
+bool workload_field_make(const char *name, workload_field *field);
+void workload_field_free(workload_field *field);
+
+/* The field in cells; storage and bare as in cw_field_desc. */
+cw_status workload_field_open(const workload_field *samples, cw_storage storage, bool bare, cw_field **field);
+
+#endif

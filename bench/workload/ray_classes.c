@@ -1,0 +1,234 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "workload/ray_classes.h"
+
+#include "workload/aimed.h"
+#include "workload/terrain.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const struct {
+    const char *name;
+    bool any, coherent;
+} classes[WORKLOAD_ALL] = {
+    [WORKLOAD_PRIMARY] = {"primary", false, true},
+    [WORKLOAD_SHADOW] = {"shadow", true, true},
+    [WORKLOAD_AO] = {"ao", true, false},
+    [WORKLOAD_BOUNCE] = {"bounce", false, false},
+    [WORKLOAD_RANDOM] = {"random", false, false},
+    [WORKLOAD_GRAZING] = {"grazing", false, false},
+    [WORKLOAD_VERTICES] = {"vertices", false, false},
+    [WORKLOAD_EDGES] = {"edges", false, false},
+};
+
+const char *workload_class_name(workload_class c) { return (unsigned)c < WORKLOAD_ALL ? classes[c].name : NULL; }
+bool workload_class_is_any(workload_class c) { return classes[c].any; }
+bool workload_class_is_coherent(workload_class c) { return classes[c].coherent; }
+
+/* Number stream of a class: what a hash is asked for besides the ray's number. */
+enum { STREAM_AO = 100, STREAM_BOUNCE = 200, STREAM_RANDOM = 300, STREAM_GRAZING = 400 };
+
+/* Uniform in (0, 1), never an end. */
+static double uniform(uint32_t seed, size_t ray, uint32_t stream) {
+    return ((double)terrain_hash(seed, (uint32_t)ray, stream) + 0.5) * 0x1p-32;
+}
+
+static cw_ray make_ray(const double org[3], const double dir[3]) {
+    const double length = sqrt(dir[0] * dir[0] + dir[1] * dir[1] + dir[2] * dir[2]);
+    cw_ray ray = {.tmin = 0, .tmax = INFINITY};
+    for (int k = 0; k < 3; k++) {
+        ray.org[k] = (float)org[k];
+        ray.dir[k] = (float)(dir[k] / length);
+    }
+    return ray;
+}
+
+/* ---- primary ---- */
+
+enum { VIEW = 1024, VIEW_TILES = VIEW / 4, TILE_RUN = 32 };
+
+/* Stands over the middle of the field's near side and looks along +y. The look is tilted by shearing the view down, not
+ * by turning it, so that no angle is needed. */
+typedef struct camera {
+    double eye[3];
+    double down;
+} camera;
+
+static cw_ray camera_ray(const camera *c, double px, double py) {
+    const double tan_half = 0.57735; /* 60 degrees from side to side */
+    const double dir[3] = {(px / VIEW * 2 - 1) * tan_half, 1, (1 - py / VIEW * 2) * tan_half - c->down};
+    return make_ray(c->eye, dir);
+}
+
+/* Tilts the view until half of a coarse raster of its pixels are sky. */
+static camera camera_place(const cw_field *field, const cw_query *query) {
+    enum { COARSE = 32 };
+    const cw_field_info info = cw_field_describe(field);
+    const double side = (double)((info.nx > info.ny ? info.nx : info.ny) - 1);
+    const size_t i = (info.nx - 1) / 2, j = (info.ny - 1) / 50;
+    camera c = {.eye = {(double)i, (double)j, (double)cw_field_sample(field, i, j) + 0.04 * side}};
+
+    double low = -1, high = 1; /* the whole field lies below the view's axis at -1, above it at 1 */
+    for (int step = 0; step < 12; step++) {
+        c.down = (low + high) / 2;
+        cw_ray rays[COARSE];
+        cw_hit hits[COARSE];
+        size_t sky = 0;
+        for (int y = 0; y < COARSE; y++) {
+            for (int x = 0; x < COARSE; x++)
+                rays[x] = camera_ray(&c, (x + 0.5) * VIEW / COARSE, (y + 0.5) * VIEW / COARSE);
+            if (cw_closest(field, query, rays, COARSE, hits) != CW_OK) return c;
+            for (int x = 0; x < COARSE; x++) sky += hits[x].i < 0;
+        }
+        if (sky * 2 > (size_t)COARSE * COARSE)
+            low = c.down;
+        else
+            high = c.down;
+    }
+    return c;
+}
+
+static size_t primary(const cw_field *field, const cw_query *query, size_t n, cw_ray *rays) {
+    const camera c = camera_place(field, query);
+    const size_t all = (size_t)VIEW_TILES * VIEW_TILES;
+    size_t tiles = n / WORKLOAD_TILE;
+    if (tiles > all) tiles = all;
+    /* Runs of neighbouring tiles at equal distances, counted along the rows of tiles; each row is turned round by another
+     * amount, or equal distances would pick the same columns again and again. */
+    enum { ROW_RUNS = VIEW_TILES / TILE_RUN };
+    const size_t runs = (tiles + TILE_RUN - 1) / TILE_RUN;
+    for (size_t k = 0; k < tiles; k++) {
+        const size_t slot = (2 * (k / TILE_RUN) + 1) * (all / TILE_RUN) / (2 * runs), row = slot / ROW_RUNS;
+        const size_t column = (slot + terrain_hash(0, (uint32_t)row, 0)) % ROW_RUNS;
+        const size_t x0 = (column * TILE_RUN + k % TILE_RUN) * 4, y0 = row * 4;
+        for (size_t p = 0; p < WORKLOAD_TILE; p++)
+            rays[k * WORKLOAD_TILE + p] = camera_ray(&c, (double)(x0 + p % 4) + 0.5, (double)(y0 + p / 4) + 0.5);
+    }
+    return tiles * WORKLOAD_TILE;
+}
+
+/* ---- secondary ---- */
+
+/* Where the ray meets the plane of the triangle hit, and the triangle's normal, in double from ray and samples: of the
+ * hit only the triangle counts, so that the rays outlive changes in the last bits of t, u and v. */
+static void meet(const cw_field *field, const cw_ray *ray, const cw_hit *hit, double point[3], double normal[3]) {
+    const size_t i = (size_t)hit->i, j = (size_t)hit->j;
+    const double h00 = (double)cw_field_sample(field, i, j), h11 = (double)cw_field_sample(field, i + 1, j + 1);
+    const bool a = hit->triangle == CW_TRIANGLE_A;
+    const double h = (double)(a ? cw_field_sample(field, i + 1, j) : cw_field_sample(field, i, j + 1));
+    const double sx = a ? h - h00 : h11 - h, sy = a ? h11 - h : h - h00, length = sqrt(1 + sx * sx + sy * sy);
+    const double above =
+        (double)ray->org[2] - h00 - sx * ((double)ray->org[0] - (double)i) - sy * ((double)ray->org[1] - (double)j);
+    const double falling = sx * (double)ray->dir[0] + sy * (double)ray->dir[1] - (double)ray->dir[2];
+    for (int k = 0; k < 3; k++) point[k] = (double)ray->org[k] + above / falling * (double)ray->dir[k];
+    normal[0] = -sx / length;
+    normal[1] = -sy / length;
+    normal[2] = 1 / length;
+}
+
+/* A direction about the unit normal, with probability in proportion to the cosine (Malley: a uniform point of the unit
+ * disc, lifted to the half sphere). The frame is that of Duff et al. 2017, which needs no angle either. */
+static void cosine_direction(const double n[3], uint32_t seed, size_t ray, uint32_t stream, double dir[3]) {
+    double a = 0, b = 0, r2 = 0;
+    for (uint32_t attempt = 0; attempt < 32; attempt++) { /* all fail once in 10^21 rays: then the normal itself */
+        a = uniform(seed, ray, stream + 2 * attempt) * 2 - 1;
+        b = uniform(seed, ray, stream + 2 * attempt + 1) * 2 - 1;
+        r2 = a * a + b * b;
+        if (r2 < 1) break;
+        a = b = r2 = 0;
+    }
+    const double up = sqrt(1 - r2), sign = n[2] < 0 ? -1 : 1;
+    const double p = -1 / (sign + n[2]), q = n[0] * n[1] * p;
+    const double s[3] = {1 + sign * n[0] * n[0] * p, sign * q, -sign * n[0]};
+    const double t[3] = {q, sign + n[1] * n[1] * p, -n[1]};
+    for (int k = 0; k < 3; k++) dir[k] = a * s[k] + b * t[k] + up * n[k];
+}
+
+static size_t secondary(const cw_field *field, const cw_query *query, workload_class c, uint32_t seed, size_t n,
+                        cw_ray *rays) {
+    static const double sun[3] = {0.8, 0.6, 0.22};
+    const cw_field_info info = cw_field_describe(field);
+    /* Origins leave the surface by 16 times the rounding of the largest coordinate, so that a ray hits its own cell only
+     * where the surface stands in its way. */
+    const double offset = (double)(info.nx > info.ny ? info.nx : info.ny) * 0x1p-21;
+    /* Half of the view is sky up to the coarseness of the camera's search; the surplus makes up for that. */
+    size_t views = (n + n / 16) * 2 + WORKLOAD_TILE * TILE_RUN;
+    if (views > WORKLOAD_PRIMARY_MAX) views = WORKLOAD_PRIMARY_MAX;
+    cw_ray *view = malloc(views * sizeof *view);
+    cw_hit *hits = malloc(views * sizeof *hits);
+    size_t made = 0;
+    if (view && hits) {
+        views = primary(field, query, views, view);
+        if (cw_closest(field, query, view, views, hits) != CW_OK) views = 0;
+        for (size_t k = 0; k < views && made < n; k++) {
+            if (hits[k].i < 0) continue;
+            double point[3], normal[3], dir[3];
+            meet(field, &view[k], &hits[k], point, normal);
+            if (c == WORKLOAD_SHADOW)
+                for (int a = 0; a < 3; a++) dir[a] = sun[a];
+            else
+                cosine_direction(normal, seed, made, c == WORKLOAD_AO ? STREAM_AO : STREAM_BOUNCE, dir);
+            for (int a = 0; a < 3; a++) point[a] += offset * normal[a];
+            rays[made++] = make_ray(point, dir);
+        }
+    }
+    free(view);
+    free(hits);
+    return made;
+}
+
+/* ---- from outside ---- */
+
+static cw_ray random_ray(const cw_field_info *info, uint32_t seed, size_t k) {
+    const double low[3] = {0, 0, (double)info->low};
+    const double high[3] = {(double)(info->nx - 1), (double)(info->ny - 1), (double)info->high};
+    double org[3], dir[3], back = INFINITY;
+    for (uint32_t a = 0; a < 3; a++) {
+        org[a] = low[a] + uniform(seed, k, STREAM_RANDOM + a) * (high[a] - low[a]);
+        dir[a] = low[a] + uniform(seed, k, STREAM_RANDOM + 3 + a) * (high[a] - low[a]) - org[a];
+        /* How far back along the line the box begins. */
+        if (dir[a] != 0) back = fmin(back, (dir[a] > 0 ? org[a] - low[a] : org[a] - high[a]) / dir[a]);
+    }
+    if (back < INFINITY)
+        for (int a = 0; a < 3; a++) org[a] -= back * dir[a];
+    return make_ray(org, dir);
+}
+
+static cw_ray grazing_ray(const cw_field_info *info, uint32_t seed, size_t k) {
+    const double tan_1_degree = 0.017455;
+    const double width = (double)(info->nx - 1), depth = (double)(info->ny - 1);
+    const uint32_t side = terrain_hash(seed, (uint32_t)k, STREAM_GRAZING) & 3;
+    const double a = uniform(seed, k, STREAM_GRAZING + 1), b = uniform(seed, k, STREAM_GRAZING + 2);
+    const bool along_y = side & 1, backward = side & 2;
+    const double near_end = backward ? 1 : 0, far_end = 1 - near_end;
+    double org[3] = {width * (along_y ? a : near_end), depth * (along_y ? near_end : a), 0};
+    double dir[3] = {width * (along_y ? b : far_end) - org[0], depth * (along_y ? far_end : b) - org[1], 0};
+    dir[2] = (uniform(seed, k, STREAM_GRAZING + 3) * 2 - 1) * tan_1_degree * sqrt(dir[0] * dir[0] + dir[1] * dir[1]);
+    /* Half way across the ray is at a height that the field has. */
+    const double height = uniform(seed, k, STREAM_GRAZING + 4);
+    org[2] = (double)info->low + height * ((double)info->high - (double)info->low) - dir[2] / 2;
+    return make_ray(org, dir);
+}
+
+static size_t aimed(const cw_field *field, workload_class c, uint32_t seed, size_t n, cw_ray *rays) {
+    aimed_field f = aimed_field_of(field);
+    f.bounded = true; /* or errors would tell how far rays come from, not how they meet the surface */
+    random_state r = {(uint64_t)seed << 8 | (unsigned)c};
+    for (size_t k = 0; k < n; k++) {
+        const aim edge = k % 3 ? AIM_EDGE : AIM_DIAGONAL;
+        rays[k] = aimed_ray_make(c == WORKLOAD_EDGES ? edge : AIM_VERTEX, &f, &r).ray;
+    }
+    return n;
+}
+
+size_t workload_rays_make(const cw_field *field, workload_class c, uint32_t seed, size_t n, cw_ray *rays) {
+    /* One fixed kernel and leaf test, so that the rays do not change when a better kernel becomes the default. */
+    const cw_query query = {.kernel = cw_kernel_find("cell"), .leaf = CW_LEAF_WATERTIGHT};
+    const cw_field_info info = cw_field_describe(field);
+    if (c == WORKLOAD_PRIMARY) return primary(field, &query, n, rays);
+    if (c < WORKLOAD_RANDOM) return secondary(field, &query, c, seed, n, rays);
+    if (c >= WORKLOAD_CLASS_COUNT) return info.nx >= 4 && info.ny >= 4 ? aimed(field, c, seed, n, rays) : 0;
+    for (size_t k = 0; k < n; k++)
+        rays[k] = c == WORKLOAD_RANDOM ? random_ray(&info, seed, k) : grazing_ray(&info, seed, k);
+    return n;
+}

@@ -1,0 +1,12 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The program's subcommands. */
+#ifndef CELLWALK_TOOL_COMMANDS_H
+#define CELLWALK_TOOL_COMMANDS_H
+
+#include "command.h"
+
+extern const command command_info;
+extern const command command_render;
+extern const command command_trace;
+
+#endif

@@ -1,0 +1,75 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "command.h"
+
+#include "cellwalk.h"
+#include "words.h"
+
+#include <errno.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *running; /* the program's name */
+
+static const char *program_name(void) { return running ? running : program_invocation_short_name; }
+
+int command_fail(const char *name, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    fprintf(stderr, "%s%s%s: ", program_name(), *name ? " " : "", name);
+    vfprintf(stderr, format, arguments);
+    fputc('\n', stderr);
+    va_end(arguments);
+    return EXIT_FAILURE;
+}
+
+void command_print_name(FILE *to, const char *name) { fprintf(to, "%s%s%s", program_name(), *name ? " " : "", name); }
+
+static void print_help(const program *p, FILE *to) {
+    fprintf(to, "Usage: %s COMMAND [ARGUMENTS]\n\n%s\n\nCommands:\n", p->name, p->what);
+    for (size_t k = 0; k < p->command_count; k++)
+        fprintf(to, "  %-8s %s\n", p->commands[k]->name, p->commands[k]->what);
+    fprintf(to, "\n'%s COMMAND --help' explains a command and gives examples;\n'%s --version' prints the version.\n",
+            p->name, p->name);
+    if (p->ending) fprintf(to, "\n%s", p->ending);
+}
+
+static int unknown(const program *p, const char *word) {
+    enum { NAMES_MAX = 32 };
+    const char *names[NAMES_MAX];
+    size_t count = 0;
+    for (; count < p->command_count && count < NAMES_MAX; count++) names[count] = p->commands[count]->name;
+    const char *meant = words_closest(word, names, count);
+    fprintf(stderr, "%s: unknown %s '%s'", p->name, word[0] == '-' ? "option" : "command", word);
+    if (meant) fprintf(stderr, "; did you mean %s?", meant);
+    fprintf(stderr, "\nTry '%s --help'.\n", p->name);
+    return EXIT_USAGE;
+}
+
+static int run(const program *p, int argc, char **argv) {
+    if (argc < 2) {
+        print_help(p, stderr);
+        return EXIT_USAGE;
+    }
+    const char *word = argv[1];
+    if (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0) {
+        print_help(p, stdout);
+        return EXIT_SUCCESS;
+    }
+    if (strcmp(word, "--version") == 0) {
+        printf("%s %s\n", p->name, CW_VERSION);
+        return EXIT_SUCCESS;
+    }
+    for (size_t k = 0; k < p->command_count; k++)
+        if (strcmp(word, p->commands[k]->name) == 0) return p->commands[k]->run(argc - 1, argv + 1);
+    return unknown(p, word);
+}
+
+int program_main(const program *p, int argc, char **argv) {
+    running = p->name;
+    const int status = run(p, argc, argv);
+    /* What could not be printed is a failure as much as what could not be written. */
+    if ((fflush(stdout) == 0 && !ferror(stdout)) || status != EXIT_SUCCESS) return status;
+    fprintf(stderr, "%s: cannot write to standard output: %s\n", p->name, strerror(errno));
+    return EXIT_FAILURE;
+}

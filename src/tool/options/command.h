@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A program and its subcommands, and how they talk to people. Standard output carries results only; messages, warnings and
+ * progress go to standard error. */
+#ifndef CELLWALK_OPTIONS_COMMAND_H
+#define CELLWALK_OPTIONS_COMMAND_H
+
+#include <stdio.h>
+
+typedef struct command {
+    const char *name; /* "trace" */
+    const char *what; /* one line for the list in the program's --help */
+    /* argv[0] is the subcommand's name. Returns the program's exit status. */
+    int (*run)(int argc, char **argv);
+} command;
+
+typedef struct program {
+    const char *name; /* "cellwalk" */
+    const char *what; /* what it is for: a line */
+    const command *const *commands;
+    size_t command_count;
+    const char *ending; /* of the help: lines; or NULL */
+} program;
+
+/* Runs the subcommand that argv[1] names; --help, --version and what is no subcommand are answered here. An exit status: not
+ * 0 either where standard output could not be written. */
+int program_main(const program *p, int argc, char **argv);
+
+/* Exit statuses: EXIT_USAGE where the command line asks for something that does not exist, EXIT_FAILURE for all that goes
+ * wrong later. A program that was interrupted dies of the signal. */
+enum { EXIT_USAGE = 2 };
+
+/* Prints "PROGRAM NAME: message", or "PROGRAM: message" if name is empty, and returns EXIT_FAILURE. */
+__attribute__((format(printf, 2, 3))) int command_fail(const char *name, const char *format, ...);
+
+/* Prints "PROGRAM NAME". */
+void command_print_name(FILE *to, const char *name);
+
+#endif

@@ -1,0 +1,233 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Not getopt_long: it completes abbreviated names, so that a script breaks when an option is added, and its messages
+ * name neither value nor remedy. */
+
+#include "options.h"
+
+#include "cellwalk.h"
+#include "command.h"
+#include "words.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { NAMES_MAX = OPTION_LIST_MAX };
+
+const char *option_kernel_names(size_t number) {
+    return number < cw_kernel_count() ? cw_kernel_describe(cw_kernel_at(number)).name : NULL;
+}
+const char *option_isa_names(size_t number) { return number <= CW_ISA_AVX512 ? cw_isa_name((cw_isa)number) : NULL; }
+const char *option_leaf_names(size_t number) { return number < CW_LEAF_COUNT ? cw_leaf_name((cw_leaf)number) : NULL; }
+
+bool option_wanted(const option_list *list, size_t number) {
+    for (size_t k = 0; k < list->count; k++)
+        if (list->number[k] == number) return true;
+    return list->count == 0;
+}
+
+void option_list_fill(option_list *list, option_names *names, size_t first, size_t last) {
+    for (size_t k = first; k < last && names(k) && list->count < OPTION_LIST_MAX; k++) {
+        list->number[list->count] = k;
+        list->item[list->count++] = names(k);
+    }
+}
+
+/* ---- help ---- */
+
+static void print_option(const option_spec *o) {
+    enum { HELP_COLUMN = 25 };
+    char head[80], help[2048];
+    int width = 0;
+    if (o->letter)
+        width = snprintf(head, sizeof head, "  -%c, --%s", o->letter, o->name);
+    else
+        width = snprintf(head, sizeof head, "      --%s", o->name);
+    if (o->value) width += snprintf(head + width, sizeof head - (size_t)width, " %s", o->value);
+    printf("%s%*s", head, width < HELP_COLUMN ? HELP_COLUMN - width : 0, "");
+    if (width >= HELP_COLUMN) printf("\n%*s", HELP_COLUMN, "");
+    size_t used = (size_t)snprintf(help, sizeof help, "%s", o->help);
+    for (size_t k = 0; o->names && o->names(k) && used < sizeof help; k++)
+        used += (size_t)snprintf(help + used, sizeof help - used, "%s%s", k ? ", " : ": ", o->names(k));
+    words_wrap(help, HELP_COLUMN);
+}
+
+static void print_help(const options_usage *usage) {
+    fputs("Usage: ", stdout);
+    command_print_name(stdout, usage->name);
+    printf(" %s\n\n", usage->synopsis);
+    words_wrap(usage->what, 0);
+    fputs("\nOptions:\n", stdout);
+    for (size_t k = 0; k < usage->option_count; k++) print_option(&usage->options[k]);
+    print_option(&(option_spec){.name = "help", .letter = 'h', .help = "this text"});
+    if (usage->examples) printf("\nExamples:\n%s", usage->examples);
+}
+
+/* ---- mistakes ---- */
+
+static int wrong(const options_usage *usage) {
+    fputs("Try '", stderr);
+    command_print_name(stderr, usage->name);
+    fputs(" --help'.\n", stderr);
+    return EXIT_USAGE;
+}
+
+static int unknown(const options_usage *usage, const char *argument, size_t length) {
+    const char *names[NAMES_MAX] = {"help"};
+    size_t count = 1;
+    for (; count < NAMES_MAX && count <= usage->option_count; count++) names[count] = usage->options[count - 1].name;
+    char word[64];
+    snprintf(word, sizeof word, "%.*s", (int)length, argument);
+    const char *meant = word[1] == '-' ? words_closest(word + 2, names, count) : NULL;
+    if (meant)
+        command_fail(usage->name, "unknown option %s; did you mean --%s?", word, meant);
+    else
+        command_fail(usage->name, "unknown option %s", word);
+    return wrong(usage);
+}
+
+/* ---- values ---- */
+
+static bool set_name(const options_usage *usage, const option_spec *o, const char *value, size_t *number) {
+    const char *names[NAMES_MAX];
+    size_t count = 0;
+    for (; count < NAMES_MAX && (names[count] = o->names(count)) != NULL; count++) {
+        if (strcmp(names[count], value) != 0) continue;
+        *number = count;
+        return true;
+    }
+    char what[64];
+    snprintf(what, sizeof what, "--%s", o->name);
+    return words_unknown(usage->name, what, value, names, count);
+}
+
+/* Takes the text apart in place. What is in the list already is not added again. */
+static bool add_items(const options_usage *usage, const option_spec *o, char *text) {
+    option_list *list = o->to;
+    for (char *rest = text; rest;) {
+        const char *item = strsep(&rest, ",");
+        size_t number = 0, k = 0;
+        if (*item == '\0') return command_fail(usage->name, "--%s needs a value that is not empty", o->name), false;
+        if (o->names && !set_name(usage, o, item, &number)) return false;
+        while (k < list->count && strcmp(list->item[k], item) != 0) k++;
+        if (k == OPTION_LIST_MAX)
+            return command_fail(usage->name, "--%s takes at most %d values", o->name, OPTION_LIST_MAX), false;
+        if (k < list->count) continue;
+        list->number[list->count] = number;
+        list->item[list->count++] = item;
+    }
+    return true;
+}
+
+static bool set_real(const options_usage *usage, const option_spec *o, const char *value) {
+    char *end = NULL;
+    const double real = strtod(value, &end);
+    if (end != value && *end == '\0' && real >= o->low && real <= o->high) { /* not NaN */
+        *(double *)o->to = real;
+        return true;
+    }
+    if (o->high < (double)FLT_MAX)
+        command_fail(usage->name, "--%s takes a number from %g to %g, not '%s'", o->name, o->low, o->high, value);
+    else
+        command_fail(usage->name, "--%s takes a number from %g on, not '%s'", o->name, o->low, value);
+    return false;
+}
+
+static bool set_count(const options_usage *usage, const option_spec *o, const char *value) {
+    char *end = NULL;
+    const unsigned long number = strtoul(value, &end, 10); /* the largest there is, if value is larger */
+    const bool digits = value[0] >= '0' && value[0] <= '9' && *end == '\0'; /* strtoul would take " -1" */
+    if (digits && (double)number >= o->low && (double)number <= o->high) {
+        *(unsigned *)o->to = (unsigned)number;
+        return true;
+    }
+    command_fail(usage->name, "--%s takes a whole number from %.0f to %.0f, not '%s'", o->name, o->low, o->high, value);
+    return false;
+}
+
+static bool set_value(const options_usage *usage, const option_spec *o, char *value) {
+    size_t number;
+    switch (o->kind) {
+    case OPTION_COUNT:
+        return set_count(usage, o, value);
+    case OPTION_REAL:
+        return set_real(usage, o, value);
+    case OPTION_LIST:
+        return add_items(usage, o, value);
+    case OPTION_NAME:
+        if (!set_name(usage, o, value, &number)) return false;
+        *(int *)o->to = (int)number;
+        return true;
+    default:
+        if (value[0] == '\0') return command_fail(usage->name, "--%s needs a value that is not empty", o->name), false;
+        *(const char **)o->to = value;
+        return true;
+    }
+}
+
+/* ---- parsing ---- */
+
+/* The option that argument names, and the value that is written into the same argument, if any. */
+static const option_spec *find(const options_usage *usage, char *argument, size_t *length, char **value) {
+    const bool is_long = argument[1] == '-';
+    char *equals = is_long ? strchr(argument, '=') : NULL;
+    *length = equals ? (size_t)(equals - argument) : is_long ? strlen(argument) : 2;
+    *value = equals ? equals + 1 : argument[*length] != '\0' ? argument + *length : NULL;
+    for (size_t k = 0; k < usage->option_count; k++) {
+        const option_spec *o = &usage->options[k];
+        if (is_long ? strlen(o->name) == *length - 2 && strncmp(o->name, argument + 2, *length - 2) == 0
+                    : o->letter != 0 && o->letter == argument[1])
+            return o;
+    }
+    return NULL;
+}
+
+/* Takes the option at argv[*k], and the argument behind it if that is its value. */
+static int take_option(const options_usage *usage, int argc, char **argv, int *k) {
+    size_t length;
+    char *value;
+    const option_spec *o = find(usage, argv[*k], &length, &value);
+    if (o == NULL) return unknown(usage, argv[*k], length);
+    if (o->kind == OPTION_FLAG) {
+        if (value) {
+            command_fail(usage->name, "--%s takes no value, but got '%s'", o->name, value);
+            return wrong(usage);
+        }
+        *(bool *)o->to = true;
+        return OPTIONS_GO;
+    }
+    if (value == NULL && *k + 1 < argc) value = argv[++*k];
+    if (value == NULL) {
+        command_fail(usage->name, "--%s needs a value: --%s %s", o->name, o->name, o->value);
+        return wrong(usage);
+    }
+    return set_value(usage, o, value) ? OPTIONS_GO : wrong(usage);
+}
+
+int options_parse(const options_usage *usage, int argc, char **argv, const char **operands) {
+    for (size_t k = 0; k < usage->operand_most; k++) operands[k] = NULL;
+    size_t given = 0;
+    bool options_over = false;
+    for (int k = 1; k < argc; k++) {
+        char *argument = argv[k];
+        if (!options_over && strcmp(argument, "--") == 0) {
+            options_over = true;
+        } else if (!options_over && (strcmp(argument, "--help") == 0 || strcmp(argument, "-h") == 0)) {
+            print_help(usage);
+            return EXIT_SUCCESS;
+        } else if (!options_over && argument[0] == '-' && argument[1] != '\0') {
+            const int result = take_option(usage, argc, argv, &k);
+            if (result != OPTIONS_GO) return result;
+        } else if (given < usage->operand_most) {
+            operands[given++] = argument;
+        } else {
+            command_fail(usage->name, "'%s' is one argument too many", argument);
+            return wrong(usage);
+        }
+    }
+    if (given >= usage->operand_least) return OPTIONS_GO;
+    command_fail(usage->name, "%s is missing", usage->operands[given]);
+    return wrong(usage);
+}

@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Command lines: one table describes a subcommand to the parser and to the reader of --help, so that the two cannot
+ * disagree. Options and operands may come in any order; `--name=value` and `--name value` mean the same, as do `-o value`
+ * and `-ovalue`; `--` ends the options. */
+#ifndef CELLWALK_OPTIONS_OPTIONS_H
+#define CELLWALK_OPTIONS_OPTIONS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+typedef enum option_kind {
+    OPTION_FLAG,  /* to: bool *; takes no value */
+    OPTION_TEXT,  /* to: const char **; the argument itself, not a copy */
+    OPTION_COUNT, /* to: unsigned *; a whole number in [low, high] */
+    OPTION_REAL,  /* to: double *; a number in [low, high] */
+    OPTION_NAME,  /* to: int *; the number of the name given */
+    OPTION_LIST   /* to: option_list *; a,b,c or the option again */
+} option_kind;
+
+enum { OPTION_LIST_MAX = 64 };
+
+typedef struct option_list {
+    const char *item[OPTION_LIST_MAX];
+    size_t number[OPTION_LIST_MAX]; /* each item's among the option's names */
+    size_t count;
+} option_list;
+
+/* The name with that number; NULL from the count on. */
+typedef const char *option_names(size_t number);
+
+typedef struct option_spec {
+    const char *name;  /* without dashes */
+    const char *value; /* what stands for the value in the help; NULL for a flag */
+    const char *help;  /* is wrapped; what names there are is added */
+    option_kind kind;
+    void *to; /* untouched while the option is not given, but for lists, to which items are added */
+    double low, high;
+    option_names *names; /* that a name or the items of a list may have; NULL for lists of anything */
+    char letter;         /* a one-letter form, or 0 */
+} option_spec;
+
+typedef struct options_usage {
+    const char *name;     /* the subcommand; "" if the program has none */
+    const char *synopsis; /* all that follows the name: "FIELD RAYS.npy -o HITS.npy [OPTIONS]" */
+    const char *what;     /* paragraphs, which are wrapped */
+    const char *examples; /* lines, indented, ending in a newline; or NULL */
+    const option_spec *options;
+    size_t option_count;
+    const char *const *operands; /* names of the operands, in order */
+    size_t operand_least, operand_most;
+} options_usage;
+
+/* OPTIONS_GO if everything is in its place; else what the program ends with: EXIT_SUCCESS where the help was asked for and
+ * printed, EXIT_USAGE where a message was. operands has room for usage->operand_most; those not given become NULL. */
+enum { OPTIONS_GO = -1 };
+int options_parse(const options_usage *usage, int argc, char **argv, const char **operands);
+
+/* True if the list is empty or holds the number. */
+bool option_wanted(const option_list *list, size_t number);
+/* Adds the names from first up to last, without last. */
+void option_list_fill(option_list *list, option_names *names, size_t first, size_t last);
+
+/* Names for options: of kernels, instruction sets and leaf tests. */
+const char *option_kernel_names(size_t number);
+const char *option_isa_names(size_t number);
+const char *option_leaf_names(size_t number);
+
+#endif

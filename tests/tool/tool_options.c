@@ -1,0 +1,178 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Command lines are taken apart as their table says, mistakes are told with what was probably meant, and no help of any
+ * program is wider than 80 columns. */
+
+#include "options.h"
+
+#include "check.h"
+#include "command.h"
+#include "scratch.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+static const char *colours(size_t number) {
+    static const char *const names[] = {"red", "green", "grey"};
+    return number < 3 ? names[number] : NULL;
+}
+
+typedef struct settings {
+    bool flag;
+    const char *text;
+    unsigned count;
+    double real;
+    int name;
+    option_list list, free_list;
+    const char *operands[2];
+} settings;
+
+/* What is printed goes to the files out and err. */
+static int parse(settings *s, const char *line) {
+    *s = (settings){.name = -1};
+    const option_spec options[] = {
+        {"flag", NULL, "a flag", OPTION_FLAG, .to = &s->flag, .letter = 'f'},
+        {"text", "TEXT", "a text", OPTION_TEXT, .to = &s->text, .letter = 't'},
+        {"count", "N", "a whole number", OPTION_COUNT, .to = &s->count, .low = 2, .high = 9},
+        {"real", "X", "a number", OPTION_REAL, .to = &s->real, .low = -0.5, .high = 1.5},
+        {"name", "NAME", "one of these", OPTION_NAME, .to = &s->name, .names = colours},
+        {"list", "NAMES", "several of these", OPTION_LIST, .to = &s->list, .names = colours},
+        {"free", "NAMES", "several of anything", OPTION_LIST, .to = &s->free_list},
+    };
+    static const char *const operands[] = {"FROM", "TO"};
+    const options_usage usage = {.name = "paint",
+                                 .synopsis = "FROM [TO] [OPTIONS]",
+                                 .what = "Paints.",
+                                 .options = options,
+                                 .option_count = sizeof options / sizeof options[0],
+                                 .operands = operands,
+                                 .operand_least = 1,
+                                 .operand_most = 2};
+    static char copy[512]; /* lists point into it */
+    char *argv[32];
+    int argc = 0;
+    snprintf(copy, sizeof copy, "paint %s", line);
+    for (char *word = strtok(copy, " "); word; word = strtok(NULL, " ")) argv[argc++] = word;
+    fflush(stdout);
+    fflush(stderr);
+    const int held[2] = {dup(STDOUT_FILENO), dup(STDERR_FILENO)};
+    assert_true(held[0] >= 0 && held[1] >= 0 && freopen("out", "w", stdout) && freopen("err", "w", stderr));
+    const int status = options_parse(&usage, argc, argv, s->operands);
+    fflush(stdout);
+    fflush(stderr);
+    for (int k = 0; k < 2; k++) {
+        assert_true(dup2(held[k], STDOUT_FILENO + k) >= 0);
+        close(held[k]);
+    }
+    return status;
+}
+
+static void values_are_taken(void **state) {
+    (void)state;
+    settings s;
+    check(parse(&s, "here -f --text=a=b --count 9 --real -0.5 --name grey --list green,red --list red --free x,,") !=
+              OPTIONS_GO,
+          "an empty item is taken");
+    check(parse(&s, "here -f --text=a=b --count 9 --real -0.5 --name grey --list green,red --list red --free x,y") ==
+              OPTIONS_GO,
+          "good options are refused");
+    check(s.flag && strcmp(s.text, "a=b") == 0 && s.count == 9 && s.real == -0.5 && s.name == 2, "a value is another");
+    check(s.list.count == 2 && s.list.number[0] == 1 && s.list.number[1] == 0 && strcmp(s.list.item[0], "green") == 0,
+          "the list is another");
+    check(s.free_list.count == 2 && strcmp(s.free_list.item[1], "y") == 0, "the list of anything is another");
+    check(strcmp(s.operands[0], "here") == 0 && s.operands[1] == NULL, "the operands are others");
+    check(option_wanted(&s.list, 1) && !option_wanted(&s.list, 2) && option_wanted(&(option_list){.count = 0}, 2),
+          "what is wanted is another");
+    check(parse(&s, "-tx -- -f --flag") == OPTIONS_GO && strcmp(s.text, "x") == 0 && !s.flag &&
+              strcmp(s.operands[1], "--flag") == 0,
+          "-- does not end the options");
+    option_list_fill(&s.list, colours, 1, 99);
+    check(s.list.count == 2 && s.list.number[1] == 2, "a list is filled otherwise");
+}
+
+static void mistakes_are_told(void **state) {
+    (void)state;
+    static const struct {
+        const char *line, *told;
+    } cases[] = {
+        {"here --cuont 3", "paint: unknown option --cuont; did you mean --count?\nTry '"},
+        {"here -x", "unknown option -x\n"},
+        {"here --count 1", "--count takes a whole number from 2 to 9, not '1'"},
+        {"here --count 10", "--count takes a whole number from 2 to 9, not '10'"},
+        {"here --count 3x", "not '3x'"},
+        {"here --real 1.6", "--real takes a number from -0.5 to 1.5, not '1.6'"},
+        {"here --real nan", "not 'nan'"},
+        {"here --name gren", "--name 'gren' is unknown; did you mean green? There are red, green, grey"},
+        {"here --list red,blue", "--list 'blue' is unknown; there are red, green, grey"},
+        {"here --text", "--text needs a value: --text TEXT"},
+        {"here --flag=1", "--flag takes no value, but got '1'"},
+        {"", "FROM is missing"},
+        {"here there everywhere", "'everywhere' is one argument too many"},
+    };
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        settings s;
+        size_t size;
+        check(parse(&s, cases[k].line) == EXIT_USAGE, "\"%s\" is not refused", cases[k].line);
+        char *told = scratch_read("err", &size), *printed = scratch_read("out", &size);
+        check(strstr(told, cases[k].told) != NULL, "\"%s\" is told as %s", cases[k].line, told);
+        check(printed[0] == '\0', "\"%s\" prints %s", cases[k].line, printed);
+        free(printed);
+        free(told);
+    }
+}
+
+/* The output of a shell's command; the caller frees it. */
+static char *output_of(const char *line) {
+    size_t size;
+    check(system(line) == 0, "%s fails", line);
+    return scratch_read("printed", &size);
+}
+
+static void check_width(const char *what, const char *text) {
+    for (const char *line = text; *line; line += strcspn(line, "\n") + (line[strcspn(line, "\n")] == '\n')) {
+        size_t columns = 0;
+        const size_t length = strcspn(line, "\n");
+        for (size_t k = 0; k < length; k++) columns += ((unsigned char)line[k] & 0xc0) != 0x80;
+        check(columns <= 80, "%s prints %zu columns: %.*s", what, columns, (int)length, line);
+    }
+}
+
+/* Each subcommand is a line of the program's help: two spaces and its name. */
+static size_t check_helps(const char *of) {
+    char words[4096];
+    size_t found = 0;
+    snprintf(words, sizeof words, "'%s' --help >printed", of);
+    char *help = output_of(words);
+    check_width(words, help);
+    for (char *line = strstr(help, "Commands:\n"); line && (line = strchr(line, '\n')) && strncmp(line, "\n  ", 3) == 0;
+         found++) {
+        line += 3;
+        snprintf(words, sizeof words, "'%s' %.*s --help >printed", of, (int)strcspn(line, " "), line);
+        char *text = output_of(words);
+        check_width(words, text);
+        check(strstr(text, "\nOptions:\n") != NULL, "%s does not list options", words);
+        free(text);
+    }
+    free(help);
+    snprintf(words, sizeof words, "'%s' --version >printed", of);
+    char *version = output_of(words);
+    check(strstr(version, " " CW_VERSION "\n") != NULL, "%s prints %s", words, version);
+    free(version);
+    return found;
+}
+
+static void helps_fit(void **state) {
+    (void)state;
+    char programs[] = OPTIONS_PROGRAMS;
+    for (char *of = strtok(programs, ":"); of; of = strtok(NULL, ":"))
+        check(check_helps(of) >= 3, "%s has no subcommands", of);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(values_are_taken, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(mistakes_are_told, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(helps_fit, scratch_enter, scratch_leave),
+    };
+    return cmocka_run_group_tests_name("tool_options", tests, NULL, NULL);
+}
