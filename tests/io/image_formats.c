@@ -3,8 +3,8 @@
 
 #include "check.h"
 #include "image.h"
-#include "workload/random.h"
 #include "scratch.h"
+#include "workload/random.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -3,9 +3,9 @@
 
 #include "check.h"
 #include "pbrt_lex.h"
-#include "workload/random.h"
 #include "scene.h"
 #include "scratch.h"
+#include "workload/random.h"
 
 #include <math.h>
 #include <stdio.h>

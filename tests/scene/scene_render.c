@@ -2,9 +2,9 @@
 /* Pictures against closed formulas, and that neither kernel nor number of threads changes a pixel. */
 
 #include "check.h"
-#include "workload/random.h"
 #include "scene.h"
 #include "scratch.h"
+#include "workload/random.h"
 
 #include <math.h>
 #include <stdio.h>
