@@ -39,6 +39,7 @@ typedef enum cw_status {
     CW_ERROR_SIZE,        /* nx or ny below 2, above CW_SIDE_MAX, or too many samples for 31-bit sample numbers */
     CW_ERROR_STRIDE,      /* a row stride shorter than a row */
     CW_ERROR_MAP,         /* the affine map is not finite or cannot be inverted */
+    CW_ERROR_HEIGHT,      /* a sample lies beyond plus or minus CW_HEIGHT_MAX */
     CW_ERROR_HOLE,        /* borrowed samples hold an infinity: mark holes by NaN, or let the field copy them */
     CW_ERROR_MEMORY,      /* out of memory */
     CW_ERROR_UNAVAILABLE, /* this machine, or the instruction-set limit, rules the kernel out */
@@ -105,6 +106,9 @@ CW_API cw_kernel_info cw_kernel_describe(const cw_kernel *kernel);
 /* Field coordinates must be exact in float: a side has at most 2^23 samples, and all samples are fewer than 2^31. */
 enum { CW_SIDE_MAX = 1 << 23 };
 
+/* Heights up to 2^100, about 1.27e30, leave room for sums and products that answers are made of. */
+#define CW_HEIGHT_MAX 0x1p100f
+
 typedef struct cw_field cw_field;
 
 typedef enum cw_storage {
@@ -155,7 +159,11 @@ CW_API float cw_field_sample(const cw_field *field, size_t i, size_t j);
  * and tmax may be infinite; both are clamped to half of the largest float. A direction component of at most 2^-128, whose
  * reciprocal is no float, counts as zero; one above 2^126, whose reciprocal is denormal, counts as infinite. A ray with a
  * NaN anywhere, an infinite origin or direction, a zero direction or tmin > tmax misses. A ray that touches the surface
- * hits it. */
+ * hits it; but on the field's outer border and on the rim of a hole, where nothing lies behind, a touch may also be a miss.
+ *
+ * A ray may start anywhere. From more than half a side's length outside the field, or more than eight times its range of
+ * heights above or below the middle of it, a ray is first moved to where it enters the field's box, in double: distance costs
+ * neither speed nor precision. A ray that would enter it beyond half of the largest float misses. */
 typedef struct cw_ray {
     float org[3];
     float tmin;
@@ -166,6 +174,9 @@ typedef struct cw_ray {
 typedef enum cw_triangle { CW_TRIANGLE_A = 0, CW_TRIANGLE_B = 1 } cw_triangle;
 
 /* With p0, p1, p2 the triangle's vertices in the order given at the top, the hit is p0 + u (p1 - p0) + v (p2 - p0).
+ * t counts from the ray's origin as given. With CW_LEAF_WATERTIGHT t is the exact one rounded to the nearest float, and u
+ * and v are within 2^-23 of theirs, unless the ray passes within rounding of the triangle's edge or is all but parallel to it;
+ * papers/numerics.md has the bounds. From afar a float t no longer tells neighbouring cells apart: i, j, u and v do.
  * A miss has t = +infinity, i = j = -1, triangle, u and v 0. */
 typedef struct cw_hit {
     float t;
@@ -229,8 +240,10 @@ typedef struct cw_user_ray {
     double tmax;
 } cw_user_ray;
 
-/* Moves rays to field space in double and rounds last, so that a field far from the user's origin loses nothing. t is
- * the same in both spaces. in and out may not overlap. */
+/* Moves rays to field space in double and rounds last, so that a field far from the user's origin loses nothing: from 5 · 10^6 m
+ * away, cells of 1 m get the same rays as at the origin. What is lost is one rounding to float: of an origin within a field of
+ * 10 000 cells up to 5 · 10^-4 cells, of one 10^5 cells away up to 4 · 10^-3, and 2^-24 of the direction's length. t is the same in
+ * both spaces. in and out may not overlap. */
 CW_API void cw_rays_to_field(const cw_field *field, const cw_user_ray *in, size_t n, cw_ray *out);
 
 /* ---- what follows from a hit: computed on request, so that a query pays only for what its scene requires ---------- */

@@ -35,15 +35,16 @@ static inline vmask climb(vray *r, const struct cw_pyramid *p, vmask alive) {
             const vfloat border_x = vf_mul(side, vf_select(r->x.up, vf_add(i, two), vf_sub(i, one)));
             const vfloat border_y = vf_mul(side, vf_select(r->y.up, vf_add(j, two), vf_sub(j, one)));
             const vfloat reach = vf_min(crossing(&r->x, border_x), crossing(&r->y, border_y));
-            chain = vm_and(chain, vf_gt(height(r, vf_min(reach, vf_set(FLT_MAX))), above));
+            const vfloat there = vf_mul(vf_min(reach, vf_set(FLT_MAX)), r->dz);
+            chain = vm_and(chain, vf_gt(there, above_origin(r, above)));
             if (!vm_any(chain)) break;
             const vint node = vi_add(vi_mul(vi_from_vf(vf_select(chain, j, zero)), vi_set(4 * l->across)),
                                      vi_from_vf(vf_select(chain, i, zero)));
             above = vf_gather(l->around, node, chain);
             /* A guess a little too far on, then the comparison that counts. */
-            const vfloat guess = vf_mul(vf_sub(above, r->oz), rise);
+            const vfloat clearance = above_origin(r, above), guess = vf_mul(clearance, rise);
             const vfloat end = vf_max(r->from, vf_add(guess, vf_mul(vf_set(0x1p-16f), vf_abs(guess))));
-            const vmask holds = vm_and(vm_and(chain, vf_le(end, reach)), vf_gt(height(r, end), above));
+            const vmask holds = vm_and(vm_and(chain, vf_le(end, reach)), vf_gt(vf_mul(end, r->dz), clearance));
             r->until = vf_select(holds, vf_min(r->until, end), r->until);
         }
     }

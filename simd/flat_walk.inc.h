@@ -14,8 +14,7 @@ typedef struct packet {
     vint sample; /* number of sample (i, j) */
     vmask alive; /* still walking */
     vmask found;
-    vhit hit;            /* of the lanes in found, as far as the query wants it */
-    vfloat hit_i, hit_j; /* and their cells */
+    found_hits hit; /* of the lanes in found; not kept for any-hit queries */
     /* Constants of the ray: border beyond the cell as an offset from its low corner, sample steps. */
     vfloat x_in, x_out, y_in, y_out;
     vint step_x, step_y;
@@ -67,39 +66,44 @@ static inline void flat_start(packet *l, const cw_field *f) {
         vi_add(vi_mul(vi_from_vf(vf_select(l->alive, c->j, zero)), row), vi_from_vf(vf_select(l->alive, c->i, zero)));
 }
 
-/* Keeps the hits of the lanes in now, in cell c. */
-static inline void packet_keep(packet *l, vmask now, const vhit *h, const vcell *c) {
-    l->hit.t = vf_select(now, h->t, l->hit.t);
-    l->hit.u = vf_select(now, h->u, l->hit.u);
-    l->hit.v = vf_select(now, h->v, l->hit.v);
-    l->hit.b = vm_or(vm_and(now, h->b), vm_andnot(l->hit.b, now));
-    l->hit_i = vf_select(now, c->i, l->hit_i);
-    l->hit_j = vf_select(now, c->j, l->hit_j);
+/* Keeps what was found in cell c by the lanes in now. */
+static inline void keep_hits(found_hits *h, vmask now, const vfind *find, const vcell *c) {
+    h->find.t0 = vf_select(now, find->t0, h->find.t0);
+    h->find.t1 = vf_select(now, find->t1, h->find.t1);
+    h->find.b = vm_or(vm_and(now, find->b), vm_andnot(h->find.b, now));
+    h->i = vf_select(now, c->i, h->i);
+    h->j = vf_select(now, c->j, h->j);
+    h->h00 = vf_select(now, c->h00, h->h00);
+    h->corner = vf_select(now, vf_select(find->b, c->h01, c->h10), h->corner);
+    h->h11 = vf_select(now, c->h11, h->h11);
 }
 
 static inline void packet_clear(packet *l) {
     const vfloat zero = vf_set(0);
     l->found = vm_set(false);
-    l->hit = (vhit){.t = zero, .u = zero, .v = zero, .b = l->found};
-    l->hit_i = l->hit_j = zero;
+    l->hit = (found_hits){{zero, zero, l->found}, zero, zero, zero, zero, zero};
+}
+
+/* Lanes among which the cell is hit. */
+CW_INLINE vmask leaf_test(cw_leaf leaf, const vray *r, const vcell *c, vmask among, bool any, vfind *find) {
+    count_lanes(COUNT_LEAF, among);
+    return leaf == CW_LEAF_WATERTIGHT ? wt_cell(r, c, among, any, find) : mt_cell(r, c, among, find);
 }
 
 /* Tests the cell of each living lane and goes on to the next. */
-static inline void flat_step(packet *l, const cw_field *f, cw_leaf leaf, bool any) {
+CW_INLINE void flat_step(packet *l, const cw_field *f, cw_leaf leaf, bool any) {
     const vray *r = &l->r;
     vcell *c = &l->c;
     count_lanes(COUNT_FLAT, l->alive);
-    c->t0 = vf_max(vf_max(c->x_in, c->y_in), r->begin);
-    c->t1 = vf_min(vf_min(c->x_out, c->y_out), r->end);
+    c->t0 = vf_max(vf_max(c->x_in, c->y_in), r->t0);
+    c->t1 = vf_min(vf_min(c->x_out, c->y_out), r->t1);
     vf_gather_pairs(f->z, l->sample, l->alive, &c->h00, &c->h10);
     vf_gather_pairs(f->z + f->stride, l->sample, l->alive, &c->h01, &c->h11);
     const vmask candidates = vm_and(l->alive, cell_gate(r, c));
     if (vm_any(candidates)) {
-        count_lanes(COUNT_LEAF, candidates);
-        vhit h;
-        const vmask now =
-            leaf == CW_LEAF_WATERTIGHT ? wt_cell(r, c, candidates, any, &h) : mt_cell(r, c, candidates, &h);
-        if (!any) packet_keep(l, now, &h, c);
+        vfind find;
+        const vmask now = leaf_test(leaf, r, c, candidates, any, &find);
+        if (!any && vm_any(now)) keep_hits(&l->hit, now, &find, c);
         l->found = vm_or(l->found, now);
         l->alive = vm_andnot(l->alive, now);
     }
@@ -117,19 +121,24 @@ static inline void flat_step(packet *l, const cw_field *f, cw_leaf leaf, bool an
     l->sample = vi_add(l->sample, vi_select(in_x, l->step_x, l->step_y));
 }
 
-/* Writes the hits of the lanes in found; lanes bits tells which, so that the caller knows the rest. */
-static inline unsigned packet_hits(const packet *l, cw_hit *hits) {
-    const unsigned found = vm_bits(l->found), in_b = vm_bits(l->hit.b);
-    float t[W], u[W], v[W];
-    int32_t i[W], j[W];
-    vf_store(t, l->hit.t);
-    vf_store(u, l->hit.u);
-    vf_store(v, l->hit.v);
-    vi_store(i, vi_from_vf(l->hit_i));
-    vi_store(j, vi_from_vf(l->hit_j));
-    for (unsigned m = found; m != 0; m &= m - 1) {
-        const int k = __builtin_ctz(m);
-        hits[k] = (cw_hit){t[k], u[k], v[k], i[k], j[k], in_b >> k & 1};
+/* Writes the answers of all W lanes, whose rays these are: hits where found, else misses. */
+static inline void packet_hits(const packet *l, const cw_field *f, const cw_ray *rays, cw_hit *hits) {
+    const vfloat infinite = vf_set(INFINITY), zero = vf_set(0), none = vf_set(-1);
+    if (!vm_any(l->found)) {
+        vf_store_hits(hits, infinite, zero, zero, none, none, vm_set(false));
+        return;
     }
-    return found;
+    const vray *r = &l->r;
+    vstart s;
+    if (r->moved) {
+        vfloat c[8];
+        vf_load_rays(rays, c);
+        restart_rays(&s, f, c);
+    } else {
+        s = (vstart){.org = {r->x.org, r->y.org, r->oz}, .dir = {r->x.dir, r->y.dir, r->dz}};
+    }
+    const vhit h = refine_hits(&s, &l->hit);
+    vf_store_hits(hits, vf_select(l->found, h.t, infinite), vf_select(l->found, h.u, zero),
+                  vf_select(l->found, h.v, zero), vf_select(l->found, l->hit.i, none),
+                  vf_select(l->found, l->hit.j, none), vm_and(l->found, l->hit.find.b));
 }

@@ -20,10 +20,8 @@ enum {
     RAY_DZ,
     RAY_PAD,   /* what rounding may do to the height above a slab, beyond what the slab has room for */
     RAY_UNTIL, /* the walk ends here */
-    RAY_BEGIN, /* of the leaf tests: see vray */
-    RAY_END,
-    RAY_TMIN,
-    RAY_TMAX,
+    RAY_T0,    /* of the leaf tests: see vray */
+    RAY_T1,
     RAY_FLOATS
 };
 enum { RAY_TURNED_X, RAY_TURNED_Y, RAY_INTS };
@@ -45,13 +43,18 @@ typedef struct queued {
  * numbers stay small. */
 enum { BATCH = 256, LANE_RUN = 1 << 16 };
 
+/* What is allowed at t, as seen from where the library traces a ray from: at + cone · t. */
+typedef struct tolerance {
+    float at, cone;
+} tolerance;
+
 typedef struct lane_queue {
     lane_rays ready[BATCH / W];
     queued rays[BATCH];
     size_t n;
-    unsigned mirrored; /* bits of the present group's packets that are in ready */
-    uint32_t first;    /* number of the batch's first ray, from which those of rays count */
-    float cone[BATCH]; /* tolerant queries alone: allowed error in height for each unit of t */
+    unsigned mirrored;        /* bits of the present group's packets that are in ready */
+    uint32_t first;           /* number of the batch's first ray, from which those of rays count */
+    tolerance allowed[BATCH]; /* of tolerant queries alone */
 } lane_queue;
 
 /* One axis of W rays. */
@@ -73,27 +76,27 @@ static inline void mirror_axis(float f[RAY_AXIS][W], int32_t turned[W], const va
 static inline void mirror_rays(lane_rays *s, const vray *r, const cw_field *f, cw_leaf leaf) {
     mirror_axis(s->f, s->i[RAY_TURNED_X], &r->x, f->nx);
     mirror_axis(s->f + RAY_AXIS, s->i[RAY_TURNED_Y], &r->y, f->ny);
-    /* Slabs have room for the rounding of rays that begin within the field or not far from it, and of the watertight test.
-     * Of heights we allow 64 u. */
+    /* Slabs have room for the rounding of rays that begin within the field, and of the watertight test: papers/numerics.md.
+     * For more each ray has a pad: of heights 64 u, of the origin's excess 32 u times the steepest slope. Möller and
+     * Trumbore's test, whose heights are clamped to nothing, takes 64 u of all places. */
     const vfloat size = vf_set((float)(f->nx + f->ny)), origin = vf_add(vf_abs(r->x.org), vf_abs(r->y.org));
-    const vfloat outside = leaf == CW_LEAF_WATERTIGHT ? vf_max(vf_set(0), vf_sub(origin, size)) : vf_add(origin, size);
+    const vfloat excess =
+        leaf == CW_LEAF_WATERTIGHT ? vf_max(vf_set(0), vf_sub(origin, size)) : vf_mul(vf_set(2), vf_add(origin, size));
     const vfloat tallest = vf_set(fmaxf(fabsf(f->low), fabsf(f->high))), steepest = vf_set(f->pyramid->steepest);
-    const vfloat heights = vf_add(vf_mul(vf_set(2), vf_add(vf_abs(r->oz), tallest)), vf_mul(steepest, outside));
+    const vfloat heights = vf_add(vf_mul(vf_set(2), vf_add(vf_abs(r->oz), tallest)), vf_mul(steepest, excess));
     const vfloat longest = vf_max(vf_abs(r->from), vf_abs(r->until));
     const vfloat denormal = vf_mul(vf_set(FLT_MIN), vf_add(vf_set(1), longest));
     const vfloat pad = vf_add(vf_mul(vf_set(SLAB_ROUNDING), heights), denormal);
     /* Where a height above a slab or its rate might overflow, no slab is worth anything. The walk's own sums stay below
      * eight of these each. */
-    const vfloat ground = vf_add(vf_add(origin, size), vf_add(vf_abs(r->x.dir), vf_abs(r->y.dir)));
-    const vfloat numbers = vf_add(vf_add(heights, vf_abs(r->dz)), vf_mul(steepest, ground));
+    const vfloat lengths = vf_add(vf_add(origin, size), vf_add(vf_abs(r->x.dir), vf_abs(r->y.dir)));
+    const vfloat largest = vf_add(vf_add(heights, vf_abs(r->dz)), vf_mul(steepest, lengths));
     vf_store(s->f[RAY_OZ], r->oz);
     vf_store(s->f[RAY_DZ], r->dz);
-    vf_store(s->f[RAY_PAD], vf_select(vf_le(numbers, vf_set(0x1p120f)), pad, vf_set(INFINITY)));
+    vf_store(s->f[RAY_PAD], vf_select(vf_le(largest, vf_set(0x1p120f)), pad, vf_set(INFINITY)));
     vf_store(s->f[RAY_UNTIL], r->until);
-    vf_store(s->f[RAY_BEGIN], r->begin);
-    vf_store(s->f[RAY_END], r->end);
-    vf_store(s->f[RAY_TMIN], r->tmin);
-    vf_store(s->f[RAY_TMAX], r->tmax);
+    vf_store(s->f[RAY_T0], r->t0);
+    vf_store(s->f[RAY_T1], r->t1);
 }
 
 /* The same for packet p of the present group, number first_packet + p of the queue. Rays that never are alone are
@@ -109,7 +112,7 @@ CW_INLINE void mirror_packet(lane_queue *q, size_t first_packet, size_t p, const
 static inline vint first_corner(float f[RAY_AXIS][W], vfloat t, vfloat side) {
     const vfloat last = vf_sub(vf_load(f[RAY_LAST]), vf_set(0.5f));
     vfloat place = vf_add(vf_load(f[RAY_EARLY]), vf_mul(t, vf_load(f[RAY_DIR])));
-    place = vf_max(vf_load(f[RAY_FIRST]), vf_min(last, place));
+    place = vf_max(vf_min(place, last), vf_load(f[RAY_FIRST])); /* NaN, if there were any, would become last */
     return vi_from_vf(vf_mul(vf_floor(vf_div(place, side)), side));
 }
 
@@ -129,19 +132,26 @@ static inline void enqueue(lane_queue *q, size_t packet_number, unsigned which, 
     }
 }
 
-/* What tolerant queries need besides of the rays of a packet. */
-static inline void set_cones(float cone[W], const cw_ray rays[W], const cw_query *tolerant) {
+/* What tolerant queries need besides of the rays of a packet. The cone widens from the caller's origin on, also for a ray that
+ * is moved. Rounding takes less than what the query's settings were lowered by (papers/numerics.md). */
+static inline void set_tolerances(tolerance allowed[W], const cw_field *f, const cw_ray rays[W], const cw_query *q) {
     for (size_t k = 0; k < W; k++) {
         const double x = (double)rays[k].dir[0], y = (double)rays[k].dir[1], z = (double)rays[k].dir[2];
-        cone[k] = tolerant->cone * (float)sqrt(x * x + y * y + z * z);
+        const double cone = (double)q->cone * sqrt(x * x + y * y + z * z);
+        ray_start start;
+        allowed[k] = (tolerance){q->tolerance, (float)min_second_d(cone, (double)FLT_MAX)};
+        if (q->cone == 0 || !ray_is_far(f, rays[k].org) || !ray_init(&start, f, &rays[k])) continue;
+        if (start.shift < 0) /* nothing for the cone where the caller's t is negative */
+            allowed[k].cone = 0;
+        else
+            allowed[k].at = (float)min_second_d((double)q->tolerance + cone * start.shift, (double)FLT_MAX);
     }
 }
 
 /* Copies a ray that has been made ready into a lane. In runs of at most 16, which compilers turn into straight code. */
-static inline void copy_ray(lane_rays *to, size_t lane, const lane_rays *from, size_t k, cw_leaf leaf) {
-    const int end = leaf == CW_LEAF_MOLLER_TRUMBORE ? RAY_FLOATS : RAY_TMIN;
+static inline void copy_ray(lane_rays *to, size_t lane, const lane_rays *from, size_t k) {
     for (int c = 0; c < RAY_AXIS; c++) to->f[c][lane] = from->f[c][k];
     for (int c = RAY_AXIS; c < 2 * RAY_AXIS; c++) to->f[c][lane] = from->f[c][k];
-    for (int c = 2 * RAY_AXIS; c < end; c++) to->f[c][lane] = from->f[c][k];
+    for (int c = 2 * RAY_AXIS; c < RAY_FLOATS; c++) to->f[c][lane] = from->f[c][k];
     for (int c = 0; c < RAY_INTS; c++) to->i[c][lane] = from->i[c][k];
 }

@@ -9,17 +9,14 @@
 #include "moller_trumbore.inc.h"
 #include "watertight.inc.h"
 
+#include "refine.inc.h"
+
 #include "flat_walk.inc.h"
 
 #include "kernels.h"
 
 /* Walks the first n of W rays to their ends. */
-static inline void packet_walk(packet *l, const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, bool any) {
-    cw_ray tail[W];
-    if (n < W) { /* lanes beyond the array get a ray of their own to read */
-        for (size_t k = 0; k < W; k++) tail[k] = rays[k < n ? k : 0];
-        rays = tail;
-    }
+CW_INLINE void packet_walk(packet *l, const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, bool any) {
     l->alive = vm_and(vm_first(n), make_rays(&l->r, f, rays));
     packet_clear(l);
     flat_start(l, f);
@@ -27,22 +24,25 @@ static inline void packet_walk(packet *l, const cw_field *f, const cw_ray *rays,
         flat_step(l, f, leaf, any);
 }
 
-static inline void packet_closest(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, cw_leaf leaf) {
+CW_INLINE void packet_closest(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, cw_leaf leaf) {
     for (size_t k = 0; k < n; k += W) {
         const size_t count = n - k < W ? n - k : W;
+        cw_ray tail[W];
+        cw_hit answers[W];
+        const cw_ray *from = fill_up(rays + k, count, W, tail);
         packet l;
-        packet_walk(&l, f, rays + k, count, leaf, false);
-        const unsigned found = packet_hits(&l, hits + k);
-        for (size_t m = 0; m < count; m++)
-            if (!(found >> m & 1)) hits[k + m] = (cw_hit){.t = INFINITY, .i = -1, .j = -1};
+        packet_walk(&l, f, from, count, leaf, false);
+        packet_hits(&l, f, from, count < W ? answers : hits + k);
+        if (count < W) memcpy(hits + k, answers, count * sizeof *hits);
     }
 }
 
-static inline void packet_any(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded, cw_leaf leaf) {
+CW_INLINE void packet_any(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded, cw_leaf leaf) {
     for (size_t k = 0; k < n; k += W) {
         const size_t count = n - k < W ? n - k : W;
+        cw_ray tail[W];
         packet l;
-        packet_walk(&l, f, rays + k, count, leaf, true);
+        packet_walk(&l, f, fill_up(rays + k, count, W, tail), count, leaf, true);
         const unsigned found = vm_bits(l.found);
         for (size_t m = 0; m < count; m++) occluded[k + m] = found >> m & 1;
     }

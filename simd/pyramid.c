@@ -18,6 +18,8 @@
 #include "moller_trumbore.inc.h"
 #include "watertight.inc.h"
 
+#include "refine.inc.h"
+
 #include "flat_walk.inc.h"
 
 #include "kernels.h"
@@ -39,25 +41,27 @@ enum { FLAT_STEPS = 4 };
 /* Fewer rays than this do not pay for making a fat ray of them. */
 enum { SHARE_AT_LEAST = 4 };
 
-/* The first n rays of a group, whose packets are numbers first_packet and on of the queue. Returns the rays that hit, with
- * their hits written unless any; rays that are to go on alone are put into the queue. tolerant: the query if it is tolerant,
- * else NULL. */
+/* The compiler is to choose whether this is inlined, unlike in packet.c: inlined by force it takes registers from what follows,
+ * 1 to 4 % of the time of pyramid16. */
+static inline void first_steps(packet *l, const cw_field *f, cw_leaf leaf, bool any) {
+    for (int k = 0; k < FLAT_STEPS && vm_any(l->alive); k++) flat_step(l, f, leaf, any);
+}
+
+/* The first n rays of a group, whose packets are numbers first_packet and on of the queue. Writes their hits, misses for
+ * those that have none or not yet; of any-hit queries returns the rays that hit. Rays that are to go on alone are put into
+ * the queue. tolerant: the query if it is tolerant, else NULL. */
 CW_INLINE unsigned pyramid_group(const cw_field *f, const cw_ray *rays, size_t n, cw_coherence hint, cw_leaf leaf,
                                  bool any, cw_hit *hits, lane_queue *queue, size_t first_packet,
                                  const cw_query *tolerant) {
     packet packets[PACKETS];
+    cw_ray tail[CHILDREN];
     unsigned found = 0, rest = 0, flat = 0; /* flat: bits of packets that have walked from cell to cell */
+    rays = fill_up(rays, n, CHILDREN, tail);
     queue->mirrored = 0;
     for (size_t p = 0; p < PACKETS; p++) {
-        cw_ray tail[W];
         packet *l = &packets[p];
-        const size_t begin = p * W, count = n <= begin ? 0 : n - begin < W ? n - begin : W;
-        const cw_ray *from = rays + begin;
-        if (count < W) { /* lanes beyond the array get a ray of the group to read */
-            for (size_t k = 0; k < W; k++) tail[k] = rays[k < count ? begin + k : 0];
-            from = tail;
-        }
-        l->alive = vm_and(vm_first(count), make_rays(&l->r, f, from));
+        const size_t begin = p * W;
+        l->alive = vm_and(vm_first(n <= begin ? 0 : n - begin), make_rays(&l->r, f, rays + begin));
         packet_clear(l);
         if (!vm_any(l->alive)) continue;
         const vmask short_way = climb(&l->r, f->pyramid, l->alive);
@@ -65,12 +69,12 @@ CW_INLINE unsigned pyramid_group(const cw_field *f, const cw_ray *rays, size_t n
         if (vm_any(vm_and(l->alive, short_way))) {
             flat |= ((1u << W) - 1) << begin;
             flat_start(l, f);
-            for (int k = 0; k < FLAT_STEPS && vm_any(l->alive); k++) flat_step(l, f, leaf, any);
+            first_steps(l, f, leaf, any);
             l->r.from = vf_max(l->r.from, vf_max(l->c.x_in, l->c.y_in));
         }
         rest |= vm_bits(l->alive) << begin;
         if (!vm_any(l->alive)) continue;
-        if (tolerant) set_cones(&queue->cone[(first_packet + p) * W], from, tolerant);
+        if (tolerant) set_tolerances(&queue->allowed[(first_packet + p) * W], f, rays + begin, tolerant);
     }
     fat_ray a;
     if (hint != CW_COHERENCE_LOW && __builtin_popcount(rest) >= SHARE_AT_LEAST && coherent(packets, rest, f, hint) &&
@@ -86,54 +90,60 @@ CW_INLINE unsigned pyramid_group(const cw_field *f, const cw_ray *rays, size_t n
             enqueue(queue, first_packet + p, alone, packets[p].r.from, level);
         }
     }
-    for (size_t p = 0; p < PACKETS; p++)
-        found |= (any ? vm_bits(packets[p].found) : packet_hits(&packets[p], hits + p * W)) << (p * W);
-    return found;
+    if (any) {
+        for (size_t p = 0; p < PACKETS; p++) found |= vm_bits(packets[p].found) << (p * W);
+        return found;
+    }
+    cw_hit answers[CHILDREN];
+    cw_hit *to = n < CHILDREN ? answers : hits;
+    for (size_t p = 0; p < PACKETS; p++) packet_hits(&packets[p], f, rays + p * W, to + p * W);
+    if (n < CHILDREN) memcpy(hits, answers, n * sizeof *hits);
+    return 0;
 }
 
-/* Four at a time, for which compilers use whole registers: 3 % fewer instructions for primary rays than one by one. */
-static inline void write_misses(cw_hit *hits, size_t n) {
-    const cw_hit miss = {.t = INFINITY, .i = -1, .j = -1}, misses[4] = {miss, miss, miss, miss};
-    size_t k = 0;
-    for (; k + 4 <= n; k += 4) memcpy(hits + k, misses, sizeof misses);
-    for (; k < n; k++) hits[k] = miss;
-}
-
+/* Numbers of rays count from the beginning of their run. */
 CW_INLINE void pyramid_closest(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query, cw_hit *hits,
                                cw_leaf leaf, const cw_query *tolerant) {
     lane_set alone;
+    lane_answers answers;
     alone.living = 0;
+    answers.found = 0;
     for (size_t b = 0; b < n; b += BATCH) {
         const size_t end = n - b < BATCH ? n : b + BATCH, run = b / LANE_RUN * LANE_RUN;
         lane_queue queue;
         queue.n = 0;
         queue.first = (uint32_t)(b - run);
-        write_misses(hits + b, end - b);
+        answers.rays = rays + run;
+        answers.hits = hits + run;
         for (size_t k = b; k < end; k += CHILDREN) {
             const size_t count = end - k < CHILDREN ? end - k : CHILDREN;
             (void)pyramid_group(f, rays + k, count, query->coherence, leaf, false, hits + k, &queue, (k - b) / W,
                                 tolerant);
         }
-        lane_walk(f, &queue, &alone, end < n && end % LANE_RUN != 0, leaf, tolerant, false, hits + run, NULL);
+        lane_walk(f, &queue, &alone, end < n && end % LANE_RUN != 0, leaf, tolerant, false, &answers);
     }
 }
 
 CW_INLINE void pyramid_any(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query, uint8_t *occluded,
                            cw_leaf leaf, const cw_query *tolerant) {
     lane_set alone;
+    lane_answers answers;
     alone.living = 0;
+    answers.found = 0;
     for (size_t b = 0; b < n; b += BATCH) {
         const size_t end = n - b < BATCH ? n : b + BATCH, run = b / LANE_RUN * LANE_RUN;
         lane_queue queue;
         queue.n = 0;
         queue.first = (uint32_t)(b - run);
+        answers.rays = rays + run;
+        answers.occluded = occluded + run;
         for (size_t k = b; k < end; k += CHILDREN) {
             const size_t count = end - k < CHILDREN ? end - k : CHILDREN;
             const unsigned found =
                 pyramid_group(f, rays + k, count, query->coherence, leaf, true, NULL, &queue, (k - b) / W, tolerant);
             for (size_t m = 0; m < count; m++) occluded[k + m] = found >> m & 1;
         }
-        lane_walk(f, &queue, &alone, end < n && end % LANE_RUN != 0, leaf, tolerant, true, NULL, occluded + run);
+        lane_walk(f, &queue, &alone, end < n && end % LANE_RUN != 0, leaf, tolerant, true, &answers);
     }
 }
 

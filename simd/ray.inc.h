@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* W rays made ready for a walk: the rules of src/scalar/strict.h, operation by operation. The vocabulary comes first. */
 
+#include "../src/scalar/ray.h"
 #include "count.h"
 #include "field.h"
 
@@ -9,16 +10,123 @@
 #include <stddef.h>
 #include <string.h>
 
-/* For bodies that take constant arguments (leaf test, kind of query) or a ray by pointer: unless it is inlined, a compiler
- * keeps the choice at run time and writes the ray's twenty vectors to the stack for the call. */
-#define CW_INLINE static inline __attribute__((always_inline))
-
 /* Counts an event with the lanes of a mask. */
 #ifdef CELLWALK_COUNT
 CW_INLINE void count_lanes(count_kind kind, vmask lanes) { count_step(kind, vm_bits(lanes)); }
 #else
 CW_INLINE void count_lanes(count_kind kind, vmask lanes) { (void)kind, (void)lanes; }
 #endif
+
+/* W rays as they begin for the library; see ray_start. */
+typedef struct vstart {
+    vfloat org[3], dir[3];
+    vfloat tmin, tmax;
+    vdouble base[3]; /* org before rounding; set only where a ray has been moved */
+    vdouble shift;
+    bool moved; /* some ray has been moved */
+} vstart;
+
+static inline vmask is_far(const cw_field *f, const vfloat org[3]) {
+    vmask far[3];
+    for (int c = 0; c < 3; c++) far[c] = vf_gt(vf_abs(vf_sub(org[c], vf_set(f->middle[c]))), vf_set(f->reach[c]));
+    return vm_or(vm_or(far[0], far[1]), far[2]);
+}
+
+/* Moves the origins of rays that are far away to just before the field's box: ray_move, lane by lane. Returns the lanes
+ * whose rays do not pass the box by. Not inlined: near rays should not pay for its registers. */
+static __attribute__((noinline)) vmask move_rays(vstart *s, const cw_field *f, vmask far) {
+    const vdouble low[3] = {vd_set(0), vd_set(0), vd_set((double)f->low)};
+    const vdouble high[3] = {vd_set((double)(f->nx - 1)), vd_set((double)(f->ny - 1)), vd_set((double)f->high)};
+    const vdouble infinite = vd_set(INFINITY), minus_infinite = vd_set(-INFINITY), none = vd_set(0);
+    vmask hopeful = vm_set(true);
+    s->moved = true;
+    s->shift = none;
+    for (int c = 0; c < 3; c++) s->base[c] = vd_from_vf(s->org[c]);
+    for (int k = 0; k < RAY_MOVES && vm_any(far); k++) {
+        vdouble in = minus_infinite, out = infinite;
+        vmask passes = vm_set(false);
+        for (int c = 0; c < 3; c++) {
+            const vdouble d = vd_from_vf(s->dir[c]);
+            const vdouble a = vd_div(vd_sub(low[c], s->base[c]), d), b = vd_div(vd_sub(high[c], s->base[c]), d);
+            const vmask stands = vf_eq(s->dir[c], vf_set(0));
+            const vmask outside = vm_or(vd_gt(low[c], s->base[c]), vd_gt(s->base[c], high[c]));
+            passes = vm_or(passes, vm_and(stands, outside));
+            in = vd_max(vd_select(stands, minus_infinite, vd_min(a, b)), in);
+            out = vd_min(vd_select(stands, infinite, vd_max(a, b)), out);
+        }
+        const vdouble room = vd_mul(vd_set(0x1p-50), vd_max(vd_abs(in), vd_abs(out)));
+        passes = vm_or(passes, vm_or(vd_gt(vd_sub(in, out), room), vd_gt(vd_abs(in), vd_set((double)RAY_T_LIMIT))));
+        hopeful = vm_andnot(hopeful, vm_and(far, passes));
+        far = vm_andnot(far, passes);
+        const vdouble early = vd_sub(in, vd_mul(vd_abs(in), vd_set(0x1p-22)));
+        const vdouble step = vd_select(far, vd_from_vf(vf_from_vd(early)), none);
+        s->shift = vd_add(s->shift, step);
+        for (int c = 0; c < 3; c++) {
+            const vdouble base = vd_add(s->base[c], vd_mul(step, vd_from_vf(s->dir[c])));
+            s->base[c] = vd_select(far, base, s->base[c]); /* a zero keeps its sign */
+            s->org[c] = vf_select(far, vf_from_vd(s->base[c]), s->org[c]);
+        }
+        far = vm_and(far, is_far(f, s->org));
+    }
+    s->tmin = vf_max(vf_from_vd(vd_sub(vd_from_vf(s->tmin), s->shift)), vf_set(-RAY_T_LIMIT));
+    s->tmax = vf_min(vf_from_vd(vd_sub(vd_from_vf(s->tmax), s->shift)), vf_set(RAY_T_LIMIT));
+    return hopeful;
+}
+
+/* A direction component whose reciprocal is no float counts as zero. */
+static inline vfloat direction(vfloat d) { return vf_select(vf_gt(vf_abs(d), vf_set(0x1p-128f)), d, vf_set(0)); }
+
+/* Moves those rays among alive that are far away; returns those that may hit. */
+CW_INLINE vmask move_if_far(vstart *s, const cw_field *f, vmask alive) {
+    const vmask far = vm_and(alive, is_far(f, s->org));
+    s->shift = vd_set(0);
+    s->moved = false;
+    if (!vm_any(far)) return alive;
+    /* A copy, so that the address of *s is not taken and it stays in registers. */
+    vstart moved = {.org = {s->org[0], s->org[1], s->org[2]},
+                    .dir = {s->dir[0], s->dir[1], s->dir[2]},
+                    .tmin = s->tmin,
+                    .tmax = s->tmax};
+    const vmask hopeful = move_rays(&moved, f, far);
+    *s = moved;
+    return vm_and(alive, hopeful);
+}
+
+/* Lanes whose rays may hit, as far as one can tell without walking: ray_init, lane by lane. */
+CW_INLINE vmask start_rays(vstart *s, const cw_field *f, const cw_ray *rays) {
+    vfloat c[8];
+    vf_load_rays(rays, c);
+    const vfloat zero = vf_set(0), most = vf_set(0x1p126f);
+    const vfloat poison = vf_add(vf_add(vf_mul(c[0], zero), vf_mul(c[1], zero)), vf_mul(c[2], zero));
+    vmask alive = vm_and(vf_eq(poison, zero), vf_le(c[3], c[7])), stands = vm_set(true);
+    for (int k = 0; k < 3; k++) {
+        s->org[k] = c[k];
+        s->dir[k] = direction(c[4 + k]);
+        stands = vm_and(stands, vf_eq(s->dir[k], zero));
+        alive = vm_and(alive, vf_le(vf_abs(c[4 + k]), most));
+    }
+    s->tmin = vf_max(c[3], vf_set(-RAY_T_LIMIT));
+    s->tmax = vf_min(c[7], vf_set(RAY_T_LIMIT));
+    return move_if_far(s, f, vm_andnot(alive, stands));
+}
+
+/* The same for rays that are known to hit. */
+CW_INLINE void restart_rays(vstart *s, const cw_field *f, const vfloat c[8]) {
+    for (int k = 0; k < 3; k++) {
+        s->org[k] = c[k];
+        s->dir[k] = direction(c[4 + k]);
+    }
+    s->tmin = c[3];
+    s->tmax = c[7];
+    (void)move_if_far(s, f, vm_set(true));
+}
+
+/* The first n of size rays. Where the array ends before, a copy, in which the rays that are missing repeat the first. */
+static inline const cw_ray *fill_up(const cw_ray *rays, size_t n, size_t size, cw_ray *copy) {
+    if (n >= size) return rays;
+    for (size_t k = 0; k < size; k++) copy[k] = rays[k < n ? k : 0];
+    return copy;
+}
 
 /* One axis of W rays; see strict_axis. */
 typedef struct vaxis {
@@ -31,92 +139,72 @@ typedef struct vaxis {
 typedef struct vray {
     vaxis x, y;
     vfloat oz, dz;
-    vfloat tmin, tmax;
-    vfloat t0, t1;     /* inside the field */
-    vfloat begin, end; /* inside the slab's surroundings too: a cell's interval lies in it */
-    vfloat from,
-        until; /* inside the slab: what a walk still has to visit; unlike all the rest it may change on the way */
+    vfloat t0, t1;      /* over the field: leaf tests look at nothing beyond */
+    vfloat from, until; /* what a walk still has to visit; unlike all the rest it may change on the way */
+    bool moved;         /* some ray begins elsewhere than the caller's: see vstart */
 } vray;
 
 static inline vfloat crossing(const vaxis *a, vfloat border) { return vf_mul(vf_sub(border, a->center), a->inverse); }
 
-static inline vfloat height(const vray *r, vfloat t) { return vf_add(r->oz, vf_mul(t, r->dz)); }
+/* The height from which heights on the ray are counted: that of its origin. */
+static inline vfloat above_origin(const vray *r, vfloat z) { return vf_sub(z, r->oz); }
 
 /* Lanes whose heights on [t0, t1] meet [low, high]. */
 static inline vmask meets(const vray *r, vfloat t0, vfloat t1, vfloat low, vfloat high) {
-    const vfloat z0 = height(r, t0), z1 = height(r, t1);
-    return vm_and(vf_ge(vf_max(z0, z1), low), vf_le(vf_min(z0, z1), high));
+    const vfloat z0 = vf_mul(t0, r->dz), z1 = vf_mul(t1, r->dz);
+    return vm_and(vf_ge(vf_max(z0, z1), above_origin(r, low)), vf_le(vf_min(z0, z1), above_origin(r, high)));
 }
-
-static inline vmask has_inverse(vfloat inverse) { return vf_le(vf_abs(inverse), vf_set(FLT_MAX)); }
-
-/* False where the direction is NaN, infinite or so large that its inverse is denormal. */
-static inline vmask direction_counts(vfloat inverse) { return vf_ge(vf_abs(inverse), vf_set(FLT_MIN)); }
 
 /* Lanes that can be within the field on this axis. */
 static inline vmask make_axis(vaxis *a, vfloat org, vfloat dir, size_t samples) {
     const vfloat end = vf_set((float)(samples - 1)), zero = vf_set(0);
-    const vfloat inverse = vf_div(vf_set(1), dir);
-    const vmask moves = has_inverse(inverse);
+    const vmask stands = vf_eq(dir, zero);
     const vfloat cell = vf_min(vf_floor(org), vf_set((float)(samples - 1) - 1));
     a->org = org;
-    a->dir = vf_select(moves, dir, zero);
-    a->center = vf_select(moves, org, vf_add(cell, vf_set(0.5f)));
-    a->inverse = vf_select(moves, inverse, vf_set(INFINITY));
-    a->up = vf_ge(a->dir, zero);
+    a->dir = dir;
+    a->center = vf_select(stands, vf_add(cell, vf_set(0.5f)), org);
+    a->inverse = vf_div(vf_set(1), dir);
+    a->inverse = vf_select(stands, vf_set(INFINITY), a->inverse); /* -0 too */
+    a->up = vf_ge(dir, zero);
     a->first = vf_select(a->up, zero, end);
     a->last = vf_select(a->up, end, zero);
     a->step = vf_select(a->up, vf_set(1), vf_set(-1));
-    return vm_and(direction_counts(inverse), vm_or(moves, vm_and(vf_ge(org, zero), vf_le(org, end))));
+    return vm_not(vm_andnot(stands, vm_and(vf_ge(org, zero), vf_le(org, end))));
 }
 
 static inline void make_slab(vray *r, const cw_field *f) {
-    const vfloat low = vf_set(f->low), high = vf_set(f->high), u = vf_set(FLT_EPSILON / 2), least = vf_set(FLT_MIN);
-    const vfloat u4 = vf_mul(vf_set(4), u), u8 = vf_mul(vf_set(8), u);
-    const vfloat inverse = vf_div(vf_set(1), r->dz), across = vf_abs(inverse);
+    const vfloat u8 = vf_set(8 * (FLT_EPSILON / 2)), least = vf_set(FLT_MIN), inverse = vf_div(vf_set(1), r->dz);
+    const vfloat low = above_origin(r, vf_set(f->low)), high = above_origin(r, vf_set(f->high));
     const vmask up = vf_gt(r->dz, vf_set(0));
     const vfloat enter = vf_select(up, low, high), leave = vf_select(up, high, low);
-    const vfloat a = vf_mul(vf_sub(enter, r->oz), inverse), b = vf_mul(vf_sub(leave, r->oz), inverse);
-    const vfloat oz = vf_add(vf_abs(r->oz), least);
-    const vfloat reach_a = vf_mul(vf_add(oz, vf_abs(enter)), across);
-    const vfloat reach_b = vf_mul(vf_add(oz, vf_abs(leave)), across);
-    const vfloat s0 = vf_sub(a, vf_add(vf_mul(u8, reach_a), vf_mul(u4, vf_add(vf_abs(a), least))));
-    const vfloat s1 = vf_add(b, vf_add(vf_mul(u8, reach_b), vf_mul(u4, vf_add(vf_abs(b), least))));
-    const vfloat z0 = height(r, s0), z1 = height(r, s1);
+    const vfloat a = vf_mul(enter, inverse), b = vf_mul(leave, inverse);
+    const vfloat s0 = vf_sub(a, vf_mul(u8, vf_add(vf_abs(a), least)));
+    const vfloat s1 = vf_add(b, vf_mul(u8, vf_add(vf_abs(b), least)));
+    const vfloat z0 = vf_mul(s0, r->dz), z1 = vf_mul(s1, r->dz);
     const vmask beyond0 = vm_or(vm_and(up, vf_lt(z0, enter)), vm_andnot(vf_gt(z0, enter), up));
     const vmask beyond1 = vm_or(vm_and(up, vf_gt(z1, leave)), vm_andnot(vf_lt(z1, leave), up));
     r->from = vf_select(vm_and(beyond0, vf_gt(s0, r->t0)), s0, r->t0);
     r->until = vf_select(vm_and(beyond1, vf_lt(s1, r->t1)), s1, r->t1);
-    const vfloat span = vf_mul(vf_sub(high, low), across);
-    r->begin = vf_max(vf_sub(r->from, vf_add(reach_a, span)), r->t0);
-    r->end = vf_min(vf_add(r->until, vf_add(reach_b, span)), r->t1);
 }
 
 /* Lanes that may hit. Where none may, the slab is left out. */
 static inline vmask make_rays(vray *r, const cw_field *f, const cw_ray *rays) {
-    vfloat c[8];
-    vf_load_rays(rays, c);
-    const vfloat zero = vf_set(0);
-    const vfloat poison = vf_add(vf_add(vf_mul(c[0], zero), vf_mul(c[1], zero)), vf_mul(c[2], zero));
-    const vfloat inverse_z = vf_div(vf_set(1), c[6]);
-    vmask alive = vm_and(vf_eq(poison, zero), vf_le(c[3], c[7]));
-    alive = vm_and(alive, make_axis(&r->x, c[0], c[4], f->nx));
-    alive = vm_and(alive, make_axis(&r->y, c[1], c[5], f->ny));
-    r->oz = c[2];
-    alive = vm_and(alive, direction_counts(inverse_z));
-    r->dz = vf_select(has_inverse(inverse_z), c[6], zero);
-    const vmask still = vm_and(vm_and(vf_eq(r->x.dir, zero), vf_eq(r->y.dir, zero)), vf_eq(r->dz, zero));
-    r->tmin = vf_max(c[3], vf_set(-FLT_MAX / 2));
-    r->tmax = vf_min(c[7], vf_set(FLT_MAX / 2));
-    r->t0 = vf_max(vf_max(crossing(&r->x, r->x.first), crossing(&r->y, r->y.first)), r->tmin);
-    r->t1 = vf_min(vf_min(crossing(&r->x, r->x.last), crossing(&r->y, r->y.last)), r->tmax);
-    alive = vm_and(vm_andnot(alive, still), vf_le(r->t0, r->t1));
+    vstart s;
+    vmask alive = start_rays(&s, f, rays);
+    alive = vm_and(alive, make_axis(&r->x, s.org[0], s.dir[0], f->nx));
+    alive = vm_and(alive, make_axis(&r->y, s.org[1], s.dir[1], f->ny));
+    r->oz = s.org[2];
+    r->dz = s.dir[2];
+    r->moved = s.moved;
+    r->t0 = vf_max(vf_max(crossing(&r->x, r->x.first), crossing(&r->y, r->y.first)), s.tmin);
+    r->t1 = vf_min(vf_min(crossing(&r->x, r->x.last), crossing(&r->y, r->y.last)), s.tmax);
+    alive = vm_and(alive, vf_le(r->t0, r->t1));
     alive = vm_and(alive, meets(r, r->t0, r->t1, vf_set(f->low), vf_set(f->high)));
     count_lanes(COUNT_RAY, alive);
     if (vm_any(alive))
         make_slab(r, f);
     else
-        r->from = r->until = r->begin = r->end = r->t0;
+        r->from = r->until = r->t0;
     return alive;
 }
 
@@ -143,8 +231,9 @@ static inline vmask cell_gate(const vray *r, const vcell *c) {
     return vm_and(vm_and(walked, vf_le(c->t0, c->t1)), meets(r, c->t0, c->t1, cell_low(c), cell_high(c)));
 }
 
-/* What a leaf test finds; lanes outside its mask hold anything. */
-typedef struct vhit {
-    vfloat t, u, v;
+/* What a leaf test finds: a stretch of t on which the ray meets a triangle of the cell, see strict_find. Lanes outside its
+ * mask hold anything. */
+typedef struct vfind {
+    vfloat t0, t1;
     vmask b; /* triangle B */
-} vhit;
+} vfind;

@@ -27,30 +27,6 @@ typedef struct fat_ray {
     bool up_x, up_y;
 } fat_ray;
 
-/* The members of vray that hulls are taken of. */
-static inline void hull(const packet packets[PACKETS], unsigned rays, size_t offset, float *low, float *high) {
-    *low = INFINITY;
-    *high = -INFINITY;
-    for (size_t p = 0; p < PACKETS; p++) {
-        const vmask m = vm_from_bits(rays >> (p * W));
-        const vfloat a = *(const vfloat *)(const void *)((const char *)&packets[p].r + offset);
-        const float l = vf_lowest(a, m), h = vf_highest(a, m);
-        *low = l < *low ? l : *low;
-        *high = h > *high ? h : *high;
-    }
-}
-
-static inline bool fat_axis_init(fat_axis *a, const packet packets[PACKETS], unsigned rays, size_t offset, bool up) {
-    float low, high;
-    hull(packets, rays, offset + offsetof(vaxis, center), &low, &high);
-    a->center_low = vf_set(up ? low : -high);
-    a->center_high = vf_set(up ? high : -low);
-    hull(packets, rays, offset + offsetof(vaxis, inverse), &low, &high);
-    a->inverse_low = vf_set(up ? low : -high);
-    a->inverse_high = vf_set(up ? high : -low);
-    return high <= FLT_MAX && low >= -FLT_MAX;
-}
-
 /* True if the rays are alike enough to share a walk: one direction quadrant, directions within 1/8 of their length from
  * the first one's, origins within a few cells; with the hint CW_COHERENCE_HIGH the quadrant alone. What is left out is a
  * matter of speed alone. */
@@ -85,25 +61,54 @@ static inline bool coherent(const packet packets[PACKETS], unsigned rays, const 
     return true;
 }
 
+/* Numbers that intervals are made of; the highest of each is the lowest of the same turned round. */
+enum { HULL_X, HULL_X_INVERSE, HULL_Y, HULL_Y_INVERSE, HULL_OZ, HULL_DZ, HULL_UNTIL, HULL_NUMBERS, HULL_FROM = 15 };
+
 /* False if an inverse is infinite, which intervals cannot be made of. */
 static inline bool fat_init(fat_ray *a, const packet packets[PACKETS], unsigned rays) {
+    const vfloat minus = vf_set(-0.0f), infinite = vf_set(INFINITY);
+    vfloat hull[16];
+    for (size_t p = 0; p < PACKETS; p++) {
+        const vray *r = &packets[p].r;
+        const vmask m = vm_from_bits(rays >> (p * W));
+        const vfloat number[HULL_NUMBERS] = {r->x.center, r->x.inverse, r->y.center, r->y.inverse,
+                                             r->oz,       r->dz,        r->until};
+        for (int k = 0; k < HULL_NUMBERS; k++) {
+            const vfloat low = vf_select(m, number[k], infinite);
+            const vfloat high = vf_select(m, vf_flip(number[k], minus), infinite);
+            hull[k] = p == 0 ? low : vf_min(hull[k], low);
+            hull[HULL_NUMBERS + k] = p == 0 ? high : vf_min(hull[HULL_NUMBERS + k], high);
+        }
+        const vfloat from = vf_select(m, r->from, infinite);
+        hull[HULL_FROM] = p == 0 ? from : vf_min(hull[HULL_FROM], from);
+    }
+    hull[2 * HULL_NUMBERS] = infinite;
+    float low[16];
+    vf_lowest_of_each(hull, low);
+    const float *minus_high = low + HULL_NUMBERS;
+
     const unsigned first = (unsigned)__builtin_ctz(rays);
-    float low, high;
     a->up_x = vm_bits(packets[first / W].r.x.up) >> (first % W) & 1;
     a->up_y = vm_bits(packets[first / W].r.y.up) >> (first % W) & 1;
     a->order = vorder_make(a->up_x, a->up_y);
-    hull(packets, rays, offsetof(vray, oz), &low, &high);
-    a->oz_low = vf_set(low);
-    a->oz_high = vf_set(high);
-    hull(packets, rays, offsetof(vray, dz), &low, &high);
-    a->dz_low = vf_set(low);
-    a->dz_high = vf_set(high);
-    hull(packets, rays, offsetof(vray, from), &low, &high);
-    a->from = vf_set(low);
-    hull(packets, rays, offsetof(vray, until), &low, &high);
-    a->until = vf_set(high);
-    return fat_axis_init(&a->x, packets, rays, offsetof(vray, x), a->up_x) &&
-           fat_axis_init(&a->y, packets, rays, offsetof(vray, y), a->up_y);
+    a->oz_low = vf_set(low[HULL_OZ]);
+    a->oz_high = vf_set(-minus_high[HULL_OZ]);
+    a->dz_low = vf_set(low[HULL_DZ]);
+    a->dz_high = vf_set(-minus_high[HULL_DZ]);
+    a->from = vf_set(low[HULL_FROM]);
+    a->until = vf_set(-minus_high[HULL_UNTIL]);
+    fat_axis *const axis[2] = {&a->x, &a->y};
+    for (int c = 0; c < 2; c++) { /* mirrored where rays go down */
+        const bool up = c == 0 ? a->up_x : a->up_y;
+        const float *l = up ? low + 2 * c : minus_high + 2 * c, *h = up ? minus_high + 2 * c : low + 2 * c;
+        axis[c]->center_low = vf_set(l[0]);
+        axis[c]->center_high = vf_set(-h[0]);
+        axis[c]->inverse_low = vf_set(l[1]);
+        axis[c]->inverse_high = vf_set(-h[1]);
+    }
+    const float steepest_x = fmaxf(-low[HULL_X_INVERSE], -minus_high[HULL_X_INVERSE]);
+    const float steepest_y = fmaxf(-low[HULL_Y_INVERSE], -minus_high[HULL_Y_INVERSE]);
+    return steepest_x <= FLT_MAX && steepest_y <= FLT_MAX;
 }
 
 /* Earliest entry into and latest exit from the place between two borders, in mirrored coordinates. */
@@ -124,9 +129,10 @@ static inline vmask fat_meets(const fat_ray *a, vfloat start_x, vfloat start_y, 
     const vfloat y = vf_add(start_y, vf_mul(vf_load(lane_y + k * W), side));
     const vfloat t0 = vf_max(vf_max(fat_in(&a->x, x), fat_in(&a->y, y)), a->from);
     const vfloat t1 = vf_min(vf_min(fat_out(&a->x, vf_add(x, side)), fat_out(&a->y, vf_add(y, side))), a->until);
-    const vfloat bottom = vf_add(a->oz_low, vf_min(vf_mul(t0, a->dz_low), vf_mul(t1, a->dz_low)));
-    const vfloat top = vf_add(a->oz_high, vf_max(vf_mul(t0, a->dz_high), vf_mul(t1, a->dz_high)));
-    return vm_and(vf_le(t0, t1), vm_and(vf_ge(top, low), vf_le(bottom, high)));
+    const vfloat bottom = vf_min(vf_mul(t0, a->dz_low), vf_mul(t1, a->dz_low));
+    const vfloat top = vf_max(vf_mul(t0, a->dz_high), vf_mul(t1, a->dz_high));
+    const vmask meets = vm_and(vf_ge(top, vf_sub(low, a->oz_high)), vf_le(bottom, vf_sub(high, a->oz_low)));
+    return vm_and(vf_le(t0, t1), meets);
 }
 
 static inline vfloat mirrored_start(bool up, int32_t place, float side) {
@@ -201,20 +207,19 @@ CW_INLINE unsigned shared_cell(const fat_ray *a, packet packets[PACKETS], unsign
         const vray *r = &l->r;
         vcell c;
         place_crossings(r, a->up_x, a->up_y, (float)i, (float)j, 1, &c);
-        c.t0 = vf_max(vf_max(c.x_in, c.y_in), r->begin);
-        c.t1 = vf_min(vf_min(c.x_out, c.y_out), r->end);
+        c.t0 = vf_max(vf_max(c.x_in, c.y_in), r->t0);
+        c.t1 = vf_min(vf_min(c.x_out, c.y_out), r->t1);
         c.h00 = vf_set(z[0]);
         c.h10 = vf_set(z[1]);
         c.h01 = vf_set(z[s->stride]);
         c.h11 = vf_set(z[s->stride + 1]);
         const vmask gate = vm_and(among, cell_gate(r, &c));
         if (!vm_any(gate)) continue;
-        count_lanes(COUNT_LEAF, gate);
         c.i = vf_set((float)i);
         c.j = vf_set((float)j);
-        vhit h;
-        const vmask now = leaf == CW_LEAF_WATERTIGHT ? wt_cell(r, &c, gate, any, &h) : mt_cell(r, &c, gate, &h);
-        if (!any) packet_keep(l, now, &h, &c);
+        vfind find;
+        const vmask now = leaf_test(leaf, r, &c, gate, any, &find);
+        if (!any && vm_any(now)) keep_hits(&l->hit, now, &find, &c);
         l->found = vm_or(l->found, now);
         found |= vm_bits(now) << (p * W);
     }

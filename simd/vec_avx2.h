@@ -115,7 +115,7 @@ static inline size_t lane_out(lane_pairs a, int k) {
 
 /* Two floats as one 8-byte load, the lanes' pairs then parted by shuffles: CPUs that break a gather into
  * dozens of operations take less time for both vectors this way than for one of them. */
-static inline void vf_gather_pairs(const float *base, vint index, vmask m, vfloat *first, vfloat *second) {
+CW_INLINE void vf_gather_pairs(const float *base, vint index, vmask m, vfloat *first, vfloat *second) {
     const lane_pairs k = lanes_out(_mm256_and_si256(index.v, _mm256_castps_si256(m.v)));
     __m128 q[4];
     for (int p = 0; p < 4; p++) {
@@ -130,7 +130,7 @@ static inline void vf_gather_pairs(const float *base, vint index, vmask m, vfloa
 
 /* Lanes k and k + 4 share a register, then a 4 × 4 transpose within halves. Indices are doubled as a vector, so that an
  * address's own factor of 8 makes 16 bytes of them. */
-static inline void vf_gather_quads(const float *base, vint index, vmask m, vfloat out[4]) {
+CW_INLINE void vf_gather_quads(const float *base, vint index, vmask m, vfloat out[4]) {
     const __m256i safe = _mm256_and_si256(index.v, _mm256_castps_si256(m.v));
     const lane_pairs k = lanes_out(_mm256_add_epi32(safe, safe));
     __m256 r[4];
@@ -146,9 +146,9 @@ static inline void vf_gather_quads(const float *base, vint index, vmask m, vfloa
 }
 
 /* Transposes 8 rays of 8 floats: pairs, pairs of pairs, halves. */
-static inline void vf_load_rays(const cw_ray *rays, vfloat out[8]) {
+CW_INLINE void vf_load_each_ray(const cw_ray *const rays[8], vfloat out[8]) {
     __m256 r[8], s[8];
-    for (int k = 0; k < 8; k++) r[k] = _mm256_loadu_ps((const float *)(rays + k));
+    for (int k = 0; k < 8; k++) r[k] = _mm256_loadu_ps((const float *)rays[k]);
     for (int k = 0; k < 4; k++) {
         s[2 * k] = _mm256_unpacklo_ps(r[2 * k], r[2 * k + 1]);
         s[2 * k + 1] = _mm256_unpackhi_ps(r[2 * k], r[2 * k + 1]);
@@ -164,9 +164,61 @@ static inline void vf_load_rays(const cw_ray *rays, vfloat out[8]) {
         out[4 + k].v = _mm256_permute2f128_ps(r[k], r[4 + k], 0x31);
     }
 }
+CW_INLINE void vf_load_rays(const cw_ray *rays, vfloat out[8]) {
+    const cw_ray *each[8];
+    for (int k = 0; k < 8; k++) each[k] = rays + k;
+    vf_load_each_ray(each, out);
+}
+
+typedef struct vpick {
+    __m256i lanes;
+} vpick;
+/* The numbers of the lanes as bytes, of which those that count are drawn together. */
+static inline vpick vpick_make(vmask m) {
+    const uint64_t bytes = _pdep_u64((unsigned)_mm256_movemask_ps(m.v), 0x0101010101010101) * 0xff;
+    const uint64_t numbers = _pext_u64(0x0706050403020100, bytes);
+    return (vpick){_mm256_cvtepu8_epi32(_mm_cvtsi64_si128((long long)numbers))};
+}
+static inline void vf_store_picked(float *to, vfloat a, vpick pick) {
+    _mm256_storeu_ps(to, _mm256_permutevar8x32_ps(a.v, pick.lanes));
+}
+
+/* Members in pairs of two; a hit is three pairs, four hits are three registers. Unpacking leaves pairs of lanes 0, 1 and
+ * 4, 5 in one register, of 2, 3 and 6, 7 in the other; the halves of registers are put in order as they are stored. */
+CW_INLINE void vf_store_hits(cw_hit *hits, vfloat t, vfloat u, vfloat v, vfloat i, vfloat j, vmask b) {
+    const __m256 whole_i = _mm256_castsi256_ps(_mm256_cvttps_epi32(i.v));
+    const __m256 whole_j = _mm256_castsi256_ps(_mm256_cvttps_epi32(j.v));
+    const __m256 in_b = _mm256_and_ps(b.v, _mm256_castsi256_ps(_mm256_set1_epi32(1)));
+    float *to = (float *)hits;
+    for (int half = 0; half < 2; half++, to += 12) {
+        const __m256d tu = _mm256_castps_pd(half ? _mm256_unpackhi_ps(t.v, u.v) : _mm256_unpacklo_ps(t.v, u.v));
+        const __m256d vi = _mm256_castps_pd(half ? _mm256_unpackhi_ps(v.v, whole_i) : _mm256_unpacklo_ps(v.v, whole_i));
+        const __m256d jb =
+            _mm256_castps_pd(half ? _mm256_unpackhi_ps(whole_j, in_b) : _mm256_unpacklo_ps(whole_j, in_b));
+        const __m256 a = _mm256_castpd_ps(_mm256_unpacklo_pd(tu, vi));
+        const __m256 m = _mm256_castpd_ps(_mm256_shuffle_pd(jb, tu, 10));
+        const __m256 z = _mm256_castpd_ps(_mm256_unpackhi_pd(vi, jb));
+        _mm256_storeu_ps(to, _mm256_permute2f128_ps(a, m, 0x20));
+        _mm_storeu_ps(to + 8, _mm256_castps256_ps128(z));
+        _mm256_storeu_ps(to + 24, _mm256_permute2f128_ps(a, m, 0x31));
+        _mm_storeu_ps(to + 32, _mm256_extractf128_ps(z, 1));
+    }
+}
 
 static inline vmask vm_set(bool a) { return (vmask){_mm256_castsi256_ps(_mm256_set1_epi32(-(int32_t)a))}; }
 
+/* By eights: a transpose in which each step takes minima. */
+CW_INLINE void vf_lowest_of_each(const vfloat a[16], float out[16]) {
+    for (int k = 0; k < 16; k += 8) {
+        __m256 half[4]; /* of vectors k + q and k + 4 + q, a half each */
+        for (int q = 0; q < 4; q++)
+            half[q] = _mm256_min_ps(_mm256_permute2f128_ps(a[k + q].v, a[k + 4 + q].v, 0x20),
+                                    _mm256_permute2f128_ps(a[k + q].v, a[k + 4 + q].v, 0x31));
+        const __m256 ab = _mm256_min_ps(_mm256_unpacklo_ps(half[0], half[1]), _mm256_unpackhi_ps(half[0], half[1]));
+        const __m256 cd = _mm256_min_ps(_mm256_unpacklo_ps(half[2], half[3]), _mm256_unpackhi_ps(half[2], half[3]));
+        _mm256_storeu_ps(out + k, _mm256_min_ps(_mm256_shuffle_ps(ab, cd, 0x44), _mm256_shuffle_ps(ab, cd, 0xee)));
+    }
+}
 static inline float vf_lowest(vfloat a, vmask m) {
     const __m256 y = _mm256_blendv_ps(_mm256_set1_ps(__builtin_inff()), a.v, m.v);
     __m128 x = _mm_min_ps(_mm256_castps256_ps128(y), _mm256_extractf128_ps(y, 1));
@@ -178,6 +230,53 @@ static inline float vf_highest(vfloat a, vmask m) {
     __m128 x = _mm_max_ps(_mm256_castps256_ps128(y), _mm256_extractf128_ps(y, 1));
     x = _mm_max_ps(x, _mm_movehl_ps(x, x));
     return _mm_cvtss_f32(_mm_max_ss(x, _mm_movehdup_ps(x)));
+}
+
+typedef struct vdouble {
+    __m256d a, b; /* lanes 0 to 3, 4 to 7 */
+} vdouble;
+
+static inline vdouble vd_set(double a) { return (vdouble){_mm256_set1_pd(a), _mm256_set1_pd(a)}; }
+static inline vdouble vd_from_vf(vfloat x) {
+    return (vdouble){_mm256_cvtps_pd(_mm256_castps256_ps128(x.v)), _mm256_cvtps_pd(_mm256_extractf128_ps(x.v, 1))};
+}
+static inline vfloat vf_from_vd(vdouble x) {
+    return (vfloat){_mm256_insertf128_ps(_mm256_castps128_ps256(_mm256_cvtpd_ps(x.a)), _mm256_cvtpd_ps(x.b), 1)};
+}
+static inline vdouble vd_add(vdouble x, vdouble y) {
+    return (vdouble){_mm256_add_pd(x.a, y.a), _mm256_add_pd(x.b, y.b)};
+}
+static inline vdouble vd_sub(vdouble x, vdouble y) {
+    return (vdouble){_mm256_sub_pd(x.a, y.a), _mm256_sub_pd(x.b, y.b)};
+}
+static inline vdouble vd_mul(vdouble x, vdouble y) {
+    return (vdouble){_mm256_mul_pd(x.a, y.a), _mm256_mul_pd(x.b, y.b)};
+}
+static inline vdouble vd_div(vdouble x, vdouble y) {
+    return (vdouble){_mm256_div_pd(x.a, y.a), _mm256_div_pd(x.b, y.b)};
+}
+static inline vdouble vd_min(vdouble x, vdouble y) {
+    return (vdouble){_mm256_min_pd(x.a, y.a), _mm256_min_pd(x.b, y.b)};
+}
+static inline vdouble vd_max(vdouble x, vdouble y) {
+    return (vdouble){_mm256_max_pd(x.a, y.a), _mm256_max_pd(x.b, y.b)};
+}
+static inline vdouble vd_abs(vdouble x) {
+    const __m256d sign = _mm256_set1_pd(-0.0);
+    return (vdouble){_mm256_andnot_pd(sign, x.a), _mm256_andnot_pd(sign, x.b)};
+}
+static inline vmask vd_gt(vdouble x, vdouble y) {
+    const __m256 a = _mm256_castpd_ps(_mm256_cmp_pd(x.a, y.a, _CMP_GT_OQ));
+    const __m256 b = _mm256_castpd_ps(_mm256_cmp_pd(x.b, y.b, _CMP_GT_OQ));
+    const __m256d mixed = _mm256_castps_pd(_mm256_shuffle_ps(a, b, 0x88)); /* pairs of lanes 0, 4, 2, 6 */
+    return (vmask){_mm256_castpd_ps(_mm256_permute4x64_pd(mixed, 0xd8))};
+}
+static inline vdouble vd_select(vmask m, vdouble x, vdouble y) {
+    const __m256i bits = _mm256_castps_si256(m.v);
+    const __m256i a = _mm256_cvtepi32_epi64(_mm256_castsi256_si128(bits));
+    const __m256i b = _mm256_cvtepi32_epi64(_mm256_extracti128_si256(bits, 1));
+    return (vdouble){_mm256_blendv_pd(y.a, x.a, _mm256_castsi256_pd(a)),
+                     _mm256_blendv_pd(y.b, x.b, _mm256_castsi256_pd(b))};
 }
 
 typedef struct vorder {

@@ -91,20 +91,20 @@ static inline unsigned vm_bits(vmask a) { return a.v; } /* bit k = lane k */
 static inline vfloat vf_gather(const float *base, vint index, vmask m) { return (vfloat){m.v ? base[index.v] : 0}; }
 
 /* base[index] and base[index + 1] where m, else base[0] and base[1]. */
-static inline void vf_gather_pairs(const float *base, vint index, vmask m, vfloat *first, vfloat *second) {
+CW_INLINE void vf_gather_pairs(const float *base, vint index, vmask m, vfloat *first, vfloat *second) {
     const int32_t k = m.v ? index.v : 0;
     first->v = base[k];
     second->v = base[k + 1];
 }
 
 /* base[4 index] to base[4 index + 3] where m, else base[0] to base[3]; base + 4 k is aligned to 16 bytes. */
-static inline void vf_gather_quads(const float *base, vint index, vmask m, vfloat out[4]) {
+CW_INLINE void vf_gather_quads(const float *base, vint index, vmask m, vfloat out[4]) {
     const float *from = base + 4 * (ptrdiff_t)(m.v ? index.v : 0);
     for (int c = 0; c < 4; c++) out[c].v = from[c];
 }
 
 /* Rays of consecutive lanes, from an array of structures to one vector each of org x y z, tmin, dir x y z, tmax. */
-static inline void vf_load_rays(const cw_ray *rays, vfloat out[8]) {
+CW_INLINE void vf_load_rays(const cw_ray *rays, vfloat out[8]) {
     for (int c = 0; c < 3; c++) {
         out[c].v = rays->org[c];
         out[4 + c].v = rays->dir[c];
@@ -113,11 +113,57 @@ static inline void vf_load_rays(const cw_ray *rays, vfloat out[8]) {
     out[7].v = rays->tmax;
 }
 
+/* The same of rays anywhere, a pointer a lane. */
+CW_INLINE void vf_load_each_ray(const cw_ray *const rays[1], vfloat out[8]) { vf_load_rays(rays[0], out); }
+
+/* Lanes picked out and put side by side: how, and the lanes of m stored one after another. The rest of the W floats or
+ * integers at to become anything. */
+typedef struct vpick {
+    int unused;
+} vpick;
+static inline vpick vpick_make(vmask m) {
+    (void)m;
+    return (vpick){0};
+}
+static inline void vf_store_picked(float *to, vfloat a, vpick pick) {
+    (void)pick;
+    *to = a.v;
+}
+
+/* W hits of consecutive lanes, from one vector each of t, u, v, i, j, triangle to an array of structures. i and j are whole
+ * numbers; triangle is B where b. */
+CW_INLINE void vf_store_hits(cw_hit *hits, vfloat t, vfloat u, vfloat v, vfloat i, vfloat j, vmask b) {
+    *hits = (cw_hit){t.v, u.v, v.v, (int32_t)i.v, (int32_t)j.v, b.v};
+}
+
 static inline vmask vm_set(bool a) { return (vmask){a}; }
+
+/* The lowest lane of each of 16 vectors. No lane is NaN. */
+CW_INLINE void vf_lowest_of_each(const vfloat a[16], float out[16]) {
+    for (int k = 0; k < 16; k++) out[k] = a[k].v;
+}
 
 /* Lowest and highest lane where m; +infinity and -infinity if there is none. No lane is NaN. */
 static inline float vf_lowest(vfloat a, vmask m) { return m.v ? a.v : INFINITY; }
 static inline float vf_highest(vfloat a, vmask m) { return m.v ? a.v : -INFINITY; }
+
+/* W doubles, for what is computed once a ray or once a hit. */
+typedef struct vdouble {
+    double v;
+} vdouble;
+
+static inline vdouble vd_set(double a) { return (vdouble){a}; }
+static inline vdouble vd_from_vf(vfloat a) { return (vdouble){(double)a.v}; }
+static inline vfloat vf_from_vd(vdouble a) { return (vfloat){(float)a.v}; } /* rounded to nearest */
+static inline vdouble vd_add(vdouble a, vdouble b) { return (vdouble){a.v + b.v}; }
+static inline vdouble vd_sub(vdouble a, vdouble b) { return (vdouble){a.v - b.v}; }
+static inline vdouble vd_mul(vdouble a, vdouble b) { return (vdouble){a.v * b.v}; }
+static inline vdouble vd_div(vdouble a, vdouble b) { return (vdouble){a.v / b.v}; }
+static inline vdouble vd_min(vdouble a, vdouble b) { return (vdouble){a.v < b.v ? a.v : b.v}; } /* as vf_min */
+static inline vdouble vd_max(vdouble a, vdouble b) { return (vdouble){a.v > b.v ? a.v : b.v}; }
+static inline vdouble vd_abs(vdouble a) { return (vdouble){fabs(a.v)}; }
+static inline vmask vd_gt(vdouble a, vdouble b) { return (vmask){a.v > b.v}; }
+static inline vdouble vd_select(vmask m, vdouble a, vdouble b) { return m.v ? a : b; }
 
 /* A block of 4 × 4 floats in the order in which a ray of one direction quadrant meets them: lane 4 y + x of the 16 is the
  * x-th column from where x is entered and the y-th row from where y is entered. A ray goes through a block along a

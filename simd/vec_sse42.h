@@ -104,7 +104,7 @@ static inline vfloat vf_gather(const float *base, vint index, vmask m) {
 
 /* Two floats as one 8-byte load, the lanes' pairs then parted by shuffles. An integer load: _mm_load_sd would claim that a
  * double lies there, aligned. */
-static inline void vf_gather_pairs(const float *base, vint index, vmask m, vfloat *first, vfloat *second) {
+CW_INLINE void vf_gather_pairs(const float *base, vint index, vmask m, vfloat *first, vfloat *second) {
     const __m128i safe = _mm_and_si128(index.v, _mm_castps_si128(m.v));
     __m128 low = _mm_castsi128_ps(_mm_loadl_epi64((const __m128i *)(base + _mm_cvtsi128_si32(safe))));
     __m128 high = _mm_castsi128_ps(_mm_loadl_epi64((const __m128i *)(base + _mm_extract_epi32(safe, 2))));
@@ -114,7 +114,7 @@ static inline void vf_gather_pairs(const float *base, vint index, vmask m, vfloa
     second->v = _mm_shuffle_ps(low, high, 0xdd);
 }
 
-static inline void vf_gather_quads(const float *base, vint index, vmask m, vfloat out[4]) {
+CW_INLINE void vf_gather_quads(const float *base, vint index, vmask m, vfloat out[4]) {
     int32_t k[4];
     _mm_storeu_si128((__m128i *)k, _mm_and_si128(index.v, _mm_castps_si128(m.v)));
     __m128 r[4];
@@ -127,12 +127,12 @@ static inline void vf_gather_quads(const float *base, vint index, vmask m, vfloa
     out[3].v = _mm_movehl_ps(d, b);
 }
 
-static inline void vf_load_rays(const cw_ray *rays, vfloat out[8]) {
+CW_INLINE void vf_load_each_ray(const cw_ray *const rays[4], vfloat out[8]) {
     for (int half = 0; half < 2; half++) {
-        enum { RAY = sizeof(cw_ray) / sizeof(float) };
-        const float *from = (const float *)rays + 4 * half;
-        const __m128 a = _mm_loadu_ps(from), b = _mm_loadu_ps(from + RAY);
-        const __m128 c = _mm_loadu_ps(from + 2 * RAY), d = _mm_loadu_ps(from + 3 * RAY);
+        const __m128 a = _mm_loadu_ps((const float *)rays[0] + 4 * half);
+        const __m128 b = _mm_loadu_ps((const float *)rays[1] + 4 * half);
+        const __m128 c = _mm_loadu_ps((const float *)rays[2] + 4 * half);
+        const __m128 d = _mm_loadu_ps((const float *)rays[3] + 4 * half);
         const __m128 ab_low = _mm_unpacklo_ps(a, b), ab_high = _mm_unpackhi_ps(a, b);
         const __m128 cd_low = _mm_unpacklo_ps(c, d), cd_high = _mm_unpackhi_ps(c, d);
         out[4 * half + 0].v = _mm_movelh_ps(ab_low, cd_low);
@@ -141,9 +141,53 @@ static inline void vf_load_rays(const cw_ray *rays, vfloat out[8]) {
         out[4 * half + 3].v = _mm_movehl_ps(cd_high, ab_high);
     }
 }
+CW_INLINE void vf_load_rays(const cw_ray *rays, vfloat out[8]) {
+    vf_load_each_ray((const cw_ray *[4]){rays, rays + 1, rays + 2, rays + 3}, out);
+}
+
+typedef struct vpick {
+    __m128i bytes;
+} vpick;
+/* The bytes of lane k are 4 k to 4 k + 3. */
+static inline vpick vpick_make(vmask m) {
+    static const uint8_t first[16][4] = {
+        {0, 0, 0, 0}, {0, 0, 0, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}, {2, 0, 0, 0}, {0, 2, 0, 0}, {1, 2, 0, 0}, {0, 1, 2, 0},
+        {3, 0, 0, 0}, {0, 3, 0, 0}, {1, 3, 0, 0}, {0, 1, 3, 0}, {2, 3, 0, 0}, {0, 2, 3, 0}, {1, 2, 3, 0}, {0, 1, 2, 3}};
+    int32_t lanes;
+    __builtin_memcpy(&lanes, first[_mm_movemask_ps(m.v)], sizeof lanes);
+    const __m128i four = _mm_cvtepu8_epi32(_mm_cvtsi32_si128(lanes)); /* a lane's number in each */
+    const __m128i times = _mm_mullo_epi32(four, _mm_set1_epi32(0x04040404));
+    return (vpick){_mm_add_epi8(times, _mm_set1_epi32(0x03020100))};
+}
+static inline void vf_store_picked(float *to, vfloat a, vpick pick) {
+    _mm_storeu_ps(to, _mm_castsi128_ps(_mm_shuffle_epi8(_mm_castps_si128(a.v), pick.bytes)));
+}
+
+/* Members in pairs of two; a hit is three pairs, two hits are three registers. */
+CW_INLINE void vf_store_hits(cw_hit *hits, vfloat t, vfloat u, vfloat v, vfloat i, vfloat j, vmask b) {
+    const __m128 whole_i = _mm_castsi128_ps(_mm_cvttps_epi32(i.v)), whole_j = _mm_castsi128_ps(_mm_cvttps_epi32(j.v));
+    const __m128 in_b = _mm_and_ps(b.v, _mm_castsi128_ps(_mm_set1_epi32(1)));
+    float *to = (float *)hits;
+    for (int half = 0; half < 2; half++, to += 12) {
+        const __m128d tu = _mm_castps_pd(half ? _mm_unpackhi_ps(t.v, u.v) : _mm_unpacklo_ps(t.v, u.v));
+        const __m128d vi = _mm_castps_pd(half ? _mm_unpackhi_ps(v.v, whole_i) : _mm_unpacklo_ps(v.v, whole_i));
+        const __m128d jb = _mm_castps_pd(half ? _mm_unpackhi_ps(whole_j, in_b) : _mm_unpacklo_ps(whole_j, in_b));
+        _mm_storeu_ps(to, _mm_castpd_ps(_mm_unpacklo_pd(tu, vi)));
+        _mm_storeu_ps(to + 4, _mm_castpd_ps(_mm_shuffle_pd(jb, tu, 2)));
+        _mm_storeu_ps(to + 8, _mm_castpd_ps(_mm_unpackhi_pd(vi, jb)));
+    }
+}
 
 static inline vmask vm_set(bool a) { return (vmask){_mm_castsi128_ps(_mm_set1_epi32(-(int32_t)a))}; }
 
+/* By fours: a transpose in which each step takes minima. */
+CW_INLINE void vf_lowest_of_each(const vfloat a[16], float out[16]) {
+    for (int k = 0; k < 16; k += 4) {
+        const __m128 ab = _mm_min_ps(_mm_unpacklo_ps(a[k].v, a[k + 1].v), _mm_unpackhi_ps(a[k].v, a[k + 1].v));
+        const __m128 cd = _mm_min_ps(_mm_unpacklo_ps(a[k + 2].v, a[k + 3].v), _mm_unpackhi_ps(a[k + 2].v, a[k + 3].v));
+        _mm_storeu_ps(out + k, _mm_min_ps(_mm_movelh_ps(ab, cd), _mm_movehl_ps(cd, ab)));
+    }
+}
 static inline float vf_lowest(vfloat a, vmask m) {
     __m128 x = _mm_blendv_ps(_mm_set1_ps(__builtin_inff()), a.v, m.v);
     x = _mm_min_ps(x, _mm_movehl_ps(x, x));
@@ -153,6 +197,34 @@ static inline float vf_highest(vfloat a, vmask m) {
     __m128 x = _mm_blendv_ps(_mm_set1_ps(-__builtin_inff()), a.v, m.v);
     x = _mm_max_ps(x, _mm_movehl_ps(x, x));
     return _mm_cvtss_f32(_mm_max_ss(x, _mm_movehdup_ps(x)));
+}
+
+typedef struct vdouble {
+    __m128d a, b; /* lanes 0 and 1, 2 and 3 */
+} vdouble;
+
+static inline vdouble vd_set(double a) { return (vdouble){_mm_set1_pd(a), _mm_set1_pd(a)}; }
+static inline vdouble vd_from_vf(vfloat x) {
+    return (vdouble){_mm_cvtps_pd(x.v), _mm_cvtps_pd(_mm_movehl_ps(x.v, x.v))};
+}
+static inline vfloat vf_from_vd(vdouble x) { return (vfloat){_mm_movelh_ps(_mm_cvtpd_ps(x.a), _mm_cvtpd_ps(x.b))}; }
+static inline vdouble vd_add(vdouble x, vdouble y) { return (vdouble){_mm_add_pd(x.a, y.a), _mm_add_pd(x.b, y.b)}; }
+static inline vdouble vd_sub(vdouble x, vdouble y) { return (vdouble){_mm_sub_pd(x.a, y.a), _mm_sub_pd(x.b, y.b)}; }
+static inline vdouble vd_mul(vdouble x, vdouble y) { return (vdouble){_mm_mul_pd(x.a, y.a), _mm_mul_pd(x.b, y.b)}; }
+static inline vdouble vd_div(vdouble x, vdouble y) { return (vdouble){_mm_div_pd(x.a, y.a), _mm_div_pd(x.b, y.b)}; }
+static inline vdouble vd_min(vdouble x, vdouble y) { return (vdouble){_mm_min_pd(x.a, y.a), _mm_min_pd(x.b, y.b)}; }
+static inline vdouble vd_max(vdouble x, vdouble y) { return (vdouble){_mm_max_pd(x.a, y.a), _mm_max_pd(x.b, y.b)}; }
+static inline vdouble vd_abs(vdouble x) {
+    const __m128d sign = _mm_set1_pd(-0.0);
+    return (vdouble){_mm_andnot_pd(sign, x.a), _mm_andnot_pd(sign, x.b)};
+}
+static inline vmask vd_gt(vdouble x, vdouble y) {
+    const __m128 a = _mm_castpd_ps(_mm_cmpgt_pd(x.a, y.a)), b = _mm_castpd_ps(_mm_cmpgt_pd(x.b, y.b));
+    return (vmask){_mm_shuffle_ps(a, b, 0x88)};
+}
+static inline vdouble vd_select(vmask m, vdouble x, vdouble y) {
+    const __m128d a = _mm_castps_pd(_mm_unpacklo_ps(m.v, m.v)), b = _mm_castps_pd(_mm_unpackhi_ps(m.v, m.v));
+    return (vdouble){_mm_blendv_pd(y.a, x.a, a), _mm_blendv_pd(y.b, x.b, b)};
 }
 
 typedef struct vorder {

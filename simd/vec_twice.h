@@ -13,6 +13,19 @@
 #undef vfloat
 #undef vint
 #undef vmask
+#undef vdouble
+#undef vd_abs
+#undef vd_add
+#undef vd_div
+#undef vd_from_vf
+#undef vd_gt
+#undef vd_max
+#undef vd_min
+#undef vd_mul
+#undef vd_select
+#undef vd_set
+#undef vd_sub
+#undef vf_from_vd
 #undef vf_abs
 #undef vf_add
 #undef vf_div
@@ -31,8 +44,10 @@
 #undef vf_le
 #undef vf_load
 #undef vf_load_block
+#undef vf_load_each_ray
 #undef vf_load_rays
 #undef vf_lowest
+#undef vf_lowest_of_each
 #undef vf_lt
 #undef vf_max
 #undef vf_min
@@ -41,6 +56,10 @@
 #undef vf_select
 #undef vf_set
 #undef vf_store
+#undef vf_store_hits
+#undef vf_store_picked
+#undef vpick
+#undef vpick_make
 #undef vf_sub
 #undef vi_add
 #undef vi_and
@@ -80,6 +99,9 @@ typedef struct vint {
 typedef struct vmask {
     half_vmask a, b;
 } vmask;
+typedef struct vdouble {
+    half_vdouble a, b;
+} vdouble;
 
 /* A word that does the same in each lane, of one to three vectors. */
 #define ONE(result, word, type)                                                                                        \
@@ -126,6 +148,16 @@ ONE(vfloat, vf_from_vi, vint)
 ONE(vint, vi_from_vf, vfloat)
 ONE(vfloat, vf_power_of_2, vint)
 ONE(vmask, vm_not, vmask)
+TWO(vdouble, vd_add, vdouble, vdouble)
+TWO(vdouble, vd_sub, vdouble, vdouble)
+TWO(vdouble, vd_mul, vdouble, vdouble)
+TWO(vdouble, vd_div, vdouble, vdouble)
+TWO(vdouble, vd_min, vdouble, vdouble)
+TWO(vdouble, vd_max, vdouble, vdouble)
+TWO(vmask, vd_gt, vdouble, vdouble)
+ONE(vdouble, vd_abs, vdouble)
+ONE(vdouble, vd_from_vf, vfloat)
+ONE(vfloat, vf_from_vd, vdouble)
 /* clang-format on */
 
 #undef ONE
@@ -140,6 +172,11 @@ static inline void vf_store(float *to, vfloat a) {
 }
 static inline vfloat vf_select(vmask m, vfloat a, vfloat b) {
     return (vfloat){half_vf_select(m.a, a.a, b.a), half_vf_select(m.b, a.b, b.b)};
+}
+
+static inline vdouble vd_set(double a) { return (vdouble){half_vd_set(a), half_vd_set(a)}; }
+static inline vdouble vd_select(vmask m, vdouble a, vdouble b) {
+    return (vdouble){half_vd_select(m.a, a.a, b.a), half_vd_select(m.b, a.b, b.b)};
 }
 
 static inline vint vi_set(int32_t a) { return (vint){half_vi_set(a), half_vi_set(a)}; }
@@ -166,7 +203,7 @@ static inline unsigned vm_bits(vmask a) { return half_vm_bits(a.a) | half_vm_bit
 static inline vfloat vf_gather(const float *base, vint index, vmask m) {
     return (vfloat){half_vf_gather(base, index.a, m.a), half_vf_gather(base, index.b, m.b)};
 }
-static inline void vf_gather_pairs(const float *base, vint index, vmask m, vfloat *first, vfloat *second) {
+CW_INLINE void vf_gather_pairs(const float *base, vint index, vmask m, vfloat *first, vfloat *second) {
     half_vf_gather_pairs(base, index.a, m.a, &first->a, &second->a);
     half_vf_gather_pairs(base, index.b, m.b, &first->b, &second->b);
 }
@@ -175,19 +212,46 @@ static inline void vf_gather_pairs(const float *base, vint index, vmask m, vfloa
 static inline void twice_join(const half_vfloat *a, const half_vfloat *b, vfloat *out, size_t n) {
     for (size_t k = 0; k < n; k++) out[k] = (vfloat){a[k], b[k]};
 }
-static inline void vf_gather_quads(const float *base, vint index, vmask m, vfloat out[4]) {
+CW_INLINE void vf_gather_quads(const float *base, vint index, vmask m, vfloat out[4]) {
     half_vfloat a[4], b[4];
     half_vf_gather_quads(base, index.a, m.a, a);
     half_vf_gather_quads(base, index.b, m.b, b);
     twice_join(a, b, out, 4);
 }
-static inline void vf_load_rays(const cw_ray *rays, vfloat out[8]) {
+CW_INLINE void vf_load_each_ray(const cw_ray *const rays[2 * half_W], vfloat out[8]) {
+    half_vfloat a[8], b[8];
+    half_vf_load_each_ray(rays, a);
+    half_vf_load_each_ray(rays + half_W, b);
+    twice_join(a, b, out, 8);
+}
+CW_INLINE void vf_load_rays(const cw_ray *rays, vfloat out[8]) {
     half_vfloat a[8], b[8];
     half_vf_load_rays(rays, a);
     half_vf_load_rays(rays + half_W, b);
     twice_join(a, b, out, 8);
 }
 
+typedef struct vpick {
+    half_vpick a, b;
+    int of_a; /* lanes picked of a */
+} vpick;
+static inline vpick vpick_make(vmask m) {
+    return (vpick){half_vpick_make(m.a), half_vpick_make(m.b), __builtin_popcount(half_vm_bits(m.a))};
+}
+static inline void vf_store_picked(float *to, vfloat a, vpick pick) {
+    half_vf_store_picked(to, a.a, pick.a);
+    half_vf_store_picked(to + pick.of_a, a.b, pick.b);
+}
+CW_INLINE void vf_store_hits(cw_hit *hits, vfloat t, vfloat u, vfloat v, vfloat i, vfloat j, vmask b) {
+    half_vf_store_hits(hits, t.a, u.a, v.a, i.a, j.a, b.a);
+    half_vf_store_hits(hits + half_W, t.b, u.b, v.b, i.b, j.b, b.b);
+}
+
+CW_INLINE void vf_lowest_of_each(const vfloat a[16], float out[16]) {
+    half_vfloat lower[16];
+    for (int k = 0; k < 16; k++) lower[k] = half_vf_min(a[k].a, a[k].b);
+    half_vf_lowest_of_each(lower, out);
+}
 static inline float vf_lowest(vfloat a, vmask m) {
     const float low = half_vf_lowest(a.a, m.a), other = half_vf_lowest(a.b, m.b);
     return low < other ? low : other;

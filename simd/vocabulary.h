@@ -9,6 +9,10 @@
 #ifndef CELLWALK_SIMD_VOCABULARY_H
 #define CELLWALK_SIMD_VOCABULARY_H
 
+/* For bodies that take constant arguments (leaf test, kind of query) or a ray by pointer: unless it is inlined, a compiler
+ * keeps the choice at run time and writes the ray's twenty vectors to the stack for the call. */
+#define CW_INLINE static inline __attribute__((always_inline))
+
 #ifdef CELLWALK_PAIRS
 #include "vec_half.h"
 #endif

@@ -10,11 +10,12 @@
 #include <math.h>
 
 true_surface true_surface_of(const float *z, size_t nx, size_t ny) {
-    true_surface s = {.z = z, .nx = nx, .ny = ny};
+    true_surface s = {.z = z, .nx = nx, .ny = ny, .low = (double)z[0], .high = (double)z[0]};
     for (size_t j = 0; j < ny; j++)
         for (size_t i = 0; i < nx; i++) {
             const double here = (double)z[j * nx + i];
-            s.highest = fmax(s.highest, fabs(here));
+            s.low = fmin(s.low, here);
+            s.high = fmax(s.high, here);
             for (size_t edge = 1; edge < 4; edge++) /* along x, along y, the diagonal */
                 if (i + edge % 2 < nx && j + edge / 2 < ny)
                     s.steepest = fmax(s.steepest, fabs((double)z[(j + edge / 2) * nx + i + edge % 2] - here));

@@ -11,37 +11,39 @@ typedef struct ray_point {
     double above, i, j;
 } ray_point;
 
-static bounds_ray ray_of(const cw_ray *ray) {
-    return (bounds_ray){(double)ray->org[0], (double)ray->org[1], (double)ray->org[2],
-                        (double)ray->dir[0], (double)ray->dir[1], (double)ray->dir[2]};
+static bounds_ray ray_of(const true_surface *on, const cw_ray *ray) {
+    const double org[3] = {(double)ray->org[0], (double)ray->org[1], (double)ray->org[2]};
+    const double dir[3] = {(double)ray->dir[0], (double)ray->dir[1], (double)ray->dir[2]};
+    return bounds_ray_of(org, dir, on->nx, on->ny, on->low, on->high);
 }
 
 static double clamp(double x, double low, double high) { return fmax(low, fmin(high, x)); }
 
 static ray_point point_at(const true_surface *on, const bounds_ray *r, double t) {
     const size_t nx = on->nx;
-    const double x = clamp(r->ox + t * r->dx, 0, (double)(nx - 1));
-    const double y = clamp(r->oy + t * r->dy, 0, (double)(on->ny - 1));
+    const double x = clamp(r->org[0] + t * r->dir[0], 0, (double)(nx - 1));
+    const double y = clamp(r->org[1] + t * r->dir[1], 0, (double)(on->ny - 1));
     const ray_point p = {.i = fmin(floor(x), (double)(nx - 2)), .j = fmin(floor(y), (double)(on->ny - 2))};
     const float *z = on->z + (size_t)p.j * nx + (size_t)p.i;
     const double h00 = (double)z[0], h10 = (double)z[1], h01 = (double)z[nx], h11 = (double)z[nx + 1];
     const double fx = x - p.i, fy = y - p.j;
     const double surface =
         fy > fx ? h00 + fx * (h11 - h01) + fy * (h01 - h00) : h00 + fx * (h10 - h00) + fy * (h11 - h10);
-    return (ray_point){r->oz + t * r->dz - surface, p.i, p.j};
+    return (ray_point){r->org[2] + t * r->dir[2] - surface, p.i, p.j};
 }
 
-/* H and S of the cell and its neighbours, or of the whole field. */
+/* Bounds of the cell and its neighbours, or of the whole field. */
 static bounds_surface surface_around(const true_surface *on, const ray_point *p, double delta) {
     const size_t first_i = p->i > 0 ? (size_t)p->i - 1 : 0, first_j = p->j > 0 ? (size_t)p->j - 1 : 0;
     const size_t last_i = (size_t)p->i + 2 < on->nx ? (size_t)p->i + 2 : on->nx - 1;
     const size_t last_j = (size_t)p->j + 2 < on->ny ? (size_t)p->j + 2 : on->ny - 1;
-    if (delta >= 0.5) return (bounds_surface){on->highest, on->steepest};
-    bounds_surface s = {0, 0};
+    if (delta >= 0.5) return (bounds_surface){on->low, on->high, on->steepest};
+    bounds_surface s = {INFINITY, -INFINITY, 0};
     for (size_t j = first_j; j <= last_j; j++)
         for (size_t i = first_i; i <= last_i; i++) {
             const float *z = on->z + j * on->nx + i;
-            s.H = fmax(s.H, fabs((double)z[0]));
+            s.low = fmin(s.low, (double)z[0]);
+            s.high = fmax(s.high, (double)z[0]);
             if (i < last_i) s.S = fmax(s.S, fabs((double)z[1] - (double)z[0]));
             if (j < last_j) s.S = fmax(s.S, fabs((double)z[on->nx] - (double)z[0]));
             if (i < last_i && j < last_j) s.S = fmax(s.S, fabs((double)z[on->nx + 1] - (double)z[0]));
@@ -56,11 +58,13 @@ typedef struct slack {
 
 static slack slack_at(const true_surface *on, const bounds_ray *r, double t, const ray_point *p,
                       const tradeoff_claim *claim) {
-    const double P = bounds_P(r, p->i, p->j), A = bounds_A(r, on->highest);
-    const bounds_surface s = surface_around(on, p, bounds_delta(r, P));
-    const double length = sqrt(r->dx * r->dx + r->dy * r->dy + r->dz * r->dz);
-    const double clear = bounds_clear(r, t, P, s) + claim->height + claim->cone * fabs(t) * length;
-    return (slack){clear, clear + bounds_interpolation(r, bounds_T(r, P, A, INFINITY), A, s.S)};
+    const double D = bounds_D(r, p->i, p->j);
+    const bounds_surface s = surface_around(on, p, bounds_delta(r, D));
+    const double length = sqrt(r->dir[0] * r->dir[0] + r->dir[1] * r->dir[1] + r->dir[2] * r->dir[2]);
+    const double clear =
+        bounds_clear(r, D, s) + bounds_height_evaluation(r, t, s) + claim->height + claim->cone * fabs(t) * length;
+    const double steepest = fabs(r->dir[2]) + 2 * s.S * (fabs(r->dir[0]) + fabs(r->dir[1]));
+    return (slack){clear, clear + bounds_height_of_t(t, steepest)};
 }
 
 /* ---- along the ray ---- */
@@ -94,15 +98,15 @@ static void cut(double org, double dir, double end, double *from, double *to) {
 
 tradeoff_track tradeoff_follow(const true_surface *on, const cw_ray *ray, double from, double to,
                                const tradeoff_claim *claim) {
-    const bounds_ray r = ray_of(ray);
+    const bounds_ray r = ray_of(on, ray);
     const double limit = (double)FLT_MAX / 2; /* as the library clamps t */
     from = fmax(from, fmax((double)ray->tmin, -limit));
     to = fmin(to, fmin((double)ray->tmax, limit));
-    cut(r.ox, r.dx, (double)(on->nx - 1), &from, &to);
-    cut(r.oy, r.dy, (double)(on->ny - 1), &from, &to);
+    cut(r.org[0], r.dir[0], (double)(on->nx - 1), &from, &to);
+    cut(r.org[1], r.dir[1], (double)(on->ny - 1), &from, &to);
     if (!(from <= to)) return (tradeoff_track){0};
-    lines all[3] = {lines_from(r.ox, r.dx, from), lines_from(r.oy, r.dy, from),
-                    lines_from(r.ox - r.oy, r.dx - r.dy, from)};
+    lines all[3] = {lines_from(r.org[0], r.dir[0], from), lines_from(r.org[1], r.dir[1], from),
+                    lines_from(r.org[0] - r.org[1], r.dir[0] - r.dir[1], from)};
     tradeoff_track track = {.clear = true, .near = true};
     int side = 0;
     for (double t = from;;) {
@@ -126,9 +130,9 @@ tradeoff_track tradeoff_follow(const true_surface *on, const cw_ray *ray, double
 
 /* u and v come from sums in double of the ray's numbers, so they are off by some 2^-52 of those. A place that is outside
  * by no more is on the edge for all that is measured here: both triangles give the same t there but for that much. */
-static bool is_inside(const cw_ray *ray, const exact_hit *p) {
-    const bounds_ray r = ray_of(ray);
-    const double off = 0x1p-48 * (bounds_P(&r, p->i, p->j) + fabs(p->t) * (fabs(r.dx) + fabs(r.dy)));
+static bool is_inside(const true_surface *on, const cw_ray *ray, const exact_hit *p) {
+    const bounds_ray r = ray_of(on, ray);
+    const double off = 8 * bounds_place_evaluation(&r, p->t);
     return p->u >= -off && p->v >= -off && p->u + p->v <= 1 + off;
 }
 
@@ -137,12 +141,12 @@ static const tradeoff_claim none;
 exact_hit tradeoff_exact(const true_surface *on, const cw_ray *ray, const cw_hit *hit) {
     exact_hit own, p, best = {(double)hit->t, (double)hit->u, (double)hit->v, hit->i, hit->j, hit->triangle};
     const bool meets = exact_meet(on, ray, hit->i, hit->j, hit->triangle, &own);
-    if (meets && is_inside(ray, &own)) return own;
+    if (meets && is_inside(on, ray, &own)) return own;
     bool found = false;
     for (uint32_t k = 0; k < 18; k++) {
         const int32_t i = hit->i + (int32_t)(k / 2 % 3) - 1, j = hit->j + (int32_t)(k / 6) - 1;
         if (i < 0 || j < 0 || (size_t)i + 1 >= on->nx || (size_t)j + 1 >= on->ny) continue;
-        if (!exact_meet(on, ray, i, j, k % 2, &p) || !is_inside(ray, &p)) continue;
+        if (!exact_meet(on, ray, i, j, k % 2, &p) || !is_inside(on, ray, &p)) continue;
         if (!tradeoff_follow(on, ray, fmin(p.t, (double)hit->t), fmax(p.t, (double)hit->t), &none).near) continue;
         if (found && fabs(p.t - (double)hit->t) >= fabs(best.t - (double)hit->t)) continue;
         best = p;
@@ -152,7 +156,7 @@ exact_hit tradeoff_exact(const true_surface *on, const cw_ray *ray, const cw_hit
 }
 
 double tradeoff_off_surface(const true_surface *on, const cw_ray *ray, double t) {
-    const bounds_ray r = ray_of(ray);
+    const bounds_ray r = ray_of(on, ray);
     return fabs(point_at(on, &r, t).above);
 }
 
@@ -161,10 +165,12 @@ double tradeoff_off_surface(const true_surface *on, const cw_ray *ray, double t)
 /* True if a hit with that t is not on the surface, or not over the field at all. */
 static bool is_away(const true_surface *on, const cw_ray *ray, double t, const tradeoff_claim *claim) {
     if (!isfinite(t)) return true;
-    const bounds_ray r = ray_of(ray);
-    const double x = r.ox + t * r.dx, y = r.oy + t * r.dy;
+    const bounds_ray r = ray_of(on, ray);
+    const double x = r.org[0] + t * r.dir[0], y = r.org[1] + t * r.dir[1];
     const double end_x = (double)(on->nx - 1), end_y = (double)(on->ny - 1);
-    const double delta = bounds_delta(&r, bounds_P(&r, end_x, end_y));
+    const double D = fmax(fmax(bounds_D(&r, 0, 0), bounds_D(&r, end_x, 0)),
+                          fmax(bounds_D(&r, 0, end_y), bounds_D(&r, end_x, end_y)));
+    const double delta = bounds_delta(&r, D) + bounds_place_of_t(&r, t) + bounds_place_evaluation(&r, t);
     if (x < -delta || x > end_x + delta || y < -delta || y > end_y + delta) return true;
     const ray_point p = point_at(on, &r, t);
     return fabs(p.above) > slack_at(on, &r, t, &p, claim).hit;

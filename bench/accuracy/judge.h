@@ -13,7 +13,8 @@
 typedef struct true_surface {
     const float *z;
     size_t nx, ny;
-    double highest, steepest; /* of all samples and of their differences along edges, in size */
+    double low, high; /* of all samples */
+    double steepest;  /* of their differences along edges, in size */
 } true_surface;
 
 true_surface true_surface_of(const float *z, size_t nx, size_t ny);

@@ -11,13 +11,10 @@ static const struct {
     const char *name;
     bool any, coherent;
 } classes[WORKLOAD_ALL] = {
-    [WORKLOAD_PRIMARY] = {"primary", false, true},
-    [WORKLOAD_SHADOW] = {"shadow", true, true},
-    [WORKLOAD_AO] = {"ao", true, false},
-    [WORKLOAD_BOUNCE] = {"bounce", false, false},
-    [WORKLOAD_RANDOM] = {"random", false, false},
-    [WORKLOAD_GRAZING] = {"grazing", false, false},
-    [WORKLOAD_VERTICES] = {"vertices", false, false},
+    [WORKLOAD_PRIMARY] = {"primary", false, true}, [WORKLOAD_SHADOW] = {"shadow", true, true},
+    [WORKLOAD_AO] = {"ao", true, false},           [WORKLOAD_BOUNCE] = {"bounce", false, false},
+    [WORKLOAD_RANDOM] = {"random", false, false},  [WORKLOAD_GRAZING] = {"grazing", false, false},
+    [WORKLOAD_AFAR] = {"afar", false, true},       [WORKLOAD_VERTICES] = {"vertices", false, false},
     [WORKLOAD_EDGES] = {"edges", false, false},
 };
 
@@ -103,6 +100,39 @@ static size_t primary(const cw_field *field, const cw_query *query, size_t n, cw
         const size_t x0 = (column * TILE_RUN + k % TILE_RUN) * 4, y0 = row * 4;
         for (size_t p = 0; p < WORKLOAD_TILE; p++)
             rays[k * WORKLOAD_TILE + p] = camera_ray(&c, (double)(x0 + p % 4) + 0.5, (double)(y0 + p / 4) + 0.5);
+    }
+    return tiles * WORKLOAD_TILE;
+}
+
+/* ---- afar ---- */
+
+/* Pixel (x, y) of VIEW × VIEW over the whole field. Pixels of odd runs of tiles look in parallel, the others from one place. */
+static cw_ray afar_ray(const cw_field_info *info, size_t tile, size_t x, size_t y) {
+    const double width = (double)(info->nx - 1), depth = (double)(info->ny - 1);
+    const double away = 1000 * fmax(width, depth) * 0.70710678118654757,
+                 z = ((double)info->low + (double)info->high) / 2;
+    const double to[3] = {((double)x + 0.5) / VIEW * width, ((double)y + 0.5) / VIEW * depth, z};
+    const bool parallel = tile / TILE_RUN % 2;
+    const double from[3] = {parallel ? to[0] : width / 2, (parallel ? to[1] : depth / 2) - away, z + away};
+    cw_ray ray = {.tmin = 0, .tmax = INFINITY};
+    double dir[3], length = 0;
+    for (int k = 0; k < 3; k++) {
+        ray.org[k] = (float)from[k];
+        dir[k] = parallel ? to[k] - from[k] : to[k] - (double)ray.org[k];
+        length += dir[k] * dir[k];
+    }
+    for (int k = 0; k < 3; k++) ray.dir[k] = (float)(dir[k] / sqrt(length));
+    return ray;
+}
+
+static size_t afar(const cw_field_info *info, size_t n, cw_ray *rays) {
+    const size_t all = (size_t)VIEW_TILES * VIEW_TILES, tiles = n / WORKLOAD_TILE < all ? n / WORKLOAD_TILE : all;
+    const size_t runs = (tiles + TILE_RUN - 1) / TILE_RUN;
+    for (size_t k = 0; k < tiles; k++) {
+        const size_t slot = (2 * (k / TILE_RUN) + 1) * (all / TILE_RUN) / (2 * runs) * TILE_RUN + k % TILE_RUN;
+        for (size_t p = 0; p < WORKLOAD_TILE; p++)
+            rays[k * WORKLOAD_TILE + p] =
+                afar_ray(info, k, slot % VIEW_TILES * 4 + p % 4, slot / VIEW_TILES * 4 + p / 4);
     }
     return tiles * WORKLOAD_TILE;
 }
@@ -226,6 +256,7 @@ size_t workload_rays_make(const cw_field *field, workload_class c, uint32_t seed
     const cw_query query = {.kernel = cw_kernel_find("cell"), .leaf = CW_LEAF_WATERTIGHT};
     const cw_field_info info = cw_field_describe(field);
     if (c == WORKLOAD_PRIMARY) return primary(field, &query, n, rays);
+    if (c == WORKLOAD_AFAR) return afar(&info, n, rays);
     if (c < WORKLOAD_RANDOM) return secondary(field, &query, c, seed, n, rays);
     if (c >= WORKLOAD_CLASS_COUNT) return info.nx >= 4 && info.ny >= 4 ? aimed(field, c, seed, n, rays) : 0;
     for (size_t k = 0; k < n; k++)

@@ -13,6 +13,7 @@ typedef enum workload_class {
     WORKLOAD_BOUNCE,      /* diffuse: as ambient occlusion, with another set of directions, and the closest hit asked */
     WORKLOAD_RANDOM,      /* along lines through two uniform points of the field's box, from where they enter it */
     WORKLOAD_GRAZING,     /* across the whole field from one side to the opposite one, within 1 degree of the horizon */
+    WORKLOAD_AFAR, /* a sensor's and an orthographic view of the field, from 1000 times its longer side, at 45 degrees */
     WORKLOAD_CLASS_COUNT,
     /* Aimed (aimed.h) through a vertex of the surface, or a point of an edge along x, along y or diagonal, from above every
      * sample to below every sample or the reverse, so that who finds no hit has a leak: for counting errors, not for timing. */
@@ -21,11 +22,11 @@ typedef enum workload_class {
     WORKLOAD_ALL
 } workload_class;
 
-/* "primary", "shadow", "ao", "bounce", "random", "grazing", "vertices", "edges". */
+/* "primary", "shadow", "ao", "bounce", "random", "grazing", "afar", "vertices", "edges". */
 const char *workload_class_name(workload_class c);
 /* True if the class asks for any hit, false if for the closest. */
 bool workload_class_is_any(workload_class c);
-/* True if neighbours in the array run side by side: primary and shadow rays. */
+/* True if neighbours in the array run side by side: primary and shadow rays, and rays from afar. */
 bool workload_class_is_coherent(workload_class c);
 
 enum { WORKLOAD_TILE = 16, WORKLOAD_PRIMARY_MAX = 1024 * 1024 };

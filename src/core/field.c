@@ -9,6 +9,7 @@
 #include "to_field.h"
 
 #include <float.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -35,6 +36,7 @@ static cw_status survey(cw_field *f) {
         for (size_t i = 0; i < f->nx; i++) {
             const float h = f->z[j * f->stride + i];
             if (isfinite(h)) {
+                if (fabsf(h) > CW_HEIGHT_MAX) return CW_ERROR_HEIGHT;
                 f->low = h < f->low ? h : f->low;
                 f->high = h > f->high ? h : f->high;
                 continue;
@@ -46,6 +48,18 @@ static cw_status survey(cw_field *f) {
         }
     }
     return CW_OK;
+}
+
+/* From farther away than this, a ray's origin would add more to errors than the field itself does: half a side's length
+ * outside the field; and eight times its range of heights above or below, as rays from a camera above should count as near. */
+static void set_reach(cw_field *f) {
+    const float range = f->high - f->low;
+    f->middle[0] = 0.5f * (float)(f->nx - 1);
+    f->middle[1] = 0.5f * (float)(f->ny - 1);
+    f->middle[2] = range >= 0 ? 0.5f * (f->low + f->high) : 0;
+    f->reach[0] = (float)(f->nx - 1);
+    f->reach[1] = (float)(f->ny - 1);
+    f->reach[2] = range > 0 ? 8 * range : INFINITY; /* on a level field, or none, heights cost no accuracy */
 }
 
 static cw_status build(cw_field *f, unsigned needs) {
@@ -90,6 +104,7 @@ static cw_status create(const cw_field_desc *desc, cw_field **field) {
             memcpy(f->owned + j * f->nx, desc->samples + j * stride, f->nx * sizeof(float));
     }
     status = survey(f);
+    set_reach(f);
     const bool tiny = f->nx <= TINY_SIDE + 1 && f->ny <= TINY_SIDE + 1;
     if (status == CW_OK && !desc->bare && !tiny) status = build(f, CW_NEEDS_PYRAMID);
     if (status != CW_OK) {

@@ -16,6 +16,8 @@ struct cw_field {
     size_t nx, ny, stride;
     float low, high; /* over samples that are not holes; high < low if there is none */
     size_t holes;
+    /* A ray whose origin is farther than reach from middle along any axis starts far away: src/scalar/ray.h. */
+    float middle[3], reach[3];
     float *owned; /* what z points to unless borrowed */
 
     double to_user[3][4], to_field[3][4]; /* to_field by affine_invert */

@@ -25,8 +25,10 @@ static void column_bounds(const cw_field *f, size_t row, float *restrict low, fl
     }
 }
 
-static float *node(const cw_pyramid_level *l, size_t x, size_t y) {
-    return l->bricks + ((y / 4) * (size_t)l->across + x / 4) * BRICK_FLOATS + (y % 4) * 4 + x % 4;
+static void set_bounds(float *node, float low, float high) {
+    if (!(low <= high)) return; /* all holes */
+    node[0] = low;
+    node[16] = high;
 }
 
 static void build_blocks(const cw_field *f, const cw_pyramid_level *l, float *low, float *high) {
@@ -39,9 +41,7 @@ static void build_blocks(const cw_field *f, const cw_pyramid_level *l, float *lo
                 lo = lower(low[i], lo);
                 hi = higher(high[i], hi);
             }
-            float *n = node(l, x, y);
-            n[0] = lo;
-            n[16] = hi;
+            set_bounds(cw_pyramid_node(l, x, y), lo, hi);
         }
     }
 }
@@ -49,15 +49,13 @@ static void build_blocks(const cw_field *f, const cw_pyramid_level *l, float *lo
 static void build_level(const cw_pyramid_level *from, const cw_pyramid_level *to) {
     for (size_t y = 0; y < (size_t)from->down; y++)
         for (size_t x = 0; x < (size_t)from->across; x++) {
-            const float *brick = node(from, 4 * x, 4 * y);
+            const float *brick = cw_pyramid_node(from, 4 * x, 4 * y);
             float lo = INFINITY, hi = -INFINITY;
             for (int k = 0; k < 16; k++) {
                 lo = lower(brick[k], lo);
                 hi = higher(brick[16 + k], hi);
             }
-            float *n = node(to, x, y);
-            n[0] = lo;
-            n[16] = hi;
+            set_bounds(cw_pyramid_node(to, x, y), lo, hi);
         }
 }
 
@@ -71,9 +69,9 @@ static void build_around(const cw_pyramid_level *l, float *row[3]) {
                 here[x] = -INFINITY;
                 continue;
             }
-            float high = node(l, x, y)[16];
-            if (x > 0) high = higher(node(l, x - 1, y)[16], high);
-            if (x + 1 < n) high = higher(node(l, x + 1, y)[16], high);
+            float high = cw_pyramid_node(l, x, y)[16];
+            if (x > 0) high = higher(cw_pyramid_node(l, x - 1, y)[16], high);
+            if (x + 1 < n) high = higher(cw_pyramid_node(l, x + 1, y)[16], high);
             here[x] = high;
         }
         if (y == 0) {
@@ -116,8 +114,7 @@ cw_status cw_pyramid_build(cw_field *f) {
         p->level[l].bricks = (float *)p->memory + begin[l] * BRICK_FLOATS;
         p->level[l].around = (float *)p->memory + bricks * BRICK_FLOATS + begin[l] * 16;
         const size_t count = (size_t)p->level[l].across * (size_t)p->level[l].down;
-        for (size_t k = 0; k < count * BRICK_FLOATS; k++)
-            p->level[l].bricks[k] = k % BRICK_FLOATS < 16 ? INFINITY : -INFINITY;
+        for (size_t k = 0; k < count * BRICK_FLOATS; k++) p->level[l].bricks[k] = NAN;
     }
     p->slab = (cw_pyramid_slab *)((float *)p->memory + bricks * (BRICK_FLOATS + 16));
     build_blocks(f, &p->level[0], columns, columns + f->nx);

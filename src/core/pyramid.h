@@ -3,8 +3,9 @@
  *
  * A node of level 0 covers a *block* of 4 × 4 cells; a node of level l + 1 covers 4 × 4 nodes of level l, which lie
  * together in memory as one *brick*: 16 lows, then 16 highs, two cache lines. The top level is one brick. Any field shape
- * costs less than 1.5 bytes a cell plus the partly filled bricks along its far borders; nodes outside the field have
- * low > high, which no ray meets.
+ * costs less than 1.5 bytes a cell plus the partly filled bricks along its far borders; nodes outside the field,
+ * and those that hold nothing but holes, have NaN, which compares false: no ray meets them, not even one whose heights
+ * overflow.
  *
  * After the maximum mipmaps of Tevs, Ihrke and Seidel (2008) and pbrt-like min-max quadtrees, but 16 children wide, so
  * that one vector comparison judges all children of a node at once. Level-0 bounds of single cells are not stored: they
@@ -54,6 +55,11 @@ struct cw_pyramid {
     void *memory;
     size_t bytes;
 };
+
+/* Lowest of node (x, y) of a level; its highest is 16 floats further on. */
+static inline float *cw_pyramid_node(const cw_pyramid_level *l, size_t x, size_t y) {
+    return l->bricks + ((y / 4) * (size_t)l->across + x / 4) * BRICK_FLOATS + (y % 4) * 4 + x % 4;
+}
 
 /* a < b ? a : b with a the sample: a hole compares false and drops out; compilers turn it into one instruction. */
 static inline float lower(float a, float b) { return a < b ? a : b; }

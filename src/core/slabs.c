@@ -95,14 +95,19 @@ static void measure_distances(const node_row *r, const columns *c) {
     }
 }
 
-/* Sets the slab outward; returns the largest slope in it. */
-static float set_outward(cw_pyramid_slab *s, const cw_field *f) {
+/* Sets the slab outward, or level where that makes it no thicker: between the node's lowest and highest sample no room for
+ * a ray's place is needed (papers/numerics.md). Returns the largest slope in it. */
+static float set_outward(cw_pyramid_slab *s, const cw_field *f, float low, float high) {
     if (!(s->low <= s->high)) return 0;
     const float slope = fabsf(s->slope_x) + fabsf(s->slope_y) + (s->high - s->low);
     const float pad = SLAB_ROUNDING * (2 * (float)(f->nx + f->ny) * slope);
-    s->low -= pad;
-    s->high += pad;
-    return slope;
+    if (s->high - s->low + 2 * pad < high - low) {
+        s->low -= pad;
+        s->high += pad;
+        return slope;
+    }
+    *s = (cw_pyramid_slab){low, high, 0, 0};
+    return high - low;
 }
 
 void cw_pyramid_build_slabs(struct cw_pyramid *p, const cw_field *f, float *columns_of_floats) {
@@ -118,7 +123,10 @@ void cw_pyramid_build_slabs(struct cw_pyramid *p, const cw_field *f, float *colu
             const node_row r = {f, row, across, side, y * side, last};
             fit_planes(&r, &c);
             measure_distances(&r, &c);
-            for (size_t x = 0; x < across; x++) p->steepest = higher(set_outward(&row[x], f), p->steepest);
+            for (size_t x = 0; x < across; x++) {
+                const float *bounds = cw_pyramid_node(level, x, y);
+                p->steepest = higher(set_outward(&row[x], f, bounds[0], bounds[16]), p->steepest);
+            }
         }
     }
 }

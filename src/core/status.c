@@ -13,6 +13,8 @@ const char *cw_status_message(cw_status status) {
         return "the row stride is shorter than a row, or rows that far apart exceed the address space";
     case CW_ERROR_MAP:
         return "the map to user space is not finite or cannot be inverted";
+    case CW_ERROR_HEIGHT:
+        return "a sample lies beyond plus or minus 2^100; mark holes by NaN";
     case CW_ERROR_HOLE:
         return "borrowed samples hold an infinity; mark holes by NaN or let the field copy them";
     case CW_ERROR_MEMORY:

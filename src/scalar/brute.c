@@ -6,17 +6,19 @@
 #include "kernels.h"
 #include "moller_trumbore.h"
 #include "ray.h"
+#include "refine.h"
 
 /* The nearest hit; among equally near ones the first in row order. */
 static bool trace(const cw_field *f, const cw_ray *given, bool any, cw_hit *best) {
     bool found = false;
-    cw_ray ray;
-    if (!ray_clean(&ray, given)) return false;
+    ray_start ray;
+    if (!ray_init(&ray, f, given)) return false;
     for (size_t j = 0; j + 1 < f->ny; j++) {
         for (size_t i = 0; i + 1 < f->nx; i++) {
             const float *h = f->z + j * f->stride + i;
             cw_hit hit;
-            if (!mt_cell(&ray, ray.tmin, ray.tmax, i, j, h[0], h[1], h[f->stride], h[f->stride + 1], &hit)) continue;
+            if (!mt_cell(ray.org, ray.dir, ray.tmin, ray.tmax, i, j, h[0], h[1], h[f->stride], h[f->stride + 1], &hit))
+                continue;
             if (found && !(hit.t < best->t)) continue;
             *best = hit;
             found = true;
@@ -24,6 +26,7 @@ static bool trace(const cw_field *f, const cw_ray *given, bool any, cw_hit *best
             if (any) return true;
         }
     }
+    if (found) *best = refine_place(f, &ray, best);
     return found;
 }
 

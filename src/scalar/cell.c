@@ -7,6 +7,8 @@
 
 #include "count.h"
 #include "kernels.h"
+#include "moller_trumbore.h"
+#include "refine.h"
 #include "strict.h"
 #include "watertight.h"
 
@@ -23,22 +25,34 @@ static size_t first_cell(const strict_axis *a, float t, size_t cells) {
     return (size_t)place;
 }
 
-static inline bool walk(const cw_field *f, const cw_ray *ray, cw_leaf leaf, cw_hit *hit) {
+/* Möller and Trumbore's test of a cell on the walk. It has no part in what keeps walks together, so its hits are kept to the
+ * cell's own stretch, and a little beyond for their rounding: then no walk that leaves out a cell, because the ray is clear
+ * of it, leaves out a hit. */
+static inline bool mt_find(const strict_ray *r, const strict_cell *c, strict_find *find) {
+    const float room = 0x1p-20f;
+    const float low = max_second(c->t0 - room * fabsf(c->t0), r->t0);
+    const float high = min_second(c->t1 + room * fabsf(c->t1), r->t1);
+    cw_hit hit = {.t = 0};
+    if (!mt_cell(r->start.org, r->start.dir, low, high, c->i, c->j, c->h00, c->h10, c->h01, c->h11, &hit)) return false;
+    *find = (strict_find){hit.t, hit.t, hit.triangle == CW_TRIANGLE_B};
+    return true;
+}
+
+static inline bool walk(const cw_field *f, const cw_ray *ray, cw_leaf leaf, bool any, cw_hit *hit) {
     strict_ray r;
     if (!strict_ray_init(&r, f, ray)) return false;
-    cw_ray clean; /* as in strict_ray */
-    if (!ray_clean(&clean, ray)) return false;
     const size_t cells_x = f->nx - 1, cells_y = f->ny - 1;
     size_t i = first_cell(&r.x, r.from, cells_x), j = first_cell(&r.y, r.from, cells_y);
     for (;;) { /* at most cells_x + cells_y times: each turn goes on along one axis and none turns back */
         strict_cell c;
         count_step(COUNT_FLAT, 1);
         if (strict_gate(&c, &r, f, i, j)) {
+            strict_find find;
             count_step(COUNT_LEAF, 1);
-            const bool found = leaf == CW_LEAF_WATERTIGHT
-                                   ? wt_cell(&r, &c, hit)
-                                   : mt_cell(&clean, r.tmin, r.tmax, i, j, c.h00, c.h10, c.h01, c.h11, hit);
-            if (found) return true;
+            if (leaf == CW_LEAF_WATERTIGHT ? wt_cell(&r, &c, &find) : mt_find(&r, &c, &find)) {
+                if (!any) *hit = refine_hit(&r.start, &c, &find);
+                return true;
+            }
         }
         const bool in_x = c.x_out <= c.y_out;
         if ((in_x ? c.x_out : c.y_out) > r.until) return false;
@@ -54,12 +68,11 @@ static inline bool walk(const cw_field *f, const cw_ray *ray, cw_leaf leaf, cw_h
 
 static inline void trace(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, cw_leaf leaf) {
     for (size_t k = 0; k < n; k++)
-        if (!walk(f, &rays[k], leaf, &hits[k])) hits[k] = miss();
+        if (!walk(f, &rays[k], leaf, false, &hits[k])) hits[k] = miss();
 }
 
 static inline void occlude(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded, cw_leaf leaf) {
-    cw_hit unused;
-    for (size_t k = 0; k < n; k++) occluded[k] = walk(f, &rays[k], leaf, &unused);
+    for (size_t k = 0; k < n; k++) occluded[k] = walk(f, &rays[k], leaf, true, NULL);
 }
 
 static void closest_cell_mt(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query, cw_hit *hits) {

@@ -13,6 +13,7 @@
 #include "kernels.h"
 #include "moller_trumbore.h"
 #include "ray.h"
+#include "refine.h"
 
 #include <float.h>
 #include <stdlib.h>
@@ -140,7 +141,7 @@ static float crossing(const struct cw_grid3d *g, const grid_walk *w, int axis) {
 }
 
 /* Slab test with the box padded by what rounding may take from its faces (Ize 2013: 2 ulp of the far t). */
-static bool enter_grid(const struct cw_grid3d *g, const cw_ray *ray, grid_walk *w) {
+static bool enter_grid(const struct cw_grid3d *g, const ray_start *ray, grid_walk *w) {
     float t0 = ray->tmin, t1 = ray->tmax;
     w->tmin = t0;
     w->tmax = t1;
@@ -169,7 +170,7 @@ static bool enter_grid(const struct cw_grid3d *g, const cw_ray *ray, grid_walk *
 }
 
 /* Nearest hit among the voxel's triangles. */
-static bool test_voxel(const struct cw_grid3d *g, const cw_field *f, const cw_ray *ray, const grid_walk *w,
+static bool test_voxel(const struct cw_grid3d *g, const cw_field *f, const ray_start *ray, const grid_walk *w,
                        cw_hit *best) {
     const size_t v = voxel_number(g, w->voxel);
     count_step(COUNT_VOXEL, 1);
@@ -192,16 +193,15 @@ static bool test_voxel(const struct cw_grid3d *g, const cw_field *f, const cw_ra
     return found;
 }
 
-static inline bool walk(const cw_field *f, const cw_ray *given, bool early, bool any, cw_hit *hit) {
+static inline bool walk(const cw_field *f, const ray_start *ray, bool early, bool any, cw_hit *hit) {
     const struct cw_grid3d *g = f->grid3d;
-    cw_ray ray;
     grid_walk w;
     bool found = false;
-    if (!ray_clean(&ray, given) || !enter_grid(g, &ray, &w)) return false;
+    if (!enter_grid(g, ray, &w)) return false;
     for (;;) { /* at most n[0] + n[1] + n[2] voxels */
         const int axis = w.next[0] <= w.next[1] ? (w.next[0] <= w.next[2] ? 0 : 2) : (w.next[1] <= w.next[2] ? 1 : 2);
         cw_hit candidate;
-        if (test_voxel(g, f, &ray, &w, &candidate) && (!found || candidate.t < hit->t)) {
+        if (test_voxel(g, f, ray, &w, &candidate) && (!found || candidate.t < hit->t)) {
             *hit = candidate;
             found = true;
             if (early || any) return true;
@@ -215,23 +215,30 @@ static inline bool walk(const cw_field *f, const cw_ray *given, bool early, bool
     }
 }
 
+static inline bool trace(const cw_field *f, const cw_ray *given, bool early, bool any, cw_hit *hit) {
+    ray_start ray;
+    if (!ray_init(&ray, f, given) || !walk(f, &ray, early, any, hit)) return false;
+    if (!any) *hit = refine_place(f, &ray, hit);
+    return true;
+}
+
 static void closest(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query, cw_hit *hits) {
     (void)query;
     for (size_t k = 0; k < n; k++)
-        if (!walk(f, &rays[k], false, false, &hits[k])) hits[k] = miss();
+        if (!trace(f, &rays[k], false, false, &hits[k])) hits[k] = miss();
 }
 
 static void closest_early(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query, cw_hit *hits) {
     (void)query;
     for (size_t k = 0; k < n; k++)
-        if (!walk(f, &rays[k], true, false, &hits[k])) hits[k] = miss();
+        if (!trace(f, &rays[k], true, false, &hits[k])) hits[k] = miss();
 }
 
 /* Any triangle on the way answers this query, wherever it was found. */
 static void any(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query, uint8_t *occluded) {
     (void)query;
     cw_hit unused;
-    for (size_t k = 0; k < n; k++) occluded[k] = walk(f, &rays[k], false, true, &unused);
+    for (size_t k = 0; k < n; k++) occluded[k] = trace(f, &rays[k], false, true, &unused);
 }
 
 const cw_kernel_code cw_grid3d = {.closest = {[CW_LEAF_MOLLER_TRUMBORE] = closest},

@@ -29,19 +29,17 @@ static inline bool mt_triangle(const float o[3], const float d[3], bool e1y, flo
 }
 
 /* The nearer hit of the cell's two triangles; A where both are equally near. */
-static inline bool mt_cell(const cw_ray *ray, float tmin, float tmax, size_t i, size_t j, float h00, float h10,
-                           float h01, float h11, cw_hit *hit) {
-    const float o[3] = {ray->org[0] - (float)i, ray->org[1] - (float)j, ray->org[2] - h00};
+static inline bool mt_cell(const float org[3], const float dir[3], float tmin, float tmax, size_t i, size_t j,
+                           float h00, float h10, float h01, float h11, cw_hit *hit) {
+    const float o[3] = {org[0] - (float)i, org[1] - (float)j, org[2] - h00};
     cw_hit b = {.triangle = CW_TRIANGLE_B};
     hit->triangle = CW_TRIANGLE_A;
-    const bool hit_a = mt_triangle(o, ray->dir, false, h10 - h00, true, h11 - h00, tmin, tmax, hit);
-    const bool hit_b = mt_triangle(o, ray->dir, true, h11 - h00, false, h01 - h00, tmin, tmax, &b);
+    const bool hit_a = mt_triangle(o, dir, false, h10 - h00, true, h11 - h00, tmin, tmax, hit);
+    const bool hit_b = mt_triangle(o, dir, true, h11 - h00, false, h01 - h00, tmin, tmax, &b);
     if (hit_b && !(hit_a && hit->t <= b.t)) *hit = b;
     hit->i = (int32_t)i;
     hit->j = (int32_t)j;
     return hit_a || hit_b;
 }
-
-static inline cw_hit miss(void) { return (cw_hit){.t = INFINITY, .i = -1, .j = -1}; }
 
 #endif

@@ -1,15 +1,32 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What include/cellwalk.h promises about a ray before anything is asked of it, for the paths without strict.h. */
+/* What include/cellwalk.h promises about a ray before anything is asked of it, and where the ray begins for the library.
+ *
+ * A ray that starts far from the field is *moved*: its origin goes along it to just before the field's box, and from there
+ * all is computed as for a ray that starts there. t is counted from the new origin and shifted back at the end. Otherwise
+ * each product t · dir would be as large as the distance, and its rounding as large as cells.
+ *
+ * The move is all but free of error. shift is a float, so shift · dir is exact in double; it nearly cancels the origin, so
+ * their sum is exact as well (Sterbenz 1974) or off by 2^-53 of the field's size. One step brings the origin nearer by a
+ * factor of 2^22, since shift has 24 bits; a second one is needed from some million field lengths away. */
 #ifndef CELLWALK_SCALAR_RAY_H
 #define CELLWALK_SCALAR_RAY_H
 
-#include "cellwalk.h"
+#include "field.h"
 
 #include <float.h>
 #include <math.h>
 
+/* minps and maxps: the second operand where either is NaN. */
+static inline float min_second(float a, float b) { return a < b ? a : b; }
+static inline float max_second(float a, float b) { return a > b ? a : b; }
+static inline double min_second_d(double a, double b) { return a < b ? a : b; }
+static inline double max_second_d(double a, double b) { return a > b ? a : b; }
+
 /* t is clamped to plus or minus this: half the largest float, so that the length of a t-range is a float too. */
-static inline float ray_t_limit(void) { return FLT_MAX / 2; }
+#define RAY_T_LIMIT (FLT_MAX / 2)
+
+/* Each step brings the origin nearer by 2^22: from the largest float to the smallest field in seven. */
+enum { RAY_MOVES = 8 };
 
 /* A direction component whose reciprocal is no float counts as zero. */
 static inline float ray_direction(float d) { return fabsf(1.0f / d) <= FLT_MAX ? d : 0; }
@@ -17,17 +34,65 @@ static inline float ray_direction(float d) { return fabsf(1.0f / d) <= FLT_MAX ?
 /* False if d is so large that its reciprocal is denormal, or infinite, or NaN. */
 static inline bool ray_direction_counts(float d) { return fabsf(1.0f / d) >= FLT_MIN; }
 
-/* The ray with all that applied; false if it misses whatever the field. */
-static inline bool ray_clean(cw_ray *out, const cw_ray *ray) {
-    const float *o = ray->org, *d = ray->dir, limit = ray_t_limit();
+/* A ray as the library traces it. */
+typedef struct ray_start {
+    float org[3], dir[3];
+    float tmin, tmax; /* finite, counted from org */
+    double base[3];   /* org before it was rounded to float */
+    double shift;     /* t of the caller's ray at org */
+} ray_start;
+
+static inline bool ray_is_far(const cw_field *f, const float org[3]) {
+    return fabsf(org[0] - f->middle[0]) > f->reach[0] || fabsf(org[1] - f->middle[1]) > f->reach[1] ||
+           fabsf(org[2] - f->middle[2]) > f->reach[2];
+}
+
+/* Moves the origin towards the field's box; false if the ray passes it by. */
+static inline bool ray_move(ray_start *r, const cw_field *f) {
+    const double low[3] = {0, 0, f->low}, high[3] = {(double)(f->nx - 1), (double)(f->ny - 1), f->high};
+    for (int k = 0; k < RAY_MOVES && ray_is_far(f, r->org); k++) {
+        double in = -INFINITY, out = INFINITY;
+        for (int c = 0; c < 3; c++) {
+            const double d = r->dir[c], a = (low[c] - r->base[c]) / d, b = (high[c] - r->base[c]) / d;
+            if (d == 0 && (r->base[c] < low[c] || r->base[c] > high[c])) return false;
+            in = max_second_d(d == 0 ? -INFINITY : min_second_d(a, b), in);
+            out = min_second_d(d == 0 ? INFINITY : max_second_d(a, b), out);
+        }
+        /* Quotients are off by 2^-52 of themselves at most: what is farther apart than that passes the box by. */
+        if (in - out > 0x1p-50 * max_second_d(fabs(in), fabs(out))) return false;
+        if (fabs(in) > (double)RAY_T_LIMIT) return false;
+        /* A little early, so that the ray has positive t in the box in spite of rounding. */
+        const double step = (double)(float)(in - fabs(in) * 0x1p-22);
+        r->shift += step;
+        for (int c = 0; c < 3; c++) {
+            r->base[c] += step * (double)r->dir[c];
+            r->org[c] = (float)r->base[c];
+        }
+    }
+    return true;
+}
+
+/* False if the ray misses whatever the field, or passes it by from afar. */
+static inline bool ray_init(ray_start *r, const cw_field *f, const cw_ray *ray) {
+    const float *o = ray->org, *d = ray->dir;
     const float poison = (o[0] * 0 + o[1] * 0) + o[2] * 0;
     if (!(poison == 0 && ray->tmin <= ray->tmax)) return false;
     if (!(ray_direction_counts(d[0]) && ray_direction_counts(d[1]) && ray_direction_counts(d[2]))) return false;
-    *out = *ray;
-    for (int c = 0; c < 3; c++) out->dir[c] = ray_direction(d[c]);
-    out->tmin = ray->tmin > -limit ? ray->tmin : -limit;
-    out->tmax = ray->tmax < limit ? ray->tmax : limit;
-    return out->dir[0] != 0 || out->dir[1] != 0 || out->dir[2] != 0;
+    *r = (ray_start){
+        .org = {o[0], o[1], o[2]},
+        .dir = {ray_direction(d[0]), ray_direction(d[1]), ray_direction(d[2])},
+        .tmin = max_second(ray->tmin, -RAY_T_LIMIT),
+        .tmax = min_second(ray->tmax, RAY_T_LIMIT),
+        .base = {o[0], o[1], o[2]},
+    };
+    if (r->dir[0] == 0 && r->dir[1] == 0 && r->dir[2] == 0) return false;
+    if (!ray_is_far(f, r->org)) return true;
+    if (!ray_move(r, f)) return false;
+    r->tmin = max_second((float)((double)r->tmin - r->shift), -RAY_T_LIMIT);
+    r->tmax = min_second((float)((double)r->tmax - r->shift), RAY_T_LIMIT);
+    return true;
 }
+
+static inline cw_hit miss(void) { return (cw_hit){.t = INFINITY, .i = -1, .j = -1}; }
 
 #endif

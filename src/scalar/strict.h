@@ -2,18 +2,20 @@
 /* The strict rules in scalar C: what a ray is to a cell. All kernels, scalar or not, follow these rules operation by
  * operation, so that they agree in every bit; papers/numerics.md derives what the rules guarantee.
  *
- *  1. A border at field coordinate b is crossed at t(b) = (b - org) · (1 / dir), each operation rounded once. t is
+ *  1. A ray that starts far from the field is moved to it first (ray.h). From there on all is relative to the ray's
+ *     origin: heights have the origin's height taken off, places are counted from the cell. So errors grow with the
+ *     distance from the origin, not with coordinates.
+ *  2. A border at field coordinate b is crossed at t(b) = (b - org) · (1 / dir), each operation rounded once. t is
  *     monotone in b because rounding is monotone, so the order of crossings along an axis is never wrong.
- *  2. The walk is the staircase that the crossings define: at the border crossed first (x where both are crossed at
+ *  3. The walk is the staircase that the crossings define: at the border crossed first (x where both are crossed at
  *     once) it goes on to the next cell. Hence a cell is on the walk if and only if it is entered in x no later than
  *     left in y, and entered in y earlier than left in x: a property of ray and cell alone, which any walk can check.
- *  3. The gate: only a cell on the walk, with t-interval [t0, t1] not empty, and in which the ray's heights at t0 and t1
- *     enclose a height between the cell's lowest and highest sample, is tested at all. Heights org + t · dir are
- *     monotone in t as well, so the same comparison on a block of cells can skip the block and never changes a hit.
- *  4. The slab: a walk may begin and end where the ray is strictly beyond the field's lowest and highest sample; the gate
- *     fails there anyway. The t-range itself is cut off a little farther out. No hit is lost; and the heights at the two
- *     ends of a cell's interval, from which the leaf test interpolates, stay of the size of the origin and the field even
- *     if a vertical ray has no ends at all. */
+ *  4. The gate: only a cell on the walk, with t-interval [t0, t1] not empty, and in which the ray's heights t · dir at t0
+ *     and t1 enclose a height between the cell's lowest and highest sample, less the origin's height, is tested at all.
+ *     Heights are monotone in t as well, and differences in the sample, so the same comparison on a block of cells can
+ *     skip the block and never changes a hit.
+ *  5. The slab: a walk may begin and end where the ray is strictly beyond the field's lowest and highest sample; the gate
+ *     fails there anyway. */
 #ifndef CELLWALK_SCALAR_STRICT_H
 #define CELLWALK_SCALAR_STRICT_H
 
@@ -23,12 +25,8 @@
 #include <float.h>
 #include <math.h>
 
-/* minps and maxps: the second operand where either is NaN. */
-static inline float min_second(float a, float b) { return a < b ? a : b; }
-static inline float max_second(float a, float b) { return a > b ? a : b; }
-
 typedef struct strict_axis {
-    float org, dir;    /* as given, except that a direction that counts as zero is zero */
+    float org, dir;    /* as in ray_start */
     float center;      /* what crossings are measured from: org, or the middle of org's cell if dir is zero */
     float inverse;     /* 1 / dir, +infinity if dir is zero */
     float first, last; /* the field's borders in walk order */
@@ -38,13 +36,12 @@ typedef struct strict_axis {
 typedef struct strict_ray {
     strict_axis x, y;
     float oz, dz;
-    float tmin, tmax;  /* finite */
-    float t0, t1;      /* inside the field */
-    float begin, end;  /* inside the slab's surroundings too: a cell's interval lies in it */
-    float from, until; /* inside the slab: what a walk has to visit */
+    float t0, t1;      /* over the field, between tmin and tmax: leaf tests look at nothing beyond */
+    float from, until; /* between its lowest and highest sample too: what a walk has to visit */
+    ray_start start;
 } strict_ray;
 
-/* A cell on the walk, with its four border crossings. */
+/* A cell on the walk, with its four border crossings and its samples. */
 typedef struct strict_cell {
     size_t i, j;
     float x_in, x_out, y_in, y_out;
@@ -52,23 +49,25 @@ typedef struct strict_cell {
     float h00, h10, h01, h11;
 } strict_cell;
 
-static inline float strict_crossing(const strict_axis *a, float border) { return (border - a->center) * a->inverse; }
+/* What a leaf test finds: the ray meets the triangle at a t in [t0, t1]. refine.h makes a hit of it. */
+typedef struct strict_find {
+    float t0, t1;
+    bool b; /* triangle B */
+} strict_find;
 
-static inline float strict_height(const strict_ray *r, float t) { return r->oz + t * r->dz; }
+static inline float strict_crossing(const strict_axis *a, float border) { return (border - a->center) * a->inverse; }
 
 /* True if the ray stays clear of every height in [low, high] on [t0, t1]. */
 static inline bool strict_clear(const strict_ray *r, float t0, float t1, float low, float high) {
-    const float z0 = strict_height(r, t0), z1 = strict_height(r, t1);
-    return !(max_second(z0, z1) >= low && min_second(z0, z1) <= high);
+    const float z0 = t0 * r->dz, z1 = t1 * r->dz;
+    return !(max_second(z0, z1) >= low - r->oz && min_second(z0, z1) <= high - r->oz);
 }
 
 static inline bool strict_axis_init(strict_axis *a, float org, float dir, size_t samples) {
     const float end = (float)(samples - 1);
-    const float inverse = 1.0f / dir;
-    a->org = org;
-    if (fabsf(inverse) <= FLT_MAX) {
-        const bool up = dir >= 0;
-        *a = (strict_axis){org, dir, org, inverse, up ? 0 : end, up ? end : 0, up ? 1 : -1};
+    if (dir != 0) {
+        const bool up = dir > 0;
+        *a = (strict_axis){org, dir, org, 1.0f / dir, up ? 0 : end, up ? end : 0, up ? 1 : -1};
         return true;
     }
     const float cell = min_second(floorf(org), end - 1);
@@ -77,43 +76,32 @@ static inline bool strict_axis_init(strict_axis *a, float org, float dir, size_t
 }
 
 /* [from, until] cuts [t0, t1] off where it leaves the heights between the field's lowest and highest sample, in which a
- * hole counts for nothing. The computed bound is off by 3u relative, u = 2^-24, and the heights there by at most
- * u (|org| + 2 |z|) (1 + 4u): 4u and 8u make it likely that the height is strictly beyond, FLT_MIN even where numbers are
- * denormal. Whether it is decides, so that nothing cuts off a hit; with dir = 0 it is not.
- *
- * [begin, end] goes on by the size of the origin and the field, so that a leaf test which starts there starts well off the
- * surface: a start within rounding of it would lose touches that are exact. */
+ * hole counts for nothing. The estimate (enter - oz) / dz is off by 3 u of itself, u = 2^-24; 8 u make it likely that the
+ * ray is strictly beyond, FLT_MIN even where numbers are denormal. Whether it is decides, so nothing cuts off a hit; with
+ * dir = 0 it is not. */
 static inline void strict_slab(strict_ray *r, const cw_field *f) {
-    const float u = FLT_EPSILON / 2, inverse = 1.0f / r->dz, across = fabsf(inverse);
+    const float u = FLT_EPSILON / 2, inverse = 1.0f / r->dz;
     const bool up = r->dz > 0;
-    const float enter = up ? f->low : f->high, leave = up ? f->high : f->low;
-    const float a = (enter - r->oz) * inverse, b = (leave - r->oz) * inverse;
-    const float oz = fabsf(r->oz) + FLT_MIN;
-    const float reach_a = (oz + fabsf(enter)) * across, reach_b = (oz + fabsf(leave)) * across;
-    const float s0 = a - ((8 * u) * reach_a + (4 * u) * (fabsf(a) + FLT_MIN));
-    const float s1 = b + ((8 * u) * reach_b + (4 * u) * (fabsf(b) + FLT_MIN));
-    const float z0 = strict_height(r, s0), z1 = strict_height(r, s1);
+    const float low = f->low - r->oz, high = f->high - r->oz;
+    const float enter = up ? low : high, leave = up ? high : low;
+    const float a = enter * inverse, b = leave * inverse;
+    const float s0 = a - (8 * u) * (fabsf(a) + FLT_MIN), s1 = b + (8 * u) * (fabsf(b) + FLT_MIN);
+    const float z0 = s0 * r->dz, z1 = s1 * r->dz;
     r->from = (up ? z0 < enter : z0 > enter) && s0 > r->t0 ? s0 : r->t0;
     r->until = (up ? z1 > leave : z1 < leave) && s1 < r->t1 ? s1 : r->t1;
-    const float span = (f->high - f->low) * across;
-    r->begin = max_second(r->from - (reach_a + span), r->t0);
-    r->end = min_second(r->until + (reach_b + span), r->t1);
 }
 
 /* False if the ray cannot hit: not a ray, or clear of the field's box. */
 static inline bool strict_ray_init(strict_ray *r, const cw_field *f, const cw_ray *ray) {
-    const float *o = ray->org, *d = ray->dir;
-    const float poison = (o[0] * 0 + o[1] * 0) + o[2] * 0;
-    if (!(poison == 0 && ray->tmin <= ray->tmax)) return false;
-    if (!(ray_direction_counts(d[0]) && ray_direction_counts(d[1]) && ray_direction_counts(d[2]))) return false;
-    const bool x = strict_axis_init(&r->x, o[0], d[0], f->nx), y = strict_axis_init(&r->y, o[1], d[1], f->ny);
-    r->oz = o[2];
-    r->dz = ray_direction(d[2]);
-    if (!x || !y || (r->x.dir == 0 && r->y.dir == 0 && r->dz == 0)) return false;
-    r->tmin = max_second(ray->tmin, -ray_t_limit());
-    r->tmax = min_second(ray->tmax, ray_t_limit());
-    r->t0 = max_second(max_second(strict_crossing(&r->x, r->x.first), strict_crossing(&r->y, r->y.first)), r->tmin);
-    r->t1 = min_second(min_second(strict_crossing(&r->x, r->x.last), strict_crossing(&r->y, r->y.last)), r->tmax);
+    ray_start *s = &r->start;
+    if (!ray_init(s, f, ray)) return false;
+    const bool x = strict_axis_init(&r->x, s->org[0], s->dir[0], f->nx);
+    const bool y = strict_axis_init(&r->y, s->org[1], s->dir[1], f->ny);
+    if (!x || !y) return false;
+    r->oz = s->org[2];
+    r->dz = s->dir[2];
+    r->t0 = max_second(max_second(strict_crossing(&r->x, r->x.first), strict_crossing(&r->y, r->y.first)), s->tmin);
+    r->t1 = min_second(min_second(strict_crossing(&r->x, r->x.last), strict_crossing(&r->y, r->y.last)), s->tmax);
     if (!(r->t0 <= r->t1) || strict_clear(r, r->t0, r->t1, f->low, f->high)) return false;
     strict_slab(r, f);
     return true;
@@ -129,8 +117,8 @@ static inline bool strict_gate(strict_cell *c, const strict_ray *r, const cw_fie
     c->y_in = strict_crossing(&r->y, r->y.step > 0 ? y_low : y_high);
     c->y_out = strict_crossing(&r->y, r->y.step > 0 ? y_high : y_low);
     if (!(c->x_in <= c->y_out && c->y_in < c->x_out)) return false;
-    c->t0 = max_second(max_second(c->x_in, c->y_in), r->begin);
-    c->t1 = min_second(min_second(c->x_out, c->y_out), r->end);
+    c->t0 = max_second(max_second(c->x_in, c->y_in), r->t0);
+    c->t1 = min_second(min_second(c->x_out, c->y_out), r->t1);
     if (!(c->t0 <= c->t1)) return false;
     const float *row = f->z + j * f->stride + i;
     c->h00 = row[0];

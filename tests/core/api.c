@@ -5,6 +5,7 @@
 #include "check.h"
 #include "rays.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -101,6 +102,25 @@ static void test_bad_maps(void **state) {
     check_status(try_create(d), CW_ERROR_MAP);
     d = good, d.map[0][0] = 1e-9, d.map[1][1] = 1e-9, d.map[2][2] = 1e-9; /* nanometres are no singular map */
     check_status(try_create(d), CW_OK);
+}
+
+/* Beyond these, strict answers could overflow. */
+static void test_heights_that_are_too_large(void **state) {
+    (void)state;
+    float z[4] = {0, CW_HEIGHT_MAX, -CW_HEIGHT_MAX, NAN};
+    cw_field_desc d = cw_field_desc_default();
+    d.samples = z;
+    d.nx = d.ny = 2;
+    for (int storage = CW_COPY; storage <= CW_BORROW; storage++) {
+        d.storage = (cw_storage)storage;
+        check_status(try_create(d), CW_OK);
+        z[1] = nextafterf(CW_HEIGHT_MAX, INFINITY);
+        check_status(try_create(d), CW_ERROR_HEIGHT);
+        z[1] = CW_HEIGHT_MAX;
+        z[2] = -FLT_MAX;
+        check_status(try_create(d), CW_ERROR_HEIGHT);
+        z[2] = -CW_HEIGHT_MAX;
+    }
 }
 
 static void test_holes_in_borrowed_samples(void **state) {
@@ -528,6 +548,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_bad_fields),
         cmocka_unit_test(test_bad_maps),
+        cmocka_unit_test(test_heights_that_are_too_large),
         cmocka_unit_test(test_holes_in_borrowed_samples),
         cmocka_unit_test(test_bad_queries),
         cmocka_unit_test(test_tiny_fields_build_nothing),

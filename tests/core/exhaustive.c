@@ -124,7 +124,7 @@ static size_t judge_all(const test_field *f, const lattice *l, bool every_path, 
         const oracle_truth *truth = oracle_trace(o, &l->ray[k]);
         const judgement j = oracle_judge(o, &hits[k]);
         tally_add(&out->tally, &hits[k], truth, &j);
-        if (j.verdict == VERDICT_RIGHT) continue;
+        if (j.verdict == VERDICT_RIGHT && digits_hold(&j)) continue;
         if (j.verdict == VERDICT_TIE && excused(&l->ray[k], truth, &out->excuses)) continue;
         if (wrong++ < 2) tally_explain(f, &l->ray[k], &hits[k], truth, &j);
     }

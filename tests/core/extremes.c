@@ -317,15 +317,55 @@ static void test_infinite_samples(void **state) {
 
 static void test_far_origins(void **state) {
     (void)state;
-    extreme_item("origins up to 10^8 cells away",
-                 "a hit within the bounds, which grow with the distance; exact where the numbers are");
+    extreme_item("origins from 10 to 10^31 cells away",
+                 "a hit within the bounds, which do not grow with the distance; exact where the numbers are");
     judge_class_on_all(RAY_OUTSIDE);
     judge_class_on_all(RAY_FAR);
+    judge_class_on_all(RAY_AFAR);
     const float z[4] = {0, 0, 0, 0}, far = 1e8f;
     cw_ray ray = {.org = {0.25f, 0.5f, far}, .dir = {0, 0, -1}, .tmax = INFINITY};
     extreme_expect(2, 2, z, ray, far, far, "from far above");
     ray = (cw_ray){.org = {-far, 0.5f, far}, .dir = {1, 0, -1}, .tmax = INFINITY};
     extreme_expect(2, 2, z, ray, far, far, "from far away");
+    const float end = 3e38f, t = (float)((double)end / 0x1p126);
+    ray = (cw_ray){.org = {0.25f, 0.5f, end}, .dir = {0, 0, -0x1p126f}, .tmax = INFINITY};
+    extreme_expect(2, 2, z, ray, t, t, "from the end of the float range, with the longest direction");
+    ray.dir[2] = -1;
+    extreme_expect(2, 2, z, ray, INFINITY, INFINITY, "a t that is clamped");
+}
+
+static void test_near_hits(void **state) {
+    (void)state;
+    extreme_item("hits 10^-4 to 2 cells from the origin", "t to half a unit in the last place, and u and v");
+    judge_class_on_all(RAY_NEAR);
+}
+
+static void test_tiny_components(void **state) {
+    (void)state;
+    extreme_item("direction components 2^-10 to 2^-70 of others", "the exact answer; all walks find the same");
+    judge_class_on_all(RAY_TINY);
+}
+
+/* Up to CW_HEIGHT_MAX; fields with larger samples are refused. */
+static void test_largest_heights(void **state) {
+    (void)state;
+    extreme_item("samples of 2^100 and -2^100", "the exact answer; larger ones are refused when the field is made");
+    static test_field f;
+    static cw_ray rays[RAYS];
+    random_state r = {100};
+    for (int kind = 0; kind < 3; kind++) {
+        field_make(&f, FIELD_FLAT, 9, 9, 1);
+        for (size_t k = 0; k < 81; k++) {
+            const bool up = kind == 0 ? k % 2 == 0 : random_below(&r, 2);
+            f.z[k] = kind == 2 ? (k == 40 ? CW_HEIGHT_MAX : 0) : up ? CW_HEIGHT_MAX : -CW_HEIGHT_MAX;
+        }
+        f.low = kind == 2 ? 0 : -CW_HEIGHT_MAX;
+        f.high = CW_HEIGHT_MAX;
+        for (int c = 0; c < RAY_CLASSES; c++) {
+            for (size_t k = 0; k < RAYS; k++) rays[k] = ray_make((ray_class)c, &f, &r);
+            extreme_judge(&f, rays, RAYS);
+        }
+    }
 }
 
 /* Centimetre cells at 5 * 10^6 m: the difference to the field's origin is exact, so the rays are the same in field space,
@@ -470,6 +510,9 @@ int main(void) {
         cmocka_unit_test(test_tiny_and_huge_heights),
         cmocka_unit_test(test_scaled_heights_change_nothing),
         cmocka_unit_test(test_far_origins),
+        cmocka_unit_test(test_near_hits),
+        cmocka_unit_test(test_tiny_components),
+        cmocka_unit_test(test_largest_heights),
         cmocka_unit_test(test_far_user_space),
         cmocka_unit_test(test_smallest_fields),
         cmocka_unit_test(test_narrow_fields),

@@ -130,7 +130,7 @@ static const char *fault(const run *q, size_t k, const oracle_truth *truth, cons
     const hit_check c = oracle_check(q->o, hit);
     if (!c.holds) {
         double astray;
-        const double off = fabs(height_above(q, ray, hit, &astray)), error = c.residual > 0 ? off / c.residual : 0;
+        const double off = fabs(height_above(q, ray, hit, &astray)), error = c.error;
         const double doubt = 1 + 0x1p-20;
         if (!(c.apart <= doubt * c.apart_most)) return "a hit beside its triangle";
         if (!(astray <= 2 * doubt * c.apart_most)) return "u and v elsewhere";
@@ -229,6 +229,9 @@ static const rays_asked asked[] = {
     {"in-plane-set-back", RAY_IN_PLANE, .set_back = true, .least = 100},
     {"outside", RAY_OUTSIDE, .least = 100},
     {"far", RAY_FAR, .least = 200},
+    {"afar", RAY_AFAR, .least = 0},
+    {"near", RAY_NEAR, .least = 0},
+    {"tiny", RAY_TINY, .least = 200},
     {"zeros", RAY_ZEROS, .least = 100},
     {"scaled", RAY_SCALED, .least = 100},
     {"range", RAY_RANGE, .least = 100},

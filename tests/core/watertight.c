@@ -27,7 +27,7 @@ static size_t judge_field(ray_class kind, const test_field *shape, random_state 
         const oracle_truth *truth = oracle_trace(o, &rays[k]);
         const judgement j = oracle_judge(o, &hits[k]);
         tally_add(t, &hits[k], truth, &j);
-        if (j.verdict <= VERDICT_TIE) continue;
+        if (j.verdict <= VERDICT_TIE && digits_hold(&j)) continue;
         if (wrong++ < 2 && explain) tally_explain(shape, &rays[k], &hits[k], truth, &j);
     }
     oracle_destroy(o);
@@ -49,7 +49,7 @@ static void test_class(void **state) {
     }
     tally_print(ray_class_name(kind), &t);
     check(wrong == 0, "%zu rays of class %s judged wrong", wrong, ray_class_name(kind));
-    const bool aims = kind != RAY_IN_PLANE && kind != RAY_NOT_FINITE && kind != RAY_LATTICE;
+    const bool aims = kind != RAY_IN_PLANE && kind != RAY_NOT_FINITE && kind != RAY_LATTICE && kind != RAY_AFAR;
     check(!aims || t.passes > t.rays / 10, "too few rays pass for the test to mean anything");
 }
 

@@ -8,45 +8,29 @@
 #include <float.h>
 #include <math.h>
 
-static bounds_ray ray_of(const oracle *o) { return (bounds_ray){o->ox, o->oy, o->oz, o->dx, o->dy, o->dz}; }
+static double distance(const oracle *o, int32_t i, int32_t j) { return bounds_D(&o->bounds, i, j); }
 
-static double place_size(const oracle *o, int32_t i, int32_t j) {
-    const bounds_ray r = ray_of(o);
-    return bounds_P(&r, i, j);
-}
-
-static double delta(const oracle *o, int32_t i, int32_t j) {
-    const bounds_ray r = ray_of(o);
-    return bounds_delta(&r, place_size(o, i, j));
-}
+static double delta(const oracle *o, int32_t i, int32_t j) { return bounds_delta(&o->bounds, distance(o, i, j)); }
 
 static bounds_surface surface_at(const oracle *o, int32_t i, int32_t j) {
     const cell_bounds *b = delta(o, i, j) < 0.5 ? &o->cell[(size_t)j * (o->nx - 1) + (size_t)i] : &o->all;
-    return (bounds_surface){b->high, b->slope};
+    return (bounds_surface){b->low, b->high, b->slope};
 }
 
-/* E(t) near a cell, at a crossing; a hit adds root_error. */
-static double height_error(const oracle *o, double t, int32_t i, int32_t j) {
-    const bounds_ray r = ray_of(o);
-    return bounds_E(&r, t, place_size(o, i, j), surface_at(o, i, j));
+/* E near a cell. */
+static double height_error(const oracle *o, int32_t i, int32_t j) {
+    return bounds_E(&o->bounds, distance(o, i, j), surface_at(o, i, j));
 }
 
+/* Where |d|, in double, is more than this, the exact ray is clear. */
 static double clear_error(const oracle *o, double t, int32_t i, int32_t j) {
-    const bounds_ray r = ray_of(o);
-    return bounds_clear(&r, t, place_size(o, i, j), surface_at(o, i, j));
+    const bounds_surface s = surface_at(o, i, j);
+    return bounds_clear(&o->bounds, distance(o, i, j), s) + bounds_height_evaluation(&o->bounds, t, s);
 }
 
-/* The longest range of t that the ray may spend in a cell. */
-static double crossing_time(const oracle *o, int32_t i, int32_t j) {
-    const bounds_ray r = ray_of(o);
-    const double range = (double)o->ray.tmax - (double)o->ray.tmin;
-    return bounds_T(&r, place_size(o, i, j), bounds_A(&r, o->all.high), range);
-}
-
-/* What interpolation between d at two crossings adds to E. */
-static double root_error(const oracle *o, int32_t i, int32_t j) {
-    const bounds_ray r = ray_of(o);
-    return bounds_interpolation(&r, crossing_time(o, i, j), bounds_A(&r, o->all.high), surface_at(o, i, j).S);
+/* By how much d, in double, may be off. */
+static double evaluation(const oracle *o, double t, int32_t i, int32_t j) {
+    return bounds_height_evaluation(&o->bounds, t, surface_at(o, i, j));
 }
 
 /* ---- the clear pass ---------------------------------------------------------------------------------------------- */
@@ -94,7 +78,7 @@ static void keep_off_holes(const oracle *o, stretch *s, const oracle_triangle *t
 /* t of a crossing; exact where the double could be off by more than 2^-15 of the bounds. */
 static double value(oracle *o, const crossing *c) {
     const double place = fabs(o->ox) + fabs(o->oy) + fabs(c->t) * (fabs(o->dx) + fabs(o->dy)) + 2;
-    const double height = fabs(o->oz) + fabs(c->t * o->dz) + o->all.high;
+    const double height = fabs(o->oz) + fabs(c->t * o->dz) + fmax(fabs(o->low), fabs(o->top));
     const double moves = fabs(o->dx) + fabs(o->dy);
     if (c->error * moves <= 0x1p-40 * place && c->error * fabs(o->dz) <= 0x1p-40 * height) return c->t;
     return exact_value(&o->numbers, c);
@@ -105,7 +89,7 @@ static stretch safe_part(const oracle *o, const segment *s, double from, double 
     stretch part = {from, to};
     if (s->solid < s->count || s->count < s->whole) return (stretch){1, 0};
     const oracle_triangle *t = &s->triangle[0];
-    const double margin = 2 * delta(o, t->i, t->j);
+    const double margin = 2 * delta(o, t->i, t->j) + bounds_place_evaluation(&o->bounds, fmax(fabs(from), fabs(to)));
     if (margin >= 1) { /* so far from the origin that places are off by cells */
         if (o->holes) return (stretch){1, 0};
         keep(&part, o->ox, o->dx, margin);
@@ -136,7 +120,8 @@ static double slope(const oracle *o, const oracle_triangle *t) {
  * product overflows. */
 static double blur(const oracle *o, const oracle_triangle *t) {
     const plane p = oracle_plane(o, t);
-    const double x = fabs(o->ox - t->i) + fabs(o->oy - t->j) + 1, z = fabs(o->oz - p.h), divisor = fabs(slope(o, t));
+    const bounds_ray *r = &o->bounds;
+    const double x = bounds_D(r, t->i, t->j) - 1, z = fabs(r->from[2] - p.h) + r->spare[2], divisor = fabs(slope(o, t));
     const double flat = fabs(o->dx) + fabs(o->dy), steep = fabs(o->dz) + 2 * (fabs(p.a) + fabs(p.b)) * flat;
     const double terms = x * steep + z * flat, u = bounds_u(), least = 0x1p-146;
     if (32 * (u * steep + least) > divisor || divisor < 0x1p-126 || terms > 0x1p124) return (double)INFINITY;
@@ -196,40 +181,65 @@ static bool holds_the_point(const oracle_truth *truth, const cw_hit *hit) {
 
 bool oracle_clear(const oracle *o, double at, int side, const oracle_triangle *over) {
     const double x = o->ox + at * o->dx, y = o->oy + at * o->dy, z = o->oz + at * o->dz;
+    const double place = bounds_place_evaluation(&o->bounds, at);
     if (over) {
         const double d = oracle_height(o, over, at);
-        return side * d > height_error(o, at, over->i, over->j) &&
-               edge_distance(o, over, at) > 2 * delta(o, over->i, over->j);
+        return side * d > height_error(o, over->i, over->j) + evaluation(o, at, over->i, over->j) &&
+               edge_distance(o, over, at) > 2 * delta(o, over->i, over->j) + place;
     }
     const int32_t last_i = (int32_t)o->nx - 1, last_j = (int32_t)o->ny - 1;
-    const double margin = 2 * delta(o, last_i, last_j), low = o->low, high = o->top;
-    const bounds_ray r = ray_of(o);
-    const double error =
-        bounds_clear(&r, at, place_size(o, last_i, last_j), (bounds_surface){o->all.high, o->all.slope});
+    const bounds_surface all = {o->low, o->top, o->all.slope};
+    const double D = fmax(fmax(distance(o, 0, 0), distance(o, last_i, 0)),
+                          fmax(distance(o, 0, last_j), distance(o, last_i, last_j)));
+    const double margin = 2 * bounds_delta(&o->bounds, D) + place;
+    const double error = bounds_clear(&o->bounds, D, all) + bounds_height_evaluation(&o->bounds, at, all);
     return x > margin && x < last_i - margin && y > margin && y < last_j - margin &&
-           (side > 0 ? z - high > error : low - z > error);
-}
-
-/* E at a hit. */
-static double residual_bound(const oracle *o, const cw_hit *hit) {
-    return height_error(o, (double)hit->t, hit->i, hit->j) + root_error(o, hit->i, hit->j);
+           (side > 0 ? z - o->top > error : o->low - z > error);
 }
 
 hit_check oracle_check(const oracle *o, const cw_hit *hit) {
-    const double doubt = 0x1p-20; /* doubles are off by less than 2^-26 of the bounds */
     const oracle_triangle t = {hit->i, hit->j, hit->triangle};
     hit_check c = {.holds = false};
     if (!oracle_solid(o, t.i, t.j, t.triangle) || !(hit->t >= o->ray.tmin && hit->t <= o->ray.tmax)) return c;
-    const double at = (double)hit->t, error = residual_bound(o, hit);
+    /* Doubles are off by less than 2^-26 of the bounds, and for a ray from afar by what its place is. */
+    const double at = (double)hit->t, part = 0x1p-20;
+    const double error = height_error(o, t.i, t.j) + bounds_height_of_t(at, slope(o, &t));
+    const double d = fabs(oracle_height(o, &t, at)), d_doubt = part * error + evaluation(o, at, t.i, t.j);
     c.apart = -edge_distance(o, &t, at);
-    c.apart_most = delta(o, t.i, t.j);
-    c.residual = fabs(oracle_height(o, &t, at)) / error;
-    c.in_doubt = fabs(c.apart - c.apart_most) <= doubt * c.apart_most || fabs(c.residual - 1) <= doubt;
+    c.apart_most = delta(o, t.i, t.j) + bounds_place_of_t(&o->bounds, at);
+    c.error = error;
+    c.residual = d / error;
+    const double apart_doubt = part * c.apart_most + bounds_place_evaluation(&o->bounds, at);
+    c.in_doubt = fabs(c.apart - c.apart_most) <= apart_doubt || fabs(d - error) <= d_doubt;
     if (c.in_doubt)
         c.holds = oracle_exactly_within(o, &t, at, error, c.apart_most);
     else
         c.holds = c.apart <= c.apart_most && c.residual <= 1;
     return c;
+}
+
+/* What t and u, v of a hit may be off by: half a unit in the last place if the exact ray meets the triangle farther than
+ * delta from its edges, since then the root lies on the stretch that it is kept to. */
+static void check_digits(const oracle *o, const cw_hit *hit, judgement *j) {
+    const oracle_triangle t = {hit->i, hit->j, hit->triangle};
+    const double at = (double)hit->t, root_t = o->truth.t, divisor = fabs(slope(o, &t));
+    const bounds_surface s = surface_at(o, t.i, t.j);
+    const double D = distance(o, t.i, t.j), run = fabs(o->dx) + fabs(o->dy), steep = fabs(o->dz) + 2 * s.S * run;
+    /* In double, the library's arithmetic and this one's. */
+    const double doubles =
+        0x1p-49 * (s.S * D + bounds_Z(&o->bounds, s) + fabs(at) * steep) + bounds_height_evaluation(&o->bounds, at, s);
+    j->t_error = fabs(at - root_t);
+    j->t_bound = (double)INFINITY;
+    if (!(divisor > 0x1p-50 * steep)) return;
+    const double root = doubles / divisor, rounding = 0x1p-24 * fabs(root_t) + 0x1p-149 + root;
+    j->t_bound = rounding + height_error(o, t.i, t.j) / divisor;
+    const double place = bounds_place_evaluation(&o->bounds, at) + root * run;
+    if (!(edge_distance(o, &t, root_t) > delta(o, t.i, t.j) + place)) return;
+    j->t_bound = rounding;
+    const double x = o->ox + root_t * o->dx - t.i, y = o->oy + root_t * o->dy - t.j;
+    const double u = hit->triangle == CW_TRIANGLE_A ? x - y : x, v = hit->triangle == CW_TRIANGLE_A ? y : y - x;
+    j->place_error = fmax(fabs((double)hit->u - u), fabs((double)hit->v - v));
+    j->place_bound = 1.25 * 0x1p-24 + 2 * place;
 }
 
 judgement oracle_judge(const oracle *o, const cw_hit *hit) {
@@ -248,8 +258,7 @@ judgement oracle_judge(const oracle *o, const cw_hit *hit) {
     j.residual = c.residual;
     if (oracle_solid(o, t.i, t.j, t.triangle)) j.blur = blur(o, &t);
     if (!c.holds) return j;
-    const double error = residual_bound(o, hit);
-    if (truth->passes && at > truth->pass_t + bounds_u() * (fabs(truth->pass_t) + 4 * crossing_time(o, t.i, t.j))) {
+    if (truth->passes && at > truth->pass_t + (bounds_u() + 0x1p-50) * fabs(truth->pass_t)) {
         j.verdict = VERDICT_WRONG_SURFACE;
         return j;
     }
@@ -258,10 +267,6 @@ judgement oracle_judge(const oracle *o, const cw_hit *hit) {
         return j;
     }
     j.verdict = VERDICT_RIGHT;
-    j.t_error = fabs(at - truth->t);
-    const plane p = oracle_plane(o, &t);
-    const double steep = fabs(o->dz) + (fabs(p.a) + fabs(p.b)) * (fabs(o->dx) + fabs(o->dy));
-    const double divisor = fabs(slope(o, &t)) - 0x1p-50 * steep;
-    j.t_bound = divisor > 0 ? error / divisor + 0x1p-49 * fabs(at) : (double)INFINITY;
+    check_digits(o, hit, &j);
     return j;
 }

@@ -44,11 +44,12 @@ double oracle_height(const oracle *o, const oracle_triangle *t, double at) {
 static void note_edge(cell_bounds *b, float p, float q) {
     if (!isfinite(p) || !isfinite(q)) return;
     b->slope = fmax(b->slope, fabs((double)p - (double)q));
-    b->high = fmax(b->high, fmax(fabs((double)p), fabs((double)q)));
+    b->low = fmin(b->low, fmin((double)p, (double)q));
+    b->high = fmax(b->high, fmax((double)p, (double)q));
 }
 
 static cell_bounds bounds_around(const oracle *o, int32_t i, int32_t j) {
-    cell_bounds b = {0, 0, true};
+    cell_bounds b = {(double)INFINITY, -(double)INFINITY, 0, true};
     for (int32_t y = j - 1; y <= j + 1; y++)
         for (int32_t x = i - 1; x <= i + 1; x++) {
             if (!oracle_solid(o, x, y, CW_TRIANGLE_A) || !oracle_solid(o, x, y, CW_TRIANGLE_B)) b.all_solid = false;
@@ -61,6 +62,7 @@ static cell_bounds bounds_around(const oracle *o, int32_t i, int32_t j) {
             note_edge(&b, h10, h11);
             note_edge(&b, h00, h11);
         }
+    if (!(b.low <= b.high)) b.low = b.high = 0; /* nothing but holes */
     return b;
 }
 
@@ -91,9 +93,10 @@ oracle *oracle_create(const float *samples, size_t nx, size_t ny) {
         for (int32_t i = 0; i < (int32_t)nx - 1; i++) {
             cell_bounds *b = &o->cell[(size_t)j * (nx - 1) + (size_t)i];
             *b = bounds_around(o, i, j);
-            o->all.high = fmax(o->all.high, b->high);
             o->all.slope = fmax(o->all.slope, b->slope);
         }
+    o->all.low = o->low;
+    o->all.high = o->top;
     return o;
 }
 
@@ -330,6 +333,8 @@ bool oracle_ray(oracle *o, const cw_ray *ray) {
     if (r->tmax > FLT_MAX / 2) r->tmax = FLT_MAX / 2;
     o->ox = (double)r->org[0], o->oy = (double)r->org[1], o->oz = (double)r->org[2];
     o->dx = (double)r->dir[0], o->dy = (double)r->dir[1], o->dz = (double)r->dir[2];
+    const double org[3] = {o->ox, o->oy, o->oz}, dir[3] = {o->dx, o->dy, o->dz};
+    o->bounds = bounds_ray_of(org, dir, o->nx, o->ny, o->low, o->top);
     return r->tmin <= r->tmax;
 }
 

@@ -67,14 +67,23 @@ const char *verdict_name(verdict v);
 typedef struct judgement {
     verdict verdict;
     /* Of hits on solid triangles: */
-    double residual;   /* |d| at the hit's t over its bound E, <= 1 unless a phantom */
+    double residual;   /* |d| at the hit's t over E and what t's rounding adds, <= 1 unless a phantom */
     double apart;      /* distance of the exact ray, at the hit's t, from the triangle; <= 0 within */
-    double apart_most; /* delta, which it may not exceed */
+    double apart_most; /* delta and what t's rounding adds, which it may not exceed */
     double blur;       /* how far off Möller-Trumbore's place in it may be; infinite if the ray is parallel */
     /* Of right hits: */
     double t_error; /* |t - exact t| */
-    double t_bound; /* what it may be: E / |d'|; infinite if the ray is parallel */
+    double
+        t_bound; /* what it may be: half a unit in the last place, and E / |d'| near an edge; infinite if the ray is parallel */
+    /* How far u and v are off, and may be; both 0 where an edge is near. */
+    double place_error, place_bound;
 } judgement;
+
+/* Whether t, u and v of a right, watertight hit are as good as they have to be. */
+static inline bool digits_hold(const judgement *j) {
+    return j->verdict != VERDICT_RIGHT ||
+           (j->t_error <= j->t_bound && (j->place_bound == 0 || j->place_error <= j->place_bound));
+}
 
 /* Judges an answer to the ray last traced. */
 judgement oracle_judge(const oracle *o, const cw_hit *hit);
@@ -96,6 +105,7 @@ typedef struct hit_check {
     bool holds;      /* no phantom */
     bool in_doubt;   /* doubles could not decide */
     double residual; /* as in judgement */
+    double error;    /* the bound that residual is relative to */
     double apart, apart_most;
 } hit_check;
 hit_check oracle_check(const oracle *o, const cw_hit *hit);

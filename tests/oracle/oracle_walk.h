@@ -3,6 +3,7 @@
 #ifndef CELLWALK_TESTS_ORACLE_WALK_H
 #define CELLWALK_TESTS_ORACLE_WALK_H
 
+#include "bounds.h"
 #include "exact.h"
 #include "oracle.h"
 
@@ -24,8 +25,9 @@ typedef struct segment {
 
 /* Bounds over the 3 × 3 cells around each cell. */
 typedef struct cell_bounds {
-    double high, slope; /* largest sample and largest difference along an edge, in size */
-    bool all_solid;     /* no hole and no border of the field within reach */
+    double low, high; /* samples */
+    double slope;     /* largest difference along an edge, in size */
+    bool all_solid;   /* no hole and no border of the field within reach */
 } cell_bounds;
 
 struct oracle {
@@ -39,6 +41,7 @@ struct oracle {
 
     cw_ray ray; /* with the header's conventions applied */
     double ox, oy, oz, dx, dy, dz;
+    bounds_ray bounds;
     segment *segment;
     size_t segments;
     oracle_truth truth;

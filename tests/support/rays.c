@@ -8,9 +8,9 @@
 #include <string.h>
 
 const char *ray_class_name(ray_class kind) {
-    static const char *const names[RAY_CLASSES] = {"random",   "vertex",  "edge",     "diagonal",  "along", "axis",
-                                                   "vertical", "grazing", "in-plane", "outside",   "far",   "zeros",
-                                                   "scaled",   "range",   "lattice",  "not-finite"};
+    static const char *const names[RAY_CLASSES] = {
+        "random", "vertex", "edge", "diagonal", "along", "axis",   "vertical", "grazing", "in-plane",  "outside",
+        "far",    "afar",   "near", "tiny",     "zeros", "scaled", "range",    "lattice", "not-finite"};
     return names[kind];
 }
 
@@ -266,6 +266,33 @@ cw_ray ray_make(ray_class kind, const test_field *f, random_state *r) {
         ray = towards(q, p);
         if (random_below(r, 2))
             for (int c = 0; c < 3; c++) ray.dir[c] /= (float)reach;
+        return ray;
+    }
+    case RAY_AFAR: {
+        surface(f, i, j, random_unit(r), random_unit(r), p);
+        const double beside = pow(10, random_between(r, 0, 7)), above = pow(10, random_between(r, 6, 25));
+        q[0] = p[0] + random_between(r, -beside, beside);
+        q[1] = p[1] + random_between(r, -beside, beside);
+        q[2] = p[2] + sign(r) * above * tall(f);
+        ray = towards(q, p);
+        for (int c = 0; c < 3; c++) ray.dir[c] /= (float)above;
+        return ray;
+    }
+    case RAY_NEAR: {
+        surface(f, i, j, random_unit(r), random_unit(r), p);
+        const double reach = pow(10, random_between(r, -4, 0.3));
+        for (int c = 0; c < 3; c++) q[c] = p[c] + random_between(r, -1, 1) * reach * (c < 2 ? 1 : tall(f));
+        return towards(q, p);
+    }
+    case RAY_TINY: {
+        surface(f, i, j, random_unit(r), random_unit(r), p);
+        ray = from_outside(f, r, p);
+        const size_t kept = random_below(r, 3);
+        for (size_t c = 0; c < 3; c++) {
+            if (c == kept || (c + 1) % 3 == random_below(r, 6)) continue;
+            ray.org[c] = (float)p[c];
+            ray.dir[c] = (float)(sign(r) * (double)ray.dir[kept] * exp2(random_between(r, -70, -10)));
+        }
         return ray;
     }
     case RAY_ZEROS:

@@ -17,6 +17,9 @@ typedef enum ray_class {
     RAY_IN_PLANE,   /* within a triangle's plane, as far as floats allow */
     RAY_OUTSIDE,    /* from up to 1000 cells off */
     RAY_FAR,        /* from up to 10^8 cells off */
+    RAY_AFAR,       /* from up to 10^7 cells off to the side, and 10^25 times the field's height above or below */
+    RAY_NEAR,       /* starts within 2 cells of the surface, down to 10^-4 */
+    RAY_TINY,       /* components of the direction 2^-10 to 2^-70 of others */
     RAY_ZEROS,      /* components 0, -0, denormal or as small as counts as zero */
     RAY_SCALED,     /* direction of length 1e-30 to 1e30, or of any length that a float can have */
     RAY_RANGE,      /* the t-range starts or ends on the surface, or within a cell, or is a point */

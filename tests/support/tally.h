@@ -10,6 +10,9 @@ typedef struct tally {
     size_t rays, hits, passes;
     size_t verdict[VERDICTS];
     double residual; /* worst */
+    size_t
+        digits; /* right hits whose t, u or v is off by more than judgement allows, which watertight ones may not be */
+    size_t nearest; /* right hits whose t was held to half a unit in the last place */
 } tally;
 
 void tally_add(tally *t, const cw_hit *hit, const oracle_truth *truth, const judgement *j);
