@@ -178,14 +178,21 @@ typedef struct cw_hit {
     uint32_t triangle; /* a cw_triangle */
 } cw_hit;
 
-/* Threads that wait for array queries to share. A pool serves one query at a time; two queries that are to run at once
- * take a pool each. */
+/* Threads that wait for array queries to share. They serve one query at a time: a query that finds them at work on another,
+ * from a second thread of the caller's, runs on its own thread alone. Two queries that are both to be shared take a pool
+ * each. */
 typedef struct cw_pool cw_pool;
 
 /* threads >= 1 counts the calling thread; 0 stands for one per CPU this process may use. The caller owns the pool. */
 CW_API cw_status cw_pool_create(unsigned threads, cw_pool **pool);
 CW_API void cw_pool_destroy(cw_pool *pool);
 CW_API unsigned cw_pool_threads(const cw_pool *pool);
+
+/* A piece of work: items [begin, end). */
+typedef void cw_work_fn(void *context, size_t begin, size_t end);
+/* Lends the pool's threads to work of the caller's own: runs it over [0, n) in pieces of grain items, on the calling thread
+ * alone if pool is NULL, and returns when all is done. The pieces may come in any order. */
+CW_API void cw_pool_run(cw_pool *pool, size_t n, size_t grain, cw_work_fn *work, void *context);
 
 /* What is known of rays that are neighbours in the array. It changes speed, never an answer of a strict query. */
 typedef enum cw_coherence {
