@@ -9,19 +9,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The library's last message, to follow the file's name in ours; and the bytes written so far. */
+/* The library's first message, to follow the file's name in ours; and the bytes written so far. */
 typedef struct sink {
     char message[200];
     uint8_t *bytes;
     size_t size, capacity;
 } sink;
 
+/* The sink of the picture that this thread is at. The library tells errors while it holds its own lock, on which asking it
+ * for the context's user data would wait for ever. */
+static _Thread_local sink *present;
+
 static void keep_message(exr_const_context_t context, exr_result_t code, const char *message) {
-    void *user = NULL;
-    (void)code;
-    if (exr_get_user_data(context, &user) != EXR_ERR_SUCCESS || user == NULL) return;
-    sink *s = user;
-    snprintf(s->message, sizeof s->message, "%s", message);
+    (void)context, (void)code;
+    if (present != NULL && present->message[0] == '\0')
+        snprintf(present->message, sizeof present->message, "%s", message);
 }
 
 static const char *reason(const sink *s, exr_result_t code) {
@@ -74,13 +76,14 @@ static uint16_t *half_pixels(const io_image *image) {
 
 static int64_t sink_write(exr_const_context_t context, void *user, const void *bytes, uint64_t size, uint64_t offset,
                           exr_stream_error_func_ptr_t fail) {
+    (void)fail; /* would take the library's lock */
     sink *s = user;
     const size_t end = (size_t)(offset + size);
     if (end > s->capacity) {
         const size_t capacity = end + end / 2;
         uint8_t *more = realloc(s->bytes, capacity);
         if (more == NULL) {
-            fail(context, EXR_ERR_OUT_OF_MEMORY, "out of memory");
+            keep_message(context, EXR_ERR_OUT_OF_MEMORY, "out of memory");
             return -1;
         }
         memset(more + s->capacity, 0, capacity - s->capacity);
@@ -150,7 +153,9 @@ static bool exr_write(io_output *out, const io_image *image, io_error *error) {
     if (rgba == NULL)
         return io_fail(error, "%s: no memory for %zu x %zu pixels", out->name, image->width, image->height);
     sink s = {0};
+    present = &s;
     const exr_result_t result = encode(&s, out->name, image, rgba);
+    present = NULL;
     const bool good = result == EXR_ERR_SUCCESS ? io_output_write(out, s.bytes, s.size, error)
                                                 : io_fail(error, "%s: cannot write: %s", out->name, reason(&s, result));
     free(s.bytes);
@@ -263,20 +268,19 @@ static bool exr_read(const char *path, io_image *image, io_error *error) {
     fclose(file);
 
     sink s = {0};
+    present = &s;
     exr_context_initializer_t setup = EXR_DEFAULT_CONTEXT_INITIALIZER;
     setup.error_handler_fn = keep_message;
-    setup.user_data = &s;
     setup.max_image_width = setup.max_image_height = 1 << 24;
     setup.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
     reader r = {.image = image, .decoder = EXR_DECODE_PIPELINE_INITIALIZER};
     const exr_result_t result = exr_start_read(&r.context, path, &setup);
-    if (result != EXR_ERR_SUCCESS) {
-        exr_finish(&r.context);
-        return io_fail(error, "%s: not a readable OpenEXR picture: %s", path, reason(&s, result));
-    }
-    const bool good = read_started(&r, path, &s, error);
+    const bool good = result == EXR_ERR_SUCCESS
+                          ? read_started(&r, path, &s, error)
+                          : io_fail(error, "%s: not a readable OpenEXR picture: %s", path, reason(&s, result));
     if (r.started) exr_decoding_destroy(r.context, &r.decoder);
     exr_finish(&r.context);
+    present = NULL;
     return good;
 }
 

@@ -26,6 +26,10 @@ static void apply(const program_setting *s) {
     limit(RLIMIT_FSIZE, s->file_size_limit);
     limit(RLIMIT_AS, s->address_space_limit);
     if (s->isa) setenv("CELLWALK_ISA", s->isa, 1);
+    if (s->fault) setenv("CELLWALK_FAULT", s->fault, 1);
+    if (s->fault_counts) setenv("CELLWALK_FAULT_COUNTS", s->fault_counts, 1);
+    if (s->preload) setenv("LD_PRELOAD", s->preload, 1);
+    alarm(s->seconds_limit); /* which the program inherits */
     if (s->powerless && geteuid() == 0 && prctl(PR_SET_SECUREBITS, SECBIT_NOROOT, 0, 0, 0) != 0) _exit(NO_SETTING);
 }
 
