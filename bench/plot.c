@@ -93,8 +93,10 @@ static bool draw(plot_of_all *picture, const json_t *lines, const char *field, c
     if (commands == NULL) return io_fail(error, "%s: no temporary file: %s", path, strerror(errno));
     bool good = io_output_open(&out, path, error);
     *drawn = false;
+    const char *by_name = good ? io_output_temporary(&out) : NULL;
+    if (good && by_name == NULL) good = io_fail(error, "%s: cannot write: %s", path, strerror(errno));
     if (good) {
-        put_style(commands, out.temporary);
+        put_style(commands, by_name);
         *drawn = picture ? picture(commands, lines) : plot_speed(commands, lines, field);
         if (*drawn) good = run_gnuplot(commands, path, error) && io_output_commit(&out, error);
     }

@@ -4,6 +4,7 @@
 #include "cancel.h"
 #include "cellwalk.h"
 #include "command.h"
+#include "inputs.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -52,6 +53,7 @@ static int run(int argc, char **argv) {
 
 int main(int argc, char **argv) {
     cancel_install();
+    io_inputs_protect();
     int status = run(argc, argv);
     /* What could not be printed is a failure as much as what could not be written. */
     if ((fflush(stdout) != 0 || ferror(stdout)) && status == EXIT_SUCCESS) {

@@ -33,4 +33,7 @@ const program_result *program_run(const program_setting *setting, program_argume
 pid_t program_start(const program_setting *setting, program_arguments arguments);
 const program_result *program_wait(pid_t process);
 
+/* Until what was started has an output open in the working directory, which need not have a name there. */
+void program_wait_for_output(pid_t process);
+
 #endif
