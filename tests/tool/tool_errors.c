@@ -210,6 +210,19 @@ static void inputs_as_outputs(void **state) {
     check_no_output("./field.npy", NULL, "./field.npy: is an input as well");
     check_no_output("again.npy", NULL, "again.npy: is an input as well");
     check_no_output("same.npy", NULL, "same.npy: is an input as well");
+    static const char scene[] = "Camera \"perspective\"\nWorldBegin\n"
+                                "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"image.pfm\"\n"
+                                "Material \"matte\" \"texture Kd\" \"t\"\n"
+                                "Include \"shape.pfm\"\nWorldEnd\n";
+    static const char shape[] = "Shape \"heightfield\" \"integer nu\" 2 \"integer nv\" 2 \"float Pz\" [0 1 2 3]\n";
+    scratch_write("scene.pbrt", scene, sizeof scene - 1);
+    scratch_write("shape.pfm", shape, sizeof shape - 1);
+    scratch_write("image.pfm", "PF\n1 1\n-1.0\n000011112222", 24);
+    for (int k = 0; k < 2; k++) {
+        const char *output = k == 0 ? "shape.pfm" : "image.pfm";
+        check_failure(program_run(NULL, (const char *const[]){"render", "scene.pbrt", "-o", output, NULL}), 1,
+                      "is an input as well");
+    }
     char *now = scratch_read("field.npy", &size_now);
     assert_int_equal(size, size_now);
     assert_memory_equal(field, now, size);
