@@ -278,26 +278,66 @@ static void interruptions_leave_nothing(void **state) {
     check_signal(SIGHUP);
 }
 
-/* The program is in the middle of a query that takes many seconds when it is told to stop, and told again. */
-static void second_interruption_is_the_end(void **state) {
-    (void)state;
-    enum { SIDE = 1000 };
+/* A field and rays for which a query by brute force takes minutes. */
+static void large_work(void) {
+    enum { SIDE = 1000, MANY = 100000 };
     float *z = calloc(SIDE * SIDE, sizeof *z);
-    assert_non_null(z);
+    cw_ray *rays = calloc(MANY, sizeof *rays);
+    assert_true(z && rays);
+    for (size_t k = 0; k < MANY; k++) rays[k] = (cw_ray){.org = {5.5f, 5, 1}, .dir = {0, 0, -1}, .tmax = 1e9f};
     field_file("large.npy", z, SIDE, SIDE);
+    rays_file("many.npy", rays, MANY);
+    free(rays);
     free(z);
+}
+
+static const char *const minutes[] = {"trace", "large.npy", "many.npy", "-o", "hits.npy", "--kernel", "brute", NULL};
+
+/* The program is in the middle of a query that does not look whether it is told to stop. */
+static void interruptions_do_not_wait(void **state) {
+    (void)state;
+    large_work();
     const size_t entries = scratch_entries();
-    const pid_t process = program_start(
-        NULL, (const char *const[]){"trace", "large.npy", "rays.npy", "-o", "hits.npy", "--kernel", "brute", NULL});
+    const program_setting setting = {.seconds_limit = 20}; /* a small part of what the query takes */
+    const struct timespec pause = {.tv_nsec = 200000000};
+    const pid_t process = program_start(&setting, minutes);
     program_wait_for_output(process);
-    const struct timespec pause = {.tv_nsec = 100000000};
-    nanosleep(&pause, NULL);
+    nanosleep(&pause, NULL); /* the field is read after the output was opened */
     kill(process, SIGINT);
-    nanosleep(&pause, NULL);
-    assert_int_equal(kill(process, SIGINT), 0);
     const program_result *r = program_wait(process);
     check(r->status == 128 + SIGINT, "exit status %d: %s", r->status, r->err);
-    check(r->err[0] == '\0', "it had the time to say: %s", r->err);
+    check(strstr(r->err, "interrupted") != NULL, "%s", r->err);
+    assert_int_equal(scratch_entries(), entries);
+}
+
+/* Nor does it look while it reads, here nine million numbers of many digits. */
+static void interruptions_while_reading(void **state) {
+    (void)state;
+    enum { SIDE = 3000 };
+    FILE *file = fopen("text.asc", "w");
+    assert_non_null(file);
+    fprintf(file, "ncols %d\nnrows %d\ncellsize 1\n", SIDE, SIDE);
+    for (int k = 0; k < SIDE * SIDE; k++) fputs("1.2345678901234567890123456789 ", file);
+    fclose(file);
+    const struct timespec pause = {.tv_nsec = 20000000};
+    const program_setting setting = {.seconds_limit = 20};
+    const pid_t process = program_start(&setting, (const char *const[]){"info", "text.asc", NULL});
+    nanosleep(&pause, NULL);
+    kill(process, SIGTERM);
+    const program_result *r = program_wait(process);
+    check(r->status == 128 + SIGTERM, "exit status %d: %s", r->status, r->err);
+}
+
+static void second_interruption_is_the_end(void **state) {
+    (void)state;
+    large_work();
+    const size_t entries = scratch_entries();
+    const pid_t process = program_start(NULL, minutes);
+    program_wait_for_output(process);
+    kill(process, SIGINT);
+    assert_int_equal(kill(process, SIGTERM), 0);
+    const program_result *r = program_wait(process);
+    check(r->status == 128 + SIGINT || r->status == 128 + SIGTERM, "exit status %d: %s", r->status, r->err);
     assert_int_equal(scratch_entries(), entries);
 }
 
@@ -338,6 +378,8 @@ int main(void) {
         cmocka_unit_test_setup_teardown(output_to_standard_output, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(killed_programs_leave_nothing, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(interruptions_leave_nothing, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(interruptions_do_not_wait, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(interruptions_while_reading, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(second_interruption_is_the_end, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(shrinking_input_is_an_error, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(results_that_cannot_be_printed, enter, scratch_leave),
