@@ -52,7 +52,7 @@ static bool run(work *w, cw_field *field, const char *kernel, size_t most) {
     uint64_t hash = 0xcbf29ce484222325u;
     w->field = field;
     w->query = (cw_query){.kernel = cw_kernel_find(kernel)};
-    if (w->query.kernel == NULL || cw_field_build(field, w->query.kernel) != CW_OK) return false;
+    if (cw_field_build(field, w->query.kernel) != CW_OK) return false;
     const cw_leaf leaf = cw_kernel_describe(w->query.kernel).default_leaf;
     for (int c = 0; c < WORKLOAD_CLASS_COUNT; c++) {
         w->any = workload_class_is_any((workload_class)c);

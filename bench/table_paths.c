@@ -17,9 +17,9 @@ bool table_path_parse(const char *text, cw_leaf leaf, table_path *path, io_error
     if (length >= sizeof name) return io_fail(error, "--path %s: no such path", text);
     snprintf(name, sizeof name, "%.*s", (int)(path->phong ? length - cut : length), text);
     path->embree = strcmp(name, "default") == 0;
-    path->kernel = cw_kernel_find(name);
     const bool automatic = strcmp(name, "auto") == 0;
-    if (!path->embree && !automatic && path->kernel == NULL)
+    if (!path->embree && !automatic) path->kernel = cw_kernel_find(name);
+    if (!path->embree && !automatic && !cw_kernel_exists(path->kernel))
         return io_fail(error,
                        "--path %s: a path is default, auto or a kernel (see cellwalk info), and -phong after it for "
                        "Phong normals",

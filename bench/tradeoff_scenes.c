@@ -96,7 +96,7 @@ static bool open_tracer(set *s, mode_tracer *t, const tradeoff_mode *mode, cw_is
         const cw_query automatic = cw_query_default();
         const cw_kernel *kernel = mode->only ? cw_kernel_find(mode->only) : cw_query_kernel(base, &automatic);
         cw_status status = CW_ERROR_UNAVAILABLE;
-        if (kernel) status = tradeoff_stage_kernel(&t->stages[f], kernel, &t->on[f], &t->kernels[f]);
+        if (cw_kernel_exists(kernel)) status = tradeoff_stage_kernel(&t->stages[f], kernel, &t->on[f], &t->kernels[f]);
         if (status == CW_ERROR_UNAVAILABLE || status == CW_ERROR_UNSUPPORTED)
             *runs = false;
         else if (status != CW_OK)

@@ -39,7 +39,7 @@ extern "C" {
 
 typedef enum cw_status {
     CW_OK = 0,
-    CW_ERROR_ARGUMENT,    /* a required pointer is NULL, or an option has a value that is none of its own */
+    CW_ERROR_ARGUMENT,    /* a required pointer is NULL */
     CW_ERROR_SIZE,        /* nx or ny below 2, above CW_SIDE_MAX, or too many samples for 31-bit sample numbers */
     CW_ERROR_STRIDE,      /* a row stride shorter than a row */
     CW_ERROR_MAP,         /* the affine map is not finite or cannot be inverted */
@@ -48,7 +48,10 @@ typedef enum cw_status {
     CW_ERROR_UNAVAILABLE, /* this machine, or the instruction-set limit, rules the kernel out */
     CW_ERROR_UNSUPPORTED, /* the kernel has no such leaf test */
     CW_ERROR_NOT_BUILT,   /* the kernel needs a structure that cw_field_build was not asked for */
-    CW_ERROR_THREAD       /* a thread could not be started */
+    CW_ERROR_THREAD,      /* a thread could not be started */
+    CW_ERROR_OPTION,      /* an option has a value that is none of its own, or a tolerance is negative or not finite */
+    CW_ERROR_KERNEL,      /* there is no kernel of that name: see cw_kernel_find */
+    CW_ERROR_POOL_SIZE    /* more threads than CW_THREADS_MAX */
 } cw_status;
 
 /* One English sentence without a full stop; never NULL, static storage. */
@@ -69,7 +72,8 @@ CW_API const char *cw_isa_name(cw_isa isa);
  *    nowhere to complain: a program should check the variable when it starts, as cellwalk and cellwalk-bench do;
  *  - the last cw_isa_limit, which is the program's own bound: it may be lowered and raised again, but lifts neither of the
  *    other two. CW_ISA_AVX512, or anything beyond, takes it away.
- * cw_isa_limit may not be called while queries run. */
+ * A query that has begun goes on as it began; the next one is told CW_ERROR_UNAVAILABLE if it names a kernel beyond the limit
+ * that has come meanwhile. */
 CW_API cw_isa cw_isa_best(void);
 CW_API void cw_isa_limit(cw_isa highest);
 
@@ -100,8 +104,11 @@ typedef struct cw_kernel_info {
 CW_API size_t cw_kernel_count(void);
 /* number in [0, cw_kernel_count()), else NULL. */
 CW_API const cw_kernel *cw_kernel_at(size_t number);
-/* NULL where no kernel has that name. */
+/* Where no kernel has that name, one that is none: cw_kernel_exists tells, it is not available, and a query that names it
+ * fails with CW_ERROR_KERNEL. It is not NULL, which in a query means the best kernel: so a misspelt name runs nothing else. */
 CW_API const cw_kernel *cw_kernel_find(const char *name);
+CW_API bool cw_kernel_exists(const cw_kernel *kernel);
+/* NULL is described like a kernel that is none. */
 CW_API cw_kernel_info cw_kernel_describe(const cw_kernel *kernel);
 
 /* ---- field ------------------------------------------------------------------------------------------------------ */
@@ -122,7 +129,8 @@ typedef struct cw_field_desc {
     size_t stride;        /* floats from one row to the next; 0 stands for nx */
     cw_storage storage;
     bool bare; /* build nothing yet: until cw_field_build only kernels without needs_build run */
-    /* Field space to user space, three rows of four: user = map[.][0..2] · (x, y, z) + map[.][3]. */
+    /* Field space to user space, three rows of four: user = map[.][0..2] · (x, y, z) + map[.][3]. All zero stands for the
+     * identity. */
     double map[3][4];
 } cw_field_desc;
 
@@ -183,9 +191,14 @@ typedef struct cw_hit {
  * each. */
 typedef struct cw_pool cw_pool;
 
-/* threads >= 1 counts the calling thread; 0 stands for one per CPU this process may use. The caller owns the pool. */
+enum { CW_THREADS_MAX = 4096 };
+
+/* threads >= 1 counts the calling thread; 0 stands for one per CPU this process may use. The caller owns the pool. On failure
+ * *pool is NULL. */
 CW_API cw_status cw_pool_create(unsigned threads, cw_pool **pool);
+/* NULL is allowed. No query may be running on the pool. */
 CW_API void cw_pool_destroy(cw_pool *pool);
+/* 1 for NULL, which is the calling thread alone. */
 CW_API unsigned cw_pool_threads(const cw_pool *pool);
 
 /* A piece of work: items [begin, end). */
@@ -246,7 +259,8 @@ CW_API void cw_rays_to_field(const cw_field *field, const cw_user_ray *in, size_
 
 /* ---- what follows from a hit: computed on request, so that a query pays only for what its scene requires ---------- */
 
-/* Each takes a hit that is not a miss on this field; the results are in user space. */
+/* Each takes a hit on this field; the results are in user space. What follows from a miss, or from a cell that the field has
+ * not, is NaN. */
 
 /* The point on the triangle, from (i, j, triangle, u, v): it lies on the surface to rounding, unlike org + t · dir. */
 CW_API void cw_hit_point(const cw_field *field, const cw_hit *hit, double point[3]);

@@ -24,6 +24,14 @@ static void slopes(const cw_field *f, size_t i, size_t j, uint32_t triangle, dou
 
 static double length(const double v[3]) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
+/* True if the field has the hit's triangle. */
+static bool is_hit(const cw_field *f, const cw_hit *hit) {
+    return hit->i >= 0 && hit->j >= 0 && (size_t)hit->i < f->nx - 1 && (size_t)hit->j < f->ny - 1 &&
+           hit->triangle <= CW_TRIANGLE_B;
+}
+
+static void set_nan(double v[3]) { v[0] = v[1] = v[2] = (double)NAN; }
+
 /* Barycentric weights of the hit's three vertices and the vertices themselves. */
 static void vertices(const cw_hit *hit, size_t vertex[3][2], double weight[3]) {
     const size_t i = (size_t)hit->i, j = (size_t)hit->j;
@@ -48,6 +56,10 @@ static void position(const cw_hit *hit, double xy[2]) {
 }
 
 void cw_hit_point(const cw_field *field, const cw_hit *hit, double point[3]) {
+    if (!is_hit(field, hit)) {
+        set_nan(point);
+        return;
+    }
     size_t vertex[3][2];
     double weight[3], p[3] = {0, 0, 0};
     vertices(hit, vertex, weight);
@@ -57,6 +69,10 @@ void cw_hit_point(const cw_field *field, const cw_hit *hit, double point[3]) {
 }
 
 void cw_hit_normal(const cw_field *field, const cw_hit *hit, double normal[3]) {
+    if (!is_hit(field, hit)) {
+        set_nan(normal);
+        return;
+    }
     double slope[2];
     slopes(field, (size_t)hit->i, (size_t)hit->j, hit->triangle, slope);
     affine_covector(field->to_field, (double[3]){-slope[0], -slope[1], 1}, normal);
@@ -115,11 +131,21 @@ static double unit_phong_normal(const cw_field *f, const cw_hit *hit, double n[3
 }
 
 void cw_hit_phong_normal(const cw_field *field, const cw_hit *hit, double normal[3]) {
+    if (!is_hit(field, hit)) {
+        set_nan(normal);
+        return;
+    }
     double n[3][3];
     unit_phong_normal(field, hit, n, normal);
 }
 
 void cw_hit_phong_change(const cw_field *field, const cw_hit *hit, double normal[3], double change[2][3]) {
+    if (!is_hit(field, hit)) {
+        set_nan(normal);
+        set_nan(change[0]);
+        set_nan(change[1]);
+        return;
+    }
     double n[3][3];
     const double scale = unit_phong_normal(field, hit, n, normal);
 
@@ -138,6 +164,10 @@ void cw_hit_phong_change(const cw_field *field, const cw_hit *hit, double normal
 }
 
 void cw_hit_uv(const cw_field *field, const cw_hit *hit, float uv[2]) {
+    if (!is_hit(field, hit)) {
+        uv[0] = uv[1] = NAN;
+        return;
+    }
     double xy[2];
     position(hit, xy);
     uv[0] = (float)(xy[0] / (double)(field->nx - 1));

@@ -24,6 +24,9 @@ struct cw_kernel {
     cw_any_fn *any_near;
 };
 
+/* What cw_kernel_find gives for a name that no kernel has. */
+extern const cw_kernel cw_kernel_none;
+
 /* The two functions of each compiled combination of path, leaf test and width. */
 #define CW_DECLARE_KERNEL(name)                                                                                        \
     cw_closest_fn cw_closest_##name;                                                                                   \

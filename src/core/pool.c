@@ -8,6 +8,7 @@
 #include <sched.h>
 #include <stdatomic.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 /* What one caller wants done. It lives in the caller's frame, which is left when all pieces are. */
 typedef struct job {
@@ -58,13 +59,18 @@ static void *help(void *argument) {
 
 static unsigned cpus(void) {
     cpu_set_t set;
-    if (sched_getaffinity(0, sizeof set, &set) != 0) return 1;
-    return (unsigned)CPU_COUNT(&set);
+    long count = 0;
+    if (sched_getaffinity(0, sizeof set, &set) == 0)
+        count = CPU_COUNT(&set);
+    else /* more CPUs than the set has room for */
+        count = sysconf(_SC_NPROCESSORS_ONLN);
+    return count < 1 ? 1 : count > CW_THREADS_MAX ? CW_THREADS_MAX : (unsigned)count;
 }
 
 cw_status cw_pool_create(unsigned threads, cw_pool **pool) {
     if (pool == NULL) return CW_ERROR_ARGUMENT;
     *pool = NULL;
+    if (threads > CW_THREADS_MAX) return CW_ERROR_POOL_SIZE;
     if (threads == 0) threads = cpus();
     cw_pool *p = calloc(1, sizeof *p + (threads - 1) * sizeof p->helper[0]);
     if (p == NULL) return CW_ERROR_MEMORY;
@@ -96,7 +102,7 @@ void cw_pool_destroy(cw_pool *p) {
     free(p);
 }
 
-unsigned cw_pool_threads(const cw_pool *pool) { return pool->threads; }
+unsigned cw_pool_threads(const cw_pool *pool) { return pool ? pool->threads : 1; }
 
 /* Gives the job to the helpers; false if they have one. */
 static bool engage(cw_pool *p, job *j) {

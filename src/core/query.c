@@ -42,11 +42,13 @@ static cw_status check(const cw_field *field, const cw_query *query, const void 
     if (field == NULL || (n > 0 && (rays == NULL || out == NULL))) return CW_ERROR_ARGUMENT;
     *kernel = cw_query_kernel(field, query);
     *leaf = query ? query->leaf : CW_LEAF_DEFAULT;
-    if ((unsigned)*leaf >= CW_LEAF_COUNT) return CW_ERROR_ARGUMENT;
-    if (query && (unsigned)query->coherence > CW_COHERENCE_HIGH) return CW_ERROR_ARGUMENT;
-    if (query && !is_tolerance(query)) return CW_ERROR_ARGUMENT;
+    if (!cw_kernel_exists(*kernel)) return CW_ERROR_KERNEL;
+    if ((unsigned)*leaf >= CW_LEAF_COUNT) return CW_ERROR_OPTION;
+    if (query && (unsigned)query->coherence > CW_COHERENCE_HIGH) return CW_ERROR_OPTION;
+    if (query && !is_tolerance(query)) return CW_ERROR_OPTION;
     if (*leaf == CW_LEAF_DEFAULT) *leaf = (*kernel)->default_leaf;
-    if ((*kernel)->isa > cw_isa_best()) return CW_ERROR_UNAVAILABLE;
+    /* What was chosen here is available, even if the limit has just become lower. */
+    if (query && query->kernel && (*kernel)->isa > cw_isa_best()) return CW_ERROR_UNAVAILABLE;
     if ((*kernel)->closest[*leaf] == NULL) return CW_ERROR_UNSUPPORTED;
     if (((*kernel)->needs & CW_NEEDS_GRID3D) && field->grid3d == NULL) return CW_ERROR_NOT_BUILT;
     if (((*kernel)->needs & CW_NEEDS_PYRAMID) && field->pyramid == NULL) return CW_ERROR_NOT_BUILT;

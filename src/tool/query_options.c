@@ -87,7 +87,7 @@ static bool apply_isa(const query_options *q, const char *name) {
 
 static bool find_kernel(const char *name, const char *word, const cw_kernel **kernel) {
     *kernel = cw_kernel_find(word);
-    if (*kernel == NULL) {
+    if (!cw_kernel_exists(*kernel)) {
         const char *names[NAMES_MAX];
         size_t count = 0;
         for (; count < NAMES_MAX && count < cw_kernel_count(); count++)
