@@ -11,6 +11,14 @@ typedef struct io_error {
     char text[512];
 } io_error;
 
+/* Names and words that come from a file may hold characters that command a terminal: C0, DEL and, in UTF-8, C1. */
+static inline void io_make_printable(char *text) {
+    for (unsigned char *c = (unsigned char *)text; *c; c++) {
+        if (*c < 0x20 || *c == 0x7f) *c = '?';
+        if (c[0] == 0xc2 && c[1] >= 0x80 && c[1] <= 0x9f) c[0] = c[1] = '?';
+    }
+}
+
 /* Fills error (which may be NULL) and returns false, so that a failing function ends with `return io_fail(…)`. */
 __attribute__((format(printf, 2, 3))) static inline bool io_fail(io_error *error, const char *format, ...) {
     if (error == NULL) return false;
@@ -18,6 +26,7 @@ __attribute__((format(printf, 2, 3))) static inline bool io_fail(io_error *error
     va_start(arguments, format);
     vsnprintf(error->text, sizeof error->text, format, arguments);
     va_end(arguments);
+    io_make_printable(error->text);
     return false;
 }
 

@@ -4,6 +4,7 @@
 #include "cancel.h"
 #include "cellwalk.h"
 #include "command.h"
+#include "error.h"
 #include "inputs.h"
 
 #include <errno.h>
@@ -23,10 +24,13 @@ static void print_help(FILE *to) {
 }
 
 static int unknown(const char *word) {
+    char text[256];
+    snprintf(text, sizeof text, "%s", word);
+    io_make_printable(text);
     const char *names[COMMAND_COUNT];
     for (size_t k = 0; k < COMMAND_COUNT; k++) names[k] = commands[k]->name;
     const char *meant = closest_match(word, names, COMMAND_COUNT);
-    fprintf(stderr, "cellwalk: unknown %s '%s'", word[0] == '-' ? "option" : "command", word);
+    fprintf(stderr, "cellwalk: unknown %s '%s'", word[0] == '-' ? "option" : "command", text);
     if (meant) fprintf(stderr, "; did you mean %s?", meant);
     fputs("\nTry 'cellwalk --help'.\n", stderr);
     return EXIT_USAGE;

@@ -158,6 +158,25 @@ static void bad_fields(void **state) {
     check_refused(NULL, "field", "rays.npy", "field: the name's ending tells no raster format");
 }
 
+/* Nothing in a file's name or text commands the terminal that shows the message. */
+static void messages_hold_no_commands(void **state) {
+    (void)state;
+    static const char red[] = "\33[31mred\7\r\302\233m\177.asc";
+    scratch_write("word.asc", "ncols 2\nnrows 2\ncellsize 1\n1 2\n3 \33]0;title\7\n", 44);
+    scratch_write("a.pbrt", "Shape \"\33[2J\302\233\"\n", 15);
+    static const char *const cases[][5] = {
+        {"info", red}, {"info", "word.asc"}, {"info", "a.pbrt"}, {"info", "--kernel", red}, {"info", "field.npy", red},
+        {red}};
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        const program_result *r = program_run(NULL, cases[k]);
+        check(r->status != 0 && r->err[0] != '\0', "case %zu: %s", k, r->err);
+        for (const char *c = r->err; *c; c++)
+            check((*c == '\n' || (unsigned char)*c >= 0x20) && *c != 0x7f &&
+                      !((unsigned char)c[0] == 0xc2 && (unsigned char)c[1] < 0xa0),
+                  "case %zu: byte %#x", k, (unsigned)(unsigned char)*c);
+    }
+}
+
 static void check_no_output(const char *output, const program_setting *setting, const char *part) {
     const size_t entries = scratch_entries();
     const program_result *r =
@@ -374,6 +393,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(bad_fields, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(bad_outputs, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(directories_without_permission, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(messages_hold_no_commands, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(inputs_as_outputs, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(output_to_standard_output, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(killed_programs_leave_nothing, enter, scratch_leave),
