@@ -108,6 +108,7 @@ static void compare_lines(const json_t *in_a, const json_t *in_b, double margin,
         if (!time_a.sure || !time_b.sure) words = "undecided (too few passes)";
         if (is_control(b)) {
             words = "the control";
+            counts->controls++;
         } else {
             const ratio machine = control_of(in_a, in_b, b);
             const bool faster = time.verdict == VERDICT_LOWER, slower = time.verdict == VERDICT_HIGHER;
@@ -141,7 +142,9 @@ bool compare_files(const char *path_a, const char *path_b, double margin, compar
                counts->undecided);
         printf(counts->unmatched ? "; %zu results of B have no partner in A\n" : "\n", counts->unmatched);
     }
-    const bool good = a && b;
+    bool good = a && b;
+    if (good && counts->faster + counts->slower + counts->undecided + counts->controls == 0)
+        good = io_fail(error, "%s and %s have no result in common", path_a, path_b);
     json_decref(a);
     json_decref(b);
     return good;
