@@ -6,6 +6,7 @@
 #include "kernels.h"
 #include "memory.h"
 #include "to_field.h"
+#include "watch.h"
 
 #include <float.h>
 #include <stdlib.h>
@@ -18,6 +19,7 @@ cw_field_desc cw_field_desc_default(void) {
 
 static cw_status check(const cw_field_desc *d) {
     if (d->samples == NULL) return CW_ERROR_ARGUMENT;
+    if (!cw_all_zero(d->reserved)) return CW_ERROR_OPTION;
     if (d->storage != CW_COPY && d->storage != CW_BORROW) return CW_ERROR_OPTION;
     if (d->nx < 2 || d->ny < 2 || d->nx > CW_SIDE_MAX || d->ny > CW_SIDE_MAX) return CW_ERROR_SIZE;
     if (d->nx * d->ny > INT32_MAX) return CW_ERROR_SIZE; /* no overflow: each factor is below 2^24 */

@@ -173,3 +173,73 @@ void cw_hit_uv(const cw_field *field, const cw_hit *hit, float uv[2]) {
     uv[0] = (float)(xy[0] / (double)(field->nx - 1));
     uv[1] = (float)(xy[1] / (double)(field->ny - 1));
 }
+
+/* ---- of many hits ------------------------------------------------------------------------------------------------- */
+
+enum { GRAIN = 1024 };
+
+typedef struct batch {
+    const cw_field *field;
+    const cw_hit *hits;
+    double (*out)[3];
+    void (*one)(const cw_field *field, const cw_hit *hit, double out[3]);
+} batch;
+
+static void run(void *context, size_t begin, size_t end) {
+    const batch *b = context;
+    for (size_t k = begin; k < end; k++) b->one(b->field, &b->hits[k], b->out[k]);
+}
+
+static cw_status run_batch(const batch *b, cw_pool *pool, size_t n) {
+    if (b->field == NULL || (n > 0 && (b->hits == NULL || b->out == NULL))) return CW_ERROR_ARGUMENT;
+    batch all = *b;
+    cw_pool_run(pool, n, GRAIN, run, &all);
+    return CW_OK;
+}
+
+cw_status cw_hit_points(const cw_field *field, cw_pool *pool, const cw_hit *hits, size_t n, double (*points)[3]) {
+    return run_batch(&(batch){field, hits, points, cw_hit_point}, pool, n);
+}
+
+cw_status cw_hit_normals(const cw_field *field, cw_pool *pool, const cw_hit *hits, size_t n, double (*normals)[3]) {
+    return run_batch(&(batch){field, hits, normals, cw_hit_normal}, pool, n);
+}
+
+cw_status cw_hit_phong_normals(const cw_field *field, cw_pool *pool, const cw_hit *hits, size_t n,
+                               double (*normals)[3]) {
+    return run_batch(&(batch){field, hits, normals, cw_hit_phong_normal}, pool, n);
+}
+
+/* ---- at a place --------------------------------------------------------------------------------------------------- */
+
+static const cw_hit miss = {.t = INFINITY, .i = -1, .j = -1};
+
+/* The cell that the place is in, also at the far border, and the rest: within [0, 1]. */
+static int32_t split(double x, size_t samples, double *rest) {
+    const double last = (double)(samples - 2), cell = x >= last ? last : floor(x);
+    *rest = x - cell;
+    return (int32_t)cell;
+}
+
+void cw_field_at(const cw_field *field, double x, double y, cw_hit *hit) {
+    *hit = miss;
+    if (!(x >= 0 && x <= (double)(field->nx - 1) && y >= 0 && y <= (double)(field->ny - 1))) return;
+    double u, v;
+    cw_hit h = {.i = split(x, field->nx, &u), .j = split(y, field->ny, &v)};
+    const bool a = v <= u;
+    h.triangle = (uint32_t)(a ? CW_TRIANGLE_A : CW_TRIANGLE_B);
+    h.u = (float)(a ? u - v : u);
+    h.v = (float)(a ? v : v - u);
+    double slope[2];
+    slopes(field, (size_t)h.i, (size_t)h.j, h.triangle, slope);
+    if (!isnan(slope[0] + slope[1])) *hit = h;
+}
+
+cw_status cw_field_at_user(const cw_field *field, double x, double y, cw_hit *hit) {
+    *hit = miss;
+    if (field->to_user[0][2] != 0 || field->to_user[1][2] != 0) return CW_ERROR_SLANTED;
+    double p[3];
+    affine_point_back(field->to_field, (double[3]){x, y, field->to_user[2][3]}, p);
+    cw_field_at(field, p[0], p[1], hit);
+    return CW_OK;
+}

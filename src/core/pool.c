@@ -27,6 +27,7 @@ struct cw_pool {
     unsigned long number;
     job *present; /* NULL: no caller has the helpers */
     bool quit;
+    cw_tasks tasks; /* run is NULL where the pool has helpers of its own */
     pthread_t helper[];
 };
 
@@ -89,8 +90,26 @@ cw_status cw_pool_create(unsigned threads, cw_pool **pool) {
     return CW_OK;
 }
 
+cw_status cw_pool_create_on(const cw_tasks *tasks, cw_pool **pool) {
+    if (pool == NULL) return CW_ERROR_ARGUMENT;
+    *pool = NULL;
+    if (tasks == NULL || tasks->run == NULL) return CW_ERROR_ARGUMENT;
+    if (tasks->threads == 0) return CW_ERROR_OPTION;
+    if (tasks->threads > CW_THREADS_MAX) return CW_ERROR_POOL_SIZE;
+    cw_pool *p = calloc(1, sizeof *p);
+    if (p == NULL) return CW_ERROR_MEMORY;
+    p->threads = tasks->threads;
+    p->tasks = *tasks;
+    *pool = p;
+    return CW_OK;
+}
+
 void cw_pool_destroy(cw_pool *p) {
     if (p == NULL) return;
+    if (p->tasks.run != NULL) {
+        free(p);
+        return;
+    }
     pthread_mutex_lock(&p->lock);
     p->quit = true;
     pthread_cond_broadcast(&p->start);
@@ -118,12 +137,22 @@ static bool engage(cw_pool *p, job *j) {
     return idle;
 }
 
+static void take_pieces_as_task(void *argument, unsigned number) {
+    (void)number;
+    take_pieces(argument);
+}
+
 /* Whoever finds the helpers engaged works alone instead of waiting: nothing stands still meanwhile, and work that itself
  * asks the pool it runs on does not wait for its own end. */
 void cw_pool_run(cw_pool *p, size_t n, size_t grain, cw_work_fn *work, void *context) {
     if (n == 0) return;
     if (grain == 0) grain = 1;
     job j = {.work = work, .context = context, .n = n, .grain = grain, .pieces = n / grain + (n % grain != 0)};
+    if (p != NULL && p->tasks.run != NULL && p->threads > 1 && j.pieces > 1) {
+        const unsigned count = j.pieces < p->threads ? (unsigned)j.pieces : p->threads;
+        p->tasks.run(p->tasks.context, take_pieces_as_task, &j, count);
+        return;
+    }
     if (p == NULL || p->threads == 1 || j.pieces == 1 || !engage(p, &j)) {
         work(context, 0, n);
         return;

@@ -4,6 +4,7 @@
 #include "field.h"
 #include "fpenv.h"
 #include "kernels.h"
+#include "watch.h"
 
 #include <float.h>
 
@@ -45,7 +46,7 @@ static cw_status check(const cw_field *field, const cw_query *query, const void 
     if (!cw_kernel_exists(*kernel)) return CW_ERROR_KERNEL;
     if ((unsigned)*leaf >= CW_LEAF_COUNT) return CW_ERROR_OPTION;
     if (query && (unsigned)query->coherence > CW_COHERENCE_HIGH) return CW_ERROR_OPTION;
-    if (query && !is_tolerance(query)) return CW_ERROR_OPTION;
+    if (query && (!is_tolerance(query) || !cw_all_zero(query->reserved))) return CW_ERROR_OPTION;
     if (*leaf == CW_LEAF_DEFAULT) *leaf = (*kernel)->default_leaf;
     /* What was chosen here is available, even if the limit has just become lower. */
     if (query && query->kernel && (*kernel)->isa > cw_isa_best()) return CW_ERROR_UNAVAILABLE;
@@ -82,8 +83,7 @@ cw_status cw_closest(const cw_field *field, const cw_query *query, const cw_ray 
              .query = settled(query),
              .closest = near ? kernel->closest_near : kernel->closest[leaf],
              .hits = hits};
-    cw_pool_run(query ? query->pool : NULL, n, GRAIN, run, &q);
-    return CW_OK;
+    return cw_watch_run(&q.query, n, GRAIN, run, &q);
 }
 
 cw_status cw_any(const cw_field *field, const cw_query *query, const cw_ray *rays, size_t n, uint8_t *occluded) {
@@ -97,6 +97,5 @@ cw_status cw_any(const cw_field *field, const cw_query *query, const cw_ray *ray
              .query = settled(query),
              .any = near ? kernel->any_near : kernel->any[leaf],
              .occluded = occluded};
-    cw_pool_run(query ? query->pool : NULL, n, GRAIN, run, &q);
-    return CW_OK;
+    return cw_watch_run(&q.query, n, GRAIN, run, &q);
 }

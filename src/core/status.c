@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "cellwalk.h"
 
+const char *cw_version(void) { return CW_VERSION; }
+
 const char *cw_status_message(cw_status status) {
     switch (status) {
     case CW_OK:
@@ -31,6 +33,10 @@ const char *cw_status_message(cw_status status) {
         return "there is no kernel of that name";
     case CW_ERROR_POOL_SIZE:
         return "a pool has at most 4096 threads";
+    case CW_ERROR_SLANTED:
+        return "the map to user space leans the heights, so that no single place is above (x, y)";
+    case CW_ERROR_CANCELLED:
+        return "cancelled";
     }
     return "unknown status";
 }
