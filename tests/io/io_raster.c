@@ -236,7 +236,7 @@ static void bad_arrays_are_refused(void **state) {
 }
 
 /* Sides whose product is 0 agree with a file without data, however long the other one is. */
-static void arrays_of_nothing_are_refused(void **state) {
+static void rasters_of_nothing_are_refused(void **state) {
     (void)state;
     static const char *const types[] = {"<f8", "<i2", "<f4"};
     static const char *const shapes[] = {"(9223372036854775807, 0)", "(0, 1000000000)", "(0, 0)"};
@@ -249,6 +249,11 @@ static void arrays_of_nothing_are_refused(void **state) {
         scratch_write("bad.npy", bytes, 10 + (size_t)length);
         check_refused("bad.npy", "holds no samples");
     }
+    static const char *const images[] = {"P5 0 2147483648 255\n", "P5 2147483648 0 255\n", "P5 0 0 65535\n"};
+    for (size_t k = 0; k < 3; k++) {
+        scratch_write("bad.pgm", images[k], strlen(images[k]));
+        check_refused("bad.pgm", "holds no samples");
+    }
     alarm(0);
 }
 
@@ -260,7 +265,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(bad_grids_are_refused, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(bad_images_are_refused, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(bad_arrays_are_refused, scratch_enter, scratch_leave),
-        cmocka_unit_test_setup_teardown(arrays_of_nothing_are_refused, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(rasters_of_nothing_are_refused, scratch_enter, scratch_leave),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
