@@ -53,13 +53,8 @@ static int enter(void **state) {
     return 0;
 }
 
-typedef struct counts {
-    unsigned long calls[FAULT_KINDS];
-    long blocks;
-} counts;
-
-static counts read_counts(void) {
-    counts c;
+static fault_counts read_counts(void) {
+    fault_counts c;
     size_t size;
     char *text = scratch_read("counts", &size), *at = text;
     for (int k = 0; k < FAULT_KINDS; k++) c.calls[k] = strtoul(at, &at, 10);
@@ -88,7 +83,7 @@ static void check_every_fault(program_arguments arguments, const char *output) {
     const size_t entries = scratch_entries();
     const program_result *r = run(arguments, NULL);
     check(r->status == 0, "%s without a fault: %s", arguments[0], r->err);
-    const counts good = read_counts();
+    const fault_counts good = read_counts();
     size_t good_size = 0;
     char *good_bytes = take_output(output, &good_size);
     unsigned long injections = 0, survived = 0;

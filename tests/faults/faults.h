@@ -14,6 +14,15 @@ typedef enum fault_kind {
     FAULT_KINDS
 } fault_kind;
 
+typedef struct fault_counts {
+    unsigned long calls[FAULT_KINDS];
+    long blocks; /* of memory that were not freed */
+} fault_counts;
+
+/* In a test that preload.c is a part of: from now on the call of that number fails, 0 for none; until the end. */
+void faults_begin(fault_kind kind, unsigned long number);
+fault_counts faults_end(void);
+
 static const char *const fault_names[FAULT_KINDS] = {"memory", "write", "rename", "open", "read", "map", "thread"};
 
 #endif

@@ -37,6 +37,22 @@ static bool fails(fault_kind kind) {
     return atomic_fetch_add(&calls[kind], 1) + 1 == failing_number && (int)kind == failing;
 }
 
+#ifdef FAULTS_IN_PROCESS /* a part of a test, which says when */
+void faults_begin(fault_kind kind, unsigned long number) {
+    failing = (int)kind;
+    failing_number = number;
+    for (int k = 0; k < FAULT_KINDS; k++) atomic_store(&calls[k], 0);
+    atomic_store(&blocks, 0);
+    atomic_store(&counting, true);
+}
+
+fault_counts faults_end(void) {
+    atomic_store(&counting, false);
+    fault_counts counts = {.blocks = atomic_load(&blocks)};
+    for (int k = 0; k < FAULT_KINDS; k++) counts.calls[k] = atomic_load(&calls[k]);
+    return counts;
+}
+#else
 __attribute__((constructor)) static void start(void) {
     const char *fault = getenv("CELLWALK_FAULT");
     for (int k = 0; fault && k < FAULT_KINDS; k++) {
@@ -61,6 +77,8 @@ __attribute__((destructor)) static void finish(void) {
     if (write(fd, text, used) < 0) abort();
     close(fd);
 }
+
+#endif
 
 /* ---- memory ------------------------------------------------------------------------------------------------------- */
 
