@@ -15,6 +15,7 @@
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -31,6 +32,25 @@ int open(const char *path, int flags, ...) {
         return -1;
     }
     return openat(AT_FDCWD, path, flags, mode);
+}
+
+/* The order of what is done to an output at its end; fsync fails on request. */
+static bool synced, named_too_early, sync_fails;
+
+int fsync(int fd) {
+    synced = true;
+    if (sync_fails) errno = EIO;
+    return sync_fails ? -1 : fdatasync(fd);
+}
+
+int rename(const char *from, const char *to) {
+    named_too_early = named_too_early || !synced;
+    return renameat(AT_FDCWD, from, AT_FDCWD, to);
+}
+
+int linkat(int from_at, const char *from, int to_at, const char *to, int flags) {
+    named_too_early = named_too_early || !synced;
+    return (int)syscall(SYS_linkat, from_at, from, to_at, to, flags);
 }
 
 static int enter(void **state) {
@@ -166,6 +186,28 @@ static void names_taken_meanwhile_are_replaced(void **state) {
     assert_true(io_output_commit(&second, NULL));
     assert_true(io_output_commit(&first, NULL));
     check_content("a", "first");
+    assert_int_equal(scratch_entries(), 1);
+}
+
+/* So that a machine that stops has the old file or the new one, and not an empty one. */
+static void bytes_are_on_the_disk_before_the_name(void **state) {
+    (void)state;
+    for (int old = 0; old < 2; old++) { /* the target is new, or replaces a file */
+        io_output out;
+        open_and_write(&out, "a", "text");
+        synced = named_too_early = false;
+        assert_true(io_output_commit(&out, NULL));
+        assert_true(synced && !named_too_early);
+    }
+    io_output out;
+    io_error error = {""};
+    open_and_write(&out, "a", "other");
+    sync_fails = true;
+    const bool committed = io_output_commit(&out, &error);
+    sync_fails = false;
+    assert_false(committed);
+    assert_string_equal(error.text, "a: cannot write: Input/output error");
+    check_content("a", "text");
     assert_int_equal(scratch_entries(), 1);
 }
 
@@ -327,6 +369,7 @@ int main(void) {
         BOTH(discard_all_removes_open_ones),
         BOTH(outputs_have_names_on_request),
         BOTH(names_taken_meanwhile_are_replaced),
+        BOTH(bytes_are_on_the_disk_before_the_name),
         BOTH(deleted_folders_are_an_error),
         BOTH(bad_targets_are_refused),
         BOTH(failures_leave_nothing),
