@@ -14,7 +14,8 @@
  *
  * All functions are safe to call from several threads at once unless they say otherwise. None of the queries
  * allocates. None changes the floating-point environment: queries run in the IEEE default environment (round to
- * nearest, denormals kept) whatever the caller's is, and put the caller's back. */
+ * nearest, denormals kept) whatever the caller's is, and put the caller's back; what follows from a hit is computed in the
+ * caller's. Functions that return no status take no NULL unless they say so. */
 
 #ifndef CELLWALK_H
 #define CELLWALK_H
@@ -29,23 +30,39 @@
 extern "C" {
 #endif
 
-#define CW_VERSION "0.1.0"
+#define CW_VERSION       "0.1.0"
+#define CW_VERSION_MAJOR 0
+#define CW_VERSION_MINOR 1
+#define CW_VERSION_PATCH 0
+
+/* The version of the library that runs, which may be another than that of the header that a program was compiled with. */
+CW_API const char *cw_version(void);
+
+/* Descriptions that a caller fills in, cw_field_desc and cw_query, end in room for what later versions add. It holds zeros,
+ * which always mean the default; a library that finds anything else is asked for something that it does not know, and
+ * says CW_ERROR_OPTION. So start from the default, or from {0}. */
 
 /* ---- status ----------------------------------------------------------------------------------------------------- */
 
 typedef enum cw_status {
     CW_OK = 0,
-    CW_ERROR_ARGUMENT,    /* a required pointer is NULL, or an option has a value that is none of its own */
-    CW_ERROR_SIZE,        /* nx or ny below 2, above CW_SIDE_MAX, or too many samples for 31-bit sample numbers */
-    CW_ERROR_STRIDE,      /* a row stride shorter than a row */
-    CW_ERROR_MAP,         /* the affine map is not finite or cannot be inverted */
-    CW_ERROR_HEIGHT,      /* a sample lies beyond plus or minus CW_HEIGHT_MAX */
-    CW_ERROR_HOLE,        /* borrowed samples hold an infinity: mark holes by NaN, or let the field copy them */
-    CW_ERROR_MEMORY,      /* out of memory */
+    CW_ERROR_ARGUMENT, /* a required pointer is NULL */
+    CW_ERROR_SIZE,     /* nx or ny below 2, above CW_SIDE_MAX, or too many samples for 31-bit sample numbers, in which
+                           * borrowed samples count with the gaps between their rows */
+    CW_ERROR_STRIDE,   /* a row stride shorter than a row, or so long that rows exceed the address space */
+    CW_ERROR_MAP,      /* the affine map is not finite or cannot be inverted */
+    CW_ERROR_HEIGHT,   /* a sample lies beyond plus or minus CW_HEIGHT_MAX */
+    CW_ERROR_HOLE,     /* borrowed samples hold an infinity: mark holes by NaN, or let the field copy them */
+    CW_ERROR_MEMORY,   /* out of memory */
     CW_ERROR_UNAVAILABLE, /* this machine, or the instruction-set limit, rules the kernel out */
     CW_ERROR_UNSUPPORTED, /* the kernel has no such leaf test */
-    CW_ERROR_NOT_BUILT,   /* the kernel needs a structure that cw_field_build was not asked for */
-    CW_ERROR_THREAD       /* a thread could not be started */
+    CW_ERROR_NOT_BUILT,   /* the kernel needs a structure that has not been built: see cw_field_build */
+    CW_ERROR_THREAD,      /* a thread could not be started */
+    CW_ERROR_OPTION,      /* an option has a value that is none of its own, or a tolerance is negative or not finite */
+    CW_ERROR_KERNEL,      /* there is no kernel of that name: see cw_kernel_find */
+    CW_ERROR_POOL_SIZE,   /* more threads than CW_THREADS_MAX */
+    CW_ERROR_SLANTED,     /* places above (x, y) of user space are asked for, whose map leans the heights */
+    CW_ERROR_CANCELLED    /* the watch of the query said to stop */
 } cw_status;
 
 /* One English sentence without a full stop; never NULL, static storage. */
@@ -66,7 +83,8 @@ CW_API const char *cw_isa_name(cw_isa isa);
  *    nowhere to complain: a program should check the variable when it starts, as cellwalk and cellwalk-bench do;
  *  - the last cw_isa_limit, which is the program's own bound: it may be lowered and raised again, but lifts neither of the
  *    other two. CW_ISA_AVX512, or anything beyond, takes it away.
- * cw_isa_limit may not be called while queries run. */
+ * A query that has begun goes on as it began; the next one is told CW_ERROR_UNAVAILABLE if it names a kernel beyond the limit
+ * that has come meanwhile. */
 CW_API cw_isa cw_isa_best(void);
 CW_API void cw_isa_limit(cw_isa highest);
 
@@ -97,8 +115,11 @@ typedef struct cw_kernel_info {
 CW_API size_t cw_kernel_count(void);
 /* number in [0, cw_kernel_count()), else NULL. */
 CW_API const cw_kernel *cw_kernel_at(size_t number);
-/* NULL where no kernel has that name. */
+/* Where no kernel has that name, one that is none: cw_kernel_exists tells, it is not available, and a query that names it
+ * fails with CW_ERROR_KERNEL. It is not NULL, which in a query means the best kernel: so a misspelt name runs nothing else. */
 CW_API const cw_kernel *cw_kernel_find(const char *name);
+CW_API bool cw_kernel_exists(const cw_kernel *kernel);
+/* NULL is described like a kernel that is none. */
 CW_API cw_kernel_info cw_kernel_describe(const cw_kernel *kernel);
 
 /* ---- field ------------------------------------------------------------------------------------------------------ */
@@ -122,8 +143,10 @@ typedef struct cw_field_desc {
     size_t stride;        /* floats from one row to the next; 0 stands for nx */
     cw_storage storage;
     bool bare; /* build nothing yet: until cw_field_build only kernels without needs_build run */
-    /* Field space to user space, three rows of four: user = map[.][0..2] · (x, y, z) + map[.][3]. */
+    /* Field space to user space, three rows of four: user = map[.][0..2] · (x, y, z) + map[.][3]. All zero stands for the
+     * identity. */
     double map[3][4];
+    uint64_t reserved[4]; /* 0 */
 } cw_field_desc;
 
 /* No samples, no size, CW_COPY, not bare, identity map: fill in the rest. */
@@ -136,7 +159,8 @@ CW_API cw_status cw_field_create(const cw_field_desc *desc, cw_field **field);
 /* NULL is allowed. No query may be running on the field. */
 CW_API void cw_field_destroy(cw_field *field);
 
-/* Builds what a kernel with needs_build walks on; a second call does nothing. No query may be running on the field. */
+/* Builds what a kernel with needs_build walks on; a second call does nothing. Neither a query nor another call of this may be
+ * running on the field. */
 CW_API cw_status cw_field_build(cw_field *field, const cw_kernel *kernel);
 
 typedef struct cw_field_info {
@@ -185,14 +209,38 @@ typedef struct cw_hit {
     uint32_t triangle; /* a cw_triangle */
 } cw_hit;
 
-/* Threads that wait for array queries to share. A pool serves one query at a time; two queries that are to run at once
- * take a pool each. */
+/* Threads that wait for array queries to share. They serve one query at a time: a query that finds them at work on another,
+ * from a second thread of the caller's, runs on its own thread alone. Two queries that are both to be shared take a pool
+ * each. */
 typedef struct cw_pool cw_pool;
 
-/* threads >= 1 counts the calling thread; 0 stands for one per CPU this process may use. The caller owns the pool. */
+enum { CW_THREADS_MAX = 4096 };
+
+/* threads >= 1 counts the calling thread; 0 stands for one per CPU this process may use. The caller owns the pool. On failure
+ * *pool is NULL. */
 CW_API cw_status cw_pool_create(unsigned threads, cw_pool **pool);
+/* NULL is allowed. No query may be running on the pool. */
 CW_API void cw_pool_destroy(cw_pool *pool);
+/* Threads that the caller has already, as engines have them with their own tasks. */
+typedef void cw_task_fn(void *argument, unsigned number);
+typedef struct cw_tasks {
+    unsigned threads; /* how many tasks to make of a query: from 1 to CW_THREADS_MAX */
+    /* Calls task(argument, k) for each k in [0, count), on any threads and in any order, and returns when all have
+     * returned. Called by whichever threads run queries on the pool, several at once if they do. */
+    void (*run)(void *context, cw_task_fn *task, void *argument, unsigned count);
+    void *context;
+} cw_tasks;
+/* A pool without threads of its own. tasks is copied; what its context points to stays until cw_pool_destroy. */
+CW_API cw_status cw_pool_create_on(const cw_tasks *tasks, cw_pool **pool);
+/* 1 for NULL, which is the calling thread alone. */
 CW_API unsigned cw_pool_threads(const cw_pool *pool);
+
+/* A piece of work: items [begin, end). */
+typedef void cw_work_fn(void *context, size_t begin, size_t end);
+/* Lends the pool's threads to work of the caller's own: runs it over [0, n) in pieces of grain items, on the calling thread
+ * alone if pool is NULL, and returns when all is done. The pieces may come in any order; a thread alone gets all in one.
+ * Grain 0 counts as 1. */
+CW_API void cw_pool_run(cw_pool *pool, size_t n, size_t grain, cw_work_fn *work, void *context);
 
 /* What is known of rays that are neighbours in the array. It changes speed, never an answer of a strict query. */
 typedef enum cw_coherence {
@@ -200,6 +248,10 @@ typedef enum cw_coherence {
     CW_COHERENCE_LOW,      /* they have nothing in common: each goes its own way */
     CW_COHERENCE_HIGH      /* they run side by side: they share their way for as long as it pays, even if far apart */
 } cw_coherence;
+
+/* Called now and then during a query, by one thread at a time, with the share of the rays that are done, in (0, 1]. Returns
+ * false to stop the query, which then ends soon with CW_ERROR_CANCELLED; which answers were written is not told. */
+typedef bool cw_watch_fn(void *context, double done);
 
 typedef struct cw_query {
     const cw_kernel *kernel; /* NULL: the best for this machine */
@@ -214,6 +266,9 @@ typedef struct cw_query {
      * cone is a pixel's width at distance 1. Both are finite and not negative; 0 stands for strict. Only the
      * pyramid kernels with CW_LEAF_WATERTIGHT make use of them; others answer as without. */
     float tolerance, cone;
+    cw_watch_fn *watch; /* NULL: the query runs to its end */
+    void *watch_context;
+    uint64_t reserved[4]; /* 0 */
 } cw_query;
 
 /* All zero: the best kernel, its default leaf test, one thread, no hint, strict. A NULL query means the same. */
@@ -224,7 +279,7 @@ CW_API const cw_kernel *cw_query_kernel(const cw_field *field, const cw_query *q
 
 /* Closest hit of each of n rays (n may be 0). rays and hits need no alignment beyond their types' and may not overlap.
  * Unless the query is tolerant, the answer for a ray does not depend on its neighbours, its place in the array or the
- * number of threads. On an error hits are untouched. */
+ * number of threads. On an error other than CW_ERROR_CANCELLED hits are untouched. */
 CW_API cw_status cw_closest(const cw_field *field, const cw_query *query, const cw_ray *rays, size_t n, cw_hit *hits);
 
 /* occluded[k] = 1 if rays[k] hits anything, else 0; always what cw_closest would find. */
@@ -246,12 +301,36 @@ typedef struct cw_user_ray {
  * both spaces. in and out may not overlap. */
 CW_API void cw_rays_to_field(const cw_field *field, const cw_user_ray *in, size_t n, cw_ray *out);
 
+/* cw_closest and cw_any of rays in user space, which are moved a few at a time: nothing is allocated, and the answers are
+ * those of cw_rays_to_field and a query after it. If cw_isa_limit takes the query's kernel away meanwhile, the status says so
+ * and which answers were written is not told. */
+CW_API cw_status cw_closest_user(const cw_field *field, const cw_query *query, const cw_user_ray *rays, size_t n,
+                                 cw_hit *hits);
+CW_API cw_status cw_any_user(const cw_field *field, const cw_query *query, const cw_user_ray *rays, size_t n,
+                             uint8_t *occluded);
+
+/* The place on the surface at field coordinates (x, y), as a hit with t = 0, from which point, normals and texture coordinates
+ * follow as below. A miss outside the field, in a triangle with a hole at a vertex, and for NaN. */
+CW_API void cw_field_at(const cw_field *field, double x, double y, cw_hit *hit);
+/* The same at (x, y) in user space. CW_ERROR_SLANTED, and a miss, unless heights change z alone there: map[0][2] and map[1][2]
+ * are 0. */
+CW_API cw_status cw_field_at_user(const cw_field *field, double x, double y, cw_hit *hit);
+
 /* ---- what follows from a hit: computed on request, so that a query pays only for what its scene requires ---------- */
 
-/* Each takes a hit that is not a miss on this field; the results are in user space. */
+/* Each takes a hit on this field; the results are in user space. What follows from a miss, or from a cell that the field has
+ * not, is NaN. */
 
 /* The point on the triangle, from (i, j, triangle, u, v): it lies on the surface to rounding, unlike org + t · dir. */
 CW_API void cw_hit_point(const cw_field *field, const cw_hit *hit, double point[3]);
+
+/* The points, normals and Phong normals of n hits, on the pool's threads; pool may be NULL. Each is what the function for one
+ * hit gives. */
+CW_API cw_status cw_hit_points(const cw_field *field, cw_pool *pool, const cw_hit *hits, size_t n, double (*points)[3]);
+CW_API cw_status cw_hit_normals(const cw_field *field, cw_pool *pool, const cw_hit *hits, size_t n,
+                                double (*normals)[3]);
+CW_API cw_status cw_hit_phong_normals(const cw_field *field, cw_pool *pool, const cw_hit *hits, size_t n,
+                                      double (*normals)[3]);
 
 /* Unit normal of the triangle, on the side of growing z. */
 CW_API void cw_hit_normal(const cw_field *field, const cw_hit *hit, double normal[3]);

@@ -15,5 +15,12 @@ if(CELLWALK_SANITIZE)
         -fno-omit-frame-pointer)
     target_link_options(cellwalk_flags INTERFACE -fsanitize=address,undefined)
 endif()
+if(CELLWALK_FUZZ) # coverage, which leads a fuzzer; its own main comes with tests/fuzz
+    target_compile_options(cellwalk_flags INTERFACE -fsanitize=fuzzer-no-link)
+endif()
+if(CELLWALK_SANITIZE_THREADS)
+    target_compile_options(cellwalk_flags INTERFACE -fsanitize=thread -fno-omit-frame-pointer)
+    target_link_options(cellwalk_flags INTERFACE -fsanitize=thread)
+endif()
 # POSIX and the few GNU calls in use (CPU affinity, sysconf); with C extensions off they must be asked for.
 target_compile_definitions(cellwalk_flags INTERFACE _GNU_SOURCE)

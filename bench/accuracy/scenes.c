@@ -40,7 +40,7 @@ static bool open_mode(set *s, const tradeoff_mode *mode, cw_isa isa, bool *runs,
         }
         const cw_kernel *kernel = mode->only ? cw_kernel_find(mode->only) : cw_query_kernel(base, NULL);
         cw_status status = CW_ERROR_UNAVAILABLE;
-        if (kernel) status = tradeoff_stage_kernel(&s->stages[f], kernel, &t->on[f]);
+        if (cw_kernel_exists(kernel)) status = tradeoff_stage_kernel(&s->stages[f], kernel, &t->on[f]);
         if (status == CW_ERROR_UNAVAILABLE || status == CW_ERROR_UNSUPPORTED)
             *runs = false;
         else if (status != CW_OK)

@@ -82,8 +82,7 @@ static bool run_guard(work *w) {
 
 static bool run_kernel(work *w, const char *kernel) {
     w->query.kernel = cw_kernel_find(kernel);
-    if (w->query.kernel == NULL || cw_field_build(w->field, w->query.kernel) != CW_OK ||
-        !run(w, cw_kernel_describe(w->query.kernel).default_leaf))
+    if (cw_field_build(w->field, w->query.kernel) != CW_OK || !run(w, cw_kernel_describe(w->query.kernel).default_leaf))
         return false;
     fprintf(stderr, "%016" PRIx64 "\n", w->hash);
     return true;

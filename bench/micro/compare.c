@@ -83,7 +83,7 @@ static ratio control_of(const json_t *in_a, const json_t *in_b, const json_t *of
 static const char *verdict_on(const json_t *a, const json_t *b, const ratio *time, const ratio *machine, double margin,
                               compare_counts *counts) {
     const bool faster = time->verdict == VERDICT_LOWER, slower = time->verdict == VERDICT_HIGHER;
-    if (is_control(b)) return "the control";
+    if (is_control(b)) return counts->controls++, "the control";
     if (faster && time->high < (1 - margin) * machine->low) return counts->faster++, "faster";
     if (slower && time->low > (1 + margin) * machine->high) return counts->slower++, "slower";
     counts->undecided++;
@@ -112,7 +112,7 @@ static void compare_lines(const json_t *in_a, const json_t *in_b, double margin,
 bool compare_files(const char *path_a, const char *path_b, double margin, compare_counts *counts, io_error *error) {
     *counts = (compare_counts){0};
     json_t *a = results_read(path_a, error), *b = a ? results_read(path_b, error) : NULL;
-    const bool good = a && b;
+    bool good = a && b;
     if (good) {
         tell_differences(json_array_get(a, 0), json_array_get(b, 0));
         compare_lines(a, b, margin, counts);
@@ -120,6 +120,8 @@ bool compare_files(const char *path_a, const char *path_b, double margin, compar
                counts->undecided);
         printf(counts->unmatched ? "; %zu results of B have no partner in A\n" : "\n", counts->unmatched);
     }
+    if (good && counts->faster + counts->slower + counts->undecided + counts->controls == 0)
+        good = io_fail(error, "%s and %s have no result in common", path_a, path_b);
     json_decref(a);
     json_decref(b);
     return good;

@@ -99,9 +99,10 @@ bool micro_write_group(io_output *out, const micro_group *group, bool counted, i
 /* How many comparisons came out which way. */
 typedef struct compare_counts {
     size_t faster, slower, undecided, unmatched;
+    size_t controls; /* compared too, without a verdict */
 } compare_counts;
 
-/* Prints a line for each result that both files have. margin: see statistics_ratio. */
+/* Prints a line for each result that both files have; fails if there is none. margin: see statistics_ratio. */
 bool compare_files(const char *path_a, const char *path_b, double margin, compare_counts *counts, io_error *error);
 
 #endif

@@ -18,9 +18,9 @@ bool table_path_parse(const char *text, table_path *path, io_error *error) {
     snprintf(path->name, sizeof path->name, "%s", text);
     snprintf(name, sizeof name, "%.*s", (int)(phong ? (size_t)(phong - text) : strlen(text)), text);
     path->embree = strcmp(name, "default") == 0;
-    path->kernel = cw_kernel_find(name);
     const bool automatic = strcmp(name, "auto") == 0;
-    if (!path->embree && !automatic && path->kernel == NULL)
+    if (!path->embree && !automatic) path->kernel = cw_kernel_find(name);
+    if (!path->embree && !automatic && !cw_kernel_exists(path->kernel))
         return io_fail(
             error,
             "--path %s: a path is default, auto or a kernel (see cellwalk info), and -phong after it for Phong normals",

@@ -7,6 +7,7 @@
 #include "kernels.h"
 #include "memory.h"
 #include "to_field.h"
+#include "watch.h"
 
 #include <float.h>
 #include <math.h>
@@ -18,7 +19,9 @@ cw_field_desc cw_field_desc_default(void) {
 }
 
 static cw_status check(const cw_field_desc *d) {
-    if (d->samples == NULL || (d->storage != CW_COPY && d->storage != CW_BORROW)) return CW_ERROR_ARGUMENT;
+    if (d->samples == NULL) return CW_ERROR_ARGUMENT;
+    if (!cw_all_zero(d->reserved)) return CW_ERROR_OPTION;
+    if (d->storage != CW_COPY && d->storage != CW_BORROW) return CW_ERROR_OPTION;
     if (d->nx < 2 || d->ny < 2 || d->nx > CW_SIDE_MAX || d->ny > CW_SIDE_MAX) return CW_ERROR_SIZE;
     if (d->nx * d->ny > INT32_MAX) return CW_ERROR_SIZE; /* no overflow: each factor is below 2^24 */
     if (d->stride == 0) return CW_OK;
@@ -26,6 +29,15 @@ static cw_status check(const cw_field_desc *d) {
     /* Kernels number borrowed samples in place by 31 bits. */
     if (d->storage == CW_BORROW && d->stride * (d->ny - 1) + d->nx > INT32_MAX) return CW_ERROR_SIZE;
     return CW_OK;
+}
+
+/* The same with the map that it stands for: one filled in by hand may leave it at zero. */
+static cw_field_desc with_map(const cw_field_desc *desc) {
+    cw_field_desc d = *desc;
+    bool given = false;
+    for (int k = 0; k < 12; k++) given = given || d.map[k / 4][k % 4] != 0; /* NaN is given */
+    for (int k = 0; k < 3 && !given; k++) d.map[k][k] = 1;
+    return d;
 }
 
 /* Bounds and holes; in a copy an infinite sample becomes NaN, so that kernels meet one kind of hole. */
@@ -121,7 +133,8 @@ cw_status cw_field_create(const cw_field_desc *desc, cw_field **field) {
     *field = NULL;
     if (desc == NULL) return CW_ERROR_ARGUMENT;
     const fpenv caller = fpenv_enter();
-    const cw_status status = create(desc, field);
+    const cw_field_desc whole = with_map(desc);
+    const cw_status status = create(&whole, field);
     fpenv_leave(caller);
     return status;
 }
@@ -136,6 +149,7 @@ void cw_field_destroy(cw_field *field) {
 
 cw_status cw_field_build(cw_field *field, const cw_kernel *kernel) {
     if (field == NULL || kernel == NULL) return CW_ERROR_ARGUMENT;
+    if (!cw_kernel_exists(kernel)) return CW_ERROR_KERNEL;
     const fpenv caller = fpenv_enter();
     const cw_status status = build(field, kernel->needs);
     fpenv_leave(caller);

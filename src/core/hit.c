@@ -24,6 +24,14 @@ static void slopes(const cw_field *f, size_t i, size_t j, uint32_t triangle, dou
 
 static double length(const double v[3]) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
+/* True if the field has the hit's triangle. */
+static bool is_hit(const cw_field *f, const cw_hit *hit) {
+    return hit->i >= 0 && hit->j >= 0 && (size_t)hit->i < f->nx - 1 && (size_t)hit->j < f->ny - 1 &&
+           hit->triangle <= CW_TRIANGLE_B;
+}
+
+static void set_nan(double v[3]) { v[0] = v[1] = v[2] = (double)NAN; }
+
 /* Barycentric weights of the hit's three vertices and the vertices themselves. */
 static void vertices(const cw_hit *hit, size_t vertex[3][2], double weight[3]) {
     const size_t i = (size_t)hit->i, j = (size_t)hit->j;
@@ -48,6 +56,10 @@ static void position(const cw_hit *hit, double xy[2]) {
 }
 
 void cw_hit_point(const cw_field *field, const cw_hit *hit, double point[3]) {
+    if (!is_hit(field, hit)) {
+        set_nan(point);
+        return;
+    }
     size_t vertex[3][2];
     double weight[3], p[3] = {0, 0, 0};
     vertices(hit, vertex, weight);
@@ -57,6 +69,10 @@ void cw_hit_point(const cw_field *field, const cw_hit *hit, double point[3]) {
 }
 
 void cw_hit_normal(const cw_field *field, const cw_hit *hit, double normal[3]) {
+    if (!is_hit(field, hit)) {
+        set_nan(normal);
+        return;
+    }
     double slope[2];
     slopes(field, (size_t)hit->i, (size_t)hit->j, hit->triangle, slope);
     affine_covector(field->to_field, (double[3]){-slope[0], -slope[1], 1}, normal);
@@ -115,11 +131,21 @@ static double unit_phong_normal(const cw_field *f, const cw_hit *hit, double n[3
 }
 
 void cw_hit_phong_normal(const cw_field *field, const cw_hit *hit, double normal[3]) {
+    if (!is_hit(field, hit)) {
+        set_nan(normal);
+        return;
+    }
     double n[3][3];
     unit_phong_normal(field, hit, n, normal);
 }
 
 void cw_hit_phong_change(const cw_field *field, const cw_hit *hit, double normal[3], double change[2][3]) {
+    if (!is_hit(field, hit)) {
+        set_nan(normal);
+        set_nan(change[0]);
+        set_nan(change[1]);
+        return;
+    }
     double n[3][3];
     const double scale = unit_phong_normal(field, hit, n, normal);
 
@@ -138,8 +164,82 @@ void cw_hit_phong_change(const cw_field *field, const cw_hit *hit, double normal
 }
 
 void cw_hit_uv(const cw_field *field, const cw_hit *hit, float uv[2]) {
+    if (!is_hit(field, hit)) {
+        uv[0] = uv[1] = NAN;
+        return;
+    }
     double xy[2];
     position(hit, xy);
     uv[0] = (float)(xy[0] / (double)(field->nx - 1));
     uv[1] = (float)(xy[1] / (double)(field->ny - 1));
+}
+
+/* ---- of many hits ------------------------------------------------------------------------------------------------- */
+
+enum { GRAIN = 1024 };
+
+typedef struct batch {
+    const cw_field *field;
+    const cw_hit *hits;
+    double (*out)[3];
+    void (*one)(const cw_field *field, const cw_hit *hit, double out[3]);
+} batch;
+
+static void run(void *context, size_t begin, size_t end) {
+    const batch *b = context;
+    for (size_t k = begin; k < end; k++) b->one(b->field, &b->hits[k], b->out[k]);
+}
+
+static cw_status run_batch(const batch *b, cw_pool *pool, size_t n) {
+    if (b->field == NULL || (n > 0 && (b->hits == NULL || b->out == NULL))) return CW_ERROR_ARGUMENT;
+    batch all = *b;
+    cw_pool_run(pool, n, GRAIN, run, &all);
+    return CW_OK;
+}
+
+cw_status cw_hit_points(const cw_field *field, cw_pool *pool, const cw_hit *hits, size_t n, double (*points)[3]) {
+    return run_batch(&(batch){field, hits, points, cw_hit_point}, pool, n);
+}
+
+cw_status cw_hit_normals(const cw_field *field, cw_pool *pool, const cw_hit *hits, size_t n, double (*normals)[3]) {
+    return run_batch(&(batch){field, hits, normals, cw_hit_normal}, pool, n);
+}
+
+cw_status cw_hit_phong_normals(const cw_field *field, cw_pool *pool, const cw_hit *hits, size_t n,
+                               double (*normals)[3]) {
+    return run_batch(&(batch){field, hits, normals, cw_hit_phong_normal}, pool, n);
+}
+
+/* ---- at a place --------------------------------------------------------------------------------------------------- */
+
+static const cw_hit miss = {.t = INFINITY, .i = -1, .j = -1};
+
+/* The cell that the place is in, also at the far border, and the rest: within [0, 1]. */
+static int32_t split(double x, size_t samples, double *rest) {
+    const double last = (double)(samples - 2), cell = x >= last ? last : floor(x);
+    *rest = x - cell;
+    return (int32_t)cell;
+}
+
+void cw_field_at(const cw_field *field, double x, double y, cw_hit *hit) {
+    *hit = miss;
+    if (!(x >= 0 && x <= (double)(field->nx - 1) && y >= 0 && y <= (double)(field->ny - 1))) return;
+    double u, v;
+    cw_hit h = {.i = split(x, field->nx, &u), .j = split(y, field->ny, &v)};
+    const bool a = v <= u;
+    h.triangle = (uint32_t)(a ? CW_TRIANGLE_A : CW_TRIANGLE_B);
+    h.u = (float)(a ? u - v : u);
+    h.v = (float)(a ? v : v - u);
+    double slope[2];
+    slopes(field, (size_t)h.i, (size_t)h.j, h.triangle, slope);
+    if (!isnan(slope[0] + slope[1])) *hit = h;
+}
+
+cw_status cw_field_at_user(const cw_field *field, double x, double y, cw_hit *hit) {
+    *hit = miss;
+    if (field->to_user[0][2] != 0 || field->to_user[1][2] != 0) return CW_ERROR_SLANTED;
+    double p[3];
+    affine_point_back(field->to_field, (double[3]){x, y, field->to_user[2][3]}, p);
+    cw_field_at(field, p[0], p[1], hit);
+    return CW_OK;
 }

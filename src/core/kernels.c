@@ -34,6 +34,8 @@ static const cw_kernel kernels[] = {
 /* clang-format on */
 enum { KERNEL_COUNT = sizeof kernels / sizeof kernels[0] };
 
+const cw_kernel cw_kernel_none = {.name = "none", .what = "there is no kernel of that name"};
+
 size_t cw_kernel_count(void) { return KERNEL_COUNT; }
 
 const cw_kernel *cw_kernel_at(size_t number) { return number < KERNEL_COUNT ? &kernels[number] : NULL; }
@@ -41,14 +43,17 @@ const cw_kernel *cw_kernel_at(size_t number) { return number < KERNEL_COUNT ? &k
 const cw_kernel *cw_kernel_find(const char *name) {
     for (size_t k = 0; name && k < KERNEL_COUNT; k++)
         if (strcmp(name, kernels[k].name) == 0) return &kernels[k];
-    return NULL;
+    return &cw_kernel_none;
 }
 
 cw_leaf cw_kernel_default_leaf(const cw_kernel *kernel) {
     return kernel->strict->closest[CW_LEAF_WATERTIGHT] ? CW_LEAF_WATERTIGHT : CW_LEAF_MOLLER_TRUMBORE;
 }
 
+bool cw_kernel_exists(const cw_kernel *kernel) { return kernel != NULL && kernel != &cw_kernel_none; }
+
 cw_kernel_info cw_kernel_describe(const cw_kernel *kernel) {
+    if (!cw_kernel_exists(kernel)) return (cw_kernel_info){.name = cw_kernel_none.name, .what = cw_kernel_none.what};
     return (cw_kernel_info){
         .name = kernel->name,
         .what = kernel->what,

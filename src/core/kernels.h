@@ -25,6 +25,9 @@ struct cw_kernel {
     const cw_kernel_code *tolerant; /* with the watertight test; NULL where the kernel has no use for a tolerance */
 };
 
+/* What cw_kernel_find gives for a name that no kernel has. */
+extern const cw_kernel cw_kernel_none;
+
 /* The watertight test where the kernel has it. */
 cw_leaf cw_kernel_default_leaf(const cw_kernel *kernel);
 

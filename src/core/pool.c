@@ -2,13 +2,22 @@
 /* Threads that sleep between queries. A query hands out pieces by one atomic counter, so that a thread which meets
  * cheap rays simply takes more pieces. */
 
-#include "pool.h"
+#include "cellwalk.h"
 
 #include "cpus.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdlib.h>
+#include <unistd.h>
+
+/* What one caller wants done. It lives in the caller's frame, which is left when all pieces are. */
+typedef struct job {
+    cw_work_fn *work;
+    void *context;
+    size_t n, grain, pieces;
+    atomic_size_t next; /* piece */
+} job;
 
 struct cw_pool {
     pthread_mutex_t lock;
@@ -16,22 +25,19 @@ struct cw_pool {
     unsigned threads; /* the caller included */
     unsigned created; /* helpers running: threads - 1 once the pool is whole */
     unsigned busy;    /* helpers that have not finished the present job */
-    unsigned long job;
+    unsigned long number;
+    job *present; /* NULL: no caller has the helpers */
     bool quit;
-
-    cw_work_fn *work;
-    void *context;
-    size_t n, grain;
-    atomic_size_t next;
-
+    cw_tasks tasks; /* run is NULL where the pool has helpers of its own */
     pthread_t helper[];
 };
 
-static void take_pieces(cw_pool *p) {
+static void take_pieces(job *j) {
     for (;;) {
-        const size_t begin = atomic_fetch_add_explicit(&p->next, p->grain, memory_order_relaxed);
-        if (begin >= p->n) return;
-        p->work(p->context, begin, p->n - begin < p->grain ? p->n : begin + p->grain);
+        const size_t piece = atomic_fetch_add_explicit(&j->next, 1, memory_order_relaxed);
+        if (piece >= j->pieces) return;
+        const size_t begin = piece * j->grain, left = j->n - begin;
+        j->work(j->context, begin, begin + (left < j->grain ? left : j->grain));
     }
 }
 
@@ -40,11 +46,12 @@ static void *help(void *argument) {
     unsigned long seen = 0;
     pthread_mutex_lock(&p->lock);
     for (;;) {
-        while (!p->quit && p->job == seen) pthread_cond_wait(&p->start, &p->lock);
+        while (!p->quit && p->number == seen) pthread_cond_wait(&p->start, &p->lock);
         if (p->quit) break;
-        seen = p->job;
+        seen = p->number;
+        job *j = p->present;
         pthread_mutex_unlock(&p->lock);
-        take_pieces(p);
+        take_pieces(j);
         pthread_mutex_lock(&p->lock);
         if (--p->busy == 0) pthread_cond_signal(&p->done);
     }
@@ -55,6 +62,7 @@ static void *help(void *argument) {
 cw_status cw_pool_create(unsigned threads, cw_pool **pool) {
     if (pool == NULL) return CW_ERROR_ARGUMENT;
     *pool = NULL;
+    if (threads > CW_THREADS_MAX) return CW_ERROR_POOL_SIZE;
     if (threads == 0) threads = cpus_usable();
     cw_pool *p = calloc(1, sizeof *p + (threads - 1) * sizeof p->helper[0]);
     if (p == NULL) return CW_ERROR_MEMORY;
@@ -73,8 +81,26 @@ cw_status cw_pool_create(unsigned threads, cw_pool **pool) {
     return CW_OK;
 }
 
+cw_status cw_pool_create_on(const cw_tasks *tasks, cw_pool **pool) {
+    if (pool == NULL) return CW_ERROR_ARGUMENT;
+    *pool = NULL;
+    if (tasks == NULL || tasks->run == NULL) return CW_ERROR_ARGUMENT;
+    if (tasks->threads == 0) return CW_ERROR_OPTION;
+    if (tasks->threads > CW_THREADS_MAX) return CW_ERROR_POOL_SIZE;
+    cw_pool *p = calloc(1, sizeof *p);
+    if (p == NULL) return CW_ERROR_MEMORY;
+    p->threads = tasks->threads;
+    p->tasks = *tasks;
+    *pool = p;
+    return CW_OK;
+}
+
 void cw_pool_destroy(cw_pool *p) {
     if (p == NULL) return;
+    if (p->tasks.run != NULL) {
+        free(p);
+        return;
+    }
     pthread_mutex_lock(&p->lock);
     p->quit = true;
     pthread_cond_broadcast(&p->start);
@@ -86,25 +112,45 @@ void cw_pool_destroy(cw_pool *p) {
     free(p);
 }
 
-unsigned cw_pool_threads(const cw_pool *pool) { return pool->threads; }
+unsigned cw_pool_threads(const cw_pool *pool) { return pool ? pool->threads : 1; }
 
+/* Gives the job to the helpers; false if they have one. */
+static bool engage(cw_pool *p, job *j) {
+    pthread_mutex_lock(&p->lock);
+    const bool idle = p->present == NULL;
+    if (idle) {
+        p->present = j;
+        p->busy = p->threads - 1;
+        p->number++;
+        pthread_cond_broadcast(&p->start);
+    }
+    pthread_mutex_unlock(&p->lock);
+    return idle;
+}
+
+static void take_pieces_as_task(void *argument, unsigned number) {
+    (void)number;
+    take_pieces(argument);
+}
+
+/* Whoever finds the helpers engaged works alone instead of waiting: nothing stands still meanwhile, and work that itself
+ * asks the pool it runs on does not wait for its own end. */
 void cw_pool_run(cw_pool *p, size_t n, size_t grain, cw_work_fn *work, void *context) {
-    if (p == NULL || p->threads == 1 || n <= grain) {
-        if (n > 0) work(context, 0, n);
+    if (n == 0) return;
+    if (grain == 0) grain = 1;
+    job j = {.work = work, .context = context, .n = n, .grain = grain, .pieces = n / grain + (n % grain != 0)};
+    if (p != NULL && p->tasks.run != NULL && p->threads > 1 && j.pieces > 1) {
+        const unsigned count = j.pieces < p->threads ? (unsigned)j.pieces : p->threads;
+        p->tasks.run(p->tasks.context, take_pieces_as_task, &j, count);
         return;
     }
-    pthread_mutex_lock(&p->lock);
-    p->work = work;
-    p->context = context;
-    p->n = n;
-    p->grain = grain;
-    atomic_store_explicit(&p->next, 0, memory_order_relaxed);
-    p->busy = p->threads - 1;
-    p->job++;
-    pthread_cond_broadcast(&p->start);
-    pthread_mutex_unlock(&p->lock);
-    take_pieces(p);
+    if (p == NULL || p->threads == 1 || j.pieces == 1 || !engage(p, &j)) {
+        work(context, 0, n);
+        return;
+    }
+    take_pieces(&j);
     pthread_mutex_lock(&p->lock);
     while (p->busy > 0) pthread_cond_wait(&p->done, &p->lock);
+    p->present = NULL;
     pthread_mutex_unlock(&p->lock);
 }

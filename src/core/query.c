@@ -4,7 +4,7 @@
 #include "field.h"
 #include "fpenv.h"
 #include "kernels.h"
-#include "pool.h"
+#include "watch.h"
 
 #include <float.h>
 
@@ -46,11 +46,13 @@ static cw_status settle(job *q, const cw_field *field, const cw_query *query, co
     if (field == NULL || (n > 0 && (rays == NULL || out == NULL))) return CW_ERROR_ARGUMENT;
     *q = (job){.field = field, .rays = rays, .query = query ? *query : cw_query_default()};
     cw_query *s = &q->query;
-    if ((unsigned)s->leaf >= CW_LEAF_COUNT || (unsigned)s->coherence > CW_COHERENCE_HIGH) return CW_ERROR_ARGUMENT;
-    if (!is_tolerance(s)) return CW_ERROR_ARGUMENT;
-    const cw_kernel *kernel = s->kernel = cw_query_kernel(field, s);
+    const cw_kernel *given = s->kernel, *kernel = s->kernel = cw_query_kernel(field, s);
+    if (!cw_kernel_exists(kernel)) return CW_ERROR_KERNEL;
+    if ((unsigned)s->leaf >= CW_LEAF_COUNT || (unsigned)s->coherence > CW_COHERENCE_HIGH) return CW_ERROR_OPTION;
+    if (!is_tolerance(s) || !cw_all_zero(s->reserved)) return CW_ERROR_OPTION;
     if (s->leaf == CW_LEAF_DEFAULT) s->leaf = cw_kernel_default_leaf(kernel);
-    if (kernel->isa > cw_isa_best()) return CW_ERROR_UNAVAILABLE;
+    /* What was chosen here is available, even if the limit has just become lower. */
+    if (given && kernel->isa > cw_isa_best()) return CW_ERROR_UNAVAILABLE;
     if (kernel->strict->closest[s->leaf] == NULL) return CW_ERROR_UNSUPPORTED;
     if ((kernel->needs & CW_NEEDS_GRID3D) && field->grid3d == NULL) return CW_ERROR_NOT_BUILT;
     if ((kernel->needs & CW_NEEDS_PYRAMID) && field->pyramid == NULL) return CW_ERROR_NOT_BUILT;
@@ -69,8 +71,7 @@ cw_status cw_closest(const cw_field *field, const cw_query *query, const cw_ray 
     const cw_status status = settle(&q, field, query, rays, hits, n);
     if (status != CW_OK) return status;
     q.hits = hits;
-    cw_pool_run(q.query.pool, n, GRAIN, run_closest, &q);
-    return CW_OK;
+    return cw_watch_run(&q.query, n, GRAIN, run_closest, &q);
 }
 
 cw_status cw_any(const cw_field *field, const cw_query *query, const cw_ray *rays, size_t n, uint8_t *occluded) {
@@ -78,6 +79,5 @@ cw_status cw_any(const cw_field *field, const cw_query *query, const cw_ray *ray
     const cw_status status = settle(&q, field, query, rays, occluded, n);
     if (status != CW_OK) return status;
     q.occluded = occluded;
-    cw_pool_run(q.query.pool, n, GRAIN, run_any, &q);
-    return CW_OK;
+    return cw_watch_run(&q.query, n, GRAIN, run_any, &q);
 }

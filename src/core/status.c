@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "cellwalk.h"
 
+const char *cw_version(void) { return CW_VERSION; }
+
 const char *cw_status_message(cw_status status) {
     switch (status) {
     case CW_OK:
         return "no error";
     case CW_ERROR_ARGUMENT:
-        return "a required pointer is NULL or an option has no such value";
+        return "a required pointer is NULL";
     case CW_ERROR_SIZE:
         return "a field needs 2 to 8388608 samples a side and fewer than 2147483648 in all";
     case CW_ERROR_STRIDE:
@@ -27,6 +29,16 @@ const char *cw_status_message(cw_status status) {
         return "the kernel needs a structure that has not been built for this field";
     case CW_ERROR_THREAD:
         return "a thread could not be started";
+    case CW_ERROR_OPTION:
+        return "an option has no such value, or a tolerance is negative or not finite";
+    case CW_ERROR_KERNEL:
+        return "there is no kernel of that name";
+    case CW_ERROR_POOL_SIZE:
+        return "a pool has at most 4096 threads";
+    case CW_ERROR_SLANTED:
+        return "the map to user space leans the heights, so that no single place is above (x, y)";
+    case CW_ERROR_CANCELLED:
+        return "cancelled";
     }
     return "unknown status";
 }

@@ -3,6 +3,8 @@
 #ifndef CELLWALK_IO_ERROR_H
 #define CELLWALK_IO_ERROR_H
 
+#include "printable.h"
+
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -18,6 +20,7 @@ __attribute__((format(printf, 2, 3))) static inline bool io_fail(io_error *error
     va_start(arguments, format);
     vsnprintf(error->text, sizeof error->text, format, arguments);
     va_end(arguments);
+    make_printable(error->text);
     return false;
 }
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "file.h"
 
+#include "inputs.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
@@ -16,12 +18,24 @@ int io_file_open(const char *path, uint64_t *size, io_error *error) {
         io_fail(error, "%s: cannot read: %s", path, strerror(errno));
     } else if (!S_ISREG(about.st_mode)) {
         io_fail(error, "%s: cannot read: %s", path, S_ISDIR(about.st_mode) ? strerror(EISDIR) : "not a regular file");
+    } else if (!io_inputs_note(&about)) {
+        io_fail(error, "%s: out of memory", path);
     } else {
         *size = (uint64_t)about.st_size;
         return fd;
     }
     if (fd >= 0) close(fd);
     return -1;
+}
+
+FILE *io_file_stream(const char *path, io_error *error) {
+    uint64_t size;
+    const int fd = io_file_open(path, &size, error);
+    FILE *file = fd >= 0 ? fdopen(fd, "rb") : NULL;
+    if (file != NULL || fd < 0) return file;
+    io_fail(error, "%s: cannot read: %s", path, strerror(errno));
+    close(fd);
+    return NULL;
 }
 
 bool io_file_read_at(int fd, const char *path, void *to, size_t size, uint64_t offset, io_error *error) {

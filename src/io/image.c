@@ -67,8 +67,10 @@ bool io_image_read(const char *path, io_image *image, io_error *error) {
 
 bool image_allocate(io_image *image, size_t width, size_t height, const char *path, io_error *error) {
     *image = (io_image){.width = width, .height = height};
-    if (width != 0 && height <= SIZE_MAX / (3 * sizeof(float)) / width)
-        image->rgb = malloc(width * height * 3 * sizeof(float));
+    if (width != 0 && height > IO_IMAGE_PIXELS_MAX / width)
+        return io_fail(error, "%s: %zu x %zu pixels are more than %d, the most that are read", path, width, height,
+                       IO_IMAGE_PIXELS_MAX);
+    if (width != 0) image->rgb = malloc(width * height * 3 * sizeof(float));
     if (image->rgb != NULL) return true;
     return io_fail(error, "%s: no memory for %zu x %zu pixels", path, width, height);
 }

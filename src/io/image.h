@@ -7,6 +7,9 @@
 
 #include <stddef.h>
 
+/* The most pixels that a picture is read or rendered with: 3 GiB of floats. */
+enum { IO_IMAGE_PIXELS_MAX = 1 << 28 };
+
 /* rgb[(y * width + x) * 3 + c], row 0 at the top, linear light. */
 typedef struct io_image {
     size_t width, height;

@@ -2,26 +2,29 @@
 /* OpenEXR through its C library. Pictures are put together in memory and written in one piece, because the library goes
  * back to fill in its table of chunks and an output may be a pipe. */
 
+#include "file.h"
 #include "image_format.h"
 
-#include <errno.h>
 #include <openexr.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
-/* The library's last message, to follow the file's name in ours; and the bytes written so far. */
+/* The library's first message, to follow the file's name in ours; and the bytes written so far. */
 typedef struct sink {
     char message[200];
     uint8_t *bytes;
     size_t size, capacity;
 } sink;
 
+/* The sink of the picture that this thread is at. The library tells errors while it holds its own lock, on which asking it
+ * for the context's user data would wait for ever. */
+static _Thread_local sink *present;
+
 static void keep_message(exr_const_context_t context, exr_result_t code, const char *message) {
-    void *user = NULL;
-    (void)code;
-    if (exr_get_user_data(context, &user) != EXR_ERR_SUCCESS || user == NULL) return;
-    sink *s = user;
-    snprintf(s->message, sizeof s->message, "%s", message);
+    (void)context, (void)code;
+    if (present != NULL && present->message[0] == '\0')
+        snprintf(present->message, sizeof present->message, "%s", message);
 }
 
 static const char *reason(const sink *s, exr_result_t code) {
@@ -74,13 +77,14 @@ static uint16_t *half_pixels(const io_image *image) {
 
 static int64_t sink_write(exr_const_context_t context, void *user, const void *bytes, uint64_t size, uint64_t offset,
                           exr_stream_error_func_ptr_t fail) {
+    (void)fail; /* would take the library's lock */
     sink *s = user;
     const size_t end = (size_t)(offset + size);
     if (end > s->capacity) {
         const size_t capacity = end + end / 2;
         uint8_t *more = realloc(s->bytes, capacity);
         if (more == NULL) {
-            fail(context, EXR_ERR_OUT_OF_MEMORY, "out of memory");
+            keep_message(context, EXR_ERR_OUT_OF_MEMORY, "out of memory");
             return -1;
         }
         memset(more + s->capacity, 0, capacity - s->capacity);
@@ -150,7 +154,9 @@ static bool exr_write(io_output *out, const io_image *image, io_error *error) {
     if (rgba == NULL)
         return io_fail(error, "%s: no memory for %zu x %zu pixels", out->name, image->width, image->height);
     sink s = {0};
+    present = &s;
     const exr_result_t result = encode(&s, out->name, image, rgba);
+    present = NULL;
     const bool good = result == EXR_ERR_SUCCESS ? io_output_write(out, s.bytes, s.size, error)
                                                 : io_fail(error, "%s: cannot write: %s", out->name, reason(&s, result));
     free(s.bytes);
@@ -160,13 +166,34 @@ static bool exr_write(io_output *out, const io_image *image, io_error *error) {
 
 /* ---- reading ------------------------------------------------------------------------------------------------------ */
 
+/* No compression packs pictures closer, be they of one colour: blocks of 8 x 8 pixels become one value, and zlib packs such
+ * values by 1032 to 1 at best. A file of a few bytes can claim any number of pixels. */
+enum { PIXELS_PER_BYTE_MAX = 1 << 16 };
+
 typedef struct reader {
+    int fd;
+    uint64_t file_size;
     exr_context_t context;
     exr_decode_pipeline_t decoder;
     bool started; /* the decoder */
     bool grey;    /* Y alone */
     io_image *image;
 } reader;
+
+static int64_t file_bytes(exr_const_context_t context, void *user) {
+    (void)context;
+    return (int64_t)((const reader *)user)->file_size;
+}
+
+/* As many bytes as there are: the library takes fewer than it asked for as the file's end. */
+static int64_t read_bytes(exr_const_context_t context, void *user, void *to, uint64_t size, uint64_t offset,
+                          exr_stream_error_func_ptr_t fail) {
+    (void)context, (void)fail;
+    const reader *r = user;
+    const uint64_t left = offset < r->file_size ? r->file_size - offset : 0;
+    const size_t count = (size_t)(size < left ? size : left);
+    return io_file_read_at(r->fd, "", to, count, offset, NULL) ? (int64_t)count : -1;
+}
 
 /* Decodes one chunk whose first pixel is (x, y) of the picture. */
 static exr_result_t decode_chunk(reader *r, const exr_chunk_info_t *chunk, size_t x, size_t y) {
@@ -245,6 +272,9 @@ static bool read_started(reader *r, const char *path, const sink *s, io_error *e
 
     const int64_t width = (int64_t)window.max.x - window.min.x + 1, height = (int64_t)window.max.y - window.min.y + 1;
     if (width < 1 || height < 1) return io_fail(error, "%s: has no pixels", path);
+    if ((uint64_t)width * (uint64_t)height / PIXELS_PER_BYTE_MAX > r->file_size)
+        return io_fail(error, "%s: %lld x %lld pixels are more than %llu bytes can hold", path, (long long)width,
+                       (long long)height, (unsigned long long)r->file_size);
     if (!image_allocate(r->image, (size_t)width, (size_t)height, path, error)) return false;
     result = storage == EXR_STORAGE_TILED ? decode_tiles(r) : decode_lines(r, window.min.y);
     if (result != EXR_ERR_SUCCESS) {
@@ -257,26 +287,26 @@ static bool read_started(reader *r, const char *path, const sink *s, io_error *e
 }
 
 static bool exr_read(const char *path, io_image *image, io_error *error) {
-    /* The library reports a missing file less plainly. */
-    FILE *file = fopen(path, "rb");
-    if (file == NULL) return io_fail(error, "%s: cannot read: %s", path, strerror(errno));
-    fclose(file);
-
+    reader r = {.image = image, .decoder = EXR_DECODE_PIPELINE_INITIALIZER};
+    r.fd = io_file_open(path, &r.file_size, error);
+    if (r.fd < 0) return false;
     sink s = {0};
+    present = &s;
     exr_context_initializer_t setup = EXR_DEFAULT_CONTEXT_INITIALIZER;
     setup.error_handler_fn = keep_message;
-    setup.user_data = &s;
+    setup.user_data = &r;
+    setup.read_fn = read_bytes;
+    setup.size_fn = file_bytes;
     setup.max_image_width = setup.max_image_height = 1 << 24;
     setup.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
-    reader r = {.image = image, .decoder = EXR_DECODE_PIPELINE_INITIALIZER};
     const exr_result_t result = exr_start_read(&r.context, path, &setup);
-    if (result != EXR_ERR_SUCCESS) {
-        exr_finish(&r.context);
-        return io_fail(error, "%s: not a readable OpenEXR picture: %s", path, reason(&s, result));
-    }
-    const bool good = read_started(&r, path, &s, error);
+    const bool good = result == EXR_ERR_SUCCESS
+                          ? read_started(&r, path, &s, error)
+                          : io_fail(error, "%s: not a readable OpenEXR picture: %s", path, reason(&s, result));
     if (r.started) exr_decoding_destroy(r.context, &r.decoder);
     exr_finish(&r.context);
+    present = NULL;
+    close(r.fd);
     return good;
 }
 

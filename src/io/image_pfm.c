@@ -2,6 +2,7 @@
 /* Portable float map: a text header ("PF" for colour or "Pf" for grey, width, height, a number whose sign says the byte
  * order), then rows of floats from the bottom up. */
 
+#include "file.h"
 #include "image_format.h"
 
 #include <errno.h>
@@ -92,8 +93,8 @@ static bool read_open(FILE *file, const char *path, io_image *image, io_error *e
 }
 
 static bool pfm_read(const char *path, io_image *image, io_error *error) {
-    FILE *file = fopen(path, "rb");
-    if (file == NULL) return io_fail(error, "%s: cannot read: %s", path, strerror(errno));
+    FILE *file = io_file_stream(path, error);
+    if (file == NULL) return false;
     const bool good = read_open(file, path, image, error);
     fclose(file);
     return good;

@@ -4,6 +4,8 @@
 
 #include "output.h"
 
+#include "inputs.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -57,40 +59,69 @@ void io_output_discard(io_output *out) {
     release(out);
 }
 
+enum { ATTEMPTS = 1000 };
+
 /* A hidden name beside target that shows whose it is. The number tells apart outputs of one process and what an earlier
  * process of the same number may have left when it was killed. */
-static bool temporary_name(char name[PATH_MAX], const char *target, unsigned number) {
+static bool next_name(struct slot *s, const char *target) {
     enum { BASE_MAX = 200 }; /* leaves room for the rest of the name in NAME_MAX */
+    static atomic_uint counter;
     const char *slash = strrchr(target, '/');
     const char *base = slash ? slash + 1 : target;
-    const int length = snprintf(name, PATH_MAX, "%.*s.%.*s.%ld-%u.tmp", (int)(base - target), target, BASE_MAX, base,
-                                (long)getpid(), number);
-    return length > 0 && length < PATH_MAX;
+    const int length = snprintf(s->temporary, sizeof s->temporary, "%.*s.%.*s.%ld-%u.tmp", (int)(base - target), target,
+                                BASE_MAX, base, (long)getpid(), atomic_fetch_add(&counter, 1));
+    errno = ENAMETOOLONG;
+    return length > 0 && (size_t)length < sizeof s->temporary;
 }
 
-/* Opened by hand and not by mkstemp, so that the file gets the permissions that umask and directory give new files. */
+/* Not by mkstemp, so that the file gets the permissions that umask and directory give new files. */
 static int create_temporary(struct slot *s, const char *target) {
-    static atomic_uint counter;
-    for (unsigned attempt = 0; attempt < 1000; attempt++) {
-        if (!temporary_name(s->temporary, target, atomic_fetch_add(&counter, 1))) {
-            errno = ENAMETOOLONG;
-            return -1;
-        }
+    for (unsigned attempt = 0; attempt < ATTEMPTS && next_name(s, target); attempt++) {
         const int fd = open(s->temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
         if (fd >= 0 || errno != EEXIST) return fd;
     }
     return -1;
 }
 
-/* Opens out's file, temporary or, for a device or a pipe, the target itself. -1 with errno on failure. */
+/* An open file by a name in /proc, which is how a file without any other is given one. */
+static void descriptor_name(char name[32], int fd) { snprintf(name, 32, "/proc/self/fd/%d", fd); }
+
+static bool link_open_file(int fd, const char *name) {
+    char descriptor[32];
+    descriptor_name(descriptor, fd);
+    return linkat(AT_FDCWD, descriptor, AT_FDCWD, name, AT_SYMLINK_FOLLOW) == 0;
+}
+
+/* -1 with errno; ENOTSUP where such a file could not get a name later. */
+static int open_unnamed(const char *target) {
+    char directory[PATH_MAX];
+    const char *slash = strrchr(target, '/');
+    const int length = slash == NULL     ? snprintf(directory, sizeof directory, ".")
+                       : slash == target ? snprintf(directory, sizeof directory, "/")
+                                         : snprintf(directory, sizeof directory, "%.*s", (int)(slash - target), target);
+    if (length < 0 || (size_t)length >= sizeof directory) {
+        errno = ENAMETOOLONG;
+        return -1;
+    }
+    const int fd = open(directory, O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
+    char name[32];
+    descriptor_name(name, fd);
+    if (fd < 0 || access(name, F_OK) == 0) return fd;
+    close(fd);
+    errno = ENOTSUP; /* no /proc */
+    return -1;
+}
+
+/* What kernels and file systems say that have no files without names. */
+static bool knows_no_unnamed(int reason) {
+    return reason == ENOTSUP || reason == EOPNOTSUPP || reason == EISDIR || reason == EINVAL || reason == ENOSYS;
+}
+
+/* Opens out's file: its own or, for a device or a pipe, the target itself. -1 with errno on failure. */
 static int open_file(io_output *out) {
     struct stat old;
     const bool exists = stat(out->target, &old) == 0;
-    if (exists && !S_ISREG(old.st_mode)) {
-        out->slot = DIRECT;
-        out->temporary = out->target;
-        return open(out->target, O_WRONLY | O_CLOEXEC); /* of a directory: EISDIR */
-    }
+    if (exists && !S_ISREG(old.st_mode)) return open(out->target, O_WRONLY | O_CLOEXEC); /* of a directory: EISDIR */
     if (exists && faccessat(AT_FDCWD, out->target, W_OK, AT_EACCESS) != 0) return -1;
     out->slot = claim_slot();
     if (out->slot == DIRECT) {
@@ -98,26 +129,42 @@ static int open_file(io_output *out) {
         return -1;
     }
     struct slot *s = &slots[out->slot];
-    const int fd = create_temporary(s, out->target);
-    if (fd < 0) {
+    s->temporary[0] = '\0';
+    int fd = open_unnamed(out->target);
+    out->unnamed = fd >= 0;
+    if (fd < 0 && (!knows_no_unnamed(errno) || (fd = create_temporary(s, out->target)) < 0)) {
         atomic_store(&s->state, FREE);
+        out->slot = DIRECT;
         return -1;
     }
     atomic_store(&s->state, LIVE);
     /* The new file keeps the old one's permissions; where that is not allowed, it has the usual ones. */
     if (exists) fchmod(fd, old.st_mode & 07777);
-    out->temporary = s->temporary;
     return fd;
+}
+
+/* False, with a message, if the output would take the place of a file that is read. */
+static bool is_no_input(const io_output *out, io_error *error) {
+    struct stat old;
+    if (out->target == NULL || stat(out->target, &old) != 0 || !io_inputs_have(&old)) return true;
+    return io_fail(error, "%s: is an input as well; choose another name for the output", out->name);
 }
 
 bool io_output_open(io_output *out, const char *path, io_error *error) {
     *out = (io_output){.slot = DIRECT};
     if (path[0] == '\0') return io_fail(error, "the output file's name is empty");
+    const bool standard = strcmp(path, "-") == 0;
     /* Follow links, so that the file behind a link is replaced and not the link. A new file has nothing to follow. */
-    out->target = realpath(path, NULL);
-    if (out->target == NULL && errno == ENOENT) out->target = strdup(path);
+    out->target = standard ? NULL : realpath(path, NULL);
+    if (out->target == NULL && (standard || errno == ENOENT)) out->target = strdup(path);
     out->name = strdup(path);
-    const int fd = out->target && out->name ? open_file(out) : -1;
+    if (out->target != NULL && out->name != NULL && !standard && !is_no_input(out, error)) {
+        release(out);
+        return false;
+    }
+    const int fd = out->target == NULL || out->name == NULL ? -1
+                   : standard                               ? fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0)
+                                                            : open_file(out);
     if (fd >= 0 && (out->file = fdopen(fd, "wb")) != NULL) return true;
     io_fail(error, "%s: cannot write: %s", path, strerror(errno));
     if (fd >= 0) {
@@ -126,6 +173,28 @@ bool io_output_open(io_output *out, const char *path, io_error *error) {
     }
     release(out);
     return false;
+}
+
+/* Gives an output without a name a temporary one, which a signal handler knows before it exists. */
+static bool give_name(io_output *out, int fd) {
+    struct slot *s = &slots[out->slot];
+    for (unsigned attempt = 0; attempt < ATTEMPTS && out->unnamed; attempt++) {
+        if (!take(s, CLAIMED)) {
+            errno = EINTR;
+            return false;
+        }
+        const bool named = next_name(s, out->target);
+        atomic_store(&s->state, LIVE);
+        out->unnamed = !(named && link_open_file(fd, s->temporary));
+        if (!named || (out->unnamed && errno != EEXIST)) break;
+    }
+    return !out->unnamed;
+}
+
+const char *io_output_temporary(io_output *out) {
+    if (out->slot == DIRECT) return out->target;
+    if (out->unnamed && !give_name(out, fileno(out->file))) return NULL;
+    return slots[out->slot].temporary;
 }
 
 static bool fail_write(const io_output *out, io_error *error) {
@@ -149,26 +218,56 @@ bool io_output_write(io_output *out, const void *bytes, size_t size, io_error *e
     return fail_write(out, error);
 }
 
-bool io_output_commit(io_output *out, io_error *error) {
+/* Whether what was written is on the disk; errno is set if not. */
+static bool settle(int fd) { return fsync(fd) == 0 || errno == EINVAL; }
+
+/* The file, of which fd is a second descriptor, gets its name in one step. */
+static bool take_name(io_output *out, int fd, io_error *error) {
+    struct slot *s = &slots[out->slot];
+    if (!is_no_input(out, error)) return false;
+    bool good = atomic_load(&s->state) == LIVE;
+    errno = EINTR;
+    if (good && out->unnamed) {
+        /* Nothing has the name yet, or else linking says so. */
+        if (link_open_file(fd, out->target)) return true;
+        good = errno == EEXIST && give_name(out, fd);
+    }
+    /* Stays LIVE until it has its name: a signal handler finds it under one of the two, or removes it first. */
+    good = good && rename(s->temporary, out->target) == 0;
+    if (!good && atomic_load(&s->state) == GONE) errno = EINTR;
+    return good || fail_write(out, error);
+}
+
+/* Closes the stream, and leaves a second descriptor, or -1 with errno. */
+static int close_stream(io_output *out) {
     errno = 0;
     bool good = fflush(out->file) == 0 && !ferror(out->file);
     int reason = errno;
+    int fd = good ? fcntl(fileno(out->file), F_DUPFD_CLOEXEC, 0) : -1;
+    if (good && fd < 0) {
+        good = false;
+        reason = errno;
+    }
     if (fclose(out->file) != 0 && good) {
         good = false;
         reason = errno;
     }
-    if (out->slot != DIRECT) {
-        /* Stays LIVE until it has its name: a signal handler finds it under one of the two, or removes it first. */
-        struct slot *s = &slots[out->slot];
-        if (good && rename(s->temporary, out->target) != 0) {
-            good = false;
-            reason = atomic_load(&s->state) == GONE ? EINTR : errno;
-        }
-        if (take(s, CLAIMED) && !good) unlink(s->temporary);
-    }
+    if (!good && fd >= 0) close(fd);
     /* A write that failed earlier left its mark on the stream and took its reason along. */
     errno = reason ? reason : EIO;
+    return good ? fd : -1;
+}
+
+bool io_output_commit(io_output *out, io_error *error) {
+    const int fd = close_stream(out);
+    const bool direct = out->slot == DIRECT;
+    bool good = fd >= 0 && (direct || settle(fd));
     if (!good) fail_write(out, error);
+    if (!direct) {
+        good = good && take_name(out, fd, error);
+        if (take(&slots[out->slot], CLAIMED) && !good) unlink(slots[out->slot].temporary);
+    }
+    if (fd >= 0) close(fd);
     release(out);
     return good;
 }

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Output files that appear under their name only when they are whole. The bytes go to a temporary file in the same
- * directory, which takes the name in one step; whatever fails before leaves the directory, and a file that had the name,
- * as they were. Devices and pipes (/dev/stdout) have no such step and are written to as they are. */
+/* Output files that appear under their name only when they are whole. The bytes go to a file in the same directory that has
+ * no name (O_TMPFILE), or a temporary one where the file system knows no such files; it takes the name in one step, after its
+ * bytes are on the disk. Whatever fails before leaves the directory, and a file that had the name, as they were; a file
+ * without a name is gone even after SIGKILL. Devices and pipes (/dev/stdout) have no such step and are written to as they
+ * are; "-" is standard output. No output replaces an input (inputs.h). */
 #ifndef CELLWALK_IO_OUTPUT_H
 #define CELLWALK_IO_OUTPUT_H
 
@@ -12,14 +14,14 @@
 #include <stdio.h>
 
 typedef struct io_output {
-    FILE *file;            /* open for writing, at its start; NULL while the output is not open */
-    const char *temporary; /* the same file by name, for libraries that open files themselves */
-    char *name;            /* as the caller gave it, for messages */
-    char *target;          /* what the temporary file will be called: name with symbolic links followed */
+    FILE *file;   /* open for writing, at its start; NULL while the output is not open */
+    char *name;   /* as the caller gave it, for messages */
+    char *target; /* what the file will be called: name with symbolic links followed */
+    bool unnamed; /* it has no name at all yet */
     int slot;
 } io_output;
 
-/* Creates the temporary file. Outputs may be open side by side, at most IO_OUTPUT_MAX in a process. A target that is a
+/* Creates the file. Outputs may be open side by side, at most IO_OUTPUT_MAX in a process. A target that is a
  * directory or may not be written to is refused here, before any work. On failure out needs no discard. */
 enum { IO_OUTPUT_MAX = 16 };
 bool io_output_open(io_output *out, const char *path, io_error *error);
@@ -28,6 +30,9 @@ bool io_output_open(io_output *out, const char *path, io_error *error);
 bool io_folder_make(const char *path, io_error *error);
 /* Opens the file in the folder, which is made if need be. */
 bool io_output_open_in(io_output *out, const char *folder, const char *name, io_error *error);
+/* The same file by a temporary name, which it gets here if it had none: for libraries and programs that open files
+ * themselves. Valid until the output is committed or discarded; NULL, with errno, if no name can be given. */
+const char *io_output_temporary(io_output *out);
 
 /* Claims room for a file of this size, so that a full disk is found out before the work and not after it. File systems
  * that cannot promise room do not fail here. */
@@ -39,10 +44,10 @@ bool io_output_write(io_output *out, const void *bytes, size_t size, io_error *e
 /* Flushes, closes and gives the file its name. On failure everything is discarded. out may be discarded again. */
 bool io_output_commit(io_output *out, io_error *error);
 
-/* Closes and removes the temporary file. Does nothing on an output that is not open (all zero, committed, discarded). */
+/* Closes and removes the file. Does nothing on an output that is not open (all zero, committed, discarded). */
 void io_output_discard(io_output *out);
 
-/* Removes the temporary files of all open outputs, whose commit then fails. Async-signal-safe: for a handler that is
+/* Removes the files of all open outputs, whose commit then fails. Async-signal-safe: for a handler that is
  * about to end the process. */
 void io_output_discard_all(void);
 

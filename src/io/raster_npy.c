@@ -84,6 +84,9 @@ static bool check(const io_npy *npy, io_error *error) {
     char shape[128];
     io_npy_shape_text(npy, shape, sizeof shape);
     if (npy->header.rank != 2) return io_fail(error, "%s: shape %s, but a raster is (rows, columns)", npy->path, shape);
+    /* An empty side lets the other one be of any length, whatever the file's size. */
+    if (npy->header.shape[0] == 0 || npy->header.shape[1] == 0)
+        return io_fail(error, "%s: shape %s holds no samples", npy->path, shape);
     return true;
 }
 

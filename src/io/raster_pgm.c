@@ -85,6 +85,8 @@ static bool read_open(int fd, uint64_t size, const char *path, io_raster *raster
         return io_fail(error, "%s: %s: %zu x %zu samples take %llu bytes from byte %zu on, the file has %llu", path,
                        data < bytes ? "truncated" : "too long", h.nx, h.ny, (unsigned long long)bytes, h.offset,
                        (unsigned long long)data);
+    /* An empty side lets the other one be of any length, whatever the file's size. */
+    if (bytes == 0) return io_fail(error, "%s: %zu x %zu: holds no samples", path, h.nx, h.ny);
     return io_raster_allocate(path, h.nx, h.ny, raster, error) && read_samples(fd, path, &h, raster, error);
 }
 

@@ -39,11 +39,12 @@ static int voxel_of(const struct cw_grid3d *g, float position, int axis) {
 static void set_resolution(struct cw_grid3d *g, const cw_field *f) {
     const float low[3] = {0, 0, f->low}, high[3] = {(float)(f->nx - 1), (float)(f->ny - 1), f->high};
     float longest = 0;
-    for (int a = 0; a < 3; a++) longest = fmaxf(longest, high[a] - low[a]);
+    /* The difference of two heights may be no float. */
+    for (int a = 0; a < 3; a++) longest = fmaxf(longest, fminf(high[a] - low[a], FLT_MAX));
     const double triangles = 2.0 * (double)(f->nx - 1) * (double)(f->ny - 1);
     const float per_unit = 3 * (float)cbrt(triangles) / longest;
     for (int a = 0; a < 3; a++) {
-        const float extent = high[a] - low[a];
+        const float extent = fminf(high[a] - low[a], FLT_MAX);
         const float wanted = rintf(extent * per_unit);
         g->n[a] = wanted < 1 ? 1 : wanted > VOXELS_MAX ? VOXELS_MAX : (int)wanted;
         g->low[a] = low[a];

@@ -3,38 +3,20 @@
 
 #include "pbrt_lex.h"
 
-#include <errno.h>
+#include "file.h"
+
 #include <locale.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-static bool read_all(FILE *file, pbrt_source *s) {
-    size_t capacity = 1 << 16;
-    s->text = malloc(capacity + 1);
-    while (s->text != NULL) {
-        s->size += fread(s->text + s->size, 1, capacity - s->size, file);
-        if (s->size < capacity) {
-            s->text[s->size] = '\0';
-            return !ferror(file);
-        }
-        capacity *= 2;
-        char *more = realloc(s->text, capacity + 1);
-        if (more == NULL) free(s->text);
-        s->text = more;
-    }
-    errno = ENOMEM;
-    return false;
-}
-
 bool pbrt_source_open(pbrt_source *s, const char *path, io_error *error) {
     *s = (pbrt_source){.path = strdup(path)};
-    FILE *file = s->path ? fopen(path, "rb") : NULL;
-    const bool good = file != NULL && read_all(file, s);
-    if (!good) io_fail(error, "%s: cannot read: %s", path, strerror(errno));
-    if (file != NULL) fclose(file);
-    if (!good) pbrt_source_close(s);
-    return good;
+    if (s->path == NULL) return io_fail(error, "%s: out of memory", path);
+    s->text = io_file_read(path, &s->size, error);
+    if (s->text != NULL) return true;
+    pbrt_source_close(s);
+    return false;
 }
 
 void pbrt_source_close(pbrt_source *s) {
@@ -43,10 +25,10 @@ void pbrt_source_close(pbrt_source *s) {
     *s = (pbrt_source){0};
 }
 
-size_t pbrt_line(const pbrt_source *s, size_t offset) {
-    size_t line = 1;
-    for (size_t k = 0; k < offset; k++) line += s->text[k] == '\n';
-    return line;
+size_t pbrt_line(pbrt_source *s, size_t offset) {
+    if (offset < s->counted) s->counted = s->line = 0;
+    for (; s->counted < offset; s->counted++) s->line += s->text[s->counted] == '\n';
+    return s->line + 1;
 }
 
 static bool is_digit(char c) { return c >= '0' && c <= '9'; }

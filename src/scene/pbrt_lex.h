@@ -7,12 +7,13 @@
 
 #include <stddef.h>
 
-/* A file in memory. Lines are counted only when an error names one. */
+/* A file in memory. Lines are counted only when a message names one, from the last one named on. */
 typedef struct pbrt_source {
     char *path;
     char *text; /* size bytes and a NUL */
     size_t size;
-    size_t at; /* where the next token is looked for */
+    size_t at;            /* where the next token is looked for */
+    size_t counted, line; /* line breaks before offset counted */
 } pbrt_source;
 
 typedef enum pbrt_kind { PBRT_END, PBRT_WORD, PBRT_STRING, PBRT_NUMBER, PBRT_OPEN, PBRT_CLOSE, PBRT_BAD } pbrt_kind;
@@ -28,7 +29,7 @@ typedef struct pbrt_token {
 
 bool pbrt_source_open(pbrt_source *s, const char *path, io_error *error);
 void pbrt_source_close(pbrt_source *s);
-size_t pbrt_line(const pbrt_source *s, size_t offset);
+size_t pbrt_line(pbrt_source *s, size_t offset);
 
 pbrt_token pbrt_next(pbrt_source *s);
 

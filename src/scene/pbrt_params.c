@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-bool pbrt_fail(const pbrt_source *s, size_t offset, const char *directive, io_error *error, const char *format, ...) {
+bool pbrt_fail(pbrt_source *s, size_t offset, const char *directive, io_error *error, const char *format, ...) {
     char text[256];
     va_list arguments;
     va_start(arguments, format);
@@ -41,7 +41,7 @@ static bool append(pbrt_param *param, size_t *capacity, float value) {
 /* Takes one value into the parameter; all of a list must be of one kind. */
 static bool take_value(pbrt_params *params, pbrt_param *param, const pbrt_token *token, size_t *capacity,
                        io_error *error) {
-    const pbrt_source *s = params->source;
+    pbrt_source *s = params->source;
     if (token->kind == PBRT_STRING && param->floats == NULL) {
         if (param->count++ > 0) return true;
         param->text = strndup(token->start, token->length);

@@ -18,14 +18,14 @@ typedef struct pbrt_param {
 enum { PBRT_PARAMS_MAX = 32 };
 
 typedef struct pbrt_params {
-    const pbrt_source *source;
+    pbrt_source *source;
     const char *directive; /* for messages: Shape "cylinder" */
     pbrt_param list[PBRT_PARAMS_MAX];
     int count;
 } pbrt_params;
 
 /* "file:line: directive: …"; returns false. */
-__attribute__((format(printf, 5, 6))) bool pbrt_fail(const pbrt_source *s, size_t offset, const char *directive,
+__attribute__((format(printf, 5, 6))) bool pbrt_fail(pbrt_source *s, size_t offset, const char *directive,
                                                      io_error *error, const char *format, ...);
 
 /* Reads until something else than a parameter follows. On failure, too, pbrt_params_free is due. */

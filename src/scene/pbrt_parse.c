@@ -16,10 +16,13 @@ static bool fail_at(const pbrt_site *site, io_error *error, const char *text) {
     return pbrt_fail(site->source, site->offset, site->name, error, "%s", text);
 }
 
-static void warn_at(const pbrt_state *p, const pbrt_source *s, size_t offset, const char *name, const char *text) {
-    if (p->warn == NULL) return;
+static void warn_at(pbrt_state *p, pbrt_source *s, size_t offset, const char *name, const char *text) {
+    if (p->warn == NULL || p->warnings > PBRT_WARNINGS_MAX) return;
     io_error message;
-    pbrt_fail(s, offset, name, &message, "%s", text);
+    if (p->warnings++ < PBRT_WARNINGS_MAX)
+        pbrt_fail(s, offset, name, &message, "%s", text);
+    else
+        io_fail(&message, "there is more to warn of, which is not told");
     p->warn(p->warn_context, message.text);
 }
 
@@ -150,6 +153,9 @@ static bool film(pbrt_state *p, const pbrt_site *site, io_error *error) {
                 pbrt_param_integer(&params, "xresolution", 1, SIDE_MAX, &width, error) &&
                 pbrt_param_integer(&params, "yresolution", 1, SIDE_MAX, &height, error) &&
                 pbrt_param_string(&params, "string", "filename", &filename, error);
+    if (good && width > IO_IMAGE_PIXELS_MAX / height)
+        good = pbrt_fail(site->source, site->offset, site->name, error, "%ld x %ld pixels are more than %d", width,
+                         height, IO_IMAGE_PIXELS_MAX);
     const pbrt_param *display = good ? pbrt_param_find(&params, "bool", "display") : NULL;
     if (display != NULL) warn_at(p, site->source, display->offset, site->name, "\"bool display\" is skipped");
     good = good && pbrt_params_all_used(&params, error);
@@ -249,6 +255,12 @@ static bool include(pbrt_state *p, const pbrt_site *site, io_error *error) {
         if (p->open[k].device == status.st_dev && p->open[k].inode == status.st_ino)
             good = pbrt_fail(site->source, site->offset, site->name, error, "%s includes itself", path);
     if (good && p->open_count == PBRT_INCLUDE_MAX) good = fail_at(site, error, "too many levels");
+    if (good && p->files == PBRT_FILES_MAX)
+        good =
+            pbrt_fail(site->source, site->offset, site->name, error, "more than %d files are included", PBRT_FILES_MAX);
+    if (good && p->bytes + (uint64_t)status.st_size > pbrt_bytes_max)
+        good = pbrt_fail(site->source, site->offset, site->name, error, "more than %llu bytes are included",
+                         (unsigned long long)pbrt_bytes_max);
     good = good && parse_file(p, path, error);
     free(path);
     return good;
@@ -309,6 +321,8 @@ static bool parse_file(pbrt_state *p, const char *path, io_error *error) {
     p->open[p->open_count].device = status.st_dev;
     p->open[p->open_count].inode = status.st_ino;
     p->open_count++;
+    p->files++;
+    p->bytes += s.size;
     bool good = true;
     for (pbrt_token token = pbrt_next(&s); good && token.kind != PBRT_END; token = pbrt_next(&s))
         good = run_directive(p, &s, &token, error);
@@ -343,6 +357,7 @@ bool pbrt_parse(const char *path, bool fields_only, scene *s, scene_warn_fn *war
         free(p->textures[k].place);
     }
     free(p->textures);
+    free(p->images);
     free(p->directory);
     free(p);
     return good;

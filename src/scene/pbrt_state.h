@@ -15,7 +15,16 @@ typedef struct pbrt_texture {
     texture *image;
 } pbrt_texture;
 
-enum { PBRT_DEPTH_MAX = 64, PBRT_INCLUDE_MAX = 16 };
+/* Of levels, and of what a scene reads in all: a file that includes two others, which include two others… would never end. */
+enum { PBRT_DEPTH_MAX = 64, PBRT_INCLUDE_MAX = 16, PBRT_FILES_MAX = 4096, PBRT_WARNINGS_MAX = 100 };
+static const uint64_t pbrt_bytes_max = (uint64_t)1 << 34;
+
+/* A file's image, however many Texture directives name it. */
+typedef struct pbrt_image {
+    dev_t device;
+    ino_t inode;
+    texture *image; /* the scene's */
+} pbrt_image;
 
 /* What AttributeBegin saves. */
 typedef struct pbrt_attributes {
@@ -30,6 +39,7 @@ typedef struct pbrt_state {
     bool fields_only;
     scene_warn_fn *warn;
     void *warn_context;
+    unsigned warnings;
 
     char *directory; /* of the first file, with its last slash: all names are relative to it */
     struct {
@@ -37,11 +47,15 @@ typedef struct pbrt_state {
         ino_t inode;
     } open[PBRT_INCLUDE_MAX];
     int open_count;
+    unsigned files; /* read so far, and their size */
+    uint64_t bytes;
 
     pbrt_attributes attributes, saved[PBRT_DEPTH_MAX];
     int depth;
     pbrt_texture *textures;
     int texture_capacity;
+    pbrt_image *images;
+    size_t image_count, image_pixels;
     bool camera, world, ended;
 } pbrt_state;
 

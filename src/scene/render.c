@@ -6,8 +6,10 @@
 #include "clock.h"
 #include "cpus.h"
 
+#include <math.h>
 #include <pthread.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { THREADS_MAX = 1024 };
 
@@ -33,16 +35,23 @@ typedef struct worker {
 typedef struct library {
     const scene *scene;
     cw_query query;
+    atomic_int status; /* of a query that failed, though prepare had found nothing wrong with it */
 } library;
 
 static void library_closest(void *context, size_t field, const cw_ray *rays, size_t n, cw_hit *hits) {
-    const library *l = context;
-    cw_closest(l->scene->heightfields[field].field, &l->query, rays, n, hits);
+    library *l = context;
+    const cw_status status = cw_closest(l->scene->heightfields[field].field, &l->query, rays, n, hits);
+    if (status == CW_OK) return;
+    atomic_store(&l->status, (int)status);
+    for (size_t k = 0; k < n; k++) hits[k] = (cw_hit){.t = INFINITY, .i = -1, .j = -1};
 }
 
 static void library_any(void *context, size_t field, const cw_ray *rays, size_t n, uint8_t *occluded) {
-    const library *l = context;
-    cw_any(l->scene->heightfields[field].field, &l->query, rays, n, occluded);
+    library *l = context;
+    const cw_status status = cw_any(l->scene->heightfields[field].field, &l->query, rays, n, occluded);
+    if (status == CW_OK) return;
+    atomic_store(&l->status, (int)status);
+    memset(occluded, 0, n);
 }
 
 /* Builds what the query's kernel needs and asks it about no rays: what it refuses, it refuses here. */
@@ -126,7 +135,7 @@ bool scene_render(const scene *s, const scene_render_options *options, io_image 
     *image = (io_image){.width = s->width, .height = s->height};
 
     double start = clock_seconds();
-    library own = {s, options->query};
+    library own = {.scene = s, .query = options->query};
     own.query.pool = NULL;
     const scene_tracer standard = {&own, library_closest, library_any};
     if (options->tracer == NULL && !prepare(&own, error)) return false;
@@ -147,6 +156,8 @@ bool scene_render(const scene *s, const scene_render_options *options, io_image 
         good = render_with(&r, options->tracer ? options->tracer : &standard, threads, stats, error);
         pthread_mutex_destroy(&r.lock);
     }
+    const cw_status status = (cw_status)atomic_load(&own.status);
+    if (good && status != CW_OK) good = io_fail(error, "%s", cw_status_message(status));
     stats->seconds = clock_seconds() - start;
     if (!good) io_image_free(image);
     return good;

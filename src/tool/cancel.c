@@ -3,9 +3,12 @@
 
 #include "output.h"
 
+#include <errno.h>
 #include <signal.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 static atomic_bool cancelled;
@@ -20,9 +23,26 @@ static void die(int number) {
     raise(number);
 }
 
+/* How long the program may take to stop by itself: with what follows it has ended within 0.2 s. */
+static const struct itimerspec patience = {.it_value = {.tv_nsec = 150000000}};
+static timer_t timer;
+static bool timer_runs;
+
 static void on_signal(int number) {
+    const int error = errno;
     atomic_store(&caught, number);
-    if (atomic_exchange(&cancelled, true)) die(number);
+    /* Without a timer there is no waiting. */
+    if (atomic_exchange(&cancelled, true) || !timer_runs || timer_settime(timer, 0, &patience, NULL) != 0) die(number);
+    errno = error;
+}
+
+static void on_timer(int number) {
+    static const char text[] = "cellwalk: interrupted\n";
+    (void)number;
+    io_output_discard_all();
+    const ssize_t told = write(STDERR_FILENO, text, sizeof text - 1);
+    (void)told; /* there is nobody else to tell */
+    die(atomic_load(&caught));
 }
 
 static void on_bus_error(int number) {
@@ -37,8 +57,11 @@ void cancel_install(void) {
     struct sigaction action;
     memset(&action, 0, sizeof action);
     sigemptyset(&action.sa_mask);
-    action.sa_handler = on_signal;
     action.sa_flags = SA_RESTART | SA_NODEFER; /* a raise in the handler takes effect at once */
+    action.sa_handler = on_timer;
+    struct sigevent event = {.sigev_notify = SIGEV_SIGNAL, .sigev_signo = SIGRTMIN};
+    timer_runs = sigaction(SIGRTMIN, &action, NULL) == 0 && timer_create(CLOCK_MONOTONIC, &event, &timer) == 0;
+    action.sa_handler = on_signal;
     const int asked[] = {SIGINT, SIGTERM, SIGHUP};
     for (size_t k = 0; k < sizeof asked / sizeof asked[0]; k++) {
         struct sigaction old;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Ctrl-C: the first asks the program to stop and clean up, the second ends it at once. Either way no temporary file is
- * left. */
+/* Ctrl-C: the first asks the program to stop and clean up, and ends it where that takes longer than a moment: reading,
+ * building and slow kernels do not look whether they are asked. The second ends it at once. No output is left either way. */
 #ifndef CELLWALK_TOOL_CANCEL_H
 #define CELLWALK_TOOL_CANCEL_H
 

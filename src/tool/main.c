@@ -3,6 +3,7 @@
 
 #include "cancel.h"
 #include "commands.h"
+#include "inputs.h"
 
 #include <stdlib.h>
 
@@ -14,6 +15,7 @@ int main(int argc, char **argv) {
                                      .commands = commands,
                                      .command_count = sizeof commands / sizeof commands[0]};
     cancel_install();
+    io_inputs_protect();
     const int status = program_main(&cellwalk, argc, argv);
     if (status != EXIT_SUCCESS) cancel_finish();
     return status;

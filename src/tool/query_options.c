@@ -74,7 +74,7 @@ static bool apply_isa(const query_options *q, const char *name) {
 
 static bool find_kernel(const char *name, const char *word, const cw_kernel **kernel) {
     *kernel = cw_kernel_find(word);
-    if (*kernel == NULL) {
+    if (!cw_kernel_exists(*kernel)) {
         const char *names[NAMES_MAX];
         size_t count = 0;
         for (; count < NAMES_MAX && count < cw_kernel_count(); count++)
@@ -124,6 +124,8 @@ static bool goes_together(const char *name, const cw_query *query) {
     if (status == CW_OK) status = cw_closest(field, query, NULL, 0, NULL);
     cw_field_destroy(field);
     if (status == CW_OK) return true;
+    if (status == CW_ERROR_MEMORY)
+        return true; /* no mistake on the command line: opening the field will fail and say so */
     command_fail(name, "kernel %s with leaf test %s: %s", kernel ? cw_kernel_describe(kernel).name : "(none)",
                  cw_leaf_name(query->leaf), cw_status_message(status));
     return false;

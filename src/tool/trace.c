@@ -9,6 +9,7 @@
 #include "commands.h"
 #include "field_file.h"
 #include "hits_file.h"
+#include "inputs.h"
 #include "json.h"
 #include "npy.h"
 #include "progress.h"
@@ -110,6 +111,7 @@ static bool open_rays(trace *t, io_error *error) {
 static bool prepare(trace *t, io_error *error) {
     const request *r = t->request;
     if (!open_rays(t, error)) return false;
+    if (!io_inputs_note_path(r->field)) return io_fail(error, "out of memory");
     if (r->hits && !hits_file_create(&t->writer, r->hits, t->ray_count, error)) return false;
     if (!field_file_open(&t->field, r->field, &t->query, error)) return false;
     t->query.kernel = t->field.kernel;
@@ -203,7 +205,7 @@ static int run(int argc, char **argv) {
         {.name = "output",
          .letter = 'o',
          .value = "HITS.npy",
-         .help = "where the hits go",
+         .help = "where the hits go; - is standard output",
          .kind = OPTION_TEXT,
          .to = &r.hits},
         {.name = "any",
@@ -253,6 +255,10 @@ static int run(int argc, char **argv) {
     const bool timing = r.repeat > 0 || r.json;
     if (r.hits == NULL && !timing) {
         command_fail(usage.name, "nothing to do: give -o HITS.npy for the hits, or --repeat or --json for the time");
+        return EXIT_USAGE;
+    }
+    if (r.hits && strcmp(r.hits, "-") == 0 && timing) {
+        command_fail(usage.name, "-o - takes standard output, where --repeat and --json print the time");
         return EXIT_USAGE;
     }
     if (r.repeat == 0) r.repeat = 1;

@@ -49,7 +49,7 @@ static void cell_walks_take_a_step_a_cell(void **state) {
     static const char *const kernels[] = {"cell", "packet1", "packet4", "packet8", "packet16"};
     for (size_t k = 0; k < sizeof kernels / sizeof kernels[0]; k++) {
         const cw_kernel *kernel = cw_kernel_find(kernels[k]);
-        if (kernel == NULL || !cw_kernel_describe(kernel).available) continue;
+        if (!cw_kernel_describe(kernel).available) continue;
         const size_t width = cw_kernel_describe(kernel).width;
         cw_ray across[LANES_MAX], down[LANES_MAX];
         for (size_t n = 0; n < LANES_MAX; n++) {

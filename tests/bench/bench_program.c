@@ -232,6 +232,11 @@ static void comparisons_need_more_than_the_machine(void **state) {
     write_run("after", 0.8, 0.8);
     check(compare_files("before", "after", 0.02, &counts, &error), "%s", error.text);
     check(counts.undecided == 1, "a faster machine counts as a faster kernel");
+
+    write_text("other", "{\"kind\":\"run\",\"command\":\"micro\"}\n");
+    check(!compare_files("before", "other", 0.02, &counts, &error), "nothing is compared, and all is well");
+    check(strcmp(error.text, "before and other have no result in common") == 0, "%s", error.text);
+    check(run(&command_compare, "other before") == 1, "compare of nothing succeeds");
 }
 
 static void results_are_checked(void **state) {

@@ -54,7 +54,7 @@ static void test_bad_fields(void **state) {
     d = good, d.samples = NULL;
     check_status(try_create(d), CW_ERROR_ARGUMENT);
     d = good, d.storage = (cw_storage)2;
-    check_status(try_create(d), CW_ERROR_ARGUMENT);
+    check_status(try_create(d), CW_ERROR_OPTION);
 
     const size_t sides[] = {0, 1, (size_t)CW_SIDE_MAX + 1, SIZE_MAX / 2 + 1, SIZE_MAX};
     for (size_t k = 0; k < sizeof sides / sizeof sides[0]; k++) {
@@ -123,6 +123,40 @@ static void test_heights_that_are_too_large(void **state) {
     }
 }
 
+/* A description that names samples and sides alone is one in field space. */
+static void test_descriptions_filled_in_by_hand(void **state) {
+    (void)state;
+    static const float z[4] = {0, 1, 2, 3};
+    const cw_field_desc d = {.samples = z, .nx = 2, .ny = 2};
+    cw_field *f;
+    check_status(cw_field_create(&d, &f), CW_OK);
+    const cw_hit hit = {.t = 1, .u = 0.5f, .triangle = CW_TRIANGLE_B};
+    double point[3];
+    cw_hit_point(f, &hit, point);
+    check(point[0] == 0.5 && point[1] == 0.5 && point[2] == 1.5, "at (%g, %g, %g)", point[0], point[1], point[2]);
+    cw_field_destroy(f);
+    cw_field_desc moved = d;
+    moved.map[0][3] = 1; /* a translation alone is no map */
+    check_status(try_create(moved), CW_ERROR_MAP);
+}
+
+static void test_pool_sizes(void **state) {
+    (void)state;
+    static const unsigned sizes[] = {CW_THREADS_MAX + 1, 4000000000, UINT32_MAX};
+    cw_pool *pool;
+    for (size_t k = 0; k < sizeof sizes / sizeof sizes[0]; k++) {
+        pool = (cw_pool *)&pool;
+        check_status(cw_pool_create(sizes[k], &pool), CW_ERROR_POOL_SIZE);
+        assert_null(pool);
+    }
+    check_status(cw_pool_create(2, NULL), CW_ERROR_ARGUMENT);
+    check_status(cw_pool_create(0, &pool), CW_OK);
+    check(cw_pool_threads(pool) >= 1 && cw_pool_threads(pool) <= CW_THREADS_MAX, "%u threads", cw_pool_threads(pool));
+    cw_pool_destroy(pool);
+    cw_pool_destroy(NULL);
+    assert_int_equal(cw_pool_threads(NULL), 1);
+}
+
 static void test_holes_in_borrowed_samples(void **state) {
     (void)state;
     float z[4] = {0, NAN, 1, 2};
@@ -163,14 +197,25 @@ static void test_bad_queries(void **state) {
 
     cw_query q = cw_query_default();
     q.leaf = (cw_leaf)CW_LEAF_COUNT;
-    check_status(cw_closest(field, &q, rays, 2, hits), CW_ERROR_ARGUMENT);
+    check_status(cw_closest(field, &q, rays, 2, hits), CW_ERROR_OPTION);
     q.leaf = (cw_leaf)-1;
-    check_status(cw_any(field, &q, rays, 2, occluded), CW_ERROR_ARGUMENT);
+    check_status(cw_any(field, &q, rays, 2, occluded), CW_ERROR_OPTION);
     q.leaf = CW_LEAF_WATERTIGHT;
     q.coherence = (cw_coherence)(CW_COHERENCE_HIGH + 1);
-    check_status(cw_closest(field, &q, rays, 2, hits), CW_ERROR_ARGUMENT);
-    check_status(cw_any(field, &q, rays, 2, occluded), CW_ERROR_ARGUMENT);
+    check_status(cw_closest(field, &q, rays, 2, hits), CW_ERROR_OPTION);
+    check_status(cw_any(field, &q, rays, 2, occluded), CW_ERROR_OPTION);
     q.coherence = CW_COHERENCE_AUTO;
+    q.tolerance = -1;
+    check_status(cw_closest(field, &q, rays, 2, hits), CW_ERROR_OPTION);
+    q.tolerance = NAN;
+    check_status(cw_any(field, &q, rays, 2, occluded), CW_ERROR_OPTION);
+    q.tolerance = 0;
+    q.kernel = cw_kernel_find("packet99");
+    check_status(cw_closest(field, &q, rays, 2, hits), CW_ERROR_KERNEL);
+    check_status(cw_any(field, &q, rays, 2, occluded), CW_ERROR_KERNEL);
+    check_status(cw_closest(field, &q, NULL, 0, NULL), CW_ERROR_KERNEL);
+    check_status(cw_field_build(field, q.kernel), CW_ERROR_KERNEL);
+    assert_ptr_equal(cw_query_kernel(field, &q), q.kernel);
     q.kernel = cw_kernel_find("brute");
     check_status(cw_closest(field, &q, rays, 2, hits), CW_ERROR_UNSUPPORTED);
     check_status(cw_any(field, &q, rays, 2, occluded), CW_ERROR_UNSUPPORTED);
@@ -248,7 +293,7 @@ static void test_unavailable_kernels(void **state) {
 
 static void test_names(void **state) {
     (void)state;
-    for (int s = CW_OK; s <= CW_ERROR_THREAD; s++) {
+    for (int s = CW_OK; s <= CW_ERROR_CANCELLED; s++) {
         const char *text = cw_status_message((cw_status)s);
         assert_non_null(text);
         check(strlen(text) > 5 && text[strlen(text) - 1] != '.', "status %d: \"%s\"", s, text);
@@ -262,12 +307,18 @@ static void test_names(void **state) {
     assert_string_equal(cw_leaf_name(CW_LEAF_WATERTIGHT), "watertight");
     assert_null(cw_kernel_at(cw_kernel_count()));
     assert_null(cw_kernel_at(SIZE_MAX));
-    assert_null(cw_kernel_find(NULL));
-    assert_null(cw_kernel_find(""));
-    assert_null(cw_kernel_find("packet"));
+    static const char *const unknown[] = {NULL, "", "packet", "packet99", "none"};
+    for (size_t k = 0; k < sizeof unknown / sizeof unknown[0]; k++) {
+        const cw_kernel *none = cw_kernel_find(unknown[k]);
+        check(none != NULL && !cw_kernel_exists(none), "'%s' is a kernel, or NULL", unknown[k]);
+        check(!cw_kernel_describe(none).available, "'%s' is available", unknown[k]);
+    }
+    assert_false(cw_kernel_exists(NULL));
+    assert_string_equal(cw_kernel_describe(NULL).name, "none");
     for (size_t k = 0; k < cw_kernel_count(); k++) {
         const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
         assert_ptr_equal(cw_kernel_find(info.name), cw_kernel_at(k));
+        assert_true(cw_kernel_exists(cw_kernel_at(k)));
         check(info.width >= 1 && info.what != NULL && strlen(info.what) > 5, "%s: width or description", info.name);
         check(info.default_leaf != CW_LEAF_DEFAULT, "%s: no default leaf test", info.name);
     }
@@ -416,6 +467,26 @@ static vec3 vertex_normal(size_t vi, size_t vj) {
     return sum;
 }
 
+/* A miss, and hits that this field cannot have. */
+static void test_what_follows_from_no_hit(void **state) {
+    (void)state;
+    const cw_hit none[] = {{.t = INFINITY, .i = -1, .j = -1}, {.i = 16},        {.j = 16},
+                           {.i = INT32_MAX, .j = INT32_MAX},  {.i = INT32_MIN}, {.triangle = 2},
+                           {.triangle = UINT32_MAX}};
+    for (size_t k = 0; k < sizeof none / sizeof none[0]; k++) {
+        double v[4][3] = {{0}}, w[2][2][3] = {{{0}}};
+        float uv[2] = {0, 0};
+        cw_hit_point(field, &none[k], v[0]);
+        cw_hit_normal(field, &none[k], v[1]);
+        cw_hit_phong_normal(field, &none[k], v[2]);
+        cw_hit_phong_change(field, &none[k], v[3], w[0]);
+        cw_hit_uv(field, &none[k], uv);
+        for (int c = 0; c < 12; c++) check(isnan(v[c / 3][c % 3]), "case %zu: %g", k, v[c / 3][c % 3]);
+        for (int c = 0; c < 6; c++) check(isnan(w[0][c / 3][c % 3]), "case %zu: %g", k, w[0][c / 3][c % 3]);
+        check(isnan(uv[0]) && isnan(uv[1]), "case %zu: uv", k);
+    }
+}
+
 static void test_what_follows_from_a_hit(void **state) {
     (void)state;
     cw_field_desc d = cw_field_desc_default();
@@ -549,6 +620,9 @@ int main(void) {
         cmocka_unit_test(test_bad_fields),
         cmocka_unit_test(test_bad_maps),
         cmocka_unit_test(test_heights_that_are_too_large),
+        cmocka_unit_test(test_descriptions_filled_in_by_hand),
+        cmocka_unit_test(test_pool_sizes),
+        cmocka_unit_test(test_what_follows_from_no_hit),
         cmocka_unit_test(test_holes_in_borrowed_samples),
         cmocka_unit_test(test_bad_queries),
         cmocka_unit_test(test_tiny_fields_build_nothing),

@@ -350,8 +350,8 @@ static void test_arguments(void **state) {
     check_status(cw_field_create(&desc, &field), CW_OK);
     for (size_t k = 0; k < 4; k++) {
         const cw_query height = {.tolerance = bad[k]}, cone = {.cone = bad[k]};
-        check_status(cw_closest(field, &height, NULL, 0, NULL), CW_ERROR_ARGUMENT);
-        check_status(cw_any(field, &cone, NULL, 0, NULL), CW_ERROR_ARGUMENT);
+        check_status(cw_closest(field, &height, NULL, 0, NULL), CW_ERROR_OPTION);
+        check_status(cw_any(field, &cone, NULL, 0, NULL), CW_ERROR_OPTION);
     }
     const cw_query good = {.tolerance = 1, .cone = -0.0f};
     check_status(cw_closest(field, &good, NULL, 0, NULL), CW_OK);

@@ -103,6 +103,30 @@ static void windows_show_their_rows(void **state) {
     }
 }
 
+/* What another program adds meanwhile, or puts in the file's place, is not read. */
+static void growth_and_replacement_change_nothing(void **state) {
+    (void)state;
+    make("a.npy", 1, "{'descr': '|u1', 'fortran_order': False, 'shape': (200,), }", 200);
+    io_npy npy;
+    io_error error = {""};
+    check(io_npy_open(&npy, "a.npy", &error), "%s", error.text);
+    FILE *file = fopen("a.npy", "ab");
+    assert_non_null(file);
+    for (int k = 0; k < 10000; k++) fputc(0xff, file);
+    fclose(file);
+    for (int replaced = 0; replaced < 2; replaced++) {
+        for (unsigned row = 0; row < 200; row += 50) {
+            const unsigned char *rows = io_npy_rows(&npy, row, 50, &error);
+            check(rows != NULL, "%s", error.text);
+            for (unsigned k = 0; k < 50; k++) check(rows[k] == row + k, "row %u is %u", row + k, rows[k]);
+        }
+        scratch_write("other", "x", 1);
+        assert_int_equal(rename("other", "a.npy"), 0);
+    }
+    io_npy_close(&npy);
+    check_refused("a.npy", "not a .npy file");
+}
+
 static void every_truncation_is_seen(void **state) {
     (void)state;
     for (unsigned version = 1; version <= 3; version++) {
@@ -204,6 +228,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(written_is_read, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(incomplete_is_not_committed, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(windows_show_their_rows, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(growth_and_replacement_change_nothing, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(every_truncation_is_seen, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(headers_are_read_strictly, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(long_headers_are_not_loaded, scratch_enter, scratch_leave),

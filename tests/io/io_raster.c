@@ -8,6 +8,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { NX = 4, NY = 3, N = NX * NY };
 
@@ -234,6 +235,28 @@ static void bad_arrays_are_refused(void **state) {
     check_refused("npy", "known are .npy");
 }
 
+/* Sides whose product is 0 agree with a file without data, however long the other one is. */
+static void rasters_of_nothing_are_refused(void **state) {
+    (void)state;
+    static const char *const types[] = {"<f8", "<i2", "<f4"};
+    static const char *const shapes[] = {"(9223372036854775807, 0)", "(0, 1000000000)", "(0, 0)"};
+    alarm(10); /* a loop over all rows is the end of the test */
+    for (size_t k = 0; k < 9; k++) {
+        char bytes[256] = "\x93NUMPY\x01";
+        const int length = snprintf(bytes + 10, 200, "{'descr': '%s', 'fortran_order': False, 'shape': %s, }",
+                                    types[k / 3], shapes[k % 3]);
+        bytes[8] = (char)length;
+        scratch_write("bad.npy", bytes, 10 + (size_t)length);
+        check_refused("bad.npy", "holds no samples");
+    }
+    static const char *const images[] = {"P5 0 2147483648 255\n", "P5 2147483648 0 255\n", "P5 0 0 65535\n"};
+    for (size_t k = 0; k < 3; k++) {
+        scratch_write("bad.pgm", images[k], strlen(images[k]));
+        check_refused("bad.pgm", "holds no samples");
+    }
+    alarm(0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(arrays_of_every_type, scratch_enter, scratch_leave),
@@ -242,6 +265,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(bad_grids_are_refused, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(bad_images_are_refused, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(bad_arrays_are_refused, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(rasters_of_nothing_are_refused, scratch_enter, scratch_leave),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

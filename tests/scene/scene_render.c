@@ -326,6 +326,27 @@ static void impossible_queries_are_refused(void **state) {
     scene_free(s);
 }
 
+static void lower_the_limit(void *context, double share) {
+    (void)context, (void)share;
+    cw_isa_limit(CW_ISA_SCALAR);
+}
+
+/* A kernel that is there when the rendering begins, and not until its end. */
+static void kernels_that_vanish_are_an_error(void **state) {
+    (void)state;
+    const cw_kernel *kernel = cw_kernel_find("packet4");
+    if (!cw_kernel_describe(kernel).available) skip();
+    scene *s = rough_scene();
+    const scene_render_options options = {.query = {.kernel = kernel}, .threads = 1, .progress = lower_the_limit};
+    io_image image;
+    io_error error = {""};
+    const bool rendered = scene_render(s, &options, &image, NULL, &error);
+    cw_isa_limit(CW_ISA_AVX512);
+    check(!rendered && strstr(error.text, "rules the kernel out") != NULL, "message: %s", error.text);
+    check(image.rgb == NULL, "pixels are left");
+    scene_free(s);
+}
+
 /* Any number of samples makes the same picture up to noise. */
 static void samples_converge(void **state) {
     (void)state;
@@ -438,6 +459,7 @@ int main(void) {
         cmocka_unit_test(images_lie_on_shapes_as_they_should),
         cmocka_unit_test(kernels_and_threads_change_no_pixel),
         cmocka_unit_test(impossible_queries_are_refused),
+        cmocka_unit_test(kernels_that_vanish_are_an_error),
         cmocka_unit_test(samples_converge),
         cmocka_unit_test(cancelling_leaves_no_picture),
         cmocka_unit_test(a_tracer_is_asked_instead_of_the_library),

@@ -3,6 +3,8 @@
 
 #include "check.h"
 
+#include <dirent.h>
+#include <limits.h>
 #include <linux/securebits.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,6 +12,7 @@
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 enum { NO_SETTING = 255 };
@@ -26,6 +29,10 @@ static void apply(const program_setting *s) {
     limit(RLIMIT_FSIZE, s->file_size_limit);
     limit(RLIMIT_AS, s->address_space_limit);
     if (s->isa) setenv("CELLWALK_ISA", s->isa, 1);
+    if (s->fault) setenv("CELLWALK_FAULT", s->fault, 1);
+    if (s->fault_counts) setenv("CELLWALK_FAULT_COUNTS", s->fault_counts, 1);
+    if (s->preload) setenv("LD_PRELOAD", s->preload, 1);
+    alarm(s->seconds_limit); /* which the program inherits */
     if (s->powerless && geteuid() == 0 && prctl(PR_SET_SECUREBITS, SECBIT_NOROOT, 0, 0, 0) != 0) _exit(NO_SETTING);
 }
 
@@ -68,4 +75,31 @@ const program_result *program_wait(pid_t process) {
 
 const program_result *program_run(const program_setting *setting, program_arguments arguments) {
     return program_wait(program_start(setting, arguments));
+}
+
+/* Whether a descriptor leads to a file of the working directory that has no name or a temporary one. */
+static bool has_output(pid_t process) {
+    char folder[64], here[PATH_MAX], target[PATH_MAX];
+    snprintf(folder, sizeof folder, "/proc/%ld/fd", (long)process);
+    assert_non_null(getcwd(here, sizeof here));
+    DIR *descriptors = opendir(folder);
+    bool found = false;
+    for (const struct dirent *e; descriptors && (e = readdir(descriptors)) != NULL;) {
+        const ssize_t length = readlinkat(dirfd(descriptors), e->d_name, target, sizeof target - 1);
+        if (length < 0) continue;
+        target[length] = '\0';
+        if (strncmp(target, here, strlen(here)) != 0) continue;
+        found = found || strstr(target, "/#") != NULL || strstr(target, ".tmp") != NULL;
+    }
+    if (descriptors) closedir(descriptors);
+    return found;
+}
+
+void program_wait_for_output(pid_t process) {
+    const struct timespec pause = {.tv_nsec = 1000000};
+    for (int k = 0; k < 10000; k++) {
+        if (has_output(process)) return;
+        nanosleep(&pause, NULL);
+    }
+    check(false, "no output was opened");
 }

@@ -81,7 +81,7 @@ function(cellwalk_add_program name program)
     add_executable(${target} ${row_SOURCES})
     target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/${folder})
     target_link_libraries(${target} PRIVATE ${ARGN} cellwalk_test_support cellwalk_flags)
-    if(CELLWALK_SANITIZE OR CMAKE_BUILD_TYPE STREQUAL "Debug" OR CMAKE_CROSSCOMPILING)
+    if(CELLWALK_SANITIZE OR CELLWALK_SANITIZE_THREADS OR CMAKE_BUILD_TYPE STREQUAL "Debug" OR CMAKE_CROSSCOMPILING)
         # Slow: tests with random parts run a tenth of their rays.
         target_compile_definitions(${target} PRIVATE TEST_SCALE_DOWN=10)
     endif()

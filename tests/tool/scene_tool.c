@@ -3,6 +3,7 @@
 
 #include "check.h"
 #include "image.h"
+#include "program.h"
 #include "scratch.h"
 
 #include <fcntl.h>
@@ -143,11 +144,9 @@ static void ctrl_c_leaves_nothing(void **state) {
     written("stdout", "");
     written("stderr", "");
     const size_t before = scratch_entries();
-    /* Minutes of work, unless it is stopped as soon as its temporary file has appeared. */
+    /* Minutes of work, unless it is stopped as soon as its output is open. */
     const pid_t child = start((const char *const[]){scene_file, "-o", "c.pfm", "--samples", "65536", NULL});
-    const struct timespec pause = {.tv_nsec = 10000000};
-    for (int k = 0; k < 3000 && scratch_entries() == before; k++) nanosleep(&pause, NULL);
-    check(scratch_entries() == before + 1, "no temporary file appeared");
+    program_wait_for_output(child);
     kill(child, SIGINT);
     const int status = finish(child);
     check((WIFSIGNALED(status) && WTERMSIG(status) == SIGINT) || (WIFEXITED(status) && WEXITSTATUS(status) == 130),

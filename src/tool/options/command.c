@@ -2,6 +2,7 @@
 #include "command.h"
 
 #include "cellwalk.h"
+#include "printable.h"
 #include "words.h"
 
 #include <errno.h>
@@ -14,12 +15,13 @@ static const char *running; /* the program's name */
 static const char *program_name(void) { return running ? running : program_invocation_short_name; }
 
 int command_fail(const char *name, const char *format, ...) {
+    char text[4096];
     va_list arguments;
     va_start(arguments, format);
-    fprintf(stderr, "%s%s%s: ", program_name(), *name ? " " : "", name);
-    vfprintf(stderr, format, arguments);
-    fputc('\n', stderr);
+    vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
+    make_printable(text);
+    fprintf(stderr, "%s%s%s: %s\n", program_name(), *name ? " " : "", name, text);
     return EXIT_FAILURE;
 }
 
@@ -40,7 +42,10 @@ static int unknown(const program *p, const char *word) {
     size_t count = 0;
     for (; count < p->command_count && count < NAMES_MAX; count++) names[count] = p->commands[count]->name;
     const char *meant = words_closest(word, names, count);
-    fprintf(stderr, "%s: unknown %s '%s'", p->name, word[0] == '-' ? "option" : "command", word);
+    char text[256];
+    snprintf(text, sizeof text, "%s", word);
+    make_printable(text);
+    fprintf(stderr, "%s: unknown %s '%s'", p->name, word[0] == '-' ? "option" : "command", text);
     if (meant) fprintf(stderr, "; did you mean %s?", meant);
     fprintf(stderr, "\nTry '%s --help'.\n", p->name);
     return EXIT_USAGE;

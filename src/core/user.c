@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Queries in user space: rays are moved to field space in blocks that lie on the stack and in the first cache. */
+
+#include "field.h"
+#include "watch.h"
+
+#include <stdatomic.h>
+
+/* As many as keep the kernels' batches full. */
+enum { BLOCK = 512, GRAIN = 8 * BLOCK };
+
+typedef struct job {
+    const cw_field *field;
+    const cw_user_ray *rays;
+    cw_query query; /* of a block: without pool and watch */
+    cw_hit *hits;
+    uint8_t *occluded;
+    atomic_int status; /* of a block that failed, as when the limit on instruction sets was lowered meanwhile */
+} job;
+
+static void run(void *context, size_t begin, size_t end) {
+    job *q = context;
+    cw_ray block[BLOCK];
+    for (size_t count; begin < end; begin += count) {
+        count = end - begin < BLOCK ? end - begin : BLOCK;
+        cw_rays_to_field(q->field, q->rays + begin, count, block);
+        const cw_status status = q->hits ? cw_closest(q->field, &q->query, block, count, q->hits + begin)
+                                         : cw_any(q->field, &q->query, block, count, q->occluded + begin);
+        if (status != CW_OK) atomic_store(&q->status, (int)status);
+    }
+}
+
+static cw_status trace(job *q, const cw_query *query, size_t n) {
+    const cw_query whole = query ? *query : cw_query_default();
+    if (n > 0 && (q->rays == NULL || (q->hits == NULL && q->occluded == NULL))) return CW_ERROR_ARGUMENT;
+    cw_status status = cw_closest(q->field, &whole, NULL, 0, NULL);
+    if (status != CW_OK || n == 0) return status;
+    q->query = whole;
+    q->query.pool = NULL;
+    q->query.watch = NULL;
+    status = cw_watch_run(&whole, n, GRAIN, run, q);
+    return status != CW_OK ? status : (cw_status)atomic_load(&q->status);
+}
+
+cw_status cw_closest_user(const cw_field *field, const cw_query *query, const cw_user_ray *rays, size_t n,
+                          cw_hit *hits) {
+    job q = {.field = field, .rays = rays, .hits = hits};
+    return trace(&q, query, n);
+}
+
+cw_status cw_any_user(const cw_field *field, const cw_query *query, const cw_user_ray *rays, size_t n,
+                      uint8_t *occluded) {
+    job q = {.field = field, .rays = rays, .occluded = occluded};
+    return trace(&q, query, n);
+}

@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "watch.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+
+typedef struct watched {
+    const cw_query *query;
+    cw_work_fn *work;
+    void *context;
+    size_t n, grain;
+    atomic_bool stopped;
+    pthread_mutex_t lock; /* of done, and of the watch */
+    size_t done;
+} watched;
+
+static void tell(watched *w, size_t count) {
+    pthread_mutex_lock(&w->lock);
+    w->done += count;
+    if (!atomic_load(&w->stopped) && !w->query->watch(w->query->watch_context, (double)w->done / (double)w->n))
+        atomic_store(&w->stopped, true);
+    pthread_mutex_unlock(&w->lock);
+}
+
+/* A thread alone gets all at once. */
+static void work_in_pieces(void *context, size_t begin, size_t end) {
+    watched *w = context;
+    while (begin < end && !atomic_load(&w->stopped)) {
+        const size_t count = end - begin < w->grain ? end - begin : w->grain;
+        w->work(w->context, begin, begin + count);
+        tell(w, count);
+        begin += count;
+    }
+}
+
+cw_status cw_watch_run(const cw_query *query, size_t n, size_t grain, cw_work_fn *work, void *context) {
+    if (query->watch == NULL) {
+        cw_pool_run(query->pool, n, grain, work, context);
+        return CW_OK;
+    }
+    watched w = {.query = query, .work = work, .context = context, .n = n, .grain = grain};
+    if (pthread_mutex_init(&w.lock, NULL) != 0) return CW_ERROR_MEMORY;
+    cw_pool_run(query->pool, n, grain, work_in_pieces, &w);
+    pthread_mutex_destroy(&w.lock);
+    return atomic_load(&w.stopped) ? CW_ERROR_CANCELLED : CW_OK;
+}

@@ -1,0 +1,314 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What is built on the queries: rays in user space, the caller's own threads, a watch, many hits at once, places on the
+ * surface. Each gives what the plain functions give. */
+
+#include "check.h"
+#include "rays.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { RAYS = 30000, SIDE = 33 };
+
+static test_field shape;
+static cw_field *field;
+static cw_user_ray user_rays[RAYS];
+static cw_ray rays[RAYS];
+static cw_hit expected[RAYS], got[RAYS];
+static uint8_t occluded[RAYS];
+
+/* Turned, scaled and far from the origin; heights stay upright. */
+static const double map[3][4] = {{30, -5, 0, 3e6}, {4, 31, 0, -7e6}, {0.5, 0.25, 2, 100}};
+
+static int set_up(void **state) {
+    (void)state;
+    field_make(&shape, FIELD_HOLES, SIDE, SIDE, 5);
+    cw_field_desc d = cw_field_desc_default();
+    d.samples = shape.z;
+    d.nx = d.ny = SIDE;
+    memcpy(d.map, map, sizeof map);
+    if (cw_field_create(&d, &field) != CW_OK) return -1;
+    random_state r = {9};
+    for (size_t k = 0; k < RAYS; k++) {
+        const double p[3] = {random_unit(&r) * SIDE, random_unit(&r) * SIDE, 3};
+        const double v[3] = {random_unit(&r) - 0.5, random_unit(&r) - 0.5, -0.3 * random_unit(&r)};
+        user_rays[k] = (cw_user_ray){.tmax = (double)INFINITY};
+        for (int c = 0; c < 3; c++) {
+            user_rays[k].org[c] = map[c][0] * p[0] + map[c][1] * p[1] + map[c][2] * p[2] + map[c][3];
+            user_rays[k].dir[c] = map[c][0] * v[0] + map[c][1] * v[1] + map[c][2] * v[2];
+        }
+    }
+    cw_rays_to_field(field, user_rays, RAYS, rays);
+    return cw_closest(field, NULL, rays, RAYS, expected) == CW_OK ? 0 : -1;
+}
+
+static int tear_down(void **state) {
+    (void)state;
+    cw_field_destroy(field);
+    return 0;
+}
+
+static void check_hits(size_t n, const char *what) {
+    for (size_t k = 0; k < n; k++) check(hit_same(&got[k], &expected[k]), "%s: ray %zu of %zu", what, k, n);
+}
+
+static void versions_agree(void **state) {
+    (void)state;
+    char text[32];
+    snprintf(text, sizeof text, "%d.%d.%d", CW_VERSION_MAJOR, CW_VERSION_MINOR, CW_VERSION_PATCH);
+    assert_string_equal(text, CW_VERSION);
+    assert_string_equal(text, PROJECT_VERSION);
+    assert_string_equal(cw_version(), CW_VERSION);
+}
+
+static void rays_in_user_space(void **state) {
+    (void)state;
+    cw_pool *pool;
+    check_status(cw_pool_create(3, &pool), CW_OK);
+    static const size_t counts[] = {0, 1, 511, 512, 513, RAYS};
+    for (size_t c = 0; c < sizeof counts / sizeof counts[0]; c++)
+        for (int shared = 0; shared < 2; shared++) {
+            const size_t n = counts[c];
+            const cw_query q = {.pool = shared ? pool : NULL};
+            memset(got, 0x5a, sizeof got);
+            memset(occluded, 0x5a, sizeof occluded);
+            check_status(cw_closest_user(field, &q, user_rays, n, got), CW_OK);
+            check_status(cw_any_user(field, &q, user_rays, n, occluded), CW_OK);
+            check_hits(n, "user space");
+            for (size_t k = 0; k < n; k++) check(occluded[k] == (expected[k].i >= 0), "any hit, ray %zu", k);
+            if (n < RAYS) check(got[n].i == 0x5a5a5a5a && occluded[n] == 0x5a, "wrote beyond %zu", n);
+        }
+    cw_pool_destroy(pool);
+    const cw_query none = {.kernel = cw_kernel_find("packet99")};
+    check_status(cw_closest_user(field, &none, user_rays, 1, got), CW_ERROR_KERNEL);
+    check_status(cw_closest_user(NULL, NULL, user_rays, 1, got), CW_ERROR_ARGUMENT);
+    check_status(cw_closest_user(field, NULL, NULL, 1, got), CW_ERROR_ARGUMENT);
+    check_status(cw_closest_user(field, NULL, user_rays, 1, NULL), CW_ERROR_ARGUMENT);
+    check_status(cw_any_user(field, NULL, user_rays, 1, NULL), CW_ERROR_ARGUMENT);
+    check_status(cw_any_user(field, NULL, NULL, 0, NULL), CW_OK);
+}
+
+/* ---- the caller's own threads ------------------------------------------------------------------------------------- */
+
+typedef struct engine {
+    atomic_uint runs, tasks;
+} engine;
+
+typedef struct task {
+    cw_task_fn *run;
+    void *argument;
+    unsigned number;
+    pthread_t thread;
+} task;
+
+static void *run_task(void *argument) {
+    const task *t = argument;
+    t->run(t->argument, t->number);
+    return NULL;
+}
+
+/* Each on a new thread, from the last on. */
+static void run_all(void *context, cw_task_fn *run, void *argument, unsigned count) {
+    engine *e = context;
+    task tasks[8];
+    check(count >= 1 && count <= 8, "%u tasks", count);
+    atomic_fetch_add(&e->runs, 1);
+    atomic_fetch_add(&e->tasks, count);
+    for (unsigned k = count; k-- > 0;) {
+        tasks[k] = (task){run, argument, k, 0};
+        assert_int_equal(pthread_create(&tasks[k].thread, NULL, run_task, &tasks[k]), 0);
+    }
+    for (unsigned k = 0; k < count; k++) pthread_join(tasks[k].thread, NULL);
+}
+
+static void threads_of_the_caller(void **state) {
+    (void)state;
+    engine e = {0};
+    cw_tasks tasks = {.threads = 8, .run = run_all, .context = &e};
+    cw_pool *pool;
+    check_status(cw_pool_create_on(&tasks, &pool), CW_OK);
+    assert_int_equal(cw_pool_threads(pool), 8);
+    const cw_query q = {.pool = pool};
+    check_status(cw_closest(field, &q, rays, RAYS, got), CW_OK);
+    check_hits(RAYS, "tasks");
+    check(e.runs == 1 && e.tasks == 8, "%u runs of %u tasks", e.runs, e.tasks);
+    check_status(cw_closest(field, &q, rays, 100, got), CW_OK); /* too few to share */
+    check(e.runs == 1, "tasks for a hundred rays");
+    cw_pool_destroy(pool);
+
+    check_status(cw_pool_create_on(NULL, &pool), CW_ERROR_ARGUMENT);
+    check_status(cw_pool_create_on(&tasks, NULL), CW_ERROR_ARGUMENT);
+    tasks.threads = 0;
+    check_status(cw_pool_create_on(&tasks, &pool), CW_ERROR_OPTION);
+    tasks.threads = CW_THREADS_MAX + 1;
+    check_status(cw_pool_create_on(&tasks, &pool), CW_ERROR_POOL_SIZE);
+    tasks = (cw_tasks){.threads = 1};
+    check_status(cw_pool_create_on(&tasks, &pool), CW_ERROR_ARGUMENT);
+    assert_null(pool);
+}
+
+/* ---- a watch ------------------------------------------------------------------------------------------------------ */
+
+typedef struct watch {
+    double last, stop_at;
+    unsigned calls, wrong;
+    atomic_int inside;
+} watch;
+
+static bool look(void *context, double done) {
+    watch *w = context;
+    w->wrong += atomic_fetch_add(&w->inside, 1) != 0 || !(done > w->last && done <= 1);
+    w->calls++;
+    w->last = done;
+    atomic_fetch_sub(&w->inside, 1);
+    return done < w->stop_at;
+}
+
+static void queries_are_watched(void **state) {
+    (void)state;
+    cw_pool *pool;
+    check_status(cw_pool_create(3, &pool), CW_OK);
+    for (int shared = 0; shared < 2; shared++)
+        for (int user = 0; user < 2; user++) {
+            watch w = {.stop_at = 2};
+            const cw_query q = {.pool = shared ? pool : NULL, .watch = look, .watch_context = &w};
+            memset(got, 0, sizeof got);
+            check_status(user ? cw_closest_user(field, &q, user_rays, RAYS, got)
+                              : cw_closest(field, &q, rays, RAYS, got),
+                         CW_OK);
+            check_hits(RAYS, "watched");
+            check(w.last == 1 && w.calls > 1 && w.wrong == 0, "%u calls, %u wrong, up to %g", w.calls, w.wrong, w.last);
+
+            w = (watch){.stop_at = 0.3};
+            check_status(user ? cw_any_user(field, &q, user_rays, RAYS, occluded)
+                              : cw_any(field, &q, rays, RAYS, occluded),
+                         CW_ERROR_CANCELLED);
+            check(w.last < 0.7 && w.wrong == 0, "went on to %g", w.last);
+        }
+    cw_pool_destroy(pool);
+}
+
+/* ---- hits --------------------------------------------------------------------------------------------------------- */
+
+static double many[RAYS][3];
+
+static void hits_by_the_array(void **state) {
+    (void)state;
+    static const struct {
+        cw_status (*all)(const cw_field *, cw_pool *, const cw_hit *, size_t, double (*)[3]);
+        void (*one)(const cw_field *, const cw_hit *, double[3]);
+    } kinds[] = {
+        {cw_hit_points, cw_hit_point}, {cw_hit_normals, cw_hit_normal}, {cw_hit_phong_normals, cw_hit_phong_normal}};
+    cw_pool *pool;
+    check_status(cw_pool_create(2, &pool), CW_OK);
+    for (size_t kind = 0; kind < 3; kind++)
+        for (int shared = 0; shared < 2; shared++) {
+            check_status(kinds[kind].all(field, shared ? pool : NULL, expected, RAYS, many), CW_OK);
+            for (size_t k = 0; k < RAYS; k++) {
+                double v[3];
+                kinds[kind].one(field, &expected[k], v);
+                check(memcmp(v, many[k], sizeof v) == 0 || (isnan(v[0]) && isnan(many[k][0])), "kind %zu, hit %zu",
+                      kind, k);
+            }
+            check_status(kinds[kind].all(NULL, NULL, expected, 1, many), CW_ERROR_ARGUMENT);
+            check_status(kinds[kind].all(field, NULL, NULL, 1, many), CW_ERROR_ARGUMENT);
+            check_status(kinds[kind].all(field, NULL, expected, 1, NULL), CW_ERROR_ARGUMENT);
+            check_status(kinds[kind].all(field, NULL, NULL, 0, NULL), CW_OK);
+        }
+    cw_pool_destroy(pool);
+}
+
+static bool is_hole(size_t i, size_t j) { return isnan(cw_field_sample(field, i, j)); }
+
+static void places_on_the_surface(void **state) {
+    (void)state;
+    random_state r = {11};
+    for (int k = 0; k < 20000; k++) {
+        /* Samples, borders and diagonals, the far border, and anything between. */
+        const double scale = k % 4 == 0 ? 1 : 0x1p-20;
+        const double x = floor(random_unit(&r) * SIDE / scale) * scale;
+        const double y = k % 4 == 1 ? x : floor(random_unit(&r) * SIDE / scale) * scale;
+        cw_hit hit, from_user;
+        cw_field_at(field, x, y, &hit);
+        const double ux = map[0][0] * x + map[0][1] * y + map[0][3], uy = map[1][0] * x + map[1][1] * y + map[1][3];
+        check_status(cw_field_at_user(field, ux, uy, &from_user), CW_OK);
+        const bool outside = x > SIDE - 1 || y > SIDE - 1;
+        if (outside) {
+            check(hit.i == -1 && isinf(hit.t), "(%g, %g) is outside", x, y);
+            continue;
+        }
+        const size_t i = x >= SIDE - 2 ? SIDE - 2 : (size_t)x, j = y >= SIDE - 2 ? SIDE - 2 : (size_t)y;
+        const double u = x - (double)i, v = y - (double)j;
+        const bool a = v <= u,
+                   hole = is_hole(i, j) || is_hole(i + 1, j + 1) || (a ? is_hole(i + 1, j) : is_hole(i, j + 1));
+        check((hit.i >= 0) == !hole, "(%g, %g): a hit or a hole", x, y);
+        if (hole) continue;
+        const double z00 = (double)cw_field_sample(field, i, j), z11 = (double)cw_field_sample(field, i + 1, j + 1);
+        const double third = (double)(a ? cw_field_sample(field, i + 1, j) : cw_field_sample(field, i, j + 1));
+        const double z = a ? z00 + u * (third - z00) + v * (z11 - third) : z00 + v * (third - z00) + u * (z11 - third);
+        double p[3];
+        cw_hit_point(field, &hit, p);
+        /* u and v are rounded to float: 2^-24 of a cell each, in a field of heights below 1. */
+        const double wanted[3] = {ux, uy, map[2][0] * x + map[2][1] * y + map[2][2] * z + map[2][3]};
+        for (int c = 0; c < 3; c++) {
+            const double reach = fabs(map[c][0]) + fabs(map[c][1]) + 2 * fabs(map[c][2]);
+            check(fabs(p[c] - wanted[c]) <= 0x1p-23 * reach + 0x1p-50 * fabs(wanted[c]), "(%g, %g): %g, not %g", x, y,
+                  p[c], wanted[c]);
+        }
+        if (from_user.i < 0) continue; /* rounded across a border, beside a hole or the end of the field */
+        cw_hit_point(field, &from_user, p);
+        /* Places are known to 2^-53 of 7e6, and heights change by less than one from there to the next sample. */
+        check(fabs(p[2] - wanted[2]) <= 1e-6, "user (%g, %g): %g, not %g", ux, uy, p[2], wanted[2]);
+    }
+    static const double outside[][2] = {{-0.001, 1}, {1, -1e-300}, {32.001, 1}, {1, 1e300}};
+    cw_hit hit;
+    for (size_t k = 0; k < 4; k++) {
+        cw_field_at(field, outside[k][0], outside[k][1], &hit);
+        assert_int_equal(hit.i, -1);
+    }
+    cw_field_at(field, (double)NAN, 1, &hit);
+    assert_int_equal(hit.i, -1);
+    cw_field_at(field, 1, (double)INFINITY, &hit);
+    assert_int_equal(hit.i, -1);
+
+    cw_field_desc d = cw_field_desc_default();
+    d.samples = shape.z;
+    d.nx = d.ny = SIDE;
+    d.map[0][2] = 0.5;
+    cw_field *leaning;
+    check_status(cw_field_create(&d, &leaning), CW_OK);
+    check_status(cw_field_at_user(leaning, 1, 1, &hit), CW_ERROR_SLANTED);
+    assert_int_equal(hit.i, -1);
+    cw_field_destroy(leaning);
+}
+
+/* What a later version would mean by more is refused, whatever it is. */
+static void strangers_are_refused(void **state) {
+    (void)state;
+    for (size_t k = 0; k < 4; k++) {
+        cw_field_desc d = cw_field_desc_default();
+        d.samples = shape.z;
+        d.nx = d.ny = SIDE;
+        d.reserved[k] = 1;
+        cw_field *f;
+        check_status(cw_field_create(&d, &f), CW_ERROR_OPTION);
+        cw_query q = cw_query_default();
+        q.reserved[k] = (uint64_t)1 << 63;
+        check_status(cw_closest(field, &q, rays, 1, got), CW_ERROR_OPTION);
+        check_status(cw_any(field, &q, rays, 1, occluded), CW_ERROR_OPTION);
+        check_status(cw_closest_user(field, &q, user_rays, 1, got), CW_ERROR_OPTION);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(versions_agree),        cmocka_unit_test(rays_in_user_space),
+        cmocka_unit_test(threads_of_the_caller), cmocka_unit_test(queries_are_watched),
+        cmocka_unit_test(hits_by_the_array),     cmocka_unit_test(places_on_the_surface),
+        cmocka_unit_test(strangers_are_refused),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}

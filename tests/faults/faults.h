@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What can be made to fail: what preload.c counts and faults.c asks for. */
+#ifndef CELLWALK_TESTS_FAULTS_H
+#define CELLWALK_TESTS_FAULTS_H
+
+typedef enum fault_kind {
+    FAULT_MEMORY, /* an allocation */
+    FAULT_WRITE,  /* writing, flushing, closing, reserving room, bringing to the disk */
+    FAULT_RENAME, /* renaming, linking */
+    FAULT_OPEN,
+    FAULT_READ, /* reading, asking for a size */
+    FAULT_MAP,
+    FAULT_THREAD, /* starting one */
+    FAULT_KINDS
+} fault_kind;
+
+typedef struct fault_counts {
+    unsigned long calls[FAULT_KINDS];
+    long blocks; /* of memory that were not freed */
+} fault_counts;
+
+/* In a test that preload.c is a part of: from now on the call of that number fails, 0 for none; until the end. */
+void faults_begin(fault_kind kind, unsigned long number);
+fault_counts faults_end(void);
+
+static const char *const fault_names[FAULT_KINDS] = {"memory", "write", "rename", "open", "read", "map", "thread"};
+
+#endif

@@ -1,0 +1,164 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Each allocation and each start of a thread of the library's functions fails once: the status says which, what was to be
+ * made is NULL, what was there works on, and no memory is lost. Queries allocate nothing and start no thread. */
+
+#include "check.h"
+#include "faults.h"
+
+#include <math.h>
+#include <stdio.h>
+
+enum { SIDE = 70, RAYS = 20000, THREADS = 5 };
+
+static float samples[SIDE * SIDE];
+static cw_ray rays[RAYS];
+static cw_user_ray user_rays[RAYS];
+static cw_hit hits[RAYS];
+static uint8_t occluded[RAYS];
+static double points[RAYS][3];
+
+static cw_field_desc describe(void) {
+    cw_field_desc d = cw_field_desc_default();
+    d.samples = samples;
+    d.nx = d.ny = SIDE;
+    return d;
+}
+
+static int set_up(void **state) {
+    (void)state;
+    for (size_t k = 0; k < SIDE * SIDE; k++) samples[k] = (float)(k * 7 % 11);
+    for (size_t k = 0; k < RAYS; k++) {
+        rays[k] = (cw_ray){.org = {(float)(k % SIDE), 30.5f, 20}, .dir = {0.1f, 0, -1}, .tmax = INFINITY};
+        user_rays[k] = (cw_user_ray){.org = {(double)(k % SIDE), 30.5, 20}, .dir = {0, 0, -1}, .tmax = 100};
+    }
+    return 0;
+}
+
+/* Does one thing, undoes it, and tells how it went. */
+typedef cw_status act(const void *context);
+
+static cw_status make_field(const void *context) {
+    (void)context;
+    const cw_field_desc d = describe();
+    cw_field *field = (cw_field *)samples; /* anything but NULL */
+    const cw_status status = cw_field_create(&d, &field);
+    if ((field == NULL) != (status != CW_OK)) return CW_ERROR_ARGUMENT; /* which is told as another failure */
+    cw_field_destroy(field);
+    return status;
+}
+
+/* Built anew after a failure, and asked. */
+static cw_status build(const void *context) {
+    const cw_kernel *kernel = context;
+    cw_field_desc d = describe();
+    d.bare = true;
+    cw_field *field;
+    cw_status status = cw_field_create(&d, &field);
+    if (status != CW_OK) return status;
+    status = cw_field_build(field, kernel);
+    const cw_query q = {.kernel = kernel};
+    if (status != CW_OK && (cw_field_build(field, kernel) != CW_OK || cw_closest(field, &q, rays, 10, hits) != CW_OK))
+        status = CW_ERROR_ARGUMENT;
+    cw_field_destroy(field);
+    return status;
+}
+
+static cw_status make_pool(const void *context) {
+    (void)context;
+    cw_pool *pool = (cw_pool *)samples;
+    const cw_status status = cw_pool_create(THREADS, &pool);
+    if ((pool == NULL) != (status != CW_OK)) return CW_ERROR_ARGUMENT;
+    cw_pool_destroy(pool);
+    return status;
+}
+
+static void run_one(void *context, cw_task_fn *task, void *argument, unsigned count) {
+    (void)context;
+    for (unsigned k = 0; k < count; k++) task(argument, k);
+}
+
+static cw_status make_pool_on(const void *context) {
+    (void)context;
+    const cw_tasks tasks = {.threads = 2, .run = run_one};
+    cw_pool *pool = (cw_pool *)samples;
+    const cw_status status = cw_pool_create_on(&tasks, &pool);
+    if ((pool == NULL) != (status != CW_OK)) return CW_ERROR_ARGUMENT;
+    cw_pool_destroy(pool);
+    return status;
+}
+
+static unsigned long check_every_fault(const char *name, act *what, const void *context) {
+    check_status(what(context), CW_OK); /* libc keeps the stacks of threads that have ended, and what belongs to them */
+    faults_begin(FAULT_MEMORY, 0);
+    const cw_status status = what(context);
+    const fault_counts good = faults_end();
+    check_status(status, CW_OK);
+    check(good.blocks == 0, "%s: %ld blocks lost", name, good.blocks);
+    unsigned long injections = 0;
+    static const struct {
+        fault_kind kind;
+        cw_status status;
+    } kinds[] = {{FAULT_MEMORY, CW_ERROR_MEMORY}, {FAULT_THREAD, CW_ERROR_THREAD}};
+    for (size_t k = 0; k < 2; k++)
+        for (unsigned long n = 1; n <= good.calls[kinds[k].kind]; n++, injections++) {
+            faults_begin(kinds[k].kind, n);
+            const cw_status failed = what(context);
+            const fault_counts counts = faults_end();
+            check(failed == kinds[k].status, "%s, %s %lu: %s", name, fault_names[kinds[k].kind], n,
+                  cw_status_message(failed));
+            check(counts.blocks == 0, "%s, %s %lu: %ld blocks lost", name, fault_names[kinds[k].kind], n,
+                  counts.blocks);
+        }
+    return injections;
+}
+
+static void what_is_made_is_made_whole(void **state) {
+    (void)state;
+    unsigned long injections = check_every_fault("field", make_field, NULL) +
+                               check_every_fault("pool", make_pool, NULL) +
+                               check_every_fault("pool on tasks", make_pool_on, NULL);
+    for (size_t k = 0; k < cw_kernel_count(); k++)
+        injections += check_every_fault(cw_kernel_describe(cw_kernel_at(k)).name, build, cw_kernel_at(k));
+    check(injections > 30, "%lu faults alone", injections);
+    print_message("%lu faults\n", injections);
+}
+
+static bool go_on(void *context, double done) {
+    (void)context, (void)done;
+    return true;
+}
+
+static void queries_ask_for_nothing(void **state) {
+    (void)state;
+    const cw_field_desc d = describe();
+    cw_field *field;
+    cw_pool *pool;
+    check_status(cw_field_create(&d, &field), CW_OK);
+    check_status(cw_pool_create(2, &pool), CW_OK);
+    for (size_t k = 0; k < cw_kernel_count(); k++) {
+        const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
+        cw_query q = {.kernel = cw_kernel_at(k), .pool = pool, .watch = k % 2 ? go_on : NULL};
+        if (!info.available) continue;
+        check_status(cw_field_build(field, q.kernel), CW_OK);
+        const size_t n = info.needs_build ? RAYS : 5000; /* brute force takes its time */
+        faults_begin(FAULT_MEMORY, 0);
+        const cw_status status[] = {cw_closest(field, &q, rays, n, hits), cw_any(field, &q, rays, n, occluded),
+                                    cw_closest_user(field, &q, user_rays, n, hits),
+                                    cw_any_user(field, &q, user_rays, n, occluded),
+                                    cw_hit_points(field, pool, hits, n, points)};
+        const fault_counts counts = faults_end();
+        for (size_t s = 0; s < sizeof status / sizeof status[0]; s++) check_status(status[s], CW_OK);
+        check(counts.calls[FAULT_MEMORY] == 0 && counts.calls[FAULT_THREAD] == 0, "%s: %lu allocations, %lu threads",
+              info.name, counts.calls[FAULT_MEMORY], counts.calls[FAULT_THREAD]);
+    }
+    cw_pool_destroy(pool);
+    cw_field_destroy(field);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_is_made_is_made_whole),
+        cmocka_unit_test(queries_ask_for_nothing),
+    };
+    return cmocka_run_group_tests(tests, set_up, NULL);
+}
