@@ -236,12 +236,14 @@ CW_API cw_status cw_heading_create(const cw_field *field, const double dir[2], c
 /* NULL is allowed. */
 CW_API void cw_heading_destroy(cw_heading *heading);
 
-/* The steepest rise as seen from each sample of a rectangle: slope[y * nx + x] for sample (i + x, j + y), or -infinity where
- * the ray meets nothing before it leaves the field, or NaN at a hole. It is off by less than 2^-21 of itself, or of what one
- * of the edge's two samples rises by if that is more. CW_ERROR_SIZE if the rectangle is not part of the field. Of the query
- * only pool and kernel count, the latter by its instruction set; the answers are the same for any. */
-CW_API cw_status cw_heading_steepest(const cw_heading *heading, const cw_query *query, size_t i, size_t j, size_t nx,
-                                     size_t ny, float *slope);
+/* The steepest rise as seen from each sample of a rectangle: slope[y * nx + x] for sample (i + x, j + y), or NaN at a hole. It
+ * is off by less than 2^-21 of the rise to the higher of the edge's two samples. Rises are told apart from low to high; what
+ * is less comes out as low, also where the ray meets nothing before it leaves the field, and what is more as high. The
+ * narrower that is, the faster; -infinity and infinity tell everything. CW_ERROR_ARGUMENT unless low <= high, CW_ERROR_SIZE
+ * if the rectangle is no part of the field. Of the query only pool and kernel count, the latter by its instruction set; the
+ * answers are the same for any. */
+CW_API cw_status cw_heading_steepest(const cw_heading *heading, const cw_query *query, float low, float high, size_t i,
+                                     size_t j, size_t nx, size_t ny, float *slope);
 
 /* occluded[y * nx + x] = 1 if the steepest rise is at least slope, so that the ray that rises by slope meets the surface
  * again. Else 0, also at a hole or where nothing is met. slope may be infinite, but no NaN. */

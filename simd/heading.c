@@ -20,7 +20,8 @@ typedef struct group {
     int32_t i, j;          /* of the first sample */
     float z[GROUP];        /* where the rays start; infinite where none does */
     float best[GROUP];     /* the steepest slope so far */
-    float threshold;       /* slopes above this are hits; -infinity: the steepest is wanted */
+    float least;           /* what is no steeper need not be known */
+    float enough;          /* nor what is steeper than this */
     int32_t found[PROBES]; /* stretches of level 0 in which some rays of the group before saw their steepest slope */
 } group;
 
@@ -152,15 +153,15 @@ static inline void scan_stretch(group *g, uint32_t number, reach r) {
         scan_partly(g, from, end);
 }
 
-/* Rays that have hit need no looking after; true if all have. */
-static inline bool all_hit(group *g) {
-    const vfloat threshold = vf_set(g->threshold), settled = vf_set(INFINITY);
+/* Rays that have seen enough need no looking after; true if all have. */
+static inline bool all_settled(group *g) {
+    const vfloat enough = vf_set(g->enough), settled = vf_set(INFINITY);
     bool all = true;
     for (int k = 0; k < GROUP; k += (int)W) {
         const vfloat best = vf_load(g->best + k);
-        const vmask hit = vf_gt(best, threshold);
-        all = all && !vm_any(vm_not(hit));
-        vf_store(g->best + k, vf_select(hit, settled, best));
+        const vmask done = vf_gt(best, enough);
+        all = all && !vm_any(vm_not(done));
+        vf_store(g->best + k, vf_select(done, settled, best));
     }
     return all;
 }
@@ -182,13 +183,13 @@ static inline bool is_done(const int32_t done[PROBES], uint32_t number) {
     return false;
 }
 
-static inline void walk(group *g, bool any) {
+static inline void walk(group *g, bool guess, bool ends) {
     const cw_heading *h = g->heading;
     int32_t done[PROBES], found[PROBES];
     float before[PROBES];
     for (int p = 0; p < PROBES; p++) done[p] = found[p] = -1;
     /* What the group before found steepest is steep for this one as well, and lets much be passed over. */
-    for (int p = 0; p < PROBES && !any; p++) {
+    for (int p = 0; p < PROBES && guess; p++) {
         const int32_t number = g->found[p];
         if (number < 0 || is_done(done, (uint32_t)number)) continue;
         if (stretch_reach(g, &h->stretch[0][number]) != INSIDE) continue;
@@ -213,10 +214,10 @@ static inline void walk(group *g, bool any) {
             continue;
         }
         if (!is_done(done, u)) {
-            if (!any) probe(g, before);
+            if (guess) probe(g, before);
             scan_stretch(g, u, r);
-            if (any && all_hit(g)) break;
-            if (!any) remember(g, before, u, found);
+            if (ends && all_settled(g)) break;
+            if (guess) remember(g, before, u, found);
         }
         u++;
         if (h->levels > 1 && u % 4 == 0) level = 1;
@@ -225,9 +226,9 @@ static inline void walk(group *g, bool any) {
 }
 
 /* Where lane k of the group lies outside the field, there is a hole. */
-static inline void start(group *g, int32_t i, int32_t j, bool any) {
+static inline void start(group *g, int32_t i, int32_t j, bool ends) {
     const cw_field *f = g->heading->field;
-    const vfloat none = vf_set(INFINITY), least = vf_set(g->threshold);
+    const vfloat none = vf_set(INFINITY), least = vf_set(g->least);
     g->i = i;
     g->j = j;
     const bool inside = (size_t)i + GROUP_COLUMNS <= f->nx && (size_t)j + GROUP_ROWS <= f->ny;
@@ -240,7 +241,7 @@ static inline void start(group *g, int32_t i, int32_t j, bool any) {
         const vfloat z = vf_load(inside ? f->z + at : g->z + k);
         const vmask some = vf_eq(z, z);
         vf_store(g->z + k, vf_select(some, z, none));
-        vf_store(g->best + k, any ? vf_select(some, least, none) : least);
+        vf_store(g->best + k, ends ? vf_select(some, least, none) : least);
     }
 }
 
@@ -252,17 +253,19 @@ static inline void finish(const group *g, const cw_heading_job *job, size_t i0, 
         const size_t to = (j - job->j) * job->nx + (i0 - job->i);
         const float *restrict z = g->z + k, *restrict best = g->best + k;
         if (any)
-            for (size_t m = 0; m < n; m++) job->occluded[to + m] = (z[m] < INFINITY) & (best[m] > g->threshold);
+            for (size_t m = 0; m < n; m++) job->occluded[to + m] = (z[m] < INFINITY) & (best[m] > g->enough);
         else
-            for (size_t m = 0; m < n; m++) job->steepest[to + m] = z[m] < INFINITY ? best[m] : NAN;
+            for (size_t m = 0; m < n; m++)
+                job->steepest[to + m] = z[m] < INFINITY ? (best[m] < job->high ? best[m] : job->high) : NAN;
     }
 }
 
-static inline void run(const cw_heading_job *job, size_t i_begin, size_t i_end, size_t j_begin, size_t j_end,
-                       bool any) {
+static inline void run(const cw_heading_job *job, size_t i_begin, size_t i_end, size_t j_begin, size_t j_end, bool any,
+                       bool ends) {
     const cw_heading *h = job->heading;
     const size_t nx = h->field->nx, ny = h->field->ny;
-    group g = {.heading = h, .threshold = any ? nextafterf(job->slope, -INFINITY) : -INFINITY};
+    group g = {.heading = h, .least = job->low, .enough = job->high};
+    if (any) g.least = g.enough = nextafterf(job->high, -INFINITY); /* as steep as that is a hit */
     for (int p = 0; p < PROBES; p++) g.found[p] = -1;
     for (size_t j = j_begin; j < j_end; j += GROUP_ROWS)
         for (size_t i = i_begin; i < i_end; i += GROUP_COLUMNS) {
@@ -271,15 +274,17 @@ static inline void run(const cw_heading_job *job, size_t i_begin, size_t i_end, 
             /* At the far borders the group moves back, where it can: all its rays are then at work inside. */
             const size_t i_from = i + GROUP_COLUMNS <= nx || nx < GROUP_COLUMNS ? i : nx - GROUP_COLUMNS;
             const size_t j_from = j + GROUP_ROWS <= ny || ny < GROUP_ROWS ? j : ny - GROUP_ROWS;
-            start(&g, (int32_t)i_from, (int32_t)j_from, any);
-            walk(&g, any);
+            start(&g, (int32_t)i_from, (int32_t)j_from, ends);
+            walk(&g, !any, ends);
             finish(&g, job, i, i_next, j, j_next, any);
         }
 }
 
 void CW_CODE(heading)(const cw_heading_job *job, size_t i, size_t i_end, size_t j, size_t j_end) {
     if (job->occluded)
-        run(job, i, i_end, j, j_end, true);
+        run(job, i, i_end, j, j_end, true, true);
+    else if (job->high < INFINITY)
+        run(job, i, i_end, j, j_end, false, true);
     else
-        run(job, i, i_end, j, j_end, false);
+        run(job, i, i_end, j, j_end, false, false);
 }

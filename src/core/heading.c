@@ -228,7 +228,8 @@ static void run_tiles(void *context, size_t begin, size_t end) {
 
 static cw_status query_along(const cw_heading_job *job, const cw_query *query) {
     const cw_heading *h = job->heading;
-    if (h == NULL || (job->steepest == NULL && job->occluded == NULL) || isnan(job->slope)) return CW_ERROR_ARGUMENT;
+    if (h == NULL || (job->steepest == NULL && job->occluded == NULL) || !(job->low <= job->high))
+        return CW_ERROR_ARGUMENT;
     const cw_field *f = h->field;
     if (job->i > f->nx || job->nx > f->nx - job->i || job->j > f->ny || job->ny > f->ny - job->j) return CW_ERROR_SIZE;
     if (job->nx == 0 || job->ny == 0) return CW_OK;
@@ -242,15 +243,16 @@ static cw_status query_along(const cw_heading_job *job, const cw_query *query) {
     return CW_OK;
 }
 
-cw_status cw_heading_steepest(const cw_heading *heading, const cw_query *query, size_t i, size_t j, size_t nx,
-                              size_t ny, float *slope) {
-    const cw_heading_job job = {.heading = heading, .i = i, .j = j, .nx = nx, .ny = ny, .steepest = slope};
+cw_status cw_heading_steepest(const cw_heading *heading, const cw_query *query, float low, float high, size_t i,
+                              size_t j, size_t nx, size_t ny, float *slope) {
+    const cw_heading_job job = {
+        .heading = heading, .i = i, .j = j, .nx = nx, .ny = ny, .low = low, .high = high, .steepest = slope};
     return query_along(&job, query);
 }
 
 cw_status cw_heading_any(const cw_heading *heading, const cw_query *query, float slope, size_t i, size_t j, size_t nx,
                          size_t ny, uint8_t *occluded) {
     const cw_heading_job job = {
-        .heading = heading, .i = i, .j = j, .nx = nx, .ny = ny, .slope = slope, .occluded = occluded};
+        .heading = heading, .i = i, .j = j, .nx = nx, .ny = ny, .low = slope, .high = slope, .occluded = occluded};
     return query_along(&job, query);
 }

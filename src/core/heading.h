@@ -53,7 +53,7 @@ struct cw_heading {
 typedef struct cw_heading_job {
     const cw_heading *heading;
     size_t i, j, nx, ny;
-    float slope; /* of rays that are asked whether they hit */
+    float low, high; /* slopes are told apart between; of rays that are asked whether they hit, high is their own */
     float *steepest;
     uint8_t *occluded; /* instead of steepest */
 } cw_heading_job;
