@@ -182,6 +182,12 @@ CW_API cw_status cw_pool_create(unsigned threads, cw_pool **pool);
 CW_API void cw_pool_destroy(cw_pool *pool);
 CW_API unsigned cw_pool_threads(const cw_pool *pool);
 
+/* A piece of work: items [begin, end). */
+typedef void cw_work_fn(void *context, size_t begin, size_t end);
+/* Lends the pool's threads to work of the caller's own: runs it over [0, n) in pieces of grain items, on the calling thread
+ * alone if pool is NULL, and returns when all is done. The pieces may come in any order. */
+CW_API void cw_pool_run(cw_pool *pool, size_t n, size_t grain, cw_work_fn *work, void *context);
+
 /* What is known of rays that are neighbours in the array. It changes speed, never an answer of a strict query. */
 typedef enum cw_coherence {
     CW_COHERENCE_AUTO = 0, /* nothing: each group of 16 is looked at */

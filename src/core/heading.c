@@ -6,7 +6,6 @@
 #include "fpenv.h"
 #include "kernels.h"
 #include "memory.h"
-#include "pool.h"
 
 #include <float.h>
 #include <math.h>

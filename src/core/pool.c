@@ -2,7 +2,7 @@
 /* Threads that sleep between queries. A query hands out pieces by one atomic counter, so that a thread which meets
  * cheap rays simply takes more pieces. */
 
-#include "pool.h"
+#include "cellwalk.h"
 
 #include <pthread.h>
 #include <sched.h>

@@ -4,7 +4,6 @@
 #include "field.h"
 #include "fpenv.h"
 #include "kernels.h"
-#include "pool.h"
 
 #include <float.h>
 

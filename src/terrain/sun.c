@@ -35,10 +35,12 @@ sun_position sun_at(double seconds, double longitude, double latitude) {
     const double place = (mean + centre - 0.00569 - 0.00478 * sin(node)) * degree;
     const double tilt = (23.4392911 - 0.0130042 * c + 0.00256 * cos(node)) * degree;
     const double ascension = atan2(cos(tilt) * sin(place), cos(place)), declination = asin(sin(tilt) * sin(place));
-    const double distance = 1.000001018 * (1 - eccentricity * eccentricity) / (1 + eccentricity * cos(anomaly + centre * degree));
+    const double distance =
+        1.000001018 * (1 - eccentricity * eccentricity) / (1 + eccentricity * cos(anomaly + centre * degree));
 
     /* Sidereal time at Greenwich, with the nutation in longitude that is in the sun's place. */
-    const double sidereal = 280.46061837 + 360.98564736629 * days + c * c * 0.000387933 - 0.00478 * sin(node) * cos(tilt);
+    const double sidereal =
+        280.46061837 + 360.98564736629 * days + c * c * 0.000387933 - 0.00478 * sin(node) * cos(tilt);
     const double hour = turn(sidereal + longitude) * degree - ascension, phi = latitude * degree;
     const double up = sin(phi) * sin(declination) + cos(phi) * cos(declination) * cos(hour);
     const double south = sin(phi) * cos(declination) * cos(hour) - cos(phi) * sin(declination);

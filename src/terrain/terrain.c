@@ -49,10 +49,18 @@ void terrain_sine_cosine(double degrees, double *sine, double *cosine) {
     const double diagonal = fabs(rest) == pi / 4 ? c : fabs(s);
     const double low = s < 0 ? -diagonal : diagonal; /* the same number for both on a diagonal */
     switch ((int)quarter & 3) {
-    case 0: *sine = low, *cosine = c; break;
-    case 1: *sine = c, *cosine = -low; break;
-    case 2: *sine = -low, *cosine = -c; break;
-    default: *sine = -c, *cosine = low; break;
+    case 0:
+        *sine = low, *cosine = c;
+        break;
+    case 1:
+        *sine = c, *cosine = -low;
+        break;
+    case 2:
+        *sine = -low, *cosine = -c;
+        break;
+    default:
+        *sine = -c, *cosine = low;
+        break;
     }
 }
 
@@ -70,7 +78,8 @@ double terrain_direction(const terrain *t, double i, double j, double azimuth, d
 
 double terrain_height(const terrain *t, double i, double j) {
     if (!(i >= 0 && j >= 0 && i <= (double)(t->nx - 1) && j <= (double)(t->ny - 1))) return NAN;
-    const size_t ci = i < (double)(t->nx - 1) ? (size_t)i : t->nx - 2, cj = j < (double)(t->ny - 1) ? (size_t)j : t->ny - 2;
+    const size_t ci = i < (double)(t->nx - 1) ? (size_t)i : t->nx - 2,
+                 cj = j < (double)(t->ny - 1) ? (size_t)j : t->ny - 2;
     const float *z = t->z + cj * t->nx + ci;
     const double x = i - (double)ci, y = j - (double)cj;
     const double across = x > y ? x : y, along = x > y ? y : x;

@@ -15,10 +15,10 @@ typedef struct terrain {
     size_t nx, ny;
     const float *z; /* sample (i, j) is z[j * nx + i]; NaN and infinity are holes */
 
-    double map[3][4]; /* samples to the map; the third row: heights in metres */
-    double back[2][3]; /* map x and y to field x and y */
-    bool geographic;   /* map x and y are angles */
-    double unit;       /* metres, or radians, in one of them */
+    double map[3][4];             /* samples to the map; the third row: heights in metres */
+    double back[2][3];            /* map x and y to field x and y */
+    bool geographic;              /* map x and y are angles */
+    double unit;                  /* metres, or radians, in one of them */
     double radius, eccentricity2; /* of the ellipsoid: the equator's, in metres; e² */
 } terrain;
 
@@ -29,7 +29,7 @@ typedef struct terrain_desc {
     const float *z;
     const double (*map)[4]; /* samples to the map, heights in the unit of x and y, or in metres if they are angles */
     bool geographic;
-    double unit;                           /* metres, or radians if geographic, in one of x and y; 0: one metre, one degree */
+    double unit; /* metres, or radians if geographic, in one of x and y; 0: one metre, one degree */
     double semi_major, inverse_flattening; /* of the ellipsoid; 0: WGS 84 */
 } terrain_desc;
 

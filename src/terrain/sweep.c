@@ -1,0 +1,246 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The eye looks along rows of samples in four quarters, two in which rows are rows of the field and two in which they are
+ * columns. In a quarter, a sample at distance r rows and x samples to the side is seen in direction u = x / r, and its rise
+ * is w = height / r. Any place on an edge between two samples has a w between theirs, since directions and rises are a
+ * projection of space; so for a small range of directions, a bin, the highest w of the samples of a row that are near it
+ * bounds what the row, and the strip of triangles before it, shows there, and the lowest w of those that enclose it is a
+ * rise that nothing behind can look over.
+ *
+ * Going outward row by row, each bin keeps the greatest of either. Where bins have become wider than half a cell they are cut
+ * in two. A sample below the lower bound of its bin is hidden. One above the upper bound, taken without the last few rows, is
+ * seen unless something close by hides it, which is looked at exactly; the last rows are left out because next to a sample
+ * the bound, which takes in its neighbours, is blunt. So is the first cell before the eye, where edges end behind it. All
+ * the rest, mostly at the edges of what is seen, is decided by
+ * following the line. So the bounds save work and never change an answer. */
+
+#include "sweep.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SLICES = SWEEP_PARTS / 4, FIRST_REACH = 8, COLUMNS_AT_ONCE = 16, BESIDE = 4 };
+
+/* A row as its bins see it: for samples from the one at or below a place on. */
+typedef struct shown {
+    float low;  /* of that sample and the two after it; -infinity if one is missing */
+    float high; /* from the sample before that one to the third after it */
+} shown;
+
+typedef struct part {
+    const sight *sight;
+    bool swapped;       /* rows are columns of the field */
+    int outward;        /* +1 or -1 */
+    double eye, aside;  /* the eye's place across the rows and along them */
+    long rows, length;  /* of the field, in this sense */
+    double from, until; /* directions */
+    long reach;         /* rows for which the bins are narrow enough */
+    double bin;         /* width of a bin */
+    size_t bins;
+    float *low, *high;           /* of each bin */
+    long left, right;            /* samples of a row that are needed: left to right, without right */
+    float *w;                    /* the row's rises; BESIDE more on both sides */
+    shown *kept[SWEEP_NEAR + 1]; /* of the last rows */
+    long kept_left[SWEEP_NEAR + 1], kept_right[SWEEP_NEAR + 1];
+    float *columns; /* COLUMNS_AT_ONCE columns of the field, as rows */
+    long columns_from, columns_left, columns_right;
+} part;
+
+static double distance(const part *p, long row) { return fabs((double)row - p->eye); }
+
+/* Samples that bins of the row may need. */
+static void row_range(const part *p, double r, long *left, long *right) {
+    const double a = floor(p->aside + r * p->from) - 2, b = floor(p->aside + r * p->until) + BESIDE,
+                 end = (double)p->length;
+    *left = a > 0 ? a < end ? (long)a : p->length : 0;
+    *right = b > (double)*left ? b < end ? (long)b : p->length : *left;
+}
+
+/* Heights of a row from left on. A row that is a column is fetched with those that follow it, since each line of memory
+ * holds samples of sixteen. */
+static const float *fetch(part *p, long row, long left, long right) {
+    const terrain *t = p->sight->terrain;
+    if (!p->swapped) return t->z + (size_t)row * t->nx + left;
+    const long first = row - row % COLUMNS_AT_ONCE;
+    if (p->columns_from != first || left < p->columns_left || right > p->columns_right) {
+        long l, r;
+        /* The farthest of these columns is the widest. */
+        const long last = first + COLUMNS_AT_ONCE - 1 < p->rows ? first + COLUMNS_AT_ONCE - 1 : p->rows - 1;
+        const double far = fmax(distance(p, first), distance(p, last));
+        row_range(p, far, &l, &r);
+        p->columns_from = first;
+        p->columns_left = l < left ? l : left;
+        p->columns_right = r > right ? r : right;
+        const long count = last - first + 1;
+        for (long j = p->columns_left; j < p->columns_right; j++) {
+            const float *z = t->z + (size_t)j * t->nx + first;
+            for (long c = 0; c < count; c++) p->columns[(size_t)c * (size_t)p->length + (size_t)j] = z[c];
+        }
+    }
+    return p->columns + (size_t)(row - first) * (size_t)p->length + left;
+}
+
+static double height_over_eye(const part *p, long row, long i, float z) {
+    const sight *s = p->sight;
+    return (double)z - s->eye[2] -
+           (p->swapped ? sight_fall(s, (double)row, (double)i) : sight_fall(s, (double)i, (double)row));
+}
+
+/* The rises of a row, NaN where there is a hole or no field. w[0] is that of sample left - BESIDE. */
+static void rises(part *p, long row, long left, long right) {
+    const float *z = fetch(p, row, left, right);
+    const double r = distance(p, row), per = 1 / r;
+    for (int k = 0; k < BESIDE; k++) p->w[k] = p->w[BESIDE + (right - left) + k] = NAN;
+    for (long i = left; i < right; i++) {
+        const float w = (float)(height_over_eye(p, row, i, z[i - left]) * per);
+        p->w[BESIDE + (i - left)] = w < INFINITY && w > -INFINITY ? w : NAN;
+    }
+}
+
+static float least(float a, float b) { return a < b ? a : b; }
+static float most(float a, float b) { return a > b ? a : b; } /* b if a is NaN */
+
+/* What bins see of the row; entry 0 is for the sample left - 2. */
+static void keep(part *p, long row, long left, long right) {
+    const size_t slot = (size_t)row % (SWEEP_NEAR + 1);
+    shown *to = p->kept[slot];
+    p->kept_left[slot] = left - 2;
+    p->kept_right[slot] = right;
+    for (long i = left - 2; i < right; i++) {
+        const float *w = p->w + BESIDE + (i - left);
+        const float low = least(w[0], least(w[1], w[2]));
+        float high = -INFINITY;
+        for (int k = -1; k <= 3 && i + k < right + BESIDE; k++) high = i + k >= left - BESIDE ? most(w[k], high) : high;
+        to[i - (left - 2)] = (shown){isnan(w[0] + w[1] + w[2]) ? -INFINITY : low, high};
+    }
+}
+
+/* Bins take in a row, its lower bounds or its upper ones. */
+static void take_in(part *p, long row, bool lower) {
+    const size_t slot = (size_t)row % (SWEEP_NEAR + 1);
+    const double r = distance(p, row), step = r * p->bin, start = p->aside + r * p->from;
+    const shown *from = p->kept[slot];
+    const double first = (double)p->kept_left[slot], last = (double)p->kept_right[slot];
+    /* Bins whose sample is there. */
+    double b0 = ceil((first - start) / step), b1 = floor((last - start) / step);
+    b0 = b0 > 0 ? b0 : 0;
+    b1 = b1 < (double)p->bins - 1 ? b1 : (double)p->bins - 1;
+    for (double b = b0; b <= b1; b++) {
+        const long k = (long)(floor(start + b * step) - first);
+        if (k < 0 || (double)k + first >= last) continue;
+        const size_t n = (size_t)b;
+        if (lower)
+            p->low[n] = most(from[k].low, p->low[n]);
+        else
+            p->high[n] = most(from[k].high, p->high[n]);
+    }
+}
+
+/* Cuts bins in two. */
+static bool refine(part *p) {
+    float *low = realloc(p->low, 2 * p->bins * sizeof *low);
+    if (low != NULL) p->low = low;
+    float *high = low ? realloc(p->high, 2 * p->bins * sizeof *high) : NULL;
+    if (high != NULL) p->high = high;
+    if (low == NULL || high == NULL) return false;
+    for (size_t b = p->bins; b-- > 0;) {
+        low[2 * b] = low[2 * b + 1] = low[b];
+        high[2 * b] = high[2 * b + 1] = high[b];
+    }
+    p->bins *= 2;
+    p->bin /= 2;
+    p->reach *= 2;
+    return true;
+}
+
+/* Rises in the bins are rounded to float, as are products with them: 2^-22 of each is more than that. */
+static double set_down(float w) { return (double)w - 0x1p-22 * fabs((double)w); }
+static double set_up(float w) { return w == -INFINITY ? -INFINITY : (double)w + 0x1p-22 * fabs((double)w); }
+
+/* The samples of the row in these directions: the last part of a quarter has both ends. Directions of exactly 45 degrees
+ * belong to the quarters whose rows are rows. */
+static void visit_row(part *p, long row, sweep_visit *visit, void *context) {
+    const double r = distance(p, row);
+    double a = ceil(p->aside + r * p->from), b = floor(p->aside + r * p->until);
+    a = a > 0 ? a : 0;
+    b = b < (double)(p->length - 1) ? b : (double)(p->length - 1);
+    if (b < a) return;
+    const float *z = fetch(p, row, (long)a, (long)b + 1);
+    for (long i = (long)a; i <= (long)b; i++) {
+        const float h = z[i - (long)a];
+        const double u = ((double)i - p->aside) / r;
+        const bool last = p->until == 1, mine = u >= p->from && (u < p->until || (last && u <= 1));
+        if (!isfinite(h) || !mine || (p->swapped && fabs(u) >= 1)) continue;
+        const double bin = floor((u - p->from) / p->bin);
+        const size_t n = bin < 0 ? 0 : bin < (double)p->bins ? (size_t)bin : p->bins - 1;
+        /* A direction at a border of two bins, as far as rounding can tell, is seen by both. */
+        float low = p->low[n], high = p->high[n];
+        if (n > 0 && (u - p->from) / p->bin - (double)n < 1e-6) {
+            low = least(low, p->low[n - 1]);
+            high = most(high, p->high[n - 1]);
+        }
+        if (n + 1 < p->bins && (double)(n + 1) - (u - p->from) / p->bin < 1e-6) {
+            low = least(low, p->low[n + 1]);
+            high = most(high, p->high[n + 1]);
+        }
+        const sweep_bounds bounds = {set_down(low) * r, set_up(high) * r};
+        if (p->swapped)
+            visit(context, (size_t)row, (size_t)i, height_over_eye(p, row, i, h), bounds);
+        else
+            visit(context, (size_t)i, (size_t)row, height_over_eye(p, row, i, h), bounds);
+    }
+}
+
+static bool sweep(part *p, double far, sweep_visit *visit, void *context) {
+    /* The first row that is not the eye's own. */
+    long row = p->outward > 0 ? (long)floor(p->eye) + 1 : (long)ceil(p->eye) - 1;
+    if (p->outward > 0 ? row < 0 : row >= p->rows) row = p->outward > 0 ? 0 : p->rows - 1;
+    long taken = row; /* into the upper bounds: up to this one, without it */
+    for (; row >= 0 && row < p->rows && distance(p, row) <= far; row += p->outward) {
+        const double r = distance(p, row);
+        while (r > (double)p->reach)
+            if (!refine(p)) return false;
+        for (; (row - taken) * p->outward >= SWEEP_NEAR; taken += p->outward) take_in(p, taken, false);
+        visit_row(p, row, visit, context);
+        long left, right;
+        row_range(p, r, &left, &right);
+        rises(p, row, left, right);
+        keep(p, row, left, right);
+        take_in(p, row, true);
+    }
+    return true;
+}
+
+bool sweep_part(const sight *s, unsigned number, double far, sweep_visit *visit, void *context) {
+    const terrain *t = s->terrain;
+    const unsigned quarter = number / SLICES, slice = number % SLICES;
+    part p = {.sight = s, .swapped = quarter >= 2, .outward = quarter % 2 ? -1 : 1};
+    p.eye = s->eye[p.swapped ? 0 : 1];
+    p.aside = s->eye[p.swapped ? 1 : 0];
+    p.rows = (long)(p.swapped ? t->nx : t->ny);
+    p.length = (long)(p.swapped ? t->ny : t->nx);
+    p.from = 2.0 * slice / SLICES - 1;
+    p.until = 2.0 * (slice + 1) / SLICES - 1;
+    p.reach = FIRST_REACH;
+    p.bins = 2 * FIRST_REACH * 2 / SLICES;
+    p.bin = (p.until - p.from) / (double)p.bins;
+    p.columns_from = -1;
+    const size_t length = (size_t)p.length + 2 * BESIDE;
+    p.low = malloc(p.bins * sizeof *p.low);
+    p.high = malloc(p.bins * sizeof *p.high);
+    p.w = malloc(length * sizeof *p.w);
+    shown *kept = malloc((SWEEP_NEAR + 1) * length * sizeof *kept);
+    if (p.swapped) p.columns = malloc(COLUMNS_AT_ONCE * (size_t)p.length * sizeof *p.columns);
+    bool good = p.low && p.high && p.w && kept && (p.columns || !p.swapped);
+    if (good) {
+        for (size_t b = 0; b < p.bins; b++) p.low[b] = p.high[b] = -INFINITY;
+        for (size_t k = 0; k <= SWEEP_NEAR; k++) p.kept[k] = kept + k * length;
+        good = sweep(&p, far, visit, context);
+    }
+    free(p.low);
+    free(p.high);
+    free(p.w);
+    free(kept);
+    free(p.columns);
+    return good;
+}

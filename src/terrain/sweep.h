@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* How steep the terrain rises before each sample as seen from one place, between bounds: found for all samples together, in a
+ * sweep outward, so that a line of sight has to be followed only where the bounds leave the answer open. */
+#ifndef CELLWALK_TERRAIN_SWEEP_H
+#define CELLWALK_TERRAIN_SWEEP_H
+
+#include "sight.h"
+
+/* What is known of the way to a sample. Rises are heights over the eye per share of the way. */
+typedef struct sweep_bounds {
+    double low;  /* something on the way rises by at least this */
+    double high; /* nothing farther than SWEEP_NEAR cells from the sample, and than one from the eye, rises by more */
+} sweep_bounds;
+enum { SWEEP_NEAR = 8 };
+
+/* Called for every sample of the field that is no hole, once; from several threads. */
+typedef void sweep_visit(void *context, size_t i, size_t j, double height_over_eye, sweep_bounds bounds);
+
+/* The sweep comes in parts, any of which may be done alone. */
+enum { SWEEP_PARTS = 64 };
+
+/* Samples farther away than most cells, on the longer axis, are left out. False if memory is short. */
+bool sweep_part(const sight *s, unsigned part, double most, sweep_visit *visit, void *context);
+
+#endif
