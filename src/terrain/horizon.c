@@ -99,8 +99,24 @@ static void add_sky(void *context, size_t begin, size_t end) {
     }
 }
 
-cw_status horizon_sky_view(horizon *h, const cw_query *query, size_t row, size_t rows, float *share) {
-    const size_t nx = h->terrain->nx, end = row + rows;
+/* One direction more, for rows that share their headings. */
+static cw_status add_direction(horizon *h, const cw_query *query, size_t k, size_t row, size_t rows, float *share) {
+    cw_heading *heading;
+    double slope;
+    const size_t nx = h->terrain->nx;
+    cw_status status = compass_heading(&h->compass, k, &heading, &slope);
+    /* What lies below the level hides nothing of the sky. */
+    if (status == CW_OK) status = cw_heading_steepest(heading, query, 0, INFINITY, 0, row, nx, rows, h->work);
+    if (status != CW_OK) return status;
+    adding a = {h->work, share, (float)(1 / slope), 1 / (float)h->compass.count};
+    cw_pool_run(query ? query->pool : NULL, nx * rows, GRAIN, add_sky, &a);
+    return CW_OK;
+}
+
+cw_status horizon_sky_view(horizon *h, const cw_query *query, size_t row, size_t rows, float *share,
+                           terrain_progress *progress, void *context, bool *done) {
+    const size_t nx = h->terrain->nx, first = row, end = row + rows;
+    *done = false;
     if (h->room < nx * rows) {
         free(h->work);
         h->work = malloc(nx * rows * sizeof *h->work);
@@ -112,16 +128,13 @@ cw_status horizon_sky_view(horizon *h, const cw_query *query, size_t row, size_t
         compass_turn(&h->compass, row, &count);
         count = count < end - row ? count : end - row;
         for (size_t k = 0; k < h->compass.count; k++) {
-            cw_heading *heading;
-            double slope;
-            cw_status status = compass_heading(&h->compass, k, &heading, &slope);
+            const double part = (double)k / (double)h->compass.count;
+            if (progress && !progress(context, ((double)(row - first) + part * (double)count) / (double)rows))
+                return CW_OK;
+            const cw_status status = add_direction(h, query, k, row, count, share);
             if (status != CW_OK) return status;
-            /* What lies below the level hides nothing of the sky. */
-            status = cw_heading_steepest(heading, query, 0, INFINITY, 0, row, nx, count, h->work);
-            if (status != CW_OK) return status;
-            adding a = {h->work, share, (float)(1 / slope), 1 / (float)h->compass.count};
-            cw_pool_run(query ? query->pool : NULL, nx * count, GRAIN, add_sky, &a);
         }
     }
+    *done = true;
     return CW_OK;
 }

@@ -82,7 +82,7 @@ static void sweep_parts(void *context, size_t begin, size_t end) {
             atomic_store(&q->failed, true);
 }
 
-static cw_status run(job *q, const cw_query *query, viewshed_progress *progress, void *context, bool *done) {
+static cw_status run(job *q, const cw_query *query, terrain_progress *progress, void *context, bool *done) {
     cw_pool *pool = query ? query->pool : NULL;
     const unsigned threads = pool ? cw_pool_threads(pool) : 1,
                    at_once = threads < SWEEP_PARTS / 4 ? 4 * threads : SWEEP_PARTS;
@@ -105,7 +105,7 @@ static bool own_sample(const viewshed *v, size_t *k) {
     return isfinite(t->z[*k]);
 }
 
-cw_status viewshed_count(const viewshed *v, const cw_query *query, uint16_t *seen, viewshed_progress *progress,
+cw_status viewshed_count(const viewshed *v, const cw_query *query, uint16_t *seen, terrain_progress *progress,
                          void *context, bool *done) {
     job q = {.v = v, .seen = seen};
     size_t own;
@@ -114,7 +114,7 @@ cw_status viewshed_count(const viewshed *v, const cw_query *query, uint16_t *see
     return status;
 }
 
-cw_status viewshed_heights(const viewshed *v, const cw_query *query, float *heights, viewshed_progress *progress,
+cw_status viewshed_heights(const viewshed *v, const cw_query *query, float *heights, terrain_progress *progress,
                            void *context, bool *done) {
     job q = {.v = v, .heights = heights};
     size_t own;

@@ -15,9 +15,6 @@ typedef struct viewshed_desc {
     double curvature;     /* as sight_init has it; not negative */
 } viewshed_desc;
 
-/* What is told of work that takes its time. False ends it. */
-typedef bool viewshed_progress(void *context, double share);
-
 typedef struct viewshed viewshed;
 
 /* CW_ERROR_ARGUMENT if there is no ground at the place to stand on. Terrain and bounds must stay. */
@@ -26,12 +23,12 @@ void viewshed_destroy(viewshed *v);
 const sight *viewshed_sight(const viewshed *v);
 
 /* Adds 1 to seen[j * nx + i] where sample (i, j) is seen. *done: false if progress ended it. progress may be NULL. */
-cw_status viewshed_count(const viewshed *v, const cw_query *query, uint16_t *seen, viewshed_progress *progress,
+cw_status viewshed_count(const viewshed *v, const cw_query *query, uint16_t *seen, terrain_progress *progress,
                          void *context, bool *done);
 
 /* The height above ground, in metres, that is needed at each sample to be seen, 0 where the ground is seen itself, NaN at
  * holes and farther away than the greatest distance. */
-cw_status viewshed_heights(const viewshed *v, const cw_query *query, float *heights, viewshed_progress *progress,
+cw_status viewshed_heights(const viewshed *v, const cw_query *query, float *heights, terrain_progress *progress,
                            void *context, bool *done);
 
 #endif

@@ -16,6 +16,11 @@ typedef struct command {
 extern const command command_info;
 extern const command command_render;
 extern const command command_trace;
+/* terrain/ */
+extern const command command_horizon;
+extern const command command_los;
+extern const command command_shadow;
+extern const command command_viewshed;
 
 /* Exit statuses: EXIT_USAGE where the command line asks for something that does not exist, EXIT_FAILURE for all that
  * goes wrong later. A program that was interrupted dies of the signal. */

@@ -10,12 +10,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const command *const commands[] = {&command_render, &command_trace, &command_info};
+static const command *const commands[] = {&command_render,   &command_trace, &command_shadow, &command_horizon,
+                                          &command_viewshed, &command_los,   &command_info};
 enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
 
 static void print_help(FILE *to) {
     fputs("Usage: cellwalk COMMAND [ARGUMENTS]\n\nWhere does this ray hit this height field?\n\nCommands:\n", to);
-    for (size_t k = 0; k < COMMAND_COUNT; k++) fprintf(to, "  %-8s %s\n", commands[k]->name, commands[k]->what);
+    for (size_t k = 0; k < COMMAND_COUNT; k++) fprintf(to, "  %-9s %s\n", commands[k]->name, commands[k]->what);
     fputs(
         "\n'cellwalk COMMAND --help' explains a command and gives examples; 'cellwalk --version' says what this is.\n",
         to);

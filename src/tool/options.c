@@ -7,6 +7,7 @@
 #include "command.h"
 
 #include <float.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -53,13 +54,29 @@ static options_result unknown(const options_usage *usage, const char *argument, 
     return wrong(usage);
 }
 
+static bool add_to_list(const options_usage *usage, const option_spec *o, const char *value) {
+    option_list *list = o->to;
+    if (list->count == OPTION_LIST_MOST)
+        return command_fail(usage->name, "--%s may be given %d times at most", o->name, OPTION_LIST_MOST), false;
+    list->values[list->count++] = value;
+    return true;
+}
+
 static bool set_value(const options_usage *usage, const option_spec *o, const char *value) {
-    if (o->kind == OPTION_TEXT) {
+    if (o->kind == OPTION_TEXT || o->kind == OPTION_LIST) {
         if (value[0] == '\0') return command_fail(usage->name, "--%s needs a value that is not empty", o->name), false;
+        if (o->kind == OPTION_LIST) return add_to_list(usage, o, value);
         *(const char **)o->to = value;
         return true;
     }
     char *end = NULL;
+    if (o->kind == OPTION_NUMBER) {
+        const double number = strtod(value, &end);
+        if (end == value || *end != '\0' || !isfinite(number))
+            return command_fail(usage->name, "--%s takes a number, not '%s'", o->name, value), false;
+        *(double *)o->to = number;
+        return true;
+    }
     if (o->kind == OPTION_REAL) {
         const float real = strtof(value, &end);
         const bool whole = end != value && *end == '\0';
@@ -115,6 +132,9 @@ static options_result take_option(const options_usage *usage, int argc, char **a
     return set_value(usage, o, value) ? OPTIONS_GO : wrong(usage);
 }
 
+/* No option begins with a digit or a point: "-3.5,7" is a place. */
+static bool is_number(const char *argument) { return strchr("0123456789.", argument[1]) != NULL; }
+
 options_result options_parse(const options_usage *usage, int argc, char **argv, const char **operands) {
     for (size_t k = 0; k < usage->operand_most; k++) operands[k] = NULL;
     size_t given = 0;
@@ -126,7 +146,7 @@ options_result options_parse(const options_usage *usage, int argc, char **argv, 
         } else if (!options_over && (strcmp(argument, "--help") == 0 || strcmp(argument, "-h") == 0)) {
             print_help(usage);
             return OPTIONS_HELP;
-        } else if (!options_over && argument[0] == '-' && argument[1] != '\0') {
+        } else if (!options_over && argument[0] == '-' && argument[1] != '\0' && !is_number(argument)) {
             const options_result result = take_option(usage, argc, argv, &k);
             if (result != OPTIONS_GO) return result;
         } else if (given < usage->operand_most) {

@@ -9,11 +9,20 @@
 #include <stddef.h>
 
 typedef enum option_kind {
-    OPTION_FLAG,  /* to: bool *; takes no value */
-    OPTION_TEXT,  /* to: const char **; the argument itself, not a copy */
-    OPTION_COUNT, /* to: unsigned *; a whole number in [low, high] */
-    OPTION_REAL   /* to: float *; finite, not negative */
+    OPTION_FLAG,   /* to: bool *; takes no value */
+    OPTION_TEXT,   /* to: const char **; the argument itself, not a copy */
+    OPTION_COUNT,  /* to: unsigned *; a whole number in [low, high] */
+    OPTION_REAL,   /* to: float *; finite, not negative */
+    OPTION_NUMBER, /* to: double *; finite */
+    OPTION_LIST    /* to: option_list *; may be given several times */
 } option_kind;
+
+/* The values of an option that may be given several times, the arguments themselves, in order. */
+enum { OPTION_LIST_MOST = 256 };
+typedef struct option_list {
+    size_t count;
+    const char *values[OPTION_LIST_MOST];
+} option_list;
 
 typedef struct option_spec {
     const char *name;  /* without dashes */

@@ -109,7 +109,7 @@ static bool prepare(trace *t, io_error *error) {
     const request *r = t->request;
     if (!open_rays(t, error)) return false;
     if (r->hits && !hits_file_create(&t->writer, r->hits, t->ray_count, error)) return false;
-    if (!field_file_open(&t->field, r->field, &t->query, error)) return false;
+    if (!field_file_open(&t->field, r->field, NULL, &t->query, error)) return false;
     t->query.kernel = t->field.kernel;
     const cw_status status = cw_pool_create(r->query.threads, &t->query.pool);
     if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));

@@ -113,7 +113,7 @@ static void check_sample(const ground *g, const viewshed_desc *d, const viewshed
 /* All samples of a small field, some of a larger one. */
 static void check_view(const ground *g, const sight_bounds *bounds, const viewshed_desc *d, random_state *r,
                        tally *sum) {
-    const size_t nx = g->terrain.nx, all = nx * g->terrain.ny, some = all > 250 ? 250 : all;
+    const size_t nx = g->terrain.nx, all = nx * g->terrain.ny, some = all > 80 ? 80 : all;
     const cw_query query = cw_query_default();
     viewshed *v = view(g, bounds, d);
     count(v, &query);
