@@ -83,8 +83,9 @@ static int create_temporary(struct slot *s, const char *target) {
 }
 
 /* Opens out's file, temporary or, for a device or a pipe, the target itself. -1 with errno on failure. */
-static int open_file(io_output *out) {
+static int open_file(io_output *out, const char *path) {
     struct stat old;
+    if (strcmp(path, "-") == 0) return fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0);
     const bool exists = stat(out->target, &old) == 0;
     if (exists && !S_ISREG(old.st_mode)) {
         out->slot = DIRECT;
@@ -116,8 +117,8 @@ bool io_output_open(io_output *out, const char *path, io_error *error) {
     /* Follow links, so that the file behind a link is replaced and not the link. A new file has nothing to follow. */
     out->target = realpath(path, NULL);
     if (out->target == NULL && errno == ENOENT) out->target = strdup(path);
-    out->name = strdup(path);
-    const int fd = out->target && out->name ? open_file(out) : -1;
+    out->name = strdup(strcmp(path, "-") == 0 ? "standard output" : path);
+    const int fd = out->target && out->name ? open_file(out, path) : -1;
     if (fd >= 0 && (out->file = fdopen(fd, "wb")) != NULL) return true;
     io_fail(error, "%s: cannot write: %s", path, strerror(errno));
     if (fd >= 0) {

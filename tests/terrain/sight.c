@@ -184,7 +184,7 @@ static void every_edge_counts(void **state) {
                 sight_bounds_destroy(bounds);
                 ground_free(&g);
             }
-    check(sum.seen > 10000 && sum.hidden > 10000, "%zu seen, %zu hidden", sum.seen, sum.hidden);
+    check(sum.seen > 3000 && sum.hidden > 3000, "%zu seen, %zu hidden", sum.seen, sum.hidden);
 }
 
 /* Larger, with everything that bounds pass over; a part of the samples is looked at. */
