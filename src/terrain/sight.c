@@ -180,7 +180,8 @@ typedef struct search {
 static bool look_for_steepest(void *context, double share, double height) {
     search *s = context;
     const double rise = height / share;
-    if (!(rise > s->rise.steepest || rise >= s->enough)) return false;
+    const bool nearer = rise == s->rise.steepest && share < s->rise.share; /* of equals the nearest to the eye */
+    if (!(rise > s->rise.steepest || nearer || rise >= s->enough)) return false;
     s->rise = (sight_rise){rise, share};
     return rise >= s->enough;
 }

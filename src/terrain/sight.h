@@ -32,8 +32,8 @@ double sight_fall(const sight *s, double i, double j);
 double sight_sample(const sight *s, size_t i, size_t j);
 
 /* The steepest rise from the eye on the way to (i, j), as height over the eye per share of the way, both ends left out, and
- * the share at which it is. What is less than least comes out as least, at share 0, and the first that is at least enough ends
- * the search: with both the height of (i, j) over the eye, less, whether it is seen. */
+ * the share at which it is, the least of several. What is less than least comes out as least, at share 0, and the first that
+ * is at least enough ends the search: with both the height of (i, j) over the eye, less, whether it is seen. */
 typedef struct sight_rise {
     double steepest, share;
 } sight_rise;

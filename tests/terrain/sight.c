@@ -2,56 +2,12 @@
 /* Viewsheds and lines of sight against all edges of the field one by one, against shapes whose answers are known, and with
  * any number of threads. */
 
+#include "brute_sight.h"
 #include "ground.h"
 #include "random.h"
 #include "viewshed.h"
 
 #include <string.h>
-
-/* The steepest rise on the way from the eye to (i, j), both ends left out, by looking at every edge. */
-typedef struct brute_way {
-    const sight *sight;
-    double target[2];
-    double steepest;
-} brute_way;
-
-static void see(brute_way *w, double share, double height) {
-    if (share > 1e-9 && share < 1 - 1e-9 && height / share > w->steepest) w->steepest = height / share;
-}
-
-static double side(const brute_way *w, double x, double y) {
-    const double *e = w->sight->eye;
-    return (w->target[0] - e[0]) * (y - e[1]) - (w->target[1] - e[1]) * (x - e[0]);
-}
-
-static double share_at(const brute_way *w, double x, double y) {
-    const double *e = w->sight->eye, dx = w->target[0] - e[0], dy = w->target[1] - e[1];
-    return ((x - e[0]) * dx + (y - e[1]) * dy) / (dx * dx + dy * dy);
-}
-
-static void see_edge(brute_way *w, size_t i, size_t j, size_t di, size_t dj) {
-    const terrain *t = w->sight->terrain;
-    const double x = (double)i, y = (double)j;
-    if (isnan(t->z[j * t->nx + i])) return;
-    const double a = side(w, x, y), height = sight_sample(w->sight, i, j), close = 1e-9;
-    if (fabs(a) < close) see(w, share_at(w, x, y), height);
-    if (i + di >= t->nx || j + dj >= t->ny || isnan(t->z[(j + dj) * t->nx + i + di])) return;
-    const double b = side(w, x + (double)di, y + (double)dj), other = sight_sample(w->sight, i + di, j + dj);
-    if (a * b >= 0 || fabs(a) < close || fabs(b) < close) return;
-    const double f = a / (a - b);
-    see(w, share_at(w, x + f * (double)di, y + f * (double)dj), height + f * (other - height));
-}
-
-static double brute(const sight *s, double i, double j) {
-    brute_way w = {s, {i, j}, -INFINITY};
-    for (size_t y = 0; y < s->terrain->ny; y++)
-        for (size_t x = 0; x < s->terrain->nx; x++) {
-            see_edge(&w, x, y, 1, 0);
-            see_edge(&w, x, y, 0, 1);
-            see_edge(&w, x, y, 1, 1);
-        }
-    return w.steepest;
-}
 
 enum { SAMPLES_MOST = 200 * 200 };
 static uint16_t seen[SAMPLES_MOST];
@@ -96,7 +52,7 @@ static void check_sample(const ground *g, const viewshed_desc *d, const viewshed
     }
     const double base = sight_sample(s, i, j), metres = terrain_metres_of_height(t);
     const double top = base + d->target_height / metres;
-    const double steepest = brute(s, (double)i, (double)j), room = 1e-9 * (1 + fabs(steepest));
+    const double steepest = brute_steepest(s, (double)i, (double)j), room = 1e-9 * (1 + fabs(steepest));
     const bool own = (double)i == s->eye[0] && (double)j == s->eye[1];
     if (own || fabs(steepest - top) > room) {
         const bool wanted = own || steepest < top;
