@@ -108,6 +108,7 @@ typedef struct way {
     double length; /* cells along the longer axis */
     int longer;
     double least; /* shares nearer to an end than this are the end */
+    double fall;  /* the lowering at the target */
 } way;
 
 static way way_to(const sight *s, double i, double j) {
@@ -115,6 +116,7 @@ static way way_to(const sight *s, double i, double j) {
     w.longer = fabs(w.step[1]) > fabs(w.step[0]);
     w.length = fabs(w.step[w.longer]);
     w.least = at_end / w.length;
+    w.fall = sight_fall(s, i, j);
     return w;
 }
 
@@ -123,37 +125,50 @@ typedef bool way_look(void *context, double share, double height);
 
 static inline double at(double from, double step, double share) { return from + share * step; }
 
-/* Sees the crossing at share, on the edge from sample (i, j) in direction (di, dj), that far along it. */
-static inline bool see_edge(const way *w, double share, double i, double j, int di, int dj, double along,
-                            way_look *look, void *context) {
-    const terrain *t = w->sight->terrain;
-    if (!(share > w->least && share < 1 - w->least)) return false;
-    if (!(i >= 0 && j >= 0 && i < (double)t->nx && j < (double)t->ny)) return false;
-    const double a = sight_sample(w->sight, (size_t)i, (size_t)j);
-    double height = a;
-    if (along > 0) {
-        if (!(i + di < (double)t->nx && j + dj < (double)t->ny)) return false;
-        height = a + along * (sight_sample(w->sight, (size_t)i + (size_t)di, (size_t)j + (size_t)dj) - a);
-    }
-    return isfinite(height) && look(context, 1 - share, height);
+/* Places on the way are within 2^24 of the field. A cast is an instruction where floor may be a call. */
+static inline double whole_below(double x) {
+    const double n = (double)(long)x;
+    return n > x ? n - 1 : n;
 }
+static inline double whole_above(double x) { return -whole_below(-x); }
 
 /* What is nearer to a whole number than rounding can tell is that number. */
 static inline double snapped(double x) {
-    const double n = nearbyint(x);
+    const double n = whole_below(x + 0.5);
     return fabs(x - n) < at_end ? n : x;
 }
 
+/* Sees the crossing at share, on the edge from sample (i, j) in direction (di, dj), that far along it. The lowering is a
+ * quadratic form q around the eye: q(s v) = s² q(v), and a mean of its values at two ends of an edge e, at f of it, is the
+ * value there plus f (1 - f) q(e). */
+static inline bool see_edge(const way *w, double share, double i, double j, long di, long dj, double along,
+                            way_look *look, void *context) {
+    const sight *s = w->sight;
+    const terrain *t = s->terrain;
+    if (!(share > w->least && share < 1 - w->least)) return false;
+    if (!(i >= 0 && j >= 0 && i < (double)t->nx && j < (double)t->ny)) return false;
+    const float *z = t->z + (size_t)j * t->nx + (size_t)i;
+    const double from_eye = 1 - share;
+    double height = (double)*z;
+    if (along > 0) {
+        if (!(i + (double)di < (double)t->nx && j + (double)dj < (double)t->ny)) return false;
+        const double edge = (di ? s->fall[0] : 0) + (di && dj ? s->fall[1] : 0) + (dj ? s->fall[2] : 0);
+        height += along * ((double)z[(size_t)dj * t->nx + (size_t)di] - height) - along * (1 - along) * edge;
+    }
+    height -= s->eye[2] + from_eye * from_eye * w->fall;
+    return isfinite(height) && look(context, from_eye, height);
+}
+
 /* The crossings between two shares, a <= b, both included, so that none is lost between two stretches. */
-static bool look_between(const way *w, double a, double b, way_look *look, void *context) {
+static inline bool look_between(const way *w, double a, double b, way_look *look, void *context) {
     const double *p = w->place, *d = w->step;
     for (int axis = 0; axis < 2; axis++) {
         if (d[axis] == 0) continue;
-        const double from = at(p[axis], d[axis], a), to = at(p[axis], d[axis], b);
-        const double low = ceil(fmin(from, to)), high = floor(fmax(from, to));
+        const double from = at(p[axis], d[axis], a), to = at(p[axis], d[axis], b), per_step = 1 / d[axis];
+        const double low = whole_above(from < to ? from : to), high = whole_below(from < to ? to : from);
         for (double n = low; n <= high; n++) {
-            const double share = (n - p[axis]) / d[axis], other = snapped(at(p[1 - axis], d[1 - axis], share));
-            const double first = floor(other);
+            const double share = (n - p[axis]) * per_step, other = snapped(at(p[1 - axis], d[1 - axis], share));
+            const double first = whole_below(other);
             const bool end = axis == 0 ? see_edge(w, share, n, first, 0, 1, other - first, look, context)
                                        : see_edge(w, share, first, n, 1, 0, other - first, look, context);
             if (end) return true;
@@ -161,10 +176,10 @@ static bool look_between(const way *w, double a, double b, way_look *look, void 
     }
     const double across = d[0] - d[1], start = p[0] - p[1];
     if (fabs(across) * 0x1p27 <= w->length) return false; /* along the diagonals */
-    const double from = at(start, across, a), to = at(start, across, b);
-    const double low = ceil(fmin(from, to)), high = floor(fmax(from, to));
+    const double from = at(start, across, a), to = at(start, across, b), per_step = 1 / across;
+    const double low = whole_above(from < to ? from : to), high = whole_below(from < to ? to : from);
     for (double n = low; n <= high; n++) {
-        const double share = (n - start) / across, x = snapped(at(p[0], d[0], share)), first = floor(x);
+        const double share = (n - start) * per_step, x = snapped(at(p[0], d[0], share)), first = whole_below(x);
         if (see_edge(w, share, first, first - n, 1, 1, x - first, look, context)) return true;
     }
     return false;
@@ -177,8 +192,11 @@ typedef struct search {
     double enough;
 } search;
 
-static bool look_for_steepest(void *context, double share, double height) {
+static inline bool look_for_steepest(void *context, double share, double height) {
     search *s = context;
+    /* Most are lower by far, which tells without a division. */
+    const double line = s->rise.steepest * share;
+    if (height < line - 0x1p-50 * (fabs(line) + fabs(height))) return false;
     const double rise = height / share;
     const bool nearer = rise == s->rise.steepest && share < s->rise.share; /* of equals the nearest to the eye */
     if (!(rise > s->rise.steepest || nearer || rise >= s->enough)) return false;
@@ -208,8 +226,10 @@ static double bound_between(const way *w, double a, double b, int level) {
     const double y0 = at(w->place[1], w->step[1], a), y1 = at(w->place[1], w->step[1], b);
     const double most_x = (double)(s->terrain->nx - 1), most_y = (double)(s->terrain->ny - 1);
     /* Samples on either side of the way, and one more for rounding. */
-    const double left = clamped(floor(fmin(x0, x1)) - 1, 0, most_x), right = clamped(ceil(fmax(x0, x1)) + 1, 0, most_x);
-    const double top = clamped(floor(fmin(y0, y1)) - 1, 0, most_y), bottom = clamped(ceil(fmax(y0, y1)) + 1, 0, most_y);
+    const double left = clamped(whole_below(x0 < x1 ? x0 : x1) - 1, 0, most_x),
+                 right = clamped(whole_above(x0 < x1 ? x1 : x0) + 1, 0, most_x);
+    const double top = clamped(whole_below(y0 < y1 ? y0 : y1) - 1, 0, most_y),
+                 bottom = clamped(whole_above(y0 < y1 ? y1 : y0) + 1, 0, most_y);
     const int shift = FIRST_SHIFT + 2 * level;
     const size_t across = bounds->across[level], down = bounds->down[level];
     size_t u0 = (size_t)left >> shift, u1 = (size_t)right >> shift, v0 = (size_t)top >> shift,
@@ -256,16 +276,20 @@ sight_rise sight_steepest(const sight *s, double i, double j, double least, doub
     return found.rise;
 }
 
-bool sight_sees(const sight *s, double i, double j, double height, double near, double far) {
+bool sight_sees(const sight *s, double i, double j, double height, const sight_bound *bound) {
     const way w = way_to(s, i, j);
     search found = {{height, 0}, height};
     if (!(w.length > at_end)) return true;
-    const double first = near < w.length ? near / w.length : 1;
-    if (near > 0 && look_between(&w, 0, first, look_for_steepest, &found)) return false;
-    const double last = fmax(first, 1 - 1 / w.length);
-    if (near > 0 && last < 1 && look_between(&w, last, 1, look_for_steepest, &found)) return false;
-    if (far < height || first == 1) return true;
-    search_from(&w, near, &found);
+    /* Close to both ends. */
+    const double first = bound->near < w.length ? bound->near / w.length : 1, last = fmax(first, 1 - 1 / w.length);
+    if (look_between(&w, 0, first, look_for_steepest, &found)) return false;
+    if (last < 1 && look_between(&w, last, 1, look_for_steepest, &found)) return false;
+    if (bound->high < height || first == 1) return true;
+    /* Where something is high, and if that does not hide it, all the rest. */
+    const double a = fmax(first, 1 - bound->to_eye / w.length), b = fmin(last, 1 - bound->from_eye / w.length);
+    if (a < b && look_between(&w, a, b, look_for_steepest, &found)) return false;
+    if (bound->rest < height) return true;
+    search_from(&w, bound->near, &found);
     return found.rise.share == 0;
 }
 

@@ -39,9 +39,15 @@ typedef struct sight_rise {
 } sight_rise;
 sight_rise sight_steepest(const sight *s, double i, double j, double least, double enough);
 
-/* Whether (i, j), height over the eye's, is seen, when anything farther than near cells from it and than one cell from the
- * eye, along the longer axis, is known to rise by no more than far. What touches the line blocks it. */
-bool sight_sees(const sight *s, double i, double j, double height, double near, double far);
+/* What is known of what lies on the way to a place: nothing farther than near cells from it and than one cell from the eye
+ * rises by more than high; with what is from_eye to to_eye cells from the eye left out as well, by no more than rest. Cells
+ * count along the way's longer axis. */
+typedef struct sight_bound {
+    double near, high, rest, from_eye, to_eye;
+} sight_bound;
+
+/* Whether (i, j), height over the eye's, is seen. What touches the line blocks it. */
+bool sight_sees(const sight *s, double i, double j, double height, const sight_bound *bound);
 
 /* The first place on the way to (i, j), height over the eye's, at which the straight line to there is on or below the
  * surface, as a share of the way, with both ends left out; infinite if there is none. */

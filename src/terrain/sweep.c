@@ -7,11 +7,12 @@
  * rise that nothing behind can look over.
  *
  * Going outward row by row, each bin keeps the greatest of either. Where bins have become wider than half a cell they are cut
- * in two. A sample below the lower bound of its bin is hidden. One above the upper bound, taken without the last few rows, is
- * seen unless something close by hides it, which is looked at exactly; the last rows are left out because next to a sample
- * the bound, which takes in its neighbours, is blunt. So is the first cell before the eye, where edges end behind it. All
- * the rest, mostly at the edges of what is seen, is decided by
- * following the line. So the bounds save work and never change an answer. */
+ * in two. A sample below the lower bound of its bin is hidden. One above the upper bound is seen unless something close by
+ * hides it, which is looked at exactly: the last rows are left out of the upper bound because next to a sample the bound,
+ * which takes in its neighbours, is blunt, and so is the first cell before the eye, where edges end behind it. Between the
+ * bounds, what may hide a sample is mostly one ridge. Rows are therefore taken in blocks, and the upper bound is kept twice,
+ * with the block that is highest and without it: that block is looked at exactly, and seldom more than that. The rest is
+ * decided by following the line. So the bounds save work and never change an answer. */
 
 #include "sweep.h"
 
@@ -19,13 +20,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SLICES = SWEEP_PARTS / 4, FIRST_REACH = 8, COLUMNS_AT_ONCE = 16, BESIDE = 4 };
+enum { SLICES = SWEEP_PARTS / 4, NEAR = 4, BLOCK = 4, FIRST_REACH = 8, COLUMNS_AT_ONCE = 16, BESIDE = 4 };
 
 /* A row as its bins see it: for samples from the one at or below a place on. */
 typedef struct shown {
     float low;  /* of that sample and the two after it; -infinity if one is missing */
     float high; /* from the sample before that one to the third after it */
 } shown;
+
+/* A small range of directions: bounds of the rises in it so far. Rows are taken together in blocks; what rises highest is
+ * most often one ridge, and all but the block with that has a lower bound of its own. */
+typedef struct bin {
+    float low;
+    float high, rest; /* over all rows that were taken in; over those outside the block */
+    int32_t block;    /* row number / BLOCK of the highest */
+} bin;
 
 typedef struct part {
     const sight *sight;
@@ -35,13 +44,13 @@ typedef struct part {
     long rows, length;  /* of the field, in this sense */
     double from, until; /* directions */
     long reach;         /* rows for which the bins are narrow enough */
-    double bin;         /* width of a bin */
+    double width;       /* of a bin */
     size_t bins;
-    float *low, *high;           /* of each bin */
-    long left, right;            /* samples of a row that are needed: left to right, without right */
-    float *w;                    /* the row's rises; BESIDE more on both sides */
-    shown *kept[SWEEP_NEAR + 1]; /* of the last rows */
-    long kept_left[SWEEP_NEAR + 1], kept_right[SWEEP_NEAR + 1];
+    struct bin *of;        /* bins of them */
+    long left, right;      /* samples of a row that are needed: left to right, without right */
+    float *w;              /* the row's rises; BESIDE more on both sides */
+    shown *kept[NEAR + 1]; /* of the last rows */
+    long kept_left[NEAR + 1], kept_right[NEAR + 1];
     float *columns; /* COLUMNS_AT_ONCE columns of the field, as rows */
     long columns_from, columns_left, columns_right;
 } part;
@@ -102,7 +111,7 @@ static float most(float a, float b) { return a > b ? a : b; } /* b if a is NaN *
 
 /* What bins see of the row; entry 0 is for the sample left - 2. */
 static void keep(part *p, long row, long left, long right) {
-    const size_t slot = (size_t)row % (SWEEP_NEAR + 1);
+    const size_t slot = (size_t)row % (NEAR + 1);
     shown *to = p->kept[slot];
     p->kept_left[slot] = left - 2;
     p->kept_right[slot] = right;
@@ -115,10 +124,29 @@ static void keep(part *p, long row, long left, long right) {
     }
 }
 
+static void raise(bin *b, float high, int32_t block) {
+    if (block == b->block) {
+        b->high = most(high, b->high);
+    } else if (high > b->high) {
+        b->rest = b->high;
+        b->high = high;
+        b->block = block;
+    } else {
+        b->rest = most(high, b->rest);
+    }
+}
+
+/* Two bins as one. */
+static void unite(bin *b, const bin *other) {
+    b->low = least(b->low, other->low);
+    b->rest = b->block == other->block ? most(b->rest, other->rest) : most(b->high, other->high);
+    b->high = most(b->high, other->high);
+}
+
 /* Bins take in a row, its lower bounds or its upper ones. */
 static void take_in(part *p, long row, bool lower) {
-    const size_t slot = (size_t)row % (SWEEP_NEAR + 1);
-    const double r = distance(p, row), step = r * p->bin, start = p->aside + r * p->from;
+    const size_t slot = (size_t)row % (NEAR + 1);
+    const double r = distance(p, row), step = r * p->width, start = p->aside + r * p->from;
     const shown *from = p->kept[slot];
     const double first = (double)p->kept_left[slot], last = (double)p->kept_right[slot];
     /* Bins whose sample is there. */
@@ -130,25 +158,20 @@ static void take_in(part *p, long row, bool lower) {
         if (k < 0 || (double)k + first >= last) continue;
         const size_t n = (size_t)b;
         if (lower)
-            p->low[n] = most(from[k].low, p->low[n]);
+            p->of[n].low = most(from[k].low, p->of[n].low);
         else
-            p->high[n] = most(from[k].high, p->high[n]);
+            raise(&p->of[n], from[k].high, (int32_t)(row / BLOCK));
     }
 }
 
 /* Cuts bins in two. */
 static bool refine(part *p) {
-    float *low = realloc(p->low, 2 * p->bins * sizeof *low);
-    if (low != NULL) p->low = low;
-    float *high = low ? realloc(p->high, 2 * p->bins * sizeof *high) : NULL;
-    if (high != NULL) p->high = high;
-    if (low == NULL || high == NULL) return false;
-    for (size_t b = p->bins; b-- > 0;) {
-        low[2 * b] = low[2 * b + 1] = low[b];
-        high[2 * b] = high[2 * b + 1] = high[b];
-    }
+    bin *of = realloc(p->of, 2 * p->bins * sizeof *of);
+    if (of == NULL) return false;
+    for (size_t b = p->bins; b-- > 0;) of[2 * b] = of[2 * b + 1] = of[b];
+    p->of = of;
     p->bins *= 2;
-    p->bin /= 2;
+    p->width /= 2;
     p->reach *= 2;
     return true;
 }
@@ -171,23 +194,22 @@ static void visit_row(part *p, long row, sweep_visit *visit, void *context) {
         const double u = ((double)i - p->aside) / r;
         const bool last = p->until == 1, mine = u >= p->from && (u < p->until || (last && u <= 1));
         if (!isfinite(h) || !mine || (p->swapped && fabs(u) >= 1)) continue;
-        const double bin = floor((u - p->from) / p->bin);
-        const size_t n = bin < 0 ? 0 : bin < (double)p->bins ? (size_t)bin : p->bins - 1;
+        const double place = (u - p->from) / p->width, whole = floor(place);
+        const size_t n = whole < 0 ? 0 : whole < (double)p->bins ? (size_t)whole : p->bins - 1;
         /* A direction at a border of two bins, as far as rounding can tell, is seen by both. */
-        float low = p->low[n], high = p->high[n];
-        if (n > 0 && (u - p->from) / p->bin - (double)n < 1e-6) {
-            low = least(low, p->low[n - 1]);
-            high = most(high, p->high[n - 1]);
-        }
-        if (n + 1 < p->bins && (double)(n + 1) - (u - p->from) / p->bin < 1e-6) {
-            low = least(low, p->low[n + 1]);
-            high = most(high, p->high[n + 1]);
-        }
-        const sweep_bounds bounds = {set_down(low) * r, set_up(high) * r};
+        bin here = p->of[n];
+        if (n > 0 && place - (double)n < 1e-6) unite(&here, &p->of[n - 1]);
+        if (n + 1 < p->bins && (double)(n + 1) - place < 1e-6) unite(&here, &p->of[n + 1]);
+        /* All triangles with a sample in the block, from the row before it to the row behind it. */
+        const double one = (double)(here.block * BLOCK - 1) - p->eye,
+                     other = (double)((here.block + 1) * BLOCK) - p->eye;
+        const double from_eye = p->outward > 0 ? one : -other, to_eye = p->outward > 0 ? other : -one;
+        const sweep_bounds bounds = {set_down(here.low) * r,
+                                     {NEAR, set_up(here.high) * r, set_up(here.rest) * r, from_eye, to_eye}};
         if (p->swapped)
-            visit(context, (size_t)row, (size_t)i, height_over_eye(p, row, i, h), bounds);
+            visit(context, (size_t)row, (size_t)i, height_over_eye(p, row, i, h), &bounds);
         else
-            visit(context, (size_t)i, (size_t)row, height_over_eye(p, row, i, h), bounds);
+            visit(context, (size_t)i, (size_t)row, height_over_eye(p, row, i, h), &bounds);
     }
 }
 
@@ -200,7 +222,7 @@ static bool sweep(part *p, double far, sweep_visit *visit, void *context) {
         const double r = distance(p, row);
         while (r > (double)p->reach)
             if (!refine(p)) return false;
-        for (; (row - taken) * p->outward >= SWEEP_NEAR; taken += p->outward) take_in(p, taken, false);
+        for (; (row - taken) * p->outward >= NEAR; taken += p->outward) take_in(p, taken, false);
         visit_row(p, row, visit, context);
         long left, right;
         row_range(p, r, &left, &right);
@@ -223,22 +245,20 @@ bool sweep_part(const sight *s, unsigned number, double far, sweep_visit *visit,
     p.until = 2.0 * (slice + 1) / SLICES - 1;
     p.reach = FIRST_REACH;
     p.bins = 2 * FIRST_REACH * 2 / SLICES;
-    p.bin = (p.until - p.from) / (double)p.bins;
+    p.width = (p.until - p.from) / (double)p.bins;
     p.columns_from = -1;
     const size_t length = (size_t)p.length + 2 * BESIDE;
-    p.low = malloc(p.bins * sizeof *p.low);
-    p.high = malloc(p.bins * sizeof *p.high);
+    p.of = malloc(p.bins * sizeof *p.of);
     p.w = malloc(length * sizeof *p.w);
-    shown *kept = malloc((SWEEP_NEAR + 1) * length * sizeof *kept);
+    shown *kept = malloc((NEAR + 1) * length * sizeof *kept);
     if (p.swapped) p.columns = malloc(COLUMNS_AT_ONCE * (size_t)p.length * sizeof *p.columns);
-    bool good = p.low && p.high && p.w && kept && (p.columns || !p.swapped);
+    bool good = p.of && p.w && kept && (p.columns || !p.swapped);
     if (good) {
-        for (size_t b = 0; b < p.bins; b++) p.low[b] = p.high[b] = -INFINITY;
-        for (size_t k = 0; k <= SWEEP_NEAR; k++) p.kept[k] = kept + k * length;
+        for (size_t b = 0; b < p.bins; b++) p.of[b] = (bin){-INFINITY, -INFINITY, -INFINITY, -1};
+        for (size_t k = 0; k <= NEAR; k++) p.kept[k] = kept + k * length;
         good = sweep(&p, far, visit, context);
     }
-    free(p.low);
-    free(p.high);
+    free(p.of);
     free(p.w);
     free(kept);
     free(p.columns);

@@ -6,15 +6,14 @@
 
 #include "sight.h"
 
-/* What is known of the way to a sample. Rises are heights over the eye per share of the way. */
+/* What is known of the way to a sample. */
 typedef struct sweep_bounds {
-    double low;  /* something on the way rises by at least this */
-    double high; /* nothing farther than SWEEP_NEAR cells from the sample, and than one from the eye, rises by more */
+    double low; /* something on the way rises by at least this, as height over the eye per share of the way */
+    sight_bound high;
 } sweep_bounds;
-enum { SWEEP_NEAR = 8 };
 
 /* Called for every sample of the field that is no hole, once; from several threads. */
-typedef void sweep_visit(void *context, size_t i, size_t j, double height_over_eye, sweep_bounds bounds);
+typedef void sweep_visit(void *context, size_t i, size_t j, double height_over_eye, const sweep_bounds *bounds);
 
 /* The sweep comes in parts, any of which may be done alone. */
 enum { SWEEP_PARTS = 64 };

@@ -58,19 +58,19 @@ typedef struct job {
     atomic_bool failed;
 } job;
 
-static void count_sample(void *context, size_t i, size_t j, double ground, sweep_bounds bounds) {
+static void count_sample(void *context, size_t i, size_t j, double ground, const sweep_bounds *bounds) {
     job *q = context;
     const viewshed *v = q->v;
     const double top = ground + v->target;
-    if (bounds.low >= top || !is_near(v, (double)i, (double)j)) return;
-    if (sight_sees(&v->sight, (double)i, (double)j, top, SWEEP_NEAR, bounds.high)) q->seen[j * v->terrain->nx + i]++;
+    if (bounds->low >= top || !is_near(v, (double)i, (double)j)) return;
+    if (sight_sees(&v->sight, (double)i, (double)j, top, &bounds->high)) q->seen[j * v->terrain->nx + i]++;
 }
 
-static void measure_sample(void *context, size_t i, size_t j, double ground, sweep_bounds bounds) {
+static void measure_sample(void *context, size_t i, size_t j, double ground, const sweep_bounds *bounds) {
     job *q = context;
     const viewshed *v = q->v;
     if (!is_near(v, (double)i, (double)j)) return;
-    const double least = bounds.low > ground ? bounds.low : ground;
+    const double least = bounds->low > ground ? bounds->low : ground;
     const sight_rise r = sight_steepest(&v->sight, (double)i, (double)j, least, INFINITY);
     q->heights[j * v->terrain->nx + i] = (float)((r.steepest - ground) * v->terrain->map[2][2]);
 }
