@@ -55,6 +55,8 @@ io_gdal_target *gdal_create(const char *path, const char *name, const io_raster_
     char **options = NULL;
     options = CSLSetNameValue(options, "TILED", "YES");
     options = CSLSetNameValue(options, "COMPRESS", "DEFLATE");
+    options =
+        CSLSetNameValue(options, "ZLEVEL", "1"); /* floats get hardly smaller by more, but take three times as long */
     options = CSLSetNameValue(options, "PREDICTOR",
                               p->cell == IO_CELL_FLOAT32  ? "3"
                               : p->cell == IO_CELL_UINT16 ? "2"
