@@ -73,6 +73,25 @@ void sight_bounds_destroy(sight_bounds *b) {
 
 /* ---- the place ---------------------------------------------------------------------------------------------------- */
 
+static double clamped(double x, double low, double high) { return x < low ? low : x > high ? high : x; }
+
+/* Edges that are crossed within a cell of the eye end within two of it. */
+static double highest_around(const sight *s) {
+    const terrain *t = s->terrain;
+    const double most_i = (double)(t->nx - 1), most_j = (double)(t->ny - 1);
+    const size_t left = (size_t)clamped(ceil(s->eye[0] - 2), 0, most_i),
+                 top = (size_t)clamped(ceil(s->eye[1] - 2), 0, most_j);
+    const size_t right = (size_t)clamped(floor(s->eye[0] + 2), 0, most_i),
+                 bottom = (size_t)clamped(floor(s->eye[1] + 2), 0, most_j);
+    double highest = -INFINITY;
+    for (size_t j = top; j <= bottom; j++)
+        for (size_t i = left; i <= right; i++) {
+            const double z = (double)t->z[j * t->nx + i];
+            if (isfinite(z) && z - s->eye[2] > highest) highest = z - s->eye[2];
+        }
+    return highest;
+}
+
 void sight_init(sight *s, const terrain *t, const sight_bounds *bounds, const double eye[3], double curvature) {
     *s = (sight){.terrain = t, .bounds = bounds, .eye = {eye[0], eye[1], eye[2]}};
     double metres[2];
@@ -85,6 +104,7 @@ void sight_init(sight *s, const terrain *t, const sight_bounds *bounds, const do
         s->fall[1] += scale * 2 * m[c][0] * m[c][1];
         s->fall[2] += scale * m[c][1] * m[c][1];
     }
+    s->around = highest_around(s);
 }
 
 double sight_fall(const sight *s, double i, double j) {
@@ -204,8 +224,6 @@ static inline bool look_for_steepest(void *context, double share, double height)
     return rise >= s->enough;
 }
 
-static double clamped(double x, double low, double high) { return x < low ? low : x > high ? high : x; }
-
 /* The least lowering in a rectangle of field coordinates. */
 static double least_fall(const sight *s, double left, double right, double top, double bottom) {
     if (s->fall[0] == 0 && s->fall[2] == 0) return 0;
@@ -282,8 +300,11 @@ bool sight_sees(const sight *s, double i, double j, double height, const sight_b
     if (!(w.length > at_end)) return true;
     /* Close to both ends. */
     const double first = bound->near < w.length ? bound->near / w.length : 1, last = fmax(first, 1 - 1 / w.length);
-    if (look_between(&w, 0, first, look_for_steepest, &found)) return false;
-    if (last < 1 && look_between(&w, last, 1, look_for_steepest, &found)) return false;
+    const double close = bound->close < w.length ? bound->close / w.length : 1;
+    if (look_between(&w, 0, close, look_for_steepest, &found)) return false;
+    /* What is below the eye, a cell away or less, rises by less than that for each cell. */
+    const bool steep = s->around >= 0 || s->around * w.length >= height;
+    if (last < 1 && steep && look_between(&w, last, 1, look_for_steepest, &found)) return false;
     if (bound->high < height || first == 1) return true;
     /* Where something is high, and if that does not hide it, all the rest. */
     const double a = fmax(first, 1 - bound->to_eye / w.length), b = fmin(last, 1 - bound->from_eye / w.length);

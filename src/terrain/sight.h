@@ -21,6 +21,7 @@ typedef struct sight {
     const sight_bounds *bounds;
     double eye[3];
     double fall[3]; /* lowering at (x, y) from the eye: fall[0] x² + fall[1] x y + fall[2] y² */
+    double around;  /* height over the eye of the highest sample next to it, as far as edges within one cell reach */
 } sight;
 
 /* The lowering is curvature d² / (2 R), d being the distance in metres on the map and R the ellipsoid's radius at the equator:
@@ -40,10 +41,10 @@ typedef struct sight_rise {
 sight_rise sight_steepest(const sight *s, double i, double j, double least, double enough);
 
 /* What is known of what lies on the way to a place: nothing farther than near cells from it and than one cell from the eye
- * rises by more than high; with what is from_eye to to_eye cells from the eye left out as well, by no more than rest. Cells
- * count along the way's longer axis. */
+ * rises by more than high; with what is from_eye to to_eye cells from the eye left out as well, by no more than rest. Of the
+ * near cells only the first close ones can hide it. Cells count along the way's longer axis. */
 typedef struct sight_bound {
-    double near, high, rest, from_eye, to_eye;
+    double close, near, high, rest, from_eye, to_eye;
 } sight_bound;
 
 /* Whether (i, j), height over the eye's, is seen. What touches the line blocks it. */

@@ -180,6 +180,25 @@ static bool refine(part *p) {
 static double set_down(float w) { return (double)w - 0x1p-22 * fabs((double)w); }
 static double set_up(float w) { return w == -INFINITY ? -INFINITY : (double)w + 0x1p-22 * fabs((double)w); }
 
+/* The last rows were not taken into the upper bounds. So many cells from the sample something in them may rise by as much. */
+void sweep_close(sweep_bounds *bounds, double height) {
+    const part *p = bounds->part;
+    const long row = (long)bounds->row;
+    const double r = distance(p, row), u = bounds->direction;
+    const float rise = (float)set_down((float)(height / r));
+    bounds->high.close = NEAR;
+    for (long m = NEAR; m > 0 && (double)m < r; m--) {
+        const long at = row - m * p->outward;
+        if (at < 0 || at >= p->rows) return;
+        const size_t slot = (size_t)at % (NEAR + 1);
+        /* A hair to the left, where what is kept of a sample has one more on that side than is needed. */
+        const long i = (long)(p->aside + u * (r - (double)m) + 1 - 1e-6) - 1;
+        if (i < p->kept_left[slot] || i >= p->kept_right[slot]) return;
+        if (!(p->kept[slot][i - p->kept_left[slot]].high < rise)) return;
+        bounds->high.close = (double)m;
+    }
+}
+
 /* The samples of the row in these directions: the last part of a quarter has both ends. Directions of exactly 45 degrees
  * belong to the quarters whose rows are rows. */
 static void visit_row(part *p, long row, sweep_visit *visit, void *context) {
@@ -204,12 +223,16 @@ static void visit_row(part *p, long row, sweep_visit *visit, void *context) {
         const double one = (double)(here.block * BLOCK - 1) - p->eye,
                      other = (double)((here.block + 1) * BLOCK) - p->eye;
         const double from_eye = p->outward > 0 ? one : -other, to_eye = p->outward > 0 ? other : -one;
-        const sweep_bounds bounds = {set_down(here.low) * r,
-                                     {NEAR, set_up(here.high) * r, set_up(here.rest) * r, from_eye, to_eye}};
+        const double height = height_over_eye(p, row, i, h);
+        sweep_bounds bounds = {set_down(here.low) * r,
+                               {NEAR, NEAR, set_up(here.high) * r, set_up(here.rest) * r, from_eye, to_eye},
+                               p,
+                               (double)row,
+                               u};
         if (p->swapped)
-            visit(context, (size_t)row, (size_t)i, height_over_eye(p, row, i, h), &bounds);
+            visit(context, (size_t)row, (size_t)i, height, &bounds);
         else
-            visit(context, (size_t)i, (size_t)row, height_over_eye(p, row, i, h), &bounds);
+            visit(context, (size_t)i, (size_t)row, height, &bounds);
     }
 }
 

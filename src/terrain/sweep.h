@@ -10,10 +10,15 @@
 typedef struct sweep_bounds {
     double low; /* something on the way rises by at least this, as height over the eye per share of the way */
     sight_bound high;
+    const struct part *part; /* for sweep_close */
+    double row, direction;
 } sweep_bounds;
 
+/* Fills in high.close for something of that height over the eye on the sample. */
+void sweep_close(sweep_bounds *bounds, double height);
+
 /* Called for every sample of the field that is no hole, once; from several threads. */
-typedef void sweep_visit(void *context, size_t i, size_t j, double height_over_eye, const sweep_bounds *bounds);
+typedef void sweep_visit(void *context, size_t i, size_t j, double height_over_eye, sweep_bounds *bounds);
 
 /* The sweep comes in parts, any of which may be done alone. */
 enum { SWEEP_PARTS = 64 };

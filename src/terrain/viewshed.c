@@ -58,15 +58,16 @@ typedef struct job {
     atomic_bool failed;
 } job;
 
-static void count_sample(void *context, size_t i, size_t j, double ground, const sweep_bounds *bounds) {
+static void count_sample(void *context, size_t i, size_t j, double ground, sweep_bounds *bounds) {
     job *q = context;
     const viewshed *v = q->v;
     const double top = ground + v->target;
     if (bounds->low >= top || !is_near(v, (double)i, (double)j)) return;
+    sweep_close(bounds, top);
     if (sight_sees(&v->sight, (double)i, (double)j, top, &bounds->high)) q->seen[j * v->terrain->nx + i]++;
 }
 
-static void measure_sample(void *context, size_t i, size_t j, double ground, const sweep_bounds *bounds) {
+static void measure_sample(void *context, size_t i, size_t j, double ground, sweep_bounds *bounds) {
     job *q = context;
     const viewshed *v = q->v;
     if (!is_near(v, (double)i, (double)j)) return;

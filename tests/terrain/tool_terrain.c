@@ -297,7 +297,7 @@ static void sun_by_time(void **state) {
     if (!have_real()) return;
     const program_result *r =
         run_well((const char *const[]){"shadow", real, "--time", "2024-06-21T11:37:24Z", "-o", "s.npy", NULL});
-    double azimuth, altitude;
+    double azimuth = 0, altitude = 0;
     const char *at = strstr(r->out, "azimuth ");
     check(at && sscanf(at, "azimuth %lf (%*f on the map), altitude %lf degrees", &azimuth, &altitude) == 2, "%s",
           r->out);
