@@ -236,12 +236,13 @@ static void visit_row(part *p, long row, sweep_visit *visit, void *context) {
     }
 }
 
-static bool sweep(part *p, double far, sweep_visit *visit, void *context) {
+static bool sweep(part *p, double far, sweep_visit *visit, sweep_tick *tick, void *context) {
     /* The first row that is not the eye's own. */
     long row = p->outward > 0 ? (long)floor(p->eye) + 1 : (long)ceil(p->eye) - 1;
     if (p->outward > 0 ? row < 0 : row >= p->rows) row = p->outward > 0 ? 0 : p->rows - 1;
     long taken = row; /* into the upper bounds: up to this one, without it */
     for (; row >= 0 && row < p->rows && distance(p, row) <= far; row += p->outward) {
+        if (!tick(context)) return true;
         const double r = distance(p, row);
         while (r > (double)p->reach)
             if (!refine(p)) return false;
@@ -256,7 +257,7 @@ static bool sweep(part *p, double far, sweep_visit *visit, void *context) {
     return true;
 }
 
-bool sweep_part(const sight *s, unsigned number, double far, sweep_visit *visit, void *context) {
+bool sweep_part(const sight *s, unsigned number, double far, sweep_visit *visit, sweep_tick *tick, void *context) {
     const terrain *t = s->terrain;
     const unsigned quarter = number / SLICES, slice = number % SLICES;
     part p = {.sight = s, .swapped = quarter >= 2, .outward = quarter % 2 ? -1 : 1};
@@ -279,7 +280,7 @@ bool sweep_part(const sight *s, unsigned number, double far, sweep_visit *visit,
     if (good) {
         for (size_t b = 0; b < p.bins; b++) p.of[b] = (bin){-INFINITY, -INFINITY, -INFINITY, -1};
         for (size_t k = 0; k <= NEAR; k++) p.kept[k] = kept + k * length;
-        good = sweep(&p, far, visit, context);
+        good = sweep(&p, far, visit, tick, context);
     }
     free(p.of);
     free(p.w);

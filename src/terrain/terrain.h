@@ -60,7 +60,8 @@ static inline double terrain_metres_of_height(const terrain *t) { return t->map[
  * 0.003 degrees: all of them, unless the map is in degrees. */
 size_t terrain_rows_alike(const terrain *t, size_t row);
 
-/* What is told of work that takes its time; share is that of one call. False ends it, with *done false. */
+/* What is told of work that takes its time; share is that of one call. False ends it, with *done false. Called from any
+ * thread of the pool, but not from two at once. */
 typedef bool terrain_progress(void *context, double share);
 
 /* sine and cosine of degrees, exact for multiples of 90 and 45 degrees as far as numbers allow. */

@@ -52,10 +52,13 @@ static bool is_near(const viewshed *v, double i, double j) {
 
 typedef struct job {
     const viewshed *v;
-    unsigned part;
     uint16_t *seen;
     float *heights;
-    atomic_bool failed;
+    terrain_progress *progress;
+    void *context;
+    atomic_flag telling; /* one thread at a time */
+    atomic_uint parts;   /* that are done */
+    atomic_bool failed, stopped;
 } job;
 
 static void count_sample(void *context, size_t i, size_t j, double ground, sweep_bounds *bounds) {
@@ -76,25 +79,29 @@ static void measure_sample(void *context, size_t i, size_t j, double ground, swe
     q->heights[j * v->terrain->nx + i] = (float)((r.steepest - ground) * v->terrain->map[2][2]);
 }
 
-static void sweep_parts(void *context, size_t begin, size_t end) {
+static bool tell(void *context) {
     job *q = context;
-    for (size_t k = begin; k < end; k++)
-        if (!sweep_part(&q->v->sight, q->part + (unsigned)k, q->v->most, q->seen ? count_sample : measure_sample, q))
-            atomic_store(&q->failed, true);
+    if (q->progress && !atomic_flag_test_and_set(&q->telling)) {
+        if (!q->progress(q->context, (double)atomic_load(&q->parts) / SWEEP_PARTS)) atomic_store(&q->stopped, true);
+        atomic_flag_clear(&q->telling);
+    }
+    return !atomic_load_explicit(&q->stopped, memory_order_relaxed);
 }
 
-static cw_status run(job *q, const cw_query *query, terrain_progress *progress, void *context, bool *done) {
-    cw_pool *pool = query ? query->pool : NULL;
-    const unsigned threads = pool ? cw_pool_threads(pool) : 1,
-                   at_once = threads < SWEEP_PARTS / 4 ? 4 * threads : SWEEP_PARTS;
-    *done = false;
-    for (q->part = 0; q->part < SWEEP_PARTS && !atomic_load(&q->failed); q->part += at_once) {
-        if (progress && !progress(context, (double)q->part / SWEEP_PARTS)) return CW_OK;
-        const unsigned left = SWEEP_PARTS - q->part;
-        cw_pool_run(pool, left < at_once ? left : at_once, 1, sweep_parts, q);
+static void sweep_parts(void *context, size_t begin, size_t end) {
+    job *q = context;
+    sweep_visit *visit = q->seen ? count_sample : measure_sample;
+    for (size_t k = begin; k < end; k++) {
+        if (!sweep_part(&q->v->sight, (unsigned)k, q->v->most, visit, tell, q)) atomic_store(&q->failed, true);
+        atomic_fetch_add(&q->parts, 1);
     }
-    *done = !atomic_load(&q->failed);
-    return *done ? CW_OK : CW_ERROR_MEMORY;
+}
+
+static cw_status run(job *q, const cw_query *query, bool *done) {
+    atomic_flag_clear(&q->telling);
+    cw_pool_run(query ? query->pool : NULL, SWEEP_PARTS, 1, sweep_parts, q);
+    *done = !atomic_load(&q->failed) && !atomic_load(&q->stopped);
+    return atomic_load(&q->failed) ? CW_ERROR_MEMORY : CW_OK;
 }
 
 /* The observer's own sample, if the eye is right over it, is in no part. */
@@ -108,19 +115,19 @@ static bool own_sample(const viewshed *v, size_t *k) {
 
 cw_status viewshed_count(const viewshed *v, const cw_query *query, uint16_t *seen, terrain_progress *progress,
                          void *context, bool *done) {
-    job q = {.v = v, .seen = seen};
+    job q = {.v = v, .seen = seen, .progress = progress, .context = context};
     size_t own;
-    const cw_status status = run(&q, query, progress, context, done);
+    const cw_status status = run(&q, query, done);
     if (*done && own_sample(v, &own)) seen[own]++;
     return status;
 }
 
 cw_status viewshed_heights(const viewshed *v, const cw_query *query, float *heights, terrain_progress *progress,
                            void *context, bool *done) {
-    job q = {.v = v, .heights = heights};
+    job q = {.v = v, .heights = heights, .progress = progress, .context = context};
     size_t own;
     for (size_t k = 0; k < v->terrain->nx * v->terrain->ny; k++) heights[k] = NAN;
-    const cw_status status = run(&q, query, progress, context, done);
+    const cw_status status = run(&q, query, done);
     if (*done && own_sample(v, &own)) heights[own] = 0;
     return status;
 }

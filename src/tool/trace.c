@@ -89,6 +89,12 @@ static bool prepare(trace *t, io_error *error) {
     const bool good = field_file_open(&t->field, r->field, &t->raster, &t->query, error);
     progress_end(&t->request->raster.line);
     if (!good) return false;
+    if (r->user && t->field.raster.georef.geographic)
+        fprintf(
+            stderr,
+            "cellwalk trace: warning: %s: its map is in degrees, so rays are straight in degrees and heights; gdalwarp "
+            "-t_srs EPSG:... puts it on a map in metres\n",
+            r->field);
     t->query.kernel = t->field.kernel;
     const cw_status status = cw_pool_create(r->query.threads, &t->query.pool);
     if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));

@@ -193,6 +193,17 @@ static void interrupted(void **state) {
         {"horizon", "rough.npy", "--directions", "3600", "-o", "o.npy", NULL},
         {"horizon", "rough.npy", "--directions", "3600", "--svf", "-o", "o.npy", NULL},
     };
+    /* A viewshed writes nothing before it is done. */
+    static const char place[] = "1000,1000,100000";
+    static const char *const view[] = {"viewshed", "rough.npy", "--from", place,   "--from",    place, "--from", place,
+                                       "--from",   place,       "-o",     "o.npy", "--threads", "1",   NULL};
+    const size_t before = scratch_entries();
+    const pid_t viewing = program_start(NULL, view);
+    nanosleep(&(struct timespec){0, 100000000}, NULL);
+    kill(viewing, SIGINT);
+    const int ended = program_wait(viewing)->status;
+    check(ended == 128 + SIGINT, "exit status %d", ended);
+    assert_int_equal(scratch_entries(), before);
     for (size_t k = 0; k < 2; k++) {
         const size_t entries = scratch_entries();
         const pid_t process = program_start(NULL, runs[k]);
@@ -304,6 +315,29 @@ static void sun_by_time(void **state) {
     check(fabs(azimuth - 180) < 0.05 && fabs(altitude - (90 - 49.8167 + 23.436)) < 0.02, "%s", r->out);
 }
 
+/* East of a zone's middle the map's north points to the east of the true one, by the longitude from there times the sine
+ * of the latitude, nearly. */
+static void sun_on_a_turned_map(void **state) {
+    (void)state;
+    if (!have_real()) return; /* nor GDAL, perhaps */
+    static const char asc[] = "ncols 2 nrows 2 xllcorner 600000 yllcorner 5200000 cellsize 10\n0 1 2 7",
+                      prj[] = "PROJCS[\"UTM 32N\",GEOGCS[\"WGS 84\",DATUM[\"WGS_1984\",SPHEROID[\"WGS 84\",6378137,"
+                              "298.257223563]],PRIMEM[\"Greenwich\",0],UNIT[\"degree\",0.0174532925199433]],"
+                              "PROJECTION[\"Transverse_Mercator\"],PARAMETER[\"latitude_of_origin\",0],"
+                              "PARAMETER[\"central_meridian\",9],PARAMETER[\"scale_factor\",0.9996],"
+                              "PARAMETER[\"false_easting\",500000],PARAMETER[\"false_northing\",0],UNIT[\"metre\",1]]";
+    scratch_write("a.asc", asc, sizeof asc - 1);
+    scratch_write("a.prj", prj, sizeof prj - 1);
+    const program_result *r =
+        run_well((const char *const[]){"shadow", "a.asc", "--time", "2024-12-21T14:00:00+01:00", "-o", "s.npy", NULL});
+    double lon = 0, lat = 0, azimuth = 0, map = 0;
+    const char *at = strstr(r->out, "over ");
+    check(at && sscanf(at, "over %lf, %lf: azimuth %lf (%lf on the map)", &lon, &lat, &azimuth, &map) == 4, "%s",
+          r->out);
+    const double turned = (lon - 9) * sin(lat * 0.017453292519943295);
+    check(fabs(lon - 10.315) < 0.01 && fabs(azimuth - turned - map) < 0.003, "%s, not %g", r->out, azimuth - turned);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(shadow_of_a_wall, enter, scratch_leave),
@@ -314,6 +348,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(interrupted, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(real_terrain_same_bits, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(real_view, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(sun_on_a_turned_map, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(sun_by_time, enter, scratch_leave),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
