@@ -143,6 +143,34 @@ static void every_edge_counts(void **state) {
     check(sum.seen > 3000 && sum.hidden > 3000, "%zu seen, %zu hidden", sum.seen, sum.hidden);
 }
 
+/* shape: sample (i, j) stands out by 1000 m. */
+static double spike(const double *shape, double x, double y) {
+    return x == 10 * shape[0] && y == -10 * shape[1] ? 1000 : 0;
+}
+
+/* A spike next to the eye hides what its edges cross, though they end at the eye's own row or column or behind it. */
+static void next_to_the_eye(void **state) {
+    (void)state;
+    static const double eyes[][2] = {{20.2, 20}, {20, 20.2}, {19.8, 20}, {20, 19.8}, {20.3, 20.6}};
+    tally sum = {0, 0};
+    for (int n = 0; n < 9 * 5; n++) {
+        const double shape[2] = {19 + n % 3, 19 + n / 3 % 3};
+        ground g;
+        sight_bounds *bounds = NULL;
+        ground_make(&g, 41, 41, spike, shape);
+        check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
+        const viewshed_desc d = {.place = {eyes[n / 9][0], eyes[n / 9][1]}, .height = 5, .absolute = true};
+        viewshed *v = view(&g, bounds, &d);
+        count(v, NULL);
+        for (size_t j = 0; j < 41; j += 2)
+            for (size_t i = 0; i < 41; i += 3) check_sample(&g, &d, v, i, j, &sum);
+        viewshed_destroy(v);
+        sight_bounds_destroy(bounds);
+        ground_free(&g);
+    }
+    check(sum.seen > 1000 && sum.hidden > 1000, "%zu seen, %zu hidden", sum.seen, sum.hidden);
+}
+
 /* Larger, with everything that bounds pass over; a part of the samples is looked at. */
 static void large_views(void **state) {
     (void)state;
@@ -280,8 +308,9 @@ static void same_bits_in_threads(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_edge_counts), cmocka_unit_test(large_views), cmocka_unit_test(horizon_of_the_sea),
-        cmocka_unit_test(views_of_a_plane),  cmocka_unit_test(first_block), cmocka_unit_test(same_bits_in_threads),
+        cmocka_unit_test(every_edge_counts),    cmocka_unit_test(next_to_the_eye),  cmocka_unit_test(large_views),
+        cmocka_unit_test(horizon_of_the_sea),   cmocka_unit_test(views_of_a_plane), cmocka_unit_test(first_block),
+        cmocka_unit_test(same_bits_in_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

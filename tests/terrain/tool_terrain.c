@@ -138,6 +138,22 @@ static void view_of_a_wall(void **state) {
     free(file);
 }
 
+/* Larger than what is written at once, with the wall in the last block. */
+static void large_view(void **state) {
+    (void)state;
+    enum { WIDE = 2000, LONG = 600, WALL = 590 };
+    static float z[WIDE * LONG];
+    for (size_t k = 0; k < WIDE * LONG; k++) z[k] = k / WIDE == WALL ? 40 : 0;
+    field_file("large.npy", z, WIDE, LONG);
+    run_well((const char *const[]){"viewshed", "large.npy", "--cellsize", "10", "--from", "9000,5990", "--curvature",
+                                   "0", "-o", "v.npy", NULL});
+    char *file;
+    const uint8_t *seen = elements("v.npy", WIDE * LONG, &file);
+    for (size_t k = 0; k < WIDE * LONG; k++)
+        check(seen[k] == (k / WIDE <= WALL), "(%zu, %zu): %d", k % WIDE, k / WIDE, seen[k]);
+    free(file);
+}
+
 static void lines_at_a_wall(void **state) {
     (void)state;
     const program_result *r = run_well((const char *const[]){"los", "wall.npy", "300,190,+2", "300,390,30",
@@ -343,6 +359,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(shadow_of_a_wall, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(horizon_at_a_wall, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(view_of_a_wall, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(large_view, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(lines_at_a_wall, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(what_is_refused, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(interrupted, enter, scratch_leave),

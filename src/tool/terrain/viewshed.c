@@ -100,7 +100,7 @@ static bool make(job *j, io_error *error) {
                                                                       : IO_CELL_UINT16,
                                                1);
     product.white = c->needed ? 100 : (double)c->from.count;
-    return ground_write(&j->ground, &product, 0.01, fill, j, error);
+    return ground_write(&j->ground, &product, 1, fill, j, error);
 }
 
 static bool wrong(viewshed_command *c) {
