@@ -119,7 +119,7 @@ static void keep(part *p, long row, long left, long right) {
         const float *w = p->w + BESIDE + (i - left);
         const float low = least(w[0], least(w[1], w[2]));
         float high = -INFINITY;
-        for (int k = -1; k <= 3 && i + k < right + BESIDE; k++) high = i + k >= left - BESIDE ? most(w[k], high) : high;
+        for (int k = -1; k <= 3; k++) high = most(w[k], high); /* there are BESIDE more on both sides */
         to[i - (left - 2)] = (shown){isnan(w[0] + w[1] + w[2]) ? -INFINITY : low, high};
     }
 }
@@ -201,34 +201,35 @@ void sweep_close(sweep_bounds *bounds, double height) {
 
 /* The samples of the row in these directions: the last part of a quarter has both ends. Directions of exactly 45 degrees
  * belong to the quarters whose rows are rows. */
-static void visit_row(part *p, long row, sweep_visit *visit, void *context) {
+static void visit_row(part *p, long row, double target, sweep_visit *visit, void *context) {
     const double r = distance(p, row);
-    double a = ceil(p->aside + r * p->from), b = floor(p->aside + r * p->until);
+    /* One more on both sides, which rounding may have left out: whose a sample is is told below, by the same numbers for all. */
+    double a = floor(p->aside + r * p->from), b = ceil(p->aside + r * p->until);
     a = a > 0 ? a : 0;
     b = b < (double)(p->length - 1) ? b : (double)(p->length - 1);
     if (b < a) return;
     const float *z = fetch(p, row, (long)a, (long)b + 1);
+    const double per_row = 1 / r, per_width = 1 / p->width;
     for (long i = (long)a; i <= (long)b; i++) {
         const float h = z[i - (long)a];
-        const double u = ((double)i - p->aside) / r;
-        const bool last = p->until == 1, mine = u >= p->from && (u < p->until || (last && u <= 1));
-        if (!isfinite(h) || !mine || (p->swapped && fabs(u) >= 1)) continue;
-        const double place = (u - p->from) / p->width, whole = floor(place);
-        const size_t n = whole < 0 ? 0 : whole < (double)p->bins ? (size_t)whole : p->bins - 1;
+        const double x = (double)i - p->aside, u = x * per_row;
+        const bool after = u >= p->from || p->from == -1, before = u < p->until || p->until == 1;
+        const bool inside = p->swapped ? fabs(x) < r : fabs(x) <= r;
+        if (!isfinite(h) || !(after && before && inside)) continue;
+        const double place = (u - p->from) * per_width;
+        const size_t whole = (size_t)place, n = whole < p->bins ? whole : p->bins - 1;
         /* A direction at a border of two bins, as far as rounding can tell, is seen by both. */
         bin here = p->of[n];
         if (n > 0 && place - (double)n < 1e-6) unite(&here, &p->of[n - 1]);
         if (n + 1 < p->bins && (double)(n + 1) - place < 1e-6) unite(&here, &p->of[n + 1]);
+        const double height = height_over_eye(p, row, i, h), low = set_down(here.low) * r;
+        if (low >= height + target) continue;
         /* All triangles with a sample in the block, from the row before it to the row behind it. */
         const double one = (double)(here.block * BLOCK - 1) - p->eye,
                      other = (double)((here.block + 1) * BLOCK) - p->eye;
         const double from_eye = p->outward > 0 ? one : -other, to_eye = p->outward > 0 ? other : -one;
-        const double height = height_over_eye(p, row, i, h);
-        sweep_bounds bounds = {set_down(here.low) * r,
-                               {NEAR, NEAR, set_up(here.high) * r, set_up(here.rest) * r, from_eye, to_eye},
-                               p,
-                               (double)row,
-                               u};
+        sweep_bounds bounds = {
+            low, {NEAR, NEAR, set_up(here.high) * r, set_up(here.rest) * r, from_eye, to_eye}, p, (double)row, u};
         if (p->swapped)
             visit(context, (size_t)row, (size_t)i, height, &bounds);
         else
@@ -236,7 +237,7 @@ static void visit_row(part *p, long row, sweep_visit *visit, void *context) {
     }
 }
 
-static bool sweep(part *p, double far, sweep_visit *visit, sweep_tick *tick, void *context) {
+static bool sweep(part *p, double far, double target, sweep_visit *visit, sweep_tick *tick, void *context) {
     /* The first row that is not the eye's own. */
     long row = p->outward > 0 ? (long)floor(p->eye) + 1 : (long)ceil(p->eye) - 1;
     if (p->outward > 0 ? row < 0 : row >= p->rows) row = p->outward > 0 ? 0 : p->rows - 1;
@@ -247,7 +248,7 @@ static bool sweep(part *p, double far, sweep_visit *visit, sweep_tick *tick, voi
         while (r > (double)p->reach)
             if (!refine(p)) return false;
         for (; (row - taken) * p->outward >= NEAR; taken += p->outward) take_in(p, taken, false);
-        visit_row(p, row, visit, context);
+        visit_row(p, row, target, visit, context);
         long left, right;
         row_range(p, r, &left, &right);
         rises(p, row, left, right);
@@ -257,7 +258,8 @@ static bool sweep(part *p, double far, sweep_visit *visit, sweep_tick *tick, voi
     return true;
 }
 
-bool sweep_part(const sight *s, unsigned number, double far, sweep_visit *visit, sweep_tick *tick, void *context) {
+bool sweep_part(const sight *s, unsigned number, double far, double target, sweep_visit *visit, sweep_tick *tick,
+                void *context) {
     const terrain *t = s->terrain;
     const unsigned quarter = number / SLICES, slice = number % SLICES;
     part p = {.sight = s, .swapped = quarter >= 2, .outward = quarter % 2 ? -1 : 1};
@@ -280,7 +282,7 @@ bool sweep_part(const sight *s, unsigned number, double far, sweep_visit *visit,
     if (good) {
         for (size_t b = 0; b < p.bins; b++) p.of[b] = (bin){-INFINITY, -INFINITY, -INFINITY, -1};
         for (size_t k = 0; k <= NEAR; k++) p.kept[k] = kept + k * length;
-        good = sweep(&p, far, visit, tick, context);
+        good = sweep(&p, far, target, visit, tick, context);
     }
     free(p.of);
     free(p.w);

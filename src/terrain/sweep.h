@@ -17,7 +17,8 @@ typedef struct sweep_bounds {
 /* Fills in high.close for something of that height over the eye on the sample. */
 void sweep_close(sweep_bounds *bounds, double height);
 
-/* Called for every sample of the field that is no hole, once; from several threads. */
+/* Called for every sample of the field that is no hole, once, unless something is known to hide what stands target above it;
+ * from several threads. */
 typedef void sweep_visit(void *context, size_t i, size_t j, double height_over_eye, sweep_bounds *bounds);
 
 /* Called now and then, from the thread that does the part. False ends it. */
@@ -26,7 +27,8 @@ typedef bool sweep_tick(void *context);
 /* The sweep comes in parts, any of which may be done alone. */
 enum { SWEEP_PARTS = 64 };
 
-/* Samples farther away than most cells, on the longer axis, are left out. False if memory is short. */
-bool sweep_part(const sight *s, unsigned part, double most, sweep_visit *visit, sweep_tick *tick, void *context);
+/* Samples farther away than most cells, on the longer axis, are left out. target may be infinite. False if memory is short. */
+bool sweep_part(const sight *s, unsigned part, double most, double target, sweep_visit *visit, sweep_tick *tick,
+                void *context);
 
 #endif

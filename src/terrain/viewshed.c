@@ -65,7 +65,7 @@ static void count_sample(void *context, size_t i, size_t j, double ground, sweep
     job *q = context;
     const viewshed *v = q->v;
     const double top = ground + v->target;
-    if (bounds->low >= top || !is_near(v, (double)i, (double)j)) return;
+    if (!is_near(v, (double)i, (double)j)) return;
     sweep_close(bounds, top);
     if (sight_sees(&v->sight, (double)i, (double)j, top, &bounds->high)) q->seen[j * v->terrain->nx + i]++;
 }
@@ -91,8 +91,9 @@ static bool tell(void *context) {
 static void sweep_parts(void *context, size_t begin, size_t end) {
     job *q = context;
     sweep_visit *visit = q->seen ? count_sample : measure_sample;
+    const double target = q->seen ? q->v->target : INFINITY;
     for (size_t k = begin; k < end; k++) {
-        if (!sweep_part(&q->v->sight, (unsigned)k, q->v->most, visit, tell, q)) atomic_store(&q->failed, true);
+        if (!sweep_part(&q->v->sight, (unsigned)k, q->v->most, target, visit, tell, q)) atomic_store(&q->failed, true);
         atomic_fetch_add(&q->parts, 1);
     }
 }
