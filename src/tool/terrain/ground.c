@@ -55,10 +55,11 @@ static bool read_ground(ground *g, const char *path, const io_raster_options *op
     return describe(g, path, error);
 }
 
-int ground_open(ground *g, ground_options *o, const char *path, size_t bands, bool field) {
+/* EXIT_SUCCESS, or the exit status after a message; ground needs closing in any case. */
+static int open_ground(ground *g, ground_options *o, const char *path, size_t bands, bool field) {
     io_raster_options raster;
     io_error error;
-    *g = (ground){.options = o};
+    *g = (ground){.path = path, .options = o};
     if (!query_options_resolve(&o->query, o->name, &g->query)) return EXIT_USAGE;
     if (!raster_options_resolve(&o->raster, o->name, &raster)) return EXIT_USAGE;
     if (bands > 0 && o->output == NULL) {
@@ -77,10 +78,20 @@ int ground_open(ground *g, ground_options *o, const char *path, size_t bands, bo
     return EXIT_SUCCESS;
 }
 
-void ground_close(ground *g) {
+static void close_ground(ground *g) {
     progress_end(&g->line);
     cw_pool_destroy(g->query.pool);
     field_file_close(&g->file);
+}
+
+int ground_run(ground_options *o, const char *path, size_t bands, bool field, ground_work *work, void *context) {
+    ground g;
+    io_error error = {""};
+    int status = open_ground(&g, o, path, bands, field);
+    const bool good = status != EXIT_SUCCESS || work(&g, context, &error);
+    close_ground(&g);
+    if (!good) status = command_fail(o->name, "%s", error.text);
+    return status;
 }
 
 size_t ground_numbers(const char *text, double *numbers, size_t least, size_t most) {

@@ -22,6 +22,7 @@ enum { GROUND_OPTION_COUNT = 1 + RASTER_OPTION_COUNT + 2 };
 void ground_rows(ground_options *o, const char *name, option_spec rows[GROUND_OPTION_COUNT]);
 
 typedef struct ground {
+    const char *path;
     const ground_options *options;
     field_file file;
     terrain terrain;
@@ -29,10 +30,12 @@ typedef struct ground {
     progress line;
 } ground;
 
-/* Reads the terrain; with a field, if rays are to be asked of it, and refuses an output that cannot be written with so many
- * bands (0: there is none). Returns EXIT_SUCCESS, or the exit status after a message; ground needs closing in any case. */
-int ground_open(ground *g, ground_options *options, const char *path, size_t bands, bool field);
-void ground_close(ground *g);
+/* What a subcommand does with its terrain. */
+typedef bool ground_work(ground *g, void *context, io_error *error);
+
+/* Reads the terrain, with a field if rays are to be asked of it, does the work and cleans up. An output that cannot be written
+ * with so many bands (0: there is none) is refused before. Returns the exit status, after a message if it is no success. */
+int ground_run(ground_options *options, const char *path, size_t bands, bool field, ground_work *work, void *context);
 
 /* Numbers with commas between them: least to most of them; how many there are, or 0. */
 size_t ground_numbers(const char *text, double *numbers, size_t least, size_t most);

@@ -18,10 +18,11 @@ typedef struct horizon_command {
     double start, curvature;
     bool sky;
     const char *at;
+    double place[3]; /* what at says */
 } horizon_command;
 
 typedef struct job {
-    ground ground;
+    ground *ground;
     horizon *horizon;
     bool sky;
     double row, rows; /* of the block that is being filled */
@@ -29,7 +30,7 @@ typedef struct job {
 
 static bool tell_block(void *context, double share) {
     job *j = context;
-    return ground_tell(&j->ground, (j->row + share * j->rows) / (double)j->ground.terrain.ny);
+    return ground_tell(j->ground, (j->row + share * j->rows) / (double)j->ground->terrain.ny);
 }
 
 static bool fill(void *context, size_t band, size_t row, size_t rows, void *cells, io_error *error) {
@@ -37,7 +38,7 @@ static bool fill(void *context, size_t band, size_t row, size_t rows, void *cell
     bool done = true;
     j->row = (double)row;
     j->rows = (double)rows;
-    const cw_query *q = &j->ground.query;
+    const cw_query *q = &j->ground->query;
     const cw_status status = j->sky ? horizon_sky_view(j->horizon, q, row, rows, cells, tell_block, j, &done)
                                     : horizon_angles(j->horizon, q, band, row, rows, cells);
     if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));
@@ -57,23 +58,24 @@ static const char **band_names(const horizon *h, size_t count) {
     return names;
 }
 
-static bool make(job *j, const horizon_command *c, io_error *error) {
-    const cw_status status = horizon_create(&j->ground.terrain, c->start, c->directions, &j->horizon);
+static bool make_bands(job *j, const horizon_command *c, io_error *error) {
+    const cw_status status = horizon_create(&j->ground->terrain, c->start, c->directions, &j->horizon);
     if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));
     j->sky = c->sky;
-    io_raster_product product = ground_product(&j->ground, IO_CELL_FLOAT32, c->sky ? 1 : c->directions);
+    io_raster_product product = ground_product(j->ground, IO_CELL_FLOAT32, c->sky ? 1 : c->directions);
     const char **names = c->sky ? NULL : band_names(j->horizon, c->directions);
     if (!c->sky && names == NULL) return io_fail(error, "out of memory");
     product.band_names = names;
     if (!c->sky) product.white = 90;
-    const bool good = ground_write(&j->ground, &product, 1, fill, j, error);
+    const bool good = ground_write(j->ground, &product, 1, fill, j, error);
     free(names);
     return good;
 }
 
 /* The horizon at one place, in double, as a table. */
-static bool print_at(const ground *g, const horizon_command *c, const double place[3], io_error *error) {
+static bool print_at(const ground *g, const horizon_command *c, io_error *error) {
     const terrain *t = &g->terrain;
+    const double *place = c->place;
     double eye[3], metres[2];
     terrain_from_map(t, place[0], place[1], eye);
     const double ground_height = terrain_height(t, eye[0], eye[1]), scale = terrain_metres_of_height(t);
@@ -107,6 +109,15 @@ static bool print_at(const ground *g, const horizon_command *c, const double pla
     }
     sight_bounds_destroy(bounds);
     return true;
+}
+
+static bool make(ground *g, void *context, io_error *error) {
+    const horizon_command *c = context;
+    if (c->at) return print_at(g, c, error);
+    job j = {.ground = g};
+    const bool good = make_bands(&j, c, error);
+    horizon_destroy(j.horizon);
+    return good;
 }
 
 static int run(int argc, char **argv) {
@@ -162,8 +173,7 @@ static int run(int argc, char **argv) {
     const char *path;
     const options_result result = options_parse(&usage, argc, argv, &path);
     if (result != OPTIONS_GO) return result == OPTIONS_HELP ? EXIT_SUCCESS : EXIT_USAGE;
-    double place[3] = {0, 0, 0};
-    if (c.at && ground_numbers(c.at, place, 2, 3) == 0) {
+    if (c.at && ground_numbers(c.at, c.place, 2, 3) == 0) {
         command_fail(name, "--at takes a place on the map as X,Y or X,Y,HEIGHT, not '%s'", c.at);
         return EXIT_USAGE;
     }
@@ -175,16 +185,8 @@ static int run(int argc, char **argv) {
         command_fail(name, "--curvature takes a number from 0 on, and goes with --at");
         return EXIT_USAGE;
     }
-    job j = {.horizon = NULL};
-    io_error error = {""};
     const size_t bands = c.at ? 0 : c.sky ? 1 : c.directions;
-    int status = ground_open(&j.ground, &c.ground, path, bands, c.at == NULL);
-    bool good = status == EXIT_SUCCESS;
-    if (good) good = c.at ? print_at(&j.ground, &c, place, &error) : make(&j, &c, &error);
-    horizon_destroy(j.horizon);
-    ground_close(&j.ground);
-    if (status == EXIT_SUCCESS && !good) status = command_fail(name, "%s", error.text);
-    return status;
+    return ground_run(&c.ground, path, bands, c.at == NULL, make, &c);
 }
 
 const command command_horizon = {"horizon", "angles of the horizon, or the share of the sky, on a terrain", run};

@@ -12,17 +12,18 @@
 
 static const char name[] = "los";
 
-typedef struct los_command {
-    ground_options ground;
-    double curvature;
-    bool json;
-} los_command;
-
 /* A place on the map; over_ground: its height is that above the ground. */
 typedef struct place {
     double x, y, z;
     bool over_ground;
 } place;
+
+typedef struct los_command {
+    ground_options ground;
+    double curvature;
+    bool json;
+    place places[2];
+} los_command;
 
 static bool parse_place(const char *text, place *p) {
     double numbers[3] = {0, 0, 0};
@@ -42,7 +43,9 @@ static bool find_place(const terrain *t, const place *p, double at[3], io_error 
            io_fail(error, "there is no ground at %.10g, %.10g; give the height itself, without +", p->x, p->y);
 }
 
-static bool look(const ground *g, const los_command *c, const place places[2], io_error *error) {
+static bool look(ground *g, void *context, io_error *error) {
+    const los_command *c = context;
+    const place *places = c->places;
     const terrain *t = &g->terrain;
     double eye[3], target[3], metres[2], xy[2], ends[2][2];
     if (!find_place(t, &places[0], eye, error) || !find_place(t, &places[1], target, error)) return false;
@@ -107,20 +110,13 @@ static int run(int argc, char **argv) {
     const char *given[3];
     const options_result result = options_parse(&usage, argc, argv, given);
     if (result != OPTIONS_GO) return result == OPTIONS_HELP ? EXIT_SUCCESS : EXIT_USAGE;
-    place places[2];
-    if (!parse_place(given[1], &places[0]) || !parse_place(given[2], &places[1])) return EXIT_USAGE;
+    if (!parse_place(given[1], &c.places[0]) || !parse_place(given[2], &c.places[1])) return EXIT_USAGE;
     if (c.curvature < 0) {
         command_fail(name, "--curvature takes a number from 0 on, not %g", c.curvature);
         return EXIT_USAGE;
     }
-    ground g;
-    io_error error = {""};
     c.ground.query.threads = 1;
-    int status = ground_open(&g, &c.ground, given[0], 0, false);
-    const bool good = status == EXIT_SUCCESS && look(&g, &c, places, &error);
-    ground_close(&g);
-    if (status == EXIT_SUCCESS && !good) status = command_fail(name, "%s", error.text);
-    return status;
+    return ground_run(&c.ground, given[0], 0, false, look, &c);
 }
 
 const command command_los = {"los", "whether two places on a terrain see each other", run};

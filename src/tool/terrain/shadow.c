@@ -21,7 +21,8 @@ typedef struct shadow_command {
 } shadow_command;
 
 typedef struct job {
-    ground ground;
+    const shadow_command *command;
+    ground *ground;
     sunlight *light;
     bool share; /* floats */
 } job;
@@ -29,14 +30,14 @@ typedef struct job {
 static bool fill(void *context, size_t band, size_t row, size_t rows, void *cells, io_error *error) {
     job *j = context;
     (void)band;
-    const cw_status status = j->share ? sunlight_share(j->light, &j->ground.query, row, rows, cells)
-                                      : sunlight_lit(j->light, &j->ground.query, row, rows, cells);
+    const cw_status status = j->share ? sunlight_share(j->light, &j->ground->query, row, rows, cells)
+                                      : sunlight_lit(j->light, &j->ground->query, row, rows, cells);
     return status == CW_OK || io_fail(error, "%s", cw_status_message(status));
 }
 
 /* Longitude and latitude of the terrain's middle, and how far the map's north is turned there from the true one, toward the
  * west. */
-static bool locate(const ground *g, const char *path, double lon_lat[2], double *turned, io_error *error) {
+static bool locate(const ground *g, double lon_lat[2], double *turned, io_error *error) {
     const terrain *t = &g->terrain;
     const io_georef *r = &g->file.raster.georef;
     double xy[2];
@@ -48,7 +49,7 @@ static bool locate(const ground *g, const char *path, double lon_lat[2], double 
     }
     if (r->crs == NULL)
         return io_fail(error, "%s: names no coordinate system, so --time cannot tell where the sun is; give --sun",
-                       path);
+                       g->path);
     const io_gdal *gdal = io_gdal_load(error);
     double x[2] = {xy[0]}, y[2] = {xy[1]};
     if (gdal == NULL || !gdal->lon_lat(r->crs, false, 1, x, y, error)) return false;
@@ -63,7 +64,7 @@ static bool locate(const ground *g, const char *path, double lon_lat[2], double 
     return true;
 }
 
-static bool find_sun(const shadow_command *c, const ground *g, const char *path, sunlight_desc *sun, io_error *error) {
+static bool find_sun(const shadow_command *c, const ground *g, sunlight_desc *sun, io_error *error) {
     double numbers[2], seconds, turned;
     if (c->sun) {
         ground_numbers(c->sun, numbers, 2, 2);
@@ -71,7 +72,7 @@ static bool find_sun(const shadow_command *c, const ground *g, const char *path,
         sun->altitude = numbers[1];
         return true;
     }
-    if (!locate(g, path, numbers, &turned, error)) return false;
+    if (!locate(g, numbers, &turned, error)) return false;
     sun_parse_time(c->time, &seconds);
     const sun_position p = sun_at(seconds, numbers[0], numbers[1]);
     sun->azimuth = fmod(p.azimuth + turned + 360, 360);
@@ -82,17 +83,25 @@ static bool find_sun(const shadow_command *c, const ground *g, const char *path,
     return true;
 }
 
-static bool make(job *j, const shadow_command *c, const char *path, io_error *error) {
+static bool make_light(job *j, io_error *error) {
+    const shadow_command *c = j->command;
     sunlight_desc sun = {.hillshade = c->hillshade, .radius = c->usual_disc ? SUN_RADIUS : 0};
-    if (!find_sun(c, &j->ground, path, &sun, error)) return false;
+    if (!find_sun(c, j->ground, &sun, error)) return false;
     if (!isnan(c->disc)) sun.radius = c->disc;
     if (sun.altitude <= 0)
         fprintf(stderr, "cellwalk shadow: warning: the sun is at %.3f degrees, below the horizon\n", sun.altitude);
-    const cw_status status = sunlight_create(&j->ground.terrain, &sun, &j->light);
+    const cw_status status = sunlight_create(&j->ground->terrain, &sun, &j->light);
     if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));
     j->share = sun.radius > 0 || sun.hillshade;
-    const io_raster_product product = ground_product(&j->ground, j->share ? IO_CELL_FLOAT32 : IO_CELL_UINT8, 1);
-    return ground_write(&j->ground, &product, sun.radius > 0 ? 16 : 1, fill, j, error);
+    const io_raster_product product = ground_product(j->ground, j->share ? IO_CELL_FLOAT32 : IO_CELL_UINT8, 1);
+    return ground_write(j->ground, &product, sun.radius > 0 ? 16 : 1, fill, j, error);
+}
+
+static bool make(ground *g, void *context, io_error *error) {
+    job j = {.command = context, .ground = g};
+    const bool good = make_light(&j, error);
+    sunlight_destroy(j.light);
+    return good;
 }
 
 static bool wrong_sun(const shadow_command *c) {
@@ -161,14 +170,7 @@ static int run(int argc, char **argv) {
     const options_result result = options_parse(&usage, argc, argv, &path);
     if (result != OPTIONS_GO) return result == OPTIONS_HELP ? EXIT_SUCCESS : EXIT_USAGE;
     if (wrong_sun(&c)) return EXIT_USAGE;
-    job j = {.light = NULL};
-    io_error error = {""};
-    int status = ground_open(&j.ground, &c.ground, path, 1, true);
-    const bool good = status == EXIT_SUCCESS && make(&j, &c, path, &error);
-    sunlight_destroy(j.light);
-    ground_close(&j.ground);
-    if (status == EXIT_SUCCESS && !good) status = command_fail(name, "%s", error.text);
-    return status;
+    return ground_run(&c.ground, path, 1, true, make, &c);
 }
 
 const command command_shadow = {"shadow", "sun and shadow on a terrain (GeoTIFF and others in and out)", run};

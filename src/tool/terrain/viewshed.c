@@ -23,7 +23,7 @@ typedef struct viewshed_command {
 } viewshed_command;
 
 typedef struct job {
-    ground ground;
+    ground *ground;
     const viewshed_command *command;
     sight_bounds *bounds;
     uint16_t *seen;
@@ -33,18 +33,18 @@ typedef struct job {
 
 static bool tell(void *context, double share) {
     job *j = context;
-    return ground_tell(&j->ground, ((double)j->observer + share) / (double)j->command->from.count);
+    return ground_tell(j->ground, ((double)j->observer + share) / (double)j->command->from.count);
 }
 
 static bool look_from(job *j, const double place[3], io_error *error) {
     const viewshed_command *c = j->command;
-    const terrain *t = &j->ground.terrain;
+    const terrain *t = &j->ground->terrain;
     viewshed_desc d = {
         .height = place[2],
         .absolute = c->absolute,
         .target_height = c->target,
         .max_distance = c->max_distance,
-        .curvature = isnan(c->curvature) ? j->ground.file.raster.georef.placed ? 6.0 / 7 : 0 : c->curvature,
+        .curvature = isnan(c->curvature) ? j->ground->file.raster.georef.placed ? 6.0 / 7 : 0 : c->curvature,
     };
     terrain_from_map(t, place[0], place[1], d.place);
     if (!c->absolute && isnan(terrain_height(t, d.place[0], d.place[1])))
@@ -55,8 +55,8 @@ static bool look_from(job *j, const double place[3], io_error *error) {
     bool done = false;
     cw_status status = viewshed_create(t, j->bounds, &d, &v);
     if (status == CW_OK)
-        status = c->needed ? viewshed_heights(v, &j->ground.query, j->heights, tell, j, &done)
-                           : viewshed_count(v, &j->ground.query, j->seen, tell, j, &done);
+        status = c->needed ? viewshed_heights(v, &j->ground->query, j->heights, tell, j, &done)
+                           : viewshed_count(v, &j->ground->query, j->seen, tell, j, &done);
     viewshed_destroy(v);
     if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));
     return done || io_fail(error, "interrupted");
@@ -64,7 +64,7 @@ static bool look_from(job *j, const double place[3], io_error *error) {
 
 static bool fill(void *context, size_t band, size_t row, size_t rows, void *cells, io_error *error) {
     const job *j = context;
-    const terrain *t = &j->ground.terrain;
+    const terrain *t = &j->ground->terrain;
     const size_t first = row * t->nx, n = rows * t->nx;
     const float *z = t->z + first;
     (void)band;
@@ -83,10 +83,10 @@ static bool fill(void *context, size_t band, size_t row, size_t rows, void *cell
     return true;
 }
 
-static bool make(job *j, io_error *error) {
+static bool make_view(job *j, io_error *error) {
     const viewshed_command *c = j->command;
-    const size_t n = j->ground.terrain.nx * j->ground.terrain.ny;
-    if (sight_bounds_create(&j->ground.terrain, &j->bounds) != CW_OK) return io_fail(error, "out of memory");
+    const size_t n = j->ground->terrain.nx * j->ground->terrain.ny;
+    if (sight_bounds_create(&j->ground->terrain, &j->bounds) != CW_OK) return io_fail(error, "out of memory");
     if (c->needed)
         j->heights = malloc(n * sizeof *j->heights);
     else
@@ -94,13 +94,22 @@ static bool make(job *j, io_error *error) {
     if (j->heights == NULL && j->seen == NULL) return io_fail(error, "out of memory");
     for (j->observer = 0; j->observer < c->from.count; j->observer++)
         if (!look_from(j, c->places[j->observer], error)) return false;
-    io_raster_product product = ground_product(&j->ground,
+    io_raster_product product = ground_product(j->ground,
                                                c->needed              ? IO_CELL_FLOAT32
                                                : c->from.count <= 254 ? IO_CELL_UINT8
                                                                       : IO_CELL_UINT16,
                                                1);
     product.white = c->needed ? 100 : (double)c->from.count;
-    return ground_write(&j->ground, &product, 1, fill, j, error);
+    return ground_write(j->ground, &product, 1, fill, j, error);
+}
+
+static bool make(ground *g, void *context, io_error *error) {
+    job j = {.ground = g, .command = context};
+    const bool good = make_view(&j, error);
+    sight_bounds_destroy(j.bounds);
+    free(j.seen);
+    free(j.heights);
+    return good;
 }
 
 static bool wrong(viewshed_command *c) {
@@ -185,16 +194,7 @@ static int run(int argc, char **argv) {
     const options_result result = options_parse(&usage, argc, argv, &path);
     if (result != OPTIONS_GO) return result == OPTIONS_HELP ? EXIT_SUCCESS : EXIT_USAGE;
     if (wrong(&c)) return EXIT_USAGE;
-    job j = {.command = &c};
-    io_error error = {""};
-    int status = ground_open(&j.ground, &c.ground, path, 1, false);
-    const bool good = status == EXIT_SUCCESS && make(&j, &error);
-    sight_bounds_destroy(j.bounds);
-    free(j.seen);
-    free(j.heights);
-    ground_close(&j.ground);
-    if (status == EXIT_SUCCESS && !good) status = command_fail(name, "%s", error.text);
-    return status;
+    return ground_run(&c.ground, path, 1, false, make, &c);
 }
 
 const command command_viewshed = {"viewshed", "what is seen of a terrain from one place or several", run};
