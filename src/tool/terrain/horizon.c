@@ -159,8 +159,9 @@ static int run(int argc, char **argv) {
         .what = "How high the terrain stands against the sky: for every sample and direction the\n"
                 "angle in degrees of the highest point, from the level of the sample; negative\n"
                 "below it, -90 where the terrain ends there (float32, one band a direction; NaN:\n"
-                "no data). Angles are exact to 0.001 degrees for the surface of two triangles\n"
-                "between each four samples. The earth is taken for flat, but for --at.\n",
+                "no data). Angles are exact to 0.001 degrees (0.003 on a map in degrees) for the\n"
+                "surface of two triangles between each four samples. The earth is taken for flat,\n"
+                "but for --at.\n",
         .examples = "  cellwalk horizon dem.tif --directions 32 -o horizon.tif\n"
                     "  cellwalk horizon dem.tif --directions 64 --svf -o sky.tif\n"
                     "  cellwalk horizon dem.tif --at 600250,5199800 --directions 360 > horizon.csv\n",
