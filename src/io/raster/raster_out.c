@@ -80,9 +80,9 @@ bool io_raster_can_write(const char *path, size_t bands, io_error *error) {
                        "%s: the name's ending tells no format; known are .tif (GeoTIFF), .npy (NumPy array), .png"
                        " (picture)",
                        path);
-    if (sink->create == NULL) return io_fail(error, "%s: this build has no library for that format", path);
     if (sink->bands_most > 0 && bands > sink->bands_most)
         return io_fail(error, "%s: a %s has no room for %zu bands; .tif and .npy have", path, sink->what, bands);
+    if (sink->create == NULL) return io_fail(error, "%s: this build has no library for that format", path);
     io_error reason;
     if (sink == &io_sink_tif && io_gdal_load(&reason) == NULL)
         return io_fail(error, "%s: GeoTIFF needs GDAL: %s; .npy and .png do without", path, reason.text);
