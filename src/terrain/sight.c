@@ -305,10 +305,14 @@ bool sight_sees(const sight *s, double i, double j, double height, const sight_b
     /* What is below the eye, a cell away or less, rises by less than that for each cell. */
     const bool steep = s->around >= 0 || s->around * w.length >= height;
     if (last < 1 && steep && look_between(&w, last, 1, look_for_steepest, &found)) return false;
-    if (bound->high < height || first == 1) return true;
+    if (first == 1) return true;
     /* Where something is high, and if that does not hide it, all the rest. */
-    const double a = fmax(first, 1 - bound->to_eye / w.length), b = fmin(last, 1 - bound->from_eye / w.length);
-    if (a < b && look_between(&w, a, b, look_for_steepest, &found)) return false;
+    for (int k = 0; k < SIGHT_PIECES; k++) {
+        const sight_piece *p = &bound->pieces[k];
+        if (p->high < height) return true;
+        const double a = fmax(first, 1 - p->to_eye / w.length), b = fmin(last, 1 - p->from_eye / w.length);
+        if (a < b && look_between(&w, a, b, look_for_steepest, &found)) return false;
+    }
     if (bound->rest < height) return true;
     search_from(&w, bound->near, &found);
     return found.rise.share == 0;

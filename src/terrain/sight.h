@@ -40,11 +40,20 @@ typedef struct sight_rise {
 } sight_rise;
 sight_rise sight_steepest(const sight *s, double i, double j, double least, double enough);
 
+/* A piece of the way, that many cells from the eye, in which something is high. */
+typedef struct sight_piece {
+    double from_eye, to_eye;
+    double high;
+} sight_piece;
+
 /* What is known of what lies on the way to a place: nothing farther than near cells from it and than one cell from the eye
- * rises by more than high; with what is from_eye to to_eye cells from the eye left out as well, by no more than rest. Of the
- * near cells only the first close ones can hide it. Cells count along the way's longer axis. */
+ * rises by more than the first piece's high. With that piece left out, nothing by more than the second's, and so on; with all
+ * of them left out, by no more than rest. Of the near cells only the first close ones can hide it. Cells count along the way's
+ * longer axis. */
+enum { SIGHT_PIECES = 3 };
 typedef struct sight_bound {
-    double close, near, high, rest, from_eye, to_eye;
+    double close, near, rest;
+    sight_piece pieces[SIGHT_PIECES];
 } sight_bound;
 
 /* Whether (i, j), height over the eye's, is seen. What touches the line blocks it. */

@@ -10,9 +10,9 @@
  * in two. A sample below the lower bound of its bin is hidden. One above the upper bound is seen unless something close by
  * hides it, which is looked at exactly: the last rows are left out of the upper bound because next to a sample the bound,
  * which takes in its neighbours, is blunt, and so is the first cell before the eye, where edges end behind it. Between the
- * bounds, what may hide a sample is mostly one ridge. Rows are therefore taken in blocks, and the upper bound is kept twice,
- * with the block that is highest and without it: that block is looked at exactly, and seldom more than that. The rest is
- * decided by following the line. So the bounds save work and never change an answer. */
+ * bounds, what may hide a sample is mostly one ridge or two. Rows are therefore taken in blocks, and the upper bound is kept
+ * for all of them, and with the highest one, two and three left out: these are looked at exactly, one after the other, and
+ * seldom more than that. The rest is decided by following the line. So the bounds save work and never change an answer. */
 
 #include "sweep.h"
 
@@ -29,11 +29,14 @@ typedef struct shown {
 } shown;
 
 /* A small range of directions: bounds of the rises in it so far. Rows are taken together in blocks; what rises highest is
- * most often one ridge, and all but the block with that has a lower bound of its own. */
+ * most often one ridge or two, and all but the few highest blocks have a lower bound of their own. */
 typedef struct bin {
     float low;
-    float high, rest; /* over all rows that were taken in; over those outside the block */
-    int32_t block;    /* row number / BLOCK of the highest */
+    float rest; /* over all rows outside the blocks */
+    struct block {
+        float high;
+        int32_t number;     /* row / BLOCK */
+    } blocks[SIGHT_PIECES]; /* the highest first */
 } bin;
 
 typedef struct part {
@@ -124,23 +127,32 @@ static void keep(part *p, long row, long left, long right) {
     }
 }
 
-static void raise(bin *b, float high, int32_t block) {
-    if (block == b->block) {
-        b->high = most(high, b->high);
-    } else if (high > b->high) {
-        b->rest = b->high;
-        b->high = high;
-        b->block = block;
+static inline void raise(bin *b, float high, int32_t number) {
+    struct block *last = &b->blocks[SIGHT_PIECES - 1];
+    int k = 0;
+    while (k < SIGHT_PIECES && b->blocks[k].number != number) k++;
+    if (k < SIGHT_PIECES) {
+        b->blocks[k].high = most(high, b->blocks[k].high);
+    } else if (high > last->high) {
+        b->rest = most(last->high, b->rest);
+        *last = (struct block){high, number};
+        k = SIGHT_PIECES - 1;
     } else {
         b->rest = most(high, b->rest);
+        return;
+    }
+    for (; k > 0 && b->blocks[k].high > b->blocks[k - 1].high; k--) {
+        const struct block up = b->blocks[k];
+        b->blocks[k] = b->blocks[k - 1];
+        b->blocks[k - 1] = up;
     }
 }
 
 /* Two bins as one. */
 static void unite(bin *b, const bin *other) {
     b->low = least(b->low, other->low);
-    b->rest = b->block == other->block ? most(b->rest, other->rest) : most(b->high, other->high);
-    b->high = most(b->high, other->high);
+    b->rest = most(b->rest, other->rest);
+    for (int k = 0; k < SIGHT_PIECES; k++) raise(b, other->blocks[k].high, other->blocks[k].number);
 }
 
 /* Bins take in a row, its lower bounds or its upper ones. */
@@ -199,6 +211,13 @@ void sweep_close(sweep_bounds *bounds, double height) {
     }
 }
 
+/* All triangles with a sample in the block, from the row before it to the row behind it. */
+static sight_piece piece_of(const part *p, const struct block *b, double r) {
+    const double one = (double)(b->number * BLOCK - 1) - p->eye, other = (double)((b->number + 1) * BLOCK) - p->eye;
+    const double high = set_up(b->high) * r;
+    return p->outward > 0 ? (sight_piece){one, other, high} : (sight_piece){-other, -one, high};
+}
+
 /* The samples of the row in these directions: the last part of a quarter has both ends. Directions of exactly 45 degrees
  * belong to the quarters whose rows are rows. */
 static void visit_row(part *p, long row, double target, sweep_visit *visit, void *context) {
@@ -224,12 +243,10 @@ static void visit_row(part *p, long row, double target, sweep_visit *visit, void
         if (n + 1 < p->bins && (double)(n + 1) - place < 1e-6) unite(&here, &p->of[n + 1]);
         const double height = height_over_eye(p, row, i, h), low = set_down(here.low) * r;
         if (low >= height + target) continue;
-        /* All triangles with a sample in the block, from the row before it to the row behind it. */
-        const double one = (double)(here.block * BLOCK - 1) - p->eye,
-                     other = (double)((here.block + 1) * BLOCK) - p->eye;
-        const double from_eye = p->outward > 0 ? one : -other, to_eye = p->outward > 0 ? other : -one;
-        sweep_bounds bounds = {
-            low, {NEAR, NEAR, set_up(here.high) * r, set_up(here.rest) * r, from_eye, to_eye}, p, (double)row, u};
+        sweep_bounds bounds = {.low = low, .part = p, .row = (double)row, .direction = u};
+        bounds.high.close = bounds.high.near = NEAR;
+        bounds.high.rest = set_up(here.rest) * r;
+        for (int k = 0; k < SIGHT_PIECES; k++) bounds.high.pieces[k] = piece_of(p, &here.blocks[k], r);
         if (p->swapped)
             visit(context, (size_t)row, (size_t)i, height, &bounds);
         else
@@ -280,7 +297,10 @@ bool sweep_part(const sight *s, unsigned number, double far, double target, swee
     if (p.swapped) p.columns = malloc(COLUMNS_AT_ONCE * (size_t)p.length * sizeof *p.columns);
     bool good = p.of && p.w && kept && (p.columns || !p.swapped);
     if (good) {
-        for (size_t b = 0; b < p.bins; b++) p.of[b] = (bin){-INFINITY, -INFINITY, -INFINITY, -1};
+        for (size_t b = 0; b < p.bins; b++) {
+            p.of[b] = (bin){.low = -INFINITY, .rest = -INFINITY};
+            for (int k = 0; k < SIGHT_PIECES; k++) p.of[b].blocks[k] = (struct block){-INFINITY, -1 - k};
+        }
         for (size_t k = 0; k <= NEAR; k++) p.kept[k] = kept + k * length;
         good = sweep(&p, far, target, visit, tick, context);
     }
