@@ -308,6 +308,7 @@ static void same_bits(void **state) {
         cw_query query = cw_query_default();
         query.kernel = cw_kernel_find(names[k / 2]);
         query.pool = k % 2 ? pool : NULL;
+        check(query.kernel != NULL || k > 1, "there is no kernel %s", names[k / 2]);
         if (query.kernel == NULL || !cw_kernel_describe(query.kernel).available) continue;
         sunlight *s = NULL, *p = NULL;
         horizon *h = NULL;
