@@ -285,6 +285,38 @@ CW_API cw_status cw_closest(const cw_field *field, const cw_query *query, const 
 /* occluded[k] = 1 if rays[k] hits anything, else 0; always what cw_closest would find. */
 CW_API cw_status cw_any(const cw_field *field, const cw_query *query, const cw_ray *rays, size_t n, uint8_t *occluded);
 
+/* ---- rays of one heading, from the samples themselves -------------------------------------------------------------- */
+
+/* Sunlight, or the view in one direction of the compass: rays that leave from many samples and go the same way. Each starts
+ * on the surface, at its sample exactly, and what counts is what it meets after that; so nothing has to be lifted off or cut
+ * away. They share so much that this is some ten times as fast as a query with a ray for each sample.
+ *
+ * A heading is a direction (dir[0], dir[1]) in field coordinates, made ready for one field: 48 bytes for each cell that the
+ * longest way through the field leads over. Along it, from sample (i, j) with height z, the surface at
+ * (i + t dir[0], j + t dir[1]) rises by (height - z) / t, t > 0. Only triangles' edges need be looked at, since a steepest
+ * rise is at one. An edge between two samples that are no holes counts, even where both triangles beside it have a hole. */
+typedef struct cw_heading cw_heading;
+
+/* The longer of dir's components is from 2^-40 to 2^40, else CW_ERROR_ARGUMENT. The caller owns the heading and destroys it
+ * before the field. */
+CW_API cw_status cw_heading_create(const cw_field *field, const double dir[2], cw_heading **heading);
+/* NULL is allowed. */
+CW_API void cw_heading_destroy(cw_heading *heading);
+
+/* The steepest rise as seen from each sample of a rectangle: slope[y * nx + x] for sample (i + x, j + y), or NaN at a hole. It
+ * is off by less than 2^-21 of the rise to the higher of the edge's two samples. Rises are told apart from low to high; what
+ * is less comes out as low, also where the ray meets nothing before it leaves the field, and what is more as high. The
+ * narrower that is, the faster; -infinity and infinity tell everything. CW_ERROR_ARGUMENT unless low <= high, CW_ERROR_SIZE
+ * if the rectangle is no part of the field. Of the query only pool and kernel count, the latter by its instruction set; the
+ * answers are the same for any. */
+CW_API cw_status cw_heading_steepest(const cw_heading *heading, const cw_query *query, float low, float high, size_t i,
+                                     size_t j, size_t nx, size_t ny, float *slope);
+
+/* occluded[y * nx + x] = 1 if the steepest rise is at least slope, so that the ray that rises by slope meets the surface
+ * again. Else 0, also at a hole or where nothing is met. slope may be infinite, but no NaN. */
+CW_API cw_status cw_heading_any(const cw_heading *heading, const cw_query *query, float slope, size_t i, size_t j,
+                                size_t nx, size_t ny, uint8_t *occluded);
+
 /* ---- user space ------------------------------------------------------------------------------------------------- */
 
 /* A ray in user space; as cw_ray otherwise. */

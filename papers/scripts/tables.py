@@ -11,6 +11,7 @@ import sys
 import blocks_scenes
 import blocks_speed
 import blocks_stability
+import blocks_terrain
 import blocks_tradeoff
 import blocks_work
 import names
@@ -32,7 +33,7 @@ SOURCES = {
     **dict.fromkeys(names.SPEED_FILES.values()), "peers.json": None, "widths.json": None, "threads.json": None,
     "building.json": None, "counters.json": None, "profile.json": "papers/scripts/profile_kernels.py",
     "ablation.json": "--target ablation", "caches.json": "--target caches", "pages-huge.json": None,
-    "pages-small.json": None, "scenes/table.json": None, "tradeoff/tradeoff.json": None,
+    "pages-small.json": None, "terrain.json": "papers/scripts/terrain.py", "scenes/table.json": None, "tradeoff/tradeoff.json": None,
     "stability/aimed.json": "--target stability", "stability/extremes.json": "--target stability-extremes",
     "stability/exhaustive.json": "--target stability-exhaustive", "stability/stress.json": "--target stability-stress",
     "stability/leaf.json": "--target stability-leaf",
@@ -71,6 +72,8 @@ BLOCKS = {
     **{make.__name__: from_file(blocks_tradeoff.FILE, make) for make in (
         blocks_tradeoff.modes, blocks_tradeoff.frontiers, blocks_tradeoff.errors, blocks_tradeoff.mode_speeds,
         blocks_tradeoff.pictures, blocks_tradeoff.early, blocks_tradeoff.normals)},
+    **{make.__name__: from_file(blocks_terrain.FILE, make) for make in (
+        blocks_terrain.terrain_speed, blocks_terrain.terrain_views, blocks_terrain.terrain_horizons)},
 }
 
 

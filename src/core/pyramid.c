@@ -69,7 +69,7 @@ static void build_around(const cw_pyramid_level *l, float *row[3]) {
                 here[x] = -INFINITY;
                 continue;
             }
-            float high = cw_pyramid_node(l, x, y)[16];
+            float high = higher(cw_pyramid_node(l, x, y)[16], -INFINITY); /* a node of holes alone is NaN */
             if (x > 0) high = higher(cw_pyramid_node(l, x - 1, y)[16], high);
             if (x + 1 < n) high = higher(cw_pyramid_node(l, x + 1, y)[16], high);
             here[x] = high;

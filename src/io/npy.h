@@ -53,6 +53,11 @@ const void *io_npy_rows(io_npy *npy, uint64_t first, uint64_t count, io_error *e
 /* Takes the mapping that the last io_npy_rows made over, to be given to munmap; NULL where the rows were copied. */
 void *io_npy_take_window(io_npy *npy, size_t *bytes);
 
+/* Writes the header of an array of that shape at the start of an output, and claims room for all of it. type and item as
+ * below. */
+bool io_npy_write_header(io_output *output, const char *type, size_t item, size_t rank, const uint64_t *shape,
+                         io_error *error);
+
 typedef struct io_npy_writer {
     io_output output;
     uint64_t left; /* bytes that are still to come */

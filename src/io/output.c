@@ -157,7 +157,7 @@ bool io_output_open(io_output *out, const char *path, io_error *error) {
     /* Follow links, so that the file behind a link is replaced and not the link. A new file has nothing to follow. */
     out->target = standard ? NULL : realpath(path, NULL);
     if (out->target == NULL && (standard || errno == ENOENT)) out->target = strdup(path);
-    out->name = strdup(path);
+    out->name = strdup(standard ? "standard output" : path);
     if (out->target != NULL && out->name != NULL && !standard && !is_no_input(out, error)) {
         release(out);
         return false;

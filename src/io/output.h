@@ -21,8 +21,9 @@ typedef struct io_output {
     int slot;
 } io_output;
 
-/* Creates the file. Outputs may be open side by side, at most IO_OUTPUT_MAX in a process. A target that is a
- * directory or may not be written to is refused here, before any work. On failure out needs no discard. */
+/* Creates the file; path "-" is standard output, which is written to as it is. Outputs may be open side by side, at most
+ * IO_OUTPUT_MAX in a process. A target that is a directory or may not be written to is refused here, before any work. On failure
+ * out needs no discard. */
 enum { IO_OUTPUT_MAX = 16 };
 bool io_output_open(io_output *out, const char *path, io_error *error);
 

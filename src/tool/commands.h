@@ -8,5 +8,10 @@
 extern const command command_info;
 extern const command command_render;
 extern const command command_trace;
+/* terrain/ */
+extern const command command_horizon;
+extern const command command_los;
+extern const command command_shadow;
+extern const command command_viewshed;
 
 #endif

@@ -24,8 +24,9 @@ static cw_status create(field_file *file, bool bare) {
     return cw_field_create(&desc, &file->field);
 }
 
-static bool open_raster(field_file *file, const char *path, bool bare, io_error *error) {
-    if (!io_raster_read(path, &file->raster, error)) return false;
+static bool open_raster(field_file *file, const char *path, const io_raster_options *options, bool bare,
+                        io_error *error) {
+    if (!io_raster_read(path, options, &file->raster, error)) return false;
     const cw_status status = create(file, bare);
     if (status == CW_OK) return true;
     return io_fail(error, "%s: %zu x %zu samples: %s", path, file->raster.nx, file->raster.ny,
@@ -38,12 +39,13 @@ static bool open_pbrt(field_file *file, const char *path, bool bare, io_error *e
     return file->field != NULL;
 }
 
-bool field_file_open(field_file *file, const char *path, const cw_query *query, io_error *error) {
+bool field_file_open(field_file *file, const char *path, const io_raster_options *options, const cw_query *query,
+                     io_error *error) {
     *file = (field_file){0};
     const bool bare = query->kernel != NULL; /* a kernel that was named says itself what it needs */
     const char *ending = strrchr(path, '.');
     const bool pbrt = ending && strcasecmp(ending, ".pbrt") == 0;
-    bool good = pbrt ? open_pbrt(file, path, bare, error) : open_raster(file, path, bare, error);
+    bool good = pbrt ? open_pbrt(file, path, bare, error) : open_raster(file, path, options, bare, error);
     if (good) {
         file->kernel = cw_query_kernel(file->field, query);
         const cw_status status = cw_field_build(file->field, file->kernel);

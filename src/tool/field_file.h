@@ -15,14 +15,17 @@ typedef struct field_file {
     bool mapped;             /* the samples are pages of the file and no memory of the program's own */
 } field_file;
 
-/* Reads a field for query: nothing is built that it does not need. On failure file needs no closing. */
-bool field_file_open(field_file *file, const char *path, const cw_query *query, io_error *error);
+/* Reads a field for query: nothing is built that it does not need. options, which may be NULL, are for rasters. On failure
+ * file needs no closing. */
+bool field_file_open(field_file *file, const char *path, const io_raster_options *options, const cw_query *query,
+                     io_error *error);
 void field_file_close(field_file *file);
 
 #define FIELD_FILE_HELP                                                                                                \
     "FIELD is a height field: a NumPy array (.npy: two-dimensional, float32,\n"                                        \
-    "float64, int16 or uint16), a binary PGM image (.pgm), an ESRI ASCII grid (.asc)\n"                                \
-    "or the only heightfield of a scene (.pbrt). Sample [j, i] stands at x = i, y = j\n"                               \
-    "of field space; NaN, infinity and missing data are holes.\n"
+    "float64, int16 or uint16), a binary PGM image (.pgm), an ESRI ASCII grid (.asc),\n"                               \
+    "the only heightfield of a scene (.pbrt), or anything else that GDAL reads\n"                                      \
+    "(GeoTIFF, .hgt, VRT, ...). Sample [j, i] stands at x = i, y = j of field space;\n"                                \
+    "NaN, infinity and missing data are holes.\n"
 
 #endif

@@ -1,14 +1,24 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Hits as a structured NumPy array: packed records of 21 bytes. */
+/* Hits as a NumPy array: packed records of 21 bytes and more, or one byte a ray. */
 #ifndef CELLWALK_TOOL_HITS_FILE_H
 #define CELLWALK_TOOL_HITS_FILE_H
 
 #include "cellwalk.h"
 #include "npy.h"
 
-/* The array as NumPy sees it has the fields t (float32), i, j (int32), triangle (uint8), u, v (float32). */
-bool hits_file_create(io_npy_writer *writer, const char *path, uint64_t rays, io_error *error);
+typedef struct hits_file {
+    io_npy_writer writer; /* open while hits are to come */
+    bool any;             /* one byte a ray, nothing else */
+    bool points, normals; /* follow in each record */
+} hits_file;
 
-bool hits_file_write(io_npy_writer *writer, const cw_hit *hits, size_t n, io_error *error);
+/* The array as NumPy sees it has the fields t (float32), i, j (int32), triangle (uint8), u, v (float32); with points x, y, z
+ * (float64), with normals nx, ny, nz (float32), both in user space and NaN for a miss. If any, it is of uint8. path "-" is
+ * standard output. file says what is wanted; the writer is filled in. */
+bool hits_file_create(hits_file *file, const char *path, uint64_t rays, io_error *error);
+
+/* The next n rays' hits, or occluded if any. */
+bool hits_file_write(hits_file *file, const cw_field *field, const cw_hit *hits, const uint8_t *occluded, size_t n,
+                     io_error *error);
 
 #endif

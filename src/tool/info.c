@@ -9,6 +9,7 @@
 #include "field_file.h"
 #include "json.h"
 #include "query_options.h"
+#include "raster_options.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -79,9 +80,10 @@ typedef struct survey {
     double read_seconds; /* from the file's name to the field, without what is built */
 } survey;
 
-static bool look_at_field(const char *path, const cw_query *query, survey *s, io_error *error) {
+static bool look_at_field(const char *path, const io_raster_options *options, const cw_query *query, survey *s,
+                          io_error *error) {
     const double start = clock_seconds();
-    if (!field_file_open(&s->file, path, query, error)) return false;
+    if (!field_file_open(&s->file, path, options, query, error)) return false;
     s->info = cw_field_describe(s->file.field);
     s->read_seconds = clock_seconds() - start - s->info.build_seconds;
     return true;
@@ -92,6 +94,15 @@ static double sample_bytes(const cw_field_info *info) { return (double)info->nx 
 /* Samples and what was built on them, however the samples are held. */
 static double bytes_per_cell(const cw_field_info *info) {
     return (sample_bytes(info) + (double)info->bytes_built) / ((double)(info->nx - 1) * (double)(info->ny - 1));
+}
+
+/* Where on earth, and what the numbers measure. */
+static void print_place(const io_raster *r) {
+    char crs[128];
+    const io_georef *g = &r->georef;
+    io_georef_name(g, crs, sizeof crs);
+    if (crs[0] != '\0') printf("  coordinates   %s%s\n", crs, g->geographic ? " (degrees)" : "");
+    if (g->has_nodata) printf("  no data       %.9g\n", g->nodata);
 }
 
 static void print_field(const char *path, const survey *s) {
@@ -107,6 +118,7 @@ static void print_field(const char *path, const survey *s) {
            s->file.mapped ? " (mapped from the file)" : "", f->bytes_built, bytes_per_cell(f));
     printf("  read          %.6f s\n", s->read_seconds);
     printf("  built         %.6f s, for kernel %s\n", f->build_seconds, cw_kernel_describe(s->file.kernel).name);
+    print_place(&s->file.raster);
     puts("  user space    rows of the map from (x, y, z, 1):");
     for (int k = 0; k < 3; k++)
         printf("                %.17g %.17g %.17g %.17g\n", s->file.map[k][0], s->file.map[k][1], s->file.map[k][2],
@@ -136,10 +148,14 @@ static void print_field_json(const char *path, const survey *s) {
     fputs("]}", stdout);
 }
 
-static int show(const char *path, const cw_query *query, bool json) {
+static int show(const char *path, raster_options *raster, const cw_query *query, bool json) {
     survey s = {.read_seconds = 0};
     io_error error = {""};
-    if (path && !look_at_field(path, query, &s, &error)) return command_fail("info", "%s", error.text);
+    io_raster_options options;
+    if (!raster_options_resolve(raster, "info", &options)) return EXIT_USAGE;
+    const bool good = path == NULL || look_at_field(path, &options, query, &s, &error);
+    progress_end(&raster->line);
+    if (!good) return command_fail("info", "%s", error.text);
     const machine m = look_at_machine();
     const cw_kernel *chosen = path ? s.file.kernel : cw_query_kernel(NULL, query);
     if (json) {
@@ -159,8 +175,11 @@ static int show(const char *path, const cw_query *query, bool json) {
 static int run(int argc, char **argv) {
     query_options q = {0};
     bool json = false;
-    option_spec options[QUERY_OPTION_COUNT];
+    raster_options raster;
+    enum { ALL = QUERY_OPTION_COUNT + RASTER_OPTION_COUNT };
+    option_spec options[ALL];
     query_options_rows(&q, options);
+    raster_options_rows(&raster, options + QUERY_OPTION_COUNT);
     /* --threads is last of the shared rows; nothing here runs in threads, so --json takes its place. */
     options[QUERY_THREADS] =
         (option_spec){.name = "json", .help = "print one JSON object", .kind = OPTION_FLAG, .to = &json};
@@ -176,7 +195,7 @@ static int run(int argc, char **argv) {
                     "  cellwalk info --isa sse4.2        what would be chosen without AVX2\n"
                     "  cellwalk info terrain.npy --kernel grid3d --json\n",
         .options = options,
-        .option_count = QUERY_OPTION_COUNT,
+        .option_count = ALL,
         .operands = operand_names,
         .operand_most = 1,
     };
@@ -185,7 +204,7 @@ static int run(int argc, char **argv) {
     if (status != OPTIONS_GO) return status;
     cw_query query;
     if (!query_options_resolve(&q, usage.name, &query)) return EXIT_USAGE;
-    return show(path, &query, json);
+    return show(path, &raster, &query, json);
 }
 
 const command command_info = {"info", "show this machine's kernels, and what a field costs", run};

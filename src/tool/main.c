@@ -7,7 +7,8 @@
 
 #include <stdlib.h>
 
-static const command *const commands[] = {&command_render, &command_trace, &command_info};
+static const command *const commands[] = {&command_render,   &command_trace, &command_shadow, &command_horizon,
+                                          &command_viewshed, &command_los,   &command_info};
 
 int main(int argc, char **argv) {
     static const program cellwalk = {.name = "cellwalk",

@@ -11,16 +11,16 @@
 #include "hits_file.h"
 #include "inputs.h"
 #include "json.h"
-#include "npy.h"
 #include "progress.h"
 #include "query_options.h"
+#include "raster_options.h"
+#include "ray_source.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-_Static_assert(sizeof(cw_ray) == 8 * sizeof(float), "a row of eight floats is a ray");
+#include <unistd.h>
 
 /* A piece is long enough that starting the threads costs nothing, and short enough to stop soon after Ctrl-C. */
 enum { PIECE = 1 << 18, PIECE_LEAST = 1 << 12, REPEAT_MOST = 1000000 };
@@ -28,44 +28,34 @@ enum { PIECE = 1 << 18, PIECE_LEAST = 1 << 12, REPEAT_MOST = 1000000 };
 typedef struct request {
     const char *field, *rays, *hits;
     query_options query;
-    bool any, json;
+    raster_options raster;
+    bool any, user, points, normals, stats, json;
     unsigned repeat;
     double tolerance, cone;
 } request;
 
 typedef struct trace {
-    const request *request;
+    request *request;
+    io_raster_options raster;
     field_file field;
-    io_npy rays;
-    uint64_t ray_count;
+    ray_source rays;
     cw_query query;
-    io_npy_writer writer; /* not open where no output was asked for */
+    hits_file file; /* not open where no output was asked for */
     size_t piece;
     cw_hit *hits;      /* PIECE of them */
-    uint8_t *occluded; /* PIECE of them, for --any */
+    uint8_t *occluded; /* the same, for --any */
     progress line;
     uint64_t hit_count;
     double *seconds; /* request->repeat of them */
 } trace;
 
-/* Pages of a mapped file come into memory when they are touched; that is no part of a query's time. */
-static void touch(const void *memory, size_t bytes) {
-    enum { PAGE = 4096 }; /* the smallest there is */
-    const volatile char *at = memory;
-    for (size_t k = 0; k < bytes; k += PAGE) (void)at[k];
-}
-
-/* Traces n rays into t->hits and returns the time that it took. */
+/* Traces n rays into t->hits or t->occluded and returns the time that it took. */
 static bool trace_piece(trace *t, const cw_ray *rays, size_t n, double *seconds, io_error *error) {
     const double start = clock_seconds();
     const cw_status status = t->request->any ? cw_any(t->field.field, &t->query, rays, n, t->occluded)
                                              : cw_closest(t->field.field, &t->query, rays, n, t->hits);
     *seconds = clock_seconds() - start;
-    if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));
-    if (!t->request->any) return true;
-    for (size_t k = 0; k < n; k++)
-        t->hits[k] = (cw_hit){.t = t->occluded[k] ? rays[k].tmin : INFINITY, .i = -1, .j = -1};
-    return true;
+    return status == CW_OK || io_fail(error, "%s", cw_status_message(status));
 }
 
 static uint64_t count_hits(const trace *t, size_t n) {
@@ -76,51 +66,48 @@ static uint64_t count_hits(const trace *t, size_t n) {
 
 /* All rays once. The first pass counts and writes. */
 static bool pass(trace *t, unsigned number, io_error *error) {
-    for (uint64_t done = 0; done < t->ray_count;) {
+    for (uint64_t done = 0; done < t->rays.count;) {
         if (atomic_load(cancel_flag())) return io_fail(error, "interrupted");
-        const size_t n = t->ray_count - done < t->piece ? (size_t)(t->ray_count - done) : t->piece;
-        const cw_ray *rays = io_npy_rows(&t->rays, done, n, error);
+        const size_t n = t->rays.count - done < t->piece ? (size_t)(t->rays.count - done) : t->piece;
+        const cw_ray *rays = ray_source_rows(&t->rays, t->field.field, done, n, error);
         if (rays == NULL) return false;
-        touch(rays, n * sizeof *rays);
         double seconds = 0;
         if (!trace_piece(t, rays, n, &seconds, error)) return false;
         t->seconds[number] += seconds;
         if (number == 0) t->hit_count += count_hits(t, n);
-        if (number == 0 && t->request->hits && !hits_file_write(&t->writer, t->hits, n, error)) return false;
+        if (number == 0 && t->request->hits &&
+            !hits_file_write(&t->file, t->field.field, t->hits, t->occluded, n, error))
+            return false;
         if (seconds > 1 && t->piece > PIECE_LEAST) t->piece /= 2;
         done += n;
-        progress_update(&t->line, (number + (double)done / (double)t->ray_count) / t->request->repeat);
+        progress_update(&t->line, (number + (double)done / (double)t->rays.count) / t->request->repeat);
     }
-    return true;
-}
-
-static bool open_rays(trace *t, io_error *error) {
-    static const char *const float32[] = {"<f4"};
-    if (!io_npy_open(&t->rays, t->request->rays, error)) return false;
-    if (!io_npy_expect_type(&t->rays, float32, 1, error)) return false;
-    const io_npy_header *h = &t->rays.header;
-    char shape[128];
-    io_npy_shape_text(&t->rays, shape, sizeof shape);
-    if (h->rank != 2 || h->shape[1] != 8)
-        return io_fail(error, "%s: shape %s, but rays are (N, 8): org x y z, tmin, dir x y z, tmax", t->rays.path,
-                       shape);
-    t->ray_count = h->shape[0];
     return true;
 }
 
 static bool prepare(trace *t, io_error *error) {
     const request *r = t->request;
-    if (!open_rays(t, error)) return false;
+    if (!ray_source_open(&t->rays, r->rays, r->user, PIECE, error)) return false;
     if (!io_inputs_note_path(r->field)) return io_fail(error, "out of memory");
-    if (r->hits && !hits_file_create(&t->writer, r->hits, t->ray_count, error)) return false;
-    if (!field_file_open(&t->field, r->field, &t->query, error)) return false;
+    if (r->hits && !hits_file_create(&t->file, r->hits, t->rays.count, error)) return false;
+    const bool good = field_file_open(&t->field, r->field, &t->raster, &t->query, error);
+    progress_end(&t->request->raster.line);
+    if (!good) return false;
+    if (r->user && t->field.raster.georef.geographic)
+        fprintf(
+            stderr,
+            "cellwalk trace: warning: %s: its map is in degrees, so rays are straight in degrees and heights; gdalwarp "
+            "-t_srs EPSG:... puts it on a map in metres\n",
+            r->field);
     t->query.kernel = t->field.kernel;
     const cw_status status = cw_pool_create(r->query.threads, &t->query.pool);
     if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));
-    t->hits = calloc(PIECE, sizeof *t->hits);
-    t->occluded = r->any ? calloc(PIECE, sizeof *t->occluded) : NULL;
+    if (r->any)
+        t->occluded = calloc(PIECE, sizeof *t->occluded);
+    else
+        t->hits = calloc(PIECE, sizeof *t->hits);
     t->seconds = calloc(r->repeat, sizeof *t->seconds);
-    return (t->hits && t->seconds && (t->occluded || !r->any)) || io_fail(error, "out of memory");
+    return ((t->hits || t->occluded) && t->seconds) || io_fail(error, "out of memory");
 }
 
 static int compare(const void *a, const void *b) {
@@ -132,10 +119,10 @@ static void report(trace *t) {
     const unsigned n = t->request->repeat;
     qsort(t->seconds, n, sizeof *t->seconds, compare);
     const double least = t->seconds[0], median = 0.5 * (t->seconds[(n - 1) / 2] + t->seconds[n / 2]);
-    const double mrays = t->ray_count > 0 ? 1e-6 * (double)t->ray_count / median : 0;
+    const double mrays = t->rays.count > 0 ? 1e-6 * (double)t->rays.count / median : 0;
     const char *kernel = cw_kernel_describe(t->query.kernel).name;
     const unsigned threads = cw_pool_threads(t->query.pool);
-    const unsigned long long rays = t->ray_count, hits = t->hit_count;
+    const unsigned long long rays = t->rays.count, hits = t->hit_count;
     if (!t->request->json) {
         printf("%s: %llu rays, %llu hits, %u thread%s, %u run%s: min %.6f s, median %.6f s, %.3f Mrays/s\n", kernel,
                rays, hits, threads, threads == 1 ? "" : "s", n, n == 1 ? "" : "s", least, median, mrays);
@@ -158,16 +145,46 @@ static bool trace_all(trace *t, io_error *error) {
     bool good = true;
     for (unsigned k = 0; k < t->request->repeat && good; k++) good = pass(t, k, error);
     progress_end(&t->line);
-    return good && (t->request->hits == NULL || io_npy_commit(&t->writer, error));
+    return good && (t->request->hits == NULL || io_npy_commit(&t->file.writer, error));
 }
 
-static int run_request(const request *r, const cw_query *query, bool timing) {
-    trace t = {.request = r, .query = *query, .piece = PIECE, .rays = {.fd = -1}};
+/* Where the field's bounds are, in the coordinates that rays have. */
+static void warn_of_bounds(const trace *t) {
+    const cw_field_info f = cw_field_describe(t->field.field);
+    const double side[3] = {(double)(f.nx - 1), (double)(f.ny - 1), 1};
+    double low[3] = {0, 0, (double)f.low}, high[3] = {side[0], side[1], (double)f.high};
+    for (int k = 0; k < 3 && t->request->user; k++) {
+        const double *m = t->field.map[k];
+        low[k] = high[k] = m[3];
+        for (int a = 0; a < 3; a++) {
+            const double from = m[a] * (a < 2 ? 0 : (double)f.low), to = m[a] * (a < 2 ? side[a] : (double)f.high);
+            low[k] += fmin(from, to);
+            high[k] += fmax(from, to);
+        }
+    }
+    fprintf(
+        stderr,
+        "cellwalk trace: warning: no ray meets the field, which lies at x %.10g to %.10g, y %.10g to %.10g, z %.6g to "
+        "%.6g%s\n",
+        low[0], high[0], low[1], high[1], low[2], high[2],
+        t->request->user                ? " of the map"
+        : t->field.raster.georef.placed ? "; if the rays are in coordinates of its map, --user takes them so"
+                                        : "");
+}
+
+static int run_request(request *r, const cw_query *query, const io_raster_options *raster, bool timing) {
+    trace t = {.request = r,
+               .raster = *raster,
+               .query = *query,
+               .piece = PIECE,
+               .rays = {.npy = {.fd = -1}},
+               .file = {.any = r->any, .points = r->points, .normals = r->normals}};
     io_error error = {""};
     const bool good = trace_all(&t, &error);
     if (good && timing) report(&t);
-    io_npy_discard(&t.writer);
-    io_npy_close(&t.rays);
+    if (good && t.rays.count > 0 && t.hit_count == 0 && t.rays.none_meets) warn_of_bounds(&t);
+    io_npy_discard(&t.file.writer);
+    ray_source_close(&t.rays);
     cw_pool_destroy(t.query.pool);
     field_file_close(&t.field);
     free(t.hits);
@@ -180,15 +197,19 @@ static const char what[] = "Finds where rays hit a height field.\n"
                            "\n" FIELD_FILE_HELP "\n"
                            "RAYS is a NumPy array (.npy) of float32 with the shape (N, 8): origin x, y, z,\n"
                            "tmin, direction x, y, z, tmax, in field space: org + t dir for t in [tmin, tmax].\n"
+                           "With --user it is float64, in the coordinates of the field's map.\n"
                            "\n"
                            "HITS becomes a NumPy array of N records with the fields t (float32), i, j (int32:\n"
                            "the cell), triangle (uint8: 0 below the diagonal, 1 above), u, v (float32:\n"
-                           "barycentric). A miss has t = inf, i = j = -1 and 0 elsewhere.\n"
+                           "barycentric). A miss has t = inf, i = j = -1 and 0 elsewhere. With --any it is N\n"
+                           "numbers of one byte (uint8): 1 where the ray hits anything, else 0.\n"
                            "\n"
                            "Rays and hits need not fit into memory. HITS appears under its name only when it\n"
-                           "is whole.\n";
+                           "is whole. - is standard output, and for RAYS standard input, redirected from a\n"
+                           "file.\n";
 
 static const char examples[] = "  cellwalk trace terrain.npy rays.npy -o hits.npy\n"
+                               "  cellwalk trace dem.tif lidar.npy --user --points -o hits.npy --stats\n"
                                "  cellwalk trace dem.asc sun.npy -o shadow.npy --any --threads 4\n"
                                "  cellwalk trace terrain.npy rays.npy --threads 1 --repeat 9 --json\n"
                                "  cellwalk trace terrain.npy view.npy -o hits.npy --cone 0.001\n"
@@ -198,9 +219,25 @@ static const char examples[] = "  cellwalk trace terrain.npy rays.npy -o hits.np
                                "  numpy.save('rays.npy', rays)\n"
                                "  hits = numpy.load('hits.npy'); depth = hits['t']; missed = hits['i'] < 0\n";
 
+/* What cannot go together. */
+static bool wrong(const request *r, bool timing) {
+    const bool to_stdout = r->hits && strcmp(r->hits, "-") == 0;
+    if (r->hits == NULL && !timing)
+        command_fail("trace", "nothing to do: give -o HITS.npy for the hits, or --stats, --repeat or --json");
+    else if (r->any && (r->points || r->normals))
+        command_fail("trace", "--any finds no hit that --points or --normals could tell of");
+    else if (to_stdout && timing)
+        command_fail("trace", "standard output cannot take both the hits and what --stats, --repeat or --json print");
+    else if (to_stdout && isatty(STDOUT_FILENO))
+        command_fail("trace", "standard output is a terminal, and hits are no text: give -o HITS.npy");
+    else
+        return false;
+    return true;
+}
+
 static int run(int argc, char **argv) {
     request r = {.repeat = 0};
-    enum { OWN = 6, ALL = OWN + QUERY_OPTION_COUNT };
+    enum { OWN = 10, SHARED = OWN + QUERY_OPTION_COUNT, ALL = SHARED + RASTER_OPTION_COUNT };
     option_spec options[ALL] = {
         {.name = "output",
          .letter = 'o',
@@ -208,9 +245,15 @@ static int run(int argc, char **argv) {
          .help = "where the hits go; - is standard output",
          .kind = OPTION_TEXT,
          .to = &r.hits},
-        {.name = "any",
-         .help = "only ask whether a ray hits anything: an occluded ray\nhas t = its tmin, all else as in a miss",
-         .to = &r.any},
+        {.name = "any", .help = "only ask whether a ray hits anything: one byte a ray", .to = &r.any},
+        {.name = "user", .help = "RAYS is float64, in the coordinates of the field's map", .to = &r.user},
+        {.name = "points",
+         .help = "the hits' places on the map as well, on the surface to\nrounding: x, y, z (float64)",
+         .to = &r.points},
+        {.name = "normals",
+         .help = "the triangles' unit normals as well, in the map's\ncoordinates: nx, ny, nz (float32)",
+         .to = &r.normals},
+        {.name = "stats", .help = "print numbers of rays and hits, and the time of the\nqueries alone", .to = &r.stats},
         {.name = "repeat",
          .value = "N",
          .help = "trace N times and print the time of the queries\nalone; -o may then be left out",
@@ -237,6 +280,7 @@ static int run(int argc, char **argv) {
          .high = (double)FLT_MAX},
     };
     query_options_rows(&r.query, options + OWN);
+    raster_options_rows(&r.raster, options + SHARED);
     static const char *const operand_names[] = {"FIELD", "RAYS.npy"};
     const options_usage usage = {.name = "trace",
                                  .synopsis = "FIELD RAYS.npy -o HITS.npy [OPTIONS]",
@@ -252,21 +296,16 @@ static int run(int argc, char **argv) {
     if (status != OPTIONS_GO) return status;
     r.field = operands[0];
     r.rays = operands[1];
-    const bool timing = r.repeat > 0 || r.json;
-    if (r.hits == NULL && !timing) {
-        command_fail(usage.name, "nothing to do: give -o HITS.npy for the hits, or --repeat or --json for the time");
-        return EXIT_USAGE;
-    }
-    if (r.hits && strcmp(r.hits, "-") == 0 && timing) {
-        command_fail(usage.name, "-o - takes standard output, where --repeat and --json print the time");
-        return EXIT_USAGE;
-    }
+    const bool timing = r.repeat > 0 || r.json || r.stats;
+    if (wrong(&r, timing)) return EXIT_USAGE;
     if (r.repeat == 0) r.repeat = 1;
     cw_query query;
     if (!query_options_resolve(&r.query, usage.name, &query)) return EXIT_USAGE;
     query.tolerance = (float)r.tolerance;
     query.cone = (float)r.cone;
-    return run_request(&r, &query, timing);
+    io_raster_options raster;
+    if (!raster_options_resolve(&r.raster, usage.name, &raster)) return EXIT_USAGE;
+    return run_request(&r, &query, &raster, timing);
 }
 
 const command command_trace = {"trace", "find where rays hit a height field (NumPy arrays in and out)", run};

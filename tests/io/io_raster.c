@@ -27,7 +27,7 @@ static void make_npy(const char *name, const char *type, const void *data, size_
 static void check_heights(const char *name, const float *wanted, const double map[3][4]) {
     io_raster r;
     io_error error = {""};
-    check(io_raster_read(name, &r, &error), "%s", error.text);
+    check(io_raster_read(name, NULL, &r, &error), "%s", error.text);
     assert_int_equal(r.nx, NX);
     assert_int_equal(r.ny, NY);
     for (size_t k = 0; k < N; k++)
@@ -139,7 +139,7 @@ static void ascii_grids(void **state) {
 static void check_refused(const char *name, const char *part) {
     io_raster r;
     io_error error = {""};
-    check(!io_raster_read(name, &r, &error), "%s was taken for a raster", name);
+    check(!io_raster_read(name, NULL, &r, &error), "%s was taken for a raster", name);
     check(strncmp(error.text, name, strlen(name)) == 0, "%s is not named in '%s'", name, error.text);
     check(strstr(error.text, part) != NULL, "'%s' is not in '%s'", part, error.text);
 }
@@ -257,11 +257,74 @@ static void rasters_of_nothing_are_refused(void **state) {
     alarm(0);
 }
 
+static void what_the_caller_knows(void **state) {
+    (void)state;
+    io_raster r;
+    io_error error = {""};
+    make_npy("a.npy", "<f4", heights, sizeof heights);
+    const io_raster_options options = {.has_nodata = true, .nodata = 6000, .cellsize = 30, .zscale = 0.5};
+    check(io_raster_read("a.npy", &options, &r, &error), "%s", error.text);
+    for (size_t k = 0; k < N; k++) assert_true(k == 6 ? isnan(r.z[k]) : r.z[k] == heights[k]);
+    static const double map[3][4] = {{30, 0, 0, 0}, {0, -30, 0, 60}, {0, 0, 0.5, 0}}; /* the first row in the north */
+    for (int k = 0; k < 12; k++) assert_true(r.map[k / 4][k % 4] == map[k / 4][k % 4]);
+    assert_true(r.georef.placed && r.georef.has_nodata && r.georef.nodata == 6000);
+    io_raster_free(&r);
+    static const io_raster_options second = {.band = 2};
+    assert_false(io_raster_read("a.npy", &second, &r, &error));
+    check(strstr(error.text, "has one band") != NULL, "%s", error.text);
+
+    static const char grid[] = "ncols 4\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 1\n" ASC_SAMPLES;
+    scratch_write("a.asc", grid, sizeof grid - 1);
+    assert_false(io_raster_read("a.asc", &options, &r, &error));
+    check(strstr(error.text, "says by itself") != NULL, "%s", error.text);
+}
+
+/* The coordinate system stands in a file beside the grid. */
+static void systems_beside_grids(void **state) {
+    (void)state;
+    static const char grid[] = "ncols 4\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 1\n" ASC_SAMPLES;
+    static const struct {
+        const char *wkt, *name;
+        bool geographic;
+        double unit, semi_major;
+    } cases[] = {
+        {"PROJCS[\"UTM [32]\",GEOGCS[\"WGS\",DATUM[\"D\",SPHEROID[\"WGS_1984\",6378137.0,298.257223563]],"
+         "PRIMEM[\"Greenwich\",0],UNIT[\"Degree\",0.0174532925199433]],PROJECTION[\"Transverse_Mercator\"],"
+         "PARAMETER[\"Scale\",0.9996],UNIT[\"Foot_US\",0.3048006096012192]]",
+         "UTM [32]", false, 0.3048006096012192, 6378137},
+        {"GEOGCS[\"GCS\", DATUM[\"D\", SPHEROID[\"Sphere\", 6371000, 0]], UNIT[\"Degree\", 0.0174532925199433]]", "GCS",
+         true, 0.0174532925199433, 6371000},
+        {"COMPD_CS[\"both\",PROJCS[\"a\",UNIT[\"m\",1]],VERT_CS[\"h\",UNIT[\"ft\",0.3048]]]", "both", false, 1, 0},
+        {"PROJCRS[\"new\",BASEGEOGCRS[\"b\",DATUM[\"d\",ELLIPSOID[\"e\",6378137,298,LENGTHUNIT[\"metre\",1]]]],"
+         "CS[Cartesian,2],AXIS[\"x\",east],LENGTHUNIT[\"metre\",1]]",
+         "new", false, 1, 6378137},
+        {"no system", "", false, 0, 0},
+        {"PROJCS[\"open", "", false, 0, 0},
+    };
+    scratch_write("a.asc", grid, sizeof grid - 1);
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        io_raster r;
+        io_error error = {""};
+        char name[64];
+        scratch_write("a.prj", cases[k].wkt, strlen(cases[k].wkt));
+        check(io_raster_read("a.asc", NULL, &r, &error), "%s", error.text);
+        io_georef_name(&r.georef, name, sizeof name);
+        if (cases[k].unit > 0 || cases[k].geographic) assert_string_equal(name, cases[k].name);
+        check(r.georef.geographic == cases[k].geographic && r.georef.unit == cases[k].unit &&
+                  r.georef.semi_major == cases[k].semi_major,
+              "case %zu: unit %.17g, semi-major %.17g", k, r.georef.unit, r.georef.semi_major);
+        assert_true((r.georef.crs != NULL) == (cases[k].unit > 0));
+        io_raster_free(&r);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(arrays_of_every_type, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(images_of_both_depths, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(ascii_grids, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(what_the_caller_knows, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(systems_beside_grids, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(bad_grids_are_refused, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(bad_images_are_refused, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(bad_arrays_are_refused, scratch_enter, scratch_leave),

@@ -41,11 +41,8 @@ static void run_well(program_arguments arguments) {
     check(r->err[0] == '\0', "standard error: %s", r->err);
 }
 
-/* The records, after a look at the header. The caller frees *file. */
-static const unsigned char *read_hits(const char *name, size_t n, char **file) {
-    static const char descr[] =
-        "{'descr': [('t', '<f4'), ('i', '<i4'), ('j', '<i4'), ('triangle', '|u1'), ('u', '<f4'), ('v', '<f4')], "
-        "'fortran_order': False, 'shape': (";
+/* The elements, after a look at the header. The caller frees *file. */
+static const unsigned char *read_array(const char *name, const char *type, size_t n, size_t item, char **file) {
     size_t size;
     *file = scratch_read(name, &size);
     assert_memory_equal(*file, "\x93NUMPY\x01\x00", 8);
@@ -53,12 +50,18 @@ static const unsigned char *read_hits(const char *name, size_t n, char **file) {
     const size_t start = 10 + (size_t)bytes[8] + 256 * (size_t)bytes[9];
     assert_int_equal(start % 64, 0);
     assert_int_equal(bytes[start - 1], '\n');
-    assert_memory_equal(*file + 10, descr, sizeof descr - 1);
-    char shape[32];
-    const int length = snprintf(shape, sizeof shape, "%zu,), }", n);
-    assert_memory_equal(*file + 10 + sizeof descr - 1, shape, (size_t)length);
-    assert_int_equal(size, start + n * RECORD);
+    char header[512];
+    const int length =
+        snprintf(header, sizeof header, "{'descr': %s, 'fortran_order': False, 'shape': (%zu,), }", type, n);
+    assert_memory_equal(*file + 10, header, (size_t)length);
+    assert_int_equal(size, start + n * item);
     return bytes + start;
+}
+
+static const unsigned char *read_hits(const char *name, size_t n, char **file) {
+    return read_array(name,
+                      "[('t', '<f4'), ('i', '<i4'), ('j', '<i4'), ('triangle', '|u1'), ('u', '<f4'), ('v', '<f4')]", n,
+                      RECORD, file);
 }
 
 static void check_hits(const char *name, const cw_hit *wanted, size_t n) {
@@ -117,11 +120,104 @@ static void any_marks_the_occluded(void **state) {
     (void)state;
     fixture *f = make();
     check_status(cw_any(f->open, NULL, f->rays, RAYS, f->occluded), CW_OK);
-    for (size_t k = 0; k < RAYS; k++)
-        f->hits[k] = (cw_hit){.t = f->occluded[k] ? f->rays[k].tmin : INFINITY, .i = -1, .j = -1};
     run_well((const char *const[]){"trace", "--any", "field.npy", "rays.npy", "--output=hits.npy", NULL});
-    check_hits("hits.npy", f->hits, RAYS);
+    char *file;
+    const unsigned char *bytes = read_array("hits.npy", "'|u1'", RAYS, 1, &file);
+    assert_memory_equal(bytes, f->occluded, RAYS);
+    free(file);
     destroy(f);
+}
+
+/* Rays in the coordinates of a map that is far from the origin, against the library's own way there; with places and
+ * normals. */
+static void rays_of_the_map(void **state) {
+    (void)state;
+    enum { N = 500, BIG = RECORD + 24 + 12 };
+    static const char asc[] = "ncols 3 nrows 3 xllcorner 600000 yllcorner 5200000 cellsize 10\n0 1 2 7 5 3 9 9 1";
+    static const float z[9] = {0, 1, 2, 7, 5, 3, 9, 9, 1};
+    static const double map[3][4] = {{10, 0, 0, 600005}, {0, -10, 0, 5200025}, {0, 0, 1, 0}};
+    static cw_user_ray user[N];
+    static cw_ray rays[N];
+    static cw_hit hits[N];
+    static uint8_t occluded[N];
+    random_state r = {4};
+    for (size_t k = 0; k < N; k++)
+        user[k] = (cw_user_ray){.org = {random_between(&r, 600000, 600030), random_between(&r, 5200000, 5200030), 20},
+                                .dir = {random_between(&r, -1, 1), 0.25, -1},
+                                .tmax = INFINITY};
+    scratch_write("a.asc", asc, sizeof asc - 1);
+    npy_file("user.npy", "<f8", "(500, 8)", user, sizeof user);
+    cw_field_desc desc = cw_field_desc_default();
+    desc.samples = z;
+    desc.nx = desc.ny = 3;
+    memcpy(desc.map, map, sizeof map);
+    cw_field *field;
+    check_status(cw_field_create(&desc, &field), CW_OK);
+    cw_rays_to_field(field, user, N, rays);
+    check_status(cw_closest(field, NULL, rays, N, hits), CW_OK);
+    check_status(cw_any(field, NULL, rays, N, occluded), CW_OK);
+    run_well((const char *const[]){"trace", "a.asc", "user.npy", "--user", "-o", "hits.npy", NULL});
+    check_hits("hits.npy", hits, N);
+    run_well((const char *const[]){"trace", "a.asc", "user.npy", "--user", "--points", "--normals", "-o", "hits.npy",
+                                   "--stats", NULL});
+    char *file;
+    const unsigned char *record =
+        read_array("hits.npy",
+                   "[('t', '<f4'), ('i', '<i4'), ('j', '<i4'), ('triangle', '|u1'), ('u', '<f4'), ('v', '<f4'), "
+                   "('x', '<f8'), ('y', '<f8'), ('z', '<f8'), ('nx', '<f4'), ('ny', '<f4'), ('nz', '<f4')]",
+                   N, BIG, &file);
+    size_t found = 0;
+    for (size_t k = 0; k < N; k++, record += BIG) {
+        double point[3] = {NAN, NAN, NAN}, got[3], normal[3] = {NAN, NAN, NAN};
+        float got_normal[3];
+        if (hits[k].i >= 0) cw_hit_point(field, &hits[k], point), cw_hit_normal(field, &hits[k], normal), found++;
+        memcpy(got, record + RECORD, sizeof got);
+        memcpy(got_normal, record + RECORD + sizeof got, sizeof got_normal);
+        for (int a = 0; a < 3; a++) {
+            check(got[a] == point[a] || (isnan(got[a]) && isnan(point[a])), "ray %zu: %g, not %g", k, got[a], point[a]);
+            check(got_normal[a] == (float)normal[a] || (isnan(got_normal[a]) && isnan(normal[a])), "ray %zu", k);
+        }
+    }
+    free(file);
+    assert_in_range(found, N / 4, N - 20);
+    run_well((const char *const[]){"trace", "a.asc", "user.npy", "--user", "--any", "-o", "hits.npy", NULL});
+    record = read_array("hits.npy", "'|u1'", N, 1, &file);
+    assert_memory_equal(record, occluded, N);
+    free(file);
+    cw_field_destroy(field);
+}
+
+/* Rays that go nowhere near the field are told of, and where it lies; standard output takes hits or words. */
+static void what_is_said_of_rays(void **state) {
+    (void)state;
+    static const char asc[] = "ncols 2 nrows 2 xllcorner 600000 yllcorner 5200000 cellsize 10\n0 1 2 7";
+    static const double far[8] = {0, 0, 100, 0, 0, 0, -1, 1e9}, near[8] = {600010, 5200010, 100, 0, 0, 0, -1, 1e9},
+                        above[8] = {600010, 5200010, 100, 0, 0, 0, -1, 50};
+    static const float lost[8] = {600010, 5200010, 100, 0, 0, 0, -1, 1e9f};
+    scratch_write("a.asc", asc, sizeof asc - 1);
+    npy_file("far.npy", "<f8", "(1, 8)", far, sizeof far);
+    npy_file("near.npy", "<f8", "(1, 8)", near, sizeof near);
+    npy_file("above.npy", "<f8", "(1, 8)", above, sizeof above);
+    npy_file("lost.npy", "<f4", "(1, 8)", lost, sizeof lost);
+    const program_result *r =
+        program_run(NULL, (const char *const[]){"trace", "a.asc", "far.npy", "--user", "-o", "hits.npy", NULL});
+    check(r->status == 0 && strstr(r->err, "no ray meets the field, which lies at x 600005 to 600015"), "%s", r->err);
+    r = program_run(NULL, (const char *const[]){"trace", "a.asc", "above.npy", "--user", "-o", "hits.npy", NULL});
+    check(r->status == 0 && strstr(r->err, "no ray meets"), "%s", r->err);
+    r = program_run(NULL, (const char *const[]){"trace", "a.asc", "lost.npy", "-o", "hits.npy", NULL});
+    check(r->status == 0 && strstr(r->err, "--user takes them so"), "%s", r->err);
+    run_well((const char *const[]){"trace", "a.asc", "near.npy", "--user", "-o", "hits.npy", NULL});
+    r = program_run(NULL, (const char *const[]){"trace", "a.asc", "near.npy", "-o", "hits.npy", NULL});
+    check(r->status == 1 && strstr(r->err, "'<f8', not '<f4'"), "%s", r->err);
+    r = program_run(NULL, (const char *const[]){"trace", "a.asc", "near.npy", "--user", "--stats", NULL});
+    check(r->status == 0 && strstr(r->out, "1 rays, 1 hits"), "%s", r->out);
+    r = program_run(NULL, (const char *const[]){"trace", "a.asc", "near.npy", "--user", "--any", "-o", "-", NULL});
+    check(r->status == 0 && memcmp(r->out, "\x93NUMPY", 6) == 0, "%s", r->err);
+    r = program_run(NULL, (const char *const[]){"trace", "a.asc", "near.npy", "--user", "-o", "-", "--stats", NULL});
+    check(r->status == 2 && strstr(r->err, "cannot take both"), "%s", r->err);
+    r = program_run(NULL,
+                    (const char *const[]){"trace", "a.asc", "near.npy", "--any", "--points", "-o", "h.npy", NULL});
+    check(r->status == 2 && strstr(r->err, "--any finds no hit"), "%s", r->err);
 }
 
 /* More rays than one piece holds, the last piece being short. */
@@ -258,6 +354,8 @@ int main(void) {
         cmocka_unit_test_setup_teardown(closest_is_the_librarys, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(tolerances_reach_the_query, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(any_marks_the_occluded, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(rays_of_the_map, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(what_is_said_of_rays, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(pieces_join, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(formats_agree, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(no_rays_no_hits, scratch_enter, scratch_leave),

@@ -135,6 +135,24 @@ static bool set_real(const options_usage *usage, const option_spec *o, const cha
     return false;
 }
 
+static bool set_number(const options_usage *usage, const option_spec *o, const char *value) {
+    char *end = NULL;
+    const double number = strtod(value, &end);
+    if (end == value || *end != '\0' || !isfinite(number))
+        return command_fail(usage->name, "--%s takes a number, not '%s'", o->name, value), false;
+    *(double *)o->to = number;
+    return true;
+}
+
+static bool add_value(const options_usage *usage, const option_spec *o, const char *value) {
+    option_again *all = o->to;
+    if (value[0] == '\0') return command_fail(usage->name, "--%s needs a value that is not empty", o->name), false;
+    if (all->count == OPTION_AGAIN_MAX)
+        return command_fail(usage->name, "--%s may be given %d times at most", o->name, OPTION_AGAIN_MAX), false;
+    all->values[all->count++] = value;
+    return true;
+}
+
 static bool set_count(const options_usage *usage, const option_spec *o, const char *value) {
     char *end = NULL;
     const unsigned long number = strtoul(value, &end, 10); /* the largest there is, if value is larger */
@@ -154,6 +172,10 @@ static bool set_value(const options_usage *usage, const option_spec *o, char *va
         return set_count(usage, o, value);
     case OPTION_REAL:
         return set_real(usage, o, value);
+    case OPTION_NUMBER:
+        return set_number(usage, o, value);
+    case OPTION_AGAIN:
+        return add_value(usage, o, value);
     case OPTION_LIST:
         return add_items(usage, o, value);
     case OPTION_NAME:
@@ -206,6 +228,9 @@ static int take_option(const options_usage *usage, int argc, char **argv, int *k
     return set_value(usage, o, value) ? OPTIONS_GO : wrong(usage);
 }
 
+/* No option begins with a digit or a point: "-3.5,7" is a place. */
+static bool is_number(const char *argument) { return strchr("0123456789.", argument[1]) != NULL; }
+
 int options_parse(const options_usage *usage, int argc, char **argv, const char **operands) {
     for (size_t k = 0; k < usage->operand_most; k++) operands[k] = NULL;
     size_t given = 0;
@@ -217,7 +242,7 @@ int options_parse(const options_usage *usage, int argc, char **argv, const char 
         } else if (!options_over && (strcmp(argument, "--help") == 0 || strcmp(argument, "-h") == 0)) {
             print_help(usage);
             return EXIT_SUCCESS;
-        } else if (!options_over && argument[0] == '-' && argument[1] != '\0') {
+        } else if (!options_over && argument[0] == '-' && argument[1] != '\0' && !is_number(argument)) {
             const int result = take_option(usage, argc, argv, &k);
             if (result != OPTIONS_GO) return result;
         } else if (given < usage->operand_most) {

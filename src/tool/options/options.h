@@ -9,12 +9,14 @@
 #include <stddef.h>
 
 typedef enum option_kind {
-    OPTION_FLAG,  /* to: bool *; takes no value */
-    OPTION_TEXT,  /* to: const char **; the argument itself, not a copy */
-    OPTION_COUNT, /* to: unsigned *; a whole number in [low, high] */
-    OPTION_REAL,  /* to: double *; a number in [low, high] */
-    OPTION_NAME,  /* to: int *; the number of the name given */
-    OPTION_LIST   /* to: option_list *; a,b,c or the option again */
+    OPTION_FLAG,   /* to: bool *; takes no value */
+    OPTION_TEXT,   /* to: const char **; the argument itself, not a copy */
+    OPTION_COUNT,  /* to: unsigned *; a whole number in [low, high] */
+    OPTION_REAL,   /* to: double *; a number in [low, high] */
+    OPTION_NAME,   /* to: int *; the number of the name given */
+    OPTION_NUMBER, /* to: double *; any number that is finite */
+    OPTION_LIST,   /* to: option_list *; a,b,c or the option again */
+    OPTION_AGAIN   /* to: option_again *; may be given several times */
 } option_kind;
 
 enum { OPTION_LIST_MAX = 64 };
@@ -24,6 +26,13 @@ typedef struct option_list {
     size_t number[OPTION_LIST_MAX]; /* each item's among the option's names */
     size_t count;
 } option_list;
+
+/* The values of an option that may be given several times, the arguments themselves, in order. */
+enum { OPTION_AGAIN_MAX = 256 };
+typedef struct option_again {
+    size_t count;
+    const char *values[OPTION_AGAIN_MAX];
+} option_again;
 
 /* The name with that number; NULL from the count on. */
 typedef const char *option_names(size_t number);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Rasters from ESRI ASCII grids: lines "ncols 4", "nrows 3", "xllcorner 100" or "xllcenter 105", the same for y,
  * "cellsize 10" (or "dx 10", "dy 20"), optionally "nodata_value -9999", then the numbers by rows from the north. Row 0
- * is the northernmost, so y falls as j grows. */
+ * is the northernmost, so y falls as j grows. A file of the same name that ends in .prj says the coordinate system. */
 
 #include "file.h"
 #include "raster.h"
@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <unistd.h>
 
 typedef struct scanner {
     const char *at; /* ends in a NUL byte */
@@ -136,7 +137,8 @@ static bool take_sample(scanner *s, const header *h, float *z) {
     return true;
 }
 
-static bool read_text(const char *path, const char *text, size_t size, io_raster *raster, io_error *error) {
+static bool read_text(const char *path, const char *text, size_t size, const io_raster_options *options,
+                      io_raster *raster, io_error *error) {
     scanner s = {.at = text, .line = 1, .path = path, .error = error};
     header h = {0};
     if (!take_header(&s, &h)) return false;
@@ -147,8 +149,11 @@ static bool read_text(const char *path, const char *text, size_t size, io_raster
                        h.nx, h.ny, left, s.line);
     if (!io_raster_allocate(path, h.nx, h.ny, raster, error)) return false;
     float *z = raster->memory;
-    for (size_t k = 0; k < h.nx * h.ny; k++)
-        if (!take_sample(&s, &h, &z[k])) return false;
+    for (size_t j = 0; j < h.ny; j++) {
+        if (j % 64 == 0 && !io_raster_progress(options, path, (double)j / (double)h.ny, error)) return false;
+        for (size_t i = 0; i < h.nx; i++)
+            if (!take_sample(&s, &h, z++)) return false;
+    }
     skip_blanks(&s);
     if (s.at != text + size) return fail(&s, "the end of the file");
     const double dx = h.value[DX], dy = h.value[DY];
@@ -157,16 +162,36 @@ static bool read_text(const char *path, const char *text, size_t size, io_raster
     raster->map[0][3] = west;
     raster->map[1][1] = -dy;
     raster->map[1][3] = south + (double)(h.ny - 1) * dy;
+    raster->georef.placed = true;
+    raster->georef.has_nodata = h.seen[NODATA] && !isnan(h.nodata);
+    raster->georef.nodata = h.value[NODATA];
     return true;
 }
 
-static bool read_asc(const char *path, io_raster *raster, io_error *error) {
+/* dem.prj beside dem.asc: the coordinate system. A file that is not there or says something else changes nothing. */
+static void read_prj(const char *path, io_georef *georef) {
+    const size_t stem = strlen(path) - strlen(".asc");
+    char *name = malloc(stem + sizeof ".prj");
+    if (name == NULL) return;
+    memcpy(name, path, stem);
+    strcpy(name + stem, ".prj");
+    size_t size = 0;
+    char *wkt = access(name, R_OK) == 0 ? io_file_read(name, &size, NULL) : NULL;
+    if (wkt != NULL) io_georef_from_wkt(georef, wkt);
+    free(wkt);
+    free(name);
+}
+
+static bool read_asc(const char *path, const io_raster_options *options, io_raster *raster, io_error *error) {
     size_t size = 0;
     char *text = io_file_read(path, &size, error);
     if (text == NULL) return false;
-    const bool good = read_text(path, text, size, raster, error);
+    const bool good = read_text(path, text, size, options, raster, error);
     free(text);
-    if (!good) io_raster_free(raster);
+    if (good)
+        read_prj(path, &raster->georef);
+    else
+        io_raster_free(raster);
     return good;
 }
 

@@ -33,7 +33,7 @@ static bool check_float64(const void *from, const float *z, size_t n, size_t row
     return true;
 }
 
-static bool convert(io_npy *npy, io_raster *raster, io_error *error) {
+static bool convert(io_npy *npy, const io_raster_options *options, io_raster *raster, io_error *error) {
     const size_t nx = (size_t)npy->header.shape[1], ny = (size_t)npy->header.shape[0];
     if (!io_raster_allocate(npy->path, nx, ny, raster, error)) return false;
     const char kind = npy->header.type[1];
@@ -41,6 +41,7 @@ static bool convert(io_npy *npy, io_raster *raster, io_error *error) {
     size_t at_once = npy->row_bytes > 0 ? (size_t)(WINDOW_BYTES / npy->row_bytes) : ny;
     if (at_once == 0) at_once = 1;
     for (size_t j = 0; j < ny;) {
+        if (!io_raster_progress(options, npy->path, (double)j / (double)ny, error)) return false;
         const size_t count = ny - j < at_once ? ny - j : at_once;
         const char *rows = io_npy_rows(npy, j, count, error);
         if (rows == NULL) return false;
@@ -90,12 +91,12 @@ static bool check(const io_npy *npy, io_error *error) {
     return true;
 }
 
-static bool read(const char *path, io_raster *raster, io_error *error) {
+static bool read(const char *path, const io_raster_options *options, io_raster *raster, io_error *error) {
     io_npy npy;
     if (!io_npy_open(&npy, path, error)) return false;
     const bool as_it_is = strcmp(npy.header.type, "<f4") == 0;
     bool good = check(&npy, error);
-    if (good) good = as_it_is ? map(&npy, raster, error) : convert(&npy, raster, error);
+    if (good) good = as_it_is ? map(&npy, raster, error) : convert(&npy, options, raster, error);
     io_npy_close(&npy);
     if (!good) io_raster_free(raster);
     return good;

@@ -52,14 +52,16 @@ static bool parse_header(const char *text, const char *path, header *h, io_error
     return true;
 }
 
-static bool read_samples(int fd, const char *path, const header *h, io_raster *raster, io_error *error) {
+static bool read_samples(int fd, const char *path, const header *h, const io_raster_options *options, io_raster *raster,
+                         io_error *error) {
     const size_t item = h->maxval < 256 ? 1 : 2;
     float *z = raster->memory;
     unsigned char *row = malloc(h->nx * item + 1);
     if (row == NULL) return io_fail(error, "%s: out of memory", path);
     bool good = true;
     for (size_t j = 0; j < h->ny && good; j++) {
-        good = io_file_read_at(fd, path, row, h->nx * item, h->offset + j * h->nx * item, error);
+        good = (j % 64 != 0 || io_raster_progress(options, path, (double)j / (double)h->ny, error)) &&
+               io_file_read_at(fd, path, row, h->nx * item, h->offset + j * h->nx * item, error);
         for (size_t i = 0; i < h->nx && good; i++) {
             const unsigned value = item == 1 ? row[i] : (unsigned)(row[2 * i] << 8 | row[2 * i + 1]);
             z[j * h->nx + i] = (float)value;
@@ -72,7 +74,8 @@ static bool read_samples(int fd, const char *path, const header *h, io_raster *r
     return good;
 }
 
-static bool read_open(int fd, uint64_t size, const char *path, io_raster *raster, io_error *error) {
+static bool read_open(int fd, uint64_t size, const char *path, const io_raster_options *options, io_raster *raster,
+                      io_error *error) {
     char text[HEADER_MAX + 1];
     const size_t have = size < HEADER_MAX ? (size_t)size : HEADER_MAX;
     header h = {0};
@@ -87,14 +90,14 @@ static bool read_open(int fd, uint64_t size, const char *path, io_raster *raster
                        (unsigned long long)data);
     /* An empty side lets the other one be of any length, whatever the file's size. */
     if (bytes == 0) return io_fail(error, "%s: %zu x %zu: holds no samples", path, h.nx, h.ny);
-    return io_raster_allocate(path, h.nx, h.ny, raster, error) && read_samples(fd, path, &h, raster, error);
+    return io_raster_allocate(path, h.nx, h.ny, raster, error) && read_samples(fd, path, &h, options, raster, error);
 }
 
-static bool read_pgm(const char *path, io_raster *raster, io_error *error) {
+static bool read_pgm(const char *path, const io_raster_options *options, io_raster *raster, io_error *error) {
     uint64_t size = 0;
     const int fd = io_file_open(path, &size, error);
     if (fd < 0) return false;
-    const bool good = read_open(fd, size, path, raster, error);
+    const bool good = read_open(fd, size, path, options, raster, error);
     close(fd);
     if (!good) io_raster_free(raster);
     return good;

@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Products of terrain beside other programs: time and memory, cells that differ, angles that are off."""
+
+from markdown import grouped, table, three
+from results import Problem
+
+FILE = "terrain.json"
+PRODUCTS = ("viewshed", "shadow", "horizon, 32 directions")
+
+
+def run_text(run):
+    return (f"{run.text('cpu')}, {run.text('isa')}, {run.text('gdal')}, {run.text('grass')}, commit {run.text('commit')}, "
+            f"load {run.number('load'):.2f}, {run.text('date')}")
+
+
+def terrain_speed(results):
+    """What is a part of the whole counts as often as it goes into it."""
+    rows = []
+    for product in PRODUCTS:
+        for line in results.of("time", product=product):
+            side, part, whole = (line.number(key) for key in ("side", "part", "whole"))
+            times = whole / part
+            program = line.text("program") + (f" ({part} of {whole} measured)" if times > 1 else "")
+            rows.append([product, f"{side}²", program, f"{line.number('wall_seconds') * times:.2f}",
+                         f"{line.number('cpu_seconds') * times:.2f}",
+                         three(side * side * whole / (line.number("cpu_seconds") * times) / 1e6),
+                         f"{line.number('kilobytes') / 1024:.0f}"])
+    if not rows:
+        raise Problem(f"{results.path}: has no line of kind \"time\"")
+    return (run_text(results.run) + ".\n\n" +
+            table(["product", "samples", "program", "seconds", "CPU seconds", "million angles or cells a CPU second", "MB"], rows,
+                  "lllrrrr"))
+
+
+def terrain_views(results):
+    rows = [[line.text("program"), f"{line.number('side')}²", line.text("class"), grouped(line.number("cells")),
+             f"{100 * line.number('cells') / line.number('seen'):.2g} %", grouped(line.number("looked_at")),
+             grouped(line.number("we_are_right")), f"{line.number('median_metres'):.2g} m"]
+            for line in results.some("view")]
+    return table(["program", "samples", "class", "cells", "of those seen", "looked at", "Cellwalk is right",
+                  "by (median)"], rows, "lllrrrrr")
+
+
+def terrain_horizons(results):
+    rows = [[line.text("program"), f"{line.number('side')}²", grouped(line.number("looked_at")),
+             f"{line.number('median_degrees'):.2g}°", f"{line.number('most_of_99'):.2g}°", f"{line.number('most'):.2g}°"]
+            for line in results.some("horizon")]
+    return table(["program", "samples", "angles looked at", "median error", "of 99 %", "greatest"], rows, "llrrrr")

@@ -1,0 +1,283 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Products of terrain beside gdal_viewshed, r.viewshed and r.horizon: time, memory, and which cells differ and who is right,
+by looking at every edge on the way in double. Writes papers/data/terrain.json and, with --pictures, what papers/terrain.md
+shows. Needs NumPy, matplotlib for pictures, and Debian's gdal-bin and grass-core."""
+
+import argparse
+import datetime
+import json
+import os
+import re
+import resource
+import subprocess
+import sys
+import tempfile
+
+import numpy as np
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+CELL, WEST, NORTH = 10, 600000, 5200000
+K = 6 / 7            # of the earth's curvature, with refraction
+RADIUS = 6378137.0   # of the ellipsoid at the equator
+
+
+def land(n, seed=7):
+    """Fractal land with a lake: a sum of waves whose height falls with the 1.9th power of their number."""
+    rng, m = np.random.default_rng(seed), n - 1
+    k = np.hypot(np.fft.fftfreq(m)[:, None] * m, np.fft.rfftfreq(m)[None, :] * m)
+    k[0, 0] = np.inf
+    z = np.fft.irfft2(k ** -1.9 * (rng.normal(size=k.shape) + 1j * rng.normal(size=k.shape)), (m, m))
+    z = (z - z.min()) / np.ptp(z) * 1500 * m / 1024
+    z = np.pad(z, ((0, 1), (0, 1)), mode="wrap")
+    return np.maximum(z, np.quantile(z, 0.2)).astype("<f4")
+
+
+def write_dem(z, path):
+    n = len(z)
+    z.tofile(path + ".img")
+    with open(path + ".hdr", "w", encoding="ascii") as file:
+        file.write(f"ENVI\nsamples = {n}\nlines = {n}\nbands = 1\ndata type = 4\ninterleave = bsq\nbyte order = 0\n")
+    box = [WEST, NORTH, WEST + CELL * n, NORTH - CELL * n]
+    subprocess.run(["gdal_translate", "-q", "-a_srs", "EPSG:32632", "-a_ullr", *map(str, box), "-co", "TILED=YES",
+                    path + ".img", path + ".tif"], check=True)
+
+
+def read(path, n):
+    raw = path + ".raw"
+    subprocess.run(["gdal_translate", "-q", "-of", "ENVI", "-ot", "Float32", path, raw], check=True)
+    return np.fromfile(raw, "<f4").reshape(n, n)
+
+
+def place(n, i, j):
+    return WEST + CELL * (i + 0.5), NORTH - CELL * (j + 0.5)
+
+
+# ---- truth ------------------------------------------------------------------------------------------------------------
+
+def steepest(z, eye, target, k=K):
+    """The steepest rise from eye (i, j, height) on the way to target (i, j), ends left out: metres per share of the way."""
+    n, d = len(z), np.array(target, float) - np.array(eye[:2], float)
+    shares, heights = [], []
+    for form, edge in (((1, 0), (0, 1)), ((0, 1), (1, 0)), ((1, -1), (1, 1))):
+        start, rate = np.dot(form, eye[:2]), np.dot(form, d)
+        if abs(rate) < 1e-12:
+            continue
+        lines = np.arange(np.ceil(min(start, start + rate)), np.floor(max(start, start + rate)) + 1)
+        s = (lines - start) / rate
+        s = s[(s > 1e-9) & (s < 1 - 1e-9)]
+        at = eye[:2] + s[:, None] * d
+        along = at @ edge if edge != (1, 1) else at[:, 0]
+        f = along - np.floor(along + 1e-9)
+        f[f < 1e-9] = 0
+        a = np.rint(at - f[:, None] * edge).astype(int)
+        b = np.where(f[:, None] > 0, a + edge, a)
+        inside = np.all((a >= 0) & (b < n), axis=1)
+        a, b, f, s = a[inside], b[inside], f[inside], s[inside]
+
+        def over(p):
+            return z[p[:, 1], p[:, 0]].astype(float) - eye[2] - fall(p, eye, k)
+
+        shares.append(s)
+        heights.append(over(a) * (1 - f) + over(b) * f)
+    s, h = np.concatenate(shares), np.concatenate(heights)
+    return (h / s).max() if len(s) else -np.inf
+
+
+def fall(p, eye, k=K):
+    return k * CELL ** 2 * ((p[..., 0] - eye[0]) ** 2 + (p[..., 1] - eye[1]) ** 2) / (2 * RADIUS)
+
+
+def hidden_by(z, eye, cells):
+    """By how much the ground would have to rise to be seen, or by minus how much it may sink: metres."""
+    return np.array([steepest(z, eye, c) - (z[c[1], c[0]] - eye[2] - fall(np.array(c), eye)) for c in cells])
+
+
+# ---- time -------------------------------------------------------------------------------------------------------------
+
+class Clock:
+    """Runs commands and keeps the least of several times."""
+
+    def __init__(self, rounds):
+        self.rounds, self.lines = rounds, []
+
+    def run(self, runs, side):
+        """runs: (program, product, directions in the run, directions meant, arguments); interleaved."""
+        best = {}
+        for _ in range(self.rounds):
+            for key, (*_, arguments) in enumerate(runs):
+                with tempfile.NamedTemporaryFile("r") as report:
+                    subprocess.run(["/usr/bin/time", "-o", report.name, "-f", "%e %U %S %M", *arguments], check=True,
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+                    wall, user, system, kilobytes = map(float, report.read().split())
+                old = best.get(key, (np.inf, np.inf, 0))
+                best[key] = min(old[0], wall), min(old[1], user + system), max(old[2], kilobytes)
+        for key, (program, product, part, whole, _) in enumerate(runs):
+            wall, cpu, kilobytes = best[key]
+            self.lines.append({"kind": "time", "program": program, "product": product, "side": side, "part": part,
+                               "whole": whole, "wall_seconds": wall, "cpu_seconds": cpu, "kilobytes": kilobytes})
+
+
+def grass(script, folder):
+    path = os.path.join(folder, "grass.sh")
+    with open(path, "w", encoding="ascii") as file:
+        file.write("set -e\n" + script)
+    subprocess.run(["grass", "--tmp-location", "EPSG:32632", "--exec", "bash", path], check=True,
+                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+def grass_timed(clock, program, product, side, part, whole, dem, command, outputs, folder):
+    """A GRASS module by itself, its raster already imported; outputs: map and file."""
+    report = os.path.join(folder, "report")
+    lines = [f"r.in.gdal -o --q input={dem} output=dem", "g.region raster=dem",
+             f"/usr/bin/time -o {report} -f '%e %U %S %M' {command}"]
+    lines += [f"r.out.gdal --q -c input={name} output={path} format=GTiff --o" for name, path in outputs]
+    grass("\n".join(lines) + "\n", folder)
+    wall, user, system, kilobytes = map(float, open(report, encoding="ascii").read().split())
+    clock.lines.append({"kind": "time", "program": program, "product": product, "side": side, "part": part,
+                        "whole": whole, "wall_seconds": wall, "cpu_seconds": user + system, "kilobytes": kilobytes})
+
+
+# ---- comparisons ------------------------------------------------------------------------------------------------------
+
+def compare_views(z, eye, ours, theirs, program, rng):
+    """Cells that differ, and a part of them before the truth."""
+    lines = []
+    for what, mask in (("they see, we do not", (theirs > 0) & (ours == 0)), ("we see, they do not", (theirs == 0) & (ours > 0))):
+        cells = np.argwhere(mask)[:, ::-1]
+        some = cells[rng.permutation(len(cells))[:2000]]
+        needed = hidden_by(z, eye, [tuple(c) for c in some])
+        right = np.sum(needed >= 0) if what.startswith("they") else np.sum(needed < 0)
+        lines.append({"kind": "view", "program": program, "side": len(z), "class": what, "cells": len(cells),
+                      "seen": int(np.sum(ours > 0)), "looked_at": len(some), "we_are_right": int(right),
+                      "median_metres": float(np.median(np.abs(needed))) if len(some) else 0.0,
+                      "beyond_a_metre": int(np.sum(np.abs(needed) > 1))})
+    return lines
+
+
+def exact_angle(z, i, j, azimuth):
+    d = np.array([np.sin(np.radians(azimuth)), -np.cos(np.radians(azimuth))])
+    far = min(((len(z) - 1 if v > 0 else 0) - p) / v for p, v in zip((i, j), d) if abs(v) > 1e-12) + 1
+    if far <= 1:
+        return -90.0
+    rise = steepest(z, (i, j, float(z[j, i])), (i + far * d[0], j + far * d[1]), 0)
+    return np.degrees(np.arctan(rise / (far * CELL)))
+
+
+def compare_horizons(z, ours, theirs, azimuth, rng):
+    cells = np.argwhere(ours > 0)[:, ::-1]   # r.horizon has nothing below the level
+    some = cells[rng.permutation(len(cells))[:2000]]
+    truth = np.array([exact_angle(z, i, j, azimuth) for i, j in some])
+    out = []
+    for program, angles in (("cellwalk horizon", ours), ("r.horizon", theirs)):
+        error = np.abs(angles[some[:, 1], some[:, 0]] - truth)
+        out.append({"kind": "horizon", "program": program, "side": len(z), "azimuth": azimuth, "looked_at": len(some),
+                    "median_degrees": float(np.median(error)), "most_of_99": float(np.quantile(error, 0.99)),
+                    "most": float(error.max())})
+    return out
+
+
+# ---- the run ----------------------------------------------------------------------------------------------------------
+
+def measure(tool, side, clock, folder):
+    z = land(side)
+    dem = os.path.join(folder, f"land{side}")
+    write_dem(z, dem)
+    x, y = place(side, side // 2, side // 2)
+    out = lambda name: os.path.join(folder, f"{name}{side}.tif")  # noqa: E731
+    view = [tool, "viewshed", dem + ".tif", "--from", f"{x},{y},2"]
+    runs = [("cellwalk, 2 threads", "viewshed", 1, 1, [*view, "--threads", "2", "-o", out("view")]),
+            ("cellwalk, 1 thread", "viewshed", 1, 1, [*view, "--threads", "1", "-o", out("view")]),
+            ("gdal_viewshed", "viewshed", 1, 1, ["gdal_viewshed", "-q", "-ox", str(x), "-oy", str(y), "-oz", "2", "-md",
+                                                 "0", "-cc", str(K), dem + ".tif", out("gdal")]),
+            *((f"cellwalk, {t} thread{'s'[:t > 1]}", "shadow", 1, 1,
+               [tool, "shadow", dem + ".tif", "--sun", "225,20", "--threads", str(t), "-o", out("shadow")]) for t in (2, 1))]
+    if side <= 1025:
+        runs += [(f"cellwalk, {t} thread{'s'[:t > 1]}", "horizon, 32 directions", 32, 32,
+                  [tool, "horizon", dem + ".tif", "--threads", str(t), "-o", out("horizon")]) for t in (2, 1)]
+        runs += [("cellwalk, 1 thread, to .npy", "horizon, 32 directions", 32, 32,
+                  [tool, "horizon", dem + ".tif", "--threads", "1", "-o", os.path.join(folder, "horizon.npy")])]
+    clock.run(runs, side)
+    lines, rng = [], np.random.default_rng(1)
+    eye = (side // 2, side // 2, float(z[side // 2, side // 2]) + 2)
+    ours = read(out("view"), side)
+    lines += compare_views(z, eye, ours, read(out("gdal"), side), "gdal_viewshed", rng)
+    if side <= 1025:
+        grass_timed(clock, "r.viewshed", "viewshed", side, 1, 1, dem + ".tif",
+                    f"r.viewshed --q -b -c -r input=dem output=v coordinates={x},{y} observer_elevation=2 memory=2000",
+                    [("v", out("grass"))], folder)
+        lines += compare_views(z, eye, ours, read(out("grass"), side), "r.viewshed", rng)
+        grass_timed(clock, "r.horizon", "horizon, 32 directions", side, 2, 32, dem + ".tif",
+                    "r.horizon --q -d elevation=dem step=180 start=30 output=h", [("h_030", out("grassh"))], folder)
+        subprocess.run([tool, "horizon", dem + ".tif", "--directions", "1", "--start", "60", "-o", out("one")], check=True)
+        lines += compare_horizons(z, read(out("one"), side), read(out("grassh"), side), 60, rng)
+    return lines
+
+
+def draw(tool, folder):
+    """Four products of one DEM, in colours over its relief."""
+    from matplotlib import colormaps
+    from PIL import Image
+    side, dem = 513, os.path.join(folder, "picture")
+    z = land(side, 11)
+    write_dem(z, dem)
+
+    def product(*arguments):
+        path = os.path.join(folder, "product.npy")
+        subprocess.run([tool, arguments[0], dem + ".tif", *arguments[1:], "-o", path], check=True)
+        return np.load(path).astype(float)
+
+    high = np.unravel_index(z[120:-120, 120:-120].argmax(), (side - 240,) * 2)
+    j, i = high[0] + 120, high[1] + 120
+    x, y = place(side, i, j)
+    relief = product("shadow", "--sun", "315,45", "--hillshade")[..., None]
+    seen = product("viewshed", "--from", f"{x},{y},10", "--target-height", "2")[..., None]
+    views = {
+        "light": product("shadow", "--sun", "315,22", "--hillshade", "--disc", "1.5")[..., None] ** 0.6 * [1, 0.96, 0.88],
+        "viewshed": (0.25 + 0.75 * relief) * np.where(seen > 0, [1, 0.78, 0.3], [0.55, 0.6, 0.7]),
+        "horizon": colormaps["magma"](np.clip(product("horizon", "--directions", "1", "--start", "315") / 45, 0, 1))[..., :3],
+        "sky": product("horizon", "--directions", "64", "--svf")[..., None] ** 3 * np.ones(3),
+    }
+    views["viewshed"][max(j - 3, 0):j + 4, max(i - 3, 0):i + 4] = [0.8, 0, 0]
+    light, viewshed, horizon, sky = (np.clip(view * 255, 0, 255).astype(np.uint8) for view in views.values())
+    gap = np.full((side, 8, 3), 255, np.uint8)
+    rows = [np.hstack(row) for row in ((light, gap, viewshed), (horizon, gap, sky))]
+    sheet = np.vstack([rows[0], np.full((8, rows[0].shape[1], 3), 255, np.uint8), rows[1]])
+    Image.fromarray(sheet).quantize(128).save(os.path.join(ROOT, "papers/pictures/terrain.png"), optimize=True)
+
+
+def cpu_name():
+    with open("/proc/cpuinfo", encoding="utf-8") as file:
+        return re.search(r"model name\s*: (.*)", file.read()).group(1)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("tool", help="the program cellwalk")
+    parser.add_argument("--sides", default="1025,4097", help="samples a side (default: %(default)s)")
+    parser.add_argument("--rounds", type=int, default=5, help="times each run is repeated; the least counts")
+    parser.add_argument("--pictures", action="store_true", help="draw the pictures and measure nothing")
+    options = parser.parse_args()
+    tool = os.path.abspath(options.tool)
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    with tempfile.TemporaryDirectory() as folder:
+        if options.pictures:
+            draw(tool, folder)
+            return
+        clock, lines = Clock(options.rounds), []
+        load = os.getloadavg()[0]
+        for side in map(int, options.sides.split(",")):
+            lines += measure(tool, side, clock, folder)
+    version = lambda *command: subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()  # noqa: E731
+    run = {"kind": "run", "command": "terrain", "arguments": f"--sides {options.sides} --rounds {options.rounds}",
+           "cpu": cpu_name(), "isa": json.loads(version(tool, "info", "--json"))["isa"],
+           "commit": version("git", "-C", ROOT, "rev-parse", "--short=10", "HEAD"),
+           "gdal": version("gdalinfo", "--version").split(",")[0], "grass": "GRASS " + version("grass", "--config", "version"),
+           "load": round(load, 2), "date": datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ")}
+    with open(os.path.join(ROOT, "papers/data/terrain.json"), "w", encoding="utf-8") as file:
+        for line in [run, *clock.lines, *lines]:
+            file.write(json.dumps(line, separators=(",", ":")) + "\n")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,290 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Rays of one heading, from 16 × 4 samples at a time. src/core/heading.h says what makes that simple: all of them cross the
+ * same borders at the same fractions, so the loads are of neighbours and everything else is the same for all lanes.
+ *
+ * The walk goes from the start outward. A stretch is passed over if the highest sample anywhere near it, seen from the
+ * nearest (or, below the start, the farthest) of its crossings, would not be steeper than what each ray has seen. That
+ * never changes an answer: heights between two samples are computed so that they lie above the higher one by no more than
+ * heading->pad. So the answer is the maximum over all crossings, whatever the width. */
+
+#include "vocabulary.h"
+
+#include "heading.h"
+
+#include <math.h>
+
+enum { VECTORS = GROUP / (int)W, AT_ONCE = 4, PROBES = 4 };
+
+typedef struct group {
+    const cw_heading *heading;
+    int32_t i, j;          /* of the first sample */
+    float z[GROUP];        /* where the rays start; infinite where none does */
+    float best[GROUP];     /* the steepest slope so far */
+    float least;           /* what is no steeper need not be known */
+    float enough;          /* nor what is steeper than this */
+    int32_t found[PROBES]; /* stretches of level 0 in which some rays of the group before saw their steepest slope */
+} group;
+
+typedef enum reach { INSIDE, PARTLY, OUTSIDE } reach;
+
+/* Where the samples of a stretch lie, seen from all of the group. */
+static inline reach stretch_reach(const group *g, const cw_stretch *s) {
+    const int32_t nx = (int32_t)g->heading->field->nx, ny = (int32_t)g->heading->field->ny;
+    const int32_t left = g->i + s->i_low, right = g->i + s->i_high, top = g->j + s->j_low, bottom = g->j + s->j_high;
+    const int32_t across = GROUP_COLUMNS - 1, down = GROUP_ROWS - 1;
+    if (left >= 0 && right + across < nx && top >= 0 && bottom + down < ny) return INSIDE;
+    return left >= nx || right + across < 0 || top >= ny || bottom + down < 0 ? OUTSIDE : PARTLY;
+}
+
+/* The highest sample that the group may meet on the stretch, or a higher one nearby; -infinity if there is none. */
+static inline float stretch_high(const group *g, const cw_stretch *s, int level) {
+    const cw_field *f = g->heading->field;
+    if (f->pyramid == NULL || level >= f->pyramid->levels) return f->high;
+    const cw_pyramid_level *l = &f->pyramid->level[level];
+    const int shift = 2 * level + 2;
+    const int32_t side = 1 << shift, last_i = (int32_t)f->nx - 2, last_j = (int32_t)f->ny - 2;
+    int32_t left = g->i + s->i_low, right = g->i + s->i_high + GROUP_COLUMNS - 1;
+    int32_t top = g->j + s->j_low, bottom = g->j + s->j_high + GROUP_ROWS - 1;
+    left = left > 0 ? left : 0;
+    top = top > 0 ? top : 0;
+    right = right < last_i ? right : last_i;
+    bottom = bottom < last_j ? bottom : last_j;
+    /* A node with its neighbours covers a side to either hand of any place in it. Two sides are more than what the group's
+     * four rows and a stretch make together, but at level 0 its 16 columns need more than one such look. */
+    const ptrdiff_t row = (ptrdiff_t)((top + bottom) / 2 >> shift) * 4 * l->across;
+    float high = -INFINITY;
+    for (int32_t x = left;; x += 2 * side) {
+        const int32_t rest = right - x, i = rest <= 2 * side ? x + rest / 2 : x + side;
+        high = higher(l->around[row + (i >> shift)], high);
+        if (rest <= 2 * side) return high;
+    }
+}
+
+/* True if no ray of the group can see anything steeper on the stretch than it has seen. */
+static inline bool stretch_is_low(const group *g, const cw_stretch *s, int level) {
+    const vfloat high = vf_set(stretch_high(g, s, level)), pad = vf_set(g->heading->pad);
+    const vfloat near = vf_set(s->inverse_most), far = vf_set(s->inverse_least);
+    for (int k = 0; k < GROUP; k += (int)W) {
+        /* Level with the start, as all of a lake is, rounding puts nothing above it: if a <= b <= z, then b - a, rounded, is at
+         * most z - a, rounded, and a fraction of it at most that. */
+        const vfloat exact = vf_sub(high, vf_load(g->z + k));
+        const vfloat up = vf_select(vf_eq(exact, vf_set(0)), exact, vf_add(exact, pad));
+        const vfloat most = vf_max(vf_mul(up, near), vf_mul(up, far));
+        if (vm_any(vm_not(vf_le(most, vf_load(g->best + k))))) return false;
+    }
+    return true;
+}
+
+static inline ptrdiff_t first_sample(const cw_crossing *c, size_t stride) {
+    return (ptrdiff_t)c->j * (ptrdiff_t)stride + (c->i_kind >> 2);
+}
+
+/* From its first sample to its second. */
+static inline ptrdiff_t second_sample(const cw_crossing *c, size_t stride) {
+    return (ptrdiff_t)(c->i_kind & 1) + (c->i_kind >> 1 & 1) * (ptrdiff_t)stride;
+}
+
+static inline vfloat slope_up(const cw_crossing *c, vfloat z, vfloat first, vfloat second) {
+    const vfloat step = vf_mul(vf_set(c->fraction), vf_sub(second, first));
+    return vf_mul(vf_add(vf_sub(first, z), step), vf_set(c->inverse));
+}
+
+/* The crossings from c to end, all of them inside the field for all rays. */
+static inline void scan(group *g, const cw_crossing *from, const cw_crossing *end) {
+    const size_t stride = g->heading->field->stride;
+    const float *start = g->heading->field->z + (size_t)g->j * stride + (size_t)g->i;
+    for (int k = 0; k < VECTORS; k += AT_ONCE) {
+        vfloat z[AT_ONCE], best[AT_ONCE];
+        ptrdiff_t place[AT_ONCE];
+        for (int m = 0; m < AT_ONCE; m++) {
+            const int lane = (k + m) * (int)W;
+            z[m] = vf_load(g->z + lane);
+            best[m] = vf_load(g->best + lane);
+            place[m] = lane / GROUP_COLUMNS * (ptrdiff_t)stride + lane % GROUP_COLUMNS;
+        }
+        for (const cw_crossing *c = from; c < end; c++) {
+            const float *a = start + first_sample(c, stride), *b = a + second_sample(c, stride);
+            for (int m = 0; m < AT_ONCE; m++)
+                best[m] = vf_max(slope_up(c, z[m], vf_load(a + place[m]), vf_load(b + place[m])), best[m]);
+        }
+        for (int m = 0; m < AT_ONCE; m++) vf_store(g->best + (k + m) * (int)W, best[m]);
+    }
+}
+
+/* W samples from number k on, of which some may lie outside the field's memory: those are 0. */
+static inline vfloat load_around(const cw_field *f, ptrdiff_t k) {
+    const ptrdiff_t count = (ptrdiff_t)(f->stride * (f->ny - 1) + f->nx);
+    if (k >= 0 && k + (ptrdiff_t)W <= count) return vf_load(f->z + k);
+    float z[W];
+    for (ptrdiff_t m = 0; m < (ptrdiff_t)W; m++) z[m] = k + m >= 0 && k + m < count ? f->z[k + m] : 0;
+    return vf_load(z);
+}
+
+/* The same as scan, with crossings outside the field left out. */
+static inline void scan_partly(group *g, const cw_crossing *from, const cw_crossing *end) {
+    const cw_field *f = g->heading->field;
+    float columns[W];
+    for (unsigned m = 0; m < W; m++) columns[m] = (float)m;
+    const vfloat column = vf_load(columns), none = vf_set(-INFINITY);
+    for (int k = 0; k < GROUP; k += (int)W) {
+        const vfloat z = vf_load(g->z + k);
+        vfloat best = vf_load(g->best + k);
+        const int32_t i0 = g->i + k % GROUP_COLUMNS, j0 = g->j + k / GROUP_COLUMNS;
+        for (const cw_crossing *c = from; c < end; c++) {
+            const int32_t i = i0 + (c->i_kind >> 2), j = j0 + c->j;
+            if (j < 0 || j + (c->i_kind >> 1 & 1) >= (int32_t)f->ny) continue;
+            /* Lanes from the first whose first sample lies in the row to the last whose second one does. */
+            const vfloat low = vf_set((float)-i), high = vf_set((float)((int32_t)f->nx - 1 - (c->i_kind & 1) - i));
+            const vmask inside = vm_and(vf_ge(column, low), vf_le(column, high));
+            const ptrdiff_t at = (ptrdiff_t)j * (ptrdiff_t)f->stride + i;
+            const vfloat up = slope_up(c, z, load_around(f, at), load_around(f, at + second_sample(c, f->stride)));
+            best = vf_max(vf_select(inside, up, none), best);
+        }
+        vf_store(g->best + k, best);
+    }
+}
+
+static inline void scan_stretch(group *g, uint32_t number, reach r) {
+    const cw_stretch *s = &g->heading->stretch[0][number];
+    const cw_crossing *from = g->heading->crossing + s[0].first, *end = g->heading->crossing + s[1].first;
+    if (r == INSIDE)
+        scan(g, from, end);
+    else
+        scan_partly(g, from, end);
+}
+
+/* Rays that have seen enough need no looking after; true if all have. */
+static inline bool all_settled(group *g) {
+    const vfloat enough = vf_set(g->enough), settled = vf_set(INFINITY);
+    bool all = true;
+    for (int k = 0; k < GROUP; k += (int)W) {
+        const vfloat best = vf_load(g->best + k);
+        const vmask done = vf_gt(best, enough);
+        all = all && !vm_any(vm_not(done));
+        vf_store(g->best + k, vf_select(done, settled, best));
+    }
+    return all;
+}
+
+/* Whichever of a few rays saw something steeper on this stretch than before, a neighbour's may lie there as well. */
+static inline void remember(group *g, const float before[PROBES], uint32_t number, int32_t found[PROBES]) {
+    for (int p = 0; p < PROBES; p++)
+        if (g->best[p * (GROUP / PROBES + 1)] > before[p]) found[p] = (int32_t)number;
+}
+
+static inline void probe(const group *g, float best[PROBES]) {
+    for (int p = 0; p < PROBES; p++) best[p] = g->best[p * (GROUP / PROBES + 1)];
+}
+
+/* Whether one of the stretches that were looked at first is this one. */
+static inline bool is_done(const int32_t done[PROBES], uint32_t number) {
+    for (int p = 0; p < PROBES; p++)
+        if (done[p] == (int32_t)number) return true;
+    return false;
+}
+
+static inline void walk(group *g, bool guess, bool ends) {
+    const cw_heading *h = g->heading;
+    int32_t done[PROBES], found[PROBES];
+    float before[PROBES];
+    for (int p = 0; p < PROBES; p++) done[p] = found[p] = -1;
+    /* What the group before found steepest is steep for this one as well, and lets much be passed over. */
+    for (int p = 0; p < PROBES && guess; p++) {
+        const int32_t number = g->found[p];
+        if (number < 0 || is_done(done, (uint32_t)number)) continue;
+        if (stretch_reach(g, &h->stretch[0][number]) != INSIDE) continue;
+        probe(g, before);
+        scan_stretch(g, (uint32_t)number, INSIDE);
+        remember(g, before, (uint32_t)number, found);
+        done[p] = number;
+    }
+    int level = 0;
+    for (uint32_t u = 0; u < h->stretches[0];) {
+        const uint32_t length = (uint32_t)1 << 2 * level;
+        const cw_stretch *s = &h->stretch[level][u >> 2 * level];
+        const reach r = stretch_reach(g, s);
+        if (r == OUTSIDE) break;
+        if (stretch_is_low(g, s, level)) {
+            u += length;
+            if (level + 1 < h->levels && u % (length << 2) == 0) level++;
+            continue;
+        }
+        if (level > 0) {
+            level--;
+            continue;
+        }
+        if (!is_done(done, u)) {
+            if (guess) probe(g, before);
+            scan_stretch(g, u, r);
+            if (ends && all_settled(g)) break;
+            if (guess) remember(g, before, u, found);
+        }
+        u++;
+        if (h->levels > 1 && u % 4 == 0) level = 1;
+    }
+    for (int p = 0; p < PROBES; p++) g->found[p] = found[p];
+}
+
+/* Where lane k of the group lies outside the field, there is a hole. */
+static inline void start(group *g, int32_t i, int32_t j, bool ends) {
+    const cw_field *f = g->heading->field;
+    const vfloat none = vf_set(INFINITY), least = vf_set(g->least);
+    g->i = i;
+    g->j = j;
+    const bool inside = (size_t)i + GROUP_COLUMNS <= f->nx && (size_t)j + GROUP_ROWS <= f->ny;
+    for (int k = 0; k < GROUP && !inside; k++) {
+        const size_t x = (size_t)(i + k % GROUP_COLUMNS), y = (size_t)(j + k / GROUP_COLUMNS);
+        g->z[k] = x < f->nx && y < f->ny ? f->z[y * f->stride + x] : NAN;
+    }
+    for (int k = 0; k < GROUP; k += (int)W) {
+        const size_t at = (size_t)(j + k / GROUP_COLUMNS) * f->stride + (size_t)(i + k % GROUP_COLUMNS);
+        const vfloat z = vf_load(inside ? f->z + at : g->z + k);
+        const vmask some = vf_eq(z, z);
+        vf_store(g->z + k, vf_select(some, z, none));
+        vf_store(g->best + k, ends ? vf_select(some, least, none) : least);
+    }
+}
+
+/* Writes the answers for samples from (i0, j0) up to (i1, j1). */
+static inline void finish(const group *g, const cw_heading_job *job, size_t i0, size_t i1, size_t j0, size_t j1,
+                          bool any) {
+    for (size_t j = j0; j < j1; j++) {
+        const size_t k = (j - (size_t)g->j) * GROUP_COLUMNS + (i0 - (size_t)g->i), n = i1 - i0;
+        const size_t to = (j - job->j) * job->nx + (i0 - job->i);
+        const float *restrict z = g->z + k, *restrict best = g->best + k;
+        if (any)
+            for (size_t m = 0; m < n; m++) job->occluded[to + m] = (z[m] < INFINITY) & (best[m] > g->enough);
+        else
+            for (size_t m = 0; m < n; m++)
+                job->steepest[to + m] = z[m] < INFINITY ? (best[m] < job->high ? best[m] : job->high) : NAN;
+    }
+}
+
+static inline void run(const cw_heading_job *job, size_t i_begin, size_t i_end, size_t j_begin, size_t j_end, bool any,
+                       bool ends) {
+    const cw_heading *h = job->heading;
+    const size_t nx = h->field->nx, ny = h->field->ny;
+    group g = {.heading = h, .least = job->low, .enough = job->high};
+    if (any) g.least = g.enough = nextafterf(job->high, -INFINITY); /* as steep as that is a hit */
+    for (int p = 0; p < PROBES; p++) g.found[p] = -1;
+    for (size_t j = j_begin; j < j_end; j += GROUP_ROWS)
+        for (size_t i = i_begin; i < i_end; i += GROUP_COLUMNS) {
+            const size_t i_next = i + GROUP_COLUMNS < i_end ? i + GROUP_COLUMNS : i_end;
+            const size_t j_next = j + GROUP_ROWS < j_end ? j + GROUP_ROWS : j_end;
+            /* At the far borders the group moves back, where it can: all its rays are then at work inside. */
+            const size_t i_from = i + GROUP_COLUMNS <= nx || nx < GROUP_COLUMNS ? i : nx - GROUP_COLUMNS;
+            const size_t j_from = j + GROUP_ROWS <= ny || ny < GROUP_ROWS ? j : ny - GROUP_ROWS;
+            start(&g, (int32_t)i_from, (int32_t)j_from, ends);
+            walk(&g, !any, ends);
+            finish(&g, job, i, i_next, j, j_next, any);
+        }
+}
+
+void CW_CODE(heading)(const cw_heading_job *job, size_t i, size_t i_end, size_t j, size_t j_end) {
+    if (job->occluded)
+        run(job, i, i_end, j, j_end, true, true);
+    else if (job->high < INFINITY)
+        run(job, i, i_end, j, j_end, false, true);
+    else
+        run(job, i, i_end, j, j_end, false, false);
+}

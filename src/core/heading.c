@@ -1,0 +1,257 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Making a heading, and queries along it. */
+
+#include "heading.h"
+
+#include "fpenv.h"
+#include "kernels.h"
+#include "memory.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+
+/* How far rounding can put a place on the ray off, as a part of the distance from the start along the longer axis: the
+ * direction's components, their quotient and the product are each off by 2^-53. A place nearer to a sample than that is the
+ * sample's: it would be wrong to read the one beyond, which may not exist. */
+#define PLACE_ROUNDING 0x1p-50
+
+/* Lines of one kind, which the ray crosses at equal distances: at t = 1 / rate, 2 / rate, … */
+typedef struct lines {
+    double rate;
+    double next; /* number of the next one */
+} lines;
+
+typedef struct maker {
+    const double *dir;
+    double longest; /* the larger of |dir| */
+    cw_crossing *to;
+    size_t count;
+} maker;
+
+/* A crossing at t, at cell (i, j) seen from the start, that fraction of the way along the edge. */
+static void add(maker *m, double t, double i, double j, double fraction, cw_crossing_kind kind) {
+    if (m->to != NULL)
+        m->to[m->count] = (cw_crossing){
+            .fraction = (float)fraction,
+            .inverse = (float)(1 / t),
+            .i_kind = (int32_t)i * 4 + (int32_t)kind,
+            .j = (int32_t)j,
+        };
+    m->count++;
+}
+
+/* The place along an edge, split into a whole number and a fraction below 1; false at a sample. */
+static bool between_samples(const maker *m, double t, double place, double *whole, double *fraction) {
+    const double nearest = nearbyint(place);
+    *whole = floor(place);
+    *fraction = place - *whole;
+    return fabs(place - nearest) > PLACE_ROUNDING * (t * m->longest);
+}
+
+/* A border across the ray's axis a (0: x) at distance number, going up or down. The borders across the longer axis tell of
+ * the samples that the ray goes through; the others pass over them. */
+static void add_border(maker *m, int axis, double number, double t, bool longer) {
+    const double here = m->dir[axis] > 0 ? number : -number, place = t * m->dir[1 - axis];
+    double whole, fraction;
+    const bool between = between_samples(m, t, place, &whole, &fraction);
+    if (!between && !longer) return;
+    if (!between) {
+        whole = nearbyint(place);
+        fraction = 0;
+    }
+    const cw_crossing_kind kind = !between ? CROSSES_VERTEX : axis == 0 ? CROSSES_COLUMN : CROSSES_ROW;
+    add(m, t, axis == 0 ? here : whole, axis == 0 ? whole : here, fraction, kind);
+}
+
+/* The diagonal x - y = number, or minus that. */
+static void add_diagonal(maker *m, double number, double t) {
+    const double c = m->dir[0] > m->dir[1] ? number : -number;
+    double whole, fraction;
+    if (between_samples(m, t, t * m->dir[0], &whole, &fraction))
+        add(m, t, whole, whole - c, fraction, CROSSES_DIAGONAL);
+}
+
+/* All crossings up to cell number cells along the longer axis, cell by cell; first[k] is where stretch k of 4 cells begins.
+ * m->to NULL: they are only counted. */
+static size_t make_crossings(maker *m, bool along_x, size_t cells, cw_stretch *stretch) {
+    lines column = {fabs(m->dir[0]), 1}, row = {fabs(m->dir[1]), 1}, diagonal = {fabs(m->dir[0] - m->dir[1]), 1};
+    /* As places go, so do rates: what is nothing but rounding crosses nothing. */
+    if (diagonal.rate <= PLACE_ROUNDING * m->longest) diagonal.rate = 0;
+    m->count = 0;
+    for (size_t k = 1; k <= cells; k++) {
+        if (stretch != NULL && (k - 1) % 4 == 0) stretch[(k - 1) / 4].first = (uint32_t)m->count;
+        const double until = (double)k / m->longest;
+        for (; column.next <= column.rate * until; column.next++)
+            add_border(m, 0, column.next, column.next / column.rate, along_x);
+        for (; row.next <= row.rate * until; row.next++) add_border(m, 1, row.next, row.next / row.rate, !along_x);
+        for (; diagonal.next <= diagonal.rate * until; diagonal.next++)
+            add_diagonal(m, diagonal.next, diagonal.next / diagonal.rate);
+    }
+    return m->count;
+}
+
+static int32_t least(int32_t a, int32_t b) { return a < b ? a : b; }
+static int32_t most(int32_t a, int32_t b) { return a > b ? a : b; }
+
+static void clear_stretch(cw_stretch *s) {
+    s->inverse_least = INFINITY;
+    s->inverse_most = 0;
+    s->i_low = s->j_low = INT32_MAX;
+    s->i_high = s->j_high = INT32_MIN;
+}
+
+static void bound_crossings(const cw_heading *h, cw_stretch *s) {
+    clear_stretch(s);
+    for (size_t k = s[0].first; k < s[1].first; k++) {
+        const cw_crossing *c = &h->crossing[k];
+        const int32_t i = c->i_kind >> 2;
+        s->inverse_least = lower(c->inverse, s->inverse_least);
+        s->inverse_most = higher(c->inverse, s->inverse_most);
+        s->i_low = least(s->i_low, i);
+        s->i_high = most(s->i_high, i + (c->i_kind & 1));
+        s->j_low = least(s->j_low, c->j);
+        s->j_high = most(s->j_high, c->j + (c->i_kind >> 1 & 1));
+    }
+}
+
+static void bound_stretches(const cw_stretch *from, uint32_t count, cw_stretch *s) {
+    clear_stretch(s);
+    s->first = from->first;
+    for (uint32_t k = 0; k < count; k++) {
+        s->inverse_least = lower(from[k].inverse_least, s->inverse_least);
+        s->inverse_most = higher(from[k].inverse_most, s->inverse_most);
+        s->i_low = least(s->i_low, from[k].i_low);
+        s->i_high = most(s->i_high, from[k].i_high);
+        s->j_low = least(s->j_low, from[k].j_low);
+        s->j_high = most(s->j_high, from[k].j_high);
+    }
+}
+
+/* Cells along the longer axis that a ray can go through inside the field, at most. */
+static size_t longest_way(const cw_field *f, const double dir[2], double longest) {
+    const double x = (double)(f->nx - 1) / fabs(dir[0]), y = (double)(f->ny - 1) / fabs(dir[1]); /* may be infinite */
+    return (size_t)ceil((x < y ? x : y) * longest * (1 + 0x1p-40));
+}
+
+static cw_status make(cw_heading *h, const double dir[2]) {
+    const double longest = fmax(fabs(dir[0]), fabs(dir[1]));
+    const size_t cells = longest_way(h->field, dir, longest);
+    maker m = {.dir = dir, .longest = longest};
+    h->along_x = fabs(dir[0]) == longest;
+    h->crossings = make_crossings(&m, h->along_x, cells, NULL);
+    if (h->crossings > INT32_MAX) return CW_ERROR_MEMORY;
+    h->crossing = m.to = cw_memory_allocate(h->crossings * sizeof *h->crossing);
+    if (h->crossing == NULL) return CW_ERROR_MEMORY;
+    for (uint32_t n = (uint32_t)((cells + 3) / 4);; n = (n + 3) / 4) {
+        cw_stretch *s = cw_memory_allocate(((size_t)n + 1) * sizeof *s);
+        if (s == NULL) return CW_ERROR_MEMORY;
+        const int l = h->levels++;
+        h->stretch[l] = s;
+        h->stretches[l] = n;
+        if (l == 0) make_crossings(&m, h->along_x, cells, s);
+        s[n].first = (uint32_t)h->crossings;
+        for (uint32_t k = 0; k < n; k++) {
+            const uint32_t below = l > 0 ? h->stretches[l - 1] - 4 * k : 0;
+            if (l == 0)
+                bound_crossings(h, &s[k]);
+            else
+                bound_stretches(h->stretch[l - 1] + 4 * k, below < 4 ? below : 4, &s[k]);
+        }
+        if (n == 1 || h->levels == PYRAMID_LEVELS_MAX) return CW_OK;
+    }
+}
+
+cw_status cw_heading_create(const cw_field *field, const double dir[2], cw_heading **heading) {
+    if (heading == NULL) return CW_ERROR_ARGUMENT;
+    *heading = NULL;
+    if (field == NULL || dir == NULL) return CW_ERROR_ARGUMENT;
+    const double longest = fmax(fabs(dir[0]), fabs(dir[1]));
+    if (!(isfinite(dir[0]) && isfinite(dir[1]) && longest >= 0x1p-40 && longest <= 0x1p40)) return CW_ERROR_ARGUMENT;
+    cw_heading *h = calloc(1, sizeof *h);
+    if (h == NULL) return CW_ERROR_MEMORY;
+    const fpenv caller = fpenv_enter();
+    h->field = field;
+    /* A component that rounding could have made is 0. */
+    const double exact[2] = {fabs(dir[0]) <= PLACE_ROUNDING * longest ? 0 : dir[0],
+                             fabs(dir[1]) <= PLACE_ROUNDING * longest ? 0 : dir[1]};
+    const cw_status status = make(h, exact);
+    /* Sums and products of differences of heights, of which each is off by u = 2^-24: 4 u of the whole range from the
+     * crossing, 3 u from the bound. */
+    h->pad = field->high >= field->low ? 8 * (FLT_EPSILON / 2) * (field->high - field->low) + FLT_MIN : 0;
+    fpenv_leave(caller);
+    if (status == CW_OK)
+        *heading = h;
+    else
+        cw_heading_destroy(h);
+    return status;
+}
+
+void cw_heading_destroy(cw_heading *heading) {
+    if (heading == NULL) return;
+    for (int l = 0; l < heading->levels; l++) cw_memory_free(heading->stretch[l]);
+    cw_memory_free(heading->crossing);
+    free(heading);
+}
+
+static cw_heading_fn *code_for(cw_isa isa) {
+#if CELLWALK_SIMD
+    if (isa == CW_ISA_AVX512) return cw_heading16;
+    if (isa == CW_ISA_AVX2) return cw_heading8;
+    if (isa == CW_ISA_SSE42) return cw_heading4;
+#endif
+    (void)isa;
+    return cw_heading1;
+}
+
+/* Tiles that follow the rays: the next group of one then walks over what is in the caches. */
+enum { TILE_LONG = 256, TILE_COLUMNS = GROUP_COLUMNS, TILE_ROWS = GROUP_ROWS };
+
+typedef struct tiles {
+    cw_heading_job job;
+    cw_heading_fn *code;
+    size_t columns, rows, across; /* of a tile; tiles in a row */
+} tiles;
+
+static void run_tiles(void *context, size_t begin, size_t end) {
+    const tiles *t = context;
+    const fpenv caller = fpenv_enter();
+    for (size_t k = begin; k < end; k++) {
+        const cw_heading_job *job = &t->job;
+        const size_t i = job->i + k % t->across * t->columns, j = job->j + k / t->across * t->rows;
+        const size_t i_end = i + t->columns, j_end = j + t->rows, i_last = job->i + job->nx, j_last = job->j + job->ny;
+        t->code(job, i, i_end < i_last ? i_end : i_last, j, j_end < j_last ? j_end : j_last);
+    }
+    fpenv_leave(caller);
+}
+
+static cw_status query_along(const cw_heading_job *job, const cw_query *query) {
+    const cw_heading *h = job->heading;
+    if (h == NULL || (job->steepest == NULL && job->occluded == NULL) || !(job->low <= job->high))
+        return CW_ERROR_ARGUMENT;
+    const cw_field *f = h->field;
+    if (job->i > f->nx || job->nx > f->nx - job->i || job->j > f->ny || job->ny > f->ny - job->j) return CW_ERROR_SIZE;
+    if (job->nx == 0 || job->ny == 0) return CW_OK;
+    const cw_isa isa = cw_query_kernel(f, query)->isa;
+    if (isa > cw_isa_best()) return CW_ERROR_UNAVAILABLE;
+    tiles t = {.job = *job, .code = code_for(isa)};
+    t.columns = h->along_x ? TILE_LONG : TILE_COLUMNS;
+    t.rows = h->along_x ? TILE_ROWS : TILE_LONG;
+    t.across = (job->nx + t.columns - 1) / t.columns;
+    cw_pool_run(query ? query->pool : NULL, t.across * ((job->ny + t.rows - 1) / t.rows), 1, run_tiles, &t);
+    return CW_OK;
+}
+
+cw_status cw_heading_steepest(const cw_heading *heading, const cw_query *query, float low, float high, size_t i,
+                              size_t j, size_t nx, size_t ny, float *slope) {
+    const cw_heading_job job = {
+        .heading = heading, .i = i, .j = j, .nx = nx, .ny = ny, .low = low, .high = high, .steepest = slope};
+    return query_along(&job, query);
+}
+
+cw_status cw_heading_any(const cw_heading *heading, const cw_query *query, float slope, size_t i, size_t j, size_t nx,
+                         size_t ny, uint8_t *occluded) {
+    const cw_heading_job job = {
+        .heading = heading, .i = i, .j = j, .nx = nx, .ny = ny, .low = slope, .high = slope, .occluded = occluded};
+    return query_along(&job, query);
+}

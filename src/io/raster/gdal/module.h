@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What the module that holds GDAL offers to the program that loads it. GDAL and the hundred libraries that it brings take
+ * 60 ms to load, so only the module is linked to it, and the module is loaded when a file needs it. */
+#ifndef CELLWALK_IO_GDAL_MODULE_H
+#define CELLWALK_IO_GDAL_MODULE_H
+
+#include "raster.h"
+#include "raster_out.h"
+
+enum { IO_GDAL_VERSION = 1 };
+#define IO_GDAL_SYMBOL "cellwalk_gdal_module"
+
+typedef struct io_gdal_source io_gdal_source;
+typedef struct io_gdal_target io_gdal_target;
+
+typedef struct io_gdal {
+    int version; /* IO_GDAL_VERSION as the module was built */
+
+    /* Opens a band of a file; fills in all of raster but the samples. rows_at_once is how many rows are best read together.
+     * Closed by close. NULL on failure; georef is to be freed then as well. */
+    io_gdal_source *(*open)(const char *path, const io_raster_options *options, io_raster *raster, size_t *rows_at_once,
+                            io_error *error);
+    /* Rows first to first + count - 1 as heights, scale and offset applied, NaN where there are none. */
+    bool (*read)(io_gdal_source *source, size_t first, size_t count, float *z, io_error *error);
+    void (*close)(io_gdal_source *source);
+
+    /* Makes a GeoTIFF at path, which is what messages call name. NULL on failure. */
+    io_gdal_target *(*create)(const char *path, const char *name, const io_raster_product *product, io_error *error);
+    bool (*write)(io_gdal_target *target, size_t band, size_t first, size_t count, const void *cells, io_error *error);
+    /* Closes the target; false if what was written did not reach the file. */
+    bool (*finish)(io_gdal_target *target, io_error *error);
+
+    /* Longitude and latitude (WGS 84, degrees) of n places of a coordinate system, or the other way round; in place. */
+    bool (*lon_lat)(const char *crs, bool back, size_t n, double *x, double *y, io_error *error);
+} io_gdal;
+
+/* In the program: loads the module at the first call. NULL, with the reason, if it is not there. */
+const io_gdal *io_gdal_load(io_error *error);
+
+#endif

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What the module's files share. */
+#ifndef CELLWALK_IO_GDAL_PARTS_H
+#define CELLWALK_IO_GDAL_PARTS_H
+
+#include "module.h"
+
+#include <gdal.h>
+#include <ogr_srs_api.h>
+
+/* Fills error with name, what and the last words of GDAL, which is made to forget them; false. */
+bool gdal_fail(io_error *error, const char *name, const char *what);
+/* Tells the options' warn. */
+__attribute__((format(printf, 2, 3))) void gdal_warn(const io_raster_options *options, const char *format, ...);
+
+io_gdal_source *gdal_open(const char *path, const io_raster_options *options, io_raster *raster, size_t *rows_at_once,
+                          io_error *error);
+bool gdal_read(io_gdal_source *source, size_t first, size_t count, float *z, io_error *error);
+void gdal_close(io_gdal_source *source);
+
+/* Fills in what a coordinate system says: well-known text, units, ellipsoid, and the unit of heights if it has one. */
+void gdal_describe_crs(OGRSpatialReferenceH crs, io_georef *georef);
+bool gdal_lon_lat(const char *crs, bool back, size_t n, double *x, double *y, io_error *error);
+
+io_gdal_target *gdal_create(const char *path, const char *name, const io_raster_product *product, io_error *error);
+bool gdal_write(io_gdal_target *target, size_t band, size_t first, size_t count, const void *cells, io_error *error);
+bool gdal_finish(io_gdal_target *target, io_error *error);
+
+#endif

@@ -1,0 +1,220 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* One band of any raster file that GDAL reads, as heights. */
+
+#include "parts.h"
+
+#include <cpl_error.h>
+#include <cpl_string.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+struct io_gdal_source {
+    GDALDatasetH file;
+    GDALRasterBandH band;
+    char *path;
+    int nx;
+    bool direct;  /* samples are floats as they are stored, or exact as floats: read in place */
+    bool integer; /* stored as integers: no-data is compared with what is stored */
+    double scale, offset;
+    bool has_nodata, has_mask;
+    double nodata; /* as the file stores it */
+    bool has_other;
+    double other; /* the caller's no-data */
+    double *row;  /* a row as stored, unless direct */
+    unsigned char *mask;
+};
+
+static double height_unit(const char *name) {
+    static const struct {
+        const char *names;
+        double metres;
+    } units[] = {
+        {"|m|metre|metres|meter|meters|", 1},
+        {"|ft|foot|feet|international foot|", 0.3048},
+        {"|us-ft|us survey foot|ftus|ft-us|foot_us|us foot|sft|", 1200.0 / 3937},
+        {"|km|", 1000},
+        {"|dm|decimetre|decimeter|", 0.1},
+        {"|cm|centimetre|centimeter|", 0.01},
+        {"|mm|millimetre|millimeter|", 0.001},
+    };
+    char word[64];
+    snprintf(word, sizeof word, "|%s|", name);
+    for (char *c = word; *c; c++)
+        if (*c >= 'A' && *c <= 'Z') *c = (char)(*c - 'A' + 'a');
+    for (size_t k = 0; k < sizeof units / sizeof units[0]; k++)
+        if (strstr(units[k].names, word) != NULL) return units[k].metres;
+    return 0;
+}
+
+/* Pixel corners to pixel centres: a sample stands in the middle of its pixel, and GDAL gives corners for files of either
+ * convention. */
+static void place(GDALDatasetH file, const char *path, const io_raster_options *options, io_raster *raster) {
+    static const double none[6] = {0, 1, 0, 0, 0, 1};
+    double g[6];
+    if (GDALGetGeoTransform(file, g) == CE_None && memcmp(g, none, sizeof g) != 0) {
+        const double map[3][4] = {{g[1], g[2], 0, g[0] + 0.5 * g[1] + 0.5 * g[2]},
+                                  {g[4], g[5], 0, g[3] + 0.5 * g[4] + 0.5 * g[5]},
+                                  {0, 0, 1, 0}};
+        memcpy(raster->map, map, sizeof map);
+        raster->georef.placed = true;
+    } else if (GDALGetGCPCount(file) > 0) {
+        gdal_warn(options,
+                  "%s: is placed by ground control points only, which are passed over; gdalwarp makes a map of it",
+                  path);
+    }
+    OGRSpatialReferenceH crs = GDALGetSpatialRef(file);
+    if (raster->georef.placed) gdal_describe_crs(crs, &raster->georef);
+}
+
+static void describe_heights(io_gdal_source *s, const io_raster_options *options, io_raster *raster) {
+    const char *unit = GDALGetRasterUnitType(s->band);
+    if (unit != NULL && unit[0] != '\0') {
+        const double metres = height_unit(unit);
+        if (metres > 0)
+            raster->georef.height_unit = metres;
+        else if (options->zscale == 0)
+            gdal_warn(options,
+                      "%s: the unit of heights, '%s', is not known and taken for the map's; --zscale says what it is",
+                      s->path, unit);
+    }
+    int given = 0;
+    s->scale = GDALGetRasterScale(s->band, &given);
+    if (!given || s->scale == 0) s->scale = 1;
+    s->offset = GDALGetRasterOffset(s->band, &given);
+    if (!given) s->offset = 0;
+    s->nodata = GDALGetRasterNoDataValue(s->band, &given);
+    s->has_nodata = given != 0 && !isnan(s->nodata);
+    if (s->has_nodata) {
+        raster->georef.has_nodata = true;
+        raster->georef.nodata = s->nodata;
+    }
+    s->has_other = options->has_nodata;
+    s->other = options->nodata;
+    const int flags = GDALGetMaskFlags(s->band);
+    s->has_mask = (flags & (GMF_ALL_VALID | GMF_NODATA)) == 0;
+}
+
+/* Chooses how samples are read, and makes the buffers. */
+static bool prepare(io_gdal_source *s, io_error *error) {
+    const GDALDataType type = GDALGetRasterDataType(s->band);
+    if (GDALDataTypeIsComplex(type)) return io_fail(error, "%s: holds complex numbers, which are no heights", s->path);
+    s->integer = type != GDT_Float32 && type != GDT_Float64;
+    const bool exact = type == GDT_Byte || type == GDT_Int16 || type == GDT_UInt16 || type == GDT_Float32;
+    s->direct = exact && s->scale == 1 && s->offset == 0;
+    if (!s->direct) s->row = malloc((size_t)s->nx * sizeof *s->row);
+    if (s->has_mask) s->mask = malloc((size_t)s->nx);
+    return ((s->direct || s->row) && (!s->has_mask || s->mask)) || io_fail(error, "%s: out of memory", s->path);
+}
+
+static bool choose_band(io_gdal_source *s, const io_raster_options *options, io_error *error) {
+    const int bands = GDALGetRasterCount(s->file);
+    if (bands == 0) {
+        char **parts = GDALGetMetadata(s->file, "SUBDATASETS");
+        const char *first = CSLFetchNameValue(parts, "SUBDATASET_1_NAME");
+        return first ? io_fail(error, "%s: holds several rasters; name one of them, such as '%s'", s->path, first)
+                     : io_fail(error, "%s: holds no raster", s->path);
+    }
+    if (options->band > (unsigned)bands)
+        return io_fail(error, "%s: has %d band%s, not %u", s->path, bands, bands == 1 ? "" : "s", options->band);
+    if (options->band == 0 && bands > 1)
+        gdal_warn(options, "%s: has %d bands, of which the first is taken for heights; --band chooses another", s->path,
+                  bands);
+    s->band = GDALGetRasterBand(s->file, options->band > 0 ? (int)options->band : 1);
+    return s->band != NULL || gdal_fail(error, s->path, "cannot read the band");
+}
+
+io_gdal_source *gdal_open(const char *path, const io_raster_options *options, io_raster *raster, size_t *rows_at_once,
+                          io_error *error) {
+    CPLErrorReset();
+    io_gdal_source *s = calloc(1, sizeof *s);
+    if (s == NULL || (s->path = strdup(path)) == NULL) {
+        io_fail(error, "%s: out of memory", path);
+        gdal_close(s);
+        return NULL;
+    }
+    s->file = GDALOpenEx(path, GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, NULL, NULL, NULL);
+    if (s->file == NULL) gdal_fail(error, path, "cannot read");
+    if (s->file == NULL || !choose_band(s, options, error)) {
+        gdal_close(s);
+        return NULL;
+    }
+    s->nx = GDALGetRasterXSize(s->file);
+    raster->nx = (size_t)s->nx;
+    raster->ny = (size_t)GDALGetRasterYSize(s->file);
+    place(s->file, path, options, raster);
+    describe_heights(s, options, raster);
+    if (!prepare(s, error)) {
+        gdal_close(s);
+        return NULL;
+    }
+    /* Whole rows of blocks, some megabytes of them. */
+    int across = 0, down = 0;
+    GDALGetBlockSize(s->band, &across, &down);
+    const size_t block = down > 0 ? (size_t)down : 1, bytes = block * raster->nx * sizeof(float);
+    const size_t blocks = bytes < (size_t)1 << 22 ? ((size_t)1 << 22) / bytes : 1;
+    *rows_at_once = block * blocks;
+    return s;
+}
+
+/* Values that are no data become NaN; value is what the file stores. */
+static bool is_no_data(const io_gdal_source *s, double value) {
+    return (s->has_nodata && value == s->nodata) || (s->has_other && value == s->other);
+}
+
+/* The same for floats: the file's value may have been rounded to float on its way into a header of text, or not. */
+static void drop_no_data(float *z, size_t n, double nodata) {
+    const float value = (float)nodata;
+    for (size_t k = 0; k < n; k++)
+        if (z[k] == value) z[k] = NAN;
+}
+
+static bool convert(const io_gdal_source *s, size_t row, float *z, io_error *error) {
+    for (size_t i = 0; i < (size_t)s->nx; i++) {
+        const double value = s->row[i], height = s->offset + s->scale * value;
+        const bool hole = is_no_data(s, value) || (!s->integer && s->has_nodata && (float)value == (float)s->nodata);
+        z[i] = hole ? NAN : (float)height;
+        if (!hole && isinf(z[i]) && isfinite(value))
+            return io_fail(error, "%s: the sample in row %zu, column %zu is %g, beyond the range of float", s->path,
+                           row, i, height);
+    }
+    return true;
+}
+
+bool gdal_read(io_gdal_source *s, size_t first, size_t count, float *z, io_error *error) {
+    const size_t nx = (size_t)s->nx;
+    CPLErrorReset();
+    if (s->direct) {
+        if (GDALRasterIO(s->band, GF_Read, 0, (int)first, s->nx, (int)count, z, s->nx, (int)count, GDT_Float32, 0, 0) !=
+            CE_None)
+            return gdal_fail(error, s->path, "cannot read");
+        if (s->has_nodata) drop_no_data(z, nx * count, s->nodata);
+        if (s->has_other) drop_no_data(z, nx * count, s->other);
+    }
+    GDALRasterBandH mask = s->has_mask ? GDALGetMaskBand(s->band) : NULL;
+    for (size_t j = 0; j < count && (mask != NULL || !s->direct); j++) {
+        float *row = z + j * nx;
+        if (!s->direct) {
+            if (GDALRasterIO(s->band, GF_Read, 0, (int)(first + j), s->nx, 1, s->row, s->nx, 1, GDT_Float64, 0, 0) !=
+                CE_None)
+                return gdal_fail(error, s->path, "cannot read");
+            if (!convert(s, first + j, row, error)) return false;
+        }
+        if (mask == NULL) continue;
+        if (GDALRasterIO(mask, GF_Read, 0, (int)(first + j), s->nx, 1, s->mask, s->nx, 1, GDT_Byte, 0, 0) != CE_None)
+            return gdal_fail(error, s->path, "cannot read the mask");
+        for (size_t i = 0; i < nx; i++)
+            if (s->mask[i] == 0) row[i] = NAN;
+    }
+    return true;
+}
+
+void gdal_close(io_gdal_source *s) {
+    if (s == NULL) return;
+    if (s->file) GDALClose(s->file);
+    free(s->path);
+    free(s->row);
+    free(s->mask);
+    free(s);
+}

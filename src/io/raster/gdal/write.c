@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* GeoTIFF: tiles of 256 × 256, deflated, a band after the other. */
+
+#include "parts.h"
+
+#include <cpl_error.h>
+#include <cpl_string.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct io_gdal_target {
+    GDALDatasetH file;
+    char *name;
+    size_t nx;
+    GDALDataType type;
+    bool failed;
+};
+
+static GDALDataType type_of(io_cell cell) {
+    return cell == IO_CELL_UINT8 ? GDT_Byte : cell == IO_CELL_UINT16 ? GDT_UInt16 : GDT_Float32;
+}
+
+static bool describe(io_gdal_target *t, const io_raster_product *p) {
+    const double(*m)[4] = p->map;
+    if (p->georef->placed) {
+        double g[6] = {m[0][3] - 0.5 * m[0][0] - 0.5 * m[0][1], m[0][0], m[0][1],
+                       m[1][3] - 0.5 * m[1][0] - 0.5 * m[1][1], m[1][0], m[1][1]};
+        if (GDALSetGeoTransform(t->file, g) != CE_None) return false;
+    }
+    if (p->georef->crs != NULL) {
+        OGRSpatialReferenceH crs = OSRNewSpatialReference(p->georef->crs);
+        if (crs != NULL) OSRSetAxisMappingStrategy(crs, OAMS_TRADITIONAL_GIS_ORDER);
+        const bool good = crs != NULL && GDALSetSpatialRef(t->file, crs) == CE_None;
+        if (crs != NULL) OSRDestroySpatialReference(crs);
+        if (!good) return false;
+    }
+    for (size_t b = 0; b < p->bands; b++) {
+        GDALRasterBandH band = GDALGetRasterBand(t->file, (int)b + 1);
+        if (p->has_nodata && GDALSetRasterNoDataValue(band, p->nodata) != CE_None) return false;
+        if (p->band_names != NULL) GDALSetDescription(band, p->band_names[b]);
+    }
+    return true;
+}
+
+io_gdal_target *gdal_create(const char *path, const char *name, const io_raster_product *p, io_error *error) {
+    CPLErrorReset();
+    io_gdal_target *t = calloc(1, sizeof *t);
+    if (t == NULL || (t->name = strdup(name)) == NULL) {
+        free(t);
+        io_fail(error, "%s: out of memory", name);
+        return NULL;
+    }
+    char threads[16] = "ALL_CPUS";
+    if (p->threads > 0) snprintf(threads, sizeof threads, "%u", p->threads);
+    char **options = NULL;
+    options = CSLSetNameValue(options, "TILED", "YES");
+    options = CSLSetNameValue(options, "COMPRESS", "DEFLATE");
+    options =
+        CSLSetNameValue(options, "ZLEVEL", "1"); /* floats get hardly smaller by more, but take three times as long */
+    options = CSLSetNameValue(options, "PREDICTOR",
+                              p->cell == IO_CELL_FLOAT32  ? "3"
+                              : p->cell == IO_CELL_UINT16 ? "2"
+                                                          : "1");
+    options = CSLSetNameValue(options, "INTERLEAVE", "BAND");
+    options = CSLSetNameValue(options, "PHOTOMETRIC", "MINISBLACK");
+    options = CSLSetNameValue(options, "BIGTIFF", "IF_SAFER");
+    options = CSLSetNameValue(options, "NUM_THREADS", threads);
+    t->nx = p->nx;
+    t->type = type_of(p->cell);
+    GDALDriverH driver = GDALGetDriverByName("GTiff");
+    if (driver != NULL) t->file = GDALCreate(driver, path, (int)p->nx, (int)p->ny, (int)p->bands, t->type, options);
+    CSLDestroy(options);
+    if (t->file != NULL && describe(t, p)) return t;
+    gdal_fail(error, name, "cannot write");
+    if (t->file != NULL) GDALClose(t->file);
+    free(t->name);
+    free(t);
+    return NULL;
+}
+
+bool gdal_write(io_gdal_target *t, size_t band, size_t first, size_t count, const void *cells, io_error *error) {
+    CPLErrorReset();
+    GDALRasterBandH to = GDALGetRasterBand(t->file, (int)band + 1);
+    /* It takes a pointer that is not const for reading and writing alike. */
+    const CPLErr status = GDALRasterIO(to, GF_Write, 0, (int)first, (int)t->nx, (int)count, (void *)(uintptr_t)cells,
+                                       (int)t->nx, (int)count, t->type, 0, 0);
+    if (status == CE_None) return true;
+    t->failed = true;
+    return gdal_fail(error, t->name, "cannot write");
+}
+
+bool gdal_finish(io_gdal_target *t, io_error *error) {
+    CPLErrorReset();
+    GDALFlushCache(t->file);
+    bool good = !t->failed && CPLGetLastErrorType() < CE_Failure;
+    if (!good && !t->failed) gdal_fail(error, t->name, "cannot write");
+    CPLErrorReset();
+    GDALClose(t->file);
+    if (good && CPLGetLastErrorType() >= CE_Failure) good = gdal_fail(error, t->name, "cannot write");
+    free(t->name);
+    free(t);
+    return good;
+}

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Where on earth a raster lies, and what its numbers measure. */
+#ifndef CELLWALK_IO_GEOREF_H
+#define CELLWALK_IO_GEOREF_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+typedef struct io_georef {
+    bool placed;        /* the map is the file's, or follows from a cell size that was given; else it is the identity */
+    bool geographic;    /* map x is longitude and y latitude */
+    double unit;        /* metres in one of map x and y, or radians if it is geographic; 0: not known */
+    double height_unit; /* metres in one of the file's heights; 0: not known */
+    double semi_major, inverse_flattening; /* of a geographic map's ellipsoid, the first in metres; 0 of a sphere */
+    char *crs;                             /* the coordinate system as well-known text (WKT); NULL: not known */
+    bool has_nodata;
+    double nodata; /* what stands for no data in the file */
+} io_georef;
+
+void io_georef_free(io_georef *georef);
+
+/* The name that the coordinate system has in its well-known text, cut to size; "" if it has none. */
+void io_georef_name(const io_georef *georef, char *name, size_t size);
+
+/* Fills in crs, geographic, unit and ellipsoid from well-known text by reading of it what a terrain needs. For the small
+ * .prj file beside an ASCII grid; where GDAL is at work, it knows more. False if the text is none. */
+bool io_georef_from_wkt(io_georef *georef, const char *wkt);
+
+#endif

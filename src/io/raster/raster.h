@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Height rasters from files, behind one interface: a format is one file that fills in one io_raster_format. */
+#ifndef CELLWALK_IO_RASTER_H
+#define CELLWALK_IO_RASTER_H
+
+#include "error.h"
+#include "georef.h"
+
+#include <stddef.h>
+
+/* Sample (i, j) is z[j * nx + i], row 0 being the file's first; missing data are NaN. map takes field space to the
+ * coordinates of the file's map, and heights to the unit that georef says; it is the identity where the file has none. A
+ * sample stands for its pixel's centre, so a file that gives its lower left corner has its first column half a pixel to the
+ * right of that. */
+typedef struct io_raster {
+    size_t nx, ny;
+    const float *z;
+    double map[3][4];
+    io_georef georef;
+    void *memory;        /* what io_raster_free frees or unmaps */
+    size_t mapped_bytes; /* > 0: memory is a file mapping of that size */
+} io_raster;
+
+/* What the caller knows better than the file, and wants to hear. All zero: nothing. */
+typedef struct io_raster_options {
+    unsigned band; /* from 1 on; 0: the first, with a warning where there are more */
+    bool has_nodata;
+    double nodata;   /* a value that stands for no data, beside the one that the file names */
+    double cellsize; /* > 0: of a file that does not say: samples are that far apart, the first row in the north */
+    double zscale;   /* > 0: one unit of height is so many of the map's (metres, if that is in degrees) */
+    /* NULL, or called with what looks wrong but is no error: a sentence without a full stop, file and all. */
+    void (*warn)(void *context, const char *text);
+    /* NULL, or called now and then with the share that is read. False ends the reading with the error "interrupted". */
+    bool (*progress)(void *context, double share);
+    void *context;
+} io_raster_options;
+
+typedef struct io_raster_format {
+    const char *name;    /* "ESRI ASCII grid" */
+    const char *endings; /* ".asc .grd" */
+    /* On failure the raster needs no freeing. Leaves to the caller: no-data by the options, cell size, unit of heights. */
+    bool (*read)(const char *path, const io_raster_options *options, io_raster *raster, io_error *error);
+} io_raster_format;
+
+extern const io_raster_format io_raster_npy;
+extern const io_raster_format io_raster_pgm;
+extern const io_raster_format io_raster_asc;
+extern const io_raster_format io_raster_gdal; /* all other endings */
+
+/* Reads any known format, chosen by the file name's ending. options may be NULL. */
+bool io_raster_read(const char *path, const io_raster_options *options, io_raster *raster, io_error *error);
+void io_raster_free(io_raster *raster);
+
+/* Places a raster whose file does not say where it lies: samples that far apart, the first row in the north, the last row's
+ * first sample at the origin. */
+void io_raster_place(io_raster *raster, double cellsize);
+
+/* For messages: the endings that are read without GDAL. */
+void io_raster_known(char *text, size_t size);
+
+/* For the formats: memory for nx × ny samples and the identity map. The samples are raster->memory, a float array. */
+bool io_raster_allocate(const char *path, size_t nx, size_t ny, io_raster *raster, io_error *error);
+
+/* For the formats: tells the options' progress; false, with the error, if the reading is to end. */
+bool io_raster_progress(const io_raster_options *options, const char *path, double share, io_error *error);
+
+#endif

@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* GeoTIFF, .hgt, VRT, Erdas, NetCDF and all else that GDAL reads: the door to the module that holds GDAL. */
+
+#include "gdal/module.h"
+#include "raster.h"
+
+#include <dlfcn.h>
+#include <limits.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* A field numbers its samples by 31 bits. */
+static const uint64_t most_samples = (uint64_t)1 << 31;
+
+static const char *const module_name = "cellwalk_gdal.so";
+
+/* Where the module may lie: where CELLWALK_MODULES says, beside the program (as it is built), and where it is installed,
+ * which is a way from the program's folder that moves with it. */
+static bool find_module(char path[PATH_MAX]) {
+    char program[PATH_MAX];
+    const char *given = getenv("CELLWALK_MODULES");
+    if (given != NULL && snprintf(path, PATH_MAX, "%s/%s", given, module_name) < PATH_MAX)
+        return access(path, R_OK) == 0;
+    const ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
+    if (length <= 0) return false;
+    program[length] = '\0';
+    char *slash = strrchr(program, '/');
+    if (slash == NULL) return false;
+    *slash = '\0';
+    static const char *const folders[] = {"", "/" CELLWALK_MODULES_FROM_PROGRAM};
+    for (size_t k = 0; k < sizeof folders / sizeof folders[0]; k++)
+        if (snprintf(path, PATH_MAX, "%s%s/%s", program, folders[k], module_name) < PATH_MAX && access(path, R_OK) == 0)
+            return true;
+    return false;
+}
+
+typedef const io_gdal *module_entry(void);
+
+const io_gdal *io_gdal_load(io_error *error) {
+    static const io_gdal *loaded;
+    if (loaded != NULL) return loaded;
+    char path[PATH_MAX];
+    if (!find_module(path)) {
+        io_fail(error,
+                "cellwalk was built without GDAL (Debian: libgdal-dev), or its module %s is not where it belongs",
+                module_name);
+        return NULL;
+    }
+    void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    module_entry *entry = NULL;
+    void *symbol = library ? dlsym(library, IO_GDAL_SYMBOL) : NULL;
+    if (symbol != NULL) memcpy(&entry, &symbol, sizeof entry); /* ISO C has no cast from an object to a function */
+    if (entry == NULL) {
+        const char *reason = dlerror();
+        io_fail(error, "cannot load GDAL: %s", reason ? reason : path);
+        return NULL;
+    }
+    const io_gdal *module = entry();
+    if (module->version != IO_GDAL_VERSION) {
+        io_fail(error, "cannot load GDAL: %s belongs to another version of cellwalk", path);
+        return NULL;
+    }
+    return loaded = module;
+}
+
+static bool read_rows(const io_gdal *gdal, io_gdal_source *source, const char *path, const io_raster_options *options,
+                      size_t at_once, io_raster *raster, io_error *error) {
+    const size_t ny = raster->ny, nx = raster->nx;
+    float *z = raster->memory;
+    for (size_t j = 0; j < ny;) {
+        if (!io_raster_progress(options, path, (double)j / (double)ny, error)) return false;
+        const size_t count = ny - j < at_once ? ny - j : at_once;
+        if (!gdal->read(source, j, count, z + j * nx, error)) return false;
+        j += count;
+    }
+    return true;
+}
+
+static bool read_gdal(const char *path, const io_raster_options *options, io_raster *raster, io_error *error) {
+    io_error reason;
+    const io_gdal *gdal = io_gdal_load(&reason);
+    if (gdal == NULL) {
+        char known[200];
+        io_raster_known(known, sizeof known);
+        return io_fail(error, "%s: the name's ending tells no raster format; known are %s; for all others: %s", path,
+                       known, reason.text);
+    }
+    io_raster header = {.map = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    size_t at_once = 1;
+    io_gdal_source *source = gdal->open(path, options, &header, &at_once, error);
+    if (source == NULL) {
+        io_georef_free(&header.georef);
+        return false;
+    }
+    bool good = (uint64_t)header.nx * header.ny <= most_samples;
+    if (!good)
+        io_fail(error, "%s: %zu x %zu samples are more than a field can hold; gdal_translate -srcwin cuts a part out",
+                path, header.nx, header.ny);
+    good = good && io_raster_allocate(path, header.nx, header.ny, raster, error);
+    if (good) {
+        memcpy(raster->map, header.map, sizeof raster->map);
+        raster->georef = header.georef;
+        good = read_rows(gdal, source, path, options, at_once, raster, error);
+    } else {
+        io_georef_free(&header.georef);
+    }
+    gdal->close(source);
+    if (!good) io_raster_free(raster);
+    return good;
+}
+
+const io_raster_format io_raster_gdal = {"GDAL", "", read_gdal};

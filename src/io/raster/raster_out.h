@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Rasters to files: what was computed for each sample of a terrain, written row by row. The ending of the name says the
+ * format: .tif (GeoTIFF in deflated tiles, with the terrain's coordinate system), .npy (a NumPy array), .png (a grey
+ * picture). The file appears under its name only when it is whole. */
+#ifndef CELLWALK_IO_RASTER_OUT_H
+#define CELLWALK_IO_RASTER_OUT_H
+
+#include "georef.h"
+#include "output.h"
+
+typedef enum io_cell { IO_CELL_UINT8, IO_CELL_UINT16, IO_CELL_FLOAT32 } io_cell;
+
+/* What is to be written. */
+typedef struct io_raster_product {
+    size_t nx, ny, bands;
+    io_cell cell;
+    const double (*map)[4];  /* of the terrain: samples to the coordinates of the file's map */
+    const io_georef *georef; /* of the terrain */
+    bool has_nodata;
+    double nodata;
+    double black, white;           /* in a picture: what values become 0 and 255 */
+    const char *const *band_names; /* NULL, or one for each band; for GeoTIFF */
+    unsigned threads;              /* that may compress; 0: as many as there are CPUs */
+} io_raster_product;
+
+typedef struct io_raster_writer {
+    const struct io_raster_sink *sink; /* the format */
+    io_raster_product product;
+    io_output output;
+    size_t band, row; /* that come next */
+    void *state;      /* the format's */
+} io_raster_writer;
+
+size_t io_cell_bytes(io_cell cell);
+
+/* True if the ending is one that this build and this machine can write, with so many bands; else error says what can be. */
+bool io_raster_can_write(const char *path, size_t bands, io_error *error);
+
+/* On failure writer needs no discard. */
+bool io_raster_create(io_raster_writer *writer, const char *path, const io_raster_product *product, io_error *error);
+/* The next rows: bands one after the other, each from row 0 on. */
+bool io_raster_write(io_raster_writer *writer, const void *cells, size_t rows, io_error *error);
+bool io_raster_commit(io_raster_writer *writer, io_error *error);
+/* Does nothing on a writer that is all zero, committed or discarded. */
+void io_raster_discard(io_raster_writer *writer);
+
+#endif

@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Results as grey pictures of 8 bits, row by row: a product has more cells than a picture in memory would be good for.
+ * Hence not libpng's simplified interface, which takes whole pictures, as src/io/image_png.c does. */
+
+#include "raster_sink.h"
+
+#include <png.h>
+#include <setjmp.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct png_state {
+    png_structp png;
+    png_infop info;
+    io_error error; /* what libpng or the file said last */
+    unsigned char *grey;
+} png_state;
+
+static void on_error(png_structp png, png_const_charp text) {
+    png_state *s = png_get_error_ptr(png);
+    if (s->error.text[0] == '\0') io_fail(&s->error, "%s", text);
+    png_longjmp(png, 1);
+}
+
+static void on_warning(png_structp png, png_const_charp text) {
+    (void)png;
+    (void)text;
+}
+
+static void on_write(png_structp png, png_bytep bytes, png_size_t size) {
+    io_raster_writer *w = png_get_io_ptr(png);
+    png_state *s = w->state;
+    if (!io_output_write(&w->output, bytes, size, &s->error)) png_error(png, "write");
+}
+
+static void on_flush(png_structp png) { (void)png; }
+
+static void free_state(io_raster_writer *w) {
+    png_state *s = w->state;
+    png_destroy_write_struct(&s->png, &s->info);
+    free(s->grey);
+    free(s);
+    w->state = NULL;
+}
+
+static bool png_create(io_raster_writer *w, io_error *error) {
+    const io_raster_product *p = &w->product;
+    if (p->nx > 1000000 || p->ny > 1000000)
+        return io_fail(error, "%s: %zu x %zu pixels are too many for PNG", w->output.name, p->nx, p->ny);
+    png_state *s = calloc(1, sizeof *s);
+    if (s == NULL || (s->grey = malloc(p->nx)) == NULL) {
+        free(s);
+        return io_fail(error, "%s: out of memory", w->output.name);
+    }
+    w->state = s;
+    s->png = png_create_write_struct(PNG_LIBPNG_VER_STRING, s, on_error, on_warning);
+    s->info = s->png ? png_create_info_struct(s->png) : NULL;
+    if (s->info == NULL) {
+        free_state(w);
+        return io_fail(error, "%s: out of memory", w->output.name);
+    }
+    png_set_write_fn(s->png, w, on_write, on_flush);
+    if (setjmp(png_jmpbuf(s->png))) {
+        io_fail(error, "%s", s->error.text);
+        free_state(w);
+        return false;
+    }
+    png_set_IHDR(s->png, s->info, (png_uint_32)p->nx, (png_uint_32)p->ny, 8, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_write_info(s->png, s->info);
+    return true;
+}
+
+/* NaN is black. */
+static unsigned char grey(const io_raster_product *p, double value) {
+    const double share = (value - p->black) / (p->white - p->black);
+    return !(share > 0) ? 0 : share >= 1 ? 255 : (unsigned char)(share * 255 + 0.5);
+}
+
+static double cell_value(io_cell cell, const void *cells, size_t k) {
+    if (cell == IO_CELL_UINT8) return ((const uint8_t *)cells)[k];
+    if (cell == IO_CELL_UINT16) return ((const uint16_t *)cells)[k];
+    return (double)((const float *)cells)[k];
+}
+
+static bool png_write(io_raster_writer *w, const void *cells, size_t rows, io_error *error) {
+    const io_raster_product *p = &w->product;
+    png_state *s = w->state;
+    if (setjmp(png_jmpbuf(s->png))) return io_fail(error, "%s", s->error.text);
+    for (size_t j = 0; j < rows; j++) {
+        for (size_t i = 0; i < p->nx; i++) s->grey[i] = grey(p, cell_value(p->cell, cells, j * p->nx + i));
+        png_write_row(s->png, s->grey);
+    }
+    return true;
+}
+
+static bool png_finish(io_raster_writer *w, bool whole, io_error *error) {
+    png_state *s = w->state;
+    volatile bool good = whole;
+    if (setjmp(png_jmpbuf(s->png)))
+        good = io_fail(error, "%s", s->error.text);
+    else if (whole)
+        png_write_end(s->png, NULL);
+    free_state(w);
+    return good;
+}
+
+const io_raster_sink io_sink_png = {".png", "picture", 1, png_create, png_write, png_finish};

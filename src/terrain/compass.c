@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "compass.h"
+
+#include <stdlib.h>
+
+cw_status compass_create(compass *c, const terrain *t, const double *azimuths, size_t count) {
+    *c = (compass){.terrain = t, .count = count, .azimuths = azimuths};
+    c->headings = calloc(count, sizeof(cw_heading *));
+    return c->headings ? CW_OK : CW_ERROR_MEMORY;
+}
+
+static void forget(compass *c) {
+    for (size_t k = 0; k < c->count && c->headings != NULL; k++) {
+        cw_heading_destroy(c->headings[k]);
+        c->headings[k] = NULL;
+    }
+}
+
+void compass_destroy(compass *c) {
+    forget(c);
+    free(c->headings);
+    *c = (compass){0};
+}
+
+void compass_turn(compass *c, size_t row, size_t *rows) {
+    if (row < c->from || row >= c->until) {
+        forget(c);
+        c->from = c->terrain->geographic ? row : 0;
+        c->until = c->from + terrain_rows_alike(c->terrain, row);
+    }
+    *rows = c->until - row;
+}
+
+cw_status compass_heading(compass *c, size_t k, cw_heading **heading, double *slope) {
+    const terrain *t = c->terrain;
+    const double middle = 0.5 * (double)(c->from + c->until - 1);
+    double dir[2];
+    const double metres = terrain_direction(t, 0.5 * (double)(t->nx - 1), middle, c->azimuths[k], dir);
+    *slope = metres / t->map[2][2];
+    cw_status status = CW_OK;
+    if (c->headings[k] == NULL) status = cw_heading_create(t->field, dir, &c->headings[k]);
+    *heading = c->headings[k];
+    return status;
+}

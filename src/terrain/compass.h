@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Headings by azimuth, kept as long as the rows that are asked about share them: on a map in degrees, a direction of the
+ * compass is another one in the field's coordinates from each few rows to the next. */
+#ifndef CELLWALK_TERRAIN_COMPASS_H
+#define CELLWALK_TERRAIN_COMPASS_H
+
+#include "terrain.h"
+
+enum { COMPASS_MOST = 3600 };
+
+typedef struct compass {
+    const terrain *terrain;
+    size_t count;
+    const double *azimuths; /* degrees */
+    cw_heading **headings;  /* those that were asked for */
+    size_t from, until;     /* rows that they are right for */
+} compass;
+
+/* Takes over nothing: azimuths must stay. */
+cw_status compass_create(compass *c, const terrain *t, const double *azimuths, size_t count);
+void compass_destroy(compass *c);
+
+/* Turns to the row; sets rows to the number of rows, from this one on, for which headings are then right. */
+void compass_turn(compass *c, size_t row, size_t *rows);
+
+/* Heading number k for these rows. The tangent of an angle, times slope, is the rise that the heading knows. */
+cw_status compass_heading(compass *c, size_t k, cw_heading **heading, double *slope);
+
+#endif

@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The horizon all round: how high the terrain stands against the sky in each direction, and how much of the sky is left. */
+#ifndef CELLWALK_TERRAIN_HORIZON_H
+#define CELLWALK_TERRAIN_HORIZON_H
+
+#include "terrain.h"
+
+typedef struct horizon horizon;
+
+/* Directions start, start + 360 / count, … in degrees of the compass. count is at least 1. */
+cw_status horizon_create(const terrain *t, double start, size_t count, horizon **h);
+void horizon_destroy(horizon *h);
+double horizon_azimuth(const horizon *h, size_t number);
+
+/* The angle in degrees at which the highest point of the terrain in direction number stands above the level of the sample,
+ * negative below it, for rows row to row + rows - 1. -90 where the terrain ends at the sample, NaN at a hole. */
+cw_status horizon_angles(horizon *h, const cw_query *query, size_t number, size_t row, size_t rows, float *degrees);
+
+/* The share of the light of an evenly bright sky that reaches level ground, 0 to 1: the mean over all directions of the
+ * cosine squared of the horizon's angle, where that is above the level. NaN at a hole. progress may be NULL. */
+cw_status horizon_sky_view(horizon *h, const cw_query *query, size_t row, size_t rows, float *share,
+                           terrain_progress *progress, void *context, bool *done);
+
+/* Degrees whose tangent is x, off by less than 10^-5 degrees, by operations that are the same on every CPU. */
+float horizon_degrees(float x);
+
+#endif

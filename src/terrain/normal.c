@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "normal.h"
+
+#include <math.h>
+
+/* Each triangle of the grid covers the same half cell, so the area-weighted mean of normals (-x, -y, 1) is the mean of the
+ * leans. */
+void terrain_lean(const terrain *t, size_t i, size_t j, double lean[2]) {
+    /* The six triangles, each by the sample that it has beside (i, j) and the next one round the clock. */
+    static const int around[7][2] = {{1, 0}, {1, 1}, {0, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, 0}};
+    double sum[2] = {0, 0}, count = 0;
+    for (int k = 0; k < 6; k++) {
+        double h[2];
+        for (int m = 0; m < 2; m++) {
+            const size_t x = i + (size_t)around[k + m][0], y = j + (size_t)around[k + m][1]; /* below 0 wraps */
+            h[m] = x < t->nx && y < t->ny ? (double)t->z[y * t->nx + x] - (double)t->z[j * t->nx + i] : NAN;
+        }
+        if (!isfinite(h[0] + h[1])) continue;
+        /* (x, y) with x a + y b = h for both of the sides (a, b). */
+        const double a0 = around[k][0], b0 = around[k][1], a1 = around[k + 1][0], b1 = around[k + 1][1];
+        const double determinant = a0 * b1 - a1 * b0;
+        sum[0] += (h[0] * b1 - h[1] * b0) / determinant;
+        sum[1] += (a0 * h[1] - a1 * h[0]) / determinant;
+        count++;
+    }
+    lean[0] = count > 0 ? sum[0] / count : NAN;
+    lean[1] = count > 0 ? sum[1] / count : NAN;
+}
+
+void terrain_lean_row(const terrain *t, size_t j, float *restrict x, float *restrict y) {
+    const size_t nx = t->nx;
+    if (j > 0 && j + 1 < t->ny) {
+        /* The same with all six there: sums of differences along the hexagon around the sample. */
+        const float *restrict here = t->z + j * nx, *restrict below = here - nx, *restrict above = here + nx;
+        for (size_t i = 1; i + 1 < nx; i++) {
+            const float east = here[i + 1], west = here[i - 1], ahead = above[i + 1], back = below[i - 1];
+            x[i] = (2 * (east - west) + (ahead - above[i]) + (below[i] - back)) / 6;
+            y[i] = (2 * (above[i] - below[i]) + (ahead - east) + (west - back)) / 6;
+        }
+    }
+    for (size_t i = 0; i < nx; i++) {
+        if (j > 0 && j + 1 < t->ny && i > 0 && i + 1 < nx && isfinite(x[i] + y[i])) continue;
+        double lean[2];
+        terrain_lean(t, i, j, lean);
+        x[i] = (float)lean[0];
+        y[i] = (float)lean[1];
+    }
+}

@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* How the ground leans at a sample: the area-weighted mean of the up to six triangles around it, as the library's Phong
+ * normals have it. */
+#ifndef CELLWALK_TERRAIN_NORMAL_H
+#define CELLWALK_TERRAIN_NORMAL_H
+
+#include "terrain.h"
+
+/* Rise of the surface in a cell along i and j, in the samples' numbers; NaN where there is no triangle. */
+void terrain_lean(const terrain *t, size_t i, size_t j, double lean[2]);
+
+/* The same for all of row j: x[i], y[i]. */
+void terrain_lean_row(const terrain *t, size_t j, float *restrict x, float *restrict y);
+
+#endif

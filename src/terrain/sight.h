@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Lines of sight from one place, in double: what of the terrain is highest along them, seen from there.
+ *
+ * The surface is piecewise plane, so along a line its height over the place, divided by the distance, is greatest where the
+ * line crosses an edge between two samples. Those crossings are looked at one by one, but for whole stretches in which no
+ * sample is high enough. A curved earth sinks away by the square of the distance: the samples are lowered by that, and the
+ * triangles stand on the lowered samples. */
+#ifndef CELLWALK_TERRAIN_SIGHT_H
+#define CELLWALK_TERRAIN_SIGHT_H
+
+#include "terrain.h"
+
+/* Highest samples of blocks of cells, 4 and 16 and so on cells wide. */
+typedef struct sight_bounds sight_bounds;
+cw_status sight_bounds_create(const terrain *t, sight_bounds **bounds);
+void sight_bounds_destroy(sight_bounds *bounds);
+
+/* A place to look from. Numbers are those of the field: cells, and heights as the samples have them. */
+typedef struct sight {
+    const terrain *terrain;
+    const sight_bounds *bounds;
+    double eye[3];
+    double fall[3]; /* lowering at (x, y) from the eye: fall[0] x² + fall[1] x y + fall[2] y² */
+    double around;  /* height over the eye of the highest sample next to it, as far as edges within one cell reach */
+} sight;
+
+/* The lowering is curvature d² / (2 R), d being the distance in metres on the map and R the ellipsoid's radius at the equator:
+ * 0 for a flat earth, 1 for one without air, 6/7 with the refraction that surveyors reckon with. */
+void sight_init(sight *s, const terrain *t, const sight_bounds *bounds, const double eye[3], double curvature);
+
+double sight_fall(const sight *s, double i, double j);
+/* Sample (i, j) as seen from the eye: its height over the eye's, lowered. */
+double sight_sample(const sight *s, size_t i, size_t j);
+
+/* The steepest rise from the eye on the way to (i, j), as height over the eye per share of the way, both ends left out, and
+ * the share at which it is, the least of several. What is less than least comes out as least, at share 0, and the first that
+ * is at least enough ends the search: with both the height of (i, j) over the eye, less, whether it is seen. */
+typedef struct sight_rise {
+    double steepest, share;
+} sight_rise;
+sight_rise sight_steepest(const sight *s, double i, double j, double least, double enough);
+
+/* A piece of the way, that many cells from the eye, in which something is high. */
+typedef struct sight_piece {
+    double from_eye, to_eye;
+    double high;
+} sight_piece;
+
+/* What is known of what lies on the way to a place: nothing farther than near cells from it and than one cell from the eye
+ * rises by more than the first piece's high. With that piece left out, nothing by more than the second's, and so on; with all
+ * of them left out, by no more than rest. Of the near cells only the first close ones can hide it. Cells count along the way's
+ * longer axis. */
+enum { SIGHT_PIECES = 3 };
+typedef struct sight_bound {
+    double close, near, rest;
+    sight_piece pieces[SIGHT_PIECES];
+} sight_bound;
+
+/* Whether (i, j), height over the eye's, is seen. What touches the line blocks it. */
+bool sight_sees(const sight *s, double i, double j, double height, const sight_bound *bound);
+
+/* The first place on the way to (i, j), height over the eye's, at which the straight line to there is on or below the
+ * surface, as a share of the way, with both ends left out; infinite if there is none. */
+double sight_first_block(const sight *s, double i, double j, double height);
+
+#endif

@@ -1,0 +1,126 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The sun by the theory of lower accuracy in J. Meeus, Astronomical Algorithms (2nd edition, 1998), chapters 12, 13, 22 and 25:
+ * mean longitude and anomaly, three terms of the equation of the centre, aberration and the largest term of nutation; good to
+ * 0.01 degrees, a fiftieth of the sun's disc. Refraction by Saemundsson's formula (the same, 16.4). The full theory of the
+ * planets (VSOP87, as in the NREL's SPA) would be good to 0.0003 degrees, which a terrain of metres cannot show. */
+
+#include "sun.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const double degree = 0.017453292519943295;
+
+static double turn(double degrees) { return degrees - 360 * floor(degrees / 360); }
+
+/* What the air lifts a true altitude by, in degrees, at 1010 hPa and 10 degrees Celsius. Below the horizon, where nothing is
+ * seen, it fades out. */
+static double refraction_at(double altitude) {
+    if (altitude < -1) return 0;
+    const double seen = 1.02 / (60 * tan((altitude + 10.3 / (altitude + 5.11)) * degree));
+    return seen > 0 ? seen : 0;
+}
+
+sun_position sun_at(double seconds, double longitude, double latitude) {
+    const double days = seconds / 86400 + (2440587.5 - 2451545); /* since 2000-01-01 12:00 UT */
+    /* Dynamical time runs ahead of universal time by about 70 seconds, in which the sun moves by 0.0008 degrees. */
+    const double c = (days + 70.0 / 86400) / 36525;
+    const double mean = 280.46646 + c * (36000.76983 + c * 0.0003032);
+    const double anomaly = (357.52911 + c * (35999.05029 - c * 0.0001537)) * degree;
+    const double eccentricity = 0.016708634 - c * (0.000042037 + c * 0.0000001267);
+    const double centre = (1.914602 - c * (0.004817 + c * 0.000014)) * sin(anomaly) +
+                          (0.019993 - c * 0.000101) * sin(2 * anomaly) + 0.000289 * sin(3 * anomaly);
+    const double node = (125.04 - 1934.136 * c) * degree;
+    const double place = (mean + centre - 0.00569 - 0.00478 * sin(node)) * degree;
+    const double tilt = (23.4392911 - 0.0130042 * c + 0.00256 * cos(node)) * degree;
+    const double ascension = atan2(cos(tilt) * sin(place), cos(place)), declination = asin(sin(tilt) * sin(place));
+    const double distance =
+        1.000001018 * (1 - eccentricity * eccentricity) / (1 + eccentricity * cos(anomaly + centre * degree));
+
+    /* Sidereal time at Greenwich, with the nutation in longitude that is in the sun's place. */
+    const double sidereal =
+        280.46061837 + 360.98564736629 * days + c * c * 0.000387933 - 0.00478 * sin(node) * cos(tilt);
+    const double hour = turn(sidereal + longitude) * degree - ascension, phi = latitude * degree;
+    const double up = sin(phi) * sin(declination) + cos(phi) * cos(declination) * cos(hour);
+    const double south = sin(phi) * cos(declination) * cos(hour) - cos(phi) * sin(declination);
+    const double west = cos(declination) * sin(hour);
+    /* Seen from the surface and not from the earth's centre it stands lower, by 8.794 seconds of arc at the horizon. */
+    const double level = sqrt(south * south + west * west);
+    const double altitude = atan2(up, level) / degree - 8.794 / 3600 * level / distance;
+    const double refraction = refraction_at(altitude);
+    return (sun_position){
+        .azimuth = turn(180 + atan2(west, south) / degree),
+        .altitude = altitude + refraction,
+        .refraction = refraction,
+        .radius = 0.266563 / distance,
+    };
+}
+
+/* Days from 1970-01-01 to a day of the Gregorian calendar: years begin in March, so that the leap day is the last. */
+static double days_since_1970(int year, int month, int day) {
+    const long y = month > 2 ? year : year - 1L, m = month > 2 ? month - 3 : month + 9;
+    const long era = (y >= 0 ? y : y - 399) / 400, of_era = y - era * 400;
+    const long days = of_era * 365 + of_era / 4 - of_era / 100 + (153 * m + 2) / 5 + day - 1;
+    return (double)(era * 146097 + days - 719468);
+}
+
+static bool is_date(int year, int month, int day) {
+    static const int days[] = {31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
+    if (month < 1 || month > 12 || day < 1) return false;
+    const bool leap = (year % 4 == 0 && year % 100 != 0) || year % 400 == 0;
+    return day <= days[month - 1] + (month == 2 && leap);
+}
+
+/* count digits, as a number; -1 if they are none. */
+static int digits(const char **at, int count) {
+    int value = 0;
+    for (int k = 0; k < count; k++, ++*at) {
+        if (**at < '0' || **at > '9') return -1;
+        value = 10 * value + (**at - '0');
+    }
+    return value;
+}
+
+static bool take(const char **at, char wanted) {
+    if (**at != wanted) return false;
+    ++*at;
+    return true;
+}
+
+bool sun_parse_time(const char *text, double *seconds) {
+    const char *at = text;
+    const int year = digits(&at, 4);
+    const bool dashes = take(&at, '-');
+    const int month = digits(&at, 2);
+    if (dashes != take(&at, '-')) return false;
+    const int day = digits(&at, 2);
+    if (year < 0 || !is_date(year, month, day)) return false;
+    if (!take(&at, 'T') && !take(&at, 't') && !take(&at, ' ')) return false;
+    const int hour = digits(&at, 2);
+    const bool colons = take(&at, ':');
+    const int minute = digits(&at, 2);
+    double second = 0;
+    if (colons ? take(&at, ':') : *at >= '0' && *at <= '9') {
+        const int whole = digits(&at, 2);
+        if (whole < 0 || whole > 60) return false;
+        second = whole;
+        if (take(&at, '.'))
+            for (double part = 0.1; *at >= '0' && *at <= '9'; at++, part /= 10) second += part * (*at - '0');
+    }
+    if (hour < 0 || hour > 24 || minute < 0 || minute > 59) return false;
+    double offset = 0;
+    if (*at == '+' || *at == '-') {
+        const double sign = *at++ == '+' ? 1 : -1;
+        const int hours = digits(&at, 2);
+        take(&at, ':');
+        const int minutes = *at ? digits(&at, 2) : 0;
+        if (hours < 0 || hours > 14 || minutes < 0 || minutes > 59) return false;
+        offset = sign * (hours * 3600 + minutes * 60);
+    } else if (!take(&at, 'Z') && !take(&at, 'z')) {
+        return false;
+    }
+    if (*at != '\0') return false;
+    *seconds = days_since_1970(year, month, day) * 86400 + hour * 3600 + minute * 60 + second - offset;
+    return true;
+}

@@ -1,0 +1,104 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "terrain.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double pi = 3.141592653589793;
+
+bool terrain_init(terrain *t, const terrain_desc *d) {
+    *t = (terrain){.field = d->field, .nx = d->nx, .ny = d->ny, .z = d->z, .geographic = d->geographic};
+    memcpy(t->map, d->map, sizeof t->map);
+    t->unit = d->unit > 0 ? d->unit : d->geographic ? pi / 180 : 1;
+    const double flattening = d->inverse_flattening > 0 ? 1 / d->inverse_flattening : 0;
+    const bool known = d->semi_major > 0;
+    t->radius = known ? d->semi_major : 6378137;
+    const double f = known ? flattening : 1 / 298.257223563;
+    t->eccentricity2 = f * (2 - f);
+    if (!d->geographic) t->map[2][2] *= t->unit;
+
+    const double a = t->map[0][0], b = t->map[0][1], c = t->map[1][0], e = t->map[1][1], determinant = a * e - b * c;
+    if (!(isfinite(determinant) && determinant != 0)) return false;
+    const double inverse[2][2] = {{e / determinant, -b / determinant}, {-c / determinant, a / determinant}};
+    for (int k = 0; k < 2; k++) {
+        t->back[k][0] = inverse[k][0];
+        t->back[k][1] = inverse[k][1];
+        t->back[k][2] = -(inverse[k][0] * t->map[0][3] + inverse[k][1] * t->map[1][3]);
+    }
+    return isfinite(t->back[0][2]) && isfinite(t->back[1][2]);
+}
+
+/* On an ellipsoid the meridian's radius of curvature is a (1 - e²) / w³, the one across it a / w, w² = 1 - e² sin² latitude. */
+void terrain_metres(const terrain *t, double i, double j, double metres[2]) {
+    metres[0] = metres[1] = t->unit;
+    if (!t->geographic) return;
+    double xy[2];
+    terrain_to_map(t, i, j, xy);
+    double latitude = xy[1] * t->unit;
+    latitude = latitude > pi / 2 ? pi / 2 : latitude < -pi / 2 ? -pi / 2 : latitude;
+    const double sine = sin(latitude), w2 = 1 - t->eccentricity2 * sine * sine, w = sqrt(w2);
+    /* At the poles a degree of longitude has no length: a millimetre keeps directions finite. */
+    metres[0] = fmax(t->unit * t->radius / w * cos(latitude), 1e-3);
+    metres[1] = t->unit * t->radius * (1 - t->eccentricity2) / (w2 * w);
+}
+
+void terrain_sine_cosine(double degrees, double *sine, double *cosine) {
+    const double turn = remainder(degrees, 360); /* exact */
+    const double quarter = nearbyint(turn / 90), rest = (turn - 90 * quarter) * (pi / 180);
+    const double s = sin(rest), c = cos(rest);
+    const double diagonal = fabs(rest) == pi / 4 ? c : fabs(s);
+    const double low = s < 0 ? -diagonal : diagonal; /* the same number for both on a diagonal */
+    switch ((int)quarter & 3) {
+    case 0:
+        *sine = low, *cosine = c;
+        break;
+    case 1:
+        *sine = c, *cosine = -low;
+        break;
+    case 2:
+        *sine = -low, *cosine = -c;
+        break;
+    default:
+        *sine = -c, *cosine = low;
+        break;
+    }
+}
+
+double terrain_direction(const terrain *t, double i, double j, double azimuth, double dir[2]) {
+    double metres[2], sine, cosine;
+    terrain_metres(t, i, j, metres);
+    terrain_sine_cosine(azimuth, &sine, &cosine);
+    const double x = sine / metres[0], y = cosine / metres[1]; /* a metre on the map */
+    for (int k = 0; k < 2; k++) dir[k] = t->back[k][0] * x + t->back[k][1] * y;
+    const double length = 1 / fmax(fabs(dir[0]), fabs(dir[1])); /* metres in a cell along the longer axis */
+    dir[0] *= length;
+    dir[1] *= length;
+    return length;
+}
+
+double terrain_height(const terrain *t, double i, double j) {
+    if (!(i >= 0 && j >= 0 && i <= (double)(t->nx - 1) && j <= (double)(t->ny - 1))) return NAN;
+    const size_t ci = i < (double)(t->nx - 1) ? (size_t)i : t->nx - 2,
+                 cj = j < (double)(t->ny - 1) ? (size_t)j : t->ny - 2;
+    const float *z = t->z + cj * t->nx + ci;
+    const double x = i - (double)ci, y = j - (double)cj;
+    const double across = x > y ? x : y, along = x > y ? y : x;
+    const double weight[3] = {1 - across, across - along, along};
+    const float *const corner[3] = {z, x > y ? z + 1 : z + t->nx, z + t->nx + 1};
+    double height = 0;
+    for (int k = 0; k < 3; k++) /* on an edge or at a sample what lies beyond does not count, hole or not */
+        if (weight[k] > 0) height += weight[k] * (double)*corner[k];
+    return isfinite(height) ? height * t->map[2][2] : NAN;
+}
+
+size_t terrain_rows_alike(const terrain *t, size_t row) {
+    if (!t->geographic) return t->ny;
+    size_t rows = 1;
+    double here[2], there[2];
+    terrain_metres(t, 0.5 * (double)(t->nx - 1), (double)row, here);
+    for (; row + rows < t->ny && rows < 256; rows++) {
+        terrain_metres(t, 0.5 * (double)(t->nx - 1), (double)(row + rows), there);
+        if (fabs(there[0] / here[0] - 1) > 1e-4) break;
+    }
+    return rows;
+}

@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A height field as a piece of the earth: where its samples lie on the map, what the map's numbers are in metres, and where
+ * the compass points.
+ *
+ * The surface is the one that the field's rays meet, two triangles a cell. Directions of the compass are the map's: 0 is the
+ * direction in which y grows, 90 the one in which x does. On a map in degrees, metres in a degree are those at the row in
+ * question: papers/terrain.md says what that is good for. */
+#ifndef CELLWALK_TERRAIN_TERRAIN_H
+#define CELLWALK_TERRAIN_TERRAIN_H
+
+#include "cellwalk.h"
+
+typedef struct terrain {
+    const cw_field *field;
+    size_t nx, ny;
+    const float *z; /* sample (i, j) is z[j * nx + i]; NaN and infinity are holes */
+
+    double map[3][4];             /* samples to the map; the third row: heights in metres */
+    double back[2][3];            /* map x and y to field x and y */
+    bool geographic;              /* map x and y are angles */
+    double unit;                  /* metres, or radians, in one of them */
+    double radius, eccentricity2; /* of the ellipsoid: the equator's, in metres; e² */
+} terrain;
+
+/* What a terrain is made of. */
+typedef struct terrain_desc {
+    const cw_field *field;
+    size_t nx, ny;
+    const float *z;
+    const double (*map)[4]; /* samples to the map, heights in the unit of x and y, or in metres if they are angles */
+    bool geographic;
+    double unit; /* metres, or radians if geographic, in one of x and y; 0: one metre, one degree */
+    double semi_major, inverse_flattening; /* of the ellipsoid; 0: WGS 84 */
+} terrain_desc;
+
+/* False if the map cannot be inverted. The terrain keeps pointers to field and samples. */
+bool terrain_init(terrain *t, const terrain_desc *desc);
+
+/* Metres in one of the map's x and y, at field coordinates (i, j). */
+void terrain_metres(const terrain *t, double i, double j, double metres[2]);
+
+/* Places. */
+static inline void terrain_to_map(const terrain *t, double i, double j, double xy[2]) {
+    for (int k = 0; k < 2; k++) xy[k] = t->map[k][0] * i + t->map[k][1] * j + t->map[k][3];
+}
+static inline void terrain_from_map(const terrain *t, double x, double y, double ij[2]) {
+    for (int k = 0; k < 2; k++) ij[k] = t->back[k][0] * x + t->back[k][1] * y + t->back[k][2];
+}
+
+/* A direction of the compass in field coordinates, about a cell long, as seen from there; returns its length in metres. */
+double terrain_direction(const terrain *t, double i, double j, double azimuth, double dir[2]);
+
+/* Height of the surface in metres at field coordinates, as rays meet it; NaN outside and in holes. */
+double terrain_height(const terrain *t, double i, double j);
+
+/* Metres that a sample's number stands for, times this. */
+static inline double terrain_metres_of_height(const terrain *t) { return t->map[2][2]; }
+
+/* Rows from row on whose scales differ by less than 10^-4, so that they may share one heading with angles off by less than
+ * 0.003 degrees: all of them, unless the map is in degrees. */
+size_t terrain_rows_alike(const terrain *t, size_t row);
+
+/* What is told of work that takes its time; share is that of one call. False ends it, with *done false. Called from any
+ * thread of the pool, but not from two at once. */
+typedef bool terrain_progress(void *context, double share);
+
+/* sine and cosine of degrees, exact for multiples of 90 and 45 degrees as far as numbers allow. */
+void terrain_sine_cosine(double degrees, double *sine, double *cosine);
+
+#endif

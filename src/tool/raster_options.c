@@ -1,0 +1,77 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "raster_options.h"
+
+#include "cancel.h"
+#include "command.h"
+
+#include <math.h>
+#include <stdio.h>
+
+void raster_options_rows(raster_options *r, option_spec rows[RASTER_OPTION_COUNT]) {
+    *r = (raster_options){.nodata = NAN, .cellsize = NAN, .zscale = NAN};
+    rows[0] = (option_spec){.name = "band",
+                            .value = "N",
+                            .help = "the file's band, from 1 on (default: 1)",
+                            .kind = OPTION_COUNT,
+                            .to = &r->band,
+                            .low = 1,
+                            .high = 1 << 20};
+    rows[1] = (option_spec){.name = "nodata",
+                            .value = "V",
+                            .help = "samples of this value are holes, beside those that\nthe file marks",
+                            .kind = OPTION_NUMBER,
+                            .to = &r->nodata};
+    rows[2] = (option_spec){.name = "zscale",
+                            .value = "S",
+                            .help = "one unit of height is S of the map's, or S metres on a\nmap in degrees (0.3048: "
+                                    "feet)",
+                            .kind = OPTION_NUMBER,
+                            .to = &r->zscale};
+    rows[3] = (option_spec){.name = "cellsize",
+                            .value = "S",
+                            .help = "samples are S apart, for files that do not say: the\nfirst row is the "
+                                    "northernmost, the last begins at 0, 0",
+                            .kind = OPTION_NUMBER,
+                            .to = &r->cellsize};
+}
+
+static void warn(void *context, const char *text) {
+    raster_options *r = context;
+    progress_end(&r->line);
+    fprintf(stderr, "cellwalk %s: warning: %s\n", r->name, text);
+}
+
+static bool tell(void *context, double share) {
+    raster_options *r = context;
+    if (atomic_load(cancel_flag())) {
+        progress_end(&r->line);
+        return false;
+    }
+    progress_update(&r->line, share);
+    return true;
+}
+
+bool raster_options_resolve(raster_options *r, const char *name, io_raster_options *options) {
+    const struct {
+        const char *name;
+        double value;
+    } positive[] = {{"zscale", r->zscale}, {"cellsize", r->cellsize}};
+    for (size_t k = 0; k < sizeof positive / sizeof positive[0]; k++)
+        if (positive[k].value <= 0) {
+            command_fail(name, "--%s takes a number above 0, not %g", positive[k].name, positive[k].value);
+            return false;
+        }
+    r->name = name;
+    r->line = progress_start("reading");
+    *options = (io_raster_options){
+        .band = r->band,
+        .has_nodata = !isnan(r->nodata),
+        .nodata = r->nodata,
+        .cellsize = isnan(r->cellsize) ? 0 : r->cellsize,
+        .zscale = isnan(r->zscale) ? 0 : r->zscale,
+        .warn = warn,
+        .progress = tell,
+        .context = r,
+    };
+    return true;
+}

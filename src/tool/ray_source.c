@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "ray_source.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+_Static_assert(sizeof(cw_ray) == 8 * sizeof(float), "a row of eight floats is a ray");
+_Static_assert(sizeof(cw_user_ray) == 8 * sizeof(double), "a row of eight doubles is a ray in user space");
+
+bool ray_source_open(ray_source *s, const char *path, bool user, size_t most, io_error *error) {
+    static const char *const float32[] = {"<f4"}, *const float64[] = {"<f8"};
+    *s = (ray_source){.npy = {.fd = -1}, .user = user, .most = most, .none_meets = true};
+    if (!io_npy_open(&s->npy, strcmp(path, "-") == 0 ? "/dev/stdin" : path, error)) return false;
+    if (!io_npy_expect_type(&s->npy, user ? float64 : float32, 1, error)) return false;
+    const io_npy_header *h = &s->npy.header;
+    char shape[128];
+    io_npy_shape_text(&s->npy, shape, sizeof shape);
+    if (h->rank != 2 || h->shape[1] != 8)
+        return io_fail(error, "%s: shape %s, but rays are (N, 8): org x y z, tmin, dir x y z, tmax", s->npy.path,
+                       shape);
+    s->count = h->shape[0];
+    if (user) s->moved = malloc(most * sizeof *s->moved);
+    return !user || s->moved != NULL || io_fail(error, "out of memory");
+}
+
+void ray_source_close(ray_source *s) {
+    io_npy_close(&s->npy);
+    free(s->moved);
+    s->moved = NULL;
+}
+
+/* Whether the ray comes into the bounds, give or take what rounding does to their borders. */
+static bool meets(const cw_ray *r, const double low[3], const double high[3]) {
+    double from = (double)r->tmin, to = (double)r->tmax;
+    for (int k = 0; k < 3; k++) {
+        const double org = (double)r->org[k], dir = (double)r->dir[k], room = 1e-6 * (1 + fabs(org) + fabs(high[k]));
+        if (dir == 0) {
+            if (!(org >= low[k] - room && org <= high[k] + room)) return false;
+            continue;
+        }
+        const double a = (low[k] - room - org) / dir, b = (high[k] + room - org) / dir;
+        from = fmax(from, fmin(a, b));
+        to = fmin(to, fmax(a, b));
+    }
+    return from <= to;
+}
+
+static void look_for_one(ray_source *s, const cw_field *field, const cw_ray *rays, size_t n) {
+    const cw_field_info f = cw_field_describe(field);
+    const double low[3] = {0, 0, (double)f.low}, high[3] = {(double)(f.nx - 1), (double)(f.ny - 1), (double)f.high};
+    for (size_t k = 0; k < n && s->none_meets; k++) s->none_meets = !meets(&rays[k], low, high);
+}
+
+/* Pages of a mapped file come into memory when they are touched; that is no part of a query's time. */
+static void touch(const void *memory, size_t bytes) {
+    enum { PAGE = 4096 }; /* the smallest there is */
+    const volatile char *at = memory;
+    for (size_t k = 0; k < bytes; k += PAGE) (void)at[k];
+}
+
+const cw_ray *ray_source_rows(ray_source *s, const cw_field *field, uint64_t first, size_t n, io_error *error) {
+    const void *rows = io_npy_rows(&s->npy, first, n, error);
+    if (rows == NULL) return NULL;
+    if (s->user)
+        cw_rays_to_field(field, rows, n, s->moved);
+    else
+        touch(rows, n * sizeof(cw_ray));
+    const cw_ray *rays = s->user ? s->moved : rows;
+    if (s->none_meets) look_for_one(s, field, rays, n);
+    return rays;
+}

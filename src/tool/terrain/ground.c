@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "ground.h"
+
+#include "../cancel.h"
+#include "command.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+void ground_rows(ground_options *o, const char *name, option_spec rows[GROUND_OPTION_COUNT]) {
+    option_spec query[QUERY_OPTION_COUNT];
+    o->name = name;
+    rows[0] = (option_spec){.name = "output",
+                            .letter = 'o',
+                            .value = "FILE",
+                            .help = "what is found for each sample: .tif (GeoTIFF), .npy\n(NumPy array) or .png (grey)",
+                            .kind = OPTION_TEXT,
+                            .to = &o->output};
+    raster_options_rows(&o->raster, rows + 1);
+    query_options_rows(&o->query, query);
+    rows[1 + RASTER_OPTION_COUNT] = query[QUERY_ISA];
+    rows[2 + RASTER_OPTION_COUNT] = query[QUERY_THREADS];
+}
+
+static bool same_file(const char *a, const char *b) {
+    struct stat s, t;
+    return stat(a, &s) == 0 && stat(b, &t) == 0 && s.st_dev == t.st_dev && s.st_ino == t.st_ino;
+}
+
+static bool describe(ground *g, const char *path, io_error *error) {
+    const io_raster *r = &g->file.raster;
+    const terrain_desc desc = {
+        .field = g->file.field,
+        .nx = r->nx,
+        .ny = r->ny,
+        .z = r->z,
+        .map = r->map,
+        .geographic = r->georef.geographic,
+        .unit = r->georef.unit,
+        .semi_major = r->georef.semi_major,
+        .inverse_flattening = r->georef.inverse_flattening,
+    };
+    if (r->z == NULL) return io_fail(error, "%s: a scene says nothing of places on earth; give a raster", path);
+    return terrain_init(&g->terrain, &desc) || io_fail(error, "%s: its map has no way back to samples", path);
+}
+
+static bool read_ground(ground *g, const char *path, const io_raster_options *options, bool field, io_error *error) {
+    if (field && !field_file_open(&g->file, path, options, &g->query, error)) return false;
+    if (!field && !io_raster_read(path, options, &g->file.raster, error)) return false;
+    const io_raster *r = &g->file.raster;
+    if (!field && (r->nx < 2 || r->ny < 2))
+        return io_fail(error, "%s: %zu x %zu samples: %s", path, r->nx, r->ny, cw_status_message(CW_ERROR_SIZE));
+    return describe(g, path, error);
+}
+
+/* EXIT_SUCCESS, or the exit status after a message; ground needs closing in any case. */
+static int open_ground(ground *g, ground_options *o, const char *path, size_t bands, bool field) {
+    io_raster_options raster;
+    io_error error;
+    *g = (ground){.path = path, .options = o};
+    if (!query_options_resolve(&o->query, o->name, &g->query)) return EXIT_USAGE;
+    if (!raster_options_resolve(&o->raster, o->name, &raster)) return EXIT_USAGE;
+    if (bands > 0 && o->output == NULL) {
+        command_fail(o->name, "nothing to do: give -o FILE for what is found");
+        return EXIT_USAGE;
+    }
+    if (bands > 0 && !io_raster_can_write(o->output, bands, &error)) return command_fail(o->name, "%s", error.text);
+    if (bands > 0 && same_file(path, o->output))
+        return command_fail(o->name, "%s: is the terrain itself, and is not written over", o->output);
+    const bool good = read_ground(g, path, &raster, field, &error);
+    progress_end(&o->raster.line);
+    if (!good) return command_fail(o->name, "%s", error.text);
+    const cw_status status = cw_pool_create(o->query.threads, &g->query.pool);
+    if (status != CW_OK) return command_fail(o->name, "%s", cw_status_message(status));
+    g->line = progress_start(o->name);
+    return EXIT_SUCCESS;
+}
+
+static void close_ground(ground *g) {
+    progress_end(&g->line);
+    cw_pool_destroy(g->query.pool);
+    field_file_close(&g->file);
+}
+
+int ground_run(ground_options *o, const char *path, size_t bands, bool field, ground_work *work, void *context) {
+    ground g;
+    io_error error = {""};
+    int status = open_ground(&g, o, path, bands, field);
+    const bool good = status != EXIT_SUCCESS || work(&g, context, &error);
+    close_ground(&g);
+    if (!good) status = command_fail(o->name, "%s", error.text);
+    return status;
+}
+
+size_t ground_numbers(const char *text, double *numbers, size_t least, size_t most) {
+    for (size_t count = 0; count < most;) {
+        char *end;
+        numbers[count] = strtod(text, &end);
+        if (end == text || !isfinite(numbers[count])) return 0;
+        count++;
+        if (*end == '\0') return count >= least ? count : 0;
+        if (*end != ',') return 0;
+        text = end + 1;
+    }
+    return 0;
+}
+
+io_raster_product ground_product(const ground *g, io_cell cell, size_t bands) {
+    const io_raster *r = &g->file.raster;
+    return (io_raster_product){
+        .nx = r->nx,
+        .ny = r->ny,
+        .bands = bands,
+        .cell = cell,
+        .map = r->map,
+        .georef = &r->georef,
+        .has_nodata = true,
+        .nodata = cell == IO_CELL_UINT8    ? 255
+                  : cell == IO_CELL_UINT16 ? 65535
+                                           : NAN,
+        .black = 0,
+        .white = 1,
+        .threads = cw_pool_threads(g->query.pool),
+    };
+}
+
+bool ground_tell(void *context, double share) {
+    ground *g = context;
+    if (atomic_load(cancel_flag())) return false;
+    progress_update(&g->line, share);
+    return true;
+}
+
+/* As many rows as a GeoTIFF's tiles have, fewer where that would make Ctrl-C wait. */
+static size_t block_rows(const io_raster_product *p, double passes) {
+    enum { TILE = 256, LEAST = 32 };
+    size_t rows = TILE;
+    while (rows > LEAST && passes * (double)rows * (double)p->nx > 1e7) rows /= 2;
+    while (passes * (double)rows * (double)p->nx < 1e6 && rows < p->ny) rows += TILE;
+    return rows;
+}
+
+static bool write_blocks(ground *g, io_raster_writer *w, size_t rows, ground_fill *fill, void *context, void *cells,
+                         io_error *error) {
+    const io_raster_product p = w->product;
+    for (size_t band = 0; band < p.bands; band++)
+        for (size_t row = 0; row < p.ny; row += rows) {
+            const size_t count = p.ny - row < rows ? p.ny - row : rows;
+            const double done = (double)band + (double)row / (double)p.ny;
+            if (!ground_tell(g, done / (double)p.bands)) return io_fail(error, "interrupted");
+            if (!fill(context, band, row, count, cells, error)) return false;
+            if (!io_raster_write(w, cells, count, error)) return false;
+        }
+    return true;
+}
+
+bool ground_write(ground *g, const io_raster_product *product, double passes, ground_fill *fill, void *context,
+                  io_error *error) {
+    io_raster_writer w;
+    const size_t rows = block_rows(product, passes);
+    void *cells = malloc(rows * product->nx * io_cell_bytes(product->cell));
+    if (cells == NULL) return io_fail(error, "out of memory");
+    bool good = io_raster_create(&w, g->options->output, product, error);
+    if (good) {
+        good = write_blocks(g, &w, rows, fill, context, cells, error);
+        good = good && io_raster_commit(&w, error);
+        io_raster_discard(&w);
+    }
+    free(cells);
+    return good;
+}

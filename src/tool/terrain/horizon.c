@@ -1,0 +1,193 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* `cellwalk horizon`: the horizon's angle in directions all round, or how much of the sky is seen. */
+
+#include "horizon.h"
+
+#include "command.h"
+#include "ground.h"
+#include "sight.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const char name[] = "horizon";
+
+typedef struct horizon_command {
+    ground_options ground;
+    unsigned directions;
+    double start, curvature;
+    bool sky;
+    const char *at;
+    double place[3]; /* what at says */
+} horizon_command;
+
+typedef struct job {
+    ground *ground;
+    horizon *horizon;
+    bool sky;
+    double row, rows; /* of the block that is being filled */
+} job;
+
+static bool tell_block(void *context, double share) {
+    job *j = context;
+    return ground_tell(j->ground, (j->row + share * j->rows) / (double)j->ground->terrain.ny);
+}
+
+static bool fill(void *context, size_t band, size_t row, size_t rows, void *cells, io_error *error) {
+    job *j = context;
+    bool done = true;
+    j->row = (double)row;
+    j->rows = (double)rows;
+    const cw_query *q = &j->ground->query;
+    const cw_status status = j->sky ? horizon_sky_view(j->horizon, q, row, rows, cells, tell_block, j, &done)
+                                    : horizon_angles(j->horizon, q, band, row, rows, cells);
+    if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));
+    return done || io_fail(error, "interrupted");
+}
+
+enum { NAME_MOST = 32 };
+
+/* Bands are called by their direction, as GRASS numbers none of them alike. */
+static const char **band_names(const horizon *h, size_t count) {
+    const char **names = malloc(count * (sizeof *names + NAME_MOST));
+    char *text = names ? (char *)(names + count) : NULL;
+    for (size_t k = 0; k < count && names; k++, text += NAME_MOST) {
+        snprintf(text, NAME_MOST, "azimuth %.6g", horizon_azimuth(h, k));
+        names[k] = text;
+    }
+    return names;
+}
+
+static bool make_bands(job *j, const horizon_command *c, io_error *error) {
+    const cw_status status = horizon_create(&j->ground->terrain, c->start, c->directions, &j->horizon);
+    if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));
+    j->sky = c->sky;
+    io_raster_product product = ground_product(j->ground, IO_CELL_FLOAT32, c->sky ? 1 : c->directions);
+    const char **names = c->sky ? NULL : band_names(j->horizon, c->directions);
+    if (!c->sky && names == NULL) return io_fail(error, "out of memory");
+    product.band_names = names;
+    if (!c->sky) product.white = 90;
+    const bool good = ground_write(j->ground, &product, 1, fill, j, error);
+    free(names);
+    return good;
+}
+
+/* The horizon at one place, in double, as a table. */
+static bool print_at(const ground *g, const horizon_command *c, io_error *error) {
+    const terrain *t = &g->terrain;
+    const double *place = c->place;
+    double eye[3], metres[2];
+    terrain_from_map(t, place[0], place[1], eye);
+    const double ground_height = terrain_height(t, eye[0], eye[1]), scale = terrain_metres_of_height(t);
+    if (isnan(ground_height)) return io_fail(error, "there is no ground at %.10g, %.10g", place[0], place[1]);
+    eye[2] = (ground_height + place[2]) / scale;
+    sight_bounds *bounds;
+    if (sight_bounds_create(t, &bounds) != CW_OK) return io_fail(error, "out of memory");
+    sight s;
+    sight_init(&s, t, bounds, eye, c->curvature);
+    terrain_metres(t, eye[0], eye[1], metres);
+    puts("azimuth,angle,distance,x,y");
+    for (unsigned k = 0; k < c->directions; k++) {
+        const double azimuth = fmod(c->start + 360.0 * k / c->directions, 360);
+        double dir[2], xy[2];
+        const double length = terrain_direction(t, eye[0], eye[1], azimuth, dir);
+        /* A cell farther than the last sample on the way. */
+        double far = INFINITY;
+        for (int a = 0; a < 2; a++) {
+            const double last = (double)(a ? t->ny - 1 : t->nx - 1);
+            if (dir[a] != 0) far = fmin(far, ((dir[a] > 0 ? last : 0) - eye[a]) / dir[a] + 1);
+        }
+        const sight_rise r = sight_steepest(&s, eye[0] + far * dir[0], eye[1] + far * dir[1], -INFINITY, INFINITY);
+        if (r.steepest == -INFINITY) {
+            printf("%.6g,-90,,,\n", azimuth);
+            continue;
+        }
+        const double cells = r.share * far;
+        terrain_to_map(t, eye[0] + cells * dir[0], eye[1] + cells * dir[1], xy);
+        printf("%.6g,%.6f,%.3f,%.10g,%.10g\n", azimuth,
+               atan(r.steepest * scale / (far * length)) * (180 / 3.141592653589793), cells * length, xy[0], xy[1]);
+    }
+    sight_bounds_destroy(bounds);
+    return true;
+}
+
+static bool make(ground *g, void *context, io_error *error) {
+    const horizon_command *c = context;
+    if (c->at) return print_at(g, c, error);
+    job j = {.ground = g};
+    const bool good = make_bands(&j, c, error);
+    horizon_destroy(j.horizon);
+    return good;
+}
+
+static int run(int argc, char **argv) {
+    horizon_command c = {.directions = 32};
+    enum { OWN = 5, ALL = OWN + GROUND_OPTION_COUNT };
+    option_spec options[ALL] = {
+        {.name = "directions",
+         .value = "N",
+         .help = "how many, evenly all round (default: 32)",
+         .kind = OPTION_COUNT,
+         .to = &c.directions,
+         .low = 1,
+         .high = 3600},
+        {.name = "start",
+         .value = "AZ",
+         .help = "azimuth of the first, from the map's north over east,\nin degrees (default: 0)",
+         .kind = OPTION_NUMBER,
+         .to = &c.start},
+        {.name = "svf",
+         .help = "the sky-view factor instead: the share of an evenly\nbright sky's light that reaches level ground",
+         .to = &c.sky},
+        {.name = "at",
+         .value = "X,Y[,H]",
+         .help = "print the horizon at one place of the map, H metres\nabove ground, as CSV",
+         .kind = OPTION_TEXT,
+         .to = &c.at},
+        {.name = "curvature",
+         .value = "K",
+         .help = "with --at: how much of the earth's curvature counts, 1\nwithout air, 0.857 with usual refraction "
+                 "(default: 0)",
+         .kind = OPTION_NUMBER,
+         .to = &c.curvature},
+    };
+    ground_rows(&c.ground, name, options + OWN);
+    static const char *const operands[] = {"DEM"};
+    const options_usage usage = {
+        .name = name,
+        .synopsis = "DEM (-o FILE | --at X,Y) [OPTIONS]",
+        .what = "How high the terrain stands against the sky: for every sample and direction the\n"
+                "angle in degrees of the highest point, from the level of the sample; negative\n"
+                "below it, -90 where the terrain ends there (float32, one band a direction; NaN:\n"
+                "no data). Angles are exact to 0.001 degrees (0.003 on a map in degrees) for the\n"
+                "surface of two triangles between each four samples. The earth is taken for flat,\n"
+                "but for --at.\n",
+        .examples = "  cellwalk horizon dem.tif --directions 32 -o horizon.tif\n"
+                    "  cellwalk horizon dem.tif --directions 64 --svf -o sky.tif\n"
+                    "  cellwalk horizon dem.tif --at 600250,5199800 --directions 360 > horizon.csv\n",
+        .options = options,
+        .option_count = ALL,
+        .operands = operands,
+        .operand_least = 1,
+        .operand_most = 1,
+    };
+    const char *path;
+    const int status = options_parse(&usage, argc, argv, &path);
+    if (status != OPTIONS_GO) return status;
+    if (c.at && ground_numbers(c.at, c.place, 2, 3) == 0) {
+        command_fail(name, "--at takes a place on the map as X,Y or X,Y,HEIGHT, not '%s'", c.at);
+        return EXIT_USAGE;
+    }
+    if (c.at && (c.ground.output || c.sky)) {
+        command_fail(name, "--at prints one horizon, and goes with neither -o nor --svf");
+        return EXIT_USAGE;
+    }
+    if (c.curvature < 0 || (c.curvature > 0 && c.at == NULL)) {
+        command_fail(name, "--curvature takes a number from 0 on, and goes with --at");
+        return EXIT_USAGE;
+    }
+    const size_t bands = c.at ? 0 : c.sky ? 1 : c.directions;
+    return ground_run(&c.ground, path, bands, c.at == NULL, make, &c);
+}
+
+const command command_horizon = {"horizon", "angles of the horizon, or the share of the sky, on a terrain", run};

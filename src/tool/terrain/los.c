@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* `cellwalk los`: whether two places see each other. */
+
+#include "../json.h"
+#include "command.h"
+#include "ground.h"
+#include "sight.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char name[] = "los";
+
+/* A place on the map; over_ground: its height is that above the ground. */
+typedef struct place {
+    double x, y, z;
+    bool over_ground;
+} place;
+
+typedef struct los_command {
+    ground_options ground;
+    double curvature;
+    bool json;
+    place places[2];
+} los_command;
+
+static bool parse_place(const char *text, place *p) {
+    double numbers[3] = {0, 0, 0};
+    const size_t count = ground_numbers(text, numbers, 2, 3);
+    const char *comma = strrchr(text, ',');
+    *p = (place){numbers[0], numbers[1], numbers[2], count == 2 || (comma && comma[1] == '+')};
+    if (count == 0) command_fail(name, "a place is X,Y,Z, or X,Y,+HEIGHT above ground, not '%s'", text);
+    return count > 0;
+}
+
+/* Field coordinates, and the height in the samples' numbers. */
+static bool find_place(const terrain *t, const place *p, double at[3], io_error *error) {
+    terrain_from_map(t, p->x, p->y, at);
+    const double ground_height = p->over_ground ? terrain_height(t, at[0], at[1]) : 0;
+    at[2] = (ground_height + p->z) / terrain_metres_of_height(t);
+    return isfinite(at[2]) ||
+           io_fail(error, "there is no ground at %.10g, %.10g; give the height itself, without +", p->x, p->y);
+}
+
+static bool look(ground *g, void *context, io_error *error) {
+    const los_command *c = context;
+    const place *places = c->places;
+    const terrain *t = &g->terrain;
+    double eye[3], target[3], metres[2], xy[2], ends[2][2];
+    if (!find_place(t, &places[0], eye, error) || !find_place(t, &places[1], target, error)) return false;
+    sight s;
+    const double k = isnan(c->curvature) ? g->file.raster.georef.placed ? 6.0 / 7 : 0 : c->curvature;
+    sight_init(&s, t, NULL, eye, k);
+    const double height = target[2] - eye[2] - sight_fall(&s, target[0], target[1]);
+    const double block = sight_first_block(&s, target[0], target[1], height);
+    terrain_metres(t, eye[0], eye[1], metres);
+    for (int e = 0; e < 2; e++) terrain_to_map(t, e ? target[0] : eye[0], e ? target[1] : eye[1], ends[e]);
+    const double length = hypot((ends[1][0] - ends[0][0]) * metres[0], (ends[1][1] - ends[0][1]) * metres[1]);
+    const bool blocked = block < INFINITY;
+    for (int e = 0; e < 2; e++) xy[e] = ends[0][e] + block * (ends[1][e] - ends[0][e]);
+    /* The line bends up against the lowered surface by as much as that is lowered. */
+    const double bend = sight_fall(&s, eye[0] + block * (target[0] - eye[0]), eye[1] + block * (target[1] - eye[1]));
+    const double z = (eye[2] + block * height + bend) * terrain_metres_of_height(t);
+    if (c->json) {
+        printf("{\"visible\": %s, \"distance\": ", blocked ? "false" : "true");
+        json_number(stdout, length);
+        if (blocked)
+            printf(", \"blocked_at\": [%.10g, %.10g, %.10g], \"blocked_distance\": %.10g", xy[0], xy[1], z,
+                   block * length);
+        puts("}");
+    } else if (blocked) {
+        printf("blocked at %.10g,%.10g,%.6g: %.3f m from the first place, of %.3f m\n", xy[0], xy[1], z, block * length,
+               length);
+    } else {
+        printf("visible: %.3f m\n", length);
+    }
+    return true;
+}
+
+static int run(int argc, char **argv) {
+    los_command c = {.curvature = NAN};
+    enum { OWN = 2, ALL = OWN + RASTER_OPTION_COUNT };
+    option_spec options[ALL] = {
+        {.name = "curvature",
+         .value = "K",
+         .help = "how much of the earth's curvature counts: 0 flat, 1\nwithout air, 0.857 = 6/7 with usual refraction\n"
+                 "(default: 6/7, or 0 if the file has no map)",
+         .kind = OPTION_NUMBER,
+         .to = &c.curvature},
+        {.name = "json", .help = "print one JSON object", .to = &c.json},
+    };
+    c.ground.name = name;
+    raster_options_rows(&c.ground.raster, options + OWN);
+    static const char *const operands[] = {"DEM", "FROM", "TO"};
+    const options_usage usage = {
+        .name = name,
+        .synopsis = "DEM X,Y,Z X,Y,Z [OPTIONS]",
+        .what = "Whether two places see each other, or where on the way the straight line from\n"
+                "the first to the second meets the terrain for the first time. Places are\n"
+                "coordinates of the map with a height in metres; with + before it, above ground.\n"
+                "The ends themselves block nothing.\n",
+        .examples = "  cellwalk los dem.tif 600250,5199800,+2 601500,5200100,1250\n",
+        .options = options,
+        .option_count = ALL,
+        .operands = operands,
+        .operand_least = 3,
+        .operand_most = 3,
+    };
+    const char *given[3];
+    const int status = options_parse(&usage, argc, argv, given);
+    if (status != OPTIONS_GO) return status;
+    if (!parse_place(given[1], &c.places[0]) || !parse_place(given[2], &c.places[1])) return EXIT_USAGE;
+    if (c.curvature < 0) {
+        command_fail(name, "--curvature takes a number from 0 on, not %g", c.curvature);
+        return EXIT_USAGE;
+    }
+    c.ground.query.threads = 1;
+    return ground_run(&c.ground, given[0], 0, false, look, &c);
+}
+
+const command command_los = {"los", "whether two places on a terrain see each other", run};

@@ -1,0 +1,176 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* `cellwalk shadow`: sun and shadow on every sample of a terrain. */
+
+#include "shadow.h"
+
+#include "command.h"
+#include "gdal/module.h"
+#include "ground.h"
+#include "sun.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const char name[] = "shadow";
+
+typedef struct shadow_command {
+    ground_options ground;
+    const char *sun, *time;
+    double disc; /* NaN: the sun is a point */
+    bool hillshade, usual_disc;
+} shadow_command;
+
+typedef struct job {
+    const shadow_command *command;
+    ground *ground;
+    sunlight *light;
+    bool share; /* floats */
+} job;
+
+static bool fill(void *context, size_t band, size_t row, size_t rows, void *cells, io_error *error) {
+    job *j = context;
+    (void)band;
+    const cw_status status = j->share ? sunlight_share(j->light, &j->ground->query, row, rows, cells)
+                                      : sunlight_lit(j->light, &j->ground->query, row, rows, cells);
+    return status == CW_OK || io_fail(error, "%s", cw_status_message(status));
+}
+
+/* Longitude and latitude of the terrain's middle, and how far the map's north is turned there from the true one, toward the
+ * west. */
+static bool locate(const ground *g, double lon_lat[2], double *turned, io_error *error) {
+    const terrain *t = &g->terrain;
+    const io_georef *r = &g->file.raster.georef;
+    double xy[2];
+    terrain_to_map(t, 0.5 * (double)(t->nx - 1), 0.5 * (double)(t->ny - 1), xy);
+    *turned = 0;
+    if (t->geographic) {
+        for (int k = 0; k < 2; k++) lon_lat[k] = xy[k] * t->unit * (180 / 3.141592653589793);
+        return true;
+    }
+    if (r->crs == NULL)
+        return io_fail(error, "%s: names no coordinate system, so --time cannot tell where the sun is; give --sun",
+                       g->path);
+    const io_gdal *gdal = io_gdal_load(error);
+    double x[2] = {xy[0]}, y[2] = {xy[1]};
+    if (gdal == NULL || !gdal->lon_lat(r->crs, false, 1, x, y, error)) return false;
+    lon_lat[0] = x[0];
+    lon_lat[1] = y[0];
+    /* Two places, one 20 m north of the other. */
+    x[1] = x[0];
+    y[0] -= 1e-4;
+    y[1] = y[0] + 2e-4;
+    if (!gdal->lon_lat(r->crs, true, 2, x, y, error)) return false;
+    *turned = atan2(x[1] - x[0], y[1] - y[0]) * (180 / 3.141592653589793);
+    return true;
+}
+
+static bool find_sun(const shadow_command *c, const ground *g, sunlight_desc *sun, io_error *error) {
+    double numbers[2], seconds, turned;
+    if (c->sun) {
+        ground_numbers(c->sun, numbers, 2, 2);
+        sun->azimuth = numbers[0];
+        sun->altitude = numbers[1];
+        return true;
+    }
+    if (!locate(g, numbers, &turned, error)) return false;
+    sun_parse_time(c->time, &seconds);
+    const sun_position p = sun_at(seconds, numbers[0], numbers[1]);
+    sun->azimuth = fmod(p.azimuth + turned + 360, 360);
+    sun->altitude = p.altitude;
+    if (c->usual_disc) sun->radius = p.radius;
+    printf("sun at %s over %.4f, %.4f: azimuth %.3f (%.3f on the map), altitude %.3f degrees\n", c->time, numbers[0],
+           numbers[1], p.azimuth, sun->azimuth, p.altitude);
+    return true;
+}
+
+static bool make_light(job *j, io_error *error) {
+    const shadow_command *c = j->command;
+    sunlight_desc sun = {.hillshade = c->hillshade, .radius = c->usual_disc ? SUN_RADIUS : 0};
+    if (!find_sun(c, j->ground, &sun, error)) return false;
+    if (!isnan(c->disc)) sun.radius = c->disc;
+    if (sun.altitude <= 0)
+        fprintf(stderr, "cellwalk shadow: warning: the sun is at %.3f degrees, below the horizon\n", sun.altitude);
+    const cw_status status = sunlight_create(&j->ground->terrain, &sun, &j->light);
+    if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));
+    j->share = sun.radius > 0 || sun.hillshade;
+    const io_raster_product product = ground_product(j->ground, j->share ? IO_CELL_FLOAT32 : IO_CELL_UINT8, 1);
+    return ground_write(j->ground, &product, sun.radius > 0 ? 16 : 1, fill, j, error);
+}
+
+static bool make(ground *g, void *context, io_error *error) {
+    job j = {.command = context, .ground = g};
+    const bool good = make_light(&j, error);
+    sunlight_destroy(j.light);
+    return good;
+}
+
+static bool wrong_sun(const shadow_command *c) {
+    double numbers[2], seconds;
+    if ((c->sun == NULL) == (c->time == NULL))
+        command_fail(name, "give the sun's place by either --sun or --time");
+    else if (c->sun && (ground_numbers(c->sun, numbers, 2, 2) == 0 || fabs(numbers[1]) > 90))
+        command_fail(name, "--sun takes azimuth and altitude in degrees, as 225,30, not '%s'", c->sun);
+    else if (c->time && !sun_parse_time(c->time, &seconds))
+        command_fail(name, "--time takes a time with its zone, as 2024-06-21T12:00:00Z or +02:00, not '%s'", c->time);
+    else if (!isnan(c->disc) && !(c->disc > 0 && c->disc <= 10))
+        command_fail(name, "--disc takes degrees above 0, up to 10, not %g", c->disc);
+    else
+        return false;
+    return true;
+}
+
+static int run(int argc, char **argv) {
+    shadow_command c = {.disc = NAN};
+    enum { OWN = 5, ALL = OWN + GROUND_OPTION_COUNT };
+    option_spec options[ALL] = {
+        {.name = "sun",
+         .value = "AZ,ALT",
+         .help = "azimuth from the map's north over east, and altitude,\nin degrees",
+         .kind = OPTION_TEXT,
+         .to = &c.sun},
+        {.name = "time",
+         .value = "TIME",
+         .help = "the sun at that time over the terrain's middle:\n2024-06-21T12:00:00Z, or with +02:00",
+         .kind = OPTION_TEXT,
+         .to = &c.time},
+        {.name = "hillshade",
+         .help =
+             "light on the ground: the cosine of the angle between\nthe sun and the ground's normal, in the shadow 0",
+         .to = &c.hillshade},
+        {.name = "sun-disc",
+         .help = "the sun is a disc, so that shadows have soft edges:\nthe share of it that is seen",
+         .to = &c.usual_disc},
+        {.name = "disc",
+         .value = "R",
+         .help = "the same with a disc of that radius in degrees",
+         .kind = OPTION_NUMBER,
+         .to = &c.disc},
+    };
+    ground_rows(&c.ground, name, options + OWN);
+    static const char *const operands[] = {"DEM"};
+    const options_usage usage = {
+        .name = name,
+        .synopsis = "DEM (--sun AZ,ALT | --time TIME) -o FILE [OPTIONS]",
+        .what = "Sun and shadow on every sample of a terrain: 1 where the sun is seen, 0 where the\n"
+                "terrain hides it (uint8; 255: no data), or with --hillshade, --sun-disc or --disc\n"
+                "the share of its light, 0 to 1 (float32; NaN: no data).\n"
+                "\n"
+                "The surface is two triangles between each four samples; rays start on the\n"
+                "samples themselves, and need no lift. The earth is taken for flat.\n",
+        .examples = "  cellwalk shadow dem.tif --sun 225,30 -o shadow.tif\n"
+                    "  cellwalk shadow dem.tif --time 2024-12-21T13:00:00Z --sun-disc -o light.tif\n"
+                    "  cellwalk shadow dem.tif --sun 315,45 --hillshade -o relief.png\n",
+        .options = options,
+        .option_count = ALL,
+        .operands = operands,
+        .operand_least = 1,
+        .operand_most = 1,
+    };
+    const char *path;
+    const int status = options_parse(&usage, argc, argv, &path);
+    if (status != OPTIONS_GO) return status;
+    if (wrong_sun(&c)) return EXIT_USAGE;
+    return ground_run(&c.ground, path, 1, true, make, &c);
+}
+
+const command command_shadow = {"shadow", "sun and shadow on a terrain (GeoTIFF and others in and out)", run};

@@ -1,0 +1,200 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* `cellwalk viewshed`: what is seen from one place or several. */
+
+#include "viewshed.h"
+
+#include "command.h"
+#include "ground.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char name[] = "viewshed";
+
+enum { OBSERVERS_MOST = OPTION_AGAIN_MAX };
+
+typedef struct viewshed_command {
+    ground_options ground;
+    option_again from;
+    double places[OBSERVERS_MOST][3];
+    double target, max_distance, curvature; /* curvature is NaN if it was not given */
+    bool absolute, needed, needed_absolute;
+} viewshed_command;
+
+typedef struct job {
+    ground *ground;
+    const viewshed_command *command;
+    sight_bounds *bounds;
+    uint16_t *seen;
+    float *heights;
+    size_t observer;
+} job;
+
+static bool tell(void *context, double share) {
+    job *j = context;
+    return ground_tell(j->ground, ((double)j->observer + share) / (double)j->command->from.count);
+}
+
+static bool look_from(job *j, const double place[3], io_error *error) {
+    const viewshed_command *c = j->command;
+    const terrain *t = &j->ground->terrain;
+    viewshed_desc d = {
+        .height = place[2],
+        .absolute = c->absolute,
+        .target_height = c->target,
+        .max_distance = c->max_distance,
+        .curvature = isnan(c->curvature) ? j->ground->file.raster.georef.placed ? 6.0 / 7 : 0 : c->curvature,
+    };
+    terrain_from_map(t, place[0], place[1], d.place);
+    if (!c->absolute && isnan(terrain_height(t, d.place[0], d.place[1])))
+        return io_fail(error,
+                       "there is no ground at %.10g, %.10g to stand on; give the eye's height itself, with --absolute",
+                       place[0], place[1]);
+    viewshed *v;
+    bool done = false;
+    cw_status status = viewshed_create(t, j->bounds, &d, &v);
+    if (status == CW_OK)
+        status = c->needed ? viewshed_heights(v, &j->ground->query, j->heights, tell, j, &done)
+                           : viewshed_count(v, &j->ground->query, j->seen, tell, j, &done);
+    viewshed_destroy(v);
+    if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));
+    return done || io_fail(error, "interrupted");
+}
+
+static bool fill(void *context, size_t band, size_t row, size_t rows, void *cells, io_error *error) {
+    const job *j = context;
+    const terrain *t = &j->ground->terrain;
+    const size_t first = row * t->nx, n = rows * t->nx;
+    const float *z = t->z + first;
+    (void)band;
+    (void)error;
+    if (j->command->needed) {
+        const double metres = terrain_metres_of_height(t);
+        float *to = memcpy(cells, j->heights + first, n * sizeof *to);
+        for (size_t k = 0; k < n && j->command->needed_absolute; k++) to[k] = (float)(to[k] + z[k] * metres);
+    } else if (j->command->from.count <= 254) {
+        uint8_t *to = cells;
+        for (size_t k = 0; k < n; k++) to[k] = isfinite(z[k]) ? (uint8_t)j->seen[first + k] : 255;
+    } else {
+        uint16_t *to = cells;
+        for (size_t k = 0; k < n; k++) to[k] = isfinite(z[k]) ? j->seen[first + k] : 65535;
+    }
+    return true;
+}
+
+static bool make_view(job *j, io_error *error) {
+    const viewshed_command *c = j->command;
+    const size_t n = j->ground->terrain.nx * j->ground->terrain.ny;
+    if (sight_bounds_create(&j->ground->terrain, &j->bounds) != CW_OK) return io_fail(error, "out of memory");
+    if (c->needed)
+        j->heights = malloc(n * sizeof *j->heights);
+    else
+        j->seen = calloc(n, sizeof *j->seen);
+    if (j->heights == NULL && j->seen == NULL) return io_fail(error, "out of memory");
+    for (j->observer = 0; j->observer < c->from.count; j->observer++)
+        if (!look_from(j, c->places[j->observer], error)) return false;
+    io_raster_product product = ground_product(j->ground,
+                                               c->needed              ? IO_CELL_FLOAT32
+                                               : c->from.count <= 254 ? IO_CELL_UINT8
+                                                                      : IO_CELL_UINT16,
+                                               1);
+    product.white = c->needed ? 100 : (double)c->from.count;
+    return ground_write(j->ground, &product, 1, fill, j, error);
+}
+
+static bool make(ground *g, void *context, io_error *error) {
+    job j = {.ground = g, .command = context};
+    const bool good = make_view(&j, error);
+    sight_bounds_destroy(j.bounds);
+    free(j.seen);
+    free(j.heights);
+    return good;
+}
+
+static bool wrong(viewshed_command *c) {
+    if (c->from.count == 0) return command_fail(name, "--from X,Y is missing: where does the observer stand?"), true;
+    for (size_t k = 0; k < c->from.count; k++) {
+        c->places[k][2] = 2;
+        if (ground_numbers(c->from.values[k], c->places[k], 2, 3) == 0)
+            return command_fail(name, "--from takes a place on the map as X,Y or X,Y,HEIGHT, not '%s'",
+                                c->from.values[k]),
+                   true;
+    }
+    c->needed |= c->needed_absolute;
+    if (c->needed && c->from.count > 1)
+        return command_fail(name, "the height that is needed to be seen is that of one observer, not of %zu",
+                            c->from.count),
+               true;
+    if (c->max_distance < 0) return command_fail(name, "--max-distance takes metres, not %g", c->max_distance), true;
+    if (c->curvature < 0) return command_fail(name, "--curvature takes a number from 0 on, not %g", c->curvature), true;
+    return false;
+}
+
+static int run(int argc, char **argv) {
+    static viewshed_command c; /* large */
+    c.curvature = NAN;
+    enum { OWN = 7, ALL = OWN + GROUND_OPTION_COUNT };
+    option_spec options[ALL] = {
+        {.name = "from",
+         .value = "X,Y[,H]",
+         .help = "the observer's place on the map, with the eye H metres\nabove ground (default: 2); may be given "
+                 "several times",
+         .kind = OPTION_AGAIN,
+         .to = &c.from},
+        {.name = "absolute",
+         .help = "H is the eye's height itself; the place may then be\noutside the terrain",
+         .to = &c.absolute},
+        {.name = "target-height",
+         .value = "T",
+         .help = "something that stands T metres above ground is looked\nfor (default: 0, the ground)",
+         .kind = OPTION_NUMBER,
+         .to = &c.target},
+        {.name = "max-distance",
+         .value = "D",
+         .help = "nothing is seen that is farther away, in metres",
+         .kind = OPTION_NUMBER,
+         .to = &c.max_distance},
+        {.name = "curvature",
+         .value = "K",
+         .help = "how much of the earth's curvature counts: 0 flat, 1\nwithout air, 0.857 = 6/7 with usual refraction\n"
+                 "(default: 6/7, or 0 if the file has no map)",
+         .kind = OPTION_NUMBER,
+         .to = &c.curvature},
+        {.name = "needed",
+         .help =
+             "the height above ground that is needed to be seen, 0\nwhere the ground is (float32; NaN: no data, too "
+             "far)",
+         .to = &c.needed},
+        {.name = "needed-absolute", .help = "the same as an absolute height", .to = &c.needed_absolute},
+    };
+    ground_rows(&c.ground, name, options + OWN);
+    static const char *const operands[] = {"DEM"};
+    const options_usage usage = {
+        .name = name,
+        .synopsis = "DEM --from X,Y[,H] -o FILE [OPTIONS]",
+        .what = "What is seen from a place: 1 where the straight line from the eye to the sample,\n"
+                "or to a target on it, passes above the surface, 0 where it does not (uint8;\n"
+                "255: no data). With several observers, how many of them see it (uint16 with\n"
+                "65535 for no data, from 255 of them on).\n"
+                "\n"
+                "The surface is two triangles between each four samples, lowered by the earth's\n"
+                "curvature; every sample's line is decided exactly.\n",
+        .examples = "  cellwalk viewshed dem.tif --from 600250,5199800 -o seen.tif\n"
+                    "  cellwalk viewshed dem.tif --from 600250,5199800,30 --target-height 1.5 \\\n"
+                    "      --max-distance 20000 -o seen.tif\n"
+                    "  cellwalk viewshed dem.tif --from 600250,5199800 --needed -o needed.tif\n",
+        .options = options,
+        .option_count = ALL,
+        .operands = operands,
+        .operand_least = 1,
+        .operand_most = 1,
+    };
+    const char *path;
+    const int status = options_parse(&usage, argc, argv, &path);
+    if (status != OPTIONS_GO) return status;
+    if (wrong(&c)) return EXIT_USAGE;
+    return ground_run(&c.ground, path, 1, false, make, &c);
+}
+
+const command command_viewshed = {"viewshed", "what is seen of a terrain from one place or several", run};

@@ -1,0 +1,289 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Headings: the steepest rise from every sample, held against all edges of the field one by one in double; the same bits for
+ * every instruction set, number of threads and rectangle; whether a ray hits, and how steep the rise is, said alike. */
+
+#include "check.h"
+#include "fields.h"
+#include "workload/random.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* What a sample sees of one edge, from a to b, in a direction: nothing, if the ray passes it by. The answer's error bound,
+ * 2^-21 of the steeper of the rises to the two samples, grows allowed. */
+static void see_edge(const double start[3], const double dir[2], const double a[3], const double b[3], double *steepest,
+                     double *allowed) {
+    const double ax = a[0] - start[0], ay = a[1] - start[1], bx = b[0] - start[0], by = b[1] - start[1];
+    const double side_a = dir[0] * ay - dir[1] * ax, side_b = dir[0] * by - dir[1] * bx;
+    if (isnan(a[2] + b[2]) || side_a * side_b > 0 || (side_a == 0 && side_b == 0))
+        return; /* along it: its ends count */
+    const double f = side_a / (side_a - side_b), length2 = dir[0] * dir[0] + dir[1] * dir[1];
+    const double t = ((ax + f * (bx - ax)) * dir[0] + (ay + f * (by - ay)) * dir[1]) / length2;
+    if (!(t > 1e-9)) return;
+    const double rise_a = a[2] - start[2], rise_b = b[2] - start[2], rise = rise_a + f * (rise_b - rise_a);
+    if (rise / t > *steepest) *steepest = rise / t;
+    const double error = 0x1p-21 * fmax(fabs(rise_a), fabs(rise_b)) / t;
+    if (error > *allowed) *allowed = error;
+}
+
+static void see_sample(const double start[3], const double dir[2], const double a[3], double *steepest,
+                       double *allowed) {
+    const double x = a[0] - start[0], y = a[1] - start[1],
+                 t = (x * dir[0] + y * dir[1]) / (dir[0] * dir[0] + dir[1] * dir[1]);
+    if (!(t > 1e-9) || dir[0] * y != dir[1] * x || isnan(a[2])) return;
+    const double rise = (a[2] - start[2]) / t, error = 0x1p-21 * fabs(rise);
+    if (rise > *steepest) *steepest = rise;
+    if (error > *allowed) *allowed = error;
+}
+
+static double brute(const test_field *f, size_t i, size_t j, const double dir[2], double *allowed) {
+    static const int steps[3][2] = {{1, 0}, {0, 1}, {1, 1}};
+    const double start[3] = {(double)i, (double)j, (double)f->z[j * f->nx + i]};
+    double steepest = -INFINITY;
+    *allowed = 0;
+    for (size_t y = 0; y < f->ny; y++)
+        for (size_t x = 0; x < f->nx; x++) {
+            const double a[3] = {(double)x, (double)y, (double)f->z[y * f->nx + x]};
+            see_sample(start, dir, a, &steepest, allowed);
+            for (int k = 0; k < 3; k++) {
+                const size_t u = x + (size_t)steps[k][0], v = y + (size_t)steps[k][1];
+                if (u >= f->nx || v >= f->ny) continue;
+                see_edge(start, dir, a, (double[3]){(double)u, (double)v, (double)f->z[v * f->nx + u]}, &steepest,
+                         allowed);
+            }
+        }
+    return steepest;
+}
+
+/* Directions of the compass, exactly and nearly, whole numbers of cells, and any. */
+static void direction(random_state *r, size_t number, double dir[2]) {
+    static const double exact[][2] = {{1, 0},  {0, 1}, {-1, 0}, {0, -1},      {1, 1},        {-1, -1},         {1, -1},
+                                      {-1, 1}, {2, 1}, {-1, 3}, {1, 0x1p-30}, {-0x1p-30, 1}, {1, 1 + 0x1p-30}, {3, -2}};
+    enum { EXACT = sizeof exact / sizeof exact[0] };
+    if (number < EXACT) {
+        memcpy(dir, exact[number], sizeof exact[0]);
+        return;
+    }
+    const double angle = random_between(r, 0, 6.283185307179586),
+                 length = number % 2 ? 1 : random_between(r, 0.01, 100);
+    dir[0] = length * cos(angle);
+    dir[1] = length * sin(angle);
+}
+
+static cw_heading *heading_open(const cw_field *field, const double dir[2]) {
+    cw_heading *h = NULL;
+    check_status(cw_heading_create(field, dir, &h), CW_OK);
+    return h;
+}
+
+static void check_against_brute(const test_field *f, uint64_t seed) {
+    random_state r = {seed};
+    static float slope[FIELD_SAMPLES_MAX];
+    cw_field *field = field_open(f);
+    for (size_t d = 0; d < 20; d++) {
+        double dir[2];
+        direction(&r, d, dir);
+        cw_heading *h = heading_open(field, dir);
+        check_status(cw_heading_steepest(h, NULL, -INFINITY, INFINITY, 0, 0, f->nx, f->ny, slope), CW_OK);
+        const size_t all = f->nx * f->ny, some = all > 200 ? 200 : all;
+        for (size_t k = 0; k < some; k++) {
+            const size_t at = some == all ? k : random_below(&r, all), i = at % f->nx, j = at / f->nx;
+            double allowed;
+            const double wanted = brute(f, i, j, dir, &allowed), got = (double)slope[at];
+            if (isnan(f->z[at])) {
+                check(isnan(got), "%s %zu x %zu: %g at the hole (%zu, %zu)", field_shape_name(f->shape), f->nx, f->ny,
+                      got, i, j);
+                continue;
+            }
+            check(got == wanted || fabs(got - wanted) <= allowed + 0x1p-140,
+                  "%s %zu x %zu, from (%zu, %zu) along (%a, %a): %.9g, not %.9g", field_shape_name(f->shape), f->nx,
+                  f->ny, i, j, dir[0], dir[1], got, wanted);
+        }
+        cw_heading_destroy(h);
+    }
+    cw_field_destroy(field);
+}
+
+static test_field field_a;
+
+static void every_edge_counts(void **state) {
+    (void)state;
+    for (field_shape shape = 0; shape < FIELD_SHAPES; shape++)
+        for (size_t s = 0; s < FIELD_SIZES; s++) {
+            if (shape == FIELD_HUGE || shape == FIELD_MIXED) continue; /* whose slopes are no floats */
+            field_make(&field_a, shape, field_sizes[s].nx, field_sizes[s].ny, 7 + s);
+            check_against_brute(&field_a, 11 * (uint64_t)shape + s);
+        }
+}
+
+/* Land with mountains far away, so that stretches are passed over. */
+static void land(test_field *f, size_t nx, size_t ny) {
+    field_make(f, FIELD_RANDOM, nx, ny, 3);
+    for (size_t j = 0; j < ny; j++)
+        for (size_t i = 0; i < nx; i++) {
+            const double x = (double)i, y = (double)j;
+            f->z[j * nx + i] =
+                (float)(1000 + 40 * sin(x / 37) * cos(y / 29) + 9 * sin((x + 2 * y) / 11) + (double)f->z[j * nx + i]);
+        }
+}
+
+static void stretches_are_passed_over_rightly(void **state) {
+    (void)state;
+    land(&field_a, 255, 256);
+    check_against_brute(&field_a, 5);
+    land(&field_a, 1000, 60);
+    check_against_brute(&field_a, 6);
+}
+
+/* All instruction sets, threads and ways to cut the field up give the same bits. */
+static void bits_are_the_same(void **state) {
+    (void)state;
+    enum { NX = 203, NY = 187 };
+    static float first[NX * NY], slope[NX * NY];
+    static uint8_t hit[NX * NY];
+    random_state r = {99};
+    land(&field_a, NX, NY);
+    for (size_t k = 0; k < 300; k++) field_a.z[random_below(&r, NX * NY)] = NAN;
+    cw_field *field = field_open(&field_a);
+    cw_pool *pool = NULL;
+    check_status(cw_pool_create(3, &pool), CW_OK);
+    for (size_t d = 0; d < 24; d++) {
+        double dir[2];
+        direction(&r, d, dir);
+        cw_heading *h = heading_open(field, dir);
+        for (int isa = CW_ISA_SCALAR; isa <= CW_ISA_AVX512; isa++) {
+            cw_isa_limit((cw_isa)isa);
+            if ((int)cw_isa_best() != isa) continue;
+            cw_query query = cw_query_default();
+            query.pool = isa % 2 ? pool : NULL;
+            check_status(cw_heading_steepest(h, &query, -INFINITY, INFINITY, 0, 0, NX, NY, isa == 0 ? first : slope),
+                         CW_OK);
+            if (isa > 0) assert_memory_equal(first, slope, sizeof slope);
+
+            const float threshold = first[random_below(&r, NX * NY)]; /* equal to one: a touch is a hit */
+            if (!isfinite(threshold)) continue;
+            check_status(cw_heading_any(h, &query, threshold, 0, 0, NX, NY, hit), CW_OK);
+            for (size_t k = 0; k < NX * NY; k++)
+                check(hit[k] == (first[k] >= threshold),
+                      "sample %zu: %d where the steepest is %a and the ray rises by %a", k, hit[k], (double)first[k],
+                      (double)threshold);
+
+            /* Told apart from low to high. */
+            const float low = -0.5f, high = threshold > low ? threshold : low;
+            check_status(cw_heading_steepest(h, &query, low, high, 0, 0, NX, NY, slope), CW_OK);
+            for (size_t k = 0; k < NX * NY; k++) {
+                const float wanted = first[k] < low ? low : first[k] > high ? high : first[k];
+                check(memcmp(&slope[k], &wanted, sizeof wanted) == 0, "sample %zu: %a, not %a", k, (double)slope[k],
+                      (double)wanted);
+            }
+
+            const size_t i = random_below(&r, NX), j = random_below(&r, NY), nx = 1 + random_below(&r, NX - i),
+                         ny = 1 + random_below(&r, NY - j);
+            check_status(cw_heading_steepest(h, &query, -INFINITY, INFINITY, i, j, nx, ny, slope), CW_OK);
+            for (size_t k = 0; k < nx * ny; k++)
+                check(memcmp(&slope[k], &first[(j + k / nx) * NX + i + k % nx], sizeof slope[k]) == 0,
+                      "rectangle %zu x %zu at (%zu, %zu) differs from the whole at number %zu", nx, ny, i, j, k);
+        }
+        cw_isa_limit(CW_ISA_AVX512);
+        cw_heading_destroy(h);
+    }
+    cw_pool_destroy(pool);
+    cw_field_destroy(field);
+}
+
+/* Without bounds nothing is passed over. Single high samples in flat land are what a bound must not miss. */
+static void bounds_change_nothing(void **state) {
+    (void)state;
+    enum { NX = 230, NY = 150 };
+    static float bounded[NX * NY], plain[NX * NY];
+    random_state r = {4};
+    for (size_t round = 0; round < 12; round++) {
+        field_make(&field_a, FIELD_FLAT, NX, NY, round);
+        for (size_t k = 0; k < 1 + round % 4; k++)
+            field_a.z[random_below(&r, NX * NY)] += (float)random_between(&r, 0, 9);
+        cw_field *with = field_open(&field_a), *without = NULL;
+        cw_field_desc desc = cw_field_desc_default();
+        desc.samples = field_a.z;
+        desc.nx = NX;
+        desc.ny = NY;
+        desc.bare = true;
+        check_status(cw_field_create(&desc, &without), CW_OK);
+        for (size_t d = 0; d < 24; d++) {
+            double dir[2];
+            direction(&r, d, dir);
+            cw_heading *a = heading_open(with, dir), *b = heading_open(without, dir);
+            check_status(cw_heading_steepest(a, NULL, -INFINITY, INFINITY, 0, 0, NX, NY, bounded), CW_OK);
+            check_status(cw_heading_steepest(b, NULL, -INFINITY, INFINITY, 0, 0, NX, NY, plain), CW_OK);
+            assert_memory_equal(bounded, plain, sizeof plain);
+            cw_heading_destroy(a);
+            cw_heading_destroy(b);
+        }
+        cw_field_destroy(with);
+        cw_field_destroy(without);
+    }
+}
+
+/* A plane rises by one number in a direction, from everywhere but where the ray leaves the field; a lake by 0, exactly. */
+static void planes_rise_evenly(void **state) {
+    (void)state;
+    enum { NX = 70, NY = 40 };
+    static float slope[NX * NY];
+    field_make(&field_a, FIELD_FLAT, NX, NY, 1);
+    for (int plane = 0; plane < 2; plane++) {
+        for (size_t k = 0; k < NX * NY; k++)
+            field_a.z[k] = plane ? (float)(3 * (int)(k % NX) - 2 * (int)(k / NX)) : 1234.567f;
+        cw_field *field = field_open(&field_a);
+        const double dir[2] = {0.5, 0.25};
+        cw_heading *h = heading_open(field, dir);
+        check_status(cw_heading_steepest(h, NULL, -INFINITY, INFINITY, 0, 0, NX, NY, slope), CW_OK);
+        for (size_t k = 0; k < NX * NY; k++) {
+            const bool leaves = k % NX == NX - 1 || k / NX == NY - 1;
+            assert_true(slope[k] == (leaves ? -INFINITY : plane ? 1.0f : 0.0f));
+        }
+        cw_heading_destroy(h);
+        cw_field_destroy(field);
+    }
+}
+
+static void misuse_is_refused(void **state) {
+    (void)state;
+    field_make(&field_a, FIELD_RANDOM, 5, 4, 1);
+    cw_field *field = field_open(&field_a);
+    static const double good[2] = {1, 0}, bad[][2] = {{0, 0}, {NAN, 1}, {1, INFINITY}, {0x1p41, 0}, {0x1p-41, 0x1p-42}};
+    cw_heading *h;
+    for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) {
+        h = (cw_heading *)&field_a;
+        check_status(cw_heading_create(field, bad[k], &h), CW_ERROR_ARGUMENT);
+        assert_null(h);
+    }
+    check_status(cw_heading_create(NULL, good, &h), CW_ERROR_ARGUMENT);
+    check_status(cw_heading_create(field, NULL, &h), CW_ERROR_ARGUMENT);
+    check_status(cw_heading_create(field, good, NULL), CW_ERROR_ARGUMENT);
+    h = heading_open(field, good);
+    float slope[20];
+    uint8_t hit[20];
+    check_status(cw_heading_steepest(NULL, NULL, -INFINITY, INFINITY, 0, 0, 5, 4, slope), CW_ERROR_ARGUMENT);
+    check_status(cw_heading_steepest(h, NULL, -INFINITY, INFINITY, 0, 0, 5, 4, NULL), CW_ERROR_ARGUMENT);
+    check_status(cw_heading_steepest(h, NULL, 1, 0, 0, 0, 5, 4, slope), CW_ERROR_ARGUMENT);
+    check_status(cw_heading_any(h, NULL, NAN, 0, 0, 5, 4, hit), CW_ERROR_ARGUMENT);
+    check_status(cw_heading_steepest(h, NULL, -INFINITY, INFINITY, 1, 0, 5, 4, slope), CW_ERROR_SIZE);
+    check_status(cw_heading_steepest(h, NULL, -INFINITY, INFINITY, 0, SIZE_MAX, 5, 4, slope), CW_ERROR_SIZE);
+    check_status(cw_heading_steepest(h, NULL, -INFINITY, INFINITY, 5, 4, 0, 0, slope), CW_OK);
+    check_status(cw_heading_any(h, NULL, -INFINITY, 0, 0, 5, 4, hit), CW_OK);
+    for (size_t k = 0; k < 20; k++) assert_int_equal(hit[k], k % 5 < 4); /* the last column sees nothing */
+    check_status(cw_heading_any(h, NULL, INFINITY, 0, 0, 5, 4, hit), CW_OK);
+    for (size_t k = 0; k < 20; k++) assert_int_equal(hit[k], 0);
+    cw_heading_destroy(h);
+    cw_heading_destroy(NULL);
+    cw_field_destroy(field);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_edge_counts),  cmocka_unit_test(stretches_are_passed_over_rightly),
+        cmocka_unit_test(bits_are_the_same),  cmocka_unit_test(bounds_change_nothing),
+        cmocka_unit_test(planes_rise_evenly), cmocka_unit_test(misuse_is_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,351 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Shadow, horizon and sky view against shapes whose answers are known in closed form, and against rays that the library's
+ * queries trace one by one; the same bits for every instruction set and number of threads. */
+
+#include "ground.h"
+#include "horizon.h"
+#include "shadow.h"
+#include "workload/random.h"
+
+#include <string.h>
+
+static const double degree = 0.017453292519943295;
+
+/* shape: rise eastward and northward. */
+static double plane(const double *shape, double x, double y) { return shape[0] * x + shape[1] * y; }
+
+/* shape: x, y, height, slope; level ground of height 0 around it. */
+static double cone(const double *shape, double x, double y) {
+    return fmax(0, shape[2] - shape[3] * hypot(x - shape[0], y - shape[1]));
+}
+
+/* shape: x, y, radius, height: a round pit with a level floor of height 0. */
+static double pit(const double *shape, double x, double y) {
+    return hypot(x - shape[0], y - shape[1]) < shape[2] ? 0 : shape[3];
+}
+
+/* shape: y, height: a wall from west to east on level ground. */
+static double wall(const double *shape, double x, double y) {
+    (void)x;
+    return y == shape[0] ? shape[1] : 0;
+}
+
+static double land(const double *shape, double x, double y) {
+    const double s = shape[0];
+    return 200 * sin(x / 310 + s) * cos(y / 270) + 60 * sin(x / 57 + 2 * s) * sin(y / 71 + s) +
+           9 * sin(x / 13 + y / 17);
+}
+
+enum { SIDE = 97, MIDDLE = SIDE / 2, SAMPLES = SIDE * SIDE };
+
+static void lit_of(ground *g, double azimuth, double altitude, uint8_t *lit) {
+    sunlight *s = NULL;
+    check_status(sunlight_create(&g->terrain, &(sunlight_desc){.azimuth = azimuth, .altitude = altitude}, &s), CW_OK);
+    check_status(sunlight_lit(s, NULL, 0, g->terrain.ny, lit), CW_OK);
+    sunlight_destroy(s);
+}
+
+static void share_of(ground *g, const sunlight_desc *desc, const cw_query *query, float *share) {
+    sunlight *s = NULL;
+    check_status(sunlight_create(&g->terrain, desc, &s), CW_OK);
+    check_status(sunlight_share(s, query, 0, g->terrain.ny, share), CW_OK);
+    sunlight_destroy(s);
+}
+
+/* A plane shades itself where the sun stands lower than it rises, and nowhere else. */
+static void plane_shades_itself(void **state) {
+    (void)state;
+    const double shape[2] = {0.25, -0.5};
+    static uint8_t lit[SAMPLES];
+    ground g;
+    ground_make(&g, SIDE, SIDE, plane, shape);
+    for (double azimuth = 5; azimuth < 360; azimuth += 15) {
+        const double rise = shape[0] * sin(azimuth * degree) + shape[1] * cos(azimuth * degree);
+        const double slope = atan(rise) / degree;
+        lit_of(&g, azimuth, slope + 0.01, lit);
+        for (size_t k = 0; k < SAMPLES; k++) check(lit[k] == 1, "%zu in the shadow of the plane from %g", k, azimuth);
+        lit_of(&g, azimuth, slope - 0.01, lit);
+        /* All but those from which the ray leaves the field at once. */
+        for (size_t j = 1; j + 1 < SIDE; j++)
+            for (size_t i = 1; i + 1 < SIDE; i++)
+                check(lit[j * SIDE + i] == 0, "(%zu, %zu) lit through the plane from %g", i, j, azimuth);
+    }
+    ground_free(&g);
+}
+
+/* On level ground the shadow of a cone that is steeper than the sun is high ends in two straight lines from the shadow of
+ * its tip. Between samples the surface lies below the cone by no more than the slope times half of a cell's diagonal, and
+ * above it, at its foot, by no more than the slope times the diagonal. */
+static void cone_shadow(void **state) {
+    (void)state;
+    const double shape[4] = {10 * MIDDLE, -10 * MIDDLE, 120, 1.2}, diagonal = shape[3] * GROUND_CELL * sqrt(2);
+    static uint8_t lit[SAMPLES];
+    ground g;
+    ground_make(&g, SIDE, SIDE, cone, shape);
+    for (double azimuth = 0; azimuth < 360; azimuth += 22.5)
+        for (double altitude = 15; altitude < 30; altitude += 10) {
+            size_t counts[2] = {0, 0};
+            const double rise = tan(altitude * degree), q = rise / shape[3];
+            lit_of(&g, azimuth, altitude, lit);
+            for (size_t j = 0; j < SIDE; j++)
+                for (size_t i = 0; i < SIDE; i++) {
+                    const double x = 10.0 * (double)i - shape[0], y = -10.0 * (double)j - shape[1];
+                    if (hypot(x, y) <= (shape[2] + diagonal) / shape[3]) continue;
+                    const double sx = sin(azimuth * degree), sy = cos(azimuth * degree);
+                    const double along = x * sx + y * sy, aside = fabs(x * sy - y * sx);
+                    /* How far the cone rises above the ray, at most. Behind the cone is where along is less than 0. */
+                    const double over = shape[2] + along * rise - shape[3] * aside * sqrt(1 - q * q);
+                    const bool behind = along < -aside * q / sqrt(1 - q * q);
+                    const bool got = lit[j * SIDE + i] == 1;
+                    if (!behind || over < -diagonal) {
+                        check(got, "(%zu, %zu) in the shadow of a cone from %g, %g", i, j, azimuth, altitude);
+                        counts[1]++;
+                    } else if (over > diagonal / 2) {
+                        check(!got, "(%zu, %zu) lit through a cone from %g, %g", i, j, azimuth, altitude);
+                        counts[0]++;
+                    }
+                }
+            check(counts[0] > 10 && counts[1] > 1000, "the cone casts no shadow from %g, %g", azimuth, altitude);
+        }
+    ground_free(&g);
+}
+
+/* A long wall as high as the middle of the sun hides half of it, and more or less by a segment of the disc. The sum over
+ * strips of the disc, in which the part that is seen falls from the middle strip outward, is off by no more than half of the
+ * largest strip's share on each side. */
+static void wall_before_the_disc(void **state) {
+    (void)state;
+    const double shape[2] = {-10 * MIDDLE, 50}, radius = 2;
+    static float share[SAMPLES];
+    ground g;
+    ground_make(&g, SIDE, SIDE, wall, shape);
+    for (unsigned strips = 4; strips <= 64; strips *= 4) {
+        const double largest = 4 / (3.141592653589793 * strips);
+        for (size_t south = 4; south < 40; south += 7) {
+            const size_t at = (MIDDLE + south) * SIDE + MIDDLE;
+            const double top = atan(shape[1] / (10 * (double)south)) / degree;
+            for (double u = -1.25; u <= 1.25; u += 0.25) { /* the wall's top over the sun's middle, in radii */
+                share_of(&g, &(sunlight_desc){.altitude = top - u * radius, .radius = radius, .strips = strips}, NULL,
+                         share);
+                const double v = fmin(fmax(u, -1), 1), seen = (acos(v) - v * sqrt(1 - v * v)) / 3.141592653589793;
+                /* Away from the middle the wall is farther off: by 1 / cos of 2 degrees over cos of the altitude. */
+                check(fabs((double)share[at] - seen) <= largest + 0.04,
+                      "%u strips, %zu cells south of the wall, %g radii: %g, not %g", strips, south, u,
+                      (double)share[at], seen);
+            }
+        }
+    }
+    ground_free(&g);
+}
+
+static void hillshade_of_a_plane(void **state) {
+    (void)state;
+    const double shape[2] = {0.3, 0.4};
+    static float share[SAMPLES];
+    ground g;
+    ground_make(&g, SIDE, SIDE, plane, shape);
+    for (double azimuth = 0; azimuth < 360; azimuth += 30) {
+        const double altitude = 50, level = cos(altitude * degree);
+        share_of(&g, &(sunlight_desc){.azimuth = azimuth, .altitude = altitude, .hillshade = true}, NULL, share);
+        const double cosine = (sin(altitude * degree) - shape[0] * sin(azimuth * degree) * level -
+                               shape[1] * cos(azimuth * degree) * level) /
+                              sqrt(1 + shape[0] * shape[0] + shape[1] * shape[1]);
+        /* Heights of up to 700 m are rounded by 3 10^-5, differences over 10 m so by 6 10^-6 of a slope. */
+        for (size_t k = 0; k < SAMPLES; k++)
+            check(fabs((double)share[k] - cosine) < 1e-5, "%zu from %g: %.9g, not %.9g", k, azimuth, (double)share[k],
+                  cosine);
+    }
+    ground_free(&g);
+}
+
+/* Against the horizon, and against what the library's queries say of rays. */
+static void shadow_agrees_with_rays(void **state) {
+    (void)state;
+    const double shape[1] = {0.7};
+    static uint8_t lit[SAMPLES];
+    static float angles[SAMPLES];
+    ground g;
+    ground_make(&g, SIDE, SIDE, land, shape);
+    size_t shadows = 0;
+    random_state r = {11};
+    for (int n = 0; n < 12; n++) {
+        const double azimuth = random_between(&r, 0, 360), altitude = random_between(&r, 3, 40);
+        horizon *h = NULL;
+        lit_of(&g, azimuth, altitude, lit);
+        check_status(horizon_create(&g.terrain, azimuth, 1, &h), CW_OK);
+        check_status(horizon_angles(h, NULL, 0, 0, SIDE, angles), CW_OK);
+        horizon_destroy(h);
+        for (size_t j = 0; j < SIDE; j++)
+            for (size_t i = 0; i < SIDE; i++) {
+                const size_t k = j * SIDE + i;
+                const double apart = (double)angles[k] - altitude;
+                if (fabs(apart) > 1e-3)
+                    check((lit[k] == 0) == (apart > 0), "(%zu, %zu): horizon at %g, sun at %g, %s", i, j,
+                          (double)angles[k], altitude, lit[k] ? "lit" : "in the shadow");
+                /* Lifted by 2 mm, which is far above what rounding does to heights of 300 m. An edge is at least 7 m away,
+                 * where 0.1 degrees are 12 mm. */
+                if (fabs(apart) < 0.1) continue;
+                const double up = tan(altitude * degree) * GROUND_CELL;
+                const cw_ray ray = {
+                    .org = {(float)i, (float)j, g.z[k] + 2e-3f},
+                    .dir = {(float)sin(azimuth * degree), (float)-cos(azimuth * degree), (float)up},
+                    .tmax = INFINITY,
+                };
+                uint8_t hit;
+                check_status(cw_any(g.field, NULL, &ray, 1, &hit), CW_OK);
+                check(hit == 1 - lit[k], "(%zu, %zu): a ray says %d, lit is %d; %g off", i, j, hit, lit[k], apart);
+                shadows += lit[k] == 0;
+            }
+    }
+    check(shadows > 1000, "%zu shadows", shadows);
+    ground_free(&g);
+}
+
+static void horizon_of_a_plane(void **state) {
+    (void)state;
+    const double shape[2] = {-0.75, 0.125};
+    static float angles[SAMPLES];
+    ground g;
+    ground_make(&g, SIDE, SIDE, plane, shape);
+    horizon *h = NULL;
+    check_status(horizon_create(&g.terrain, 0, 32, &h), CW_OK);
+    for (size_t d = 0; d < 32; d++) {
+        const double a = horizon_azimuth(h, d) * degree;
+        const double wanted = atan(shape[0] * sin(a) + shape[1] * cos(a)) / degree;
+        check_status(horizon_angles(h, NULL, d, 0, SIDE, angles), CW_OK);
+        for (size_t j = 1; j + 1 < SIDE; j++)
+            for (size_t i = 1; i + 1 < SIDE; i++)
+                check(fabs((double)angles[j * SIDE + i] - wanted) < 1e-3, "(%zu, %zu), %g degrees: %g, not %g", i, j,
+                      horizon_azimuth(h, d), (double)angles[j * SIDE + i], wanted);
+        /* North of the first row there is nothing, nor from the corner. */
+        if (horizon_azimuth(h, d) == 0) assert_true(angles[5] == -90);
+        if (horizon_azimuth(h, d) == 315) assert_true(angles[0] == -90);
+    }
+    horizon_destroy(h);
+    ground_free(&g);
+}
+
+/* From the middle of a round pit the wall's top is between the last cells of the floor and the first ones of the rim. */
+static void horizon_in_a_pit(void **state) {
+    (void)state;
+    const double shape[4] = {10 * MIDDLE, -10 * MIDDLE, 300, 170};
+    static float angles[SAMPLES], share[SAMPLES];
+    const size_t middle = MIDDLE * SIDE + MIDDLE;
+    ground g;
+    ground_make(&g, SIDE, SIDE, pit, shape);
+    const double low = atan(shape[3] / (shape[2] + 10 * sqrt(2))) / degree, high = atan(shape[3] / shape[2]) / degree;
+    horizon *h = NULL;
+    check_status(horizon_create(&g.terrain, 3, 90, &h), CW_OK);
+    for (size_t d = 0; d < 90; d++) {
+        check_status(horizon_angles(h, NULL, d, 0, SIDE, angles), CW_OK);
+        const double got = (double)angles[middle];
+        check(got >= low && got <= high + 1e-4, "%g degrees: %g, not %g to %g", horizon_azimuth(h, d), got, low, high);
+    }
+    bool done;
+    check_status(horizon_sky_view(h, NULL, 0, SIDE, share, NULL, NULL, &done), CW_OK);
+    assert_true(done);
+    const double most = pow(cos(low * degree), 2), least = pow(cos(high * degree), 2);
+    check((double)share[middle] >= least - 1e-5 && (double)share[middle] <= most + 1e-5, "sky view %g, not %g to %g",
+          (double)share[middle], least, most);
+    assert_true(fabsf(share[0] - 1) < 1e-5f); /* on the rim */
+    horizon_destroy(h);
+    ground_free(&g);
+}
+
+static void degrees_of_tangents(void **state) {
+    (void)state;
+    random_state r = {5};
+    for (int n = 0; n < 1000000; n++) {
+        const float x = (float)(random_between(&r, -1, 1) * pow(2, random_between(&r, -30, 30)));
+        check(fabs((double)horizon_degrees(x) - atan((double)x) / degree) < 1e-5, "%a: %g", (double)x,
+              (double)horizon_degrees(x));
+    }
+    assert_true(horizon_degrees(INFINITY) == 90 && horizon_degrees(-INFINITY) == -90 && horizon_degrees(0) == 0);
+    assert_true(isnan(horizon_degrees(NAN)));
+}
+
+static void holes_are_no_ground(void **state) {
+    (void)state;
+    const double shape[2] = {-10 * MIDDLE, 1000};
+    static uint8_t lit[SAMPLES];
+    static float share[SAMPLES], angles[SAMPLES];
+    ground g;
+    ground_make(&g, SIDE, SIDE, wall, shape);
+    ground_free(&g);
+    ground_make(&g, SIDE, SIDE, wall, shape);
+    float *z = g.z;
+    cw_field_destroy(g.field);
+    for (size_t i = 0; i < SIDE; i++) z[MIDDLE * SIDE + i] = NAN; /* the wall is not there */
+    ground_take(&g, SIDE, SIDE, z, ground_map);
+    lit_of(&g, 0, 20, lit);
+    share_of(&g, &(sunlight_desc){.altitude = 20, .radius = 0.3, .hillshade = true}, NULL, share);
+    horizon *h = NULL;
+    check_status(horizon_create(&g.terrain, 0, 4, &h), CW_OK);
+    check_status(horizon_angles(h, NULL, 0, 0, SIDE, angles), CW_OK);
+    for (size_t k = 0; k < SAMPLES; k++) {
+        const bool hole = k / SIDE == MIDDLE;
+        assert_int_equal(lit[k], hole ? 255 : 1);
+        assert_true(hole ? isnan(share[k]) && isnan(angles[k]) : share[k] > 0.3f && angles[k] <= 0);
+    }
+    horizon_destroy(h);
+    ground_free(&g);
+}
+
+/* Every instruction set, one thread and three: the same bits, also in blocks of odd numbers of rows. */
+static void same_bits(void **state) {
+    (void)state;
+    const double shape[1] = {0.3};
+    static float want[3][SAMPLES], got[SAMPLES];
+    static uint8_t lit_want[SAMPLES], lit[SAMPLES];
+    ground g;
+    ground_make(&g, SIDE, SIDE, land, shape);
+    cw_pool *pool = NULL;
+    check_status(cw_pool_create(3, &pool), CW_OK);
+    const sunlight_desc disc = {.azimuth = 77, .altitude = 12, .radius = 0.27, .hillshade = true};
+    const sunlight_desc point = {.azimuth = 77, .altitude = 12};
+    const char *const names[] = {"pyramid1", "pyramid4", "pyramid8", "pyramid16"};
+    for (size_t k = 0; k < 8; k++) {
+        cw_query query = cw_query_default();
+        query.kernel = cw_kernel_find(names[k / 2]);
+        query.pool = k % 2 ? pool : NULL;
+        check(query.kernel != NULL || k > 1, "there is no kernel %s", names[k / 2]);
+        if (query.kernel == NULL || !cw_kernel_describe(query.kernel).available) continue;
+        sunlight *s = NULL, *p = NULL;
+        horizon *h = NULL;
+        check_status(sunlight_create(&g.terrain, &disc, &s), CW_OK);
+        check_status(sunlight_create(&g.terrain, &point, &p), CW_OK);
+        check_status(horizon_create(&g.terrain, 1, 7, &h), CW_OK);
+        bool done;
+        const size_t rows = k ? 13 : SIDE;
+        for (int product = 0; product < 3; product++) {
+            float *to = k ? got : want[product];
+            for (size_t j = 0; j < SIDE; j += rows) {
+                const size_t n = SIDE - j < rows ? SIDE - j : rows;
+                check_status(product == 0   ? sunlight_share(s, &query, j, n, to + j * SIDE)
+                             : product == 1 ? horizon_angles(h, &query, 3, j, n, to + j * SIDE)
+                                            : horizon_sky_view(h, &query, j, n, to + j * SIDE, NULL, NULL, &done),
+                             CW_OK);
+                check_status(sunlight_lit(p, &query, j, n, (k ? lit : lit_want) + j * SIDE), CW_OK);
+            }
+            if (k)
+                check(memcmp(got, want[product], sizeof got) == 0, "product %d differs by %s", product, names[k / 2]);
+        }
+        if (k) check(memcmp(lit, lit_want, sizeof lit) == 0, "shadows differ by %s", names[k / 2]);
+        sunlight_destroy(s);
+        sunlight_destroy(p);
+        horizon_destroy(h);
+    }
+    cw_pool_destroy(pool);
+    ground_free(&g);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(plane_shades_itself),     cmocka_unit_test(cone_shadow),
+        cmocka_unit_test(wall_before_the_disc),    cmocka_unit_test(hillshade_of_a_plane),
+        cmocka_unit_test(shadow_agrees_with_rays), cmocka_unit_test(horizon_of_a_plane),
+        cmocka_unit_test(horizon_in_a_pit),        cmocka_unit_test(degrees_of_tangents),
+        cmocka_unit_test(holes_are_no_ground),     cmocka_unit_test(same_bits),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,316 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Viewsheds and lines of sight against all edges of the field one by one, against shapes whose answers are known, and with
+ * any number of threads. */
+
+#include "brute_sight.h"
+#include "ground.h"
+#include "viewshed.h"
+#include "workload/random.h"
+
+#include <string.h>
+
+enum { SAMPLES_MOST = 200 * 200 };
+static uint16_t seen[SAMPLES_MOST];
+static float heights[SAMPLES_MOST];
+
+static viewshed *view(const ground *g, const sight_bounds *bounds, const viewshed_desc *d) {
+    viewshed *v = NULL;
+    check_status(viewshed_create(&g->terrain, bounds, d, &v), CW_OK);
+    return v;
+}
+
+static void count(viewshed *v, const cw_query *query) {
+    bool done = false;
+    memset(seen, 0, sizeof seen);
+    check_status(viewshed_count(v, query, seen, NULL, NULL, &done), CW_OK);
+    assert_true(done);
+    check_status(viewshed_heights(v, query, heights, NULL, NULL, &done), CW_OK);
+    assert_true(done);
+}
+
+typedef struct tally {
+    size_t seen, hidden;
+} tally;
+
+static void check_sample(const ground *g, const viewshed_desc *d, const viewshed *v, size_t i, size_t j, tally *sum) {
+    const terrain *t = &g->terrain;
+    const size_t k = j * t->nx + i;
+    const sight *s = viewshed_sight(v);
+    if (isnan(t->z[k])) {
+        check(seen[k] == 0 && isnan(heights[k]), "a hole is seen");
+        return;
+    }
+    double east = 0, north = 0;
+    for (int c = 0; c < 2; c++) {
+        east += t->map[0][c] * ((c ? (double)j : (double)i) - s->eye[c]);
+        north += t->map[1][c] * ((c ? (double)j : (double)i) - s->eye[c]);
+    }
+    if (d->max_distance > 0 && fabs(hypot(east, north) - d->max_distance) < 1e-6) return;
+    if (d->max_distance > 0 && hypot(east, north) > d->max_distance) {
+        check(seen[k] == 0 && isnan(heights[k]), "(%zu, %zu) is seen beyond the greatest distance", i, j);
+        return;
+    }
+    const double base = sight_sample(s, i, j), metres = terrain_metres_of_height(t);
+    const double top = base + d->target_height / metres;
+    const double steepest = brute_steepest(s, (double)i, (double)j), room = 1e-9 * (1 + fabs(steepest));
+    const bool own = (double)i == s->eye[0] && (double)j == s->eye[1];
+    if (own || fabs(steepest - top) > room) {
+        const bool wanted = own || steepest < top;
+        check(seen[k] == wanted, "(%zu, %zu) from (%.17g, %.17g, %.17g) is %s: something on the way rises %.9g over it",
+              i, j, s->eye[0], s->eye[1], s->eye[2], seen[k] ? "seen" : "not seen", steepest - top);
+        sum->seen += wanted;
+        sum->hidden += !wanted;
+    }
+    const double needed = own ? 0 : metres * fmax(0, steepest - base);
+    check(fabs((double)heights[k] - needed) <= 1e-6 * (1 + needed), "(%zu, %zu): %.9g m are needed, not %.9g", i, j,
+          needed, (double)heights[k]);
+}
+
+/* All samples of a small field, some of a larger one. */
+static void check_view(const ground *g, const sight_bounds *bounds, const viewshed_desc *d, random_state *r,
+                       tally *sum) {
+    const size_t nx = g->terrain.nx, all = nx * g->terrain.ny, some = all > 80 ? 80 : all;
+    const cw_query query = cw_query_default();
+    viewshed *v = view(g, bounds, d);
+    count(v, &query);
+    for (size_t n = 0; n < some; n++) {
+        const size_t k = some == all ? n : random_below(r, all);
+        check_sample(g, d, v, k % nx, k / nx, sum);
+    }
+    viewshed_destroy(v);
+}
+
+typedef enum roughness { SMOOTH, ROUGH, HOLES, SPIKES, ROUGHNESSES } roughness;
+
+static void make_land(ground *g, size_t nx, size_t ny, roughness rough, random_state *r, const double map[3][4]) {
+    float *z = malloc(nx * ny * sizeof *z);
+    assert_non_null(z);
+    const double a = random_between(r, 3, 9), b = random_between(r, 3, 9);
+    for (size_t k = 0; k < nx * ny; k++) {
+        const double x = (double)(k % nx), y = (double)(k / nx), wave = 20 * sin(x / a) * cos(y / b);
+        z[k] = (float)(rough == SPIKES ? (random_below(r, 40) == 0 ? random_between(r, 0, 90) : 0)
+                                       : wave + random_between(r, 0, rough == SMOOTH ? 1 : 15));
+        if (rough == HOLES && random_below(r, 12) == 0) z[k] = NAN;
+    }
+    ground_take(g, nx, ny, z, map);
+}
+
+/* Maps that are as usual, not square, turned, and mirrored. */
+static const double maps[4][3][4] = {
+    {{10, 0, 0, 500}, {0, -10, 0, 900}, {0, 0, 1, 0}},
+    {{10, 0, 0, 0}, {0, -25, 0, 0}, {0, 0, 0.3048, 0}},
+    {{8, 6, 0, 100}, {6, -8, 0, 100}, {0, 0, 1, 0}},
+    {{-5, 0, 0, 0}, {1, 5, 0, 0}, {0, 0, 1, 0}},
+};
+
+static void every_edge_counts(void **state) {
+    (void)state;
+    static const size_t sizes[][2] = {{2, 2}, {3, 17}, {23, 9}, {41, 38}};
+    random_state r = {2024};
+    tally sum = {0, 0};
+    for (size_t round = 0; round < test_rounds(); round++)
+        for (roughness rough = 0; rough < ROUGHNESSES; rough++)
+            for (size_t n = 0; n < 16; n++) {
+                const size_t nx = sizes[n % 4][0], ny = sizes[n % 4][1];
+                ground g;
+                sight_bounds *bounds = NULL;
+                make_land(&g, nx, ny, rough, &r, maps[n / 4]);
+                check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
+                for (int place = 0; place < 6; place++) {
+                    viewshed_desc d = {.height = random_between(&r, 0.5, 30),
+                                       .target_height = place % 2 ? random_between(&r, 0, 10) : 0,
+                                       .max_distance = place == 4 ? random_between(&r, 20, 200) : 0,
+                                       .curvature = place == 5   ? 3000
+                                                    : place == 3 ? 6.0 / 7
+                                                                 : 0};
+                    /* On a sample, on a border, anywhere, outside. */
+                    d.place[0] = random_between(&r, 0, (double)(nx - 1));
+                    d.place[1] = random_between(&r, 0, (double)(ny - 1));
+                    if (place < 2) d.place[0] = floor(d.place[0]);
+                    if (place == 0 || place == 5) d.place[1] = floor(d.place[1]);
+                    if (place == 3) {
+                        d.place[0] = random_between(&r, -30, 60);
+                        d.place[1] = random_between(&r, -30, 60);
+                    }
+                    d.absolute = place == 3 || isnan(terrain_height(&g.terrain, d.place[0], d.place[1]));
+                    if (d.absolute) d.height += 20;
+                    /* Curvature of 3000 earths, that it be seen on a few hundred metres. */
+                    check_view(&g, bounds, &d, &r, &sum);
+                }
+                sight_bounds_destroy(bounds);
+                ground_free(&g);
+            }
+    check(sum.seen > 3000 && sum.hidden > 3000, "%zu seen, %zu hidden", sum.seen, sum.hidden);
+}
+
+/* shape: sample (i, j) stands out by 1000 m. */
+static double spike(const double *shape, double x, double y) {
+    return x == 10 * shape[0] && y == -10 * shape[1] ? 1000 : 0;
+}
+
+/* A spike next to the eye hides what its edges cross, though they end at the eye's own row or column or behind it. */
+static void next_to_the_eye(void **state) {
+    (void)state;
+    static const double eyes[][2] = {{20.2, 20}, {20, 20.2}, {19.8, 20}, {20, 19.8}, {20.3, 20.6}};
+    tally sum = {0, 0};
+    for (int n = 0; n < 9 * 5; n++) {
+        const double shape[2] = {19 + n % 3, 19 + n / 3 % 3};
+        ground g;
+        sight_bounds *bounds = NULL;
+        ground_make(&g, 41, 41, spike, shape);
+        check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
+        const viewshed_desc d = {.place = {eyes[n / 9][0], eyes[n / 9][1]}, .height = 5, .absolute = true};
+        viewshed *v = view(&g, bounds, &d);
+        count(v, NULL);
+        for (size_t j = 0; j < 41; j += 2)
+            for (size_t i = 0; i < 41; i += 3) check_sample(&g, &d, v, i, j, &sum);
+        viewshed_destroy(v);
+        sight_bounds_destroy(bounds);
+        ground_free(&g);
+    }
+    check(sum.seen > 1000 && sum.hidden > 1000, "%zu seen, %zu hidden", sum.seen, sum.hidden);
+}
+
+/* Larger, with everything that bounds pass over; a part of the samples is looked at. */
+static void large_views(void **state) {
+    (void)state;
+    random_state r = {77};
+    tally sum = {0, 0};
+    ground g;
+    sight_bounds *bounds = NULL;
+    make_land(&g, 200, 197, SMOOTH, &r, maps[0]);
+    check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
+    for (int n = 0; n < 4; n++) {
+        const cw_query query = cw_query_default();
+        const viewshed_desc d = {.place = {random_between(&r, 0, 199), random_between(&r, 0, 196)},
+                                 .height = random_between(&r, 1, 40),
+                                 .curvature = n};
+        viewshed *v = view(&g, bounds, &d);
+        count(v, &query);
+        for (int m = 0; m < 1000; m++) check_sample(&g, &d, v, random_below(&r, 200), random_below(&r, 197), &sum);
+        viewshed_destroy(v);
+    }
+    check(sum.seen > 100 && sum.hidden > 100, "%zu seen, %zu hidden", sum.seen, sum.hidden);
+    sight_bounds_destroy(bounds);
+    ground_free(&g);
+}
+
+static double level(const double *shape, double x, double y) {
+    (void)x;
+    (void)y;
+    return shape[0];
+}
+
+/* On a sphere an eye at height h sees the ground up to sqrt(2 R h), in the parabola that stands for it here. Between samples
+ * the ground is lower than the parabola by at most a diagonal squared over 8 R, and something d beyond the farthest visible
+ * place is hidden by d² / 2 R, so that nothing is seen from d = 7.1 m on. */
+static void horizon_of_the_sea(void **state) {
+    (void)state;
+    const double shape[1] = {0}, eye = 0.03, curvature = 6.0 / 7;
+    ground g;
+    sight_bounds *bounds = NULL;
+    ground_make(&g, 200, 200, level, shape);
+    check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
+    const viewshed_desc d = {.place = {100, 100}, .height = eye, .curvature = curvature};
+    const double far = sqrt(2 * g.terrain.radius / curvature * eye);
+    viewshed *v = view(&g, bounds, &d);
+    count(v, NULL);
+    assert_true(far > 500 && far < 900);
+    for (size_t j = 0; j < 200; j++)
+        for (size_t i = 0; i < 200; i++) {
+            const double away = 10 * hypot((double)i - 100, (double)j - 100);
+            const bool got = seen[j * 200 + i];
+            if (away < far) check(got, "%g m away is not seen; the horizon is at %g m", away, far);
+            if (away > far + 7.2) check(!got, "%g m away is seen; the horizon is at %g m", away, far);
+        }
+    viewshed_destroy(v);
+    sight_bounds_destroy(bounds);
+    ground_free(&g);
+}
+
+/* shape: rise eastward and northward. */
+static double plane(const double *shape, double x, double y) { return shape[0] * x + shape[1] * y; }
+
+/* From above a plane all of it is seen; from below nothing but the observer's surroundings. */
+static void views_of_a_plane(void **state) {
+    (void)state;
+    const double shape[2] = {0.25, -0.5};
+    ground g;
+    sight_bounds *bounds = NULL;
+    ground_make(&g, 90, 80, plane, shape);
+    check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
+    for (int below = 0; below < 2; below++) {
+        const viewshed_desc d = {.place = {41.25, 37.5}, .height = below ? -0.5 : 0.5};
+        viewshed *v = view(&g, bounds, &d);
+        count(v, NULL);
+        for (size_t j = 0; j < 80; j++)
+            for (size_t i = 0; i < 90; i++) {
+                const bool near = fabs((double)i - 41.25) < 2 && fabs((double)j - 37.5) < 2;
+                if (!near) check(seen[j * 90 + i] == !below, "(%zu, %zu): %d", i, j, seen[j * 90 + i]);
+            }
+        viewshed_destroy(v);
+    }
+    sight_bounds_destroy(bounds);
+    ground_free(&g);
+}
+
+/* shape: x of a wall from north to south, its height. */
+static double wall(const double *shape, double x, double y) {
+    (void)y;
+    return x == shape[0] ? shape[1] : 0;
+}
+
+static void first_block(void **state) {
+    (void)state;
+    const double shape[2] = {500, 40};
+    ground g;
+    sight s;
+    sight_bounds *bounds = NULL;
+    ground_make(&g, 100, 20, wall, shape);
+    check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
+    sight_init(&s, &g.terrain, bounds, (double[3]){10, 7.5, 20}, 0);
+    /* The wall's flank rises from 0 at column 49 to 40 at column 50: the line at 20 m meets it halfway, the one at 41 m
+     * passes. */
+    const double level_line = sight_first_block(&s, 90, 7.5, 0);
+    check(fabs(level_line - 39.5 / 80) < 1e-12, "blocked at %.17g of the way", level_line);
+    assert_true(sight_first_block(&s, 90, 7.5, 2 * 20 + 2 + 1) == INFINITY);
+    const double down = sight_first_block(&s, 30, 7.5, -40);
+    check(fabs(down - 0.5) < 1e-12, "the ground is met at %.17g of the way", down);
+    sight_bounds_destroy(bounds);
+    ground_free(&g);
+}
+
+static void same_bits_in_threads(void **state) {
+    (void)state;
+    static uint16_t seen_alone[SAMPLES_MOST];
+    static float heights_alone[SAMPLES_MOST];
+    random_state r = {5};
+    ground g;
+    sight_bounds *bounds = NULL;
+    cw_pool *pool = NULL;
+    make_land(&g, 150, 170, ROUGH, &r, maps[0]);
+    check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
+    check_status(cw_pool_create(3, &pool), CW_OK);
+    viewshed *v = view(&g, bounds, &(viewshed_desc){.place = {60, 77.25}, .height = 12, .curvature = 1});
+    cw_query query = cw_query_default();
+    count(v, &query);
+    memcpy(seen_alone, seen, sizeof seen);
+    memcpy(heights_alone, heights, sizeof heights);
+    query.pool = pool;
+    count(v, &query);
+    assert_memory_equal(seen, seen_alone, sizeof seen);
+    assert_memory_equal(heights, heights_alone, sizeof(float) * 150 * 170);
+    viewshed_destroy(v);
+    cw_pool_destroy(pool);
+    sight_bounds_destroy(bounds);
+    ground_free(&g);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_edge_counts),    cmocka_unit_test(next_to_the_eye),  cmocka_unit_test(large_views),
+        cmocka_unit_test(horizon_of_the_sea),   cmocka_unit_test(views_of_a_plane), cmocka_unit_test(first_block),
+        cmocka_unit_test(same_bits_in_threads),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,371 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* shadow, horizon, viewshed and los as users run them: files in, files out, on made-up land and on a real one; and what they
+ * refuse. */
+
+#include "brute_sight.h"
+#include "ground.h"
+#include "program.h"
+#include "raster.h"
+#include "tool_files.h"
+
+#include <signal.h>
+#include <time.h>
+#include <unistd.h>
+
+/* Luxembourg in degrees, from SRTM: Debian's r-cran-terra. */
+static const char real[] = "/usr/lib/R/site-library/terra/ex/elev.tif";
+
+static bool have_real(void) {
+    io_raster raster;
+    io_error error;
+    if (io_raster_read(real, NULL, &raster, &error)) {
+        io_raster_free(&raster);
+        return true;
+    }
+    print_message("skipped: %s (Debian: r-cran-terra)\n", error.text);
+    return false;
+}
+
+static const program_result *run_well(program_arguments arguments) {
+    const program_result *r = program_run(NULL, arguments);
+    check(r->status == 0, "exit status %d: %s", r->status, r->err);
+    check(r->err[0] == '\0', "standard error: %s", r->err);
+    return r;
+}
+
+static void check_refused(program_arguments arguments, int status, const char *part) {
+    const size_t entries = scratch_entries();
+    const program_result *r = program_run(NULL, arguments);
+    check(r->status == status, "exit status %d instead of %d: %s", r->status, status, r->err);
+    check(strstr(r->err, part) != NULL, "'%s' is not in '%s'", part, r->err);
+    assert_int_equal(scratch_entries(), entries);
+}
+
+/* The elements of an array of n elements; the caller frees *file. */
+static const void *elements(const char *name, size_t bytes, char **file) {
+    size_t size;
+    *file = scratch_read(name, &size);
+    check(size > bytes, "%s has %zu bytes, less than %zu", name, size, bytes);
+    return *file + (size - bytes);
+}
+
+enum { NX = 60, NY = 50 };
+
+/* A wall of 40 m along row 20, on level ground. */
+static int enter(void **state) {
+    if (scratch_enter(state) != 0) return -1;
+    static float z[NX * NY];
+    for (size_t k = 0; k < NX * NY; k++) z[k] = k / NX == 20 ? 40 : 0;
+    field_file("wall.npy", z, NX, NY);
+    return 0;
+}
+
+static void shadow_of_a_wall(void **state) {
+    (void)state;
+    /* The sun in the north, 45 degrees high: 40 m of shadow to the south, over four rows. The ray from the fourth touches
+     * the wall's top, to rounding; so the sun is a little higher. */
+    run_well((const char *const[]){"shadow", "wall.npy", "--cellsize", "10", "--sun", "0,45.1", "-o", "s.npy", NULL});
+    char *file;
+    const uint8_t *lit = elements("s.npy", NX * NY, &file);
+    for (size_t j = 0; j < NY; j++)
+        for (size_t i = 0; i < NX; i++) assert_int_equal(lit[j * NX + i], !(j > 20 && j < 24));
+    free(file);
+    /* Twice as high, twice as long; the same file in single bytes as a picture. */
+    run_well((const char *const[]){"shadow", "wall.npy", "--cellsize", "10", "--zscale", "2", "--sun", "0,45.1", "-o",
+                                   "s.npy", NULL});
+    lit = elements("s.npy", NX * NY, &file);
+    for (size_t j = 0; j < NY; j++) assert_int_equal(lit[j * NX], !(j > 20 && j < 28));
+    free(file);
+    run_well((const char *const[]){"shadow", "wall.npy", "--cellsize", "10", "--nodata", "40", "--sun", "0,45.1",
+                                   "--hillshade", "-o", "s.npy", NULL});
+    const float *light = elements("s.npy", 4 * NX * NY, &file);
+    for (size_t j = 0; j < NY; j++)
+        check(j == 20 ? isnan(light[j * NX]) : fabs((double)light[j * NX] - sin(45.1 * 0.017453292519943295)) < 1e-6,
+              "row %zu: %g", j, (double)light[j * NX]);
+    free(file);
+}
+
+static void horizon_at_a_wall(void **state) {
+    (void)state;
+    run_well(
+        (const char *const[]){"horizon", "wall.npy", "--cellsize", "10", "--directions", "4", "-o", "h.npy", NULL});
+    char *file;
+    const float *angle = elements("h.npy", 4ul * 4 * NX * NY, &file);
+    const size_t at = 30 * NX + 30; /* x = 300, y = 190 */
+    const double up = atan(40 / 100.0) * 180 / 3.141592653589793;
+    assert_true(fabs((double)angle[at] - up) < 1e-3);
+    for (size_t d = 1; d < 4; d++) assert_true(angle[d * NX * NY + at] == 0);
+    free(file);
+    const program_result *r = run_well(
+        (const char *const[]){"horizon", "wall.npy", "--cellsize", "10", "--directions", "4", "--at", "300,190", NULL});
+    check(strcmp(r->out, "azimuth,angle,distance,x,y\n0,21.801409,100.000,300,290\n90,0.000000,10.000,310,190\n"
+                         "180,0.000000,10.000,300,180\n270,0.000000,10.000,290,190\n") == 0,
+          "%s", r->out);
+    run_well((const char *const[]){"horizon", "wall.npy", "--cellsize", "10", "--directions", "4", "--svf", "-o",
+                                   "h.npy", NULL});
+    const float *sky = elements("h.npy", 4ul * NX * NY, &file);
+    const double wanted = (3 + pow(cos(up * 3.141592653589793 / 180), 2)) / 4;
+    check(fabs((double)sky[at] - wanted) < 1e-6, "%g, not %g", (double)sky[at], wanted);
+    free(file);
+}
+
+static void view_of_a_wall(void **state) {
+    (void)state;
+    static uint8_t sum[NX * NY];
+    char *file;
+    /* From the south all up to the wall; from the north the rest; both together are counted. */
+    static const char *const places[] = {"300,100,1.7", "250,400,1.7"};
+    for (int k = 0; k < 2; k++) {
+        run_well((const char *const[]){"viewshed", "wall.npy", "--cellsize", "10", "--from", places[k], "--curvature",
+                                       "0", "-o", "v.npy", NULL});
+        const uint8_t *seen = elements("v.npy", NX * NY, &file);
+        for (size_t n = 0; n < NX * NY; n++) {
+            const size_t j = n / NX;
+            check(seen[n] == (k ? j <= 20 : j >= 20), "(%zu, %zu) from %s: %d", n % NX, j, places[k], seen[n]);
+            sum[n] = (uint8_t)(sum[n] + seen[n]);
+        }
+        free(file);
+    }
+    run_well((const char *const[]){"viewshed", "wall.npy", "--cellsize", "10", "--from", places[0], "--from", places[1],
+                                   "--curvature", "0", "-o", "v.npy", NULL});
+    assert_memory_equal(elements("v.npy", NX * NY, &file), sum, NX * NY);
+    free(file);
+    /* What stands 10 rows behind the wall, 20 from the eye, must be 80 m high less what the eye is. */
+    run_well((const char *const[]){"viewshed", "wall.npy", "--cellsize", "10", "--from", "300,190,0", "--curvature",
+                                   "0", "--needed", "-o", "v.npy", NULL});
+    const float *needed = elements("v.npy", 4ul * NX * NY, &file);
+    check(fabs((double)needed[10 * NX + 30] - 80) < 1e-4, "%g m are needed", (double)needed[10 * NX + 30]);
+    free(file);
+}
+
+/* Larger than what is written at once, with the wall in the last block. */
+static void large_view(void **state) {
+    (void)state;
+    enum { WIDE = 2000, LONG = 600, WALL = 590 };
+    static float z[WIDE * LONG];
+    for (size_t k = 0; k < WIDE * LONG; k++) z[k] = k / WIDE == WALL ? 40 : 0;
+    field_file("large.npy", z, WIDE, LONG);
+    run_well((const char *const[]){"viewshed", "large.npy", "--cellsize", "10", "--from", "9000,5990", "--curvature",
+                                   "0", "-o", "v.npy", NULL});
+    char *file;
+    const uint8_t *seen = elements("v.npy", WIDE * LONG, &file);
+    for (size_t k = 0; k < WIDE * LONG; k++)
+        check(seen[k] == (k / WIDE <= WALL), "(%zu, %zu): %d", k % WIDE, k / WIDE, seen[k]);
+    free(file);
+}
+
+static void lines_at_a_wall(void **state) {
+    (void)state;
+    const program_result *r = run_well((const char *const[]){"los", "wall.npy", "300,190,+2", "300,390,30",
+                                                             "--cellsize", "10", "--curvature", "0", NULL});
+    /* The line rises 28 m in 200; the wall's flank 40 m in the last 10 of 100: they meet at 94.3 m. */
+    const double met = (90 * 4 + 2) / (4 - 0.14);
+    double x, y, z, from, of;
+    check(sscanf(r->out, "blocked at %lf,%lf,%lf: %lf m from the first place, of %lf m", &x, &y, &z, &from, &of) == 5,
+          "%s", r->out);
+    check(x == 300 && fabs(from - met) < 1e-3 && fabs(y - 190 - met) < 1e-3 && of == 200, "%s, not %g", r->out, met);
+    r = run_well((const char *const[]){"los", "wall.npy", "300,190,+2", "300,390,85", "--cellsize", "10", "--curvature",
+                                       "0", "--json", NULL});
+    check(strcmp(r->out, "{\"visible\": true, \"distance\": 200}\n") == 0, "%s", r->out);
+}
+
+static void what_is_refused(void **state) {
+    (void)state;
+    check_refused((const char *const[]){"shadow", "wall.npy", "-o", "s.npy", NULL}, 2, "either --sun or --time");
+    check_refused((const char *const[]){"shadow", "wall.npy", "--sun", "0,91", "-o", "s.npy", NULL}, 2, "not '0,91'");
+    check_refused((const char *const[]){"shadow", "wall.npy", "--sun", "0,30", NULL}, 2, "give -o FILE");
+    check_refused((const char *const[]){"shadow", "wall.npy", "--time", "noon", "-o", "s.npy", NULL}, 2, "not 'noon'");
+    check_refused((const char *const[]){"shadow", "wall.npy", "--time", "2024-06-21T12:00:00Z", "-o", "s.npy", NULL}, 1,
+                  "names no coordinate system");
+    check_refused((const char *const[]){"shadow", "wall.npy", "--sun", "0,30", "-o", "s.xyz", NULL}, 1,
+                  "the name's ending tells no format");
+    check_refused((const char *const[]){"shadow", "wall.npy", "--sun", "0,30", "-o", "./wall.npy", NULL}, 1,
+                  "is the terrain itself");
+    check_refused((const char *const[]){"shadow", "wall.npy", "--sun", "0,30", "--cellsize", "0", "-o", "s.npy", NULL},
+                  2, "--cellsize takes a number above 0");
+    check_refused((const char *const[]){"shadow", "wall.npy", "--sun", "0,30", "--band", "2", "-o", "s.npy", NULL}, 1,
+                  "has one band, not 2");
+    check_refused((const char *const[]){"viewshed", "wall.npy", "-o", "v.npy", NULL}, 2, "--from X,Y is missing");
+    check_refused((const char *const[]){"viewshed", "wall.npy", "--from", "3;4", "-o", "v.npy", NULL}, 2, "not '3;4'");
+    check_refused((const char *const[]){"viewshed", "wall.npy", "--from", "-300,4", "-o", "v.npy", NULL}, 1,
+                  "there is no ground at -300, 4");
+    check_refused((const char *const[]){"horizon", "wall.npy", "-o", "h.png", NULL}, 1, "no room for 32 bands");
+    check_refused((const char *const[]){"horizon", "wall.npy", "--at", "-5,3", NULL}, 1, "there is no ground at -5, 3");
+    check_refused((const char *const[]){"los", "wall.npy", "-5,3,+2", "10,10,+2", NULL}, 1,
+                  "there is no ground at -5, 3");
+    check_refused((const char *const[]){"los", "wall.npy", "5", "10,10,+2", NULL}, 2, "not '5'");
+}
+
+/* Ctrl-C in the middle of a long run: no file remains. */
+static void interrupted(void **state) {
+    (void)state;
+    enum { SIDE = 2000 };
+    float *z = malloc(sizeof *z * SIDE * SIDE);
+    assert_non_null(z);
+    for (size_t k = 0; k < SIDE * SIDE; k++) z[k] = (float)((k * 2654435761u >> 7) % 1000);
+    field_file("rough.npy", z, SIDE, SIDE);
+    free(z);
+    static const char *const runs[][10] = {
+        {"horizon", "rough.npy", "--directions", "3600", "-o", "o.npy", NULL},
+        {"horizon", "rough.npy", "--directions", "3600", "--svf", "-o", "o.npy", NULL},
+    };
+    /* A viewshed writes nothing before it is done. */
+    static const char place[] = "1000,1000,100000";
+    static const char *const view[] = {"viewshed", "rough.npy", "--from", place,   "--from",    place, "--from", place,
+                                       "--from",   place,       "-o",     "o.npy", "--threads", "1",   NULL};
+    const size_t before = scratch_entries();
+    const pid_t viewing = program_start(NULL, view);
+    nanosleep(&(struct timespec){0, 100000000}, NULL);
+    kill(viewing, SIGINT);
+    const int ended = program_wait(viewing)->status;
+    check(ended == 128 + SIGINT, "exit status %d", ended);
+    assert_int_equal(scratch_entries(), before);
+    for (size_t k = 0; k < 2; k++) {
+        const size_t entries = scratch_entries();
+        const pid_t process = program_start(NULL, runs[k]);
+        program_wait_for_output(process);
+        nanosleep(&(struct timespec){0, 100000000}, NULL);
+        kill(process, SIGINT);
+        const program_result *r = program_wait(process);
+        check(r->status == 128 + SIGINT, "exit status %d: %s", r->status, r->err);
+        assert_int_equal(scratch_entries(), entries);
+    }
+}
+
+static char *whole(const char *name, size_t *size) { return scratch_read(name, size); }
+
+/* Products of a real terrain in degrees, with holes, are the same for each instruction set and number of threads. */
+static void real_terrain_same_bits(void **state) {
+    (void)state;
+    if (!have_real()) return;
+    static const char *const products[][10] = {
+        {"shadow", real, "--sun", "130,4", "-o", "o.npy"},
+        {"shadow", real, "--sun", "130,4", "--hillshade", "--sun-disc", "-o", "o.npy"},
+        {"horizon", real, "--directions", "5", "-o", "o.npy"},
+        {"horizon", real, "--svf", "-o", "o.npy"},
+        {"viewshed", real, "--from", "6.1,49.75,30", "-o", "o.npy"},
+        {"viewshed", real, "--from", "6.1,49.75,30", "--needed", "-o", "o.npy"},
+    };
+    for (size_t p = 0; p < sizeof products / sizeof products[0]; p++) {
+        char *first = NULL;
+        size_t size = 0;
+        for (cw_isa isa = CW_ISA_SCALAR; isa <= cw_isa_best(); isa++) {
+            const char *arguments[16] = {NULL};
+            size_t n = 0;
+            for (; products[p][n]; n++) arguments[n] = products[p][n];
+            arguments[n++] = "--threads";
+            arguments[n++] = isa % 2 ? "1" : "3";
+            const program_setting setting = {.isa = cw_isa_name(isa)};
+            const program_result *r = program_run(&setting, arguments);
+            check(r->status == 0, "%s", r->err);
+            size_t length;
+            char *bytes = whole("o.npy", &length);
+            if (first == NULL) {
+                first = bytes;
+                size = length;
+                continue;
+            }
+            check(length == size && memcmp(bytes, first, size) == 0, "%s differs with %s", products[p][0],
+                  cw_isa_name(isa));
+            free(bytes);
+        }
+        free(first);
+    }
+}
+
+/* The view of a real terrain, sample by sample, by looking at every edge. */
+static void real_view(void **state) {
+    (void)state;
+    if (!have_real()) return;
+    io_raster raster;
+    io_error error;
+    assert_true(io_raster_read(real, NULL, &raster, &error));
+    assert_true(raster.nx == 95 && raster.ny == 90 && raster.georef.geographic);
+    const terrain_desc desc = {.nx = raster.nx,
+                               .ny = raster.ny,
+                               .z = raster.z,
+                               .map = (const double(*)[4])raster.map,
+                               .geographic = true,
+                               .unit = raster.georef.unit,
+                               .semi_major = raster.georef.semi_major,
+                               .inverse_flattening = raster.georef.inverse_flattening};
+    terrain t;
+    assert_true(terrain_init(&t, &desc));
+    run_well((const char *const[]){"viewshed", real, "--from", "6.1,49.75,30", "-o", "v.npy", NULL});
+    char *file;
+    const uint8_t *got = elements("v.npy", raster.nx * raster.ny, &file);
+    double eye[3];
+    terrain_from_map(&t, 6.1, 49.75, eye);
+    eye[2] = terrain_height(&t, eye[0], eye[1]) + 30;
+    sight s;
+    sight_init(&s, &t, NULL, eye, 6.0 / 7);
+    size_t seen = 0, holes = 0;
+    for (size_t j = 0; j < raster.ny; j++)
+        for (size_t i = 0; i < raster.nx; i++) {
+            const size_t k = j * raster.nx + i;
+            if (isnan(raster.z[k])) {
+                assert_int_equal(got[k], 255);
+                holes++;
+                continue;
+            }
+            const double steepest = brute_steepest(&s, (double)i, (double)j), top = sight_sample(&s, i, j);
+            check(fabs(steepest - top) < 1e-9 || got[k] == (steepest < top), "(%zu, %zu): %d", i, j, got[k]);
+            seen += got[k];
+        }
+    check(holes == 3942 && seen > 100, "%zu holes, %zu seen", holes, seen);
+    free(file);
+    io_raster_free(&raster);
+}
+
+/* At noon the sun stands in the south, as high as 90 degrees less the latitude and its declination: 23.436 in summer. */
+static void sun_by_time(void **state) {
+    (void)state;
+    if (!have_real()) return;
+    const program_result *r =
+        run_well((const char *const[]){"shadow", real, "--time", "2024-06-21T11:37:24Z", "-o", "s.npy", NULL});
+    double azimuth = 0, altitude = 0;
+    const char *at = strstr(r->out, "azimuth ");
+    check(at && sscanf(at, "azimuth %lf (%*f on the map), altitude %lf degrees", &azimuth, &altitude) == 2, "%s",
+          r->out);
+    check(fabs(azimuth - 180) < 0.05 && fabs(altitude - (90 - 49.8167 + 23.436)) < 0.02, "%s", r->out);
+}
+
+/* East of a zone's middle the map's north points to the east of the true one, by the longitude from there times the sine
+ * of the latitude, nearly. */
+static void sun_on_a_turned_map(void **state) {
+    (void)state;
+    if (!have_real()) return; /* nor GDAL, perhaps */
+    static const char asc[] = "ncols 2 nrows 2 xllcorner 600000 yllcorner 5200000 cellsize 10\n0 1 2 7",
+                      prj[] = "PROJCS[\"UTM 32N\",GEOGCS[\"WGS 84\",DATUM[\"WGS_1984\",SPHEROID[\"WGS 84\",6378137,"
+                              "298.257223563]],PRIMEM[\"Greenwich\",0],UNIT[\"degree\",0.0174532925199433]],"
+                              "PROJECTION[\"Transverse_Mercator\"],PARAMETER[\"latitude_of_origin\",0],"
+                              "PARAMETER[\"central_meridian\",9],PARAMETER[\"scale_factor\",0.9996],"
+                              "PARAMETER[\"false_easting\",500000],PARAMETER[\"false_northing\",0],UNIT[\"metre\",1]]";
+    scratch_write("a.asc", asc, sizeof asc - 1);
+    scratch_write("a.prj", prj, sizeof prj - 1);
+    const program_result *r =
+        run_well((const char *const[]){"shadow", "a.asc", "--time", "2024-12-21T14:00:00+01:00", "-o", "s.npy", NULL});
+    double lon = 0, lat = 0, azimuth = 0, map = 0;
+    const char *at = strstr(r->out, "over ");
+    check(at && sscanf(at, "over %lf, %lf: azimuth %lf (%lf on the map)", &lon, &lat, &azimuth, &map) == 4, "%s",
+          r->out);
+    const double turned = (lon - 9) * sin(lat * 0.017453292519943295);
+    check(fabs(lon - 10.315) < 0.01 && fabs(azimuth - turned - map) < 0.003, "%s, not %g", r->out, azimuth - turned);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(shadow_of_a_wall, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(horizon_at_a_wall, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(view_of_a_wall, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(large_view, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(lines_at_a_wall, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(what_is_refused, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(interrupted, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(real_terrain_same_bits, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(real_view, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(sun_on_a_turned_map, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(sun_by_time, enter, scratch_leave),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
