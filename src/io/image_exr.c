@@ -2,6 +2,7 @@
 /* OpenEXR through its C library. Pictures are put together in memory and written in one piece, because the library goes
  * back to fill in its table of chunks and an output may be a pipe. */
 
+#include "half.h"
 #include "image_format.h"
 
 #include <errno.h>
@@ -36,30 +37,6 @@ static int component(const char *name) {
 }
 
 /* ---- writing ------------------------------------------------------------------------------------------------------ */
-
-/* Rounds to nearest, ties to even. */
-static uint16_t half_from_float(float value) {
-    uint32_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    const uint16_t sign = (uint16_t)(bits >> 16 & 0x8000);
-    const uint32_t size = bits & 0x7fffffff;
-    uint32_t half;
-    if (size > 0x7f800000) {
-        half = 0x7e00; /* NaN */
-    } else if (size >= 0x477ff000) {
-        half = 0x7c00; /* from halfway between 65504 and 65536 */
-    } else if (size < 0x38800000) {
-        /* Below 2^-14 halves are multiples of 2^-24, and so are floats in [0.5, 1): the addition rounds. */
-        float magnitude;
-        memcpy(&magnitude, &size, sizeof magnitude);
-        magnitude += 0.5f;
-        memcpy(&half, &magnitude, sizeof half);
-        half -= 0x3f000000;
-    } else {
-        half = (size - (112u << 23) + 0xfff + (size >> 13 & 1)) >> 13;
-    }
-    return (uint16_t)(sign | half);
-}
 
 /* RGBA, alpha 1. NULL when out of memory. */
 static uint16_t *half_pixels(const io_image *image) {
