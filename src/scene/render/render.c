@@ -153,7 +153,9 @@ static bool lay_out(render *r, const scene_crop *crop, io_error *error) {
     r->tiles_x = (g->x1 - r->first_x + WAVE_TILE - 1) / WAVE_TILE;
     r->tiles = r->tiles_x * ((g->y1 - r->first_y + WAVE_TILE - 1) / WAVE_TILE);
     *r->image = (io_image){.width = g->x1 - g->x0, .height = g->y1 - g->y0};
-    r->image->rgb = malloc(r->image->width * r->image->height * 3 * sizeof *r->image->rgb);
+    const size_t pixel = 3 * sizeof *r->image->rgb;
+    if (r->image->width <= SIZE_MAX / pixel / r->image->height)
+        r->image->rgb = malloc(r->image->width * r->image->height * pixel);
     return r->image->rgb != NULL || io_fail(error, "no memory for %zu x %zu pixels", r->image->width, r->image->height);
 }
 
