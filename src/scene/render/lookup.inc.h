@@ -91,17 +91,24 @@ static void list_probes(const wave_strip *s, const wave_footprints *f, wave_prob
 
 /* The part behind the point, in [0, 1]; 0 of what is too large to have one. */
 LANE_INLINE float lane_part(float x) {
-    const float size = fabsf(x);
-    const float near = size < 0x1p23f ? x : 0;
-    return near - (float)lane_floor(near);
+    union {
+        float f;
+        uint32_t bits;
+    } near = {x};
+    near.bits &= 0u - (uint32_t)(fabsf(x) < 0x1p23f);
+    return near.f - (float)lane_floor(near.f);
 }
 
-/* What a probe reads of a level: as the image repeats, so do rows and columns. */
-LANE_INLINE void place_probe(wave_probes *p, size_t k, float u, float v, float width, float height, int32_t rows,
-                             int32_t stride, int32_t first) {
-    const float x = lane_part(u) * width - 0.5f, y = lane_part(v) * height - 0.5f;
+/* What a probe reads of a level: as the image repeats, so do rows and columns. (In two steps, without a choice: else GCC
+ * makes branches of it.) */
+LANE_INLINE void place_probe(wave_probes *p, size_t k, float width, float height) {
+    p->right[k] = lane_part(p->u[k]) * width - 0.5f;
+    p->down[k] = lane_part(p->v[k]) * height - 0.5f;
+}
+LANE_INLINE void place_texels(wave_probes *p, size_t k, int32_t rows, int32_t stride, int32_t first) {
+    const float x = p->right[k], y = p->down[k];
     const int32_t i = lane_floor(x), j = lane_floor(y);
-    const int32_t above = j < 0 ? rows - 1 : j, below = j + 1 < rows ? j + 1 : 0;
+    const int32_t above = j + (rows & -(j < 0)), below = j + 1 - (rows & -(j + 1 >= rows));
     p->right[k] = x - (float)i;
     p->down[k] = y - (float)j;
     p->above[k] = first + above * stride + i + 1;
@@ -114,10 +121,28 @@ static void place_probes(const texture *t, wave_probes *p) {
         p->u[k] = p->v[k] = 0;
         p->level[k] = 0;
     }
-    for (size_t k = 0; k < n; k++) {
-        const texture_level *l = &t->levels[p->level[k]];
-        place_probe(p, k, p->u[k], p->v[k], (float)l->width, (float)l->height, l->height, l->stride, l->first);
+    float width[TEXTURE_LEVELS], height[TEXTURE_LEVELS];
+    int32_t rows[TEXTURE_LEVELS], stride[TEXTURE_LEVELS], first[TEXTURE_LEVELS];
+    for (int k = 0; k < t->count; k++) {
+        const texture_level *l = &t->levels[k];
+        width[k] = (float)l->width;
+        height[k] = (float)l->height;
+        rows[k] = l->height;
+        stride[k] = l->stride;
+        first[k] = l->first;
     }
+    for (size_t k = 0; k < n; k++) place_probe(p, k, width[p->level[k]], height[p->level[k]]);
+    for (size_t k = 0; k < n; k++) place_texels(p, k, rows[p->level[k]], stride[p->level[k]], first[p->level[k]]);
+}
+
+/* One of the image itself for each path. */
+static void place_plain_probes(const wave_strip *s, const texture *t, wave_probes *p) {
+    const texture_level l = t->levels[0];
+    const float width = (float)l.width, height = (float)l.height;
+    memcpy(p->u, s->uv[0], sizeof s->uv[0]);
+    memcpy(p->v, s->uv[1], sizeof s->uv[1]);
+    for (size_t k = 0; k < s->n; k++) place_probe(p, k, width, height);
+    for (size_t k = 0; k < s->n; k++) place_texels(p, k, l.height, l.stride, l.first);
 }
 
 /* A half as a float, exactly, as half_number does it. */
@@ -155,10 +180,7 @@ static void look_up(wave *w, const texture *t) {
     float sum[WAVE_STRIP][4];
     find_footprints(s, t, f);
     if (!w->plan->general && are_plain(s, f)) {
-        const texture_level l = t->levels[0];
-        const float width = (float)l.width, height = (float)l.height;
-        for (size_t k = 0; k < s->n; k++)
-            place_probe(p, k, s->uv[0][k], s->uv[1][k], width, height, l.height, l.stride, l.first);
+        place_plain_probes(s, t, p);
         read_probes(t, p, 0, s->n, sum);
     } else {
         list_probes(s, f, p);
