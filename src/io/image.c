@@ -2,6 +2,7 @@
 /* Which format a picture has: by the ending of its file name. */
 
 #include "image_format.h"
+#include "large.h"
 
 #include <stdint.h>
 #include <stdlib.h>
@@ -68,7 +69,7 @@ bool io_image_read(const char *path, io_image *image, io_error *error) {
 bool image_allocate(io_image *image, size_t width, size_t height, const char *path, io_error *error) {
     *image = (io_image){.width = width, .height = height};
     if (width != 0 && height <= SIZE_MAX / (3 * sizeof(float)) / width)
-        image->rgb = malloc(width * height * 3 * sizeof(float));
+        image->rgb = large_allocate(width * height * 3 * sizeof(float));
     if (image->rgb != NULL) return true;
     return io_fail(error, "%s: no memory for %zu x %zu pixels", path, width, height);
 }

@@ -2,6 +2,7 @@
 #include "texture.h"
 
 #include "half.h"
+#include "large.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -25,13 +26,14 @@ static void covered(int32_t n, int32_t halved, int32_t k, int32_t *first, int32_
 
 /* The mean of four texels: the usual case of even sides. */
 static void halve_row(const texture *t, const texture_level *from, const texture_level *to, int32_t y) {
-    const uint16_t *above = texel(t, from, 0, 2 * y), *below = texel(t, from, 0, 2 * y + 1);
-    uint16_t *out = texel(t, to, 0, y);
-    for (int32_t x = 0; x < to->width; x++, above += 8, below += 8, out += 4)
-        for (int c = 0; c < 4; c++)
-            out[c] = half_from_float(((half_number(above[c]) + half_number(above[4 + c])) +
-                                      (half_number(below[c]) + half_number(below[4 + c]))) /
-                                     4);
+    const uint16_t *restrict above = texel(t, from, 0, 2 * y), *restrict below = texel(t, from, 0, 2 * y + 1);
+    uint16_t *restrict out = texel(t, to, 0, y);
+    for (int32_t x = 0; x < to->width; x++)
+        for (int c = 0; c < 4; c++) {
+            const float left = half_number(above[8 * x + c]), right = half_number(above[8 * x + 4 + c]);
+            const float low_left = half_number(below[8 * x + c]), low_right = half_number(below[8 * x + 4 + c]);
+            out[4 * x + c] = half_from_float(((left + right) + (low_left + low_right)) * 0.25f);
+        }
 }
 
 /* The mean of the texels under each one of the smaller level. */
@@ -78,7 +80,7 @@ texture *texture_create(io_image *image) {
     texture *t = calloc(1, sizeof *t);
     size_t texels = 0;
     if (t == NULL) return NULL;
-    if (lay_out(t, image->width, image->height, &texels)) t->texels = malloc(texels * 4 * sizeof *t->texels);
+    if (lay_out(t, image->width, image->height, &texels)) t->texels = large_allocate(texels * 4 * sizeof *t->texels);
     if (t->texels == NULL) {
         texture_free(t);
         return NULL;
