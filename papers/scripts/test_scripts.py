@@ -16,6 +16,8 @@ from unittest import mock
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
+import beside_pbrt
+import blocks_scenes
 import blocks_speed
 import blocks_stability
 import blocks_tradeoff
@@ -278,6 +280,28 @@ class Links(Folder):
         page = self.write("papers/a.md", "[b](b.md) [h](b.md#one-thing-two) `src/a.c` `src/*.c`\n```\n[x](gone.md)\n```\n"
                           "[no](b.md#three)\n[gone](c.md) `src/gone.c` [web](https://x.org/)\n")
         self.assertEqual(list(links.missing(page, self.folder.name)), [(5, "b.md#three"), (6, "c.md"), (6, "src/gone.c")])
+
+
+class BesidePbrt(Folder):
+    SCENE = ('Film "image" "string filename" ["a.exr"] \n"integer xresolution" [40] "integer yresolution" 30\n'
+             'Camera "perspective"\n')
+
+    def test_film_is_replaced_and_nothing_else(self):
+        for one_pixel, x, y in ((False, 40, 30), (True, 1, 1)):
+            self.assertEqual(beside_pbrt.with_film(self.SCENE, one_pixel, "b.exr"),
+                             f'Film "image" "string filename" ["b.exr"] "integer xresolution" [{x}] '
+                             f'"integer yresolution" [{y}]\nCamera "perspective"\n')
+        self.fails("2 films", beside_pbrt.with_film, self.SCENE * 2, False, "b.exr")
+
+    def test_table(self):
+        line = {"kind": "scene", "scene": "sea", "rounds": 9, "pbrt_seconds": 4.0, "pbrt_pixel_seconds": 1.0,
+                "pbrt_mib": 700.4, "cellwalk_seconds": 0.25, "cellwalk_pixel_seconds": 0.05, "cellwalk_mib": 20.0}
+        name = "scenes/pbrt.json"
+        self.results(line, line | {"scene": "land", "pbrt_seconds": 1.0}, name=name, run=RUN | {"pbrt": "built so"})
+        text = blocks_scenes.pbrt(results.Data(self.folder.name))
+        self.assertIn("| sea | 4.00 | 0.250 | 16.0 | 1.00 | 0.050 | 700 | 20 |", text)
+        self.assertIn("pbrt-v2: built so.", text)
+        self.assertIn("Geometric mean of the ratios: 8.0.", text)
 
 
 if __name__ == "__main__":
