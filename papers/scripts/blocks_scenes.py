@@ -70,3 +70,16 @@ def pbrt(data):
             table(["scene", "pbrt-v2", "cellwalk", "ratio", "pbrt-v2, 1 pixel", "cellwalk, 1 pixel", "pbrt-v2, MiB",
                    "cellwalk, MiB"], rows) +
             f"\nGeometric mean of the ratios: {geometric_mean(ratios):.1f}.\n")
+
+
+def features(data):
+    """What each feature of a scene adds to the instructions of a picture."""
+    lines = data["scenes/features.json"].some("features")
+    parts = list(lines[0].inner("per_ray"))
+    rows, most = [], 0.0
+    for line in lines:
+        per_ray = [line.inner("per_ray").number(part) for part in parts]
+        most = max(most, line.number("unused_per_ray") / sum(per_ray))
+        rows.append([line.text("added"), f"{sum(per_ray):.0f}", *(f"{number:.0f}" if number >= 0.5 else "" for number in per_ray)])
+    return (table(["scene", "all", *parts], rows) +
+            f"\nCode of features that a scene does not have runs at most {100 * most:.2f} % of the instructions.\n")

@@ -33,7 +33,7 @@ SOURCES = {
     "building.json": None, "counters.json": None, "profile.json": "papers/scripts/profile_kernels.py",
     "ablation.json": "--target ablation", "caches.json": "--target caches", "pages-huge.json": None,
     "pages-small.json": None, "scenes/table.json": None,
-    "scenes/pbrt.json": "papers/scripts/beside_pbrt.py", "tradeoff/tradeoff.json": None,
+    "scenes/pbrt.json": "papers/scripts/beside_pbrt.py", "scenes/features.json": "papers/scripts/features.py", "tradeoff/tradeoff.json": None,
     "stability/aimed.json": "--target stability", "stability/extremes.json": "--target stability-extremes",
     "stability/exhaustive.json": "--target stability-exhaustive", "stability/stress.json": "--target stability-stress",
     "stability/leaf.json": "--target stability-leaf",
@@ -68,7 +68,7 @@ BLOCKS = {
         blocks_speed.speeds, blocks_speed.rates, blocks_speed.targets, blocks_speed.peers, blocks_speed.widths,
         blocks_speed.threads, blocks_speed.building, blocks_work.walks, blocks_work.visits, blocks_work.steps,
         blocks_work.profile, blocks_work.ablation, blocks_work.caches, blocks_work.pages, blocks_scenes.coursework,
-        blocks_scenes.pbrt, blocks_tradeoff.cells, sources)},
+        blocks_scenes.pbrt, blocks_scenes.features, blocks_tradeoff.cells, sources)},
     **{make.__name__: from_file(blocks_tradeoff.FILE, make) for make in (
         blocks_tradeoff.modes, blocks_tradeoff.frontiers, blocks_tradeoff.errors, blocks_tradeoff.mode_speeds,
         blocks_tradeoff.pictures, blocks_tradeoff.early, blocks_tradeoff.normals)},

@@ -21,6 +21,7 @@ import blocks_scenes
 import blocks_speed
 import blocks_stability
 import blocks_tradeoff
+import features
 import links
 import markdown
 import pictures
@@ -302,6 +303,27 @@ class BesidePbrt(Folder):
         self.assertIn("| sea | 4.00 | 0.250 | 16.0 | 1.00 | 0.050 | 700 | 20 |", text)
         self.assertIn("pbrt-v2: built so.", text)
         self.assertIn("Geometric mean of the ratios: 8.0.", text)
+
+
+class Features(Folder):
+    def test_instructions_go_to_the_function_of_their_line(self):
+        source = self.write("shade.inc.h", "/* x */\nstatic void send_light(int a) {\n    b();\n}\n"
+                                           "static void other(\n    int a) {\n}\n")
+        functions = {"shade.inc.h": features.Functions(source), "lookup.inc.h": features.Functions(source)}
+        found = self.write("counts", "fl=(1) /home/src/scene/render/shade.inc.h\nfn=(1) wave\n3 10\n+3 5\n"
+                                     "fi=(2) /home/src/scene/render/lookup.inc.h\n2 7\nfe=(1)\n3 1\n"
+                                     "cfi=(3) simd/pyramid.c\ncfn=(2) walk\ncalls=1 5\n* 1000\n"
+                                     "fl=(3)\nfn=(2)\n5 900\nfl=(4) libc.c\nfn=(3) memset\n1 50\n")
+        self.assertEqual(dict(features.counts(found, functions)),
+                         {"light": 11, "rest of the renderer": 5, "textures": 7, "tracing": 900, "other": 50})
+
+    def test_table(self):
+        line = {"kind": "features", "added": "a light", "per_ray": {"light": 20.0, "mirrors": 0.1, "tracing": 79.9},
+                "unused_per_ray": 0.1}
+        self.results(line, name="scenes/features.json")
+        text = blocks_scenes.features(results.Data(self.folder.name))
+        self.assertIn("| a light | 100 | 20 | | 80 |", text)
+        self.assertIn("at most 0.10 %", text)
 
 
 if __name__ == "__main__":
