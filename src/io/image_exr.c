@@ -161,11 +161,14 @@ static exr_result_t decode_chunk(reader *r, const exr_chunk_info_t *chunk, size_
                                                                     : -1;
         channel->decode_to_ptr = NULL;
         if (place < 0 || place > 2) continue;
-        channel->user_bytes_per_element = sizeof(float);
-        channel->user_data_type = EXR_PIXEL_FLOAT;
-        channel->user_pixel_stride = 3 * sizeof(float);
-        channel->user_line_stride = (int32_t)(r->image->width * 3 * sizeof(float));
-        channel->decode_to_ptr = (uint8_t *)(r->image->rgb + (y * r->image->width + x) * 3 + (size_t)place);
+        const bool halves = r->image->halves != NULL;
+        const size_t bytes = halves ? sizeof(uint16_t) : sizeof(float), pixel = (halves ? 4 : 3) * bytes;
+        uint8_t *pixels = halves ? (uint8_t *)r->image->halves : (uint8_t *)r->image->rgb;
+        channel->user_bytes_per_element = (int16_t)bytes;
+        channel->user_data_type = halves ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT;
+        channel->user_pixel_stride = (int32_t)pixel;
+        channel->user_line_stride = (int32_t)(r->image->width * pixel);
+        channel->decode_to_ptr = pixels + (y * r->image->width + x) * pixel + (size_t)place * bytes;
     }
     if (!r->started) result = exr_decoding_choose_default_routines(r->context, 0, &r->decoder);
     r->started = true;
@@ -196,8 +199,8 @@ static exr_result_t decode_tiles(reader *r) {
     return result;
 }
 
-/* Looks for R, G and B, or Y alone; none of them thinned out. */
-static bool know_channels(exr_context_t context, bool *grey) {
+/* Looks for R, G and B, or Y alone; none of them thinned out. halves: R, G and B are such. */
+static bool know_channels(exr_context_t context, bool *grey, bool *halves) {
     const exr_attr_chlist_t *list = NULL;
     if (exr_get_channels(context, 0, &list) != EXR_ERR_SUCCESS) return false;
     enum { Y = 1 << 4 };
@@ -208,12 +211,14 @@ static bool know_channels(exr_context_t context, bool *grey) {
         const unsigned bit = strcmp(entry->name.str, "Y") == 0 ? Y : place >= 0 ? 1u << place : 0;
         if (bit != 0 && (entry->x_sampling != 1 || entry->y_sampling != 1)) return false;
         found |= bit;
+        *halves = *halves && (place > 2 || bit == 0 || entry->pixel_type == EXR_PIXEL_HALF);
     }
     *grey = (found & 7) == 0;
+    *halves = *halves && !*grey;
     return *grey ? (found & Y) != 0 : (found & 7) == 7;
 }
 
-static bool read_started(reader *r, const char *path, const sink *s, io_error *error) {
+static bool read_started(reader *r, bool halves, const char *path, const sink *s, io_error *error) {
     exr_storage_t storage;
     exr_attr_box2i_t window;
     exr_result_t result = exr_get_storage(r->context, 0, &storage);
@@ -221,12 +226,12 @@ static bool read_started(reader *r, const char *path, const sink *s, io_error *e
     if (result != EXR_ERR_SUCCESS) return io_fail(error, "%s: cannot read: %s", path, reason(s, result));
     if (storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED)
         return io_fail(error, "%s: deep pictures are not supported", path);
-    if (!know_channels(r->context, &r->grey))
+    if (!know_channels(r->context, &r->grey, &halves))
         return io_fail(error, "%s: has neither the channels R, G and B nor Y at full resolution", path);
 
     const int64_t width = (int64_t)window.max.x - window.min.x + 1, height = (int64_t)window.max.y - window.min.y + 1;
     if (width < 1 || height < 1) return io_fail(error, "%s: has no pixels", path);
-    if (!image_allocate(r->image, (size_t)width, (size_t)height, path, error)) return false;
+    if (!image_allocate(r->image, (size_t)width, (size_t)height, halves, path, error)) return false;
     result = storage == EXR_STORAGE_TILED ? decode_tiles(r) : decode_lines(r, window.min.y);
     if (result != EXR_ERR_SUCCESS) {
         io_image_free(r->image);
@@ -237,7 +242,7 @@ static bool read_started(reader *r, const char *path, const sink *s, io_error *e
     return true;
 }
 
-static bool exr_read(const char *path, io_image *image, io_error *error) {
+static bool exr_read(const char *path, bool halves, io_image *image, io_error *error) {
     /* The library reports a missing file less plainly. */
     FILE *file = fopen(path, "rb");
     if (file == NULL) return io_fail(error, "%s: cannot read: %s", path, strerror(errno));
@@ -255,7 +260,7 @@ static bool exr_read(const char *path, io_image *image, io_error *error) {
         exr_finish(&r.context);
         return io_fail(error, "%s: not a readable OpenEXR picture: %s", path, reason(&s, result));
     }
-    const bool good = read_started(&r, path, &s, error);
+    const bool good = read_started(&r, halves, path, &s, error);
     if (r.started) exr_decoding_destroy(r.context, &r.decoder);
     exr_finish(&r.context);
     return good;

@@ -76,7 +76,7 @@ static void write_image(const char *name) {
     random_state r = {17};
     for (int k = 0; k < WIDTH * HEIGHT * 3; k++) rgb[k] = (float)random_between(&r, 0, 1.5);
     io_error error = {""};
-    check(io_image_write(name, &(io_image){WIDTH, HEIGHT, rgb}, &error), "%s", error.text);
+    check(io_image_write(name, &(io_image){.width = WIDTH, .height = HEIGHT, .rgb = rgb}, &error), "%s", error.text);
 }
 
 scene *pictures_full_scene(void) {

@@ -110,7 +110,7 @@ static bool surface(pbrt_state *p, const pbrt_site *site, material *out, io_erro
     if (t->image == NULL) {
         io_image image;
         io_error why;
-        if (!io_image_read(t->path, &image, &why)) return io_fail(error, "%s: Texture: %s", t->place, why.text);
+        if (!io_image_read_halves(t->path, &image, &why)) return io_fail(error, "%s: Texture: %s", t->place, why.text);
         texture **more = grown(p->scene->textures, p->scene->texture_count, sizeof *more);
         if (more != NULL) p->scene->textures = more;
         t->image = more != NULL ? texture_create(&image) : NULL;

@@ -12,6 +12,20 @@ static uint16_t *texel(const texture *t, const texture_level *l, int32_t x, int3
     return t->texels + 4 * ((size_t)l->first + (size_t)y * (size_t)l->stride + (size_t)(x + 1));
 }
 
+static void copy_row(const texture *t, const texture_level *l, int32_t y, const uint16_t *restrict rgba) {
+    uint16_t *restrict out = texel(t, l, 0, y);
+    for (int32_t x = 0; x < l->width; x++)
+        for (int c = 0; c < 4; c++) out[4 * x + c] = c < 3 ? rgba[4 * x + c] : 0;
+}
+
+static void convert_row(const texture *t, const texture_level *l, int32_t y, const float *restrict rgb) {
+    uint16_t *restrict out = texel(t, l, 0, y);
+    for (int32_t x = 0; x < l->width; x++) {
+        for (int c = 0; c < 3; c++) out[4 * x + c] = half_from_float(rgb[3 * x + c]);
+        out[4 * x + 3] = 0;
+    }
+}
+
 /* The stretch of a row of n texels that texel k of a row of half as many covers: texels first … last, the outer two by
  * a part of their width where n is odd. */
 static void covered(int32_t n, int32_t halved, int32_t k, int32_t *first, int32_t *last, float *first_part,
@@ -87,12 +101,10 @@ texture *texture_create(io_image *image) {
     }
     const texture_level *l = &t->levels[0];
     for (int32_t y = 0; y < l->height; y++) {
-        const float *rgb = image->rgb + (size_t)y * image->width * 3;
-        for (int32_t x = 0; x < l->width; x++, rgb += 3) {
-            uint16_t *out = texel(t, l, x, y);
-            for (int c = 0; c < 3; c++) out[c] = half_from_float(rgb[c]);
-            out[3] = 0;
-        }
+        if (image->halves != NULL)
+            copy_row(t, l, y, image->halves + (size_t)y * image->width * 4);
+        else
+            convert_row(t, l, y, image->rgb + (size_t)y * image->width * 3);
         repeat_row(t, l, y);
     }
     for (int k = 1; k < t->count; k++) {
