@@ -170,17 +170,31 @@ CW_INLINE void vf_load_rays(const cw_ray *rays, vfloat out[8]) {
     vf_load_each_ray(each, out);
 }
 
+/* Lanes picked out and put side by side (vec_scalar.h): in two halves, whose bytes are drawn together by a table of 16. BMI2's
+ * pext and pdep would need no table, but not every CPU with AVX2 has them, and on some they take hundreds of cycles. */
 typedef struct vpick {
-    __m256i lanes;
+    __m128i low, high;
+    int count; /* lanes of the low half */
 } vpick;
-/* The numbers of the lanes as bytes, of which those that count are drawn together. */
+/* The bytes of lane k are 4 k to 4 k + 3. */
+static inline __m128i vpick_half(int mask) {
+    static const uint8_t first[16][4] = {
+        {0, 0, 0, 0}, {0, 0, 0, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}, {2, 0, 0, 0}, {0, 2, 0, 0}, {1, 2, 0, 0}, {0, 1, 2, 0},
+        {3, 0, 0, 0}, {0, 3, 0, 0}, {1, 3, 0, 0}, {0, 1, 3, 0}, {2, 3, 0, 0}, {0, 2, 3, 0}, {1, 2, 3, 0}, {0, 1, 2, 3}};
+    int32_t lanes;
+    __builtin_memcpy(&lanes, first[mask], sizeof lanes);
+    const __m128i four = _mm_cvtepu8_epi32(_mm_cvtsi32_si128(lanes)); /* a lane's number in each */
+    return _mm_add_epi8(_mm_mullo_epi32(four, _mm_set1_epi32(0x04040404)), _mm_set1_epi32(0x03020100));
+}
 static inline vpick vpick_make(vmask m) {
-    const uint64_t bytes = _pdep_u64((unsigned)_mm256_movemask_ps(m.v), 0x0101010101010101) * 0xff;
-    const uint64_t numbers = _pext_u64(0x0706050403020100, bytes);
-    return (vpick){_mm256_cvtepu8_epi32(_mm_cvtsi64_si128((long long)numbers))};
+    const int mask = _mm256_movemask_ps(m.v);
+    return (vpick){vpick_half(mask & 15), vpick_half(mask >> 4), __builtin_popcount((unsigned)mask & 15)};
 }
 static inline void vf_store_picked(float *to, vfloat a, vpick pick) {
-    _mm256_storeu_ps(to, _mm256_permutevar8x32_ps(a.v, pick.lanes));
+    const __m128i low = _mm_castps_si128(_mm256_castps256_ps128(a.v));
+    const __m128i high = _mm_castps_si128(_mm256_extractf128_ps(a.v, 1));
+    _mm_storeu_ps(to, _mm_castsi128_ps(_mm_shuffle_epi8(low, pick.low)));
+    _mm_storeu_ps(to + pick.count, _mm_castsi128_ps(_mm_shuffle_epi8(high, pick.high)));
 }
 
 /* Members in pairs of two; a hit is three pairs, four hits are three registers. Unpacking leaves pairs of lanes 0, 1 and

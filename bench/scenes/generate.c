@@ -112,7 +112,7 @@ static void grid(double u, double v, float rgb[3]) {
 /* shade: the colour at u, v in [0, 1], of each pixel's middle. */
 static bool write_image(const char *path, size_t width, size_t height, void (*shade)(double, double, float[3]),
                         io_error *error) {
-    const io_image image = {width, height, floats(width * height * 3)};
+    const io_image image = {.width = width, .height = height, .rgb = floats(width * height * 3)};
     for (size_t y = 0; y < height; y++)
         for (size_t x = 0; x < width; x++)
             shade(((double)x + 0.5) / (double)width, ((double)y + 0.5) / (double)height,

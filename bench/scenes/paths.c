@@ -11,25 +11,37 @@ static const char *const default_paths[] = {"default",       "default-phong",  "
                                             "grid3d-phong",  "cell-phong",     "packet4-phong",
                                             "packet8-phong", "packet16-phong", "auto-phong"};
 
+/* Endings of names, and of titles. */
+static const struct {
+    const char *ending, *title;
+    scene_normals normals;
+} phong[] = {{"-phong", ", Phong", SCENE_NORMALS_AREA},
+             {"-central", ", central", SCENE_NORMALS_CENTRAL},
+             {"-bilinear", ", bilinear", SCENE_NORMALS_BILINEAR}};
+
 bool table_path_parse(const char *text, table_path *path, io_error *error) {
-    const char *const end = strrchr(text, '-'), *const phong = end && strcmp(end, "-phong") == 0 ? end : NULL;
+    const char *const end = strrchr(text, '-');
+    const char *title = "";
+    size_t length = strlen(text);
+    *path = (table_path){.normals = SCENE_NORMALS_FLAT};
+    for (size_t k = 0; end != NULL && k < sizeof phong / sizeof phong[0]; k++) {
+        if (strcmp(end, phong[k].ending) != 0) continue;
+        path->normals = phong[k].normals;
+        title = phong[k].title;
+        length = (size_t)(end - text);
+    }
     char name[TABLE_NAME];
-    *path = (table_path){.phong = phong != NULL};
     snprintf(path->name, sizeof path->name, "%s", text);
-    snprintf(name, sizeof name, "%.*s", (int)(phong ? (size_t)(phong - text) : strlen(text)), text);
+    snprintf(name, sizeof name, "%.*s", (int)length, text);
     path->embree = strcmp(name, "default") == 0;
     const bool automatic = strcmp(name, "auto") == 0;
     if (!path->embree && !automatic) path->kernel = cw_kernel_find(name);
     if (!path->embree && !automatic && !cw_kernel_exists(path->kernel))
-        return io_fail(
-            error,
-            "--path %s: a path is default, auto or a kernel (see cellwalk info), and -phong after it for Phong normals",
-            text);
-    snprintf(path->title, sizeof path->title, "%s%s",
-             path->embree ? "Default"
-             : automatic  ? "cellwalk"
-                          : name,
-             phong ? ", Phong" : "");
+        return io_fail(error,
+                       "--path %s: a path is default, auto or a kernel (see cellwalk info), and -phong, -central or "
+                       "-bilinear after it for Phong normals",
+                       text);
+    snprintf(path->title, sizeof path->title, "%s%s", path->embree ? "Default" : automatic ? "cellwalk" : name, title);
     return true;
 }
 

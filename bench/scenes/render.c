@@ -150,7 +150,8 @@ static void render(void *context) {
     if (j->error.text[0] || j->runs == INTERLEAVE_SAMPLES_MAX) return;
     field_tracer *fields = &j->tracer->fields;
     const scene_tracer own = field_tracer_of(fields);
-    const scene_render_options options = {.tracer = &own, .threads = 1, .samples = j->samples, .phong = j->path->phong};
+    const scene_render_options options = {
+        .tracer = &own, .threads = 1, .samples = j->samples, .phong = true, .normals = j->path->normals};
     io_image_free(&j->image);
     fields->cpu_seconds = 0;
     fields->rays = 0;
@@ -170,7 +171,7 @@ static json_t *path_json(job *jobs, size_t count, size_t k) {
         line, "path title by",
         (const char *[]){j->path->name, j->path->title, t->embree ? "embree/triangles" : t->fields.on[0].name});
     if (t->embree) results_set_count(line, "embree_width", t->fields.on[0].width);
-    results_set_bool(line, "phong", j->path->phong);
+    results_set_bool(line, "phong", j->path->normals != SCENE_NORMALS_FLAT);
     results_set_seconds(line, &j->timing.seconds);
     results_set_count(line, "traced_rays", j->traced);
     results_set_numbers(
@@ -182,7 +183,7 @@ static json_t *path_json(job *jobs, size_t count, size_t k) {
      * Embree's, all with the same normals. */
     const job *against = NULL;
     for (size_t o = 0; o < count; o++) {
-        if (jobs[o].path->phong != j->path->phong) continue;
+        if (jobs[o].path->normals != j->path->normals) continue;
         if (jobs[o].path->embree) {
             results_set_number(line, "time_to_default", j->timing.seconds.median / jobs[o].timing.seconds.median);
             continue;

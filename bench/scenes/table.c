@@ -84,8 +84,9 @@ static int start(int argc, char **argv) {
         {"scenes", "FOLDER", "where the scenes' .pbrt files are; by default those made with this program", OPTION_TEXT,
          .to = &o.scene_folder},
         {"path", "NAMES",
-         "paths: default (Embree), auto (what the library chooses) or a kernel, each with -phong after it for Phong "
-         "normals",
+         "paths: default (Embree), auto (what the library chooses) or a kernel; after it -phong for Phong normals, of "
+         "vertices by the areas of their triangles, -central by central differences, -bilinear by these, and "
+         "bilinearly between the corners of a cell",
          OPTION_LIST, .to = &o.paths},
         {"leaf", "NAME", "leaf test of the library's kernels", OPTION_NAME, .to = &o.leaf, .names = option_leaf_names},
         {"samples", "N", "samples a pixel; 0, the default, is what the scene says", OPTION_COUNT, .to = &o.samples,

@@ -44,11 +44,11 @@ enum { TABLE_PATHS_MAX = 32, TABLE_NAME = 64 };
 
 /* One way to render: whose rays, which normals. */
 typedef struct table_path {
-    char name[TABLE_NAME];      /* "packet8-phong", as --path takes it */
-    char title[TABLE_NAME + 8]; /* "packet8, Phong", a column's head */
-    bool embree;                /* else: */
-    const cw_kernel *kernel;    /* NULL: the one that the library chooses */
-    bool phong;
+    char name[TABLE_NAME];       /* "packet8-phong", as --path takes it */
+    char title[TABLE_NAME + 16]; /* "packet8, Phong", a column's head */
+    bool embree;                 /* else: */
+    const cw_kernel *kernel;     /* NULL: the one that the library chooses */
+    scene_normals normals;
 } table_path;
 
 typedef struct table_options {
@@ -63,7 +63,7 @@ typedef struct table_options {
 
 /* ---- paths.c ---- */
 
-/* Reads NAME or NAME-phong, NAME being default, auto or a kernel's name. */
+/* Reads NAME or NAME-phong, -central or -bilinear, NAME being default, auto or a kernel's name. */
 bool table_path_parse(const char *text, table_path *path, io_error *error);
 /* The paths that are asked for and can run here, in order; lines for those that cannot go to skipped (a JSON array). */
 bool table_paths_choose(const table_options *options, table_path *paths, size_t *count, json_t *skipped,

@@ -2,7 +2,7 @@
 """The table of the six scenes, and the same beside that of the coursework which they come from."""
 
 from markdown import ratio, table
-from results import run_text
+from results import geometric_mean, run_text
 
 # What the coursework reports: pbrt-v2 on a 2.7 GHz Core i7, 8 threads, seconds. Triangle mesh, 3D grid with Phong normals,
 # cell walk with Phong normals.
@@ -50,3 +50,36 @@ def coursework(data):
         of = {path.text("path"): path.number("time_to_default", 0.0) for path in line.lines("paths")}
         rows.append([line.text("scene"), ratio(grid, mesh), ratio(cell, mesh), *(ratio(of.get(path), 1) for path in BESIDE)])
     return table(["scene", "coursework: 3D grid", "coursework: cell walk", *BESIDE.values()], rows)
+
+
+def pbrt(data):
+    """Whole processes of pbrt-v2 and cellwalk."""
+    results = data["scenes/pbrt.json"]
+    run, rows, ratios = results.run, [], []
+    for line in results.some("scene"):
+        ratios.append(line.number("pbrt_seconds") / line.number("cellwalk_seconds"))
+        rows.append([line.text("scene"), *(seconds(line.number(f"{program}_seconds")) for program in ("pbrt", "cellwalk")),
+                     f"{ratios[-1]:.1f}",
+                     *(seconds(line.number(f"{program}_pixel_seconds")) for program in ("pbrt", "cellwalk")),
+                     *(f"{line.number(f'{program}_mib'):.0f}" for program in ("pbrt", "cellwalk"))])
+    rounds = min(int(line.number("rounds")) for line in results.some("scene"))
+    return (f"{run.text('cpu')}, {run.text('isa')}, commit {run.text('commit')}, load {run.number('load'):.2f}, "
+            f"{run.text('date')}. pbrt-v2: {run.text('pbrt')}.\n\nCPU seconds of the whole process on one thread, medians of "
+            f"{rounds} interleaved rounds; flat triangles. *1 pixel*: the same for a picture of one pixel, which is what "
+            "reading and building take.\n\n" +
+            table(["scene", "pbrt-v2", "cellwalk", "ratio", "pbrt-v2, 1 pixel", "cellwalk, 1 pixel", "pbrt-v2, MiB",
+                   "cellwalk, MiB"], rows) +
+            f"\nGeometric mean of the ratios: {geometric_mean(ratios):.1f}.\n")
+
+
+def features(data):
+    """What each feature of a scene adds to the instructions of a picture."""
+    lines = data["scenes/features.json"].some("features")
+    parts = list(lines[0].inner("per_ray"))
+    rows, most = [], 0.0
+    for line in lines:
+        per_ray = [line.inner("per_ray").number(part) for part in parts]
+        most = max(most, line.number("unused_per_ray") / sum(per_ray))
+        rows.append([line.text("added"), f"{sum(per_ray):.0f}", *(f"{number:.0f}" if number >= 0.5 else "" for number in per_ray)])
+    return (table(["scene", "all", *parts], rows) +
+            f"\nCode of features that a scene does not have runs at most {100 * most:.2f} % of the instructions.\n")

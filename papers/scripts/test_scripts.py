@@ -16,9 +16,12 @@ from unittest import mock
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
+import beside_pbrt
+import blocks_scenes
 import blocks_speed
 import blocks_stability
 import blocks_tradeoff
+import features
 import links
 import markdown
 import pictures
@@ -278,6 +281,49 @@ class Links(Folder):
         page = self.write("papers/a.md", "[b](b.md) [h](b.md#one-thing-two) `src/a.c` `src/*.c`\n```\n[x](gone.md)\n```\n"
                           "[no](b.md#three)\n[gone](c.md) `src/gone.c` [web](https://x.org/)\n")
         self.assertEqual(list(links.missing(page, self.folder.name)), [(5, "b.md#three"), (6, "c.md"), (6, "src/gone.c")])
+
+
+class BesidePbrt(Folder):
+    SCENE = ('Film "image" "string filename" ["a.exr"] \n"integer xresolution" [40] "integer yresolution" 30\n'
+             'Camera "perspective"\n')
+
+    def test_film_is_replaced_and_nothing_else(self):
+        for one_pixel, x, y in ((False, 40, 30), (True, 1, 1)):
+            self.assertEqual(beside_pbrt.with_film(self.SCENE, one_pixel, "b.exr"),
+                             f'Film "image" "string filename" ["b.exr"] "integer xresolution" [{x}] '
+                             f'"integer yresolution" [{y}]\nCamera "perspective"\n')
+        self.fails("2 films", beside_pbrt.with_film, self.SCENE * 2, False, "b.exr")
+
+    def test_table(self):
+        line = {"kind": "scene", "scene": "sea", "rounds": 9, "pbrt_seconds": 4.0, "pbrt_pixel_seconds": 1.0,
+                "pbrt_mib": 700.4, "cellwalk_seconds": 0.25, "cellwalk_pixel_seconds": 0.05, "cellwalk_mib": 20.0}
+        name = "scenes/pbrt.json"
+        self.results(line, line | {"scene": "land", "pbrt_seconds": 1.0}, name=name, run=RUN | {"pbrt": "built so"})
+        text = blocks_scenes.pbrt(results.Data(self.folder.name))
+        self.assertIn("| sea | 4.00 | 0.250 | 16.0 | 1.00 | 0.050 | 700 | 20 |", text)
+        self.assertIn("pbrt-v2: built so.", text)
+        self.assertIn("Geometric mean of the ratios: 8.0.", text)
+
+
+class Features(Folder):
+    def test_instructions_go_to_the_function_of_their_line(self):
+        source = self.write("shade.inc.h", "/* x */\nstatic void send_light(int a) {\n    b();\n}\n"
+                                           "static void other(\n    int a) {\n}\n")
+        functions = {"shade.inc.h": features.Functions(source), "lookup.inc.h": features.Functions(source)}
+        found = self.write("counts", "fl=(1) /home/src/scene/render/shade.inc.h\nfn=(1) wave\n3 10\n+3 5\n"
+                                     "fi=(2) /home/src/scene/render/lookup.inc.h\n2 7\nfe=(1)\n3 1\n"
+                                     "cfi=(3) simd/pyramid.c\ncfn=(2) walk\ncalls=1 5\n* 1000\n"
+                                     "fl=(3)\nfn=(2)\n5 900\nfl=(4) libc.c\nfn=(3) memset\n1 50\n")
+        self.assertEqual(dict(features.counts(found, functions)),
+                         {"light": 11, "rest of the renderer": 5, "textures": 7, "tracing": 900, "other": 50})
+
+    def test_table(self):
+        line = {"kind": "features", "added": "a light", "per_ray": {"light": 20.0, "mirrors": 0.1, "tracing": 79.9},
+                "unused_per_ray": 0.1}
+        self.results(line, name="scenes/features.json")
+        text = blocks_scenes.features(results.Data(self.folder.name))
+        self.assertIn("| a light | 100 | 20 | | 80 |", text)
+        self.assertIn("at most 0.10 %", text)
 
 
 if __name__ == "__main__":

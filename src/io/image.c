@@ -2,6 +2,7 @@
 /* Which format a picture has: by the ending of its file name. */
 
 #include "image_format.h"
+#include "large.h"
 
 #include <stdint.h>
 #include <stdlib.h>
@@ -58,24 +59,34 @@ bool io_image_write(const char *path, const io_image *image, io_error *error) {
     return false;
 }
 
-bool io_image_read(const char *path, io_image *image, io_error *error) {
+static bool read_as(const char *path, bool halves, io_image *image, io_error *error) {
     *image = (io_image){0};
     const image_format *format = format_of(path);
     if (format == NULL || format->read == NULL) return refuse(path, format, false, error);
-    return format->read(path, image, error);
+    return format->read(path, halves, image, error);
 }
 
-bool image_allocate(io_image *image, size_t width, size_t height, const char *path, io_error *error) {
+bool io_image_read(const char *path, io_image *image, io_error *error) { return read_as(path, false, image, error); }
+
+bool io_image_read_halves(const char *path, io_image *image, io_error *error) {
+    return read_as(path, true, image, error);
+}
+
+bool image_allocate(io_image *image, size_t width, size_t height, bool halves, const char *path, io_error *error) {
     *image = (io_image){.width = width, .height = height};
     if (width != 0 && height > IO_IMAGE_PIXELS_MAX / width)
         return io_fail(error, "%s: %zu x %zu pixels are more than %d, the most that are read", path, width, height,
                        IO_IMAGE_PIXELS_MAX);
-    if (width != 0) image->rgb = malloc(width * height * 3 * sizeof(float));
-    if (image->rgb != NULL) return true;
+    if (halves && width != 0)
+        image->halves = large_allocate(width * height * 4 * sizeof *image->halves);
+    else if (width != 0)
+        image->rgb = large_allocate(width * height * 3 * sizeof *image->rgb);
+    if (image->rgb != NULL || image->halves != NULL) return true;
     return io_fail(error, "%s: no memory for %zu x %zu pixels", path, width, height);
 }
 
 void io_image_free(io_image *image) {
     free(image->rgb);
+    free(image->halves);
     *image = (io_image){0};
 }

@@ -6,14 +6,17 @@
 #include "output.h"
 
 #include <stddef.h>
+#include <stdint.h>
 
 /* The most pixels that a picture is read or rendered with: 3 GiB of floats. */
 enum { IO_IMAGE_PIXELS_MAX = 1 << 28 };
 
-/* rgb[(y * width + x) * 3 + c], row 0 at the top, linear light. */
+/* rgb[(y * width + x) * 3 + c], row 0 at the top, linear light. Of an image that was read as halves, rgb is NULL and halves
+ * has four half-precision floats a pixel, the last of them of any value. */
 typedef struct io_image {
     size_t width, height;
     float *rgb;
+    uint16_t *halves;
 } io_image;
 
 /* The format follows from the file name's ending: .exr (half RGBA, alpha 1), .png (8 bit, sRGB), .pfm (float). The file
@@ -25,6 +28,8 @@ bool io_image_put(io_output *out, const io_image *image, io_error *error);
 
 /* Reads .exr (any channel types, R G B or Y) and .pfm. The caller frees the pixels with io_image_free. */
 bool io_image_read(const char *path, io_image *image, io_error *error);
+/* The same, as halves if that is what the file holds. */
+bool io_image_read_halves(const char *path, io_image *image, io_error *error);
 void io_image_free(io_image *image);
 
 /* True if the ending is one that this build can write; else error lists those that it can. */

@@ -7,15 +7,16 @@
 
 typedef struct image_format {
     const char *ending; /* ".exr" */
-    /* Fills an image whose pixels are malloc'ed; on failure nothing is left to free. NULL: cannot be read. */
-    bool (*read)(const char *path, io_image *image, io_error *error);
+    /* Fills an image whose pixels are malloc'ed, with halves if that is wanted and the file holds them; on failure nothing is
+     * left to free. NULL: cannot be read. */
+    bool (*read)(const char *path, bool halves, io_image *image, io_error *error);
     bool (*write)(io_output *out, const io_image *image, io_error *error);
 } image_format;
 
 /* Both functions NULL where the library was absent when this was built. */
 extern const image_format image_exr, image_pfm, image_png;
 
-/* Allocates the pixels; false, with error, if their number overflows or memory is short. */
-bool image_allocate(io_image *image, size_t width, size_t height, const char *path, io_error *error);
+/* Allocates the pixels, as floats or halves; false, with error, if their number overflows or memory is short. */
+bool image_allocate(io_image *image, size_t width, size_t height, bool halves, const char *path, io_error *error);
 
 #endif

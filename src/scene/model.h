@@ -21,14 +21,12 @@ typedef struct heightfield {
     float *samples;
     size_t nx, ny;
     transform to_world; /* from object space, where the samples' x and y span [0, 1] and are u and v */
-    float to_uv[2][3];  /* of a vector in the world */
     material surface;
 } heightfield;
 
 /* Radius 1, z from -1 to 1, open ends. */
 typedef struct cylinder {
-    transform to_object;
-    float linear[3][3]; /* of to_object: moves vectors */
+    transform to_world; /* can be inverted */
     material surface;
 } cylinder;
 
@@ -51,7 +49,6 @@ struct scene {
     /* Pointers, because materials point to them. */
     texture **textures;
     size_t texture_count;
-    bool textured; /* some shape has a texture: rays carry differentials */
 };
 
 #endif

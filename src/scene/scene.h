@@ -37,12 +37,30 @@ typedef struct scene_tracer {
     void (*any)(void *context, size_t field, const cw_ray *rays, size_t n, uint8_t *occluded);
 } scene_tracer;
 
+/* Which normals Phong shading interpolates, and how. */
+typedef enum scene_normals {
+    SCENE_NORMALS_AREA = 0, /* of vertices: sums of the area-weighted normals of their triangles; barycentrically */
+    SCENE_NORMALS_CENTRAL,  /* of vertices: by central differences; barycentrically */
+    SCENE_NORMALS_BILINEAR, /* the same, bilinearly between the corners of the cell */
+    SCENE_NORMALS_FLAT      /* the triangles' own: what is taken without phong */
+} scene_normals;
+
+/* Pixels from (x0, y0) to before (x1, y1). */
+typedef struct scene_crop {
+    size_t x0, y0, x1, y1;
+} scene_crop;
+
 typedef struct scene_render_options {
     cw_query query;             /* for the default tracer; its pool is not used: tiles are what threads share */
     const scene_tracer *tracer; /* NULL: the default */
     unsigned threads;           /* 0: one per CPU */
     unsigned samples;           /* a pixel; 0: as the scene says */
+    uint32_t seed;              /* of the samples' places in their pixels */
+    size_t width, height;       /* of the picture; 0: as the scene says */
+    scene_crop crop;            /* the part of it that is rendered, each pixel as in the whole; x1 = 0: all */
     bool phong;                 /* Phong normals on height fields instead of the triangles' own */
+    scene_normals normals;      /* of these */
+    bool general;               /* for tests: leave nothing out that the scene does not require */
     const atomic_bool *cancel;  /* NULL, or stops the rendering soon after it turns true */
     /* NULL, or told the share done in [0, 1], from one thread at a time. */
     void (*progress)(void *context, double done);
@@ -54,11 +72,16 @@ typedef struct scene_render_stats {
     uint64_t field_queries; /* rays given to a tracer, counted once for each field that they were given to */
     double seconds;         /* wall time, without build_seconds */
     double build_seconds;   /* cw_field_build for the default tracer; 0 where it had been done before */
-    double trace_seconds;   /* inside the tracer, added up over threads */
+    /* The time of all threads from their first tile to their last, added up: */
+    double ray_seconds;   /* making rays, and moving them to the shapes that they may meet */
+    double trace_seconds; /* inside the tracer */
+    double shade_seconds; /* surfaces, light, textures */
+    double film_seconds;  /* pixels */
 } scene_render_stats;
 
-/* Renders into image, which is allocated here. The picture does not depend on the number of threads. False, with error,
- * when out of memory, on a kernel's refusal, or with the text "cancelled". stats may be NULL. */
+/* Renders into image, which is allocated here. The picture depends neither on the number of threads nor on the kernel or
+ * the instruction set. False, with error, when out of memory, on a kernel's refusal, on a crop that is empty or reaches
+ * out of the picture, or with the text "cancelled". stats may be NULL. */
 bool scene_render(const scene *s, const scene_render_options *options, io_image *image, scene_render_stats *stats,
                   io_error *error);
 

@@ -2,6 +2,7 @@
 /* `cellwalk render`: a picture of a scene. */
 
 #include "cancel.h"
+#include "clock.h"
 #include "command.h"
 #include "commands.h"
 #include "image.h"
@@ -15,12 +16,22 @@
 
 static const char name[] = "render";
 
+/* Sides of a picture; what pixels take is then no more than memory can have. */
+enum { SIDE_MOST = 65536 };
+
 typedef struct render_command {
     query_options query;
-    const char *output;
-    unsigned samples;
-    bool phong, stats, json;
+    const char *output, *size, *crop;
+    unsigned samples, seed;
+    bool phong, quiet, stats, json;
+    size_t width, height; /* from size; 0: as the scene says */
+    scene_crop part;      /* from crop */
 } render_command;
+
+/* What happens outside of scene_render. */
+typedef struct render_times {
+    double load, write;
+} render_times;
 
 static void warn(void *context, const char *message) {
     (void)context;
@@ -37,16 +48,19 @@ static const char *kernel_name(scene *s, const cw_query *query) {
     return cw_kernel_describe(cw_query_kernel(field, query)).name;
 }
 
-static void print_stats(const scene_render_stats *s, const char *kernel) {
+static void print_stats(const scene_render_stats *s, const render_times *outside, const char *kernel) {
     printf("kernel        %s\n"
            "camera rays   %llu\nshadow rays   %llu\nmirror rays   %llu\nfield queries %llu\n"
-           "build         %.3f s\nrender        %.3f s, %.1f Mrays/s\ntracing       %.3f s, added up over threads\n",
+           "parsing       %.3f s, with images\nbuilding      %.3f s\nrendering     %.3f s, %.1f Mrays/s\n"
+           "  rays        %.3f s, added up over threads as are the next three\n  tracing     %.3f s\n"
+           "  shading     %.3f s\n  film        %.3f s\nwriting       %.3f s\n",
            kernel, (unsigned long long)s->camera_rays, (unsigned long long)s->shadow_rays,
-           (unsigned long long)s->mirror_rays, (unsigned long long)s->field_queries, s->build_seconds, s->seconds,
-           mrays(s), s->trace_seconds);
+           (unsigned long long)s->mirror_rays, (unsigned long long)s->field_queries, outside->load, s->build_seconds,
+           s->seconds, mrays(s), s->ray_seconds, s->trace_seconds, s->shade_seconds, s->film_seconds, outside->write);
 }
 
-static void print_json(const scene_render_stats *s, const char *kernel, const char *path, const io_image *image) {
+static void print_json(const scene_render_stats *s, const render_times *outside, const char *kernel, const char *path,
+                       const io_image *image) {
     fputs("{\"scene\": ", stdout);
     json_string(stdout, path);
     printf(", \"width\": %zu, \"height\": %zu, \"kernel\": \"%s\", \"camera_rays\": %llu, \"shadow_rays\": %llu, "
@@ -56,10 +70,10 @@ static void print_json(const scene_render_stats *s, const char *kernel, const ch
     const struct {
         const char *key;
         double value;
-    } rest[] = {{"build_seconds", s->build_seconds},
-                {"seconds", s->seconds},
-                {"trace_seconds", s->trace_seconds},
-                {"mrays_per_s", mrays(s)}};
+    } rest[] = {
+        {"load_seconds", outside->load},   {"build_seconds", s->build_seconds}, {"seconds", s->seconds},
+        {"ray_seconds", s->ray_seconds},   {"trace_seconds", s->trace_seconds}, {"shade_seconds", s->shade_seconds},
+        {"film_seconds", s->film_seconds}, {"write_seconds", outside->write},   {"mrays_per_s", mrays(s)}};
     for (size_t k = 0; k < sizeof rest / sizeof rest[0]; k++) {
         printf(", \"%s\": ", rest[k].key);
         json_number(stdout, rest[k].value);
@@ -68,14 +82,19 @@ static void print_json(const scene_render_stats *s, const char *kernel, const ch
 }
 
 /* Renders and writes; the output file was opened before, so that no work is done in vain. */
-static int render(const render_command *c, const char *path, scene *s, const cw_query *query, io_output *out) {
+static int render(const render_command *c, const char *path, scene *s, const cw_query *query, render_times times,
+                  io_output *out) {
     progress p = progress_start("rendering");
     const scene_render_options options = {.query = *query,
                                           .threads = c->query.threads,
                                           .samples = c->samples,
+                                          .seed = c->seed,
+                                          .width = c->width,
+                                          .height = c->height,
+                                          .crop = c->part,
                                           .phong = c->phong,
                                           .cancel = cancel_flag(),
-                                          .progress = progress_update,
+                                          .progress = c->quiet ? NULL : progress_update,
                                           .progress_context = &p};
     io_image image;
     io_error error;
@@ -86,31 +105,71 @@ static int render(const render_command *c, const char *path, scene *s, const cw_
         io_output_discard(out);
         return command_fail(name, "%s", error.text);
     }
+    const double start = clock_seconds();
     bool good = io_image_put(out, &image, &error);
     if (good)
         good = io_output_commit(out, &error);
     else
         io_output_discard(out);
-    if (good && c->stats) print_stats(&stats, kernel_name(s, query));
-    if (good && c->json) print_json(&stats, kernel_name(s, query), path, &image);
+    times.write = clock_seconds() - start;
+    if (good && c->stats) print_stats(&stats, &times, kernel_name(s, query));
+    if (good && c->json) print_json(&stats, &times, kernel_name(s, query), path, &image);
     io_image_free(&image);
     return good ? EXIT_SUCCESS : command_fail(name, "%s", error.text);
 }
 
 static int load_and_render(const render_command *c, const char *path, const cw_query *query) {
     io_error error;
-    scene *s = scene_load(path, warn, NULL, &error);
+    const double start = clock_seconds();
+    scene *s = scene_load(path, c->quiet ? NULL : warn, NULL, &error);
+    const render_times times = {.load = clock_seconds() - start};
     if (s == NULL) return command_fail(name, "%s", error.text);
     io_output out;
-    const int status = io_output_open(&out, c->output, &error) ? render(c, path, s, query, &out)
+    const int status = io_output_open(&out, c->output, &error) ? render(c, path, s, query, times, &out)
                                                                : command_fail(name, "%s", error.text);
     scene_free(s);
     return status;
 }
 
+/* Whole numbers with a separator between each two, and nothing else. */
+static bool read_numbers(const char *text, char separator, size_t count, size_t numbers[]) {
+    for (size_t k = 0; k < count; k++) {
+        if (k > 0 && *text++ != separator) return false;
+        if (*text < '0' || *text > '9') return false;
+        for (numbers[k] = 0; *text >= '0' && *text <= '9'; text++) {
+            numbers[k] = numbers[k] * 10 + (size_t)(*text - '0');
+            if (numbers[k] > SIDE_MOST) return false;
+        }
+    }
+    return *text == '\0';
+}
+
+/* False, after a message, if a size or a crop is none. */
+static bool read_area(render_command *c) {
+    size_t n[4];
+    if (c->size != NULL) {
+        if (!read_numbers(c->size, 'x', 2, n) || n[0] == 0 || n[1] == 0) {
+            command_fail(name, "--size %s: not a width and a height from 1 to %d, as in 800x600", c->size, SIDE_MOST);
+            return false;
+        }
+        c->width = n[0];
+        c->height = n[1];
+    }
+    if (c->crop != NULL) {
+        if (!read_numbers(c->crop, ',', 4, n) || n[0] >= n[2] || n[1] >= n[3]) {
+            command_fail(name, "--crop %s: not X0,Y0,X1,Y1 with X0 < X1 <= %d and Y0 < Y1 <= %d", c->crop, SIDE_MOST,
+                         SIDE_MOST);
+            return false;
+        }
+        c->part = (scene_crop){n[0], n[1], n[2], n[3]};
+    }
+    return true;
+}
+
 static int run(int argc, char **argv) {
     render_command c = {.output = NULL};
-    option_spec options[QUERY_OPTION_COUNT + 5];
+    enum { OWN = 9 };
+    option_spec options[QUERY_OPTION_COUNT + OWN];
     const option_spec own[] = {
         {.name = "output",
          .letter = 'o',
@@ -126,11 +185,32 @@ static int run(int argc, char **argv) {
          .to = &c.samples,
          .low = 1,
          .high = 65536},
+        {.name = "size",
+         .value = "WxH",
+         .help = "pixels (default: what the scene says)",
+         .kind = OPTION_TEXT,
+         .to = &c.size},
+        {.name = "crop",
+         .value = "X0,Y0,X1,Y1",
+         .help = "only the part from pixel (X0, Y0) to before (X1, Y1), counted from the upper left corner",
+         .kind = OPTION_TEXT,
+         .to = &c.crop},
+        {.name = "seed",
+         .value = "N",
+         .help = "another pattern of samples (default 0)",
+         .kind = OPTION_COUNT,
+         .to = &c.seed,
+         .low = 0,
+         .high = UINT32_MAX},
         {.name = "phong", .help = "smooth height fields by Phong normals", .kind = OPTION_FLAG, .to = &c.phong},
-        {.name = "stats", .help = "print numbers of rays and times", .kind = OPTION_FLAG, .to = &c.stats},
+        {.name = "quiet", .help = "neither progress nor warnings", .kind = OPTION_FLAG, .to = &c.quiet},
+        {.name = "stats",
+         .help = "print numbers of rays, and where the time went",
+         .kind = OPTION_FLAG,
+         .to = &c.stats},
         {.name = "json", .help = "print the same as one JSON object", .kind = OPTION_FLAG, .to = &c.json}};
-    for (size_t k = 0; k < 5; k++) options[k] = own[k];
-    query_options_rows(&c.query, options + 5);
+    for (size_t k = 0; k < OWN; k++) options[k] = own[k];
+    query_options_rows(&c.query, options + OWN);
     static const char *const operands[] = {"SCENE.pbrt"};
     const options_usage usage = {
         .name = name,
@@ -140,9 +220,10 @@ static int run(int argc, char **argv) {
                 "textures, point lights, a perspective camera. Anything else in the file is an\n"
                 "error with its line, or a warning where it changes neither geometry nor light.\n",
         .examples = "  cellwalk render landsea-0.pbrt -o landsea-0.png\n"
-                    "  cellwalk render landsea-0.pbrt -o smooth.exr --phong --samples 64 --stats\n",
+                    "  cellwalk render landsea-0.pbrt -o smooth.exr --phong --samples 64 --stats\n"
+                    "  cellwalk render texture.pbrt -o part.png --size 1600x1600 --crop 0,0,400,400\n",
         .options = options,
-        .option_count = QUERY_OPTION_COUNT + 5,
+        .option_count = QUERY_OPTION_COUNT + OWN,
         .operands = operands,
         .operand_least = 1,
         .operand_most = 1,
@@ -151,7 +232,7 @@ static int run(int argc, char **argv) {
     const int status = options_parse(&usage, argc, argv, &path);
     if (status != OPTIONS_GO) return status;
     cw_query query;
-    if (!query_options_resolve(&c.query, name, &query)) return EXIT_USAGE;
+    if (!query_options_resolve(&c.query, name, &query) || !read_area(&c)) return EXIT_USAGE;
     io_error error;
     if (c.output == NULL || !io_image_can_write(c.output, &error)) {
         command_fail(name, "%s", c.output ? error.text : "no picture to write to: -o IMAGE is missing");

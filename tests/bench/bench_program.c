@@ -145,6 +145,27 @@ static void table_files_hold_the_same_numbers(void **state) {
     json_decref(lines);
 }
 
+static void paths_end_in_their_normals(void **state) {
+    (void)state;
+    static const struct {
+        const char *text, *title;
+        scene_normals normals;
+    } good[] = {{"auto", "cellwalk", SCENE_NORMALS_FLAT},
+                {"grid3d-early", "grid3d-early", SCENE_NORMALS_FLAT},
+                {"cell-phong", "cell, Phong", SCENE_NORMALS_AREA},
+                {"default-central", "Default, central", SCENE_NORMALS_CENTRAL},
+                {"grid3d-early-bilinear", "grid3d-early, bilinear", SCENE_NORMALS_BILINEAR}};
+    io_error error;
+    table_path path;
+    for (size_t k = 0; k < sizeof good / sizeof good[0]; k++) {
+        check(table_path_parse(good[k].text, &path, &error), "%s", error.text);
+        check(path.normals == good[k].normals && strcmp(path.title, good[k].title) == 0, "%s is taken for %s",
+              good[k].text, path.title);
+    }
+    check(!table_path_parse("cell-flat", &path, &error) && strstr(error.text, "-central") != NULL, "%s", error.text);
+    check(!table_path_parse("-phong", &path, &error), "a path without a name");
+}
+
 static const char *const small_micro =
     "--field 65 --rays primary,ao --kernel cell,pyramid1 --count 512 --seconds 0.3 --json m.json";
 
@@ -310,6 +331,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(comparisons_need_more_than_the_machine, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(results_are_checked, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(mistakes_leave_nothing, scratch_enter, scratch_leave),
+        cmocka_unit_test(paths_end_in_their_normals),
         cmocka_unit_test(helps),
     };
     return cmocka_run_group_tests_name("bench_program", tests, NULL, NULL);

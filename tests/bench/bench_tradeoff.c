@@ -399,7 +399,7 @@ static void pictures_are_compared(void **state) {
     b[3] = 0.25f;    /* pixel (1, 0) */
     b[6] = 1 + 0.5f; /* white already: another number, but the same to see */
     b[0] = 0x1p-12f; /* to be seen by no eye */
-    const io_image first = {2, 2, a}, second = {2, 2, b};
+    const io_image first = {.width = 2, .height = 2, .rgb = a}, second = {.width = 2, .height = 2, .rgb = b};
     const picture_difference p = picture_compare(&first, &second);
     check(p.worst == 0.25 && p.worst_x == 1 && p.worst_y == 0, "worst %g at (%zu, %zu)", p.worst, p.worst_x, p.worst_y);
     check(p.pixels == 4 && p.differ == 3 && p.visible == 1, "%zu pixels differ, %zu visibly", p.differ, p.visible);

@@ -2,6 +2,7 @@
 /* Pictures survive the way to a file and back as far as the format promises, and damaged files are refused. */
 
 #include "check.h"
+#include "half.h"
 #include "image.h"
 #include "scratch.h"
 #include "workload/random.h"
@@ -14,7 +15,7 @@
 
 enum { WIDTH = 37, HEIGHT = 29 };
 static float pixels[WIDTH * HEIGHT * 3];
-static const io_image picture = {WIDTH, HEIGHT, pixels};
+static const io_image picture = {.width = WIDTH, .height = HEIGHT, .rgb = pixels};
 
 static int set_up(void **state) {
     random_state r = {7};
@@ -74,6 +75,25 @@ static void exr_rounds_to_the_nearest_half(void **state) {
 }
 
 /* PNG cannot be read back: its header at least, and that the whole file is there. */
+/* Halves are those that were written, and only a file of halves is read as such. */
+static void halves_are_read_as_they_are(void **state) {
+    (void)state;
+    io_error error;
+    io_image back;
+    check(io_image_write("a.pfm", &picture, &error), "%s", error.text);
+    check(io_image_read_halves("a.pfm", &back, &error), "%s", error.text);
+    check(back.halves == NULL && memcmp(back.rgb, pixels, sizeof pixels) == 0, "floats became halves");
+    io_image_free(&back);
+    if (!io_image_can_write("a.exr", &error)) return;
+    check(io_image_write("a.exr", &picture, &error), "%s", error.text);
+    check(io_image_read_halves("a.exr", &back, &error), "%s", error.text);
+    check(back.rgb == NULL && back.width == WIDTH && back.height == HEIGHT, "no halves");
+    for (size_t k = 0; k < WIDTH * HEIGHT; k++)
+        for (size_t c = 0; c < 3; c++)
+            check(back.halves[4 * k + c] == half_from_float(pixels[3 * k + c]), "half %zu differs", 4 * k + c);
+    io_image_free(&back);
+}
+
 static void png_is_whole(void **state) {
     (void)state;
     io_error error;
@@ -168,6 +188,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pfm_keeps_every_bit),
         cmocka_unit_test(exr_rounds_to_the_nearest_half),
+        cmocka_unit_test(halves_are_read_as_they_are),
         cmocka_unit_test(png_is_whole),
         cmocka_unit_test(pfm_reads_grey_and_either_byte_order),
         cmocka_unit_test(damaged_files_are_refused),

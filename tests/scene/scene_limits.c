@@ -81,8 +81,8 @@ static void images_are_read_once(void **state) {
     enum { TEXTURES = 60 };
     static float rgb[12] = {0.5f, 0.5f, 0.5f, 1, 1, 1, 0, 0, 0, 0.25f, 0.5f, 1};
     io_error error = {""};
-    check(io_image_write("a.pfm", &(io_image){2, 2, rgb}, &error), "%s", error.text);
-    check(io_image_write("other.pfm", &(io_image){2, 2, rgb}, &error), "%s", error.text);
+    check(io_image_write("a.pfm", &(io_image){.width = 2, .height = 2, .rgb = rgb}, &error), "%s", error.text);
+    check(io_image_write("other.pfm", &(io_image){.width = 2, .height = 2, .rgb = rgb}, &error), "%s", error.text);
     assert_int_equal(link("a.pfm", "b.pfm"), 0);
     FILE *file = fopen("a.pbrt", "w");
     assert_non_null(file);
@@ -136,7 +136,7 @@ static void small_files_hold_no_large_pictures(void **state) {
     io_error error = {""};
     io_image image;
     if (!io_image_can_write("a.exr", &error)) skip();
-    check(io_image_write("a.exr", &(io_image){2, 2, rgb}, &error), "%s", error.text);
+    check(io_image_write("a.exr", &(io_image){.width = 2, .height = 2, .rgb = rgb}, &error), "%s", error.text);
     size_t size;
     char *bytes = scratch_read("a.exr", &size);
     static const int32_t sides[] = {16383, 1600000};

@@ -58,6 +58,56 @@ static void numbers_are_rounded_correctly(void **state) {
         check(pbrt_number(wrong[k], &number) == NULL, "\"%s\" counts as a number", wrong[k]);
 }
 
+/* Texts beside the points halfway between two floats, by less than a double can tell; and plain ones. */
+static void halfway_texts(char texts[][48], int count) {
+    random_state r = {5};
+    for (int k = 0; k < count; k++) {
+        const float below = (float)ldexp(random_unit(&r), (int)random_below(&r, 8) - 4);
+        const double middle = ((double)below + (double)nextafterf(below, INFINITY)) / 2;
+        if (k % 4 == 3)
+            snprintf(texts[k], sizeof texts[k], "%.6f", middle);
+        else
+            snprintf(texts[k], sizeof texts[k], k % 4 == 0 ? "-%.40f" : "%.40f", middle);
+        /* All 40 digits are exact, and the last one is a zero. */
+        if (k % 4 == 1) texts[k][strlen(texts[k]) - 1] = '1';
+    }
+}
+
+/* Samples are what strtof says, not a double rounded a second time. */
+static void samples_are_rounded_once(void **state) {
+    (void)state;
+    enum { SIDE = 40, RANDOM = SIDE * SIDE - 8 };
+    static char texts[SIDE * SIDE][48] = {"1.000000059604644775390625000000001",
+                                          "1.000000059604644775390625",
+                                          "1.000000178813934326171875",
+                                          "-7.006492321624086e-46",
+                                          "1267650600228229401496703205376",
+                                          "1e-46",
+                                          "-0.0",
+                                          "16777217"};
+    halfway_texts(texts + 8, RANDOM);
+    static char file[SIDE * SIDE * 50 + 200];
+    size_t used = (size_t)snprintf(
+        file, sizeof file, "Shape \"heightfield\" \"integer nu\" %d \"integer nv\" %d \"float Pz\" [", SIDE, SIDE);
+    for (int k = 0; k < SIDE * SIDE; k++)
+        used += (size_t)snprintf(file + used, sizeof file - used, "%s%s", texts[k],
+                                 k + 1 == SIDE * SIDE ? "]"
+                                 : k % 7 == 3         ? "\t# word\n"
+                                                      : " ");
+    io_error error = {""};
+    cw_field *field = scene_load_heightfield(written("halfway.pbrt", file), true, &error);
+    check(field != NULL, "%s", error.text);
+    int doubled = 0;
+    for (size_t k = 0; k < SIDE * SIDE; k++) {
+        const float sample = cw_field_sample(field, k % SIDE, k / SIDE), wanted = strtof(texts[k], NULL);
+        check(memcmp(&sample, &wanted, sizeof sample) == 0, "%s is %a, not %a", texts[k], (double)sample,
+              (double)wanted);
+        doubled += (float)strtod(texts[k], NULL) != wanted;
+    }
+    check(doubled > SIDE, "only %d texts tell one rounding from two", doubled);
+    cw_field_destroy(field);
+}
+
 #define HEAD  "LookAt 0 0 0 0 0 1 0 1 0\nCamera \"perspective\"\nWorldBegin\n"
 #define PLAIN "Shape \"heightfield\" \"integer nu\" 2 \"integer nv\" 2 \"float Pz\" [0 0 0 0]\n"
 
@@ -287,9 +337,13 @@ static void a_lone_heightfield_is_a_field(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(numbers_are_rounded_correctly), cmocka_unit_test(mistakes_are_named),
-        cmocka_unit_test(cut_files_are_refused),         cmocka_unit_test(includes_are_followed_and_not_in_circles),
-        cmocka_unit_test(unreadable_images_are_named),   cmocka_unit_test(what_changes_nothing_is_a_warning),
+        cmocka_unit_test(numbers_are_rounded_correctly),
+        cmocka_unit_test(samples_are_rounded_once),
+        cmocka_unit_test(mistakes_are_named),
+        cmocka_unit_test(cut_files_are_refused),
+        cmocka_unit_test(includes_are_followed_and_not_in_circles),
+        cmocka_unit_test(unreadable_images_are_named),
+        cmocka_unit_test(what_changes_nothing_is_a_warning),
         cmocka_unit_test(a_lone_heightfield_is_a_field),
     };
     return cmocka_run_group_tests(tests, scratch_enter, scratch_leave);

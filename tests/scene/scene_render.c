@@ -2,9 +2,8 @@
 /* Pictures against closed formulas, and that neither kernel nor number of threads changes a pixel. */
 
 #include "check.h"
-#include "scene.h"
+#include "pictures.h"
 #include "scratch.h"
-#include "workload/random.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -20,25 +19,10 @@ enum { SIDE = 64 };
 static const double intensity[3] = {3, 2, 1};
 static const double pi = 3.14159265358979323846;
 
-static scene *load(const char *text) {
-    io_error error = {""};
-    scratch_write("scene.pbrt", text, strlen(text));
-    scene *s = scene_load("scene.pbrt", NULL, NULL, &error);
-    check(s != NULL, "%s", error.text);
-    return s;
-}
-
-static io_image render(const scene *s, const scene_render_options *options, scene_render_stats *stats) {
-    io_image image;
-    io_error error = {""};
-    check(scene_render(s, options, &image, stats, &error), "%s", error.text);
-    return image;
-}
-
 static io_image picture_of(const char *text, scene_render_stats *stats) {
-    scene *s = load(text);
+    scene *s = pictures_load(text);
     const scene_render_options options = {.threads = 1};
-    const io_image image = render(s, &options, stats);
+    const io_image image = pictures_render(s, &options, stats);
     scene_free(s);
     return image;
 }
@@ -212,8 +196,8 @@ static void images_lie_on_shapes_as_they_should(void **state) {
     float one[3 * 8 * 4], four[4 * 3] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 1};
     for (int k = 0; k < 3 * 8 * 4; k++) one[k] = 0.5f;
     io_error error = {""};
-    check(io_image_write("one.pfm", &(io_image){8, 4, one}, &error), "%s", error.text);
-    check(io_image_write("four.pfm", &(io_image){2, 2, four}, &error), "%s", error.text);
+    check(io_image_write("one.pfm", &(io_image){.width = 8, .height = 4, .rgb = one}, &error), "%s", error.text);
+    check(io_image_write("four.pfm", &(io_image){.width = 2, .height = 2, .rgb = four}, &error), "%s", error.text);
     static const char textured[] =
         HEAD "AttributeBegin\n" LIGHT "AttributeEnd\nTexture \"t\" \"color\" \"imagemap\" \"string filename\" "
              "\"%s.pfm\"\nMaterial \"matte\" \"texture Kd\" \"t\"\n%sWorldEnd";
@@ -244,36 +228,9 @@ static void images_lie_on_shapes_as_they_should(void **state) {
 
 /* ---- kernels, threads, cancelling --------------------------------------------------------------------------------- */
 
-/* A rough matte field in front of a rippled mirror, under two lights. */
-static scene *rough_scene(void) {
-    static char text[1 << 15];
-    random_state r = {11};
-    size_t used =
-        (size_t)snprintf(text, sizeof text,
-                         "Film \"image\" \"integer xresolution\" 70 \"integer yresolution\" 50\n"
-                         "LookAt 0 -1 1.5 0 1 0 0 0 1\nCamera \"perspective\" \"float fov\" 60\nWorldBegin\n"
-                         "AttributeBegin\nTranslate 1 -1 2\n" LIGHT "Translate -2 0 0\n" LIGHT "AttributeEnd\n");
-    for (int field = 0; field < 2; field++) {
-        used += (size_t)snprintf(text + used, sizeof text - used,
-                                 "AttributeBegin\n%sTranslate -1 -1 0\nScale 2 2 %s\n"
-                                 "Shape \"heightfield\" \"integer nu\" 17 \"integer nv\" 15 \"float Pz\" [",
-                                 field ? "Material \"mirror\"\n" : "", field ? "0.1" : "0.5");
-        for (int k = 0; k < 17 * 15; k++)
-            used += (size_t)snprintf(text + used, sizeof text - used, " %.4f", random_between(&r, -1, 1));
-        used += (size_t)snprintf(text + used, sizeof text - used, "]\nAttributeEnd\n");
-    }
-    snprintf(text + used, sizeof text - used, "WorldEnd\n");
-    return load(text);
-}
-
-static bool same(const io_image *a, const io_image *b) {
-    return a->width == b->width && a->height == b->height &&
-           memcmp(a->rgb, b->rgb, a->width * a->height * 3 * sizeof *a->rgb) == 0;
-}
-
 static void kernels_and_threads_change_no_pixel(void **state) {
     (void)state;
-    scene *s = rough_scene();
+    scene *s = pictures_rough_scene();
     for (int phong = 0; phong < 2; phong++)
         for (int leaf = CW_LEAF_MOLLER_TRUMBORE; leaf < CW_LEAF_COUNT; leaf++) {
             io_image first = {0};
@@ -299,7 +256,7 @@ static void kernels_and_threads_change_no_pixel(void **state) {
                         first_stats = stats;
                         continue;
                     }
-                    check(same(&first, &image), "%s, %s, %u threads: pixels differ", info.name,
+                    check(pictures_same(&first, &image), "%s, %s, %u threads: pixels differ", info.name,
                           cw_leaf_name((cw_leaf)leaf), threads);
                     check(stats.shadow_rays == first_stats.shadow_rays &&
                               stats.mirror_rays == first_stats.mirror_rays &&
@@ -316,7 +273,7 @@ static void kernels_and_threads_change_no_pixel(void **state) {
 
 static void impossible_queries_are_refused(void **state) {
     (void)state;
-    scene *s = rough_scene();
+    scene *s = pictures_rough_scene();
     const scene_render_options options = {.query = {.leaf = (cw_leaf)99}};
     io_image image;
     io_error error = {""};
@@ -336,7 +293,7 @@ static void kernels_that_vanish_are_an_error(void **state) {
     (void)state;
     const cw_kernel *kernel = cw_kernel_find("packet4");
     if (!cw_kernel_describe(kernel).available) skip();
-    scene *s = rough_scene();
+    scene *s = pictures_rough_scene();
     const scene_render_options options = {.query = {.kernel = kernel}, .threads = 1, .progress = lower_the_limit};
     io_image image;
     io_error error = {""};
@@ -350,12 +307,12 @@ static void kernels_that_vanish_are_an_error(void **state) {
 /* Any number of samples makes the same picture up to noise. */
 static void samples_converge(void **state) {
     (void)state;
-    scene *s = rough_scene();
-    io_image many = render(s, &(scene_render_options){.samples = 257}, NULL);
+    scene *s = pictures_rough_scene();
+    io_image many = pictures_render(s, &(scene_render_options){.samples = 257}, NULL);
     double last = INFINITY;
     static const unsigned counts[] = {1, 7, 64};
     for (int k = 0; k < 3; k++) {
-        io_image few = render(s, &(scene_render_options){.samples = counts[k]}, NULL);
+        io_image few = pictures_render(s, &(scene_render_options){.samples = counts[k]}, NULL);
         double sum = 0;
         const size_t n = few.width * few.height * 3;
         for (size_t p = 0; p < n; p++) sum += pow((double)few.rgb[p] - (double)many.rgb[p], 2);
@@ -381,7 +338,7 @@ static void cancel_soon(void *context, double share) {
 
 static void cancelling_leaves_no_picture(void **state) {
     (void)state;
-    scene *s = rough_scene();
+    scene *s = pictures_rough_scene();
     const scene_render_options options = {.threads = 1, .cancel = &cancelled, .progress = cancel_soon};
     io_image image;
     io_error error = {""};
@@ -393,7 +350,7 @@ static void cancelling_leaves_no_picture(void **state) {
     scene_free(s);
 }
 
-/* A tracer of one's own is asked instead of the library, for at most a batch of rays. */
+/* A tracer of one's own is asked instead of the library, for at most a batch of rays. It finds nothing. */
 static void count_closest(void *context, size_t field, const cw_ray *rays, size_t n, cw_hit *hits) {
     (void)rays;
     (void)field;
@@ -404,11 +361,12 @@ static void count_closest(void *context, size_t field, const cw_ray *rays, size_
 
 static void a_tracer_is_asked_instead_of_the_library(void **state) {
     (void)state;
-    scene *s = rough_scene();
+    scene *s = pictures_rough_scene();
     uint64_t asked = 0;
     const scene_tracer nothing = {&asked, count_closest, NULL}; /* where nothing is hit, nothing is shadowed */
     scene_render_stats stats;
-    io_image image = render(s, &(scene_render_options){.tracer = &nothing, .threads = 1}, &stats);
+    const scene_render_options options = {.tracer = &nothing, .threads = 1, .general = true};
+    io_image image = pictures_render(s, &options, &stats);
     check(asked == 2 * 70 * 50 * 4 && stats.field_queries == asked, "%llu rays", (unsigned long long)asked);
     for (size_t k = 0; k < 70 * 50 * 3; k++) check(image.rgb[k] == 0, "light from nowhere");
     io_image_free(&image);
@@ -433,7 +391,7 @@ static void the_six_scenes_render(void **state) {
         check(scene_width(s) == scenes[k].side && scene_height(s) == scenes[k].side, "%s: size", path);
         check(scene_field_count(s) == scenes[k].fields, "%s: %zu fields", path, scene_field_count(s));
         scene_render_stats stats;
-        io_image image = render(s, &(scene_render_options){.samples = 1, .phong = k % 2 == 1}, &stats);
+        io_image image = pictures_render(s, &(scene_render_options){.samples = 1, .phong = k % 2 == 1}, &stats);
         double mean = 0;
         for (size_t p = 0; p < image.width * image.height * 3; p++) mean += (double)image.rgb[p];
         mean /= (double)(image.width * image.height * 3);

@@ -1,5 +1,5 @@
 # AVX-512 for machines without it: every kernel that is compiled for it, compiled once more for AVX2 with its intrinsics
-# carried out by SIMDe. A program that links cellwalk_emulated takes these objects in place of the library's, which the
+# carried out by SIMDe; and so the renderer's tiles, which have none. A program that links cellwalk_emulated takes these objects in place of the library's, which the
 # linker then has no reason to take, and believes that the machine has AVX-512 if it has AVX2. So the kernels 16 lanes wide
 # are tested on every machine, and every test can be run as it runs on a machine with AVX-512.
 
@@ -28,14 +28,15 @@ target_compile_definitions(cellwalk_emulated INTERFACE CELLWALK_EMULATES_AVX512)
 
 get_property(kernels DIRECTORY ${PROJECT_SOURCE_DIR}/simd PROPERTY BUILDSYSTEM_TARGETS)
 set(emulated 0)
-foreach(kernel IN LISTS kernels)
+foreach(kernel IN LISTS kernels ITEMS cellwalk_tile_avx512)
     get_target_property(options ${kernel} COMPILE_OPTIONS)
     get_target_property(definitions ${kernel} COMPILE_DEFINITIONS)
     if(NOT options MATCHES "-mavx512" OR "CELLWALK_COUNT" IN_LIST definitions)
         continue()
     endif()
     get_target_property(sources ${kernel} SOURCES)
-    list(TRANSFORM sources PREPEND ${PROJECT_SOURCE_DIR}/simd/ REGEX "^[^/$]")
+    get_target_property(folder ${kernel} SOURCE_DIR)
+    list(TRANSFORM sources PREPEND ${folder}/ REGEX "^[^/$]")
     add_library(${kernel}_emulated OBJECT EXCLUDE_FROM_ALL ${sources})
     foreach(property IN ITEMS INCLUDE_DIRECTORIES COMPILE_DEFINITIONS)
         get_target_property(value ${kernel} ${property})
@@ -44,6 +45,7 @@ foreach(kernel IN LISTS kernels)
         endif()
     endforeach()
     target_include_directories(${kernel}_emulated SYSTEM PRIVATE ${SIMDE_INCLUDE})
+    target_compile_definitions(${kernel}_emulated PRIVATE _GNU_SOURCE)
     target_sources(cellwalk_emulated INTERFACE $<TARGET_OBJECTS:${kernel}_emulated>)
     # The flags of src/flags.cmake that change code, without the warnings, for SIMDe's inline functions. Vectors wider than
     # the machine's are passed in memory, of which GCC warns; all of it is one compile unit.

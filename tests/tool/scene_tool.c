@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -81,6 +82,8 @@ static void pictures_are_the_same_in_all_formats(void **state) {
     run((const char *const[]){scene_file, "-o", "a.pfm", "--stats", "--json", NULL}, 0, "");
     said("stdout", "camera rays   4800\n");
     said("stdout", "\"width\": 40, \"height\": 30, ");
+    static const char *const stages[] = {"parsing", "building", "rays", "tracing", "shading", "film", "writing"};
+    for (size_t k = 0; k < sizeof stages / sizeof stages[0]; k++) said("stdout", stages[k]);
     io_image image;
     io_error error;
     check(io_image_read("a.pfm", &image, &error), "%s", error.text);
@@ -98,6 +101,37 @@ static void pictures_are_the_same_in_all_formats(void **state) {
     io_image_free(&image);
 }
 
+static void a_crop_of_a_size_is_a_part_of_it(void **state) {
+    (void)state;
+    run((const char *const[]){scene_file, "-o", "whole.pfm", "--size", "80x60", "--seed", "7", NULL}, 0, "");
+    run((const char *const[]){scene_file, "-o", "part.pfm", "--size=80x60", "--seed=7", "--crop", "30,20,50,41", NULL},
+        0, "");
+    run((const char *const[]){scene_file, "-o", "other.pfm", "--size=80x60", NULL}, 0, "");
+    io_image whole, part, other;
+    io_error error;
+    check(io_image_read("whole.pfm", &whole, &error), "%s", error.text);
+    check(io_image_read("part.pfm", &part, &error), "%s", error.text);
+    check(io_image_read("other.pfm", &other, &error), "%s", error.text);
+    check(whole.width == 80 && whole.height == 60 && part.width == 20 && part.height == 21, "not the sizes asked for");
+    for (size_t y = 0; y < 21; y++)
+        check(memcmp(part.rgb + y * 60, whole.rgb + ((20 + y) * 80 + 30) * 3, 60 * sizeof(float)) == 0,
+              "row %zu differs", y);
+    check(memcmp(whole.rgb, other.rgb, 80 * 60 * 3 * sizeof(float)) != 0, "the seed makes no difference");
+    io_image_free(&whole);
+    io_image_free(&part);
+    io_image_free(&other);
+}
+
+static void quiet_means_no_warning(void **state) {
+    (void)state;
+    written("odd.pbrt", "Film \"image\" \"integer xresolution\" 4 \"integer yresolution\" 4\nAccelerator \"grid\"\n"
+                        "Camera \"perspective\"\nWorldBegin\nWorldEnd\n");
+    run((const char *const[]){"odd.pbrt", "-o", "odd.pfm", NULL}, 0, "warning: ");
+    run((const char *const[]){"odd.pbrt", "-o", "odd.pfm", "--quiet", NULL}, 0, "");
+    struct stat stderr_file;
+    check(stat("stderr", &stderr_file) == 0 && stderr_file.st_size == 0, "something was said");
+}
+
 static void mistakes_leave_nothing(void **state) {
     (void)state;
     written("broken.pbrt", "WorldBegin");
@@ -111,6 +145,13 @@ static void mistakes_leave_nothing(void **state) {
     run((const char *const[]){scene_file, "-o", "none/b.pfm", NULL}, 1, "cannot write: No such file");
     run((const char *const[]){scene_file, "-o", "b.pfm", "--kernel", "nothing", NULL}, 2, "'nothing' is unknown");
     run((const char *const[]){scene_file, "-o", "b.pfm", "--samples", "0", NULL}, 2, "samples");
+    const char *const sizes[] = {"80", "80x", "x60", "80x0", "0x60", "80x60x", "-80x60", " 80x60", "80x65537"};
+    for (size_t k = 0; k < sizeof sizes / sizeof sizes[0]; k++)
+        run((const char *const[]){scene_file, "-o", "b.pfm", "--size", sizes[k], NULL}, 2, "not a width and a height");
+    const char *const crops[] = {"1,2,3", "1,2,3,4,", "3,2,3,4", "1,4,3,4", "1 2 3 4", "0,0,99999999999999999999,9"};
+    for (size_t k = 0; k < sizeof crops / sizeof crops[0]; k++)
+        run((const char *const[]){scene_file, "-o", "b.pfm", "--crop", crops[k], NULL}, 2, "not X0,Y0,X1,Y1");
+    run((const char *const[]){scene_file, "-o", "b.pfm", "--crop", "0,0,41,30", NULL}, 1, "no part of 40 x 30 pixels");
     check(scratch_entries() == before, "files are left");
 }
 
@@ -157,6 +198,8 @@ static void ctrl_c_leaves_nothing(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pictures_are_the_same_in_all_formats),
+        cmocka_unit_test(a_crop_of_a_size_is_a_part_of_it),
+        cmocka_unit_test(quiet_means_no_warning),
         cmocka_unit_test(mistakes_leave_nothing),
         cmocka_unit_test(a_full_disk_is_a_failure),
         cmocka_unit_test(a_picture_that_does_not_fit_leaves_nothing),

@@ -14,10 +14,12 @@
 enum { THREADS_MAX = 1024 };
 
 typedef struct render {
-    const scene *scene;
+    plan plan;
     const scene_render_options *options;
     io_image *image;
-    size_t tiles_x, tiles;
+    wave_region region;
+    wave_tile_fn *tile;
+    size_t first_x, first_y, tiles_x, tiles; /* tiles are counted from (first_x, first_y), the first one's corner */
     atomic_size_t next;
     atomic_bool stopped;
     pthread_mutex_t lock; /* of done and progress */
@@ -83,8 +85,8 @@ static void *work(void *context) {
     for (;;) {
         const size_t tile = atomic_fetch_add(&r->next, 1);
         if (tile >= r->tiles || atomic_load(&r->stopped)) return NULL;
-        const size_t x = tile % r->tiles_x * WAVE_TILE, y = tile / r->tiles_x * WAVE_TILE;
-        if (wave_render_tile(me->wave, x, y, r->image))
+        const size_t x = r->first_x + tile % r->tiles_x * WAVE_TILE, y = r->first_y + tile / r->tiles_x * WAVE_TILE;
+        if (r->tile(me->wave, x, y, &r->region, r->options->cancel, r->image))
             report(r);
         else
             atomic_store(&r->stopped, true);
@@ -99,27 +101,29 @@ static void run(worker *workers, unsigned count) {
     for (unsigned k = 1; k < started; k++) pthread_join(workers[k].thread, NULL);
 }
 
-static void add_stats(scene_render_stats *sum, const scene_render_stats *part) {
-    sum->camera_rays += part->camera_rays;
-    sum->shadow_rays += part->shadow_rays;
-    sum->mirror_rays += part->mirror_rays;
-    sum->field_queries += part->field_queries;
-    sum->trace_seconds += part->trace_seconds;
+static void add_stats(scene_render_stats *sum, const wave *part) {
+    sum->camera_rays += part->stats.camera_rays;
+    sum->shadow_rays += part->stats.shadow_rays;
+    sum->mirror_rays += part->stats.mirror_rays;
+    sum->field_queries += part->stats.field_queries;
+    sum->ray_seconds += part->stage_seconds[WAVE_RAYS];
+    sum->trace_seconds += part->stage_seconds[WAVE_TRACE];
+    sum->shade_seconds += part->stage_seconds[WAVE_SHADE];
+    sum->film_seconds += part->stage_seconds[WAVE_FILM];
 }
 
 static bool render_with(render *r, const scene_tracer *tracer, unsigned threads, scene_render_stats *stats,
                         io_error *error) {
-    const unsigned samples = r->options->samples ? r->options->samples : r->scene->samples;
     worker *workers = calloc(threads, sizeof *workers);
     bool good = workers != NULL;
     for (unsigned k = 0; good && k < threads; k++) {
         workers[k].job = r;
-        workers[k].wave = wave_create(r->scene, tracer, r->options, samples);
+        workers[k].wave = wave_create(&r->plan, tracer);
         good = workers[k].wave != NULL;
     }
     if (good) run(workers, threads);
     for (unsigned k = 0; workers != NULL && k < threads; k++) {
-        if (good) add_stats(stats, &workers[k].wave->stats);
+        if (good) add_stats(stats, workers[k].wave);
         wave_free(workers[k].wave);
     }
     free(workers);
@@ -127,12 +131,60 @@ static bool render_with(render *r, const scene_tracer *tracer, unsigned threads,
     return !atomic_load(&r->stopped) || io_fail(error, "cancelled");
 }
 
+/* The code for the widest instruction set that there is. */
+static wave_tile_fn *tile_function(void) {
+#ifdef CELLWALK_SCENE_SIMD
+    switch (cw_isa_best()) {
+    case CW_ISA_AVX512:
+        return wave_tile_avx512;
+    case CW_ISA_AVX2:
+        return wave_tile_avx2;
+    case CW_ISA_SSE42:
+        return wave_tile_sse42;
+    case CW_ISA_SCALAR:
+        break;
+    }
+#endif
+    return wave_tile_scalar;
+}
+
+/* Finds the region and the tiles that it touches, and allocates its picture. */
+static bool lay_out(render *r, const scene_crop *crop, io_error *error) {
+    const size_t width = r->plan.width, height = r->plan.height;
+    r->region = (wave_region){0, 0, width, height};
+    if (crop->x1 > 0) r->region = (wave_region){crop->x0, crop->y0, crop->x1, crop->y1};
+    const wave_region *g = &r->region;
+    if (g->x0 >= g->x1 || g->y0 >= g->y1 || g->x1 > width || g->y1 > height)
+        return io_fail(error, "the crop from (%zu, %zu) to (%zu, %zu) is no part of %zu x %zu pixels", g->x0, g->y0,
+                       g->x1, g->y1, width, height);
+    r->first_x = g->x0 / WAVE_TILE * WAVE_TILE;
+    r->first_y = g->y0 / WAVE_TILE * WAVE_TILE;
+    r->tiles_x = (g->x1 - r->first_x + WAVE_TILE - 1) / WAVE_TILE;
+    r->tiles = r->tiles_x * ((g->y1 - r->first_y + WAVE_TILE - 1) / WAVE_TILE);
+    *r->image = (io_image){.width = g->x1 - g->x0, .height = g->y1 - g->y0};
+    const size_t pixel = 3 * sizeof *r->image->rgb;
+    if (r->image->width <= SIZE_MAX / pixel / r->image->height)
+        r->image->rgb = malloc(r->image->width * r->image->height * pixel);
+    return r->image->rgb != NULL || io_fail(error, "no memory for %zu x %zu pixels", r->image->width, r->image->height);
+}
+
+static bool render_planned(render *r, const scene_tracer *tracer, scene_render_stats *stats, io_error *error) {
+    if (!lay_out(r, &r->options->crop, error)) return false;
+    unsigned threads = r->options->threads ? r->options->threads : cpus_usable();
+    if (threads > r->tiles) threads = (unsigned)r->tiles;
+    if (threads > THREADS_MAX) threads = THREADS_MAX;
+    if (pthread_mutex_init(&r->lock, NULL) != 0) return io_fail(error, "out of memory");
+    const bool good = render_with(r, tracer, threads, stats, error);
+    pthread_mutex_destroy(&r->lock);
+    return good;
+}
+
 bool scene_render(const scene *s, const scene_render_options *options, io_image *image, scene_render_stats *stats,
                   io_error *error) {
     scene_render_stats unused;
     stats = stats ? stats : &unused;
     *stats = (scene_render_stats){0};
-    *image = (io_image){.width = s->width, .height = s->height};
+    *image = (io_image){0};
 
     double start = clock_seconds();
     library own = {.scene = s, .query = options->query};
@@ -142,20 +194,10 @@ bool scene_render(const scene *s, const scene_render_options *options, io_image 
     stats->build_seconds = options->tracer == NULL ? clock_seconds() - start : 0;
 
     start = clock_seconds();
-    image->rgb = malloc(s->width * s->height * 3 * sizeof *image->rgb);
-    if (image->rgb == NULL) return io_fail(error, "no memory for %zu x %zu pixels", s->width, s->height);
-    render r = {.scene = s, .options = options, .image = image};
-    r.tiles_x = (s->width + WAVE_TILE - 1) / WAVE_TILE;
-    r.tiles = r.tiles_x * ((s->height + WAVE_TILE - 1) / WAVE_TILE);
-    unsigned threads = options->threads ? options->threads : cpus_usable();
-    if (threads > r.tiles) threads = (unsigned)r.tiles;
-    if (threads > THREADS_MAX) threads = THREADS_MAX;
-
-    bool good = pthread_mutex_init(&r.lock, NULL) == 0 || io_fail(error, "out of memory");
-    if (good) {
-        good = render_with(&r, options->tracer ? options->tracer : &standard, threads, stats, error);
-        pthread_mutex_destroy(&r.lock);
-    }
+    render r = {.options = options, .image = image, .tile = tile_function()};
+    if (!plan_make(&r.plan, s, options)) return io_fail(error, "out of memory");
+    bool good = render_planned(&r, options->tracer ? options->tracer : &standard, stats, error);
+    plan_free(&r.plan);
     const cw_status status = (cw_status)atomic_load(&own.status);
     if (good && status != CW_OK) good = io_fail(error, "%s", cw_status_message(status));
     stats->seconds = clock_seconds() - start;

@@ -1,14 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The large height fields make most of the text: a million numbers, which are read in one pass without copying. */
+/* The large height fields make most of the text: a million numbers, which are read in one pass without copying, and the
+ * usual kind of them without a token each. */
 
 #include "pbrt_lex.h"
 
 #include "file.h"
 
 #include <locale.h>
+#include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 bool pbrt_source_open(pbrt_source *s, const char *path, io_error *error) {
     *s = (pbrt_source){.path = strdup(path)};
@@ -33,15 +36,37 @@ size_t pbrt_line(pbrt_source *s, size_t offset) {
 
 static bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
+static bool is_blank(char c) { return c == ' ' || c == '\n' || c == '\t' || c == '\r'; }
+
 static bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 
-/* What strtod says in the C locale, for the few numbers that have too many digits for exact arithmetic in double. */
-static double slow_number(const char *text) {
+/* Whole powers of ten that a double holds exactly. */
+static const double power_of_ten[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
+                                      1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+static const uint64_t exact_in_double = (uint64_t)1 << 53;
+
+/* What strtod and strtof say in the C locale, for the few numbers that quick arithmetic cannot round for certain. */
+static void slow_number(const char *text, double *number, float *rounded) {
     const locale_t c_locale = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);
-    if (c_locale == (locale_t)0) return strtod(text, NULL);
-    const double number = strtod_l(text, NULL, c_locale);
-    freelocale(c_locale);
-    return number;
+    if (number != NULL) *number = c_locale != (locale_t)0 ? strtod_l(text, NULL, c_locale) : strtod(text, NULL);
+    if (rounded != NULL) *rounded = c_locale != (locale_t)0 ? strtof_l(text, NULL, c_locale) : strtof(text, NULL);
+    if (c_locale != (locale_t)0) freelocale(c_locale);
+}
+
+/* Whether a double that was rounded once may be rounded to float once more. It lies on the same side of the point halfway
+ * between two floats as the number that it came from, unless it is that point itself; below the smallest normal float
+ * these points lie elsewhere. */
+static bool rounds_twice_alike(double number) {
+    uint64_t bits;
+    memcpy(&bits, &number, sizeof bits);
+    return (bits & 0x1fffffff) != 0x10000000 && (number == 0 || fabs(number) >= 0x1p-126);
+}
+
+float pbrt_float(const pbrt_token *token) {
+    if (rounds_twice_alike(token->number)) return (float)token->number;
+    float rounded;
+    slow_number(token->start, NULL, &rounded);
+    return rounded;
 }
 
 const char *pbrt_number(const char *text, double *number) {
@@ -85,22 +110,56 @@ const char *pbrt_number(const char *text, double *number) {
         p = q;
     }
     /* Mantissa and power of ten are exact in double, so that their product or quotient is rounded once. */
-    static const double power_of_ten[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
-                                          1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
-    if (!dropped && mantissa <= (uint64_t)1 << 53 && exponent >= -22 && exponent <= 22) {
+    if (!dropped && mantissa <= exact_in_double && exponent >= -22 && exponent <= 22) {
         const double m = (double)mantissa;
         const double size = exponent < 0 ? m / power_of_ten[-exponent] : m * power_of_ten[exponent];
         *number = negative ? -size : size;
     } else {
-        *number = slow_number(text);
+        slow_number(text, number, NULL);
     }
     return p;
+}
+
+/* A number of at most 18 digits without an exponent, before a blank, if quick arithmetic rounds it for certain. Returns
+ * its end, or NULL for any other. */
+static const char *plain_float(const char *p, float *value) {
+    const bool negative = *p == '-';
+    p += negative;
+    uint64_t mantissa = 0;
+    const char *first = p;
+    for (; is_digit(*p); p++) mantissa = mantissa * 10 + (uint64_t)(*p - '0');
+    ptrdiff_t digits = p - first, behind = 0;
+    if (*p == '.') {
+        first = ++p;
+        for (; is_digit(*p); p++) mantissa = mantissa * 10 + (uint64_t)(*p - '0');
+        behind = p - first;
+        digits += behind;
+    }
+    /* With more digits the mantissa may have overflowed. */
+    if (digits == 0 || digits > 18 || mantissa > exact_in_double || !is_blank(*p)) return NULL;
+    const double size = (double)mantissa / power_of_ten[behind];
+    if (!rounds_twice_alike(size)) return NULL;
+    *value = (float)(negative ? -size : size);
+    return p;
+}
+
+size_t pbrt_plain_floats(pbrt_source *s, float *values, size_t most) {
+    const char *p = s->text + s->at;
+    size_t count = 0;
+    for (; count < most; count++) {
+        while (is_blank(*p)) p++;
+        const char *end = plain_float(p, &values[count]);
+        if (end == NULL) break;
+        p = end;
+    }
+    s->at = (size_t)(p - s->text);
+    return count;
 }
 
 static void skip_blanks_and_comments(pbrt_source *s) {
     const char *p = s->text + s->at, *end = s->text + s->size;
     for (;; p++) {
-        while (p < end && (*p == ' ' || *p == '\n' || *p == '\t' || *p == '\r')) p++;
+        while (p < end && is_blank(*p)) p++;
         if (p == end || *p != '#') break;
         while (p < end && *p != '\n') p++;
         if (p == end) break;

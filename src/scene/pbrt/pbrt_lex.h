@@ -33,6 +33,13 @@ size_t pbrt_line(pbrt_source *s, size_t offset);
 
 pbrt_token pbrt_next(pbrt_source *s);
 
+/* A number's value as a float, rounded once from what the file says. */
+float pbrt_float(const pbrt_token *token);
+
+/* Reads plain numbers such as -0.25, rounded likewise, until most have been read or something else follows: a bracket, or a
+ * number that only pbrt_next understands. Returns how many. */
+size_t pbrt_plain_floats(pbrt_source *s, float *values, size_t most);
+
 /* A decimal number without regard to the locale, correctly rounded: [+-] digits [. digits] [e [+-] digits]. text must end
  * in a NUL somewhere. Returns the end of the number, or NULL if there is none. */
 const char *pbrt_number(const char *text, double *number);

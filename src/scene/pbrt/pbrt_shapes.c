@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Shape, LightSource, Material and Texture. */
 
-#include "float3.h"
 #include "pbrt_state.h"
 
 #include <stdlib.h>
@@ -109,7 +108,7 @@ static bool read_image(pbrt_state *p, const pbrt_site *site, const pbrt_texture 
                        texture **out, io_error *error) {
     io_image image;
     io_error why;
-    if (!io_image_read(t->path, &image, &why)) return io_fail(error, "%s: Texture: %s", t->place, why.text);
+    if (!io_image_read_halves(t->path, &image, &why)) return io_fail(error, "%s: Texture: %s", t->place, why.text);
     const size_t pixels = image.width * image.height;
     if (pixels > IO_IMAGE_PIXELS_MAX - p->image_pixels) {
         io_image_free(&image);
@@ -149,7 +148,6 @@ static bool surface(pbrt_state *p, const pbrt_site *site, material *out, io_erro
     pbrt_texture *t = &p->textures[p->attributes.image];
     if (t->image == NULL && !find_image(p, site, t, &t->image, error)) return false;
     out->image = t->image;
-    p->scene->textured = true;
     return true;
 }
 
@@ -167,9 +165,6 @@ static bool create_field(const pbrt_state *p, const pbrt_site *site, heightfield
         scale.m[1][1] = 1 / (double)(h->ny - 1);
         const transform map = transform_multiply(&h->to_world, &scale);
         memcpy(desc.map, map.m, sizeof desc.map);
-        transform to_object;
-        if (transform_invert(&h->to_world, &to_object)) /* else the field refuses the map */
-            for (int r = 0; r < 2; r++) float3_from(to_object.m[r], h->to_uv[r]);
     }
     const cw_status status = cw_field_create(&desc, &h->field);
     return status == CW_OK || pbrt_fail(site->source, site->offset, site->name, error, "%s", cw_status_message(status));
@@ -206,10 +201,10 @@ static bool add_heightfield(pbrt_state *p, const pbrt_site *site, pbrt_params *p
 
 static bool add_cylinder(pbrt_state *p, const pbrt_site *site, pbrt_params *params, io_error *error) {
     if (!pbrt_params_all_used(params, error)) return false;
-    cylinder c;
-    if (!transform_invert(&p->attributes.current, &c.to_object))
+    cylinder c = {.to_world = p->attributes.current};
+    transform to_object;
+    if (!transform_invert(&c.to_world, &to_object))
         return pbrt_fail(site->source, site->offset, site->name, error, "the current transform cannot be inverted");
-    for (int r = 0; r < 3; r++) float3_from(c.to_object.m[r], c.linear[r]);
     if (!surface(p, site, &c.surface, error)) return false;
     cylinder *more = grown(p->scene->cylinders, p->scene->cylinder_count, sizeof *more);
     if (more == NULL) return no_memory(site, error);

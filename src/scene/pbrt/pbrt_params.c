@@ -25,16 +25,14 @@ static bool declare(pbrt_param *param, const pbrt_token *token) {
     return sscanf(text, "%15s %31s %1s", param->type, param->name, rest) == 2;
 }
 
-/* Appends to values that have room for *capacity floats. */
-static bool append(pbrt_param *param, size_t *capacity, float value) {
-    if (param->count == *capacity) {
-        const size_t more = *capacity ? *capacity * 2 : 4;
-        float *floats = realloc(param->floats, more * sizeof *floats);
-        if (floats == NULL) return false;
-        param->floats = floats;
-        *capacity = more;
-    }
-    param->floats[param->count++] = value;
+/* Makes room for one more value at least; *capacity is how many floats there is room for. */
+static bool make_room(pbrt_param *param, size_t *capacity) {
+    if (param->count < *capacity) return true;
+    const size_t more = *capacity ? *capacity * 2 : 4;
+    float *floats = realloc(param->floats, more * sizeof *floats);
+    if (floats == NULL) return false;
+    param->floats = floats;
+    *capacity = more;
     return true;
 }
 
@@ -48,12 +46,14 @@ static bool take_value(pbrt_params *params, pbrt_param *param, const pbrt_token 
         return param->text != NULL || pbrt_fail(s, token->offset, params->directive, error, "out of memory");
     }
     if (token->kind == PBRT_NUMBER && param->text == NULL) {
-        const float value = (float)token->number;
+        const float value = pbrt_float(token);
         if (!isfinite(value))
             return pbrt_fail(s, token->offset, params->directive, error, "\"%s\": %.*s is too large for a float",
                              param->name, (int)(token->length < 40 ? token->length : 40), token->start);
         if (param->count == 0) param->first = token->number;
-        return append(param, capacity, value) || pbrt_fail(s, token->offset, params->directive, error, "out of memory");
+        if (!make_room(param, capacity)) return pbrt_fail(s, token->offset, params->directive, error, "out of memory");
+        param->floats[param->count++] = value;
+        return true;
     }
     if (token->kind == PBRT_BAD)
         return pbrt_fail(s, token->offset, params->directive, error, "\"%s\": %s", param->name, token->problem);
@@ -69,8 +69,15 @@ static bool read_values(pbrt_params *params, pbrt_param *param, pbrt_source *s, 
     size_t capacity = 0;
     pbrt_token token = pbrt_next(s);
     if (token.kind != PBRT_OPEN) return take_value(params, param, &token, &capacity, error);
-    for (token = pbrt_next(s); token.kind != PBRT_CLOSE; token = pbrt_next(s))
+    for (token = pbrt_next(s); token.kind != PBRT_CLOSE; token = pbrt_next(s)) {
         if (!take_value(params, param, &token, &capacity, error)) return false;
+        if (token.kind != PBRT_NUMBER) continue;
+        while (make_room(param, &capacity)) {
+            const size_t taken = pbrt_plain_floats(s, param->floats + param->count, capacity - param->count);
+            param->count += taken;
+            if (taken == 0 || param->count < capacity) break;
+        }
+    }
     return true;
 }
 

@@ -44,11 +44,11 @@ static inline uint32_t pattern_second(uint32_t number) {
     return reverse_bits(value);
 }
 
-/* A pixel's seeds for the two dimensions. */
-static inline void pattern_seeds(uint32_t x, uint32_t y, uint32_t seed[2]) {
-    seed[0] = pattern_hash(x + pattern_hash(y));
-    seed[1] = pattern_hash(seed[0]);
+/* A pixel's seeds for the two dimensions; another picture's for another number. */
+static inline uint32_t pattern_seed(uint32_t x, uint32_t y, uint32_t picture) {
+    return pattern_hash(x + pattern_hash(y + pattern_hash(picture)));
 }
+static inline uint32_t pattern_other_seed(uint32_t seed) { return pattern_hash(seed); }
 
 /* In [0, 1): where a sample lies along one dimension; 24 bits, so that a float holds them. */
 static inline float pattern_place(uint32_t dimension, uint32_t seed) {

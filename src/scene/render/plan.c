@@ -1,0 +1,230 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "plan.h"
+
+#include <stdlib.h>
+
+/* Rounding puts a point a little off its surface; a ray to or from it skips this share of the way that it came. A
+ * triangle's is larger because a point within half a cell of the horizon may see neighbours at such distances. */
+static const float field_offset = 1e-3f, cylinder_offset = 5e-4f;
+
+/* A space's way to the world and back. */
+typedef struct space {
+    transform to_world;
+    double back[3][3]; /* inverse of the linear part */
+} space;
+
+static space space_of(const transform *to_world) {
+    space s = {.to_world = *to_world};
+    transform inverse;
+    transform_invert(to_world, &inverse); /* the parser has refused what cannot be inverted */
+    for (int r = 0; r < 3; r++)
+        for (int c = 0; c < 3; c++) s.back[r][c] = inverse.m[r][c];
+    return s;
+}
+
+static space space_of_field(const heightfield *h) {
+    transform cells = transform_identity();
+    cells.m[0][0] = 1 / (double)(h->nx - 1);
+    cells.m[1][1] = 1 / (double)(h->ny - 1);
+    const transform to_world = transform_multiply(&h->to_world, &cells);
+    return space_of(&to_world);
+}
+
+/* A point of the world; the translation goes first, so that what lies far from the world's origin loses nothing. */
+static void into_space(const space *s, const double point[3], double out[3]) {
+    double from[3];
+    for (int c = 0; c < 3; c++) from[c] = point[c] - s->to_world.m[c][3];
+    for (int r = 0; r < 3; r++) out[r] = dot(s->back[r], from);
+}
+
+static plan_map map_between(const space *from, const space *to) {
+    plan_map map;
+    const double begin[3] = {from->to_world.m[0][3], from->to_world.m[1][3], from->to_world.m[2][3]};
+    double shift[3];
+    into_space(to, begin, shift);
+    for (int r = 0; r < 3; r++) {
+        for (int c = 0; c < 3; c++) {
+            double sum = 0;
+            for (int k = 0; k < 3; k++) sum += to->back[r][k] * from->to_world.m[k][c];
+            map.m[r][c] = (float)sum;
+        }
+        map.m[r][3] = (float)shift[r];
+    }
+    return map;
+}
+
+static plan_map map_identity(void) { return (plan_map){{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}}; }
+
+static plan_metric products(double columns[3][3]) {
+    static const int pair[6][2] = {{0, 0}, {1, 1}, {2, 2}, {1, 2}, {0, 2}, {0, 1}};
+    plan_metric m;
+    for (int k = 0; k < 6; k++) m.g[k] = (float)dot(columns[pair[k][0]], columns[pair[k][1]]);
+    return m;
+}
+
+static plan_metric metric_of(const space *s) {
+    double columns[3][3];
+    for (int r = 0; r < 3; r++)
+        for (int c = 0; c < 3; c++) columns[c][r] = s->to_world.m[r][c];
+    return products(columns);
+}
+
+/* Whether any light comes from here. */
+static bool sends(const material *m, size_t lights) {
+    if (m->kind == MATTE) return lights > 0 && (m->image != NULL || m->colour[0] + m->colour[1] + m->colour[2] > 0);
+    return m->colour[0] + m->colour[1] + m->colour[2] > 0;
+}
+
+static void describe_shape(plan_shape *shape, const plan *p, space *s) {
+    shape->metric = metric_of(s);
+    shape->inverse = products(s->back);
+    shape->sends = sends(shape->surface, p->light_count);
+    if (shape->field != NULL) {
+        const cw_field_info info = cw_field_describe(shape->field->field);
+        const float high[3] = {(float)(info.nx - 1), (float)(info.ny - 1), info.high};
+        for (int c = 0; c < 3; c++) {
+            shape->low[c] = c < 2 ? 0 : info.low;
+            shape->high[c] = high[c];
+            if (c < 2) shape->uv_scale[c] = 1 / high[c];
+        }
+        shape->offset = field_offset;
+    } else {
+        for (int c = 0; c < 3; c++) {
+            shape->low[c] = -1;
+            shape->high[c] = 1;
+        }
+        shape->offset = cylinder_offset;
+    }
+    for (size_t l = 0; l < p->light_count; l++) {
+        double place[3];
+        into_space(s, p->scene->lights[l].position, place);
+        for (int c = 0; c < 3; c++) shape->lights[l][c] = (float)place[c];
+    }
+}
+
+/* ---- what may hide a light ---------------------------------------------------------------------------------------- */
+
+/* By how much of the radius a point must lie within a cylinder to count as inside whatever rounding does; the maps to it
+ * are in float. */
+static const double inside_margin = 1e-4;
+
+static bool is_inside(const space *round, const double world[3]) {
+    double at[3];
+    into_space(round, world, at);
+    return at[0] * at[0] + at[1] * at[1] < (1 - inside_margin) * (1 - inside_margin);
+}
+
+/* A cylinder's inside is convex: a segment with both ends in it stays there. */
+static bool may_block(const plan *p, const space *spaces, size_t light, size_t shape, size_t behind) {
+    const space *c = &spaces[plan_home(behind)];
+    if (!is_inside(c, p->scene->lights[light].position)) return true;
+    if (shape == behind) return false;
+    if (p->general) return true;
+    for (int corner = 0; corner < 8; corner++) {
+        const plan_shape *s = &p->shapes[shape];
+        double at[3], world[3];
+        for (int k = 0; k < 3; k++) at[k] = (double)(corner >> k & 1 ? s->high[k] : s->low[k]);
+        transform_point(&spaces[plan_home(shape)].to_world, at, world);
+        if (!is_inside(c, world)) return true;
+    }
+    return false;
+}
+
+/* ---- all together ------------------------------------------------------------------------------------------------- */
+
+static bool allocate(plan *p, space **spaces) {
+    const size_t shapes = p->shape_count, cylinders = shapes - p->field_count;
+    p->shapes = calloc(shapes + 1, sizeof *p->shapes);
+    p->maps = calloc((shapes + 1) * (shapes + 1), sizeof *p->maps);
+    p->blocks = calloc(p->light_count * shapes * cylinders + 1, sizeof *p->blocks);
+    *spaces = calloc(shapes + 1, sizeof **spaces);
+    bool good = p->shapes != NULL && p->maps != NULL && p->blocks != NULL && *spaces != NULL;
+    for (size_t k = 0; good && k < shapes; k++) {
+        p->shapes[k].lights = calloc(p->light_count + 1, sizeof *p->shapes[k].lights);
+        good = p->shapes[k].lights != NULL;
+    }
+    return good;
+}
+
+/* Mirrors and textures decide what a path has to carry. */
+static void find_features(plan *p) {
+    bool textures = false;
+    for (size_t k = 0; k < p->shape_count; k++) {
+        const plan_shape *shape = &p->shapes[k];
+        if (!shape->sends) continue;
+        p->mirrors = p->mirrors || shape->surface->kind == MIRROR;
+        textures = textures || shape->surface->image != NULL;
+    }
+    p->spreads = p->mirrors && (textures || p->general);
+}
+
+static void place_camera(plan *p, const space *spaces) {
+    const double width = (double)p->width, height = (double)p->height;
+    const double reach = tan(p->scene->field_of_view * (acos(-1) / 360)) / fmin(width, height);
+    const float between = (float)(2 * reach / sqrt(p->samples));
+    p->camera_metric = metric_of(&spaces[PLAN_CAMERA]);
+    p->pixel = 2 * reach;
+    p->corner[0] = -width * reach;
+    p->corner[1] = height * reach;
+    for (size_t k = 0; k < p->shape_count; k++)
+        for (int c = 0; c < 3; c++) {
+            const plan_map *map = plan_map_to(p, k, PLAN_CAMERA);
+            p->shapes[k].step[0][c] = map->m[c][0] * between;
+            p->shapes[k].step[1][c] = -map->m[c][1] * between;
+        }
+}
+
+static size_t given(size_t option, size_t otherwise) { return option > 0 ? option : otherwise; }
+
+bool plan_make(plan *p, const scene *s, const scene_render_options *options) {
+    *p = (plan){.scene = s,
+                .width = given(options->width, s->width),
+                .height = given(options->height, s->height),
+                .samples = options->samples > 0 ? options->samples : s->samples,
+                .seed = options->seed,
+                .normals = options->phong ? options->normals : SCENE_NORMALS_FLAT,
+                .shape_count = s->heightfield_count + s->cylinder_count,
+                .field_count = s->heightfield_count,
+                .light_count = s->light_count,
+                .general = options->general};
+    space *spaces = NULL;
+    if (!allocate(p, &spaces)) {
+        free(spaces);
+        plan_free(p);
+        return false;
+    }
+    spaces[PLAN_CAMERA] = space_of(&s->camera_to_world);
+    for (size_t k = 0; k < p->shape_count; k++) {
+        plan_shape *shape = &p->shapes[k];
+        if (k < p->field_count) {
+            shape->field = &s->heightfields[k];
+            shape->surface = &shape->field->surface;
+            spaces[plan_home(k)] = space_of_field(shape->field);
+        } else {
+            shape->surface = &s->cylinders[k - p->field_count].surface;
+            spaces[plan_home(k)] = space_of(&s->cylinders[k - p->field_count].to_world);
+        }
+        describe_shape(shape, p, &spaces[plan_home(k)]);
+    }
+    for (size_t k = 0; k < p->shape_count; k++)
+        for (size_t home = 0; home <= p->shape_count; home++)
+            p->maps[k * (p->shape_count + 1) + home] =
+                home == plan_home(k) ? map_identity() : map_between(&spaces[home], &spaces[plan_home(k)]);
+    const size_t cylinders = p->shape_count - p->field_count;
+    for (size_t l = 0; l < p->light_count; l++)
+        for (size_t k = 0; k < p->shape_count; k++)
+            for (size_t c = 0; c < cylinders; c++)
+                p->blocks[(l * p->shape_count + k) * cylinders + c] = may_block(p, spaces, l, k, p->field_count + c);
+    find_features(p);
+    place_camera(p, spaces);
+    free(spaces);
+    return true;
+}
+
+void plan_free(plan *p) {
+    for (size_t k = 0; p->shapes != NULL && k < p->shape_count; k++) free(p->shapes[k].lights);
+    free(p->shapes);
+    free(p->maps);
+    free(p->blocks);
+    *p = (plan){0};
+}

@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A tile of the picture, from its camera rays to its pixels. Compiled once for each instruction set, as CELLWALK_TILE
+ * (CMakeLists.txt): the loops become vectors of other widths, the bits stay the same. */
+
+#include "camera.inc.h"
+#include "shade.inc.h"
+#include "trace.inc.h"
+
+#include <string.h>
+
+/* Mirrors behind the first hit that a path may meet. */
+enum { BOUNCES = 4 };
+
+/* Takes the paths of the first wave through all their bounces. */
+static void run_waves(wave *w) {
+    w->stats.camera_rays += w->rays[0].count;
+    int current = 0;
+    for (int bounce = 0; w->rays[current].count > 0; bounce++) {
+        const wave_rays *r = &w->rays[current];
+        trace_paths(w, r);
+        shade(w, r, bounce == BOUNCES, &w->rays[1 - current]);
+        for (size_t l = 0; l < w->plan->light_count; l++) trace_shadows(w, l);
+        current = 1 - current;
+    }
+}
+
+static void put_pixels(const wave *w, size_t x, size_t y, const wave_region *region, io_image *image) {
+    const double share = 1 / (double)w->plan->samples;
+    for (size_t ty = 0; ty < WAVE_TILE; ty++)
+        for (size_t tx = 0; tx < WAVE_TILE; tx++) {
+            const size_t px = x + tx, py = y + ty;
+            if (px < region->x0 || px >= region->x1 || py < region->y0 || py >= region->y1) continue;
+            float *rgb = &image->rgb[((py - region->y0) * image->width + px - region->x0) * 3];
+            for (size_t c = 0; c < 3; c++) {
+                const double light = w->sum[ty * WAVE_TILE + tx][c] * share;
+                rgb[c] = light > 0 ? (float)light : 0;
+            }
+        }
+}
+
+bool CELLWALK_TILE(wave *w, size_t x, size_t y, const wave_region *region, const atomic_bool *cancel, io_image *image) {
+    memset(w->sum, 0, sizeof w->sum);
+    wave_lap(w, WAVE_FILM);
+    /* Waves are of the same samples of a tile whatever the region is, so that a pixel's sum is made in the same order. */
+    for (uint32_t first = 0; first < w->plan->samples; first += WAVE_SAMPLES) {
+        if (cancel != NULL && atomic_load_explicit(cancel, memory_order_relaxed)) return false;
+        const uint32_t left = w->plan->samples - first;
+        camera_rays(w, x, y, region, first, left < WAVE_SAMPLES ? left : WAVE_SAMPLES);
+        run_waves(w);
+    }
+    put_pixels(w, x, y, region, image);
+    wave_lap(w, WAVE_FILM);
+    return true;
+}

@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* One thread's paths, as structures of arrays. They go through the scene in waves of up to SCENE_BATCH rays: all are traced,
+ * then shaded, then all their shadow rays are traced; those that met a mirror are the next wave. So a tracer always has an
+ * array of rays to work on, neighbours in the picture being neighbours in the array, and shading is loops that compilers
+ * vectorise. */
+#ifndef CELLWALK_SCENE_WAVE_H
+#define CELLWALK_SCENE_WAVE_H
+
+#include "clock.h"
+#include "plan.h"
+
+enum {
+    WAVE_TILE = 32,   /* pixels a side of the tiles that threads take */
+    WAVE_SAMPLES = 4, /* of each pixel of a tile in a wave */
+    WAVE_LANES = 16,  /* loops run over whole multiples of this, on what lies behind the end, too */
+    WAVE_STRIP = 128, /* paths that are shaded together: all about them stays in the nearest cache */
+    WAVE_ROOM = SCENE_BATCH + WAVE_STRIP,
+    WAVE_MISS = -1 /* in place of a shape */
+};
+
+/* Whole lanes for n paths. */
+static inline size_t wave_lanes(size_t n) { return (n + WAVE_LANES - 1) / WAVE_LANES * WAVE_LANES; }
+
+/* How many of the paths from first to before end go into a strip. */
+static inline size_t wave_strip_of(size_t first, size_t end) {
+    return end - first < WAVE_STRIP ? end - first : WAVE_STRIP;
+}
+
+/* Floats of each ray in a wave, for three coordinates. */
+typedef float wave_vector[3][WAVE_ROOM];
+
+/* Rays that begin in one space. */
+typedef struct wave_segment {
+    size_t home, begin, end;
+} wave_segment;
+
+/* How a ray's origin and direction change to the next sample on the right and below (Igehy 1999). */
+typedef struct wave_spread {
+    wave_vector org[2], dir[2];
+} wave_spread;
+
+typedef struct wave_rays {
+    size_t count, segment_count;
+    wave_segment *segments;
+    wave_vector org, dir; /* dir is one long in the world; org of camera rays is 0 and not written */
+    float tmin[WAVE_ROOM];
+    float share[3][WAVE_ROOM]; /* of this ray's light that arrives at the pixel; camera rays: 1 and not written */
+    uint32_t pixel[WAVE_ROOM]; /* of the tile */
+    wave_spread *spread;       /* where the plan says so; not of camera rays */
+} wave_rays;
+
+/* Ways to one light: t = 1 is the light, dir follows from org. */
+typedef struct wave_shadows {
+    size_t count, segment_count;
+    wave_segment *segments;
+    wave_vector org;
+    float tmin[WAVE_ROOM];
+    float light[3][WAVE_ROOM]; /* what arrives at the pixel unless the light is hidden */
+    uint32_t pixel[WAVE_ROOM];
+} wave_shadows;
+
+/* Paths of one shape while they are shaded, in the shape's space. */
+typedef struct wave_strip {
+    size_t n;                          /* a multiple of WAVE_LANES; the last path stands behind the end, too */
+    uint32_t path[WAVE_STRIP];         /* in the wave */
+    float dir[3][WAVE_STRIP];          /* of the ray that came */
+    float t[WAVE_STRIP];               /* the length of its way */
+    float at[3][WAVE_STRIP];           /* where it ended */
+    float flat[3][WAVE_STRIP];         /* normal of the flat surface */
+    float normal[3][WAVE_STRIP];       /* for shading; of any length */
+    float turn[2][3][WAVE_STRIP];      /* its change where x and y grow by 1 */
+    float apart[2][3][WAVE_STRIP];     /* how far neighbouring samples are from at */
+    float apart_dir[2][3][WAVE_STRIP]; /* and how their directions differ */
+    float colour[3][WAVE_STRIP];
+
+    float in[3][WAVE_STRIP];                                 /* from the wave, in the space where the ray began */
+    int32_t i[WAVE_STRIP], j[WAVE_STRIP], lower[WAVE_STRIP]; /* cell, and whether its lower triangle was hit */
+    float u[WAVE_STRIP], v[WAVE_STRIP];
+    /* Samples: the cell's corners, the triangle's third one, and around three of them (east, north, west, south, north-east, south-west). */
+    float corner[4][WAVE_STRIP], third[WAVE_STRIP], around[4][6][WAVE_STRIP];
+    float there[4][4][WAVE_STRIP]; /* 1 or 0: the field goes on to the east, north, west, south of these corners */
+    float uv[2][WAVE_STRIP], uv_apart[2][2][WAVE_STRIP];
+    float result[5][WAVE_STRIP];
+} wave_strip;
+
+/* What each path of a strip reads of an image: at a level and, if share is not 0, at the next coarser one, so many places
+ * along an axis of its footprint. */
+typedef struct wave_footprints {
+    int32_t level[WAVE_STRIP], count[WAVE_STRIP];
+    float share[WAVE_STRIP], axis[2][WAVE_STRIP];
+} wave_footprints;
+
+/* Places to be read, for a path each. */
+enum { WAVE_PROBES = WAVE_STRIP * 16 };
+typedef struct wave_probes {
+    size_t n;
+    float u[WAVE_PROBES], v[WAVE_PROBES], weight[WAVE_PROBES];
+    int32_t level[WAVE_PROBES], of[WAVE_PROBES];
+    /* Texels (x, y) and (x, y + 1), to the right of which stand their neighbours, and the place between these four. */
+    int32_t above[WAVE_PROBES], below[WAVE_PROBES];
+    float right[WAVE_PROBES], down[WAVE_PROBES];
+} wave_probes;
+
+/* Where time goes. Each moment of a thread belongs to one of these. */
+typedef enum wave_stage { WAVE_RAYS, WAVE_TRACE, WAVE_SHADE, WAVE_FILM, WAVE_STAGES } wave_stage;
+
+typedef struct wave {
+    const plan *plan;
+    const scene_tracer *tracer;
+    wave_rays rays[2];     /* the wave at hand and the next one */
+    wave_shadows *shadows; /* of each light */
+
+    float t[WAVE_ROOM]; /* where each ray ends; infinity where nothing is */
+    int32_t shape[WAVE_ROOM];
+    cw_hit hits[WAVE_ROOM];   /* where shape is a height field */
+    uint32_t path[WAVE_ROOM]; /* those of one shape, in order */
+    wave_strip strip;
+    wave_footprints footprints;
+    wave_probes probes;
+
+    /* What the tracer is asked about one field, of which rays, and its answers. */
+    cw_ray asked[SCENE_BATCH];
+    uint32_t asked_of[WAVE_ROOM];
+    cw_hit answers[SCENE_BATCH];
+    uint8_t yes[SCENE_BATCH];
+    int32_t hidden[WAVE_ROOM];
+
+    double sum[WAVE_TILE * WAVE_TILE][4]; /* over the samples of each pixel */
+    scene_render_stats stats;
+    double stage_seconds[WAVE_STAGES], last; /* clock at the last change of stage */
+} wave;
+
+/* NULL when out of memory. */
+wave *wave_create(const plan *p, const scene_tracer *tracer);
+void wave_free(wave *w);
+
+/* Ends a stage: the time since the last call belongs to it. */
+static inline void wave_lap(wave *w, wave_stage stage) {
+    const double time = clock_seconds();
+    w->stage_seconds[stage] += time - w->last;
+    w->last = time;
+}
+
+/* A part of the picture. */
+typedef struct wave_region {
+    size_t x0, y0, x1, y1;
+} wave_region;
+
+/* Renders the part of the tile at (x, y) that lies in the region, of which image is the picture; x and y are multiples of
+ * WAVE_TILE. False if cancel turned true. There is one such function for each instruction set, all from tile.c. */
+typedef bool wave_tile_fn(wave *w, size_t x, size_t y, const wave_region *region, const atomic_bool *cancel,
+                          io_image *image);
+wave_tile_fn wave_tile_scalar, wave_tile_sse42, wave_tile_avx2, wave_tile_avx512;
+
+#endif
