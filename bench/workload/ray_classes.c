@@ -85,56 +85,49 @@ static camera camera_place(const cw_field *field, const cw_query *query) {
     return c;
 }
 
-static size_t primary(const cw_field *field, const cw_query *query, size_t n, cw_ray *rays) {
-    const camera c = camera_place(field, query);
-    const size_t all = (size_t)VIEW_TILES * VIEW_TILES;
-    size_t tiles = n / WORKLOAD_TILE;
-    if (tiles > all) tiles = all;
-    /* Runs of neighbouring tiles at equal distances, counted along the rows of tiles; each row is turned round by another
-     * amount, or equal distances would pick the same columns again and again. */
+/* The ray through the place (x, y) of a view, in pixels; tile: number of its tile among those made. */
+typedef cw_ray view_ray(const void *view, size_t tile, double x, double y);
+
+/* Whole tiles of a view, at most n rays of them: runs of neighbouring tiles at equal distances, counted along the rows of tiles;
+ * each row is turned round by another amount, or equal distances would pick the same columns again and again. */
+static size_t view_rays(const void *view, view_ray *ray, size_t n, cw_ray *rays) {
     enum { ROW_RUNS = VIEW_TILES / TILE_RUN };
+    const size_t all = (size_t)VIEW_TILES * VIEW_TILES, tiles = n / WORKLOAD_TILE < all ? n / WORKLOAD_TILE : all;
     const size_t runs = (tiles + TILE_RUN - 1) / TILE_RUN;
     for (size_t k = 0; k < tiles; k++) {
         const size_t slot = (2 * (k / TILE_RUN) + 1) * (all / TILE_RUN) / (2 * runs), row = slot / ROW_RUNS;
         const size_t column = (slot + terrain_hash(0, (uint32_t)row, 0)) % ROW_RUNS;
         const size_t x0 = (column * TILE_RUN + k % TILE_RUN) * 4, y0 = row * 4;
         for (size_t p = 0; p < WORKLOAD_TILE; p++)
-            rays[k * WORKLOAD_TILE + p] = camera_ray(&c, (double)(x0 + p % 4) + 0.5, (double)(y0 + p / 4) + 0.5);
+            rays[k * WORKLOAD_TILE + p] = ray(view, k, (double)(x0 + p % 4) + 0.5, (double)(y0 + p / 4) + 0.5);
     }
     return tiles * WORKLOAD_TILE;
+}
+
+static cw_ray primary_ray(const void *view, size_t tile, double x, double y) {
+    (void)tile;
+    return camera_ray(view, x, y);
+}
+
+static size_t primary(const cw_field *field, const cw_query *query, size_t n, cw_ray *rays) {
+    const camera c = camera_place(field, query);
+    return view_rays(&c, primary_ray, n, rays);
 }
 
 /* ---- afar ---- */
 
-/* Pixel (x, y) of VIEW × VIEW over the whole field. Pixels of odd runs of tiles look in parallel, the others from one place. */
-static cw_ray afar_ray(const cw_field_info *info, size_t tile, size_t x, size_t y) {
+/* The whole field. Odd runs of tiles look in parallel, the others from one place. */
+static cw_ray afar_ray(const void *view, size_t tile, double x, double y) {
+    const cw_field_info *info = view;
     const double width = (double)(info->nx - 1), depth = (double)(info->ny - 1);
     const double away = 1000 * fmax(width, depth) * 0.70710678118654757,
                  z = ((double)info->low + (double)info->high) / 2;
-    const double to[3] = {((double)x + 0.5) / VIEW * width, ((double)y + 0.5) / VIEW * depth, z};
+    const double to[3] = {x / VIEW * width, y / VIEW * depth, z};
     const bool parallel = tile / TILE_RUN % 2;
-    const double from[3] = {parallel ? to[0] : width / 2, (parallel ? to[1] : depth / 2) - away, z + away};
-    cw_ray ray = {.tmin = 0, .tmax = INFINITY};
-    double dir[3], length = 0;
-    for (int k = 0; k < 3; k++) {
-        ray.org[k] = (float)from[k];
-        dir[k] = parallel ? to[k] - from[k] : to[k] - (double)ray.org[k];
-        length += dir[k] * dir[k];
-    }
-    for (int k = 0; k < 3; k++) ray.dir[k] = (float)(dir[k] / sqrt(length));
-    return ray;
-}
-
-static size_t afar(const cw_field_info *info, size_t n, cw_ray *rays) {
-    const size_t all = (size_t)VIEW_TILES * VIEW_TILES, tiles = n / WORKLOAD_TILE < all ? n / WORKLOAD_TILE : all;
-    const size_t runs = (tiles + TILE_RUN - 1) / TILE_RUN;
-    for (size_t k = 0; k < tiles; k++) {
-        const size_t slot = (2 * (k / TILE_RUN) + 1) * (all / TILE_RUN) / (2 * runs) * TILE_RUN + k % TILE_RUN;
-        for (size_t p = 0; p < WORKLOAD_TILE; p++)
-            rays[k * WORKLOAD_TILE + p] =
-                afar_ray(info, k, slot % VIEW_TILES * 4 + p % 4, slot / VIEW_TILES * 4 + p / 4);
-    }
-    return tiles * WORKLOAD_TILE;
+    const double org[3] = {parallel ? to[0] : width / 2, (parallel ? to[1] : depth / 2) - away, z + away};
+    double dir[3];
+    for (int k = 0; k < 3; k++) dir[k] = to[k] - (parallel ? org[k] : (double)(float)org[k]);
+    return make_ray(org, dir);
 }
 
 /* ---- secondary ---- */
@@ -256,7 +249,7 @@ size_t workload_rays_make(const cw_field *field, workload_class c, uint32_t seed
     const cw_query query = {.kernel = cw_kernel_find("cell"), .leaf = CW_LEAF_WATERTIGHT};
     const cw_field_info info = cw_field_describe(field);
     if (c == WORKLOAD_PRIMARY) return primary(field, &query, n, rays);
-    if (c == WORKLOAD_AFAR) return afar(&info, n, rays);
+    if (c == WORKLOAD_AFAR) return view_rays(&info, afar_ray, n, rays);
     if (c < WORKLOAD_RANDOM) return secondary(field, &query, c, seed, n, rays);
     if (c >= WORKLOAD_CLASS_COUNT) return info.nx >= 4 && info.ny >= 4 ? aimed(field, c, seed, n, rays) : 0;
     for (size_t k = 0; k < n; k++)

@@ -30,7 +30,7 @@ void command_print_name(FILE *to, const char *name) { fprintf(to, "%s%s%s", prog
 static void print_help(const program *p, FILE *to) {
     fprintf(to, "Usage: %s COMMAND [ARGUMENTS]\n\n%s\n\nCommands:\n", p->name, p->what);
     for (size_t k = 0; k < p->command_count; k++)
-        fprintf(to, "  %-8s %s\n", p->commands[k]->name, p->commands[k]->what);
+        fprintf(to, "  %-9s %s\n", p->commands[k]->name, p->commands[k]->what);
     fprintf(to, "\n'%s COMMAND --help' explains a command and gives examples;\n'%s --version' prints the version.\n",
             p->name, p->name);
     if (p->ending) fprintf(to, "\n%s", p->ending);
