@@ -13,7 +13,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     fuzz_write(NAME, data, size);
     io_raster raster;
     io_error error;
-    if (io_raster_read(NAME, &raster, &error)) {
+    if (io_raster_read(NAME, NULL, &raster, &error)) {
         cw_field_desc desc = cw_field_desc_default();
         desc.samples = raster.z;
         desc.nx = raster.nx;
