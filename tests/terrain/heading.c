@@ -10,8 +10,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* What a sample sees of one edge, from a to b, in a direction: nothing, if the ray passes it by. The answer's error bound,
- * 2^-21 of the steeper of the rises to the two samples, grows allowed. */
 /* Slow builds and emulated machines take fewer of all directions and fields. */
 #ifdef TEST_SCALE_DOWN
 enum { STEP = 5 };
@@ -19,6 +17,8 @@ enum { STEP = 5 };
 enum { STEP = 1 };
 #endif
 
+/* What a sample sees of one edge, from a to b, in a direction: nothing, if the ray passes it by. The answer's error bound,
+ * 2^-21 of the steeper of the rises to the two samples, grows allowed. */
 static void see_edge(const double start[3], const double dir[2], const double a[3], const double b[3], double *steepest,
                      double *allowed) {
     const double ax = a[0] - start[0], ay = a[1] - start[1], bx = b[0] - start[0], by = b[1] - start[1];
