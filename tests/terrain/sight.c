@@ -146,7 +146,7 @@ static void every_edge_counts(void **state) {
                 sight_bounds_destroy(bounds);
                 ground_free(&g);
             }
-    check(sum.seen > 3000 && sum.hidden > 3000, "%zu seen, %zu hidden", sum.seen, sum.hidden);
+    check(sum.seen > 3000 / STEP && sum.hidden > 3000 / STEP, "%zu seen, %zu hidden", sum.seen, sum.hidden);
 }
 
 /* shape: sample (i, j) stands out by 1000 m. */
@@ -193,10 +193,11 @@ static void large_views(void **state) {
                                  .curvature = n};
         viewshed *v = view(&g, bounds, &d);
         count(v, &query);
-        for (int m = 0; m < 1000; m++) check_sample(&g, &d, v, random_below(&r, 200), random_below(&r, 197), &sum);
+        for (int m = 0; m < 1000 / STEP; m++)
+            check_sample(&g, &d, v, random_below(&r, 200), random_below(&r, 197), &sum);
         viewshed_destroy(v);
     }
-    check(sum.seen > 100 && sum.hidden > 100, "%zu seen, %zu hidden", sum.seen, sum.hidden);
+    check(sum.seen > 100 / STEP && sum.hidden > 100 / STEP, "%zu seen, %zu hidden", sum.seen, sum.hidden);
     sight_bounds_destroy(bounds);
     ground_free(&g);
 }
