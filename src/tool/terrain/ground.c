@@ -3,6 +3,7 @@
 
 #include "../cancel.h"
 #include "command.h"
+#include "inputs.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -24,9 +25,11 @@ void ground_rows(ground_options *o, const char *name, option_spec rows[GROUND_OP
     rows[2 + RASTER_OPTION_COUNT] = query[QUERY_THREADS];
 }
 
-static bool same_file(const char *a, const char *b) {
-    struct stat s, t;
-    return stat(a, &s) == 0 && stat(b, &t) == 0 && s.st_dev == t.st_dev && s.st_ino == t.st_ino;
+/* Whether the output would take the terrain's own place, said before any work. GDAL opens files itself, past the readers that
+ * remember theirs. */
+static bool is_input(const char *path, const char *output) {
+    struct stat about;
+    return io_inputs_note_path(path) && stat(output, &about) == 0 && io_inputs_have(&about);
 }
 
 static bool describe(ground *g, const char *path, io_error *error) {
@@ -67,7 +70,7 @@ static int open_ground(ground *g, ground_options *o, const char *path, size_t ba
         return EXIT_USAGE;
     }
     if (bands > 0 && !io_raster_can_write(o->output, bands, &error)) return command_fail(o->name, "%s", error.text);
-    if (bands > 0 && same_file(path, o->output))
+    if (bands > 0 && is_input(path, o->output))
         return command_fail(o->name, "%s: is the terrain itself, and is not written over", o->output);
     const bool good = read_ground(g, path, &raster, field, &error);
     progress_end(&o->raster.line);
