@@ -23,7 +23,7 @@ PHASES = {
     "shared walk: set-up": "coherent fat_init fat_axis_init hull",
     "shared walk: nodes": "shared_walk fat_open",
     "shared walk: blocks": "shared_block block_rays fat_cells load_samples",
-    "shared walk: cells": "shared_cell",
+    "shared walk: cells": "shared_cells",
     "lane walk: queue, refill": "fall_apart mirror_part mirror_rays mirror_axis enqueue first_corner set_cones refill_lane "
                                 "copy_ray stream_clear load_lanes store_lanes",
     "lane walk: step": "stream_walk stream_step look_along",
