@@ -244,7 +244,7 @@ CW_API void cw_pool_run(cw_pool *pool, size_t n, size_t grain, cw_work_fn *work,
 
 /* What is known of rays that are neighbours in the array. It changes speed, never an answer of a strict query. */
 typedef enum cw_coherence {
-    CW_COHERENCE_AUTO = 0, /* nothing: each group of 16 is looked at */
+    CW_COHERENCE_AUTO = 0, /* nothing: the library looks for itself */
     CW_COHERENCE_LOW,      /* they have nothing in common: each goes its own way */
     CW_COHERENCE_HIGH      /* they run side by side: they share their way for as long as it pays, even if far apart */
 } cw_coherence;

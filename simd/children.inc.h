@@ -5,7 +5,7 @@
  * always the nearest: a ray goes through the 4 × 4 children along a monotone staircase. Descending takes the lowest bit,
  * coming back up needs the rest of the mask, and that is all the state a level has. */
 
-enum { CHILDREN = 16, PACKETS = CHILDREN / W };
+enum { CHILDREN = 16, CHILD_VECTORS = CHILDREN / W };
 
 /* What the lanes of each packet stand for: column and row in walk order. */
 static const float lane_x[CHILDREN] = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};

@@ -121,23 +121,21 @@ CW_INLINE void flat_step(packet *l, const cw_field *f, cw_leaf leaf, bool any) {
     l->sample = vi_add(l->sample, vi_select(in_x, l->step_x, l->step_y));
 }
 
-/* Writes the answers of all W lanes, whose rays these are: hits where found, else misses. */
-static inline void packet_hits(const packet *l, const cw_field *f, const cw_ray *rays, cw_hit *hits) {
+/* Writes the answers of all W lanes: hits where found, else misses. start: of make_rays. */
+static inline void packet_hits(const packet *l, const vstart *start, cw_hit *hits) {
     const vfloat infinite = vf_set(INFINITY), zero = vf_set(0), none = vf_set(-1);
     if (!vm_any(l->found)) {
         vf_store_hits(hits, infinite, zero, zero, none, none, vm_set(false));
         return;
     }
     const vray *r = &l->r;
-    vstart s;
+    vhit h;
     if (r->moved) {
-        vfloat c[8];
-        vf_load_rays(rays, c);
-        restart_rays(&s, f, c);
+        h = refine_hits(start, &l->hit);
     } else {
-        s = (vstart){.org = {r->x.org, r->y.org, r->oz}, .dir = {r->x.dir, r->y.dir, r->dz}};
+        const vstart here = {.org = {r->x.org, r->y.org, r->oz}, .dir = {r->x.dir, r->y.dir, r->dz}};
+        h = refine_hits(&here, &l->hit);
     }
-    const vhit h = refine_hits(&s, &l->hit);
     vf_store_hits(hits, vf_select(l->found, h.t, infinite), vf_select(l->found, h.u, zero),
                   vf_select(l->found, h.v, zero), vf_select(l->found, l->hit.i, none),
                   vf_select(l->found, l->hit.j, none), vm_and(l->found, l->hit.find.b));

@@ -52,7 +52,7 @@ typedef struct lane_queue {
     lane_rays ready[BATCH / W];
     queued rays[BATCH];
     size_t n;
-    unsigned mirrored;        /* bits of the present group's packets that are in ready */
+    uint64_t mirrored;        /* bits of the present tile's packets that are in ready */
     uint32_t first;           /* number of the batch's first ray, from which those of rays count */
     tolerance allowed[BATCH]; /* of tolerant queries alone */
 } lane_queue;
@@ -99,12 +99,12 @@ static inline void mirror_rays(lane_rays *s, const vray *r, const cw_field *f, c
     vf_store(s->f[RAY_T1], r->t1);
 }
 
-/* The same for packet p of the present group, number first_packet + p of the queue. Rays that never are alone are
+/* The same for packet p of the present tile, number first_packet + p of the queue. Rays that never are alone are
  * left out: for primary rays that is 4 % of all instructions, and for those that always are alone 1 % more. */
 CW_INLINE void mirror_packet(lane_queue *q, size_t first_packet, size_t p, const vray *r, const cw_field *f,
                              cw_leaf leaf) {
     if (q->mirrored >> p & 1) return;
-    q->mirrored |= 1u << p;
+    q->mirrored |= (uint64_t)1 << p;
     mirror_rays(&q->ready[first_packet + p], r, f, leaf);
 }
 

@@ -15,9 +15,10 @@
 
 #include "kernels.h"
 
-/* Walks the first n of W rays to their ends. */
-CW_INLINE void packet_walk(packet *l, const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, bool any) {
-    l->alive = vm_and(vm_first(n), make_rays(&l->r, f, rays));
+/* Walks the first n of W rays to their ends. start: see make_rays. */
+CW_INLINE void packet_walk(packet *l, const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, bool any,
+                           vstart *start) {
+    l->alive = vm_and(vm_first(n), make_rays(&l->r, f, rays, start));
     packet_clear(l);
     flat_start(l, f);
     while (vm_any(l->alive)) /* at most nx + ny turns: a lane goes one way on each axis and leaves the field */
@@ -31,8 +32,9 @@ CW_INLINE void packet_closest(const cw_field *f, const cw_ray *rays, size_t n, c
         cw_hit answers[W];
         const cw_ray *from = fill_up(rays + k, count, W, tail);
         packet l;
-        packet_walk(&l, f, from, count, leaf, false);
-        packet_hits(&l, f, from, count < W ? answers : hits + k);
+        vstart start;
+        packet_walk(&l, f, from, count, leaf, false, &start);
+        packet_hits(&l, &start, count < W ? answers : hits + k);
         if (count < W) memcpy(hits + k, answers, count * sizeof *hits);
     }
 }
@@ -42,7 +44,8 @@ CW_INLINE void packet_any(const cw_field *f, const cw_ray *rays, size_t n, uint8
         const size_t count = n - k < W ? n - k : W;
         cw_ray tail[W];
         packet l;
-        packet_walk(&l, f, fill_up(rays + k, count, W, tail), count, leaf, true);
+        vstart start;
+        packet_walk(&l, f, fill_up(rays + k, count, W, tail), count, leaf, true, &start);
         const unsigned found = vm_bits(l.found);
         for (size_t m = 0; m < count; m++) occluded[k + m] = found >> m & 1;
     }

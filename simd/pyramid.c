@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The pyramid kernels: which walk a ray takes. Groups of 16 rays are made ready W at a time; rays that climb out of the
- * terrain are cut short (climb.inc.h); a few steps of the flat walk finish what is close by (flat_walk.inc.h); what is left of a
- * group shares its walk as long as it is coherent (shared_walk.inc.h), and then is queued for the lane walk (lane_walk.inc.h).
- * Which way a ray takes never changes its hit, but for tolerant queries: the lane walk alone makes use of a tolerance.
- * simd/CMakeLists.txt compiles this twice for each row of its table, the second time for tolerant queries
+/* The pyramid kernels: which walk a ray takes. Tiles of 64 rays are made ready W at a time. A tile that is coherent shares its
+ * walk, else each of its groups of 16 that is (shared_walk.inc.h). Other rays are cut short where they climb out of the terrain
+ * (climb.inc.h), a few steps of the flat walk finish what is close by (flat_walk.inc.h), and what is left is queued for the lane
+ * walk (lane_walk.inc.h). Which way a ray takes never changes its hit, but for tolerant queries: the lane walk alone makes use
+ * of a tolerance. simd/CMakeLists.txt compiles this twice for each row of its table, the second time for tolerant queries
  * (CELLWALK_TOLERANT). */
 
 #ifdef CELLWALK_TOLERANT
@@ -38,66 +38,98 @@
  * start at the surface and climb have left it, mostly, and the lanes are still nearly full. */
 enum { FLAT_STEPS = 4 };
 
-/* Fewer rays than this do not pay for making a fat ray of them. */
-enum { SHARE_AT_LEAST = 4 };
-
 /* The compiler is to choose whether this is inlined, unlike in packet.c: inlined by force it takes registers from what follows,
  * 1 to 4 % of the time of pyramid16. */
 static inline void first_steps(packet *l, const cw_field *f, cw_leaf leaf, bool any) {
     for (int k = 0; k < FLAT_STEPS && vm_any(l->alive); k++) flat_step(l, f, leaf, any);
 }
 
-/* The first n rays of a group, whose packets are numbers first_packet and on of the queue. Writes their hits, misses for
- * those that have none or not yet; of any-hit queries returns the rays that hit. Rays that are to go on alone are put into
- * the queue. tolerant: the query if it is tolerant, else NULL. */
-CW_INLINE unsigned pyramid_group(const cw_field *f, const cw_ray *rays, size_t n, cw_coherence hint, cw_leaf leaf,
-                                 bool any, cw_hit *hits, lane_queue *queue, size_t first_packet,
-                                 const cw_query *tolerant) {
-    packet packets[PACKETS];
-    cw_ray tail[CHILDREN];
-    unsigned found = 0, rest = 0, flat = 0; /* flat: bits of packets that have walked from cell to cell */
-    rays = fill_up(rays, n, CHILDREN, tail);
-    queue->mirrored = 0;
-    for (size_t p = 0; p < PACKETS; p++) {
-        packet *l = &packets[p];
-        const size_t begin = p * W;
-        l->alive = vm_and(vm_first(n <= begin ? 0 : n - begin), make_rays(&l->r, f, rays + begin));
-        packet_clear(l);
+/* The rays of w in packets [p, end), which share no walk: each packet for itself. Those that go on alone are queued. */
+CW_INLINE void walk_apart(tile_walk *w, size_t p, size_t end, cw_leaf leaf, bool any) {
+    const cw_field *f = w->f;
+    for (; p < end; p++) {
+        packet *l = &w->packets[p];
         if (!vm_any(l->alive)) continue;
         const vmask short_way = climb(&l->r, f->pyramid, l->alive);
         l->alive = vm_and(l->alive, vf_le(l->r.from, l->r.until));
-        if (vm_any(vm_and(l->alive, short_way))) {
-            flat |= ((1u << W) - 1) << begin;
+        const bool flat = vm_any(vm_and(l->alive, short_way));
+        if (flat) {
             flat_start(l, f);
             first_steps(l, f, leaf, any);
             l->r.from = vf_max(l->r.from, vf_max(l->c.x_in, l->c.y_in));
         }
-        rest |= vm_bits(l->alive) << begin;
         if (!vm_any(l->alive)) continue;
-        if (tolerant) set_tolerances(&queue->allowed[(first_packet + p) * W], f, rays + begin, tolerant);
+        mirror_packet(w->queue, w->first_packet, p, &l->r, f, leaf);
+        /* A ray that has just left the surface begins at its block, and so rises no further than it must. */
+        enqueue(w->queue, w->first_packet + p, vm_bits(l->alive), l->r.from, flat ? 1 : f->pyramid->levels);
     }
-    fat_ray a;
-    if (hint != CW_COHERENCE_LOW && __builtin_popcount(rest) >= SHARE_AT_LEAST && coherent(packets, rest, f, hint) &&
-        fat_init(&a, packets, rest)) {
-        shared_walk(&a, packets, rest, f, leaf, any, queue, first_packet);
-    } else if (rest != 0) {
-        for (size_t p = 0; p < PACKETS; p++) {
-            const unsigned alone = rest >> (p * W) & ((1u << W) - 1);
-            if (alone == 0) continue;
-            mirror_packet(queue, first_packet, p, &packets[p].r, f, leaf);
-            /* A ray that has just left the surface begins at its block, and so rises no further than it must. */
-            const int level = flat >> (p * W) & 1 ? 1 : f->pyramid->levels;
-            enqueue(queue, first_packet + p, alone, packets[p].r.from, level);
+}
+
+/* Walks the rays of w together, if their origins lie within this many cells and all else is as alike; else returns false. */
+CW_INLINE bool walk_together(tile_walk *w, float cells, cw_coherence hint, cw_leaf leaf, bool any) {
+    if (__builtin_popcountll(w->rays) < SHARE_AT_LEAST || !coherent(w->packets, w->rays, cells, hint)) return false;
+    if (!fat_init(&w->tile, w->packets, w->rays)) return false;
+    const struct cw_pyramid *p = w->f->pyramid;
+    const int top = p->levels - 1;
+    count_step(COUNT_SHARED, w->rays);
+    count_step(COUNT_SHARED_NODE, w->rays);
+    shared_walk(w, &w->tile, w->rays, top, 0, 0, fat_open(&w->tile, &p->level[top], 0, 0), leaf, any);
+    return true;
+}
+
+/* The first n rays of a tile, whose packets are numbers first_packet and on of the queue. Writes their hits, misses for
+ * those that have none or not yet; of any-hit queries returns the rays that hit. Rays that are to go on alone are put into
+ * the queue. tolerant: the query if it is tolerant, else NULL.
+ *
+ * Rejected: to let each group of a tile that is not coherent walk as soon as it is ready, with its rays in registers. Bounce
+ * rays gain 3 % with 16 lanes, all coherent rays lose 2 to 4 % with 8. */
+CW_INLINE ray_set pyramid_tile(const cw_field *f, const cw_ray *rays, size_t n, cw_coherence hint, cw_leaf leaf,
+                               bool any, cw_hit *hits, lane_queue *queue, size_t first_packet,
+                               const cw_query *tolerant) {
+    packet packets[PACKETS];
+    vstart start[PACKETS];
+    cw_ray tail[W];
+    tile_walk w;
+    w.f = f;
+    w.packets = packets;
+    w.queue = queue;
+    w.first_packet = first_packet;
+    w.made = 0;
+    queue->mirrored = 0;
+    const size_t count = (n + W - 1) / W;
+    ray_set alive = 0;
+    for (size_t p = 0; p < count; p++) {
+        packet *l = &packets[p];
+        const cw_ray *mine = fill_up(rays + p * W, n - p * W, W, tail);
+        l->alive = vm_and(vm_first(n - p * W), make_rays(&l->r, f, mine, &start[p]));
+        l->alive = vm_and(l->alive, vf_le(l->r.from, l->r.until));
+        packet_clear(l);
+        alive |= (ray_set)vm_bits(l->alive) << (p * W);
+        if (tolerant && vm_any(l->alive)) set_tolerances(&queue->allowed[(first_packet + p) * W], f, mine, tolerant);
+    }
+    w.rays = alive;
+    w.several = n > GROUP;
+    const bool look = hint != CW_COHERENCE_LOW;
+    const float group_cells = 16 + (float)(f->nx + f->ny) * (1.0f / 64);
+    if (!(look && walk_together(&w, TILE_CELLS, hint, leaf, any))) {
+        w.several = false;
+        for (size_t p = 0; p < count; p += GROUP / W) {
+            const size_t end = p + GROUP / W < count ? p + GROUP / W : count;
+            w.rays = group_bits(alive, p * W / GROUP);
+            if (!(look && walk_together(&w, group_cells, hint, leaf, any))) walk_apart(&w, p, end, leaf, any);
         }
     }
     if (any) {
-        for (size_t p = 0; p < PACKETS; p++) found |= vm_bits(packets[p].found) << (p * W);
+        ray_set found = 0;
+        for (size_t p = 0; p < count; p++) found |= (ray_set)vm_bits(packets[p].found) << (p * W);
         return found;
     }
-    cw_hit answers[CHILDREN];
-    cw_hit *to = n < CHILDREN ? answers : hits;
-    for (size_t p = 0; p < PACKETS; p++) packet_hits(&packets[p], f, rays + p * W, to + p * W);
-    if (n < CHILDREN) memcpy(hits, answers, n * sizeof *hits);
+    cw_hit answers[W];
+    for (size_t p = 0; p < count; p++) {
+        const bool part = n - p * W < W;
+        packet_hits(&packets[p], &start[p], part ? answers : hits + p * W);
+        if (part) memcpy(hits + p * W, answers, (n - p * W) * sizeof *hits);
+    }
     return 0;
 }
 
@@ -115,10 +147,10 @@ CW_INLINE void pyramid_closest(const cw_field *f, const cw_ray *rays, size_t n, 
         queue.first = (uint32_t)(b - run);
         answers.rays = rays + run;
         answers.hits = hits + run;
-        for (size_t k = b; k < end; k += CHILDREN) {
-            const size_t count = end - k < CHILDREN ? end - k : CHILDREN;
-            (void)pyramid_group(f, rays + k, count, query->coherence, leaf, false, hits + k, &queue, (k - b) / W,
-                                tolerant);
+        for (size_t k = b; k < end; k += TILE) {
+            const size_t count = end - k < TILE ? end - k : TILE;
+            (void)pyramid_tile(f, rays + k, count, query->coherence, leaf, false, hits + k, &queue, (k - b) / W,
+                               tolerant);
         }
         lane_walk(f, &queue, &alone, end < n && end % LANE_RUN != 0, leaf, tolerant, false, &answers);
     }
@@ -137,10 +169,10 @@ CW_INLINE void pyramid_any(const cw_field *f, const cw_ray *rays, size_t n, cons
         queue.first = (uint32_t)(b - run);
         answers.rays = rays + run;
         answers.occluded = occluded + run;
-        for (size_t k = b; k < end; k += CHILDREN) {
-            const size_t count = end - k < CHILDREN ? end - k : CHILDREN;
-            const unsigned found =
-                pyramid_group(f, rays + k, count, query->coherence, leaf, true, NULL, &queue, (k - b) / W, tolerant);
+        for (size_t k = b; k < end; k += TILE) {
+            const size_t count = end - k < TILE ? end - k : TILE;
+            const ray_set found =
+                pyramid_tile(f, rays + k, count, query->coherence, leaf, true, NULL, &queue, (k - b) / W, tolerant);
             for (size_t m = 0; m < count; m++) occluded[k + m] = found >> m & 1;
         }
         lane_walk(f, &queue, &alone, end < n && end % LANE_RUN != 0, leaf, tolerant, true, &answers);

@@ -187,8 +187,8 @@ static inline void make_slab(vray *r, const cw_field *f) {
     r->until = vf_select(vm_and(beyond1, vf_lt(s1, r->t1)), s1, r->t1);
 }
 
-/* Lanes that may hit. Where none may, the slab is left out. */
-static inline vmask make_rays(vray *r, const cw_field *f, const cw_ray *rays) {
+/* Lanes that may hit. Where none may, the slab is left out. *start is set where r->moved alone, for refine_hits. */
+static inline vmask make_rays(vray *r, const cw_field *f, const cw_ray *rays, vstart *start) {
     vstart s;
     vmask alive = start_rays(&s, f, rays);
     alive = vm_and(alive, make_axis(&r->x, s.org[0], s.dir[0], f->nx));
@@ -196,6 +196,7 @@ static inline vmask make_rays(vray *r, const cw_field *f, const cw_ray *rays) {
     r->oz = s.org[2];
     r->dz = s.dir[2];
     r->moved = s.moved;
+    if (s.moved) *start = s;
     r->t0 = vf_max(vf_max(crossing(&r->x, r->x.first), crossing(&r->y, r->y.first)), s.tmin);
     r->t1 = vf_min(vf_min(crossing(&r->x, r->x.last), crossing(&r->y, r->y.last)), s.tmax);
     alive = vm_and(alive, vf_le(r->t0, r->t1));

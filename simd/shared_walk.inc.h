@@ -1,19 +1,48 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Coherent rays share their walk. A group of 16 rays goes through the pyramid as one *fat ray*, an interval for each of
- * its numbers, judged against 16 children at once (children.inc.h); so opening a node costs the group little more than it
- * would cost one ray. At a block each ray decides for itself whether it is concerned; then the rays take the block's cells
- * one after another with the cell broadcast and the rays in lanes. Where they no longer want the same, the group falls
- * apart: the rays concerned are queued for the lane walk, which begins at that node (lane_walk.inc.h).
+/* Coherent rays share their walk. A tile of 64 rays goes through the pyramid as one *fat ray*, an interval for each of their
+ * numbers, judged against 16 children at once (children.inc.h); so opening a node costs 64 rays little more than it would
+ * cost one. At a block each ray decides for itself whether it is concerned; then each packet takes the block's cells one
+ * after another, with the cell broadcast and the rays in lanes. Where the rays no longer want the same, the tile falls apart
+ * into groups of 16, which go on from that node with a fat ray each; where a group falls apart, the rays concerned are queued
+ * for the lane walk, which begins at that node (lane_walk.inc.h).
  *
  * Invariant: interval arithmetic in the gate's own operations, in their order, each of which is monotone in each of its
  * arguments, also after rounding. So the fat ray's interval encloses, without padding, what each ray computes for itself,
  * and no child that one of them must visit is skipped. Visits are front to back for all rays of one direction quadrant.
  *
- * After Reshetov, Soupikov and Hurley 2005 (one traversal finds where many rays begin), Boulos, Wald and Shirley 2006 and
+ * After Reshetov, Soupikov and Hurley 2005 (one traversal finds where smaller beams begin), Boulos, Wald and Shirley 2006 and
  * Wald et al. 2006 (interval and frustum traversal of grids by packets). Not done: testing every ray against every child,
  * which costs a level as much for each vector of rays as the fat ray costs once. */
 
-/* Intervals over the rays of a group, each number in all lanes. In mirrored coordinates, in which x and y grow along the
+/* Rays of a tile, a bit each; the lanes of packet p are bits p W and on. */
+typedef uint64_t ray_set;
+enum { TILE = 64, PACKETS = TILE / W, GROUP = 16, GROUPS = TILE / GROUP };
+
+/* Fewer rays than this do not pay for making a fat ray of them. */
+enum { SHARE_AT_LEAST = 4 };
+
+/* Cells between origins of a tile's rays, along each axis, up to which it shares a walk. With 2 or 8 shadow rays lose 1 to 3 %;
+ * without a limit those on 1025² lose 10 % with 4 lanes, as the tile falls apart at once. */
+enum { TILE_CELLS = 4 };
+
+static inline unsigned packet_bits(ray_set rays, size_t p) {
+    return (unsigned)(rays >> (p * W)) & (unsigned)(((ray_set)1 << W) - 1);
+}
+static inline ray_set group_bits(ray_set rays, size_t g) { return rays & (ray_set)0xffff << (g * GROUP); }
+
+/* The first packet that some of the rays are in; takes its rays out of them. */
+static inline size_t next_packet(ray_set *rays) {
+    const size_t p = (size_t)__builtin_ctzll(*rays) / W;
+    *rays &= ~((((ray_set)1 << W) - 1) << (p * W));
+    return p;
+}
+static inline int packets_of(ray_set rays) {
+    int n = 0;
+    for (; rays != 0; n++) (void)next_packet(&rays);
+    return n;
+}
+
+/* Intervals over some rays, each number in all lanes. In mirrored coordinates, in which x and y grow along the
  * rays: centers times the sign of the direction, inverses without sign. */
 typedef struct fat_axis {
     vfloat center_low, center_high, inverse_low, inverse_high;
@@ -27,35 +56,35 @@ typedef struct fat_ray {
     bool up_x, up_y;
 } fat_ray;
 
-/* True if the rays are alike enough to share a walk: one direction quadrant, directions within 1/8 of their length from
- * the first one's, origins within a few cells; with the hint CW_COHERENCE_HIGH the quadrant alone. What is left out is a
- * matter of speed alone. */
-static inline bool coherent(const packet packets[PACKETS], unsigned rays, const cw_field *f, cw_coherence hint) {
-    const unsigned first = (unsigned)__builtin_ctz(rays);
+/* A vector's lane in all lanes; read from memory, as the rays of a tile are there. */
+static inline vfloat lane_of(const vfloat *v, unsigned lane) {
+    float a;
+    memcpy(&a, (const char *)v + lane * sizeof a, sizeof a);
+    return vf_set(a);
+}
+
+/* True if the rays are alike enough to share a walk: one direction quadrant, directions within 1/8 of its length from the
+ * first one's, origins within this many cells of its; with the hint CW_COHERENCE_HIGH the quadrant alone. What is left out is
+ * a matter of speed alone. */
+static inline bool coherent(const packet *packets, ray_set rays, float cells, cw_coherence hint) {
+    const unsigned first = (unsigned)__builtin_ctzll(rays);
     const vray *one = &packets[first / W].r;
-    float all[W];
-    vf_store(all, one->x.dir);
-    const vfloat dx = vf_set(all[first % W]);
-    vf_store(all, one->y.dir);
-    const vfloat dy = vf_set(all[first % W]);
-    vf_store(all, one->dz);
-    const vfloat dz = vf_set(all[first % W]);
-    vf_store(all, one->x.org);
-    const vfloat ox = vf_set(all[first % W]);
-    vf_store(all, one->y.org);
-    const vfloat oy = vf_set(all[first % W]);
+    const unsigned lane = first % W;
+    const vfloat dx = lane_of(&one->x.dir, lane), dy = lane_of(&one->y.dir, lane), dz = lane_of(&one->dz, lane);
+    const vfloat ox = lane_of(&one->x.org, lane), oy = lane_of(&one->y.org, lane);
     const vfloat length = vf_max(vf_max(vf_abs(dx), vf_abs(dy)), vf_abs(dz)), zero = vf_set(0);
     const bool any = hint == CW_COHERENCE_HIGH;
     const vfloat angle = any ? vf_set(INFINITY) : vf_mul(length, vf_set(0.125f));
-    const vfloat apart = vf_set(any ? INFINITY : 16 + (float)(f->nx + f->ny) * (1.0f / 64));
-    for (size_t p = 0; p < PACKETS; p++) {
+    const vfloat apart = vf_set(any ? INFINITY : cells);
+    for (ray_set left = rays; left != 0;) {
+        const size_t p = next_packet(&left);
+        const unsigned here = packet_bits(rays, p);
         const vray *r = &packets[p].r;
         vmask m = vm_and(vf_le(vf_abs(vf_sub(r->x.dir, dx)), angle), vf_le(vf_abs(vf_sub(r->y.dir, dy)), angle));
         m = vm_and(m, vf_le(vf_abs(vf_sub(r->dz, dz)), angle));
         m = vm_and(m, vm_and(vf_le(vf_abs(vf_sub(r->x.org, ox)), apart), vf_le(vf_abs(vf_sub(r->y.org, oy)), apart)));
         m = vm_andnot(m, vm_or(vm_xor(r->x.up, vf_ge(dx, zero)), vm_xor(r->y.up, vf_ge(dy, zero))));
         m = vm_and(m, vf_ge(r->from, zero)); /* products of t and dz keep their order */
-        const unsigned here = (rays >> (p * W)) & ((1u << W) - 1);
         if ((vm_bits(m) & here) != here) return false;
     }
     return true;
@@ -64,30 +93,32 @@ static inline bool coherent(const packet packets[PACKETS], unsigned rays, const 
 /* Numbers that intervals are made of; the highest of each is the lowest of the same turned round. */
 enum { HULL_X, HULL_X_INVERSE, HULL_Y, HULL_Y_INVERSE, HULL_OZ, HULL_DZ, HULL_UNTIL, HULL_NUMBERS, HULL_FROM = 15 };
 
-/* False if an inverse is infinite, which intervals cannot be made of. */
-static inline bool fat_init(fat_ray *a, const packet packets[PACKETS], unsigned rays) {
+/* False if on some axis rays stand still and others do not: the inverses of the first are infinite, and so times a distance of
+ * zero is no number. Where all of them stand still, that does not happen: their centers lie between borders. */
+static inline bool fat_init(fat_ray *a, const packet *packets, ray_set rays) {
     const vfloat minus = vf_set(-0.0f), infinite = vf_set(INFINITY);
+    const unsigned first = (unsigned)__builtin_ctzll(rays);
     vfloat hull[16];
-    for (size_t p = 0; p < PACKETS; p++) {
+    for (int k = 0; k < 16; k++) hull[k] = infinite;
+    for (ray_set left = rays; left != 0;) {
+        const size_t p = next_packet(&left);
         const vray *r = &packets[p].r;
-        const vmask m = vm_from_bits(rays >> (p * W));
+        const vmask m = vm_from_bits(packet_bits(rays, p));
         const vfloat number[HULL_NUMBERS] = {r->x.center, r->x.inverse, r->y.center, r->y.inverse,
                                              r->oz,       r->dz,        r->until};
         for (int k = 0; k < HULL_NUMBERS; k++) {
             const vfloat low = vf_select(m, number[k], infinite);
             const vfloat high = vf_select(m, vf_flip(number[k], minus), infinite);
-            hull[k] = p == 0 ? low : vf_min(hull[k], low);
-            hull[HULL_NUMBERS + k] = p == 0 ? high : vf_min(hull[HULL_NUMBERS + k], high);
+            hull[k] = vf_min(hull[k], low);
+            hull[HULL_NUMBERS + k] = vf_min(hull[HULL_NUMBERS + k], high);
         }
         const vfloat from = vf_select(m, r->from, infinite);
-        hull[HULL_FROM] = p == 0 ? from : vf_min(hull[HULL_FROM], from);
+        hull[HULL_FROM] = vf_min(hull[HULL_FROM], from);
     }
-    hull[2 * HULL_NUMBERS] = infinite;
     float low[16];
     vf_lowest_of_each(hull, low);
     const float *minus_high = low + HULL_NUMBERS;
 
-    const unsigned first = (unsigned)__builtin_ctz(rays);
     a->up_x = vm_bits(packets[first / W].r.x.up) >> (first % W) & 1;
     a->up_y = vm_bits(packets[first / W].r.y.up) >> (first % W) & 1;
     a->order = vorder_make(a->up_x, a->up_y);
@@ -106,9 +137,10 @@ static inline bool fat_init(fat_ray *a, const packet packets[PACKETS], unsigned 
         axis[c]->inverse_low = vf_set(l[1]);
         axis[c]->inverse_high = vf_set(-h[1]);
     }
-    const float steepest_x = fmaxf(-low[HULL_X_INVERSE], -minus_high[HULL_X_INVERSE]);
-    const float steepest_y = fmaxf(-low[HULL_Y_INVERSE], -minus_high[HULL_Y_INVERSE]);
-    return steepest_x <= FLT_MAX && steepest_y <= FLT_MAX;
+    /* Only rays that go up have infinite ones. */
+    const bool mixed_x = a->up_x && -minus_high[HULL_X_INVERSE] > FLT_MAX && low[HULL_X_INVERSE] <= FLT_MAX;
+    const bool mixed_y = a->up_y && -minus_high[HULL_Y_INVERSE] > FLT_MAX && low[HULL_Y_INVERSE] <= FLT_MAX;
+    return !mixed_x && !mixed_y;
 }
 
 /* Earliest entry into and latest exit from the place between two borders, in mirrored coordinates. */
@@ -145,7 +177,7 @@ static inline unsigned fat_open(const fat_ray *a, const cw_pyramid_level *l, int
     const float *row = first_row(&a->order, brick, 4);
     const ptrdiff_t step = row_step(&a->order, 4);
     unsigned mask = 0;
-    for (size_t k = 0; k < PACKETS; k++)
+    for (size_t k = 0; k < CHILD_VECTORS; k++)
         mask |= vm_bits(fat_meets(a, start_x, start_y, vf_set(l->side), k, vf_load_block(row, step, &a->order, k),
                                   vf_load_block(row + 16, step, &a->order, k)))
                 << (k * W);
@@ -158,7 +190,7 @@ static inline unsigned fat_cells(const fat_ray *a, const block_samples *s, int32
     const float *row = first_row(&a->order, s->z, s->stride);
     const ptrdiff_t step = row_step(&a->order, s->stride);
     unsigned mask = 0;
-    for (size_t k = 0; k < PACKETS; k++) {
+    for (size_t k = 0; k < CHILD_VECTORS; k++) {
         vcell c;
         c.h00 = vf_load_block(row, step, &a->order, k);
         c.h10 = vf_load_block(row + 1, step, &a->order, k);
@@ -178,35 +210,37 @@ static inline void place_crossings(const vray *r, bool up_x, bool up_y, float x,
 }
 
 /* Those of the rays that may meet something in the block. */
-static inline unsigned block_rays(const fat_ray *a, const packet packets[PACKETS], unsigned rays,
-                                  const cw_pyramid_level *l, int32_t x, int32_t y) {
+static inline ray_set block_rays(const fat_ray *a, const packet *packets, ray_set rays, const cw_pyramid_level *l,
+                                 int32_t x, int32_t y) {
     const float *n =
         l->bricks + ((size_t)(y >> 2) * (size_t)l->across + (size_t)(x >> 2)) * BRICK_FLOATS + ((y & 3) << 2 | (x & 3));
-    unsigned concerned = 0;
-    for (size_t p = 0; p < PACKETS; p++) {
-        if (!(rays >> (p * W) & ((1u << W) - 1))) continue;
+    ray_set concerned = 0;
+    for (ray_set left = rays; left != 0;) {
+        const size_t p = next_packet(&left);
         const vray *r = &packets[p].r;
         vcell c;
         place_crossings(r, a->up_x, a->up_y, (float)(4 * x), (float)(4 * y), 4, &c);
         const vfloat t0 = vf_max(vf_max(c.x_in, c.y_in), r->from), t1 = vf_min(vf_min(c.x_out, c.y_out), r->until);
-        concerned |= vm_bits(vm_and(vf_le(t0, t1), meets(r, t0, t1, vf_set(n[0]), vf_set(n[16])))) << (p * W);
+        concerned |= (ray_set)vm_bits(vm_and(vf_le(t0, t1), meets(r, t0, t1, vf_set(n[0]), vf_set(n[16])))) << (p * W);
     }
     return concerned & rays;
 }
 
-/* One cell against the rays; the rays that hit. */
-CW_INLINE unsigned shared_cell(const fat_ray *a, packet packets[PACKETS], unsigned rays, const block_samples *s,
-                               int32_t i, int32_t j, cw_leaf leaf, bool any) {
-    const float *z = s->z + (size_t)(j & 3) * s->stride + (i & 3);
-    unsigned found = 0;
-    count_step(COUNT_SHARED_CELL, rays);
-    for (size_t p = 0; p < PACKETS; p++) {
-        const vmask among = vm_from_bits(rays >> (p * W));
-        if (!vm_any(among)) continue;
-        packet *l = &packets[p];
-        const vray *r = &l->r;
+/* Those of a packet's rays that find their first hits in these cells of a block, of which (i, j) is the low corner. Packet
+ * after packet, so that a ray stays in registers from cell to cell. */
+CW_INLINE vmask shared_cells(const fat_ray *a, packet *l, vmask among, const block_samples *s, int32_t i, int32_t j,
+                             unsigned cells, cw_leaf leaf, bool any) {
+    const vray *r = &l->r;
+    vmask found = vm_set(false);
+    for (; cells != 0; cells &= cells - 1) {
+        const int32_t place = __builtin_ctz(cells);
+        const int32_t x = (place & 3) ^ a->order.flip_x, y = (place >> 2) ^ a->order.flip_y;
+        const float *z = s->z + (size_t)y * s->stride + x;
+        count_step(COUNT_SHARED_CELL, vm_bits(among));
         vcell c;
-        place_crossings(r, a->up_x, a->up_y, (float)i, (float)j, 1, &c);
+        c.i = vf_set((float)(i + x));
+        c.j = vf_set((float)(j + y));
+        place_crossings(r, a->up_x, a->up_y, (float)(i + x), (float)(j + y), 1, &c);
         c.t0 = vf_max(vf_max(c.x_in, c.y_in), r->t0);
         c.t1 = vf_min(vf_min(c.x_out, c.y_out), r->t1);
         c.h00 = vf_set(z[0]);
@@ -215,33 +249,32 @@ CW_INLINE unsigned shared_cell(const fat_ray *a, packet packets[PACKETS], unsign
         c.h11 = vf_set(z[s->stride + 1]);
         const vmask gate = vm_and(among, cell_gate(r, &c));
         if (!vm_any(gate)) continue;
-        c.i = vf_set((float)i);
-        c.j = vf_set((float)j);
         vfind find;
         const vmask now = leaf_test(leaf, r, &c, gate, any, &find);
-        if (!any && vm_any(now)) keep_hits(&l->hit, now, &find, &c);
-        l->found = vm_or(l->found, now);
-        found |= vm_bits(now) << (p * W);
+        if (!vm_any(now)) continue;
+        if (!any) keep_hits(&l->hit, now, &find, &c);
+        found = vm_or(found, now);
+        among = vm_andnot(among, now);
+        if (!vm_any(among)) break;
     }
     return found;
 }
 
-/* A group falls apart at a block where going on together would test this many times more cells, counted once for each
- * vector of rays, than there are rays; and at a node of which more children than this have to be visited. Least
- * instructions for primary and shadow rays on 65² to 4097² samples among 2, 4, 8 and 4, 5, 6, 8, 16 (callgrind). Without
- * the second, shadow rays on 4097² take 2.5 times as many. */
-enum { FALL_APART = 2, CHILDREN_AT_MOST = 5 };
+/* A tile or group falls apart at a block where going on together would test this many times more cells, counted once for each
+ * packet concerned, than there are rays; and at a node of which more children than this have to be visited. Least time for
+ * primary, shadow and far rays on 65² to 4097² samples among 4, 5, 6, 8 children (Zen 4, 8 and 16 lanes): with 8, rays on 4097²
+ * lose 4 to 6 %; with 4, primary rays on 257² lose 8 %. */
+enum { FALL_APART = 2, CHILDREN_AT_MOST = 6 };
 
 /* Queues those of the rays that cross the node of the given level of the pyramid and place; the rest of their walk is
  * theirs alone. Returns them. */
-static inline unsigned fall_apart(const fat_ray *a, const packet packets[PACKETS], unsigned rays, const cw_field *f,
-                                  int level, int32_t x, int32_t y, cw_leaf leaf, lane_queue *queue,
-                                  size_t first_packet) {
-    unsigned apart = 0;
+static inline ray_set fall_apart(const fat_ray *a, const packet *packets, ray_set rays, const cw_field *f, int level,
+                                 int32_t x, int32_t y, cw_leaf leaf, lane_queue *queue, size_t first_packet) {
+    ray_set apart = 0;
     const cw_pyramid_level *l = &f->pyramid->level[level];
-    for (size_t p = 0; p < PACKETS; p++) {
-        const unsigned among = rays >> (p * W) & ((1u << W) - 1);
-        if (among == 0) continue;
+    for (ray_set left = rays; left != 0;) {
+        const size_t p = next_packet(&left);
+        const unsigned among = packet_bits(rays, p);
         const vray *r = &packets[p].r;
         vcell c;
         place_crossings(r, a->up_x, a->up_y, (float)x * l->side, (float)y * l->side, l->side, &c);
@@ -250,46 +283,108 @@ static inline unsigned fall_apart(const fat_ray *a, const packet packets[PACKETS
         if (now == 0) continue;
         mirror_packet(queue, first_packet, p, r, f, leaf);
         enqueue(queue, first_packet + p, now, t0, level + 1);
-        apart |= now << (p * W);
+        apart |= (ray_set)now << (p * W);
     }
     count_step(COUNT_APART, apart);
     return apart;
 }
 
-/* First hits of the rays in block (x, y); the rays that are done with, by a hit or by being queued. */
-CW_INLINE unsigned shared_block(const fat_ray *a, packet packets[PACKETS], unsigned rays, const cw_field *f, int32_t x,
-                                int32_t y, cw_leaf leaf, bool any, lane_queue *queue, size_t first_packet) {
-    count_step(COUNT_SHARED_BLOCK, rays);
-    block_samples s;
-    load_samples(&s, f, (size_t)(4 * x), (size_t)(4 * y));
-    unsigned cells = fat_cells(a, &s, x, y), done = 0;
-    if (FALL_APART * __builtin_popcount(rays) <= __builtin_popcount(cells) * (int)PACKETS)
-        return fall_apart(a, packets, rays, f, 0, x, y, leaf, queue, first_packet);
-    for (; cells != 0 && rays != 0; cells &= cells - 1) {
-        const int32_t place = __builtin_ctz(cells);
-        const unsigned now = shared_cell(a, packets, rays, &s, 4 * x + ((place & 3) ^ a->order.flip_x),
-                                         4 * y + ((place >> 2) ^ a->order.flip_y), leaf, any);
-        rays &= ~now;
-        done |= now;
+/* A tile that shares a walk: its fat ray, and those of its groups, made when they are first wanted. */
+typedef struct tile_walk {
+    const cw_field *f;
+    packet *packets;
+    lane_queue *queue;
+    size_t first_packet;
+    ray_set rays; /* still walking together */
+    bool several; /* of more than one group */
+    unsigned made;
+    fat_ray tile, group[GROUPS];
+} tile_walk;
+
+/* The fat ray of those of a group that still walk together; NULL if they are too few for one. */
+static inline const fat_ray *group_ray(tile_walk *w, size_t g) {
+    const ray_set rays = group_bits(w->rays, g);
+    if (__builtin_popcountll(rays) < SHARE_AT_LEAST) return NULL;
+    if (!(w->made >> g & 1)) {
+        (void)fat_init(&w->group[g], w->packets, rays); /* the tile's inverses are finite */
+        w->made |= 1u << g;
     }
-    return done;
+    return &w->group[g];
 }
 
-/* Walks the rays together, to their ends or until they fall apart. */
-CW_INLINE void shared_walk(const fat_ray *a, packet packets[PACKETS], unsigned rays, const cw_field *f, cw_leaf leaf,
-                           bool any, lane_queue *queue, size_t first_packet) {
-    const struct cw_pyramid *p = f->pyramid;
+/* From this node on, the rays go on alone. */
+static inline void leave(tile_walk *w, const fat_ray *a, ray_set rays, int level, int32_t x, int32_t y, cw_leaf leaf) {
+    w->rays &= ~fall_apart(a, w->packets, rays, w->f, level, x, y, leaf, w->queue, w->first_packet);
+}
+
+/* Looks for first hits of the rays in block (x, y). */
+static void shared_block(tile_walk *w, const fat_ray *a, ray_set rays, int32_t x, int32_t y, cw_leaf leaf, bool any) {
+    count_step(COUNT_SHARED_BLOCK, rays);
+    block_samples s;
+    load_samples(&s, w->f, (size_t)(4 * x), (size_t)(4 * y));
+    unsigned cells = fat_cells(a, &s, x, y);
+    if (FALL_APART * __builtin_popcountll(rays) <= __builtin_popcount(cells) * packets_of(rays)) {
+        if (a != &w->tile || !w->several) {
+            leave(w, a, rays, 0, x, y, leaf);
+            return;
+        }
+        while (rays != 0) {
+            const size_t g = (size_t)__builtin_ctzll(rays) / GROUP;
+            const fat_ray *b = group_ray(w, g);
+            if (b == NULL)
+                leave(w, a, group_bits(rays, g), 0, x, y, leaf);
+            else
+                shared_block(w, b, group_bits(rays, g), x, y, leaf, any);
+            rays &= ~group_bits(rays, g);
+        }
+        return;
+    }
+    while (rays != 0) {
+        const ray_set before = rays;
+        const size_t p = next_packet(&rays);
+        packet *l = &w->packets[p];
+        const vmask found =
+            shared_cells(a, l, vm_from_bits(packet_bits(before, p)), &s, 4 * x, 4 * y, cells, leaf, any);
+        l->found = vm_or(l->found, found);
+        w->rays &= ~((ray_set)vm_bits(found) << (p * W));
+    }
+}
+
+/* Walks the rays that a stands for, to their ends or until they fall apart, through node (x, y), of which these children of
+ * the given level are to be visited. */
+static void shared_walk(tile_walk *w, const fat_ray *a, ray_set mine, int top, int32_t x, int32_t y, unsigned children,
+                        cw_leaf leaf, bool any);
+
+/* The same for each group of the tile, in node (x, y) of the level, at which the tile falls apart. */
+static inline void walk_groups(tile_walk *w, int level, int32_t x, int32_t y, cw_leaf leaf, bool any) {
+    for (size_t g = 0; g < GROUPS; g++) {
+        const ray_set rays = group_bits(w->rays, g);
+        if (rays == 0) continue;
+        const fat_ray *a = group_ray(w, g);
+        if (a == NULL) {
+            leave(w, &w->tile, rays, level, x, y, leaf);
+            continue;
+        }
+        count_step(COUNT_SHARED_NODE, rays);
+        const unsigned children = fat_open(a, &w->f->pyramid->level[level - 1], x, y);
+        if (__builtin_popcount(children) > CHILDREN_AT_MOST)
+            leave(w, a, rays, level, x, y, leaf);
+        else
+            shared_walk(w, a, rays, level - 1, x, y, children, leaf, any);
+    }
+}
+
+static void shared_walk(tile_walk *w, const fat_ray *a, ray_set mine, int top, int32_t x, int32_t y, unsigned children,
+                        cw_leaf leaf, bool any) {
+    const struct cw_pyramid *p = w->f->pyramid;
+    const bool groups = a == &w->tile && w->several;
     struct {
         unsigned mask;
         int32_t x, y;
     } todo[PYRAMID_LEVELS_MAX];
-    const int top = p->levels - 1;
     int level = top;
-    int32_t x = 0, y = 0;
-    count_step(COUNT_SHARED, rays);
-    count_step(COUNT_SHARED_NODE, rays);
-    unsigned mask = fat_open(a, &p->level[top], 0, 0);
-    for (;;) {
+    unsigned mask = children;
+    while ((w->rays & mine) != 0) {
         while (mask == 0) {
             if (level == top) return;
             level++;
@@ -301,17 +396,17 @@ CW_INLINE void shared_walk(const fat_ray *a, packet packets[PACKETS], unsigned r
         mask &= mask - 1;
         const int32_t cx = 4 * x + ((place & 3) ^ a->order.flip_x), cy = 4 * y + ((place >> 2) ^ a->order.flip_y);
         if (level == 0) {
-            const unsigned concerned = block_rays(a, packets, rays, &p->level[0], cx, cy);
-            if (concerned == 0) continue;
-            rays &= ~shared_block(a, packets, concerned, f, cx, cy, leaf, any, queue, first_packet);
-            if (rays == 0) return;
+            const ray_set concerned = block_rays(a, w->packets, w->rays & mine, &p->level[0], cx, cy);
+            if (concerned != 0) shared_block(w, a, concerned, cx, cy, leaf, any);
             continue;
         }
-        count_step(COUNT_SHARED_NODE, rays);
-        const unsigned children = fat_open(a, &p->level[level - 1], cx, cy);
-        if (__builtin_popcount(children) > CHILDREN_AT_MOST) {
-            rays &= ~fall_apart(a, packets, rays, f, level, cx, cy, leaf, queue, first_packet);
-            if (rays == 0) return;
+        count_step(COUNT_SHARED_NODE, w->rays & mine);
+        const unsigned inner = fat_open(a, &p->level[level - 1], cx, cy);
+        if (__builtin_popcount(inner) > CHILDREN_AT_MOST) {
+            if (groups)
+                walk_groups(w, level, cx, cy, leaf, any);
+            else
+                leave(w, a, w->rays & mine, level, cx, cy, leaf);
             continue;
         }
         todo[level].mask = mask;
@@ -320,6 +415,6 @@ CW_INLINE void shared_walk(const fat_ray *a, packet packets[PACKETS], unsigned r
         level--;
         x = cx;
         y = cy;
-        mask = children;
+        mask = inner;
     }
 }

@@ -52,9 +52,9 @@ if(ABLATION)
 endif()
 
 variant("as it is" pyramid8x2)
-variant("no sharing" pyramid8x2 simd/pyramid.c "SHARE_AT_LEAST = 4" "SHARE_AT_LEAST = 17")
+variant("no sharing" pyramid8x2 simd/shared_walk.inc.h "SHARE_AT_LEAST = 4" "SHARE_AT_LEAST = 65")
 variant("never falls apart" pyramid8x2 simd/shared_walk.inc.h
-    "FALL_APART = 2, CHILDREN_AT_MOST = 5" "FALL_APART = 100000, CHILDREN_AT_MOST = 16")
+    "FALL_APART = 2, CHILDREN_AT_MOST = 6" "FALL_APART = 100000, CHILDREN_AT_MOST = 16")
 variant("no climb" pyramid8x2 simd/climb.inc.h "if (vm_any(chain)) {" "if (false) {")
 variant("no flat steps" pyramid8x2 simd/pyramid.c "FLAT_STEPS = 4" "FLAT_STEPS = 0")
 variant("slabs that do not lean" pyramid8x2 src/core/slabs.c "flat ? 0 : slope_x, flat ? 0 : slope_y" "0, 0")

@@ -17,26 +17,27 @@ from results import Problem, Results
 # Which phase a function of simd/ belongs to. The innermost function of a sample that stands here decides, so helpers
 # that serve several phases (crossing, cell_gate, the vector vocabulary) are left to their callers.
 PHASES = {
-    "rays made ready": "make_rays lanes_clear",
+    "rays made ready": "make_rays start_rays move_if_far move_rays make_axis make_slab fill_up",
     "climb": "climb",
-    "flat steps": "lanes_start first_cell lanes_step",
-    "shared walk: set-up": "coherent fat_init fat_axis_init hull",
-    "shared walk: nodes": "shared_walk fat_open",
+    "flat steps": "flat_start first_cell flat_step first_steps",
+    "shared walk: set-up": "coherent fat_init group_ray",
+    "shared walk: nodes": "shared_walk walk_groups fat_open",
     "shared walk: blocks": "shared_block block_rays fat_cells load_samples",
-    "shared walk: cells": "shared_cell",
-    "lane walk: queue, refill": "fall_apart mirror_part mirror_rays mirror_axis enqueue first_corner set_cones refill_lane "
-                                "copy_ray stream_clear load_lanes store_lanes",
-    "lane walk: step": "stream_walk stream_step look_along",
-    "lane walk: descend": "stream_descend above_plane child_at stream_near stream_solid stream_stop stop_at",
-    "lane walk: advance": "stream_advance",
-    "lane walk: cells": "stream_leaf turn_back",
-    "leaf test": "wt_cell wt_border wt_edge wt_within wt_inside wt_root wt_between mt_cell",
-    "misses and hits written": "write_misses lanes_keep lanes_hits stream_hits",
+    "shared walk: cells": "shared_cells",
+    "lane walk: queue, refill": "fall_apart mirror_packet mirror_rays mirror_axis enqueue first_corner set_tolerances "
+                                "refill_lane copy_ray lane_clear load_lanes store_lanes",
+    "lane walk: step": "lane_walk lane_step look_along",
+    "lane walk: descend": "lane_descend above_plane child_at lane_within_tolerance lane_solid lane_tolerant_hits "
+                          "tolerant_hit",
+    "lane walk: advance": "lane_advance",
+    "lane walk: cells": "lane_leaf turn_back",
+    "leaf test": "wt_cell wt_border wt_edge wt_within wt_inside wt_between mt_cell",
+    "misses and hits written": "packet_hits keep_hits refine_hits scatter_hits lane_found write_found restart_rays",
 }
 PHASE_OF = {function: phase for phase, functions in PHASES.items() for function in functions.split()}
 OTHER = "other"
 # These hold what the above are inlined into; their own instructions are the rest.
-FRAMES = re.compile(r"pyramid_(closest|any|group)|packet_(closest|any)|cw_(closest|any)_\w+")
+FRAMES = re.compile(r"pyramid_(closest|any|tile)|walk_(apart|together)|packet_(closest|any)|cw_(closest|any)_\w+")
 
 
 def run(command, what, **options):

@@ -265,7 +265,7 @@ class Renders(Folder):
 class Profile(unittest.TestCase):
     def test_innermost_known_function_decides(self):
         stacks = {1: [("vf_add", "/x/simd/vec_avx2.h"), ("wt_edge", "/x/simd/w.h"), ("stream_leaf", "/x/simd/l.h")],
-                  2: [("crossing", "/x/simd/ray.h"), ("shared_cell", "/x/simd/s.h")], 3: [("walk", "/x/src/scalar/cell.c")],
+                  2: [("crossing", "/x/simd/ray.h"), ("shared_cells", "/x/simd/s.h")], 3: [("walk", "/x/src/scalar/cell.c")],
                   4: [("renamed", "/x/simd/new.h"), ("pyramid_closest", "/x/simd/p.c")]}
         with mock.patch.object(profile_kernels, "addresses", lambda program, recording: {1: 5, 2: 3, 3: 100, 4: 2}), \
                 mock.patch.object(profile_kernels, "frames", lambda program, wanted: stacks):

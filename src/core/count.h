@@ -7,7 +7,7 @@
 
 #include <stdint.h>
 
-/* Events, each with the lanes (or rays of a group) that took part in it. */
+/* Events, each with the lanes (or rays of a tile) that took part in it. */
 typedef enum count_kind {
     COUNT_RAY,          /* vectors of rays made ready; lanes: rays that may hit */
     COUNT_CLIMB,        /* levels that climbing rays looked at */
@@ -17,11 +17,11 @@ typedef enum count_kind {
     COUNT_ROUND,        /* of these, rounds of cell tests; lanes: those that wait for it */
     COUNT_RELOAD,       /* stops of the lane walk to refill; lanes: those that hold a ray then */
     COUNT_REFILL,       /* rays put into a lane */
-    COUNT_SHARED,       /* groups that share a walk; lanes: their rays */
-    COUNT_SHARED_NODE,  /* nodes that a group opened together */
-    COUNT_SHARED_BLOCK, /* blocks of 4 × 4 cells that a group came to; lanes: rays concerned */
-    COUNT_SHARED_CELL,  /* cells that a group looked at together */
-    COUNT_APART,        /* places where a group falls apart; lanes: rays that go on alone */
+    COUNT_SHARED,       /* tiles and groups that share a walk; lanes: their rays */
+    COUNT_SHARED_NODE,  /* nodes that these opened */
+    COUNT_SHARED_BLOCK, /* blocks of 4 × 4 cells that they came to; lanes: rays concerned */
+    COUNT_SHARED_CELL,  /* cells that a packet looked at together */
+    COUNT_APART,        /* places where they fall apart; lanes: rays that go on alone */
     COUNT_LEAF,         /* leaf tests: ray against the two triangles of a cell; lanes: rays that passed the gate */
     COUNT_VOXEL,        /* voxels of the 3D grid */
     COUNT_TRIANGLE,     /* triangles tested in them */
@@ -38,14 +38,14 @@ typedef struct count_sum {
 extern count_sum cw_counts[COUNT_KINDS];
 
 /* One event in which these lanes take part. */
-static inline void count_step(count_kind kind, unsigned lanes) {
+static inline void count_step(count_kind kind, uint64_t lanes) {
     cw_counts[kind].events++;
-    cw_counts[kind].lanes += (uint64_t)__builtin_popcount(lanes);
+    cw_counts[kind].lanes += (uint64_t)__builtin_popcountll(lanes);
 }
 
 #else
 
-static inline __attribute__((always_inline)) void count_step(count_kind kind, unsigned lanes) {
+static inline __attribute__((always_inline)) void count_step(count_kind kind, uint64_t lanes) {
     (void)kind, (void)lanes;
 }
 
