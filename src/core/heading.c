@@ -238,8 +238,8 @@ static cw_status query_along(const cw_heading_job *job, const cw_query *query) {
     if (job->nx == 0 || job->ny == 0) return CW_OK;
     const cw_isa isa = cw_query_kernel(f, query)->isa;
     if (isa > cw_isa_best()) return CW_ERROR_UNAVAILABLE;
-    door_count *in = door_enter(&f->door);
-    if (in == NULL) return CW_ERROR_BUSY;
+    const door_pass in = door_enter(&f->door);
+    if (in.entry == NULL) return CW_ERROR_BUSY;
     tiles t = {.job = *job, .code = code_for(isa)};
     const fpenv caller = fpenv_enter();
     t.job.pad = rounding(f);

@@ -68,8 +68,8 @@ static cw_status settle(job *q, const cw_field *field, const cw_query *query, co
 
 static cw_status run(job *q, size_t n, cw_work_fn *work) {
     if (n < SHARED) q->query.pool = NULL;
-    door_count *in = door_enter(&q->field->door);
-    if (in == NULL) return CW_ERROR_BUSY;
+    const door_pass in = door_enter(&q->field->door);
+    if (in.entry == NULL) return CW_ERROR_BUSY;
     const cw_status status = cw_watch_run(&q->query, n, LEAST, MOST, work, q);
     door_leave(in);
     return status;

@@ -182,8 +182,12 @@ enum { BLOCKS = TILE_SIDE / 4, LANES = BLOCKS + 1, PARTED = 4 * LANES };
 typedef float lanes[BLOCKS];
 
 static void part(const float *restrict z, float *restrict to) {
-    for (size_t x = 0; x < BLOCKS; x++)
-        for (size_t k = 0; k < 4; k++) to[k * LANES + x] = z[4 * x + k];
+    for (size_t x = 0; x < BLOCKS; x++) {
+        to[x] = z[4 * x];
+        to[LANES + x] = z[4 * x + 1];
+        to[2 * LANES + x] = z[4 * x + 2];
+        to[3 * LANES + x] = z[4 * x + 3];
+    }
     to[BLOCKS] = z[TILE_SIDE];
     for (size_t k = 1; k < 4; k++) to[k * LANES + BLOCKS] = 0;
 }
@@ -223,19 +227,25 @@ static void fit_blocks(const float *restrict row, lanes slope_x, lanes slope_y, 
     }
 }
 
-static void measure_blocks(const float *restrict row, const lanes slope_x, const lanes slope_y, lanes low, lanes high) {
+static void measure_blocks(const float *restrict row, const lanes slope_x, const lanes slope_y, float *restrict low,
+                           float *restrict high) {
     for (size_t x = 0; x < BLOCKS; x++) {
-        float lo = INFINITY, hi = -INFINITY;
-        for (size_t k = 0; k < 5; k++) {
+        low[x] = INFINITY;
+        high[x] = -INFINITY;
+    }
+    for (size_t k = 0; k < 5; k++) {
+        const float *z = row + k % 4 * LANES + k / 4;
+        for (size_t x = 0; x < BLOCKS; x++) {
             const float plane = slope_x[x] * ((float)k - 2);
+            float lo = low[x], hi = high[x];
             for (size_t j = 0; j < 5; j++) {
-                const float d = row[j * PARTED + k % 4 * LANES + x + k / 4] - (plane + ((float)j - 2) * slope_y[x]);
+                const float d = z[j * PARTED + x] - (plane + ((float)j - 2) * slope_y[x]);
                 lo = lower(d, lo);
                 hi = higher(d, hi);
             }
+            low[x] = lo;
+            high[x] = hi;
         }
-        low[x] = lo;
-        high[x] = hi;
     }
 }
 

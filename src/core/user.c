@@ -39,8 +39,8 @@ static cw_status trace(job *q, const cw_query *query, size_t n) {
     q->query = whole;
     q->query.pool = NULL;
     q->query.watch = NULL;
-    door_count *in = door_enter(&q->field->door); /* for all blocks together: no update comes between */
-    if (in == NULL) return CW_ERROR_BUSY;
+    const door_pass in = door_enter(&q->field->door); /* for all blocks together: no update comes between */
+    if (in.entry == NULL) return CW_ERROR_BUSY;
     status = cw_watch_run(&whole, n, BLOCK, MOST, run, q);
     door_leave(in);
     return status != CW_OK ? status : (cw_status)atomic_load(&q->status);
