@@ -24,8 +24,11 @@ static void run(void *context, size_t begin, size_t end) {
     for (size_t count; begin < end; begin += count) {
         count = end - begin < BLOCK ? end - begin : BLOCK;
         cw_rays_to_field(q->field, q->rays + begin, count, block);
-        const cw_status status = q->hits ? cw_closest(q->field, &q->query, block, count, q->hits + begin)
-                                         : cw_any(q->field, &q->query, block, count, q->occluded + begin);
+        cw_status status;
+        do
+            status = q->hits ? cw_closest(q->field, &q->query, block, count, q->hits + begin)
+                             : cw_any(q->field, &q->query, block, count, q->occluded + begin);
+        while (status == CW_ERROR_BUSY); /* by an update that gives up at once, since this query is in */
         if (status != CW_OK) atomic_store(&q->status, (int)status);
     }
 }
