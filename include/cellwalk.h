@@ -125,9 +125,9 @@ CW_API cw_kernel_info cw_kernel_describe(const cw_kernel *kernel);
 
 /* ---- threads ---------------------------------------------------------------------------------------------------- */
 
-/* Threads that wait for work to share: array queries, fields to be made or updated. They serve one query at a time: a query that finds them at work on another,
- * from a second thread of the caller's, runs on its own thread alone. Two queries that are both to be shared take a pool
- * each. */
+/* Threads that wait for work to share: array queries, fields to be made or updated. They serve one caller at a time: a query that
+ * finds them at work, from a second thread of the caller's, runs on its own thread alone. Two queries that are both to be
+ * shared take a pool each. */
 typedef struct cw_pool cw_pool;
 
 enum { CW_THREADS_MAX = 4096 };
@@ -241,7 +241,7 @@ typedef struct cw_field_info {
     size_t holes;         /* samples that are NaN or infinite */
     size_t bytes_samples; /* owned by the field: 0 if borrowed */
     size_t bytes_built;   /* all structures built so far */
-    double build_seconds; /* wall time spent on them */
+    double build_seconds; /* wall time spent on them, and on a look at all samples where that was one with it */
 } cw_field_info;
 
 CW_API cw_field_info cw_field_describe(const cw_field *field);
@@ -291,7 +291,7 @@ typedef enum cw_coherence {
 typedef struct cw_query {
     const cw_kernel *kernel; /* NULL: the best for this machine */
     cw_leaf leaf;
-    cw_pool *pool; /* NULL: the calling thread alone */
+    cw_pool *pool; /* NULL: the calling thread alone, on which fewer than 1024 rays stay in any case */
     cw_coherence coherence;
     /* Tolerant queries may take the surface for as thick as tolerance + cone · t · |dir|, in the field's heights, with |dir|
      * as it is in field space and nothing for the cone where t < 0. org + t · dir then lies within that of the hit's
