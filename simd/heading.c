@@ -5,7 +5,7 @@
  * The walk goes from the start outward. A stretch is passed over if the highest sample anywhere near it, seen from the
  * nearest (or, below the start, the farthest) of its crossings, would not be steeper than what each ray has seen. That
  * never changes an answer: heights between two samples are computed so that they lie above the higher one by no more than
- * heading->pad. So the answer is the maximum over all crossings, whatever the width. */
+ * job->pad. So the answer is the maximum over all crossings, whatever the width. */
 
 #include "vocabulary.h"
 
@@ -20,6 +20,7 @@ typedef struct group {
     int32_t i, j;          /* of the first sample */
     float z[GROUP];        /* where the rays start; infinite where none does */
     float best[GROUP];     /* the steepest slope so far */
+    float pad;             /* of the job */
     float least;           /* what is no steeper need not be known */
     float enough;          /* nor what is steeper than this */
     int32_t found[PROBES]; /* stretches of level 0 in which some rays of the group before saw their steepest slope */
@@ -62,7 +63,7 @@ static inline float stretch_high(const group *g, const cw_stretch *s, int level)
 
 /* True if no ray of the group can see anything steeper on the stretch than it has seen. */
 static inline bool stretch_is_low(const group *g, const cw_stretch *s, int level) {
-    const vfloat high = vf_set(stretch_high(g, s, level)), pad = vf_set(g->heading->pad);
+    const vfloat high = vf_set(stretch_high(g, s, level)), pad = vf_set(g->pad);
     const vfloat near = vf_set(s->inverse_most), far = vf_set(s->inverse_least);
     for (int k = 0; k < GROUP; k += (int)W) {
         /* Level with the start, as all of a lake is, rounding puts nothing above it: if a <= b <= z, then b - a, rounded, is at
@@ -264,7 +265,7 @@ static inline void run(const cw_heading_job *job, size_t i_begin, size_t i_end, 
                        bool ends) {
     const cw_heading *h = job->heading;
     const size_t nx = h->field->nx, ny = h->field->ny;
-    group g = {.heading = h, .least = job->low, .enough = job->high};
+    group g = {.heading = h, .pad = job->pad, .least = job->low, .enough = job->high};
     if (any) g.least = g.enough = nextafterf(job->high, -INFINITY); /* as steep as that is a hit */
     for (int p = 0; p < PROBES; p++) g.found[p] = -1;
     for (size_t j = j_begin; j < j_end; j += GROUP_ROWS)

@@ -13,7 +13,13 @@
 #include "workload/fields.h"
 #include "workload/ray_classes.h"
 
-enum { MICRO_CONTENDERS_MAX = 96, PEER_KINDS = 4, MICRO_KERNELS_MAX = 32, MICRO_THREADS_MAX = 16 };
+enum {
+    MICRO_CONTENDERS_MAX = 96,
+    PEER_KINDS = 4,
+    MICRO_KERNELS_MAX = 32,
+    MICRO_THREADS_MAX = 16,
+    MICRO_BUILDS_MAX = MICRO_KERNELS_MAX * MICRO_THREADS_MAX
+};
 
 typedef struct micro_options {
     run_options run;
@@ -31,10 +37,12 @@ typedef struct micro_options {
     bool counters; /* count what the kernels do instead of timing them */
 } micro_options;
 
-/* What a contender needs built. seconds: CPU time, median of the builds. */
+/* What a contender needs built. seconds: CPU time, or by the clock if everything is, median of the builds. */
 typedef struct micro_build {
     const char *name; /* a kernel's, or "embree/triangles" */
+    unsigned threads; /* of a kernel; 0 for Embree */
     double seconds;
+    double update_seconds; /* by the clock, median: an update of 64 x 64 samples; 0 where it is none of its own */
     size_t builds, bytes;
     const char *quality; /* "high" or "medium" for Embree, NULL for kernels */
 } micro_build;
@@ -51,7 +59,7 @@ typedef struct micro_field {
     const char *default_kernel; /* what the library would choose for it */
     micro_peer peers[PEER_KINDS];
     size_t peer_count;
-    micro_build builds[MICRO_KERNELS_MAX]; /* of the kernels that need something built */
+    micro_build builds[MICRO_BUILDS_MAX]; /* of the kernels that need something built, with each number of threads */
     size_t build_count;
 } micro_field;
 

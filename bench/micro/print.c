@@ -9,7 +9,10 @@
 /* ---- a field ---- */
 
 static void print_build(const micro_build *b, double cells) {
-    printf("; %s built in %.3g s, %.1f bytes a cell", b->name, b->seconds, (double)b->bytes / cells);
+    printf("; %s built in %.3g s", b->name, b->seconds);
+    if (b->threads > 1) printf(" on %u threads", b->threads);
+    printf(", %.1f bytes a cell", (double)b->bytes / cells);
+    if (b->update_seconds > 0) printf(", 64 x 64 samples updated in %.3g s", b->update_seconds);
 }
 
 void micro_print_field(const micro_field *on) {
@@ -30,6 +33,8 @@ static bool write_build(io_output *out, const micro_field *on, const char *kind,
     results_set_number(line, "build_seconds", b->seconds);
     results_set_counts(line, "builds bytes", (size_t[]){b->builds, b->bytes});
     if (b->quality) results_set_text(line, "quality", b->quality);
+    if (b->threads) results_set_count(line, "threads", b->threads);
+    if (b->update_seconds > 0) results_set_number(line, "update_seconds", b->update_seconds);
     return results_write(out, line, error);
 }
 

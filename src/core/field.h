@@ -4,9 +4,12 @@
 #define CELLWALK_CORE_FIELD_H
 
 #include "cellwalk.h"
+#include "door.h"
 
 struct cw_grid3d;
 struct cw_pyramid;
+struct cw_survey;
+struct cw_tiles;
 
 /* What kernels may need built before they run; bits of cw_kernel.needs. */
 enum { CW_NEEDS_GRID3D = 1, CW_NEEDS_PYRAMID = 2 };
@@ -18,7 +21,8 @@ struct cw_field {
     size_t holes;
     /* A ray whose origin is farther than reach from middle along any axis starts far away: src/scalar/ray.h. */
     float middle[3], reach[3];
-    float *owned; /* what z points to unless borrowed */
+    float *owned;                      /* what z points to unless borrowed */
+    struct cw_survey *tile, *tile_row; /* of each tile, row by row, and of each row of them: survey.h */
 
     double to_user[3][4], to_field[3][4]; /* to_field by affine_invert */
 
@@ -26,10 +30,14 @@ struct cw_field {
     struct cw_pyramid *pyramid;
     size_t bytes_built;
     double build_seconds;
+
+    door door; /* queries that run, and updates */
 };
 
 /* src/core/pyramid.c */
-cw_status cw_pyramid_build(cw_field *field);
+/* On the pool of how and under its watch; of a query nothing else counts. survey: the samples have not been looked at. */
+cw_status cw_pyramid_build(cw_field *field, const cw_query *how, bool survey);
+void cw_pyramid_update(cw_field *field, struct cw_tiles changed, cw_pool *pool);
 void cw_pyramid_destroy(struct cw_pyramid *pyramid);
 
 /* src/scalar/grid3d.c */

@@ -176,9 +176,6 @@ cw_status cw_heading_create(const cw_field *field, const double dir[2], cw_headi
     const double exact[2] = {fabs(dir[0]) <= PLACE_ROUNDING * longest ? 0 : dir[0],
                              fabs(dir[1]) <= PLACE_ROUNDING * longest ? 0 : dir[1]};
     const cw_status status = make(h, exact);
-    /* Sums and products of differences of heights, of which each is off by u = 2^-24: 4 u of the whole range from the
-     * crossing, 3 u from the bound. */
-    h->pad = field->high >= field->low ? 8 * (FLT_EPSILON / 2) * (field->high - field->low) + FLT_MIN : 0;
     fpenv_leave(caller);
     if (status == CW_OK)
         *heading = h;
@@ -225,6 +222,13 @@ static void run_tiles(void *context, size_t begin, size_t end) {
     fpenv_leave(caller);
 }
 
+/* By which rounding can put a place on an edge above both its samples, seen from a third one: sums and products of
+ * differences of heights, of which each is off by u = 2^-24; 4 u of the whole range from the crossing, 3 u from the bound. */
+static float rounding(const cw_field *f) {
+    const float range = f->high - f->low;
+    return range >= 0 ? 8 * (FLT_EPSILON / 2) * range + FLT_MIN : 0;
+}
+
 static cw_status query_along(const cw_heading_job *job, const cw_query *query) {
     const cw_heading *h = job->heading;
     if (h == NULL || (job->steepest == NULL && job->occluded == NULL) || !(job->low <= job->high))
@@ -234,11 +238,17 @@ static cw_status query_along(const cw_heading_job *job, const cw_query *query) {
     if (job->nx == 0 || job->ny == 0) return CW_OK;
     const cw_isa isa = cw_query_kernel(f, query)->isa;
     if (isa > cw_isa_best()) return CW_ERROR_UNAVAILABLE;
+    const door_pass in = door_enter(&f->door);
+    if (in.entry == NULL) return CW_ERROR_BUSY;
     tiles t = {.job = *job, .code = code_for(isa)};
+    const fpenv caller = fpenv_enter();
+    t.job.pad = rounding(f);
+    fpenv_leave(caller);
     t.columns = h->along_x ? TILE_LONG : TILE_COLUMNS;
     t.rows = h->along_x ? TILE_ROWS : TILE_LONG;
     t.across = (job->nx + t.columns - 1) / t.columns;
     cw_pool_run(query ? query->pool : NULL, t.across * ((job->ny + t.rows - 1) / t.rows), 1, run_tiles, &t);
+    door_leave(in);
     return CW_OK;
 }
 

@@ -46,7 +46,6 @@ struct cw_heading {
     int levels;
     uint32_t stretches[PYRAMID_LEVELS_MAX];
     cw_stretch *stretch[PYRAMID_LEVELS_MAX]; /* one more than there are, for its first */
-    float pad; /* by which rounding can put a place on an edge above both its samples, seen from a third one */
 };
 
 /* A rectangle of samples, and where the answers go, row by row. */
@@ -54,6 +53,7 @@ typedef struct cw_heading_job {
     const cw_heading *heading;
     size_t i, j, nx, ny;
     float low, high; /* slopes are told apart between; of rays that are asked whether they hit, high is their own */
+    float pad;       /* by which rounding can put a place on an edge above both its samples, seen from a third one */
     float *steepest;
     uint8_t *occluded; /* instead of steepest */
 } cw_heading_job;

@@ -193,7 +193,10 @@ static void run(void *context, size_t begin, size_t end) {
 static cw_status run_batch(const batch *b, cw_pool *pool, size_t n) {
     if (b->field == NULL || (n > 0 && (b->hits == NULL || b->out == NULL))) return CW_ERROR_ARGUMENT;
     batch all = *b;
+    const door_pass in = door_enter(&b->field->door);
+    if (in.entry == NULL) return CW_ERROR_BUSY;
     cw_pool_run(pool, n, GRAIN, run, &all);
+    door_leave(in);
     return CW_OK;
 }
 

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Threads that sleep between queries. A query hands out pieces by one atomic counter, so that a thread which meets
- * cheap rays simply takes more pieces. */
+ * cheap rays simply takes more pieces. The caller never waits for a thread that has not begun: on a busy machine, or for a
+ * small query, it does what there is to do by itself. */
 
-#include "cellwalk.h"
+#include "pool.h"
 
 #include "cpus.h"
 
 #include <pthread.h>
+#include <sched.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <unistd.h>
@@ -15,48 +17,68 @@
 typedef struct job {
     cw_work_fn *work;
     void *context;
-    size_t n, grain, pieces;
-    atomic_size_t next; /* piece */
+    size_t n, least, most; /* items; of a piece */
+    size_t parts;          /* a piece is such a part of what is left */
+    atomic_size_t next;    /* item */
 } job;
 
 struct cw_pool {
     pthread_mutex_t lock;
     pthread_cond_t start, done;
-    unsigned threads; /* the caller included */
-    unsigned created; /* helpers running: threads - 1 once the pool is whole */
-    unsigned busy;    /* helpers that have not finished the present job */
-    unsigned long number;
-    job *present; /* NULL: no caller has the helpers */
-    bool quit;
+    unsigned threads;    /* the caller included */
+    unsigned created;    /* helpers running: threads - 1 once the pool is whole */
+    atomic_uint busy;    /* helpers that are at the present job */
+    atomic_ulong number; /* of the job */
+    job *present;        /* NULL: there is nothing to join */
+    bool engaged;        /* a caller has the helpers */
+    atomic_bool quit;
     cw_tasks tasks; /* run is NULL where the pool has helpers of its own */
     pthread_t helper[];
 };
 
+/* How often a thread looks for what it waits for before it sleeps, some 20 microseconds in all: to wake one takes as long.
+ * In between others may have the CPU. */
+enum { LOOKS = 50 };
+
+/* Large pieces first, since each has a beginning and an end at which lanes of a kernel are empty; small ones at last, so that
+ * all threads end together. */
+static size_t piece(const job *j, size_t left) {
+    size_t count = left / j->parts / j->least * j->least;
+    if (count > j->most) count = j->most;
+    if (count < j->least) count = j->least;
+    return count < left ? count : left;
+}
+
 static void take_pieces(job *j) {
-    for (;;) {
-        const size_t piece = atomic_fetch_add_explicit(&j->next, 1, memory_order_relaxed);
-        if (piece >= j->pieces) return;
-        const size_t begin = piece * j->grain, left = j->n - begin;
-        j->work(j->context, begin, begin + (left < j->grain ? left : j->grain));
+    size_t begin = atomic_load_explicit(&j->next, memory_order_relaxed);
+    while (begin < j->n) {
+        const size_t end = begin + piece(j, j->n - begin);
+        if (!atomic_compare_exchange_weak_explicit(&j->next, &begin, end, memory_order_relaxed, memory_order_relaxed))
+            continue;
+        j->work(j->context, begin, end);
+        begin = atomic_load_explicit(&j->next, memory_order_relaxed);
     }
 }
 
 static void *help(void *argument) {
     cw_pool *p = argument;
     unsigned long seen = 0;
-    pthread_mutex_lock(&p->lock);
     for (;;) {
+        for (int k = 0; k < LOOKS && atomic_load(&p->number) == seen && !atomic_load(&p->quit); k++) sched_yield();
+        pthread_mutex_lock(&p->lock);
         while (!p->quit && p->number == seen) pthread_cond_wait(&p->start, &p->lock);
-        if (p->quit) break;
-        seen = p->number;
+        const bool quit = p->quit;
         job *j = p->present;
+        seen = p->number;
+        if (j != NULL) p->busy++;
         pthread_mutex_unlock(&p->lock);
+        if (quit) return NULL;
+        if (j == NULL) continue; /* too late */
         take_pieces(j);
         pthread_mutex_lock(&p->lock);
         if (--p->busy == 0) pthread_cond_signal(&p->done);
+        pthread_mutex_unlock(&p->lock);
     }
-    pthread_mutex_unlock(&p->lock);
-    return NULL;
 }
 
 cw_status cw_pool_create(unsigned threads, cw_pool **pool) {
@@ -117,15 +139,27 @@ unsigned cw_pool_threads(const cw_pool *pool) { return pool ? pool->threads : 1;
 /* Gives the job to the helpers; false if they have one. */
 static bool engage(cw_pool *p, job *j) {
     pthread_mutex_lock(&p->lock);
-    const bool idle = p->present == NULL;
+    const bool idle = !p->engaged;
     if (idle) {
+        p->engaged = true;
         p->present = j;
-        p->busy = p->threads - 1;
         p->number++;
         pthread_cond_broadcast(&p->start);
     }
     pthread_mutex_unlock(&p->lock);
     return idle;
+}
+
+/* Nothing is left to be taken: who has not begun is too late, and who has is waited for. */
+static void disengage(cw_pool *p) {
+    pthread_mutex_lock(&p->lock);
+    p->present = NULL;
+    pthread_mutex_unlock(&p->lock);
+    for (int k = 0; k < LOOKS && atomic_load(&p->busy) > 0; k++) sched_yield();
+    pthread_mutex_lock(&p->lock);
+    while (p->busy > 0) pthread_cond_wait(&p->done, &p->lock);
+    p->engaged = false;
+    pthread_mutex_unlock(&p->lock);
 }
 
 static void take_pieces_as_task(void *argument, unsigned number) {
@@ -135,22 +169,25 @@ static void take_pieces_as_task(void *argument, unsigned number) {
 
 /* Whoever finds the helpers engaged works alone instead of waiting: nothing stands still meanwhile, and work that itself
  * asks the pool it runs on does not wait for its own end. */
-void cw_pool_run(cw_pool *p, size_t n, size_t grain, cw_work_fn *work, void *context) {
+void cw_pool_share(cw_pool *p, size_t n, size_t least, size_t most, cw_work_fn *work, void *context) {
     if (n == 0) return;
-    if (grain == 0) grain = 1;
-    job j = {.work = work, .context = context, .n = n, .grain = grain, .pieces = n / grain + (n % grain != 0)};
-    if (p != NULL && p->tasks.run != NULL && p->threads > 1 && j.pieces > 1) {
-        const unsigned count = j.pieces < p->threads ? (unsigned)j.pieces : p->threads;
-        p->tasks.run(p->tasks.context, take_pieces_as_task, &j, count);
+    if (least == 0) least = 1;
+    const unsigned threads = cw_pool_threads(p);
+    const size_t pieces = n / least + (n % least != 0); /* at most */
+    job j = {.work = work, .context = context, .n = n, .least = least, .most = most > least ? most : least};
+    j.parts = (size_t)2 * threads;
+    if (p != NULL && p->tasks.run != NULL && threads > 1 && pieces > 1) {
+        p->tasks.run(p->tasks.context, take_pieces_as_task, &j, pieces < threads ? (unsigned)pieces : threads);
         return;
     }
-    if (p == NULL || p->threads == 1 || j.pieces == 1 || !engage(p, &j)) {
+    if (threads == 1 || pieces == 1 || !engage(p, &j)) {
         work(context, 0, n);
         return;
     }
     take_pieces(&j);
-    pthread_mutex_lock(&p->lock);
-    while (p->busy > 0) pthread_cond_wait(&p->done, &p->lock);
-    p->present = NULL;
-    pthread_mutex_unlock(&p->lock);
+    disengage(p);
+}
+
+void cw_pool_run(cw_pool *pool, size_t n, size_t grain, cw_work_fn *work, void *context) {
+    cw_pool_share(pool, n, grain, grain, work, context);
 }

@@ -1,93 +1,165 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* The pyramid made, and mended where samples have changed: tiles first, which need nothing but samples, then level by level
+ * what is above them, and at last what each node knows of its neighbours. */
+
 #include "pyramid.h"
 
-#include "field.h"
+#include "fpenv.h"
 #include "memory.h"
+#include "survey.h"
+#include "watch.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 static size_t blocks(size_t n) { return (n + 3) / 4; }
+static size_t least(size_t a, size_t b) { return a < b ? a : b; }
 
-/* Lowest and highest of each column over the rows of one row of blocks. */
-static void column_bounds(const cw_field *f, size_t row, float *restrict low, float *restrict high) {
-    const size_t last = row + 4 < f->ny - 1 ? row + 4 : f->ny - 1;
-    for (size_t i = 0; i < f->nx; i++) {
-        low[i] = INFINITY;
-        high[i] = -INFINITY;
+/* Nodes of a level, all in. */
+typedef cw_tiles nodes;
+
+/* What has to be done anew: all of it, or what depends on some tiles. */
+typedef struct job {
+    cw_field *f;
+    struct cw_pyramid *p;
+    cw_tiles tiles;
+    cw_refusal *refusal; /* NULL: the samples are known */
+    int level;
+    nodes nodes; /* of that level */
+} job;
+
+static size_t across(const nodes *n) { return n->x_last - n->x + 1; }
+static size_t count(const nodes *n) { return across(n) * (n->y_last - n->y + 1); }
+
+static void do_tiles(void *context, size_t begin, size_t end) {
+    const job *w = context;
+    const fpenv caller = fpenv_enter();
+    for (size_t k = begin; k < end; k++) {
+        const size_t x = w->tiles.x + k % across(&w->tiles), y = w->tiles.y + k / across(&w->tiles);
+        if (w->refusal) cw_survey_tile(w->f, x, y, w->refusal);
+        cw_pyramid_tile(w->f, w->p, x, y);
     }
-    for (size_t j = row; j <= last; j++) {
-        const float *restrict z = f->z + j * f->stride;
-        for (size_t i = 0; i < f->nx; i++) {
-            low[i] = lower(z[i], low[i]);
-            high[i] = higher(z[i], high[i]);
-        }
-    }
+    fpenv_leave(caller);
 }
 
-static void set_bounds(float *node, float low, float high) {
-    if (!(low <= high)) return; /* all holes */
-    node[0] = low;
-    node[16] = high;
+static void do_slabs(void *context, size_t begin, size_t end) {
+    const job *w = context;
+    const fpenv caller = fpenv_enter();
+    for (size_t k = begin; k < end; k++)
+        cw_pyramid_node_slab(w->f, w->p, w->level, w->nodes.x + k % across(&w->nodes),
+                             w->nodes.y + k / across(&w->nodes));
+    fpenv_leave(caller);
 }
 
-static void build_blocks(const cw_field *f, const cw_pyramid_level *l, float *low, float *high) {
-    for (size_t y = 0; y < blocks(f->ny - 1); y++) {
-        column_bounds(f, 4 * y, low, high);
-        for (size_t x = 0; x < blocks(f->nx - 1); x++) {
-            const size_t last = 4 * x + 4 < f->nx - 1 ? 4 * x + 4 : f->nx - 1;
-            float lo = INFINITY, hi = -INFINITY;
-            for (size_t i = 4 * x; i <= last; i++) {
-                lo = lower(low[i], lo);
-                hi = higher(high[i], hi);
-            }
-            set_bounds(cw_pyramid_node(l, x, y), lo, hi);
-        }
+/* ---- around ---------------------------------------------------------------------------------------------------------- */
+
+enum { AROUND = 256 }; /* nodes a side that are done at a time */
+
+/* For nodes begin to end of row y of a level the highest of themselves and the one to either side. */
+static void highest_in_row(const cw_pyramid_level *l, size_t y, size_t begin, size_t end, float *restrict to) {
+    float high[4 + AROUND + 12]; /* whole bricks, and something lower than all to either side */
+    const size_t first = begin >= 4 ? begin / 4 - 1 : 0, last = least(end / 4 + 1, (size_t)l->across);
+    for (size_t b = first; b < last; b++) {
+        const float *from = cw_pyramid_node(l, 4 * b, y) + 16;
+        for (size_t k = 0; k < 4; k++) high[4 + 4 * (b - first) + k] = from[k];
     }
-}
-
-static void build_level(const cw_pyramid_level *from, const cw_pyramid_level *to) {
-    for (size_t y = 0; y < (size_t)from->down; y++)
-        for (size_t x = 0; x < (size_t)from->across; x++) {
-            const float *brick = cw_pyramid_node(from, 4 * x, 4 * y);
-            float lo = INFINITY, hi = -INFINITY;
-            for (int k = 0; k < 16; k++) {
-                lo = lower(brick[k], lo);
-                hi = higher(brick[16 + k], hi);
-            }
-            set_bounds(cw_pyramid_node(to, x, y), lo, hi);
-        }
+    high[3] = high[4 + 4 * (last - first)] = -INFINITY;
+    const float *restrict at = high + 4 + begin - 4 * first;
+    for (size_t k = 0; k < end - begin; k++) {
+        const float most = higher(at[k], -INFINITY); /* a node of holes alone is NaN */
+        to[k] = higher(at[k + 1], higher(at[(ptrdiff_t)k - 1], most));
+    }
 }
 
 /* Separable: the highest of three nodes in a row, then of three such rows. */
-static void build_around(const cw_pyramid_level *l, float *row[3]) {
-    const size_t n = 4 * (size_t)l->across, rows = 4 * (size_t)l->down;
-    for (size_t y = 0; y <= rows; y++) {
-        float *below = row[(y + 2) % 3], *here = row[y % 3];
-        for (size_t x = 0; x < n; x++) {
-            if (y == rows) {
-                here[x] = -INFINITY;
-                continue;
-            }
-            float high = higher(cw_pyramid_node(l, x, y)[16], -INFINITY); /* a node of holes alone is NaN */
-            if (x > 0) high = higher(cw_pyramid_node(l, x - 1, y)[16], high);
-            if (x + 1 < n) high = higher(cw_pyramid_node(l, x + 1, y)[16], high);
-            here[x] = high;
+static void do_around_part(const cw_pyramid_level *l, const nodes *part) {
+    float rows[3][AROUND];
+    const size_t n = 4 * (size_t)l->across, down = 4 * (size_t)l->down, begin = part->x, end = part->x_last + 1;
+    for (size_t y = part->y > 0 ? part->y - 1 : 0; y <= part->y_last + 1; y++) {
+        float *here = rows[y % 3];
+        if (y < down) {
+            highest_in_row(l, y, begin, end, here);
+        } else {
+            for (size_t x = begin; x < end; x++) here[x - begin] = -INFINITY;
         }
-        if (y == 0) {
-            for (size_t x = 0; x < n; x++) below[x] = -INFINITY;
-            continue;
-        }
-        float *out = l->around + (y - 1) * n, *further = row[(y + 1) % 3];
-        for (size_t x = 0; x < n; x++) out[x] = higher(y >= 2 ? further[x] : -INFINITY, higher(below[x], here[x]));
+        if (y <= part->y) continue;
+        const float *below = rows[(y + 2) % 3], *further = rows[(y + 1) % 3];
+        float *out = l->around + (y - 1) * n + begin;
+        for (size_t x = 0; x < end - begin; x++)
+            out[x] = higher(y >= 2 ? further[x] : -INFINITY, higher(below[x], here[x]));
     }
 }
 
-cw_status cw_pyramid_build(cw_field *f) {
-    struct cw_pyramid *p = calloc(1, sizeof *p);
-    float *columns = malloc((4 * f->nx + 64) * sizeof *columns); /* three rows of nodes fit as well */
-    if (p == NULL || columns == NULL) goto no_memory;
+static size_t parts(size_t first, size_t last) { return (last - first) / AROUND + 1; }
 
+static void do_around(void *context, size_t begin, size_t end) {
+    const job *w = context;
+    const nodes *all = &w->nodes;
+    const size_t in_row = parts(all->x, all->x_last);
+    const fpenv caller = fpenv_enter();
+    for (size_t k = begin; k < end; k++) {
+        nodes part = {.x = all->x + k % in_row * AROUND, .y = all->y + k / in_row * AROUND};
+        part.x_last = least(part.x + AROUND - 1, all->x_last);
+        part.y_last = least(part.y + AROUND - 1, all->y_last);
+        do_around_part(&w->p->level[w->level], &part);
+    }
+    fpenv_leave(caller);
+}
+
+/* ---- all of it ------------------------------------------------------------------------------------------------------- */
+
+/* Nodes of a level that the tiles, level TILE_LEVEL, reach into. */
+static nodes nodes_of(const job *w, int level) {
+    const cw_tiles *t = &w->tiles;
+    if (level >= TILE_LEVEL) {
+        const int up = 2 * (level - TILE_LEVEL);
+        return (nodes){t->x >> up, t->y >> up, t->x_last >> up, t->y_last >> up};
+    }
+    const int down = 2 * (TILE_LEVEL - level);
+    nodes n = {t->x << down, t->y << down, ((t->x_last + 1) << down) - 1, ((t->y_last + 1) << down) - 1};
+    n.x_last = least(n.x_last, cw_pyramid_across(w->f, level) - 1);
+    n.y_last = least(n.y_last, cw_pyramid_down(w->f, level) - 1);
+    return n;
+}
+
+/* The same with their neighbours; bricks at the field's far borders have more of these than one. */
+static nodes nodes_around(const job *w, int level) {
+    const cw_pyramid_level *l = &w->p->level[level];
+    nodes n = nodes_of(w, level);
+    n.x -= n.x > 0;
+    n.y -= n.y > 0;
+    n.x_last = n.x_last + 1 < cw_pyramid_across(w->f, level) ? n.x_last + 1 : 4 * (size_t)l->across - 1;
+    n.y_last = n.y_last + 1 < cw_pyramid_down(w->f, level) ? n.y_last + 1 : 4 * (size_t)l->down - 1;
+    return n;
+}
+
+static float steepest(const cw_field *f, const struct cw_pyramid *p) {
+    const int top = p->levels - 1 > TILE_LEVEL ? p->levels - 1 : TILE_LEVEL;
+    double most = 0;
+    for (size_t k = 0; k < cw_pyramid_across(f, top) * cw_pyramid_down(f, top); k++)
+        most = fmax(p->sum[top][k].steepest, most);
+    return (float)most;
+}
+
+/* Everything above the tiles, which are done. */
+static void do_upper(job *w, cw_pool *pool) {
+    struct cw_pyramid *p = w->p;
+    for (w->level = TILE_LEVEL + 1; w->level < p->levels; w->level++) {
+        w->nodes = nodes_of(w, w->level);
+        for (size_t y = w->nodes.y; y <= w->nodes.y_last; y++)
+            for (size_t x = w->nodes.x; x <= w->nodes.x_last; x++)
+                cw_pyramid_bound_brick(&p->level[w->level - 1], &p->level[w->level], x, y);
+        cw_pool_run(pool, count(&w->nodes), 1, do_slabs, w);
+    }
+    for (w->level = 0; w->level < p->levels; w->level++) {
+        w->nodes = nodes_around(w, w->level);
+        cw_pool_run(pool, parts(w->nodes.x, w->nodes.x_last) * parts(w->nodes.y, w->nodes.y_last), 1, do_around, w);
+    }
+    p->steepest = steepest(w->f, p);
+    p->high = w->f->high;
+}
+
+/* Where everything lies in one piece of memory. */
+static bool lay_out(struct cw_pyramid *p, const cw_field *f) {
     size_t bricks = 0, begin[PYRAMID_LEVELS_MAX];
     size_t x = blocks(f->nx - 1), y = blocks(f->ny - 1);
     float side = 4;
@@ -101,38 +173,70 @@ cw_status cw_pyramid_build(cw_field *f) {
         side *= 4;
     } while (x > 1 || y > 1);
 
-    size_t slabs = 0;
+    size_t slabs = 0, sums = 0;
     for (int l = 0; l < p->levels; l++) {
-        const size_t node_side = (size_t)p->level[l].side;
         p->first[l + 1] = (int32_t)slabs;
-        slabs += ((f->nx - 2) / node_side + 1) * ((f->ny - 2) / node_side + 1);
+        slabs += cw_pyramid_across(f, l) * cw_pyramid_down(f, l);
     }
-    p->bytes = bricks * (BRICK_FLOATS + 16) * sizeof(float) + slabs * sizeof(cw_pyramid_slab);
+    for (int l = TILE_LEVEL; l < p->levels || l == TILE_LEVEL; l++)
+        sums += cw_pyramid_across(f, l) * cw_pyramid_down(f, l);
+    p->bytes =
+        bricks * (BRICK_FLOATS + 16) * sizeof(float) + slabs * sizeof(cw_pyramid_slab) + sums * sizeof(cw_pyramid_sum);
     p->memory = cw_memory_allocate(p->bytes);
-    if (p->memory == NULL) goto no_memory;
+    if (p->memory == NULL) return false;
     for (int l = 0; l < p->levels; l++) {
         p->level[l].bricks = (float *)p->memory + begin[l] * BRICK_FLOATS;
         p->level[l].around = (float *)p->memory + bricks * BRICK_FLOATS + begin[l] * 16;
-        const size_t count = (size_t)p->level[l].across * (size_t)p->level[l].down;
-        for (size_t k = 0; k < count * BRICK_FLOATS; k++) p->level[l].bricks[k] = NAN;
     }
     p->slab = (cw_pyramid_slab *)((float *)p->memory + bricks * (BRICK_FLOATS + 16));
-    build_blocks(f, &p->level[0], columns, columns + f->nx);
-    for (int l = 1; l < p->levels; l++) build_level(&p->level[l - 1], &p->level[l]);
-    cw_pyramid_build_slabs(p, f, columns);
-    for (int l = 0; l < p->levels; l++) {
-        const size_t n = 4 * (size_t)p->level[l].across;
-        build_around(&p->level[l], (float *[3]){columns, columns + n, columns + 2 * n});
+    cw_pyramid_sum *sum = (cw_pyramid_sum *)(p->slab + slabs);
+    for (int l = TILE_LEVEL; l < p->levels || l == TILE_LEVEL; l++) {
+        p->sum[l] = sum;
+        sum += cw_pyramid_across(f, l) * cw_pyramid_down(f, l);
     }
-    free(columns);
-    p->high = f->high;
-    f->pyramid = p;
-    f->bytes_built += sizeof *p + p->bytes;
+    return true;
+}
+
+/* Bricks from the tiles' level on belong to several tiles; those of lower levels are theirs alone. */
+static void clear_upper(struct cw_pyramid *p) {
+    for (int l = TILE_LEVEL; l < p->levels; l++) {
+        const size_t floats = (size_t)p->level[l].across * (size_t)p->level[l].down * BRICK_FLOATS;
+        for (size_t k = 0; k < floats; k++) p->level[l].bricks[k] = NAN;
+    }
+}
+
+/* Tiles that a thread takes at a time: neighbours in a row, which share cache lines. */
+enum { TILES_AT_ONCE = 4 };
+
+cw_status cw_pyramid_build(cw_field *f, const cw_query *how, bool survey) {
+    cw_refusal refusal = {CW_REFUSED_NONE};
+    job w = {.f = f, .tiles = {0, 0, cw_tiles_across(f) - 1, cw_tiles_down(f) - 1}};
+    if (survey) w.refusal = &refusal;
+    w.p = calloc(1, sizeof *w.p);
+    if (w.p == NULL || !lay_out(w.p, f)) {
+        cw_pyramid_destroy(w.p);
+        return CW_ERROR_MEMORY;
+    }
+    clear_upper(w.p);
+    cw_status status = cw_watch_run(how, count(&w.tiles), TILES_AT_ONCE, TILES_AT_ONCE, do_tiles, &w);
+    if (status == CW_OK) status = cw_refusal_status(&refusal);
+    if (status != CW_OK) {
+        cw_pyramid_destroy(w.p);
+        return status;
+    }
+    if (survey) cw_survey_total(f, w.tiles);
+    do_upper(&w, how->pool);
+    f->pyramid = w.p;
+    f->bytes_built += sizeof *w.p + w.p->bytes;
     return CW_OK;
-no_memory:
-    free(columns);
-    cw_pyramid_destroy(p);
-    return CW_ERROR_MEMORY;
+}
+
+void cw_pyramid_update(cw_field *f, cw_tiles changed, cw_pool *pool) {
+    cw_refusal refusal = {CW_REFUSED_NONE}; /* nothing will be: the samples have been checked */
+    job w = {.f = f, .p = f->pyramid, .tiles = changed, .refusal = &refusal};
+    cw_pool_run(pool, count(&changed), TILES_AT_ONCE, do_tiles, &w);
+    cw_survey_total(f, changed);
+    do_upper(&w, pool);
 }
 
 void cw_pyramid_destroy(struct cw_pyramid *p) {

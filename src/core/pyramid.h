@@ -19,6 +19,8 @@
 
 #include "field.h"
 
+#include <math.h>
+
 enum { PYRAMID_LEVELS_MAX = 12, BRICK_FLOATS = 32 };
 
 /* How far rounding can put a ray, or what the watertight test makes of it, beside a slab: as a part of the numbers that
@@ -44,6 +46,13 @@ typedef struct cw_pyramid_slab {
     float low, high, slope_x, slope_y;
 } cw_pyramid_slab;
 
+/* What the planes of larger nodes are found from, and how steep it gets in a node, at any level: of the samples that the node
+ * owns, as a tile does (survey.h). x and y count from its first sample. NaN with a hole in it. */
+typedef struct cw_pyramid_sum {
+    double z, xz, yz; /* sums of z, x · z and y · z */
+    double steepest;
+} cw_pyramid_sum;
+
 struct cw_pyramid {
     int levels; /* >= 1 */
     /* Node (x, y) of level l at slab[first[l + 1] + y * n + x], with n the nodes in a row, (nx - 2) / side + 1. */
@@ -52,6 +61,8 @@ struct cw_pyramid {
     float steepest; /* the largest slope of any slab, and of any triangle in it, in heights a cell */
     float high;     /* the field's highest sample */
     cw_pyramid_level level[PYRAMID_LEVELS_MAX];
+    /* Of nodes of level TILE_LEVEL, which stand for tiles even if there are fewer levels, and above: in rows as slabs are. */
+    cw_pyramid_sum *sum[PYRAMID_LEVELS_MAX];
     void *memory;
     size_t bytes;
 };
@@ -65,7 +76,47 @@ static inline float *cw_pyramid_node(const cw_pyramid_level *l, size_t x, size_t
 static inline float lower(float a, float b) { return a < b ? a : b; }
 static inline float higher(float a, float b) { return a > b ? a : b; }
 
-/* src/core/slabs.c: fills p->slab and p->steepest, the rest being there. columns: 4 nx floats to work with. */
-void cw_pyramid_build_slabs(struct cw_pyramid *p, const cw_field *f, float *columns);
+/* Nodes in a row of level l, and rows of them; beyond the pyramid's top as well. */
+static inline size_t cw_pyramid_across(const cw_field *f, int l) { return ((f->nx - 2) >> (2 * l + 2)) + 1; }
+static inline size_t cw_pyramid_down(const cw_field *f, int l) { return ((f->ny - 2) >> (2 * l + 2)) + 1; }
+
+/* src/core/tile.c: everything below and at TILE_LEVEL that tile (x, y) determines. Different tiles may be done at once. */
+void cw_pyramid_tile(const cw_field *f, struct cw_pyramid *p, size_t x, size_t y);
+
+/* src/core/slabs.c: sum and slab of node (x, y) of a level above TILE_LEVEL, from the levels below. */
+void cw_pyramid_node_slab(const cw_field *f, struct cw_pyramid *p, int level, size_t x, size_t y);
+
+/* Sets a slab outward, or level where that makes it no thicker than its node, which reaches from low to high: there no room for
+ * a ray's place is needed (papers/numerics.md). Returns the largest slope in it. */
+static inline float cw_slab_outward(cw_pyramid_slab *s, const cw_field *f, float low, float high) {
+    if (!(s->low <= s->high)) return 0;
+    const float slope = fabsf(s->slope_x) + fabsf(s->slope_y) + (s->high - s->low);
+    const float pad = SLAB_ROUNDING * (2 * (float)(f->nx + f->ny) * slope);
+    if (s->high - s->low + 2 * pad < high - low) {
+        s->low -= pad;
+        s->high += pad;
+        return slope;
+    }
+    *s = (cw_pyramid_slab){low, high, 0, 0};
+    return high - low;
+}
+
+/* The lowest and highest of the 16 children in a brick become its node's; NaN if there is none. */
+static inline void cw_pyramid_set_bounds(float *node, float low, float high) {
+    const bool some = low <= high;
+    node[0] = some ? low : NAN;
+    node[16] = some ? high : NAN;
+}
+
+static inline void cw_pyramid_bound_brick(const cw_pyramid_level *from, const cw_pyramid_level *to, size_t x,
+                                          size_t y) {
+    const float *brick = cw_pyramid_node(from, 4 * x, 4 * y);
+    float low = INFINITY, high = -INFINITY;
+    for (int k = 0; k < 16; k++) {
+        low = lower(brick[k], low);
+        high = higher(brick[16 + k], high);
+    }
+    cw_pyramid_set_bounds(cw_pyramid_node(to, x, y), low, high);
+}
 
 #endif

@@ -8,9 +8,11 @@
 
 #include <float.h>
 
-/* Rays a thread takes at a time: some 100 microseconds of work, so that handing out costs nothing and the last piece
- * does not keep the others waiting. */
-enum { GRAIN = 4096 };
+/* Rays a thread takes at a time: some 100 microseconds of work, so that handing out costs nothing; towards the end fewer, so
+ * that the last piece does not keep the others waiting, also where there are 10 000 rays in all. */
+enum { LEAST = 256, MOST = 4096 };
+/* Fewer rays than this are found before a thread that sleeps has got up. */
+enum { SHARED = 1024 };
 
 typedef struct job {
     const cw_field *field;
@@ -64,6 +66,15 @@ static cw_status settle(job *q, const cw_field *field, const cw_query *query, co
     return CW_OK;
 }
 
+static cw_status run(job *q, size_t n, cw_work_fn *work) {
+    if (n < SHARED) q->query.pool = NULL;
+    const door_pass in = door_enter(&q->field->door);
+    if (in.entry == NULL) return CW_ERROR_BUSY;
+    const cw_status status = cw_watch_run(&q->query, n, LEAST, MOST, work, q);
+    door_leave(in);
+    return status;
+}
+
 cw_query cw_query_default(void) { return (cw_query){.leaf = CW_LEAF_DEFAULT}; }
 
 cw_status cw_closest(const cw_field *field, const cw_query *query, const cw_ray *rays, size_t n, cw_hit *hits) {
@@ -71,7 +82,7 @@ cw_status cw_closest(const cw_field *field, const cw_query *query, const cw_ray 
     const cw_status status = settle(&q, field, query, rays, hits, n);
     if (status != CW_OK) return status;
     q.hits = hits;
-    return cw_watch_run(&q.query, n, GRAIN, run_closest, &q);
+    return run(&q, n, run_closest);
 }
 
 cw_status cw_any(const cw_field *field, const cw_query *query, const cw_ray *rays, size_t n, uint8_t *occluded) {
@@ -79,5 +90,5 @@ cw_status cw_any(const cw_field *field, const cw_query *query, const cw_ray *ray
     const cw_status status = settle(&q, field, query, rays, occluded, n);
     if (status != CW_OK) return status;
     q.occluded = occluded;
-    return cw_watch_run(&q.query, n, GRAIN, run_any, &q);
+    return run(&q, n, run_any);
 }

@@ -1,132 +1,129 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Slabs: a plane through the samples of each node of the pyramid, and how far they lie off it.
+/* Slabs of nodes larger than a tile, without going through their samples again.
  *
- * The plane is the least-squares one, which on the regular grid has a closed form. Where the samples lie is found exactly,
- * from the samples, at all levels: slabs of slabs are 1.2 times as thick at 16 cells and 1.6 times at the top, for which
- * random rays pay with 18 % more steps. Sums run over columns, so that compilers vectorize them at any node size. */
+ * The plane follows from sums that the nodes below have. How far samples lie off it is exact, as it is in tiles: slabs of slabs
+ * are 1.2 times as thick at 16 cells and 1.6 times at the top, for which random rays pay with 18 % more steps. But only
+ * where samples can be that far off is looked at: the slabs below say how far at most, and the most promising come first. */
 
 #include "pyramid.h"
+#include "survey.h"
 
 #include <float.h>
-#include <math.h>
 
-/* Work space, a float for each column of samples. */
-typedef struct columns {
-    float *sum, *moment; /* over the rows of a row of nodes: of z, and of z times the row's distance from the middle */
-    float *low, *high;   /* distances from the plane */
-} columns;
-
-/* The nodes in one row of a level: samples first_row to last_row, both in. */
-typedef struct node_row {
+/* The sample that is farthest above the node's plane, or below it. */
+typedef struct search {
     const cw_field *f;
-    cw_pyramid_slab *slab;
-    size_t nodes, side, first_row, last_row;
-} node_row;
+    const struct cw_pyramid *p;
+    float slope_x, slope_y;
+    size_t column, row; /* the node's first sample */
+    float middle;       /* of the node, seen from there */
+    float sign;         /* -1: below */
+    double rounding;    /* by which a distance in float may differ from what slabs below say of it */
+    float best;         /* distance, so far */
+} search;
 
-static size_t last_column(const node_row *r, size_t x) {
-    const size_t last = (x + 1) * r->side;
-    return last < r->f->nx - 1 ? last : r->f->nx - 1;
-}
-
-static void fit_planes(const node_row *r, const columns *c) {
-    const size_t nx = r->f->nx, rows = r->last_row - r->first_row;
-    const float middle = 0.5f * (float)rows;
-    float *restrict sum = c->sum, *restrict moment = c->moment;
-    for (size_t i = 0; i < nx; i++) sum[i] = moment[i] = 0;
-    for (size_t j = 0; j <= rows; j++) {
-        const float *restrict z = r->f->z + (r->first_row + j) * r->f->stride;
-        const float dy = (float)j - middle;
-        for (size_t i = 0; i < nx; i++) {
-            sum[i] += z[i];
-            moment[i] += dy * z[i];
-        }
-    }
-    const float n = (float)(rows + 1);
-    for (size_t x = 0; x < r->nodes; x++) {
-        const size_t begin = x * r->side, end = last_column(r, x);
-        const float m = (float)(end - begin + 1), half = 0.5f * (float)(end - begin);
-        float along_x = 0, along_y = 0;
-        for (size_t i = begin; i <= end; i++) {
-            along_x += ((float)(i - begin) - half) * sum[i];
-            along_y += moment[i];
-        }
-        /* m numbers one apart have the sum of squares m (m² - 1) / 12 about their middle. */
-        const float slope_x = along_x * 12 / (m * (m * m - 1) * n), slope_y = along_y * 12 / (n * (n * n - 1) * m);
-        const bool flat = !(fabsf(slope_x) + fabsf(slope_y) <= FLT_MAX); /* holes, or heights near the end of floats */
-        r->slab[x] = (cw_pyramid_slab){INFINITY, -INFINITY, flat ? 0 : slope_x, flat ? 0 : slope_y};
-    }
-}
-
-static void measure_distances(const node_row *r, const columns *c) {
-    const size_t nx = r->f->nx, stride = r->f->stride;
-    float *restrict plane = c->sum, *restrict slope_y = c->moment, *restrict low = c->low, *restrict high = c->high;
-    const float middle = 0.5f * (float)r->side;
-    for (size_t x = 0; x < r->nodes; x++)
-        for (size_t i = x * r->side; i <= last_column(r, x); i++) { /* the last column is the next node's first */
-            plane[i] = r->slab[x].slope_x * ((float)(i - x * r->side) - middle);
-            slope_y[i] = r->slab[x].slope_y;
-        }
-    for (size_t i = 0; i < nx; i++) {
-        low[i] = INFINITY;
-        high[i] = -INFINITY;
-    }
-    for (size_t j = 0; j <= r->last_row - r->first_row; j++) {
-        const float *restrict z = r->f->z + (r->first_row + j) * stride;
-        const float dy = (float)j - middle;
-        for (size_t i = 0; i < nx; i++) {
-            const float d = z[i] - (plane[i] + dy * slope_y[i]);
-            low[i] = lower(d, low[i]);
-            high[i] = higher(d, high[i]);
-        }
-    }
-    for (size_t x = 0; x < r->nodes; x++) {
-        cw_pyramid_slab *s = &r->slab[x];
-        const size_t begin = x * r->side, end = last_column(r, x);
-        for (size_t i = begin; i < end; i++) {
-            s->low = lower(low[i], s->low);
-            s->high = higher(high[i], s->high);
-        }
-        const float *z = r->f->z + r->first_row * stride + end, across = s->slope_x * ((float)(end - begin) - middle);
-        for (size_t j = 0; j <= r->last_row - r->first_row; j++) {
-            const float d = z[j * stride] - (across + ((float)j - middle) * s->slope_y);
-            s->low = lower(d, s->low);
-            s->high = higher(d, s->high);
+static void search_block(search *s, size_t x, size_t y) {
+    const cw_field *f = s->f;
+    const size_t last_i = 4 * x + 4 < f->nx - 1 ? 4 * x + 4 : f->nx - 1;
+    const size_t last_j = 4 * y + 4 < f->ny - 1 ? 4 * y + 4 : f->ny - 1;
+    for (size_t j = 4 * y; j <= last_j; j++) {
+        const float along_y = ((float)(j - s->row) - s->middle) * s->slope_y;
+        for (size_t i = 4 * x; i <= last_i; i++) {
+            const float plane = s->slope_x * ((float)(i - s->column) - s->middle);
+            s->best = higher(s->sign * (f->z[j * f->stride + i] - (plane + along_y)), s->best);
         }
     }
 }
 
-/* Sets the slab outward, or level where that makes it no thicker: between the node's lowest and highest sample no room for
- * a ray's place is needed (papers/numerics.md). Returns the largest slope in it. */
-static float set_outward(cw_pyramid_slab *s, const cw_field *f, float low, float high) {
-    if (!(s->low <= s->high)) return 0;
-    const float slope = fabsf(s->slope_x) + fabsf(s->slope_y) + (s->high - s->low);
-    const float pad = SLAB_ROUNDING * (2 * (float)(f->nx + f->ny) * slope);
-    if (s->high - s->low + 2 * pad < high - low) {
-        s->low -= pad;
-        s->high += pad;
-        return slope;
-    }
-    *s = (cw_pyramid_slab){low, high, 0, 0};
-    return high - low;
+typedef struct child {
+    double most; /* no sample of it is farther off */
+    size_t x, y;
+} child;
+
+static double most_of(const search *s, int level, size_t x, size_t y) {
+    const cw_pyramid_slab *b = &s->p->slab[(size_t)s->p->first[level + 1] + y * cw_pyramid_across(s->f, level) + x];
+    if (!(b->low <= b->high)) return -DBL_MAX;
+    const double half = 0.5 * (double)s->p->level[level].side, middle = (double)s->middle;
+    const double dx = (double)(2 * x + 1) * half - (double)s->column - middle;
+    const double dy = (double)(2 * y + 1) * half - (double)s->row - middle;
+    const double own_x = (double)b->slope_x, own_y = (double)b->slope_y, sx = (double)s->slope_x,
+                 sy = (double)s->slope_y;
+    const double lean = (fabs(own_x - sx) + fabs(own_y - sy)) * half, here = sx * dx + sy * dy;
+    const double off = s->sign > 0 ? (double)b->high - here : here - (double)b->low;
+    return off + lean + s->rounding + 0x1p-20 * (fabs(own_x) + fabs(own_y)) * half;
 }
 
-void cw_pyramid_build_slabs(struct cw_pyramid *p, const cw_field *f, float *columns_of_floats) {
-    const columns c = {columns_of_floats, columns_of_floats + f->nx, columns_of_floats + 2 * f->nx,
-                       columns_of_floats + 3 * f->nx};
-    p->steepest = 0;
-    for (int l = 0; l < p->levels; l++) {
-        const cw_pyramid_level *level = &p->level[l];
-        const size_t side = (size_t)level->side, across = (f->nx - 2) / side + 1, down = (f->ny - 2) / side + 1;
-        for (size_t y = 0; y < down; y++) {
-            cw_pyramid_slab *row = p->slab + (size_t)p->first[l + 1] + y * across;
-            const size_t last = (y + 1) * side < f->ny - 1 ? (y + 1) * side : f->ny - 1;
-            const node_row r = {f, row, across, side, y * side, last};
-            fit_planes(&r, &c);
-            measure_distances(&r, &c);
-            for (size_t x = 0; x < across; x++) {
-                const float *bounds = cw_pyramid_node(level, x, y);
-                p->steepest = higher(set_outward(&row[x], f, bounds[0], bounds[16]), p->steepest);
-            }
-        }
+static void search_node(search *s, int level, size_t x, size_t y) {
+    if (level == 0) {
+        search_block(s, x, y);
+        return;
     }
+    const size_t across = cw_pyramid_across(s->f, level - 1), down = cw_pyramid_down(s->f, level - 1);
+    child children[16];
+    int n = 0;
+    for (size_t b = 4 * y; b < 4 * y + 4 && b < down; b++)
+        for (size_t a = 4 * x; a < 4 * x + 4 && a < across; a++) {
+            const child c = {most_of(s, level - 1, a, b), a, b};
+            int k = n++;
+            for (; k > 0 && children[k - 1].most < c.most; k--) children[k] = children[k - 1];
+            children[k] = c;
+        }
+    for (int k = 0; k < n && children[k].most > (double)s->best; k++)
+        search_node(s, level - 1, children[k].x, children[k].y);
+}
+
+/* The sums of the node's children, moved to its first sample. */
+static cw_pyramid_sum sum_up(const cw_field *f, const struct cw_pyramid *p, int level, size_t x, size_t y) {
+    const size_t across = cw_pyramid_across(f, level - 1), down = cw_pyramid_down(f, level - 1);
+    const double side = (double)((size_t)4 << (2 * (level - 1)));
+    cw_pyramid_sum all = {0, 0, 0, 0};
+    for (size_t b = 0; b < 4 && 4 * y + b < down; b++)
+        for (size_t a = 0; a < 4 && 4 * x + a < across; a++) {
+            const cw_pyramid_sum *c = &p->sum[level - 1][(4 * y + b) * across + 4 * x + a];
+            all.z += c->z;
+            all.xz += c->xz + (double)a * side * c->z;
+            all.yz += c->yz + (double)b * side * c->z;
+            all.steepest = fmax(c->steepest, all.steepest);
+        }
+    if (isnan(all.z)) all.z = all.xz = all.yz = (double)NAN; /* one NaN of all that there are */
+    return all;
+}
+
+/* How many samples a node that begins at begin owns. */
+static size_t owned(size_t begin, size_t side, size_t n) { return begin + side >= n - 1 ? n - begin : side; }
+
+void cw_pyramid_node_slab(const cw_field *f, struct cw_pyramid *p, int level, size_t x, size_t y) {
+    const size_t side = (size_t)4 << (2 * level), number = y * cw_pyramid_across(f, level) + x;
+    cw_pyramid_sum *sum = &p->sum[level][number];
+    cw_pyramid_slab *slab = &p->slab[(size_t)p->first[level + 1] + number];
+    const float *bounds = cw_pyramid_node(&p->level[level], x, y), low = bounds[0], high = bounds[16];
+    *sum = sum_up(f, p, level, x, y);
+    *slab = (cw_pyramid_slab){INFINITY, -INFINITY, 0, 0};
+    if (!(low <= high)) return; /* nothing but holes */
+
+    const double m = (double)owned(x * side, side, f->nx), n = (double)owned(y * side, side, f->ny);
+    /* As in tiles: m numbers one apart have the sum of squares m (m² - 1) / 12 about their middle. */
+    const float slope_x = (float)((sum->xz - 0.5 * (m - 1) * sum->z) * 12 / (m * (m * m - 1) * n));
+    const float slope_y = (float)((sum->yz - 0.5 * (n - 1) * sum->z) * 12 / (n * (n * n - 1) * m));
+    if (!(fabsf(slope_x) + fabsf(slope_y) <= FLT_MAX) || (slope_x == 0 && slope_y == 0)) {
+        slab->low = low;
+        slab->high = high;
+    } else {
+        const float half = 0.5f * (float)side;
+        search s = {.f = f, .p = p, .slope_x = slope_x, .slope_y = slope_y, .column = x * side, .row = y * side};
+        s.middle = half;
+        /* With u = 2^-24, a distance is off by 3 u of what the plane rises and u of the height; the slabs below, which were
+         * set from such distances, by as much of their own. */
+        const double heights = fmax(fabs((double)low), fabs((double)high));
+        s.rounding = 0x1p-20 * (heights + (fabs((double)slope_x) + fabs((double)slope_y)) * (double)half);
+        for (int k = 0; k < 2; k++) {
+            s.sign = k == 0 ? 1 : -1;
+            s.best = -INFINITY;
+            search_node(&s, level, x, y);
+            *(k == 0 ? &slab->high : &slab->low) = s.sign * s.best;
+        }
+        slab->slope_x = slope_x;
+        slab->slope_y = slope_y;
+    }
+    sum->steepest = fmax((double)cw_slab_outward(slab, f, low, high), sum->steepest);
 }

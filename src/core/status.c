@@ -39,6 +39,8 @@ const char *cw_status_message(cw_status status) {
         return "the map to user space leans the heights, so that no single place is above (x, y)";
     case CW_ERROR_CANCELLED:
         return "cancelled";
+    case CW_ERROR_BUSY:
+        return "a field cannot be updated while queries or another update run on it";
     }
     return "unknown status";
 }

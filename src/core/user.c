@@ -7,7 +7,7 @@
 #include <stdatomic.h>
 
 /* As many as keep the kernels' batches full. */
-enum { BLOCK = 512, GRAIN = 8 * BLOCK };
+enum { BLOCK = 512, MOST = 8 * BLOCK };
 
 typedef struct job {
     const cw_field *field;
@@ -24,21 +24,28 @@ static void run(void *context, size_t begin, size_t end) {
     for (size_t count; begin < end; begin += count) {
         count = end - begin < BLOCK ? end - begin : BLOCK;
         cw_rays_to_field(q->field, q->rays + begin, count, block);
-        const cw_status status = q->hits ? cw_closest(q->field, &q->query, block, count, q->hits + begin)
-                                         : cw_any(q->field, &q->query, block, count, q->occluded + begin);
+        cw_status status;
+        do
+            status = q->hits ? cw_closest(q->field, &q->query, block, count, q->hits + begin)
+                             : cw_any(q->field, &q->query, block, count, q->occluded + begin);
+        while (status == CW_ERROR_BUSY); /* by an update that gives up at once, since this query is in */
         if (status != CW_OK) atomic_store(&q->status, (int)status);
     }
 }
 
 static cw_status trace(job *q, const cw_query *query, size_t n) {
-    const cw_query whole = query ? *query : cw_query_default();
+    cw_query whole = query ? *query : cw_query_default();
+    if (n < 2 * BLOCK) whole.pool = NULL; /* done before a thread that sleeps has got up */
     if (n > 0 && (q->rays == NULL || (q->hits == NULL && q->occluded == NULL))) return CW_ERROR_ARGUMENT;
     cw_status status = cw_closest(q->field, &whole, NULL, 0, NULL);
     if (status != CW_OK || n == 0) return status;
     q->query = whole;
     q->query.pool = NULL;
     q->query.watch = NULL;
-    status = cw_watch_run(&whole, n, GRAIN, run, q);
+    const door_pass in = door_enter(&q->field->door); /* for all blocks together: no update comes between */
+    if (in.entry == NULL) return CW_ERROR_BUSY;
+    status = cw_watch_run(&whole, n, BLOCK, MOST, run, q);
+    door_leave(in);
     return status != CW_OK ? status : (cw_status)atomic_load(&q->status);
 }
 

@@ -15,7 +15,7 @@ typedef struct field_file {
     bool mapped;             /* the samples are pages of the file and no memory of the program's own */
 } field_file;
 
-/* Reads a field for query: nothing is built that it does not need. options, which may be NULL, are for rasters. On failure
+/* Reads a field for query: nothing is built that it does not need, and on its pool. options, which may be NULL, are for rasters. On failure
  * file needs no closing. */
 bool field_file_open(field_file *file, const char *path, const io_raster_options *options, const cw_query *query,
                      io_error *error);

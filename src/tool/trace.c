@@ -90,6 +90,8 @@ static bool prepare(trace *t, io_error *error) {
     if (!ray_source_open(&t->rays, r->rays, r->user, PIECE, error)) return false;
     if (!io_inputs_note_path(r->field)) return io_fail(error, "out of memory");
     if (r->hits && !hits_file_create(&t->file, r->hits, t->rays.count, error)) return false;
+    const cw_status status = cw_pool_create(r->query.threads, &t->query.pool);
+    if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));
     const bool good = field_file_open(&t->field, r->field, &t->raster, &t->query, error);
     progress_end(&t->request->raster.line);
     if (!good) return false;
@@ -100,8 +102,6 @@ static bool prepare(trace *t, io_error *error) {
             "-t_srs EPSG:... puts it on a map in metres\n",
             r->field);
     t->query.kernel = t->field.kernel;
-    const cw_status status = cw_pool_create(r->query.threads, &t->query.pool);
-    if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));
     if (r->any)
         t->occluded = calloc(PIECE, sizeof *t->occluded);
     else

@@ -202,8 +202,13 @@ static void threads_take_part(void **state) {
     io_error error;
     json_t *lines = results_read("t.json", &error), *line;
     check(lines != NULL, "%s", error.text);
-    size_t found = 0, k;
+    size_t found = 0, builds = 0, k;
     json_array_foreach(lines, k, line) {
+        if (strcmp(results_text(line, "kind"), "kernel_build") == 0) {
+            builds++;
+            check(results_number(line, "threads") == (double)builds && results_number(line, "update_seconds") > 0,
+                  "build %zu: other threads, or no update", builds);
+        }
         if (strcmp(results_text(line, "kind"), "result") != 0) continue;
         const double threads = results_number(line, "threads");
         const bool two = strcmp(results_text(line, "contender"), "pyramid1/watertight/t2") == 0;
@@ -211,7 +216,7 @@ static void threads_take_part(void **state) {
         check(results_number(json_object_get(line, "agreement"), "same_bits") == 16384, "answers differ");
         found++;
     }
-    check(found == 2, "%zu results", found);
+    check(found == 2 && builds == 2, "%zu results, %zu builds", found, builds);
     json_decref(lines);
 }
 

@@ -288,13 +288,13 @@ static void places_on_the_surface(void **state) {
 /* What a later version would mean by more is refused, whatever it is. */
 static void strangers_are_refused(void **state) {
     (void)state;
+    cw_field_desc d = cw_field_desc_default();
+    d.samples = shape.z;
+    d.nx = d.ny = SIDE;
+    d.reserved[0] = 1;
+    cw_field *f;
+    check_status(cw_field_create(&d, &f), CW_ERROR_OPTION);
     for (size_t k = 0; k < 4; k++) {
-        cw_field_desc d = cw_field_desc_default();
-        d.samples = shape.z;
-        d.nx = d.ny = SIDE;
-        d.reserved[k] = 1;
-        cw_field *f;
-        check_status(cw_field_create(&d, &f), CW_ERROR_OPTION);
         cw_query q = cw_query_default();
         q.reserved[k] = (uint64_t)1 << 63;
         check_status(cw_closest(field, &q, rays, 1, got), CW_ERROR_OPTION);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Each allocation and each start of a thread of the library's functions fails once: the status says which, what was to be
- * made is NULL, what was there works on, and no memory is lost. Queries allocate nothing and start no thread. */
+ * made is NULL, what was there works on, and no memory is lost. Queries and updates allocate nothing and start no thread. */
 
 #include "check.h"
 #include "faults.h"
@@ -142,10 +142,11 @@ static void queries_ask_for_nothing(void **state) {
         check_status(cw_field_build(field, q.kernel), CW_OK);
         const size_t n = info.needs_build ? RAYS : 5000; /* brute force takes its time */
         faults_begin(FAULT_MEMORY, 0);
-        const cw_status status[] = {cw_closest(field, &q, rays, n, hits), cw_any(field, &q, rays, n, occluded),
-                                    cw_closest_user(field, &q, user_rays, n, hits),
-                                    cw_any_user(field, &q, user_rays, n, occluded),
-                                    cw_hit_points(field, pool, hits, n, points)};
+        const cw_update update = {.i = 3, .j = 3, .nx = 66, .ny = 60, .samples = samples, .stride = SIDE, .pool = pool};
+        const cw_status status[] = {
+            cw_closest(field, &q, rays, n, hits),           cw_any(field, &q, rays, n, occluded),
+            cw_closest_user(field, &q, user_rays, n, hits), cw_any_user(field, &q, user_rays, n, occluded),
+            cw_hit_points(field, pool, hits, n, points),    cw_field_update(field, &update)};
         const fault_counts counts = faults_end();
         for (size_t s = 0; s < sizeof status / sizeof status[0]; s++) check_status(status[s], CW_OK);
         check(counts.calls[FAULT_MEMORY] == 0 && counts.calls[FAULT_THREAD] == 0, "%s: %lu allocations, %lu threads",

@@ -100,6 +100,37 @@ static void ask_all(cw_field *field, source *s) {
     }
 }
 
+/* Some samples change, or are refused. What is then found is what is found on a field made anew. */
+static void change(cw_field *field, const cw_field_desc *desc, float *samples, source *s) {
+    const size_t stride = desc->stride ? desc->stride : desc->nx;
+    cw_update u = {.i = byte(s) % desc->nx, .j = byte(s) % desc->ny};
+    u.nx = 1 + byte(s) % (desc->nx - u.i);
+    u.ny = 1 + byte(s) % (desc->ny - u.j);
+    float *to = samples + u.j * stride + u.i;
+    if (desc->storage == CW_COPY) u.samples = to;
+    u.stride = stride;
+    for (size_t j = 0; j < u.ny; j++)
+        for (size_t i = 0; i < u.nx; i++) to[j * stride + i] = byte(s) < 128 ? number(s) : to[j * stride + i];
+    cw_field *anew;
+    const cw_status status = cw_field_update(field, &u), made = cw_field_create(desc, &anew);
+    if (status != CW_OK) return;
+    if (made != CW_OK) {
+        fprintf(stderr, "updated to what cannot be made: %s\n", cw_status_message(made));
+        abort();
+    }
+    const cw_field_info got = cw_field_describe(field), wanted = cw_field_describe(anew);
+    cw_ray rays[RAYS_MAX];
+    cw_hit hits[2][RAYS_MAX];
+    make_rays(s, rays, RAYS_MAX);
+    bool same = got.low == wanted.low && got.high == wanted.high && got.holes == wanted.holes;
+    for (int k = 0; k < 2; k++) cw_closest(k ? anew : field, NULL, rays, RAYS_MAX, hits[k]);
+    same = same && memcmp(hits[0], hits[1], sizeof hits[0]) == 0;
+    cw_field_destroy(anew);
+    if (same) return;
+    fprintf(stderr, "an updated field is not what is made anew\n");
+    abort();
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     source s = {data, size};
     const size_t nx = 2 + byte(&s) % (SIDE_MAX - 1), ny = 2 + byte(&s) % (SIDE_MAX - 1), gap = byte(&s) % 4;
@@ -116,7 +147,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     desc.storage = (cw_storage)(byte(&s) % 2);
     desc.bare = byte(&s) % 2;
     cw_field *field;
-    if (cw_field_create(&desc, &field) == CW_OK) ask_all(field, &s);
+    if (cw_field_create(&desc, &field) == CW_OK) {
+        ask_all(field, &s);
+        if (s.size > 0) change(field, &desc, samples, &s);
+    }
     cw_field_destroy(field);
     free(samples);
     return 0;

@@ -72,11 +72,11 @@ static int open_ground(ground *g, ground_options *o, const char *path, size_t ba
     if (bands > 0 && !io_raster_can_write(o->output, bands, &error)) return command_fail(o->name, "%s", error.text);
     if (bands > 0 && is_input(path, o->output))
         return command_fail(o->name, "%s: is the terrain itself, and is not written over", o->output);
+    const cw_status status = cw_pool_create(o->query.threads, &g->query.pool);
+    if (status != CW_OK) return command_fail(o->name, "%s", cw_status_message(status));
     const bool good = read_ground(g, path, &raster, field, &error);
     progress_end(&o->raster.line);
     if (!good) return command_fail(o->name, "%s", error.text);
-    const cw_status status = cw_pool_create(o->query.threads, &g->query.pool);
-    if (status != CW_OK) return command_fail(o->name, "%s", cw_status_message(status));
     g->line = progress_start(o->name);
     return EXIT_SUCCESS;
 }

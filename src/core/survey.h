@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What is known of a field's samples tile by tile: lowest, highest, holes. So what holds for the whole field is found again
+ * in no time when some samples change, also where it shrinks. 12 bytes for 64 × 64 samples. */
+#ifndef CELLWALK_CORE_SURVEY_H
+#define CELLWALK_CORE_SURVEY_H
+
+#include "field.h"
+
+#include <stdatomic.h>
+
+/* Cells along one side of a tile, as of a node of the pyramid's level 2. */
+enum { TILE_LEVEL = 2, TILE_SIDE = 64 };
+
+/* Of the samples that the tile owns, or all tiles in a row: each sample is owned by one tile, the one in which it is not on
+ * the last row or column, if there is one. */
+typedef struct cw_survey {
+    float low, high; /* over samples that are not holes; high < low if there is none */
+    uint32_t holes;
+} cw_survey;
+
+/* Tiles x to x_last, y to y_last, all in. */
+typedef struct cw_tiles {
+    size_t x, y, x_last, y_last;
+} cw_tiles;
+
+static inline size_t cw_tiles_across(const cw_field *f) { return (f->nx - 2) / TILE_SIDE + 1; }
+static inline size_t cw_tiles_down(const cw_field *f) { return (f->ny - 2) / TILE_SIDE + 1; }
+
+/* Samples that are refused, found by several threads: the first one in the order of rows counts, so that the status is the
+ * same for any number of them. */
+typedef struct cw_refusal {
+    atomic_uint_least64_t first; /* 2 × the sample's number, + 1 if it is a hole */
+} cw_refusal;
+
+#define CW_REFUSED_NONE UINT64_MAX
+
+cw_status cw_refusal_status(cw_refusal *refusal);
+
+/* Makes room for the survey; false when out of memory. */
+bool cw_survey_create(cw_field *f);
+void cw_survey_destroy(cw_field *f);
+
+/* Looks at the samples of tile (x, y). */
+void cw_survey_tile(cw_field *f, size_t x, size_t y, cw_refusal *refusal);
+
+/* Low, high, holes and reach of the field, from its tiles, of which these have changed. */
+void cw_survey_total(cw_field *f, cw_tiles changed);
+
+/* Whether samples z[0..n) may be part of a field: CW_OK, CW_ERROR_HEIGHT or, with no infinities allowed, CW_ERROR_HOLE. */
+cw_status cw_survey_check(const float *z, size_t n, bool infinities);
+
+#endif

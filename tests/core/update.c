@@ -1,0 +1,549 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Fields whose samples change, and fields made by several threads: every byte is that of a field made anew by one. The slabs
+ * of large nodes, which are found by a search, are those that a look at each sample gives. Here alone tests look inside. */
+
+#include "check.h"
+#include "field.h"
+#include "pyramid.h"
+#include "survey.h"
+#include "workload/random.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+/* The last is large enough for a level above the first that is searched, and has room between rows. */
+static const struct {
+    size_t nx, ny, gap;
+} sizes[] = {{2, 2, 0},    {2, 70, 3},    {20, 31, 0},   {65, 65, 1},    {66, 64, 0},
+             {129, 65, 7}, {257, 258, 0}, {40, 1500, 0}, {700, 530, 13}, {1300, 260, 5}};
+enum { SIZES = sizeof sizes / sizeof sizes[0], STRIDE_MAX = 1500, LIMIT_SECONDS = 300 };
+
+typedef enum kind { NOISE, LAND, HOLES, PLATEAUS, HIGH_UP, KINDS } kind;
+static const char *const kind_names[KINDS] = {"noise", "land", "holes", "plateaus", "high up"};
+
+static float height(kind k, size_t i, size_t j, random_state *r) {
+    const float u = (float)random_unit(r), x = (float)i, y = (float)j;
+    switch (k) {
+    case NOISE:
+        return u;
+    case LAND:
+        return 40 * sinf(x / 60) * cosf(y / 90) + 0.3f * u;
+    case HOLES: /* single ones and a lake of them; zeros of either sign */
+        if (u < 0.02f || (i > 100 && i < 300 && j > 30)) return NAN;
+        return u < 0.1f ? -0.0f : u < 0.2f ? 0.0f : u;
+    case PLATEAUS:
+        return (float)(i / 50 + j / 70);
+    case HIGH_UP: /* where a float tells little apart */
+        return 1e6f + floorf(3 * u);
+    default:
+        return 0;
+    }
+}
+
+/* A field, its samples and what they are to be. */
+typedef struct place {
+    size_t nx, ny, stride;
+    float *z;
+} place;
+
+static place make_place(size_t size, kind k, random_state *r) {
+    place p = {sizes[size].nx, sizes[size].ny, sizes[size].nx + sizes[size].gap, NULL};
+    p.z = malloc(p.stride * p.ny * sizeof *p.z);
+    assert_non_null(p.z);
+    for (size_t j = 0; j < p.ny; j++)
+        for (size_t i = 0; i < p.stride; i++) p.z[j * p.stride + i] = height(k, i, j, r);
+    return p;
+}
+
+static cw_field *make_field(const place *p, cw_storage storage, bool bare, cw_pool *pool) {
+    cw_field *field;
+    const cw_field_desc d = {
+        .samples = p->z, .nx = p->nx, .ny = p->ny, .stride = p->stride, .storage = storage, .bare = bare, .pool = pool};
+    check_status(cw_field_create(&d, &field), CW_OK);
+    if (!bare)
+        check_status(cw_field_build(field, cw_kernel_find("pyramid1")), CW_OK); /* tiny ones have none by themselves */
+    return field;
+}
+
+static bool same(const void *a, const void *b, size_t bytes) { return memcmp(a, b, bytes) == 0; }
+
+/* NULL, or what differs. */
+static const char *difference(const cw_field *a, const cw_field *b) {
+    for (size_t j = 0; j < a->ny; j++)
+        if (!same(a->z + j * a->stride, b->z + j * b->stride, a->nx * sizeof *a->z)) return "samples";
+    if (!same(&a->low, &b->low, sizeof a->low) || !same(&a->high, &b->high, sizeof a->high)) return "low or high";
+    if (a->holes != b->holes) return "holes";
+    if (!same(a->middle, b->middle, sizeof a->middle) || !same(a->reach, b->reach, sizeof a->reach)) return "reach";
+    const size_t tiles = (cw_tiles_across(a) + 1) * cw_tiles_down(a);
+    if (!same(a->tile, b->tile, tiles * sizeof *a->tile)) return "survey";
+    if ((a->pyramid == NULL) != (b->pyramid == NULL)) return "having a pyramid";
+    if (a->pyramid == NULL) return NULL;
+    const struct cw_pyramid *p = a->pyramid, *q = b->pyramid;
+    if (!same(&p->steepest, &q->steepest, sizeof p->steepest)) return "steepest slope";
+    if (!same(&p->high, &q->high, sizeof p->high)) return "pyramid's highest";
+    if (p->levels != q->levels || p->bytes != q->bytes) return "pyramid's layout";
+    return same(p->memory, q->memory, p->bytes) ? NULL : "pyramid";
+}
+
+static void check_same(const cw_field *got, const cw_field *wanted, const char *what) {
+    const char *differs = difference(got, wanted);
+    check(differs == NULL, "%s: another %s", what, differs ? differs : "");
+}
+
+static void threads_change_nothing(void **state) {
+    (void)state;
+    static const unsigned threads[] = {2, 3, 7};
+    const int ways = test_divisor() > 1 ? 1 : 3; /* borrowed, copied, built later */
+    random_state r = {1};
+    cw_pool *pool[3];
+    for (size_t t = 0; t < 3; t++) check_status(cw_pool_create(threads[t], &pool[t]), CW_OK);
+    for (size_t s = 0; s < SIZES; s++)
+        for (int k = 0; k < KINDS; k++) {
+            const place p = make_place(s, (kind)k, &r);
+            cw_field *alone = make_field(&p, CW_BORROW, false, NULL);
+            for (size_t t = 0; t < 3; t++)
+                for (int way = 0; way < ways; way++) {
+                    char what[100];
+                    cw_field *many = make_field(&p, way == 1 ? CW_COPY : CW_BORROW, way == 2, pool[t]);
+                    const cw_query q = {.kernel = cw_kernel_find("pyramid1"), .pool = pool[t]};
+                    check_status(cw_field_build_for(many, &q), CW_OK);
+                    snprintf(what, sizeof what, "%zu x %zu, %s, %u threads, way %d", p.nx, p.ny, kind_names[k],
+                             threads[t], way);
+                    check_same(many, alone, what);
+                    cw_field_destroy(many);
+                }
+            cw_field_destroy(alone);
+            free(p.z);
+        }
+    for (size_t t = 0; t < 3; t++) cw_pool_destroy(pool[t]);
+}
+
+/* The slab that a look at all samples gives, with the plane that it has. Returns its largest slope. */
+static float check_slab(const cw_field *f, int level, size_t x, size_t y, const char *what) {
+    const struct cw_pyramid *p = f->pyramid;
+    const size_t side = (size_t)4 << (2 * level), i_first = x * side, j_first = y * side;
+    const cw_pyramid_slab *got = &p->slab[(size_t)p->first[level + 1] + y * cw_pyramid_across(f, level) + x];
+    cw_pyramid_slab s = {INFINITY, -INFINITY, got->slope_x, got->slope_y};
+    const float middle = 0.5f * (float)side;
+    float low = INFINITY, high = -INFINITY;
+    for (size_t j = j_first; j <= j_first + side && j < f->ny; j++)
+        for (size_t i = i_first; i <= i_first + side && i < f->nx; i++) {
+            const float z = f->z[j * f->stride + i];
+            const float plane = s.slope_x * ((float)(i - i_first) - middle);
+            const float d = z - (plane + ((float)(j - j_first) - middle) * s.slope_y);
+            low = lower(z, low);
+            high = higher(z, high);
+            s.low = lower(d, s.low);
+            s.high = higher(d, s.high);
+        }
+    const float *node = cw_pyramid_node(&p->level[level], x, y);
+    if (low <= high)
+        check(node[0] == low && node[16] == high, "%s: node from %g to %g instead of %g to %g", what, (double)node[0],
+              (double)node[16], (double)low, (double)high);
+    else
+        check(isnan(node[0]) && isnan(node[16]), "%s: a node without samples has bounds", what);
+    const float slope = cw_slab_outward(&s, f, low, high);
+    check(s.low == got->low && s.high == got->high, "%s: slab from %a to %a instead of %a to %a", what,
+          (double)got->low, (double)got->high, (double)s.low, (double)s.high);
+    return slope;
+}
+
+static void slabs_are_exact(void **state) {
+    (void)state;
+    random_state r = {2};
+    size_t leaning = 0;
+    for (size_t s = 0; s < SIZES; s++)
+        for (int k = 0; k < KINDS; k++) {
+            const place p = make_place(s, (kind)k, &r);
+            cw_field *f = make_field(&p, CW_BORROW, false, NULL);
+            float steepest = 0;
+            for (int l = 0; l < f->pyramid->levels; l++)
+                for (size_t y = 0; y < cw_pyramid_down(f, l); y++)
+                    for (size_t x = 0; x < cw_pyramid_across(f, l); x++) {
+                        char what[100];
+                        snprintf(what, sizeof what, "%zu x %zu, %s, node (%zu, %zu) of level %d", p.nx, p.ny,
+                                 kind_names[k], x, y, l);
+                        steepest = higher(check_slab(f, l, x, y, what), steepest);
+                        const size_t number = (size_t)f->pyramid->first[l + 1] + y * cw_pyramid_across(f, l) + x;
+                        leaning += l > TILE_LEVEL && f->pyramid->slab[number].slope_x != 0;
+                    }
+            check(steepest == f->pyramid->steepest, "%zu x %zu, %s: steepest %g instead of %g", p.nx, p.ny,
+                  kind_names[k], (double)f->pyramid->steepest, (double)steepest);
+            cw_field_destroy(f);
+            free(p.z);
+        }
+    check(leaning > 10, "%zu slabs above tiles lean", leaning);
+}
+
+/* A rectangle anywhere: mostly small, on borders, of one sample, or all. */
+static cw_update some_rectangle(const place *p, random_state *r) {
+    cw_update u = {.i = random_below(r, p->nx), .j = random_below(r, p->ny)};
+    const size_t most = random_below(r, 4) == 0 ? STRIDE_MAX : 40;
+    u.nx = 1 + random_below(r, most);
+    u.ny = 1 + random_below(r, most);
+    switch (random_below(r, 8)) {
+    case 0:
+        return (cw_update){.nx = p->nx, .ny = p->ny};
+    case 1:
+        u.nx = u.ny = 1;
+        break;
+    case 2: /* where tiles meet */
+        u.i = u.i / 64 * 64;
+        u.j = u.j / 64 * 64;
+        u.nx = 1;
+        break;
+    case 3:
+        u.i = 0;
+        u.j = p->ny - 1;
+        break;
+    case 4:
+        u.i = p->nx - 1;
+        break;
+    default:
+        break;
+    }
+    u.nx = u.nx < p->nx - u.i ? u.nx : p->nx - u.i;
+    u.ny = u.ny < p->ny - u.j ? u.ny : p->ny - u.j;
+    return u;
+}
+
+/* New samples, which may raise what was lowest and lower what was highest; sometimes the old ones again. */
+static void change(const place *p, const cw_update *u, kind k, random_state *r) {
+    const float by = (float)random_between(r, -30, 30), from = random_below(r, 2) ? 1 : 0;
+    for (size_t j = u->j; j < u->j + u->ny; j++)
+        for (size_t i = u->i; i < u->i + u->nx; i++) p->z[j * p->stride + i] = from * height(k, i, j, r) + by;
+}
+
+static void updates_give_what_is_made_anew(void **state) {
+    (void)state;
+    random_state r = {3};
+    cw_pool *pool;
+    check_status(cw_pool_create(3, &pool), CW_OK);
+    for (size_t round = 0; round < test_rounds(); round++)
+        for (size_t s = 0; s < SIZES; s++)
+            for (int k = 0; k < KINDS; k++) {
+                const place p = make_place(s, (kind)k, &r);
+                cw_field *borrowed = make_field(&p, CW_BORROW, false, NULL);
+                cw_field *copied = make_field(&p, CW_COPY, false, NULL), *bare = make_field(&p, CW_COPY, true, NULL);
+                for (size_t turn = 0; turn < test_share(12); turn++) {
+                    char what[100];
+                    cw_update u = some_rectangle(&p, &r);
+                    change(&p, &u, (kind)(turn % KINDS), &r);
+                    snprintf(what, sizeof what, "%zu x %zu, %s, %zu x %zu from (%zu, %zu)", p.nx, p.ny, kind_names[k],
+                             u.nx, u.ny, u.i, u.j);
+                    u.pool = (turn + s) % 2 ? pool : NULL;
+                    check_status(cw_field_update(borrowed, &u), CW_OK);
+                    u.samples = p.z + u.j * p.stride + u.i;
+                    u.stride = p.stride;
+                    check_status(cw_field_update(copied, &u), CW_OK);
+                    check_status(cw_field_update(bare, &u), CW_OK);
+                    cw_field *anew = make_field(&p, CW_BORROW, false, NULL),
+                             *bare_anew = make_field(&p, CW_COPY, true, NULL);
+                    check_same(borrowed, anew, what);
+                    check_same(copied, anew, what);
+                    check_same(bare, bare_anew, what);
+                    cw_field_destroy(anew);
+                    cw_field_destroy(bare_anew);
+                }
+                cw_field_destroy(borrowed);
+                cw_field_destroy(copied);
+                cw_field_destroy(bare);
+                free(p.z);
+            }
+    cw_pool_destroy(pool);
+}
+
+static void what_is_refused_changes_nothing(void **state) {
+    (void)state;
+    random_state r = {4};
+    const place p = make_place(3, LAND, &r);
+    cw_field *borrowed = make_field(&p, CW_BORROW, false, NULL), *copied = make_field(&p, CW_COPY, false, NULL);
+    cw_field *anew = make_field(&p, CW_COPY, false, NULL);
+    float z[6] = {1, 2, 3, 4, 5, 0x1.2p100f};
+    const cw_update good = {.i = 7, .j = 9, .nx = 3, .ny = 2, .samples = z};
+    check_status(cw_field_update(NULL, &good), CW_ERROR_ARGUMENT);
+    check_status(cw_field_update(copied, NULL), CW_ERROR_ARGUMENT);
+    check_status(cw_field_update(copied, &good), CW_ERROR_HEIGHT);
+    check_status(cw_field_update(borrowed, &good), CW_ERROR_ARGUMENT);
+    cw_update u = good;
+    u.samples = NULL;
+    check_status(cw_field_update(copied, &u), CW_ERROR_ARGUMENT);
+    u = good;
+    u.stride = 2;
+    check_status(cw_field_update(copied, &u), CW_ERROR_STRIDE);
+    u = good;
+    u.reserved[2] = 1;
+    check_status(cw_field_update(copied, &u), CW_ERROR_OPTION);
+    const cw_update outside[] = {{.i = 63, .nx = 3, .ny = 1, .samples = z},
+                                 {.j = 64, .nx = 1, .ny = 2, .samples = z},
+                                 {.i = 66, .nx = 0, .ny = 1, .samples = z},
+                                 {.i = SIZE_MAX, .nx = 2, .ny = 1, .samples = z},
+                                 {.i = 1, .nx = SIZE_MAX, .ny = 1, .samples = z}};
+    for (size_t k = 0; k < sizeof outside / sizeof outside[0]; k++)
+        check_status(cw_field_update(copied, &outside[k]), CW_ERROR_SIZE);
+    const cw_update nothing[] = {{.i = 65, .nx = 0, .ny = 1, .samples = z}, {.nx = 5, .ny = 0, .samples = z}};
+    for (size_t k = 0; k < 2; k++) check_status(cw_field_update(copied, &nothing[k]), CW_OK);
+    check_same(copied, anew, "after refusals");
+
+    float *sample = &p.z[20 * p.stride + 64];
+    const float old = *sample;
+    const cw_update one = {.i = 64, .j = 20, .nx = 1, .ny = 1};
+    *sample = INFINITY;
+    check_status(cw_field_update(borrowed, &one), CW_ERROR_HOLE);
+    *sample = -0x1.2p100f;
+    check_status(cw_field_update(borrowed, &one), CW_ERROR_HEIGHT);
+    *sample = old;
+    check_same(borrowed, anew, "put back after refusals");
+
+    /* In a copy an infinity is a hole. */
+    z[5] = -INFINITY;
+    check_status(cw_field_update(copied, &good), CW_OK);
+    assert_true(isnan(cw_field_sample(copied, 9, 10)));
+    assert_int_equal(cw_field_describe(copied).holes, 1);
+    cw_field_destroy(borrowed);
+    cw_field_destroy(copied);
+    cw_field_destroy(anew);
+    free(p.z);
+}
+
+static void grid3d_is_dropped(void **state) {
+    (void)state;
+    random_state r = {5};
+    const place p = make_place(3, LAND, &r);
+    cw_field *f = make_field(&p, CW_COPY, false, NULL);
+    const cw_query q = {.kernel = cw_kernel_find("grid3d")};
+    const float z = 100;
+    const cw_ray down = {.org = {30.5f, 30.25f, 1000}, .dir = {0, 0, -1}, .tmax = INFINITY};
+    const size_t before = cw_field_describe(f).bytes_built;
+    cw_hit hit;
+    check_status(cw_field_build_for(f, &q), CW_OK);
+    assert_true(cw_field_describe(f).bytes_built > before);
+    check_status(cw_field_update(f, &(cw_update){.i = 30, .j = 30, .nx = 1, .ny = 1, .samples = &z}), CW_OK);
+    check_status(cw_closest(f, &q, &down, 1, &hit), CW_ERROR_NOT_BUILT);
+    assert_int_equal(cw_field_describe(f).bytes_built, before);
+    check_status(cw_field_build_for(f, &q), CW_OK);
+    check_status(cw_closest(f, &q, &down, 1, &hit), CW_OK);
+    cw_hit expected;
+    check_status(cw_closest(f, &(cw_query){.kernel = cw_kernel_find("cell")}, &down, 1, &expected), CW_OK);
+    check(hit.i == 30 && hit.j == 30 && fabsf(hit.t - expected.t) < 1e-3f, "grid3d at t = %g", (double)hit.t);
+    cw_field_destroy(f);
+    free(p.z);
+}
+
+/* ---- at the same time ------------------------------------------------------------------------------------------------ */
+
+typedef struct meeting {
+    cw_field *field;
+    cw_update update;
+    cw_status status[3]; /* of what was tried meanwhile */
+    unsigned tried;
+} meeting;
+
+/* From within a query: it runs. */
+static bool update_meanwhile(void *context, double done) {
+    meeting *m = context;
+    (void)done;
+    m->status[0] = cw_field_update(m->field, &m->update);
+    m->tried++;
+    return true;
+}
+
+/* From within an update, on whose pool this is. */
+static void ask_meanwhile(void *context, cw_task_fn *task, void *argument, unsigned count) {
+    meeting *m = context;
+    const cw_ray ray = {.org = {1, 1, 0}, .dir = {1, 0, 0}, .tmax = 1};
+    const cw_user_ray user = {.org = {1, 1, 0}, .dir = {1, 0, 0}, .tmax = 1};
+    cw_hit hit;
+    uint8_t occluded;
+    double point[3];
+    const cw_status status[] = {
+        cw_closest(m->field, NULL, &ray, 1, &hit),       cw_any(m->field, NULL, &ray, 1, &occluded),
+        cw_closest_user(m->field, NULL, &user, 1, &hit), cw_any_user(m->field, NULL, &user, 1, &occluded),
+        cw_hit_points(m->field, NULL, &hit, 1, &point),  cw_field_update(m->field, &m->update)};
+    for (size_t k = 0; k < sizeof status / sizeof status[0]; k++) check_status(status[k], CW_ERROR_BUSY);
+    m->tried++;
+    for (unsigned k = 0; k < count; k++) task(argument, k);
+}
+
+static void who_comes_second_is_turned_away(void **state) {
+    (void)state;
+    random_state r = {6};
+    const place p = make_place(8, LAND, &r);
+    cw_field *f = make_field(&p, CW_COPY, false, NULL), *anew = make_field(&p, CW_COPY, false, NULL);
+    meeting m = {.field = f, .update = {.nx = 300, .ny = 300, .samples = p.z, .stride = p.stride}};
+    const cw_ray ray = {.org = {1, 1, 0}, .dir = {1, 0, 0}, .tmax = 1};
+    const cw_user_ray user = {.org = {1, 1, 0}, .dir = {1, 0, 0}, .tmax = 1};
+    const cw_query q = {.watch = update_meanwhile, .watch_context = &m};
+    cw_hit hit;
+    check_status(cw_closest(f, &q, &ray, 1, &hit), CW_OK);
+    check_status(m.status[0], CW_ERROR_BUSY);
+    check_status(cw_closest_user(f, &q, &user, 1, &hit), CW_OK);
+    check_status(m.status[0], CW_ERROR_BUSY);
+    assert_int_equal(m.tried, 2);
+
+    cw_pool *pool;
+    const cw_tasks tasks = {.threads = 2, .run = ask_meanwhile, .context = &m};
+    check_status(cw_pool_create_on(&tasks, &pool), CW_OK);
+    cw_update u = m.update;
+    u.pool = pool;
+    check_status(cw_field_update(f, &u), CW_OK);
+    check(m.tried > 2, "nothing was tried during the update");
+    check_same(f, anew, "after all of that");
+    check_status(cw_closest(f, NULL, &ray, 1, &hit), CW_OK);
+    cw_pool_destroy(pool);
+    cw_field_destroy(f);
+    cw_field_destroy(anew);
+    free(p.z);
+}
+
+/* Threads that ask and threads that update as they please: each call does its work or is turned away, and the answers are
+ * those of one height or the other. ThreadSanitizer sees no race. */
+enum { ASKING = 3, TURNS = 400 };
+typedef struct crowd {
+    cw_field *field;
+    pthread_t thread;
+    size_t number, done, away, wrong;
+} crowd;
+
+static void *ask_and_ask(void *argument) {
+    crowd *c = argument;
+    const cw_ray down = {.org = {90.5f, 90.25f, 100}, .dir = {0, 0, -1}, .tmax = INFINITY};
+    for (size_t k = 0; k < TURNS; k++) {
+        cw_hit hit;
+        const cw_status status = cw_closest(c->field, NULL, &down, 1, &hit);
+        c->done += status == CW_OK;
+        c->away += status == CW_ERROR_BUSY;
+        c->wrong += status == CW_OK ? hit.t != 99 && hit.t != 98 : status != CW_ERROR_BUSY;
+    }
+    return NULL;
+}
+
+static void *update_and_update(void *argument) {
+    crowd *c = argument;
+    static float z[2][64 * 64];
+    for (size_t k = 0; k < 64 * 64; k++) z[0][k] = 1, z[1][k] = 2;
+    for (size_t k = 0; k < TURNS; k++) {
+        const cw_update u = {.i = 60, .j = 60, .nx = 64, .ny = 64, .samples = z[k % 2]};
+        const cw_status status = cw_field_update(c->field, &u);
+        c->done += status == CW_OK;
+        c->away += status == CW_ERROR_BUSY;
+        c->wrong += status != CW_OK && status != CW_ERROR_BUSY;
+    }
+    return NULL;
+}
+
+static void a_crowd_does_no_harm(void **state) {
+    (void)state;
+    static float z[200 * 200];
+    for (size_t k = 0; k < 200 * 200; k++) z[k] = 1;
+    const cw_field_desc d = {.samples = z, .nx = 200, .ny = 200};
+    crowd c[ASKING + 1] = {{0}};
+    cw_field *f;
+    check_status(cw_field_create(&d, &f), CW_OK);
+    for (size_t k = 0; k <= ASKING; k++) {
+        c[k] = (crowd){.field = f, .number = k};
+        assert_int_equal(pthread_create(&c[k].thread, NULL, k < ASKING ? ask_and_ask : update_and_update, &c[k]), 0);
+    }
+    for (size_t k = 0; k <= ASKING; k++) {
+        assert_int_equal(pthread_join(c[k].thread, NULL), 0);
+        check(c[k].wrong == 0 && c[k].done + c[k].away == TURNS, "thread %zu: %zu wrong", k, c[k].wrong);
+    }
+    cw_field_destroy(f);
+}
+
+/* ---- watched --------------------------------------------------------------------------------------------------------- */
+
+typedef struct observer {
+    double last;
+    unsigned calls, stop_at;
+    bool backwards;
+} observer;
+
+static bool observe(void *context, double done) {
+    observer *o = context;
+    o->backwards = o->backwards || done < o->last || done > 1;
+    o->last = done;
+    return ++o->calls != o->stop_at;
+}
+
+static void making_is_watched(void **state) {
+    (void)state;
+    random_state r = {7};
+    const place p = make_place(8, LAND, &r);
+    cw_pool *pool;
+    check_status(cw_pool_create(3, &pool), CW_OK);
+    for (int way = 0; way < 4; way++) {
+        observer o = {0};
+        cw_field_desc d = {.samples = p.z, .nx = p.nx, .ny = p.ny, .stride = p.stride, .bare = way & 1};
+        d.storage = way & 2 ? CW_COPY : CW_BORROW;
+        d.pool = pool;
+        d.watch = observe;
+        d.watch_context = &o;
+        cw_field *f;
+        check_status(cw_field_create(&d, &f), CW_OK);
+        check(o.calls > 3 && !o.backwards && o.last == 1, "way %d: %u calls, the last at %g", way, o.calls, o.last);
+        cw_field_destroy(f);
+        const unsigned calls = o.calls;
+        for (unsigned k = 1; k < calls; k += 1 + calls / 10) {
+            o = (observer){.stop_at = k};
+            check_status(cw_field_create(&d, &f), CW_ERROR_CANCELLED);
+            assert_null(f);
+        }
+    }
+    cw_field *f = make_field(&p, CW_BORROW, true, NULL), *anew = make_field(&p, CW_BORROW, false, NULL);
+    observer o = {.stop_at = 2};
+    cw_query q = {.kernel = cw_kernel_find("pyramid1"), .pool = pool, .watch = observe, .watch_context = &o};
+    check_status(cw_field_build_for(f, &q), CW_ERROR_CANCELLED);
+    check(f->pyramid == NULL && cw_field_describe(f).bytes_built == 0, "half a pyramid");
+    q.watch = NULL;
+    check_status(cw_field_build_for(f, &q), CW_OK);
+    check_same(f, anew, "built after all");
+    cw_field_destroy(f);
+    cw_field_destroy(anew);
+    cw_pool_destroy(pool);
+    free(p.z);
+}
+
+/* Of several samples that are refused the first counts, whoever finds it. */
+static void refusals_do_not_depend_on_threads(void **state) {
+    (void)state;
+    random_state r = {8};
+    const place p = make_place(8, LAND, &r);
+    cw_pool *pool;
+    check_status(cw_pool_create(3, &pool), CW_OK);
+    cw_field_desc d = {.samples = p.z, .nx = p.nx, .ny = p.ny, .stride = p.stride, .storage = CW_BORROW, .pool = pool};
+    for (int k = 0; k < 20; k++) {
+        cw_field *f;
+        d.bare = k % 2;
+        p.z[300 * p.stride + 500] = INFINITY;
+        p.z[301 * p.stride + 3] = 0x1.2p100f; /* in a tile that is looked at before */
+        check_status(cw_field_create(&d, &f), CW_ERROR_HOLE);
+        p.z[300 * p.stride + 499] = -0x1.2p100f;
+        check_status(cw_field_create(&d, &f), CW_ERROR_HEIGHT);
+        p.z[300 * p.stride + 499] = 0;
+    }
+    d.reserved[0] = 1;
+    cw_field *f;
+    check_status(cw_field_create(&d, &f), CW_ERROR_OPTION);
+    cw_pool_destroy(pool);
+    free(p.z);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(threads_change_nothing),
+        cmocka_unit_test(slabs_are_exact),
+        cmocka_unit_test(updates_give_what_is_made_anew),
+        cmocka_unit_test(what_is_refused_changes_nothing),
+        cmocka_unit_test(grid3d_is_dropped),
+        cmocka_unit_test(who_comes_second_is_turned_away),
+        cmocka_unit_test(a_crowd_does_no_harm),
+        cmocka_unit_test(making_is_watched),
+        cmocka_unit_test(refusals_do_not_depend_on_threads),
+    };
+    alarm(LIMIT_SECONDS);
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
