@@ -239,7 +239,7 @@ static size_t aimed(const cw_field *field, workload_class c, uint32_t seed, size
     random_state r = {(uint64_t)seed << 8 | (unsigned)c};
     for (size_t k = 0; k < n; k++) {
         const aim edge = k % 3 ? AIM_EDGE : AIM_DIAGONAL;
-        rays[k] = aimed_ray_make(c == WORKLOAD_EDGES ? edge : AIM_VERTEX, &f, &r).ray;
+        rays[k] = aimed_ray_make(c == WORKLOAD_EDGES ? edge : AIM_VERTEX, START_OVER, &f, &r).ray;
     }
     return n;
 }
