@@ -12,7 +12,7 @@ from results import Problem, run_text
 AIMS = {
     "inside": "inside a triangle", "vertex": "at a sample", "edge": "at a border edge", "diagonal": "at a diagonal",
     "borders": "along grid lines", "axis": "axis-parallel between grid lines", "corners": "over samples in whole steps",
-    "vertical": "vertical", "steep": "all but vertical", "long": "across the field, low", "far": "from up to 10^6 cells",
+    "vertical": "vertical", "steep": "all but vertical", "long": "across the field, low",
     "grazing": "1 to 10^-6 degrees to a triangle",
 }
 STARTS = {"over": "starting over the field", "afar": "starting afar", "near": "starting within two cells"}
