@@ -367,8 +367,8 @@ typedef struct cw_user_ray {
 
 /* Moves rays to field space in double and rounds last, so that a field far from the user's origin loses nothing: from 5 · 10^6 m
  * away, cells of 1 m get the same rays as at the origin. What is lost is one rounding to float: of an origin within a field of
- * 10 000 cells up to 5 · 10^-4 cells, of one 10^5 cells away up to 4 · 10^-3, and 2^-24 of the direction's length. t is the same in
- * both spaces. in and out may not overlap. */
+ * 10 000 cells, as in UTM, up to 5 · 10^-4 cells; of one 10^5 cells away, a sensor 700 km above cells of 10 m in geocentric
+ * coordinates, up to 4 · 10^-3; and 2^-24 of the direction's length. t is the same in both spaces. in and out may not overlap. */
 CW_API void cw_rays_to_field(const cw_field *field, const cw_user_ray *in, size_t n, cw_ray *out);
 
 /* cw_closest and cw_any of rays in user space, which are moved a few at a time: nothing is allocated, and the answers are

@@ -52,14 +52,38 @@ static double normal_error(const tradeoff_truth *truth, const exact_hit *exact, 
     return tradeoff_degrees(a, b);
 }
 
+/* How far the answer's place is from the exact one, in u or v of the exact triangle. */
+static double uv_error(const exact_hit *exact, const cw_hit *answer) {
+    const double u = (double)answer->u, v = (double)answer->v;
+    const bool a = answer->triangle == CW_TRIANGLE_A;
+    const double x = answer->i - exact->i + (a ? u + v : u), y = answer->j - exact->j + (a ? v : u + v);
+    const bool in_a = exact->triangle == CW_TRIANGLE_A;
+    return fmax(fabs((in_a ? x - y : x) - exact->u), fabs((in_a ? y : y - x) - exact->v));
+}
+
+static double point_error(const cw_ray *ray, double t, const cw_field *field, const cw_hit *answer) {
+    double p[3], squares = 0;
+    cw_hit_point(field, answer, p);
+    for (int c = 0; c < 3; c++) {
+        const double d = p[c] - ((double)ray->org[c] + t * (double)ray->dir[c]);
+        squares += d * d;
+    }
+    return sqrt(squares);
+}
+
 /* Of a ray that is answered right. */
 static void measure(const tradeoff_truth *truth, size_t k, size_t n, const cw_field *field, const cw_hit *answer) {
     const cw_ray *ray = &truth->rays[k];
+    const exact_hit *exact = &truth->exact[k];
     const double t = (double)answer->t;
-    truth->scratch[0][n] = exact_error_ulp(t, truth->exact[k].t);
-    truth->scratch[1][n] = exact_error_cells(ray, t, truth->exact[k].t);
-    truth->scratch[2][n] = tradeoff_off_surface(truth->surface, ray, t);
-    truth->scratch[3][n] = normal_error(truth, &truth->exact[k], field, answer);
+    const double errors[TRADEOFF_ERROR_KINDS] = {exact_error_ulp(t, exact->t),
+                                                 exact_error_cells(ray, t, exact->t),
+                                                 tradeoff_off_surface(truth->surface, ray, t),
+                                                 normal_error(truth, exact, field, answer),
+                                                 exact->t == 0 ? 0 : fabs(t / exact->t - 1),
+                                                 uv_error(exact, answer),
+                                                 point_error(ray, exact->t, field, answer)};
+    for (int kind = 0; kind < TRADEOFF_ERROR_KINDS; kind++) truth->scratch[kind][n] = errors[kind];
 }
 
 static tradeoff_verdict judge(const tradeoff_truth *truth, size_t k, const tradeoff_claim *claim, const cw_hit *hit,
@@ -86,7 +110,9 @@ tradeoff_errors tradeoff_errors_of(const tradeoff_truth *truth, unsigned thin, c
     }
     for (int k = 0; k < TRADEOFF_ERROR_KINDS; k++) {
         e.median[k] = statistics_of(truth->scratch[k], e.right_hits).median;
-        e.worst[k] = e.right_hits ? truth->scratch[k][e.right_hits - 1] : 0; /* sorted by now */
+        e.most[k] =
+            e.right_hits ? truth->scratch[k][(size_t)(0.999 * (double)(e.right_hits - 1))] : 0; /* sorted by now */
+        e.worst[k] = e.right_hits ? truth->scratch[k][e.right_hits - 1] : 0;
     }
     return e;
 }

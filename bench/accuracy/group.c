@@ -7,6 +7,7 @@
 #include "harness/results.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -194,7 +195,7 @@ static void time_all(group *g, const tradeoff_options *o, double seconds) {
 /* ---- JSON ---- */
 
 static void set_errors(json_t *line, const tradeoff_errors *e) {
-    const double million = e->rays ? 1e6 / (double)e->rays : 0, *m = e->median, *w = e->worst;
+    const double million = e->rays ? 1e6 / (double)e->rays : 0;
     const size_t *v = e->verdicts;
     results_set_counts(line, "ray_count hits ties leaks phantoms wrong broken",
                        (size_t[]){e->rays, e->hits, v[TRADEOFF_TIE], v[TRADEOFF_LEAK], v[TRADEOFF_PHANTOM],
@@ -204,10 +205,13 @@ static void set_errors(json_t *line, const tradeoff_errors *e) {
                                    (double)v[TRADEOFF_WRONG] * million, (double)e->broken * million});
     if (e->right_hits == 0) return;
     results_set_count(line, "right_hits", e->right_hits);
-    results_set_numbers(line,
-                        "t_ulp_median t_ulp_worst t_cells_median t_cells_worst off_cells_median off_cells_worst "
-                        "normal_degrees_median normal_degrees_worst",
-                        (double[]){m[0], w[0], m[1], w[1], m[2], w[2], m[3], w[3]});
+    for (int k = 0; k < TRADEOFF_ERROR_KINDS; k++) {
+        static const char *const names[TRADEOFF_ERROR_KINDS] = {"t_ulp",      "t_cells", "off_cells",  "normal_degrees",
+                                                                "t_relative", "uv",      "point_cells"};
+        char keys[80];
+        snprintf(keys, sizeof keys, "%s_median %s_most %s_worst", names[k], names[k], names[k]);
+        results_set_numbers(line, keys, (double[]){e->median[k], e->most[k], e->worst[k]});
+    }
 }
 
 static json_t *row_line(const group *g, const row *r) {

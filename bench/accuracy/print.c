@@ -19,11 +19,12 @@ tradeoff_sums tradeoff_sums_of(const json_t *lines, const char *name) {
             json_object_get(line, "left_out_seconds"))
             continue;
         const char *rays = results_text(line, "rays");
+        if (strncmp(rays, "within-", 7) == 0) continue; /* for precision alone */
         const bool is_aimed = strcmp(rays, "vertices") == 0 || strcmp(rays, "edges") == 0;
         const double speed = results_number(line, "mrays_per_s");
         for (int k = 0; k < 3; k++) *(is_aimed ? &s.aimed : &s.rates[k]) += results_number(line, keys[k]);
         s.beyond += results_number(line, "broken_per_million");
-        s.off = fmax(s.off, results_number(line, "off_cells_worst"));
+        if (strcmp(rays, "afar") != 0) s.off = fmax(s.off, results_number(line, "off_cells_worst"));
         s.speed += speed > 0 ? log(speed) : 0;
         timed += speed > 0;
         aimed += is_aimed;

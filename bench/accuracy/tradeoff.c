@@ -27,8 +27,10 @@ static const char what[] =
     "  t        error of all other hits: in ULP of the exact t, and as a distance along the ray in cells\n"
     "  off      how far such a hit is above or below the surface, in cells; unlike t it does not grow where rays run "
     "along it\n"
-    "  normal   angle between the Phong normals at the hit and at the exact place, degrees\n\n"
-    "Beside the benchmark's classes of rays, vertices and edges are aimed at these, to find leaks; they are not timed. "
+    "  normal   angle between the Phong normals at the hit and at the exact place, degrees\n"
+    "The file also has errors of t relative to it, of u and v, and of the hit's point in cells.\n\n"
+    "Beside the benchmark's classes of rays, vertices and edges are aimed at these, to find leaks, and within-0.1 and "
+    "within-2 start so many cells from the surface; they are not timed. "
     "The six scenes are rendered with each mode and held against strict. Saves tradeoff.json in a folder, of which "
     "papers/scripts/tables.py --data makes tables, and tells who is on the Pareto frontier.";
 

@@ -72,8 +72,9 @@ tradeoff_claim tradeoff_quantise(float *z, size_t count);
 
 /* ---- errors.c ---- */
 
-/* Errors of t in ULP and in cells, heights off the surface, angles of normals. */
-enum { TRADEOFF_ERROR_KINDS = 4 };
+/* Errors of t in ULP and in cells, heights off the surface, angles of normals; errors of t relative to it, of u and v, and of
+ * the point that cw_hit_point makes of a hit, in cells. */
+enum { TRADEOFF_ERROR_KINDS = 7 };
 
 /* What is to be told of a mode's answers. */
 typedef struct tradeoff_errors {
@@ -83,7 +84,7 @@ typedef struct tradeoff_errors {
     size_t broken; /* of them, what the claim does not explain */
     /* Of the right hits; none where only "any hit" was asked. */
     size_t right_hits;
-    double median[TRADEOFF_ERROR_KINDS], worst[TRADEOFF_ERROR_KINDS];
+    double median[TRADEOFF_ERROR_KINDS], most[TRADEOFF_ERROR_KINDS], worst[TRADEOFF_ERROR_KINDS]; /* most: of 99.9 % */
 } tradeoff_errors;
 
 /* The reference's answers to n rays, made once; degrees are measured with the Phong normals of field, which has the
@@ -93,9 +94,9 @@ typedef struct tradeoff_truth {
     const cw_field *field;
     const cw_ray *rays;
     size_t n;
-    cw_hit *hits;       /* the strict answer */
-    exact_hit *exact;   /* where hits[k] is one */
-    double *scratch[4]; /* n numbers each */
+    cw_hit *hits;                          /* the strict answer */
+    exact_hit *exact;                      /* where hits[k] is one */
+    double *scratch[TRADEOFF_ERROR_KINDS]; /* n numbers each */
 } tradeoff_truth;
 
 /* field must have been built for the kernel cell. To be freed in any case. */
@@ -169,7 +170,7 @@ typedef struct tradeoff_sums {
     double speed;         /* geometric mean, millions of rays a second */
     double rates[3];      /* leaks, wrong and phantoms in a million rays: means over the classes that are not aimed */
     double aimed, beyond; /* all of these over the classes that are; what the claim does not explain, over all */
-    double off;           /* worst height off the surface */
+    double off;           /* worst height off the surface, but for rays from afar, whose t is too coarse a float */
 } tradeoff_sums;
 tradeoff_sums tradeoff_sums_of(const json_t *lines, const char *name);
 

@@ -25,11 +25,13 @@ static const char what[] = "Makes every file of results that the papers quote, o
                            "  peers.json              Embree's triangles and grids, normal and robust\n"
                            "  widths.json             every width of every walk\n"
                            "  threads.json            one thread, two, and one a CPU\n"
+                           "  afar.json               rays that start up to a million field lengths away\n"
                            "  pages-*.json            large fields on huge and on ordinary pages\n"
                            "  building.json           memory and building time, Embree at its default quality\n"
                            "  counters.json           what the kernels do for a ray\n"
                            "  scenes/table.json       the six scenes\n"
-                           "  tradeoff/tradeoff.json  speed against error";
+                           "  tradeoff/tradeoff.json  speed against error\n"
+                           "  precision/tradeoff.json errors of t, u, v and normals beside Embree's";
 
 enum { WORDS_MAX = 32, STEPS_MAX = 16 };
 
@@ -101,6 +103,8 @@ static void plan(campaign *c, bool quick) {
     if (cpus > 1) snprintf(threads, sizeof threads, cpus > 2 ? "1,2,%u" : "1,2", cpus);
     add(c, 3, "threads.json", "micro --threads %s --kernel %s --peer none --field %s %s", threads, best, some,
         quick ? "--count 16384" : "--count 262144 --pass 5");
+    add(c, 2, "afar.json", "micro --rays random --back 0,1,2,5,20,100,1e6 --kernel %s --peer none --field %s %s", best,
+        quick ? "65" : "257,1025,4097,8193", rays);
     for (int huge = 1; huge >= 0; huge--)
         add(c, 1, huge ? "pages-huge.json" : "pages-small.json", "micro --kernel %s --peer none --field %s %s%s", best,
             quick ? "65" : "1025,4097,8193", rays, huge ? "" : " --small-pages");
@@ -112,6 +116,10 @@ static void plan(campaign *c, bool quick) {
     add(c, 2, "scenes/table.json", "table%s", quick ? " --quick --scene hftest" : "");
     add(c, 4, "tradeoff/tradeoff.json", "tradeoff %s",
         quick ? "--count 512 --field 65 --scene none" : "--field 257,1025 --count 131072 --pass 1");
+    /* Pass is long, so that nobody gets fewer rays. */
+    add(c, 0, "precision/tradeoff.json",
+        "tradeoff --mode strict,embree,embree-robust --kernel %s --scene none --seconds 1 --pass 1000 %s", best,
+        quick ? "--count 512 --field 65" : "--field 1025,8193x1025 --count 131072");
 }
 
 /* ---- running ---- */

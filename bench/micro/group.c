@@ -133,6 +133,13 @@ static void time_all(micro_group *g, const micro_options *o, double seconds, con
             row->to_embree = best / row->job.seconds.median;
 }
 
+static void start_farther_back(const micro_group *g) {
+    const double side = (double)(g->on->samples.nx > g->on->samples.ny ? g->on->samples.nx : g->on->samples.ny) - 1;
+    for (size_t k = 0; k < g->ray_count; k++)
+        for (int c = 0; c < 3; c++)
+            g->rays[k].org[c] = (float)((double)g->rays[k].org[c] - g->back * side * (double)g->rays[k].dir[c]);
+}
+
 bool micro_group_run(micro_group *g, const micro_options *o, double seconds, io_error *error) {
     const double end = clock_seconds() + seconds;
     const cw_status status =
@@ -141,6 +148,7 @@ bool micro_group_run(micro_group *g, const micro_options *o, double seconds, io_
     if (!add_kernels(g, o, error) || !add_peers(g, error)) return false;
     g->rays = memory(o->count, sizeof *g->rays);
     g->ray_count = workload_rays_make(g->on->field, g->c, o->run.seed, o->count, g->rays);
+    start_farther_back(g);
     if (g->ray_count == 0) return io_fail(error, "no rays on field %s", g->on->samples.name);
     const contender_answers expected = answers_make(o->count), out = answers_make(o->count);
     if (verify(g, o, expected, out) && !o->counters) time_all(g, o, fmax(0, end - clock_seconds()), out);

@@ -44,6 +44,18 @@ static bool check_threads(micro_options *o, io_error *error) {
     return true;
 }
 
+static bool check_backs(micro_options *o, io_error *error) {
+    if (o->backs.count == 0) o->backs.item[o->backs.count++] = "0";
+    if (o->backs.count > MICRO_BACKS_MAX) return io_fail(error, "--back: more than %d numbers", MICRO_BACKS_MAX);
+    for (size_t b = 0; b < o->backs.count; b++) {
+        char *end;
+        o->back_by[b] = strtod(o->backs.item[b], &end);
+        if (*end != '\0' || !(o->back_by[b] >= 0 && o->back_by[b] <= 1e12))
+            return io_fail(error, "--back %s: must be a number from 0 to 1e12", o->backs.item[b]);
+    }
+    return true;
+}
+
 static const char *const peers[PEER_KINDS] = {"embree/triangles", "embree/grid", "embree/triangles-robust",
                                               "embree/grid-robust"};
 static const char *peer_names(size_t number) {
@@ -64,7 +76,8 @@ static const char *leaf_names(size_t number) {
 }
 
 static bool check_options(micro_options *o, io_error *error) {
-    if (o->fields.count == 0) option_list_fill(&o->fields, workload_field_name, 0, o->longer ? OPTION_LIST_MAX : 3);
+    if (o->fields.count == 0)
+        option_list_fill(&o->fields, workload_field_name, 0, o->longer ? WORKLOAD_FIELDS_TIMED : 3);
     if (o->rays.count == 0) option_list_fill(&o->rays, ray_names, 0, WORKLOAD_CLASS_COUNT);
     if (o->rays.count > 1 && option_wanted(&o->rays, WORKLOAD_CLASS_COUNT))
         return io_fail(error, "--rays none: and no other class");
@@ -76,7 +89,7 @@ static bool check_options(micro_options *o, io_error *error) {
     if (o->count == 0) o->count = o->longer ? 262144 : 32768;
     if (o->seconds <= 0) o->seconds = o->longer ? 900 : 40;
     if (o->pass <= 0) o->pass = o->longer || o->counters ? 5 : 0.5;
-    return check_threads(o, error);
+    return check_threads(o, error) && check_backs(o, error);
 }
 
 static void close_field(micro_field *on) {
@@ -118,11 +131,14 @@ static void set_threads(json_t *record, const micro_options *o) {
     results_set_text(record, "threads", text);
 }
 
-static bool run_group(micro_field *on, workload_class c, const micro_options *o, double seconds, io_output *out,
-                      io_error *error) {
+static bool run_group(micro_field *on, workload_class c, double back, const micro_options *o, double seconds,
+                      io_output *out, io_error *error) {
     micro_group *g = memory(1, sizeof *g);
     g->on = on;
     g->c = c;
+    g->back = back;
+    const int length = snprintf(g->name, sizeof g->name, "%s", workload_class_name(c));
+    if (back > 0) snprintf(g->name + length, sizeof g->name - (size_t)length, "+%g", back);
     bool good = micro_group_run(g, o, seconds, error);
     if (good) micro_print_group(g, o->counters);
     good = good && micro_write_group(out, g, o->counters, error);
@@ -143,7 +159,8 @@ static bool run(const micro_options *o, io_output *out, io_error *error) {
 
     bool good = true;
     double end = clock_seconds() + o->seconds;
-    size_t groups = o->fields.count * o->rays.count;
+    const size_t sets = o->rays.count * o->backs.count;
+    size_t groups = o->fields.count * sets;
     for (size_t f = 0; good && f < o->fields.count; f++) {
         fprintf(stderr, "field %s: making it and building Embree\n", o->fields.item[f]);
         micro_field on;
@@ -151,10 +168,10 @@ static bool run(const micro_options *o, io_output *out, io_error *error) {
         good = open_field(&on, o->fields.item[f], o, error);
         end += clock_seconds() - start;
         if (good) micro_print_field(&on);
-        for (size_t c = 0; good && c < o->rays.count; c++, groups--) {
+        for (size_t s = 0; good && s < sets; s++, groups--) {
             const double left = end - clock_seconds();
-            good =
-                run_group(&on, (workload_class)o->rays.number[c], o, left > 0 ? left / (double)groups : 0, out, error);
+            good = run_group(&on, (workload_class)o->rays.number[s / o->backs.count], o->back_by[s % o->backs.count], o,
+                             left > 0 ? left / (double)groups : 0, out, error);
         }
         if (good) good = micro_write_field(out, &on, error);
         close_field(&on);
@@ -196,6 +213,8 @@ static int start(int argc, char **argv) {
         {"threads", "NUMBERS",
          "how many threads a query of a kernel has (1); with more than one all is timed by the clock", OPTION_LIST,
          .to = &o.threads},
+        {"back", "NUMBERS", "rays start as many times the field's longer side farther back (0)", OPTION_LIST,
+         .to = &o.backs},
         {"quality", "NAME", "Embree's build quality; high by default, medium is Embree's own default", OPTION_NAME,
          .to = &o.quality, .names = quality_names},
         {"count", "N", "rays in a class (32768; 262144 with --long)", OPTION_COUNT, .to = &o.count, .low = 16,

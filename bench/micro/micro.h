@@ -18,12 +18,14 @@ enum {
     PEER_KINDS = 4,
     MICRO_KERNELS_MAX = 32,
     MICRO_THREADS_MAX = 16,
-    MICRO_BUILDS_MAX = MICRO_KERNELS_MAX * MICRO_THREADS_MAX
+    MICRO_BUILDS_MAX = MICRO_KERNELS_MAX * MICRO_THREADS_MAX,
+    MICRO_BACKS_MAX = 16
 };
 
 typedef struct micro_options {
     run_options run;
-    option_list kernels, rays, fields, leaves, peers, threads; /* numbers: of kernels, classes, fields, peers */
+    option_list kernels, rays, fields, leaves, peers, threads, backs; /* numbers: of kernels, classes, fields, peers */
+    double back_by[MICRO_BACKS_MAX]; /* how many times the field's longer side rays start farther back */
     const char *json;
     unsigned count;
     int quality; /* of Embree: 0 high, 1 medium */
@@ -82,6 +84,8 @@ typedef struct micro_row {
 typedef struct micro_group {
     micro_field *on;
     workload_class c;
+    double back;
+    char name[32]; /* "random", or "random+5" if they start 5 times the field's longer side farther back */
     cw_ray *rays;
     size_t ray_count;
     contender reference; /* whose answers all others are held against */
@@ -90,7 +94,7 @@ typedef struct micro_group {
     double hit_share;
 } micro_group;
 
-/* Fills group from the options, verifies, and measures or counts. on and c are given, all else is zero; rays are to be freed.
+/* Fills group from the options, verifies, and measures or counts. on, c, back and name are given, all else is zero; rays are to be freed.
  * seconds is for all that. */
 bool micro_group_run(micro_group *group, const micro_options *options, double seconds, io_error *error);
 

@@ -104,8 +104,8 @@ static void print_counts(const micro_group *g, const micro_row *row) {
 /* ---- a group ---- */
 
 void micro_print_group(const micro_group *g, bool counted) {
-    printf("\n%s, %s: %zu rays, %.1f %% hit, %s\n", g->on->samples.name, workload_class_name(g->c), g->ray_count,
-           100 * g->hit_share, workload_class_is_any(g->c) ? "any hit" : "closest hit");
+    printf("\n%s, %s: %zu rays, %.1f %% hit, %s\n", g->on->samples.name, g->name, g->ray_count, 100 * g->hit_share,
+           workload_class_is_any(g->c) ? "any hit" : "closest hit");
     if (counted)
         printf("  events a ray, and in brackets the lanes that take part in one:\n");
     else
@@ -128,9 +128,8 @@ bool micro_write_group(io_output *out, const micro_group *g, bool counted, io_er
         if (counted && (row->predicted > 0 || !is_counted(row))) continue;
         json_t *line = json_object();
         results_set_texts(line, "kind field rays query contender",
-                          (const char *[]){counted ? "counts" : "result", g->on->samples.name,
-                                           workload_class_name(g->c), workload_class_is_any(g->c) ? "any" : "closest",
-                                           row->contender.name});
+                          (const char *[]){counted ? "counts" : "result", g->on->samples.name, g->name,
+                                           workload_class_is_any(g->c) ? "any" : "closest", row->contender.name});
         results_set_counts(line, "width threads ray_count",
                            (size_t[]){row->contender.width, row->contender.threads, g->ray_count});
         if (row->predicted > 0) {
@@ -139,7 +138,7 @@ bool micro_write_group(io_output *out, const micro_group *g, bool counted, io_er
             results_set_text(line, "reference", g->reference.name);
             json_object_set_new(line, "agreement", results_agreement(&row->agreement));
             if (!counted) set_times(line, g, row);
-            if (counted) results_set_number(line, "hit_share", g->hit_share);
+            results_set_number(line, "hit_share", g->hit_share);
             if (counted) json_object_set_new(line, "counts", counters_json(row->counts));
         }
         good = results_write(out, line, error);

@@ -5,8 +5,13 @@
 
 const char *aim_name(aim kind) {
     static const char *const names[AIM_COUNT] = {"inside",  "vertex",   "edge",  "diagonal", "borders", "axis",
-                                                 "corners", "vertical", "steep", "long",     "far",     "grazing"};
+                                                 "corners", "vertical", "steep", "long",     "grazing"};
     return names[kind];
+}
+
+const char *aim_start_name(aim_start start) {
+    static const char *const names[START_COUNT] = {"over", "afar", "near"};
+    return names[start];
 }
 
 /* A ray in the making: it goes through p, n · step before it and m · step behind it being clear of all samples, while it
@@ -15,7 +20,9 @@ typedef struct plan {
     double p[3], step[2], rise;
     double n, m;
     double farther; /* steps before all that, which the ray starts ahead */
+    int side;       /* it comes from above if 1, from below if -1 */
     bool exact;     /* places and steps are whole or halves: keep them so */
+    bool near;      /* clear of the surface where it begins and ends, not of all samples */
 } plan;
 
 aimed_field aimed_field_of(const cw_field *field) {
@@ -67,8 +74,9 @@ static void turn(random_state *r, double step[2]) {
     step[1] = sin(angle);
 }
 
-static void aim_at(aim kind, const aimed_field *f, random_state *r, plan *q) {
+static void aim_at(aim kind, aim_start start, const aimed_field *f, random_state *r, plan *q) {
     const size_t i = 1 + random_below(r, f->nx - 3), j = 1 + random_below(r, f->ny - 3); /* an inner sample */
+    const size_t longest = start == START_NEAR ? 1 : 3;                                  /* step over samples */
     const double x = random_unit(r), y = random_unit(r);
     turn(r, q->step);
     switch (kind) {
@@ -86,8 +94,8 @@ static void aim_at(aim kind, const aimed_field *f, random_state *r, plan *q) {
     case AIM_CORNERS:
         surface(f, i, j, 0, 0, q->p);
         do {
-            q->step[0] = (double)random_below(r, 7) - 3;
-            q->step[1] = (double)random_below(r, 7) - 3;
+            q->step[0] = (double)random_below(r, 2 * longest + 1) - (double)longest;
+            q->step[1] = (double)random_below(r, 2 * longest + 1) - (double)longest;
         } while (q->step[0] == 0 && q->step[1] == 0);
         q->exact = room(f, q->p, q->step, -1) >= 1 && room(f, q->p, q->step, 1) >= 1;
         break;
@@ -106,7 +114,6 @@ static void aim_at(aim kind, const aimed_field *f, random_state *r, plan *q) {
         break;
     }
     case AIM_LONG:
-    case AIM_FAR:
         place_of(random_below(r, 2) ? AIM_EDGE : AIM_VERTEX, f, r, i, j, x, y, q->p);
         break;
     default:
@@ -114,15 +121,31 @@ static void aim_at(aim kind, const aimed_field *f, random_state *r, plan *q) {
     }
 }
 
-/* Where the ray starts and how steep it is: clear of all samples n steps before p and m steps behind it. */
-static void place_ends(aim kind, const aimed_field *f, random_state *r, plan *q) {
+/* The triangle over or under (x, y), as a hit without a place on it. */
+static cw_hit triangle_at(double x, double y) {
+    const double i = floor(x), j = floor(y);
+    return (cw_hit){.i = (int32_t)i, .j = (int32_t)j, .triangle = x - i < y - j};
+}
+
+/* Height of the surface so many steps on from p. */
+static double height_after(const aimed_field *f, const plan *q, double steps) {
+    const double x = q->p[0] + steps * q->step[0], y = q->p[1] + steps * q->step[1];
+    double place[3];
+    surface(f, (size_t)x, (size_t)y, x - floor(x), y - floor(y), place);
+    return place[2];
+}
+
+/* Where the ray starts and how steep it is: clear of all samples n steps before p and m steps behind it. One that starts near is
+ * clear of the surface at these places alone. */
+static void place_ends(aim kind, aim_start start, const aimed_field *f, random_state *r, plan *q) {
     const double span = f->high - f->low, tall = span > 0 ? span : fmax(fabs(f->high), 1);
-    const double back = fmin(room(f, q->p, q->step, -1), 1e6), ahead = fmin(room(f, q->p, q->step, 1), 1e6);
-    double clear = tall * pow(10, random_between(r, -3, 0));
+    const double most = start == START_NEAR ? 2 : 1e6;
+    const double back = fmin(room(f, q->p, q->step, -1), most), ahead = fmin(room(f, q->p, q->step, 1), most);
+    double clear = tall * pow(10, random_between(r, -3, 0)), high = f->high, low = f->low;
     if (q->exact) {
         q->n = 1 + floor(random_unit(r) * (back - 1));
         q->m = 1 + floor(random_unit(r) * (ahead - 1));
-    } else if (kind == AIM_LONG) {
+    } else if (kind == AIM_LONG && start != START_NEAR) {
         q->n = back;
         q->m = ahead;
         clear = tall * pow(10, random_between(r, -4, -2));
@@ -130,12 +153,19 @@ static void place_ends(aim kind, const aimed_field *f, random_state *r, plan *q)
         q->n = back * random_between(r, 0.001, 1);
         q->m = ahead * random_between(r, 0.001, 1);
     }
-    const double above = f->high - q->p[2] + clear, below = q->p[2] - f->low + clear;
+    if (start == START_NEAR) {
+        q->near = true;
+        high = height_after(f, q, -q->n);
+        low = height_after(f, q, q->m);
+        clear *= fmax(1e-3, fmax(fabs(high - q->p[2]), fabs(low - q->p[2])) / tall);
+    }
+    const double above = high - q->p[2] + clear, below = q->p[2] - low + clear;
     q->rise = -fmax(above / q->n, below / q->m);
     if (f->bounded) {
         q->n = above / -q->rise;
         q->m = below / -q->rise;
     }
+    q->side = 1;
     if (random_below(r, 2)) { /* upwards, from below */
         const double n = q->n;
         q->n = q->m;
@@ -143,8 +173,13 @@ static void place_ends(aim kind, const aimed_field *f, random_state *r, plan *q)
         q->step[0] = -q->step[0];
         q->step[1] = -q->step[1];
         q->rise = -q->rise;
+        q->side = -1;
     }
-    if (kind == AIM_FAR) q->farther = pow(10, random_between(r, 1, 6));
+    if (start != START_AFAR) return;
+    const double length = fmax(hypot(q->step[0], q->step[1]), fabs(q->rise)),
+                 side = (double)(f->nx > f->ny ? f->nx : f->ny);
+    q->farther = side * pow(10, random_between(r, 0.3, kind == AIM_VERTICAL ? 12 : 7)) / length;
+    if (q->exact) q->farther = floor(fmin(q->farther, 4e6 * random_unit(r))); /* where whole numbers are floats */
 }
 
 /* A length for the direction: as it comes, normalised, or any. */
@@ -157,7 +192,7 @@ static double any_length(random_state *r, const double d[3]) {
 static aimed_ray from_plan(random_state *r, const plan *q, bool bounded) {
     const double total = q->n + q->farther;
     const double step[3] = {q->step[0], q->step[1], q->rise};
-    aimed_ray a = {.ray = {.tmin = 0, .tmax = INFINITY}, .over = {.i = -1}};
+    aimed_ray a = {.ray = {.tmin = 0, .tmax = INFINITY}, .over = {{.i = -1}, {.i = -1}}, .side = q->side};
     double d[3];
     for (int c = 0; c < 3; c++) {
         a.ray.org[c] = (float)(q->p[c] - total * step[c]);
@@ -169,12 +204,18 @@ static aimed_ray from_plan(random_state *r, const plan *q, bool bounded) {
     if (random_below(r, 2) || bounded) a.ray.tmax = (float)end;
     a.from = q->farther * one;
     a.to = isinf(a.ray.tmax) ? end : (double)a.ray.tmax;
-    a.side = q->rise < 0 ? 1 : -1;
+    for (int end_of = 0; q->near && end_of < 2; end_of++) {
+        const double t = end_of ? a.to : a.from;
+        a.over[end_of] = triangle_at((double)a.ray.org[0] + t * (double)a.ray.dir[0],
+                                     (double)a.ray.org[1] + t * (double)a.ray.dir[1]);
+    }
     return a;
 }
 
 /* Through a place well inside a triangle, at a small angle to it. */
-static aimed_ray grazing(const aimed_field *f, random_state *r) {
+static aimed_ray grazing(aim_start start, const aimed_field *f, random_state *r) {
+    static const double from[START_COUNT] = {-1, 0.3, -2}, to[START_COUNT] = {2, 7, 0.3};
+    const double unit = start == START_AFAR ? (double)(f->nx > f->ny ? f->nx : f->ny) : 1;
     const size_t i = random_below(r, f->nx - 1), j = random_below(r, f->ny - 1);
     const bool in_a = random_below(r, 2);
     double p[3], step[2], x = random_unit(r), y = random_unit(r);
@@ -187,27 +228,29 @@ static aimed_ray grazing(const aimed_field *f, random_state *r) {
     const double along_y = in_a ? h11 - height_at(f, i + 1, j) : height_at(f, i, j + 1) - h00;
     const double slope = along_x * step[0] + along_y * step[1];
     const double angle = sign(r) * 0.017453292519943295 * pow(10, random_between(r, -6, 0));
-    const double rise = slope + angle * sqrt(1 + slope * slope), back = pow(10, random_between(r, -1, 2));
+    const double rise = slope + angle * sqrt(1 + slope * slope),
+                 back = unit * pow(10, random_between(r, from[start], to[start]));
     const double d[3] = {step[0] * back, step[1] * back, rise * back};
     const double scale = any_length(r, d);
-    aimed_ray a = {.ray = {.tmin = 0, .tmax = INFINITY}, .over = {.i = -1}};
+    aimed_ray a = {.ray = {.tmin = 0, .tmax = INFINITY}};
     for (int c = 0; c < 3; c++) {
         a.ray.org[c] = (float)(p[c] - d[c]);
         a.ray.dir[c] = (float)((p[c] - (double)a.ray.org[c]) * scale);
     }
-    /* 0.04 steps off p it is still inside. */
-    const double at = 1 / scale, off = 0.04 * at / back;
-    a.over = (cw_hit){.i = (int32_t)i, .j = (int32_t)j, .triangle = in_a ? CW_TRIANGLE_A : CW_TRIANGLE_B};
+    /* 0.04 steps off p it is still inside, and behind its origin by most of the way. */
+    const double at = 1 / scale, off = fmin(0.04, 0.9 * back) * at / back;
+    a.over[0] = a.over[1] =
+        (cw_hit){.i = (int32_t)i, .j = (int32_t)j, .triangle = in_a ? CW_TRIANGLE_A : CW_TRIANGLE_B};
     a.from = at - off;
     a.to = at + off;
     a.side = angle < 0 ? 1 : -1;
     return a;
 }
 
-aimed_ray aimed_ray_make(aim kind, const aimed_field *f, random_state *r) {
-    if (kind == AIM_GRAZING) return grazing(f, r);
+aimed_ray aimed_ray_make(aim kind, aim_start start, const aimed_field *f, random_state *r) {
+    if (kind == AIM_GRAZING) return grazing(start, f, r);
     plan q = {.farther = 0};
-    aim_at(kind, f, r, &q);
-    place_ends(kind, f, r, &q);
+    aim_at(kind, start, f, r, &q);
+    place_ends(kind, start, f, r, &q);
     return from_plan(r, &q, f->bounded);
 }

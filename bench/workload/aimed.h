@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Rays that are aimed at what rounding can miss, and that pass through the surface by construction: they start clearly above all
- * samples and are clearly below all of them somewhere over the field, or the reverse. Those that graze a triangle cross it
- * well inside, by more than the bound on a computed height where they can. Rounding may spoil a ray: whoever has to know asks
- * the exact oracle whether it is clear at both ends. Sines and powers are libm's, so another libm makes other rays. */
+/* Rays that are aimed at what rounding can miss, and that pass through the surface by construction: they are clearly above all
+ * samples and later clearly below all of them while over the field, or the reverse; those that start near, above and below the
+ * surface right there. Those that graze a triangle cross it well inside, by more than the bound on a computed height where they
+ * can. Rounding may spoil a ray: whoever has to know asks the exact oracle whether it is clear at both ends. Sines and powers are
+ * libm's, so another libm makes other rays. */
 #ifndef CELLWALK_BENCH_WORKLOAD_AIMED_H
 #define CELLWALK_BENCH_WORKLOAD_AIMED_H
 
@@ -20,13 +21,23 @@ typedef enum aim {
     AIM_VERTICAL, /* straight up or down, at a sample, an edge, a diagonal or inside */
     AIM_STEEP,    /* all but vertical, down to directions so small that they count as zero */
     AIM_LONG,     /* across the whole field, hardly above its highest sample to hardly below its lowest */
-    AIM_FAR,      /* at a sample or edge from up to a million cells away */
     AIM_GRAZING,  /* at 1 to 1e-6 degrees to a triangle */
     AIM_COUNT
 } aim;
 
+/* Where a ray starts. */
+typedef enum aim_start {
+    START_OVER, /* over the field */
+    START_AFAR, /* from twice the field's longer side to 10^7 times that before the place; vertical rays to 10^12 times. Floats
+                   cannot aim well from there: but for those in whole steps, most rays pass by the place, and hit elsewhere */
+    START_NEAR, /* at most two cells before the place, along the ground */
+    START_COUNT
+} aim_start;
+
 /* "inside", "vertex" … */
 const char *aim_name(aim kind);
+/* "over", "afar", "near". */
+const char *aim_start_name(aim_start start);
 
 typedef struct aimed_field {
     const cw_field *field;
@@ -43,9 +54,9 @@ typedef struct aimed_ray {
     cw_ray ray;
     double from, to; /* at t = from the ray is on one side of the surface, at t = to, within its range, on the other: */
     int side;        /* at from it is above if 1, below if -1 */
-    cw_hit over;     /* above or below the plane of this triangle, well inside it; or, if i is negative, all samples */
+    cw_hit over[2];  /* above or below the plane of this triangle, at from and to; or, if i is negative, all samples */
 } aimed_ray;
 
-aimed_ray aimed_ray_make(aim kind, const aimed_field *f, random_state *r);
+aimed_ray aimed_ray_make(aim kind, aim_start start, const aimed_field *f, random_state *r);
 
 #endif

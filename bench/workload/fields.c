@@ -25,6 +25,7 @@ static const struct {
     {"8193", NULL, 8193, 8193, LAND, 0.1f, 1},
     {"sea-calm", NULL, 1000, 1000, SEA, 0.02f, 2},
     {"sea-rough", NULL, 1000, 1000, SEA, 0.5f, 2},
+    {"8193x1025", NULL, 8193, 1025, LAND, 0.1f, 1},
     {"fractal", "fractal land, 513 x 513, relief a tenth of the side", 513, 513, LAND, 0.1f, 5},
     {"noise", "uniform in [0, 1), 65 x 65", 65, 65, NOISE, 0, 1},
     {"integers", "whole numbers from -2 to 2, 64 x 33", 64, 33, INTEGERS, 0, 2},

@@ -11,11 +11,17 @@ static const struct {
     const char *name;
     bool any, coherent;
 } classes[WORKLOAD_ALL] = {
-    [WORKLOAD_PRIMARY] = {"primary", false, true}, [WORKLOAD_SHADOW] = {"shadow", true, true},
-    [WORKLOAD_AO] = {"ao", true, false},           [WORKLOAD_BOUNCE] = {"bounce", false, false},
-    [WORKLOAD_RANDOM] = {"random", false, false},  [WORKLOAD_GRAZING] = {"grazing", false, false},
-    [WORKLOAD_AFAR] = {"afar", false, true},       [WORKLOAD_VERTICES] = {"vertices", false, false},
+    [WORKLOAD_PRIMARY] = {"primary", false, true},
+    [WORKLOAD_SHADOW] = {"shadow", true, true},
+    [WORKLOAD_AO] = {"ao", true, false},
+    [WORKLOAD_BOUNCE] = {"bounce", false, false},
+    [WORKLOAD_RANDOM] = {"random", false, false},
+    [WORKLOAD_GRAZING] = {"grazing", false, false},
+    [WORKLOAD_AFAR] = {"afar", false, true},
+    [WORKLOAD_VERTICES] = {"vertices", false, false},
     [WORKLOAD_EDGES] = {"edges", false, false},
+    [WORKLOAD_WITHIN_TENTH] = {"within-0.1", false, false},
+    [WORKLOAD_WITHIN_TWO] = {"within-2", false, false},
 };
 
 const char *workload_class_name(workload_class c) { return (unsigned)c < WORKLOAD_ALL ? classes[c].name : NULL; }
@@ -23,7 +29,7 @@ bool workload_class_is_any(workload_class c) { return classes[c].any; }
 bool workload_class_is_coherent(workload_class c) { return classes[c].coherent; }
 
 /* Number stream of a class: what a hash is asked for besides the ray's number. */
-enum { STREAM_AO = 100, STREAM_BOUNCE = 200, STREAM_RANDOM = 300, STREAM_GRAZING = 400 };
+enum { STREAM_AO = 100, STREAM_BOUNCE = 200, STREAM_RANDOM = 300, STREAM_GRAZING = 400, STREAM_SHORT = 500 };
 
 /* Uniform in (0, 1), never an end. */
 static double uniform(uint32_t seed, size_t ray, uint32_t stream) {
@@ -200,6 +206,25 @@ static size_t secondary(const cw_field *field, const cw_query *query, workload_c
     return made;
 }
 
+/* To a place on the surface, from near to far cells before it, about the normal as ambient occlusion goes. */
+static cw_ray short_ray(const cw_field *field, const cw_field_info *info, uint32_t seed, size_t k, double near,
+                        double far) {
+    const cw_ray up = {.org = {(float)(uniform(seed, k, STREAM_SHORT) * (double)(info->nx - 1)),
+                               (float)(uniform(seed, k, STREAM_SHORT + 1) * (double)(info->ny - 1))},
+                       .dir = {0, 0, 1}};
+    const double away = near + uniform(seed, k, STREAM_SHORT + 2) * (far - near);
+    double org[3], normal[3], dir[3];
+    cw_hit hit;
+    cw_field_at(field, (double)up.org[0], (double)up.org[1], &hit);
+    meet(field, &up, &hit, org, normal);
+    cosine_direction(normal, seed, k, STREAM_SHORT + 3, dir);
+    for (int c = 0; c < 3; c++) {
+        org[c] += away * dir[c];
+        dir[c] = -dir[c];
+    }
+    return make_ray(org, dir);
+}
+
 /* ---- from outside ---- */
 
 static cw_ray random_ray(const cw_field_info *info, uint32_t seed, size_t k) {
@@ -239,7 +264,7 @@ static size_t aimed(const cw_field *field, workload_class c, uint32_t seed, size
     random_state r = {(uint64_t)seed << 8 | (unsigned)c};
     for (size_t k = 0; k < n; k++) {
         const aim edge = k % 3 ? AIM_EDGE : AIM_DIAGONAL;
-        rays[k] = aimed_ray_make(c == WORKLOAD_EDGES ? edge : AIM_VERTEX, &f, &r).ray;
+        rays[k] = aimed_ray_make(c == WORKLOAD_EDGES ? edge : AIM_VERTEX, START_OVER, &f, &r).ray;
     }
     return n;
 }
@@ -251,8 +276,12 @@ size_t workload_rays_make(const cw_field *field, workload_class c, uint32_t seed
     if (c == WORKLOAD_PRIMARY) return primary(field, &query, n, rays);
     if (c == WORKLOAD_AFAR) return view_rays(&info, afar_ray, n, rays);
     if (c < WORKLOAD_RANDOM) return secondary(field, &query, c, seed, n, rays);
-    if (c >= WORKLOAD_CLASS_COUNT) return info.nx >= 4 && info.ny >= 4 ? aimed(field, c, seed, n, rays) : 0;
+    if (c == WORKLOAD_VERTICES || c == WORKLOAD_EDGES)
+        return info.nx >= 4 && info.ny >= 4 ? aimed(field, c, seed, n, rays) : 0;
     for (size_t k = 0; k < n; k++)
-        rays[k] = c == WORKLOAD_RANDOM ? random_ray(&info, seed, k) : grazing_ray(&info, seed, k);
+        rays[k] = c == WORKLOAD_WITHIN_TENTH ? short_ray(field, &info, seed, k, 0.01, 0.1)
+                  : c == WORKLOAD_WITHIN_TWO ? short_ray(field, &info, seed, k, 0.5, 2)
+                  : c == WORKLOAD_RANDOM     ? random_ray(&info, seed, k)
+                                             : grazing_ray(&info, seed, k);
     return n;
 }

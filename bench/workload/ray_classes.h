@@ -19,10 +19,13 @@ typedef enum workload_class {
      * sample to below every sample or the reverse, so that who finds no hit has a leak: for counting errors, not for timing. */
     WORKLOAD_VERTICES = WORKLOAD_CLASS_COUNT,
     WORKLOAD_EDGES,
+    /* To places anywhere on the surface from 0.01 to 0.1, and from 0.5 to 2 cells before them: for counting errors too. */
+    WORKLOAD_WITHIN_TENTH,
+    WORKLOAD_WITHIN_TWO,
     WORKLOAD_ALL
 } workload_class;
 
-/* "primary", "shadow", "ao", "bounce", "random", "grazing", "afar", "vertices", "edges". */
+/* "primary", "shadow", "ao", "bounce", "random", "grazing", "afar", "vertices", "edges", "within-0.1", "within-2". */
 const char *workload_class_name(workload_class c);
 /* True if the class asks for any hit, false if for the closest. */
 bool workload_class_is_any(workload_class c);

@@ -72,12 +72,13 @@ def summary(data):
     text = ""
     for isa, results in speed_files(data).items():
         ratios = {(rays, names.field(field)): over_embree(results, field, rays)
-                  for rays in names.CLASSES for field in names.MIDDLE}
+                  for rays in names.classes(results) for field in names.MIDDLE}
         if not all(ratios.values()):
             continue
+        count = {6: "six", 7: "seven"}[len(names.classes(results))]
         low, high = min(ratios, key=ratios.get), max(ratios, key=ratios.get)
         text += (f"- **{names.ISAS[isa]}**: {geometric_mean(ratios.values()):.2f} times the speed of Embree's fastest "
-                 f"packet width (geometric mean over six classes of rays on fields of 257², 1025² and 4097² samples). "
+                 f"packet width (geometric mean over {count} classes of rays on fields of 257², 1025² and 4097² samples). "
                  f"Lowest: {ratios[low]:.2f} ({', '.join(low)}); highest: {ratios[high]:.2f} ({', '.join(high)}).\n")
     return text + _summary_of_building(data["building.json"])
 
@@ -118,6 +119,26 @@ def rates(data):
     return "\n".join(f"**{names.ISAS[isa]}**. {run_text(results.run)}.\n\n" +
                      by_field(results, "rays", lambda field, rays: cell(results, field, rays))
                      for isa, results in speed_files(data).items())
+
+
+def _back(rays):
+    """random+1e+06: 10⁶."""
+    return (rays.partition("+")[2] or "0").replace("1e+06", "10⁶")
+
+
+def afar(results):
+    """How fast rays are that start farther and farther back, and how much slower than from the field's border."""
+    of = {(line.text("field"), line.text("rays")): speed(line) for line in results.of("result")}
+    fields, classes = matrix(results)
+    rows = []
+    for field in fields:
+        near = of[field, classes[0]]
+        rows.append([names.field(field), *(f"{of[field, rays]:.3g}" + (f" ({near / of[field, rays]:.2f})" if k else "")
+                                           for k, rays in enumerate(classes))])
+    worst, where = max((of[field, classes[0]] / of[field, rays], f"{names.field(field)}, {_back(rays)}")
+                       for field in fields for rays in classes[1:])
+    return (f"{run_text(results.run)}.\n\n" + table(["field", *map(_back, classes)], rows) +
+            f"\nIn brackets: the time of a ray over that from the border, at most {worst:.2f} ({where}).\n")
 
 
 def peers(data):
@@ -194,7 +215,7 @@ def _sizes(rays):
 
 
 def _growth(results):
-    pairs = {rays: (own(results, "257", rays), own(results, "8193", rays)) for rays in names.CLASSES}
+    pairs = {rays: (own(results, "257", rays), own(results, "8193", rays)) for rays in names.classes(results)}
     return _worst(((speed(small) / speed(large), rays) for rays, (small, large) in pairs.items() if small and large),
                   most=True)
 
@@ -228,7 +249,7 @@ def _two_threads(results):
 # measured, and where.
 TARGETS = [
     ("speed over Embree, all classes, 257² to 4097², geometric mean", (4, 3, 1.5), None,
-     lambda results: (_mean(results, names.CLASSES), "")),
+     lambda results: (_mean(results, names.classes(results)), "")),
     ("the same, primary rays, lowest on any size of land", (2, 1.6, 1), None, _sizes("primary")),
     ("the same, shadow rays, lowest on any size of land", (3, 2, 1.2), None, _sizes("shadow")),
     ("the same, ambient occlusion and bounce, lower geometric mean", (4.5, 3.5, 1.5), None, _means("ao", "bounce")),

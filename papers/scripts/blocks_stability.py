@@ -12,9 +12,10 @@ from results import Problem, run_text
 AIMS = {
     "inside": "inside a triangle", "vertex": "at a sample", "edge": "at a border edge", "diagonal": "at a diagonal",
     "borders": "along grid lines", "axis": "axis-parallel between grid lines", "corners": "over samples in whole steps",
-    "vertical": "vertical", "steep": "all but vertical", "long": "across the field, low", "far": "from up to 10^6 cells",
+    "vertical": "vertical", "steep": "all but vertical", "long": "across the field, low",
     "grazing": "1 to 10^-6 degrees to a triangle",
 }
+STARTS = {"over": "starting over the field", "afar": "starting afar", "near": "starting within two cells"}
 SUMS = ("traced", "hits", "other_bits", "pass", "leaks", "phantoms", "sampled")
 MOST = ("residual", "apart", "t_error")
 
@@ -69,7 +70,7 @@ def stability(files):
         if rays not in AIMS:
             raise Problem(f'{line.where}: "rays" is "{rays}", an unknown class')
         role[name] = line.text("role")
-        for kind in (rays, "all"):
+        for kind in (rays, *([line.text("start")] if "start" in line else []), "all"):
             of.setdefault((name, kind), Counts()).add(line)
     if not role:
         raise Problem(f"{files[0].path}: has no results")
@@ -111,8 +112,10 @@ def _classes(reference, of):
         return three(1e6 * counts["leaks"] / counts["pass"]) if counts and counts["pass"] else ""
 
     rows = []
-    for kind, text in {**AIMS, "all": "all"}.items():
-        c = of.get((reference, kind), Counts())
+    for kind, text in {**AIMS, **STARTS, "all": "all"}.items():
+        if (reference, kind) not in of:
+            continue
+        c = of[reference, kind]
         rows.append([text, f"{c['residual']:.2f}", f"{c['apart']:.2f}", f"{c['t_error']:.2f}", f"{c.median_ulp():g}",
                      *(leaks(name, kind) for name in (reference, *others))])
     return (f"By class of rays: how close the hits of `{names.kernel(reference)}` come to their error bounds, and leaks per "

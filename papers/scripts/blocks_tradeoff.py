@@ -9,8 +9,9 @@ from blocks_work import mean_ratio, work
 from markdown import grouped, table, three
 from results import geometric_mean, run_text
 
-FILE = "tradeoff/tradeoff.json"
+FILE, PRECISION_FILE = "tradeoff/tradeoff.json", "precision/tradeoff.json"
 AIMED = ("vertices", "edges")  # classes of rays that are made to find leaks; they are not timed
+SHORT = {"within-0.1": "0.01 to 0.1 cells away", "within-2": "0.5 to 2 cells away"}  # for the table of precision alone
 RATES = ("leaks", "phantoms", "wrong", "broken")
 ERRORS = {"t_ulp": "t in ULP", "t_cells": "t in cells", "off_cells": "off the surface, cells",
           "normal_degrees": "normal, degrees"}
@@ -35,7 +36,8 @@ class Summary:
                                                  for some in (ran, ordinary, aimed))
         self.median, self.worst = {}, {}
         for key in ERRORS:
-            of = [line for line in ran if f"{key}_worst" in line]
+            # From afar t is too coarse a float to say where a hit is, whoever finds it.
+            of = [line for line in ran if f"{key}_worst" in line and line.text("rays") != "afar"]
             self.median[key] = median(line.number(f"{key}_median") for line in of) if of else None
             self.worst[key] = max((line.number(f"{key}_worst") for line in of), default=None)
 
@@ -58,7 +60,7 @@ def _mean(values):
 
 
 def summaries(results):
-    lines = results.of("result")
+    lines = [line for line in results.of("result") if line.text("rays") not in SHORT]
     groups = {(line.text("field"), line.text("rays")) for line in lines}
     timed = {(line.text("field"), line.text("rays")) for line in lines if "mrays_per_s" in line}
     by_name = {}
@@ -139,6 +141,46 @@ def errors(results):
                          *(f"{two(s.median[key])} / {two(s.worst[key])}" for key in ERRORS)])
     return table(["mode", "leaks", "phantoms", "wrong surfaces", "aimed", "beyond claim",
                   *(f"{title}: median / worst" for title in ERRORS.values())], rows)
+
+
+# What the table of precision compares: key and title.
+PRECISE = {"t_relative": "t, relative", "off_cells": "t, cells off the surface", "uv": "u, v", "normal_degrees": "normal, degrees",
+           "point_cells": "point, cells"}
+SIDES = {"strict": "Cellwalk", "embree": "Embree", "embree-robust": "Embree robust"}
+
+
+def _least(lines, key):
+    """Of a mode's kernels or widths, the best figure."""
+    return min(line.number(key) for line in lines)
+
+
+def precision(results):
+    """A table a field, with a row a class of rays and a side: errors of the median and of 99.9 % of all hits; and where Embree's
+    are smaller."""
+    text, better, compared = "", [], 0
+    classes = [*SHORT, *(rays for rays in names.CLASSES if results.first("result", rays=rays, query="closest"))]
+    for field in results.distinct("field"):
+        rows = []
+        for rays in classes:
+            sides = {mode: [line for line in results.of("result", field=field, rays=rays, mode=mode) if "uv_most" in line]
+                     for mode in SIDES}
+            title = SHORT.get(rays, names.CLASSES.get(rays))
+            for mode, lines in sides.items():
+                if lines:
+                    rows.append([title if mode == "strict" else "", SIDES[mode],
+                                 *(f"{_least(lines, f'{key}_median'):.1e} / {_least(lines, f'{key}_most'):.1e}" for key in PRECISE),
+                                 f"{_least(lines, 'point_cells_worst'):.1e}"])
+            for key, column in PRECISE.items():
+                for part, of in (("median", "median"), ("most", "99.9 %")):
+                    theirs = [_least(sides[mode], f"{key}_{part}") for mode in ("embree", "embree-robust") if sides[mode]]
+                    compared += bool(theirs)
+                    if theirs and min(theirs) < _least(sides["strict"], f"{key}_{part}"):
+                        better.append(f"{column} ({of}), {title}, {names.field(field)}")
+        text += (f"\n{names.field(field)} samples, median / 99.9 %:\n\n" +
+                 table(["hits", "", *PRECISE.values(), "point, worst"], rows, "ll" + "r" * (len(PRECISE) + 1)))
+    return (f"{run_text(results.run)}; {results.run.number('rays_a_class')} rays of each class on each field.\n" + text +
+            f"\nEmbree's better mode has a smaller error in {len(better)} of {compared} comparisons" +
+            (": " + "; ".join(better) if better else "") + ".\n")
 
 
 def mode_speeds(results):

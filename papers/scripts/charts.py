@@ -41,9 +41,15 @@ def note(axes, text, point, shift, color, **more):
     axes.annotate(text, point, shift, textcoords="offset points", color=color, **{"fontsize": 7.5, **more})
 
 
-def panels(axes, draw, y_label, x_label):
-    """A panel a class of rays, two rows of three; draw(axes, class)."""
-    for k, rays in enumerate(names.CLASSES):
+def panel_rows(classes):
+    return (len(classes) + 2) // 3
+
+
+def panels(axes, classes, draw, y_label, x_label):
+    """A panel a class of rays, rows of three; draw(axes, class)."""
+    for panel in axes.flat[len(classes):]:
+        panel.set_visible(False)
+    for k, rays in enumerate(classes):
         panel = axes[k // 3][k % 3]
         panel.set_title(names.CLASSES[rays], pad=3)
         panel.grid(axis="y", color="#e4e4e4", linewidth=0.6)
@@ -51,7 +57,7 @@ def panels(axes, draw, y_label, x_label):
         draw(panel, rays)
         if k % 3 == 0:
             panel.set_ylabel(y_label)
-        if k // 3 == 1:
+        if k + 3 >= len(classes):
             panel.set_xlabel(x_label)
 
 
@@ -68,9 +74,10 @@ def pair(results, field, rays):
 def speeds(data, field="1025"):
     isa, results = next(iter(speed_files(data).items()))
     title = f"Millions of rays a second, {field} × {field} samples, one thread, {names.ISAS[isa]}"
-    figure, ((axes,),) = canvas(3.6, title=title, run=results.run, left=0.17, right=0.95, bottom=0.03)
-    most = max(pair(results, field, rays)[0] for rays in names.CLASSES)
-    for k, rays in enumerate(names.CLASSES):
+    classes = names.classes(results)
+    figure, ((axes,),) = canvas(0.6 + 0.5 * len(classes), title=title, run=results.run, left=0.17, right=0.95, bottom=0.03)
+    most = max(pair(results, field, rays)[0] for rays in classes)
+    for k, rays in enumerate(classes):
         ours, theirs = pair(results, field, rays)
         axes.barh(k - 0.19, ours, 0.36, color=OURS)
         axes.barh(k + 0.19, theirs, 0.36, color=EMBREE)
@@ -78,7 +85,7 @@ def speeds(data, field="1025"):
         axes.text(ours + most / 100, k - 0.19, text, va="center", color=OURS, fontweight="bold", fontsize=8.5)
         axes.text(theirs + most / 100, k + 0.19, f"{theirs:.3g}" + ("   Embree, its fastest packet width" if k == 0 else ""),
                   va="center", color=EMBREE, fontsize=8.5)
-    axes.set_yticks(range(len(names.CLASSES)), names.CLASSES.values())
+    axes.set_yticks(range(len(classes)), [names.CLASSES[rays] for rays in classes])
     axes.invert_yaxis()
     axes.set_xlim(0, most * 1.45)
     axes.xaxis.set_visible(False)
@@ -89,7 +96,9 @@ def speeds(data, field="1025"):
 
 def scaling(data):
     isa, results = next(iter(speed_files(data).items()))
-    figure, axes = canvas(4.9, 2, 3, f"Speed and size of the field, one thread, {names.ISAS[isa]}", results.run,
+    classes = names.classes(results)
+    rows = panel_rows(classes)
+    figure, axes = canvas(0.5 + 2.2 * rows, rows, 3, f"Speed and size of the field, one thread, {names.ISAS[isa]}", results.run,
                           hspace=0.32, wspace=0.16)
     fields = [field for field in names.LAND if results.first("field", field=field)]
 
@@ -108,14 +117,16 @@ def scaling(data):
         log_axis(panel.yaxis, (1, 3, 10, 30, 100))
         panel.set_xticks(range(len(fields)), fields)
 
-    panels(axes, draw, "million rays / s", "samples a side")
+    panels(axes, classes, draw, "million rays / s", "samples a side")
     return figure
 
 
 def widths(data, field="1025"):
     results = data["widths.json"]
-    figure, axes = canvas(4.9, 2, 3, f"Speed and vector width, {field} × {field} samples, one thread", results.run,
-                          hspace=0.32, wspace=0.16)
+    classes = names.classes(results)
+    rows = panel_rows(classes)
+    figure, axes = canvas(0.5 + 2.2 * rows, rows, 3, f"Speed and vector width, {field} × {field} samples, one thread",
+                          results.run, hspace=0.32, wspace=0.16)
     of = {(line.text("contender"), line.text("rays")): speed(line) for line in results.of("result", field=field)}
     lanes = (1, 4, 8, 16)
     series = [("pyramid", OURS, "o-", "pyramid{}/watertight", (6, -11)),
@@ -134,7 +145,7 @@ def widths(data, field="1025"):
         log_axis(panel.yaxis, (0.1, 0.3, 1, 3, 10, 30))
         log_axis(panel.xaxis, (1, 4, 8))
 
-    panels(axes, draw, "million rays / s", "lanes in a vector")
+    panels(axes, classes, draw, "million rays / s", "lanes in a vector")
     return figure
 
 
@@ -253,7 +264,7 @@ def profile(data):
     figure, ((axes,),) = canvas(4.3, title=f"Where the time of a ray goes, {kernel}, per cent", run=results.run, left=0.22,
                                 bottom=0.03, top=0.76)
     for k, line in enumerate(lines):
-        y, begin = k + (k >= len(names.CLASSES)) * 0.6, 0
+        y, begin = k + (k >= len(names.classes(results, "profile"))) * 0.6, 0
         for group, color in GROUPS.items():
             share = 100 * sum(value for phase, value in line.inner("shares").items() if phase.split(":")[0] == group)
             axes.barh(y, share, 0.78, left=begin, color=color, label=group if k == 0 else None)

@@ -3,7 +3,7 @@
 
 # Classes of rays, in the order in which pages show them.
 CLASSES = {"primary": "primary", "shadow": "shadow", "ao": "ambient occlusion", "bounce": "bounce", "random": "random",
-           "grazing": "grazing"}
+           "grazing": "grazing", "afar": "from afar"}
 LAND = ("65", "257", "1025", "4097", "8193")
 MIDDLE = ("257", "1025", "4097")
 # Files of speeds, widest instruction set first.
@@ -11,8 +11,16 @@ SPEED_FILES = {"avx512": "speed-avx512.json", "avx2": "speed-avx2.json", "sse4.2
 ISAS = {"avx512": "AVX-512", "avx2": "AVX2", "sse4.2": "SSE4.2", "scalar": "no vector instructions"}
 
 
+def classes(results, kind="result"):
+    """Those that the results have."""
+    there = results.distinct("rays", kind)
+    return [rays for rays in CLASSES if rays in there]
+
+
 def field(name):
-    """A field of land by its side: 1025²; calm sea."""
+    """A field of land by its side: 1025²; 8193 × 1025; calm sea."""
+    if "x" in name:
+        return name.replace("x", " × ")
     return f"{name}²" if name.isdigit() else " ".join(reversed(name.split("-")))
 
 

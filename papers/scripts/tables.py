@@ -25,7 +25,7 @@ NOT_TABLES = {"install", "test", "example"}
 # What a file of results becomes, by the command that made it.
 OWN = {
     "table": blocks_scenes.brief, "tradeoff": blocks_tradeoff.page, "micro": blocks_speed.micro,
-    "counters": blocks_work.counters, "leaf": blocks_stability.leaf, "extremes": blocks_stability.extremes,
+    "afar": blocks_speed.afar, "precision": blocks_tradeoff.precision, "counters": blocks_work.counters, "leaf": blocks_stability.leaf, "extremes": blocks_stability.extremes,
     "exhaustive": blocks_stability.exhaustive, "stress": blocks_stability.stress,
 }
 # Files of results, and what makes those that do not say by which arguments they were made.
@@ -35,7 +35,7 @@ SOURCES = {
     "ablation.json": "--target ablation", "caches.json": "--target caches", "pages-huge.json": None,
     "pages-small.json": None, "terrain.json": "papers/scripts/terrain.py", "scenes/table.json": None,
     "scenes/pbrt.json": "papers/scripts/beside_pbrt.py", "scenes/features.json": "papers/scripts/features.py",
-    "tradeoff/tradeoff.json": None,
+    "tradeoff/tradeoff.json": None, "precision/tradeoff.json": None, "afar.json": None,
     "stability/aimed.json": "--target stability", "stability/extremes.json": "--target stability-extremes",
     "stability/exhaustive.json": "--target stability-exhaustive", "stability/stress.json": "--target stability-stress",
     "stability/leaf.json": "--target stability-leaf",
@@ -66,6 +66,8 @@ BLOCKS = {
     "table": from_file("scenes/table.json", blocks_scenes.brief),
     "stability": lambda data: blocks_stability.stability([data["stability/aimed.json"]]),
     **{name: from_file(f"stability/{name}.json", OWN[name]) for name in ("extremes", "exhaustive", "stress", "leaf")},
+    "afar": from_file("afar.json", blocks_speed.afar),
+    "precision": from_file(blocks_tradeoff.PRECISION_FILE, blocks_tradeoff.precision),
     **{make.__name__: make for make in (
         blocks_speed.speeds, blocks_speed.rates, blocks_speed.targets, blocks_speed.peers, blocks_speed.widths,
         blocks_speed.threads, blocks_speed.building, blocks_work.walks, blocks_work.visits, blocks_work.steps,
@@ -118,7 +120,9 @@ def own_run(paths, into, block):
     else:
         if len(files) > 1:
             raise Problem(f"{paths[1]}: only runs of cellwalk-stability can be added up")
-        if name == "micro":
+        if block in ("afar", "precision"):
+            name = block
+        elif name == "micro":
             name = "leaf" if block == "leaf" else "counters" if files[0].first("counts") else "micro"
         if name not in OWN:
             raise Problem(f"{paths[0]}:1: results of {name}: there is no table of these")

@@ -24,6 +24,7 @@ import blocks_tradeoff
 import features
 import links
 import markdown
+import names
 import pictures
 import profile_kernels
 import renders
@@ -112,6 +113,15 @@ class Speeds(Folder):
         self.assertEqual(blocks_speed.over_embree(read, "65", "primary"), 0)
         self.assertEqual(blocks_speed.micro(read).splitlines()[-1], "| ao | 9 `pyramid8x2` |")
 
+    def test_afar(self):
+        text = blocks_speed.afar(self.results(speed("65", "random", "k/w", 10), speed("65", "random+5", "k/w", 8)))
+        self.assertIn("| field | 0 | 5 |", text)
+        self.assertIn("| 65² | 10 | 8 (1.25) |", text)
+        self.assertIn("at most 1.25 (65², 5)", text)
+
+    def test_classes_that_older_results_lack(self):
+        self.assertEqual(names.classes(self.results(speed("65", "random", "k/w", 1), speed("65", "ao", "k/w", 1))), ["ao", "random"])
+
     def test_threads(self):
         self.results(speed("65", "ao", "k/w", 10), speed("65", "ao", "k/w", 19, threads=2), name="threads.json",
                      run={**RUN, "cpus": 2})
@@ -138,6 +148,23 @@ class Tradeoff(Folder):
         self.assertEqual((found[1].ordinary, found[1].aimed, found[1].wrong), (100, 300, 200))
         self.assertAlmostEqual(found[1].speed, 20)
         self.assertIn("| | fast | `k` | 20 | +100.0 % | 200 |", blocks_tradeoff.frontiers(read))
+
+    def test_from_afar_t_tells_no_place_and_short_rays_are_for_precision(self):
+        read = self.results(self.line("exact", "ao", 10, 0, 1e-4), self.line("exact", "afar", 10, 0, 1),
+                            self.line("exact", "within-2", None, 5, 9))
+        (exact,) = blocks_tradeoff.summaries(read)
+        self.assertEqual((exact.worst["off_cells"], exact.ordinary, exact.partial), (1e-4, 0, False))
+
+    def test_precision_takes_embrees_better_figure(self):
+        def line(mode, kernel, error, **more):
+            spread = {f"{key}_{of}": error for key in blocks_tradeoff.PRECISE for of in ("median", "most", "worst")}
+            return {"kind": "result", "field": "65", "rays": "within-2", "query": "closest", "mode": mode,
+                    "contender": f"{mode}/{kernel}", **spread, **more}
+        read = self.results(line("strict", "k", 2e-8), line("embree", "w1", 4e-8), line("embree", "w8", 3e-8),
+                            line("embree-robust", "w1", 5e-8, uv_most=1e-8), run={**RUN, "rays_a_class": 8})
+        text = blocks_tradeoff.precision(read)
+        self.assertIn("| | Embree | 3.0e-08 / 3.0e-08 |", text)
+        self.assertIn("in 1 of 10 comparisons: u, v (99.9 %), 0.5 to 2 cells away, 65².", text)
 
     def test_one_that_did_not_run_everywhere_is_on_no_frontier(self):
         read = self.results(self.line("exact", "ao", 10, 0, 1), self.line("exact", "random", 10, 0, 1),

@@ -232,6 +232,28 @@ static void nothing_but_building(void **state) {
     json_decref(lines);
 }
 
+/* From 10^12 field lengths away floats cannot aim at the field. */
+static void rays_start_farther_back(void **state) {
+    (void)state;
+    static const char *const small = "--field 65 --rays random --kernel pyramid1 --peer none --seconds 0.01";
+    char arguments[256];
+    snprintf(arguments, sizeof arguments, "%s --back 0,2.5,1e12 --json b.json", small);
+    check(run(&command_micro, arguments) == 0, "micro fails");
+    io_error error;
+    json_t *lines = results_read("b.json", &error);
+    check(lines != NULL, "%s", error.text);
+    static const char *const names[] = {"random", "random+2.5", "random+1e+12"};
+    for (size_t k = 0; k < 3; k++) {
+        const json_t *line = json_array_get(lines, k + 1);
+        const double hits = results_number(line, "hit_share");
+        check(strcmp(results_text(line, "rays"), names[k]) == 0, "no %s rays", names[k]);
+        check(k < 2 ? hits > 0.5 : hits < 0.1, "%g of the %s rays hit", hits, names[k]);
+    }
+    json_decref(lines);
+    snprintf(arguments, sizeof arguments, "%s --back -1", small);
+    check(run(&command_micro, arguments) == 2, "a negative --back is taken");
+}
+
 /* Two kernels and a control, in two runs. */
 static void write_run(const char *name, double kernel, double control) {
     char text[1024];
@@ -333,6 +355,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(micro_against_itself_is_undecided, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(threads_take_part, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(nothing_but_building, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(rays_start_farther_back, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(comparisons_need_more_than_the_machine, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(results_are_checked, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(mistakes_leave_nothing, scratch_enter, scratch_leave),

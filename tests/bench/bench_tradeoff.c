@@ -225,14 +225,22 @@ static void errors_are_counted(void **state) {
     check(e.rays == RAYS && e.hits == RAYS && e.verdicts[TRADEOFF_RIGHT] == RAYS && e.broken == 0,
           "strict is not right");
     check(e.right_hits == RAYS && e.worst[0] == 0 && e.worst[2] == 0 && e.worst[3] < 1e-6, "exact hits have errors");
+    check(e.worst[4] == 0 && e.worst[5] == 0 && e.worst[6] == 0, "exact hits have errors of t, u, v or point");
 
     answers[3] = (cw_hit){.t = INFINITY, .i = -1, .j = -1};
     answers[5].t = 2 + 0x1p-20f; /* 4 ULP of 2 */
+    answers[6].u += 0x1p-10f;
+    answers[7].triangle = CW_TRIANGLE_B; /* the same place as seen from there */
+    answers[7].u += answers[7].v;
+    answers[7].v = -truth.hits[7].u;
     occluded[3] = occluded[9] = 0;
     e = tradeoff_errors_of(&truth, 0, &none, field, (contender_answers){.hits = answers});
     check(e.hits == RAYS - 1 && e.verdicts[TRADEOFF_LEAK] == 1 && e.broken == 1, "the leak is not counted");
     check(e.right_hits == RAYS - 1 && e.median[0] == 0 && e.worst[0] == 4, "the worst error is %g ULP", e.worst[0]);
     check(e.worst[1] == 0x1p-20 && e.worst[2] == 0x1p-20, "the worst error is %g cells", e.worst[1]);
+    check(e.worst[4] == 0x1p-21 && e.worst[5] == 0x1p-10 && e.worst[6] >= 0x1p-10 && e.worst[6] < 0x1p-8,
+          "the worst errors are %g of t, %g of u, %g of a point", e.worst[4], e.worst[5], e.worst[6]);
+    check(e.most[4] == 0 && e.most[5] == 0, "one error in 199 is among the least 99.9 %%");
     e = tradeoff_errors_of(&truth, 0, &none, NULL, (contender_answers){.occluded = occluded});
     check(e.hits == RAYS - 2 && e.verdicts[TRADEOFF_LEAK] == 2, "leaks of any hit: %zu", e.verdicts[TRADEOFF_LEAK]);
 
@@ -315,7 +323,7 @@ static void aimed_rays_have_to_hit(void **state) {
     cw_ray *rays = malloc(COUNT * sizeof *rays);
     cw_hit *hits = malloc(COUNT * sizeof *hits);
     const cw_query strict = {.leaf = CW_LEAF_WATERTIGHT};
-    for (workload_class c = WORKLOAD_VERTICES; c < WORKLOAD_ALL; c++) {
+    for (workload_class c = WORKLOAD_VERTICES; c <= WORKLOAD_EDGES; c++) {
         check(workload_rays_make(field, c, 3, COUNT, rays) == COUNT, "no rays");
         check_status(cw_closest(field, &strict, rays, COUNT, hits), CW_OK);
         size_t near = 0, upwards = 0; /* hits at a vertex, or an edge */

@@ -36,7 +36,7 @@ static void test_million_rays_a_class(void **state) {
     const uint64_t batches = test_share(test_rounds() * ROUNDS) * ROUND_BATCHES;
     for (uint64_t n = 0; n < batches; n++) stability_batch(&run, n);
     for (int kind = 0; kind < AIM_COUNT; kind++) {
-        const counts *c = &run.count[0][kind];
+        const counts sum = stability_sum(&run, 0, (aim)kind), *c = &sum;
         printf(
             "%-9s %9llu rays, %9llu known to pass, %llu leaks, %llu phantoms; worst |d| / E %.3f, off the triangle / "
             "delta %.3f, error of t / bound %.3f\n",
@@ -47,8 +47,7 @@ static void test_million_rays_a_class(void **state) {
               aim_name((aim)kind));
     }
     for (unsigned n = 1; n < run.contenders; n++) {
-        counts sum = {0};
-        for (int kind = 0; kind < AIM_COUNT; kind++) counts_add(&sum, &run.count[n][kind]);
+        const counts sum = stability_sum(&run, n, AIM_COUNT);
         printf("%-26s %9llu rays, %llu leaks, %llu phantoms, %llu other bits\n", run.tested[0][n].contender.name,
                (unsigned long long)sum.rays, (unsigned long long)sum.leaks, (unsigned long long)sum.phantoms,
                (unsigned long long)sum.other);
@@ -81,9 +80,8 @@ static counts lies(double by) {
     for (size_t f = 0; f < AIMED_FIELDS; f++) liar.tested[f][0].contender.closest = lie;
     honest = &run.tested[0][0].contender;
     wrong_by = by;
-    counts sum = {0};
     for (uint64_t n = 0; n < ROUND_BATCHES; n++) stability_batch(&liar, n);
-    for (int kind = 0; kind < AIM_COUNT; kind++) counts_add(&sum, &liar.count[0][kind]);
+    const counts sum = stability_sum(&liar, 0, AIM_COUNT);
     stability_free(&liar);
     return sum;
 }

@@ -64,6 +64,64 @@ static void versions_agree(void **state) {
     assert_string_equal(cw_version(), CW_VERSION);
 }
 
+/* What the header says of the one rounding to float: map from a field of cells to user space, origins up to reach cells
+ * along an axis, and how much of a cell they may lose. Doubles are off by 10^-9 cells here. */
+static void check_precision(double to_user[3][4], double cell, const double reach[3], double most, const char *what) {
+    static const float z[4];
+    cw_field_desc d = cw_field_desc_default();
+    cw_field *f;
+    d.samples = z;
+    d.nx = d.ny = 2;
+    memcpy(d.map, to_user, sizeof d.map);
+    check_status(cw_field_create(&d, &f), CW_OK);
+    random_state r = {21};
+    double worst = 0, worst_dir = 0;
+    for (int k = 0; k < 4000; k++) {
+        cw_user_ray in = {.tmax = 1};
+        cw_ray out;
+        for (int c = 0; c < 3; c++) {
+            in.org[c] = to_user[c][3];
+            in.dir[c] = random_between(&r, -1, 1);
+        }
+        for (int a = 0; a < 3; a++) {
+            const double along = random_between(&r, 0.5, 1) * reach[a];
+            for (int c = 0; c < 3; c++) in.org[c] += to_user[c][a] * along;
+        }
+        for (int c = 0; c < 3; c++) in.org[c] = round(in.org[c] * 1000) / 1000; /* millimetres */
+        cw_rays_to_field(f, &in, 1, &out);
+        for (int a = 0; a < 3; a++) { /* to_user's columns are at right angles and as long as a cell */
+            double org = 0, dir = 0;
+            for (int c = 0; c < 3; c++) {
+                org += to_user[c][a] * (in.org[c] - to_user[c][3]) / (cell * cell);
+                dir += to_user[c][a] * in.dir[c] / (cell * cell);
+            }
+            const double *v = in.dir, length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / cell;
+            worst = fmax(worst, fabs((double)out.org[a] - org));
+            worst_dir = fmax(worst_dir, fabs((double)out.dir[a] - dir) / length);
+        }
+    }
+    check(worst <= most && worst > most / 4, "%s: an origin is off by %g cells, and %g are said", what, worst, most);
+    check(worst_dir <= 0x1.00001p-24 && worst_dir > 0x1p-26, "%s: a direction is off by %g", what, worst_dir);
+    cw_field_destroy(f);
+}
+
+static void precision_that_arrives(void **state) {
+    (void)state;
+    double utm[3][4] = {{1, 0, 0, 448000}, {0, 1, 0, 5411000}, {0, 0, 1, 0}};
+    check_precision(utm, 1, (const double[]){10000, 10000, 1000}, 5e-4, "UTM, 10 000 cells of 1 m");
+    /* East, north and up at 48 degrees north, 11 degrees east, on a sphere; a sensor 700 km up. */
+    const double n = 48 * 0.017453292519943295, e = 11 * 0.017453292519943295, R = 6371000, cell = 10;
+    const double axes[3][3] = {
+        {-sin(e), cos(e), 0}, {-sin(n) * cos(e), -sin(n) * sin(e), cos(n)}, {cos(n) * cos(e), cos(n) * sin(e), sin(n)}};
+    double earth[3][4];
+    for (int c = 0; c < 3; c++) {
+        for (int a = 0; a < 3; a++) earth[c][a] = cell * axes[a][c];
+        earth[c][3] = R * axes[2][c];
+    }
+    check_precision(earth, cell, (const double[]){1000, 1000, 70000}, 4e-3,
+                    "a sensor 7 * 10^6 m from the earth's centre");
+}
+
 static void rays_in_user_space(void **state) {
     (void)state;
     cw_pool *pool;
@@ -305,10 +363,10 @@ static void strangers_are_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(versions_agree),        cmocka_unit_test(rays_in_user_space),
-        cmocka_unit_test(threads_of_the_caller), cmocka_unit_test(queries_are_watched),
-        cmocka_unit_test(hits_by_the_array),     cmocka_unit_test(places_on_the_surface),
-        cmocka_unit_test(strangers_are_refused),
+        cmocka_unit_test(versions_agree),        cmocka_unit_test(precision_that_arrives),
+        cmocka_unit_test(rays_in_user_space),    cmocka_unit_test(threads_of_the_caller),
+        cmocka_unit_test(queries_are_watched),   cmocka_unit_test(hits_by_the_array),
+        cmocka_unit_test(places_on_the_surface), cmocka_unit_test(strangers_are_refused),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

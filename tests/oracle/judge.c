@@ -182,13 +182,17 @@ static bool holds_the_point(const oracle_truth *truth, const cw_hit *hit) {
 bool oracle_clear(const oracle *o, double at, int side, const oracle_triangle *over) {
     const double x = o->ox + at * o->dx, y = o->oy + at * o->dy, z = o->oz + at * o->dz;
     const double place = bounds_place_evaluation(&o->bounds, at);
-    if (over) {
-        const double d = oracle_height(o, over, at);
-        return side * d > height_error(o, over->i, over->j) + evaluation(o, at, over->i, over->j) &&
-               edge_distance(o, over, at) > 2 * delta(o, over->i, over->j) + place;
-    }
     const int32_t last_i = (int32_t)o->nx - 1, last_j = (int32_t)o->ny - 1;
     const bounds_surface all = {o->low, o->top, o->all.slope};
+    if (over) {
+        const double margin = 2 * delta(o, over->i, over->j) + place, inside = edge_distance(o, over, at);
+        /* Near an edge it may count as over a neighbour, whose bounds are others. */
+        const double error = inside > margin ? clear_error(o, at, over->i, over->j)
+                                             : bounds_clear(&o->bounds, distance(o, over->i, over->j) + 2, all) +
+                                                   bounds_height_evaluation(&o->bounds, at, all);
+        return inside >= -place && x > margin && x < last_i - margin && y > margin && y < last_j - margin &&
+               side * oracle_height(o, over, at) > error;
+    }
     const double D = fmax(fmax(distance(o, 0, 0), distance(o, last_i, 0)),
                           fmax(distance(o, 0, last_j), distance(o, last_i, last_j)));
     const double margin = 2 * bounds_delta(&o->bounds, D) + place;

@@ -94,9 +94,8 @@ judgement oracle_judge(const oracle *o, const cw_hit *hit);
 bool oracle_ray(oracle *o, const cw_ray *ray);
 
 /* Whether the present ray is, at t, clear of the surface on the side of side (1 above, -1 below), and over the field by
- * more than 2 delta. over: the triangle that it is over, by more than 2 delta, and then E is enough; or NULL, and then it
- * is clear of all samples. A ray that
- * is clear on one side and later on the other, on a field without holes, passes. */
+ * more than 2 delta. over: the triangle that it is over; or NULL, and then it is clear of all samples. A ray that is clear on
+ * one side and later on the other, on a field without holes, passes. */
 bool oracle_clear(const oracle *o, double at, int side, const oracle_triangle *over);
 
 /* What oracle_judge looks at first: is a hit where the present ray and the surface are, within the bounds? Doubles decide

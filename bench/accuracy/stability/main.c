@@ -81,10 +81,11 @@ static double run_batches(stability *s, batch_range *r) {
 /* What a contender is before the reference: "reference", "same-bits", "own-rules". */
 static const char *const roles[] = {"reference", "same-bits", "own-rules"};
 
-static json_t *result_line(const tested *t, aim kind, const counts *c) {
+static json_t *result_line(const tested *t, aim kind, aim_start start, const counts *c) {
     json_t *line = json_object();
-    results_set_texts(line, "kind contender role rays",
-                      (const char *[]){"result", t->contender.name, roles[t->role], aim_name(kind)});
+    results_set_texts(
+        line, "kind contender role rays start",
+        (const char *[]){"result", t->contender.name, roles[t->role], aim_name(kind), aim_start_name(start)});
     results_set_counts(line, "traced hits other_bits", (size_t[]){c->rays, c->hits, c->other});
     if (t->role == ROLE_SAME_BITS) return line;
     results_set_counts(line, "pass leaks phantoms decided_exactly sampled",
@@ -98,7 +99,7 @@ static json_t *result_line(const tested *t, aim kind, const counts *c) {
     return line;
 }
 
-/* A line of kind "run", one of kind "field" for each field, one of kind "result" for each contender and class. */
+/* A line of kind "run", one of kind "field" for each field, one of kind "result" for each contender, class and start. */
 static bool write_lines(io_output *out, const stability *s, const batch_range *r, double seconds, io_error *error) {
     json_t *run = run_record("stability", 0, -1);
     results_set_counts(run, "part parts first end batches sample",
@@ -112,9 +113,11 @@ static bool write_lines(io_output *out, const stability *s, const batch_range *r
         if (!results_write(out, line, error)) return false;
     }
     for (unsigned n = 0; n < s->contenders; n++)
-        for (int kind = 0; kind < AIM_COUNT; kind++) {
-            const counts *c = &s->count[n][kind];
-            if (c->rays && !results_write(out, result_line(&s->tested[0][n], (aim)kind, c), error)) return false;
+        for (int k = 0; k < AIM_COUNT * START_COUNT; k++) {
+            const aim kind = (aim)(k / START_COUNT);
+            const aim_start start = (aim_start)(k % START_COUNT);
+            const counts *c = &s->count[n][kind][start];
+            if (c->rays && !results_write(out, result_line(&s->tested[0][n], kind, start, c), error)) return false;
         }
     return true;
 }
@@ -123,8 +126,7 @@ static bool write_lines(io_output *out, const stability *s, const batch_range *r
 static void print_counts(const stability *s) {
     printf("%-28s %14s %14s %10s %10s %10s\n", "contender", "rays", "known to pass", "leaks", "phantoms", "other bits");
     for (unsigned n = 0; n < s->contenders; n++) {
-        counts sum = {0};
-        for (int kind = 0; kind < AIM_COUNT; kind++) counts_add(&sum, &s->count[n][kind]);
+        const counts sum = stability_sum(s, n, AIM_COUNT);
         printf("%-28s %14" PRIu64 " %14" PRIu64 " %10" PRIu64 " %10" PRIu64 " %10" PRIu64 "\n",
                s->tested[0][n].contender.name, sum.rays, sum.pass, sum.leaks, sum.phantoms, sum.other);
     }

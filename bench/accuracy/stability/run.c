@@ -106,15 +106,20 @@ typedef struct proven_ray {
 } proven_ray;
 
 static bool passes(oracle *o, const aimed_ray *a) {
-    const oracle_triangle over = {a->over.i, a->over.j, a->over.triangle}, *t = a->over.i < 0 ? NULL : &over;
-    return oracle_ray(o, &a->ray) && oracle_clear(o, a->from, a->side, t) && oracle_clear(o, a->to, -a->side, t);
+    if (!oracle_ray(o, &a->ray)) return false;
+    for (int end = 0; end < 2; end++) {
+        const cw_hit *h = &a->over[end];
+        const oracle_triangle over = {h->i, h->j, h->triangle};
+        if (!oracle_clear(o, end ? a->to : a->from, end ? -a->side : a->side, h->i < 0 ? NULL : &over)) return false;
+    }
+    return true;
 }
 
-static proven_ray make_ray(aim kind, const stability_field *f, random_state *r) {
+static proven_ray make_ray(aim kind, aim_start start, const stability_field *f, random_state *r) {
     proven_ray p = {.passes = false};
     /* Rounding may spoil one; many of those that graze cannot be proved. */
     for (int tries = kind == AIM_GRAZING ? 1 : 8; tries > 0 && !p.passes; tries--) {
-        const aimed_ray a = aimed_ray_make(kind, &f->aimed, r);
+        const aimed_ray a = aimed_ray_make(kind, start, &f->aimed, r);
         p = (proven_ray){a.ray, passes(f->oracle, &a)};
     }
     return p;
@@ -124,6 +129,7 @@ typedef struct batch {
     stability *s;
     const stability_field *field;
     aim kind;
+    aim_start start;
     uint64_t number;
     proven_ray proven[BATCH_RAYS];
     cw_ray rays[BATCH_RAYS];
@@ -132,8 +138,8 @@ typedef struct batch {
 
 static void explain(batch *b, const tested *t, size_t k, const cw_hit *hit, const char *what) {
     if (!b->s->explain || b->s->explained++ >= 8) return;
-    printf("%s: %s, field %s, class %s, batch %llu, ray %zu\n", t->contender.name, what, b->field->samples.name,
-           aim_name(b->kind), (unsigned long long)b->number, k);
+    printf("%s: %s, field %s, class %s, starting %s, batch %llu, ray %zu\n", t->contender.name, what,
+           b->field->samples.name, aim_name(b->kind), aim_start_name(b->start), (unsigned long long)b->number, k);
     const cw_ray *r = &b->rays[k];
     printf("ray org {%a, %a, %a} dir {%a, %a, %a} t [%a, %a]\n", (double)r->org[0], (double)r->org[1],
            (double)r->org[2], (double)r->dir[0], (double)r->dir[1], (double)r->dir[2], (double)r->tmin,
@@ -183,7 +189,10 @@ static void judge_sample(batch *b, const tested *t, const cw_hit *hits, counts *
         const judgement j = oracle_judge(o, &hits[k]);
         c->sampled++;
         c->verdict[j.verdict]++;
-        c->unfounded += b->proven[k].passes && !truth->passes;
+        if (b->proven[k].passes && !truth->passes) {
+            c->unfounded++;
+            explain(b, t, k, &hits[k], "no pass, although it was to be one");
+        }
         if (j.verdict > VERDICT_TIE && t->role == ROLE_REFERENCE) explain(b, t, k, &hits[k], verdict_name(j.verdict));
         if (j.verdict != VERDICT_RIGHT || hits[k].i < 0) continue;
         count_ulp(c, j.t_error, truth->t);
@@ -211,17 +220,18 @@ void stability_batch(stability *s, uint64_t number) {
     b.kind = (aim)(number % AIM_COUNT);
     const size_t f = number / AIM_COUNT % AIMED_FIELDS;
     const uint64_t round = number / ROUND_BATCHES;
+    b.start = (aim_start)(round % START_COUNT);
     b.field = &s->field[f];
     random_state r = {number * 0x9e3779b97f4a7c15u};
     r.state = random_bits(&r); /* so that neighbours do not share numbers */
     for (size_t k = 0; k < BATCH_RAYS; k++) {
-        b.proven[k] = make_ray(b.kind, b.field, &r);
+        b.proven[k] = make_ray(b.kind, b.start, b.field, &r);
         b.rays[k] = b.proven[k].ray;
     }
     for (unsigned n = 0; n < s->contenders; n++) {
         const tested *t = &s->tested[f][n];
         if (round % t->every != t->turn % t->every) continue;
-        counts *c = &s->count[n][b.kind];
+        counts *c = &s->count[n][b.kind][b.start];
         cw_hit *hits = t->role == ROLE_REFERENCE ? b.reference : b.hits;
         t->contender.closest(&t->contender, b.rays, t->rays, hits);
         c->rays += t->rays;
@@ -236,15 +246,22 @@ void stability_batch(stability *s, uint64_t number) {
     s->batches++;
 }
 
+counts stability_sum(const stability *s, unsigned which, aim kind) {
+    counts sum = {0};
+    for (aim k = 0; k < AIM_COUNT; k++)
+        for (int start = 0; start < START_COUNT && (k == kind || kind == AIM_COUNT); start++)
+            counts_add(&sum, &s->count[which][k][start]);
+    return sum;
+}
+
 uint64_t stability_faults(const stability *s) {
     uint64_t faults = 0;
-    for (unsigned n = 0; n < s->contenders; n++)
-        for (int kind = 0; kind < AIM_COUNT; kind++) {
-            const counts *c = &s->count[n][kind];
-            faults += c->other + c->unfounded;
-            if (s->tested[0][n].role == ROLE_REFERENCE)
-                faults += c->leaks + c->phantoms + c->verdict[VERDICT_LEAK] + c->verdict[VERDICT_PHANTOM] +
-                          c->verdict[VERDICT_WRONG_SURFACE] + (c->t_error > 1);
-        }
+    for (unsigned n = 0; n < s->contenders; n++) {
+        const counts c = stability_sum(s, n, AIM_COUNT);
+        faults += c.other + c.unfounded;
+        if (s->tested[0][n].role == ROLE_REFERENCE)
+            faults += c.leaks + c.phantoms + c.verdict[VERDICT_LEAK] + c.verdict[VERDICT_PHANTOM] +
+                      c.verdict[VERDICT_WRONG_SURFACE] + (c.t_error > 1);
+    }
     return faults;
 }

@@ -58,7 +58,7 @@ typedef struct stability {
     tested tested[AIMED_FIELDS][CONTENDERS_MAX];
     peer_embree *peers[AIMED_FIELDS][2];
     unsigned contenders;
-    counts count[CONTENDERS_MAX][AIM_COUNT];
+    counts count[CONTENDERS_MAX][AIM_COUNT][START_COUNT];
     unsigned sample;  /* one ray in so many is judged in full */
     uint64_t batches; /* so far, over all classes and fields */
     bool explain;     /* print what is wrong with the reference's answers, for the first few */
@@ -76,11 +76,14 @@ void stability_free(stability *s);
 /* Batch number of a run: which field, class and rays follows from it alone. */
 void stability_batch(stability *s, uint64_t number);
 
-/* Batches in a round, one for each class and field. */
+/* Batches in a round, one for each class and field; all rays of a round start alike: over the field, afar or near. */
 enum { ROUND_BATCHES = AIM_COUNT * AIMED_FIELDS };
 
-/* Faults: of the reference leaks, phantoms, wrong surfaces, and classes in which an error of t exceeds its bound; of its
- * like other bits; of the construction unfounded rays. */
+/* What contender number which has counted in a class, or in all if kind is AIM_COUNT. */
+counts stability_sum(const stability *s, unsigned which, aim kind);
+
+/* Faults: of the reference leaks, phantoms, wrong surfaces, and errors of t that exceed their bound; of its like other bits; of
+ * the construction unfounded rays. */
 uint64_t stability_faults(const stability *s);
 
 #endif
