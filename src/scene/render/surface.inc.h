@@ -62,9 +62,10 @@ static void arrive(wave *w, const wave_rays *r, size_t home, size_t shape, bool 
 static void on_field(wave *w, const plan_shape *shape) {
     wave_strip *s = &w->strip;
     const float *samples = shape->field->samples;
+    const cw_hit *answers = w->answers[shape - w->plan->shapes];
     const size_t nx = shape->field->nx;
     for (size_t k = 0; k < s->n; k++) {
-        const cw_hit *hit = &w->hits[s->path[k]];
+        const cw_hit *hit = &answers[w->hit[s->path[k]]];
         const float *z = samples + (size_t)hit->j * nx + (size_t)hit->i;
         s->i[k] = hit->i;
         s->j[k] = hit->j;

@@ -12,6 +12,7 @@
 enum {
     WAVE_TILE = 32,   /* pixels a side of the tiles that threads take */
     WAVE_SAMPLES = 4, /* of each pixel of a tile in a wave */
+    WAVE_BLOCK = 4,   /* pixels a side of what goes into the lanes of a vector */
     WAVE_LANES = 16,  /* loops run over whole multiples of this, on what lies behind the end, too */
     WAVE_STRIP = 128, /* paths that are shaded together: all about them stays in the nearest cache */
     WAVE_ROOM = SCENE_BATCH + WAVE_STRIP,
@@ -24,6 +25,12 @@ static inline size_t wave_lanes(size_t n) { return (n + WAVE_LANES - 1) / WAVE_L
 /* How many of the paths from first to before end go into a strip. */
 static inline size_t wave_strip_of(size_t first, size_t end) {
     return end - first < WAVE_STRIP ? end - first : WAVE_STRIP;
+}
+
+/* The number of pixel (x, y) of a tile: block by block, as sixteen neighbours stand side by side in a wave. */
+static inline uint32_t wave_pixel(uint32_t x, uint32_t y) {
+    const uint32_t block = y / WAVE_BLOCK * (WAVE_TILE / WAVE_BLOCK) + x / WAVE_BLOCK;
+    return block * WAVE_LANES + y % WAVE_BLOCK * WAVE_BLOCK + x % WAVE_BLOCK;
 }
 
 /* Floats of each ray in a wave, for three coordinates. */
@@ -45,7 +52,7 @@ typedef struct wave_rays {
     wave_vector org, dir; /* dir is one long in the world; org of camera rays is 0 and not written */
     float tmin[WAVE_ROOM];
     float share[3][WAVE_ROOM]; /* of this ray's light that arrives at the pixel; camera rays: 1 and not written */
-    uint32_t pixel[WAVE_ROOM]; /* of the tile */
+    uint32_t pixel[WAVE_ROOM]; /* of the tile, as wave_pixel counts */
     wave_spread *spread;       /* where the plan says so; not of camera rays */
 } wave_rays;
 
@@ -112,20 +119,20 @@ typedef struct wave {
 
     float t[WAVE_ROOM]; /* where each ray ends; infinity where nothing is */
     int32_t shape[WAVE_ROOM];
-    cw_hit hits[WAVE_ROOM];   /* where shape is a height field */
+    uint32_t hit[WAVE_ROOM];  /* where shape is a height field: number of its answer */
     uint32_t path[WAVE_ROOM]; /* those of one shape, in order */
     wave_strip strip;
     wave_footprints footprints;
     wave_probes probes;
 
     /* What the tracer is asked about one field, of which rays, and its answers. */
-    cw_ray asked[SCENE_BATCH];
+    cw_ray asked[WAVE_ROOM];
     uint32_t asked_of[WAVE_ROOM];
-    cw_hit answers[SCENE_BATCH];
+    cw_hit (*answers)[SCENE_BATCH]; /* of each field: they are read when the paths are shaded */
     uint8_t yes[SCENE_BATCH];
     int32_t hidden[WAVE_ROOM];
 
-    double sum[WAVE_TILE * WAVE_TILE][4]; /* over the samples of each pixel */
+    double sum[3][WAVE_TILE * WAVE_TILE]; /* over the samples of each pixel */
     scene_render_stats stats;
     double stage_seconds[WAVE_STAGES], last; /* clock at the last change of stage */
 } wave;
