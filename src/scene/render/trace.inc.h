@@ -103,23 +103,16 @@ LANE_INLINE void none_behind(int32_t *passes, size_t rays) {
     for (size_t k = rays; k < WAVE_LANES; k++) passes[k] = 0;
 }
 
-LANE_INLINE void weave(const float *a, const float *b, size_t n, float *out) {
-    for (size_t k = 0; k < n; k++) {
-        out[2 * k] = a[k];
-        out[2 * k + 1] = b[k];
-    }
-}
-
 /* The rays one after the other: eight arrays woven into one in three steps, for which there are vector instructions. */
 LANE_INLINE void line_up(const moved *m, cw_ray *out) {
     float pair[4][2 * WAVE_LANES], quad[2][4 * WAVE_LANES], ray[8 * WAVE_LANES];
-    weave(m->org[0], m->dir[0], WAVE_LANES, pair[0]);
-    weave(m->org[2], m->dir[2], WAVE_LANES, pair[1]);
-    weave(m->org[1], m->dir[1], WAVE_LANES, pair[2]);
-    weave(m->tmin, m->tmax, WAVE_LANES, pair[3]);
-    weave(pair[0], pair[1], 2 * WAVE_LANES, quad[0]);
-    weave(pair[2], pair[3], 2 * WAVE_LANES, quad[1]);
-    weave(quad[0], quad[1], 4 * WAVE_LANES, ray);
+    lane_weave(m->org[0], m->dir[0], WAVE_LANES, pair[0]);
+    lane_weave(m->org[2], m->dir[2], WAVE_LANES, pair[1]);
+    lane_weave(m->org[1], m->dir[1], WAVE_LANES, pair[2]);
+    lane_weave(m->tmin, m->tmax, WAVE_LANES, pair[3]);
+    lane_weave(pair[0], pair[1], 2 * WAVE_LANES, quad[0]);
+    lane_weave(pair[2], pair[3], 2 * WAVE_LANES, quad[1]);
+    lane_weave(quad[0], quad[1], 4 * WAVE_LANES, ray);
     memcpy(out, ray, sizeof ray);
 }
 

@@ -16,11 +16,18 @@ enum {
     WAVE_LANES = 16,  /* loops run over whole multiples of this, on what lies behind the end, too */
     WAVE_STRIP = 128, /* paths that are shaded together: all about them stays in the nearest cache */
     WAVE_ROOM = SCENE_BATCH + WAVE_STRIP,
-    WAVE_MISS = -1 /* in place of a shape */
+    WAVE_WINDOW = 16, /* samples around a cell */
+    WAVE_MISS = -1    /* in place of a shape */
 };
 
 /* Whole lanes for n paths. */
 static inline size_t wave_lanes(size_t n) { return (n + WAVE_LANES - 1) / WAVE_LANES * WAVE_LANES; }
+
+/* The same number, for loops over whole lanes: compilers then need no code for a rest. */
+static inline size_t wave_whole(size_t n) {
+    if (n % WAVE_LANES != 0) __builtin_unreachable();
+    return n;
+}
 
 /* How many of the paths from first to before end go into a strip. */
 static inline size_t wave_strip_of(size_t first, size_t end) {
@@ -66,6 +73,9 @@ typedef struct wave_shadows {
     uint32_t pixel[WAVE_ROOM];
 } wave_shadows;
 
+/* Sides of a cell. */
+enum { EAST, NORTH, WEST, SOUTH };
+
 /* Paths of one shape while they are shaded, in the shape's space. */
 typedef struct wave_strip {
     size_t n;                          /* a multiple of WAVE_LANES; the last path stands behind the end, too */
@@ -83,11 +93,9 @@ typedef struct wave_strip {
     float in[3][WAVE_STRIP];                                 /* from the wave, in the space where the ray began */
     int32_t i[WAVE_STRIP], j[WAVE_STRIP], lower[WAVE_STRIP]; /* cell, and whether its lower triangle was hit */
     float u[WAVE_STRIP], v[WAVE_STRIP];
-    /* Samples: the cell's corners, the triangle's third one, and around three of them (east, north, west, south, north-east, south-west). */
-    float corner[4][WAVE_STRIP], third[WAVE_STRIP], around[4][6][WAVE_STRIP];
-    float there[4][4][WAVE_STRIP]; /* 1 or 0: the field goes on to the east, north, west, south of these corners */
+    float corner[4][WAVE_STRIP], window[WAVE_WINDOW][WAVE_STRIP]; /* the cell's own samples; 4 x 4 around it */
+    float goes_on[4][WAVE_STRIP]; /* 1 or 0: there is field to the east, north, west, south of the cell */
     float uv[2][WAVE_STRIP], uv_apart[2][2][WAVE_STRIP];
-    float result[5][WAVE_STRIP];
 } wave_strip;
 
 /* What each path of a strip reads of an image: at a level and, if share is not 0, at the next coarser one, so many places
