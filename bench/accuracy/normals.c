@@ -14,10 +14,16 @@ static inline void unit(double n[3]) {
 }
 
 /* Adds weight times the sum of the normals of the six triangles around a vertex, each as long as twice its area
- * (src/core/hit.c). */
-static inline void add_vertex_normal(const true_surface *s, size_t at, double weight, double n[3]) {
+ * (src/core/hit.c), or times the normal by central differences. */
+static inline void add_vertex_normal(const true_surface *s, size_t at, double weight, bool central, double n[3]) {
     const float *z = s->z + at, *north = z + s->nx, *south = z - s->nx;
     const double w = (double)z[-1], e = (double)z[1], nn = (double)north[0], ss = (double)south[0];
+    if (central) {
+        n[0] += weight * (w - e);
+        n[1] += weight * (ss - nn);
+        n[2] += weight * 2;
+        return;
+    }
     const double ne = (double)north[1], sw = (double)south[-1];
     n[0] += weight * (2 * (w - e) + (nn - ne) + (sw - ss));
     n[1] += weight * (2 * (ss - nn) + (e - ne) + (sw - w));
@@ -28,6 +34,7 @@ void tradeoff_normal_at(const true_surface *s, const cw_hit *hit, tradeoff_norma
     const size_t at = (size_t)hit->j * s->nx + (size_t)hit->i;
     const size_t corner[4] = {at, at + 1, at + s->nx, at + s->nx + 1};
     const bool a = hit->triangle == CW_TRIANGLE_A;
+    const bool central = kind >= TRADEOFF_CENTRAL_BARYCENTRIC;
     const double u = (double)hit->u, v = (double)hit->v, x = a ? u + v : u, y = a ? v : u + v;
     n[0] = n[1] = n[2] = 0;
     if (kind == TRADEOFF_FACET) {
@@ -36,13 +43,13 @@ void tradeoff_normal_at(const true_surface *s, const cw_hit *hit, tradeoff_norma
         n[0] = a ? h - h10 : h01 - h11;
         n[1] = a ? h10 - h11 : h - h01;
         n[2] = 1;
-    } else if (kind == TRADEOFF_BARYCENTRIC) {
-        add_vertex_normal(s, corner[0], 1 - u - v, n);
-        add_vertex_normal(s, corner[a ? 1 : 2], a ? u : v, n);
-        add_vertex_normal(s, corner[3], a ? v : u, n);
+    } else if (kind == TRADEOFF_BARYCENTRIC || kind == TRADEOFF_CENTRAL_BARYCENTRIC) {
+        add_vertex_normal(s, corner[0], 1 - u - v, central, n);
+        add_vertex_normal(s, corner[a ? 1 : 2], a ? u : v, central, n);
+        add_vertex_normal(s, corner[3], a ? v : u, central, n);
     } else {
         const double weight[4] = {(1 - x) * (1 - y), x * (1 - y), (1 - x) * y, x * y};
-        for (int k = 0; k < 4; k++) add_vertex_normal(s, corner[k], weight[k], n);
+        for (int k = 0; k < 4; k++) add_vertex_normal(s, corner[k], weight[k], central, n);
     }
     unit(n);
 }
@@ -96,8 +103,9 @@ static double cost(const true_surface *s, const cw_hit *hits, tradeoff_normal ki
 }
 
 static json_t *measure_wave(const wave *w, float *z, const cw_hit *hits, double *errors) {
-    static const char *const names[TRADEOFF_NORMAL_COUNT] = {"facet", "barycentric", "bilinear"};
-    double right[3], n[3];
+    static const char *const names[TRADEOFF_NORMAL_COUNT] = {"facet", "barycentric", "bilinear", "central",
+                                                             "central_bilinear"};
+    double right[3], n[3], area[3];
     for (size_t k = 0; k < (size_t)SIDE * SIDE; k++)
         z[k] = (float)wave_at(w, (double)(k % SIDE), (double)(k / SIDE), n);
     const true_surface s = true_surface_of(z, SIDE, SIDE);
@@ -105,7 +113,7 @@ static json_t *measure_wave(const wave *w, float *z, const cw_hit *hits, double 
     results_set_text(line, "kind", "normal");
     results_set_numbers(line, "wave_length wave_height", (double[]){w->length, w->height});
     for (int kind = 0; kind < TRADEOFF_NORMAL_COUNT; kind++) {
-        double sum = 0;
+        double sum = 0, apart = 0;
         for (size_t k = 0; k < HITS; k++) {
             const bool a = hits[k].triangle == CW_TRIANGLE_A;
             const double u = (double)hits[k].u, v = (double)hits[k].v;
@@ -113,12 +121,16 @@ static json_t *measure_wave(const wave *w, float *z, const cw_hit *hits, double 
             tradeoff_normal_at(&s, &hits[k], (tradeoff_normal)kind, n);
             errors[k] = tradeoff_degrees(n, right);
             sum += errors[k] * errors[k];
+            if (kind < TRADEOFF_CENTRAL_BARYCENTRIC) continue;
+            tradeoff_normal_at(&s, &hits[k], (tradeoff_normal)(kind - 2), area);
+            apart += tradeoff_degrees(n, area) * tradeoff_degrees(n, area);
         }
         json_t *of = json_object();
         const double median = statistics_of(errors, HITS).median; /* sorts them */
         results_set_numbers(
             of, "degrees_rms degrees_median degrees_worst nanoseconds",
             (double[]){sqrt(sum / HITS), median, errors[HITS - 1], cost(&s, hits, (tradeoff_normal)kind)});
+        if (kind >= TRADEOFF_CENTRAL_BARYCENTRIC) results_set_number(of, "degrees_to_area_rms", sqrt(apart / HITS));
         json_object_set_new(line, names[kind], of);
     }
     return line;

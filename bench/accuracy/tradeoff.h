@@ -151,6 +151,9 @@ typedef enum tradeoff_normal {
     TRADEOFF_FACET,       /* the triangle's own */
     TRADEOFF_BARYCENTRIC, /* what cw_hit_phong_normal does */
     TRADEOFF_BILINEAR,    /* of the cell's four vertex normals */
+    /* The same of vertex normals by central differences. */
+    TRADEOFF_CENTRAL_BARYCENTRIC,
+    TRADEOFF_CENTRAL_BILINEAR,
     TRADEOFF_NORMAL_COUNT
 } tradeoff_normal;
 

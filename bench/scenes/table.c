@@ -55,6 +55,24 @@ static bool run_scenes(const table_options *o, const table_path *paths, size_t c
     return true;
 }
 
+/* What pbrt-v2 takes, as a ratio of whole processes on the machine where both were measured, and which that was. */
+static void add_pbrt(json_t *lines) {
+    io_error none;
+    size_t k, f;
+    json_t *line, *fact, *facts = results_read(BUILD_INFO_PBRT, &none);
+    json_array_foreach(facts, f, fact) {
+        json_array_foreach(lines, k, line) {
+            if (!results_is(line, "scene") || !results_is(fact, "scene") || !results_same(line, fact, "scene"))
+                continue;
+            results_set_number(line, "pbrt_ratio",
+                               results_number(fact, "pbrt_seconds") / results_number(fact, "cellwalk_seconds"));
+        }
+        if (results_is(fact, "run") && json_array_insert(lines, 1, fact) == 0)
+            results_set_text(json_array_get(lines, 1), "kind", "pbrt");
+    }
+    json_decref(facts);
+}
+
 static bool run(const table_options *o, io_error *error) {
     table_path paths[TABLE_PATHS_MAX];
     size_t count = 0;
@@ -67,7 +85,9 @@ static bool run(const table_options *o, io_error *error) {
     results_append(lines, record);
     bool good = table_paths_choose(o, paths, &count, lines, error);
     for (size_t f = 0; good && f < FILES; f++) good = io_output_open_in(&out[f], o->out, names[f], error);
-    good = good && run_scenes(o, paths, count, lines, error) && save(out, lines, error);
+    good = good && run_scenes(o, paths, count, lines, error);
+    if (good) add_pbrt(lines);
+    good = good && save(out, lines, error);
     for (size_t f = 0; f < FILES; f++) io_output_discard(&out[f]);
     json_decref(lines);
     fflush(stdout);

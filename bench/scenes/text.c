@@ -19,16 +19,19 @@ static void put_time(FILE *to, const json_t *path) {
 
 static void put_speed(FILE *to, const json_t *path) { fprintf(to, " %.3g", results_number(path, "trace_mrays_per_s")); }
 
-static void put_paths(FILE *to, const json_t *lines, void (*put)(FILE *, const json_t *)) {
+static void put_paths(FILE *to, const json_t *lines, bool pbrt, void (*put)(FILE *, const json_t *)) {
     const json_t *paths = json_object_get(results_first(lines, "scene"), "paths"), *line, *path;
     size_t index, k;
-    fputs("| scene |", to);
+    fputs(pbrt ? "| scene | pbrt-v2 |" : "| scene |", to);
     json_array_foreach(paths, k, path) fprintf(to, " %s |", results_text(path, "title"));
-    fputs("\n|---|", to);
+    fputs(pbrt ? "\n|---|--:|" : "\n|---|", to);
     json_array_foreach(paths, k, path) fputs("--:|", to);
     json_array_foreach(lines, index, line) {
         if (!results_is(line, "scene")) continue;
         fprintf(to, "\n| %s |", results_text(line, "scene"));
+        const double ratio = results_number(line, "pbrt_ratio");
+        if (pbrt && ratio > 0) fprintf(to, " %.1f x", ratio);
+        if (pbrt) fputs(" |", to);
         json_array_foreach(json_object_get(line, "paths"), k, path) {
             put(to, path);
             fputs(" |", to);
@@ -103,6 +106,7 @@ static void put_scenes(FILE *to, const json_t *lines, const char *head, void (*p
 
 void table_write_markdown(FILE *to, const json_t *lines) {
     const json_t *record = json_array_get(lines, 0), *of = results_first(lines, "scene"), *path, *line;
+    const json_t *pbrt = results_first(lines, "pbrt");
     char machine[512];
     const char *by = NULL;
     size_t k;
@@ -118,12 +122,19 @@ void table_write_markdown(FILE *to, const json_t *lines) {
     if (by)
         fprintf(to, " *cellwalk* is the kernel that the library chooses, in the first scene `%.*s`.",
                 (int)strcspn(by, "/"), by);
+    if (pbrt)
+        fprintf(
+            to,
+            " *pbrt-v2*: how many times as long as cellwalk its whole process takes, with flat triangles; not measured "
+            "in this run, but both on %s, %s, commit %s, %s, with pbrt-v2 of %s.",
+            results_text(pbrt, "cpu"), results_text(pbrt, "isa"), results_text(pbrt, "commit"),
+            results_text(pbrt, "date"), results_text(pbrt, "pbrt"));
     fputs("\n\n", to);
-    put_paths(to, lines, put_time);
+    put_paths(to, lines, pbrt != NULL, put_time);
     fputs("\nTracing alone, in millions of rays a second (a ray counts once for each field that it is tested "
           "against):\n\n",
           to);
-    put_paths(to, lines, put_speed);
+    put_paths(to, lines, false, put_speed);
     fputs("\nWhat was traced and built:\n\n", to);
     put_scenes(to, lines,
                "| scene | picture | fields | camera, rays | shadow, rays | reflection, rays | build s, Embree | build "

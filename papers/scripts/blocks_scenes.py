@@ -38,7 +38,16 @@ def brief(results):
     chosen = [path.text("by") for path in paths if path.text("path").startswith("auto")]
     if chosen:
         text += f" *cellwalk* is the kernel that the library chooses, in the first scene `{chosen[0].split('/')[0]}`."
-    return (text + "\n\n" + table(head, rows(time)) +
+    times = rows(time)
+    facts = results.of("pbrt")
+    if facts:
+        by = facts[0]
+        text += (" *pbrt-v2*: how many times as long as cellwalk its whole process takes, with flat triangles; not measured in "
+                 f"this run, but both on {by.text('cpu')}, {by.text('isa')}, commit {by.text('commit')}, {by.text('date')}, with "
+                 f"pbrt-v2 of {by.text('pbrt')}.")
+        times = [[row[0], f"{line.number('pbrt_ratio'):.1f} x" if line.get("pbrt_ratio") else "", *row[1:]]
+                 for row, line in zip(times, results.of("scene"))]
+    return (text + "\n\n" + table([head[0], "pbrt-v2", *head[1:]] if facts else head, times) +
             "\nTracing alone, in millions of rays a second (a ray counts once for each field that it is tested against):\n\n"
             + table(head, rows(lambda path: f"{path.number('trace_mrays_per_s'):.3g}")))
 

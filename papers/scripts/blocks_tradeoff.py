@@ -255,14 +255,23 @@ def normals(results):
     better, cheaper = (sum(value < 1 for value in values) for values in (error, cost))
     verdict = ("Confirmed" if better == len(lines) else "True only in part" if better else
                "Refuted for accuracy, confirmed for cost" if cheaper > len(lines) // 2 else "Refuted")
+    kinds = [kind for kind in ("facet", "barycentric", "bilinear", "central", "central_bilinear")
+             if all(line.get(kind) for line in lines)]
+
+    def column(kind):
+        return "central, bilinear" if kind == "central_bilinear" else kind
+
     rows = [[f"{line.number('wave_length'):g} × {line.number('wave_height'):g}",
-             *(text for kind in ("facet", "barycentric", "bilinear") for of in [line.inner(kind)]
+             *(text for kind in kinds for of in [line.inner(kind)]
                for text in (f"{of.number('degrees_rms'):.3g} / {of.number('degrees_worst'):.3g}",
-                            f"{of.number('nanoseconds'):.0f}"))] for line in lines]
+                            f"{of.number('nanoseconds'):.0f}")),
+             *(f"{line.inner('central').number('degrees_to_area_rms'):.3g}" for _ in kinds[3:4])] for line in lines]
+    head = ["wave: length × height, cells", *(text for kind in kinds for text in (column(kind), "ns")),
+            *("central to area-weighted" for _ in kinds[3:4])]
     return (f"{verdict}. The barycentric normal is more accurate on {better} of {len(lines)} waves (RMS error "
             f"{geometric_mean(error):.2f} times that of the bilinear normal, geometric mean) and cheaper on {cheaper} "
             f"({geometric_mean(cost):.2f} times the time).\n\nError in degrees, RMS / worst, and nanoseconds a normal:\n\n" +
-            table(["wave: length × height, cells", "facet", "ns", "barycentric", "ns", "bilinear", "ns"], rows))
+            table(head, rows))
 
 
 # ---- an own run ----

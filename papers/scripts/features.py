@@ -22,14 +22,14 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 RENDER = "src/scene/render/"
 # Which part of the renderer a function belongs to; in this order, all functions of a file may stand as one.
 PARTS = {
-    "Phong normals": "fetch_around fetch_around_border at_border vertex_inside vertex_at_border vertex_central vertex_of "
+    "Phong normals": "fetch_window window_sample clamp at_border vertex_inside vertex_at_border vertex_central beside vertex_of "
                      "set_turn barycentric bilinear",
     "textures": "find_uv turn_of spread_on_surface lookup.inc.h",
     "mirrors": "send_mirrored spread_mirrored",
-    "cylinders": "closest_on_cylinder hide_by_cylinder cylinder_t",
-    "light": "send_light move_shadows hide_by_field trace_shadows",
-    "rays": "camera.inc.h pattern.h move_rays pass_box all_pass ask ask_lanes weave lanes_set begin_moved later_entry "
-            "earlier_exit closest_on_field trace_paths",
+    "cylinders": "meet_cylinder closest_on_cylinder hide_by_cylinder cylinder_t",
+    "light": "send_light move_shadows ask_any hide_by_field in_row trace_shadows",
+    "rays": "camera.inc.h pattern.h origin_of move_rays pass_box all_pass none_behind ask line_up later_entry "
+            "earlier_exit ask_closest closest_on_field trace_paths",
 }
 PART_OF = {name: part for part, names in PARTS.items() for name in names.split()}
 # Features that a scene may lack, and the parts that it then should not run.

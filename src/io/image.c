@@ -78,7 +78,7 @@ bool image_allocate(io_image *image, size_t width, size_t height, bool halves, c
         return io_fail(error, "%s: %zu x %zu pixels are more than %d, the most that are read", path, width, height,
                        IO_IMAGE_PIXELS_MAX);
     if (halves && width != 0)
-        image->halves = large_allocate(width * height * 4 * sizeof *image->halves);
+        image->halves = large_allocate((2 * (width + 2) * height + IO_IMAGE_ROOM) * 4 * sizeof *image->halves);
     else if (width != 0)
         image->rgb = large_allocate(width * height * 3 * sizeof *image->rgb);
     if (image->rgb != NULL || image->halves != NULL) return true;

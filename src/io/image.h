@@ -10,9 +10,12 @@
 
 /* The most pixels that a picture is read or rendered with: 3 GiB of floats. */
 enum { IO_IMAGE_PIXELS_MAX = 1 << 28 };
+enum { IO_IMAGE_ROOM = 64 };
 
 /* rgb[(y * width + x) * 3 + c], row 0 at the top, linear light. Of an image that was read as halves, rgb is NULL and halves
- * has four half-precision floats a pixel, the last of them of any value. */
+ * has four half-precision floats a pixel, the last of them 0: halves[((width + 2) * y + x + 1) * 4 + c]. A pixel more on each
+ * side of a row is left to whoever reads on across the border, and behind the last row there is room for as many pixels again
+ * and IO_IMAGE_ROOM more, for smaller copies of the picture; memory that is not touched costs nothing. */
 typedef struct io_image {
     size_t width, height;
     float *rgb;

@@ -181,6 +181,13 @@ static exr_result_t decode_chunk(reader *r, const exr_chunk_info_t *chunk, size_
     exr_result_t result = r->started ? exr_decoding_update(r->context, 0, chunk, &r->decoder)
                                      : exr_decoding_initialize(r->context, 0, chunk, &r->decoder);
     if (result != EXR_ERR_SUCCESS) return result;
+    const bool halves = r->image->halves != NULL;
+    const size_t bytes = halves ? sizeof(uint16_t) : sizeof(float), pixel = (halves ? 4 : 3) * bytes;
+    const size_t row = (r->image->width + (halves ? 2 : 0)) * pixel;
+    uint8_t *corner = halves ? (uint8_t *)r->image->halves + pixel : (uint8_t *)r->image->rgb;
+    corner += y * row + x * pixel;
+    for (int32_t k = 0; halves && k < chunk->height; k++)
+        memset(corner + (size_t)k * row, 0, (size_t)chunk->width * pixel); /* for what is no channel of the file */
     for (int c = 0; c < r->decoder.channel_count; c++) {
         exr_coding_channel_info_t *channel = &r->decoder.channels[c];
         const int place = !r->grey                                  ? component(channel->channel_name)
@@ -188,14 +195,11 @@ static exr_result_t decode_chunk(reader *r, const exr_chunk_info_t *chunk, size_
                                                                     : -1;
         channel->decode_to_ptr = NULL;
         if (place < 0 || place > 2) continue;
-        const bool halves = r->image->halves != NULL;
-        const size_t bytes = halves ? sizeof(uint16_t) : sizeof(float), pixel = (halves ? 4 : 3) * bytes;
-        uint8_t *pixels = halves ? (uint8_t *)r->image->halves : (uint8_t *)r->image->rgb;
         channel->user_bytes_per_element = (int16_t)bytes;
         channel->user_data_type = halves ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT;
         channel->user_pixel_stride = (int32_t)pixel;
-        channel->user_line_stride = (int32_t)(r->image->width * pixel);
-        channel->decode_to_ptr = pixels + (y * r->image->width + x) * pixel + (size_t)place * bytes;
+        channel->user_line_stride = (int32_t)row;
+        channel->decode_to_ptr = corner + (size_t)place * bytes;
     }
     if (!r->started) result = exr_decoding_choose_default_routines(r->context, 0, &r->decoder);
     r->started = true;

@@ -13,7 +13,7 @@ typedef enum material_kind { MATTE, MIRROR } material_kind;
 typedef struct material {
     material_kind kind;
     float colour[3];
-    const texture *image; /* NULL: colour */
+    texture *image; /* NULL: colour */
 } material;
 
 typedef struct heightfield {

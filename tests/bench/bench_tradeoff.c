@@ -384,6 +384,16 @@ static void normals_are_known(void **state) {
         tradeoff_normal_at(&on, &hit, TRADEOFF_BARYCENTRIC, ours);
         tradeoff_normal_at(&on, &hit, TRADEOFF_BILINEAR, theirs);
         check(apart(ours, theirs) < 1e-14, "vertex %u has two normals", k);
+        /* There central differences are those of the four neighbours. */
+        const size_t corner[2][3] = {{0, 1, SIDE + 1}, {0, SIDE + 1, SIDE}};
+        const float *c = z + hit.j * SIDE + hit.i + corner[hit.triangle][k % 3];
+        const double x = ((double)c[-1] - (double)c[1]) / 2, y = ((double)c[-SIDE] - (double)c[SIDE]) / 2;
+        const double length = sqrt(x * x + y * y + 1), central[3] = {x / length, y / length, 1 / length};
+        for (int kind = TRADEOFF_CENTRAL_BARYCENTRIC; kind <= TRADEOFF_CENTRAL_BILINEAR; kind++) {
+            tradeoff_normal_at(&on, &hit, (tradeoff_normal)kind, ours);
+            check(apart(ours, central) < 1e-14, "central normal %d of vertex %u is off by %g", kind, k,
+                  apart(ours, central));
+        }
     }
     /* Half way along an edge both mean the two normals at its ends; in the middle of a cell they need not. */
     const cw_hit edge = {.u = 0.5f, .i = 3, .j = 3, .triangle = CW_TRIANGLE_A};

@@ -11,8 +11,6 @@
 /* Camera rays of a tile: block by block, sample by sample, pixel by pixel, so that sixteen in a row look almost the same
  * way. */
 
-enum { BLOCK = 4 }; /* pixels a side */
-
 /* Directions through one sample of each pixel of the block whose corner is (x, y) at depth 1, from place on. */
 static void block_directions(wave *w, float x, float y, uint32_t sample, uint32_t seed[2][WAVE_LANES], size_t place) {
     const float pixel = (float)w->plan->pixel;
@@ -22,8 +20,8 @@ static void block_directions(wave *w, float x, float y, uint32_t sample, uint32_
     float *dx = &w->rays[0].dir[0][place], *dy = &w->rays[0].dir[1][place], *dz = &w->rays[0].dir[2][place];
     float across[WAVE_LANES], down[WAVE_LANES], scale[WAVE_LANES];
     for (int k = 0; k < WAVE_LANES; k++) {
-        across[k] = x + ((float)(k % BLOCK) + pattern_place(first, seed[0][k])) * pixel;
-        down[k] = y - ((float)(k / BLOCK) + pattern_place(second, seed[1][k])) * pixel;
+        across[k] = x + ((float)(k % WAVE_BLOCK) + pattern_place(first, seed[0][k])) * pixel;
+        down[k] = y - ((float)(k / WAVE_BLOCK) + pattern_place(second, seed[1][k])) * pixel;
         scale[k] = 1 / sqrtf(lane_square(g, across[k], down[k], 1));
     }
     for (int k = 0; k < WAVE_LANES; k++) {
@@ -37,7 +35,7 @@ static void block_directions(wave *w, float x, float y, uint32_t sample, uint32_
 static void keep_in_region(wave_rays *r, size_t x, size_t y, const wave_region *region) {
     size_t kept = r->count;
     for (size_t k = 0; k < WAVE_LANES; k++) {
-        const size_t px = x + k % BLOCK, py = y + k / BLOCK, from = r->count + k;
+        const size_t px = x + k % WAVE_BLOCK, py = y + k / WAVE_BLOCK, from = r->count + k;
         if (px < region->x0 || px >= region->x1 || py < region->y0 || py >= region->y1) continue;
         for (int c = 0; c < 3; c++) r->dir[c][kept] = r->dir[c][from];
         r->pixel[kept++] = r->pixel[from];
@@ -50,22 +48,23 @@ static void camera_rays(wave *w, size_t x, size_t y, const wave_region *region, 
     const plan *p = w->plan;
     wave_rays *r = &w->rays[0];
     r->count = 0;
-    for (size_t ty = 0; ty < WAVE_TILE; ty += BLOCK)
-        for (size_t tx = 0; tx < WAVE_TILE; tx += BLOCK) {
+    for (size_t ty = 0; ty < WAVE_TILE; ty += WAVE_BLOCK)
+        for (size_t tx = 0; tx < WAVE_TILE; tx += WAVE_BLOCK) {
             const size_t bx = x + tx, by = y + ty;
-            if (bx >= region->x1 || by >= region->y1 || bx + BLOCK <= region->x0 || by + BLOCK <= region->y0) continue;
+            if (bx >= region->x1 || by >= region->y1 || bx + WAVE_BLOCK <= region->x0 || by + WAVE_BLOCK <= region->y0)
+                continue;
             const bool whole =
-                bx >= region->x0 && by >= region->y0 && bx + BLOCK <= region->x1 && by + BLOCK <= region->y1;
+                bx >= region->x0 && by >= region->y0 && bx + WAVE_BLOCK <= region->x1 && by + WAVE_BLOCK <= region->y1;
             uint32_t seed[2][WAVE_LANES];
             for (uint32_t k = 0; k < WAVE_LANES; k++) {
-                seed[0][k] = pattern_seed((uint32_t)bx + k % BLOCK, (uint32_t)by + k / BLOCK, p->seed);
+                seed[0][k] = pattern_seed((uint32_t)bx + k % WAVE_BLOCK, (uint32_t)by + k / WAVE_BLOCK, p->seed);
                 seed[1][k] = pattern_other_seed(seed[0][k]);
             }
             for (uint32_t sample = first; sample < first + samples; sample++) {
                 block_directions(w, (float)(p->corner[0] + (double)bx * p->pixel),
                                  (float)(p->corner[1] - (double)by * p->pixel), sample, seed, r->count);
                 for (uint32_t k = 0; k < WAVE_LANES; k++)
-                    r->pixel[r->count + k] = ((uint32_t)ty + k / BLOCK) * WAVE_TILE + (uint32_t)tx + k % BLOCK;
+                    r->pixel[r->count + k] = wave_pixel((uint32_t)tx, (uint32_t)ty) + k;
                 if (whole)
                     r->count += WAVE_LANES;
                 else

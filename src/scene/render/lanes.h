@@ -48,4 +48,12 @@ LANE_INLINE int32_t lane_ceil(float x) {
     return k + (x > (float)k);
 }
 
+/* Two arrays as one in which they take turns. Vectors of any width have instructions for it. */
+LANE_INLINE void lane_weave(const float *restrict a, const float *restrict b, size_t n, float *restrict out) {
+    for (size_t k = 0; k < n; k++) {
+        out[2 * k] = a[k];
+        out[2 * k + 1] = b[k];
+    }
+}
+
 #endif

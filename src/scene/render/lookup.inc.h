@@ -29,7 +29,7 @@ LANE_INLINE float lane_log2(float x) {
 
 /* (GCC turns choices that follow from one another in one loop into branches, hence three.) */
 static void find_footprints(const wave_strip *restrict s, const texture *t, wave_footprints *restrict f) {
-    const size_t n = s->n;
+    const size_t n = wave_whole(s->n);
     const float width = (float)t->levels[0].width, height = (float)t->levels[0].height, last = (float)(t->count - 1);
     const float most = probes_most * probes_most;
     float longer[WAVE_STRIP], shorter[WAVE_STRIP], level[WAVE_STRIP], ratio[WAVE_STRIP];
@@ -64,7 +64,7 @@ static void find_footprints(const wave_strip *restrict s, const texture *t, wave
 /* Does each path take one probe, of the image itself and no coarser level? */
 static bool are_plain(const wave_strip *s, const wave_footprints *f) {
     int32_t other = 0;
-    for (size_t k = 0; k < s->n; k++) other |= f->level[k] | (f->count[k] - 1) | (f->share[k] > 0);
+    for (size_t k = 0; k < wave_whole(s->n); k++) other |= f->level[k] | (f->count[k] - 1) | (f->share[k] > 0);
     return other == 0;
 }
 
@@ -83,7 +83,7 @@ static void add_probes(const wave_strip *s, const wave_footprints *f, size_t k, 
 
 static void list_probes(const wave_strip *s, const wave_footprints *f, wave_probes *p) {
     p->n = 0;
-    for (size_t k = 0; k < s->n; k++) {
+    for (size_t k = 0; k < wave_whole(s->n); k++) {
         add_probes(s, f, k, f->level[k], 1 - f->share[k], p);
         if (f->share[k] > 0) add_probes(s, f, k, f->level[k] + 1, f->share[k], p);
     }
@@ -141,8 +141,8 @@ static void place_plain_probes(const wave_strip *s, const texture *t, wave_probe
     const float width = (float)l.width, height = (float)l.height;
     memcpy(p->u, s->uv[0], sizeof s->uv[0]);
     memcpy(p->v, s->uv[1], sizeof s->uv[1]);
-    for (size_t k = 0; k < s->n; k++) place_probe(p, k, width, height);
-    for (size_t k = 0; k < s->n; k++) place_texels(p, k, l.height, l.stride, l.first);
+    for (size_t k = 0; k < wave_whole(s->n); k++) place_probe(p, k, width, height);
+    for (size_t k = 0; k < wave_whole(s->n); k++) place_texels(p, k, l.height, l.stride, l.first);
 }
 
 /* A half as a float, exactly, as half_number does it. */
@@ -173,7 +173,7 @@ static void read_probes(const texture *t, const wave_probes *p, size_t first, si
 }
 
 /* Sets the strip's colours, which are never below 0. */
-static void look_up(wave *w, const texture *t) {
+static void look_up(wave *w, texture *t) {
     wave_strip *s = &w->strip;
     wave_footprints *f = &w->footprints;
     wave_probes *p = &w->probes;
@@ -183,6 +183,7 @@ static void look_up(wave *w, const texture *t) {
         place_plain_probes(s, t, p);
         read_probes(t, p, 0, s->n, sum);
     } else {
+        texture_need_levels(t);
         list_probes(s, f, p);
         place_probes(t, p);
         memset(sum, 0, s->n * sizeof sum[0]);
@@ -194,7 +195,7 @@ static void look_up(wave *w, const texture *t) {
                 for (int c = 0; c < 4; c++) sum[p->of[first + k]][c] += p->weight[first + k] * colour[k][c];
         }
     }
-    for (size_t k = 0; k < s->n; k++) {
+    for (size_t k = 0; k < wave_whole(s->n); k++) {
         const float red = sum[k][0], green = sum[k][1], blue = sum[k][2];
         s->colour[0][k] = red > 0 ? red : 0;
         s->colour[1][k] = green > 0 ? green : 0;

@@ -17,8 +17,8 @@ static void spread_on_surface(wave *w, const wave_rays *r, size_t home, const pl
     if (home == PLAN_CAMERA) {
         float step[2][3];
         memcpy(step, shape->step, sizeof step);
-        fetch(s, in_a_row, r->dir[2], s->in[0]);
-        for (size_t k = 0; k < s->n; k++) {
+        copy(s, in_a_row, r->dir[2], s->in[0]);
+        for (size_t k = 0; k < wave_whole(s->n); k++) {
             const float depth = s->in[0][k];
             for (int a = 0; a < 2; a++)
                 for (int c = 0; c < 3; c++) {
@@ -27,25 +27,21 @@ static void spread_on_surface(wave *w, const wave_rays *r, size_t home, const pl
                 }
         }
     } else {
-        float m[3][4];
-        memcpy(m, plan_map_to(w->plan, (size_t)(shape - w->plan->shapes), home)->m, sizeof m);
+        const plan_map *map = plan_map_to(w->plan, (size_t)(shape - w->plan->shapes), home);
+        const wave_spread *spread = r->spread;
         for (int a = 0; a < 2; a++) {
-            float org[3][WAVE_STRIP];
-            for (int c = 0; c < 3; c++) {
-                fetch(s, in_a_row, r->spread->org[a][c], org[c]);
-                fetch(s, in_a_row, r->spread->dir[a][c], s->in[c]);
-            }
-            for (size_t k = 0; k < s->n; k++)
-                for (int c = 0; c < 3; c++) {
-                    s->apart_dir[a][c][k] = lane_turn(m[c], s->in[0][k], s->in[1][k], s->in[2][k]);
-                    s->apart[a][c][k] =
-                        lane_turn(m[c], org[0][k], org[1][k], org[2][k]) + s->t[k] * s->apart_dir[a][c][k];
-                }
+            const float *in[3];
+            fetch_vector(s, in_a_row, spread->dir[a], s->in, in);
+            turn_vectors(map, in[0], in[1], in[2], wave_whole(s->n), s->apart_dir[a]);
+            fetch_vector(s, in_a_row, spread->org[a], s->in, in);
+            turn_vectors(map, in[0], in[1], in[2], wave_whole(s->n), s->apart[a]);
+            for (int c = 0; c < 3; c++)
+                for (size_t k = 0; k < wave_whole(s->n); k++) s->apart[a][c][k] += s->t[k] * s->apart_dir[a][c][k];
         }
     }
     for (int a = 0; a < 2; a++) {
         float *x = s->apart[a][0], *y = s->apart[a][1], *z = s->apart[a][2];
-        for (size_t k = 0; k < s->n; k++) {
+        for (size_t k = 0; k < wave_whole(s->n); k++) {
             const float nx = s->flat[0][k], ny = s->flat[1][k], nz = s->flat[2][k];
             const float dx = s->dir[0][k], dy = s->dir[1][k], dz = s->dir[2][k];
             const float further = lane_dot(x[k], y[k], z[k], nx, ny, nz) / lane_dot(dx, dy, dz, nx, ny, nz);
@@ -85,13 +81,13 @@ static void find_uv(wave_strip *s, const plan_shape *shape) {
     if (shape->field != NULL) {
         for (int a = 0; a < 2; a++) {
             const float scale = shape->uv_scale[a];
-            for (size_t k = 0; k < s->n; k++) s->uv[a][k] = s->at[a][k] * scale;
+            for (size_t k = 0; k < wave_whole(s->n); k++) s->uv[a][k] = s->at[a][k] * scale;
             for (int b = 0; b < 2; b++)
-                for (size_t k = 0; k < s->n; k++) s->uv_apart[b][a][k] = s->apart[b][a][k] * scale;
+                for (size_t k = 0; k < wave_whole(s->n); k++) s->uv_apart[b][a][k] = s->apart[b][a][k] * scale;
         }
         return;
     }
-    for (size_t k = 0; k < s->n; k++) {
+    for (size_t k = 0; k < wave_whole(s->n); k++) {
         s->uv[0][k] = turn_of(s->at[0][k], s->at[1][k]); /* images repeat: [-1/2, 0) is as good as [1/2, 1) */
         s->uv[1][k] = (s->at[2][k] + 1) * 0.5f;
         for (int b = 0; b < 2; b++) {
@@ -112,13 +108,13 @@ static void find_colour(wave *w, const wave_rays *r, size_t home, const plan_sha
     } else {
         for (int c = 0; c < 3; c++) {
             const float colour = m->colour[c];
-            for (size_t k = 0; k < s->n; k++) s->colour[c][k] = colour;
+            for (size_t k = 0; k < wave_whole(s->n); k++) s->colour[c][k] = colour;
         }
     }
     if (home == PLAN_CAMERA) return;
     for (int c = 0; c < 3; c++) {
-        fetch(s, in_a_row, r->share[c], s->in[c]);
-        for (size_t k = 0; k < s->n; k++) s->colour[c][k] *= s->in[c][k];
+        const float *share = fetch(s, in_a_row, r->share[c], s->in[c]);
+        for (size_t k = 0; k < wave_whole(s->n); k++) s->colour[c][k] *= share[k];
     }
 }
 
@@ -134,7 +130,7 @@ static void send_light(wave *w, const wave_rays *r, const plan_shape *shape, siz
     memcpy(g, shape->metric.g, sizeof g);
     memcpy(inverse, shape->inverse.g, sizeof inverse);
     int32_t counts[WAVE_STRIP];
-    for (size_t k = 0; k < s->n; k++) {
+    for (size_t k = 0; k < wave_whole(s->n); k++) {
         const float tx = lx - s->at[0][k], ty = ly - s->at[1][k], tz = lz - s->at[2][k];
         /* Eye and light must be on the same side of the flat surface. */
         const float facing =
@@ -154,7 +150,7 @@ static void send_light(wave *w, const wave_rays *r, const plan_shape *shape, siz
         to->light[2][count + k] = blue;
     }
     for (int c = 0; c < 3; c++) memcpy(&to->org[c][count], s->at[c], s->n * sizeof s->at[c][0]);
-    for (size_t k = 0; k < s->n; k++) to->pixel[count + k] = r->pixel[s->path[k]];
+    for (size_t k = 0; k < wave_whole(s->n); k++) to->pixel[count + k] = r->pixel[s->path[k]];
 
     int32_t all = 1;
     for (size_t k = 0; k < n; k++) all &= counts[k];
@@ -185,7 +181,7 @@ static void send_mirrored(wave *w, const wave_rays *r, size_t home, const plan_s
     const float offset = shape->offset, *colour = shape->surface->colour;
     float inverse[6];
     memcpy(inverse, shape->inverse.g, sizeof inverse);
-    for (size_t k = 0; k < s->n; k++) {
+    for (size_t k = 0; k < wave_whole(s->n); k++) {
         const float nx = s->normal[0][k], ny = s->normal[1][k], nz = s->normal[2][k];
         const float mx = lane_row(inverse, 0, nx, ny, nz), my = lane_row(inverse, 1, nx, ny, nz);
         const float mz = lane_row(inverse, 2, nx, ny, nz);
@@ -200,13 +196,13 @@ static void send_mirrored(wave *w, const wave_rays *r, size_t home, const plan_s
     for (int c = 0; c < 3; c++) {
         const float kr = colour[c];
         if (home == PLAN_CAMERA) {
-            for (size_t k = 0; k < s->n; k++) next->share[c][count + k] = kr;
+            for (size_t k = 0; k < wave_whole(s->n); k++) next->share[c][count + k] = kr;
         } else {
-            fetch(s, in_a_row, r->share[c], s->in[c]);
-            for (size_t k = 0; k < s->n; k++) next->share[c][count + k] = s->in[c][k] * kr;
+            const float *share = fetch(s, in_a_row, r->share[c], s->in[c]);
+            for (size_t k = 0; k < wave_whole(s->n); k++) next->share[c][count + k] = share[k] * kr;
         }
     }
-    for (size_t k = 0; k < s->n; k++) next->pixel[count + k] = r->pixel[s->path[k]];
+    for (size_t k = 0; k < wave_whole(s->n); k++) next->pixel[count + k] = r->pixel[s->path[k]];
     next->count += n;
     w->stats.mirror_rays += n;
 }
@@ -214,7 +210,7 @@ static void send_mirrored(wave *w, const wave_rays *r, size_t home, const plan_s
 /* How the mirrored paths spread: the same formula differentiated, with the normal's change over the point's. */
 static void spread_mirrored(const wave_strip *restrict s, const plan_shape *shape, size_t count,
                             wave_spread *restrict next) {
-    const size_t n = s->n;
+    const size_t n = wave_whole(s->n);
     float inverse[6];
     memcpy(inverse, shape->inverse.g, sizeof inverse);
     for (int a = 0; a < 2; a++) {
@@ -277,8 +273,8 @@ static void shade_strip(wave *w, const wave_rays *r, size_t home, size_t number,
     const bool in_a_row = begin_strip(w, path, n);
     arrive(w, r, home, number, turns, in_a_row);
     if (shape->field != NULL) {
-        on_field(w, shape);
-        field_normals(w, shape, turns);
+        const bool border = on_field(w, shape);
+        field_normals(w, border, turns);
     }
     if (mirror) {
         const size_t count = next->count;

@@ -9,75 +9,156 @@
 
 /* A strip of paths that end on one shape: where, and how the surface lies there, in the shape's space. */
 
-/* Copies what a strip's paths have in an array of the wave. Paths in a row, which are the rule, need no indices. */
-static void fetch(const wave_strip *s, bool in_a_row, const float *from, float *to) {
-    if (in_a_row)
-        memcpy(to, from + s->path[0], s->n * sizeof *to);
-    else
-        for (size_t k = 0; k < s->n; k++) to[k] = from[s->path[k]];
+/* What a strip's paths have in an array of the wave: right there if they stand in a row, which is the rule, else collected in
+ * room. */
+static const float *fetch(const wave_strip *s, bool in_a_row, const float *from, float *room) {
+    if (in_a_row) return from + s->path[0];
+    for (size_t k = 0; k < wave_whole(s->n); k++) room[k] = from[s->path[k]];
+    return room;
+}
+
+/* The same for loops of which compilers can tell the less that nothing overlaps, the more pointers there are. */
+static void copy(const wave_strip *s, bool in_a_row, const float *from, float *to) {
+    const float *there = fetch(s, in_a_row, from, to);
+    if (there != to) memcpy(to, there, s->n * sizeof *to);
+}
+
+/* The same of three coordinates. */
+static void fetch_vector(const wave_strip *s, bool in_a_row, const wave_vector from, float room[3][WAVE_STRIP],
+                         const float *to[3]) {
+    for (int c = 0; c < 3; c++) to[c] = fetch(s, in_a_row, from[c], room[c]);
 }
 
 /* Takes up to WAVE_STRIP paths; the last one fills up the last lanes. */
 static bool begin_strip(wave *w, const uint32_t *path, size_t n) {
     wave_strip *s = &w->strip;
     s->n = wave_lanes(n);
-    for (size_t k = 0; k < s->n; k++) s->path[k] = path[k < n ? k : n - 1];
+    for (size_t k = 0; k < wave_whole(s->n); k++) s->path[k] = path[k < n ? k : n - 1];
     return !w->plan->general && s->n == n && s->path[n - 1] - s->path[0] == n - 1;
+}
+
+/* Vectors of one space in another one. */
+LANE_INLINE void turn_vectors(const plan_map *map, const float *restrict x, const float *restrict y,
+                              const float *restrict z, size_t n, float (*restrict to)[WAVE_STRIP]) {
+    for (int c = 0; c < 3; c++) {
+        const float row[4] = {map->m[c][0], map->m[c][1], map->m[c][2], 0};
+        for (size_t k = 0; k < n; k++) to[c][k] = lane_turn(row, x[k], y[k], z[k]);
+    }
 }
 
 /* The rays that came, and for a cylinder where they ended and its normals, which are (x, y, 0). */
 static void arrive(wave *w, const wave_rays *r, size_t home, size_t shape, bool turns, bool in_a_row) {
     wave_strip *s = &w->strip;
+    const plan_map *map = plan_map_to(w->plan, shape, home);
     float m[3][4];
-    memcpy(m, plan_map_to(w->plan, shape, home)->m, sizeof m);
-    for (int c = 0; c < 3; c++) fetch(s, in_a_row, r->dir[c], s->in[c]);
-    fetch(s, in_a_row, w->t, s->t);
-    for (size_t k = 0; k < s->n; k++)
-        for (int c = 0; c < 3; c++) s->dir[c][k] = lane_turn(m[c], s->in[0][k], s->in[1][k], s->in[2][k]);
+    memcpy(m, map->m, sizeof m);
+    const float *in[3];
+    fetch_vector(s, in_a_row, r->dir, s->in, in);
+    turn_vectors(map, in[0], in[1], in[2], wave_whole(s->n), s->dir);
+    copy(s, in_a_row, w->t, s->t);
     if (w->plan->shapes[shape].field != NULL) return;
 
     if (home == PLAN_CAMERA) {
         for (int c = 0; c < 3; c++)
-            for (size_t k = 0; k < s->n; k++) s->at[c][k] = m[c][3] + s->t[k] * s->dir[c][k];
+            for (size_t k = 0; k < wave_whole(s->n); k++) s->at[c][k] = m[c][3] + s->t[k] * s->dir[c][k];
     } else {
-        for (int c = 0; c < 3; c++) fetch(s, in_a_row, r->org[c], s->in[c]);
-        for (size_t k = 0; k < s->n; k++)
+        fetch_vector(s, in_a_row, r->org, s->in, in);
+        for (size_t k = 0; k < wave_whole(s->n); k++)
             for (int c = 0; c < 3; c++)
-                s->at[c][k] = lane_move(m[c], s->in[0][k], s->in[1][k], s->in[2][k]) + s->t[k] * s->dir[c][k];
+                s->at[c][k] = lane_move(m[c], in[0][k], in[1][k], in[2][k]) + s->t[k] * s->dir[c][k];
     }
-    for (size_t k = 0; k < s->n; k++) {
+    for (size_t k = 0; k < wave_whole(s->n); k++) {
         s->flat[0][k] = s->normal[0][k] = s->at[0][k];
         s->flat[1][k] = s->normal[1][k] = s->at[1][k];
         s->flat[2][k] = s->normal[2][k] = 0;
     }
     if (!turns) return;
     memset(s->turn, 0, sizeof s->turn);
-    for (size_t k = 0; k < s->n; k++) s->turn[0][0][k] = s->turn[1][1][k] = 1;
+    for (size_t k = 0; k < wave_whole(s->n); k++) s->turn[0][0][k] = s->turn[1][1][k] = 1;
 }
 
 /* ---- height fields ------------------------------------------------------------------------------------------------ */
 
+LANE_INLINE ptrdiff_t clamp(ptrdiff_t x, ptrdiff_t last) { return x < 0 ? 0 : x > last ? last : x; }
+
+/* The 4 x 4 samples around each cell. A path's four rows are copied as they stand; weaving what sixteen paths have four times,
+ * each time the second half into the first, sorts it by sample. In place of a sample beyond the border stands the one there. */
+LANE_INLINE void fetch_window(wave_strip *s, const plan_shape *shape, bool border) {
+    const float *samples = shape->field->samples;
+    const ptrdiff_t nx = (ptrdiff_t)shape->field->nx, last_i = nx - 1, last_j = (ptrdiff_t)shape->field->ny - 1;
+    for (size_t first = 0; first < wave_whole(s->n); first += WAVE_LANES) {
+        enum { WHOLE = WAVE_WINDOW * WAVE_LANES };
+        float a[WHOLE], b[WHOLE];
+        for (size_t k = 0; k < WAVE_LANES; k++)
+            for (int row = 0; row < 4; row++) {
+                const ptrdiff_t i = s->i[first + k] - 1, j = s->j[first + k] - 1 + row;
+                float *to = &a[k * WAVE_WINDOW + 4 * (size_t)row];
+                if (border)
+                    for (int c = 0; c < 4; c++) to[c] = samples[clamp(j, last_j) * nx + clamp(i + c, last_i)];
+                else
+                    memcpy(to, samples + j * nx + i, 4 * sizeof *to);
+            }
+        lane_weave(a, a + WHOLE / 2, WHOLE / 2, b);
+        lane_weave(b, b + WHOLE / 2, WHOLE / 2, a);
+        lane_weave(a, a + WHOLE / 2, WHOLE / 2, b);
+        lane_weave(b, b + WHOLE / 2, WHOLE / 2, a);
+        for (size_t q = 0; q < WAVE_WINDOW; q++)
+            memcpy(&s->window[q][first], &a[q * WAVE_LANES], WAVE_LANES * sizeof *a);
+    }
+}
+
+/* The sample of a window at (x, y) from its cell's first corner. */
+LANE_INLINE float window_sample(const wave_strip *s, int x, int y, size_t k) { return s->window[4 * y + x + 5][k]; }
+
+/* Whether some cell lies at the border; goes_on says on which sides of each the field does not end. */
+static bool at_border(wave_strip *s, const plan_shape *shape) {
+    const int32_t last_i = (int32_t)shape->field->nx - 2, last_j = (int32_t)shape->field->ny - 2;
+    int32_t border = 0;
+    for (size_t k = 0; k < wave_whole(s->n); k++) {
+        const int32_t east = s->i[k]<last_i, north = s->j[k]<last_j, west = s->i[k]> 0, south = s->j[k]> 0;
+        s->goes_on[EAST][k] = (float)east;
+        s->goes_on[NORTH][k] = (float)north;
+        s->goes_on[WEST][k] = (float)west;
+        s->goes_on[SOUTH][k] = (float)south;
+        border |= (east & north & west & south) == 0;
+    }
+    return border != 0;
+}
+
 /* The cell's corners (0, 0), (1, 0), (0, 1), (1, 1), the point and the normal of the flat triangle, which is long as many
- * times its area as every other one's. */
-static void on_field(wave *w, const plan_shape *shape) {
+ * times its area as every other one's. Returns whether some cell lies at the border, as far as that matters to normals. */
+static bool on_field(wave *w, const plan_shape *shape) {
     wave_strip *s = &w->strip;
     const float *samples = shape->field->samples;
+    const cw_hit *answers = w->answers[shape - w->plan->shapes];
     const size_t nx = shape->field->nx;
-    for (size_t k = 0; k < s->n; k++) {
-        const cw_hit *hit = &w->hits[s->path[k]];
-        const float *z = samples + (size_t)hit->j * nx + (size_t)hit->i;
+    for (size_t k = 0; k < wave_whole(s->n); k++) {
+        const cw_hit *hit = &answers[w->hit[s->path[k]]];
         s->i[k] = hit->i;
         s->j[k] = hit->j;
         s->lower[k] = hit->triangle == CW_TRIANGLE_A;
         s->u[k] = hit->u;
         s->v[k] = hit->v;
-        s->corner[0][k] = z[0];
-        s->corner[1][k] = z[1];
-        s->corner[2][k] = z[nx];
-        s->corner[3][k] = z[nx + 1];
-        s->third[k] = z[hit->triangle == CW_TRIANGLE_A ? 1 : nx];
     }
-    for (size_t k = 0; k < s->n; k++) {
+    const bool smooth = w->plan->normals != SCENE_NORMALS_FLAT;
+    const bool border = smooth && (at_border(s, shape) || w->plan->general);
+    if (smooth) {
+        if (border)
+            fetch_window(s, shape, true);
+        else
+            fetch_window(s, shape, false);
+        for (int q = 0; q < 4; q++)
+            for (size_t k = 0; k < wave_whole(s->n); k++) s->corner[q][k] = window_sample(s, q & 1, q >> 1, k);
+    } else {
+        for (size_t k = 0; k < wave_whole(s->n); k++) {
+            const float *z = samples + (size_t)s->j[k] * nx + (size_t)s->i[k];
+            s->corner[0][k] = z[0];
+            s->corner[1][k] = z[1];
+            s->corner[2][k] = z[nx];
+            s->corner[3][k] = z[nx + 1];
+        }
+    }
+    for (size_t k = 0; k < wave_whole(s->n); k++) {
         const float z = s->corner[0][k], east = s->corner[1][k], north = s->corner[2][k], far = s->corner[3][k];
         const float u = s->u[k], v = s->v[k], sum = u + v;
         const int32_t lower = s->lower[k];
@@ -90,72 +171,12 @@ static void on_field(wave *w, const plan_shape *shape) {
         s->flat[1][k] = -along_y;
         s->flat[2][k] = 1;
     }
+    return border;
 }
 
 /* Vertices that a normal is made from: the cell's corners at both ends of its diagonal, the third corner of the triangle,
  * and the fourth of the cell. */
 enum { VERTEX_FIRST, VERTEX_LAST, VERTEX_THIRD, VERTEX_FOURTH };
-enum { EAST, NORTH, WEST, SOUTH, NORTH_EAST, SOUTH_WEST };
-
-/* The samples around some of these vertices; none of them stands at the border. */
-static void fetch_around(wave *w, const plan_shape *shape, int vertices) {
-    wave_strip *s = &w->strip;
-    const float *samples = shape->field->samples;
-    const ptrdiff_t nx = (ptrdiff_t)shape->field->nx;
-    for (size_t k = 0; k < s->n; k++) {
-        const float *z = samples + s->j[k] * nx + s->i[k];
-        const float *vertex[4] = {z, z + nx + 1, z + (s->lower[k] ? 1 : nx), z + (s->lower[k] ? nx : 1)};
-        for (int q = 0; q < vertices; q++) {
-            const float *c = vertex[q];
-            s->around[q][EAST][k] = c[1];
-            s->around[q][NORTH][k] = c[nx];
-            s->around[q][WEST][k] = c[-1];
-            s->around[q][SOUTH][k] = c[-nx];
-            s->around[q][NORTH_EAST][k] = c[nx + 1];
-            s->around[q][SOUTH_WEST][k] = c[-nx - 1];
-        }
-    }
-}
-
-/* The same where a vertex may stand at the border: a sample that is not there is one that is, and there says so. */
-static void fetch_around_border(wave *w, const plan_shape *shape, int vertices) {
-    wave_strip *s = &w->strip;
-    const float *samples = shape->field->samples;
-    const int32_t nx = (int32_t)shape->field->nx, last_i = nx - 1, last_j = (int32_t)shape->field->ny - 1;
-    for (int q = 0; q < vertices; q++) {
-        /* Where the vertex is in its cell: the same for all paths, or as in the lower triangle, or as in the upper one. */
-        const int32_t last = q == VERTEX_LAST, third = q == VERTEX_THIRD, fourth = q == VERTEX_FOURTH;
-        int32_t i[WAVE_STRIP], j[WAVE_STRIP], step[4][WAVE_STRIP];
-        for (size_t k = 0; k < s->n; k++) {
-            const int32_t lower = s->lower[k], upper = lower ^ 1;
-            i[k] = s->i[k] + (last | (third & lower) | (fourth & upper));
-            j[k] = s->j[k] + (last | (third & upper) | (fourth & lower));
-            const int32_t east = i[k]<last_i, north = j[k]<last_j, west = i[k]> 0, south = j[k]> 0;
-            s->there[q][EAST][k] = (float)east;
-            s->there[q][NORTH][k] = (float)north;
-            s->there[q][WEST][k] = (float)west;
-            s->there[q][SOUTH][k] = (float)south;
-            step[EAST][k] = east;
-            step[NORTH][k] = nx * north;
-            step[WEST][k] = -west;
-            step[SOUTH][k] = -nx * south;
-        }
-        for (size_t k = 0; k < s->n; k++) {
-            const float *c = samples + (ptrdiff_t)j[k] * nx + i[k];
-            for (int side = 0; side < 4; side++) s->around[q][side][k] = c[step[side][k]];
-            s->around[q][NORTH_EAST][k] = c[step[NORTH][k] + step[EAST][k]];
-            s->around[q][SOUTH_WEST][k] = c[step[SOUTH][k] + step[WEST][k]];
-        }
-    }
-}
-
-static bool at_border(const wave_strip *s, const plan_shape *shape) {
-    const int32_t last_i = (int32_t)shape->field->nx - 2, last_j = (int32_t)shape->field->ny - 2;
-    int32_t border = 0;
-    for (size_t k = 0; k < s->n; k++)
-        border |= (s->i[k] == 0) | (s->j[k] == 0) | (s->i[k] == last_i) | (s->j[k] == last_j);
-    return border != 0;
-}
 
 /* A vertex's normal is the sum of those of its triangles, at most six: both of the cells to the north-east and the
  * south-west, the lower one to the north-west, the upper one to the south-east. n, e, w and s are 1 or 0 as these cells are
@@ -184,16 +205,29 @@ LANE_INLINE vertex vertex_central(float e, float n, float w, float s, float has_
     return (vertex){(w - e) / (has_e + has_w), (s - n) / (has_n + has_s), 1};
 }
 
-LANE_INLINE vertex vertex_of(const wave_strip *s, int q, float c, size_t k, bool border, bool central) {
-    const float(*a)[WAVE_STRIP] = s->around[q], (*has)[WAVE_STRIP] = s->there[q];
-    if (central && border)
-        return vertex_central(a[EAST][k], a[NORTH][k], a[WEST][k], a[SOUTH][k], has[EAST][k], has[NORTH][k],
-                              has[WEST][k], has[SOUTH][k]);
-    if (central) return vertex_central(a[EAST][k], a[NORTH][k], a[WEST][k], a[SOUTH][k], 1, 1, 1, 1);
-    if (border)
-        return vertex_at_border(c, a[EAST][k], a[NORTH][k], a[WEST][k], a[SOUTH][k], a[NORTH_EAST][k], a[SOUTH_WEST][k],
-                                has[EAST][k], has[NORTH][k], has[WEST][k], has[SOUTH][k]);
-    return vertex_inside(c, a[EAST][k], a[NORTH][k], a[WEST][k], a[SOUTH][k], a[NORTH_EAST][k], a[SOUTH_WEST][k]);
+/* A sample at (dx, dy) from a vertex in the window. */
+LANE_INLINE float beside(const wave_strip *s, int q, int dx, int dy, size_t k) {
+    if (q == VERTEX_FIRST) return window_sample(s, dx, dy, k);
+    if (q == VERTEX_LAST) return window_sample(s, 1 + dx, 1 + dy, k);
+    const float east = window_sample(s, 1 + dx, dy, k), north = window_sample(s, dx, 1 + dy, k);
+    return (s->lower[k] == 1) == (q == VERTEX_THIRD) ? east : north;
+}
+
+LANE_INLINE vertex vertex_of(const wave_strip *s, int q, size_t k, bool border, bool central) {
+    const float c = beside(s, q, 0, 0, k), e = beside(s, q, 1, 0, k), n = beside(s, q, 0, 1, k);
+    const float west = beside(s, q, -1, 0, k), south = beside(s, q, 0, -1, k);
+    const float ne = beside(s, q, 1, 1, k), sw = beside(s, q, -1, -1, k);
+    if (!border)
+        return central ? vertex_central(e, n, west, south, 1, 1, 1, 1) : vertex_inside(c, e, n, west, south, ne, sw);
+    /* Towards the cell the field goes on in any case. */
+    const bool at_east = q == VERTEX_LAST, at_west = q == VERTEX_FIRST;
+    const bool east_corner = (s->lower[k] == 1) == (q == VERTEX_THIRD);
+    const float has_e = at_west ? 1 : at_east || east_corner ? s->goes_on[EAST][k] : 1;
+    const float has_w = at_east ? 1 : at_west || !east_corner ? s->goes_on[WEST][k] : 1;
+    const float has_n = at_west ? 1 : at_east || !east_corner ? s->goes_on[NORTH][k] : 1;
+    const float has_s = at_east ? 1 : at_west || east_corner ? s->goes_on[SOUTH][k] : 1;
+    if (central) return vertex_central(e, n, west, south, has_e, has_n, has_w, has_s);
+    return vertex_at_border(c, e, n, west, south, ne, sw, has_e, has_n, has_w, has_s);
 }
 
 LANE_INLINE void set_turn(wave_strip *s, size_t k, int axis, float x, float y, float z) {
@@ -204,11 +238,11 @@ LANE_INLINE void set_turn(wave_strip *s, size_t k, int axis, float x, float y, f
 
 /* The normals of the triangle's vertices, interpolated by the hit's barycentric coordinates. */
 LANE_INLINE void barycentric(wave_strip *restrict s, bool border, bool central, bool turns) {
-    for (size_t k = 0; k < s->n; k++) {
+    for (size_t k = 0; k < wave_whole(s->n); k++) {
         const int32_t lower = s->lower[k];
-        const vertex first = vertex_of(s, VERTEX_FIRST, s->corner[0][k], k, border, central);
-        const vertex last = vertex_of(s, VERTEX_LAST, s->corner[3][k], k, border, central);
-        const vertex third = vertex_of(s, VERTEX_THIRD, s->third[k], k, border, central);
+        const vertex first = vertex_of(s, VERTEX_FIRST, k, border, central);
+        const vertex last = vertex_of(s, VERTEX_LAST, k, border, central);
+        const vertex third = vertex_of(s, VERTEX_THIRD, k, border, central);
         const float u = s->u[k], v = s->v[k], a = 1 - u - v, b = lower ? v : u, c = lower ? u : v;
         s->normal[0][k] = a * first.x + b * last.x + c * third.x;
         s->normal[1][k] = a * first.y + b * last.y + c * third.y;
@@ -224,12 +258,12 @@ LANE_INLINE void barycentric(wave_strip *restrict s, bool border, bool central, 
 
 /* Those of the cell's four corners, interpolated along x and y. */
 LANE_INLINE void bilinear(wave_strip *restrict s, bool border, bool turns) {
-    for (size_t k = 0; k < s->n; k++) {
+    for (size_t k = 0; k < wave_whole(s->n); k++) {
         const int32_t lower = s->lower[k];
-        const vertex first = vertex_of(s, VERTEX_FIRST, 0, k, border, true);
-        const vertex last = vertex_of(s, VERTEX_LAST, 0, k, border, true);
-        const vertex third = vertex_of(s, VERTEX_THIRD, 0, k, border, true);
-        const vertex fourth = vertex_of(s, VERTEX_FOURTH, 0, k, border, true);
+        const vertex first = vertex_of(s, VERTEX_FIRST, k, border, true);
+        const vertex last = vertex_of(s, VERTEX_LAST, k, border, true);
+        const vertex third = vertex_of(s, VERTEX_THIRD, k, border, true);
+        const vertex fourth = vertex_of(s, VERTEX_FOURTH, k, border, true);
         const vertex east = {lower ? third.x : fourth.x, lower ? third.y : fourth.y, 1};
         const vertex north = {lower ? fourth.x : third.x, lower ? fourth.y : third.y, 1};
         const float u = s->u[k], v = s->v[k], sum = u + v, x = lower ? sum : u, y = lower ? v : sum;
@@ -246,7 +280,7 @@ LANE_INLINE void bilinear(wave_strip *restrict s, bool border, bool turns) {
 }
 
 /* Normals for shading and, for mirrored spreads, how they turn. The constants pick the code that is compiled. */
-static void field_normals(wave *w, const plan_shape *shape, bool turns) {
+static void field_normals(wave *w, bool border, bool turns) {
     wave_strip *s = &w->strip;
     const scene_normals kind = w->plan->normals;
     if (kind == SCENE_NORMALS_FLAT) {
@@ -254,12 +288,6 @@ static void field_normals(wave *w, const plan_shape *shape, bool turns) {
         if (turns) memset(s->turn, 0, sizeof s->turn);
         return;
     }
-    const bool border = w->plan->general || at_border(s, shape);
-    const int vertices = kind == SCENE_NORMALS_BILINEAR ? 4 : 3;
-    if (border)
-        fetch_around_border(w, shape, vertices);
-    else
-        fetch_around(w, shape, vertices);
     switch (kind) {
     case SCENE_NORMALS_AREA:
         if (border && turns)

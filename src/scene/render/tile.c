@@ -32,7 +32,7 @@ static void put_pixels(const wave *w, size_t x, size_t y, const wave_region *reg
             if (px < region->x0 || px >= region->x1 || py < region->y0 || py >= region->y1) continue;
             float *rgb = &image->rgb[((py - region->y0) * image->width + px - region->x0) * 3];
             for (size_t c = 0; c < 3; c++) {
-                const double light = w->sum[ty * WAVE_TILE + tx][c] * share;
+                const double light = w->sum[c][wave_pixel((uint32_t)tx, (uint32_t)ty)] * share;
                 rgb[c] = light > 0 ? (float)light : 0;
             }
         }

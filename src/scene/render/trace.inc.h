@@ -10,67 +10,57 @@
 /* A wave's rays against the scene's shapes: moved to a field and asked of it where they pass through its box, and met with
  * cylinders in closed form. */
 
-/* Rays of a strip on their way to a shape. */
+/* WAVE_LANES rays in a shape's space. Loops over them have a known length, and what calls them is compiled into one body, so
+ * that all this stays in registers. */
 typedef struct moved {
-    size_t n;           /* whole lanes */
-    size_t first, rays; /* of so many rays from that one on */
-    float org[3][WAVE_STRIP], dir[3][WAVE_STRIP];
-    const float *tmin, *tmax;
-    int32_t passes[WAVE_STRIP]; /* through the field's box; 0 behind the last ray */
+    float org[3][WAVE_LANES], dir[3][WAVE_LANES], tmin[WAVE_LANES], tmax[WAVE_LANES];
 } moved;
 
-static const float zeros[WAVE_STRIP] = {0};
+/* Where rays come from: all from one point; from this very shape; or from somewhere else. */
+typedef enum origin { FROM_CAMERA, FROM_HERE, FROM_ELSEWHERE } origin;
 
-/* Where all segments to a light end. */
-#define FOUR_ONES 1, 1, 1, 1
-#define ONES      FOUR_ONES, FOUR_ONES, FOUR_ONES, FOUR_ONES
-static const float ones[WAVE_STRIP] = {ONES, ONES, ONES, ONES, ONES, ONES, ONES, ONES};
-
-static void begin_moved(moved *m, size_t first, size_t end) {
-    m->first = first;
-    m->rays = wave_strip_of(first, end);
-    m->n = wave_lanes(m->rays);
+static origin origin_of(size_t home, size_t shape) {
+    return home == PLAN_CAMERA ? FROM_CAMERA : home == plan_home(shape) ? FROM_HERE : FROM_ELSEWHERE;
 }
 
-/* The rays of a wave from first to before end, or as many of them as a strip holds. */
-static void move_rays(const plan_map *map, const wave *w, const wave_rays *r, size_t home, size_t first, size_t end,
-                      moved *out) {
-    begin_moved(out, first, end);
-    const size_t n = out->n;
-    float m[3][4];
-    memcpy(m, map->m, sizeof m);
+/* The rays of a wave from first on. */
+LANE_INLINE void move_rays(const plan_map *map, origin from, const float *restrict t, const wave_rays *restrict r,
+                           size_t first, moved *restrict out) {
     const float *dx = &r->dir[0][first], *dy = &r->dir[1][first], *dz = &r->dir[2][first];
     const float *ox = &r->org[0][first], *oy = &r->org[1][first], *oz = &r->org[2][first];
-    out->tmin = home == PLAN_CAMERA ? zeros : &r->tmin[first];
-    out->tmax = &w->t[first];
-    for (size_t k = 0; k < n; k++)
-        for (int c = 0; c < 3; c++) out->dir[c][k] = lane_turn(m[c], dx[k], dy[k], dz[k]);
-    if (home == PLAN_CAMERA) {
-        for (int c = 0; c < 3; c++)
-            for (size_t k = 0; k < n; k++) out->org[c][k] = m[c][3];
-    } else {
-        for (size_t k = 0; k < n; k++)
-            for (int c = 0; c < 3; c++) out->org[c][k] = lane_move(m[c], ox[k], oy[k], oz[k]);
+    const float *tmin = &r->tmin[first];
+    for (int c = 0; c < 3; c++) {
+        const float a = map->m[c][0], b = map->m[c][1], d = map->m[c][2], e = map->m[c][3], row[4] = {a, b, d, e};
+        for (int k = 0; k < WAVE_LANES; k++)
+            out->dir[c][k] = from == FROM_HERE ? r->dir[c][first + (size_t)k] : lane_turn(row, dx[k], dy[k], dz[k]);
+        for (int k = 0; k < WAVE_LANES; k++)
+            out->org[c][k] = from == FROM_CAMERA ? e
+                             : from == FROM_HERE ? r->org[c][first + (size_t)k]
+                                                 : lane_move(row, ox[k], oy[k], oz[k]);
+    }
+    for (int k = 0; k < WAVE_LANES; k++) {
+        out->tmin[k] = from == FROM_CAMERA ? 0 : tmin[k];
+        out->tmax[k] = t[first + (size_t)k];
     }
 }
 
-/* Segments to a light. */
-static void move_shadows(const plan_map *map, const wave_shadows *s, const float light[3], size_t first, size_t end,
-                         moved *out) {
-    begin_moved(out, first, end);
-    const size_t n = out->n;
-    float m[3][4];
-    memcpy(m, map->m, sizeof m);
-    const float to[3] = {light[0], light[1], light[2]};
-    const float *ox = &s->org[0][first], *oy = &s->org[1][first], *oz = &s->org[2][first];
-    out->tmin = &s->tmin[first];
-    out->tmax = ones;
-    for (size_t k = 0; k < n; k++)
-        for (int c = 0; c < 3; c++) {
-            const float org = lane_move(m[c], ox[k], oy[k], oz[k]);
+/* Segments to a light, where t is 1. */
+LANE_INLINE void move_shadows(const plan_map *map, origin from, const float light[3], const wave_shadows *restrict s,
+                              size_t first, moved *restrict out) {
+    const float *ox = &s->org[0][first], *oy = &s->org[1][first], *oz = &s->org[2][first], *tmin = &s->tmin[first];
+    for (int c = 0; c < 3; c++) {
+        const float a = map->m[c][0], b = map->m[c][1], d = map->m[c][2], e = map->m[c][3], row[4] = {a, b, d, e};
+        const float to = light[c];
+        for (int k = 0; k < WAVE_LANES; k++) {
+            const float org = from == FROM_HERE ? s->org[c][first + (size_t)k] : lane_move(row, ox[k], oy[k], oz[k]);
             out->org[c][k] = org;
-            out->dir[c][k] = to[c] - org;
+            out->dir[c][k] = to - org;
         }
+    }
+    for (int k = 0; k < WAVE_LANES; k++) {
+        out->tmin[k] = tmin[k];
+        out->tmax[k] = 1;
+    }
 }
 
 /* Where the line enters and leaves the stretch from low to high of one axis. The comparisons are such that a NaN, of a
@@ -84,15 +74,15 @@ LANE_INLINE float earlier_exit(float leave, float low, float high, float org, fl
     return t < leave ? t : leave;
 }
 
-/* Decides which rays pass through the box between tmin and tmax. Each t has three roundings, so it is off by less than
- * 2^-22 of itself, and its sign is right: with that much room no ray is left out that passes. */
-static void pass_box(const plan_shape *shape, moved *m) {
+/* Whether each ray passes through a shape's box between tmin and tmax, 1 or 0. Each t has three roundings, so it is off by
+ * less than 2^-22 of itself, and its sign is right: with that much room no ray is left out that passes. */
+LANE_INLINE void pass_box(const plan_shape *shape, const moved *restrict m, int32_t *restrict passes) {
     const float room = 1 + 0x1p-21f;
-    const float low[3] = {shape->low[0], shape->low[1], shape->low[2]};
-    const float high[3] = {shape->high[0], shape->high[1], shape->high[2]};
-    const float *tmin = m->tmin, *tmax = m->tmax;
-    for (size_t k = 0; k < m->n; k++) {
-        float enter = tmin[k], leave = tmax[k];
+    float low[3], high[3];
+    memcpy(low, shape->low, sizeof low);
+    memcpy(high, shape->high, sizeof high);
+    for (int k = 0; k < WAVE_LANES; k++) {
+        float enter = m->tmin[k], leave = m->tmax[k];
         const float ix = 1 / m->dir[0][k], iy = 1 / m->dir[1][k], iz = 1 / m->dir[2][k];
         enter = later_entry(enter, low[0], high[0], m->org[0][k], ix);
         enter = later_entry(enter, low[1], high[1], m->org[1][k], iy);
@@ -100,95 +90,117 @@ static void pass_box(const plan_shape *shape, moved *m) {
         leave = earlier_exit(leave, low[0], high[0], m->org[0][k], ix);
         leave = earlier_exit(leave, low[1], high[1], m->org[1][k], iy);
         leave = earlier_exit(leave, low[2], high[2], m->org[2][k], iz);
-        m->passes[k] = enter <= leave * room;
-    }
-    for (size_t k = m->rays; k < m->n; k++) m->passes[k] = 0;
-}
-
-static void all_pass(moved *m) {
-    for (size_t k = 0; k < m->n; k++) m->passes[k] = k < m->rays;
-}
-
-LANE_INLINE void weave(const float *a, const float *b, size_t n, float *out) {
-    for (size_t k = 0; k < n; k++) {
-        out[2 * k] = a[k];
-        out[2 * k + 1] = b[k];
+        passes[k] = enter <= leave * room;
     }
 }
 
-/* WAVE_LANES rays from k on, one after the other: eight arrays woven into one in three steps, for which there are vector
- * instructions. */
-static void ask_lanes(const moved *m, size_t k, cw_ray *out) {
+LANE_INLINE void all_pass(int32_t *passes) {
+    for (int k = 0; k < WAVE_LANES; k++) passes[k] = 1;
+}
+
+/* Nothing passes that lies behind the last of so many rays. */
+LANE_INLINE void none_behind(int32_t *passes, size_t rays) {
+    for (size_t k = rays; k < WAVE_LANES; k++) passes[k] = 0;
+}
+
+/* The rays one after the other: eight arrays woven into one in three steps, for which there are vector instructions. */
+LANE_INLINE void line_up(const moved *m, cw_ray *out) {
     float pair[4][2 * WAVE_LANES], quad[2][4 * WAVE_LANES], ray[8 * WAVE_LANES];
-    weave(&m->org[0][k], &m->dir[0][k], WAVE_LANES, pair[0]);
-    weave(&m->org[2][k], &m->dir[2][k], WAVE_LANES, pair[1]);
-    weave(&m->org[1][k], &m->dir[1][k], WAVE_LANES, pair[2]);
-    weave(&m->tmin[k], &m->tmax[k], WAVE_LANES, pair[3]);
-    weave(pair[0], pair[1], 2 * WAVE_LANES, quad[0]);
-    weave(pair[2], pair[3], 2 * WAVE_LANES, quad[1]);
-    weave(quad[0], quad[1], 4 * WAVE_LANES, ray);
+    lane_weave(m->org[0], m->dir[0], WAVE_LANES, pair[0]);
+    lane_weave(m->org[2], m->dir[2], WAVE_LANES, pair[1]);
+    lane_weave(m->org[1], m->dir[1], WAVE_LANES, pair[2]);
+    lane_weave(m->tmin, m->tmax, WAVE_LANES, pair[3]);
+    lane_weave(pair[0], pair[1], 2 * WAVE_LANES, quad[0]);
+    lane_weave(pair[2], pair[3], 2 * WAVE_LANES, quad[1]);
+    lane_weave(quad[0], quad[1], 4 * WAVE_LANES, ray);
     memcpy(out, ray, sizeof ray);
 }
 
-/* Of a group of WAVE_LANES flags that are 0 or 1, how many are 1: mostly all or none. */
-LANE_INLINE int32_t lanes_set(const int32_t *flags) {
-    int32_t sum = 0;
-    for (int k = 0; k < WAVE_LANES; k++) sum += flags[k];
-    return sum;
-}
-
-/* Appends the rays that pass to what the field is asked. Returns how many are asked now. */
-static size_t ask(wave *w, size_t asked, const moved *m) {
-    for (size_t k = 0; k < m->n; k += WAVE_LANES) {
-        const int32_t passing = lanes_set(&m->passes[k]);
-        if (passing == 0) continue;
-        if (passing == WAVE_LANES) {
-            ask_lanes(m, k, &w->asked[asked]);
-            for (size_t q = 0; q < WAVE_LANES; q++) w->asked_of[asked + q] = (uint32_t)(m->first + k + q);
-            asked += WAVE_LANES;
-            continue;
-        }
-        for (size_t q = k; q < k + WAVE_LANES; q++) {
-            if (!m->passes[q]) continue;
-            w->asked[asked] = (cw_ray){.org = {m->org[0][q], m->org[1][q], m->org[2][q]},
-                                       .tmin = m->tmin[q],
-                                       .dir = {m->dir[0][q], m->dir[1][q], m->dir[2][q]},
-                                       .tmax = m->tmax[q]};
-            w->asked_of[asked++] = (uint32_t)(m->first + q);
-        }
+/* Appends the rays that pass, of those from first on, to what a field is asked. Returns how many are asked now. Mostly all
+ * pass or none. */
+LANE_INLINE size_t ask(wave *w, size_t asked, const moved *m, const int32_t *passes, size_t first) {
+    int32_t passing = 0;
+    for (int k = 0; k < WAVE_LANES; k++) passing += passes[k];
+    if (passing == 0) return asked;
+    cw_ray *to = &w->asked[asked];
+    uint32_t *of = &w->asked_of[asked];
+    line_up(m, to);
+    for (size_t k = 0; k < WAVE_LANES; k++) of[k] = (uint32_t)(first + k);
+    if (passing == WAVE_LANES) return asked + WAVE_LANES;
+    size_t kept = 0;
+    for (size_t k = 0; k < WAVE_LANES; k++) {
+        to[kept] = to[k];
+        of[kept] = of[k];
+        kept += (size_t)passes[k];
     }
-    return asked;
+    return asked + kept;
 }
 
 /* ---- closest hits ------------------------------------------------------------------------------------------------- */
 
-static void closest_on_field(wave *w, const wave_rays *r, size_t f) {
+LANE_INLINE size_t ask_closest(wave *w, const wave_rays *r, const wave_segment *g, size_t f, size_t asked,
+                               origin from) {
     const plan *p = w->plan;
+    const plan_map *map = plan_map_to(p, f, g->home);
+    for (size_t first = g->begin; first < g->end; first += WAVE_LANES) {
+        moved m;
+        int32_t passes[WAVE_LANES];
+        move_rays(map, from, w->t, r, first, &m);
+        if (p->general)
+            all_pass(passes);
+        else
+            pass_box(&p->shapes[f], &m, passes);
+        if (g->end - first < WAVE_LANES) none_behind(passes, g->end - first);
+        asked = ask(w, asked, &m, passes, first);
+    }
+    return asked;
+}
+
+static void closest_on_field(wave *w, const wave_rays *r, size_t f) {
     size_t asked = 0;
     for (size_t s = 0; s < r->segment_count; s++) {
         const wave_segment *g = &r->segments[s];
-        const plan_map *map = plan_map_to(p, f, g->home);
-        for (size_t first = g->begin; first < g->end; first += WAVE_STRIP) {
-            moved m;
-            move_rays(map, w, r, g->home, first, g->end, &m);
-            if (p->general)
-                all_pass(&m);
-            else
-                pass_box(&p->shapes[f], &m);
-            asked = ask(w, asked, &m);
+        switch (origin_of(g->home, f)) {
+        case FROM_CAMERA:
+            asked = ask_closest(w, r, g, f, asked, FROM_CAMERA);
+            break;
+        case FROM_HERE:
+            asked = ask_closest(w, r, g, f, asked, FROM_HERE);
+            break;
+        case FROM_ELSEWHERE:
+            asked = ask_closest(w, r, g, f, asked, FROM_ELSEWHERE);
         }
     }
     if (asked == 0) return;
+    cw_hit *answers = w->answers[f];
     wave_lap(w, WAVE_RAYS);
-    w->tracer->closest(w->tracer->context, f, w->asked, asked, w->answers);
+    w->tracer->closest(w->tracer->context, f, w->asked, asked, answers);
     wave_lap(w, WAVE_TRACE);
     w->stats.field_queries += asked;
-    for (size_t k = 0; k < asked; k++) {
+    for (size_t k = 0; k < asked;) {
         const size_t of = w->asked_of[k];
-        if (!(w->answers[k].t < w->t[of])) continue;
-        w->t[of] = w->answers[k].t;
-        w->shape[of] = (int32_t)f;
-        w->hits[of] = w->answers[k];
+        float *t = &w->t[of];
+        int32_t *shape = &w->shape[of];
+        uint32_t *hit = &w->hit[of];
+        if (asked - k >= WAVE_LANES && w->asked_of[k + WAVE_LANES - 1] - of == WAVE_LANES - 1) {
+            float found[WAVE_LANES];
+            for (int q = 0; q < WAVE_LANES; q++) found[q] = answers[k + (size_t)q].t;
+            for (int q = 0; q < WAVE_LANES; q++) {
+                const float before = t[q];
+                shape[q] = found[q] < before ? (int32_t)f : shape[q];
+                t[q] = found[q] < before ? found[q] : before;
+            }
+            for (uint32_t q = 0; q < WAVE_LANES; q++) hit[q] = shape[q] == (int32_t)f ? (uint32_t)k + q : hit[q];
+            k += WAVE_LANES;
+            continue;
+        }
+        const float found = answers[k].t;
+        if (found < *t) {
+            *t = found;
+            *shape = (int32_t)f;
+            *hit = (uint32_t)k;
+        }
+        k++;
     }
 }
 
@@ -211,24 +223,32 @@ LANE_INLINE float cylinder_t(float ox, float oy, float oz, float dx, float dy, f
     return ((a > 0) & (square >= 0)) ? t : INFINITY;
 }
 
+LANE_INLINE void meet_cylinder(wave *w, const wave_rays *r, const wave_segment *g, size_t shape, origin from) {
+    const plan_map *map = plan_map_to(w->plan, shape, g->home);
+    for (size_t first = g->begin; first < g->end; first += WAVE_LANES) {
+        moved m;
+        float found[WAVE_LANES];
+        move_rays(map, from, w->t, r, first, &m);
+        for (int k = 0; k < WAVE_LANES; k++)
+            found[k] = cylinder_t(m.org[0][k], m.org[1][k], m.org[2][k], m.dir[0][k], m.dir[1][k], m.dir[2][k],
+                                  m.tmin[k], m.tmax[k]);
+        for (size_t k = g->end - first; k < WAVE_LANES; k++) found[k] = INFINITY; /* the next segment's */
+        float *t = &w->t[first];
+        int32_t *which = &w->shape[first];
+        for (int k = 0; k < WAVE_LANES; k++) {
+            which[k] = found[k] < m.tmax[k] ? (int32_t)shape : which[k];
+            t[k] = found[k] < m.tmax[k] ? found[k] : m.tmax[k];
+        }
+    }
+}
+
 static void closest_on_cylinder(wave *w, const wave_rays *r, size_t shape) {
     for (size_t s = 0; s < r->segment_count; s++) {
         const wave_segment *g = &r->segments[s];
-        const plan_map *map = plan_map_to(w->plan, shape, g->home);
-        for (size_t first = g->begin; first < g->end; first += WAVE_STRIP) {
-            moved m;
-            move_rays(map, w, r, g->home, first, g->end, &m);
-            float found[WAVE_STRIP];
-            for (size_t k = 0; k < m.n; k++)
-                found[k] = cylinder_t(m.org[0][k], m.org[1][k], m.org[2][k], m.dir[0][k], m.dir[1][k], m.dir[2][k],
-                                      m.tmin[k], m.tmax[k]);
-            float *t = &w->t[first];
-            int32_t *which = &w->shape[first];
-            for (size_t k = 0; k < m.rays; k++) {
-                which[k] = found[k] < t[k] ? (int32_t)shape : which[k];
-                t[k] = found[k] < t[k] ? found[k] : t[k];
-            }
-        }
+        if (g->home == PLAN_CAMERA)
+            meet_cylinder(w, r, g, shape, FROM_CAMERA);
+        else
+            meet_cylinder(w, r, g, shape, FROM_ELSEWHERE);
     }
 }
 
@@ -245,22 +265,36 @@ static void trace_paths(wave *w, const wave_rays *r) {
 
 /* ---- hidden lights ------------------------------------------------------------------------------------------------ */
 
-static void hide_by_field(wave *w, const wave_shadows *s, size_t light, size_t f) {
+LANE_INLINE size_t ask_any(wave *w, const wave_shadows *s, const wave_segment *g, const float *light, size_t f,
+                           size_t asked, origin from) {
     const plan *p = w->plan;
+    const plan_map *map = plan_map_to(p, f, g->home);
+    for (size_t first = g->begin; first < g->end; first += WAVE_LANES) {
+        moved m;
+        int32_t passes[WAVE_LANES];
+        move_shadows(map, from, light, s, first, &m);
+        /* What begins on the field begins in its box. */
+        if (from == FROM_HERE || p->general)
+            all_pass(passes);
+        else
+            pass_box(&p->shapes[f], &m, passes);
+        const int32_t *hidden = &w->hidden[first];
+        for (int k = 0; f > 0 && k < WAVE_LANES; k++) passes[k] &= hidden[k] == 0;
+        if (g->end - first < WAVE_LANES) none_behind(passes, g->end - first);
+        asked = ask(w, asked, &m, passes, first);
+    }
+    return asked;
+}
+
+static void hide_by_field(wave *w, const wave_shadows *s, size_t light, size_t f) {
+    const float *place = w->plan->shapes[f].lights[light];
     size_t asked = 0;
     for (size_t k = 0; k < s->segment_count; k++) {
         const wave_segment *g = &s->segments[k];
-        for (size_t first = g->begin; first < g->end; first += WAVE_STRIP) {
-            moved m;
-            move_shadows(plan_map_to(p, f, g->home), s, p->shapes[f].lights[light], first, g->end, &m);
-            /* What begins on the field begins in its box. */
-            if (p->general || g->home == plan_home(f))
-                all_pass(&m);
-            else
-                pass_box(&p->shapes[f], &m);
-            for (size_t q = 0; f > 0 && q < m.rays; q++) m.passes[q] &= w->hidden[first + q] == 0;
-            asked = ask(w, asked, &m);
-        }
+        if (origin_of(g->home, f) == FROM_HERE)
+            asked = ask_any(w, s, g, place, f, asked, FROM_HERE);
+        else
+            asked = ask_any(w, s, g, place, f, asked, FROM_ELSEWHERE);
     }
     if (asked == 0) return;
     wave_lap(w, WAVE_RAYS);
@@ -278,20 +312,30 @@ static void hide_by_cylinder(wave *w, const wave_shadows *s, size_t light, size_
         const wave_segment *g = &s->segments[k];
         if (!p->blocks[(light * p->shape_count + g->home - 1) * cylinders + shape - p->field_count]) continue;
         const float *end = p->shapes[shape].lights[light];
-        const bool light_inside = end[0] * end[0] + end[1] * end[1] < 1;
-        for (size_t first = g->begin; first < g->end; first += WAVE_STRIP) {
+        const int32_t light_inside = end[0] * end[0] + end[1] * end[1] < 1;
+        for (size_t first = g->begin; first < g->end; first += WAVE_LANES) {
             moved m;
-            move_shadows(plan_map_to(p, shape, g->home), s, end, first, g->end, &m);
-            int32_t *hidden = &w->hidden[first];
-            for (size_t q = 0; q < m.rays; q++) {
+            int32_t hides[WAVE_LANES];
+            move_shadows(plan_map_to(p, shape, g->home), FROM_ELSEWHERE, end, s, first, &m);
+            for (int q = 0; q < WAVE_LANES; q++) {
                 const float x = m.org[0][q] + m.tmin[q] * m.dir[0][q], y = m.org[1][q] + m.tmin[q] * m.dir[1][q];
                 const float t = cylinder_t(m.org[0][q], m.org[1][q], m.org[2][q], m.dir[0][q], m.dir[1][q], m.dir[2][q],
                                            m.tmin[q], 1);
                 const int32_t stays = light_inside & (x * x + y * y < 1);
-                hidden[q] |= (t < INFINITY) & (stays == 0);
+                hides[q] = (t < INFINITY) & (stays == 0);
             }
+            for (size_t q = g->end - first; q < WAVE_LANES; q++) hides[q] = 0; /* the next segment's */
+            int32_t *hidden = &w->hidden[first];
+            for (int q = 0; q < WAVE_LANES; q++) hidden[q] |= hides[q];
         }
     }
+}
+
+/* Whether these are pixels in a row. */
+LANE_INLINE bool in_row(const uint32_t *pixel) {
+    uint32_t other = 0;
+    for (uint32_t q = 0; q < WAVE_LANES; q++) other |= pixel[q] ^ (pixel[0] + q);
+    return other == 0;
 }
 
 /* Traces the ways to a light and adds what gets through. */
@@ -299,14 +343,25 @@ static void trace_shadows(wave *w, size_t light) {
     wave_shadows *s = &w->shadows[light];
     const plan *p = w->plan;
     if (s->count == 0) return;
-    memset(w->hidden, 0, s->count * sizeof w->hidden[0]);
+    memset(w->hidden, 0, wave_lanes(s->count) * sizeof w->hidden[0]);
     for (size_t f = 0; f < p->field_count; f++) hide_by_field(w, s, light, f);
     for (size_t c = p->field_count; c < p->shape_count; c++) hide_by_cylinder(w, s, light, c);
     wave_lap(w, WAVE_RAYS);
-    for (size_t k = 0; k < s->count; k++) {
-        if (w->hidden[k]) continue;
-        double *sum = w->sum[s->pixel[k]];
-        for (int c = 0; c < 3; c++) sum[c] += (double)s->light[c][k];
+    for (size_t k = 0; k < s->count;) {
+        const uint32_t pixel = s->pixel[k];
+        if (s->count - k >= WAVE_LANES && in_row(&s->pixel[k])) {
+            for (int c = 0; c < 3; c++) {
+                float light_of[WAVE_LANES];
+                for (int q = 0; q < WAVE_LANES; q++)
+                    light_of[q] = w->hidden[k + (size_t)q] ? 0 : s->light[c][k + (size_t)q];
+                double *sum = &w->sum[c][pixel];
+                for (int q = 0; q < WAVE_LANES; q++) sum[q] += (double)light_of[q];
+            }
+            k += WAVE_LANES;
+            continue;
+        }
+        for (int c = 0; c < 3 && w->hidden[k] == 0; c++) w->sum[c][pixel] += (double)s->light[c][k];
+        k++;
     }
     wave_lap(w, WAVE_FILM);
     w->stats.shadow_rays += s->count;

@@ -16,7 +16,8 @@ static bool allocate(wave *w, const plan *p) {
         w->shadows[l].segments = calloc(p->shape_count + 1, sizeof *w->shadows[l].segments);
         if (w->shadows[l].segments == NULL) return false;
     }
-    return w->shadows != NULL;
+    w->answers = calloc(p->field_count + 1, sizeof *w->answers);
+    return w->shadows != NULL && w->answers != NULL;
 }
 
 wave *wave_create(const plan *p, const scene_tracer *tracer) {
@@ -38,5 +39,6 @@ void wave_free(wave *w) {
     }
     for (size_t l = 0; w->shadows != NULL && l < w->plan->light_count; l++) free(w->shadows[l].segments);
     free(w->shadows);
+    free(w->answers);
     free(w);
 }

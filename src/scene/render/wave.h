@@ -12,18 +12,32 @@
 enum {
     WAVE_TILE = 32,   /* pixels a side of the tiles that threads take */
     WAVE_SAMPLES = 4, /* of each pixel of a tile in a wave */
+    WAVE_BLOCK = 4,   /* pixels a side of what goes into the lanes of a vector */
     WAVE_LANES = 16,  /* loops run over whole multiples of this, on what lies behind the end, too */
     WAVE_STRIP = 128, /* paths that are shaded together: all about them stays in the nearest cache */
     WAVE_ROOM = SCENE_BATCH + WAVE_STRIP,
-    WAVE_MISS = -1 /* in place of a shape */
+    WAVE_WINDOW = 16, /* samples around a cell */
+    WAVE_MISS = -1    /* in place of a shape */
 };
 
 /* Whole lanes for n paths. */
 static inline size_t wave_lanes(size_t n) { return (n + WAVE_LANES - 1) / WAVE_LANES * WAVE_LANES; }
 
+/* The same number, for loops over whole lanes: compilers then need no code for a rest. */
+static inline size_t wave_whole(size_t n) {
+    if (n % WAVE_LANES != 0) __builtin_unreachable();
+    return n;
+}
+
 /* How many of the paths from first to before end go into a strip. */
 static inline size_t wave_strip_of(size_t first, size_t end) {
     return end - first < WAVE_STRIP ? end - first : WAVE_STRIP;
+}
+
+/* The number of pixel (x, y) of a tile: block by block, as sixteen neighbours stand side by side in a wave. */
+static inline uint32_t wave_pixel(uint32_t x, uint32_t y) {
+    const uint32_t block = y / WAVE_BLOCK * (WAVE_TILE / WAVE_BLOCK) + x / WAVE_BLOCK;
+    return block * WAVE_LANES + y % WAVE_BLOCK * WAVE_BLOCK + x % WAVE_BLOCK;
 }
 
 /* Floats of each ray in a wave, for three coordinates. */
@@ -45,7 +59,7 @@ typedef struct wave_rays {
     wave_vector org, dir; /* dir is one long in the world; org of camera rays is 0 and not written */
     float tmin[WAVE_ROOM];
     float share[3][WAVE_ROOM]; /* of this ray's light that arrives at the pixel; camera rays: 1 and not written */
-    uint32_t pixel[WAVE_ROOM]; /* of the tile */
+    uint32_t pixel[WAVE_ROOM]; /* of the tile, as wave_pixel counts */
     wave_spread *spread;       /* where the plan says so; not of camera rays */
 } wave_rays;
 
@@ -58,6 +72,9 @@ typedef struct wave_shadows {
     float light[3][WAVE_ROOM]; /* what arrives at the pixel unless the light is hidden */
     uint32_t pixel[WAVE_ROOM];
 } wave_shadows;
+
+/* Sides of a cell. */
+enum { EAST, NORTH, WEST, SOUTH };
 
 /* Paths of one shape while they are shaded, in the shape's space. */
 typedef struct wave_strip {
@@ -76,11 +93,9 @@ typedef struct wave_strip {
     float in[3][WAVE_STRIP];                                 /* from the wave, in the space where the ray began */
     int32_t i[WAVE_STRIP], j[WAVE_STRIP], lower[WAVE_STRIP]; /* cell, and whether its lower triangle was hit */
     float u[WAVE_STRIP], v[WAVE_STRIP];
-    /* Samples: the cell's corners, the triangle's third one, and around three of them (east, north, west, south, north-east, south-west). */
-    float corner[4][WAVE_STRIP], third[WAVE_STRIP], around[4][6][WAVE_STRIP];
-    float there[4][4][WAVE_STRIP]; /* 1 or 0: the field goes on to the east, north, west, south of these corners */
+    float corner[4][WAVE_STRIP], window[WAVE_WINDOW][WAVE_STRIP]; /* the cell's own samples; 4 x 4 around it */
+    float goes_on[4][WAVE_STRIP]; /* 1 or 0: there is field to the east, north, west, south of the cell */
     float uv[2][WAVE_STRIP], uv_apart[2][2][WAVE_STRIP];
-    float result[5][WAVE_STRIP];
 } wave_strip;
 
 /* What each path of a strip reads of an image: at a level and, if share is not 0, at the next coarser one, so many places
@@ -112,20 +127,20 @@ typedef struct wave {
 
     float t[WAVE_ROOM]; /* where each ray ends; infinity where nothing is */
     int32_t shape[WAVE_ROOM];
-    cw_hit hits[WAVE_ROOM];   /* where shape is a height field */
+    uint32_t hit[WAVE_ROOM];  /* where shape is a height field: number of its answer */
     uint32_t path[WAVE_ROOM]; /* those of one shape, in order */
     wave_strip strip;
     wave_footprints footprints;
     wave_probes probes;
 
     /* What the tracer is asked about one field, of which rays, and its answers. */
-    cw_ray asked[SCENE_BATCH];
+    cw_ray asked[WAVE_ROOM];
     uint32_t asked_of[WAVE_ROOM];
-    cw_hit answers[SCENE_BATCH];
+    cw_hit (*answers)[SCENE_BATCH]; /* of each field: they are read when the paths are shaded */
     uint8_t yes[SCENE_BATCH];
     int32_t hidden[WAVE_ROOM];
 
-    double sum[WAVE_TILE * WAVE_TILE][4]; /* over the samples of each pixel */
+    double sum[3][WAVE_TILE * WAVE_TILE]; /* over the samples of each pixel */
     scene_render_stats stats;
     double stage_seconds[WAVE_STAGES], last; /* clock at the last change of stage */
 } wave;

@@ -12,12 +12,6 @@ static uint16_t *texel(const texture *t, const texture_level *l, int32_t x, int3
     return t->texels + 4 * ((size_t)l->first + (size_t)y * (size_t)l->stride + (size_t)(x + 1));
 }
 
-static void copy_row(const texture *t, const texture_level *l, int32_t y, const uint16_t *restrict rgba) {
-    uint16_t *restrict out = texel(t, l, 0, y);
-    for (int32_t x = 0; x < l->width; x++)
-        for (int c = 0; c < 4; c++) out[4 * x + c] = c < 3 ? rgba[4 * x + c] : 0;
-}
-
 static void convert_row(const texture *t, const texture_level *l, int32_t y, const float *restrict rgb) {
     uint16_t *restrict out = texel(t, l, 0, y);
     for (int32_t x = 0; x < l->width; x++) {
@@ -76,7 +70,8 @@ static void repeat_row(const texture *t, const texture_level *l, int32_t y) {
     memcpy(texel(t, l, l->width, y), texel(t, l, 0, y), 4 * sizeof(uint16_t));
 }
 
-/* False if there are too many texels for their numbers. */
+/* False if there are too many texels for their numbers. A level has at most half of the texels of the level before and one
+ * more, for the outer two of a row: below the finest one there are at most as many as in it and 62, and there is room for 64. */
 static bool lay_out(texture *t, size_t width, size_t height, size_t *texels) {
     *texels = 0;
     for (t->count = 1;; t->count++) {
@@ -90,23 +85,7 @@ static bool lay_out(texture *t, size_t width, size_t height, size_t *texels) {
     }
 }
 
-texture *texture_create(io_image *image) {
-    texture *t = calloc(1, sizeof *t);
-    size_t texels = 0;
-    if (t == NULL) return NULL;
-    if (lay_out(t, image->width, image->height, &texels)) t->texels = large_allocate(texels * 4 * sizeof *t->texels);
-    if (t->texels == NULL) {
-        texture_free(t);
-        return NULL;
-    }
-    const texture_level *l = &t->levels[0];
-    for (int32_t y = 0; y < l->height; y++) {
-        if (image->halves != NULL)
-            copy_row(t, l, y, image->halves + (size_t)y * image->width * 4);
-        else
-            convert_row(t, l, y, image->rgb + (size_t)y * image->width * 3);
-        repeat_row(t, l, y);
-    }
+static void build_levels(texture *t) {
     for (int k = 1; k < t->count; k++) {
         const texture_level *from = &t->levels[k - 1], *to = &t->levels[k];
         for (int32_t y = 0; y < to->height; y++) {
@@ -117,12 +96,42 @@ texture *texture_create(io_image *image) {
             repeat_row(t, to, y);
         }
     }
+}
+
+static void build_once(texture *t) {
+    pthread_mutex_lock(&t->lock);
+    if (!atomic_load_explicit(&t->whole, memory_order_relaxed)) build_levels(t);
+    atomic_store_explicit(&t->whole, true, memory_order_release);
+    pthread_mutex_unlock(&t->lock);
+}
+
+texture *texture_create(io_image *image) {
+    texture *t = calloc(1, sizeof *t);
+    size_t texels = 0;
+    if (t == NULL || pthread_mutex_init(&t->lock, NULL) != 0) {
+        free(t);
+        return NULL;
+    }
+    t->build = build_once;
+    if (lay_out(t, image->width, image->height, &texels))
+        t->texels = image->halves != NULL ? image->halves : large_allocate(texels * 4 * sizeof *t->texels);
+    if (t->texels == NULL) {
+        texture_free(t);
+        return NULL;
+    }
+    image->halves = NULL; /* it has room for all levels and stands where the finest one does */
+    const texture_level *l = &t->levels[0];
+    for (int32_t y = 0; y < l->height; y++) {
+        if (image->rgb != NULL) convert_row(t, l, y, image->rgb + (size_t)y * image->width * 3);
+        repeat_row(t, l, y);
+    }
     io_image_free(image);
     return t;
 }
 
 void texture_free(texture *t) {
     if (t == NULL) return;
+    pthread_mutex_destroy(&t->lock);
     free(t->texels);
     free(t);
 }

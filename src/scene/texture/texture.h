@@ -6,6 +6,8 @@
 
 #include "image.h"
 
+#include <pthread.h>
+#include <stdatomic.h>
 #include <stdint.h>
 
 enum { TEXTURE_LEVELS = 32 };
@@ -19,12 +21,20 @@ typedef struct texture_level {
 typedef struct texture {
     int count;
     texture_level levels[TEXTURE_LEVELS];
-    uint16_t *texels; /* four halves each, the last of them 0 */
+    uint16_t *texels;     /* four halves each, the last of them 0 */
+    atomic_bool whole;    /* the smaller levels have been built */
+    pthread_mutex_t lock; /* of their building */
+    /* Builds them; a pointer, so that a tile's code needs nothing but what it is given (render/tile.c). */
+    void (*build)(struct texture *t);
 } texture;
 
-/* Takes over the image's pixels and builds the smaller levels. NULL when out of memory or too large; the image is then
+/* Takes over the image's pixels. NULL when out of memory or too large; the image is then
  * still the caller's. */
 texture *texture_create(io_image *image);
+/* To be called, by any thread, before a smaller level is read: builds them, as not every picture needs them. */
+static inline void texture_need_levels(texture *t) {
+    if (!atomic_load_explicit(&t->whole, memory_order_acquire)) t->build(t);
+}
 void texture_free(texture *t);
 
 #endif
