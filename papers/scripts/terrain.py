@@ -238,6 +238,11 @@ def draw(tool, folder):
         "horizon": colormaps["magma"](np.clip(product("horizon", "--directions", "1", "--start", "315") / 45, 0, 1))[..., :3],
         "sky": product("horizon", "--directions", "64", "--svf")[..., None] ** 3 * np.ones(3),
     }
+    far = place(side, side // 2, side // 2)
+    subprocess.run([tool, "render", dem + ".tif", "--from", f"{x},{y},+150", "--to", f"{far[0]},{far[1]}", "--sun", "315,22",
+                    "--phong", "--size", "1034x480", "--samples", "16", "-o", os.path.join(folder, "view.png")], check=True)
+    with Image.open(os.path.join(folder, "view.png")) as view:
+        view.convert("RGB").quantize(192).save(os.path.join(ROOT, "papers/pictures/terrain-view.png"), optimize=True)
     views["viewshed"][max(j - 3, 0):j + 4, max(i - 3, 0):i + 4] = [0.8, 0, 0]
     light, viewshed, horizon, sky = (np.clip(view * 255, 0, 255).astype(np.uint8) for view in views.values())
     gap = np.full((side, 8, 3), 255, np.uint8)
