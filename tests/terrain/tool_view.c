@@ -98,6 +98,18 @@ static void stretched_image(void **state) {
                     light_of_sun + light_of_sky);
     }
     io_image_free(&image);
+    /* A raster with one band and no map, likewise: white in the north-west alone. */
+    static float grey[NX * NY];
+    for (size_t k = 0; k < NX * NY; k++) grey[k] = k / NX < 25 && k % NX < 30;
+    field_file("photo.npy", grey, NX, NY);
+    image = run_well((const char *const[]){"render", "level.npy", FROM_ABOVE, "--sun", "0,90", "--image", "photo.npy",
+                                           "-o", "o.pfm", NULL});
+    for (size_t k = 0; k < 4; k++) {
+        const double white = k == 0;
+        check_pixel(&image, places[k][0], places[k][1], (const double[3]){white, white, white},
+                    light_of_sun + light_of_sky);
+    }
+    io_image_free(&image);
 }
 
 /* One with a map lies where that says: here on the western half, black from y = 445 on and white below. */
