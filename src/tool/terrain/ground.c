@@ -155,10 +155,11 @@ bool ground_tell(void *context, double share) {
 
 /* As many rows as a GeoTIFF's tiles have, fewer where that would make Ctrl-C wait. */
 static size_t block_rows(const io_raster_product *p, double passes) {
-    enum { TILE = 256, LEAST = 32 };
-    size_t rows = TILE;
-    while (rows > LEAST && passes * (double)rows * (double)p->nx > 1e7) rows /= 2;
-    while (passes * (double)rows * (double)p->nx < 1e6 && rows < p->ny) rows += TILE;
+    enum { LEAST = 32 };
+    const size_t tile = io_raster_tile_side(p->ny);
+    size_t rows = tile;
+    while (rows > LEAST && rows % 2 == 0 && passes * (double)rows * (double)p->nx > 1e7) rows /= 2;
+    while (passes * (double)rows * (double)p->nx < 1e6 && rows < p->ny) rows += tile;
     return rows;
 }
 
