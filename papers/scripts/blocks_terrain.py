@@ -46,3 +46,15 @@ def terrain_horizons(results):
              f"{line.number('median_degrees'):.2g}°", f"{line.number('most_of_99'):.2g}°", f"{line.number('most'):.2g}°"]
             for line in results.some("horizon")]
     return table(["program", "samples", "angles looked at", "median error", "of 99 %", "greatest"], rows, "llrrrr")
+
+
+def terrain_maps(results):
+    """Greatest errors over all directions, a row for each latitude."""
+    lines = results.some("map")
+    distances = sorted({line.number("kilometres") for line in lines})
+    rows = []
+    for latitude in sorted({line.number("latitude") for line in lines}):
+        here = {line.number("kilometres"): line for line in lines if line.number("latitude") == latitude}
+        rows.append([f"{latitude}°", *(f"{here[km].number('azimuth_degrees'):.2g}°, "
+                                       f"{100 * here[km].number('distance_share'):.2g} %" for km in distances)])
+    return table(["latitude", *(f"{km} km" for km in distances)], rows, "l" + "r" * len(distances))

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Products of terrain beside gdal_viewshed, r.viewshed and r.horizon: time, memory, and which cells differ and who is right,
-by looking at every edge on the way in double. Writes papers/data/terrain.json and, with --pictures, what papers/terrain.md
+by looking at every edge on the way in double; and what maps in degrees cost in azimuth and distance. Writes papers/data/terrain.json and, with --pictures, what papers/terrain.md
 shows. Needs NumPy, matplotlib for pictures, and Debian's gdal-bin and grass-core."""
 
 import argparse
+import ctypes
 import datetime
 import json
 import os
@@ -33,13 +34,13 @@ def land(n, seed=7):
     return np.maximum(z, np.quantile(z, 0.2)).astype("<f4")
 
 
-def write_dem(z, path):
+def write_dem(z, path, crs="EPSG:32632", box=None):
     n = len(z)
     z.tofile(path + ".img")
     with open(path + ".hdr", "w", encoding="ascii") as file:
         file.write(f"ENVI\nsamples = {n}\nlines = {n}\nbands = 1\ndata type = 4\ninterleave = bsq\nbyte order = 0\n")
-    box = [WEST, NORTH, WEST + CELL * n, NORTH - CELL * n]
-    subprocess.run(["gdal_translate", "-q", "-a_srs", "EPSG:32632", "-a_ullr", *map(str, box), "-co", "TILED=YES",
+    box = box or [WEST, NORTH, WEST + CELL * n, NORTH - CELL * n]
+    subprocess.run(["gdal_translate", "-q", "-a_srs", crs, "-a_ullr", *map(str, box), "-co", "TILED=YES",
                     path + ".img", path + ".tif"], check=True)
 
 
@@ -177,6 +178,50 @@ def compare_horizons(z, ours, theirs, azimuth, rng):
     return out
 
 
+# ---- maps in degrees --------------------------------------------------------------------------------------------------
+
+class Geodesics:
+    """Shortest ways on WGS 84, by PROJ, which GDAL brings."""
+
+    def __init__(self):
+        self.proj, self.earth = ctypes.CDLL("libproj.so.25"), ctypes.create_string_buffer(4096)
+        self.proj.geod_init.argtypes = [ctypes.c_void_p, ctypes.c_double, ctypes.c_double]
+        self.proj.geod_inverse.argtypes = [ctypes.c_void_p, *[ctypes.c_double] * 4, *[ctypes.c_void_p] * 3]
+        self.proj.geod_init(self.earth, RADIUS, 1 / 298.257223563)
+
+    def way(self, latitude, longitude, to_latitude, to_longitude):
+        """Metres, and the azimuth at the start in degrees."""
+        metres, azimuth, end = (ctypes.c_double() for _ in range(3))
+        self.proj.geod_inverse(self.earth, latitude, longitude, to_latitude, to_longitude, ctypes.byref(metres),
+                               ctypes.byref(azimuth), ctypes.byref(end))
+        return metres.value, azimuth.value
+
+
+def compare_maps(tool, folder):
+    """A wall around a place, so many kilometres away on all four sides: where `horizon --at` finds it, beside geodesics."""
+    n, longitude, lines, geodesics = 101, 10, [], Geodesics()
+    z = np.zeros((n, n), "<f4")
+    z[[0, -1]] = z[:, [0, -1]] = 3000
+    dem = os.path.join(folder, "wall")
+    for latitude in (0, 30, 50, 70, 80):
+        for km in (1, 5, 20, 50):
+            dy = km / 50 / 111.2
+            dx = dy / np.cos(np.radians(latitude))
+            box = [longitude - dx * n / 2, latitude + dy * n / 2, longitude + dx * n / 2, latitude - dy * n / 2]
+            write_dem(z, dem, "EPSG:4326", box)
+            rows = subprocess.run([tool, "horizon", dem + ".tif", "--at", f"{longitude},{latitude}", "--directions", "72"],
+                                  check=True, capture_output=True, text=True).stdout.splitlines()[1:]
+            turned, longer, farthest = [], [], 0
+            for azimuth, _, metres, x, y in (map(float, row.split(",")) for row in rows):
+                exact, direction = geodesics.way(latitude, longitude, y, x)
+                turned.append(abs((direction - azimuth + 180) % 360 - 180))
+                longer.append(abs(metres / exact - 1))
+                farthest = max(farthest, exact)
+            lines.append({"kind": "map", "latitude": latitude, "kilometres": km, "directions": len(rows),
+                          "farthest": farthest, "azimuth_degrees": max(turned), "distance_share": max(longer)})
+    return lines
+
+
 # ---- the run ----------------------------------------------------------------------------------------------------------
 
 def measure(tool, side, clock, folder):
@@ -273,6 +318,7 @@ def main():
         load = os.getloadavg()[0]
         for side in map(int, options.sides.split(",")):
             lines += measure(tool, side, clock, folder)
+        lines += compare_maps(tool, folder)
     version = lambda *command: subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()  # noqa: E731
     run = {"kind": "run", "command": "terrain", "arguments": f"--sides {options.sides} --rounds {options.rounds}",
            "cpu": cpu_name(), "isa": json.loads(version(tool, "info", "--json"))["isa"],
