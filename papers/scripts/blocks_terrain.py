@@ -41,6 +41,15 @@ def terrain_views(results):
                   "by (median)"], rows, "lllrrrrr")
 
 
+def terrain_suns(results):
+    rows = [[line.text("program"), f"{line.number('side')}²", line.text("class"), grouped(line.number("cells")),
+             f"{100 * line.number('cells') / line.number('sunlit'):.2g} %", grouped(line.number("lean_away")),
+             grouped(line.number("looked_at")), grouped(line.number("we_are_right")), f"{line.number('median_degrees'):.2g}°"]
+            for line in results.some("sun")]
+    return table(["program", "samples", "class", "cells", "of those in the sun", "ground leans away", "of the others looked at",
+                  "Cellwalk is right", "by (median)"], rows, "lllrrrrrr")
+
+
 def terrain_horizons(results):
     rows = [[line.text("program"), f"{line.number('side')}²", grouped(line.number("looked_at")),
              f"{line.number('median_degrees'):.2g}°", f"{line.number('most_of_99'):.2g}°", f"{line.number('most'):.2g}°"]

@@ -76,7 +76,7 @@ BLOCKS = {
         blocks_tradeoff.pictures, blocks_tradeoff.early, blocks_tradeoff.normals)},
     **{make.__name__: from_file(blocks_terrain.FILE, make) for make in (
         blocks_terrain.terrain_speed, blocks_terrain.terrain_views, blocks_terrain.terrain_horizons,
-        blocks_terrain.terrain_maps)},
+        blocks_terrain.terrain_maps, blocks_terrain.terrain_suns)},
 }
 
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Products of terrain beside gdal_viewshed, r.viewshed and r.horizon: time, memory, and which cells differ and who is right,
+"""Products of terrain beside gdal_viewshed, r.viewshed, r.sun and r.horizon: time, memory, and which cells differ and who is right,
 by looking at every edge on the way in double; and what maps in degrees cost in azimuth and distance. Writes papers/data/terrain.json and, with --pictures, what papers/terrain.md
 shows. Needs NumPy, matplotlib for pictures, and Debian's gdal-bin and grass-core."""
 
@@ -127,12 +127,13 @@ def grass(script, folder):
                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
-def grass_timed(clock, program, product, side, part, whole, dem, command, outputs, folder):
+def grass_timed(clock, program, product, side, part, whole, dem, command, outputs, folder, before=(), after=()):
     """A GRASS module by itself, its raster already imported; outputs: map and file."""
     report = os.path.join(folder, "report")
-    lines = [f"r.in.gdal -o --q input={dem} output=dem", "g.region raster=dem",
+    lines = [f"r.in.gdal -o --q input={dem} output=dem", "g.region raster=dem", *before,
              f"/usr/bin/time -o {report} -f '%e %U %S %M' {command}"]
     lines += [f"r.out.gdal --q -c input={name} output={path} format=GTiff --o" for name, path in outputs]
+    lines += after
     grass("\n".join(lines) + "\n", folder)
     wall, user, system, kilobytes = map(float, open(report, encoding="ascii").read().split())
     clock.lines.append({"kind": "time", "program": program, "product": product, "side": side, "part": part,
@@ -154,6 +155,49 @@ def compare_views(z, eye, ours, theirs, program, rng):
                       "median_metres": float(np.median(np.abs(needed))) if len(some) else 0.0,
                       "beyond_a_metre": int(np.sum(np.abs(needed) > 1))})
     return lines
+
+
+def leans_away(z, sun):
+    """Where the ground, by differences over three by three samples as r.slope.aspect has it, faces away from the sun."""
+    p = np.pad(z.astype(float), 1, mode="edge")
+    n, m = z.shape
+    at = lambda dj, di: p[1 + dj:1 + dj + n, 1 + di:1 + di + m]  # noqa: E731
+    east = (at(-1, 1) + 2 * at(0, 1) + at(1, 1) - at(-1, -1) - 2 * at(0, -1) - at(1, -1)) / (8 * CELL)
+    north = (at(-1, -1) + 2 * at(-1, 0) + at(-1, 1) - at(1, -1) - 2 * at(1, 0) - at(1, 1)) / (8 * CELL)
+    azimuth, altitude = np.radians(sun)
+    return np.sin(altitude) - np.cos(altitude) * (np.sin(azimuth) * east + np.cos(azimuth) * north) <= 0
+
+
+def compare_suns(z, ours, theirs, sun, rng):
+    """Cells in the sun for one and not for the other; r.sun has nothing at the border."""
+    lines, away = [], leans_away(z, sun)
+    for what, mask in (("they see the sun, we do not", (theirs > 0) & (ours == 0)),
+                       ("we see the sun, they do not", ~(theirs > 0) & (ours == 1))):
+        mask[[0, -1]] = mask[:, [0, -1]] = False
+        cells = np.argwhere(mask & ~away)[:, ::-1]
+        some = cells[rng.permutation(len(cells))[:2000]]
+        above = np.array([sun[1] - exact_angle(z, i, j, sun[0]) for i, j in some])
+        right = np.sum(above > 0) if what.startswith("we") else np.sum(above <= 0)
+        lines.append({"kind": "sun", "program": "r.sun", "side": len(z), "class": what, "azimuth": sun[0], "altitude": sun[1],
+                      "cells": int(mask.sum()), "sunlit": int(np.sum(ours == 1)), "lean_away": int((mask & away).sum()),
+                      "looked_at": len(some), "we_are_right": int(right),
+                      "median_degrees": float(np.median(np.abs(above))) if len(some) else 0.0})
+    return lines
+
+
+def measure_suns(tool, clock, side, z, dem, out, folder, rng):
+    """r.sun at noon of the shortest day, and ours with the sun at the place that it says."""
+    grass_timed(clock, "r.sun", "shadow", side, 1, 1, dem + ".tif",
+                "r.sun --q elevation=dem slope=slope aspect=aspect lat=lat long=lon day=355 time=12 incidout=inc",
+                [("inc", out("grasss"))], folder,
+                before=["r.slope.aspect --q elevation=dem slope=slope aspect=aspect",
+                        'r.mapcalc --q expression="lat = 46.9"', 'r.mapcalc --q expression="lon = 10.3"'],
+                after=[f"r.info -h map=inc > {folder}/sun"])
+    with open(os.path.join(folder, "sun"), encoding="utf-8") as file:
+        text = file.read()
+    sun = [float(re.search(rf"Solar {what} \(deg\): *([0-9.]+)", text).group(1)) for what in ("azimuth", "altitude")]
+    subprocess.run([tool, "shadow", dem + ".tif", "--sun", f"{sun[0]},{sun[1]}", "-o", out("noon")], check=True)
+    return compare_suns(z, read(out("noon"), side), read(out("grasss"), side), sun, rng)
 
 
 def exact_angle(z, i, j, azimuth):
@@ -252,6 +296,7 @@ def measure(tool, side, clock, folder):
                     f"r.viewshed --q -b -c -r input=dem output=v coordinates={x},{y} observer_elevation=2 memory=2000",
                     [("v", out("grass"))], folder)
         lines += compare_views(z, eye, ours, read(out("grass"), side), "r.viewshed", rng)
+        lines += measure_suns(tool, clock, side, z, dem, out, folder, rng)
         grass_timed(clock, "r.horizon", "horizon, 32 directions", side, 2, 32, dem + ".tif",
                     "r.horizon --q -d elevation=dem step=180 start=30 output=h", [("h_030", out("grassh"))], folder)
         subprocess.run([tool, "horizon", dem + ".tif", "--directions", "1", "--start", "60", "-o", out("one")], check=True)
