@@ -28,6 +28,7 @@ typedef struct render_command {
     const char *output, *size, *crop;
     unsigned samples, seed;
     bool phong, quiet, stats, json;
+    bool terrain;         /* not a scene */
     size_t width, height; /* from size; 0: as the scene says */
     scene_crop part;      /* from crop */
 } render_command;
@@ -116,6 +117,9 @@ static int render(const render_command *c, const char *path, scene *s, const cw_
     else
         io_output_discard(out);
     times.write = clock_seconds() - start;
+    /* Whatever is seen is asked whether it is in the light. */
+    if (good && c->terrain && !c->quiet && stats.shadow_rays == 0)
+        warn(NULL, "nothing of the terrain is in the picture; --from and --to are places on its map");
     if (good && c->stats) print_stats(&stats, &times, kernel_name(s, query));
     if (good && c->json) print_json(&stats, &times, kernel_name(s, query), path, &image);
     io_image_free(&image);
@@ -156,15 +160,15 @@ static bool is_scene(const char *path) {
 }
 
 /* False, after a message, unless there is one thing to draw, and options that go with it. */
-static bool read_subject(const render_command *c, const char **path, bool *raster) {
+static bool read_subject(render_command *c, const char **path) {
     const char *option = view_only(&c->view);
     const char *given = *path;
-    *raster = c->view.dem != NULL || (given && !is_scene(given));
+    c->terrain = c->view.dem != NULL || (given && !is_scene(given));
     if (given && c->view.dem)
         command_fail(name, "give either %s or --dem %s", given, c->view.dem);
     else if (!given && !c->view.dem)
         command_fail(name, "nothing to draw: give a scene or a raster");
-    else if (!*raster && option)
+    else if (!c->terrain && option)
         command_fail(name, "--%s is for rasters; %s is a scene and says itself what is seen", option, given);
     else {
         *path = given ? given : c->view.dem;
@@ -286,15 +290,14 @@ static int run(int argc, char **argv) {
     const int status = options_parse(&usage, argc, argv, &path);
     if (status != OPTIONS_GO) return status;
     cw_query query;
-    bool raster;
-    if (!read_subject(&c, &path, &raster)) return EXIT_USAGE;
+    if (!read_subject(&c, &path)) return EXIT_USAGE;
     if (!query_options_resolve(&c.query, name, &query) || !read_area(&c)) return EXIT_USAGE;
     io_error error;
     if (c.output == NULL || !io_image_can_write(c.output, &error)) {
         command_fail(name, "%s", c.output ? error.text : "no picture to write to: -o IMAGE is missing");
         return EXIT_USAGE;
     }
-    return raster ? render_terrain(&c, path, &query) : render_scene(&c, path, &query);
+    return c.terrain ? render_terrain(&c, path, &query) : render_scene(&c, path, &query);
 }
 
 const command command_render = {name, "a picture of a terrain or of a scene", run};

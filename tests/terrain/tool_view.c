@@ -233,6 +233,14 @@ static void what_is_refused(void **state) {
         program_run(NULL, (const char *const[]){"render", "level.npy", "--cellsize", "10", "--from", "295,245,-20",
                                                 "--size", "9x9", "-o", "o.pfm", NULL});
     check(r->status == 0 && strstr(r->err, "20 m below the ground"), "%d: %s", r->status, r->err);
+    /* A place on another map. */
+    r = program_run(NULL, (const char *const[]){"render", "level.npy", "--from", "600000,5200000,300", "--to",
+                                                "600000,5200100,0", "--size", "9x9", "-o", "o.pfm", NULL});
+    check(r->status == 0 && strstr(r->err, "nothing of the terrain is in the picture"), "%d: %s", r->status, r->err);
+    /* Pictures do not replace what they are made from. */
+    check_refused(
+        (const char *const[]){"render", "level.npy", "--image", "o.pfm", "--size", "9x9", "-o", "./o.pfm", NULL}, 1,
+        "is an input as well");
 }
 
 int main(void) {

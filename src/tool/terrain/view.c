@@ -3,6 +3,7 @@
 
 #include "command.h"
 #include "drape.h"
+#include "inputs.h"
 #include "landscape.h"
 
 #include <math.h>
@@ -261,6 +262,9 @@ static bool make_scene(view *v, const view_options *o, const wish *w, size_t wid
 
 static bool open_view(view *v, view_options *o, const char *path, const cw_query *query, const wish *w,
                       const io_raster_options *raster, size_t width, size_t height, bool smooth, io_error *error) {
+    /* GDAL opens files itself, past the readers that remember theirs: no picture is to take their place. */
+    if (!io_inputs_note_path(path) || (o->image && !io_inputs_note_path(o->image)))
+        return io_fail(error, "out of memory");
     const bool read = field_file_open(&v->file, path, raster, query, error);
     progress_end(&o->raster.line);
     return read && ground_describe(&v->terrain, &v->file, path, error) &&
