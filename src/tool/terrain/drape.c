@@ -2,22 +2,26 @@
 #include "drape.h"
 
 #include "../cancel.h"
+#include "half.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
-/* Texels a side at most: more than a picture can show of them. */
-enum { SIDE_MOST = 8192 };
+/* Texels a side at most: more than most pictures show of them. Heights change slowly enough for half as many. */
+enum { SIDE_MOST = 4096 };
 
-static bool begin(io_image *image, double width, double height, io_error *error) {
-    const double most = SIDE_MOST;
-    image->width = (size_t)fmax(1, fmin(most, ceil(width)));
-    image->height = (size_t)fmax(1, fmin(most, ceil(height)));
-    image->halves = NULL;
-    image->rgb = malloc(image->width * image->height * 3 * sizeof *image->rgb);
-    return image->rgb != NULL || io_fail(error, "out of memory");
+static bool begin(io_image *image, double width, double height, bool by_height, io_error *error) {
+    const double most = by_height ? SIDE_MOST / 2 : SIDE_MOST;
+    *image = (io_image){.width = (size_t)fmax(1, fmin(most, ceil(width))),
+                        .height = (size_t)fmax(1, fmin(most, ceil(height)))};
+    const size_t texels = image->width * image->height;
+    if (by_height)
+        image->halves = malloc(texels * 4 * sizeof *image->halves);
+    else
+        image->rgb = malloc(texels * 3 * sizeof *image->rgb);
+    return image->rgb != NULL || image->halves != NULL || io_fail(error, "out of memory");
 }
 
 /* The place in the field that a texel shows. */
@@ -32,22 +36,24 @@ enum { STEPS = 4 };
 static const float tints[STEPS + 1][3] = {
     {0.10f, 0.24f, 0.08f}, {0.34f, 0.40f, 0.14f}, {0.50f, 0.37f, 0.18f}, {0.38f, 0.30f, 0.25f}, {0.92f, 0.92f, 0.95f}};
 
-static void tint(double height, double low, double high, float rgb[3]) {
+static void tint(double height, double low, double high, uint16_t rgba[4]) {
     const double x = high > low && height > low ? fmin((height - low) / (high - low), 1) * STEPS : 0;
     const int step = x < STEPS ? (int)x : STEPS - 1;
     const float part = (float)(x - step);
-    for (int c = 0; c < 3; c++) rgb[c] = tints[step][c] + part * (tints[step + 1][c] - tints[step][c]);
+    for (int c = 0; c < 3; c++)
+        rgba[c] = half_from_float(tints[step][c] + part * (tints[step + 1][c] - tints[step][c]));
+    rgba[3] = 0;
 }
 
 bool drape_heights(io_image *colours, const terrain *t, io_error *error) {
     const cw_field_info info = cw_field_describe(t->field);
     const double metres = terrain_metres_of_height(t), low = (double)info.low * metres,
                  high = (double)info.high * metres;
-    if (!begin(colours, (double)(t->nx - 1), (double)(t->ny - 1), error)) return false;
-    float *rgb = colours->rgb;
+    if (!begin(colours, (double)(t->nx - 1), (double)(t->ny - 1), true, error)) return false;
+    uint16_t *rgba = colours->halves;
     for (size_t y = 0; y < colours->height; y++)
-        for (size_t x = 0; x < colours->width; x++, rgb += 3)
-            tint(terrain_height(t, place(x, colours->width, t->nx), place(y, colours->height, t->ny)), low, high, rgb);
+        for (size_t x = 0; x < colours->width; x++, rgba += 4)
+            tint(terrain_height(t, place(x, colours->width, t->nx), place(y, colours->height, t->ny)), low, high, rgba);
     return true;
 }
 
@@ -142,7 +148,7 @@ static bool read_band(ortho *o, const char *path, const io_georef *georef, int b
     if (good && band == 0) {
         const terrain *t = o->terrain;
         good = begin(o->to, hypot(m[0][0], m[1][0]) * (double)(t->nx - 1),
-                     hypot(m[0][1], m[1][1]) * (double)(t->ny - 1), error);
+                     hypot(m[0][1], m[1][1]) * (double)(t->ny - 1), false, error);
     }
     if (good) take_band(o, &photo, m, band > 0 ? band - 1 : 0, o->several ? 3 : 1);
     io_raster_free(&photo);
