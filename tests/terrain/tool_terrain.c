@@ -6,6 +6,7 @@
 #include "ground.h"
 #include "program.h"
 #include "raster.h"
+#include "refused.h"
 #include "tool_files.h"
 
 #include <signal.h>
@@ -31,14 +32,6 @@ static const program_result *run_well(program_arguments arguments) {
     check(r->status == 0, "exit status %d: %s", r->status, r->err);
     check(r->err[0] == '\0', "standard error: %s", r->err);
     return r;
-}
-
-static void check_refused(program_arguments arguments, int status, const char *part) {
-    const size_t entries = scratch_entries();
-    const program_result *r = program_run(NULL, arguments);
-    check(r->status == status, "exit status %d instead of %d: %s", r->status, status, r->err);
-    check(strstr(r->err, part) != NULL, "'%s' is not in '%s'", part, r->err);
-    assert_int_equal(scratch_entries(), entries);
 }
 
 /* The elements of an array of n elements; the caller frees *file. */

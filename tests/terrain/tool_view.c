@@ -3,6 +3,7 @@
 
 #include "image.h"
 #include "program.h"
+#include "refused.h"
 #include "tool_files.h"
 
 #include "cellwalk.h"
@@ -195,14 +196,6 @@ static void seen_as_a_whole(void **state) {
         check(land * 8 > image.width * image.height, "%zu pixels of land", land);
         io_image_free(&image);
     }
-}
-
-static void check_refused(program_arguments arguments, int status, const char *part) {
-    const size_t entries = scratch_entries();
-    const program_result *r = program_run(NULL, arguments);
-    check(r->status == status, "exit status %d instead of %d: %s", r->status, status, r->err);
-    check(strstr(r->err, part) != NULL, "'%s' is not in '%s'", part, r->err);
-    assert_int_equal(scratch_entries(), entries);
 }
 
 static void what_is_refused(void **state) {
