@@ -41,8 +41,29 @@ def terrain_views(results):
                   "by (median)"], rows, "lllrrrrr")
 
 
+def terrain_suns(results):
+    rows = [[line.text("program"), f"{line.number('side')}²", line.text("class"), grouped(line.number("cells")),
+             f"{100 * line.number('cells') / line.number('sunlit'):.2g} %", grouped(line.number("lean_away")),
+             grouped(line.number("looked_at")), grouped(line.number("we_are_right")), f"{line.number('median_degrees'):.2g}°"]
+            for line in results.some("sun")]
+    return table(["program", "samples", "class", "cells", "of those in the sun", "ground leans away", "of the others looked at",
+                  "Cellwalk is right", "by (median)"], rows, "lllrrrrrr")
+
+
 def terrain_horizons(results):
     rows = [[line.text("program"), f"{line.number('side')}²", grouped(line.number("looked_at")),
              f"{line.number('median_degrees'):.2g}°", f"{line.number('most_of_99'):.2g}°", f"{line.number('most'):.2g}°"]
             for line in results.some("horizon")]
     return table(["program", "samples", "angles looked at", "median error", "of 99 %", "greatest"], rows, "llrrrr")
+
+
+def terrain_maps(results):
+    """Greatest errors over all directions, a row for each latitude."""
+    lines = results.some("map")
+    distances = sorted({line.number("kilometres") for line in lines})
+    rows = []
+    for latitude in sorted({line.number("latitude") for line in lines}):
+        here = {line.number("kilometres"): line for line in lines if line.number("latitude") == latitude}
+        rows.append([f"{latitude}°", *(f"{here[km].number('azimuth_degrees'):.2g}°, "
+                                       f"{100 * here[km].number('distance_share'):.2g} %" for km in distances)])
+    return table(["latitude", *(f"{km} km" for km in distances)], rows, "l" + "r" * len(distances))

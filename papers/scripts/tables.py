@@ -77,7 +77,8 @@ BLOCKS = {
         blocks_tradeoff.modes, blocks_tradeoff.frontiers, blocks_tradeoff.errors, blocks_tradeoff.mode_speeds,
         blocks_tradeoff.pictures, blocks_tradeoff.early, blocks_tradeoff.normals)},
     **{make.__name__: from_file(blocks_terrain.FILE, make) for make in (
-        blocks_terrain.terrain_speed, blocks_terrain.terrain_views, blocks_terrain.terrain_horizons)},
+        blocks_terrain.terrain_speed, blocks_terrain.terrain_views, blocks_terrain.terrain_horizons,
+        blocks_terrain.terrain_maps, blocks_terrain.terrain_suns)},
 }
 
 

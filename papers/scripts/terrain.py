@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Products of terrain beside gdal_viewshed, r.viewshed and r.horizon: time, memory, and which cells differ and who is right,
-by looking at every edge on the way in double. Writes papers/data/terrain.json and, with --pictures, what papers/terrain.md
+"""Products of terrain beside gdal_viewshed, r.viewshed, r.sun and r.horizon: time, memory, and which cells differ and who is right,
+by looking at every edge on the way in double; and what maps in degrees cost in azimuth and distance. Writes papers/data/terrain.json and, with --pictures, what papers/terrain.md
 shows. Needs NumPy, matplotlib for pictures, and Debian's gdal-bin and grass-core."""
 
 import argparse
+import ctypes
 import datetime
 import json
 import os
@@ -33,13 +34,13 @@ def land(n, seed=7):
     return np.maximum(z, np.quantile(z, 0.2)).astype("<f4")
 
 
-def write_dem(z, path):
+def write_dem(z, path, crs="EPSG:32632", box=None):
     n = len(z)
     z.tofile(path + ".img")
     with open(path + ".hdr", "w", encoding="ascii") as file:
         file.write(f"ENVI\nsamples = {n}\nlines = {n}\nbands = 1\ndata type = 4\ninterleave = bsq\nbyte order = 0\n")
-    box = [WEST, NORTH, WEST + CELL * n, NORTH - CELL * n]
-    subprocess.run(["gdal_translate", "-q", "-a_srs", "EPSG:32632", "-a_ullr", *map(str, box), "-co", "TILED=YES",
+    box = box or [WEST, NORTH, WEST + CELL * n, NORTH - CELL * n]
+    subprocess.run(["gdal_translate", "-q", "-a_srs", crs, "-a_ullr", *map(str, box), "-co", "TILED=YES",
                     path + ".img", path + ".tif"], check=True)
 
 
@@ -126,12 +127,13 @@ def grass(script, folder):
                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
-def grass_timed(clock, program, product, side, part, whole, dem, command, outputs, folder):
+def grass_timed(clock, program, product, side, part, whole, dem, command, outputs, folder, before=(), after=()):
     """A GRASS module by itself, its raster already imported; outputs: map and file."""
     report = os.path.join(folder, "report")
-    lines = [f"r.in.gdal -o --q input={dem} output=dem", "g.region raster=dem",
+    lines = [f"r.in.gdal -o --q input={dem} output=dem", "g.region raster=dem", *before,
              f"/usr/bin/time -o {report} -f '%e %U %S %M' {command}"]
     lines += [f"r.out.gdal --q -c input={name} output={path} format=GTiff --o" for name, path in outputs]
+    lines += after
     grass("\n".join(lines) + "\n", folder)
     wall, user, system, kilobytes = map(float, open(report, encoding="ascii").read().split())
     clock.lines.append({"kind": "time", "program": program, "product": product, "side": side, "part": part,
@@ -155,6 +157,49 @@ def compare_views(z, eye, ours, theirs, program, rng):
     return lines
 
 
+def leans_away(z, sun):
+    """Where the ground, by differences over three by three samples as r.slope.aspect has it, faces away from the sun."""
+    p = np.pad(z.astype(float), 1, mode="edge")
+    n, m = z.shape
+    at = lambda dj, di: p[1 + dj:1 + dj + n, 1 + di:1 + di + m]  # noqa: E731
+    east = (at(-1, 1) + 2 * at(0, 1) + at(1, 1) - at(-1, -1) - 2 * at(0, -1) - at(1, -1)) / (8 * CELL)
+    north = (at(-1, -1) + 2 * at(-1, 0) + at(-1, 1) - at(1, -1) - 2 * at(1, 0) - at(1, 1)) / (8 * CELL)
+    azimuth, altitude = np.radians(sun)
+    return np.sin(altitude) - np.cos(altitude) * (np.sin(azimuth) * east + np.cos(azimuth) * north) <= 0
+
+
+def compare_suns(z, ours, theirs, sun, rng):
+    """Cells in the sun for one and not for the other; r.sun has nothing at the border."""
+    lines, away = [], leans_away(z, sun)
+    for what, mask in (("they see the sun, we do not", (theirs > 0) & (ours == 0)),
+                       ("we see the sun, they do not", ~(theirs > 0) & (ours == 1))):
+        mask[[0, -1]] = mask[:, [0, -1]] = False
+        cells = np.argwhere(mask & ~away)[:, ::-1]
+        some = cells[rng.permutation(len(cells))[:2000]]
+        above = np.array([sun[1] - exact_angle(z, i, j, sun[0]) for i, j in some])
+        right = np.sum(above > 0) if what.startswith("we") else np.sum(above <= 0)
+        lines.append({"kind": "sun", "program": "r.sun", "side": len(z), "class": what, "azimuth": sun[0], "altitude": sun[1],
+                      "cells": int(mask.sum()), "sunlit": int(np.sum(ours == 1)), "lean_away": int((mask & away).sum()),
+                      "looked_at": len(some), "we_are_right": int(right),
+                      "median_degrees": float(np.median(np.abs(above))) if len(some) else 0.0})
+    return lines
+
+
+def measure_suns(tool, clock, side, z, dem, out, folder, rng):
+    """r.sun at noon of the shortest day, and ours with the sun at the place that it says."""
+    grass_timed(clock, "r.sun", "shadow", side, 1, 1, dem + ".tif",
+                "r.sun --q elevation=dem slope=slope aspect=aspect lat=lat long=lon day=355 time=12 incidout=inc",
+                [("inc", out("grasss"))], folder,
+                before=["r.slope.aspect --q elevation=dem slope=slope aspect=aspect",
+                        'r.mapcalc --q expression="lat = 46.9"', 'r.mapcalc --q expression="lon = 10.3"'],
+                after=[f"r.info -h map=inc > {folder}/sun"])
+    with open(os.path.join(folder, "sun"), encoding="utf-8") as file:
+        text = file.read()
+    sun = [float(re.search(rf"Solar {what} \(deg\): *([0-9.]+)", text).group(1)) for what in ("azimuth", "altitude")]
+    subprocess.run([tool, "shadow", dem + ".tif", "--sun", f"{sun[0]},{sun[1]}", "-o", out("noon")], check=True)
+    return compare_suns(z, read(out("noon"), side), read(out("grasss"), side), sun, rng)
+
+
 def exact_angle(z, i, j, azimuth):
     d = np.array([np.sin(np.radians(azimuth)), -np.cos(np.radians(azimuth))])
     far = min(((len(z) - 1 if v > 0 else 0) - p) / v for p, v in zip((i, j), d) if abs(v) > 1e-12) + 1
@@ -175,6 +220,50 @@ def compare_horizons(z, ours, theirs, azimuth, rng):
                     "median_degrees": float(np.median(error)), "most_of_99": float(np.quantile(error, 0.99)),
                     "most": float(error.max())})
     return out
+
+
+# ---- maps in degrees --------------------------------------------------------------------------------------------------
+
+class Geodesics:
+    """Shortest ways on WGS 84, by PROJ, which GDAL brings."""
+
+    def __init__(self):
+        self.proj, self.earth = ctypes.CDLL("libproj.so.25"), ctypes.create_string_buffer(4096)
+        self.proj.geod_init.argtypes = [ctypes.c_void_p, ctypes.c_double, ctypes.c_double]
+        self.proj.geod_inverse.argtypes = [ctypes.c_void_p, *[ctypes.c_double] * 4, *[ctypes.c_void_p] * 3]
+        self.proj.geod_init(self.earth, RADIUS, 1 / 298.257223563)
+
+    def way(self, latitude, longitude, to_latitude, to_longitude):
+        """Metres, and the azimuth at the start in degrees."""
+        metres, azimuth, end = (ctypes.c_double() for _ in range(3))
+        self.proj.geod_inverse(self.earth, latitude, longitude, to_latitude, to_longitude, ctypes.byref(metres),
+                               ctypes.byref(azimuth), ctypes.byref(end))
+        return metres.value, azimuth.value
+
+
+def compare_maps(tool, folder):
+    """A wall around a place, so many kilometres away on all four sides: where `horizon --at` finds it, beside geodesics."""
+    n, longitude, lines, geodesics = 101, 10, [], Geodesics()
+    z = np.zeros((n, n), "<f4")
+    z[[0, -1]] = z[:, [0, -1]] = 3000
+    dem = os.path.join(folder, "wall")
+    for latitude in (0, 30, 50, 70, 80):
+        for km in (1, 5, 20, 50):
+            dy = km / 50 / 111.2
+            dx = dy / np.cos(np.radians(latitude))
+            box = [longitude - dx * n / 2, latitude + dy * n / 2, longitude + dx * n / 2, latitude - dy * n / 2]
+            write_dem(z, dem, "EPSG:4326", box)
+            rows = subprocess.run([tool, "horizon", dem + ".tif", "--at", f"{longitude},{latitude}", "--directions", "72"],
+                                  check=True, capture_output=True, text=True).stdout.splitlines()[1:]
+            turned, longer, farthest = [], [], 0
+            for azimuth, _, metres, x, y in (map(float, row.split(",")) for row in rows):
+                exact, direction = geodesics.way(latitude, longitude, y, x)
+                turned.append(abs((direction - azimuth + 180) % 360 - 180))
+                longer.append(abs(metres / exact - 1))
+                farthest = max(farthest, exact)
+            lines.append({"kind": "map", "latitude": latitude, "kilometres": km, "directions": len(rows),
+                          "farthest": farthest, "azimuth_degrees": max(turned), "distance_share": max(longer)})
+    return lines
 
 
 # ---- the run ----------------------------------------------------------------------------------------------------------
@@ -207,6 +296,7 @@ def measure(tool, side, clock, folder):
                     f"r.viewshed --q -b -c -r input=dem output=v coordinates={x},{y} observer_elevation=2 memory=2000",
                     [("v", out("grass"))], folder)
         lines += compare_views(z, eye, ours, read(out("grass"), side), "r.viewshed", rng)
+        lines += measure_suns(tool, clock, side, z, dem, out, folder, rng)
         grass_timed(clock, "r.horizon", "horizon, 32 directions", side, 2, 32, dem + ".tif",
                     "r.horizon --q -d elevation=dem step=180 start=30 output=h", [("h_030", out("grassh"))], folder)
         subprocess.run([tool, "horizon", dem + ".tif", "--directions", "1", "--start", "60", "-o", out("one")], check=True)
@@ -238,6 +328,11 @@ def draw(tool, folder):
         "horizon": colormaps["magma"](np.clip(product("horizon", "--directions", "1", "--start", "315") / 45, 0, 1))[..., :3],
         "sky": product("horizon", "--directions", "64", "--svf")[..., None] ** 3 * np.ones(3),
     }
+    far = place(side, side // 2, side // 2)
+    subprocess.run([tool, "render", dem + ".tif", "--from", f"{x},{y},+150", "--to", f"{far[0]},{far[1]}", "--sun", "315,22",
+                    "--phong", "--size", "1034x480", "--samples", "16", "-o", os.path.join(folder, "view.png")], check=True)
+    with Image.open(os.path.join(folder, "view.png")) as view:
+        view.convert("RGB").quantize(192).save(os.path.join(ROOT, "papers/pictures/terrain-view.png"), optimize=True)
     views["viewshed"][max(j - 3, 0):j + 4, max(i - 3, 0):i + 4] = [0.8, 0, 0]
     light, viewshed, horizon, sky = (np.clip(view * 255, 0, 255).astype(np.uint8) for view in views.values())
     gap = np.full((side, 8, 3), 255, np.uint8)
@@ -268,6 +363,7 @@ def main():
         load = os.getloadavg()[0]
         for side in map(int, options.sides.split(",")):
             lines += measure(tool, side, clock, folder)
+        lines += compare_maps(tool, folder)
     version = lambda *command: subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()  # noqa: E731
     run = {"kind": "run", "command": "terrain", "arguments": f"--sides {options.sides} --rounds {options.rounds}",
            "cpu": cpu_name(), "isa": json.loads(version(tool, "info", "--json"))["isa"],

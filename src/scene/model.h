@@ -18,8 +18,9 @@ typedef struct material {
 
 typedef struct heightfield {
     cw_field *field; /* maps field space to the world; borrows samples */
-    float *samples;
+    const float *samples;
     size_t nx, ny;
+    bool borrowed;      /* field and samples are not the scene's */
     transform to_world; /* from object space, where the samples' x and y span [0, 1] and are u and v */
     material surface;
 } heightfield;
@@ -35,6 +36,12 @@ typedef struct point_light {
     float intensity[3];
 } point_light;
 
+/* What is seen where no shape is. Only scenes without mirrors and cylinders have one. */
+typedef struct sky {
+    float up[3];                /* the world's up in the camera's space */
+    float horizon[3], above[3]; /* colours at the horizon and below, and straight above */
+} sky;
+
 struct scene {
     size_t width, height;
     unsigned samples;          /* a pixel */
@@ -45,6 +52,7 @@ struct scene {
     cylinder *cylinders;
     point_light *lights;
     size_t heightfield_count, cylinder_count, light_count;
+    sky *sky; /* NULL: black */
 
     /* Pointers, because materials point to them. */
     texture **textures;

@@ -9,14 +9,16 @@
 void scene_free(scene *s) {
     if (s == NULL) return;
     for (size_t k = 0; k < s->heightfield_count; k++) {
+        if (s->heightfields[k].borrowed) continue;
         cw_field_destroy(s->heightfields[k].field);
-        free(s->heightfields[k].samples);
+        free((void *)(uintptr_t)s->heightfields[k].samples); /* which the scene alone could write to */
     }
     for (size_t k = 0; k < s->texture_count; k++) texture_free(s->textures[k]);
     free(s->heightfields);
     free(s->cylinders);
     free(s->lights);
     free(s->textures);
+    free(s->sky);
     free(s);
 }
 

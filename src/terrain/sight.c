@@ -75,23 +75,6 @@ void sight_bounds_destroy(sight_bounds *b) {
 
 static double clamped(double x, double low, double high) { return x < low ? low : x > high ? high : x; }
 
-/* Edges that are crossed within a cell of the eye end within two of it. */
-static double highest_around(const sight *s) {
-    const terrain *t = s->terrain;
-    const double most_i = (double)(t->nx - 1), most_j = (double)(t->ny - 1);
-    const size_t left = (size_t)clamped(ceil(s->eye[0] - 2), 0, most_i),
-                 top = (size_t)clamped(ceil(s->eye[1] - 2), 0, most_j);
-    const size_t right = (size_t)clamped(floor(s->eye[0] + 2), 0, most_i),
-                 bottom = (size_t)clamped(floor(s->eye[1] + 2), 0, most_j);
-    double highest = -INFINITY;
-    for (size_t j = top; j <= bottom; j++)
-        for (size_t i = left; i <= right; i++) {
-            const double z = (double)t->z[j * t->nx + i];
-            if (isfinite(z) && z - s->eye[2] > highest) highest = z - s->eye[2];
-        }
-    return highest;
-}
-
 void sight_init(sight *s, const terrain *t, const sight_bounds *bounds, const double eye[3], double curvature) {
     *s = (sight){.terrain = t, .bounds = bounds, .eye = {eye[0], eye[1], eye[2]}};
     double metres[2];
@@ -104,7 +87,6 @@ void sight_init(sight *s, const terrain *t, const sight_bounds *bounds, const do
         s->fall[1] += scale * 2 * m[c][0] * m[c][1];
         s->fall[2] += scale * m[c][1] * m[c][1];
     }
-    s->around = highest_around(s);
 }
 
 double sight_fall(const sight *s, double i, double j) {
@@ -294,6 +276,55 @@ sight_rise sight_steepest(const sight *s, double i, double j, double least, doub
     return found.rise;
 }
 
+/* An edge this near to the eye is crossed at places that rounding moves about. That matters nothing if all of it is below the
+ * eye there: it then rises less steeply than its far end. */
+static const double clear_of_edges = 0x1p-10;
+
+static bool is_clear(const sight *s) {
+    const terrain *t = s->terrain;
+    const double places[3] = {s->eye[0], s->eye[1], s->eye[0] - s->eye[1]};
+    bool beside = false;
+    for (int k = 0; k < 3; k++) beside |= fabs(places[k] - nearbyint(places[k])) < clear_of_edges;
+    if (!beside) return true;
+    double low = INFINITY, high = -INFINITY;
+    for (double j = floor(s->eye[1]) - 1; j <= s->eye[1] + 2; j++)
+        for (double i = floor(s->eye[0]) - 1; i <= s->eye[0] + 2; i++) {
+            if (!(i >= 0 && j >= 0 && i < (double)t->nx && j < (double)t->ny)) continue;
+            const double z = (double)t->z[(size_t)j * t->nx + (size_t)i];
+            low = z < low ? z : low;
+            high = z > high ? z : high;
+        }
+    const double ground = terrain_height(t, s->eye[0], s->eye[1]) / t->map[2][2];
+    return ground + 2 * clear_of_edges * (high - low) < s->eye[2];
+}
+
+/* Seen from the eye, an edge is straight: what of it lies between two directions rises highest at one of them or at a sample
+ * between them. Edges that are crossed within a cell of the eye end within two of it. */
+double sight_around(const sight *s, const double a[2], const double b[2]) {
+    enum { CELLS = 4 };
+    if (!is_clear(s)) return INFINITY;
+    const terrain *t = s->terrain;
+    search found = {{-INFINITY, 0}, INFINITY};
+    for (int k = 0; k < 2; k++) {
+        const double *d = k ? b : a;
+        const way w = way_to(s, s->eye[0] + CELLS * d[0], s->eye[1] + CELLS * d[1]);
+        look_between(&w, 1 - 2.0 / CELLS, 1, look_for_steepest, &found);
+    }
+    double steepest = found.rise.steepest / CELLS;
+    for (double j = ceil(s->eye[1] - 2); j <= s->eye[1] + 2; j++)
+        for (double i = ceil(s->eye[0] - 2); i <= s->eye[0] + 2; i++) {
+            if (!(i >= 0 && j >= 0 && i < (double)t->nx && j < (double)t->ny)) continue;
+            const double x = i - s->eye[0], y = j - s->eye[1], away = fmax(fabs(x), fabs(y));
+            const double turn = a[0] * b[1] - a[1] * b[0] < 0 ? -1 : 1;
+            const bool between = turn * (a[0] * y - a[1] * x) >= -at_end && turn * (x * b[1] - y * b[0]) >= -at_end;
+            const double height = sight_sample(s, (size_t)i, (size_t)j);
+            if (between && x * a[0] + y * a[1] > 0 && height / away > steepest && height < INFINITY)
+                steepest = height / away;
+        }
+    /* Elsewhere places of crossings are off by less than 2^-27 cells, which is 2^-17 of the way there. */
+    return steepest + 0x1p-16 * fabs(steepest);
+}
+
 bool sight_sees(const sight *s, double i, double j, double height, const sight_bound *bound) {
     const way w = way_to(s, i, j);
     search found = {{height, 0}, height};
@@ -302,9 +333,7 @@ bool sight_sees(const sight *s, double i, double j, double height, const sight_b
     const double first = bound->near < w.length ? bound->near / w.length : 1, last = fmax(first, 1 - 1 / w.length);
     const double close = bound->close < w.length ? bound->close / w.length : 1;
     if (look_between(&w, 0, close, look_for_steepest, &found)) return false;
-    /* What is below the eye, a cell away or less, rises by less than that for each cell. */
-    const bool steep = s->around >= 0 || s->around * w.length >= height;
-    if (last < 1 && steep && look_between(&w, last, 1, look_for_steepest, &found)) return false;
+    if (last < 1 && bound->eye >= height && look_between(&w, last, 1, look_for_steepest, &found)) return false;
     if (first == 1) return true;
     /* Where something is high, and if that does not hide it, all the rest. */
     for (int k = 0; k < SIGHT_PIECES; k++) {

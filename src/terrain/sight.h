@@ -21,7 +21,6 @@ typedef struct sight {
     const sight_bounds *bounds;
     double eye[3];
     double fall[3]; /* lowering at (x, y) from the eye: fall[0] x² + fall[1] x y + fall[2] y² */
-    double around;  /* height over the eye of the highest sample next to it, as far as edges within one cell reach */
 } sight;
 
 /* The lowering is curvature d² / (2 R), d being the distance in metres on the map and R the ellipsoid's radius at the equator:
@@ -48,13 +47,17 @@ typedef struct sight_piece {
 
 /* What is known of what lies on the way to a place: nothing farther than near cells from it and than one cell from the eye
  * rises by more than the first piece's high. With that piece left out, nothing by more than the second's, and so on; with all
- * of them left out, by no more than rest. Of the near cells only the first close ones can hide it. Cells count along the way's
- * longer axis. */
-enum { SIGHT_PIECES = 3 };
+ * of them left out, by no more than rest. Of the near cells only the first close ones can hide it. Nothing within a cell of the
+ * eye rises by more than eye. Cells count along the way's longer axis. */
+enum { SIGHT_PIECES = 5 };
 typedef struct sight_bound {
-    double close, near, rest;
+    double close, near, rest, eye;
     sight_piece pieces[SIGHT_PIECES];
 } sight_bound;
+
+/* No rise within one cell of the eye is steeper than that in the directions between a and b, as height over the eye per cell
+ * along the way's longer axis, which is the same for both: a and b are one long along it. */
+double sight_around(const sight *s, const double a[2], const double b[2]);
 
 /* Whether (i, j), height over the eye's, is seen. What touches the line blocks it. */
 bool sight_sees(const sight *s, double i, double j, double height, const sight_bound *bound);

@@ -20,7 +20,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SLICES = SWEEP_PARTS / 4, NEAR = 4, BLOCK = 4, FIRST_REACH = 8, COLUMNS_AT_ONCE = 16, BESIDE = 4 };
+enum { SLICES = SWEEP_PARTS / 4, NEAR = 4, BLOCK = 4, FIRST_REACH = 8, COLUMNS_AT_ONCE = 16, BESIDE = 4, AROUND = 32 };
 
 /* A row as its bins see it: for samples from the one at or below a place on. */
 typedef struct shown {
@@ -54,7 +54,8 @@ typedef struct part {
     float *w;              /* the row's rises; BESIDE more on both sides */
     shown *kept[NEAR + 1]; /* of the last rows */
     long kept_left[NEAR + 1], kept_right[NEAR + 1];
-    float *columns; /* COLUMNS_AT_ONCE columns of the field, as rows */
+    double around[AROUND]; /* rises next to the eye, in so many ranges of directions */
+    float *columns;        /* COLUMNS_AT_ONCE columns of the field, as rows */
     long columns_from, columns_left, columns_right;
 } part;
 
@@ -128,6 +129,7 @@ static void keep(part *p, long row, long left, long right) {
 }
 
 static inline void raise(bin *b, float high, int32_t number) {
+    if (high <= b->rest) return; /* which no block is below */
     struct block *last = &b->blocks[SIGHT_PIECES - 1];
     int k = 0;
     while (k < SIGHT_PIECES && b->blocks[k].number != number) k++;
@@ -166,9 +168,9 @@ static void take_in(part *p, long row, bool lower) {
     b0 = b0 > 0 ? b0 : 0;
     b1 = b1 < (double)p->bins - 1 ? b1 : (double)p->bins - 1;
     for (double b = b0; b <= b1; b++) {
-        const long k = (long)(floor(start + b * step) - first);
-        if (k < 0 || (double)k + first >= last) continue;
-        const size_t n = (size_t)b;
+        const double place = start + b * step - first; /* a cast is an instruction where floor may be a call */
+        if (!(place >= 0 && place < last - first)) continue;
+        const size_t n = (size_t)b, k = (size_t)place;
         if (lower)
             p->of[n].low = most(from[k].low, p->of[n].low);
         else
@@ -218,6 +220,25 @@ static sight_piece piece_of(const part *p, const struct block *b, double r) {
     return p->outward > 0 ? (sight_piece){one, other, high} : (sight_piece){-other, -one, high};
 }
 
+/* A direction at a border of two ranges, as far as rounding can tell, has the steeper rise. */
+static double around(const part *p, double u) {
+    const double place = (u - p->from) / (p->until - p->from) * AROUND;
+    const int low = (int)(place - 1e-6), high = (int)(place + 1e-6);
+    const double one = p->around[low < AROUND ? low : AROUND - 1], other = p->around[high < AROUND ? high : AROUND - 1];
+    return one > other ? one : other;
+}
+
+static void look_around(part *p) {
+    for (int k = 0; k < AROUND; k++) {
+        double direction[2][2];
+        for (int end = 0; end < 2; end++) {
+            direction[end][p->swapped ? 0 : 1] = p->outward;
+            direction[end][p->swapped ? 1 : 0] = p->from + (k + end) * ((p->until - p->from) / AROUND);
+        }
+        p->around[k] = sight_around(p->sight, direction[0], direction[1]);
+    }
+}
+
 /* The samples of the row in these directions: the last part of a quarter has both ends. Directions of exactly 45 degrees
  * belong to the quarters whose rows are rows. */
 static void visit_row(part *p, long row, double target, sweep_visit *visit, void *context) {
@@ -246,6 +267,7 @@ static void visit_row(part *p, long row, double target, sweep_visit *visit, void
         sweep_bounds bounds = {.low = low, .part = p, .row = (double)row, .direction = u};
         bounds.high.close = bounds.high.near = NEAR;
         bounds.high.rest = set_up(here.rest) * r;
+        bounds.high.eye = around(p, u) * r;
         for (int k = 0; k < SIGHT_PIECES; k++) bounds.high.pieces[k] = piece_of(p, &here.blocks[k], r);
         if (p->swapped)
             visit(context, (size_t)row, (size_t)i, height, &bounds);
@@ -302,6 +324,7 @@ bool sweep_part(const sight *s, unsigned number, double far, double target, swee
             for (int k = 0; k < SIGHT_PIECES; k++) p.of[b].blocks[k] = (struct block){-INFINITY, -1 - k};
         }
         for (size_t k = 0; k <= NEAR; k++) p.kept[k] = kept + k * length;
+        look_around(&p);
         good = sweep(&p, far, target, visit, tick, context);
     }
     free(p.of);

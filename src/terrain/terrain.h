@@ -4,7 +4,9 @@
  *
  * The surface is the one that the field's rays meet, two triangles a cell. Directions of the compass are the map's: 0 is the
  * direction in which y grows, 90 the one in which x does. On a map in degrees, metres in a degree are those at the row in
- * question: papers/terrain.md says what that is good for. */
+ * question, and straight is what is straight there: in a direction of the compass, what lies a distance L away at latitude φ is
+ * met up to L tan φ / 2 R beside its azimuth, 0.027 degrees for 5 km at 50 degrees, and its distance is wrong by up to
+ * 0.385 times that share, 0.02 %. papers/terrain.md has the measurement. */
 #ifndef CELLWALK_TERRAIN_TERRAIN_H
 #define CELLWALK_TERRAIN_TERRAIN_H
 

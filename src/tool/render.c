@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* `cellwalk render`: a picture of a scene. */
+/* `cellwalk render`: a picture of a scene, or of a terrain. */
 
 #include "cancel.h"
 #include "clock.h"
@@ -11,8 +11,11 @@
 #include "progress.h"
 #include "query_options.h"
 #include "scene.h"
+#include "terrain/view.h"
 
 #include <stdlib.h>
+#include <string.h>
+#include <strings.h>
 
 static const char name[] = "render";
 
@@ -21,9 +24,11 @@ enum { SIDE_MOST = 65536 };
 
 typedef struct render_command {
     query_options query;
+    view_options view;
     const char *output, *size, *crop;
     unsigned samples, seed;
     bool phong, quiet, stats, json;
+    bool terrain;         /* not a scene */
     size_t width, height; /* from size; 0: as the scene says */
     scene_crop part;      /* from crop */
 } render_command;
@@ -112,23 +117,64 @@ static int render(const render_command *c, const char *path, scene *s, const cw_
     else
         io_output_discard(out);
     times.write = clock_seconds() - start;
+    /* Whatever is seen is asked whether it is in the light. */
+    if (good && c->terrain && !c->quiet && stats.shadow_rays == 0)
+        warn(NULL, "nothing of the terrain is in the picture; --from and --to are places on its map");
     if (good && c->stats) print_stats(&stats, &times, kernel_name(s, query));
     if (good && c->json) print_json(&stats, &times, kernel_name(s, query), path, &image);
     io_image_free(&image);
     return good ? EXIT_SUCCESS : command_fail(name, "%s", error.text);
 }
 
-static int load_and_render(const render_command *c, const char *path, const cw_query *query) {
+static int render_to_file(const render_command *c, const char *path, scene *s, const cw_query *query, double start) {
+    const render_times times = {.load = clock_seconds() - start};
+    io_error error;
+    io_output out;
+    return io_output_open(&out, c->output, &error) ? render(c, path, s, query, times, &out)
+                                                   : command_fail(name, "%s", error.text);
+}
+
+static int render_scene(const render_command *c, const char *path, const cw_query *query) {
     io_error error;
     const double start = clock_seconds();
     scene *s = scene_load(path, c->quiet ? NULL : warn, NULL, &error);
-    const render_times times = {.load = clock_seconds() - start};
     if (s == NULL) return command_fail(name, "%s", error.text);
-    io_output out;
-    const int status = io_output_open(&out, c->output, &error) ? render(c, path, s, query, times, &out)
-                                                               : command_fail(name, "%s", error.text);
+    const int status = render_to_file(c, path, s, query, start);
     scene_free(s);
     return status;
+}
+
+static int render_terrain(render_command *c, const char *path, const cw_query *query) {
+    const double start = clock_seconds();
+    int status;
+    view *v = view_open(&c->view, path, query, c->width, c->height, c->phong, c->quiet, &status);
+    if (v == NULL) return status;
+    status = render_to_file(c, path, view_scene(v), query, start);
+    view_close(v);
+    return status;
+}
+
+static bool is_scene(const char *path) {
+    const char *ending = strrchr(path, '.');
+    return ending && strcasecmp(ending, ".pbrt") == 0;
+}
+
+/* False, after a message, unless there is one thing to draw, and options that go with it. */
+static bool read_subject(render_command *c, const char **path) {
+    const char *option = view_only(&c->view);
+    const char *given = *path;
+    c->terrain = c->view.dem != NULL || (given && !is_scene(given));
+    if (given && c->view.dem)
+        command_fail(name, "give either %s or --dem %s", given, c->view.dem);
+    else if (!given && !c->view.dem)
+        command_fail(name, "nothing to draw: give a scene or a raster");
+    else if (!c->terrain && option)
+        command_fail(name, "--%s is for rasters; %s is a scene and says itself what is seen", option, given);
+    else {
+        *path = given ? given : c->view.dem;
+        return true;
+    }
+    return false;
 }
 
 /* Whole numbers with a separator between each two, and nothing else. */
@@ -169,7 +215,8 @@ static bool read_area(render_command *c) {
 static int run(int argc, char **argv) {
     render_command c = {.output = NULL};
     enum { OWN = 9 };
-    option_spec options[QUERY_OPTION_COUNT + OWN];
+    enum { ALL = OWN + VIEW_OPTION_COUNT + QUERY_OPTION_COUNT };
+    option_spec options[ALL];
     const option_spec own[] = {
         {.name = "output",
          .letter = 'o',
@@ -180,14 +227,14 @@ static int run(int argc, char **argv) {
          .to = &c.output},
         {.name = "samples",
          .value = "N",
-         .help = "samples a pixel (default: what the scene says)",
+         .help = "samples a pixel (default: what the scene says; 4 of a\nterrain)",
          .kind = OPTION_COUNT,
          .to = &c.samples,
          .low = 1,
          .high = 65536},
         {.name = "size",
          .value = "WxH",
-         .help = "pixels (default: what the scene says)",
+         .help = "pixels (default: what the scene says; 1200x800 of a\nterrain)",
          .kind = OPTION_TEXT,
          .to = &c.size},
         {.name = "crop",
@@ -210,35 +257,47 @@ static int run(int argc, char **argv) {
          .to = &c.stats},
         {.name = "json", .help = "print the same as one JSON object", .kind = OPTION_FLAG, .to = &c.json}};
     for (size_t k = 0; k < OWN; k++) options[k] = own[k];
-    query_options_rows(&c.query, options + OWN);
-    static const char *const operands[] = {"SCENE.pbrt"};
+    view_rows(&c.view, options + OWN);
+    query_options_rows(&c.query, options + OWN + VIEW_OPTION_COUNT);
+    static const char *const operands[] = {"SCENE"};
     const options_usage usage = {
         .name = name,
-        .synopsis = "SCENE.pbrt -o IMAGE [OPTIONS]",
-        .what = "Renders a scene in the part of pbrt's scene language that height-field scenes\n"
+        .synopsis = "DEM|SCENE.pbrt -o IMAGE [OPTIONS]",
+        .what = "Draws a terrain as it is seen from a place on its map, in sunlight and shadow,\n"
+                "coloured by height or by an orthophoto. DEM is any raster that the other\n"
+                "subcommands read.\n"
+                "\n"
+                "Or renders a scene in the part of pbrt's scene language that height-field scenes\n"
                 "need: shapes heightfield and cylinder, materials matte and mirror, image\n"
                 "textures, point lights, a perspective camera. Anything else in the file is an\n"
-                "error with its line, or a warning where it changes neither geometry nor light.\n",
-        .examples = "  cellwalk render landsea-0.pbrt -o landsea-0.png\n"
+                "error with its line, or a warning where it changes neither geometry nor light.\n"
+                "A scene says itself what is seen, so --from, --to, --sun, --fov, --image and how\n"
+                "to read the raster are for terrain.\n",
+        .examples = "  cellwalk render dem.tif -o overview.png\n"
+                    "  cellwalk render dem.tif --from 600250,5199800,+30 --to 603000,5203000 \\\n"
+                    "      --sun 225,30 --size 1600x900 --samples 16 -o view.png\n"
+                    "  cellwalk render dem.tif --image photo.tif -o photo.png\n"
+                    "  cellwalk render landsea-0.pbrt -o landsea-0.png\n"
                     "  cellwalk render landsea-0.pbrt -o smooth.exr --phong --samples 64 --stats\n"
                     "  cellwalk render texture.pbrt -o part.png --size 1600x1600 --crop 0,0,400,400\n",
         .options = options,
-        .option_count = QUERY_OPTION_COUNT + OWN,
+        .option_count = ALL,
         .operands = operands,
-        .operand_least = 1,
+        .operand_least = 0,
         .operand_most = 1,
     };
     const char *path = NULL;
     const int status = options_parse(&usage, argc, argv, &path);
     if (status != OPTIONS_GO) return status;
     cw_query query;
+    if (!read_subject(&c, &path)) return EXIT_USAGE;
     if (!query_options_resolve(&c.query, name, &query) || !read_area(&c)) return EXIT_USAGE;
     io_error error;
     if (c.output == NULL || !io_image_can_write(c.output, &error)) {
         command_fail(name, "%s", c.output ? error.text : "no picture to write to: -o IMAGE is missing");
         return EXIT_USAGE;
     }
-    return load_and_render(&c, path, &query);
+    return c.terrain ? render_terrain(&c, path, &query) : render_scene(&c, path, &query);
 }
 
-const command command_render = {name, "a picture of a scene", run};
+const command command_render = {name, "a picture of a terrain or of a scene", run};

@@ -361,7 +361,7 @@ static void results_are_whole(void **state) {
     assert_string_equal(GDALGetDescription(GDALGetRasterBand(file, 2)), "second");
     int across, down;
     GDALGetBlockSize(GDALGetRasterBand(file, 1), &across, &down);
-    assert_true(across == 256 && down == 256);
+    assert_true(across == 160 && down == 160); /* twice that is more than 300, by less than two tiles of 256 are */
     static float back[SIDE][SIDE];
     for (int b = 1; b <= BANDS; b++) {
         assert_int_equal(

@@ -177,6 +177,33 @@ static void next_to_the_eye(void **state) {
     check(sum.seen > 1000 && sum.hidden > 1000, "%zu seen, %zu hidden", sum.seen, sum.hidden);
 }
 
+/* A bowl around the eye at shape, ever steeper outward, and a spike of 100 m close by, at (21, 20). */
+static double spike_in_a_bowl(const double *shape, double x, double y) {
+    const double i = x / 10, j = -y / 10, ring = fmax(fabs(i - shape[0]), fabs(j - shape[1]));
+    if (ring < 2.5) return i == 21 && j == 20 ? 100 : -1000;
+    return ring * (100 / 0.7 - 0.1 + 0.001 * ring);
+}
+
+/* The tip of the spike alone hides what is behind it: its flanks, a hair to the side, do not. */
+static void behind_a_tip(void **state) {
+    (void)state;
+    static const double eye[2] = {20.3, 20.2};
+    tally sum = {0, 0};
+    ground g;
+    sight_bounds *bounds = NULL;
+    ground_make(&g, 41, 41, spike_in_a_bowl, eye);
+    check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
+    const viewshed_desc d = {.place = {eye[0], eye[1]}, .absolute = true};
+    viewshed *v = view(&g, bounds, &d);
+    count(v, NULL);
+    for (size_t j = 0; j < 41; j++)
+        for (size_t i = 0; i < 41; i++) check_sample(&g, &d, v, i, j, &sum);
+    assert_true(seen[18 * 41 + 28] == 0 && seen[18 * 41 + 27] == 1 && seen[18 * 41 + 29] == 1);
+    viewshed_destroy(v);
+    sight_bounds_destroy(bounds);
+    ground_free(&g);
+}
+
 /* Larger, with everything that bounds pass over; a part of the samples is looked at. */
 static void large_views(void **state) {
     (void)state;
@@ -315,9 +342,9 @@ static void same_bits_in_threads(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_edge_counts),    cmocka_unit_test(next_to_the_eye),  cmocka_unit_test(large_views),
-        cmocka_unit_test(horizon_of_the_sea),   cmocka_unit_test(views_of_a_plane), cmocka_unit_test(first_block),
-        cmocka_unit_test(same_bits_in_threads),
+        cmocka_unit_test(every_edge_counts), cmocka_unit_test(next_to_the_eye),      cmocka_unit_test(behind_a_tip),
+        cmocka_unit_test(large_views),       cmocka_unit_test(horizon_of_the_sea),   cmocka_unit_test(views_of_a_plane),
+        cmocka_unit_test(first_block),       cmocka_unit_test(same_bits_in_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -33,6 +33,14 @@ typedef struct io_raster_writer {
 
 size_t io_cell_bytes(io_cell cell);
 
+/* The side of a GeoTIFF's tiles along so many samples: 256 or less, so that the last tile is nearly full too, whose rest is
+ * compressed for nothing. To be written fast, rows come in whole tiles. */
+static inline size_t io_raster_tile_side(size_t samples) {
+    enum { MOST = 256, MULTIPLE = 16 }; /* TIFF wants multiples of 16 */
+    const size_t tiles = (samples + MOST - 1) / MOST, side = (samples + tiles - 1) / tiles;
+    return (side + MULTIPLE - 1) / MULTIPLE * MULTIPLE;
+}
+
 /* True if the ending is one that this build and this machine can write, with so many bands; else error says what can be. */
 bool io_raster_can_write(const char *path, size_t bands, io_error *error);
 

@@ -11,6 +11,20 @@
 /* Mirrors behind the first hit that a path may meet. */
 enum { BOUNCES = 4 };
 
+/* The sky, for camera rays that met nothing. */
+static void add_sky(wave *w) {
+    const sky s = *w->plan->scene->sky;
+    const wave_rays *r = &w->rays[0];
+    for (size_t k = 0; k < r->count; k++) {
+        if (w->shape[k] != WAVE_MISS) continue;
+        const float rise = lane_dot(r->dir[0][k], r->dir[1][k], r->dir[2][k], s.up[0], s.up[1], s.up[2]);
+        const float share = rise > 0 ? rise : 0;
+        double *sum = w->sum[r->pixel[k]];
+        for (int c = 0; c < 3; c++) sum[c] += (double)(s.horizon[c] + share * (s.above[c] - s.horizon[c]));
+    }
+    wave_lap(w, WAVE_FILM);
+}
+
 /* Takes the paths of the first wave through all their bounces. */
 static void run_waves(wave *w) {
     w->stats.camera_rays += w->rays[0].count;
@@ -18,6 +32,7 @@ static void run_waves(wave *w) {
     for (int bounce = 0; w->rays[current].count > 0; bounce++) {
         const wave_rays *r = &w->rays[current];
         trace_paths(w, r);
+        if (bounce == 0 && w->plan->scene->sky != NULL) add_sky(w);
         shade(w, r, bounce == BOUNCES, &w->rays[1 - current]);
         for (size_t l = 0; l < w->plan->light_count; l++) trace_shadows(w, l);
         current = 1 - current;

@@ -32,10 +32,10 @@ static bool is_input(const char *path, const char *output) {
     return io_inputs_note_path(path) && stat(output, &about) == 0 && io_inputs_have(&about);
 }
 
-static bool describe(ground *g, const char *path, io_error *error) {
-    const io_raster *r = &g->file.raster;
+bool ground_describe(terrain *t, const field_file *file, const char *path, io_error *error) {
+    const io_raster *r = &file->raster;
     const terrain_desc desc = {
-        .field = g->file.field,
+        .field = file->field,
         .nx = r->nx,
         .ny = r->ny,
         .z = r->z,
@@ -46,7 +46,7 @@ static bool describe(ground *g, const char *path, io_error *error) {
         .inverse_flattening = r->georef.inverse_flattening,
     };
     if (r->z == NULL) return io_fail(error, "%s: a scene says nothing of places on earth; give a raster", path);
-    return terrain_init(&g->terrain, &desc) || io_fail(error, "%s: its map has no way back to samples", path);
+    return terrain_init(t, &desc) || io_fail(error, "%s: its map has no way back to samples", path);
 }
 
 static bool read_ground(ground *g, const char *path, const io_raster_options *options, bool field, io_error *error) {
@@ -55,7 +55,7 @@ static bool read_ground(ground *g, const char *path, const io_raster_options *op
     const io_raster *r = &g->file.raster;
     if (!field && (r->nx < 2 || r->ny < 2))
         return io_fail(error, "%s: %zu x %zu samples: %s", path, r->nx, r->ny, cw_status_message(CW_ERROR_SIZE));
-    return describe(g, path, error);
+    return ground_describe(&g->terrain, &g->file, path, error);
 }
 
 /* EXIT_SUCCESS, or the exit status after a message; ground needs closing in any case. */
@@ -110,6 +110,23 @@ size_t ground_numbers(const char *text, double *numbers, size_t least, size_t mo
     return 0;
 }
 
+bool ground_parse_place(const char *name, const char *text, double height, ground_place *p) {
+    double numbers[3] = {0, 0, height};
+    const size_t count = ground_numbers(text, numbers, 2, 3);
+    const char *comma = strrchr(text, ',');
+    *p = (ground_place){numbers[0], numbers[1], numbers[2], count == 2 || (comma && comma[1] == '+')};
+    if (count == 0) command_fail(name, "a place is X,Y,Z, or X,Y,+HEIGHT above ground, not '%s'", text);
+    return count > 0;
+}
+
+bool ground_find_place(const terrain *t, const ground_place *p, double at[3], io_error *error) {
+    terrain_from_map(t, p->x, p->y, at);
+    const double ground_height = p->over_ground ? terrain_height(t, at[0], at[1]) : 0;
+    at[2] = (ground_height + p->z) / terrain_metres_of_height(t);
+    return isfinite(at[2]) ||
+           io_fail(error, "there is no ground at %.10g, %.10g; give the height itself, without +", p->x, p->y);
+}
+
 io_raster_product ground_product(const ground *g, io_cell cell, size_t bands) {
     const io_raster *r = &g->file.raster;
     return (io_raster_product){
@@ -138,10 +155,11 @@ bool ground_tell(void *context, double share) {
 
 /* As many rows as a GeoTIFF's tiles have, fewer where that would make Ctrl-C wait. */
 static size_t block_rows(const io_raster_product *p, double passes) {
-    enum { TILE = 256, LEAST = 32 };
-    size_t rows = TILE;
-    while (rows > LEAST && passes * (double)rows * (double)p->nx > 1e7) rows /= 2;
-    while (passes * (double)rows * (double)p->nx < 1e6 && rows < p->ny) rows += TILE;
+    enum { LEAST = 32 };
+    const size_t tile = io_raster_tile_side(p->ny);
+    size_t rows = tile;
+    while (rows > LEAST && rows % 2 == 0 && passes * (double)rows * (double)p->nx > 1e7) rows /= 2;
+    while (passes * (double)rows * (double)p->nx < 1e6 && rows < p->ny) rows += tile;
     return rows;
 }
 

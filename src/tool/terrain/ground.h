@@ -40,6 +40,20 @@ int ground_run(ground_options *options, const char *path, size_t bands, bool fie
 /* Numbers with commas between them: least to most of them; how many there are, or 0. */
 size_t ground_numbers(const char *text, double *numbers, size_t least, size_t most);
 
+/* A place on the map; over_ground: its height is that above the ground. */
+typedef struct ground_place {
+    double x, y, z;
+    bool over_ground;
+} ground_place;
+
+/* X,Y,Z or X,Y,+HEIGHT, or X,Y, which is so much above ground. False after a message. */
+bool ground_parse_place(const char *name, const char *text, double height, ground_place *p);
+/* Field coordinates, and the height in the samples' numbers. */
+bool ground_find_place(const terrain *t, const ground_place *p, double at[3], io_error *error);
+
+/* The terrain that a file holds. */
+bool ground_describe(terrain *t, const field_file *file, const char *path, io_error *error);
+
 /* The product's size, place and coordinate system. */
 io_raster_product ground_product(const ground *g, io_cell cell, size_t bands);
 

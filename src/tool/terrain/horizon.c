@@ -161,7 +161,8 @@ static int run(int argc, char **argv) {
                 "below it, -90 where the terrain ends there (float32, one band a direction; NaN:\n"
                 "no data). Angles are exact to 0.001 degrees (0.003 on a map in degrees) for the\n"
                 "surface of two triangles between each four samples. The earth is taken for flat,\n"
-                "but for --at.\n",
+                "but for --at. On a map in degrees, what is 5 km away at latitude 50 counts for an\n"
+                "azimuth that is up to 0.03 degrees beside its own, and so in proportion.\n",
         .examples = "  cellwalk horizon dem.tif --directions 32 -o horizon.tif\n"
                     "  cellwalk horizon dem.tif --directions 64 --svf -o sky.tif\n"
                     "  cellwalk horizon dem.tif --at 600250,5199800 --directions 360 > horizon.csv\n",

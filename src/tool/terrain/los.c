@@ -12,43 +12,19 @@
 
 static const char name[] = "los";
 
-/* A place on the map; over_ground: its height is that above the ground. */
-typedef struct place {
-    double x, y, z;
-    bool over_ground;
-} place;
-
 typedef struct los_command {
     ground_options ground;
     double curvature;
     bool json;
-    place places[2];
+    ground_place places[2];
 } los_command;
-
-static bool parse_place(const char *text, place *p) {
-    double numbers[3] = {0, 0, 0};
-    const size_t count = ground_numbers(text, numbers, 2, 3);
-    const char *comma = strrchr(text, ',');
-    *p = (place){numbers[0], numbers[1], numbers[2], count == 2 || (comma && comma[1] == '+')};
-    if (count == 0) command_fail(name, "a place is X,Y,Z, or X,Y,+HEIGHT above ground, not '%s'", text);
-    return count > 0;
-}
-
-/* Field coordinates, and the height in the samples' numbers. */
-static bool find_place(const terrain *t, const place *p, double at[3], io_error *error) {
-    terrain_from_map(t, p->x, p->y, at);
-    const double ground_height = p->over_ground ? terrain_height(t, at[0], at[1]) : 0;
-    at[2] = (ground_height + p->z) / terrain_metres_of_height(t);
-    return isfinite(at[2]) ||
-           io_fail(error, "there is no ground at %.10g, %.10g; give the height itself, without +", p->x, p->y);
-}
 
 static bool look(ground *g, void *context, io_error *error) {
     const los_command *c = context;
-    const place *places = c->places;
+    const ground_place *places = c->places;
     const terrain *t = &g->terrain;
     double eye[3], target[3], metres[2], xy[2], ends[2][2];
-    if (!find_place(t, &places[0], eye, error) || !find_place(t, &places[1], target, error)) return false;
+    if (!ground_find_place(t, &places[0], eye, error) || !ground_find_place(t, &places[1], target, error)) return false;
     sight s;
     const double k = isnan(c->curvature) ? g->file.raster.georef.placed ? 6.0 / 7 : 0 : c->curvature;
     sight_init(&s, t, NULL, eye, k);
@@ -110,7 +86,8 @@ static int run(int argc, char **argv) {
     const char *given[3];
     const int status = options_parse(&usage, argc, argv, given);
     if (status != OPTIONS_GO) return status;
-    if (!parse_place(given[1], &c.places[0]) || !parse_place(given[2], &c.places[1])) return EXIT_USAGE;
+    if (!ground_parse_place(name, given[1], 0, &c.places[0]) || !ground_parse_place(name, given[2], 0, &c.places[1]))
+        return EXIT_USAGE;
     if (c.curvature < 0) {
         command_fail(name, "--curvature takes a number from 0 on, not %g", c.curvature);
         return EXIT_USAGE;

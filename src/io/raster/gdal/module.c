@@ -5,6 +5,7 @@
 
 #include <cpl_conv.h>
 #include <cpl_error.h>
+#include <gdal_frmts.h>
 #include <string.h>
 
 bool gdal_fail(io_error *error, const char *name, const char *what) {
@@ -51,8 +52,8 @@ const io_gdal *cellwalk_gdal_module(void) {
     static bool ready;
     if (ready) return &table;
     ready = true;
-    CPLSetErrorHandler(CPLQuietErrorHandler); /* what it says goes into messages of the program's own */
-    GDALAllRegister();
+    CPLSetErrorHandler(CPLQuietErrorHandler);       /* what it says goes into messages of the program's own */
+    GDALRegister_GTiff();                           /* what most files are; the rest where one is not */
     set_unless_set("GDAL_NUM_THREADS", "ALL_CPUS"); /* for compressed tiles */
     set_unless_set("GDAL_PAM_ENABLED", "NO");       /* no .aux.xml beside what is read and written */
     /* Rasters are read and written once, from start to end: a row of tiles is all that needs keeping. The default is 5 % of

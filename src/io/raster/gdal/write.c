@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* GeoTIFF: tiles of 256 × 256, deflated, a band after the other. */
+/* GeoTIFF: tiles, deflated, a band after the other. */
 
 #include "parts.h"
 
@@ -11,7 +11,7 @@
 struct io_gdal_target {
     GDALDatasetH file;
     char *name;
-    size_t nx;
+    size_t nx, ny, tile_rows;
     GDALDataType type;
     bool failed;
 };
@@ -52,8 +52,12 @@ io_gdal_target *gdal_create(const char *path, const char *name, const io_raster_
     }
     char threads[16] = "ALL_CPUS";
     if (p->threads > 0) snprintf(threads, sizeof threads, "%u", p->threads);
+    char side[2][24];
+    for (int k = 0; k < 2; k++) snprintf(side[k], sizeof side[k], "%zu", io_raster_tile_side(k ? p->ny : p->nx));
     char **options = NULL;
     options = CSLSetNameValue(options, "TILED", "YES");
+    options = CSLSetNameValue(options, "BLOCKXSIZE", side[0]);
+    options = CSLSetNameValue(options, "BLOCKYSIZE", side[1]);
     options = CSLSetNameValue(options, "COMPRESS", "DEFLATE");
     options =
         CSLSetNameValue(options, "ZLEVEL", "1"); /* floats get hardly smaller by more, but take three times as long */
@@ -66,6 +70,8 @@ io_gdal_target *gdal_create(const char *path, const char *name, const io_raster_
     options = CSLSetNameValue(options, "BIGTIFF", "IF_SAFER");
     options = CSLSetNameValue(options, "NUM_THREADS", threads);
     t->nx = p->nx;
+    t->ny = p->ny;
+    t->tile_rows = io_raster_tile_side(p->ny);
     t->type = type_of(p->cell);
     GDALDriverH driver = GDALGetDriverByName("GTiff");
     if (driver != NULL) t->file = GDALCreate(driver, path, (int)p->nx, (int)p->ny, (int)p->bands, t->type, options);
@@ -84,7 +90,10 @@ bool gdal_write(io_gdal_target *t, size_t band, size_t first, size_t count, cons
     /* It takes a pointer that is not const for reading and writing alike. */
     const CPLErr status = GDALRasterIO(to, GF_Write, 0, (int)first, (int)t->nx, (int)count, (void *)(uintptr_t)cells,
                                        (int)t->nx, (int)count, t->type, 0, 0);
-    if (status == CE_None) return true;
+    /* Whole tiles go to the threads that compress, while the next ones are computed. */
+    const size_t end = first + count;
+    const bool whole = end % t->tile_rows == 0 || end == t->ny;
+    if (status == CE_None && (!whole || GDALFlushRasterCache(to) == CE_None)) return true;
     t->failed = true;
     return gdal_fail(error, t->name, "cannot write");
 }

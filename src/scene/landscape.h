@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A scene of one height field under sun and sky, made in memory instead of read from a file. */
+#ifndef CELLWALK_SCENE_LANDSCAPE_H
+#define CELLWALK_SCENE_LANDSCAPE_H
+
+#include "scene.h"
+
+typedef struct landscape_desc {
+    /* Both stay the caller's and must live as long as the scene. Samples are what normals are made from; the field is what
+     * rays meet. */
+    cw_field *field;
+    const float *samples;
+    size_t nx, ny;
+    double to_world[3][4]; /* from field space; can be inverted; up is the world's z */
+    /* Of the ground, from field space's y = 0, the first row, to its end. Taken over if that succeeds. */
+    io_image *colours;
+    double eye[3], target[3];   /* in the world; not the same place */
+    double field_of_view;       /* degrees, over the picture's shorter side */
+    double sun[3], sun_light;   /* a unit vector toward it; what a white surface across its rays looks like, 0 to 1 */
+    double sky_light;           /* what a level white surface looks like that only the sky lights */
+    float horizon[3], above[3]; /* colours of the sky, which is seen where no ground is */
+    size_t width, height;
+    unsigned samples_a_pixel;
+} landscape_desc;
+
+/* NULL on failure. */
+scene *landscape_create(const landscape_desc *desc, io_error *error);
+
+#endif

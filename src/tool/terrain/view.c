@@ -1,0 +1,297 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "view.h"
+
+#include "command.h"
+#include "drape.h"
+#include "inputs.h"
+#include "landscape.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char name[] = "render";
+
+/* What a picture is like where nothing else was said. */
+enum { WIDTH = 1200, HEIGHT = 800, SAMPLES = 4 };
+static const double usual_fov = 40, usual_sun[2] = {315, 40}, usual_eye = 2, usual_pitch = 30;
+static const double sun_light = 0.85, sky_light = 0.3;
+static const float horizon[3] = {0.70f, 0.80f, 0.93f}, above[3] = {0.16f, 0.34f, 0.70f};
+
+struct view {
+    field_file file;
+    terrain terrain;
+    float *filled;
+    scene *scene;
+};
+
+void view_rows(view_options *v, option_spec rows[VIEW_OPTION_COUNT]) {
+    *v = (view_options){.fov = NAN};
+    const option_spec own[] = {
+        {.name = "dem",
+         .value = "FILE",
+         .help = "the raster, whatever its name ends in",
+         .kind = OPTION_TEXT,
+         .to = &v->dem},
+        {.name = "from",
+         .value = "X,Y,Z",
+         .help =
+             "the eye's place on the map and height in metres, or +H\nmetres above ground (default: 2 m above it; if "
+             "nothing is\ngiven, in the south, from where all is seen)",
+         .kind = OPTION_TEXT,
+         .to = &v->from},
+        {.name = "to",
+         .value = "X,Y[,Z]",
+         .help = "what is in the middle of the picture (default: the\nmiddle of the raster)",
+         .kind = OPTION_TEXT,
+         .to = &v->to},
+        {.name = "sun",
+         .value = "AZ,ALT",
+         .help = "azimuth from the map's north over east, and altitude,\nin degrees (default: 315,40)",
+         .kind = OPTION_TEXT,
+         .to = &v->sun},
+        {.name = "fov",
+         .value = "DEGREES",
+         .help = "field of view over the shorter side (default: 40)",
+         .kind = OPTION_NUMBER,
+         .to = &v->fov},
+        {.name = "image",
+         .value = "FILE",
+         .help = "what lies on the ground, in the place of colours by\nheight: an orthophoto that GDAL reads (1 or 3 "
+                 "bands), put\nwhere its map says; without one, or of .exr or .pfm, over\nthe whole raster",
+         .kind = OPTION_TEXT,
+         .to = &v->image},
+    };
+    memcpy(rows, own, sizeof own);
+    raster_options_rows(&v->raster, rows + sizeof own / sizeof own[0]);
+}
+
+const char *view_only(const view_options *v) {
+    return v->from                      ? "from"
+           : v->to                      ? "to"
+           : v->sun                     ? "sun"
+           : v->image                   ? "image"
+           : !isnan(v->fov)             ? "fov"
+           : v->raster.band > 0         ? "band"
+           : !isnan(v->raster.nodata)   ? "nodata"
+           : !isnan(v->raster.zscale)   ? "zscale"
+           : !isnan(v->raster.cellsize) ? "cellsize"
+                                        : NULL;
+}
+
+/* ---- places ------------------------------------------------------------------------------------------------------- */
+
+/* What was asked for, as numbers. */
+typedef struct wish {
+    ground_place from, to;
+    double sun[2], fov;
+} wish;
+
+static bool read_wish(const view_options *v, wish *w) {
+    *w = (wish){.sun = {usual_sun[0], usual_sun[1]}, .fov = isnan(v->fov) ? usual_fov : v->fov};
+    if (v->from && !ground_parse_place(name, v->from, usual_eye, &w->from)) return false;
+    if (v->to && !ground_parse_place(name, v->to, 0, &w->to)) return false;
+    if (v->sun && (ground_numbers(v->sun, w->sun, 2, 2) == 0 || fabs(w->sun[1]) > 90)) {
+        command_fail(name, "--sun takes azimuth and altitude in degrees, as 225,30, not '%s'", v->sun);
+        return false;
+    }
+    if (w->fov > 0 && w->fov < 180) return true;
+    command_fail(name, "--fov takes degrees above 0 and below 180, not %g", w->fov);
+    return false;
+}
+
+/* Field space to metres east, north and up of the middle of the map, on a plane that touches the earth there. */
+static void to_metres(const terrain *t, double map[3][4]) {
+    const double i = 0.5 * (double)(t->nx - 1), j = 0.5 * (double)(t->ny - 1);
+    double metres[2];
+    terrain_metres(t, i, j, metres);
+    for (int r = 0; r < 3; r++) {
+        const double scale = r < 2 ? metres[r] : 1;
+        for (int c = 0; c < 3; c++) map[r][c] = t->map[r][c] * scale;
+        map[r][3] = r < 2 ? -(map[r][0] * i + map[r][1] * j) : 0;
+    }
+}
+
+static void put(double map[3][4], double i, double j, double z, double out[3]) {
+    for (int r = 0; r < 3; r++) out[r] = map[r][0] * i + map[r][1] * j + map[r][2] * z + map[r][3];
+}
+
+static bool put_place(const view *v, double map[3][4], const char *option, const ground_place *p, double out[3],
+                      io_error *error) {
+    double at[3];
+    if (!ground_find_place(&v->terrain, p, at, error)) return false;
+    const double under = terrain_height(&v->terrain, at[0], at[1]) - at[2] * terrain_metres_of_height(&v->terrain);
+    if (under > 1e-3 && option)
+        fprintf(stderr, "cellwalk render: warning: %s %.10g,%.10g,%.10g is %.6g m below the ground\n", option, p->x,
+                p->y, p->z, under);
+    put(map, at[0], at[1], at[2], out);
+    return true;
+}
+
+/* A corner of the terrain's box from the target: forward along the view, to the right and up. */
+typedef struct corner {
+    double forward, right, up;
+} corner;
+
+/* From so far behind the target the box fills a picture whose half sides at distance 1 are wide and high. lift is how far the
+ * target moves up for that, so that there is as much sky above as below. */
+static double stand_off(const corner c[8], double wide, double high, bool lifted, double *lift) {
+    enum { STEPS = 30 };
+    double away = 0;
+    *lift = 0;
+    for (int step = 0; step < STEPS; step++) {
+        double top = 0, bottom = 0;
+        away = 0;
+        for (int k = 0; k < 8; k++)
+            away = fmax(away, fmax(fabs(c[k].right) / wide, fabs(c[k].up - *lift) / high) - c[k].forward);
+        for (int k = 0; k < 8; k++) {
+            top = fmax(top, (c[k].up - *lift) / (away + c[k].forward));
+            bottom = fmax(bottom, (*lift - c[k].up) / (away + c[k].forward));
+        }
+        if (!lifted) break;
+        *lift += 0.5 * away * (top - bottom);
+    }
+    return 1.1 * away;
+}
+
+/* From the south, and as near as shows all of the terrain's box. */
+static void stand_back(const view *v, double map[3][4], double fov, double aspect, bool asked, double target[3],
+                       double eye[3]) {
+    const cw_field_info info = cw_field_describe(v->file.field);
+    double sine, cosine, lift;
+    terrain_sine_cosine(usual_pitch, &sine, &cosine);
+    const double half = tan(fov * (3.141592653589793 / 360));
+    const double wide = aspect > 1 ? half * aspect : half, high = aspect > 1 ? half : half / aspect;
+    corner corners[8];
+    for (int k = 0; k < 8; k++) {
+        double p[3];
+        put(map, k & 1 ? (double)(info.nx - 1) : 0, k & 2 ? (double)(info.ny - 1) : 0,
+            (double)(k & 4 ? info.high : info.low), p);
+        for (int c = 0; c < 3; c++) p[c] -= target[c];
+        corners[k] = (corner){cosine * p[1] - sine * p[2], p[0], sine * p[1] + cosine * p[2]};
+    }
+    const double away = stand_off(corners, wide, high, !asked, &lift);
+    target[1] += sine * lift;
+    target[2] += cosine * lift;
+    const double from[3] = {0, -cosine * away, sine * away};
+    for (int c = 0; c < 3; c++) eye[c] = target[c] + from[c];
+}
+
+static bool aim(const view *v, const view_options *o, const wish *w, landscape_desc *d, io_error *error) {
+    const cw_field_info info = cw_field_describe(v->file.field);
+    if (info.low > info.high) return io_fail(error, "all samples are holes");
+    if (o->to) {
+        if (!put_place(v, d->to_world, NULL, &w->to, d->target, error)) return false;
+    } else {
+        put(d->to_world, 0.5 * (double)(info.nx - 1), 0.5 * (double)(info.ny - 1),
+            0.5 * ((double)info.low + (double)info.high), d->target);
+    }
+    if (o->from) {
+        if (!put_place(v, d->to_world, "--from", &w->from, d->eye, error)) return false;
+    } else {
+        stand_back(v, d->to_world, w->fov, (double)d->width / (double)d->height, o->to != NULL, d->target, d->eye);
+    }
+    const double way = hypot(hypot(d->eye[0] - d->target[0], d->eye[1] - d->target[1]), d->eye[2] - d->target[2]);
+    return way > 0 || io_fail(error, "--from and --to are the same place");
+}
+
+static void shine(const wish *w, landscape_desc *d) {
+    double s[2], c[2];
+    for (int k = 0; k < 2; k++) terrain_sine_cosine(w->sun[k], &s[k], &c[k]);
+    const double sun[3] = {s[0] * c[1], c[0] * c[1], s[1]};
+    memcpy(d->sun, sun, sizeof sun);
+    d->sun_light = w->sun[1] > 0 ? sun_light : 0;
+    d->sky_light = sky_light;
+    if (w->sun[1] <= 0)
+        fprintf(stderr, "cellwalk render: warning: the sun is at %g degrees, below the horizon\n", w->sun[1]);
+    memcpy(d->horizon, horizon, sizeof horizon);
+    memcpy(d->above, above, sizeof above);
+}
+
+/* ---- all together ------------------------------------------------------------------------------------------------- */
+
+/* Smooth normals are made of neighbours, and the renderer takes them all for ground: where one is a hole, the mean of those
+ * around it that are not stands in. */
+static bool fill_holes(view *v, io_error *error) {
+    const size_t nx = v->terrain.nx, ny = v->terrain.ny;
+    const float *z = v->terrain.z;
+    v->filled = malloc(nx * ny * sizeof *v->filled);
+    if (v->filled == NULL) return io_fail(error, "out of memory");
+    for (size_t j = 0; j < ny; j++)
+        for (size_t i = 0; i < nx; i++) {
+            double sum = 0, count = 0;
+            v->filled[j * nx + i] = z[j * nx + i];
+            if (isfinite(z[j * nx + i])) continue;
+            for (size_t y = j > 0 ? j - 1 : 0; y <= j + 1 && y < ny; y++)
+                for (size_t x = i > 0 ? i - 1 : 0; x <= i + 1 && x < nx; x++) {
+                    if (!isfinite(z[y * nx + x])) continue;
+                    sum += (double)z[y * nx + x];
+                    count++;
+                }
+            v->filled[j * nx + i] = count > 0 ? (float)(sum / count) : 0;
+        }
+    return true;
+}
+
+static bool make_scene(view *v, const view_options *o, const wish *w, size_t width, size_t height, bool smooth,
+                       io_error *error) {
+    landscape_desc d = {.field = v->file.field,
+                        .samples = v->terrain.z,
+                        .nx = v->terrain.nx,
+                        .ny = v->terrain.ny,
+                        .field_of_view = w->fov,
+                        .width = width ? width : WIDTH,
+                        .height = height ? height : HEIGHT,
+                        .samples_a_pixel = SAMPLES};
+    to_metres(&v->terrain, d.to_world);
+    if (!aim(v, o, w, &d, error)) return false;
+    shine(w, &d);
+    if (smooth && cw_field_describe(v->file.field).holes > 0) {
+        if (!fill_holes(v, error)) return false;
+        d.samples = v->filled;
+    }
+    io_image colours;
+    if (!(o->image ? drape_image(&colours, o->image, &v->terrain, &v->file.raster.georef, error)
+                   : drape_heights(&colours, &v->terrain, error)))
+        return false;
+    d.colours = &colours;
+    v->scene = landscape_create(&d, error);
+    if (v->scene == NULL) io_image_free(&colours);
+    return v->scene != NULL;
+}
+
+static bool open_view(view *v, view_options *o, const char *path, const cw_query *query, const wish *w,
+                      const io_raster_options *raster, size_t width, size_t height, bool smooth, io_error *error) {
+    /* GDAL opens files itself, past the readers that remember theirs: no picture is to take their place. */
+    if (!io_inputs_note_path(path) || (o->image && !io_inputs_note_path(o->image)))
+        return io_fail(error, "out of memory");
+    const bool read = field_file_open(&v->file, path, raster, query, error);
+    progress_end(&o->raster.line);
+    return read && ground_describe(&v->terrain, &v->file, path, error) &&
+           make_scene(v, o, w, width, height, smooth, error);
+}
+
+view *view_open(view_options *o, const char *path, const cw_query *query, size_t width, size_t height, bool smooth,
+                bool quiet, int *status) {
+    io_raster_options raster;
+    wish w;
+    *status = EXIT_USAGE;
+    if (!read_wish(o, &w) || !raster_options_resolve(&o->raster, name, &raster)) return NULL;
+    if (quiet) raster.warn = NULL;
+    view *v = calloc(1, sizeof *v);
+    io_error error = {"out of memory"};
+    if (v != NULL && open_view(v, o, path, query, &w, &raster, width, height, smooth, &error)) return v;
+    *status = command_fail(name, "%s", error.text);
+    view_close(v);
+    return NULL;
+}
+
+scene *view_scene(const view *v) { return v->scene; }
+
+void view_close(view *v) {
+    if (v == NULL) return;
+    scene_free(v->scene);
+    free(v->filled);
+    field_file_close(&v->file);
+    free(v);
+}

@@ -1,0 +1,251 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Pictures of terrain by `cellwalk render`: level land from straight above, whose pixels are known. */
+
+#include "image.h"
+#include "program.h"
+#include "refused.h"
+#include "tool_files.h"
+
+#include "cellwalk.h"
+
+#include <math.h>
+
+/* Level land of 590 x 490 m, samples 10 m apart, with a wall of 40 m along row 20, which is at y = 290. From 1000 m above its
+ * middle a pixel of a square picture of 60 x 60 is 10 m wide on the ground: the first column begins at x = -5, the first row
+ * at y = 545. */
+enum { NX = 60, NY = 50, SIDE = 60 };
+static const char fov[] = "33.398488467987", from[] = "295,245,1000", to[] = "295,245,0";
+#define FROM_ABOVE "--cellsize", "10", "--from", from, "--to", to, "--fov", fov, "--size", "60x60"
+
+static const double light_of_sun = 0.85, light_of_sky = 0.3, ground[3] = {0.10, 0.24, 0.08},
+                    sky[3] = {0.70, 0.80, 0.93};
+
+static int enter(void **state) {
+    if (scratch_enter(state) != 0) return -1;
+    static float z[NX * NY];
+    memset(z, 0, sizeof z);
+    field_file("level.npy", z, NX, NY);
+    z[33 * NX + 25] = NAN;
+    field_file("hole.npy", z, NX, NY);
+    z[33 * NX + 25] = 0;
+    for (size_t i = 0; i < NX; i++) z[20 * NX + i] = 40;
+    field_file("wall.npy", z, NX, NY);
+    return 0;
+}
+
+static io_image run_well(program_arguments arguments) {
+    const program_result *r = program_run(NULL, arguments);
+    check(r->status == 0 && r->err[0] == '\0', "exit status %d: %s", r->status, r->err);
+    io_image image;
+    io_error error;
+    check(io_image_read("o.pfm", &image, &error), "%s", error.text);
+    return image;
+}
+
+/* Colours are kept as halves, which are off by 2^-11 of themselves; all else is smaller. */
+static void check_pixel(const io_image *image, size_t x, size_t y, const double colour[3], double light) {
+    const float *rgb = image->rgb + (y * image->width + x) * 3;
+    for (int c = 0; c < 3; c++)
+        check(fabs((double)rgb[c] - colour[c] * light) <= 6e-4 * colour[c] * light,
+              "pixel (%zu, %zu) is (%g, %g, %g), not (%g, %g, %g)", x, y, (double)rgb[0], (double)rgb[1],
+              (double)rgb[2], colour[0] * light, colour[1] * light, colour[2] * light);
+}
+
+/* Everything stands where it should, and is as bright. */
+static void level_land(void **state) {
+    (void)state;
+    io_image image =
+        run_well((const char *const[]){"render", "level.npy", FROM_ABOVE, "--sun", "225,30", "-o", "o.pfm", NULL});
+    assert_true(image.width == SIDE && image.height == SIDE);
+    for (size_t y = 0; y < SIDE; y++)
+        for (size_t x = 0; x < SIDE; x++) {
+            if (y < 5 || y > 54)
+                check_pixel(&image, x, y, sky, 1);
+            else if (y > 5 && y < 54 && x > 0 && x < 59)
+                check_pixel(&image, x, y, ground, light_of_sun * 0.5 + light_of_sky);
+        }
+    io_image_free(&image);
+}
+
+/* The sun in the south, 45 degrees high: from y = 300, where the wall stands, to 330 there is shadow. */
+static void shadow_of_a_wall(void **state) {
+    (void)state;
+    io_image image = run_well(
+        (const char *const[]){"render", "--dem", "wall.npy", FROM_ABOVE, "--sun", "180,45", "-o", "o.pfm", NULL});
+    const double lit = light_of_sun * sqrt(0.5) + light_of_sky;
+    for (size_t x = 1; x < 59; x++) {
+        check_pixel(&image, x, 20, ground, lit);
+        check_pixel(&image, x, 22, ground, light_of_sky);
+        check_pixel(&image, x, 23, ground, light_of_sky);
+        check_pixel(&image, x, 28, ground, lit);
+    }
+    io_image_free(&image);
+}
+
+/* A picture without a map lies on all of the terrain, its first row in the north. */
+static void stretched_image(void **state) {
+    (void)state;
+    static const float colours[4][3] = {{1, 0.25f, 0.5f}, {0.5f, 1, 0.25f}, {0.25f, 0.5f, 1}, {1, 1, 0.5f}};
+    static float rgb[NX * NY * 3];
+    for (size_t k = 0; k < NX * NY; k++) memcpy(rgb + 3 * k, colours[k / NX / 25 * 2 + k % NX / 30], sizeof colours[0]);
+    io_error error;
+    assert_true(io_image_write("photo.pfm", &(io_image){NX, NY, rgb, NULL}, &error));
+    io_image image = run_well((const char *const[]){"render", "level.npy", FROM_ABOVE, "--sun", "0,90", "--image",
+                                                    "photo.pfm", "-o", "o.pfm", NULL});
+    static const size_t places[4][2] = {{15, 15}, {45, 15}, {15, 45}, {45, 45}};
+    for (size_t k = 0; k < 4; k++) {
+        const float *c = colours[k];
+        check_pixel(&image, places[k][0], places[k][1], (const double[3]){(double)c[0], (double)c[1], (double)c[2]},
+                    light_of_sun + light_of_sky);
+    }
+    io_image_free(&image);
+    /* A raster with one band and no map, likewise: white in the north-west alone. */
+    static float grey[NX * NY];
+    for (size_t k = 0; k < NX * NY; k++) grey[k] = k / NX < 25 && k % NX < 30;
+    field_file("photo.npy", grey, NX, NY);
+    image = run_well((const char *const[]){"render", "level.npy", FROM_ABOVE, "--sun", "0,90", "--image", "photo.npy",
+                                           "-o", "o.pfm", NULL});
+    for (size_t k = 0; k < 4; k++) {
+        const double white = k == 0;
+        check_pixel(&image, places[k][0], places[k][1], (const double[3]){white, white, white},
+                    light_of_sun + light_of_sky);
+    }
+    io_image_free(&image);
+}
+
+/* One with a map lies where that says: here on the western half, black from y = 445 on and white below. */
+static void placed_image(void **state) {
+    (void)state;
+    static char text[60000];
+    int length = snprintf(text, sizeof text, "ncols 30 nrows 50 xllcorner -5 yllcorner -5 cellsize 10\n");
+    for (int k = 0; k < 30 * 50; k++)
+        length += snprintf(text + length, sizeof text - (size_t)length, "%d ", k / 30 < 5 ? 0 : 255);
+    scratch_write("photo.asc", text, (size_t)length);
+    io_image image = run_well((const char *const[]){"render", "level.npy", FROM_ABOVE, "--sun", "0,90", "--image",
+                                                    "photo.asc", "-o", "o.pfm", NULL});
+    static const double black[3] = {0, 0, 0}, white[3] = {1, 1, 1}, bare[3] = {0.4, 0.4, 0.4};
+    for (size_t x = 2; x < 58; x++) {
+        if (x == 29 || x == 30) continue;
+        check_pixel(&image, x, 7, x < 29 ? black : bare, light_of_sun + light_of_sky);
+        check_pixel(&image, x, 30, x < 29 ? white : bare, light_of_sun + light_of_sky);
+    }
+    io_image_free(&image);
+}
+
+/* Smooth normals at the rim of a hole are made of samples alone, and rays pass through the hole. */
+static void smooth_around_a_hole(void **state) {
+    (void)state;
+    io_image image = run_well((const char *const[]){"render", "hole.npy", FROM_ABOVE, "--sun", "225,30", "--phong",
+                                                    "--samples", "1", "-o", "o.pfm", NULL});
+    const float *rgb = image.rgb;
+    size_t through = 0;
+    for (size_t k = 0; k < SIDE * SIDE; k++) through += fabs((double)rgb[3 * k + 2] - sky[2]) < 1e-6;
+    /* The first to fifth rows and the last ones, half a row each beside them and half a column at the sides, and of six
+     * triangles, three pixels large, what the samples' places make of it. */
+    check(through > 600 && through < 800, "%zu pixels show the sky", through);
+    for (size_t y = 8; y < 52; y++)
+        for (size_t x = 2; x < 58; x++) {
+            const float *p = rgb + 3 * (y * SIDE + x);
+            if (fabs((double)p[2] - sky[2]) < 1e-6)
+                check(x >= 24 && x <= 26 && y >= 37 && y <= 39, "the sky at (%zu, %zu)", x, y);
+            else
+                check_pixel(&image, x, y, ground, light_of_sun * 0.5 + light_of_sky);
+        }
+    io_image_free(&image);
+}
+
+static void same_bits(void **state) {
+    (void)state;
+    size_t size = 0;
+    char *first = NULL;
+    for (cw_isa isa = CW_ISA_SCALAR; isa <= cw_isa_best(); isa++) {
+        const program_setting setting = {.isa = cw_isa_name(isa)};
+        const char *threads = isa % 2 ? "3" : "1";
+        const program_result *r =
+            program_run(&setting, (const char *const[]){"render", "wall.npy", "--cellsize", "10", "--size", "300x200",
+                                                        "--threads", threads, "-o", "o.pfm", NULL});
+        check(r->status == 0, "%s", r->err);
+        size_t length;
+        char *bytes = scratch_read("o.pfm", &length);
+        if (first == NULL) {
+            first = bytes;
+            size = length;
+            continue;
+        }
+        check(length == size && memcmp(bytes, first, size) == 0, "another picture with %s", cw_isa_name(isa));
+        free(bytes);
+    }
+    free(first);
+}
+
+/* From wherever nothing is said, all of the terrain is seen: it touches no side of the picture. */
+static void seen_as_a_whole(void **state) {
+    (void)state;
+    static const char *const sizes[] = {"90x60", "60x90"};
+    for (size_t k = 0; k < 2; k++) {
+        io_image image = run_well(
+            (const char *const[]){"render", "wall.npy", "--cellsize", "10", "--size", sizes[k], "-o", "o.pfm", NULL});
+        size_t land = 0;
+        for (size_t y = 0; y < image.height; y++)
+            for (size_t x = 0; x < image.width; x++) {
+                const float *p = image.rgb + 3 * (y * image.width + x);
+                const bool rim = x == 0 || y == 0 || x + 1 == image.width || y + 1 == image.height;
+                if (p[2] < p[1]) land++;
+                check(!rim || p[2] > p[1], "land at the rim, (%zu, %zu)", x, y);
+            }
+        check(land * 8 > image.width * image.height, "%zu pixels of land", land);
+        io_image_free(&image);
+    }
+}
+
+static void what_is_refused(void **state) {
+    (void)state;
+    static const char photo[] = "ncols 2 nrows 2 xllcorner 0 yllcorner 0 cellsize 0\n1 1 1 1", scene[] = "WorldBegin";
+    scratch_write("photo.asc", photo, sizeof photo - 1);
+    scratch_write("s.pbrt", scene, sizeof scene - 1);
+    check_refused((const char *const[]){"render", "-o", "o.pfm", NULL}, 2, "nothing to draw");
+    check_refused((const char *const[]){"render", "level.npy", "--dem", "wall.npy", "-o", "o.pfm", NULL}, 2,
+                  "give either level.npy or --dem wall.npy");
+    check_refused((const char *const[]){"render", "s.pbrt", "--sun", "0,30", "-o", "o.pfm", NULL}, 2,
+                  "--sun is for rasters");
+    check_refused((const char *const[]){"render", "s.pbrt", "--nodata", "0", "-o", "o.pfm", NULL}, 2,
+                  "--nodata is for rasters");
+    check_refused((const char *const[]){"render", "level.npy", "--sun", "0", "-o", "o.pfm", NULL}, 2, "not '0'");
+    check_refused((const char *const[]){"render", "level.npy", "--fov", "180", "-o", "o.pfm", NULL}, 2, "not 180");
+    check_refused((const char *const[]){"render", "level.npy", "--from", "5", "-o", "o.pfm", NULL}, 2, "not '5'");
+    check_refused((const char *const[]){"render", "level.npy", "--from", "-5,3", "-o", "o.pfm", NULL}, 1,
+                  "there is no ground at -5, 3");
+    check_refused((const char *const[]){"render", "level.npy", "--from", "5,3,9", "--to", "5,3,9", "-o", "o.pfm", NULL},
+                  1, "the same place");
+    check_refused((const char *const[]){"render", "level.npy", "--image", "none.asc", "-o", "o.pfm", NULL}, 1,
+                  "none.asc");
+    check_refused((const char *const[]){"render", "level.npy", "--image", "photo.asc", "-o", "o.pfm", NULL}, 1,
+                  "photo.asc");
+    check_refused((const char *const[]){"render", "level.npy", NULL}, 2, "-o IMAGE is missing");
+    const program_result *r =
+        program_run(NULL, (const char *const[]){"render", "level.npy", "--cellsize", "10", "--from", "295,245,-20",
+                                                "--size", "9x9", "-o", "o.pfm", NULL});
+    check(r->status == 0 && strstr(r->err, "20 m below the ground"), "%d: %s", r->status, r->err);
+    /* A place on another map. */
+    r = program_run(NULL, (const char *const[]){"render", "level.npy", "--from", "600000,5200000,300", "--to",
+                                                "600000,5200100,0", "--size", "9x9", "-o", "o.pfm", NULL});
+    check(r->status == 0 && strstr(r->err, "nothing of the terrain is in the picture"), "%d: %s", r->status, r->err);
+    /* Pictures do not replace what they are made from. */
+    check_refused(
+        (const char *const[]){"render", "level.npy", "--image", "o.pfm", "--size", "9x9", "-o", "./o.pfm", NULL}, 1,
+        "is an input as well");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(level_land, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(shadow_of_a_wall, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(stretched_image, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(placed_image, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(smooth_around_a_hole, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(same_bits, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(seen_as_a_whole, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(what_is_refused, enter, scratch_leave),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
