@@ -101,6 +101,8 @@ static cw_status create(const cw_field_desc *desc, cw_field **field) {
         cw_field_destroy(f);
         return CW_ERROR_MAP;
     }
+    memcpy(f->to_normals, f->to_field, sizeof f->to_normals);
+    affine_scale(f->to_normals);
     const size_t stride = desc->stride ? desc->stride : desc->nx;
     if (desc->storage == CW_BORROW) {
         f->z = desc->samples;

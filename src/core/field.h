@@ -26,6 +26,8 @@ struct cw_field {
     struct cw_pyramid *pyramid;
     size_t bytes_built;
     double build_seconds;
+
+    double to_normals[3][4]; /* to_field for vectors whose length counts for nothing: neither tiny nor huge */
 };
 
 /* src/core/pyramid.c */

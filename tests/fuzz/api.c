@@ -143,6 +143,8 @@ static void look_at_hits(work *w) {
         cw_hit_phong_change(w->field, hit, normal, change);
         cw_hit_uv(w->field, hit, uv);
         if (isnan(point[0]) != (hit->i < 0)) wrong("hit", "a point without a hit, or none with it, of ray", k);
+        if (hit->i >= 0 && !(uv[0] >= 0 && uv[0] <= 1 && uv[1] >= 0 && uv[1] <= 1))
+            wrong("hit", "texture coordinates beyond [0, 1], of ray", k);
         if (hit->i >= 0 && ((size_t)hit->i + 1 >= info.nx || (size_t)hit->j + 1 >= info.ny || hit->triangle > 1))
             wrong("hit", "outside the field: ray", k);
     }
