@@ -194,6 +194,34 @@ static void what_is_refused(void **state) {
     check_refused((const char *const[]){"los", "wall.npy", "-5,3,+2", "10,10,+2", NULL}, 1,
                   "there is no ground at -5, 3");
     check_refused((const char *const[]){"los", "wall.npy", "5", "10,10,+2", NULL}, 2, "not '5'");
+    /* Farther away than lines of sight are computed, where numbers no longer fit. */
+    check_refused((const char *const[]){"los", "wall.npy", "1e308,1e308,9", "10,10,+2", NULL}, 1, "is too far away");
+    check_refused((const char *const[]){"los", "wall.npy", "10,10,+2", "1e8,3,9", NULL}, 1, "is too far away");
+    check_refused(
+        (const char *const[]){"viewshed", "wall.npy", "--absolute", "--from", "3,1e308,9", "-o", "v.npy", NULL}, 1,
+        "is too far away");
+}
+
+/* A place that rounding has put next to a row is on it, however near: one over the distance is no number. */
+static void next_to_a_row(void **state) {
+    (void)state;
+    static const char *const places[] = {"7,0,2", "7,1e-320,2", "7,-1e-320,2", "7,1e-300,2"};
+    char *first = NULL;
+    size_t size, first_size = 0;
+    for (size_t k = 0; k < sizeof places / sizeof places[0]; k++) {
+        run_well((const char *const[]){"viewshed", "wall.npy", "--absolute", "--from", places[k], "--needed", "-o",
+                                       "v.npy", NULL});
+        char *bytes = scratch_read("v.npy", &size);
+        if (k == 0) {
+            first = bytes;
+            first_size = size;
+            continue;
+        }
+        assert_int_equal(size, first_size);
+        check(memcmp(bytes, first, size) == 0, "another view from %s than from 7,0", places[k]);
+        free(bytes);
+    }
+    free(first);
 }
 
 /* What a VRT is made of is an input, too, however deep: whatever its name says, GDAL knows an ASCII grid by its content. */
@@ -396,6 +424,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(large_view, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(lines_at_a_wall, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(what_is_refused, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(next_to_a_row, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(sources_are_not_replaced, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(interrupted, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(real_terrain_same_bits, enter, scratch_leave),

@@ -37,6 +37,8 @@ static bool parse_place(const char *text, place *p) {
 /* Field coordinates, and the height in the samples' numbers. */
 static bool find_place(const terrain *t, const place *p, double at[3], io_error *error) {
     terrain_from_map(t, p->x, p->y, at);
+    if (!terrain_is_in_reach(at[0], at[1]))
+        return io_fail(error, "%.10g, %.10g is too far away from the terrain", p->x, p->y);
     const double ground_height = p->over_ground ? terrain_height(t, at[0], at[1]) : 0;
     at[2] = (ground_height + p->z) / terrain_metres_of_height(t);
     return isfinite(at[2]) ||
