@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* soak SECONDS: fields made, asked by every kernel, and destroyed, for so long, with what the fuzzer of the library does for random
+/* soak SECONDS [SEED]: fields made, asked by every kernel, and destroyed, for so long, with what the fuzzer of the library does for random
  * inputs, and with large fields, pools and headings between them. All of it under a limit on memory, and with no byte more in use
  * after each round than after the first: in an hour no caller loses what a second does not show. Allocations may fall
  * into another's place, so the process as a whole may grow by a little; by more it fails, too. */
@@ -103,9 +103,10 @@ static void round_of_inputs(void) {
 }
 
 int main(int count, char **arguments) {
-    const double duration = count == 2 ? atof(arguments[1]) : 0;
-    if (!(duration > 0)) {
-        fprintf(stderr, "usage: soak SECONDS\n");
+    const double duration = count == 2 || count == 3 ? atof(arguments[1]) : 0;
+    if (count == 3) state = strtoull(arguments[2], NULL, 10);
+    if (!(duration > 0) || state == 0) {
+        fprintf(stderr, "usage: soak SECONDS [SEED]\n");
         return EXIT_FAILURE;
     }
     static char line[1 << 12]; /* else printing allocates one */
