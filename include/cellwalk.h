@@ -63,7 +63,10 @@ typedef enum cw_status {
     CW_ERROR_POOL_SIZE,   /* more threads than CW_THREADS_MAX */
     CW_ERROR_SLANTED,     /* places above (x, y) of user space are asked for, whose map leans the heights */
     CW_ERROR_CANCELLED,   /* the watch said to stop */
-    CW_ERROR_BUSY /* the field is to be updated while queries or another update run on it, or asked during that */
+    CW_ERROR_BUSY,        /* the field is to be updated while queries or another update run on it, or asked during that */
+    CW_ERROR_DIRECTION,   /* a heading's direction is not finite, or its longer component is not from 2^-40 to 2^40 */
+    CW_ERROR_SLOPE,       /* a slope is NaN, or low lies above high */
+    CW_ERROR_RECTANGLE    /* the rectangle is no part of the field */
 } cw_status;
 
 /* One English sentence without a full stop; never NULL, static storage. */
@@ -335,7 +338,7 @@ CW_API cw_status cw_any(const cw_field *field, const cw_query *query, const cw_r
  * rise is at one. An edge between two samples that are no holes counts, even where both triangles beside it have a hole. */
 typedef struct cw_heading cw_heading;
 
-/* The longer of dir's components is from 2^-40 to 2^40, else CW_ERROR_ARGUMENT. The caller owns the heading and destroys it
+/* The longer of dir's components is from 2^-40 to 2^40, else CW_ERROR_DIRECTION. The caller owns the heading and destroys it
  * before the field. */
 CW_API cw_status cw_heading_create(const cw_field *field, const double dir[2], cw_heading **heading);
 /* NULL is allowed. */
@@ -344,9 +347,9 @@ CW_API void cw_heading_destroy(cw_heading *heading);
 /* The steepest rise as seen from each sample of a rectangle: slope[y * nx + x] for sample (i + x, j + y), or NaN at a hole. It
  * is off by less than 2^-21 of the rise to the higher of the edge's two samples. Rises are told apart from low to high; what
  * is less comes out as low, also where the ray meets nothing before it leaves the field, and what is more as high. The
- * narrower that is, the faster; -infinity and infinity tell everything. CW_ERROR_ARGUMENT unless low <= high, CW_ERROR_SIZE
- * if the rectangle is no part of the field. Of the query only pool and kernel count, the latter by its instruction set; the
- * answers are the same for any. */
+ * narrower that is, the faster; -infinity and infinity tell everything. CW_ERROR_SLOPE unless low <= high,
+ * CW_ERROR_RECTANGLE if the rectangle is no part of the field; it may be empty. Of the query only pool and kernel count, the
+ * latter by its instruction set; the answers are the same for any. */
 CW_API cw_status cw_heading_steepest(const cw_heading *heading, const cw_query *query, float low, float high, size_t i,
                                      size_t j, size_t nx, size_t ny, float *slope);
 

@@ -21,6 +21,16 @@ static inline void affine_covector(const double inverse[3][4], const double n[3]
     for (int c = 0; c < 3; c++) out[c] = inverse[0][c] * n[0] + inverse[1][c] * n[1] + inverse[2][c] * n[2];
 }
 
+/* Scales m by the power of two that makes the largest entry of its linear part about 1. That changes no bit of a direction,
+ * but of entries of 10^200 the squares would overflow. */
+static inline void affine_scale(double m[3][4]) {
+    double most = 0;
+    int exponent;
+    for (int k = 0; k < 9; k++) most = fmax(most, fabs(m[k / 3][k % 3]));
+    frexp(most, &exponent);
+    for (int k = 0; k < 12; k++) m[k / 4][k % 4] = ldexp(m[k / 4][k % 4], -exponent);
+}
+
 /* p by the inverse of a map, as affine_invert gives it: first off comes the translation, which is exact or nearly so for
  * all that is near it, then comes the linear part. A field thousands of kilometres from the origin loses nothing. */
 static inline void affine_point_back(const double inverse[3][4], const double p[3], double out[3]) {

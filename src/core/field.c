@@ -135,7 +135,12 @@ static cw_status create(const cw_field_desc *desc, cw_field **field) {
     f->nx = desc->nx;
     f->ny = desc->ny;
     memcpy(f->to_user, desc->map, sizeof f->to_user);
-    status = affine_invert(desc->map, f->to_field) ? fill(f, desc) : CW_ERROR_MAP;
+    status = affine_invert(desc->map, f->to_field) ? CW_OK : CW_ERROR_MAP;
+    if (status == CW_OK) {
+        memcpy(f->to_normals, f->to_field, sizeof f->to_normals);
+        affine_scale(f->to_normals);
+        status = fill(f, desc);
+    }
     if (status != CW_OK) {
         cw_field_destroy(f);
         return status;

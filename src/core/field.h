@@ -31,6 +31,7 @@ struct cw_field {
     size_t bytes_built;
     double build_seconds;
 
+    double to_normals[3][4]; /* to_field for vectors whose length counts for nothing: neither tiny nor huge */
     door door; /* queries that run, and updates */
 };
 

@@ -6,6 +6,7 @@
 #include "fpenv.h"
 #include "kernels.h"
 #include "memory.h"
+#include "watch.h"
 
 #include <float.h>
 #include <math.h>
@@ -167,7 +168,7 @@ cw_status cw_heading_create(const cw_field *field, const double dir[2], cw_headi
     *heading = NULL;
     if (field == NULL || dir == NULL) return CW_ERROR_ARGUMENT;
     const double longest = fmax(fabs(dir[0]), fabs(dir[1]));
-    if (!(isfinite(dir[0]) && isfinite(dir[1]) && longest >= 0x1p-40 && longest <= 0x1p40)) return CW_ERROR_ARGUMENT;
+    if (!(isfinite(dir[0]) && isfinite(dir[1]) && longest >= 0x1p-40 && longest <= 0x1p40)) return CW_ERROR_DIRECTION;
     cw_heading *h = calloc(1, sizeof *h);
     if (h == NULL) return CW_ERROR_MEMORY;
     const fpenv caller = fpenv_enter();
@@ -231,13 +232,18 @@ static float rounding(const cw_field *f) {
 
 static cw_status query_along(const cw_heading_job *job, const cw_query *query) {
     const cw_heading *h = job->heading;
-    if (h == NULL || (job->steepest == NULL && job->occluded == NULL) || !(job->low <= job->high))
-        return CW_ERROR_ARGUMENT;
+    if (h == NULL || (job->steepest == NULL && job->occluded == NULL)) return CW_ERROR_ARGUMENT;
+    if (!(job->low <= job->high)) return CW_ERROR_SLOPE;
     const cw_field *f = h->field;
-    if (job->i > f->nx || job->nx > f->nx - job->i || job->j > f->ny || job->ny > f->ny - job->j) return CW_ERROR_SIZE;
+    if (job->i > f->nx || job->nx > f->nx - job->i || job->j > f->ny || job->ny > f->ny - job->j)
+        return CW_ERROR_RECTANGLE;
+    const cw_kernel *kernel = cw_query_kernel(f, query);
+    if (!cw_kernel_exists(kernel)) return CW_ERROR_KERNEL;
+    if (query != NULL && !cw_all_zero(query->reserved)) return CW_ERROR_OPTION;
+    /* What was chosen here is available, even if the limit has just become lower. */
+    const cw_isa isa = kernel->isa;
+    if (query != NULL && query->kernel != NULL && isa > cw_isa_best()) return CW_ERROR_UNAVAILABLE;
     if (job->nx == 0 || job->ny == 0) return CW_OK;
-    const cw_isa isa = cw_query_kernel(f, query)->isa;
-    if (isa > cw_isa_best()) return CW_ERROR_UNAVAILABLE;
     const door_pass in = door_enter(&f->door);
     if (in.entry == NULL) return CW_ERROR_BUSY;
     tiles t = {.job = *job, .code = code_for(isa)};

@@ -75,7 +75,7 @@ void cw_hit_normal(const cw_field *field, const cw_hit *hit, double normal[3]) {
     }
     double slope[2];
     slopes(field, (size_t)hit->i, (size_t)hit->j, hit->triangle, slope);
-    affine_covector(field->to_field, (double[3]){-slope[0], -slope[1], 1}, normal);
+    affine_covector(field->to_normals, (double[3]){-slope[0], -slope[1], 1}, normal);
     const double size = length(normal);
     for (int c = 0; c < 3; c++) normal[c] /= size;
 }
@@ -124,7 +124,7 @@ static double unit_phong_normal(const cw_field *f, const cw_hit *hit, double n[3
     vertices(hit, vertex, weight);
     for (int k = 0; k < 3; k++) vertex_normal(f, vertex[k][0], vertex[k][1], n[k]);
     for (int c = 0; c < 3; c++) mean[c] = weight[0] * n[0][c] + weight[1] * n[1][c] + weight[2] * n[2][c];
-    affine_covector(f->to_field, mean, normal);
+    affine_covector(f->to_normals, mean, normal);
     const double scale = 1 / length(normal);
     for (int c = 0; c < 3; c++) normal[c] *= scale;
     return scale;
@@ -156,7 +156,7 @@ void cw_hit_phong_change(const cw_field *field, const cw_hit *hit, double normal
     for (int k = 0; k < 2; k++) {
         double step[3];
         for (int c = 0; c < 3; c++) step[c] = (n[end[k]][c] - n[begin[k]][c]) * scale;
-        affine_covector(field->to_field, step, change[k]);
+        affine_covector(field->to_normals, step, change[k]);
         /* The part that only makes the sum longer does not turn it. */
         const double along = normal[0] * change[k][0] + normal[1] * change[k][1] + normal[2] * change[k][2];
         for (int c = 0; c < 3; c++) change[k][c] -= along * normal[c];

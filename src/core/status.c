@@ -41,6 +41,12 @@ const char *cw_status_message(cw_status status) {
         return "cancelled";
     case CW_ERROR_BUSY:
         return "a field cannot be updated while queries or another update run on it";
+    case CW_ERROR_DIRECTION:
+        return "a heading's direction is not finite, or its longer component is not from 2^-40 to 2^40";
+    case CW_ERROR_SLOPE:
+        return "a slope is NaN, or the lowest slope lies above the highest";
+    case CW_ERROR_RECTANGLE:
+        return "the rectangle is no part of the field";
     }
     return "unknown status";
 }

@@ -75,8 +75,13 @@ void sight_bounds_destroy(sight_bounds *b) {
 
 static double clamped(double x, double low, double high) { return x < low ? low : x > high ? high : x; }
 
+/* Cells; what is less is 0 but for rounding. */
+static const double least_step = 0x1p-60;
+
 void sight_init(sight *s, const terrain *t, const sight_bounds *bounds, const double eye[3], double curvature) {
     *s = (sight){.terrain = t, .bounds = bounds, .eye = {eye[0], eye[1], eye[2]}};
+    for (int c = 0; c < 2; c++) /* a place next to row or column 0 is on it: one over the distance might be infinite */
+        if (fabs(s->eye[c]) < least_step) s->eye[c] = 0;
     double metres[2];
     terrain_metres(t, eye[0], eye[1], metres);
     const double k = curvature / (2 * t->radius * t->map[2][2]);
@@ -165,7 +170,7 @@ static inline bool see_edge(const way *w, double share, double i, double j, long
 static inline bool look_between(const way *w, double a, double b, way_look *look, void *context) {
     const double *p = w->place, *d = w->step;
     for (int axis = 0; axis < 2; axis++) {
-        if (d[axis] == 0) continue;
+        if (fabs(d[axis]) < least_step) continue; /* along an edge */
         const double from = at(p[axis], d[axis], a), to = at(p[axis], d[axis], b), per_step = 1 / d[axis];
         const double low = whole_above(from < to ? from : to), high = whole_below(from < to ? to : from);
         for (double n = low; n <= high; n++) {

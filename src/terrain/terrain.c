@@ -102,3 +102,5 @@ size_t terrain_rows_alike(const terrain *t, size_t row) {
     }
     return rows;
 }
+
+bool terrain_is_in_reach(double x, double y) { return fabs(x) <= 0x1p24 && fabs(y) <= 0x1p24; }

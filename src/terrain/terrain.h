@@ -66,6 +66,9 @@ size_t terrain_rows_alike(const terrain *t, size_t row);
  * thread of the pool, but not from two at once. */
 typedef bool terrain_progress(void *context, double share);
 
+/* False if a place in field coordinates is farther from the field than lines of sight can be computed. */
+bool terrain_is_in_reach(double x, double y);
+
 /* sine and cosine of degrees, exact for multiples of 90 and 45 degrees as far as numbers allow. */
 void terrain_sine_cosine(double degrees, double *sine, double *cosine);
 

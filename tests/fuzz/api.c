@@ -1,6 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Fields, holes, strides, rays and options made of the input's bytes. Every kernel of the cell walks gives the bits that
- * `cell` gives, and any hit agrees with the closest. */
+/* Fields, holes, strides, rays and options made of the input's bytes, and where they end, of a random sequence that they begin:
+ * so that some bytes make hundreds of rays. Every kernel of the cell walks gives the bits that `cell` gives, any hit agrees with the
+ * closest, and what follows from hits is where it belongs. Each array is a block of its own, whose ends AddressSanitizer
+ * guards. */
+
+#include "api.h"
 
 #include "cellwalk.h"
 
@@ -9,27 +13,54 @@
 #include <stdlib.h>
 #include <string.h>
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+/* Some rays are answered by all kernels, many by one: so that neither a kernel nor a long array is left out. */
+enum { SIDE_MAX = 72, SOME = 64, MANY = 4000 };
 
-enum { SIDE_MAX = 40, RAYS_MAX = 64 };
+api_counts api_done;
+
+static void tell(void) {
+    fprintf(stderr, "rays: %llu\npairs: %llu\n", (unsigned long long)api_done.rays,
+            (unsigned long long)api_done.answers);
+}
+
+int LLVMFuzzerInitialize(int *count, char ***arguments) {
+    (void)count, (void)arguments;
+    atexit(tell);
+    return 0;
+}
 
 typedef struct source {
     const uint8_t *data;
     size_t size;
+    uint64_t state, bits; /* of the random sequence (xorshift, Marsaglia 2003), and what is left of its last word */
+    int left;
 } source;
 
 static uint8_t byte(source *s) {
-    if (s->size == 0) return 0;
-    s->size--;
-    return *s->data++;
+    if (s->size > 0) {
+        s->size--;
+        return *s->data++;
+    }
+    if (s->left == 0) {
+        s->state ^= s->state << 13;
+        s->state ^= s->state >> 7;
+        s->state ^= s->state << 17;
+        s->bits = s->state;
+        s->left = 8;
+    }
+    s->left--;
+    const uint8_t value = (uint8_t)s->bits;
+    s->bits >>= 8;
+    return value;
 }
 
 /* Small numbers, which make ties, or any bits at all. */
 static float number(source *s) {
     const uint8_t kind = byte(s);
-    if (kind < 160) return 0.25f * (float)((int)kind - 80);
-    if (kind < 176) return (float)((int)byte(s) - 128);
-    if (kind < 192) return ldexpf(1 + (float)byte(s) / 256, (int)byte(s) - 128);
+    if (kind < 200) return 0.25f * (float)((int)kind - 80);
+    if (kind < 216) return (float)((int)byte(s) - 128);
+    if (kind < 232) return ldexpf(1 + (float)byte(s) / 256, (int)byte(s) - 128);
+    if (kind < 248) return (float)byte(s) * 0.125f + (float)byte(s) * 0x1p-12f;
     uint32_t bits = 0;
     for (int k = 0; k < 4; k++) bits = bits << 8 | byte(s);
     float value;
@@ -40,7 +71,7 @@ static float number(source *s) {
 static void make_rays(source *s, cw_ray *rays, size_t n) {
     for (size_t k = 0; k < n; k++) {
         /* Neighbours that differ in one number are what the shared walk is for. */
-        if (k > 0 && byte(s) < 128) {
+        if (k > 0 && byte(s) < 160) {
             float all[8];
             memcpy(all, &rays[k - 1], sizeof all);
             all[byte(s) % 8] = number(s);
@@ -55,48 +86,56 @@ static void make_rays(source *s, cw_ray *rays, size_t n) {
     }
 }
 
-static void differ(const char *kernel, const char *what, size_t ray) {
-    fprintf(stderr, "%s: %s of ray %zu is another than that of cell\n", kernel, what, ray);
-    abort();
+static void *block(size_t bytes) {
+    void *memory = malloc(bytes);
+    if (memory == NULL) abort();
+    return memory;
 }
 
-static void compare(const cw_field *field, const cw_query *query, const cw_ray *rays, size_t n,
-                    const cw_hit *expected) {
-    cw_hit hits[RAYS_MAX];
-    uint8_t occluded[RAYS_MAX];
-    const cw_kernel_info info = cw_kernel_describe(query->kernel);
-    if (cw_closest(field, query, rays, n, hits) != CW_OK || cw_any(field, query, rays, n, occluded) != CW_OK) return;
-    for (size_t k = 0; expected && k < n; k++) {
-        if (memcmp(&hits[k], &expected[k], sizeof hits[k]) != 0) differ(info.name, "the hit", k);
-        if (occluded[k] != (expected[k].i >= 0)) differ(info.name, "any hit", k);
-    }
-    double v[3];
-    for (size_t k = 0; k < n; k++) {
-        cw_hit_point(field, &hits[k], v);
-        cw_hit_phong_normal(field, &hits[k], v);
-    }
+static void wrong(const char *kernel, const char *what, size_t at) {
+    fprintf(stderr, "%s: %s %zu\n", kernel, what, at);
+    abort();
 }
 
 static bool is_walk(const cw_kernel_info *info) { return info->available && info->default_leaf == CW_LEAF_WATERTIGHT; }
 
-static void ask_all(cw_field *field, source *s) {
-    cw_ray rays[RAYS_MAX];
-    cw_hit expected[RAYS_MAX];
-    const size_t n = 1 + byte(s) % RAYS_MAX;
-    cw_query query = {.coherence = (cw_coherence)(byte(s) % 3), .leaf = (cw_leaf)(byte(s) % 4)};
-    const bool tolerant = byte(s) < 32;
-    make_rays(s, rays, n);
-    query.kernel = cw_kernel_find("cell");
-    const bool asked = cw_closest(field, &query, rays, n, expected) == CW_OK;
-    if (tolerant) {
-        query.tolerance = fabsf(number(s));
-        query.cone = fabsf(number(s));
+typedef struct work {
+    cw_field *field;
+    cw_query query;
+    size_t n;
+    cw_ray *rays;
+    cw_hit *expected, *hits; /* expected: what cell finds, if it was asked and the query is strict */
+    bool known, slow;        /* slow: brute force and the grid in space are asked as well */
+    uint8_t *occluded;
+} work;
+
+/* What papers/robustness.md has under "Known, and not mended": with Möller and Trumbore's leaf test, cell may report a hit that
+ * rounding puts beyond the field's lowest or highest sample, where the pyramid's walks have ended. */
+static bool is_known(const work *w, size_t k) {
+    const cw_field_info info = cw_field_describe(w->field);
+    const cw_ray *r = &w->rays[k];
+    const double z = (double)r->org[2] + (double)w->expected[k].t * (double)r->dir[2];
+    return w->query.leaf == CW_LEAF_MOLLER_TRUMBORE && w->expected[k].i >= 0 &&
+           (z < (double)info.low || z > (double)info.high);
+}
+
+/* Answers of a kernel, before those of cell. */
+static void ask(work *w, const cw_kernel *kernel, bool any) {
+    const cw_kernel_info info = cw_kernel_describe(kernel);
+    if (!info.available || (!is_walk(&info) && !w->slow) || cw_field_build(w->field, kernel) != CW_OK) return;
+    w->query.kernel = kernel;
+    const bool comparable = w->known && is_walk(&info);
+    if (cw_closest(w->field, &w->query, w->rays, w->n, w->hits) == CW_OK) {
+        api_done.answers += w->n;
+        for (size_t k = 0; comparable && k < w->n; k++)
+            if (memcmp(&w->hits[k], &w->expected[k], sizeof w->hits[k]) != 0 && !is_known(w, k))
+                wrong(info.name, "another hit than cell's of ray", k);
     }
-    for (size_t k = 0; k < cw_kernel_count(); k++) {
-        query.kernel = cw_kernel_at(k);
-        const cw_kernel_info info = cw_kernel_describe(query.kernel);
-        if (!info.available || cw_field_build(field, query.kernel) != CW_OK) continue;
-        compare(field, &query, rays, n, asked && !tolerant && is_walk(&info) ? expected : NULL);
+    if (any && cw_any(w->field, &w->query, w->rays, w->n, w->occluded) == CW_OK) {
+        api_done.answers += w->n;
+        for (size_t k = 0; comparable && k < w->n; k++)
+            if (w->occluded[k] != (w->expected[k].i >= 0) && !is_known(w, k))
+                wrong(info.name, "any hit is not the closest of ray", k);
     }
 }
 
@@ -119,26 +158,141 @@ static void change(cw_field *field, const cw_field_desc *desc, float *samples, s
         abort();
     }
     const cw_field_info got = cw_field_describe(field), wanted = cw_field_describe(anew);
-    cw_ray rays[RAYS_MAX];
-    cw_hit hits[2][RAYS_MAX];
-    make_rays(s, rays, RAYS_MAX);
+    cw_ray rays[SOME];
+    cw_hit hits[2][SOME];
+    make_rays(s, rays, SOME);
     bool same = got.low == wanted.low && got.high == wanted.high && got.holes == wanted.holes;
-    for (int k = 0; k < 2; k++) cw_closest(k ? anew : field, NULL, rays, RAYS_MAX, hits[k]);
+    for (int k = 0; k < 2; k++) cw_closest(k ? anew : field, NULL, rays, SOME, hits[k]);
     same = same && memcmp(hits[0], hits[1], sizeof hits[0]) == 0;
     cw_field_destroy(anew);
     if (same) return;
     fprintf(stderr, "an updated field is not what is made anew\n");
     abort();
+/* What follows from hits: from some of them. */
+static void look_at_hits(work *w) {
+    w->query.kernel = cw_kernel_find("cell");
+    if (cw_closest(w->field, &w->query, w->rays, w->n, w->hits) != CW_OK) return;
+    const cw_field_info info = cw_field_describe(w->field);
+    for (size_t k = 0; k < w->n; k += 1 + w->n / 8) {
+        const cw_hit *hit = &w->hits[k];
+        double point[3], normal[3], change[2][3];
+        float uv[2];
+        cw_hit_point(w->field, hit, point);
+        cw_hit_normal(w->field, hit, normal);
+        cw_hit_phong_normal(w->field, hit, normal);
+        cw_hit_phong_change(w->field, hit, normal, change);
+        cw_hit_uv(w->field, hit, uv);
+        if (isnan(point[0]) != (hit->i < 0)) wrong("hit", "a point without a hit, or none with it, of ray", k);
+        if (hit->i >= 0 && !(uv[0] >= 0 && uv[0] <= 1 && uv[1] >= 0 && uv[1] <= 1))
+            wrong("hit", "texture coordinates beyond [0, 1], of ray", k);
+        if (hit->i >= 0 && ((size_t)hit->i + 1 >= info.nx || (size_t)hit->j + 1 >= info.ny || hit->triangle > 1))
+            wrong("hit", "outside the field: ray", k);
+    }
+}
+
+static void ask_user(work *w, source *s) {
+    const size_t n = w->n < SOME ? w->n : SOME;
+    cw_user_ray *rays = block(n * sizeof *rays);
+    cw_ray *moved = block(n * sizeof *moved);
+    for (size_t k = 0; k < n; k++) {
+        const cw_ray *r = &w->rays[k];
+        rays[k] = (cw_user_ray){.tmin = r->tmin, .tmax = r->tmax};
+        for (int c = 0; c < 3; c++) rays[k].org[c] = r->org[c] * (byte(s) < 8 ? 1e300 : 1), rays[k].dir[c] = r->dir[c];
+    }
+    cw_rays_to_field(w->field, rays, n, moved);
+    if (cw_closest(w->field, &w->query, moved, n, w->hits) == CW_OK) {
+        cw_hit *hits = block(n * sizeof *hits);
+        if (cw_closest_user(w->field, &w->query, rays, n, hits) != CW_OK ||
+            (w->known && memcmp(hits, w->hits, n * sizeof *hits) != 0))
+            wrong("closest_user", "not what rays in field space find, of", n);
+        free(hits);
+        api_done.rays += n;
+    }
+    free(moved);
+    free(rays);
+    for (int k = 0; k < 4; k++) {
+        cw_hit hit;
+        cw_field_at(w->field, (double)number(s), (double)number(s), &hit);
+        if (cw_field_at_user(w->field, (double)number(s), (double)number(s), &hit) != CW_OK && hit.i >= 0)
+            wrong("field_at_user", "an error and a hit", 0);
+    }
+}
+
+/* Every instruction set gives the same slopes. */
+static void ask_heading(const work *w, source *s) {
+    const cw_field_info info = cw_field_describe(w->field);
+    const double dir[2] = {(double)number(s), (double)number(s)};
+    float low = number(s), high = byte(s) < 128 ? INFINITY : number(s);
+    cw_heading *heading;
+    if (cw_heading_create(w->field, dir, &heading) != CW_OK) return;
+    const size_t i = byte(s) % info.nx, j = byte(s) % info.ny;
+    const size_t nx = 1 + byte(s) % (info.nx - i), ny = 1 + byte(s) % (info.ny - j), n = nx * ny;
+    float *first = block(n * sizeof *first), *next = block(n * sizeof *next);
+    uint8_t *seen = block(n);
+    const cw_query plain = {.kernel = cw_kernel_find("cell")};
+    if (cw_heading_steepest(heading, &plain, low, high, i, j, nx, ny, first) == CW_OK)
+        for (size_t k = 0; k < cw_kernel_count(); k++) {
+            const cw_query q = {.kernel = cw_kernel_at(k)};
+            const cw_kernel_info kernel = cw_kernel_describe(q.kernel);
+            if (!kernel.available || cw_heading_steepest(heading, &q, low, high, i, j, nx, ny, next) != CW_OK) continue;
+            if (memcmp(first, next, n * sizeof *next) != 0) wrong(kernel.name, "other slopes than cell, among", n);
+            cw_heading_any(heading, &q, low, i, j, nx, ny, seen);
+        }
+    free(first);
+    free(next);
+    free(seen);
+    cw_heading_destroy(heading);
+}
+
+static void ask_all(cw_field *field, source *s) {
+    const uint8_t size = byte(s);
+    work w = {.field = field, .n = size < SOME ? size + 1u : MANY - 1u * size, .slow = size < SOME && byte(s) < 32};
+    w.rays = block(w.n * sizeof *w.rays);
+    w.expected = block(w.n * sizeof *w.expected);
+    w.hits = block(w.n * sizeof *w.hits);
+    w.occluded = block(w.n);
+    w.query.coherence = (cw_coherence)(byte(s) % 3);
+    w.query.leaf = (cw_leaf)(byte(s) % 4 % 3);
+    const bool tolerant = byte(s) < 24;
+    make_rays(s, w.rays, w.n);
+    w.query.kernel = cw_kernel_find("cell");
+    w.known = cw_closest(field, &w.query, w.rays, w.n, w.expected) == CW_OK && !tolerant;
+    api_done.rays += w.n;
+    if (tolerant) {
+        w.query.tolerance = fabsf(number(s));
+        w.query.cone = fabsf(number(s));
+    }
+    const size_t kernels = cw_kernel_count();
+    if (w.n <= SOME)
+        for (size_t k = 0; k < kernels; k++) ask(&w, cw_kernel_at(k), true);
+    else
+        ask(&w, cw_kernel_at(byte(s) % kernels), byte(s) < 96);
+    look_at_hits(&w);
+    if (byte(s) < 16) ask_user(&w, s);
+    if (byte(s) < 8) ask_heading(&w, s);
+    free(w.rays);
+    free(w.expected);
+    free(w.hits);
+    free(w.occluded);
+}
+
+static uint64_t seed(const uint8_t *data, size_t size) { /* FNV-1a */
+    uint64_t hash = 0xcbf29ce484222325;
+    for (size_t k = 0; k < size; k++) hash = (hash ^ data[k]) * 0x100000001b3;
+    return hash | 1;
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-    source s = {data, size};
+    source s = {.data = data, .size = size, .state = seed(data, size)};
     const size_t nx = 2 + byte(&s) % (SIDE_MAX - 1), ny = 2 + byte(&s) % (SIDE_MAX - 1), gap = byte(&s) % 4;
     const size_t stride = nx + gap, count = (ny - 1) * stride + nx, period = 1 + byte(&s);
-    float *samples = malloc(count * sizeof *samples);
-    if (samples == NULL) return 0;
+    float *samples = block(count * sizeof *samples);
+    const bool any_height = byte(&s) < 16;
     /* A few samples of the input's, repeated: inputs stay short. */
-    for (size_t k = 0; k < count; k++) samples[k] = k < period ? number(&s) : samples[k - period];
+    for (size_t k = 0; k < count; k++) {
+        samples[k] = k < period ? number(&s) : samples[k - period];
+        if (!any_height && !(fabsf(samples[k]) <= CW_HEIGHT_MAX)) samples[k] = NAN;
+    }
     cw_field_desc desc = cw_field_desc_default();
     desc.samples = samples;
     desc.nx = nx;
@@ -146,6 +300,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     desc.stride = gap ? stride : 0;
     desc.storage = (cw_storage)(byte(&s) % 2);
     desc.bare = byte(&s) % 2;
+    if (byte(&s) < 64)
+        for (int k = 0; k < 12; k++) desc.map[k / 4][k % 4] += byte(&s) < 64 ? (double)number(&s) : 0;
     cw_field *field;
     if (cw_field_create(&desc, &field) == CW_OK) {
         ask_all(field, &s);

@@ -2,11 +2,10 @@
 /* A picture whose format NAME tells by its ending; each pixel of what can be read is looked at. */
 
 #include "image.h"
-#include "files.h"
+#include "memory.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-    fuzz_enter();
-    fuzz_write(NAME, data, size);
+    memory_file(0, NAME, data, size);
     io_image image;
     io_error error;
     if (io_image_read(NAME, &image, &error)) {
@@ -14,6 +13,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
         for (size_t k = 0; k < image.width * image.height * 3; k++) sum = sum + image.rgb[k];
         io_image_free(&image);
     }
-    unlink(NAME);
+    memory_done();
     return 0;
 }

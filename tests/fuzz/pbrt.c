@@ -2,7 +2,7 @@
 /* A scene with all that it includes: bytes 0xff part the input into scene.pbrt, a.pbrt, b.pbrt, a.pfm and a.exr. Read as a
  * scene, and as a file with a height field alone. */
 
-#include "files.h"
+#include "memory.h"
 #include "scene.h"
 
 #include <string.h>
@@ -12,17 +12,16 @@ static void pass_over(void *context, const char *message) { (void)context, (void
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     static const char *const names[] = {"scene.pbrt", "a.pbrt", "b.pbrt", "a.pfm", "a.exr"};
     enum { NAMES = sizeof names / sizeof names[0] };
-    fuzz_enter();
     for (size_t k = 0; k < NAMES; k++) {
         const uint8_t *end = size > 0 && k + 1 < NAMES ? memchr(data, 0xff, size) : NULL;
         const size_t length = end ? (size_t)(end - data) : size;
-        fuzz_write(names[k], data, length);
+        memory_file(k, names[k], data, length);
         data += length + (end != NULL);
         size -= length + (end != NULL);
     }
     io_error error;
     scene_free(scene_load(names[0], pass_over, NULL, &error));
-    cw_field_destroy(scene_load_heightfield(names[0], false, &error));
-    for (size_t k = 0; k < NAMES; k++) unlink(names[k]);
+    cw_field_destroy(scene_load_heightfield(names[0], true, &error));
+    memory_done();
     return 0;
 }

@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* An array as `cellwalk trace` reads rays: by windows of rows. */
 
-#include "files.h"
+#include "memory.h"
 #include "npy.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     enum { ROWS = 3, PASSES_MAX = 1000 };
     static const char name[] = "rays.npy";
-    fuzz_enter();
-    fuzz_write(name, data, size);
+    memory_file(0, name, data, size);
     io_npy npy;
     io_error error;
     if (io_npy_open(&npy, name, &error)) {
@@ -25,6 +24,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
         }
         io_npy_close(&npy);
     }
-    unlink(name);
+    memory_done();
     return 0;
 }

@@ -261,7 +261,7 @@ static void misuse_is_refused(void **state) {
     cw_heading *h;
     for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) {
         h = (cw_heading *)&field_a;
-        check_status(cw_heading_create(field, bad[k], &h), CW_ERROR_ARGUMENT);
+        check_status(cw_heading_create(field, bad[k], &h), CW_ERROR_DIRECTION);
         assert_null(h);
     }
     check_status(cw_heading_create(NULL, good, &h), CW_ERROR_ARGUMENT);
@@ -272,10 +272,13 @@ static void misuse_is_refused(void **state) {
     uint8_t hit[20];
     check_status(cw_heading_steepest(NULL, NULL, -INFINITY, INFINITY, 0, 0, 5, 4, slope), CW_ERROR_ARGUMENT);
     check_status(cw_heading_steepest(h, NULL, -INFINITY, INFINITY, 0, 0, 5, 4, NULL), CW_ERROR_ARGUMENT);
-    check_status(cw_heading_steepest(h, NULL, 1, 0, 0, 0, 5, 4, slope), CW_ERROR_ARGUMENT);
-    check_status(cw_heading_any(h, NULL, NAN, 0, 0, 5, 4, hit), CW_ERROR_ARGUMENT);
-    check_status(cw_heading_steepest(h, NULL, -INFINITY, INFINITY, 1, 0, 5, 4, slope), CW_ERROR_SIZE);
-    check_status(cw_heading_steepest(h, NULL, -INFINITY, INFINITY, 0, SIZE_MAX, 5, 4, slope), CW_ERROR_SIZE);
+    check_status(cw_heading_steepest(h, NULL, 1, 0, 0, 0, 5, 4, slope), CW_ERROR_SLOPE);
+    check_status(cw_heading_any(h, NULL, NAN, 0, 0, 5, 4, hit), CW_ERROR_SLOPE);
+    check_status(cw_heading_steepest(h, NULL, -INFINITY, INFINITY, 1, 0, 5, 4, slope), CW_ERROR_RECTANGLE);
+    check_status(cw_heading_steepest(h, NULL, -INFINITY, INFINITY, 0, SIZE_MAX, 5, 4, slope), CW_ERROR_RECTANGLE);
+    const cw_query misspelt = {.kernel = cw_kernel_find("packet99")}, later = {.reserved = {0, 0, 0, 1}};
+    check_status(cw_heading_steepest(h, &misspelt, 0, 1, 0, 0, 5, 4, slope), CW_ERROR_KERNEL);
+    check_status(cw_heading_any(h, &later, 0, 0, 0, 5, 4, hit), CW_ERROR_OPTION);
     check_status(cw_heading_steepest(h, NULL, -INFINITY, INFINITY, 5, 4, 0, 0, slope), CW_OK);
     check_status(cw_heading_any(h, NULL, -INFINITY, 0, 0, 5, 4, hit), CW_OK);
     for (size_t k = 0; k < 20; k++) assert_int_equal(hit[k], k % 5 < 4); /* the last column sees nothing */

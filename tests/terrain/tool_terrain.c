@@ -187,6 +187,69 @@ static void what_is_refused(void **state) {
     check_refused((const char *const[]){"los", "wall.npy", "-5,3,+2", "10,10,+2", NULL}, 1,
                   "there is no ground at -5, 3");
     check_refused((const char *const[]){"los", "wall.npy", "5", "10,10,+2", NULL}, 2, "not '5'");
+    /* Farther away than lines of sight are computed, where numbers no longer fit. */
+    check_refused((const char *const[]){"los", "wall.npy", "1e308,1e308,9", "10,10,+2", NULL}, 1, "is too far away");
+    check_refused((const char *const[]){"los", "wall.npy", "10,10,+2", "1e8,3,9", NULL}, 1, "is too far away");
+    check_refused(
+        (const char *const[]){"viewshed", "wall.npy", "--absolute", "--from", "3,1e308,9", "-o", "v.npy", NULL}, 1,
+        "is too far away");
+}
+
+/* A place that rounding has put next to a row is on it, however near: one over the distance is no number. */
+static void next_to_a_row(void **state) {
+    (void)state;
+    static const char *const places[] = {"7,0,2", "7,1e-320,2", "7,-1e-320,2", "7,1e-300,2"};
+    char *first = NULL;
+    size_t size, first_size = 0;
+    for (size_t k = 0; k < sizeof places / sizeof places[0]; k++) {
+        run_well((const char *const[]){"viewshed", "wall.npy", "--absolute", "--from", places[k], "--needed", "-o",
+                                       "v.npy", NULL});
+        char *bytes = scratch_read("v.npy", &size);
+        if (k == 0) {
+            first = bytes;
+            first_size = size;
+            continue;
+        }
+        assert_int_equal(size, first_size);
+        check(memcmp(bytes, first, size) == 0, "another view from %s than from 7,0", places[k]);
+        free(bytes);
+    }
+    free(first);
+}
+
+/* What a VRT is made of is an input, too, however deep: whatever its name says, GDAL knows an ASCII grid by its content. */
+static void sources_are_not_replaced(void **state) {
+    (void)state;
+    static const char grid[] = "ncols 3\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 10\n1 2 3\n4 5 6\n7 8 9\n";
+    static const char vrt[] =
+        "<VRTDataset rasterXSize=\"3\" rasterYSize=\"3\"><GeoTransform>0,10,0,30,0,-10</GeoTransform>"
+        "<VRTRasterBand dataType=\"Float32\" band=\"1\"><SimpleSource><SourceFilename "
+        "relativeToVRT=\"1\">%s</SourceFilename></SimpleSource></VRTRasterBand></VRTDataset>\n";
+    char outer[1024], inner[1024];
+    snprintf(outer, sizeof outer, vrt, "inner.npy");
+    snprintf(inner, sizeof inner, vrt, "grid.npy");
+    scratch_write("outer.vrt", outer, strlen(outer));
+    scratch_write("inner.npy", inner, strlen(inner));
+    scratch_write("grid.npy", grid, sizeof grid - 1);
+    const cw_ray ray = {.org = {1, 1, 9}, .dir = {0, 0, -1}, .tmax = 9};
+    rays_file("rays.npy", &ray, 1);
+    if (program_run(NULL, (const char *const[]){"info", "outer.vrt", NULL})->status != 0) skip(); /* no GDAL */
+    static const char *const outputs[] = {"inner.npy", "grid.npy", "./grid.npy"};
+    for (size_t k = 0; k < 3; k++) {
+        const char *const to = outputs[k];
+        const char *const runs[][8] = {
+            {"shadow", "outer.vrt", "--sun", "0,30", "-o", to, NULL},
+            {"horizon", "outer.vrt", "-o", to, NULL},
+            {"viewshed", "outer.vrt", "--from", "15,15,2", "-o", to, NULL},
+            {"trace", "outer.vrt", "rays.npy", "-o", to, NULL},
+        };
+        for (size_t r = 0; r < sizeof runs / sizeof runs[0]; r++) check_refused(runs[r], 1, "is an input as well");
+    }
+    size_t size;
+    char *now = scratch_read("grid.npy", &size);
+    assert_int_equal(size, sizeof grid - 1);
+    assert_memory_equal(now, grid, size);
+    free(now);
 }
 
 /* Ctrl-C in the middle of a long run: no file remains. */
@@ -378,6 +441,8 @@ int main(void) {
         cmocka_unit_test_setup_teardown(large_view, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(lines_at_a_wall, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(what_is_refused, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(next_to_a_row, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(sources_are_not_replaced, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(interrupted, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(real_terrain_same_bits, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(another_format, enter, scratch_leave),

@@ -264,6 +264,30 @@ static void output_to_standard_output(void **state) {
     free(hits);
 }
 
+/* A warning that cannot be shown lands in no file either. */
+static void closed_streams_are_no_files(void **state) {
+    (void)state;
+    float z[NX * NY] = {-9999};
+    field_file("warns.npy", z, NX, NY);
+    char command[4200];
+    snprintf(command, sizeof command, "'%s' trace warns.npy rays.npy -o hits.npy 2> warnings", CELLWALK_PROGRAM);
+    assert_int_equal(system(command), 0);
+    size_t size, other;
+    char *warnings = scratch_read("warnings", &size);
+    check(strstr(warnings, "-9999") != NULL, "no warning: %s", warnings);
+    free(warnings);
+    char *hits = scratch_read("hits.npy", &size);
+    static const char *const closed[] = {"<&- 2>&-", ">&- 2>&-", "<&- >&- 2>&-", "2>&-"};
+    for (size_t k = 0; k < sizeof closed / sizeof closed[0]; k++) {
+        snprintf(command, sizeof command, "'%s' trace warns.npy rays.npy -o again.npy %s", CELLWALK_PROGRAM, closed[k]);
+        assert_int_equal(system(command), 0);
+        char *again = scratch_read("again.npy", &other);
+        check(size == other && memcmp(hits, again, size) == 0, "%s: another file", closed[k]);
+        free(again);
+    }
+    free(hits);
+}
+
 static void killed_programs_leave_nothing(void **state) {
     (void)state;
     const size_t entries = scratch_entries();
@@ -396,6 +420,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(messages_hold_no_commands, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(inputs_as_outputs, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(output_to_standard_output, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(closed_streams_are_no_files, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(killed_programs_leave_nothing, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(interruptions_leave_nothing, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(interruptions_do_not_wait, enter, scratch_leave),

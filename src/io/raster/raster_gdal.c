@@ -2,6 +2,7 @@
 /* GeoTIFF, .hgt, VRT, Erdas, NetCDF and all else that GDAL reads: the door to the module that holds GDAL. */
 
 #include "gdal/module.h"
+#include "inputs.h"
 #include "raster.h"
 
 #include <dlfcn.h>
@@ -94,8 +95,10 @@ static bool read_gdal(const char *path, const io_raster_options *options, io_ras
         io_georef_free(&header.georef);
         return false;
     }
-    bool good = (uint64_t)header.nx * header.ny <= most_samples;
-    if (!good)
+    const bool noted = gdal->each_file(source, io_inputs_note_path);
+    if (!noted) io_fail(error, "%s: out of memory", path);
+    bool good = noted && (uint64_t)header.nx * header.ny <= most_samples;
+    if (noted && !good)
         io_fail(error, "%s: %zu x %zu samples are more than a field can hold; gdal_translate -srcwin cuts a part out",
                 path, header.nx, header.ny);
     good = good && io_raster_allocate(path, header.nx, header.ny, raster, error);

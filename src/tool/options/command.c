@@ -6,9 +6,11 @@
 #include "words.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static const char *running; /* the program's name */
 
@@ -70,7 +72,15 @@ static int run(const program *p, int argc, char **argv) {
     return unknown(p, word);
 }
 
+/* Where a standard stream is closed, the next file to be opened would take its number, and an output would have messages
+ * written into it. What is opened here instead fails as a closed stream does. */
+static void hold_streams(void) {
+    for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++)
+        if (fcntl(fd, F_GETFD) < 0) open("/dev/null", fd == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+}
+
 int program_main(const program *p, int argc, char **argv) {
+    hold_streams();
     running = p->name;
     const int status = run(p, argc, argv);
     /* What could not be printed is a failure as much as what could not be written. */

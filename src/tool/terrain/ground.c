@@ -25,11 +25,10 @@ void ground_rows(ground_options *o, const char *name, option_spec rows[GROUND_OP
     rows[2 + RASTER_OPTION_COUNT] = query[QUERY_THREADS];
 }
 
-/* Whether the output would take the terrain's own place, said before any work. GDAL opens files itself, past the readers that
- * remember theirs. */
-static bool is_input(const char *path, const char *output) {
+/* Whether the output would take an input's place: said before any work, since the output is opened after it. */
+static bool is_input(const char *output) {
     struct stat about;
-    return io_inputs_note_path(path) && stat(output, &about) == 0 && io_inputs_have(&about);
+    return stat(output, &about) == 0 && io_inputs_have(&about);
 }
 
 bool ground_describe(terrain *t, const field_file *file, const char *path, io_error *error) {
@@ -70,13 +69,15 @@ static int open_ground(ground *g, ground_options *o, const char *path, size_t ba
         return EXIT_USAGE;
     }
     if (bands > 0 && !io_raster_can_write(o->output, bands, &error)) return command_fail(o->name, "%s", error.text);
-    if (bands > 0 && is_input(path, o->output))
+    if (bands > 0 && io_inputs_note_path(path) && is_input(o->output))
         return command_fail(o->name, "%s: is the terrain itself, and is not written over", o->output);
     const cw_status status = cw_pool_create(o->query.threads, &g->query.pool);
     if (status != CW_OK) return command_fail(o->name, "%s", cw_status_message(status));
     const bool good = read_ground(g, path, &raster, field, &error);
     progress_end(&o->raster.line);
     if (!good) return command_fail(o->name, "%s", error.text);
+    if (bands > 0 && is_input(o->output)) /* a VRT's sources, known by now */
+        return command_fail(o->name, "%s: is an input as well; choose another name for the output", o->output);
     g->line = progress_start(o->name);
     return EXIT_SUCCESS;
 }
@@ -121,6 +122,8 @@ bool ground_parse_place(const char *name, const char *text, double height, groun
 
 bool ground_find_place(const terrain *t, const ground_place *p, double at[3], io_error *error) {
     terrain_from_map(t, p->x, p->y, at);
+    if (!terrain_is_in_reach(at[0], at[1]))
+        return io_fail(error, "%.10g, %.10g is too far away from the terrain", p->x, p->y);
     const double ground_height = p->over_ground ? terrain_height(t, at[0], at[1]) : 0;
     at[2] = (ground_height + p->z) / terrain_metres_of_height(t);
     return isfinite(at[2]) ||

@@ -47,6 +47,8 @@ static bool look_from(job *j, const double place[3], io_error *error) {
         .curvature = isnan(c->curvature) ? j->ground->file.raster.georef.placed ? 6.0 / 7 : 0 : c->curvature,
     };
     terrain_from_map(t, place[0], place[1], d.place);
+    if (!terrain_is_in_reach(d.place[0], d.place[1]))
+        return io_fail(error, "%.10g, %.10g is too far away from the terrain", place[0], place[1]);
     if (!c->absolute && isnan(terrain_height(t, d.place[0], d.place[1])))
         return io_fail(error,
                        "there is no ground at %.10g, %.10g to stand on; give the eye's height itself, with --absolute",

@@ -15,7 +15,10 @@ static char *well_known_text(OGRSpatialReferenceH crs) {
     if (OSRExportToWktEx(crs, &text, options) != OGRERR_NONE || text == NULL) {
         CPLFree(text);
         text = NULL;
-        if (OSRExportToWkt(crs, &text) != OGRERR_NONE) return NULL;
+        if (OSRExportToWkt(crs, &text) != OGRERR_NONE || text == NULL) {
+            CPLFree(text); /* of one that is damaged it is empty, not NULL */
+            return NULL;
+        }
     }
     char *copy = strdup(text); /* for the program to free */
     CPLFree(text);

@@ -44,6 +44,7 @@ const io_gdal *cellwalk_gdal_module(void) {
         .open = gdal_open,
         .read = gdal_read,
         .close = gdal_close,
+        .each_file = gdal_each_file,
         .create = gdal_create,
         .write = gdal_write,
         .finish = gdal_finish,

@@ -7,7 +7,7 @@
 #include "raster.h"
 #include "raster_out.h"
 
-enum { IO_GDAL_VERSION = 1 };
+enum { IO_GDAL_VERSION = 2 };
 #define IO_GDAL_SYMBOL "cellwalk_gdal_module"
 
 typedef struct io_gdal_source io_gdal_source;
@@ -23,6 +23,9 @@ typedef struct io_gdal {
     /* Rows first to first + count - 1 as heights, scale and offset applied, NaN where there are none. */
     bool (*read)(io_gdal_source *source, size_t first, size_t count, float *z, io_error *error);
     void (*close)(io_gdal_source *source);
+    /* Calls note with the name of each file that the source is made of, and those that these name in turn, as a VRT does; false
+     * as soon as note says so. Some names may be none of files. */
+    bool (*each_file)(io_gdal_source *source, bool (*note)(const char *path));
 
     /* Makes a GeoTIFF at path, which is what messages call name. NULL on failure. */
     io_gdal_target *(*create)(const char *path, const char *name, const io_raster_product *product, io_error *error);

@@ -17,6 +17,7 @@ io_gdal_source *gdal_open(const char *path, const io_raster_options *options, io
                           io_error *error);
 bool gdal_read(io_gdal_source *source, size_t first, size_t count, float *z, io_error *error);
 void gdal_close(io_gdal_source *source);
+bool gdal_each_file(io_gdal_source *source, bool (*note)(const char *path));
 
 /* Fills in what a coordinate system says: well-known text, units, ellipsoid, and the unit of heights if it has one. */
 void gdal_describe_crs(OGRSpatialReferenceH crs, io_georef *georef);

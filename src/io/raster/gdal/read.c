@@ -212,6 +212,36 @@ bool gdal_read(io_gdal_source *s, size_t first, size_t count, float *z, io_error
     return true;
 }
 
+/* A VRT lists its sources, but not those of a VRT among them. More levels and more such files than these no honest one has,
+ * and one that names itself has no end. */
+enum { VRT_DEPTH_MAX = 8, VRT_FILES_MAX = 4096 };
+
+static bool note_files(GDALDatasetH file, bool (*note)(const char *path), int depth, int *left) {
+    static const char *const vrt[] = {"VRT", NULL};
+    char **files = GDALGetFileList(file);
+    bool good = true;
+    for (char **name = files; good && name != NULL && *name != NULL; name++) {
+        good = note(*name);
+        /* The first one is the dataset itself. */
+        if (!good || name == files || depth == VRT_DEPTH_MAX || *left == 0) continue;
+        if (GDALIdentifyDriverEx(*name, GDAL_OF_RASTER, vrt, NULL) == NULL) continue;
+        GDALDatasetH inner = GDALOpenEx(*name, GDAL_OF_RASTER | GDAL_OF_READONLY, vrt, NULL, NULL);
+        if (inner == NULL) continue; /* reading it will fail */
+        --*left;
+        good = note_files(inner, note, depth + 1, left);
+        GDALClose(inner);
+    }
+    CSLDestroy(files);
+    return good;
+}
+
+bool gdal_each_file(io_gdal_source *s, bool (*note)(const char *path)) {
+    int left = VRT_FILES_MAX;
+    const bool good = note_files(s->file, note, 0, &left);
+    CPLErrorReset();
+    return good;
+}
+
 void gdal_close(io_gdal_source *s) {
     if (s == NULL) return;
     if (s->file) GDALClose(s->file);
