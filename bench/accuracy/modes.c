@@ -15,8 +15,6 @@ static const tradeoff_mode modes[] = {
      CW_LEAF_MOLLER_TRUMBORE, .only = NULL},
     {"early", "a 3D grid that returns the first hit it finds", CW_LEAF_MOLLER_TRUMBORE, .only = "grid3d-early"},
     {"samples-16", "strict on samples rounded to 16 bits beforehand", CW_LEAF_WATERTIGHT, .change = tradeoff_quantise},
-    {"tolerance-0.1", "tolerance: heights off by a tenth of a cell's side", CW_LEAF_WATERTIGHT, .family = "pyramid",
-     .tolerance = {.height = 0.1}},
     {"tolerance-1", "tolerance: heights off by a cell's side", CW_LEAF_WATERTIGHT, .family = "pyramid",
      .tolerance = {.height = 1}},
     {"cone-pixel", "tolerance: a cone as wide as a pixel of the 1024² view", CW_LEAF_WATERTIGHT, .family = "pyramid",
