@@ -12,8 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const command *const commands[] = {&command_table, &command_micro, &command_tradeoff, &command_measure,
-                                          &command_compare};
+static const command *const commands[] = {&command_table, &command_micro, &command_tradeoff, &command_compare};
 
 /* Ctrl-C leaves no unfinished file behind, and the exit status tells the shell what happened. */
 static void stop(int number) {
