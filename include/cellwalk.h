@@ -271,8 +271,9 @@ typedef enum cw_triangle { CW_TRIANGLE_A = 0, CW_TRIANGLE_B = 1 } cw_triangle;
 
 /* With p0, p1, p2 the triangle's vertices in the order given at the top, the hit is p0 + u (p1 - p0) + v (p2 - p0).
  * t counts from the ray's origin as given. With CW_LEAF_WATERTIGHT t is the exact one rounded to the nearest float, and u
- * and v are within 1.25 · 2^-24 of theirs, unless the ray passes within rounding of the triangle's edge or is all but parallel to it;
- * papers/numerics.md has the bounds. From afar a float t no longer tells neighbouring cells apart: i, j, u and v do.
+ * and v are within 1.25 · 2^-24 of theirs, unless the ray passes within rounding of the triangle's edge or is all but
+ * parallel to it; papers/numerics.md has the bounds. From afar a float t no longer tells neighbouring cells apart: i, j, u
+ * and v do.
  * A miss has t = +infinity, i = j = -1, triangle, u and v 0. */
 typedef struct cw_hit {
     float t;
