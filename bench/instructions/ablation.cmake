@@ -2,7 +2,7 @@
 # one lever is off, and counts instructions. A lever is a text that has to stand in its file exactly once, so that it cannot
 # miss its mark unnoticed.
 # Arguments: SOURCE (the project), FOLDER (to build in), COMPILER, GENERATOR, ABLATION (the program), RESULTS (what to write),
-# FIELDS, RAYS. Without ABLATION it is only seen whether each lever's text is there.
+# FIELDS, RAYS. Without ABLATION it is only seen whether the copy can be configured and each lever's text is there.
 
 set(copy ${FOLDER}/source)
 set(build ${FOLDER}/build)
@@ -45,11 +45,11 @@ endfunction()
 
 file(REMOVE_RECURSE ${FOLDER})
 file(MAKE_DIRECTORY ${copy})
-file(COPY ${SOURCE}/CMakeLists.txt ${SOURCE}/src ${SOURCE}/simd ${SOURCE}/include ${SOURCE}/bench DESTINATION ${copy})
-if(ABLATION)
-    run(${CMAKE_COMMAND} -S ${copy} -B ${build} -G ${GENERATOR} -DCMAKE_C_COMPILER=${COMPILER}
-        -DCMAKE_BUILD_TYPE=Release -DCELLWALK_TOOL=OFF -DCELLWALK_TESTS=OFF)
-endif()
+foreach(part IN ITEMS CMakeLists.txt src simd include bench tests papers)
+    file(COPY ${SOURCE}/${part} DESTINATION ${copy})
+endforeach()
+run(${CMAKE_COMMAND} -S ${copy} -B ${build} -G ${GENERATOR} -DCMAKE_C_COMPILER=${COMPILER} -DCMAKE_BUILD_TYPE=Release
+    -DCELLWALK_TOOL=OFF -DCELLWALK_TESTS=OFF)
 
 variant("as it is" pyramid8x2)
 variant("no sharing" pyramid8x2 simd/shared_walk.inc.h "SHARE_AT_LEAST = 4" "SHARE_AT_LEAST = 65")
