@@ -63,10 +63,10 @@ typedef enum cw_status {
     CW_ERROR_POOL_SIZE,   /* more threads than CW_THREADS_MAX */
     CW_ERROR_SLANTED,     /* places above (x, y) of user space are asked for, whose map leans the heights */
     CW_ERROR_CANCELLED,   /* the watch said to stop */
-    CW_ERROR_BUSY,        /* the field is to be updated while queries or another update run on it, or asked during that */
-    CW_ERROR_DIRECTION,   /* a heading's direction is not finite, or its longer component is not from 2^-40 to 2^40 */
-    CW_ERROR_SLOPE,       /* a slope is NaN, or low lies above high */
-    CW_ERROR_RECTANGLE    /* the rectangle is no part of the field */
+    CW_ERROR_BUSY,      /* the field is to be updated while queries or another update run on it, or asked during that */
+    CW_ERROR_DIRECTION, /* a heading's direction is not finite, or its longer component is not from 2^-40 to 2^40 */
+    CW_ERROR_SLOPE,     /* a slope is NaN, or low lies above high */
+    CW_ERROR_RECTANGLE  /* the rectangle is no part of the field */
 } cw_status;
 
 /* One English sentence without a full stop; never NULL, static storage. */
@@ -274,8 +274,9 @@ typedef enum cw_triangle { CW_TRIANGLE_A = 0, CW_TRIANGLE_B = 1 } cw_triangle;
 
 /* With p0, p1, p2 the triangle's vertices in the order given at the top, the hit is p0 + u (p1 - p0) + v (p2 - p0).
  * t counts from the ray's origin as given. With CW_LEAF_WATERTIGHT t is the exact one rounded to the nearest float, and u
- * and v are within 2^-23 of theirs, unless the ray passes within rounding of the triangle's edge or is all but parallel to it;
- * papers/numerics.md has the bounds. From afar a float t no longer tells neighbouring cells apart: i, j, u and v do.
+ * and v are within 1.25 · 2^-24 of theirs, unless the ray passes within rounding of the triangle's edge or is all but
+ * parallel to it; papers/numerics.md has the bounds. From afar a float t no longer tells neighbouring cells apart: i, j, u
+ * and v do.
  * A miss has t = +infinity, i = j = -1, triangle, u and v 0. */
 typedef struct cw_hit {
     float t;

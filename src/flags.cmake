@@ -1,6 +1,8 @@
-# The flags that every target of the project takes, as one interface target.
+# The flags that every target of the project takes, as one interface target; and those without sanitizers as another.
+add_library(cellwalk_plain_flags INTERFACE)
 add_library(cellwalk_flags INTERFACE)
-target_compile_options(cellwalk_flags INTERFACE
+target_link_libraries(cellwalk_flags INTERFACE cellwalk_plain_flags)
+target_compile_options(cellwalk_plain_flags INTERFACE
     -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wvla -Wmissing-prototypes -Wstrict-prototypes
     # No multiply and add is fused unless the source asks for it by name: GCC fuses even separate intrinsics as soon as
     # the target has FMA, and then widths disagree in their bits.
@@ -8,19 +10,23 @@ target_compile_options(cellwalk_flags INTERFACE
     # Square roots and the like need no errno, floating-point traps are masked; neither changes a result.
     -fno-math-errno -fno-trapping-math)
 if(CELLWALK_WERROR)
-    target_compile_options(cellwalk_flags INTERFACE -Werror)
+    target_compile_options(cellwalk_plain_flags INTERFACE -Werror)
 endif()
 if(CELLWALK_SANITIZE)
     target_compile_options(cellwalk_flags INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=all
         -fno-omit-frame-pointer)
     target_link_options(cellwalk_flags INTERFACE -fsanitize=address,undefined)
 endif()
+# What is compiled once for each instruction set. Clang would take a minute to sanitize each of these for the fuzzers, of which one
+# runs kernels and none the renderer; the kernels one lane wide are sanitized there, all of them by GCC in the preset asan-ubsan.
+set(cellwalk_vector_flags cellwalk_flags)
 if(CELLWALK_FUZZ) # coverage, which leads a fuzzer; its own main comes with tests/fuzz
     target_compile_options(cellwalk_flags INTERFACE -fsanitize=fuzzer-no-link)
+    set(cellwalk_vector_flags cellwalk_plain_flags)
 endif()
 if(CELLWALK_SANITIZE_THREADS)
     target_compile_options(cellwalk_flags INTERFACE -fsanitize=thread -fno-omit-frame-pointer)
     target_link_options(cellwalk_flags INTERFACE -fsanitize=thread)
 endif()
 # POSIX and the few GNU calls in use (CPU affinity, sysconf); with C extensions off they must be asked for.
-target_compile_definitions(cellwalk_flags INTERFACE _GNU_SOURCE)
+target_compile_definitions(cellwalk_plain_flags INTERFACE _GNU_SOURCE)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "accuracy/tradeoff.h"
 
+#include "affine.h"
 #include "harness/memory.h"
 
 #include <math.h>
@@ -15,8 +16,6 @@ static const tradeoff_mode modes[] = {
      CW_LEAF_MOLLER_TRUMBORE, .only = NULL},
     {"early", "a 3D grid that returns the first hit it finds", CW_LEAF_MOLLER_TRUMBORE, .only = "grid3d-early"},
     {"samples-16", "strict on samples rounded to 16 bits beforehand", CW_LEAF_WATERTIGHT, .change = tradeoff_quantise},
-    {"tolerance-0.1", "tolerance: heights off by a tenth of a cell's side", CW_LEAF_WATERTIGHT, .family = "pyramid",
-     .tolerance = {.height = 0.1}},
     {"tolerance-1", "tolerance: heights off by a cell's side", CW_LEAF_WATERTIGHT, .family = "pyramid",
      .tolerance = {.height = 1}},
     {"cone-pixel", "tolerance: a cone as wide as a pixel of the 1024² view", CW_LEAF_WATERTIGHT, .family = "pyramid",
@@ -62,28 +61,23 @@ double tradeoff_cell_height(const cw_field *field) {
     /* The linear map from user space, column by column. */
     cw_user_ray axes[3] = {{.dir = {1, 0, 0}}, {.dir = {0, 1, 0}}, {.dir = {0, 0, 1}}};
     cw_ray in_field[3];
+    double to_field[3][4] = {{0}}, to_user[3][4], most_of_row = 0, most_of_column = 0;
     cw_rays_to_field(field, axes, 3, in_field);
-    double m[3][3], most_of_row = 0, most_of_column = 0;
     for (int a = 0; a < 3; a++) {
         double row = 0, column = 0;
         for (int b = 0; b < 3; b++) {
-            m[a][b] = (double)in_field[b].dir[a];
-            row += fabs(m[a][b]);
+            to_field[a][b] = (double)in_field[b].dir[a];
+            row += fabs(to_field[a][b]);
             column += fabs((double)in_field[a].dir[b]);
         }
         most_of_row = fmax(most_of_row, row);
         most_of_column = fmax(most_of_column, column);
     }
-    /* A vertical unit of field space is the third column of the inverse: the cross product of the first two rows over
-     * the determinant. A unit of user space is at most sqrt(most_of_row · most_of_column) long in field space. */
-    double square = 0, determinant = 0;
-    for (int c = 0; c < 3; c++) {
-        const int d = (c + 1) % 3, e = (c + 2) % 3;
-        const double up = m[0][d] * m[1][e] - m[0][e] * m[1][d];
-        square += up * up;
-        determinant += up * m[2][c];
-    }
-    return fabs(determinant) / sqrt(square * most_of_row * most_of_column);
+    affine_invert((const double(*)[4])to_field, to_user); /* which a field's map allows */
+    /* A unit of height is as long in user space as the last column; a unit of user space is at most
+     * sqrt(most_of_row · most_of_column) long in field space. */
+    const double up = hypot(hypot(to_user[0][2], to_user[1][2]), to_user[2][2]);
+    return 1 / (up * sqrt(most_of_row * most_of_column));
 }
 
 static bool own_field(tradeoff_stage *s, cw_field *base, const true_surface *surface, io_error *error) {

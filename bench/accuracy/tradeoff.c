@@ -31,8 +31,8 @@ static const char what[] =
     "The file also has errors of t relative to it, of u and v, and of the hit's point in cells.\n\n"
     "Beside the benchmark's classes of rays, vertices and edges are aimed at these, to find leaks, and within-0.1 and "
     "within-2 start so many cells from the surface; they are not timed. "
-    "The six scenes are rendered with each mode and held against strict. Saves tradeoff.json in a folder, of which "
-    "papers/scripts/tables.py --data makes tables, and tells who is on the Pareto frontier.";
+    "The six scenes are rendered with each mode and compared with strict. Saves tradeoff.json in a folder; "
+    "papers/scripts/tables.py --data turns it into tables, with the Pareto frontier.";
 
 static const char examples[] = "  cellwalk-bench tradeoff            a first look, in a minute\n"
                                "  cellwalk-bench tradeoff --mode strict,moller-trumbore --kernel pyramid8 \\\n"
@@ -142,7 +142,7 @@ static int start(int argc, char **argv) {
          .to = &o.samples, .high = 1024},
         {"seconds", "S", "time for errors and speeds on the fields, as far as it can be kept (15; 1200 with --long)",
          OPTION_REAL, .to = &o.seconds, .low = 0.01, .high = 1e6},
-        {"pass", "S", "who takes longer for one pass runs on fewer rays, down to a 64th (0.05; 0.5 with --long)",
+        {"pass", "S", "contenders that take longer for one pass get fewer rays, down to a 64th (0.05; 0.5 with --long)",
          OPTION_REAL, .to = &o.pass, .low = 1e-6, .high = 1e6},
         {"long", NULL, "all fields but the largest, more rays, more time", OPTION_FLAG, .to = &o.longer},
         {"out", "FOLDER", "where to save tradeoff.json; made if need be (out/tradeoff)", OPTION_TEXT, .to = &o.out},

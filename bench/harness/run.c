@@ -8,6 +8,7 @@
 #include "cpus.h"
 #include "harness/results.h"
 #include "peers/embree.h"
+#include "proc.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,15 +18,8 @@
 /* ---- options ---- */
 
 bool run_options_check(run_options *run, const char *name) {
-    const cw_isa best = cw_isa_best();
-    if (run->isa < 0) run->isa = (int)best;
-    if (run->isa > (int)best) {
-        command_fail(name, "--isa %s: this machine, or CELLWALK_ISA, allows no more than %s",
-                     cw_isa_name((cw_isa)run->isa), cw_isa_name(best));
-        return false;
-    }
-    cw_isa_limit((cw_isa)run->isa);
-    return true;
+    if (run->isa < 0) run->isa = (int)cw_isa_best();
+    return option_isa_environment(name) && option_isa_limit(name, (cw_isa)run->isa);
 }
 
 bool run_options_pin(const run_options *run, int *cpu, io_error *error) {
@@ -39,22 +33,6 @@ bool run_options_pin(const run_options *run, int *cpu, io_error *error) {
 }
 
 /* ---- record ---- */
-
-/* The value of the first line of a /proc file that starts with key; "unknown" if there is none. */
-static void proc_value(const char *path, const char *key, char *value, size_t size) {
-    snprintf(value, size, "unknown");
-    FILE *file = fopen(path, "r");
-    if (file == NULL) return;
-    char line[512];
-    while (fgets(line, sizeof line, file)) {
-        const char *colon = strchr(line, ':');
-        if (strncmp(line, key, strlen(key)) != 0 || colon == NULL) continue;
-        colon += 1 + strspn(colon + 1, " \t");
-        snprintf(value, size, "%.*s", (int)strcspn(colon, "\n"), colon);
-        break;
-    }
-    fclose(file);
-}
 
 bool run_memory_has(double bytes, const char *what, const char *field) {
     char kibibytes[64];

@@ -2,7 +2,7 @@
 # one lever is off, and counts instructions. A lever is a text that has to stand in its file exactly once, so that it cannot
 # miss its mark unnoticed.
 # Arguments: SOURCE (the project), FOLDER (to build in), COMPILER, GENERATOR, ABLATION (the program), RESULTS (what to write),
-# FIELDS, RAYS. Without ABLATION it is only seen whether each lever's text is there.
+# FIELDS, RAYS. Without ABLATION it is only seen whether the copy can be configured and each lever's text is there.
 
 set(copy ${FOLDER}/source)
 set(build ${FOLDER}/build)
@@ -45,11 +45,11 @@ endfunction()
 
 file(REMOVE_RECURSE ${FOLDER})
 file(MAKE_DIRECTORY ${copy})
-file(COPY ${SOURCE}/CMakeLists.txt ${SOURCE}/src ${SOURCE}/simd ${SOURCE}/include ${SOURCE}/bench DESTINATION ${copy})
-if(ABLATION)
-    run(${CMAKE_COMMAND} -S ${copy} -B ${build} -G ${GENERATOR} -DCMAKE_C_COMPILER=${COMPILER}
-        -DCMAKE_BUILD_TYPE=Release -DCELLWALK_TOOL=OFF -DCELLWALK_TESTS=OFF)
-endif()
+foreach(part IN ITEMS CMakeLists.txt src simd include bench tests papers)
+    file(COPY ${SOURCE}/${part} DESTINATION ${copy})
+endforeach()
+run(${CMAKE_COMMAND} -S ${copy} -B ${build} -G ${GENERATOR} -DCMAKE_C_COMPILER=${COMPILER} -DCMAKE_BUILD_TYPE=Release
+    -DCELLWALK_TOOL=OFF -DCELLWALK_TESTS=OFF)
 
 variant("as it is" pyramid8x2)
 variant("no sharing" pyramid8x2 simd/shared_walk.inc.h "SHARE_AT_LEAST = 4" "SHARE_AT_LEAST = 65")
@@ -57,14 +57,14 @@ variant("never falls apart" pyramid8x2 simd/shared_walk.inc.h
     "FALL_APART = 2, CHILDREN_AT_MOST = 6" "FALL_APART = 100000, CHILDREN_AT_MOST = 16")
 variant("no climb" pyramid8x2 simd/climb.inc.h "if (vm_any(chain)) {" "if (false) {")
 variant("no flat steps" pyramid8x2 simd/pyramid.c "FLAT_STEPS = 4" "FLAT_STEPS = 0")
-variant("slabs that do not lean" pyramid8x2 src/core/pyramid.h "s->high - s->low + 2 * pad < high - low" "false")
+variant("slabs that do not lean" pyramid8x2 src/core/bounds/pyramid.h "s->high - s->low + 2 * pad < high - low" "false")
 set(no_cuts
     simd/lane_walk.inc.h "start = vf_min(vf_max(vf_fma(before, per, t), t), t1)" "start = vf_min(vf_max(before, t), t)"
     simd/lane_walk.inc.h "leave = vf_max(start, vf_min(vf_fnma(after, per, t1), vf_set(INFINITY)))"
     "leave = vf_max(vf_set(INFINITY), vf_add(after, per))")
 variant("no cuts at slabs" pyramid8x2 ${no_cuts})
-variant("neither leaning nor cuts" pyramid8x2 src/core/pyramid.h "s->high - s->low + 2 * pad < high - low" "false" ${no_cuts})
-variant("nothing fused" pyramid8x2 simd/vec_avx2.h "#ifdef CELLWALK_UNFUSED" "#if 1")
+variant("neither leaning nor cuts" pyramid8x2 src/core/bounds/pyramid.h "s->high - s->low + 2 * pad < high - low" "false" ${no_cuts})
+variant("nothing fused" pyramid8x2 simd/vocabulary/vec_avx2.h "#ifdef CELLWALK_UNFUSED" "#if 1")
 variant("refill when all lanes are empty" pyramid8x2 simd/lane_walk.inc.h "REFILL_AT = W / 4 > 0 ? W / 4 : 1" "REFILL_AT = W")
 variant("test a cell as soon as one lane waits" pyramid8x2 simd/lane_walk.inc.h "LEAF_AT = (3 * W + 7) / 8" "LEAF_AT = 1")
 list(APPEND variants "one vector, pyramid8" ./work-0 pyramid8 "the flat walk, packet8" ./work-0 packet8 "one ray at a time, pyramid1" ./work-0 pyramid1)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* One scene of the table: verify on the scene's own rays, then render along all paths in rounds. */
+/* One scene of the table: verify on the scene's own rays, then render by all paths in rounds. */
 
 #include "clock.h"
 #include "harness/interleave.h"

@@ -12,9 +12,10 @@
 #include <string.h>
 
 static const char what[] =
-    "Renders the six scenes on one thread along every path, in rounds, each round in another order, and prints time, "
-    "ratio to Default (Embree's triangle mesh) and tracing speed. Saves table.md and table.csv, which also hold the "
-    "counts of rays and whether all paths agree, and table.json in a folder.";
+    "Renders the six scenes on one thread by every path: Embree or a kernel to find hits, and a kind of normals. Paths "
+    "take turns, in rounds, each round in another order. Prints time, ratio to Default (Embree's triangle mesh) and "
+    "tracing speed. Saves table.md and table.csv, which also hold the counts of rays and whether all paths agree, and "
+    "table.json in a folder.";
 
 /* The files of a table, opened before any work, so that a folder that cannot be written to is found out first. */
 enum { MARKDOWN, CSV, JSON, FILES };
@@ -135,4 +136,4 @@ static int start(int argc, char **argv) {
     return run(&o, &error) ? EXIT_SUCCESS : command_fail("table", "%s", error.text);
 }
 
-const command command_table = {"table", "render six scenes along every path and print the performance table", start};
+const command command_table = {"table", "render six scenes by Embree and the kernels, and print the table", start};

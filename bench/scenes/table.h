@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The six scenes before contenders, and cellwalk-bench table: each rendered along every path, timed against Embree ("Default") in
+/* The six scenes before contenders, and cellwalk-bench table: each rendered by every path, timed against Embree ("Default") in
  * one process. Everything that is printed or saved is made from the JSON lines, so that no two of them can disagree. */
 #ifndef CELLWALK_BENCH_SCENES_TABLE_H
 #define CELLWALK_BENCH_SCENES_TABLE_H
@@ -71,7 +71,7 @@ bool table_paths_choose(const table_options *options, table_path *paths, size_t 
 
 /* ---- render.c ---- */
 
-/* Renders one scene along all paths. A JSON object of kind "scene"; NULL with the reason in error. */
+/* Renders one scene by all paths. A JSON object of kind "scene"; NULL with the reason in error. */
 json_t *table_scene_run(const char *name, const table_path *paths, size_t path_count, const table_options *options,
                         double seconds, io_error *error);
 

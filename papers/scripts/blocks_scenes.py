@@ -61,14 +61,24 @@ def coursework(data):
     return table(["scene", "coursework: 3D grid", "coursework: cell walk", *BESIDE.values()], rows)
 
 
+def pbrt_ratios(data):
+    return [line.number("pbrt_seconds") / line.number("cellwalk_seconds") for line in data["scenes/pbrt.json"].some("scene")]
+
+
+def beside_pbrt(data):
+    """One line for the summary."""
+    ratios = pbrt_ratios(data)
+    return (f"- **Scenes**: {geometric_mean(ratios):.1f} times the speed of pbrt-v2 on the {len(ratios)} scenes of the coursework "
+            "that Cellwalk grew from (geometric mean, whole processes).\n")
+
+
 def pbrt(data):
     """Whole processes of pbrt-v2 and cellwalk."""
-    results = data["scenes/pbrt.json"]
-    run, rows, ratios = results.run, [], []
-    for line in results.some("scene"):
-        ratios.append(line.number("pbrt_seconds") / line.number("cellwalk_seconds"))
+    results, ratios = data["scenes/pbrt.json"], pbrt_ratios(data)
+    run, rows = results.run, []
+    for line, faster in zip(results.some("scene"), ratios):
         rows.append([line.text("scene"), *(seconds(line.number(f"{program}_seconds")) for program in ("pbrt", "cellwalk")),
-                     f"{ratios[-1]:.1f}",
+                     f"{faster:.1f}",
                      *(seconds(line.number(f"{program}_pixel_seconds")) for program in ("pbrt", "cellwalk")),
                      *(f"{line.number(f'{program}_mib'):.0f}" for program in ("pbrt", "cellwalk"))])
     rounds = min(int(line.number("rounds")) for line in results.some("scene"))

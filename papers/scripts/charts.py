@@ -222,7 +222,7 @@ def tradeoff(data):
     lowest = {"answers": 100, "place": 1e-4}
     # Where labels would overlap: offset in points.
     shift = {("answers", "moller-trumbore"): (7, -9), ("answers", "samples-16"): (-8, 8),
-             ("answers", "tolerance-0.1"): (-16, -13), ("place", "tolerance-0.1"): (-30, -13), ("place", "samples-16"): (8, -7),
+             ("place", "samples-16"): (8, -7),
              ("place", "cone-pixel"): (-24, 8), ("place", "embree-robust"): (-48, -13), ("place", "tolerance-1"): (-26, -13)}
     for panel, (name, (title, error)) in zip(axes, blocks_tradeoff.FRONTIERS.items()):
         low = lowest[name] / 10

@@ -62,7 +62,7 @@ def from_file(name, make):
 
 
 BLOCKS = {
-    "summary": lambda data: blocks_speed.summary(data) + blocks_tradeoff.accuracy(data),
+    "summary": lambda data: blocks_speed.summary(data) + blocks_scenes.beside_pbrt(data) + blocks_tradeoff.accuracy(data),
     "table": from_file("scenes/table.json", blocks_scenes.brief),
     "stability": lambda data: blocks_stability.stability([data["stability/aimed.json"]]),
     **{name: from_file(f"stability/{name}.json", OWN[name]) for name in ("extremes", "exhaustive", "stress", "leaf")},

@@ -24,6 +24,7 @@ import blocks_tradeoff
 import features
 import links
 import markdown
+import measure
 import names
 import pictures
 import profile_kernels
@@ -330,6 +331,30 @@ class BesidePbrt(Folder):
         self.assertIn("| sea | 4.00 | 0.250 | 16.0 | 1.00 | 0.050 | 700 | 20 |", text)
         self.assertIn("pbrt-v2: built so.", text)
         self.assertIn("Geometric mean of the ratios: 8.0.", text)
+        self.assertIn("8.0 times the speed of pbrt-v2 on the 2 scenes", blocks_scenes.beside_pbrt(results.Data(self.folder.name)))
+
+
+class Measure(unittest.TestCase):
+    @staticmethod
+    def steps(isa, cpus, embree):
+        kernels = [{"name": name, "isa": of, "available": measure.ISAS.index(of) <= measure.ISAS.index(isa)} for name, of in
+                   (("brute", "scalar"), ("grid3d", "scalar"), ("cell", "scalar"), ("pyramid1", "scalar"),
+                    ("pyramid4", "sse4.2"), ("pyramid8", "avx2"), ("pyramid16", "avx512"))]
+        return {file: words for file, _, words in measure.plan({"kernels": kernels, "isa": isa, "cpus": cpus}, embree, True)}
+
+    def test_each_instruction_set_has_its_kernel(self):
+        steps = self.steps("avx2", 4, "3.13.5")
+        self.assertEqual([file for file in steps if file.startswith("speed")], ["speed-avx2.json", "speed-sse42.json"])
+        self.assertIn("--isa sse4.2 --kernel pyramid4 --peer triangles ", steps["speed-sse42.json"])
+        self.assertTrue(steps["widths.json"].endswith("--kernel cell,pyramid1,pyramid4,pyramid8"))
+        self.assertTrue(steps["counters.json"].endswith("--kernel grid3d,cell,pyramid1,pyramid4,pyramid8"))
+        self.assertIn("--threads 1,2,4 ", steps["threads.json"])
+
+    def test_what_is_missing_takes_no_part(self):
+        steps = self.steps("scalar", 1, "")
+        self.assertFalse([file for file in steps if file.startswith("speed")])
+        self.assertIn("--threads 1 --kernel pyramid1 ", steps["threads.json"])
+        self.assertTrue(all("--peer none" in words for words in steps.values() if "--peer" in words))
 
     def test_column_beside_the_scenes(self):
         path = {"path": "auto-phong", "title": "cellwalk, Phong", "by": "cell/watertight", "seconds_median": 0.5,

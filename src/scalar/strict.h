@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The strict rules in scalar C: what a ray is to a cell. All kernels, scalar or not, follow these rules operation by
- * operation, so that they agree in every bit; papers/numerics.md derives what the rules guarantee.
+/* The strict rules in scalar C: what a ray is to a cell. The kernels cell, packet* and pyramid* follow these rules operation
+ * by operation, so that they agree in every bit; papers/numerics.md derives what the rules guarantee.
  *
  *  1. A ray that starts far from the field is moved to it first (ray.h). From there on all is relative to the ray's
  *     origin: heights have the origin's height taken off, places are counted from the cell. So errors grow with the

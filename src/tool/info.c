@@ -8,6 +8,7 @@
 #include "cpus.h"
 #include "field_file.h"
 #include "json.h"
+#include "proc.h"
 #include "query_options.h"
 #include "raster_options.h"
 
@@ -21,16 +22,8 @@ typedef struct machine {
 } machine;
 
 static machine look_at_machine(void) {
-    machine m = {.cpu = "unknown", .cpus = cpus_usable()};
-    FILE *file = fopen("/proc/cpuinfo", "r");
-    char line[256];
-    while (file && fgets(line, sizeof line, file)) {
-        const char *value = strstr(line, ": ");
-        if (strncmp(line, "model name", 10) != 0 || value == NULL) continue;
-        snprintf(m.cpu, sizeof m.cpu, "%.*s", (int)strcspn(value + 2, "\n"), value + 2);
-        break;
-    }
-    if (file) fclose(file);
+    machine m = {.cpus = cpus_usable()};
+    proc_value("/proc/cpuinfo", "model name", m.cpu, sizeof m.cpu);
     return m;
 }
 

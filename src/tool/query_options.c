@@ -46,30 +46,10 @@ void query_options_rows(query_options *q, option_spec rows[QUERY_OPTION_COUNT]) 
                                         .high = 4096};
 }
 
-static bool find_isa(const char *name, const char *what, const char *word, cw_isa *isa) {
-    const char *names[ISA_COUNT];
-    for (int k = 0; k < ISA_COUNT; k++) {
-        names[k] = cw_isa_name((cw_isa)k);
-        if (strcmp(word, names[k]) != 0) continue;
-        *isa = (cw_isa)k;
-        return true;
-    }
-    return words_unknown(name, what, word, names, ISA_COUNT);
-}
-
-/* CELLWALK_ISA is an upper bound, which may lie above what the machine has. --isa asks for something: not to get it is an
- * error, or else a measurement would carry the wrong label. */
 static bool apply_isa(const query_options *q, const char *name) {
-    cw_isa isa = CW_ISA_SCALAR;
-    const char *environment = getenv("CELLWALK_ISA");
-    if (environment && !find_isa(name, "CELLWALK_ISA", environment, &isa)) return false;
-    if (q->isa == NULL) return true;
-    if (!find_isa(name, "--isa", q->isa, &isa)) return false;
-    cw_isa_limit(isa);
-    if (cw_isa_best() == isa) return true;
-    command_fail(name, "--isa %s: this machine, or CELLWALK_ISA, allows no more than %s", q->isa,
-                 cw_isa_name(cw_isa_best()));
-    return false;
+    cw_isa isa;
+    if (!option_isa_environment(name)) return false;
+    return q->isa == NULL || (option_isa_find(name, "--isa", q->isa, &isa) && option_isa_limit(name, isa));
 }
 
 static bool find_kernel(const char *name, const char *word, const cw_kernel **kernel) {

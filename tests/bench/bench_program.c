@@ -331,8 +331,6 @@ static void mistakes_leave_nothing(void **state) {
         {&command_table, "--quick --scene hftest --out file/out", 1},
         {&command_table, "--quick --scene hftest --out file", 1},
         {&command_table, "--quick --scene hftest --scenes nowhere --out out", 1},
-        {&command_measure, "loose", 2},
-        {&command_measure, "--out file/out", 1},
         {&command_compare, "one.json", 2},
         {&command_compare, "nowhere.json nowhere.json", 1},
     };
@@ -347,8 +345,8 @@ static void mistakes_leave_nothing(void **state) {
 
 static void helps(void **state) {
     (void)state;
-    const command *const commands[] = {&command_micro, &command_table, &command_compare, &command_measure};
-    for (size_t k = 0; k < 4; k++) check(run(commands[k], "--help") == 0, "help fails");
+    const command *const commands[] = {&command_micro, &command_table, &command_compare};
+    for (size_t k = 0; k < 3; k++) check(run(commands[k], "--help") == 0, "help fails");
 }
 
 int main(void) {

@@ -66,10 +66,10 @@ static void files_agree(void **state) {
           coarse.off, claim);
     static const char *const tolerant[] = {"tolerance-1/pyramid1", "cone-pixel/pyramid1"};
     for (size_t k = 0; k < 2; k++) {
-        const tradeoff_sums near = tradeoff_sums_of(lines, tolerant[k]);
-        check(near.groups == 3 && near.beyond == 0, "%s breaks its claim", tolerant[k]);
+        const tradeoff_sums sums = tradeoff_sums_of(lines, tolerant[k]);
+        check(sums.groups == 3 && sums.beyond == 0, "%s breaks its claim", tolerant[k]);
         /* On a field as small as this no detail is below a pixel. */
-        check(k == 1 || near.off > 10 * strict.off, "%s is no less exact than strict", tolerant[k]);
+        check(k == 1 || sums.off > 10 * strict.off, "%s is no less exact than strict", tolerant[k]);
     }
     check(find(lines, "result", "contender", "tolerance-1/cell") == NULL, "a kernel has a tolerance that ignores it");
     check((find(lines, "result", "mode", "embree") != NULL) == (peer_embree_version() != NULL), "Embree is missing");

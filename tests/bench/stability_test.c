@@ -9,10 +9,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#ifndef TEST_SCALE_DOWN
-#define TEST_SCALE_DOWN 1
-#endif
-enum { ROUNDS = (1000000 / (AIMED_FIELDS * BATCH_RAYS) + 1) / TEST_SCALE_DOWN };
+enum { ROUNDS = 1000000 / (AIMED_FIELDS * BATCH_RAYS) + 1 };
 
 static stability run;
 

@@ -12,10 +12,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#ifndef TEST_SCALE_DOWN
-#define TEST_SCALE_DOWN 1
-#endif
-enum { RAYS = 300 / TEST_SCALE_DOWN, PATHS_MAX = 64 };
+enum { RAYS = 300, PATHS_MAX = 64 };
 
 /* One path of those that are not one another's bits (lanes.c): all but packets and pyramids. */
 typedef struct path {
@@ -89,7 +86,7 @@ static void test_every_path(void **state) {
     static cw_ray rays[RAYS];
     static cw_hit brute[RAYS], hits[RAYS];
     path paths[PATHS_MAX];
-    const size_t count = find_paths(paths), rounds = test_rounds();
+    const size_t count = find_paths(paths), rounds = test_rounds(), rays_each = test_share(RAYS);
     random_state r = {4242};
     size_t explained = 0;
     for (size_t k = 0; k < rounds * 5 * FIELD_SHAPES * RAY_CLASSES; k++) {
@@ -98,12 +95,12 @@ static void test_every_path(void **state) {
         cw_field *field = field_open(&shape);
         oracle *o = oracle_create(shape.z, shape.nx, shape.ny);
         assert_non_null(o);
-        for (size_t n = 0; n < RAYS; n++)
+        for (size_t n = 0; n < rays_each; n++)
             rays[n] = ray_make((ray_class)(k / 5 / FIELD_SHAPES % RAY_CLASSES), &shape, &r);
         for (size_t p = 0; p < count; p++) {
             const cw_query query = {.kernel = paths[p].kernel, .leaf = paths[p].leaf};
-            check_status(cw_closest(field, &query, rays, RAYS, p == 0 ? brute : hits), CW_OK);
-            for (size_t n = 0; n < RAYS; n++) {
+            check_status(cw_closest(field, &query, rays, rays_each, p == 0 ? brute : hits), CW_OK);
+            for (size_t n = 0; n < rays_each; n++) {
                 const cw_hit *hit = p == 0 ? &brute[n] : &hits[n];
                 compare(&paths[p], &brute[n], hit);
                 judge(&paths[p], &shape, &rays[n], hit, o, oracle_trace(o, &rays[n]), &explained);

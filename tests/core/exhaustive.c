@@ -15,10 +15,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#ifndef TEST_SCALE_DOWN
-#define TEST_SCALE_DOWN 1
-#endif
-
 /* Origins from -1/2 to half a cell beyond the field in steps of a half, heights from -1 to 3; directions of -2 … 2. */
 typedef struct lattice {
     size_t rays;
@@ -179,7 +175,7 @@ static void judge_fields(size_t nx, size_t ny, size_t height_count, size_t step)
 
 /* One field in so many, that of a test of CELLWALK_TEST_ROUNDS = 1 being least. CELLWALK_TEST_DIVIDE is heeded too. */
 static size_t one_in(size_t least) {
-    const size_t every = least * TEST_SCALE_DOWN * test_divisor(), rounds = test_rounds();
+    const size_t every = least * test_divisor(), rounds = test_rounds();
     return rounds < every ? every / rounds : 1;
 }
 

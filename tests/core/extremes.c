@@ -15,18 +15,16 @@
 #include <stdio.h>
 #include <string.h>
 
-#ifndef TEST_SCALE_DOWN
-#define TEST_SCALE_DOWN 1
-#endif
-enum { RAYS = EXTREME_RAYS / TEST_SCALE_DOWN };
+enum { RAYS = EXTREME_RAYS };
 
 /* Rays of a class on a shape in one size. */
 static size_t judge_size(ray_class kind, field_shape shape, size_t size, random_state *r) {
     static test_field f;
     static cw_ray rays[RAYS];
+    const size_t n = test_share(RAYS);
     field_make(&f, shape, field_sizes[size].nx, field_sizes[size].ny, size);
-    for (size_t k = 0; k < RAYS; k++) rays[k] = ray_make(kind, &f, r);
-    return extreme_judge(&f, rays, RAYS);
+    for (size_t k = 0; k < n; k++) rays[k] = ray_make(kind, &f, r);
+    return extreme_judge(&f, rays, n);
 }
 
 /* In all sizes. */

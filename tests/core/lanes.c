@@ -10,10 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#ifndef TEST_SCALE_DOWN
-#define TEST_SCALE_DOWN 1
-#endif
-
 /* Kernels whose hits do not follow the rules of src/scalar/strict.h; brute.c judges them. */
 static bool has_own_rules(const cw_kernel *kernel) {
     static const char *const names[] = {"brute", "grid3d", "grid3d-early"};
@@ -135,7 +131,7 @@ static void sweep(ray_class first, ray_class last, size_t most_rays_a_field) {
     check(hits > rays / 10, "too few rays hit for the test to mean anything");
 }
 
-enum { FIELDS = SIZES * FIELD_SHAPES, RAYS = 1001000 / FIELDS / TEST_SCALE_DOWN };
+enum { FIELDS = SIZES * FIELD_SHAPES, RAYS = 1001000 / FIELDS };
 
 static void test_random(void **state) {
     (void)state;
@@ -176,8 +172,8 @@ static void test_known(void **state) {
 }
 
 /* Many rays in one call, as runs of few answer them: the lane walk keeps rays from batch to batch, and counts them anew
- * after some 2^16. On an emulated CPU they are no more than that takes, and only for the kernels that need all of the CPU:
- * the others take their turn on an older one. */
+ * after some 2^16. On an emulated CPU, and in slow builds, they are no more than that takes, and only for the kernels that need
+ * all of the CPU: the others take their turn on an older one. */
 enum { LONG = 140000, LONG_ENOUGH = 75000 };
 
 static bool takes_long_calls(const cw_kernel_info *info) {
@@ -191,7 +187,7 @@ static void test_long_call(void **state) {
     static uint8_t occluded[LONG];
     static test_field shape;
     static run q = {.shape = &shape, .leaf = CW_LEAF_WATERTIGHT};
-    const bool slow = test_share(LONG) < LONG;
+    const bool slow = test_divisor() >= 8;
     const size_t n = slow ? LONG_ENOUGH : LONG;
     cw_isa most = CW_ISA_SCALAR;
     for (size_t k = 0; k < cw_kernel_count(); k++) {

@@ -15,11 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#ifndef TEST_SCALE_DOWN
-#define TEST_SCALE_DOWN 1
-#endif
-
-enum { RAYS = 61440 / TEST_SCALE_DOWN / WORKLOAD_TILE * WORKLOAD_TILE };
+enum { RAYS = 61440 / WORKLOAD_TILE * WORKLOAD_TILE };
 
 /* Land of several levels of the pyramid, whose last blocks stick out; one that is long, one small and steep; water. */
 static const struct {

@@ -11,11 +11,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#ifndef TEST_SCALE_DOWN
-#define TEST_SCALE_DOWN 1
-#endif
 /* CELLWALK_TEST_ROUNDS=3 makes more than 10^5 rays of each class of it. */
-enum { SIZES = FIELD_SIZES + 1, FIELDS = SIZES * FIELD_SHAPES, RAYS = 448 / TEST_SCALE_DOWN };
+enum { SIZES = FIELD_SIZES + 1, FIELDS = SIZES * FIELD_SHAPES, RAYS = 448 };
 static const field_size large = {261, 131}; /* several levels of the pyramid, and nodes that stick out of the field */
 
 static bool is_tolerant(const cw_kernel *kernel) {
@@ -28,25 +25,25 @@ static const cw_kernel *tolerant[KERNELS_MAX];
 static size_t tolerant_count;
 
 /* A field and its oracle, which take longer to make than a class of rays takes on most of them: kept from class to class. */
-typedef struct ground {
+typedef struct judged_field {
     size_t number;
     test_field shape;
     cw_field *field;
     oracle *o;
-} ground;
-static ground *grounds[FIELDS];
+} judged_field;
+static judged_field *judged_fields[FIELDS];
 
-static void ground_free(ground *g) {
+static void judged_field_free(judged_field *g) {
     if (g == NULL) return;
     oracle_destroy(g->o);
     cw_field_destroy(g->field);
     free(g);
 }
 
-static const ground *ground_get(size_t number) {
-    ground **g = &grounds[number % FIELDS];
+static const judged_field *judged_field_get(size_t number) {
+    judged_field **g = &judged_fields[number % FIELDS];
     if (*g && (*g)->number == number) return *g;
-    ground_free(*g);
+    judged_field_free(*g);
     const size_t which = number % FIELDS / FIELD_SHAPES;
     const field_size size = which < FIELD_SIZES ? field_sizes[which] : large;
     *g = calloc(1, sizeof **g);
@@ -59,9 +56,9 @@ static const ground *ground_get(size_t number) {
     return *g;
 }
 
-static int free_grounds(void **state) {
+static int free_fields(void **state) {
     (void)state;
-    for (size_t k = 0; k < FIELDS; k++) ground_free(grounds[k]);
+    for (size_t k = 0; k < FIELDS; k++) judged_field_free(judged_fields[k]);
     return 0;
 }
 
@@ -77,7 +74,7 @@ static int find_kernels(void **state) {
 
 /* What was seen of a kernel, so that a test of nothing is noticed. */
 typedef struct seen {
-    size_t rays, hits, near, passes; /* near: hits that would be phantoms without the tolerance */
+    size_t rays, hits, by_tolerance, passes; /* by_tolerance: hits that would be phantoms without it */
 } seen;
 
 typedef struct run {
@@ -116,9 +113,9 @@ static double height_above(const run *q, const cw_ray *ray, const cw_hit *hit, d
     return (double)ray->org[2] + t * direction(ray->dir[2]) - surface;
 }
 
-/* What is wrong with an answer to the ray last traced; NULL if nothing is. near: whether the tolerance was needed. */
-static const char *fault(const run *q, size_t k, const oracle_truth *truth, const cw_hit *hit, bool *near) {
-    *near = false;
+/* What is wrong with an answer to the ray last traced; NULL if nothing is. by_tolerance: whether it was needed. */
+static const char *fault(const run *q, size_t k, const oracle_truth *truth, const cw_hit *hit, bool *by_tolerance) {
+    *by_tolerance = false;
     const cw_ray *ray = &q->rays[k];
     if (hit->i < 0) return truth->passes ? "a leak" : NULL;
     const double t = (double)hit->t, h = sample(q, hit->i, hit->j), far = sample(q, hit->i + 1, hit->j + 1);
@@ -131,11 +128,11 @@ static const char *fault(const run *q, size_t k, const oracle_truth *truth, cons
     if (!c.holds) {
         double astray;
         const double off = fabs(height_above(q, ray, hit, &astray)), error = c.error;
-        const double doubt = 1 + 0x1p-20;
-        if (!(c.apart <= doubt * c.apart_most)) return "a hit beside its triangle";
-        if (!(astray <= 2 * doubt * c.apart_most)) return "u and v elsewhere";
-        if (!(off <= doubt * (allowed(q, ray, t) + error))) return "a hit farther off than allowed";
-        *near = true;
+        const double rounding = 1 + 0x1p-20; /* of what is computed here */
+        if (!(c.apart <= rounding * c.apart_most)) return "a hit beside its triangle";
+        if (!(astray <= 2 * rounding * c.apart_most)) return "u and v elsewhere";
+        if (!(off <= rounding * (allowed(q, ray, t) + error))) return "a hit farther off than allowed";
+        *by_tolerance = true;
     }
     if (q->strict[k].i >= 0 && hit->t > q->strict[k].t && oracle_judge(q->o, hit).verdict > VERDICT_TIE)
         return "a hit behind the surface";
@@ -153,22 +150,22 @@ static void judge(run *q, seen *s) {
     for (size_t k = 0; k < q->n; k++) {
         const oracle_truth *truth = oracle_trace(q->o, &q->rays[k]);
         const char *why[KERNELS_MAX];
-        bool near[KERNELS_MAX];
+        bool by_tolerance[KERNELS_MAX];
         for (size_t m = 0; m < tolerant_count; m++) {
             const cw_hit *hit = &q->hits[m][k];
             size_t same = 0;
             while (same < m && !hit_same(&q->hits[same][k], hit)) same++;
             if (same < m) {
                 why[m] = why[same];
-                near[m] = near[same];
+                by_tolerance[m] = by_tolerance[same];
             } else {
-                why[m] = fault(q, k, truth, hit, &near[m]);
+                why[m] = fault(q, k, truth, hit, &by_tolerance[m]);
             }
             if (why[m] == NULL && occluded[m][k] != (hit->i >= 0)) why[m] = "any hit says otherwise";
             s[m].rays++;
             s[m].passes += truth->passes;
             s[m].hits += hit->i >= 0;
-            s[m].near += near[m];
+            s[m].by_tolerance += by_tolerance[m];
             if (why[m] == NULL) continue;
             const char *name = cw_kernel_describe(tolerant[m]).name;
             field_print(q->shape);
@@ -253,7 +250,7 @@ static void test_class(void **state) {
     static run q;
     seen s[KERNELS_MAX] = {{0}};
     for (size_t k = 0, n = test_rounds() * FIELDS; k < n; k++) {
-        const ground *g = ground_get(k);
+        const judged_field *g = judged_field_get(k);
         const test_field *shape = &g->shape;
         random_state r = {(uint64_t)kind + RAY_CLASSES * k + 4711};
         q = (run){.shape = shape, .field = g->field, .o = g->o, .n = test_share(RAYS)};
@@ -275,9 +272,9 @@ static void test_class(void **state) {
     for (size_t m = 0; m < tolerant_count; m++) {
         const char *name = cw_kernel_describe(tolerant[m]).name;
         printf("%-17s %-10s %zu rays, %zu pass, %zu hits, %zu of them off the surface\n", a->name, name, s[m].rays,
-               s[m].passes, s[m].hits, s[m].near);
+               s[m].passes, s[m].hits, s[m].by_tolerance);
         /* Of the few rays that slow machines get, one is enough. */
-        check(a->least == 0 || s[m].near > (s[m].rays < 1000 ? 0 : s[m].rays / a->least),
+        check(a->least == 0 || s[m].by_tolerance > (s[m].rays < 1000 ? 0 : s[m].rays / a->least),
               "%s: too few hits off the surface for the test to mean anything", name);
     }
 }
@@ -367,5 +364,5 @@ int main(void) {
     tests[ASKED] = (struct CMUnitTest)cmocka_unit_test(test_holes);
     tests[ASKED + 1] = (struct CMUnitTest)cmocka_unit_test(test_ignored);
     tests[ASKED + 2] = (struct CMUnitTest)cmocka_unit_test(test_arguments);
-    return cmocka_run_group_tests_name("tolerance", tests, find_kernels, free_grounds);
+    return cmocka_run_group_tests_name("tolerance", tests, find_kernels, free_fields);
 }

@@ -7,23 +7,21 @@
 
 #include <stdio.h>
 
-#ifndef TEST_SCALE_DOWN
-#define TEST_SCALE_DOWN 1
-#endif
-enum { RAYS = 500 / TEST_SCALE_DOWN, FIELDS = FIELD_SIZES * FIELD_SHAPES };
+enum { RAYS = 500, FIELDS = FIELD_SIZES * FIELD_SHAPES };
 
 /* RAYS rays of a class on one field; the number judged wrong, of which the first few are explained. */
 static size_t judge_field(ray_class kind, const test_field *shape, random_state *r, tally *t, bool explain) {
     static cw_ray rays[RAYS];
     static cw_hit hits[RAYS];
+    const size_t n = test_share(RAYS);
     size_t wrong = 0;
     cw_field *field = field_open(shape);
     oracle *o = oracle_create(shape->z, shape->nx, shape->ny);
     assert_non_null(o);
-    for (size_t k = 0; k < RAYS; k++) rays[k] = ray_make(kind, shape, r);
+    for (size_t k = 0; k < n; k++) rays[k] = ray_make(kind, shape, r);
     const cw_query query = {.kernel = cw_kernel_find("cell"), .leaf = CW_LEAF_WATERTIGHT};
-    check_status(cw_closest(field, &query, rays, RAYS, hits), CW_OK);
-    for (size_t k = 0; k < RAYS; k++) {
+    check_status(cw_closest(field, &query, rays, n, hits), CW_OK);
+    for (size_t k = 0; k < n; k++) {
         const oracle_truth *truth = oracle_trace(o, &rays[k]);
         const judgement j = oracle_judge(o, &hits[k]);
         tally_add(t, &hits[k], truth, &j);

@@ -208,14 +208,14 @@ hit_check oracle_check(const oracle *o, const cw_hit *hit) {
     /* Doubles are off by less than 2^-26 of the bounds, and for a ray from afar by what its place is. */
     const double at = (double)hit->t, part = 0x1p-20;
     const double error = height_error(o, t.i, t.j) + bounds_height_of_t(at, slope(o, &t));
-    const double d = fabs(oracle_height(o, &t, at)), d_doubt = part * error + evaluation(o, at, t.i, t.j);
+    const double d = fabs(oracle_height(o, &t, at)), d_uncertainty = part * error + evaluation(o, at, t.i, t.j);
     c.apart = -edge_distance(o, &t, at);
     c.apart_most = delta(o, t.i, t.j) + bounds_place_of_t(&o->bounds, at);
     c.error = error;
     c.residual = d / error;
-    const double apart_doubt = part * c.apart_most + bounds_place_evaluation(&o->bounds, at);
-    c.in_doubt = fabs(c.apart - c.apart_most) <= apart_doubt || fabs(d - error) <= d_doubt;
-    if (c.in_doubt)
+    const double apart_uncertainty = part * c.apart_most + bounds_place_evaluation(&o->bounds, at);
+    c.uncertain = fabs(c.apart - c.apart_most) <= apart_uncertainty || fabs(d - error) <= d_uncertainty;
+    if (c.uncertain)
         c.holds = oracle_exactly_within(o, &t, at, error, c.apart_most);
     else
         c.holds = c.apart <= c.apart_most && c.residual <= 1;

@@ -102,7 +102,7 @@ bool oracle_clear(const oracle *o, double at, int side, const oracle_triangle *o
  * where their error cannot matter, rational numbers where it could. */
 typedef struct hit_check {
     bool holds;      /* no phantom */
-    bool in_doubt;   /* doubles could not decide */
+    bool uncertain;  /* doubles could not decide */
     double residual; /* as in judgement */
     double error;    /* the bound that residual is relative to */
     double apart, apart_most;

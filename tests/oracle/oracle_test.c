@@ -184,7 +184,7 @@ static void test_against_every_triangle(void **state) {
 
 /* Places of which doubles know well how far they are from a triangle and its plane: rational numbers must agree, with
  * bounds a little above and a little below. */
-static void test_doubts_are_decided(void **state) {
+static void test_uncertain_hits_are_decided(void **state) {
     (void)state;
     static test_field f;
     random_state r = {7};
@@ -219,6 +219,6 @@ static void test_doubts_are_decided(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_against_every_triangle),
-                                       cmocka_unit_test(test_doubts_are_decided)};
+                                       cmocka_unit_test(test_uncertain_hits_are_decided)};
     return cmocka_run_group_tests_name("oracle", tests, NULL, NULL);
 }

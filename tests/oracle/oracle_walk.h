@@ -56,7 +56,7 @@ double oracle_height(const oracle *o, const oracle_triangle *t, double at);
 /* judge.c: looks for the clear pass among the segments. */
 void oracle_find_pass(oracle *o);
 
-/* doubt.c, in rational numbers: is the present ray at a hit's t within height of the triangle's plane and within place of
+/* rational.c, in rational numbers: is the present ray at a hit's t within height of the triangle's plane and within place of
  * the triangle, measured along x or y or as x - y? */
 bool oracle_exactly_within(const oracle *o, const oracle_triangle *t, double at, double height, double place);
 

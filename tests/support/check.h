@@ -32,15 +32,24 @@ static inline size_t test_rounds(void) {
     return rounds > 1 ? (size_t)rounds : 1;
 }
 
-/* What tests of slow, emulated CPUs and kernels divide their rays by: the environment variable CELLWALK_TEST_DIVIDE, or 1. */
+/* Slow builds, such as sanitized ones, define it to a larger number (register.cmake). */
+#ifndef TEST_SCALE_DOWN
+#define TEST_SCALE_DOWN 1
+#endif
+
+/* What tests divide their rays by where machine or build are slow, or where they have run in full elsewhere: that, times the
+ * environment variable CELLWALK_TEST_DIVIDE. */
 static inline size_t test_divisor(void) {
     const char *text = getenv("CELLWALK_TEST_DIVIDE");
     const long by = text ? strtol(text, NULL, 10) : 1;
-    return by > 1 ? (size_t)by : 1;
+    return TEST_SCALE_DOWN * (by > 1 ? (size_t)by : 1);
 }
 
 /* That share of n, but never nothing. */
-static inline size_t test_share(size_t n) { return n >= test_divisor() ? n / test_divisor() : n; }
+static inline size_t test_share(size_t n) { return n > test_divisor() ? n / test_divisor() : 1; }
+
+/* Of things that are too few for that, and unlike each other, one in so many is taken, but no fewer than one in most. */
+static inline size_t test_step(size_t most) { return test_divisor() < most ? test_divisor() : most; }
 
 static inline void check_status(cw_status got, cw_status wanted) {
     check(got == wanted, "status \"%s\" instead of \"%s\"", cw_status_message(got), cw_status_message(wanted));

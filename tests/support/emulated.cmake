@@ -16,8 +16,8 @@ if(no_emulation)
     return()
 endif()
 
-add_library(cellwalk_emulated_isa OBJECT EXCLUDE_FROM_ALL ${PROJECT_SOURCE_DIR}/src/core/isa.c)
-target_include_directories(cellwalk_emulated_isa PRIVATE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/src/core)
+add_library(cellwalk_emulated_isa OBJECT EXCLUDE_FROM_ALL ${PROJECT_SOURCE_DIR}/src/core/dispatch/isa.c)
+target_include_directories(cellwalk_emulated_isa PRIVATE ${PROJECT_SOURCE_DIR}/include ${cellwalk_core_headers})
 target_compile_definitions(cellwalk_emulated_isa PRIVATE CELLWALK_EMULATES_AVX512)
 target_link_libraries(cellwalk_emulated_isa PRIVATE cellwalk_flags)
 

@@ -99,16 +99,17 @@ endfunction()
 
 # Takes SECONDS from the row of its caller.
 function(cellwalk_limit_time name)
-    set_tests_properties(${name} PROPERTIES TIMEOUT 300)
+    set_tests_properties(${name} PROPERTIES TIMEOUT 900) # a hang, not a slow or busy machine
     if(row_SECONDS)
         set_tests_properties(${name} PROPERTIES COST ${row_SECONDS})
     endif()
 endfunction()
 
 # A row for a CMake script in FOLDER, which prints SKIPPED where it finds that it cannot run.
-#   SCRIPT file, WITH name=value…, NEEDS word…, SECONDS n
+#   SCRIPT file, WITH name=value…, NEEDS word…, SECONDS n, ONCE if neither compiler nor sanitizers can change its outcome: it gets
+#   the label once, and presets other than ci leave it out
 function(cellwalk_script_test folder name)
-    cmake_parse_arguments(PARSE_ARGV 2 row "" "SCRIPT;SECONDS" "WITH;NEEDS")
+    cmake_parse_arguments(PARSE_ARGV 2 row "ONCE" "SCRIPT;SECONDS" "WITH;NEEDS")
     if(row_UNPARSED_ARGUMENTS OR NOT row_SCRIPT)
         message(FATAL_ERROR "${name}: ${row_UNPARSED_ARGUMENTS} is none of a row's words, or the script is missing")
     endif()
@@ -120,13 +121,16 @@ function(cellwalk_script_test folder name)
     cmake_path(ABSOLUTE_PATH row_SCRIPT BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/${folder})
     add_test(NAME ${name} COMMAND ${CMAKE_COMMAND} ${row_WITH} -P ${row_SCRIPT})
     set_tests_properties(${name} PROPERTIES SKIP_REGULAR_EXPRESSION SKIPPED)
+    if(row_ONCE)
+        set_tests_properties(${name} PROPERTIES LABELS once)
+    endif()
     cellwalk_limit_time(${name})
 endfunction()
 
-# A row for any other command: COMMAND word…, IN folder, NEEDS word…, SECONDS n, SKIPS if it exits with 77 where it finds that
-# it cannot run; properties may be added after it.
+# A row for any other command: COMMAND word…, IN folder, NEEDS word…, SECONDS n, ONCE as above, SKIPS if it exits with 77 where
+# it finds that it cannot run; properties may be added after it.
 function(cellwalk_command_test name)
-    cmake_parse_arguments(PARSE_ARGV 1 row "SKIPS" "IN;SECONDS" "COMMAND;NEEDS")
+    cmake_parse_arguments(PARSE_ARGV 1 row "ONCE;SKIPS" "IN;SECONDS" "COMMAND;NEEDS")
     cellwalk_is_possible(possible ${name} ${row_NEEDS})
     if(NOT row_IN)
         set(row_IN ${CMAKE_CURRENT_BINARY_DIR})
@@ -135,6 +139,9 @@ function(cellwalk_command_test name)
         add_test(NAME ${name} COMMAND ${row_COMMAND} WORKING_DIRECTORY ${row_IN})
         if(row_SKIPS)
             set_tests_properties(${name} PROPERTIES SKIP_RETURN_CODE 77)
+        endif()
+        if(row_ONCE)
+            set_tests_properties(${name} PROPERTIES LABELS once)
         endif()
         cellwalk_limit_time(${name})
     endif()

@@ -10,12 +10,8 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Slow builds and emulated machines take fewer of all directions and fields. */
-#ifdef TEST_SCALE_DOWN
-enum { STEP = 5 };
-#else
-enum { STEP = 1 };
-#endif
+/* Of all directions and fields one in that many. */
+static size_t step(void) { return test_step(5); }
 
 /* What a sample sees of one edge, from a to b, in a direction: nothing, if the ray passes it by. The answer's error bound,
  * 2^-21 of the steeper of the rises to the two samples, grows allowed. */
@@ -88,7 +84,7 @@ static void check_against_brute(const test_field *f, uint64_t seed) {
     random_state r = {seed};
     static float slope[FIELD_SAMPLES_MAX];
     cw_field *field = field_open(f);
-    for (size_t d = 0; d < 20; d += STEP) {
+    for (size_t d = 0; d < 20; d += step()) {
         double dir[2];
         direction(&r, d, dir);
         cw_heading *h = heading_open(field, dir);
@@ -155,7 +151,7 @@ static void bits_are_the_same(void **state) {
     cw_field *field = field_open(&field_a);
     cw_pool *pool = NULL;
     check_status(cw_pool_create(3, &pool), CW_OK);
-    for (size_t d = 0; d < 24; d += STEP) {
+    for (size_t d = 0; d < 24; d += step()) {
         double dir[2];
         direction(&r, d, dir);
         cw_heading *h = heading_open(field, dir);
@@ -205,7 +201,7 @@ static void bounds_change_nothing(void **state) {
     enum { NX = 230, NY = 150 };
     static float bounded[NX * NY], plain[NX * NY];
     random_state r = {4};
-    for (size_t round = 0; round < 12; round += STEP) {
+    for (size_t round = 0; round < 12; round += step()) {
         field_make(&field_a, FIELD_FLAT, NX, NY, round);
         for (size_t k = 0; k < 1 + round % 4; k++)
             field_a.z[random_below(&r, NX * NY)] += (float)random_between(&r, 0, 9);
@@ -216,7 +212,7 @@ static void bounds_change_nothing(void **state) {
         desc.ny = NY;
         desc.bare = true;
         check_status(cw_field_create(&desc, &without), CW_OK);
-        for (size_t d = 0; d < 24; d += STEP) {
+        for (size_t d = 0; d < 24; d += step()) {
             double dir[2];
             direction(&r, d, dir);
             cw_heading *a = heading_open(with, dir), *b = heading_open(without, dir);

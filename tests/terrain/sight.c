@@ -9,12 +9,9 @@
 
 #include <string.h>
 
-/* Slow builds and emulated machines take fewer of all maps and sizes. */
-#ifdef TEST_SCALE_DOWN
-enum { STEP = 3 };
-#else
-enum { STEP = 1 };
-#endif
+/* Of all maps and sizes one in that many. */
+static size_t step(void) { return test_step(3); }
+
 enum { SAMPLES_MOST = 200 * 200 };
 static uint16_t seen[SAMPLES_MOST];
 static float heights[SAMPLES_MOST];
@@ -116,7 +113,7 @@ static void every_edge_counts(void **state) {
     tally sum = {0, 0};
     for (size_t round = 0; round < test_rounds(); round++)
         for (roughness rough = 0; rough < ROUGHNESSES; rough++)
-            for (size_t n = 0; n < 16; n += STEP) {
+            for (size_t n = 0; n < 16; n += step()) {
                 const size_t nx = sizes[n % 4][0], ny = sizes[n % 4][1];
                 ground g;
                 sight_bounds *bounds = NULL;
@@ -146,7 +143,7 @@ static void every_edge_counts(void **state) {
                 sight_bounds_destroy(bounds);
                 ground_free(&g);
             }
-    check(sum.seen > 3000 / STEP && sum.hidden > 3000 / STEP, "%zu seen, %zu hidden", sum.seen, sum.hidden);
+    check(sum.seen > 3000 / step() && sum.hidden > 3000 / step(), "%zu seen, %zu hidden", sum.seen, sum.hidden);
 }
 
 /* shape: sample (i, j) stands out by 1000 m. */
@@ -220,11 +217,11 @@ static void large_views(void **state) {
                                  .curvature = n};
         viewshed *v = view(&g, bounds, &d);
         count(v, &query);
-        for (int m = 0; m < 1000 / STEP; m++)
+        for (size_t m = 0; m < 1000 / step(); m++)
             check_sample(&g, &d, v, random_below(&r, 200), random_below(&r, 197), &sum);
         viewshed_destroy(v);
     }
-    check(sum.seen > 100 / STEP && sum.hidden > 100 / STEP, "%zu seen, %zu hidden", sum.seen, sum.hidden);
+    check(sum.seen > 100 / step() && sum.hidden > 100 / step(), "%zu seen, %zu hidden", sum.seen, sum.hidden);
     sight_bounds_destroy(bounds);
     ground_free(&g);
 }

@@ -89,7 +89,7 @@ static json_t *result_line(const tested *t, aim kind, aim_start start, const cou
     results_set_counts(line, "traced hits other_bits", (size_t[]){c->rays, c->hits, c->other});
     if (t->role == ROLE_SAME_BITS) return line;
     results_set_counts(line, "pass leaks phantoms decided_exactly sampled",
-                       (size_t[]){c->pass, c->leaks, c->phantoms, c->doubts, c->sampled});
+                       (size_t[]){c->pass, c->leaks, c->phantoms, c->exact, c->sampled});
     results_set_numbers(line, "residual apart t_error", (double[]){c->residual, c->apart, c->t_error});
     json_t *verdicts = json_object(), *ulp = json_array();
     results_set_counts(verdicts, "right tie leak phantom wrong_surface", c->verdict);

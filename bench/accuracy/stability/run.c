@@ -11,7 +11,7 @@ void counts_add(counts *a, const counts *b) {
     a->pass += b->pass;
     a->leaks += b->leaks;
     a->phantoms += b->phantoms;
-    a->doubts += b->doubts;
+    a->exact += b->exact;
     a->other += b->other;
     a->residual = fmax(a->residual, b->residual);
     a->apart = fmax(a->apart, b->apart);
@@ -163,7 +163,7 @@ static void check_all(batch *b, const tested *t, const cw_hit *hits, counts *c) 
         c->hits++;
         oracle_ray(o, &b->rays[k]);
         const hit_check check = oracle_check(o, &hits[k]);
-        c->doubts += check.in_doubt;
+        c->exact += check.uncertain;
         if (check.holds) {
             c->residual = fmax(c->residual, check.residual);
             c->apart = fmax(c->apart, check.apart / check.apart_most);

@@ -31,7 +31,7 @@ typedef struct counts {
     uint64_t pass;     /* rays that are known to pass */
     uint64_t leaks;    /* misses of those */
     uint64_t phantoms; /* of all hits */
-    uint64_t doubts;   /* hits that rational numbers had to decide on */
+    uint64_t exact;    /* hits that rational numbers had to decide on */
     uint64_t other;    /* rays whose any hit, or for ROLE_SAME_BITS either hit, is not the reference's closest */
     double residual;   /* worst |d| / E of hits that hold */
     double apart;      /* worst distance off the triangle over delta of hits that hold */

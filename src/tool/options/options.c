@@ -4,7 +4,6 @@
 
 #include "options.h"
 
-#include "cellwalk.h"
 #include "command.h"
 #include "words.h"
 
@@ -21,6 +20,32 @@ const char *option_kernel_names(size_t number) {
 }
 const char *option_isa_names(size_t number) { return number <= CW_ISA_AVX512 ? cw_isa_name((cw_isa)number) : NULL; }
 const char *option_leaf_names(size_t number) { return number < CW_LEAF_COUNT ? cw_leaf_name((cw_leaf)number) : NULL; }
+
+bool option_isa_find(const char *name, const char *what, const char *word, cw_isa *isa) {
+    enum { COUNT = CW_ISA_AVX512 + 1 };
+    const char *names[COUNT];
+    for (size_t k = 0; k < COUNT; k++) {
+        names[k] = option_isa_names(k);
+        if (strcmp(word, names[k]) != 0) continue;
+        *isa = (cw_isa)k;
+        return true;
+    }
+    return words_unknown(name, what, word, names, COUNT);
+}
+
+bool option_isa_environment(const char *name) {
+    const char *word = getenv("CELLWALK_ISA");
+    cw_isa isa;
+    return word == NULL || option_isa_find(name, "CELLWALK_ISA", word, &isa);
+}
+
+bool option_isa_limit(const char *name, cw_isa isa) {
+    cw_isa_limit(isa);
+    if (cw_isa_best() == isa) return true;
+    command_fail(name, "--isa %s: this machine, or CELLWALK_ISA, allows no more than %s", cw_isa_name(isa),
+                 cw_isa_name(cw_isa_best()));
+    return false;
+}
 
 bool option_wanted(const option_list *list, size_t number) {
     for (size_t k = 0; k < list->count; k++)

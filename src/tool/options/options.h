@@ -5,6 +5,8 @@
 #ifndef CELLWALK_OPTIONS_OPTIONS_H
 #define CELLWALK_OPTIONS_OPTIONS_H
 
+#include "cellwalk.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -73,5 +75,14 @@ void option_list_fill(option_list *list, option_names *names, size_t first, size
 const char *option_kernel_names(size_t number);
 const char *option_isa_names(size_t number);
 const char *option_leaf_names(size_t number);
+
+/* What to do with instruction sets that a user names. Each is false after a message, which begins with the subcommand's name.
+ *  - The word, given by what: "--isa".
+ *  - CELLWALK_ISA: an upper bound, which may lie above what the machine has; the library would take a misspelt one for none.
+ *  - The library is limited to isa. It is an error if CPU or CELLWALK_ISA rule that out, or else a measurement would carry the
+ *    wrong label. */
+bool option_isa_find(const char *name, const char *what, const char *word, cw_isa *isa);
+bool option_isa_environment(const char *name);
+bool option_isa_limit(const char *name, cw_isa isa);
 
 #endif

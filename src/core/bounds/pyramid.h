@@ -80,10 +80,10 @@ static inline float higher(float a, float b) { return a > b ? a : b; }
 static inline size_t cw_pyramid_across(const cw_field *f, int l) { return ((f->nx - 2) >> (2 * l + 2)) + 1; }
 static inline size_t cw_pyramid_down(const cw_field *f, int l) { return ((f->ny - 2) >> (2 * l + 2)) + 1; }
 
-/* src/core/tile.c: everything below and at TILE_LEVEL that tile (x, y) determines. Different tiles may be done at once. */
+/* src/core/bounds/tile.c: everything below and at TILE_LEVEL that tile (x, y) determines. Different tiles may be done at once. */
 void cw_pyramid_tile(const cw_field *f, struct cw_pyramid *p, size_t x, size_t y);
 
-/* src/core/slabs.c: sum and slab of node (x, y) of a level above TILE_LEVEL, from the levels below. */
+/* src/core/bounds/slabs.c: sum and slab of node (x, y) of a level above TILE_LEVEL, from the levels below. */
 void cw_pyramid_node_slab(const cw_field *f, struct cw_pyramid *p, int level, size_t x, size_t y);
 
 /* Sets a slab outward, or level where that makes it no thicker than its node, which reaches from low to high: there no room for

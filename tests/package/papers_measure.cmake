@@ -1,12 +1,12 @@
-# All measurements on small work, in the program itself: each file is there with its command, machine and commit; those that
-# are there are kept, one that is missing is made again. Arguments: BENCH, FOLDER (of the test's own).
+# All measurements of the papers on small work: each file is there with its command, machine and commit; those that are there are
+# kept, one that is missing is made again. Arguments: SCRIPT, PYTHON, BENCH, TOOL, FOLDER (of the test's own).
 
-function(run)
-    execute_process(COMMAND ${BENCH} ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE error)
-    if(NOT status EQUAL 0)
-        message(FATAL_ERROR "cellwalk-bench ${ARGN}: ends with ${status}\n${error}")
+function(measure wanted)
+    execute_process(COMMAND ${PYTHON} -B ${SCRIPT} --bench ${BENCH} --tool ${TOOL} --quick --seconds 3 ${ARGN}
+        RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE error)
+    if(NOT status EQUAL wanted)
+        message(FATAL_ERROR "measure.py ${ARGN}: ends with ${status}\n${error}")
     endif()
-    set(error "${error}" PARENT_SCOPE)
 endfunction()
 
 function(hashes variable)
@@ -21,7 +21,7 @@ endfunction()
 
 file(REMOVE_RECURSE ${FOLDER})
 file(MAKE_DIRECTORY ${FOLDER})
-run(measure --quick --seconds 3 --out ${FOLDER}/data)
+measure(0 --out ${FOLDER}/data)
 file(GLOB_RECURSE files ${FOLDER}/data/*.json)
 list(LENGTH files count)
 if(count LESS 6)
@@ -45,11 +45,13 @@ endforeach()
 list(FILTER files INCLUDE REGEX "counters\\.json$")
 file(REMOVE ${files})
 hashes(before ${FOLDER}/data/*)
-run(measure --quick --seconds 3 --out ${FOLDER}/data)
+measure(0 --out ${FOLDER}/data)
 hashes(after ${FOLDER}/data/*)
 list(REMOVE_ITEM after ${before})
 if(NOT after MATCHES "^data/counters\\.json=[0-9a-f]+$")
     message(FATAL_ERROR "made again: ${after}")
 endif()
 
+# No folder can be made in a file.
+measure(1 --out ${FOLDER}/data/counters.json/data)
 file(REMOVE_RECURSE ${FOLDER})
