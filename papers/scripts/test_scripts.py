@@ -333,6 +333,18 @@ class BesidePbrt(Folder):
         self.assertIn("Geometric mean of the ratios: 8.0.", text)
         self.assertIn("8.0 times the speed of pbrt-v2 on the 2 scenes", blocks_scenes.beside_pbrt(results.Data(self.folder.name)))
 
+    def test_column_beside_the_scenes(self):
+        path = {"path": "auto-phong", "title": "cellwalk, Phong", "by": "cell/watertight", "seconds_median": 0.5,
+                "time_to_default": 0.8, "trace_mrays_per_s": 40.0}
+        lines = [{"kind": "scene", "scene": name, "paths": [path]} for name in ("sea", "land")]
+        self.assertIn("| sea | 0.500 (0.80) |", blocks_scenes.brief(self.results(*lines)))
+        lines[0]["pbrt_ratio"] = 16.04
+        text = blocks_scenes.brief(self.results(RUN | {"kind": "pbrt", "pbrt": "built so"}, *lines))
+        self.assertIn("| scene | pbrt-v2 | cellwalk, Phong |", text)
+        self.assertIn("| sea | 16.0 x | 0.500 (0.80) |", text)
+        self.assertIn("| land | | 0.500 (0.80) |", text)
+        self.assertIn("both on Abacus, avx2, commit abc", text)
+
 
 class Measure(unittest.TestCase):
     @staticmethod
@@ -355,18 +367,6 @@ class Measure(unittest.TestCase):
         self.assertFalse([file for file in steps if file.startswith("speed")])
         self.assertIn("--threads 1 --kernel pyramid1 ", steps["threads.json"])
         self.assertTrue(all("--peer none" in words for words in steps.values() if "--peer" in words))
-
-    def test_column_beside_the_scenes(self):
-        path = {"path": "auto-phong", "title": "cellwalk, Phong", "by": "cell/watertight", "seconds_median": 0.5,
-                "time_to_default": 0.8, "trace_mrays_per_s": 40.0}
-        lines = [{"kind": "scene", "scene": name, "paths": [path]} for name in ("sea", "land")]
-        self.assertIn("| sea | 0.500 (0.80) |", blocks_scenes.brief(self.results(*lines)))
-        lines[0]["pbrt_ratio"] = 16.04
-        text = blocks_scenes.brief(self.results(RUN | {"kind": "pbrt", "pbrt": "built so"}, *lines))
-        self.assertIn("| scene | pbrt-v2 | cellwalk, Phong |", text)
-        self.assertIn("| sea | 16.0 x | 0.500 (0.80) |", text)
-        self.assertIn("| land | | 0.500 (0.80) |", text)
-        self.assertIn("both on Abacus, avx2, commit abc", text)
 
 
 class Features(Folder):

@@ -32,7 +32,7 @@ struct cw_field {
     double build_seconds;
 
     double to_normals[3][4]; /* to_field for vectors whose length counts for nothing: neither tiny nor huge */
-    door door; /* queries that run, and updates */
+    door door;               /* queries that run, and updates */
 };
 
 /* src/core/bounds/pyramid.c */
