@@ -98,7 +98,7 @@ static cw_status build(cw_field *f, unsigned needs, const cw_query *how, bool su
  * on 65² the pyramid is ahead in all but shadow rays. */
 enum { TINY_SIDE = 32 };
 
-/* Those of several rows at a time, and the watch asked in between. */
+/* Several rows at a time; the watch is asked in between. */
 static cw_status copy(cw_field *f, const cw_field_desc *desc, const cw_query *how) {
     f->owned = cw_memory_allocate(f->nx * f->ny * sizeof(float));
     if (f->owned == NULL) return CW_ERROR_MEMORY;
