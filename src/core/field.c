@@ -98,7 +98,7 @@ static cw_status build(cw_field *f, unsigned needs, const cw_query *how, bool su
  * on 65² the pyramid is ahead in all but shadow rays. */
 enum { TINY_SIDE = 32 };
 
-/* Those of several rows at a time, and the watch asked in between. */
+/* Several rows at a time; the watch is asked in between. */
 static cw_status copy(cw_field *f, const cw_field_desc *desc, const cw_query *how) {
     f->owned = cw_memory_allocate(f->nx * f->ny * sizeof(float));
     if (f->owned == NULL) return CW_ERROR_MEMORY;
@@ -112,7 +112,7 @@ static cw_status fill(cw_field *f, const cw_field_desc *desc) {
     const bool borrowed = desc->storage == CW_BORROW, tiny = f->nx <= TINY_SIDE + 1 && f->ny <= TINY_SIDE + 1;
     const cw_query whole = {.pool = desc->pool, .watch = desc->watch, .watch_context = desc->watch_context};
     watch_part part = {&whole, 0, borrowed ? 1 : 0.4};
-    const cw_query first = watch_part_of(&part);
+    const cw_query first = cw_watch_part_of(&part);
     cw_status status = cw_survey_create(f) ? CW_OK : CW_ERROR_MEMORY;
     if (borrowed) {
         f->z = desc->samples;

@@ -52,7 +52,7 @@ static bool tell_part(void *context, double done) {
     return part->whole->watch(part->whole->watch_context, part->begin + (part->end - part->begin) * done);
 }
 
-cw_query watch_part_of(watch_part *part) {
+cw_query cw_watch_part_of(watch_part *part) {
     cw_query query = *part->whole;
     if (query.watch != NULL) {
         query.watch = tell_part;

@@ -16,7 +16,7 @@ typedef struct watch_part {
 } watch_part;
 
 /* The whole's query for that part, which stays where it is as long as the query is used. */
-cw_query watch_part_of(watch_part *part);
+cw_query cw_watch_part_of(watch_part *part);
 
 /* What later versions may mean by it is the default. */
 static inline bool cw_all_zero(const uint64_t reserved[4]) {

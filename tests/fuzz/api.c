@@ -168,6 +168,8 @@ static void change(cw_field *field, const cw_field_desc *desc, float *samples, s
     if (same) return;
     fprintf(stderr, "an updated field is not what is made anew\n");
     abort();
+}
+
 /* What follows from hits: from some of them. */
 static void look_at_hits(work *w) {
     w->query.kernel = cw_kernel_find("cell");

@@ -4,7 +4,8 @@
  *
  * A slab's plane is the least-squares one, which on the regular grid has a closed form. How far the samples lie off it is
  * found from the samples themselves. All goes over columns, so that compilers vectorize it, and at the end of columns from
- * left to right: the order of sums is part of the result, which is the same with any tiles and threads. */
+ * left to right: the order of sums is part of the result, which is the same with any tiles and threads. A copy of the tile, for
+ * rows of 2^k + 1 samples that fall on the same few sets of a cache, cost 1.1 times the time of building 4097² and 8193². */
 
 #include "pyramid.h"
 #include "survey.h"
