@@ -19,8 +19,8 @@ static void add_sky(wave *w) {
         if (w->shape[k] != WAVE_MISS) continue;
         const float rise = lane_dot(r->dir[0][k], r->dir[1][k], r->dir[2][k], s.up[0], s.up[1], s.up[2]);
         const float share = rise > 0 ? rise : 0;
-        double *sum = w->sum[r->pixel[k]];
-        for (int c = 0; c < 3; c++) sum[c] += (double)(s.horizon[c] + share * (s.above[c] - s.horizon[c]));
+        for (int c = 0; c < 3; c++)
+            w->sum[c][r->pixel[k]] += (double)(s.horizon[c] + share * (s.above[c] - s.horizon[c]));
     }
     wave_lap(w, WAVE_FILM);
 }
