@@ -16,11 +16,11 @@ static bool begin(io_image *image, double width, double height, bool by_height, 
     const double most = by_height ? SIDE_MOST / 2 : SIDE_MOST;
     *image = (io_image){.width = (size_t)fmax(1, fmin(most, ceil(width))),
                         .height = (size_t)fmax(1, fmin(most, ceil(height)))};
-    const size_t texels = image->width * image->height;
-    if (by_height)
-        image->halves = malloc(texels * 4 * sizeof *image->halves);
+    const size_t columns = image->width, rows = image->height;
+    if (by_height) /* laid out as io_image says */
+        image->halves = malloc((2 * (columns + 2) * rows + IO_IMAGE_ROOM) * 4 * sizeof *image->halves);
     else
-        image->rgb = malloc(texels * 3 * sizeof *image->rgb);
+        image->rgb = malloc(columns * rows * 3 * sizeof *image->rgb);
     return image->rgb != NULL || image->halves != NULL || io_fail(error, "out of memory");
 }
 
@@ -50,10 +50,10 @@ bool drape_heights(io_image *colours, const terrain *t, io_error *error) {
     const double metres = terrain_metres_of_height(t), low = (double)info.low * metres,
                  high = (double)info.high * metres;
     if (!begin(colours, (double)(t->nx - 1), (double)(t->ny - 1), true, error)) return false;
-    uint16_t *rgba = colours->halves;
     for (size_t y = 0; y < colours->height; y++)
-        for (size_t x = 0; x < colours->width; x++, rgba += 4)
-            tint(terrain_height(t, place(x, colours->width, t->nx), place(y, colours->height, t->ny)), low, high, rgba);
+        for (size_t x = 0; x < colours->width; x++)
+            tint(terrain_height(t, place(x, colours->width, t->nx), place(y, colours->height, t->ny)), low, high,
+                 colours->halves + ((colours->width + 2) * y + x + 1) * 4);
     return true;
 }
 
