@@ -38,17 +38,18 @@ extern "C" {
 /* The version of the library that runs, which may be another than that of the header that a program was compiled with. */
 CW_API const char *cw_version(void);
 
-/* Descriptions that a caller fills in, cw_field_desc, cw_update and cw_query, end in room for what later versions add. It holds zeros,
- * which always mean the default; a library that finds anything else is asked for something that it does not know, and
- * says CW_ERROR_OPTION. So start from the default, or from {0}. */
+/* Descriptions that a caller fills in, cw_field_desc, cw_update and cw_query, end in room for what later versions add. It
+ * holds zeros, which always mean the default; a library that finds anything else is asked for something that it does not
+ * know, and says CW_ERROR_OPTION. So start from the default, or from {0}. */
 
 /* ---- status ----------------------------------------------------------------------------------------------------- */
 
 typedef enum cw_status {
     CW_OK = 0,
-    CW_ERROR_ARGUMENT, /* a required pointer is NULL */
+    CW_ERROR_ARGUMENT, /* a required pointer is NULL, or an update has samples that a field which borrows has no use for */
     CW_ERROR_SIZE,     /* nx or ny below 2, above CW_SIDE_MAX, or too many samples for 31-bit sample numbers, in which
-                           * borrowed samples count with the gaps between their rows */
+                           * borrowed samples count with the gaps between their rows; or an update's rectangle is no
+                           * part of the field */
     CW_ERROR_STRIDE,   /* a row stride shorter than a row, or so long that rows exceed the address space */
     CW_ERROR_MAP,      /* the affine map is not finite or cannot be inverted */
     CW_ERROR_HEIGHT,   /* a sample lies beyond plus or minus CW_HEIGHT_MAX */
@@ -66,7 +67,7 @@ typedef enum cw_status {
     CW_ERROR_BUSY,      /* the field is to be updated while queries or another update run on it, or asked during that */
     CW_ERROR_DIRECTION, /* a heading's direction is not finite, or its longer component is not from 2^-40 to 2^40 */
     CW_ERROR_SLOPE,     /* a slope is NaN, or low lies above high */
-    CW_ERROR_RECTANGLE  /* the rectangle is no part of the field */
+    CW_ERROR_RECTANGLE  /* the rectangle of a heading's query is no part of the field */
 } cw_status;
 
 /* One English sentence without a full stop; never NULL, static storage. */
@@ -103,7 +104,9 @@ enum { CW_LEAF_COUNT = 3 };
 /* "default", "moller-trumbore", "watertight"; NULL for any other value. */
 CW_API const char *cw_leaf_name(cw_leaf leaf);
 
-/* A kernel is one way to find hits. Kernels live as long as the program. */
+/* A kernel is one way to find hits. Kernels live as long as the program. cell, packet* and pyramid* answer strict queries with
+ * the same bits for the same leaf test; with CW_LEAF_MOLLER_TRUMBORE one ray in 3 · 10^8 is known to be an exception
+ * (papers/robustness.md). brute and grid3d have rules of their own. */
 typedef struct cw_kernel cw_kernel;
 
 typedef struct cw_kernel_info {
@@ -193,7 +196,7 @@ typedef struct cw_field_desc {
     double map[3][4];
     /* For as long as cw_field_create takes; the field keeps neither. */
     cw_pool *pool;      /* NULL: the calling thread alone */
-    cw_watch_fn *watch; /* NULL: nobody asks */
+    cw_watch_fn *watch; /* NULL: the field is made to its end */
     void *watch_context;
     uint64_t reserved[1]; /* 0 */
 } cw_field_desc;
@@ -233,8 +236,8 @@ typedef struct cw_update {
  * the samples themselves have changed: put others there and call this again before the next query. CW_ERROR_SIZE if the
  * rectangle is no part of the field; CW_ERROR_ARGUMENT if samples are given to a field that borrows, or none to one that does not.
  *
- * No query and no other update may be running on the field: whoever finds one running gets CW_ERROR_BUSY and does nothing, the
- * update or the query that comes during one. That protects a field that has a copy, and the bounds of one that borrows, whose
+ * No query and no other update may be running on the field: whichever comes second, update or query, gets CW_ERROR_BUSY and
+ * does nothing. That protects a field that has a copy, and the bounds of one that borrows, whose
  * samples the caller must not change meanwhile. Functions that return no status do not look. */
 CW_API cw_status cw_field_update(cw_field *field, const cw_update *update);
 
@@ -300,8 +303,8 @@ typedef struct cw_query {
     /* Tolerant queries may take the surface for as thick as tolerance + cone · t · |dir|, in the field's heights, with |dir|
      * as it is in field space and nothing for the cone where t < 0. org + t · dir then lies within that of the hit's
      * triangle, in height. Each ray that hits hits still; one that passes as near may hit as well, also right where it
-     * starts. Which point within the tolerance is the hit depends on the walk, so tolerant hits, unlike all others, may
-     * differ between kernels and with a ray's neighbours in the array. Meant for detail below a pixel at its distance:
+     * starts. Which point within the tolerance is the hit depends on the walk, so tolerant hits may differ
+     * between kernels and, unlike all others, with a ray's neighbours in the array. Meant for detail below a pixel at its distance:
      * cone is a pixel's width at distance 1. Both are finite and not negative; 0 stands for strict. Only the
      * pyramid kernels with CW_LEAF_WATERTIGHT make use of them; others answer as without. */
     float tolerance, cone;
@@ -392,8 +395,8 @@ CW_API cw_status cw_field_at_user(const cw_field *field, double x, double y, cw_
 
 /* ---- what follows from a hit: computed on request, so that a query pays only for what its scene requires ---------- */
 
-/* Each takes a hit on this field; the results are in user space. What follows from a miss, or from a cell that the field has
- * not, is NaN. */
+/* Each takes a hit on this field; the results are in user space. What follows from a miss, or from a cell that the field does not
+ * have, is NaN. */
 
 /* The point on the triangle, from (i, j, triangle, u, v): it lies on the surface to rounding, unlike org + t · dir. */
 CW_API void cw_hit_point(const cw_field *field, const cw_hit *hit, double point[3]);

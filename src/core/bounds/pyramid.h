@@ -24,7 +24,7 @@
 enum { PYRAMID_LEVELS_MAX = 12, BRICK_FLOATS = 32 };
 
 /* How far rounding can put a ray, or what the watertight test makes of it, beside a slab: as a part of the numbers that
- * its height above the plane comes from. 32 u, of which papers/numerics.md accounts for 26. */
+ * its height above the plane comes from. 32 u, of which papers/numerics.md accounts for 29. */
 #define SLAB_ROUNDING 0x1p-19f
 
 typedef struct cw_pyramid_level {
