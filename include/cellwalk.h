@@ -50,11 +50,11 @@ typedef enum cw_status {
     CW_ERROR_SIZE,     /* nx or ny below 2, above CW_SIDE_MAX, or too many samples for 31-bit sample numbers, in which
                            * borrowed samples count with the gaps between their rows; or an update's rectangle is no
                            * part of the field */
-    CW_ERROR_STRIDE,   /* a row stride shorter than a row, or so long that rows exceed the address space */
-    CW_ERROR_MAP,      /* the affine map is not finite or cannot be inverted */
-    CW_ERROR_HEIGHT,   /* a sample lies beyond plus or minus CW_HEIGHT_MAX */
-    CW_ERROR_HOLE,     /* borrowed samples hold an infinity: mark holes by NaN, or let the field copy them */
-    CW_ERROR_MEMORY,   /* out of memory */
+    CW_ERROR_STRIDE,      /* a row stride shorter than a row, or so long that rows exceed the address space */
+    CW_ERROR_MAP,         /* the affine map is not finite or cannot be inverted */
+    CW_ERROR_HEIGHT,      /* a sample lies beyond plus or minus CW_HEIGHT_MAX */
+    CW_ERROR_HOLE,        /* borrowed samples hold an infinity: mark holes by NaN, or let the field copy them */
+    CW_ERROR_MEMORY,      /* out of memory */
     CW_ERROR_UNAVAILABLE, /* this machine, or the instruction-set limit, rules the kernel out */
     CW_ERROR_UNSUPPORTED, /* the kernel has no such leaf test */
     CW_ERROR_NOT_BUILT,   /* the kernel needs a structure that has not been built: see cw_field_build */
