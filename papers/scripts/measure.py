@@ -12,7 +12,9 @@ pages-*.json            large fields on huge and on ordinary pages
 building.json           memory and building time, Embree at its default quality
 counters.json           what the kernels do for a ray
 scenes/table.json       the six scenes
-tradeoff/tradeoff.json  speed against error"""
+tradeoff/tradeoff.json  speed against error
+afar.json               rays from far away
+precision/tradeoff.json how exact t, u, v, normals and points are"""
 
 import argparse
 import json

@@ -143,7 +143,7 @@ def grass_timed(clock, program, product, side, part, whole, dem, command, output
 # ---- comparisons ------------------------------------------------------------------------------------------------------
 
 def compare_views(z, eye, ours, theirs, program, rng):
-    """Cells that differ, and a part of them before the truth."""
+    """Cells that differ, and a part of them judged by the truth."""
     lines = []
     for what, mask in (("they see, we do not", (theirs > 0) & (ours == 0)), ("we see, they do not", (theirs == 0) & (ours > 0))):
         cells = np.argwhere(mask)[:, ::-1]
