@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Tolerant queries before the exact oracle: every hit of every kernel that makes use of a tolerance lies on a solid
+/* Tolerant queries judged by the exact oracle: every hit of every kernel that makes use of a tolerance lies on a solid
  * triangle, and the ray at its t no farther from that, in height, than what is allowed and what rounding excuses
  * (papers/numerics.md); no ray that passes the surface gets through. Alone, rays get the same bits at all widths. */
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The watertight leaf test before the exact oracle: no leak, no phantom, no wrong surface, on every adversarial ray class
+/* The watertight leaf test judged by the exact oracle: no leak, no phantom, no wrong surface, on every adversarial ray class
  * and field shape. All kernels with this leaf test give the same bits (lanes.c), so one is judged for all. */
 
 #include "check.h"

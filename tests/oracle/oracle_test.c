@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The oracle before a plainer one: every triangle of a small field in rational numbers, by another formula. Hit or miss, t
+/* The oracle against a plainer one: every triangle of a small field in rational numbers, by another formula. Hit or miss, t
  * and the set of triangles that hold the hit have to be equal. */
 
 #include "check.h"
