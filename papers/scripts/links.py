@@ -9,7 +9,8 @@ import re
 import sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-PAGES = ("README.md", "CONTRIBUTING.md", "bench/README.md", "tests/README.md", "simd/README.md", "papers/*.md", "papers/*/*.md")
+PAGES = ("*.md", "*/README.md", "src/*/README.md", "src/*/*/README.md", "bench/*/README.md", "tests/*/README.md", "papers/*.md",
+         "papers/*/*.md")
 PATH = re.compile(r"`((?:src|simd|bench|tests|include|papers)/[\w./*-]+)`")
 
 
