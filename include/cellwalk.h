@@ -59,7 +59,7 @@ typedef enum cw_status {
     CW_ERROR_UNSUPPORTED, /* the kernel has no such leaf test */
     CW_ERROR_NOT_BUILT,   /* the kernel needs a structure that has not been built: see cw_field_build */
     CW_ERROR_THREAD,      /* a thread could not be started */
-    CW_ERROR_OPTION,      /* an option has a value that is none of its own, or a tolerance is negative or not finite */
+    CW_ERROR_OPTION,      /* an option has a value that it does not know, or a tolerance is negative or not finite */
     CW_ERROR_KERNEL,      /* there is no kernel of that name: see cw_kernel_find */
     CW_ERROR_POOL_SIZE,   /* more threads than CW_THREADS_MAX */
     CW_ERROR_SLANTED,     /* places above (x, y) of user space are asked for, whose map leans the heights */
@@ -122,11 +122,11 @@ typedef struct cw_kernel_info {
 CW_API size_t cw_kernel_count(void);
 /* number in [0, cw_kernel_count()), else NULL. */
 CW_API const cw_kernel *cw_kernel_at(size_t number);
-/* Where no kernel has that name, one that is none: cw_kernel_exists tells, it is not available, and a query that names it
+/* If no kernel has that name, a stand-in: cw_kernel_exists is false for it, it is not available, and a query that names it
  * fails with CW_ERROR_KERNEL. It is not NULL, which in a query means the best kernel: so a misspelt name runs nothing else. */
 CW_API const cw_kernel *cw_kernel_find(const char *name);
 CW_API bool cw_kernel_exists(const cw_kernel *kernel);
-/* NULL is described like a kernel that is none. */
+/* NULL is described like the stand-in of cw_kernel_find. */
 CW_API cw_kernel_info cw_kernel_describe(const cw_kernel *kernel);
 
 /* ---- threads ---------------------------------------------------------------------------------------------------- */
@@ -165,8 +165,8 @@ typedef void cw_work_fn(void *context, size_t begin, size_t end);
 CW_API void cw_pool_run(cw_pool *pool, size_t n, size_t grain, cw_work_fn *work, void *context);
 
 /* Called now and then during a query, or while a field is made, by one thread at a time, with the share that is done, in
- * (0, 1]. Returns false to stop, which then ends soon with CW_ERROR_CANCELLED; which answers of a query were written is not
- * told. */
+ * (0, 1]. Returns false to stop, which then ends soon with CW_ERROR_CANCELLED; nothing says which answers of a query were
+ * written. */
 typedef bool cw_watch_fn(void *context, double done);
 
 /* ---- field ------------------------------------------------------------------------------------------------------ */
@@ -349,16 +349,16 @@ CW_API cw_status cw_heading_create(const cw_field *field, const double dir[2], c
 CW_API void cw_heading_destroy(cw_heading *heading);
 
 /* The steepest rise as seen from each sample of a rectangle: slope[y * nx + x] for sample (i + x, j + y), or NaN at a hole. It
- * is off by less than 2^-21 of the rise to the higher of the edge's two samples. Rises are told apart from low to high; what
+ * is off by less than 2^-21 of the rise to the higher of the edge's two samples. Rises from low to high are told apart; what
  * is less comes out as low, also where the ray meets nothing before it leaves the field, and what is more as high. The
- * narrower that is, the faster; -infinity and infinity tell everything. CW_ERROR_SLOPE unless low <= high,
+ * narrower this range, the faster; -infinity and infinity tell all rises apart. CW_ERROR_SLOPE unless low <= high,
  * CW_ERROR_RECTANGLE if the rectangle is no part of the field; it may be empty. Of the query only pool and kernel count, the
  * latter by its instruction set; the answers are the same for any. */
 CW_API cw_status cw_heading_steepest(const cw_heading *heading, const cw_query *query, float low, float high, size_t i,
                                      size_t j, size_t nx, size_t ny, float *slope);
 
 /* occluded[y * nx + x] = 1 if the steepest rise is at least slope, so that the ray that rises by slope meets the surface
- * again. Else 0, also at a hole or where nothing is met. slope may be infinite, but no NaN. */
+ * again. Else 0, also at a hole or where nothing is met. slope may be infinite, but not NaN. */
 CW_API cw_status cw_heading_any(const cw_heading *heading, const cw_query *query, float slope, size_t i, size_t j,
                                 size_t nx, size_t ny, uint8_t *occluded);
 
