@@ -48,8 +48,7 @@ typedef enum cw_status {
     CW_OK = 0,
     CW_ERROR_ARGUMENT, /* a required pointer is NULL, or an update has samples that a field which borrows has no use for */
     CW_ERROR_SIZE,     /* nx or ny below 2, above CW_SIDE_MAX, or too many samples for 31-bit sample numbers, in which
-                           * borrowed samples count with the gaps between their rows; or an update's rectangle is no
-                           * part of the field */
+                           * borrowed samples count with the gaps between their rows */
     CW_ERROR_STRIDE,      /* a row stride shorter than a row, or so long that rows exceed the address space */
     CW_ERROR_MAP,         /* the affine map is not finite or cannot be inverted */
     CW_ERROR_HEIGHT,      /* a sample lies beyond plus or minus CW_HEIGHT_MAX */
@@ -67,7 +66,7 @@ typedef enum cw_status {
     CW_ERROR_BUSY,      /* the field is to be updated while queries or another update run on it, or asked during that */
     CW_ERROR_DIRECTION, /* a heading's direction is not finite, or its longer component is not from 2^-40 to 2^40 */
     CW_ERROR_SLOPE,     /* a slope is NaN, or low lies above high */
-    CW_ERROR_RECTANGLE  /* the rectangle of a heading's query is no part of the field */
+    CW_ERROR_RECTANGLE  /* the rectangle of an update or of a heading's query is no part of the field */
 } cw_status;
 
 /* One English sentence without a full stop; never NULL, static storage. */
@@ -233,12 +232,12 @@ typedef struct cw_update {
  * 0.2 ms, in any field. Headings stay valid. Nothing is allocated.
  *
  * Samples that cw_field_create would refuse are refused here, with its status, and the field keeps what it had. If it borrows,
- * the samples themselves have changed: put others there and call this again before the next query. CW_ERROR_SIZE if the
- * rectangle is no part of the field; CW_ERROR_ARGUMENT if samples are given to a field that borrows, or none to one that does not.
+ * the samples themselves have changed: put others there and call this again before the next query. CW_ERROR_RECTANGLE if
+ * the rectangle is no part of the field; CW_ERROR_ARGUMENT if samples are given to a field that borrows, or none to one that does not.
  *
  * No query and no other update may be running on the field: whichever comes second, update or query, gets CW_ERROR_BUSY and
- * does nothing. That protects a field that has a copy, and the bounds of one that borrows, whose
- * samples the caller must not change meanwhile. Functions that return no status do not look. */
+ * does nothing. That protects a field that has a copy, and the bounds of one that borrows, whose samples the caller must not
+ * change meanwhile. Functions that return no status do not look. */
 CW_API cw_status cw_field_update(cw_field *field, const cw_update *update);
 
 typedef struct cw_field_info {

@@ -191,7 +191,7 @@ cw_status cw_field_build_for(cw_field *field, const cw_query *query) {
 static cw_status check_update(const cw_field *f, const cw_update *u) {
     if (!cw_all_zero(u->reserved)) return CW_ERROR_OPTION;
     if ((u->samples == NULL) != (f->owned == NULL)) return CW_ERROR_ARGUMENT;
-    if (u->i > f->nx || u->nx > f->nx - u->i || u->j > f->ny || u->ny > f->ny - u->j) return CW_ERROR_SIZE;
+    if (u->i > f->nx || u->nx > f->nx - u->i || u->j > f->ny || u->ny > f->ny - u->j) return CW_ERROR_RECTANGLE;
     if (u->stride != 0 && u->stride < u->nx) return CW_ERROR_STRIDE;
     return CW_OK;
 }

@@ -283,7 +283,7 @@ static void what_is_refused_changes_nothing(void **state) {
                                  {.i = SIZE_MAX, .nx = 2, .ny = 1, .samples = z},
                                  {.i = 1, .nx = SIZE_MAX, .ny = 1, .samples = z}};
     for (size_t k = 0; k < sizeof outside / sizeof outside[0]; k++)
-        check_status(cw_field_update(copied, &outside[k]), CW_ERROR_SIZE);
+        check_status(cw_field_update(copied, &outside[k]), CW_ERROR_RECTANGLE);
     const cw_update nothing[] = {{.i = 65, .nx = 0, .ny = 1, .samples = z}, {.nx = 5, .ny = 0, .samples = z}};
     for (size_t k = 0; k < 2; k++) check_status(cw_field_update(copied, &nothing[k]), CW_OK);
     check_same(copied, anew, "after refusals");
