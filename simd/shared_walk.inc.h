@@ -249,7 +249,7 @@ CW_INLINE vmask shared_cells(const fat_ray *a, packet *l, vmask among, const blo
         c.h11 = vf_set(z[s->stride + 1]);
         const vmask gate = vm_and(among, cell_gate(r, &c));
         if (!vm_any(gate)) continue;
-        vfind find;
+        vfind find = {c.t0, c.t1, gate}; /* which any-hit queries leave alone, as compilers may not see */
         const vmask now = leaf_test(leaf, r, &c, gate, any, &find);
         if (!vm_any(now)) continue;
         if (!any) keep_hits(&l->hit, now, &find, &c);
