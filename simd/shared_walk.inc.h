@@ -21,8 +21,8 @@ enum { TILE = 64, PACKETS = TILE / W, GROUP = 16, GROUPS = TILE / GROUP };
 /* Fewer rays than this do not pay for making a fat ray of them. */
 enum { SHARE_AT_LEAST = 4 };
 
-/* Cells between origins of a tile's rays, along each axis, up to which it shares a walk. With 2 or 8 shadow rays lose 1 to 3 %;
- * without a limit those on 1025² lose 10 % with 4 lanes, as the tile falls apart at once. */
+/* Cells between origins of a tile's rays, along each axis, up to which it shares a walk. With 8, shadow rays on 1025² lose 1 to
+ * 2 % with 4 lanes, and without a limit 10 %, as the tile falls apart at once; elsewhere it makes no difference. */
 enum { TILE_CELLS = 4 };
 
 static inline unsigned packet_bits(ray_set rays, size_t p) {
@@ -262,8 +262,8 @@ CW_INLINE vmask shared_cells(const fat_ray *a, packet *l, vmask among, const blo
 
 /* A tile or group falls apart at a block where going on together would test this many times more cells, counted once for each
  * packet concerned, than there are rays; and at a node of which more children than this have to be visited. Least time for
- * primary, shadow and far rays on 65² to 4097² samples among 4, 5, 6, 8 children (Zen 4, 8 and 16 lanes): with 8, rays on 4097²
- * lose 4 to 6 %; with 4, primary rays on 257² lose 8 %. */
+ * primary, shadow and far rays on 65² to 4097² samples among 5, 6 and 8 children (Zen 4, 8 and 16 lanes): with 8, rays on
+ * 4097² lose 4 to 8 %; with 5, primary rays on 257² lose 2 %. */
 enum { FALL_APART = 2, CHILDREN_AT_MOST = 6 };
 
 /* Queues those of the rays that cross the node of the given level of the pyramid and place; the rest of their walk is
@@ -306,7 +306,7 @@ static inline const fat_ray *group_ray(tile_walk *w, size_t g) {
     const ray_set rays = group_bits(w->rays, g);
     if (__builtin_popcountll(rays) < SHARE_AT_LEAST) return NULL;
     if (!(w->made >> g & 1)) {
-        (void)fat_init(&w->group[g], w->packets, rays); /* the tile's inverses are finite */
+        (void)fat_init(&w->group[g], w->packets, rays); /* what the tile's intervals can be made of, a part of it can */
         w->made |= 1u << g;
     }
     return &w->group[g];

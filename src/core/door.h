@@ -3,7 +3,7 @@
  *
  * A query enters and leaves. One count for all threads would travel from core to core with every query; so there are several,
  * each on a cache line of its own, and a thread takes the one that its stack points to. It mostly is alone there, and then
- * leaves by a plain store: one locked instruction a query in all, some 5 ns. */
+ * leaves by a plain store: one locked instruction a query in all. */
 #ifndef CELLWALK_CORE_DOOR_H
 #define CELLWALK_CORE_DOOR_H
 

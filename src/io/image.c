@@ -72,7 +72,7 @@ bool io_image_read_halves(const char *path, io_image *image, io_error *error) {
     return read_as(path, true, image, error);
 }
 
-bool image_allocate(io_image *image, size_t width, size_t height, bool halves, const char *path, io_error *error) {
+bool io_image_allocate(io_image *image, size_t width, size_t height, bool halves, const char *path, io_error *error) {
     *image = (io_image){.width = width, .height = height};
     if (width != 0 && height > IO_IMAGE_PIXELS_MAX / width)
         return io_fail(error, "%s: %zu x %zu pixels are more than %d, the most that are read", path, width, height,

@@ -33,6 +33,9 @@ bool io_image_put(io_output *out, const io_image *image, io_error *error);
 bool io_image_read(const char *path, io_image *image, io_error *error);
 /* The same, as halves if that is what the file holds. */
 bool io_image_read_halves(const char *path, io_image *image, io_error *error);
+/* Allocates the pixels, as floats or as halves; false, with error, if they are too many or memory is short. Nothing is set.
+ * path: what the error names. */
+bool io_image_allocate(io_image *image, size_t width, size_t height, bool halves, const char *path, io_error *error);
 void io_image_free(io_image *image);
 
 /* True if the ending is one that this build can write; else error lists those that it can. */

@@ -265,7 +265,7 @@ static bool read_started(reader *r, bool halves, const char *path, const sink *s
     if ((uint64_t)width * (uint64_t)height / PIXELS_PER_BYTE_MAX > r->file_size)
         return io_fail(error, "%s: %lld x %lld pixels are more than %llu bytes can hold", path, (long long)width,
                        (long long)height, (unsigned long long)r->file_size);
-    if (!image_allocate(r->image, (size_t)width, (size_t)height, halves, path, error)) return false;
+    if (!io_image_allocate(r->image, (size_t)width, (size_t)height, halves, path, error)) return false;
     result = storage == EXR_STORAGE_TILED ? decode_tiles(r) : decode_lines(r, window.min.y);
     if (result != EXR_ERR_SUCCESS) {
         io_image_free(r->image);

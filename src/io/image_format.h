@@ -16,7 +16,4 @@ typedef struct image_format {
 /* Both functions NULL where the library was absent when this was built. */
 extern const image_format image_exr, image_pfm, image_png;
 
-/* Allocates the pixels, as floats or halves; false, with error, if their number overflows or memory is short. */
-bool image_allocate(io_image *image, size_t width, size_t height, bool halves, const char *path, io_error *error);
-
 #endif

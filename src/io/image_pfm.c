@@ -86,7 +86,7 @@ static bool read_open(FILE *file, const char *path, io_image *image, io_error *e
     if (present < needed)
         return io_fail(error, "%s: %zu x %zu pixels need %llu bytes after the header at byte %ld, the file has %llu",
                        path, width, height, (unsigned long long)needed, start, (unsigned long long)present);
-    if (!image_allocate(image, width, height, false, path, error)) return false;
+    if (!io_image_allocate(image, width, height, false, path, error)) return false;
     if (read_pixels(file, channels, little, image)) return true;
     io_image_free(image);
     return io_fail(error, "%s: cannot read: %s", path, strerror(errno));

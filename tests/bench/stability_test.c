@@ -30,7 +30,7 @@ static int tear_down(void **state) {
 
 static void test_million_rays_a_class(void **state) {
     (void)state;
-    const uint64_t batches = test_share(test_rounds() * ROUNDS) * ROUND_BATCHES;
+    const uint64_t batches = test_share(test_rounds() * ROUNDS, 1) * ROUND_BATCHES;
     for (uint64_t n = 0; n < batches; n++) stability_batch(&run, n);
     for (int kind = 0; kind < AIM_COUNT; kind++) {
         const counts sum = stability_sum(&run, 0, (aim)kind), *c = &sum;

@@ -86,7 +86,7 @@ static void test_every_path(void **state) {
     static cw_ray rays[RAYS];
     static cw_hit brute[RAYS], hits[RAYS];
     path paths[PATHS_MAX];
-    const size_t count = find_paths(paths), rounds = test_rounds(), rays_each = test_share(RAYS);
+    const size_t count = find_paths(paths), rounds = test_rounds(), rays_each = test_share(RAYS, 5);
     random_state r = {4242};
     size_t explained = 0;
     for (size_t k = 0; k < rounds * 5 * FIELD_SHAPES * RAY_CLASSES; k++) {

@@ -20,7 +20,7 @@ static cw_hit expected[RAYS], got[RAYS];
 
 static int set_up(void **state) {
     (void)state;
-    count = test_share(RAYS);
+    count = test_share(RAYS, 200);
     field = ray_case(&shape, FIELD_TINY, 31, 12, 13, rays, expected, count);
     size_t hits = 0;
     for (size_t k = 0; k < count; k++) hits += expected[k].i >= 0;

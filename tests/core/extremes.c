@@ -21,7 +21,7 @@ enum { RAYS = EXTREME_RAYS };
 static size_t judge_size(ray_class kind, field_shape shape, size_t size, random_state *r) {
     static test_field f;
     static cw_ray rays[RAYS];
-    const size_t n = test_share(RAYS);
+    const size_t n = test_share(RAYS, 15);
     field_make(&f, shape, field_sizes[size].nx, field_sizes[size].ny, size);
     for (size_t k = 0; k < n; k++) rays[k] = ray_make(kind, &f, r);
     return extreme_judge(&f, rays, n);

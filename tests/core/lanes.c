@@ -100,7 +100,7 @@ static void fill(run *q, ray_class first, ray_class last, random_state *r) {
 }
 
 static void sweep(ray_class first, ray_class last, size_t most_rays_a_field) {
-    const size_t rays_a_field = test_share(most_rays_a_field);
+    const size_t rays_a_field = test_share(most_rays_a_field, 20);
     static test_field shape;
     static run q;
     random_state r = {20260101 + (uint64_t)first};

@@ -14,7 +14,7 @@ else()
     set(some "${avx}")
 endif()
 
-set(ENV{CELLWALK_TEST_DIVIDE} 100)
+set(ENV{CELLWALK_TEST_DIVIDE} 1000)
 execute_process(COMMAND ${QEMU} -cpu ${CPU} -d in_asm -D ${LOG} ${TEST} RESULT_VARIABLE result OUTPUT_VARIABLE output
     ERROR_VARIABLE output)
 if(NOT result EQUAL 0)

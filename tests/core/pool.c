@@ -57,7 +57,7 @@ static void callers_at_once(void **state) {
     cw_pool *pool;
     check_status(cw_pool_create(THREADS, &pool), CW_OK);
     for (size_t k = 0; k < CALLERS; k++) {
-        callers[k] = (caller){.pool = pool, .number = k, .rounds = test_share(200)};
+        callers[k] = (caller){.pool = pool, .number = k, .rounds = test_share(200, 1)};
         assert_int_equal(pthread_create(&callers[k].thread, NULL, ask, &callers[k]), 0);
     }
     for (size_t k = 0; k < CALLERS; k++) {

@@ -75,7 +75,7 @@ static void compare(work *w, const cw_field *field, const path *p, size_t n, cou
 
 static void compare_class(work *w, const cw_field *field, const path *paths, size_t path_count, workload_class class,
                           uint32_t seed, count *c) {
-    const size_t wanted = test_share(RAYS) / WORKLOAD_TILE * WORKLOAD_TILE;
+    const size_t wanted = test_share(RAYS, RAYS / 64) / WORKLOAD_TILE * WORKLOAD_TILE;
     const size_t n = workload_rays_make(field, class, seed, wanted, w->rays);
     check(n > 0, "no %s rays", workload_class_name(class));
     c->rays += n;

@@ -228,7 +228,7 @@ static void updates_give_what_is_made_anew(void **state) {
                 const place p = make_place(s, (kind)k, &r);
                 cw_field *borrowed = make_field(&p, CW_BORROW, false, NULL);
                 cw_field *copied = make_field(&p, CW_COPY, false, NULL), *bare = make_field(&p, CW_COPY, true, NULL);
-                for (size_t turn = 0; turn < test_share(12); turn++) {
+                for (size_t turn = 0; turn < test_share(12, 1); turn++) {
                     char what[100];
                     cw_update u = some_rectangle(&p, &r);
                     change(&p, &u, (kind)(turn % KINDS), &r);

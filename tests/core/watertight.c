@@ -13,7 +13,7 @@ enum { RAYS = 500, FIELDS = FIELD_SIZES * FIELD_SHAPES };
 static size_t judge_field(ray_class kind, const test_field *shape, random_state *r, tally *t, bool explain) {
     static cw_ray rays[RAYS];
     static cw_hit hits[RAYS];
-    const size_t n = test_share(RAYS);
+    const size_t n = test_share(RAYS, 10);
     size_t wrong = 0;
     cw_field *field = field_open(shape);
     oracle *o = oracle_create(shape->z, shape->nx, shape->ny);

@@ -45,8 +45,11 @@ static inline size_t test_divisor(void) {
     return TEST_SCALE_DOWN * (by > 1 ? (size_t)by : 1);
 }
 
-/* That share of n, but never nothing. */
-static inline size_t test_share(size_t n) { return n > test_divisor() ? n / test_divisor() : 1; }
+/* That share of n, but no fewer than least, with which a test still means something. */
+static inline size_t test_share(size_t n, size_t least) {
+    const size_t share = n / test_divisor();
+    return share > least ? share : least;
+}
 
 /* Of things that are too few for that, and unlike each other, one in so many is taken, but no fewer than one in most. */
 static inline size_t test_step(size_t most) { return test_divisor() < most ? test_divisor() : most; }

@@ -38,7 +38,7 @@ function(cellwalk_tell_left_out)
     endforeach()
 endfunction()
 
-# A row of the table: the cmocka program test_NAME from sources in FOLDER, and the test NAME that runs it.
+# A row of the table: the cmocka program test_NAME from sources in FOLDER, and the test NAME that runs it, with FOLDER as label.
 #   SOURCES file…   in FOLDER
 #   LINKS target…   beside cmocka and the library
 #   NEEDS word…     beside cmocka
@@ -57,8 +57,9 @@ function(cellwalk_test folder name)
     cellwalk_is_possible(possible ${name} cmocka ${row_NEEDS})
     if(possible)
         cellwalk_add_program(${name} "${row_RUNS}" ${row_LINKS})
+        set_tests_properties(${name} PROPERTIES LABELS ${folder})
         if(DEFINED row_KERNELS)
-            set_tests_properties(${name} PROPERTIES LABELS kernels)
+            set_property(TEST ${name} APPEND PROPERTY LABELS kernels)
         endif()
     endif()
     if(row_KERNELS)

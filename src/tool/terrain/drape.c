@@ -5,7 +5,6 @@
 #include "half.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -14,14 +13,8 @@ enum { SIDE_MOST = 4096 };
 
 static bool begin(io_image *image, double width, double height, bool by_height, io_error *error) {
     const double most = by_height ? SIDE_MOST / 2 : SIDE_MOST;
-    *image = (io_image){.width = (size_t)fmax(1, fmin(most, ceil(width))),
-                        .height = (size_t)fmax(1, fmin(most, ceil(height)))};
-    const size_t columns = image->width, rows = image->height;
-    if (by_height) /* laid out as io_image says */
-        image->halves = malloc((2 * (columns + 2) * rows + IO_IMAGE_ROOM) * 4 * sizeof *image->halves);
-    else
-        image->rgb = malloc(columns * rows * 3 * sizeof *image->rgb);
-    return image->rgb != NULL || image->halves != NULL || io_fail(error, "out of memory");
+    const size_t columns = (size_t)fmax(1, fmin(most, ceil(width))), rows = (size_t)fmax(1, fmin(most, ceil(height)));
+    return io_image_allocate(image, columns, rows, by_height, "the field's colours", error);
 }
 
 /* The place in the field that a texel shows. */
