@@ -32,22 +32,11 @@ cw_status guard_trace(const work *w) {
                   : cw_closest(w->field, &w->query, w->rays, w->count, w->hits);
 }
 
-/* FNV-1a. */
-static void add_to_hash(uint64_t *hash, const void *of, size_t size) {
-    for (const unsigned char *byte = of; size > 0; size--) *hash = (*hash ^ *byte++) * 0x100000001b3u;
-}
-
+/* FNV-1a. A hit is 24 bytes without gaps, and all of a miss is set as well. */
 static void hash_answers(work *w) {
-    for (size_t k = 0; k < w->count; k++) {
-        const cw_hit *h = &w->hits[k];
-        const int32_t place[3] = {h->i, h->j, (int32_t)h->triangle};
-        if (w->any) add_to_hash(&w->hash, &w->occluded[k], 1);
-        if (!w->any) add_to_hash(&w->hash, &h->t, sizeof h->t);
-        if (w->any || h->i < 0) continue;
-        add_to_hash(&w->hash, &h->u, sizeof h->u);
-        add_to_hash(&w->hash, &h->v, sizeof h->v);
-        add_to_hash(&w->hash, place, sizeof place);
-    }
+    const unsigned char *byte = w->any ? w->occluded : (const unsigned char *)w->hits;
+    for (size_t left = w->count * (w->any ? 1 : sizeof *w->hits); left > 0; left--)
+        w->hash = (w->hash ^ *byte++) * 0x100000001b3u;
 }
 
 static bool run(work *w, cw_leaf leaf) {

@@ -4,6 +4,7 @@
 #include "cellwalk.h"
 #include "command.h"
 #include "harness/child.h"
+#include "workload/fields.h"
 
 #include <errno.h>
 #include <string.h>
@@ -60,13 +61,10 @@ json_t *counters_json(const counter all[COUNTERS_MAX]) {
 }
 
 bool counters_here(void) {
-    static const float flat[4] = {0, 0, 0, 0};
-    cw_field_desc desc = cw_field_desc_default();
-    desc.samples = flat;
-    desc.nx = desc.ny = 2;
-    desc.bare = true;
+    float flat[4] = {0, 0, 0, 0};
     cw_field *field = NULL;
-    if (cw_field_create(&desc, &field) != CW_OK) return false;
+    if (workload_field_open(&(workload_field){.nx = 2, .ny = 2, .z = flat}, CW_BORROW, true, &field) != CW_OK)
+        return false;
     const cw_query query = {.kernel = cw_kernel_find("cell")};
     const cw_ray ray = {.org = {0.5f, 0.25f, 1}, .dir = {0, 0, -1}, .tmax = 2};
     cw_hit hit;

@@ -23,7 +23,7 @@ static bool add_kernel(micro_group *g, const micro_options *o, const cw_kernel *
     for (size_t t = 0; t < o->threads.count; t++) {
         contender c;
         const cw_status status = contender_from_kernel(&c, g->on->field, kernel, leaf);
-        c.threads = o->thread_counts[t];
+        c.threads = (unsigned)o->threads.number[t];
         c.query.pool = o->pools[t];
         const size_t used = strlen(c.name);
         if (o->pools[t]) snprintf(c.name + used, sizeof c.name - used, "/t%u", c.threads);

@@ -28,34 +28,6 @@ static const char examples[] = "  cellwalk-bench micro              a first look
                                "  cellwalk-bench micro --json before.json\n"
                                "  cellwalk-bench compare before.json after.json\n";
 
-static bool check_threads(micro_options *o, io_error *error) {
-    if (o->threads.count == 0) o->threads.item[o->threads.count++] = "1";
-    if (o->threads.count > MICRO_THREADS_MAX)
-        return io_fail(error, "--threads: more than %d numbers", MICRO_THREADS_MAX);
-    for (size_t t = 0; t < o->threads.count; t++) {
-        char *end;
-        const long value = strtol(o->threads.item[t], &end, 10);
-        if (*end != '\0' || value < 1 || value > 1024)
-            return io_fail(error, "--threads %s: must be a whole number from 1 to 1024", o->threads.item[t]);
-        o->thread_counts[t] = (unsigned)value;
-        if (value > 1) o->by_clock = o->run.no_pin = true;
-    }
-    if (o->by_clock && o->counters) return io_fail(error, "--counters: counts are those of one thread");
-    return true;
-}
-
-static bool check_backs(micro_options *o, io_error *error) {
-    if (o->backs.count == 0) o->backs.item[o->backs.count++] = "0";
-    if (o->backs.count > MICRO_BACKS_MAX) return io_fail(error, "--back: more than %d numbers", MICRO_BACKS_MAX);
-    for (size_t b = 0; b < o->backs.count; b++) {
-        char *end;
-        o->back_by[b] = strtod(o->backs.item[b], &end);
-        if (*end != '\0' || !(o->back_by[b] >= 0 && o->back_by[b] <= 1e12))
-            return io_fail(error, "--back %s: must be a number from 0 to 1e12", o->backs.item[b]);
-    }
-    return true;
-}
-
 static const char *const peers[PEER_KINDS] = {"embree/triangles", "embree/grid", "embree/triangles-robust",
                                               "embree/grid-robust"};
 static const char *peer_names(size_t number) {
@@ -89,7 +61,13 @@ static bool check_options(micro_options *o, io_error *error) {
     if (o->count == 0) o->count = o->longer ? 262144 : 32768;
     if (o->seconds <= 0) o->seconds = o->longer ? 900 : 40;
     if (o->pass <= 0) o->pass = o->longer || o->counters ? 5 : 0.5;
-    return check_threads(o, error) && check_backs(o, error);
+    if (o->threads.count == 0) o->threads = (option_list){.item = {"1"}, .number = {1}, .count = 1};
+    if (o->backs.count == 0) o->backs.count = 1; /* 0 */
+    for (size_t t = 0; t < o->threads.count; t++)
+        if (o->threads.number[t] > 1) o->by_clock = o->run.no_pin = true;
+    if (o->threads.count > MICRO_THREADS_MAX)
+        return io_fail(error, "--threads: more than %d numbers", MICRO_THREADS_MAX);
+    return !(o->by_clock && o->counters) || io_fail(error, "--counters: counts are those of one thread");
 }
 
 static void close_field(micro_field *on) {
@@ -121,16 +99,6 @@ static bool open_field(micro_field *on, const char *name, const micro_options *o
     return micro_build_kernels(on, o, error);
 }
 
-/* "1, 2" in the record of a run. */
-static void set_threads(json_t *record, const micro_options *o) {
-    char text[128] = "";
-    for (size_t t = 0; t < o->threads.count; t++) {
-        const size_t used = strlen(text);
-        snprintf(text + used, sizeof text - used, "%s%u", t ? ", " : "", o->thread_counts[t]);
-    }
-    results_set_text(record, "threads", text);
-}
-
 static bool run_group(micro_field *on, workload_class c, double back, const micro_options *o, double seconds,
                       io_output *out, io_error *error) {
     micro_group *g = memory(1, sizeof *g);
@@ -151,8 +119,10 @@ static bool run(const micro_options *o, io_output *out, io_error *error) {
     int cpu;
     if (!run_options_pin(&o->run, &cpu, error)) return false;
     json_t *record = run_record("micro", o->run.seed, cpu);
-    char text[512];
-    if (o->by_clock) set_threads(record, o);
+    char text[512] = "";
+    for (size_t t = 0; t < o->threads.count; t++)
+        snprintf(text + strlen(text), sizeof text - strlen(text), "%s%s", t ? ", " : "", o->threads.item[t]);
+    if (o->by_clock) results_set_text(record, "threads", text);
     run_record_text(record, text, sizeof text);
     printf("%s\n", text);
     if (!results_write(out, record, error)) return false;
@@ -170,8 +140,8 @@ static bool run(const micro_options *o, io_output *out, io_error *error) {
         if (good) micro_print_field(&on);
         for (size_t s = 0; good && s < sets; s++, groups--) {
             const double left = end - clock_seconds();
-            good = run_group(&on, (workload_class)o->rays.number[s / o->backs.count], o->back_by[s % o->backs.count], o,
-                             left > 0 ? left / (double)groups : 0, out, error);
+            good = run_group(&on, (workload_class)o->rays.number[s / o->backs.count], o->backs.real[s % o->backs.count],
+                             o, left > 0 ? left / (double)groups : 0, out, error);
         }
         if (good) good = micro_write_field(out, &on, error);
         close_field(&on);
@@ -186,7 +156,7 @@ static bool run_into_file(micro_options *o, io_error *error) {
         return io_fail(error, "--small-pages: the system does not allow it");
     bool good = o->json == NULL || io_output_open(&out, o->json, error);
     for (size_t t = 0; good && t < o->threads.count; t++) {
-        const unsigned threads = o->thread_counts[t];
+        const unsigned threads = (unsigned)o->threads.number[t];
         const cw_status status = threads > 1 ? cw_pool_create(threads, &o->pools[t]) : CW_OK;
         good = status == CW_OK || io_fail(error, "--threads %u: %s", threads, cw_status_message(status));
     }
@@ -211,10 +181,10 @@ static int start(int argc, char **argv) {
          .names = leaf_names},
         {"peer", "NAMES", "Embree as triangles by default, or these", OPTION_LIST, .to = &o.peers, .names = peer_names},
         {"threads", "NUMBERS",
-         "how many threads a query of a kernel has (1); with more than one all is timed by the clock", OPTION_LIST,
-         .to = &o.threads},
-        {"back", "NUMBERS", "rays start as many times the field's longer side farther back (0)", OPTION_LIST,
-         .to = &o.backs},
+         "how many threads a query of a kernel has (1); with more than one all is timed by the clock", OPTION_COUNTS,
+         .to = &o.threads, .low = 1, .high = 1024},
+        {"back", "NUMBERS", "rays start as many times the field's longer side farther back (0)", OPTION_REALS,
+         .to = &o.backs, .high = 1e12},
         {"quality", "NAME", "Embree's build quality; high by default, medium is Embree's own default", OPTION_NAME,
          .to = &o.quality, .names = quality_names},
         {"count", "N", "rays in a class (32768; 262144 with --long)", OPTION_COUNT, .to = &o.count, .low = 16,

@@ -18,25 +18,22 @@ enum {
     PEER_KINDS = 4,
     MICRO_KERNELS_MAX = 32,
     MICRO_THREADS_MAX = 16,
-    MICRO_BUILDS_MAX = MICRO_KERNELS_MAX * MICRO_THREADS_MAX,
-    MICRO_BACKS_MAX = 16
+    MICRO_BUILDS_MAX = MICRO_KERNELS_MAX * MICRO_THREADS_MAX
 };
 
 typedef struct micro_options {
     run_options run;
-    option_list kernels, rays, fields, leaves, peers, threads, backs; /* numbers: of kernels, classes, fields, peers */
-    double back_by[MICRO_BACKS_MAX]; /* how many times the field's longer side rays start farther back */
+    option_list kernels, rays, fields, leaves, peers; /* numbers: of kernels, classes, fields, peers */
+    option_list threads;                              /* how many to run each kernel with */
+    option_list backs; /* how many times the field's longer side rays start farther back */
     const char *json;
     unsigned count;
     int quality; /* of Embree: 0 high, 1 medium */
     double seconds, width, pass;
     bool longer, small_pages;
-    /* Thread counts to run each kernel with, and a pool for each above 1, else NULL. More than one thread is timed by the
-     * clock, and then everything is. */
-    unsigned thread_counts[MICRO_THREADS_MAX];
-    cw_pool *pools[MICRO_THREADS_MAX];
-    bool by_clock;
-    bool counters; /* count what the kernels do instead of timing them */
+    cw_pool *pools[MICRO_THREADS_MAX]; /* for each number of threads above 1, else NULL */
+    bool by_clock;                     /* time by the clock, as is done for all once one has more than one thread */
+    bool counters;                     /* count what the kernels do instead of timing them */
 } micro_options;
 
 /* What a contender needs built. seconds: CPU time, or by the clock if everything is, median of the builds. */

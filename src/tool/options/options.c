@@ -128,29 +128,11 @@ static bool set_name(const options_usage *usage, const option_spec *o, const cha
     return words_unknown(usage->name, what, value, names, count);
 }
 
-/* Takes the text apart in place. What is in the list already is not added again. */
-static bool add_items(const options_usage *usage, const option_spec *o, char *text) {
-    option_list *list = o->to;
-    for (char *rest = text; rest;) {
-        const char *item = strsep(&rest, ",");
-        size_t number = 0, k = 0;
-        if (*item == '\0') return command_fail(usage->name, "--%s needs a value that is not empty", o->name), false;
-        if (o->names && !set_name(usage, o, item, &number)) return false;
-        while (k < list->count && strcmp(list->item[k], item) != 0) k++;
-        if (k == OPTION_LIST_MAX)
-            return command_fail(usage->name, "--%s takes at most %d values", o->name, OPTION_LIST_MAX), false;
-        if (k < list->count) continue;
-        list->number[list->count] = number;
-        list->item[list->count++] = item;
-    }
-    return true;
-}
-
-static bool set_real(const options_usage *usage, const option_spec *o, const char *value) {
+static bool set_real(const options_usage *usage, const option_spec *o, const char *value, double *to) {
     char *end = NULL;
     const double real = strtod(value, &end);
     if (end != value && *end == '\0' && real >= o->low && real <= o->high) { /* not NaN */
-        *(double *)o->to = real;
+        *to = real;
         return true;
     }
     if (o->high < (double)FLT_MAX)
@@ -178,30 +160,58 @@ static bool add_value(const options_usage *usage, const option_spec *o, const ch
     return true;
 }
 
-static bool set_count(const options_usage *usage, const option_spec *o, const char *value) {
+static bool set_count(const options_usage *usage, const option_spec *o, const char *value, unsigned *to) {
     char *end = NULL;
     const unsigned long number = strtoul(value, &end, 10); /* the largest there is, if value is larger */
     const bool digits = value[0] >= '0' && value[0] <= '9' && *end == '\0'; /* strtoul would take " -1" */
     if (digits && (double)number >= o->low && (double)number <= o->high) {
-        *(unsigned *)o->to = (unsigned)number;
+        *to = (unsigned)number;
         return true;
     }
     command_fail(usage->name, "--%s takes a whole number from %.0f to %.0f, not '%s'", o->name, o->low, o->high, value);
     return false;
 }
 
+/* Takes the text apart in place. What is in the list already is not added again. */
+static bool add_items(const options_usage *usage, const option_spec *o, char *text) {
+    option_list *list = o->to;
+    for (char *rest = text; rest;) {
+        const char *item = strsep(&rest, ",");
+        size_t number = 0, k = 0;
+        unsigned whole;
+        double real = 0;
+        if (*item == '\0') return command_fail(usage->name, "--%s needs a value that is not empty", o->name), false;
+        if (o->names && !set_name(usage, o, item, &number)) return false;
+        if (o->kind == OPTION_REALS && !set_real(usage, o, item, &real)) return false;
+        if (o->kind == OPTION_COUNTS) {
+            if (!set_count(usage, o, item, &whole)) return false;
+            number = whole;
+        }
+        while (k < list->count && strcmp(list->item[k], item) != 0) k++;
+        if (k == OPTION_LIST_MAX)
+            return command_fail(usage->name, "--%s takes at most %d values", o->name, OPTION_LIST_MAX), false;
+        if (k < list->count) continue;
+        list->number[list->count] = number;
+        list->real[list->count] = real;
+        list->item[list->count++] = item;
+    }
+    return true;
+}
+
 static bool set_value(const options_usage *usage, const option_spec *o, char *value) {
     size_t number;
     switch (o->kind) {
     case OPTION_COUNT:
-        return set_count(usage, o, value);
+        return set_count(usage, o, value, o->to);
     case OPTION_REAL:
-        return set_real(usage, o, value);
+        return set_real(usage, o, value, o->to);
     case OPTION_NUMBER:
         return set_number(usage, o, value);
     case OPTION_AGAIN:
         return add_value(usage, o, value);
     case OPTION_LIST:
+    case OPTION_COUNTS:
+    case OPTION_REALS:
         return add_items(usage, o, value);
     case OPTION_NAME:
         if (!set_name(usage, o, value, &number)) return false;

@@ -18,6 +18,8 @@ typedef enum option_kind {
     OPTION_NAME,   /* to: int *; the number of the name given */
     OPTION_NUMBER, /* to: double *; any number that is finite */
     OPTION_LIST,   /* to: option_list *; a,b,c or the option again */
+    OPTION_COUNTS, /* the same, of whole numbers in [low, high] */
+    OPTION_REALS,  /* the same, of numbers in [low, high] */
     OPTION_AGAIN   /* to: option_again *; may be given several times */
 } option_kind;
 
@@ -25,7 +27,8 @@ enum { OPTION_LIST_MAX = 64 };
 
 typedef struct option_list {
     const char *item[OPTION_LIST_MAX];
-    size_t number[OPTION_LIST_MAX]; /* each item's among the option's names */
+    size_t number[OPTION_LIST_MAX]; /* each item's among the option's names, or the whole number that it is */
+    double real[OPTION_LIST_MAX];
     size_t count;
 } option_list;
 
