@@ -18,8 +18,12 @@ def seconds(value):
     return f"{value:.1f}" if value >= 9.995 else f"{value:.2f}" if value >= 0.9995 else f"{value:.3f}"
 
 
-def brief(results):
-    """The times, and the speed of tracing alone."""
+def _rows(results, cell):
+    return [[line.text("scene"), *(cell(path) for path in line.lines("paths"))] for line in results.of("scene")]
+
+
+def times(results):
+    """A row a scene, a column a path."""
     paths = results.some("scene")[0].lines("paths")
     head = ["scene", *(path.text("title") for path in paths)]
 
@@ -28,9 +32,6 @@ def brief(results):
         both = to_default and not path.text("path").startswith("default")
         return seconds(path.number("seconds_median")) + (f" ({to_default:.2f})" if both else "")
 
-    def rows(cell):
-        return [[line.text("scene"), *(cell(path) for path in line.lines("paths"))] for line in results.of("scene")]
-
     text = f"{run_text(results.run)}.\n\nSeconds to render: median CPU time of one thread, building excluded."
     if results.run.text("embree", ""):
         text += (" In brackets: time relative to Default, Embree's triangle mesh, with the same normals; below 1 is faster "
@@ -38,18 +39,22 @@ def brief(results):
     chosen = [path.text("by") for path in paths if path.text("path").startswith("auto")]
     if chosen:
         text += f" *cellwalk* is the kernel that the library chooses, in the first scene `{chosen[0].split('/')[0]}`."
-    times = rows(time)
+    rows = _rows(results, time)
     facts = results.of("pbrt")
     if facts:
         by = facts[0]
         text += (" *pbrt-v2*: how many times as long as cellwalk its whole process takes, with flat triangles; not measured in "
                  f"this run, but both on {by.text('cpu')}, {by.text('isa')}, commit {by.text('commit')}, {by.text('date')}, with "
                  f"pbrt-v2 of {by.text('pbrt')}.")
-        times = [[row[0], f"{line.number('pbrt_ratio'):.1f} x" if line.get("pbrt_ratio") else "", *row[1:]]
-                 for row, line in zip(times, results.of("scene"))]
-    return (text + "\n\n" + table([head[0], "pbrt-v2", *head[1:]] if facts else head, times) +
-            "\nTracing alone, in millions of rays a second (a ray counts once for each field that it is tested against):\n\n"
-            + table(head, rows(lambda path: f"{path.number('trace_mrays_per_s'):.3g}")))
+        rows = [[row[0], f"{line.number('pbrt_ratio'):.1f} x" if line.get("pbrt_ratio") else "", *row[1:]]
+                for row, line in zip(rows, results.of("scene"))]
+    return text + "\n\n" + table([head[0], "pbrt-v2", *head[1:]] if facts else head, rows)
+
+
+def tracing(results):
+    """In millions of rays a second."""
+    head = ["scene", *(path.text("title") for path in results.some("scene")[0].lines("paths"))]
+    return table(head, _rows(results, lambda path: f"{path.number('trace_mrays_per_s'):.3g}"))
 
 
 def coursework(data):

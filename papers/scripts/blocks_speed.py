@@ -2,7 +2,7 @@
 """Tables of speed, memory and building: what cellwalk-bench micro measured."""
 
 import names
-from markdown import duration, ratio, table
+from markdown import duration, listed, ratio, table
 from results import Problem, geometric_mean, run_text
 
 
@@ -69,17 +69,23 @@ def bytes_a_cell(about, build):
 # ---- blocks ----
 
 def summary(data):
-    text = ""
+    """Ratios to Embree's fastest packet width, an instruction set after the other."""
+    means, lowest, highest, count = {}, {}, {}, set()
     for isa, results in speed_files(data).items():
-        ratios = {(rays, names.field(field)): over_embree(results, field, rays)
+        ratios = {f"{rays}, {names.field(field)}": over_embree(results, field, rays)
                   for rays in names.classes(results) for field in names.MIDDLE}
         if not all(ratios.values()):
             continue
-        count = {6: "six", 7: "seven"}[len(names.classes(results))]
+        count.add(len(names.classes(results)))
+        means[names.ISAS[isa]] = geometric_mean(ratios.values())
         low, high = min(ratios, key=ratios.get), max(ratios, key=ratios.get)
-        text += (f"- **{names.ISAS[isa]}**: {geometric_mean(ratios.values()):.2f} times the speed of Embree's fastest "
-                 f"packet width (geometric mean over {count} classes of rays on fields of 257², 1025² and 4097² samples). "
-                 f"Lowest: {ratios[low]:.2f} ({', '.join(low)}); highest: {ratios[high]:.2f} ({', '.join(high)}).\n")
+        lowest[f"{ratios[low]:.2f} ({low})"], highest[f"{ratios[high]:.2f} ({high})"] = low, high
+    text = ""
+    if means:
+        classes = " or ".join({6: "six", 7: "seven"}[n] for n in sorted(count))
+        text = (f"- **Speed**: {listed(f'{mean:.2f}' for mean in means.values())} times that of Embree's fastest packet width with "
+                f"{listed(means)} (geometric mean over {classes} classes of rays on fields of 257², 1025² and 4097² samples). "
+                f"Lowest: {listed(lowest)}; highest: {listed(highest)}.\n")
     return text + _summary_of_building(data["building.json"])
 
 

@@ -25,6 +25,12 @@ def three(number):
     return grouped(float(f"{number:.3g}")) if abs(number) >= 999.5 else f"{number:.3g}"
 
 
+def listed(texts):
+    """a, b and c."""
+    *first, last = texts
+    return f"{', '.join(first)} and {last}" if first else last
+
+
 def duration(seconds):
     """35 µs, 8.89 ms, 105 s."""
     scale, unit = (1, "s") if seconds >= 1 else (1e3, "ms") if seconds >= 1e-3 else (1e6, "µs")

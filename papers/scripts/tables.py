@@ -24,7 +24,7 @@ NOT_TABLES = {"install", "test", "example"}
 
 # What a file of results becomes, by the command that made it.
 OWN = {
-    "table": blocks_scenes.brief, "tradeoff": blocks_tradeoff.page, "micro": blocks_speed.micro,
+    "table": blocks_scenes.times, "tradeoff": blocks_tradeoff.page, "micro": blocks_speed.micro,
     "afar": blocks_speed.afar, "precision": blocks_tradeoff.precision, "counters": blocks_work.counters, "leaf": blocks_stability.leaf, "extremes": blocks_stability.extremes,
     "exhaustive": blocks_stability.exhaustive, "stress": blocks_stability.stress,
 }
@@ -63,7 +63,8 @@ def from_file(name, make):
 
 BLOCKS = {
     "summary": lambda data: blocks_speed.summary(data) + blocks_scenes.beside_pbrt(data) + blocks_tradeoff.accuracy(data),
-    "table": from_file("scenes/table.json", blocks_scenes.brief),
+    "table": from_file("scenes/table.json", blocks_scenes.times),
+    "tracing": from_file("scenes/table.json", blocks_scenes.tracing),
     "stability": lambda data: blocks_stability.stability([data["stability/aimed.json"]]),
     **{name: from_file(f"stability/{name}.json", OWN[name]) for name in ("extremes", "exhaustive", "stress", "leaf")},
     "afar": from_file("afar.json", blocks_speed.afar),

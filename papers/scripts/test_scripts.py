@@ -86,6 +86,7 @@ class Markdown(Folder):
         self.assertEqual(markdown.table(["", "n"], [["a", 1], ["b", ""]]), "| | n |\n|---|--:|\n| a | 1 |\n| b | |\n")
         self.assertEqual([markdown.grouped(1234567), markdown.three(0.1284), markdown.three(999.7), markdown.three(51172)],
                          ["1 234 567", "0.128", "1 000", "51 200"])
+        self.assertEqual([markdown.listed("abc"), markdown.listed({"a": 1})], ["a, b and c", "a"])
         self.assertEqual([markdown.duration(0.0000347), markdown.duration(0.134), markdown.duration(105.2)],
                          ["34.7 µs", "134 ms", "105 s"])
         self.assertEqual([markdown.ratio(3, 2), markdown.ratio(3, 0), markdown.ratio(None, 1)], ["1.50", "", ""])
@@ -337,9 +338,9 @@ class BesidePbrt(Folder):
         path = {"path": "auto-phong", "title": "cellwalk, Phong", "by": "cell/watertight", "seconds_median": 0.5,
                 "time_to_default": 0.8, "trace_mrays_per_s": 40.0}
         lines = [{"kind": "scene", "scene": name, "paths": [path]} for name in ("sea", "land")]
-        self.assertIn("| sea | 0.500 (0.80) |", blocks_scenes.brief(self.results(*lines)))
+        self.assertIn("| sea | 0.500 (0.80) |", blocks_scenes.times(self.results(*lines)))
         lines[0]["pbrt_ratio"] = 16.04
-        text = blocks_scenes.brief(self.results(RUN | {"kind": "pbrt", "pbrt": "built so"}, *lines))
+        text = blocks_scenes.times(self.results(RUN | {"kind": "pbrt", "pbrt": "built so"}, *lines))
         self.assertIn("| scene | pbrt-v2 | cellwalk, Phong |", text)
         self.assertIn("| sea | 16.0 x | 0.500 (0.80) |", text)
         self.assertIn("| land | | 0.500 (0.80) |", text)
