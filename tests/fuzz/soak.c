@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* soak SECONDS [SEED]: fields made, asked by every kernel, and destroyed, for so long, with what the fuzzer of the library does for random
- * inputs, and with large fields, pools and headings between them. All of it under a limit on memory, and with no byte more in use
- * after each round than after the first: in an hour no caller loses what a second does not show. Allocations may fall
- * into another's place, so the process as a whole may grow by a little; by more it fails, too. */
+/* soak SECONDS [SEED]: fields made, asked by every kernel, and destroyed, for so long, with what the fuzzer of the library does
+ * for random inputs, and with large fields, updates, pools and headings between them. All of it under a limit on memory, and
+ * with no byte more in use after each round than after the first: in an hour no caller loses what a second does not show.
+ * Allocations may fall into another's place, so the process as a whole may grow by a little; by more it fails, too. */
 
 #include "api.h"
 
@@ -17,7 +17,15 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { ROUNDS_LEAST = 3, INPUTS = 500, LARGE_SIDE = 600, LARGE_RAYS = 20000, LIMIT_MB = 512, GROWTH_MAX_KB = 16 << 10 };
+enum {
+    ROUNDS_LEAST = 3,
+    INPUTS = 500,
+    LARGE_SIDE = 600,
+    LARGE_RAYS = 20000,
+    UPDATES = 4,
+    LIMIT_MB = 512,
+    GROWTH_MAX_KB = 16 << 10
+};
 
 static uint64_t state = 88172645463325252;
 
@@ -52,10 +60,34 @@ static void must(cw_status status, const char *what) {
     exit(EXIT_FAILURE);
 }
 
+static cw_ray rays[LARGE_RAYS];
+static cw_hit hits[LARGE_RAYS], others[LARGE_RAYS];
+
+/* Some rectangles of the field change; a field made of the new samples gives the same bits. */
+static void change(cw_field *field, cw_field_desc *desc, float *samples, cw_pool *pool) {
+    for (int k = 0; k < UPDATES; k++) {
+        cw_update update = {.i = draw() % LARGE_SIDE, .j = draw() % LARGE_SIDE, .stride = LARGE_SIDE, .pool = pool};
+        update.nx = 1 + draw() % (LARGE_SIDE - update.i);
+        update.ny = 1 + draw() % (LARGE_SIDE - update.j);
+        float *first = samples + update.j * LARGE_SIDE + update.i;
+        for (size_t y = 0; y < update.ny; y++)
+            for (size_t x = 0; x < update.nx; x++) first[y * LARGE_SIDE + x] = (float)(draw() % 64);
+        update.samples = first;
+        must(cw_field_update(field, &update), "update");
+    }
+    cw_field *anew;
+    must(cw_field_create(desc, &anew), "field of changed samples");
+    must(cw_closest(field, NULL, rays, LARGE_RAYS, hits), "changed field");
+    must(cw_closest(anew, NULL, rays, LARGE_RAYS, others), "field of changed samples");
+    api_done.rays += LARGE_RAYS;
+    cw_field_destroy(anew);
+    if (memcmp(hits, others, sizeof hits) == 0) return;
+    fprintf(stderr, "soak: an updated field answers otherwise than one made anew\n");
+    exit(EXIT_FAILURE);
+}
+
 /* A field that threads share, each structure built, each kernel asked; what takes long, only now and then. */
 static void large(void) {
-    static cw_ray rays[LARGE_RAYS];
-    static cw_hit hits[LARGE_RAYS];
     float *samples = malloc(sizeof *samples * LARGE_SIDE * LARGE_SIDE);
     if (samples == NULL) abort();
     for (size_t k = 0; k < (size_t)LARGE_SIDE * LARGE_SIDE; k++) samples[k] = (float)(draw() % 64);
@@ -81,7 +113,8 @@ static void large(void) {
         must(cw_closest(field, &query, rays, n, hits), info.name);
         api_done.rays += n;
     }
-    must(cw_heading_create(field, (double[2]){1, 0.5}, &heading), "heading");
+    change(field, &desc, samples, pool);
+    must(cw_heading_create(field, (double[2]){1, 0.5}, &heading), "heading"); /* its slopes go where the samples were */
     const cw_query query = {.pool = pool};
     must(cw_heading_steepest(heading, &query, -INFINITY, INFINITY, 0, 0, LARGE_SIDE, LARGE_SIDE, samples), "heading");
     cw_heading_destroy(heading);
