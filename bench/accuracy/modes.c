@@ -42,8 +42,7 @@ static bool takes(const tradeoff_mode *mode, const char *kernel) {
 }
 
 tradeoff_claim tradeoff_quantise(float *z, size_t count) {
-    float lowest = INFINITY,
-          highest = -INFINITY; /* floats: with fmin and fmax in double, GCC 12 for aarch64 breaks down */
+    float lowest = INFINITY, highest = -INFINITY; /* in double, GCC 12 for aarch64 breaks down */
     for (size_t k = 0; k < count; k++) {
         if (!isfinite(z[k])) continue;
         lowest = fminf(lowest, z[k]);

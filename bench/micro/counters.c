@@ -14,35 +14,15 @@
 
 count_sum cw_counts[COUNT_KINDS];
 
-static const char *const names[] = {
-    [COUNT_RAY] = "ray",
-    [COUNT_CLIMB] = "climb",
-    [COUNT_FLAT] = "flat",
-    [COUNT_STREAM] = "stream",
-    [COUNT_NODE] = "node",
-    [COUNT_ROUND] = "round",
-    [COUNT_RELOAD] = "reload",
-    [COUNT_REFILL] = "refill",
-    [COUNT_SHARED] = "shared",
-    [COUNT_SHARED_NODE] = "shared_node",
-    [COUNT_SHARED_BLOCK] = "shared_block",
-    [COUNT_SHARED_CELL] = "shared_cell",
-    [COUNT_APART] = "apart",
-    [COUNT_LEAF] = "leaf",
-    [COUNT_VOXEL] = "voxel",
-    [COUNT_TRIANGLE] = "triangle",
-};
+/* In the order of count_kind. */
+static const char *const names[] = {"ray",    "climb",  "flat",   "stream",      "node",         "round",
+                                    "reload", "refill", "shared", "shared_node", "shared_block", "shared_cell",
+                                    "apart",  "leaf",   "voxel",  "triangle"};
 _Static_assert(sizeof names / sizeof names[0] == COUNT_KINDS, "a kind has no name");
 _Static_assert((int)COUNT_KINDS <= (int)COUNTERS_MAX, "COUNTERS_MAX is too small");
 
 size_t counters_count(void) { return COUNT_KINDS; }
 const char *counters_name(size_t number) { return names[number]; }
-
-const counter *counters_find(const counter *all, const char *name) {
-    size_t k = 0;
-    while (strcmp(names[k], name) != 0) k++;
-    return &all[k];
-}
 
 void counters_reset(void) { memset(cw_counts, 0, sizeof cw_counts); }
 

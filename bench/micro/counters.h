@@ -19,9 +19,6 @@ typedef struct counter {
 size_t counters_count(void);
 const char *counters_name(size_t number);
 
-/* The counter of that name in an array of all; it must be one of them. */
-const counter *counters_find(const counter *all, const char *name);
-
 void counters_reset(void);
 /* What was counted since, by kernels on any thread but not on two at once. */
 void counters_read(counter all[COUNTERS_MAX]);

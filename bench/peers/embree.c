@@ -84,8 +84,7 @@ static bool add_triangles(RTCGeometry geometry, size_t nx, size_t ny) {
 }
 
 static bool add_grid(RTCGeometry geometry, size_t nx, size_t ny) {
-    struct RTCGrid *g = NULL;
-    g = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, sizeof *g, 1);
+    struct RTCGrid *g = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, sizeof *g, 1);
     if (g == NULL) return false;
     *g = (struct RTCGrid){.startVertexID = 0, .stride = (unsigned)nx, .width = (uint16_t)nx, .height = (uint16_t)ny};
     return true;

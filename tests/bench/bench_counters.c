@@ -32,8 +32,15 @@ static void trace(const cw_field *field, const cw_kernel *kernel, const cw_ray *
     counters_read(counts);
 }
 
+/* The counter of that name in an array of all; it must be one of them. */
+static const counter *find(const counter *all, const char *name) {
+    size_t k = 0;
+    while (strcmp(counters_name(k), name) != 0) k++;
+    return &all[k];
+}
+
 static void expect(const counter *counts, const char *kernel, const char *name, uint64_t events, uint64_t lanes) {
-    const counter *c = counters_find(counts, name);
+    const counter *c = find(counts, name);
     check(c->events == events && c->lanes == lanes, "%s: %s counts %d events with %d lanes, not %d with %d", kernel,
           name, (int)c->events, (int)c->lanes, (int)events, (int)lanes);
 }
@@ -109,8 +116,8 @@ static void grids_step_from_voxel_to_voxel(void **state) {
         counter counts[COUNTERS_MAX];
         trace(field, kernel, &rays[k], 1, counts);
         expect(counts, "grid3d", "voxel", voxels[k], voxels[k]);
-        check((counters_find(counts, "triangle")->events > 0) == (k == 1), "ray %zu: %d triangles", k,
-              (int)counters_find(counts, "triangle")->events);
+        check((find(counts, "triangle")->events > 0) == (k == 1), "ray %zu: %d triangles", k,
+              (int)find(counts, "triangle")->events);
     }
     cw_field_destroy(field);
 }
@@ -144,22 +151,21 @@ static void lanes_are_within_bounds(void **state) {
             counters_read(all);
             static const char *const walks[] = {"flat", "stream", "node", "round", "reload", "leaf"};
             for (size_t w = 0; w < sizeof walks / sizeof walks[0]; w++) {
-                const counter *one = counters_find(all, walks[w]);
+                const counter *one = find(all, walks[w]);
                 check(one->lanes <= one->events * info.width, "%s, %s: %d lanes in %d events", info.name, walks[w],
                       (int)one->lanes, (int)one->events);
             }
             size_t found = 0;
             for (size_t r = 0; r < n; r++) found += hits[r].i >= 0;
-            check(counters_find(all, "leaf")->lanes >= found, "%s: %zu hits from %d leaf tests", info.name, found,
-                  (int)counters_find(all, "leaf")->lanes);
-            const counter *refill = counters_find(all, "refill"), *groups = counters_find(all, "shared");
-            const counter *apart = counters_find(all, "apart");
+            check(find(all, "leaf")->lanes >= found, "%s: %zu hits from %d leaf tests", info.name, found,
+                  (int)find(all, "leaf")->lanes);
+            const counter *refill = find(all, "refill"), *groups = find(all, "shared");
+            const counter *apart = find(all, "apart");
             check(groups->lanes <= n && apart->lanes <= groups->lanes &&
                       refill->events + groups->lanes <= n + apart->lanes,
                   "%s: %zu rays, but %d refills, %d that share and %d of them no more", info.name, n,
                   (int)refill->events, (int)groups->lanes, (int)apart->lanes);
-            check(counters_find(all, "stream")->events ==
-                      counters_find(all, "node")->events + counters_find(all, "round")->events,
+            check(find(all, "stream")->events == find(all, "node")->events + find(all, "round")->events,
                   "%s: a turn of the lane walk that neither steps nor tests", info.name);
             streamed = streamed || refill->events > 0;
             shared = shared || groups->events > 0;
