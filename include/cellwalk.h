@@ -104,8 +104,7 @@ enum { CW_LEAF_COUNT = 3 };
 CW_API const char *cw_leaf_name(cw_leaf leaf);
 
 /* A kernel is one way to find hits. Kernels live as long as the program. cell, packet* and pyramid* answer strict queries with
- * the same bits for the same leaf test; with CW_LEAF_MOLLER_TRUMBORE one ray in 3 · 10^8 is known to be an exception
- * (papers/robustness.md). brute and grid3d have rules of their own. */
+ * the same bits for the same leaf test. brute and grid3d have rules of their own. */
 typedef struct cw_kernel cw_kernel;
 
 typedef struct cw_kernel_info {

@@ -11,13 +11,14 @@
  * If clear holds at all levels k, k + 1, …, nothing lies beyond end(k), and the lowest such k gives the best end.
  *
  * Invariant: skipped cells are entered at t >= end, where the gate's own monotone height function is above every sample
- * in them; so the gate would fail there and no hit changes. reach is the gate's own crossing of the nodes' border. The
- * node may be off by one where rounding puts the ray's beginning across a border, which the neighbours make up for; so
+ * in them; so the gate would fail there and no hit changes. Nor is a cell that is entered before hit later than end: the
+ * watertight test keeps the surface between the samples, and for Möller and Trumbore's end has room (strict.h). reach is the
+ * gate's own crossing of the nodes' border. The node may be off by one where rounding puts the ray's beginning across a border, which the neighbours make up for; so
  * that it is off by no more, coordinates from 2^20 on, where floats are 1/8 cell apart, are left alone. No paper is known
  * to us. */
 
 /* Shortens r->until; returns the lanes whose rest is so short that the flat walk is the better way. */
-static inline vmask climb(vray *r, const struct cw_pyramid *p, vmask alive) {
+static inline vmask climb(vray *r, const struct cw_pyramid *p, vmask alive, cw_leaf leaf) {
     const vfloat zero = vf_set(0), far = vf_set(0x1p20f);
     const vfloat x = vf_add(r->x.org, vf_mul(r->from, r->x.dir)), y = vf_add(r->y.org, vf_mul(r->from, r->y.dir));
     const vfloat speed = vf_max(vf_abs(r->x.dir), vf_abs(r->y.dir));
@@ -42,7 +43,9 @@ static inline vmask climb(vray *r, const struct cw_pyramid *p, vmask alive) {
                                      vi_from_vf(vf_select(chain, i, zero)));
             above = vf_gather(l->around, node, chain);
             /* A guess a little too far on, then the comparison that counts. */
-            const vfloat clearance = above_origin(r, above), guess = vf_mul(clearance, rise);
+            vfloat clearance = above_origin(r, above);
+            if (leaf == CW_LEAF_MOLLER_TRUMBORE) clearance = room_above(clearance, r->dz, 2 * STRICT_ROOM);
+            const vfloat guess = vf_mul(clearance, rise);
             const vfloat end = vf_max(r->from, vf_add(guess, vf_mul(vf_set(0x1p-16f), vf_abs(guess))));
             const vmask holds = vm_and(vm_and(chain, vf_le(end, reach)), vf_gt(vf_mul(end, r->dz), clearance));
             r->until = vf_select(holds, vf_min(r->until, end), r->until);

@@ -2,9 +2,14 @@
 /* Möller and Trumbore 1997 on W cells at once, a ray each; operation by operation as in src/scalar/moller_trumbore.h.
  * The edges' zeros and ones are constants; terms times 0 are left out there as here. */
 
-/* One triangle with edges e1 = (1, e1y, e1z), e2 = (e2x, 1, e2z), where e1y and e2x are 0 or 1; t in [tmin, tmax]. */
+/* See mt_range. */
+typedef struct vrange {
+    vfloat tmin, tmax, low, high;
+} vrange;
+
+/* One triangle with edges e1 = (1, e1y, e1z), e2 = (e2x, 1, e2z), where e1y and e2x are 0 or 1. */
 static inline vmask mt_triangle(const vfloat d[3], const vfloat o[3], bool e1y, vfloat e1z, bool e2x, vfloat e2z,
-                                vfloat tmin, vfloat tmax, vfloat *t) {
+                                const vrange *range, vfloat *t) {
     const vfloat zero = vf_set(0), one = vf_set(1);
     const vfloat px = vf_sub(vf_mul(d[1], e2z), d[2]);
     const vfloat py = vf_sub(e2x ? d[2] : zero, vf_mul(d[0], e2z));
@@ -18,20 +23,25 @@ static inline vmask mt_triangle(const vfloat d[3], const vfloat o[3], bool e1y, 
     const vfloat v = vf_mul(vf_add(vf_add(vf_mul(d[0], qx), vf_mul(d[1], qy)), vf_mul(d[2], qz)), inverse);
     *t = vf_mul(vf_add(e2x ? vf_add(qx, qy) : qy, vf_mul(e2z, qz)), inverse);
     const vmask inside = vm_and(vm_and(vf_ge(u, zero), vf_ge(v, zero)), vf_le(vf_add(u, v), one));
-    return vm_and(inside, vm_and(vf_ge(*t, tmin), vf_le(*t, tmax)));
+    const vfloat z = vf_mul(*t, d[2]);
+    const vmask in_time = vm_and(vf_ge(*t, range->tmin), vf_le(*t, range->tmax));
+    const vmask in_height = vm_and(vf_ge(z, range->low), vf_le(z, range->high));
+    return vm_and(inside, vm_and(in_time, in_height));
 }
 
-/* Lanes among which the cell is hit, at a t of the cell's own stretch or little beyond: mt_find of src/scalar/cell.c. */
-static inline vmask mt_cell(const vray *r, const vcell *c, vmask among, vfind *find) {
+/* Lanes among which the cell is hit, at a t of the cell's own stretch and heights or little beyond: mt_find of src/scalar/cell.c. */
+CW_INLINE vmask mt_cell(const vray *r, const vcell *c, vmask among, vfind *find) {
     const vfloat room = vf_set(0x1p-20f);
-    const vfloat tmin = vf_max(vf_sub(c->t0, vf_mul(room, vf_abs(c->t0))), r->t0);
-    const vfloat tmax = vf_min(vf_add(c->t1, vf_mul(room, vf_abs(c->t1))), r->t1);
+    const vrange range = {vf_max(vf_sub(c->t0, vf_mul(room, vf_abs(c->t0))), r->t0),
+                          vf_min(vf_add(c->t1, vf_mul(room, vf_abs(c->t1))), r->t1),
+                          room_below(above_origin(r, cell_low(c)), r->dz, STRICT_ROOM),
+                          room_above(above_origin(r, cell_high(c)), r->dz, STRICT_ROOM)};
     const vfloat o[3] = {vf_sub(r->x.org, c->i), vf_sub(r->y.org, c->j), vf_sub(r->oz, c->h00)};
     const vfloat d[3] = {r->x.dir, r->y.dir, r->dz};
     const vfloat across = vf_sub(c->h11, c->h00);
     vfloat a, b;
-    const vmask hit_a = mt_triangle(d, o, false, vf_sub(c->h10, c->h00), true, across, tmin, tmax, &a);
-    const vmask hit_b = mt_triangle(d, o, true, across, false, vf_sub(c->h01, c->h00), tmin, tmax, &b);
+    const vmask hit_a = mt_triangle(d, o, false, vf_sub(c->h10, c->h00), true, across, &range, &a);
+    const vmask hit_b = mt_triangle(d, o, true, across, false, vf_sub(c->h01, c->h00), &range, &b);
     find->b = vm_andnot(hit_b, vm_and(hit_a, vf_le(a, b)));
     find->t0 = find->t1 = vf_select(find->b, b, a);
     return vm_and(among, vm_or(hit_a, hit_b));

@@ -18,7 +18,7 @@
 /* Walks the first n of W rays to their ends. start: see make_rays. */
 CW_INLINE void packet_walk(packet *l, const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, bool any,
                            vstart *start) {
-    l->alive = vm_and(vm_first(n), make_rays(&l->r, f, rays, start));
+    l->alive = vm_and(vm_first(n), make_rays(&l->r, f, rays, leaf, start));
     packet_clear(l);
     flat_start(l, f);
     while (vm_any(l->alive)) /* at most nx + ny turns: a lane goes one way on each axis and leaves the field */

@@ -50,7 +50,7 @@ CW_INLINE void walk_apart(tile_walk *w, size_t p, size_t end, cw_leaf leaf, bool
     for (; p < end; p++) {
         packet *l = &w->packets[p];
         if (!vm_any(l->alive)) continue;
-        const vmask short_way = climb(&l->r, f->pyramid, l->alive);
+        const vmask short_way = climb(&l->r, f->pyramid, l->alive, leaf);
         l->alive = vm_and(l->alive, vf_le(l->r.from, l->r.until));
         const bool flat = vm_any(vm_and(l->alive, short_way));
         if (flat) {
@@ -101,7 +101,7 @@ CW_INLINE ray_set pyramid_tile(const cw_field *f, const cw_ray *rays, size_t n, 
     for (size_t p = 0; p < count; p++) {
         packet *l = &packets[p];
         const cw_ray *mine = fill_up(rays + p * W, n - p * W, W, tail);
-        l->alive = vm_and(vm_first(n - p * W), make_rays(&l->r, f, mine, &start[p]));
+        l->alive = vm_and(vm_first(n - p * W), make_rays(&l->r, f, mine, leaf, &start[p]));
         l->alive = vm_and(l->alive, vf_le(l->r.from, l->r.until));
         packet_clear(l);
         alive |= (ray_set)vm_bits(l->alive) << (p * W);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* W rays made ready for a walk: the rules of src/scalar/strict.h, operation by operation. The vocabulary comes first. */
 
-#include "../src/scalar/ray.h"
+#include "../src/scalar/strict.h"
 #include "count.h"
 #include "field.h"
 
@@ -149,6 +149,18 @@ static inline vfloat crossing(const vaxis *a, vfloat border) { return vf_mul(vf_
 /* The height from which heights on the ray are counted: that of its origin. */
 static inline vfloat above_origin(const vray *r, vfloat z) { return vf_sub(z, r->oz); }
 
+/* strict_room_below and strict_room_above. */
+static inline vfloat make_room(vfloat height, vfloat dz, float room) {
+    const vfloat least = vf_mul(vf_set(FLT_MIN), vf_add(vf_set(1), vf_abs(dz)));
+    return vf_mul(vf_set(room), vf_add(vf_abs(height), least));
+}
+static inline vfloat room_below(vfloat height, vfloat dz, float room) {
+    return vf_sub(height, make_room(height, dz, room));
+}
+static inline vfloat room_above(vfloat height, vfloat dz, float room) {
+    return vf_add(height, make_room(height, dz, room));
+}
+
 /* Lanes whose heights on [t0, t1] meet [low, high]. */
 static inline vmask meets(const vray *r, vfloat t0, vfloat t1, vfloat low, vfloat high) {
     const vfloat z0 = vf_mul(t0, r->dz), z1 = vf_mul(t1, r->dz);
@@ -172,9 +184,13 @@ static inline vmask make_axis(vaxis *a, vfloat org, vfloat dir, size_t samples) 
     return vm_not(vm_andnot(stands, vm_and(vf_ge(org, zero), vf_le(org, end))));
 }
 
-static inline void make_slab(vray *r, const cw_field *f) {
+CW_INLINE void make_slab(vray *r, const cw_field *f, cw_leaf leaf) {
+    vfloat low = above_origin(r, vf_set(f->low)), high = above_origin(r, vf_set(f->high));
+    if (leaf == CW_LEAF_MOLLER_TRUMBORE) {
+        low = room_below(low, r->dz, 2 * STRICT_ROOM);
+        high = room_above(high, r->dz, 2 * STRICT_ROOM);
+    }
     const vfloat u8 = vf_set(8 * (FLT_EPSILON / 2)), least = vf_set(FLT_MIN), inverse = vf_div(vf_set(1), r->dz);
-    const vfloat low = above_origin(r, vf_set(f->low)), high = above_origin(r, vf_set(f->high));
     const vmask up = vf_gt(r->dz, vf_set(0));
     const vfloat enter = vf_select(up, low, high), leave = vf_select(up, high, low);
     const vfloat a = vf_mul(enter, inverse), b = vf_mul(leave, inverse);
@@ -188,7 +204,7 @@ static inline void make_slab(vray *r, const cw_field *f) {
 }
 
 /* Lanes that may hit. Where none may, the slab is left out. *start is set where r->moved alone, for refine_hits. */
-static inline vmask make_rays(vray *r, const cw_field *f, const cw_ray *rays, vstart *start) {
+CW_INLINE vmask make_rays_for(vray *r, const cw_field *f, const cw_ray *rays, cw_leaf leaf, vstart *start) {
     vstart s;
     vmask alive = start_rays(&s, f, rays);
     alive = vm_and(alive, make_axis(&r->x, s.org[0], s.dir[0], f->nx));
@@ -203,10 +219,21 @@ static inline vmask make_rays(vray *r, const cw_field *f, const cw_ray *rays, vs
     alive = vm_and(alive, meets(r, r->t0, r->t1, vf_set(f->low), vf_set(f->high)));
     count_lanes(COUNT_RAY, alive);
     if (vm_any(alive))
-        make_slab(r, f);
+        make_slab(r, f, leaf);
     else
         r->from = r->until = r->t0;
     return alive;
+}
+
+/* A function a leaf test, shared by what calls it. */
+static inline vmask make_rays_wt(vray *r, const cw_field *f, const cw_ray *rays, vstart *start) {
+    return make_rays_for(r, f, rays, CW_LEAF_WATERTIGHT, start);
+}
+static inline vmask make_rays_mt(vray *r, const cw_field *f, const cw_ray *rays, vstart *start) {
+    return make_rays_for(r, f, rays, CW_LEAF_MOLLER_TRUMBORE, start);
+}
+CW_INLINE vmask make_rays(vray *r, const cw_field *f, const cw_ray *rays, cw_leaf leaf, vstart *start) {
+    return leaf == CW_LEAF_WATERTIGHT ? make_rays_wt(r, f, rays, start) : make_rays_mt(r, f, rays, start);
 }
 
 /* A cell a lane: its place, border crossings, t-interval and samples; see strict_cell. */

@@ -16,9 +16,9 @@ static bool trace(const cw_field *f, const cw_ray *given, bool any, cw_hit *best
     for (size_t j = 0; j + 1 < f->ny; j++) {
         for (size_t i = 0; i + 1 < f->nx; i++) {
             const float *h = f->z + j * f->stride + i;
+            const mt_range range = mt_between(ray.tmin, ray.tmax);
             cw_hit hit;
-            if (!mt_cell(ray.org, ray.dir, ray.tmin, ray.tmax, i, j, h[0], h[1], h[f->stride], h[f->stride + 1], &hit))
-                continue;
+            if (!mt_cell(ray.org, ray.dir, &range, i, j, h[0], h[1], h[f->stride], h[f->stride + 1], &hit)) continue;
             if (found && !(hit.t < best->t)) continue;
             *best = hit;
             found = true;

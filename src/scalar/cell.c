@@ -26,21 +26,23 @@ static size_t first_cell(const strict_axis *a, float t, size_t cells) {
 }
 
 /* Möller and Trumbore's test of a cell on the walk. It has no part in what keeps walks together, so its hits are kept to the
- * cell's own stretch, and a little beyond for their rounding: then no walk that leaves out a cell, because the ray is clear
- * of it, leaves out a hit. */
+ * cell's own stretch and heights, and a little beyond for their rounding: then no walk that leaves out a cell, because the ray is
+ * clear of it, leaves out a hit. */
 static inline bool mt_find(const strict_ray *r, const strict_cell *c, strict_find *find) {
     const float room = 0x1p-20f;
-    const float low = max_second(c->t0 - room * fabsf(c->t0), r->t0);
-    const float high = min_second(c->t1 + room * fabsf(c->t1), r->t1);
+    const mt_range range = {max_second(c->t0 - room * fabsf(c->t0), r->t0),
+                            min_second(c->t1 + room * fabsf(c->t1), r->t1),
+                            strict_room_below(strict_low(c) - r->oz, r->dz, STRICT_ROOM),
+                            strict_room_above(strict_high(c) - r->oz, r->dz, STRICT_ROOM)};
     cw_hit hit = {.t = 0};
-    if (!mt_cell(r->start.org, r->start.dir, low, high, c->i, c->j, c->h00, c->h10, c->h01, c->h11, &hit)) return false;
+    if (!mt_cell(r->start.org, r->start.dir, &range, c->i, c->j, c->h00, c->h10, c->h01, c->h11, &hit)) return false;
     *find = (strict_find){hit.t, hit.t, hit.triangle == CW_TRIANGLE_B};
     return true;
 }
 
 static inline bool walk(const cw_field *f, const cw_ray *ray, cw_leaf leaf, bool any, cw_hit *hit) {
     strict_ray r;
-    if (!strict_ray_init(&r, f, ray)) return false;
+    if (!strict_ray_init(&r, f, ray, leaf)) return false;
     const size_t cells_x = f->nx - 1, cells_y = f->ny - 1;
     size_t i = first_cell(&r.x, r.from, cells_x), j = first_cell(&r.y, r.from, cells_y);
     for (;;) { /* at most cells_x + cells_y times: each turn goes on along one axis and none turns back */

@@ -175,6 +175,7 @@ static bool test_voxel(const struct cw_grid3d *g, const cw_field *f, const ray_s
                        cw_hit *best) {
     const size_t v = voxel_number(g, w->voxel);
     count_step(COUNT_VOXEL, 1);
+    const mt_range range = mt_between(w->tmin, w->tmax);
     bool found = false;
     for (uint32_t k = g->begin[v]; k < g->begin[v + 1]; k++) {
         count_step(COUNT_TRIANGLE, 1);
@@ -184,8 +185,8 @@ static bool test_voxel(const struct cw_grid3d *g, const cw_field *f, const ray_s
         const float o[3] = {ray->org[0] - (float)i, ray->org[1] - (float)j, ray->org[2] - h00};
         const bool a = (g->entry[k] & 1) == CW_TRIANGLE_A;
         cw_hit hit = {.i = (int32_t)i, .j = (int32_t)j, .triangle = a ? CW_TRIANGLE_A : CW_TRIANGLE_B};
-        if (!(a ? mt_triangle(o, ray->dir, false, h[1] - h00, true, h11 - h00, w->tmin, w->tmax, &hit)
-                : mt_triangle(o, ray->dir, true, h11 - h00, false, h[f->stride] - h00, w->tmin, w->tmax, &hit)))
+        if (!(a ? mt_triangle(o, ray->dir, false, h[1] - h00, true, h11 - h00, &range, &hit)
+                : mt_triangle(o, ray->dir, true, h11 - h00, false, h[f->stride] - h00, &range, &hit)))
             continue;
         if (found && !(hit.t < best->t)) continue;
         *best = hit;

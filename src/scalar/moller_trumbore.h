@@ -8,12 +8,20 @@
 
 #include <math.h>
 
+/* Where a hit may be: its t, and the height there, from the ray's origin. */
+typedef struct mt_range {
+    float tmin, tmax, low, high;
+} mt_range;
+
+/* Any height. */
+static inline mt_range mt_between(float tmin, float tmax) { return (mt_range){tmin, tmax, -INFINITY, INFINITY}; }
+
 /* Ray against one triangle of a cell, relative to the cell's sample (i, j): o = org - (i, j, h00), edges
  * e1 = (1, e1y, e1z) and e2 = (e2x, 1, e2z), where e1y and e2x are 0 or 1 (constants to the compiler; a term times 0 is
  * left out, as it would change the sign of a zero, or make NaN of what overflows). True if hit->t, u, v are a hit in
- * [tmin, tmax]. NaN in a vertex, or a ray in the triangle's plane (determinant 0), makes a comparison fail. */
-static inline bool mt_triangle(const float o[3], const float d[3], bool e1y, float e1z, bool e2x, float e2z, float tmin,
-                               float tmax, cw_hit *hit) {
+ * the range. NaN in a vertex, or a ray in the triangle's plane (determinant 0), makes a comparison fail. */
+static inline bool mt_triangle(const float o[3], const float d[3], bool e1y, float e1z, bool e2x, float e2z,
+                               const mt_range *range, cw_hit *hit) {
     const float px = d[1] * e2z - d[2], py = (e2x ? d[2] : 0) - d[0] * e2z, pz = e2x ? d[0] - d[1] : d[0];
     const float det = (e1y ? px + py : px) + pz * e1z;
     const float inverse = 1.0f / det;
@@ -21,7 +29,8 @@ static inline bool mt_triangle(const float o[3], const float d[3], bool e1y, flo
     const float qx = e1y ? o[1] * e1z - o[2] : o[1] * e1z, qy = o[2] - o[0] * e1z, qz = (e1y ? o[0] : 0) - o[1];
     const float v = ((d[0] * qx + d[1] * qy) + d[2] * qz) * inverse;
     const float t = ((e2x ? qx + qy : qy) + e2z * qz) * inverse;
-    if (!(u >= 0 && v >= 0 && u + v <= 1 && t >= tmin && t <= tmax)) return false;
+    if (!(u >= 0 && v >= 0 && u + v <= 1 && t >= range->tmin && t <= range->tmax)) return false;
+    if (!(t * d[2] >= range->low && t * d[2] <= range->high)) return false;
     hit->t = t;
     hit->u = u;
     hit->v = v;
@@ -29,13 +38,13 @@ static inline bool mt_triangle(const float o[3], const float d[3], bool e1y, flo
 }
 
 /* The nearer hit of the cell's two triangles; A where both are equally near. */
-static inline bool mt_cell(const float org[3], const float dir[3], float tmin, float tmax, size_t i, size_t j,
-                           float h00, float h10, float h01, float h11, cw_hit *hit) {
+static inline bool mt_cell(const float org[3], const float dir[3], const mt_range *range, size_t i, size_t j, float h00,
+                           float h10, float h01, float h11, cw_hit *hit) {
     const float o[3] = {org[0] - (float)i, org[1] - (float)j, org[2] - h00};
     cw_hit b = {.triangle = CW_TRIANGLE_B};
     hit->triangle = CW_TRIANGLE_A;
-    const bool hit_a = mt_triangle(o, dir, false, h10 - h00, true, h11 - h00, tmin, tmax, hit);
-    const bool hit_b = mt_triangle(o, dir, true, h11 - h00, false, h01 - h00, tmin, tmax, &b);
+    const bool hit_a = mt_triangle(o, dir, false, h10 - h00, true, h11 - h00, range, hit);
+    const bool hit_b = mt_triangle(o, dir, true, h11 - h00, false, h01 - h00, range, &b);
     if (hit_b && !(hit_a && hit->t <= b.t)) *hit = b;
     hit->i = (int32_t)i;
     hit->j = (int32_t)j;

@@ -15,7 +15,8 @@
  *     Heights are monotone in t as well, and differences in the sample, so the same comparison on a block of cells can
  *     skip the block and never changes a hit.
  *  5. The slab: a walk may begin and end where the ray is strictly beyond the field's lowest and highest sample; the gate
- *     fails there anyway. */
+ *     fails there anyway. Möller and Trumbore's hits may be a little beyond, by STRICT_ROOM of that height; there the slab is
+ *     wider by more. */
 #ifndef CELLWALK_SCALAR_STRICT_H
 #define CELLWALK_SCALAR_STRICT_H
 
@@ -75,14 +76,34 @@ static inline bool strict_axis_init(strict_axis *a, float org, float dir, size_t
     return org >= 0 && org <= end;
 }
 
+/* Möller and Trumbore's t is off by rounding, so a hit's height may be this much of itself beyond its cell's lowest and highest
+ * sample; of FLT_MIN too, and of what the ray rises in so much t, as t may be denormal. Where a walk is cut off by heights, it has
+ * twice as much room; so no hit is where a walk has ended. */
+#define STRICT_ROOM 0x1p-19f
+
+/* A height above the ray's origin, set down or up by some room. */
+static inline float strict_room(float height, float dz, float room) {
+    return room * (fabsf(height) + FLT_MIN * (1 + fabsf(dz)));
+}
+static inline float strict_room_below(float height, float dz, float room) {
+    return height - strict_room(height, dz, room);
+}
+static inline float strict_room_above(float height, float dz, float room) {
+    return height + strict_room(height, dz, room);
+}
+
 /* [from, until] cuts [t0, t1] off where it leaves the heights between the field's lowest and highest sample, in which a
  * hole counts for nothing. The estimate (enter - oz) / dz is off by 3 u of itself, u = 2^-24; 8 u make it likely that the
  * ray is strictly beyond, FLT_MIN even where numbers are denormal. Whether it is decides, so nothing cuts off a hit; with
  * dir = 0 it is not. */
-static inline void strict_slab(strict_ray *r, const cw_field *f) {
+static inline void strict_slab(strict_ray *r, const cw_field *f, cw_leaf leaf) {
     const float u = FLT_EPSILON / 2, inverse = 1.0f / r->dz;
     const bool up = r->dz > 0;
-    const float low = f->low - r->oz, high = f->high - r->oz;
+    float low = f->low - r->oz, high = f->high - r->oz;
+    if (leaf == CW_LEAF_MOLLER_TRUMBORE) {
+        low = strict_room_below(low, r->dz, 2 * STRICT_ROOM);
+        high = strict_room_above(high, r->dz, 2 * STRICT_ROOM);
+    }
     const float enter = up ? low : high, leave = up ? high : low;
     const float a = enter * inverse, b = leave * inverse;
     const float s0 = a - (8 * u) * (fabsf(a) + FLT_MIN), s1 = b + (8 * u) * (fabsf(b) + FLT_MIN);
@@ -92,7 +113,7 @@ static inline void strict_slab(strict_ray *r, const cw_field *f) {
 }
 
 /* False if the ray cannot hit: not a ray, or clear of the field's box. */
-static inline bool strict_ray_init(strict_ray *r, const cw_field *f, const cw_ray *ray) {
+static inline bool strict_ray_init(strict_ray *r, const cw_field *f, const cw_ray *ray, cw_leaf leaf) {
     ray_start *s = &r->start;
     if (!ray_init(s, f, ray)) return false;
     const bool x = strict_axis_init(&r->x, s->org[0], s->dir[0], f->nx);
@@ -103,8 +124,16 @@ static inline bool strict_ray_init(strict_ray *r, const cw_field *f, const cw_ra
     r->t0 = max_second(max_second(strict_crossing(&r->x, r->x.first), strict_crossing(&r->y, r->y.first)), s->tmin);
     r->t1 = min_second(min_second(strict_crossing(&r->x, r->x.last), strict_crossing(&r->y, r->y.last)), s->tmax);
     if (!(r->t0 <= r->t1) || strict_clear(r, r->t0, r->t1, f->low, f->high)) return false;
-    strict_slab(r, f);
+    strict_slab(r, f, leaf);
     return true;
+}
+
+/* The cell's lowest and highest sample. Holes drop out: a NaN never compares below or above. */
+static inline float strict_low(const strict_cell *c) {
+    return min_second(c->h11, min_second(c->h01, min_second(c->h10, min_second(c->h00, INFINITY))));
+}
+static inline float strict_high(const strict_cell *c) {
+    return max_second(c->h11, max_second(c->h01, max_second(c->h10, max_second(c->h00, -INFINITY))));
 }
 
 /* Fills c with cell (i, j) and says whether it passes the gate. */
@@ -125,10 +154,7 @@ static inline bool strict_gate(strict_cell *c, const strict_ray *r, const cw_fie
     c->h10 = row[1];
     c->h01 = row[f->stride];
     c->h11 = row[f->stride + 1];
-    float low = INFINITY, high = -INFINITY; /* holes drop out: a NaN never compares below or above */
-    low = min_second(c->h11, min_second(c->h01, min_second(c->h10, min_second(c->h00, low))));
-    high = max_second(c->h11, max_second(c->h01, max_second(c->h10, max_second(c->h00, high))));
-    return !strict_clear(r, c->t0, c->t1, low, high);
+    return !strict_clear(r, c->t0, c->t1, strict_low(c), strict_high(c));
 }
 
 #endif

@@ -25,6 +25,7 @@ typedef struct run {
     const test_field *shape;
     const cw_field *field;
     cw_leaf leaf;
+    cw_coherence coherence;
     size_t n;
     cw_ray rays[RUN_MAX + 16];
     cw_hit hits[RUN_MAX];
@@ -42,7 +43,7 @@ static void compare(const run *q, const cw_kernel *kernel) {
     static cw_hit hits[RUN_MAX];
     static uint8_t occluded[RUN_MAX];
     const char *name = cw_kernel_describe(kernel).name;
-    const cw_query query = {.kernel = kernel, .leaf = q->leaf};
+    const cw_query query = {.kernel = kernel, .leaf = q->leaf, .coherence = q->coherence};
     check_status(cw_closest(q->field, &query, q->rays, q->n, hits), CW_OK);
     check_status(cw_any(q->field, &query, q->rays, q->n, occluded), CW_OK);
     for (size_t k = 0; k < q->n; k++) {
@@ -171,6 +172,105 @@ static void test_known(void **state) {
     }
 }
 
+/* Samples 2^20 to 2^60 times their neighbours stand up or hang down. Next to one a triangle is all but vertical, and Möller and
+ * Trumbore's test tosses a coin where a ray passes the foot of it, at any height. Without a spike on the other side all that is
+ * not a tower lies at an end of the field's heights, so that rays are cut off close by; with one, only climbing rays are. */
+enum { TOWER_FIELDS = 200, TOWER_IN = 128 };
+
+typedef struct towers {
+    test_field field;
+    bool up;
+} towers;
+
+static bool is_tower(const towers *f, size_t k) { return fabsf(f->field.z[k]) >= 0x1p20f; }
+
+static void make_towers(towers *f, size_t nx, size_t ny, random_state *r) {
+    const bool spike = random_below(r, 2);
+    const size_t small = random_below(r, 2) ? 0 : 1 + random_below(r, 40);
+    f->up = random_below(r, 2);
+    f->field.shape = FIELD_MIXED;
+    f->field.nx = nx;
+    f->field.ny = ny;
+    f->field.low = -(float)small;
+    f->field.high = (float)small;
+    for (size_t k = 0; k < nx * ny; k++) {
+        const double size = ldexp(random_between(r, 1, 2), 20 + (int)random_below(r, 41));
+        f->field.z[k] = (float)((int)random_below(r, 2 * small + 1) - (int)small);
+        if (random_below(r, TOWER_IN) == 0 || k == nx + 1) f->field.z[k] = (float)(f->up ? size : -size);
+    }
+    if (spike) f->field.z[0] = (float)ldexp(f->up ? -1 : 1, (int)random_below(r, 60));
+}
+
+/* Past the foot of a tower, in or out of one of its four cells, where it is below or above the cell's other samples, or little
+ * beside that; and across their height within the cell. */
+static cw_ray past_tower(const towers *w, random_state *r) {
+    const test_field *f = &w->field;
+    size_t i, j;
+    do {
+        i = 1 + random_below(r, f->nx - 2);
+        j = 1 + random_below(r, f->ny - 2);
+    } while (!is_tower(w, j * f->nx + i));
+    const int side[2] = {random_below(r, 2) ? 1 : -1, random_below(r, 2) ? 1 : -1};
+    const float *z = f->z + j * f->nx + i;
+    const float z0 = z[side[0]], z1 = z[side[0] + side[1] * (int)f->nx], out = w->up ? -1 : 1;
+    const float beside = 0.0625f * (float)((int)random_below(r, 17) - 1), away = 0.25f * (float)random_below(r, 9);
+    const float p[3] = {(float)i + (float)side[0], (float)j + (float)side[1] * beside,
+                        (w->up ? fminf(z0, z1) : fmaxf(z0, z1)) + out * away};
+    cw_ray ray = {.tmin = random_below(r, 4) ? -INFINITY : 0, .tmax = INFINITY};
+    const float d[3] = {-(float)side[0] * 0.25f * (float)(1 + random_below(r, 64)),
+                        0.25f * (float)((int)random_below(r, 65) - 32), -out * 0.25f * (float)random_below(r, 128)};
+    const float t = 0.125f * (float)((int)random_below(r, 33) - 16), turn = random_below(r, 2) ? 1 : -1;
+    const bool odd = random_below(r, 2);
+    for (int c = 0; c < 3; c++) {
+        ray.dir[c] = turn * d[c] * (odd ? (float)random_between(r, 0.5, 1) : 1);
+        ray.org[c] = p[c] - t * ray.dir[c];
+    }
+    return ray;
+}
+
+static void test_towers(void **state) {
+    (void)state;
+    static towers shape;
+    static run q = {.shape = &shape.field};
+    random_state r = {20261122};
+    const size_t fields = test_share(TOWER_FIELDS, 6);
+    size_t hits = 0;
+    for (size_t k = 0; k < fields; k++) {
+        make_towers(&shape, 12 + random_below(&r, 80), 12 + random_below(&r, 80), &r);
+        cw_field *field = field_open(&shape.field);
+        q.field = field;
+        q.coherence = (cw_coherence)(k % 3);
+        q.n = RUN_MAX;
+        for (size_t m = 0; m < q.n; m++)
+            q.rays[m] = random_below(&r, 8) ? past_tower(&shape, &r) : ray_make(RAY_LATTICE, &shape.field, &r);
+        /* Some that are alike, which share their walk. */
+        if (k / 3 % 2)
+            for (size_t m = 1; m < q.n; m++)
+                if (m % 64) q.rays[m] = q.rays[m - 1], q.rays[m].org[m % 3] += 0.125f;
+        add_junk(&q);
+        run_all(&q);
+        for (size_t m = 0; m < q.n; m++) hits += q.hits[m].i >= 0;
+        cw_field_destroy(field);
+    }
+    printf("%zu rays at towers, %zu hits, the same bits in every kernel\n", fields * RUN_MAX, hits);
+    check(hits > fields * RUN_MAX / 10, "too few rays hit for the test to mean anything");
+}
+
+/* One of them, as it was found. */
+static void test_tower(void **state) {
+    (void)state;
+    static test_field shape = {.shape = FIELD_MIXED, .nx = 47, .ny = 54, .low = -37, .high = 0x1.98p+42f};
+    static run q = {.shape = &shape, .n = 1};
+    shape.z[20 * shape.nx + 12] = shape.high;
+    shape.z[21 * shape.nx + 13] = shape.low;
+    q.rays[0] = (cw_ray){{0, 28.5f, -16.75f}, -108, {-14.25f, 9.25f, 23}, INFINITY};
+    cw_field *field = field_open(&shape);
+    q.field = field;
+    add_junk(&q);
+    run_all(&q);
+    cw_field_destroy(field);
+}
+
 /* Many rays in one call, as runs of few answer them: the lane walk keeps rays from batch to batch, and counts them anew
  * after some 2^16. On an emulated CPU, and in slow builds, they are no more than that takes, and only for the kernels that need
  * all of the CPU: the others take their turn on an older one. */
@@ -241,6 +341,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_kernel_takes_part),
         cmocka_unit_test(test_known),
+        cmocka_unit_test(test_tower),
+        cmocka_unit_test(test_towers),
         cmocka_unit_test(test_long_call),
         cmocka_unit_test(test_random),
         cmocka_unit_test(test_adversarial),
