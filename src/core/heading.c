@@ -95,11 +95,13 @@ static size_t make_crossings(maker *m, bool along_x, size_t cells, cw_stretch *s
 static int32_t least(int32_t a, int32_t b) { return a < b ? a : b; }
 static int32_t most(int32_t a, int32_t b) { return a > b ? a : b; }
 
+/* A stretch without crossings, as the last one may be, lies outside every field; sums with its bounds do not overflow. */
 static void clear_stretch(cw_stretch *s) {
+    enum { OUTSIDE = 1 << 30 };
     s->inverse_least = INFINITY;
     s->inverse_most = 0;
-    s->i_low = s->j_low = INT32_MAX;
-    s->i_high = s->j_high = INT32_MIN;
+    s->i_low = s->j_low = OUTSIDE;
+    s->i_high = s->j_high = -OUTSIDE;
 }
 
 static void bound_crossings(const cw_heading *h, cw_stretch *s) {
