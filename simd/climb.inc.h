@@ -12,44 +12,73 @@
  *
  * Invariant: skipped cells are entered at t >= end, where the gate's own monotone height function is above every sample
  * in them; so the gate would fail there and no hit changes. Nor is a cell that is entered before hit later than end: the
- * watertight test keeps the surface between the samples, and for Möller and Trumbore's end has room (strict.h). reach is the
- * gate's own crossing of the nodes' border. The node may be off by one where rounding puts the ray's beginning across a border, which the neighbours make up for; so
- * that it is off by no more, coordinates from 2^20 on, where floats are 1/8 cell apart, are left alone. No paper is known
- * to us. */
+ * watertight test keeps the surface between the samples, and for Möller and Trumbore's end has room (strict.h). reach is
+ * the gate's own crossing of the nodes' border. The node may be off by one where rounding puts the ray's beginning across
+ * a border, which the neighbours make up for; so that it is off by no more, coordinates from 2^20 on, where floats are 1/8
+ * cell apart, are left alone. No paper is known to us. */
 
-/* Shortens r->until; returns the lanes whose rest is so short that the flat walk is the better way. */
-static inline vmask climb(vray *r, const struct cw_pyramid *p, vmask alive, cw_leaf leaf) {
+/* A packet on its way down the levels. */
+typedef struct climber {
+    vfloat x, y, rise; /* where the rays begin, and 1 / dz */
+    vfloat above;      /* highest sample around their nodes of the level above */
+    vmask chain;       /* those for which clear holds at all levels so far */
+} climber;
+
+static inline void climb_start(climber *c, const vray *r, const struct cw_pyramid *p, vmask alive) {
     const vfloat zero = vf_set(0), far = vf_set(0x1p20f);
-    const vfloat x = vf_add(r->x.org, vf_mul(r->from, r->x.dir)), y = vf_add(r->y.org, vf_mul(r->from, r->y.dir));
-    const vfloat speed = vf_max(vf_abs(r->x.dir), vf_abs(r->y.dir));
-    vmask chain =
+    c->chain =
         vm_and(vm_and(alive, vf_gt(r->dz, zero)), vm_and(vf_le(vf_abs(r->x.org), far), vf_le(vf_abs(r->y.org), far)));
-    if (vm_any(chain)) {
-        const vfloat rise = vf_div(vf_set(1), r->dz), one = vf_set(1), two = vf_set(2);
-        vfloat above = vf_set(p->high);
-        for (int k = p->levels - 1; k >= 0; k--) {
-            const cw_pyramid_level *l = &p->level[k];
-            count_lanes(COUNT_CLIMB, chain);
-            const vfloat scale = vf_set(1 / l->side), side = vf_set(l->side);
-            const vfloat i = vf_max(zero, vf_min(vf_floor(vf_mul(x, scale)), vf_set((float)(4 * l->across - 1))));
-            const vfloat j = vf_max(zero, vf_min(vf_floor(vf_mul(y, scale)), vf_set((float)(4 * l->down - 1))));
-            const vfloat border_x = vf_mul(side, vf_select(r->x.up, vf_add(i, two), vf_sub(i, one)));
-            const vfloat border_y = vf_mul(side, vf_select(r->y.up, vf_add(j, two), vf_sub(j, one)));
-            const vfloat reach = vf_min(crossing(&r->x, border_x), crossing(&r->y, border_y));
-            const vfloat there = vf_mul(vf_min(reach, vf_set(FLT_MAX)), r->dz);
-            chain = vm_and(chain, vf_gt(there, above_origin(r, above)));
-            if (!vm_any(chain)) break;
-            const vint node = vi_add(vi_mul(vi_from_vf(vf_select(chain, j, zero)), vi_set(4 * l->across)),
-                                     vi_from_vf(vf_select(chain, i, zero)));
-            above = vf_gather(l->around, node, chain);
-            /* A guess a little too far on, then the comparison that counts. */
-            vfloat clearance = above_origin(r, above);
-            if (leaf == CW_LEAF_MOLLER_TRUMBORE) clearance = room_above(clearance, r->dz, 2 * STRICT_ROOM);
-            const vfloat guess = vf_mul(clearance, rise);
-            const vfloat end = vf_max(r->from, vf_add(guess, vf_mul(vf_set(0x1p-16f), vf_abs(guess))));
-            const vmask holds = vm_and(vm_and(chain, vf_le(end, reach)), vf_gt(vf_mul(end, r->dz), clearance));
-            r->until = vf_select(holds, vf_min(r->until, end), r->until);
-        }
+    c->x = vf_add(r->x.org, vf_mul(r->from, r->x.dir));
+    c->y = vf_add(r->y.org, vf_mul(r->from, r->y.dir));
+    c->rise = vf_div(vf_set(1), r->dz);
+    c->above = vf_set(p->high);
+}
+
+/* Shortens r->until by what is known at a level. */
+static inline void climb_level(climber *c, vray *r, const cw_pyramid_level *l, cw_leaf leaf) {
+    const vfloat zero = vf_set(0), one = vf_set(1), two = vf_set(2);
+    count_lanes(COUNT_CLIMB, c->chain);
+    const vfloat scale = vf_set(1 / l->side), side = vf_set(l->side);
+    const vfloat i = vf_max(zero, vf_min(vf_floor(vf_mul(c->x, scale)), vf_set((float)(4 * l->across - 1))));
+    const vfloat j = vf_max(zero, vf_min(vf_floor(vf_mul(c->y, scale)), vf_set((float)(4 * l->down - 1))));
+    const vfloat border_x = vf_mul(side, vf_select(r->x.up, vf_add(i, two), vf_sub(i, one)));
+    const vfloat border_y = vf_mul(side, vf_select(r->y.up, vf_add(j, two), vf_sub(j, one)));
+    const vfloat reach = vf_min(crossing(&r->x, border_x), crossing(&r->y, border_y));
+    const vfloat there = vf_mul(vf_min(reach, vf_set(FLT_MAX)), r->dz);
+    c->chain = vm_and(c->chain, vf_gt(there, above_origin(r, c->above)));
+    if (!vm_any(c->chain)) return;
+    const vint node = vi_add(vi_mul(vi_from_vf(vf_select(c->chain, j, zero)), vi_set(4 * l->across)),
+                             vi_from_vf(vf_select(c->chain, i, zero)));
+    c->above = vf_gather(l->around, node, c->chain);
+    /* A guess a little too far on, then the comparison that counts. */
+    vfloat clearance = above_origin(r, c->above);
+    if (leaf == CW_LEAF_MOLLER_TRUMBORE) clearance = room_above(clearance, r->dz, 2 * STRICT_ROOM);
+    const vfloat guess = vf_mul(clearance, c->rise);
+    const vfloat end = vf_max(r->from, vf_add(guess, vf_mul(vf_set(0x1p-16f), vf_abs(guess))));
+    const vmask holds = vm_and(vm_and(c->chain, vf_le(end, reach)), vf_gt(vf_mul(end, r->dz), clearance));
+    r->until = vf_select(holds, vf_min(r->until, end), r->until);
+}
+
+/* Shortens r->until of these packets' rays. Level by level, since in a packet each level waits for the one above: the CPU
+ * works on several packets at once. */
+static inline void climb(packet *packets, packet_set which, const struct cw_pyramid *p, cw_leaf leaf) {
+    climber c[PACKETS];
+    packet_set climbs = 0;
+    for (packet_set left = which; left != 0; left &= left - 1) {
+        const int k = __builtin_ctzll(left);
+        climb_start(&c[k], &packets[k].r, p, packets[k].alive);
+        climbs |= (packet_set)vm_any(c[k].chain) << k;
     }
+    for (int level = p->levels - 1; level >= 0 && climbs != 0; level--)
+        for (packet_set left = climbs; left != 0; left &= left - 1) {
+            const int k = __builtin_ctzll(left);
+            climb_level(&c[k], &packets[k].r, &p->level[level], leaf);
+            climbs &= ~((packet_set)!vm_any(c[k].chain) << k);
+        }
+}
+
+/* Lanes whose rest is so short that the flat walk is the better way. */
+static inline vmask short_way(const vray *r, vmask alive) {
+    const vfloat speed = vf_max(vf_abs(r->x.dir), vf_abs(r->y.dir));
     return vm_and(alive, vf_le(vf_mul(vf_sub(r->until, r->from), speed), vf_set(8)));
 }

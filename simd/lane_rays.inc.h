@@ -5,58 +5,6 @@
  * rounds differently. A node is told by its low corner in mirrored coordinates, corner; its exit borders are corner +
  * side, and its number along the axis is (corner XOR turned) >> 2 level, with turned = -1 for a mirrored axis, else 0. */
 
-/* Numbers of a ray, W rays an array. */
-enum {
-    RAY_ORG,     /* mirrored, like all on an axis */
-    RAY_EARLY,   /* org, set back by more than the rounding of org + t · dir within the field */
-    RAY_DIR,     /* never negative */
-    RAY_CENTER,  /* what crossings are measured from */
-    RAY_INVERSE, /* 1 / dir */
-    RAY_FIRST,   /* the field's border where rays come in */
-    RAY_LAST,    /* and where they go out */
-    RAY_SIGN,    /* -0 where the axis is mirrored, else 0 */
-    RAY_AXIS,    /* numbers an axis */
-    RAY_OZ = 2 * RAY_AXIS,
-    RAY_DZ,
-    RAY_PAD,   /* what rounding may do to the height above a slab, beyond what the slab has room for */
-    RAY_UNTIL, /* the walk ends here */
-    RAY_T0,    /* of the leaf tests: see vray */
-    RAY_T1,
-    RAY_FLOATS
-};
-enum { RAY_TURNED_X, RAY_TURNED_Y, RAY_INTS };
-
-typedef struct lane_rays {
-    float f[RAY_FLOATS][W];
-    int32_t i[RAY_INTS][W];
-} lane_rays;
-
-/* A ray waiting for a lane: which one it is of the rays made ready, where its walk begins, and where its hit goes. */
-typedef struct queued {
-    uint16_t packet, lane;
-    uint32_t ray;
-    float t;
-    int32_t x, y, level; /* low corner, mirrored, of its first node, with the level as in lane_walk.inc.h */
-} queued;
-
-/* Rays whose leftovers are collected before the lane walk goes on; and rays after which it ends them all, so that their
- * numbers stay small. */
-enum { BATCH = 256, LANE_RUN = 1 << 16 };
-
-/* What is allowed at t, as seen from where the library traces a ray from: at + cone · t. */
-typedef struct tolerance {
-    float at, cone;
-} tolerance;
-
-typedef struct lane_queue {
-    lane_rays ready[BATCH / W];
-    queued rays[BATCH];
-    size_t n;
-    uint64_t mirrored;        /* bits of the present tile's packets that are in ready */
-    uint32_t first;           /* number of the batch's first ray, from which those of rays count */
-    tolerance allowed[BATCH]; /* of tolerant queries alone */
-} lane_queue;
-
 /* One axis of W rays. */
 static inline void mirror_axis(float f[RAY_AXIS][W], int32_t turned[W], const vaxis *a, size_t samples) {
     const vfloat zero = vf_set(0), end = vf_set((float)(samples - 1));
@@ -73,7 +21,7 @@ static inline void mirror_axis(float f[RAY_AXIS][W], int32_t turned[W], const va
 }
 
 /* Makes W rays ready for walks with the given leaf test. */
-static inline void mirror_rays(lane_rays *s, const vray *r, const cw_field *f, cw_leaf leaf) {
+static inline void mirror_rays(ready_rays *s, const vray *r, const cw_field *f, cw_leaf leaf) {
     mirror_axis(s->f, s->i[RAY_TURNED_X], &r->x, f->nx);
     mirror_axis(s->f + RAY_AXIS, s->i[RAY_TURNED_Y], &r->y, f->ny);
     /* Slabs have room for the rounding of rays that begin within the field, and of the watertight test: papers/numerics.md.
@@ -120,7 +68,7 @@ static inline vint first_corner(float f[RAY_AXIS][W], vfloat t, vfloat side) {
 static inline void enqueue(lane_queue *q, size_t packet_number, unsigned which, vfloat t, int level) {
     float from[W];
     int32_t x[W], y[W];
-    lane_rays *s = &q->ready[packet_number];
+    ready_rays *s = &q->ready[packet_number];
     const vfloat side = vf_power_of_2(vi_set(2 * level));
     vf_store(from, t);
     vi_store(x, first_corner(s->f, t, side));
@@ -146,12 +94,4 @@ static inline void set_tolerances(tolerance allowed[W], const cw_field *f, const
         else
             allowed[k].at = (float)min_second_d((double)q->tolerance + cone * start.shift, (double)FLT_MAX);
     }
-}
-
-/* Copies a ray that has been made ready into a lane. In runs of at most 16, which compilers turn into straight code. */
-static inline void copy_ray(lane_rays *to, size_t lane, const lane_rays *from, size_t k) {
-    for (int c = 0; c < RAY_AXIS; c++) to->f[c][lane] = from->f[c][k];
-    for (int c = RAY_AXIS; c < 2 * RAY_AXIS; c++) to->f[c][lane] = from->f[c][k];
-    for (int c = 2 * RAY_AXIS; c < RAY_FLOATS; c++) to->f[c][lane] = from->f[c][k];
-    for (int c = 0; c < RAY_INTS; c++) to->i[c][lane] = from->i[c][k];
 }

@@ -20,17 +20,8 @@
  * before slabs (1590 and 1570 for random rays in 1025² samples, callgrind), since a ray crosses 4 of the 16 children; it
  * mispredicts more branches, and gains less from wider vectors. */
 
-/* Where answers go, by the numbers of their rays; and what leaf tests have found and is not yet a hit. A leaf test finds two
- * or three hits at a time, refinement takes as long for W of them as for one. */
-typedef struct lane_answers {
-    const cw_ray *rays;
-    cw_hit *hits;      /* of closest-hit queries */
-    uint8_t *occluded; /* of any-hit queries */
-    size_t found;
-    uint32_t number[2 * W];
-    /* W of them at most, another W as they come, and one more W that are stored but not meant. */
-    float t0[3 * W], t1[3 * W], i[3 * W], j[3 * W], h00[3 * W], corner[3 * W], h11[3 * W], b[3 * W]; /* b: 1 or 0 */
-} lane_answers;
+/* The first n lanes, a bit each. */
+static inline unsigned first_lanes(size_t n) { return (unsigned)(((uint64_t)1 << n) - 1); }
 
 /* Makes hits of count of those found, from number first on. */
 static inline void write_found(const lane_answers *a, const cw_field *f, size_t first, size_t count) {
@@ -47,7 +38,7 @@ static inline void write_found(const lane_answers *a, const cw_field *f, size_t 
     vstart s;
     restart_rays(&s, f, c);
     const vhit h = refine_hits(&s, &found);
-    scatter_hits(&h, &found, (1u << count) - 1, a->number + first, a->hits);
+    scatter_hits(&h, &found, first_lanes(count), a->number + first, a->hits);
 }
 
 /* Keeps what the leaf test found in the lanes of which. */
@@ -73,8 +64,13 @@ CW_INLINE void lane_found(lane_answers *a, const cw_field *f, const uint32_t ray
     a->found = n;
 }
 
-/* Refill when this many lanes are empty; test cells when this many lanes wait at one. */
-enum { REFILL_AT = W / 4 > 0 ? W / 4 : 1, LEAF_AT = (3 * W + 7) / 8 };
+/* Refill when this many lanes are empty; test cells when this many lanes wait at one. Of 32 lanes 8 to refill at are 2 to 4 %
+ * slower for random rays, up to 2 % for ambient-occlusion and bounce rays; 2 are no better. 16 to test at are up to 3 %
+ * faster for random rays, and 2 to 3 % slower for ambient-occlusion and bounce rays. */
+enum { REFILL_AT = W < 4 ? 1 : W < 16 ? W / 4 : 4, LEAF_AT = (3 * W + 7) / 8 };
+
+/* Where no ray is left to refill with, a pair of vectors stops as soon as one of them would do. */
+enum { LANES_LEFT = (int)W > (int)QUEUE_W ? QUEUE_W : 0 };
 
 /* What changes on the way, in registers between two refills. The rest of each ray is read from where it is. */
 typedef struct lane_state {
@@ -86,24 +82,22 @@ typedef struct lane_state {
     vmask alive;
 } lane_state;
 
-/* All of it where lanes are refilled. */
-typedef struct lane_set {
-    lane_rays rays;
-    float t[W], leave[W];
-    int32_t x[W], y[W], level[W];
-    uint32_t ray[W];           /* where its hit goes */
-    float allowed[W], cone[W]; /* of tolerant queries */
-    unsigned living;           /* lanes that hold a ray; where none does, nothing else is of use */
-} lane_set;
-
 /* Empty lanes, whose numbers are computed with like all others. */
 CW_INLINE void lane_clear(lane_set *l) { memset(l, 0, sizeof *l); }
+
+/* Copies a ray that has been made ready into a lane. In runs of at most 16, which compilers turn into straight code. */
+static inline void copy_ray(lane_rays *to, size_t lane, const ready_rays *from, size_t k) {
+    for (int c = 0; c < RAY_AXIS; c++) to->f[c][lane] = from->f[c][k];
+    for (int c = RAY_AXIS; c < 2 * RAY_AXIS; c++) to->f[c][lane] = from->f[c][k];
+    for (int c = 2 * RAY_AXIS; c < RAY_FLOATS; c++) to->f[c][lane] = from->f[c][k];
+    for (int c = 0; c < RAY_INTS; c++) to->i[c][lane] = from->i[c][k];
+}
 
 CW_INLINE void refill_lane(lane_set *l, size_t lane, const lane_queue *queue, const queued *q, bool tolerant) {
     count_step(COUNT_REFILL, 1);
     copy_ray(&l->rays, lane, &queue->ready[q->packet], q->lane);
     if (tolerant) {
-        const tolerance *t = &queue->allowed[q->packet * W + q->lane];
+        const tolerance *t = &queue->allowed[q->packet * QUEUE_W + q->lane];
         l->allowed[lane] = t->at;
         l->cone[lane] = t->cone;
     }
@@ -134,7 +128,7 @@ typedef struct lane_axis {
     vfloat org, dir, corner, border, out;
 } lane_axis;
 
-CW_INLINE lane_axis look_along(float f[RAY_AXIS][W], vint corner, vfloat side) {
+CW_INLINE lane_axis look_along(float f[RAY_AXIS][LANES], vint corner, vfloat side) {
     lane_axis a;
     a.org = vf_load(f[RAY_ORG]);
     a.dir = vf_load(f[RAY_DIR]);
@@ -145,7 +139,7 @@ CW_INLINE lane_axis look_along(float f[RAY_AXIS][W], vint corner, vfloat side) {
 }
 
 /* An axis as leaf tests want it. */
-CW_INLINE void turn_back(vaxis *a, float f[RAY_AXIS][W], vint turned) {
+CW_INLINE void turn_back(vaxis *a, float f[RAY_AXIS][LANES], vint turned) {
     const vfloat sign = vf_load(f[RAY_SIGN]);
     a->org = vf_flip(vf_load(f[RAY_ORG]), sign);
     a->dir = vf_flip(vf_load(f[RAY_DIR]), sign);
@@ -157,7 +151,7 @@ CW_INLINE vmask lane_leaf(lane_rays *rays, const uint32_t ray[W], const cw_field
                           const lane_axis axis[2], vmask waits, cw_leaf leaf, bool any, lane_answers *answers) {
     const vint turned_x = vi_load(rays->i[RAY_TURNED_X]), turned_y = vi_load(rays->i[RAY_TURNED_Y]);
     const vint i = vi_xor(s->x, turned_x), j = vi_xor(s->y, turned_y);
-    float(*fx)[W] = rays->f, (*fy)[W] = rays->f + RAY_AXIS;
+    float(*fx)[LANES] = rays->f, (*fy)[LANES] = rays->f + RAY_AXIS;
     vray r; /* no initialisers: they would clear all of it first */
     turn_back(&r.x, fx, turned_x);
     turn_back(&r.y, fy, turned_y);
@@ -201,7 +195,7 @@ CW_INLINE lane_plane above_plane(const lane_rays *rays, const lane_axis axis[2],
 }
 
 /* Number along the axis, of 0 to 3, of the child in which the ray is at t, or of an earlier one. */
-CW_INLINE vint child_at(float f[RAY_AXIS][W], const lane_axis *a, vfloat t, vfloat inverse_side) {
+CW_INLINE vint child_at(float f[RAY_AXIS][LANES], const lane_axis *a, vfloat t, vfloat inverse_side) {
     const vfloat last = vf_sub(vf_load(f[RAY_LAST]), vf_set(0.5f));
     vfloat place = vf_fma(t, a->dir, vf_load(f[RAY_EARLY]));
     place = vf_max(vf_min(place, last), vf_load(f[RAY_FIRST]));
@@ -367,7 +361,9 @@ CW_INLINE void lane_step(lane_state *s, lane_set *l, const cw_field *f, cw_leaf 
 }
 
 /* Walks rays in the lanes and in the queue. All come to their ends and their hits are written, but where more are to follow:
- * then, once the queue is empty, what few rays are left stay in their lanes, and hits with the answers, for the next call. Ending each batch instead, with ever fewer lanes alive, costs ambient-occlusion rays 5 %.
+ * then, once the queue is empty, what few rays are left stay in their lanes, and hits with the answers, for the next call.
+ * Ending each batch instead, with ever fewer lanes alive, costs ambient-occlusion rays 5 %. A pair of vectors leaves the last
+ * rays to a single one (walk_alone).
  *
  * Rejected: two vectors of lanes that take turns, so that one works while the other waits for its bounds or samples. It
  * needs 14 to 20 % more instructions for state that goes through memory and is 15 to 23 % slower on Zen 3 (random rays in
@@ -378,12 +374,12 @@ CW_INLINE void lane_walk(const cw_field *f, const lane_queue *queue, lane_set *l
                          const cw_query *tolerant, bool any, lane_answers *answers) {
     if (l->living == 0 && queue->n > 0) lane_clear(l);
     for (size_t next = 0;;) {
-        for (unsigned empty = ~l->living & ((1u << W) - 1); empty != 0 && next < queue->n; empty &= empty - 1) {
+        for (unsigned empty = ~l->living & first_lanes(W); empty != 0 && next < queue->n; empty &= empty - 1) {
             const unsigned lane = (unsigned)__builtin_ctz(empty);
             refill_lane(l, lane, queue, &queue->rays[next++], tolerant != NULL);
             l->living |= 1u << lane;
         }
-        const int refill_at = more || next < queue->n ? (int)W - REFILL_AT : 0;
+        const int refill_at = more || next < queue->n ? (int)W - REFILL_AT : LANES_LEFT;
         if (__builtin_popcount(l->living) <= refill_at) break;
         count_step(COUNT_RELOAD, l->living);
         lane_state s = load_lanes(l);
@@ -394,8 +390,9 @@ CW_INLINE void lane_walk(const cw_field *f, const lane_queue *queue, lane_set *l
         } while (__builtin_popcount(living) > refill_at);
         store_lanes(l, &s);
     }
-    if (!more && answers->found > 0) {
-        write_found(answers, f, 0, answers->found);
-        answers->found = 0;
+    if (more || LANES_LEFT > 0) return;
+    while (answers->found > 0) {
+        const size_t count = answers->found < W ? answers->found : W;
+        write_found(answers, f, answers->found -= count, count);
     }
 }

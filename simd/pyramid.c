@@ -2,7 +2,7 @@
 /* The pyramid kernels: which walk a ray takes. Tiles of 64 rays are made ready W at a time. A tile that is coherent shares its
  * walk, else each of its groups of 16 that is (shared_walk.inc.h). Other rays are cut short where they climb out of the terrain
  * (climb.inc.h), a few steps of the flat walk finish what is close by (flat_walk.inc.h), and what is left is queued for the lane
- * walk (lane_walk.inc.h). Which way a ray takes never changes its hit, but for tolerant queries: the lane walk alone makes use
+ * walk (walk_alone.inc.h). Which way a ray takes never changes its hit, but for tolerant queries: the lane walk alone makes use
  * of a tolerance. simd/CMakeLists.txt compiles this twice for each row of its table, the second time for tolerant queries
  * (CELLWALK_TOLERANT). */
 
@@ -26,42 +26,51 @@
 #include "pyramid.h"
 
 #include "children.inc.h"
-#include "climb.inc.h"
+#include "lane_queue.inc.h"
 
 #include "lane_rays.inc.h"
 
 #include "shared_walk.inc.h"
 
+#include "climb.inc.h"
+
 #include "lane_walk.inc.h"
+
+#include "walk_alone.inc.h"
 
 /* Steps of the flat walk, all lanes together, that a packet takes before its rays go on one by one: by then rays that
  * start at the surface and climb have left it, mostly, and the lanes are still nearly full. */
 enum { FLAT_STEPS = 4 };
 
-/* The compiler is to choose whether this is inlined, unlike in packet.c: inlined by force it takes registers from what follows,
- * 1 to 4 % of the time of pyramid16. */
-static inline void first_steps(packet *l, const cw_field *f, cw_leaf leaf, bool any) {
-    for (int k = 0; k < FLAT_STEPS && vm_any(l->alive); k++) flat_step(l, f, leaf, any);
-}
-
-/* The rays of w in packets [p, end), which share no walk: each packet for itself. Those that go on alone are queued. */
-CW_INLINE void walk_apart(tile_walk *w, size_t p, size_t end, cw_leaf leaf, bool any) {
+/* The rays of w in these packets, which share no walk. Those that go on alone are queued. The packets climb together and step
+ * together, each of them one chain of operations that wait for each other: against one packet after another, shadow rays are
+ * 1 to 13 % faster, ambient-occlusion and bounce rays 1 to 5 % (AVX-512, Zen 4). */
+CW_INLINE void walk_apart(tile_walk *w, packet_set apart, cw_leaf leaf, bool any) {
     const cw_field *f = w->f;
-    for (; p < end; p++) {
+    climb(w->packets, apart, f->pyramid, leaf);
+    packet_set flat = 0;
+    for (packet_set left = apart; left != 0; left &= left - 1) {
+        const int p = __builtin_ctzll(left);
         packet *l = &w->packets[p];
-        if (!vm_any(l->alive)) continue;
-        const vmask short_way = climb(&l->r, f->pyramid, l->alive, leaf);
         l->alive = vm_and(l->alive, vf_le(l->r.from, l->r.until));
-        const bool flat = vm_any(vm_and(l->alive, short_way));
-        if (flat) {
-            flat_start(l, f);
-            first_steps(l, f, leaf, any);
-            l->r.from = vf_max(l->r.from, vf_max(l->c.x_in, l->c.y_in));
+        if (!vm_any(short_way(&l->r, l->alive))) continue;
+        flat |= (packet_set)1 << p;
+        flat_start(l, f);
+    }
+    for (int k = 0; k < FLAT_STEPS; k++)
+        for (packet_set left = flat; left != 0; left &= left - 1) {
+            packet *l = &w->packets[__builtin_ctzll(left)];
+            if (vm_any(l->alive)) flat_step(l, f, leaf, any);
         }
+    for (packet_set left = apart; left != 0; left &= left - 1) {
+        const size_t p = (size_t)__builtin_ctzll(left);
+        packet *l = &w->packets[p];
+        const bool stepped = flat >> p & 1;
         if (!vm_any(l->alive)) continue;
+        if (stepped) l->r.from = vf_max(l->r.from, vf_max(l->c.x_in, l->c.y_in));
         mirror_packet(w->queue, w->first_packet, p, &l->r, f, leaf);
         /* A ray that has just left the surface begins at its block, and so rises no further than it must. */
-        enqueue(w->queue, w->first_packet + p, vm_bits(l->alive), l->r.from, flat ? 1 : f->pyramid->levels);
+        enqueue(w->queue, w->first_packet + p, vm_bits(l->alive), l->r.from, stepped ? 1 : f->pyramid->levels);
     }
 }
 
@@ -113,11 +122,16 @@ CW_INLINE ray_set pyramid_tile(const cw_field *f, const cw_ray *rays, size_t n, 
     const float group_cells = 16 + (float)(f->nx + f->ny) * (1.0f / 64);
     if (!(look && walk_together(&w, TILE_CELLS, hint, leaf, any))) {
         w.several = false;
-        for (size_t p = 0; p < count; p += GROUP / W) {
-            const size_t end = p + GROUP / W < count ? p + GROUP / W : count;
-            w.rays = group_bits(alive, p * W / GROUP);
-            if (!(look && walk_together(&w, group_cells, hint, leaf, any))) walk_apart(&w, p, end, leaf, any);
+        bool shared = false;
+        packet_set apart = 0;
+        for (size_t p = 0; p < count; p++) {
+            if (p % (GROUP / W) == 0) {
+                w.rays = group_bits(alive, p * W / GROUP);
+                shared = look && walk_together(&w, group_cells, hint, leaf, any);
+            }
+            if (!shared && vm_any(packets[p].alive)) apart |= (packet_set)1 << p;
         }
+        walk_apart(&w, apart, leaf, any);
     }
     if (any) {
         ray_set found = 0;
@@ -152,7 +166,7 @@ CW_INLINE void pyramid_closest(const cw_field *f, const cw_ray *rays, size_t n, 
             (void)pyramid_tile(f, rays + k, count, query->coherence, leaf, false, hits + k, &queue, (k - b) / W,
                                tolerant);
         }
-        lane_walk(f, &queue, &alone, end < n && end % LANE_RUN != 0, leaf, tolerant, false, &answers);
+        walk_alone(f, &queue, &alone, end < n && end % LANE_RUN != 0, leaf, tolerant, false, &answers);
     }
 }
 
@@ -175,7 +189,7 @@ CW_INLINE void pyramid_any(const cw_field *f, const cw_ray *rays, size_t n, cons
                 pyramid_tile(f, rays + k, count, query->coherence, leaf, true, NULL, &queue, (k - b) / W, tolerant);
             for (size_t m = 0; m < count; m++) occluded[k + m] = found >> m & 1;
         }
-        lane_walk(f, &queue, &alone, end < n && end % LANE_RUN != 0, leaf, tolerant, true, &answers);
+        walk_alone(f, &queue, &alone, end < n && end % LANE_RUN != 0, leaf, tolerant, true, &answers);
     }
 }
 

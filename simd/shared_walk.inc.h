@@ -16,6 +16,8 @@
 
 /* Rays of a tile, a bit each; the lanes of packet p are bits p W and on. */
 typedef uint64_t ray_set;
+/* Its packets. */
+typedef uint64_t packet_set;
 enum { TILE = 64, PACKETS = TILE / W, GROUP = 16, GROUPS = TILE / GROUP };
 
 /* Fewer rays than this do not pay for making a fat ray of them. */

@@ -26,9 +26,11 @@ static const cw_kernel kernels[] = {
     {"pyramid4x2", "bounds pyramid, two vectors of 4 lanes in lockstep",
      CW_ISA_SSE42, 8, CW_NEEDS_PYRAMID, &cw_pyramid4x2, &cw_tolerant4x2},
     {"pyramid8", "bounds pyramid, 8 lanes", CW_ISA_AVX2, 8, CW_NEEDS_PYRAMID, &cw_pyramid8, &cw_tolerant8},
-    {"pyramid8x2", "bounds pyramid, two vectors of 8 lanes in lockstep",
+    {"pyramid8x2", "bounds pyramid, 8 lanes; single rays in two vectors in lockstep",
      CW_ISA_AVX2, 16, CW_NEEDS_PYRAMID, &cw_pyramid8x2, &cw_tolerant8x2},
     {"pyramid16", "bounds pyramid, 16 lanes", CW_ISA_AVX512, 16, CW_NEEDS_PYRAMID, &cw_pyramid16, &cw_tolerant16},
+    {"pyramid16x2", "bounds pyramid, 16 lanes; single rays in two vectors in lockstep",
+     CW_ISA_AVX512, 32, CW_NEEDS_PYRAMID, &cw_pyramid16x2, &cw_tolerant16x2},
 #endif
 };
 /* clang-format on */

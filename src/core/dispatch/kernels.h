@@ -36,7 +36,9 @@ extern const cw_kernel_code cw_brute, cw_cell, cw_grid3d, cw_grid3d_early;
 
 /* simd/packet.c and simd/pyramid.c, each compiled for the rows of the table in simd/CMakeLists.txt */
 extern const cw_kernel_code cw_packet1, cw_packet4, cw_packet8, cw_packet16;
-extern const cw_kernel_code cw_pyramid1, cw_pyramid4, cw_pyramid4x2, cw_pyramid8, cw_pyramid8x2, cw_pyramid16;
-extern const cw_kernel_code cw_tolerant1, cw_tolerant4, cw_tolerant4x2, cw_tolerant8, cw_tolerant8x2, cw_tolerant16;
+extern const cw_kernel_code cw_pyramid1, cw_pyramid4, cw_pyramid4x2, cw_pyramid8, cw_pyramid8x2, cw_pyramid16,
+    cw_pyramid16x2;
+extern const cw_kernel_code cw_tolerant1, cw_tolerant4, cw_tolerant4x2, cw_tolerant8, cw_tolerant8x2, cw_tolerant16,
+    cw_tolerant16x2;
 
 #endif

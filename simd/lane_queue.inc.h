@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Rays on their way from the tiles to the lane walk, those in its lanes, and their answers. Shared by objects whose vectors are
+ * not as wide: with CELLWALK_PAIRED, tiles are made of single vectors, and rays that go on alone walk in pairs of them
+ * (lane_pairs.c, which says so by CELLWALK_LANE_PAIRS). */
+
+#include <stdalign.h>
+
+/* Lanes of the vectors in which rays are queued; lanes of the lane walk. */
+#if defined(CELLWALK_LANE_PAIRS)
+enum { QUEUE_W = half_W, LANES = W };
+#elif defined(CELLWALK_PAIRED)
+enum { QUEUE_W = W, LANES = 2 * W };
+#else
+enum { QUEUE_W = W, LANES = W };
+#endif
+
+/* A cache line, so that no vector lies across two: random rays 1 to 3 % faster with 2 × 16 lanes, 4 % with 2 × 8. */
+enum { ALIGNMENT = 64 };
+
+/* Numbers of a ray. */
+enum {
+    RAY_ORG,     /* mirrored, like all on an axis */
+    RAY_EARLY,   /* org, set back by more than the rounding of org + t · dir within the field */
+    RAY_DIR,     /* never negative */
+    RAY_CENTER,  /* what crossings are measured from */
+    RAY_INVERSE, /* 1 / dir */
+    RAY_FIRST,   /* the field's border where rays come in */
+    RAY_LAST,    /* and where they go out */
+    RAY_SIGN,    /* -0 where the axis is mirrored, else 0 */
+    RAY_AXIS,    /* numbers an axis */
+    RAY_OZ = 2 * RAY_AXIS,
+    RAY_DZ,
+    RAY_PAD,   /* what rounding may do to the height above a slab, beyond what the slab has room for */
+    RAY_UNTIL, /* the walk ends here */
+    RAY_T0,    /* of the leaf tests: see vray */
+    RAY_T1,
+    RAY_FLOATS
+};
+enum { RAY_TURNED_X, RAY_TURNED_Y, RAY_INTS };
+
+/* A vector of rays made ready. */
+typedef struct ready_rays {
+    alignas(ALIGNMENT) float f[RAY_FLOATS][QUEUE_W];
+    int32_t i[RAY_INTS][QUEUE_W];
+} ready_rays;
+
+/* Those in the lanes. */
+typedef struct lane_rays {
+    alignas(ALIGNMENT) float f[RAY_FLOATS][LANES];
+    int32_t i[RAY_INTS][LANES];
+} lane_rays;
+
+/* A ray waiting for a lane: which one it is of the rays made ready, where its walk begins, and where its hit goes. */
+typedef struct queued {
+    uint16_t packet, lane;
+    uint32_t ray;
+    float t;
+    int32_t x, y, level; /* low corner, mirrored, of its first node, with the level as in lane_walk.inc.h */
+} queued;
+
+/* Rays whose leftovers are collected before the lane walk goes on; and rays after which it ends them all, so that their
+ * numbers stay small. */
+enum { BATCH = 256, LANE_RUN = 1 << 16 };
+
+/* What is allowed at t, as seen from where the library traces a ray from: at + cone · t. */
+typedef struct tolerance {
+    float at, cone;
+} tolerance;
+
+typedef struct lane_queue {
+    ready_rays ready[BATCH / QUEUE_W];
+    queued rays[BATCH];
+    size_t n;
+    uint64_t mirrored;        /* bits of the present tile's packets that are in ready */
+    uint32_t first;           /* number of the batch's first ray, from which those of rays count */
+    tolerance allowed[BATCH]; /* of tolerant queries alone */
+} lane_queue;
+
+/* Where answers go, by the numbers of their rays; and what leaf tests have found and is not yet a hit. A leaf test finds two
+ * or three hits at a time, refinement takes as long for LANES of them as for one. */
+typedef struct lane_answers {
+    const cw_ray *rays;
+    cw_hit *hits;      /* of closest-hit queries */
+    uint8_t *occluded; /* of any-hit queries */
+    size_t found;
+    uint32_t number[2 * LANES];
+    /* LANES of them at most, another LANES as they come, and one more vector that is stored but not meant. */
+    alignas(ALIGNMENT) float t0[3 * LANES], t1[3 * LANES], i[3 * LANES], j[3 * LANES];
+    float h00[3 * LANES], corner[3 * LANES], h11[3 * LANES], b[3 * LANES]; /* b: 1 or 0 */
+} lane_answers;
+
+/* The lanes, as they are while they are refilled. */
+typedef struct lane_set {
+    lane_rays rays;
+    alignas(ALIGNMENT) float t[LANES], leave[LANES];
+    int32_t x[LANES], y[LANES], level[LANES];
+    uint32_t ray[LANES];               /* where its hit goes */
+    float allowed[LANES], cone[LANES]; /* of tolerant queries */
+    unsigned living;                   /* lanes that hold a ray; where none does, nothing else is of use */
+} lane_set;
+
+/* The lane walk in pairs of vectors; see lane_walk. The query is of use where it is a tolerant one. */
+typedef void lane_pairs_fn(const cw_field *f, const lane_queue *queue, lane_set *l, bool more, const cw_query *query,
+                           lane_answers *answers);
+typedef struct lane_pairs_walk {
+    lane_pairs_fn *closest[CW_LEAF_COUNT], *any[CW_LEAF_COUNT];
+} lane_pairs_walk;
+
+#if defined(CELLWALK_LANE_PAIRS) || defined(CELLWALK_PAIRED)
+#ifdef CELLWALK_TOLERANT
+#define LANE_PAIRS CW_CODE(tolerant_lane_pairs)
+#else
+#define LANE_PAIRS CW_CODE(lane_pairs)
+#endif
+extern const lane_pairs_walk LANE_PAIRS;
+#endif
