@@ -51,8 +51,8 @@ static bool take_run(void *context, char *line) {
     char kind[COUNTED_NAME];
     if (!callgrind_take_name(&line, kind) || !callgrind_take_name(&line, r->kernel)) return false;
     if (strcmp(kind, "absent") == 0) return true;
-    return strcmp(kind, "run") == 0 && callgrind_take_name(&line, r->leaf) && callgrind_take_name(&line, r->rays) &&
-           callgrind_take_number(&line, &r->count) && line == NULL;
+    return strcmp(kind, "run") == 0 && callgrind_take_name(&line, r->leaf) && callgrind_take_name(&line, r->field) &&
+           callgrind_take_name(&line, r->rays) && callgrind_take_number(&line, &r->count) && line == NULL;
 }
 
 /* ---- profiles ---- */

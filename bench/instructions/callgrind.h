@@ -9,14 +9,15 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { COUNTED_MAX = 256, COUNTED_NAME = 32 };
+enum { COUNTED_MAX = 512, COUNTED_NAME = 32 };
 
 /* What callgrind counts of each run, in its order; those from DR on only when it models caches. */
 typedef enum event { IR, DR, DW, I1MR, D1MR, D1MW, ILMR, DLMR, DLMW, EVENTS } event;
 
 typedef struct counted_run {
-    char kernel[COUNTED_NAME], leaf[COUNTED_NAME], rays[COUNTED_NAME];
-    uint64_t count; /* rays traced; 0 if this machine cannot run the kernel: then there is no leaf, rays and events */
+    char kernel[COUNTED_NAME], leaf[COUNTED_NAME], field[COUNTED_NAME], rays[COUNTED_NAME];
+    uint64_t
+        count; /* rays traced; 0 if this machine cannot run the kernel: then there is no leaf, field, rays and events */
     uint64_t events[EVENTS];
 } counted_run;
 

@@ -4,7 +4,7 @@
 #include <inttypes.h>
 #include <string.h>
 
-static const char heading[] = "kernel,leaf,rays,count,instructions";
+static const char heading[] = "kernel,leaf,field,rays,count,instructions";
 
 static bool take_comment(const char *line, const char *key, char text[GUARD_BUILD]) {
     const size_t length = strlen(key);
@@ -21,8 +21,9 @@ static bool take_figure(void *context, char *line) {
     if (figures->all.count == COUNTED_MAX) return false;
     counted_run *f = &figures->all.runs[figures->all.count++];
     return callgrind_take_name(&line, f->kernel) && callgrind_take_name(&line, f->leaf) &&
-           callgrind_take_name(&line, f->rays) && callgrind_take_number(&line, &f->count) &&
-           callgrind_take_number(&line, &f->events[IR]) && line == NULL && f->events[IR] > 0;
+           callgrind_take_name(&line, f->field) && callgrind_take_name(&line, f->rays) &&
+           callgrind_take_number(&line, &f->count) && callgrind_take_number(&line, &f->events[IR]) && line == NULL &&
+           f->events[IR] > 0;
 }
 
 bool guard_read(guard_figures *figures, const char *path, io_error *error) {
@@ -40,8 +41,8 @@ bool guard_write(const guard_figures *figures, io_output *out, io_error *error) 
     for (size_t k = 0; good && k < figures->all.count; k++) {
         const counted_run *f = &figures->all.runs[k];
         if (f->count == 0) continue;
-        length = snprintf(text, sizeof text, "%s,%s,%s,%" PRIu64 ",%" PRIu64 "\n", f->kernel, f->leaf, f->rays,
-                          f->count, f->events[IR]);
+        length = snprintf(text, sizeof text, "%s,%s,%s,%s,%" PRIu64 ",%" PRIu64 "\n", f->kernel, f->leaf, f->field,
+                          f->rays, f->count, f->events[IR]);
         good = io_output_write(out, text, (size_t)length, error);
     }
     return good;
@@ -53,7 +54,7 @@ static const counted_run *find(const counted *in, const counted_run *like) {
     for (size_t k = 0; k < in->count; k++) {
         const counted_run *f = &in->runs[k];
         if (strcmp(f->kernel, like->kernel) == 0 && strcmp(f->leaf, like->leaf) == 0 &&
-            strcmp(f->rays, like->rays) == 0)
+            strcmp(f->field, like->field) == 0 && strcmp(f->rays, like->rays) == 0)
             return f;
     }
     return NULL;
@@ -68,9 +69,9 @@ static void compare_one(const counted_run *is, const counted_run *was, guard_ver
     v->below += below;
     if (above || below)
         fprintf(report,
-                "%s, %s, %s rays: %" PRIu64 " instructions (%.1f a ray), %.1f %% %s the figure %" PRIu64
+                "%s, %s, field %s, %s rays: %" PRIu64 " instructions (%.1f a ray), %.1f %% %s the figure %" PRIu64
                 "; the limit is %" PRIu64 "\n",
-                is->kernel, is->leaf, is->rays, now, (double)now / (double)is->count,
+                is->kernel, is->leaf, is->field, is->rays, now, (double)now / (double)is->count,
                 (above ? 100 : -100) * ((double)now / (double)before - 1), above ? "above" : "below", before,
                 before * (100 + GUARD_TOLERANCE) / 100);
 }
@@ -85,7 +86,8 @@ guard_verdict guard_compare(const counted *committed, const counted *now, FILE *
             continue;
         }
         v.missing++;
-        fprintf(report, "%s, %s, %s rays: no figure for %" PRIu64 " rays\n", is->kernel, is->leaf, is->rays, is->count);
+        fprintf(report, "%s, %s, field %s, %s rays: no figure for %" PRIu64 " rays\n", is->kernel, is->leaf, is->field,
+                is->rays, is->count);
     }
     for (size_t k = 0; k < committed->count; k++) {
         const counted_run *was = &committed->runs[k];
@@ -95,8 +97,8 @@ guard_verdict guard_compare(const counted *committed, const counted *now, FILE *
         v.absent += !known && !here;
         v.stale += !known && here;
         if (!known && here)
-            fprintf(report, "%s, %s, %s rays: there is a figure, but this program does not trace them\n", was->kernel,
-                    was->leaf, was->rays);
+            fprintf(report, "%s, %s, field %s, %s rays: there is a figure, but this program does not trace them\n",
+                    was->kernel, was->leaf, was->field, was->rays);
     }
     return v;
 }

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The work that callgrind counts: it counts inside guard_trace alone and writes down a part whenever that function returns. The
  * lines printed here say, in the same order, what was counted. Without arguments it is the guard's: every kernel that this
- * machine can run, with every leaf test it has, on some classes of rays over one field. With a kernel, a field and a number of
- * rays it is that kernel's on all classes; a hash of all answers, by which builds are known to give the same ones, then goes to
- * standard error. */
+ * machine can run, with every leaf test it has, on all classes of rays over a small and a larger field. With a kernel, a field
+ * and a number of rays it is that kernel's on all classes; a hash of all answers, by which builds are known to give the same
+ * ones, then goes to standard error. */
 #include "workload/fields.h"
 #include "workload/ray_classes.h"
 
@@ -12,14 +12,24 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { GUARD_RAYS = 2048, BRUTE_RAYS = 16 }; /* brute force tests all 131072 triangles for each ray */
+/* The guard's fields; the larger one is not for brute force, which tests all of its two million triangles for each ray, nor for
+ * the 3D grid, which takes long to build. */
+typedef struct guarded {
+    const char *field;
+    size_t rays;
+    bool small;
+} guarded;
+static const guarded fields[] = {{"65", 1024, true}, {"1025", 1024, false}};
+/* Fewer rays for what takes long: brute force, and the flat walk on the larger field. */
+enum { FIELDS = sizeof fields / sizeof fields[0], BRUTE_RAYS = 16, FLAT_RAYS = 256 };
 
 typedef struct work {
+    const char *name; /* of the field */
     cw_field *field;
     cw_query query;
     cw_ray *class_rays[WORKLOAD_CLASS_COUNT], *rays;
     size_t class_counts[WORKLOAD_CLASS_COUNT], count;
-    bool wanted[WORKLOAD_CLASS_COUNT], any;
+    bool any;
     cw_hit *hits;
     uint8_t *occluded;
     uint64_t hash;
@@ -39,39 +49,48 @@ static void hash_answers(work *w) {
         w->hash = (w->hash ^ *byte++) * 0x100000001b3u;
 }
 
-static bool run(work *w, cw_leaf leaf) {
+/* most: of rays a class. */
+static bool run(work *w, cw_leaf leaf, size_t most) {
     const cw_kernel_info info = cw_kernel_describe(w->query.kernel);
     w->query.leaf = leaf;
     if (cw_closest(w->field, &w->query, NULL, 0, NULL) == CW_ERROR_UNSUPPORTED) return true;
     for (int c = 0; c < WORKLOAD_CLASS_COUNT; c++) {
-        if (!w->wanted[c]) continue;
         w->rays = w->class_rays[c];
         w->count = w->class_counts[c];
-        if (strcmp(info.name, "brute") == 0 && w->count > BRUTE_RAYS) w->count = BRUTE_RAYS;
+        if (w->count > most) w->count = most;
         w->any = workload_class_is_any((workload_class)c);
         if (guard_trace(w) != CW_OK) return false;
         hash_answers(w);
-        printf("run,%s,%s,%s,%zu\n", info.name, cw_leaf_name(leaf), workload_class_name((workload_class)c), w->count);
+        printf("run,%s,%s,%s,%s,%zu\n", info.name, cw_leaf_name(leaf), w->name, workload_class_name((workload_class)c),
+               w->count);
     }
     return true;
 }
 
-static bool run_guard(work *w) {
+static bool is_for_small_fields(const char *kernel) {
+    return strcmp(kernel, "brute") == 0 || strncmp(kernel, "grid3d", strlen("grid3d")) == 0;
+}
+
+static bool run_guard(work *w, bool small) {
     for (size_t k = 0; k < cw_kernel_count(); k++) {
         w->query.kernel = cw_kernel_at(k);
         const cw_kernel_info info = cw_kernel_describe(w->query.kernel);
-        if (!info.available) printf("absent,%s,%s\n", info.name, cw_isa_name(info.isa));
-        if (!info.available) continue;
+        if (!info.available && small) printf("absent,%s,%s\n", info.name, cw_isa_name(info.isa));
+        if (!info.available || (!small && is_for_small_fields(info.name))) continue;
         if (cw_field_build(w->field, w->query.kernel) != CW_OK) return false;
+        const size_t most = strcmp(info.name, "brute") == 0 ? BRUTE_RAYS
+                            : small || info.needs_build     ? SIZE_MAX
+                                                            : FLAT_RAYS;
         for (int leaf = 1; leaf < CW_LEAF_COUNT; leaf++)
-            if (!run(w, (cw_leaf)leaf)) return false;
+            if (!run(w, (cw_leaf)leaf, most)) return false;
     }
     return true;
 }
 
 static bool run_kernel(work *w, const char *kernel) {
     w->query.kernel = cw_kernel_find(kernel);
-    if (cw_field_build(w->field, w->query.kernel) != CW_OK || !run(w, cw_kernel_describe(w->query.kernel).default_leaf))
+    if (cw_field_build(w->field, w->query.kernel) != CW_OK ||
+        !run(w, cw_kernel_describe(w->query.kernel).default_leaf, SIZE_MAX))
         return false;
     fprintf(stderr, "%016" PRIx64 "\n", w->hash);
     return true;
@@ -90,24 +109,30 @@ static bool make_rays(work *w, size_t most) {
     return good;
 }
 
-int main(int argc, char **argv) {
-    const bool guards = argc == 1;
-    const size_t most = guards ? GUARD_RAYS : argc == 4 ? strtoul(argv[3], NULL, 10) : 0;
-    if (most == 0) {
-        fputs("Usage: cellwalk-counted-work [KERNEL FIELD RAYS]\n", stderr);
-        return 2;
-    }
-    work w = {.hash = 0xcbf29ce484222325u};
-    for (int c = 0; c < WORKLOAD_CLASS_COUNT; c++) w.wanted[c] = !guards || (c != WORKLOAD_AO && c != WORKLOAD_GRAZING);
+/* Runs a kernel, or the guard's where it is NULL, on rays over the field. */
+static bool run_field(const char *field, size_t rays, const char *kernel, bool small) {
+    work w = {.name = field, .hash = 0xcbf29ce484222325u};
     workload_field samples;
-    const bool good = workload_field_make(guards ? "257" : argv[2], &samples) &&
-                      workload_field_open(&samples, CW_BORROW, false, &w.field) == CW_OK && make_rays(&w, most) &&
-                      (guards ? run_guard(&w) : run_kernel(&w, argv[1]));
+    const bool good = workload_field_make(field, &samples) &&
+                      workload_field_open(&samples, CW_BORROW, false, &w.field) == CW_OK && make_rays(&w, rays) &&
+                      (kernel ? run_kernel(&w, kernel) : run_guard(&w, small));
     cw_field_destroy(w.field);
     workload_field_free(&samples);
     for (int c = 0; c < WORKLOAD_CLASS_COUNT; c++) free(w.class_rays[c]);
     free(w.hits);
     free(w.occluded);
+    return good;
+}
+
+int main(int argc, char **argv) {
+    const size_t most = argc == 4 ? strtoul(argv[3], NULL, 10) : 0;
+    if (argc != 1 && most == 0) {
+        fputs("Usage: cellwalk-counted-work [KERNEL FIELD RAYS]\n", stderr);
+        return 2;
+    }
+    bool good = argc == 1 || run_field(argv[2], most, argv[1], false);
+    for (size_t k = 0; good && argc == 1 && k < FIELDS; k++)
+        good = run_field(fields[k].field, fields[k].rays, NULL, fields[k].small);
     if (!good) fputs("the work that is counted does not run\n", stderr);
     return good && fflush(stdout) == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }

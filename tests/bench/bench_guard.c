@@ -9,7 +9,7 @@
 
 /* Two runs and one that the machine cannot do, as the workload prints them and callgrind counts them. */
 static const char *const runs =
-    "run,cell,watertight,random,2048\nabsent,packet16,avx512\nrun,brute,moller-trumbore,ao,16\n";
+    "run,cell,watertight,1025,random,2048\nabsent,packet16,avx512\nrun,brute,moller-trumbore,65,ao,16\n";
 static const char *const profile =
     "# callgrind format\nevents: Ir\nsummary: 99\n\n"
     "part: 1\npositions: line\nevents: Ir\nsummary: 9999\n\n"
@@ -35,7 +35,7 @@ static void counts_are_the_programs_own(void **state) {
 
     check(!callgrind_read(&figures, "runs", "profile", "other", &error) && strstr(error.text, "profile"),
           "a program that is not in the profile has counts");
-    write_text("runs", "run,cell,watertight,random,2048\nrun,cell,watertight\n");
+    write_text("runs", "run,cell,watertight,65,random,2048\nrun,cell,watertight\n");
     check(!callgrind_read(&figures, "runs", "profile", "work", &error) && strncmp(error.text, "runs:2:", 7) == 0,
           "half a line is told as %s", error.text);
     check(!callgrind_read(&figures, "nowhere", "profile", "work", &error) && strstr(error.text, "nowhere"), "no file");
@@ -55,6 +55,7 @@ static void add(guard_figures *to, const char *kernel, uint64_t count, uint64_t 
     snprintf(f->kernel, sizeof f->kernel, "%s", kernel);
     if (count == 0) return;
     snprintf(f->leaf, sizeof f->leaf, "watertight");
+    snprintf(f->field, sizeof f->field, "65");
     snprintf(f->rays, sizeof f->rays, "random");
 }
 
@@ -74,8 +75,9 @@ static void files_keep_figures(void **state) {
     check(in->all.count == 2 && in->all.runs[0].events[IR] == out->all.runs[0].events[IR] &&
               in->all.runs[1].count == 16,
           "%zu figures, the first %zu", in->all.count, (size_t)in->all.runs[0].events[IR]);
-    static const char *const bad[] = {"cell,watertight,random,2048\n", "cell,watertight,random,2048,-3\n",
-                                      "cell,watertight,random,2048,0\n", "cell,watertight,random,2048,7,8\n", "\n"};
+    static const char *const bad[] = {"cell,watertight,65,random,2048\n", "cell,watertight,65,random,2048,-3\n",
+                                      "cell,watertight,65,random,2048,0\n", "cell,watertight,65,random,2048,7,8\n",
+                                      "\n"};
     for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) {
         write_text("bad.csv", bad[k]);
         check(!guard_read(in, "bad.csv", &error) && strncmp(error.text, "bad.csv:1:", 10) == 0, "\"%s\" is a figure",
@@ -121,6 +123,9 @@ static void figures_and_kernels_must_match(void **state) {
     add(committed, "gone", 2048, 1000);
     add(committed, "packet16", 2048, 1000);
     add(committed, "cell", 1024, 1000);
+    add(committed, "moved", 2048, 1000);
+    add(fresh, "moved", 2048, 1000);
+    snprintf(fresh->all.runs[0].field, sizeof fresh->all.runs[0].field, "1025");
     add(fresh, "cell", 2048, 1000);
     add(fresh, "new", 2048, 1000);
     add(fresh, "packet16", 0, 0);
@@ -129,9 +134,11 @@ static void figures_and_kernels_must_match(void **state) {
     check(file != NULL, "no stream");
     const guard_verdict v = guard_compare(&committed->all, &fresh->all, file);
     fclose(file);
-    check(v.stale == 1 && strstr(report, "gone") != NULL, "%zu stale: %s", v.stale, report);
+    check(v.stale == 2 && strstr(report, "field 65") != NULL && strstr(report, "gone") != NULL, "%zu stale: %s",
+          v.stale, report);
     check(v.absent == 1 && strstr(report, "packet16") == NULL, "%zu absent: %s", v.absent, report);
-    check(v.missing == 2 && v.compared == 0, "%zu missing, %zu compared: %s", v.missing, v.compared, report);
+    check(v.missing == 3 && strstr(report, "field 1025") != NULL && v.compared == 0, "%zu missing, %zu compared: %s",
+          v.missing, v.compared, report);
     free(fresh);
     free(committed);
 }
