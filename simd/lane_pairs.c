@@ -7,6 +7,7 @@
 #endif
 
 #define CELLWALK_LANE_PAIRS
+#define CELLWALK_LOADED_PAIRS /* see vec_avx512.h */
 
 #include "vocabulary.h"
 
