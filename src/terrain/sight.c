@@ -15,42 +15,40 @@ struct sight_bounds {
         [LEVELS_MOST]; /* node (x, y) of level l, 4 << 2 l cells wide, at high[l][y * across[l] + x]; -infinity: none */
 };
 
-/* Samples of a node's closed cells: those on its far borders belong to it as well. */
-static void bound_row(const terrain *t, size_t y, float *high, size_t across) {
+static inline float higher(float z, float h) { return z > h && z < INFINITY ? z : h; }
+
+/* Samples of a node's closed cells: those on its far borders belong to it as well. columns: the row of nodes, sample by sample. */
+static void bound_row(const terrain *t, size_t y, float *columns, float *high, size_t across) {
     const size_t first = y << FIRST_SHIFT,
                  last = first + (1 << FIRST_SHIFT) < t->ny - 1 ? first + (1 << FIRST_SHIFT) : t->ny - 1;
-    for (size_t x = 0; x < across; x++) high[x] = -INFINITY;
+    for (size_t i = 0; i < t->nx; i++) columns[i] = -INFINITY;
     for (size_t j = first; j <= last; j++) {
         const float *z = t->z + j * t->nx;
-        for (size_t x = 0; x < across; x++) {
-            const size_t begin = x << FIRST_SHIFT,
-                         end = begin + (1 << FIRST_SHIFT) < t->nx - 1 ? begin + (1 << FIRST_SHIFT) : t->nx - 1;
-            float h = high[x];
-            for (size_t i = begin; i <= end; i++) h = z[i] > h && z[i] < INFINITY ? z[i] : h;
-            high[x] = h;
-        }
+        for (size_t i = 0; i < t->nx; i++) columns[i] = higher(z[i], columns[i]);
+    }
+    for (size_t x = 0; x < across; x++) {
+        const size_t begin = x << FIRST_SHIFT,
+                     end = begin + (1 << FIRST_SHIFT) < t->nx - 1 ? begin + (1 << FIRST_SHIFT) : t->nx - 1;
+        high[x] = -INFINITY;
+        for (size_t i = begin; i <= end; i++) high[x] = columns[i] > high[x] ? columns[i] : high[x];
     }
 }
 
-cw_status sight_bounds_create(const terrain *t, sight_bounds **bounds) {
-    sight_bounds *b = *bounds = calloc(1, sizeof *b);
-    if (b == NULL) return CW_ERROR_MEMORY;
+static bool bound(const terrain *t, sight_bounds *b) {
+    float *columns = malloc(t->nx * sizeof *columns);
+    if (columns == NULL) return false;
     size_t across = (t->nx + 2) >> FIRST_SHIFT, down = (t->ny + 2) >> FIRST_SHIFT;
     for (;; across = (across + 3) / 4, down = (down + 3) / 4) {
         const int l = b->levels;
         b->across[l] = across;
         b->down[l] = down;
         b->high[l] = malloc(across * down * sizeof(float));
-        if (b->high[l] == NULL) {
-            sight_bounds_destroy(b);
-            *bounds = NULL;
-            return CW_ERROR_MEMORY;
-        }
+        if (b->high[l] == NULL) break;
         b->levels++;
         for (size_t y = 0; y < down; y++) {
             float *row = b->high[l] + y * across;
             if (l == 0) {
-                bound_row(t, y, row, across);
+                bound_row(t, y, columns, row, across);
                 continue;
             }
             const size_t fine = b->across[l - 1], last = 4 * y + 4 < b->down[l - 1] ? 4 * y + 4 : b->down[l - 1];
@@ -61,8 +59,21 @@ cw_status sight_bounds_create(const terrain *t, sight_bounds **bounds) {
                     row[u / 4] = h > row[u / 4] ? h : row[u / 4];
                 }
         }
-        if ((across == 1 && down == 1) || b->levels == LEVELS_MOST) return CW_OK;
+        if ((across == 1 && down == 1) || b->levels == LEVELS_MOST) {
+            free(columns);
+            return true;
+        }
     }
+    free(columns);
+    return false;
+}
+
+cw_status sight_bounds_create(const terrain *t, sight_bounds **bounds) {
+    sight_bounds *b = *bounds = calloc(1, sizeof *b);
+    if (b && bound(t, b)) return CW_OK;
+    sight_bounds_destroy(b);
+    *bounds = NULL;
+    return CW_ERROR_MEMORY;
 }
 
 void sight_bounds_destroy(sight_bounds *b) {
@@ -330,25 +341,15 @@ double sight_around(const sight *s, const double a[2], const double b[2]) {
     return steepest + 0x1p-16 * fabs(steepest);
 }
 
-bool sight_sees(const sight *s, double i, double j, double height, const sight_bound *bound) {
+bool sight_sees(const sight *s, double i, double j, double height, sight_parts parts) {
     const way w = way_to(s, i, j);
     search found = {{height, 0}, height};
     if (!(w.length > at_end)) return true;
-    /* Close to both ends. */
-    const double first = bound->near < w.length ? bound->near / w.length : 1, last = fmax(first, 1 - 1 / w.length);
-    const double close = bound->close < w.length ? bound->close / w.length : 1;
-    if (look_between(&w, 0, close, look_for_steepest, &found)) return false;
-    if (last < 1 && bound->eye >= height && look_between(&w, last, 1, look_for_steepest, &found)) return false;
-    if (first == 1) return true;
-    /* Where something is high, and if that does not hide it, all the rest. */
-    for (int k = 0; k < SIGHT_PIECES; k++) {
-        const sight_piece *p = &bound->pieces[k];
-        if (p->high < height) return true;
-        const double a = fmax(first, 1 - p->to_eye / w.length), b = fmin(last, 1 - p->from_eye / w.length);
-        if (a < b && look_between(&w, a, b, look_for_steepest, &found)) return false;
+    if (parts.close < w.length) {
+        if (parts.close > 0 && look_between(&w, 0, parts.close / w.length, look_for_steepest, &found)) return false;
+        return !(parts.eye && look_between(&w, 1 - 1 / w.length, 1, look_for_steepest, &found));
     }
-    if (bound->rest < height) return true;
-    search_from(&w, bound->near, &found);
+    search_from(&w, 0, &found);
     return found.rise.share == 0;
 }
 

@@ -39,28 +39,20 @@ typedef struct sight_rise {
 } sight_rise;
 sight_rise sight_steepest(const sight *s, double i, double j, double least, double enough);
 
-/* A piece of the way, that many cells from the eye, in which something is high. */
-typedef struct sight_piece {
-    double from_eye, to_eye;
-    double high;
-} sight_piece;
-
-/* What is known of what lies on the way to a place: nothing farther than near cells from it and than one cell from the eye
- * rises by more than the first piece's high. With that piece left out, nothing by more than the second's, and so on; with all
- * of them left out, by no more than rest. Of the near cells only the first close ones can hide it. Nothing within a cell of the
- * eye rises by more than eye. Cells count along the way's longer axis. */
-enum { SIGHT_PIECES = 5 };
-typedef struct sight_bound {
-    double close, near, rest, eye;
-    sight_piece pieces[SIGHT_PIECES];
-} sight_bound;
+/* Parts of the way to a place: the first so many cells from it, or all of it, and the last cell before the eye. Cells count
+ * along the way's longer axis. */
+typedef struct sight_parts {
+    double close; /* infinite: all */
+    bool eye;
+} sight_parts;
 
 /* No rise within one cell of the eye is steeper than that in the directions between a and b, as height over the eye per cell
  * along the way's longer axis, which is the same for both: a and b are one long along it. */
 double sight_around(const sight *s, const double a[2], const double b[2]);
 
-/* Whether (i, j), height over the eye's, is seen. What touches the line blocks it. */
-bool sight_sees(const sight *s, double i, double j, double height, const sight_bound *bound);
+/* Whether (i, j), height over the eye's, is seen, if nothing hides it outside these parts of the way. What touches the line
+ * blocks it. */
+bool sight_sees(const sight *s, double i, double j, double height, sight_parts parts);
 
 /* The first place on the way to (i, j), height over the eye's, at which the straight line to there is on or below the
  * surface, as a share of the way, with both ends left out; infinite if there is none. */

@@ -1,42 +1,40 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The eye looks along rows of samples in four quarters, two in which rows are rows of the field and two in which they are
  * columns. In a quarter, a sample at distance r rows and x samples to the side is seen in direction u = x / r, and its rise
- * is w = height / r. Any place on an edge between two samples has a w between theirs, since directions and rises are a
- * projection of space; so for a small range of directions, a bin, the highest w of the samples of a row that are near it
- * bounds what the row, and the strip of triangles before it, shows there, and the lowest w of those that enclose it is a
- * rise that nothing behind can look over.
+ * is w = height / r. That is a projection of space, so edges between samples stay straight: a sample is seen if it is above all
+ * edges that are nearer, which is above their skyline.
  *
- * Going outward row by row, each bin keeps the greatest of either. Where bins have become wider than half a cell they are cut
- * in two. A sample below the lower bound of its bin is hidden. One above the upper bound is seen unless something close by
- * hides it, which is looked at exactly: the last rows are left out of the upper bound because next to a sample the bound,
- * which takes in its neighbours, is blunt, and so is the first cell before the eye, where edges end behind it. Between the
- * bounds, what may hide a sample is mostly one ridge or two. Rows are therefore taken in blocks, and the upper bound is kept
- * for all of them, and with the highest one, two and three left out: these are looked at exactly, one after the other, and
- * seldom more than that. The rest is decided by following the line. So the bounds save work and never change an answer. */
-
+ * Row by row outward, edges are added to the skyline and samples are held against it. Two things save most of the work. The
+ * skyline has a lower bound in each of many bins of directions, 8 to 16 cells wide: where neither this row nor the last one
+ * comes up to it, nothing is seen and no edge matters. And an edge matters only if the triangle before it faces the eye, or is
+ * missing, and the one behind it does not. Any other edge is lower, along every line that crosses it, than the next edge on the
+ * line or the one before; and so on, up to an edge that is added or the sample itself. The way to a sample enters its last
+ * triangle by an edge of the row before or by a diagonal: if that triangle faces the eye, neither matters.
+ *
+ * Decisions are those of sight.h. Where rounding might tell otherwise, the way is followed there: where a plane passes the eye
+ * within the margin, or a sample is as near to the skyline as the error. papers/terrain.md derives both, under How. */
 #include "sweep.h"
+
+#include "skyline.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { SLICES = SWEEP_PARTS / 4, NEAR = 4, BLOCK = 4, FIRST_REACH = 8, COLUMNS_AT_ONCE = 16, BESIDE = 4, AROUND = 32 };
+enum { SLICES = SWEEP_PARTS / 4, BIN_CELLS = 8, COLUMNS_AT_ONCE = 16, AROUND = 32, BESIDE = 3, PAD = 12 };
 
-/* A row as its bins see it: for samples from the one at or below a place on. */
-typedef struct shown {
-    float low;  /* of that sample and the two after it; -infinity if one is missing */
-    float high; /* from the sample before that one to the third after it */
-} shown;
+/* Up to here all samples are looked at exactly, as edges may be so near to the eye that they do not count, and all edges are
+ * added. */
+static const double close_rows = 3;
 
-/* A small range of directions: bounds of the rises in it so far. Rows are taken together in blocks; what rises highest is
- * most often one ridge or two, and all but the few highest blocks have a lower bound of their own. */
+/* The skyline begins there: a cell from the eye, less a hair. What is nearer is left to sight_around. */
+static const double first_distance = 1 - 0x1p-10;
+
+/* A small range of directions. */
 typedef struct bin {
-    float low;
-    float rest; /* over all rows outside the blocks */
-    struct block {
-        float high;
-        int32_t number;     /* row / BLOCK */
-    } blocks[SIGHT_PIECES]; /* the highest first */
+    double low;     /* the skyline is nowhere lower */
+    double near;    /* nothing in the last row rises by more, here or next to here */
+    uint32_t start; /* the skyline's last piece that begins before it */
 } bin;
 
 typedef struct part {
@@ -46,178 +44,174 @@ typedef struct part {
     double eye, aside;  /* the eye's place across the rows and along them */
     long rows, length;  /* of the field, in this sense */
     double from, until; /* directions */
-    long reach;         /* rows for which the bins are narrow enough */
-    double width;       /* of a bin */
+    double target;
+    sweep_visit *visit;
+    void *context;
+
+    skyline line;
     size_t bins;
-    struct bin *of;        /* bins of them */
-    long left, right;      /* samples of a row that are needed: left to right, without right */
-    float *w;              /* the row's rises; BESIDE more on both sides */
-    shown *kept[NEAR + 1]; /* of the last rows */
-    long kept_left[NEAR + 1], kept_right[NEAR + 1];
+    double width; /* of a bin */
+    bin *of;
+
+    const float *near;                /* the last row, or NULL */
+    double *near_height, *far_height; /* of it and the present row, over the eye */
+    /* How far the planes of triangles pass over the eye: those at the near row, those at the far one, and those at the far row
+     * of the rows before. 0 where that is not known, NaN where there is no triangle. */
+    double *front, *back, *back_before;
+    bool holes; /* there have been some */
+
+    /* The greatest so far: steps between neighbours, and what errors come from, per distance. */
+    double step, snap, size, rise;
+    double margin; /* planes that pass the eye this near may face it or not */
+
     double around[AROUND]; /* rises next to the eye, in so many ranges of directions */
-    float *columns;        /* COLUMNS_AT_ONCE columns of the field, as rows */
+    float *columns;        /* COLUMNS_AT_ONCE columns of the field, as rows, and the last before them */
     long columns_from, columns_left, columns_right;
 } part;
 
 static double distance(const part *p, long row) { return fabs((double)row - p->eye); }
 
-/* Samples that bins of the row may need. */
-static void row_range(const part *p, double r, long *left, long *right) {
-    const double a = floor(p->aside + r * p->from) - 2, b = floor(p->aside + r * p->until) + BESIDE,
-                 end = (double)p->length;
-    *left = a > 0 ? a < end ? (long)a : p->length : 0;
-    *right = b > (double)*left ? b < end ? (long)b : p->length : *left;
-}
+static long clipped(const part *p, double i) { return i > 0 ? i < (double)p->length ? (long)i : p->length : 0; }
 
-/* Heights of a row from left on. A row that is a column is fetched with those that follow it, since each line of memory
- * holds samples of sixteen. */
-static const float *fetch(part *p, long row, long left, long right) {
+/* Heights of a row's samples in these directions and next to them. A row that is a column is fetched with those that follow it,
+ * since each line of memory holds samples of sixteen. */
+static const float *fetch(part *p, long row) {
     const terrain *t = p->sight->terrain;
-    if (!p->swapped) return t->z + (size_t)row * t->nx + left;
+    if (!p->swapped) return t->z + (size_t)row * t->nx;
     const long first = row - row % COLUMNS_AT_ONCE;
-    if (p->columns_from != first || left < p->columns_left || right > p->columns_right) {
-        long l, r;
-        /* The farthest of these columns is the widest. */
+    const size_t length = (size_t)p->length;
+    if (p->columns_from != first) {
         const long last = first + COLUMNS_AT_ONCE - 1 < p->rows ? first + COLUMNS_AT_ONCE - 1 : p->rows - 1;
-        const double far = fmax(distance(p, first), distance(p, last));
-        row_range(p, far, &l, &r);
+        const double a = (double)first - p->eye, b = p->eye - (double)last;
+        const double near = fmax(fmax(a, b), 0), far = fmax(-a, -b);
+        const long left = clipped(p, floor(p->aside + fmin(near * p->from, far * p->from)) - PAD),
+                   right = clipped(p, ceil(p->aside + fmax(near * p->until, far * p->until)) + PAD);
+        if (p->near) {
+            float *kept = p->columns + COLUMNS_AT_ONCE * length;
+            memcpy(kept + p->columns_left, p->near + p->columns_left,
+                   (size_t)(p->columns_right - p->columns_left) * sizeof *kept);
+            p->near = kept;
+        }
         p->columns_from = first;
-        p->columns_left = l < left ? l : left;
-        p->columns_right = r > right ? r : right;
-        const long count = last - first + 1;
-        for (long j = p->columns_left; j < p->columns_right; j++) {
+        p->columns_left = left;
+        p->columns_right = right > left ? right : left;
+        const size_t count = (size_t)(last - first + 1);
+        for (long j = left; j < right; j++) {
             const float *z = t->z + (size_t)j * t->nx + first;
-            for (long c = 0; c < count; c++) p->columns[(size_t)c * (size_t)p->length + (size_t)j] = z[c];
+            for (size_t c = 0; c < count; c++) p->columns[c * length + (size_t)j] = z[c];
         }
     }
-    return p->columns + (size_t)(row - first) * (size_t)p->length + left;
+    return p->columns + (size_t)(row - first) * length;
 }
 
-static double height_over_eye(const part *p, long row, long i, float z) {
-    const sight *s = p->sight;
-    return (double)z - s->eye[2] -
-           (p->swapped ? sight_fall(s, (double)row, (double)i) : sight_fall(s, (double)i, (double)row));
+/* The lowering along a row is one + two x + three x², x samples to the side of the eye. */
+typedef struct lowering {
+    double one, two, three;
+} lowering;
+
+static lowering lowering_of(const part *p, long row) {
+    const double *f = p->sight->fall, y = (double)row - p->eye;
+    return p->swapped ? (lowering){f[0] * y * y, f[1] * y, f[2]} : (lowering){f[2] * y * y, f[1] * y, f[0]};
 }
 
-/* The rises of a row, NaN where there is a hole or no field. w[0] is that of sample left - BESIDE. */
-static void rises(part *p, long row, long left, long right) {
-    const float *z = fetch(p, row, left, right);
-    const double r = distance(p, row), per = 1 / r;
-    for (int k = 0; k < BESIDE; k++) p->w[k] = p->w[BESIDE + (right - left) + k] = NAN;
-    for (long i = left; i < right; i++) {
-        const float w = (float)(height_over_eye(p, row, i, z[i - left]) * per);
-        p->w[BESIDE + (i - left)] = w < INFINITY && w > -INFINITY ? w : NAN;
+/* Heights over the eye from sample begin up to end, NaN at holes. */
+static void heights(const part *p, const float *z, long row, long begin, long end, double *h) {
+    const lowering q = lowering_of(p, row);
+    const double eye = p->sight->eye[2], aside = p->aside;
+    for (long i = begin; i < end; i++) {
+        const double x = (double)i - aside, height = (double)z[i] - eye - (q.one + x * (q.two + x * q.three));
+        h[i] = height + (height - height);
     }
 }
 
-static float least(float a, float b) { return a < b ? a : b; }
-static float most(float a, float b) { return a > b ? a : b; } /* b if a is NaN */
+static inline double larger(double a, double b) { return a > b ? a : b; } /* b if a is NaN */
 
-/* What bins see of the row; entry 0 is for the sample left - 2. */
-static void keep(part *p, long row, long left, long right) {
-    const size_t slot = (size_t)row % (NEAR + 1);
-    shown *to = p->kept[slot];
-    p->kept_left[slot] = left - 2;
-    p->kept_right[slot] = right;
-    for (long i = left - 2; i < right; i++) {
-        const float *w = p->w + BESIDE + (i - left);
-        const float low = least(w[0], least(w[1], w[2]));
-        float high = -INFINITY;
-        for (int k = -1; k <= 3; k++) high = most(w[k], high); /* there are BESIDE more on both sides */
-        to[i - (left - 2)] = (shown){isnan(w[0] + w[1] + w[2]) ? -INFINITY : low, high};
+/* How the triangles between the two rows lean. */
+static void lean(part *p, double r, long begin, long end) {
+    const double *n = p->near_height, *f = p->far_height;
+    const long a = p->outward > 0 ? 1 : 0, b = 1 - a; /* diagonals go from sample b of a cell to sample a */
+    double most_step = 0, most_height = 0;
+    bool holes = false;
+    for (long i = begin; i < end - 1; i++) {
+        const double near = n[i + 1] - n[i], far = f[i + 1] - f[i];
+        const double side_a = f[i + a] - n[i + a], side_b = f[i + b] - n[i + b];
+        const double front = f[i + a] - near * ((double)(i + a) - p->aside) - side_a * r;
+        const double back = f[i + b] - far * ((double)(i + b) - p->aside) - side_b * r;
+        p->front[i] = front;
+        p->back[i] = back;
+        most_step = larger(fabs(near) + fabs(side_a), larger(fabs(far) + fabs(side_b), most_step));
+        most_height = larger(fabs(n[i]), larger(fabs(f[i]), most_height));
+        holes |= isnan(front + back);
+    }
+    const double *fall = p->sight->fall, wide = (r + 2) * (r + 2);
+    const double lowered = (fabs(fall[0]) + fabs(fall[1]) + fabs(fall[2])) * wide;
+    const double size = most_height + 2 * (fabs(p->sight->eye[2]) + lowered), near = fmax(r - 1, first_distance);
+    p->holes |= holes;
+    p->step = fmax(p->step, most_step);
+    p->snap = fmax(p->snap, most_step / near);
+    p->size = fmax(p->size, size / near);
+    p->rise = fmax(p->rise, most_height / near);
+    p->margin = 0x1p-24 * p->step * r + 0x1p-46 * size * (r + 16);
+}
+
+/* How far the skyline may be from what sight.c computes for its edges, and for those that were not added. */
+static double error_of(const part *p, double r) {
+    return 0x1p-25 * p->snap + 0x1p-44 * p->size + 0x1p-45 * r * (p->line.steepest + p->rise);
+}
+
+/* Whether an edge may be the highest on a way from one triangle into another, which lean like that. */
+static inline bool is_ridge(const part *p, double before, double behind) {
+    return !(before > p->margin) && !(behind < -p->margin);
+}
+
+static inline void add(part *p, uint32_t start, double x0, double r0, double h0, double x1, double r1, double h1) {
+    if (isnan(h0 + h1)) return;
+    if (r0 < first_distance) { /* what is beyond */
+        const double share = (first_distance - r0) / (r1 - r0);
+        x0 += share * (x1 - x0);
+        h0 += share * (h1 - h0);
+        r0 = first_distance;
+    }
+    skyline_add(&p->line, start, (double[2]){x0 / r0, h0 / r0}, (double[2]){x1 / r1, h1 / r1});
+}
+
+/* Edges of the near row. */
+static void add_row(part *p, double r, long begin, long end, uint32_t start) {
+    const double near = r - 1, *h = p->near_height;
+    const bool all = r <= close_rows + 1;
+    if (near < first_distance) return;
+    uint32_t at = start;
+    for (long i = begin; i < end - 1; i++) {
+        if (!(all || is_ridge(p, p->back_before[i], p->front[i]))) continue;
+        const double x = (double)i - p->aside;
+        if (!all) at = skyline_find(&p->line, at, (x - 3) / near);
+        add(p, at, x, near, h[i], x + 1, near, h[i + 1]);
+    }
+    if (!p->holes) return;
+    /* Next to a hole samples count by themselves. */
+    for (long i = begin; i < end; i++) {
+        const double x = (double)i - p->aside;
+        const double around =
+            p->front[i - 1] + p->front[i] + p->back[i - 1] + p->back[i] + p->back_before[i - 1] + p->back_before[i];
+        if (isnan(around)) add(p, start, x, near, h[i], x, near, h[i]);
     }
 }
 
-static inline void raise(bin *b, float high, int32_t number) {
-    if (high <= b->rest) return; /* which no block is below */
-    struct block *last = &b->blocks[SIGHT_PIECES - 1];
-    int k = 0;
-    while (k < SIGHT_PIECES && b->blocks[k].number != number) k++;
-    if (k < SIGHT_PIECES) {
-        b->blocks[k].high = most(high, b->blocks[k].high);
-    } else if (high > last->high) {
-        b->rest = most(last->high, b->rest);
-        *last = (struct block){high, number};
-        k = SIGHT_PIECES - 1;
-    } else {
-        b->rest = most(high, b->rest);
-        return;
+/* Edges between the rows. */
+static void add_between(part *p, double r, long begin, long end, uint32_t start) {
+    const double *n = p->near_height, *f = p->far_height;
+    const bool all = r <= close_rows + 1;
+    const long a = p->outward > 0 ? 1 : 0, b = 1 - a;
+    const double *left_of = a ? p->front : p->back, *right_of = a ? p->back : p->front;
+    if (!(r > first_distance)) return;
+    for (long i = begin; i < end; i++) {
+        const double x = (double)i - p->aside, left = left_of[i - 1], right = right_of[i];
+        if (!all) start = skyline_find(&p->line, start, (x - 3) / r);
+        if (x != 0 && (all || is_ridge(p, x > 0 ? left : right, x > 0 ? right : left)))
+            add(p, start, x, r - 1, n[i], x, r, f[i]);
+        if (i + 1 < end && (all || is_ridge(p, p->front[i], p->back[i])))
+            add(p, start, x + (double)b, r - 1, n[i + b], x + (double)a, r, f[i + a]);
     }
-    for (; k > 0 && b->blocks[k].high > b->blocks[k - 1].high; k--) {
-        const struct block up = b->blocks[k];
-        b->blocks[k] = b->blocks[k - 1];
-        b->blocks[k - 1] = up;
-    }
-}
-
-/* Two bins as one. */
-static void unite(bin *b, const bin *other) {
-    b->low = least(b->low, other->low);
-    b->rest = most(b->rest, other->rest);
-    for (int k = 0; k < SIGHT_PIECES; k++) raise(b, other->blocks[k].high, other->blocks[k].number);
-}
-
-/* Bins take in a row, its lower bounds or its upper ones. */
-static void take_in(part *p, long row, bool lower) {
-    const size_t slot = (size_t)row % (NEAR + 1);
-    const double r = distance(p, row), step = r * p->width, start = p->aside + r * p->from;
-    const shown *from = p->kept[slot];
-    const double first = (double)p->kept_left[slot], last = (double)p->kept_right[slot];
-    /* Bins whose sample is there. */
-    double b0 = ceil((first - start) / step), b1 = floor((last - start) / step);
-    b0 = b0 > 0 ? b0 : 0;
-    b1 = b1 < (double)p->bins - 1 ? b1 : (double)p->bins - 1;
-    for (double b = b0; b <= b1; b++) {
-        const double place = start + b * step - first; /* a cast is an instruction where floor may be a call */
-        if (!(place >= 0 && place < last - first)) continue;
-        const size_t n = (size_t)b, k = (size_t)place;
-        if (lower)
-            p->of[n].low = most(from[k].low, p->of[n].low);
-        else
-            raise(&p->of[n], from[k].high, (int32_t)(row / BLOCK));
-    }
-}
-
-/* Cuts bins in two. */
-static bool refine(part *p) {
-    bin *of = realloc(p->of, 2 * p->bins * sizeof *of);
-    if (of == NULL) return false;
-    for (size_t b = p->bins; b-- > 0;) of[2 * b] = of[2 * b + 1] = of[b];
-    p->of = of;
-    p->bins *= 2;
-    p->width /= 2;
-    p->reach *= 2;
-    return true;
-}
-
-/* Rises in the bins are rounded to float, as are products with them: 2^-22 of each is more than that. */
-static double set_down(float w) { return (double)w - 0x1p-22 * fabs((double)w); }
-static double set_up(float w) { return w == -INFINITY ? -INFINITY : (double)w + 0x1p-22 * fabs((double)w); }
-
-/* The last rows were not taken into the upper bounds. So many cells from the sample something in them may rise by as much. */
-void sweep_close(sweep_bounds *bounds, double height) {
-    const part *p = bounds->part;
-    const long row = (long)bounds->row;
-    const double r = distance(p, row), u = bounds->direction;
-    const float rise = (float)set_down((float)(height / r));
-    bounds->high.close = NEAR;
-    for (long m = NEAR; m > 0 && (double)m < r; m--) {
-        const long at = row - m * p->outward;
-        if (at < 0 || at >= p->rows) return;
-        const size_t slot = (size_t)at % (NEAR + 1);
-        /* A hair to the left, where what is kept of a sample has one more on that side than is needed. */
-        const long i = (long)(p->aside + u * (r - (double)m) + 1 - 1e-6) - 1;
-        if (i < p->kept_left[slot] || i >= p->kept_right[slot]) return;
-        if (!(p->kept[slot][i - p->kept_left[slot]].high < rise)) return;
-        bounds->high.close = (double)m;
-    }
-}
-
-/* All triangles with a sample in the block, from the row before it to the row behind it. */
-static sight_piece piece_of(const part *p, const struct block *b, double r) {
-    const double one = (double)(b->number * BLOCK - 1) - p->eye, other = (double)((b->number + 1) * BLOCK) - p->eye;
-    const double high = set_up(b->high) * r;
-    return p->outward > 0 ? (sight_piece){one, other, high} : (sight_piece){-other, -one, high};
 }
 
 /* A direction at a border of two ranges, as far as rounding can tell, has the steeper rise. */
@@ -241,63 +235,147 @@ static void look_around(part *p) {
 
 /* The samples of the row in these directions: the last part of a quarter has both ends. Directions of exactly 45 degrees
  * belong to the quarters whose rows are rows. */
-static void visit_row(part *p, long row, double target, sweep_visit *visit, void *context) {
-    const double r = distance(p, row);
-    /* One more on both sides, which rounding may have left out: whose a sample is is told below, by the same numbers for all. */
-    double a = floor(p->aside + r * p->from), b = ceil(p->aside + r * p->until);
-    a = a > 0 ? a : 0;
-    b = b < (double)(p->length - 1) ? b : (double)(p->length - 1);
-    if (b < a) return;
-    const float *z = fetch(p, row, (long)a, (long)b + 1);
-    const double per_row = 1 / r, per_width = 1 / p->width;
-    for (long i = (long)a; i <= (long)b; i++) {
-        const float h = z[i - (long)a];
+static void visit_row(part *p, long row, const float *z, long begin, long end, uint32_t start) {
+    const double r = distance(p, row), per_row = 1 / r, error = error_of(p, r);
+    const bool rising = p->outward > 0, all = r <= close_rows, every = p->target == INFINITY;
+    const double *left_of = rising ? p->front : p->back, *right_of = rising ? p->back : p->front;
+    for (long i = begin; i < end; i++) {
+        const double h = p->far_height[i];
         const double x = (double)i - p->aside, u = x * per_row;
         const bool after = u >= p->from || p->from == -1, before = u < p->until || p->until == 1;
         const bool inside = p->swapped ? fabs(x) < r : fabs(x) <= r;
-        if (!isfinite(h) || !(after && before && inside)) continue;
-        const double place = (u - p->from) * per_width;
-        const size_t whole = (size_t)place, n = whole < p->bins ? whole : p->bins - 1;
-        /* A direction at a border of two bins, as far as rounding can tell, is seen by both. */
-        bin here = p->of[n];
-        if (n > 0 && place - (double)n < 1e-6) unite(&here, &p->of[n - 1]);
-        if (n + 1 < p->bins && (double)(n + 1) - place < 1e-6) unite(&here, &p->of[n + 1]);
-        const double height = height_over_eye(p, row, i, h), low = set_down(here.low) * r;
-        if (low >= height + target) continue;
-        sweep_bounds bounds = {.low = low, .part = p, .row = (double)row, .direction = u};
-        bounds.high.close = bounds.high.near = NEAR;
-        bounds.high.rest = set_up(here.rest) * r;
-        bounds.high.eye = around(p, u) * r;
-        for (int k = 0; k < SIGHT_PIECES; k++) bounds.high.pieces[k] = piece_of(p, &here.blocks[k], r);
-        if (p->swapped)
-            visit(context, (size_t)row, (size_t)i, height, &bounds);
-        else
-            visit(context, (size_t)i, (size_t)row, height, &bounds);
+        if (!(h < INFINITY) || !(after && before && inside)) continue;
+        const double leans = x > 0 ? left_of[i - 1] : right_of[i];
+        if (!all && p->target == 0 && leans > p->margin) continue;
+        double low, high;
+        skyline_at(&p->line, &start, u, &low, &high);
+        const double top = (h + p->target) * per_row;
+        if (!all && top < low - error) continue;
+        sweep_way way = {.low = (low - error) * r, .unsure = {INFINITY, true}};
+        if (!(all || every) && top > high + error && p->target >= 0) {
+            way.unsure.close = leans < -p->margin ? 0 : 2;
+            way.unsure.eye = around(p, u) * r >= h + p->target;
+        }
+        const sight *s = p->sight;
+        const size_t at[2] = {p->swapped ? (size_t)row : (size_t)i, p->swapped ? (size_t)i : (size_t)row};
+        const double height = (double)z[i] - s->eye[2] - sight_fall(s, (double)at[0], (double)at[1]);
+        p->visit(p->context, at[0], at[1], height, &way);
     }
 }
 
-static bool sweep(part *p, double far, double target, sweep_visit *visit, sweep_tick *tick, void *context) {
+/* What the bins from begin up to end, and the one behind, know of the skyline. */
+static void look_again(part *p, size_t begin, size_t end) {
+    uint32_t start = begin > 0 ? p->of[begin - 1].start : SKYLINE_FIRST;
+    for (size_t b = begin; b <= end && b < p->bins; b++) {
+        const double left = p->from + (double)b * p->width - 2 * SKYLINE_BLUR;
+        p->of[b].start = start = skyline_find(&p->line, start, left);
+        if (b < end) p->of[b].low = skyline_least(&p->line, start, left, left + p->width + 4 * SKYLINE_BLUR);
+    }
+}
+
+/* Cuts bins in two. */
+static bool refine(part *p) {
+    bin *of = realloc(p->of, 2 * p->bins * sizeof *of);
+    if (of == NULL) return false;
+    for (size_t b = p->bins; b-- > 0;) of[2 * b] = of[2 * b + 1] = of[b];
+    p->of = of;
+    p->bins *= 2;
+    p->width /= 2;
+    look_again(p, 0, p->bins);
+    return true;
+}
+
+/* Goes on to the row in the bins from begin up to end: samples of it from left up to right. */
+static void look_at(part *p, long row, const float *far, size_t begin, size_t end, long left, long right) {
+    const double r = distance(p, row);
+    const long from = left > BESIDE ? left - BESIDE : 0,
+               until = right + BESIDE < p->length ? right + BESIDE : p->length;
+    const uint32_t start = begin > 0 ? p->of[begin - 1].start : SKYLINE_FIRST;
+    if (from >= until) return;
+    heights(p, far, row, from, until, p->far_height);
+    if (p->near) {
+        heights(p, p->near, row - p->outward, from, until, p->near_height);
+        lean(p, r, from, until);
+        add_row(p, r, from, until, start);
+    }
+    visit_row(p, row, far, left, right, start);
+    if (p->near) add_between(p, r, from, until, start);
+    look_again(p, begin, end);
+}
+
+/* No sample from left up to right, and next to them, is higher over the eye. */
+static double highest(const part *p, const float *z, const lowering *q, long left, long right) {
+    const long from = left > BESIDE ? left - BESIDE : 0,
+               until = right + BESIDE < p->length ? right + BESIDE : p->length;
+    if (from >= until) return -INFINITY;
+    float high = -INFINITY;
+    for (long i = from; i < until; i++) high = z[i] > high ? z[i] : high;
+    /* Between two places the lowering is less than at the lower one by at most that. */
+    const double a = (double)from - p->aside, b = (double)until - p->aside;
+    const double fall_a = q->one + a * (q->two + a * q->three), fall_b = q->one + b * (q->two + b * q->three);
+    const double fall = fmin(fall_a, fall_b) - 0.25 * fmax(q->three, 0) * (b - a) * (b - a), eye = p->sight->eye[2];
+    return (double)high - eye - fall + 0x1p-46 * (fabs((double)high) + fabs(eye) + fabs(fall));
+}
+
+/* The sample at or behind a bin's left border. */
+static long bin_begin(const part *p, double r, size_t b) {
+    return clipped(p, ceil(p->aside + r * (p->from + (double)b * p->width)));
+}
+
+static size_t bin_at(const part *p, double u) {
+    const double b = (u - p->from) / p->width;
+    return b > 0 ? b < (double)p->bins ? (size_t)b : p->bins : 0;
+}
+
+static void go_on(part *p, long row, const float *far) {
+    const double r = distance(p, row), per_row = 1 / r;
+    const lowering q = lowering_of(p, row);
+    const double target = larger(p->target, 0), error = error_of(p, r);
+    const long first = clipped(p, floor(p->aside + r * p->from) - 1),
+               last = clipped(p, ceil(p->aside + r * p->until) + 2);
+    const size_t cells = (size_t)(last - first) + 2 * PAD;
+    memset(p->front + first - PAD, 0, cells * sizeof *p->front);
+    memset(p->back + first - PAD, 0, cells * sizeof *p->back);
+    /* Bins with samples of the field in them, or so near that their edges may reach into them. */
+    const size_t from = bin_at(p, (-PAD - p->aside) * per_row);
+    const size_t until = bin_at(p, ((double)p->length + PAD - p->aside) * per_row) + 1;
+    size_t begin = 0;
+    bool active = false;
+    long left = from > 0 ? bin_begin(p, r, from) : first, run = left;
+    for (size_t b = from; b < until && b < p->bins; b++) {
+        const long right = b + 1 < p->bins ? bin_begin(p, r, b + 1) : last;
+        bin *here = &p->of[b];
+        const double top = highest(p, far, &q, left, right) * per_row, near = here->near;
+        here->near = top;
+        const bool now = !(fmax(near, top + target * per_row) < here->low - error) || r <= close_rows + 1;
+        if (now && !active) begin = b, run = left;
+        if (!now && active) look_at(p, row, far, begin, b, run, left);
+        active = now;
+        left = right;
+    }
+    if (active) look_at(p, row, far, begin, until < p->bins ? until : p->bins, run, left);
+    double *swap = p->back;
+    p->back = p->back_before;
+    p->back_before = swap;
+}
+
+static bool sweep(part *p, double most, sweep_tick *tick) {
     /* The first row that is not the eye's own. */
     long row = p->outward > 0 ? (long)floor(p->eye) + 1 : (long)ceil(p->eye) - 1;
     if (p->outward > 0 ? row < 0 : row >= p->rows) row = p->outward > 0 ? 0 : p->rows - 1;
-    long taken = row; /* into the upper bounds: up to this one, without it */
-    for (; row >= 0 && row < p->rows && distance(p, row) <= far; row += p->outward) {
-        if (!tick(context)) return true;
-        const double r = distance(p, row);
-        while (r > (double)p->reach)
+    for (; row >= 0 && row < p->rows && distance(p, row) <= most; row += p->outward) {
+        if (!tick(p->context)) return true;
+        while (distance(p, row) * p->width > 2 * BIN_CELLS)
             if (!refine(p)) return false;
-        for (; (row - taken) * p->outward >= NEAR; taken += p->outward) take_in(p, taken, false);
-        visit_row(p, row, target, visit, context);
-        long left, right;
-        row_range(p, r, &left, &right);
-        rises(p, row, left, right);
-        keep(p, row, left, right);
-        take_in(p, row, true);
+        const float *far = fetch(p, row);
+        go_on(p, row, far);
+        if (p->line.failed) return false;
+        p->near = far;
     }
     return true;
 }
 
-bool sweep_part(const sight *s, unsigned number, double far, double target, sweep_visit *visit, sweep_tick *tick,
+bool sweep_part(const sight *s, unsigned number, double most, double target, sweep_visit *visit, sweep_tick *tick,
                 void *context) {
     const terrain *t = s->terrain;
     const unsigned quarter = number / SLICES, slice = number % SLICES;
@@ -308,28 +386,28 @@ bool sweep_part(const sight *s, unsigned number, double far, double target, swee
     p.length = (long)(p.swapped ? t->ny : t->nx);
     p.from = 2.0 * slice / SLICES - 1;
     p.until = 2.0 * (slice + 1) / SLICES - 1;
-    p.reach = FIRST_REACH;
-    p.bins = 2 * FIRST_REACH * 2 / SLICES;
-    p.width = (p.until - p.from) / (double)p.bins;
+    p.target = target;
+    p.visit = visit;
+    p.context = context;
+    p.bins = 1;
+    p.width = p.until - p.from;
     p.columns_from = -1;
-    const size_t length = (size_t)p.length + 2 * BESIDE;
-    p.of = malloc(p.bins * sizeof *p.of);
-    p.w = malloc(length * sizeof *p.w);
-    shown *kept = malloc((NEAR + 1) * length * sizeof *kept);
-    if (p.swapped) p.columns = malloc(COLUMNS_AT_ONCE * (size_t)p.length * sizeof *p.columns);
-    bool good = p.of && p.w && kept && (p.columns || !p.swapped);
+    const size_t length = (size_t)p.length + 2 * PAD;
+    p.of = malloc(sizeof *p.of);
+    double *lines = calloc(5 * length, sizeof *lines);
+    if (p.swapped) p.columns = malloc((COLUMNS_AT_ONCE + 1) * (size_t)p.length * sizeof *p.columns);
+    bool good = skyline_init(&p.line, p.from - 0x1p-10, p.until + 0x1p-10);
+    good = good && p.of && lines && (p.columns || !p.swapped);
     if (good) {
-        for (size_t b = 0; b < p.bins; b++) {
-            p.of[b] = (bin){.low = -INFINITY, .rest = -INFINITY};
-            for (int k = 0; k < SIGHT_PIECES; k++) p.of[b].blocks[k] = (struct block){-INFINITY, -1 - k};
-        }
-        for (size_t k = 0; k <= NEAR; k++) p.kept[k] = kept + k * length;
+        double **const line[5] = {&p.near_height, &p.far_height, &p.front, &p.back, &p.back_before};
+        for (size_t k = 0; k < 5; k++) *line[k] = lines + k * length + PAD;
+        *p.of = (bin){-INFINITY, -INFINITY, SKYLINE_FIRST};
         look_around(&p);
-        good = sweep(&p, far, target, visit, tick, context);
+        good = sweep(&p, most, tick);
     }
+    skyline_free(&p.line);
     free(p.of);
-    free(p.w);
-    free(kept);
+    free(lines);
     free(p.columns);
     return good;
 }

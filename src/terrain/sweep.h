@@ -7,19 +7,14 @@
 #include "sight.h"
 
 /* What is known of the way to a sample. */
-typedef struct sweep_bounds {
-    double low; /* something on the way rises by at least this, as height over the eye per share of the way */
-    sight_bound high;
-    const struct part *part; /* for sweep_close */
-    double row, direction;
-} sweep_bounds;
-
-/* Fills in high.close for something of that height over the eye on the sample. */
-void sweep_close(sweep_bounds *bounds, double height);
+typedef struct sweep_way {
+    double low;         /* something on it rises by at least this, as height over the eye per share of the way */
+    sight_parts unsure; /* where something may still hide the target */
+} sweep_way;
 
 /* Called for every sample of the field that is no hole, once, unless something is known to hide what stands target above it;
  * from several threads. */
-typedef void sweep_visit(void *context, size_t i, size_t j, double height_over_eye, sweep_bounds *bounds);
+typedef void sweep_visit(void *context, size_t i, size_t j, double height_over_eye, const sweep_way *way);
 
 /* Called now and then, from the thread that does the part. False ends it. */
 typedef bool sweep_tick(void *context);
@@ -27,7 +22,8 @@ typedef bool sweep_tick(void *context);
 /* The sweep comes in parts, any of which may be done alone. */
 enum { SWEEP_PARTS = 64 };
 
-/* Samples farther away than most cells, on the longer axis, are left out. target may be infinite. False if memory is short. */
+/* Samples farther away than most cells, on the longer axis, are left out. target may be infinite: then all are visited. False
+ * if memory is short. */
 bool sweep_part(const sight *s, unsigned part, double most, double target, sweep_visit *visit, sweep_tick *tick,
                 void *context);
 

@@ -61,20 +61,20 @@ typedef struct job {
     atomic_bool failed, stopped;
 } job;
 
-static void count_sample(void *context, size_t i, size_t j, double ground, sweep_bounds *bounds) {
+static void count_sample(void *context, size_t i, size_t j, double ground, const sweep_way *way) {
     job *q = context;
     const viewshed *v = q->v;
-    const double top = ground + v->target;
     if (!is_near(v, (double)i, (double)j)) return;
-    sweep_close(bounds, top);
-    if (sight_sees(&v->sight, (double)i, (double)j, top, &bounds->high)) q->seen[j * v->terrain->nx + i]++;
+    const bool sure = way->unsure.close == 0 && !way->unsure.eye;
+    if (sure || sight_sees(&v->sight, (double)i, (double)j, ground + v->target, way->unsure))
+        q->seen[j * v->terrain->nx + i]++;
 }
 
-static void measure_sample(void *context, size_t i, size_t j, double ground, sweep_bounds *bounds) {
+static void measure_sample(void *context, size_t i, size_t j, double ground, const sweep_way *way) {
     job *q = context;
     const viewshed *v = q->v;
     if (!is_near(v, (double)i, (double)j)) return;
-    const double least = bounds->low > ground ? bounds->low : ground;
+    const double least = way->low > ground ? way->low : ground;
     const sight_rise r = sight_steepest(&v->sight, (double)i, (double)j, least, INFINITY);
     q->heights[j * v->terrain->nx + i] = (float)((r.steepest - ground) * v->terrain->map[2][2]);
 }

@@ -12,7 +12,7 @@
 /* Of all maps and sizes one in that many. */
 static size_t step(void) { return test_step(3); }
 
-enum { SAMPLES_MOST = 200 * 200 };
+enum { SAMPLES_MOST = 330 * 250 };
 static uint16_t seen[SAMPLES_MOST];
 static float heights[SAMPLES_MOST];
 
@@ -56,8 +56,8 @@ static void check_sample(const ground *g, const viewshed_desc *d, const viewshed
     const double base = sight_sample(s, i, j), metres = terrain_metres_of_height(t);
     const double top = base + d->target_height / metres;
     const double steepest = brute_steepest(s, (double)i, (double)j), room = 1e-9 * (1 + fabs(steepest));
-    const bool own = (double)i == s->eye[0] && (double)j == s->eye[1];
-    if (own || fabs(steepest - top) > room) {
+    const bool own = (double)i == s->eye[0] && (double)j == s->eye[1], open = steepest == -INFINITY;
+    if (own || open || fabs(steepest - top) > room) {
         const bool wanted = own || steepest < top;
         check(seen[k] == wanted, "(%zu, %zu) from (%.17g, %.17g, %.17g) is %s: something on the way rises %.9g over it",
               i, j, s->eye[0], s->eye[1], s->eye[2], seen[k] ? "seen" : "not seen", steepest - top);
@@ -83,7 +83,8 @@ static void check_view(const ground *g, const sight_bounds *bounds, const viewsh
     viewshed_destroy(v);
 }
 
-typedef enum roughness { SMOOTH, ROUGH, HOLES, SPIKES, ROUGHNESSES } roughness;
+/* WRONG: numbers for no data that are taken for heights. */
+typedef enum roughness { SMOOTH, ROUGH, HOLES, SPIKES, WHOLE, WRONG, ROUGHNESSES } roughness;
 
 static void make_land(ground *g, size_t nx, size_t ny, roughness rough, random_state *r, const double map[3][4]) {
     float *z = malloc(nx * ny * sizeof *z);
@@ -94,6 +95,8 @@ static void make_land(ground *g, size_t nx, size_t ny, roughness rough, random_s
         z[k] = (float)(rough == SPIKES ? (random_below(r, 40) == 0 ? random_between(r, 0, 90) : 0)
                                        : wave + random_between(r, 0, rough == SMOOTH ? 1 : 15));
         if (rough == HOLES && random_below(r, 12) == 0) z[k] = NAN;
+        if (rough == WHOLE) z[k] = rintf(0.2F * z[k]);
+        if (rough == WRONG && random_below(r, 50) == 0) z[k] = random_below(r, 2) ? -32768 : -9999;
     }
     ground_take(g, nx, ny, z, map);
 }
@@ -226,6 +229,132 @@ static void large_views(void **state) {
     ground_free(&g);
 }
 
+/* What the sweep says of samples without looking at their lines is what their lines say: of one in so many. Returns how many
+ * are seen. */
+static size_t lines_seen(const ground *g, const sight_bounds *bounds, const viewshed_desc *d, size_t first,
+                         size_t one_in) {
+    const size_t nx = g->terrain.nx, all = nx * g->terrain.ny;
+    viewshed *v = view(g, bounds, d);
+    const sight *s = viewshed_sight(v);
+    bool done;
+    size_t total = 0;
+    memset(seen, 0, sizeof seen);
+    check_status(viewshed_count(v, NULL, seen, NULL, NULL, &done), CW_OK);
+    for (size_t k = first; k < all; k += one_in) {
+        const double x = (double)(k % nx), y = (double)(k / nx);
+        if (isnan(g->z[k]) || (x == d->place[0] && y == d->place[1])) continue;
+        const double height = sight_sample(s, k % nx, k / nx) + d->target_height;
+        const bool wanted = sight_sees(s, x, y, height, (sight_parts){INFINITY, true});
+        check(seen[k] == wanted, "(%g, %g) from (%.17g, %.17g, %.17g): %s by its line", x, y, s->eye[0], s->eye[1],
+              s->eye[2], wanted ? "seen" : "hidden");
+        total += wanted;
+    }
+    viewshed_destroy(v);
+    return total;
+}
+
+/* Also from under the ground, and with targets in it. */
+static void lines_decide(void **state) {
+    (void)state;
+    enum { NX = 330, NY = 250, PLACES = 5 };
+    static const double eyes[PLACES] = {50, 60, 70, 80, -3}, targets[PLACES] = {0, 0, 3, -1, 0};
+    const size_t one_in = 3 * test_divisor();
+    random_state r = {31};
+    for (roughness rough = 0; rough < ROUGHNESSES; rough++) {
+        ground g;
+        sight_bounds *bounds = NULL;
+        make_land(&g, NX, NY, rough, &r, maps[0]);
+        check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
+        for (int n = 0; n < PLACES; n++) {
+            viewshed_desc d = {.place = {random_between(&r, 0, NX - 1), random_between(&r, 0, 12)},
+                               .height = eyes[n],
+                               .absolute = true,
+                               .target_height = targets[n],
+                               .curvature = n == 2 ? 100 : 0};
+            if (n % 2 == 1)
+                for (int c = 0; c < 2; c++) d.place[c] = floor(d.place[c]);
+            const size_t total = lines_seen(&g, bounds, &d, random_below(&r, one_in), one_in);
+            check(n == 4 || (total > 300 / one_in && total < (NX * NY - 300) / one_in), "land %d: %zu are seen",
+                  (int)rough, total);
+        }
+        sight_bounds_destroy(bounds);
+        ground_free(&g);
+    }
+}
+
+/* shape: in the plane 0.5 x - 0.25 y, or ridges that come up to it. */
+static double touched(const double *shape, double x, double y) {
+    const double i = x / 10, j = -y / 10, z = 0.5 * i + 0.25 * j;
+    const bool ridge = fmod(shape[0] == 1 ? i : shape[0] == 2 ? j : i + 2 * j, 4) == 0;
+    return shape[0] == 0 || ridge ? z : z - 10;
+}
+
+/* With the eye in a plane that everything comes up to and nothing exceeds, but for rounding, all are ties. */
+static void ties(void **state) {
+    (void)state;
+    random_state r = {8};
+    for (double kind = 0; kind < 4; kind++) {
+        ground g;
+        sight_bounds *bounds = NULL;
+        ground_make(&g, 150, 90, touched, &kind);
+        check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
+        for (int n = 0; n < 4; n++) {
+            viewshed_desc d = {.place = {random_between(&r, 40, 80), random_between(&r, 30, 60)}, .absolute = true};
+            d.height = 0.5 * d.place[0] + 0.25 * d.place[1];
+            lines_seen(&g, bounds, &d, 0, 1);
+        }
+        sight_bounds_destroy(bounds);
+        ground_free(&g);
+    }
+}
+
+/* shape: 1 if the spike at (12, 10) stands among holes. */
+static double lone_spike(const double *shape, double x, double y) {
+    const double i = x / 10, j = -y / 10, away = fmax(fabs(i - 12), fabs(j - 10));
+    return away == 0 ? 100 : away == 1 && shape[0] == 1 ? NAN : 0;
+}
+
+/* A sample without edges hides what is exactly behind it. */
+static void behind_a_lone_sample(void **state) {
+    (void)state;
+    const double shape[1] = {1};
+    ground g;
+    sight_bounds *bounds = NULL;
+    ground_make(&g, 41, 31, lone_spike, shape);
+    check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
+    static const double eyes[][2] = {{4, 10}, {8, 8}, {12, 2}, {9, 7}, {16, 12}, {15, 13}};
+    for (size_t n = 0; n < sizeof eyes / sizeof *eyes; n++) {
+        const viewshed_desc d = {.place = {eyes[n][0], eyes[n][1]}, .height = 5, .absolute = true};
+        const size_t i = (size_t)(24 - eyes[n][0]), j = (size_t)(20 - eyes[n][1]);
+        lines_seen(&g, bounds, &d, 0, 1);
+        check(seen[j * 41 + i] == 0 && seen[(j + 2) * 41 + i + 1] == 1, "from (%g, %g)", eyes[n][0], eyes[n][1]);
+    }
+    sight_bounds_destroy(bounds);
+    ground_free(&g);
+}
+
+/* A place within rounding of a row or a column is on it: the edges there hide nothing, however high they are. */
+static void next_to_a_row(void **state) {
+    (void)state;
+    static const double shape[2] = {20, 20}, eyes[][2] = {{1e-10, 0.3}, {0.3, -1e-10}, {1e-12, 1e-12}, {0.2, 0.3}};
+    tally sum = {0, 0};
+    ground g;
+    sight_bounds *bounds = NULL;
+    ground_make(&g, 41, 41, spike, shape);
+    check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
+    for (int n = 0; n < 4; n++) {
+        const viewshed_desc d = {.place = {20 + eyes[n][0], 20 + eyes[n][1]}, .height = 5, .absolute = true};
+        viewshed *v = view(&g, bounds, &d);
+        count(v, NULL);
+        for (size_t j = 0; j<41; j += j> 15 && j < 25 ? 1 : 4)
+            for (size_t i = 0; i<41; i += i> 15 && i < 25 ? 1 : 3) check_sample(&g, &d, v, i, j, &sum);
+        viewshed_destroy(v);
+    }
+    check(sum.seen > 100 && sum.hidden > 100, "%zu seen, %zu hidden", sum.seen, sum.hidden);
+    sight_bounds_destroy(bounds);
+    ground_free(&g);
+}
+
 static double level(const double *shape, double x, double y) {
     (void)x;
     (void)y;
@@ -339,9 +468,18 @@ static void same_bits_in_threads(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_edge_counts), cmocka_unit_test(next_to_the_eye),      cmocka_unit_test(behind_a_tip),
-        cmocka_unit_test(large_views),       cmocka_unit_test(horizon_of_the_sea),   cmocka_unit_test(views_of_a_plane),
-        cmocka_unit_test(first_block),       cmocka_unit_test(same_bits_in_threads),
+        cmocka_unit_test(every_edge_counts),
+        cmocka_unit_test(next_to_the_eye),
+        cmocka_unit_test(behind_a_tip),
+        cmocka_unit_test(large_views),
+        cmocka_unit_test(horizon_of_the_sea),
+        cmocka_unit_test(views_of_a_plane),
+        cmocka_unit_test(first_block),
+        cmocka_unit_test(same_bits_in_threads),
+        cmocka_unit_test(lines_decide),
+        cmocka_unit_test(next_to_a_row),
+        cmocka_unit_test(ties),
+        cmocka_unit_test(behind_a_lone_sample),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

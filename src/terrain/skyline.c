@@ -1,0 +1,169 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "skyline.h"
+
+#include <stdlib.h>
+
+bool skyline_init(skyline *s, double from, double until) {
+    *s = (skyline){.room = 64, .cuts_room = 64, .count = 2, .from = from, .until = until};
+    s->pieces = malloc(s->room * sizeof *s->pieces);
+    s->cuts = malloc(s->cuts_room * sizeof *s->cuts);
+    if (s->pieces == NULL || s->cuts == NULL) return false;
+    s->pieces[0] = (skyline_piece){.from = INFINITY};
+    s->pieces[SKYLINE_FIRST] = (skyline_piece){.from = from - 1, .a = -INFINITY};
+    return true;
+}
+
+void skyline_free(skyline *s) {
+    free(s->pieces);
+    free(s->cuts);
+}
+
+static uint32_t take_piece(skyline *s) {
+    const uint32_t old = s->unused;
+    if (old) {
+        s->unused = s->pieces[old].next;
+        return old;
+    }
+    if (s->count == s->room) {
+        skyline_piece *more = realloc(s->pieces, 2 * (size_t)s->room * sizeof *more);
+        if (more == NULL) return 0;
+        s->pieces = more;
+        s->room *= 2;
+    }
+    return s->count++;
+}
+
+static bool make_room(skyline *s, size_t cuts) {
+    if (cuts <= s->cuts_room) return true;
+    struct skyline_cut *more = realloc(s->cuts, 2 * cuts * sizeof *more);
+    if (more == NULL) return false;
+    s->cuts = more;
+    s->cuts_room = 2 * cuts;
+    return true;
+}
+
+/* One more cut, unless it goes on with the last one's line; a cut of no width gives way. */
+static inline size_t put(struct skyline_cut *cuts, size_t n, double from, const skyline_piece *p) {
+    if (n > 0 && !(from > cuts[n - 1].from)) n--;
+    if (n > 0 && cuts[n - 1].a == p->a && cuts[n - 1].b == p->b && cuts[n - 1].below >= p->below) return n;
+    cuts[n] = (struct skyline_cut){from, p->a, p->b, p->below};
+    return n + 1;
+}
+
+/* Gives back the pieces behind at, up to behind. */
+static void leave_out(skyline *s, uint32_t at, uint32_t behind) {
+    for (uint32_t gone = s->pieces[at].next; gone != behind;) {
+        const uint32_t next = s->pieces[gone].next;
+        s->pieces[gone].next = s->unused;
+        s->unused = gone;
+        gone = next;
+    }
+    s->pieces[at].next = behind;
+}
+
+static uint32_t put_between(skyline *s, uint32_t at) {
+    const uint32_t fresh = take_piece(s);
+    if (fresh == 0) return 0;
+    s->pieces[fresh].next = s->pieces[at].next;
+    s->pieces[at].next = fresh;
+    return fresh;
+}
+
+/* The cuts take the place of the pieces from first to last. The first cut and the last stay in these two, if there are as many:
+ * others point to pieces before and behind an edge. */
+static void put_in_place(skyline *s, uint32_t first, uint32_t last, size_t n) {
+    const uint32_t behind = s->pieces[last].next;
+    uint32_t at = first;
+    for (size_t k = 0; k < n; k++) {
+        const struct skyline_cut *c = &s->cuts[k];
+        if (k > 0) {
+            const bool end = k + 1 == n && first != last;
+            if (end) leave_out(s, at, last);
+            at = end || (s->pieces[at].next != last && s->pieces[at].next != behind) ? s->pieces[at].next
+                                                                                     : put_between(s, at);
+            if (at == 0) {
+                s->failed = true;
+                return;
+            }
+        }
+        skyline_piece *p = &s->pieces[at];
+        p->from = c->from;
+        p->a = c->a;
+        p->b = c->b;
+        p->below = c->below;
+    }
+    leave_out(s, at, behind);
+}
+
+void skyline_add(skyline *s, uint32_t start, const double one[2], const double other[2]) {
+    const bool turned = one[0] > other[0];
+    double from = turned ? other[0] : one[0], until = turned ? one[0] : other[0];
+    if (!(until > s->from && from < s->until)) return;
+    const double from_w = turned ? other[1] : one[1], until_w = turned ? one[1] : other[1];
+    skyline_piece edge = {.from = from};
+    const bool narrow = until - from < SKYLINE_BLUR / 2;
+    if (narrow) { /* and a single place gets some width */
+        edge.a = from_w > until_w ? from_w : until_w;
+        from -= SKYLINE_BLUR / 8;
+        until += SKYLINE_BLUR / 8;
+    } else {
+        edge.b = (until_w - from_w) / (until - from);
+        edge.a = from_w - edge.b * from;
+    }
+    from = from > s->from ? from : s->from;
+    until = until < s->until ? until : s->until;
+
+    const uint32_t first = skyline_find(s, start, from);
+    uint32_t last = first;
+    size_t n = 0;
+    bool higher = false;
+    const skyline_piece *p = s->pieces;
+    if (p[first].from < from) n = put(s->cuts, n, p[first].from, &p[first]);
+    for (double left = from;; last = p[last].next) {
+        const double end = p[p[last].next].from, right = end < until ? end : until;
+        const double left_w = p[last].a + p[last].b * left, right_w = p[last].a + p[last].b * right;
+        const double over_left = edge.a + edge.b * left - left_w, over_right = edge.a + edge.b * right - right_w;
+        if (!make_room(s, n + 4)) {
+            s->failed = true;
+            return;
+        }
+        if (narrow && (over_left > 0 || over_right > 0)) {
+            const double low = (left_w < right_w ? left_w : right_w) - (double)p[last].below, below = edge.a - low;
+            if (below > (double)edge.below) edge.below = below < 1e30 ? nextafterf((float)below, INFINITY) : INFINITY;
+        }
+        if (over_left > 0 && over_right > 0) {
+            n = put(s->cuts, n, left, &edge);
+            higher = true;
+        } else if (!(over_left > 0 || over_right > 0)) {
+            n = put(s->cuts, n, left, &p[last]);
+        } else {
+            double middle = left + (right - left) * (over_left / (over_left - over_right));
+            middle = middle < left ? left : middle > right ? right : middle;
+            n = put(s->cuts, n, left, over_left > 0 ? &edge : &p[last]);
+            n = put(s->cuts, n, middle, over_left > 0 ? &p[last] : &edge);
+            higher = true;
+        }
+        if (end >= until) {
+            if (end > until) n = put(s->cuts, n, until, &p[last]);
+            break;
+        }
+        left = right;
+    }
+    if (!higher) return;
+    if (fabs(edge.b) > s->steepest) s->steepest = fabs(edge.b);
+    put_in_place(s, first, last, n);
+}
+
+double skyline_least(const skyline *s, uint32_t start, double from, double until) {
+    const skyline_piece *p = s->pieces;
+    double least = INFINITY;
+    for (uint32_t k = skyline_find(s, start, from); p[k].from < until || k == start; k = p[k].next) {
+        const double end = p[p[k].next].from;
+        const double left = p[k].from > from ? p[k].from : from, right = end < until ? end : until;
+        const double one = p[k].a + p[k].b * left, other = p[k].a + p[k].b * right;
+        const double w = (one < other ? one : other) - (double)p[k].below;
+        least = w < least ? w : least;
+        if (!(end < until)) break;
+    }
+    return least;
+}

@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The skyline: how high the highest of many straight edges stands in each direction of a range, as pieces of those edges.
+ * Directions u and rises w are those of a projection, so that edges stay straight.
+ *
+ * A piece keeps the line w = a + b u of its edge from end to end, however often it is cut, so that cutting adds no error to
+ * it. Where two pieces meet is rounded: who looks in a direction sees all pieces within SKYLINE_BLUR of it and gets the
+ * lowest and the highest of them. Edges narrower than half of that would be too steep for lines: they become level pieces as
+ * high as their higher end, which say how far below the truth may be. */
+#ifndef CELLWALK_TERRAIN_SKYLINE_H
+#define CELLWALK_TERRAIN_SKYLINE_H
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#define SKYLINE_BLUR 0x1p-19
+
+typedef struct skyline_piece {
+    double from; /* up to where the next one begins */
+    double a, b;
+    float below;   /* the truth may be lower by that */
+    uint32_t next; /* 0 is the end: piece 0 begins at infinity */
+} skyline_piece;
+
+typedef struct skyline {
+    skyline_piece *pieces;
+    uint32_t count, room, unused; /* unused: a list of pieces */
+    struct skyline_cut {
+        double from, a, b;
+        float below;
+    } * cuts; /* what becomes of the pieces that an edge meets */
+    size_t cuts_room;
+    double from, until; /* the range */
+    double steepest;    /* greatest b so far, without its sign */
+    bool failed;        /* memory is short */
+} skyline;
+
+/* The piece with which all begins: it stays the first. */
+enum { SKYLINE_FIRST = 1 };
+
+bool skyline_init(skyline *s, double from, double until); /* nothing stands anywhere */
+void skyline_free(skyline *s);
+
+/* An edge from one (u, w) to another. start: a piece that begins before it. */
+void skyline_add(skyline *s, uint32_t start, const double one[2], const double other[2]);
+
+/* The last piece that begins at or before u; start begins there or before. */
+static inline uint32_t skyline_find(const skyline *s, uint32_t start, double u) {
+    const skyline_piece *p = s->pieces;
+    while (p[p[start].next].from <= u) start = p[start].next;
+    return start;
+}
+
+/* Between what and what the skyline is in direction u, but for the errors of the edges themselves. The look begins at piece
+ * *at, which moves on, so that it serves any greater u. */
+static inline void skyline_at(const skyline *s, uint32_t *at, double u, double *low, double *high) {
+    const skyline_piece *p = s->pieces;
+    *at = skyline_find(s, *at, u - SKYLINE_BLUR);
+    uint32_t k = *at;
+    *high = p[k].a + p[k].b * u;
+    *low = *high - (double)p[k].below;
+    for (k = p[k].next; p[k].from < u + SKYLINE_BLUR; k = p[k].next) {
+        const double w = p[k].a + p[k].b * u, under = w - (double)p[k].below;
+        *high = w > *high ? w : *high;
+        *low = under < *low ? under : *low;
+    }
+}
+
+/* The lowest between two directions. */
+double skyline_least(const skyline *s, uint32_t start, double from, double until);
+
+#endif
