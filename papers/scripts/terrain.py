@@ -284,6 +284,9 @@ def measure(tool, side, clock, folder):
     if side <= 1025:
         runs += [(f"cellwalk, {t} thread{'s'[:t > 1]}", "horizon, 32 directions", 32, 32,
                   [tool, "horizon", dem + ".tif", "--threads", str(t), "-o", out("horizon")]) for t in (2, 1)]
+        runs += [(f"cellwalk, 2 threads, --compress {c}", "horizon, 32 directions", 32, 32,
+                  [tool, "horizon", dem + ".tif", "--threads", "2", "--compress", c, "-o", out("horizon")])
+                 for c in ("zstd", "none")]
         runs += [("cellwalk, 1 thread, to .npy", "horizon, 32 directions", 32, 32,
                   [tool, "horizon", dem + ".tif", "--threads", "1", "-o", os.path.join(folder, "horizon.npy")])]
     clock.run(runs, side)

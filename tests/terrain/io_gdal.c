@@ -326,17 +326,20 @@ static void results_are_whole(void **state) {
     make(&(source){.name = "dem.tif", .nx = SIDE, .ny = SIDE});
     io_raster r = read_well("dem.tif", NULL);
     static const char *const names[] = {"first", "second"};
-    const io_raster_product product = {.nx = SIDE,
-                                       .ny = SIDE,
-                                       .bands = BANDS,
-                                       .cell = IO_CELL_FLOAT32,
-                                       .map = (const double(*)[4])r.map,
-                                       .georef = &r.georef,
-                                       .has_nodata = true,
-                                       .nodata = -1,
-                                       .band_names = names};
-    static const char *const outputs[] = {"out.tif", "out.npy"};
-    for (size_t o = 0; o < 2; o++) {
+    io_raster_product product = {.nx = SIDE,
+                                 .ny = SIDE,
+                                 .bands = BANDS,
+                                 .cell = IO_CELL_FLOAT32,
+                                 .map = (const double(*)[4])r.map,
+                                 .georef = &r.georef,
+                                 .has_nodata = true,
+                                 .nodata = -1,
+                                 .band_names = names};
+    static const char *const outputs[] = {"out.tif", "out.npy", "zstd.tif", "plain.TIFF"};
+    static const io_compression compressions[] = {IO_DEFLATE, IO_ZSTD, IO_ZSTD, IO_UNCOMPRESSED};
+    for (size_t o = 0; o < 4; o++) {
+        product.compression = compressions[o];
+        assert_true(io_raster_is_tif(outputs[o]) == (o != 1));
         io_raster_writer w;
         io_error error = {""};
         check(io_raster_create(&w, outputs[o], &product, &error), "%s", error.text);
@@ -350,6 +353,17 @@ static void results_are_whole(void **state) {
         assert_int_equal(access(outputs[o], F_OK), 0);
     }
     io_raster_free(&r);
+    static float back[SIDE][SIDE];
+    for (size_t o = 2; o < 4; o++) {
+        GDALDatasetH other = GDALOpen(outputs[o], GA_ReadOnly);
+        assert_non_null(other);
+        const char *compression = GDALGetMetadataItem(other, "COMPRESSION", "IMAGE_STRUCTURE");
+        check(o == 2 ? strcmp(compression, "ZSTD") == 0 : compression == NULL, "%s", compression);
+        GDALRasterBandH second = GDALGetRasterBand(other, 2);
+        assert_int_equal(GDALRasterIO(second, GF_Read, 0, 0, SIDE, SIDE, back, SIDE, SIDE, GDT_Float32, 0, 0), CE_None);
+        assert_memory_equal(back, cells[1], sizeof back);
+        GDALClose(other);
+    }
     GDALDatasetH file = GDALOpen("out.tif", GA_ReadOnly);
     assert_non_null(file);
     double transform[6], nodata = GDALGetRasterNoDataValue(GDALGetRasterBand(file, 2), NULL);
@@ -362,7 +376,6 @@ static void results_are_whole(void **state) {
     int across, down;
     GDALGetBlockSize(GDALGetRasterBand(file, 1), &across, &down);
     assert_true(across == 160 && down == 160); /* twice that is more than 300, by less than two tiles of 256 are */
-    static float back[SIDE][SIDE];
     for (int b = 1; b <= BANDS; b++) {
         assert_int_equal(
             GDALRasterIO(GDALGetRasterBand(file, b), GF_Read, 0, 0, SIDE, SIDE, back, SIDE, SIDE, GDT_Float32, 0, 0),

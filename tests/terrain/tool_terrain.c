@@ -183,6 +183,10 @@ static void what_is_refused(void **state) {
     check_refused((const char *const[]){"viewshed", "wall.npy", "--from", "-300,4", "-o", "v.npy", NULL}, 1,
                   "there is no ground at -300, 4");
     check_refused((const char *const[]){"horizon", "wall.npy", "-o", "h.png", NULL}, 1, "no room for 32 bands");
+    check_refused((const char *const[]){"horizon", "wall.npy", "--compress", "zstd", "-o", "h.npy", NULL}, 2,
+                  "--compress goes with -o FILE.tif");
+    check_refused((const char *const[]){"horizon", "wall.npy", "--compress", "lzw", "-o", "h.tif", NULL}, 2,
+                  "there are deflate, zstd, none");
     check_refused((const char *const[]){"horizon", "wall.npy", "--at", "-5,3", NULL}, 1, "there is no ground at -5, 3");
     check_refused((const char *const[]){"los", "wall.npy", "-5,3,+2", "10,10,+2", NULL}, 1,
                   "there is no ground at -5, 3");

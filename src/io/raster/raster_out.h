@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Rasters to files: what was computed for each sample of a terrain, written row by row. The ending of the name says the
- * format: .tif (GeoTIFF in deflated tiles, with the terrain's coordinate system), .npy (a NumPy array), .png (a grey
+ * format: .tif (GeoTIFF in compressed tiles, with the terrain's coordinate system), .npy (a NumPy array), .png (a grey
  * picture). The file appears under its name only when it is whole. */
 #ifndef CELLWALK_IO_RASTER_OUT_H
 #define CELLWALK_IO_RASTER_OUT_H
@@ -9,6 +9,9 @@
 #include "output.h"
 
 typedef enum io_cell { IO_CELL_UINT8, IO_CELL_UINT16, IO_CELL_FLOAT32 } io_cell;
+
+/* Of GeoTIFFs. All are without loss. */
+typedef enum io_compression { IO_DEFLATE, IO_ZSTD, IO_UNCOMPRESSED } io_compression;
 
 /* What is to be written. */
 typedef struct io_raster_product {
@@ -21,6 +24,7 @@ typedef struct io_raster_product {
     double black, white;           /* in a picture: what values become 0 and 255 */
     const char *const *band_names; /* NULL, or one for each band; for GeoTIFF */
     unsigned threads;              /* that may compress; 0: as many as there are CPUs */
+    io_compression compression;
 } io_raster_product;
 
 typedef struct io_raster_writer {
@@ -32,6 +36,9 @@ typedef struct io_raster_writer {
 } io_raster_writer;
 
 size_t io_cell_bytes(io_cell cell);
+
+/* Whether the name's ending is that of a GeoTIFF. */
+bool io_raster_is_tif(const char *path);
 
 /* The side of a GeoTIFF's tiles along so many samples: 256 or less, so that the last tile is nearly full too, whose rest is
  * compressed for nothing. To be written fast, rows come in whole tiles. */

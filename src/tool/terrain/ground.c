@@ -10,6 +10,11 @@
 #include <string.h>
 #include <sys/stat.h>
 
+static const char *compression_names(size_t number) {
+    static const char *const names[] = {"deflate", "zstd", "none"};
+    return number < sizeof names / sizeof *names ? names[number] : NULL;
+}
+
 void ground_rows(ground_options *o, const char *name, option_spec rows[GROUND_OPTION_COUNT]) {
     option_spec query[QUERY_OPTION_COUNT];
     o->name = name;
@@ -19,10 +24,17 @@ void ground_rows(ground_options *o, const char *name, option_spec rows[GROUND_OP
                             .help = "what is found for each sample: .tif (GeoTIFF), .npy\n(NumPy array) or .png (grey)",
                             .kind = OPTION_TEXT,
                             .to = &o->output};
-    raster_options_rows(&o->raster, rows + 1);
+    rows[1] = (option_spec){.name = "compress",
+                            .value = "NAME",
+                            .help = "how a GeoTIFF is compressed, without loss in any case:\nall programs read deflate "
+                                    "(the default), newer ones zstd,\nwhich takes less time",
+                            .kind = OPTION_NAME,
+                            .to = &o->compression,
+                            .names = compression_names};
+    raster_options_rows(&o->raster, rows + 2);
     query_options_rows(&o->query, query);
-    rows[1 + RASTER_OPTION_COUNT] = query[QUERY_ISA];
-    rows[2 + RASTER_OPTION_COUNT] = query[QUERY_THREADS];
+    rows[2 + RASTER_OPTION_COUNT] = query[QUERY_ISA];
+    rows[3 + RASTER_OPTION_COUNT] = query[QUERY_THREADS];
 }
 
 /* Whether the output would take an input's place: said before any work, since the output is opened after it. */
@@ -66,6 +78,10 @@ static int open_ground(ground *g, ground_options *o, const char *path, size_t ba
     if (!raster_options_resolve(&o->raster, o->name, &raster)) return EXIT_USAGE;
     if (bands > 0 && o->output == NULL) {
         command_fail(o->name, "nothing to do: give -o FILE for what is found");
+        return EXIT_USAGE;
+    }
+    if (o->compression != IO_DEFLATE && !(bands > 0 && io_raster_is_tif(o->output))) {
+        command_fail(o->name, "--compress goes with -o FILE.tif");
         return EXIT_USAGE;
     }
     if (bands > 0 && !io_raster_can_write(o->output, bands, &error)) return command_fail(o->name, "%s", error.text);
@@ -146,6 +162,7 @@ io_raster_product ground_product(const ground *g, io_cell cell, size_t bands) {
         .black = 0,
         .white = 1,
         .threads = cw_pool_threads(g->query.pool),
+        .compression = (io_compression)g->options->compression,
     };
 }
 

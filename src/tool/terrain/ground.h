@@ -15,10 +15,11 @@
 typedef struct ground_options {
     const char *name; /* of the subcommand */
     const char *output;
+    int compression; /* io_compression */
     raster_options raster;
     query_options query;
 } ground_options;
-enum { GROUND_OPTION_COUNT = 1 + RASTER_OPTION_COUNT + 2 };
+enum { GROUND_OPTION_COUNT = 2 + RASTER_OPTION_COUNT + 2 };
 void ground_rows(ground_options *o, const char *name, option_spec rows[GROUND_OPTION_COUNT]);
 
 typedef struct ground {

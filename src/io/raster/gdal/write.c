@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* GeoTIFF: tiles, deflated, a band after the other. */
+/* GeoTIFF: tiles, compressed, a band after the other. */
 
 #include "parts.h"
 
@@ -42,6 +42,26 @@ static bool describe(io_gdal_target *t, const io_raster_product *p) {
     return true;
 }
 
+/* Whether GDAL was built with a compression. */
+static bool has_compression(GDALDriverH driver, const char *name) {
+    const char *list = GDALGetMetadataItem(driver, GDAL_DMD_CREATIONOPTIONLIST, NULL);
+    char value[40];
+    snprintf(value, sizeof value, "<Value>%s</Value>", name);
+    return list != NULL && strstr(list, value) != NULL;
+}
+
+static char **compression_options(char **options, const io_raster_product *p) {
+    static const char *const names[] = {"DEFLATE", "ZSTD", "NONE"};
+    options = CSLSetNameValue(options, "COMPRESS", names[p->compression]);
+    if (p->compression == IO_UNCOMPRESSED) return options;
+    /* Floats get hardly smaller by more, but take three times as long. */
+    options = CSLSetNameValue(options, p->compression == IO_ZSTD ? "ZSTD_LEVEL" : "ZLEVEL", "1");
+    return CSLSetNameValue(options, "PREDICTOR",
+                           p->cell == IO_CELL_FLOAT32  ? "3"
+                           : p->cell == IO_CELL_UINT16 ? "2"
+                                                       : "1");
+}
+
 io_gdal_target *gdal_create(const char *path, const char *name, const io_raster_product *p, io_error *error) {
     CPLErrorReset();
     io_gdal_target *t = calloc(1, sizeof *t);
@@ -58,13 +78,7 @@ io_gdal_target *gdal_create(const char *path, const char *name, const io_raster_
     options = CSLSetNameValue(options, "TILED", "YES");
     options = CSLSetNameValue(options, "BLOCKXSIZE", side[0]);
     options = CSLSetNameValue(options, "BLOCKYSIZE", side[1]);
-    options = CSLSetNameValue(options, "COMPRESS", "DEFLATE");
-    options =
-        CSLSetNameValue(options, "ZLEVEL", "1"); /* floats get hardly smaller by more, but take three times as long */
-    options = CSLSetNameValue(options, "PREDICTOR",
-                              p->cell == IO_CELL_FLOAT32  ? "3"
-                              : p->cell == IO_CELL_UINT16 ? "2"
-                                                          : "1");
+    options = compression_options(options, p);
     options = CSLSetNameValue(options, "INTERLEAVE", "BAND");
     options = CSLSetNameValue(options, "PHOTOMETRIC", "MINISBLACK");
     options = CSLSetNameValue(options, "BIGTIFF", "IF_SAFER");
@@ -74,10 +88,14 @@ io_gdal_target *gdal_create(const char *path, const char *name, const io_raster_
     t->tile_rows = io_raster_tile_side(p->ny);
     t->type = type_of(p->cell);
     GDALDriverH driver = GDALGetDriverByName("GTiff");
-    if (driver != NULL) t->file = GDALCreate(driver, path, (int)p->nx, (int)p->ny, (int)p->bands, t->type, options);
+    const bool can = driver != NULL && (p->compression != IO_ZSTD || has_compression(driver, "ZSTD"));
+    if (can) t->file = GDALCreate(driver, path, (int)p->nx, (int)p->ny, (int)p->bands, t->type, options);
     CSLDestroy(options);
     if (t->file != NULL && describe(t, p)) return t;
-    gdal_fail(error, name, "cannot write");
+    if (can || driver == NULL)
+        gdal_fail(error, name, "cannot write");
+    else
+        io_fail(error, "%s: GDAL was built without ZSTD; leave out --compress", name);
     if (t->file != NULL) GDALClose(t->file);
     free(t->name);
     free(t);
