@@ -56,4 +56,12 @@ LANE_INLINE void lane_weave(const float *restrict a, const float *restrict b, si
     }
 }
 
+/* An array's even places, then its odd ones. */
+LANE_INLINE void lane_unweave(const float *restrict a, size_t n, float *restrict out) {
+    for (size_t k = 0; k < n / 2; k++) {
+        out[k] = a[2 * k];
+        out[n / 2 + k] = a[2 * k + 1];
+    }
+}
+
 #endif

@@ -145,24 +145,23 @@ static void place_plain_probes(const wave_strip *s, const texture *t, wave_probe
     for (size_t k = 0; k < wave_whole(s->n); k++) place_texels(p, k, l.height, l.stride, l.first);
 }
 
-/* A half as a float, exactly, as half_number does it. */
-LANE_INLINE float lane_half(uint16_t half) {
+/* A half, given as a signed number, as a float: exactly, as half_number does it. */
+LANE_INLINE float lane_half(int32_t half) {
     union {
         uint32_t bits;
         float f;
-    } size = {(uint32_t)(half & 0x7fff) << 13}, value;
-    value.f = size.f * 0x1p112f;
-    value.bits |= (uint32_t)(half & 0x8000) << 16;
-    return value.f;
+    } value = {((uint32_t)half << 13) & 0x8fffe000u};
+    return value.f * 0x1p112f;
 }
 
-/* The interpolated colour at a probe; the fourth is 0. */
+/* The interpolated colour at a probe; the fourth is 0. Two texels side by side are eight halves: a vector. */
 LANE_INLINE void read_probe(const uint16_t *above, const uint16_t *below, float right, float down, float colour[4]) {
-    for (int c = 0; c < 4; c++) {
-        const float a = lane_half(above[c]), b = lane_half(below[c]);
-        const float high = a + right * (lane_half(above[4 + c]) - a), low = b + right * (lane_half(below[4 + c]) - b);
-        colour[c] = high + down * (low - high);
+    float pair[8];
+    for (int k = 0; k < 8; k++) {
+        const float high = lane_half((int16_t)above[k]), low = lane_half((int16_t)below[k]);
+        pair[k] = high + down * (low - high);
     }
+    for (int c = 0; c < 4; c++) colour[c] = pair[c] + right * (pair[4 + c] - pair[c]);
 }
 
 /* The colours at up to WAVE_STRIP probes from first on. */

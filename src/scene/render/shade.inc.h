@@ -10,48 +10,68 @@
 
 static const float one_by_pi = 0.318309886f;
 
-/* How far the points of neighbouring samples are from the strip's, in the flat surface. Of camera rays this follows from
- * the picture; what their directions change along themselves drops out. */
-static void spread_on_surface(wave *w, const wave_rays *r, size_t home, const plan_shape *shape, bool in_a_row) {
-    wave_strip *s = &w->strip;
-    if (home == PLAN_CAMERA) {
-        float step[2][3];
-        memcpy(step, shape->step, sizeof step);
-        copy(s, in_a_row, r->dir[2], s->in[0]);
-        for (size_t k = 0; k < wave_whole(s->n); k++) {
-            const float depth = s->in[0][k];
-            for (int a = 0; a < 2; a++)
-                for (int c = 0; c < 3; c++) {
-                    s->apart_dir[a][c][k] = depth * step[a][c];
-                    s->apart[a][c][k] = s->t[k] * s->apart_dir[a][c][k];
-                }
-        }
-    } else {
-        const plan_map *map = plan_map_to(w->plan, (size_t)(shape - w->plan->shapes), home);
-        const wave_spread *spread = r->spread;
+/* A neighbour's point, at (x, y, z) from a path's, along its own ray into the flat surface. */
+LANE_INLINE void slide(wave_strip *s, size_t k, int axis, float x, float y, float z, float facing) {
+    const float dx = s->dir[0][k], dy = s->dir[1][k], dz = s->dir[2][k];
+    const float further = lane_dot(x, y, z, s->flat[0][k], s->flat[1][k], s->flat[2][k]) * facing;
+    const float cx = x - further * dx, cy = y - further * dy, cz = z - further * dz;
+    /* A ray that runs along the surface says nothing about the size of the sample's footprint. */
+    const int finite = cx * cx + cy * cy + cz * cz <= FLT_MAX;
+    s->apart[axis][0][k] = finite ? cx : 0;
+    s->apart[axis][1][k] = finite ? cy : 0;
+    s->apart[axis][2][k] = finite ? cz : 0;
+}
+
+LANE_INLINE float by_facing(const wave_strip *s, size_t k) {
+    return 1 / lane_dot(s->dir[0][k], s->dir[1][k], s->dir[2][k], s->flat[0][k], s->flat[1][k], s->flat[2][k]);
+}
+
+/* Of camera rays this follows from the picture; what their directions change along themselves drops out. */
+LANE_INLINE void spread_camera(wave_strip *restrict s, const plan_shape *shape, const float *restrict depth,
+                               bool directions) {
+    float step[2][3];
+    memcpy(step, shape->step, sizeof step);
+    for (size_t k = 0; k < wave_whole(s->n); k++) {
+        const float way = s->t[k], facing = by_facing(s, k);
         for (int a = 0; a < 2; a++) {
-            const float *in[3];
-            fetch_vector(s, in_a_row, spread->dir[a], s->in, in);
-            turn_vectors(map, in[0], in[1], in[2], wave_whole(s->n), s->apart_dir[a]);
-            fetch_vector(s, in_a_row, spread->org[a], s->in, in);
-            turn_vectors(map, in[0], in[1], in[2], wave_whole(s->n), s->apart[a]);
-            for (int c = 0; c < 3; c++)
-                for (size_t k = 0; k < wave_whole(s->n); k++) s->apart[a][c][k] += s->t[k] * s->apart_dir[a][c][k];
+            const float x = depth[k] * step[a][0], y = depth[k] * step[a][1], z = depth[k] * step[a][2];
+            slide(s, k, a, way * x, way * y, way * z, facing);
+            if (!directions) continue;
+            s->apart_dir[a][0][k] = x;
+            s->apart_dir[a][1][k] = y;
+            s->apart_dir[a][2][k] = z;
         }
     }
+}
+
+/* How far the points of neighbouring samples are from the strip's, in the flat surface; and how their directions differ,
+ * if that is wanted. */
+static void spread_on_surface(wave *w, const wave_rays *r, size_t home, const plan_shape *shape, bool in_a_row,
+                              bool directions) {
+    wave_strip *s = &w->strip;
+    if (home == PLAN_CAMERA) {
+        const float *depth = fetch(s, in_a_row, r->dir[2], s->in[0]);
+        if (directions)
+            spread_camera(s, shape, depth, true);
+        else
+            spread_camera(s, shape, depth, false);
+        return;
+    }
+    const plan_map *map = plan_map_to(w->plan, (size_t)(shape - w->plan->shapes), home);
+    const wave_spread *spread = r->spread;
     for (int a = 0; a < 2; a++) {
-        float *x = s->apart[a][0], *y = s->apart[a][1], *z = s->apart[a][2];
-        for (size_t k = 0; k < wave_whole(s->n); k++) {
-            const float nx = s->flat[0][k], ny = s->flat[1][k], nz = s->flat[2][k];
-            const float dx = s->dir[0][k], dy = s->dir[1][k], dz = s->dir[2][k];
-            const float further = lane_dot(x[k], y[k], z[k], nx, ny, nz) / lane_dot(dx, dy, dz, nx, ny, nz);
-            const float cx = x[k] - further * dx, cy = y[k] - further * dy, cz = z[k] - further * dz;
-            /* A ray that runs along the surface says nothing about the size of the sample's footprint. */
-            const int finite = cx * cx + cy * cy + cz * cz <= FLT_MAX;
-            x[k] = finite ? cx : 0;
-            y[k] = finite ? cy : 0;
-            z[k] = finite ? cz : 0;
-        }
+        const float *in[3];
+        fetch_vector(s, in_a_row, spread->dir[a], s->in, in);
+        turn_vectors(map, in[0], in[1], in[2], wave_whole(s->n), s->apart_dir[a]);
+        fetch_vector(s, in_a_row, spread->org[a], s->in, in);
+        turn_vectors(map, in[0], in[1], in[2], wave_whole(s->n), s->apart[a]);
+    }
+    for (size_t k = 0; k < wave_whole(s->n); k++) {
+        const float way = s->t[k], facing = by_facing(s, k);
+        for (int a = 0; a < 2; a++)
+            slide(s, k, a, s->apart[a][0][k] + way * s->apart_dir[a][0][k],
+                  s->apart[a][1][k] + way * s->apart_dir[a][1][k], s->apart[a][2][k] + way * s->apart_dir[a][2][k],
+                  facing);
     }
 }
 
@@ -102,7 +122,7 @@ static void find_colour(wave *w, const wave_rays *r, size_t home, const plan_sha
     wave_strip *s = &w->strip;
     const material *m = shape->surface;
     if (m->image != NULL) {
-        spread_on_surface(w, r, home, shape, in_a_row);
+        spread_on_surface(w, r, home, shape, in_a_row, false);
         find_uv(s, shape);
         look_up(w, m->image);
     } else {
@@ -138,8 +158,9 @@ static void send_light(wave *w, const wave_rays *r, const plan_shape *shape, siz
         const float lit = lane_dot(tx, ty, tz, s->flat[0][k], s->flat[1][k], s->flat[2][k]);
         const float nx = s->normal[0][k], ny = s->normal[1][k], nz = s->normal[2][k];
         const float distance = lane_square(g, tx, ty, tz), length = lane_square(inverse, nx, ny, nz);
-        const float near = 1 / sqrtf(distance);
-        const float cosine = fabsf(lane_dot(tx, ty, tz, nx, ny, nz)) * near / sqrtf(length);
+        /* One division for two reciprocals. */
+        const float root = sqrtf(length), both = 1 / (sqrtf(distance) * root), near = root * both;
+        const float cosine = fabsf(lane_dot(tx, ty, tz, nx, ny, nz)) * both;
         const float share = cosine * (near * near) * one_by_pi;
         const float red = s->colour[0][k] * ir * share, green = s->colour[1][k] * ig * share;
         const float blue = s->colour[2][k] * ib * share;
@@ -280,7 +301,7 @@ static void shade_strip(wave *w, const wave_rays *r, size_t home, size_t number,
         const size_t count = next->count;
         send_mirrored(w, r, home, shape, in_a_row, n, next);
         if (!turns) return;
-        spread_on_surface(w, r, home, shape, in_a_row);
+        spread_on_surface(w, r, home, shape, in_a_row, true);
         spread_mirrored(&w->strip, shape, count, next->spread);
         return;
     }

@@ -81,48 +81,60 @@ static void arrive(wave *w, const wave_rays *r, size_t home, size_t shape, bool 
 
 LANE_INLINE ptrdiff_t clamp(ptrdiff_t x, ptrdiff_t last) { return x < 0 ? 0 : x > last ? last : x; }
 
-/* The 4 x 4 samples around each cell. A path's four rows are copied as they stand; weaving what sixteen paths have four times,
- * each time the second half into the first, sorts it by sample. In place of a sample beyond the border stands the one there. */
+/* The 4 x 4 samples around each cell. Each row of four is copied as it stands for sixteen paths; putting the even places first,
+ * twice, sorts these by sample. In place of a sample beyond the border stands the one there. */
 LANE_INLINE void fetch_window(wave_strip *s, const plan_shape *shape, bool border) {
     const float *samples = shape->field->samples;
     const ptrdiff_t nx = (ptrdiff_t)shape->field->nx, last_i = nx - 1, last_j = (ptrdiff_t)shape->field->ny - 1;
     for (size_t first = 0; first < wave_whole(s->n); first += WAVE_LANES) {
-        enum { WHOLE = WAVE_WINDOW * WAVE_LANES };
-        float a[WHOLE], b[WHOLE];
-        for (size_t k = 0; k < WAVE_LANES; k++)
-            for (int row = 0; row < 4; row++) {
-                const ptrdiff_t i = s->i[first + k] - 1, j = s->j[first + k] - 1 + row;
-                float *to = &a[k * WAVE_WINDOW + 4 * (size_t)row];
+        enum { ROW = 4 * WAVE_LANES };
+        float row[4][ROW];
+        for (size_t k = 0; k < WAVE_LANES; k++) {
+            const ptrdiff_t i = s->i[first + k] - 1, j = s->j[first + k] - 1;
+            for (int r = 0; r < 4; r++)
                 if (border)
-                    for (int c = 0; c < 4; c++) to[c] = samples[clamp(j, last_j) * nx + clamp(i + c, last_i)];
+                    for (int c = 0; c < 4; c++)
+                        row[r][4 * k + (size_t)c] = samples[clamp(j + r, last_j) * nx + clamp(i + c, last_i)];
                 else
-                    memcpy(to, samples + j * nx + i, 4 * sizeof *to);
-            }
-        lane_weave(a, a + WHOLE / 2, WHOLE / 2, b);
-        lane_weave(b, b + WHOLE / 2, WHOLE / 2, a);
-        lane_weave(a, a + WHOLE / 2, WHOLE / 2, b);
-        lane_weave(b, b + WHOLE / 2, WHOLE / 2, a);
-        for (size_t q = 0; q < WAVE_WINDOW; q++)
-            memcpy(&s->window[q][first], &a[q * WAVE_LANES], WAVE_LANES * sizeof *a);
+                    memcpy(&row[r][4 * k], samples + (j + r) * nx + i, 4 * sizeof(float));
+        }
+        for (size_t r = 0; r < 4; r++) {
+            float half[ROW], sorted[ROW];
+            lane_unweave(row[r], ROW, half);
+            lane_unweave(half, ROW, sorted);
+            for (size_t c = 0; c < 4; c++)
+                memcpy(&s->window[4 * r + c][first], sorted + c * WAVE_LANES, WAVE_LANES * sizeof *sorted);
+        }
     }
 }
 
 /* The sample of a window at (x, y) from its cell's first corner. */
-LANE_INLINE float window_sample(const wave_strip *s, int x, int y, size_t k) { return s->window[4 * y + x + 5][k]; }
+enum { WINDOW_CELL = 5 };
+LANE_INLINE float window_sample(const wave_strip *s, int x, int y, size_t k) {
+    return s->window[WINDOW_CELL + 4 * y + x][k];
+}
 
-/* Whether some cell lies at the border; goes_on says on which sides of each the field does not end. */
-static bool at_border(wave_strip *s, const plan_shape *shape) {
+/* Whether some cell lies at the border. */
+static bool at_border(const wave_strip *s, const plan_shape *shape) {
     const int32_t last_i = (int32_t)shape->field->nx - 2, last_j = (int32_t)shape->field->ny - 2;
     int32_t border = 0;
     for (size_t k = 0; k < wave_whole(s->n); k++) {
-        const int32_t east = s->i[k]<last_i, north = s->j[k]<last_j, west = s->i[k]> 0, south = s->j[k]> 0;
-        s->goes_on[EAST][k] = (float)east;
-        s->goes_on[NORTH][k] = (float)north;
-        s->goes_on[WEST][k] = (float)west;
-        s->goes_on[SOUTH][k] = (float)south;
-        border |= (east & north & west & south) == 0;
+        const int32_t i = s->i[k], j = s->j[k];
+        border |= (i == 0) | (j == 0) | (i == last_i) | (j == last_j);
     }
     return border != 0;
+}
+
+/* On which sides of each cell the field does not end. */
+static void find_sides(wave_strip *s, const plan_shape *shape) {
+    const int32_t last_i = (int32_t)shape->field->nx - 2, last_j = (int32_t)shape->field->ny - 2;
+    for (size_t k = 0; k < wave_whole(s->n); k++) {
+        const int32_t i = s->i[k], j = s->j[k];
+        s->goes_on[EAST][k] = (float)(i < last_i);
+        s->goes_on[NORTH][k] = (float)(j < last_j);
+        s->goes_on[WEST][k] = (float)(i != 0);
+        s->goes_on[SOUTH][k] = (float)(j != 0);
+    }
 }
 
 /* The cell's corners (0, 0), (1, 0), (0, 1), (1, 1), the point and the normal of the flat triangle, which is long as many
@@ -143,23 +155,24 @@ static bool on_field(wave *w, const plan_shape *shape) {
     const bool smooth = w->plan->normals != SCENE_NORMALS_FLAT;
     const bool border = smooth && (at_border(s, shape) || w->plan->general);
     if (smooth) {
-        if (border)
+        if (border) {
+            find_sides(s, shape);
             fetch_window(s, shape, true);
-        else
+        } else {
             fetch_window(s, shape, false);
-        for (int q = 0; q < 4; q++)
-            for (size_t k = 0; k < wave_whole(s->n); k++) s->corner[q][k] = window_sample(s, q & 1, q >> 1, k);
+        }
     } else {
         for (size_t k = 0; k < wave_whole(s->n); k++) {
             const float *z = samples + (size_t)s->j[k] * nx + (size_t)s->i[k];
-            s->corner[0][k] = z[0];
-            s->corner[1][k] = z[1];
-            s->corner[2][k] = z[nx];
-            s->corner[3][k] = z[nx + 1];
+            s->window[WINDOW_CELL][k] = z[0];
+            s->window[WINDOW_CELL + 1][k] = z[1];
+            s->window[WINDOW_CELL + 4][k] = z[nx];
+            s->window[WINDOW_CELL + 5][k] = z[nx + 1];
         }
     }
     for (size_t k = 0; k < wave_whole(s->n); k++) {
-        const float z = s->corner[0][k], east = s->corner[1][k], north = s->corner[2][k], far = s->corner[3][k];
+        const float z = window_sample(s, 0, 0, k), east = window_sample(s, 1, 0, k);
+        const float north = window_sample(s, 0, 1, k), far = window_sample(s, 1, 1, k);
         const float u = s->u[k], v = s->v[k], sum = u + v;
         const int32_t lower = s->lower[k];
         const float x = lower ? sum : u, y = lower ? v : sum;

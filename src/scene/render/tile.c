@@ -39,18 +39,23 @@ static void run_waves(wave *w) {
     }
 }
 
-static void put_pixels(const wave *w, size_t x, size_t y, const wave_region *region, io_image *image) {
+static void put_pixels(wave *w, size_t x, size_t y, const wave_region *region, io_image *image) {
     const double share = 1 / (double)w->plan->samples;
-    for (size_t ty = 0; ty < WAVE_TILE; ty++)
-        for (size_t tx = 0; tx < WAVE_TILE; tx++) {
-            const size_t px = x + tx, py = y + ty;
-            if (px < region->x0 || px >= region->x1 || py < region->y0 || py >= region->y1) continue;
-            float *rgb = &image->rgb[((py - region->y0) * image->width + px - region->x0) * 3];
-            for (size_t c = 0; c < 3; c++) {
-                const double light = w->sum[c][wave_pixel((uint32_t)tx, (uint32_t)ty)] * share;
-                rgb[c] = light > 0 ? (float)light : 0;
-            }
+    const size_t x0 = x > region->x0 ? x : region->x0, x1 = x + WAVE_TILE < region->x1 ? x + WAVE_TILE : region->x1;
+    const size_t y0 = y > region->y0 ? y : region->y0, y1 = y + WAVE_TILE < region->y1 ? y + WAVE_TILE : region->y1;
+    float mean[3][WAVE_TILE * WAVE_TILE];
+    for (int c = 0; c < 3; c++)
+        for (int k = 0; k < WAVE_TILE * WAVE_TILE; k++) {
+            const float light = (float)(w->sum[c][k] * share);
+            mean[c][k] = light > 0 ? light : 0;
         }
+    for (size_t py = y0; py < y1; py++) {
+        float *rgb = &image->rgb[((py - region->y0) * image->width + x0 - region->x0) * 3];
+        for (size_t px = x0; px < x1; px++, rgb += 3) {
+            const uint32_t pixel = wave_pixel((uint32_t)(px - x), (uint32_t)(py - y));
+            for (int c = 0; c < 3; c++) rgb[c] = mean[c][pixel];
+        }
+    }
 }
 
 bool CELLWALK_TILE(wave *w, size_t x, size_t y, const wave_region *region, const atomic_bool *cancel, io_image *image) {

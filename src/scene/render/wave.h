@@ -93,8 +93,8 @@ typedef struct wave_strip {
     float in[3][WAVE_STRIP];                                 /* from the wave, in the space where the ray began */
     int32_t i[WAVE_STRIP], j[WAVE_STRIP], lower[WAVE_STRIP]; /* cell, and whether its lower triangle was hit */
     float u[WAVE_STRIP], v[WAVE_STRIP];
-    float corner[4][WAVE_STRIP], window[WAVE_WINDOW][WAVE_STRIP]; /* the cell's own samples; 4 x 4 around it */
-    float goes_on[4][WAVE_STRIP]; /* 1 or 0: there is field to the east, north, west, south of the cell */
+    float window[WAVE_WINDOW][WAVE_STRIP]; /* 4 x 4 samples around the cell, or its own four alone */
+    float goes_on[4][WAVE_STRIP];          /* 1 or 0: there is field to the east, north, west, south of the cell */
     float uv[2][WAVE_STRIP], uv_apart[2][2][WAVE_STRIP];
 } wave_strip;
 
