@@ -30,6 +30,11 @@ static space space_of_field(const heightfield *h) {
     return space_of(&to_world);
 }
 
+/* A space's origin, in the world. */
+static void origin_of(const space *s, double out[3]) {
+    for (int r = 0; r < 3; r++) out[r] = s->to_world.m[r][3];
+}
+
 /* A point of the world; the translation goes first, so that what lies far from the world's origin loses nothing. */
 static void into_space(const space *s, const double point[3], double out[3]) {
     double from[3];
@@ -39,8 +44,8 @@ static void into_space(const space *s, const double point[3], double out[3]) {
 
 static plan_map map_between(const space *from, const space *to) {
     plan_map map;
-    const double begin[3] = {from->to_world.m[0][3], from->to_world.m[1][3], from->to_world.m[2][3]};
-    double shift[3];
+    double begin[3], shift[3];
+    origin_of(from, begin);
     into_space(to, begin, shift);
     for (int r = 0; r < 3; r++) {
         for (int c = 0; c < 3; c++) {
@@ -114,20 +119,35 @@ static bool is_inside(const space *round, const double world[3]) {
     return at[0] * at[0] + at[1] * at[1] < (1 - inside_margin) * (1 - inside_margin);
 }
 
+/* Whether a shape lies inside of a cylinder. */
+static bool lies_within(const plan_shape *shape, const space *own, const space *round) {
+    for (int corner = 0; corner < 8; corner++) {
+        double at[3], world[3];
+        for (int k = 0; k < 3; k++) at[k] = (double)(corner >> k & 1 ? shape->high[k] : shape->low[k]);
+        transform_point(&own->to_world, at, world);
+        if (!is_inside(round, world)) return false;
+    }
+    return true;
+}
+
+/* Whether all rays from a home begin inside of a cylinder. */
+static bool begins_within(const plan *p, const space *spaces, size_t home, size_t behind) {
+    const space *round = &spaces[plan_home(behind)];
+    if (p->general || home == plan_home(behind)) return false;
+    if (home == PLAN_CAMERA) {
+        double eye[3];
+        origin_of(&spaces[PLAN_CAMERA], eye);
+        return is_inside(round, eye);
+    }
+    return lies_within(&p->shapes[home - 1], &spaces[home], round);
+}
+
 /* A cylinder's inside is convex: a segment with both ends in it stays there. */
 static bool may_block(const plan *p, const space *spaces, size_t light, size_t shape, size_t behind) {
     const space *c = &spaces[plan_home(behind)];
     if (!is_inside(c, p->scene->lights[light].position)) return true;
     if (shape == behind) return false;
-    if (p->general) return true;
-    for (int corner = 0; corner < 8; corner++) {
-        const plan_shape *s = &p->shapes[shape];
-        double at[3], world[3];
-        for (int k = 0; k < 3; k++) at[k] = (double)(corner >> k & 1 ? s->high[k] : s->low[k]);
-        transform_point(&spaces[plan_home(shape)].to_world, at, world);
-        if (!is_inside(c, world)) return true;
-    }
-    return false;
+    return p->general || !lies_within(&p->shapes[shape], &spaces[plan_home(shape)], c);
 }
 
 /* ---- all together ------------------------------------------------------------------------------------------------- */
@@ -136,9 +156,10 @@ static bool allocate(plan *p, space **spaces) {
     const size_t shapes = p->shape_count, cylinders = shapes - p->field_count;
     p->shapes = calloc(shapes + 1, sizeof *p->shapes);
     p->maps = calloc((shapes + 1) * (shapes + 1), sizeof *p->maps);
+    p->within = calloc((shapes + 1) * (shapes + 1), sizeof *p->within);
     p->blocks = calloc(p->light_count * shapes * cylinders + 1, sizeof *p->blocks);
     *spaces = calloc(shapes + 1, sizeof **spaces);
-    bool good = p->shapes != NULL && p->maps != NULL && p->blocks != NULL && *spaces != NULL;
+    bool good = p->shapes != NULL && p->maps != NULL && p->within != NULL && p->blocks != NULL && *spaces != NULL;
     for (size_t k = 0; good && k < shapes; k++) {
         p->shapes[k].lights = calloc(p->light_count + 1, sizeof *p->shapes[k].lights);
         good = p->shapes[k].lights != NULL;
@@ -172,6 +193,56 @@ static void place_camera(plan *p, const space *spaces) {
             p->shapes[k].step[0][c] = map->m[c][0] * between;
             p->shapes[k].step[1][c] = -map->m[c][1] * between;
         }
+}
+
+/* The square root of the sum of a matrix's squares: it makes no vector longer than so many times. */
+static double stretch(double m[3][3]) {
+    double sum = 0;
+    for (int r = 0; r < 3; r++) sum += dot(m[r], m[r]);
+    return sqrt(sum);
+}
+
+/* Finds the rectangle in which the camera sees a shape's box, if all of it lies in front. Camera rays are moved to the shape's
+ * space in floats: each component of a direction d there is off by less than 2^-22 |row| |d|, of the origin by 2^-24 of
+ * itself. Back in the camera's space that turns a ray by less than there · back · 2^-21 (1 + farthest / nearest), where
+ * there and back are how far the maps between the two stretch, and farthest and nearest are the corners. The room that is left
+ * around is four times as wide. */
+static void find_seen(plan_shape *shape, const space *camera, const space *own) {
+    double there[3][3], back[3][3];
+    for (int r = 0; r < 3; r++)
+        for (int c = 0; c < 3; c++) {
+            there[r][c] = back[r][c] = 0;
+            for (int k = 0; k < 3; k++) {
+                there[r][c] += own->back[r][k] * camera->to_world.m[k][c];
+                back[r][c] += camera->back[r][k] * own->to_world.m[k][c];
+            }
+        }
+    double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY}, nearest = INFINITY, farthest = 0;
+    for (int corner = 0; corner < 8; corner++) {
+        double at[3], world[3], seen[3];
+        for (int k = 0; k < 3; k++) at[k] = (double)(corner >> k & 1 ? shape->high[k] : shape->low[k]);
+        transform_point(&own->to_world, at, world);
+        into_space(camera, world, seen);
+        nearest = fmin(nearest, seen[2]);
+        farthest = fmax(farthest, sqrt(dot(seen, seen)));
+        for (int c = 0; c < 2; c++) {
+            low[c] = fmin(low[c], seen[c] / seen[2]);
+            high[c] = fmax(high[c], seen[c] / seen[2]);
+        }
+    }
+    /* The origin of the shape's space is one of the corners but for its height. */
+    double begin[3], origin[3];
+    origin_of(own, begin);
+    into_space(camera, begin, origin);
+    farthest = fmax(farthest, sqrt(dot(origin, origin)));
+    double slopes = 1; /* a turn by so much moves a ray by this many times as much at depth 1 */
+    for (int c = 0; c < 2; c++) slopes += fmax(low[c] * low[c], high[c] * high[c]);
+    const double room = slopes * stretch(there) * stretch(back) * 0x1p-19 * (1 + farthest / nearest);
+    const bool known = nearest > 0 && room < 0.1;
+    for (int c = 0; c < 2; c++) {
+        shape->seen[0][c] = known ? (float)(low[c] - room) : -INFINITY;
+        shape->seen[1][c] = known ? (float)(high[c] + room) : INFINITY;
+    }
 }
 
 static size_t given(size_t option, size_t otherwise) { return option > 0 ? option : otherwise; }
@@ -210,11 +281,15 @@ bool plan_make(plan *p, const scene *s, const scene_render_options *options) {
         for (size_t home = 0; home <= p->shape_count; home++)
             p->maps[k * (p->shape_count + 1) + home] =
                 home == plan_home(k) ? map_identity() : map_between(&spaces[home], &spaces[plan_home(k)]);
+    for (size_t k = p->field_count; k < p->shape_count; k++)
+        for (size_t home = 0; home <= p->shape_count; home++)
+            p->within[k * (p->shape_count + 1) + home] = begins_within(p, spaces, home, k);
     const size_t cylinders = p->shape_count - p->field_count;
     for (size_t l = 0; l < p->light_count; l++)
         for (size_t k = 0; k < p->shape_count; k++)
             for (size_t c = 0; c < cylinders; c++)
                 p->blocks[(l * p->shape_count + k) * cylinders + c] = may_block(p, spaces, l, k, p->field_count + c);
+    for (size_t k = 0; k < p->shape_count; k++) find_seen(&p->shapes[k], &spaces[PLAN_CAMERA], &spaces[plan_home(k)]);
     find_features(p);
     place_camera(p, spaces);
     free(spaces);
@@ -225,6 +300,7 @@ void plan_free(plan *p) {
     for (size_t k = 0; p->shapes != NULL && k < p->shape_count; k++) free(p->shapes[k].lights);
     free(p->shapes);
     free(p->maps);
+    free(p->within);
     free(p->blocks);
     *p = (plan){0};
 }

@@ -76,11 +76,12 @@ LANE_INLINE float earlier_exit(float leave, float low, float high, float org, fl
 
 /* Whether each ray passes through a shape's box between tmin and tmax, 1 or 0. Each t has three roundings, so it is off by
  * less than 2^-22 of itself, and its sign is right: with that much room no ray is left out that passes. */
-LANE_INLINE void pass_box(const plan_shape *shape, const moved *restrict m, int32_t *restrict passes) {
+LANE_INLINE void pass_box(const plan_shape *shape, const moved *restrict m, uint8_t *restrict passes) {
     const float room = 1 + 0x1p-21f;
     float low[3], high[3];
     memcpy(low, shape->low, sizeof low);
     memcpy(high, shape->high, sizeof high);
+    int32_t within[WAVE_LANES]; /* as wide as floats: bytes would make all of the loop's vectors short */
     for (int k = 0; k < WAVE_LANES; k++) {
         float enter = m->tmin[k], leave = m->tmax[k];
         const float ix = 1 / m->dir[0][k], iy = 1 / m->dir[1][k], iz = 1 / m->dir[2][k];
@@ -90,17 +91,38 @@ LANE_INLINE void pass_box(const plan_shape *shape, const moved *restrict m, int3
         leave = earlier_exit(leave, low[0], high[0], m->org[0][k], ix);
         leave = earlier_exit(leave, low[1], high[1], m->org[1][k], iy);
         leave = earlier_exit(leave, low[2], high[2], m->org[2][k], iz);
-        passes[k] = enter <= leave * room;
+        within[k] = enter <= leave * room;
     }
+    for (int k = 0; k < WAVE_LANES; k++) passes[k] = (uint8_t)within[k];
 }
 
-LANE_INLINE void all_pass(int32_t *passes) {
-    for (int k = 0; k < WAVE_LANES; k++) passes[k] = 1;
+/* Whether each way to a light, from t = 0 to 1, has both ends on the same side of the box: no division tells most of those that
+ * do not pass. Rounding moves no sum across a border, so that the ends are where they seem. */
+LANE_INLINE bool all_beside_box(const plan_shape *shape, const moved *restrict m) {
+    int32_t beside[WAVE_LANES], all = 1;
+    for (int k = 0; k < WAVE_LANES; k++) beside[k] = 0;
+    for (int c = 0; c < 3; c++) {
+        const float low = shape->low[c], high = shape->high[c];
+        for (int k = 0; k < WAVE_LANES; k++) {
+            const float org = m->org[c][k], end = org + m->dir[c][k];
+            const float least = org < end ? org : end, most = org < end ? end : org;
+            beside[k] |= (most < low) | (least > high);
+        }
+    }
+    for (int k = 0; k < WAVE_LANES; k++) all &= beside[k];
+    return all != 0;
 }
 
-/* Nothing passes that lies behind the last of so many rays. */
-LANE_INLINE void none_behind(int32_t *passes, size_t rays) {
-    for (size_t k = rays; k < WAVE_LANES; k++) passes[k] = 0;
+/* How many of WAVE_LANES pass, and whether any is not 0. */
+LANE_INLINE size_t count_passes(const uint8_t *passes) {
+    uint64_t half[2];
+    memcpy(half, passes, sizeof half);
+    return (size_t)((half[0] + half[1]) * 0x0101010101010101u >> 56);
+}
+LANE_INLINE bool any_of(const uint8_t *lanes) {
+    uint64_t half[2];
+    memcpy(half, lanes, sizeof half);
+    return (half[0] | half[1]) != 0;
 }
 
 /* The rays one after the other: eight arrays woven into one in three steps, for which there are vector instructions. */
@@ -116,62 +138,111 @@ LANE_INLINE void line_up(const moved *m, cw_ray *out) {
     memcpy(out, ray, sizeof ray);
 }
 
-/* Appends the rays that pass, of those from first on, to what a field is asked. Returns how many are asked now. Mostly all
- * pass or none. */
-LANE_INLINE size_t ask(wave *w, size_t asked, const moved *m, const int32_t *passes, size_t first) {
-    int32_t passing = 0;
-    for (int k = 0; k < WAVE_LANES; k++) passing += passes[k];
+/* Appends the rays from first on to what a field is asked, and returns how many are asked now. */
+LANE_INLINE size_t ask_all(wave *w, size_t asked, const moved *m, size_t first, size_t rays) {
+    line_up(m, &w->asked[asked]);
+    uint32_t *of = &w->asked_of[asked];
+    for (size_t k = 0; k < WAVE_LANES; k++) of[k] = (uint32_t)(first + k);
+    return asked + (rays < WAVE_LANES ? rays : WAVE_LANES);
+}
+
+/* Appends those of them that pass. Mostly all pass or none. */
+LANE_INLINE size_t ask(wave *w, size_t asked, const moved *m, uint8_t *passes, size_t first, size_t rays) {
+    for (size_t k = rays; k < WAVE_LANES; k++) passes[k] = 0; /* the next segment's */
+    const size_t passing = count_passes(passes);
     if (passing == 0) return asked;
+    ask_all(w, asked, m, first, rays);
+    if (passing == WAVE_LANES) return asked + WAVE_LANES;
     cw_ray *to = &w->asked[asked];
     uint32_t *of = &w->asked_of[asked];
-    line_up(m, to);
-    for (size_t k = 0; k < WAVE_LANES; k++) of[k] = (uint32_t)(first + k);
-    if (passing == WAVE_LANES) return asked + WAVE_LANES;
     size_t kept = 0;
     for (size_t k = 0; k < WAVE_LANES; k++) {
         to[kept] = to[k];
         of[kept] = of[k];
-        kept += (size_t)passes[k];
+        kept += passes[k];
     }
     return asked + kept;
 }
 
 /* ---- closest hits ------------------------------------------------------------------------------------------------- */
 
-LANE_INLINE size_t ask_closest(wave *w, const wave_rays *r, const wave_segment *g, size_t f, size_t asked,
-                               origin from) {
+/* What is known of rays before each one is held against a box. */
+typedef enum passing { NONE_PASS, SOME_PASS, ALL_PASS } passing;
+
+/* The tile's camera rays and a field's box: none passes if the tile lies outside of the rectangle in which the box is seen;
+ * all do if those in the tile's corners do, as the box is convex, and as long as no field has been met. */
+static passing camera_passes(const wave *w, size_t f) {
+    const plan *p = w->plan;
+    const plan_shape *shape = &p->shapes[f];
+    if (p->general) return ALL_PASS;
+    const float *low = w->view[0], *high = w->view[1];
+    if (high[0] < shape->seen[0][0] || low[0] > shape->seen[1][0] || high[1] < shape->seen[0][1] ||
+        low[1] > shape->seen[1][1])
+        return NONE_PASS;
+    if (!w->open) return SOME_PASS; /* rays may have ended before they come to the box */
+    const plan_map *map = plan_map_to(p, f, PLAN_CAMERA);
+    moved m;
+    for (int k = 0; k < WAVE_LANES; k++) {
+        const float x = k & 1 ? high[0] : low[0], y = k & 2 ? high[1] : low[1];
+        for (int c = 0; c < 3; c++) {
+            m.org[c][k] = map->m[c][3];
+            m.dir[c][k] = lane_turn(map->m[c], x, y, 1);
+        }
+        m.tmin[k] = 0;
+        m.tmax[k] = INFINITY;
+    }
+    uint8_t passes[WAVE_LANES];
+    pass_box(shape, &m, passes);
+    return count_passes(passes) == WAVE_LANES ? ALL_PASS : SOME_PASS;
+}
+
+LANE_INLINE size_t ask_closest(wave *w, const wave_rays *r, const wave_segment *g, size_t f, size_t asked, origin from,
+                               passing before) {
     const plan *p = w->plan;
     const plan_map *map = plan_map_to(p, f, g->home);
     for (size_t first = g->begin; first < g->end; first += WAVE_LANES) {
         moved m;
-        int32_t passes[WAVE_LANES];
         move_rays(map, from, w->t, r, first, &m);
-        if (p->general)
-            all_pass(passes);
-        else
-            pass_box(&p->shapes[f], &m, passes);
-        if (g->end - first < WAVE_LANES) none_behind(passes, g->end - first);
-        asked = ask(w, asked, &m, passes, first);
+        if (before == ALL_PASS) {
+            asked = ask_all(w, asked, &m, first, g->end - first);
+            continue;
+        }
+        uint8_t passes[WAVE_LANES];
+        pass_box(&p->shapes[f], &m, passes);
+        asked = ask(w, asked, &m, passes, first, g->end - first);
+    }
+    return asked;
+}
+
+/* The rays of one segment. */
+static size_t ask_segment(wave *w, const wave_rays *r, const wave_segment *g, size_t f, size_t asked) {
+    const bool general = w->plan->general;
+    switch (origin_of(g->home, f)) {
+    case FROM_CAMERA:
+        switch (camera_passes(w, f)) {
+        case NONE_PASS:
+            return asked;
+        case SOME_PASS:
+            return ask_closest(w, r, g, f, asked, FROM_CAMERA, SOME_PASS);
+        case ALL_PASS:
+            return ask_closest(w, r, g, f, asked, FROM_CAMERA, ALL_PASS);
+        }
+        return asked;
+    case FROM_HERE:
+        if (general) return ask_closest(w, r, g, f, asked, FROM_HERE, ALL_PASS);
+        return ask_closest(w, r, g, f, asked, FROM_HERE, SOME_PASS);
+    case FROM_ELSEWHERE:
+        if (general) return ask_closest(w, r, g, f, asked, FROM_ELSEWHERE, ALL_PASS);
+        return ask_closest(w, r, g, f, asked, FROM_ELSEWHERE, SOME_PASS);
     }
     return asked;
 }
 
 static void closest_on_field(wave *w, const wave_rays *r, size_t f) {
     size_t asked = 0;
-    for (size_t s = 0; s < r->segment_count; s++) {
-        const wave_segment *g = &r->segments[s];
-        switch (origin_of(g->home, f)) {
-        case FROM_CAMERA:
-            asked = ask_closest(w, r, g, f, asked, FROM_CAMERA);
-            break;
-        case FROM_HERE:
-            asked = ask_closest(w, r, g, f, asked, FROM_HERE);
-            break;
-        case FROM_ELSEWHERE:
-            asked = ask_closest(w, r, g, f, asked, FROM_ELSEWHERE);
-        }
-    }
+    for (size_t s = 0; s < r->segment_count; s++) asked = ask_segment(w, r, &r->segments[s], f, asked);
     if (asked == 0) return;
+    w->open = false;
     cw_hit *answers = w->answers[f];
     wave_lap(w, WAVE_RAYS);
     w->tracer->closest(w->tracer->context, f, w->asked, asked, answers);
@@ -206,24 +277,26 @@ static void closest_on_field(wave *w, const wave_rays *r, size_t f) {
 
 /* Where a ray meets the side of a cylinder of radius 1 between z = -1 and z = 1, in its space; infinity if nowhere between
  * tmin and tmax. (o + t d)² - 1 in x and y is a t² + 2 half t + c, and its discriminant is a minus the square of the cross
- * product of o and d, a form in which nothing cancels that matters. */
-LANE_INLINE float cylinder_t(float ox, float oy, float oz, float dx, float dy, float dz, float tmin, float tmax) {
+ * product of o and d, a form in which nothing cancels that matters. within: the ray is known to begin inside. */
+LANE_INLINE float cylinder_t(float ox, float oy, float oz, float dx, float dy, float dz, float tmin, float tmax,
+                             bool within) {
     const float a = dx * dx + dy * dy, half = ox * dx + oy * dy, c = ox * ox + oy * oy - 1;
     const float across = ox * dy - oy * dx, square = a - across * across;
     const float root = sqrtf(square > 0 ? square : 0);
     /* The sum that does not cancel; one solution is q / a, the other c / q. */
     const float q = half < 0 ? root - half : -root - half;
-    const float one = q / a, other = c / q;
-    const float near = half < 0 ? other : one, far = half < 0 ? one : other;
+    const float far = (half < 0 ? q : c) / (half < 0 ? a : q);
     /* From inside, the nearer one lies behind. */
-    const int inside = (c < 0) & (tmin >= 0);
+    const int inside = within | ((c < 0) & (tmin >= 0));
+    const float near = within ? -1 : (half < 0 ? c : q) / (half < 0 ? q : a);
     const int near_holds = (inside == 0) & (near >= tmin) & (near <= tmax) & (fabsf(oz + near * dz) <= 1);
     const int far_holds = (far >= tmin) & (far <= tmax) & (fabsf(oz + far * dz) <= 1);
     const float t = near_holds ? near : far_holds ? far : INFINITY;
     return ((a > 0) & (square >= 0)) ? t : INFINITY;
 }
 
-LANE_INLINE void meet_cylinder(wave *w, const wave_rays *r, const wave_segment *g, size_t shape, origin from) {
+LANE_INLINE void meet_cylinder(wave *w, const wave_rays *r, const wave_segment *g, size_t shape, origin from,
+                               bool within) {
     const plan_map *map = plan_map_to(w->plan, shape, g->home);
     for (size_t first = g->begin; first < g->end; first += WAVE_LANES) {
         moved m;
@@ -231,7 +304,7 @@ LANE_INLINE void meet_cylinder(wave *w, const wave_rays *r, const wave_segment *
         move_rays(map, from, w->t, r, first, &m);
         for (int k = 0; k < WAVE_LANES; k++)
             found[k] = cylinder_t(m.org[0][k], m.org[1][k], m.org[2][k], m.dir[0][k], m.dir[1][k], m.dir[2][k],
-                                  m.tmin[k], m.tmax[k]);
+                                  m.tmin[k], m.tmax[k], within);
         for (size_t k = g->end - first; k < WAVE_LANES; k++) found[k] = INFINITY; /* the next segment's */
         float *t = &w->t[first];
         int32_t *which = &w->shape[first];
@@ -245,10 +318,15 @@ LANE_INLINE void meet_cylinder(wave *w, const wave_rays *r, const wave_segment *
 static void closest_on_cylinder(wave *w, const wave_rays *r, size_t shape) {
     for (size_t s = 0; s < r->segment_count; s++) {
         const wave_segment *g = &r->segments[s];
-        if (g->home == PLAN_CAMERA)
-            meet_cylinder(w, r, g, shape, FROM_CAMERA);
+        const bool within = w->plan->within[shape * (w->plan->shape_count + 1) + g->home];
+        if (g->home == PLAN_CAMERA && within)
+            meet_cylinder(w, r, g, shape, FROM_CAMERA, true);
+        else if (g->home == PLAN_CAMERA)
+            meet_cylinder(w, r, g, shape, FROM_CAMERA, false);
+        else if (within)
+            meet_cylinder(w, r, g, shape, FROM_ELSEWHERE, true);
         else
-            meet_cylinder(w, r, g, shape, FROM_ELSEWHERE);
+            meet_cylinder(w, r, g, shape, FROM_ELSEWHERE, false);
     }
 }
 
@@ -258,6 +336,7 @@ static void trace_paths(wave *w, const wave_rays *r) {
         w->t[k] = INFINITY;
         w->shape[k] = WAVE_MISS;
     }
+    w->open = true;
     for (size_t f = 0; f < w->plan->field_count; f++) closest_on_field(w, r, f);
     for (size_t c = w->plan->field_count; c < w->plan->shape_count; c++) closest_on_cylinder(w, r, c);
     wave_lap(w, WAVE_RAYS);
@@ -271,17 +350,23 @@ LANE_INLINE size_t ask_any(wave *w, const wave_shadows *s, const wave_segment *g
     const plan_map *map = plan_map_to(p, f, g->home);
     for (size_t first = g->begin; first < g->end; first += WAVE_LANES) {
         moved m;
-        int32_t passes[WAVE_LANES];
         move_shadows(map, from, light, s, first, &m);
+        const size_t rays = g->end - first;
         /* What begins on the field begins in its box. */
-        if (from == FROM_HERE || p->general)
-            all_pass(passes);
+        const bool all = from == FROM_HERE || p->general;
+        if (all && f == 0) {
+            asked = ask_all(w, asked, &m, first, rays);
+            continue;
+        }
+        if (!all && all_beside_box(&p->shapes[f], &m)) continue;
+        uint8_t passes[WAVE_LANES];
+        if (all)
+            memset(passes, 1, sizeof passes);
         else
             pass_box(&p->shapes[f], &m, passes);
-        const int32_t *hidden = &w->hidden[first];
-        for (int k = 0; f > 0 && k < WAVE_LANES; k++) passes[k] &= hidden[k] == 0;
-        if (g->end - first < WAVE_LANES) none_behind(passes, g->end - first);
-        asked = ask(w, asked, &m, passes, first);
+        const uint8_t *hidden = &w->hidden[first];
+        for (int k = 0; f > 0 && k < WAVE_LANES; k++) passes[k] &= hidden[k] ^ 1;
+        asked = ask(w, asked, &m, passes, first, rays);
     }
     return asked;
 }
@@ -301,7 +386,11 @@ static void hide_by_field(wave *w, const wave_shadows *s, size_t light, size_t f
     w->tracer->any(w->tracer->context, f, w->asked, asked, w->yes);
     wave_lap(w, WAVE_TRACE);
     w->stats.field_queries += asked;
-    for (size_t k = 0; k < asked; k++) w->hidden[w->asked_of[k]] |= w->yes[k];
+    /* Few lights are hidden. */
+    for (size_t k = 0; k < asked; k += WAVE_LANES) {
+        if (k + WAVE_LANES <= asked && !any_of(&w->yes[k])) continue;
+        for (size_t q = k; q < k + WAVE_LANES && q < asked; q++) w->hidden[w->asked_of[q]] |= w->yes[q] != 0;
+    }
 }
 
 /* Segments with both ends inside of a cylinder stay there. */
@@ -320,13 +409,13 @@ static void hide_by_cylinder(wave *w, const wave_shadows *s, size_t light, size_
             for (int q = 0; q < WAVE_LANES; q++) {
                 const float x = m.org[0][q] + m.tmin[q] * m.dir[0][q], y = m.org[1][q] + m.tmin[q] * m.dir[1][q];
                 const float t = cylinder_t(m.org[0][q], m.org[1][q], m.org[2][q], m.dir[0][q], m.dir[1][q], m.dir[2][q],
-                                           m.tmin[q], 1);
+                                           m.tmin[q], 1, false);
                 const int32_t stays = light_inside & (x * x + y * y < 1);
                 hides[q] = (t < INFINITY) & (stays == 0);
             }
             for (size_t q = g->end - first; q < WAVE_LANES; q++) hides[q] = 0; /* the next segment's */
-            int32_t *hidden = &w->hidden[first];
-            for (int q = 0; q < WAVE_LANES; q++) hidden[q] |= hides[q];
+            uint8_t *hidden = &w->hidden[first];
+            for (int q = 0; q < WAVE_LANES; q++) hidden[q] |= (uint8_t)hides[q];
         }
     }
 }
@@ -343,24 +432,21 @@ static void trace_shadows(wave *w, size_t light) {
     wave_shadows *s = &w->shadows[light];
     const plan *p = w->plan;
     if (s->count == 0) return;
-    memset(w->hidden, 0, wave_lanes(s->count) * sizeof w->hidden[0]);
+    memset(w->hidden, 0, wave_lanes(s->count));
     for (size_t f = 0; f < p->field_count; f++) hide_by_field(w, s, light, f);
     for (size_t c = p->field_count; c < p->shape_count; c++) hide_by_cylinder(w, s, light, c);
     wave_lap(w, WAVE_RAYS);
     for (size_t k = 0; k < s->count;) {
-        const uint32_t pixel = s->pixel[k];
-        if (s->count - k >= WAVE_LANES && in_row(&s->pixel[k])) {
+        if (s->count - k >= WAVE_LANES && in_row(&s->pixel[k]) && !any_of(&w->hidden[k])) {
             for (int c = 0; c < 3; c++) {
-                float light_of[WAVE_LANES];
-                for (int q = 0; q < WAVE_LANES; q++)
-                    light_of[q] = w->hidden[k + (size_t)q] ? 0 : s->light[c][k + (size_t)q];
-                double *sum = &w->sum[c][pixel];
+                const float *light_of = &s->light[c][k];
+                double *sum = &w->sum[c][s->pixel[k]];
                 for (int q = 0; q < WAVE_LANES; q++) sum[q] += (double)light_of[q];
             }
             k += WAVE_LANES;
             continue;
         }
-        for (int c = 0; c < 3 && w->hidden[k] == 0; c++) w->sum[c][pixel] += (double)s->light[c][k];
+        for (int c = 0; c < 3 && w->hidden[k] == 0; c++) w->sum[c][s->pixel[k]] += (double)s->light[c][k];
         k++;
     }
     wave_lap(w, WAVE_FILM);

@@ -127,18 +127,21 @@ typedef struct wave {
 
     float t[WAVE_ROOM]; /* where each ray ends; infinity where nothing is */
     int32_t shape[WAVE_ROOM];
+    bool open;                /* no field has been asked about these rays yet */
     uint32_t hit[WAVE_ROOM];  /* where shape is a height field: number of its answer */
     uint32_t path[WAVE_ROOM]; /* those of one shape, in order */
     wave_strip strip;
     wave_footprints footprints;
     wave_probes probes;
 
+    float view[2][2]; /* where the tile's camera rays pass at depth 1: the least x and y, and the most */
+
     /* What the tracer is asked about one field, of which rays, and its answers. */
     cw_ray asked[WAVE_ROOM];
     uint32_t asked_of[WAVE_ROOM];
     cw_hit (*answers)[SCENE_BATCH]; /* of each field: they are read when the paths are shaded */
     uint8_t yes[SCENE_BATCH];
-    int32_t hidden[WAVE_ROOM];
+    uint8_t hidden[WAVE_ROOM]; /* 1 or 0 */
 
     double sum[3][WAVE_TILE * WAVE_TILE]; /* over the samples of each pixel */
     scene_render_stats stats;
