@@ -17,7 +17,7 @@ scene *scene_open(const char *folder, const char *name, io_error *error) {
         io_fail(error, "--scenes %s: the name is too long", folder);
         return NULL;
     }
-    scene *s = scene_load(file, NULL, NULL, error);
+    scene *s = scene_load(file, 1, NULL, NULL, error);
     if (s == NULL || scene_field_count(s) <= SCENE_FIELDS_MAX) return s;
     io_fail(error, "%s: more than %d height fields", file, SCENE_FIELDS_MAX);
     scene_free(s);

@@ -64,12 +64,13 @@ static void add_lights(scene *s, const landscape_desc *d) {
 
 scene *landscape_create(const landscape_desc *d, io_error *error) {
     scene *s = calloc(1, sizeof *s);
-    if (s == NULL || !allocate(s) || (s->textures[0] = texture_create(d->colours)) == NULL) {
+    bool good = s != NULL && allocate(s) && (s->textures[0] = texture_new()) != NULL;
+    if (good) s->texture_count = 1;
+    if (!good || !texture_fill(s->textures[0], d->colours)) {
         scene_free(s);
         io_fail(error, "out of memory");
         return NULL;
     }
-    s->texture_count = 1;
     s->width = d->width;
     s->height = d->height;
     s->samples = d->samples_a_pixel;

@@ -331,12 +331,13 @@ static bool parse_file(pbrt_state *p, const char *path, io_error *error) {
     return good;
 }
 
-bool pbrt_parse(const char *path, bool fields_only, scene *s, scene_warn_fn *warn, void *warn_context,
+bool pbrt_parse(const char *path, bool fields_only, unsigned threads, scene *s, scene_warn_fn *warn, void *warn_context,
                 io_error *error) {
     pbrt_state *p = calloc(1, sizeof *p);
     if (p == NULL) return io_fail(error, "%s: out of memory", path);
     p->scene = s;
     p->fields_only = fields_only;
+    pbrt_images_begin(&p->images, threads);
     p->warn = warn;
     p->warn_context = warn_context;
     p->attributes = (pbrt_attributes){
@@ -350,6 +351,7 @@ bool pbrt_parse(const char *path, bool fields_only, scene *s, scene_warn_fn *war
     bool good = p->directory != NULL || io_fail(error, "%s: out of memory", path);
     good = good && parse_file(p, path, error);
     if (good && !fields_only && !p->ended) good = io_fail(error, "%s: the file ends without WorldEnd", path);
+    good = pbrt_images_end(&p->images, error) && good;
 
     for (int k = 0; k < p->texture_capacity; k++) {
         free(p->textures[k].name);
@@ -357,7 +359,6 @@ bool pbrt_parse(const char *path, bool fields_only, scene *s, scene_warn_fn *war
         free(p->textures[k].place);
     }
     free(p->textures);
-    free(p->images);
     free(p->directory);
     free(p);
     return good;

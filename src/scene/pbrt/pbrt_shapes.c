@@ -5,7 +5,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 /* array with room for one more element of this size, or NULL. */
 static void *grown(void *array, size_t count, size_t size) { return realloc(array, (count + 1) * size); }
@@ -103,42 +102,14 @@ bool pbrt_material(pbrt_state *p, const pbrt_site *site, io_error *error) {
     return good;
 }
 
-/* Reads an image that no other directive has needed before. */
-static bool read_image(pbrt_state *p, const pbrt_site *site, const pbrt_texture *t, const struct stat *about,
-                       texture **out, io_error *error) {
-    io_image image;
-    io_error why;
-    if (!io_image_read_halves(t->path, &image, &why)) return io_fail(error, "%s: Texture: %s", t->place, why.text);
-    const size_t pixels = image.width * image.height;
-    if (pixels > IO_IMAGE_PIXELS_MAX - p->image_pixels) {
-        io_image_free(&image);
-        return io_fail(error, "%s: Texture: the scene's images have more than %d pixels in all", t->place,
-                       IO_IMAGE_PIXELS_MAX);
-    }
+/* An image that no other directive has needed before. */
+static bool read_image(pbrt_state *p, const pbrt_site *site, const pbrt_texture *t, texture **out, io_error *error) {
     texture **more = grown(p->scene->textures, p->scene->texture_count, sizeof *more);
     if (more != NULL) p->scene->textures = more;
-    pbrt_image *images = grown(p->images, p->image_count, sizeof *images);
-    if (images != NULL) p->images = images;
-    *out = more != NULL && images != NULL ? texture_create(&image) : NULL;
-    if (*out == NULL) {
-        io_image_free(&image);
-        return no_memory(site, error);
-    }
+    *out = more != NULL ? texture_new() : NULL;
+    if (*out == NULL) return no_memory(site, error);
     p->scene->textures[p->scene->texture_count++] = *out;
-    p->images[p->image_count++] = (pbrt_image){about->st_dev, about->st_ino, *out};
-    p->image_pixels += pixels;
-    return true;
-}
-
-static bool find_image(pbrt_state *p, const pbrt_site *site, const pbrt_texture *t, texture **out, io_error *error) {
-    struct stat about = {0};
-    if (stat(t->path, &about) == 0)
-        for (size_t k = 0; k < p->image_count; k++)
-            if (p->images[k].device == about.st_dev && p->images[k].inode == about.st_ino) {
-                *out = p->images[k].image;
-                return true;
-            }
-    return read_image(p, site, t, &about, out, error);
+    return pbrt_images_read(&p->images, t->path, t->place, *out, error);
 }
 
 /* The current material for a shape; this is where its image is needed. */
@@ -146,7 +117,8 @@ static bool surface(pbrt_state *p, const pbrt_site *site, material *out, io_erro
     *out = p->attributes.surface;
     if (p->attributes.image < 0 || p->fields_only) return true;
     pbrt_texture *t = &p->textures[p->attributes.image];
-    if (t->image == NULL && !find_image(p, site, t, &t->image, error)) return false;
+    if (t->image == NULL) t->image = pbrt_images_find(&p->images, t->path);
+    if (t->image == NULL && !read_image(p, site, t, &t->image, error)) return false;
     out->image = t->image;
     return true;
 }

@@ -4,6 +4,7 @@
 #define CELLWALK_SCENE_PBRT_STATE_H
 
 #include "model.h"
+#include "pbrt_images.h"
 #include "pbrt_params.h"
 
 #include <sys/types.h>
@@ -18,13 +19,6 @@ typedef struct pbrt_texture {
 /* Of levels, and of what a scene reads in all: a file that includes two others, which include two others… would never end. */
 enum { PBRT_DEPTH_MAX = 64, PBRT_INCLUDE_MAX = 16, PBRT_FILES_MAX = 4096, PBRT_WARNINGS_MAX = 100 };
 static const uint64_t pbrt_bytes_max = (uint64_t)1 << 34;
-
-/* A file's image, however many Texture directives name it. */
-typedef struct pbrt_image {
-    dev_t device;
-    ino_t inode;
-    texture *image; /* the scene's */
-} pbrt_image;
 
 /* What AttributeBegin saves. */
 typedef struct pbrt_attributes {
@@ -54,8 +48,7 @@ typedef struct pbrt_state {
     int depth;
     pbrt_texture *textures;
     int texture_capacity;
-    pbrt_image *images;
-    size_t image_count, image_pixels;
+    pbrt_images images;
     bool camera, world, ended;
 } pbrt_state;
 

@@ -105,20 +105,21 @@ static void build_once(texture *t) {
     pthread_mutex_unlock(&t->lock);
 }
 
-texture *texture_create(io_image *image) {
+texture *texture_new(void) {
     texture *t = calloc(1, sizeof *t);
-    size_t texels = 0;
     if (t == NULL || pthread_mutex_init(&t->lock, NULL) != 0) {
         free(t);
         return NULL;
     }
     t->build = build_once;
+    return t;
+}
+
+bool texture_fill(texture *t, io_image *image) {
+    size_t texels = 0;
     if (lay_out(t, image->width, image->height, &texels))
         t->texels = image->halves != NULL ? image->halves : large_allocate(texels * 4 * sizeof *t->texels);
-    if (t->texels == NULL) {
-        texture_free(t);
-        return NULL;
-    }
+    if (t->texels == NULL) return false;
     image->halves = NULL; /* it has room for all levels and stands where the finest one does */
     const texture_level *l = &t->levels[0];
     for (int32_t y = 0; y < l->height; y++) {
@@ -126,7 +127,7 @@ texture *texture_create(io_image *image) {
         repeat_row(t, l, y);
     }
     io_image_free(image);
-    return t;
+    return true;
 }
 
 void texture_free(texture *t) {

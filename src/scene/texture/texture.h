@@ -28,9 +28,10 @@ typedef struct texture {
     void (*build)(struct texture *t);
 } texture;
 
-/* Takes over the image's pixels. NULL when out of memory or too large; the image is then
- * still the caller's. */
-texture *texture_create(io_image *image);
+/* Without an image yet; NULL when out of memory. */
+texture *texture_new(void);
+/* Takes over the image's pixels, once. False when out of memory or too large; the image is then still the caller's. */
+bool texture_fill(texture *t, io_image *image);
 /* To be called, by any thread, before a smaller level is read: builds them, as not every picture needs them. */
 static inline void texture_need_levels(texture *t) {
     if (!atomic_load_explicit(&t->whole, memory_order_acquire)) t->build(t);
