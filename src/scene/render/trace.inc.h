@@ -344,6 +344,9 @@ static void trace_paths(wave *w, const wave_rays *r) {
 
 /* ---- hidden lights ------------------------------------------------------------------------------------------------ */
 
+/* Ways to a light stay in the order of their pixels. Sorted by the cells where they begin they are traced in 0.76 to 0.98 of the
+ * time, by direction in 0.99 to 1.17, shuffled in 2.5: the best sort would save up to 5 ns a ray, less than it takes. */
+
 LANE_INLINE size_t ask_any(wave *w, const wave_shadows *s, const wave_segment *g, const float *light, size_t f,
                            size_t asked, origin from) {
     const plan *p = w->plan;
