@@ -81,6 +81,19 @@ static void arrive(wave *w, const wave_rays *r, size_t home, size_t shape, bool 
 
 LANE_INLINE ptrdiff_t clamp(ptrdiff_t x, ptrdiff_t last) { return x < 0 ? 0 : x > last ? last : x; }
 
+/* Four samples of a row of last + 1, from i on, which is -1 at least and last - 2 at most. */
+LANE_INLINE void copy_row(const float *row, ptrdiff_t i, ptrdiff_t last, float *to) {
+    if (i >= 0 && i + 3 <= last) {
+        memcpy(to, row + i, 4 * sizeof *to);
+    } else if (i >= 0) {
+        memcpy(to, row + i, 3 * sizeof *to);
+        to[3] = row[last];
+    } else {
+        to[0] = row[0];
+        for (ptrdiff_t c = 0; c < 3; c++) to[1 + c] = row[clamp(c, last)];
+    }
+}
+
 /* The 4 x 4 samples around each cell. Each row of four is copied as it stands for sixteen paths; putting the even places first,
  * twice, sorts these by sample. In place of a sample beyond the border stands the one there. */
 LANE_INLINE void fetch_window(wave_strip *s, const plan_shape *shape, bool border) {
@@ -93,8 +106,7 @@ LANE_INLINE void fetch_window(wave_strip *s, const plan_shape *shape, bool borde
             const ptrdiff_t i = s->i[first + k] - 1, j = s->j[first + k] - 1;
             for (int r = 0; r < 4; r++)
                 if (border)
-                    for (int c = 0; c < 4; c++)
-                        row[r][4 * k + (size_t)c] = samples[clamp(j + r, last_j) * nx + clamp(i + c, last_i)];
+                    copy_row(samples + clamp(j + r, last_j) * nx, i, last_i, &row[r][4 * k]);
                 else
                     memcpy(&row[r][4 * k], samples + (j + r) * nx + i, 4 * sizeof(float));
         }
