@@ -67,7 +67,7 @@ static void check_direction(const edge *edges, size_t n, double u, double low, d
 static void edges_one_by_one(void **state) {
     (void)state;
     random_state r = {12};
-    for (size_t round = 0; round < test_rounds() * test_share(400); round++) {
+    for (size_t round = 0; round < test_rounds() * test_share(400, 5); round++) {
         edge edges[EDGES];
         const size_t n = 1 + random_below(&r, EDGES);
         skyline s;
