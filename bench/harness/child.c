@@ -31,8 +31,7 @@ int child_run(const char *const *argv, const char *out, const char *err) {
     }
     while (waitpid(child, &status, 0) < 0)
         if (errno != EINTR) return -1;
-    return WIFEXITED(status) ? WEXITSTATUS(status)
-                             : 128 + WTERMSIG(status); /* where posix_spawn is a plain fork, 127 too */
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status); /* a fork that could not: 127, too */
 }
 
 int child_run_counting(int argc, char **argv) {

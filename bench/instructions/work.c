@@ -14,38 +14,35 @@
 
 /* The guard's fields; the larger one is not for brute force, which tests all of its two million triangles for each ray, nor for
  * the 3D grid, which takes long to build. */
-typedef struct guarded {
-    const char *field;
-    size_t rays;
-    bool small;
-} guarded;
-static const guarded fields[] = {{"65", 1024, true}, {"1025", 1024, false}};
+static const char *const small_field = "65", *const large_field = "1025";
 /* Fewer rays for what takes long: brute force, and the flat walk on the larger field. */
-enum { FIELDS = sizeof fields / sizeof fields[0], BRUTE_RAYS = 16, FLAT_RAYS = 256 };
+enum { MOST_RAYS = 1 << 16, GUARD_RAYS = 1024, BRUTE_RAYS = 16, FLAT_RAYS = 256 };
+
+static cw_ray rays[WORKLOAD_CLASS_COUNT][MOST_RAYS];
+static cw_hit hits[MOST_RAYS];
+static uint8_t occluded[MOST_RAYS];
 
 typedef struct work {
     const char *name; /* of the field */
     cw_field *field;
     cw_query query;
-    cw_ray *class_rays[WORKLOAD_CLASS_COUNT], *rays;
-    size_t class_counts[WORKLOAD_CLASS_COUNT], count;
+    const cw_ray *rays;
+    size_t counts[WORKLOAD_CLASS_COUNT], count;
     bool any;
-    cw_hit *hits;
-    uint8_t *occluded;
     uint64_t hash;
 } work;
 
 /* callgrind finds this function by its name, so it must stay a function of its own. */
 __attribute__((noinline)) cw_status guard_trace(const work *w);
 cw_status guard_trace(const work *w) {
-    return w->any ? cw_any(w->field, &w->query, w->rays, w->count, w->occluded)
-                  : cw_closest(w->field, &w->query, w->rays, w->count, w->hits);
+    return w->any ? cw_any(w->field, &w->query, w->rays, w->count, occluded)
+                  : cw_closest(w->field, &w->query, w->rays, w->count, hits);
 }
 
 /* FNV-1a. A hit is 24 bytes without gaps, and all of a miss is set as well. */
 static void hash_answers(work *w) {
-    const unsigned char *byte = w->any ? w->occluded : (const unsigned char *)w->hits;
-    for (size_t left = w->count * (w->any ? 1 : sizeof *w->hits); left > 0; left--)
+    const unsigned char *byte = w->any ? occluded : (const unsigned char *)hits;
+    for (size_t left = w->count * (w->any ? 1 : sizeof *hits); left > 0; left--)
         w->hash = (w->hash ^ *byte++) * 0x100000001b3u;
 }
 
@@ -55,8 +52,8 @@ static bool run(work *w, cw_leaf leaf, size_t most) {
     w->query.leaf = leaf;
     if (cw_closest(w->field, &w->query, NULL, 0, NULL) == CW_ERROR_UNSUPPORTED) return true;
     for (int c = 0; c < WORKLOAD_CLASS_COUNT; c++) {
-        w->rays = w->class_rays[c];
-        w->count = w->class_counts[c];
+        w->rays = rays[c];
+        w->count = w->counts[c];
         if (w->count > most) w->count = most;
         w->any = workload_class_is_any((workload_class)c);
         if (guard_trace(w) != CW_OK) return false;
@@ -67,20 +64,15 @@ static bool run(work *w, cw_leaf leaf, size_t most) {
     return true;
 }
 
-static bool is_for_small_fields(const char *kernel) {
-    return strcmp(kernel, "brute") == 0 || strncmp(kernel, "grid3d", strlen("grid3d")) == 0;
-}
-
 static bool run_guard(work *w, bool small) {
     for (size_t k = 0; k < cw_kernel_count(); k++) {
         w->query.kernel = cw_kernel_at(k);
         const cw_kernel_info info = cw_kernel_describe(w->query.kernel);
         if (!info.available && small) printf("absent,%s,%s\n", info.name, cw_isa_name(info.isa));
-        if (!info.available || (!small && is_for_small_fields(info.name))) continue;
+        const bool brute = strcmp(info.name, "brute") == 0, dear = brute || strncmp(info.name, "grid3d", 6) == 0;
+        if (!info.available || (!small && dear)) continue;
         if (cw_field_build(w->field, w->query.kernel) != CW_OK) return false;
-        const size_t most = strcmp(info.name, "brute") == 0 ? BRUTE_RAYS
-                            : small || info.needs_build     ? SIZE_MAX
-                                                            : FLAT_RAYS;
+        const size_t most = brute ? BRUTE_RAYS : small || info.needs_build ? SIZE_MAX : FLAT_RAYS;
         for (int leaf = 1; leaf < CW_LEAF_COUNT; leaf++)
             if (!run(w, (cw_leaf)leaf, most)) return false;
     }
@@ -96,43 +88,30 @@ static bool run_kernel(work *w, const char *kernel) {
     return true;
 }
 
-static bool make_rays(work *w, size_t most) {
-    w->hits = malloc(most * sizeof *w->hits);
-    w->occluded = malloc(most);
-    bool good = w->hits && w->occluded;
-    for (int c = 0; good && c < WORKLOAD_CLASS_COUNT; c++) {
-        w->class_rays[c] = malloc(most * sizeof *w->rays);
-        if (w->class_rays[c])
-            w->class_counts[c] = workload_rays_make(w->field, (workload_class)c, 1, most, w->class_rays[c]);
-        good = w->class_counts[c] > 0;
-    }
-    return good;
-}
-
 /* Runs a kernel, or the guard's where it is NULL, on rays over the field. */
-static bool run_field(const char *field, size_t rays, const char *kernel, bool small) {
+static bool run_field(const char *field, size_t most, const char *kernel) {
     work w = {.name = field, .hash = 0xcbf29ce484222325u};
     workload_field samples;
-    const bool good = workload_field_make(field, &samples) &&
-                      workload_field_open(&samples, CW_BORROW, false, &w.field) == CW_OK && make_rays(&w, rays) &&
-                      (kernel ? run_kernel(&w, kernel) : run_guard(&w, small));
+    bool good =
+        workload_field_make(field, &samples) && workload_field_open(&samples, CW_BORROW, false, &w.field) == CW_OK;
+    for (int c = 0; good && c < WORKLOAD_CLASS_COUNT; c++) {
+        w.counts[c] = workload_rays_make(w.field, (workload_class)c, 1, most, rays[c]);
+        good = w.counts[c] > 0;
+    }
+    good = good && (kernel ? run_kernel(&w, kernel) : run_guard(&w, field == small_field));
     cw_field_destroy(w.field);
     workload_field_free(&samples);
-    for (int c = 0; c < WORKLOAD_CLASS_COUNT; c++) free(w.class_rays[c]);
-    free(w.hits);
-    free(w.occluded);
     return good;
 }
 
 int main(int argc, char **argv) {
-    const size_t most = argc == 4 ? strtoul(argv[3], NULL, 10) : 0;
-    if (argc != 1 && most == 0) {
-        fputs("Usage: cellwalk-counted-work [KERNEL FIELD RAYS]\n", stderr);
+    const size_t most = argc == 4 ? strtoul(argv[3], NULL, 10) : GUARD_RAYS;
+    if ((argc != 1 && argc != 4) || most == 0 || most > MOST_RAYS) {
+        fprintf(stderr, "Usage: cellwalk-counted-work [KERNEL FIELD RAYS]\nAt most %d rays.\n", MOST_RAYS);
         return 2;
     }
-    bool good = argc == 1 || run_field(argv[2], most, argv[1], false);
-    for (size_t k = 0; good && argc == 1 && k < FIELDS; k++)
-        good = run_field(fields[k].field, fields[k].rays, NULL, fields[k].small);
+    const bool good = argc == 4 ? run_field(argv[2], most, argv[1])
+                                : run_field(small_field, most, NULL) && run_field(large_field, most, NULL);
     if (!good) fputs("the work that is counted does not run\n", stderr);
     return good && fflush(stdout) == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -150,10 +150,10 @@ peer_info peer_embree_describe(const peer_embree *p) {
 }
 
 static bool is_native(const peer_embree *p, unsigned width) {
-    static const enum RTCDeviceProperty properties[] = {RTC_DEVICE_PROPERTY_NATIVE_RAY4_SUPPORTED,
-                                                        RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED,
-                                                        RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED};
-    return width == 1 || rtcGetDeviceProperty(p->device, properties[width == 4 ? 0 : width == 8 ? 1 : 2]) != 0;
+    const enum RTCDeviceProperty property = width == 4   ? RTC_DEVICE_PROPERTY_NATIVE_RAY4_SUPPORTED
+                                            : width == 8 ? RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED
+                                                         : RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED;
+    return width == 1 || rtcGetDeviceProperty(p->device, property) != 0;
 }
 
 /* ---- rays and hits ---- */
