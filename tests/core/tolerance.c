@@ -253,7 +253,7 @@ static void test_class(void **state) {
         const judged_field *g = judged_field_get(k);
         const test_field *shape = &g->shape;
         random_state r = {(uint64_t)kind + RAY_CLASSES * k + 4711};
-        q = (run){.shape = shape, .field = g->field, .o = g->o, .n = test_share(RAYS, 7)};
+        q = (run){.shape = shape, .field = g->field, .o = g->o, .n = test_share(RAYS, 20)};
         /* From much less than the field's heights to more than all of them, so that nodes of every level are taken. */
         const double range = (double)shape->high - (double)shape->low;
         const double part = range * pow(10, random_between(&r, -3, 0.5));
@@ -273,8 +273,8 @@ static void test_class(void **state) {
         const char *name = cw_kernel_describe(tolerant[m]).name;
         printf("%-17s %-10s %zu rays, %zu pass, %zu hits, %zu of them off the surface\n", a->name, name, s[m].rays,
                s[m].passes, s[m].hits, s[m].by_tolerance);
-        /* Of the few rays that slow machines get, one is enough. */
-        check(a->least == 0 || s[m].by_tolerance > (s[m].rays < 1000 ? 0 : s[m].rays / a->least),
+        /* Of the few rays that slow machines get, there may be none. */
+        check(a->least == 0 || s[m].rays < 10 * a->least || s[m].by_tolerance > s[m].rays / a->least,
               "%s: too few hits off the surface for the test to mean anything", name);
     }
 }
