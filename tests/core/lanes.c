@@ -233,7 +233,7 @@ static void test_towers(void **state) {
     static towers shape;
     static run q = {.shape = &shape.field};
     random_state r = {20261122};
-    const size_t fields = test_share(TOWER_FIELDS, 6);
+    const size_t fields = test_share(TOWER_FIELDS, 1);
     size_t hits = 0;
     for (size_t k = 0; k < fields; k++) {
         make_towers(&shape, 12 + random_below(&r, 80), 12 + random_below(&r, 80), &r);
