@@ -238,7 +238,8 @@ static void nothing_but_building(void **state) {
 /* From 10^12 field lengths away floats cannot aim at the field. */
 static void rays_start_farther_back(void **state) {
     (void)state;
-    static const char *const small = "--field 65 --rays random --kernel pyramid1 --peer none --seconds 0.01 --pass 1000";
+    static const char *const small =
+        "--field 65 --rays random --kernel pyramid1 --peer none --seconds 0.01 --pass 1000";
     char arguments[256];
     snprintf(arguments, sizeof arguments, "%s --back 0,2.5,1e12 --json b.json", small);
     check(run(&command_micro, arguments) == 0, "micro fails");
