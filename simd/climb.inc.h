@@ -11,11 +11,11 @@
  * If clear holds at all levels k, k + 1, …, nothing lies beyond end(k), and the lowest such k gives the best end.
  *
  * Invariant: skipped cells are entered at t >= end, where the gate's own monotone height function is above every sample
- * in them; so the gate would fail there and no hit changes. Nor is a cell that is entered before hit later than end: the
- * watertight test keeps the surface between the samples, and for Möller and Trumbore's end has room (strict.h). reach is
- * the gate's own crossing of the nodes' border. The node may be off by one where rounding puts the ray's beginning across
- * a border, which the neighbours make up for; so that it is off by no more, coordinates from 2^20 on, where floats are 1/8
- * cell apart, are left alone. No paper is known to us. */
+ * in them; so the gate would fail there and no hit changes. A cell that is entered before end has no hit after it: the
+ * watertight test keeps the surface between the samples, and for Möller and Trumbore's test end is set higher, by what its
+ * hits may be off (strict.h). reach is the gate's own crossing of the nodes' border. The node may be off by one where
+ * rounding puts the ray's beginning across a border, which the neighbours make up for; so that it is off by no more,
+ * coordinates from 2^20 on, where floats are 1/8 cell apart, are left alone. No paper is known to us. */
 
 /* A packet on its way down the levels. */
 typedef struct climber {

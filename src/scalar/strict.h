@@ -15,8 +15,8 @@
  *     Heights are monotone in t as well, and differences in the sample, so the same comparison on a block of cells can
  *     skip the block and never changes a hit.
  *  5. The slab: a walk may begin and end where the ray is strictly beyond the field's lowest and highest sample; the gate
- *     fails there anyway. Möller and Trumbore's hits may be a little beyond, by STRICT_ROOM of that height; there the slab is
- *     wider by more. */
+ *     fails there anyway. A hit of Möller and Trumbore's test may lie beyond these samples by STRICT_ROOM of its height; for
+ *     that test the slab is wider, by twice as much. */
 #ifndef CELLWALK_SCALAR_STRICT_H
 #define CELLWALK_SCALAR_STRICT_H
 

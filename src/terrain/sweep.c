@@ -191,9 +191,9 @@ static void add_row(part *p, double r, long begin, long end, uint32_t start) {
     /* Next to a hole samples count by themselves. */
     for (long i = begin; i < end; i++) {
         const double x = (double)i - p->aside;
-        const double around =
+        const double planes =
             p->front[i - 1] + p->front[i] + p->back[i - 1] + p->back[i] + p->back_before[i - 1] + p->back_before[i];
-        if (isnan(around)) add(p, start, x, near, h[i], x, near, h[i]);
+        if (isnan(planes)) add(p, start, x, near, h[i], x, near, h[i]);
     }
 }
 
