@@ -27,11 +27,12 @@ static size_t judge_size(ray_class kind, field_shape shape, size_t size, random_
     return extreme_judge(&f, rays, n);
 }
 
-/* In all sizes. */
+/* In all sizes; where time is short in one of three, so that a class sees all of them on the one shape or the other. */
 static void judge_class(ray_class kind, field_shape shape) {
+    const size_t step = test_step(3);
     random_state r = {(uint64_t)kind * 1000 + (uint64_t)shape};
     size_t met = 0;
-    for (size_t s = 0; s < FIELD_SIZES; s++) met += judge_size(kind, shape, s, &r);
+    for (size_t s = (size_t)shape % step; s < FIELD_SIZES; s += step) met += judge_size(kind, shape, s, &r);
     check(met > 0 || kind == RAY_NOT_FINITE || kind == RAY_LATTICE, "no ray of class %s meets the field",
           ray_class_name(kind));
 }
