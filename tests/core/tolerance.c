@@ -253,7 +253,7 @@ static void test_class(void **state) {
         const judged_field *g = judged_field_get(k);
         const test_field *shape = &g->shape;
         random_state r = {(uint64_t)kind + RAY_CLASSES * k + 4711};
-        q = (run){.shape = shape, .field = g->field, .o = g->o, .n = test_share(RAYS, 20)};
+        q = (run){.shape = shape, .field = g->field, .o = g->o, .n = test_share(RAYS, 10)};
         /* From much less than the field's heights to more than all of them, so that nodes of every level are taken. */
         const double range = (double)shape->high - (double)shape->low;
         const double part = range * pow(10, random_between(&r, -3, 0.5));

@@ -11,7 +11,7 @@
 #include <string.h>
 
 /* Of all directions and fields one in that many. */
-static size_t step(void) { return test_step(5); }
+static size_t step(void) { return test_step(10); }
 
 /* What a sample sees of one edge, from a to b, in a direction: nothing, if the ray passes it by. The answer's error bound,
  * 2^-21 of the steeper of the rises to the two samples, grows allowed. */
