@@ -18,14 +18,14 @@ from results import Problem, Results
 # that serve several phases (crossing, cell_gate, the vector vocabulary) are left to their callers.
 PHASES = {
     "rays made ready": "make_rays start_rays move_if_far move_rays make_axis make_slab fill_up",
-    "climb": "climb",
-    "flat steps": "flat_start first_cell flat_step first_steps",
+    "climb": "climb climb_start climb_level",
+    "flat steps": "flat_start first_cell flat_step first_steps short_way",
     "shared walk: set-up": "coherent fat_init group_ray",
     "shared walk: nodes": "shared_walk walk_groups fat_open",
     "shared walk: blocks": "shared_block block_rays fat_cells load_samples",
     "shared walk: cells": "shared_cells",
     "lane walk: queue, refill": "fall_apart mirror_packet mirror_rays mirror_axis enqueue first_corner set_tolerances "
-                                "refill_lane copy_ray lane_clear load_lanes store_lanes",
+                                "refill_lane copy_ray lane_clear load_lanes store_lanes move_lane close_up",
     "lane walk: step": "lane_walk lane_step look_along",
     "lane walk: descend": "lane_descend above_plane child_at lane_within_tolerance lane_solid lane_tolerant_hits "
                           "tolerant_hit",

@@ -61,7 +61,8 @@ class Folder(unittest.TestCase):
 
 
 def speed(field, rays, contender, mrays, threads=1):
-    return {"kind": "result", "field": field, "rays": rays, "contender": contender, "threads": threads, "mrays_per_s": mrays}
+    return {"kind": "result", "field": field, "rays": rays, "contender": contender, "threads": threads, "mrays_per_s": mrays,
+            "seconds_min": 1 / mrays}
 
 
 class ReadingResults(Folder):
