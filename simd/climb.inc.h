@@ -12,8 +12,7 @@
  *
  * Invariant: skipped cells are entered at t >= end, where the gate's own monotone height function is above every sample
  * in them; so the gate would fail there and no hit changes. A cell that is entered before end has no hit after it: the
- * watertight test keeps the surface between the samples, and for Möller and Trumbore's test end is set higher, by what its
- * hits may be off (strict.h). reach is the gate's own crossing of the nodes' border. The node may be off by one where
+ * watertight test keeps the surface between the samples. reach is the gate's own crossing of the nodes' border. The node may be off by one where
  * rounding puts the ray's beginning across a border, which the neighbours make up for; so that it is off by no more,
  * coordinates from 2^20 on, where floats are 1/8 cell apart, are left alone. No paper is known to us. */
 
@@ -35,7 +34,7 @@ static inline void climb_start(climber *c, const vray *r, const struct cw_pyrami
 }
 
 /* Shortens r->until by what is known at a level. */
-static inline void climb_level(climber *c, vray *r, const cw_pyramid_level *l, cw_leaf leaf) {
+static inline void climb_level(climber *c, vray *r, const cw_pyramid_level *l) {
     const vfloat zero = vf_set(0), one = vf_set(1), two = vf_set(2);
     count_lanes(COUNT_CLIMB, c->chain);
     const vfloat scale = vf_set(1 / l->side), side = vf_set(l->side);
@@ -51,8 +50,7 @@ static inline void climb_level(climber *c, vray *r, const cw_pyramid_level *l, c
                              vi_from_vf(vf_select(c->chain, i, zero)));
     c->above = vf_gather(l->around, node, c->chain);
     /* A guess a little too far on, then the comparison that counts. */
-    vfloat clearance = above_origin(r, c->above);
-    if (leaf == CW_LEAF_MOLLER_TRUMBORE) clearance = room_above(clearance, r->dz, 2 * STRICT_ROOM);
+    const vfloat clearance = above_origin(r, c->above);
     const vfloat guess = vf_mul(clearance, c->rise);
     const vfloat end = vf_max(r->from, vf_add(guess, vf_mul(vf_set(0x1p-16f), vf_abs(guess))));
     const vmask holds = vm_and(vm_and(c->chain, vf_le(end, reach)), vf_gt(vf_mul(end, r->dz), clearance));
@@ -61,7 +59,7 @@ static inline void climb_level(climber *c, vray *r, const cw_pyramid_level *l, c
 
 /* Shortens r->until of these packets' rays. Level by level, since in a packet each level waits for the one above: the CPU
  * works on several packets at once. */
-static inline void climb(packet *packets, packet_set which, const struct cw_pyramid *p, cw_leaf leaf) {
+static inline void climb(packet *packets, packet_set which, const struct cw_pyramid *p) {
     climber c[PACKETS];
     packet_set climbs = 0;
     for (packet_set left = which; left != 0; left &= left - 1) {
@@ -72,7 +70,7 @@ static inline void climb(packet *packets, packet_set which, const struct cw_pyra
     for (int level = p->levels - 1; level >= 0 && climbs != 0; level--)
         for (packet_set left = climbs; left != 0; left &= left - 1) {
             const int k = __builtin_ctzll(left);
-            climb_level(&c[k], &packets[k].r, &p->level[level], leaf);
+            climb_level(&c[k], &packets[k].r, &p->level[level]);
             climbs &= ~((packet_set)!vm_any(c[k].chain) << k);
         }
 }

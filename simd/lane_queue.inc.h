@@ -1,17 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Rays on their way from the tiles to the lane walk, those in its lanes, and their answers. Shared by objects whose vectors are
- * not as wide: with CELLWALK_PAIRED, tiles are made of single vectors, and rays that go on alone walk in pairs of them
- * (lane_pairs.c, which says so by CELLWALK_LANE_PAIRS). */
+/* Rays on their way from the tiles to the lane walk, those in its lanes, and their answers. Shared by two objects whose vectors
+ * are not as wide where tiles are made of single vectors and the lane walk takes pairs of them (lane_pairs.c). */
 
 #include <stdalign.h>
 
-/* Lanes of the vectors in which rays are queued; lanes of the lane walk. */
-#if defined(CELLWALK_LANE_PAIRS)
+/* QUEUE_W: lanes of the vectors in which rays are queued. LANES: lanes of the lane walk. */
+#if defined(CELLWALK_PAIRS) && CELLWALK_LANE_VECTORS == 2
 enum { QUEUE_W = half_W, LANES = W };
-#elif defined(CELLWALK_PAIRED)
-enum { QUEUE_W = W, LANES = 2 * W };
 #else
-enum { QUEUE_W = W, LANES = W };
+enum { QUEUE_W = W, LANES = CELLWALK_LANE_VECTORS * W };
 #endif
 
 /* A cache line, so that no vector lies across two: random rays 1 to 3 % faster with 2 × 16 lanes, 4 % with 2 × 8. */
@@ -62,18 +59,12 @@ typedef struct queued {
  * numbers stay small. */
 enum { BATCH = 256, LANE_RUN = 1 << 16 };
 
-/* What is allowed at t, as seen from where the library traces a ray from: at + cone · t. */
-typedef struct tolerance {
-    float at, cone;
-} tolerance;
-
 typedef struct lane_queue {
     ready_rays ready[BATCH / QUEUE_W];
     queued rays[BATCH];
     size_t n;
-    uint64_t mirrored;        /* bits of the present tile's packets that are in ready */
-    uint32_t first;           /* number of the batch's first ray, from which those of rays count */
-    tolerance allowed[BATCH]; /* of tolerant queries alone */
+    uint64_t mirrored; /* bits of the present tile's packets that are in ready */
+    uint32_t first;    /* number of the batch's first ray, from which those of rays count */
 } lane_queue;
 
 /* Where answers go, by the numbers of their rays; and what leaf tests have found and is not yet a hit. A leaf test finds two
@@ -94,23 +85,10 @@ typedef struct lane_set {
     lane_rays rays;
     alignas(ALIGNMENT) float t[LANES], leave[LANES];
     int32_t x[LANES], y[LANES], level[LANES];
-    uint32_t ray[LANES];               /* where its hit goes */
-    float allowed[LANES], cone[LANES]; /* of tolerant queries */
-    unsigned living;                   /* lanes that hold a ray; where none does, nothing else is of use */
+    uint32_t ray[LANES]; /* where its hit goes */
+    unsigned living;     /* lanes that hold a ray; where none does, nothing else is of use */
 } lane_set;
 
-/* The lane walk in pairs of vectors; see lane_walk. The query is of use where it is a tolerant one. */
-typedef void lane_pairs_fn(const cw_field *f, const lane_queue *queue, lane_set *l, bool more, const cw_query *query,
-                           lane_answers *answers);
-typedef struct lane_pairs_walk {
-    lane_pairs_fn *closest[CW_LEAF_COUNT], *any[CW_LEAF_COUNT];
-} lane_pairs_walk;
-
-#if defined(CELLWALK_LANE_PAIRS) || defined(CELLWALK_PAIRED)
-#ifdef CELLWALK_TOLERANT
-#define LANE_PAIRS CW_CODE(tolerant_lane_pairs)
-#else
-#define LANE_PAIRS CW_CODE(lane_pairs)
-#endif
-extern const lane_pairs_walk LANE_PAIRS;
-#endif
+/* The lane walk in pairs of vectors; see lane_walk. */
+typedef void lane_pairs_fn(const cw_field *f, const lane_queue *queue, lane_set *l, bool more, lane_answers *answers);
+extern lane_pairs_fn CW_CODE(lane_pairs_closest_), CW_CODE(lane_pairs_any_);

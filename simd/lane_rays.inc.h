@@ -20,16 +20,14 @@ static inline void mirror_axis(float f[RAY_AXIS][W], int32_t turned[W], const va
     vi_store(turned, vi_select(a->up, vi_set(0), vi_set(-1)));
 }
 
-/* Makes W rays ready for walks with the given leaf test. */
-static inline void mirror_rays(ready_rays *s, const vray *r, const cw_field *f, cw_leaf leaf) {
+/* Makes W rays ready for walks. */
+static inline void mirror_rays(ready_rays *s, const vray *r, const cw_field *f) {
     mirror_axis(s->f, s->i[RAY_TURNED_X], &r->x, f->nx);
     mirror_axis(s->f + RAY_AXIS, s->i[RAY_TURNED_Y], &r->y, f->ny);
     /* Slabs have room for the rounding of rays that begin within the field, and of the watertight test: papers/numerics.md.
-     * For more each ray has a pad: of heights 64 u, of the origin's excess 32 u times the steepest slope. Möller and
-     * Trumbore's test, whose heights are clamped to nothing, takes 64 u of all places. */
+     * For more each ray has a pad: of heights 64 u, of the origin's excess 32 u times the steepest slope. */
     const vfloat size = vf_set((float)(f->nx + f->ny)), origin = vf_add(vf_abs(r->x.org), vf_abs(r->y.org));
-    const vfloat excess =
-        leaf == CW_LEAF_WATERTIGHT ? vf_max(vf_set(0), vf_sub(origin, size)) : vf_mul(vf_set(2), vf_add(origin, size));
+    const vfloat excess = vf_max(vf_set(0), vf_sub(origin, size));
     const vfloat tallest = vf_set(fmaxf(fabsf(f->low), fabsf(f->high))), steepest = vf_set(f->pyramid->steepest);
     const vfloat heights = vf_add(vf_mul(vf_set(2), vf_add(vf_abs(r->oz), tallest)), vf_mul(steepest, excess));
     const vfloat longest = vf_max(vf_abs(r->from), vf_abs(r->until));
@@ -49,11 +47,10 @@ static inline void mirror_rays(ready_rays *s, const vray *r, const cw_field *f, 
 
 /* The same for packet p of the present tile, number first_packet + p of the queue. Rays that never are alone are
  * left out: for primary rays that is 4 % of all instructions, and for those that always are alone 1 % more. */
-CW_INLINE void mirror_packet(lane_queue *q, size_t first_packet, size_t p, const vray *r, const cw_field *f,
-                             cw_leaf leaf) {
+CW_INLINE void mirror_packet(lane_queue *q, size_t first_packet, size_t p, const vray *r, const cw_field *f) {
     if (q->mirrored >> p & 1) return;
     q->mirrored |= (uint64_t)1 << p;
-    mirror_rays(&q->ready[first_packet + p], r, f, leaf);
+    mirror_rays(&q->ready[first_packet + p], r, f);
 }
 
 /* Low corner, mirrored, of the node of the given side that the rays are in at t, or of an earlier one. */
@@ -77,21 +74,5 @@ static inline void enqueue(lane_queue *q, size_t packet_number, unsigned which, 
         const unsigned k = (unsigned)__builtin_ctz(which);
         q->rays[q->n++] = (queued){
             (uint16_t)packet_number, (uint16_t)k, (uint32_t)(packet_number * W) + k, from[k], x[k], y[k], level};
-    }
-}
-
-/* What tolerant queries need besides of the rays of a packet. The cone widens from the caller's origin on, also for a ray that
- * is moved. Rounding takes less than what the query's settings were lowered by (papers/numerics.md). */
-static inline void set_tolerances(tolerance allowed[W], const cw_field *f, const cw_ray rays[W], const cw_query *q) {
-    for (size_t k = 0; k < W; k++) {
-        const double x = (double)rays[k].dir[0], y = (double)rays[k].dir[1], z = (double)rays[k].dir[2];
-        const double cone = (double)q->cone * sqrt(x * x + y * y + z * z);
-        ray_start start;
-        allowed[k] = (tolerance){q->tolerance, (float)min_second_d(cone, (double)FLT_MAX)};
-        if (q->cone == 0 || !ray_is_far(f, rays[k].org) || !ray_init(&start, f, &rays[k])) continue;
-        if (start.shift < 0) /* nothing for the cone where the caller's t is negative */
-            allowed[k].cone = 0;
-        else
-            allowed[k].at = (float)min_second_d((double)q->tolerance + cone * start.shift, (double)FLT_MAX);
     }
 }

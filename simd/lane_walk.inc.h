@@ -93,14 +93,9 @@ static inline void copy_ray(lane_rays *to, size_t lane, const ready_rays *from, 
     for (int c = 0; c < RAY_INTS; c++) to->i[c][lane] = from->i[c][k];
 }
 
-CW_INLINE void refill_lane(lane_set *l, size_t lane, const lane_queue *queue, const queued *q, bool tolerant) {
+CW_INLINE void refill_lane(lane_set *l, size_t lane, const lane_queue *queue, const queued *q) {
     count_step(COUNT_REFILL, 1);
     copy_ray(&l->rays, lane, &queue->ready[q->packet], q->lane);
-    if (tolerant) {
-        const tolerance *t = &queue->allowed[q->packet * QUEUE_W + q->lane];
-        l->allowed[lane] = t->at;
-        l->cone[lane] = t->cone;
-    }
     l->t[lane] = q->t;
     l->leave[lane] = INFINITY;
     l->x[lane] = q->x;
@@ -148,7 +143,7 @@ CW_INLINE void turn_back(vaxis *a, float f[RAY_AXIS][LANES], vint turned) {
 
 /* Tests the cells that lanes wait at; the lanes that hit. */
 CW_INLINE vmask lane_leaf(lane_rays *rays, const uint32_t ray[W], const cw_field *f, const lane_state *s,
-                          const lane_axis axis[2], vmask waits, cw_leaf leaf, bool any, lane_answers *answers) {
+                          const lane_axis axis[2], vmask waits, bool any, lane_answers *answers) {
     const vint turned_x = vi_load(rays->i[RAY_TURNED_X]), turned_y = vi_load(rays->i[RAY_TURNED_Y]);
     const vint i = vi_xor(s->x, turned_x), j = vi_xor(s->y, turned_y);
     float(*fx)[LANES] = rays->f, (*fy)[LANES] = rays->f + RAY_AXIS;
@@ -174,7 +169,7 @@ CW_INLINE vmask lane_leaf(lane_rays *rays, const uint32_t ray[W], const cw_field
     const vmask gate = vm_and(waits, cell_gate(&r, &c));
     if (!vm_any(gate)) return gate;
     vfind find;
-    const vmask found = leaf_test(leaf, &r, &c, gate, any, &find);
+    const vmask found = leaf_test(CW_LEAF_WATERTIGHT, &r, &c, gate, any, &find);
     if (vm_any(found)) lane_found(answers, f, ray, found, &find, &c, any);
     return found;
 }
@@ -203,70 +198,9 @@ CW_INLINE vint child_at(float f[RAY_AXIS][LANES], const lane_axis *a, vfloat t, 
     return vi_from_vf(vf_max(vf_min(number, vf_set(3)), vf_set(0))); /* in this order a number even if it were NaN */
 }
 
-/* The hit of a ray that takes the slab of a node for the surface: where it is at t, kept to the node and to the field. */
-static cw_hit tolerant_hit(const cw_field *f, const cw_ray *ray, float t, const int32_t corner[2], float side) {
-    ray_start r;
-    if (!ray_init(&r, f, ray)) return miss();
-    const size_t samples[2] = {f->nx, f->ny};
-    int32_t cell[2];
-    float in_cell[2];
-    for (int c = 0; c < 2; c++) {
-        const double low = corner[c], high = min_second_d(low + (double)side, (double)(samples[c] - 1));
-        const double place = max_second_d(low, min_second_d(high, r.base[c] + (double)t * (double)r.dir[c]));
-        const double first = min_second_d(floor(place), high - 1);
-        cell[c] = (int32_t)first;
-        in_cell[c] = (float)(place - first);
-    }
-    const float x = in_cell[0], y = in_cell[1];
-    const bool b = y > x;
-    return (cw_hit){
-        .t = (float)(r.shift + (double)t),
-        .u = b ? x : x - y,
-        .v = b ? y - x : y,
-        .i = cell[0],
-        .j = cell[1],
-        .triangle = b ? CW_TRIANGLE_B : CW_TRIANGLE_A,
-    };
-}
-
-/* Takes the slab for the surface, for lanes that are in it from t on: their hits are there. */
-CW_INLINE void lane_tolerant_hits(const lane_set *l, const cw_field *f, vint i, vint j, vfloat side, vfloat t,
-                                  vmask stops, bool any, lane_answers *answers) {
-    float at[W], sides[W];
-    int32_t corner[2][W];
-    vf_store(at, t);
-    vf_store(sides, side);
-    vi_store(corner[0], i);
-    vi_store(corner[1], j);
-    for (unsigned bits = vm_bits(stops); bits != 0; bits &= bits - 1) {
-        const unsigned lane = (unsigned)__builtin_ctz(bits);
-        const uint32_t ray = l->ray[lane];
-        const int32_t low[2] = {corner[0][lane], corner[1][lane]};
-        if (any)
-            answers->occluded[ray] = 1;
-        else
-            answers->hits[ray] = tolerant_hit(f, &answers->rays[ray], at[lane], low, sides[lane]);
-    }
-}
-
-/* Lanes that are at t in slabs no thicker than what is allowed there. Neither NaN nor infinite is. */
-CW_INLINE vmask lane_within_tolerance(const lane_set *l, vfloat low, vfloat high, vfloat t) {
-    const vfloat cone = vf_mul(t, vf_load(l->cone));
-    return vf_lt(vf_sub(high, low), vf_add(vf_load(l->allowed), cone));
-}
-
-/* Lanes of nodes among whose samples are no holes: no plane fits these, and theirs is level. */
-CW_INLINE vmask lane_solid(const cw_field *f, const vfloat slope[2]) {
-    const vfloat zero = vf_set(0);
-    const vmask level = vm_and(vf_eq(slope[0], zero), vf_eq(slope[1], zero));
-    return f->holes == 0 ? vm_set(true) : vm_not(level);
-}
-
-/* Lanes of moves that go down to a child of their node; for them, new t, leave and place. Those for which it is near
- * enough to the surface hit instead, and are alive no longer. */
-CW_INLINE vmask lane_descend(lane_state *s, lane_set *l, const cw_field *f, const lane_axis axis[2], vfloat side,
-                             vfloat out, vmask moves, const cw_query *tolerant, bool any, lane_answers *answers) {
-    lane_rays *rays = &l->rays;
+/* Lanes of moves that go down to a child of their node; for them, new t, leave and place. */
+CW_INLINE vmask lane_descend(lane_state *s, lane_rays *rays, const cw_field *f, const lane_axis axis[2], vfloat side,
+                             vfloat out, vmask moves) {
     const struct cw_pyramid *p = f->pyramid;
     const vint shift = vi_add(s->level, s->level), one = vi_set(1);
     const vint i = vi_shift_right(vi_xor(s->x, vi_load(rays->i[RAY_TURNED_X])), shift);
@@ -293,15 +227,6 @@ CW_INLINE vmask lane_descend(lane_state *s, lane_set *l, const cw_field *f, cons
     const vfloat after = vf_max(zero, vf_max(vf_sub(d1, high), vf_sub(low, d1)));
     const vfloat start = vf_min(vf_max(vf_fma(before, per, t), t), t1);
     const vfloat leave = vf_max(start, vf_min(vf_fnma(after, per, t1), vf_set(INFINITY)));
-    if (tolerant) {
-        vmask stops = vm_and(enters, lane_within_tolerance(l, low, high, start));
-        if (vm_any(stops)) {
-            stops = vm_and(stops, lane_solid(f, slope));
-            lane_tolerant_hits(l, f, vi_shift_left(i, shift), vi_shift_left(j, shift), side, start, stops, any,
-                               answers);
-            s->alive = vm_andnot(s->alive, stops);
-        }
-    }
     s->t = vf_select(enters, start, t);
     s->leave = vf_select(enters, leave, s->leave);
     const vint child_shift = vi_add(shift, vi_set(-2)), none = vi_set(0);
@@ -339,8 +264,7 @@ CW_INLINE void lane_advance(lane_state *s, lane_rays *rays, const lane_axis axis
 }
 
 /* One step of every living lane, but for those that wait at a cell. Levels here: cells 0, nodes of pyramid level l l + 1. */
-CW_INLINE void lane_step(lane_state *s, lane_set *l, const cw_field *f, cw_leaf leaf, const cw_query *tolerant,
-                         bool any, lane_answers *answers) {
+CW_INLINE void lane_step(lane_state *s, lane_set *l, const cw_field *f, bool any, lane_answers *answers) {
     lane_rays *rays = &l->rays;
     count_lanes(COUNT_STREAM, s->alive);
     const vfloat side = vf_power_of_2(vi_add(s->level, s->level));
@@ -350,12 +274,12 @@ CW_INLINE void lane_step(lane_state *s, lane_set *l, const cw_field *f, cw_leaf 
     vmask moves = vm_andnot(s->alive, at_cell);
     if (__builtin_popcount(vm_bits(waits)) >= LEAF_AT || !vm_any(moves)) {
         count_lanes(COUNT_ROUND, waits);
-        const vmask found = lane_leaf(rays, l->ray, f, s, axis, waits, leaf, any, answers);
+        const vmask found = lane_leaf(rays, l->ray, f, s, axis, waits, any, answers);
         s->alive = vm_andnot(s->alive, found);
         moves = vm_andnot(waits, found);
     } else {
         count_lanes(COUNT_NODE, moves);
-        moves = vm_andnot(moves, lane_descend(s, l, f, axis, side, out, moves, tolerant, any, answers));
+        moves = vm_andnot(moves, lane_descend(s, rays, f, axis, side, out, moves));
     }
     lane_advance(s, rays, axis, out, moves);
 }
@@ -370,13 +294,13 @@ CW_INLINE void lane_step(lane_state *s, lane_set *l, const cw_field *f, cw_leaf 
  * 257² and 1025² samples). With prefetches of what the next turn of each reads, 39 % more instructions, it is 19 to 26 %
  * faster in 4097² samples, where all waits for memory, 5 % for bounce and ambient-occlusion rays there, and 7 to 30 %
  * slower in smaller fields. */
-CW_INLINE void lane_walk(const cw_field *f, const lane_queue *queue, lane_set *l, bool more, cw_leaf leaf,
-                         const cw_query *tolerant, bool any, lane_answers *answers) {
+CW_INLINE void lane_walk(const cw_field *f, const lane_queue *queue, lane_set *l, bool more, bool any,
+                         lane_answers *answers) {
     if (l->living == 0 && queue->n > 0) lane_clear(l);
     for (size_t next = 0;;) {
         for (unsigned empty = ~l->living & first_lanes(W); empty != 0 && next < queue->n; empty &= empty - 1) {
             const unsigned lane = (unsigned)__builtin_ctz(empty);
-            refill_lane(l, lane, queue, &queue->rays[next++], tolerant != NULL);
+            refill_lane(l, lane, queue, &queue->rays[next++]);
             l->living |= 1u << lane;
         }
         const int refill_at = more || next < queue->n ? (int)W - REFILL_AT : LANES_LEFT;
@@ -385,7 +309,7 @@ CW_INLINE void lane_walk(const cw_field *f, const lane_queue *queue, lane_set *l
         lane_state s = load_lanes(l);
         unsigned living;
         do {
-            lane_step(&s, l, f, leaf, tolerant, any, answers);
+            lane_step(&s, l, f, any, answers);
             living = vm_bits(s.alive);
         } while (__builtin_popcount(living) > refill_at);
         store_lanes(l, &s);

@@ -51,24 +51,16 @@ CW_INLINE void packet_any(const cw_field *f, const cw_ray *rays, size_t n, uint8
     }
 }
 
-static void CW_CODE(closest_packet_mt_)(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query,
-                                        cw_hit *hits) {
-    (void)query;
+static void CW_CODE(closest_packet_mt_)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits) {
     packet_closest(f, rays, n, hits, CW_LEAF_MOLLER_TRUMBORE);
 }
-static void CW_CODE(any_packet_mt_)(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query,
-                                    uint8_t *occluded) {
-    (void)query;
+static void CW_CODE(any_packet_mt_)(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded) {
     packet_any(f, rays, n, occluded, CW_LEAF_MOLLER_TRUMBORE);
 }
-static void CW_CODE(closest_packet_wt_)(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query,
-                                        cw_hit *hits) {
-    (void)query;
+static void CW_CODE(closest_packet_wt_)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits) {
     packet_closest(f, rays, n, hits, CW_LEAF_WATERTIGHT);
 }
-static void CW_CODE(any_packet_wt_)(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query,
-                                    uint8_t *occluded) {
-    (void)query;
+static void CW_CODE(any_packet_wt_)(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded) {
     packet_any(f, rays, n, occluded, CW_LEAF_WATERTIGHT);
 }
 

@@ -2,14 +2,8 @@
 /* The pyramid kernels: which walk a ray takes. Tiles of 64 rays are made ready W at a time. A tile that is coherent shares its
  * walk, else each of its groups of 16 that is (shared_walk.inc.h). Other rays are cut short where they climb out of the terrain
  * (climb.inc.h), a few steps of the flat walk finish what is close by (flat_walk.inc.h), and what is left is queued for the lane
- * walk (walk_alone.inc.h). Which way a ray takes never changes its hit, but for tolerant queries: the lane walk alone makes use
- * of a tolerance. simd/CMakeLists.txt compiles this twice for each row of its table, the second time for tolerant queries
- * (CELLWALK_TOLERANT). */
-
-#ifdef CELLWALK_TOLERANT
-/* A tolerant hit lies where its ray enters a slab, so that is computed with the same bits at every width. */
-#define CELLWALK_UNFUSED
-#endif
+ * walk (walk_alone.inc.h). Which way a ray takes never changes its hit. simd/CMakeLists.txt compiles this once for each
+ * row of its table. */
 
 #include "vocabulary.h"
 
@@ -45,9 +39,9 @@ enum { FLAT_STEPS = 4 };
 /* The rays of w in these packets, which share no walk. Those that go on alone are queued. The packets climb together and step
  * together, each of them one chain of operations that wait for each other: against one packet after another, shadow rays are
  * 1 to 13 % faster, ambient-occlusion and bounce rays 1 to 5 % (AVX-512, Zen 4). */
-CW_INLINE void walk_apart(tile_walk *w, packet_set apart, cw_leaf leaf, bool any) {
+CW_INLINE void walk_apart(tile_walk *w, packet_set apart, bool any) {
     const cw_field *f = w->f;
-    climb(w->packets, apart, f->pyramid, leaf);
+    climb(w->packets, apart, f->pyramid);
     packet_set flat = 0;
     for (packet_set left = apart; left != 0; left &= left - 1) {
         const int p = __builtin_ctzll(left);
@@ -60,7 +54,7 @@ CW_INLINE void walk_apart(tile_walk *w, packet_set apart, cw_leaf leaf, bool any
     for (int k = 0; k < FLAT_STEPS; k++)
         for (packet_set left = flat; left != 0; left &= left - 1) {
             packet *l = &w->packets[__builtin_ctzll(left)];
-            if (vm_any(l->alive)) flat_step(l, f, leaf, any);
+            if (vm_any(l->alive)) flat_step(l, f, CW_LEAF_WATERTIGHT, any);
         }
     for (packet_set left = apart; left != 0; left &= left - 1) {
         const size_t p = (size_t)__builtin_ctzll(left);
@@ -68,33 +62,32 @@ CW_INLINE void walk_apart(tile_walk *w, packet_set apart, cw_leaf leaf, bool any
         const bool stepped = flat >> p & 1;
         if (!vm_any(l->alive)) continue;
         if (stepped) l->r.from = vf_max(l->r.from, vf_max(l->c.x_in, l->c.y_in));
-        mirror_packet(w->queue, w->first_packet, p, &l->r, f, leaf);
+        mirror_packet(w->queue, w->first_packet, p, &l->r, f);
         /* A ray that has just left the surface begins at its block, and so rises no further than it must. */
         enqueue(w->queue, w->first_packet + p, vm_bits(l->alive), l->r.from, stepped ? 1 : f->pyramid->levels);
     }
 }
 
 /* Walks the rays of w together, if their origins lie within this many cells and all else is as alike; else returns false. */
-CW_INLINE bool walk_together(tile_walk *w, float cells, cw_coherence hint, cw_leaf leaf, bool any) {
-    if (__builtin_popcountll(w->rays) < SHARE_AT_LEAST || !coherent(w->packets, w->rays, cells, hint)) return false;
+CW_INLINE bool walk_together(tile_walk *w, float cells, bool any) {
+    if (__builtin_popcountll(w->rays) < SHARE_AT_LEAST || !coherent(w->packets, w->rays, cells)) return false;
     if (!fat_init(&w->tile, w->packets, w->rays)) return false;
     const struct cw_pyramid *p = w->f->pyramid;
     const int top = p->levels - 1;
     count_step(COUNT_SHARED, w->rays);
     count_step(COUNT_SHARED_NODE, w->rays);
-    shared_walk(w, &w->tile, w->rays, top, 0, 0, fat_open(&w->tile, &p->level[top], 0, 0), leaf, any);
+    shared_walk(w, &w->tile, w->rays, top, 0, 0, fat_open(&w->tile, &p->level[top], 0, 0), any);
     return true;
 }
 
 /* The first n rays of a tile, whose packets are numbers first_packet and on of the queue. Writes their hits, misses for
  * those that have none or not yet; of any-hit queries returns the rays that hit. Rays that are to go on alone are put into
- * the queue. tolerant: the query if it is tolerant, else NULL.
+ * the queue.
  *
  * Rejected: to let each group of a tile that is not coherent walk as soon as it is ready, with its rays in registers. Bounce
  * rays gain 3 % with 16 lanes, all coherent rays lose 2 to 4 % with 8. */
-CW_INLINE ray_set pyramid_tile(const cw_field *f, const cw_ray *rays, size_t n, cw_coherence hint, cw_leaf leaf,
-                               bool any, cw_hit *hits, lane_queue *queue, size_t first_packet,
-                               const cw_query *tolerant) {
+CW_INLINE ray_set pyramid_tile(const cw_field *f, const cw_ray *rays, size_t n, bool any, cw_hit *hits,
+                               lane_queue *queue, size_t first_packet) {
     packet packets[PACKETS];
     vstart start[PACKETS];
     cw_ray tail[W];
@@ -110,28 +103,26 @@ CW_INLINE ray_set pyramid_tile(const cw_field *f, const cw_ray *rays, size_t n, 
     for (size_t p = 0; p < count; p++) {
         packet *l = &packets[p];
         const cw_ray *mine = fill_up(rays + p * W, n - p * W, W, tail);
-        l->alive = vm_and(vm_first(n - p * W), make_rays(&l->r, f, mine, leaf, &start[p]));
+        l->alive = vm_and(vm_first(n - p * W), make_rays(&l->r, f, mine, CW_LEAF_WATERTIGHT, &start[p]));
         l->alive = vm_and(l->alive, vf_le(l->r.from, l->r.until));
         packet_clear(l);
         alive |= (ray_set)vm_bits(l->alive) << (p * W);
-        if (tolerant && vm_any(l->alive)) set_tolerances(&queue->allowed[(first_packet + p) * W], f, mine, tolerant);
     }
     w.rays = alive;
     w.several = n > GROUP;
-    const bool look = hint != CW_COHERENCE_LOW;
     const float group_cells = 16 + (float)(f->nx + f->ny) * (1.0f / 64);
-    if (!(look && walk_together(&w, TILE_CELLS, hint, leaf, any))) {
+    if (!walk_together(&w, TILE_CELLS, any)) {
         w.several = false;
         bool shared = false;
         packet_set apart = 0;
         for (size_t p = 0; p < count; p++) {
             if (p % (GROUP / W) == 0) {
                 w.rays = group_bits(alive, p * W / GROUP);
-                shared = look && walk_together(&w, group_cells, hint, leaf, any);
+                shared = walk_together(&w, group_cells, any);
             }
             if (!shared && vm_any(packets[p].alive)) apart |= (packet_set)1 << p;
         }
-        walk_apart(&w, apart, leaf, any);
+        walk_apart(&w, apart, any);
     }
     if (any) {
         ray_set found = 0;
@@ -148,8 +139,7 @@ CW_INLINE ray_set pyramid_tile(const cw_field *f, const cw_ray *rays, size_t n, 
 }
 
 /* Numbers of rays count from the beginning of their run. */
-CW_INLINE void pyramid_closest(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query, cw_hit *hits,
-                               cw_leaf leaf, const cw_query *tolerant) {
+static void CW_CODE(closest_pyramid_)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits) {
     lane_set alone;
     lane_answers answers;
     alone.living = 0;
@@ -163,15 +153,13 @@ CW_INLINE void pyramid_closest(const cw_field *f, const cw_ray *rays, size_t n, 
         answers.hits = hits + run;
         for (size_t k = b; k < end; k += TILE) {
             const size_t count = end - k < TILE ? end - k : TILE;
-            (void)pyramid_tile(f, rays + k, count, query->coherence, leaf, false, hits + k, &queue, (k - b) / W,
-                               tolerant);
+            (void)pyramid_tile(f, rays + k, count, false, hits + k, &queue, (k - b) / W);
         }
-        walk_alone(f, &queue, &alone, end < n && end % LANE_RUN != 0, leaf, tolerant, false, &answers);
+        walk_alone(f, &queue, &alone, end < n && end % LANE_RUN != 0, false, &answers);
     }
 }
 
-CW_INLINE void pyramid_any(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query, uint8_t *occluded,
-                           cw_leaf leaf, const cw_query *tolerant) {
+static void CW_CODE(any_pyramid_)(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded) {
     lane_set alone;
     lane_answers answers;
     alone.living = 0;
@@ -185,55 +173,14 @@ CW_INLINE void pyramid_any(const cw_field *f, const cw_ray *rays, size_t n, cons
         answers.occluded = occluded + run;
         for (size_t k = b; k < end; k += TILE) {
             const size_t count = end - k < TILE ? end - k : TILE;
-            const ray_set found =
-                pyramid_tile(f, rays + k, count, query->coherence, leaf, true, NULL, &queue, (k - b) / W, tolerant);
+            const ray_set found = pyramid_tile(f, rays + k, count, true, NULL, &queue, (k - b) / W);
             for (size_t m = 0; m < count; m++) occluded[k + m] = found >> m & 1;
         }
-        walk_alone(f, &queue, &alone, end < n && end % LANE_RUN != 0, leaf, tolerant, true, &answers);
+        walk_alone(f, &queue, &alone, end < n && end % LANE_RUN != 0, true, &answers);
     }
 }
 
-#ifdef CELLWALK_TOLERANT
-
-static void CW_CODE(closest_tolerant_)(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query,
-                                       cw_hit *hits) {
-    pyramid_closest(f, rays, n, query, hits, CW_LEAF_WATERTIGHT, query);
-}
-static void CW_CODE(any_tolerant_)(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query,
-                                   uint8_t *occluded) {
-    pyramid_any(f, rays, n, query, occluded, CW_LEAF_WATERTIGHT, query);
-}
-
-const cw_kernel_code CW_CODE(tolerant) = {
-    .closest = {[CW_LEAF_WATERTIGHT] = CW_CODE(closest_tolerant_)},
-    .any = {[CW_LEAF_WATERTIGHT] = CW_CODE(any_tolerant_)},
-};
-
-#else
-
-static void CW_CODE(closest_pyramid_mt_)(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query,
-                                         cw_hit *hits) {
-    pyramid_closest(f, rays, n, query, hits, CW_LEAF_MOLLER_TRUMBORE, NULL);
-}
-static void CW_CODE(any_pyramid_mt_)(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query,
-                                     uint8_t *occluded) {
-    pyramid_any(f, rays, n, query, occluded, CW_LEAF_MOLLER_TRUMBORE, NULL);
-}
-static void CW_CODE(closest_pyramid_wt_)(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query,
-                                         cw_hit *hits) {
-    pyramid_closest(f, rays, n, query, hits, CW_LEAF_WATERTIGHT, NULL);
-}
-static void CW_CODE(any_pyramid_wt_)(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query,
-                                     uint8_t *occluded) {
-    pyramid_any(f, rays, n, query, occluded, CW_LEAF_WATERTIGHT, NULL);
-}
-
-/* A function a leaf test: one function for both, with a branch at its top, takes up to 15 % more instructions, as compilers
- * then have too few registers. */
 const cw_kernel_code CW_CODE(pyramid) = {
-    .closest =
-        {[CW_LEAF_MOLLER_TRUMBORE] = CW_CODE(closest_pyramid_mt_), [CW_LEAF_WATERTIGHT] = CW_CODE(closest_pyramid_wt_)},
-    .any = {[CW_LEAF_MOLLER_TRUMBORE] = CW_CODE(any_pyramid_mt_), [CW_LEAF_WATERTIGHT] = CW_CODE(any_pyramid_wt_)},
+    .closest = {[CW_LEAF_WATERTIGHT] = CW_CODE(closest_pyramid_)},
+    .any = {[CW_LEAF_WATERTIGHT] = CW_CODE(any_pyramid_)},
 };
-
-#endif

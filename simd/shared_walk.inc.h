@@ -66,18 +66,15 @@ static inline vfloat lane_of(const vfloat *v, unsigned lane) {
 }
 
 /* True if the rays are alike enough to share a walk: one direction quadrant, directions within 1/8 of its length from the
- * first one's, origins within this many cells of its; with the hint CW_COHERENCE_HIGH the quadrant alone. What is left out is
- * a matter of speed alone. */
-static inline bool coherent(const packet *packets, ray_set rays, float cells, cw_coherence hint) {
+ * first one's, origins within this many cells of its. The rest is a matter of speed. */
+static inline bool coherent(const packet *packets, ray_set rays, float cells) {
     const unsigned first = (unsigned)__builtin_ctzll(rays);
     const vray *one = &packets[first / W].r;
     const unsigned lane = first % W;
     const vfloat dx = lane_of(&one->x.dir, lane), dy = lane_of(&one->y.dir, lane), dz = lane_of(&one->dz, lane);
     const vfloat ox = lane_of(&one->x.org, lane), oy = lane_of(&one->y.org, lane);
     const vfloat length = vf_max(vf_max(vf_abs(dx), vf_abs(dy)), vf_abs(dz)), zero = vf_set(0);
-    const bool any = hint == CW_COHERENCE_HIGH;
-    const vfloat angle = any ? vf_set(INFINITY) : vf_mul(length, vf_set(0.125f));
-    const vfloat apart = vf_set(any ? INFINITY : cells);
+    const vfloat angle = vf_mul(length, vf_set(0.125f)), apart = vf_set(cells);
     for (ray_set left = rays; left != 0;) {
         const size_t p = next_packet(&left);
         const unsigned here = packet_bits(rays, p);
@@ -231,7 +228,7 @@ static inline ray_set block_rays(const fat_ray *a, const packet *packets, ray_se
 /* Those of a packet's rays that find their first hits in these cells of a block, of which (i, j) is the low corner. Packet
  * after packet, so that a ray stays in registers from cell to cell. */
 CW_INLINE vmask shared_cells(const fat_ray *a, packet *l, vmask among, const block_samples *s, int32_t i, int32_t j,
-                             unsigned cells, cw_leaf leaf, bool any) {
+                             unsigned cells, bool any) {
     const vray *r = &l->r;
     vmask found = vm_set(false);
     for (; cells != 0; cells &= cells - 1) {
@@ -252,7 +249,7 @@ CW_INLINE vmask shared_cells(const fat_ray *a, packet *l, vmask among, const blo
         const vmask gate = vm_and(among, cell_gate(r, &c));
         if (!vm_any(gate)) continue;
         vfind find = {c.t0, c.t1, gate}; /* which any-hit queries leave alone, as compilers may not see */
-        const vmask now = leaf_test(leaf, r, &c, gate, any, &find);
+        const vmask now = leaf_test(CW_LEAF_WATERTIGHT, r, &c, gate, any, &find);
         if (!vm_any(now)) continue;
         if (!any) keep_hits(&l->hit, now, &find, &c);
         found = vm_or(found, now);
@@ -271,7 +268,7 @@ enum { FALL_APART = 2, CHILDREN_AT_MOST = 6 };
 /* Queues those of the rays that cross the node of the given level of the pyramid and place; the rest of their walk is
  * theirs alone. Returns them. */
 static inline ray_set fall_apart(const fat_ray *a, const packet *packets, ray_set rays, const cw_field *f, int level,
-                                 int32_t x, int32_t y, cw_leaf leaf, lane_queue *queue, size_t first_packet) {
+                                 int32_t x, int32_t y, lane_queue *queue, size_t first_packet) {
     ray_set apart = 0;
     const cw_pyramid_level *l = &f->pyramid->level[level];
     for (ray_set left = rays; left != 0;) {
@@ -283,7 +280,7 @@ static inline ray_set fall_apart(const fat_ray *a, const packet *packets, ray_se
         const vfloat t0 = vf_max(vf_max(c.x_in, c.y_in), r->from), t1 = vf_min(vf_min(c.x_out, c.y_out), r->until);
         const unsigned now = vm_bits(vf_le(t0, t1)) & among;
         if (now == 0) continue;
-        mirror_packet(queue, first_packet, p, r, f, leaf);
+        mirror_packet(queue, first_packet, p, r, f);
         enqueue(queue, first_packet + p, now, t0, level + 1);
         apart |= (ray_set)now << (p * W);
     }
@@ -315,28 +312,28 @@ static inline const fat_ray *group_ray(tile_walk *w, size_t g) {
 }
 
 /* From this node on, the rays go on alone. */
-static inline void leave(tile_walk *w, const fat_ray *a, ray_set rays, int level, int32_t x, int32_t y, cw_leaf leaf) {
-    w->rays &= ~fall_apart(a, w->packets, rays, w->f, level, x, y, leaf, w->queue, w->first_packet);
+static inline void leave(tile_walk *w, const fat_ray *a, ray_set rays, int level, int32_t x, int32_t y) {
+    w->rays &= ~fall_apart(a, w->packets, rays, w->f, level, x, y, w->queue, w->first_packet);
 }
 
 /* Looks for first hits of the rays in block (x, y). */
-static void shared_block(tile_walk *w, const fat_ray *a, ray_set rays, int32_t x, int32_t y, cw_leaf leaf, bool any) {
+static void shared_block(tile_walk *w, const fat_ray *a, ray_set rays, int32_t x, int32_t y, bool any) {
     count_step(COUNT_SHARED_BLOCK, rays);
     block_samples s;
     load_samples(&s, w->f, (size_t)(4 * x), (size_t)(4 * y));
     unsigned cells = fat_cells(a, &s, x, y);
     if (FALL_APART * __builtin_popcountll(rays) <= __builtin_popcount(cells) * packets_of(rays)) {
         if (a != &w->tile || !w->several) {
-            leave(w, a, rays, 0, x, y, leaf);
+            leave(w, a, rays, 0, x, y);
             return;
         }
         while (rays != 0) {
             const size_t g = (size_t)__builtin_ctzll(rays) / GROUP;
             const fat_ray *b = group_ray(w, g);
             if (b == NULL)
-                leave(w, a, group_bits(rays, g), 0, x, y, leaf);
+                leave(w, a, group_bits(rays, g), 0, x, y);
             else
-                shared_block(w, b, group_bits(rays, g), x, y, leaf, any);
+                shared_block(w, b, group_bits(rays, g), x, y, any);
             rays &= ~group_bits(rays, g);
         }
         return;
@@ -345,8 +342,7 @@ static void shared_block(tile_walk *w, const fat_ray *a, ray_set rays, int32_t x
         const ray_set before = rays;
         const size_t p = next_packet(&rays);
         packet *l = &w->packets[p];
-        const vmask found =
-            shared_cells(a, l, vm_from_bits(packet_bits(before, p)), &s, 4 * x, 4 * y, cells, leaf, any);
+        const vmask found = shared_cells(a, l, vm_from_bits(packet_bits(before, p)), &s, 4 * x, 4 * y, cells, any);
         l->found = vm_or(l->found, found);
         w->rays &= ~((ray_set)vm_bits(found) << (p * W));
     }
@@ -355,29 +351,29 @@ static void shared_block(tile_walk *w, const fat_ray *a, ray_set rays, int32_t x
 /* Walks the rays that a stands for, to their ends or until they fall apart, through node (x, y), of which these children of
  * the given level are to be visited. */
 static void shared_walk(tile_walk *w, const fat_ray *a, ray_set mine, int top, int32_t x, int32_t y, unsigned children,
-                        cw_leaf leaf, bool any);
+                        bool any);
 
 /* The same for each group of the tile, in node (x, y) of the level, at which the tile falls apart. */
-static inline void walk_groups(tile_walk *w, int level, int32_t x, int32_t y, cw_leaf leaf, bool any) {
+static inline void walk_groups(tile_walk *w, int level, int32_t x, int32_t y, bool any) {
     for (size_t g = 0; g < GROUPS; g++) {
         const ray_set rays = group_bits(w->rays, g);
         if (rays == 0) continue;
         const fat_ray *a = group_ray(w, g);
         if (a == NULL) {
-            leave(w, &w->tile, rays, level, x, y, leaf);
+            leave(w, &w->tile, rays, level, x, y);
             continue;
         }
         count_step(COUNT_SHARED_NODE, rays);
         const unsigned children = fat_open(a, &w->f->pyramid->level[level - 1], x, y);
         if (__builtin_popcount(children) > CHILDREN_AT_MOST)
-            leave(w, a, rays, level, x, y, leaf);
+            leave(w, a, rays, level, x, y);
         else
-            shared_walk(w, a, rays, level - 1, x, y, children, leaf, any);
+            shared_walk(w, a, rays, level - 1, x, y, children, any);
     }
 }
 
 static void shared_walk(tile_walk *w, const fat_ray *a, ray_set mine, int top, int32_t x, int32_t y, unsigned children,
-                        cw_leaf leaf, bool any) {
+                        bool any) {
     const struct cw_pyramid *p = w->f->pyramid;
     const bool groups = a == &w->tile && w->several;
     struct {
@@ -399,16 +395,16 @@ static void shared_walk(tile_walk *w, const fat_ray *a, ray_set mine, int top, i
         const int32_t cx = 4 * x + ((place & 3) ^ a->order.flip_x), cy = 4 * y + ((place >> 2) ^ a->order.flip_y);
         if (level == 0) {
             const ray_set concerned = block_rays(a, w->packets, w->rays & mine, &p->level[0], cx, cy);
-            if (concerned != 0) shared_block(w, a, concerned, cx, cy, leaf, any);
+            if (concerned != 0) shared_block(w, a, concerned, cx, cy, any);
             continue;
         }
         count_step(COUNT_SHARED_NODE, w->rays & mine);
         const unsigned inner = fat_open(a, &p->level[level - 1], cx, cy);
         if (__builtin_popcount(inner) > CHILDREN_AT_MOST) {
             if (groups)
-                walk_groups(w, level, cx, cy, leaf, any);
+                walk_groups(w, level, cx, cy, any);
             else
-                leave(w, a, w->rays & mine, level, cx, cy, leaf);
+                leave(w, a, w->rays & mine, level, cx, cy);
             continue;
         }
         todo[level].mask = mask;

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The rays that go on alone: in the vectors of their tiles or, with CELLWALK_PAIRED, in pairs of these (lane_pairs.c) until few
- * enough are left for a single one. Without that, calls of 1 to 64 rays are up to 1.8 times as slow with 2 × 16 lanes as with
- * 16, calls of 256 rays up to 1.14 times; with it up to 1.10 times, and 1.02 times (papers/walks.md). */
-
-#ifdef CELLWALK_PAIRED
+/* The rays that go on alone: in the vectors of their tiles or, where CELLWALK_LANE_VECTORS is 2, in pairs of these (lane_pairs.c)
+ * until one vector can hold the rest. Without that change to single vectors, calls of 1 to 64 rays are up to 1.8 times as slow
+ * with 2 × 16 lanes as with 16, calls of 256 rays up to 1.14 times; with it up to 1.10 and 1.02 times (papers/walks.md). */
 
 static inline void move_lane(lane_set *l, size_t to, size_t from) {
     for (int c = 0; c < RAY_FLOATS; c++) l->rays.f[c][to] = l->rays.f[c][from];
@@ -14,8 +12,6 @@ static inline void move_lane(lane_set *l, size_t to, size_t from) {
     l->y[to] = l->y[from];
     l->level[to] = l->level[from];
     l->ray[to] = l->ray[from];
-    l->allowed[to] = l->allowed[from];
-    l->cone[to] = l->cone[from];
 }
 
 /* Moves rays of the second vector, no more than fit, into the first. */
@@ -27,21 +23,18 @@ static inline void close_up(lane_set *l) {
     }
 }
 
-#endif
-
 /* See lane_walk. Empties the queue. */
-CW_INLINE void walk_alone(const cw_field *f, lane_queue *queue, lane_set *l, bool more, cw_leaf leaf,
-                          const cw_query *tolerant, bool any, lane_answers *answers) {
-#ifdef CELLWALK_PAIRED
-    const size_t rays = (size_t)__builtin_popcount(l->living) + queue->n;
-    if (more ? queue->n > 0 : rays > W) {
-        lane_pairs_fn *const pairs = any ? LANE_PAIRS.any[leaf] : LANE_PAIRS.closest[leaf];
-        pairs(f, queue, l, more, tolerant, answers);
-        queue->n = 0;
+CW_INLINE void walk_alone(const cw_field *f, lane_queue *queue, lane_set *l, bool more, bool any,
+                          lane_answers *answers) {
+    if (LANES > (int)W) {
+        const size_t rays = (size_t)__builtin_popcount(l->living) + queue->n;
+        if (more ? queue->n > 0 : rays > W) {
+            (any ? CW_CODE(lane_pairs_any_) : CW_CODE(lane_pairs_closest_))(f, queue, l, more, answers);
+            queue->n = 0;
+        }
+        if (more) return;
+        close_up(l);
     }
-    if (more) return;
-    close_up(l);
-#endif
-    lane_walk(f, queue, l, more, leaf, tolerant, any, answers);
+    lane_walk(f, queue, l, more, any, answers);
     queue->n = 0;
 }

@@ -20,7 +20,7 @@ size_t tradeoff_thin(const cw_ray *rays, size_t n, unsigned thin, cw_ray *out) {
 
 cw_status tradeoff_truth_make(tradeoff_truth *truth, const true_surface *surface, const cw_field *field,
                               const cw_ray *rays, size_t n) {
-    const cw_query query = {.kernel = cw_kernel_find("cell"), .leaf = CW_LEAF_WATERTIGHT};
+    const cw_run query = {.kernel = cw_kernel_find("cell"), .leaf = CW_LEAF_WATERTIGHT};
     *truth = (tradeoff_truth){.surface = surface, .field = field, .rays = rays, .n = n};
     truth->hits = memory(n, sizeof *truth->hits);
     truth->exact = memory(n, sizeof *truth->exact);
@@ -47,8 +47,8 @@ static double normal_error(const tradeoff_truth *truth, const exact_hit *exact, 
     const cw_hit right = {
         .u = (float)exact->u, .v = (float)exact->v, .i = exact->i, .j = exact->j, .triangle = exact->triangle};
     double a[3], b[3];
-    cw_hit_phong_normal(truth->field, &right, a);
-    cw_hit_phong_normal(field, answer, b);
+    cw_hit_phong_normals(truth->field, NULL, &right, 1, a);
+    cw_hit_phong_normals(field, NULL, answer, 1, b);
     return tradeoff_degrees(a, b);
 }
 
@@ -63,7 +63,7 @@ static double uv_error(const exact_hit *exact, const cw_hit *answer) {
 
 static double point_error(const cw_ray *ray, double t, const cw_field *field, const cw_hit *answer) {
     double p[3], squares = 0;
-    cw_hit_point(field, answer, p);
+    cw_hit_points(field, NULL, answer, 1, p);
     for (int c = 0; c < 3; c++) {
         const double d = p[c] - ((double)ray->org[c] + t * (double)ray->dir[c]);
         squares += d * d;

@@ -29,8 +29,8 @@ bool tradeoff_field_open(tradeoff_field *on, const char *name, const tradeoff_op
     if (!workload_field_make(name, &on->samples)) return io_fail(error, "out of memory for field %s", name);
     on->surface = true_surface_of(on->samples.z, on->samples.nx, on->samples.ny);
     cw_status status = workload_field_open(&on->samples, CW_COPY, false, &on->field);
-    if (status == CW_OK) status = cw_field_build(on->field, cw_kernel_find("cell"));
-    bool good = status == CW_OK || io_fail(error, "field %s: %s", name, cw_status_message(status));
+    if (status == CW_OK) status = cw_field_build(on->field, &(cw_run){.kernel = cw_kernel_find("cell")});
+    bool good = status == CW_OK || io_fail(error, "field %s: %s", name, cw_last_error());
     for (size_t m = 0; good && tradeoff_mode_at(m); m++) {
         const tradeoff_mode *mode = tradeoff_mode_at(m);
         if (!tradeoff_mode_wanted(m, o) || on->stage_count == TRADEOFF_MODES_MAX) continue;
@@ -84,9 +84,9 @@ static bool add_row(group *g, const tradeoff_stage *stage, const cw_kernel *kern
         contender_from_peer(&r->contender, stage->peer, width, workload_class_is_coherent(g->c), stage->mode->name);
     r->stage = stage;
     g->row_count += status == CW_OK;
-    return status == CW_OK || status == CW_ERROR_UNAVAILABLE || status == CW_ERROR_UNSUPPORTED ||
+    return status == CW_OK || status == CW_ERROR_KERNEL ||
            io_fail(error, "%s with %s on field %s: %s", stage->mode->name, cw_kernel_describe(kernel).name,
-                   g->on->samples.name, cw_status_message(status));
+                   g->on->samples.name, cw_last_error());
 }
 
 static bool add_rows(group *g, const tradeoff_options *o, io_error *error) {
@@ -225,7 +225,7 @@ static json_t *row_line(const group *g, const row *r) {
         results_set_number(line, "left_out_seconds", r->left_out);
         return line;
     }
-    results_set_numbers(line, "claim_height claim_cone", (double[]){r->stage->claim.height, r->stage->claim.cone});
+    results_set_numbers(line, "claim_height", (double[]){r->stage->claim.height});
     set_errors(line, &r->errors);
     if (r->same_as) results_set_text(line, "same_bits_as", r->same_as->contender.name);
     if (g->c >= WORKLOAD_CLASS_COUNT) return line;
@@ -248,7 +248,7 @@ static bool make_rays(group *g, const tradeoff_options *o, io_error *error) {
     for (unsigned thin = 1; thin <= THIN_MAX; thin++)
         g->counts[thin] = tradeoff_thin(g->rays[0], g->counts[0], thin, g->rays[thin]);
     const cw_status status = tradeoff_truth_make(&g->truth, &g->on->surface, g->on->field, g->rays[0], g->counts[0]);
-    return status == CW_OK || io_fail(error, "the reference kernel cell: %s", cw_status_message(status));
+    return status == CW_OK || io_fail(error, "the reference kernel cell: %s", cw_last_error());
 }
 
 bool tradeoff_group_run(const tradeoff_field *on, workload_class c, const tradeoff_options *o, double seconds,

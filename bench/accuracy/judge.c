@@ -60,9 +60,7 @@ static slack slack_at(const true_surface *on, const bounds_ray *r, double t, con
                       const tradeoff_claim *claim) {
     const double D = bounds_D(r, p->i, p->j);
     const bounds_surface s = surface_around(on, p, bounds_delta(r, D));
-    const double length = sqrt(r->dir[0] * r->dir[0] + r->dir[1] * r->dir[1] + r->dir[2] * r->dir[2]);
-    const double clear =
-        bounds_clear(r, D, s) + bounds_height_evaluation(r, t, s) + claim->height + claim->cone * fabs(t) * length;
+    const double clear = bounds_clear(r, D, s) + bounds_height_evaluation(r, t, s) + claim->height;
     const double steepest = fabs(r->dir[2]) + 2 * s.S * (fabs(r->dir[0]) + fabs(r->dir[1]));
     return (slack){clear, clear + bounds_height_of_t(t, steepest)};
 }

@@ -39,10 +39,9 @@ double exact_error_cells(const cw_ray *ray, double t, double exact);
 
 /* ---- judge.c ---- */
 
-/* What a mode owns up to: its surface may be that far from the true one, in height: height + cone × distance from the
- * ray's origin, in cells. All zero for the exact surface. */
+/* How far a mode's surface may be from the true one, in height. Zero for the exact surface. */
 typedef struct tradeoff_claim {
-    double height, cone;
+    double height;
 } tradeoff_claim;
 
 typedef enum tradeoff_verdict {

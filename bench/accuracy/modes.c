@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "accuracy/tradeoff.h"
 
-#include "affine.h"
 #include "harness/memory.h"
 
 #include <math.h>
@@ -11,15 +10,10 @@
 
 /* clang-format off: a row a mode */
 static const tradeoff_mode modes[] = {
-    {"strict", "the default: watertight leaf test, IEEE operations alone", CW_LEAF_WATERTIGHT, .only = NULL},
+    {"strict", "the default: watertight leaf test, IEEE operations alone", CW_LEAF_WATERTIGHT, .change = NULL},
     {"moller-trumbore", "strict operations, each triangle by itself (Möller and Trumbore 1997)",
-     CW_LEAF_MOLLER_TRUMBORE, .only = NULL},
-    {"early", "a 3D grid that returns the first hit it finds", CW_LEAF_MOLLER_TRUMBORE, .only = "grid3d-early"},
+     CW_LEAF_MOLLER_TRUMBORE, .change = NULL},
     {"samples-16", "strict on samples rounded to 16 bits beforehand", CW_LEAF_WATERTIGHT, .change = tradeoff_quantise},
-    {"tolerance-1", "tolerance: heights off by a cell's side", CW_LEAF_WATERTIGHT, .family = "pyramid",
-     .tolerance = {.height = 1}},
-    {"cone-pixel", "tolerance: a cone as wide as a pixel of the 1024² view", CW_LEAF_WATERTIGHT, .family = "pyramid",
-     .tolerance = {.cone = 2 * 0.57735 / 1024}},
     {"embree", "Embree, a mesh of triangles", .embree = true},
     {"embree-robust", "Embree, a mesh of triangles, ROBUST", .embree = true, .robust = true},
     {"embree-grid", "Embree, its grid geometry", .embree = true, .geometry = PEER_GRID, .longer = true},
@@ -30,16 +24,6 @@ static const tradeoff_mode modes[] = {
 enum { MODE_COUNT = sizeof modes / sizeof modes[0] };
 
 const tradeoff_mode *tradeoff_mode_at(size_t number) { return number < MODE_COUNT ? &modes[number] : NULL; }
-
-/* True if the mode is to be tried on the kernel. */
-static bool takes(const tradeoff_mode *mode, const char *kernel) {
-    if (mode->embree) return false;
-    if (mode->only) return strcmp(mode->only, kernel) == 0;
-    if (mode->family && strncmp(kernel, mode->family, strlen(mode->family)) != 0) return false;
-    for (size_t m = 0; m < MODE_COUNT; m++)
-        if (modes[m].only && strcmp(modes[m].only, kernel) == 0) return false;
-    return true;
-}
 
 tradeoff_claim tradeoff_quantise(float *z, size_t count) {
     float lowest = INFINITY, highest = -INFINITY; /* in double, GCC 12 for aarch64 breaks down */
@@ -56,29 +40,6 @@ tradeoff_claim tradeoff_quantise(float *z, size_t count) {
     return (tradeoff_claim){.height = step / 2 + 0x1p-24 * fmax(fabs(low), fabs(high))};
 }
 
-double tradeoff_cell_height(const cw_field *field) {
-    /* The linear map from user space, column by column. */
-    cw_user_ray axes[3] = {{.dir = {1, 0, 0}}, {.dir = {0, 1, 0}}, {.dir = {0, 0, 1}}};
-    cw_ray in_field[3];
-    double to_field[3][4] = {{0}}, to_user[3][4], most_of_row = 0, most_of_column = 0;
-    cw_rays_to_field(field, axes, 3, in_field);
-    for (int a = 0; a < 3; a++) {
-        double row = 0, column = 0;
-        for (int b = 0; b < 3; b++) {
-            to_field[a][b] = (double)in_field[b].dir[a];
-            row += fabs(to_field[a][b]);
-            column += fabs((double)in_field[a].dir[b]);
-        }
-        most_of_row = fmax(most_of_row, row);
-        most_of_column = fmax(most_of_column, column);
-    }
-    affine_invert((const double(*)[4])to_field, to_user); /* which a field's map allows */
-    /* A unit of height is as long in user space as the last column; a unit of user space is at most
-     * sqrt(most_of_row · most_of_column) long in field space. */
-    const double up = hypot(hypot(to_user[0][2], to_user[1][2]), to_user[2][2]);
-    return 1 / (up * sqrt(most_of_row * most_of_column));
-}
-
 static bool own_field(tradeoff_stage *s, cw_field *base, const true_surface *surface, io_error *error) {
     const tradeoff_mode *mode = s->mode;
     s->field = base;
@@ -88,19 +49,16 @@ static bool own_field(tradeoff_stage *s, cw_field *base, const true_surface *sur
     memcpy(s->z, surface->z, count * sizeof *s->z);
     const tradeoff_claim more = mode->change(s->z, count);
     s->claim.height += more.height;
-    s->claim.cone += more.cone;
     const workload_field changed = {.nx = surface->nx, .ny = surface->ny, .z = s->z};
     const cw_status status = workload_field_open(&changed, CW_COPY, false, &s->own);
-    if (status != CW_OK) return io_fail(error, "the field of mode %s: %s", mode->name, cw_status_message(status));
+    if (status != CW_OK) return io_fail(error, "the field of mode %s: %s", mode->name, cw_last_error());
     s->field = s->own;
     return true;
 }
 
 bool tradeoff_stage_open(tradeoff_stage *stage, const tradeoff_mode *mode, cw_field *base, const true_surface *surface,
                          cw_isa isa, io_error *error) {
-    const double cell = tradeoff_cell_height(base);
-    const tradeoff_claim tolerance = {mode->tolerance.height * cell, mode->tolerance.cone * cell};
-    *stage = (tradeoff_stage){.mode = mode, .tolerance = tolerance, .claim = tolerance};
+    *stage = (tradeoff_stage){.mode = mode};
     bool good = own_field(stage, base, surface, error);
     if (good && mode->embree) {
         const peer_options options = {
@@ -122,11 +80,9 @@ void tradeoff_stage_close(tradeoff_stage *stage) {
 cw_status tradeoff_stage_kernel(const tradeoff_stage *stage, const cw_kernel *kernel, contender *c) {
     const tradeoff_mode *mode = stage->mode;
     const char *name = cw_kernel_describe(kernel).name;
-    if (!takes(mode, name)) return CW_ERROR_UNSUPPORTED;
+    if (mode->embree) return CW_ERROR_KERNEL;
     const cw_status status = contender_from_kernel(c, stage->field, kernel, mode->leaf);
     if (status != CW_OK) return status;
-    c->query.tolerance = (float)stage->tolerance.height;
-    c->query.cone = (float)stage->tolerance.cone;
     snprintf(c->name, sizeof c->name, "%s/%s", mode->name, name);
     return cw_closest(stage->field, &c->query, NULL, 0, NULL);
 }

@@ -38,13 +38,12 @@ static bool open_mode(set *s, const tradeoff_mode *mode, cw_isa isa, bool *runs,
             contender_from_peer(&t->on[f], s->stages[f].peer, 8, true, mode->name);
             continue;
         }
-        const cw_kernel *kernel = mode->only ? cw_kernel_find(mode->only) : cw_query_kernel(base, NULL);
-        cw_status status = CW_ERROR_UNAVAILABLE;
-        if (cw_kernel_exists(kernel)) status = tradeoff_stage_kernel(&s->stages[f], kernel, &t->on[f]);
-        if (status == CW_ERROR_UNAVAILABLE || status == CW_ERROR_UNSUPPORTED)
+        const cw_kernel *kernel = cw_run_kernel(base, NULL);
+        const cw_status status = tradeoff_stage_kernel(&s->stages[f], kernel, &t->on[f]);
+        if (status == CW_ERROR_KERNEL)
             *runs = false;
         else if (status != CW_OK)
-            return io_fail(error, "mode %s: %s", mode->name, cw_status_message(status));
+            return io_fail(error, "mode %s: %s", mode->name, cw_last_error());
     }
     return true;
 }
@@ -56,10 +55,10 @@ static bool open_set(set *s, const char *folder, const char *name, io_error *err
     for (size_t f = 0; f < s->field_count; f++) {
         cw_field *field = scene_field(s->scene, f);
         const cw_field_info info = cw_field_describe(field);
-        const cw_status status = cw_field_build(field, cw_kernel_find("cell"));
-        if (status != CW_OK) return io_fail(error, "scene %s: %s", name, cw_status_message(status));
+        const cw_status status = cw_field_build(field, &(cw_run){.kernel = cw_kernel_find("cell")});
+        if (status != CW_OK) return io_fail(error, "scene %s: %s", name, cw_last_error());
         s->z[f] = memory(info.nx * info.ny, sizeof *s->z[f]);
-        for (size_t k = 0; k < info.nx * info.ny; k++) s->z[f][k] = cw_field_sample(field, k % info.nx, k / info.nx);
+        for (size_t k = 0; k < info.nx * info.ny; k++) s->z[f][k] = cw_field_row(field, k / info.nx)[k % info.nx];
         s->surfaces[f] = true_surface_of(s->z[f], info.nx, info.ny);
     }
     return true;

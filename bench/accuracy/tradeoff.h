@@ -32,9 +32,6 @@ typedef struct tradeoff_mode {
     const char *name; /* "strict"; a contender is called NAME/KERNEL, or NAME/wWIDTH with Embree */
     const char *what; /* one line for a person */
     cw_leaf leaf;
-    const char *only;         /* the one kernel that has this mode; NULL: all, but those that others name here */
-    const char *family;       /* or only kernels whose names begin so; NULL: all */
-    tradeoff_claim tolerance; /* of the query, which is also what it may cost: in units of tradeoff_cell_height */
     tradeoff_claim (*change)(float *z, size_t count); /* changes the samples of the mode's own field, and says by how
                                                        * much at most */
     bool longer;                                      /* only with --long, or if asked for by name */
@@ -45,16 +42,13 @@ typedef struct tradeoff_mode {
 /* NULL from the count on. */
 const tradeoff_mode *tradeoff_mode_at(size_t number);
 
-/* How much of the field's height is as long in user space as a cell's side, where a unit of field space is shortest. */
-double tradeoff_cell_height(const cw_field *field);
-
 /* A mode on one field, with all that it needs. */
 typedef struct tradeoff_stage {
     const tradeoff_mode *mode;
     cw_field *field; /* the given one, or: */
     cw_field *own;   /* made from: */
     float *z;
-    tradeoff_claim tolerance, claim;
+    tradeoff_claim claim;
     peer_embree *peer;
 } tradeoff_stage;
 
@@ -63,7 +57,7 @@ bool tradeoff_stage_open(tradeoff_stage *stage, const tradeoff_mode *mode, cw_fi
                          cw_isa isa, io_error *error);
 void tradeoff_stage_close(tradeoff_stage *stage);
 
-/* The mode's contender with a kernel, named as above. CW_ERROR_UNAVAILABLE or CW_ERROR_UNSUPPORTED where there is none. */
+/* The mode's contender with a kernel, named as above. CW_ERROR_KERNEL where there is none. */
 cw_status tradeoff_stage_kernel(const tradeoff_stage *stage, const cw_kernel *kernel, contender *c);
 
 /* Rounds samples to 2^16 levels from the lowest to the highest; holes stay. The claim is half a step and the rounding of
@@ -73,7 +67,7 @@ tradeoff_claim tradeoff_quantise(float *z, size_t count);
 /* ---- errors.c ---- */
 
 /* Errors of t in ULP and in cells, heights off the surface, angles of normals; errors of t relative to it, of u and v, and of
- * the point that cw_hit_point makes of a hit, in cells. */
+ * the point that cw_hit_points makes of a hit, in cells. */
 enum { TRADEOFF_ERROR_KINDS = 7 };
 
 /* What is to be told of a mode's answers. */

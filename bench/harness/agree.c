@@ -29,9 +29,9 @@ static slack slack_of(const cw_field_info *info, const cw_ray *ray) {
 /* Cosine between the ray and the normal of the triangle hit, in field space. */
 static double cosine(const cw_field *field, const cw_ray *ray, const cw_hit *hit, double length) {
     const size_t i = (size_t)hit->i, j = (size_t)hit->j;
-    const double h00 = (double)cw_field_sample(field, i, j), h11 = (double)cw_field_sample(field, i + 1, j + 1);
+    const double h00 = (double)cw_field_row(field, j)[i], h11 = (double)cw_field_row(field, j + 1)[i + 1];
     const bool a = hit->triangle == CW_TRIANGLE_A;
-    const double other = (double)(a ? cw_field_sample(field, i + 1, j) : cw_field_sample(field, i, j + 1));
+    const double other = (double)(a ? cw_field_row(field, j)[i + 1] : cw_field_row(field, j + 1)[i]);
     const double sx = a ? other - h00 : h11 - other, sy = a ? h11 - other : other - h00;
     const double dot = (double)ray->dir[2] - sx * (double)ray->dir[0] - sy * (double)ray->dir[1];
     return fabs(dot) / (length * sqrt(1 + sx * sx + sy * sy));

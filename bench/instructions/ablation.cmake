@@ -51,23 +51,22 @@ endforeach()
 run(${CMAKE_COMMAND} -S ${copy} -B ${build} -G ${GENERATOR} -DCMAKE_C_COMPILER=${COMPILER} -DCMAKE_BUILD_TYPE=Release
     -DCELLWALK_TOOL=OFF -DCELLWALK_TESTS=OFF)
 
-variant("as it is" pyramid8x2)
-variant("no sharing" pyramid8x2 simd/shared_walk.inc.h "SHARE_AT_LEAST = 4" "SHARE_AT_LEAST = 65")
-variant("never falls apart" pyramid8x2 simd/shared_walk.inc.h
+variant("as it is" pyramid8)
+variant("no sharing" pyramid8 simd/shared_walk.inc.h "SHARE_AT_LEAST = 4" "SHARE_AT_LEAST = 65")
+variant("never falls apart" pyramid8 simd/shared_walk.inc.h
     "FALL_APART = 2, CHILDREN_AT_MOST = 6" "FALL_APART = 100000, CHILDREN_AT_MOST = 16")
-variant("no climb" pyramid8x2 simd/climb.inc.h "level >= 0 && climbs != 0" "level >= 0 && false")
-variant("no flat steps" pyramid8x2 simd/pyramid.c "FLAT_STEPS = 4" "FLAT_STEPS = 0")
-variant("slabs that do not lean" pyramid8x2 src/core/bounds/pyramid.h "s->high - s->low + 2 * pad < high - low" "false")
+variant("no climb" pyramid8 simd/climb.inc.h "level >= 0 && climbs != 0" "level >= 0 && false")
+variant("no flat steps" pyramid8 simd/pyramid.c "FLAT_STEPS = 4" "FLAT_STEPS = 0")
+variant("slabs that do not lean" pyramid8 src/core/bounds/pyramid.h "s->high - s->low + 2 * pad < high - low" "false")
 set(no_cuts
     simd/lane_walk.inc.h "start = vf_min(vf_max(vf_fma(before, per, t), t), t1)" "start = vf_min(vf_max(before, t), t)"
     simd/lane_walk.inc.h "leave = vf_max(start, vf_min(vf_fnma(after, per, t1), vf_set(INFINITY)))"
     "leave = vf_max(vf_set(INFINITY), vf_add(after, per))")
-variant("no cuts at slabs" pyramid8x2 ${no_cuts})
-variant("neither leaning nor cuts" pyramid8x2 src/core/bounds/pyramid.h "s->high - s->low + 2 * pad < high - low" "false" ${no_cuts})
-variant("nothing fused" pyramid8x2 simd/vocabulary/vec_avx2.h "#ifdef CELLWALK_UNFUSED" "#if 1")
-variant("refill when all lanes are empty" pyramid8x2 simd/lane_walk.inc.h "REFILL_AT = W < 4 ? 1 : W < 16 ? W / 4 : 4" "REFILL_AT = W")
-variant("test a cell as soon as one lane waits" pyramid8x2 simd/lane_walk.inc.h "LEAF_AT = (3 * W + 7) / 8" "LEAF_AT = 1")
-list(APPEND variants "one vector, pyramid8" ./work-0 pyramid8 "the flat walk, packet8" ./work-0 packet8 "one ray at a time, pyramid1" ./work-0 pyramid1)
+variant("no cuts at slabs" pyramid8 ${no_cuts})
+variant("neither leaning nor cuts" pyramid8 src/core/bounds/pyramid.h "s->high - s->low + 2 * pad < high - low" "false" ${no_cuts})
+variant("refill when all lanes are empty" pyramid8 simd/lane_walk.inc.h "REFILL_AT = W < 4 ? 1 : W < 16 ? W / 4 : 4" "REFILL_AT = W")
+variant("test a cell as soon as one lane waits" pyramid8 simd/lane_walk.inc.h "LEAF_AT = (3 * W + 7) / 8" "LEAF_AT = 1")
+list(APPEND variants "the flat walk, packet8" ./work-0 packet8 "one ray at a time, pyramid1" ./work-0 pyramid1)
 
 if(NOT ABLATION)
     return()

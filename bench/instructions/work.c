@@ -25,7 +25,7 @@ static uint8_t occluded[MOST_RAYS];
 typedef struct work {
     const char *name; /* of the field */
     cw_field *field;
-    cw_query query;
+    cw_run query;
     const cw_ray *rays;
     size_t counts[WORKLOAD_CLASS_COUNT], count;
     bool any;
@@ -35,7 +35,7 @@ typedef struct work {
 /* callgrind finds this function by its name, so it must stay a function of its own. */
 __attribute__((noinline)) cw_status guard_trace(const work *w);
 cw_status guard_trace(const work *w) {
-    return w->any ? cw_any(w->field, &w->query, w->rays, w->count, occluded)
+    return w->any ? cw_occluded(w->field, &w->query, w->rays, w->count, occluded)
                   : cw_closest(w->field, &w->query, w->rays, w->count, hits);
 }
 
@@ -50,7 +50,7 @@ static void hash_answers(work *w) {
 static bool run(work *w, cw_leaf leaf, size_t most) {
     const cw_kernel_info info = cw_kernel_describe(w->query.kernel);
     w->query.leaf = leaf;
-    if (cw_closest(w->field, &w->query, NULL, 0, NULL) == CW_ERROR_UNSUPPORTED) return true;
+    if (cw_closest(w->field, &w->query, NULL, 0, NULL) == CW_ERROR_KERNEL) return true;
     for (int c = 0; c < WORKLOAD_CLASS_COUNT; c++) {
         w->rays = rays[c];
         w->count = w->counts[c];
@@ -71,7 +71,7 @@ static bool run_guard(work *w, bool small) {
         if (!info.available && small) printf("absent,%s,%s\n", info.name, cw_isa_name(info.isa));
         const bool brute = strcmp(info.name, "brute") == 0, dear = brute || strncmp(info.name, "grid3d", 6) == 0;
         if (!info.available || (!small && dear)) continue;
-        if (cw_field_build(w->field, w->query.kernel) != CW_OK) return false;
+        if (cw_field_build(w->field, &(cw_run){.kernel = w->query.kernel}) != CW_OK) return false;
         const size_t most = brute ? BRUTE_RAYS : small || info.needs_build ? SIZE_MAX : FLAT_RAYS;
         for (int leaf = 1; leaf < CW_LEAF_COUNT; leaf++)
             if (!run(w, (cw_leaf)leaf, most)) return false;
@@ -81,7 +81,7 @@ static bool run_guard(work *w, bool small) {
 
 static bool run_kernel(work *w, const char *kernel) {
     w->query.kernel = cw_kernel_find(kernel);
-    if (cw_field_build(w->field, w->query.kernel) != CW_OK ||
+    if (cw_field_build(w->field, &(cw_run){.kernel = w->query.kernel}) != CW_OK ||
         !run(w, cw_kernel_describe(w->query.kernel).default_leaf, SIZE_MAX))
         return false;
     fprintf(stderr, "%016" PRIx64 "\n", w->hash);

@@ -19,13 +19,10 @@ static bool update_kernel(micro_build *build, cw_field *field, cw_pool *pool) {
     double seconds[UPDATES];
     if (info.nx < SIDE || info.ny < SIDE) return true;
     for (size_t k = 0; k < UPDATES; k++) {
-        const cw_update update = {.i = k * 7919 % (info.nx - SIDE + 1),
-                                  .j = k * 104729 % (info.ny - SIDE + 1),
-                                  .nx = SIDE,
-                                  .ny = SIDE,
-                                  .pool = pool};
+        const cw_update update = {
+            .at = {k * 7919 % (info.nx - SIDE + 1), k * 104729 % (info.ny - SIDE + 1), SIDE, SIDE}};
         const double begin = clock_seconds();
-        if (cw_field_update(field, &update) != CW_OK) return false;
+        if (cw_field_update(field, &update, &(cw_run){.pool = pool}) != CW_OK) return false;
         seconds[k] = clock_seconds() - begin;
     }
     /* What an update drops is built anew. */
@@ -37,21 +34,20 @@ static bool update_kernel(micro_build *build, cw_field *field, cw_pool *pool) {
 static bool build_kernel(micro_build *build, const workload_field *samples, const cw_kernel *kernel, cw_pool *pool,
                          bool by_clock, io_error *error) {
     const double start = clock_seconds();
-    const cw_query how = {.kernel = kernel, .pool = pool};
+    const cw_run how = {.kernel = kernel, .pool = pool};
     double seconds[BUILDS_MAX];
     *build = (micro_build){.name = cw_kernel_describe(kernel).name, .threads = cw_pool_threads(pool)};
     for (; again(build->builds, start); build->builds++) {
         cw_field *field = NULL;
         cw_status status = workload_field_open(samples, CW_BORROW, true, &field);
         const double begin = by_clock ? clock_seconds() : clock_cpu_seconds();
-        if (status == CW_OK) status = cw_field_build_for(field, &how);
+        if (status == CW_OK) status = cw_field_build(field, &how);
         seconds[build->builds] = (by_clock ? clock_seconds() : clock_cpu_seconds()) - begin;
         if (status == CW_OK) build->bytes = cw_field_describe(field).bytes_built;
         if (status == CW_OK && build->builds == 0 && !update_kernel(build, field, pool)) status = CW_ERROR_BUSY;
         cw_field_destroy(field);
         if (status != CW_OK)
-            return io_fail(error, "building for %s on field %s: %s", build->name, samples->name,
-                           cw_status_message(status));
+            return io_fail(error, "building for %s on field %s: %s", build->name, samples->name, cw_last_error());
     }
     build->seconds = statistics_of(seconds, build->builds).median;
     return true;

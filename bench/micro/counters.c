@@ -45,7 +45,7 @@ bool counters_here(void) {
     cw_field *field = NULL;
     if (workload_field_open(&(workload_field){.nx = 2, .ny = 2, .z = flat}, CW_BORROW, true, &field) != CW_OK)
         return false;
-    const cw_query query = {.kernel = cw_kernel_find("cell")};
+    const cw_run query = {.kernel = cw_kernel_find("cell")};
     const cw_ray ray = {.org = {0.5f, 0.25f, 1}, .dir = {0, 0, -1}, .tmax = 2};
     cw_hit hit;
     const uint64_t before = cw_counts[COUNT_FLAT].events;

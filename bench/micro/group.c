@@ -11,9 +11,8 @@
 
 /* The contender, if it can run here, becomes the next row. */
 static bool add_row(micro_group *g, const contender *c, cw_status status, io_error *error) {
-    if (status == CW_ERROR_UNAVAILABLE || status == CW_ERROR_UNSUPPORTED) return true;
-    if (status != CW_OK)
-        return io_fail(error, "%s on field %s: %s", c->name, g->on->samples.name, cw_status_message(status));
+    if (status == CW_ERROR_KERNEL) return true;
+    if (status != CW_OK) return io_fail(error, "%s on field %s: %s", c->name, g->on->samples.name, cw_last_error());
     if (g->row_count == MICRO_CONTENDERS_MAX) return io_fail(error, "more than %d contenders", MICRO_CONTENDERS_MAX);
     g->rows[g->row_count++].contender = *c;
     return true;
@@ -144,7 +143,7 @@ bool micro_group_run(micro_group *g, const micro_options *o, double seconds, io_
     const double end = clock_seconds() + seconds;
     const cw_status status =
         contender_from_kernel(&g->reference, g->on->field, cw_kernel_find("cell"), CW_LEAF_WATERTIGHT);
-    if (status != CW_OK) return io_fail(error, "the reference kernel cell: %s", cw_status_message(status));
+    if (status != CW_OK) return io_fail(error, "the reference kernel cell: %s", cw_last_error());
     if (!add_kernels(g, o, error) || !add_peers(g, error)) return false;
     g->rays = memory(o->count, sizeof *g->rays);
     g->ray_count = workload_rays_make(g->on->field, g->c, o->run.seed, o->count, g->rays);

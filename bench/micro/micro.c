@@ -81,8 +81,8 @@ static bool open_field(micro_field *on, const char *name, const micro_options *o
     *on = (micro_field){0};
     if (!workload_field_make(name, &on->samples)) return io_fail(error, "out of memory for field %s", name);
     const cw_status status = workload_field_open(&on->samples, CW_COPY, false, &on->field);
-    if (status != CW_OK) return io_fail(error, "field %s: %s", name, cw_status_message(status));
-    on->default_kernel = cw_kernel_describe(cw_query_kernel(on->field, NULL)).name;
+    if (status != CW_OK) return io_fail(error, "field %s: %s", name, cw_last_error());
+    on->default_kernel = cw_kernel_describe(cw_run_kernel(on->field, NULL)).name;
     for (size_t p = 0; p < PEER_KINDS; p++) {
         const peer_geometry geometry = p % 2 ? PEER_GRID : PEER_TRIANGLES;
         if (!option_wanted(&o->peers, p) || !run_memory_has(peer_embree_needs(on->field, geometry), peers[p], name))
@@ -158,7 +158,7 @@ static bool run_into_file(micro_options *o, io_error *error) {
     for (size_t t = 0; good && t < o->threads.count; t++) {
         const unsigned threads = (unsigned)o->threads.number[t];
         const cw_status status = threads > 1 ? cw_pool_create(threads, &o->pools[t]) : CW_OK;
-        good = status == CW_OK || io_fail(error, "--threads %u: %s", threads, cw_status_message(status));
+        good = status == CW_OK || io_fail(error, "--threads %u: %s", threads, cw_last_error());
     }
     good = good && run(o, &out, error) && (o->json == NULL || io_output_commit(&out, error));
     for (size_t t = 0; t < o->threads.count; t++) cw_pool_destroy(o->pools[t]);

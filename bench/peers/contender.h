@@ -16,7 +16,7 @@ struct contender {
     void (*any)(const contender *self, const cw_ray *rays, size_t n, uint8_t *occluded);
     /* A kernel of the library on a field; or Embree. */
     const cw_field *field;
-    cw_query query;
+    cw_run query;
     const struct peer_embree *peer;
     bool coherent; /* rays are announced as that */
 };

@@ -64,7 +64,7 @@ static bool add_vertices(RTCGeometry geometry, const cw_field *field, size_t nx,
             const size_t i = backwards ? nx - 1 - k : k;
             v[0] = (float)i;
             v[1] = (float)j;
-            v[2] = cw_field_sample(field, i, j);
+            v[2] = cw_field_row(field, j)[i];
         }
     return true;
 }

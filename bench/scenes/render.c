@@ -84,12 +84,11 @@ static bool tracer_for_kernel(stage *s, tracer *t, const cw_kernel *kernel, cw_l
     t->kernel = kernel;
     for (size_t f = 0; f < s->field_count; f++) {
         cw_field *field = scene_field(s->scene, f);
-        const cw_kernel *chosen = kernel ? kernel : cw_query_kernel(field, NULL);
+        const cw_kernel *chosen = kernel ? kernel : cw_run_kernel(field, NULL);
         const double before = cw_field_describe(field).build_seconds;
         const cw_status status = contender_from_kernel(&t->fields.on[f], field, chosen, leaf);
         if (status != CW_OK)
-            return io_fail(error, "%s on field %zu of the scene: %s", t->fields.on[f].name, f,
-                           cw_status_message(status));
+            return io_fail(error, "%s on field %zu of the scene: %s", t->fields.on[f].name, f, cw_last_error());
         t->build_seconds += cw_field_describe(field).build_seconds - before;
     }
     return true;

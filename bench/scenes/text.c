@@ -144,8 +144,8 @@ void table_write_markdown(FILE *to, const json_t *lines) {
             "\nAgreement. All paths answered the same rays of one sample a pixel and were compared with %s, their "
             "pictures with that of the same kernel, or else of the first path that is not Default, with the same "
             "normals. Why hits differ: *end*, the hit is a rounding away from where the ray starts or ends; *edge*, "
-            "from an edge that two triangles share; *grazing*, the ray lies too flat to tell; *other*, a defect "
-            "(grid3d-early has them by design). Pixels differ by rounding alone where two leaf tests compute the same "
+            "from an edge that two triangles share; *grazing*, the ray lies too flat to tell; *other*, a defect. "
+            "Pixels differ by rounding alone where two leaf tests compute the same "
             "hit; visibly means by more than half an 8-bit step.\n\n",
             results_text(of, "reference"));
     put_scenes(

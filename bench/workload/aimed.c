@@ -31,7 +31,7 @@ aimed_field aimed_field_of(const cw_field *field) {
         .field = field, .nx = info.nx, .ny = info.ny, .low = (double)info.low, .high = (double)info.high};
 }
 
-static double height_at(const aimed_field *f, size_t i, size_t j) { return (double)cw_field_sample(f->field, i, j); }
+static double height_at(const aimed_field *f, size_t i, size_t j) { return (double)cw_field_row(f->field, j)[i]; }
 
 /* p becomes the place at x, y in [0, 1] of cell (i, j). */
 static void surface(const aimed_field *f, size_t i, size_t j, double x, double y, double p[3]) {

@@ -89,6 +89,6 @@ cw_status workload_field_open(const workload_field *samples, cw_storage storage,
     desc.nx = samples->nx;
     desc.ny = samples->ny;
     desc.storage = storage;
-    desc.bare = bare;
-    return cw_field_create(&desc, field);
+    const cw_run nothing = {.kernel = cw_kernel_find("cell")};
+    return cw_field_create(&desc, bare ? &nothing : NULL, field);
 }

@@ -26,7 +26,7 @@ const char *workload_aimed_name(size_t number);
 bool workload_field_make(const char *name, workload_field *field);
 void workload_field_free(workload_field *field);
 
-/* The field in cells; storage and bare as in cw_field_desc. */
+/* The field in cells; storage as in cw_field_desc; if bare, nothing is built yet. */
 cw_status workload_field_open(const workload_field *samples, cw_storage storage, bool bare, cw_field **field);
 
 #endif

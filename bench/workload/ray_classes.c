@@ -64,12 +64,12 @@ static cw_ray camera_ray(const camera *c, double px, double py) {
 }
 
 /* Tilts the view until half of a coarse raster of its pixels are sky. */
-static camera camera_place(const cw_field *field, const cw_query *query) {
+static camera camera_place(const cw_field *field, const cw_run *query) {
     enum { COARSE = 32 };
     const cw_field_info info = cw_field_describe(field);
     const double side = (double)((info.nx > info.ny ? info.nx : info.ny) - 1);
     const size_t i = (info.nx - 1) / 2, j = (info.ny - 1) / 50;
-    camera c = {.eye = {(double)i, (double)j, (double)cw_field_sample(field, i, j) + 0.04 * side}};
+    camera c = {.eye = {(double)i, (double)j, (double)cw_field_row(field, j)[i] + 0.04 * side}};
 
     double low = -1, high = 1; /* the whole field lies below the view's axis at -1, above it at 1 */
     for (int step = 0; step < 12; step++) {
@@ -115,7 +115,7 @@ static cw_ray primary_ray(const void *view, size_t tile, double x, double y) {
     return camera_ray(view, x, y);
 }
 
-static size_t primary(const cw_field *field, const cw_query *query, size_t n, cw_ray *rays) {
+static size_t primary(const cw_field *field, const cw_run *query, size_t n, cw_ray *rays) {
     const camera c = camera_place(field, query);
     return view_rays(&c, primary_ray, n, rays);
 }
@@ -142,9 +142,9 @@ static cw_ray afar_ray(const void *view, size_t tile, double x, double y) {
  * hit only the triangle counts, so that the rays outlive changes in the last bits of t, u and v. */
 static void meet(const cw_field *field, const cw_ray *ray, const cw_hit *hit, double point[3], double normal[3]) {
     const size_t i = (size_t)hit->i, j = (size_t)hit->j;
-    const double h00 = (double)cw_field_sample(field, i, j), h11 = (double)cw_field_sample(field, i + 1, j + 1);
+    const double h00 = (double)cw_field_row(field, j)[i], h11 = (double)cw_field_row(field, j + 1)[i + 1];
     const bool a = hit->triangle == CW_TRIANGLE_A;
-    const double h = (double)(a ? cw_field_sample(field, i + 1, j) : cw_field_sample(field, i, j + 1));
+    const double h = (double)(a ? cw_field_row(field, j)[i + 1] : cw_field_row(field, j + 1)[i]);
     const double sx = a ? h - h00 : h11 - h, sy = a ? h11 - h : h - h00, length = sqrt(1 + sx * sx + sy * sy);
     const double above =
         (double)ray->org[2] - h00 - sx * ((double)ray->org[0] - (double)i) - sy * ((double)ray->org[1] - (double)j);
@@ -173,7 +173,7 @@ static void cosine_direction(const double n[3], uint32_t seed, size_t ray, uint3
     for (int k = 0; k < 3; k++) dir[k] = a * s[k] + b * t[k] + up * n[k];
 }
 
-static size_t secondary(const cw_field *field, const cw_query *query, workload_class c, uint32_t seed, size_t n,
+static size_t secondary(const cw_field *field, const cw_run *query, workload_class c, uint32_t seed, size_t n,
                         cw_ray *rays) {
     static const double sun[3] = {0.8, 0.6, 0.22};
     const cw_field_info info = cw_field_describe(field);
@@ -271,7 +271,7 @@ static size_t aimed(const cw_field *field, workload_class c, uint32_t seed, size
 
 size_t workload_rays_make(const cw_field *field, workload_class c, uint32_t seed, size_t n, cw_ray *rays) {
     /* One fixed kernel and leaf test, so that the rays do not change when a better kernel becomes the default. */
-    const cw_query query = {.kernel = cw_kernel_find("cell"), .leaf = CW_LEAF_WATERTIGHT};
+    const cw_run query = {.kernel = cw_kernel_find("cell"), .leaf = CW_LEAF_WATERTIGHT};
     const cw_field_info info = cw_field_describe(field);
     if (c == WORKLOAD_PRIMARY) return primary(field, &query, n, rays);
     if (c == WORKLOAD_AFAR) return view_rays(&info, afar_ray, n, rays);

@@ -27,13 +27,8 @@ static inline vfloat vf_add(vfloat a, vfloat b) { return (vfloat){_mm256_add_ps(
 static inline vfloat vf_sub(vfloat a, vfloat b) { return (vfloat){_mm256_sub_ps(a.v, b.v)}; }
 static inline vfloat vf_mul(vfloat a, vfloat b) { return (vfloat){_mm256_mul_ps(a.v, b.v)}; }
 static inline vfloat vf_div(vfloat a, vfloat b) { return (vfloat){_mm256_div_ps(a.v, b.v)}; }
-#ifdef CELLWALK_UNFUSED
-static inline vfloat vf_fma(vfloat a, vfloat b, vfloat c) { return vf_add(vf_mul(a, b), c); }
-static inline vfloat vf_fnma(vfloat a, vfloat b, vfloat c) { return vf_sub(c, vf_mul(a, b)); }
-#else
 static inline vfloat vf_fma(vfloat a, vfloat b, vfloat c) { return (vfloat){_mm256_fmadd_ps(a.v, b.v, c.v)}; }
 static inline vfloat vf_fnma(vfloat a, vfloat b, vfloat c) { return (vfloat){_mm256_fnmadd_ps(a.v, b.v, c.v)}; }
-#endif
 static inline vfloat vf_min(vfloat a, vfloat b) { return (vfloat){_mm256_min_ps(a.v, b.v)}; }
 static inline vfloat vf_max(vfloat a, vfloat b) { return (vfloat){_mm256_max_ps(a.v, b.v)}; }
 static inline vfloat vf_abs(vfloat a) { return (vfloat){_mm256_andnot_ps(_mm256_set1_ps(-0.0f), a.v)}; }
@@ -205,13 +200,13 @@ CW_INLINE void vf_store_hits(cw_hit *hits, vfloat t, vfloat u, vfloat v, vfloat 
     const __m256 in_b = _mm256_and_ps(b.v, _mm256_castsi256_ps(_mm256_set1_epi32(1)));
     float *to = (float *)hits;
     for (int half = 0; half < 2; half++, to += 12) {
-        const __m256d tu = _mm256_castps_pd(half ? _mm256_unpackhi_ps(t.v, u.v) : _mm256_unpacklo_ps(t.v, u.v));
-        const __m256d vi = _mm256_castps_pd(half ? _mm256_unpackhi_ps(v.v, whole_i) : _mm256_unpacklo_ps(v.v, whole_i));
+        const __m256d ti = _mm256_castps_pd(half ? _mm256_unpackhi_ps(t.v, whole_i) : _mm256_unpacklo_ps(t.v, whole_i));
         const __m256d jb =
             _mm256_castps_pd(half ? _mm256_unpackhi_ps(whole_j, in_b) : _mm256_unpacklo_ps(whole_j, in_b));
-        const __m256 a = _mm256_castpd_ps(_mm256_unpacklo_pd(tu, vi));
-        const __m256 m = _mm256_castpd_ps(_mm256_shuffle_pd(jb, tu, 10));
-        const __m256 z = _mm256_castpd_ps(_mm256_unpackhi_pd(vi, jb));
+        const __m256d uv = _mm256_castps_pd(half ? _mm256_unpackhi_ps(u.v, v.v) : _mm256_unpacklo_ps(u.v, v.v));
+        const __m256 a = _mm256_castpd_ps(_mm256_unpacklo_pd(ti, jb));
+        const __m256 m = _mm256_castpd_ps(_mm256_shuffle_pd(uv, ti, 10));
+        const __m256 z = _mm256_castpd_ps(_mm256_unpackhi_pd(jb, uv));
         _mm256_storeu_ps(to, _mm256_permute2f128_ps(a, m, 0x20));
         _mm_storeu_ps(to + 8, _mm256_castps256_ps128(z));
         _mm256_storeu_ps(to + 24, _mm256_permute2f128_ps(a, m, 0x31));

@@ -27,13 +27,8 @@ static inline vfloat vf_add(vfloat a, vfloat b) { return (vfloat){_mm512_add_ps(
 static inline vfloat vf_sub(vfloat a, vfloat b) { return (vfloat){_mm512_sub_ps(a.v, b.v)}; }
 static inline vfloat vf_mul(vfloat a, vfloat b) { return (vfloat){_mm512_mul_ps(a.v, b.v)}; }
 static inline vfloat vf_div(vfloat a, vfloat b) { return (vfloat){_mm512_div_ps(a.v, b.v)}; }
-#ifdef CELLWALK_UNFUSED
-static inline vfloat vf_fma(vfloat a, vfloat b, vfloat c) { return vf_add(vf_mul(a, b), c); }
-static inline vfloat vf_fnma(vfloat a, vfloat b, vfloat c) { return vf_sub(c, vf_mul(a, b)); }
-#else
 static inline vfloat vf_fma(vfloat a, vfloat b, vfloat c) { return (vfloat){_mm512_fmadd_ps(a.v, b.v, c.v)}; }
 static inline vfloat vf_fnma(vfloat a, vfloat b, vfloat c) { return (vfloat){_mm512_fnmadd_ps(a.v, b.v, c.v)}; }
-#endif
 static inline vfloat vf_min(vfloat a, vfloat b) { return (vfloat){_mm512_min_ps(a.v, b.v)}; }
 static inline vfloat vf_max(vfloat a, vfloat b) { return (vfloat){_mm512_max_ps(a.v, b.v)}; }
 static inline vfloat vf_abs(vfloat a) { return (vfloat){_mm512_abs_ps(a.v)}; }
@@ -89,10 +84,10 @@ static inline vfloat vf_gather(const float *base, vint index, vmask m) {
 }
 
 /* A pair as one gathered double: half the loads. Against two gathers of floats, packet16 is 1.2 to 1.3 times as fast on
- * Zen 4, pyramid16 1.0 to 1.07 times. As 8-byte loads put together by shuffles, as for AVX2, where CELLWALK_LOADED_PAIRS is
+ * Zen 4, pyramid16 1.0 to 1.07 times. As 8-byte loads put together by shuffles, as for AVX2, where CELLWALK_PAIRS is
  * defined: on Zen 4 random and grazing rays are 3 to 6 % faster with 2 × 16 lanes, all 1 to 4 % with 16, but packet16 is 3
  * to 8 % slower. */
-#ifdef CELLWALK_LOADED_PAIRS
+#ifdef CELLWALK_PAIRS
 CW_INLINE void vf_gather_pairs(const float *base, vint index, vmask m, vfloat *first, vfloat *second) {
     int32_t k[16];
     _mm512_storeu_si512(k, _mm512_maskz_mov_epi32(m.v, index.v));
@@ -196,18 +191,18 @@ CW_INLINE void vf_store_hits(cw_hit *hits, vfloat t, vfloat u, vfloat v, vfloat 
     const __m512 whole_i = _mm512_castsi512_ps(_mm512_cvttps_epi32(i.v));
     const __m512 whole_j = _mm512_castsi512_ps(_mm512_cvttps_epi32(j.v));
     const __m512 in_b = _mm512_castsi512_ps(_mm512_maskz_set1_epi32(b.v, 1));
-    const __m512d tu[2] = {_mm512_castps_pd(_mm512_unpacklo_ps(t.v, u.v)),
-                           _mm512_castps_pd(_mm512_unpackhi_ps(t.v, u.v))};
-    const __m512d vi[2] = {_mm512_castps_pd(_mm512_unpacklo_ps(v.v, whole_i)),
-                           _mm512_castps_pd(_mm512_unpackhi_ps(v.v, whole_i))};
+    const __m512d ti[2] = {_mm512_castps_pd(_mm512_unpacklo_ps(t.v, whole_i)),
+                           _mm512_castps_pd(_mm512_unpackhi_ps(t.v, whole_i))};
     const __m512d jb[2] = {_mm512_castps_pd(_mm512_unpacklo_ps(whole_j, in_b)),
                            _mm512_castps_pd(_mm512_unpackhi_ps(whole_j, in_b))};
+    const __m512d uv[2] = {_mm512_castps_pd(_mm512_unpacklo_ps(u.v, v.v)),
+                           _mm512_castps_pd(_mm512_unpackhi_ps(u.v, v.v))};
     /* Within quarters as for SSE: hits 4 q + 2 h and the next are the quarters q of a, m and z, one after the other. */
     __m512 r[2][3];
     for (int h = 0; h < 2; h++) {
-        r[h][0] = _mm512_castpd_ps(_mm512_unpacklo_pd(tu[h], vi[h]));
-        r[h][1] = _mm512_castpd_ps(_mm512_shuffle_pd(jb[h], tu[h], 0xaa));
-        r[h][2] = _mm512_castpd_ps(_mm512_unpackhi_pd(vi[h], jb[h]));
+        r[h][0] = _mm512_castpd_ps(_mm512_unpacklo_pd(ti[h], jb[h]));
+        r[h][1] = _mm512_castpd_ps(_mm512_shuffle_pd(uv[h], ti[h], 0xaa));
+        r[h][2] = _mm512_castpd_ps(_mm512_unpackhi_pd(jb[h], uv[h]));
     }
     /* Of each quarter number q in turn: a0 m0 z0 a1 | m1 z1. */
     const __m512 am = _mm512_shuffle_f32x4(r[0][0], r[0][1], 0x44),

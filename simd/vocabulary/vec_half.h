@@ -5,7 +5,6 @@
 
 #include "cellwalk.h"
 
-#include <immintrin.h>
 #include <stddef.h>
 
 #define W                 half_W

@@ -31,7 +31,7 @@ static inline vfloat vf_sub(vfloat a, vfloat b) { return (vfloat){a.v - b.v}; }
 static inline vfloat vf_mul(vfloat a, vfloat b) { return (vfloat){a.v * b.v}; }
 static inline vfloat vf_div(vfloat a, vfloat b) { return (vfloat){a.v / b.v}; }
 /* a b + c and c - a b, rounded once where the instruction set fuses them, else twice: for what decides how far a walk
- * looks, never for what a hit is made of. With CELLWALK_UNFUSED always twice. */
+ * looks, never for what a hit is made of. */
 static inline vfloat vf_fma(vfloat a, vfloat b, vfloat c) { return vf_add(vf_mul(a, b), c); }
 static inline vfloat vf_fnma(vfloat a, vfloat b, vfloat c) { return vf_sub(c, vf_mul(a, b)); }
 /* a < b ? a : b and a > b ? a : b, so b where either is NaN. */
@@ -133,7 +133,7 @@ static inline void vf_store_picked(float *to, vfloat a, vpick pick) {
 /* W hits of consecutive lanes, from one vector each of t, u, v, i, j, triangle to an array of structures. i and j are whole
  * numbers; triangle is B where b. */
 CW_INLINE void vf_store_hits(cw_hit *hits, vfloat t, vfloat u, vfloat v, vfloat i, vfloat j, vmask b) {
-    *hits = (cw_hit){t.v, u.v, v.v, (int32_t)i.v, (int32_t)j.v, b.v};
+    *hits = (cw_hit){.t = t.v, .i = (int32_t)i.v, .j = (int32_t)j.v, .triangle = b.v, .u = u.v, .v = v.v};
 }
 
 static inline vmask vm_set(bool a) { return (vmask){a}; }

@@ -169,12 +169,12 @@ CW_INLINE void vf_store_hits(cw_hit *hits, vfloat t, vfloat u, vfloat v, vfloat 
     const __m128 in_b = _mm_and_ps(b.v, _mm_castsi128_ps(_mm_set1_epi32(1)));
     float *to = (float *)hits;
     for (int half = 0; half < 2; half++, to += 12) {
-        const __m128d tu = _mm_castps_pd(half ? _mm_unpackhi_ps(t.v, u.v) : _mm_unpacklo_ps(t.v, u.v));
-        const __m128d vi = _mm_castps_pd(half ? _mm_unpackhi_ps(v.v, whole_i) : _mm_unpacklo_ps(v.v, whole_i));
+        const __m128d ti = _mm_castps_pd(half ? _mm_unpackhi_ps(t.v, whole_i) : _mm_unpacklo_ps(t.v, whole_i));
         const __m128d jb = _mm_castps_pd(half ? _mm_unpackhi_ps(whole_j, in_b) : _mm_unpacklo_ps(whole_j, in_b));
-        _mm_storeu_ps(to, _mm_castpd_ps(_mm_unpacklo_pd(tu, vi)));
-        _mm_storeu_ps(to + 4, _mm_castpd_ps(_mm_shuffle_pd(jb, tu, 2)));
-        _mm_storeu_ps(to + 8, _mm_castpd_ps(_mm_unpackhi_pd(vi, jb)));
+        const __m128d uv = _mm_castps_pd(half ? _mm_unpackhi_ps(u.v, v.v) : _mm_unpacklo_ps(u.v, v.v));
+        _mm_storeu_ps(to, _mm_castpd_ps(_mm_unpacklo_pd(ti, jb)));
+        _mm_storeu_ps(to + 4, _mm_castpd_ps(_mm_shuffle_pd(uv, ti, 2)));
+        _mm_storeu_ps(to + 8, _mm_castpd_ps(_mm_unpackhi_pd(jb, uv)));
     }
 }
 

@@ -3,7 +3,7 @@
  *
  *     CELLWALK_VOCABULARY  "vec_avx2.h", the header with the vectors' types and operations
  *     CELLWALK_PAIRS       defined where two such vectors go in lockstep as one
- *     CELLWALK_SUFFIX      8x2, of which CW_CODE(pyramid) makes cw_pyramid8x2
+ *     CELLWALK_SUFFIX      8, of which CW_CODE(pyramid) makes cw_pyramid8
  *
  * simd/CMakeLists.txt sets them. */
 #ifndef CELLWALK_SIMD_VOCABULARY_H

@@ -4,31 +4,50 @@
 #include "affine.h"
 #include "clock.h"
 #include "fpenv.h"
+#include "isa.h"
 #include "kernels.h"
 #include "memory.h"
 #include "pyramid.h"
+#include "run.h"
 #include "survey.h"
 #include "to_field.h"
-#include "watch.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 cw_field_desc cw_field_desc_default(void) {
     return (cw_field_desc){.storage = CW_COPY, .map = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
 }
 
+static cw_status check_side(const char *name, size_t side) {
+    if (side >= 2 && side <= CW_SIDE_MAX) return CW_OK;
+    return cw_fail(CW_ERROR_ARGUMENT, "%s: %zu samples; a field has 2 to %d a side", name, side, CW_SIDE_MAX);
+}
+
+/* Rows stride floats apart, 0 for nx. */
+static cw_status check_stride(size_t stride, size_t nx, size_t ny) {
+    if (stride == 0) return CW_OK;
+    if (stride < nx)
+        return cw_fail(CW_ERROR_ARGUMENT, "stride: %zu floats, fewer than a row's %zu samples", stride, nx);
+    if (ny > 1 && stride > (SIZE_MAX / sizeof(float) - nx) / (ny - 1))
+        return cw_fail(CW_ERROR_ARGUMENT, "stride: %zu floats; %zu rows exceed the address space", stride, ny);
+    return CW_OK;
+}
+
 static cw_status check(const cw_field_desc *d) {
-    if (d->samples == NULL) return CW_ERROR_ARGUMENT;
-    if (d->reserved[0] != 0) return CW_ERROR_OPTION;
-    if (d->storage != CW_COPY && d->storage != CW_BORROW) return CW_ERROR_OPTION;
-    if (d->nx < 2 || d->ny < 2 || d->nx > CW_SIDE_MAX || d->ny > CW_SIDE_MAX) return CW_ERROR_SIZE;
-    if (d->nx * d->ny > INT32_MAX) return CW_ERROR_SIZE; /* no overflow: each factor is below 2^24 */
-    if (d->stride == 0) return CW_OK;
-    if (d->stride < d->nx || d->stride > (SIZE_MAX / sizeof(float) - d->nx) / (d->ny - 1)) return CW_ERROR_STRIDE;
-    /* Kernels number borrowed samples in place by 31 bits. */
-    if (d->storage == CW_BORROW && d->stride * (d->ny - 1) + d->nx > INT32_MAX) return CW_ERROR_SIZE;
+    if (d->samples == NULL) return cw_fail(CW_ERROR_ARGUMENT, "samples: NULL");
+    cw_status status = cw_check_reserved(d->reserved, "cw_field_desc");
+    if (status == CW_OK) status = check_side("nx", d->nx);
+    if (status == CW_OK) status = check_side("ny", d->ny);
+    if (status == CW_OK) status = check_stride(d->stride, d->nx, d->ny);
+    if (status != CW_OK) return status;
+    if (d->storage != CW_COPY && d->storage != CW_BORROW)
+        return cw_fail(CW_ERROR_ARGUMENT, "storage: %u is neither CW_COPY nor CW_BORROW", (unsigned)d->storage);
+    /* Kernels number samples by 31 bits, borrowed ones in place. */
+    const size_t row = d->storage == CW_BORROW && d->stride ? d->stride : d->nx;
+    if (row > INT32_MAX || row * (d->ny - 1) + d->nx > INT32_MAX)
+        return cw_fail(CW_ERROR_ARGUMENT, "samples: %zu rows of %zu; a field has fewer than 2147483648 in all%s", d->ny,
+                       row, row > d->nx ? ", with the gaps between borrowed rows" : "");
     return CW_OK;
 }
 
@@ -73,73 +92,82 @@ static cw_tiles all_tiles(const cw_field *f) { return (cw_tiles){0, 0, cw_tiles_
 /* Samples that a thread takes at a time, more or less. */
 enum { GRAIN = 1 << 16 };
 
-static cw_status survey(cw_field *f, const cw_query *how) {
+static cw_status survey(cw_field *f, const cw_run *how) {
     samples s = {.f = f, .refusal = {CW_REFUSED_NONE}};
     const size_t n = cw_tiles_across(f) * cw_tiles_down(f), grain = GRAIN / (TILE_SIDE * TILE_SIDE);
-    cw_status status = cw_watch_run(how, n, grain, grain, look_at_tiles, &s);
-    if (status == CW_OK) status = cw_refusal_status(&s.refusal);
+    cw_status status = cw_run_work(how, n, grain, grain, look_at_tiles, &s);
+    if (status == CW_OK) status = cw_refusal_status(f, &s.refusal);
     if (status == CW_OK) cw_survey_total(f, all_tiles(f));
     return status;
 }
 
 /* ---- making it ------------------------------------------------------------------------------------------------------- */
 
-static cw_status build(cw_field *f, unsigned needs, const cw_query *how, bool surveyed) {
+static cw_status build(cw_field *f, unsigned needs, const cw_run *how, bool surveyed) {
     const double start = clock_seconds();
     cw_status status = CW_OK;
-    if ((needs & CW_NEEDS_GRID3D) && !f->grid3d) status = cw_grid3d_build(f);
-    if ((needs & CW_NEEDS_PYRAMID) && !f->pyramid) status = cw_pyramid_build(f, how, !surveyed);
+    if (needs & CW_NEEDS_PYRAMID) {
+        status = f->pyramid ? CW_OK : cw_pyramid_build(f, how, !surveyed);
+    } else if (!surveyed) {
+        status = survey(f, how);
+    }
+    if (status == CW_OK && (needs & CW_NEEDS_GRID3D) && !f->grid3d) status = cw_grid3d_build(f);
     f->build_seconds += clock_seconds() - start;
     return status;
 }
 
 /* Up to this many cells a side the flat walk is at the end before the pyramid's has begun: packet8 is 1.1 to 1.5 times as
- * fast as pyramid8x2 on shadow, ao and bounce rays of 3² to 33² samples, and 0.8 times on random and grazing ones of 33²;
+ * fast as pyramid8 on shadow, ao and bounce rays of 3² to 33² samples, and 0.8 times on random and grazing ones of 33²;
  * on 65² the pyramid is ahead in all but shadow rays. */
 enum { TINY_SIDE = 32 };
 
 /* Several rows at a time; the watch is asked in between. */
-static cw_status copy(cw_field *f, const cw_field_desc *desc, const cw_query *how) {
+static cw_status copy(cw_field *f, const cw_field_desc *desc, const cw_run *how) {
     f->owned = cw_memory_allocate(f->nx * f->ny * sizeof(float));
-    if (f->owned == NULL) return CW_ERROR_MEMORY;
+    if (f->owned == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
     f->z = f->owned;
     f->stride = f->nx;
     samples s = {.f = f, .from = desc->samples, .stride = desc->stride ? desc->stride : desc->nx, .nx = f->nx};
-    return cw_watch_run(how, f->ny, GRAIN / f->nx, GRAIN / f->nx, copy_rows, &s);
+    return cw_run_work(how, f->ny, GRAIN / f->nx, GRAIN / f->nx, copy_rows, &s);
 }
 
-static cw_status fill(cw_field *f, const cw_field_desc *desc) {
-    const bool borrowed = desc->storage == CW_BORROW, tiny = f->nx <= TINY_SIDE + 1 && f->ny <= TINY_SIDE + 1;
-    const cw_query whole = {.pool = desc->pool, .watch = desc->watch, .watch_context = desc->watch_context};
-    watch_part part = {&whole, 0, borrowed ? 1 : 0.4};
-    const cw_query first = cw_watch_part_of(&part);
-    cw_status status = cw_survey_create(f) ? CW_OK : CW_ERROR_MEMORY;
+/* What run's kernel needs; by default the pyramid, but nothing for a tiny field. */
+static unsigned needs_of(const cw_field *f, const cw_run *how) {
+    if (how->kernel) return how->kernel->needs;
+    return f->nx <= TINY_SIDE + 1 && f->ny <= TINY_SIDE + 1 ? 0 : CW_NEEDS_PYRAMID;
+}
+
+static cw_status fill(cw_field *f, const cw_field_desc *desc, const cw_run *whole) {
+    const bool borrowed = desc->storage == CW_BORROW;
+    run_part part = {whole, 0, borrowed ? 1 : 0.4};
+    const cw_run first = cw_run_part_of(&part);
+    cw_status status = cw_survey_create(f) ? CW_OK : cw_fail_plainly(CW_ERROR_MEMORY);
     if (borrowed) {
         f->z = desc->samples;
         f->stride = desc->stride ? desc->stride : desc->nx;
     } else if (status == CW_OK) {
         status = copy(f, desc, &first);
-        part = (watch_part){&whole, part.end, 1};
+        part = (run_part){whole, part.end, 1};
     }
-    if (status != CW_OK) return status;
-    return desc->bare || tiny ? survey(f, &first) : build(f, CW_NEEDS_PYRAMID, &first, false);
+    return status == CW_OK ? build(f, needs_of(f, whole), &first, false) : status;
 }
 
-static cw_status create(const cw_field_desc *desc, cw_field **field) {
+static cw_status create(const cw_field_desc *desc, const cw_run *how, cw_field **field) {
     cw_status status = check(desc);
     if (status != CW_OK) return status;
 
     cw_field *f = cw_memory_allocate(sizeof *f);
-    if (f == NULL) return CW_ERROR_MEMORY;
+    if (f == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
     memset(f, 0, sizeof *f);
     f->nx = desc->nx;
     f->ny = desc->ny;
     memcpy(f->to_user, desc->map, sizeof f->to_user);
-    status = affine_invert(desc->map, f->to_field) ? CW_OK : CW_ERROR_MAP;
+    if (!affine_invert(desc->map, f->to_field))
+        status = cw_fail(CW_ERROR_ARGUMENT, "map: not finite, or it cannot be inverted");
     if (status == CW_OK) {
         memcpy(f->to_normals, f->to_field, sizeof f->to_normals);
         affine_scale(f->to_normals);
-        status = fill(f, desc);
+        status = fill(f, desc, how);
     }
     if (status != CW_OK) {
         cw_field_destroy(f);
@@ -149,14 +177,25 @@ static cw_status create(const cw_field_desc *desc, cw_field **field) {
     return CW_OK;
 }
 
+/* Checks how, of which a kernel that does not exist is no request for the default one. */
+static cw_status begin(const cw_run *run, cw_run *how) {
+    const cw_status status = cw_run_begin(run, how);
+    if (status == CW_OK && how->kernel && !cw_kernel_exists(how->kernel))
+        return cw_fail(CW_ERROR_KERNEL, "kernel: there is no kernel of that name");
+    return status;
+}
+
 /* In the environment in which queries will run: to a caller's denormals-are-zero, small samples would all be equal. */
-cw_status cw_field_create(const cw_field_desc *desc, cw_field **field) {
-    if (field == NULL) return CW_ERROR_ARGUMENT;
+cw_status cw_field_create(const cw_field_desc *desc, const cw_run *run, cw_field **field) {
+    if (field == NULL) return cw_fail(CW_ERROR_ARGUMENT, "field: NULL");
     *field = NULL;
-    if (desc == NULL) return CW_ERROR_ARGUMENT;
+    if (desc == NULL) return cw_fail(CW_ERROR_ARGUMENT, "desc: NULL");
+    cw_run how;
+    cw_status status = begin(run, &how);
+    if (status != CW_OK) return status;
     const fpenv caller = fpenv_enter();
     const cw_field_desc whole = with_map(desc);
-    const cw_status status = create(&whole, field);
+    status = create(&whole, &how, field);
     fpenv_leave(caller);
     return status;
 }
@@ -170,18 +209,13 @@ void cw_field_destroy(cw_field *field) {
     cw_memory_free(field);
 }
 
-cw_status cw_field_build(cw_field *field, const cw_kernel *kernel) {
-    return kernel == NULL ? CW_ERROR_ARGUMENT : cw_field_build_for(field, &(cw_query){.kernel = kernel});
-}
-
-cw_status cw_field_build_for(cw_field *field, const cw_query *query) {
-    if (field == NULL) return CW_ERROR_ARGUMENT;
-    const cw_query how = query ? *query : cw_query_default();
-    const cw_kernel *kernel = cw_query_kernel(field, &how);
-    if (!cw_kernel_exists(kernel)) return CW_ERROR_KERNEL;
-    if (!cw_all_zero(how.reserved)) return CW_ERROR_OPTION;
+cw_status cw_field_build(cw_field *field, const cw_run *run) {
+    if (field == NULL) return cw_fail(CW_ERROR_ARGUMENT, "field: NULL");
+    cw_run how;
+    cw_status status = begin(run, &how);
+    if (status != CW_OK) return status;
     const fpenv caller = fpenv_enter();
-    const cw_status status = build(field, kernel->needs, &how, true);
+    status = build(field, needs_of(field, &how), &how, true);
     fpenv_leave(caller);
     return status;
 }
@@ -189,18 +223,20 @@ cw_status cw_field_build_for(cw_field *field, const cw_query *query) {
 /* ---- changing it ----------------------------------------------------------------------------------------------------- */
 
 static cw_status check_update(const cw_field *f, const cw_update *u) {
-    if (!cw_all_zero(u->reserved)) return CW_ERROR_OPTION;
-    if ((u->samples == NULL) != (f->owned == NULL)) return CW_ERROR_ARGUMENT;
-    if (u->i > f->nx || u->nx > f->nx - u->i || u->j > f->ny || u->ny > f->ny - u->j) return CW_ERROR_RECTANGLE;
-    if (u->stride != 0 && u->stride < u->nx) return CW_ERROR_STRIDE;
-    return CW_OK;
+    const cw_status status = cw_check_reserved(u->reserved, "cw_update");
+    if (status != CW_OK) return status;
+    if (u->samples != NULL && f->owned == NULL)
+        return cw_fail(CW_ERROR_ARGUMENT, "samples: given to a field that borrows; change its samples in place");
+    if (u->samples == NULL && f->owned != NULL) return cw_fail(CW_ERROR_ARGUMENT, "samples: NULL");
+    const cw_status in = cw_check_rectangle(f, &u->at);
+    return in == CW_OK ? check_stride(u->stride, u->at.nx, u->at.ny) : in;
 }
 
 /* Tiles that have some of the rectangle's samples, be it on the border. */
 static cw_tiles tiles_of(const cw_field *f, const cw_update *u) {
     const cw_tiles all = all_tiles(f);
-    const size_t x = (u->i + u->nx - 1) / TILE_SIDE, y = (u->j + u->ny - 1) / TILE_SIDE;
-    return (cw_tiles){(u->i > 0 ? u->i - 1 : 0) / TILE_SIDE, (u->j > 0 ? u->j - 1 : 0) / TILE_SIDE,
+    const size_t x = (u->at.i + u->at.nx - 1) / TILE_SIDE, y = (u->at.j + u->at.ny - 1) / TILE_SIDE;
+    return (cw_tiles){(u->at.i > 0 ? u->at.i - 1 : 0) / TILE_SIDE, (u->at.j > 0 ? u->at.j - 1 : 0) / TILE_SIDE,
                       x < all.x_last ? x : all.x_last, y < all.y_last ? y : all.y_last};
 }
 
@@ -212,20 +248,20 @@ static void drop_grid3d(cw_field *f) {
     f->bytes_built = f->pyramid ? sizeof *f->pyramid + f->pyramid->bytes : 0;
 }
 
-static cw_status update(cw_field *f, const cw_update *u) {
+static cw_status update(cw_field *f, const cw_update *u, cw_pool *pool) {
     const bool borrowed = f->owned == NULL;
-    samples s = {.f = f, .column = u->i, .row = u->j, .nx = u->nx};
-    s.from = borrowed ? f->z + u->j * f->stride + u->i : u->samples;
-    s.stride = borrowed ? f->stride : u->stride ? u->stride : u->nx;
-    for (size_t j = 0; j < u->ny; j++) {
-        const cw_status status = cw_survey_check(s.from + j * s.stride, u->nx, !borrowed);
+    samples s = {.f = f, .column = u->at.i, .row = u->at.j, .nx = u->at.nx};
+    s.from = borrowed ? f->z + u->at.j * f->stride + u->at.i : u->samples;
+    s.stride = borrowed ? f->stride : u->stride ? u->stride : u->at.nx;
+    for (size_t j = 0; j < u->at.ny; j++) {
+        const cw_status status = cw_survey_check(s.from + j * s.stride, u->at.i, u->at.j + j, u->at.nx, !borrowed);
         if (status != CW_OK) return status;
     }
-    if (!borrowed) cw_pool_run(u->pool, u->ny, GRAIN / u->nx, copy_rows, &s);
+    if (!borrowed) cw_pool_run(pool, u->at.ny, GRAIN / u->at.nx, copy_rows, &s);
     const cw_tiles changed = tiles_of(f, u);
     drop_grid3d(f);
     if (f->pyramid) {
-        cw_pyramid_update(f, changed, u->pool);
+        cw_pyramid_update(f, changed, pool);
         return CW_OK;
     }
     for (size_t y = changed.y; y <= changed.y_last; y++)
@@ -234,13 +270,15 @@ static cw_status update(cw_field *f, const cw_update *u) {
     return CW_OK;
 }
 
-cw_status cw_field_update(cw_field *field, const cw_update *u) {
-    if (field == NULL || u == NULL) return CW_ERROR_ARGUMENT;
-    cw_status status = check_update(field, u);
-    if (status != CW_OK || u->nx == 0 || u->ny == 0) return status;
-    if (!door_close(&field->door)) return CW_ERROR_BUSY;
+cw_status cw_field_update(cw_field *field, const cw_update *u, const cw_run *run) {
+    if (field == NULL || u == NULL) return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL", field ? "update" : "field");
+    cw_run how;
+    cw_status status = cw_run_begin(run, &how);
+    if (status == CW_OK) status = check_update(field, u);
+    if (status != CW_OK || u->at.nx == 0 || u->at.ny == 0) return status;
+    if (!door_close(&field->door)) return cw_fail_plainly(CW_ERROR_BUSY);
     const fpenv caller = fpenv_enter();
-    status = update(field, u);
+    status = update(field, u, how.pool);
     fpenv_leave(caller);
     door_open(&field->door);
     return status;
@@ -248,8 +286,8 @@ cw_status cw_field_update(cw_field *field, const cw_update *u) {
 
 /* ---- looking at it --------------------------------------------------------------------------------------------------- */
 
-cw_field_info cw_field_describe(const cw_field *field) {
-    return (cw_field_info){
+void cw_field_describe_into(const cw_field *field, cw_field_info *info, size_t size) {
+    cw_field_info all = {
         .nx = field->nx,
         .ny = field->ny,
         .low = field->low,
@@ -259,10 +297,12 @@ cw_field_info cw_field_describe(const cw_field *field) {
         .bytes_built = field->bytes_built,
         .build_seconds = field->build_seconds,
     };
+    memcpy(all.map, field->to_user, sizeof all.map);
+    cw_fill(info, size, &all, sizeof all);
 }
 
-float cw_field_sample(const cw_field *field, size_t i, size_t j) {
-    return i < field->nx && j < field->ny ? field->z[j * field->stride + i] : NAN;
+const float *cw_field_row(const cw_field *field, size_t j) {
+    return j < field->ny ? field->z + j * field->stride : NULL;
 }
 
 static void to_field(const double m[3][4], const cw_user_ray *in, size_t n, cw_ray *out) {
@@ -282,7 +322,7 @@ static void to_field(const double m[3][4], const cw_user_ray *in, size_t n, cw_r
 void cw_rays_to_field(const cw_field *field, const cw_user_ray *in, size_t n, cw_ray *out) {
     const fpenv caller = fpenv_enter();
 #if CELLWALK_SIMD
-    if (cw_isa_best() >= CW_ISA_AVX2)
+    if (cw_isa_allows(CW_ISA_AVX2))
         cw_to_field_avx2(field->to_field, in, n, out);
     else
 #endif

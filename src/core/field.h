@@ -36,8 +36,8 @@ struct cw_field {
 };
 
 /* src/core/bounds/pyramid.c */
-/* On the pool of how and under its watch; of a query nothing else counts. survey: the samples have not been looked at. */
-cw_status cw_pyramid_build(cw_field *field, const cw_query *how, bool survey);
+/* survey: the samples have not been looked at. */
+cw_status cw_pyramid_build(cw_field *field, const cw_run *how, bool survey);
 void cw_pyramid_update(cw_field *field, struct cw_tiles changed, cw_pool *pool);
 void cw_pyramid_destroy(struct cw_pyramid *pyramid);
 

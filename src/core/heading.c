@@ -6,11 +6,10 @@
 #include "fpenv.h"
 #include "kernels.h"
 #include "memory.h"
-#include "watch.h"
+#include "run.h"
 
 #include <float.h>
 #include <math.h>
-#include <stdlib.h>
 
 /* How far rounding can put a place on the ray off, as a part of the distance from the start along the longer axis: the
  * direction's components, their quotient and the product are each off by 2^-53. A place nearer to a sample than that is the
@@ -143,12 +142,12 @@ static cw_status make(cw_heading *h, const double dir[2]) {
     maker m = {.dir = dir, .longest = longest};
     h->along_x = fabs(dir[0]) == longest;
     h->crossings = make_crossings(&m, h->along_x, cells, NULL);
-    if (h->crossings > INT32_MAX) return CW_ERROR_MEMORY;
+    if (h->crossings > INT32_MAX) return cw_fail_plainly(CW_ERROR_MEMORY);
     h->crossing = m.to = cw_memory_allocate(h->crossings * sizeof *h->crossing);
-    if (h->crossing == NULL) return CW_ERROR_MEMORY;
+    if (h->crossing == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
     for (uint32_t n = (uint32_t)((cells + 3) / 4);; n = (n + 3) / 4) {
         cw_stretch *s = cw_memory_allocate(((size_t)n + 1) * sizeof *s);
-        if (s == NULL) return CW_ERROR_MEMORY;
+        if (s == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
         const int l = h->levels++;
         h->stretch[l] = s;
         h->stretches[l] = n;
@@ -166,13 +165,14 @@ static cw_status make(cw_heading *h, const double dir[2]) {
 }
 
 cw_status cw_heading_create(const cw_field *field, const double dir[2], cw_heading **heading) {
-    if (heading == NULL) return CW_ERROR_ARGUMENT;
+    if (heading == NULL) return cw_fail(CW_ERROR_ARGUMENT, "heading: NULL");
     *heading = NULL;
-    if (field == NULL || dir == NULL) return CW_ERROR_ARGUMENT;
+    if (field == NULL || dir == NULL) return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL", field ? "dir" : "field");
     const double longest = fmax(fabs(dir[0]), fabs(dir[1]));
-    if (!(isfinite(dir[0]) && isfinite(dir[1]) && longest >= 0x1p-40 && longest <= 0x1p40)) return CW_ERROR_DIRECTION;
-    cw_heading *h = calloc(1, sizeof *h);
-    if (h == NULL) return CW_ERROR_MEMORY;
+    if (!(isfinite(dir[0]) && isfinite(dir[1]) && longest >= 0x1p-40 && longest <= 0x1p40))
+        return cw_fail(CW_ERROR_ARGUMENT, "dir: (%g, %g); its longer component is from 2^-40 to 2^40", dir[0], dir[1]);
+    cw_heading *h = cw_memory_clear(sizeof *h);
+    if (h == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
     const fpenv caller = fpenv_enter();
     h->field = field;
     /* A component that rounding could have made is 0. */
@@ -191,17 +191,7 @@ void cw_heading_destroy(cw_heading *heading) {
     if (heading == NULL) return;
     for (int l = 0; l < heading->levels; l++) cw_memory_free(heading->stretch[l]);
     cw_memory_free(heading->crossing);
-    free(heading);
-}
-
-static cw_heading_fn *code_for(cw_isa isa) {
-#if CELLWALK_SIMD
-    if (isa == CW_ISA_AVX512) return cw_heading16;
-    if (isa == CW_ISA_AVX2) return cw_heading8;
-    if (isa == CW_ISA_SSE42) return cw_heading4;
-#endif
-    (void)isa;
-    return cw_heading1;
+    cw_memory_free(heading);
 }
 
 /* Tiles that follow the rays: the next group of one then walks over what is in the caches. */
@@ -232,44 +222,50 @@ static float rounding(const cw_field *f) {
     return range >= 0 ? 8 * (FLT_EPSILON / 2) * range + FLT_MIN : 0;
 }
 
-static cw_status query_along(const cw_heading_job *job, const cw_query *query) {
+static cw_status query_along(const cw_heading_job *job, const cw_run *run) {
     const cw_heading *h = job->heading;
-    if (h == NULL || (job->steepest == NULL && job->occluded == NULL)) return CW_ERROR_ARGUMENT;
-    if (!(job->low <= job->high)) return CW_ERROR_SLOPE;
+    if (h == NULL) return cw_fail(CW_ERROR_ARGUMENT, "heading: NULL");
+    if (job->steepest == NULL && job->occluded == NULL) return cw_fail(CW_ERROR_ARGUMENT, "slope or occluded: NULL");
+    if (!(job->low <= job->high))
+        return cw_fail(CW_ERROR_ARGUMENT, "slopes: from %g to %g", (double)job->low, (double)job->high);
     const cw_field *f = h->field;
-    if (job->i > f->nx || job->nx > f->nx - job->i || job->j > f->ny || job->ny > f->ny - job->j)
-        return CW_ERROR_RECTANGLE;
-    const cw_kernel *kernel = cw_query_kernel(f, query);
-    if (!cw_kernel_exists(kernel)) return CW_ERROR_KERNEL;
-    if (query != NULL && !cw_all_zero(query->reserved)) return CW_ERROR_OPTION;
-    /* What was chosen here is available, even if the limit has just become lower. */
-    const cw_isa isa = kernel->isa;
-    if (query != NULL && query->kernel != NULL && isa > cw_isa_best()) return CW_ERROR_UNAVAILABLE;
-    if (job->nx == 0 || job->ny == 0) return CW_OK;
+    cw_run how;
+    cw_status status = cw_run_begin(run, &how);
+    if (status == CW_OK) status = cw_check_rectangle(f, &(cw_rectangle){job->i, job->j, job->nx, job->ny});
+    how.leaf = CW_LEAF_DEFAULT;
+    if (status == CW_OK) status = cw_run_settle(f, &how);
+    if (status != CW_OK || job->nx == 0 || job->ny == 0) return status;
     const door_pass in = door_enter(&f->door);
-    if (in.entry == NULL) return CW_ERROR_BUSY;
-    tiles t = {.job = *job, .code = code_for(isa)};
+    if (in.entry == NULL) return cw_fail_plainly(CW_ERROR_BUSY);
+    tiles t = {.job = *job, .code = how.kernel->heading};
     const fpenv caller = fpenv_enter();
     t.job.pad = rounding(f);
     fpenv_leave(caller);
     t.columns = h->along_x ? TILE_LONG : TILE_COLUMNS;
     t.rows = h->along_x ? TILE_ROWS : TILE_LONG;
     t.across = (job->nx + t.columns - 1) / t.columns;
-    cw_pool_run(query ? query->pool : NULL, t.across * ((job->ny + t.rows - 1) / t.rows), 1, run_tiles, &t);
+    status = cw_run_work(&how, t.across * ((job->ny + t.rows - 1) / t.rows), 1, 1, run_tiles, &t);
     door_leave(in);
-    return CW_OK;
+    return status;
 }
 
-cw_status cw_heading_steepest(const cw_heading *heading, const cw_query *query, float low, float high, size_t i,
-                              size_t j, size_t nx, size_t ny, float *slope) {
-    const cw_heading_job job = {
-        .heading = heading, .i = i, .j = j, .nx = nx, .ny = ny, .low = low, .high = high, .steepest = slope};
-    return query_along(&job, query);
+static cw_heading_job job_of(const cw_heading *heading, const cw_rectangle *at) {
+    return (cw_heading_job){.heading = heading, .i = at->i, .j = at->j, .nx = at->nx, .ny = at->ny};
 }
 
-cw_status cw_heading_any(const cw_heading *heading, const cw_query *query, float slope, size_t i, size_t j, size_t nx,
-                         size_t ny, uint8_t *occluded) {
-    const cw_heading_job job = {
-        .heading = heading, .i = i, .j = j, .nx = nx, .ny = ny, .low = slope, .high = slope, .occluded = occluded};
-    return query_along(&job, query);
+cw_status cw_heading_steepest(const cw_heading *heading, const cw_run *run, float low, float high, cw_rectangle at,
+                              float *slope) {
+    cw_heading_job job = job_of(heading, &at);
+    job.low = low;
+    job.high = high;
+    job.steepest = slope;
+    return query_along(&job, run);
+}
+
+cw_status cw_heading_occluded(const cw_heading *heading, const cw_run *run, float slope, cw_rectangle at,
+                              uint8_t *occluded) {
+    cw_heading_job job = job_of(heading, &at);
+    job.low = job.high = slope;
+    job.occluded = occluded;
+    return query_along(&job, run);
 }

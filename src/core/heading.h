@@ -10,6 +10,7 @@
 #define CELLWALK_CORE_HEADING_H
 
 #include "field.h"
+#include "kernels.h"
 #include "pyramid.h"
 
 /* Rays are walked in groups of 16 neighbours in a row, and four rows: so many share the bounds that a stretch is judged by. */
@@ -57,11 +58,5 @@ typedef struct cw_heading_job {
     float *steepest;
     uint8_t *occluded; /* instead of steepest */
 } cw_heading_job;
-
-/* Samples i to i_end, j to j_end of the job, without the ends. */
-typedef void cw_heading_fn(const cw_heading_job *job, size_t i, size_t i_end, size_t j, size_t j_end);
-
-/* simd/heading.c */
-cw_heading_fn cw_heading1, cw_heading4, cw_heading8, cw_heading16;
 
 #endif

@@ -5,6 +5,7 @@
 
 #include "affine.h"
 #include "field.h"
+#include "run.h"
 
 static float sample(const cw_field *f, size_t i, size_t j) { return f->z[j * f->stride + i]; }
 
@@ -55,7 +56,7 @@ static void position(const cw_hit *hit, double xy[2]) {
     xy[1] = (double)hit->j + (a ? v : u + v);
 }
 
-void cw_hit_point(const cw_field *field, const cw_hit *hit, double point[3]) {
+static void point_of(const cw_field *field, const cw_hit *hit, double point[3]) {
     if (!is_hit(field, hit)) {
         set_nan(point);
         return;
@@ -68,7 +69,7 @@ void cw_hit_point(const cw_field *field, const cw_hit *hit, double point[3]) {
     affine_point(field->to_user, p, point);
 }
 
-void cw_hit_normal(const cw_field *field, const cw_hit *hit, double normal[3]) {
+static void normal_of(const cw_field *field, const cw_hit *hit, double normal[3]) {
     if (!is_hit(field, hit)) {
         set_nan(normal);
         return;
@@ -117,61 +118,19 @@ static void vertex_normal(const cw_field *f, size_t i, size_t j, double n[3]) {
     vertex_normal_of_some(f, i, j, n);
 }
 
-/* The three vertex normals in field space and the unit normal between them; returns what made its length 1. */
-static double unit_phong_normal(const cw_field *f, const cw_hit *hit, double n[3][3], double normal[3]) {
+static void phong_normal_of(const cw_field *f, const cw_hit *hit, double normal[3]) {
+    if (!is_hit(f, hit)) {
+        set_nan(normal);
+        return;
+    }
     size_t vertex[3][2];
-    double weight[3], mean[3];
+    double weight[3], n[3][3], mean[3];
     vertices(hit, vertex, weight);
     for (int k = 0; k < 3; k++) vertex_normal(f, vertex[k][0], vertex[k][1], n[k]);
     for (int c = 0; c < 3; c++) mean[c] = weight[0] * n[0][c] + weight[1] * n[1][c] + weight[2] * n[2][c];
     affine_covector(f->to_normals, mean, normal);
     const double scale = 1 / length(normal);
     for (int c = 0; c < 3; c++) normal[c] *= scale;
-    return scale;
-}
-
-void cw_hit_phong_normal(const cw_field *field, const cw_hit *hit, double normal[3]) {
-    if (!is_hit(field, hit)) {
-        set_nan(normal);
-        return;
-    }
-    double n[3][3];
-    unit_phong_normal(field, hit, n, normal);
-}
-
-void cw_hit_phong_change(const cw_field *field, const cw_hit *hit, double normal[3], double change[2][3]) {
-    if (!is_hit(field, hit)) {
-        set_nan(normal);
-        set_nan(change[0]);
-        set_nan(change[1]);
-        return;
-    }
-    double n[3][3];
-    const double scale = unit_phong_normal(field, hit, n, normal);
-
-    /* A step along x leads from vertex 0 to 1 in A and from 2 to 1 in B, one along y from 1 to 2 in A and from 0 to 2
-     * in B. */
-    const bool a = hit->triangle == CW_TRIANGLE_A;
-    const int end[2] = {1, 2}, begin[2] = {a ? 0 : 2, a ? 1 : 0};
-    for (int k = 0; k < 2; k++) {
-        double step[3];
-        for (int c = 0; c < 3; c++) step[c] = (n[end[k]][c] - n[begin[k]][c]) * scale;
-        affine_covector(field->to_normals, step, change[k]);
-        /* The part that only makes the sum longer does not turn it. */
-        const double along = normal[0] * change[k][0] + normal[1] * change[k][1] + normal[2] * change[k][2];
-        for (int c = 0; c < 3; c++) change[k][c] -= along * normal[c];
-    }
-}
-
-void cw_hit_uv(const cw_field *field, const cw_hit *hit, float uv[2]) {
-    if (!is_hit(field, hit)) {
-        uv[0] = uv[1] = NAN;
-        return;
-    }
-    double xy[2];
-    position(hit, xy);
-    uv[0] = (float)(xy[0] / (double)(field->nx - 1));
-    uv[1] = (float)(xy[1] / (double)(field->ny - 1));
 }
 
 /* ---- of many hits ------------------------------------------------------------------------------------------------- */
@@ -181,36 +140,41 @@ enum { GRAIN = 1024 };
 typedef struct batch {
     const cw_field *field;
     const cw_hit *hits;
-    double (*out)[3];
+    double *out; /* three numbers a hit */
     void (*one)(const cw_field *field, const cw_hit *hit, double out[3]);
 } batch;
 
-static void run(void *context, size_t begin, size_t end) {
+static void run_batch(void *context, size_t begin, size_t end) {
     const batch *b = context;
-    for (size_t k = begin; k < end; k++) b->one(b->field, &b->hits[k], b->out[k]);
+    for (size_t k = begin; k < end; k++) b->one(b->field, &b->hits[k], b->out + 3 * k);
 }
 
-static cw_status run_batch(const batch *b, cw_pool *pool, size_t n) {
-    if (b->field == NULL || (n > 0 && (b->hits == NULL || b->out == NULL))) return CW_ERROR_ARGUMENT;
+static cw_status for_each(const batch *b, const cw_run *run, size_t n) {
+    if (b->field == NULL) return cw_fail(CW_ERROR_ARGUMENT, "field: NULL");
+    if (n > 0 && b->hits == NULL) return cw_fail(CW_ERROR_ARGUMENT, "hits: NULL for %zu hits", n);
+    if (n > 0 && b->out == NULL) return cw_fail(CW_ERROR_ARGUMENT, "points or normals: NULL for %zu hits", n);
     batch all = *b;
+    cw_run how;
+    cw_status status = cw_run_begin(run, &how);
+    if (status != CW_OK) return status;
     const door_pass in = door_enter(&b->field->door);
-    if (in.entry == NULL) return CW_ERROR_BUSY;
-    cw_pool_run(pool, n, GRAIN, run, &all);
+    if (in.entry == NULL) return cw_fail_plainly(CW_ERROR_BUSY);
+    status = cw_run_work(&how, n, GRAIN, GRAIN, run_batch, &all);
     door_leave(in);
-    return CW_OK;
+    return status;
 }
 
-cw_status cw_hit_points(const cw_field *field, cw_pool *pool, const cw_hit *hits, size_t n, double (*points)[3]) {
-    return run_batch(&(batch){field, hits, points, cw_hit_point}, pool, n);
+cw_status cw_hit_points(const cw_field *field, const cw_run *run, const cw_hit *hits, size_t n, double *points) {
+    return for_each(&(batch){field, hits, points, point_of}, run, n);
 }
 
-cw_status cw_hit_normals(const cw_field *field, cw_pool *pool, const cw_hit *hits, size_t n, double (*normals)[3]) {
-    return run_batch(&(batch){field, hits, normals, cw_hit_normal}, pool, n);
+cw_status cw_hit_normals(const cw_field *field, const cw_run *run, const cw_hit *hits, size_t n, double *normals) {
+    return for_each(&(batch){field, hits, normals, normal_of}, run, n);
 }
 
-cw_status cw_hit_phong_normals(const cw_field *field, cw_pool *pool, const cw_hit *hits, size_t n,
-                               double (*normals)[3]) {
-    return run_batch(&(batch){field, hits, normals, cw_hit_phong_normal}, pool, n);
+cw_status cw_hit_phong_normals(const cw_field *field, const cw_run *run, const cw_hit *hits, size_t n,
+                               double *normals) {
+    return for_each(&(batch){field, hits, normals, phong_normal_of}, run, n);
 }
 
 /* ---- at a place --------------------------------------------------------------------------------------------------- */
@@ -240,7 +204,8 @@ void cw_field_at(const cw_field *field, double x, double y, cw_hit *hit) {
 
 cw_status cw_field_at_user(const cw_field *field, double x, double y, cw_hit *hit) {
     *hit = miss;
-    if (field->to_user[0][2] != 0 || field->to_user[1][2] != 0) return CW_ERROR_SLANTED;
+    if (field->to_user[0][2] != 0 || field->to_user[1][2] != 0)
+        return cw_fail(CW_ERROR_ARGUMENT, "field: its map leans the heights, so that no single place is above (x, y)");
     double p[3];
     affine_point_back(field->to_field, (double[3]){x, y, field->to_user[2][3]}, p);
     cw_field_at(field, p[0], p[1], hit);

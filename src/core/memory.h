@@ -6,8 +6,10 @@
 
 #include <stddef.h>
 
-/* NULL when out of memory. */
+/* From the process's allocator; NULL when out of memory. */
 void *cw_memory_allocate(size_t bytes);
+/* The same, all zero. */
+void *cw_memory_clear(size_t bytes);
 /* NULL is allowed. */
 void cw_memory_free(void *memory);
 

@@ -6,6 +6,7 @@
 #include "pool.h"
 
 #include "cpus.h"
+#include "error.h"
 
 #include <pthread.h>
 #include <sched.h>
@@ -81,21 +82,28 @@ static void *help(void *argument) {
     }
 }
 
+static cw_status check_threads(unsigned threads, unsigned least) {
+    if (threads >= least && threads <= CW_THREADS_MAX) return CW_OK;
+    return cw_fail(CW_ERROR_ARGUMENT, "threads: %u; a pool has 1 to %d", threads, CW_THREADS_MAX);
+}
+
 cw_status cw_pool_create(unsigned threads, cw_pool **pool) {
-    if (pool == NULL) return CW_ERROR_ARGUMENT;
+    if (pool == NULL) return cw_fail(CW_ERROR_ARGUMENT, "pool: NULL");
     *pool = NULL;
-    if (threads > CW_THREADS_MAX) return CW_ERROR_POOL_SIZE;
+    const cw_status status = check_threads(threads, 0);
+    if (status != CW_OK) return status;
     if (threads == 0) threads = cpus_usable();
     cw_pool *p = calloc(1, sizeof *p + (threads - 1) * sizeof p->helper[0]);
-    if (p == NULL) return CW_ERROR_MEMORY;
+    if (p == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
     pthread_mutex_init(&p->lock, NULL);
     pthread_cond_init(&p->start, NULL);
     pthread_cond_init(&p->done, NULL);
     p->threads = threads;
     while (p->created < threads - 1) {
         if (pthread_create(&p->helper[p->created], NULL, help, p) != 0) {
+            const unsigned started = p->created + 1;
             cw_pool_destroy(p);
-            return CW_ERROR_THREAD;
+            return cw_fail(CW_ERROR_MEMORY, "threads: the system refused number %u of %u", started + 1, threads);
         }
         p->created++;
     }
@@ -104,13 +112,13 @@ cw_status cw_pool_create(unsigned threads, cw_pool **pool) {
 }
 
 cw_status cw_pool_create_on(const cw_tasks *tasks, cw_pool **pool) {
-    if (pool == NULL) return CW_ERROR_ARGUMENT;
+    if (pool == NULL) return cw_fail(CW_ERROR_ARGUMENT, "pool: NULL");
     *pool = NULL;
-    if (tasks == NULL || tasks->run == NULL) return CW_ERROR_ARGUMENT;
-    if (tasks->threads == 0) return CW_ERROR_OPTION;
-    if (tasks->threads > CW_THREADS_MAX) return CW_ERROR_POOL_SIZE;
+    if (tasks == NULL || tasks->run == NULL) return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL", tasks ? "run" : "tasks");
+    const cw_status status = check_threads(tasks->threads, 1);
+    if (status != CW_OK) return status;
     cw_pool *p = calloc(1, sizeof *p);
-    if (p == NULL) return CW_ERROR_MEMORY;
+    if (p == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
     p->threads = tasks->threads;
     p->tasks = *tasks;
     *pool = p;

@@ -1,16 +1,26 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "survey.h"
 
+#include "error.h"
+#include "memory.h"
 #include "pyramid.h"
 
 #include <float.h>
 #include <math.h>
-#include <stdlib.h>
 
-cw_status cw_refusal_status(cw_refusal *refusal) {
+static cw_status refused(size_t i, size_t j, float z) {
+    if (isfinite(z))
+        return cw_fail(CW_ERROR_SAMPLE, "sample (%zu, %zu) is %g; heights lie within plus or minus 2^100", i, j,
+                       (double)z);
+    return cw_fail(CW_ERROR_SAMPLE, "sample (%zu, %zu) is %g; borrowed samples mark holes by NaN alone", i, j,
+                   (double)z);
+}
+
+cw_status cw_refusal_status(const cw_field *f, cw_refusal *refusal) {
     const uint64_t first = atomic_load(&refusal->first);
     if (first == CW_REFUSED_NONE) return CW_OK;
-    return first % 2 ? CW_ERROR_HOLE : CW_ERROR_HEIGHT;
+    const size_t i = first % f->nx, j = first / f->nx;
+    return refused(i, j, f->z[j * f->stride + i]);
 }
 
 static void refuse(cw_refusal *refusal, uint64_t number) {
@@ -20,24 +30,20 @@ static void refuse(cw_refusal *refusal, uint64_t number) {
 
 bool cw_survey_create(cw_field *f) {
     const size_t across = cw_tiles_across(f), down = cw_tiles_down(f);
-    f->tile = calloc((across + 1) * down, sizeof *f->tile);
+    f->tile = cw_memory_clear((across + 1) * down * sizeof *f->tile);
     f->tile_row = f->tile + across * down;
     return f->tile != NULL;
 }
 
-void cw_survey_destroy(cw_field *f) { free(f->tile); }
+void cw_survey_destroy(cw_field *f) { cw_memory_free(f->tile); }
 
 /* Holes, and what is refused, in samples that are not all heights. */
 static void look_closer(const cw_field *f, size_t begin, size_t end, size_t j, cw_survey *s, cw_refusal *refusal) {
     for (size_t i = begin; i < end; i++) {
         const float h = f->z[j * f->stride + i];
         if (fabsf(h) <= CW_HEIGHT_MAX) continue;
-        const uint64_t number = 2 * ((uint64_t)j * f->nx + i);
         s->holes += isfinite(h) ? 0 : 1;
-        if (isfinite(h))
-            refuse(refusal, number);
-        else if (!isnan(h))
-            refuse(refusal, number + 1);
+        if (!isnan(h)) refuse(refusal, (uint64_t)j * f->nx + i);
     }
 }
 
@@ -100,12 +106,10 @@ void cw_survey_total(cw_field *f, cw_tiles changed) {
     set_reach(f);
 }
 
-cw_status cw_survey_check(const float *z, size_t n, bool infinities) {
+cw_status cw_survey_check(const float *z, size_t i, size_t j, size_t n, bool infinities) {
     int32_t odd = 0;
     for (size_t k = 0; k < n; k++) odd |= !(fabsf(z[k]) <= CW_HEIGHT_MAX);
-    for (size_t k = 0; odd && k < n; k++) {
-        if (isfinite(z[k]) && fabsf(z[k]) > CW_HEIGHT_MAX) return CW_ERROR_HEIGHT;
-        if (isinf(z[k]) && !infinities) return CW_ERROR_HOLE;
-    }
+    for (size_t k = 0; odd && k < n; k++)
+        if (fabsf(z[k]) > CW_HEIGHT_MAX && !(infinities && isinf(z[k]))) return refused(i + k, j, z[k]);
     return CW_OK;
 }

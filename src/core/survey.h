@@ -29,12 +29,12 @@ static inline size_t cw_tiles_down(const cw_field *f) { return (f->ny - 2) / TIL
 /* Samples that are refused, found by several threads: the first one in the order of rows counts, so that the status is the
  * same for any number of them. */
 typedef struct cw_refusal {
-    atomic_uint_least64_t first; /* 2 × the sample's number, + 1 if it is a hole */
+    atomic_uint_least64_t first; /* the sample's number, row by row */
 } cw_refusal;
 
 #define CW_REFUSED_NONE UINT64_MAX
 
-cw_status cw_refusal_status(cw_refusal *refusal);
+cw_status cw_refusal_status(const cw_field *f, cw_refusal *refusal);
 
 /* Makes room for the survey; false when out of memory. */
 bool cw_survey_create(cw_field *f);
@@ -46,7 +46,7 @@ void cw_survey_tile(cw_field *f, size_t x, size_t y, cw_refusal *refusal);
 /* Low, high, holes and reach of the field, from its tiles, of which these have changed. */
 void cw_survey_total(cw_field *f, cw_tiles changed);
 
-/* Whether samples z[0..n) may be part of a field: CW_OK, CW_ERROR_HEIGHT or, with no infinities allowed, CW_ERROR_HOLE. */
-cw_status cw_survey_check(const float *z, size_t n, bool infinities);
+/* Fails if one of samples z[0..n), which are (i, j) and on, may not be part of a field. */
+cw_status cw_survey_check(const float *z, size_t i, size_t j, size_t n, bool infinities);
 
 #endif

@@ -2,7 +2,7 @@
 /* Queries in user space: rays are moved to field space in blocks that lie on the stack and in the first cache. */
 
 #include "field.h"
-#include "watch.h"
+#include "run.h"
 
 #include <stdatomic.h>
 
@@ -12,13 +12,13 @@ enum { BLOCK = 512, MOST = 8 * BLOCK };
 typedef struct job {
     const cw_field *field;
     const cw_user_ray *rays;
-    cw_query query; /* of a block: without pool and watch */
+    cw_run how; /* of a block: without pool and watch */
     cw_hit *hits;
     uint8_t *occluded;
     atomic_int status; /* of a block that failed, as when the limit on instruction sets was lowered meanwhile */
 } job;
 
-static void run(void *context, size_t begin, size_t end) {
+static void trace_blocks(void *context, size_t begin, size_t end) {
     job *q = context;
     cw_ray block[BLOCK];
     for (size_t count; begin < end; begin += count) {
@@ -26,37 +26,40 @@ static void run(void *context, size_t begin, size_t end) {
         cw_rays_to_field(q->field, q->rays + begin, count, block);
         cw_status status;
         do
-            status = q->hits ? cw_closest(q->field, &q->query, block, count, q->hits + begin)
-                             : cw_any(q->field, &q->query, block, count, q->occluded + begin);
+            status = q->hits ? cw_closest(q->field, &q->how, block, count, q->hits + begin)
+                             : cw_occluded(q->field, &q->how, block, count, q->occluded + begin);
         while (status == CW_ERROR_BUSY); /* by an update that gives up at once, since this query is in */
         if (status != CW_OK) atomic_store(&q->status, (int)status);
     }
 }
 
-static cw_status trace(job *q, const cw_query *query, size_t n) {
-    cw_query whole = query ? *query : cw_query_default();
-    if (n < 2 * BLOCK) whole.pool = NULL; /* done before a thread that sleeps has got up */
-    if (n > 0 && (q->rays == NULL || (q->hits == NULL && q->occluded == NULL))) return CW_ERROR_ARGUMENT;
+static cw_status trace(job *q, const cw_run *run, size_t n) {
+    cw_run whole = run ? *run : (cw_run){0};
+    if (n < 2 * BLOCK) whole.pool = NULL; /* done before a thread that sleeps has woken up */
+    if (n > 0 && q->rays == NULL) return cw_fail(CW_ERROR_ARGUMENT, "rays: NULL for %zu rays", n);
+    if (n > 0 && q->hits == NULL && q->occluded == NULL)
+        return cw_fail(CW_ERROR_ARGUMENT, "hits or occluded: NULL for %zu rays", n);
     cw_status status = cw_closest(q->field, &whole, NULL, 0, NULL);
     if (status != CW_OK || n == 0) return status;
-    q->query = whole;
-    q->query.pool = NULL;
-    q->query.watch = NULL;
+    q->how = whole;
+    q->how.pool = NULL;
+    q->how.watch = NULL;
     const door_pass in = door_enter(&q->field->door); /* for all blocks together: no update comes between */
-    if (in.entry == NULL) return CW_ERROR_BUSY;
-    status = cw_watch_run(&whole, n, BLOCK, MOST, run, q);
+    if (in.entry == NULL) return cw_fail_plainly(CW_ERROR_BUSY);
+    status = cw_run_work(&whole, n, BLOCK, MOST, trace_blocks, q);
     door_leave(in);
-    return status != CW_OK ? status : (cw_status)atomic_load(&q->status);
+    if (status != CW_OK) return status;
+    status = (cw_status)atomic_load(&q->status);
+    return status == CW_OK ? CW_OK : cw_fail_plainly(status); /* the sentence may be another thread's */
 }
 
-cw_status cw_closest_user(const cw_field *field, const cw_query *query, const cw_user_ray *rays, size_t n,
-                          cw_hit *hits) {
+cw_status cw_closest_user(const cw_field *field, const cw_run *run, const cw_user_ray *rays, size_t n, cw_hit *hits) {
     job q = {.field = field, .rays = rays, .hits = hits};
-    return trace(&q, query, n);
+    return trace(&q, run, n);
 }
 
-cw_status cw_any_user(const cw_field *field, const cw_query *query, const cw_user_ray *rays, size_t n,
-                      uint8_t *occluded) {
+cw_status cw_occluded_user(const cw_field *field, const cw_run *run, const cw_user_ray *rays, size_t n,
+                           uint8_t *occluded) {
     job q = {.field = field, .rays = rays, .occluded = occluded};
-    return trace(&q, query, n);
+    return trace(&q, run, n);
 }

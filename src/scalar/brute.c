@@ -30,14 +30,12 @@ static bool trace(const cw_field *f, const cw_ray *given, bool any, cw_hit *best
     return found;
 }
 
-static void closest(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query, cw_hit *hits) {
-    (void)query;
+static void closest(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits) {
     for (size_t k = 0; k < n; k++)
         if (!trace(f, &rays[k], false, &hits[k])) hits[k] = miss();
 }
 
-static void any(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query, uint8_t *occluded) {
-    (void)query;
+static void any(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded) {
     cw_hit unused;
     for (size_t k = 0; k < n; k++) occluded[k] = trace(f, &rays[k], true, &unused);
 }

@@ -77,20 +77,16 @@ static inline void occlude(const cw_field *f, const cw_ray *rays, size_t n, uint
     for (size_t k = 0; k < n; k++) occluded[k] = walk(f, &rays[k], leaf, true, NULL);
 }
 
-static void closest_cell_mt(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query, cw_hit *hits) {
-    (void)query;
+static void closest_cell_mt(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits) {
     trace(f, rays, n, hits, CW_LEAF_MOLLER_TRUMBORE);
 }
-static void any_cell_mt(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query, uint8_t *occluded) {
-    (void)query;
+static void any_cell_mt(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded) {
     occlude(f, rays, n, occluded, CW_LEAF_MOLLER_TRUMBORE);
 }
-static void closest_cell_wt(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query, cw_hit *hits) {
-    (void)query;
+static void closest_cell_wt(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits) {
     trace(f, rays, n, hits, CW_LEAF_WATERTIGHT);
 }
-static void any_cell_wt(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query, uint8_t *occluded) {
-    (void)query;
+static void any_cell_wt(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded) {
     occlude(f, rays, n, occluded, CW_LEAF_WATERTIGHT);
 }
 

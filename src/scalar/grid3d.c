@@ -4,19 +4,19 @@
  * voxels per unit length = 3 · cbrt(triangles) / longest side, at most 64 an axis.
  *
  * A triangle is listed in every voxel that its box touches, so a ray may find a hit beyond the voxel it is in while a
- * nearer one waits in a voxel still to come. The exact form therefore counts a hit only if it lies inside the current
- * voxel's t-range; the early form returns the first hit found, as the coursework did, and is kept so that its error can
- * be measured. */
+ * nearer one waits in a voxel still to come. So a hit counts only if it lies inside the current voxel's t-range. Rejected:
+ * returning the first hit found, as the coursework did (papers/walks.md). */
 
 #include "count.h"
+#include "error.h"
 #include "field.h"
 #include "kernels.h"
+#include "memory.h"
 #include "moller_trumbore.h"
 #include "ray.h"
 #include "refine.h"
 
 #include <float.h>
-#include <stdlib.h>
 
 enum { VOXELS_MAX = 64, TRIANGLE_BITS = 1 };
 
@@ -92,11 +92,11 @@ static void enter_triangles(struct cw_grid3d *g, const cw_field *f, bool write) 
 }
 
 cw_status cw_grid3d_build(cw_field *field) {
-    struct cw_grid3d *g = calloc(1, sizeof *g);
-    if (g == NULL) return CW_ERROR_MEMORY;
+    struct cw_grid3d *g = cw_memory_clear(sizeof *g);
+    if (g == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
     set_resolution(g, field);
     const size_t voxels = (size_t)g->n[0] * (size_t)g->n[1] * (size_t)g->n[2];
-    g->begin = calloc(voxels + 2, sizeof *g->begin);
+    g->begin = cw_memory_clear((voxels + 2) * sizeof *g->begin);
     if (g->begin == NULL) goto no_memory;
     enter_triangles(g, field, false);
     uint64_t entries = 0;
@@ -105,7 +105,7 @@ cw_status cw_grid3d_build(cw_field *field) {
         if (entries > UINT32_MAX) goto no_memory;
         g->begin[v + 1] = (uint32_t)entries;
     }
-    g->entry = malloc((entries ? entries : 1) * sizeof *g->entry);
+    g->entry = cw_memory_allocate(entries * sizeof *g->entry);
     if (g->entry == NULL) goto no_memory;
     enter_triangles(g, field, true);
     /* Writing moved each begin to its end, which is the next one's begin. */
@@ -116,14 +116,14 @@ cw_status cw_grid3d_build(cw_field *field) {
     return CW_OK;
 no_memory:
     cw_grid3d_destroy(g);
-    return CW_ERROR_MEMORY;
+    return cw_fail_plainly(CW_ERROR_MEMORY);
 }
 
 void cw_grid3d_destroy(struct cw_grid3d *grid) {
     if (grid == NULL) return;
-    free(grid->begin);
-    free(grid->entry);
-    free(grid);
+    cw_memory_free(grid->begin);
+    cw_memory_free(grid->entry);
+    cw_memory_free(grid);
 }
 
 /* A ray's way through the grid. */
@@ -195,7 +195,7 @@ static bool test_voxel(const struct cw_grid3d *g, const cw_field *f, const ray_s
     return found;
 }
 
-static inline bool walk(const cw_field *f, const ray_start *ray, bool early, bool any, cw_hit *hit) {
+static inline bool walk(const cw_field *f, const ray_start *ray, bool any, cw_hit *hit) {
     const struct cw_grid3d *g = f->grid3d;
     grid_walk w;
     bool found = false;
@@ -206,7 +206,7 @@ static inline bool walk(const cw_field *f, const ray_start *ray, bool early, boo
         if (test_voxel(g, f, ray, &w, &candidate) && (!found || candidate.t < hit->t)) {
             *hit = candidate;
             found = true;
-            if (early || any) return true;
+            if (any) return true;
         }
         /* A hit beyond this voxel waits: a voxel in between may hold a nearer one. */
         if (found && hit->t <= w.next[axis]) return true;
@@ -217,33 +217,23 @@ static inline bool walk(const cw_field *f, const ray_start *ray, bool early, boo
     }
 }
 
-static inline bool trace(const cw_field *f, const cw_ray *given, bool early, bool any, cw_hit *hit) {
+static inline bool trace(const cw_field *f, const cw_ray *given, bool any, cw_hit *hit) {
     ray_start ray;
-    if (!ray_init(&ray, f, given) || !walk(f, &ray, early, any, hit)) return false;
+    if (!ray_init(&ray, f, given) || !walk(f, &ray, any, hit)) return false;
     if (!any) *hit = refine_place(f, &ray, hit);
     return true;
 }
 
-static void closest(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query, cw_hit *hits) {
-    (void)query;
+static void closest(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits) {
     for (size_t k = 0; k < n; k++)
-        if (!trace(f, &rays[k], false, false, &hits[k])) hits[k] = miss();
-}
-
-static void closest_early(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query, cw_hit *hits) {
-    (void)query;
-    for (size_t k = 0; k < n; k++)
-        if (!trace(f, &rays[k], true, false, &hits[k])) hits[k] = miss();
+        if (!trace(f, &rays[k], false, &hits[k])) hits[k] = miss();
 }
 
 /* Any triangle on the way answers this query, wherever it was found. */
-static void any(const cw_field *f, const cw_ray *rays, size_t n, const cw_query *query, uint8_t *occluded) {
-    (void)query;
+static void any(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded) {
     cw_hit unused;
-    for (size_t k = 0; k < n; k++) occluded[k] = trace(f, &rays[k], false, true, &unused);
+    for (size_t k = 0; k < n; k++) occluded[k] = trace(f, &rays[k], true, &unused);
 }
 
 const cw_kernel_code cw_grid3d = {.closest = {[CW_LEAF_MOLLER_TRUMBORE] = closest},
                                   .any = {[CW_LEAF_MOLLER_TRUMBORE] = any}};
-const cw_kernel_code cw_grid3d_early = {.closest = {[CW_LEAF_MOLLER_TRUMBORE] = closest_early},
-                                        .any = {[CW_LEAF_MOLLER_TRUMBORE] = any}};

@@ -38,7 +38,7 @@ scene *scene_load(const char *path, unsigned threads, scene_warn_fn *warn, void 
     return load(path, false, threads, warn, warn_context, error);
 }
 
-cw_field *scene_load_heightfield(const char *path, bool bare, io_error *error) {
+cw_field *scene_load_heightfield(const char *path, const cw_run *run, io_error *error) {
     scene *s = load(path, true, 1, NULL, NULL, error);
     if (s == NULL) return NULL;
     cw_field *field = NULL;
@@ -50,9 +50,8 @@ cw_field *scene_load_heightfield(const char *path, bool bare, io_error *error) {
         desc.samples = h->samples;
         desc.nx = h->nx;
         desc.ny = h->ny;
-        desc.bare = bare;
-        const cw_status status = cw_field_create(&desc, &field);
-        if (status != CW_OK) io_fail(error, "%s: %s", path, cw_status_message(status));
+        const cw_status status = cw_field_create(&desc, run, &field);
+        if (status != CW_OK) io_fail(error, "%s: %s", path, cw_last_error());
     }
     scene_free(s);
     return field;

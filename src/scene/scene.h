@@ -19,8 +19,8 @@ scene *scene_load(const char *path, unsigned threads, scene_warn_fn *warn, void 
 void scene_free(scene *s);
 
 /* The height field of a file that holds exactly one, with or without a scene around it: the samples as written, field
- * space as user space; bare as in cw_field_desc. The caller owns it. NULL on failure. */
-cw_field *scene_load_heightfield(const char *path, bool bare, io_error *error);
+ * space as user space; run as for cw_field_create. The caller owns it. NULL on failure. */
+cw_field *scene_load_heightfield(const char *path, const cw_run *run, io_error *error);
 
 /* The scene's height fields in the order of the file; owned by the scene. */
 size_t scene_field_count(const scene *s);
@@ -29,7 +29,7 @@ cw_field *scene_field(scene *s, size_t number);
 size_t scene_width(const scene *s);
 size_t scene_height(const scene *s);
 
-/* How rays meet height fields. The default is cw_closest and cw_any; a measuring program puts its own in. Called from
+/* How rays meet height fields. The default is cw_closest and cw_occluded; a measuring program puts its own in. Called from
  * several threads at once, for at most SCENE_BATCH rays. Rays are in the field space of that field. */
 enum { SCENE_BATCH = 4096 };
 typedef struct scene_tracer {
@@ -52,7 +52,7 @@ typedef struct scene_crop {
 } scene_crop;
 
 typedef struct scene_render_options {
-    cw_query query;             /* for the default tracer; its pool is not used: tiles are what threads share */
+    cw_run query;               /* for the default tracer; its pool is not used: tiles are what threads share */
     const scene_tracer *tracer; /* NULL: the default */
     unsigned threads;           /* 0: one per CPU */
     unsigned samples;           /* a pixel; 0: as the scene says */

@@ -66,7 +66,7 @@ static void to_degrees(void *context, size_t begin, size_t end) {
 
 enum { GRAIN = 1 << 14 };
 
-cw_status horizon_angles(horizon *h, const cw_query *query, size_t number, size_t row, size_t rows, float *degrees) {
+cw_status horizon_angles(horizon *h, const cw_run *query, size_t number, size_t row, size_t rows, float *degrees) {
     const size_t nx = h->terrain->nx, end = row + rows;
     if (number >= h->compass.count) return CW_ERROR_ARGUMENT;
     for (size_t count; row < end; row += count, degrees += count * nx) {
@@ -76,7 +76,7 @@ cw_status horizon_angles(horizon *h, const cw_query *query, size_t number, size_
         double slope;
         cw_status status = compass_heading(&h->compass, number, &heading, &slope);
         if (status != CW_OK) return status;
-        status = cw_heading_steepest(heading, query, -INFINITY, INFINITY, 0, row, nx, count, degrees);
+        status = cw_heading_steepest(heading, query, -INFINITY, INFINITY, (cw_rectangle){0, row, nx, count}, degrees);
         if (status != CW_OK) return status;
         turning t = {degrees, (float)(1 / slope)};
         cw_pool_run(query ? query->pool : NULL, nx * count, GRAIN, to_degrees, &t);
@@ -100,20 +100,21 @@ static void add_sky(void *context, size_t begin, size_t end) {
 }
 
 /* One direction more, for rows that share their headings. */
-static cw_status add_direction(horizon *h, const cw_query *query, size_t k, size_t row, size_t rows, float *share) {
+static cw_status add_direction(horizon *h, const cw_run *query, size_t k, size_t row, size_t rows, float *share) {
     cw_heading *heading;
     double slope;
     const size_t nx = h->terrain->nx;
     cw_status status = compass_heading(&h->compass, k, &heading, &slope);
     /* What lies below the level hides nothing of the sky. */
-    if (status == CW_OK) status = cw_heading_steepest(heading, query, 0, INFINITY, 0, row, nx, rows, h->work);
+    if (status == CW_OK)
+        status = cw_heading_steepest(heading, query, 0, INFINITY, (cw_rectangle){0, row, nx, rows}, h->work);
     if (status != CW_OK) return status;
     adding a = {h->work, share, (float)(1 / slope), 1 / (float)h->compass.count};
     cw_pool_run(query ? query->pool : NULL, nx * rows, GRAIN, add_sky, &a);
     return CW_OK;
 }
 
-cw_status horizon_sky_view(horizon *h, const cw_query *query, size_t row, size_t rows, float *share,
+cw_status horizon_sky_view(horizon *h, const cw_run *query, size_t row, size_t rows, float *share,
                            terrain_progress *progress, void *context, bool *done) {
     const size_t nx = h->terrain->nx, first = row, end = row + rows;
     *done = false;

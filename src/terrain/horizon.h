@@ -14,11 +14,11 @@ double horizon_azimuth(const horizon *h, size_t number);
 
 /* The angle in degrees at which the highest point of the terrain in direction number stands above the level of the sample,
  * negative below it, for rows row to row + rows - 1. -90 where the terrain ends at the sample, NaN at a hole. */
-cw_status horizon_angles(horizon *h, const cw_query *query, size_t number, size_t row, size_t rows, float *degrees);
+cw_status horizon_angles(horizon *h, const cw_run *query, size_t number, size_t row, size_t rows, float *degrees);
 
 /* The share of the light of an evenly bright sky that reaches level ground, 0 to 1: the mean over all directions of the
  * cosine squared of the horizon's angle, where that is above the level. NaN at a hole. progress may be NULL. */
-cw_status horizon_sky_view(horizon *h, const cw_query *query, size_t row, size_t rows, float *share,
+cw_status horizon_sky_view(horizon *h, const cw_run *query, size_t row, size_t rows, float *share,
                            terrain_progress *progress, void *context, bool *done);
 
 /* Degrees whose tangent is x, off by less than 10^-5 degrees, by operations that are the same on every CPU. */

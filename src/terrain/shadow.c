@@ -90,15 +90,16 @@ static float rise(double slope, double altitude) {
 }
 
 /* Whether the middle of the sun is hidden. */
-static cw_status blocked(sunlight *s, const cw_query *query, size_t row, size_t rows, uint8_t *occluded) {
+static cw_status blocked(sunlight *s, const cw_run *query, size_t row, size_t rows, uint8_t *occluded) {
     cw_heading *heading;
     double slope;
     const cw_status status = compass_heading(&s->compass, 0, &heading, &slope);
     if (status != CW_OK) return status;
-    return cw_heading_any(heading, query, rise(slope, s->desc.altitude), 0, row, s->terrain->nx, rows, occluded);
+    return cw_heading_occluded(heading, query, rise(slope, s->desc.altitude),
+                               (cw_rectangle){0, row, s->terrain->nx, rows}, occluded);
 }
 
-cw_status sunlight_lit(sunlight *s, const cw_query *query, size_t row, size_t rows, uint8_t *lit) {
+cw_status sunlight_lit(sunlight *s, const cw_run *query, size_t row, size_t rows, uint8_t *lit) {
     const size_t nx = s->terrain->nx, end = row + rows;
     if (s->strips != 1 || s->desc.hillshade) return CW_ERROR_ARGUMENT;
     for (size_t count; row < end; row += count, lit += count * nx) {
@@ -113,7 +114,7 @@ cw_status sunlight_lit(sunlight *s, const cw_query *query, size_t row, size_t ro
 }
 
 /* Adds what of a strip is seen: all of it where the horizon is below its lower end, nothing where it is above its upper one. */
-static cw_status add_strip(sunlight *s, const cw_query *query, size_t k, size_t row, size_t rows, float *steepest,
+static cw_status add_strip(sunlight *s, const cw_run *query, size_t k, size_t row, size_t rows, float *steepest,
                            float *share) {
     const size_t n = s->terrain->nx * rows;
     const strip *p = &s->strip[k];
@@ -122,7 +123,7 @@ static cw_status add_strip(sunlight *s, const cw_query *query, size_t k, size_t 
     cw_status status = compass_heading(&s->compass, k, &heading, &slope);
     if (status != CW_OK) return status;
     const float low = rise(slope, p->altitude - p->half), high = rise(slope, p->altitude + p->half);
-    status = cw_heading_steepest(heading, query, low, high, 0, row, s->terrain->nx, rows, steepest);
+    status = cw_heading_steepest(heading, query, low, high, (cw_rectangle){0, row, s->terrain->nx, rows}, steepest);
     if (status != CW_OK) return status;
     /* The tangent of the angle between two directions; as the disc is small, that is the angle. */
     const float per_rise = (float)(1 / slope), top = high * per_rise, whole = (float)p->share;
@@ -138,7 +139,7 @@ static cw_status add_strip(sunlight *s, const cw_query *query, size_t k, size_t 
     return CW_OK;
 }
 
-static cw_status share_of_disc(sunlight *s, const cw_query *query, size_t row, size_t rows, float *share) {
+static cw_status share_of_disc(sunlight *s, const cw_run *query, size_t row, size_t rows, float *share) {
     const size_t n = s->terrain->nx * rows;
     const float *z = s->terrain->z + row * s->terrain->nx;
     for (size_t m = 0; m < n; m++) share[m] = 0;
@@ -181,7 +182,7 @@ static void shade_rows(void *context, size_t begin, size_t end) {
     }
 }
 
-static cw_status shade(sunlight *s, const cw_query *query, size_t row, size_t rows, float *share) {
+static cw_status shade(sunlight *s, const cw_run *query, size_t row, size_t rows, float *share) {
     const terrain *t = s->terrain;
     double metres[2];
     terrain_metres(t, 0.5 * (double)(t->nx - 1), (double)row + 0.5 * (double)(rows - 1), metres);
@@ -195,7 +196,7 @@ static cw_status shade(sunlight *s, const cw_query *query, size_t row, size_t ro
     return CW_OK;
 }
 
-cw_status sunlight_share(sunlight *s, const cw_query *query, size_t row, size_t rows, float *share) {
+cw_status sunlight_share(sunlight *s, const cw_run *query, size_t row, size_t rows, float *share) {
     const size_t nx = s->terrain->nx, end = row + rows;
     for (size_t count; row < end; row += count, share += count * nx) {
         compass_turn(&s->compass, row, &count);

@@ -20,9 +20,9 @@ void sunlight_destroy(sunlight *light);
 
 /* Of a point without hillshade: lit[y * nx + x] is 1 in the sun, 0 in the shadow, 255 at a hole, for rows row to
  * row + rows - 1. A ray that touches the surface is in the shadow. */
-cw_status sunlight_lit(sunlight *light, const cw_query *query, size_t row, size_t rows, uint8_t *lit);
+cw_status sunlight_lit(sunlight *light, const cw_run *query, size_t row, size_t rows, uint8_t *lit);
 
 /* Of any: the share of the light, 0 to 1; NaN at a hole. */
-cw_status sunlight_share(sunlight *light, const cw_query *query, size_t row, size_t rows, float *share);
+cw_status sunlight_share(sunlight *light, const cw_run *query, size_t row, size_t rows, float *share);
 
 #endif

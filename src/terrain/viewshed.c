@@ -98,7 +98,7 @@ static void sweep_parts(void *context, size_t begin, size_t end) {
     }
 }
 
-static cw_status run(job *q, const cw_query *query, bool *done) {
+static cw_status run(job *q, const cw_run *query, bool *done) {
     atomic_flag_clear(&q->telling);
     cw_pool_run(query ? query->pool : NULL, SWEEP_PARTS, 1, sweep_parts, q);
     *done = !atomic_load(&q->failed) && !atomic_load(&q->stopped);
@@ -114,7 +114,7 @@ static bool own_sample(const viewshed *v, size_t *k) {
     return isfinite(t->z[*k]);
 }
 
-cw_status viewshed_count(const viewshed *v, const cw_query *query, uint16_t *seen, terrain_progress *progress,
+cw_status viewshed_count(const viewshed *v, const cw_run *query, uint16_t *seen, terrain_progress *progress,
                          void *context, bool *done) {
     job q = {.v = v, .seen = seen, .progress = progress, .context = context};
     size_t own;
@@ -123,7 +123,7 @@ cw_status viewshed_count(const viewshed *v, const cw_query *query, uint16_t *see
     return status;
 }
 
-cw_status viewshed_heights(const viewshed *v, const cw_query *query, float *heights, terrain_progress *progress,
+cw_status viewshed_heights(const viewshed *v, const cw_run *query, float *heights, terrain_progress *progress,
                            void *context, bool *done) {
     job q = {.v = v, .heights = heights, .progress = progress, .context = context};
     size_t own;

@@ -23,12 +23,12 @@ void viewshed_destroy(viewshed *v);
 const sight *viewshed_sight(const viewshed *v);
 
 /* Adds 1 to seen[j * nx + i] where sample (i, j) is seen. *done: false if progress ended it. progress may be NULL. */
-cw_status viewshed_count(const viewshed *v, const cw_query *query, uint16_t *seen, terrain_progress *progress,
+cw_status viewshed_count(const viewshed *v, const cw_run *query, uint16_t *seen, terrain_progress *progress,
                          void *context, bool *done);
 
 /* The height above ground, in metres, that is needed at each sample to be seen, 0 where the ground is seen itself, NaN at
  * holes and farther away than the greatest distance. */
-cw_status viewshed_heights(const viewshed *v, const cw_query *query, float *heights, terrain_progress *progress,
+cw_status viewshed_heights(const viewshed *v, const cw_run *query, float *heights, terrain_progress *progress,
                            void *context, bool *done);
 
 #endif

@@ -17,7 +17,7 @@ typedef struct field_file {
 
 /* Reads a field for query: nothing is built that it does not need, and on its pool. options, which may be NULL, are for rasters. On failure
  * file needs no closing. */
-bool field_file_open(field_file *file, const char *path, const io_raster_options *options, const cw_query *query,
+bool field_file_open(field_file *file, const char *path, const io_raster_options *options, const cw_run *query,
                      io_error *error);
 void field_file_close(field_file *file);
 

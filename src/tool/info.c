@@ -73,7 +73,7 @@ typedef struct survey {
     double read_seconds; /* from the file's name to the field, without what is built */
 } survey;
 
-static bool look_at_field(const char *path, const io_raster_options *options, const cw_query *query, survey *s,
+static bool look_at_field(const char *path, const io_raster_options *options, const cw_run *query, survey *s,
                           io_error *error) {
     const double start = clock_seconds();
     if (!field_file_open(&s->file, path, options, query, error)) return false;
@@ -141,7 +141,7 @@ static void print_field_json(const char *path, const survey *s) {
     fputs("]}", stdout);
 }
 
-static int show(const char *path, raster_options *raster, const cw_query *query, bool json) {
+static int show(const char *path, raster_options *raster, const cw_run *query, bool json) {
     survey s = {.read_seconds = 0};
     io_error error = {""};
     io_raster_options options;
@@ -150,7 +150,7 @@ static int show(const char *path, raster_options *raster, const cw_query *query,
     progress_end(&raster->line);
     if (!good) return command_fail("info", "%s", error.text);
     const machine m = look_at_machine();
-    const cw_kernel *chosen = path ? s.file.kernel : cw_query_kernel(NULL, query);
+    const cw_kernel *chosen = path ? s.file.kernel : cw_run_kernel(NULL, query);
     if (json) {
         print_machine_json(&m);
         print_kernels_json(chosen);
@@ -169,13 +169,10 @@ static int run(int argc, char **argv) {
     query_options q = {0};
     bool json = false;
     raster_options raster;
-    enum { ALL = QUERY_OPTION_COUNT + RASTER_OPTION_COUNT };
-    option_spec options[ALL];
-    query_options_rows(&q, options);
-    raster_options_rows(&raster, options + QUERY_OPTION_COUNT);
-    /* --threads is last of the shared rows; nothing here runs in threads, so --json takes its place. */
-    options[QUERY_THREADS] =
-        (option_spec){.name = "json", .help = "print one JSON object", .kind = OPTION_FLAG, .to = &json};
+    enum { OWN = 1, SHARED = OWN + QUERY_OPTION_COUNT, ALL = SHARED + RASTER_OPTION_COUNT };
+    option_spec options[ALL] = {{.name = "json", .help = "print one JSON object", .kind = OPTION_FLAG, .to = &json}};
+    query_options_rows(&q, options + OWN);
+    raster_options_rows(&raster, options + SHARED);
     static const char *const operand_names[] = {"FIELD"};
     const options_usage usage = {
         .name = "info",
@@ -195,7 +192,7 @@ static int run(int argc, char **argv) {
     const char *path;
     const int status = options_parse(&usage, argc, argv, &path);
     if (status != OPTIONS_GO) return status;
-    cw_query query;
+    cw_run query;
     if (!query_options_resolve(&q, usage.name, &query)) return EXIT_USAGE;
     return show(path, &raster, &query, json);
 }

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NAMES_MAX = 64, ISA_COUNT = CW_ISA_AVX512 + 1 };
+enum { NAMES_MAX = 64 };
 
 void query_options_rows(query_options *q, option_spec rows[QUERY_OPTION_COUNT]) {
     rows[QUERY_KERNEL] =
@@ -27,17 +27,10 @@ void query_options_rows(query_options *q, option_spec rows[QUERY_OPTION_COUNT]) 
     rows[QUERY_ISA] =
         (option_spec){.name = "isa",
                       .value = "NAME",
-                      .help = "the highest instruction set to use: scalar, sse4.2,\navx2 or avx512, within what "
+                      .help = "the highest instruction set to use: scalar, sse4.2,\navx2, avx512 or neon, within what "
                               "CELLWALK_ISA allows",
                       .kind = OPTION_TEXT,
                       .to = &q->isa};
-    rows[QUERY_COHERENCE] =
-        (option_spec){.name = "coherence",
-                      .value = "HINT",
-                      .help = "what neighbours in the array have in common: high, low\nor auto (default), which looks; "
-                              "speed alone",
-                      .kind = OPTION_TEXT,
-                      .to = &q->coherence};
     rows[QUERY_THREADS] = (option_spec){.name = "threads",
                                         .value = "N",
                                         .help = "threads; 0: one for each CPU (default)",
@@ -79,43 +72,16 @@ static bool find_leaf(const char *name, const char *word, cw_leaf *leaf) {
     return words_unknown(name, "--leaf", word, names, CW_LEAF_COUNT);
 }
 
-static bool find_coherence(const char *name, const char *word, cw_coherence *coherence) {
-    static const char *const names[] = {
-        [CW_COHERENCE_AUTO] = "auto", [CW_COHERENCE_LOW] = "low", [CW_COHERENCE_HIGH] = "high"};
-    enum { COUNT = sizeof names / sizeof names[0] };
-    for (int k = 0; k < COUNT; k++) {
-        if (strcmp(word, names[k]) != 0) continue;
-        *coherence = (cw_coherence)k;
-        return true;
-    }
-    return words_unknown(name, "--coherence", word, names, COUNT);
-}
-
-/* A query of no rays on the smallest field answers whether kernel and leaf test go together. */
-static bool goes_together(const char *name, const cw_query *query) {
-    static const float flat[4] = {0};
-    cw_field_desc desc = cw_field_desc_default();
-    desc.samples = flat;
-    desc.nx = desc.ny = 2;
-    cw_field *field = NULL;
-    cw_status status = cw_field_create(&desc, &field);
-    const cw_kernel *kernel = status == CW_OK ? cw_query_kernel(field, query) : NULL;
-    if (status == CW_OK) status = cw_field_build(field, kernel);
-    if (status == CW_OK) status = cw_closest(field, query, NULL, 0, NULL);
-    cw_field_destroy(field);
-    if (status == CW_OK) return true;
-    if (status == CW_ERROR_MEMORY)
-        return true; /* no mistake on the command line: opening the field will fail and say so */
-    command_fail(name, "kernel %s with leaf test %s: %s", kernel ? cw_kernel_describe(kernel).name : "(none)",
-                 cw_leaf_name(query->leaf), cw_status_message(status));
+static bool goes_together(const char *name, const cw_run *query) {
+    if (cw_run_check(NULL, query) == CW_OK) return true;
+    command_fail(name, "%s", cw_last_error());
     return false;
 }
 
-bool query_options_resolve(const query_options *q, const char *name, cw_query *query) {
-    *query = cw_query_default();
+bool query_options_resolve(const query_options *q, const char *name, cw_run *query) {
+    *query = (cw_run){0};
     if (!apply_isa(q, name)) return false;
     if (q->kernel && !find_kernel(name, q->kernel, &query->kernel)) return false;
     if (q->leaf && !find_leaf(name, q->leaf, &query->leaf)) return false;
-    if (q->coherence && !find_coherence(name, q->coherence, &query->coherence)) return false;
     return goes_together(name, query);
 }

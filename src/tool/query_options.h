@@ -7,20 +7,20 @@
 #include "options.h"
 
 typedef struct query_options {
-    const char *kernel, *leaf, *isa, *coherence; /* NULL: not given */
-    unsigned threads;                            /* 0: one per CPU */
+    const char *kernel, *leaf, *isa; /* NULL: not given */
+    unsigned threads;                /* 0: one per CPU */
 } query_options;
 
 /* The rows' places. */
-enum { QUERY_KERNEL, QUERY_LEAF, QUERY_ISA, QUERY_COHERENCE, QUERY_THREADS, QUERY_OPTION_COUNT };
+enum { QUERY_KERNEL, QUERY_LEAF, QUERY_ISA, QUERY_THREADS, QUERY_OPTION_COUNT };
 
-/* Fills in the five rows of a subcommand's table that set *q. */
+/* Fills in the four rows of a subcommand's table that set *q. */
 void query_options_rows(query_options *q, option_spec rows[QUERY_OPTION_COUNT]);
 
 /* Limits the instruction set to what --isa says, checks CELLWALK_ISA, and turns names into a query without a pool. Its
- * kernel stays NULL if none was named: cw_query_kernel then tells which one a field gets. False, after a message that
+ * kernel stays NULL if none was named: cw_run_kernel then tells which one a field gets. False, after a message that
  * lists what there is, when that is impossible: end with EXIT_USAGE. To be called before any query runs. name is the
  * subcommand's. */
-bool query_options_resolve(const query_options *q, const char *name, cw_query *query);
+bool query_options_resolve(const query_options *q, const char *name, cw_run *query);
 
 #endif

@@ -2,15 +2,14 @@
 #include "ray_source.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 _Static_assert(sizeof(cw_ray) == 8 * sizeof(float), "a row of eight floats is a ray");
 _Static_assert(sizeof(cw_user_ray) == 8 * sizeof(double), "a row of eight doubles is a ray in user space");
 
-bool ray_source_open(ray_source *s, const char *path, bool user, size_t most, io_error *error) {
+bool ray_source_open(ray_source *s, const char *path, bool user, io_error *error) {
     static const char *const float32[] = {"<f4"}, *const float64[] = {"<f8"};
-    *s = (ray_source){.npy = {.fd = -1}, .user = user, .most = most, .none_meets = true};
+    *s = (ray_source){.npy = {.fd = -1}, .user = user, .none_meets = true};
     if (!io_npy_open(&s->npy, strcmp(path, "-") == 0 ? "/dev/stdin" : path, error)) return false;
     if (!io_npy_expect_type(&s->npy, user ? float64 : float32, 1, error)) return false;
     const io_npy_header *h = &s->npy.header;
@@ -20,15 +19,10 @@ bool ray_source_open(ray_source *s, const char *path, bool user, size_t most, io
         return io_fail(error, "%s: shape %s, but rays are (N, 8): org x y z, tmin, dir x y z, tmax", s->npy.path,
                        shape);
     s->count = h->shape[0];
-    if (user) s->moved = malloc(most * sizeof *s->moved);
-    return !user || s->moved != NULL || io_fail(error, "out of memory");
+    return true;
 }
 
-void ray_source_close(ray_source *s) {
-    io_npy_close(&s->npy);
-    free(s->moved);
-    s->moved = NULL;
-}
+void ray_source_close(ray_source *s) { io_npy_close(&s->npy); }
 
 /* Whether the ray comes into the bounds, give or take what rounding does to their borders. */
 static bool meets(const cw_ray *r, const double low[3], const double high[3]) {
@@ -46,10 +40,15 @@ static bool meets(const cw_ray *r, const double low[3], const double high[3]) {
     return from <= to;
 }
 
-static void look_for_one(ray_source *s, const cw_field *field, const cw_ray *rays, size_t n) {
+static void look_for_one(ray_source *s, const cw_field *field, const void *rows, size_t n) {
     const cw_field_info f = cw_field_describe(field);
     const double low[3] = {0, 0, (double)f.low}, high[3] = {(double)(f.nx - 1), (double)(f.ny - 1), (double)f.high};
-    for (size_t k = 0; k < n && s->none_meets; k++) s->none_meets = !meets(&rays[k], low, high);
+    for (size_t k = 0; k < n && s->none_meets; k++) {
+        cw_ray moved;
+        const cw_ray *ray = s->user ? &moved : (const cw_ray *)rows + k;
+        if (s->user) cw_rays_to_field(field, (const cw_user_ray *)rows + k, 1, &moved);
+        s->none_meets = !meets(ray, low, high);
+    }
 }
 
 /* Pages of a mapped file come into memory when they are touched; that is no part of a query's time. */
@@ -59,14 +58,10 @@ static void touch(const void *memory, size_t bytes) {
     for (size_t k = 0; k < bytes; k += PAGE) (void)at[k];
 }
 
-const cw_ray *ray_source_rows(ray_source *s, const cw_field *field, uint64_t first, size_t n, io_error *error) {
+const void *ray_source_rows(ray_source *s, const cw_field *field, uint64_t first, size_t n, io_error *error) {
     const void *rows = io_npy_rows(&s->npy, first, n, error);
     if (rows == NULL) return NULL;
-    if (s->user)
-        cw_rays_to_field(field, rows, n, s->moved);
-    else
-        touch(rows, n * sizeof(cw_ray));
-    const cw_ray *rays = s->user ? s->moved : rows;
-    if (s->none_meets) look_for_one(s, field, rays, n);
-    return rays;
+    touch(rows, n * (s->user ? sizeof(cw_user_ray) : sizeof(cw_ray)));
+    if (s->none_meets) look_for_one(s, field, rows, n);
+    return rows;
 }

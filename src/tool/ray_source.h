@@ -10,16 +10,14 @@ typedef struct ray_source {
     io_npy npy;
     bool user; /* float64, in the map's coordinates */
     uint64_t count;
-    size_t most;     /* rays of a call */
-    cw_ray *moved;   /* those of one call, in field space, if they were in the map's */
     bool none_meets; /* of all rays so far none meets the field's bounds */
 } ray_source;
 
 /* path "-" is standard input, which must be a file. On failure the source needs closing nevertheless. */
-bool ray_source_open(ray_source *s, const char *path, bool user, size_t most, io_error *error);
+bool ray_source_open(ray_source *s, const char *path, bool user, io_error *error);
 void ray_source_close(ray_source *s);
 
-/* n rays from number first on, in field space; valid until the next call. NULL on failure. */
-const cw_ray *ray_source_rows(ray_source *s, const cw_field *field, uint64_t first, size_t n, io_error *error);
+/* n rays from number first on, cw_user_ray if user, else cw_ray; valid until the next call. NULL on failure. */
+const void *ray_source_rows(ray_source *s, const cw_field *field, uint64_t first, size_t n, io_error *error);
 
 #endif

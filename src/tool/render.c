@@ -48,9 +48,9 @@ static double mrays(const scene_render_stats *s) {
     return (double)(s->camera_rays + s->shadow_rays + s->mirror_rays) / s->seconds * 1e-6;
 }
 
-static const char *kernel_name(scene *s, const cw_query *query) {
+static const char *kernel_name(scene *s, const cw_run *query) {
     const cw_field *field = scene_field_count(s) > 0 ? scene_field(s, 0) : NULL;
-    return cw_kernel_describe(cw_query_kernel(field, query)).name;
+    return cw_kernel_describe(cw_run_kernel(field, query)).name;
 }
 
 static void print_stats(const scene_render_stats *s, const render_times *outside, const char *kernel) {
@@ -87,7 +87,7 @@ static void print_json(const scene_render_stats *s, const render_times *outside,
 }
 
 /* Renders and writes; the output file was opened before, so that no work is done in vain. */
-static int render(const render_command *c, const char *path, scene *s, const cw_query *query, render_times times,
+static int render(const render_command *c, const char *path, scene *s, const cw_run *query, render_times times,
                   io_output *out) {
     progress p = progress_start("rendering");
     const scene_render_options options = {.query = *query,
@@ -126,7 +126,7 @@ static int render(const render_command *c, const char *path, scene *s, const cw_
     return good ? EXIT_SUCCESS : command_fail(name, "%s", error.text);
 }
 
-static int render_to_file(const render_command *c, const char *path, scene *s, const cw_query *query, double start) {
+static int render_to_file(const render_command *c, const char *path, scene *s, const cw_run *query, double start) {
     const render_times times = {.load = clock_seconds() - start};
     io_error error;
     io_output out;
@@ -134,7 +134,7 @@ static int render_to_file(const render_command *c, const char *path, scene *s, c
                                                    : command_fail(name, "%s", error.text);
 }
 
-static int render_scene(const render_command *c, const char *path, const cw_query *query) {
+static int render_scene(const render_command *c, const char *path, const cw_run *query) {
     io_error error;
     const double start = clock_seconds();
     scene *s = scene_load(path, c->query.threads, c->quiet ? NULL : warn, NULL, &error);
@@ -144,7 +144,7 @@ static int render_scene(const render_command *c, const char *path, const cw_quer
     return status;
 }
 
-static int render_terrain(render_command *c, const char *path, const cw_query *query) {
+static int render_terrain(render_command *c, const char *path, const cw_run *query) {
     const double start = clock_seconds();
     int status;
     view *v = view_open(&c->view, path, query, c->width, c->height, c->phong, c->quiet, &status);
@@ -289,7 +289,7 @@ static int run(int argc, char **argv) {
     const char *path = NULL;
     const int status = options_parse(&usage, argc, argv, &path);
     if (status != OPTIONS_GO) return status;
-    cw_query query;
+    cw_run query;
     if (!read_subject(&c, &path)) return EXIT_USAGE;
     if (!query_options_resolve(&c.query, name, &query) || !read_area(&c)) return EXIT_USAGE;
     io_error error;

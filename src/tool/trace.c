@@ -16,7 +16,6 @@
 #include "raster_options.h"
 #include "ray_source.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -31,7 +30,6 @@ typedef struct request {
     raster_options raster;
     bool any, user, points, normals, stats, json;
     unsigned repeat;
-    double tolerance, cone;
 } request;
 
 typedef struct trace {
@@ -39,7 +37,7 @@ typedef struct trace {
     io_raster_options raster;
     field_file field;
     ray_source rays;
-    cw_query query;
+    cw_run query;
     hits_file file; /* not open where no output was asked for */
     size_t piece;
     cw_hit *hits;      /* PIECE of them */
@@ -50,12 +48,18 @@ typedef struct trace {
 } trace;
 
 /* Traces n rays into t->hits or t->occluded and returns the time that it took. */
-static bool trace_piece(trace *t, const cw_ray *rays, size_t n, double *seconds, io_error *error) {
+static bool trace_piece(trace *t, const void *rays, size_t n, double *seconds, io_error *error) {
+    const cw_field *f = t->field.field;
+    const bool any = t->request->any;
     const double start = clock_seconds();
-    const cw_status status = t->request->any ? cw_any(t->field.field, &t->query, rays, n, t->occluded)
-                                             : cw_closest(t->field.field, &t->query, rays, n, t->hits);
+    cw_status status;
+    if (t->request->user)
+        status = any ? cw_occluded_user(f, &t->query, rays, n, t->occluded)
+                     : cw_closest_user(f, &t->query, rays, n, t->hits);
+    else
+        status = any ? cw_occluded(f, &t->query, rays, n, t->occluded) : cw_closest(f, &t->query, rays, n, t->hits);
     *seconds = clock_seconds() - start;
-    return status == CW_OK || io_fail(error, "%s", cw_status_message(status));
+    return status == CW_OK || io_fail(error, "%s", cw_last_error());
 }
 
 static uint64_t count_hits(const trace *t, size_t n) {
@@ -69,14 +73,14 @@ static bool pass(trace *t, unsigned number, io_error *error) {
     for (uint64_t done = 0; done < t->rays.count;) {
         if (atomic_load(cancel_flag())) return io_fail(error, "interrupted");
         const size_t n = t->rays.count - done < t->piece ? (size_t)(t->rays.count - done) : t->piece;
-        const cw_ray *rays = ray_source_rows(&t->rays, t->field.field, done, n, error);
+        const void *rays = ray_source_rows(&t->rays, t->field.field, done, n, error);
         if (rays == NULL) return false;
         double seconds = 0;
         if (!trace_piece(t, rays, n, &seconds, error)) return false;
         t->seconds[number] += seconds;
         if (number == 0) t->hit_count += count_hits(t, n);
         if (number == 0 && t->request->hits &&
-            !hits_file_write(&t->file, t->field.field, t->hits, t->occluded, n, error))
+            !hits_file_write(&t->file, t->field.field, &t->query, t->hits, t->occluded, n, error))
             return false;
         if (seconds > 1 && t->piece > PIECE_LEAST) t->piece /= 2;
         done += n;
@@ -87,11 +91,11 @@ static bool pass(trace *t, unsigned number, io_error *error) {
 
 static bool prepare(trace *t, io_error *error) {
     const request *r = t->request;
-    if (!ray_source_open(&t->rays, r->rays, r->user, PIECE, error)) return false;
+    if (!ray_source_open(&t->rays, r->rays, r->user, error)) return false;
     if (!io_inputs_note_path(r->field)) return io_fail(error, "out of memory");
     if (r->hits && !hits_file_create(&t->file, r->hits, t->rays.count, error)) return false;
     const cw_status status = cw_pool_create(r->query.threads, &t->query.pool);
-    if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));
+    if (status != CW_OK) return io_fail(error, "%s", cw_last_error());
     const bool good = field_file_open(&t->field, r->field, &t->raster, &t->query, error);
     progress_end(&t->request->raster.line);
     if (!good) return false;
@@ -172,7 +176,7 @@ static void warn_of_bounds(const trace *t) {
                                         : "");
 }
 
-static int run_request(request *r, const cw_query *query, const io_raster_options *raster, bool timing) {
+static int run_request(request *r, const cw_run *query, const io_raster_options *raster, bool timing) {
     trace t = {.request = r,
                .raster = *raster,
                .query = *query,
@@ -200,7 +204,7 @@ static const char what[] = "Finds where rays hit a height field.\n"
                            "With --user it is float64, in the coordinates of the field's map.\n"
                            "\n"
                            "HITS becomes a NumPy array of N records with the fields t (float32), i, j (int32:\n"
-                           "the cell), triangle (uint8: 0 below the diagonal, 1 above), u, v (float32:\n"
+                           "the cell), triangle (uint32: 0 below the diagonal, 1 above), u, v (float32:\n"
                            "barycentric). A miss has t = inf, i = j = -1 and 0 elsewhere. With --any it is N\n"
                            "numbers of one byte (uint8): 1 where the ray hits anything, else 0.\n"
                            "\n"
@@ -212,7 +216,6 @@ static const char examples[] = "  cellwalk trace terrain.npy rays.npy -o hits.np
                                "  cellwalk trace dem.tif lidar.npy --user --points -o hits.npy --stats\n"
                                "  cellwalk trace dem.asc sun.npy -o shadow.npy --any --threads 4\n"
                                "  cellwalk trace terrain.npy rays.npy --threads 1 --repeat 9 --json\n"
-                               "  cellwalk trace terrain.npy view.npy -o hits.npy --cone 0.001\n"
                                "\n"
                                "In Python:\n"
                                "  rays = numpy.zeros((1000, 8), 'float32')      # origin, tmin, direction, tmax\n"
@@ -237,7 +240,7 @@ static bool wrong(const request *r, bool timing) {
 
 static int run(int argc, char **argv) {
     request r = {.repeat = 0};
-    enum { OWN = 10, SHARED = OWN + QUERY_OPTION_COUNT, ALL = SHARED + RASTER_OPTION_COUNT };
+    enum { OWN = 8, SHARED = OWN + QUERY_OPTION_COUNT, ALL = SHARED + RASTER_OPTION_COUNT };
     option_spec options[ALL] = {
         {.name = "output",
          .letter = 'o',
@@ -265,19 +268,6 @@ static int run(int argc, char **argv) {
          .help = "print one JSON object: kernel, rays, hits, threads,\nseconds_min, seconds_median, mrays_per_s\n"
                  "(by the median); -o may then be left out",
          .to = &r.json},
-        {.name = "tolerance",
-         .value = "H",
-         .help =
-             "hits may lie off the surface by this height, and a ray\nthat passes as near may hit (default: 0, exact)",
-         .kind = OPTION_REAL,
-         .to = &r.tolerance,
-         .high = (double)FLT_MAX},
-        {.name = "cone",
-         .value = "A",
-         .help = "the same, by A more for each unit of distance: a pixel's\nwidth at distance 1",
-         .kind = OPTION_REAL,
-         .to = &r.cone,
-         .high = (double)FLT_MAX},
     };
     query_options_rows(&r.query, options + OWN);
     raster_options_rows(&r.raster, options + SHARED);
@@ -299,10 +289,8 @@ static int run(int argc, char **argv) {
     const bool timing = r.repeat > 0 || r.json || r.stats;
     if (wrong(&r, timing)) return EXIT_USAGE;
     if (r.repeat == 0) r.repeat = 1;
-    cw_query query;
+    cw_run query;
     if (!query_options_resolve(&r.query, usage.name, &query)) return EXIT_USAGE;
-    query.tolerance = (float)r.tolerance;
-    query.cone = (float)r.cone;
     io_raster_options raster;
     if (!raster_options_resolve(&r.raster, usage.name, &raster)) return EXIT_USAGE;
     return run_request(&r, &query, &raster, timing);

@@ -14,7 +14,7 @@ static cw_field *new_field(void) {
     desc.samples = flat;
     desc.nx = desc.ny = 3;
     cw_field *field;
-    check_status(cw_field_create(&desc, &field), CW_OK);
+    check_status(cw_field_create(&desc, NULL, &field), CW_OK);
     return field;
 }
 

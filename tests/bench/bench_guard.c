@@ -16,7 +16,7 @@ static const char *const profile =
     "ob=/usr/lib/libm.so.6\nfl=???\nfn=floorf\n0 500\n\n"
     "ob=/somewhere/work\nfl=???\nfn=guard_trace\n0 10\ncob=/usr/lib/libm.so.6\ncfn=floorf\ncalls=7 0 \n0 500\n"
     "cfn=cw_closest\ncalls=1 0 \n0 90\n\nfn=cw_closest\n12 50\n13 40\n\ntotals: 600\n"
-    "part: 2\nsummary: 5\nfn=nobody's\n0 1\nob=/somewhere/work\nfn=cw_any\n0 1000\ntotals: 5\n"
+    "part: 2\nsummary: 5\nfn=nobody's\n0 1\nob=/somewhere/work\nfn=cw_occluded\n0 1000\ntotals: 5\n"
     "part: 3\nob=/somewhere/work\nfn=main\n0 7\n";
 
 static void write_text(const char *name, const char *text) { scratch_write(name, text, strlen(text)); }

@@ -154,10 +154,10 @@ static void paths_end_in_their_normals(void **state) {
         const char *text, *title;
         scene_normals normals;
     } good[] = {{"auto", "cellwalk", SCENE_NORMALS_FLAT},
-                {"grid3d-early", "grid3d-early", SCENE_NORMALS_FLAT},
+                {"grid3d", "grid3d", SCENE_NORMALS_FLAT},
                 {"cell-phong", "cell, Phong", SCENE_NORMALS_AREA},
                 {"default-central", "Default, central", SCENE_NORMALS_CENTRAL},
-                {"grid3d-early-bilinear", "grid3d-early, bilinear", SCENE_NORMALS_BILINEAR}};
+                {"grid3d-bilinear", "grid3d, bilinear", SCENE_NORMALS_BILINEAR}};
     io_error error;
     table_path path;
     for (size_t k = 0; k < sizeof good / sizeof good[0]; k++) {

@@ -26,8 +26,8 @@ static cw_field *make_field(const float *z) {
     desc.samples = z;
     desc.nx = desc.ny = SIDE;
     cw_field *field;
-    check_status(cw_field_create(&desc, &field), CW_OK);
-    check_status(cw_field_build(field, cw_kernel_find("cell")), CW_OK);
+    check_status(cw_field_create(&desc, NULL, &field), CW_OK);
+    check_status(cw_field_build(field, &(cw_run){.kernel = cw_kernel_find("cell")}), CW_OK);
     return field;
 }
 
@@ -149,7 +149,7 @@ static cw_hit hit_at(const cw_ray *ray, double t) {
 
 static void verdicts_are_right(void **state) {
     (void)state;
-    const cw_query strict = {.kernel = cw_kernel_find("cell"), .leaf = CW_LEAF_WATERTIGHT};
+    const cw_run strict = {.kernel = cw_kernel_find("cell"), .leaf = CW_LEAF_WATERTIGHT};
     for (size_t k = 0; k < sizeof questions / sizeof questions[0]; k++) {
         const question *q = &questions[k];
         float z[SAMPLES];
@@ -186,19 +186,6 @@ static void all_crossings_are_looked_at(void **state) {
     const cw_ray over_diagonal = {.org = {3, 4, 2.5f}, .dir = {1, -1, 0}, .tmax = 1};
     check(tradeoff_follow(&y, &over_y, 0, 3, &none).passes, "a wall along x is not seen");
     check(tradeoff_follow(&diagonal, &over_diagonal, 0, 1, &none).passes, "a wall along a diagonal is not seen");
-}
-
-/* The cone's claim grows with the distance. */
-static void cones_grow(void **state) {
-    (void)state;
-    float z[SAMPLES];
-    make_ground(z, false);
-    const true_surface on = true_surface_of(z, SIDE, SIDE);
-    const tradeoff_claim cone = {.cone = 0.125};
-    const cw_ray ray = {.org = {1.5f, 2.5f, 1.5f}, .dir = {1, 0, 0}, .tmax = 6};
-    check(tradeoff_follow(&on, &ray, 0, 3, &cone).clear, "0.5 above is not clear at 3");
-    check(!tradeoff_follow(&on, &ray, 0, 5, &cone).clear, "0.5 above is clear at 5");
-    check(tradeoff_follow(&on, &ray, 4.5, 6, &cone).near, "0.5 above is not near beyond 4");
 }
 
 /* ---- summing up ---- */
@@ -282,30 +269,6 @@ static void quantising_keeps_its_claim(void **state) {
     check(tradeoff_quantise(flat, 3).height == 0 && flat[1] == 2, "a flat field is quantised");
 }
 
-static void cells_have_heights(void **state) {
-    (void)state;
-    static const float flat[4];
-    static const struct {
-        double map[3][4], height;
-    } cases[] = {
-        {{{1, 0, 0, 5}, {0, 1, 0, 0}, {0, 0, 1, 0}}, 1},
-        {{{2, 0, 0, 0}, {0, 2, 0, 0}, {0, 0, 10, 1}}, 0.2},
-        {{{0, -4, 0, 0}, {2, 0, 0, 0}, {0, 0, 8, 0}}, 0.25}, /* turned, the shorter side counts */
-        {{{0, 0, 2, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}}, 0.5},   /* on its side */
-    };
-    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
-        cw_field_desc desc = cw_field_desc_default();
-        desc.samples = flat;
-        desc.nx = desc.ny = 2;
-        memcpy(desc.map, cases[k].map, sizeof desc.map);
-        cw_field *field = NULL;
-        check_status(cw_field_create(&desc, &field), CW_OK);
-        const double height = tradeoff_cell_height(field);
-        check(fabs(height - cases[k].height) < 1e-6, "map %zu: a cell's height is %g", k, height);
-        cw_field_destroy(field);
-    }
-}
-
 /* ---- aimed rays ---- */
 
 static void aimed_rays_have_to_hit(void **state) {
@@ -318,11 +281,11 @@ static void aimed_rays_have_to_hit(void **state) {
     desc.nx = samples.nx;
     desc.ny = samples.ny;
     cw_field *field;
-    check_status(cw_field_create(&desc, &field), CW_OK);
+    check_status(cw_field_create(&desc, NULL, &field), CW_OK);
     const cw_field_info info = cw_field_describe(field);
     cw_ray *rays = malloc(COUNT * sizeof *rays);
     cw_hit *hits = malloc(COUNT * sizeof *hits);
-    const cw_query strict = {.leaf = CW_LEAF_WATERTIGHT};
+    const cw_run strict = {.leaf = CW_LEAF_WATERTIGHT};
     for (workload_class c = WORKLOAD_VERTICES; c <= WORKLOAD_EDGES; c++) {
         check(workload_rays_make(field, c, 3, COUNT, rays) == COUNT, "no rays");
         check_status(cw_closest(field, &strict, rays, COUNT, hits), CW_OK);
@@ -369,10 +332,10 @@ static void normals_are_known(void **state) {
         hit.v = (float)(terrain_hash(1, k, 1) % 100) / 200;
         double ours[3], theirs[3];
         tradeoff_normal_at(&on, &hit, TRADEOFF_BARYCENTRIC, ours);
-        cw_hit_phong_normal(field, &hit, theirs);
+        cw_hit_phong_normals(field, NULL, &hit, 1, theirs);
         check(apart(ours, theirs) < 1e-14, "barycentric normal %u is off by %g", k, apart(ours, theirs));
         tradeoff_normal_at(&on, &hit, TRADEOFF_FACET, ours);
-        cw_hit_normal(field, &hit, theirs);
+        cw_hit_normals(field, NULL, &hit, 1, theirs);
         check(apart(ours, theirs) < 1e-14, "facet normal %u is off by %g", k, apart(ours, theirs));
         for (int kind = 0; kind < TRADEOFF_NORMAL_COUNT; kind++) {
             tradeoff_normal_at(&flat, &hit, (tradeoff_normal)kind, ours);
@@ -426,12 +389,16 @@ static void pictures_are_compared(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sums_are_exact),     cmocka_unit_test(places_are_exact),
-        cmocka_unit_test(errors_have_units),  cmocka_unit_test(verdicts_are_right),
-        cmocka_unit_test(cones_grow),         cmocka_unit_test(all_crossings_are_looked_at),
-        cmocka_unit_test(errors_are_counted), cmocka_unit_test(quantising_keeps_its_claim),
-        cmocka_unit_test(cells_have_heights), cmocka_unit_test(aimed_rays_have_to_hit),
-        cmocka_unit_test(normals_are_known),  cmocka_unit_test(pictures_are_compared),
+        cmocka_unit_test(sums_are_exact),
+        cmocka_unit_test(places_are_exact),
+        cmocka_unit_test(errors_have_units),
+        cmocka_unit_test(verdicts_are_right),
+        cmocka_unit_test(all_crossings_are_looked_at),
+        cmocka_unit_test(errors_are_counted),
+        cmocka_unit_test(quantising_keeps_its_claim),
+        cmocka_unit_test(aimed_rays_have_to_hit),
+        cmocka_unit_test(normals_are_known),
+        cmocka_unit_test(pictures_are_compared),
     };
     return cmocka_run_group_tests_name("bench_tradeoff", tests, NULL, NULL);
 }

@@ -39,11 +39,9 @@ static const json_t *find(const json_t *lines, const char *kind, const char *key
     return NULL;
 }
 
-static const char *const small =
-    "--field 65 --rays random,ao,vertices --mode strict,moller-trumbore,early,samples-16,tolerance-1,"
-    "cone-pixel,embree "
-    "--kernel cell,grid3d,grid3d-early,pyramid1 --scene hftest --count 4096 --seconds 0.3 "
-    "--out a/b";
+static const char *const small = "--field 65 --rays random,ao,vertices --mode strict,moller-trumbore,samples-16,embree "
+                                 "--kernel cell,grid3d,pyramid1 --scene hftest --count 4096 --seconds 0.3 "
+                                 "--out a/b";
 
 static void files_agree(void **state) {
     (void)state;
@@ -64,17 +62,9 @@ static void files_agree(void **state) {
     check(coarse.groups == 3 && coarse.beyond == 0, "16-bit samples break their claim");
     check(coarse.off > 0.5 * claim && coarse.off < 1.1 * claim, "16-bit samples are off by %g, and claim %g",
           coarse.off, claim);
-    static const char *const tolerant[] = {"tolerance-1/pyramid1", "cone-pixel/pyramid1"};
-    for (size_t k = 0; k < 2; k++) {
-        const tradeoff_sums sums = tradeoff_sums_of(lines, tolerant[k]);
-        check(sums.groups == 3 && sums.beyond == 0, "%s breaks its claim", tolerant[k]);
-        /* On a field as small as this no detail is below a pixel. */
-        check(k == 1 || sums.off > 10 * strict.off, "%s is no less exact than strict", tolerant[k]);
-    }
-    check(find(lines, "result", "contender", "tolerance-1/cell") == NULL, "a kernel has a tolerance that ignores it");
     check((find(lines, "result", "mode", "embree") != NULL) == (peer_embree_version() != NULL), "Embree is missing");
-    check(find(lines, "result", "contender", "moller-trumbore/grid3d-early") == NULL,
-          "a mode has a kernel that is another's");
+    check(find(lines, "result", "contender", "moller-trumbore/pyramid1") == NULL,
+          "a kernel has a leaf test that it lacks");
     json_t *line;
     size_t index, shared = 0;
     bool has_error = false;
@@ -123,26 +113,25 @@ static void sums_are_of_their_lines(void **state) {
     (void)state;
     static const char *const texts[] = {
         "{\"kind\":\"run\",\"command\":\"tradeoff\"}",
-        "{\"kind\":\"result\",\"rays\":\"random\",\"contender\":\"early/grid3d-early\",\"leaks_per_million\":0,"
+        "{\"kind\":\"result\",\"rays\":\"random\",\"contender\":\"moller-trumbore/grid3d\",\"leaks_per_million\":0,"
         "\"phantoms_per_million\":0,\"wrong_per_million\":10000,\"broken_per_million\":3,\"mrays_per_s\":2,"
         "\"off_cells_worst\":1e-4}",
-        "{\"kind\":\"result\",\"rays\":\"ao\",\"contender\":\"early/grid3d-early\",\"leaks_per_million\":20000,"
+        "{\"kind\":\"result\",\"rays\":\"ao\",\"contender\":\"moller-trumbore/grid3d\",\"leaks_per_million\":20000,"
         "\"phantoms_per_million\":40000,\"wrong_per_million\":20000,\"broken_per_million\":6,\"mrays_per_s\":8,"
         "\"off_cells_worst\":2e-4}",
-        "{\"kind\":\"result\",\"rays\":\"edges\",\"contender\":\"early/grid3d-early\",\"leaks_per_million\":1,"
+        "{\"kind\":\"result\",\"rays\":\"edges\",\"contender\":\"moller-trumbore/grid3d\",\"leaks_per_million\":1,"
         "\"phantoms_per_million\":2,\"wrong_per_million\":4,\"broken_per_million\":0,\"off_cells_worst\":1e-5}",
         "{\"kind\":\"result\",\"rays\":\"random\",\"contender\":\"strict/cell\",\"leaks_per_million\":0,"
         "\"mrays_per_s\":99,\"off_cells_worst\":1e-7}",
         "{\"kind\":\"result\",\"rays\":\"ao\",\"contender\":\"strict/cell\",\"left_out_seconds\":9}",
     };
     json_t *lines = parse(texts, sizeof texts / sizeof texts[0]);
-    const tradeoff_sums early = tradeoff_sums_of(lines, "early/grid3d-early");
-    check(early.groups == 3 && is_near(early.speed, 4), "the mean of 2 and 8 is %g", early.speed);
-    check(early.rates[0] == 10000 && early.rates[1] == 15000 && early.rates[2] == 20000, "the rates are %g, %g, %g",
-          early.rates[0], early.rates[1], early.rates[2]);
-    check(early.aimed == 7 && early.beyond == 3, "of aimed rays %g are wrong, %g beyond claims", early.aimed,
-          early.beyond);
-    check(early.off == 2e-4, "off by %g", early.off);
+    const tradeoff_sums grid = tradeoff_sums_of(lines, "moller-trumbore/grid3d");
+    check(grid.groups == 3 && is_near(grid.speed, 4), "the mean of 2 and 8 is %g", grid.speed);
+    check(grid.rates[0] == 10000 && grid.rates[1] == 15000 && grid.rates[2] == 20000, "the rates are %g, %g, %g",
+          grid.rates[0], grid.rates[1], grid.rates[2]);
+    check(grid.aimed == 7 && grid.beyond == 3, "of aimed rays %g are wrong, %g beyond claims", grid.aimed, grid.beyond);
+    check(grid.off == 2e-4, "off by %g", grid.off);
     const tradeoff_sums strict = tradeoff_sums_of(lines, "strict/cell");
     check(strict.groups == 1 && is_near(strict.speed, 99), "who was left out counts as one who ran");
     json_decref(lines);
@@ -166,7 +155,9 @@ static void mistakes_leave_nothing(void **state) {
         {"loose", 2},
         {"--field 65 --rays random --scene none --out file/out", 1},
         {"--field 65 --rays random --scene none --out file", 1},
-        {"--field 65 --rays random --count 64 --seconds 0.01 --mode early --kernel cell --scene none --out out", 1},
+        {"--field 65 --rays random --count 64 --seconds 0.01 --mode moller-trumbore --kernel pyramid1 --scene none "
+         "--out out",
+         1},
         {"--field 65 --rays random --count 64 --seconds 0.01 --mode strict --kernel cell --scene hftest --scenes "
          "nowhere "
          "--out out",

@@ -34,7 +34,7 @@ static int open_ground(void **state) {
     desc.ny = g->samples.ny;
     desc.storage = CW_BORROW;
     *state = g;
-    return cw_field_create(&desc, &g->field) == CW_OK ? 0 : -1;
+    return cw_field_create(&desc, NULL, &g->field) == CW_OK ? 0 : -1;
 }
 
 static int close_ground(void **state) {

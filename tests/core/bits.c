@@ -76,13 +76,13 @@ static void test_sums(void **state) {
         desc.samples = z;
         desc.nx = desc.ny = SIDE;
         cw_field *field;
-        check_status(cw_field_create(&desc, &field), CW_OK);
+        check_status(cw_field_create(&desc, NULL, &field), CW_OK);
         for (int c = 0; c < WORKLOAD_CLASS_COUNT; c++) {
             const size_t n = workload_rays_make(field, (workload_class)c, 7, RAYS, rays);
             check(n == RAYS, "%zu %s rays", n, workload_class_name((workload_class)c));
             for (int leaf = 0; leaf < LEAVES; leaf++) {
-                const cw_query query = {.kernel = cw_kernel_find("cell"),
-                                        .leaf = leaf ? CW_LEAF_WATERTIGHT : CW_LEAF_MOLLER_TRUMBORE};
+                const cw_run query = {.kernel = cw_kernel_find("cell"),
+                                      .leaf = leaf ? CW_LEAF_WATERTIGHT : CW_LEAF_MOLLER_TRUMBORE};
                 check_status(cw_closest(field, &query, rays, n, hits), CW_OK);
                 const uint64_t sum = sum_of(hits, n);
                 const bool good = sum == grounds[g].sum[c][leaf];

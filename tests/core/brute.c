@@ -3,8 +3,7 @@
  * counted: tie on a shared edge or vertex, leak, phantom, wrong surface. What a path promises is zero, the rest printed:
  *  - Watertight: no leak, no phantom, no wrong surface.
  *  - Möller-Trumbore: leaks (or a wrong surface behind one) only where the exact ray goes through a triangle within
- *    rounding of an edge; phantoms only on triangles that the ray is so nearly parallel to that rounding decides.
- *  - grid3d-early returns the first hit it finds, so wrong surfaces are its nature. */
+ *    rounding of an edge; phantoms only on triangles that the ray is so nearly parallel to that rounding decides. */
 
 #include "check.h"
 #include "tally.h"
@@ -18,21 +17,19 @@ enum { RAYS = 300, PATHS_MAX = 64 };
 typedef struct path {
     const cw_kernel *kernel;
     cw_leaf leaf;
-    bool early;
     tally tally;
     size_t agree, other_triangle, only_brute, only_here, other_hit; /* with brute force */
     size_t unexcused;                                               /* what rounding does not explain */
 } path;
 
 static size_t find_paths(path *paths) {
-    static const char *const names[] = {"brute", "grid3d", "grid3d-early", "cell"};
+    static const char *const names[] = {"brute", "grid3d", "cell"};
     size_t n = 0;
     for (size_t k = 0; k < sizeof names / sizeof names[0]; k++)
         for (int leaf = CW_LEAF_MOLLER_TRUMBORE; leaf < CW_LEAF_COUNT; leaf++) {
             const cw_kernel *kernel = cw_kernel_find(names[k]);
             if (leaf == CW_LEAF_WATERTIGHT && cw_kernel_describe(kernel).default_leaf != CW_LEAF_WATERTIGHT) continue;
-            paths[n++] =
-                (path){.kernel = kernel, .leaf = (cw_leaf)leaf, .early = strcmp(names[k], "grid3d-early") == 0};
+            paths[n++] = (path){.kernel = kernel, .leaf = (cw_leaf)leaf};
         }
     return n;
 }
@@ -59,7 +56,7 @@ static void judge(path *p, const test_field *f, const cw_ray *ray, const cw_hit 
                   const oracle_truth *truth, size_t *explained) {
     const judgement j = oracle_judge(o, hit);
     tally_add(&p->tally, hit, truth, &j);
-    if (j.verdict <= VERDICT_TIE || (p->early && j.verdict == VERDICT_WRONG_SURFACE)) return;
+    if (j.verdict <= VERDICT_TIE) return;
     if (p->leaf == CW_LEAF_MOLLER_TRUMBORE) {
         if (j.verdict == VERDICT_PHANTOM ? j.apart <= j.blur : truth->pass_edge <= truth->pass_blur) return;
     }
@@ -98,7 +95,7 @@ static void test_every_path(void **state) {
         for (size_t n = 0; n < rays_each; n++)
             rays[n] = ray_make((ray_class)(k / 5 / FIELD_SHAPES % RAY_CLASSES), &shape, &r);
         for (size_t p = 0; p < count; p++) {
-            const cw_query query = {.kernel = paths[p].kernel, .leaf = paths[p].leaf};
+            const cw_run query = {.kernel = paths[p].kernel, .leaf = paths[p].leaf};
             check_status(cw_closest(field, &query, rays, rays_each, p == 0 ? brute : hits), CW_OK);
             for (size_t n = 0; n < rays_each; n++) {
                 const cw_hit *hit = p == 0 ? &brute[n] : &hits[n];

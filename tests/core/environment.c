@@ -45,12 +45,12 @@ static void check_queries(const char *where) {
     static cw_hit mine[RAYS];
     static uint8_t occluded[RAYS];
     for (size_t kernel = 0; kernel < cw_kernel_count(); kernel++) {
-        const cw_query q = {.kernel = cw_kernel_at(kernel)};
+        const cw_run q = {.kernel = cw_kernel_at(kernel)};
         const cw_kernel_info info = cw_kernel_describe(q.kernel);
         if (!info.available || strcmp(info.name, "brute") == 0) continue;
         const bool watertight = info.default_leaf == CW_LEAF_WATERTIGHT;
         check_status(cw_closest(field, &q, rays, count, mine), CW_OK);
-        check_status(cw_any(field, &q, rays, count, occluded), CW_OK);
+        check_status(cw_occluded(field, &q, rays, count, occluded), CW_OK);
         if (watertight) check(same(mine, expected, count), "%s: other hits with %s", info.name, where);
         for (size_t k = 0; k < count; k++)
             check(occluded[k] == (mine[k].i >= 0), "%s: any hit with %s", info.name, where);
@@ -107,7 +107,7 @@ static void test_field_made_under_daz(void **state) {
     check(a.low == b.low && a.high == b.high, "range %a to %a, but %a to %a under DAZ", (double)a.low, (double)a.high,
           (double)b.low, (double)b.high);
     for (size_t k = 0; k < cw_kernel_count(); k++) {
-        const cw_query q = {.kernel = cw_kernel_at(k)};
+        const cw_run q = {.kernel = cw_kernel_at(k)};
         if (!cw_kernel_describe(q.kernel).available) continue;
         check_status(cw_closest(plain, &q, down, 500, here), CW_OK);
         check_status(cw_closest(under_daz, &q, down, 500, got), CW_OK);
@@ -136,7 +136,7 @@ static void test_spaces_under_other_rounding(void **state) {
         cw_field *f;
         memset(&ray[mode], 0, sizeof ray[mode]);
         fp_register_set(fp_register_mode(4 * mode));
-        const cw_status status = cw_field_create(&d, &f);
+        const cw_status status = cw_field_create(&d, NULL, &f);
         cw_rays_to_field(f, &in, 1, &ray[mode]);
         fp_register_set(before);
         check_status(status, CW_OK);
@@ -153,13 +153,13 @@ static void test_pools(void **state) {
         cw_pool *pool;
         check_status(cw_pool_create(threads, &pool), CW_OK);
         check(threads ? cw_pool_threads(pool) == threads : cw_pool_threads(pool) >= 1, "threads of the pool");
-        const cw_query q = {.pool = pool};
+        const cw_run q = {.pool = pool};
         for (size_t n = count; n > 0; n /= 3) { /* down to lengths below what a thread takes at a time */
             memset(got, 0, sizeof got);
             check_status(cw_closest(field, &q, rays, n, got), CW_OK);
             check(same(got, expected, n), "%u threads, %zu rays: other hits", threads, n);
             static uint8_t occluded[RAYS];
-            check_status(cw_any(field, &q, rays, n, occluded), CW_OK);
+            check_status(cw_occluded(field, &q, rays, n, occluded), CW_OK);
             for (size_t k = 0; k < n; k++) check(occluded[k] == (expected[k].i >= 0), "%u threads: any hit", threads);
         }
         check_status(cw_closest(field, &q, NULL, 0, NULL), CW_OK);

@@ -93,7 +93,7 @@ static void compare_paths(const cw_field *field, const lattice *l, const cw_hit 
     for (size_t p = 0; p < count; p++) {
         if (paths[p].leaf != CW_LEAF_WATERTIGHT) continue;
         check_status(cw_closest(field, &paths[p].query, l->ray, l->rays, same), CW_OK);
-        check_status(cw_any(field, &paths[p].query, l->ray, l->rays, occluded), CW_OK);
+        check_status(cw_occluded(field, &paths[p].query, l->ray, l->rays, occluded), CW_OK);
         for (size_t k = 0; k < l->rays; k++)
             if (!hit_same(&same[k], &hits[k]) || occluded[k] != (hits[k].i >= 0)) {
                 ray_print(&l->ray[k]);
@@ -114,7 +114,7 @@ static size_t judge_all(const test_field *f, const lattice *l, bool every_path, 
     oracle *o = oracle_create(f->z, f->nx, f->ny);
     cw_hit *hits = malloc(l->rays * sizeof *hits);
     check(o != NULL && hits != NULL, "out of memory");
-    const cw_query query = {.kernel = cw_kernel_find("cell"), .leaf = CW_LEAF_WATERTIGHT};
+    const cw_run query = {.kernel = cw_kernel_find("cell"), .leaf = CW_LEAF_WATERTIGHT};
     check_status(cw_closest(field, &query, l->ray, l->rays, hits), CW_OK);
     for (size_t k = 0; k < l->rays; k++) {
         const oracle_truth *truth = oracle_trace(o, &l->ray[k]);

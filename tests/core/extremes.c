@@ -3,8 +3,7 @@
  *
  * What is expected. Watertight: by the exact oracle, no leak, no phantom, no wrong surface. Möller-Trumbore: the same, but
  * that rounding may let a ray slip through at an edge, and decides about triangles that the ray is all but parallel to;
- * it never hits a triangle whose plane the ray lies in. Where an item has more to say, it says so. grid3d-early may hit
- * wrong surfaces: that is what its name says. */
+ * it never hits a triangle whose plane the ray lies in. Where an item has more to say, it says so. */
 
 #include "check.h"
 #include "extremes_judge.h"
@@ -402,8 +401,8 @@ static void test_far_user_space(void **state) {
             if (hits[k].i < 0) continue;
             met++;
             double p[3], q[3];
-            cw_hit_point(here, &hits[k], p);
-            cw_hit_point(there, &hits[k], q);
+            cw_hit_points(here, NULL, &hits[k], 1, p);
+            cw_hit_points(there, NULL, &hits[k], 1, q);
             for (int c = 0; c < 3; c++) {
                 check(fabs(q[c] - (c < 2 ? away : 0) - p[c]) < 2e-9, "the point is elsewhere far from the origin");
                 const double on_ray = near_rays[k].org[c] + (double)hits[k].t * near_rays[k].dir[c];
@@ -476,7 +475,7 @@ static void test_flush_to_zero(void **state) {
             check_status(cw_closest(field, &q->query, rays, RAYS, plain), CW_OK);
             fp_register_set(flush);
             const cw_status closest = cw_closest(field, &q->query, rays, RAYS, flushed);
-            const cw_status any = cw_any(field, &q->query, rays, RAYS, occluded);
+            const cw_status any = cw_occluded(field, &q->query, rays, RAYS, occluded);
             const uint64_t after = fp_register();
             fp_register_set(before);
             check_status(closest, CW_OK);

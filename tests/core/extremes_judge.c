@@ -16,7 +16,6 @@ typedef enum outcome {
     AS_EXPECTED,
     SLIPPED,  /* Möller-Trumbore: missed a triangle, or went on to the next surface, within rounding of an edge */
     PARALLEL, /* Möller-Trumbore: off the triangle, which is so nearly parallel that rounding decides */
-    EARLY,    /* grid3d-early: a wrong surface */
     OUTCOMES
 } outcome;
 
@@ -54,9 +53,7 @@ static bool excused(const path *p, const oracle_truth *truth, const judgement *j
         return j->apart <= j->blur;
     }
     *o = SLIPPED;
-    if (truth->pass_edge <= truth->pass_blur) return true;
-    *o = EARLY;
-    return j->verdict == VERDICT_WRONG_SURFACE && p->early;
+    return truth->pass_edge <= truth->pass_blur;
 }
 
 /* Brute force is for small fields, and so is a grid of 64 voxels an axis where all heights but a few are the same. */
@@ -65,8 +62,7 @@ static bool left_out(const path *p, const test_field *f) { return !p->strict && 
 /* A path with the same answer to ray k of which no less is expected; p if there is none before it. */
 static size_t judged_before(cw_hit hits[PATHS_MAX][EXTREME_RAYS], size_t p, size_t k) {
     size_t first = 0;
-    while (first < p && !(extreme_paths[first].leaf == extreme_paths[p].leaf && !extreme_paths[first].early &&
-                          hit_same(&hits[first][k], &hits[p][k])))
+    while (first < p && !(extreme_paths[first].leaf == extreme_paths[p].leaf && hit_same(&hits[first][k], &hits[p][k])))
         first++;
     return first;
 }
@@ -85,7 +81,7 @@ static void trace_all(const test_field *f, const cw_ray *rays, size_t n, cw_hit 
         memset(hits[p], 0xff, EXTREME_RAYS * sizeof hits[p][0]); /* no hit of any path */
         if (left_out(q, f)) continue;
         check_status(cw_closest(field, &q->query, rays, n, hits[p]), CW_OK);
-        check_status(cw_any(field, &q->query, rays, n, occluded), CW_OK);
+        check_status(cw_occluded(field, &q->query, rays, n, occluded), CW_OK);
         for (size_t k = 0; k < n; k++)
             check(occluded[k] == (hits[p][k].i >= 0), "%s: any and closest hit differ", q->name);
     }
@@ -132,7 +128,7 @@ void extreme_expect(size_t nx, size_t ny, const float *z, cw_ray ray, float wate
         cw_hit hit;
         uint8_t occluded;
         check_status(cw_closest(field, &q->query, &ray, 1, &hit), CW_OK);
-        check_status(cw_any(field, &q->query, &ray, 1, &occluded), CW_OK);
+        check_status(cw_occluded(field, &q->query, &ray, 1, &occluded), CW_OK);
         check(hit.t == wanted && (hit.i >= 0) == (wanted < INFINITY), "%s with %s, %s: t = %g instead of %g", q->name,
               cw_leaf_name(q->leaf), what, (double)hit.t, (double)wanted);
         const cw_hit miss = {.t = INFINITY, .i = -1, .j = -1};
@@ -154,8 +150,8 @@ size_t extreme_compare(const cw_field *a, const cw_ray *rays, const cw_field *b,
         if (except_grid && strncmp(q->name, "grid3d", 6) == 0) continue;
         check_status(cw_closest(a, &q->query, rays, n, hits), CW_OK);
         check_status(cw_closest(b, &q->query, same_rays, n, same), CW_OK);
-        check_status(cw_any(a, &q->query, rays, n, occluded), CW_OK);
-        check_status(cw_any(b, &q->query, same_rays, n, too), CW_OK);
+        check_status(cw_occluded(a, &q->query, rays, n, occluded), CW_OK);
+        check_status(cw_occluded(b, &q->query, same_rays, n, too), CW_OK);
         for (size_t k = 0; k < n; k++) {
             found += hits[k].i >= 0;
             if (hit_same(&hits[k], &same[k]) && occluded[k] == too[k]) continue;
@@ -190,10 +186,9 @@ static void write_counts(FILE *to) {
             const size_t *c = items[k].count[p];
             fprintf(to,
                     "{\"kind\": \"extreme\", \"item\": \"%s\", \"expected\": \"%s\", \"kernel\": \"%s\", "
-                    "\"leaf\": \"%s\", \"asked\": %zu, \"as_expected\": %zu, \"slipped\": %zu, \"parallel\": %zu, "
-                    "\"early\": %zu}\n",
+                    "\"leaf\": \"%s\", \"asked\": %zu, \"as_expected\": %zu, \"slipped\": %zu, \"parallel\": %zu}\n",
                     items[k].name, items[k].expected, extreme_paths[p].name, cw_leaf_name(extreme_paths[p].leaf),
-                    items[k].asked[p], c[AS_EXPECTED], c[SLIPPED], c[PARALLEL], c[EARLY]);
+                    items[k].asked[p], c[AS_EXPECTED], c[SLIPPED], c[PARALLEL]);
         }
 }
 

@@ -105,16 +105,11 @@ static void test_what_follows_from_no_hit(void **state) {
                            {.i = INT32_MAX, .j = INT32_MAX},  {.i = INT32_MIN}, {.triangle = 2},
                            {.triangle = UINT32_MAX}};
     for (size_t k = 0; k < sizeof none / sizeof none[0]; k++) {
-        double v[4][3] = {{0}}, w[2][2][3] = {{{0}}};
-        float uv[2] = {0, 0};
-        cw_hit_point(field, &none[k], v[0]);
-        cw_hit_normal(field, &none[k], v[1]);
-        cw_hit_phong_normal(field, &none[k], v[2]);
-        cw_hit_phong_change(field, &none[k], v[3], w[0]);
-        cw_hit_uv(field, &none[k], uv);
-        for (int c = 0; c < 12; c++) check(isnan(v[c / 3][c % 3]), "case %zu: %g", k, v[c / 3][c % 3]);
-        for (int c = 0; c < 6; c++) check(isnan(w[0][c / 3][c % 3]), "case %zu: %g", k, w[0][c / 3][c % 3]);
-        check(isnan(uv[0]) && isnan(uv[1]), "case %zu: uv", k);
+        double v[3][3] = {{0}};
+        cw_hit_points(field, NULL, &none[k], 1, v[0]);
+        cw_hit_normals(field, NULL, &none[k], 1, v[1]);
+        cw_hit_phong_normals(field, NULL, &none[k], 1, v[2]);
+        for (int c = 0; c < 9; c++) check(isnan(v[c / 3][c % 3]), "case %zu: %g", k, v[c / 3][c % 3]);
     }
 }
 
@@ -126,7 +121,7 @@ static void test_what_follows_from_a_hit(void **state) {
     d.ny = shape.ny;
     memcpy(d.map, map, sizeof map);
     cw_field *mapped;
-    check_status(cw_field_create(&d, &mapped), CW_OK);
+    check_status(cw_field_create(&d, NULL, &mapped), CW_OK);
     size_t hits = 0;
     for (size_t k = 0; k < RAYS; k++) {
         const cw_hit *hit = &expected[k];
@@ -140,42 +135,17 @@ static void test_what_follows_from_a_hit(void **state) {
         corners(i, j, hit->triangle, p);
         for (int c = 0; c < 3; c++) point.x[c] = w * p[0].x[c] + u * p[1].x[c] + v * p[2].x[c];
         double result[3];
-        cw_hit_point(mapped, hit, result);
+        cw_hit_points(mapped, NULL, hit, 1, result);
         check_vector(result, point, "point");
-        cw_hit_normal(mapped, hit, result);
+        cw_hit_normals(mapped, NULL, hit, 1, result);
         check_vector(result, unit(area_normal(i, j, hit->triangle)), "normal");
 
         const bool a = hit->triangle == CW_TRIANGLE_A;
         const vec3 n[3] = {vertex_normal(i, j), vertex_normal(i + 1, a ? j : j + 1),
                            vertex_normal(a ? i + 1 : i, j + 1)};
         for (int c = 0; c < 3; c++) phong.x[c] = w * n[0].x[c] + u * n[1].x[c] + v * n[2].x[c];
-        cw_hit_phong_normal(mapped, hit, result);
+        cw_hit_phong_normals(mapped, NULL, hit, 1, result);
         check_vector(result, unit(phong), "Phong normal");
-
-        /* d(n / |n|) = (dn - (n dn / |n|²) n) / |n|, where n changes linearly over the triangle. */
-        double change[2][3];
-        cw_hit_phong_change(mapped, hit, result, change);
-        check_vector(result, unit(phong), "Phong normal with its change");
-        const vec3 *const step[2][2] = {{&n[a ? 0 : 2], &n[1]}, {&n[a ? 1 : 0], &n[2]}};
-        for (int s = 0; s < 2; s++) {
-            long double square = 0, along = 0;
-            vec3 turn;
-            for (int c = 0; c < 3; c++) {
-                turn.x[c] = step[s][1]->x[c] - step[s][0]->x[c];
-                square += phong.x[c] * phong.x[c];
-                along += phong.x[c] * turn.x[c];
-            }
-            for (int c = 0; c < 3; c++) turn.x[c] = (turn.x[c] - along / square * phong.x[c]) / sqrtl(square);
-            long double off = 0;
-            for (int c = 0; c < 3; c++) off = fmaxl(off, fabsl((long double)change[s][c] - turn.x[c]));
-            check(off <= 1e-13L, "change %d of the Phong normal is off by %Lg", s, off);
-        }
-
-        float uv[2];
-        cw_hit_uv(mapped, hit, uv);
-        const long double x = (long double)i + (a ? u + v : u), y = (long double)j + (a ? v : u + v);
-        check(fabsl((long double)uv[0] - x / 16) <= 0x1p-24L && fabsl((long double)uv[1] - y / 16) <= 0x1p-24L,
-              "uv (%a, %a)", (double)uv[0], (double)uv[1]);
     }
     check(hits > RAYS / 4, "only %zu hits", hits);
     cw_field_destroy(mapped);
@@ -185,7 +155,7 @@ static void test_what_follows_from_a_hit(void **state) {
 static void test_normals_of_maps_of_any_size(void **state) {
     (void)state;
     static const int exponents[] = {0, -1010, -600, 600, 1010};
-    double first[20][5][3];
+    double first[20][2][3];
     for (size_t e = 0; e < sizeof exponents / sizeof exponents[0]; e++) {
         cw_field_desc d = cw_field_desc_default();
         d.samples = shape.z;
@@ -193,13 +163,12 @@ static void test_normals_of_maps_of_any_size(void **state) {
         d.ny = shape.ny;
         for (int k = 0; k < 12; k++) d.map[k / 4][k % 4] = ldexp(map[k / 4][k % 4], exponents[e]);
         cw_field *mapped;
-        check_status(cw_field_create(&d, &mapped), CW_OK);
+        check_status(cw_field_create(&d, NULL, &mapped), CW_OK);
         for (int32_t k = 0; k < 20; k++) {
             const cw_hit hit = {.i = k % 16, .j = k * 7 % 16, .triangle = (uint32_t)k % 2, .u = 0.25f, .v = 0.125f};
-            double v[5][3];
-            cw_hit_normal(mapped, &hit, v[0]);
-            cw_hit_phong_normal(mapped, &hit, v[1]);
-            cw_hit_phong_change(mapped, &hit, v[2], v + 3);
+            double v[2][3];
+            cw_hit_normals(mapped, NULL, &hit, 1, v[0]);
+            cw_hit_phong_normals(mapped, NULL, &hit, 1, v[1]);
             if (e == 0) memcpy(first[k], v, sizeof v);
             check(memcmp(first[k], v, sizeof v) == 0, "2^%d: (%g, %g, %g), not (%g, %g, %g)", exponents[e], v[0][0],
                   v[0][1], v[0][2], first[k][0][0], first[k][0][1], first[k][0][2]);
@@ -216,10 +185,10 @@ static void test_phong_normal_beside_a_hole(void **state) {
     d.samples = z;
     d.nx = d.ny = 3;
     cw_field *f;
-    check_status(cw_field_create(&d, &f), CW_OK);
+    check_status(cw_field_create(&d, NULL, &f), CW_OK);
     const cw_hit corner = {.t = 0, .u = 1, .v = 0, .i = 0, .j = 0, .triangle = CW_TRIANGLE_A}; /* sample (1, 0) */
     double n[3];
-    cw_hit_phong_normal(f, &corner, n);
+    cw_hit_phong_normals(f, NULL, &corner, 1, n);
     /* Of the three triangles at (1, 0): A of cell (0, 0) with slope (1, 0), B of cell (1, 0) with slope (4, 0). */
     check_vector(n, unit((vec3){{-5, 0, 2}}), "Phong normal");
     cw_field_destroy(f);

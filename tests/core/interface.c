@@ -30,7 +30,7 @@ static int set_up(void **state) {
     d.samples = shape.z;
     d.nx = d.ny = SIDE;
     memcpy(d.map, map, sizeof map);
-    if (cw_field_create(&d, &field) != CW_OK) return -1;
+    if (cw_field_create(&d, NULL, &field) != CW_OK) return -1;
     random_state r = {9};
     for (size_t k = 0; k < RAYS; k++) {
         const double p[3] = {random_unit(&r) * SIDE, random_unit(&r) * SIDE, 3};
@@ -73,7 +73,7 @@ static void check_precision(double to_user[3][4], double cell, const double reac
     d.samples = z;
     d.nx = d.ny = 2;
     memcpy(d.map, to_user, sizeof d.map);
-    check_status(cw_field_create(&d, &f), CW_OK);
+    check_status(cw_field_create(&d, NULL, &f), CW_OK);
     random_state r = {21};
     double worst = 0, worst_dir = 0;
     for (int k = 0; k < 4000; k++) {
@@ -130,23 +130,23 @@ static void rays_in_user_space(void **state) {
     for (size_t c = 0; c < sizeof counts / sizeof counts[0]; c++)
         for (int shared = 0; shared < 2; shared++) {
             const size_t n = counts[c];
-            const cw_query q = {.pool = shared ? pool : NULL};
+            const cw_run q = {.pool = shared ? pool : NULL};
             memset(got, 0x5a, sizeof got);
             memset(occluded, 0x5a, sizeof occluded);
             check_status(cw_closest_user(field, &q, user_rays, n, got), CW_OK);
-            check_status(cw_any_user(field, &q, user_rays, n, occluded), CW_OK);
+            check_status(cw_occluded_user(field, &q, user_rays, n, occluded), CW_OK);
             check_hits(n, "user space");
             for (size_t k = 0; k < n; k++) check(occluded[k] == (expected[k].i >= 0), "any hit, ray %zu", k);
             if (n < RAYS) check(got[n].i == 0x5a5a5a5a && occluded[n] == 0x5a, "wrote beyond %zu", n);
         }
     cw_pool_destroy(pool);
-    const cw_query none = {.kernel = cw_kernel_find("packet99")};
+    const cw_run none = {.kernel = cw_kernel_find("packet99")};
     check_status(cw_closest_user(field, &none, user_rays, 1, got), CW_ERROR_KERNEL);
     check_status(cw_closest_user(NULL, NULL, user_rays, 1, got), CW_ERROR_ARGUMENT);
     check_status(cw_closest_user(field, NULL, NULL, 1, got), CW_ERROR_ARGUMENT);
     check_status(cw_closest_user(field, NULL, user_rays, 1, NULL), CW_ERROR_ARGUMENT);
-    check_status(cw_any_user(field, NULL, user_rays, 1, NULL), CW_ERROR_ARGUMENT);
-    check_status(cw_any_user(field, NULL, NULL, 0, NULL), CW_OK);
+    check_status(cw_occluded_user(field, NULL, user_rays, 1, NULL), CW_ERROR_ARGUMENT);
+    check_status(cw_occluded_user(field, NULL, NULL, 0, NULL), CW_OK);
 }
 
 /* ---- the caller's own threads ------------------------------------------------------------------------------------- */
@@ -189,7 +189,7 @@ static void threads_of_the_caller(void **state) {
     cw_pool *pool;
     check_status(cw_pool_create_on(&tasks, &pool), CW_OK);
     assert_int_equal(cw_pool_threads(pool), 8);
-    const cw_query q = {.pool = pool};
+    const cw_run q = {.pool = pool};
     check_status(cw_closest(field, &q, rays, RAYS, got), CW_OK);
     check_hits(RAYS, "tasks");
     check(e.runs == 1 && e.tasks == 8, "%u runs of %u tasks", e.runs, e.tasks);
@@ -200,9 +200,9 @@ static void threads_of_the_caller(void **state) {
     check_status(cw_pool_create_on(NULL, &pool), CW_ERROR_ARGUMENT);
     check_status(cw_pool_create_on(&tasks, NULL), CW_ERROR_ARGUMENT);
     tasks.threads = 0;
-    check_status(cw_pool_create_on(&tasks, &pool), CW_ERROR_OPTION);
+    check_status(cw_pool_create_on(&tasks, &pool), CW_ERROR_ARGUMENT);
     tasks.threads = CW_THREADS_MAX + 1;
-    check_status(cw_pool_create_on(&tasks, &pool), CW_ERROR_POOL_SIZE);
+    check_status(cw_pool_create_on(&tasks, &pool), CW_ERROR_ARGUMENT);
     tasks = (cw_tasks){.threads = 1};
     check_status(cw_pool_create_on(&tasks, &pool), CW_ERROR_ARGUMENT);
     assert_null(pool);
@@ -232,7 +232,7 @@ static void queries_are_watched(void **state) {
     for (int shared = 0; shared < 2; shared++)
         for (int user = 0; user < 2; user++) {
             watch w = {.stop_at = 2};
-            const cw_query q = {.pool = shared ? pool : NULL, .watch = look, .watch_context = &w};
+            const cw_run q = {.pool = shared ? pool : NULL, .watch = look, .watch_context = &w};
             memset(got, 0, sizeof got);
             check_status(user ? cw_closest_user(field, &q, user_rays, RAYS, got)
                               : cw_closest(field, &q, rays, RAYS, got),
@@ -241,8 +241,8 @@ static void queries_are_watched(void **state) {
             check(w.last == 1 && w.calls > 1 && w.wrong == 0, "%u calls, %u wrong, up to %g", w.calls, w.wrong, w.last);
 
             w = (watch){.stop_at = 0.3};
-            check_status(user ? cw_any_user(field, &q, user_rays, RAYS, occluded)
-                              : cw_any(field, &q, rays, RAYS, occluded),
+            check_status(user ? cw_occluded_user(field, &q, user_rays, RAYS, occluded)
+                              : cw_occluded(field, &q, rays, RAYS, occluded),
                          CW_ERROR_CANCELLED);
             check(w.last < 0.7 && w.wrong == 0, "went on to %g", w.last);
         }
@@ -255,31 +255,33 @@ static double many[RAYS][3];
 
 static void hits_by_the_array(void **state) {
     (void)state;
-    static const struct {
-        cw_status (*all)(const cw_field *, cw_pool *, const cw_hit *, size_t, double (*)[3]);
-        void (*one)(const cw_field *, const cw_hit *, double[3]);
-    } kinds[] = {
-        {cw_hit_points, cw_hit_point}, {cw_hit_normals, cw_hit_normal}, {cw_hit_phong_normals, cw_hit_phong_normal}};
+    cw_status (*const kinds[])(const cw_field *, const cw_run *, const cw_hit *, size_t,
+                               double *) = {cw_hit_points, cw_hit_normals, cw_hit_phong_normals};
     cw_pool *pool;
     check_status(cw_pool_create(2, &pool), CW_OK);
     for (size_t kind = 0; kind < 3; kind++)
         for (int shared = 0; shared < 2; shared++) {
-            check_status(kinds[kind].all(field, shared ? pool : NULL, expected, RAYS, many), CW_OK);
+            watch w = {.stop_at = 2};
+            cw_run how = {.pool = shared ? pool : NULL, .watch = look, .watch_context = &w};
+            check_status(kinds[kind](field, &how, expected, RAYS, many[0]), CW_OK);
+            check(w.last == 1 && w.calls > 1 && w.wrong == 0, "%u calls, %u wrong, up to %g", w.calls, w.wrong, w.last);
             for (size_t k = 0; k < RAYS; k++) {
                 double v[3];
-                kinds[kind].one(field, &expected[k], v);
+                check_status(kinds[kind](field, NULL, &expected[k], 1, v), CW_OK);
                 check(memcmp(v, many[k], sizeof v) == 0 || (isnan(v[0]) && isnan(many[k][0])), "kind %zu, hit %zu",
                       kind, k);
             }
-            check_status(kinds[kind].all(NULL, NULL, expected, 1, many), CW_ERROR_ARGUMENT);
-            check_status(kinds[kind].all(field, NULL, NULL, 1, many), CW_ERROR_ARGUMENT);
-            check_status(kinds[kind].all(field, NULL, expected, 1, NULL), CW_ERROR_ARGUMENT);
-            check_status(kinds[kind].all(field, NULL, NULL, 0, NULL), CW_OK);
+            w = (watch){.stop_at = 0.3};
+            check_status(kinds[kind](field, &how, expected, RAYS, many[0]), CW_ERROR_CANCELLED);
+            check_status(kinds[kind](NULL, NULL, expected, 1, many[0]), CW_ERROR_ARGUMENT);
+            check_status(kinds[kind](field, NULL, NULL, 1, many[0]), CW_ERROR_ARGUMENT);
+            check_status(kinds[kind](field, NULL, expected, 1, NULL), CW_ERROR_ARGUMENT);
+            check_status(kinds[kind](field, NULL, NULL, 0, NULL), CW_OK);
         }
     cw_pool_destroy(pool);
 }
 
-static bool is_hole(size_t i, size_t j) { return isnan(cw_field_sample(field, i, j)); }
+static bool is_hole(size_t i, size_t j) { return isnan(cw_field_row(field, j)[i]); }
 
 static void places_on_the_surface(void **state) {
     (void)state;
@@ -304,11 +306,11 @@ static void places_on_the_surface(void **state) {
                    hole = is_hole(i, j) || is_hole(i + 1, j + 1) || (a ? is_hole(i + 1, j) : is_hole(i, j + 1));
         check((hit.i >= 0) == !hole, "(%g, %g): a hit or a hole", x, y);
         if (hole) continue;
-        const double z00 = (double)cw_field_sample(field, i, j), z11 = (double)cw_field_sample(field, i + 1, j + 1);
-        const double third = (double)(a ? cw_field_sample(field, i + 1, j) : cw_field_sample(field, i, j + 1));
+        const double z00 = (double)cw_field_row(field, j)[i], z11 = (double)cw_field_row(field, j + 1)[i + 1];
+        const double third = (double)(a ? cw_field_row(field, j)[i + 1] : cw_field_row(field, j + 1)[i]);
         const double z = a ? z00 + u * (third - z00) + v * (z11 - third) : z00 + v * (third - z00) + u * (z11 - third);
         double p[3];
-        cw_hit_point(field, &hit, p);
+        cw_hit_points(field, NULL, &hit, 1, p);
         /* u and v are rounded to float: 2^-24 of a cell each, in a field of heights below 1. */
         const double wanted[3] = {ux, uy, map[2][0] * x + map[2][1] * y + map[2][2] * z + map[2][3]};
         for (int c = 0; c < 3; c++) {
@@ -317,7 +319,7 @@ static void places_on_the_surface(void **state) {
                   p[c], wanted[c]);
         }
         if (from_user.i < 0) continue; /* rounded across a border, beside a hole or the end of the field */
-        cw_hit_point(field, &from_user, p);
+        cw_hit_points(field, NULL, &from_user, 1, p);
         /* Places are known to 2^-53 of 7e6, and heights change by less than one from there to the next sample. */
         check(fabs(p[2] - wanted[2]) <= 1e-6, "user (%g, %g): %g, not %g", ux, uy, p[2], wanted[2]);
     }
@@ -337,8 +339,8 @@ static void places_on_the_surface(void **state) {
     d.nx = d.ny = SIDE;
     d.map[0][2] = 0.5;
     cw_field *leaning;
-    check_status(cw_field_create(&d, &leaning), CW_OK);
-    check_status(cw_field_at_user(leaning, 1, 1, &hit), CW_ERROR_SLANTED);
+    check_status(cw_field_create(&d, NULL, &leaning), CW_OK);
+    check_status(cw_field_at_user(leaning, 1, 1, &hit), CW_ERROR_ARGUMENT);
     assert_int_equal(hit.i, -1);
     cw_field_destroy(leaning);
 }
@@ -351,14 +353,97 @@ static void strangers_are_refused(void **state) {
     d.nx = d.ny = SIDE;
     d.reserved[0] = 1;
     cw_field *f;
-    check_status(cw_field_create(&d, &f), CW_ERROR_OPTION);
+    check_status(cw_field_create(&d, NULL, &f), CW_ERROR_ARGUMENT);
     for (size_t k = 0; k < 4; k++) {
-        cw_query q = cw_query_default();
+        cw_run q = (cw_run){0};
         q.reserved[k] = (uint64_t)1 << 63;
-        check_status(cw_closest(field, &q, rays, 1, got), CW_ERROR_OPTION);
-        check_status(cw_any(field, &q, rays, 1, occluded), CW_ERROR_OPTION);
-        check_status(cw_closest_user(field, &q, user_rays, 1, got), CW_ERROR_OPTION);
+        check_status(cw_closest(field, &q, rays, 1, got), CW_ERROR_ARGUMENT);
+        check_status(cw_occluded(field, &q, rays, 1, occluded), CW_ERROR_ARGUMENT);
+        check_status(cw_closest_user(field, &q, user_rays, 1, got), CW_ERROR_ARGUMENT);
     }
+}
+
+/* Structs that the library fills: an older program gets the members that it knows, a newer one zeros for the others. */
+static void filled_structs_grow(void **state) {
+    (void)state;
+    struct {
+        cw_field_info info;
+        unsigned char newer[64];
+    } later;
+    memset(&later, 0x5a, sizeof later);
+    cw_field_describe_into(field, &later.info, sizeof later);
+    check(later.info.nx == SIDE && later.info.map[0][0] == map[0][0], "a newer program's info");
+    for (size_t k = 0; k < sizeof later.newer; k++) check(later.newer[k] == 0, "byte %zu is not clear", k);
+    memset(&later, 0x5a, sizeof later);
+    cw_field_describe_into(field, &later.info, offsetof(cw_field_info, holes));
+    check(later.info.ny == SIDE && later.info.holes == 0x5a5a5a5a5a5a5a5a, "an older program's info");
+    cw_kernel_info kernel;
+    memset(&kernel, 0x5a, sizeof kernel);
+    cw_kernel_describe_into(cw_kernel_at(0), &kernel, sizeof kernel.name);
+    check(strcmp(kernel.name, "brute") == 0 && kernel.width == 0x5a5a5a5a, "an older program's kernel");
+}
+
+/* The sentence names argument, value and limit, and belongs to the thread. */
+static void errors_say_what_was_wrong(void **state) {
+    (void)state;
+    cw_field *f;
+    cw_field_desc d = {.samples = shape.z, .nx = 1, .ny = 5};
+    check_status(cw_field_create(&d, NULL, &f), CW_ERROR_ARGUMENT);
+    assert_string_equal(cw_last_error(), "nx: 1 samples; a field has 2 to 8388608 a side");
+    check_status(cw_closest(field, &(cw_run){.kernel = cw_kernel_find("packet99")}, rays, 1, got), CW_ERROR_KERNEL);
+    assert_string_equal(cw_last_error(), "kernel: there is no kernel of that name");
+    check_status(cw_closest(field, NULL, NULL, 7, got), CW_ERROR_ARGUMENT);
+    assert_string_equal(cw_last_error(), "rays: NULL for 7 rays");
+    check_status(cw_closest(field, NULL, rays, 1, got), CW_OK);
+    assert_string_equal(cw_last_error(), "rays: NULL for 7 rays");
+    check_status(cw_run_check(NULL, &(cw_run){.kernel = cw_kernel_find("pyramid1"), .leaf = CW_LEAF_MOLLER_TRUMBORE}),
+                 CW_ERROR_KERNEL);
+    assert_string_equal(cw_last_error(), "leaf: pyramid1 does not have the leaf test moller-trumbore");
+    check_status(cw_run_check(field, NULL), CW_OK);
+}
+
+typedef struct counted {
+    atomic_long blocks;
+    atomic_ulong calls;
+} counted;
+
+static void *count_allocate(void *context, size_t bytes, size_t alignment) {
+    counted *c = context;
+    void *memory = NULL;
+    atomic_fetch_add(&c->calls, 1);
+    if (posix_memalign(&memory, alignment, bytes) != 0) return NULL;
+    atomic_fetch_add(&c->blocks, 1);
+    return memory;
+}
+
+static void count_release(void *context, void *memory) {
+    atomic_fetch_sub(&((counted *)context)->blocks, 1);
+    free(memory);
+}
+
+/* All that a field holds comes from the process's allocator and goes back to it. */
+static void memory_is_the_callers(void **state) {
+    (void)state;
+    counted c = {0};
+    const cw_allocator allocator = {count_allocate, count_release, &c};
+    check_status(cw_allocator_set(&(cw_allocator){.allocate = count_allocate}), CW_ERROR_ARGUMENT);
+    check_status(cw_allocator_set(&allocator), CW_OK);
+    cw_field *f;
+    cw_heading *h;
+    const cw_field_desc d = {.samples = shape.z, .nx = SIDE, .ny = SIDE};
+    for (size_t k = 0; k < cw_kernel_count(); k++) {
+        check_status(cw_field_create(&d, &(cw_run){.kernel = cw_kernel_at(k)}, &f), CW_OK);
+        check_status(cw_heading_create(f, (double[2]){1, 0.5}, &h), CW_OK);
+        check(atomic_load(&c.blocks) >= 5, "%ld blocks", atomic_load(&c.blocks));
+        cw_heading_destroy(h);
+        cw_field_destroy(f);
+        check(atomic_load(&c.blocks) == 0, "%ld blocks are left", atomic_load(&c.blocks));
+    }
+    check_status(cw_allocator_set(NULL), CW_OK);
+    const unsigned long calls = atomic_load(&c.calls);
+    check_status(cw_field_create(&d, NULL, &f), CW_OK);
+    cw_field_destroy(f);
+    check(atomic_load(&c.calls) == calls, "the allocator is still in use");
 }
 
 int main(void) {
@@ -367,6 +452,8 @@ int main(void) {
         cmocka_unit_test(rays_in_user_space),    cmocka_unit_test(threads_of_the_caller),
         cmocka_unit_test(queries_are_watched),   cmocka_unit_test(hits_by_the_array),
         cmocka_unit_test(places_on_the_surface), cmocka_unit_test(strangers_are_refused),
+        cmocka_unit_test(filled_structs_grow),   cmocka_unit_test(errors_say_what_was_wrong),
+        cmocka_unit_test(memory_is_the_callers),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -12,7 +12,7 @@
 
 /* Kernels whose hits do not follow the rules of src/scalar/strict.h; brute.c judges them. */
 static bool has_own_rules(const cw_kernel *kernel) {
-    static const char *const names[] = {"brute", "grid3d", "grid3d-early"};
+    static const char *const names[] = {"brute", "grid3d"};
     for (size_t k = 0; k < sizeof names / sizeof names[0]; k++)
         if (strcmp(cw_kernel_describe(kernel).name, names[k]) == 0) return true;
     return false;
@@ -25,10 +25,10 @@ typedef struct run {
     const test_field *shape;
     const cw_field *field;
     cw_leaf leaf;
-    cw_coherence coherence;
     size_t n;
     cw_ray rays[RUN_MAX + 16];
     cw_hit hits[RUN_MAX];
+    size_t compared[CW_LEAF_COUNT]; /* kernels so far, cell among them */
 } run;
 
 static void report(const run *q, size_t k, const char *name, const cw_hit *hit) {
@@ -43,9 +43,9 @@ static void compare(const run *q, const cw_kernel *kernel) {
     static cw_hit hits[RUN_MAX];
     static uint8_t occluded[RUN_MAX];
     const char *name = cw_kernel_describe(kernel).name;
-    const cw_query query = {.kernel = kernel, .leaf = q->leaf, .coherence = q->coherence};
+    const cw_run query = {.kernel = kernel, .leaf = q->leaf};
     check_status(cw_closest(q->field, &query, q->rays, q->n, hits), CW_OK);
-    check_status(cw_any(q->field, &query, q->rays, q->n, occluded), CW_OK);
+    check_status(cw_occluded(q->field, &query, q->rays, q->n, occluded), CW_OK);
     for (size_t k = 0; k < q->n; k++) {
         if (!hit_same(&hits[k], &q->hits[k])) {
             report(q, k, name, &hits[k]);
@@ -63,11 +63,14 @@ static void run_all(run *q) {
     const cw_kernel *reference = cw_kernel_find("cell");
     for (int leaf = CW_LEAF_MOLLER_TRUMBORE; leaf < CW_LEAF_COUNT; leaf++) {
         q->leaf = (cw_leaf)leaf;
-        const cw_query query = {.kernel = reference, .leaf = q->leaf};
+        const cw_run query = {.kernel = reference, .leaf = q->leaf};
         check_status(cw_closest(q->field, &query, q->rays, q->n, q->hits), CW_OK);
         for (size_t k = 0; k < cw_kernel_count(); k++) {
             const cw_kernel *kernel = cw_kernel_at(k);
-            if (!has_own_rules(kernel) && cw_kernel_describe(kernel).available) compare(q, kernel);
+            if (has_own_rules(kernel) || cw_run_check(NULL, &(cw_run){.kernel = kernel, .leaf = q->leaf}) != CW_OK)
+                continue;
+            compare(q, kernel);
+            q->compared[leaf]++;
         }
     }
 }
@@ -239,7 +242,6 @@ static void test_towers(void **state) {
         make_towers(&shape, 12 + random_below(&r, 80), 12 + random_below(&r, 80), &r);
         cw_field *field = field_open(&shape.field);
         q.field = field;
-        q.coherence = (cw_coherence)(k % 3);
         q.n = RUN_MAX;
         for (size_t m = 0; m < q.n; m++)
             q.rays[m] = random_below(&r, 8) ? past_tower(&shape, &r) : ray_make(RAY_LATTICE, &shape.field, &r);
@@ -305,9 +307,9 @@ static void test_long_call(void **state) {
         const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
         if (!takes_long_calls(&info) || (slow && info.isa != most)) continue;
         kernels++;
-        const cw_query query = {.kernel = cw_kernel_at(k), .leaf = q.leaf};
+        const cw_run query = {.kernel = cw_kernel_at(k), .leaf = q.leaf};
         check_status(cw_closest(field, &query, rays, n, hits), CW_OK);
-        check_status(cw_any(field, &query, rays, n, occluded), CW_OK);
+        check_status(cw_occluded(field, &query, rays, n, occluded), CW_OK);
         for (size_t begin = 0; begin < n; begin += q.n) {
             q.n = n - begin < RUN_MAX ? n - begin : RUN_MAX;
             memcpy(q.rays, rays + begin, q.n * sizeof *rays);

@@ -38,11 +38,11 @@ typedef struct caller {
 /* Each with another part of the rays, so that an answer from another's job shows. */
 static void *ask(void *argument) {
     caller *c = argument;
-    const cw_query query = {.pool = c->pool};
+    const cw_run query = {.pool = c->pool};
     for (size_t k = 0; k < c->rounds; k++) {
         const size_t first = (c->number * 997 + k * 131) % (RAYS / 2), n = RAYS / 2;
         if (cw_closest(field, &query, rays + first, n, got[c->number]) != CW_OK ||
-            cw_any(field, &query, rays + first, n, occluded[c->number]) != CW_OK)
+            cw_occluded(field, &query, rays + first, n, occluded[c->number]) != CW_OK)
             c->wrong++;
         for (size_t r = 0; r < n; r++)
             c->wrong += !hit_same(&got[c->number][r], &expected[first + r]) ||

@@ -41,7 +41,7 @@ static cw_field *make_field(size_t round) {
     d.nx = nx;
     d.ny = ny;
     cw_field *field;
-    check_status(cw_field_create(&d, &field), CW_OK);
+    check_status(cw_field_create(&d, NULL, &field), CW_OK);
     free(z);
     return field;
 }
@@ -53,24 +53,14 @@ typedef struct work {
 } work;
 
 /* One path's answers for rays from begin on against the hits that are expected. */
-static void compare_rays(work *w, const cw_field *field, const cw_query *q, size_t begin, size_t n, count *c) {
+static void compare_rays(work *w, const cw_field *field, const cw_run *q, size_t begin, size_t n, count *c) {
     check_status(cw_closest(field, q, w->rays + begin, n, w->hits), CW_OK);
-    check_status(cw_any(field, q, w->rays + begin, n, w->occluded), CW_OK);
+    check_status(cw_occluded(field, q, w->rays + begin, n, w->occluded), CW_OK);
     for (size_t k = 0; k < n; k++) {
         const cw_hit *expected = &w->expected[begin + k];
         c->other += memcmp(&w->hits[k], expected, sizeof *expected) != 0 || w->occluded[k] != (expected->i >= 0);
     }
     c->answers += n;
-}
-
-/* All rays without a hint, and a half of them with each, which may change no answer. */
-static void compare(work *w, const cw_field *field, const path *p, size_t n, count *c) {
-    cw_query q = p->query;
-    compare_rays(w, field, &q, 0, n, c);
-    q.coherence = CW_COHERENCE_LOW;
-    compare_rays(w, field, &q, 0, n / 2, c);
-    q.coherence = CW_COHERENCE_HIGH;
-    compare_rays(w, field, &q, n / 2, n - n / 2, c);
 }
 
 static void compare_class(work *w, const cw_field *field, const path *paths, size_t path_count, workload_class class,
@@ -85,7 +75,8 @@ static void compare_class(work *w, const cw_field *field, const path *paths, siz
         if (paths[p].leaf == CW_LEAF_WATERTIGHT)
             for (size_t k = 0; k < n; k++) c->hits += w->expected[k].i >= 0;
         for (size_t q = 0; q < path_count; q++)
-            if (paths[q].strict && q != p && paths[q].leaf == paths[p].leaf) compare(w, field, &paths[q], n, c);
+            if (paths[q].strict && q != p && paths[q].leaf == paths[p].leaf)
+                compare_rays(w, field, &paths[q].query, 0, n, c);
     }
 }
 
@@ -115,7 +106,8 @@ static void test_walks_agree(void **state) {
     assert_non_null(w);
     for (size_t round = 0; round < test_rounds(); round++) {
         cw_field *field = make_field(round);
-        for (size_t p = 0; p < path_count; p++) check_status(cw_field_build(field, paths[p].query.kernel), CW_OK);
+        for (size_t p = 0; p < path_count; p++)
+            check_status(cw_field_build(field, &(cw_run){.kernel = paths[p].query.kernel}), CW_OK);
         for (int c = 0; c < WORKLOAD_CLASS_COUNT; c++)
             compare_class(w, field, paths, path_count, (workload_class)c, (uint32_t)round, &counts[c]);
         cw_field_destroy(field);

@@ -63,11 +63,9 @@ static place make_place(size_t size, kind k, random_state *r) {
 
 static cw_field *make_field(const place *p, cw_storage storage, bool bare, cw_pool *pool) {
     cw_field *field;
-    const cw_field_desc d = {
-        .samples = p->z, .nx = p->nx, .ny = p->ny, .stride = p->stride, .storage = storage, .bare = bare, .pool = pool};
-    check_status(cw_field_create(&d, &field), CW_OK);
-    if (!bare)
-        check_status(cw_field_build(field, cw_kernel_find("pyramid1")), CW_OK); /* tiny ones have none by themselves */
+    const cw_field_desc d = {.samples = p->z, .nx = p->nx, .ny = p->ny, .stride = p->stride, .storage = storage};
+    const cw_run how = {.kernel = cw_kernel_find(bare ? "cell" : "pyramid1"), .pool = pool};
+    check_status(cw_field_create(&d, &how, &field), CW_OK);
     return field;
 }
 
@@ -111,8 +109,8 @@ static void threads_change_nothing(void **state) {
                 for (int way = 0; way < ways; way++) {
                     char what[100];
                     cw_field *many = make_field(&p, way == 1 ? CW_COPY : CW_BORROW, way == 2, pool[t]);
-                    const cw_query q = {.kernel = cw_kernel_find("pyramid1"), .pool = pool[t]};
-                    check_status(cw_field_build_for(many, &q), CW_OK);
+                    const cw_run q = {.kernel = cw_kernel_find("pyramid1"), .pool = pool[t]};
+                    check_status(cw_field_build(many, &q), CW_OK);
                     snprintf(what, sizeof what, "%zu x %zu, %s, %u threads, way %d", p.nx, p.ny, kind_names[k],
                              threads[t], way);
                     check_same(many, alone, what);
@@ -183,41 +181,41 @@ static void slabs_are_exact(void **state) {
 
 /* A rectangle anywhere: mostly small, on borders, of one sample, or all. */
 static cw_update some_rectangle(const place *p, random_state *r) {
-    cw_update u = {.i = random_below(r, p->nx), .j = random_below(r, p->ny)};
+    cw_update u = {.at = {.i = random_below(r, p->nx), .j = random_below(r, p->ny)}};
     const size_t most = random_below(r, 4) == 0 ? STRIDE_MAX : 40;
-    u.nx = 1 + random_below(r, most);
-    u.ny = 1 + random_below(r, most);
+    u.at.nx = 1 + random_below(r, most);
+    u.at.ny = 1 + random_below(r, most);
     switch (random_below(r, 8)) {
     case 0:
-        return (cw_update){.nx = p->nx, .ny = p->ny};
+        return (cw_update){.at = {.nx = p->nx, .ny = p->ny}};
     case 1:
-        u.nx = u.ny = 1;
+        u.at.nx = u.at.ny = 1;
         break;
     case 2: /* where tiles meet */
-        u.i = u.i / 64 * 64;
-        u.j = u.j / 64 * 64;
-        u.nx = 1;
+        u.at.i = u.at.i / 64 * 64;
+        u.at.j = u.at.j / 64 * 64;
+        u.at.nx = 1;
         break;
     case 3:
-        u.i = 0;
-        u.j = p->ny - 1;
+        u.at.i = 0;
+        u.at.j = p->ny - 1;
         break;
     case 4:
-        u.i = p->nx - 1;
+        u.at.i = p->nx - 1;
         break;
     default:
         break;
     }
-    u.nx = u.nx < p->nx - u.i ? u.nx : p->nx - u.i;
-    u.ny = u.ny < p->ny - u.j ? u.ny : p->ny - u.j;
+    u.at.nx = u.at.nx < p->nx - u.at.i ? u.at.nx : p->nx - u.at.i;
+    u.at.ny = u.at.ny < p->ny - u.at.j ? u.at.ny : p->ny - u.at.j;
     return u;
 }
 
 /* New samples, which may raise what was lowest and lower what was highest; sometimes the old ones again. */
 static void change(const place *p, const cw_update *u, kind k, random_state *r) {
     const float by = (float)random_between(r, -30, 30), from = random_below(r, 2) ? 1 : 0;
-    for (size_t j = u->j; j < u->j + u->ny; j++)
-        for (size_t i = u->i; i < u->i + u->nx; i++) p->z[j * p->stride + i] = from * height(k, i, j, r) + by;
+    for (size_t j = u->at.j; j < u->at.j + u->at.ny; j++)
+        for (size_t i = u->at.i; i < u->at.i + u->at.nx; i++) p->z[j * p->stride + i] = from * height(k, i, j, r) + by;
 }
 
 static void updates_give_what_is_made_anew(void **state) {
@@ -236,13 +234,13 @@ static void updates_give_what_is_made_anew(void **state) {
                     cw_update u = some_rectangle(&p, &r);
                     change(&p, &u, (kind)(turn % KINDS), &r);
                     snprintf(what, sizeof what, "%zu x %zu, %s, %zu x %zu from (%zu, %zu)", p.nx, p.ny, kind_names[k],
-                             u.nx, u.ny, u.i, u.j);
-                    u.pool = (turn + s) % 2 ? pool : NULL;
-                    check_status(cw_field_update(borrowed, &u), CW_OK);
-                    u.samples = p.z + u.j * p.stride + u.i;
+                             u.at.nx, u.at.ny, u.at.i, u.at.j);
+                    const cw_run how = {.pool = (turn + s) % 2 ? pool : NULL};
+                    check_status(cw_field_update(borrowed, &u, &how), CW_OK);
+                    u.samples = p.z + u.at.j * p.stride + u.at.i;
                     u.stride = p.stride;
-                    check_status(cw_field_update(copied, &u), CW_OK);
-                    check_status(cw_field_update(bare, &u), CW_OK);
+                    check_status(cw_field_update(copied, &u, &how), CW_OK);
+                    check_status(cw_field_update(bare, &u, &how), CW_OK);
                     cw_field *anew = make_field(&p, CW_BORROW, false, NULL),
                              *bare_anew = make_field(&p, CW_COPY, true, NULL);
                     check_same(borrowed, anew, what);
@@ -266,45 +264,46 @@ static void what_is_refused_changes_nothing(void **state) {
     cw_field *borrowed = make_field(&p, CW_BORROW, false, NULL), *copied = make_field(&p, CW_COPY, false, NULL);
     cw_field *anew = make_field(&p, CW_COPY, false, NULL);
     float z[6] = {1, 2, 3, 4, 5, 0x1.2p100f};
-    const cw_update good = {.i = 7, .j = 9, .nx = 3, .ny = 2, .samples = z};
-    check_status(cw_field_update(NULL, &good), CW_ERROR_ARGUMENT);
-    check_status(cw_field_update(copied, NULL), CW_ERROR_ARGUMENT);
-    check_status(cw_field_update(copied, &good), CW_ERROR_HEIGHT);
-    check_status(cw_field_update(borrowed, &good), CW_ERROR_ARGUMENT);
+    const cw_update good = {.at = {.i = 7, .j = 9, .nx = 3, .ny = 2}, .samples = z};
+    check_status(cw_field_update(NULL, &good, NULL), CW_ERROR_ARGUMENT);
+    check_status(cw_field_update(copied, NULL, NULL), CW_ERROR_ARGUMENT);
+    check_status(cw_field_update(copied, &good, NULL), CW_ERROR_SAMPLE);
+    check_status(cw_field_update(borrowed, &good, NULL), CW_ERROR_ARGUMENT);
     cw_update u = good;
     u.samples = NULL;
-    check_status(cw_field_update(copied, &u), CW_ERROR_ARGUMENT);
+    check_status(cw_field_update(copied, &u, NULL), CW_ERROR_ARGUMENT);
     u = good;
     u.stride = 2;
-    check_status(cw_field_update(copied, &u), CW_ERROR_STRIDE);
+    check_status(cw_field_update(copied, &u, NULL), CW_ERROR_ARGUMENT);
     u = good;
     u.reserved[2] = 1;
-    check_status(cw_field_update(copied, &u), CW_ERROR_OPTION);
-    const cw_update outside[] = {{.i = 63, .nx = 3, .ny = 1, .samples = z},
-                                 {.j = 64, .nx = 1, .ny = 2, .samples = z},
-                                 {.i = 66, .nx = 0, .ny = 1, .samples = z},
-                                 {.i = SIZE_MAX, .nx = 2, .ny = 1, .samples = z},
-                                 {.i = 1, .nx = SIZE_MAX, .ny = 1, .samples = z}};
+    check_status(cw_field_update(copied, &u, NULL), CW_ERROR_ARGUMENT);
+    const cw_update outside[] = {{.at = {.i = 63, .nx = 3, .ny = 1}, .samples = z},
+                                 {.at = {.j = 64, .nx = 1, .ny = 2}, .samples = z},
+                                 {.at = {.i = 66, .nx = 0, .ny = 1}, .samples = z},
+                                 {.at = {.i = SIZE_MAX, .nx = 2, .ny = 1}, .samples = z},
+                                 {.at = {.i = 1, .nx = SIZE_MAX, .ny = 1}, .samples = z}};
     for (size_t k = 0; k < sizeof outside / sizeof outside[0]; k++)
-        check_status(cw_field_update(copied, &outside[k]), CW_ERROR_RECTANGLE);
-    const cw_update nothing[] = {{.i = 65, .nx = 0, .ny = 1, .samples = z}, {.nx = 5, .ny = 0, .samples = z}};
-    for (size_t k = 0; k < 2; k++) check_status(cw_field_update(copied, &nothing[k]), CW_OK);
+        check_status(cw_field_update(copied, &outside[k], NULL), CW_ERROR_ARGUMENT);
+    const cw_update nothing[] = {{.at = {.i = 65, .nx = 0, .ny = 1}, .samples = z},
+                                 {.at = {.nx = 5, .ny = 0}, .samples = z}};
+    for (size_t k = 0; k < 2; k++) check_status(cw_field_update(copied, &nothing[k], NULL), CW_OK);
     check_same(copied, anew, "after refusals");
 
     float *sample = &p.z[20 * p.stride + 64];
     const float old = *sample;
-    const cw_update one = {.i = 64, .j = 20, .nx = 1, .ny = 1};
+    const cw_update one = {.at = {64, 20, 1, 1}};
     *sample = INFINITY;
-    check_status(cw_field_update(borrowed, &one), CW_ERROR_HOLE);
+    check_status(cw_field_update(borrowed, &one, NULL), CW_ERROR_SAMPLE);
     *sample = -0x1.2p100f;
-    check_status(cw_field_update(borrowed, &one), CW_ERROR_HEIGHT);
+    check_status(cw_field_update(borrowed, &one, NULL), CW_ERROR_SAMPLE);
     *sample = old;
     check_same(borrowed, anew, "put back after refusals");
 
     /* In a copy an infinity is a hole. */
     z[5] = -INFINITY;
-    check_status(cw_field_update(copied, &good), CW_OK);
-    assert_true(isnan(cw_field_sample(copied, 9, 10)));
+    check_status(cw_field_update(copied, &good, NULL), CW_OK);
+    assert_true(isnan(cw_field_row(copied, 10)[9]));
     assert_int_equal(cw_field_describe(copied).holes, 1);
     cw_field_destroy(borrowed);
     cw_field_destroy(copied);
@@ -317,20 +316,21 @@ static void grid3d_is_dropped(void **state) {
     random_state r = {5};
     const place p = make_place(3, LAND, &r);
     cw_field *f = make_field(&p, CW_COPY, false, NULL);
-    const cw_query q = {.kernel = cw_kernel_find("grid3d")};
+    const cw_run q = {.kernel = cw_kernel_find("grid3d")};
     const float z = 100;
     const cw_ray down = {.org = {30.5f, 30.25f, 1000}, .dir = {0, 0, -1}, .tmax = INFINITY};
     const size_t before = cw_field_describe(f).bytes_built;
     cw_hit hit;
-    check_status(cw_field_build_for(f, &q), CW_OK);
+    check_status(cw_field_build(f, &q), CW_OK);
     assert_true(cw_field_describe(f).bytes_built > before);
-    check_status(cw_field_update(f, &(cw_update){.i = 30, .j = 30, .nx = 1, .ny = 1, .samples = &z}), CW_OK);
+    check_status(cw_field_update(f, &(cw_update){.at = {.i = 30, .j = 30, .nx = 1, .ny = 1}, .samples = &z}, NULL),
+                 CW_OK);
     check_status(cw_closest(f, &q, &down, 1, &hit), CW_ERROR_NOT_BUILT);
     assert_int_equal(cw_field_describe(f).bytes_built, before);
-    check_status(cw_field_build_for(f, &q), CW_OK);
+    check_status(cw_field_build(f, &q), CW_OK);
     check_status(cw_closest(f, &q, &down, 1, &hit), CW_OK);
     cw_hit expected;
-    check_status(cw_closest(f, &(cw_query){.kernel = cw_kernel_find("cell")}, &down, 1, &expected), CW_OK);
+    check_status(cw_closest(f, &(cw_run){.kernel = cw_kernel_find("cell")}, &down, 1, &expected), CW_OK);
     check(hit.i == 30 && hit.j == 30 && fabsf(hit.t - expected.t) < 1e-3f, "grid3d at t = %g", (double)hit.t);
     cw_field_destroy(f);
     free(p.z);
@@ -349,7 +349,7 @@ typedef struct meeting {
 static bool update_meanwhile(void *context, double done) {
     meeting *m = context;
     (void)done;
-    m->status[0] = cw_field_update(m->field, &m->update);
+    m->status[0] = cw_field_update(m->field, &m->update, NULL);
     m->tried++;
     return true;
 }
@@ -363,9 +363,9 @@ static void ask_meanwhile(void *context, cw_task_fn *task, void *argument, unsig
     uint8_t occluded;
     double point[3];
     const cw_status status[] = {
-        cw_closest(m->field, NULL, &ray, 1, &hit),       cw_any(m->field, NULL, &ray, 1, &occluded),
-        cw_closest_user(m->field, NULL, &user, 1, &hit), cw_any_user(m->field, NULL, &user, 1, &occluded),
-        cw_hit_points(m->field, NULL, &hit, 1, &point),  cw_field_update(m->field, &m->update)};
+        cw_closest(m->field, NULL, &ray, 1, &hit),       cw_occluded(m->field, NULL, &ray, 1, &occluded),
+        cw_closest_user(m->field, NULL, &user, 1, &hit), cw_occluded_user(m->field, NULL, &user, 1, &occluded),
+        cw_hit_points(m->field, NULL, &hit, 1, point),   cw_field_update(m->field, &m->update, NULL)};
     for (size_t k = 0; k < sizeof status / sizeof status[0]; k++) check_status(status[k], CW_ERROR_BUSY);
     m->tried++;
     for (unsigned k = 0; k < count; k++) task(argument, k);
@@ -376,10 +376,10 @@ static void who_comes_second_is_turned_away(void **state) {
     random_state r = {6};
     const place p = make_place(8, LAND, &r);
     cw_field *f = make_field(&p, CW_COPY, false, NULL), *anew = make_field(&p, CW_COPY, false, NULL);
-    meeting m = {.field = f, .update = {.nx = 300, .ny = 300, .samples = p.z, .stride = p.stride}};
+    meeting m = {.field = f, .update = {.at = {.nx = 300, .ny = 300}, .samples = p.z, .stride = p.stride}};
     const cw_ray ray = {.org = {1, 1, 0}, .dir = {1, 0, 0}, .tmax = 1};
     const cw_user_ray user = {.org = {1, 1, 0}, .dir = {1, 0, 0}, .tmax = 1};
-    const cw_query q = {.watch = update_meanwhile, .watch_context = &m};
+    const cw_run q = {.watch = update_meanwhile, .watch_context = &m};
     cw_hit hit;
     check_status(cw_closest(f, &q, &ray, 1, &hit), CW_OK);
     check_status(m.status[0], CW_ERROR_BUSY);
@@ -390,9 +390,7 @@ static void who_comes_second_is_turned_away(void **state) {
     cw_pool *pool;
     const cw_tasks tasks = {.threads = 2, .run = ask_meanwhile, .context = &m};
     check_status(cw_pool_create_on(&tasks, &pool), CW_OK);
-    cw_update u = m.update;
-    u.pool = pool;
-    check_status(cw_field_update(f, &u), CW_OK);
+    check_status(cw_field_update(f, &m.update, &(cw_run){.pool = pool}), CW_OK);
     check(m.tried > 2, "nothing was tried during the update");
     check_same(f, anew, "after all of that");
     check_status(cw_closest(f, NULL, &ray, 1, &hit), CW_OK);
@@ -429,8 +427,8 @@ static void *update_and_update(void *argument) {
     static float z[2][64 * 64];
     for (size_t k = 0; k < 64 * 64; k++) z[0][k] = 1, z[1][k] = 2;
     for (size_t k = 0; k < TURNS; k++) {
-        const cw_update u = {.i = 60, .j = 60, .nx = 64, .ny = 64, .samples = z[k % 2]};
-        const cw_status status = cw_field_update(c->field, &u);
+        const cw_update u = {.at = {.i = 60, .j = 60, .nx = 64, .ny = 64}, .samples = z[k % 2]};
+        const cw_status status = cw_field_update(c->field, &u, NULL);
         c->done += status == CW_OK;
         c->away += status == CW_ERROR_BUSY;
         c->wrong += status != CW_OK && status != CW_ERROR_BUSY;
@@ -445,7 +443,7 @@ static void a_crowd_does_no_harm(void **state) {
     const cw_field_desc d = {.samples = z, .nx = 200, .ny = 200};
     crowd c[ASKING + 1] = {{0}};
     cw_field *f;
-    check_status(cw_field_create(&d, &f), CW_OK);
+    check_status(cw_field_create(&d, NULL, &f), CW_OK);
     for (size_t k = 0; k <= ASKING; k++) {
         c[k] = (crowd){.field = f, .number = k};
         assert_int_equal(pthread_create(&c[k].thread, NULL, k < ASKING ? ask_and_ask : update_and_update, &c[k]), 0);
@@ -480,29 +478,30 @@ static void making_is_watched(void **state) {
     check_status(cw_pool_create(3, &pool), CW_OK);
     for (int way = 0; way < 4; way++) {
         observer o = {0};
-        cw_field_desc d = {.samples = p.z, .nx = p.nx, .ny = p.ny, .stride = p.stride, .bare = way & 1};
+        cw_field_desc d = {.samples = p.z, .nx = p.nx, .ny = p.ny, .stride = p.stride};
         d.storage = way & 2 ? CW_COPY : CW_BORROW;
-        d.pool = pool;
-        d.watch = observe;
-        d.watch_context = &o;
+        const cw_run how = {.kernel = cw_kernel_find(way & 1 ? "cell" : "pyramid1"),
+                            .pool = pool,
+                            .watch = observe,
+                            .watch_context = &o};
         cw_field *f;
-        check_status(cw_field_create(&d, &f), CW_OK);
+        check_status(cw_field_create(&d, &how, &f), CW_OK);
         check(o.calls > 3 && !o.backwards && o.last == 1, "way %d: %u calls, the last at %g", way, o.calls, o.last);
         cw_field_destroy(f);
         const unsigned calls = o.calls;
         for (unsigned k = 1; k < calls; k += 1 + calls / 10) {
             o = (observer){.stop_at = k};
-            check_status(cw_field_create(&d, &f), CW_ERROR_CANCELLED);
+            check_status(cw_field_create(&d, &how, &f), CW_ERROR_CANCELLED);
             assert_null(f);
         }
     }
     cw_field *f = make_field(&p, CW_BORROW, true, NULL), *anew = make_field(&p, CW_BORROW, false, NULL);
     observer o = {.stop_at = 2};
-    cw_query q = {.kernel = cw_kernel_find("pyramid1"), .pool = pool, .watch = observe, .watch_context = &o};
-    check_status(cw_field_build_for(f, &q), CW_ERROR_CANCELLED);
+    cw_run q = {.kernel = cw_kernel_find("pyramid1"), .pool = pool, .watch = observe, .watch_context = &o};
+    check_status(cw_field_build(f, &q), CW_ERROR_CANCELLED);
     check(f->pyramid == NULL && cw_field_describe(f).bytes_built == 0, "half a pyramid");
     q.watch = NULL;
-    check_status(cw_field_build_for(f, &q), CW_OK);
+    check_status(cw_field_build(f, &q), CW_OK);
     check_same(f, anew, "built after all");
     cw_field_destroy(f);
     cw_field_destroy(anew);
@@ -517,20 +516,22 @@ static void refusals_do_not_depend_on_threads(void **state) {
     const place p = make_place(8, LAND, &r);
     cw_pool *pool;
     check_status(cw_pool_create(3, &pool), CW_OK);
-    cw_field_desc d = {.samples = p.z, .nx = p.nx, .ny = p.ny, .stride = p.stride, .storage = CW_BORROW, .pool = pool};
+    cw_field_desc d = {.samples = p.z, .nx = p.nx, .ny = p.ny, .stride = p.stride, .storage = CW_BORROW};
     for (int k = 0; k < 20; k++) {
         cw_field *f;
-        d.bare = k % 2;
+        const cw_run how = {.kernel = cw_kernel_find(k % 2 ? "cell" : "pyramid1"), .pool = pool};
         p.z[300 * p.stride + 500] = INFINITY;
         p.z[301 * p.stride + 3] = 0x1.2p100f; /* in a tile that is looked at before */
-        check_status(cw_field_create(&d, &f), CW_ERROR_HOLE);
+        check_status(cw_field_create(&d, &how, &f), CW_ERROR_SAMPLE);
+        check(strstr(cw_last_error(), "(500, 300) is inf") != NULL, "%s", cw_last_error());
         p.z[300 * p.stride + 499] = -0x1.2p100f;
-        check_status(cw_field_create(&d, &f), CW_ERROR_HEIGHT);
+        check_status(cw_field_create(&d, &how, &f), CW_ERROR_SAMPLE);
+        check(strstr(cw_last_error(), "(499, 300) is -1.4") != NULL, "%s", cw_last_error());
         p.z[300 * p.stride + 499] = 0;
     }
     d.reserved[0] = 1;
     cw_field *f;
-    check_status(cw_field_create(&d, &f), CW_ERROR_OPTION);
+    check_status(cw_field_create(&d, NULL, &f), CW_ERROR_ARGUMENT);
     cw_pool_destroy(pool);
     free(p.z);
 }

@@ -19,7 +19,7 @@ static size_t judge_field(ray_class kind, const test_field *shape, random_state 
     oracle *o = oracle_create(shape->z, shape->nx, shape->ny);
     assert_non_null(o);
     for (size_t k = 0; k < n; k++) rays[k] = ray_make(kind, shape, r);
-    const cw_query query = {.kernel = cw_kernel_find("cell"), .leaf = CW_LEAF_WATERTIGHT};
+    const cw_run query = {.kernel = cw_kernel_find("cell"), .leaf = CW_LEAF_WATERTIGHT};
     check_status(cw_closest(field, &query, rays, n, hits), CW_OK);
     for (size_t k = 0; k < n; k++) {
         const oracle_truth *truth = oracle_trace(o, &rays[k]);

@@ -41,7 +41,7 @@ static cw_status make_field(const void *context) {
     (void)context;
     const cw_field_desc d = describe();
     cw_field *field = (cw_field *)samples; /* anything but NULL */
-    const cw_status status = cw_field_create(&d, &field);
+    const cw_status status = cw_field_create(&d, NULL, &field);
     if ((field == NULL) != (status != CW_OK)) return CW_ERROR_ARGUMENT; /* which is told as another failure */
     cw_field_destroy(field);
     return status;
@@ -50,14 +50,14 @@ static cw_status make_field(const void *context) {
 /* Built anew after a failure, and asked. */
 static cw_status build(const void *context) {
     const cw_kernel *kernel = context;
-    cw_field_desc d = describe();
-    d.bare = true;
+    const cw_field_desc d = describe();
     cw_field *field;
-    cw_status status = cw_field_create(&d, &field);
+    cw_status status = cw_field_create(&d, &(cw_run){.kernel = cw_kernel_find("cell")}, &field);
     if (status != CW_OK) return status;
-    status = cw_field_build(field, kernel);
-    const cw_query q = {.kernel = kernel};
-    if (status != CW_OK && (cw_field_build(field, kernel) != CW_OK || cw_closest(field, &q, rays, 10, hits) != CW_OK))
+    status = cw_field_build(field, &(cw_run){.kernel = kernel});
+    const cw_run q = {.kernel = kernel};
+    if (status != CW_OK &&
+        (cw_field_build(field, &(cw_run){.kernel = kernel}) != CW_OK || cw_closest(field, &q, rays, 10, hits) != CW_OK))
         status = CW_ERROR_ARGUMENT;
     cw_field_destroy(field);
     return status;
@@ -98,7 +98,7 @@ static unsigned long check_every_fault(const char *name, act *what, const void *
     static const struct {
         fault_kind kind;
         cw_status status;
-    } kinds[] = {{FAULT_MEMORY, CW_ERROR_MEMORY}, {FAULT_THREAD, CW_ERROR_THREAD}};
+    } kinds[] = {{FAULT_MEMORY, CW_ERROR_MEMORY}, {FAULT_THREAD, CW_ERROR_MEMORY}};
     for (size_t k = 0; k < 2; k++)
         for (unsigned long n = 1; n <= good.calls[kinds[k].kind]; n++, injections++) {
             faults_begin(kinds[k].kind, n);
@@ -133,20 +133,20 @@ static void queries_ask_for_nothing(void **state) {
     const cw_field_desc d = describe();
     cw_field *field;
     cw_pool *pool;
-    check_status(cw_field_create(&d, &field), CW_OK);
+    check_status(cw_field_create(&d, NULL, &field), CW_OK);
     check_status(cw_pool_create(2, &pool), CW_OK);
     for (size_t k = 0; k < cw_kernel_count(); k++) {
         const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
-        cw_query q = {.kernel = cw_kernel_at(k), .pool = pool, .watch = k % 2 ? go_on : NULL};
+        cw_run q = {.kernel = cw_kernel_at(k), .pool = pool, .watch = k % 2 ? go_on : NULL};
         if (!info.available) continue;
-        check_status(cw_field_build(field, q.kernel), CW_OK);
+        check_status(cw_field_build(field, &(cw_run){.kernel = q.kernel}), CW_OK);
         const size_t n = info.needs_build ? RAYS : 5000; /* brute force takes its time */
         faults_begin(FAULT_MEMORY, 0);
-        const cw_update update = {.i = 3, .j = 3, .nx = 66, .ny = 60, .samples = samples, .stride = SIDE, .pool = pool};
+        const cw_update update = {.at = {3, 3, 66, 60}, .samples = samples, .stride = SIDE};
         const cw_status status[] = {
-            cw_closest(field, &q, rays, n, hits),           cw_any(field, &q, rays, n, occluded),
-            cw_closest_user(field, &q, user_rays, n, hits), cw_any_user(field, &q, user_rays, n, occluded),
-            cw_hit_points(field, pool, hits, n, points),    cw_field_update(field, &update)};
+            cw_closest(field, &q, rays, n, hits),           cw_occluded(field, &q, rays, n, occluded),
+            cw_closest_user(field, &q, user_rays, n, hits), cw_occluded_user(field, &q, user_rays, n, occluded),
+            cw_hit_points(field, &q, hits, n, points[0]),   cw_field_update(field, &update, &q)};
         const fault_counts counts = faults_end();
         for (size_t s = 0; s < sizeof status / sizeof status[0]; s++) check_status(status[s], CW_OK);
         check(counts.calls[FAULT_MEMORY] == 0 && counts.calls[FAULT_THREAD] == 0, "%s: %lu allocations, %lu threads",

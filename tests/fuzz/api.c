@@ -101,10 +101,10 @@ static bool is_walk(const cw_kernel_info *info) { return info->available && info
 
 typedef struct work {
     cw_field *field;
-    cw_query query;
+    cw_run query;
     size_t n;
     cw_ray *rays;
-    cw_hit *expected, *hits; /* expected: what cell finds, if it was asked and the query is strict */
+    cw_hit *expected, *hits; /* expected: what cell finds, if it was asked */
     bool known, slow;        /* slow: brute force and the grid in space are asked as well */
     uint8_t *occluded;
 } work;
@@ -112,7 +112,9 @@ typedef struct work {
 /* Answers of a kernel, before those of cell. */
 static void ask(work *w, const cw_kernel *kernel, bool any) {
     const cw_kernel_info info = cw_kernel_describe(kernel);
-    if (!info.available || (!is_walk(&info) && !w->slow) || cw_field_build(w->field, kernel) != CW_OK) return;
+    if (!info.available || (!is_walk(&info) && !w->slow) ||
+        cw_field_build(w->field, &(cw_run){.kernel = kernel}) != CW_OK)
+        return;
     w->query.kernel = kernel;
     const bool comparable = w->known && is_walk(&info);
     if (cw_closest(w->field, &w->query, w->rays, w->n, w->hits) == CW_OK) {
@@ -121,7 +123,7 @@ static void ask(work *w, const cw_kernel *kernel, bool any) {
             if (memcmp(&w->hits[k], &w->expected[k], sizeof w->hits[k]) != 0)
                 wrong(info.name, "another hit than cell's of ray", k);
     }
-    if (any && cw_any(w->field, &w->query, w->rays, w->n, w->occluded) == CW_OK) {
+    if (any && cw_occluded(w->field, &w->query, w->rays, w->n, w->occluded) == CW_OK) {
         api_done.answers += w->n;
         for (size_t k = 0; comparable && k < w->n; k++)
             if (w->occluded[k] != (w->expected[k].i >= 0)) wrong(info.name, "any hit is not the closest of ray", k);
@@ -131,16 +133,16 @@ static void ask(work *w, const cw_kernel *kernel, bool any) {
 /* Some samples change, or are refused. What is then found is what is found on a field made anew. */
 static void change(cw_field *field, const cw_field_desc *desc, float *samples, source *s) {
     const size_t stride = desc->stride ? desc->stride : desc->nx;
-    cw_update u = {.i = byte(s) % desc->nx, .j = byte(s) % desc->ny};
-    u.nx = 1 + byte(s) % (desc->nx - u.i);
-    u.ny = 1 + byte(s) % (desc->ny - u.j);
-    float *to = samples + u.j * stride + u.i;
+    cw_update u = {.at = {.i = byte(s) % desc->nx, .j = byte(s) % desc->ny}};
+    u.at.nx = 1 + byte(s) % (desc->nx - u.at.i);
+    u.at.ny = 1 + byte(s) % (desc->ny - u.at.j);
+    float *to = samples + u.at.j * stride + u.at.i;
     if (desc->storage == CW_COPY) u.samples = to;
     u.stride = stride;
-    for (size_t j = 0; j < u.ny; j++)
-        for (size_t i = 0; i < u.nx; i++) to[j * stride + i] = byte(s) < 128 ? number(s) : to[j * stride + i];
+    for (size_t j = 0; j < u.at.ny; j++)
+        for (size_t i = 0; i < u.at.nx; i++) to[j * stride + i] = byte(s) < 128 ? number(s) : to[j * stride + i];
     cw_field *anew;
-    const cw_status status = cw_field_update(field, &u), made = cw_field_create(desc, &anew);
+    const cw_status status = cw_field_update(field, &u, NULL), made = cw_field_create(desc, NULL, &anew);
     if (status != CW_OK) return;
     if (made != CW_OK) {
         fprintf(stderr, "updated to what cannot be made: %s\n", cw_status_message(made));
@@ -166,16 +168,11 @@ static void look_at_hits(work *w) {
     const cw_field_info info = cw_field_describe(w->field);
     for (size_t k = 0; k < w->n; k += 1 + w->n / 8) {
         const cw_hit *hit = &w->hits[k];
-        double point[3], normal[3], change[2][3];
-        float uv[2];
-        cw_hit_point(w->field, hit, point);
-        cw_hit_normal(w->field, hit, normal);
-        cw_hit_phong_normal(w->field, hit, normal);
-        cw_hit_phong_change(w->field, hit, normal, change);
-        cw_hit_uv(w->field, hit, uv);
+        double point[3], normal[3];
+        cw_hit_points(w->field, NULL, hit, 1, point);
+        cw_hit_normals(w->field, NULL, hit, 1, normal);
+        cw_hit_phong_normals(w->field, NULL, hit, 1, normal);
         if (isnan(point[0]) != (hit->i < 0)) wrong("hit", "a point without a hit, or none with it, of ray", k);
-        if (hit->i >= 0 && !(uv[0] >= 0 && uv[0] <= 1 && uv[1] >= 0 && uv[1] <= 1))
-            wrong("hit", "texture coordinates beyond [0, 1], of ray", k);
         if (hit->i >= 0 && ((size_t)hit->i + 1 >= info.nx || (size_t)hit->j + 1 >= info.ny || hit->triangle > 1))
             wrong("hit", "outside the field: ray", k);
     }
@@ -220,14 +217,16 @@ static void ask_heading(const work *w, source *s) {
     const size_t nx = 1 + byte(s) % (info.nx - i), ny = 1 + byte(s) % (info.ny - j), n = nx * ny;
     float *first = block(n * sizeof *first), *next = block(n * sizeof *next);
     uint8_t *seen = block(n);
-    const cw_query plain = {.kernel = cw_kernel_find("cell")};
-    if (cw_heading_steepest(heading, &plain, low, high, i, j, nx, ny, first) == CW_OK)
+    const cw_run plain = {.kernel = cw_kernel_find("cell")};
+    if (cw_heading_steepest(heading, &plain, low, high, (cw_rectangle){i, j, nx, ny}, first) == CW_OK)
         for (size_t k = 0; k < cw_kernel_count(); k++) {
-            const cw_query q = {.kernel = cw_kernel_at(k)};
+            const cw_run q = {.kernel = cw_kernel_at(k)};
             const cw_kernel_info kernel = cw_kernel_describe(q.kernel);
-            if (!kernel.available || cw_heading_steepest(heading, &q, low, high, i, j, nx, ny, next) != CW_OK) continue;
+            if (!kernel.available ||
+                cw_heading_steepest(heading, &q, low, high, (cw_rectangle){i, j, nx, ny}, next) != CW_OK)
+                continue;
             if (memcmp(first, next, n * sizeof *next) != 0) wrong(kernel.name, "other slopes than cell, among", n);
-            cw_heading_any(heading, &q, low, i, j, nx, ny, seen);
+            cw_heading_occluded(heading, &q, low, (cw_rectangle){i, j, nx, ny}, seen);
         }
     free(first);
     free(next);
@@ -242,17 +241,13 @@ static void ask_all(cw_field *field, source *s) {
     w.expected = block(w.n * sizeof *w.expected);
     w.hits = block(w.n * sizeof *w.hits);
     w.occluded = block(w.n);
-    w.query.coherence = (cw_coherence)(byte(s) % 3);
+    (void)byte(s); /* the corpus has a byte here */
     w.query.leaf = (cw_leaf)(byte(s) % 4 % 3);
-    const bool tolerant = byte(s) < 24;
+    (void)byte(s);
     make_rays(s, w.rays, w.n);
     w.query.kernel = cw_kernel_find("cell");
-    w.known = cw_closest(field, &w.query, w.rays, w.n, w.expected) == CW_OK && !tolerant;
+    w.known = cw_closest(field, &w.query, w.rays, w.n, w.expected) == CW_OK;
     api_done.rays += w.n;
-    if (tolerant) {
-        w.query.tolerance = fabsf(number(s));
-        w.query.cone = fabsf(number(s));
-    }
     const size_t kernels = cw_kernel_count();
     if (w.n <= SOME)
         for (size_t k = 0; k < kernels; k++) ask(&w, cw_kernel_at(k), true);
@@ -290,11 +285,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     desc.ny = ny;
     desc.stride = gap ? stride : 0;
     desc.storage = (cw_storage)(byte(&s) % 2);
-    desc.bare = byte(&s) % 2;
+    const cw_run bare = {.kernel = cw_kernel_find("cell")}, *how = byte(&s) % 2 ? &bare : NULL;
     if (byte(&s) < 64)
         for (int k = 0; k < 12; k++) desc.map[k / 4][k % 4] += byte(&s) < 64 ? (double)number(&s) : 0;
     cw_field *field;
-    if (cw_field_create(&desc, &field) == CW_OK) {
+    if (cw_field_create(&desc, how, &field) == CW_OK) {
         ask_all(field, &s);
         if (s.size > 0) change(field, &desc, samples, &s);
     }

@@ -66,17 +66,17 @@ static cw_hit hits[LARGE_RAYS], others[LARGE_RAYS];
 /* Some rectangles of the field change; a field made of the new samples gives the same bits. */
 static void change(cw_field *field, cw_field_desc *desc, float *samples, cw_pool *pool) {
     for (int k = 0; k < UPDATES; k++) {
-        cw_update update = {.i = draw() % LARGE_SIDE, .j = draw() % LARGE_SIDE, .stride = LARGE_SIDE, .pool = pool};
-        update.nx = 1 + draw() % (LARGE_SIDE - update.i);
-        update.ny = 1 + draw() % (LARGE_SIDE - update.j);
-        float *first = samples + update.j * LARGE_SIDE + update.i;
-        for (size_t y = 0; y < update.ny; y++)
-            for (size_t x = 0; x < update.nx; x++) first[y * LARGE_SIDE + x] = (float)(draw() % 64);
+        cw_update update = {.at = {.i = draw() % LARGE_SIDE, .j = draw() % LARGE_SIDE}, .stride = LARGE_SIDE};
+        update.at.nx = 1 + draw() % (LARGE_SIDE - update.at.i);
+        update.at.ny = 1 + draw() % (LARGE_SIDE - update.at.j);
+        float *first = samples + update.at.j * LARGE_SIDE + update.at.i;
+        for (size_t y = 0; y < update.at.ny; y++)
+            for (size_t x = 0; x < update.at.nx; x++) first[y * LARGE_SIDE + x] = (float)(draw() % 64);
         update.samples = first;
-        must(cw_field_update(field, &update), "update");
+        must(cw_field_update(field, &update, &(cw_run){.pool = pool}), "update");
     }
     cw_field *anew;
-    must(cw_field_create(desc, &anew), "field of changed samples");
+    must(cw_field_create(desc, NULL, &anew), "field of changed samples");
     must(cw_closest(field, NULL, rays, LARGE_RAYS, hits), "changed field");
     must(cw_closest(anew, NULL, rays, LARGE_RAYS, others), "field of changed samples");
     api_done.rays += LARGE_RAYS;
@@ -102,21 +102,23 @@ static void large(void) {
     cw_pool *pool;
     cw_heading *heading;
     must(cw_pool_create(3, &pool), "pool");
-    must(cw_field_create(&desc, &field), "field");
+    must(cw_field_create(&desc, NULL, &field), "field");
     for (size_t k = 0; k < cw_kernel_count(); k++) {
         const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
         const bool slow = info.default_leaf != CW_LEAF_WATERTIGHT;
         if (!info.available || (slow && draw() % 8 != 0)) continue;
-        must(cw_field_build(field, cw_kernel_at(k)), info.name);
+        must(cw_field_build(field, &(cw_run){.kernel = cw_kernel_at(k)}), info.name);
         const size_t n = slow ? LARGE_RAYS / 1000 : LARGE_RAYS;
-        const cw_query query = {.kernel = cw_kernel_at(k), .pool = pool};
+        const cw_run query = {.kernel = cw_kernel_at(k), .pool = pool};
         must(cw_closest(field, &query, rays, n, hits), info.name);
         api_done.rays += n;
     }
     change(field, &desc, samples, pool);
     must(cw_heading_create(field, (double[2]){1, 0.5}, &heading), "heading"); /* its slopes go where the samples were */
-    const cw_query query = {.pool = pool};
-    must(cw_heading_steepest(heading, &query, -INFINITY, INFINITY, 0, 0, LARGE_SIDE, LARGE_SIDE, samples), "heading");
+    const cw_run query = {.pool = pool};
+    must(cw_heading_steepest(heading, &query, -INFINITY, INFINITY, (cw_rectangle){0, 0, LARGE_SIDE, LARGE_SIDE},
+                             samples),
+         "heading");
     cw_heading_destroy(heading);
     cw_field_destroy(field);
     cw_pool_destroy(pool);

@@ -9,14 +9,14 @@ static float heights[SIDE * SIDE]; /* a plain with a pond in it */
 
 int main(void) {
     const cw_field_desc desc = {.samples = heights, .nx = SIDE, .ny = SIDE, .storage = CW_BORROW};
-    const cw_update pond = {.i = AT, .j = AT, .nx = POND, .ny = POND};
+    const cw_update pond = {.at = {AT, AT, POND, POND}};
     const cw_ray down = {.org = {AT + 10, AT + 10, 100}, .dir = {0, 0, -1}, .tmax = 200};
     cw_field *field;
-    if (cw_field_create(&desc, &field) != CW_OK) return 1;
+    if (cw_field_create(&desc, NULL, &field) != CW_OK) return 1;
     for (int frame = 0; frame < 4; frame++) {
         for (int j = AT; j < AT + POND; j++)
             for (int i = AT; i < AT + POND; i++) heights[j * SIDE + i] = sinf(0.25f * (float)(i - AT) - (float)frame);
-        if (cw_field_update(field, &pond) != CW_OK)
+        if (cw_field_update(field, &pond, NULL) != CW_OK)
             return 1; /* the field borrows its samples: they have changed in place */
         cw_hit hit;
         cw_closest(field, NULL, &down, 1, &hit);

@@ -96,11 +96,11 @@ static void samples_are_rounded_once(void **state) {
                                  : k % 7 == 3         ? "\t# word\n"
                                                       : " ");
     io_error error = {""};
-    cw_field *field = scene_load_heightfield(written("halfway.pbrt", file), true, &error);
+    cw_field *field = scene_load_heightfield(written("halfway.pbrt", file), NULL, &error);
     check(field != NULL, "%s", error.text);
     int doubled = 0;
     for (size_t k = 0; k < SIDE * SIDE; k++) {
-        const float sample = cw_field_sample(field, k % SIDE, k / SIDE), wanted = strtof(texts[k], NULL);
+        const float sample = cw_field_row(field, k / SIDE)[k % SIDE], wanted = strtof(texts[k], NULL);
         check(memcmp(&sample, &wanted, sizeof sample) == 0, "%s is %a, not %a", texts[k], (double)sample,
               (double)wanted);
         doubled += (float)strtod(texts[k], NULL) != wanted;
@@ -149,7 +149,7 @@ static const struct {
     {HEAD "Shape \"cylinder\" \"float radius\" 2",
      ":4: Shape \"cylinder\": parameter \"float radius\" is not supported"},
     {HEAD "Scale 1 0 1\nShape \"cylinder\"", ":5: Shape \"cylinder\": the current transform cannot be inverted"},
-    {HEAD "Scale 1 0 1\n" PLAIN, ":5: Shape \"heightfield\": the map to user space is not finite or cannot be"},
+    {HEAD "Scale 1 0 1\n" PLAIN, ":5: Shape \"heightfield\": map: not finite, or it cannot be inverted"},
     {HEAD "Shape \"heightfield\" \"integer nu\" 2 \"float Pz\" [0]",
      ":4: Shape \"heightfield\": \"integer nv\" is missing"},
     {HEAD "Shape \"heightfield\" \"integer nu\" 2 \"integer nv\" 2",
@@ -353,7 +353,7 @@ static void a_lone_heightfield_is_a_field(void **state) {
           (double)info.low, (double)info.high);
     const cw_hit corner = {.i = 1, .j = 0, .u = 0, .v = 1, .triangle = CW_TRIANGLE_A};
     double point[3];
-    cw_hit_point(field, &corner, point);
+    cw_hit_points(field, NULL, &corner, 1, point);
     check(point[0] == 2 && point[1] == 1 && point[2] == -5.5, "not in field space");
     cw_field_destroy(field);
 

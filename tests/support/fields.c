@@ -71,8 +71,9 @@ static cw_field *open_as(const test_field *f, cw_storage storage, double cell, d
     for (int c = 0; c < 3; c++) desc.map[c][c] = cell;
     desc.map[0][3] = desc.map[1][3] = corner;
     cw_field *field;
-    check_status(cw_field_create(&desc, &field), CW_OK);
-    for (size_t k = 0; k < cw_kernel_count(); k++) check_status(cw_field_build(field, cw_kernel_at(k)), CW_OK);
+    check_status(cw_field_create(&desc, NULL, &field), CW_OK);
+    for (size_t k = 0; k < cw_kernel_count(); k++)
+        check_status(cw_field_build(field, &(cw_run){.kernel = cw_kernel_at(k)}), CW_OK);
     return field;
 }
 

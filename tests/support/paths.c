@@ -23,13 +23,12 @@ size_t paths_find(path paths[PATHS_MAX]) {
             const cw_kernel *kernel = cw_kernel_at(k);
             const cw_kernel_info info = cw_kernel_describe(kernel);
             const bool strict = info.default_leaf == CW_LEAF_WATERTIGHT;
-            if (!info.available || (leaf == CW_LEAF_WATERTIGHT && !strict)) continue;
+            if (cw_run_check(NULL, &(cw_run){.kernel = kernel, .leaf = (cw_leaf)leaf}) != CW_OK) continue;
             check(n < PATHS_MAX, "too many kernels");
             paths[n++] = (path){.query = {.kernel = kernel, .leaf = (cw_leaf)leaf},
                                 .name = info.name,
                                 .leaf = (cw_leaf)leaf,
-                                .strict = strict,
-                                .early = strcmp(info.name, "grid3d-early") == 0};
+                                .strict = strict};
         }
     check_paths(paths, n);
     return n;

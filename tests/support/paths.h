@@ -6,11 +6,10 @@
 #include "cellwalk.h"
 
 typedef struct path {
-    cw_query query;
+    cw_run query;
     const char *name; /* of the kernel */
     cw_leaf leaf;
     bool strict; /* follows src/scalar/strict.h, so its bits are those of "cell" with the same leaf test */
-    bool early;  /* grid3d-early, which may hit wrong surfaces: that is what its name says */
 } path;
 
 enum { PATHS_MAX = 64 };

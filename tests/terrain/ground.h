@@ -28,7 +28,7 @@ static inline void ground_take(ground *g, size_t nx, size_t ny, float *z, const 
     desc.samples = g->z = z;
     desc.nx = nx;
     desc.ny = ny;
-    check_status(cw_field_create(&desc, &g->field), CW_OK);
+    check_status(cw_field_create(&desc, NULL, &g->field), CW_OK);
     const terrain_desc t = {.field = g->field, .nx = nx, .ny = ny, .z = z, .map = map};
     assert_true(terrain_init(&g->terrain, &t));
 }

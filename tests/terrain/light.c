@@ -45,7 +45,7 @@ static void lit_of(ground *g, double azimuth, double altitude, uint8_t *lit) {
     sunlight_destroy(s);
 }
 
-static void share_of(ground *g, const sunlight_desc *desc, const cw_query *query, float *share) {
+static void share_of(ground *g, const sunlight_desc *desc, const cw_run *query, float *share) {
     sunlight *s = NULL;
     check_status(sunlight_create(&g->terrain, desc, &s), CW_OK);
     check_status(sunlight_share(s, query, 0, g->terrain.ny, share), CW_OK);
@@ -192,7 +192,7 @@ static void shadow_agrees_with_rays(void **state) {
                     .tmax = INFINITY,
                 };
                 uint8_t hit;
-                check_status(cw_any(g.field, NULL, &ray, 1, &hit), CW_OK);
+                check_status(cw_occluded(g.field, NULL, &ray, 1, &hit), CW_OK);
                 check(hit == 1 - lit[k], "(%zu, %zu): a ray says %d, lit is %d; %g off", i, j, hit, lit[k], apart);
                 shadows += lit[k] == 0;
             }
@@ -305,7 +305,7 @@ static void same_bits(void **state) {
     const sunlight_desc point = {.azimuth = 77, .altitude = 12};
     const char *const names[] = {"pyramid1", "pyramid4", "pyramid8", "pyramid16"};
     for (size_t k = 0; k < 8; k++) {
-        cw_query query = cw_query_default();
+        cw_run query = (cw_run){0};
         query.kernel = cw_kernel_find(names[k / 2]);
         query.pool = k % 2 ? pool : NULL;
         check(query.kernel != NULL || k > 1, "there is no kernel %s", names[k / 2]);

@@ -22,7 +22,7 @@ static viewshed *view(const ground *g, const sight_bounds *bounds, const viewshe
     return v;
 }
 
-static void count(viewshed *v, const cw_query *query) {
+static void count(viewshed *v, const cw_run *query) {
     bool done = false;
     memset(seen, 0, sizeof seen);
     check_status(viewshed_count(v, query, seen, NULL, NULL, &done), CW_OK);
@@ -73,7 +73,7 @@ static void check_sample(const ground *g, const viewshed_desc *d, const viewshed
 static void check_view(const ground *g, const sight_bounds *bounds, const viewshed_desc *d, random_state *r,
                        tally *sum) {
     const size_t nx = g->terrain.nx, all = nx * g->terrain.ny, some = all > 80 ? 80 : all;
-    const cw_query query = cw_query_default();
+    const cw_run query = (cw_run){0};
     viewshed *v = view(g, bounds, d);
     count(v, &query);
     for (size_t n = 0; n < some; n++) {
@@ -214,7 +214,7 @@ static void large_views(void **state) {
     make_land(&g, 200, 197, SMOOTH, &r, maps[0]);
     check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
     for (int n = 0; n < 4; n++) {
-        const cw_query query = cw_query_default();
+        const cw_run query = (cw_run){0};
         const viewshed_desc d = {.place = {random_between(&r, 0, 199), random_between(&r, 0, 196)},
                                  .height = random_between(&r, 1, 40),
                                  .curvature = n};
@@ -452,7 +452,7 @@ static void same_bits_in_threads(void **state) {
     check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
     check_status(cw_pool_create(3, &pool), CW_OK);
     viewshed *v = view(&g, bounds, &(viewshed_desc){.place = {60, 77.25}, .height = 12, .curvature = 1});
-    cw_query query = cw_query_default();
+    cw_run query = (cw_run){0};
     count(v, &query);
     memcpy(seen_alone, seen, sizeof seen);
     memcpy(heights_alone, heights, sizeof heights);

@@ -26,7 +26,7 @@ __attribute__((format(printf, 2, 3))) static void check_has(const program_result
 static void kernels_are_listed(void **state) {
     (void)state;
     const program_result *r = run_well(NULL, (const char *const[]){"info", "--json", NULL});
-    const cw_kernel *chosen = cw_query_kernel(NULL, NULL);
+    const cw_kernel *chosen = cw_run_kernel(NULL, NULL);
     for (size_t k = 0; k < cw_kernel_count(); k++) {
         const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
         check_has(
@@ -48,8 +48,8 @@ static void limits_are_kept(void **state) {
         const program_result *r = run_well(&bound, (const char *const[]){"info", NULL});
         check_has(r, "instruction set %s (CELLWALK_ISA=%s)\n", bound.isa, bound.isa);
         cw_isa_limit((cw_isa)isa);
-        check_has(r, "* %s ", cw_kernel_describe(cw_query_kernel(NULL, NULL)).name);
-        cw_isa_limit(CW_ISA_AVX512);
+        check_has(r, "* %s ", cw_kernel_describe(cw_run_kernel(NULL, NULL)).name);
+        cw_isa_limit(CW_ISA_ANY);
     }
     check_has(run_well(NULL, (const char *const[]){"info", "--isa=scalar", NULL}), "instruction set scalar");
     check_has(run_well(NULL, (const char *const[]){"info", "--kernel", "cell", NULL}), "* cell ");

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* `cellwalk trace` gives what cw_closest and cw_any give, bit for bit, in a file that NumPy can read. */
+/* `cellwalk trace` gives what cw_closest and cw_occluded give, bit for bit, in a file that NumPy can read. */
 
 #include "fields.h"
 #include "program.h"
@@ -8,7 +8,7 @@
 
 #include <math.h>
 
-enum { RAYS = 20000, RECORD = 21 };
+enum { RAYS = 20000, RECORD = 24 };
 
 typedef struct fixture {
     test_field field;
@@ -60,7 +60,7 @@ static const unsigned char *read_array(const char *name, const char *type, size_
 
 static const unsigned char *read_hits(const char *name, size_t n, char **file) {
     return read_array(name,
-                      "[('t', '<f4'), ('i', '<i4'), ('j', '<i4'), ('triangle', '|u1'), ('u', '<f4'), ('v', '<f4')]", n,
+                      "[('t', '<f4'), ('i', '<i4'), ('j', '<i4'), ('triangle', '<u4'), ('u', '<f4'), ('v', '<f4')]", n,
                       RECORD, file);
 }
 
@@ -69,9 +69,7 @@ static void check_hits(const char *name, const cw_hit *wanted, size_t n) {
     const unsigned char *record = read_hits(name, n, &file);
     for (size_t k = 0; k < n; k++, record += RECORD) {
         const cw_hit *w = &wanted[k];
-        const bool same = memcmp(record, &w->t, 4) == 0 && memcmp(record + 4, &w->i, 4) == 0 &&
-                          memcmp(record + 8, &w->j, 4) == 0 && record[12] == w->triangle &&
-                          memcmp(record + 13, &w->u, 4) == 0 && memcmp(record + 17, &w->v, 4) == 0;
+        const bool same = memcmp(record, w, RECORD) == 0;
         check(same, "%s: record %zu is not what the library finds", name, k);
     }
     free(file);
@@ -81,7 +79,7 @@ static void closest_is_the_librarys(void **state) {
     (void)state;
     fixture *f = make();
     for (size_t k = 0; k < cw_kernel_count(); k++) {
-        cw_query query = cw_query_default();
+        cw_run query = (cw_run){0};
         query.kernel = cw_kernel_at(k);
         const cw_kernel_info info = cw_kernel_describe(query.kernel);
         if (!info.available) continue;
@@ -101,25 +99,10 @@ static void closest_is_the_librarys(void **state) {
     destroy(f);
 }
 
-static void tolerances_reach_the_query(void **state) {
-    (void)state;
-    fixture *f = make();
-    const cw_query query = {.tolerance = 0.5f, .cone = 0.125f};
-    check_status(cw_closest(f->open, &query, f->rays, RAYS, f->hits), CW_OK);
-    run_well((const char *const[]){"trace", "field.npy", "rays.npy", "-o", "hits.npy", "--tolerance", "0.5",
-                                   "--cone=0.125", "--threads", "1", NULL});
-    check_hits("hits.npy", f->hits, RAYS);
-    const cw_query height = {.tolerance = 0.5f};
-    check_status(cw_closest(f->open, &height, f->rays, RAYS, f->hits), CW_OK);
-    run_well((const char *const[]){"trace", "field.npy", "rays.npy", "-o", "hits.npy", "--tolerance", "5e-1", NULL});
-    check_hits("hits.npy", f->hits, RAYS);
-    destroy(f);
-}
-
 static void any_marks_the_occluded(void **state) {
     (void)state;
     fixture *f = make();
-    check_status(cw_any(f->open, NULL, f->rays, RAYS, f->occluded), CW_OK);
+    check_status(cw_occluded(f->open, NULL, f->rays, RAYS, f->occluded), CW_OK);
     run_well((const char *const[]){"trace", "--any", "field.npy", "rays.npy", "--output=hits.npy", NULL});
     char *file;
     const unsigned char *bytes = read_array("hits.npy", "'|u1'", RAYS, 1, &file);
@@ -152,10 +135,10 @@ static void rays_of_the_map(void **state) {
     desc.nx = desc.ny = 3;
     memcpy(desc.map, map, sizeof map);
     cw_field *field;
-    check_status(cw_field_create(&desc, &field), CW_OK);
+    check_status(cw_field_create(&desc, NULL, &field), CW_OK);
     cw_rays_to_field(field, user, N, rays);
     check_status(cw_closest(field, NULL, rays, N, hits), CW_OK);
-    check_status(cw_any(field, NULL, rays, N, occluded), CW_OK);
+    check_status(cw_occluded(field, NULL, rays, N, occluded), CW_OK);
     run_well((const char *const[]){"trace", "a.asc", "user.npy", "--user", "-o", "hits.npy", NULL});
     check_hits("hits.npy", hits, N);
     run_well((const char *const[]){"trace", "a.asc", "user.npy", "--user", "--points", "--normals", "-o", "hits.npy",
@@ -163,14 +146,15 @@ static void rays_of_the_map(void **state) {
     char *file;
     const unsigned char *record =
         read_array("hits.npy",
-                   "[('t', '<f4'), ('i', '<i4'), ('j', '<i4'), ('triangle', '|u1'), ('u', '<f4'), ('v', '<f4'), "
+                   "[('t', '<f4'), ('i', '<i4'), ('j', '<i4'), ('triangle', '<u4'), ('u', '<f4'), ('v', '<f4'), "
                    "('x', '<f8'), ('y', '<f8'), ('z', '<f8'), ('nx', '<f4'), ('ny', '<f4'), ('nz', '<f4')]",
                    N, BIG, &file);
     size_t found = 0;
     for (size_t k = 0; k < N; k++, record += BIG) {
         double point[3] = {NAN, NAN, NAN}, got[3], normal[3] = {NAN, NAN, NAN};
         float got_normal[3];
-        if (hits[k].i >= 0) cw_hit_point(field, &hits[k], point), cw_hit_normal(field, &hits[k], normal), found++;
+        if (hits[k].i >= 0)
+            cw_hit_points(field, NULL, &hits[k], 1, point), cw_hit_normals(field, NULL, &hits[k], 1, normal), found++;
         memcpy(got, record + RECORD, sizeof got);
         memcpy(got_normal, record + RECORD + sizeof got, sizeof got_normal);
         for (int a = 0; a < 3; a++) {
@@ -275,7 +259,7 @@ static void formats_agree(void **state) {
     desc.nx = 3;
     desc.ny = 2;
     cw_field *field;
-    check_status(cw_field_create(&desc, &field), CW_OK);
+    check_status(cw_field_create(&desc, NULL, &field), CW_OK);
     check_status(cw_closest(field, NULL, rays, 1000, hits), CW_OK);
     cw_field_destroy(field);
     size_t found = 0;
@@ -302,9 +286,9 @@ static void json_tells_the_time(void **state) {
     for (size_t k = 0; k < RAYS; k++) found += f->hits[k].i >= 0;
     const program_result *r =
         program_run(NULL, (const char *const[]){"trace", "field.npy", "rays.npy", "--json", "--repeat", "5", "--kernel",
-                                                "packet1", "--threads", "2", NULL});
+                                                "cell", "--threads", "2", NULL});
     check(r->status == 0, "%s", r->err);
-    check(strncmp(r->out, "{\"kernel\": \"packet1\", ", 22) == 0, "%s", r->out);
+    check(strncmp(r->out, "{\"kernel\": \"cell\", ", 19) == 0, "%s", r->out);
     check(strchr(r->out, '\n') == r->out + strlen(r->out) - 1, "more than one line: %s", r->out);
     assert_true(number_after(r->out, "\"rays\": ") == RAYS);
     assert_true(number_after(r->out, "\"hits\": ") == (double)found);
@@ -352,7 +336,6 @@ static void rays_need_not_fit(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(closest_is_the_librarys, scratch_enter, scratch_leave),
-        cmocka_unit_test_setup_teardown(tolerances_reach_the_query, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(any_marks_the_occluded, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(rays_of_the_map, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(what_is_said_of_rays, scratch_enter, scratch_leave),

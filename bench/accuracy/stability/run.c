@@ -27,15 +27,16 @@ void counts_add(counts *a, const counts *b) {
 static bool is_slow(const char *kernel) { return strncmp(kernel, "grid3d", 6) == 0; }
 
 static bool add_kernels(stability *s, size_t f, const stability_shares *shares, unsigned *n) {
-    const cw_kernel *best = cw_query_kernel(NULL, NULL);
-    for (int leaf = CW_LEAF_WATERTIGHT; leaf >= CW_LEAF_MOLLER_TRUMBORE; leaf--)
+    for (int leaf = CW_LEAF_WATERTIGHT; leaf >= CW_LEAF_MOLLER_TRUMBORE; leaf--) {
+        const cw_kernel *best = NULL; /* of those with the cell walk: by default, or with this leaf test */
         for (size_t k = cw_kernel_count(); k-- > 0;) { /* the default first */
             const cw_kernel *kernel = cw_kernel_at(k);
             const cw_kernel_info info = cw_kernel_describe(kernel);
             const bool watertight = leaf == CW_LEAF_WATERTIGHT;
             /* Brute force tests each triangle as grid3d does, and takes thousands of times as long on these fields. */
             if (!info.available || strcmp(info.name, "brute") == 0) continue;
-            if (watertight && info.default_leaf != CW_LEAF_WATERTIGHT) continue;
+            if (cw_run_check(NULL, &(cw_run){.kernel = kernel, .leaf = (cw_leaf)leaf}) != CW_OK) continue;
+            if (best == NULL && !is_slow(info.name)) best = kernel;
             /* Kernels with the cell walk differ in no bit (lanes.c): one of them speaks for Möller-Trumbore. */
             if (!watertight && kernel != best && !is_slow(info.name)) continue;
             tested *t = &s->tested[f][*n];
@@ -46,6 +47,7 @@ static bool add_kernels(stability *s, size_t f, const stability_shares *shares, 
             if (contender_from_kernel(&t->contender, s->field[f].field, kernel, (cw_leaf)leaf) != CW_OK) return false;
             (*n)++;
         }
+    }
     return s->tested[f][0].role == ROLE_REFERENCE;
 }
 

@@ -6,8 +6,8 @@
 
 #include "fpenv.h"
 #include "memory.h"
+#include "run.h"
 #include "survey.h"
-#include "watch.h"
 
 #include <stdlib.h>
 
@@ -208,18 +208,18 @@ static void clear_upper(struct cw_pyramid *p) {
 /* Tiles that a thread takes at a time: neighbours in a row, which share cache lines. */
 enum { TILES_AT_ONCE = 4 };
 
-cw_status cw_pyramid_build(cw_field *f, const cw_query *how, bool survey) {
+cw_status cw_pyramid_build(cw_field *f, const cw_run *how, bool survey) {
     cw_refusal refusal = {CW_REFUSED_NONE};
     job w = {.f = f, .tiles = {0, 0, cw_tiles_across(f) - 1, cw_tiles_down(f) - 1}};
     if (survey) w.refusal = &refusal;
-    w.p = calloc(1, sizeof *w.p);
+    w.p = cw_memory_clear(sizeof *w.p);
     if (w.p == NULL || !lay_out(w.p, f)) {
         cw_pyramid_destroy(w.p);
-        return CW_ERROR_MEMORY;
+        return cw_fail_plainly(CW_ERROR_MEMORY);
     }
     clear_upper(w.p);
-    cw_status status = cw_watch_run(how, count(&w.tiles), TILES_AT_ONCE, TILES_AT_ONCE, do_tiles, &w);
-    if (status == CW_OK) status = cw_refusal_status(&refusal);
+    cw_status status = cw_run_work(how, count(&w.tiles), TILES_AT_ONCE, TILES_AT_ONCE, do_tiles, &w);
+    if (status == CW_OK) status = cw_refusal_status(f, &refusal);
     if (status != CW_OK) {
         cw_pyramid_destroy(w.p);
         return status;
@@ -242,5 +242,5 @@ void cw_pyramid_update(cw_field *f, cw_tiles changed, cw_pool *pool) {
 void cw_pyramid_destroy(struct cw_pyramid *p) {
     if (p == NULL) return;
     cw_memory_free(p->memory);
-    free(p);
+    cw_memory_free(p);
 }

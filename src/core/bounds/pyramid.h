@@ -17,6 +17,7 @@
 #ifndef CELLWALK_CORE_PYRAMID_H
 #define CELLWALK_CORE_PYRAMID_H
 
+#include "extent.h"
 #include "field.h"
 
 #include <math.h>
@@ -71,10 +72,6 @@ struct cw_pyramid {
 static inline float *cw_pyramid_node(const cw_pyramid_level *l, size_t x, size_t y) {
     return l->bricks + ((y / 4) * (size_t)l->across + x / 4) * BRICK_FLOATS + (y % 4) * 4 + x % 4;
 }
-
-/* a < b ? a : b with a the sample: a hole compares false and drops out; compilers turn it into one instruction. */
-static inline float lower(float a, float b) { return a < b ? a : b; }
-static inline float higher(float a, float b) { return a > b ? a : b; }
 
 /* Nodes in a row of level l, and rows of them; beyond the pyramid's top as well. */
 static inline size_t cw_pyramid_across(const cw_field *f, int l) { return ((f->nx - 2) >> (2 * l + 2)) + 1; }

@@ -36,14 +36,27 @@ static cw_isa detect(void) {
 static cw_isa detect(void) { return CW_ISA_SCALAR; }
 #endif
 
-static const char *const names[] = {"scalar", "sse4.2", "avx2", "avx512"};
-enum { ISA_COUNT = sizeof names / sizeof names[0] };
+/* What each instruction set is called, and the widest other one that it includes. */
+static const struct {
+    const char *name;
+    cw_isa includes;
+} sets[CW_ISA_COUNT] = {
+    [CW_ISA_SCALAR] = {"scalar", CW_ISA_SCALAR}, [CW_ISA_SSE42] = {"sse4.2", CW_ISA_SCALAR},
+    [CW_ISA_AVX2] = {"avx2", CW_ISA_SSE42},      [CW_ISA_AVX512] = {"avx512", CW_ISA_AVX2},
+    [CW_ISA_NEON] = {"neon", CW_ISA_SCALAR},
+};
 
-const char *cw_isa_name(cw_isa isa) { return (unsigned)isa < ISA_COUNT ? names[isa] : NULL; }
+const char *cw_isa_name(cw_isa isa) { return (unsigned)isa < CW_ISA_COUNT ? sets[isa].name : NULL; }
+
+bool cw_isa_includes(cw_isa whole, cw_isa part) {
+    if ((unsigned)whole >= CW_ISA_COUNT || (unsigned)part >= CW_ISA_COUNT) return false;
+    while (whole != part && whole != CW_ISA_SCALAR) whole = sets[whole].includes;
+    return whole == part;
+}
 
 /* Detection and the environment give the same answer every time, so two threads that race here both write it. */
 static atomic_int machine = -1, most = -1;
-static atomic_int limit = CW_ISA_AVX512;
+static atomic_int limit = CW_ISA_ANY;
 
 cw_isa cw_isa_machine(void) {
     int m = atomic_load_explicit(&machine, memory_order_relaxed);
@@ -57,23 +70,30 @@ cw_isa cw_isa_machine(void) {
     return (cw_isa)m;
 }
 
-/* The user's upper bound. A name that is unknown here bounds nothing: it may be one that a later version knows. */
-static cw_isa allowed(void) {
-    const char *text = getenv("CELLWALK_ISA");
-    for (int k = 0; text && k < ISA_COUNT; k++)
-        if (strcmp(text, names[k]) == 0) return (cw_isa)k;
-    return CW_ISA_AVX512;
+/* The widest set that both include. CW_ISA_ANY, or a set that only a later version knows, includes all. */
+static cw_isa common(cw_isa a, cw_isa b) {
+    if ((unsigned)b >= CW_ISA_COUNT) return a;
+    while (!cw_isa_includes(b, a)) a = sets[a].includes;
+    return a;
 }
 
-static cw_isa lesser(cw_isa a, cw_isa b) { return a < b ? a : b; }
+/* The user's limit. A name that is unknown here limits nothing: a later version may know it. */
+static cw_isa allowed(void) {
+    const char *text = getenv("CELLWALK_ISA");
+    for (int k = 0; text && k < CW_ISA_COUNT; k++)
+        if (strcmp(text, sets[k].name) == 0) return (cw_isa)k;
+    return CW_ISA_ANY;
+}
 
 cw_isa cw_isa_best(void) {
     int m = atomic_load_explicit(&most, memory_order_relaxed);
     if (m < 0) {
-        m = (int)lesser(cw_isa_machine(), allowed());
+        m = (int)common(cw_isa_machine(), allowed());
         atomic_store_explicit(&most, m, memory_order_relaxed);
     }
-    return lesser((cw_isa)m, (cw_isa)atomic_load_explicit(&limit, memory_order_relaxed));
+    return common((cw_isa)m, (cw_isa)atomic_load_explicit(&limit, memory_order_relaxed));
 }
 
-void cw_isa_limit(cw_isa highest) { atomic_store(&limit, (int)lesser(highest, CW_ISA_AVX512)); }
+bool cw_isa_allows(cw_isa isa) { return cw_isa_includes(cw_isa_best(), isa); }
+
+void cw_isa_limit(cw_isa isa) { atomic_store(&limit, (int)isa); }

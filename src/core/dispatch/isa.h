@@ -8,4 +8,7 @@
 /* The widest instruction set of the machine itself, whatever the limit. */
 cw_isa cw_isa_machine(void);
 
+/* True if kernels for isa may run: it is included in cw_isa_best(). */
+bool cw_isa_allows(cw_isa isa);
+
 #endif

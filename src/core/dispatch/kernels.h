@@ -5,12 +5,15 @@
 
 #include "cellwalk.h"
 
-/* Trace rays[0..n) and write hits[0..n) or occluded[0..n). Run in the IEEE default environment. The query is never NULL;
- * its leaf test is one that the kernel has, never CW_LEAF_DEFAULT, and what a kernel has no use for it ignores. */
-typedef void cw_closest_fn(const cw_field *field, const cw_ray *rays, size_t n, const cw_query *query, cw_hit *hits);
-typedef void cw_any_fn(const cw_field *field, const cw_ray *rays, size_t n, const cw_query *query, uint8_t *occluded);
+/* Trace rays[0..n) and write hits[0..n) or occluded[0..n). Run in the IEEE default environment. */
+typedef void cw_closest_fn(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits);
+typedef void cw_any_fn(const cw_field *field, const cw_ray *rays, size_t n, uint8_t *occluded);
 
-/* By leaf test; NULL where the kernel has none such. Entry CW_LEAF_DEFAULT is unused. */
+/* Samples i to i_end, j to j_end of a rectangle, without the ends: see heading.h. */
+struct cw_heading_job;
+typedef void cw_heading_fn(const struct cw_heading_job *job, size_t i, size_t i_end, size_t j, size_t j_end);
+
+/* By leaf test; NULL where the kernel does not have it. Entry CW_LEAF_DEFAULT is unused. */
 typedef struct cw_kernel_code {
     cw_closest_fn *closest[CW_LEAF_COUNT];
     cw_any_fn *any[CW_LEAF_COUNT];
@@ -19,10 +22,10 @@ typedef struct cw_kernel_code {
 struct cw_kernel {
     const char *name, *what;
     cw_isa isa;
-    unsigned width;
+    unsigned width; /* lanes of the widest vectors it walks with */
     unsigned needs; /* CW_NEEDS_… of field.h */
-    const cw_kernel_code *strict;
-    const cw_kernel_code *tolerant; /* with the watertight test; NULL where the kernel has no use for a tolerance */
+    const cw_kernel_code *code;
+    cw_heading_fn *heading; /* code for headings, for the same instruction set */
 };
 
 /* What cw_kernel_find gives for a name that no kernel has. */
@@ -32,13 +35,13 @@ extern const cw_kernel cw_kernel_none;
 cw_leaf cw_kernel_default_leaf(const cw_kernel *kernel);
 
 /* src/scalar/ */
-extern const cw_kernel_code cw_brute, cw_cell, cw_grid3d, cw_grid3d_early;
+extern const cw_kernel_code cw_brute, cw_cell, cw_grid3d;
 
 /* simd/packet.c and simd/pyramid.c, each compiled for the rows of the table in simd/CMakeLists.txt */
-extern const cw_kernel_code cw_packet1, cw_packet4, cw_packet8, cw_packet16;
-extern const cw_kernel_code cw_pyramid1, cw_pyramid4, cw_pyramid4x2, cw_pyramid8, cw_pyramid8x2, cw_pyramid16,
-    cw_pyramid16x2;
-extern const cw_kernel_code cw_tolerant1, cw_tolerant4, cw_tolerant4x2, cw_tolerant8, cw_tolerant8x2, cw_tolerant16,
-    cw_tolerant16x2;
+extern const cw_kernel_code cw_packet4, cw_packet8, cw_packet16;
+extern const cw_kernel_code cw_pyramid1, cw_pyramid4, cw_pyramid8, cw_pyramid16;
+
+/* simd/heading.c */
+cw_heading_fn cw_heading1, cw_heading4, cw_heading8, cw_heading16;
 
 #endif

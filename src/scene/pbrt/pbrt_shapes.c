@@ -138,8 +138,8 @@ static bool create_field(const pbrt_state *p, const pbrt_site *site, heightfield
         const transform map = transform_multiply(&h->to_world, &scale);
         memcpy(desc.map, map.m, sizeof desc.map);
     }
-    const cw_status status = cw_field_create(&desc, &h->field);
-    return status == CW_OK || pbrt_fail(site->source, site->offset, site->name, error, "%s", cw_status_message(status));
+    const cw_status status = cw_field_create(&desc, NULL, &h->field);
+    return status == CW_OK || pbrt_fail(site->source, site->offset, site->name, error, "%s", cw_last_error());
 }
 
 static bool add_heightfield(pbrt_state *p, const pbrt_site *site, pbrt_params *params, io_error *error) {

@@ -36,7 +36,7 @@ typedef struct worker {
 
 typedef struct library {
     const scene *scene;
-    cw_query query;
+    cw_run query;
     atomic_int status; /* of a query that failed, though prepare had found nothing wrong with it */
 } library;
 
@@ -50,7 +50,7 @@ static void library_closest(void *context, size_t field, const cw_ray *rays, siz
 
 static void library_any(void *context, size_t field, const cw_ray *rays, size_t n, uint8_t *occluded) {
     library *l = context;
-    const cw_status status = cw_any(l->scene->heightfields[field].field, &l->query, rays, n, occluded);
+    const cw_status status = cw_occluded(l->scene->heightfields[field].field, &l->query, rays, n, occluded);
     if (status == CW_OK) return;
     atomic_store(&l->status, (int)status);
     memset(occluded, 0, n);
@@ -60,12 +60,11 @@ static void library_any(void *context, size_t field, const cw_ray *rays, size_t 
 static bool prepare(const library *l, io_error *error) {
     for (size_t k = 0; k < l->scene->heightfield_count; k++) {
         cw_field *field = l->scene->heightfields[k].field;
-        const cw_kernel *kernel = cw_query_kernel(field, &l->query);
-        cw_status status = cw_field_build(field, kernel);
+        const cw_kernel *kernel = cw_run_kernel(field, &l->query);
+        cw_status status = cw_field_build(field, &(cw_run){.kernel = kernel});
         if (status == CW_OK) status = cw_closest(field, &l->query, NULL, 0, NULL);
-        if (status == CW_OK) status = cw_any(field, &l->query, NULL, 0, NULL);
-        if (status != CW_OK)
-            return io_fail(error, "kernel %s: %s", cw_kernel_describe(kernel).name, cw_status_message(status));
+        if (status == CW_OK) status = cw_occluded(field, &l->query, NULL, 0, NULL);
+        if (status != CW_OK) return io_fail(error, "kernel %s: %s", cw_kernel_describe(kernel).name, cw_last_error());
     }
     return true;
 }
@@ -134,16 +133,10 @@ static bool render_with(render *r, const scene_tracer *tracer, unsigned threads,
 /* The code for the widest instruction set that there is. */
 static wave_tile_fn *tile_function(void) {
 #ifdef CELLWALK_SCENE_SIMD
-    switch (cw_isa_best()) {
-    case CW_ISA_AVX512:
-        return wave_tile_avx512;
-    case CW_ISA_AVX2:
-        return wave_tile_avx2;
-    case CW_ISA_SSE42:
-        return wave_tile_sse42;
-    case CW_ISA_SCALAR:
-        break;
-    }
+    const cw_isa isa = cw_isa_best();
+    if (cw_isa_includes(isa, CW_ISA_AVX512)) return wave_tile_avx512;
+    if (cw_isa_includes(isa, CW_ISA_AVX2)) return wave_tile_avx2;
+    if (cw_isa_includes(isa, CW_ISA_SSE42)) return wave_tile_sse42;
 #endif
     return wave_tile_scalar;
 }
@@ -199,7 +192,7 @@ bool scene_render(const scene *s, const scene_render_options *options, io_image 
     bool good = render_planned(&r, options->tracer ? options->tracer : &standard, stats, error);
     plan_free(&r.plan);
     const cw_status status = (cw_status)atomic_load(&own.status);
-    if (good && status != CW_OK) good = io_fail(error, "%s", cw_status_message(status));
+    if (good && status != CW_OK) good = io_fail(error, "%s", cw_last_error());
     stats->seconds = clock_seconds() - start;
     if (!good) io_image_free(image);
     return good;

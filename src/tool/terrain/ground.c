@@ -65,7 +65,7 @@ static bool read_ground(ground *g, const char *path, const io_raster_options *op
     if (!field && !io_raster_read(path, options, &g->file.raster, error)) return false;
     const io_raster *r = &g->file.raster;
     if (!field && (r->nx < 2 || r->ny < 2))
-        return io_fail(error, "%s: %zu x %zu samples: %s", path, r->nx, r->ny, cw_status_message(CW_ERROR_SIZE));
+        return io_fail(error, "%s: %zu x %zu samples: %s", path, r->nx, r->ny, cw_status_message(CW_ERROR_ARGUMENT));
     return ground_describe(&g->terrain, &g->file, path, error);
 }
 
@@ -88,7 +88,7 @@ static int open_ground(ground *g, ground_options *o, const char *path, size_t ba
     if (bands > 0 && io_inputs_note_path(path) && is_input(o->output))
         return command_fail(o->name, "%s: is the terrain itself, and is not written over", o->output);
     const cw_status status = cw_pool_create(o->query.threads, &g->query.pool);
-    if (status != CW_OK) return command_fail(o->name, "%s", cw_status_message(status));
+    if (status != CW_OK) return command_fail(o->name, "%s", cw_last_error());
     const bool good = read_ground(g, path, &raster, field, &error);
     progress_end(&o->raster.line);
     if (!good) return command_fail(o->name, "%s", error.text);

@@ -27,7 +27,7 @@ typedef struct ground {
     const ground_options *options;
     field_file file;
     terrain terrain;
-    cw_query query;
+    cw_run query;
     progress line;
 } ground;
 

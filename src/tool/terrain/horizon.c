@@ -38,10 +38,10 @@ static bool fill(void *context, size_t band, size_t row, size_t rows, void *cell
     bool done = true;
     j->row = (double)row;
     j->rows = (double)rows;
-    const cw_query *q = &j->ground->query;
+    const cw_run *q = &j->ground->query;
     const cw_status status = j->sky ? horizon_sky_view(j->horizon, q, row, rows, cells, tell_block, j, &done)
                                     : horizon_angles(j->horizon, q, band, row, rows, cells);
-    if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));
+    if (status != CW_OK) return io_fail(error, "%s", cw_last_error());
     return done || io_fail(error, "interrupted");
 }
 
@@ -60,7 +60,7 @@ static const char **band_names(const horizon *h, size_t count) {
 
 static bool make_bands(job *j, const horizon_command *c, io_error *error) {
     const cw_status status = horizon_create(&j->ground->terrain, c->start, c->directions, &j->horizon);
-    if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));
+    if (status != CW_OK) return io_fail(error, "%s", cw_last_error());
     j->sky = c->sky;
     io_raster_product product = ground_product(j->ground, IO_CELL_FLOAT32, c->sky ? 1 : c->directions);
     const char **names = c->sky ? NULL : band_names(j->horizon, c->directions);

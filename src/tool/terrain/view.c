@@ -260,7 +260,7 @@ static bool make_scene(view *v, const view_options *o, const wish *w, size_t wid
     return v->scene != NULL;
 }
 
-static bool open_view(view *v, view_options *o, const char *path, const cw_query *query, const wish *w,
+static bool open_view(view *v, view_options *o, const char *path, const cw_run *query, const wish *w,
                       const io_raster_options *raster, size_t width, size_t height, bool smooth, io_error *error) {
     /* GDAL opens files itself, past the readers that remember theirs: no picture is to take their place. */
     if (!io_inputs_note_path(path) || (o->image && !io_inputs_note_path(o->image)))
@@ -271,7 +271,7 @@ static bool open_view(view *v, view_options *o, const char *path, const cw_query
            make_scene(v, o, w, width, height, smooth, error);
 }
 
-view *view_open(view_options *o, const char *path, const cw_query *query, size_t width, size_t height, bool smooth,
+view *view_open(view_options *o, const char *path, const cw_run *query, size_t width, size_t height, bool smooth,
                 bool quiet, int *status) {
     io_raster_options raster;
     wish w;

@@ -23,8 +23,8 @@ typedef struct view view;
 
 /* Reads the raster and makes the scene. width and height are the picture's, or 0; smooth: for Phong normals. NULL after a
  * message, with *status the exit status. */
-view *view_open(view_options *options, const char *path, const cw_query *query, size_t width, size_t height,
-                bool smooth, bool quiet, int *status);
+view *view_open(view_options *options, const char *path, const cw_run *query, size_t width, size_t height, bool smooth,
+                bool quiet, int *status);
 scene *view_scene(const view *v);
 void view_close(view *v);
 

@@ -60,7 +60,7 @@ static bool look_from(job *j, const double place[3], io_error *error) {
         status = c->needed ? viewshed_heights(v, &j->ground->query, j->heights, tell, j, &done)
                            : viewshed_count(v, &j->ground->query, j->seen, tell, j, &done);
     viewshed_destroy(v);
-    if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));
+    if (status != CW_OK) return io_fail(error, "%s", cw_last_error());
     return done || io_fail(error, "interrupted");
 }
 

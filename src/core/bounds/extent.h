@@ -1,0 +1,10 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Lowest and highest of samples of which some are holes. */
+#ifndef CELLWALK_CORE_EXTENT_H
+#define CELLWALK_CORE_EXTENT_H
+
+/* a < b ? a : b with a the sample: a hole compares false and drops out; compilers turn it into one instruction. */
+static inline float lower(float a, float b) { return a < b ? a : b; }
+static inline float higher(float a, float b) { return a > b ? a : b; }
+
+#endif

@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "run.h"
+
+#include "field.h"
+#include "isa.h"
+#include "kernels.h"
+#include "pool.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <string.h>
+
+/* ---- checks ---------------------------------------------------------------------------------------------------------- */
+
+cw_status cw_check_reserved(const uint64_t reserved[4], const char *what) {
+    if ((reserved[0] | reserved[1] | reserved[2] | reserved[3]) == 0) return CW_OK;
+    return cw_fail(CW_ERROR_ARGUMENT, "%s: a reserved member is not 0, which library %s does not know", what,
+                   CW_VERSION);
+}
+
+cw_status cw_check_rectangle(const cw_field *f, const cw_rectangle *at) {
+    if (at->i <= f->nx && at->nx <= f->nx - at->i && at->j <= f->ny && at->ny <= f->ny - at->j) return CW_OK;
+    return cw_fail(CW_ERROR_ARGUMENT, "rectangle: %zu x %zu samples from (%zu, %zu) on; the field has %zu x %zu",
+                   at->nx, at->ny, at->i, at->j, f->nx, f->ny);
+}
+
+void cw_fill(void *caller, size_t size, const void *all, size_t all_size) {
+    memset(caller, 0, size);
+    memcpy(caller, all, size < all_size ? size : all_size);
+}
+
+cw_status cw_run_begin(const cw_run *run, cw_run *how) {
+    *how = run ? *run : (cw_run){0};
+    if ((unsigned)how->leaf >= CW_LEAF_COUNT)
+        return cw_fail(CW_ERROR_ARGUMENT, "leaf: %u is not a leaf test", (unsigned)how->leaf);
+    return cw_check_reserved(how->reserved, "cw_run");
+}
+
+cw_status cw_run_settle(const cw_field *field, cw_run *how) {
+    const cw_kernel *given = how->kernel, *kernel = how->kernel = cw_run_kernel(field, how);
+    if (!cw_kernel_exists(kernel)) return cw_fail(CW_ERROR_KERNEL, "kernel: there is no kernel of that name");
+    /* A kernel that was chosen here is available, even if the limit has just become lower. */
+    if (given && !cw_isa_allows(kernel->isa))
+        return cw_fail(CW_ERROR_KERNEL, "kernel: %s needs %s; this machine, or the limit on instruction sets, has %s",
+                       kernel->name, cw_isa_name(kernel->isa), cw_isa_name(cw_isa_best()));
+    if (how->leaf == CW_LEAF_DEFAULT) how->leaf = cw_kernel_default_leaf(kernel);
+    if (kernel->code->closest[how->leaf] == NULL)
+        return cw_fail(CW_ERROR_KERNEL, "leaf: %s does not have the leaf test %s", kernel->name,
+                       cw_leaf_name(how->leaf));
+    return CW_OK;
+}
+
+cw_status cw_run_built(const cw_field *field, const cw_run *how) {
+    const unsigned needs = how->kernel->needs;
+    if (((needs & CW_NEEDS_GRID3D) && field->grid3d == NULL) || ((needs & CW_NEEDS_PYRAMID) && field->pyramid == NULL))
+        return cw_fail(CW_ERROR_NOT_BUILT, "kernel: %s needs cw_field_build on this field first", how->kernel->name);
+    return CW_OK;
+}
+
+cw_status cw_run_check(const cw_field *field, const cw_run *run) {
+    cw_run how;
+    cw_status status = cw_run_begin(run, &how);
+    if (status == CW_OK) status = cw_run_settle(field, &how);
+    return status == CW_OK && field ? cw_run_built(field, &how) : status;
+}
+
+/* ---- work under a watch ---------------------------------------------------------------------------------------------- */
+
+typedef struct watched {
+    const cw_run *how;
+    cw_work_fn *work;
+    void *context;
+    size_t n, most;
+    atomic_bool stopped;
+    pthread_mutex_t lock; /* of done, and of the watch */
+    size_t done;
+} watched;
+
+static void report(watched *w, size_t count) {
+    pthread_mutex_lock(&w->lock);
+    w->done += count;
+    if (!atomic_load(&w->stopped) && !w->how->watch(w->how->watch_context, (double)w->done / (double)w->n))
+        atomic_store(&w->stopped, true);
+    pthread_mutex_unlock(&w->lock);
+}
+
+/* One thread gets all items in one call. */
+static void work_in_pieces(void *context, size_t begin, size_t end) {
+    watched *w = context;
+    while (begin < end && !atomic_load(&w->stopped)) {
+        const size_t count = end - begin < w->most ? end - begin : w->most;
+        w->work(w->context, begin, begin + count);
+        report(w, count);
+        begin += count;
+    }
+}
+
+cw_status cw_run_work(const cw_run *how, size_t n, size_t least, size_t most, cw_work_fn *work, void *context) {
+    if (how->watch == NULL) {
+        cw_pool_share(how->pool, n, least, most, work, context);
+        return CW_OK;
+    }
+    watched w = {.how = how, .work = work, .context = context, .n = n, .most = most > 0 ? most : 1};
+    if (pthread_mutex_init(&w.lock, NULL) != 0) return cw_fail_plainly(CW_ERROR_MEMORY);
+    cw_pool_share(how->pool, n, least, most, work_in_pieces, &w);
+    pthread_mutex_destroy(&w.lock);
+    return atomic_load(&w.stopped) ? cw_fail_plainly(CW_ERROR_CANCELLED) : CW_OK;
+}
+
+static bool report_part(void *context, double done) {
+    const run_part *part = context;
+    return part->whole->watch(part->whole->watch_context, part->begin + (part->end - part->begin) * done);
+}
+
+cw_run cw_run_part_of(run_part *part) {
+    cw_run how = *part->whole;
+    if (how.watch != NULL) {
+        how.watch = report_part;
+        how.watch_context = part;
+    }
+    return how;
+}

@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* How something runs: checked once, then shared over threads under a watch. */
+#ifndef CELLWALK_CORE_RUN_H
+#define CELLWALK_CORE_RUN_H
+
+#include "cellwalk.h"
+#include "error.h"
+
+/* Fails unless all reserved words are 0; what names the struct. */
+cw_status cw_check_reserved(const uint64_t reserved[4], const char *what);
+
+/* Fails unless the rectangle is a part of the field. */
+cw_status cw_check_rectangle(const cw_field *field, const cw_rectangle *at);
+
+/* Fills in what a caller's struct of size bytes has of *all, and clears what a newer one has beyond. */
+void cw_fill(void *caller, size_t size, const void *all, size_t all_size);
+
+/* *how becomes *run, or all zero for NULL. Fails if it has an option that this version does not know. */
+cw_status cw_run_begin(const cw_run *run, cw_run *how);
+
+/* Sets kernel and leaf test to those that run on this field. Fails if there is none such here. */
+cw_status cw_run_settle(const cw_field *field, cw_run *how);
+
+/* Fails if the field lacks the structure of the kernel, which has been settled. */
+cw_status cw_run_built(const cw_field *field, const cw_run *how);
+
+/* cw_pool_share on the pool of how; in pieces of most items also on one thread if there is a watch. CW_ERROR_CANCELLED if that
+ * returned false. */
+cw_status cw_run_work(const cw_run *how, size_t n, size_t least, size_t most, cw_work_fn *work, void *context);
+
+/* Part of a longer piece of work under one watch, which is given shares from begin to end. */
+typedef struct run_part {
+    const cw_run *whole;
+    double begin, end;
+} run_part;
+
+/* The run of that part, which must stay where it is as long as the run is used. */
+cw_run cw_run_part_of(run_part *part);
+
+#endif
