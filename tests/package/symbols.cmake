@@ -1,5 +1,5 @@
-# What the libraries show to the linker and what is in their code. Arguments: SHARED (may be empty), STATIC, NM, OBJDUMP,
-# SIMD, OBJECTS (of which the libraries are made, between commas).
+# What the libraries show to the linker and what is in their code. Arguments: SHARED (may be empty), LIST (its
+# functions, one a line), STATIC, NM, OBJDUMP, SIMD, OBJECTS (of which the libraries are made, between commas).
 string(REPLACE "," ";" OBJECTS "${OBJECTS}")
 
 function(read output)
@@ -34,6 +34,16 @@ check_names(${STATIC} "${static}")
 if(SHARED)
     read(shared ${NM} -D --defined-only ${SHARED})
     check_names(${SHARED} "${shared}")
+    # Exactly these, for as long as the soname stays: a function more is a line here, a function less another soname.
+    string(REGEX MATCHALL "cw_[a-z0-9_]+" found "${shared}")
+    list(SORT found)
+    file(STRINGS ${LIST} listed)
+    if(NOT found STREQUAL listed)
+        set(more ${found})
+        list(REMOVE_ITEM more ${listed})
+        list(REMOVE_ITEM listed ${found})
+        message(SEND_ERROR "${SHARED} exports [${more}], which ${LIST} lacks, and lacks [${listed}]")
+    endif()
     read(headers ${OBJDUMP} -p ${SHARED})
     string(REGEX MATCHALL "NEEDED +[^\n]+" needed "${headers}")
     foreach(library IN LISTS needed)
