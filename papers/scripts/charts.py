@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the pictures show: one function a chart. Blue is Cellwalk, orange is Embree, grey is everything else; lines and bars
-are labelled where they are, so that no legend has to be looked up."""
+"""What the pictures show: one function a chart. Blue is Cellwalk, orange is Embree, grey is everything else. Axes
+follow the data; layout.py checks that nothing is cut off and no label lies on another."""
 
 from matplotlib import pyplot
-from matplotlib.ticker import NullFormatter, NullLocator
+from matplotlib.lines import Line2D
 
 import blocks_tradeoff
+import layout
+import markdown
 import names
 from blocks_scenes import BESIDE, COURSEWORK
 from blocks_speed import build_of, bytes_a_cell, fastest, own, speed, speed_files
@@ -29,16 +31,16 @@ def canvas(height, rows=1, columns=1, title="", run=None, **adjust):
     return figure, axes
 
 
-def log_axis(axis, ticks, labels=None):
-    axis.set_major_locator(pyplot.FixedLocator(list(ticks)))
-    axis.set_ticklabels([f"{tick:g}" for tick in ticks] if labels is None else labels)
-    axis.set_minor_locator(NullLocator())
-    axis.set_minor_formatter(NullFormatter())
-
-
 def note(axes, text, point, shift, color, **more):
     """A label at a point, shifted by so many points of type."""
-    axes.annotate(text, point, shift, textcoords="offset points", color=color, **{"fontsize": 7.5, **more})
+    return axes.annotate(text, point, shift, textcoords="offset points", color=color, **{"fontsize": 7.5, **more})
+
+
+def legend(figure, height, series):
+    """Above panels: (text, color, style) of lines that all panels have."""
+    figure.legend([Line2D([], [], color=color, marker=style[0], linestyle=style[1:]) for _, color, style in series],
+                  [text for text, _, _ in series], labelcolor=[color for _, color, _ in series], loc="center left",
+                  bbox_to_anchor=(0.06, 1 - 0.62 / height), ncol=len(series), fontsize=8.5, columnspacing=1.6, borderpad=0)
 
 
 def panel_rows(classes):
@@ -87,7 +89,7 @@ def speeds(data, field="1025"):
                   va="center", color=EMBREE, fontsize=8.5)
     axes.set_yticks(range(len(classes)), [names.CLASSES[rays] for rays in classes])
     axes.invert_yaxis()
-    axes.set_xlim(0, most * 1.45)
+    axes.set_xlim(0, most * 1.58)
     axes.xaxis.set_visible(False)
     axes.spines["bottom"].set_visible(False)
     axes.tick_params(axis="y", length=0)
@@ -98,23 +100,23 @@ def scaling(data):
     isa, results = next(iter(speed_files(data).items()))
     classes = names.classes(results)
     rows = panel_rows(classes)
-    figure, axes = canvas(0.5 + 2.2 * rows, rows, 3, f"Speed and size of the field, one thread, {names.ISAS[isa]}", results.run,
-                          hspace=0.32, wspace=0.16)
+    height = 0.75 + 2.2 * rows
+    figure, axes = canvas(height, rows, 3, f"Speed and size of the field, one thread, {names.ISAS[isa]}", results.run,
+                          hspace=0.32, wspace=0.16, top=1 - 1.0 / height)
+    legend(figure, height, [("Cellwalk, and how many times Embree's speed", OURS, "o-"),
+                            ("Embree, its fastest packet width", EMBREE, "s-")])
     fields = [field for field in names.LAND if results.first("field", field=field)]
+    pairs = {rays: [pair(results, field, rays) for field in fields] for rays in classes}
+    limits = layout.log_limits([value for both in pairs.values() for pair in both for value in pair], 0.05, above=0.12)
 
     def draw(panel, rays):
-        ours, theirs = zip(*(pair(results, field, rays) for field in fields))
+        ours, theirs = zip(*pairs[rays])
         panel.plot(ours, "o-", color=OURS)
         panel.plot(theirs, "s-", color=EMBREE)
         for k, (above, below) in enumerate(zip(ours, theirs)):
-            note(panel, f"{above / below:.2f}×", (k, max(above, below)), (0, 6), OURS, ha="center")
-        if rays == "primary":
-            note(panel, "Cellwalk, and how many\ntimes Embree's speed", (1.7, 47), (0, 0), OURS)
-            note(panel, "Embree, its fastest\npacket width", (0, 6), (0, 0), EMBREE)
-        panel.set_yscale("log")
-        panel.set_ylim(0.5, 110)
-        panel.set_xlim(-0.45, len(fields) - 0.55)
-        log_axis(panel.yaxis, (1, 3, 10, 30, 100))
+            note(panel, f"{above / below:.2f}×", (k, max(above, below)), (2, 6), OURS, ha="center")
+        layout.log_axis(panel.yaxis, limits)
+        panel.set_xlim(-0.45, len(fields) - 0.45)
         panel.set_xticks(range(len(fields)), fields)
 
     panels(axes, classes, draw, "million rays / s", "samples a side")
@@ -125,25 +127,25 @@ def widths(data, field="1025"):
     results = data["widths.json"]
     classes = names.classes(results)
     rows = panel_rows(classes)
-    figure, axes = canvas(0.5 + 2.2 * rows, rows, 3, f"Speed and vector width, {field} × {field} samples, one thread",
-                          results.run, hspace=0.32, wspace=0.16)
+    height = 0.75 + 2.2 * rows
+    figure, axes = canvas(height, rows, 3, f"Speed and vector width, {field} × {field} samples, one thread",
+                          results.run, hspace=0.32, wspace=0.16, top=1 - 1.0 / height)
     of = {(line.text("contender"), line.text("rays")): speed(line) for line in results.of("result", field=field)}
+    series = [("pyramid", OURS, "o-", "pyramid{}/watertight"),
+              ("pyramid, two vectors in lockstep", OURS_LIGHT, "D--", "pyramid{}x2/watertight"),
+              ("flat walk", GREY, "^-", "packet{}/watertight"), ("Embree", EMBREE, "s-", "embree/triangles/w{}")]
     lanes = (1, 4, 8, 16)
-    series = [("pyramid", OURS, "o-", "pyramid{}/watertight", (6, -11)),
-              ("two vectors\nin lockstep", OURS_LIGHT, "D--", "pyramid{}x2/watertight", (-30, 8)),
-              ("flat walk", GREY, "^-", "packet{}/watertight", (6, 6)),
-              ("Embree", EMBREE, "s-", "embree/triangles/w{}", (6, 5))]
+    points = {(rays, name): [(width, of[name.format(width), rays]) for width in lanes if of.get((name.format(width), rays))]
+              for rays in classes for *_, name in series}
+    series = [line for line in series if all(points[rays, line[3]] for rays in classes)]
+    legend(figure, height, [line[:3] for line in series])
+    limits = layout.log_limits([y for found in points.values() for _, y in found])
 
     def draw(panel, rays):
-        for text, color, style, name, shift in series:
-            points = [(width, of[name.format(width), rays]) for width in lanes if of.get((name.format(width), rays))]
-            panel.loglog([x for x, _ in points], [y for _, y in points], style, color=color)
-            if rays == "random" and points:
-                note(panel, text, points[-1 if "vectors" in text else 0], shift, OURS if color == OURS_LIGHT else color)
-        panel.set_ylim(0.07, 60)
-        panel.set_xlim(0.85, 11)
-        log_axis(panel.yaxis, (0.1, 0.3, 1, 3, 10, 30))
-        log_axis(panel.xaxis, (1, 4, 8))
+        for _, color, style, name in series:
+            panel.plot(*zip(*points[rays, name]), style, color=color)
+        layout.log_axis(panel.yaxis, limits)
+        layout.log_axis(panel.xaxis, layout.log_limits(lanes), ticks=lanes)
 
     panels(axes, classes, draw, "million rays / s", "lanes in a vector")
     return figure
@@ -153,7 +155,7 @@ def widths(data, field="1025"):
 
 def building(data):
     results = data["building.json"]
-    figure, ((memory, time),) = canvas(3.4, 1, 2, "Memory and time to build", results.run, wspace=0.5, right=0.85)
+    figure, ((memory, time),) = canvas(3.4, 1, 2, "Memory and time to build", results.run, wspace=0.55, right=0.85)
     fields = [line for line in results.of("field") if line.text("field") in names.LAND]
     structures = {"Cellwalk": (OURS, OURS, "o-", lambda field: build_of(results, field)),
                   "3D grid": (GREY, GREY, "^-", lambda field: results.first("kernel_build", field=field, kernel="grid3d")),
@@ -161,23 +163,26 @@ def building(data):
                                                                                         peer="embree/triangles")),
                   "Embree, grid": (EMBREE_LIGHT, EMBREE, "D-", lambda field: results.first("peer_build", field=field,
                                                                                           peer="embree/grid"))}
-    for text, (color, text_color, style, build) in structures.items():
-        lines = [build(line.text("field")) for line in fields]
-        if all(lines):
-            for panel, values in ((memory, [bytes_a_cell(about, line) for about, line in zip(fields, lines)]),
-                                  (time, [line.number("build_seconds") for line in lines])):
-                panel.plot(values, style, color=color)
-                up = 2 if panel is time and text == "3D grid" else -8 if panel is time and text == "Embree, grid" else -3
-                note(panel, text, (len(fields) - 1, values[-1]), (7, up), text_color, fontsize=8)
-    for panel, title, ticks in ((memory, "bytes a cell, samples included", (5, 10, 20, 50, 100, 200)),
-                                (time, "seconds, one thread", (1e-4, 1e-3, 1e-2, 0.1, 1, 10, 100))):
+    of = {text: [build(line.text("field")) for line in fields] for text, (*_, build) in structures.items()}
+    for panel, title, steps, value in (
+            (memory, "bytes a cell, samples included", (1, 2, 5), bytes_a_cell),
+            (time, "time to build, one thread", (1,), lambda about, line: line.number("build_seconds"))):
+        values = {text: [value(*both) for both in zip(fields, lines)] for text, lines in of.items() if all(lines)}
         panel.set_title(title)
-        panel.set_yscale("log")
-        log_axis(panel.yaxis, ticks)
+        layout.log_axis(panel.yaxis, layout.log_limits([y for line in values.values() for y in line]), steps,
+                        markdown.duration if panel is time else "{:g}".format)
         panel.set_xticks(range(len(fields)), [line.text("field") for line in fields])
         panel.set_xlabel("samples a side")
+        panel.set_xlim(-0.25, len(fields) - 0.75)
         panel.grid(axis="y", color="#e4e4e4", linewidth=0.6)
-    memory.set_ylim(4, 250)
+        heights = {}
+        for text, line in sorted(values.items(), key=lambda item: item[1][-1]):
+            color, text_color, style, _ = structures[text]
+            panel.plot(line, style, color=color)
+            # Names at the ends of lines that meet stand one above the other.
+            _, y = panel.transData.transform((0, line[-1])) * 72 / figure.dpi
+            heights[text] = max([y, *(height + 9 for height in heights.values())])
+            layout.beside(note(panel, text, (len(fields) - 1, line[-1]), (7, heights[text] - y - 3), text_color, fontsize=8))
     return figure
 
 
@@ -191,6 +196,7 @@ def coursework(data):
     styles = {"coursework: 3D grid": ("^", "none", GREY), "coursework: cell walk": ("o", "none", GREY),
               "3D grid": ("^", OURS_LIGHT, OURS_LIGHT), "cell walk": ("o", OURS_LIGHT, OURS_LIGHT),
               "Cellwalk's choice": ("o", OURS, OURS)}
+    drawn = []
     for k, line in enumerate(scenes):
         mesh, *others = COURSEWORK[line.text("scene")]
         of = {path.text("path"): path.number("time_to_default", 0.0) for path in line.lines("paths")}
@@ -198,12 +204,12 @@ def coursework(data):
         axes.axhline(k, color="#e4e4e4", linewidth=0.6, zorder=0)
         for (text, (marker, face, edge)), value in zip(styles.items(), values):
             if value:
+                drawn.append(value)
                 axes.plot(value, k, marker, markersize=7, markerfacecolor=face, markeredgecolor=edge, markeredgewidth=1.4,
                           linestyle="none", label=text if k == 0 else None)
     axes.axvline(1, color="#444444", linewidth=0.8)
-    axes.set_xscale("log")
-    log_axis(axes.xaxis, (0.5, 1, 2, 5, 10, 20), ["0.5", "1: triangle mesh", "2", "5", "10", "20"])
-    axes.set_xlim(0.7, 20)
+    layout.log_axis(axes.xaxis, layout.log_limits(drawn, 0.03), (1, 2, 5),
+                    lambda tick: "1: triangle mesh" if tick == 1 else f"{tick:g}")
     axes.set_yticks(range(len(scenes)), [line.text("scene") for line in scenes])
     axes.set_ylim(len(scenes) - 0.5, -0.5)
     axes.tick_params(axis="y", length=0)
@@ -219,11 +225,7 @@ def tradeoff(data):
     best = blocks_tradeoff.fastest_of_modes(everyone)
     figure, (axes,) = canvas(3.9, 1, 2, "Speed against error: the fastest kernel of each mode, and Embree", results.run,
                              wspace=0.24)
-    lowest = {"answers": 100, "place": 1e-4}
-    # Where labels would overlap: offset in points.
-    shift = {("answers", "moller-trumbore"): (7, -9), ("answers", "samples-16"): (-8, 8),
-             ("place", "samples-16"): (8, -7),
-             ("place", "cone-pixel"): (-24, 8), ("place", "embree-robust"): (-48, -13), ("place", "tolerance-1"): (-26, -13)}
+    lowest = {"answers": 100, "place": 1e-4}  # below, on a logarithmic axis, stands what is none
     for panel, (name, (title, error)) in zip(axes, blocks_tradeoff.FRONTIERS.items()):
         low = lowest[name] / 10
 
@@ -232,22 +234,20 @@ def tradeoff(data):
 
         line = blocks_tradeoff.frontier(everyone, error)
         panel.plot([s.speed for s in line], [place(error(s)) for s in line], "-", color="#bbbbbb", zorder=0)
+        labels = []
         for mode, s in best.items():
             embree = mode.startswith("embree")
             color = EMBREE if embree else OURS if s in line else OURS_LIGHT
             panel.plot(s.speed, place(error(s)), "o", color=color, markersize=6)
-            note(panel, mode, (s.speed, place(error(s))), shift.get((name, mode), (7, -3)), EMBREE if embree else OURS,
-                 fontsize=8)
-        panel.set_yscale("log")
+            labels.append((mode, (s.speed, place(error(s))), EMBREE if embree else OURS))
         panel.set_title(title)
-        panel.set_xlabel("million rays / s; the grey line is the frontier")
-        panel.set_xlim(0, 14)
+        panel.set_xlabel("million rays / s; dark blue: on the frontier")
+        panel.set_xlim(0, 1.25 * max(s.speed for s in best.values()))
+        layout.log_axis(panel.yaxis, layout.log_limits([point[1] for _, point, _ in labels], 0.1), (1,),
+                        lambda tick: "none" if tick == low else markdown.grouped(tick) if tick >= 1000 else f"{tick:g}")
         panel.grid(color="#eeeeee", linewidth=0.6)
         panel.set_axisbelow(True)
-    log_axis(axes[0].yaxis, (10, 100, 1e3, 1e4, 1e5), ["0", "100", "1000", "10 000", "100 000"])
-    axes[0].set_ylim(4, 2e5)
-    log_axis(axes[1].yaxis, (1e-4, 1e-3, 1e-2, 0.1, 1))
-    axes[1].set_ylim(5e-5, 3)
+        layout.label_points(panel, labels, fontsize=8)
     return figure
 
 
@@ -272,8 +272,9 @@ def profile(data):
                 axes.text(begin + share / 2, y, f"{share:.0f}", ha="center", va="center", fontsize=8,
                           color="black" if group in ("other", "misses and hits written", "lane walk") else "white")
             begin += share
-        axes.text(-1, y, f"{names.CLASSES[line.text('rays')]}, {names.field(line.text('field'))}", ha="right", va="center")
-    axes.set_xlim(0, 100)
+        layout.beside(axes.text(-1, y, f"{names.CLASSES[line.text('rays')]}, {names.field(line.text('field'))}", ha="right",
+                                va="center"))
+    axes.set_xlim(0, 100.5)
     axes.set_ylim(len(lines) + 0.2, -0.6)
     axes.axis("off")
     axes.legend(loc="lower left", bbox_to_anchor=(-0.28, 1), ncol=4, fontsize=8.5, handlelength=1, columnspacing=1.2)

@@ -25,12 +25,12 @@ def from_above(axes):
     axes.plot(*ORG, "o", color=RAY)
     axes.text(ORG[0] + 0.08, ORG[1] + 0.07, "org = (ox, oy, oz)", color=RAY, ha="right", va="bottom", fontsize=8)
     axes.text(*at(2.03), "dir =\n(dx, dy, dz)", color=RAY, ha="left", va="center", fontsize=8)
-    labels = {"t(i)": ("enters at t(i)", (-6, 9), "right"), "diagonal": ("diagonal at td", (-2, 9), "right"),
+    labels = {"t(i)": ("enters at t(i)", (-6, 9), "right"), "diagonal": ("diagonal\nat td", (-9, 3), "right"),
               "t(i + 1)": ("leaves at t(i + 1)", (7, -12), "left")}
     for name, (text, shift, ha) in labels.items():
         axes.plot(*at(CROSSINGS[name]), "o", color=RAY)
         axes.annotate(text, at(CROSSINGS[name]), shift, textcoords="offset points", color=RAY, fontsize=8, ha=ha)
-    axes.set_xlim(-1.16, 1.8)
+    axes.set_xlim(-1.16, 1.98)
     axes.set_ylim(-0.35, 1.42)
     axes.set_aspect("equal")
     axes.axis("off")
@@ -55,13 +55,13 @@ def from_the_side(axes):
     share = (ray[1] - surface[1]) / ((ray[1] - surface[1]) - (ray[2] - surface[2]))
     hit = t[1] + (t[2] - t[1]) * share, surface[1] + (surface[2] - surface[1]) * share
     axes.plot(*hit, "o", color=HIT, markersize=6)
-    axes.annotate("hit: the root of d between\nta = td and tb = t(i + 1)", hit, (t[1] + 0.28, 1.08), color=HIT, fontsize=8,
+    axes.annotate("hit: the root of d between\nta = td and tb = t(i + 1)", hit, (t[1] + 0.26, 1.08), color=HIT, fontsize=8,
                   ha="left", arrowprops={"arrowstyle": "-", "color": HIT, "linewidth": 0.7})
     for name, when in zip(("t(i)", "td", "t(i + 1)"), t):
         axes.text(when, -0.02, name, color=RAY, ha="center", va="top", fontsize=8)
     axes.annotate("", (ends[1] + 0.1, 0.02), (ends[0], 0.02), arrowprops={"arrowstyle": "->", "color": GREY})
     axes.text(ends[1] + 0.12, 0.02, "t", va="center", color=GREY)
-    axes.set_xlim(ends[0] - 0.22, ends[1] + 0.25)
+    axes.set_xlim(ends[0] - 0.22, ends[1] + 0.3)
     axes.set_ylim(-0.14, 1.28)
     axes.axis("off")
 

@@ -35,8 +35,11 @@ def load():
     return {**charts.CHARTS, "cell": lambda data: figure_cell.draw()}
 
 
-def svg(figure):
+def svg(name, figure):
+    """The picture's text; fails if something in it is cut off or lies on something else."""
     from matplotlib import pyplot
+    import layout
+    layout.check(name, figure)
     text = io.StringIO()
     figure.savefig(text, format="svg", metadata={"Date": None})
     pyplot.close(figure)
@@ -70,7 +73,7 @@ def check(folder, data):
         if name not in there or name[:-4] not in pictures:
             stale.append(f"{path}: {'is missing' if name not in there else 'is none that pictures.py draws'}")
             continue
-        have, want = (text.splitlines() for text in (read(path), svg(pictures[name[:-4]](data))))
+        have, want = (text.splitlines() for text in (read(path), svg(name[:-4], pictures[name[:-4]](data))))
         differ = [k for k in range(max(len(have), len(want))) if have[k:k + 1] != want[k:k + 1]]
         if differ:
             k = differ[0]
@@ -93,7 +96,7 @@ def main():
         return check(folder, data)
     if matplotlib is None:
         raise Problem("needs matplotlib (Debian: python3-matplotlib)")
-    drawn = {name: svg(draw(data)) for name, draw in load().items()}
+    drawn = {name: svg(name, draw(data)) for name, draw in load().items()}
     for name, text in drawn.items():
         with open(os.path.join(folder, f"{name}.svg"), "w", encoding="utf-8") as file:
             file.write(text)

@@ -252,7 +252,7 @@ class Pictures(Folder):
         if pictures.matplotlib is None:
             self.skipTest("matplotlib is missing")
         with mock.patch.object(pictures, "load", lambda: {"a": lambda data: "figure"}), \
-                mock.patch.object(pictures, "svg", lambda figure: version + "<b/>\n"):
+                mock.patch.object(pictures, "svg", lambda name, figure: version + "<b/>\n"):
             version = f"<Matplotlib v{pictures.matplotlib.__version__}>\n"
             self.write("a.svg", version + "<b/>\n")
             self.assertEqual(pictures.check(self.folder.name, None), 0)
@@ -265,6 +265,67 @@ class Pictures(Folder):
         self.write("a.svg", "Matplotlib v0.0.1\n")
         with contextlib.redirect_stdout(io.StringIO()):
             self.assertEqual(pictures.check(self.folder.name, None), pictures.SKIPPED)
+
+
+class Layout(Folder):
+    """What the check of a picture's layout finds, on small pictures with one fault each."""
+
+    def setUp(self):
+        super().setUp()
+        if pictures.matplotlib is None:
+            self.skipTest("matplotlib is missing")
+        pictures.load()
+        import layout
+        from matplotlib import pyplot
+        self.layout = layout
+        self.figure, self.axes = pyplot.subplots(figsize=(4, 3))
+        self.addCleanup(pyplot.close, self.figure)
+        self.axes.plot([1, 2, 3], [1, 2, 3], "o-")
+
+    def finds(self, *texts):
+        found = self.layout.faults(self.figure)
+        self.assertEqual(len(found), len(texts), found)
+        for text, fault in zip(texts, found):
+            self.assertIn(text, fault)
+
+    def test_points_and_bars(self):
+        self.finds()
+        self.axes.set_xlim(0.5, 2.5)
+        self.finds("the point (3, 3) lies outside the axes")
+        self.fails("chart: the point (3, 3)", self.layout.check, "chart", self.figure)
+        self.axes.set_xlim(0.5, 3)  # the marker is cut in half
+        self.finds("the point (3, 3)")
+        self.axes.set_xlim(0.5, 3.5)
+        self.axes.bar(2, 9)
+        self.axes.set_ylim(-1, 5)
+        self.finds("a bar lies outside")
+
+    def test_labels(self):
+        first = self.axes.annotate("first", (2, 2), (6, -10), textcoords="offset points")
+        self.finds()
+        second = self.axes.annotate("second", (2, 2), (9, -12), textcoords="offset points")
+        self.finds('"second" overlaps "first"')
+        second.remove()
+        first.set_position((-130, 0))  # upon the numbers of the axis
+        self.finds('"first" lies outside its axes', '"2.00" overlaps "first"')
+        self.layout.beside(first)
+        self.finds('"2.00" overlaps "first"')
+        first.set_position((-500, 0))
+        self.finds('"first" lies outside the picture')
+
+    def test_labels_find_free_places(self):
+        self.axes.margins(0.3)
+        points = [(2, 2), (2.05, 2.05), (2, 2.1)]
+        for point in points:
+            self.axes.plot(*point, "o")
+        self.layout.label_points(self.axes, [(f"label {k}", point, "black") for k, point in enumerate(points)], fontsize=8)
+        self.finds()
+        with self.assertRaisesRegex(results.Problem, "no free place"):
+            self.layout.label_points(self.axes, [("wide " * 40, (2, 2), "black")])
+
+    def test_limits_hold_the_values(self):
+        low, high = self.layout.log_limits([1, 100])
+        self.assertTrue(0 < low < 1 and high > 100)
 
 
 class Renders(Folder):
