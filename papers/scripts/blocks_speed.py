@@ -14,6 +14,13 @@ def speed_files(data):
     return found
 
 
+def default_kernel(data, isa, field="1025"):
+    """Which kernel the library chooses up to this instruction set, by the file of speeds; empty if there is none."""
+    results = data.get(names.SPEED_FILES.get(isa, ""))
+    about = results.first("field", field=field) if results else None
+    return about.text("default_kernel") if about else ""
+
+
 def own(results, field, rays):
     """The result of the kernel that the library chooses, on one thread; None if there is none."""
     about = results.first("field", field=field)
@@ -68,24 +75,43 @@ def bytes_a_cell(about, build):
 
 # ---- blocks ----
 
+def all_ratios(results):
+    """Speed over Embree's, by (class of rays, field): all that was measured, small fields and seas included."""
+    fields, classes = matrix(results)
+    found = {(rays, field): over_embree(results, field, rays) for rays in classes for field in fields}
+    return {place: value for place, value in found.items() if value}
+
+
+def place(rays, field):
+    return f"{names.CLASSES[rays]}, {names.field(field)}"
+
+
+def embree_text(run):
+    return f"Embree {run.text('embree')}" + (" (Debian's build, with assertions)" if run.get("embree_assertions") else "")
+
+
 def summary(data):
     """Ratios to Embree's fastest packet width, an instruction set after the other."""
-    means, lowest, highest, count = {}, {}, {}, set()
+    means, lowest, highest, slower, counts, embree = {}, [], [], [], set(), set()
     for isa, results in speed_files(data).items():
-        ratios = {f"{rays}, {names.field(field)}": over_embree(results, field, rays)
-                  for rays in names.classes(results) for field in names.MIDDLE}
-        if not all(ratios.values()):
+        ratios = all_ratios(results)
+        if not ratios:
             continue
-        count.add(len(names.classes(results)))
         means[names.ISAS[isa]] = geometric_mean(ratios.values())
         low, high = min(ratios, key=ratios.get), max(ratios, key=ratios.get)
-        lowest[f"{ratios[low]:.2f} ({low})"], highest[f"{ratios[high]:.2f} ({high})"] = low, high
+        lowest.append(f"{ratios[low]:.2f} ({place(*low)})")
+        highest.append(f"{ratios[high]:.2f} ({place(*high)})")
+        slower.append(str(sum(value < 1 for value in ratios.values())))
+        counts.add((len({rays for rays, _ in ratios}), len({field for _, field in ratios})))
+        embree.add(embree_text(results.run))
     text = ""
     if means:
-        classes = " or ".join({6: "six", 7: "seven"}[n] for n in sorted(count))
-        text = (f"- **Speed**: {listed(f'{mean:.2f}' for mean in means.values())} times that of Embree's fastest packet width with "
-                f"{listed(means)} (geometric mean over {classes} classes of rays on fields of 257², 1025² and 4097² samples). "
-                f"Lowest: {listed(lowest)}; highest: {listed(highest)}.\n")
+        cases = listed(f"{classes} classes of rays on {fields} fields" for classes, fields in sorted(counts))
+        each = listed(str(classes * fields) for classes, fields in sorted(counts))
+        text = (f"- **Speed**: {listed(f'{mean:.2f}' for mean in means.values())} times that of {listed(sorted(embree))} with "
+                f"{listed(means)}, on one thread. These are geometric means over {cases}. For each case Embree's fastest packet "
+                f"width counts. Lowest of all: {listed(lowest)}. Highest: {listed(highest)}. Embree is faster in "
+                f"{listed(slower)} of {each} cases.\n")
     return text + _summary_of_building(data["building.json"])
 
 
@@ -103,9 +129,9 @@ def _summary_of_building(results):
     text = (f"- **Memory** at {names.field(field)}: {bytes_a_cell(about, ours):.2f} bytes a cell, samples included. "
             f"Embree's triangles take {bytes_a_cell(about, mesh):.0f}")
     text += f", its grid geometry {bytes_a_cell(about, grid):.0f}.\n" if grid else ".\n"
-    text += (f"- **Building** at {names.field(field)} takes {seconds:.3g} s. Embree's triangles, at its default quality, "
-             f"take {mesh.number('build_seconds') / seconds:.0f} times as long")
-    return text + (f", its grid geometry {grid.number('build_seconds') / seconds:.1f} times.\n" if grid else ".\n")
+    text += (f"- **Building** at {names.field(field)}: {seconds:.3g} s on one thread. Embree's triangles take "
+             f"{mesh.number('build_seconds') / seconds:.0f} times as long at its default quality")
+    return text + (f", its grid geometry {grid.number('build_seconds') / seconds:.0f} times.\n" if grid else ".\n")
 
 
 def speeds(data):

@@ -61,8 +61,8 @@ def _check_parts(files):
                               "as well")
 
 
-def stability(files):
-    """files: one run, or parts of one whose counts are added up."""
+def stability(files, default=""):
+    """files: one run, or parts of one whose counts are added up. default: the kernel that the library chooses today."""
     _check_parts(files)
     role, of = {}, {}
     for line in (line for results in files for line in results.of("result")):
@@ -78,7 +78,17 @@ def stability(files):
     seconds = sum(results.run.number("seconds") for results in files)
     return (f"{grouped(of[reference, 'all']['traced'])} rays, one in {files[-1].run.number('sample')} of them judged in full; "
             f"{seconds:.0f} s of CPU time on one thread. {run_text(files[0].run)}.\n\n" +
-            _contenders(role, of) + "\n" + _classes(reference, of))
+            _contenders(role, of) + _about_default(default, reference, role) + "\n" + _classes(reference, of))
+
+
+def _about_default(default, reference, role):
+    """Whether these counts are the default kernel's."""
+    if not default or names.kernel(reference) == default:
+        return ""
+    took_part = f"{default}/watertight" in role
+    return (f"\nToday's default kernel is `{default}`, not `{names.kernel(reference)}`. " +
+            ("Its bits were compared in this run.\n" if took_part else
+             "It took no part in this run; that it returns the same bits is the test `lanes`' to show.\n"))
 
 
 def _contenders(role, of):
@@ -144,7 +154,8 @@ def extremes(results):
         rows.append([item, grouped(asked), results.first("extreme", item=item).text("expected"),
                      f"up to {max(excused):.1f} %" if any(excused) else ""])
     counts = " and ".join(f"{len(of)} kernels with the {leaf} leaf test" for leaf, of in sorted(kernels.items()))
-    text = (table(["extreme", "rays", "expected, and why", "Möller–Trumbore: excused"], rows, "lrlr") +
+    text = (f"{run_text(results.run)}.\n\n" +
+            table(["extreme", "rays", "expected, and why", "Möller–Trumbore: excused"], rows, "lrlr") +
             f"\nAsked were {counts}: {grouped(answers)} answers, **{grouped(wrong)}** not as expected.")
     if results.run.get("emulated"):
         text += " The kernels 16 lanes wide ran through an emulation of AVX-512."
@@ -163,14 +174,15 @@ def exhaustive(results):
                      *(grouped(line.number(key)) for key in ("rays", "hits", "rims", "thirds")), grouped(others),
                      "**" + " / ".join(str(line.number(key)) for key in ("leak", "phantom", "wrong_surface")) + "**",
                      grouped(line.number("same_bits"))])
-    return table(["samples", "heights", "fields", "rays", "hits", "ties at a rim", "at a third", "other ties",
+    return f"{run_text(results.run)}.\n\n" + table(["samples", "heights", "fields", "rays", "hits", "ties at a rim", "at a third", "other ties",
                   "leaks / phantoms / wrong surfaces", "bit-identical answers of other kernels"], rows, "ll" + "r" * 8)
 
 
 def stress(results):
     rows = [[line.text("rays"), *(grouped(line.number(key)) for key in ("traced", "hits", "answers")),
              f"**{line.number('other_bits')}**"] for line in results.of("stress")]
-    return table(["rays", "traced", "hits", "answers of other kernels", "of these, with other bits"], rows)
+    return f"{run_text(results.run)}.\n\n" + table(["rays", "traced", "hits", "answers of other kernels",
+                                                  "of these, with other bits"], rows)
 
 
 # ---- the cost of being watertight ----

@@ -5,9 +5,10 @@ import math
 from statistics import median
 
 import names
+from blocks_speed import default_kernel
 from blocks_work import mean_ratio, work
 from markdown import grouped, table, three
-from results import geometric_mean, run_text
+from results import Problem, geometric_mean, run_text
 
 FILE, PRECISION_FILE = "tradeoff/tradeoff.json", "precision/tradeoff.json"
 AIMED = ("vertices", "edges")  # classes of rays that are made to find leaks; they are not timed
@@ -99,12 +100,21 @@ def fastest_of_modes(all_of_them):
 # ---- blocks ----
 
 def accuracy(data):
-    """A line of the summary."""
-    labels = {"strict": "by default", "moller-trumbore": "with the Möller–Trumbore leaf test", "embree": "for Embree",
-              "embree-robust": "for Embree in robust mode"}
-    best = fastest_of_modes(summaries(data[FILE]))
-    return ("- **Wrong answers** per million rays aimed at vertices and edges: " +
-            ", ".join(f"{three(best[mode].aimed)} {label}" for mode, label in labels.items() if mode in best) + ".\n")
+    """A line of the summary: the default kernel, and the fastest of each other mode."""
+    labels = {"moller-trumbore": "with the Möller–Trumbore leaf test", "embree": "for Embree", "embree-robust": "for Embree in robust mode"}
+    results = data[FILE]
+    everyone = summaries(results)
+    best = fastest_of_modes(everyone)
+    default = default_kernel(data, results.run.text("isa"))
+    own = next((s for s in everyone if s.mode == "strict" and s.kernel == default), None)
+    if own is None:
+        raise Problem(f"{results.path}: has no result of the default kernel {default}")
+    rays = results.run.number("rays_a_class") * sum(line.text("rays") in AIMED for line in results.of("result")
+                                                    if line.text("contender") == own.name)
+    figures = [f"{three(own.aimed)} for the default kernel",
+               *(f"{three(best[mode].aimed)} {label}" for mode, label in labels.items() if mode in best)]
+    return ("- **Wrong answers** per million rays aimed at vertices and edges: " + ", ".join(figures) +
+            f" ({grouped(rays)} rays each).\n")
 
 
 def modes(results):

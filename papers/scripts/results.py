@@ -122,6 +122,10 @@ class Data:
 
 def run_text(run):
     """On what machine and with what program a run was made, in one line."""
+    if "commit" not in run:
+        return "The file records neither commit nor machine"
+    if "cpu" not in run:
+        return f"Commit {run.text('commit')}, {run.text('date')}"
     threads = run.text("threads", "")
     embree = run.text("embree", "none") + (" (compiled with assertions)" if run.get("embree_assertions") else "")
     return (f"{run.text('cpu')}, {run.text('isa')}, {run.text('compiler')}, {run.text('build_type')}, "

@@ -49,7 +49,7 @@ def sources(data):
             run = data[name].run
             command = made_by or "cellwalk-bench " + run.text("arguments")
             load = f"{run.number('load'):.2f}" if "load" in run else ""
-            rows.append([f"[{name}](data/{name})", f"`{command}`", run.text("isa", ""), run.text("commit", ""), load,
+            rows.append([f"[{name}](data/{name})", f"`{command}`", run.text("isa", ""), run.text("commit", "not recorded"), load,
                          run.text("date", "")[:10]])
     unknown = data.files_there() - SOURCES.keys()
     if unknown:
@@ -65,7 +65,8 @@ BLOCKS = {
     "summary": lambda data: blocks_speed.summary(data) + blocks_scenes.beside_pbrt(data) + blocks_tradeoff.accuracy(data),
     "table": from_file("scenes/table.json", blocks_scenes.times),
     "tracing": from_file("scenes/table.json", blocks_scenes.tracing),
-    "stability": lambda data: blocks_stability.stability([data["stability/aimed.json"]]),
+    "stability": lambda data: blocks_stability.stability(
+        [data["stability/aimed.json"]], blocks_speed.default_kernel(data, data["stability/aimed.json"].run.text("isa"))),
     **{name: from_file(f"stability/{name}.json", OWN[name]) for name in ("extremes", "exhaustive", "stress", "leaf")},
     "afar": from_file("afar.json", blocks_speed.afar),
     "precision": from_file(blocks_tradeoff.PRECISION_FILE, blocks_tradeoff.precision),

@@ -116,6 +116,18 @@ class Speeds(Folder):
         self.assertEqual(blocks_speed.over_embree(read, "65", "primary"), 0)
         self.assertEqual(blocks_speed.micro(read).splitlines()[-1], "| ao | 9 `pyramid8x2` |")
 
+    def test_the_lowest_is_the_lowest_of_all_fields(self):
+        of = {("65", "ao"): 0.5, ("257", "ao"): 2, ("sea-calm", "ao"): 4}
+        lines = [{"kind": "field", "field": field, "default_kernel": "k"} for field, _ in of]
+        for (field, rays), value in of.items():
+            lines += [speed(field, rays, "k/w", value), speed(field, rays, "embree/triangles/w8", 1)]
+        self.results(*lines, name="speed-avx2.json")
+        self.results(name="building.json")
+        text = blocks_speed.summary(results.Data(self.folder.name))
+        self.assertIn("1.59 times that of Embree 3.13.5 (Debian's build, with assertions) with AVX2", text)
+        self.assertIn("Lowest of all: 0.50 (ambient occlusion, 65²). Highest: 4.00 (ambient occlusion, calm sea).", text)
+        self.assertIn("Embree is faster in 1 of 3 cases", text)
+
     def test_afar(self):
         text = blocks_speed.afar(self.results(speed("65", "random", "k/w", 10), speed("65", "random+5", "k/w", 8)))
         self.assertIn("| field | 0 | 5 |", text)
@@ -151,6 +163,16 @@ class Tradeoff(Folder):
         self.assertEqual((found[1].ordinary, found[1].aimed, found[1].wrong), (100, 300, 200))
         self.assertAlmostEqual(found[1].speed, 20)
         self.assertIn("| | fast | `k` | 20 | +100.0 % | 200 |", blocks_tradeoff.frontiers(read))
+
+    def test_the_summary_is_about_the_default_kernel(self):
+        def lines(kernel, mrays, aimed):
+            return [{**self.line("strict", rays, value, aimed, 1), "kernel": kernel, "contender": f"strict/{kernel}"}
+                    for rays, value in (("ao", mrays), ("edges", None))]
+        self.results(*lines("fast", 20, 5), *lines("k", 10, 2), name=blocks_tradeoff.FILE, run={**RUN, "rays_a_class": 8})
+        data = results.Data(self.folder.name)
+        self.fails("no result of the default kernel", blocks_tradeoff.accuracy, data)
+        self.results({"kind": "field", "field": "1025", "default_kernel": "k"}, name="speed-avx2.json")
+        self.assertIn("edges: 2 for the default kernel (8 rays each)", blocks_tradeoff.accuracy(results.Data(self.folder.name)))
 
     def test_from_afar_t_tells_no_place_and_short_rays_are_for_precision(self):
         read = self.results(self.line("exact", "ao", 10, 0, 1e-4), self.line("exact", "afar", 10, 0, 1),
@@ -193,6 +215,18 @@ class Stability(Folder):
         self.assertIn("| at a sample | 0.90 | 0.10 | 0.20 | 0.5 | 50 000 |", text)
         self.fails("c.json:1: batches 2 to 3 are in", blocks_stability.stability, [a, self.part("c.json", 2, 3)])
         self.fails('"rays" is "odd", an unknown class', blocks_stability.stability, [self.part("d.json", 0, 1, rays="odd")])
+
+    def test_says_whether_the_default_kernel_took_part(self):
+        a = self.part("a.json", 0, 4)
+        self.assertNotIn("default", blocks_stability.stability([a], "k"))
+        self.assertIn("Today's default kernel is `other`, not `k`. It took no part", blocks_stability.stability([a], "other"))
+
+    def test_files_without_commit_say_so(self):
+        line = {"kind": "stress", "rays": "ao", "traced": 1, "hits": 1, "answers": 1, "other_bits": 0}
+        text = blocks_stability.stress(self.results(line, run={"kind": "run", "command": "stress"}))
+        self.assertIn("records neither commit nor machine", text)
+        run = {"kind": "run", "command": "stress", "commit": "abc", "date": "2026-01-02T03:04:05Z"}
+        self.assertIn("Commit abc, 2026-01-02", blocks_stability.stress(self.results(line, run=run)))
 
     def test_extremes_count_what_is_not_as_expected(self):
         line = {"kind": "extreme", "item": "spikes", "expected": "a hit", "kernel": "k", "leaf": "watertight", "asked": 10,
@@ -394,7 +428,7 @@ class BesidePbrt(Folder):
         self.assertIn("| sea | 4.00 | 0.250 | 16.0 | 1.00 | 0.050 | 700 | 20 |", text)
         self.assertIn("pbrt-v2: built so.", text)
         self.assertIn("Geometric mean of the ratios: 8.0.", text)
-        self.assertIn("8.0 times the speed of pbrt-v2 on the 2 scenes", blocks_scenes.beside_pbrt(results.Data(self.folder.name)))
+        self.assertIn("8.0 times the speed of pbrt-v2, geometric mean over 2 scenes, from 4.0 to 16.0", blocks_scenes.beside_pbrt(results.Data(self.folder.name)))
 
     def test_column_beside_the_scenes(self):
         path = {"path": "auto-phong", "title": "cellwalk, Phong", "by": "cell/watertight", "seconds_median": 0.5,

@@ -8,6 +8,7 @@ function(cellwalk_count name rounds)
             add_custom_target(stability-${name} COMMAND ${CMAKE_COMMAND} -E make_directory ${data}
                 COMMAND ${CMAKE_COMMAND} -E env CELLWALK_TEST_COUNTS=${data}/${name}.json CELLWALK_TEST_ROUNDS=${rounds}
                     $<TARGET_FILE:${test}>
+                COMMAND ${CMAKE_COMMAND} -DFILE=${data}/${name}.json -P ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/stamp.cmake
                 WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} USES_TERMINAL VERBATIM)
             add_dependencies(stability-${name} ${test})
             return()

@@ -1,0 +1,12 @@
+# Adds commit and date to the first line of a file of counts. Run in the project's folder. Argument: FILE.
+execute_process(COMMAND git describe --always --abbrev=10 --exclude=* --dirty=\ with\ changes
+    OUTPUT_VARIABLE commit OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+if(commit STREQUAL "")
+    message(FATAL_ERROR "${FILE}: there is no commit to name; this needs git and the project's repository")
+endif()
+string(TIMESTAMP date "%Y-%m-%dT%H:%M:%SZ" UTC)
+file(READ ${FILE} text)
+string(FIND "${text}" "}" end) # of the first object, which holds no other
+string(SUBSTRING "${text}" 0 ${end} run)
+string(SUBSTRING "${text}" ${end} -1 rest)
+file(WRITE ${FILE} "${run}, \"commit\": \"${commit}\", \"date\": \"${date}\"${rest}")
