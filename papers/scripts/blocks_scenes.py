@@ -34,18 +34,18 @@ def times(results):
 
     text = f"{run_text(results.run)}.\n\nSeconds to render: median CPU time of one thread, building excluded."
     if results.run.text("embree", ""):
-        text += (" In brackets: time relative to Default, Embree's triangle mesh, with the same normals; below 1 is faster "
-                 "than Embree.")
+        text += (" In brackets: time relative to *Default*, Embree's triangle mesh with the same normals. Below 1 is faster than "
+                 "Embree.")
     chosen = [path.text("by") for path in paths if path.text("path").startswith("auto")]
     if chosen:
-        text += f" *cellwalk* is the kernel that the library chooses, in the first scene `{chosen[0].split('/')[0]}`."
+        text += f" *cellwalk* is the default kernel, in the first scene `{chosen[0].split('/')[0]}`."
     rows = _rows(results, time)
     facts = results.of("pbrt")
     if facts:
         by = facts[0]
-        text += (" *pbrt-v2*: how many times as long as cellwalk its whole process takes, with flat triangles; not measured in "
-                 f"this run, but both on {by.text('cpu')}, {by.text('isa')}, commit {by.text('commit')}, {by.text('date')}, with "
-                 f"pbrt-v2 of {by.text('pbrt')}.")
+        text += (" *pbrt-v2*: how many times as long as cellwalk its whole process takes, with flat triangles. That was another "
+                 f"run: {by.text('cpu')}, {by.text('isa')}, commit {by.text('commit')}, {by.text('date')}. It had pbrt-v2 of "
+                 f"{by.text('pbrt')}.")
         rows = [[row[0], f"{line.number('pbrt_ratio'):.1f} x" if line.get("pbrt_ratio") else "", *row[1:]]
                 for row, line in zip(rows, results.of("scene"))]
     return text + "\n\n" + table([head[0], "pbrt-v2", *head[1:]] if facts else head, rows)

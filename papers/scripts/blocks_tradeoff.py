@@ -114,7 +114,7 @@ def accuracy(data):
     figures = [f"{three(own.aimed)} for the default kernel",
                *(f"{three(best[mode].aimed)} {label}" for mode, label in labels.items() if mode in best)]
     return ("- **Wrong answers** per million rays aimed at vertices and edges: " + ", ".join(figures) +
-            f" ({grouped(rays)} rays each).\n")
+            f". Each traced {grouped(rays)} rays.\n")
 
 
 def modes(results):

@@ -28,6 +28,7 @@ import measure
 import names
 import pictures
 import profile_kernels
+import prose
 import renders
 import results
 import tables
@@ -172,7 +173,7 @@ class Tradeoff(Folder):
         data = results.Data(self.folder.name)
         self.fails("no result of the default kernel", blocks_tradeoff.accuracy, data)
         self.results({"kind": "field", "field": "1025", "default_kernel": "k"}, name="speed-avx2.json")
-        self.assertIn("edges: 2 for the default kernel (8 rays each)", blocks_tradeoff.accuracy(results.Data(self.folder.name)))
+        self.assertIn("edges: 2 for the default kernel. Each traced 8 rays.", blocks_tradeoff.accuracy(results.Data(self.folder.name)))
 
     def test_from_afar_t_tells_no_place_and_short_rays_are_for_precision(self):
         read = self.results(self.line("exact", "ao", 10, 0, 1e-4), self.line("exact", "afar", 10, 0, 1),
@@ -362,6 +363,18 @@ class Layout(Folder):
         self.assertTrue(0 < low < 1 and high > 100)
 
 
+class Prose(unittest.TestCase):
+    def test_finds_long_sentences_and_tics(self):
+        page = ("# What\n\nA short one. " + "Word " * 36 + "end. Short, `a b c`.\n\n```\n" + "code " * 50 +
+                "\n```\n\n| what | table |\n\n- It says what it does.\n- It skips what is far.\n- One: two; three.\n")
+        found, counts = prose.warnings(page)
+        self.assertEqual([line for line, _ in found], [3, 12, 13])
+        self.assertEqual(counts, [3, 37, 2, 5, 5, 3])
+        self.assertIn("a sentence of 37 words", found[0][1])
+        self.assertIn('"what" as a noun', found[1][1])
+        self.assertIn("a chain", found[2][1])
+
+
 class Renders(Folder):
     def png(self, name, rows, kinds):
         """Rows of bytes, each already filtered as its kind says."""
@@ -440,7 +453,7 @@ class BesidePbrt(Folder):
         self.assertIn("| scene | pbrt-v2 | cellwalk, Phong |", text)
         self.assertIn("| sea | 16.0 x | 0.500 (0.80) |", text)
         self.assertIn("| land | | 0.500 (0.80) |", text)
-        self.assertIn("both on Abacus, avx2, commit abc", text)
+        self.assertIn("another run: Abacus, avx2, commit abc", text)
 
 
 class Measure(unittest.TestCase):

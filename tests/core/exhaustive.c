@@ -4,7 +4,7 @@
  * and halves make most of it exact in float, so the watertight kernels have to name the exact answer but for few ties.
  *
  * The test takes all of 2 × 2 and a share of the rest; CELLWALK_TEST_ROUNDS = n takes n times as many of the larger
- * fields, 1001 takes all. With CELLWALK_TEST_COUNTS = FILE the counts are kept for papers/stability.md. */
+ * fields, 1001 takes all. With CELLWALK_TEST_COUNTS = FILE the counts are kept for papers/robustness.md. */
 
 #include "check.h"
 #include "paths.h"

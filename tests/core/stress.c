@@ -2,7 +2,7 @@
 /* The flat walk from cell to cell against all other walks, on the benchmark's classes of rays: other land each round, and
  * each ray has to get the same bits from every kernel with either leaf test, and the same answer from any hit. A round
  * takes RAYS rays a class; CELLWALK_TEST_ROUNDS=170 takes more than 10^7. With CELLWALK_TEST_COUNTS = FILE the counts are
- * kept for papers/stability.md. */
+ * kept for papers/robustness.md. */
 
 #include "check.h"
 #include "paths.h"

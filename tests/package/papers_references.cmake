@@ -1,0 +1,12 @@
+# Each work in papers/references.bib has its line in papers/references.md, and each line its work. Argument: SOURCE.
+file(STRINGS ${SOURCE}/papers/references.bib entries REGEX "^@")
+file(STRINGS ${SOURCE}/papers/references.md lines REGEX "^[|] [A-Z]")
+list(TRANSFORM entries REPLACE "^@[a-z]+{([A-Za-z0-9]+),$" "\\1")
+list(TRANSFORM lines REPLACE "^[|] ([A-Za-z0-9]+) [|].*$" "\\1")
+list(SORT entries)
+list(SORT lines)
+list(LENGTH entries count)
+if(count EQUAL 0 OR NOT entries STREQUAL lines)
+    message(FATAL_ERROR "references.bib: ${entries}\nreferences.md: ${lines}")
+endif()
+message(STATUS "${count} works, each with its line")
