@@ -174,8 +174,9 @@ def exhaustive(results):
                      *(grouped(line.number(key)) for key in ("rays", "hits", "rims", "thirds")), grouped(others),
                      "**" + " / ".join(str(line.number(key)) for key in ("leak", "phantom", "wrong_surface")) + "**",
                      grouped(line.number("same_bits"))])
-    return f"{run_text(results.run)}.\n\n" + table(["samples", "heights", "fields", "rays", "hits", "ties at a rim", "at a third", "other ties",
-                  "leaks / phantoms / wrong surfaces", "bit-identical answers of other kernels"], rows, "ll" + "r" * 8)
+    return f"{run_text(results.run)}.\n\n" + table(
+        ["samples", "heights", "fields", "rays", "hits", "ties at a rim", "at a third", "other ties",
+         "leaks / phantoms / wrong surfaces", "bit-identical answers of other kernels"], rows, "ll" + "r" * 8)
 
 
 def stress(results):

@@ -101,7 +101,8 @@ def fastest_of_modes(all_of_them):
 
 def accuracy(data):
     """A line of the summary: the default kernel, and the fastest of each other mode."""
-    labels = {"moller-trumbore": "with the Möller–Trumbore leaf test", "embree": "for Embree", "embree-robust": "for Embree in robust mode"}
+    labels = {"moller-trumbore": "with the Möller–Trumbore leaf test", "embree": "for Embree",
+              "embree-robust": "for Embree in robust mode"}
     results = data[FILE]
     everyone = summaries(results)
     best = fastest_of_modes(everyone)

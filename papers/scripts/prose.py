@@ -84,8 +84,9 @@ def main():
         name, average = os.path.relpath(page), sum(counts) / max(len(counts), 1)
         for line, text in found:
             print(f"{name}:{line}: {text}")
-        print(f"{name}: {len(counts)} sentences, {average:.1f} words on average{', above ' + str(AVERAGE) if average > AVERAGE else ''}, "
-              f"{max(counts, default=0)} at most; {len(found)} warnings")
+        above = f", above {AVERAGE}" if average > AVERAGE else ""
+        print(f"{name}: {len(counts)} sentences, {average:.1f} words on average{above}, {max(counts, default=0)} at most; "
+              f"{len(found)} warnings")
 
 
 if __name__ == "__main__":

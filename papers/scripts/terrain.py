@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Products of terrain beside gdal_viewshed, r.viewshed, r.sun and r.horizon: time, memory, and which cells differ and who is right,
-by looking at every edge on the way in double; and what maps in degrees cost in azimuth and distance. Writes papers/data/terrain.json and, with --pictures, what papers/terrain.md
-shows. Needs NumPy, matplotlib for pictures, and Debian's gdal-bin and grass-core."""
+by looking at every edge on the way in double; and the errors of azimuth and distance on maps in degrees. Writes
+papers/data/terrain.json or, with --pictures, the pictures of README and papers/terrain.md. Needs NumPy and Debian's gdal-bin and grass-core; matplotlib and rasterio for pictures."""
 
 import argparse
 import ctypes
@@ -11,6 +11,7 @@ import json
 import os
 import re
 import resource
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -308,40 +309,19 @@ def measure(tool, side, clock, folder):
 
 
 def draw(tool, folder):
-    """Four products of one DEM, in colours over its relief."""
-    from matplotlib import colormaps
-    from PIL import Image
-    side, dem = 513, os.path.join(folder, "picture")
-    z = land(side, 11)
-    write_dem(z, dem)
-
-    def product(*arguments):
-        path = os.path.join(folder, "product.npy")
-        subprocess.run([tool, arguments[0], dem + ".tif", *arguments[1:], "-o", path], check=True)
-        return np.load(path).astype(float)
-
-    high = np.unravel_index(z[120:-120, 120:-120].argmax(), (side - 240,) * 2)
-    j, i = high[0] + 120, high[1] + 120
-    x, y = place(side, i, j)
-    relief = product("shadow", "--sun", "315,45", "--hillshade")[..., None]
-    seen = product("viewshed", "--from", f"{x},{y},10", "--target-height", "2")[..., None]
-    views = {
-        "light": product("shadow", "--sun", "315,22", "--hillshade", "--disc", "1.5")[..., None] ** 0.6 * [1, 0.96, 0.88],
-        "viewshed": (0.25 + 0.75 * relief) * np.where(seen > 0, [1, 0.78, 0.3], [0.55, 0.6, 0.7]),
-        "horizon": colormaps["magma"](np.clip(product("horizon", "--directions", "1", "--start", "315") / 45, 0, 1))[..., :3],
-        "sky": product("horizon", "--directions", "64", "--svf")[..., None] ** 3 * np.ones(3),
-    }
-    far = place(side, side // 2, side // 2)
-    subprocess.run([tool, "render", dem + ".tif", "--from", f"{x},{y},+150", "--to", f"{far[0]},{far[1]}", "--sun", "315,22",
-                    "--phong", "--size", "1034x480", "--samples", "16", "-o", os.path.join(folder, "view.png")], check=True)
-    with Image.open(os.path.join(folder, "view.png")) as view:
-        view.convert("RGB").quantize(192).save(os.path.join(ROOT, "papers/pictures/terrain-view.png"), optimize=True)
-    views["viewshed"][max(j - 3, 0):j + 4, max(i - 3, 0):i + 4] = [0.8, 0, 0]
-    light, viewshed, horizon, sky = (np.clip(view * 255, 0, 255).astype(np.uint8) for view in views.values())
-    gap = np.full((side, 8, 3), 255, np.uint8)
-    rows = [np.hstack(row) for row in ((light, gap, viewshed), (horizon, gap, sky))]
-    sheet = np.vstack([rows[0], np.full((8, rows[0].shape[1], 3), 255, np.uint8), rows[1]])
-    Image.fromarray(sheet).quantize(128).save(os.path.join(ROOT, "papers/pictures/terrain.png"), optimize=True)
+    """Runs the examples, one picture a product, and the README's command for a view."""
+    import rasterio
+    where = {**os.environ, "PATH": os.path.dirname(tool) + os.pathsep + os.environ["PATH"]}
+    examples = os.path.join(ROOT, "papers/scripts/examples")
+    for name in ("dem", "shadow", "viewshed", "horizon", "sky"):
+        subprocess.run([sys.executable, "-B", os.path.join(examples, f"{name}.py")], cwd=folder, env=where, check=True)
+    with open(os.path.join(ROOT, "README.md"), encoding="utf-8") as page:
+        command = next(line for line in page if line.startswith("cellwalk render dem.npy"))
+    with rasterio.open(os.path.join(folder, "dem.tif")) as file:
+        np.save(os.path.join(folder, "dem.npy"), file.read(1))
+    subprocess.run(command.split("#")[0].split(), cwd=folder, env=where, check=True)
+    for picture, name in (("view", "jacksboro"), *((name, f"terrain-{name}") for name in ("shadow", "viewshed", "horizon", "sky"))):
+        shutil.copy(os.path.join(folder, f"{picture}.png"), os.path.join(ROOT, f"papers/pictures/{name}.png"))
 
 
 def cpu_name():

@@ -173,7 +173,8 @@ class Tradeoff(Folder):
         data = results.Data(self.folder.name)
         self.fails("no result of the default kernel", blocks_tradeoff.accuracy, data)
         self.results({"kind": "field", "field": "1025", "default_kernel": "k"}, name="speed-avx2.json")
-        self.assertIn("edges: 2 for the default kernel. Each traced 8 rays.", blocks_tradeoff.accuracy(results.Data(self.folder.name)))
+        self.assertIn("edges: 2 for the default kernel. Each traced 8 rays.",
+                      blocks_tradeoff.accuracy(results.Data(self.folder.name)))
 
     def test_from_afar_t_tells_no_place_and_short_rays_are_for_precision(self):
         read = self.results(self.line("exact", "ao", 10, 0, 1e-4), self.line("exact", "afar", 10, 0, 1),
@@ -441,7 +442,8 @@ class BesidePbrt(Folder):
         self.assertIn("| sea | 4.00 | 0.250 | 16.0 | 1.00 | 0.050 | 700 | 20 |", text)
         self.assertIn("pbrt-v2: built so.", text)
         self.assertIn("Geometric mean of the ratios: 8.0.", text)
-        self.assertIn("8.0 times the speed of pbrt-v2, geometric mean over 2 scenes, from 4.0 to 16.0", blocks_scenes.beside_pbrt(results.Data(self.folder.name)))
+        self.assertIn("8.0 times the speed of pbrt-v2, geometric mean over 2 scenes, from 4.0 to 16.0",
+                      blocks_scenes.beside_pbrt(results.Data(self.folder.name)))
 
     def test_column_beside_the_scenes(self):
         path = {"path": "auto-phong", "title": "cellwalk, Phong", "by": "cell/watertight", "seconds_median": 0.5,
