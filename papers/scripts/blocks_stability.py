@@ -86,9 +86,9 @@ def _about_default(default, reference, role):
     if not default or names.kernel(reference) == default:
         return ""
     took_part = f"{default}/watertight" in role
-    return (f"\nToday's default kernel is `{default}`, not `{names.kernel(reference)}`. " +
+    return (f"\nThe speeds on these pages are those of another default kernel, `{default}`. " +
             ("Its bits were compared in this run.\n" if took_part else
-             "It took no part in this run; that it returns the same bits is the test `lanes`' to show.\n"))
+             "It took no part in this run; the test `lanes` compares its bits.\n"))
 
 
 def _contenders(role, of):

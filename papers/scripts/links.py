@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks what pages point at: links to files and to headings, and paths of the project in `code`, such as
-`src/scalar/strict.h`. Names file, line and target of each that is not there."""
+"""Checks what pages point at: links to files and to headings, paths of the project in `code`, such as `src/scalar/strict.h`,
+and names of the interface, such as cw_closest. Names file, line and target of each that is not there."""
 
 import glob
 import os
@@ -12,6 +12,9 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 PAGES = ("*.md", "*/README.md", "src/*/README.md", "src/*/*/README.md", "bench/*/README.md", "tests/*/README.md", "papers/*.md",
          "papers/*/*.md")
 PATH = re.compile(r"`((?:src|simd|bench|tests|include|papers)/[\w./*-]+)`")
+
+
+NAME = re.compile(r"\b(?:cw|CW)_\w+")
 
 
 def read(path):
@@ -26,8 +29,14 @@ def headings(path):
             for heading in re.findall(r"^#+ +(.*?) *$", text, re.MULTILINE)}
 
 
-def missing(path, root):
-    """(line, target) of each link and path that leads nowhere."""
+def known_names(root):
+    """All names of the interface's form in the sources."""
+    return {name for folder in ("include", "src", "simd") for file in glob.glob(os.path.join(root, folder, "**/*.[ch]"), recursive=True)
+            for name in NAME.findall(read(file))}
+
+
+def missing(path, root, known):
+    """(line, target) of each link, path and name that leads nowhere."""
     text = read(path)
     prose = re.sub(r"^```.*?^```", lambda match: re.sub(r"[^\n]", " ", match[0]), text, flags=re.MULTILINE | re.DOTALL)
     for match in re.finditer(r"\]\(\s*([^()\s]+)\)", prose):
@@ -40,11 +49,15 @@ def missing(path, root):
     for match in PATH.finditer(prose):
         if "NAME" not in match[1] and not glob.glob(os.path.join(root, match[1])):
             yield text.count("\n", 0, match.start()) + 1, match[1]
+    for match in NAME.finditer(text):
+        if match[0] not in known and not match[0].endswith("_"):
+            yield text.count("\n", 0, match.start()) + 1, match[0]
 
 
 def main(root):
+    known = known_names(root)
     wrong = [(os.path.relpath(path, root), line, target) for pattern in PAGES
-             for path in sorted(glob.glob(os.path.join(root, pattern))) for line, target in missing(path, root)]
+             for path in sorted(glob.glob(os.path.join(root, pattern))) for line, target in missing(path, root, known)]
     for path, line, target in wrong:
         print(f"{path}:{line}: {target} is not there")
     return 1 if wrong else 0
