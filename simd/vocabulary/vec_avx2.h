@@ -228,18 +228,6 @@ CW_INLINE void vf_lowest_of_each(const vfloat a[16], float out[16]) {
         _mm256_storeu_ps(out + k, _mm256_min_ps(_mm256_shuffle_ps(ab, cd, 0x44), _mm256_shuffle_ps(ab, cd, 0xee)));
     }
 }
-static inline float vf_lowest(vfloat a, vmask m) {
-    const __m256 y = _mm256_blendv_ps(_mm256_set1_ps(__builtin_inff()), a.v, m.v);
-    __m128 x = _mm_min_ps(_mm256_castps256_ps128(y), _mm256_extractf128_ps(y, 1));
-    x = _mm_min_ps(x, _mm_movehl_ps(x, x));
-    return _mm_cvtss_f32(_mm_min_ss(x, _mm_movehdup_ps(x)));
-}
-static inline float vf_highest(vfloat a, vmask m) {
-    const __m256 y = _mm256_blendv_ps(_mm256_set1_ps(-__builtin_inff()), a.v, m.v);
-    __m128 x = _mm_max_ps(_mm256_castps256_ps128(y), _mm256_extractf128_ps(y, 1));
-    x = _mm_max_ps(x, _mm_movehl_ps(x, x));
-    return _mm_cvtss_f32(_mm_max_ss(x, _mm_movehdup_ps(x)));
-}
 
 typedef struct vdouble {
     __m256d a, b; /* lanes 0 to 3, 4 to 7 */

@@ -239,8 +239,6 @@ CW_INLINE void vf_lowest_of_each(const vfloat a[16], float out[16]) {
     const __m512 all = _mm512_min_ps(_mm512_shuffle_ps(ab, cd, 0x44), _mm512_shuffle_ps(ab, cd, 0xee));
     _mm512_storeu_ps(out, _mm512_shuffle_f32x4(all, all, 0xd8)); /* 0, 8, 4, 12 and the three after each: in order */
 }
-static inline float vf_lowest(vfloat a, vmask m) { return _mm512_mask_reduce_min_ps(m.v, a.v); }
-static inline float vf_highest(vfloat a, vmask m) { return _mm512_mask_reduce_max_ps(m.v, a.v); }
 
 typedef struct vdouble {
     __m512d a, b; /* lanes 0 to 7, 8 to 15 */

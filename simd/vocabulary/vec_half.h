@@ -38,14 +38,12 @@
 #define vf_gather_quads   half_vf_gather_quads
 #define vf_ge             half_vf_ge
 #define vf_gt             half_vf_gt
-#define vf_highest        half_vf_highest
 #define vf_le             half_vf_le
 #define vf_load           half_vf_load
 #define vf_load_block     half_vf_load_block
 #define vf_load_each_ray  half_vf_load_each_ray
 #define vf_load_rays      half_vf_load_rays
 #define vf_lowest_of_each half_vf_lowest_of_each
-#define vf_lowest         half_vf_lowest
 #define vf_lt             half_vf_lt
 #define vf_max            half_vf_max
 #define vf_min            half_vf_min

@@ -143,10 +143,6 @@ CW_INLINE void vf_lowest_of_each(const vfloat a[16], float out[16]) {
     for (int k = 0; k < 16; k++) out[k] = a[k].v;
 }
 
-/* Lowest and highest lane where m; +infinity and -infinity if there is none. No lane is NaN. */
-static inline float vf_lowest(vfloat a, vmask m) { return m.v ? a.v : INFINITY; }
-static inline float vf_highest(vfloat a, vmask m) { return m.v ? a.v : -INFINITY; }
-
 /* W doubles, for what is computed once a ray or once a hit. */
 typedef struct vdouble {
     double v;

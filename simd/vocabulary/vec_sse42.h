@@ -188,16 +188,6 @@ CW_INLINE void vf_lowest_of_each(const vfloat a[16], float out[16]) {
         _mm_storeu_ps(out + k, _mm_min_ps(_mm_movelh_ps(ab, cd), _mm_movehl_ps(cd, ab)));
     }
 }
-static inline float vf_lowest(vfloat a, vmask m) {
-    __m128 x = _mm_blendv_ps(_mm_set1_ps(__builtin_inff()), a.v, m.v);
-    x = _mm_min_ps(x, _mm_movehl_ps(x, x));
-    return _mm_cvtss_f32(_mm_min_ss(x, _mm_movehdup_ps(x)));
-}
-static inline float vf_highest(vfloat a, vmask m) {
-    __m128 x = _mm_blendv_ps(_mm_set1_ps(-__builtin_inff()), a.v, m.v);
-    x = _mm_max_ps(x, _mm_movehl_ps(x, x));
-    return _mm_cvtss_f32(_mm_max_ss(x, _mm_movehdup_ps(x)));
-}
 
 typedef struct vdouble {
     __m128d a, b; /* lanes 0 and 1, 2 and 3 */

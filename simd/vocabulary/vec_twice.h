@@ -41,13 +41,11 @@
 #undef vf_gather_quads
 #undef vf_ge
 #undef vf_gt
-#undef vf_highest
 #undef vf_le
 #undef vf_load
 #undef vf_load_block
 #undef vf_load_each_ray
 #undef vf_load_rays
-#undef vf_lowest
 #undef vf_lowest_of_each
 #undef vf_lt
 #undef vf_max
@@ -252,14 +250,6 @@ CW_INLINE void vf_lowest_of_each(const vfloat a[16], float out[16]) {
     half_vfloat lower[16];
     for (int k = 0; k < 16; k++) lower[k] = half_vf_min(a[k].a, a[k].b);
     half_vf_lowest_of_each(lower, out);
-}
-static inline float vf_lowest(vfloat a, vmask m) {
-    const float low = half_vf_lowest(a.a, m.a), other = half_vf_lowest(a.b, m.b);
-    return low < other ? low : other;
-}
-static inline float vf_highest(vfloat a, vmask m) {
-    const float high = half_vf_highest(a.a, m.a), other = half_vf_highest(a.b, m.b);
-    return high > other ? high : other;
 }
 
 /* vorder is the halves' own. */
