@@ -28,7 +28,7 @@ target_compile_definitions(cellwalk_emulated INTERFACE CELLWALK_EMULATES_AVX512)
 
 get_property(kernels DIRECTORY ${PROJECT_SOURCE_DIR}/simd PROPERTY BUILDSYSTEM_TARGETS)
 set(emulated 0)
-foreach(kernel IN LISTS kernels ITEMS cellwalk_tile_avx512)
+foreach(kernel IN LISTS kernels cellwalk_words_targets ITEMS cellwalk_tile_avx512)
     get_target_property(options ${kernel} COMPILE_OPTIONS)
     get_target_property(definitions ${kernel} COMPILE_DEFINITIONS)
     if(NOT options MATCHES "-mavx512" OR "CELLWALK_COUNT" IN_LIST definitions)

@@ -4,8 +4,6 @@
 #ifndef CELLWALK_TESTS_EMULATED_AVX512_H
 #define CELLWALK_TESTS_EMULATED_AVX512_H
 
-#include <stdbool.h>
-
 #define SIMDE_ENABLE_NATIVE_ALIASES
 #include <simde/x86/avx512.h>
 
@@ -27,6 +25,18 @@ static inline __m512i emulated_cvttps_epi32(__m512 a) {
     return _mm512_loadu_si512(to);
 }
 #define _mm512_cvttps_epi32 emulated_cvttps_epi32
+
+/* SIMDe's keep the sign of -0 and of NaN. */
+static inline __m512 emulated_abs_ps(__m512 a) {
+    return _mm512_castsi512_ps(_mm512_and_si512(_mm512_castps_si512(a), _mm512_set1_epi32(INT32_MAX)));
+}
+static inline __m512d emulated_abs_pd(__m512d a) {
+    return _mm512_castsi512_pd(_mm512_and_si512(_mm512_castpd_si512(a), _mm512_set1_epi64(INT64_MAX)));
+}
+#undef _mm512_abs_ps
+#undef _mm512_abs_pd
+#define _mm512_abs_ps emulated_abs_ps
+#define _mm512_abs_pd emulated_abs_pd
 
 static inline __m512 emulated_mask_gather(__m512 other, __mmask16 m, __m512i index, const float *base) {
     int32_t at[16];
@@ -95,15 +105,5 @@ static inline __m512d emulated_shuffle_pd(__m512d a, __m512d b, int which) {
     return _mm512_loadu_pd(to);
 }
 #define _mm512_shuffle_pd emulated_shuffle_pd
-
-static inline float emulated_mask_reduce(__mmask16 m, __m512 a, bool max) {
-    float from[16], best = max ? -__builtin_inff() : __builtin_inff();
-    _mm512_storeu_ps(from, a);
-    for (int k = 0; k < 16; k++)
-        if (m >> k & 1) best = (max ? from[k] > best : from[k] < best) ? from[k] : best;
-    return best;
-}
-#define _mm512_mask_reduce_max_ps(m, a) emulated_mask_reduce(m, a, true)
-#define _mm512_mask_reduce_min_ps(m, a) emulated_mask_reduce(m, a, false)
 
 #endif

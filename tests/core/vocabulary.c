@@ -1,0 +1,327 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Every word of every vector vocabulary that this CPU can run gives, lane by lane, what vec_scalar.h gives: on random bits, NaN,
+ * infinities, denormals, zeros of both signs, and whatever lies in inactive lanes. */
+
+#include "check.h"
+#include "vocabulary/words.h"
+#include "workload/random.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* VOCABULARY_ROWS: ROW(4) ROW(4x2) …, all but the scalar one (support/vocabulary.cmake). */
+#define ROW(suffix) extern const word_row cw_words_##suffix;
+ROW(1)
+VOCABULARY_ROWS
+#undef ROW
+#define ROW(suffix) &cw_words_##suffix,
+static const word_row *const rows[] = {VOCABULARY_ROWS};
+#undef ROW
+enum { ROWS = sizeof rows / sizeof rows[0], MEMORY = 1024, ROUNDS = 1600, UNTOUCHED = 0xa5 };
+
+static float float_of(uint32_t bits) {
+    float a;
+    memcpy(&a, &bits, sizeof a);
+    return a;
+}
+
+static uint32_t any_bits(random_state *r) { return (uint32_t)(random_bits(r) >> 32); }
+static uint32_t below(random_state *r, uint32_t n) { return (uint32_t)random_below(r, n); }
+
+static float any_float(random_state *r) {
+    static const uint32_t special[] = {
+        0x00000000, 0x80000000, 0x00000001, 0x80000001, 0x007fffff, 0x807fffff, 0x00800000, 0x80800000,
+        0x3f800000, 0xbf800000, 0x3f000000, 0xbf000000, 0x3effffff, 0x3f7fffff, 0x40200000, 0xc0200000,
+        0x4b000000, 0xcb000001, 0x4b7fffff, 0x4effffff, 0x4f000000, 0xcf000000, 0x7f7fffff, 0xff7fffff,
+        0x7f800000, 0xff800000, 0x7fc00000, 0xffc00000, 0x7fc12345, 0xffd54321, 0x7f800001, 0xffa00000};
+    switch (below(r, 4)) {
+    case 0:
+        return float_of(special[below(r, sizeof special / sizeof special[0])]);
+    case 1:
+        return float_of(any_bits(r));
+    case 2:
+        return (float)(int32_t)(below(r, 33) - 16) * 0.25f;
+    default:
+        return ldexpf((float)(int32_t)any_bits(r), (int)below(r, 64) - 62);
+    }
+}
+
+static float number(random_state *r) {
+    const float a = any_float(r);
+    return isnan(a) ? 1 : a;
+}
+
+static float whole(random_state *r) {
+    const float a = any_float(r);
+    return a >= -0x1p31f && a < 0x1p31f ? a : (float)(int32_t)(any_bits(r) & 0xffffff80u);
+}
+
+static double any_double(random_state *r) {
+    if (below(r, 2)) return (double)any_float(r);
+    const uint64_t bits = random_bits(r);
+    double a;
+    memcpy(&a, &bits, sizeof a);
+    /* Random bits round to a float only with an exponent that one has. */
+    return below(r, 2) ? a : ldexp((double)(int64_t)bits, (int)below(r, 300) - 212);
+}
+
+static void make_operands(word_in *in, random_state *r, const float *memory) {
+    memset(in, 0, sizeof *in);
+    const unsigned often = below(r, 5); /* how many lanes are active: none, some, all */
+    for (int k = 0; k < WORD_LANES; k++) {
+        for (int c = 0; c < 3; c++) {
+            in->any[c][k] = c > 0 && below(r, 4) == 0 ? in->any[c - 1][k] : any_float(r);
+            in->wide[c][k] = c > 0 && below(r, 4) == 0 ? in->wide[c - 1][k] : any_double(r);
+            in->ray[k].org[c] = any_float(r);
+            in->ray[k].dir[c] = any_float(r);
+        }
+        in->ray[k].tmin = any_float(r);
+        in->ray[k].tmax = any_float(r);
+        for (int c = 0; c < WORD_TABLE; c++) in->number[c][k] = number(r);
+        for (int c = 0; c < 2; c++) {
+            in->whole[c][k] = whole(r);
+            in->bits[c][k] = c > 0 && below(r, 4) == 0 ? in->bits[0][k] : (int32_t)any_bits(r);
+            in->sum[c][k] = (int32_t)(any_bits(r) >> 1) - (1 << 30);
+            in->factor[c][k] = (int32_t)below(r, 80000) - 40000;
+            in->mask[c][k] = below(r, 4) < often;
+        }
+        in->sign[k] = below(r, 2) ? -0.0f : 0;
+        in->place[k] = (int32_t)(below(r, 4) ? any_bits(r) >> 8 : (uint32_t)1 << below(r, 25));
+        in->shift[k] = (int32_t)below(r, 32);
+        in->entry[k] = (int32_t)below(r, 16);
+        in->power[k] = (int32_t)below(r, 254) - 126;
+        in->index[k] = in->mask[0][k] ? (int32_t)below(r, MEMORY / 4) : below(r, 2) ? INT32_MIN : INT32_MAX;
+        in->each[k] = &in->ray[below(r, WORD_LANES)];
+    }
+    in->one_float = any_float(r);
+    in->one_int = (int32_t)any_bits(r);
+    in->one_double = any_double(r);
+    in->one_bool = below(r, 2) == 1;
+    in->count = below(r, WORD_LANES + 2);
+    in->lane = any_bits(r);
+    for (int c = 0; c < 2; c++) in->up[c] = below(r, 2) == 1;
+    for (int k = 0; k < WORD_TABLE; k++) in->table[k] = (int32_t)any_bits(r);
+    in->block_vector = below(r, 16);
+    in->memory = memory;
+}
+
+/* The operands of one lane, for a vocabulary one lane wide. */
+static void take_lane(word_in *one, const word_in *in, size_t k) {
+    *one = *in;
+    for (int c = 0; c < 3; c++) {
+        one->any[c][0] = in->any[c][k];
+        one->wide[c][0] = in->wide[c][k];
+    }
+    for (int c = 0; c < WORD_TABLE; c++) one->number[c][0] = in->number[c][k];
+    for (int c = 0; c < 2; c++) {
+        one->whole[c][0] = in->whole[c][k];
+        one->bits[c][0] = in->bits[c][k];
+        one->sum[c][0] = in->sum[c][k];
+        one->factor[c][0] = in->factor[c][k];
+        one->mask[c][0] = in->mask[c][k];
+    }
+    one->sign[0] = in->sign[k];
+    one->place[0] = in->place[k];
+    one->shift[0] = in->shift[k];
+    one->entry[0] = in->entry[k];
+    one->power[0] = in->power[k];
+    one->index[0] = in->index[k];
+    one->ray[0] = in->ray[k];
+    one->each[0] = in->each[k];
+    one->count = in->count > k ? in->count - k : 0;
+    one->lane = in->lane >> k;
+    one->block_lane = in->block_lane + k;
+}
+
+/* Puts the result of lane k where a vector would have it. */
+static void put_lane(word_out *out, const word_out *one, size_t k, bool picked, size_t *picks) {
+    for (int c = 0; c < 8; c++) out->f[c][k] = one->f[c][0];
+    out->i[k] = one->i[0];
+    out->d[k] = one->d[0];
+    out->m[k] = one->m[0];
+    out->hit[k] = one->hit[0];
+    out->bits |= (one->bits & 1) << k;
+    out->is_any = out->is_any || one->is_any;
+    for (int q = 0; q < WORD_TABLE; q++)
+        if (k == 0 || one->each[q] < out->each[q]) out->each[q] = one->each[q];
+    /* f[7], which no word that picks uses, collects the lanes that are picked. */
+    if (picked) out->f[7][(*picks)++] = one->f[0][0];
+}
+
+static bool same_float(float a, float b) { return memcmp(&a, &b, sizeof a) == 0; }
+static bool same_number(float a, float b) { return same_float(a, b) || (isnan(a) && isnan(b)); }
+static bool same_double(double a, double b) { return memcmp(&a, &b, sizeof a) == 0; }
+
+/* Whether lane k is right; wanted is the scalar vocabulary's. */
+static bool lane_is_right(const word *w, const word_in *in, const word_out *got, const word_out *wanted, size_t k,
+                          size_t picks) {
+    const float a = in->any[0][k], b = in->any[1][k], c = in->any[2][k];
+    switch (w->result) {
+    case GIVES_BITS:
+        return same_float(got->f[0][k], wanted->f[0][k]);
+    case GIVES_NUMBERS:
+        return same_number(got->f[0][k], wanted->f[0][k]);
+    case GIVES_FMA:
+        return same_number(got->f[0][k], wanted->f[0][k]) || same_number(got->f[0][k], fmaf(a, b, c));
+    case GIVES_FNMA:
+        return same_number(got->f[0][k], wanted->f[0][k]) || same_number(got->f[0][k], fmaf(-a, b, c));
+    case GIVES_2:
+    case GIVES_4:
+    case GIVES_8:
+        for (int m = 0; m < (w->result == GIVES_2 ? 2 : w->result == GIVES_4 ? 4 : 8); m++)
+            if (!same_float(got->f[m][k], wanted->f[m][k])) return false;
+        return true;
+    case GIVES_INTS:
+        return got->i[k] == wanted->i[k];
+    case GIVES_DOUBLES:
+        return same_double(got->d[k], wanted->d[k]);
+    case GIVES_DOUBLES_NAN:
+        return same_double(got->d[k], wanted->d[k]) || (isnan(got->d[k]) && isnan(wanted->d[k]));
+    case GIVES_MASK:
+        return got->m[k] == wanted->m[k];
+    case GIVES_HITS:
+        return memcmp(&got->hit[k], &wanted->hit[k], sizeof got->hit[k]) == 0;
+    case GIVES_PICKED:
+        return k >= picks || same_float(got->f[0][k], wanted->f[7][k]);
+    case GIVES_MASK_BITS:
+        return got->bits == wanted->bits;
+    case GIVES_ANY:
+        return got->is_any == wanted->is_any;
+    case GIVES_LOWEST:
+        for (int q = 0; q < WORD_TABLE; q++)
+            if (!(got->each[q] == wanted->each[q])) return false;
+        return true;
+    }
+    return false;
+}
+
+static bool untouched(const void *from, size_t bytes) {
+    for (const unsigned char *at = from; bytes > 0; bytes--, at++)
+        if (*at != UNTOUCHED) return false;
+    return true;
+}
+
+/* Whether a word that writes to memory has written no more than W lanes. */
+static bool guard_is_whole(const word_out *got, unsigned width) {
+    return untouched(&got->f[0][width], sizeof got->f[0] - width * sizeof(float)) &&
+           untouched(&got->i[width], sizeof got->i - width * sizeof(int32_t)) &&
+           untouched(&got->hit[width], sizeof got->hit - width * sizeof(cw_hit)) &&
+           untouched(&got->each[WORD_TABLE], WORD_GUARD * sizeof(float));
+}
+
+static void print_lane(const word_in *in, const word_out *got, const word_out *wanted, size_t k) {
+    printf("  operands %a %a %a, whole %a, wide %a %a, bits %d %d, mask %d %d\n", (double)in->any[0][k],
+           (double)in->any[1][k], (double)in->any[2][k], (double)in->whole[0][k], in->wide[0][k], in->wide[1][k],
+           in->bits[0][k], in->bits[1][k], in->mask[0][k], in->mask[1][k]);
+    printf("  gives %a, integer %d, double %a, mask %d; of these the word writes one\n", (double)got->f[0][k],
+           got->i[k], got->d[k], got->m[k]);
+    printf("  not   %a, integer %d, double %a, mask %d\n", (double)wanted->f[0][k], wanted->i[k], wanted->d[k],
+           wanted->m[k]);
+}
+
+/* Whether the CPU, and what bounds it, allow the row. */
+static bool available(const word_row *row) {
+    char kernel[16];
+    snprintf(kernel, sizeof kernel, "packet%u", (unsigned)strtoul(row->suffix, NULL, 10));
+    return cw_kernel_describe(cw_kernel_find(kernel)).available;
+}
+
+static bool is_pick(const word *w) { return w->result == GIVES_PICKED; }
+static bool is_block(const word *w) {
+    return strcmp(w->name, "vf_load_block") == 0 || strcmp(w->name, "vorder_make") == 0;
+}
+
+/* A word on one set of operands; the number of lanes that are wrong. */
+static size_t try_word(const word_row *row, size_t number_of_word, const word_in *lanes, bool say) {
+    const word *w = &row->words[number_of_word], *scalar = &cw_words_1.words[number_of_word];
+    static word_in in, one_in;
+    static word_out got, wanted, one_out;
+    in = *lanes;
+    in.block_vector = row->width < 16 ? in.block_vector % (16 / row->width) : 0;
+    in.block_lane = in.block_vector * row->width;
+    memset(&got, UNTOUCHED, sizeof got);
+    memset(&wanted, 0, sizeof wanted);
+    w->run(&in, &got);
+    const size_t mask = strcmp(w->name, "vf_store_picked") == 0;
+    size_t picks = 0, wrong = 0;
+    for (size_t k = 0; k < row->width; k++) {
+        memset(&one_out, 0, sizeof one_out);
+        take_lane(&one_in, &in, k);
+        scalar->run(&one_in, &one_out);
+        put_lane(&wanted, &one_out, k, is_pick(w) && in.mask[mask][k], &picks);
+    }
+    for (size_t k = 0; k < row->width; k++) {
+        if (lane_is_right(w, &in, &got, &wanted, k, picks)) continue;
+        if (wrong++ == 0 && say) {
+            printf("%s of %s, lane %zu\n", w->name, row->suffix, k);
+            print_lane(&in, &got, &wanted, k);
+        }
+    }
+    if (!guard_is_whole(&got, row->width)) {
+        if (say) printf("%s of %s writes beyond its lanes\n", w->name, row->suffix);
+        wrong++;
+    }
+    return wrong;
+}
+
+static void test_words(void **state) {
+    (void)state;
+    static _Alignas(16) float memory[MEMORY + 4];
+    static word_in in;
+    random_state r = {42};
+    for (size_t k = 0; k < sizeof memory / sizeof memory[0]; k++) memory[k] = any_float(&r);
+    size_t wrong_words = 0;
+    for (size_t n = 0; n < ROWS; n++) {
+        const word_row *row = rows[n];
+        check(row->count == cw_words_1.count, "%s has %zu words, the scalar one %zu", row->suffix, row->count,
+              cw_words_1.count);
+        if (!available(row)) {
+            printf("%-4s not on this CPU, or not allowed\n", row->suffix);
+            continue;
+        }
+        size_t wrong[256] = {0};
+        const size_t rounds = test_share(ROUNDS, 400) * test_rounds();
+        for (size_t round = 0; round < rounds; round++) {
+            make_operands(&in, &r, memory);
+            for (size_t w = 0; w < row->count; w++) {
+                if (row->width > 16 && is_block(&row->words[w])) continue; /* a block has 16 lanes */
+                wrong[w] += try_word(row, w, &in, wrong[w] == 0);
+            }
+        }
+        for (size_t w = 0; w < row->count; w++) {
+            if (wrong[w] > 0) printf("%s of %s: %zu lanes wrong\n", row->words[w].name, row->suffix, wrong[w]);
+            wrong_words += wrong[w] > 0;
+        }
+        printf("%-4s %zu words, %zu rounds of %u lanes\n", row->suffix, row->count, rounds, row->width);
+    }
+    check(wrong_words == 0, "%zu words are wrong", wrong_words);
+}
+
+/* vec_scalar.h names no word that is not tried. */
+static void test_none_is_left_out(void **state) {
+    (void)state;
+    FILE *file = fopen(VOCABULARY, "r");
+    assert_non_null(file);
+    char line[256];
+    size_t found = 0;
+    while (fgets(line, sizeof line, file)) {
+        if (strncmp(line, "static inline ", 14) != 0 && strncmp(line, "CW_INLINE ", 10) != 0) continue;
+        char *end = strchr(line, '(');
+        assert_non_null(end);
+        *end = '\0';
+        const char *name = strrchr(line, ' ') + 1;
+        bool listed = false;
+        for (size_t w = 0; w < cw_words_1.count; w++) listed = listed || strcmp(name, cw_words_1.words[w].name) == 0;
+        check(listed, "%s is in no row of tests/core/vocabulary/words.inc.h", name);
+        found++;
+    }
+    fclose(file);
+    check(found == cw_words_1.count, "%zu words in %s, %zu in the test", found, VOCABULARY, cw_words_1.count);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_words), cmocka_unit_test(test_none_is_left_out)};
+    return cmocka_run_group_tests_name("vocabulary", tests, NULL, NULL);
+}

@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The words of one vocabulary, for tests/core/vocabulary.c. Built once for each row of simd/CMakeLists.txt, and once more in
+ * pairs of vectors. */
+
+#include "vocabulary.h"
+
+#include "words.h"
+
+#include <string.h>
+
+/* Lanes lie in vectors as in memory, which makes these independent of the words that load and store. Masks have no such form:
+ * vm_from_bits and vm_bits carry them. */
+static inline vfloat get_floats(const float *from) {
+    vfloat a;
+    memcpy(&a, from, sizeof a);
+    return a;
+}
+static inline vint get_ints(const int32_t *from) {
+    vint a;
+    memcpy(&a, from, sizeof a);
+    return a;
+}
+static inline vdouble get_doubles(const double *from) {
+    vdouble a;
+    memcpy(&a, from, sizeof a);
+    return a;
+}
+static inline vmask get_mask(const bool *from) {
+    unsigned bits = 0;
+    for (unsigned k = 0; k < W; k++) bits |= (unsigned)from[k] << k;
+    return vm_from_bits(bits);
+}
+static inline void put_floats(float *to, vfloat a) { memcpy(to, &a, sizeof a); }
+static inline void put_ints(int32_t *to, vint a) { memcpy(to, &a, sizeof a); }
+static inline void put_doubles(double *to, vdouble a) { memcpy(to, &a, sizeof a); }
+static inline void put_mask(uint8_t *to, vmask a) {
+    const unsigned bits = vm_bits(a);
+    for (unsigned k = 0; k < W; k++) to[k] = bits >> k & 1;
+}
+_Static_assert(sizeof(vfloat) == sizeof(float[W]) && sizeof(vint) == sizeof(int32_t[W]) &&
+                   sizeof(vdouble) == sizeof(double[W]),
+               "vectors hold more than their lanes");
+
+/* A place in memory with room for the rows of a block on both sides. */
+static inline const float *block(const word_in *in, size_t from) { return in->memory + 64 + from; }
+/* The number of the vector in a block, or of the lane if that is all there is. */
+#define BLOCK_PART (W == 1 ? in->block_lane : in->block_vector)
+
+#define FLOATS(operand)    get_floats(in->operand)
+#define INTS(operand)      get_ints(in->operand)
+#define DOUBLES(operand)   get_doubles(in->wide[operand])
+#define MASK(operand)      get_mask(in->mask[operand])
+#define TO_FLOATS(result)  put_floats(out->f[0], result)
+#define TO_INTS(result)    put_ints(out->i, result)
+#define TO_DOUBLES(result) put_doubles(out->d, result)
+#define TO_MASK(result)    put_mask(out->m, result)
+#define TO_EACH_FLOATS(r, count)                                                                                       \
+    for (int k = 0; k < count; k++) put_floats(out->f[k], r[k])
+
+#define WORD(name, result, ...)                                                                                        \
+    static void run_##name(const word_in *in, word_out *out) { __VA_ARGS__; }
+#include "words.inc.h"
+#undef WORD
+
+#define WORD(name, result, ...) {#name, result, run_##name},
+static const word words[] = {
+#include "words.inc.h"
+};
+#undef WORD
+
+#define WORDS_TEXT_OF(suffix) #suffix
+#define WORDS_TEXT(suffix)    WORDS_TEXT_OF(suffix)
+extern const word_row CW_CODE(words_);
+const word_row CW_CODE(words_) = {WORDS_TEXT(CELLWALK_SUFFIX), W, sizeof words / sizeof words[0], words};

@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The words of a vector vocabulary as functions on arrays of lanes, so that one program can hold several vocabularies.
+ * words.c makes them of whichever vocabulary the build names; words.inc.h lists them. */
+#ifndef CELLWALK_TESTS_WORDS_H
+#define CELLWALK_TESTS_WORDS_H
+
+#include "cellwalk.h"
+
+enum { WORD_LANES = 32, WORD_TABLE = 16, WORD_GUARD = 4 };
+
+/* Operands: arrays with an entry a lane, each within the domain of the words that take it. */
+typedef struct word_in {
+    float any[3][WORD_LANES];             /* any bits */
+    float number[WORD_TABLE][WORD_LANES]; /* no NaN */
+    float whole[2][WORD_LANES];           /* from -2^31 to the largest float below 2^31, with fractions */
+    float sign[WORD_LANES];               /* 0 or -0 */
+    double wide[3][WORD_LANES];           /* any bits, and floats among them */
+    int32_t bits[2][WORD_LANES];          /* any bits */
+    int32_t sum[2][WORD_LANES];           /* sums and differences are within int32 */
+    int32_t factor[2][WORD_LANES];        /* products are within int32 */
+    int32_t place[WORD_LANES];            /* 0 to 2^24 */
+    int32_t shift[WORD_LANES];            /* 0 to 31 */
+    int32_t entry[WORD_LANES];            /* 0 to 15 */
+    int32_t power[WORD_LANES];            /* -126 to 127 */
+    int32_t index[WORD_LANES];            /* within memory where mask[0], else anything */
+    bool mask[2][WORD_LANES];
+    cw_ray ray[WORD_LANES];
+    const cw_ray *each[WORD_LANES];
+    /* The same for all lanes. */
+    float one_float;
+    int32_t one_int;
+    double one_double;
+    bool one_bool;
+    size_t count;  /* for the first lane; each lane's is one less than that of the lane before, but at least 0 */
+    unsigned lane; /* for the first lane: bit k is lane k's */
+    bool up[2];
+    size_t block_vector; /* W lanes each; below 16 / W */
+    size_t block_lane;   /* number of the first lane in the block: block_vector W */
+    int32_t table[WORD_TABLE];
+    const float *memory; /* 4 floats for each index, aligned to 16 bytes */
+} word_in;
+
+/* What a word gives. Memory that it writes by itself has room for a guard, which it must not touch. */
+typedef struct word_out {
+    float f[8][WORD_LANES + WORD_GUARD];
+    int32_t i[WORD_LANES + WORD_GUARD];
+    double d[WORD_LANES];
+    uint8_t m[WORD_LANES]; /* 0 or 1 */
+    cw_hit hit[WORD_LANES + 1];
+    unsigned bits;
+    uint8_t is_any; /* 0 or 1 */
+    float each[WORD_TABLE + WORD_GUARD];
+} word_out;
+
+typedef enum word_result {
+    GIVES_BITS,    /* f[0], bit for bit: nothing is computed */
+    GIVES_NUMBERS, /* f[0], bit for bit but that a NaN may be any */
+    GIVES_FMA,     /* f[0], rounded once or twice, a NaN may be any */
+    GIVES_FNMA,    /* the same */
+    GIVES_2,       /* f[0] and f[1], bit for bit */
+    GIVES_4,
+    GIVES_8,
+    GIVES_INTS,
+    GIVES_DOUBLES,     /* bit for bit */
+    GIVES_DOUBLES_NAN, /* bit for bit but that a NaN may be any */
+    GIVES_MASK,
+    GIVES_HITS,
+    GIVES_PICKED,    /* f[0], as many as lanes are picked */
+    GIVES_MASK_BITS, /* bits */
+    GIVES_ANY,       /* is_any */
+    GIVES_LOWEST     /* each; zeros of either sign are the same */
+} word_result;
+
+typedef struct word {
+    const char *name;
+    word_result result;
+    void (*run)(const word_in *in, word_out *out);
+} word;
+
+typedef struct word_row {
+    const char *suffix; /* as in the names of kernels: 8, 8x2 */
+    unsigned width;
+    size_t count;
+    const word *words;
+} word_row;
+
+#endif
