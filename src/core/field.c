@@ -321,7 +321,7 @@ static void to_field(const double m[3][4], const cw_user_ray *in, size_t n, cw_r
 
 void cw_rays_to_field(const cw_field *field, const cw_user_ray *in, size_t n, cw_ray *out) {
     const fpenv caller = fpenv_enter();
-#if CELLWALK_SIMD
+#if CELLWALK_SIMD && defined(__x86_64__)
     if (cw_isa_allows(CW_ISA_AVX2))
         cw_to_field_avx2(field->to_field, in, n, out);
     else

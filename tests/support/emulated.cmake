@@ -5,8 +5,8 @@
 
 find_path(SIMDE_INCLUDE simde/x86/avx512.h)
 set(no_emulation "")
-if(NOT CELLWALK_SIMD)
-    set(no_emulation "there are no vector kernels to emulate")
+if(NOT CELLWALK_SIMD OR NOT x86_64)
+    set(no_emulation "there are no AVX-512 kernels to emulate")
 elseif(CELLWALK_SANITIZE OR CELLWALK_SANITIZE_THREADS OR NOT CMAKE_C_COMPILER_ID STREQUAL "GNU")
     set(no_emulation "AVX-512 is emulated in builds by GCC without sanitizers alone")
 elseif(NOT SIMDE_INCLUDE)

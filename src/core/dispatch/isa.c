@@ -32,6 +32,8 @@ static cw_isa detect(void) {
     if ((b & leaf7_avx512) != leaf7_avx512 || (state & zmm_state) != zmm_state) return CW_ISA_AVX2;
     return CW_ISA_AVX512;
 }
+#elif defined(__aarch64__)
+static cw_isa detect(void) { return CW_ISA_NEON; } /* part of the architecture */
 #else
 static cw_isa detect(void) { return CW_ISA_SCALAR; }
 #endif
