@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The IEEE default environment for the time of a query: round to nearest, denormals kept, exceptions masked. A caller
  * that runs with flush-to-zero or another rounding mode would otherwise get other bits, and leaks. On x86-64 only MXCSR is
- * set; fesetenv(FE_DFL_ENV) would also reload the x87 state, at ten times the cost, and nothing here uses x87. Elsewhere it
- * does what is wanted: on aarch64 it sets FPCR, flush-to-zero included, if that is not what it should be. */
+ * set; fesetenv(FE_DFL_ENV) would also reload the x87 state, at ten times the cost, and nothing here uses x87. On aarch64
+ * FPCR is, to 0: glibc's FE_DFL_ENV leaves bits that later architectures have given a meaning as they are. Elsewhere
+ * FE_DFL_ENV does what is wanted. */
 #ifndef CELLWALK_CORE_FPENV_H
 #define CELLWALK_CORE_FPENV_H
 
@@ -16,6 +17,23 @@ static inline fpenv fpenv_enter(void) {
 }
 /* Also drops the exception flags that the query raised. */
 static inline void fpenv_leave(fpenv caller) { __builtin_ia32_ldmxcsr(caller); }
+#elif defined(__aarch64__)
+#include <stdint.h>
+typedef struct fpenv {
+    uint64_t fpcr, fpsr; /* control; exception flags */
+} fpenv;
+static inline fpenv fpenv_enter(void) {
+    fpenv caller;
+    __asm__ volatile("mrs %0, fpcr" : "=r"(caller.fpcr)::"memory");
+    __asm__ volatile("mrs %0, fpsr" : "=r"(caller.fpsr)::"memory");
+    if (caller.fpcr != 0) __asm__ volatile("msr fpcr, %0" ::"r"((uint64_t)0) : "memory");
+    return caller;
+}
+/* Also drops the exception flags that the query raised. */
+static inline void fpenv_leave(fpenv caller) {
+    __asm__ volatile("msr fpsr, %0" ::"r"(caller.fpsr) : "memory");
+    if (caller.fpcr != 0) __asm__ volatile("msr fpcr, %0" ::"r"(caller.fpcr) : "memory");
+}
 #else
 #include <fenv.h>
 typedef fenv_t fpenv;
