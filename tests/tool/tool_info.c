@@ -43,7 +43,8 @@ static void limits_are_kept(void **state) {
     (void)state;
     const program_setting scalar = {.isa = "scalar"};
     check_has(run_well(&scalar, (const char *const[]){"info", "--json", NULL}), "\"isa\": \"scalar\"");
-    for (int isa = CW_ISA_SCALAR; isa <= (int)cw_isa_best(); isa++) {
+    for (int isa = CW_ISA_SCALAR; isa < CW_ISA_COUNT; isa++) {
+        if (!cw_isa_includes(cw_isa_best(), (cw_isa)isa)) continue;
         const program_setting bound = {.isa = cw_isa_name((cw_isa)isa)};
         const program_result *r = run_well(&bound, (const char *const[]){"info", NULL});
         check_has(r, "instruction set %s (CELLWALK_ISA=%s)\n", bound.isa, bound.isa);

@@ -132,7 +132,9 @@ static bool render_with(render *r, const scene_tracer *tracer, unsigned threads,
 
 /* The code for the widest instruction set that there is. */
 static wave_tile_fn *tile_function(void) {
-#ifdef CELLWALK_SCENE_SIMD
+#if defined(CELLWALK_SCENE_SIMD) && defined(__aarch64__)
+    if (cw_isa_includes(cw_isa_best(), CW_ISA_NEON)) return wave_tile_neon;
+#elif defined(CELLWALK_SCENE_SIMD)
     const cw_isa isa = cw_isa_best();
     if (cw_isa_includes(isa, CW_ISA_AVX512)) return wave_tile_avx512;
     if (cw_isa_includes(isa, CW_ISA_AVX2)) return wave_tile_avx2;

@@ -168,6 +168,6 @@ typedef struct wave_region {
  * WAVE_TILE. False if cancel turned true. There is one such function for each instruction set, all from tile.c. */
 typedef bool wave_tile_fn(wave *w, size_t x, size_t y, const wave_region *region, const atomic_bool *cancel,
                           io_image *image);
-wave_tile_fn wave_tile_scalar, wave_tile_sse42, wave_tile_avx2, wave_tile_avx512;
+wave_tile_fn wave_tile_scalar, wave_tile_sse42, wave_tile_avx2, wave_tile_avx512, wave_tile_neon;
 
 #endif
