@@ -97,7 +97,7 @@ static bool print_at(const ground *g, const horizon_command *c, io_error *error)
             const double last = (double)(a ? t->ny - 1 : t->nx - 1);
             if (dir[a] != 0) far = fmin(far, ((dir[a] > 0 ? last : 0) - eye[a]) / dir[a] + 1);
         }
-        const sight_rise r = sight_steepest(&s, eye[0] + far * dir[0], eye[1] + far * dir[1], -INFINITY, INFINITY);
+        const sight_rise r = sight_steepest(&s, eye[0] + far * dir[0], eye[1] + far * dir[1], -INFINITY);
         if (r.steepest == -INFINITY) {
             printf("%.6g,-90,,,\n", azimuth);
             continue;

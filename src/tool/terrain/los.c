@@ -28,8 +28,8 @@ static bool look(ground *g, void *context, io_error *error) {
     sight s;
     const double k = isnan(c->curvature) ? g->file.raster.georef.placed ? 6.0 / 7 : 0 : c->curvature;
     sight_init(&s, t, NULL, eye, k);
-    const double height = target[2] - eye[2] - sight_fall(&s, target[0], target[1]);
-    const double block = sight_first_block(&s, target[0], target[1], height);
+    const double height = target[2] - s.eye[2] - sight_fall(&s, target[0], target[1]);
+    const double block = sight_first_block(&s, target[0], target[1], target[2]);
     terrain_metres(t, eye[0], eye[1], metres);
     for (int e = 0; e < 2; e++) terrain_to_map(t, e ? target[0] : eye[0], e ? target[1] : eye[1], ends[e]);
     const double length = hypot((ends[1][0] - ends[0][0]) * metres[0], (ends[1][1] - ends[0][1]) * metres[1]);

@@ -235,7 +235,7 @@ static void look_around(part *p) {
 
 /* The samples of the row in these directions: the last part of a quarter has both ends. Directions of exactly 45 degrees
  * belong to the quarters whose rows are rows. */
-static void visit_row(part *p, long row, const float *z, long begin, long end, uint32_t start) {
+static void visit_row(part *p, long row, long begin, long end, uint32_t start) {
     const double r = distance(p, row), per_row = 1 / r, error = error_of(p, r);
     const bool rising = p->outward > 0, all = r <= close_rows, every = p->target == INFINITY;
     const double *left_of = rising ? p->front : p->back, *right_of = rising ? p->back : p->front;
@@ -256,10 +256,8 @@ static void visit_row(part *p, long row, const float *z, long begin, long end, u
             way.unsure.close = leans < -p->margin ? 0 : 2;
             way.unsure.eye = around(p, u) * r >= h + p->target;
         }
-        const sight *s = p->sight;
         const size_t at[2] = {p->swapped ? (size_t)row : (size_t)i, p->swapped ? (size_t)i : (size_t)row};
-        const double height = (double)z[i] - s->eye[2] - sight_fall(s, (double)at[0], (double)at[1]);
-        p->visit(p->context, at[0], at[1], height, &way);
+        p->visit(p->context, at[0], at[1], &way);
     }
 }
 
@@ -298,7 +296,7 @@ static void look_at(part *p, long row, const float *far, size_t begin, size_t en
         lean(p, r, from, until);
         add_row(p, r, from, until, start);
     }
-    visit_row(p, row, far, left, right, start);
+    visit_row(p, row, left, right, start);
     if (p->near) add_between(p, r, from, until, start);
     look_again(p, begin, end);
 }

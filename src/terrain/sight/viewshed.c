@@ -16,14 +16,16 @@ struct viewshed {
     double most; /* cells along the longer axis to the greatest distance */
 };
 
+/* Samples are within it too, and the products of exact decisions stay far below overflow. */
+static const double most_height = 0x1p120;
+
 cw_status viewshed_create(const terrain *t, const sight_bounds *bounds, const viewshed_desc *d, viewshed **out) {
     *out = NULL;
     const double ground = terrain_height(t, d->place[0], d->place[1]);
     const double eye = (d->absolute ? d->height : ground + d->height) / t->map[2][2];
-    if (!(isfinite(d->place[0]) && isfinite(d->place[1]) && isfinite(eye) && d->curvature >= 0 &&
-          d->curvature < INFINITY))
-        return CW_ERROR_ARGUMENT;
-    if (!(isfinite(d->target_height) && d->max_distance >= 0)) return CW_ERROR_ARGUMENT;
+    if (!terrain_is_in_reach(d->place[0], d->place[1]) || !(fabs(eye) <= most_height)) return CW_ERROR_ARGUMENT;
+    if (!(d->curvature >= 0 && d->curvature <= 1e9 && d->max_distance >= 0)) return CW_ERROR_ARGUMENT;
+    if (!(fabs(d->target_height / t->map[2][2]) <= most_height)) return CW_ERROR_ARGUMENT;
     viewshed *v = malloc(sizeof *v);
     if (v == NULL) return CW_ERROR_MEMORY;
     *v = (viewshed){.terrain = t, .desc = *d, .target = d->target_height / t->map[2][2]};
@@ -61,22 +63,23 @@ typedef struct job {
     atomic_bool failed, stopped;
 } job;
 
-static void count_sample(void *context, size_t i, size_t j, double ground, const sweep_way *way) {
+static void count_sample(void *context, size_t i, size_t j, const sweep_way *way) {
     job *q = context;
     const viewshed *v = q->v;
     if (!is_near(v, (double)i, (double)j)) return;
     const bool sure = way->unsure.close == 0 && !way->unsure.eye;
-    if (sure || sight_sees(&v->sight, (double)i, (double)j, ground + v->target, way->unsure))
-        q->seen[j * v->terrain->nx + i]++;
+    const size_t k = j * v->terrain->nx + i;
+    if (sure || sight_sees(&v->sight, (double)i, (double)j, (double)v->terrain->z[k], v->target, way->unsure))
+        q->seen[k]++;
 }
 
-static void measure_sample(void *context, size_t i, size_t j, double ground, const sweep_way *way) {
+static void measure_sample(void *context, size_t i, size_t j, const sweep_way *way) {
     job *q = context;
     const viewshed *v = q->v;
     if (!is_near(v, (double)i, (double)j)) return;
-    const double least = way->low > ground ? way->low : ground;
-    const sight_rise r = sight_steepest(&v->sight, (double)i, (double)j, least, INFINITY);
-    q->heights[j * v->terrain->nx + i] = (float)((r.steepest - ground) * v->terrain->map[2][2]);
+    const size_t k = j * v->terrain->nx + i;
+    const double need = sight_need(&v->sight, (double)i, (double)j, (double)v->terrain->z[k], way->low);
+    q->heights[k] = (float)(need * v->terrain->map[2][2]);
 }
 
 static bool tell(void *context) {

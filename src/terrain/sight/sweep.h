@@ -14,7 +14,7 @@ typedef struct sweep_way {
 
 /* Called for every sample of the field that is no hole, once, unless something is known to hide what stands target above it;
  * from several threads. */
-typedef void sweep_visit(void *context, size_t i, size_t j, double height_over_eye, const sweep_way *way);
+typedef void sweep_visit(void *context, size_t i, size_t j, const sweep_way *way);
 
 /* Called now and then, from the thread that does the part. False ends it. */
 typedef bool sweep_tick(void *context);

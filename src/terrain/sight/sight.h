@@ -32,12 +32,11 @@ double sight_fall(const sight *s, double i, double j);
 double sight_sample(const sight *s, size_t i, size_t j);
 
 /* The steepest rise from the eye on the way to (i, j), as height over the eye per share of the way, both ends left out, and
- * the share at which it is, the least of several. What is less than least comes out as least, at share 0, and the first that
- * is at least enough ends the search: with both the height of (i, j) over the eye, less, whether it is seen. */
+ * the share at which it is, the least of several; rounded. What is less than least comes out as least, at share 0. */
 typedef struct sight_rise {
     double steepest, share;
 } sight_rise;
-sight_rise sight_steepest(const sight *s, double i, double j, double least, double enough);
+sight_rise sight_steepest(const sight *s, double i, double j, double least);
 
 /* Parts of the way to a place: the first so many cells from it, or all of it, and the last cell before the eye. Cells count
  * along the way's longer axis. */
@@ -50,12 +49,22 @@ typedef struct sight_parts {
  * along the way's longer axis, which is the same for both: a and b are one long along it. */
 double sight_around(const sight *s, const double a[2], const double b[2]);
 
-/* Whether (i, j), height over the eye's, is seen, if nothing hides it outside these parts of the way. What touches the line
- * blocks it. */
-bool sight_sees(const sight *s, double i, double j, double height, sight_parts parts);
+/* These decide exactly: for the samples, eye and heights as they are given, and lowerings as sight_fall rounds them, an answer
+ * is that of real numbers. An edge between two samples that are no holes is part of the surface, and so is any such sample.
+ * Coordinates are rounded to multiples of 2^-60. Rounding must be to nearest. */
 
-/* The first place on the way to (i, j), height over the eye's, at which the straight line to there is on or below the
- * surface, as a share of the way, with both ends left out; infinite if there is none. */
-double sight_first_block(const sight *s, double i, double j, double height);
+/* Whether the sample (i, j), or what stands above it, is seen, if nothing hides it outside these parts of the way: z is its
+ * height and above that of the target over it, in the samples' numbers. What touches the line blocks it. */
+bool sight_sees(const sight *s, double i, double j, double z, double above, sight_parts parts);
+
+/* How high over the sample (i, j) of height z something must at least stand so that nothing is above the line to it: 0 only if
+ * nothing is above the line to the sample. low: something is known to rise by at least that on the way, as sight_steepest has
+ * it, or -infinity. Rounded. */
+double sight_need(const sight *s, double i, double j, double z, double low);
+
+/* The first place on the way to (i, j), at height z in the samples' numbers, at which the straight line to there is on or below
+ * the surface, as a share of the way, with both ends left out; infinite if there is none. That there is one is exact, where it
+ * is is rounded. */
+double sight_first_block(const sight *s, double i, double j, double z);
 
 #endif

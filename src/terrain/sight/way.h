@@ -1,0 +1,152 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The straight way from a target back to the eye, and the edges of the surface that it crosses: on lines of samples x = n and
+ * y = n, and on diagonals x - y = n.
+ *
+ * Places are computed in double, so each comes with a bound on its error. Who needs a certain answer asks touch.h where the
+ * bound leaves it open. */
+#ifndef CELLWALK_TERRAIN_WAY_H
+#define CELLWALK_TERRAIN_WAY_H
+
+#include "exact.h"
+#include "sight.h"
+
+#include <math.h>
+
+/* place[a] + share step[a] is where the way is, share being 0 at the target and 1 at the eye. */
+typedef struct way {
+    const sight *sight;
+    double place[2], step[2];
+    double length; /* cells along the longer axis */
+    int longer;
+    double z, above;               /* the target's height is z + above, in the samples' numbers */
+    double fall;                   /* the lowering at the target */
+    double top;                    /* the target's height over the eye, lowered: z + above - eye - fall, rounded */
+    double diagonal, diagonal_low; /* x - y at the target: a rounded difference and its error */
+    double across;                 /* how much x - y grows from the target to the eye */
+    double slack;                  /* computed places are within so many cells of the true ones */
+    double rough; /* the bound on the error of a height over the line, but for what the edge's own heights add */
+} way;
+
+/* Computed shares of the way are within this of the true ones. */
+static const double way_share_error = 0x1p-49;
+
+/* The kinds of lines that edges lie on. */
+enum { WAY_COLUMN, WAY_ROW, WAY_DIAGONAL };
+
+typedef struct crossing {
+    const way *way;
+    int kind;
+    double n;      /* of the line: x = n, y = n or x - y = n */
+    double other;  /* the place on it: y, or x on a row or a diagonal */
+    double share;  /* of the way, from the eye */
+    double height; /* of the surface over the eye, lowered; NaN where there is no surface */
+    /* The greatest difference of heights between neighbours on the edge; on two edges where the crossing is so near to a sample
+     * that it may be on either. */
+    double steps;
+    bool at_sample;
+} crossing;
+
+/* A share is off by up to 3.5 2^-52 of it: on diagonals 1.5 for across, 1 for n less the target's diagonal, and 0.5 each for the
+ * division and the product. A place is off by that part of the step and by three roundings of its own, which is less than half
+ * of slack. A height over the line is off by 2^-49 of each of its parts and the line's; the lowering enters by the square of a
+ * share. rough is more than all of that but for the edge's own heights. */
+static inline way way_to(const sight *s, double i, double j, double z, double above) {
+    way w = {.sight = s, .place = {i, j}, .step = {s->eye[0] - i, s->eye[1] - j}, .z = z, .above = above};
+    const double x = fabs(w.step[0]), y = fabs(w.step[1]);
+    w.longer = y > x;
+    w.length = w.longer ? y : x;
+    w.fall = sight_fall(s, i, j);
+    w.top = z + above - s->eye[2] - w.fall;
+    double eye_low;
+    const double eye_diagonal = exact_two_sum(s->eye[0], -s->eye[1], &eye_low);
+    w.diagonal = exact_two_sum(i, -j, &w.diagonal_low);
+    w.across = (eye_diagonal - w.diagonal) + (eye_low - w.diagonal_low);
+    w.slack = 0x1p-48 * (x + y) + 0x1p-51 * (fabs(i) + fabs(j));
+    const double falls = fabs(s->fall[0]) + fabs(s->fall[1]) + fabs(s->fall[2]), far = x + y + 2;
+    w.rough = 0x1p-48 * (fabs(z) + fabs(above) + fabs(s->eye[2]) + falls * far * far) + w.slack * falls;
+    return w;
+}
+
+/* Sees a crossing. True ends the way. */
+typedef bool way_look(void *context, const crossing *c);
+
+static inline double way_at(double from, double step, double share) { return from + share * step; }
+
+/* Places on the way are within 2^24 of the field. A cast is an instruction where floor may be a call. */
+static inline double whole_below(double x) {
+    const double n = (double)(long)x;
+    return n > x ? n - 1 : n;
+}
+static inline double whole_above(double x) { return -whole_below(-x); }
+
+/* The sample number m along a line, or NULL outside the field. */
+static inline const float *way_sample(const terrain *t, int kind, double n, double m) {
+    const double i = kind == WAY_COLUMN ? n : m, j = kind == WAY_COLUMN ? m : kind == WAY_ROW ? n : m - n;
+    if (!(i >= 0 && j >= 0 && i < (double)t->nx && j < (double)t->ny)) return NULL;
+    return t->z + (size_t)j * t->nx + (size_t)i;
+}
+
+/* The surface at a crossing. The lowering is a quadratic form q around the eye: q(s v) = s² q(v), and a mean of its values at
+ * two ends of an edge e, at f of it, is the value there plus f (1 - f) q(e). */
+static inline void way_height(crossing *c) {
+    const way *w = c->way;
+    const sight *s = w->sight;
+    double first = whole_below(c->other + 0.5);
+    c->at_sample = fabs(c->other - first) <= w->slack;
+    if (!c->at_sample) first = whole_below(c->other);
+    const float *z = way_sample(s->terrain, c->kind, c->n, first),
+                *next = way_sample(s->terrain, c->kind, c->n, first + 1);
+    c->height = NAN;
+    if (z == NULL || !(c->at_sample || next)) return;
+    double height = (double)*z;
+    if (c->at_sample) {
+        const float *before = way_sample(s->terrain, c->kind, c->n, first - 1);
+        c->steps = next ? fabs((double)*next - height) : 0;
+        if (before) c->steps = fmax(c->steps, fabs((double)*before - height)); /* holes do not count */
+    } else {
+        const double along = c->other - first, step = (double)*next - height;
+        const double edge = c->kind == WAY_COLUMN ? s->fall[2]
+                            : c->kind == WAY_ROW  ? s->fall[0]
+                                                  : s->fall[0] + s->fall[1] + s->fall[2];
+        height += along * step - along * (1 - along) * edge;
+        c->steps = fabs(step);
+    }
+    c->height = height - (s->eye[2] + c->share * c->share * w->fall);
+}
+
+static inline bool way_see(const way *w, int kind, double n, double share, double other, way_look *look,
+                           void *context) {
+    /* A share of 0 is exact: the line goes through the target. */
+    if (!(share > 0 && share < 1 + way_share_error)) return false;
+    crossing c = {.way = w, .kind = kind, .n = n, .other = other, .share = 1 - share};
+    way_height(&c);
+    return isfinite(c.height) && look(context, &c);
+}
+
+/* The crossings between two shares, a <= b, both included, and some that are within rounding of them, so that none is lost
+ * between two stretches. */
+static inline bool look_between(const way *w, double a, double b, way_look *look, void *context) {
+    const double *p = w->place, *d = w->step;
+    for (int axis = 0; axis < 2; axis++) {
+        if (d[axis] == 0) continue; /* along the lines */
+        const double from = way_at(p[axis], d[axis], a), to = way_at(p[axis], d[axis], b), per_step = 1 / d[axis];
+        const double low = whole_above((from < to ? from : to) - w->slack),
+                     high = whole_below((from < to ? to : from) + w->slack);
+        for (double n = low; n <= high; n++) {
+            const double share = (n - p[axis]) * per_step, other = way_at(p[1 - axis], d[1 - axis], share);
+            if (way_see(w, axis ? WAY_ROW : WAY_COLUMN, n, share, other, look, context)) return true;
+        }
+    }
+    if (w->across == 0) return false;
+    const double from = way_at(w->diagonal, w->across, a), to = way_at(w->diagonal, w->across, b),
+                 per_step = 1 / w->across;
+    const double low = whole_above((from < to ? from : to) - w->slack),
+                 high = whole_below((from < to ? to : from) + w->slack);
+    for (double n = low; n <= high; n++) {
+        const double share = (n - w->diagonal - w->diagonal_low) * per_step;
+        if (way_see(w, WAY_DIAGONAL, n, share, way_at(p[0], d[0], share), look, context)) return true;
+    }
+    return false;
+}
+
+#endif
