@@ -6,9 +6,10 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 void raster_options_rows(raster_options *r, option_spec rows[RASTER_OPTION_COUNT]) {
-    *r = (raster_options){.nodata = NAN, .cellsize = NAN, .zscale = NAN};
+    *r = (raster_options){.cellsize = NAN, .zscale = NAN};
     rows[0] = (option_spec){.name = "band",
                             .value = "N",
                             .help = "the file's band, from 1 on (default: 1)",
@@ -16,11 +17,12 @@ void raster_options_rows(raster_options *r, option_spec rows[RASTER_OPTION_COUNT
                             .to = &r->band,
                             .low = 1,
                             .high = 1 << 20};
-    rows[1] = (option_spec){.name = "nodata",
-                            .value = "V",
-                            .help = "samples of this value are holes, beside those that\nthe file marks",
-                            .kind = OPTION_NUMBER,
-                            .to = &r->nodata};
+    rows[1] = (option_spec){
+        .name = "nodata",
+        .value = "V",
+        .help = "samples of this value are holes, beside those that\nthe file marks; may be given several times",
+        .kind = OPTION_AGAIN,
+        .to = &r->nodata};
     rows[2] = (option_spec){.name = "zscale",
                             .value = "S",
                             .help = "one unit of height is S of the map's, or S metres on a\nmap in degrees (0.3048: "
@@ -61,12 +63,19 @@ bool raster_options_resolve(raster_options *r, const char *name, io_raster_optio
             command_fail(name, "--%s takes a number above 0, not %g", positive[k].name, positive[k].value);
             return false;
         }
+    for (size_t k = 0; k < r->nodata.count; k++) {
+        char *end;
+        r->nodata_values[k] = strtod(r->nodata.values[k], &end);
+        if (end != r->nodata.values[k] && *end == '\0' && isfinite(r->nodata_values[k])) continue;
+        command_fail(name, "--nodata takes a number, not '%s'", r->nodata.values[k]);
+        return false;
+    }
     r->name = name;
     r->line = progress_start("reading");
     *options = (io_raster_options){
         .band = r->band,
-        .has_nodata = !isnan(r->nodata),
-        .nodata = r->nodata,
+        .nodata = r->nodata_values,
+        .nodata_count = r->nodata.count,
         .cellsize = isnan(r->cellsize) ? 0 : r->cellsize,
         .zscale = isnan(r->zscale) ? 0 : r->zscale,
         .warn = warn,

@@ -11,8 +11,10 @@ enum { RASTER_OPTION_COUNT = 4 };
 
 typedef struct raster_options {
     unsigned band;
-    double nodata, cellsize, zscale;
+    double cellsize, zscale;
+    option_again nodata;
     /* Set by raster_options_resolve. */
+    double nodata_values[OPTION_AGAIN_MAX];
     const char *name; /* of the subcommand */
     progress line;
 } raster_options;

@@ -80,7 +80,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     VSIFCloseL(VSIFileFromMemBuffer(name, copy, size, TRUE));
     VSIFCloseL(VSIFileFromMemBuffer(other, grid, sizeof grid - 1, FALSE));
     const unsigned told = size > 0 ? data[size / 2] : 0;
-    const io_raster_options options = {.band = told & 3, .has_nodata = (told & 4) != 0, .nodata = 1, .warn = pass_over};
+    const io_raster_options options = {
+        .band = told & 3, .nodata = &(double){1}, .nodata_count = (told & 4) != 0, .warn = pass_over};
     io_raster raster;
     io_error error;
     if (io_raster_read(name, &options, &raster, &error)) {

@@ -9,8 +9,8 @@ static void pass_over(void *context, const char *text) { (void)context, (void)te
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     const unsigned told = size > 0 ? data[size - 1] : 0;
-    const io_raster_options options = {.has_nodata = (told & 16) != 0,
-                                       .nodata = 1,
+    const io_raster_options options = {.nodata = &(double){1},
+                                       .nodata_count = (told & 16) != 0,
                                        .cellsize = told & 32 ? 2 : 0,
                                        .zscale = told & 64 ? 0.5 : 0,
                                        .band = told & 128 ? 1 : 0,

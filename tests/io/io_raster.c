@@ -262,12 +262,20 @@ static void what_the_caller_knows(void **state) {
     io_raster r;
     io_error error = {""};
     make_npy("a.npy", "<f4", heights, sizeof heights);
-    const io_raster_options options = {.has_nodata = true, .nodata = 6000, .cellsize = 30, .zscale = 0.5};
+    const io_raster_options options = {
+        .nodata = (const double[]){500, 6000}, .nodata_count = 2, .cellsize = 30, .zscale = 0.5};
     check(io_raster_read("a.npy", &options, &r, &error), "%s", error.text);
-    for (size_t k = 0; k < N; k++) assert_true(k == 6 ? isnan(r.z[k]) : r.z[k] == heights[k]);
+    for (size_t k = 0; k < N; k++) assert_true(k == 5 || k == 6 ? isnan(r.z[k]) : r.z[k] == heights[k]);
     static const double map[3][4] = {{30, 0, 0, 0}, {0, -30, 0, 60}, {0, 0, 0.5, 0}}; /* the first row in the north */
     for (int k = 0; k < 12; k++) assert_true(r.map[k / 4][k % 4] == map[k / 4][k % 4]);
-    assert_true(r.georef.placed && r.georef.has_nodata && r.georef.nodata == 6000);
+    assert_true(r.georef.placed && r.georef.has_nodata && r.georef.nodata == 500);
+    io_raster_free(&r);
+    /* Row 0 in the north, a cell wide 1, and a word on it, where the caller wants it so. */
+    const io_raster_options north_up = {.north_up = true};
+    check(io_raster_read("a.npy", &north_up, &r, &error), "%s", error.text);
+    static const double upright[3][4] = {{1, 0, 0, 0}, {0, -1, 0, 2}, {0, 0, 1, 0}};
+    for (int k = 0; k < 12; k++) assert_true(r.map[k / 4][k % 4] == upright[k / 4][k % 4]);
+    assert_false(r.georef.placed);
     io_raster_free(&r);
     static const io_raster_options second = {.band = 2};
     assert_false(io_raster_read("a.npy", &second, &r, &error));

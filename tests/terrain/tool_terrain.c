@@ -149,16 +149,18 @@ static void large_view(void **state) {
 
 static void lines_at_a_wall(void **state) {
     (void)state;
-    const program_result *r = run_well((const char *const[]){"los", "wall.npy", "300,190,+2", "300,390,30",
+    const program_result *r = run_well((const char *const[]){"los", "wall.npy", "300,190,2", "300,390,=30",
                                                              "--cellsize", "10", "--curvature", "0", NULL});
     /* The line rises 28 m in 200; the wall's flank 40 m in the last 10 of 100: they meet at 94.3 m. */
     const double met = (90 * 4 + 2) / (4 - 0.14);
     double x, y, z, from, of;
-    check(sscanf(r->out, "blocked at %lf,%lf,%lf: %lf m from the first place, of %lf m", &x, &y, &z, &from, &of) == 5,
-          "%s", r->out);
-    check(x == 300 && fabs(from - met) < 1e-3 && fabs(y - 190 - met) < 1e-3 && of == 200, "%s, not %g", r->out, met);
-    r = run_well((const char *const[]){"los", "wall.npy", "300,190,+2", "300,390,85", "--cellsize", "10", "--curvature",
-                                       "0", "--json", NULL});
+    static const char says[] = "blocked: %lf m from the first place, of %lf m, at a height of %lf m\nat %lf,%lf\n";
+    check(sscanf(r->out, says, &from, &of, &z, &x, &y) == 5, "%s", r->out);
+    check(x == 300 && fabs(z - 2 - 0.14 * met) < 1e-3 && fabs(from - met) < 1e-3 && fabs(y - 190 - met) < 1e-3 &&
+              of == 200,
+          "%s, not %g", r->out, met);
+    r = run_well((const char *const[]){"los", "wall.npy", "300,190,+2", "300,390,=85", "--cellsize", "10",
+                                       "--curvature", "0", "--json", NULL});
     check(strcmp(r->out, "{\"visible\": true, \"distance\": 200}\n") == 0, "%s", r->out);
 }
 
@@ -180,45 +182,209 @@ static void what_is_refused(void **state) {
                   "has one band, not 2");
     check_refused((const char *const[]){"viewshed", "wall.npy", "-o", "v.npy", NULL}, 2, "--from X,Y is missing");
     check_refused((const char *const[]){"viewshed", "wall.npy", "--from", "3;4", "-o", "v.npy", NULL}, 2, "not '3;4'");
-    check_refused((const char *const[]){"viewshed", "wall.npy", "--from", "-300,4", "-o", "v.npy", NULL}, 1,
-                  "there is no ground at -300, 4");
     check_refused((const char *const[]){"horizon", "wall.npy", "-o", "h.png", NULL}, 1, "no room for 32 bands");
     check_refused((const char *const[]){"horizon", "wall.npy", "--compress", "zstd", "-o", "h.npy", NULL}, 2,
                   "--compress goes with -o FILE.tif");
     check_refused((const char *const[]){"horizon", "wall.npy", "--compress", "lzw", "-o", "h.tif", NULL}, 2,
                   "there are deflate, zstd, none");
-    check_refused((const char *const[]){"horizon", "wall.npy", "--at", "-5,3", NULL}, 1, "there is no ground at -5, 3");
-    check_refused((const char *const[]){"los", "wall.npy", "-5,3,+2", "10,10,+2", NULL}, 1,
-                  "there is no ground at -5, 3");
     check_refused((const char *const[]){"los", "wall.npy", "5", "10,10,+2", NULL}, 2, "not '5'");
     /* Farther away than lines of sight are computed, where numbers no longer fit. */
-    check_refused((const char *const[]){"los", "wall.npy", "1e308,1e308,9", "10,10,+2", NULL}, 1, "is too far away");
-    check_refused((const char *const[]){"los", "wall.npy", "10,10,+2", "1e8,3,9", NULL}, 1, "is too far away");
-    check_refused(
-        (const char *const[]){"viewshed", "wall.npy", "--absolute", "--from", "3,1e308,9", "-o", "v.npy", NULL}, 1,
-        "is too far away");
+    check_refused((const char *const[]){"los", "wall.npy", "1e308,1e308,=9", "10,10,2", NULL}, 1, "is too far away");
+    check_refused((const char *const[]){"los", "wall.npy", "10,10,2", "1e8,3,=9", NULL}, 1, "is too far away");
+    check_refused((const char *const[]){"viewshed", "wall.npy", "--from", "3,1e308,=9", "-o", "v.npy", NULL}, 1,
+                  "is too far away");
 }
 
-/* A place that rounding has put next to a row is on it, however near: one over the distance is no number. */
-static void next_to_a_row(void **state) {
+/* One meaning of a place for all: H above ground, =Z absolute, and what is wrong with one is said. */
+static void places_that_are_refused(void **state) {
     (void)state;
-    static const char *const places[] = {"7,0,2", "7,1e-320,2", "7,-1e-320,2", "7,1e-300,2"};
-    char *first = NULL;
-    size_t size, first_size = 0;
-    for (size_t k = 0; k < sizeof places / sizeof places[0]; k++) {
-        run_well((const char *const[]){"viewshed", "wall.npy", "--absolute", "--from", places[k], "--needed", "-o",
-                                       "v.npy", NULL});
-        char *bytes = scratch_read("v.npy", &size);
-        if (k == 0) {
-            first = bytes;
-            first_size = size;
-            continue;
+    /* 60 x 50 samples in cells of 1: column 70 does not exist, nor does row 55 from below; (5, 29) is on the wall. */
+    static const struct {
+        const char *place, *why;
+    } cases[] = {
+        {"70,5,2", "70,5,2: lies outside: the samples, which are the pixels' centres, go from X 0 to 59 and Y 0 to 49"},
+        {"-300,4", "-300,4: lies outside"},
+        {"20,55,+1", "20,55,+1: lies outside, but with X and Y exchanged it would not"},
+        {"59.4,5,2", "59.4,5,2: lies in the outer half of a pixel"},
+        {"3,4,2", "3,4,2: there is no data at that place"},
+        {"5,29,=39", "5,29,=39: is under the ground, which is 40.000 m high there: X,Y,H counts H from the ground"},
+        {"5,29,-1", "5,29,-1: is under the ground, which is 40.000 m high there"},
+    };
+    static float z[NX * NY];
+    for (size_t k = 0; k < NX * NY; k++) z[k] = k / NX == 20 ? 40 : k == 45 * NX + 3 ? NAN : 0;
+    field_file("holed.npy", z, NX, NY);
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        const char *const p = cases[k].place, *const why = cases[k].why;
+        check_refused((const char *const[]){"viewshed", "holed.npy", "--from", p, "-o", "v.npy", NULL}, 1, why);
+        check_refused((const char *const[]){"horizon", "holed.npy", "--at", p, NULL}, 1, why);
+        check_refused((const char *const[]){"los", "holed.npy", "10,10,2", p, NULL}, 1, why);
+        check_refused((const char *const[]){"los", "holed.npy", p, "10,10,2", NULL}, 1, why);
+        check_refused((const char *const[]){"render", "holed.npy", "--from", p, "-o", "v.pfm", NULL}, 1, why);
+        check_refused((const char *const[]){"render", "holed.npy", "--to", p, "-o", "v.pfm", NULL}, 1, why);
+    }
+    check_refused((const char *const[]){"los", "wall.npy", "1,2,=", "10,10,2", NULL}, 2, "not '1,2,='");
+    check_refused((const char *const[]){"los", "wall.npy", "1,=2", "10,10,2", NULL}, 2, "not '1,=2'");
+}
+
+/* A height above ground and the absolute height that it comes to are the same place. */
+static void heights_of_places(void **state) {
+    (void)state;
+    static const char *const same[2][2] = {{"300,290,+3", "300,290,=43"}, {"300,100,3", "300,100,=3"}};
+    for (int n = 0; n < 2; n++) {
+        char *file[2], *out[2];
+        size_t size[2];
+        for (int k = 0; k < 2; k++) {
+            run_well((const char *const[]){"viewshed", "wall.npy", "--cellsize", "10", "--from", same[n][k], "-o",
+                                           "v.npy", NULL});
+            file[k] = scratch_read("v.npy", &size[k]);
+            out[k] = strdup(
+                run_well((const char *const[]){"los", "wall.npy", "--cellsize", "10", same[n][k], "300,400,60", NULL})
+                    ->out);
         }
-        assert_int_equal(size, first_size);
-        check(memcmp(bytes, first, size) == 0, "another view from %s than from 7,0", places[k]);
+        assert_int_equal(size[0], size[1]);
+        assert_memory_equal(file[0], file[1], size[0]);
+        assert_string_equal(out[0], out[1]);
+        for (int k = 0; k < 2; k++) {
+            free(file[k]);
+            free(out[k]);
+        }
+    }
+}
+
+/* Without a map row 0 is in the north and cells are 1 wide, as with --cellsize 1, and that is said. */
+static void rows_without_a_map(void **state) {
+    (void)state;
+    static const char *const runs[][8] = {
+        {"shadow", "wall.npy", "--sun", "20,60", "-o", "o.npy", NULL},
+        {"horizon", "wall.npy", "--directions", "3", "-o", "o.npy", NULL},
+        {"viewshed", "wall.npy", "--from", "7,35,60", "-o", "o.npy", NULL},
+        {"render", "wall.npy", "--size", "30x20", "-o", "o.pfm", NULL},
+        {"los", "wall.npy", "7,3,2", "20,40,60", NULL},
+        {"horizon", "wall.npy", "--at", "7,3,2", NULL},
+    };
+    for (size_t r = 0; r < sizeof runs / sizeof runs[0]; r++) {
+        const char *arguments[16] = {NULL};
+        size_t n = 0, size[2] = {0};
+        char *file[2] = {NULL}, *out[2];
+        for (; runs[r][n]; n++) arguments[n] = runs[r][n];
+        const bool writes = strcmp(arguments[n - 2], "-o") == 0;
+        for (int given = 0; given < 2; given++) {
+            if (given) arguments[n] = "--cellsize", arguments[n + 1] = "1";
+            if (given && strcmp(runs[r][0], "shadow") != 0 && strcmp(runs[r][0], "horizon") != 0 &&
+                strcmp(runs[r][0], "render") != 0)
+                arguments[n + 2] = "--curvature", arguments[n + 3] = "0";
+            const program_result *p = program_run(NULL, arguments);
+            check(p->status == 0, "%s: %s", runs[r][0], p->err);
+            const bool said = strstr(p->err, "cells are taken for 1 wide, row 0 for the northernmost") != NULL;
+            check(said == !given, "%s: %s", runs[r][0], p->err);
+            out[given] = strdup(p->out);
+            if (writes) file[given] = scratch_read(arguments[n - 1], &size[given]);
+        }
+        assert_string_equal(out[0], out[1]);
+        check(size[0] == size[1] && (!writes || memcmp(file[0], file[1], size[0]) == 0), "%s differs", runs[r][0]);
+        for (int k = 0; k < 2; k++) {
+            free(out[k]);
+            free(file[k]);
+        }
+    }
+    /* The sun in the north: shadow falls on what follows the wall in the file. */
+    program_run(NULL, (const char *const[]){"shadow", "wall.npy", "--sun", "0,88", "-o", "o.npy", NULL});
+    char *file;
+    const uint8_t *lit = elements("o.npy", NX * NY, &file);
+    assert_true(lit[19 * NX] == 1 && lit[21 * NX] == 0);
+    free(file);
+}
+
+/* Each --nodata counts. */
+static void several_kinds_of_no_data(void **state) {
+    (void)state;
+    run_well((const char *const[]){"shadow", "wall.npy", "--cellsize", "10", "--nodata", "40", "--nodata", "0", "--sun",
+                                   "0,45", "-o", "s.npy", NULL});
+    char *file;
+    const uint8_t *lit = elements("s.npy", NX * NY, &file);
+    for (size_t k = 0; k < NX * NY; k++) assert_int_equal(lit[k], 255);
+    free(file);
+    check_refused((const char *const[]){"shadow", "wall.npy", "--nodata", "x", "--sun", "0,45", "-o", "s.npy", NULL}, 2,
+                  "--nodata takes a number, not 'x'");
+}
+
+/* A border sample has no horizon beyond the border: that is no data, and no angle that statistics would count. */
+static void where_the_terrain_ends(void **state) {
+    (void)state;
+    run_well(
+        (const char *const[]){"horizon", "wall.npy", "--cellsize", "10", "--directions", "1", "-o", "h.npy", NULL});
+    char *file;
+    const float *angle = elements("h.npy", 4ul * NX * NY, &file);
+    for (size_t k = 0; k < NX * NY; k++)
+        check(k < NX ? isnan(angle[k]) : angle[k] > -89, "(%zu, %zu): %g", k % NX, k / NX, (double)angle[k]);
+    free(file);
+}
+
+/* A GeoTIFF says how it was made. Metadata are text in the file. */
+static void outputs_describe_themselves(void **state) {
+    (void)state;
+    static const struct {
+        const char *arguments[14], *says[6];
+    } cases[] = {
+        {{"shadow", "wall.npy", "--cellsize", "10", "--sun", "225.5,30", "-o", "o.tif"},
+         {">225.5<", "SUN_ALTITUDE", "1 where the sun is seen, 0 in the shadow", "cellwalk " CW_VERSION}},
+        {{"shadow", "wall.npy", "--cellsize", "10", "--sun", "225.5,30", "--hillshade", "-o", "o.tif"},
+         {"cosine of the angle between sun and normal"}},
+        {{"viewshed", "wall.npy", "--cellsize", "10", "--from", "300,100", "--from", "310,100,=7", "-o", "o.tif"},
+         {">300,100,2<", ">310,100,=7<", "OBSERVER_2", "number of observers that see the target", "CURVATURE"}},
+        {{"viewshed", "wall.npy", "--cellsize", "10", "--from", "300,100", "--needed", "-o", "o.tif"},
+         {"height above ground that is needed to be seen", ">m<"}},
+        {{"horizon", "wall.npy", "--cellsize", "10", "--directions", "3", "-o", "o.tif"},
+         {"azimuth 240", ">degree<", "DIRECTIONS"}},
+        {{"horizon", "wall.npy", "--cellsize", "10", "--directions", "3", "--svf", "-o", "o.tif"}, {"sky-view factor"}},
+    };
+    for (size_t c = 0; c < sizeof cases / sizeof cases[0]; c++) {
+        const program_result *r = program_run(NULL, cases[c].arguments);
+        if (c == 0 && strstr(r->err, "GeoTIFF needs GDAL") != NULL) skip();
+        check(r->status == 0 && r->err[0] == '\0', "%s", r->err);
+        size_t size;
+        char *bytes = scratch_read("o.tif", &size);
+        for (size_t s = 0; cases[c].says[s]; s++)
+            check(memmem(bytes, size, cases[c].says[s], strlen(cases[c].says[s])) != NULL, "%s %s does not say '%s'",
+                  cases[c].arguments[0], cases[c].arguments[4], cases[c].says[s]);
         free(bytes);
     }
+}
+
+/* A place that is on a row but for a last digit is on it: on the ridge of the wall both sides are seen, not one. */
+static void next_to_a_row(void **state) {
+    (void)state;
+    static const char *const places[] = {"7,29,0", "7,29.000000001,0", "7,28.999999999,0"};
+    char *first = NULL;
+    for (size_t k = 0; k < sizeof places / sizeof places[0]; k++) {
+        run_well((const char *const[]){"viewshed", "wall.npy", "--cellsize", "1", "--curvature", "0", "--from",
+                                       places[k], "-o", "v.npy", NULL});
+        char *file;
+        const uint8_t *seen = elements("v.npy", NX * NY, &file);
+        if (k == 0) {
+            assert_true(seen[7] == 1 && seen[49 * NX + 7] == 1);
+            first = file;
+            continue;
+        }
+        check(memcmp(seen, first + (seen - (const uint8_t *)file), NX * NY) == 0, "another view from %s than from %s",
+              places[k], places[0]);
+        free(file);
+    }
     free(first);
+}
+
+/* One over the distance to a row is no number, if that is as small as can be. */
+static void as_near_as_can_be(void **state) {
+    (void)state;
+    static const char *const places[] = {"7,1e-320,=2", "7,-1e-320,=2", "1e-300,7,=2"};
+    for (size_t k = 0; k < sizeof places / sizeof places[0]; k++) {
+        run_well((const char *const[]){"viewshed", "wall.npy", "--cellsize", "1", "--from", places[k], "--needed", "-o",
+                                       "v.npy", NULL});
+        char *file;
+        const float *need = elements("v.npy", 4ul * NX * NY, &file);
+        for (size_t n = 0; n < NX * NY; n++) assert_true(need[n] >= 0 && need[n] < 1000);
+        free(file);
+    }
 }
 
 /* What a VRT is made of is an input, too, however deep: whatever its name says, GDAL knows an ASCII grid by its content. */
@@ -393,7 +559,7 @@ static void real_view(void **state) {
                 continue;
             }
             const double steepest = brute_steepest(&s, (double)i, (double)j), top = sight_sample(&s, i, j);
-            check(fabs(steepest - top) < 1e-9 || got[k] == (steepest < top), "(%zu, %zu): %d", i, j, got[k]);
+            check(fabs(steepest - top) < 1e-5 || got[k] == (steepest < top), "(%zu, %zu): %d", i, j, got[k]);
             seen += got[k];
         }
     check(holes == 3942 && seen > 100, "%zu holes, %zu seen", holes, seen);
@@ -445,7 +611,14 @@ int main(void) {
         cmocka_unit_test_setup_teardown(large_view, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(lines_at_a_wall, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(what_is_refused, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(places_that_are_refused, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(heights_of_places, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(rows_without_a_map, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(several_kinds_of_no_data, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(where_the_terrain_ends, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(outputs_describe_themselves, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(next_to_a_row, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(as_near_as_can_be, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(sources_are_not_replaced, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(interrupted, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(real_terrain_same_bits, enter, scratch_leave),

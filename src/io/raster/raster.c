@@ -69,15 +69,17 @@ static size_t count_equal(const io_raster *raster, float value) {
 }
 
 static bool take_nodata_out(const char *path, const io_raster_options *options, io_raster *raster, io_error *error) {
-    const float value = (float)options->nodata;
-    if (!options->has_nodata) return true;
+    for (size_t n = 0; n < options->nodata_count; n++) {
+        const float value = (float)options->nodata[n];
+        if (count_equal(raster, value) == 0) continue;
+        float *z = writable(path, raster, error);
+        if (z == NULL) return false;
+        for (size_t k = 0; k < raster->nx * raster->ny; k++)
+            if (z[k] == value) z[k] = NAN;
+    }
+    if (options->nodata_count == 0) return true;
     raster->georef.has_nodata = true;
-    raster->georef.nodata = options->nodata;
-    if (count_equal(raster, value) == 0) return true;
-    float *z = writable(path, raster, error);
-    if (z == NULL) return false;
-    for (size_t k = 0; k < raster->nx * raster->ny; k++)
-        if (z[k] == value) z[k] = NAN;
+    raster->georef.nodata = options->nodata[0];
     return true;
 }
 
@@ -133,10 +135,15 @@ bool io_raster_allocate(const char *path, size_t nx, size_t ny, io_raster *raste
     return raster->memory != NULL || io_fail(error, "%s: out of memory for %zu x %zu samples", path, nx, ny);
 }
 
-void io_raster_place(io_raster *raster, double cellsize) {
+/* Samples that far apart, the first row in the north, the last row's first sample at the origin. */
+static void set_map(io_raster *raster, double cellsize) {
     const double map[3][4] = {
         {cellsize, 0, 0, 0}, {0, -cellsize, 0, raster->ny > 0 ? cellsize * (double)(raster->ny - 1) : 0}, {0, 0, 1, 0}};
     memcpy(raster->map, map, sizeof map);
+}
+
+void io_raster_place(io_raster *raster, double cellsize) {
+    set_map(raster, cellsize);
     raster->georef.placed = true;
 }
 
@@ -146,6 +153,12 @@ static bool finish(const char *path, const io_raster_options *options, io_raster
     if (options->cellsize > 0) {
         if (g->placed) return io_fail(error, "%s: says by itself how far its samples are apart", path);
         io_raster_place(raster, options->cellsize);
+    } else if (!g->placed && options->north_up) {
+        set_map(raster, 1);
+        warn(options,
+             "%s: has no map: cells are taken for 1 wide, row 0 for the northernmost, and the last row begins at 0,0;"
+             " --cellsize says how wide they are",
+             path);
     }
     if (options->zscale > 0)
         raster->map[2][2] = options->zscale;

@@ -23,11 +23,14 @@ typedef struct io_raster {
 
 /* What the caller knows better than the file, and wants to hear. All zero: nothing. */
 typedef struct io_raster_options {
-    unsigned band; /* from 1 on; 0: the first, with a warning where there are more */
-    bool has_nodata;
-    double nodata;   /* a value that stands for no data, beside the one that the file names */
+    unsigned band;        /* from 1 on; 0: the first, with a warning where there are more */
+    const double *nodata; /* nodata_count values that stand for no data, beside the one that the file names */
+    size_t nodata_count;
     double cellsize; /* > 0: of a file that does not say: samples are that far apart, the first row in the north */
-    double zscale;   /* > 0: one unit of height is so many of the map's (metres, if that is in degrees) */
+    /* Of a file that does not say, without cellsize: samples are 1 apart and the first row is in the north, with a warning;
+     * georef.placed stays false. */
+    bool north_up;
+    double zscale; /* > 0: one unit of height is so many of the map's (metres, if that is in degrees) */
     /* NULL, or called with what looks wrong but is no error: a sentence without a full stop, file and all. */
     void (*warn)(void *context, const char *text);
     /* NULL, or called now and then with the share that is read. False ends the reading with the error "interrupted". */

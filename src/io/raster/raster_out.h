@@ -21,8 +21,11 @@ typedef struct io_raster_product {
     const io_georef *georef; /* of the terrain */
     bool has_nodata;
     double nodata;
-    double black, white;           /* in a picture: what values become 0 and 255 */
-    const char *const *band_names; /* NULL, or one for each band; for GeoTIFF */
+    double black, white; /* in a picture: what values become 0 and 255 */
+    /* For GeoTIFF, each may be NULL. */
+    const char *const *band_names; /* one for each band */
+    const char *unit;              /* of the values */
+    const char *const *notes;      /* metadata as "NAME=value", up to a NULL */
     unsigned threads;              /* that may compress; 0: as many as there are CPUs */
     io_compression compression;
 } io_raster_product;

@@ -6,6 +6,8 @@
 #include "inputs.h"
 
 #include <math.h>
+#include <stdarg.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -89,6 +91,7 @@ static int open_ground(ground *g, ground_options *o, const char *path, size_t ba
         return command_fail(o->name, "%s: is the terrain itself, and is not written over", o->output);
     const cw_status status = cw_pool_create(o->query.threads, &g->query.pool);
     if (status != CW_OK) return command_fail(o->name, "%s", cw_last_error());
+    raster.north_up = true;
     const bool good = read_ground(g, path, &raster, field, &error);
     progress_end(&o->raster.line);
     if (!good) return command_fail(o->name, "%s", error.text);
@@ -128,26 +131,112 @@ size_t ground_numbers(const char *text, double *numbers, size_t least, size_t mo
 }
 
 bool ground_parse_place(const char *name, const char *text, double height, ground_place *p) {
+    enum { LONGEST = 200 };
+    char copy[LONGEST];
     double numbers[3] = {0, 0, height};
-    const size_t count = ground_numbers(text, numbers, 2, 3);
+    const size_t length = strlen(text);
     const char *comma = strrchr(text, ',');
-    *p = (ground_place){numbers[0], numbers[1], numbers[2], count == 2 || (comma && comma[1] == '+')};
-    if (count == 0) command_fail(name, "a place is X,Y,Z, or X,Y,+HEIGHT above ground, not '%s'", text);
+    const bool absolute = comma != NULL && comma[1] == '=' && comma != strchr(text, ',');
+    size_t count = 0;
+    if (length < LONGEST) {
+        snprintf(copy, sizeof copy, "%s", text);
+        if (absolute) memmove(copy + (comma - text) + 1, comma + 2, strlen(comma + 2) + 1);
+        count = ground_numbers(copy, numbers, absolute ? 3 : 2, 3);
+    }
+    *p = (ground_place){text, numbers[0], numbers[1], numbers[2], absolute};
+    if (count == 0)
+        command_fail(name,
+                     "a place is X,Y or X,Y,H with H metres above ground, or X,Y,=Z with an absolute height, not '%s'",
+                     text);
     return count > 0;
 }
 
-bool ground_find_place(const terrain *t, const ground_place *p, double at[3], io_error *error) {
-    terrain_from_map(t, p->x, p->y, at);
-    if (!terrain_is_in_reach(at[0], at[1]))
-        return io_fail(error, "%.10g, %.10g is too far away from the terrain", p->x, p->y);
-    const double ground_height = p->over_ground ? terrain_height(t, at[0], at[1]) : 0;
-    at[2] = (ground_height + p->z) / terrain_metres_of_height(t);
-    return isfinite(at[2]) ||
-           io_fail(error, "there is no ground at %.10g, %.10g; give the height itself, without +", p->x, p->y);
+/* The places of the map that are computed from a file's numbers are off by some last digits. A place that is on a line of samples
+ * or on a diagonal but for that shall be on it, so they are rounded, which moves nothing by more than 2^-28 of a cell. */
+static void round_place(double at[2]) {
+    static const double unit = 0x1p-28;
+    for (int c = 0; c < 2; c++) {
+        at[c] = nearbyint(at[c] / unit) * unit;
+        if (fabs(at[c] - nearbyint(at[c])) <= unit) at[c] = nearbyint(at[c]);
+    }
+    const double diagonal = at[0] - at[1];
+    if (fabs(diagonal - nearbyint(diagonal)) <= unit) at[0] = at[1] + nearbyint(diagonal);
 }
 
-io_raster_product ground_product(const ground *g, io_cell cell, size_t bands) {
+static bool is_inside(const terrain *t, const double at[2], double beyond) {
+    return at[0] >= -beyond && at[1] >= -beyond && at[0] <= (double)(t->nx - 1) + beyond &&
+           at[1] <= (double)(t->ny - 1) + beyond;
+}
+
+static void find_extent(const terrain *t, double low[2], double high[2]) {
+    for (int k = 0; k < 4; k++) {
+        double xy[2];
+        terrain_to_map(t, k & 1 ? (double)(t->nx - 1) : 0, k & 2 ? (double)(t->ny - 1) : 0, xy);
+        for (int c = 0; c < 2; c++) {
+            low[c] = k == 0 ? xy[c] : fmin(low[c], xy[c]);
+            high[c] = k == 0 ? xy[c] : fmax(high[c], xy[c]);
+        }
+    }
+}
+
+/* Why a place has no ground. */
+static bool tell_no_ground(const terrain *t, const ground_place *p, const double at[2], io_error *error) {
+    double low[2], high[2], swapped[2];
+    if (is_inside(t, at, 0))
+        return io_fail(error, "%s: there is no data at that place; X,Y,=Z gives the height itself", p->text);
+    find_extent(t, low, high);
+    terrain_from_map(t, p->y, p->x, swapped);
+    const char *why = is_inside(t, at, 0.5)        ? "lies in the outer half of a pixel, beyond the outermost centres"
+                      : is_inside(t, swapped, 0.5) ? "lies outside, but with X and Y exchanged it would not"
+                                                   : "lies outside";
+    return io_fail(error,
+                   "%s: %s: the samples, which are the pixels' centres, go from X %.10g to %.10g and Y %.10g to %.10g",
+                   p->text, why, low[0], high[0], low[1], high[1]);
+}
+
+/* Heights as floats are known to half a millimetre at 8000 m. */
+static const double least_depth = 1e-3;
+
+bool ground_find_place(const terrain *t, const ground_place *p, double at[3], double *level_there, io_error *error) {
+    terrain_from_map(t, p->x, p->y, at);
+    const bool near = terrain_is_in_reach(at[0], at[1]);
+    if (near) round_place(at);
+    const double level = near ? terrain_height(t, at[0], at[1]) : NAN;
+    if (level_there) *level_there = level;
+    if (!p->absolute && isnan(level)) return tell_no_ground(t, p, at, error);
+    if (!near) return io_fail(error, "%s: is too far away from the terrain", p->text);
+    const double height = p->absolute ? p->z : level + p->z;
+    if (height < level - least_depth)
+        return io_fail(error, "%s: is under the ground, which is %.3f m high there: %s", p->text, level,
+                       p->absolute ? "X,Y,H counts H from the ground" : "H counts from the ground");
+    at[2] = height / terrain_metres_of_height(t);
+    return isfinite(at[2]) || io_fail(error, "%s: is too high", p->text);
+}
+
+void ground_note(ground_notes *n, const char *format, ...) {
+    enum { LONGEST = 300 };
+    char text[LONGEST];
+    if (n->count == GROUND_NOTES_MOST) return;
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    char *copy = strdup(text);
+    if (copy != NULL) n->notes[n->count++] = copy;
+}
+
+void ground_notes_free(ground_notes *n) {
+    for (size_t k = 0; k < n->count; k++) free((void *)(uintptr_t)n->notes[k]);
+    *n = (ground_notes){0};
+}
+
+io_raster_product ground_product(const ground *g, io_cell cell, size_t bands, const char *const *what,
+                                 ground_notes *notes) {
     const io_raster *r = &g->file.raster;
+    ground_note(notes, "TIFFTAG_SOFTWARE=cellwalk %s", CW_VERSION);
+    ground_note(notes, "TIFFTAG_IMAGEDESCRIPTION=%s", *what);
+    ground_note(notes, "PRODUCT=%s", g->options->name);
+    ground_note(notes, "SURFACE=two triangles between each four samples, split from sample (i, j) to (i + 1, j + 1)");
     return (io_raster_product){
         .nx = r->nx,
         .ny = r->ny,
@@ -161,6 +250,8 @@ io_raster_product ground_product(const ground *g, io_cell cell, size_t bands) {
                                            : NAN,
         .black = 0,
         .white = 1,
+        .band_names = bands == 1 ? what : NULL,
+        .notes = notes->notes,
         .threads = cw_pool_threads(g->query.pool),
         .compression = (io_compression)g->options->compression,
     };

@@ -41,22 +41,45 @@ int ground_run(ground_options *options, const char *path, size_t bands, bool fie
 /* Numbers with commas between them: least to most of them; how many there are, or 0. */
 size_t ground_numbers(const char *text, double *numbers, size_t least, size_t most);
 
-/* A place on the map; over_ground: its height is that above the ground. */
+/* A place on the map: z metres above the ground, or absolute. */
 typedef struct ground_place {
+    const char *text; /* as it was given */
     double x, y, z;
-    bool over_ground;
+    bool absolute;
 } ground_place;
 
-/* X,Y,Z or X,Y,+HEIGHT, or X,Y, which is so much above ground. False after a message. */
+/* What all subcommands say of places. */
+#define GROUND_PLACE_HELP                                                                                              \
+    "A place is X,Y,H: coordinates of the map and metres above ground, or X,Y,=Z with\n"                               \
+    "an absolute height in metres, which may lie outside the raster. Samples are the\n"                                \
+    "pixels' centres, so the surface ends half a pixel inside the raster's edge."
+
+/* X,Y,H or X,Y,+H, X,Y,=Z, or X,Y, which is height above ground. False after a message. */
 bool ground_parse_place(const char *name, const char *text, double height, ground_place *p);
-/* Field coordinates, and the height in the samples' numbers. */
-bool ground_find_place(const terrain *t, const ground_place *p, double at[3], io_error *error);
+
+/* Field coordinates, rounded to 2^-28 and to lines of samples that are as near as that, and the height in the samples' numbers.
+ * An error where a height above ground has no ground, or the place is under it. *level_there is the ground's height in metres, NaN
+ * where there is none, and may be NULL. */
+bool ground_find_place(const terrain *t, const ground_place *p, double at[3], double *level_there, io_error *error);
 
 /* The terrain that a file holds. */
 bool ground_describe(terrain *t, const field_file *file, const char *path, io_error *error);
 
-/* The product's size, place and coordinate system. */
-io_raster_product ground_product(const ground *g, io_cell cell, size_t bands);
+/* What a product says of itself: notes as "NAME=value". All zero: nothing yet. */
+enum { GROUND_NOTES_MOST = 300 };
+typedef struct ground_notes {
+    size_t count;
+    const char *notes[GROUND_NOTES_MOST + 1]; /* up to a NULL */
+} ground_notes;
+
+/* Nothing more is noted than fits. */
+__attribute__((format(printf, 2, 3))) void ground_note(ground_notes *n, const char *format, ...);
+void ground_notes_free(ground_notes *n);
+
+/* The product's size, place and coordinate system. what: what a sample's number is, in one sentence, and the name of a single
+ * band. notes get that, the subcommand, the program's version and the surface; both must stay while the product is written. */
+io_raster_product ground_product(const ground *g, io_cell cell, size_t bands, const char *const *what,
+                                 ground_notes *notes);
 
 /* Fills in rows row to row + rows - 1 of a band. */
 typedef bool ground_fill(void *context, size_t band, size_t row, size_t rows, void *cells, io_error *error);

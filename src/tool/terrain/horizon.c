@@ -18,7 +18,7 @@ typedef struct horizon_command {
     double start, curvature;
     bool sky;
     const char *at;
-    double place[3]; /* what at says */
+    ground_place place; /* what at says */
 } horizon_command;
 
 typedef struct job {
@@ -42,6 +42,10 @@ static bool fill(void *context, size_t band, size_t row, size_t rows, void *cell
     const cw_status status = j->sky ? horizon_sky_view(j->horizon, q, row, rows, cells, tell_block, j, &done)
                                     : horizon_angles(j->horizon, q, band, row, rows, cells);
     if (status != CW_OK) return io_fail(error, "%s", cw_last_error());
+    /* Where nothing is, horizon.h has the nadir, which is no horizon and would be the least and part of the mean. */
+    float *angles = cells;
+    for (size_t k = 0; k < rows * j->ground->terrain.nx && !j->sky; k++)
+        if (angles[k] == -90) angles[k] = NAN;
     return done || io_fail(error, "interrupted");
 }
 
@@ -62,12 +66,24 @@ static bool make_bands(job *j, const horizon_command *c, io_error *error) {
     const cw_status status = horizon_create(&j->ground->terrain, c->start, c->directions, &j->horizon);
     if (status != CW_OK) return io_fail(error, "%s", cw_last_error());
     j->sky = c->sky;
-    io_raster_product product = ground_product(j->ground, IO_CELL_FLOAT32, c->sky ? 1 : c->directions);
+    static const char *const sky = "sky-view factor: share of an evenly bright sky's light that reaches level ground",
+                             *const angles = "angle of the horizon over the level, one band a direction";
     const char **names = c->sky ? NULL : band_names(j->horizon, c->directions);
     if (!c->sky && names == NULL) return io_fail(error, "out of memory");
-    product.band_names = names;
-    if (!c->sky) product.white = 90;
+    ground_notes notes = {0};
+    io_raster_product product =
+        ground_product(j->ground, IO_CELL_FLOAT32, c->sky ? 1 : c->directions, c->sky ? &sky : &angles, &notes);
+    ground_note(&notes, "DIRECTIONS=%u", c->directions);
+    ground_note(&notes, "FIRST_AZIMUTH=%.9g", c->start);
+    ground_note(&notes, "ANGLES=degrees; azimuth from the map's north over east");
+    ground_note(&notes, "CURVATURE=0");
+    if (!c->sky) {
+        product.band_names = names;
+        product.unit = "degree";
+        product.white = 90;
+    }
     const bool good = ground_write(j->ground, &product, 1, fill, j, error);
+    ground_notes_free(&notes);
     free(names);
     return good;
 }
@@ -75,12 +91,10 @@ static bool make_bands(job *j, const horizon_command *c, io_error *error) {
 /* The horizon at one place, in double, as a table. */
 static bool print_at(const ground *g, const horizon_command *c, io_error *error) {
     const terrain *t = &g->terrain;
-    const double *place = c->place;
-    double eye[3], metres[2];
-    terrain_from_map(t, place[0], place[1], eye);
-    const double ground_height = terrain_height(t, eye[0], eye[1]), scale = terrain_metres_of_height(t);
-    if (isnan(ground_height)) return io_fail(error, "there is no ground at %.10g, %.10g", place[0], place[1]);
-    eye[2] = (ground_height + place[2]) / scale;
+    double eye[3], metres[2], ground_height;
+    if (!ground_find_place(t, &c->place, eye, &ground_height, error)) return false;
+    if (isnan(ground_height)) return io_fail(error, "%s: is not on the terrain, where the horizon is found", c->at);
+    const double scale = terrain_metres_of_height(t);
     sight_bounds *bounds;
     if (sight_bounds_create(t, &bounds) != CW_OK) return io_fail(error, "out of memory");
     sight s;
@@ -99,7 +113,7 @@ static bool print_at(const ground *g, const horizon_command *c, io_error *error)
         }
         const sight_rise r = sight_steepest(&s, eye[0] + far * dir[0], eye[1] + far * dir[1], -INFINITY);
         if (r.steepest == -INFINITY) {
-            printf("%.6g,-90,,,\n", azimuth);
+            printf("%.6g,,,,\n", azimuth); /* the terrain ends there */
             continue;
         }
         const double cells = r.share * far;
@@ -141,7 +155,9 @@ static int run(int argc, char **argv) {
          .to = &c.sky},
         {.name = "at",
          .value = "X,Y[,H]",
-         .help = "print the horizon at one place of the map, H metres\nabove ground, as CSV",
+         .help = "print the horizon at one place of the map, H metres\nabove ground (default: 0) or X,Y,=Z, as CSV: "
+                 "degrees,\n"
+                 "metres, coordinates of the map",
          .kind = OPTION_TEXT,
          .to = &c.at},
         {.name = "curvature",
@@ -158,8 +174,10 @@ static int run(int argc, char **argv) {
         .synopsis = "DEM (-o FILE | --at X,Y) [OPTIONS]",
         .what = "How high the terrain stands against the sky: for every sample and direction the\n"
                 "angle in degrees of the highest point, from the level of the sample; negative\n"
-                "below it, -90 where the terrain ends there (float32, one band a direction; NaN:\n"
-                "no data). Angles are exact to 0.001 degrees (0.003 on a map in degrees) for the\n"
+                "below it (float32, one band a direction). NaN is no data: at holes, and where the\n"
+                "terrain ends at the sample, so that nothing is known of the horizon. The\n"
+                "sky-view factor takes the sky there for free. Angles are exact to 0.001 degrees (0.003 on a map in "
+                "degrees) for the\n"
                 "surface of two triangles between each four samples. The earth is taken for flat,\n"
                 "but for --at. On a map in degrees, what is 5 km away at latitude 50 counts for an\n"
                 "azimuth that is up to 0.03 degrees beside its own, and so in proportion.\n",
@@ -175,10 +193,7 @@ static int run(int argc, char **argv) {
     const char *path;
     const int status = options_parse(&usage, argc, argv, &path);
     if (status != OPTIONS_GO) return status;
-    if (c.at && ground_numbers(c.at, c.place, 2, 3) == 0) {
-        command_fail(name, "--at takes a place on the map as X,Y or X,Y,HEIGHT, not '%s'", c.at);
-        return EXIT_USAGE;
-    }
+    if (c.at && !ground_parse_place(name, c.at, 0, &c.place)) return EXIT_USAGE;
     if (c.at && (c.ground.output || c.sky)) {
         command_fail(name, "--at prints one horizon, and goes with neither -o nor --svf");
         return EXIT_USAGE;

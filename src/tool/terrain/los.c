@@ -24,7 +24,8 @@ static bool look(ground *g, void *context, io_error *error) {
     const ground_place *places = c->places;
     const terrain *t = &g->terrain;
     double eye[3], target[3], metres[2], xy[2], ends[2][2];
-    if (!ground_find_place(t, &places[0], eye, error) || !ground_find_place(t, &places[1], target, error)) return false;
+    if (!ground_find_place(t, &places[0], eye, NULL, error) || !ground_find_place(t, &places[1], target, NULL, error))
+        return false;
     sight s;
     const double k = isnan(c->curvature) ? g->file.raster.georef.placed ? 6.0 / 7 : 0 : c->curvature;
     sight_init(&s, t, NULL, eye, k);
@@ -42,12 +43,12 @@ static bool look(ground *g, void *context, io_error *error) {
         printf("{\"visible\": %s, \"distance\": ", blocked ? "false" : "true");
         json_number(stdout, length);
         if (blocked)
-            printf(", \"blocked_at\": [%.10g, %.10g, %.10g], \"blocked_distance\": %.10g", xy[0], xy[1], z,
-                   block * length);
+            printf(", \"blocked_at\": [%.10g, %.10g], \"blocked_height\": %.10g, \"blocked_distance\": %.10g", xy[0],
+                   xy[1], z, block * length);
         puts("}");
     } else if (blocked) {
-        printf("blocked at %.10g,%.10g,%.6g: %.3f m from the first place, of %.3f m\n", xy[0], xy[1], z, block * length,
-               length);
+        printf("blocked: %.3f m from the first place, of %.3f m, at a height of %.3f m\nat %.10g,%.10g\n",
+               block * length, length, z, xy[0], xy[1]);
     } else {
         printf("visible: %.3f m\n", length);
     }
@@ -71,12 +72,13 @@ static int run(int argc, char **argv) {
     static const char *const operands[] = {"DEM", "FROM", "TO"};
     const options_usage usage = {
         .name = name,
-        .synopsis = "DEM X,Y,Z X,Y,Z [OPTIONS]",
+        .synopsis = "DEM X,Y[,H] X,Y[,H] [OPTIONS]",
         .what = "Whether two places see each other, or where on the way the straight line from\n"
-                "the first to the second meets the terrain for the first time. Places are\n"
-                "coordinates of the map with a height in metres; with + before it, above ground.\n"
-                "The ends themselves block nothing.\n",
-        .examples = "  cellwalk los dem.tif 600250,5199800,+2 601500,5200100,1250\n",
+                "the first to the second meets the terrain for the first time. A line that\n"
+                "touches the terrain is blocked; the ends themselves block nothing. Distances and\n"
+                "heights are metres, whatever the unit of the map.\n"
+                "\n" GROUND_PLACE_HELP "\nWithout H a place is on the ground.\n",
+        .examples = "  cellwalk los dem.tif 600250,5199800,2 601500,5200100,=1250\n",
         .options = options,
         .option_count = ALL,
         .operands = operands,

@@ -93,8 +93,28 @@ static bool make_light(job *j, io_error *error) {
     const cw_status status = sunlight_create(&j->ground->terrain, &sun, &j->light);
     if (status != CW_OK) return io_fail(error, "%s", cw_last_error());
     j->share = sun.radius > 0 || sun.hillshade;
-    const io_raster_product product = ground_product(j->ground, j->share ? IO_CELL_FLOAT32 : IO_CELL_UINT8, 1);
-    return ground_write(j->ground, &product, sun.radius > 0 ? 16 : 1, fill, j, error);
+    static const char *const lit = "1 where the sun is seen, 0 in the shadow",
+                             *const share = "share of the sun's disc that is seen",
+                             *const shade =
+                                 "light on the ground: cosine of the angle between sun and normal, 0 in the shadow",
+                             *const soft =
+                                 "light on the ground: that cosine times the share of the sun's disc that is seen";
+    ground_notes notes = {0};
+    const io_raster_product product = ground_product(j->ground, j->share ? IO_CELL_FLOAT32 : IO_CELL_UINT8, 1,
+                                                     !j->share        ? &lit
+                                                     : !sun.hillshade ? &share
+                                                     : sun.radius > 0 ? &soft
+                                                                      : &shade,
+                                                     &notes);
+    ground_note(&notes, "SUN_AZIMUTH=%.9g", sun.azimuth);
+    ground_note(&notes, "SUN_ALTITUDE=%.9g", sun.altitude);
+    ground_note(&notes, "SUN_DISC_RADIUS=%.9g", sun.radius);
+    if (c->time) ground_note(&notes, "TIME=%s", c->time);
+    ground_note(&notes, "ANGLES=degrees; azimuth from the map's north over east");
+    ground_note(&notes, "CURVATURE=0");
+    const bool good = ground_write(j->ground, &product, sun.radius > 0 ? 16 : 1, fill, j, error);
+    ground_notes_free(&notes);
+    return good;
 }
 
 static bool make(ground *g, void *context, io_error *error) {

@@ -34,15 +34,17 @@ void view_rows(view_options *v, option_spec rows[VIEW_OPTION_COUNT]) {
          .kind = OPTION_TEXT,
          .to = &v->dem},
         {.name = "from",
-         .value = "X,Y,Z",
-         .help =
-             "the eye's place on the map and height in metres, or +H\nmetres above ground (default: 2 m above it; if "
-             "nothing is\ngiven, in the south, from where all is seen)",
+         .value = "X,Y[,H]",
+         .help = "the eye's place on the map, H metres above ground\n(default: 2; without --from the eye is in the "
+                 "south, from\n"
+                 "where all is seen); X,Y,=Z: at an absolute height",
          .kind = OPTION_TEXT,
          .to = &v->from},
         {.name = "to",
-         .value = "X,Y[,Z]",
-         .help = "what is in the middle of the picture (default: the\nmiddle of the raster)",
+         .value = "X,Y[,H]",
+         .help = "what is in the middle of the picture, in the same way\n(default of H: 0, the ground; without --to: "
+                 "the middle of\n"
+                 "the raster)",
          .kind = OPTION_TEXT,
          .to = &v->to},
         {.name = "sun",
@@ -73,7 +75,7 @@ const char *view_only(const view_options *v) {
            : v->image                   ? "image"
            : !isnan(v->fov)             ? "fov"
            : v->raster.band > 0         ? "band"
-           : !isnan(v->raster.nodata)   ? "nodata"
+           : v->raster.nodata.count > 0 ? "nodata"
            : !isnan(v->raster.zscale)   ? "zscale"
            : !isnan(v->raster.cellsize) ? "cellsize"
                                         : NULL;
@@ -116,14 +118,9 @@ static void put(double map[3][4], double i, double j, double z, double out[3]) {
     for (int r = 0; r < 3; r++) out[r] = map[r][0] * i + map[r][1] * j + map[r][2] * z + map[r][3];
 }
 
-static bool put_place(const view *v, double map[3][4], const char *option, const ground_place *p, double out[3],
-                      io_error *error) {
+static bool put_place(const view *v, double map[3][4], const ground_place *p, double out[3], io_error *error) {
     double at[3];
-    if (!ground_find_place(&v->terrain, p, at, error)) return false;
-    const double under = terrain_height(&v->terrain, at[0], at[1]) - at[2] * terrain_metres_of_height(&v->terrain);
-    if (under > 1e-3 && option)
-        fprintf(stderr, "cellwalk render: warning: %s %.10g,%.10g,%.10g is %.6g m below the ground\n", option, p->x,
-                p->y, p->z, under);
+    if (!ground_find_place(&v->terrain, p, at, NULL, error)) return false;
     put(map, at[0], at[1], at[2], out);
     return true;
 }
@@ -181,13 +178,13 @@ static bool aim(const view *v, const view_options *o, const wish *w, landscape_d
     const cw_field_info info = cw_field_describe(v->file.field);
     if (info.low > info.high) return io_fail(error, "all samples are holes");
     if (o->to) {
-        if (!put_place(v, d->to_world, NULL, &w->to, d->target, error)) return false;
+        if (!put_place(v, d->to_world, &w->to, d->target, error)) return false;
     } else {
         put(d->to_world, 0.5 * (double)(info.nx - 1), 0.5 * (double)(info.ny - 1),
             0.5 * ((double)info.low + (double)info.high), d->target);
     }
     if (o->from) {
-        if (!put_place(v, d->to_world, "--from", &w->from, d->eye, error)) return false;
+        if (!put_place(v, d->to_world, &w->from, d->eye, error)) return false;
     } else {
         stand_back(v, d->to_world, w->fov, (double)d->width / (double)d->height, o->to != NULL, d->target, d->eye);
     }
@@ -277,6 +274,7 @@ view *view_open(view_options *o, const char *path, const cw_run *query, size_t w
     wish w;
     *status = EXIT_USAGE;
     if (!read_wish(o, &w) || !raster_options_resolve(&o->raster, name, &raster)) return NULL;
+    raster.north_up = true;
     if (quiet) raster.warn = NULL;
     view *v = calloc(1, sizeof *v);
     io_error error = {"out of memory"};

@@ -17,9 +17,9 @@ enum { OBSERVERS_MOST = OPTION_AGAIN_MAX };
 typedef struct viewshed_command {
     ground_options ground;
     option_again from;
-    double places[OBSERVERS_MOST][3];
+    ground_place places[OBSERVERS_MOST];
     double target, max_distance, curvature; /* curvature is NaN if it was not given */
-    bool absolute, needed, needed_absolute;
+    bool needed, needed_absolute;
 } viewshed_command;
 
 typedef struct job {
@@ -36,23 +36,24 @@ static bool tell(void *context, double share) {
     return ground_tell(j->ground, ((double)j->observer + share) / (double)j->command->from.count);
 }
 
-static bool look_from(job *j, const double place[3], io_error *error) {
+static double curvature_of(const job *j) {
+    const double given = j->command->curvature;
+    return !isnan(given) ? given : j->ground->file.raster.georef.placed ? 6.0 / 7 : 0;
+}
+
+static bool look_from(job *j, const ground_place *place, io_error *error) {
     const viewshed_command *c = j->command;
     const terrain *t = &j->ground->terrain;
-    viewshed_desc d = {
-        .height = place[2],
-        .absolute = c->absolute,
+    double eye[3];
+    if (!ground_find_place(t, place, eye, NULL, error)) return false;
+    const viewshed_desc d = {
+        .place = {eye[0], eye[1]},
+        .height = eye[2] * terrain_metres_of_height(t),
+        .absolute = true,
         .target_height = c->target,
         .max_distance = c->max_distance,
-        .curvature = isnan(c->curvature) ? j->ground->file.raster.georef.placed ? 6.0 / 7 : 0 : c->curvature,
+        .curvature = curvature_of(j),
     };
-    terrain_from_map(t, place[0], place[1], d.place);
-    if (!terrain_is_in_reach(d.place[0], d.place[1]))
-        return io_fail(error, "%.10g, %.10g is too far away from the terrain", place[0], place[1]);
-    if (!c->absolute && isnan(terrain_height(t, d.place[0], d.place[1])))
-        return io_fail(error,
-                       "there is no ground at %.10g, %.10g to stand on; give the eye's height itself, with --absolute",
-                       place[0], place[1]);
     viewshed *v;
     bool done = false;
     cw_status status = viewshed_create(t, j->bounds, &d, &v);
@@ -95,14 +96,35 @@ static bool make_view(job *j, io_error *error) {
         j->seen = calloc(n, sizeof *j->seen);
     if (j->heights == NULL && j->seen == NULL) return io_fail(error, "out of memory");
     for (j->observer = 0; j->observer < c->from.count; j->observer++)
-        if (!look_from(j, c->places[j->observer], error)) return false;
+        if (!look_from(j, &c->places[j->observer], error)) return false;
+    static const char *const seen = "1 where the target is seen, 0 where it is not",
+                             *const count = "number of observers that see the target",
+                             *const needed = "height above ground that is needed to be seen",
+                             *const absolute = "height that is needed to be seen, absolute";
+    ground_notes notes = {0};
     io_raster_product product = ground_product(j->ground,
                                                c->needed              ? IO_CELL_FLOAT32
                                                : c->from.count <= 254 ? IO_CELL_UINT8
                                                                       : IO_CELL_UINT16,
-                                               1);
+                                               1,
+                                               c->needed_absolute  ? &absolute
+                                               : c->needed         ? &needed
+                                               : c->from.count > 1 ? &count
+                                                                   : &seen,
+                                               &notes);
     product.white = c->needed ? 100 : (double)c->from.count;
-    return ground_write(j->ground, &product, 1, fill, j, error);
+    if (c->needed) product.unit = "m";
+    for (size_t k = 0; k < c->from.count; k++) {
+        const ground_place *p = &c->places[k];
+        ground_note(&notes, "OBSERVER_%zu=%.17g,%.17g,%s%.17g", k + 1, p->x, p->y, p->absolute ? "=" : "", p->z);
+    }
+    ground_note(&notes, "HEIGHTS=metres; an observer's third number is above ground, or absolute behind =");
+    if (!c->needed) ground_note(&notes, "TARGET_HEIGHT=%.9g", c->target);
+    if (c->max_distance > 0) ground_note(&notes, "MAX_DISTANCE=%.9g", c->max_distance);
+    ground_note(&notes, "CURVATURE=%.9g", curvature_of(j));
+    const bool good = ground_write(j->ground, &product, 1, fill, j, error);
+    ground_notes_free(&notes);
+    return good;
 }
 
 static bool make(ground *g, void *context, io_error *error) {
@@ -116,13 +138,8 @@ static bool make(ground *g, void *context, io_error *error) {
 
 static bool wrong(viewshed_command *c) {
     if (c->from.count == 0) return command_fail(name, "--from X,Y is missing: where does the observer stand?"), true;
-    for (size_t k = 0; k < c->from.count; k++) {
-        c->places[k][2] = 2;
-        if (ground_numbers(c->from.values[k], c->places[k], 2, 3) == 0)
-            return command_fail(name, "--from takes a place on the map as X,Y or X,Y,HEIGHT, not '%s'",
-                                c->from.values[k]),
-                   true;
-    }
+    for (size_t k = 0; k < c->from.count; k++)
+        if (!ground_parse_place(name, c->from.values[k], 2, &c->places[k])) return true;
     c->needed |= c->needed_absolute;
     if (c->needed && c->from.count > 1)
         return command_fail(name, "the height that is needed to be seen is that of one observer, not of %zu",
@@ -136,17 +153,15 @@ static bool wrong(viewshed_command *c) {
 static int run(int argc, char **argv) {
     static viewshed_command c; /* large */
     c.curvature = NAN;
-    enum { OWN = 7, ALL = OWN + GROUND_OPTION_COUNT };
+    enum { OWN = 6, ALL = OWN + GROUND_OPTION_COUNT };
     option_spec options[ALL] = {
         {.name = "from",
          .value = "X,Y[,H]",
-         .help = "the observer's place on the map, with the eye H metres\nabove ground (default: 2); may be given "
+         .help = "the observer's place on the map, with the eye H metres\nabove ground (default: 2), or X,Y,=Z; may be "
+                 "given\n"
                  "several times",
          .kind = OPTION_AGAIN,
          .to = &c.from},
-        {.name = "absolute",
-         .help = "H is the eye's height itself; the place may then be\noutside the terrain",
-         .to = &c.absolute},
         {.name = "target-height",
          .value = "T",
          .help = "something that stands T metres above ground is looked\nfor (default: 0, the ground)",
@@ -181,11 +196,14 @@ static int run(int argc, char **argv) {
                 "65535 for no data, from 255 of them on).\n"
                 "\n"
                 "The surface is two triangles between each four samples, lowered by the earth's\n"
-                "curvature; every sample's line is decided exactly.\n",
+                "curvature; every sample's line is decided exactly, and one that touches the\n"
+                "surface is blocked.\n"
+                "\n" GROUND_PLACE_HELP "\n",
         .examples = "  cellwalk viewshed dem.tif --from 600250,5199800 -o seen.tif\n"
                     "  cellwalk viewshed dem.tif --from 600250,5199800,30 --target-height 1.5 \\\n"
                     "      --max-distance 20000 -o seen.tif\n"
-                    "  cellwalk viewshed dem.tif --from 600250,5199800 --needed -o needed.tif\n",
+                    "  cellwalk viewshed dem.tif --from 600250,5199800 --needed -o needed.tif\n"
+                    "  cellwalk viewshed dem.tif --from 600250,5199800,=1250 -o seen.tif\n",
         .options = options,
         .option_count = ALL,
         .operands = operands,

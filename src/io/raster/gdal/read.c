@@ -19,10 +19,10 @@ struct io_gdal_source {
     bool integer; /* stored as integers: no-data is compared with what is stored */
     double scale, offset;
     bool has_nodata, has_mask;
-    double nodata; /* as the file stores it */
-    bool has_other;
-    double other; /* the caller's no-data */
-    double *row;  /* a row as stored, unless direct */
+    double nodata;        /* as the file stores it */
+    const double *others; /* the caller's no-data */
+    size_t other_count;
+    double *row; /* a row as stored, unless direct */
     unsigned char *mask;
 };
 
@@ -90,8 +90,8 @@ static void describe_heights(io_gdal_source *s, const io_raster_options *options
         raster->georef.has_nodata = true;
         raster->georef.nodata = s->nodata;
     }
-    s->has_other = options->has_nodata;
-    s->other = options->nodata;
+    s->others = options->nodata;
+    s->other_count = options->nodata_count;
     const int flags = GDALGetMaskFlags(s->band);
     s->has_mask = (flags & (GMF_ALL_VALID | GMF_NODATA)) == 0;
 }
@@ -162,7 +162,9 @@ io_gdal_source *gdal_open(const char *path, const io_raster_options *options, io
 
 /* Values that are no data become NaN; value is what the file stores. */
 static bool is_no_data(const io_gdal_source *s, double value) {
-    return (s->has_nodata && value == s->nodata) || (s->has_other && value == s->other);
+    bool is = s->has_nodata && value == s->nodata;
+    for (size_t k = 0; k < s->other_count; k++) is |= value == s->others[k];
+    return is;
 }
 
 /* The same for floats: the file's value may have been rounded to float on its way into a header of text, or not. */
@@ -192,7 +194,7 @@ bool gdal_read(io_gdal_source *s, size_t first, size_t count, float *z, io_error
             CE_None)
             return gdal_fail(error, s->path, "cannot read");
         if (s->has_nodata) drop_no_data(z, nx * count, s->nodata);
-        if (s->has_other) drop_no_data(z, nx * count, s->other);
+        for (size_t k = 0; k < s->other_count; k++) drop_no_data(z, nx * count, s->others[k]);
     }
     GDALRasterBandH mask = s->has_mask ? GDALGetMaskBand(s->band) : NULL;
     for (size_t j = 0; j < count && (mask != NULL || !s->direct); j++) {

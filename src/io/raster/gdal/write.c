@@ -34,10 +34,16 @@ static bool describe(io_gdal_target *t, const io_raster_product *p) {
         if (crs != NULL) OSRDestroySpatialReference(crs);
         if (!good) return false;
     }
+    char **notes = NULL;
+    for (size_t k = 0; p->notes != NULL && p->notes[k] != NULL; k++) notes = CSLAddString(notes, p->notes[k]);
+    const bool noted = notes == NULL || GDALSetMetadata(t->file, notes, NULL) == CE_None;
+    CSLDestroy(notes);
+    if (!noted) return false;
     for (size_t b = 0; b < p->bands; b++) {
         GDALRasterBandH band = GDALGetRasterBand(t->file, (int)b + 1);
         if (p->has_nodata && GDALSetRasterNoDataValue(band, p->nodata) != CE_None) return false;
         if (p->band_names != NULL) GDALSetDescription(band, p->band_names[b]);
+        if (p->unit != NULL && GDALSetRasterUnitType(band, p->unit) != CE_None) return false;
     }
     return true;
 }
