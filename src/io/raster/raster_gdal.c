@@ -37,6 +37,11 @@ static bool find_module(char path[PATH_MAX]) {
     return false;
 }
 
+bool io_gdal_is_there(void) {
+    char path[PATH_MAX];
+    return find_module(path);
+}
+
 typedef const io_gdal *module_entry(void);
 
 const io_gdal *io_gdal_load(io_error *error) {

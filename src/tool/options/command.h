@@ -19,6 +19,7 @@ typedef struct program {
     const command *const *commands;
     size_t command_count;
     const char *ending; /* of the help: lines; or NULL */
+    void (*about)(void); /* prints what --version says beside the version; or NULL */
 } program;
 
 /* Runs the subcommand that argv[1] names; --help, --version and what is no subcommand are answered here. An exit status: not

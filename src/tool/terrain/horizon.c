@@ -41,7 +41,7 @@ static bool fill(void *context, size_t band, size_t row, size_t rows, void *cell
     const cw_run *q = &j->ground->query;
     const cw_status status = j->sky ? horizon_sky_view(j->horizon, q, row, rows, cells, tell_block, j, &done)
                                     : horizon_angles(j->horizon, q, band, row, rows, cells);
-    if (status != CW_OK) return io_fail(error, "%s", cw_last_error());
+    if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));
     /* Where nothing is, horizon.h has the nadir, which is no horizon and would be the least and part of the mean. */
     float *angles = cells;
     for (size_t k = 0; k < rows * j->ground->terrain.nx && !j->sky; k++)
@@ -64,7 +64,7 @@ static const char **band_names(const horizon *h, size_t count) {
 
 static bool make_bands(job *j, const horizon_command *c, io_error *error) {
     const cw_status status = horizon_create(&j->ground->terrain, c->start, c->directions, &j->horizon);
-    if (status != CW_OK) return io_fail(error, "%s", cw_last_error());
+    if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));
     j->sky = c->sky;
     static const char *const sky = "sky-view factor: share of an evenly bright sky's light that reaches level ground",
                              *const angles = "angle of the horizon over the level, one band a direction";

@@ -32,7 +32,7 @@ static bool fill(void *context, size_t band, size_t row, size_t rows, void *cell
     (void)band;
     const cw_status status = j->share ? sunlight_share(j->light, &j->ground->query, row, rows, cells)
                                       : sunlight_lit(j->light, &j->ground->query, row, rows, cells);
-    return status == CW_OK || io_fail(error, "%s", cw_last_error());
+    return status == CW_OK || io_fail(error, "%s", cw_status_message(status));
 }
 
 /* Longitude and latitude of the terrain's middle, and how far the map's north is turned there from the true one, toward the
@@ -91,7 +91,7 @@ static bool make_light(job *j, io_error *error) {
     if (sun.altitude <= 0)
         fprintf(stderr, "cellwalk shadow: warning: the sun is at %.3f degrees, below the horizon\n", sun.altitude);
     const cw_status status = sunlight_create(&j->ground->terrain, &sun, &j->light);
-    if (status != CW_OK) return io_fail(error, "%s", cw_last_error());
+    if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));
     j->share = sun.radius > 0 || sun.hillshade;
     static const char *const lit = "1 where the sun is seen, 0 in the shadow",
                              *const share = "share of the sun's disc that is seen",

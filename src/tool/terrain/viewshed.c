@@ -61,7 +61,7 @@ static bool look_from(job *j, const ground_place *place, io_error *error) {
         status = c->needed ? viewshed_heights(v, &j->ground->query, j->heights, tell, j, &done)
                            : viewshed_count(v, &j->ground->query, j->seen, tell, j, &done);
     viewshed_destroy(v);
-    if (status != CW_OK) return io_fail(error, "%s", cw_last_error());
+    if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));
     return done || io_fail(error, "interrupted");
 }
 
