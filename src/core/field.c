@@ -29,8 +29,9 @@ static cw_status check_stride(size_t stride, size_t nx, size_t ny) {
     if (stride == 0) return CW_OK;
     if (stride < nx)
         return cw_fail(CW_ERROR_ARGUMENT, "stride: %zu floats, fewer than a row's %zu samples", stride, nx);
-    if (ny > 1 && stride > (SIZE_MAX / sizeof(float) - nx) / (ny - 1))
-        return cw_fail(CW_ERROR_ARGUMENT, "stride: %zu floats; %zu rows exceed the address space", stride, ny);
+    /* No array is larger than PTRDIFF_MAX bytes. */
+    if (ny > 1 && stride > (PTRDIFF_MAX / sizeof(float) - nx) / (ny - 1))
+        return cw_fail(CW_ERROR_ARGUMENT, "stride: %zu floats; no array holds %zu such rows", stride, ny);
     return CW_OK;
 }
 

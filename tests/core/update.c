@@ -275,6 +275,14 @@ static void what_is_refused_changes_nothing(void **state) {
     u = good;
     u.stride = 2;
     check_status(cw_field_update(copied, &u, NULL), CW_ERROR_ARGUMENT);
+    /* Rows that no array can hold. */
+    static const size_t far_apart[] = {SIZE_MAX, SIZE_MAX / 2, SIZE_MAX / 4 - 5, SIZE_MAX / 8,
+                                       PTRDIFF_MAX / sizeof(float)};
+    for (size_t k = 0; k < sizeof far_apart / sizeof far_apart[0]; k++) {
+        u = good;
+        u.stride = far_apart[k];
+        check_status(cw_field_update(copied, &u, NULL), CW_ERROR_ARGUMENT);
+    }
     u = good;
     u.reserved[2] = 1;
     check_status(cw_field_update(copied, &u, NULL), CW_ERROR_ARGUMENT);
@@ -359,13 +367,16 @@ static void ask_meanwhile(void *context, cw_task_fn *task, void *argument, unsig
     meeting *m = context;
     const cw_ray ray = {.org = {1, 1, 0}, .dir = {1, 0, 0}, .tmax = 1};
     const cw_user_ray user = {.org = {1, 1, 0}, .dir = {1, 0, 0}, .tmax = 1};
+    /* Whose grid the update frees. */
+    const cw_run grid = {.kernel = cw_kernel_find("grid3d")};
     cw_hit hit;
     uint8_t occluded;
     double point[3];
     const cw_status status[] = {
         cw_closest(m->field, NULL, &ray, 1, &hit),       cw_occluded(m->field, NULL, &ray, 1, &occluded),
         cw_closest_user(m->field, NULL, &user, 1, &hit), cw_occluded_user(m->field, NULL, &user, 1, &occluded),
-        cw_hit_points(m->field, NULL, &hit, 1, point),   cw_field_update(m->field, &m->update, NULL)};
+        cw_hit_points(m->field, NULL, &hit, 1, point),   cw_field_update(m->field, &m->update, NULL),
+        cw_closest(m->field, &grid, &ray, 1, &hit),      cw_occluded(m->field, &grid, &ray, 1, &occluded)};
     for (size_t k = 0; k < sizeof status / sizeof status[0]; k++) check_status(status[k], CW_ERROR_BUSY);
     m->tried++;
     for (unsigned k = 0; k < count; k++) task(argument, k);
@@ -390,6 +401,7 @@ static void who_comes_second_is_turned_away(void **state) {
     cw_pool *pool;
     const cw_tasks tasks = {.threads = 2, .run = ask_meanwhile, .context = &m};
     check_status(cw_pool_create_on(&tasks, &pool), CW_OK);
+    check_status(cw_field_build(f, &(cw_run){.kernel = cw_kernel_find("grid3d")}), CW_OK);
     check_status(cw_field_update(f, &m.update, &(cw_run){.pool = pool}), CW_OK);
     check(m.tried > 2, "nothing was tried during the update");
     check_same(f, anew, "after all of that");
@@ -451,6 +463,46 @@ static void a_crowd_does_no_harm(void **state) {
     for (size_t k = 0; k <= ASKING; k++) {
         assert_int_equal(pthread_join(c[k].thread, NULL), 0);
         check(c[k].wrong == 0 && c[k].done + c[k].away == TURNS, "thread %zu: %zu wrong", k, c[k].wrong);
+    }
+    cw_field_destroy(f);
+}
+
+/* Queries of grid3d until its grid is gone. */
+static void *ask_grid3d(void *argument) {
+    crowd *c = argument;
+    const cw_run q = {.kernel = cw_kernel_find("grid3d")};
+    const cw_ray down = {.org = {30.5f, 30.25f, 100}, .dir = {0, 0, -1}, .tmax = INFINITY};
+    for (cw_status status = CW_OK; status != CW_ERROR_NOT_BUILT && c->done + c->away < TURNS;) {
+        cw_hit hit;
+        status = cw_closest(c->field, &q, &down, 1, &hit);
+        c->done += status == CW_OK;
+        c->away += status == CW_ERROR_BUSY;
+        c->wrong += status == CW_OK ? hit.t != 99 : status != CW_ERROR_BUSY && status != CW_ERROR_NOT_BUILT;
+    }
+    return NULL;
+}
+
+static void a_grid_goes_while_it_is_asked(void **state) {
+    (void)state;
+    enum { ROUNDS = 30 };
+    static float z[64 * 64];
+    for (size_t k = 0; k < 64 * 64; k++) z[k] = 1;
+    const cw_field_desc d = {.samples = z, .nx = 64, .ny = 64};
+    cw_field *f;
+    check_status(cw_field_create(&d, NULL, &f), CW_OK);
+    for (size_t round = 0; round < ROUNDS; round++) {
+        crowd c[ASKING] = {{0}};
+        check_status(cw_field_build(f, &(cw_run){.kernel = cw_kernel_find("grid3d")}), CW_OK);
+        for (size_t k = 0; k < ASKING; k++) {
+            c[k] = (crowd){.field = f, .number = k};
+            assert_int_equal(pthread_create(&c[k].thread, NULL, ask_grid3d, &c[k]), 0);
+        }
+        while (cw_field_update(f, &(cw_update){.at = {.nx = 1, .ny = 1}, .samples = z}, NULL) == CW_ERROR_BUSY)
+            continue;
+        for (size_t k = 0; k < ASKING; k++) {
+            assert_int_equal(pthread_join(c[k].thread, NULL), 0);
+            check(c[k].wrong == 0, "thread %zu: %zu wrong", k, c[k].wrong);
+        }
     }
     cw_field_destroy(f);
 }
@@ -545,6 +597,7 @@ int main(void) {
         cmocka_unit_test(grid3d_is_dropped),
         cmocka_unit_test(who_comes_second_is_turned_away),
         cmocka_unit_test(a_crowd_does_no_harm),
+        cmocka_unit_test(a_grid_goes_while_it_is_asked),
         cmocka_unit_test(making_is_watched),
         cmocka_unit_test(refusals_do_not_depend_on_threads),
     };
