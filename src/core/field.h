@@ -5,6 +5,7 @@
 
 #include "cellwalk.h"
 #include "door.h"
+#include "ieee.h"
 
 #include <float.h>
 #include <stdint.h>
