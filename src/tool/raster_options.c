@@ -35,6 +35,10 @@ void raster_options_rows(raster_options *r, option_spec rows[RASTER_OPTION_COUNT
                                     "northernmost, the last begins at 0, 0",
                             .kind = OPTION_NUMBER,
                             .to = &r->cellsize};
+    rows[4] = (option_spec){.name = "allow-network",
+                            .help = "GDAL may get what files name on the network, and use\nall of its drivers",
+                            .kind = OPTION_FLAG,
+                            .to = &r->network};
 }
 
 static void warn(void *context, const char *text) {
@@ -70,6 +74,7 @@ bool raster_options_resolve(raster_options *r, const char *name, io_raster_optio
         command_fail(name, "--nodata takes a number, not '%s'", r->nodata.values[k]);
         return false;
     }
+    if (r->network) io_raster_allow_network();
     r->name = name;
     r->line = progress_start("reading");
     *options = (io_raster_options){

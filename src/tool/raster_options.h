@@ -7,12 +7,13 @@
 #include "progress.h"
 #include "raster.h"
 
-enum { RASTER_OPTION_COUNT = 4 };
+enum { RASTER_OPTION_COUNT = 5 };
 
 typedef struct raster_options {
     unsigned band;
     double cellsize, zscale;
     option_again nodata;
+    bool network;
     /* Set by raster_options_resolve. */
     double nodata_values[OPTION_AGAIN_MAX];
     const char *name; /* of the subcommand */

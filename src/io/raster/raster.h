@@ -54,6 +54,10 @@ extern const io_raster_format io_raster_gdal; /* all other endings */
 bool io_raster_read(const char *path, const io_raster_options *options, io_raster *raster, io_error *error);
 void io_raster_free(io_raster *raster);
 
+/* Lets GDAL use the network, and all of its drivers, from now on in this process. Only before the first raster is read or
+ * written. Without it a file that needs the network is refused. */
+void io_raster_allow_network(void);
+
 /* Places a raster whose file does not say where it lies: samples that far apart, the first row in the north, the last row's
  * first sample at the origin. */
 void io_raster_place(io_raster *raster, double cellsize);

@@ -42,7 +42,11 @@ bool io_gdal_is_there(void) {
     return find_module(path);
 }
 
-typedef const io_gdal *module_entry(void);
+typedef const io_gdal *module_entry(bool network);
+
+static bool network;
+
+void io_raster_allow_network(void) { network = true; }
 
 const io_gdal *io_gdal_load(io_error *error) {
     static const io_gdal *loaded;
@@ -63,7 +67,7 @@ const io_gdal *io_gdal_load(io_error *error) {
         io_fail(error, "cannot load GDAL: %s", reason ? reason : path);
         return NULL;
     }
-    const io_gdal *module = entry();
+    const io_gdal *module = entry(network);
     if (module->version != IO_GDAL_VERSION) {
         io_fail(error, "cannot load GDAL: %s belongs to another version of cellwalk", path);
         return NULL;

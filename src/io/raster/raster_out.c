@@ -7,10 +7,10 @@
 #include "npy.h"
 #include "raster_sink.h"
 
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/stat.h>
 
 size_t io_cell_bytes(io_cell cell) { return cell == IO_CELL_UINT8 ? 1 : cell == IO_CELL_UINT16 ? 2 : 4; }
 
@@ -41,9 +41,11 @@ const io_raster_sink io_sink_npy = {".npy", "NumPy array", 0, npy_create, npy_wr
 static bool tif_create(io_raster_writer *w, io_error *error) {
     const io_gdal *gdal = io_gdal_load(error);
     if (gdal == NULL) return false;
-    const char *by_name = io_output_temporary(&w->output); /* GDAL opens files itself */
-    if (by_name == NULL) return io_fail(error, "%s: cannot write: %s", w->output.name, strerror(errno));
-    w->state = gdal->create(by_name, w->output.name, &w->product, error);
+    struct stat about;
+    const int fd = fileno(w->output.file);
+    if (fstat(fd, &about) != 0 || !S_ISREG(about.st_mode))
+        return io_fail(error, "%s: cannot write: a GeoTIFF needs a regular file", w->output.name);
+    w->state = gdal->create(fd, w->output.name, &w->product, error);
     return w->state != NULL;
 }
 

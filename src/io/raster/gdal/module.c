@@ -3,6 +3,9 @@
 
 #include "parts.h"
 
+#include "files.h"
+#include "network.h"
+
 #include <cpl_conv.h>
 #include <cpl_error.h>
 #include <gdal_frmts.h>
@@ -37,8 +40,8 @@ static void set_unless_set(const char *key, const char *value) {
 }
 
 /* The one symbol that the module exports. */
-__attribute__((visibility("default"))) const io_gdal *cellwalk_gdal_module(void);
-const io_gdal *cellwalk_gdal_module(void) {
+__attribute__((visibility("default"))) const io_gdal *cellwalk_gdal_module(bool network);
+const io_gdal *cellwalk_gdal_module(bool network) {
     static const io_gdal table = {
         .version = IO_GDAL_VERSION,
         .open = gdal_open,
@@ -53,10 +56,13 @@ const io_gdal *cellwalk_gdal_module(void) {
     static bool ready;
     if (ready) return &table;
     ready = true;
-    CPLSetErrorHandler(CPLQuietErrorHandler);       /* what it says goes into messages of the program's own */
+    CPLSetErrorHandler(CPLQuietErrorHandler); /* what it says goes into messages of the program's own */
+    gdal_files_install();
+    gdal_network_close(network);
     GDALRegister_GTiff();                           /* what most files are; the rest where one is not */
     set_unless_set("GDAL_NUM_THREADS", "ALL_CPUS"); /* for compressed tiles */
     set_unless_set("GDAL_PAM_ENABLED", "NO");       /* no .aux.xml beside what is read and written */
+    set_unless_set("GDAL_VRT_ENABLE_PYTHON", "NO"); /* a VRT may hold code */
     /* Rasters are read and written once, from start to end: a row of tiles is all that needs keeping. The default is 5 % of
      * the machine's memory. */
     if (CPLGetConfigOption("GDAL_CACHEMAX", NULL) == NULL) GDALSetCacheMax64((GIntBig)64 << 20);

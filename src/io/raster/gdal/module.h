@@ -27,8 +27,9 @@ typedef struct io_gdal {
      * as soon as note says so. Some names may be none of files. */
     bool (*each_file)(io_gdal_source *source, bool (*note)(const char *path));
 
-    /* Makes a GeoTIFF at path, which is what messages call name. NULL on failure. */
-    io_gdal_target *(*create)(const char *path, const char *name, const io_raster_product *product, io_error *error);
+    /* Makes a GeoTIFF in a regular file that is open for reading and writing, which is what messages call name. NULL on
+     * failure. */
+    io_gdal_target *(*create)(int fd, const char *name, const io_raster_product *product, io_error *error);
     bool (*write)(io_gdal_target *target, size_t band, size_t first, size_t count, const void *cells, io_error *error);
     /* Closes the target; false if what was written did not reach the file. */
     bool (*finish)(io_gdal_target *target, io_error *error);

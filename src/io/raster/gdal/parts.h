@@ -23,7 +23,7 @@ bool gdal_each_file(io_gdal_source *source, bool (*note)(const char *path));
 void gdal_describe_crs(OGRSpatialReferenceH crs, io_georef *georef);
 bool gdal_lon_lat(const char *crs, bool back, size_t n, double *x, double *y, io_error *error);
 
-io_gdal_target *gdal_create(const char *path, const char *name, const io_raster_product *product, io_error *error);
+io_gdal_target *gdal_create(int fd, const char *name, const io_raster_product *product, io_error *error);
 bool gdal_write(io_gdal_target *target, size_t band, size_t first, size_t count, const void *cells, io_error *error);
 bool gdal_finish(io_gdal_target *target, io_error *error);
 

@@ -3,6 +3,9 @@
 
 #include "parts.h"
 
+#include "files.h"
+#include "network.h"
+
 #include <cpl_error.h>
 #include <cpl_string.h>
 #include <math.h>
@@ -125,6 +128,22 @@ static bool choose_band(io_gdal_source *s, const io_raster_options *options, io_
     return s->band != NULL || gdal_fail(error, s->path, "cannot read the band");
 }
 
+/* Says why, if it was this module that kept GDAL from it. */
+static bool fail_read(io_error *error, const char *path, const char *what) {
+    char words[512];
+    snprintf(words, sizeof words, "%s", CPLGetLastErrorMsg());
+    const char *file = gdal_files_refused(), *driver = gdal_network_is_url(path) ? NULL : gdal_network_driver_of(path);
+    if (file != NULL && strcmp(file, path) == 0) return io_fail(error, "%s: cannot read: not a regular file", path);
+    if (file != NULL) return io_fail(error, "%s: cannot read: %s is not a regular file", path, file);
+    if (driver != NULL)
+        return io_fail(error, "%s: GDAL's driver %s, which may use the network, reads it; --allow-network lets it",
+                       path, driver);
+    if (gdal_network_asked() || gdal_network_is_url(path))
+        return io_fail(error, "%s: names something on the network; --allow-network lets GDAL get it", path);
+    CPLErrorSetState(CE_Failure, CPLE_OpenFailed, words); /* which looking for a driver has changed */
+    return gdal_fail(error, path, what);
+}
+
 io_gdal_source *gdal_open(const char *path, const io_raster_options *options, io_raster *raster, size_t *rows_at_once,
                           io_error *error) {
     CPLErrorReset();
@@ -134,10 +153,16 @@ io_gdal_source *gdal_open(const char *path, const io_raster_options *options, io
         gdal_close(s);
         return NULL;
     }
+    gdal_files_reset();
+    gdal_network_reset();
     /* All drivers take ten times as long to register as that of GeoTIFF: 2.4 ms beside some 40 for loading GDAL at all. */
-    if (GDALIdentifyDriver(path, NULL) == NULL) GDALAllRegister();
-    s->file = GDALOpenEx(path, GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, NULL, NULL, NULL);
-    if (s->file == NULL) gdal_fail(error, path, "cannot read");
+    if (!gdal_network_is_url(path) && GDALIdentifyDriver(path, NULL) == NULL) {
+        GDALAllRegister();
+        gdal_network_drivers();
+    }
+    if (!gdal_network_is_url(path))
+        s->file = GDALOpenEx(path, GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, NULL, NULL, NULL);
+    if (s->file == NULL) fail_read(error, path, "cannot read");
     if (s->file == NULL || !choose_band(s, options, error)) {
         gdal_close(s);
         return NULL;
@@ -192,7 +217,7 @@ bool gdal_read(io_gdal_source *s, size_t first, size_t count, float *z, io_error
     if (s->direct) {
         if (GDALRasterIO(s->band, GF_Read, 0, (int)first, s->nx, (int)count, z, s->nx, (int)count, GDT_Float32, 0, 0) !=
             CE_None)
-            return gdal_fail(error, s->path, "cannot read");
+            return fail_read(error, s->path, "cannot read");
         if (s->has_nodata) drop_no_data(z, nx * count, s->nodata);
         for (size_t k = 0; k < s->other_count; k++) drop_no_data(z, nx * count, s->others[k]);
     }
@@ -202,12 +227,12 @@ bool gdal_read(io_gdal_source *s, size_t first, size_t count, float *z, io_error
         if (!s->direct) {
             if (GDALRasterIO(s->band, GF_Read, 0, (int)(first + j), s->nx, 1, s->row, s->nx, 1, GDT_Float64, 0, 0) !=
                 CE_None)
-                return gdal_fail(error, s->path, "cannot read");
+                return fail_read(error, s->path, "cannot read");
             if (!convert(s, first + j, row, error)) return false;
         }
         if (mask == NULL) continue;
         if (GDALRasterIO(mask, GF_Read, 0, (int)(first + j), s->nx, 1, s->mask, s->nx, 1, GDT_Byte, 0, 0) != CE_None)
-            return gdal_fail(error, s->path, "cannot read the mask");
+            return fail_read(error, s->path, "cannot read the mask");
         for (size_t i = 0; i < nx; i++)
             if (s->mask[i] == 0) row[i] = NAN;
     }

@@ -3,6 +3,8 @@
 
 #include "parts.h"
 
+#include "files.h"
+
 #include <cpl_error.h>
 #include <cpl_string.h>
 #include <stdlib.h>
@@ -11,10 +13,25 @@
 struct io_gdal_target {
     GDALDatasetH file;
     char *name;
+    int lent; /* its number among the files lent to GDAL */
     size_t nx, ny, tile_rows;
     GDALDataType type;
     bool failed;
 };
+
+/* The system's reason, if it was the system that failed: GDAL's own words name a function. */
+static bool fail_write(const io_gdal_target *t, io_error *error) {
+    const int reason = gdal_lent_reason(t->lent);
+    if (reason == 0) return gdal_fail(error, t->name, "cannot write");
+    CPLErrorReset();
+    return io_fail(error, "%s: cannot write: %s", t->name, strerror(reason));
+}
+
+static void end(io_gdal_target *t) {
+    if (t->lent >= 0) gdal_take_back(t->lent);
+    free(t->name);
+    free(t);
+}
 
 static GDALDataType type_of(io_cell cell) {
     return cell == IO_CELL_UINT8 ? GDT_Byte : cell == IO_CELL_UINT16 ? GDT_UInt16 : GDT_Float32;
@@ -68,12 +85,19 @@ static char **compression_options(char **options, const io_raster_product *p) {
                                                        : "1");
 }
 
-io_gdal_target *gdal_create(const char *path, const char *name, const io_raster_product *p, io_error *error) {
+io_gdal_target *gdal_create(int fd, const char *name, const io_raster_product *p, io_error *error) {
     CPLErrorReset();
     io_gdal_target *t = calloc(1, sizeof *t);
     if (t == NULL || (t->name = strdup(name)) == NULL) {
         free(t);
         io_fail(error, "%s: out of memory", name);
+        return NULL;
+    }
+    char path[GDAL_LENT_NAME];
+    t->lent = gdal_lend(fd, path);
+    if (t->lent < 0) {
+        io_fail(error, "%s: too many files are written at once", name);
+        end(t);
         return NULL;
     }
     char threads[16] = "ALL_CPUS";
@@ -99,12 +123,11 @@ io_gdal_target *gdal_create(const char *path, const char *name, const io_raster_
     CSLDestroy(options);
     if (t->file != NULL && describe(t, p)) return t;
     if (can || driver == NULL)
-        gdal_fail(error, name, "cannot write");
+        fail_write(t, error);
     else
         io_fail(error, "%s: GDAL was built without ZSTD; leave out --compress", name);
     if (t->file != NULL) GDALClose(t->file);
-    free(t->name);
-    free(t);
+    end(t);
     return NULL;
 }
 
@@ -119,18 +142,17 @@ bool gdal_write(io_gdal_target *t, size_t band, size_t first, size_t count, cons
     const bool whole = end % t->tile_rows == 0 || end == t->ny;
     if (status == CE_None && (!whole || GDALFlushRasterCache(to) == CE_None)) return true;
     t->failed = true;
-    return gdal_fail(error, t->name, "cannot write");
+    return fail_write(t, error);
 }
 
 bool gdal_finish(io_gdal_target *t, io_error *error) {
     CPLErrorReset();
     GDALFlushCache(t->file);
-    bool good = !t->failed && CPLGetLastErrorType() < CE_Failure;
-    if (!good && !t->failed) gdal_fail(error, t->name, "cannot write");
+    bool good = !t->failed && CPLGetLastErrorType() < CE_Failure && gdal_lent_reason(t->lent) == 0;
+    if (!good && !t->failed) fail_write(t, error);
     CPLErrorReset();
     GDALClose(t->file);
-    if (good && CPLGetLastErrorType() >= CE_Failure) good = gdal_fail(error, t->name, "cannot write");
-    free(t->name);
-    free(t);
+    if (good && (CPLGetLastErrorType() >= CE_Failure || gdal_lent_reason(t->lent) != 0)) good = fail_write(t, error);
+    end(t);
     return good;
 }
