@@ -136,6 +136,13 @@ static void no_request_unless_asked_for(void **state) {
         check(uninvited == 0, "%s: %u requests", text, uninvited);
         open_doors += visits(&s, "net.vrt", true) > 0;
     }
+    /* By a proxy that GDAL is told of, and that goes before those of the environment. */
+    snprintf(text, sizeof text, "127.0.0.1:%d", s.port);
+    setenv("GDAL_HTTP_PROXY", text, 1);
+    vrt_file("net.vrt", "/vsicurl/http://nowhere.invalid/a.tif");
+    assert_int_equal(visits(&s, "net.vrt", false), 0);
+    open_doors += visits(&s, "net.vrt", true) > 0;
+    unsetenv("GDAL_HTTP_PROXY");
     assert_int_equal(visits(&s, "map.tif", false), 0);
     check_refused("map.tif", "--allow-network");
     open_doors += visits(&s, "map.tif", true) > 0;
@@ -146,7 +153,7 @@ static void no_request_unless_asked_for(void **state) {
     open_doors += visits(&s, text, true) > 0;
     close_server(&s);
     /* A GDAL without libcurl has none of them. */
-    print_message("%u of %d ways lead to the network\n", open_doors, SOURCES + 2);
+    print_message("%u of %d ways lead to the network\n", open_doors, SOURCES + 3);
     if (open_doors == 0) skip();
 }
 
