@@ -12,7 +12,8 @@
  * A *hole* is a sample without a height (NaN); triangles with a hole at a vertex do not exist. *Field space* has unit cells
  * and the samples' heights. *User space* is the caller's; an affine map in double ties it to field space.
  *
- * Threads. Every function may be called from several threads at once unless it says otherwise. Queries do not allocate.
+ * Threads. Every function may be called from several threads at once unless it says otherwise. Queries do not allocate. A call
+ * needs at most 128 KiB of stack.
  *
  * Errors. Functions that can fail return a cw_status and leave a sentence with the argument, its value and the limit for
  * cw_last_error. Unless a function says otherwise, its outputs are untouched on an error. Functions without a status are not
@@ -153,8 +154,9 @@ typedef struct cw_pool cw_pool;
 
 enum { CW_THREADS_MAX = 4096 };
 
-/* threads counts the calling thread; 0 is one for each CPU that this process may use. The caller owns the pool. On failure
- * *pool is NULL. */
+/* threads counts the calling thread; 0 is one for each CPU that this process may use. The caller owns the pool, whose
+ * threads have at least 1 MiB of stack. On failure *pool is NULL. In a child made by fork the pool is the calling thread alone, and
+ * the child may destroy it. */
 CW_API cw_status cw_pool_create(unsigned threads, cw_pool **pool);
 /* NULL is allowed. Nothing may be running on the pool. */
 CW_API void cw_pool_destroy(cw_pool *pool);

@@ -32,6 +32,7 @@ struct cw_pool {
     atomic_ulong number; /* of the job */
     job *present;        /* NULL: there is nothing to join */
     bool engaged;        /* a caller has the helpers */
+    pid_t process;       /* that has the helpers */
     atomic_bool quit;
     cw_tasks tasks; /* run is NULL where the pool has helpers of its own */
     pthread_t helper[];
@@ -87,6 +88,22 @@ static cw_status check_threads(unsigned threads, unsigned least) {
     return cw_fail(CW_ERROR_ARGUMENT, "threads: %u; a pool has 1 to %d", threads, CW_THREADS_MAX);
 }
 
+/* A child that was forked has none of its parent's threads, and finds the lock as they left it. */
+static bool has_helpers(const cw_pool *p) { return p->threads > 1 && p->process == getpid(); }
+
+/* musl gives a thread 128 KiB, of which a query takes most. What the system gives beyond that, lent work may count on. */
+static bool start(cw_pool *p) {
+    enum { STACK_LEAST = 1 << 20 };
+    pthread_attr_t how;
+    size_t stack = 0;
+    if (pthread_attr_init(&how) != 0) return false;
+    bool good = pthread_attr_getstacksize(&how, &stack) == 0;
+    if (good && stack < STACK_LEAST) good = pthread_attr_setstacksize(&how, STACK_LEAST) == 0;
+    good = good && pthread_create(&p->helper[p->created], &how, help, p) == 0;
+    pthread_attr_destroy(&how);
+    return good;
+}
+
 cw_status cw_pool_create(unsigned threads, cw_pool **pool) {
     if (pool == NULL) return cw_fail(CW_ERROR_ARGUMENT, "pool: NULL");
     *pool = NULL;
@@ -99,8 +116,9 @@ cw_status cw_pool_create(unsigned threads, cw_pool **pool) {
     pthread_cond_init(&p->start, NULL);
     pthread_cond_init(&p->done, NULL);
     p->threads = threads;
+    p->process = getpid();
     while (p->created < threads - 1) {
-        if (pthread_create(&p->helper[p->created], NULL, help, p) != 0) {
+        if (!start(p)) {
             const unsigned started = p->created + 1;
             cw_pool_destroy(p);
             return cw_fail(CW_ERROR_MEMORY, "threads: the system refused number %u of %u", started + 1, threads);
@@ -127,7 +145,7 @@ cw_status cw_pool_create_on(const cw_tasks *tasks, cw_pool **pool) {
 
 void cw_pool_destroy(cw_pool *p) {
     if (p == NULL) return;
-    if (p->tasks.run != NULL) {
+    if (p->tasks.run != NULL || p->process != getpid()) {
         free(p);
         return;
     }
@@ -188,7 +206,7 @@ void cw_pool_share(cw_pool *p, size_t n, size_t least, size_t most, cw_work_fn *
         p->tasks.run(p->tasks.context, take_pieces_as_task, &j, pieces < threads ? (unsigned)pieces : threads);
         return;
     }
-    if (threads == 1 || pieces == 1 || !engage(p, &j)) {
+    if (threads == 1 || pieces == 1 || !has_helpers(p) || !engage(p, &j)) {
         work(context, 0, n);
         return;
     }

@@ -6,6 +6,7 @@
 
 #include <pthread.h>
 #include <stdatomic.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 enum { RAYS = 20000, CALLERS = 4, THREADS = 4, LIMIT_SECONDS = 120 };
@@ -110,11 +111,39 @@ static void each_item_once(void **state) {
     cw_pool_destroy(pool);
 }
 
+/* A child has none of its parent's threads, and goes on with the pool alone. */
+static void pools_outlive_a_fork(void **state) {
+    (void)state;
+    enum { ROUNDS = 20 };
+    cw_pool *pool;
+    check_status(cw_pool_create(THREADS, &pool), CW_OK);
+    caller busy = {.pool = pool, .rounds = test_share(40, 4)}, other = {.pool = pool, .number = 1, .rounds = 1};
+    /* Forked while another thread has the helpers, whose state the child inherits. */
+    assert_int_equal(pthread_create(&busy.thread, NULL, ask, &busy), 0);
+    for (int k = 0; k < ROUNDS; k++) {
+        const pid_t child = fork();
+        assert_true(child >= 0);
+        if (child == 0) {
+            alarm(LIMIT_SECONDS / 2);
+            ask(&other);
+            cw_pool_destroy(pool);
+            _exit(other.wrong == 0 ? 0 : 1);
+        }
+        int status;
+        assert_int_equal(waitpid(child, &status, 0), child);
+        check(WIFEXITED(status) && WEXITSTATUS(status) == 0, "the child ended with %#x", (unsigned)status);
+    }
+    assert_int_equal(pthread_join(busy.thread, NULL), 0);
+    check(busy.wrong == 0, "%zu wrong answers in the parent", busy.wrong);
+    cw_pool_destroy(pool);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(callers_at_once),
         cmocka_unit_test(work_within_work),
         cmocka_unit_test(each_item_once),
+        cmocka_unit_test(pools_outlive_a_fork),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
