@@ -150,22 +150,74 @@ static bool is_no_input(const io_output *out, io_error *error) {
     return io_fail(error, "%s: is an input as well; choose another name for the output", out->name);
 }
 
+/* The descriptor that a name stands for, "-" or one of the system's; else -1. Such an output goes where the descriptor leads: a
+ * file that a shell opened to append to must not be replaced. */
+static int descriptor_of(const char *path) {
+    static const char *const folders[] = {"/dev/fd/", "/proc/self/fd/"};
+    if (strcmp(path, "-") == 0 || strcmp(path, "/dev/stdout") == 0) return STDOUT_FILENO;
+    if (strcmp(path, "/dev/stderr") == 0) return STDERR_FILENO;
+    for (size_t k = 0; k < sizeof folders / sizeof folders[0]; k++) {
+        const char *digits = path + strlen(folders[k]);
+        if (strncmp(path, folders[k], strlen(folders[k])) != 0 || strlen(digits) == 0 || strlen(digits) > 9) continue;
+        if (strspn(digits, "0123456789") == strlen(digits)) return atoi(digits);
+    }
+    return -1;
+}
+
+/* The file at the end of a chain of links, which need not be there: so the file behind a link is written, and not the link.
+ * Stops at a name of a descriptor. NULL with errno. */
+static char *follow_links(const char *path) {
+    enum { LINKS_MAX = 40 };
+    char name[PATH_MAX], link[PATH_MAX];
+    if (snprintf(name, sizeof name, "%s", path) >= (int)sizeof name) {
+        errno = ENAMETOOLONG;
+        return NULL;
+    }
+    for (int k = 0; k < LINKS_MAX; k++) {
+        ssize_t length = descriptor_of(name) >= 0 ? -1 : readlink(name, link, sizeof link - 1);
+        if (length < 0) return strdup(name);
+        link[length] = '\0';
+        char *slash = strrchr(name, '/');
+        char *base = link[0] == '/' || slash == NULL ? name : slash + 1;
+        if ((size_t)length >= sizeof name - (size_t)(base - name)) {
+            errno = ENAMETOOLONG;
+            return NULL;
+        }
+        memcpy(base, link, (size_t)length + 1);
+    }
+    errno = ELOOP;
+    return NULL;
+}
+
+/* A second descriptor; -1 with errno, or with error filled in if it leads to a file that is read. */
+static int open_descriptor(io_output *out, int number, io_error *error) {
+    struct stat about;
+    if (fstat(number, &about) == 0 && S_ISREG(about.st_mode) && io_inputs_have(&about)) {
+        io_fail(error, "%s: is an input as well; choose another name for the output", out->name);
+        errno = 0;
+        return -1;
+    }
+    return fcntl(number, F_DUPFD_CLOEXEC, 0);
+}
+
 bool io_output_open(io_output *out, const char *path, io_error *error) {
     *out = (io_output){.slot = DIRECT};
     if (path[0] == '\0') return io_fail(error, "the output file's name is empty");
-    const bool standard = strcmp(path, "-") == 0;
-    /* Follow links, so that the file behind a link is replaced and not the link. A new file has nothing to follow. */
-    out->target = standard ? NULL : realpath(path, NULL);
-    if (out->target == NULL && (standard || errno == ENOENT)) out->target = strdup(path);
-    out->name = strdup(standard ? "standard output" : path);
-    if (out->target != NULL && out->name != NULL && !standard && !is_no_input(out, error)) {
+    out->target = follow_links(path);
+    out->name = strdup(strcmp(path, "-") == 0 ? "standard output" : path);
+    const int number = out->target != NULL ? descriptor_of(out->target) : -1;
+    if (out->target != NULL && out->name != NULL && number < 0 && !is_no_input(out, error)) {
         release(out);
         return false;
     }
     const int fd = out->target == NULL || out->name == NULL ? -1
-                   : standard                               ? fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0)
+                   : number >= 0                            ? open_descriptor(out, number, error)
                                                             : open_file(out);
     if (fd >= 0 && (out->file = fdopen(fd, "wb")) != NULL) return true;
+    if (errno == 0) { /* the error is told */
+        release(out);
+        return false;
+    }
     io_fail(error, "%s: cannot write: %s", path, strerror(errno));
     if (fd >= 0) {
         close(fd);
@@ -259,8 +311,15 @@ static int close_stream(io_output *out) {
 }
 
 bool io_output_commit(io_output *out, io_error *error) {
-    const int fd = close_stream(out);
     const bool direct = out->slot == DIRECT;
+    struct stat about;
+    /* Found out late where the input was opened after the output. */
+    if (direct && fstat(fileno(out->file), &about) == 0 && S_ISREG(about.st_mode) && io_inputs_have(&about)) {
+        io_fail(error, "%s: is an input as well; choose another name for the output", out->name);
+        io_output_discard(out);
+        return false;
+    }
+    const int fd = close_stream(out);
     bool good = fd >= 0 && (direct || settle(fd));
     if (!good) fail_write(out, error);
     if (!direct) {

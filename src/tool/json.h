@@ -3,20 +3,24 @@
 #ifndef CELLWALK_TOOL_JSON_H
 #define CELLWALK_TOOL_JSON_H
 
+#include "printable.h"
+
 #include <math.h>
 #include <stdio.h>
 
-/* Bytes beyond ASCII pass as they are: file names are UTF-8 on the systems that the tool runs on. */
+/* Characters beyond ASCII pass as they are, but for those that command a terminal: their bytes become U+FFFD. */
 static inline void json_string(FILE *to, const char *text) {
     fputc('"', to);
-    for (; *text; text++) {
+    while (*text) {
         const unsigned char c = (unsigned char)*text;
+        const size_t length = printable_length((const unsigned char *)text);
         if (c == '"' || c == '\\')
             fprintf(to, "\\%c", c);
-        else if (c < 0x20)
-            fprintf(to, "\\u%04x", c);
+        else if (length > 0)
+            fwrite(text, 1, length, to);
         else
-            fputc(c, to);
+            fprintf(to, "\\u%04x", c < 0x80 ? c : 0xfffd);
+        text += length > 0 ? length : 1;
     }
     fputc('"', to);
 }

@@ -3,6 +3,7 @@
 
 #include "cancel.h"
 #include "command.h"
+#include "printable.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -44,7 +45,10 @@ void raster_options_rows(raster_options *r, option_spec rows[RASTER_OPTION_COUNT
 static void warn(void *context, const char *text) {
     raster_options *r = context;
     progress_end(&r->line);
-    fprintf(stderr, "cellwalk %s: warning: %s\n", r->name, text);
+    char line[1024];
+    snprintf(line, sizeof line, "%s", text);
+    make_printable(line);
+    fprintf(stderr, "cellwalk %s: warning: %s\n", r->name, line);
 }
 
 static bool tell(void *context, double share) {

@@ -120,6 +120,45 @@ static void links_are_followed(void **state) {
     assert_true(S_ISLNK(about.st_mode));
 }
 
+/* A link that leads to no file yet is written through, also over another link and from another folder. */
+static void dangling_links_are_followed(void **state) {
+    (void)state;
+    assert_int_equal(mkdir("folder", 0777), 0);
+    assert_int_equal(symlink("../file", "folder/second"), 0);
+    assert_int_equal(symlink("folder/second", "first"), 0);
+    io_output out;
+    open_and_write(&out, "first", "new");
+    assert_true(io_output_commit(&out, NULL));
+    check_content("file", "new");
+    struct stat about;
+    assert_int_equal(lstat("first", &about), 0);
+    assert_true(S_ISLNK(about.st_mode));
+}
+
+/* A shell has opened the file, to append to it: it is written to as it is, by whatever name. */
+static void names_of_descriptors_are_no_files(void **state) {
+    (void)state;
+    scratch_write("log", "old ", 4);
+    assert_int_equal(symlink("/dev/stdout", "link"), 0);
+    const int file = open("log", O_WRONLY | O_APPEND | O_CLOEXEC), saved = dup(STDOUT_FILENO);
+    char by_number[32];
+    snprintf(by_number, sizeof by_number, "/dev/fd/%d", file);
+    fflush(stdout);
+    assert_true(file >= 0 && saved >= 0 && dup2(file, STDOUT_FILENO) >= 0);
+    const char *const names[] = {"/dev/stdout", "link", "-", by_number, "/proc/self/fd/1"};
+    bool good = true;
+    for (size_t k = 0; k < sizeof names / sizeof names[0]; k++) {
+        io_output out;
+        good = good && io_output_open(&out, names[k], NULL) && io_output_write(&out, "new ", 4, NULL) &&
+               io_output_commit(&out, NULL);
+    }
+    dup2(saved, STDOUT_FILENO);
+    close(saved);
+    close(file);
+    assert_true(good);
+    check_content("log", "old new new new new new ");
+}
+
 static void discard_all_removes_open_ones(void **state) {
     (void)state;
     io_output a, b, c;
@@ -261,6 +300,16 @@ static void inputs_are_not_replaced(void **state) {
         check(!io_output_open(&out, names[k], &error), "%s was opened", names[k]);
         check(strstr(error.text, "is an input as well") != NULL && strstr(error.text, names[k]), "%s", error.text);
     }
+    /* Standard output leads there. */
+    const int file = open("in", O_WRONLY | O_APPEND | O_CLOEXEC), saved = dup(STDOUT_FILENO);
+    fflush(stdout);
+    assert_true(file >= 0 && saved >= 0 && dup2(file, STDOUT_FILENO) >= 0);
+    const bool opened = io_output_open(&out, "-", &error);
+    dup2(saved, STDOUT_FILENO);
+    close(saved);
+    close(file);
+    assert_false(opened);
+    check(strstr(error.text, "standard output: is an input as well") != NULL, "%s", error.text);
     /* Read only after the output was opened. */
     open_and_write(&out, "later", "new");
     free(io_file_read("later", &size, NULL));
@@ -361,11 +410,40 @@ static void full_disk_is_an_error(void **state) {
 #test " without O_TMPFILE", test, enter_old, scratch_leave, NULL                                               \
     }
 
+/* Bytes of a name that are no text, or command a terminal. */
+static void messages_are_text(void **state) {
+    (void)state;
+    static const struct {
+        const char *given, *shown;
+    } names[] = {
+        {"caf\xc3\xa9 \xe2\x82\xac \xf0\x9f\x8f\x94", "caf\xc3\xa9 \xe2\x82\xac \xf0\x9f\x8f\x94"},
+        {"a\x1b[2Jb\x7f\n", "a?[2Jb??"},
+        {"a\xc2\x9b"
+         "b",
+         "a??b"},
+        {"a\x9b"
+         "31m",
+         "a?31m"},                                             /* alone */
+        {"exe\xe2\x80\xaetxt.npy", "exe???txt.npy"},           /* U+202E */
+        {"\xe2\x81\xa6x\xe2\x80\x8f", "???x???"},              /* U+2066, U+200F */
+        {"\xe2\x80", "??"},                                    /* cut off */
+        {"\xc0\x9b\xe0\x82\x9b\xf0\x80\x82\x9b", "?????????"}, /* C1 spelt too long */
+        {"\xed\xa0\x80\xf4\x90\x80\x80\xff", "????????"},
+    };
+    for (size_t k = 0; k < sizeof names / sizeof names[0]; k++) {
+        io_error error;
+        io_fail(&error, "%s", names[k].given);
+        assert_string_equal(error.text, names[k].shown);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         BOTH(commit_gives_the_name),
         BOTH(old_file_stays_until_commit),
         BOTH(links_are_followed),
+        BOTH(dangling_links_are_followed),
+        BOTH(names_of_descriptors_are_no_files),
         BOTH(discard_all_removes_open_ones),
         BOTH(outputs_have_names_on_request),
         BOTH(names_taken_meanwhile_are_replaced),
@@ -377,6 +455,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(killed_writers_leave_nothing, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(dash_is_standard_output, enter, scratch_leave),
         cmocka_unit_test(full_disk_is_an_error),
+        cmocka_unit_test(messages_are_text),
         /* Last: what it asks for stays. */
         cmocka_unit_test_setup_teardown(inputs_are_not_replaced, enter, scratch_leave),
     };

@@ -4,13 +4,16 @@
 #include "raster_out.h"
 
 #include "gdal/module.h"
+#include "inputs.h"
 #include "npy.h"
 #include "raster_sink.h"
 
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 size_t io_cell_bytes(io_cell cell) { return cell == IO_CELL_UINT8 ? 1 : cell == IO_CELL_UINT16 ? 2 : 4; }
 
@@ -116,10 +119,25 @@ bool io_raster_write(io_raster_writer *w, const void *cells, size_t rows, io_err
     return true;
 }
 
+/* What programs keep beside a GeoTIFF and take for its own, statistics and smaller copies, belongs to the file that was there
+ * before. */
+static void remove_companions(const char *target) {
+    static const char *const endings[] = {".aux.xml", ".ovr", ".msk"};
+    for (size_t k = 0; k < sizeof endings / sizeof endings[0]; k++) {
+        char name[PATH_MAX];
+        struct stat about;
+        if (snprintf(name, sizeof name, "%s%s", target, endings[k]) >= (int)sizeof name) continue;
+        if (lstat(name, &about) == 0 && S_ISREG(about.st_mode) && !io_inputs_have(&about)) unlink(name);
+    }
+}
+
 bool io_raster_commit(io_raster_writer *w, io_error *error) {
     const bool whole = w->band == w->product.bands && w->row == 0;
     if (!whole) io_fail(error, "%s: rows are missing", w->output.name);
+    char target[PATH_MAX] = "";
+    if (w->sink == &io_sink_tif) snprintf(target, sizeof target, "%s", w->output.target);
     const bool good = w->sink->finish(w, whole, whole ? error : NULL) && io_output_commit(&w->output, error);
+    if (good && target[0] != '\0') remove_companions(target);
     if (!good) io_output_discard(&w->output);
     *w = (io_raster_writer){0};
     return good;
