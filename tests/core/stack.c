@@ -36,36 +36,36 @@ static void *do_everything(void *failure) {
     const cw_field_desc desc = {.samples = samples, .nx = SIDE, .ny = SIDE};
     cw_field *field;
     *failed = "cw_field_create";
-    if (cw_field_create(&desc, &field) != CW_OK) return NULL;
+    if (cw_field_create(&desc, NULL, &field) != CW_OK) return NULL;
     for (size_t k = 0; k < cw_kernel_count(); k++) {
         const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
         const size_t n = info.needs_build ? RAYS : 30; /* brute force takes its time */
         if (!info.available) continue;
         *failed = info.name;
-        if (cw_field_build(field, cw_kernel_at(k)) != CW_OK) return NULL;
+        if (cw_field_build(field, &(cw_run){.kernel = cw_kernel_at(k)}) != CW_OK) return NULL;
         for (int leaf = 0; leaf < CW_LEAF_COUNT; leaf++) {
-            const cw_query q = {.kernel = cw_kernel_at(k), .leaf = (cw_leaf)leaf};
+            const cw_run q = {.kernel = cw_kernel_at(k), .leaf = (cw_leaf)leaf};
             const cw_status status = cw_closest(field, &q, rays, n, hits);
-            if (status == CW_ERROR_UNSUPPORTED) continue;
-            if (status != CW_OK || cw_any(field, &q, rays, n, occluded) != CW_OK ||
+            if (status == CW_ERROR_KERNEL) continue;
+            if (status != CW_OK || cw_occluded(field, &q, rays, n, occluded) != CW_OK ||
                 cw_closest_user(field, &q, user_rays, n, hits) != CW_OK ||
-                cw_any_user(field, &q, user_rays, n, occluded) != CW_OK)
+                cw_occluded_user(field, &q, user_rays, n, occluded) != CW_OK)
                 return NULL;
         }
     }
     *failed = "what follows from hits";
-    if (cw_hit_points(field, NULL, hits, RAYS, points) != CW_OK ||
-        cw_hit_normals(field, NULL, hits, RAYS, points) != CW_OK ||
-        cw_hit_phong_normals(field, NULL, hits, RAYS, points) != CW_OK)
+    if (cw_hit_points(field, NULL, hits, RAYS, points[0]) != CW_OK ||
+        cw_hit_normals(field, NULL, hits, RAYS, points[0]) != CW_OK ||
+        cw_hit_phong_normals(field, NULL, hits, RAYS, points[0]) != CW_OK)
         return NULL;
     *failed = "cw_field_update";
-    const cw_update update = {.i = 3, .j = 5, .nx = 200, .ny = 150, .samples = samples, .stride = SIDE};
-    if (cw_field_update(field, &update) != CW_OK) return NULL;
+    const cw_update update = {.at = {.i = 3, .j = 5, .nx = 200, .ny = 150}, .samples = samples, .stride = SIDE};
+    if (cw_field_update(field, &update, NULL) != CW_OK) return NULL;
     *failed = "a heading";
     cw_heading *heading;
     float slopes[SIDE];
     if (cw_heading_create(field, (double[2]){0.3, 1}, &heading) != CW_OK ||
-        cw_heading_steepest(heading, NULL, -INFINITY, INFINITY, 0, 7, SIDE, 1, slopes) != CW_OK)
+        cw_heading_steepest(heading, NULL, -INFINITY, INFINITY, (cw_rectangle){0, 7, SIDE, 1}, slopes) != CW_OK)
         return NULL;
     cw_heading_destroy(heading);
     cw_field_destroy(field);

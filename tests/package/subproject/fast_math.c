@@ -37,14 +37,14 @@ int main(void) {
     samples.bits[hole + 5] = 0x7f800000;
     const cw_field_desc desc = {.samples = samples.z, .nx = SIDE, .ny = SIDE};
     cw_field *field;
-    if (cw_field_create(&desc, &field) != CW_OK) return fail("no field");
+    if (cw_field_create(&desc, NULL, &field) != CW_OK) return fail("no field");
     if (cw_field_describe(field).holes != 2) return fail("holes are not counted");
 
     make_rays();
     rays[0] =
         (cw_ray){.org = {20.25f, 19.75f, 9}, .dir = {0, 0, -1}, .tmax = 100}; /* through the triangles at the hole */
     const cw_kernel *cell = cw_kernel_find("cell");
-    const cw_query plain = {.kernel = cell};
+    const cw_run plain = {.kernel = cell};
     if (cw_closest(field, &plain, rays, RAYS, expected) != CW_OK) return fail("no query");
     if (expected[0].i != -1) return fail("a ray hits a hole");
     int kernels = 0;
@@ -52,9 +52,9 @@ int main(void) {
         const cw_kernel *kernel = cw_kernel_at(k);
         const cw_kernel_info info = cw_kernel_describe(kernel);
         const bool same_rules = strncmp(info.name, "packet", 6) == 0 || strncmp(info.name, "pyramid", 7) == 0;
-        const cw_query query = {.kernel = kernel};
+        const cw_run query = {.kernel = kernel};
         if (!info.available || !same_rules) continue;
-        if (cw_field_build(field, kernel) != CW_OK) return fail("not built");
+        if (cw_field_build(field, &(cw_run){.kernel = kernel}) != CW_OK) return fail("not built");
         if (cw_closest(field, &query, rays, RAYS, hits) != CW_OK) return fail("no query");
         if (memcmp(hits, expected, sizeof hits) != 0) return fail(info.name);
         kernels++;
