@@ -110,7 +110,9 @@ static const command by_name[] = {
 
 int main(int argc, char **argv) {
     static const command *const commands[] = {&by_name[0], &by_name[1]};
-    static const program counting = {"cellwalk-instructions", "What does callgrind count of the kernels?", commands, 2,
-                                     0};
+    static const program counting = {.name = "cellwalk-instructions",
+                                     .what = "What does callgrind count of the kernels?",
+                                     .commands = commands,
+                                     .command_count = 2};
     return program_main(&counting, argc, argv);
 }

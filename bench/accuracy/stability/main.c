@@ -187,8 +187,10 @@ static int start(int argc, char **argv) {
 int main(int argc, char **argv) {
     static const command run_command = {"run", "trace aimed rays and count what is wrong with the answers", start};
     static const command *const commands[] = {&run_command};
-    static const program stability_program = {"cellwalk-stability", "Does any kernel leak, and does Embree?", commands,
-                                              1, NULL};
+    static const program stability_program = {.name = "cellwalk-stability",
+                                              .what = "Does any kernel leak, and does Embree?",
+                                              .commands = commands,
+                                              .command_count = 1};
     run_record_begin(argv + 1, argc - 1);
     return program_main(&stability_program, argc, argv);
 }
