@@ -18,7 +18,7 @@ typedef struct program {
     const char *what; /* what it is for: a line */
     const command *const *commands;
     size_t command_count;
-    const char *ending; /* of the help: lines; or NULL */
+    const char *ending;  /* of the help: lines; or NULL */
     void (*about)(void); /* prints what --version says beside the version; or NULL */
 } program;
 
