@@ -65,6 +65,7 @@ static int run(const program *p, int argc, char **argv) {
     }
     if (strcmp(word, "--version") == 0) {
         printf("%s %s\n", p->name, CW_VERSION);
+        if (p->about) p->about();
         return EXIT_SUCCESS;
     }
     for (size_t k = 0; k < p->command_count; k++)
