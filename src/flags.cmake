@@ -34,3 +34,6 @@ if(CELLWALK_SANITIZE_THREADS)
 endif()
 # POSIX and the few GNU calls in use (CPU affinity, sysconf); with C extensions off they must be asked for.
 target_compile_definitions(cellwalk_plain_flags INTERFACE _GNU_SOURCE)
+if(CELLWALK_PORTABLE)
+    target_compile_definitions(cellwalk_plain_flags INTERFACE CELLWALK_PORTABLE)
+endif()

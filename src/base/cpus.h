@@ -2,6 +2,8 @@
 #ifndef CELLWALK_BASE_CPUS_H
 #define CELLWALK_BASE_CPUS_H
 
+#include "linux.h"
+
 #include <sched.h>
 #include <unistd.h>
 
@@ -10,12 +12,11 @@ enum { CPUS_MAX = 4096 };
 
 /* CPUs that the calling thread may run on, which are fewer than the machine has where somebody limits it; at least 1. */
 static inline unsigned cpus_usable(void) {
-    cpu_set_t set;
-    long count;
-    if (sched_getaffinity(0, sizeof set, &set) == 0)
-        count = CPU_COUNT(&set);
-    else /* more CPUs than the set has room for */
-        count = sysconf(_SC_NPROCESSORS_ONLN);
+    long count = sysconf(_SC_NPROCESSORS_ONLN);
+#if CELLWALK_LINUX
+    cpu_set_t set; /* fails where there are more CPUs than it has room for */
+    if (sched_getaffinity(0, sizeof set, &set) == 0) count = CPU_COUNT(&set);
+#endif
     return count < 1 ? 1 : count > CPUS_MAX ? CPUS_MAX : (unsigned)count;
 }
 

@@ -5,6 +5,7 @@
 #include "output.h"
 
 #include "inputs.h"
+#include "linux.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -83,6 +84,7 @@ static int create_temporary(struct slot *s, const char *target) {
     return -1;
 }
 
+#if CELLWALK_LINUX
 /* An open file by a name in /proc, which is how a file without any other is given one. */
 static void descriptor_name(char name[32], int fd) { snprintf(name, 32, "/proc/self/fd/%d", fd); }
 
@@ -111,6 +113,19 @@ static int open_unnamed(const char *target) {
     errno = ENOTSUP; /* no /proc */
     return -1;
 }
+#else
+static bool link_open_file(int fd, const char *name) {
+    (void)fd, (void)name;
+    errno = ENOTSUP;
+    return false;
+}
+
+static int open_unnamed(const char *target) {
+    (void)target;
+    errno = ENOTSUP;
+    return -1;
+}
+#endif
 
 /* What kernels and file systems say that have no files without names. */
 static bool knows_no_unnamed(int reason) {
@@ -259,10 +274,14 @@ bool io_output_reserve(io_output *out, uint64_t bytes, io_error *error) {
         errno = EFBIG;
         return fail_write(out, error);
     }
+#if CELLWALK_LINUX
     /* Not posix_fallocate, which writes to every block itself where the file system has no such call. */
     if (fallocate(fileno(out->file), FALLOC_FL_KEEP_SIZE, 0, (off_t)bytes) == 0) return true;
     if (errno != ENOSPC && errno != EFBIG && errno != EDQUOT) return true;
     return fail_write(out, error);
+#else
+    return true; /* a full disk is found out while writing */
+#endif
 }
 
 bool io_output_write(io_output *out, const void *bytes, size_t size, io_error *error) {

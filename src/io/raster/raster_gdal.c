@@ -3,6 +3,7 @@
 
 #include "gdal/module.h"
 #include "inputs.h"
+#include "linux.h"
 #include "raster.h"
 
 #include <dlfcn.h>
@@ -17,6 +18,18 @@ static const uint64_t most_samples = (uint64_t)1 << 31;
 
 static const char *const module_name = "cellwalk_gdal.so";
 
+/* Elsewhere than on Linux CELLWALK_MODULES is needed. */
+static bool find_program(char path[PATH_MAX]) {
+#if CELLWALK_LINUX
+    const ssize_t length = readlink("/proc/self/exe", path, PATH_MAX - 1);
+    if (length > 0) path[length] = '\0';
+    return length > 0;
+#else
+    (void)path;
+    return false;
+#endif
+}
+
 /* Where the module may lie: where CELLWALK_MODULES says, beside the program (as it is built), and where it is installed,
  * which is a way from the program's folder that moves with it. */
 static bool find_module(char path[PATH_MAX]) {
@@ -24,9 +37,7 @@ static bool find_module(char path[PATH_MAX]) {
     const char *given = getenv("CELLWALK_MODULES");
     if (given != NULL && snprintf(path, PATH_MAX, "%s/%s", given, module_name) < PATH_MAX)
         return access(path, R_OK) == 0;
-    const ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
-    if (length <= 0) return false;
-    program[length] = '\0';
+    if (!find_program(program)) return false;
     char *slash = strrchr(program, '/');
     if (slash == NULL) return false;
     *slash = '\0';
