@@ -122,7 +122,7 @@ static void what_is_made_is_made_whole(void **state) {
         if (info.available)
             injections += check_every_fault(info.name, build, cw_kernel_at(k)); /* it is asked as well */
     }
-    check(injections > 30, "%lu faults alone", injections);
+    check(injections > 20, "%lu faults alone", injections); /* with the scalar kernels alone */
     print_message("%lu faults\n", injections);
 }
 
