@@ -119,7 +119,7 @@ cw_status cw_pool_create(unsigned threads, cw_pool **pool) {
     p->process = getpid();
     while (p->created < threads - 1) {
         if (!start(p)) {
-            const unsigned started = p->created + 1;
+            const unsigned started = p->created;
             cw_pool_destroy(p);
             return cw_fail(CW_ERROR_MEMORY, "threads: the system refused number %u of %u", started + 1, threads);
         }
