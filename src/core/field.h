@@ -7,16 +7,6 @@
 #include "door.h"
 #include "ieee.h"
 
-#include <float.h>
-#include <stdint.h>
-
-/* Sizes are checked in 64 bits, and answers have the same bits only if each operation is rounded to its own type. */
-#if SIZE_MAX < UINT64_MAX
-#error "Cellwalk is for 64-bit targets"
-#elif FLT_EVAL_METHOD != 0
-#error "Cellwalk needs float arithmetic in float, not in a wider type (FLT_EVAL_METHOD is not 0)"
-#endif
-
 struct cw_grid3d;
 struct cw_pyramid;
 struct cw_survey;
