@@ -115,6 +115,24 @@ def profile(data):
     return text
 
 
+def neon(data):
+    results = data["neon.json"]
+    kernels = results.distinct("kernel", "neon")
+    text = f"{results.run.text('emulator')}, {results.run.text('compiler')}, commit {results.run.text('commit')}.\n"
+    for field in results.distinct("field", "neon"):
+        lines = {(line.text("kernel"), line.text("rays")): line for line in results.of("neon", field=field)}
+        rows = []
+        for rays in dict.fromkeys(rays for _, rays in lines):
+            row = [rays]
+            for line in (lines[kernel, rays] for kernel in kernels):
+                x86, arm = line.number("sse42"), line.number("neon")
+                row += [f"{x86 / line.number('ray_count'):.0f}", f"{arm / line.number('ray_count'):.0f}", f"{arm / x86:.2f}"]
+            rows.append(row)
+        head = [f"{kernel}{what}" for kernel in kernels for what in (", SSE4.2", ", NEON", ": ratio")]
+        text += f"\n**{names.field(field)}**\n\n" + table(["rays", *head], rows)
+    return text
+
+
 def ablation(data):
     results = data["ablation.json"]
     classes, variants = results.distinct("rays", "ablation"), results.distinct("variant", "ablation")

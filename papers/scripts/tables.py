@@ -32,6 +32,7 @@ OWN = {
 SOURCES = {
     **dict.fromkeys(names.SPEED_FILES.values()), "peers.json": None, "widths.json": None, "threads.json": None,
     "building.json": None, "counters.json": None, "profile.json": "papers/scripts/profile_kernels.py",
+    "neon.json": "papers/scripts/count_neon.py",
     "ablation.json": "--target ablation", "caches.json": "--target caches", "pages-huge.json": None,
     "pages-small.json": None, "terrain.json": "papers/scripts/terrain.py", "scenes/table.json": None,
     "scenes/pbrt.json": "papers/scripts/beside_pbrt.py", "scenes/features.json": "papers/scripts/features.py",
@@ -73,7 +74,7 @@ BLOCKS = {
     **{make.__name__: make for make in (
         blocks_speed.speeds, blocks_speed.rates, blocks_speed.targets, blocks_speed.peers, blocks_speed.widths,
         blocks_speed.threads, blocks_speed.building, blocks_work.walks, blocks_work.visits, blocks_work.steps,
-        blocks_work.profile, blocks_work.ablation, blocks_work.caches, blocks_work.pages, blocks_scenes.coursework,
+        blocks_work.profile, blocks_work.neon, blocks_work.ablation, blocks_work.caches, blocks_work.pages, blocks_scenes.coursework,
         blocks_scenes.pbrt, blocks_scenes.features, blocks_tradeoff.cells, sources)},
     **{make.__name__: from_file(blocks_tradeoff.FILE, make) for make in (
         blocks_tradeoff.modes, blocks_tradeoff.frontiers, blocks_tradeoff.errors, blocks_tradeoff.mode_speeds,
