@@ -7,7 +7,9 @@
 #include "commands.h"
 #include "cpus.h"
 #include "field_file.h"
+#include "info_place.h"
 #include "json.h"
+#include "parts.h"
 #include "proc.h"
 #include "query_options.h"
 #include "raster_options.h"
@@ -53,6 +55,29 @@ static void print_kernels_json(const cw_kernel *chosen) {
     fputs("]", stdout);
 }
 
+/* One line with what is there, one with what is not. */
+void info_print_parts(void) {
+    for (int there = 1; there >= 0; there--) {
+        const char *before = there ? "libraries       " : "not there       ";
+        for (size_t k = 0; k < IO_PARTS; k++) {
+            const io_part part = io_part_at(k);
+            if (part.there != (there == 1)) continue;
+            printf("%s%s (%s)", before, part.name, part.for_what);
+            before = ", ";
+        }
+        if (before[0] == ',') putchar('\n');
+    }
+}
+
+static void print_parts_json(void) {
+    fputs("\"libraries\": {", stdout);
+    for (size_t k = 0; k < IO_PARTS; k++) {
+        const io_part part = io_part_at(k);
+        printf("%s\"%s\": %s", k ? ", " : "", part.name, part.there ? "true" : "false");
+    }
+    fputs("}, ", stdout);
+}
+
 static void print_machine(const machine *m) {
     printf("cellwalk        %s\nCPU             %s, %u to use\ninstruction set %s", CW_VERSION, m->cpu, m->cpus,
            cw_isa_name(cw_isa_best()));
@@ -89,29 +114,24 @@ static double bytes_per_cell(const cw_field_info *info) {
     return (sample_bytes(info) + (double)info->bytes_built) / ((double)(info->nx - 1) * (double)(info->ny - 1));
 }
 
-/* Where on earth, and what the numbers measure. */
-static void print_place(const io_raster *r) {
-    char crs[128];
-    const io_georef *g = &r->georef;
-    io_georef_name(g, crs, sizeof crs);
-    if (crs[0] != '\0') printf("  coordinates   %s%s\n", crs, g->geographic ? " (degrees)" : "");
-    if (g->has_nodata) printf("  no data       %.9g\n", g->nodata);
-}
-
+/* What a user of the terrain looks for first, then what the field costs. */
 static void print_field(const char *path, const survey *s) {
     const cw_field_info *f = &s->info;
-    printf("\n%s\n", path);
-    printf("  samples       %zu x %zu (%zu x %zu cells)\n", f->nx, f->ny, f->nx - 1, f->ny - 1);
+    const io_raster *r = &s->file.raster;
+    char unit[40];
+    printf("%s\n", path);
+    if (r->z) info_print_place(r);
     if (f->low <= f->high)
-        printf("  heights       %.9g to %.9g\n", (double)f->low, (double)f->high);
+        printf("  heights       %.9g to %.9g%s\n", (double)f->low, (double)f->high, info_height_unit(r, unit));
     else
         puts("  heights       none");
-    printf("  holes         %zu\n", f->holes);
+    printf("  holes         %zu", f->holes);
+    if (r->georef.has_nodata) printf(" (no data: %.9g)", r->georef.nodata);
+    printf("\n  samples       %zu x %zu (%zu x %zu cells)\n", f->nx, f->ny, f->nx - 1, f->ny - 1);
     printf("  memory        %.0f bytes of samples%s, %zu bytes built: %.2f bytes a cell\n", sample_bytes(f),
            s->file.mapped ? " (mapped from the file)" : "", f->bytes_built, bytes_per_cell(f));
     printf("  read          %.6f s\n", s->read_seconds);
     printf("  built         %.6f s, for kernel %s\n", f->build_seconds, cw_kernel_describe(s->file.kernel).name);
-    print_place(&s->file.raster);
     puts("  user space    rows of the map from (x, y, z, 1):");
     for (int k = 0; k < 3; k++)
         printf("                %.17g %.17g %.17g %.17g\n", s->file.map[k][0], s->file.map[k][1], s->file.map[k][2],
@@ -134,6 +154,7 @@ static void print_field_json(const char *path, const survey *s) {
     json_number(stdout, s->read_seconds);
     fputs(", \"build_seconds\": ", stdout);
     json_number(stdout, f->build_seconds);
+    if (s->file.raster.z) info_print_place_json(&s->file.raster);
     fputs(", \"map\": [", stdout);
     for (int k = 0; k < 3; k++)
         printf("%s[%.17g, %.17g, %.17g, %.17g]", k ? ", " : "", s->file.map[k][0], s->file.map[k][1], s->file.map[k][2],
@@ -153,13 +174,18 @@ static int show(const char *path, raster_options *raster, const cw_run *query, b
     const cw_kernel *chosen = path ? s.file.kernel : cw_run_kernel(NULL, query);
     if (json) {
         print_machine_json(&m);
+        print_parts_json();
         print_kernels_json(chosen);
         if (path) print_field_json(path, &s);
         puts("}");
     } else {
-        print_machine(&m);
-        print_kernels(chosen);
-        if (path) print_field(path, &s);
+        if (path) {
+            print_field(path, &s);
+        } else {
+            print_machine(&m);
+            info_print_parts();
+            print_kernels(chosen);
+        }
     }
     field_file_close(&s.file);
     return EXIT_SUCCESS;
@@ -177,11 +203,15 @@ static int run(int argc, char **argv) {
     const options_usage usage = {
         .name = "info",
         .synopsis = "[FIELD] [OPTIONS]",
-        .what = "Shows the CPU, its instruction set as far as the system supports it, and the\n"
-                "kernels (ways to find hits) with the one that is chosen. With FIELD also its\n"
-                "size, heights, holes and memory, and how long it takes to read and to build\n"
-                "what the chosen kernel needs.\n\n" FIELD_FILE_HELP,
+        .what = "Without FIELD: shows the CPU, its instruction set as far as the system supports\n"
+                "it, the optional libraries that are there, and the kernels (ways to find hits)\n"
+                "with the one that is chosen.\n"
+                "\n"
+                "With FIELD: its extent, cell size, coordinate system, heights and holes, then its\n"
+                "size, its memory, and how long it takes to read and to build what the chosen\n"
+                "kernel needs.\n\n" FIELD_FILE_HELP,
         .examples = "  cellwalk info\n"
+                    "  cellwalk info dem.tif\n"
                     "  cellwalk info --isa sse4.2        what would be chosen without AVX2\n"
                     "  cellwalk info terrain.npy --kernel grid3d --json\n",
         .options = options,
@@ -197,4 +227,4 @@ static int run(int argc, char **argv) {
     return show(path, &raster, &query, json);
 }
 
-const command command_info = {"info", "show this machine's kernels, and what a field costs", run};
+const command command_info = {"info", "what a field holds and where it lies; or this machine's kernels", run};

@@ -83,6 +83,65 @@ static void fields_are_described(void **state) {
     scratch_write("a.asc", asc, sizeof asc - 1);
     r = run_well(NULL, (const char *const[]){"info", "a.asc", "--json", NULL});
     check_has(r, "\"map\": [[2, 0, 0, 11], [0, -2, 0, 23], [0, 0, 1, 0]]");
+    check_has(r, "\"extent\": [11, 21, 13, 23], \"cell_size\": [2, 2], \"degrees\": false, ");
+}
+
+/* What people ask of a terrain comes first, and kernels only where no file is asked about. */
+static void places_come_first(void **state) {
+    (void)state;
+    static const char asc[] =
+        "ncols 3\nnrows 2\nxllcorner 100\nyllcorner 20\ncellsize 2\nNODATA_value -9\n1 2 3 4 -9 6\n",
+                      prj[] = "PROJCS[\"Somewhere\",GEOGCS[\"g\",DATUM[\"d\",SPHEROID[\"s\",6378137,298.257223563]],"
+                              "PRIMEM[\"Greenwich\",0],UNIT[\"degree\",0.0174532925199433]],"
+                              "PROJECTION[\"Transverse_Mercator\"],UNIT[\"foot\",0.3048]]";
+    scratch_write("a.asc", asc, sizeof asc - 1);
+    scratch_write("a.prj", prj, sizeof prj - 1);
+    const program_result *r = run_well(NULL, (const char *const[]){"info", "a.asc", NULL});
+    static const char first[] = "a.asc\n"
+                                "  extent        X 101 to 105, Y 21 to 23 (pixels' centres)\n"
+                                "  cell size     2 x 2 ft\n"
+                                "  coordinates   Somewhere\n"
+                                "  heights       1 to 6 ft\n"
+                                "  holes         1 (no data: -9)\n"
+                                "  samples       3 x 2 (2 x 1 cells)\n";
+    check(strncmp(r->out, first, sizeof first - 1) == 0, "%s", r->out);
+    check(strstr(r->out, "leaf test") == NULL && strstr(r->out, "instruction set") == NULL, "%s", r->out);
+    r = run_well(NULL, (const char *const[]){"info", "a.asc", "--zscale", "2", NULL});
+    check_has(r, "  heights       1 to 6 x 0.6096 m\n");
+    static const float z[4] = {1, 2, 3, 4};
+    field_file("z.npy", z, 2, 2);
+    r = run_well(NULL, (const char *const[]){"info", "z.npy", NULL});
+    check_has(r, "z.npy\n  extent        no map: ");
+    check_has(r, "  heights       1 to 4\n");
+}
+
+/* Each optional library is named once, as there or as not there: what is there can be written. */
+static void libraries_are_told(void **state) {
+    (void)state;
+    static const struct {
+        const char *name, *output, *missing;
+    } libraries[] = {{"GDAL", "o.tif", "GDAL"}, {"libpng", "o.png", "no library"}};
+    static const float z[4] = {1, 2, 3, 4};
+    field_file("z.npy", z, 2, 2);
+    for (size_t k = 0; k < sizeof libraries / sizeof libraries[0]; k++) {
+        const program_result *r = program_run(NULL, (const char *const[]){"shadow", "z.npy", "--cellsize", "1", "--sun",
+                                                                          "0,9", "-o", libraries[k].output, NULL});
+        const bool there = r->status == 0;
+        check(there || strstr(r->err, libraries[k].missing) != NULL, "%s", r->err);
+        r = run_well(NULL, (const char *const[]){"info", "--json", NULL});
+        check_has(r, "\"%s\": %s", libraries[k].name, there ? "true" : "false");
+        static const char *const asked[] = {"info", "--version"};
+        for (int n = 0; n < 2; n++) {
+            r = run_well(NULL, (const char *const[]){asked[n], NULL});
+            const char *name = strstr(r->out, libraries[k].name), *missing = strstr(r->out, "not there ");
+            check(name && (there ? missing == NULL || name < missing : missing && name > missing), "%s", r->out);
+        }
+    }
+    /* Without its module GDAL is not there. */
+    setenv("CELLWALK_MODULES", "/nowhere", 1);
+    check_has(run_well(NULL, (const char *const[]){"info", "--json", NULL}), "\"GDAL\": false");
+    check_has(run_well(NULL, (const char *const[]){"--version", NULL}), "not there       GDAL");
+    unsetenv("CELLWALK_MODULES");
 }
 
 static void help_is_printed(void **state) {
@@ -98,6 +157,8 @@ int main(void) {
         cmocka_unit_test_setup_teardown(kernels_are_listed, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(limits_are_kept, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(fields_are_described, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(places_come_first, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(libraries_are_told, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(help_is_printed, scratch_enter, scratch_leave),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
