@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Sums of products of doubles without any rounding, after Shewchuk (papers/notes/Shewchuk1997.md): a sum is kept as parts that
+/* Sums of products of doubles without any rounding, after Shewchuk (1997): a sum is kept as parts that
  * do not overlap, smallest first, so that its sign is that of the last part.
  *
  * Requires rounding to nearest, and that no product overflows or has bits below 2^-1022. */
