@@ -31,8 +31,9 @@ def headings(path):
 
 def known_names(root):
     """All names of the interface's form in the sources."""
-    return {name for folder in ("include", "src", "simd") for file in glob.glob(os.path.join(root, folder, "**/*.[ch]"), recursive=True)
-            for name in NAME.findall(read(file))}
+    files = [file for folder in ("include", "src", "simd")
+             for file in glob.glob(os.path.join(root, folder, "**/*.[ch]"), recursive=True)]
+    return {name for file in files for name in NAME.findall(read(file))}
 
 
 def missing(path, root, known):
