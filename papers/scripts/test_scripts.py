@@ -232,7 +232,7 @@ class Stability(Folder):
 
     def test_extremes_count_what_is_not_as_expected(self):
         line = {"kind": "extreme", "item": "spikes", "expected": "a hit", "kernel": "k", "leaf": "watertight", "asked": 10,
-                "as_expected": 9, "slipped": 0, "parallel": 0, "early": 0}
+                "as_expected": 9, "slipped": 0, "parallel": 0}
         self.assertIn("10 answers, **1** not as expected", blocks_stability.extremes(self.results(line)))
         self.fails("is excused", blocks_stability.extremes, self.results({**line, "slipped": 1}))
 

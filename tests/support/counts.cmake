@@ -1,9 +1,16 @@
 # Targets that run a test for long and keep what it counts for the papers: stability-NAME writes papers/data/stability/NAME.json.
-# The emulated twin stands in where there is one, as it has all kernels. The extremes take seconds, the exhaustive test of all
+# The emulated twin stands in on a machine without AVX-512, as it has all kernels. The extremes take seconds, the exhaustive test of all
 # fields forty minutes, the stress test half an hour.
 function(cellwalk_count name rounds)
     set(data papers/data/stability) # run in the project's folder, so that no path is recorded
-    foreach(test IN ITEMS test_${name}_avx512_emulated test_${name})
+    set(tests test_${name}_avx512_emulated test_${name})
+    if(EXISTS /proc/cpuinfo)
+        file(STRINGS /proc/cpuinfo avx512 REGEX "avx512dq" LIMIT_COUNT 1)
+        if(avx512)
+            list(REVERSE tests)
+        endif()
+    endif()
+    foreach(test IN LISTS tests)
         if(TARGET ${test})
             add_custom_target(stability-${name} COMMAND ${CMAKE_COMMAND} -E make_directory ${data}
                 COMMAND ${CMAKE_COMMAND} -E env CELLWALK_TEST_COUNTS=${data}/${name}.json CELLWALK_TEST_ROUNDS=${rounds}
