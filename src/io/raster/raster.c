@@ -147,10 +147,40 @@ void io_raster_place(io_raster *raster, double cellsize) {
     raster->georef.placed = true;
 }
 
+/* For formats that read all there is; GDAL reads the window alone. */
+static bool crop(const char *path, const io_raster_options *o, io_raster *raster, io_error *error) {
+    io_raster part;
+    if (!io_raster_check_window(o, path, raster->nx, raster->ny, error)) return false;
+    if (!io_raster_allocate(path, o->window.nx, o->window.ny, &part, error)) return false;
+    float *z = part.memory;
+    for (size_t y = 0; y < part.ny; y++)
+        memcpy(z + y * part.nx, raster->z + (o->window.j + y) * raster->nx + o->window.i, part.nx * sizeof *z);
+    if (raster->mapped_bytes > 0)
+        munmap(raster->memory, raster->mapped_bytes);
+    else
+        free(raster->memory);
+    raster->memory = part.memory;
+    raster->z = part.z;
+    raster->mapped_bytes = 0;
+    raster->nx = part.nx;
+    raster->ny = part.ny;
+    io_raster_shift(raster, o->window.i, o->window.j);
+    return true;
+}
+
+static const io_raster_format *format_of(const char *path) {
+    const io_raster_format *format = &io_raster_gdal;
+    for (size_t k = 0; k < FORMAT_COUNT; k++)
+        if (has_ending(path, formats[k])) format = formats[k];
+    return format;
+}
+
 static bool finish(const char *path, const io_raster_options *options, io_raster *raster, io_error *error) {
     io_georef *g = &raster->georef;
     if (!take_nodata_out(path, options, raster, error)) return false;
     if (options->cellsize > 0) {
+        if (options->window.nx > 0 && format_of(path) == &io_raster_gdal)
+            return io_fail(error, "%s: a cell size cannot place a window of it", path);
         if (g->placed) return io_fail(error, "%s: says by itself how far its samples are apart", path);
         io_raster_place(raster, options->cellsize);
     } else if (!g->placed && options->north_up) {
@@ -180,13 +210,12 @@ bool io_raster_read(const char *path, const io_raster_options *options, io_raste
     static const io_raster_options nothing = {0};
     *raster = (io_raster){0};
     if (options == NULL) options = &nothing;
-    const io_raster_format *format = &io_raster_gdal;
-    for (size_t k = 0; k < FORMAT_COUNT; k++)
-        if (has_ending(path, formats[k])) format = formats[k];
+    const io_raster_format *format = format_of(path);
     if (format != &io_raster_gdal && options->band > 1)
         return io_fail(error, "%s: has one band, not %u", path, options->band);
     if (!format->read(path, options, raster, error)) return false;
-    if (finish(path, options, raster, error)) return true;
+    const bool whole = options->window.nx == 0 || format == &io_raster_gdal;
+    if (finish(path, options, raster, error) && (whole || crop(path, options, raster, error))) return true;
     io_raster_free(raster);
     return false;
 }

@@ -31,6 +31,9 @@ typedef struct io_raster_options {
      * georef.placed stays false. */
     bool north_up;
     double zscale; /* > 0: one unit of height is so many of the map's (metres, if that is in degrees) */
+    struct {
+        size_t i, j, nx, ny;
+    } window; /* only these samples, from (i, j) on; nx = 0: all. An error if the raster lacks some of them */
     /* NULL, or called with what looks wrong but is no error: a sentence without a full stop, file and all. */
     void (*warn)(void *context, const char *text);
     /* NULL, or called now and then with the share that is read. False ends the reading with the error "interrupted". */
@@ -41,7 +44,8 @@ typedef struct io_raster_options {
 typedef struct io_raster_format {
     const char *name;    /* "ESRI ASCII grid" */
     const char *endings; /* ".asc .grd" */
-    /* On failure the raster needs no freeing. Leaves to the caller: no-data by the options, cell size, unit of heights. */
+    /* On failure the raster needs no freeing. Leaves to the caller: no-data by the options, cell size, unit of heights,
+     * and, except for GDAL, the window. */
     bool (*read)(const char *path, const io_raster_options *options, io_raster *raster, io_error *error);
 } io_raster_format;
 
@@ -67,6 +71,21 @@ void io_raster_known(char *text, size_t size);
 
 /* For the formats: memory for nx × ny samples and the identity map. The samples are raster->memory, a float array. */
 bool io_raster_allocate(const char *path, size_t nx, size_t ny, io_raster *raster, io_error *error);
+
+/* For the formats: fails unless the options' window, if there is one, is part of nx × ny samples. */
+static inline bool io_raster_check_window(const io_raster_options *o, const char *path, size_t nx, size_t ny,
+                                          io_error *error) {
+    if (o->window.nx == 0 ||
+        (o->window.i < nx && o->window.nx <= nx - o->window.i && o->window.j < ny && o->window.ny <= ny - o->window.j))
+        return true;
+    return io_fail(error, "%s: the window of %zu x %zu samples from (%zu, %zu) on is no part of %zu x %zu samples",
+                   path, o->window.nx, o->window.ny, o->window.i, o->window.j, nx, ny);
+}
+
+/* For the formats: makes the map begin at sample (i, j). */
+static inline void io_raster_shift(io_raster *raster, size_t i, size_t j) {
+    for (int k = 0; k < 2; k++) raster->map[k][3] += raster->map[k][0] * (double)i + raster->map[k][1] * (double)j;
+}
 
 /* For the formats: tells the options' progress; false, with the error, if the reading is to end. */
 bool io_raster_progress(const io_raster_options *options, const char *path, double share, io_error *error);

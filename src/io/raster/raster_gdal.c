@@ -30,13 +30,21 @@ static bool find_program(char path[PATH_MAX]) {
 #endif
 }
 
-/* Where the module may lie: where CELLWALK_MODULES says, beside the program (as it is built), and where it is installed,
- * which is a way from the program's folder that moves with it. */
+/* Where the module may lie: where CELLWALK_MODULES says; beside the shared object that this code is in, as in Python's
+ * package; beside the program, as it is built; and where it is installed, a way from the program's folder that moves with it. */
 static bool find_module(char path[PATH_MAX]) {
     char program[PATH_MAX];
     const char *given = getenv("CELLWALK_MODULES");
     if (given != NULL && snprintf(path, PATH_MAX, "%s/%s", given, module_name) < PATH_MAX)
         return access(path, R_OK) == 0;
+    static const char here;
+    Dl_info object;
+    const char *slash_of_object = dladdr(&here, &object) != 0 ? strrchr(object.dli_fname, '/') : NULL;
+    if (slash_of_object != NULL &&
+        snprintf(path, PATH_MAX, "%.*s/%s", (int)(slash_of_object - object.dli_fname), object.dli_fname, module_name) <
+            PATH_MAX &&
+        access(path, R_OK) == 0)
+        return true;
     if (!find_program(program)) return false;
     char *slash = strrchr(program, '/');
     if (slash == NULL) return false;

@@ -17,7 +17,7 @@ struct io_gdal_source {
     GDALDatasetH file;
     GDALRasterBandH band;
     char *path;
-    int nx;
+    int i, j, nx; /* the first sample and the length of a row that is read */
     bool direct;  /* samples are floats as they are stored, or exact as floats: read in place */
     bool integer; /* stored as integers: no-data is compared with what is stored */
     double scale, offset;
@@ -144,6 +144,19 @@ static bool fail_read(io_error *error, const char *path, const char *what) {
     return gdal_fail(error, path, what);
 }
 
+static bool take_window(io_gdal_source *s, const io_raster_options *options, io_raster *raster, io_error *error) {
+    if (!io_raster_check_window(options, s->path, raster->nx, raster->ny, error)) return false;
+    if (options->window.nx > 0) {
+        raster->nx = options->window.nx;
+        raster->ny = options->window.ny;
+        s->i = (int)options->window.i;
+        s->j = (int)options->window.j;
+        io_raster_shift(raster, options->window.i, options->window.j);
+    }
+    s->nx = (int)raster->nx;
+    return true;
+}
+
 io_gdal_source *gdal_open(const char *path, const io_raster_options *options, io_raster *raster, size_t *rows_at_once,
                           io_error *error) {
     CPLErrorReset();
@@ -167,10 +180,13 @@ io_gdal_source *gdal_open(const char *path, const io_raster_options *options, io
         gdal_close(s);
         return NULL;
     }
-    s->nx = GDALGetRasterXSize(s->file);
-    raster->nx = (size_t)s->nx;
+    raster->nx = (size_t)GDALGetRasterXSize(s->file);
     raster->ny = (size_t)GDALGetRasterYSize(s->file);
     place(s->file, path, options, raster);
+    if (!take_window(s, options, raster, error)) {
+        gdal_close(s);
+        return NULL;
+    }
     describe_heights(s, options, raster);
     if (!prepare(s, error)) {
         gdal_close(s);
@@ -215,8 +231,8 @@ bool gdal_read(io_gdal_source *s, size_t first, size_t count, float *z, io_error
     const size_t nx = (size_t)s->nx;
     CPLErrorReset();
     if (s->direct) {
-        if (GDALRasterIO(s->band, GF_Read, 0, (int)first, s->nx, (int)count, z, s->nx, (int)count, GDT_Float32, 0, 0) !=
-            CE_None)
+        if (GDALRasterIO(s->band, GF_Read, s->i, s->j + (int)first, s->nx, (int)count, z, s->nx, (int)count,
+                         GDT_Float32, 0, 0) != CE_None)
             return fail_read(error, s->path, "cannot read");
         if (s->has_nodata) drop_no_data(z, nx * count, s->nodata);
         for (size_t k = 0; k < s->other_count; k++) drop_no_data(z, nx * count, s->others[k]);
@@ -225,13 +241,14 @@ bool gdal_read(io_gdal_source *s, size_t first, size_t count, float *z, io_error
     for (size_t j = 0; j < count && (mask != NULL || !s->direct); j++) {
         float *row = z + j * nx;
         if (!s->direct) {
-            if (GDALRasterIO(s->band, GF_Read, 0, (int)(first + j), s->nx, 1, s->row, s->nx, 1, GDT_Float64, 0, 0) !=
-                CE_None)
+            if (GDALRasterIO(s->band, GF_Read, s->i, s->j + (int)(first + j), s->nx, 1, s->row, s->nx, 1, GDT_Float64,
+                             0, 0) != CE_None)
                 return fail_read(error, s->path, "cannot read");
             if (!convert(s, first + j, row, error)) return false;
         }
         if (mask == NULL) continue;
-        if (GDALRasterIO(mask, GF_Read, 0, (int)(first + j), s->nx, 1, s->mask, s->nx, 1, GDT_Byte, 0, 0) != CE_None)
+        if (GDALRasterIO(mask, GF_Read, s->i, s->j + (int)(first + j), s->nx, 1, s->mask, s->nx, 1, GDT_Byte, 0, 0) !=
+            CE_None)
             return fail_read(error, s->path, "cannot read the mask");
         for (size_t i = 0; i < nx; i++)
             if (s->mask[i] == 0) row[i] = NAN;
