@@ -8,7 +8,7 @@
 #include <unistd.h>
 
 /* Seconds between two looks for signals. */
-static const double pause = 0.05;
+static const double look_after = 0.05;
 
 /* Pools live as long as the process: to end one, its threads would have to be joined, which a child that was forked cannot do.
  * A child makes pools of its own. Guarded by the GIL. */
@@ -44,9 +44,9 @@ static cw_status find_pool(unsigned threads, cw_pool **pool) {
 }
 
 void work_raise(cw_status status, const char *call) {
-    PyObject *kind = status == CW_ERROR_MEMORY                                 ? PyExc_MemoryError
+    PyObject *kind = status == CW_ERROR_MEMORY                              ? PyExc_MemoryError
                      : status == CW_ERROR_THREAD || status == CW_ERROR_BUSY ? PyExc_RuntimeError
-                                                                               : PyExc_ValueError;
+                                                                            : PyExc_ValueError;
     PyErr_Format(kind, "%s: %s", call, cw_status_message(status));
 }
 
@@ -70,7 +70,7 @@ bool work_begin(work *w, unsigned threads, const char *kernel, PyObject *progres
     w->progress = progress == Py_None ? NULL : progress;
     w->caller = pthread_self();
     w->share = 1;
-    w->next = clock_seconds() + pause;
+    w->next = clock_seconds() + look_after;
     w->state = PyEval_SaveThread();
     return true;
 }
@@ -89,7 +89,7 @@ bool work_watch(void *context, double done) {
         Py_XDECREF(answer);
     }
     if (!good) atomic_store(&w->stopped, true);
-    w->next = clock_seconds() + pause;
+    w->next = clock_seconds() + look_after;
     w->state = PyEval_SaveThread();
     return good;
 }

@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Exact ray queries on height fields: terrain, elevation models, seas.
+
+    >>> import numpy as np, cellwalk as cw
+    >>> z = np.zeros((3, 3), np.float32); z[1, 1] = 4          # a peak; z[j, i] stands at x = i, y = j
+    >>> f = cw.Field(z)
+    >>> h = f.closest([-1, 1.25, 2], [1, 0, 0])
+    >>> bool(h.hit), round(float(h.t), 4), int(h.i), int(h.j)
+    (True, 1.75, 0, 1)
+
+Make a field with Field(array) or open(file). Then ask it:
+
+    closest, any      where rays hit, or whether they do
+    at                the surface's height at places
+    shadow            sun and shadow on every sample
+    viewshed          which samples are seen from places
+    horizon, sky_view the horizon's angle all round, the share of the sky
+    line_of_sight     whether two places see each other
+    update            new heights in a rectangle
+
+Places are those of the map: x and y by `transform` or by the coordinates of a DataArray. Without a map, x is the column and y
+the row. Arrays of samples are indexed [row, column]. Results are of the caller's kind: a DataArray in, a DataArray out.
+
+All answers are exact for the surface of two triangles between each four samples. They are the same bits for any number of
+threads, any CPU, and the program `cellwalk`.
+"""
+
+from ._cellwalk import version as __version__
+from ._field import Field, kernels, open
+from ._hits import Hits
+from ._products import LineOfSight, sun
+from . import _xarray  # noqa: F401  (registers DataArray.cellwalk if xarray is loaded later or already)
+
+__all__ = ["Field", "Hits", "LineOfSight", "kernels", "open", "sun", "__version__"]

@@ -1,0 +1,293 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What callers hand in, made into what the extension takes: contiguous arrays, maps, coordinate systems. No argument is ever
+changed. Messages say argument, shape and value."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Callable, NamedTuple, Optional
+
+import numpy as np
+
+from . import _cellwalk
+
+
+def progress_call(progress) -> Optional[Callable[[float], object]]:
+    """A callable that takes the share done, or an object like tqdm's bar with `update`, `n` and `total`."""
+    if progress is None or not (hasattr(progress, "update") and hasattr(progress, "n")):
+        if progress is not None and not callable(progress):
+            raise TypeError(f"progress: {progress!r} is neither callable nor a progress bar")
+        return progress
+    total = progress.total or 1
+    return lambda share: progress.update(share * total - progress.n)
+
+
+# ---- maps -----------------------------------------------------------------------------------------------------------------
+
+IDENTITY = np.eye(3, 4)
+
+
+def map_of_transform(transform) -> np.ndarray:
+    """Samples (i, j, z) to the map, 3 x 4. A transform of rasterio's kind speaks of the corners of pixels, and a sample stands in
+    its pixel's middle."""
+    if transform is None:
+        return IDENTITY.copy()
+    if all(hasattr(transform, name) for name in "abcdef"):
+        numbers = np.array([getattr(transform, name) for name in "abcdef"], np.float64)
+    else:
+        numbers = np.asarray(transform, np.float64)
+    if numbers.shape == (3, 4):
+        return numbers.copy()
+    if numbers.shape == (9,):
+        numbers = numbers[:6]
+    if numbers.shape == (3, 3):
+        numbers = numbers[:2].ravel()
+    if numbers.shape != (6,):
+        raise ValueError(f"transform: shape {numbers.shape}, expected an Affine, (6,), (3, 3) or (3, 4)")
+    a, b, c, d, e, f = (float(x) for x in numbers)
+    # The order of additions is the one of src/io/raster/gdal/read.c, so that bits are the same.
+    return np.array([[a, b, 0, c + 0.5 * a + 0.5 * b], [d, e, 0, f + 0.5 * d + 0.5 * e], [0, 0, 1, 0]])
+
+
+def line_of_coordinates(values, name: str) -> tuple[float, float]:
+    """Start and step of regular coordinates. They may be off by a hundredth of a step, or by what their dtype rounds."""
+    values = np.asarray(values)
+    if values.ndim != 1 or values.size < 2:
+        raise ValueError(f"{name}: shape {values.shape}, expected the coordinates of at least 2 samples")
+    if not np.issubdtype(values.dtype, np.number):
+        raise ValueError(f"{name}: dtype {values.dtype}, expected numbers")
+    numbers = values.astype(np.float64)
+    first, last = float(numbers[0]), float(numbers[-1])
+    step = (last - first) / (numbers.size - 1)
+    if not (math.isfinite(step) and step != 0):
+        raise ValueError(f"{name}: from {first} to {last}, expected finite coordinates that rise or fall")
+    off = np.abs(numbers - (first + step * np.arange(numbers.size)))
+    rounding = np.finfo(values.dtype).eps * float(np.abs(numbers).max()) if values.dtype.kind == "f" else 1.0
+    worst = int(np.argmax(off))
+    if not off[worst] <= max(0.01 * abs(step), rounding):
+        raise ValueError(f"{name}: irregular spacing: number {worst} is {numbers[worst]}, expected about "
+                         f"{first + step * worst}; resample to a regular grid first")
+    return first, step
+
+
+# ---- coordinate systems ---------------------------------------------------------------------------------------------------
+
+
+class Crs(NamedTuple):
+    given: Any  # what the caller had
+    wkt: Optional[str]
+    geographic: bool
+    unit: float  # metres or radians in one of x and y; 0: not known
+    semi_major: float
+    inverse_flattening: float
+
+
+def read_crs(crs) -> Crs:
+    """A coordinate system as WKT, an object with to_wkt(), or what rasterio or pyproj make one of ("EPSG:32632", 4326)."""
+    if crs is None:
+        return Crs(None, None, False, 0.0, 0.0, 0.0)
+    if isinstance(crs, Crs):
+        return crs
+    text = crs.to_wkt() if hasattr(crs, "to_wkt") else crs
+    known = _cellwalk.describe_crs(text) if isinstance(text, str) else None
+    if known is None and not hasattr(crs, "to_wkt"):
+        text = _look_up(crs)
+        known = _cellwalk.describe_crs(text)
+    if known is None:
+        raise ValueError(f"crs: {crs!r} is neither geographic nor projected")
+    return Crs(crs, text, *known)
+
+
+def _look_up(crs) -> str:
+    try:
+        import pyproj
+        return pyproj.CRS.from_user_input(crs).to_wkt()
+    except ImportError:
+        pass
+    except Exception as error:
+        raise ValueError(f"crs: {crs!r}: {error}") from None
+    try:
+        import rasterio.crs
+        return rasterio.crs.CRS.from_user_input(crs).to_wkt()
+    except ImportError:
+        raise ValueError(f"crs: {crs!r} is no well-known text, and neither pyproj nor rasterio is installed to look it up") from None
+    except Exception as error:
+        raise ValueError(f"crs: {crs!r}: {error}") from None
+
+
+# ---- samples --------------------------------------------------------------------------------------------------------------
+
+
+class Source(NamedTuple):
+    """What a field is made of, whatever it came from."""
+    samples: np.ndarray  # float32, contiguous; the caller's own memory where that is possible
+    map: np.ndarray
+    placed: bool
+    crs: Crs
+    like: Any  # the DataArray that results look like, or None
+    nodata: Optional[float]
+
+
+def samples_of(values, nodata=None, name: str = "z") -> np.ndarray:
+    """Contiguous native float32 with NaN at holes. Copied only if it is not that already."""
+    mask = None
+    if isinstance(values, np.ma.MaskedArray):
+        mask = np.ma.getmaskarray(values)
+        values = values.data
+    array = np.asarray(values)
+    if array.ndim != 2:
+        raise ValueError(f"{name}: shape {array.shape}, expected (rows, columns)")
+    if min(array.shape) < 2:
+        raise ValueError(f"{name}: shape {array.shape}, expected at least 2 rows and 2 columns")
+    if array.dtype.kind not in "fiub" or array.dtype.itemsize > 8 and array.dtype.kind != "f":
+        raise TypeError(f"{name}: dtype {array.dtype}, expected real numbers")
+    holes = mask
+    if nodata is not None and not np.isnan(nodata):
+        # Compared as the samples are stored: a float32 file's 3.4e38 is not the double that a header spells.
+        with np.errstate(over="ignore"):
+            equal = array == (array.dtype.type(nodata) if array.dtype.kind == "f" else nodata)
+        if np.any(equal):
+            holes = equal if holes is None else holes | equal
+    if array.dtype.kind == "f" and array.dtype.itemsize > 4:
+        with np.errstate(over="ignore", invalid="ignore"):
+            samples = np.ascontiguousarray(array, np.float32)
+        over = np.isinf(samples) & np.isfinite(array)
+        if holes is not None:
+            over &= ~holes
+        if over.any():
+            place = tuple(int(k) for k in np.argwhere(over)[0])
+            raise ValueError(f"{name}: the sample at {place} is {array[place]}, beyond the range of float32")
+    else:
+        samples = np.require(array, np.float32, ["C", "A"])
+    if holes is not None and holes.any():
+        if np.shares_memory(samples, array):
+            samples = samples.copy()
+        samples[holes] = np.nan
+    return samples
+
+
+_X_NAMES = ("x", "lon", "longitude", "easting", "projection_x_coordinate")
+_Y_NAMES = ("y", "lat", "latitude", "northing", "projection_y_coordinate")
+
+
+def _source_of_dataarray(z, transform, crs, nodata, zscale) -> Source:
+    like = z
+    if z.ndim > 2:
+        like = z.squeeze([d for d in z.dims[:-2] if z.sizes[d] == 1])
+    if like.ndim != 2:
+        raise ValueError(f"z: dimensions {dict(z.sizes)}, expected (y, x); choose one with .isel")
+    y, x = like.dims
+    if str(x).lower() in _Y_NAMES or str(y).lower() in _X_NAMES:
+        raise ValueError(f"z: dimensions {like.dims}, expected (y, x); use .transpose({x!r}, {y!r})")
+    placed = True
+    if transform is not None:
+        affine = map_of_transform(transform)
+    elif x in like.coords and y in like.coords:
+        first_x, step_x = line_of_coordinates(like[x].values, f"z.{x}")
+        first_y, step_y = line_of_coordinates(like[y].values, f"z.{y}")
+        affine = np.array([[step_x, 0, 0, first_x], [0, step_y, 0, first_y], [0, 0, 1, 0]], np.float64)
+    else:
+        affine, placed = IDENTITY.copy(), False
+    if nodata is None:
+        for place in (like.attrs, like.encoding):
+            for key in ("_FillValue", "nodata", "missing_value"):
+                if nodata is None and np.ndim(place.get(key)) == 0 and place.get(key) is not None:
+                    nodata = float(place[key])
+    if crs is None:
+        crs = _crs_of_dataarray(like)
+    if crs is None and placed and str(x).lower() in ("lon", "longitude"):
+        crs = _WGS84
+    known = read_crs(crs)
+    _scale_heights(affine, zscale, like.attrs.get("units"), known)
+    return Source(samples_of(like.values, nodata), affine, placed, known, like, nodata)
+
+
+_WGS84 = ('GEOGCRS["WGS 84",DATUM["World Geodetic System 1984",ELLIPSOID["WGS 84",6378137,298.257223563,LENGTHUNIT["metre",1]]],'
+          'CS[ellipsoidal,2],AXIS["longitude",east],AXIS["latitude",north],ANGLEUNIT["degree",0.0174532925199433]]')
+
+
+def _crs_of_dataarray(z):
+    mapping = z.attrs.get("grid_mapping", z.encoding.get("grid_mapping", "spatial_ref"))
+    if mapping in z.coords:
+        attributes = z.coords[mapping].attrs
+        for key in ("crs_wkt", "spatial_ref"):
+            if attributes.get(key):
+                return attributes[key]
+    return z.attrs.get("crs")
+
+
+_METRES = {"m": 1.0, "metre": 1.0, "metres": 1.0, "meter": 1.0, "meters": 1.0, "ft": 0.3048, "foot": 0.3048, "feet": 0.3048,
+           "us-ft": 1200 / 3937, "us survey foot": 1200 / 3937, "km": 1000.0, "cm": 0.01, "mm": 0.001, "dm": 0.1}
+
+
+def _scale_heights(affine: np.ndarray, zscale, unit, crs: Crs) -> None:
+    """The map's third row: heights in the unit of x and y, or in metres on a map in degrees."""
+    if zscale is not None:
+        if not (np.isfinite(zscale) and zscale > 0):
+            raise ValueError(f"zscale: {zscale!r}, expected a number above 0")
+        affine[2, 2] = zscale
+    elif isinstance(unit, str) and unit.lower() in _METRES and (crs.geographic or crs.unit > 0):
+        affine[2, 2] = _METRES[unit.lower()] / (1.0 if crs.geographic else crs.unit)
+
+
+def _source_of_dataset(z, transform, crs, nodata, zscale, band) -> Source:
+    band = 1 if band is None else band
+    array = z.read(band, masked=True)
+    if nodata is None:
+        nodata = z.nodata
+    scale, offset = (getattr(z, "scales", None) or (1,) * band)[band - 1], (getattr(z, "offsets", None) or (0,) * band)[band - 1]
+    if (scale, offset) != (1, 0):
+        array = np.ma.MaskedArray(offset + scale * array.data.astype(np.float64), np.ma.getmaskarray(array))
+    given = transform if transform is not None else z.transform
+    placed = transform is not None or tuple(given)[:6] != (1, 0, 0, 0, 1, 0)
+    known = read_crs(crs if crs is not None else z.crs)
+    affine = map_of_transform(given if placed else None)
+    units = getattr(z, "units", None)
+    _scale_heights(affine, zscale, units[band - 1] if units else None, known)
+    return Source(samples_of(array, None), affine, placed, known, None, nodata)
+
+
+def read_source(z, transform, crs, nodata, zscale, band) -> Source:
+    if hasattr(z, "dims") and hasattr(z, "coords") and hasattr(z, "values"):
+        return _source_of_dataarray(z, transform, crs, nodata, zscale)
+    if hasattr(z, "read") and hasattr(z, "transform"):
+        return _source_of_dataset(z, transform, crs, nodata, zscale, band)
+    if isinstance(z, (str, bytes)) or hasattr(z, "__fspath__"):
+        raise TypeError(f"z: {z!r} is a path; use cellwalk.open")
+    known = read_crs(crs)
+    affine = map_of_transform(transform)
+    _scale_heights(affine, zscale, None, known)
+    return Source(samples_of(z, nodata), affine, transform is not None, known, None, nodata)
+
+
+# ---- numbers --------------------------------------------------------------------------------------------------------------
+
+
+def finite(value, name: str, low: float = -math.inf, high: float = math.inf) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name}: {value!r}, expected a number") from None
+    if not (math.isfinite(number) and low <= number <= high):
+        limits = f" from {low:g} to {high:g}" if high < math.inf else f" from {low:g} on" if low > -math.inf else ""
+        raise ValueError(f"{name}: {value!r}, expected a finite number{limits}")
+    return number
+
+
+def count(value, name: str, low: int, high: int) -> int:
+    number = int(value) if not isinstance(value, bool) and hasattr(value, "__index__") else None
+    if number is None:
+        raise TypeError(f"{name}: {value!r}, expected an integer")
+    if not low <= number <= high:
+        raise ValueError(f"{name}: {number}, expected {low} to {high}")
+    return number
+
+
+def numbers(value, name: str) -> np.ndarray:
+    """An array of real numbers as float32 or float64, in whatever layout it has; copied only to convert."""
+    array = np.asarray(value)
+    if array.dtype.kind not in "fiu":
+        raise TypeError(f"{name}: dtype {array.dtype}, expected real numbers")
+    if array.dtype == np.float32 or array.dtype == np.float64:
+        return array if array.dtype.isnative else array.astype(array.dtype.newbyteorder("="))
+    return array.astype(np.float32 if array.dtype == np.float16 else np.float64)

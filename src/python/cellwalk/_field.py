@@ -1,0 +1,302 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The height field."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from typing import NamedTuple
+
+import numpy as np
+
+from . import _cellwalk
+from ._convert import IDENTITY, Crs, Source, count, finite, numbers, progress_call, read_crs, read_source, samples_of
+from ._hits import Hits, _dtype
+from ._products import Products
+from ._rays import rays_of
+
+_builtin_open = open
+
+
+class Kernel(NamedTuple):
+    name: str
+    what: str
+    isa: str
+    width: int
+    available: bool
+
+
+def kernels() -> list[Kernel]:
+    """The ways in which rays can be traced, by name; all give exact answers.
+
+    `available` says whether this machine can run it. The `kernel` of closest and any takes one of the names; without it, the
+    library chooses the fastest.
+
+        >>> import cellwalk as cw
+        >>> "cell" in [k.name for k in cw.kernels()]
+        True
+    """
+    return [Kernel(*row) for row in _cellwalk.kernels()]
+
+
+class Field(Products):
+    """A height field: rows of samples, two triangles between each four of them.
+
+    z            array of shape (rows, columns), at least 2 x 2; an xarray.DataArray with dimensions (y, x); or a rasterio
+                 dataset. NaN, infinity, masked samples and `nodata` are holes, through which rays pass.
+    transform    where pixels lie on the map: an Affine, or six numbers in its order (x by column, x by row, x0, y by column,
+                 y by row, y0) for the corner of the first pixel, as rasterio has them. A sample stands in its pixel's middle.
+                 A (3, 4) array maps samples (column, row, z) to x, y and z directly. Default: that of the DataArray or dataset,
+                 else x is the column and y the row.
+    crs          coordinate system: WKT, an object with to_wkt(), or what pyproj or rasterio understand. It says whether x and
+                 y are degrees, and how long the map's unit is. Default: that of the DataArray or dataset.
+    nodata       a value that stands for no data; default: what the DataArray or dataset says.
+    zscale       one unit of height is so many of the map's units (metres, if that is in degrees); default: 1, or by the
+                 dataset's unit.
+    band         of a dataset; default: the first.
+    threads      how many threads queries use; 0 (default): one for each CPU.
+    copy         False (default): contiguous float32 is used where it lies, and must not change but by `update`. All else is
+                 converted once. True: samples are copied.
+    progress     a callable that takes the share done, or a tqdm bar.
+
+    Raises ValueError or TypeError naming the argument, MemoryError, KeyboardInterrupt.
+
+    Queries may run in several threads at once; Python's other threads go on meanwhile. Ctrl-C ends a query. A field made by
+    `open` can be pickled: the file is opened again.
+
+        >>> import numpy as np, cellwalk as cw
+        >>> f = cw.Field(np.zeros((3, 5), "float32"), transform=(10, 0, 500, 0, -10, 800))
+        >>> f.shape, f.bounds
+        ((3, 5), (505.0, 775.0, 545.0, 795.0))
+    """
+
+    def __init__(self, z, transform=None, crs=None, nodata=None, threads=0, *, zscale=None, band=None, copy=False,
+                 progress=None) -> None:
+        nodata = None if nodata is None else float(nodata)
+        self._make(read_source(z, transform, crs, nodata, zscale, band), threads, copy, progress, z)
+
+    def _make(self, source: Source, threads, copy, progress, given=None) -> None:
+        self._threads = count(threads, "threads", 0, 4096)
+        self._source = source
+        self._origin = None  # how to open it again
+        samples = source.samples
+        if copy and given is not None and np.shares_memory(samples, np.asarray(getattr(given, "values", given))):
+            samples = samples.copy()
+        self._own = given is None or not np.shares_memory(samples, np.asarray(getattr(given, "values", given)))
+        self._build(samples, progress)
+
+    def _build(self, samples: np.ndarray, progress=None) -> None:
+        known = self._source.crs
+        rows, columns = samples.shape
+
+        def make(samples):
+            return _cellwalk.Field(samples, columns, rows, np.ascontiguousarray(self._source.map), known.geographic, known.unit,
+                                   known.semi_major, known.inverse_flattening, self._threads, progress_call(progress))
+
+        core = make(samples)
+        if core is None:  # infinite holes become NaN in a copy
+            samples = np.where(np.isinf(samples), np.float32(np.nan), samples)
+            self._own = True
+            core = make(samples)
+        self._core, self._samples = core, samples
+
+    # ---- what it is ------------------------------------------------------------------------------------------------
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns of samples."""
+        return self._samples.shape
+
+    @property
+    def z(self) -> np.ndarray:
+        """The samples as the field has them: float32, NaN at holes. Not to be written to: see update."""
+        view = self._samples.view()
+        view.flags.writeable = False
+        return view
+
+    @property
+    def map(self) -> np.ndarray:
+        """Samples (column, row, z) to x, y and z of the map: float64, shape (3, 4)."""
+        return self._source.map.copy()
+
+    @property
+    def transform(self) -> tuple[float, ...]:
+        """Where pixels lie on the map, six numbers in Affine's order: Affine(*f.transform) is what rasterio writes."""
+        (a, b, _, c), (d, e, _, f), _ = self._source.map.tolist()
+        return a, b, c - 0.5 * a - 0.5 * b, d, e, f - 0.5 * d - 0.5 * e
+
+    @property
+    def crs(self):
+        """The coordinate system as it was given, as WKT if it comes from a file, or None."""
+        return self._source.crs.given
+
+    @property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """Least x, least y, greatest x, greatest y of the samples on the map."""
+        rows, columns = self.shape
+        corners = np.array([[i, j] for j in (0, rows - 1) for i in (0, columns - 1)], np.float64)
+        places = corners @ self._source.map[:2, :2].T + self._source.map[:2, 3]
+        return (*(float(v) for v in places.min(0)), *(float(v) for v in places.max(0)))
+
+    def __repr__(self) -> str:
+        about = self._core.describe()
+        return (f"<cellwalk.Field: {self.shape[0]} rows of {self.shape[1]} samples, heights {about['low']:g} to {about['high']:g}, "
+                f"{about['holes']} holes>")
+
+    def __reduce__(self):
+        if self._origin is None:
+            raise TypeError("a Field made of an array is not pickled; send the array, or a path to cellwalk.open")
+        return _reopen, self._origin
+
+    # ---- rays ------------------------------------------------------------------------------------------------------
+
+    def closest(self, origins, directions=None, tmin=None, tmax=None, *, kernel=None, progress=None) -> Hits:
+        """The first place where each ray meets the surface.
+
+        origins      (..., 3) in the map's coordinates; or rays, (..., 6) with origin and direction as Open3D has them, or
+                     (..., 8) with origin, tmin, direction and tmax as the program's .npy files have them
+        directions   (..., 3); need not have unit length
+        tmin, tmax   (...): points origin + t * direction count for t from tmin to tmax; default: 0 and infinity
+
+        All broadcast against each other as NumPy's arrays do. float32 and float64 are taken as they are, other real
+        numbers become float64. A ray with a NaN, an infinite origin or a zero direction misses.
+
+        Returns Hits with the shape of the broadcast rays.
+
+            >>> import numpy as np, cellwalk as cw
+            >>> f = cw.Field(np.zeros((9, 9), "float32"))
+            >>> f.closest([[4, 4, 2], [4, 4, -2]], [0, 0, -1]).t
+            array([ 2., inf], dtype=float32)
+        """
+        shape, out = self._trace(False, origins, directions, tmin, tmax, kernel, progress)
+        return Hits(out.view(_dtype).reshape(shape), self)
+
+    def any(self, origins, directions=None, tmin=None, tmax=None, *, kernel=None, progress=None) -> np.ndarray:
+        """Whether each ray meets the surface at all: bool, with the shape of the rays. Arguments as for closest.
+
+            >>> import numpy as np, cellwalk as cw
+            >>> f = cw.Field(np.zeros((9, 9), "float32"))
+            >>> f.any([4, 4, 2], [0, 0, -1], tmax=[1, 3])
+            array([False,  True])
+        """
+        shape, out = self._trace(True, origins, directions, tmin, tmax, kernel, progress)
+        return out.view(np.bool_).reshape(shape)
+
+    def _trace(self, any_hit, origins, directions, tmin, tmax, kernel, progress):
+        shape, dtype, operands = rays_of(origins, directions, tmin, tmax)
+        n = int(np.prod(shape, dtype=np.int64))
+        out = np.empty(n * (1 if any_hit else _dtype.itemsize), np.uint8)
+        self._core.trace(any_hit, dtype == np.float64, n, *operands, out, self._threads, kernel, progress_call(progress))
+        return shape, out
+
+    def at(self, x, y, *, progress=None):
+        """Height of the surface at places of the map, in the map's z: float64, the shape of x and y broadcast; NaN outside
+        and in holes.
+
+            >>> import numpy as np, cellwalk as cw
+            >>> f = cw.Field(np.arange(9, dtype="float32").reshape(3, 3))
+            >>> f.at([0.5, 1, 7], 1)
+            array([3.5, 4. , nan])
+        """
+        try:
+            x, y = np.broadcast_arrays(numbers(x, "x").astype(np.float64), numbers(y, "y").astype(np.float64))
+        except ValueError:
+            raise ValueError(f"shapes do not broadcast: x {np.shape(x)}, y {np.shape(y)}") from None
+        out = np.empty(x.shape, np.float64)
+        if x.size:
+            self._core.at(np.ascontiguousarray(x), np.ascontiguousarray(y), out, self._threads, progress_call(progress))
+        return out[()] if out.ndim == 0 else out
+
+    def update(self, row, column, block, nodata=None) -> None:
+        """Replaces the samples from (row, column) on by block, of shape (rows, columns). Afterwards the field is what one made
+        of the new samples would be.
+
+        The array that the field was made of does not change: a field that uses it where it lies copies it first, once.
+        Time follows the block, not the field. RuntimeError while queries run in other threads; ValueError, and the field
+        stays as it was, if the block does not fit or a height is beyond 1e30.
+
+            >>> import numpy as np, cellwalk as cw
+            >>> f = cw.Field(np.zeros((9, 9), "float32"))
+            >>> f.update(3, 3, np.full((3, 3), 5.0))
+            >>> float(f.at(4, 4))
+            5.0
+        """
+        array = np.asarray(block) if not isinstance(block, np.ma.MaskedArray) else block
+        if array.ndim != 2:
+            raise ValueError(f"block: shape {array.shape}, expected (rows, columns)")
+        rows, columns = array.shape
+        row, column = count(row, "row", 0, self.shape[0]), count(column, "column", 0, self.shape[1])
+        if row + rows > self.shape[0] or column + columns > self.shape[1]:
+            raise ValueError(f"block: shape {array.shape} at ({row}, {column}) goes beyond the field's {self.shape}")
+        if rows == 0 or columns == 0:
+            return
+        # samples_of takes no single rows.
+        padded = np.ma.MaskedArray(np.empty((max(rows, 2), max(columns, 2)), array.dtype), mask=True) if min(rows, columns) < 2 else None
+        if padded is not None:
+            padded[:rows, :columns] = array
+            block = np.ascontiguousarray(samples_of(padded, nodata, "block")[:rows, :columns])
+        else:
+            block = samples_of(array, nodata, "block")
+        if np.isinf(block).any():
+            block = np.where(np.isinf(block), np.float32(np.nan), block)
+        if not self._own:
+            self._own = True
+            self._build(self._samples.copy())
+        self._core.update(row, column, rows, columns, block, np.empty_like(block), self._threads)
+
+
+def open(path, window=None, *, band=None, nodata=None, cellsize=None, zscale=None, crs=None, threads=0, progress=None) -> Field:
+    """A field from a raster file: GeoTIFF and all else that GDAL reads, .npy, .asc.
+
+    window     (column, row, columns, rows) of samples to read, or a rasterio Window; default: all
+    band       counts from 1; default: the first
+    nodata     a value that stands for no data, beside the one that the file names
+    cellsize   of a file that has no map: samples are that far apart, the first row in the north
+    zscale     one unit of height is so many of the map's (metres, if that is in degrees)
+    crs        in place of the file's
+
+    Raises OSError with the file's name and what is wrong; warns of what looks wrong but is no error.
+
+        >>> import numpy as np, cellwalk as cw, os, tempfile
+        >>> path = os.path.join(tempfile.mkdtemp(), "flat.npy")
+        >>> np.save(path, np.zeros((4, 6), "float32"))
+        >>> cw.open(path, window=(1, 0, 3, 4)).shape
+        (4, 3)
+    """
+    path = os.fspath(path)
+    column, row, columns, rows = _window(window)
+    given = _cellwalk.read_raster(path, 0 if band is None else count(band, "band", 1, 65535),
+                                  None if nodata is None else float(nodata), 0.0 if cellsize is None else finite(cellsize, "cellsize", 0),
+                                  0.0 if zscale is None else finite(zscale, "zscale", 0), (column, row, columns, rows),
+                                  progress_call(progress))
+    for sentence in given["warnings"]:
+        warnings.warn(sentence, stacklevel=2)
+    known = Crs(given["crs"], given["crs"], given["geographic"], given["unit"], given["semi_major"], given["inverse_flattening"])
+    if crs is not None:
+        known = read_crs(crs)
+    samples = np.asarray(given["samples"])
+    if min(samples.shape) < 2:
+        raise ValueError(f"{path}: {samples.shape[0]} rows of {samples.shape[1]} samples, expected at least 2 of each")
+    field = Field.__new__(Field)
+    field._make(Source(samples, np.array(given["map"]), given["placed"], known, None, given["nodata"]), threads, False, progress)
+    field._own = samples.flags.writeable
+    field._origin = path, window if window is None else (column, row, columns, rows), band, nodata, cellsize, zscale, crs, threads
+    return field
+
+
+def _reopen(path, window, band, nodata, cellsize, zscale, crs, threads) -> Field:
+    return open(path, window, band=band, nodata=nodata, cellsize=cellsize, zscale=zscale, crs=crs, threads=threads)
+
+
+def _window(window) -> tuple[int, int, int, int]:
+    if window is None:
+        return 0, 0, 0, 0
+    if hasattr(window, "col_off"):
+        window = window.col_off, window.row_off, window.width, window.height
+    try:
+        column, row, columns, rows = window
+    except (TypeError, ValueError):
+        raise ValueError(f"window: {window!r}, expected (column, row, columns, rows)") from None
+    names = ("column", "row", "columns", "rows")
+    return tuple(count(value, f"window {name}", 0 if k < 2 else 1, 2**31 - 1)
+                 for k, (name, value) in enumerate(zip(names, (column, row, columns, rows))))

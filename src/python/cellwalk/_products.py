@@ -1,0 +1,291 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What terrain people ask of a field. The computing is that of the program's subcommands, bit for bit."""
+
+from __future__ import annotations
+
+import datetime
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from . import _cellwalk
+from ._convert import count, finite, numbers, progress_call
+
+SUN_RADIUS = 0.2666  # degrees, as src/terrain/sun.h has it
+
+
+class Sun(NamedTuple):
+    """Where the sun stands, in degrees: azimuth from true north over east, altitude with refraction, radius of the disc."""
+    azimuth: float
+    altitude: float
+    refraction: float
+    radius: float
+
+
+def _seconds(time) -> float:
+    if isinstance(time, str):
+        seconds = _cellwalk.parse_time(time)
+        if seconds is None:
+            raise ValueError(f"time: {time!r}, expected a time with its zone, as 2024-06-21T12:00:00Z or +02:00")
+        return seconds
+    if isinstance(time, np.datetime64):
+        return float((time - np.datetime64(0, "s")) / np.timedelta64(1, "s"))
+    if isinstance(time, datetime.datetime):
+        if time.tzinfo is None:
+            raise ValueError(f"time: {time!r} has no time zone; use datetime.timezone.utc")
+        return time.timestamp()
+    raise TypeError(f"time: {time!r}, expected a string, datetime or datetime64 (UTC)")
+
+
+def sun(time, longitude: float, latitude: float) -> Sun:
+    """Where the sun stands at a time over a place, right to 0.01 degrees from 1950 to 2050.
+
+    time       "2024-06-21T12:00:00Z", a datetime with its zone, or a datetime64 (UTC)
+    longitude  east, latitude north, in degrees
+
+        >>> import cellwalk as cw
+        >>> s = cw.sun("2024-06-21T12:00:00Z", 0, 51.5)
+        >>> round(s.azimuth), round(s.altitude)
+        (179, 62)
+    """
+    return Sun(*_cellwalk.sun(_seconds(time), finite(longitude, "longitude"), finite(latitude, "latitude", -90, 90)))
+
+
+class LineOfSight(NamedTuple):
+    """visible: bool; distance: metres from end to end on the map; blocked_at: x, y, z where the line first meets the surface,
+    NaN if it does not; blocked_distance: metres from the first place to there."""
+    visible: np.ndarray
+    distance: np.ndarray
+    blocked_at: np.ndarray
+    blocked_distance: np.ndarray
+
+
+def _result(field, data, name, attrs, **axis):
+    """Data as a DataArray if the field was made of one."""
+    like = field._source.like
+    if like is None:
+        return data
+    keep = {key: like.attrs[key] for key in ("grid_mapping", "crs") if key in like.attrs}
+    for key, values in axis.items():
+        like = like.expand_dims({key: values})
+    out = like.copy(deep=False, data=data)
+    out.name, out.attrs, out.encoding = name, {**attrs, **keep}, {}
+    return out
+
+
+class Products:
+    """Methods of Field."""
+
+    def _placed(self) -> bool:
+        return self._source.placed
+
+    def _curvature(self, curvature) -> float:
+        if curvature is None:
+            return 6.0 / 7 if self._placed() else 0.0
+        return finite(curvature, "curvature", 0)
+
+    def _locate(self):
+        """Longitude and latitude of the middle; how far the map's north is turned from the true one, toward the west."""
+        rows, columns = self.shape
+        m, known = self._source.map, self._source.crs
+        i, j = 0.5 * (columns - 1), 0.5 * (rows - 1)
+        x, y = (float(m[k, 0] * i + m[k, 1] * j + m[k, 3]) for k in range(2))
+        degrees = 180 / 3.141592653589793
+        if known.geographic:
+            unit = known.unit or 3.141592653589793 / 180
+            return x * unit * degrees, y * unit * degrees, 0.0
+        if known.wkt is None:
+            raise ValueError("time: without a coordinate system (crs) nothing says where the sun stands; give azimuth and altitude")
+        longitude, latitude = _cellwalk.lon_lat(known.wkt, False, x, y)
+        south = latitude - 1e-4
+        (x0, y0), (x1, y1) = (_cellwalk.lon_lat(known.wkt, True, longitude, v) for v in (south, south + 2e-4))
+        return longitude, latitude, math.atan2(x1 - x0, y1 - y0) * degrees
+
+    def sun(self, time) -> Sun:
+        """Where the sun stands at a time over the middle of the field, its azimuth from the map's north."""
+        longitude, latitude, turned = self._locate()
+        p = sun(time, longitude, latitude)
+        return p._replace(azimuth=math.fmod(p.azimuth + turned + 360, 360))
+
+    def shadow(self, azimuth=None, altitude=None, *, time=None, hillshade=False, disc=0, progress=None):
+        """Sun and shadow on every sample.
+
+        azimuth    of the sun in degrees from the map's north over east; default 225
+        altitude   of the sun above the horizon in degrees; default 30
+        time       in place of both: the sun at that time over the field's middle, as for cellwalk.sun
+        hillshade  True: light on the ground, the cosine between the sun and the normal, 0 in the shadow
+        disc       radius of the sun in degrees, for soft shadows; True: that of the sun. 0: a point
+
+        Returns uint8, shape (rows, columns): 1 where the sun is seen, 0 in the shadow, 255 at holes. With hillshade or disc
+        float32: the share of the light, NaN at holes. A ray that touches the surface is in the shadow. The earth is flat here.
+
+            >>> import numpy as np, cellwalk as cw
+            >>> z = np.zeros((1, 8), "float32").repeat(3, 0); z[:, 2] = 2       # a wall along y
+            >>> cw.Field(z).shadow(azimuth=270, altitude=45)[0]
+            array([1, 1, 1, 0, 0, 1, 1, 1], dtype=uint8)
+        """
+        if time is not None:
+            if azimuth is not None or altitude is not None:
+                raise ValueError("time: goes without azimuth and altitude")
+            place = self.sun(time)
+            azimuth, altitude = place.azimuth, place.altitude
+            if disc is True:
+                disc = place.radius
+        azimuth = finite(225 if azimuth is None else azimuth, "azimuth")
+        altitude = finite(30 if altitude is None else altitude, "altitude", -90, 90)
+        disc = SUN_RADIUS if disc is True else finite(disc, "disc", 0, 10)
+        data = self._shadow_rows(azimuth, altitude, disc, bool(hillshade), 0, self.shape[0], progress)
+        attrs = {"long_name": "sunlight", "azimuth": azimuth, "altitude": altitude}
+        return _result(self, data, "shadow", attrs if data.dtype.kind == "f" else {**attrs, "_FillValue": np.uint8(255)})
+
+    def _shadow_rows(self, azimuth, altitude, disc, hillshade, row, rows, progress=None):
+        share = disc > 0 or hillshade
+        out = np.empty((rows, self.shape[1]), np.float32 if share else np.uint8)
+        self._core.shadow(azimuth, altitude, disc, hillshade, row, rows, share, out, self._threads, progress_call(progress))
+        return out
+
+    def horizon(self, directions=32, max_distance=None, *, start=0.0, progress=None):
+        """How high the terrain stands against the sky, in directions all round.
+
+        directions   how many, evenly spaced, 1 to 3600; the first is start, in degrees from the map's north over east
+
+        Returns float32, shape (directions, rows, columns): degrees above the level of the sample, negative below it, -90 where
+        the terrain ends at the sample, NaN at holes. A DataArray has the dimension `azimuth`.
+
+            >>> import numpy as np, cellwalk as cw
+            >>> z = np.zeros((3, 8), "float32"); z[:, 5] = 2
+            >>> cw.Field(z).horizon(directions=4)[1, 1, 3:5].round(2)      # toward x
+            array([45.  , 63.43], dtype=float32)
+        """
+        directions = count(directions, "directions", 1, 3600)
+        start = finite(start, "start")
+        self._no_distance(max_distance)
+        data = self._horizon_rows(directions, start, 0, self.shape[0], progress)
+        azimuths = np.fmod(start + 360 * np.arange(directions) / directions, 360)
+        return _result(self, data, "horizon", {"long_name": "horizon", "units": "degrees"}, azimuth=azimuths)
+
+    def _horizon_rows(self, directions, start, row, rows, progress=None):
+        out = np.empty((directions, rows, self.shape[1]), np.float32)
+        self._core.horizon(start, directions, row, rows, out, self._threads, progress_call(progress))
+        return out
+
+    @staticmethod
+    def _no_distance(max_distance) -> None:
+        if max_distance is not None:
+            raise NotImplementedError("max_distance: horizons look as far as the field goes; a smaller field looks less far")
+
+    def sky_view(self, directions=32, max_distance=None, *, progress=None):
+        """The share of an evenly bright sky's light that reaches level ground: float32, 0 to 1, NaN at holes.
+
+        It is the mean over the directions (as for horizon) of the cosine squared of the horizon's angle above the level.
+
+            >>> import numpy as np, cellwalk as cw
+            >>> cw.Field(np.zeros((3, 3), "float32")).sky_view()[1, 1]
+            1.0
+        """
+        directions = count(directions, "directions", 1, 3600)
+        self._no_distance(max_distance)
+        data = self._sky_view_rows(directions, 0, self.shape[0], progress)
+        return _result(self, data, "sky_view", {"long_name": "sky-view factor"})
+
+    def _sky_view_rows(self, directions, row, rows, progress=None):
+        out = np.empty((rows, self.shape[1]), np.float32)
+        self._core.sky_view(directions, row, rows, out, self._threads, progress_call(progress))
+        return out
+
+    def viewshed(self, x, y, observer_height=2.0, target_height=0.0, max_distance=None, needed=False, *,
+                 observer_elevation=None, curvature=None, progress=None):
+        """Which samples are seen from a place, or from how many of several.
+
+        x, y                of the observers on the map; scalars, or arrays that broadcast with the heights
+        observer_height     of the eye above ground, metres
+        observer_elevation  in its place: the eye's height itself, metres; the place may then be outside the terrain
+        target_height       something of that height on each sample is looked for, metres
+        max_distance        nothing farther away is seen, metres; default: no limit
+        curvature           how much of the earth's curvature counts: 0 flat, 1 without air, 6/7 with usual refraction. Default:
+                            6/7 on a map, else 0
+        needed              True: the height above ground that is needed to be seen, from one observer
+
+        Returns uint8, shape (rows, columns): 1 where seen, else 0, 255 at holes. From several observers: how many see it
+        (uint16 with 65535 at holes, from 255 observers on). needed: float32 metres, 0 where the ground is seen, NaN at holes
+        and farther than max_distance. A line that touches the surface on the way is blocked.
+
+            >>> import numpy as np, cellwalk as cw
+            >>> z = np.zeros((3, 8), "float32"); z[:, 3] = 5
+            >>> cw.Field(z).viewshed(0, 1)[1]
+            array([1, 1, 1, 1, 0, 0, 0, 0], dtype=uint8)
+        """
+        absolute = observer_elevation is not None
+        height = observer_elevation if absolute else observer_height
+        given = [numbers(v, n).astype(np.float64) for v, n in ((x, "x"), (y, "y"),
+                                                               (height, "observer_elevation" if absolute else "observer_height"))]
+        try:
+            places = np.stack(np.broadcast_arrays(*given), -1).reshape(-1, 3)
+        except ValueError:
+            raise ValueError(f"shapes do not broadcast: x {given[0].shape}, y {given[1].shape}, heights {given[2].shape}") from None
+        if not np.isfinite(places).all():
+            raise ValueError(f"x, y: observer {places[~np.isfinite(places).all(1)][0].tolist()} is not finite")
+        if len(places) == 0 or len(places) > 65534:
+            raise ValueError(f"x, y: {len(places)} observers, expected 1 to 65534")
+        if needed and len(places) > 1:
+            raise ValueError(f"needed: the height that is needed is that of one observer, not of {len(places)}")
+        distance = 0.0 if max_distance is None else finite(max_distance, "max_distance", 0)
+        if max_distance is not None and distance == 0:
+            raise ValueError("max_distance: 0, expected metres above 0")
+        seen = np.zeros(self.shape, np.float32 if needed else np.uint16)
+        self._core.viewshed(np.ascontiguousarray(places), absolute, finite(target_height, "target_height"), distance,
+                            self._curvature(curvature), bool(needed), seen, self._threads, progress_call(progress))
+        if needed:
+            return _result(self, seen, "needed_height", {"long_name": "height above ground needed to be seen", "units": "m"})
+        nodata = 255 if len(places) <= 254 else 65535
+        seen[~np.isfinite(self._samples)] = nodata
+        if nodata == 255:
+            seen = seen.astype(np.uint8)
+        return _result(self, seen, "viewshed", {"long_name": "number of observers that see it", "_FillValue": seen.dtype.type(nodata)})
+
+    def line_of_sight(self, a, b, *, absolute=False, curvature=None, progress=None) -> LineOfSight:
+        """Whether places see each other, or where the straight line from a to b first meets the surface.
+
+        a, b       (..., 3): x and y on the map, and metres above ground; (..., 2): on the ground. They broadcast.
+        absolute   True: the third number is the height itself; or a pair, for a and for b
+        curvature  as for viewshed
+
+        Raises ValueError if a place has no ground under it. The ends themselves block nothing.
+
+            >>> import numpy as np, cellwalk as cw
+            >>> z = np.zeros((3, 9), "float32"); z[:, 4] = 3
+            >>> s = cw.Field(z).line_of_sight((0, 1, 1), (8, 1, 1))
+            >>> bool(s.visible), s.blocked_at.round(3).tolist()
+            (False, [3.333, 1.0, 1.0])
+        """
+        pair = []
+        for value, name in ((a, "a"), (b, "b")):
+            ends = numbers(value, name).astype(np.float64)
+            if ends.ndim == 0 or ends.shape[-1] not in (2, 3):
+                raise ValueError(f"{name}: shape {ends.shape}, expected (..., 3) with x, y and height, or (..., 2)")
+            if ends.shape[-1] == 2:
+                ends = np.concatenate([ends, np.zeros(ends.shape[:-1] + (1,))], -1)
+            pair.append(ends)
+        try:
+            both = np.broadcast_arrays(*pair)
+        except ValueError:
+            raise ValueError(f"shapes do not broadcast: a {pair[0].shape}, b {pair[1].shape}") from None
+        lines = np.ascontiguousarray(np.stack(both, -2))
+        shape = lines.shape[:-2]
+        above = (bool(absolute), bool(absolute)) if np.ndim(absolute) == 0 else tuple(bool(v) for v in absolute)
+        out = np.full(shape + (5,), np.nan)
+        if out.size:
+            self._core.line_of_sight(lines, above[0], above[1], self._curvature(curvature), out, self._threads, progress_call(progress))
+        wrong = np.isnan(out[..., 0])
+        if wrong.any():
+            first = lines.reshape(-1, 2, 3)[int(np.argmax(wrong.ravel()))]
+            raise ValueError(f"a, b: no ground under a place of the line from {first[0].tolist()} to {first[1].tolist()}, or too "
+                             "far away; absolute=True takes heights themselves")
+        visible = out[..., 0] == 1
+        ends = lines[..., 0, :2], lines[..., 1, :2]
+        with np.errstate(invalid="ignore", divide="ignore"):
+            whole = np.hypot(*np.moveaxis(ends[1] - ends[0], -1, 0))
+            part = np.hypot(*np.moveaxis(out[..., 2:4] - ends[0], -1, 0))
+            along = np.where(whole > 0, part / whole, 0) * out[..., 1]
+        return LineOfSight(visible, out[..., 1], out[..., 2:5], np.where(visible, np.nan, along))

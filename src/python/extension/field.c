@@ -1,0 +1,209 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "field.h"
+
+#include <math.h>
+#include <string.h>
+#include <structmember.h>
+#include <unistd.h>
+
+bool buffer_holds(const Py_buffer *buffer, size_t bytes, const char *name) {
+    if (buffer->len >= 0 && (size_t)buffer->len >= bytes) return true;
+    PyErr_Format(PyExc_ValueError, "%s: a buffer of %zd bytes, where %zu are needed", name, buffer->len, bytes);
+    return false;
+}
+
+static void forget_other_process(py_field *f) {
+    const long process = (long)getpid();
+    if (f->process != process) f->users = 0;
+    f->process = process;
+}
+
+bool field_is_idle(py_field *f) {
+    forget_other_process(f);
+    if (f->users >= 0) return true;
+    PyErr_SetString(PyExc_RuntimeError, "the field is being changed by another thread");
+    return false;
+}
+
+bool field_enter(py_field *f) {
+    if (!field_is_idle(f)) return false;
+    f->users++;
+    return true;
+}
+
+void field_leave(py_field *f) { f->users--; }
+
+static bool is_identity(double m[3][4]) {
+    for (int k = 0; k < 12; k++)
+        if (m[k / 4][k % 4] != (k / 4 == k % 4 ? 1 : 0)) return false;
+    return true;
+}
+
+/* Field(samples, nx, ny, map, geographic, unit, semi_major, inverse_flattening, threads, progress). Returns None in place of
+ * a field whose samples hold an infinity, which borrowed samples must not. */
+static cw_status make(py_field *f, work *w) {
+    cw_field_desc desc = cw_field_desc_default();
+    desc.samples = f->samples.buf;
+    desc.nx = f->nx;
+    desc.ny = f->ny;
+    desc.storage = CW_BORROW;
+    memcpy(desc.map, f->map, sizeof desc.map);
+    desc.pool = w->query.pool;
+    desc.watch = w->query.watch;
+    desc.watch_context = w->query.watch_context;
+    return cw_field_create(&desc, &f->field);
+}
+
+static PyObject *field_new(PyTypeObject *type, PyObject *arguments, PyObject *keywords) {
+    PyObject *samples, *progress;
+    Py_buffer map = {0};
+    Py_ssize_t nx, ny;
+    int geographic;
+    double unit, semi_major, inverse_flattening;
+    unsigned threads;
+    (void)keywords;
+    if (!PyArg_ParseTuple(arguments, "Onny*pdddIO:Field", &samples, &nx, &ny, &map, &geographic, &unit, &semi_major,
+                          &inverse_flattening, &threads, &progress))
+        return NULL;
+    allocfunc allocate = (allocfunc)PyType_GetSlot(type, Py_tp_alloc);
+    py_field *f = (py_field *)allocate(type, 0);
+    const bool good = f != NULL && buffer_holds(&map, sizeof f->map, "map") &&
+                      PyObject_GetBuffer(samples, &f->samples, PyBUF_SIMPLE) == 0;
+    if (good) memcpy(f->map, map.buf, sizeof f->map);
+    PyBuffer_Release(&map);
+    if (!good || nx < 0 || ny < 0 || (ny > 0 && nx > PY_SSIZE_T_MAX / 4 / ny) ||
+        !buffer_holds(&f->samples, (size_t)nx * (size_t)ny * sizeof(float), "samples")) {
+        if (!PyErr_Occurred()) PyErr_SetString(PyExc_ValueError, "samples: too many");
+        Py_XDECREF((PyObject *)f);
+        return NULL;
+    }
+    f->nx = (size_t)nx;
+    f->ny = (size_t)ny;
+    f->identity = is_identity(f->map);
+    work w;
+    if (!work_begin(&w, threads, NULL, progress)) {
+        Py_DECREF((PyObject *)f);
+        return NULL;
+    }
+    const cw_status status = make(f, &w);
+    if (!work_end(&w, status == CW_ERROR_HOLE ? CW_OK : status, "field")) {
+        Py_DECREF((PyObject *)f);
+        return NULL;
+    }
+    if (status == CW_ERROR_HOLE) {
+        Py_DECREF((PyObject *)f);
+        Py_RETURN_NONE;
+    }
+    const terrain_desc ground = {
+        .field = f->field,
+        .nx = f->nx,
+        .ny = f->ny,
+        .z = f->samples.buf,
+        .map = (const double(*)[4])f->map,
+        .geographic = geographic != 0,
+        .unit = unit,
+        .semi_major = semi_major,
+        .inverse_flattening = inverse_flattening,
+    };
+    if (!terrain_init(&f->terrain, &ground)) f->terrain.field = NULL; /* products will say so */
+    return (PyObject *)f;
+}
+
+static void field_dealloc(PyObject *self) {
+    py_field *f = (py_field *)self;
+    PyTypeObject *type = Py_TYPE(self);
+    cw_field_destroy(f->field);
+    if (f->samples.obj != NULL) PyBuffer_Release(&f->samples);
+    freefunc release = (freefunc)PyType_GetSlot(type, Py_tp_free);
+    release(self);
+    Py_DECREF(type);
+}
+
+/* Puts block into the samples. What the field then refuses is undone. */
+static cw_status put(py_field *f, const cw_update *u, const float *block, float *before) {
+    float *z = f->samples.buf;
+    for (size_t y = 0; y < u->ny; y++) {
+        float *row = z + (u->j + y) * f->nx + u->i;
+        memcpy(before + y * u->nx, row, u->nx * sizeof *row);
+        memcpy(row, block + y * u->nx, u->nx * sizeof *row);
+    }
+    const cw_status status = cw_field_update(f->field, u);
+    if (status == CW_OK) return status;
+    for (size_t y = 0; y < u->ny; y++) memcpy(z + (u->j + y) * f->nx + u->i, before + y * u->nx, u->nx * sizeof *z);
+    cw_field_update(f->field, u);
+    return status;
+}
+
+/* update(row, column, rows, columns, block, before, threads): before is as large as block. */
+static PyObject *field_update(PyObject *self, PyObject *arguments) {
+    py_field *f = (py_field *)self;
+    Py_buffer block = {0}, before = {0};
+    Py_ssize_t row, column, rows, columns;
+    unsigned threads;
+    if (!PyArg_ParseTuple(arguments, "nnnny*w*I:update", &row, &column, &rows, &columns, &block, &before, &threads))
+        return NULL;
+    forget_other_process(f);
+    const size_t bytes = (size_t)rows * (size_t)columns * sizeof(float);
+    bool good = buffer_holds(&block, bytes, "block") && buffer_holds(&before, bytes, "before");
+    if (good && (row < 0 || column < 0 || rows < 0 || columns < 0 || (size_t)rows > f->ny || (size_t)columns > f->nx ||
+                 (size_t)row > f->ny - (size_t)rows || (size_t)column > f->nx - (size_t)columns)) {
+        PyErr_SetString(PyExc_ValueError, "update: the rectangle is no part of the field");
+        good = false;
+    }
+    if (good && (f->users != 0 || f->samples.readonly)) {
+        PyErr_SetString(PyExc_RuntimeError, f->users ? "update: queries or another update are running on the field"
+                                                     : "update: the samples are read-only");
+        good = false;
+    }
+    if (good) {
+        work w;
+        f->users = -1;
+        if ((good = work_begin(&w, threads, NULL, Py_None))) {
+            const cw_update u = {
+                .i = (size_t)column, .j = (size_t)row, .nx = (size_t)columns, .ny = (size_t)rows, .pool = w.query.pool};
+            good = work_end(&w, put(f, &u, block.buf, before.buf), "update");
+        }
+        f->users = 0;
+    }
+    PyBuffer_Release(&block);
+    PyBuffer_Release(&before);
+    if (!good) return NULL;
+    Py_RETURN_NONE;
+}
+
+static PyObject *field_describe(PyObject *self, PyObject *unused) {
+    const py_field *f = (const py_field *)self;
+    (void)unused;
+    const cw_field_info info = cw_field_describe(f->field);
+    return Py_BuildValue("{s:d,s:d,s:n,s:n,s:d}", "low", (double)info.low, "high", (double)info.high, "holes",
+                         (Py_ssize_t)info.holes, "bytes_built", (Py_ssize_t)info.bytes_built, "build_seconds",
+                         info.build_seconds);
+}
+
+static PyMethodDef methods[] = {
+    {"trace", field_trace, METH_VARARGS, NULL},
+    {"at", field_at, METH_VARARGS, NULL},
+    {"points", field_points, METH_VARARGS, NULL},
+    {"update", field_update, METH_VARARGS, NULL},
+    {"describe", field_describe, METH_NOARGS, NULL},
+    {"shadow", field_shadow, METH_VARARGS, NULL},
+    {"horizon", field_horizon, METH_VARARGS, NULL},
+    {"sky_view", field_sky_view, METH_VARARGS, NULL},
+    {"viewshed", field_viewshed, METH_VARARGS, NULL},
+    {"line_of_sight", field_line_of_sight, METH_VARARGS, NULL},
+    {NULL, NULL, 0, NULL},
+};
+
+static PyType_Slot slots[] = {
+    {Py_tp_new, (void *)field_new},
+    {Py_tp_dealloc, (void *)field_dealloc},
+    {Py_tp_methods, methods},
+    {0, NULL},
+};
+
+PyType_Spec py_field_spec = {
+    .name = "cellwalk._cellwalk.Field",
+    .basicsize = sizeof(py_field),
+    .flags = Py_TPFLAGS_DEFAULT,
+    .slots = slots,
+};

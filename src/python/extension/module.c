@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The extension module cellwalk._cellwalk, in Python's limited interface of 3.11: one file serves all later versions, and
+ * arrays come and go by the buffer protocol, without NumPy's headers. */
+#include "gdal/module.h"
+#include "field.h"
+#include "raster_object.h"
+#include "sun.h"
+
+#include <stddef.h>
+
+static PyObject *list_kernels(PyObject *self, PyObject *unused) {
+    (void)self;
+    (void)unused;
+    PyObject *list = PyList_New(0);
+    for (size_t k = 0; k < cw_kernel_count() && list != NULL; k++) {
+        const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
+        PyObject *row = Py_BuildValue("(sssIN)", info.name, info.what, cw_isa_name(info.isa), info.width,
+                                      PyBool_FromLong(info.available));
+        if (row == NULL || PyList_Append(list, row) != 0) Py_CLEAR(list);
+        Py_XDECREF(row);
+    }
+    return list;
+}
+
+/* sun(seconds, longitude, latitude) -> azimuth, altitude, refraction, radius */
+static PyObject *sun(PyObject *self, PyObject *arguments) {
+    double seconds, longitude, latitude;
+    (void)self;
+    if (!PyArg_ParseTuple(arguments, "ddd:sun", &seconds, &longitude, &latitude)) return NULL;
+    const sun_position p = sun_at(seconds, longitude, latitude);
+    return Py_BuildValue("(dddd)", p.azimuth, p.altitude, p.refraction, p.radius);
+}
+
+/* The clock of `--time`: None if the text is none. */
+static PyObject *parse_time(PyObject *self, PyObject *arguments) {
+    const char *text;
+    double seconds;
+    (void)self;
+    if (!PyArg_ParseTuple(arguments, "s:parse_time", &text)) return NULL;
+    if (!sun_parse_time(text, &seconds)) Py_RETURN_NONE;
+    return PyFloat_FromDouble(seconds);
+}
+
+/* describe_crs(wkt) -> (geographic, unit, semi_major, inverse_flattening), or None */
+static PyObject *describe_crs(PyObject *self, PyObject *arguments) {
+    const char *wkt;
+    (void)self;
+    if (!PyArg_ParseTuple(arguments, "s:describe_crs", &wkt)) return NULL;
+    io_georef g = {0};
+    if (!io_georef_from_wkt(&g, wkt)) {
+        io_georef_free(&g);
+        Py_RETURN_NONE;
+    }
+    PyObject *answer =
+        Py_BuildValue("(Nddd)", PyBool_FromLong(g.geographic), g.unit, g.semi_major, g.inverse_flattening);
+    io_georef_free(&g);
+    return answer;
+}
+
+/* lon_lat(wkt, back, x, y) -> x, y: one place */
+static PyObject *lon_lat(PyObject *self, PyObject *arguments) {
+    const char *wkt;
+    int back;
+    double x, y;
+    io_error error = {""};
+    (void)self;
+    if (!PyArg_ParseTuple(arguments, "spdd:lon_lat", &wkt, &back, &x, &y)) return NULL;
+    const io_gdal *gdal = io_gdal_load(&error); /* under the GIL: once */
+    if (gdal == NULL || !gdal->lon_lat(wkt, back != 0, 1, &x, &y, &error)) {
+        PyErr_SetString(PyExc_ValueError, error.text);
+        return NULL;
+    }
+    return Py_BuildValue("(dd)", x, y);
+}
+
+static PyMethodDef functions[] = {
+    {"kernels", list_kernels, METH_NOARGS, NULL},
+    {"sun", sun, METH_VARARGS, NULL},
+    {"parse_time", parse_time, METH_VARARGS, NULL},
+    {"describe_crs", describe_crs, METH_VARARGS, NULL},
+    {"lon_lat", lon_lat, METH_VARARGS, NULL},
+    {"read_raster", read_raster, METH_VARARGS, NULL},
+    {NULL, NULL, 0, NULL},
+};
+
+/* Where the members of a hit are, for a NumPy dtype. */
+static int add_layout(PyObject *module) {
+    PyObject *layout = Py_BuildValue("{s:n,s:n,s:n,s:n,s:n,s:n,s:n}", "t", (Py_ssize_t)offsetof(cw_hit, t), "u",
+                                     (Py_ssize_t)offsetof(cw_hit, u), "v", (Py_ssize_t)offsetof(cw_hit, v), "i",
+                                     (Py_ssize_t)offsetof(cw_hit, i), "j", (Py_ssize_t)offsetof(cw_hit, j), "triangle",
+                                     (Py_ssize_t)offsetof(cw_hit, triangle), "size", (Py_ssize_t)sizeof(cw_hit));
+    const int status = layout == NULL ? -1 : PyModule_AddObjectRef(module, "HIT_LAYOUT", layout);
+    Py_XDECREF(layout);
+    return status;
+}
+
+static int add_type(PyObject *module, PyType_Spec *spec, const char *name) {
+    PyObject *type = PyType_FromModuleAndSpec(module, spec, NULL);
+    const int status = type == NULL ? -1 : PyModule_AddObjectRef(module, name, type);
+    Py_XDECREF(type);
+    return status;
+}
+
+/* The pools and GDAL's module belong to the process, and the main interpreter's GIL guards them. */
+static int fill(PyObject *module) {
+    if (PyInterpreterState_GetID(PyInterpreterState_Get()) != 0) {
+        PyErr_SetString(PyExc_ImportError, "cellwalk does not run in sub-interpreters: use threads or processes");
+        return -1;
+    }
+    if (add_layout(module) != 0 || add_type(module, &py_field_spec, "Field") != 0 ||
+        add_type(module, &py_raster_spec, "Raster") != 0)
+        return -1;
+    return PyModule_AddStringConstant(module, "version", cw_version());
+}
+
+static PyModuleDef_Slot slots[] = {{Py_mod_exec, (void *)fill}, {0, NULL}};
+
+static struct PyModuleDef definition = {PyModuleDef_HEAD_INIT, .m_name = "cellwalk._cellwalk", .m_methods = functions,
+                                        .m_slots = slots};
+
+PyMODINIT_FUNC PyInit__cellwalk(void);
+PyMODINIT_FUNC PyInit__cellwalk(void) { return PyModuleDef_Init(&definition); }

@@ -1,0 +1,141 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "raster_object.h"
+
+#include "raster.h"
+#include "work.h"
+
+#include <string.h>
+
+typedef struct py_raster {
+    PyObject_HEAD io_raster raster;
+    Py_ssize_t shape[2], strides[2];
+} py_raster;
+
+static int get_buffer(PyObject *self, Py_buffer *view, int flags) {
+    py_raster *r = (py_raster *)self;
+    static char format[] = "f";
+    view->buf = r->raster.memory;
+    view->len = r->shape[0] * r->shape[1] * (Py_ssize_t)sizeof(float);
+    view->itemsize = sizeof(float);
+    view->readonly = r->raster.mapped_bytes > 0;
+    if (view->readonly && (flags & PyBUF_WRITABLE) == PyBUF_WRITABLE) {
+        PyErr_SetString(PyExc_BufferError, "the file is mapped, and not to be written to");
+        view->obj = NULL;
+        return -1;
+    }
+    /* A mapped file begins with a header. */
+    view->buf = (void *)(uintptr_t)r->raster.z;
+    view->format = (flags & PyBUF_FORMAT) ? format : NULL;
+    view->ndim = (flags & PyBUF_ND) ? 2 : 1;
+    view->shape = (flags & PyBUF_ND) ? r->shape : NULL;
+    view->strides = (flags & PyBUF_STRIDES) == PyBUF_STRIDES ? r->strides : NULL;
+    view->suboffsets = NULL;
+    view->internal = NULL;
+    Py_INCREF(self);
+    view->obj = self;
+    return 0;
+}
+
+static void dealloc(PyObject *self) {
+    PyTypeObject *type = Py_TYPE(self);
+    io_raster_free(&((py_raster *)self)->raster);
+    freefunc release = (freefunc)PyType_GetSlot(type, Py_tp_free);
+    release(self);
+    Py_DECREF(type);
+}
+
+static PyType_Slot slots[] = {
+    {Py_bf_getbuffer, (void *)get_buffer},
+    {Py_tp_dealloc, (void *)dealloc},
+    {0, NULL},
+};
+
+PyType_Spec py_raster_spec = {
+    .name = "cellwalk._cellwalk.Raster",
+    .basicsize = sizeof(py_raster),
+    .flags = Py_TPFLAGS_DEFAULT | Py_TPFLAGS_DISALLOW_INSTANTIATION,
+    .slots = slots,
+};
+
+/* Reading is done under the GIL's protection but without it: io_gdal_load is not for several threads at once. */
+static pthread_mutex_t door = PTHREAD_MUTEX_INITIALIZER;
+
+typedef struct reading {
+    work work;
+    PyObject *warnings; /* a list of sentences */
+} reading;
+
+static void note_warning(void *context, const char *text) {
+    reading *r = context;
+    PyEval_RestoreThread(r->work.state);
+    PyObject *sentence = PyUnicode_DecodeUTF8(text, (Py_ssize_t)strlen(text), "replace");
+    if (sentence == NULL || PyList_Append(r->warnings, sentence) != 0) PyErr_Clear();
+    Py_XDECREF(sentence);
+    r->work.state = PyEval_SaveThread();
+}
+
+static bool tell(void *context, double share) { return work_watch(&((reading *)context)->work, share); }
+
+static PyObject *describe(io_raster *raster, PyObject *module, PyObject *warnings) {
+    PyObject *type = PyObject_GetAttrString(module, "Raster");
+    if (type == NULL) return NULL;
+    allocfunc allocate = (allocfunc)PyType_GetSlot((PyTypeObject *)type, Py_tp_alloc);
+    py_raster *r = (py_raster *)allocate((PyTypeObject *)type, 0);
+    Py_DECREF(type);
+    if (r == NULL) return NULL;
+    r->raster = *raster;
+    *raster = (io_raster){0};
+    r->shape[0] = (Py_ssize_t)r->raster.ny;
+    r->shape[1] = (Py_ssize_t)r->raster.nx;
+    r->strides[0] = r->shape[1] * (Py_ssize_t)sizeof(float);
+    r->strides[1] = sizeof(float);
+    const io_georef *g = &r->raster.georef;
+    const double(*m)[4] = (const double(*)[4])r->raster.map;
+    PyObject *nodata = g->has_nodata ? PyFloat_FromDouble(g->nodata) : Py_NewRef(Py_None);
+    return Py_BuildValue("{s:N,s:((dddd)(dddd)(dddd)),s:N,s:N,s:d,s:d,s:d,s:z,s:N,s:O}", "samples", (PyObject *)r,
+                         "map", m[0][0], m[0][1], m[0][2], m[0][3], m[1][0], m[1][1], m[1][2], m[1][3], m[2][0],
+                         m[2][1], m[2][2], m[2][3], "placed", PyBool_FromLong(g->placed), "geographic",
+                         PyBool_FromLong(g->geographic), "unit", g->unit, "semi_major", g->semi_major,
+                         "inverse_flattening", g->inverse_flattening, "crs", g->crs, "nodata", nodata, "warnings",
+                         warnings);
+}
+
+PyObject *read_raster(PyObject *self, PyObject *arguments) {
+    const char *path;
+    Py_ssize_t column = 0, row = 0, columns = 0, rows = 0;
+    PyObject *nodata, *progress;
+    io_raster_options o = {0};
+    if (!PyArg_ParseTuple(arguments, "sIOdd(nnnn)O:read_raster", &path, &o.band, &nodata, &o.cellsize, &o.zscale,
+                          &column, &row, &columns, &rows, &progress))
+        return NULL;
+    if (nodata != Py_None) {
+        o.has_nodata = true;
+        o.nodata = PyFloat_AsDouble(nodata);
+        if (PyErr_Occurred()) return NULL;
+    }
+    o.window.i = (size_t)column;
+    o.window.j = (size_t)row;
+    o.window.nx = (size_t)columns;
+    o.window.ny = (size_t)rows;
+    reading r = {.warnings = PyList_New(0)};
+    o.warn = note_warning;
+    o.progress = tell;
+    o.context = &r;
+    io_raster raster;
+    io_error error = {""};
+    PyObject *answer = NULL;
+    if (r.warnings != NULL && work_begin(&r.work, 1, NULL, progress)) {
+        pthread_mutex_lock(&door);
+        const bool good = io_raster_read(path, &o, &raster, &error);
+        pthread_mutex_unlock(&door);
+        if (!work_end(&r.work, CW_OK, path)) {
+            if (good) io_raster_free(&raster);
+        } else if (!good) {
+            PyErr_SetString(PyExc_OSError, error.text);
+        } else {
+            answer = describe(&raster, self, r.warnings);
+        }
+    }
+    Py_XDECREF(r.warnings);
+    return answer;
+}

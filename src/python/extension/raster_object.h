@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Rasters from files, as objects that NumPy reads in place. */
+#ifndef CELLWALK_PYTHON_RASTER_OBJECT_H
+#define CELLWALK_PYTHON_RASTER_OBJECT_H
+
+#define PY_SSIZE_T_CLEAN
+#include <Python.h>
+
+extern PyType_Spec py_raster_spec;
+
+/* read_raster(path, band, nodata or None, cellsize, zscale, (column, row, columns, rows) or None, warn, progress) -> a dict that
+ * says all of the raster */
+PyObject *read_raster(PyObject *self, PyObject *arguments);
+
+#endif
