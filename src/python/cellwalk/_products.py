@@ -274,7 +274,7 @@ class Products:
         lines = np.ascontiguousarray(np.stack(both, -2))
         shape = lines.shape[:-2]
         above = (bool(absolute), bool(absolute)) if np.ndim(absolute) == 0 else tuple(bool(v) for v in absolute)
-        out = np.full(shape + (5,), np.nan)
+        out = np.full(shape + (6,), np.nan)
         if out.size:
             self._core.line_of_sight(lines, above[0], above[1], self._curvature(curvature), out, self._threads, progress_call(progress))
         wrong = np.isnan(out[..., 0])
@@ -282,10 +282,4 @@ class Products:
             first = lines.reshape(-1, 2, 3)[int(np.argmax(wrong.ravel()))]
             raise ValueError(f"a, b: no ground under a place of the line from {first[0].tolist()} to {first[1].tolist()}, or too "
                              "far away; absolute=True takes heights themselves")
-        visible = out[..., 0] == 1
-        ends = lines[..., 0, :2], lines[..., 1, :2]
-        with np.errstate(invalid="ignore", divide="ignore"):
-            whole = np.hypot(*np.moveaxis(ends[1] - ends[0], -1, 0))
-            part = np.hypot(*np.moveaxis(out[..., 2:4] - ends[0], -1, 0))
-            along = np.where(whole > 0, part / whole, 0) * out[..., 1]
-        return LineOfSight(visible, out[..., 1], out[..., 2:5], np.where(visible, np.nan, along))
+        return LineOfSight(out[..., 0] == 1, out[..., 1], out[..., 2:5], out[..., 5])

@@ -247,7 +247,7 @@ PyObject *field_viewshed(PyObject *self, PyObject *arguments) {
 typedef struct lines_of_sight {
     const terrain *terrain;
     const double (*ends)[2][3]; /* x, y, height */
-    double (*answers)[5];       /* 1 if visible, distance, x, y, z of the block */
+    double (*answers)[6];       /* 1 if visible, distance, x, y, z of the block, its distance */
     double curvature;
     bool absolute[2];
     work *work;
@@ -256,7 +256,7 @@ typedef struct lines_of_sight {
 } lines_of_sight;
 
 /* As `cellwalk los` has it. */
-static void look_along(const lines_of_sight *l, const double ends[2][3], double answer[5]) {
+static void look_along(const lines_of_sight *l, const double ends[2][3], double answer[6]) {
     const terrain *t = l->terrain;
     double at[2][3], metres[2], xy[2][2];
     for (int k = 0; k < 2; k++) {
@@ -264,7 +264,7 @@ static void look_along(const lines_of_sight *l, const double ends[2][3], double 
         const double ground = l->absolute[k] ? 0 : terrain_height(t, at[k][0], at[k][1]);
         at[k][2] = (ground + ends[k][2]) / terrain_metres_of_height(t);
         if (!(terrain_is_in_reach(at[k][0], at[k][1]) && isfinite(at[k][2]))) {
-            for (int c = 0; c < 5; c++) answer[c] = NAN;
+            for (int c = 0; c < 6; c++) answer[c] = NAN;
             return;
         }
     }
@@ -277,11 +277,12 @@ static void look_along(const lines_of_sight *l, const double ends[2][3], double 
     for (int k = 0; k < 2; k++) terrain_to_map(t, at[k][0], at[k][1], xy[k]);
     answer[0] = block < INFINITY ? 0 : 1;
     answer[1] = hypot((xy[1][0] - xy[0][0]) * metres[0], (xy[1][1] - xy[0][1]) * metres[1]);
-    for (int c = 2; c < 5; c++) answer[c] = NAN;
+    for (int c = 2; c < 6; c++) answer[c] = NAN;
     if (!(block < INFINITY)) return;
     for (int c = 0; c < 2; c++) answer[2 + c] = xy[0][c] + block * (xy[1][c] - xy[0][c]);
     const double bend = sight_fall(&s, eye[0] + block * (target[0] - eye[0]), eye[1] + block * (target[1] - eye[1]));
     answer[4] = (eye[2] + block * height + bend) * terrain_metres_of_height(t);
+    answer[5] = block * answer[1];
 }
 
 static void look_along_all(void *context, size_t begin, size_t end) {
@@ -292,7 +293,7 @@ static void look_along_all(void *context, size_t begin, size_t end) {
     }
 }
 
-/* line_of_sight(ends, absolute, absolute, curvature, out, threads, progress): six doubles a line, five an answer */
+/* line_of_sight(ends, absolute, absolute, curvature, out, threads, progress): six doubles a line, six an answer */
 PyObject *field_line_of_sight(PyObject *self, PyObject *arguments) {
     py_field *f = (py_field *)self;
     Py_buffer ends = {0}, out = {0};

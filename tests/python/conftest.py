@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the tests of the Python module share: the program to compare with, and fields on maps of three kinds."""
+import os
+import pathlib
+import subprocess
+
+import numpy as np
+import pytest
+
+import cellwalk as cw
+
+UTM = 'EPSG:32632'
+
+
+def real_dem():
+    """344 x 403 samples in Tennessee, 3 seconds of arc apart; part of Debian's python3-matplotlib."""
+    for folder in ("/usr/share/matplotlib/mpl-data/sample_data", os.environ.get("CELLWALK_SAMPLE_DATA", "")):
+        path = pathlib.Path(folder) / "jacksboro_fault_dem.npz"
+        if path.exists():
+            return np.load(path)
+    pytest.skip("jacksboro_fault_dem.npz of python3-matplotlib is not there")
+
+
+def rough(rows=61, columns=83, seed=1, holes=True):
+    """Hills with noise, some holes."""
+    random = np.random.default_rng(seed)
+    y, x = np.mgrid[0:rows, 0:columns]
+    z = (8 * np.sin(x / 9) * np.cos(y / 7) + random.normal(0, 0.6, (rows, columns))).astype(np.float32)
+    if holes:
+        z[random.random(z.shape) < 0.01] = np.nan
+        z[10:13, 20:27] = np.nan
+    return z
+
+
+def random_rays(field, n, seed=2, dtype=np.float64):
+    """Rays of all kinds across the field's bounds, (n, 8): some start inside, some are vertical, some miss."""
+    random = np.random.default_rng(seed)
+    x0, y0, x1, y1 = field.bounds
+    low, high = (float(np.float64(v(field.z[np.isfinite(field.z)])) * field.map[2, 2] + field.map[2, 3]) for v in (np.min, np.max))
+    span = np.array([x1 - x0, y1 - y0, high - low + 1])
+    centre = np.array([(x0 + x1) / 2, (y0 + y1) / 2, (low + high) / 2])
+    rays = np.empty((n, 8))
+    rays[:, 0:3] = centre + span * random.uniform(-0.7, 0.7, (n, 3))
+    rays[:, 4:7] = centre + span * random.uniform(-0.5, 0.5, (n, 3)) - rays[:, 0:3]
+    rays[::7, 4:6] = 0
+    rays[:, 3] = random.uniform(-0.5, 0.5, n)
+    rays[:, 7] = random.uniform(0.2, 3, n)
+    rays[::5, 3], rays[::5, 7] = 0, np.inf
+    return rays.astype(dtype)
+
+
+@pytest.fixture(scope="session")
+def tool():
+    program = os.environ.get("CELLWALK_PROGRAM")
+    if not program:
+        pytest.skip("CELLWALK_PROGRAM does not name the program cellwalk")
+
+    def run(*words):
+        done = subprocess.run([program, *map(str, words)], capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+    return run
+
+
+class Ground:
+    """The same terrain as a file and as a field."""
+
+    def __init__(self, path, field):
+        self.path, self.field = path, field
+
+
+@pytest.fixture(scope="session", params=["plain", "utm", "turned", "degrees"])
+def ground(request, tmp_path_factory):
+    folder = tmp_path_factory.mktemp(request.param)
+    z = rough()
+    if request.param == "plain":
+        path = folder / "dem.npy"
+        np.save(path, z)
+        return Ground(path, cw.Field(z))
+    rasterio = pytest.importorskip("rasterio")
+    from rasterio.transform import Affine
+    transform = {"utm": Affine(30, 0, 600000, 0, -30, 5200000), "turned": Affine(25, 5, 600000, 4, -28, 5200000),
+                 "degrees": Affine(1 / 1200, 0, 10.5, 0, -1 / 1200, 47.25)}[request.param]
+    crs = "EPSG:4326" if request.param == "degrees" else UTM
+    z = z * 20 + 500
+    path = folder / "dem.tif"
+    with rasterio.open(path, "w", driver="GTiff", width=z.shape[1], height=z.shape[0], count=1, dtype="float32", crs=crs,
+                       transform=transform, nodata=np.nan) as file:
+        file.write(z, 1)
+    return Ground(path, cw.open(path))
+
+
+def same(a, b):
+    """Equal to the last bit, NaN included."""
+    a, b = np.asarray(a), np.asarray(b)
+    assert a.dtype == b.dtype and a.shape == b.shape, (a.dtype, b.dtype, a.shape, b.shape)
+    bits = np.ascontiguousarray(a).tobytes() == np.ascontiguousarray(b).tobytes()
+    assert bits, f"{np.sum(~((a == b) | ((a != a) & (b != b))))} of {a.size} differ"
+
+
+def same_hits(a, b):
+    for name in ("t", "u", "v", "i", "j", "triangle"):
+        same(getattr(a, name), getattr(b, name))

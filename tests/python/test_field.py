@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a field is made of, its holes, its map, its updates."""
+import pickle
+
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+from hypothesis.extra import numpy as hn
+
+import cellwalk as cw
+from conftest import UTM, random_rays, rough, same, same_hits
+
+
+def ask(field):
+    return field.closest(random_rays(field, 2000))
+
+
+def test_forms_of_samples():
+    z = rough(holes=False)
+    wanted = ask(cw.Field(z))
+    padded = np.zeros((z.shape[0], z.shape[1] + 5), np.float32)
+    padded[:, 2:-3] = z
+    for form in (z.astype(">f4"), np.asfortranarray(z), padded[:, 2:-3], z.astype(np.float64), z[::-1][::-1], z.tolist()):
+        same_hits(ask(cw.Field(form)), wanted)
+    whole = np.round(z * 100)
+    for dtype in (np.int16, np.int32, np.int64, np.float64):
+        same_hits(ask(cw.Field(whole.astype(dtype))), ask(cw.Field(whole)))
+
+
+def test_contiguous_floats_are_not_copied_nor_changed():
+    z = rough()
+    before = z.copy()
+    field = cw.Field(z)
+    assert np.shares_memory(field.z, z)
+    assert not np.shares_memory(cw.Field(z, copy=True).z, z)
+    ask(field)
+    field.shadow()
+    field.update(0, 0, np.ones((4, 4)))
+    same(z, before)
+    assert not np.shares_memory(field.z, z)
+    with pytest.raises(ValueError):
+        field.z[0, 0] = 1
+
+
+def test_holes():
+    z = rough()
+    wanted = ask(cw.Field(z))
+    filled = np.where(np.isnan(z), np.float32(-9999), z)
+    same_hits(ask(cw.Field(filled, nodata=-9999)), wanted)
+    same(filled, np.where(np.isnan(z), np.float32(-9999), z))
+    same_hits(ask(cw.Field(np.ma.masked_invalid(z))), wanted)
+    same_hits(ask(cw.Field(np.ma.MaskedArray(filled, filled == -9999))), wanted)
+    same_hits(ask(cw.Field(np.where(np.isnan(z), np.float32(np.inf), z))), wanted)
+    same_hits(ask(cw.Field(filled.astype(np.float64), nodata=-9999)), wanted)
+    lowest = float(np.finfo(np.float32).min)  # as headers spell it in double
+    same_hits(ask(cw.Field(np.where(np.isnan(z), np.float32(lowest), z), nodata=-3.4028234663852886e38)), wanted)
+    assert cw.Field(z).shadow()[11, 22] == 255
+
+
+@settings(deadline=None, max_examples=40)
+@given(z=hn.arrays(st.sampled_from([np.float32, np.float64, np.int16, np.uint8]), st.tuples(st.integers(2, 40), st.integers(2, 40)),
+                   elements={"min_value": 0, "max_value": 200}), data=st.data())
+def test_update_is_a_new_field(z, data):
+    field = cw.Field(z)
+    row, column = data.draw(st.integers(0, z.shape[0] - 1)), data.draw(st.integers(0, z.shape[1] - 1))
+    block = data.draw(hn.arrays(np.float32, st.tuples(st.integers(0, z.shape[0] - row), st.integers(0, z.shape[1] - column)),
+                                elements=st.floats(0, 300, width=32)))
+    field.update(row, column, block)
+    changed = z.astype(np.float32)
+    changed[row:row + block.shape[0], column:column + block.shape[1]] = block
+    same(field.z, changed)
+    same_hits(ask(field), ask(cw.Field(changed)))
+
+
+def test_update_that_is_refused():
+    z = rough(holes=False)
+    field = cw.Field(z)
+    wanted = ask(field)
+    with pytest.raises(ValueError, match="update"):
+        field.update(3, 3, np.full((5, 5), 2e30, np.float32))
+    same_hits(ask(field), wanted)
+    with pytest.raises(ValueError, match=r"block: shape \(5, 5\) at \(60, 3\) goes beyond the field's \(61, 83\)"):
+        field.update(60, 3, np.zeros((5, 5)))
+    with pytest.raises(ValueError, match=r"row: -1"):
+        field.update(-1, 3, np.zeros((5, 5)))
+    field.update(0, 0, np.full((1, 3), np.inf))
+    assert np.isnan(field.z[0, :3]).all()
+
+
+def test_maps():
+    z = rough()
+    affine = pytest.importorskip("affine").Affine(30, 2, 600000, 1, -30, 5200000)
+    field = cw.Field(z, transform=affine, crs=UTM) if _looks_up() else cw.Field(z, transform=affine)
+    same_hits(ask(cw.Field(z, transform=tuple(affine)[:6])), ask(field))
+    same_hits(ask(cw.Field(z, transform=np.array(affine).reshape(3, 3))), ask(field))
+    assert field.transform == pytest.approx(tuple(affine)[:6], rel=1e-14)
+    x, y = affine * (10.5, 20.5)
+    assert field.at(x, y) == pytest.approx(z[20, 10], abs=1e-4)
+    whole = cw.Field(z, transform=field.map)
+    same_hits(ask(whole), ask(field))
+
+
+def _looks_up():
+    try:
+        import rasterio  # noqa: F401
+        return True
+    except ImportError:
+        return False
+
+
+@pytest.mark.parametrize("z, keywords, kind, words", [
+    (np.zeros((3, 3, 3)), {}, ValueError, r"z: shape \(3, 3, 3\), expected \(rows, columns\)"),
+    (np.zeros((1, 3)), {}, ValueError, r"z: shape \(1, 3\), expected at least 2 rows"),
+    (np.zeros((3, 3), complex), {}, TypeError, "z: dtype complex128"),
+    (np.array([["a", "b"], ["c", "d"]]), {}, TypeError, "z: dtype <U1"),
+    (np.array([[0, 1e300], [0, 0]]), {}, ValueError, r"z: the sample at \(0, 1\) is 1e\+300, beyond the range"),
+    (np.full((3, 3), 1e35, np.float32), {}, ValueError, "field: "),
+    (np.zeros((3, 3)), {"transform": (1, 2, 3)}, ValueError, r"transform: shape \(3,\)"),
+    (np.zeros((3, 3)), {"transform": (0, 0, 3, 0, 0, 3)}, ValueError, "field: "),
+    (np.zeros((3, 3)), {"threads": -1}, ValueError, "threads: -1, expected 0 to 4096"),
+    (np.zeros((3, 3)), {"threads": 1.5}, TypeError, "threads: 1.5, expected an integer"),
+    (np.zeros((3, 3)), {"zscale": 0}, ValueError, "zscale: 0"),
+    (np.zeros((3, 3)), {"progress": 3}, TypeError, "progress: 3"),
+    ("dem.tif", {}, TypeError, "z: 'dem.tif' is a path; use cellwalk.open"),
+])
+def test_wrong_arguments(z, keywords, kind, words):
+    with pytest.raises(kind, match=words):
+        cw.Field(z, **keywords)
+
+
+@pytest.mark.parametrize("call, kind, words", [
+    (lambda f: f.shadow(azimuth=float("nan")), ValueError, "azimuth: nan"),
+    (lambda f: f.shadow(altitude=91), ValueError, "altitude: 91, expected a finite number from -90 to 90"),
+    (lambda f: f.shadow(altitude="high"), TypeError, "altitude: 'high'"),
+    (lambda f: f.shadow(5, 5, time="2024-01-01T00:00:00Z"), ValueError, "time: goes without"),
+    (lambda f: f.horizon(0), ValueError, "directions: 0, expected 1 to 3600"),
+    (lambda f: f.sky_view(2.5), TypeError, "directions: 2.5"),
+    (lambda f: f.viewshed(1e9, 5), ValueError, r"x, y: \(1000000000, 5\) is too far"),
+    (lambda f: f.viewshed(-5, 5), ValueError, r"x, y: \(-5, 5\) has no ground"),
+    (lambda f: f.viewshed([1, 2], [1, 2, 3]), ValueError, r"x \(2,\), y \(3,\)"),
+    (lambda f: f.viewshed([1, 2], 3, needed=True), ValueError, "needed: .* not of 2"),
+    (lambda f: f.viewshed(1, 2, max_distance=-4), ValueError, "max_distance: -4"),
+    (lambda f: f.viewshed(1, 2, curvature=-1), ValueError, "curvature: -1"),
+    (lambda f: f.line_of_sight((1, 2, 3, 4), (1, 2)), ValueError, r"a: shape \(4,\)"),
+    (lambda f: f.line_of_sight((1, 2, 3), (-7, 2)), ValueError, "a, b: no ground"),
+    (lambda f: cw.sun("yesterday", 0, 0), ValueError, "time: 'yesterday'"),
+])
+def test_wrong_questions(call, kind, words):
+    with pytest.raises(kind, match=words):
+        call(cw.Field(rough(holes=False)))
+
+
+def test_open(tmp_path):
+    z = rough()
+    np.save(tmp_path / "z.npy", z)
+    field = cw.open(tmp_path / "z.npy", window=(5, 7, 40, 30))
+    same(field.z, z[7:37, 5:45])
+    assert field.map[:2, 3].tolist() == [5, 7]
+    same_hits(ask(pickle.loads(pickle.dumps(field))), ask(field))
+    field.update(0, 0, np.zeros((2, 2)))  # a mapped file stays as it is
+    same(np.load(tmp_path / "z.npy"), z)
+    with pytest.raises(OSError, match="no part of 83 x 61"):
+        cw.open(tmp_path / "z.npy", window=(80, 0, 9, 9))
+    with pytest.raises(ValueError, match=r"window: 3, expected"):
+        cw.open(tmp_path / "z.npy", window=3)
+    with pytest.raises(OSError, match="missing.npy"):
+        cw.open(tmp_path / "missing.npy")
+    with pytest.raises(TypeError, match="is not pickled"):
+        pickle.dumps(cw.Field(z))
+
+
+def test_open_geotiff_window(tmp_path):
+    rasterio = pytest.importorskip("rasterio")
+    z = rough()
+    stored = np.where(np.isnan(z), -9999, np.round(z * 10)).astype(np.int16)
+    with rasterio.open(tmp_path / "z.tif", "w", driver="GTiff", width=83, height=61, count=1, dtype="int16", nodata=-9999,
+                       transform=rasterio.Affine(30, 0, 600000, 0, -30, 5200000), crs=UTM, tiled=True, blockxsize=16, blockysize=16) as f:
+        f.write(stored, 1)
+    whole = cw.open(tmp_path / "z.tif")
+    part = cw.open(tmp_path / "z.tif", window=rasterio.windows.Window(9, 5, 33, 44))
+    same(part.z, whole.z[5:49, 9:42])
+    same(part.map[:, :3], whole.map[:, :3])
+    assert part.bounds[0] == whole.bounds[0] + 9 * 30
+    with rasterio.open(tmp_path / "z.tif") as f:
+        dataset = cw.Field(f)
+    same(dataset.z, whole.z)
+    same(dataset.map, whole.map)
+    same_hits(ask(dataset), ask(whole))
+    x, y = 600900.0, 5199000.0
+    same(dataset.viewshed(x, y), whole.viewshed(x, y))

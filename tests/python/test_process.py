@@ -1,0 +1,224 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Threads, processes, signals, progress, memory."""
+import gc
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+import threading
+
+import numpy as np
+import pytest
+
+import cellwalk as cw
+from conftest import random_rays, rough, same, same_hits
+
+Z = rough(257, 257)
+
+
+def test_two_threads_on_one_field():
+    field = cw.Field(Z, threads=2)
+    rays = [random_rays(field, 60000, seed) for seed in range(4)]
+    wanted = [field.closest(r) for r in rays]
+    shadow = field.shadow()
+    wrong = []
+
+    def work(k):
+        for _ in range(5):
+            h = field.closest(rays[k])
+            if h.records.tobytes() != wanted[k].records.tobytes() or field.shadow().tobytes() != shadow.tobytes():
+                wrong.append(k)
+    threads = [threading.Thread(target=work, args=(k,)) for k in range(4)]
+    for t in threads:
+        t.start()
+    for t in threads:
+        t.join()
+    assert not wrong
+
+
+def test_update_and_queries_keep_apart():
+    """Each query sees the samples of before or after an update, and who comes second is refused."""
+    field = cw.Field(np.zeros((513, 513), np.float32), copy=True, threads=1)
+    n = 20000
+    origins = np.column_stack([np.linspace(1, 511, n), np.linspace(1, 511, n), np.full(n, 9.0)])
+    seen, refused, stop = set(), [], threading.Event()
+
+    def ask():
+        while not stop.is_set():
+            try:
+                t = np.unique(field.closest(origins, [0, 0, -1]).t)
+                assert len(t) == 1
+                seen.add(float(t[0]))
+            except RuntimeError as error:
+                refused.append(str(error))
+            except AssertionError:
+                seen.add("torn")
+    threads = [threading.Thread(target=ask) for _ in range(2)]
+    for t in threads:
+        t.start()
+    for k in range(200):
+        try:
+            field.update(0, 0, np.full((513, 513), k % 2, np.float32))
+        except RuntimeError as error:
+            refused.append(str(error))
+    stop.set()
+    for t in threads:
+        t.join()
+    assert seen <= {9.0, 8.0} and seen
+    assert all("running" in r or "changed" in r for r in refused)
+
+
+def _ask(path_or_field):
+    field = path_or_field if isinstance(path_or_field, cw.Field) else cw.open(path_or_field)
+    return field.closest(random_rays(field, 3000)).records.tobytes(), field.sky_view(4).tobytes()
+
+
+INHERITED = cw.Field(Z, threads=2)
+
+
+def _ask_inherited(_):
+    return _ask(INHERITED)
+
+
+def test_fork():
+    wanted = _ask(INHERITED)  # the pool has threads now, which a child lacks
+    with multiprocessing.get_context("fork").Pool(2) as pool:
+        assert pool.map_async(_ask_inherited, range(4)).get(300) == [wanted] * 4
+
+
+def test_spawn(tmp_path):
+    np.save(tmp_path / "z.npy", Z)
+    field = cw.open(tmp_path / "z.npy")
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        assert pool.map_async(_ask, [field, str(tmp_path / "z.npy")]).get(300) == [_ask(field)] * 2
+
+
+def test_progress():
+    field = cw.Field(Z)
+    told = []
+    assert field.closest(random_rays(field, 1000), progress=told.append).hit.any()
+    assert told == sorted(told) and told[-1] == 1 and all(0 <= share <= 1 for share in told)
+    told.clear()
+    field.sky_view(64, progress=told.append)
+    assert told == sorted(told) and told[-1] == 1
+
+    class Bar:  # like tqdm's
+        total, n = 50, 0
+
+        def update(self, more):
+            self.n += more
+    bar = Bar()
+    cw.Field(Z, progress=bar)
+    field.viewshed(128, 128, progress=bar)
+    assert bar.n == 50
+
+
+SLOW = """
+import sys, numpy as np, cellwalk as cw
+z = {field}
+f = cw.Field(z.astype('float32'), threads={threads})
+print('go', flush=True)
+try:
+    {call}
+    print('done', flush=True)
+except KeyboardInterrupt:
+    print('interrupted', flush=True)
+"""
+NOISE = "np.random.default_rng(1).normal(0, 3, (1025, 1025))"
+HILLS = "np.add.outer(60 * np.sin(np.arange(4097) / 90), 50 * np.cos(np.arange(4097) / 70))"
+
+
+# Calls that take minutes: rays along a plane, just above it; thousands of directions; needed heights.
+@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize("field, call", [
+    ("np.full((1025, 1025), .5).cumsum(1)", "f.any([1, 512, 1.0001], [1, 0, .5], tmax=np.full(8_000_000, 2000.))"),
+    (NOISE, "f.sky_view(3600)"),
+    (HILLS, "f.viewshed(2048, 2048, needed=True)"),
+], ids=["any", "sky_view", "viewshed"])
+def test_interrupt(field, call, threads):
+    program = SLOW.format(field=field, call=call, threads=threads)
+    child = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True)
+    try:
+        assert child.stdout.readline() == "go\n"
+        with pytest.raises(subprocess.TimeoutExpired):
+            child.wait(0.7)  # is at work
+        child.send_signal(signal.SIGINT)
+        assert child.communicate(timeout=30)[0] == "interrupted\n"
+        assert child.returncode == 0
+    finally:
+        child.kill()
+
+
+def test_an_exception_in_progress_ends_the_query():
+    field = cw.Field(Z)
+
+    class Enough(Exception):
+        pass
+
+    def tell(share):
+        raise Enough
+
+    with pytest.raises(Enough):
+        field.closest(random_rays(field, 100), progress=tell)
+    with pytest.raises(Enough):
+        field.sky_view(900, progress=tell)
+    with pytest.raises(Enough):
+        cw.Field(Z, progress=tell)
+    assert field.closest(random_rays(field, 100)).hit.any()
+
+
+def _resident():
+    with open("/proc/self/statm") as f:
+        return int(f.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+def test_nothing_leaks(tmp_path):
+    np.save(tmp_path / "z.npy", Z)
+    big = rough(513, 513)  # a megabyte
+
+    def work(times):
+        for _ in range(times):
+            field = cw.Field(big, progress=lambda share: None)
+            h = field.closest(random_rays(field, 200))
+            h.points(), h.normals(True), field.at([1, 2], [3, 4])
+            field.update(0, 0, np.zeros((3, 3)))
+            field.shadow(), field.horizon(2), field.sky_view(2), field.viewshed(9, 9), field.line_of_sight((1, 1, 2), (50, 50, 2))
+            cw.open(tmp_path / "z.npy")
+            for wrong in (lambda: field.closest([1, 2]), lambda: field.update(0, 0, np.full((3, 3), 2e30)),
+                          lambda: field.closest([1, 1, 1], [0, 0, 1], kernel="none"), lambda: cw.Field(np.full((99, 999), 1e35)),
+                          lambda: cw.open(tmp_path / "missing.npy"), lambda: field.viewshed(-9, 9)):
+                with pytest.raises((ValueError, OSError)):
+                    wrong()
+    work(10)
+    gc.collect()
+    memory, blocks = _resident(), sys.getallocatedblocks()
+    work(60)
+    gc.collect()
+    # A field that stays would take 1.5 MB each time, a hit array or an exception some blocks.
+    assert _resident() - memory < 30e6
+    assert sys.getallocatedblocks() - blocks < 60 * 10
+
+
+def test_samples_live_as_long_as_the_field():
+    z = rough(holes=False)
+    wanted = cw.Field(z.copy()).at(5, 5)
+    field = cw.Field(z.copy())
+    gc.collect()
+    assert field.at(5, 5) == wanted
+    h = cw.Field(z.copy()).closest([5, 5, 99], [0, 0, -1])  # keeps its field
+    gc.collect()
+    assert h.points()[2] == wanted
+
+
+def test_sub_interpreters_are_refused():
+    subinterpreters = pytest.importorskip("_xxsubinterpreters")
+    number = subinterpreters.create()
+    code = ("import sys\nsys.path[:] = %r\nimport importlib.machinery as m, importlib.util as u\n"
+            "l = m.ExtensionFileLoader('_cellwalk', %r)\n"
+            "try:\n    u.module_from_spec(u.spec_from_loader('_cellwalk', l)) and None\n"
+            "    s = u.spec_from_loader('_cellwalk', l); k = u.module_from_spec(s); l.exec_module(k)\n"
+            "except ImportError as e:\n    assert 'sub-interpreters' in str(e), e\n"
+            "else:\n    raise AssertionError('imported')\n") % (sys.path, cw._cellwalk.__file__)
+    subinterpreters.run_string(number, code)
+    subinterpreters.destroy(number)

@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Arrays in whatever form they come: the answers are those of the plainest form."""
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+from hypothesis.extra import numpy as hn
+
+import cellwalk as cw
+from conftest import random_rays, rough, same, same_hits
+
+FIELD = cw.Field(rough())
+MAP = np.array([[2, 0.5, 0, 100], [0.25, -3, 0, 500], [0, 0, 1.5, 7]])
+MAPPED = cw.Field(rough(), transform=MAP)
+
+
+def parts(rays):
+    return rays[..., 0:3], rays[..., 4:7], rays[..., 3], rays[..., 7]
+
+
+@pytest.mark.parametrize("field", [FIELD, MAPPED], ids=["plain", "mapped"])
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_forms_agree(field, dtype):
+    rays = random_rays(field, 6000, dtype=dtype)
+    wanted = field.closest(rays)
+    assert 0.1 < wanted.hit.mean() < 0.95
+    o, d, t0, t1 = parts(rays)
+    same_hits(field.closest(o, d, t0, t1), wanted)  # views with gaps
+    same_hits(field.closest(rays.astype(rays.dtype.newbyteorder())), wanted)  # big-endian
+    same_hits(field.closest(np.asfortranarray(rays)), wanted)
+    same_hits(field.closest(rays[::-1])[::-1], wanted)
+    folded = field.closest(rays.reshape(60, 100, 8))
+    assert folded.shape == (60, 100)
+    same(folded.t.reshape(-1), wanted.t)
+    same_hits(field.closest(rays.astype(np.float64)), wanted)  # widened: the same rays
+    six = np.concatenate([o, d], -1)
+    same_hits(field.closest(six, tmin=t0, tmax=t1), wanted)
+    same(field.any(rays), wanted.hit)
+    same(field.any(o, d, t0, t1), wanted.hit)
+
+
+def test_odd_alignment():
+    rays = random_rays(FIELD, 2000, dtype=np.float32)
+    raw = bytearray(rays.nbytes + 1)
+    off = np.frombuffer(raw, np.uint8)[1:].view(np.float32).reshape(rays.shape)
+    off[:] = rays
+    same_hits(FIELD.closest(off), FIELD.closest(rays))
+
+
+shapes = hn.mutually_broadcastable_shapes(num_shapes=4, max_dims=3, max_side=4, min_side=0)
+
+
+@settings(deadline=None, max_examples=60)
+@given(shapes=shapes, seed=st.integers(0, 2**31), types=st.tuples(*[st.sampled_from(["f4", "f8", ">f4", "f2", "i4"])] * 4))
+def test_broadcasting(shapes, seed, types):
+    random = np.random.default_rng(seed)
+    o, d, t0, t1 = shapes.input_shapes
+    arrays = [random.uniform(-3, 60, o + (3,)), random.uniform(-4, 4, d + (3,)), random.uniform(-9, 0, t0), random.uniform(0, 90, t1)]
+    arrays = [np.asarray(a).astype(t) for a, t in zip(arrays, types)]
+    h = FIELD.closest(*arrays)
+    assert h.shape == shapes.result_shape
+    full = [np.broadcast_to(a.astype(np.float64), h.shape + (3,) * (k < 2)) for k, a in enumerate(arrays)]
+    plain = np.zeros(h.shape + (8,))
+    plain[..., 0:3], plain[..., 4:7], plain[..., 3], plain[..., 7] = full
+    same_hits(h, FIELD.closest(plain))
+    same(FIELD.any(*arrays), h.hit)
+
+
+@settings(deadline=None, max_examples=60)
+@given(rays=hn.arrays(np.float64, hn.array_shapes(max_dims=1, max_side=8).map(lambda s: s + (8,)),
+                      elements=st.floats(width=64, allow_nan=True, allow_infinity=True)))
+def test_any_numbers(rays):
+    h = FIELD.closest(rays)
+    assert (np.isfinite(h.t) == h.hit).all() and ((h.i >= 0) == (h.j >= 0)).all()
+    assert (np.isinf(h.t) & (h.t > 0))[~h.hit].all()
+    same(FIELD.any(rays), h.hit)
+    same(np.isnan(h.points()).all(-1), ~h.hit)
+
+
+def test_many_rays():
+    n = 10**7
+    eye = np.array([41.0, 30, 60])
+    v = np.zeros((n, 3), np.float32)
+    v[:, 0], v[:, 1], v[:, 2] = np.linspace(-1, 1, n), np.linspace(0.9, -0.9, n), -1
+    got = FIELD.any(eye, v)
+    assert got.shape == (n,)
+    same(got[:: n // 1000], FIELD.closest(eye, v[:: n // 1000]).hit)
+
+
+def test_zero_rays():
+    for shape in ((0, 8), (0, 6), (3, 0, 8)):
+        assert FIELD.closest(np.empty(shape)).shape == shape[:-1]
+    assert FIELD.any(np.empty((0, 3)), [0, 0, 1]).shape == (0,)
+    assert FIELD.closest(np.empty((0, 8))).points().shape == (0, 3)
+    assert FIELD.at([], []).shape == (0,)
+
+
+def test_kernels_agree():
+    rays = random_rays(FIELD, 3000, dtype=np.float32)
+    wanted = FIELD.closest(rays)
+    names = [k.name for k in cw.kernels() if k.available]
+    assert "cell" in names and any(n.startswith("packet") or n.startswith("pyramid") for n in names)
+    small = cw.Field(rough(9, 9))  # what these kernels need is not built with it
+    for name in names:
+        if name in ("brute", "grid3d"):
+            assert (FIELD.closest(rays, kernel=name).hit != wanted.hit).mean() < 0.01
+            continue
+        if "moller" not in name:
+            h = FIELD.closest(rays, kernel=name)
+            assert (h.hit == wanted.hit).mean() > 0.999
+        small.closest([4, 4, 99], [0, 0, -1], kernel=name)
+
+
+@pytest.mark.parametrize("arguments, kind, words", [
+    ((np.zeros((10, 2)), np.zeros(3)), ValueError, r"origins: shape \(10, 2\), expected \(\.\.\., 3\)"),
+    ((np.zeros(3), np.zeros((10, 2))), ValueError, r"directions: shape \(10, 2\), expected \(\.\.\., 3\)"),
+    ((np.zeros((4, 3)), np.zeros((5, 3))), ValueError, r"do not broadcast: origins \(4, 3\), directions \(5, 3\)"),
+    ((np.zeros((4, 7)),), ValueError, r"rays: shape \(4, 7\), expected \(\.\.\., 6\)"),
+    ((5.0,), ValueError, r"rays: shape \(\)"),
+    ((np.zeros((4, 3), complex), np.zeros(3)), TypeError, "origins: dtype complex128"),
+    ((np.zeros(3), ["a", "b", "c"]), TypeError, "directions: dtype <U1"),
+    ((np.zeros((4, 8)), None, 0), ValueError, "tmin, tmax: rays of shape"),
+    ((np.zeros(3), np.zeros(3), np.zeros((2,)), np.zeros((3,))), ValueError, r"do not broadcast.*tmin \(2,\), tmax \(3,\)"),
+])
+def test_wrong_arguments(arguments, kind, words):
+    for call in (FIELD.closest, FIELD.any):
+        with pytest.raises(kind, match=words):
+            call(*arguments)
+
+
+def test_wrong_kernel():
+    with pytest.raises(ValueError, match="kernel: 'no-such'"):
+        FIELD.closest([0, 0, 9], [0, 0, -1], kernel="no-such")
+
+
+def test_points_and_normals():
+    h = MAPPED.closest(random_rays(MAPPED, 500))
+    points = h.points()
+    same(np.isnan(points).any(-1), ~h.hit)
+    hit = h[h.hit]
+    at = MAPPED.at(hit.points()[:, 0], hit.points()[:, 1])
+    # Heights are at most 30 here; a place of at most 600 is off by 2^-52 of it, times slopes of at most 10.
+    assert np.abs(at - hit.points()[:, 2])[np.isfinite(at)].max() < 600 * 2.0**-52 * 100
+    for smooth in (False, True):
+        n = hit.normals(smooth)
+        assert np.abs(np.linalg.norm(n, axis=-1) - 1).max() < 1e-14 and (n[:, 2] > 0).all()
+    assert not (hit.normals(True) == hit.normals(False)).all()
+
+
+def test_at_is_the_surface():
+    z = rough(holes=False)
+    field = cw.Field(z)
+    j, i = np.mgrid[0:z.shape[0], 0:z.shape[1]]
+    same(field.at(i, j), z.astype(np.float64))
+    assert np.isnan(field.at([-1, 999, np.nan], 5)).all()
+    assert isinstance(field.at(1, 1), np.float64)
+    with pytest.raises(ValueError, match=r"x \(2,\), y \(3,\)"):
+        field.at([1, 2], [1, 2, 3])

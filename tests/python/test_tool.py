@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every function against the program cellwalk, bit for bit."""
+import json
+
+import numpy as np
+import pytest
+
+import cellwalk as cw
+from conftest import random_rays, real_dem, same
+
+
+def raster(path):
+    if path.suffix == ".npy":
+        return np.load(path)
+    import rasterio
+    with rasterio.open(path) as file:
+        return file.read() if file.count > 1 else file.read(1)
+
+
+def product(tool, ground, tmp_path, *words):
+    out = tmp_path / ("out" + ground.path.suffix)
+    tool(words[0], ground.path, *words[1:], "-o", out)
+    return raster(out)
+
+
+def place(field, across=0.37, down=0.61):
+    x0, y0, x1, y1 = field.bounds
+    return x0 + across * (x1 - x0), y0 + down * (y1 - y0)
+
+
+def test_closest_user(tool, ground, tmp_path):
+    rays = random_rays(ground.field, 20000)
+    np.save(tmp_path / "rays.npy", rays)
+    tool("trace", ground.path, tmp_path / "rays.npy", "--user", "--points", "--normals", "-o", tmp_path / "hits.npy")
+    wanted = np.load(tmp_path / "hits.npy")
+    h = ground.field.closest(rays)
+    assert 0.2 < h.hit.mean() < 0.95
+    for name in ("t", "u", "v", "i", "j"):
+        same(getattr(h, name), wanted[name])
+    assert (h.triangle == wanted["triangle"]).all()
+    same(h.points(), np.stack([wanted[n] for n in ("x", "y", "z")], -1))
+    same(h.normals().astype(np.float32), np.stack([wanted[n] for n in ("nx", "ny", "nz")], -1))
+    tool("trace", ground.path, tmp_path / "rays.npy", "--user", "--any", "-o", tmp_path / "any.npy")
+    same(ground.field.any(rays).view(np.uint8), np.load(tmp_path / "any.npy"))
+
+
+def test_closest_floats(tool, tmp_path):
+    z = real_dem()["elevation"].astype(np.float32)
+    field = cw.Field(z)
+    rays = random_rays(field, 20000, dtype=np.float32)
+    np.save(tmp_path / "z.npy", z)
+    np.save(tmp_path / "rays.npy", rays)
+    tool("trace", tmp_path / "z.npy", tmp_path / "rays.npy", "-o", tmp_path / "hits.npy")
+    wanted = np.load(tmp_path / "hits.npy")
+    h = field.closest(rays)
+    assert h.hit.any() and not h.hit.all()
+    for name in ("t", "u", "v", "i", "j"):
+        same(getattr(h, name), wanted[name])
+
+
+@pytest.mark.parametrize("words, arguments", [
+    (["--sun", "225,20"], {"azimuth": 225, "altitude": 20}),
+    (["--sun", "100,35", "--hillshade"], {"azimuth": 100, "altitude": 35, "hillshade": True}),
+    (["--sun", "300,15", "--sun-disc"], {"azimuth": 300, "altitude": 15, "disc": True}),
+    (["--sun", "0,8", "--disc", "1.5", "--hillshade"], {"azimuth": 0, "altitude": 8, "disc": 1.5, "hillshade": True}),
+])
+def test_shadow(tool, ground, tmp_path, words, arguments):
+    same(ground.field.shadow(**arguments), product(tool, ground, tmp_path, "shadow", *words))
+
+
+def test_shadow_at_a_time(tool, ground, tmp_path):
+    if ground.path.suffix == ".npy":
+        with pytest.raises(ValueError, match="^time: without a coordinate system"):
+            ground.field.shadow(time="2024-03-01T15:30:00Z")
+        return
+    got = ground.field.shadow(time="2024-03-01T15:30:00Z", disc=True)
+    same(got, product(tool, ground, tmp_path, "shadow", "--time", "2024-03-01T15:30:00Z", "--sun-disc"))
+
+
+def test_horizon(tool, ground, tmp_path):
+    wanted = product(tool, ground, tmp_path, "horizon", "--directions", "7", "--start", "11")
+    same(ground.field.horizon(7, start=11), wanted)
+
+
+def test_sky_view(tool, ground, tmp_path):
+    same(ground.field.sky_view(12), product(tool, ground, tmp_path, "horizon", "--directions", "12", "--svf"))
+
+
+def test_viewshed(tool, ground, tmp_path):
+    x, y = place(ground.field)
+    wanted = product(tool, ground, tmp_path, "viewshed", "--from", f"{x!r},{y!r},3", "--target-height", "1.5")
+    got = ground.field.viewshed(x, y, 3, 1.5)
+    assert 0 < (got == 1).sum() < got.size
+    same(got, wanted)
+    same(ground.field.viewshed(x, y, needed=True), product(tool, ground, tmp_path, "viewshed", "--from", f"{x!r},{y!r}", "--needed"))
+    u, v = place(ground.field, 0.8, 0.2)
+    many = product(tool, ground, tmp_path, "viewshed", "--from", f"{x!r},{y!r},9", "--from", f"{u!r},{v!r},9", "--curvature", "1")
+    same(ground.field.viewshed([x, u], [y, v], 9, curvature=1), many)
+
+
+def test_viewshed_within_a_distance(tool, ground, tmp_path):
+    x, y = place(ground.field)
+    distance = 20 if ground.path.suffix == ".npy" else 700
+    try:
+        wanted = product(tool, ground, tmp_path, "viewshed", "--from", f"{x!r},{y!r}", "--max-distance", distance, "--extent", "full")
+    except AssertionError:  # a program that knows no other extent
+        wanted = product(tool, ground, tmp_path, "viewshed", "--from", f"{x!r},{y!r}", "--max-distance", distance)
+    same(ground.field.viewshed(x, y, max_distance=distance), wanted)
+
+
+def printed(number, digits=10):
+    return float(f"{number:.{digits}g}")
+
+
+def test_line_of_sight(tool, ground):
+    random = np.random.default_rng(5)
+    x0, y0, x1, y1 = ground.field.bounds
+    blocked = 0
+    for _ in range(12):
+        (a, b, c, d) = random.uniform(0.1, 0.9, 4)
+        ends = [(x0 + a * (x1 - x0), y0 + b * (y1 - y0)), (x0 + c * (x1 - x0), y0 + d * (y1 - y0))]
+        if np.isnan(ground.field.at(*np.transpose(ends))).any():
+            continue
+        said = json.loads(tool("los", ground.path, *(f"{x!r},{y!r},+2" for x, y in ends), "--json"))
+        s = ground.field.line_of_sight(*((x, y, 2) for x, y in ends))
+        assert bool(s.visible) == said["visible"] and printed(s.distance, 9) == said["distance"]
+        if not s.visible:
+            blocked += 1
+            assert [printed(v) for v in s.blocked_at] == said["blocked_at"]
+            assert printed(s.blocked_distance) == said["blocked_distance"]
+    assert blocked > 0
+
+
+def test_sun(tool, ground, tmp_path):
+    if ground.path.suffix == ".npy":
+        return
+    said = tool("shadow", ground.path, "--time", "2024-06-21T09:00:00Z", "-o", tmp_path / "s.npy")
+    p = ground.field.sun("2024-06-21T09:00:00Z")
+    assert f"({p.azimuth:.3f} on the map), altitude {p.altitude:.3f}" in said

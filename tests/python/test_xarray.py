@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: Apache-2.0
+"""DataArrays in, DataArrays out."""
+import numpy as np
+import pytest
+
+xr = pytest.importorskip("xarray")
+
+import cellwalk as cw  # noqa: E402
+from conftest import random_rays, rough, same, same_hits  # noqa: E402
+
+
+def dem(dtype=np.float64, y_step=-30.0, **attrs):
+    z = rough()
+    x, y = 600015 + 30.0 * np.arange(z.shape[1]), 5199985 + y_step * np.arange(z.shape[0])
+    return xr.DataArray(z, dims=("y", "x"), coords={"y": y.astype(dtype), "x": x.astype(dtype)}, name="dem", attrs=attrs)
+
+
+@pytest.mark.parametrize("y_step", [-30.0, 30.0])
+def test_coordinates_are_centres(y_step):
+    d = dem(y_step=y_step)
+    field = cw.Field(d)
+    i, j = 12, 33
+    assert field.at(float(d.x[i]), float(d.y[j])) == d.values[j, i]
+    assert field.map[:2].tolist() == [[30, 0, 0, 600015], [0, y_step, 0, 5199985]]
+    rays = random_rays(field, 1000)
+    same_hits(field.closest(rays), cw.Field(d.values, transform=(30, 0, 600000, 0, y_step, 5199985 - y_step / 2)).closest(rays))
+
+
+def test_results_are_dataarrays():
+    d = dem(grid_mapping="spatial_ref").assign_coords(spatial_ref=0)
+    field = cw.Field(d)
+    plain = cw.Field(d.values, transform=field.map)
+    x, y = 601000.0, 5199000.0
+    for got, wanted in ((field.shadow(), plain.shadow()), (field.sky_view(8), plain.sky_view(8)),
+                        (field.viewshed(x, y), plain.viewshed(x, y)), (field.viewshed(x, y, needed=True), plain.viewshed(x, y, needed=True)),
+                        (d.cellwalk.shadow(), plain.shadow()), (d.cellwalk.viewshed(x, y), plain.viewshed(x, y))):
+        assert isinstance(got, xr.DataArray) and got.dims == ("y", "x")
+        same(got.values, wanted)
+        assert (got.x == d.x).all() and (got.y == d.y).all() and "spatial_ref" in got.coords
+        assert got.attrs["grid_mapping"] == "spatial_ref"
+    h = d.cellwalk.horizon(4)
+    assert h.dims == ("azimuth", "y", "x") and h.azimuth.values.tolist() == [0, 90, 180, 270]
+    same(h.values, plain.horizon(4))
+    assert "Sun and shadow" in d.cellwalk.shadow.__doc__
+
+
+def test_holes_and_crs():
+    z = rough()
+    d = dem(_FillValue=-9999.0)
+    d = d.copy(data=np.where(np.isnan(z), np.float32(-9999), z))
+    same(cw.Field(d).z, z)
+    wkt = cw._convert._WGS84
+    d = dem().assign_coords(spatial_ref=xr.DataArray(0, attrs={"crs_wkt": wkt}))
+    assert cw.Field(d)._source.crs.geographic and cw.Field(d).crs == wkt
+    lonlat = xr.DataArray(z, dims=("lat", "lon"), coords={"lat": 47 - np.arange(61) / 1200, "lon": 10 + np.arange(83) / 1200})
+    assert cw.Field(lonlat)._source.crs.geographic
+    assert cw.Field(xr.DataArray(z, dims=("y", "x"))).map.tolist() == np.eye(3, 4).tolist()
+
+
+def test_band_and_chunks():
+    d = dem().expand_dims("band")
+    same(cw.Field(d).shadow().values, cw.Field(dem()).shadow().values)
+    chunked = dem()
+    try:
+        chunked = chunked.chunk({"x": 20, "y": 20})
+    except (ImportError, ValueError):
+        pytest.skip("dask is not installed")
+    same(cw.Field(chunked).shadow().values, cw.Field(dem()).shadow().values)
+
+
+def test_float32_coordinates():
+    lon = (10 + np.arange(83) / 1200).astype(np.float32)
+    d = xr.DataArray(rough(), dims=("lat", "lon"), coords={"lat": 47 - np.arange(61) / 1200, "lon": lon})
+    assert abs(cw.Field(d).map[0, 0] * 1200 - 1) < 1e-3
+
+
+def test_irregular_spacing():
+    d = dem()
+    x = d.x.values.copy()
+    x[40] += 2
+    with pytest.raises(ValueError, match=r"z.x: irregular spacing: number 40 is 601217"):
+        cw.Field(d.assign_coords(x=x))
+    with pytest.raises(ValueError, match="use .transpose"):
+        cw.Field(d.transpose("x", "y"))
+    with pytest.raises(ValueError, match="expected .y, x.; choose one"):
+        cw.Field(xr.concat([d, d], "time"))
