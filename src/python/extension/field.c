@@ -48,10 +48,14 @@ static cw_status make(py_field *f, work *w) {
     desc.ny = f->ny;
     desc.storage = CW_BORROW;
     memcpy(desc.map, f->map, sizeof desc.map);
-    desc.pool = w->query.pool;
-    desc.watch = w->query.watch;
-    desc.watch_context = w->query.watch_context;
-    return cw_field_create(&desc, &f->field);
+    return cw_field_create(&desc, &w->run, &f->field);
+}
+
+static bool has_infinity(const py_field *f) {
+    const float *z = f->samples.buf;
+    for (size_t k = 0; k < f->nx * f->ny; k++)
+        if (isinf(z[k])) return true;
+    return false;
 }
 
 static PyObject *field_new(PyTypeObject *type, PyObject *arguments, PyObject *keywords) {
@@ -86,11 +90,12 @@ static PyObject *field_new(PyTypeObject *type, PyObject *arguments, PyObject *ke
         return NULL;
     }
     const cw_status status = make(f, &w);
-    if (!work_end(&w, status == CW_ERROR_HOLE ? CW_OK : status, "field")) {
+    const bool infinite = status == CW_ERROR_SAMPLE && has_infinity(f);
+    if (!work_end(&w, infinite ? CW_OK : status, "field")) {
         Py_DECREF((PyObject *)f);
         return NULL;
     }
-    if (status == CW_ERROR_HOLE) {
+    if (infinite) {
         Py_DECREF((PyObject *)f);
         Py_RETURN_NONE;
     }
@@ -120,17 +125,18 @@ static void field_dealloc(PyObject *self) {
 }
 
 /* Puts block into the samples. What the field then refuses is undone. */
-static cw_status put(py_field *f, const cw_update *u, const float *block, float *before) {
+static cw_status put(py_field *f, const cw_update *u, const cw_run *run, const float *block, float *before) {
     float *z = f->samples.buf;
-    for (size_t y = 0; y < u->ny; y++) {
-        float *row = z + (u->j + y) * f->nx + u->i;
-        memcpy(before + y * u->nx, row, u->nx * sizeof *row);
-        memcpy(row, block + y * u->nx, u->nx * sizeof *row);
+    for (size_t y = 0; y < u->at.ny; y++) {
+        float *row = z + (u->at.j + y) * f->nx + u->at.i;
+        memcpy(before + y * u->at.nx, row, u->at.nx * sizeof *row);
+        memcpy(row, block + y * u->at.nx, u->at.nx * sizeof *row);
     }
-    const cw_status status = cw_field_update(f->field, u);
+    const cw_status status = cw_field_update(f->field, u, run);
     if (status == CW_OK) return status;
-    for (size_t y = 0; y < u->ny; y++) memcpy(z + (u->j + y) * f->nx + u->i, before + y * u->nx, u->nx * sizeof *z);
-    cw_field_update(f->field, u);
+    for (size_t y = 0; y < u->at.ny; y++)
+        memcpy(z + (u->at.j + y) * f->nx + u->at.i, before + y * u->at.nx, u->at.nx * sizeof *z);
+    cw_field_update(f->field, u, run);
     return status;
 }
 
@@ -159,9 +165,8 @@ static PyObject *field_update(PyObject *self, PyObject *arguments) {
         work w;
         f->users = -1;
         if ((good = work_begin(&w, threads, NULL, Py_None))) {
-            const cw_update u = {
-                .i = (size_t)column, .j = (size_t)row, .nx = (size_t)columns, .ny = (size_t)rows, .pool = w.query.pool};
-            good = work_end(&w, put(f, &u, block.buf, before.buf), "update");
+            const cw_update u = {.at = {(size_t)column, (size_t)row, (size_t)columns, (size_t)rows}};
+            good = work_end(&w, put(f, &u, &w.run, block.buf, before.buf), "update");
         }
         f->users = 0;
     }

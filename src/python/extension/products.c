@@ -37,9 +37,9 @@ static cw_status light_rows(py_field *f, work *w, const sunlight_desc *d, size_t
         if (!work_watch(w, (double)k / (double)rows))
             status = CW_ERROR_CANCELLED;
         else if (share)
-            status = sunlight_share(light, &w->query, row + k, count, share + k * f->nx);
+            status = sunlight_share(light, &w->run, row + k, count, share + k * f->nx);
         else
-            status = sunlight_lit(light, &w->query, row + k, count, lit + k * f->nx);
+            status = sunlight_lit(light, &w->run, row + k, count, lit + k * f->nx);
     }
     sunlight_destroy(light);
     return status;
@@ -69,6 +69,7 @@ PyObject *field_shadow(PyObject *self, PyObject *arguments) {
     if (good) {
         work w;
         if ((good = work_begin(&w, threads, NULL, progress))) {
+            w.run.watch = work_look;
             const cw_status status =
                 light_rows(f, &w, &d, (size_t)row, (size_t)rows, share ? NULL : out.buf, share ? out.buf : NULL);
             good = work_end(&w, status, "shadow");
@@ -90,7 +91,7 @@ static cw_status angle_rows(py_field *f, work *w, double start, size_t count, si
         for (size_t r = 0, some; r < rows && status == CW_OK; r += some) {
             some = rows - r < most ? rows - r : most;
             const double done = ((double)k + (double)r / (double)rows) / (double)count;
-            status = work_watch(w, done) ? horizon_angles(h, &w->query, k, row + r, some, out + (k * rows + r) * f->nx)
+            status = work_watch(w, done) ? horizon_angles(h, &w->run, k, row + r, some, out + (k * rows + r) * f->nx)
                                          : CW_ERROR_CANCELLED;
         }
     horizon_destroy(h);
@@ -112,6 +113,7 @@ PyObject *field_horizon(PyObject *self, PyObject *arguments) {
     if (good) {
         work w;
         if ((good = work_begin(&w, threads, NULL, progress))) {
+            w.run.watch = work_look;
             const cw_status status = angle_rows(f, &w, start, (size_t)count, (size_t)row, (size_t)rows, out.buf);
             good = work_end(&w, status, "horizon");
         }
@@ -129,7 +131,7 @@ static cw_status sky_rows(py_field *f, work *w, size_t count, size_t row, size_t
     for (size_t r = 0, some; r < rows && status == CW_OK; r += some) {
         some = rows - r < most ? rows - r : most;
         bool done = work_part(w, (double)r / (double)rows, (double)some / (double)rows);
-        if (done) status = horizon_sky_view(h, &w->query, row + r, some, out + r * f->nx, work_watch, w, &done);
+        if (done) status = horizon_sky_view(h, &w->run, row + r, some, out + r * f->nx, work_watch, w, &done);
         if (!done && status == CW_OK) status = CW_ERROR_CANCELLED;
     }
     horizon_destroy(h);
@@ -148,8 +150,10 @@ PyObject *field_sky_view(PyObject *self, PyObject *arguments) {
                 buffer_holds(&out, (size_t)rows * f->nx * sizeof(float), "out") && enter_ground(f);
     if (good) {
         work w;
-        if ((good = work_begin(&w, threads, NULL, progress)))
+        if ((good = work_begin(&w, threads, NULL, progress))) {
+            w.run.watch = work_look;
             good = work_end(&w, sky_rows(f, &w, (size_t)count, (size_t)row, (size_t)rows, out.buf), "sky_view");
+        }
         field_leave(f);
     }
     PyBuffer_Release(&out);
@@ -179,8 +183,8 @@ static cw_status view_from(const viewing *v, size_t number, const sight_bounds *
     if (status != CW_OK) return status;
     bool done = work_part(v->work, (double)number / (double)v->count, 1 / (double)v->count);
     if (done)
-        status = v->seen ? viewshed_count(shed, &v->work->query, v->seen, work_watch, v->work, &done)
-                         : viewshed_heights(shed, &v->work->query, v->heights, work_watch, v->work, &done);
+        status = v->seen ? viewshed_count(shed, &v->work->run, v->seen, work_watch, v->work, &done)
+                         : viewshed_heights(shed, &v->work->run, v->heights, work_watch, v->work, &done);
     viewshed_destroy(shed);
     return status == CW_OK && !done ? CW_ERROR_CANCELLED : status;
 }
@@ -233,6 +237,7 @@ PyObject *field_viewshed(PyObject *self, PyObject *arguments) {
         for (size_t k = 0; k < v.count && good; k++) good = check_place(&f->terrain, v.places[k], d.absolute, "x, y");
         work w;
         if (good && (good = work_begin(&w, threads, NULL, progress))) {
+            w.run.watch = work_look;
             v.work = &w;
             good = work_end(&w, view(&v), "viewshed");
         }
@@ -314,8 +319,9 @@ PyObject *field_line_of_sight(PyObject *self, PyObject *arguments) {
     if (good) {
         work w;
         if ((good = work_begin(&w, threads, NULL, progress))) {
+            w.run.watch = work_look;
             l.work = &w;
-            cw_pool_run(w.query.pool, l.n, 64, look_along_all, &l);
+            cw_pool_run(w.run.pool, l.n, 64, look_along_all, &l);
             good = work_end(&w, CW_OK, "line_of_sight");
         }
         field_leave(f);

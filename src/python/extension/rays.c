@@ -17,8 +17,8 @@ typedef struct tracing {
     const py_field *field;
     const char *at[OPERANDS];
     size_t step[OPERANDS];
-    bool wide;      /* operands are double, else float */
-    cw_query query; /* of a block */
+    bool wide;  /* operands are double, else float */
+    cw_run run; /* of a block */
     cw_hit *hits;
     uint8_t *any;
     work *work;
@@ -71,11 +71,11 @@ static cw_status trace_block(const tracing *t, size_t begin, size_t count) {
     if (!t->wide && t->field->identity) {
         cw_ray rays[BLOCK];
         gather_floats(t, begin, count, rays);
-        return hits ? cw_closest(f, &t->query, rays, count, hits) : cw_any(f, &t->query, rays, count, any);
+        return hits ? cw_closest(f, &t->run, rays, count, hits) : cw_occluded(f, &t->run, rays, count, any);
     }
     cw_user_ray rays[BLOCK];
     gather(t, begin, count, rays);
-    return hits ? cw_closest_user(f, &t->query, rays, count, hits) : cw_any_user(f, &t->query, rays, count, any);
+    return hits ? cw_closest_user(f, &t->run, rays, count, hits) : cw_occluded_user(f, &t->run, rays, count, any);
 }
 
 static void trace_blocks(void *context, size_t begin, size_t end) {
@@ -100,30 +100,30 @@ static bool is_packed(const tracing *t) {
     return true;
 }
 
-static cw_status trace_packed(const tracing *t, const cw_query *query) {
+static cw_status trace_packed(const tracing *t, const cw_run *run) {
     const cw_field *f = t->field->field;
     const void *rays = t->at[ORIGIN];
     if (t->wide)
-        return t->hits ? cw_closest_user(f, query, rays, t->n, t->hits) : cw_any_user(f, query, rays, t->n, t->any);
-    return t->hits ? cw_closest(f, query, rays, t->n, t->hits) : cw_any(f, query, rays, t->n, t->any);
+        return t->hits ? cw_closest_user(f, run, rays, t->n, t->hits) : cw_occluded_user(f, run, rays, t->n, t->any);
+    return t->hits ? cw_closest(f, run, rays, t->n, t->hits) : cw_occluded(f, run, rays, t->n, t->any);
 }
 
 static cw_status trace(tracing *t, work *w) {
     const py_field *f = t->field;
-    if (is_packed(t) && (t->wide || f->identity)) return trace_packed(t, &w->query);
-    t->query = w->query;
-    t->query.pool = NULL;
-    t->query.watch = NULL;
+    if (is_packed(t) && (t->wide || f->identity)) return trace_packed(t, &w->run);
+    t->run = w->run;
+    t->run.pool = NULL;
+    t->run.watch = NULL;
     /* A pool's threads are woken only for as many rays as the library wakes them for. */
-    cw_pool_run(t->n < 2 * BLOCK ? NULL : w->query.pool, t->n, t->n < (size_t)PIECE * 64 ? BLOCK : PIECE, trace_blocks,
+    cw_pool_run(t->n < 2 * BLOCK ? NULL : w->run.pool, t->n, t->n < (size_t)PIECE * 64 ? BLOCK : PIECE, trace_blocks,
                 t);
     return (cw_status)atomic_load(&t->status);
 }
 
 /* Builds what a kernel needs that the field has not, which must not happen beside queries. */
 static bool make_ready(py_field *f, unsigned threads, const char *kernel, PyObject *progress) {
-    const cw_query query = {.kernel = kernel ? cw_kernel_find(kernel) : NULL};
-    if (cw_closest(f->field, &query, NULL, 0, NULL) != CW_ERROR_NOT_BUILT) return true;
+    const cw_run run = {.kernel = kernel ? cw_kernel_find(kernel) : NULL};
+    if (cw_run_check(f->field, &run) != CW_ERROR_NOT_BUILT) return true;
     work w;
     if (f->users != 0) {
         PyErr_Format(PyExc_RuntimeError, "kernel: %s is to be built first, but other queries are running", kernel);
@@ -131,7 +131,7 @@ static bool make_ready(py_field *f, unsigned threads, const char *kernel, PyObje
     }
     f->users = -1;
     const bool good =
-        work_begin(&w, threads, kernel, progress) && work_end(&w, cw_field_build_for(f->field, &w.query), "kernel");
+        work_begin(&w, threads, kernel, progress) && work_end(&w, cw_field_build(f->field, &w.run), "kernel");
     f->users = 0;
     return good;
 }
@@ -203,9 +203,9 @@ static void look_down(void *context, size_t begin, size_t end) {
         for (; begin < until; begin++) {
             cw_hit hit;
             double point[3] = {NAN, NAN, NAN};
-            const cw_status status = cw_field_at_user(l->field->field, l->x[begin], l->y[begin], &hit);
+            cw_status status = cw_field_at_user(l->field->field, l->x[begin], l->y[begin], &hit);
+            if (status == CW_OK) status = cw_hit_points(l->field->field, NULL, &hit, 1, point);
             if (status != CW_OK) atomic_store(&l->status, (int)status);
-            if (hit.i >= 0) cw_hit_point(l->field->field, &hit, point);
             l->z[begin] = point[2];
         }
         if (!work_watch(l->work, (double)(atomic_fetch_add(&l->done, count) + count) / (double)l->n)) return;
@@ -225,7 +225,7 @@ PyObject *field_at(PyObject *self, PyObject *arguments) {
         work w;
         if ((good = work_begin(&w, threads, NULL, progress))) {
             l.work = &w;
-            cw_pool_run(w.query.pool, l.n, PIECE, look_down, &l);
+            cw_pool_run(w.run.pool, l.n, PIECE, look_down, &l);
             good = work_end(&w, (cw_status)atomic_load(&l.status), "at");
         }
         field_leave(f);
@@ -244,10 +244,9 @@ static cw_status follow(const py_field *f, work *w, int kind, const cw_hit *hits
     for (size_t k = 0; k < n; k += AT_ONCE) {
         const size_t count = n - k < AT_ONCE ? n - k : AT_ONCE;
         if (!work_watch(w, (double)k / (double)n)) return CW_ERROR_CANCELLED;
-        const cw_status status = kind == POINTS ? cw_hit_points(f->field, w->query.pool, hits + k, count, out + k)
-                                 : kind == NORMALS
-                                     ? cw_hit_normals(f->field, w->query.pool, hits + k, count, out + k)
-                                     : cw_hit_phong_normals(f->field, w->query.pool, hits + k, count, out + k);
+        const cw_status status = kind == POINTS    ? cw_hit_points(f->field, &w->run, hits + k, count, out[k])
+                                 : kind == NORMALS ? cw_hit_normals(f->field, &w->run, hits + k, count, out[k])
+                                                   : cw_hit_phong_normals(f->field, &w->run, hits + k, count, out[k]);
         if (status != CW_OK) return status;
     }
     return CW_OK;

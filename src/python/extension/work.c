@@ -44,29 +44,29 @@ static cw_status find_pool(unsigned threads, cw_pool **pool) {
 }
 
 void work_raise(cw_status status, const char *call) {
-    PyObject *kind = status == CW_ERROR_MEMORY                              ? PyExc_MemoryError
-                     : status == CW_ERROR_THREAD || status == CW_ERROR_BUSY ? PyExc_RuntimeError
-                                                                            : PyExc_ValueError;
-    PyErr_Format(kind, "%s: %s", call, cw_status_message(status));
+    PyObject *kind = status == CW_ERROR_MEMORY ? PyExc_MemoryError
+                     : status == CW_ERROR_BUSY ? PyExc_RuntimeError
+                                               : PyExc_ValueError;
+    const char *detail = cw_last_error();
+    PyErr_Format(kind, "%s: %s", call, detail[0] ? detail : cw_status_message(status));
 }
 
 bool work_begin(work *w, unsigned threads, const char *kernel, PyObject *progress) {
     memset(w, 0, sizeof *w);
-    w->query = cw_query_default();
-    const cw_status status = find_pool(threads, &w->query.pool);
+    const cw_status status = find_pool(threads, &w->run.pool);
     if (status != CW_OK) {
         work_raise(status, "threads");
         return false;
     }
     if (kernel != NULL) {
-        w->query.kernel = cw_kernel_find(kernel);
-        if (!cw_kernel_exists(w->query.kernel)) {
+        w->run.kernel = cw_kernel_find(kernel);
+        if (!cw_kernel_exists(w->run.kernel)) {
             PyErr_Format(PyExc_ValueError, "kernel: '%s' is none of cellwalk.kernels()", kernel);
             return false;
         }
     }
-    w->query.watch = work_watch;
-    w->query.watch_context = w;
+    w->run.watch = work_watch;
+    w->run.watch_context = w;
     w->progress = progress == Py_None ? NULL : progress;
     w->caller = pthread_self();
     w->share = 1;
@@ -75,16 +75,15 @@ bool work_begin(work *w, unsigned threads, const char *kernel, PyObject *progres
     return true;
 }
 
-bool work_watch(void *context, double done) {
-    work *w = context;
+static bool watch(work *w, bool tell, double share) {
     if (atomic_load_explicit(&w->stopped, memory_order_relaxed)) return false;
     if (!pthread_equal(pthread_self(), w->caller)) return true;
     const double now = clock_seconds();
     if (now < w->next) return true;
     PyEval_RestoreThread(w->state);
     bool good = PyErr_CheckSignals() == 0;
-    if (good && w->progress != NULL) {
-        PyObject *answer = PyObject_CallFunction(w->progress, "d", w->begin + w->share * done);
+    if (good && tell && w->progress != NULL) {
+        PyObject *answer = PyObject_CallFunction(w->progress, "d", share);
         good = answer != NULL;
         Py_XDECREF(answer);
     }
@@ -92,6 +91,16 @@ bool work_watch(void *context, double done) {
     w->next = clock_seconds() + look_after;
     w->state = PyEval_SaveThread();
     return good;
+}
+
+bool work_watch(void *context, double done) {
+    work *w = context;
+    return watch(w, true, w->begin + w->share * done);
+}
+
+bool work_look(void *context, double done) {
+    (void)done;
+    return watch(context, false, 0);
 }
 
 bool work_part(work *w, double begin, double share) {

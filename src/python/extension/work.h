@@ -12,7 +12,7 @@
 #include <stdatomic.h>
 
 typedef struct work {
-    cw_query query; /* pool, kernel and watch are set */
+    cw_run run; /* pool, kernel and watch are set */
     PyObject *progress;
     PyThreadState *state;
     pthread_t caller;
@@ -31,10 +31,13 @@ bool work_end(work *w, cw_status status, const char *call);
  * is stopped, since Python handles signals on its own threads. */
 bool work_watch(void *context, double done);
 
+/* The same, but tells no progress: for steps whose shares are not those of the whole. */
+bool work_look(void *context, double done);
+
 /* For work in parts: from here on the watch is told shares of [begin, begin + share]. False if the work is stopped. */
 bool work_part(work *w, double begin, double share);
 
-/* Exceptions for statuses. */
+/* The exception for a status, with what the library says of the last failure on this thread. */
 void work_raise(cw_status status, const char *call);
 
 #endif
