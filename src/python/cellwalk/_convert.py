@@ -88,6 +88,8 @@ def read_crs(crs) -> Crs:
         return Crs(None, None, False, 0.0, 0.0, 0.0)
     if isinstance(crs, Crs):
         return crs
+    if isinstance(crs, (str, int)) and str(crs).upper() in ("4326", "EPSG:4326", "OGC:CRS84"):
+        return Crs(crs, _WGS84, *_cellwalk.describe_crs(_WGS84))
     text = crs.to_wkt() if hasattr(crs, "to_wkt") else crs
     known = _cellwalk.describe_crs(text) if isinstance(text, str) else None
     if known is None and not hasattr(crs, "to_wkt"):
