@@ -23,19 +23,26 @@ void compass_destroy(compass *c) {
 }
 
 void compass_turn(compass *c, size_t row, size_t *rows) {
+    const terrain *whole = terrain_whole(c->terrain);
+    row += c->terrain->row;
     if (row < c->from || row >= c->until) {
         forget(c);
-        c->from = c->terrain->geographic ? row : 0;
-        c->until = c->from + terrain_rows_alike(c->terrain, row);
+        if (row < c->from) c->until = 0;
+        do {
+            c->from = c->until;
+            c->until = c->from + terrain_rows_alike(whole, c->from);
+        } while (row >= c->until);
     }
     *rows = c->until - row;
 }
 
+double compass_middle(const compass *c) { return 0.5 * (double)(c->from + c->until - 1); }
+
 cw_status compass_heading(compass *c, size_t k, cw_heading **heading, double *slope) {
-    const terrain *t = c->terrain;
-    const double middle = 0.5 * (double)(c->from + c->until - 1);
+    const terrain *t = c->terrain, *whole = terrain_whole(t);
     double dir[2];
-    const double metres = terrain_direction(t, 0.5 * (double)(t->nx - 1), middle, c->azimuths[k], dir);
+    const double metres =
+        terrain_direction(whole, 0.5 * (double)(whole->nx - 1), compass_middle(c), c->azimuths[k], dir);
     *slope = metres / t->map[2][2];
     cw_status status = CW_OK;
     if (c->headings[k] == NULL) status = cw_heading_create(t->field, dir, &c->headings[k]);

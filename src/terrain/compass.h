@@ -20,8 +20,11 @@ typedef struct compass {
 cw_status compass_create(compass *c, const terrain *t, const double *azimuths, size_t count);
 void compass_destroy(compass *c);
 
-/* Turns to the row; sets rows to the number of rows, from this one on, for which headings are then right. */
+/* Turns to the row; headings are shared by the same rows of the whole raster, wherever one begins. Sets rows to the number of rows, from this one on, for which headings are then right. */
 void compass_turn(compass *c, size_t row, size_t *rows);
+
+/* The middle of these rows, in the whole raster's. */
+double compass_middle(const compass *c);
 
 /* Heading number k for these rows. The tangent of an angle, times slope, is the rise that the heading knows. */
 cw_status compass_heading(compass *c, size_t k, cw_heading **heading, double *slope);

@@ -185,7 +185,8 @@ static void shade_rows(void *context, size_t begin, size_t end) {
 static cw_status shade(sunlight *s, const cw_run *query, size_t row, size_t rows, float *share) {
     const terrain *t = s->terrain;
     double metres[2];
-    terrain_metres(t, 0.5 * (double)(t->nx - 1), (double)row + 0.5 * (double)(rows - 1), metres);
+    const terrain *whole = terrain_whole(t);
+    terrain_metres(whole, 0.5 * (double)(whole->nx - 1), compass_middle(&s->compass), metres);
     shading h = {.light = s, .row = row, .share = share, .lean = work(s, 2 * rows * t->nx)};
     if (h.lean == NULL) return CW_ERROR_MEMORY;
     for (int k = 0; k < 2; k++) {

@@ -32,6 +32,10 @@ bool terrain_init(terrain *t, const terrain_desc *d) {
 void terrain_metres(const terrain *t, double i, double j, double metres[2]) {
     metres[0] = metres[1] = t->unit;
     if (!t->geographic) return;
+    if (t->whole) { /* coordinates are sums of whole numbers and fractions that have room in double */
+        terrain_metres(t->whole, i + (double)t->column, j + (double)t->row, metres);
+        return;
+    }
     double xy[2];
     terrain_to_map(t, i, j, xy);
     double latitude = xy[1] * t->unit;

@@ -22,6 +22,11 @@ typedef struct terrain {
     bool geographic;              /* map x and y are angles */
     double unit;                  /* metres, or radians, in one of them */
     double radius, eccentricity2; /* of the ellipsoid: the equator's, in metres; e² */
+
+    /* NULL, or the raster that the samples are a window of, from that sample of it on. Directions and metres are then those of
+     * the raster, bit for bit, and only its size and map are used: its samples need not be in memory. */
+    const struct terrain *whole;
+    size_t column, row;
 } terrain;
 
 /* What a terrain is made of. */
@@ -57,6 +62,9 @@ double terrain_height(const terrain *t, double i, double j);
 
 /* Metres that a sample's number stands for, times this. */
 static inline double terrain_metres_of_height(const terrain *t) { return t->map[2][2]; }
+
+/* Metres, directions and rows are those of the whole raster. */
+static inline const terrain *terrain_whole(const terrain *t) { return t->whole ? t->whole : t; }
 
 /* Rows from row on whose scales differ by less than 10^-4, so that they may share one heading with angles off by less than
  * 0.003 degrees: all of them, unless the map is in degrees. */

@@ -173,6 +173,12 @@ _Y_NAMES = ("y", "lat", "latitude", "northing", "projection_y_coordinate")
 
 
 def _source_of_dataarray(z, transform, crs, nodata, zscale) -> Source:
+    described = describe_dataarray(z, transform, crs, nodata, zscale)
+    return described._replace(samples=samples_of(described.like.values, described.nodata))
+
+
+def describe_dataarray(z, transform=None, crs=None, nodata=None, zscale=None) -> Source:
+    """All but the samples, which need not be in memory."""
     like = z
     if z.ndim > 2:
         like = z.squeeze([d for d in z.dims[:-2] if z.sizes[d] == 1])
@@ -201,7 +207,7 @@ def _source_of_dataarray(z, transform, crs, nodata, zscale) -> Source:
         crs = _WGS84
     known = read_crs(crs)
     _scale_heights(affine, zscale, like.attrs.get("units"), known)
-    return Source(samples_of(like.values, nodata), affine, placed, known, like, nodata)
+    return Source(None, affine, placed, known, like, nodata)
 
 
 _WGS84 = ('GEOGCRS["WGS 84",DATUM["World Geodetic System 1984",ELLIPSOID["WGS 84",6378137,298.257223563,LENGTHUNIT["metre",1]]],'

@@ -75,10 +75,11 @@ class Field(Products):
         nodata = None if nodata is None else float(nodata)
         self._make(read_source(z, transform, crs, nodata, zscale, band), threads, copy, progress, z)
 
-    def _make(self, source: Source, threads, copy, progress, given=None) -> None:
+    def _make(self, source: Source, threads, copy, progress, given=None, whole=None) -> None:
         self._threads = count(threads, "threads", 0, 4096)
         self._source = source
         self._origin = None  # how to open it again
+        self._whole = whole
         samples = source.samples
         if copy and given is not None and np.shares_memory(samples, np.asarray(getattr(given, "values", given))):
             samples = samples.copy()
@@ -91,7 +92,8 @@ class Field(Products):
 
         def make(samples):
             return _cellwalk.Field(samples, columns, rows, np.ascontiguousarray(self._source.map), known.geographic, known.unit,
-                                   known.semi_major, known.inverse_flattening, self._threads, progress_call(progress))
+                                   known.semi_major, known.inverse_flattening, self._threads, progress_call(progress),
+                                   *(() if self._whole is None else (self._whole,)))
 
         core = make(samples)
         if core is None:  # infinite holes become NaN in a copy

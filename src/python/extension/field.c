@@ -39,7 +39,8 @@ static bool is_identity(double m[3][4]) {
     return true;
 }
 
-/* Field(samples, nx, ny, map, geographic, unit, semi_major, inverse_flattening, threads, progress). Returns None in place of
+/* Field(samples, nx, ny, map, geographic, unit, semi_major, inverse_flattening, threads, progress[, (columns, rows, column, row,
+ * map) of the raster that the samples are a window of]). Returns None in place of
  * a field whose samples hold an infinity, which borrowed samples must not. */
 static cw_status make(py_field *f, work *w) {
     cw_field_desc desc = cw_field_desc_default();
@@ -65,10 +66,17 @@ static PyObject *field_new(PyTypeObject *type, PyObject *arguments, PyObject *ke
     int geographic;
     double unit, semi_major, inverse_flattening;
     unsigned threads;
+    Py_buffer whole_map = {0};
+    double raster[3][4];
+    Py_ssize_t whole_nx = 0, whole_ny = 0, column = 0, row = 0;
     (void)keywords;
-    if (!PyArg_ParseTuple(arguments, "Onny*pdddIO:Field", &samples, &nx, &ny, &map, &geographic, &unit, &semi_major,
-                          &inverse_flattening, &threads, &progress))
+    if (!PyArg_ParseTuple(arguments, "Onny*pdddIO|(nnnny*):Field", &samples, &nx, &ny, &map, &geographic, &unit,
+                          &semi_major, &inverse_flattening, &threads, &progress, &whole_nx, &whole_ny, &column, &row,
+                          &whole_map))
         return NULL;
+    const bool is_window = whole_map.obj != NULL;
+    if (is_window && whole_map.len == sizeof raster) memcpy(raster, whole_map.buf, sizeof raster);
+    PyBuffer_Release(&whole_map);
     allocfunc allocate = (allocfunc)PyType_GetSlot(type, Py_tp_alloc);
     py_field *f = (py_field *)allocate(type, 0);
     const bool good = f != NULL && buffer_holds(&map, sizeof f->map, "map") &&
@@ -111,6 +119,16 @@ static PyObject *field_new(PyTypeObject *type, PyObject *arguments, PyObject *ke
         .inverse_flattening = inverse_flattening,
     };
     if (!terrain_init(&f->terrain, &ground)) f->terrain.field = NULL; /* products will say so */
+    if (is_window) {
+        terrain_desc whole = ground;
+        whole.nx = (size_t)whole_nx;
+        whole.ny = (size_t)whole_ny;
+        whole.map = (const double(*)[4])raster;
+        if (!terrain_init(&f->whole, &whole)) f->terrain.field = NULL;
+        f->terrain.whole = &f->whole;
+        f->terrain.column = (size_t)column;
+        f->terrain.row = (size_t)row;
+    }
     return (PyObject *)f;
 }
 

@@ -13,10 +13,10 @@ typedef struct py_field {
     Py_buffer samples; /* borrowed by the field; contiguous float, ny × nx */
     size_t nx, ny;
     double map[3][4];
-    terrain terrain;
-    bool identity; /* the map is */
-    long users;    /* queries that run; -1: an update. Guarded by the GIL */
-    long process;  /* in which users were counted: a fork forgets them */
+    terrain terrain, whole; /* whole: of a window */
+    bool identity;          /* the map is */
+    long users;             /* queries that run; -1: an update. Guarded by the GIL */
+    long process;           /* in which users were counted: a fork forgets them */
 } py_field;
 
 /* The field is not to be changed from here to field_leave. False with an exception set while an update runs. */

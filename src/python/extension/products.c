@@ -176,7 +176,9 @@ typedef struct viewing {
 static cw_status view_from(const viewing *v, size_t number, const sight_bounds *bounds) {
     viewshed_desc d = v->desc;
     const terrain *t = &v->field->terrain;
-    terrain_from_map(t, v->places[number][0], v->places[number][1], d.place);
+    terrain_from_map(terrain_whole(t), v->places[number][0], v->places[number][1], d.place);
+    d.place[0] -= (double)t->column;
+    d.place[1] -= (double)t->row;
     d.height = v->places[number][2];
     viewshed *shed;
     cw_status status = viewshed_create(t, bounds, &d, &shed);
@@ -202,7 +204,9 @@ static bool check_place(const terrain *t, const double place[3], bool absolute, 
     double at[2];
     char text[200];
     const char *what = NULL;
-    terrain_from_map(t, place[0], place[1], at);
+    terrain_from_map(terrain_whole(t), place[0], place[1], at);
+    at[0] -= (double)t->column;
+    at[1] -= (double)t->row;
     if (!terrain_is_in_reach(at[0], at[1]))
         what = "is too far away from the terrain";
     else if (!absolute && isnan(terrain_height(t, at[0], at[1])))

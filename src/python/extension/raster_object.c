@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "raster_object.h"
 
+#include "gdal/module.h"
 #include "raster.h"
 #include "work.h"
 
@@ -138,4 +139,47 @@ PyObject *read_raster(PyObject *self, PyObject *arguments) {
     }
     Py_XDECREF(r.warnings);
     return answer;
+}
+
+static bool find_size(const char *path, const io_raster_options *o, size_t size[2], io_error *error) {
+    const char *ending = strrchr(path, '.');
+    const io_raster_format *own[] = {&io_raster_npy, &io_raster_pgm, &io_raster_asc};
+    io_raster raster = {0};
+    bool by_gdal = true;
+    for (size_t k = 0; k < sizeof own / sizeof *own && ending != NULL; k++) {
+        const char *found = strstr(own[k]->endings, ending);
+        by_gdal &= found == NULL || (found[strlen(ending)] != '\0' && found[strlen(ending)] != ' ');
+    }
+    bool good;
+    if (by_gdal) {
+        size_t rows;
+        const io_gdal *gdal = io_gdal_load(error);
+        io_gdal_source *source = gdal ? gdal->open(path, o, &raster, &rows, error) : NULL;
+        good = source != NULL;
+        if (good) gdal->close(source);
+    } else {
+        good = io_raster_read(path, o, &raster, error);
+    }
+    size[0] = raster.nx;
+    size[1] = raster.ny;
+    if (good && !by_gdal)
+        io_raster_free(&raster);
+    else
+        io_georef_free(&raster.georef);
+    return good;
+}
+
+PyObject *raster_size(PyObject *self, PyObject *arguments) {
+    const char *path;
+    io_raster_options o = {0};
+    io_error error = {""};
+    size_t size[2];
+    (void)self;
+    if (!PyArg_ParseTuple(arguments, "sI:raster_size", &path, &o.band)) return NULL;
+    pthread_mutex_lock(&door);
+    const bool good = find_size(path, &o, size, &error);
+    pthread_mutex_unlock(&door);
+    if (good) return Py_BuildValue("(nn)", (Py_ssize_t)size[0], (Py_ssize_t)size[1]);
+    PyErr_SetString(PyExc_OSError, error.text);
+    return NULL;
 }

@@ -12,4 +12,7 @@ extern PyType_Spec py_raster_spec;
  * says all of the raster */
 PyObject *read_raster(PyObject *self, PyObject *arguments);
 
+/* raster_size(path, band) -> (columns, rows), without reading the samples of what GDAL reads */
+PyObject *raster_size(PyObject *self, PyObject *arguments);
+
 #endif

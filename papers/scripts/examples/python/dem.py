@@ -15,5 +15,5 @@ def show(pictures, titles, path, **how):
     figure, axes = pyplot.subplots(1, len(pictures), figsize=(5 * len(pictures), 4.5), constrained_layout=True, squeeze=False)
     for axis, picture, title in zip(axes[0], pictures, titles):
         axis.set_title(title)
-        figure.colorbar(axis.imshow(picture, extent=(-84.414, -84.078, 36.446, 36.733), aspect=1.24, **how), ax=axis, shrink=0.8)
+        figure.colorbar(axis.imshow(picture, **{"extent": (-84.414, -84.078, 36.446, 36.733), "aspect": 1.24, **how}), ax=axis)
     figure.savefig(path, dpi=80)

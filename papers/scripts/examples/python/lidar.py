@@ -17,4 +17,5 @@ hits = f.closest(origins, directions)
 slope = np.degrees(np.arccos(hits.normals()[..., 2]))
 print(f"{hits.hit.sum()} of {hits.hit.size} rays hit, {hits.t.min():.1f} to {hits.t[hits.hit].max():.1f} m away")
 print(f"lowest and highest ground: {hits.points()[..., 2].min():.1f} and {hits.points()[..., 2].max():.1f} m; slope {slope.mean():.1f} degrees")
-dem.show([hits.t.T, slope.T], ["distance, m", "slope, degrees"], sys.argv[1] if len(sys.argv) > 1 else "lidar.png")
+dem.show([hits.t.T, slope.T], ["distance, m, by km of track and angle", "slope, degrees"], sys.argv[1] if len(sys.argv) > 1 else "lidar.png",
+         extent=(2, 28, -30, 30), aspect="auto")

@@ -8,7 +8,7 @@ import numpy as np
 
 matplotlib.use("Agg")
 f = dem.field()
-x, y = [-84.30, -84.16], [36.62, 36.52]
+x, y = [-84.2417, -84.2308], [36.5567, 36.4850]
 seen = f.viewshed(x, y, observer_height=30, target_height=2, max_distance=20000)
 for count, words in enumerate(("nothing", "one tower", "both towers")):
     print(f"{np.mean(seen == count):.1%} of the land is seen by {words}")
