@@ -104,7 +104,7 @@ def _samples(part, g: _Geometry, window: _Window) -> np.ndarray:
 
 def _field(part, g: _Geometry, window: _Window, threads: int) -> Field:
     affine = np.array(g.map)
-    whole = g.columns, g.rows, window.column, window.row, np.ascontiguousarray(affine)
+    whole = g.columns, g.rows, window.column, window.row, affine.copy()
     affine[:2, 3] += affine[:2, 0] * window.column + affine[:2, 1] * window.row
     field = Field.__new__(Field)
     field._make(Source(_samples(part, g, window), affine, g.placed, g.crs, None, g.nodata), threads, False, None, whole=whole)

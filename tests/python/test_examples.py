@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The scripts of papers/python.md run, print what the page says, and are short enough to copy."""
+import os
+import pathlib
+import re
+import subprocess
+import sys
+
+import pytest
+
+SOURCE = pathlib.Path(os.environ.get("CELLWALK_SOURCE", pathlib.Path(__file__).parents[2]))
+FOLDER = SOURCE / "papers/scripts/examples"
+PAGE = (SOURCE / "papers/python.md").read_text()
+
+
+@pytest.mark.parametrize("name", sorted(path.stem for path in FOLDER.glob("*.py")))
+def test_example(name, tmp_path):
+    script = FOLDER / f"{name}.py"
+    assert len(script.read_text().splitlines()) <= 25
+    if name == "dem":  # what the others share
+        return
+    done = subprocess.run([sys.executable, "-B", script, tmp_path / "picture.png"], capture_output=True, text=True,
+                          env={**os.environ, "MPLCONFIGDIR": str(tmp_path)})
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "picture.png").read_bytes().startswith(b"\x89PNG")
+    said = re.search(rf"python3 papers/scripts/examples/{name}\.py.*?```\n\n```text\n(.*?)```", PAGE, re.S)
+    assert said, f"papers/python.md does not say what {name}.py prints"
+    assert done.stdout == said[1]
+
+
+def test_the_page_runs():
+    """The page's Python, from top to bottom in one go."""
+    code = "\n".join(re.findall(r"```python\n(.*?)```", PAGE, re.S))
+    done = subprocess.run([sys.executable, "-B", "-c", code], capture_output=True, text=True, cwd=FOLDER)
+    assert done.returncode == 0, done.stderr
