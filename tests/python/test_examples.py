@@ -9,7 +9,7 @@ import sys
 import pytest
 
 SOURCE = pathlib.Path(os.environ.get("CELLWALK_SOURCE", pathlib.Path(__file__).parents[2]))
-FOLDER = SOURCE / "papers/scripts/examples"
+FOLDER = SOURCE / "papers/scripts/examples/python"
 PAGE = (SOURCE / "papers/python.md").read_text()
 
 
@@ -23,7 +23,7 @@ def test_example(name, tmp_path):
                           env={**os.environ, "MPLCONFIGDIR": str(tmp_path)})
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "picture.png").read_bytes().startswith(b"\x89PNG")
-    said = re.search(rf"python3 papers/scripts/examples/{name}\.py.*?```\n\n```text\n(.*?)```", PAGE, re.S)
+    said = re.search(rf"python3 papers/scripts/examples/python/{name}\.py.*?```\n\n```text\n(.*?)```", PAGE, re.S)
     assert said, f"papers/python.md does not say what {name}.py prints"
     assert done.stdout == said[1]
 
@@ -33,3 +33,13 @@ def test_the_page_runs():
     code = "\n".join(re.findall(r"```python\n(.*?)```", PAGE, re.S))
     done = subprocess.run([sys.executable, "-B", "-c", code], capture_output=True, text=True, cwd=FOLDER)
     assert done.returncode == 0, done.stderr
+
+
+def test_readme(tmp_path):
+    part = re.search(r"<!-- begin:python -->(.*?)<!-- end:python -->", (SOURCE / "README.md").read_text(), re.S)[1]
+    code = re.search(r"```python\n(.*?)```", part, re.S)[1]
+    assert len(code.splitlines()) <= 10
+    done = subprocess.run([sys.executable, "-B", "-c", code], capture_output=True, text=True, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert f"It prints `{done.stdout.strip()}`" in part
+    assert (tmp_path / "light.png").exists()

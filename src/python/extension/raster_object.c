@@ -106,12 +106,14 @@ PyObject *read_raster(PyObject *self, PyObject *arguments) {
     Py_ssize_t column = 0, row = 0, columns = 0, rows = 0;
     PyObject *nodata, *progress;
     io_raster_options o = {0};
+    double no_data;
     if (!PyArg_ParseTuple(arguments, "sIOdd(nnnn)O:read_raster", &path, &o.band, &nodata, &o.cellsize, &o.zscale,
                           &column, &row, &columns, &rows, &progress))
         return NULL;
     if (nodata != Py_None) {
-        o.has_nodata = true;
-        o.nodata = PyFloat_AsDouble(nodata);
+        no_data = PyFloat_AsDouble(nodata);
+        o.nodata = &no_data;
+        o.nodata_count = 1;
         if (PyErr_Occurred()) return NULL;
     }
     o.window.i = (size_t)column;
