@@ -1,5 +1,5 @@
 # What the libraries show to the linker and what is in their code. Arguments: SHARED (may be empty), LIST (its
-# functions, one a line), STATIC, NM, OBJDUMP, SIMD, OBJECTS (of which the libraries are made, between commas).
+# functions, one a line), STATIC, NM, OBJDUMP, SIMD, X86_64, OBJECTS (of which the libraries are made, between commas).
 string(REPLACE "," ";" OBJECTS "${OBJECTS}")
 
 function(read output)
@@ -62,11 +62,11 @@ foreach(object IN LISTS OBJECTS)
     if(code MATCHES "vmulps")
         set(avx TRUE)
     endif()
-    if(NOT code MATCHES "vfn?m(add|sub)[0-9a-z]*")
+    if(NOT code MATCHES "vfn?m(add|sub)[0-9a-z]*|\tfn?m(add|sub)\t|\tfml[as]\t") # x86-64's, aarch64's
         continue()
     endif()
     set(fused ${CMAKE_MATCH_0})
-    if(object MATCHES "/cellwalk_(pyramid|lane_pairs)(8|16)\\.dir/")
+    if(object MATCHES "/cellwalk_(pyramid|lane_pairs)(4|8|16)\\.dir/")
         set(culls TRUE)
     else()
         message(SEND_ERROR "${object} contains ${fused}")
@@ -76,6 +76,6 @@ list(FILTER OBJECTS INCLUDE REGEX "/query\\.c")
 if(NOT OBJECTS OR (SIMD AND NOT culls))
     message(FATAL_ERROR "no objects, or no fused instruction where some are expected")
 endif()
-if(SIMD AND NOT avx)
+if(SIMD AND X86_64 AND NOT avx)
     message(FATAL_ERROR "no AVX code to look at")
 endif()
