@@ -6,7 +6,7 @@
 #include "command.h"
 
 extern const command command_info;
-void info_print_parts(void); /* which optional libraries there are */
+
 extern const command command_render;
 extern const command command_trace;
 /* terrain/ */

@@ -56,7 +56,7 @@ static void print_kernels_json(const cw_kernel *chosen) {
 }
 
 /* One line with what is there, one with what is not. */
-void info_print_parts(void) {
+static void print_parts(void) {
     for (int there = 1; there >= 0; there--) {
         const char *before = there ? "libraries       " : "not there       ";
         for (size_t k = 0; k < IO_PARTS; k++) {
@@ -183,7 +183,7 @@ static int show(const char *path, raster_options *raster, const cw_run *query, b
             print_field(path, &s);
         } else {
             print_machine(&m);
-            info_print_parts();
+            print_parts();
             print_kernels(chosen);
         }
     }

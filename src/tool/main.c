@@ -27,7 +27,6 @@ static void print_parts(void) {
 int main(int argc, char **argv) {
     static const program cellwalk = {.name = "cellwalk",
                                      .what = "Where does this ray hit this height field?",
-                                     .about = info_print_parts,
                                      .commands = commands,
                                      .command_count = sizeof commands / sizeof commands[0],
                                      .about = print_parts};
