@@ -30,13 +30,14 @@ static inline void mirror_rays(ready_rays *s, const vray *r, const cw_field *f) 
     const vfloat excess = vf_max(vf_set(0), vf_sub(origin, size));
     const vfloat tallest = vf_set(fmaxf(fabsf(f->low), fabsf(f->high))), steepest = vf_set(f->pyramid->steepest);
     const vfloat heights = vf_add(vf_mul(vf_set(2), vf_add(vf_abs(r->oz), tallest)), vf_mul(steepest, excess));
-    const vfloat longest = vf_max(vf_abs(r->from), vf_abs(r->until));
-    const vfloat denormal = vf_mul(vf_set(FLT_MIN), vf_add(vf_set(1), longest));
-    const vfloat pad = vf_add(vf_mul(vf_set(SLAB_ROUNDING), heights), denormal);
-    /* Where a height above a slab or its rate might overflow, no slab is worth anything. The walk's own sums stay below
-     * eight of these each. */
     const vfloat lengths = vf_add(vf_add(origin, size), vf_add(vf_abs(r->x.dir), vf_abs(r->y.dir)));
     const vfloat largest = vf_add(vf_add(heights, vf_abs(r->dz)), vf_mul(steepest, lengths));
+    /* Products that are denormal, and t that are: what the ray rises and the slope takes in so much t is in largest. */
+    const vfloat longest = vf_max(vf_abs(r->from), vf_abs(r->until));
+    const vfloat least = vf_add(vf_add(vf_set(1), longest), vf_mul(vf_set(0x1p-14f), largest));
+    const vfloat pad = vf_add(vf_mul(vf_set(SLAB_ROUNDING), heights), vf_mul(vf_set(FLT_MIN), least));
+    /* Where a height above a slab or its rate might overflow, no slab is worth anything. The walk's own sums stay below
+     * eight of largest each. */
     vf_store(s->f[RAY_OZ], r->oz);
     vf_store(s->f[RAY_DZ], r->dz);
     vf_store(s->f[RAY_PAD], vf_select(vf_le(largest, vf_set(0x1p120f)), pad, vf_set(INFINITY)));

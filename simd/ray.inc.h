@@ -21,15 +21,43 @@ CW_INLINE void count_lanes(count_kind kind, vmask lanes) { (void)kind, (void)lan
 typedef struct vstart {
     vfloat org[3], dir[3];
     vfloat tmin, tmax;
-    vdouble base[3]; /* org before rounding; set only where a ray has been moved */
-    vdouble shift;
-    bool moved; /* some ray has been moved */
+    /* Set only where a ray has been moved: */
+    vfloat first, last; /* the caller's tmin and tmax */
+    vdouble base[3];    /* org before rounding */
+    vdouble shift;      /* else 0 */
+    bool moved;         /* some ray has been moved */
 } vstart;
 
 static inline vmask is_far(const cw_field *f, const vfloat org[3]) {
     vmask far[3];
     for (int c = 0; c < 3; c++) far[c] = vf_gt(vf_abs(vf_sub(org[c], vf_set(f->middle[c]))), vf_set(f->reach[c]));
     return vm_or(vm_or(far[0], far[1]), far[2]);
+}
+
+static inline vdouble not_float(vdouble a) { return vd_abs(vd_sub(vd_from_vf(vf_from_vd(a)), a)); }
+
+/* ray_has_few_bits. */
+static inline vmask has_few_bits(const vfloat d[3]) {
+    vmask few = vm_set(true);
+    for (int c = 0; c < 3; c++) {
+        const vfloat up = vf_mul(d[c], vf_set(0x1.001p12f));
+        few = vm_and(few, vf_eq(vf_sub(up, vf_sub(up, d[c])), d[c]));
+    }
+    return few;
+}
+
+/* ray_even_step where it is exact, else any. Not inlined: few rays have a direction for it. */
+static __attribute__((noinline)) vdouble even_step(const vstart *s, vdouble in, vdouble out, vdouble any, vmask among) {
+    const vdouble room = vd_mul(vd_sub(out, in), vd_set(RAY_STEP_ROOM)), even = vd_mul(room, vd_set(0x1p52));
+    const vdouble step = vd_sub(vd_add(vd_sub(in, room), even), even);
+    vdouble lost = not_float(step);
+    for (int c = 0; c < 3; c++) {
+        const vdouble way = vd_mul(step, vd_from_vf(s->dir[c])), base = vd_add(s->base[c], way);
+        const vdouble parts =
+            vd_add(vd_abs(vd_sub(vd_sub(base, s->base[c]), way)), vd_abs(vd_sub(vd_sub(base, way), s->base[c])));
+        lost = vd_add(lost, vd_add(parts, not_float(base)));
+    }
+    return vd_select(vm_and(among, vd_gt(vd_set(0x1p-1074), lost)), step, any); /* zero is less, NaN is not */
 }
 
 /* Moves the origins of rays that are far away to just before the field's box: ray_move, lane by lane. Returns the lanes
@@ -59,7 +87,10 @@ static __attribute__((noinline)) vmask move_rays(vstart *s, const cw_field *f, v
         hopeful = vm_andnot(hopeful, vm_and(far, passes));
         far = vm_andnot(far, passes);
         const vdouble early = vd_sub(in, vd_mul(vd_abs(in), vd_set(0x1p-22)));
-        const vdouble step = vd_select(far, vd_from_vf(vf_from_vd(early)), none);
+        vdouble step = vd_from_vf(vf_from_vd(early));
+        const vmask few_bits = vm_and(far, has_few_bits(s->dir));
+        if (vm_any(few_bits)) step = even_step(s, in, out, step, few_bits);
+        step = vd_select(far, step, none);
         s->shift = vd_add(s->shift, step);
         for (int c = 0; c < 3; c++) {
             const vdouble base = vd_add(s->base[c], vd_mul(step, vd_from_vf(s->dir[c])));
@@ -68,6 +99,8 @@ static __attribute__((noinline)) vmask move_rays(vstart *s, const cw_field *f, v
         }
         far = vm_and(far, is_far(f, s->org));
     }
+    s->first = s->tmin;
+    s->last = s->tmax;
     s->tmin = vf_max(vf_from_vd(vd_sub(vd_from_vf(s->tmin), s->shift)), vf_set(-RAY_T_LIMIT));
     s->tmax = vf_min(vf_from_vd(vd_sub(vd_from_vf(s->tmax), s->shift)), vf_set(RAY_T_LIMIT));
     return hopeful;
@@ -116,8 +149,8 @@ CW_INLINE void restart_rays(vstart *s, const cw_field *f, const vfloat c[8]) {
         s->org[k] = c[k];
         s->dir[k] = direction(c[4 + k]);
     }
-    s->tmin = c[3];
-    s->tmax = c[7];
+    s->tmin = vf_max(c[3], vf_set(-RAY_T_LIMIT));
+    s->tmax = vf_min(c[7], vf_set(RAY_T_LIMIT));
     (void)move_if_far(s, f, vm_set(true));
 }
 
@@ -190,7 +223,8 @@ CW_INLINE void make_slab(vray *r, const cw_field *f, cw_leaf leaf) {
         low = room_below(low, r->dz, 2 * STRICT_ROOM);
         high = room_above(high, r->dz, 2 * STRICT_ROOM);
     }
-    const vfloat u8 = vf_set(8 * (FLT_EPSILON / 2)), least = vf_set(FLT_MIN), inverse = vf_div(vf_set(1), r->dz);
+    const vfloat u8 = vf_set(8 * (FLT_EPSILON / 2)), one = vf_set(1), inverse = vf_div(one, r->dz);
+    const vfloat least = vf_mul(vf_set(FLT_MIN), vf_add(one, vf_abs(inverse)));
     const vmask up = vf_gt(r->dz, vf_set(0));
     const vfloat enter = vf_select(up, low, high), leave = vf_select(up, high, low);
     const vfloat a = vf_mul(enter, inverse), b = vf_mul(leave, inverse);

@@ -41,7 +41,9 @@ static inline vhit refine_hits(const vstart *s, const found_hits *h) {
     const vfloat longer = vf_from_vd(vd_add(org_l, vd_mul(t, dl))), shorter = vf_from_vd(vd_add(org_s, vd_mul(t, ds)));
     const vfloat across = vf_max(vf_min(one, shorter), zero), along = vf_max(vf_min(one, longer), across);
     const vfloat rest = vf_sub(along, across);
-    return (vhit){vf_from_vd(vd_add(s->shift, t)), vf_select(b, across, rest), vf_select(b, rest, across)};
+    vfloat given = vf_from_vd(vd_add(s->shift, t));
+    if (s->moved) given = vf_min(s->last, vf_max(s->first, given)); /* see ray_t */
+    return (vhit){given, vf_select(b, across, rest), vf_select(b, rest, across)};
 }
 
 /* Writes the hits of the lanes in bits to hits[number[lane]]. */

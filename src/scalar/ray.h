@@ -7,7 +7,10 @@
  *
  * The move is all but free of error. shift is a float, so shift · dir is exact in double; it nearly cancels the origin, so
  * their sum is exact as well (Sterbenz 1974) or off by 2^-53 of the field's size. One step brings the origin nearer by a
- * factor of 2^22, since shift has 24 bits; a second one is needed from some million field lengths away. */
+ * factor of 2^22, since shift has 24 bits; a second one is needed from some million field lengths away.
+ *
+ * What is lost is that the new origin is rounded to float. A step of few bits, a little shorter, is taken instead where it
+ * loses nothing: so rays of few bits touch exactly what they touch from where they start. */
 #ifndef CELLWALK_SCALAR_RAY_H
 #define CELLWALK_SCALAR_RAY_H
 
@@ -37,14 +40,47 @@ static inline bool ray_direction_counts(float d) { return fabsf(1.0f / d) >= FLT
 /* A ray as the library traces it. */
 typedef struct ray_start {
     float org[3], dir[3];
-    float tmin, tmax; /* finite, counted from org */
-    double base[3];   /* org before it was rounded to float */
-    double shift;     /* t of the caller's ray at org */
+    float tmin, tmax;  /* finite, counted from org; rounded if the ray was moved */
+    float first, last; /* the caller's tmin and tmax, finite */
+    double base[3];    /* org before it was rounded to float */
+    double shift;      /* t of the caller's ray at org */
 } ray_start;
 
 static inline bool ray_is_far(const cw_field *f, const float org[3]) {
     return fabsf(org[0] - f->middle[0]) > f->reach[0] || fabsf(org[1] - f->middle[1]) > f->reach[1] ||
            fabsf(org[2] - f->middle[2]) > f->reach[2];
+}
+
+/* Part of the ray's way through the box by which a step of few bits may be shorter than another. */
+#define RAY_STEP_ROOM 0x1p-5
+
+/* A step to just before in, to a multiple of a power of 2 of at most room; or what is not exact. */
+static inline double ray_even_step(double in, double room) {
+    const double even = room * 0x1p52; /* whose last place is that power */
+    return ((in - room) + even) - even;
+}
+
+/* How far a number is from being a float. */
+static inline double ray_not_float(double a) { return fabs((double)(float)a - a); }
+
+/* True if each component has at most 12 significant bits: of others hardly a product with a step is a float. */
+static inline bool ray_has_few_bits(const float d[3]) {
+    bool few = true;
+    for (int c = 0; c < 3; c++) {
+        const float up = d[c] * 0x1.001p12f;
+        few = few && up - (up - d[c]) == d[c];
+    }
+    return few;
+}
+
+/* True if the step is a float, and the new origin too. */
+static inline bool ray_step_is_exact(const ray_start *r, double step) {
+    double lost = ray_not_float(step);
+    for (int c = 0; c < 3; c++) {
+        const double way = step * (double)r->dir[c], base = r->base[c] + way;
+        lost += (fabs((base - r->base[c]) - way) + fabs((base - way) - r->base[c])) + ray_not_float(base);
+    }
+    return lost == 0;
 }
 
 /* Moves the origin towards the field's box; false if the ray passes it by. */
@@ -62,7 +98,11 @@ static inline bool ray_move(ray_start *r, const cw_field *f) {
         if (in - out > 0x1p-50 * max_second_d(fabs(in), fabs(out))) return false;
         if (fabs(in) > (double)RAY_T_LIMIT) return false;
         /* A little early, so that the ray has positive t in the box in spite of rounding. */
-        const double step = (double)(float)(in - fabs(in) * 0x1p-22);
+        double step = (double)(float)(in - fabs(in) * 0x1p-22);
+        if (ray_has_few_bits(r->dir)) {
+            const double even = ray_even_step(in, RAY_STEP_ROOM * (out - in));
+            if (ray_step_is_exact(r, even)) step = even;
+        }
         r->shift += step;
         for (int c = 0; c < 3; c++) {
             r->base[c] += step * (double)r->dir[c];
@@ -81,16 +121,26 @@ static inline bool ray_init(ray_start *r, const cw_field *f, const cw_ray *ray) 
     *r = (ray_start){
         .org = {o[0], o[1], o[2]},
         .dir = {ray_direction(d[0]), ray_direction(d[1]), ray_direction(d[2])},
-        .tmin = max_second(ray->tmin, -RAY_T_LIMIT),
-        .tmax = min_second(ray->tmax, RAY_T_LIMIT),
+        .first = max_second(ray->tmin, -RAY_T_LIMIT),
+        .last = min_second(ray->tmax, RAY_T_LIMIT),
         .base = {o[0], o[1], o[2]},
     };
+    r->tmin = r->first;
+    r->tmax = r->last;
     if (r->dir[0] == 0 && r->dir[1] == 0 && r->dir[2] == 0) return false;
     if (!ray_is_far(f, r->org)) return true;
-    if (!ray_move(r, f)) return false;
+    ray_start moved = *r; /* a copy, so that near rays stay in registers */
+    if (!ray_move(&moved, f)) return false;
+    *r = moved;
     r->tmin = max_second((float)((double)r->tmin - r->shift), -RAY_T_LIMIT);
     r->tmax = min_second((float)((double)r->tmax - r->shift), RAY_T_LIMIT);
     return true;
+}
+
+/* t of the caller's ray at t of the ray as it is traced. The ends of a moved ray's range are rounded, so t is kept to those that
+ * the caller gave; a t within them stays as it is, -0 too. */
+static inline float ray_t(const ray_start *r, double t) {
+    return min_second(r->last, max_second(r->first, (float)(r->shift + t)));
 }
 
 static inline cw_hit miss(void) { return (cw_hit){.t = INFINITY, .i = -1, .j = -1}; }

@@ -29,7 +29,7 @@ static inline cw_hit refine_hit(const ray_start *r, const strict_cell *c, const 
     /* Never -0, which walks that mirror a ray could not tell from 0. */
     const float across = max_second(min_second(1, shorter), 0), along = max_second(min_second(1, longer), across);
     return (cw_hit){
-        .t = (float)(r->shift + t),
+        .t = ray_t(r, t),
         .u = found->b ? across : along - across,
         .v = found->b ? along - across : across,
         .i = (int32_t)c->i,

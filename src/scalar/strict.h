@@ -93,9 +93,10 @@ static inline float strict_room_above(float height, float dz, float room) {
 }
 
 /* [from, until] cuts [t0, t1] off where it leaves the heights between the field's lowest and highest sample, in which a
- * hole counts for nothing. The estimate (enter - oz) / dz is off by 3 u of itself, u = 2^-24; 8 u make it likely that the
- * ray is strictly beyond, FLT_MIN even where numbers are denormal. Whether it is decides, so nothing cuts off a hit; with
- * dir = 0 it is not. */
+ * hole counts for nothing. The estimate (enter - oz) / dz is off by 2 u of itself, u = 2^-24, and by 2^-150 where numbers are
+ * denormal, and so is a height. It is set back by 8 u of itself, which is beyond in spite of that, by 2^-147, and by what the
+ * ray takes to rise by 2^-147: so it is strictly beyond, always, and by no more than the pyramid's slabs have room for
+ * (papers/numerics.md). Whether it is decides, so nothing cuts off a hit; with dz = 0 it is not. */
 static inline void strict_slab(strict_ray *r, const cw_field *f, cw_leaf leaf) {
     const float u = FLT_EPSILON / 2, inverse = 1.0f / r->dz;
     const bool up = r->dz > 0;
@@ -106,7 +107,8 @@ static inline void strict_slab(strict_ray *r, const cw_field *f, cw_leaf leaf) {
     }
     const float enter = up ? low : high, leave = up ? high : low;
     const float a = enter * inverse, b = leave * inverse;
-    const float s0 = a - (8 * u) * (fabsf(a) + FLT_MIN), s1 = b + (8 * u) * (fabsf(b) + FLT_MIN);
+    const float least = FLT_MIN * (1 + fabsf(inverse));
+    const float s0 = a - (8 * u) * (fabsf(a) + least), s1 = b + (8 * u) * (fabsf(b) + least);
     const float z0 = s0 * r->dz, z1 = s1 * r->dz;
     r->from = (up ? z0 < enter : z0 > enter) && s0 > r->t0 ? s0 : r->t0;
     r->until = (up ? z1 > leave : z1 < leave) && s1 < r->t1 ? s1 : r->t1;
