@@ -17,6 +17,7 @@ typedef struct bounds_ray {
     double org[3], dir[3]; /* as given */
     double from[3];        /* where the library traces it from: org, or near the field's box if that is far away, */
     double spare[3];       /* up to so much before it */
+    double start, early;   /* t of a moved ray there, and up to so much before it */
     bool moved;
 } bounds_ray;
 
@@ -35,21 +36,26 @@ static inline bool bounds_is_far(const double org[3], size_t nx, size_t ny, doub
 }
 
 /* low and high are the field's. A moved ray starts where it enters the field's box, or before that by 1.3 · 2^-22 of the
- * distance, but no farther outside than rays are that are not moved. */
+ * distance or by 1.5 · 2^-5 of its way through the box, but no farther outside than rays are that are not moved. */
 static inline bounds_ray bounds_ray_of(const double org[3], const double dir[3], size_t nx, size_t ny, double low,
                                        double high) {
     bounds_ray r = {.moved = low <= high && bounds_is_far(org, nx, ny, low, high)};
     const double box_low[3] = {0, 0, low}, box_high[3] = {(double)(nx - 1), (double)(ny - 1), high};
     const double most[3] = {0.5 * box_high[0], 0.5 * box_high[1], high > low ? 8 * (high - low) : (double)INFINITY};
-    double in = -(double)INFINITY;
+    double in = -(double)INFINITY, out = (double)INFINITY;
     for (int c = 0; c < 3; c++) {
         r.org[c] = r.from[c] = org[c];
         r.dir[c] = dir[c];
-        if (dir[c] != 0) in = fmax(in, fmin((box_low[c] - org[c]) / dir[c], (box_high[c] - org[c]) / dir[c]));
+        if (dir[c] == 0) continue;
+        const double a = (box_low[c] - org[c]) / dir[c], b = (box_high[c] - org[c]) / dir[c];
+        in = fmax(in, fmin(a, b));
+        out = fmin(out, fmax(a, b));
     }
     for (int c = 0; c < 3 && r.moved; c++) {
         r.from[c] = fmin(box_high[c], fmax(box_low[c], org[c] + in * dir[c]));
-        r.spare[c] = fmin(1.3 * 0x1p-22 * fabs(in * dir[c]), most[c]);
+        r.start = in;
+        r.early = fmax(1.3 * 0x1p-22 * fabs(in), 1.5 * 0x1p-5 * fmax(0, out - in));
+        r.spare[c] = fmin(dir[c] == 0 ? 0 : r.early * fabs(dir[c]), most[c]);
     }
     return r;
 }
@@ -77,7 +83,8 @@ static inline double bounds_Z(const bounds_ray *r, bounds_surface s) {
 /* E: beyond this the computed d has the sign of the exact one, on the triangle that the leaf test assigns to the place. */
 static inline double bounds_E(const bounds_ray *r, double D, bounds_surface s) {
     const double u = bounds_u();
-    const double moved = r->moved ? bounds_delta0(r) * s.S + u * (fabs(r->from[2]) + r->spare[2]) : 0;
+    const double moved =
+        r->moved ? bounds_delta0(r) * s.S + u * (fabs(r->from[2]) + r->spare[2] + bounds_Z(r, s) + s.S * D) : 0;
     const double denormal = 0x1p-146 * (1 + fabs(r->dir[2]) + s.S * (fabs(r->dir[0]) + fabs(r->dir[1])));
     return u * (4 * bounds_Z(r, s) + 7.5 * s.S * D) + moved + denormal;
 }
@@ -86,6 +93,11 @@ static inline double bounds_E(const bounds_ray *r, double D, bounds_surface s) {
  * planes that meet within delta of the place differ there by 2 S delta at most. */
 static inline double bounds_clear(const bounds_ray *r, double D, bounds_surface s) {
     return bounds_E(r, D, s) + 2 * s.S * bounds_delta(r, D);
+}
+
+/* By how much an end of the range at t is off, once it is counted from where a moved ray is traced from. */
+static inline double bounds_end(const bounds_ray *r, double t) {
+    return r->moved ? bounds_u() * (fabs(t - r->start) + r->early) : 0;
 }
 
 /* By how much the one rounding of t moves a hit along the ray: to the side, and in height over a plane over which the ray's height

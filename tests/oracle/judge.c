@@ -223,7 +223,7 @@ hit_check oracle_check(const oracle *o, const cw_hit *hit) {
 }
 
 /* What t and u, v of a hit may be off by: half a unit in the last place if the exact ray meets the triangle farther than
- * delta from its edges, since then the root lies on the stretch that it is kept to. */
+ * delta from its edges, since then the root lies on the stretch that it is kept to; but a moved ray's range has rounded ends. */
 static void check_digits(const oracle *o, const cw_hit *hit, judgement *j) {
     const oracle_triangle t = {hit->i, hit->j, hit->triangle};
     const double at = (double)hit->t, root_t = o->truth.t, divisor = fabs(slope(o, &t));
@@ -239,6 +239,9 @@ static void check_digits(const oracle *o, const cw_hit *hit, judgement *j) {
     j->t_bound = rounding + height_error(o, t.i, t.j) / divisor;
     const double place = bounds_place_evaluation(&o->bounds, at) + root * run;
     if (!(edge_distance(o, &t, root_t) > delta(o, t.i, t.j) + place)) return;
+    const double end = fmin(fabs(root_t - (double)o->ray.tmin), fabs(root_t - (double)o->ray.tmax));
+    if (o->bounds.moved && end <= bounds_end(&o->bounds, root_t) + root)
+        return; /* the stretch may end before the root */
     j->t_bound = rounding;
     const double x = o->ox + root_t * o->dx - t.i, y = o->oy + root_t * o->dy - t.j;
     const double u = hit->triangle == CW_TRIANGLE_A ? x - y : x, v = hit->triangle == CW_TRIANGLE_A ? y : y - x;

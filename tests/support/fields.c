@@ -10,8 +10,9 @@
 const field_size field_sizes[FIELD_SIZES] = {{2, 2}, {2, 41}, {41, 2}, {17, 17}, {65, 65}, {31, 12}};
 
 const char *field_shape_name(field_shape shape) {
-    static const char *const names[FIELD_SHAPES] = {"random",   "flat", "plane", "cliff", "spikes", "checker",
-                                                    "integers", "tiny", "huge",  "mixed", "holes"};
+    static const char *const names[FIELD_ALL_SHAPES] = {"random",  "flat",     "plane", "cliff", "spikes",
+                                                        "checker", "integers", "tiny",  "huge",  "gentle",
+                                                        "mixed",   "holes",    "faint", "least"};
     return names[shape];
 }
 
@@ -34,6 +35,12 @@ static double sample(field_shape shape, size_t i, size_t j, random_state *r) {
         return 1e-30 * x;
     case FIELD_HUGE:
         return 1e30 * x;
+    case FIELD_GENTLE:
+        return 5e-5 * (double)i + 3e-5 * (double)j + 1e-7 * x;
+    case FIELD_FAINT:
+        return ldexp(x, -136);
+    case FIELD_LEAST:
+        return ldexp(floor(5 * x), -149);
     case FIELD_MIXED:
         return (y < 0.5 ? -1 : 1) * pow(10, 60 * x - 30);
     case FIELD_HOLES:

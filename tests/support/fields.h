@@ -16,9 +16,15 @@ typedef enum field_shape {
     FIELD_INTEGERS, /* -2 … 2, where most geometry is exact in float */
     FIELD_TINY,     /* random of size 1e-30 */
     FIELD_HUGE,     /* random of size 1e30 */
+    FIELD_GENTLE,   /* a plane of slopes 5e-5 and 3e-5 with ripples a thousandth of that */
     FIELD_MIXED,    /* each sample of its own size between 1e-30 and 1e30 */
     FIELD_HOLES,    /* uniform in [0, 1), one sample in seven NaN */
-    FIELD_SHAPES
+    FIELD_SHAPES,
+    /* Heights that are denormal. Möller and Trumbore's test has no error bound for them, and most rays that are aimed at them
+     * count as level. */
+    FIELD_FAINT = FIELD_SHAPES, /* random of size 2^-136: what is left of a float there has 13 bits */
+    FIELD_LEAST,                /* 0 … 4 times the smallest float */
+    FIELD_ALL_SHAPES
 } field_shape;
 
 /* "random", "flat" … */

@@ -8,9 +8,10 @@
 #include <string.h>
 
 const char *ray_class_name(ray_class kind) {
-    static const char *const names[RAY_CLASSES] = {
-        "random", "vertex", "edge", "diagonal", "along", "axis",   "vertical", "grazing", "in-plane",  "outside",
-        "far",    "afar",   "near", "tiny",     "zeros", "scaled", "range",    "lattice", "not-finite"};
+    static const char *const names[RAY_CLASSES] = {"random",   "vertex",  "edge",      "diagonal", "along", "axis",
+                                                   "vertical", "grazing", "in-plane",  "outside",  "far",   "afar",
+                                                   "near",     "tiny",    "zeros",     "scaled",   "range", "behind",
+                                                   "moved",    "lattice", "not-finite"};
     return names[kind];
 }
 
@@ -184,6 +185,55 @@ static cw_ray with_range(const test_field *f, random_state *r) {
     return ray;
 }
 
+/* From a place over the field, at the height of an extreme sample, to a place on the surface; mostly it rises little. The range
+ * begins behind it, at a power of 2 or at minus infinity. Lengths are such that no direction counts as zero, or it is meant to. */
+static cw_ray behind(const test_field *f, random_state *r) {
+    double p[3], q[3];
+    size_t i, j;
+    random_cell(f, r, &i, &j);
+    surface(f, i, j, random_unit(r), random_unit(r), p);
+    random_in_box(f, r, q);
+    q[2] = random_below(r, 2) ? (double)f->low : (double)f->high;
+    if (random_below(r, 8) == 0) q[2] = (double)f->z[random_below(r, f->nx * f->ny)];
+    if (isnan(q[2])) q[2] = (double)f->low;
+    cw_ray ray = towards(q, p);
+    if (random_below(r, 4) == 0) {
+        const double turn = random_between(r, 0, 6.283185307179586);
+        ray.dir[0] = (float)cos(turn);
+        ray.dir[1] = (float)sin(turn);
+        ray.dir[2] = (float)(sign(r) * tall(f) * pow(10, random_between(r, -6, 0)));
+    }
+    if (random_below(r, 8) == 0) ray.dir[0] = ray.dir[1] = 0;
+    double scale = exp2(random_below(r, 3) ? random_between(r, -20, 0) : random_between(r, -60, 60));
+    const double rise = fabs((double)ray.dir[2]);
+    if (rise > 0 && rise * scale < 0x1p-126 && random_below(r, 8)) scale = exp2(random_between(r, -120, -80)) / rise;
+    if (random_below(r, 4) == 0) scale = -scale;
+    for (int c = 0; c < 3; c++) ray.dir[c] = (float)((double)ray.dir[c] * scale);
+    ray.tmin = random_below(r, 4) ? -(float)exp2((double)random_below(r, 128)) : -INFINITY;
+    return ray;
+}
+
+/* From half a side's length and more outside the field on one side, where rays are moved, to a place on the surface that it
+ * meets at t = 1, and that mostly is farther from where it enters the field than that is from the origin. */
+static cw_ray moved(const test_field *f, random_state *r) {
+    double p[3], q[3];
+    size_t i, j;
+    random_cell(f, r, &i, &j);
+    surface(f, i, j, random_unit(r), random_unit(r), p);
+    random_in_box(f, r, q);
+    const size_t c = random_below(r, 2);
+    const double side = (double)(c ? f->ny : f->nx) - 1;
+    q[c] = random_below(r, 2) ? -side * random_between(r, 0.51, 1) : side * random_between(r, 1.51, 2);
+    q[2] += sign(r) * tall(f) * random_between(r, 0, 2);
+    cw_ray ray = towards(q, p);
+    const float near[3] = {nextafterf(1, 0), 1, nextafterf(1, 2)};
+    if (random_below(r, 4)) ray.tmin = near[random_below(r, 3)];
+    if (random_below(r, 4) == 0) ray.tmax = near[random_below(r, 3)];
+    if (random_below(r, 4) == 0) ray.tmax = ray.tmin;
+    if (ray.tmin > ray.tmax) ray.tmax = ray.tmin;
+    return ray;
+}
+
 /* Every other one has any length that a float can have, so that its reciprocals and t come near the ends of the floats'
  * range too; one in four of these is all but parallel to the diagonal, where the difference of directions is far smaller
  * than they are. */
@@ -301,6 +351,10 @@ cw_ray ray_make(ray_class kind, const test_field *f, random_state *r) {
         return scaled(f, r);
     case RAY_RANGE:
         return with_range(f, r);
+    case RAY_BEHIND:
+        return behind(f, r);
+    case RAY_MOVED:
+        return moved(f, r);
     case RAY_LATTICE:
         return lattice(f, r);
     case RAY_NOT_FINITE:
