@@ -162,7 +162,7 @@ double tradeoff_off_surface(const true_surface *on, const cw_ray *ray, double t)
 
 /* True if a hit with that t is not on the surface, or not over the field at all. */
 static bool is_away(const true_surface *on, const cw_ray *ray, double t, const tradeoff_claim *claim) {
-    if (!isfinite(t)) return true;
+    if (!(isfinite(t) && t >= (double)ray->tmin && t <= (double)ray->tmax)) return true;
     const bounds_ray r = ray_of(on, ray);
     const double x = r.org[0] + t * r.dir[0], y = r.org[1] + t * r.dir[1];
     const double end_x = (double)(on->nx - 1), end_y = (double)(on->ny - 1);

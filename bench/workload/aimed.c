@@ -10,7 +10,7 @@ const char *aim_name(aim kind) {
 }
 
 const char *aim_start_name(aim_start start) {
-    static const char *const names[START_COUNT] = {"over", "afar", "near"};
+    static const char *const names[START_COUNT] = {"over", "afar", "near", "behind"};
     return names[start];
 }
 
@@ -159,6 +159,7 @@ static void place_ends(aim kind, aim_start start, const aimed_field *f, random_s
         low = height_after(f, q, q->m);
         clear *= fmax(1e-3, fmax(fabs(high - q->p[2]), fabs(low - q->p[2])) / tall);
     }
+    if (tall < 0x1p-100) clear = fmax(clear, 0.1 * tall); /* denormal, and so are the errors of less */
     const double above = high - q->p[2] + clear, below = q->p[2] - low + clear;
     q->rise = -fmax(above / q->n, below / q->m);
     if (f->bounded) {
@@ -178,18 +179,47 @@ static void place_ends(aim kind, aim_start start, const aimed_field *f, random_s
     if (start != START_AFAR) return;
     const double length = fmax(hypot(q->step[0], q->step[1]), fabs(q->rise)),
                  side = (double)(f->nx > f->ny ? f->nx : f->ny);
-    q->farther = side * pow(10, random_between(r, 0.3, kind == AIM_VERTICAL ? 12 : 7)) / length;
+    const double away = kind == AIM_VERTICAL ? fmin(side, 10 * tall) : side; /* else nothing is left of faint heights */
+    q->farther = away * pow(10, random_between(r, 0.3, kind == AIM_VERTICAL ? 12 : 7)) / length;
     if (q->exact) q->farther = floor(fmin(q->farther, 4e6 * random_unit(r))); /* where whole numbers are floats */
+}
+
+/* A scale of the direction, or that times a power of 2 for which its rise does not count as zero. */
+static double rising(double scale, double rise) {
+    const double least = 0x1p-120, got = fabs(rise) * scale;
+    return got < least && got > 0 ? scale * exp2(ceil(log2(least / got))) : scale;
 }
 
 /* A length for the direction: as it comes, normalised, or any. */
 static double any_length(random_state *r, const double d[3]) {
     const double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
     const size_t kind = random_below(r, 4);
-    return kind == 0 ? 1 : (kind == 1 ? exp2(random_between(r, -20, 20)) : 1) / length;
+    return rising(kind == 0 ? 1 : (kind == 1 ? exp2(random_between(r, -20, 20)) : 1) / length, d[2]);
 }
 
-static aimed_ray from_plan(random_state *r, const plan *q, bool bounded) {
+/* Where the range begins, so far behind that t = from is in it. */
+static float begin_behind(random_state *r, double from) {
+    const double least = fmax(-from, 0x1p-126), tmin = least * exp2((double)random_below(r, 64));
+    return random_below(r, 4) && tmin < 0x1p127 ? -(float)exp2(ceil(log2(tmin))) : -INFINITY;
+}
+
+/* The ray starts where it is at the height of the highest sample if it comes from above, of the lowest if from below. */
+static aimed_ray from_behind(random_state *r, const plan *q, const aimed_field *f) {
+    const double height = q->side > 0 ? f->high : f->low, start = (height - q->p[2]) / q->rise;
+    const double step[3] = {q->step[0], q->step[1], q->rise};
+    const double scale = q->exact ? rising(exp2((double)random_below(r, 5) - 2), q->rise) : any_length(r, step);
+    aimed_ray a = {.ray = {.tmax = INFINITY}, .over = {{.i = -1}, {.i = -1}}, .side = q->side};
+    for (int c = 0; c < 3; c++) {
+        a.ray.org[c] = (float)(c < 2 ? q->p[c] + start * step[c] : height);
+        a.ray.dir[c] = (float)(step[c] * scale);
+    }
+    a.from = (-q->n - start) / scale;
+    a.to = (q->m - start) / scale;
+    a.ray.tmin = begin_behind(r, a.from);
+    return a;
+}
+
+static aimed_ray from_plan(random_state *r, const plan *q, aim_start start, bool bounded) {
     const double total = q->n + q->farther;
     const double step[3] = {q->step[0], q->step[1], q->rise};
     aimed_ray a = {.ray = {.tmin = 0, .tmax = INFINITY}, .over = {{.i = -1}, {.i = -1}}, .side = q->side};
@@ -198,11 +228,12 @@ static aimed_ray from_plan(random_state *r, const plan *q, bool bounded) {
         a.ray.org[c] = (float)(q->p[c] - total * step[c]);
         d[c] = q->p[c] - (double)a.ray.org[c];
     }
-    const double scale = q->exact ? exp2((double)random_below(r, 5) - 2) / total : any_length(r, d);
+    const double scale = q->exact ? rising(exp2((double)random_below(r, 5) - 2) / total, d[2]) : any_length(r, d);
     for (int c = 0; c < 3; c++) a.ray.dir[c] = (float)(d[c] * scale);
     const double one = 1 / (scale * total), end = (total + q->m) * one;
     if (random_below(r, 2) || bounded) a.ray.tmax = (float)end;
     a.from = q->farther * one;
+    if (start == START_AFAR && random_below(r, 2)) a.from = (double)(a.ray.tmin = (float)a.from);
     a.to = isinf(a.ray.tmax) ? end : (double)a.ray.tmax;
     for (int end_of = 0; q->near && end_of < 2; end_of++) {
         const double t = end_of ? a.to : a.from;
@@ -214,7 +245,7 @@ static aimed_ray from_plan(random_state *r, const plan *q, bool bounded) {
 
 /* Through a place well inside a triangle, at a small angle to it. */
 static aimed_ray grazing(aim_start start, const aimed_field *f, random_state *r) {
-    static const double from[START_COUNT] = {-1, 0.3, -2}, to[START_COUNT] = {2, 7, 0.3};
+    static const double from[START_COUNT] = {-1, 0.3, -2, -1}, to[START_COUNT] = {2, 7, 0.3, 2};
     const double unit = start == START_AFAR ? (double)(f->nx > f->ny ? f->nx : f->ny) : 1;
     const size_t i = random_below(r, f->nx - 1), j = random_below(r, f->ny - 1);
     const bool in_a = random_below(r, 2);
@@ -244,6 +275,7 @@ static aimed_ray grazing(aim_start start, const aimed_field *f, random_state *r)
     a.from = at - off;
     a.to = at + off;
     a.side = angle < 0 ? 1 : -1;
+    if (start == START_BEHIND) a.ray.tmin = begin_behind(r, a.from);
     return a;
 }
 
@@ -252,5 +284,6 @@ aimed_ray aimed_ray_make(aim kind, aim_start start, const aimed_field *f, random
     plan q = {.farther = 0};
     aim_at(kind, start, f, r, &q);
     place_ends(kind, start, f, r, &q);
-    return from_plan(r, &q, f->bounded);
+    if (start == START_BEHIND) return from_behind(r, &q, f);
+    return from_plan(r, &q, start, f->bounded);
 }

@@ -28,15 +28,18 @@ typedef enum aim {
 /* Where a ray starts. */
 typedef enum aim_start {
     START_OVER, /* over the field */
-    START_AFAR, /* from twice the field's longer side to 10^7 times that before the place; vertical rays to 10^12 times. Floats
+    START_AFAR, /* from twice the field's longer side to 10^7 times that before the place; vertical rays to 10^12 times, or of ten times the field's range of
+                   heights if that is less. Floats
                    cannot aim well from there: but for those in whole steps, most rays pass by the place, and hit elsewhere */
     START_NEAR, /* at most two cells before the place, along the ground */
+    START_BEHIND, /* over the field, at exactly the height of its lowest or highest sample, with a range that begins far behind, at a
+                     power of 2 or at minus infinity */
     START_COUNT
 } aim_start;
 
 /* "inside", "vertex" … */
 const char *aim_name(aim kind);
-/* "over", "afar", "near". */
+/* "over", "afar", "near", "behind". */
 const char *aim_start_name(aim_start start);
 
 typedef struct aimed_field {

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef enum shape { LAND, SEA, NOISE, INTEGERS, CLIFFS, SLOPE, SWELL, FLAT } shape;
+typedef enum shape { LAND, SEA, NOISE, INTEGERS, CLIFFS, SLOPE, SWELL, FLAT, GENTLE, FAINT } shape;
 
 /* amount: the relief of land, the roughness of water. */
 static const struct {
@@ -34,6 +34,8 @@ static const struct {
     {"swell", "a slope of 0.3 with ripples of 10^-4, 257 x 257", 257, 257, SWELL, 0, 5},
     {"flat", "one height, 33 x 33", 33, 33, FLAT, 0, 0},
     {"sea", "waves, 200 x 200", 200, 200, SEA, 0.2f, 5},
+    {"gentle", "a plane of slopes 5·10^-5 and 3·10^-5, 257 x 257", 257, 257, GENTLE, 0, 0},
+    {"faint", "uniform in [0, 1) times 2^-136, 65 x 65", 65, 65, FAINT, 0, 6},
 };
 enum { ALL = sizeof fields / sizeof fields[0] };
 
@@ -55,6 +57,10 @@ static double sample(shape kind, size_t i, size_t j, random_state *r) {
         return 3 * (double)i - 2 * (double)j;
     case SWELL:
         return 0.3 * (double)i + 0.1 * (double)j + 1e-4 * x;
+    case GENTLE:
+        return 5e-5 * (double)i + 3e-5 * (double)j;
+    case FAINT:
+        return ldexp(x, -136);
     default:
         return 0.375;
     }

@@ -18,8 +18,8 @@ enum { WORKLOAD_FIELDS = 8, WORKLOAD_FIELDS_TIMED = 7 };
 /* NULL from there on. */
 const char *workload_field_name(size_t number);
 
-/* Small fields for aimed rays (aimed.h), from smooth land to whole numbers and cliffs. */
-enum { AIMED_FIELDS = 8 };
+/* Small fields for aimed rays (aimed.h), from smooth land to whole numbers and cliffs, planes that hardly rise and heights that are denormal. */
+enum { AIMED_FIELDS = 10 };
 const char *workload_aimed_name(size_t number);
 
 /* False if no field has that name, or out of memory: then field->name is NULL or not, in that order. */

@@ -15,7 +15,8 @@ AIMS = {
     "vertical": "vertical", "steep": "all but vertical", "long": "across the field, low",
     "grazing": "1 to 10^-6 degrees to a triangle",
 }
-STARTS = {"over": "starting over the field", "afar": "starting afar", "near": "starting within two cells"}
+STARTS = {"over": "starting over the field", "afar": "starting afar", "near": "starting within two cells",
+          "behind": "with a range that begins far behind"}
 SUMS = ("traced", "hits", "other_bits", "pass", "leaks", "phantoms", "sampled")
 MOST = ("residual", "apart", "t_error")
 
