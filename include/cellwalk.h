@@ -298,8 +298,9 @@ CW_API const float *cw_field_row(const cw_field *field, size_t j);
 /* Points org + t · dir for t in [tmin, tmax], both ends included, in field space. dir need not have unit length. tmin and
  * tmax may be infinite; both are clamped to half of the largest float. A direction component of at most 2^-128, whose
  * reciprocal is no float, counts as zero; one above 2^126, whose reciprocal is denormal, counts as infinite. A ray with a NaN
- * anywhere, an infinite origin or direction, a zero direction or tmin > tmax misses. A ray that touches the surface hits it;
- * but on the field's outer border and on the rim of a hole, where nothing lies behind, a touch may be a miss.
+ * anywhere, an infinite origin or direction, a zero direction or tmin > tmax misses. A ray that goes through
+ * the surface hits it, on edges too. One that touches it from one side hits as far as floats can tell: within rounding
+ * (papers/numerics.md) it may miss, and so may one that meets the field's outer border or the rim of a hole.
  *
  * A ray may start anywhere. One that starts more than half a side outside the field, or more than eight times its range of
  * heights above or below its middle, is first moved to where it enters the field's box, in double: distance costs neither speed
@@ -314,9 +315,10 @@ typedef struct cw_ray {
 typedef enum cw_triangle { CW_TRIANGLE_A = 0, CW_TRIANGLE_B = 1 } cw_triangle;
 
 /* With p0, p1, p2 the triangle's vertices in the order given at the top, the hit is p0 + u (p1 - p0) + v (p2 - p0).
- * t counts from the ray's origin as given. With CW_LEAF_WATERTIGHT t is the exact one rounded to the nearest float, and u and
- * v are within 1.25 · 2^-24 of theirs, unless the ray passes within rounding of the triangle's edge or is all but parallel to
- * it; papers/numerics.md has the bounds. From afar a float t does not distinguish neighbouring cells: i, j, u and v do.
+ * t counts from the ray's origin as given, and lies in [tmin, tmax]. With CW_LEAF_WATERTIGHT t is the exact one rounded to the
+ * nearest float, and u and v are within 1.25 · 2^-24 of theirs, with three exceptions: the ray passes within rounding of the
+ * triangle's edge; it is all but parallel to the triangle; or its range begins or ends within rounding of the surface, where t
+ * may be that end. papers/numerics.md has the bounds of all. From afar a float t does not distinguish neighbouring cells: i, j, u and v do.
  * A miss has t = +infinity, i = j = -1, and 0 elsewhere. The 24 bytes are also the record of the tool's hits.npy. */
 typedef struct cw_hit {
     float t;
