@@ -108,3 +108,18 @@ size_t terrain_rows_alike(const terrain *t, size_t row) {
 }
 
 bool terrain_is_in_reach(double x, double y) { return fabs(x) <= 0x1p24 && fabs(y) <= 0x1p24; }
+
+bool terrain_find_place(const terrain *t, double x, double y, double at[2]) {
+    static const double unit = 0x1p-28;
+    terrain_from_map(terrain_whole(t), x, y, at);
+    const bool near = terrain_is_in_reach(at[0], at[1]);
+    for (int c = 0; c < 2 && near; c++) {
+        at[c] = nearbyint(at[c] / unit) * unit;
+        if (fabs(at[c] - nearbyint(at[c])) <= unit) at[c] = nearbyint(at[c]);
+    }
+    const double diagonal = at[0] - at[1];
+    if (near && fabs(diagonal - nearbyint(diagonal)) <= unit) at[0] = at[1] + nearbyint(diagonal);
+    at[0] -= (double)t->column;
+    at[1] -= (double)t->row;
+    return near;
+}

@@ -77,6 +77,11 @@ typedef bool terrain_progress(void *context, double share);
 /* False if a place in field coordinates is farther from the field than lines of sight can be computed. */
 bool terrain_is_in_reach(double x, double y);
 
+/* Where a place of the map lies, in field coordinates; false if that is not in reach. Places of the map that are computed from a
+ * file's numbers are off by some last digits. One that is on a line of samples or on a diagonal but for that shall be on it, so
+ * all are rounded, which moves nothing by more than 2^-28 of a cell. */
+bool terrain_find_place(const terrain *t, double x, double y, double at[2]);
+
 /* sine and cosine of degrees, exact for multiples of 90 and 45 degrees as far as numbers allow. */
 void terrain_sine_cosine(double degrees, double *sine, double *cosine);
 

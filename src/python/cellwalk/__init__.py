@@ -19,7 +19,7 @@ Make a field with Field(array) or open(file). Then ask it:
     update            new heights in a rectangle
 
 Places are those of the map: x and y by `transform` or by the coordinates of a DataArray. Without a map, x is the column and y
-the row. Arrays of samples are indexed [row, column]. Results are of the caller's kind: a DataArray in, a DataArray out.
+the row, and azimuths take the first row for the north, as in a picture. Arrays of samples are indexed [row, column]. Results are of the caller's kind: a DataArray in, a DataArray out.
 
 All answers are exact for the surface of two triangles between each four samples. They are the same bits for any number of
 threads, any CPU, and the program `cellwalk`.

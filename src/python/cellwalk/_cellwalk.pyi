@@ -10,7 +10,7 @@ _Operand = Tuple[Any, int, int]
 class Raster: ...
 
 class Field:
-    def __new__(cls, samples: Any, nx: int, ny: int, map: Any, geographic: bool, unit: float, semi_major: float,
+    def __new__(cls, samples: Any, nx: int, ny: int, map: Any, geographic: bool, north_up: bool, unit: float, semi_major: float,
                 inverse_flattening: float, threads: int, progress: _Progress, whole: Tuple[int, int, int, int, Any] = ...) -> Optional[Field]: ...  # type: ignore[misc]
     # One more argument of a window: (columns, rows, column, row, map) of the whole raster.
     def trace(self, any: bool, wide: bool, n: int, origins: _Operand, directions: _Operand, tmin: _Operand, tmax: _Operand,

@@ -91,7 +91,8 @@ class Field(Products):
         rows, columns = samples.shape
 
         def make(samples):
-            return _cellwalk.Field(samples, columns, rows, np.ascontiguousarray(self._source.map), known.geographic, known.unit,
+            return _cellwalk.Field(samples, columns, rows, np.ascontiguousarray(self._source.map), known.geographic,
+                                   not self._source.placed, known.unit,
                                    known.semi_major, known.inverse_flattening, self._threads, progress_call(progress),
                                    *(() if self._whole is None else (self._whole,)))
 

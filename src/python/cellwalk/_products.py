@@ -111,7 +111,7 @@ class Products:
     def shadow(self, azimuth=None, altitude=None, *, time=None, hillshade=False, disc=0, progress=None):
         """Sun and shadow on every sample.
 
-        azimuth    of the sun in degrees from the map's north over east; default 225
+        azimuth    of the sun in degrees from the map's north over east; default 225. Without a map, the first row is in the north
         altitude   of the sun above the horizon in degrees; default 30
         time       in place of both: the sun at that time over the field's middle, as for cellwalk.sun
         hillshade  True: light on the ground, the cosine between the sun and the normal, 0 in the shadow
@@ -150,8 +150,8 @@ class Products:
 
         directions   how many, evenly spaced, 1 to 3600; the first is start, in degrees from the map's north over east
 
-        Returns float32, shape (directions, rows, columns): degrees above the level of the sample, negative below it, -90 where
-        the terrain ends at the sample, NaN at holes. A DataArray has the dimension `azimuth`.
+        Returns float32, shape (directions, rows, columns): degrees above the level of the sample, negative below it, NaN at
+        holes and where the terrain ends at the sample. A DataArray has the dimension `azimuth`.
 
             >>> import numpy as np, cellwalk as cw
             >>> z = np.zeros((3, 8), "float32"); z[:, 5] = 2

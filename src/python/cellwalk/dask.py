@@ -64,6 +64,8 @@ class _Geometry(NamedTuple):
         east, north = self.metres(row)
         x, y = np.sin(np.radians(azimuth)) / east, np.cos(np.radians(azimuth)) / north
         (a, b), (c, d) = self.map[0][:2], self.map[1][:2]
+        if not self.placed:  # the first row is in the north
+            d = -d
         determinant = a * d - b * c
         return (d * x - b * y) / determinant, (a * y - c * x) / determinant
 

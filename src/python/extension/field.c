@@ -39,7 +39,7 @@ static bool is_identity(double m[3][4]) {
     return true;
 }
 
-/* Field(samples, nx, ny, map, geographic, unit, semi_major, inverse_flattening, threads, progress[, (columns, rows, column, row,
+/* Field(samples, nx, ny, map, geographic, north_up, unit, semi_major, inverse_flattening, threads, progress[, (columns, rows, column, row,
  * map) of the raster that the samples are a window of]). Returns None in place of
  * a field whose samples hold an infinity, which borrowed samples must not. */
 static cw_status make(py_field *f, work *w) {
@@ -63,16 +63,16 @@ static PyObject *field_new(PyTypeObject *type, PyObject *arguments, PyObject *ke
     PyObject *samples, *progress;
     Py_buffer map = {0};
     Py_ssize_t nx, ny;
-    int geographic;
+    int geographic, north_up;
     double unit, semi_major, inverse_flattening;
     unsigned threads;
     Py_buffer whole_map = {0};
     double raster[3][4];
     Py_ssize_t whole_nx = 0, whole_ny = 0, column = 0, row = 0;
     (void)keywords;
-    if (!PyArg_ParseTuple(arguments, "Onny*pdddIO|(nnnny*):Field", &samples, &nx, &ny, &map, &geographic, &unit,
-                          &semi_major, &inverse_flattening, &threads, &progress, &whole_nx, &whole_ny, &column, &row,
-                          &whole_map))
+    if (!PyArg_ParseTuple(arguments, "Onny*ppdddIO|(nnnny*):Field", &samples, &nx, &ny, &map, &geographic, &north_up,
+                          &unit, &semi_major, &inverse_flattening, &threads, &progress, &whole_nx, &whole_ny, &column,
+                          &row, &whole_map))
         return NULL;
     const bool is_window = whole_map.obj != NULL;
     if (is_window && whole_map.len == sizeof raster) memcpy(raster, whole_map.buf, sizeof raster);
@@ -92,6 +92,7 @@ static PyObject *field_new(PyTypeObject *type, PyObject *arguments, PyObject *ke
     f->nx = (size_t)nx;
     f->ny = (size_t)ny;
     f->identity = is_identity(f->map);
+    f->north_up = north_up != 0;
     work w;
     if (!work_begin(&w, threads, NULL, progress)) {
         Py_DECREF((PyObject *)f);
@@ -107,12 +108,14 @@ static PyObject *field_new(PyTypeObject *type, PyObject *arguments, PyObject *ke
         Py_DECREF((PyObject *)f);
         Py_RETURN_NONE;
     }
+    /* Without a map, a picture's: the first row is in the north. */
+    const double picture[3][4] = {{1, 0, 0, 0}, {0, -1, 0, (double)(ny - 1)}, {0, 0, f->map[2][2], 0}};
     const terrain_desc ground = {
         .field = f->field,
         .nx = f->nx,
         .ny = f->ny,
         .z = f->samples.buf,
-        .map = (const double(*)[4])f->map,
+        .map = north_up ? picture : (const double(*)[4])f->map,
         .geographic = geographic != 0,
         .unit = unit,
         .semi_major = semi_major,
@@ -123,7 +126,8 @@ static PyObject *field_new(PyTypeObject *type, PyObject *arguments, PyObject *ke
         terrain_desc whole = ground;
         whole.nx = (size_t)whole_nx;
         whole.ny = (size_t)whole_ny;
-        whole.map = (const double(*)[4])raster;
+        const double big_picture[3][4] = {{1, 0, 0, 0}, {0, -1, 0, (double)(whole_ny - 1)}, {0, 0, f->map[2][2], 0}};
+        whole.map = north_up ? big_picture : (const double(*)[4])raster;
         if (!terrain_init(&f->whole, &whole)) f->terrain.field = NULL;
         f->terrain.whole = &f->whole;
         f->terrain.column = (size_t)column;

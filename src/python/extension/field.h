@@ -15,6 +15,7 @@ typedef struct py_field {
     double map[3][4];
     terrain terrain, whole; /* whole: of a window */
     bool identity;          /* the map is */
+    bool north_up;          /* there is no map: products have the first row in the north, though y is the row */
     long users;             /* queries that run; -1: an update. Guarded by the GIL */
     long process;           /* in which users were counted: a fork forgets them */
 } py_field;

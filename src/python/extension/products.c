@@ -91,8 +91,10 @@ static cw_status angle_rows(py_field *f, work *w, double start, size_t count, si
         for (size_t r = 0, some; r < rows && status == CW_OK; r += some) {
             some = rows - r < most ? rows - r : most;
             const double done = ((double)k + (double)r / (double)rows) / (double)count;
-            status = work_watch(w, done) ? horizon_angles(h, &w->run, k, row + r, some, out + (k * rows + r) * f->nx)
-                                         : CW_ERROR_CANCELLED;
+            float *angles = out + (k * rows + r) * f->nx;
+            status = work_watch(w, done) ? horizon_angles(h, &w->run, k, row + r, some, angles) : CW_ERROR_CANCELLED;
+            for (size_t n = 0; n < some * f->nx && status == CW_OK; n++)
+                if (angles[n] == -90) angles[n] = NAN; /* nothing is there: no horizon */
         }
     horizon_destroy(h);
     return status;
@@ -173,13 +175,29 @@ typedef struct viewing {
     float *heights;
 } viewing;
 
+/* y of the caller's to that of the terrain, and back. */
+static double northward(const py_field *f, double y) {
+    return f->north_up ? (double)(terrain_whole(&f->terrain)->ny - 1) - y : y;
+}
+
+/* A place in field coordinates, height in the samples' numbers; NaN if there is none. */
+static void find_place(const py_field *f, const double place[3], bool absolute, double at[3]) {
+    const terrain *t = &f->terrain;
+    const bool near = terrain_find_place(t, place[0], northward(f, place[1]), at);
+    const double level = near ? terrain_height(t, at[0], at[1]) : NAN;
+    at[2] = (absolute ? place[2] : level + place[2]) / terrain_metres_of_height(t);
+    if (!near) at[2] = NAN;
+}
+
 static cw_status view_from(const viewing *v, size_t number, const sight_bounds *bounds) {
     viewshed_desc d = v->desc;
     const terrain *t = &v->field->terrain;
-    terrain_from_map(terrain_whole(t), v->places[number][0], v->places[number][1], d.place);
-    d.place[0] -= (double)t->column;
-    d.place[1] -= (double)t->row;
-    d.height = v->places[number][2];
+    double eye[3];
+    find_place(v->field, v->places[number], d.absolute, eye);
+    d.place[0] = eye[0];
+    d.place[1] = eye[1];
+    d.height = eye[2] * terrain_metres_of_height(t);
+    d.absolute = true;
     viewshed *shed;
     cw_status status = viewshed_create(t, bounds, &d, &shed);
     if (status != CW_OK) return status;
@@ -200,19 +218,14 @@ static cw_status view(const viewing *v) {
 }
 
 /* False, with an exception, if no line of sight can leave from the place. */
-static bool check_place(const terrain *t, const double place[3], bool absolute, const char *name) {
-    double at[2];
+static bool check_place(const py_field *f, const double place[3], bool absolute) {
+    double at[3];
     char text[200];
-    const char *what = NULL;
-    terrain_from_map(terrain_whole(t), place[0], place[1], at);
-    at[0] -= (double)t->column;
-    at[1] -= (double)t->row;
-    if (!terrain_is_in_reach(at[0], at[1]))
-        what = "is too far away from the terrain";
-    else if (!absolute && isnan(terrain_height(t, at[0], at[1])))
-        what = "has no ground to stand on; give the height itself, as an elevation";
-    if (what == NULL) return true;
-    snprintf(text, sizeof text, "%s: (%.10g, %.10g) %s", name, place[0], place[1], what);
+    find_place(f, place, absolute, at);
+    if (!isnan(at[2])) return true;
+    snprintf(text, sizeof text, "x, y: (%.10g, %.10g) %s", place[0], place[1],
+             terrain_is_in_reach(at[0], at[1]) ? "has no ground to stand on; give the height itself, as an elevation"
+                                               : "is too far away from the terrain");
     PyErr_SetString(PyExc_ValueError, text);
     return false;
 }
@@ -238,7 +251,7 @@ PyObject *field_viewshed(PyObject *self, PyObject *arguments) {
     bool good =
         buffer_holds(&out, f->nx * f->ny * (heights ? sizeof(float) : sizeof(uint16_t)), "out") && enter_ground(f);
     if (good) {
-        for (size_t k = 0; k < v.count && good; k++) good = check_place(&f->terrain, v.places[k], d.absolute, "x, y");
+        for (size_t k = 0; k < v.count && good; k++) good = check_place(f, v.places[k], d.absolute);
         work w;
         if (good && (good = work_begin(&w, threads, NULL, progress))) {
             w.run.watch = work_look;
@@ -254,7 +267,7 @@ PyObject *field_viewshed(PyObject *self, PyObject *arguments) {
 }
 
 typedef struct lines_of_sight {
-    const terrain *terrain;
+    const py_field *field;
     const double (*ends)[2][3]; /* x, y, height */
     double (*answers)[6];       /* 1 if visible, distance, x, y, z of the block, its distance */
     double curvature;
@@ -266,13 +279,11 @@ typedef struct lines_of_sight {
 
 /* As `cellwalk los` has it. */
 static void look_along(const lines_of_sight *l, const double ends[2][3], double answer[6]) {
-    const terrain *t = l->terrain;
+    const terrain *t = &l->field->terrain;
     double at[2][3], metres[2], xy[2][2];
     for (int k = 0; k < 2; k++) {
-        terrain_from_map(t, ends[k][0], ends[k][1], at[k]);
-        const double ground = l->absolute[k] ? 0 : terrain_height(t, at[k][0], at[k][1]);
-        at[k][2] = (ground + ends[k][2]) / terrain_metres_of_height(t);
-        if (!(terrain_is_in_reach(at[k][0], at[k][1]) && isfinite(at[k][2]))) {
+        find_place(l->field, ends[k], l->absolute[k], at[k]);
+        if (!isfinite(at[k][2])) {
             for (int c = 0; c < 6; c++) answer[c] = NAN;
             return;
         }
@@ -280,8 +291,8 @@ static void look_along(const lines_of_sight *l, const double ends[2][3], double 
     const double *eye = at[0], *target = at[1];
     sight s;
     sight_init(&s, t, NULL, eye, l->curvature);
-    const double height = target[2] - eye[2] - sight_fall(&s, target[0], target[1]);
-    const double block = sight_first_block(&s, target[0], target[1], height);
+    const double height = target[2] - s.eye[2] - sight_fall(&s, target[0], target[1]);
+    const double block = sight_first_block(&s, target[0], target[1], target[2]);
     terrain_metres(t, eye[0], eye[1], metres);
     for (int k = 0; k < 2; k++) terrain_to_map(t, at[k][0], at[k][1], xy[k]);
     answer[0] = block < INFINITY ? 0 : 1;
@@ -289,6 +300,7 @@ static void look_along(const lines_of_sight *l, const double ends[2][3], double 
     for (int c = 2; c < 6; c++) answer[c] = NAN;
     if (!(block < INFINITY)) return;
     for (int c = 0; c < 2; c++) answer[2 + c] = xy[0][c] + block * (xy[1][c] - xy[0][c]);
+    answer[3] = northward(l->field, answer[3]);
     const double bend = sight_fall(&s, eye[0] + block * (target[0] - eye[0]), eye[1] + block * (target[1] - eye[1]));
     answer[4] = (eye[2] + block * height + bend) * terrain_metres_of_height(t);
     answer[5] = block * answer[1];
@@ -313,7 +325,7 @@ PyObject *field_line_of_sight(PyObject *self, PyObject *arguments) {
     if (!PyArg_ParseTuple(arguments, "y*ppdw*IO:line_of_sight", &ends, &absolute[0], &absolute[1], &curvature, &out,
                           &threads, &progress))
         return NULL;
-    lines_of_sight l = {.terrain = &f->terrain,
+    lines_of_sight l = {.field = f,
                         .ends = ends.buf,
                         .answers = out.buf,
                         .curvature = curvature,

@@ -151,18 +151,6 @@ bool ground_parse_place(const char *name, const char *text, double height, groun
     return count > 0;
 }
 
-/* The places of the map that are computed from a file's numbers are off by some last digits. A place that is on a line of samples
- * or on a diagonal but for that shall be on it, so they are rounded, which moves nothing by more than 2^-28 of a cell. */
-static void round_place(double at[2]) {
-    static const double unit = 0x1p-28;
-    for (int c = 0; c < 2; c++) {
-        at[c] = nearbyint(at[c] / unit) * unit;
-        if (fabs(at[c] - nearbyint(at[c])) <= unit) at[c] = nearbyint(at[c]);
-    }
-    const double diagonal = at[0] - at[1];
-    if (fabs(diagonal - nearbyint(diagonal)) <= unit) at[0] = at[1] + nearbyint(diagonal);
-}
-
 static bool is_inside(const terrain *t, const double at[2], double beyond) {
     return at[0] >= -beyond && at[1] >= -beyond && at[0] <= (double)(t->nx - 1) + beyond &&
            at[1] <= (double)(t->ny - 1) + beyond;
@@ -198,9 +186,7 @@ static bool tell_no_ground(const terrain *t, const ground_place *p, const double
 static const double least_depth = 1e-3;
 
 bool ground_find_place(const terrain *t, const ground_place *p, double at[3], double *level_there, io_error *error) {
-    terrain_from_map(t, p->x, p->y, at);
-    const bool near = terrain_is_in_reach(at[0], at[1]);
-    if (near) round_place(at);
+    const bool near = terrain_find_place(t, p->x, p->y, at);
     const double level = near ? terrain_height(t, at[0], at[1]) : NAN;
     if (level_there) *level_there = level;
     if (!p->absolute && isnan(level)) return tell_no_ground(t, p, at, error);
