@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A million rays from NumPy beside the C query and beside Open3D, interleaved on one machine: prints one JSON object.
+
+    python3 python_speed.py --tool build/release/src/tool/cellwalk [--side 1025] [--rays 1000000] [--rounds 7]
+"""
+import argparse
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import time
+
+import numpy as np
+
+import cellwalk as cw
+
+options = argparse.ArgumentParser(description=__doc__)
+options.add_argument("--tool", required=True)
+options.add_argument("--side", type=int, default=1025)
+options.add_argument("--rays", type=int, default=1000000)
+options.add_argument("--rounds", type=int, default=7)
+options.add_argument("--threads", type=int, default=1)
+o = options.parse_args()
+
+folder = pathlib.Path(tempfile.mkdtemp())
+random = np.random.default_rng(1)
+y, x = np.mgrid[0:o.side, 0:o.side]
+z = sum(2.0 ** -k * 60 * np.sin(x * 2 ** k / 97 + k) * np.cos(y * 2 ** k / 83 - k) for k in range(7)).astype("float32")
+side = int(o.rays ** 0.5)
+v, u = np.mgrid[0:side, 0:side] / side
+rays = np.zeros((side * side, 8), "float32")  # a view from above one edge
+rays[:, 0:3], rays[:, 5], rays[:, 7] = (o.side / 2, -0.2 * o.side, 0.35 * o.side), 1, np.inf
+rays[:, 4], rays[:, 6] = (u - 0.5).ravel(), (-0.05 - 0.6 * v).ravel()
+wide = rays.astype("float64")
+transform = np.array([[30.0, 0, 0, 600015], [0, -30, 0, 5199985], [0, 0, 30, 0]])
+user = wide.copy()
+user[:, 0:3] = wide[:, 0:3] @ transform[:, :3].T + transform[:, 3]
+user[:, 4:7] = wide[:, 4:7] @ transform[:, :3].T
+np.save(folder / "z.npy", z)
+np.save(folder / "rays.npy", rays)
+np.save(folder / "user.npy", user)
+field, mapped = cw.Field(z, threads=o.threads), cw.Field(z, transform=transform, threads=o.threads)
+org, dirs, uorg, udirs = (np.ascontiguousarray(a) for a in (rays[:, 0:3], rays[:, 4:7], user[:, 0:3], user[:, 4:7]))
+
+
+def tool(name):
+    words = [o.tool, "trace", folder / "z.npy", folder / f"{name}.npy", "--threads", str(o.threads), "--repeat", "3", "--json"]
+    return json.loads(subprocess.run(words, check=True, capture_output=True, text=True).stdout)["seconds_min"]
+
+
+def timed(call):
+    start = time.perf_counter()
+    call()
+    return time.perf_counter() - start
+
+
+contenders = {
+    "C query, float32 rays": lambda: tool("rays"),
+    "closest(rays), float32": lambda: timed(lambda: field.closest(rays)),
+    "closest(origins, directions), float32": lambda: timed(lambda: field.closest(org, dirs)),
+    "closest(origins, directions), float64 on a map": lambda: timed(lambda: mapped.closest(uorg, udirs)),
+    "closest(rays), float64 on a map": lambda: timed(lambda: mapped.closest(user)),
+    "any(rays), float32": lambda: timed(lambda: field.any(rays)),
+}
+wanted = field.closest(rays)
+assert (field.closest(org, dirs).t == wanted.t).all()
+result = {"rays": len(rays), "side": o.side, "threads": o.threads, "hit": float(wanted.hit.mean()),
+          "mapped_cells_differ": int(((mapped.closest(user).i != wanted.i) | (mapped.closest(user).j != wanted.j)).sum())}
+try:
+    import open3d
+    j, i = np.mgrid[0:o.side - 1, 0:o.side - 1]
+    at = (j * o.side + i).ravel().astype("uint32")
+    faces = np.concatenate([np.stack([at, at + 1, at + o.side + 1], -1), np.stack([at, at + o.side + 1, at + o.side], -1)])
+    points = np.stack([x.ravel(), y.ravel(), z.ravel()], -1).astype("float32")
+    scene = open3d.t.geometry.RaycastingScene()
+    result["open3d_build_seconds"] = timed(lambda: (scene.add_triangles(open3d.core.Tensor(points), open3d.core.Tensor(faces)),
+                                                    scene.cast_rays(open3d.core.Tensor(rays[:1, [0, 1, 2, 4, 5, 6]].copy()))))
+    result["cellwalk_build_seconds"] = timed(lambda: cw.Field(z, threads=1))
+    six = open3d.core.Tensor(np.ascontiguousarray(rays[:, [0, 1, 2, 4, 5, 6]]))
+    contenders["Open3D cast_rays"] = lambda: timed(lambda: scene.cast_rays(six, nthreads=o.threads) if o.threads else scene.cast_rays(six))
+    # Straight down at every vertex and at middles of edges: nothing may be missed, and t is the height.
+    top = np.float32(1000)
+    for name, place in (("vertices", (x, y)), ("edges", (x[:, :-1] + 0.5, y[:, :-1]))):
+        px, py = (p.ravel().astype("float32") for p in place)
+        down = np.zeros((px.size, 6), "float32")
+        down[:, 0], down[:, 1], down[:, 2], down[:, 5] = px, py, top, -1
+        down = down[(px > 0) & (px < o.side - 1) & (py > 0) & (py < o.side - 1)]
+        result[f"down_at_{name}"] = {"rays": len(down), "cellwalk_misses": int((~field.closest(down).hit).sum()),
+                                     "open3d_misses": int(np.isinf(scene.cast_rays(open3d.core.Tensor(down))["t_hit"].numpy()).sum())}
+except ImportError:
+    print("Open3D is not installed", file=sys.stderr)
+times = {name: [] for name in contenders}
+for turn in range(o.rounds):
+    for name in sorted(contenders, key=lambda n: hash((turn, n))):
+        times[name].append(contenders[name]())
+result["seconds"] = {name: {"least": min(t), "median": float(np.median(t))} for name, t in times.items()}
+base = result["seconds"]["C query, float32 rays"]["least"]
+result["least_over_C"] = {name: t["least"] / base for name, t in result["seconds"].items()}
+print(json.dumps(result, indent=1))
