@@ -130,17 +130,16 @@ static void libraries_are_told(void **state) {
         check(there || strstr(r->err, libraries[k].missing) != NULL, "%s", r->err);
         r = run_well(NULL, (const char *const[]){"info", "--json", NULL});
         check_has(r, "\"%s\": %s", libraries[k].name, there ? "true" : "false");
-        static const char *const asked[] = {"info", "--version"};
-        for (int n = 0; n < 2; n++) {
-            r = run_well(NULL, (const char *const[]){asked[n], NULL});
-            const char *name = strstr(r->out, libraries[k].name), *missing = strstr(r->out, "not there ");
-            check(name && (there ? missing == NULL || name < missing : missing && name > missing), "%s", r->out);
-        }
+        r = run_well(NULL, (const char *const[]){"info", NULL});
+        const char *name = strstr(r->out, libraries[k].name), *missing = strstr(r->out, "not there ");
+        check(name && (there ? missing == NULL || name < missing : missing && name > missing), "%s", r->out);
+        check_has(run_well(NULL, (const char *const[]){"--version", NULL}), "%-8s %s", libraries[k].name,
+                  there ? "yes" : "no");
     }
     /* Without its module GDAL is not there. */
     setenv("CELLWALK_MODULES", "/nowhere", 1);
     check_has(run_well(NULL, (const char *const[]){"info", "--json", NULL}), "\"GDAL\": false");
-    check_has(run_well(NULL, (const char *const[]){"--version", NULL}), "not there       GDAL");
+    check_has(run_well(NULL, (const char *const[]){"--version", NULL}), "GDAL     no: ");
     unsetenv("CELLWALK_MODULES");
 }
 
