@@ -62,6 +62,9 @@ bool sight_sees(const sight *s, double i, double j, double z, double above, sigh
  * it, or -infinity. Rounded. */
 double sight_need(const sight *s, double i, double j, double z, double low);
 
+/* The same, where the steepest rise on the way is known to be rise, off by less than error, but for these parts of the way. */
+double sight_need_known(const sight *s, double i, double j, double z, double rise, double error, sight_parts parts);
+
 /* The first place on the way to (i, j), at height z in the samples' numbers, at which the straight line to there is on or below
  * the surface, as a share of the way, with both ends left out; infinite if there is none. That there is one is exact, where it
  * is is rounded. */

@@ -67,6 +67,23 @@ static inline void skyline_at(const skyline *s, uint32_t *at, double u, double *
     }
 }
 
+/* The same, looking at pieces within 2^-40 alone: enough where no narrow edge is near, since pieces that cross meet to rounding,
+ * and ends of edges are rounded by 2^-52. False where one is near. at is not behind the last piece that begins before u less
+ * SKYLINE_BLUR. */
+static inline bool skyline_at_closely(const skyline *s, uint32_t at, double u, double *low, double *high) {
+    const skyline_piece *p = s->pieces;
+    *low = INFINITY;
+    *high = -INFINITY;
+    for (uint32_t k = at; k == at || p[k].from < u + SKYLINE_BLUR; k = p[k].next) {
+        if (p[k].below > 0) return false;
+        if (p[p[k].next].from < u - 0x1p-40 || p[k].from > u + 0x1p-40) continue;
+        const double w = p[k].a + p[k].b * u;
+        *high = w > *high ? w : *high;
+        *low = w < *low ? w : *low;
+    }
+    return true;
+}
+
 /* The lowest between two directions. */
 double skyline_least(const skyline *s, uint32_t start, double from, double until);
 

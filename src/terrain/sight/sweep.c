@@ -235,7 +235,7 @@ static void look_around(part *p) {
 
 /* The samples of the row in these directions: the last part of a quarter has both ends. Directions of exactly 45 degrees
  * belong to the quarters whose rows are rows. */
-static void visit_row(part *p, long row, long begin, long end, uint32_t start) {
+static void visit_row(part *p, long row, long begin, long end, uint32_t start, bool calm) {
     const double r = distance(p, row), per_row = 1 / r, error = error_of(p, r);
     const bool rising = p->outward > 0, all = r <= close_rows, every = p->target == INFINITY;
     const double *left_of = rising ? p->front : p->back, *right_of = rising ? p->back : p->front;
@@ -252,6 +252,17 @@ static void visit_row(part *p, long row, long begin, long end, uint32_t start) {
         const double top = (h + p->target) * per_row;
         if (!all && top < low - error) continue;
         sweep_way way = {.low = (low - error) * r, .unsure = {INFINITY, true}};
+        const double exactly = 0x1p-17;
+        double least = low, most = high;
+        if (every && !all && (high - low) * r > exactly && !skyline_at_closely(&p->line, start, u, &least, &most))
+            least = low, most = high;
+        if (every && !all && (most - least) * r <= exactly) {
+            way.known = true;
+            way.rise = most * r;
+            way.error = error * r;
+            way.unsure.close = calm ? 0 : 2; /* calm: no edge in reach comes up to the skyline */
+            way.unsure.eye = around(p, u) * r >= larger(least * r, h) - error * r;
+        }
         if (!(all || every) && top > high + error && p->target >= 0) {
             way.unsure.close = leans < -p->margin ? 0 : 2;
             way.unsure.eye = around(p, u) * r >= h + p->target;
@@ -296,7 +307,7 @@ static void look_at(part *p, long row, const float *far, size_t begin, size_t en
         lean(p, r, from, until);
         add_row(p, r, from, until, start);
     }
-    visit_row(p, row, left, right, start);
+    visit_row(p, row, left, right, start, false);
     if (p->near) add_between(p, r, from, until, start);
     look_again(p, begin, end);
 }
@@ -328,7 +339,8 @@ static size_t bin_at(const part *p, double u) {
 static void go_on(part *p, long row, const float *far) {
     const double r = distance(p, row), per_row = 1 / r;
     const lowering q = lowering_of(p, row);
-    const double target = larger(p->target, 0), error = error_of(p, r);
+    const bool every = p->target == INFINITY; /* then edges alone say where the skyline may grow */
+    const double target = every ? 0 : larger(p->target, 0), error = error_of(p, r);
     const long first = clipped(p, floor(p->aside + r * p->from) - 1),
                last = clipped(p, ceil(p->aside + r * p->until) + 2);
     const size_t cells = (size_t)(last - first) + 2 * PAD;
@@ -346,6 +358,10 @@ static void go_on(part *p, long row, const float *far) {
         const double top = highest(p, far, &q, left, right) * per_row, near = here->near;
         here->near = top;
         const bool now = !(fmax(near, top + target * per_row) < here->low - error) || r <= close_rows + 1;
+        if (!now && every && left < right) {
+            heights(p, far, row, left, right, p->far_height);
+            visit_row(p, row, left, right, b > 0 ? p->of[b - 1].start : SKYLINE_FIRST, true);
+        }
         if (now && !active) begin = b, run = left;
         if (!now && active) look_at(p, row, far, begin, b, run, left);
         active = now;

@@ -78,7 +78,10 @@ static void measure_sample(void *context, size_t i, size_t j, const sweep_way *w
     const viewshed *v = q->v;
     if (!is_near(v, (double)i, (double)j)) return;
     const size_t k = j * v->terrain->nx + i;
-    const double need = sight_need(&v->sight, (double)i, (double)j, (double)v->terrain->z[k], way->low);
+    const double z = (double)v->terrain->z[k];
+    const double need = way->known
+                            ? sight_need_known(&v->sight, (double)i, (double)j, z, way->rise, way->error, way->unsure)
+                            : sight_need(&v->sight, (double)i, (double)j, z, way->low);
     q->heights[k] = (float)(need * v->terrain->map[2][2]);
 }
 
