@@ -47,16 +47,31 @@ static bool open_pbrt(field_file *file, const char *path, const cw_run *how, io_
     return file->field != NULL;
 }
 
-bool field_file_open(field_file *file, const char *path, const io_raster_options *options, const cw_run *query,
-                     io_error *error) {
+/* The full field is dropped as soon as the coarser one is there. */
+static bool make_coarser(field_file *file, const char *path, const coarser_options *coarser, const cw_run *how,
+                         io_error *error) {
+    *(progress *)how->watch_context = progress_start("making it coarser");
+    if (!coarser_make(coarser, path, how, how->watch_context, &file->field, &file->raster, error)) return false;
+    for (int k = 0; k < 3; k++)
+        for (int a = 0; a < 2; a++) file->map[k][a] *= (double)coarser->factor;
+    file->mapped = false;
+    return true;
+}
+
+bool field_file_open(field_file *file, const char *path, const io_raster_options *options,
+                     const coarser_options *coarser, const cw_run *query, io_error *error) {
     *file = (field_file){0};
+    const bool less = coarser && coarser->factor > 1;
     const char *ending = strrchr(path, '.');
     const bool pbrt = ending && strcasecmp(ending, ".pbrt") == 0;
     progress line = progress_start("building");
     cw_run how = *query;
     how.watch = tell;
     how.watch_context = &line;
-    bool good = pbrt ? open_pbrt(file, path, &how, error) : open_raster(file, path, options, &how, error);
+    cw_run full = how; /* of which a coarser field needs the samples alone */
+    if (less) full.kernel = cw_kernel_find("cell");
+    bool good = pbrt ? open_pbrt(file, path, &full, error) : open_raster(file, path, options, &full, error);
+    if (good && less) good = make_coarser(file, path, coarser, &how, error);
     if (good) file->kernel = cw_run_kernel(file->field, query);
     progress_end(&line);
     if (!good) field_file_close(file);

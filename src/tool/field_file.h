@@ -4,6 +4,7 @@
 #define CELLWALK_TOOL_FIELD_FILE_H
 
 #include "cellwalk.h"
+#include "coarser.h"
 #include "error.h"
 #include "raster.h"
 
@@ -15,10 +16,11 @@ typedef struct field_file {
     bool mapped;             /* the samples are pages of the file and no memory of the program's own */
 } field_file;
 
-/* Reads a field for query: nothing is built that it does not need, and on its pool. options, which may be NULL, are for rasters. On failure
+/* Reads a field for query: nothing is built that it does not need, and on its pool. options, which may be NULL, are for rasters;
+ * coarser may be NULL. On failure
  * file needs no closing. */
-bool field_file_open(field_file *file, const char *path, const io_raster_options *options, const cw_run *query,
-                     io_error *error);
+bool field_file_open(field_file *file, const char *path, const io_raster_options *options,
+                     const coarser_options *coarser, const cw_run *query, io_error *error);
 void field_file_close(field_file *file);
 
 #define FIELD_FILE_HELP                                                                                                \

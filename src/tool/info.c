@@ -98,10 +98,10 @@ typedef struct survey {
     double read_seconds; /* from the file's name to the field, without what is built */
 } survey;
 
-static bool look_at_field(const char *path, const io_raster_options *options, const cw_run *query, survey *s,
-                          io_error *error) {
+static bool look_at_field(const char *path, const io_raster_options *options, const coarser_options *coarser,
+                          const cw_run *query, survey *s, io_error *error) {
     const double start = clock_seconds();
-    if (!field_file_open(&s->file, path, options, query, error)) return false;
+    if (!field_file_open(&s->file, path, options, coarser, query, error)) return false;
     s->info = cw_field_describe(s->file.field);
     s->read_seconds = clock_seconds() - start - s->info.build_seconds;
     return true;
@@ -167,7 +167,7 @@ static int show(const char *path, raster_options *raster, const cw_run *query, b
     io_error error = {""};
     io_raster_options options;
     if (!raster_options_resolve(raster, "info", &options)) return EXIT_USAGE;
-    const bool good = path == NULL || look_at_field(path, &options, query, &s, &error);
+    const bool good = path == NULL || look_at_field(path, &options, &raster->coarser, query, &s, &error);
     progress_end(&raster->line);
     if (!good) return command_fail("info", "%s", error.text);
     const machine m = look_at_machine();

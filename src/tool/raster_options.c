@@ -11,6 +11,7 @@
 
 void raster_options_rows(raster_options *r, option_spec rows[RASTER_OPTION_COUNT]) {
     *r = (raster_options){.cellsize = NAN, .zscale = NAN};
+    coarser_rows(&r->coarser, rows + 5);
     rows[0] = (option_spec){.name = "band",
                             .value = "N",
                             .help = "the file's band, from 1 on (default: 1)",
@@ -79,7 +80,7 @@ bool raster_options_resolve(raster_options *r, const char *name, io_raster_optio
         return false;
     }
     if (r->network) io_raster_allow_network();
-    r->name = name;
+    r->name = r->coarser.name = name;
     r->line = progress_start("reading");
     *options = (io_raster_options){
         .band = r->band,

@@ -3,17 +3,19 @@
 #ifndef CELLWALK_TOOL_RASTER_OPTIONS_H
 #define CELLWALK_TOOL_RASTER_OPTIONS_H
 
+#include "coarser.h"
 #include "options.h"
 #include "progress.h"
 #include "raster.h"
 
-enum { RASTER_OPTION_COUNT = 5 };
+enum { RASTER_OPTION_COUNT = 5 + COARSER_OPTION_COUNT };
 
 typedef struct raster_options {
     unsigned band;
     double cellsize, zscale;
     option_again nodata;
     bool network;
+    coarser_options coarser;
     /* Set by raster_options_resolve. */
     double nodata_values[OPTION_AGAIN_MAX];
     const char *name; /* of the subcommand */

@@ -96,7 +96,7 @@ static bool prepare(trace *t, io_error *error) {
     if (r->hits && !hits_file_create(&t->file, r->hits, t->rays.count, error)) return false;
     const cw_status status = cw_pool_create(r->query.threads, &t->query.pool);
     if (status != CW_OK) return io_fail(error, "%s", cw_last_error());
-    const bool good = field_file_open(&t->field, r->field, &t->raster, &t->query, error);
+    const bool good = field_file_open(&t->field, r->field, &t->raster, &r->raster.coarser, &t->query, error);
     progress_end(&t->request->raster.line);
     if (!good) return false;
     if (r->user && t->field.raster.georef.geographic)

@@ -78,6 +78,32 @@ static void shadow_of_a_wall(void **state) {
     free(file);
 }
 
+/* Every second row: the wall is as high two rows on, and three coarser rows thick. Each output has as many samples as the
+ * coarser terrain, and standard error says how far that lies from the full one. */
+static void coarser_wall(void **state) {
+    (void)state;
+    enum { COARSE_NX = 31, COARSE_NY = 26 };
+    const program_result *r = program_run(NULL, (const char *const[]){"shadow", "wall.npy", "--cellsize", "10", "--sun",
+                                                                      "0,45.1", "--coarser", "2", "--filter", "highest",
+                                                                      "--zscale", "0.5", "-o", "s.npy", NULL});
+    check(r->status == 0, "exit status %d: %s", r->status, r->err);
+    check(strstr(r->err, "31 x 26 samples for 60 x 50") && strstr(r->err, "up to 20 above and 0 below"), "%s", r->err);
+    char *file;
+    const uint8_t *lit = elements("s.npy", COARSE_NX * COARSE_NY, &file);
+    for (size_t k = 0; k < COARSE_NX * COARSE_NY; k++) assert_int_equal(lit[k], 1);
+    free(file);
+    r = program_run(NULL, (const char *const[]){"shadow", "wall.npy", "--cellsize", "10", "--sun", "0,45.1",
+                                                "--coarser=2", "--filter=highest", "-o", "s.npy", NULL});
+    lit = elements("s.npy", COARSE_NX * COARSE_NY, &file);
+    for (size_t k = 0; k < COARSE_NX * COARSE_NY; k++) assert_int_equal(lit[k], k / COARSE_NX != 12);
+    free(file);
+    /* What needs no field otherwise, and a place on the same map. */
+    r = program_run(NULL, (const char *const[]){"los", "wall.npy", "50,490,+1", "50,0,+1", "--cellsize", "10",
+                                                "--coarser", "2", "--filter", "lowest", NULL});
+    check(r->status == 0 && strstr(r->out, "visible") && strstr(r->err, "up to 0 above and 40 below"), "%s%s", r->out,
+          r->err);
+}
+
 static void horizon_at_a_wall(void **state) {
     (void)state;
     run_well(
@@ -606,6 +632,7 @@ static void sun_on_a_turned_map(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(shadow_of_a_wall, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(coarser_wall, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(horizon_at_a_wall, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(view_of_a_wall, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(large_view, enter, scratch_leave),

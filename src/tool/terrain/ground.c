@@ -63,7 +63,9 @@ bool ground_describe(terrain *t, const field_file *file, const char *path, io_er
 }
 
 static bool read_ground(ground *g, const char *path, const io_raster_options *options, bool field, io_error *error) {
-    if (field && !field_file_open(&g->file, path, options, &g->query, error)) return false;
+    const coarser_options *coarser = &g->options->raster.coarser;
+    field = field || coarser->factor > 0; /* a coarser one is made of it */
+    if (field && !field_file_open(&g->file, path, options, coarser, &g->query, error)) return false;
     if (!field && !io_raster_read(path, options, &g->file.raster, error)) return false;
     const io_raster *r = &g->file.raster;
     if (!field && (r->nx < 2 || r->ny < 2))

@@ -69,16 +69,17 @@ void view_rows(view_options *v, option_spec rows[VIEW_OPTION_COUNT]) {
 }
 
 const char *view_only(const view_options *v) {
-    return v->from                      ? "from"
-           : v->to                      ? "to"
-           : v->sun                     ? "sun"
-           : v->image                   ? "image"
-           : !isnan(v->fov)             ? "fov"
-           : v->raster.band > 0         ? "band"
-           : v->raster.nodata.count > 0 ? "nodata"
-           : !isnan(v->raster.zscale)   ? "zscale"
-           : !isnan(v->raster.cellsize) ? "cellsize"
-                                        : NULL;
+    return v->from                        ? "from"
+           : v->to                        ? "to"
+           : v->sun                       ? "sun"
+           : v->image                     ? "image"
+           : !isnan(v->fov)               ? "fov"
+           : v->raster.band > 0           ? "band"
+           : v->raster.coarser.factor > 0 ? "coarser"
+           : v->raster.nodata.count > 0   ? "nodata"
+           : !isnan(v->raster.zscale)     ? "zscale"
+           : !isnan(v->raster.cellsize)   ? "cellsize"
+                                          : NULL;
 }
 
 /* ---- places ------------------------------------------------------------------------------------------------------- */
@@ -262,7 +263,7 @@ static bool open_view(view *v, view_options *o, const char *path, const cw_run *
     /* GDAL opens files itself, past the readers that remember theirs: no picture is to take their place. */
     if (!io_inputs_note_path(path) || (o->image && !io_inputs_note_path(o->image)))
         return io_fail(error, "out of memory");
-    const bool read = field_file_open(&v->file, path, raster, query, error);
+    const bool read = field_file_open(&v->file, path, raster, &o->raster.coarser, query, error);
     progress_end(&o->raster.line);
     return read && ground_describe(&v->terrain, &v->file, path, error) &&
            make_scene(v, o, w, width, height, smooth, error);
@@ -275,7 +276,10 @@ view *view_open(view_options *o, const char *path, const cw_run *query, size_t w
     *status = EXIT_USAGE;
     if (!read_wish(o, &w) || !raster_options_resolve(&o->raster, name, &raster)) return NULL;
     raster.north_up = true;
-    if (quiet) raster.warn = NULL;
+    if (quiet) {
+        raster.warn = NULL;
+        o->raster.coarser.name = NULL;
+    }
     view *v = calloc(1, sizeof *v);
     io_error error = {"out of memory"};
     if (v != NULL && open_view(v, o, path, query, &w, &raster, width, height, smooth, &error)) return v;

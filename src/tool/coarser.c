@@ -1,0 +1,77 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "coarser.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+static const char *filter_names(size_t number) {
+    static const char *const names[] = {"mean", "highest", "lowest"};
+    return number < sizeof names / sizeof *names ? names[number] : NULL;
+}
+
+void coarser_rows(coarser_options *c, option_spec rows[COARSER_OPTION_COUNT]) {
+    *c = (coarser_options){0};
+    rows[0] =
+        (option_spec){.name = "coarser",
+                      .value = "N",
+                      .help = "a terrain of every N-th row and column; how far its\nsurface lies from the full one, "
+                              "at most and in the root\nmean square, is printed to standard error",
+                      .kind = OPTION_COUNT,
+                      .to = &c->factor,
+                      .low = 2,
+                      .high = CW_SIDE_MAX};
+    rows[1] =
+        (option_spec){.name = "filter",
+                      .value = "NAME",
+                      .help = "with --coarser: a sample is the weighted mean of those\naround it (default), or so that "
+                              "the surface is nowhere\nbelow (highest) or nowhere above (lowest) the full one",
+                      .kind = OPTION_NAME,
+                      .to = &c->filter,
+                      .names = filter_names};
+}
+
+/* The coarser field's samples and map for whoever reads the raster. */
+static bool replace(io_raster *r, const cw_field *coarser, unsigned factor, const char *path, io_error *error) {
+    const cw_field_info info = cw_field_describe(coarser);
+    io_raster smaller;
+    if (!io_raster_allocate(path, info.nx, info.ny, &smaller, error)) return false;
+    float *z = smaller.memory;
+    for (size_t j = 0; j < info.ny; j++)
+        for (size_t i = 0; i < info.nx; i++) z[j * info.nx + i] = cw_field_row(coarser, j)[i];
+    for (int k = 0; k < 3; k++)
+        for (int a = 0; a < 4; a++) smaller.map[k][a] = r->map[k][a] * (a < 2 ? (double)factor : 1);
+    smaller.georef = r->georef;
+    r->georef = (io_georef){0};
+    io_raster_free(r);
+    *r = smaller;
+    return true;
+}
+
+static void print(const coarser_options *c, const char *path, const cw_field *full, const cw_field *coarser,
+                  const cw_difference *d, double unit) {
+    const cw_field_info f = cw_field_describe(full), g = cw_field_describe(coarser);
+    fprintf(stderr,
+            "cellwalk %s: %s: %zu x %zu samples for %zu x %zu; the surface lies up to %.6g above and %.6g below the "
+            "full one, %.6g in the root mean square",
+            c->name, path, g.nx, g.ny, f.nx, f.ny, d->above * unit, d->below * unit, d->rms * unit);
+    if (d->lost + d->made > 0)
+        fprintf(stderr, "; of its triangles %llu are lost to holes, and %llu come in place of holes",
+                (unsigned long long)d->lost, (unsigned long long)d->made);
+    fputc('\n', stderr);
+}
+
+bool coarser_make(const coarser_options *c, const char *path, const cw_run *query, progress *line, cw_field **field,
+                  io_raster *raster, io_error *error) {
+    cw_field *coarser;
+    cw_difference d;
+    const cw_status status = cw_field_coarser(*field, query, c->factor, (cw_filter)c->filter, &coarser, &d);
+    progress_end(line);
+    if (status == CW_ERROR_CANCELLED) return io_fail(error, "interrupted");
+    if (status != CW_OK) return io_fail(error, "%s: %s", path, cw_last_error());
+    const double unit = raster->z ? fabs(raster->map[2][2]) : 1;
+    if (c->name) print(c, path, *field, coarser, &d, unit);
+    cw_field_destroy(*field);
+    *field = coarser;
+    return raster->z == NULL || replace(raster, coarser, c->factor, path, error);
+}
