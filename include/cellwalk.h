@@ -437,6 +437,20 @@ typedef struct cw_heading cw_heading;
 
 /* The longer of dir's components is from 2^-40 to 2^40. The caller owns the heading and destroys it before the field. */
 CW_API cw_status cw_heading_create(const cw_field *field, const double dir[2], cw_heading **heading);
+/* A heading that ends, or along which the earth is curved. */
+typedef struct cw_heading_desc {
+    double dir[2];
+    /* Only edges crossed at t <= reach count, up to rounding in the last bits; 0: all. */
+    double reach;
+    /* What lies at t counts as lower by drop t²: the surface at (i + t dir[0], j + t dir[1]) rises by
+     * (height - drop t² - z) / t, and is straight between the lowered edges. A rise is off by up to 2^-23 drop t more. 0: the
+     * earth is flat. At most 2^77 times dir's longer component. */
+    double drop;
+    uint64_t reserved[4]; /* 0 */
+} cw_heading_desc;
+
+/* Like cw_heading_create, which is the same with the direction alone. */
+CW_API cw_status cw_heading_create_with(const cw_field *field, const cw_heading_desc *desc, cw_heading **heading);
 /* NULL is allowed. */
 CW_API void cw_heading_destroy(cw_heading *heading);
 

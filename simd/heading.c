@@ -5,7 +5,8 @@
  * The walk goes from the start outward. A stretch is passed over if the highest sample anywhere near it, seen from the
  * nearest (or, below the start, the farthest) of its crossings, would not be steeper than what each ray has seen. That
  * never changes an answer: heights between two samples are computed so that they lie above the higher one by no more than
- * job->pad. So the answer is the maximum over all crossings, whatever the width. */
+ * job->pad. So the answer is the maximum over all crossings, whatever the width. On a curved earth each crossing is less steep
+ * by its drop, and a stretch by the least of those in it; to subtract more never gives more, also when rounded. */
 
 #include "vocabulary.h"
 
@@ -62,15 +63,18 @@ static inline float stretch_high(const group *g, const cw_stretch *s, int level)
 }
 
 /* True if no ray of the group can see anything steeper on the stretch than it has seen. */
-static inline bool stretch_is_low(const group *g, const cw_stretch *s, int level) {
+static inline bool stretch_is_low(const group *g, const cw_stretch *s, int level, bool curved) {
     const vfloat high = vf_set(stretch_high(g, s, level)), pad = vf_set(g->pad);
     const vfloat near = vf_set(s->inverse_most), far = vf_set(s->inverse_least);
+    const cw_heading *h = g->heading;
+    const vfloat drop = vf_set(curved ? h->stretch_drop[level][s - h->stretch[level]] : 0);
     for (int k = 0; k < GROUP; k += (int)W) {
         /* Level with the start, as all of a lake is, rounding puts nothing above it: if a <= b <= z, then b - a, rounded, is at
          * most z - a, rounded, and a fraction of it at most that. */
         const vfloat exact = vf_sub(high, vf_load(g->z + k));
         const vfloat up = vf_select(vf_eq(exact, vf_set(0)), exact, vf_add(exact, pad));
-        const vfloat most = vf_max(vf_mul(up, near), vf_mul(up, far));
+        vfloat most = vf_max(vf_mul(up, near), vf_mul(up, far));
+        if (curved) most = vf_sub(most, drop);
         if (vm_any(vm_not(vf_le(most, vf_load(g->best + k))))) return false;
     }
     return true;
@@ -85,13 +89,16 @@ static inline ptrdiff_t second_sample(const cw_crossing *c, size_t stride) {
     return (ptrdiff_t)(c->i_kind & 1) + (c->i_kind >> 1 & 1) * (ptrdiff_t)stride;
 }
 
-static inline vfloat slope_up(const cw_crossing *c, vfloat z, vfloat first, vfloat second) {
+/* drop: that of the crossing, if the earth is curved. */
+static inline vfloat slope_up(const cw_crossing *c, vfloat z, vfloat first, vfloat second, const float *drop) {
     const vfloat step = vf_mul(vf_set(c->fraction), vf_sub(second, first));
-    return vf_mul(vf_add(vf_sub(first, z), step), vf_set(c->inverse));
+    const vfloat up = vf_mul(vf_add(vf_sub(first, z), step), vf_set(c->inverse));
+    return drop ? vf_sub(up, vf_set(*drop)) : up;
 }
 
 /* The crossings from c to end, all of them inside the field for all rays. */
-static inline void scan(group *g, const cw_crossing *from, const cw_crossing *end) {
+static inline void scan(group *g, const cw_crossing *from, const cw_crossing *end, bool curved) {
+    const cw_heading *h = g->heading;
     const size_t stride = g->heading->field->stride;
     const float *start = g->heading->field->z + (size_t)g->j * stride + (size_t)g->i;
     for (int k = 0; k < VECTORS; k += AT_ONCE) {
@@ -106,7 +113,9 @@ static inline void scan(group *g, const cw_crossing *from, const cw_crossing *en
         for (const cw_crossing *c = from; c < end; c++) {
             const float *a = start + first_sample(c, stride), *b = a + second_sample(c, stride);
             for (int m = 0; m < AT_ONCE; m++)
-                best[m] = vf_max(slope_up(c, z[m], vf_load(a + place[m]), vf_load(b + place[m])), best[m]);
+                best[m] = vf_max(slope_up(c, z[m], vf_load(a + place[m]), vf_load(b + place[m]),
+                                          curved ? h->drop + (c - h->crossing) : NULL),
+                                 best[m]);
         }
         for (int m = 0; m < AT_ONCE; m++) vf_store(g->best + (k + m) * (int)W, best[m]);
     }
@@ -122,7 +131,8 @@ static inline vfloat load_around(const cw_field *f, ptrdiff_t k) {
 }
 
 /* The same as scan, with crossings outside the field left out. */
-static inline void scan_partly(group *g, const cw_crossing *from, const cw_crossing *end) {
+static inline void scan_partly(group *g, const cw_crossing *from, const cw_crossing *end, bool curved) {
+    const cw_heading *h = g->heading;
     const cw_field *f = g->heading->field;
     float columns[W];
     for (unsigned m = 0; m < W; m++) columns[m] = (float)m;
@@ -138,20 +148,21 @@ static inline void scan_partly(group *g, const cw_crossing *from, const cw_cross
             const vfloat low = vf_set((float)-i), high = vf_set((float)((int32_t)f->nx - 1 - (c->i_kind & 1) - i));
             const vmask inside = vm_and(vf_ge(column, low), vf_le(column, high));
             const ptrdiff_t at = (ptrdiff_t)j * (ptrdiff_t)f->stride + i;
-            const vfloat up = slope_up(c, z, load_around(f, at), load_around(f, at + second_sample(c, f->stride)));
+            const vfloat up = slope_up(c, z, load_around(f, at), load_around(f, at + second_sample(c, f->stride)),
+                                       curved ? h->drop + (c - h->crossing) : NULL);
             best = vf_max(vf_select(inside, up, none), best);
         }
         vf_store(g->best + k, best);
     }
 }
 
-static inline void scan_stretch(group *g, uint32_t number, reach r) {
+static inline void scan_stretch(group *g, uint32_t number, reach r, bool curved) {
     const cw_stretch *s = &g->heading->stretch[0][number];
     const cw_crossing *from = g->heading->crossing + s[0].first, *end = g->heading->crossing + s[1].first;
     if (r == INSIDE)
-        scan(g, from, end);
+        scan(g, from, end, curved);
     else
-        scan_partly(g, from, end);
+        scan_partly(g, from, end, curved);
 }
 
 /* Rays that have seen enough need no looking after; true if all have. */
@@ -184,7 +195,7 @@ static inline bool is_done(const int32_t done[PROBES], uint32_t number) {
     return false;
 }
 
-static inline void walk(group *g, bool guess, bool ends) {
+static inline void walk(group *g, bool guess, bool ends, bool curved) {
     const cw_heading *h = g->heading;
     int32_t done[PROBES], found[PROBES];
     float before[PROBES];
@@ -195,7 +206,7 @@ static inline void walk(group *g, bool guess, bool ends) {
         if (number < 0 || is_done(done, (uint32_t)number)) continue;
         if (stretch_reach(g, &h->stretch[0][number]) != INSIDE) continue;
         probe(g, before);
-        scan_stretch(g, (uint32_t)number, INSIDE);
+        scan_stretch(g, (uint32_t)number, INSIDE, curved);
         remember(g, before, (uint32_t)number, found);
         done[p] = number;
     }
@@ -205,7 +216,7 @@ static inline void walk(group *g, bool guess, bool ends) {
         const cw_stretch *s = &h->stretch[level][u >> 2 * level];
         const reach r = stretch_reach(g, s);
         if (r == OUTSIDE) break;
-        if (stretch_is_low(g, s, level)) {
+        if (stretch_is_low(g, s, level, curved)) {
             u += length;
             if (level + 1 < h->levels && u % (length << 2) == 0) level++;
             continue;
@@ -216,7 +227,7 @@ static inline void walk(group *g, bool guess, bool ends) {
         }
         if (!is_done(done, u)) {
             if (guess) probe(g, before);
-            scan_stretch(g, u, r);
+            scan_stretch(g, u, r, curved);
             if (ends && all_settled(g)) break;
             if (guess) remember(g, before, u, found);
         }
@@ -262,7 +273,7 @@ static inline void finish(const group *g, const cw_heading_job *job, size_t i0, 
 }
 
 static inline void run(const cw_heading_job *job, size_t i_begin, size_t i_end, size_t j_begin, size_t j_end, bool any,
-                       bool ends) {
+                       bool ends, bool curved) {
     const cw_heading *h = job->heading;
     const size_t nx = h->field->nx, ny = h->field->ny;
     group g = {.heading = h, .pad = job->pad, .least = job->low, .enough = job->high};
@@ -276,16 +287,23 @@ static inline void run(const cw_heading_job *job, size_t i_begin, size_t i_end, 
             const size_t i_from = i + GROUP_COLUMNS <= nx || nx < GROUP_COLUMNS ? i : nx - GROUP_COLUMNS;
             const size_t j_from = j + GROUP_ROWS <= ny || ny < GROUP_ROWS ? j : ny - GROUP_ROWS;
             start(&g, (int32_t)i_from, (int32_t)j_from, ends);
-            walk(&g, !any, ends);
+            walk(&g, !any, ends, curved);
             finish(&g, job, i, i_next, j, j_next, any);
         }
 }
 
-void CW_CODE(heading)(const cw_heading_job *job, size_t i, size_t i_end, size_t j, size_t j_end) {
+static inline void run_on(const cw_heading_job *job, size_t i, size_t i_end, size_t j, size_t j_end, bool curved) {
     if (job->occluded)
-        run(job, i, i_end, j, j_end, true, true);
+        run(job, i, i_end, j, j_end, true, true, curved);
     else if (job->high < INFINITY)
-        run(job, i, i_end, j, j_end, false, true);
+        run(job, i, i_end, j, j_end, false, true, curved);
     else
-        run(job, i, i_end, j, j_end, false, false);
+        run(job, i, i_end, j, j_end, false, false, curved);
+}
+
+void CW_CODE(heading)(const cw_heading_job *job, size_t i, size_t i_end, size_t j, size_t j_end) {
+    if (job->heading->drop != NULL)
+        run_on(job, i, i_end, j, j_end, true);
+    else
+        run_on(job, i, i_end, j, j_end, false);
 }

@@ -25,12 +25,16 @@ typedef struct lines {
 typedef struct maker {
     const double *dir;
     double longest; /* the larger of |dir| */
+    double reach, drop_rate;
     cw_crossing *to;
+    float *drop; /* NULL: the earth is flat */
     size_t count;
 } maker;
 
 /* A crossing at t, at cell (i, j) seen from the start, that fraction of the way along the edge. */
 static void add(maker *m, double t, double i, double j, double fraction, cw_crossing_kind kind) {
+    if (t > m->reach) return;
+    if (m->drop != NULL) m->drop[m->count] = (float)(m->drop_rate * t);
     if (m->to != NULL)
         m->to[m->count] = (cw_crossing){
             .fraction = (float)fraction,
@@ -130,21 +134,36 @@ static void bound_stretches(const cw_stretch *from, uint32_t count, cw_stretch *
     }
 }
 
-/* Cells along the longer axis that a ray can go through inside the field, at most. */
-static size_t longest_way(const cw_field *f, const double dir[2], double longest) {
-    const double x = (double)(f->nx - 1) / fabs(dir[0]), y = (double)(f->ny - 1) / fabs(dir[1]); /* may be infinite */
-    return (size_t)ceil((x < y ? x : y) * longest * (1 + 0x1p-40));
+/* The least of the drops of what the stretch is made of. */
+static void bound_drops(cw_heading *h, int level) {
+    const cw_stretch *s = h->stretch[level];
+    for (uint32_t k = 0; k < h->stretches[level]; k++) {
+        const float *from = level > 0 ? h->stretch_drop[level - 1] + 4 * k : h->drop + s[k].first;
+        const uint32_t left = level > 0 ? h->stretches[level - 1] - 4 * k : s[k + 1].first - s[k].first;
+        float drop = INFINITY;
+        for (uint32_t n = 0; n < left && (level == 0 || n < 4); n++) drop = lower(from[n], drop);
+        h->stretch_drop[level][k] = drop;
+    }
 }
 
-static cw_status make(cw_heading *h, const double dir[2]) {
-    const double longest = fmax(fabs(dir[0]), fabs(dir[1]));
-    const size_t cells = longest_way(h->field, dir, longest);
-    maker m = {.dir = dir, .longest = longest};
+/* Cells along the longer axis that a ray can go through inside the field and within its reach, at most. */
+static size_t longest_way(const cw_field *f, const double dir[2], double longest, double reach) {
+    const double x = (double)(f->nx - 1) / fabs(dir[0]), y = (double)(f->ny - 1) / fabs(dir[1]); /* may be infinite */
+    const double most = x < y ? x : y;
+    return (size_t)ceil((most < reach ? most : reach) * longest * (1 + 0x1p-40));
+}
+
+static cw_status make(cw_heading *h, const double dir[2], const cw_heading_desc *desc) {
+    const double longest = fmax(fabs(dir[0]), fabs(dir[1])), reach = desc->reach > 0 ? desc->reach : INFINITY;
+    const size_t cells = longest_way(h->field, dir, longest, reach);
+    maker m = {.dir = dir, .longest = longest, .reach = reach, .drop_rate = desc->drop};
     h->along_x = fabs(dir[0]) == longest;
     h->crossings = make_crossings(&m, h->along_x, cells, NULL);
     if (h->crossings > INT32_MAX) return cw_fail_plainly(CW_ERROR_MEMORY);
-    h->crossing = m.to = cw_memory_allocate(h->crossings * sizeof *h->crossing);
+    h->crossing = m.to = cw_memory_allocate((h->crossings + 1) * sizeof *h->crossing);
     if (h->crossing == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
+    if (desc->drop > 0) h->drop = m.drop = cw_memory_allocate((h->crossings + 1) * sizeof *h->drop);
+    if (desc->drop > 0 && h->drop == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
     for (uint32_t n = (uint32_t)((cells + 3) / 4);; n = (n + 3) / 4) {
         cw_stretch *s = cw_memory_allocate(((size_t)n + 1) * sizeof *s);
         if (s == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
@@ -160,17 +179,41 @@ static cw_status make(cw_heading *h, const double dir[2]) {
             else
                 bound_stretches(h->stretch[l - 1] + 4 * k, below < 4 ? below : 4, &s[k]);
         }
+        if (h->drop != NULL) {
+            h->stretch_drop[l] = cw_memory_allocate(n * sizeof(float));
+            if (h->stretch_drop[l] == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
+            bound_drops(h, l);
+        }
         if (n == 1 || h->levels == PYRAMID_LEVELS_MAX) return CW_OK;
     }
+}
+
+/* What drop t may be, so that sums with rises of heights do not overflow. */
+static bool is_drop(const cw_heading_desc *d, double longest) {
+    return d->drop >= 0 && d->drop * ((double)CW_SIDE_MAX / longest) <= (double)CW_HEIGHT_MAX;
 }
 
 cw_status cw_heading_create(const cw_field *field, const double dir[2], cw_heading **heading) {
     if (heading == NULL) return cw_fail(CW_ERROR_ARGUMENT, "heading: NULL");
     *heading = NULL;
-    if (field == NULL || dir == NULL) return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL", field ? "dir" : "field");
+    if (dir == NULL) return cw_fail(CW_ERROR_ARGUMENT, "dir: NULL");
+    return cw_heading_create_with(field, &(cw_heading_desc){.dir = {dir[0], dir[1]}}, heading);
+}
+
+cw_status cw_heading_create_with(const cw_field *field, const cw_heading_desc *desc, cw_heading **heading) {
+    if (heading == NULL) return cw_fail(CW_ERROR_ARGUMENT, "heading: NULL");
+    *heading = NULL;
+    if (field == NULL || desc == NULL) return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL", field ? "desc" : "field");
+    const cw_status reserved = cw_check_reserved(desc->reserved, "cw_heading_desc");
+    if (reserved != CW_OK) return reserved;
+    const double *dir = desc->dir;
     const double longest = fmax(fabs(dir[0]), fabs(dir[1]));
     if (!(isfinite(dir[0]) && isfinite(dir[1]) && longest >= 0x1p-40 && longest <= 0x1p40))
         return cw_fail(CW_ERROR_ARGUMENT, "dir: (%g, %g); its longer component is from 2^-40 to 2^40", dir[0], dir[1]);
+    if (!(desc->reach >= 0 && isfinite(desc->reach)))
+        return cw_fail(CW_ERROR_ARGUMENT, "reach: %g; it is finite and not negative", desc->reach);
+    if (!is_drop(desc, longest))
+        return cw_fail(CW_ERROR_ARGUMENT, "drop: %g; it is from 0 to 2^77 times dir's longer component", desc->drop);
     cw_heading *h = cw_memory_clear(sizeof *h);
     if (h == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
     const fpenv caller = fpenv_enter();
@@ -178,7 +221,7 @@ cw_status cw_heading_create(const cw_field *field, const double dir[2], cw_headi
     /* A component that rounding could have made is 0. */
     const double exact[2] = {fabs(dir[0]) <= PLACE_ROUNDING * longest ? 0 : dir[0],
                              fabs(dir[1]) <= PLACE_ROUNDING * longest ? 0 : dir[1]};
-    const cw_status status = make(h, exact);
+    const cw_status status = make(h, exact, desc);
     fpenv_leave(caller);
     if (status == CW_OK)
         *heading = h;
@@ -189,7 +232,11 @@ cw_status cw_heading_create(const cw_field *field, const double dir[2], cw_headi
 
 void cw_heading_destroy(cw_heading *heading) {
     if (heading == NULL) return;
-    for (int l = 0; l < heading->levels; l++) cw_memory_free(heading->stretch[l]);
+    for (int l = 0; l < heading->levels; l++) {
+        cw_memory_free(heading->stretch[l]);
+        cw_memory_free(heading->stretch_drop[l]);
+    }
+    cw_memory_free(heading->drop);
     cw_memory_free(heading->crossing);
     cw_memory_free(heading);
 }

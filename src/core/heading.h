@@ -44,9 +44,11 @@ struct cw_heading {
     bool along_x; /* its longer axis */
     size_t crossings;
     cw_crossing *crossing;
+    float *drop; /* of each crossing: how much less steep it is on a curved earth; NULL on a flat one */
     int levels;
     uint32_t stretches[PYRAMID_LEVELS_MAX];
     cw_stretch *stretch[PYRAMID_LEVELS_MAX]; /* one more than there are, for its first */
+    float *stretch_drop[PYRAMID_LEVELS_MAX]; /* the least of its crossings' drops; NULL like drop */
 };
 
 /* A rectangle of samples, and where the answers go, row by row. */

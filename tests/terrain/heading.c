@@ -13,6 +13,9 @@
 /* Of all directions and fields one in that many. */
 static size_t step(void) { return test_step(10); }
 
+/* The headings that are tried: where they end, and how the earth is curved. */
+static double reach = 0, drop = 0;
+
 /* What a sample sees of one edge, from a to b, in a direction: nothing, if the ray passes it by. The answer's error bound,
  * 2^-21 of the steeper of the rises to the two samples, grows allowed. */
 static void see_edge(const double start[3], const double dir[2], const double a[3], const double b[3], double *steepest,
@@ -23,10 +26,10 @@ static void see_edge(const double start[3], const double dir[2], const double a[
         return; /* along it: its ends count */
     const double f = side_a / (side_a - side_b), length2 = dir[0] * dir[0] + dir[1] * dir[1];
     const double t = ((ax + f * (bx - ax)) * dir[0] + (ay + f * (by - ay)) * dir[1]) / length2;
-    if (!(t > 1e-9)) return;
+    if (!(t > 1e-9) || (reach > 0 && t > reach)) return;
     const double rise_a = a[2] - start[2], rise_b = b[2] - start[2], rise = rise_a + f * (rise_b - rise_a);
-    if (rise / t > *steepest) *steepest = rise / t;
-    const double error = 0x1p-21 * fmax(fabs(rise_a), fabs(rise_b)) / t;
+    if (rise / t - drop * t > *steepest) *steepest = rise / t - drop * t;
+    const double error = 0x1p-21 * fmax(fabs(rise_a), fabs(rise_b)) / t + 0x1p-23 * drop * t;
     if (error > *allowed) *allowed = error;
 }
 
@@ -34,8 +37,9 @@ static void see_sample(const double start[3], const double dir[2], const double 
                        double *allowed) {
     const double x = a[0] - start[0], y = a[1] - start[1],
                  t = (x * dir[0] + y * dir[1]) / (dir[0] * dir[0] + dir[1] * dir[1]);
-    if (!(t > 1e-9) || dir[0] * y != dir[1] * x || isnan(a[2])) return;
-    const double rise = (a[2] - start[2]) / t, error = 0x1p-21 * fabs(rise);
+    if (!(t > 1e-9) || dir[0] * y != dir[1] * x || isnan(a[2]) || (reach > 0 && t > reach)) return;
+    const double rise = (a[2] - start[2]) / t - drop * t,
+                 error = 0x1p-21 * fabs((a[2] - start[2]) / t) + 0x1p-23 * drop * t;
     if (rise > *steepest) *steepest = rise;
     if (error > *allowed) *allowed = error;
 }
@@ -76,7 +80,9 @@ static void direction(random_state *r, size_t number, double dir[2]) {
 
 static cw_heading *heading_open(const cw_field *field, const double dir[2]) {
     cw_heading *h = NULL;
-    check_status(cw_heading_create(field, dir, &h), CW_OK);
+    const cw_heading_desc desc = {.dir = {dir[0], dir[1]}, .reach = reach, .drop = drop};
+    check_status(reach > 0 || drop > 0 ? cw_heading_create_with(field, &desc, &h) : cw_heading_create(field, dir, &h),
+                 CW_OK);
     return h;
 }
 
@@ -140,9 +146,24 @@ static void stretches_are_passed_over_rightly(void **state) {
     check_against_brute(&field_a, 6);
 }
 
-/* All instruction sets, threads and ways to cut the field up give the same bits. */
-static void bits_are_the_same(void **state) {
+/* Headings that end after some cells, on an earth that is flat, a little curved, and as round as a ball. No crossing lies
+ * within rounding of these ends. */
+static void ends_and_curvature_count(void **state) {
     (void)state;
+    static const double reaches[] = {0, 0.3137, 5.2713, 61.317}, drops[] = {0, 1e-4, 0.05};
+    for (size_t k = 1; k < 12; k++) {
+        reach = reaches[k % 4];
+        drop = drops[k / 4];
+        land(&field_a, 255, 130);
+        check_against_brute(&field_a, 20 + k);
+        field_make(&field_a, FIELD_HOLES, 40, 31, k);
+        check_against_brute(&field_a, 40 + k);
+    }
+    reach = drop = 0;
+}
+
+/* All instruction sets, threads and ways to cut the field up give the same bits. */
+static void check_bits(void) {
     enum { NX = 203, NY = 187 };
     static float first[NX * NY], slope[NX * NY];
     static uint8_t hit[NX * NY];
@@ -198,9 +219,18 @@ static void bits_are_the_same(void **state) {
     cw_field_destroy(field);
 }
 
-/* Without bounds nothing is passed over. Single high samples in flat land are what a bound must not miss. */
-static void bounds_change_nothing(void **state) {
+static void bits_are_the_same(void **state) {
     (void)state;
+    check_bits();
+    drop = 0.001;
+    check_bits();
+    reach = 33;
+    check_bits();
+    drop = reach = 0;
+}
+
+/* Without bounds nothing is passed over. Single high samples in flat land are what a bound must not miss. */
+static void check_bounds(void) {
     enum { NX = 230, NY = 150 };
     static float bounded[NX * NY], plain[NX * NY];
     random_state r = {4};
@@ -228,6 +258,14 @@ static void bounds_change_nothing(void **state) {
         cw_field_destroy(with);
         cw_field_destroy(without);
     }
+}
+
+static void bounds_change_nothing(void **state) {
+    (void)state;
+    check_bounds();
+    drop = 0.002;
+    check_bounds();
+    drop = 0;
 }
 
 /* A plane rises by one number in a direction, from everywhere but where the ray leaves the field; a lake by 0, exactly. */
@@ -263,6 +301,12 @@ static void misuse_is_refused(void **state) {
         check_status(cw_heading_create(field, bad[k], &h), CW_ERROR_ARGUMENT);
         assert_null(h);
     }
+    const cw_heading_desc wrong[] = {{.dir = {1, 0}, .reach = -1},    {.dir = {1, 0}, .reach = INFINITY},
+                                     {.dir = {1, 0}, .drop = NAN},    {.dir = {1, 0}, .drop = -1},
+                                     {.dir = {1, 0}, .drop = 0x1p80}, {.dir = {1, 0}, .reserved = {0, 0, 0, 1}}};
+    for (size_t k = 0; k < sizeof wrong / sizeof wrong[0]; k++)
+        check_status(cw_heading_create_with(field, &wrong[k], &h), CW_ERROR_ARGUMENT);
+    check_status(cw_heading_create_with(field, NULL, &h), CW_ERROR_ARGUMENT);
     check_status(cw_heading_create(NULL, good, &h), CW_ERROR_ARGUMENT);
     check_status(cw_heading_create(field, NULL, &h), CW_ERROR_ARGUMENT);
     check_status(cw_heading_create(field, good, NULL), CW_ERROR_ARGUMENT);
@@ -294,9 +338,10 @@ static void misuse_is_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_edge_counts),  cmocka_unit_test(stretches_are_passed_over_rightly),
-        cmocka_unit_test(bits_are_the_same),  cmocka_unit_test(bounds_change_nothing),
-        cmocka_unit_test(planes_rise_evenly), cmocka_unit_test(misuse_is_refused),
+        cmocka_unit_test(every_edge_counts),        cmocka_unit_test(stretches_are_passed_over_rightly),
+        cmocka_unit_test(ends_and_curvature_count), cmocka_unit_test(bits_are_the_same),
+        cmocka_unit_test(bounds_change_nothing),    cmocka_unit_test(planes_rise_evenly),
+        cmocka_unit_test(misuse_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
