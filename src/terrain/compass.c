@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "compass.h"
 
+#include <math.h>
 #include <stdlib.h>
 
-cw_status compass_create(compass *c, const terrain *t, const double *azimuths, size_t count) {
-    *c = (compass){.terrain = t, .count = count, .azimuths = azimuths};
+cw_status compass_create(compass *c, const terrain *t, const double *azimuths, size_t count, double reach,
+                         double curvature) {
+    *c = (compass){.terrain = t, .count = count, .azimuths = azimuths, .reach = reach, .curvature = curvature};
+    if (!(reach >= 0 && curvature >= 0 && isfinite(reach) && isfinite(curvature))) return CW_ERROR_ARGUMENT;
     c->headings = calloc(count, sizeof(cw_heading *));
     return c->headings ? CW_OK : CW_ERROR_MEMORY;
 }
@@ -45,7 +48,11 @@ cw_status compass_heading(compass *c, size_t k, cw_heading **heading, double *sl
         terrain_direction(whole, 0.5 * (double)(whole->nx - 1), compass_middle(c), c->azimuths[k], dir);
     *slope = metres / t->map[2][2];
     cw_status status = CW_OK;
-    if (c->headings[k] == NULL) status = cw_heading_create(t->field, dir, &c->headings[k]);
+    /* What lies d metres away is lower by curvature d² / 2 R, and dir is that many metres long. */
+    const cw_heading_desc desc = {.dir = {dir[0], dir[1]},
+                                  .reach = c->reach / metres,
+                                  .drop = c->curvature * metres * metres / (2 * t->radius * t->map[2][2])};
+    if (c->headings[k] == NULL) status = cw_heading_create_with(t->field, &desc, &c->headings[k]);
     *heading = c->headings[k];
     return status;
 }

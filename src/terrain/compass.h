@@ -12,12 +12,15 @@ typedef struct compass {
     const terrain *terrain;
     size_t count;
     const double *azimuths; /* degrees */
+    double reach;           /* metres: headings end there; 0: they do not */
+    double curvature;       /* as sight_init takes it */
     cw_heading **headings;  /* those that were asked for */
     size_t from, until;     /* rows that they are right for */
 } compass;
 
-/* Takes over nothing: azimuths must stay. */
-cw_status compass_create(compass *c, const terrain *t, const double *azimuths, size_t count);
+/* Takes over nothing: azimuths must stay. reach and curvature are not negative. */
+cw_status compass_create(compass *c, const terrain *t, const double *azimuths, size_t count, double reach,
+                         double curvature);
 void compass_destroy(compass *c);
 
 /* Turns to the row; headings are shared by the same rows of the whole raster, wherever one begins. Sets rows to the number of rows, from this one on, for which headings are then right. */

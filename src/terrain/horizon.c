@@ -16,7 +16,9 @@ struct horizon {
     size_t room;
 };
 
-cw_status horizon_create(const terrain *t, double start, size_t count, horizon **out) {
+cw_status horizon_create(const terrain *t, const horizon_desc *desc, horizon **out) {
+    const double start = desc->start;
+    const size_t count = desc->count;
     *out = NULL;
     if (count == 0 || count > COMPASS_MOST || !isfinite(start)) return CW_ERROR_ARGUMENT;
     horizon *h = calloc(1, sizeof *h);
@@ -25,7 +27,9 @@ cw_status horizon_create(const terrain *t, double start, size_t count, horizon *
     h->azimuths = calloc(count, sizeof *h->azimuths);
     for (size_t k = 0; k < count && h->azimuths != NULL; k++)
         h->azimuths[k] = fmod(start + 360 * (double)k / (double)count, 360);
-    const cw_status status = h->azimuths ? compass_create(&h->compass, t, h->azimuths, count) : CW_ERROR_MEMORY;
+    const cw_status status =
+        h->azimuths ? compass_create(&h->compass, t, h->azimuths, count, desc->max_distance, desc->curvature)
+                    : CW_ERROR_MEMORY;
     if (status == CW_OK)
         *out = h;
     else

@@ -7,13 +7,21 @@
 
 typedef struct horizon horizon;
 
-/* Directions start, start + 360 / count, … in degrees of the compass. count is at least 1. */
-cw_status horizon_create(const terrain *t, double start, size_t count, horizon **h);
+typedef struct horizon_desc {
+    double start;        /* directions are start, start + 360 / count, … in degrees of the compass */
+    size_t count;        /* from 1 to COMPASS_MOST */
+    double max_distance; /* metres: what is farther away is not seen; 0: all is */
+    double curvature;    /* as sight_init takes it; 0: the earth is flat */
+} horizon_desc;
+
+/* The terrain must stay. */
+cw_status horizon_create(const terrain *t, const horizon_desc *desc, horizon **h);
 void horizon_destroy(horizon *h);
 double horizon_azimuth(const horizon *h, size_t number);
 
 /* The angle in degrees at which the highest point of the terrain in direction number stands above the level of the sample,
- * negative below it, for rows row to row + rows - 1. -90 where the terrain ends at the sample, NaN at a hole. */
+ * negative below it, for rows row to row + rows - 1. -90 where the terrain ends at the sample or nothing of it is within the
+ * distance, NaN at a hole. */
 cw_status horizon_angles(horizon *h, const cw_run *query, size_t number, size_t row, size_t rows, float *degrees);
 
 /* The share of the light of an evenly bright sky that reaches level ground, 0 to 1: the mean over all directions of the

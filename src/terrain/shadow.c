@@ -57,7 +57,7 @@ cw_status sunlight_create(const terrain *t, const sunlight_desc *desc, sunlight 
     s->towards[0] = sine * level;
     s->towards[1] = cosine * level;
     s->towards[2] = up;
-    const cw_status status = compass_create(&s->compass, t, s->azimuths, s->strips);
+    const cw_status status = compass_create(&s->compass, t, s->azimuths, s->strips, 0, desc->curvature);
     if (status == CW_OK)
         *light = s;
     else

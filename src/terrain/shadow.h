@@ -11,6 +11,7 @@ typedef struct sunlight_desc {
     double azimuth, altitude; /* degrees */
     double radius;            /* of the disc in degrees; 0: the sun is a point */
     unsigned strips;          /* upright ones that the disc is cut into, up to 64; 0: 16 */
+    double curvature;         /* as sight_init takes it; 0: the earth is flat */
     bool hillshade;           /* times the cosine of the angle between the sun and the ground's normal */
 } sunlight_desc;
 

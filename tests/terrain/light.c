@@ -5,6 +5,7 @@
 #include "ground.h"
 #include "horizon.h"
 #include "shadow.h"
+#include "sight.h"
 #include "workload/random.h"
 
 #include <string.h>
@@ -172,7 +173,7 @@ static void shadow_agrees_with_rays(void **state) {
         const double azimuth = random_between(&r, 0, 360), altitude = random_between(&r, 3, 40);
         horizon *h = NULL;
         lit_of(&g, azimuth, altitude, lit);
-        check_status(horizon_create(&g.terrain, azimuth, 1, &h), CW_OK);
+        check_status(horizon_create(&g.terrain, &(horizon_desc){.start = azimuth, .count = 1}, &h), CW_OK);
         check_status(horizon_angles(h, NULL, 0, 0, SIDE, angles), CW_OK);
         horizon_destroy(h);
         for (size_t j = 0; j < SIDE; j++)
@@ -208,7 +209,7 @@ static void horizon_of_a_plane(void **state) {
     ground g;
     ground_make(&g, SIDE, SIDE, plane, shape);
     horizon *h = NULL;
-    check_status(horizon_create(&g.terrain, 0, 32, &h), CW_OK);
+    check_status(horizon_create(&g.terrain, &(horizon_desc){.start = 0, .count = 32}, &h), CW_OK);
     for (size_t d = 0; d < 32; d++) {
         const double a = horizon_azimuth(h, d) * degree;
         const double wanted = atan(shape[0] * sin(a) + shape[1] * cos(a)) / degree;
@@ -235,7 +236,7 @@ static void horizon_in_a_pit(void **state) {
     ground_make(&g, SIDE, SIDE, pit, shape);
     const double low = atan(shape[3] / (shape[2] + 10 * sqrt(2))) / degree, high = atan(shape[3] / shape[2]) / degree;
     horizon *h = NULL;
-    check_status(horizon_create(&g.terrain, 3, 90, &h), CW_OK);
+    check_status(horizon_create(&g.terrain, &(horizon_desc){.start = 3, .count = 90}, &h), CW_OK);
     for (size_t d = 0; d < 90; d++) {
         check_status(horizon_angles(h, NULL, d, 0, SIDE, angles), CW_OK);
         const double got = (double)angles[middle];
@@ -249,6 +250,83 @@ static void horizon_in_a_pit(void **state) {
           (double)share[middle], least, most);
     assert_true(fabsf(share[0] - 1) < 1e-5f); /* on the rim */
     horizon_destroy(h);
+    ground_free(&g);
+}
+
+/* On a curved earth, and as far as one looks: what lines of sight see, which are followed in double. The earth is made so much
+ * rounder that it hides what is far.
+ *
+ * A heading lowers each crossing, a line of sight the samples beside it. On an edge of at most L = 10 √2 m that differs by up
+ * to curvature (L / 2)² / 2 R metres; the nearest crossing is L / 2 away: an angle of curvature L / 4 R. */
+static void curvature_and_distance(void **state) {
+    (void)state;
+    const double shape[1] = {1.1};
+    static const double curvatures[] = {0, 200, 5000}, distances[] = {0, 61.7, 333.3};
+    static float angles[SAMPLES];
+    ground g;
+    ground_make(&g, SIDE, SIDE, land, shape);
+    random_state r = {77};
+    sight_bounds *bounds = NULL;
+    check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
+    size_t differ = 0;
+    for (size_t k = 0; k < 9; k++) {
+        const horizon_desc desc = {
+            .start = 11, .count = 5, .max_distance = distances[k % 3], .curvature = curvatures[k / 3]};
+        horizon *h = NULL;
+        check_status(horizon_create(&g.terrain, &desc, &h), CW_OK);
+        const double allowed = 1e-3 + desc.curvature * GROUND_CELL * sqrt(2) / (4 * g.terrain.radius) / degree;
+        for (size_t d = 0; d < desc.count; d++) {
+            check_status(horizon_angles(h, NULL, d, 0, SIDE, angles), CW_OK);
+            for (size_t n = 0; n < 300; n++) {
+                const size_t i = 1 + random_below(&r, SIDE - 2), j = 1 + random_below(&r, SIDE - 2);
+                const double eye[3] = {(double)i, (double)j, (double)g.z[j * SIDE + i]};
+                double dir[2], far = INFINITY;
+                const double length = terrain_direction(&g.terrain, eye[0], eye[1], horizon_azimuth(h, d), dir);
+                for (int a = 0; a < 2; a++) far = fmin(far, ((dir[a] > 0 ? SIDE - 1 : 0) - eye[a]) / dir[a] + 1);
+                if (desc.max_distance > 0) far = fmin(far, desc.max_distance / length);
+                sight s;
+                sight_init(&s, &g.terrain, bounds, eye, desc.curvature);
+                const sight_rise rise = sight_steepest(&s, eye[0] + far * dir[0], eye[1] + far * dir[1], -INFINITY);
+                const double wanted = rise.steepest == -INFINITY ? -90 : atan(rise.steepest / (far * length)) / degree;
+                check(fabs((double)angles[j * SIDE + i] - wanted) < allowed,
+                      "(%zu, %zu), %g degrees, curvature %g, up to %g m: %g, not %g", i, j, horizon_azimuth(h, d),
+                      desc.curvature, desc.max_distance, (double)angles[j * SIDE + i], wanted);
+                sight_init(&s, &g.terrain, bounds, eye, 0);
+                differ += sight_steepest(&s, eye[0] + far * dir[0], eye[1] + far * dir[1], -INFINITY).steepest !=
+                          rise.steepest;
+            }
+        }
+        horizon_destroy(h);
+    }
+    check(differ > 1000, "curvature changes %zu horizons", differ);
+    sight_bounds_destroy(bounds);
+    ground_free(&g);
+}
+
+/* The sun over a curved earth: in the shadow is what sees a horizon at least as high. */
+static void shadow_on_a_curved_earth(void **state) {
+    (void)state;
+    const double shape[1] = {0.7};
+    static uint8_t lit[SAMPLES];
+    static float angles[SAMPLES];
+    ground g;
+    ground_make(&g, SIDE, SIDE, land, shape);
+    horizon *h = NULL;
+    sunlight *s = NULL;
+    check_status(horizon_create(&g.terrain, &(horizon_desc){.start = 200, .count = 1, .curvature = 3000}, &h), CW_OK);
+    check_status(sunlight_create(&g.terrain, &(sunlight_desc){.azimuth = 200, .altitude = 7, .curvature = 3000}, &s),
+                 CW_OK);
+    check_status(horizon_angles(h, NULL, 0, 0, SIDE, angles), CW_OK);
+    check_status(sunlight_lit(s, NULL, 0, SIDE, lit), CW_OK);
+    size_t dark = 0;
+    for (size_t k = 0; k < SAMPLES; k++) {
+        check(fabs((double)angles[k] - 7) < 1e-3 || lit[k] == (angles[k] < 7), "sample %zu: lit %d, the horizon at %g",
+              k, lit[k], (double)angles[k]);
+        dark += lit[k] == 0;
+    }
+    check(dark > 100, "%zu in the shadow", dark);
+    horizon_destroy(h);
+    sunlight_destroy(s);
     ground_free(&g);
 }
 
@@ -280,7 +358,7 @@ static void holes_are_no_ground(void **state) {
     lit_of(&g, 0, 20, lit);
     share_of(&g, &(sunlight_desc){.altitude = 20, .radius = 0.3, .hillshade = true}, NULL, share);
     horizon *h = NULL;
-    check_status(horizon_create(&g.terrain, 0, 4, &h), CW_OK);
+    check_status(horizon_create(&g.terrain, &(horizon_desc){.start = 0, .count = 4}, &h), CW_OK);
     check_status(horizon_angles(h, NULL, 0, 0, SIDE, angles), CW_OK);
     for (size_t k = 0; k < SAMPLES; k++) {
         const bool hole = k / SIDE == MIDDLE;
@@ -314,7 +392,7 @@ static void same_bits(void **state) {
         horizon *h = NULL;
         check_status(sunlight_create(&g.terrain, &disc, &s), CW_OK);
         check_status(sunlight_create(&g.terrain, &point, &p), CW_OK);
-        check_status(horizon_create(&g.terrain, 1, 7, &h), CW_OK);
+        check_status(horizon_create(&g.terrain, &(horizon_desc){.start = 1, .count = 7}, &h), CW_OK);
         bool done;
         const size_t rows = k ? 13 : SIDE;
         for (int product = 0; product < 3; product++) {
@@ -341,11 +419,12 @@ static void same_bits(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(plane_shades_itself),     cmocka_unit_test(cone_shadow),
-        cmocka_unit_test(wall_before_the_disc),    cmocka_unit_test(hillshade_of_a_plane),
-        cmocka_unit_test(shadow_agrees_with_rays), cmocka_unit_test(horizon_of_a_plane),
-        cmocka_unit_test(horizon_in_a_pit),        cmocka_unit_test(degrees_of_tangents),
-        cmocka_unit_test(holes_are_no_ground),     cmocka_unit_test(same_bits),
+        cmocka_unit_test(plane_shades_itself),      cmocka_unit_test(cone_shadow),
+        cmocka_unit_test(wall_before_the_disc),     cmocka_unit_test(hillshade_of_a_plane),
+        cmocka_unit_test(shadow_agrees_with_rays),  cmocka_unit_test(horizon_of_a_plane),
+        cmocka_unit_test(horizon_in_a_pit),         cmocka_unit_test(curvature_and_distance),
+        cmocka_unit_test(shadow_on_a_curved_earth), cmocka_unit_test(degrees_of_tangents),
+        cmocka_unit_test(holes_are_no_ground),      cmocka_unit_test(same_bits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -85,7 +85,7 @@ PyObject *field_shadow(PyObject *self, PyObject *arguments) {
 
 static cw_status angle_rows(py_field *f, work *w, double start, size_t count, size_t row, size_t rows, float *out) {
     horizon *h;
-    cw_status status = horizon_create(&f->terrain, start, count, &h);
+    cw_status status = horizon_create(&f->terrain, &(horizon_desc){.start = start, .count = count}, &h);
     const size_t most = rows_at_once(f, 1);
     for (size_t k = 0; k < count && status == CW_OK; k++)
         for (size_t r = 0, some; r < rows && status == CW_OK; r += some) {
@@ -128,7 +128,7 @@ PyObject *field_horizon(PyObject *self, PyObject *arguments) {
 
 static cw_status sky_rows(py_field *f, work *w, size_t count, size_t row, size_t rows, float *out) {
     horizon *h;
-    cw_status status = horizon_create(&f->terrain, 0, count, &h);
+    cw_status status = horizon_create(&f->terrain, &(horizon_desc){.count = count}, &h);
     const size_t most = rows_at_once(f, 1);
     for (size_t r = 0, some; r < rows && status == CW_OK; r += some) {
         some = rows - r < most ? rows - r : most;

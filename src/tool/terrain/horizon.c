@@ -15,7 +15,7 @@ static const char name[] = "horizon";
 typedef struct horizon_command {
     ground_options ground;
     unsigned directions;
-    double start, curvature;
+    double start, curvature, max_distance;
     bool sky;
     const char *at;
     ground_place place; /* what at says */
@@ -63,7 +63,9 @@ static const char **band_names(const horizon *h, size_t count) {
 }
 
 static bool make_bands(job *j, const horizon_command *c, io_error *error) {
-    const cw_status status = horizon_create(&j->ground->terrain, c->start, c->directions, &j->horizon);
+    const horizon_desc desc = {
+        .start = c->start, .count = c->directions, .max_distance = c->max_distance, .curvature = c->curvature};
+    const cw_status status = horizon_create(&j->ground->terrain, &desc, &j->horizon);
     if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));
     j->sky = c->sky;
     static const char *const sky = "sky-view factor: share of an evenly bright sky's light that reaches level ground",
@@ -111,6 +113,7 @@ static bool print_at(const ground *g, const horizon_command *c, io_error *error)
             const double last = (double)(a ? t->ny - 1 : t->nx - 1);
             if (dir[a] != 0) far = fmin(far, ((dir[a] > 0 ? last : 0) - eye[a]) / dir[a] + 1);
         }
+        if (c->max_distance > 0) far = fmin(far, c->max_distance / length);
         const sight_rise r = sight_steepest(&s, eye[0] + far * dir[0], eye[1] + far * dir[1], -INFINITY);
         if (r.steepest == -INFINITY) {
             printf("%.6g,,,,\n", azimuth); /* the terrain ends there */
@@ -136,7 +139,7 @@ static bool make(ground *g, void *context, io_error *error) {
 
 static int run(int argc, char **argv) {
     horizon_command c = {.directions = 32};
-    enum { OWN = 5, ALL = OWN + GROUND_OPTION_COUNT };
+    enum { OWN = 6, ALL = OWN + GROUND_OPTION_COUNT };
     option_spec options[ALL] = {
         {.name = "directions",
          .value = "N",
@@ -162,10 +165,15 @@ static int run(int argc, char **argv) {
          .to = &c.at},
         {.name = "curvature",
          .value = "K",
-         .help = "with --at: how much of the earth's curvature counts, 1\nwithout air, 0.857 with usual refraction "
-                 "(default: 0)",
+         .help =
+             "how much of the earth's curvature counts: 0 flat\n(default), 1 without air, 0.857 with usual refraction",
          .kind = OPTION_NUMBER,
          .to = &c.curvature},
+        {.name = "max-distance",
+         .value = "D",
+         .help = "what is farther away is not looked at, in metres",
+         .kind = OPTION_NUMBER,
+         .to = &c.max_distance},
     };
     ground_rows(&c.ground, name, options + OWN);
     static const char *const operands[] = {"DEM"};
@@ -175,11 +183,12 @@ static int run(int argc, char **argv) {
         .what = "How high the terrain stands against the sky: for every sample and direction the\n"
                 "angle in degrees of the highest point, from the level of the sample; negative\n"
                 "below it (float32, one band a direction). NaN is no data: at holes, and where the\n"
-                "terrain ends at the sample, so that nothing is known of the horizon. The\n"
+                "terrain ends at the sample or nothing is as near as --max-distance, so that nothing is known of the "
+                "horizon. The\n"
                 "sky-view factor takes the sky there for free. Angles are exact to 0.001 degrees (0.003 on a map in "
                 "degrees) for the\n"
-                "surface of two triangles between each four samples. The earth is taken for flat,\n"
-                "but for --at. On a map in degrees, what is 5 km away at latitude 50 counts for an\n"
+                "surface of two triangles between each four samples. On a map in degrees, what is 5 km away at "
+                "latitude 50 counts for an\n"
                 "azimuth that is up to 0.03 degrees beside its own, and so in proportion.\n",
         .examples = "  cellwalk horizon dem.tif --directions 32 -o horizon.tif\n"
                     "  cellwalk horizon dem.tif --directions 64 --svf -o sky.tif\n"
@@ -198,8 +207,11 @@ static int run(int argc, char **argv) {
         command_fail(name, "--at prints one horizon, and goes with neither -o nor --svf");
         return EXIT_USAGE;
     }
-    if (c.curvature < 0 || (c.curvature > 0 && c.at == NULL)) {
-        command_fail(name, "--curvature takes a number from 0 on, and goes with --at");
+    if (c.curvature < 0 || c.max_distance < 0) {
+        command_fail(name,
+                     c.curvature < 0 ? "--curvature takes a number from 0 on, not %g"
+                                     : "--max-distance takes metres, not %g",
+                     c.curvature < 0 ? c.curvature : c.max_distance);
         return EXIT_USAGE;
     }
     const size_t bands = c.at ? 0 : c.sky ? 1 : c.directions;

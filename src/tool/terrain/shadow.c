@@ -17,6 +17,7 @@ typedef struct shadow_command {
     ground_options ground;
     const char *sun, *time;
     double disc; /* NaN: the sun is a point */
+    double curvature;
     bool hillshade, usual_disc;
 } shadow_command;
 
@@ -85,7 +86,8 @@ static bool find_sun(const shadow_command *c, const ground *g, sunlight_desc *su
 
 static bool make_light(job *j, io_error *error) {
     const shadow_command *c = j->command;
-    sunlight_desc sun = {.hillshade = c->hillshade, .radius = c->usual_disc ? SUN_RADIUS : 0};
+    sunlight_desc sun = {
+        .hillshade = c->hillshade, .curvature = c->curvature, .radius = c->usual_disc ? SUN_RADIUS : 0};
     if (!find_sun(c, j->ground, &sun, error)) return false;
     if (!isnan(c->disc)) sun.radius = c->disc;
     if (sun.altitude <= 0)
@@ -134,6 +136,8 @@ static bool wrong_sun(const shadow_command *c) {
         command_fail(name, "--time takes a time with its zone, as 2024-06-21T12:00:00Z or +02:00, not '%s'", c->time);
     else if (!isnan(c->disc) && !(c->disc > 0 && c->disc <= 10))
         command_fail(name, "--disc takes degrees above 0, up to 10, not %g", c->disc);
+    else if (c->curvature < 0)
+        command_fail(name, "--curvature takes a number from 0 on, not %g", c->curvature);
     else
         return false;
     return true;
@@ -141,7 +145,7 @@ static bool wrong_sun(const shadow_command *c) {
 
 static int run(int argc, char **argv) {
     shadow_command c = {.disc = NAN};
-    enum { OWN = 5, ALL = OWN + GROUND_OPTION_COUNT };
+    enum { OWN = 6, ALL = OWN + GROUND_OPTION_COUNT };
     option_spec options[ALL] = {
         {.name = "sun",
          .value = "AZ,ALT",
@@ -165,6 +169,12 @@ static int run(int argc, char **argv) {
          .help = "the same with a disc of that radius in degrees",
          .kind = OPTION_NUMBER,
          .to = &c.disc},
+        {.name = "curvature",
+         .value = "K",
+         .help = "how much of the earth's curvature counts: 0 flat\n(default), 1 without air, 0.857 with usual "
+                 "refraction",
+         .kind = OPTION_NUMBER,
+         .to = &c.curvature},
     };
     ground_rows(&c.ground, name, options + OWN);
     static const char *const operands[] = {"DEM"};
@@ -176,8 +186,8 @@ static int run(int argc, char **argv) {
                 "the share of its light, 0 to 1 (float32; NaN: no data).\n"
                 "\n"
                 "The surface is two triangles between each four samples; rays start on the\n"
-                "samples themselves, and need no lift. The earth is taken for flat. On a\n"
-                "map in degrees, shadows of what is 5 km away at latitude 50 fall up to 0.03\n"
+                "samples themselves, and need no lift. On a map in degrees, shadows of what is 5 km away at latitude "
+                "50 fall up to 0.03\n"
                 "degrees beside their azimuth, and so in proportion to the distance.\n",
         .examples = "  cellwalk shadow dem.tif --sun 225,30 -o shadow.tif\n"
                     "  cellwalk shadow dem.tif --time 2024-12-21T13:00:00Z --sun-disc -o light.tif\n"
