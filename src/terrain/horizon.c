@@ -4,9 +4,11 @@
 #include "horizon.h"
 
 #include "compass.h"
+#include "grid_horizon.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 struct horizon {
     const terrain *terrain;
@@ -14,7 +16,48 @@ struct horizon {
     compass compass;
     float *work;
     size_t room;
+    bool grid;
+    double curvature;
+    grid_direction *directions;
+    float *rises; /* of the whole terrain, in direction number in_rises; NULL until there is one */
+    size_t in_rises;
+    float *sky; /* of the whole terrain; NULL until it is known */
 };
+
+static const double degree = 0.017453292519943295;
+
+/* Metres eastward and northward of a step from sample to sample. */
+static void step_metres(const terrain *t, grid_direction d, double metres[2]) {
+    for (int k = 0; k < 2; k++) metres[k] = t->unit * (t->map[k][0] * d.dx + t->map[k][1] * d.dy);
+}
+
+static double step_azimuth(const terrain *t, grid_direction d) {
+    double metres[2];
+    step_metres(t, d, metres);
+    const double azimuth = atan2(metres[0], metres[1]) / degree;
+    return azimuth < 0 ? azimuth + 360 : azimuth;
+}
+
+/* Directions in the order of their azimuths. */
+static cw_status make_grid(horizon *h, const horizon_desc *desc) {
+    const size_t count = desc->count;
+    if (h->terrain->geographic || desc->max_distance > 0) return CW_ERROR_ARGUMENT;
+    h->directions = malloc(GRID_DIRECTIONS_MOST * sizeof *h->directions);
+    if (h->directions == NULL) return CW_ERROR_MEMORY;
+    if (!grid_directions(count, h->directions)) return CW_ERROR_ARGUMENT;
+    for (size_t k = 0; k < count; k++) {
+        const grid_direction d = h->directions[k];
+        const double azimuth = step_azimuth(h->terrain, d);
+        size_t to = k;
+        for (; to > 0 && h->azimuths[to - 1] > azimuth; to--) {
+            h->azimuths[to] = h->azimuths[to - 1];
+            h->directions[to] = h->directions[to - 1];
+        }
+        h->azimuths[to] = azimuth;
+        h->directions[to] = d;
+    }
+    return CW_OK;
+}
 
 cw_status horizon_create(const terrain *t, const horizon_desc *desc, horizon **out) {
     const double start = desc->start;
@@ -27,9 +70,11 @@ cw_status horizon_create(const terrain *t, const horizon_desc *desc, horizon **o
     h->azimuths = calloc(count, sizeof *h->azimuths);
     for (size_t k = 0; k < count && h->azimuths != NULL; k++)
         h->azimuths[k] = fmod(start + 360 * (double)k / (double)count, 360);
-    const cw_status status =
-        h->azimuths ? compass_create(&h->compass, t, h->azimuths, count, desc->max_distance, desc->curvature)
-                    : CW_ERROR_MEMORY;
+    h->grid = desc->grid;
+    h->curvature = desc->curvature;
+    cw_status status = h->azimuths == NULL ? CW_ERROR_MEMORY : h->grid ? make_grid(h, desc) : CW_OK;
+    if (status == CW_OK)
+        status = compass_create(&h->compass, t, h->azimuths, count, desc->max_distance, desc->curvature);
     if (status == CW_OK)
         *out = h;
     else
@@ -42,6 +87,9 @@ void horizon_destroy(horizon *h) {
     compass_destroy(&h->compass);
     free(h->azimuths);
     free(h->work);
+    free(h->directions);
+    free(h->rises);
+    free(h->sky);
     free(h);
 }
 
@@ -70,9 +118,36 @@ static void to_degrees(void *context, size_t begin, size_t end) {
 
 enum { GRAIN = 1 << 14 };
 
+/* Of the whole terrain in a direction of the grid; slope as compass_heading sets it. */
+static cw_status make_rises(horizon *h, const cw_run *query, size_t number, double *slope) {
+    const terrain *t = h->terrain;
+    double metres[2];
+    step_metres(t, h->directions[number], metres);
+    const double length = hypot(metres[0], metres[1]);
+    *slope = length / t->map[2][2];
+    if (h->rises != NULL && h->in_rises == number) return CW_OK;
+    if (h->rises == NULL) h->rises = malloc(t->nx * t->ny * sizeof *h->rises);
+    if (h->rises == NULL) return CW_ERROR_MEMORY;
+    const double drop = h->curvature * length * length / (2 * t->radius * t->map[2][2]);
+    h->in_rises = number;
+    return grid_rises(t, h->directions[number], drop, query, h->rises);
+}
+
+static cw_status grid_angles(horizon *h, const cw_run *query, size_t number, size_t row, size_t rows, float *degrees) {
+    const size_t nx = h->terrain->nx;
+    double slope;
+    const cw_status status = make_rises(h, query, number, &slope);
+    if (status != CW_OK) return status;
+    memcpy(degrees, h->rises + row * nx, rows * nx * sizeof *degrees);
+    turning t = {degrees, (float)(1 / slope)};
+    cw_pool_run(query ? query->pool : NULL, nx * rows, GRAIN, to_degrees, &t);
+    return CW_OK;
+}
+
 cw_status horizon_angles(horizon *h, const cw_run *query, size_t number, size_t row, size_t rows, float *degrees) {
     const size_t nx = h->terrain->nx, end = row + rows;
     if (number >= h->compass.count) return CW_ERROR_ARGUMENT;
+    if (h->grid) return grid_angles(h, query, number, row, rows, degrees);
     for (size_t count; row < end; row += count, degrees += count * nx) {
         compass_turn(&h->compass, row, &count);
         count = count < end - row ? count : end - row;
@@ -98,7 +173,7 @@ typedef struct adding {
 static void add_sky(void *context, size_t begin, size_t end) {
     const adding *a = context;
     for (size_t k = begin; k < end; k++) {
-        const float tangent = a->rises[k] * a->per_rise;
+        const float up = a->rises[k] * a->per_rise, tangent = up < 0 ? 0 : up;
         a->share[k] += a->weight / (1 + tangent * tangent);
     }
 }
@@ -118,10 +193,46 @@ static cw_status add_direction(horizon *h, const cw_run *query, size_t k, size_t
     return CW_OK;
 }
 
+/* A direction stands for half the angles to its neighbours. */
+static double share_of_turn(const horizon *h, size_t k) {
+    const size_t count = h->compass.count;
+    const double before = k > 0 ? h->azimuths[k - 1] : h->azimuths[count - 1] - 360;
+    const double after = k + 1 < count ? h->azimuths[k + 1] : h->azimuths[0] + 360;
+    return (after - before) / 720;
+}
+
+/* Of the whole terrain, direction by direction. */
+static cw_status grid_sky(horizon *h, const cw_run *query, terrain_progress *progress, void *context, bool *done) {
+    const size_t n = h->terrain->nx * h->terrain->ny;
+    float *sky = calloc(n, sizeof *sky);
+    cw_status status = sky ? CW_OK : CW_ERROR_MEMORY;
+    for (size_t k = 0; k < h->compass.count && status == CW_OK; k++) {
+        double slope;
+        if (progress && !progress(context, (double)k / (double)h->compass.count)) {
+            free(sky);
+            return CW_OK;
+        }
+        status = make_rises(h, query, k, &slope);
+        adding a = {h->rises, sky, (float)(1 / slope), (float)share_of_turn(h, k)};
+        if (status == CW_OK) cw_pool_run(query ? query->pool : NULL, n, GRAIN, add_sky, &a);
+    }
+    *done = status == CW_OK;
+    if (*done)
+        h->sky = sky;
+    else
+        free(sky);
+    return status;
+}
+
 cw_status horizon_sky_view(horizon *h, const cw_run *query, size_t row, size_t rows, float *share,
                            terrain_progress *progress, void *context, bool *done) {
     const size_t nx = h->terrain->nx, first = row, end = row + rows;
-    *done = false;
+    *done = h->grid && h->sky != NULL;
+    if (h->grid) {
+        const cw_status status = *done ? CW_OK : grid_sky(h, query, progress, context, done);
+        if (*done) memcpy(share, h->sky + row * nx, rows * nx * sizeof *share);
+        return status;
+    }
     if (h->room < nx * rows) {
         free(h->work);
         h->work = malloc(nx * rows * sizeof *h->work);

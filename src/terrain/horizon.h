@@ -8,8 +8,12 @@
 typedef struct horizon horizon;
 
 typedef struct horizon_desc {
-    double start;        /* directions are start, start + 360 / count, … in degrees of the compass */
-    size_t count;        /* from 1 to COMPASS_MOST */
+    double start; /* directions are start, start + 360 / count, … in degrees of the compass */
+    size_t count; /* from 1 to COMPASS_MOST */
+    /* Directions from sample to sample instead, count = 8, 16 or 32 of them, in the order of their azimuths: as exact, and in
+     * time that does not grow with the distance. Not on a map in degrees, nor with max_distance. Whole bands are computed
+     * at once: a float more for each sample of the terrain, for the sky view two. */
+    bool grid;
     double max_distance; /* metres: what is farther away is not seen; 0: all is */
     double curvature;    /* as sight_init takes it; 0: the earth is flat */
 } horizon_desc;
