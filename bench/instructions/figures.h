@@ -6,7 +6,7 @@
 #include "instructions/callgrind.h"
 #include "output.h"
 
-enum { GUARD_BUILD = 256 };
+enum { GUARD_BUILD = 512 };
 
 typedef struct guard_figures {
     char compiler[GUARD_BUILD], flags[GUARD_BUILD]; /* the figures hold for these alone */

@@ -233,6 +233,8 @@ void stability_batch(stability *s, uint64_t number) {
     for (unsigned n = 0; n < s->contenders; n++) {
         const tested *t = &s->tested[f][n];
         if (round % t->every != t->turn % t->every) continue;
+        /* Embree requires tmin >= 0, and aborts where it is compiled with assertions. */
+        if (t->contender.peer != NULL && b.start == START_BEHIND) continue;
         counts *c = &s->count[n][b.kind][b.start];
         cw_hit *hits = t->role == ROLE_REFERENCE ? b.reference : b.hits;
         t->contender.closest(&t->contender, b.rays, t->rays, hits);
