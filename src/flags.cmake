@@ -2,12 +2,17 @@
 add_library(cellwalk_plain_flags INTERFACE)
 add_library(cellwalk_flags INTERFACE)
 target_link_libraries(cellwalk_flags INTERFACE cellwalk_plain_flags)
+set(safe_math)
+if(CMAKE_C_COMPILER_ID STREQUAL "GNU")
+    set(safe_math -fno-unsafe-math-optimizations)
+endif()
 target_compile_options(cellwalk_plain_flags INTERFACE
     -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wvla -Wmissing-prototypes -Wstrict-prototypes
     # A parent project's -ffast-math, -Ofast or parts of them, which stand before these, are taken back: results depend on NaN,
     # signed zeros and the order of operations. src/core/ieee.h refuses to be compiled if one is left.
-    # Not by -fno-fast-math, of which Clang 14 warns where it also takes back -ffp-contract=fast.
-    -fno-unsafe-math-optimizations -fno-finite-math-only -fsigned-zeros -fno-associative-math -fno-reciprocal-math
+    # Not by -fno-fast-math, of which Clang 14 warns where it also takes back -ffp-contract=fast; nor, with Clang, by
+    # -fno-unsafe-math-optimizations, which there stands for the parts that follow and for trapping math besides.
+    ${safe_math} -fno-finite-math-only -fsigned-zeros -fno-associative-math -fno-reciprocal-math
     # No multiply and add is fused unless the source asks for it by name: GCC fuses even separate intrinsics as soon as
     # the target has FMA, and then widths disagree in their bits.
     -ffp-contract=off

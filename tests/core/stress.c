@@ -119,7 +119,7 @@ static void test_walks_agree(void **state) {
                (unsigned long long)counts[c].hits, (unsigned long long)counts[c].answers,
                (unsigned long long)counts[c].other);
         check(counts[c].other == 0, "%s: walks differ", workload_class_name((workload_class)c));
-        check(counts[c].hits > counts[c].rays / 50 && counts[c].answers > counts[c].rays,
+        check(counts[c].hits > counts[c].rays / 50 && counts[c].answers >= counts[c].rays,
               "%s: too few hits or kernels for the test to mean anything", workload_class_name((workload_class)c));
     }
     check(keep(counts), "%s: %s", getenv("CELLWALK_TEST_COUNTS"), strerror(errno));
