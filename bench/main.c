@@ -18,10 +18,10 @@ static void stop(int number) {
 
 int main(int argc, char **argv) {
     static const program bench = {.name = "cellwalk-bench",
-                                  .what = "How fast does Cellwalk find where rays hit, and how exactly, beside Embree?",
+                                  .what = "Measures the speed and the errors of Cellwalk's kernels, beside Embree.",
                                   .commands = commands,
                                   .command_count = sizeof commands / sizeof commands[0],
-                                  .ending = "A first look:\n\n  cellwalk-bench micro --field 257 --seconds 10\n"};
+                                  .ending = "A first look:\n  cellwalk-bench micro --field 257 --seconds 10\n"};
     signal(SIGINT, stop);
     signal(SIGTERM, stop);
     run_record_begin(argv + 1, argc - 1);

@@ -14,29 +14,29 @@
 #include <stdlib.h>
 
 static const char what[] =
-    "What does accuracy cost, and what does giving some up buy? Runs every mode of accuracy with every kernel that has "
-    "it, and Embree, on the same rays; finds the error of each answer, then times all of them in rounds on one "
-    "thread.\n\n"
-    "The truth is the strict watertight answer, which the tests hold against an exact oracle, with t computed anew "
-    "from ray and triangle to 2^-26 of a float's last place. What rounding excuses (papers/numerics.md) does not "
-    "count:\n"
+    "Measures errors and speed of every mode of accuracy, with every kernel that has it, and of Embree on the same "
+    "rays; writes tradeoff.json to a folder. The error of each answer is found first; then all contenders are timed "
+    "in rounds on one thread.\n\n"
+    "The truth is the strict watertight answer, which the tests compare with an exact oracle, with t computed again "
+    "from ray and triangle to 2^-26 of a float's last place. Errors within the bounds of rounding "
+    "(papers/numerics.md) do not count:\n"
     "  leak     the ray passes clearly through the surface, and there is no hit\n"
     "  phantom  a hit where the ray is clear of the surface\n"
     "  wrong    a hit, but behind a surface that the ray has clearly passed\n"
-    "  beyond   the sum of these that the mode's own claim, half a step of 16-bit samples say, does not explain\n"
+    "  beyond   the sum of these that exceed the mode's own claim, such as half a step of 16-bit samples\n"
     "  t        error of all other hits: in ULP of the exact t, and as a distance along the ray in cells\n"
     "  off      how far such a hit is above or below the surface, in cells; unlike t it does not grow where rays run "
     "along it\n"
-    "  normal   angle between the Phong normals at the hit and at the exact place, degrees\n"
+    "  normal   angle between the Phong normals at the hit and at the exact place, in degrees\n\n"
     "The file also has errors of t relative to it, of u and v, and of the hit's point in cells.\n\n"
     "Beside the benchmark's classes of rays, vertices and edges are aimed at these, to find leaks, and within-0.1 and "
     "within-2 start so many cells from the surface; they are not timed. "
-    "The six scenes are rendered with each mode and compared with strict. Saves tradeoff.json in a folder; "
-    "papers/scripts/tables.py --data turns it into tables, with the Pareto frontier.";
+    "The six scenes are rendered with each mode and compared with strict. "
+    "papers/scripts/tables.py --data makes tables of tradeoff.json, with the Pareto frontier.";
 
-static const char examples[] = "  cellwalk-bench tradeoff            a first look, in a minute\n"
+static const char examples[] = "  cellwalk-bench tradeoff            # a first look, in a minute\n"
                                "  cellwalk-bench tradeoff --mode strict,moller-trumbore --kernel pyramid8 \\\n"
-                               "      --field 1025 --scene none      what does the watertight leaf test cost?\n"
+                               "      --field 1025 --scene none      # the cost of the watertight leaf test\n"
                                "  cellwalk-bench tradeoff --long --out papers/data/tradeoff\n";
 
 static const char *scene_or_none(size_t number) { return number == SCENES ? "none" : scene_names(number); }
@@ -126,26 +126,27 @@ static bool run(const tradeoff_options *o, io_error *error) {
 static int start(int argc, char **argv) {
     tradeoff_options o = {.run = RUN_DEFAULTS, .out = "out/tradeoff", .scene_folder = BUILD_INFO_SCENES};
     const option_spec options[] = {
-        {"mode", "NAMES", "only these; all but Embree's grids by default, and these too with --long", OPTION_LIST,
+        {"mode", "NAMES", "only these modes; by default all but Embree's grids, with --long all", OPTION_LIST,
          .to = &o.modes, .names = mode_names},
         {"kernel", "NAMES", "only these kernels, beside Embree", OPTION_LIST, .to = &o.kernels,
          .names = option_kernel_names},
         {"rays", "NAMES", "only these classes of rays", OPTION_LIST, .to = &o.rays, .names = class_names},
         {"field", "NAMES", "these fields instead of 257 and 1025, or all but 8193 with --long", OPTION_LIST,
          .to = &o.fields, .names = workload_field_name},
-        {"scene", "NAMES", "only these", OPTION_LIST, .to = &o.scenes, .names = scene_or_none},
-        {"scenes", "FOLDER", "where the scenes' .pbrt files are; by default those made with this program", OPTION_TEXT,
-         .to = &o.scene_folder},
+        {"scene", "NAMES", "only these scenes", OPTION_LIST, .to = &o.scenes, .names = scene_or_none},
+        {"scenes", "FOLDER", "folder with the scenes' .pbrt files; by default those built with this program",
+         OPTION_TEXT, .to = &o.scene_folder},
         {"count", "N", "rays in a class (16384; 1048576 with --long)", OPTION_COUNT, .to = &o.count, .low = 64,
          .high = 1 << 24},
-        {"samples", "N", "samples a pixel of the scenes (1; what the scene says with --long)", OPTION_COUNT,
+        {"samples", "N", "samples a pixel of the scenes (1; as in the scene with --long)", OPTION_COUNT,
          .to = &o.samples, .high = 1024},
-        {"seconds", "S", "time for errors and speeds on the fields, as far as it can be kept (15; 1200 with --long)",
+        {"seconds", "S", "seconds for errors and speeds on the fields, kept as far as possible (15; 1200 with --long)",
          OPTION_REAL, .to = &o.seconds, .low = 0.01, .high = 1e6},
-        {"pass", "S", "contenders that take longer for one pass get fewer rays, down to a 64th (0.05; 0.5 with --long)",
+        {"pass", "S",
+         "contenders that take more than S seconds for a pass get fewer rays, down to a 64th (0.05; 0.5 with --long)",
          OPTION_REAL, .to = &o.pass, .low = 1e-6, .high = 1e6},
         {"long", NULL, "all fields but the largest, more rays, more time", OPTION_FLAG, .to = &o.longer},
-        {"out", "FOLDER", "where to save tradeoff.json; made if need be (out/tradeoff)", OPTION_TEXT, .to = &o.out},
+        {"out", "FOLDER", "folder for tradeoff.json, made if missing (out/tradeoff)", OPTION_TEXT, .to = &o.out},
         RUN_OPTIONS(o.run),
     };
     const options_usage usage = {"tradeoff", "[OPTIONS]", what, examples, options, sizeof options / sizeof *options,
@@ -158,4 +159,4 @@ static int start(int argc, char **argv) {
     return run(&o, &error) ? EXIT_SUCCESS : command_fail("tradeoff", "%s", error.text);
 }
 
-const command command_tradeoff = {"tradeoff", "weigh speed against error for every mode of accuracy", start};
+const command command_tradeoff = {"tradeoff", "measure speed and error of every mode of accuracy", start};

@@ -24,10 +24,10 @@ typedef struct run_options {
 /* clang-format off */
 #define RUN_DEFAULTS {.seed = 1, .isa = -1, .cpu = UINT_MAX}
 #define RUN_OPTIONS(run) \
-    {"isa", "NAME", "the highest instruction set to use, by Embree as well; by default the best here", OPTION_NAME, \
+    {"isa", "NAME", "the highest instruction set that kernels and Embree use; by default the best here", OPTION_NAME, \
      .to = &(run).isa, .names = option_isa_names}, \
-    {"seed", "N", "seed of rays and order (1)", OPTION_COUNT, .to = &(run).seed, .high = UINT_MAX}, \
-    {"cpu", "N", "stay on this CPU; by default on the one that the program starts on", OPTION_COUNT, \
+    {"seed", "N", "seed of the rays and of the order of contenders (1)", OPTION_COUNT, .to = &(run).seed, .high = UINT_MAX}, \
+    {"cpu", "N", "run on CPU N only; by default on the one that the program starts on", OPTION_COUNT, \
      .to = &(run).cpu, .high = 1023}, \
     {"no-pin", NULL, "let the system move the program between CPUs", OPTION_FLAG, .to = &(run).no_pin}
 /* clang-format on */

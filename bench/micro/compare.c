@@ -13,11 +13,15 @@
 #include <string.h>
 
 static const char what[] =
-    "Says for every measurement that both runs of 'cellwalk-bench micro --json' have whether B is faster or slower "
-    "than A: only if the 95 % interval of the ratio of the two medians lies beyond 1 by more than the margin, else it "
-    "is undecided. The interval knows the noise within a run; the margin stands for what changes between runs of one "
-    "and the same program, where memory is laid out anew. Embree is the control: it is the same in both runs, so what "
-    "it gained or lost is the machine's doing, and a verdict must hold after dividing by that as well.";
+    "Compares two files of 'cellwalk-bench micro --json' and prints for every common measurement whether B is faster "
+    "or slower than A. It is undecided unless the 95 % interval of the ratio of the two medians lies beyond 1 by more "
+    "than the margin. The interval covers the noise within a run; the margin covers changes between runs of the same "
+    "program, such as another layout of memory. Embree is the control: it is the same in both runs, so its change is "
+    "the machine's. A verdict must also hold after dividing by that change.";
+
+static const char examples[] = "  cellwalk-bench micro --field 257 --seconds 10 --json before.json\n"
+                               "  cellwalk-bench micro --field 257 --seconds 10 --json after.json\n"
+                               "  cellwalk-bench compare before.json after.json\n";
 
 static bool same_group(const json_t *a, const json_t *b) {
     return results_same(a, b, "field") && results_same(a, b, "rays");
@@ -129,10 +133,11 @@ bool compare_files(const char *path_a, const char *path_b, double margin, compar
 
 static int start(int argc, char **argv) {
     double margin = 0.02;
-    const option_spec options[] = {{"margin", "SHARE", "what may change between two runs of the same program (0.02)",
+    const option_spec options[] = {{"margin", "SHARE",
+                                    "change, as a share of 1, allowed between two runs of the same program (0.02)",
                                     OPTION_REAL, .to = &margin, .high = 10}};
     static const char *const names[] = {"A.json", "B.json"};
-    const options_usage usage = {"compare", "A.json B.json [OPTIONS]", what, NULL, options, 1, names, 2, 2};
+    const options_usage usage = {"compare", "A.json B.json [OPTIONS]", what, examples, options, 1, names, 2, 2};
     const char *files[2];
     const int status = options_parse(&usage, argc, argv, files);
     if (status != OPTIONS_GO) return status;
@@ -142,4 +147,4 @@ static int start(int argc, char **argv) {
     return command_fail("compare", "%s", error.text);
 }
 
-const command command_compare = {"compare", "tell what changed between two runs of micro", start};
+const command command_compare = {"compare", "print the differences between two runs of micro", start};

@@ -12,10 +12,10 @@
 #include <sys/prctl.h>
 
 static const char what[] =
-    "Times every kernel that this CPU can run, and Embree at its four packet widths, on the same rays. For each field "
-    "and class of rays all contenders are first verified against the plain cell walk, then timed in rounds, each round "
-    "in another order, on one thread unless --threads says otherwise. Times are CPU time, so that other programs on "
-    "the machine disturb less. The columns:\n"
+    "Times every kernel that this CPU can run, and Embree at its four packet widths, on the same rays, and prints a "
+    "table for each field and class of rays; --json also writes the results to a file. All contenders are first "
+    "compared with the plain cell walk, then timed in rounds, each round in another order, on one thread unless "
+    "--threads says otherwise. Times are CPU time, which other programs on the machine disturb less. The columns:\n"
     "  Mrays/s  millions of rays a second, from the median time\n"
     "  CI +-%   half of the median's 97.5 % confidence interval; ! marks one that did not get narrow enough in time, ? "
     "one from fewer than 7 passes, which covers less than that\n"
@@ -23,9 +23,10 @@ static const char what[] =
     "  TSC/ray  ticks of the time stamp counter a ray: units of time, not cycles of the core\n"
     "  /Embree  speed over that of Embree's fastest width: above 1 is faster than Embree";
 
-static const char examples[] = "  cellwalk-bench micro              a first look, in a minute\n"
+static const char examples[] = "  cellwalk-bench micro              # a first look, in a minute\n"
                                "  cellwalk-bench micro --kernel packet8 --rays shadow --field 1025 --isa avx2\n"
                                "  cellwalk-bench micro --json before.json\n"
+                               "  cellwalk-bench micro --json after.json      # built with a change\n"
                                "  cellwalk-bench compare before.json after.json\n";
 
 static const char *const peers[PEER_KINDS] = {"embree/triangles", "embree/grid", "embree/triangles-robust",
@@ -175,33 +176,35 @@ static int start(int argc, char **argv) {
          .names = option_kernel_names},
         {"rays", "NAMES", "only these classes of rays; none is for building alone", OPTION_LIST, .to = &o.rays,
          .names = ray_names},
-        {"field", "NAMES", "these fields, of which the first three are the default and --long takes all", OPTION_LIST,
-         .to = &o.fields, .names = workload_field_name},
+        {"field", "NAMES", "these fields; by default the first three, with --long all", OPTION_LIST, .to = &o.fields,
+         .names = workload_field_name},
         {"leaf", "NAMES", "these leaf tests; by default each kernel's own choice", OPTION_LIST, .to = &o.leaves,
          .names = leaf_names},
-        {"peer", "NAMES", "Embree as triangles by default, or these", OPTION_LIST, .to = &o.peers, .names = peer_names},
+        {"peer", "NAMES", "these kinds of Embree geometry; triangles by default", OPTION_LIST, .to = &o.peers,
+         .names = peer_names},
         {"threads", "NUMBERS",
-         "how many threads a query of a kernel has (1); with more than one all is timed by the clock", OPTION_COUNTS,
+         "threads that a query of a kernel uses (1); with more than one, times are wall-clock times", OPTION_COUNTS,
          .to = &o.threads, .low = 1, .high = 1024},
-        {"back", "NUMBERS", "rays start as many times the field's longer side farther back (0)", OPTION_REALS,
+        {"back", "NUMBERS", "move the rays' origins back by so many times the field's longer side (0)", OPTION_REALS,
          .to = &o.backs, .high = 1e12},
         {"quality", "NAME", "Embree's build quality; high by default, medium is Embree's own default", OPTION_NAME,
          .to = &o.quality, .names = quality_names},
         {"count", "N", "rays in a class (32768; 262144 with --long)", OPTION_COUNT, .to = &o.count, .low = 16,
          .high = 1 << 24},
         {"seconds", "S",
-         "time for all but making and building the fields, as far as it can be kept (40; 900 with --long)", OPTION_REAL,
-         .to = &o.seconds, .low = 0.01, .high = 1e6},
-        {"width", "SHARE", "narrow enough: width of the confidence interval over the median (0.02)", OPTION_REAL,
+         "seconds for all but making and building the fields, kept as far as possible (40; 900 with --long)",
+         OPTION_REAL, .to = &o.seconds, .low = 0.01, .high = 1e6},
+        {"width", "SHARE", "stop when the confidence interval is narrower than SHARE of the median (0.02)", OPTION_REAL,
          .to = &o.width, .low = 1e-6, .high = 10},
-        {"pass", "S", "leave out contenders that would take longer for one pass over the rays (0.5; 5 with --long)",
+        {"pass", "S",
+         "skip contenders that would take more than S seconds for one pass over the rays (0.5; 5 with --long)",
          OPTION_REAL, .to = &o.pass, .low = 1e-6, .high = 1e6},
         {"small-pages", NULL, "keep the system from backing large fields with huge pages", OPTION_FLAG,
          .to = &o.small_pages},
         {"counters", NULL, "count steps, leaf tests, busy lanes and refills of the kernels instead of timing",
          OPTION_FLAG, .to = &o.counters},
         {"long", NULL, "all fields, more rays, more time", OPTION_FLAG, .to = &o.longer},
-        {"json", "FILE", "write JSON lines there", OPTION_TEXT, .to = &o.json},
+        {"json", "FILE", "write the results to FILE as JSON lines", OPTION_TEXT, .to = &o.json},
         RUN_OPTIONS(o.run),
     };
     const options_usage usage = {"micro", "[OPTIONS]", what, examples, options, sizeof options / sizeof *options,

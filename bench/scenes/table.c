@@ -12,10 +12,13 @@
 #include <string.h>
 
 static const char what[] =
-    "Renders the six scenes on one thread by every path: Embree or a kernel to find hits, and a kind of normals. Paths "
-    "take turns, in rounds, each round in another order. Prints time, ratio to Default (Embree's triangle mesh) and "
-    "tracing speed. Saves table.md and table.csv, which also hold the counts of rays and whether all paths agree, and "
-    "table.json in a folder.";
+    "Times the rendering of six scenes on one thread by every path, prints a table and writes it as table.md, "
+    "table.csv and table.json. A path is Embree or a kernel to find hits, and a kind of normals. Paths take turns in "
+    "rounds, each round in another order. The table shows seconds, the ratio to Default (Embree's triangle mesh) and "
+    "millions of rays a second; the files also hold the counts of rays and whether all paths agree.";
+
+static const char examples[] = "  cellwalk-bench table --quick       # a first look, in 15 seconds\n"
+                               "  cellwalk-bench table --scene landsea-big --path default,auto,grid3d\n";
 
 /* The files of a table, opened before any work, so that a folder that cannot be written to is found out first. */
 enum { MARKDOWN, CSV, JSON, FILES };
@@ -99,27 +102,26 @@ static bool run(const table_options *o, io_error *error) {
 static int start(int argc, char **argv) {
     table_options o = {.run = RUN_DEFAULTS, .out = "out/table", .scene_folder = BUILD_INFO_SCENES, .width = 0.02};
     const option_spec options[] = {
-        {"out", "FOLDER", "where to save table.md, .csv and .json; made if need be (out/table)", OPTION_TEXT,
+        {"out", "FOLDER", "folder for table.md, .csv and .json, made if missing (out/table)", OPTION_TEXT,
          .to = &o.out},
-        {"scene", "NAMES", "only these", OPTION_LIST, .to = &o.scenes, .names = scene_names},
-        {"scenes", "FOLDER", "where the scenes' .pbrt files are; by default those made with this program", OPTION_TEXT,
-         .to = &o.scene_folder},
+        {"scene", "NAMES", "only these scenes", OPTION_LIST, .to = &o.scenes, .names = scene_names},
+        {"scenes", "FOLDER", "folder with the scenes' .pbrt files; by default those built with this program",
+         OPTION_TEXT, .to = &o.scene_folder},
         {"path", "NAMES",
-         "paths: default (Embree), auto (what the library chooses) or a kernel; after it -phong for Phong normals, of "
-         "vertices by the areas of their triangles, -central by central differences, -bilinear by these, and "
-         "bilinearly between the corners of a cell",
+         "paths to time: default (Embree), auto (the library's choice) or a kernel, with an ending for the normals: "
+         "-phong for Phong normals weighted by the triangles' areas, -central for central differences, -bilinear for "
+         "these, interpolated bilinearly over a cell",
          OPTION_LIST, .to = &o.paths},
         {"leaf", "NAME", "leaf test of the library's kernels", OPTION_NAME, .to = &o.leaf, .names = option_leaf_names},
-        {"samples", "N", "samples a pixel; 0, the default, is what the scene says", OPTION_COUNT, .to = &o.samples,
-         .high = 1024},
-        {"seconds", "S", "time for all, as far as it can be kept (120; 15 with --quick)", OPTION_REAL, .to = &o.seconds,
-         .low = 0.01, .high = 1e6},
-        {"width", "SHARE", "narrow enough: width of the confidence interval over the median (0.02)", OPTION_REAL,
+        {"samples", "N", "samples a pixel; 0 (default): as in the scene", OPTION_COUNT, .to = &o.samples, .high = 1024},
+        {"seconds", "S", "seconds for all, kept as far as possible (120; 15 with --quick)", OPTION_REAL,
+         .to = &o.seconds, .low = 0.01, .high = 1e6},
+        {"width", "SHARE", "stop when the confidence interval is narrower than SHARE of the median (0.02)", OPTION_REAL,
          .to = &o.width, .low = 1e-6, .high = 10},
         {"quick", NULL, "one sample a pixel, fewer rounds: a first look", OPTION_FLAG, .to = &o.quick},
         RUN_OPTIONS(o.run),
     };
-    const options_usage usage = {"table", "[OPTIONS]", what, NULL, options, sizeof options / sizeof *options,
+    const options_usage usage = {"table", "[OPTIONS]", what, examples, options, sizeof options / sizeof *options,
                                  NULL,    0,           0};
     const int status = options_parse(&usage, argc, argv, NULL);
     if (status != OPTIONS_GO) return status;
@@ -136,4 +138,4 @@ static int start(int argc, char **argv) {
     return run(&o, &error) ? EXIT_SUCCESS : command_fail("table", "%s", error.text);
 }
 
-const command command_table = {"table", "render six scenes by Embree and the kernels, and print the table", start};
+const command command_table = {"table", "time six scenes rendered by Embree and the kernels; write the table", start};

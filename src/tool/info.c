@@ -203,16 +203,16 @@ static int run(int argc, char **argv) {
     const options_usage usage = {
         .name = "info",
         .synopsis = "[FIELD] [OPTIONS]",
-        .what = "Without FIELD: shows the CPU, its instruction set as far as the system supports\n"
-                "it, the optional libraries that are there, and the kernels (ways to find hits)\n"
-                "with the one that is chosen.\n"
+        .what = "Prints what a height field holds, or without FIELD what this machine can run.\n"
                 "\n"
                 "With FIELD: its extent, cell size, coordinate system, heights and holes, then its\n"
-                "size, its memory, and how long it takes to read and to build what the chosen\n"
-                "kernel needs.\n\n" FIELD_FILE_HELP,
+                "size, its memory in bytes, and the seconds that reading takes, and building the\n"
+                "structure of the chosen kernel. Without FIELD: the CPU, its instruction set as far\n"
+                "as the system supports it, the optional libraries found, and the kernels (ways to\n"
+                "find hits) with the chosen one.\n\n" FIELD_FILE_HELP,
         .examples = "  cellwalk info\n"
                     "  cellwalk info dem.tif\n"
-                    "  cellwalk info --isa sse4.2        what would be chosen without AVX2\n"
+                    "  cellwalk info --isa sse4.2        # the kernel chosen without AVX2\n"
                     "  cellwalk info terrain.npy --kernel grid3d --json\n",
         .options = options,
         .option_count = ALL,
@@ -227,4 +227,4 @@ static int run(int argc, char **argv) {
     return show(path, &raster, &query, json);
 }
 
-const command command_info = {"info", "what a field holds and where it lies; or this machine's kernels", run};
+const command command_info = {"info", "print what a field holds, or what this machine can run", run};

@@ -24,12 +24,25 @@ static void print_parts(void) {
     printf("libpng   %s\n", io_image_can_write("any.png", NULL) ? "yes" : "no");
 }
 
+/* The commands by task: the whole help fits on a screen of 24 lines. */
+static const char tasks[] = "By task, for a terrain dem.tif with places X,Y on its map:\n"
+                            "  what it holds    cellwalk info dem.tif\n"
+                            "  cast shadow      cellwalk shadow dem.tif --sun 225,30 -o shadow.tif\n"
+                            "  relief shading   cellwalk shadow dem.tif --sun 315,45 --hillshade -o hills.png\n"
+                            "  visible area     cellwalk viewshed dem.tif --from X,Y -o seen.tif\n"
+                            "  line of sight    cellwalk los dem.tif X,Y,2 X,Y,2\n"
+                            "  sky-view factor  cellwalk horizon dem.tif --svf -o sky.tif\n"
+                            "  a picture        cellwalk render dem.tif -o view.png\n"
+                            "  hits of rays     cellwalk trace dem.tif lidar.npy --user -o hits.npy\n";
+
 int main(int argc, char **argv) {
-    static const program cellwalk = {.name = "cellwalk",
-                                     .what = "Where does this ray hit this height field?",
-                                     .commands = commands,
-                                     .command_count = sizeof commands / sizeof commands[0],
-                                     .about = print_parts};
+    static const program cellwalk = {
+        .name = "cellwalk",
+        .what = "Shadow, visibility and horizons of terrain, and where rays hit a height field.",
+        .commands = commands,
+        .command_count = sizeof commands / sizeof commands[0],
+        .ending = tasks,
+        .about = print_parts};
     cancel_install();
     io_inputs_protect();
     const int status = program_main(&cellwalk, argc, argv);

@@ -11,19 +11,19 @@
 enum { NAMES_MAX = 64 };
 
 void query_options_rows(query_options *q, option_spec rows[QUERY_OPTION_COUNT]) {
-    rows[QUERY_KERNEL] =
-        (option_spec){.name = "kernel",
-                      .value = "NAME",
-                      .help = "how hits are found; `cellwalk info` lists the names\n(default: the best here)",
-                      .kind = OPTION_TEXT,
-                      .to = &q->kernel};
-    rows[QUERY_LEAF] =
-        (option_spec){.name = "leaf",
-                      .value = "NAME",
-                      .help = "the test of a ray against a cell: watertight or\nmoller-trumbore (default: the "
-                              "kernel's own)",
-                      .kind = OPTION_TEXT,
-                      .to = &q->leaf};
+    rows[QUERY_KERNEL] = (option_spec){
+        .name = "kernel",
+        .value = "NAME",
+        .help = "the kernel that finds hits; `cellwalk info` lists the\nnames (default: the best for this CPU)",
+        .kind = OPTION_TEXT,
+        .to = &q->kernel};
+    rows[QUERY_LEAF] = (option_spec){
+        .name = "leaf",
+        .value = "NAME",
+        .help = "the test of a ray against a cell: watertight or\nmoller-trumbore (default: as `cellwalk info` "
+                "shows)",
+        .kind = OPTION_TEXT,
+        .to = &q->leaf};
     rows[QUERY_ISA] =
         (option_spec){.name = "isa",
                       .value = "NAME",
@@ -33,7 +33,7 @@ void query_options_rows(query_options *q, option_spec rows[QUERY_OPTION_COUNT]) 
                       .to = &q->isa};
     rows[QUERY_THREADS] = (option_spec){.name = "threads",
                                         .value = "N",
-                                        .help = "threads; 0: one for each CPU (default)",
+                                        .help = "number of threads; 0: one for each CPU (default)",
                                         .kind = OPTION_COUNT,
                                         .to = &q->threads,
                                         .high = 4096};

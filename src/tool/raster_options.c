@@ -14,7 +14,7 @@ void raster_options_rows(raster_options *r, option_spec rows[RASTER_OPTION_COUNT
     coarser_rows(&r->coarser, rows + 5);
     rows[0] = (option_spec){.name = "band",
                             .value = "N",
-                            .help = "the file's band, from 1 on (default: 1)",
+                            .help = "number of the file's band to read, from 1 on (default: 1)",
                             .kind = OPTION_COUNT,
                             .to = &r->band,
                             .low = 1,
@@ -22,25 +22,27 @@ void raster_options_rows(raster_options *r, option_spec rows[RASTER_OPTION_COUNT
     rows[1] = (option_spec){
         .name = "nodata",
         .value = "V",
-        .help = "samples of this value are holes, beside those that\nthe file marks; may be given several times",
+        .help = "samples of value V are holes, beside those that the\nfile marks; may be given up to 256 times",
         .kind = OPTION_AGAIN,
         .to = &r->nodata};
-    rows[2] = (option_spec){.name = "zscale",
-                            .value = "S",
-                            .help = "one unit of height is S of the map's, or S metres on a\nmap in degrees (0.3048: "
-                                    "feet)",
-                            .kind = OPTION_NUMBER,
-                            .to = &r->zscale};
+    rows[2] =
+        (option_spec){.name = "zscale",
+                      .value = "S",
+                      .help = "one unit of height is S units of the map, or S metres on\na map in degrees (0.3048: "
+                              "feet)",
+                      .kind = OPTION_NUMBER,
+                      .to = &r->zscale};
     rows[3] = (option_spec){.name = "cellsize",
                             .value = "S",
-                            .help = "samples are S apart, for files that do not say: the\nfirst row is the "
-                                    "northernmost, the last begins at 0, 0",
+                            .help = "samples are S metres apart, for files that do not say:\nthe first row is the "
+                                    "northernmost, the last begins at\n0, 0",
                             .kind = OPTION_NUMBER,
                             .to = &r->cellsize};
-    rows[4] = (option_spec){.name = "allow-network",
-                            .help = "GDAL may get what files name on the network, and use\nall of its drivers",
-                            .kind = OPTION_FLAG,
-                            .to = &r->network};
+    rows[4] =
+        (option_spec){.name = "allow-network",
+                      .help = "let GDAL fetch files that a raster names on the network,\nand use all of its drivers",
+                      .kind = OPTION_FLAG,
+                      .to = &r->network};
 }
 
 static void warn(void *context, const char *text) {

@@ -227,35 +227,38 @@ static int run(int argc, char **argv) {
          .to = &c.output},
         {.name = "samples",
          .value = "N",
-         .help = "samples a pixel (default: what the scene says; 4 of a\nterrain)",
+         .help = "samples a pixel (default: as in the scene; 4 for a\nterrain)",
          .kind = OPTION_COUNT,
          .to = &c.samples,
          .low = 1,
          .high = 65536},
         {.name = "size",
          .value = "WxH",
-         .help = "pixels (default: what the scene says; 1200x800 of a\nterrain)",
+         .help = "width and height in pixels (default: as in the scene;\n1200x800 for a terrain)",
          .kind = OPTION_TEXT,
          .to = &c.size},
         {.name = "crop",
          .value = "X0,Y0,X1,Y1",
-         .help = "only the part from pixel (X0, Y0) to before (X1, Y1), counted from the upper left corner",
+         .help = "only the part from pixel (X0, Y0) up to and without\n(X1, Y1), counted from the upper left corner",
          .kind = OPTION_TEXT,
          .to = &c.crop},
         {.name = "seed",
          .value = "N",
-         .help = "another pattern of samples (default 0)",
+         .help = "number of the pattern of samples in a pixel (default: 0)",
          .kind = OPTION_COUNT,
          .to = &c.seed,
          .low = 0,
          .high = UINT32_MAX},
         {.name = "phong", .help = "smooth height fields by Phong normals", .kind = OPTION_FLAG, .to = &c.phong},
-        {.name = "quiet", .help = "neither progress nor warnings", .kind = OPTION_FLAG, .to = &c.quiet},
+        {.name = "quiet", .help = "print neither progress nor warnings", .kind = OPTION_FLAG, .to = &c.quiet},
         {.name = "stats",
-         .help = "print numbers of rays, and where the time went",
+         .help = "print counts of rays, and seconds for each step",
          .kind = OPTION_FLAG,
          .to = &c.stats},
-        {.name = "json", .help = "print the same as one JSON object", .kind = OPTION_FLAG, .to = &c.json}};
+        {.name = "json",
+         .help = "print the counts and times of --stats as one JSON object",
+         .kind = OPTION_FLAG,
+         .to = &c.json}};
     for (size_t k = 0; k < OWN; k++) options[k] = own[k];
     view_rows(&c.view, options + OWN);
     query_options_rows(&c.query, options + OWN + VIEW_OPTION_COUNT);
@@ -263,16 +266,16 @@ static int run(int argc, char **argv) {
     const options_usage usage = {
         .name = name,
         .synopsis = "DEM|SCENE.pbrt -o IMAGE [OPTIONS]",
-        .what = "Draws a terrain as it is seen from a place on its map, in sunlight and shadow,\n"
-                "coloured by height or by an orthophoto. DEM is any raster that the other\n"
-                "subcommands read.\n"
+        .what = "Draws a terrain from a place on its map, or renders a scene, and writes the\n"
+                "picture. A terrain is drawn in sunlight and shadow, coloured by height or by an\n"
+                "orthophoto. DEM is any raster that the other subcommands read.\n"
                 "\n"
-                "Or renders a scene in the part of pbrt's scene language that height-field scenes\n"
-                "need: shapes heightfield and cylinder, materials matte and mirror, image\n"
-                "textures, point lights, a perspective camera. Anything else in the file is an\n"
-                "error with its line, or a warning where it changes neither geometry nor light.\n"
-                "A scene says itself what is seen, so --from, --to, --sun, --fov, --image and how\n"
-                "to read the raster are for terrain.\n",
+                "SCENE.pbrt is in the part of pbrt's scene language that height-field scenes need:\n"
+                "shapes heightfield and cylinder, materials matte and mirror, image textures,\n"
+                "point lights, a perspective camera. Anything else in the file is an error with\n"
+                "its line, or a warning if it changes neither geometry nor light. The options\n"
+                "--dem, --from, --to, --sun, --fov, --image and those on how to read a raster are\n"
+                "for terrain only.\n",
         .examples = "  cellwalk render dem.tif -o overview.png\n"
                     "  cellwalk render dem.tif --from 600250,5199800,+30 --to 603000,5203000 \\\n"
                     "      --sun 225,30 --size 1600x900 --samples 16 -o view.png\n"
@@ -300,4 +303,4 @@ static int run(int argc, char **argv) {
     return c.terrain ? render_terrain(&c, path, &query) : render_scene(&c, path, &query);
 }
 
-const command command_render = {name, "a picture of a terrain or of a scene", run};
+const command command_render = {name, "draw a terrain from a place on it, or render a pbrt scene", run};

@@ -197,7 +197,7 @@ static int run_request(request *r, const cw_run *query, const io_raster_options 
     return good ? EXIT_SUCCESS : command_fail("trace", "%s", error.text);
 }
 
-static const char what[] = "Finds where rays hit a height field.\n"
+static const char what[] = "Finds where rays hit a height field and writes one hit a ray as a NumPy array.\n"
                            "\n" FIELD_FILE_HELP "\n"
                            "RAYS is a NumPy array (.npy) of float32 with the shape (N, 8): origin x, y, z,\n"
                            "tmin, direction x, y, z, tmax, in field space: org + t dir for t in [tmin, tmax].\n"
@@ -208,8 +208,8 @@ static const char what[] = "Finds where rays hit a height field.\n"
                            "barycentric). A miss has t = inf, i = j = -1 and 0 elsewhere. With --any it is N\n"
                            "numbers of one byte (uint8): 1 where the ray hits anything, else 0.\n"
                            "\n"
-                           "Rays and hits need not fit into memory. HITS appears under its name only when it\n"
-                           "is whole. - is standard output, and for RAYS standard input, redirected from a\n"
+                           "Rays and hits need not fit into memory. HITS is renamed into place when complete.\n"
+                           "The name - is standard output, and for RAYS standard input, redirected from a\n"
                            "file.\n";
 
 static const char examples[] = "  cellwalk trace terrain.npy rays.npy -o hits.npy\n"
@@ -245,28 +245,30 @@ static int run(int argc, char **argv) {
         {.name = "output",
          .letter = 'o',
          .value = "HITS.npy",
-         .help = "where the hits go; - is standard output",
+         .help = "the array of hits to write; - is standard output",
          .kind = OPTION_TEXT,
          .to = &r.hits},
-        {.name = "any", .help = "only ask whether a ray hits anything: one byte a ray", .to = &r.any},
+        {.name = "any", .help = "only find whether a ray hits anything: one byte a ray", .to = &r.any},
         {.name = "user", .help = "RAYS is float64, in the coordinates of the field's map", .to = &r.user},
         {.name = "points",
-         .help = "the hits' places on the map as well, on the surface to\nrounding: x, y, z (float64)",
+         .help = "also write the hits' places on the map, on the surface\nto rounding: x, y, z (float64)",
          .to = &r.points},
         {.name = "normals",
-         .help = "the triangles' unit normals as well, in the map's\ncoordinates: nx, ny, nz (float32)",
+         .help = "also write the triangles' unit normals, in the map's\ncoordinates: nx, ny, nz (float32)",
          .to = &r.normals},
-        {.name = "stats", .help = "print numbers of rays and hits, and the time of the\nqueries alone", .to = &r.stats},
+        {.name = "stats",
+         .help = "print counts of rays and hits, and the seconds of the\nqueries alone",
+         .to = &r.stats},
         {.name = "repeat",
          .value = "N",
-         .help = "trace N times and print the time of the queries\nalone; -o may then be left out",
+         .help = "trace N times and print the seconds of the queries\nalone; -o is then optional",
          .kind = OPTION_COUNT,
          .to = &r.repeat,
          .low = 1,
          .high = REPEAT_MOST},
         {.name = "json",
          .help = "print one JSON object: kernel, rays, hits, threads,\nseconds_min, seconds_median, mrays_per_s\n"
-                 "(by the median); -o may then be left out",
+                 "(by the median); -o is then optional",
          .to = &r.json},
     };
     query_options_rows(&r.query, options + OWN);

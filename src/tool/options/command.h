@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A program and its subcommands, and how they talk to people. Standard output carries results only; messages, warnings and
+/* A program and its subcommands, their messages and exit statuses. Standard output carries results only; messages, warnings and
  * progress go to standard error. */
 #ifndef CELLWALK_OPTIONS_COMMAND_H
 #define CELLWALK_OPTIONS_COMMAND_H
@@ -15,19 +15,19 @@ typedef struct command {
 
 typedef struct program {
     const char *name; /* "cellwalk" */
-    const char *what; /* what it is for: a line */
+    const char *what; /* its purpose: a line */
     const command *const *commands;
     size_t command_count;
-    const char *ending;  /* of the help: lines; or NULL */
-    void (*about)(void); /* prints what --version says beside the version; or NULL */
+    const char *ending;  /* of the help, indented examples among it: lines; or NULL */
+    void (*about)(void); /* prints the lines of --version below the version; or NULL */
 } program;
 
-/* Runs the subcommand that argv[1] names; --help, --version and what is no subcommand are answered here. An exit status: not
- * 0 either where standard output could not be written. */
+/* Runs the subcommand that argv[1] names, and handles --help, --version and unknown subcommands. Returns the exit status,
+ * which is not 0 if standard output could not be written. */
 int program_main(const program *p, int argc, char **argv);
 
-/* Exit statuses: EXIT_USAGE where the command line asks for something that does not exist, EXIT_FAILURE for all that goes
- * wrong later. A program that was interrupted dies of the signal. */
+/* Exit statuses: EXIT_USAGE for a wrong command line, EXIT_FAILURE for all later errors. A program that was interrupted ends
+ * with the signal. */
 enum { EXIT_USAGE = 2 };
 
 /* Prints "PROGRAM NAME: message", or "PROGRAM: message" if name is empty, and returns EXIT_FAILURE. */

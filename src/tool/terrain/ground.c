@@ -23,13 +23,14 @@ void ground_rows(ground_options *o, const char *name, option_spec rows[GROUND_OP
     rows[0] = (option_spec){.name = "output",
                             .letter = 'o',
                             .value = "FILE",
-                            .help = "what is found for each sample: .tif (GeoTIFF), .npy\n(NumPy array) or .png (grey)",
+                            .help = "the raster to write: .tif (GeoTIFF), .npy (NumPy array)\nor .png (grey)",
                             .kind = OPTION_TEXT,
                             .to = &o->output};
     rows[1] = (option_spec){.name = "compress",
                             .value = "NAME",
-                            .help = "how a GeoTIFF is compressed, without loss in any case:\nall programs read deflate "
-                                    "(the default), newer ones zstd,\nwhich takes less time",
+                            .help = "lossless compression of a GeoTIFF: deflate (default),\nwhich every program reads, "
+                                    "or zstd, which is faster and\n"
+                                    "needs a newer program",
                             .kind = OPTION_NAME,
                             .to = &o->compression,
                             .names = compression_names};

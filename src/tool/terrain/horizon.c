@@ -148,23 +148,25 @@ static int run(int argc, char **argv) {
     option_spec options[ALL] = {
         {.name = "directions",
          .value = "N",
-         .help = "how many, evenly all round (default: 32)",
+         .help = "number of directions, evenly spaced (default: 32)",
          .kind = OPTION_COUNT,
          .to = &c.directions,
          .low = 1,
          .high = 3600},
         {.name = "start",
          .value = "AZ",
-         .help = "azimuth of the first, from the map's north over east,\nin degrees (default: 0)",
+         .help = "azimuth of the first direction in degrees, from the\nmap's north over east (default: 0)",
          .kind = OPTION_NUMBER,
          .to = &c.start},
         {.name = "grid",
-         .help = "--directions 8, 16 or 32 lead from sample to sample, as\n(1, 0), (2, 1) and (3, 2): as exact, not "
-                 "evenly all round,\nand faster on large terrains",
+         .help = "with --directions 8, 16 or 32: directions from sample to\nsample, such as (1, 0), (2, 1) and (3, 2), "
+                 "which are "
+                 "as\nexact, not evenly spaced, and faster on large terrains",
          .kind = OPTION_FLAG,
          .to = &c.grid},
         {.name = "svf",
-         .help = "the sky-view factor instead: the share of an evenly\nbright sky's light that reaches level ground",
+         .help = "write the sky-view factor instead: the share, 0 to 1,\nof an evenly bright sky's light that reaches "
+                 "level\nground (float32)",
          .to = &c.sky},
         {.name = "at",
          .value = "X,Y[,H]",
@@ -175,13 +177,13 @@ static int run(int argc, char **argv) {
          .to = &c.at},
         {.name = "curvature",
          .value = "K",
-         .help =
-             "how much of the earth's curvature counts: 0 flat\n(default), 1 without air, 0.857 with usual refraction",
+         .help = "the earth's curvature as a factor: 0 for a flat earth\n(default), 1 without air, 0.857 with usual "
+                 "refraction",
          .kind = OPTION_NUMBER,
          .to = &c.curvature},
         {.name = "max-distance",
          .value = "D",
-         .help = "what is farther away is not looked at, in metres",
+         .help = "terrain farther away than D metres does not count\n(default: no limit)",
          .kind = OPTION_NUMBER,
          .to = &c.max_distance},
     };
@@ -190,16 +192,16 @@ static int run(int argc, char **argv) {
     const options_usage usage = {
         .name = name,
         .synopsis = "DEM (-o FILE | --at X,Y) [OPTIONS]",
-        .what = "How high the terrain stands against the sky: for every sample and direction the\n"
-                "angle in degrees of the highest point, from the level of the sample; negative\n"
-                "below it (float32, one band a direction). NaN is no data: at holes, and where the\n"
-                "terrain ends at the sample or nothing is as near as --max-distance, so that nothing is known of the "
-                "horizon. The\n"
-                "sky-view factor takes the sky there for free. Angles are exact to 0.001 degrees (0.003 on a map in "
-                "degrees) for the\n"
-                "surface of two triangles between each four samples. On a map in degrees, what is 5 km away at "
-                "latitude 50 counts for an\n"
-                "azimuth that is up to 0.03 degrees beside its own, and so in proportion.\n",
+        .what = "Computes the horizon of every sample of a terrain and writes a raster with one\n"
+                "band a direction: the elevation angle in degrees of the highest point there,\n"
+                "negative below the sample's level (float32). --svf writes the sky-view factor\n"
+                "instead, and --at prints the horizon of one place.\n"
+                "\n"
+                "NaN means no data: at holes, and where no terrain lies in that direction within\n"
+                "--max-distance. The sky-view factor counts the sky there as free.\n"
+                "Angles are exact to 0.001 degrees (0.003 on a map in degrees) for the surface of\n"
+                "two triangles between each four samples. On a map in degrees, directions are off\n"
+                "in proportion to the distance: by up to 0.03 degrees at 5 km and latitude 50.\n",
         .examples = "  cellwalk horizon dem.tif --directions 32 -o horizon.tif\n"
                     "  cellwalk horizon dem.tif --directions 64 --svf -o sky.tif\n"
                     "  cellwalk horizon dem.tif --directions 16 --grid --svf -o sky.tif\n"
@@ -235,4 +237,4 @@ static int run(int argc, char **argv) {
     return ground_run(&c.ground, path, bands, c.at == NULL, make, &c);
 }
 
-const command command_horizon = {"horizon", "angles of the horizon, or the share of the sky, on a terrain", run};
+const command command_horizon = {"horizon", "compute horizon angles or the sky-view factor of each sample", run};

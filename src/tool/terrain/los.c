@@ -61,7 +61,8 @@ static int run(int argc, char **argv) {
     option_spec options[ALL] = {
         {.name = "curvature",
          .value = "K",
-         .help = "how much of the earth's curvature counts: 0 flat, 1\nwithout air, 0.857 = 6/7 with usual refraction\n"
+         .help = "the earth's curvature as a factor: 0 for a flat earth,\n1 without air, 0.857 = 6/7 with usual "
+                 "refraction\n"
                  "(default: 6/7, or 0 if the file has no map)",
          .kind = OPTION_NUMBER,
          .to = &c.curvature},
@@ -73,10 +74,10 @@ static int run(int argc, char **argv) {
     const options_usage usage = {
         .name = name,
         .synopsis = "DEM X,Y[,H] X,Y[,H] [OPTIONS]",
-        .what = "Whether two places see each other, or where on the way the straight line from\n"
-                "the first to the second meets the terrain for the first time. A line that\n"
-                "touches the terrain is blocked; the ends themselves block nothing. Distances and\n"
-                "heights are metres, whatever the unit of the map.\n"
+        .what = "Computes whether two places on a terrain see each other and prints the answer,\n"
+                "or where the straight line from the first to the second first meets the terrain.\n"
+                "A line that touches the terrain is blocked; the ends themselves block nothing.\n"
+                "Distances and heights are metres, whatever the unit of the map.\n"
                 "\n" GROUND_PLACE_HELP "\nWithout H a place is on the ground.\n",
         .examples = "  cellwalk los dem.tif 600250,5199800,2 601500,5200100,=1250\n",
         .options = options,
@@ -98,4 +99,4 @@ static int run(int argc, char **argv) {
     return ground_run(&c.ground, given[0], 0, false, look, &c);
 }
 
-const command command_los = {"los", "whether two places on a terrain see each other", run};
+const command command_los = {"los", "check whether two places on a terrain see each other", run};

@@ -154,19 +154,19 @@ static int run(int argc, char **argv) {
          .to = &c.sun},
         {.name = "time",
          .value = "TIME",
-         .help = "the sun at that time over the terrain's middle:\n2024-06-21T12:00:00Z, or with +02:00",
+         .help = "date and time with a zone (2024-06-21T12:00:00Z, or\n+02:00 for Z), at which the sun stands over the "
+                 "terrain's\nmiddle; the file must name a coordinate system",
          .kind = OPTION_TEXT,
          .to = &c.time},
         {.name = "hillshade",
-         .help =
-             "light on the ground: the cosine of the angle between\nthe sun and the ground's normal, in the shadow 0",
+         .help = "light on the ground: the cosine of the angle between\nthe sun and the ground's normal, 0 in shadow",
          .to = &c.hillshade},
         {.name = "sun-disc",
-         .help = "the sun is a disc, so that shadows have soft edges:\nthe share of it that is seen",
+         .help = "write the share of the sun's disc that is seen, so that\nshadows have soft edges",
          .to = &c.usual_disc},
         {.name = "disc",
          .value = "R",
-         .help = "the same with a disc of that radius in degrees",
+         .help = "the same for a disc of radius R, in degrees",
          .kind = OPTION_NUMBER,
          .to = &c.disc},
         {.name = "curvature",
@@ -181,14 +181,14 @@ static int run(int argc, char **argv) {
     const options_usage usage = {
         .name = name,
         .synopsis = "DEM (--sun AZ,ALT | --time TIME) -o FILE [OPTIONS]",
-        .what = "Sun and shadow on every sample of a terrain: 1 where the sun is seen, 0 where the\n"
-                "terrain hides it (uint8; 255: no data), or with --hillshade, --sun-disc or --disc\n"
-                "the share of its light, 0 to 1 (float32; NaN: no data).\n"
+        .what = "Computes sunlight on every sample of a terrain and writes a raster: 1 where the\n"
+                "sun is seen, 0 where the terrain hides it (uint8; 255: no data). --hillshade,\n"
+                "--sun-disc and --disc write the share of its light, 0 to 1 (float32; NaN: no\n"
+                "data).\n"
                 "\n"
                 "The surface is two triangles between each four samples; rays start on the\n"
-                "samples themselves, and need no lift. On a map in degrees, shadows of what is 5 km away at latitude "
-                "50 fall up to 0.03\n"
-                "degrees beside their azimuth, and so in proportion to the distance.\n",
+                "samples themselves and need no lift. On a map in degrees, directions are off in\n"
+                "proportion to the distance: by up to 0.03 degrees at 5 km and latitude 50.\n",
         .examples = "  cellwalk shadow dem.tif --sun 225,30 -o shadow.tif\n"
                     "  cellwalk shadow dem.tif --time 2024-12-21T13:00:00Z --sun-disc -o light.tif\n"
                     "  cellwalk shadow dem.tif --sun 315,45 --hillshade -o relief.png\n",
@@ -205,4 +205,4 @@ static int run(int argc, char **argv) {
     return ground_run(&c.ground, path, 1, true, make, &c);
 }
 
-const command command_shadow = {"shadow", "sun and shadow on a terrain (GeoTIFF and others in and out)", run};
+const command command_shadow = {"shadow", "compute sunlight and shadow on each sample of a terrain", run};

@@ -30,37 +30,39 @@ void view_rows(view_options *v, option_spec rows[VIEW_OPTION_COUNT]) {
     const option_spec own[] = {
         {.name = "dem",
          .value = "FILE",
-         .help = "the raster, whatever its name ends in",
+         .help = "the terrain, read as a raster whatever its name ends in",
          .kind = OPTION_TEXT,
          .to = &v->dem},
         {.name = "from",
          .value = "X,Y[,H]",
-         .help = "the eye's place on the map, H metres above ground\n(default: 2; without --from the eye is in the "
-                 "south, from\n"
-                 "where all is seen); X,Y,=Z: at an absolute height",
+         .help = "the eye's place on the map, H metres above ground\n(default: 2), or X,Y,=Z at an absolute height in "
+                 "metres;\n"
+                 "without --from the eye is south of the terrain and sees\nall of it",
          .kind = OPTION_TEXT,
          .to = &v->from},
         {.name = "to",
          .value = "X,Y[,H]",
-         .help = "what is in the middle of the picture, in the same way\n(default of H: 0, the ground; without --to: "
-                 "the middle of\n"
-                 "the raster)",
+         .help =
+             "the place in the middle of the picture, in the same form\n(default of H: 0, the ground; without --to: "
+             "the middle of\n"
+             "the raster)",
          .kind = OPTION_TEXT,
          .to = &v->to},
         {.name = "sun",
          .value = "AZ,ALT",
-         .help = "azimuth from the map's north over east, and altitude,\nin degrees (default: 315,40)",
+         .help = "the sun's azimuth, from the map's north over east, and\naltitude, in degrees (default: 315,40)",
          .kind = OPTION_TEXT,
          .to = &v->sun},
         {.name = "fov",
          .value = "DEGREES",
-         .help = "field of view over the shorter side (default: 40)",
+         .help = "field of view over the shorter side, in degrees\n(default: 40)",
          .kind = OPTION_NUMBER,
          .to = &v->fov},
         {.name = "image",
          .value = "FILE",
-         .help = "what lies on the ground, in the place of colours by\nheight: an orthophoto that GDAL reads (1 or 3 "
-                 "bands), put\nwhere its map says; without one, or of .exr or .pfm, over\nthe whole raster",
+         .help = "colours of the ground, instead of colours by height: an\northophoto that GDAL reads (1 or 3 bands), "
+                 "placed by its\n"
+                 "map; .exr, .pfm and files without a map are stretched\nover the whole raster",
          .kind = OPTION_TEXT,
          .to = &v->image},
     };

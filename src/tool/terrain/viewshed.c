@@ -159,41 +159,43 @@ static int run(int argc, char **argv) {
          .value = "X,Y[,H]",
          .help = "the observer's place on the map, with the eye H metres\nabove ground (default: 2), or X,Y,=Z; may be "
                  "given\n"
-                 "several times",
+                 "up to 256 times",
          .kind = OPTION_AGAIN,
          .to = &c.from},
         {.name = "target-height",
          .value = "T",
-         .help = "something that stands T metres above ground is looked\nfor (default: 0, the ground)",
+         .help = "height of the target above ground, in metres\n(default: 0, the ground)",
          .kind = OPTION_NUMBER,
          .to = &c.target},
         {.name = "max-distance",
          .value = "D",
-         .help = "nothing is seen that is farther away, in metres",
+         .help = "samples farther away than D metres are not seen\n(default: no limit)",
          .kind = OPTION_NUMBER,
          .to = &c.max_distance},
         {.name = "curvature",
          .value = "K",
-         .help = "how much of the earth's curvature counts: 0 flat, 1\nwithout air, 0.857 = 6/7 with usual refraction\n"
+         .help = "the earth's curvature as a factor: 0 for a flat earth,\n1 without air, 0.857 = 6/7 with usual "
+                 "refraction\n"
                  "(default: 6/7, or 0 if the file has no map)",
          .kind = OPTION_NUMBER,
          .to = &c.curvature},
         {.name = "needed",
-         .help =
-             "the height above ground that is needed to be seen, 0\nwhere the ground is (float32; NaN: no data, too "
-             "far)",
+         .help = "write the height above ground, in metres, from which on\na target is seen; 0 where the ground itself "
+                 "is (float32;\n"
+                 "NaN: no data or too far)",
          .to = &c.needed},
-        {.name = "needed-absolute", .help = "the same as an absolute height", .to = &c.needed_absolute},
+        {.name = "needed-absolute", .help = "the same as an absolute height in metres", .to = &c.needed_absolute},
     };
     ground_rows(&c.ground, name, options + OWN);
     static const char *const operands[] = {"DEM"};
     const options_usage usage = {
         .name = name,
         .synopsis = "DEM --from X,Y[,H] -o FILE [OPTIONS]",
-        .what = "What is seen from a place: 1 where the straight line from the eye to the sample,\n"
-                "or to a target on it, passes above the surface, 0 where it does not (uint8;\n"
-                "255: no data). With several observers, how many of them see it (uint16 with\n"
-                "65535 for no data, from 255 of them on).\n"
+        .what = "Computes which samples of a terrain are seen from a place and writes a raster: 1\n"
+                "where the straight line from the eye to the sample, or to a target on it, passes\n"
+                "above the surface, 0 elsewhere (uint8; 255: no data). With several observers it\n"
+                "writes how many of them see the sample (uint16 from 255 observers on; 65535: no\n"
+                "data). --needed writes heights instead.\n"
                 "\n"
                 "The surface is two triangles between each four samples, lowered by the earth's\n"
                 "curvature; every sample's line is decided exactly, and one that touches the\n"
@@ -217,4 +219,4 @@ static int run(int argc, char **argv) {
     return ground_run(&c.ground, path, 1, false, make, &c);
 }
 
-const command command_viewshed = {"viewshed", "what is seen of a terrain from one place or several", run};
+const command command_viewshed = {"viewshed", "compute which samples are seen from one place or several", run};
