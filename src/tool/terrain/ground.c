@@ -74,7 +74,7 @@ static bool read_ground(ground *g, const char *path, const io_raster_options *op
     return ground_describe(&g->terrain, &g->file, path, error);
 }
 
-/* EXIT_SUCCESS, or the exit status after a message; ground needs closing in any case. */
+/* EXIT_SUCCESS, or the exit status after a message; *g needs freeing in any case. */
 static int open_ground(ground *g, ground_options *o, const char *path, size_t bands, bool field) {
     io_raster_options raster;
     io_error error;
@@ -104,20 +104,22 @@ static int open_ground(ground *g, ground_options *o, const char *path, size_t ba
     return EXIT_SUCCESS;
 }
 
-static void close_ground(ground *g) {
+static void free_ground(ground *g) {
     progress_end(&g->line);
     cw_pool_destroy(g->query.pool);
     field_file_close(&g->file);
 }
 
-int ground_run(ground_options *o, const char *path, size_t bands, bool field, ground_work *work, void *context) {
-    ground g;
-    io_error error = {""};
-    int status = open_ground(&g, o, path, bands, field);
-    const bool good = status != EXIT_SUCCESS || work(&g, context, &error);
-    close_ground(&g);
-    if (!good) status = command_fail(o->name, "%s", error.text);
+int ground_open(ground *g, ground_options *o, const char *path, size_t bands, bool field) {
+    const int status = open_ground(g, o, path, bands, field);
+    if (status != EXIT_SUCCESS) free_ground(g);
     return status;
+}
+
+int ground_close(ground *g, bool good, const io_error *error) {
+    const char *name = g->options->name;
+    free_ground(g);
+    return good ? EXIT_SUCCESS : command_fail(name, "%s", error->text);
 }
 
 size_t ground_numbers(const char *text, double *numbers, size_t least, size_t most) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the subcommands that ask something of a terrain have in common: reading it, places on its map, and writing what was
- * found for each sample. */
+/* Common parts of the subcommands for terrain: reading it, places on its map, and writing the value
+ * of each sample. */
 #ifndef CELLWALK_TOOL_TERRAIN_GROUND_H
 #define CELLWALK_TOOL_TERRAIN_GROUND_H
 
@@ -31,12 +31,12 @@ typedef struct ground {
     progress line;
 } ground;
 
-/* What a subcommand does with its terrain. */
-typedef bool ground_work(ground *g, void *context, io_error *error);
+/* Reads the terrain, with a field if rays will be traced. Before that it checks that the output can be written with so many
+ * bands (0: there is no output). Returns EXIT_SUCCESS, or after a message the exit status; *g then needs no closing. */
+int ground_open(ground *g, ground_options *options, const char *path, size_t bands, bool field);
 
-/* Reads the terrain, with a field if rays are to be asked of it, does the work and cleans up. An output that cannot be written
- * with so many bands (0: there is none) is refused before. Returns the exit status, after a message if it is no success. */
-int ground_run(ground_options *options, const char *path, size_t bands, bool field, ground_work *work, void *context);
+/* Frees the terrain and returns the exit status of the work, after the message in error unless it was good. */
+int ground_close(ground *g, bool good, const io_error *error);
 
 /* Numbers with commas between them: least to most of them; how many there are, or 0. */
 size_t ground_numbers(const char *text, double *numbers, size_t least, size_t most);
@@ -48,7 +48,7 @@ typedef struct ground_place {
     bool absolute;
 } ground_place;
 
-/* What all subcommands say of places. */
+/* The paragraph on places in the help of all subcommands. */
 #define GROUND_PLACE_HELP                                                                                              \
     "A place is X,Y,H: coordinates of the map and metres above ground, or X,Y,=Z with\n"                               \
     "an absolute height in metres, which may lie outside the raster. Samples are the\n"                                \
@@ -76,7 +76,7 @@ typedef struct ground_notes {
 __attribute__((format(printf, 2, 3))) void ground_note(ground_notes *n, const char *format, ...);
 void ground_notes_free(ground_notes *n);
 
-/* The product's size, place and coordinate system. what: what a sample's number is, in one sentence, and the name of a single
+/* The product's size, place and coordinate system. what: the meaning of a sample's number, in one sentence, and the name of a single
  * band. notes get that, the subcommand, the program's version and the surface; both must stay while the product is written. */
 io_raster_product ground_product(const ground *g, io_cell cell, size_t bands, const char *const *what,
                                  ground_notes *notes);

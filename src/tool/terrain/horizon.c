@@ -18,7 +18,7 @@ typedef struct horizon_command {
     double start, curvature, max_distance;
     bool sky, grid;
     const char *at;
-    ground_place place; /* what at says */
+    ground_place place; /* of --at */
 } horizon_command;
 
 typedef struct job {
@@ -83,7 +83,7 @@ static bool make_bands(job *j, const horizon_command *c, io_error *error) {
     ground_note(&notes, "DIRECTIONS=%u", c->directions);
     ground_note(&notes, "FIRST_AZIMUTH=%.9g", c->start);
     ground_note(&notes, "ANGLES=degrees; azimuth from the map's north over east");
-    ground_note(&notes, "CURVATURE=0");
+    ground_note(&notes, "CURVATURE=%.9g", c->curvature);
     if (!c->sky) {
         product.band_names = names;
         product.unit = "degree";
@@ -133,8 +133,7 @@ static bool print_at(const ground *g, const horizon_command *c, io_error *error)
     return true;
 }
 
-static bool make(ground *g, void *context, io_error *error) {
-    const horizon_command *c = context;
+static bool make(ground *g, const horizon_command *c, io_error *error) {
     if (c->at) return print_at(g, c, error);
     job j = {.ground = g};
     const bool good = make_bands(&j, c, error);
@@ -234,7 +233,10 @@ static int run(int argc, char **argv) {
         return EXIT_USAGE;
     }
     const size_t bands = c.at ? 0 : c.sky ? 1 : c.directions;
-    return ground_run(&c.ground, path, bands, c.at == NULL, make, &c);
+    ground g;
+    io_error error = {""};
+    const int opened = ground_open(&g, &c.ground, path, bands, c.at == NULL);
+    return opened == EXIT_SUCCESS ? ground_close(&g, make(&g, &c, &error), &error) : opened;
 }
 
 const command command_horizon = {"horizon", "compute horizon angles or the sky-view factor of each sample", run};

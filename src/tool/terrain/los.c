@@ -19,8 +19,7 @@ typedef struct los_command {
     ground_place places[2];
 } los_command;
 
-static bool look(ground *g, void *context, io_error *error) {
-    const los_command *c = context;
+static bool look(ground *g, const los_command *c, io_error *error) {
     const ground_place *places = c->places;
     const terrain *t = &g->terrain;
     double eye[3], target[3], metres[2], xy[2], ends[2][2];
@@ -96,7 +95,10 @@ static int run(int argc, char **argv) {
         return EXIT_USAGE;
     }
     c.ground.query.threads = 1;
-    return ground_run(&c.ground, given[0], 0, false, look, &c);
+    ground g;
+    io_error error = {""};
+    const int opened = ground_open(&g, &c.ground, given[0], 0, false);
+    return opened == EXIT_SUCCESS ? ground_close(&g, look(&g, &c, &error), &error) : opened;
 }
 
 const command command_los = {"los", "check whether two places on a terrain see each other", run};

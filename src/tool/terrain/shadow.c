@@ -15,8 +15,10 @@ static const char name[] = "shadow";
 
 typedef struct shadow_command {
     ground_options ground;
-    const char *sun, *time;
-    double disc; /* NaN: the sun is a point */
+    const char *sun, *time;   /* one of them is NULL */
+    double azimuth, altitude; /* of sun, degrees */
+    double seconds;           /* of time, as sun_at takes it */
+    double disc;              /* NaN: the sun is a point */
     double curvature;
     bool hillshade, usual_disc;
 } shadow_command;
@@ -66,21 +68,17 @@ static bool locate(const ground *g, double lon_lat[2], double *turned, io_error 
 }
 
 static bool find_sun(const shadow_command *c, const ground *g, sunlight_desc *sun, io_error *error) {
-    double numbers[2], seconds, turned;
-    if (c->sun) {
-        ground_numbers(c->sun, numbers, 2, 2);
-        sun->azimuth = numbers[0];
-        sun->altitude = numbers[1];
-        return true;
-    }
-    if (!locate(g, numbers, &turned, error)) return false;
-    sun_parse_time(c->time, &seconds);
-    const sun_position p = sun_at(seconds, numbers[0], numbers[1]);
+    double lon_lat[2] = {0, 0}, turned = 0;
+    sun->azimuth = c->azimuth;
+    sun->altitude = c->altitude;
+    if (c->sun) return true;
+    if (!locate(g, lon_lat, &turned, error)) return false;
+    const sun_position p = sun_at(c->seconds, lon_lat[0], lon_lat[1]);
     sun->azimuth = fmod(p.azimuth + turned + 360, 360);
     sun->altitude = p.altitude;
     if (c->usual_disc) sun->radius = p.radius;
-    printf("sun at %s over %.4f, %.4f: azimuth %.3f (%.3f on the map), altitude %.3f degrees\n", c->time, numbers[0],
-           numbers[1], p.azimuth, sun->azimuth, p.altitude);
+    printf("sun at %s over %.4f, %.4f: azimuth %.3f (%.3f on the map), altitude %.3f degrees\n", c->time, lon_lat[0],
+           lon_lat[1], p.azimuth, sun->azimuth, p.altitude);
     return true;
 }
 
@@ -113,33 +111,37 @@ static bool make_light(job *j, io_error *error) {
     ground_note(&notes, "SUN_DISC_RADIUS=%.9g", sun.radius);
     if (c->time) ground_note(&notes, "TIME=%s", c->time);
     ground_note(&notes, "ANGLES=degrees; azimuth from the map's north over east");
-    ground_note(&notes, "CURVATURE=0");
+    ground_note(&notes, "CURVATURE=%.9g", c->curvature);
     const bool good = ground_write(j->ground, &product, sun.radius > 0 ? 16 : 1, fill, j, error);
     ground_notes_free(&notes);
     return good;
 }
 
-static bool make(ground *g, void *context, io_error *error) {
-    job j = {.command = context, .ground = g};
+static bool make(ground *g, const shadow_command *c, io_error *error) {
+    job j = {.command = c, .ground = g};
     const bool good = make_light(&j, error);
     sunlight_destroy(j.light);
     return good;
 }
 
-static bool wrong_sun(const shadow_command *c) {
-    double numbers[2], seconds;
+/* Reads --sun and --time; true after a message, for these and for the other options. */
+static bool wrong(shadow_command *c) {
+    double numbers[2] = {0, 0};
     if ((c->sun == NULL) == (c->time == NULL))
         command_fail(name, "give the sun's place by either --sun or --time");
     else if (c->sun && (ground_numbers(c->sun, numbers, 2, 2) == 0 || fabs(numbers[1]) > 90))
         command_fail(name, "--sun takes azimuth and altitude in degrees, as 225,30, not '%s'", c->sun);
-    else if (c->time && !sun_parse_time(c->time, &seconds))
+    else if (c->time && !sun_parse_time(c->time, &c->seconds))
         command_fail(name, "--time takes a time with its zone, as 2024-06-21T12:00:00Z or +02:00, not '%s'", c->time);
     else if (!isnan(c->disc) && !(c->disc > 0 && c->disc <= 10))
         command_fail(name, "--disc takes degrees above 0, up to 10, not %g", c->disc);
     else if (c->curvature < 0)
         command_fail(name, "--curvature takes a number from 0 on, not %g", c->curvature);
-    else
+    else {
+        c->azimuth = numbers[0];
+        c->altitude = numbers[1];
         return false;
+    }
     return true;
 }
 
@@ -201,8 +203,11 @@ static int run(int argc, char **argv) {
     const char *path;
     const int status = options_parse(&usage, argc, argv, &path);
     if (status != OPTIONS_GO) return status;
-    if (wrong_sun(&c)) return EXIT_USAGE;
-    return ground_run(&c.ground, path, 1, true, make, &c);
+    if (wrong(&c)) return EXIT_USAGE;
+    ground g;
+    io_error error = {""};
+    const int opened = ground_open(&g, &c.ground, path, 1, true);
+    return opened == EXIT_SUCCESS ? ground_close(&g, make(&g, &c, &error), &error) : opened;
 }
 
 const command command_shadow = {"shadow", "compute sunlight and shadow on each sample of a terrain", run};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* `cellwalk viewshed`: what is seen from one place or several. */
+/* `cellwalk viewshed`: the samples seen from one place or several. */
 
 #include "viewshed.h"
 
@@ -127,8 +127,8 @@ static bool make_view(job *j, io_error *error) {
     return good;
 }
 
-static bool make(ground *g, void *context, io_error *error) {
-    job j = {.ground = g, .command = context};
+static bool make(ground *g, const viewshed_command *c, io_error *error) {
+    job j = {.ground = g, .command = c};
     const bool good = make_view(&j, error);
     sight_bounds_destroy(j.bounds);
     free(j.seen);
@@ -216,7 +216,10 @@ static int run(int argc, char **argv) {
     const int status = options_parse(&usage, argc, argv, &path);
     if (status != OPTIONS_GO) return status;
     if (wrong(&c)) return EXIT_USAGE;
-    return ground_run(&c.ground, path, 1, false, make, &c);
+    ground g;
+    io_error error = {""};
+    const int opened = ground_open(&g, &c.ground, path, 1, false);
+    return opened == EXIT_SUCCESS ? ground_close(&g, make(&g, &c, &error), &error) : opened;
 }
 
 const command command_viewshed = {"viewshed", "compute which samples are seen from one place or several", run};
