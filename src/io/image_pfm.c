@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Portable float map: a text header ("PF" for colour or "Pf" for grey, width, height, a number whose sign says the byte
- * order), then rows of floats from the bottom up. */
+ * order), then rows of floats from the bottom up. The six scenes are made with .pfm images if OpenEXR is missing. */
 
 #include "file.h"
 #include "image_format.h"

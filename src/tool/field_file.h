@@ -10,8 +10,8 @@
 
 typedef struct field_file {
     cw_field *field;
-    const cw_kernel *kernel; /* that the query runs on the field; what it needs is built */
-    io_raster raster;        /* what the field borrows its samples from, if it does */
+    const cw_kernel *kernel; /* that the query runs on the field; its structures are built */
+    io_raster raster;        /* owner of the samples if the field borrows them */
     double map[3][4];        /* field space to the file's coordinates */
     bool mapped;             /* the samples are pages of the file and no memory of the program's own */
 } field_file;
@@ -25,9 +25,9 @@ void field_file_close(field_file *file);
 
 #define FIELD_FILE_HELP                                                                                                \
     "FIELD is a height field: a NumPy array (.npy: two-dimensional, float32,\n"                                        \
-    "float64, int16 or uint16), a binary PGM image (.pgm), an ESRI ASCII grid (.asc),\n"                               \
-    "the only heightfield of a scene (.pbrt), or anything else that GDAL reads\n"                                      \
-    "(GeoTIFF, .hgt, VRT, ...). Sample [j, i] stands at x = i, y = j of field space;\n"                                \
+    "float64, int16 or uint16), an ESRI ASCII grid (.asc), the only heightfield of a\n"                                \
+    "scene (.pbrt), or any other raster that GDAL reads (GeoTIFF, .hgt, VRT, PGM,\n"                                   \
+    "...). Sample [j, i] stands at x = i, y = j of field space;\n"                                                     \
     "NaN, infinity and missing data are holes.\n"
 
 #endif

@@ -45,7 +45,6 @@ static int enter(void **state) {
     npy_file("wide.npy", "<f8", "(5, 6)", wide, sizeof wide);
     rays_file("rays.npy", rays, RAYS);
     scratch_write("grid.asc", "ncols 3\nnrows 2\ncellsize 1\n1 2 3\n4 5 6\n", 39);
-    scratch_write("grid.pgm", "P5 2 2 255\n0123", 15);
     texture_file("sand.pfm");
     scratch_write("scene.pbrt", scene, sizeof scene - 1);
     scratch_write("sea.pbrt", sea, sizeof sea - 1);
@@ -131,7 +130,7 @@ static void trace(void **state) {
 static void info(void **state) {
     (void)state;
     check_every_fault((const char *const[]){"info", NULL}, "none");
-    check_every_fault((const char *const[]){"info", "grid.pgm", "--kernel", "grid3d", NULL}, "none");
+    check_every_fault((const char *const[]){"info", "grid.asc", "--kernel", "grid3d", NULL}, "none");
     check_every_fault((const char *const[]){"info", "sea.pbrt", "--json", NULL}, "none");
 }
 

@@ -114,7 +114,7 @@ static void without_the_module(void **state) {
     setenv("CELLWALK_MODULES", "/nonexistent", 1);
     make(&(source){.name = "a.tif"});
     check_refused("a.tif", NULL, "libgdal-dev");
-    check_refused("a.tif", NULL, "known are .npy");
+    check_refused("a.tif", NULL, "known endings are .npy");
     io_error error;
     assert_false(io_raster_can_write("out.tif", 1, &error));
     check(strstr(error.text, ".npy and .png do without") != NULL, "%s", error.text);

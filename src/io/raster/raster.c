@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The table of raster formats, and what is done with any raster that has been read.
+/* The table of raster formats, and the steps after reading that all formats share.
  *
- * Some formats have readers of their own, against the habit of leaving formats to a well-kept library. GDAL reads all of
- * them, but (GDAL 3.6.2) it takes a word in an ASCII grid for 0, lowers 1e99 to the largest float and overlooks numbers
+ * Some formats have readers here, although GDAL reads all of
+ * them, but (GDAL 3.6.2) it reads a word in an ASCII grid as 0, lowers 1e99 to the largest float and overlooks numbers
  * that are too many, all without an error; and linking it makes a program start in 59 ms that starts in 1 ms without. So
- * GDAL reads what the others do not, and is loaded only then (raster_gdal.c). */
+ * GDAL reads the other formats, and is loaded only then (raster_gdal.c). */
 
 #include "raster.h"
 
@@ -15,7 +15,7 @@
 #include <strings.h>
 #include <sys/mman.h>
 
-static const io_raster_format *const formats[] = {&io_raster_npy, &io_raster_pgm, &io_raster_asc};
+static const io_raster_format *const formats[] = {&io_raster_npy, &io_raster_asc};
 enum { FORMAT_COUNT = sizeof formats / sizeof formats[0] };
 
 static bool has_ending(const char *path, const io_raster_format *format) {
@@ -83,7 +83,7 @@ static bool take_nodata_out(const char *path, const io_raster_options *options, 
     return true;
 }
 
-/* Heights that are hardly any: what programs write where they have none, and nobody has told. */
+/* Warns of values that programs often write for no data, if the file does not mark them. */
 static void smell_nodata(const char *path, const io_raster_options *options, const io_raster *raster) {
     float suspicious[] = {-32768, -32767, -9999, -99999};
     enum { COUNT = sizeof suspicious / sizeof suspicious[0] };

@@ -17,11 +17,11 @@ typedef struct io_raster {
     const float *z;
     double map[3][4];
     io_georef georef;
-    void *memory;        /* what io_raster_free frees or unmaps */
+    void *memory;        /* freed or unmapped by io_raster_free */
     size_t mapped_bytes; /* > 0: memory is a file mapping of that size */
 } io_raster;
 
-/* What the caller knows better than the file, and wants to hear. All zero: nothing. */
+/* Facts that the file lacks, and functions to call. All zero: none. */
 typedef struct io_raster_options {
     unsigned band;        /* from 1 on; 0: the first, with a warning where there are more */
     const double *nodata; /* nodata_count values that stand for no data, beside the one that the file names */
@@ -34,7 +34,7 @@ typedef struct io_raster_options {
     struct {
         size_t i, j, nx, ny;
     } window; /* only these samples, from (i, j) on; nx = 0: all. An error if the raster lacks some of them */
-    /* NULL, or called with what looks wrong but is no error: a sentence without a full stop, file and all. */
+    /* NULL, or called with a warning: a sentence without a full stop that names the file. */
     void (*warn)(void *context, const char *text);
     /* NULL, or called now and then with the share that is read. False ends the reading with the error "interrupted". */
     bool (*progress)(void *context, double share);
@@ -50,7 +50,6 @@ typedef struct io_raster_format {
 } io_raster_format;
 
 extern const io_raster_format io_raster_npy;
-extern const io_raster_format io_raster_pgm;
 extern const io_raster_format io_raster_asc;
 extern const io_raster_format io_raster_gdal; /* all other endings */
 

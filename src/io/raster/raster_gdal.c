@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* GeoTIFF, .hgt, VRT, Erdas, NetCDF and all else that GDAL reads: the door to the module that holds GDAL. */
+/* GeoTIFF, .hgt, VRT, PGM, Erdas, NetCDF and all others that GDAL reads: loads the module with GDAL. */
 
 #include "gdal/module.h"
 #include "inputs.h"
@@ -113,8 +113,8 @@ static bool read_gdal(const char *path, const io_raster_options *options, io_ras
     if (gdal == NULL) {
         char known[200];
         io_raster_known(known, sizeof known);
-        return io_fail(error, "%s: the name's ending tells no raster format; known are %s; for all others: %s", path,
-                       known, reason.text);
+        return io_fail(error, "%s: known endings are %s; GeoTIFF, PGM and all other rasters need GDAL: %s", path, known,
+                       reason.text);
     }
     io_raster header = {.map = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
     size_t at_once = 1;

@@ -145,7 +145,7 @@ PyObject *read_raster(PyObject *self, PyObject *arguments) {
 
 static bool find_size(const char *path, const io_raster_options *o, size_t size[2], io_error *error) {
     const char *ending = strrchr(path, '.');
-    const io_raster_format *own[] = {&io_raster_npy, &io_raster_pgm, &io_raster_asc};
+    const io_raster_format *own[] = {&io_raster_npy, &io_raster_asc};
     io_raster raster = {0};
     bool by_gdal = true;
     for (size_t k = 0; k < sizeof own / sizeof *own && ending != NULL; k++) {
