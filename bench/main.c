@@ -9,7 +9,7 @@
 
 static const command *const commands[] = {&command_table, &command_micro, &command_tradeoff, &command_compare};
 
-/* Ctrl-C leaves no unfinished file behind, and the exit status tells the shell what happened. */
+/* Ctrl-C leaves no unfinished file behind, and the exit status names the signal. */
 static void stop(int number) {
     io_output_discard_all();
     signal(number, SIG_DFL);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What is wrong with an answer. The ray is followed over the surface in double, crossing by crossing, and what it does
- * counts only where it is clear: farther from the surface than what rounding (tests/oracle/bounds.h) and the claim of the
+/* Judges an answer. The ray is followed over the surface in double, crossing by crossing, and what it does
+ * counts only where it is clear: farther from the surface than rounding (tests/oracle/bounds.h) and the claim of the
  * answer's mode can explain. */
 #ifndef CELLWALK_BENCH_ACCURACY_JUDGE_H
 #define CELLWALK_BENCH_ACCURACY_JUDGE_H
@@ -46,7 +46,7 @@ typedef struct tradeoff_claim {
 
 typedef enum tradeoff_verdict {
     TRADEOFF_RIGHT = 0, /* the same surface, or both miss: its t can be held against the exact one */
-    TRADEOFF_TIE,       /* another answer, within what rounding and claim explain: a touch, an end, a silhouette */
+    TRADEOFF_TIE,       /* another answer, within rounding and claim: a touch, an end, a silhouette */
     TRADEOFF_LEAK,      /* a miss, although the ray passes from clearly above to clearly below, or the reverse */
     TRADEOFF_PHANTOM,   /* a hit where the ray is clear of the surface */
     TRADEOFF_WRONG,     /* a hit, but the ray has clearly passed through the surface before */
@@ -73,7 +73,7 @@ exact_hit tradeoff_exact(const true_surface *on, const cw_ray *ray, const cw_hit
  * move t by as much. */
 double tradeoff_off_surface(const true_surface *on, const cw_ray *ray, double t);
 
-/* truth is the reference's answer and exact what tradeoff_exact makes of it, NULL if it misses. */
+/* truth is the reference's answer and exact the result of tradeoff_exact for it, NULL if it misses. */
 tradeoff_verdict tradeoff_judge_closest(const true_surface *on, const cw_ray *ray, const tradeoff_claim *claim,
                                         const cw_hit *truth, const exact_hit *exact, const cw_hit *answer);
 tradeoff_verdict tradeoff_judge_any(const true_surface *on, const cw_ray *ray, const tradeoff_claim *claim, bool truth,

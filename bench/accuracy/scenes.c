@@ -108,7 +108,7 @@ bool tradeoff_scene_run(const char *name, const tradeoff_options *o, json_t *lin
     io_image strict = {0};
     bool good = open_set(s, o->scene_folder, name, error);
     for (size_t m = 0; good && tradeoff_mode_at(m); m++) {
-        if (m > 0 && !tradeoff_mode_wanted(m, o)) continue; /* the first is what others are held against */
+        if (m > 0 && !tradeoff_mode_wanted(m, o)) continue; /* the others are compared with the first */
         good = render_mode(s, name, tradeoff_mode_at(m), o, &strict, lines, error);
     }
     io_image_free(&strict);

@@ -25,7 +25,7 @@ typedef struct tradeoff_options {
     bool longer;
 } tradeoff_options;
 
-/* ---- modes.c: what is measured ---- */
+/* ---- modes.c: the modes that are measured ---- */
 
 /* A new mode is a new row. Whatever it leaves out stays as it is: the strict query on the field's own samples. */
 typedef struct tradeoff_mode {
@@ -70,12 +70,12 @@ tradeoff_claim tradeoff_quantise(float *z, size_t count);
  * the point that cw_hit_points makes of a hit, in cells. */
 enum { TRADEOFF_ERROR_KINDS = 7 };
 
-/* What is to be told of a mode's answers. */
+/* The figures of a mode's answers. */
 typedef struct tradeoff_errors {
     size_t rays, hits;
     /* Held against the true surface: what only the mode's claim explains does not count as a tie here, but as what it is. */
     size_t verdicts[TRADEOFF_VERDICT_COUNT];
-    size_t broken; /* of them, what the claim does not explain */
+    size_t broken; /* of them, those beyond the claim */
     /* Of the right hits; none where only "any hit" was asked. */
     size_t right_hits;
     double median[TRADEOFF_ERROR_KINDS], most[TRADEOFF_ERROR_KINDS], worst[TRADEOFF_ERROR_KINDS]; /* most: of 99.9 % */
@@ -143,7 +143,7 @@ bool tradeoff_scene_run(const char *name, const tradeoff_options *options, json_
  * smooth surface that is known by its formula. */
 typedef enum tradeoff_normal {
     TRADEOFF_FACET,       /* the triangle's own */
-    TRADEOFF_BARYCENTRIC, /* what cw_hit_phong_normal does */
+    TRADEOFF_BARYCENTRIC, /* as in cw_hit_phong_normals */
     TRADEOFF_BILINEAR,    /* of the cell's four vertex normals */
     /* The same of vertex normals by central differences. */
     TRADEOFF_CENTRAL_BARYCENTRIC,
@@ -166,7 +166,7 @@ typedef struct tradeoff_sums {
     size_t groups;
     double speed;         /* geometric mean, millions of rays a second */
     double rates[3];      /* leaks, wrong and phantoms in a million rays: means over the classes that are not aimed */
-    double aimed, beyond; /* all of these over the classes that are; what the claim does not explain, over all */
+    double aimed, beyond; /* all of these over the classes that are; those beyond the claim, over all */
     double off;           /* worst height off the surface, but for rays from afar, whose t is too coarse a float */
 } tradeoff_sums;
 tradeoff_sums tradeoff_sums_of(const json_t *lines, const char *name);

@@ -94,7 +94,7 @@ void agree_any(agreement *sum, const cw_field *field, const cw_ray *rays, size_t
         cw_hit hit;
         const contender *of = a[k] ? of_a : of_b;
         of->closest(of, &rays[k], 1, &hit);
-        /* A contender that answers "any" against its own closest hit is at fault by itself. */
+        /* A contender that answers "any" against its own closest hit is wrong without any comparison. */
         sum->why[hit.i < 0 ? AGREE_OTHER : reason_of(field, &rays[k], &hit, slack_of(&info, &rays[k]))]++;
     }
 }

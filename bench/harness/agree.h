@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Do two contenders find the same hits, and if not, why not? Möller–Trumbore decides each triangle by itself and in its own
- * order of operations, so two right programs differ where rounding decides; what is left over is a defect of one. */
+/* Do two contenders find the same hits, and if not, why not? Möller–Trumbore decides each triangle separately and in its own
+ * order of operations, so two right programs differ where rounding decides; any other difference is a defect of one of them. */
 #ifndef CELLWALK_BENCH_HARNESS_AGREE_H
 #define CELLWALK_BENCH_HARNESS_AGREE_H
 

@@ -48,7 +48,7 @@ void run_record_begin(char **arguments, int count);
 /* A JSON object of kind "run". cpu is where the process is pinned to, or -1. */
 json_t *run_record(const char *name, uint32_t seed, int cpu);
 
-/* True if so many bytes may be had without swapping, or the system does not tell; else prints that what is left out on field. */
+/* True if so many bytes may be had without swapping, or the system does not tell; else prints that what is skipped on field. */
 bool run_memory_has(double bytes, const char *what, const char *field);
 
 /* One line of it for a person: "AMD EPYC, GCC 12.2.0, avx2, commit 1234567, Embree 3.13.5, one thread, load 0.42". */

@@ -23,7 +23,7 @@ typedef struct statistics {
 /* Sorts samples. n = 0 gives all zero. */
 statistics statistics_of(double *samples, size_t n);
 
-/* Number of samples to drop at either end, so that what is left covers the median with at least confidence; the largest
+/* Number of samples to drop at either end, so that the rest covers the median with at least confidence; the largest
  * such number. -1 if not even all samples do. */
 int statistics_interval_rank(size_t n, double confidence);
 

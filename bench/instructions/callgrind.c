@@ -59,7 +59,7 @@ static bool take_run(void *context, char *line) {
 
 /* What callgrind's format says here (names and positions are not compressed): "part:" begins the counts of one run,
  * "ob=" names the file whose code the lines after it count, "calls=" makes the next line's numbers those of a whole call,
- * which are counted where they were spent as well; numbers that are 0 are left out at the end of a line. */
+ * which are also counted where they were spent; numbers that are 0 are left out at the end of a line. */
 typedef struct profile {
     counted *all;
     const char *program;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Runs the work (work.c) under callgrind, which counts inside its function guard_trace alone, a part each time that it returns,
- * and reads what was counted. */
+ * and reads the counts. */
 #ifndef CELLWALK_BENCH_INSTRUCTIONS_CALLGRIND_H
 #define CELLWALK_BENCH_INSTRUCTIONS_CALLGRIND_H
 
@@ -33,12 +33,12 @@ bool callgrind_read(counted *all, const char *runs_path, const char *profile_pat
                     io_error *error);
 
 /* work: the program and its arguments, ending with NULL; at most 8. options: of callgrind, ending with NULL, at most 4; or NULL
- * for none. Leaves NAME.runs, NAME.callgrind and NAME.errors, which is what the work wrote to standard error, in the current
+ * for none. Leaves NAME.runs, NAME.callgrind and NAME.errors, the work's standard error, in the current
  * folder. False with *missing set if valgrind is not installed. */
 bool callgrind_run(counted *all, const char *name, const char *const *work, const char *const *options, bool *missing,
                    io_error *error);
 
-/* ---- lines of commas, for the guard's file as well ---- */
+/* ---- lines of commas, also for the guard's file ---- */
 
 /* Cuts the next name or number off a line; false if it is missing, empty, too long or anything else. */
 bool callgrind_take_name(char **rest, char name[COUNTED_NAME]);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The guard's instruction counts: the committed file, and what has changed since. */
+/* The guard's instruction counts: the committed file, and the changes since. */
 #ifndef CELLWALK_BENCH_INSTRUCTIONS_FIGURES_H
 #define CELLWALK_BENCH_INSTRUCTIONS_FIGURES_H
 

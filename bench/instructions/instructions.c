@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The program cellwalk-instructions: what callgrind counts of the kernels, as JSON lines.
+/* The program cellwalk-instructions: callgrind's counts of the kernels, as JSON lines.
  *
  * ablation: the instructions of several builds of cellwalk-counted-work, in each of which one lever of the kernels is off;
  * ablation.cmake makes the builds and calls this. Instructions, because they repeat to the last digit; what they cannot show is
@@ -7,7 +7,7 @@
  *
  * caches: how often rays miss the caches, by callgrind's model of them. A model, because counters of the hardware are not to be
  * had on every machine; two levels at a time, least recently used, without prefetches. Its caches are those of Zen 3, whichever
- * machine counts, so that counts repeat. A class of rays finds in them what the class before it left. */
+ * machine counts, so that counts repeat. Each class of rays starts with the caches as the class before left them. */
 #include "command.h"
 #include "harness/results.h"
 #include "harness/run.h"
@@ -16,7 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A cache that misses are counted of, and what tells callgrind to model it; NULL where only instructions are counted. */
+/* A cache whose misses are counted, and callgrind's option for it; NULL where only instructions are counted. */
 typedef struct level {
     const char *name, *option;
 } level;

@@ -15,7 +15,7 @@
 /* The guard's fields; the larger one is not for brute force, which tests all of its two million triangles for each ray, nor for
  * the 3D grid, which takes long to build. */
 static const char *const small_field = "65", *const large_field = "1025";
-/* Fewer rays for what takes long: brute force, and the flat walk on the larger field. */
+/* Fewer rays for slow work: brute force, and the flat walk on the larger field. */
 enum { MOST_RAYS = 1 << 16, GUARD_RAYS = 1024, BRUTE_RAYS = 16, FLAT_RAYS = 256 };
 
 static cw_ray rays[WORKLOAD_CLASS_COUNT][MOST_RAYS];
@@ -32,14 +32,14 @@ typedef struct work {
     uint64_t hash;
 } work;
 
-/* callgrind finds this function by its name, so it must stay a function of its own. */
+/* callgrind finds this function by its name, so it must not be inlined. */
 __attribute__((noinline)) cw_status guard_trace(const work *w);
 cw_status guard_trace(const work *w) {
     return w->any ? cw_occluded(w->field, &w->query, w->rays, w->count, occluded)
                   : cw_closest(w->field, &w->query, w->rays, w->count, hits);
 }
 
-/* FNV-1a. A hit is 24 bytes without gaps, and all of a miss is set as well. */
+/* FNV-1a. A hit is 24 bytes without gaps, and all bytes of a miss are set. */
 static void hash_answers(work *w) {
     const unsigned char *byte = w->any ? occluded : (const unsigned char *)hits;
     for (size_t left = w->count * (w->any ? 1 : sizeof *hits); left > 0; left--)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* cellwalk-bench compare: what changed between two runs, and what only seems to have. */
+/* cellwalk-bench compare: changes between two runs, as far as they exceed the noise. */
 #include "micro/micro.h"
 
 #include "commands.h"
@@ -56,7 +56,7 @@ static ratio ratio_of(const json_t *a, const json_t *b, double margin) {
     return statistics_ratio(&s[0], &s[1], margin);
 }
 
-/* Runs on different machines or builds can be compared, but whoever reads must know. */
+/* Runs on different machines or builds can be compared, but the output says so. */
 static void tell_differences(const json_t *a, const json_t *b) {
     static const char *const keys[] = {"cpu", "isa", "compiler", "build_type", "flags", "embree", "commit"};
     for (size_t k = 0; k < sizeof keys / sizeof keys[0]; k++)

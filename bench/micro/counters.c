@@ -9,7 +9,7 @@
 #include <errno.h>
 #include <string.h>
 
-#define CELLWALK_COUNT /* for the declaration of what the counting objects write to */
+#define CELLWALK_COUNT /* for the declaration of the counts */
 #include "count.h"
 
 count_sum cw_counts[COUNT_KINDS];

@@ -15,7 +15,7 @@ typedef struct counter {
     uint64_t events, lanes;
 } counter;
 
-/* How many there are; their names, such as "node" and "leaf". src/core/count.h says what they count. */
+/* How many there are; their names, such as "node" and "leaf". src/core/count.h describes them. */
 size_t counters_count(void);
 const char *counters_name(size_t number);
 

@@ -84,7 +84,7 @@ static double predict(const contender_pass *whole, double limit) {
     return seconds * (double)whole->n / (double)(PIECES * piece);
 }
 
-/* Everybody's answers against the reference's, and what the kernels count meanwhile. Who is too slow is left out. False if that
+/* Compares all answers with the reference's, with the kernels' counts. Contenders that are too slow are skipped. False if that
  * is everybody. */
 static bool verify(micro_group *g, const micro_options *o, contender_answers expected, contender_answers out) {
     const bool any = workload_class_is_any(g->c);

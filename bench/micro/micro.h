@@ -33,7 +33,7 @@ typedef struct micro_options {
     bool longer, small_pages;
     cw_pool *pools[MICRO_THREADS_MAX]; /* for each number of threads above 1, else NULL */
     bool by_clock;                     /* time by the clock, as is done for all once one has more than one thread */
-    bool counters;                     /* count what the kernels do instead of timing them */
+    bool counters;                     /* count the kernels' events instead of timing them */
 } micro_options;
 
 /* What a contender needs built. seconds: CPU time, or by the clock if everything is, median of the builds. */
@@ -55,7 +55,7 @@ typedef struct micro_peer {
 typedef struct micro_field {
     workload_field samples;
     cw_field *field;
-    const char *default_kernel; /* what the library would choose for it */
+    const char *default_kernel; /* the library's choice for it */
     micro_peer peers[PEER_KINDS];
     size_t peer_count;
     micro_build builds[MICRO_BUILDS_MAX]; /* of the kernels that need something built, with each number of threads */
@@ -95,7 +95,7 @@ typedef struct micro_group {
  * seconds is for all that. */
 bool micro_group_run(micro_group *group, const micro_options *options, double seconds, io_error *error);
 
-/* Human text on standard output; of a group what the kernels counted, or times. */
+/* Human text on standard output; of a group the kernels' counts, or times. */
 void micro_print_field(const micro_field *on);
 void micro_print_group(const micro_group *group, bool counted);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* One way to answer ray queries, whoever provides it: what the benchmark times against each other. */
+/* One way to answer ray queries, a kernel's or Embree's. The benchmark times contenders against each other. */
 #ifndef CELLWALK_BENCH_PEERS_CONTENDER_H
 #define CELLWALK_BENCH_PEERS_CONTENDER_H
 
@@ -21,7 +21,7 @@ struct contender {
     bool coherent; /* rays are announced as that */
 };
 
-/* CW_OK only if the kernel has this leaf test and may run here; what it needs built is built. */
+/* CW_OK only if the kernel has this leaf test and may run here; its structures are built. */
 cw_status contender_from_kernel(contender *c, cw_field *field, const cw_kernel *kernel, cw_leaf leaf);
 
 /* Where answers go: hits for the closest ones, occluded for any. */

@@ -172,7 +172,7 @@ static unsigned flush_denormals(void) { return 0; }
 static void restore_denormals(unsigned caller) { (void)caller; }
 #endif
 
-/* RTCRayHit, RTCRayHit4, 8 and 16 as what they are: rows of 1, 4, 8 or 16 numbers. */
+/* RTCRayHit, RTCRayHit4, 8 and 16 as rows of 1, 4, 8 or 16 numbers. */
 enum { ORG_X, ORG_Y, ORG_Z, TNEAR, DIR_X, DIR_Y, DIR_Z, TIME, TFAR, MASK, ID, FLAGS };
 enum { NG_X = FLAGS + 1, NG_Y, NG_Z, HIT_U, HIT_V, PRIM_ID, GEOM_ID, INST_ID, ROWS };
 typedef union packet {

@@ -3,7 +3,7 @@
  * hits. Optional: without the library every function is there, peer_embree_version is NULL and nothing can be made.
  *
  * What is inside the time: reading rays from an array of cw_ray, filling packets, tracing, writing cw_hit. Denormals are
- * flushed to zero while Embree runs, as its manual asks for. What is not: building, which is timed by itself. */
+ * flushed to zero while Embree runs, as its manual asks for. Building is timed separately. */
 #ifndef CELLWALK_BENCH_PEERS_EMBREE_H
 #define CELLWALK_BENCH_PEERS_EMBREE_H
 

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* The coursework's table, all with Phong normals to compare like with like, and what the library does by itself. */
+/* The coursework's table, all with Phong normals to compare like with like, and the library's default. */
 static const char *const default_paths[] = {"default-phong", "grid3d-phong",   "cell-phong", "packet4-phong",
                                             "packet8-phong", "packet16-phong", "auto-phong"};
 

@@ -19,7 +19,7 @@ const char *scene_names(size_t number);
 /* folder/NAME.pbrt. NULL, with the reason in error, if it cannot be read or has more than SCENE_FIELDS_MAX fields. */
 scene *scene_open(const char *folder, const char *name, io_error *error);
 
-/* Who traces, and what that took. */
+/* The tracer, and its time. */
 typedef struct field_tracer {
     contender on[SCENE_FIELDS_MAX];
     double cpu_seconds;
@@ -33,7 +33,7 @@ scene_tracer field_tracer_of(field_tracer *tracer);
 typedef struct picture_difference {
     size_t pixels, differ; /* in any bit */
     size_t visible;        /* where an eye could see it: by more than half a step of 8-bit linear colour */
-    double rmse, worst;    /* over all colour values, of what can be shown: clamped to [0, 1] */
+    double rmse, worst;    /* over all colour values, clamped to [0, 1] as on a screen */
     size_t worst_x, worst_y;
 } picture_difference;
 picture_difference picture_compare(const io_image *a, const io_image *b);

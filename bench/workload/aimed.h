@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Rays that are aimed at what rounding can miss, and that pass through the surface by construction: they are clearly above all
+/* Rays that are aimed at places that rounding can miss, and that pass through the surface by construction: they are clearly above all
  * samples and later clearly below all of them while over the field, or the reverse; those that start near, above and below the
  * surface right there. Those that graze a triangle cross it well inside, by more than the bound on a computed height where they
- * can. Rounding may spoil a ray: whoever has to know asks the exact oracle whether it is clear at both ends. Sines and powers are
+ * can. Rounding may spoil a ray: the exact oracle says whether it is clear at both ends. Sines and powers are
  * libm's, so another libm makes other rays. */
 #ifndef CELLWALK_BENCH_WORKLOAD_AIMED_H
 #define CELLWALK_BENCH_WORKLOAD_AIMED_H

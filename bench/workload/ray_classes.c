@@ -28,7 +28,7 @@ const char *workload_class_name(workload_class c) { return (unsigned)c < WORKLOA
 bool workload_class_is_any(workload_class c) { return classes[c].any; }
 bool workload_class_is_coherent(workload_class c) { return classes[c].coherent; }
 
-/* Number stream of a class: what a hash is asked for besides the ray's number. */
+/* Number stream of a class: the second input of the hash, beside the ray's number. */
 enum { STREAM_AO = 100, STREAM_BOUNCE = 200, STREAM_RANDOM = 300, STREAM_GRAZING = 400, STREAM_SHORT = 500 };
 
 /* Uniform in (0, 1), never an end. */

@@ -9,7 +9,7 @@
 #include <stdint.h>
 
 /* Opens a regular file for reading. Returns the descriptor, which the caller closes, or -1: a directory, a pipe or a
- * device is an error as well, because it has no size to check and cannot be mapped. */
+ * device is also an error, because it has no size to check and cannot be mapped. */
 int io_file_open(const char *path, uint64_t *size, io_error *error);
 
 /* The same as a stream; NULL on failure. */

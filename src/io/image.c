@@ -28,7 +28,7 @@ static const image_format *format_of(const char *path) {
     return NULL;
 }
 
-/* Says what this build can write (or read) instead. */
+/* Lists the formats that this build can write (or read). */
 static bool refuse(const char *path, const image_format *format, bool writing, io_error *error) {
     char able[32] = "";
     for (int k = 0; k < FORMATS; k++) {

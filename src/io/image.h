@@ -31,10 +31,10 @@ bool io_image_put(io_output *out, const io_image *image, io_error *error);
 
 /* Reads .exr (any channel types, R G B or Y) and .pfm. The caller frees the pixels with io_image_free. */
 bool io_image_read(const char *path, io_image *image, io_error *error);
-/* The same, as halves if that is what the file holds. */
+/* The same, as halves if the file holds halves. */
 bool io_image_read_halves(const char *path, io_image *image, io_error *error);
 /* Allocates the pixels, as floats or as halves; false, with error, if they are too many or memory is short. Nothing is set.
- * path: what the error names. */
+ * path: the name in the error message. */
 bool io_image_allocate(io_image *image, size_t width, size_t height, bool halves, const char *path, io_error *error);
 void io_image_free(io_image *image);
 

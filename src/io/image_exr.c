@@ -187,7 +187,7 @@ static exr_result_t decode_chunk(reader *r, const exr_chunk_info_t *chunk, size_
     uint8_t *corner = halves ? (uint8_t *)r->image->halves + pixel : (uint8_t *)r->image->rgb;
     corner += y * row + x * pixel;
     for (int32_t k = 0; halves && k < chunk->height; k++)
-        memset(corner + (size_t)k * row, 0, (size_t)chunk->width * pixel); /* for what is no channel of the file */
+        memset(corner + (size_t)k * row, 0, (size_t)chunk->width * pixel); /* for channels that the file lacks */
     for (int c = 0; c < r->decoder.channel_count; c++) {
         exr_coding_channel_info_t *channel = &r->decoder.channels[c];
         const int place = !r->grey                                  ? component(channel->channel_name)

@@ -18,7 +18,7 @@ static uint8_t srgb(float light) {
 }
 
 static bool png_write(io_output *out, const io_image *image, io_error *error) {
-    /* libpng takes at most 10^6 pixels a side by itself. */
+    /* Without this libpng accepts at most 10^6 pixels a side. */
     if (image->width > 1000000 || image->height > 1000000)
         return io_fail(error, "%s: %zu x %zu pixels are too many for PNG", out->name, image->width, image->height);
     const size_t n = image->width * image->height * 3;

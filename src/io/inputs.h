@@ -12,7 +12,7 @@
  * program that brings files up to date in place does without. */
 void io_inputs_protect(void);
 
-/* For readers: the file that about tells of is read. False when out of memory. Remembers nothing unless protected. */
+/* For readers: notes that the file described by about is read. False when out of memory. Remembers nothing unless protected. */
 bool io_inputs_note(const struct stat *about);
 
 /* The same by name, for a file that will be read later than the output is opened. One that is not there is passed over:

@@ -39,7 +39,7 @@ typedef struct io_npy {
 bool io_npy_open(io_npy *npy, const char *path, io_error *error);
 void io_npy_close(io_npy *npy);
 
-/* False, with what the file holds and what is wanted in error, unless the element type is one of count. */
+/* False, with the file's type and the wanted ones in error, unless the element type is one of count. */
 bool io_npy_expect_type(const io_npy *npy, const char *const *types, size_t count, io_error *error);
 
 /* "(1000, 8)" in text, for messages. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The header of a .npy file is the text of a Python dictionary with exactly the keys descr, fortran_order and shape. It
- * is read strictly: what NumPy does not write is an error that names the byte. */
+ * is read strictly: any text that NumPy does not write is an error that names the byte. */
 
 #include "npy.h"
 

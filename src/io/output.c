@@ -289,7 +289,7 @@ bool io_output_write(io_output *out, const void *bytes, size_t size, io_error *e
     return fail_write(out, error);
 }
 
-/* Whether what was written is on the disk; errno is set if not. */
+/* Whether the file's data are on the disk; errno is set if not. */
 static bool settle(int fd) { return fsync(fd) == 0 || errno == EINVAL; }
 
 /* The file, of which fd is a second descriptor, gets its name in one step. */

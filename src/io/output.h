@@ -16,7 +16,7 @@
 typedef struct io_output {
     FILE *file;   /* open for writing, at its start; NULL while the output is not open */
     char *name;   /* as the caller gave it, for messages */
-    char *target; /* what the file will be called: name with symbolic links followed */
+    char *target; /* the final name: name with symbolic links followed */
     bool unnamed; /* it has no name at all yet */
     int slot;
 } io_output;
@@ -27,7 +27,7 @@ typedef struct io_output {
 enum { IO_OUTPUT_MAX = 16 };
 bool io_output_open(io_output *out, const char *path, io_error *error);
 
-/* Makes a folder and those that it lies in; one that is there already is good as well. */
+/* Makes a folder and those that it lies in; it may exist already. */
 bool io_folder_make(const char *path, io_error *error);
 /* Opens the file in the folder, which is made if need be. */
 bool io_output_open_in(io_output *out, const char *folder, const char *name, io_error *error);

@@ -6,7 +6,7 @@
 #include "scene.h"
 
 typedef struct landscape_desc {
-    /* Both stay the caller's and must live as long as the scene. Samples are what normals are made from; the field is what
+    /* Both stay the caller's and must live as long as the scene. Normals are computed from the samples; the field is what
      * rays meet. */
     cw_field *field;
     const float *samples;
@@ -16,8 +16,8 @@ typedef struct landscape_desc {
     io_image *colours;
     double eye[3], target[3];   /* in the world; not the same place */
     double field_of_view;       /* degrees, over the picture's shorter side */
-    double sun[3], sun_light;   /* a unit vector toward it; what a white surface across its rays looks like, 0 to 1 */
-    double sky_light;           /* what a level white surface looks like that only the sky lights */
+    double sun[3], sun_light;   /* a unit vector toward it; brightness of a white surface across its rays, 0 to 1 */
+    double sky_light;           /* brightness of a level white surface lit by the sky alone */
     float horizon[3], above[3]; /* colours of the sky, which is seen where no ground is */
     size_t width, height;
     unsigned samples_a_pixel;

@@ -43,7 +43,7 @@ typedef enum scene_normals {
     SCENE_NORMALS_AREA = 0, /* of vertices: sums of the area-weighted normals of their triangles; barycentrically */
     SCENE_NORMALS_CENTRAL,  /* of vertices: by central differences; barycentrically */
     SCENE_NORMALS_BILINEAR, /* the same, bilinearly between the corners of the cell */
-    SCENE_NORMALS_FLAT      /* the triangles' own: what is taken without phong */
+    SCENE_NORMALS_FLAT      /* the triangles' own, used without phong */
 } scene_normals;
 
 /* Pixels from (x0, y0) to before (x1, y1). */
@@ -52,7 +52,7 @@ typedef struct scene_crop {
 } scene_crop;
 
 typedef struct scene_render_options {
-    cw_run query;               /* for the default tracer; its pool is not used: tiles are what threads share */
+    cw_run query;               /* for the default tracer; its pool is not used, since threads share tiles */
     const scene_tracer *tracer; /* NULL: the default */
     unsigned threads;           /* 0: one per CPU */
     unsigned samples;           /* a pixel; 0: as the scene says */

@@ -14,7 +14,7 @@ typedef struct horizon_desc {
      * time that does not grow with the distance. Not on a map in degrees, nor with max_distance. Whole bands are computed
      * at once: a float more for each sample of the terrain, for the sky view two. */
     bool grid;
-    double max_distance; /* metres: what is farther away is not seen; 0: all is */
+    double max_distance; /* metres: terrain farther away does not count; 0: no limit */
     double curvature;    /* as sight_init takes it; 0: the earth is flat */
 } horizon_desc;
 

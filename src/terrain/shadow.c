@@ -113,7 +113,7 @@ cw_status sunlight_lit(sunlight *s, const cw_run *query, size_t row, size_t rows
     return CW_OK;
 }
 
-/* Adds what of a strip is seen: all of it where the horizon is below its lower end, nothing where it is above its upper one. */
+/* Adds the part of a strip that is seen: all of it where the horizon is below its lower end, nothing where it is above its upper one. */
 static cw_status add_strip(sunlight *s, const cw_run *query, size_t k, size_t row, size_t rows, float *steepest,
                            float *share) {
     const size_t n = s->terrain->nx * rows;

@@ -90,7 +90,7 @@ double terrain_height(const terrain *t, double i, double j) {
     const double weight[3] = {1 - across, across - along, along};
     const float *const corner[3] = {z, x > y ? z + 1 : z + t->nx, z + t->nx + 1};
     double height = 0;
-    for (int k = 0; k < 3; k++) /* on an edge or at a sample what lies beyond does not count, hole or not */
+    for (int k = 0; k < 3; k++) /* on an edge or at a sample the cells beyond do not count, hole or not */
         if (weight[k] > 0) height += weight[k] * (double)*corner[k];
     return isfinite(height) ? height * t->map[2][2] : NAN;
 }

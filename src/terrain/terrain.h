@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A height field as a piece of the earth: where its samples lie on the map, what the map's numbers are in metres, and where
+/* A height field as a piece of the earth: where its samples lie on the map, the map's units in metres, and where
  * the compass points.
  *
  * The surface is the one that the field's rays meet, two triangles a cell. Directions of the compass are the map's: 0 is the

@@ -23,7 +23,7 @@ static void die(int number) {
     raise(number);
 }
 
-/* How long the program may take to stop by itself: with what follows it has ended within 0.2 s. */
+/* Time for the program to stop in an orderly way. With the steps that follow it ends within 0.2 s. */
 static const struct itimerspec patience = {.it_value = {.tv_nsec = 150000000}};
 static timer_t timer;
 static bool timer_runs;
@@ -41,7 +41,7 @@ static void on_timer(int number) {
     (void)number;
     io_output_discard_all();
     const ssize_t told = write(STDERR_FILENO, text, sizeof text - 1);
-    (void)told; /* there is nobody else to tell */
+    (void)told; /* no other place for a message is left */
     die(atomic_load(&caught));
 }
 

@@ -6,14 +6,14 @@
 
 #include <stdatomic.h>
 
-/* Handles SIGINT, SIGTERM and SIGHUP from now on, and turns what would kill the program behind its back (a file size
+/* Handles SIGINT, SIGTERM and SIGHUP from now on, and turns signals that would kill the program (a file size
  * limit, a reader that goes away, a mapped input file that shrinks) into errors. */
 void cancel_install(void);
 
 /* Turns true with the first signal and stays so. */
 const atomic_bool *cancel_flag(void);
 
-/* Ends the program by the signal that was caught, so that a shell script which runs it stops as well. Returns if none
+/* Ends the program by the signal that was caught, so that a shell script which runs it also stops. Returns if none
  * was caught. */
 void cancel_finish(void);
 

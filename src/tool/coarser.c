@@ -31,7 +31,7 @@ void coarser_rows(coarser_options *c, option_spec rows[COARSER_OPTION_COUNT]) {
                       .names = filter_names};
 }
 
-/* The coarser field's samples and map for whoever reads the raster. */
+/* The coarser field's samples and map, for readers of the raster. */
 static bool replace(io_raster *r, const cw_field *coarser, unsigned factor, const char *path, io_error *error) {
     const cw_field_info info = cw_field_describe(coarser);
     io_raster smaller;

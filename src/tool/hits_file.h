@@ -14,7 +14,7 @@ typedef struct hits_file {
 
 /* The array as NumPy sees it has the fields t (float32), i, j (int32), triangle (uint32), u, v (float32); with points x, y, z
  * (float64), with normals nx, ny, nz (float32), both in user space and NaN for a miss. If any, it is of uint8. path "-" is
- * standard output. file says what is wanted; the writer is filled in. */
+ * standard output. any, points and normals are inputs; the writer is filled in. */
 bool hits_file_create(hits_file *file, const char *path, uint64_t rays, io_error *error);
 
 /* The next n rays' hits, or occluded if any. Points and normals are computed as run says. */

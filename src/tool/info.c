@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* `cellwalk info`: what this machine can do, and what a field costs on it. */
+/* `cellwalk info`: this machine's kernels, and the contents and cost of a field. */
 
 #include "cellwalk.h"
 #include "clock.h"
@@ -55,7 +55,7 @@ static void print_kernels_json(const cw_kernel *chosen) {
     fputs("]", stdout);
 }
 
-/* One line with what is there, one with what is not. */
+/* One line with the parts found, one with those missing. */
 static void print_parts(void) {
     for (int there = 1; there >= 0; there--) {
         const char *before = there ? "libraries       " : "not there       ";
@@ -95,7 +95,7 @@ static void print_machine_json(const machine *m) {
 typedef struct survey {
     field_file file;
     cw_field_info info;
-    double read_seconds; /* from the file's name to the field, without what is built */
+    double read_seconds; /* from the file's name to the field, without building */
 } survey;
 
 static bool look_at_field(const char *path, const io_raster_options *options, const coarser_options *coarser,
@@ -109,12 +109,12 @@ static bool look_at_field(const char *path, const io_raster_options *options, co
 
 static double sample_bytes(const cw_field_info *info) { return (double)info->nx * (double)info->ny * sizeof(float); }
 
-/* Samples and what was built on them, however the samples are held. */
+/* Samples and structures built on them, whether the samples are copied, borrowed or mapped. */
 static double bytes_per_cell(const cw_field_info *info) {
     return (sample_bytes(info) + (double)info->bytes_built) / ((double)(info->nx - 1) * (double)(info->ny - 1));
 }
 
-/* What a user of the terrain looks for first, then what the field costs. */
+/* Facts on the terrain first, then the cost of the field. */
 static void print_field(const char *path, const survey *s) {
     const cw_field_info *f = &s->info;
     const io_raster *r = &s->file.raster;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Where a raster lies, and what its numbers measure, for `cellwalk info`. */
+/* Position, coordinate system and units of a raster, for `cellwalk info`. */
 #ifndef CELLWALK_TOOL_INFO_PLACE_H
 #define CELLWALK_TOOL_INFO_PLACE_H
 

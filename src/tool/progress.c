@@ -20,7 +20,7 @@ void progress_update(void *context, double share) {
     p->last = now;
     p->shown = true;
     const double passed = now - p->start;
-    /* "\r" goes to the line's start, "\033[K" clears what is left of the old text. */
+    /* "\r" goes to the line's start, "\033[K" clears the rest of the old text. */
     fprintf(stderr, "\r%s %3.0f %%", p->what, 100 * share);
     if (share > 0.01) fprintf(stderr, ", %.0f s left", passed / share - passed);
     fprintf(stderr, "\033[K");

@@ -17,7 +17,7 @@ enum { QUERY_KERNEL, QUERY_LEAF, QUERY_ISA, QUERY_THREADS, QUERY_OPTION_COUNT };
 /* Fills in the four rows of a subcommand's table that set *q. */
 void query_options_rows(query_options *q, option_spec rows[QUERY_OPTION_COUNT]);
 
-/* Limits the instruction set to what --isa says, checks CELLWALK_ISA, and turns names into a query without a pool. Its
+/* Limits the instruction set as --isa says, checks CELLWALK_ISA, and turns names into a query without a pool. Its
  * kernel stays NULL if none was named: cw_run_kernel then tells which one a field gets. False, after a message that
  * lists what there is, when that is impossible: end with EXIT_USAGE. To be called before any query runs. name is the
  * subcommand's. */

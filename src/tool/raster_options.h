@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The options by which every subcommand that reads a raster is told what the file does not say. */
+/* The options of every subcommand that reads a raster: facts that the file lacks. */
 #ifndef CELLWALK_TOOL_RASTER_OPTIONS_H
 #define CELLWALK_TOOL_RASTER_OPTIONS_H
 

@@ -24,7 +24,7 @@ bool ray_source_open(ray_source *s, const char *path, bool user, io_error *error
 
 void ray_source_close(ray_source *s) { io_npy_close(&s->npy); }
 
-/* Whether the ray comes into the bounds, give or take what rounding does to their borders. */
+/* Whether the ray enters the bounds, widened by the error of rounding. */
 static bool meets(const cw_ray *r, const double low[3], const double high[3]) {
     double from = (double)r->tmin, to = (double)r->tmax;
     for (int k = 0; k < 3; k++) {

@@ -19,7 +19,7 @@
 
 static const char name[] = "render";
 
-/* Sides of a picture; what pixels take is then no more than memory can have. */
+/* Limit on the sides of a picture: the memory for its pixels can then be addressed. */
 enum { SIDE_MOST = 65536 };
 
 typedef struct render_command {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Checks that say what went wrong in a sentence, and fail the cmocka test that runs. */
+/* Checks that describe an error in a sentence, and fail the cmocka test that runs. */
 #ifndef CELLWALK_TESTS_CHECK_H
 #define CELLWALK_TESTS_CHECK_H
 
@@ -24,7 +24,7 @@ __attribute__((format(printf, 2, 3))) static inline void check(bool truth, const
     fail();
 }
 
-/* How often tests with random parts repeat themselves: once, or what the environment variable CELLWALK_TEST_ROUNDS asks
+/* How often tests with random parts repeat themselves: once, or as often as the environment variable CELLWALK_TEST_ROUNDS says
  * for, each time with other numbers. */
 static inline size_t test_rounds(void) {
     const char *text = getenv("CELLWALK_TEST_ROUNDS");

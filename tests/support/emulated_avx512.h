@@ -16,7 +16,7 @@ static inline __m512 emulated_cvtepi32_ps(__m512i a) {
 }
 #define _mm512_cvtepi32_ps emulated_cvtepi32_ps
 
-/* The instruction's answer for what no int32 holds is INT32_MIN. */
+/* For numbers outside int32 the instruction returns INT32_MIN. */
 static inline __m512i emulated_cvttps_epi32(__m512 a) {
     float from[16];
     int32_t to[16];

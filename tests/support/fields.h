@@ -17,12 +17,12 @@ typedef enum field_shape {
     FIELD_TINY,     /* random of size 1e-30 */
     FIELD_HUGE,     /* random of size 1e30 */
     FIELD_GENTLE,   /* a plane of slopes 5e-5 and 3e-5 with ripples a thousandth of that */
-    FIELD_MIXED,    /* each sample of its own size between 1e-30 and 1e30 */
+    FIELD_MIXED,    /* samples of sizes between 1e-30 and 1e30 */
     FIELD_HOLES,    /* uniform in [0, 1), one sample in seven NaN */
     FIELD_SHAPES,
     /* Heights that are denormal. Möller and Trumbore's test has no error bound for them, and most rays that are aimed at them
      * count as level. */
-    FIELD_FAINT = FIELD_SHAPES, /* random of size 2^-136: what is left of a float there has 13 bits */
+    FIELD_FAINT = FIELD_SHAPES, /* random of size 2^-136: floats there have 13 bits */
     FIELD_LEAST,                /* 0 … 4 times the smallest float */
     FIELD_ALL_SHAPES
 } field_shape;
@@ -38,7 +38,7 @@ enum { FIELD_SIZES = 6 };
 extern const field_size field_sizes[FIELD_SIZES];
 enum { FIELD_SAMPLES_MAX = 1 << 16 };
 
-/* A shape in a size, with what the ray generators need to know about it. */
+/* A shape in a size, with facts for the ray generators. */
 typedef struct test_field {
     field_shape shape;
     size_t nx, ny;
@@ -48,7 +48,7 @@ typedef struct test_field {
 
 void field_make(test_field *f, field_shape shape, size_t nx, size_t ny, uint64_t seed);
 
-/* The library's field over f's samples, which are borrowed; with what every kernel needs built. The other one copies them,
+/* The library's field over f's samples, which are borrowed; with the structures of every kernel built. The other one copies them,
  * and so allows infinities. */
 cw_field *field_open(const test_field *f);
 cw_field *field_open_copied(const test_field *f);

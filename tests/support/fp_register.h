@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The floating-point environment as a caller may have set it: what the CPU's control register holds, read and written as
+/* The floating-point environment as a caller may have set it: the CPU's control register, read and written as
  * one number. FP_MODES is 0 where this file does not know the CPU. */
 #ifndef CELLWALK_TESTS_FP_REGISTER_H
 #define CELLWALK_TESTS_FP_REGISTER_H

@@ -10,12 +10,13 @@ enum { PROGRAM_TEXT_MAX = 1 << 16, PROGRAM_ARGUMENTS_MAX = 24 };
 
 /* What the program runs under. */
 typedef struct program_setting {
-    const char *isa;                            /* CELLWALK_ISA; NULL: as the test itself has it */
-    unsigned long file_size_limit;              /* bytes; 0: none */
-    unsigned long address_space_limit;          /* bytes; 0: none */
-    bool powerless;                             /* without the rights of root, even if the test has them */
-    unsigned seconds_limit;                     /* SIGALRM ends it after so long; 0: none */
-    const char *preload, *fault, *fault_counts; /* LD_PRELOAD, and what ../faults/preload.c reads; NULL: not set */
+    const char *isa;                   /* CELLWALK_ISA; NULL: as the test itself has it */
+    unsigned long file_size_limit;     /* bytes; 0: none */
+    unsigned long address_space_limit; /* bytes; 0: none */
+    bool powerless;                    /* without the rights of root, even if the test has them */
+    unsigned seconds_limit;            /* SIGALRM ends it after so long; 0: none */
+    const char *preload, *fault,
+        *fault_counts; /* LD_PRELOAD, and the variables that ../faults/preload.c reads; NULL: not set */
 } program_setting;
 
 typedef struct program_result {
@@ -29,11 +30,11 @@ typedef const char *const *program_arguments;
 /* Runs to the end. The result is static: the next run overwrites it. */
 const program_result *program_run(const program_setting *setting, program_arguments arguments);
 
-/* Starts, and waits for the end of what was started; one at a time. */
+/* Starts the program, and waits for its end; one at a time. */
 pid_t program_start(const program_setting *setting, program_arguments arguments);
 const program_result *program_wait(pid_t process);
 
-/* Until what was started has an output open in the working directory, which need not have a name there. */
+/* Waits until the started program has an output open in the working directory, which need not have a name there. */
 void program_wait_for_output(pid_t process);
 
 #endif

@@ -17,7 +17,7 @@ const char *ray_class_name(ray_class kind) {
 
 static double sign(random_state *r) { return random_bits(r) >> 63 ? 1 : -1; }
 
-/* The field's extent in height, never 0: the unit of what stands above or below it. */
+/* The field's extent in height, never 0: the unit of heights above or below it. */
 static double tall(const test_field *f) {
     const double span = (double)f->high - (double)f->low, size = fmax(fabs((double)f->low), fabs((double)f->high));
     return span > 0 ? span : size > 0 ? size : 1;

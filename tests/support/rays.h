@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Rays that are hard on a tracer: aimed at what is exact in theory and rounded in practice. */
+/* Rays that are hard for a tracer: aimed at places that are exact in theory and rounded in practice. */
 #ifndef CELLWALK_TESTS_RAYS_H
 #define CELLWALK_TESTS_RAYS_H
 
@@ -35,7 +35,7 @@ const char *ray_class_name(ray_class kind);
 
 cw_ray ray_make(ray_class kind, const test_field *f, random_state *r);
 
-/* A field, n rays of all classes in turn, and what the default kernel finds. */
+/* A field, n rays of all classes in turn, and the default kernel's hits. */
 cw_field *ray_case(test_field *f, field_shape shape, size_t nx, size_t ny, uint64_t seed, cw_ray *rays, cw_hit *hits,
                    size_t n);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A directory of its own for a test, which is also the working directory while the test runs. */
+/* A new directory for a test, which is also the working directory while the test runs. */
 #ifndef CELLWALK_TESTS_SCRATCH_H
 #define CELLWALK_TESTS_SCRATCH_H
 

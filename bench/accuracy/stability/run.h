@@ -15,14 +15,14 @@ enum { BATCH_RAYS = 4096, SLOW_RAYS = 512, CONTENDERS_MAX = 48, ULP_BINS = 32 };
 typedef enum contender_role {
     ROLE_REFERENCE, /* the default kernel, watertight: before all rays, closest and any, all its hits checked */
     ROLE_SAME_BITS, /* another kernel with the same rules: closest and any hit compared bit for bit with the reference */
-    ROLE_OTHER_RULES /* judged by itself */
+    ROLE_OTHER_RULES /* judged without a reference */
 } contender_role;
 
 typedef struct tested {
     contender contender;
     contender_role role;
     unsigned every; /* takes part in one round of that many */
-    unsigned turn;  /* which one; it does not depend on what else this machine runs */
+    unsigned turn;  /* which one; it does not depend on the other contenders of this machine */
     size_t rays;    /* with that many rays of each batch, the first */
 } tested;
 
@@ -61,7 +61,7 @@ typedef struct stability {
     counts count[CONTENDERS_MAX][AIM_COUNT][START_COUNT];
     unsigned sample;  /* one ray in so many is judged in full */
     uint64_t batches; /* so far, over all classes and fields */
-    bool explain;     /* print what is wrong with the reference's answers, for the first few */
+    bool explain;     /* print the faults of the reference's answers, for the first few */
     unsigned explained;
 } stability;
 

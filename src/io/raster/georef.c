@@ -104,7 +104,7 @@ bool io_georef_from_wkt(io_georef *georef, const char *wkt) {
             g.geographic = is_one_of(&n, geographic);
             main_depth = n.depth;
         } else if (main_depth > 0 && n.depth <= main_depth) {
-            break; /* what follows the horizontal system: the heights' */
+            break; /* the system of heights follows the horizontal one */
         } else if (is_one_of(&n, ellipsoid) && numbers(&n, value, 2) && g.semi_major == 0) {
             g.semi_major = value[0];
             g.inverse_flattening = value[1];

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Where on earth a raster lies, and what its numbers measure. */
+/* Position, coordinate system and units of a raster. */
 #ifndef CELLWALK_IO_GEOREF_H
 #define CELLWALK_IO_GEOREF_H
 
@@ -14,7 +14,7 @@ typedef struct io_georef {
     double semi_major, inverse_flattening; /* of a geographic map's ellipsoid, the first in metres; 0 of a sphere */
     char *crs;                             /* the coordinate system as well-known text (WKT); NULL: not known */
     bool has_nodata;
-    double nodata; /* what stands for no data in the file */
+    double nodata; /* the value that means no data in the file */
 } io_georef;
 
 void io_georef_free(io_georef *georef);

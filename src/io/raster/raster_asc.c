@@ -35,7 +35,7 @@ static void skip_blanks(scanner *s) {
 
 static bool at_word_end(const char *at) { return *at == '\0' || strchr(" \t\r\n", *at) != NULL; }
 
-/* Only what decimal numbers are made of: strtod would also take hexadecimal numbers and words. */
+/* Only characters of decimal numbers: strtod would also accept hexadecimal numbers and words. */
 static bool decimal(const char *at) { return *at != '\0' && strspn(at, "+-.0123456789eE") == strcspn(at, " \t\r\n"); }
 
 static bool take_double(scanner *s, double *value) {
@@ -86,7 +86,7 @@ static bool take_key(scanner *s, header *h) {
     skip_blanks(s);
     h->nodata = NAN;
     if (strncasecmp(s->at, "nan", 3) == 0 && at_word_end(s->at + 3)) {
-        s->at += 3; /* the samples that are missing are written as nan as well */
+        s->at += 3; /* missing samples may also be written as nan */
         return true;
     }
     h->nodata = strtof(s->at, NULL);

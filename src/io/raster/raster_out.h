@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Rasters to files: what was computed for each sample of a terrain, written row by row. The ending of the name says the
+/* Rasters to files: values computed for each sample of a terrain, written row by row. The ending of the name says the
  * format: .tif (GeoTIFF in compressed tiles, with the terrain's coordinate system), .npy (a NumPy array), .png (a grey
- * picture). The file appears under its name only when it is whole. */
+ * picture). The file is renamed into place when complete. */
 #ifndef CELLWALK_IO_RASTER_OUT_H
 #define CELLWALK_IO_RASTER_OUT_H
 
@@ -21,7 +21,7 @@ typedef struct io_raster_product {
     const io_georef *georef; /* of the terrain */
     bool has_nodata;
     double nodata;
-    double black, white; /* in a picture: what values become 0 and 255 */
+    double black, white; /* in a picture: the values that become 0 and 255 */
     /* For GeoTIFF, each may be NULL. */
     const char *const *band_names; /* one for each band */
     const char *unit;              /* of the values */
@@ -51,7 +51,7 @@ static inline size_t io_raster_tile_side(size_t samples) {
     return (side + MULTIPLE - 1) / MULTIPLE * MULTIPLE;
 }
 
-/* True if the ending is one that this build and this machine can write, with so many bands; else error says what can be. */
+/* True if the ending is one that this build and this machine can write, with so many bands; else error lists those that can be. */
 bool io_raster_can_write(const char *path, size_t bands, io_error *error);
 
 /* On failure writer needs no discard. */

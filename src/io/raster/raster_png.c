@@ -12,7 +12,7 @@
 typedef struct png_state {
     png_structp png;
     png_infop info;
-    io_error error; /* what libpng or the file said last */
+    io_error error; /* the last error of libpng or of the file */
     unsigned char *grey;
 } png_state;
 

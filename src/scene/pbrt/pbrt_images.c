@@ -37,7 +37,7 @@ static bool read_one(const pbrt_image *one, size_t *pixels, io_error *error) {
     return good;
 }
 
-/* Reads what there is to read. Called with the lock, which it leaves while it reads. */
+/* Reads all images that wait. Called with the lock, which it releases while it reads. */
 static void read_next(pbrt_images *p) {
     const pbrt_image one = p->list[p->next++];
     size_t pixels = p->pixels;
@@ -80,7 +80,7 @@ static void start(pbrt_images *p) {
 
 bool pbrt_images_read(pbrt_images *p, const char *path, const char *place, texture *into, io_error *error) {
     struct stat about = {0};
-    stat(path, &about); /* what is not there will not be read either */
+    stat(path, &about); /* a missing file fails when it is read */
     pbrt_image one = {strdup(path), strdup(place), about.st_dev, about.st_ino, into};
     if (p->threaded && !p->started) start(p);
     if (p->started) pthread_mutex_lock(&p->lock);

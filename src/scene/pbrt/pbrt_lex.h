@@ -33,7 +33,7 @@ size_t pbrt_line(pbrt_source *s, size_t offset);
 
 pbrt_token pbrt_next(pbrt_source *s);
 
-/* A number's value as a float, rounded once from what the file says. */
+/* A number's value as a float, rounded once from the file's digits. */
 float pbrt_float(const pbrt_token *token);
 
 /* Reads plain numbers such as -0.25, rounded likewise, until most have been read or something else follows: a bracket, or a

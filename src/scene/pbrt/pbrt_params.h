@@ -41,7 +41,7 @@ bool pbrt_param_float(pbrt_params *params, const char *name, double *value, io_e
 bool pbrt_param_colour(pbrt_params *params, const char *name, float value[3], io_error *error);
 bool pbrt_param_string(pbrt_params *params, const char *type, const char *name, const char **value, io_error *error);
 
-/* Fails if a parameter was not asked for: what it would do is not modelled. */
+/* Fails if a parameter was not read, since its effect is not modelled. */
 bool pbrt_params_all_used(const pbrt_params *params, io_error *error);
 
 #endif

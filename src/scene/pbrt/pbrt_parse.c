@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The directives of a .pbrt file, except those that put something into the world. A directive that is not known is an
- * error and not a guess: a picture that lacks what the file asks for would be wrong without a word. */
+ * error and not a guess: a picture without a part of the file would be wrong without a message. */
 
 #include "pbrt_parse.h"
 #include "pbrt_state.h"

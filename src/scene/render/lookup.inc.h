@@ -89,7 +89,7 @@ static void list_probes(const wave_strip *s, const wave_footprints *f, wave_prob
     }
 }
 
-/* The part behind the point, in [0, 1]; 0 of what is too large to have one. */
+/* The fractional part, in [0, 1]; 0 for numbers too large to have one. */
 LANE_INLINE float lane_part(float x) {
     union {
         float f;

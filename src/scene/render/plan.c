@@ -16,7 +16,7 @@ typedef struct space {
 static space space_of(const transform *to_world) {
     space s = {.to_world = *to_world};
     transform inverse;
-    transform_invert(to_world, &inverse); /* the parser has refused what cannot be inverted */
+    transform_invert(to_world, &inverse); /* the parser refuses singular transforms */
     for (int r = 0; r < 3; r++)
         for (int c = 0; c < 3; c++) s.back[r][c] = inverse.m[r][c];
     return s;
@@ -35,7 +35,7 @@ static void origin_of(const space *s, double out[3]) {
     for (int r = 0; r < 3; r++) out[r] = s->to_world.m[r][3];
 }
 
-/* A point of the world; the translation goes first, so that what lies far from the world's origin loses nothing. */
+/* A point of the world; the translation goes first, so that points far from the world's origin lose no digits. */
 static void into_space(const space *s, const double point[3], double out[3]) {
     double from[3];
     for (int c = 0; c < 3; c++) from[c] = point[c] - s->to_world.m[c][3];
@@ -107,7 +107,7 @@ static void describe_shape(plan_shape *shape, const plan *p, space *s) {
     }
 }
 
-/* ---- what may hide a light ---------------------------------------------------------------------------------------- */
+/* ---- shapes that may hide a light ----------------------------------------------------------------------------------- */
 
 /* By how much of the radius a point must lie within a cylinder to count as inside whatever rounding does; the maps to it
  * are in float. */
@@ -167,7 +167,7 @@ static bool allocate(plan *p, space **spaces) {
     return good;
 }
 
-/* Mirrors and textures decide what a path has to carry. */
+/* Mirrors and textures decide which values a path carries. */
 static void find_features(plan *p) {
     bool textures = false;
     for (size_t k = 0; k < p->shape_count; k++) {

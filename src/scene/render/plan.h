@@ -3,7 +3,7 @@
  * which features occur at all. Code that a scene does not require is not run.
  *
  * A space is where coordinates are small and exact: a height field's own, with unit cells, a cylinder's own, the camera's.
- * A ray begins in the space of what it comes from, its home, and is moved from there to each shape that it may meet by one
+ * A ray begins in the space of its origin's shape, its home, and is moved from there to each shape that it may meet by one
  * affine map. Shading stays in the shape's space: the sign of a normal times a vector is the same in all spaces, and
  * lengths are measured by a metric, the product of the linear map to the world with its transpose. So nothing depends on
  * where in the world a scene lies, and floats do. */

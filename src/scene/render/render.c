@@ -56,7 +56,7 @@ static void library_any(void *context, size_t field, const cw_ray *rays, size_t 
     memset(occluded, 0, n);
 }
 
-/* Builds what the query's kernel needs and asks it about no rays: what it refuses, it refuses here. */
+/* Builds the structures of the query's kernel and runs it on no rays, so that errors appear here. */
 static bool prepare(const library *l, io_error *error) {
     for (size_t k = 0; k < l->scene->heightfield_count; k++) {
         cw_field *field = l->scene->heightfields[k].field;

@@ -5,7 +5,7 @@
 #include "lookup.inc.h"
 #include "surface.inc.h"
 
-/* What a strip's ends send on: light by way of shadow rays, or mirrored paths. Only what material, plan and scene ask for
+/* Light and paths that leave a strip's ends: shadow rays, or mirrored paths. Only what material, plan and scene ask for
  * is computed. */
 
 static const float one_by_pi = 0.318309886f;
@@ -26,7 +26,7 @@ LANE_INLINE float by_facing(const wave_strip *s, size_t k) {
     return 1 / lane_dot(s->dir[0][k], s->dir[1][k], s->dir[2][k], s->flat[0][k], s->flat[1][k], s->flat[2][k]);
 }
 
-/* Of camera rays this follows from the picture; what their directions change along themselves drops out. */
+/* Of camera rays this follows from the picture; the change of a direction along itself drops out. */
 LANE_INLINE void spread_camera(wave_strip *restrict s, const plan_shape *shape, const float *restrict depth,
                                bool directions) {
     float step[2][3];
@@ -117,7 +117,7 @@ static void find_uv(wave_strip *s, const plan_shape *shape) {
     }
 }
 
-/* What a matte strip reflects of each colour, and of that what arrives at the pixel. */
+/* The share of each colour that a matte strip reflects, and of that the light that arrives at the pixel. */
 static void find_colour(wave *w, const wave_rays *r, size_t home, const plan_shape *shape, bool in_a_row) {
     wave_strip *s = &w->strip;
     const material *m = shape->surface;

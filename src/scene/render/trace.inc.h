@@ -10,7 +10,7 @@
 /* A wave's rays against the scene's shapes: moved to a field and asked of it where they pass through its box, and met with
  * cylinders in closed form. */
 
-/* WAVE_LANES rays in a shape's space. Loops over them have a known length, and what calls them is compiled into one body, so
+/* WAVE_LANES rays in a shape's space. Loops over them have a known length, and their callers are compiled into one body, so
  * that all this stays in registers. */
 typedef struct moved {
     float org[3][WAVE_LANES], dir[3][WAVE_LANES], tmin[WAVE_LANES], tmax[WAVE_LANES];
@@ -138,7 +138,7 @@ LANE_INLINE void line_up(const moved *m, cw_ray *out) {
     memcpy(out, ray, sizeof ray);
 }
 
-/* Appends the rays from first on to what a field is asked, and returns how many are asked now. */
+/* Appends the rays from first on to the query of a field, and returns the number of rays in it. */
 LANE_INLINE size_t ask_all(wave *w, size_t asked, const moved *m, size_t first, size_t rays) {
     line_up(m, &w->asked[asked]);
     uint32_t *of = &w->asked_of[asked];
@@ -430,7 +430,7 @@ LANE_INLINE bool in_row(const uint32_t *pixel) {
     return other == 0;
 }
 
-/* Traces the ways to a light and adds what gets through. */
+/* Traces shadow rays to a light and adds the light that is not blocked. */
 static void trace_shadows(wave *w, size_t light) {
     wave_shadows *s = &w->shadows[light];
     const plan *p = w->plan;

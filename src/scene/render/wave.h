@@ -12,8 +12,8 @@
 enum {
     WAVE_TILE = 32,   /* pixels a side of the tiles that threads take */
     WAVE_SAMPLES = 4, /* of each pixel of a tile in a wave */
-    WAVE_BLOCK = 4,   /* pixels a side of what goes into the lanes of a vector */
-    WAVE_LANES = 16,  /* loops run over whole multiples of this, on what lies behind the end, too */
+    WAVE_BLOCK = 4,   /* pixels a side of a block whose rays fill the lanes of a vector */
+    WAVE_LANES = 16,  /* loops run over whole multiples of this, also beyond the last ray */
     WAVE_STRIP = 128, /* paths that are shaded together: all about them stays in the nearest cache */
     WAVE_ROOM = SCENE_BATCH + WAVE_STRIP,
     WAVE_WINDOW = 16, /* samples around a cell */
@@ -69,7 +69,7 @@ typedef struct wave_shadows {
     wave_segment *segments;
     wave_vector org;
     float tmin[WAVE_ROOM];
-    float light[3][WAVE_ROOM]; /* what arrives at the pixel unless the light is hidden */
+    float light[3][WAVE_ROOM]; /* light that arrives at the pixel unless it is blocked */
     uint32_t pixel[WAVE_ROOM];
 } wave_shadows;
 

@@ -12,7 +12,7 @@
 
 enum { TEXTURE_LEVELS = 32 };
 
-/* Rows of a level have a texel more on each side, what follows there when the image repeats: so two neighbours always stand
+/* Rows of a level have one more texel on each side, from the repeated image, so two neighbours always stand
  * side by side. Texel (x, y), for x from -1 to width, is number first + y * stride + x + 1. */
 typedef struct texture_level {
     int32_t width, height, stride, first;
@@ -24,7 +24,7 @@ typedef struct texture {
     uint16_t *texels;     /* four halves each, the last of them 0 */
     atomic_bool whole;    /* the smaller levels have been built */
     pthread_mutex_t lock; /* of their building */
-    /* Builds them; a pointer, so that a tile's code needs nothing but what it is given (render/tile.c). */
+    /* Builds them; a pointer, so that a tile's code needs only its arguments (render/tile.c). */
     void (*build)(struct texture *t);
 } texture;
 

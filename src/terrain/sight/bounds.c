@@ -6,7 +6,7 @@
 
 static inline float higher(float z, float h) { return z > h && z < INFINITY ? z : h; }
 
-/* Samples of a node's closed cells: those on its far borders belong to it as well. columns: the row of nodes, sample by sample. */
+/* Samples of a node's closed cells: including those on its far borders. columns: the row of nodes, sample by sample. */
 static void bound_row(const terrain *t, size_t y, float *columns, float *high, size_t across) {
     const size_t first = y << SIGHT_FIRST_SHIFT,
                  last = first + (1 << SIGHT_FIRST_SHIFT) < t->ny - 1 ? first + (1 << SIGHT_FIRST_SHIFT) : t->ny - 1;

@@ -29,7 +29,7 @@ typedef struct skyline {
     struct skyline_cut {
         double from, a, b;
         float below;
-    } * cuts; /* what becomes of the pieces that an edge meets */
+    } * cuts; /* the parts into which an edge cuts pieces */
     size_t cuts_room;
     double from, until; /* the range */
     double steepest;    /* greatest b so far, without its sign */

@@ -166,7 +166,7 @@ static inline bool is_ridge(const part *p, double before, double behind) {
 
 static inline void add(part *p, uint32_t start, double x0, double r0, double h0, double x1, double r1, double h1) {
     if (isnan(h0 + h1)) return;
-    if (r0 < first_distance) { /* what is beyond */
+    if (r0 < first_distance) { /* beyond it */
         const double share = (first_distance - r0) / (r1 - r0);
         x0 += share * (x1 - x0);
         h0 += share * (h1 - h0);

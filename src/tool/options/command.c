@@ -83,7 +83,7 @@ int program_main(const program *p, int argc, char **argv) {
     hold_streams();
     running = p->name;
     const int status = run(p, argc, argv);
-    /* What could not be printed is a failure as much as what could not be written. */
+    /* A failure to print counts as much as a failure to write a file. */
     if ((fflush(stdout) == 0 && !ferror(stdout)) || status != EXIT_SUCCESS) return status;
     fprintf(stderr, "%s: cannot write to standard output: %s\n", p->name, strerror(errno));
     return EXIT_FAILURE;

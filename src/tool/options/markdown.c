@@ -68,7 +68,7 @@ static void print_row(const table *t, const char *row, size_t line, size_t first
     if (any) putchar('\n');
 }
 
-/* Returns what stands behind the table. */
+/* Returns the text behind the table. */
 static const char *print_table(const char *rows) {
     const table t = measure_table(rows);
     const char *row = rows;

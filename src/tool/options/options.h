@@ -44,8 +44,8 @@ typedef const char *option_names(size_t number);
 
 typedef struct option_spec {
     const char *name;  /* without dashes */
-    const char *value; /* what stands for the value in the help; NULL for a flag */
-    const char *help;  /* is wrapped; what names there are is added */
+    const char *value; /* name of the value in the help; NULL for a flag */
+    const char *help;  /* is wrapped; the names are appended */
     option_kind kind;
     void *to; /* untouched while the option is not given, but for lists, to which items are added */
     double low, high;
@@ -64,7 +64,7 @@ typedef struct options_usage {
     size_t operand_least, operand_most;
 } options_usage;
 
-/* OPTIONS_GO if everything is in its place; else what the program ends with: EXIT_SUCCESS where the help was asked for and
+/* OPTIONS_GO if the command line is right; else the exit status: EXIT_SUCCESS where the help was requested and
  * printed, EXIT_USAGE where a message was. operands has room for usage->operand_most; those not given become NULL. */
 enum { OPTIONS_GO = -1 };
 int options_parse(const options_usage *usage, int argc, char **argv, const char **operands);
@@ -81,7 +81,7 @@ const char *option_leaf_names(size_t number);
 
 /* What to do with instruction sets that a user names. Each is false after a message, which begins with the subcommand's name.
  *  - The word, given by what: "--isa".
- *  - CELLWALK_ISA: an upper bound, which may lie above what the machine has; the library would take a misspelt one for none.
+ *  - CELLWALK_ISA: an upper bound, which may lie above the machine's; a misspelt one is an error, since the library would ignore it.
  *  - The library is limited to isa. It is an error if CPU or CELLWALK_ISA rule that out, or else a measurement would carry the
  *    wrong label. */
 bool option_isa_find(const char *name, const char *what, const char *word, cw_isa *isa);

@@ -78,7 +78,7 @@ size_t words_fold(const char *text, size_t bytes, size_t at, size_t hang, size_t
     return at;
 }
 
-/* Where a line of a list goes on when it is wrapped: below what stands behind the first gap of two spaces or more. */
+/* Where a line of a list goes on when it is wrapped: below the text behind the first gap of two spaces or more. */
 static size_t hang_of(const char *line) {
     const size_t length = strcspn(line, "\n"), indent = strspn(line, " ");
     for (size_t k = indent; indent > 0 && k + 1 < length; k++)

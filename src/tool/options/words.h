@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* The one of count words that is closest to word, by edit distance, if it is close enough to be what was meant; else
+/* The one of count words that is closest to word, by edit distance, if it is close enough to be meant; else
  * NULL. Words may be NULL and are then passed over. */
 const char *words_closest(const char *word, const char *const *words, size_t count);
 
@@ -21,8 +21,8 @@ size_t words_columns(const char *text, size_t bytes);
 size_t words_fold(const char *text, size_t bytes, size_t at, size_t hang, size_t most);
 
 /* Prints text from column on, which is where the cursor is, on lines of at most 80 columns, all of them indented by column.
- * An empty line ends a paragraph. A line that begins with a space is one of a list: it begins on a line of its own, and goes
- * on, if it is too long, below what stands behind its first gap of two spaces. All other line breaks are spaces. Ends with a
+ * An empty line ends a paragraph. A line that begins with a space is one of a list: it begins on a new line, and goes
+ * on, if it is too long, below the text behind its first gap of two spaces. All other line breaks are spaces. Ends with a
  * line break. */
 void words_wrap(const char *text, size_t column);
 

@@ -56,12 +56,12 @@ const io_gdal *cellwalk_gdal_module(bool network) {
     static bool ready;
     if (ready) return &table;
     ready = true;
-    CPLSetErrorHandler(CPLQuietErrorHandler); /* what it says goes into messages of the program's own */
+    CPLSetErrorHandler(CPLQuietErrorHandler); /* its text goes into the program's messages */
     gdal_files_install();
     gdal_network_close(network);
-    GDALRegister_GTiff();                           /* what most files are; the rest where one is not */
+    GDALRegister_GTiff(); /* most files are GeoTIFF; other drivers are registered when needed */
     set_unless_set("GDAL_NUM_THREADS", "ALL_CPUS"); /* for compressed tiles */
-    set_unless_set("GDAL_PAM_ENABLED", "NO");       /* no .aux.xml beside what is read and written */
+    set_unless_set("GDAL_PAM_ENABLED", "NO");       /* no .aux.xml beside files read and written */
     set_unless_set("GDAL_VRT_ENABLE_PYTHON", "NO"); /* a VRT may hold code */
     /* Rasters are read and written once, from start to end: a row of tiles is all that needs keeping. The default is 5 % of
      * the machine's memory. */

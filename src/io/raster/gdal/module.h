@@ -17,7 +17,7 @@ typedef struct io_gdal {
     int version; /* IO_GDAL_VERSION as the module was built */
 
     /* Opens a band of a file; fills in all of raster but the samples. rows_at_once is how many rows are best read together.
-     * Closed by close. NULL on failure; georef is to be freed then as well. */
+     * Closed by close. NULL on failure; georef must be freed then, too. */
     io_gdal_source *(*open)(const char *path, const io_raster_options *options, io_raster *raster, size_t *rows_at_once,
                             io_error *error);
     /* Rows first to first + count - 1 as heights, scale and offset applied, NaN where there are none. */
@@ -27,11 +27,11 @@ typedef struct io_gdal {
      * as soon as note says so. Some names may be none of files. */
     bool (*each_file)(io_gdal_source *source, bool (*note)(const char *path));
 
-    /* Makes a GeoTIFF in a regular file that is open for reading and writing, which is what messages call name. NULL on
+    /* Makes a GeoTIFF in a regular file that is open for reading and writing; messages call it name. NULL on
      * failure. */
     io_gdal_target *(*create)(int fd, const char *name, const io_raster_product *product, io_error *error);
     bool (*write)(io_gdal_target *target, size_t band, size_t first, size_t count, const void *cells, io_error *error);
-    /* Closes the target; false if what was written did not reach the file. */
+    /* Closes the target; false if the data did not reach the file. */
     bool (*finish)(io_gdal_target *target, io_error *error);
 
     /* Longitude and latitude (WGS 84, degrees) of n places of a coordinate system, or the other way round; in place. */

@@ -19,7 +19,7 @@ struct io_gdal_source {
     char *path;
     int i, j, nx; /* the first sample and the length of a row that is read */
     bool direct;  /* samples are floats as they are stored, or exact as floats: read in place */
-    bool integer; /* stored as integers: no-data is compared with what is stored */
+    bool integer; /* stored as integers: no-data is compared with the stored value */
     double scale, offset;
     bool has_nodata, has_mask;
     double nodata;        /* as the file stores it */
@@ -201,7 +201,7 @@ io_gdal_source *gdal_open(const char *path, const io_raster_options *options, io
     return s;
 }
 
-/* Values that are no data become NaN; value is what the file stores. */
+/* Values that are no data become NaN; value is the one that the file stores. */
 static bool is_no_data(const io_gdal_source *s, double value) {
     bool is = s->has_nodata && value == s->nodata;
     for (size_t k = 0; k < s->other_count; k++) is |= value == s->others[k];
