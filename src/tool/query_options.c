@@ -11,26 +11,25 @@
 enum { NAMES_MAX = 64 };
 
 void query_options_rows(query_options *q, option_spec rows[QUERY_OPTION_COUNT]) {
-    rows[QUERY_KERNEL] = (option_spec){
-        .name = "kernel",
-        .value = "NAME",
-        .help = "the kernel that finds hits; `cellwalk info` lists the\nnames (default: the best for this CPU)",
-        .kind = OPTION_TEXT,
-        .to = &q->kernel};
-    rows[QUERY_LEAF] = (option_spec){
-        .name = "leaf",
-        .value = "NAME",
-        .help = "the test of a ray against a cell: watertight or\nmoller-trumbore (default: as `cellwalk info` "
-                "shows)",
-        .kind = OPTION_TEXT,
-        .to = &q->leaf};
-    rows[QUERY_ISA] =
-        (option_spec){.name = "isa",
+    rows[QUERY_KERNEL] =
+        (option_spec){.name = "kernel",
                       .value = "NAME",
-                      .help = "the highest instruction set to use: scalar, sse4.2,\navx2, avx512 or neon, within what "
-                              "CELLWALK_ISA allows",
+                      .help = "the kernel that finds hits; `cellwalk info` explains\nthem (default: the best for this CPU)",
                       .kind = OPTION_TEXT,
-                      .to = &q->isa};
+                      .to = &q->kernel,
+                      .names = option_kernel_names};
+    rows[QUERY_LEAF] = (option_spec){.name = "leaf",
+                                     .value = "NAME",
+                                     .help = "the test of a ray against a cell (default:\nas `cellwalk info` shows)",
+                                     .kind = OPTION_TEXT,
+                                     .to = &q->leaf,
+                                     .names = option_leaf_names};
+    rows[QUERY_ISA] = (option_spec){.name = "isa",
+                                    .value = "NAME",
+                                    .help = "the highest instruction set to use, within what\nCELLWALK_ISA allows",
+                                    .kind = OPTION_TEXT,
+                                    .to = &q->isa,
+                                    .names = option_isa_names};
     rows[QUERY_THREADS] = (option_spec){.name = "threads",
                                         .value = "N",
                                         .help = "number of threads; 0: one for each CPU (default)",

@@ -22,6 +22,7 @@ foreach(script IN LISTS scripts)
     string(REGEX MATCHALL "\"${BUILD}/[^\"]+\"" files "${text}")
     foreach(file IN LISTS files)
         string(REGEX REPLACE "\"${BUILD}/(.*)\"" "\\1" file "${file}")
+        string(REGEX REPLACE "^(share/[^/]+)/.*" "\\1.stamp" file "${file}") # a folder of pages
         if(NOT file IN_LIST built)
             continue()
         endif()

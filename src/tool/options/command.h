@@ -23,7 +23,8 @@ typedef struct program {
 } program;
 
 /* Runs the subcommand that argv[1] names, and handles --help, --version and unknown subcommands. Returns the exit status,
- * which is not 0 if standard output could not be written. */
+ * which is not 0 if standard output could not be written. `--pages FOLDER`, which the build runs and the help does not list,
+ * writes man pages and completions (pages/). */
 int program_main(const program *p, int argc, char **argv);
 
 /* Exit statuses: EXIT_USAGE for a wrong command line, EXIT_FAILURE for all later errors. A program that was interrupted ends

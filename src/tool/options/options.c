@@ -62,6 +62,17 @@ void option_list_fill(option_list *list, option_names *names, size_t first, size
 
 /* ---- help ---- */
 
+const option_spec option_help = {.name = "help", .letter = 'h', .help = "this text"};
+const option_spec option_version = {.name = "version", .help = "the version and the optional parts"};
+
+static options_look *look;
+static void *look_context;
+
+void options_show(options_look *to, void *context) {
+    look = to;
+    look_context = context;
+}
+
 static void print_option(const option_spec *o) {
     enum { HELP_COLUMN = 25 };
     char head[80], help[2048];
@@ -86,7 +97,7 @@ static void print_help(const options_usage *usage) {
     words_wrap(usage->what, 0);
     fputs("\nOptions:\n", stdout);
     for (size_t k = 0; k < usage->option_count; k++) print_option(&usage->options[k]);
-    print_option(&(option_spec){.name = "help", .letter = 'h', .help = "this text"});
+    print_option(&option_help);
     if (usage->examples) printf("\nExamples:\n%s", usage->examples);
 }
 
@@ -267,6 +278,10 @@ static int take_option(const options_usage *usage, int argc, char **argv, int *k
 static bool is_number(const char *argument) { return strchr("0123456789.", argument[1]) != NULL; }
 
 int options_parse(const options_usage *usage, int argc, char **argv, const char **operands) {
+    if (look) {
+        look(usage, look_context);
+        return EXIT_SUCCESS;
+    }
     for (size_t k = 0; k < usage->operand_most; k++) operands[k] = NULL;
     size_t given = 0;
     bool options_over = false;

@@ -44,13 +44,14 @@ typedef const char *option_names(size_t number);
 
 typedef struct option_spec {
     const char *name;  /* without dashes */
-    const char *value; /* name of the value in the help; NULL for a flag */
+    const char *value; /* name of the value in the help; NULL for a flag. FILE, FOLDER, IMAGE and NAME.END are paths */
     const char *help;  /* is wrapped; the names are appended */
     option_kind kind;
     void *to; /* untouched while the option is not given, but for lists, to which items are added */
     double low, high;
-    option_names *names; /* that a name or the items of a list may have; NULL for lists of anything */
-    char letter;         /* a one-letter form, or 0 */
+    option_names
+        *names;  /* that a name or the items of a list may have; NULL for lists of anything. Of a text: examples */
+    char letter; /* a one-letter form, or 0 */
 } option_spec;
 
 typedef struct options_usage {
@@ -68,6 +69,14 @@ typedef struct options_usage {
  * printed, EXIT_USAGE where a message was. operands has room for usage->operand_most; those not given become NULL. */
 enum { OPTIONS_GO = -1 };
 int options_parse(const options_usage *usage, int argc, char **argv, const char **operands);
+
+/* Calls of options_parse from now on pass the table to look, with that context, and return EXIT_SUCCESS. NULL ends that. For
+ * pages/ alone: not for threads. */
+typedef void options_look(const options_usage *usage, void *context);
+void options_show(options_look *look, void *context);
+
+/* What every subcommand has, and every program. */
+extern const option_spec option_help, option_version;
 
 /* True if the list is empty or holds the number. */
 bool option_wanted(const option_list *list, size_t number);
