@@ -49,6 +49,26 @@ def test_closest_user(tool, ground, tmp_path):
     same(ground.field.any(rays).view(np.uint8), np.load(tmp_path / "any.npy"))
 
 
+@pytest.mark.parametrize("name", ["mean", "highest", "lowest"])
+def test_coarser(tool, ground, tmp_path, name):
+    """Shadows and places on a map of cells three times as large, as the program has them."""
+    full, wanted = ground.field, product(tool, ground, tmp_path, "shadow", "--sun", "300,20", "--coarser", "3", "--filter", name)
+    before = full.z.copy()
+    field = full.coarser(3, name)
+    assert field.shape == (21, 29)
+    same(field.shadow(300, 20), wanted)
+    x, y = place(field)
+    y_of_file = y if ground.path.suffix != ".npy" else 3 * (field.shape[0] - 1) - y
+    if name != "lowest":  # which has a hole there
+        seen = product(tool, ground, tmp_path, "viewshed", "--from", f"{x!r},{y_of_file!r},2", "--coarser", "3", "--filter", name)
+        same(field.viewshed(x, y), seen)
+    same(full.z, before)
+    assert full.difference is None and field.difference.rms > 0
+    assert (field.difference.below == 0) == (name == "highest") and (field.difference.above == 0) == (name == "lowest")
+    column, row = 12, 9
+    same(field.at(*field.map[:2] @ (column, row, 0, 1)), full.coarser(3, name).at(*full.map[:2] @ (3 * column, 3 * row, 0, 1)))
+
+
 def test_closest_floats(tool, tmp_path):
     z = real_dem()["elevation"].astype(np.float32)
     field = cw.Field(z)

@@ -44,6 +44,15 @@ def test_results_are_dataarrays():
     assert "Sun and shadow" in d.cellwalk.shadow.__doc__
 
 
+def test_coarser_keeps_coordinates():
+    d = dem(grid_mapping="spatial_ref").assign_coords(spatial_ref=0)
+    got = cw.Field(d).coarser(4).shadow()
+    assert got.x.values.tolist() == (600015 + 120.0 * np.arange(22)).tolist()
+    assert got.y.values.tolist() == (5199985 - 120.0 * np.arange(16)).tolist()
+    assert "spatial_ref" in got.coords and got.attrs["grid_mapping"] == "spatial_ref"
+    same(got.values, cw.Field(d.values, transform=cw.Field(d).map).coarser(4).shadow())
+
+
 def test_holes_and_crs():
     z = rough()
     d = dem(_FillValue=-9999.0)

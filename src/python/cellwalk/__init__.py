@@ -17,6 +17,7 @@ Make a field with Field(array) or open(file). Then ask it:
     horizon, sky_view the horizon's angle all round, the share of the sky
     line_of_sight     whether two places see each other
     update            new heights in a rectangle
+    coarser           a field of every n-th sample, with its error
 
 Places are those of the map: x and y by `transform` or by the coordinates of a DataArray. Without a map, x is the column and y
 the row, and azimuths take the first row for the north, as in a picture. Arrays of samples are indexed [row, column]. Results are of the caller's kind: a DataArray in, a DataArray out.
@@ -26,9 +27,9 @@ threads, any CPU, and the program `cellwalk`.
 """
 
 from ._cellwalk import version as __version__
-from ._field import Field, kernels, open
+from ._field import Difference, Field, kernels, open
 from ._hits import Hits
 from ._products import LineOfSight, sun
 from . import _xarray  # noqa: F401  (registers DataArray.cellwalk if xarray is loaded later or already)
 
-__all__ = ["Field", "Hits", "LineOfSight", "kernels", "open", "sun", "__version__"]
+__all__ = ["Difference", "Field", "Hits", "LineOfSight", "kernels", "open", "sun", "__version__"]

@@ -214,6 +214,23 @@ _WGS84 = ('GEOGCRS["WGS 84",DATUM["World Geodetic System 1984",ELLIPSOID["WGS 84
           'CS[ellipsoidal,2],AXIS["longitude",east],AXIS["latitude",north],ANGLEUNIT["degree",0.0174532925199433]]')
 
 
+def coarser_like(like, affine, samples, factor):
+    """A DataArray as like for every factor-th sample, or None. Coordinates of its dimensions go on beyond like's last ones."""
+    if like is None:
+        return None
+    import xarray
+    coords = {name: value for name, value in like.coords.items() if not set(value.dims) & set(like.dims)}
+    for axis, name in enumerate(like.dims):
+        if name in like.coords:
+            old = like.coords[name]
+            place = factor * np.arange(samples.shape[axis])
+            first, step = float(old.values[0]), (float(old.values[-1]) - float(old.values[0])) / (len(old) - 1)
+            values = np.where(place < len(old), np.asarray(old.values, np.float64)[np.minimum(place, len(old) - 1)],
+                              first + step * place)
+            coords[name] = xarray.Variable((name,), values, old.attrs)
+    return xarray.DataArray(samples, coords, like.dims, like.name, like.attrs)
+
+
 def _crs_of_dataarray(z):
     mapping = z.attrs.get("grid_mapping", z.encoding.get("grid_mapping", "spatial_ref"))
     if mapping in z.coords:

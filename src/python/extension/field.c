@@ -108,8 +108,9 @@ static PyObject *field_new(PyTypeObject *type, PyObject *arguments, PyObject *ke
         Py_DECREF((PyObject *)f);
         Py_RETURN_NONE;
     }
-    /* Without a map, a picture's: the first row is in the north. */
-    const double picture[3][4] = {{1, 0, 0, 0}, {0, -1, 0, (double)(ny - 1)}, {0, 0, f->map[2][2], 0}};
+    /* Without a map, a picture's: the first row is in the north. A coarser field's samples stand more than 1 apart. */
+    const double apart = f->map[0][0];
+    const double picture[3][4] = {{apart, 0, 0, 0}, {0, -apart, 0, apart * (double)(ny - 1)}, {0, 0, f->map[2][2], 0}};
     const terrain_desc ground = {
         .field = f->field,
         .nx = f->nx,
@@ -126,7 +127,8 @@ static PyObject *field_new(PyTypeObject *type, PyObject *arguments, PyObject *ke
         terrain_desc whole = ground;
         whole.nx = (size_t)whole_nx;
         whole.ny = (size_t)whole_ny;
-        const double big_picture[3][4] = {{1, 0, 0, 0}, {0, -1, 0, (double)(whole_ny - 1)}, {0, 0, f->map[2][2], 0}};
+        const double big_picture[3][4] = {
+            {apart, 0, 0, 0}, {0, -apart, 0, apart * (double)(whole_ny - 1)}, {0, 0, f->map[2][2], 0}};
         whole.map = north_up ? big_picture : (const double(*)[4])raster;
         if (!terrain_init(&f->whole, &whole)) f->terrain.field = NULL;
         f->terrain.whole = &f->whole;
@@ -198,6 +200,41 @@ static PyObject *field_update(PyObject *self, PyObject *arguments) {
     Py_RETURN_NONE;
 }
 
+/* coarser(factor, filter, rows, columns, out, threads, progress): rows * columns heights go to out. Returns (above, below, rms,
+ * lost, made). */
+static PyObject *field_coarser(PyObject *self, PyObject *arguments) {
+    py_field *f = (py_field *)self;
+    Py_buffer out = {0};
+    Py_ssize_t factor, rows, columns;
+    int filter;
+    unsigned threads;
+    PyObject *progress;
+    if (!PyArg_ParseTuple(arguments, "ninnw*IO:coarser", &factor, &filter, &rows, &columns, &out, &threads, &progress))
+        return NULL;
+    cw_difference d = {0};
+    cw_field *coarser = NULL;
+    bool good = factor >= 0 && field_enter(f);
+    if (good) {
+        work w;
+        if ((good = work_begin(&w, threads, "cell", progress)))
+            good = work_end(&w, cw_field_coarser(f->field, &w.run, (size_t)factor, (cw_filter)filter, &coarser, &d),
+                            "coarser");
+        field_leave(f);
+    }
+    if (good) {
+        const cw_field_info info = cw_field_describe(coarser);
+        good = info.nx == (size_t)columns && info.ny == (size_t)rows &&
+               buffer_holds(&out, info.nx * info.ny * sizeof(float), "out");
+        for (size_t j = 0; good && j < info.ny; j++)
+            memcpy((float *)out.buf + j * info.nx, cw_field_row(coarser, j), info.nx * sizeof(float));
+    }
+    if (!good && !PyErr_Occurred()) PyErr_SetString(PyExc_ValueError, "coarser: out is of another size");
+    cw_field_destroy(coarser);
+    PyBuffer_Release(&out);
+    if (!good) return NULL;
+    return Py_BuildValue("(dddKK)", d.above, d.below, d.rms, (unsigned long long)d.lost, (unsigned long long)d.made);
+}
+
 static PyObject *field_describe(PyObject *self, PyObject *unused) {
     const py_field *f = (const py_field *)self;
     (void)unused;
@@ -212,6 +249,7 @@ static PyMethodDef methods[] = {
     {"at", field_at, METH_VARARGS, NULL},
     {"points", field_points, METH_VARARGS, NULL},
     {"update", field_update, METH_VARARGS, NULL},
+    {"coarser", field_coarser, METH_VARARGS, NULL},
     {"describe", field_describe, METH_NOARGS, NULL},
     {"shadow", field_shadow, METH_VARARGS, NULL},
     {"horizon", field_horizon, METH_VARARGS, NULL},

@@ -177,7 +177,7 @@ typedef struct viewing {
 
 /* y of the caller's to that of the terrain, and back. */
 static double northward(const py_field *f, double y) {
-    return f->north_up ? (double)(terrain_whole(&f->terrain)->ny - 1) - y : y;
+    return f->north_up ? f->map[0][0] * (double)(terrain_whole(&f->terrain)->ny - 1) - y : y;
 }
 
 /* A place in field coordinates, height in the samples' numbers; NaN if there is none. */
