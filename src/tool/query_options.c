@@ -11,13 +11,13 @@
 enum { NAMES_MAX = 64 };
 
 void query_options_rows(query_options *q, option_spec rows[QUERY_OPTION_COUNT]) {
-    rows[QUERY_KERNEL] =
-        (option_spec){.name = "kernel",
-                      .value = "NAME",
-                      .help = "the kernel that finds hits; `cellwalk info` explains\nthem (default: the best for this CPU)",
-                      .kind = OPTION_TEXT,
-                      .to = &q->kernel,
-                      .names = option_kernel_names};
+    rows[QUERY_KERNEL] = (option_spec){
+        .name = "kernel",
+        .value = "NAME",
+        .help = "the kernel that finds hits; `cellwalk info` explains\nthem (default: the best for this CPU)",
+        .kind = OPTION_TEXT,
+        .to = &q->kernel,
+        .names = option_kernel_names};
     rows[QUERY_LEAF] = (option_spec){.name = "leaf",
                                      .value = "NAME",
                                      .help = "the test of a ray against a cell (default:\nas `cellwalk info` shows)",
