@@ -18,8 +18,8 @@
 
 #include "lane_walk.inc.h"
 
-/* See lane_walk. Copies of the lanes spare a register for where they are, of which AVX2 has too few: random and grazing rays 3
- * to 5 % faster with 2 × 8 lanes. With 2 × 16 lanes the copying costs rays on 65² samples 1 to 3 %, for nothing. */
+/* See lane_walk. Local copies of the lanes save the register for their address. AVX2 has too few registers; AVX-512 has enough, and
+ * would pay for the copying (papers/walks.md). */
 CW_INLINE void walk_pairs(const cw_field *f, const lane_queue *queue, lane_set *l, bool more, bool any,
                           lane_answers *answers) {
     if ((int)QUEUE_W < 16) {

@@ -64,9 +64,8 @@ CW_INLINE void lane_found(lane_answers *a, const cw_field *f, const uint32_t ray
     a->found = n;
 }
 
-/* Refill when this many lanes are empty; test cells when this many lanes wait at one. Of 32 lanes 8 to refill at are 2 to 4 %
- * slower for random rays, up to 2 % for ambient-occlusion and bounce rays; 2 are no better. 16 to test at are up to 3 %
- * faster for random rays, and 2 to 3 % slower for ambient-occlusion and bounce rays. */
+/* Refill when this many lanes are empty; test cells when this many lanes wait at one. papers/walks.md has the
+ * measurements of other thresholds. */
 enum { REFILL_AT = W < 4 ? 1 : W < 16 ? W / 4 : 4, LEAF_AT = (3 * W + 7) / 8 };
 
 /* Where no ray is left to refill with, a pair of vectors stops as soon as one of them would do. */
@@ -286,14 +285,11 @@ CW_INLINE void lane_step(lane_state *s, lane_set *l, const cw_field *f, bool any
 
 /* Walks rays in the lanes and in the queue. All come to their ends and their hits are written, but where more are to follow:
  * then, once the queue is empty, what few rays are left stay in their lanes, and hits with the answers, for the next call.
- * Ending each batch instead, with ever fewer lanes alive, costs ambient-occlusion rays 5 %. A pair of vectors leaves the last
- * rays to a single one (walk_alone).
+ * Rejected: ending each batch, with ever fewer lanes alive. A pair of vectors leaves the last rays to a single one
+ * (walk_alone).
  *
- * Rejected: two vectors of lanes that take turns, so that one works while the other waits for its bounds or samples. It
- * needs 14 to 20 % more instructions for state that goes through memory and is 15 to 23 % slower on Zen 3 (random rays in
- * 257² and 1025² samples). With prefetches of what the next turn of each reads, 39 % more instructions, it is 19 to 26 %
- * faster in 4097² samples, where all waits for memory, 5 % for bounce and ambient-occlusion rays there, and 7 to 30 %
- * slower in smaller fields. */
+ * Rejected: two vectors of lanes that take turns, so that one works while the other waits for its bounds or samples. Their
+ * state goes through memory, which costs more than the waiting in all but the largest fields (papers/walks.md). */
 CW_INLINE void lane_walk(const cw_field *f, const lane_queue *queue, lane_set *l, bool more, bool any,
                          lane_answers *answers) {
     if (l->living == 0 && queue->n > 0) lane_clear(l);

@@ -64,8 +64,8 @@ static void CW_CODE(any_packet_wt_)(const cw_field *f, const cw_ray *rays, size_
     packet_any(f, rays, n, occluded, CW_LEAF_WATERTIGHT);
 }
 
-/* A function a leaf test: one function for both, with a branch at its top, takes up to 15 % more instructions, as compilers
- * then have too few registers. */
+/* A function a leaf test: one function for both, with a branch at its top, takes more instructions, as compilers
+ * then run out of registers. */
 const cw_kernel_code CW_CODE(packet) = {
     .closest =
         {[CW_LEAF_MOLLER_TRUMBORE] = CW_CODE(closest_packet_mt_), [CW_LEAF_WATERTIGHT] = CW_CODE(closest_packet_wt_)},

@@ -37,8 +37,7 @@
 enum { FLAT_STEPS = 4 };
 
 /* The rays of w in these packets, which share no walk. Those that go on alone are queued. The packets climb together and step
- * together, each of them one chain of operations that wait for each other: against one packet after another, shadow rays are
- * 1 to 13 % faster, ambient-occlusion and bounce rays 1 to 5 % (AVX-512, Zen 4). */
+ * together, each of them one chain of operations that wait for each other. Rejected, as slower: one packet after another. */
 CW_INLINE void walk_apart(tile_walk *w, packet_set apart, bool any) {
     const cw_field *f = w->f;
     climb(w->packets, apart, f->pyramid);
@@ -85,7 +84,7 @@ CW_INLINE bool walk_together(tile_walk *w, float cells, bool any) {
  * the queue.
  *
  * Rejected: to let each group of a tile that is not coherent walk as soon as it is ready, with its rays in registers. Bounce
- * rays gain 3 % with 16 lanes, all coherent rays lose 2 to 4 % with 8. */
+ * rays gain less than coherent rays lose (papers/walks.md). */
 CW_INLINE ray_set pyramid_tile(const cw_field *f, const cw_ray *rays, size_t n, bool any, cw_hit *hits,
                                lane_queue *queue, size_t first_packet) {
     packet packets[PACKETS];

@@ -23,8 +23,8 @@ enum { TILE = 64, PACKETS = TILE / W, GROUP = 16, GROUPS = TILE / GROUP };
 /* Fewer rays than this do not pay for making a fat ray of them. */
 enum { SHARE_AT_LEAST = 4 };
 
-/* Cells between origins of a tile's rays, along each axis, up to which it shares a walk. With 8, shadow rays on 1025² lose 1 to
- * 2 % with 4 lanes, and without a limit 10 %, as the tile falls apart at once; elsewhere it makes no difference. */
+/* Cells between origins of a tile's rays, along each axis, up to which it shares a walk. Beyond it shadow rays lose, as
+ * the tile falls apart at once (papers/walks.md). */
 enum { TILE_CELLS = 4 };
 
 static inline unsigned packet_bits(ray_set rays, size_t p) {
@@ -260,9 +260,8 @@ CW_INLINE vmask shared_cells(const fat_ray *a, packet *l, vmask among, const blo
 }
 
 /* A tile or group falls apart at a block where going on together would test this many times more cells, counted once for each
- * packet concerned, than there are rays; and at a node of which more children than this have to be visited. Least time for
- * primary, shadow and far rays on 65² to 4097² samples among 5, 6 and 8 children (Zen 4, 8 and 16 lanes): with 8, rays on
- * 4097² lose 4 to 8 %; with 5, primary rays on 257² lose 2 %. */
+ * packet concerned, than there are rays; and at a node of which more children than this have to be visited. The
+ * least time among 5, 6 and 8 children (papers/walks.md). */
 enum { FALL_APART = 2, CHILDREN_AT_MOST = 6 };
 
 /* Queues those of the rays that cross the node of the given level of the pyramid and place; the rest of their walk is

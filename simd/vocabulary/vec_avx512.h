@@ -83,10 +83,8 @@ static inline vfloat vf_gather(const float *base, vint index, vmask m) {
     return (vfloat){_mm512_mask_i32gather_ps(_mm512_setzero_ps(), m.v, index.v, base, sizeof(float))};
 }
 
-/* A pair as one gathered double: half the loads. Against two gathers of floats, packet16 is 1.2 to 1.3 times as fast on
- * Zen 4, pyramid16 1.0 to 1.07 times. As 8-byte loads put together by shuffles, as for AVX2, where CELLWALK_PAIRS is
- * defined: on Zen 4 random and grazing rays are 3 to 6 % faster with 2 × 16 lanes, all 1 to 4 % with 16, but packet16 is 3
- * to 8 % slower. */
+/* A pair as one gathered double: half the loads. Where CELLWALK_PAIRS is defined, 8-byte loads
+ * put together by shuffles, as for AVX2: faster for the lane walk, slower for packet16 (papers/walks.md). */
 #ifdef CELLWALK_PAIRS
 CW_INLINE void vf_gather_pairs(const float *base, vint index, vmask m, vfloat *first, vfloat *second) {
     int32_t k[16];
@@ -180,7 +178,7 @@ typedef struct vpick {
     __mmask16 lanes;
 } vpick;
 static inline vpick vpick_make(vmask m) { return (vpick){m.v}; }
-/* Picked in a register: to memory at once takes Zen 4 over a hundred cycles. */
+/* Compressed in a register first: the compressing store to memory is slow on some CPUs (papers/walks.md). */
 static inline void vf_store_picked(float *to, vfloat a, vpick pick) {
     _mm512_storeu_ps(to, _mm512_maskz_compress_ps(pick.lanes, a.v));
 }

@@ -62,8 +62,7 @@ static inline vint vi_shift_left(vint a, vint by) {
     return (vint){_mm_mullo_epi32(a.v, _mm_cvttps_epi32(power))};
 }
 static inline vmask vi_eq(vint a, vint b) { return (vmask){_mm_castsi128_ps(_mm_cmpeq_epi32(a.v, b.v))}; }
-/* No shift by a count of each lane's own and no lookup: lanes one by one. */
-/* SSE4.2 has no shift by a vector. A float has room for the 24 bits that a, and a product with a power of two, may have. */
+/* SSE4.2 has no shift by a vector: times 2^-by in floats, which hold the 24 bits of a and of the product. */
 static inline vint vi_shift_right(vint a, vint by) {
     const __m128 power = _mm_castsi128_ps(_mm_slli_epi32(_mm_sub_epi32(_mm_set1_epi32(127), by.v), 23));
     return (vint){_mm_cvttps_epi32(_mm_mul_ps(_mm_cvtepi32_ps(a.v), power))};
@@ -102,7 +101,7 @@ static inline vfloat vf_gather(const float *base, vint index, vmask m) {
     return (vfloat){_mm_and_ps(_mm_movelh_ps(_mm_unpacklo_ps(a, b), _mm_unpacklo_ps(c, d)), m.v)};
 }
 
-/* Two floats as one 8-byte load, the lanes' pairs then parted by shuffles. An integer load: _mm_load_sd would claim that a
+/* Two floats as one 8-byte load, the lanes' pairs then separated by shuffles. An integer load: _mm_load_sd would claim that a
  * double lies there, aligned. */
 CW_INLINE void vf_gather_pairs(const float *base, vint index, vmask m, vfloat *first, vfloat *second) {
     const __m128i safe = _mm_and_si128(index.v, _mm_castps_si128(m.v));

@@ -3,10 +3,8 @@
  * and this. Meanings are in vec_scalar.h.
  *
  * A step of the lane walk is one chain of some forty dependent operations, longer than the CPU can look ahead, so one
- * vector leaves most of its units idle: about 1.1 instructions a cycle on Zen 3. Two vectors in lockstep, operation by
- * operation, are two chains at once. With 2 × 16 lanes on Zen 4 random and grazing rays are 1.1 to 1.4 times as fast as with
- * 16. Rejected: vectors that take turns step by step, between which the CPU sees one chain
- * at a time all the same. */
+ * vector leaves most of its units idle. Two vectors in lockstep, operation by operation, are two chains at once.
+ * Rejected: vectors that take turns step by step, since the CPU still sees one chain at a time (papers/walks.md). */
 #ifndef CELLWALK_SIMD_VEC_TWICE_H
 #define CELLWALK_SIMD_VEC_TWICE_H
 

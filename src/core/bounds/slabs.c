@@ -2,8 +2,8 @@
 /* Slabs of nodes larger than a tile, without going through their samples again.
  *
  * The plane follows from sums that the nodes below have. How far samples lie off it is exact, as it is in tiles: slabs of slabs
- * are 1.2 times as thick at 16 cells and 1.6 times at the top, for which random rays pay with 18 % more steps. But only
- * where samples can be that far off is looked at: the slabs below say how far at most, and the most promising come first. */
+ * would be thicker at each level and cost steps (papers/walks.md). Only nodes whose samples can be that far off are read: the
+ * slabs below bound the distance, and the nodes with the largest bounds come first. */
 
 #include "pyramid.h"
 #include "survey.h"
