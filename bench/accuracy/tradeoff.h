@@ -27,7 +27,7 @@ typedef struct tradeoff_options {
 
 /* ---- modes.c: the modes that are measured ---- */
 
-/* A new mode is a new row. Whatever it leaves out stays as it is: the strict query on the field's own samples. */
+/* A new mode is a new row. Members left out have their default: the strict query on the field's own samples. */
 typedef struct tradeoff_mode {
     const char *name; /* "strict"; a contender is called NAME/KERNEL, or NAME/wWIDTH with Embree */
     const char *what; /* one line for a person */
@@ -134,7 +134,7 @@ bool tradeoff_mode_wanted(size_t number, const tradeoff_options *options);
 
 /* ---- scenes.c ---- */
 
-/* What the modes do to a scene's picture: appends a line of kind "picture" a mode. */
+/* Differences that the modes make to a scene's picture: appends a line of kind "picture" a mode. */
 bool tradeoff_scene_run(const char *name, const tradeoff_options *options, json_t *lines, io_error *error);
 
 /* ---- normals.c: "barycentric Phong beats bilinear" ---- */

@@ -20,7 +20,7 @@ typedef struct interleave_limits {
 typedef struct interleave_job {
     void (*run)(void *context);
     void *context;
-    /* What is timed: CPU time of the process, for a run that uses one thread, or the clock's, for one that may use more. */
+    /* The clock: CPU time of the process for a run of one thread, wall-clock time for one of several. */
     bool by_clock;
     /* Results for a run: seconds, and the ticks that the time stamp counter made in that time. */
     statistics seconds, ticks;

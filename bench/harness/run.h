@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What every subcommand that measures has in common: the options which instruction sets, which CPU and which seed, and the record
- * of what a figure depends on besides the code, which is the first line of every JSON file and the last of every printed table. */
+/* Common parts of the subcommands that measure: the options for instruction set, CPU and seed, and the record
+ * of all that a figure depends on besides the code. It is the first line of every JSON file and the last of every printed table. */
 #ifndef CELLWALK_BENCH_HARNESS_RUN_H
 #define CELLWALK_BENCH_HARNESS_RUN_H
 

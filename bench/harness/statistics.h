@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a handful of timings says: robust location and spread, and how sure the location is. */
+/* Statistics of a handful of timings: robust location and spread, and the location's confidence interval. */
 #ifndef CELLWALK_BENCH_HARNESS_STATISTICS_H
 #define CELLWALK_BENCH_HARNESS_STATISTICS_H
 

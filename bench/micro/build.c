@@ -25,7 +25,7 @@ static bool update_kernel(micro_build *build, cw_field *field, cw_pool *pool) {
         if (cw_field_update(field, &update, &(cw_run){.pool = pool}) != CW_OK) return false;
         seconds[k] = clock_seconds() - begin;
     }
-    /* What an update drops is built anew. */
+    /* Structures that an update drops are built again. */
     if (cw_field_describe(field).bytes_built == info.bytes_built)
         build->update_seconds = statistics_of(seconds, UPDATES).median;
     return true;

@@ -83,7 +83,7 @@ static ratio control_of(const json_t *in_a, const json_t *in_b, const json_t *of
     return hull;
 }
 
-/* What is to be said of B. */
+/* The verdict on B. */
 static const char *verdict_on(const json_t *a, const json_t *b, const ratio *time, const ratio *machine, double margin,
                               compare_counts *counts) {
     const bool faster = time->verdict == VERDICT_LOWER, slower = time->verdict == VERDICT_HIGHER;

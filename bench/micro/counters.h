@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the kernels counted (src/core/count.h). Only cellwalk-bench-counting has kernels that count; to all other programs
+/* The kernels' counts (src/core/count.h). Only cellwalk-bench-counting has kernels that count; to all other programs
  * that link this, the counts stay 0. */
 #ifndef CELLWALK_BENCH_MICRO_COUNTERS_H
 #define CELLWALK_BENCH_MICRO_COUNTERS_H
@@ -20,7 +20,7 @@ size_t counters_count(void);
 const char *counters_name(size_t number);
 
 void counters_reset(void);
-/* What was counted since, by kernels on any thread but not on two at once. */
+/* The counts since then, by kernels on any thread but not on two at once. */
 void counters_read(counter all[COUNTERS_MAX]);
 
 /* {"flat": {"events": 1, "lanes": 8}} of all that have events. */

@@ -36,7 +36,7 @@ typedef struct micro_options {
     bool counters;                     /* count the kernels' events instead of timing them */
 } micro_options;
 
-/* What a contender needs built. seconds: CPU time, or by the clock if everything is, median of the builds. */
+/* The structures of a contender. seconds: CPU time, or by the clock if everything is, median of the builds. */
 typedef struct micro_build {
     const char *name; /* a kernel's, or "embree/triangles" */
     unsigned threads; /* of a kernel; 0 for Embree */

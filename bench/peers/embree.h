@@ -2,7 +2,7 @@
 /* Embree (Wald et al. 2014) as a peer: the same field as a triangle mesh or as its grid geometry, the same rays, the same
  * hits. Optional: without the library every function is there, peer_embree_version is NULL and nothing can be made.
  *
- * What is inside the time: reading rays from an array of cw_ray, filling packets, tracing, writing cw_hit. Denormals are
+ * The time includes: reading rays from an array of cw_ray, filling packets, tracing, writing cw_hit. Denormals are
  * flushed to zero while Embree runs, as its manual asks for. Building is timed separately. */
 #ifndef CELLWALK_BENCH_PEERS_EMBREE_H
 #define CELLWALK_BENCH_PEERS_EMBREE_H

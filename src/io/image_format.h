@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a picture format gives to image.c. */
+/* The functions of a picture format, for image.c. */
 #ifndef CELLWALK_IO_IMAGE_FORMAT_H
 #define CELLWALK_IO_IMAGE_FORMAT_H
 

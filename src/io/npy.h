@@ -12,7 +12,7 @@
 
 enum { IO_NPY_RANK_MAX = 8, IO_NPY_TYPE_MAX = 8 };
 
-/* What a header says. */
+/* The contents of a header. */
 typedef struct io_npy_header {
     char type[IO_NPY_TYPE_MAX]; /* NumPy's name of the element type: "<f4", "|u1" */
     size_t item;                /* bytes an element */

@@ -35,7 +35,7 @@ static int claim_slot(void) {
     return DIRECT;
 }
 
-/* Whoever gets true removes or renames the temporary file; the other finds it gone. */
+/* The caller that gets true removes or renames the temporary file; the other finds it gone. */
 static bool take(struct slot *s, int next) {
     int expected = LIVE;
     return atomic_compare_exchange_strong(&s->state, &expected, next);
@@ -162,7 +162,7 @@ static int open_file(io_output *out) {
 static bool is_no_input(const io_output *out, io_error *error) {
     struct stat old;
     if (out->target == NULL || stat(out->target, &old) != 0 || !io_inputs_have(&old)) return true;
-    return io_fail(error, "%s: is an input as well; choose another name for the output", out->name);
+    return io_fail(error, "%s: is also an input; choose another name for the output", out->name);
 }
 
 /* The descriptor that a name stands for, "-" or one of the system's; else -1. Such an output goes where the descriptor leads: a
@@ -208,7 +208,7 @@ static char *follow_links(const char *path) {
 static int open_descriptor(io_output *out, int number, io_error *error) {
     struct stat about;
     if (fstat(number, &about) == 0 && S_ISREG(about.st_mode) && io_inputs_have(&about)) {
-        io_fail(error, "%s: is an input as well; choose another name for the output", out->name);
+        io_fail(error, "%s: is also an input; choose another name for the output", out->name);
         errno = 0;
         return -1;
     }
@@ -334,7 +334,7 @@ bool io_output_commit(io_output *out, io_error *error) {
     struct stat about;
     /* Found out late where the input was opened after the output. */
     if (direct && fstat(fileno(out->file), &about) == 0 && S_ISREG(about.st_mode) && io_inputs_have(&about)) {
-        io_fail(error, "%s: is an input as well; choose another name for the output", out->name);
+        io_fail(error, "%s: is also an input; choose another name for the output", out->name);
         io_output_discard(out);
         return false;
     }

@@ -36,7 +36,7 @@ typedef struct point_light {
     float intensity[3];
 } point_light;
 
-/* What is seen where no shape is. Only scenes without mirrors and cylinders have one. */
+/* The background, where no shape is seen. Only scenes without mirrors and cylinders have one. */
 typedef struct sky {
     float up[3];                /* the world's up in the camera's space */
     float horizon[3], above[3]; /* colours at the horizon and below, and straight above */

@@ -14,7 +14,7 @@ static const double degree = 0.017453292519943295;
 
 static double turn(double degrees) { return degrees - 360 * floor(degrees / 360); }
 
-/* What the air lifts a true altitude by, in degrees, at 1010 hPa and 10 degrees Celsius. Below the horizon, where nothing is
+/* Refraction: the rise of a true altitude by the air, in degrees, at 1010 hPa and 10 degrees Celsius. Below the horizon, where nothing is
  * seen, it fades out. */
 static double refraction_at(double altitude) {
     if (altitude < -1) return 0;

@@ -29,7 +29,7 @@ typedef struct terrain {
     size_t column, row;
 } terrain;
 
-/* What a terrain is made of. */
+/* The inputs of a terrain. */
 typedef struct terrain_desc {
     const cw_field *field;
     size_t nx, ny;
@@ -70,7 +70,7 @@ static inline const terrain *terrain_whole(const terrain *t) { return t->whole ?
  * 0.003 degrees: all of them, unless the map is in degrees. */
 size_t terrain_rows_alike(const terrain *t, size_t row);
 
-/* What is told of work that takes its time; share is that of one call. False ends it, with *done false. Called from any
+/* Called during long work with the share that is done of one call. False ends it, with *done false. Called from any
  * thread of the pool, but not from two at once. */
 typedef bool terrain_progress(void *context, double share);
 

@@ -117,7 +117,7 @@ static int render(const render_command *c, const char *path, scene *s, const cw_
     else
         io_output_discard(out);
     times.write = clock_seconds() - start;
-    /* Whatever is seen is asked whether it is in the light. */
+    /* Every visible point traces a shadow ray. */
     if (good && c->terrain && !c->quiet && stats.shadow_rays == 0)
         warn(NULL, "nothing of the terrain is in the picture; --from and --to are places on its map");
     if (good && c->stats) print_stats(&stats, &times, kernel_name(s, query));
@@ -169,7 +169,7 @@ static bool read_subject(render_command *c, const char **path) {
     else if (!given && !c->view.dem)
         command_fail(name, "nothing to draw: give a scene or a raster");
     else if (!c->terrain && option)
-        command_fail(name, "--%s is for rasters; %s is a scene and says itself what is seen", option, given);
+        command_fail(name, "--%s is for rasters, and %s is a scene", option, given);
     else {
         *path = given ? given : c->view.dem;
         return true;

@@ -228,7 +228,7 @@ static bool wrong(const request *r, bool timing) {
     if (r->hits == NULL && !timing)
         command_fail("trace", "nothing to do: give -o HITS.npy for the hits, or --stats, --repeat or --json");
     else if (r->any && (r->points || r->normals))
-        command_fail("trace", "--any finds no hit that --points or --normals could tell of");
+        command_fail("trace", "--any finds no hits, so --points and --normals cannot be given");
     else if (to_stdout && timing)
         command_fail("trace", "standard output cannot take both the hits and what --stats, --repeat or --json print");
     else if (to_stdout && isatty(STDOUT_FILENO))

@@ -298,7 +298,7 @@ static void inputs_are_not_replaced(void **state) {
     static const char *const names[] = {"in", "./in", "soft", "hard"};
     for (size_t k = 0; k < sizeof names / sizeof names[0]; k++) {
         check(!io_output_open(&out, names[k], &error), "%s was opened", names[k]);
-        check(strstr(error.text, "is an input as well") != NULL && strstr(error.text, names[k]), "%s", error.text);
+        check(strstr(error.text, "is also an input") != NULL && strstr(error.text, names[k]), "%s", error.text);
     }
     /* Standard output leads there. */
     const int file = open("in", O_WRONLY | O_APPEND | O_CLOEXEC), saved = dup(STDOUT_FILENO);
@@ -309,12 +309,12 @@ static void inputs_are_not_replaced(void **state) {
     close(saved);
     close(file);
     assert_false(opened);
-    check(strstr(error.text, "standard output: is an input as well") != NULL, "%s", error.text);
+    check(strstr(error.text, "standard output: is also an input") != NULL, "%s", error.text);
     /* Read only after the output was opened. */
     open_and_write(&out, "later", "new");
     free(io_file_read("later", &size, NULL));
     assert_false(io_output_commit(&out, &error));
-    check(strstr(error.text, "later: is an input as well") != NULL, "%s", error.text);
+    check(strstr(error.text, "later: is also an input") != NULL, "%s", error.text);
     check_content("in", "input");
     check_content("later", "input");
     assert_int_equal(scratch_entries(), 4);

@@ -232,7 +232,7 @@ static void what_the_caller_knows(void **state) {
     static const char grid[] = "ncols 4\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 1\n" ASC_SAMPLES;
     scratch_write("a.asc", grid, sizeof grid - 1);
     assert_false(io_raster_read("a.asc", &options, &r, &error));
-    check(strstr(error.text, "says by itself") != NULL, "%s", error.text);
+    check(strstr(error.text, "the file gives the distance") != NULL, "%s", error.text);
 }
 
 /* The coordinate system stands in a file beside the grid. */

@@ -8,7 +8,7 @@
 
 enum { PROGRAM_TEXT_MAX = 1 << 16, PROGRAM_ARGUMENTS_MAX = 24 };
 
-/* What the program runs under. */
+/* Environment and limits of the program. */
 typedef struct program_setting {
     const char *isa;                   /* CELLWALK_ISA; NULL: as the test itself has it */
     unsigned long file_size_limit;     /* bytes; 0: none */

@@ -259,7 +259,7 @@ static void units_are_known(void **state) {
     assert_string_equal(w.text, "");
     io_raster_free(&r);
     options.cellsize = 5;
-    check_refused("unit.tif", &options, "says by itself");
+    check_refused("unit.tif", &options, "the file gives the distance");
 }
 
 static bool stop(void *context, double share) {

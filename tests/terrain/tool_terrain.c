@@ -301,7 +301,7 @@ static void rows_without_a_map(void **state) {
                 arguments[n + 2] = "--curvature", arguments[n + 3] = "0";
             const program_result *p = program_run(NULL, arguments);
             check(p->status == 0, "%s: %s", runs[r][0], p->err);
-            const bool said = strstr(p->err, "cells are taken for 1 wide, row 0 for the northernmost") != NULL;
+            const bool said = strstr(p->err, "cells are read as 1 wide, row 0 as the northernmost") != NULL;
             check(said == !given, "%s: %s", runs[r][0], p->err);
             out[given] = strdup(p->out);
             if (writes) file[given] = scratch_read(arguments[n - 1], &size[given]);
@@ -439,7 +439,7 @@ static void sources_are_not_replaced(void **state) {
             {"viewshed", "outer.vrt", "--from", "15,15,2", "-o", to, NULL},
             {"trace", "outer.vrt", "rays.npy", "-o", to, NULL},
         };
-        for (size_t r = 0; r < sizeof runs / sizeof runs[0]; r++) check_refused(runs[r], 1, "is an input as well");
+        for (size_t r = 0; r < sizeof runs / sizeof runs[0]; r++) check_refused(runs[r], 1, "is also an input");
     }
     size_t size;
     char *now = scratch_read("grid.npy", &size);

@@ -233,7 +233,7 @@ static void what_is_refused(void **state) {
     /* Pictures do not replace what they are made from. */
     check_refused(
         (const char *const[]){"render", "level.npy", "--image", "o.pfm", "--size", "9x9", "-o", "./o.pfm", NULL}, 1,
-        "is an input as well");
+        "is also an input");
 }
 
 int main(void) {

@@ -219,11 +219,11 @@ static void inputs_as_outputs(void **state) {
     char *field = scratch_read("field.npy", &size);
     assert_int_equal(link("field.npy", "again.npy"), 0);
     assert_int_equal(symlink("rays.npy", "same.npy"), 0);
-    check_no_output("field.npy", NULL, "field.npy: is an input as well");
-    check_no_output("rays.npy", NULL, "rays.npy: is an input as well");
-    check_no_output("./field.npy", NULL, "./field.npy: is an input as well");
-    check_no_output("again.npy", NULL, "again.npy: is an input as well");
-    check_no_output("same.npy", NULL, "same.npy: is an input as well");
+    check_no_output("field.npy", NULL, "field.npy: is also an input");
+    check_no_output("rays.npy", NULL, "rays.npy: is also an input");
+    check_no_output("./field.npy", NULL, "./field.npy: is also an input");
+    check_no_output("again.npy", NULL, "again.npy: is also an input");
+    check_no_output("same.npy", NULL, "same.npy: is also an input");
     static const char scene[] = "Camera \"perspective\"\nWorldBegin\n"
                                 "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"image.pfm\"\n"
                                 "Material \"matte\" \"texture Kd\" \"t\"\n"
@@ -235,7 +235,7 @@ static void inputs_as_outputs(void **state) {
     for (int k = 0; k < 2; k++) {
         const char *output = k == 0 ? "shape.pfm" : "image.pfm";
         check_failure(program_run(NULL, (const char *const[]){"render", "scene.pbrt", "-o", output, NULL}), 1,
-                      "is an input as well");
+                      "is also an input");
     }
     char *now = scratch_read("field.npy", &size_now);
     assert_int_equal(size, size_now);

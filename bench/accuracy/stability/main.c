@@ -78,7 +78,7 @@ static double run_batches(stability *s, batch_range *r) {
 
 /* ---- results ---- */
 
-/* What a contender is before the reference: "reference", "same-bits", "own-rules". */
+/* A contender's role beside the reference: "reference", "same-bits", "own-rules". */
 static const char *const roles[] = {"reference", "same-bits", "own-rules"};
 
 static json_t *result_line(const tested *t, aim kind, aim_start start, const counts *c) {

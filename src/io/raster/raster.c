@@ -181,13 +181,16 @@ static bool finish(const char *path, const io_raster_options *options, io_raster
     if (options->cellsize > 0) {
         if (options->window.nx > 0 && format_of(path) == &io_raster_gdal)
             return io_fail(error, "%s: a cell size cannot place a window of it", path);
-        if (g->placed) return io_fail(error, "%s: says by itself how far its samples are apart", path);
+        if (g->placed)
+            return io_fail(error,
+                           "%s: the file gives the distance between its samples; --cellsize is for files without one",
+                           path);
         io_raster_place(raster, options->cellsize);
     } else if (!g->placed && options->north_up) {
         set_map(raster, 1);
         warn(options,
-             "%s: has no map: cells are taken for 1 wide, row 0 for the northernmost, and the last row begins at 0,0;"
-             " --cellsize says how wide they are",
+             "%s: has no map: cells are read as 1 wide, row 0 as the northernmost, and the last row begins at 0,0;"
+             " --cellsize sets their width",
              path);
     }
     if (options->zscale > 0)

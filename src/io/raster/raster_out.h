@@ -13,7 +13,7 @@ typedef enum io_cell { IO_CELL_UINT8, IO_CELL_UINT16, IO_CELL_FLOAT32 } io_cell;
 /* Of GeoTIFFs. All are without loss. */
 typedef enum io_compression { IO_DEFLATE, IO_ZSTD, IO_UNCOMPRESSED } io_compression;
 
-/* What is to be written. */
+/* The raster to write. */
 typedef struct io_raster_product {
     size_t nx, ny, bands;
     io_cell cell;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a format gives to raster_out.c. */
+/* The functions of an output format, for raster_out.c. */
 #ifndef CELLWALK_IO_RASTER_SINK_H
 #define CELLWALK_IO_RASTER_SINK_H
 

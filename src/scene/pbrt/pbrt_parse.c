@@ -168,7 +168,7 @@ static bool film(pbrt_state *p, const pbrt_site *site, io_error *error) {
     return good;
 }
 
-/* Whatever sampler the file names, its number of samples counts: patterns differ in noise alone. */
+/* Of any sampler only the number of samples counts: patterns differ in noise alone. */
 static bool sampler(pbrt_state *p, const pbrt_site *site, io_error *error) {
     enum { SAMPLES_MAX = 65536 };
     char *class;

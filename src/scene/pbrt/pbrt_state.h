@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the directives of a .pbrt file share while it is read. */
+/* The state that the directives of a .pbrt file share while it is read. */
 #ifndef CELLWALK_SCENE_PBRT_STATE_H
 #define CELLWALK_SCENE_PBRT_STATE_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What is computed for each path by itself: functions of floats that loops over paths are made of. Compilers turn such a
+/* Computations on single paths: functions of floats that loops over paths are made of. Compilers turn such a
  * loop into vectors of any width, and the bits stay the same: each operation is IEEE's and rounds once, nothing is fused or
  * put in another order (src/flags.cmake), choices are by ?: and not by branches. */
 #ifndef CELLWALK_SCENE_LANES_H

@@ -99,7 +99,7 @@ LANE_INLINE float lane_part(float x) {
     return near.f - (float)lane_floor(near.f);
 }
 
-/* What a probe reads of a level: as the image repeats, so do rows and columns. (In two steps, without a choice: else GCC
+/* The texels that a probe reads of a level: rows and columns repeat with the image. (In two steps, without a choice: else GCC
  * makes branches of it.) */
 LANE_INLINE void place_probe(wave_probes *p, size_t k, float width, float height) {
     p->right[k] = lane_part(p->u[k]) * width - 0.5f;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a scene requires of the renderer, found out once before a rendering: its shapes' spaces, the maps between them, and
+/* The steps that a scene requires of the renderer, found once before a rendering: its shapes' spaces, the maps between them, and
  * which features occur at all. Code that a scene does not require is not run.
  *
  * A space is where coordinates are small and exact: a height field's own, with unit cells, a cylinder's own, the camera's.

@@ -166,7 +166,7 @@ LANE_INLINE size_t ask(wave *w, size_t asked, const moved *m, uint8_t *passes, s
 
 /* ---- closest hits ------------------------------------------------------------------------------------------------- */
 
-/* What is known of rays before each one is held against a box. */
+/* Bounds on several rays, before each one is tested against a box. */
 typedef enum passing { NONE_PASS, SOME_PASS, ALL_PASS } passing;
 
 /* The tile's camera rays and a field's box: none passes if the tile lies outside of the rectangle in which the box is seen;

@@ -136,7 +136,7 @@ typedef struct wave {
 
     float view[2][2]; /* where the tile's camera rays pass at depth 1: the least x and y, and the most */
 
-    /* What the tracer is asked about one field, of which rays, and its answers. */
+    /* One query of the tracer: the field, the rays and the answers. */
     cw_ray asked[WAVE_ROOM];
     uint32_t asked_of[WAVE_ROOM];
     cw_hit (*answers)[SCENE_BATCH]; /* of each field: they are read when the paths are shaded */

@@ -99,7 +99,7 @@ static double bound_between(const way *w, double a, double b, int level) {
         for (size_t u = u0; u <= u1; u++)
             high = bounds->high[level][v * across + u] > high ? bounds->high[level][v * across + u] : high;
     const double height = (double)high - s->eye[2] - least_fall(s, left, right, top, bottom);
-    /* Shares from the eye. A crossing may be taken for one of this stretch if that is within rounding: the targets of lines that
+    /* Shares from the eye. A crossing may count as one of this stretch if that is within rounding: the targets of lines that
      * are decided are samples, so that the way goes at least a cell across all lines between. */
     const double room = 2 * w->slack + 2 * way_share_error, near = 1 - b - room, far = 1 - a + room;
     if (height == -INFINITY) return height;
@@ -220,7 +220,7 @@ bool sight_sees(const sight *s, double i, double j, double z, double above, sigh
     return !blocked;
 }
 
-/* What is needed over a target of no height. */
+/* The height needed over a target of height 0. */
 typedef struct need {
     double steepest; /* the steepest rise that is more than the target's for sure, or less than that */
     double excess;   /* of what is in doubt */

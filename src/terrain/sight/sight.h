@@ -32,7 +32,7 @@ double sight_fall(const sight *s, double i, double j);
 double sight_sample(const sight *s, size_t i, size_t j);
 
 /* The steepest rise from the eye on the way to (i, j), as height over the eye per share of the way, both ends left out, and
- * the share at which it is, the least of several; rounded. What is less than least comes out as least, at share 0. */
+ * the share at which it is, the least of several; rounded. Values below least are returned as least, at share 0. */
 typedef struct sight_rise {
     double steepest, share;
 } sight_rise;
@@ -54,7 +54,7 @@ double sight_around(const sight *s, const double a[2], const double b[2]);
  * Coordinates are rounded to multiples of 2^-60. Rounding must be to nearest. */
 
 /* Whether the sample (i, j), or what stands above it, is seen, if nothing hides it outside these parts of the way: z is its
- * height and above that of the target over it, in the samples' numbers. What touches the line blocks it. */
+ * height and above that of the target over it, in the samples' numbers. Terrain that touches the line blocks it. */
 bool sight_sees(const sight *s, double i, double j, double z, double above, sight_parts parts);
 
 /* How high over the sample (i, j) of height z something must at least stand so that nothing is above the line to it: 0 only if

@@ -27,7 +27,7 @@ enum { SLICES = SWEEP_PARTS / 4, BIN_CELLS = 8, COLUMNS_AT_ONCE = 16, AROUND = 3
  * added. */
 static const double close_rows = 3;
 
-/* The skyline begins there: a cell from the eye, less a hair. What is nearer is left to sight_around. */
+/* The skyline begins there: a cell from the eye, less a hair. Nearer terrain is left to sight_around. */
 static const double first_distance = 1 - 0x1p-10;
 
 /* A small range of directions. */

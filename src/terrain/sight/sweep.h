@@ -6,7 +6,7 @@
 
 #include "sight.h"
 
-/* What is known of the way to a sample. */
+/* Results on the way to a sample. */
 typedef struct sweep_way {
     double low;         /* something on it rises by at least this, as height over the eye per share of the way */
     sight_parts unsure; /* where something may still hide the target */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What is seen from a place: for each sample, whether the straight line from the observer's eye to it, or to something of a
+/* Visibility from a place: for each sample, whether the straight line from the observer's eye to it, or to something of a
  * given height on it, passes above the surface. A line that touches it on the way is blocked. */
 #ifndef CELLWALK_TERRAIN_VIEWSHED_H
 #define CELLWALK_TERRAIN_VIEWSHED_H

@@ -75,7 +75,7 @@ static int run(const program *p, int argc, char **argv) {
 }
 
 /* Where a standard stream is closed, the next file to be opened would take its number, and an output would have messages
- * written into it. What is opened here instead fails as a closed stream does. */
+ * written into it. The streams opened here instead fail as closed ones do. */
 static void hold_streams(void) {
     for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++)
         if (fcntl(fd, F_GETFD) < 0) open("/dev/null", fd == STDIN_FILENO ? O_WRONLY : O_RDONLY);

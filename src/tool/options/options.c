@@ -183,7 +183,7 @@ static bool set_count(const options_usage *usage, const option_spec *o, const ch
     return false;
 }
 
-/* Takes the text apart in place. What is in the list already is not added again. */
+/* Splits the text in place. Items that are in the list already are not added again. */
 static bool add_items(const options_usage *usage, const option_spec *o, char *text) {
     option_list *list = o->to;
     for (char *rest = text; rest;) {

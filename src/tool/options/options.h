@@ -88,7 +88,7 @@ const char *option_kernel_names(size_t number);
 const char *option_isa_names(size_t number);
 const char *option_leaf_names(size_t number);
 
-/* What to do with instruction sets that a user names. Each is false after a message, which begins with the subcommand's name.
+/* Instruction sets that a user names. Each function returns false after a message, which begins with the subcommand's name.
  *  - The word, given by what: "--isa".
  *  - CELLWALK_ISA: an upper bound, which may lie above the machine's; a misspelt one is an error, since the library would ignore it.
  *  - The library is limited to isa. It is an error if CPU or CELLWALK_ISA rule that out, or else a measurement would carry the

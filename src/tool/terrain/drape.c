@@ -52,7 +52,7 @@ bool drape_heights(io_image *colours, const terrain *t, io_error *error) {
 
 /* ---- orthophotos -------------------------------------------------------------------------------------------------- */
 
-/* What is drawn where the orthophoto ends or has nothing. */
+/* The grey outside the orthophoto and at its holes. */
 static const float bare = 0.4f;
 
 typedef struct ortho {

@@ -82,7 +82,7 @@ static int open_ground(ground *g, ground_options *o, const char *path, size_t ba
     if (!query_options_resolve(&o->query, o->name, &g->query)) return EXIT_USAGE;
     if (!raster_options_resolve(&o->raster, o->name, &raster)) return EXIT_USAGE;
     if (bands > 0 && o->output == NULL) {
-        command_fail(o->name, "nothing to do: give -o FILE for what is found");
+        command_fail(o->name, "nothing to do: give -o FILE for the result");
         return EXIT_USAGE;
     }
     if (o->compression != IO_DEFLATE && !(bands > 0 && io_raster_is_tif(o->output))) {
@@ -91,7 +91,7 @@ static int open_ground(ground *g, ground_options *o, const char *path, size_t ba
     }
     if (bands > 0 && !io_raster_can_write(o->output, bands, &error)) return command_fail(o->name, "%s", error.text);
     if (bands > 0 && io_inputs_note_path(path) && is_input(o->output))
-        return command_fail(o->name, "%s: is the terrain itself, and is not written over", o->output);
+        return command_fail(o->name, "%s: is the terrain itself and cannot be overwritten", o->output);
     const cw_status status = cw_pool_create(o->query.threads, &g->query.pool);
     if (status != CW_OK) return command_fail(o->name, "%s", cw_last_error());
     raster.north_up = true;
@@ -99,7 +99,7 @@ static int open_ground(ground *g, ground_options *o, const char *path, size_t ba
     progress_end(&o->raster.line);
     if (!good) return command_fail(o->name, "%s", error.text);
     if (bands > 0 && is_input(o->output)) /* a VRT's sources, known by now */
-        return command_fail(o->name, "%s: is an input as well; choose another name for the output", o->output);
+        return command_fail(o->name, "%s: is also an input; choose another name for the output", o->output);
     g->line = progress_start(o->name);
     return EXIT_SUCCESS;
 }

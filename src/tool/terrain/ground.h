@@ -65,7 +65,7 @@ bool ground_find_place(const terrain *t, const ground_place *p, double at[3], do
 /* The terrain that a file holds. */
 bool ground_describe(terrain *t, const field_file *file, const char *path, io_error *error);
 
-/* What a product says of itself: notes as "NAME=value". All zero: nothing yet. */
+/* Metadata of a product: notes as "NAME=value". All zero: none yet. */
 enum { GROUND_NOTES_MOST = 300 };
 typedef struct ground_notes {
     size_t count;

@@ -12,7 +12,7 @@
 
 static const char name[] = "render";
 
-/* What a picture is like where nothing else was said. */
+/* Defaults of a picture. */
 enum { WIDTH = 1200, HEIGHT = 800, SAMPLES = 4 };
 static const double usual_fov = 40, usual_sun[2] = {315, 40}, usual_eye = 2, usual_pitch = 30;
 static const double sun_light = 0.85, sky_light = 0.3;
@@ -86,7 +86,7 @@ const char *view_only(const view_options *v) {
 
 /* ---- places ------------------------------------------------------------------------------------------------------- */
 
-/* What was asked for, as numbers. */
+/* The options as numbers. */
 typedef struct wish {
     ground_place from, to;
     double sun[2], fov;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the module that holds GDAL offers to the program that loads it. GDAL and the hundred libraries that it brings take
+/* The interface of the module with GDAL to the program that loads it. GDAL and the hundred libraries that it brings take
  * 40 to 60 ms to load, three quarters of that for finding symbols, so only the module is linked to it, and the module is loaded when a file needs it. */
 #ifndef CELLWALK_IO_GDAL_MODULE_H
 #define CELLWALK_IO_GDAL_MODULE_H

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the module's files share. */
+/* Declarations that the module's files share. */
 #ifndef CELLWALK_IO_GDAL_PARTS_H
 #define CELLWALK_IO_GDAL_PARTS_H
 

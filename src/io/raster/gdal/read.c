@@ -79,7 +79,7 @@ static void describe_heights(io_gdal_source *s, const io_raster_options *options
             raster->georef.height_unit = metres;
         else if (options->zscale == 0)
             gdal_warn(options,
-                      "%s: the unit of heights, '%s', is not known and taken for the map's; --zscale says what it is",
+                      "%s: the unit of heights, '%s', is unknown and read as the map's unit; --zscale gives another",
                       s->path, unit);
     }
     int given = 0;
@@ -122,7 +122,7 @@ static bool choose_band(io_gdal_source *s, const io_raster_options *options, io_
     if (options->band > (unsigned)bands)
         return io_fail(error, "%s: has %d band%s, not %u", s->path, bands, bands == 1 ? "" : "s", options->band);
     if (options->band == 0 && bands > 1)
-        gdal_warn(options, "%s: has %d bands, of which the first is taken for heights; --band chooses another", s->path,
+        gdal_warn(options, "%s: has %d bands, and the first is read as heights; --band chooses another", s->path,
                   bands);
     s->band = GDALGetRasterBand(s->file, options->band > 0 ? (int)options->band : 1);
     return s->band != NULL || gdal_fail(error, s->path, "cannot read the band");
