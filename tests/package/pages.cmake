@@ -38,9 +38,10 @@ function(check_page name help)
     set(file ${PAGES}/man/man1/${name}.1)
     run(page ${GROFF} -man -ww -Tascii -P-cbou ${file})
     fold(page)
+    string(REGEX REPLACE "\nMore:.*" "" help "${help}") # the program's last lines are about other pages
     string(REGEX REPLACE "\n(Commands|Options|Examples):\n" "@" help "${help}")
     string(REGEX REPLACE "^Usage: ([^\n]*)\n\n" "\\1@" help "${help}")
-    string(REGEX REPLACE "\n\n'[^@]*$" "" help "${help}") # the program's last lines are about other pages
+    string(REGEX REPLACE "\n\n+" "@" help "${help}")
     while(NOT help STREQUAL "")
         string(FIND "${help}@" "@" length)
         string(SUBSTRING "${help}" 0 ${length} part)
@@ -103,7 +104,8 @@ source $argv[1]
 complete -C $argv[2]
 ]])
 run(help ${PROGRAM} --help)
-string(REGEX MATCHALL "\n  [a-z]+ " rows "${help}")
+string(REGEX MATCH "Commands:\n(  [^\n]*\n)+" rows "${help}")
+string(REGEX MATCHALL "\n  [a-z]+ " rows "${rows}")
 check_page(${program} "${help}")
 set(commands "")
 foreach(row IN LISTS rows)
