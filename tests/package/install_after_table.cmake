@@ -14,6 +14,9 @@ ninja(needed inputs table)
 ninja(built targets all)
 list(FILTER built EXCLUDE REGEX ": CMAKE_SYMLINK_LIBRARY") # one step makes both links, of which one is named
 list(TRANSFORM built REPLACE ": .*" "")
+foreach(list IN ITEMS needed built)
+    list(TRANSFORM ${list} REPLACE "^.*/([^/]+_pages)$" "\\1")
+endforeach()
 
 file(GLOB_RECURSE scripts ${BUILD}/cmake_install.cmake)
 set(count 0)
@@ -22,7 +25,10 @@ foreach(script IN LISTS scripts)
     string(REGEX MATCHALL "\"${BUILD}/[^\"]+\"" files "${text}")
     foreach(file IN LISTS files)
         string(REGEX REPLACE "\"${BUILD}/(.*)\"" "\\1" file "${file}")
-        string(REGEX REPLACE "^(share/[^/]+)/.*" "\\1.stamp" file "${file}") # a folder of pages
+        # A folder of pages: ninja 1.11 lists the target that writes it, but not its stamp.
+        if(file MATCHES "^share/([^/]+)/")
+            set(file ${CMAKE_MATCH_1}_pages)
+        endif()
         if(NOT file IN_LIST built)
             continue()
         endif()
