@@ -11,7 +11,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { STRIPS_MOST = 64, STRIPS_USUAL = 16 };
+enum { STRIPS_USUAL = 16 };
 
 static const double degree = 0.017453292519943295;
 
@@ -24,30 +24,41 @@ struct sunlight {
     const terrain *terrain;
     sunlight_desc desc;
     size_t strips;
-    strip strip[STRIPS_MOST];
-    double azimuths[STRIPS_MOST];
+    strip strip[SUNLIGHT_STRIPS_MOST];
+    double azimuths[SUNLIGHT_STRIPS_MOST];
     compass compass;
     double towards[3]; /* the sun: east, north, up */
     float *work;       /* for a part of a row block */
     size_t room;
 };
 
+/* The middle of a strip from the disc's middle line, as a part of its radius. */
+static double strip_aside(size_t k, size_t strips) { return (2 * (double)k + 1) / (double)strips - 1; }
+
+size_t sunlight_azimuths(const sunlight_desc *d, double azimuths[SUNLIGHT_STRIPS_MOST]) {
+    const size_t strips = d->radius == 0 ? 1 : d->strips > 0 ? d->strips : STRIPS_USUAL;
+    double level, up;
+    terrain_sine_cosine(d->altitude, &up, &level);
+    /* At the zenith a strip has no azimuth of its own. */
+    for (size_t k = 0; k < strips; k++)
+        azimuths[k] = d->azimuth + (level > 0.01 ? strip_aside(k, strips) * d->radius / level : 0);
+    return strips;
+}
+
 cw_status sunlight_create(const terrain *t, const sunlight_desc *desc, sunlight **light) {
     *light = NULL;
     if (!(fabs(desc->altitude) <= 90 && isfinite(desc->azimuth) && desc->radius >= 0 && desc->radius <= 10))
         return CW_ERROR_ARGUMENT;
-    if (desc->strips > STRIPS_MOST) return CW_ERROR_ARGUMENT;
+    if (desc->strips > SUNLIGHT_STRIPS_MOST) return CW_ERROR_ARGUMENT;
     sunlight *s = calloc(1, sizeof *s);
     if (s == NULL) return CW_ERROR_MEMORY;
     s->terrain = t;
     s->desc = *desc;
-    s->strips = desc->radius == 0 ? 1 : desc->strips > 0 ? desc->strips : STRIPS_USUAL;
+    s->strips = sunlight_azimuths(desc, s->azimuths);
     double level, up, area = 0;
     terrain_sine_cosine(desc->altitude, &up, &level);
     for (size_t k = 0; k < s->strips; k++) {
-        /* From the disc's middle line, as a part of its radius. At the zenith a strip has no azimuth of its own. */
-        const double aside = (2 * (double)k + 1) / (double)s->strips - 1, half = sqrt(1 - aside * aside);
-        s->azimuths[k] = desc->azimuth + (level > 0.01 ? aside * desc->radius / level : 0);
+        const double aside = strip_aside(k, s->strips), half = sqrt(1 - aside * aside);
         s->strip[k] = (strip){.altitude = desc->altitude, .half = half * desc->radius, .share = half};
         area += half;
     }

@@ -15,6 +15,11 @@ typedef struct sunlight_desc {
     bool hillshade;           /* times the cosine of the angle between the sun and the ground's normal */
 } sunlight_desc;
 
+enum { SUNLIGHT_STRIPS_MOST = 64 };
+
+/* The azimuths in which shadows are looked for, in degrees: how many there are. */
+size_t sunlight_azimuths(const sunlight_desc *desc, double azimuths[SUNLIGHT_STRIPS_MOST]);
+
 /* The terrain must stay. */
 cw_status sunlight_create(const terrain *t, const sunlight_desc *desc, sunlight **light);
 void sunlight_destroy(sunlight *light);

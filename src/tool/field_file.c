@@ -31,14 +31,17 @@ static cw_status create(field_file *file, const cw_run *how) {
     return cw_field_create(&desc, how, &file->field);
 }
 
-static bool open_raster(field_file *file, const char *path, const io_raster_options *options, const cw_run *how,
-                        io_error *error) {
-    if (!io_raster_read(path, options, &file->raster, error)) return false;
+static bool build(field_file *file, const char *path, const cw_run *how, io_error *error) {
     *(progress *)how->watch_context = progress_start("building");
     const cw_status status = create(file, how);
     if (status == CW_OK) return true;
     if (status == CW_ERROR_CANCELLED) return io_fail(error, "interrupted");
     return io_fail(error, "%s: %zu x %zu samples: %s", path, file->raster.nx, file->raster.ny, cw_last_error());
+}
+
+static bool open_raster(field_file *file, const char *path, const io_raster_options *options, const cw_run *how,
+                        io_error *error) {
+    return io_raster_read(path, options, &file->raster, error) && build(file, path, how, error);
 }
 
 static bool open_pbrt(field_file *file, const char *path, const cw_run *how, io_error *error) {
@@ -75,6 +78,17 @@ bool field_file_open(field_file *file, const char *path, const io_raster_options
     if (good) file->kernel = cw_run_kernel(file->field, query);
     progress_end(&line);
     if (!good) field_file_close(file);
+    return good;
+}
+
+bool field_file_build(field_file *file, const char *path, const cw_run *query, io_error *error) {
+    progress line = progress_start("building");
+    cw_run how = *query;
+    how.watch = tell;
+    how.watch_context = &line;
+    const bool good = build(file, path, &how, error);
+    if (good) file->kernel = cw_run_kernel(file->field, query);
+    progress_end(&line);
     return good;
 }
 

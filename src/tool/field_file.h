@@ -21,6 +21,8 @@ typedef struct field_file {
  * file needs no closing. */
 bool field_file_open(field_file *file, const char *path, const io_raster_options *options,
                      const coarser_options *coarser, const cw_run *query, io_error *error);
+/* Builds the field of a raster that file holds already. */
+bool field_file_build(field_file *file, const char *path, const cw_run *query, io_error *error);
 void field_file_close(field_file *file);
 
 #define FIELD_FILE_HELP                                                                                                \

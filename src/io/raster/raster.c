@@ -71,7 +71,7 @@ static size_t count_equal(const io_raster *raster, float value) {
 static bool take_nodata_out(const char *path, const io_raster_options *options, io_raster *raster, io_error *error) {
     for (size_t n = 0; n < options->nodata_count; n++) {
         const float value = (float)options->nodata[n];
-        if (count_equal(raster, value) == 0) continue;
+        if (raster->z == NULL || count_equal(raster, value) == 0) continue;
         float *z = writable(path, raster, error);
         if (z == NULL) return false;
         for (size_t k = 0; k < raster->nx * raster->ny; k++)
@@ -147,6 +147,16 @@ void io_raster_place(io_raster *raster, double cellsize) {
     raster->georef.placed = true;
 }
 
+static void drop_samples(io_raster *raster) {
+    if (raster->mapped_bytes > 0)
+        munmap(raster->memory, raster->mapped_bytes);
+    else
+        free(raster->memory);
+    raster->memory = NULL;
+    raster->z = NULL;
+    raster->mapped_bytes = 0;
+}
+
 /* For formats that read all there is; GDAL reads the window alone. */
 static bool crop(const char *path, const io_raster_options *o, io_raster *raster, io_error *error) {
     io_raster part;
@@ -155,13 +165,9 @@ static bool crop(const char *path, const io_raster_options *o, io_raster *raster
     float *z = part.memory;
     for (size_t y = 0; y < part.ny; y++)
         memcpy(z + y * part.nx, raster->z + (o->window.j + y) * raster->nx + o->window.i, part.nx * sizeof *z);
-    if (raster->mapped_bytes > 0)
-        munmap(raster->memory, raster->mapped_bytes);
-    else
-        free(raster->memory);
+    drop_samples(raster);
     raster->memory = part.memory;
     raster->z = part.z;
-    raster->mapped_bytes = 0;
     raster->nx = part.nx;
     raster->ny = part.ny;
     io_raster_shift(raster, o->window.i, o->window.j);
@@ -197,10 +203,12 @@ static bool finish(const char *path, const io_raster_options *options, io_raster
         raster->map[2][2] = options->zscale;
     else if (g->height_unit > 0 && (g->geographic || g->unit > 0))
         raster->map[2][2] = g->height_unit / (g->geographic ? 1 : g->unit);
-    smell_nodata(path, options, raster);
+    if (raster->z != NULL) smell_nodata(path, options, raster);
     smell_degrees(path, options, raster);
     return true;
 }
+
+bool io_raster_has_windows(const char *path) { return format_of(path) == &io_raster_gdal; }
 
 void io_raster_known(char *text, size_t size) {
     size_t used = 0;
@@ -217,6 +225,7 @@ bool io_raster_read(const char *path, const io_raster_options *options, io_raste
     if (format != &io_raster_gdal && options->band > 1)
         return io_fail(error, "%s: has one band, not %u", path, options->band);
     if (!format->read(path, options, raster, error)) return false;
+    if (options->no_samples) drop_samples(raster);
     const bool whole = options->window.nx == 0 || format == &io_raster_gdal;
     if (finish(path, options, raster, error) && (whole || crop(path, options, raster, error))) return true;
     io_raster_free(raster);
@@ -224,10 +233,7 @@ bool io_raster_read(const char *path, const io_raster_options *options, io_raste
 }
 
 void io_raster_free(io_raster *raster) {
-    if (raster->mapped_bytes > 0)
-        munmap(raster->memory, raster->mapped_bytes);
-    else
-        free(raster->memory);
+    drop_samples(raster);
     io_georef_free(&raster->georef);
     *raster = (io_raster){0};
 }

@@ -33,7 +33,8 @@ typedef struct io_raster_options {
     double zscale; /* > 0: one unit of height is so many of the map's (metres, if that is in degrees) */
     struct {
         size_t i, j, nx, ny;
-    } window; /* only these samples, from (i, j) on; nx = 0: all. An error if the raster lacks some of them */
+    } window;        /* only these samples, from (i, j) on; nx = 0: all. An error if the raster lacks some of them */
+    bool no_samples; /* size, map and georef alone, which need no memory where GDAL reads: z stays NULL */
     /* NULL, or called with a warning: a sentence without a full stop that names the file. */
     void (*warn)(void *context, const char *text);
     /* NULL, or called now and then with the share that is read. False ends the reading with the error "interrupted". */
@@ -56,6 +57,9 @@ extern const io_raster_format io_raster_gdal; /* all other endings */
 /* Reads any known format, chosen by the file name's ending. options may be NULL. */
 bool io_raster_read(const char *path, const io_raster_options *options, io_raster *raster, io_error *error);
 void io_raster_free(io_raster *raster);
+
+/* Whether windows of the file, and its size and map, are read without reading the rest. */
+bool io_raster_has_windows(const char *path);
 
 /* Lets GDAL use the network, and all of its drivers, from now on in this process. Only before the first raster is read or
  * written. Without it a file that needs the network is refused. */

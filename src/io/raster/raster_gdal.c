@@ -125,10 +125,15 @@ static bool read_gdal(const char *path, const io_raster_options *options, io_ras
     }
     const bool noted = gdal->each_file(source, io_inputs_note_path);
     if (!noted) io_fail(error, "%s: out of memory", path);
-    bool good = noted && (uint64_t)header.nx * header.ny <= most_samples;
+    bool good = noted && (options->no_samples || (uint64_t)header.nx * header.ny <= most_samples);
     if (noted && !good)
         io_fail(error, "%s: %zu x %zu samples are more than a field can hold; gdal_translate -srcwin cuts a part out",
                 path, header.nx, header.ny);
+    if (good && options->no_samples) {
+        *raster = header;
+        gdal->close(source);
+        return true;
+    }
     good = good && io_raster_allocate(path, header.nx, header.ny, raster, error);
     if (good) {
         memcpy(raster->map, header.map, sizeof raster->map);

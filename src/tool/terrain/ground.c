@@ -4,6 +4,7 @@
 #include "../cancel.h"
 #include "command.h"
 #include "inputs.h"
+#include "pieces.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -46,10 +47,9 @@ static bool is_input(const char *output) {
     return stat(output, &about) == 0 && io_inputs_have(&about);
 }
 
-bool ground_describe(terrain *t, const field_file *file, const char *path, io_error *error) {
-    const io_raster *r = &file->raster;
+bool ground_describe_raster(terrain *t, const io_raster *r, const cw_field *field, const char *path, io_error *error) {
     const terrain_desc desc = {
-        .field = file->field,
+        .field = field,
         .nx = r->nx,
         .ny = r->ny,
         .z = r->z,
@@ -59,13 +59,23 @@ bool ground_describe(terrain *t, const field_file *file, const char *path, io_er
         .semi_major = r->georef.semi_major,
         .inverse_flattening = r->georef.inverse_flattening,
     };
-    if (r->z == NULL) return io_fail(error, "%s: a scene says nothing of places on earth; give a raster", path);
     return terrain_init(t, &desc) || io_fail(error, "%s: its map has no way back to samples", path);
 }
 
-static bool read_ground(ground *g, const char *path, const io_raster_options *options, bool field, io_error *error) {
+bool ground_describe(terrain *t, const field_file *file, const char *path, io_error *error) {
+    if (file->raster.z == NULL)
+        return io_fail(error, "%s: a scene says nothing of places on earth; give a raster", path);
+    return ground_describe_raster(t, &file->raster, file->field, path, error);
+}
+
+const io_georef *ground_georef(const ground *g) { return g->about.nx > 0 ? &g->about.georef : &g->file.raster.georef; }
+
+static bool read_ground(ground *g, const char *path, const io_raster_options *options, ground_reading reading,
+                        io_error *error) {
     const coarser_options *coarser = &g->options->raster.coarser;
-    field = field || coarser->factor > 0; /* a coarser one is made of it */
+    g->reading = *options;
+    if (reading == GROUND_PIECES) return pieces_describe(g, error);
+    const bool field = reading == GROUND_FIELD || coarser->factor > 0; /* a coarser one is made of it */
     if (field && !field_file_open(&g->file, path, options, coarser, &g->query, error)) return false;
     if (!field && !io_raster_read(path, options, &g->file.raster, error)) return false;
     const io_raster *r = &g->file.raster;
@@ -75,12 +85,13 @@ static bool read_ground(ground *g, const char *path, const io_raster_options *op
 }
 
 /* EXIT_SUCCESS, or the exit status after a message; *g needs freeing in any case. */
-static int open_ground(ground *g, ground_options *o, const char *path, size_t bands, bool field) {
+static int open_ground(ground *g, ground_options *o, const char *path, size_t bands, ground_reading reading) {
     io_raster_options raster;
     io_error error;
     *g = (ground){.path = path, .options = o};
     if (!query_options_resolve(&o->query, o->name, &g->query)) return EXIT_USAGE;
     if (!raster_options_resolve(&o->raster, o->name, &raster)) return EXIT_USAGE;
+    if (reading == GROUND_PIECES && !pieces_resolve(o)) return EXIT_USAGE;
     if (bands > 0 && o->output == NULL) {
         command_fail(o->name, "nothing to do: give -o FILE for the result");
         return EXIT_USAGE;
@@ -95,7 +106,7 @@ static int open_ground(ground *g, ground_options *o, const char *path, size_t ba
     const cw_status status = cw_pool_create(o->query.threads, &g->query.pool);
     if (status != CW_OK) return command_fail(o->name, "%s", cw_last_error());
     raster.north_up = true;
-    const bool good = read_ground(g, path, &raster, field, &error);
+    const bool good = read_ground(g, path, &raster, reading, &error);
     progress_end(&o->raster.line);
     if (!good) return command_fail(o->name, "%s", error.text);
     if (bands > 0 && is_input(o->output)) /* a VRT's sources, known by now */
@@ -108,10 +119,11 @@ static void free_ground(ground *g) {
     progress_end(&g->line);
     cw_pool_destroy(g->query.pool);
     field_file_close(&g->file);
+    io_raster_free(&g->about);
 }
 
-int ground_open(ground *g, ground_options *o, const char *path, size_t bands, bool field) {
-    const int status = open_ground(g, o, path, bands, field);
+int ground_open(ground *g, ground_options *o, const char *path, size_t bands, ground_reading reading) {
+    const int status = open_ground(g, o, path, bands, reading);
     if (status != EXIT_SUCCESS) free_ground(g);
     return status;
 }
@@ -173,7 +185,9 @@ static void find_extent(const terrain *t, double low[2], double high[2]) {
 }
 
 /* Why a place has no ground. */
-static bool tell_no_ground(const terrain *t, const ground_place *p, const double at[2], io_error *error) {
+static bool tell_no_ground(const terrain *part, const ground_place *p, const double there[2], io_error *error) {
+    const terrain *t = terrain_whole(part);
+    const double at[2] = {there[0] + (double)part->column, there[1] + (double)part->row};
     double low[2], high[2], swapped[2];
     if (is_inside(t, at, 0))
         return io_fail(error, "%s: there is no data at that place; X,Y,=Z gives the height itself", p->text);
@@ -224,17 +238,18 @@ void ground_notes_free(ground_notes *n) {
 io_raster_product ground_product(const ground *g, io_cell cell, size_t bands, const char *const *what,
                                  ground_notes *notes) {
     const io_raster *r = &g->file.raster;
+    const bool by_pieces = g->about.nx > 0;
     ground_note(notes, "TIFFTAG_SOFTWARE=cellwalk %s", CW_VERSION);
     ground_note(notes, "TIFFTAG_IMAGEDESCRIPTION=%s", *what);
     ground_note(notes, "PRODUCT=%s", g->options->name);
     ground_note(notes, "SURFACE=two triangles between each four samples, split from sample (i, j) to (i + 1, j + 1)");
     return (io_raster_product){
-        .nx = r->nx,
-        .ny = r->ny,
+        .nx = by_pieces ? g->window.nx : r->nx,
+        .ny = by_pieces ? g->window.ny : r->ny,
         .bands = bands,
         .cell = cell,
-        .map = r->map,
-        .georef = &r->georef,
+        .map = by_pieces ? g->map : r->map,
+        .georef = ground_georef(g),
         .has_nodata = true,
         .nodata = cell == IO_CELL_UINT8    ? 255
                   : cell == IO_CELL_UINT16 ? 65535
@@ -255,42 +270,13 @@ bool ground_tell(void *context, double share) {
     return true;
 }
 
-/* As many rows as a GeoTIFF's tiles have, fewer where that would make Ctrl-C wait. */
-static size_t block_rows(const io_raster_product *p, double passes) {
-    enum { LEAST = 32 };
-    const size_t tile = io_raster_tile_side(p->ny);
-    size_t rows = tile;
-    while (rows > LEAST && rows % 2 == 0 && passes * (double)rows * (double)p->nx > 1e7) rows /= 2;
-    while (passes * (double)rows * (double)p->nx < 1e6 && rows < p->ny) rows += tile;
-    return rows;
-}
-
-static bool write_blocks(ground *g, io_raster_writer *w, size_t rows, ground_fill *fill, void *context, void *cells,
-                         io_error *error) {
-    const io_raster_product p = w->product;
-    for (size_t band = 0; band < p.bands; band++)
-        for (size_t row = 0; row < p.ny; row += rows) {
-            const size_t count = p.ny - row < rows ? p.ny - row : rows;
-            const double done = (double)band + (double)row / (double)p.ny;
-            if (!ground_tell(g, done / (double)p.bands)) return io_fail(error, "interrupted");
-            if (!fill(context, band, row, count, cells, error)) return false;
-            if (!io_raster_write(w, cells, count, error)) return false;
-        }
-    return true;
+bool ground_tell_block(void *context, double share) {
+    const ground *g = context;
+    return ground_tell(context, g->done + share * g->part);
 }
 
 bool ground_write(ground *g, const io_raster_product *product, double passes, ground_fill *fill, void *context,
                   io_error *error) {
-    io_raster_writer w;
-    const size_t rows = block_rows(product, passes);
-    void *cells = malloc(rows * product->nx * io_cell_bytes(product->cell));
-    if (cells == NULL) return io_fail(error, "out of memory");
-    bool good = io_raster_create(&w, g->options->output, product, error);
-    if (good) {
-        good = write_blocks(g, &w, rows, fill, context, cells, error);
-        good = good && io_raster_commit(&w, error);
-        io_raster_discard(&w);
-    }
-    free(cells);
-    return good;
+    const pieces_maker maker = {.fill = fill};
+    return pieces_write(g, product, passes, &maker, context, error);
 }

@@ -18,6 +18,9 @@ typedef struct ground_options {
     int compression; /* io_compression */
     raster_options raster;
     query_options query;
+    /* Of those that take them (pieces.h): the texts, and what they say. */
+    const char *window, *memory;
+    double extent[4], bytes;
 } ground_options;
 enum { GROUND_OPTION_COUNT = 2 + RASTER_OPTION_COUNT + 2 };
 void ground_rows(ground_options *o, const char *name, option_spec rows[GROUND_OPTION_COUNT]);
@@ -29,11 +32,27 @@ typedef struct ground {
     terrain terrain;
     cw_run query;
     progress line;
+    double done, part; /* of all, before a block, and by it */
+
+    /* pieces.h: */
+    io_raster_options reading;
+    io_raster about;            /* all of the raster: size, map and place, and samples if the file has no windows */
+    terrain whole;              /* the same; no samples */
+    cw_rectangle window, piece; /* what the product is made of, what is in memory */
+    double map[3][4];           /* of the window */
+    size_t pieces, warnings;    /* that were read, and printed since then */
 } ground;
 
-/* Reads the terrain, with a field if rays will be traced. Before that it checks that the output can be written with so many
+/* What is read at the opening. */
+typedef enum ground_reading {
+    GROUND_SAMPLES,
+    GROUND_FIELD, /* samples, and a field of them for rays */
+    GROUND_PIECES /* nothing but size, map and place: pieces.h */
+} ground_reading;
+
+/* Reads the terrain. Before that it checks that the output can be written with so many
  * bands (0: there is no output). Returns EXIT_SUCCESS, or after a message the exit status; *g then needs no closing. */
-int ground_open(ground *g, ground_options *options, const char *path, size_t bands, bool field);
+int ground_open(ground *g, ground_options *options, const char *path, size_t bands, ground_reading reading);
 
 /* Frees the terrain and returns the exit status of the work, after the message in error unless it was good. */
 int ground_close(ground *g, bool good, const io_error *error);
@@ -62,7 +81,11 @@ bool ground_parse_place(const char *name, const char *text, double height, groun
  * where there is none, and may be NULL. */
 bool ground_find_place(const terrain *t, const ground_place *p, double at[3], double *level_there, io_error *error);
 
+/* Where the raster lies. */
+const io_georef *ground_georef(const ground *g);
+
 /* The terrain that a file holds. */
+bool ground_describe_raster(terrain *t, const io_raster *r, const cw_field *field, const char *path, io_error *error);
 bool ground_describe(terrain *t, const field_file *file, const char *path, io_error *error);
 
 /* Metadata of a product: notes as "NAME=value". All zero: none yet. */
@@ -81,7 +104,7 @@ void ground_notes_free(ground_notes *n);
 io_raster_product ground_product(const ground *g, io_cell cell, size_t bands, const char *const *what,
                                  ground_notes *notes);
 
-/* Fills in rows row to row + rows - 1 of a band. */
+/* Fills in rows row to row + rows - 1 of a band, as long as the terrain's. */
 typedef bool ground_fill(void *context, size_t band, size_t row, size_t rows, void *cells, io_error *error);
 
 /* Makes a product block by block and writes it. passes: how often as much work as one shadow it is. */
@@ -90,5 +113,7 @@ bool ground_write(ground *g, const io_raster_product *product, double passes, gr
 
 /* Progress of a step that lasts, for terrain_progress: context is the ground. */
 bool ground_tell(void *context, double share);
+/* The same, of the block that is being filled. */
+bool ground_tell_block(void *context, double share);
 
 #endif

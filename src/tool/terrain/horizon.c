@@ -4,7 +4,7 @@
 #include "horizon.h"
 
 #include "command.h"
-#include "ground.h"
+#include "pieces.h"
 #include "sight.h"
 
 #include <math.h>
@@ -24,23 +24,39 @@ typedef struct horizon_command {
 typedef struct job {
     ground *ground;
     horizon *horizon;
+    const horizon_command *command;
     bool sky;
-    double row, rows; /* of the block that is being filled */
 } job;
 
-static bool tell_block(void *context, double share) {
+static bool enter(void *context, io_error *error) {
     job *j = context;
-    return ground_tell(j->ground, (j->row + share * j->rows) / (double)j->ground->terrain.ny);
+    const horizon_command *c = j->command;
+    const horizon_desc desc = {.start = c->start,
+                               .count = c->directions,
+                               .max_distance = c->max_distance,
+                               .curvature = c->curvature,
+                               .grid = c->grid};
+    horizon_destroy(j->horizon);
+    const cw_status status = horizon_create(&j->ground->terrain, &desc, &j->horizon);
+    return status == CW_OK || io_fail(error, "%s", cw_status_message(status));
+}
+
+/* Without a distance far mountains count. */
+static bool around(void *context, cw_rectangle part, cw_rectangle *piece, io_error *error) {
+    const job *j = context;
+    const double distance = j->command->max_distance;
+    (void)error;
+    *piece = distance > 0 ? reach_beside(&j->ground->whole, part, distance) : pieces_all(j->ground);
+    return true;
 }
 
 static bool fill(void *context, size_t band, size_t row, size_t rows, void *cells, io_error *error) {
     job *j = context;
     bool done = true;
-    j->row = (double)row;
-    j->rows = (double)rows;
     const cw_run *q = &j->ground->query;
-    const cw_status status = j->sky ? horizon_sky_view(j->horizon, q, row, rows, cells, tell_block, j, &done)
-                                    : horizon_angles(j->horizon, q, band, row, rows, cells);
+    const cw_status status =
+        j->sky ? horizon_sky_view(j->horizon, q, row, rows, cells, ground_tell_block, j->ground, &done)
+               : horizon_angles(j->horizon, q, band, row, rows, cells);
     if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));
     /* Where nothing is, horizon.h has the nadir, which is no horizon and would be the least and part of the mean. */
     float *angles = cells;
@@ -63,16 +79,11 @@ static const char **band_names(const horizon *h, size_t count) {
 }
 
 static bool make_bands(job *j, const horizon_command *c, io_error *error) {
-    const horizon_desc desc = {.start = c->start,
-                               .count = c->directions,
-                               .max_distance = c->max_distance,
-                               .curvature = c->curvature,
-                               .grid = c->grid};
-    if (c->grid && j->ground->terrain.geographic)
+    if (c->grid && ground_georef(j->ground)->geographic)
         return io_fail(error, "%s: --grid needs a map in metres, and this one is in degrees", j->ground->path);
-    const cw_status status = horizon_create(&j->ground->terrain, &desc, &j->horizon);
-    if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));
+    j->command = c;
     j->sky = c->sky;
+    if (!enter(j, error)) return false; /* for the bands' names */
     static const char *const sky = "sky-view factor: share of an evenly bright sky's light that reaches level ground",
                              *const angles = "angle of the horizon over the level, one band a direction";
     const char **names = c->sky ? NULL : band_names(j->horizon, c->directions);
@@ -89,7 +100,8 @@ static bool make_bands(job *j, const horizon_command *c, io_error *error) {
         product.unit = "degree";
         product.white = 90;
     }
-    const bool good = ground_write(j->ground, &product, 1, fill, j, error);
+    static const pieces_maker maker = {fill, around, enter};
+    const bool good = pieces_write(j->ground, &product, 1, &maker, j, error);
     ground_notes_free(&notes);
     free(names);
     return good;
@@ -143,7 +155,7 @@ static bool make(ground *g, const horizon_command *c, io_error *error) {
 
 static int run(int argc, char **argv) {
     horizon_command c = {.directions = 32};
-    enum { OWN = 7, ALL = OWN + GROUND_OPTION_COUNT };
+    enum { OWN = 7, ALL = OWN + PIECES_OPTION_COUNT + GROUND_OPTION_COUNT };
     option_spec options[ALL] = {
         {.name = "directions",
          .value = "N",
@@ -186,7 +198,8 @@ static int run(int argc, char **argv) {
          .kind = OPTION_NUMBER,
          .to = &c.max_distance},
     };
-    ground_rows(&c.ground, name, options + OWN);
+    pieces_rows(&c.ground, options + OWN);
+    ground_rows(&c.ground, name, options + OWN + PIECES_OPTION_COUNT);
     static const char *const operands[] = {"DEM"};
     const options_usage usage = {
         .name = name,
@@ -215,8 +228,8 @@ static int run(int argc, char **argv) {
     const int status = options_parse(&usage, argc, argv, &path);
     if (status != OPTIONS_GO) return status;
     if (c.at && !ground_parse_place(name, c.at, 0, &c.place)) return EXIT_USAGE;
-    if (c.at && (c.ground.output || c.sky)) {
-        command_fail(name, "--at prints one horizon, and goes with neither -o nor --svf");
+    if (c.at && (c.ground.output || c.sky || c.ground.window)) {
+        command_fail(name, "--at prints one horizon, and goes with none of -o, --svf and --window");
         return EXIT_USAGE;
     }
     if (c.curvature < 0 || c.max_distance < 0) {
@@ -235,7 +248,7 @@ static int run(int argc, char **argv) {
     const size_t bands = c.at ? 0 : c.sky ? 1 : c.directions;
     ground g;
     io_error error = {""};
-    const int opened = ground_open(&g, &c.ground, path, bands, c.at == NULL);
+    const int opened = ground_open(&g, &c.ground, path, bands, c.at ? GROUND_SAMPLES : GROUND_PIECES);
     return opened == EXIT_SUCCESS ? ground_close(&g, make(&g, &c, &error), &error) : opened;
 }
 

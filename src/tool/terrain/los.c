@@ -97,7 +97,7 @@ static int run(int argc, char **argv) {
     c.ground.query.threads = 1;
     ground g;
     io_error error = {""};
-    const int opened = ground_open(&g, &c.ground, given[0], 0, false);
+    const int opened = ground_open(&g, &c.ground, given[0], 0, GROUND_SAMPLES);
     return opened == EXIT_SUCCESS ? ground_close(&g, look(&g, &c, &error), &error) : opened;
 }
 

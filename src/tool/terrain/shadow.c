@@ -5,7 +5,7 @@
 
 #include "command.h"
 #include "gdal/module.h"
-#include "ground.h"
+#include "pieces.h"
 #include "sun.h"
 
 #include <math.h>
@@ -26,9 +26,37 @@ typedef struct shadow_command {
 typedef struct job {
     const shadow_command *command;
     ground *ground;
+    sunlight_desc sun;
     sunlight *light;
-    bool share; /* floats */
+    bool share;            /* floats */
+    reach_blocks blocks;   /* of all from which shadows can fall on the window, once they are needed */
+    reach_sunward sunward; /* from the window */
 } job;
+
+static bool enter(void *context, io_error *error) {
+    job *j = context;
+    sunlight_destroy(j->light);
+    const cw_status status = sunlight_create(&j->ground->terrain, &j->sun, &j->light);
+    return status == CW_OK || io_fail(error, "%s", cw_status_message(status));
+}
+
+static bool is_sunward(void *context, cw_rectangle block) {
+    const job *j = context;
+    return reach_passes(&j->sunward, j->ground->window, block);
+}
+
+static bool around(void *context, cw_rectangle part, cw_rectangle *piece, io_error *error) {
+    job *j = context;
+    const terrain *whole = &j->ground->whole;
+    if (j->blocks.whole == NULL) {
+        j->sunward = reach_toward(whole, &j->sun, j->ground->window);
+        if (reach_blocks_create(whole, &j->blocks) != CW_OK) return io_fail(error, "out of memory");
+        if (!pieces_survey(j->ground, &j->blocks, is_sunward, j, error)) return false;
+    }
+    const reach_sunward sunward = reach_toward(whole, &j->sun, part);
+    *piece = reach_of_shadows(&j->blocks, &sunward, part);
+    return true;
+}
 
 static bool fill(void *context, size_t band, size_t row, size_t rows, void *cells, io_error *error) {
     job *j = context;
@@ -41,8 +69,8 @@ static bool fill(void *context, size_t band, size_t row, size_t rows, void *cell
 /* Longitude and latitude of the terrain's middle, and how far the map's north is turned there from the true one, toward the
  * west. */
 static bool locate(const ground *g, double lon_lat[2], double *turned, io_error *error) {
-    const terrain *t = &g->terrain;
-    const io_georef *r = &g->file.raster.georef;
+    const terrain *t = &g->whole;
+    const io_georef *r = ground_georef(g);
     double xy[2];
     terrain_to_map(t, 0.5 * (double)(t->nx - 1), 0.5 * (double)(t->ny - 1), xy);
     *turned = 0;
@@ -90,8 +118,7 @@ static bool make_light(job *j, io_error *error) {
     if (!isnan(c->disc)) sun.radius = c->disc;
     if (sun.altitude <= 0)
         fprintf(stderr, "cellwalk shadow: warning: the sun is at %.3f degrees, below the horizon\n", sun.altitude);
-    const cw_status status = sunlight_create(&j->ground->terrain, &sun, &j->light);
-    if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));
+    j->sun = sun;
     j->share = sun.radius > 0 || sun.hillshade;
     static const char *const lit = "1 where the sun is seen, 0 in the shadow",
                              *const share = "share of the sun's disc that is seen",
@@ -112,7 +139,8 @@ static bool make_light(job *j, io_error *error) {
     if (c->time) ground_note(&notes, "TIME=%s", c->time);
     ground_note(&notes, "ANGLES=degrees; azimuth from the map's north over east");
     ground_note(&notes, "CURVATURE=%.9g", c->curvature);
-    const bool good = ground_write(j->ground, &product, sun.radius > 0 ? 16 : 1, fill, j, error);
+    static const pieces_maker maker = {fill, around, enter};
+    const bool good = pieces_write(j->ground, &product, sun.radius > 0 ? 16 : 1, &maker, j, error);
     ground_notes_free(&notes);
     return good;
 }
@@ -121,6 +149,7 @@ static bool make(ground *g, const shadow_command *c, io_error *error) {
     job j = {.command = c, .ground = g};
     const bool good = make_light(&j, error);
     sunlight_destroy(j.light);
+    reach_blocks_destroy(&j.blocks);
     return good;
 }
 
@@ -147,7 +176,7 @@ static bool wrong(shadow_command *c) {
 
 static int run(int argc, char **argv) {
     shadow_command c = {.disc = NAN};
-    enum { OWN = 6, ALL = OWN + GROUND_OPTION_COUNT };
+    enum { OWN = 6, ALL = OWN + PIECES_OPTION_COUNT + GROUND_OPTION_COUNT };
     option_spec options[ALL] = {
         {.name = "sun",
          .value = "AZ,ALT",
@@ -178,7 +207,8 @@ static int run(int argc, char **argv) {
          .kind = OPTION_NUMBER,
          .to = &c.curvature},
     };
-    ground_rows(&c.ground, name, options + OWN);
+    pieces_rows(&c.ground, options + OWN);
+    ground_rows(&c.ground, name, options + OWN + PIECES_OPTION_COUNT);
     static const char *const operands[] = {"DEM"};
     const options_usage usage = {
         .name = name,
@@ -206,7 +236,7 @@ static int run(int argc, char **argv) {
     if (wrong(&c)) return EXIT_USAGE;
     ground g;
     io_error error = {""};
-    const int opened = ground_open(&g, &c.ground, path, 1, true);
+    const int opened = ground_open(&g, &c.ground, path, 1, GROUND_PIECES);
     return opened == EXIT_SUCCESS ? ground_close(&g, make(&g, &c, &error), &error) : opened;
 }
 

@@ -4,7 +4,7 @@
 #include "viewshed.h"
 
 #include "command.h"
-#include "ground.h"
+#include "pieces.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -19,6 +19,7 @@ typedef struct viewshed_command {
     option_again from;
     ground_place places[OBSERVERS_MOST];
     double target, max_distance, curvature; /* curvature is NaN if it was not given */
+    int extent;
     bool needed, needed_absolute;
 } viewshed_command;
 
@@ -38,7 +39,51 @@ static bool tell(void *context, double share) {
 
 static double curvature_of(const job *j) {
     const double given = j->command->curvature;
-    return !isnan(given) ? given : j->ground->file.raster.georef.placed ? 6.0 / 7 : 0;
+    return !isnan(given) ? given : ground_georef(j->ground)->placed ? 6.0 / 7 : 0;
+}
+
+enum { EXTENT_NEAR, EXTENT_FULL };
+
+static const char *extent_names(size_t number) {
+    static const char *const names[] = {"near", "full"};
+    return number < sizeof names / sizeof *names ? names[number] : NULL;
+}
+
+/* The samples that one observer's answers in the window come from. */
+static cw_rectangle samples_of(const job *j, const double at[2]) {
+    const viewshed_command *c = j->command;
+    const ground *g = j->ground;
+    const cw_rectangle all = pieces_all(g);
+    if (c->max_distance > 0) return reach_around(&g->whole, at, c->max_distance);
+    /* Needed heights are rounded, and how depends on more than the lines. */
+    const bool whole = g->window.nx == all.nx && g->window.ny == all.ny;
+    return whole || c->needed ? all : reach_between(&g->whole, at, g->window);
+}
+
+/* Reads what all observers need, and makes the window that which they can see. */
+static bool read_samples(job *j, io_error *error) {
+    const viewshed_command *c = j->command;
+    ground *g = j->ground;
+    cw_rectangle near = {0}, piece = {0};
+    for (size_t k = 0; k < c->from.count; k++) {
+        double at[2];
+        if (!terrain_find_place(&g->whole, c->places[k].x, c->places[k].y, at))
+            return io_fail(error, "%s: is too far away from the terrain", c->places[k].text);
+        near = reach_both(near, reach_within(&g->whole, at, c->max_distance));
+    }
+    if (c->max_distance > 0 && c->extent == EXTENT_NEAR && g->options->window == NULL) {
+        if (near.nx == 0)
+            return io_fail(error,
+                           "no sample is within %g m of any observer; --extent full writes a raster all the same",
+                           c->max_distance);
+        pieces_set_window(g, near);
+    }
+    for (size_t k = 0; k < c->from.count; k++) {
+        double at[2];
+        terrain_find_place(&g->whole, c->places[k].x, c->places[k].y, at);
+        piece = reach_both(piece, samples_of(j, at));
+    }
+    return pieces_read(g, reach_grow(&g->whole, reach_both(piece, g->window), 0), false, error);
 }
 
 static bool look_from(job *j, const ground_place *place, io_error *error) {
@@ -88,6 +133,7 @@ static bool fill(void *context, size_t band, size_t row, size_t rows, void *cell
 
 static bool make_view(job *j, io_error *error) {
     const viewshed_command *c = j->command;
+    if (!read_samples(j, error)) return false;
     const size_t n = j->ground->terrain.nx * j->ground->terrain.ny;
     if (sight_bounds_create(&j->ground->terrain, &j->bounds) != CW_OK) return io_fail(error, "out of memory");
     if (c->needed)
@@ -153,7 +199,7 @@ static bool wrong(viewshed_command *c) {
 static int run(int argc, char **argv) {
     static viewshed_command c; /* large */
     c.curvature = NAN;
-    enum { OWN = 6, ALL = OWN + GROUND_OPTION_COUNT };
+    enum { OWN = 7, ALL = OWN + PIECES_OPTION_COUNT + GROUND_OPTION_COUNT };
     option_spec options[ALL] = {
         {.name = "from",
          .value = "X,Y[,H]",
@@ -169,9 +215,15 @@ static int run(int argc, char **argv) {
          .to = &c.target},
         {.name = "max-distance",
          .value = "D",
-         .help = "samples farther away than D metres are not seen\n(default: no limit)",
+         .help = "samples farther away than D metres are not seen, nor\nread and written (default: no limit)",
          .kind = OPTION_NUMBER,
          .to = &c.max_distance},
+        {.name = "extent",
+         .value = "NAME",
+         .help = "what is written with --max-distance: no more than is so\nnear (the default), or the full raster",
+         .kind = OPTION_NAME,
+         .to = &c.extent,
+         .names = extent_names},
         {.name = "curvature",
          .value = "K",
          .help = "the earth's curvature as a factor: 0 for a flat earth,\n1 without air, 0.857 = 6/7 with usual "
@@ -186,7 +238,8 @@ static int run(int argc, char **argv) {
          .to = &c.needed},
         {.name = "needed-absolute", .help = "the same as an absolute height in metres", .to = &c.needed_absolute},
     };
-    ground_rows(&c.ground, name, options + OWN);
+    pieces_rows(&c.ground, options + OWN);
+    ground_rows(&c.ground, name, options + OWN + PIECES_OPTION_COUNT);
     static const char *const operands[] = {"DEM"};
     const options_usage usage = {
         .name = name,
@@ -218,7 +271,7 @@ static int run(int argc, char **argv) {
     if (wrong(&c)) return EXIT_USAGE;
     ground g;
     io_error error = {""};
-    const int opened = ground_open(&g, &c.ground, path, 1, false);
+    const int opened = ground_open(&g, &c.ground, path, 1, GROUND_PIECES);
     return opened == EXIT_SUCCESS ? ground_close(&g, make(&g, &c, &error), &error) : opened;
 }
 

@@ -6,6 +6,7 @@
 #include "files.h"
 #include "network.h"
 
+#include <cpl_conv.h>
 #include <cpl_error.h>
 #include <cpl_string.h>
 #include <math.h>
@@ -144,9 +145,17 @@ static bool fail_read(io_error *error, const char *path, const char *what) {
     return gdal_fail(error, path, what);
 }
 
+/* Blocks of a file that is read part by part are hardly ever wanted again, and GDAL keeps as many as a twentieth of the machine's
+ * memory holds. */
+static void keep_little(void) {
+    static const GIntBig enough = (GIntBig)1 << 26;
+    if (CPLGetConfigOption("GDAL_CACHEMAX", NULL) == NULL && GDALGetCacheMax64() > enough) GDALSetCacheMax64(enough);
+}
+
 static bool take_window(io_gdal_source *s, const io_raster_options *options, io_raster *raster, io_error *error) {
     if (!io_raster_check_window(options, s->path, raster->nx, raster->ny, error)) return false;
     if (options->window.nx > 0) {
+        keep_little();
         raster->nx = options->window.nx;
         raster->ny = options->window.ny;
         s->i = (int)options->window.i;

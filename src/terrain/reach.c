@@ -1,0 +1,253 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "reach.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* An edge that is crossed ends up to a cell beside the way, and normals look at the next samples. */
+static const double beside = 2;
+
+/* The part of an axis from low to high, with both ends, that the raster has: at least 2 samples. */
+static void cut(double low, double high, size_t samples, size_t *first, size_t *count) {
+    const double last = (double)(samples - 1);
+    double a = fmin(fmax(floor(low), 0), last), b = fmin(fmax(ceil(high), 0), last);
+    if (b - a < 1) a = fmax(b - 1, 0);
+    if (b - a < 1) b = fmin(a + 1, last);
+    *first = (size_t)a;
+    *count = (size_t)(b - a) + 1;
+}
+
+static cw_rectangle between(const terrain *whole, const double low[2], const double high[2]) {
+    cw_rectangle r;
+    cut(low[0], high[0], whole->nx, &r.i, &r.nx);
+    cut(low[1], high[1], whole->ny, &r.j, &r.ny);
+    return r;
+}
+
+static void ends(cw_rectangle r, double low[2], double high[2]) {
+    low[0] = (double)r.i;
+    low[1] = (double)r.j;
+    high[0] = (double)(r.i + r.nx) - 1;
+    high[1] = (double)(r.j + r.ny) - 1;
+}
+
+cw_rectangle reach_grow(const terrain *whole, cw_rectangle part, double more) {
+    double low[2], high[2];
+    ends(part, low, high);
+    for (int k = 0; k < 2; k++) {
+        low[k] -= more;
+        high[k] += more;
+    }
+    return between(whole, low, high);
+}
+
+cw_rectangle reach_both(cw_rectangle a, cw_rectangle b) {
+    if (a.nx == 0 || a.ny == 0) return b;
+    if (b.nx == 0 || b.ny == 0) return a;
+    const size_t i = a.i < b.i ? a.i : b.i, j = a.j < b.j ? a.j : b.j;
+    const size_t right = a.i + a.nx > b.i + b.nx ? a.i + a.nx : b.i + b.nx;
+    const size_t bottom = a.j + a.ny > b.j + b.ny ? a.j + a.ny : b.j + b.ny;
+    return (cw_rectangle){i, j, right - i, bottom - j};
+}
+
+/* Cells that a metre is long at most, along columns and rows, at a row. */
+static void cells_a_metre(const terrain *whole, double i, double j, double cells[2]) {
+    double metres[2];
+    terrain_metres(whole, i, j, metres);
+    for (int k = 0; k < 2; k++) cells[k] = hypot(whole->back[k][0] / metres[0], whole->back[k][1] / metres[1]);
+}
+
+cw_rectangle reach_within(const terrain *whole, const double at[2], double metres) {
+    double cells[2], low[2], high[2];
+    cells_a_metre(whole, at[0], at[1], cells);
+    for (int k = 0; k < 2; k++) {
+        /* A hair for rounding. */
+        const double far = metres * cells[k] * (1 + 0x1p-30) + 0x1p-20;
+        const double last = (double)((k ? whole->ny : whole->nx) - 1);
+        low[k] = fmax(ceil(at[k] - far), 0);
+        high[k] = fmin(floor(at[k] + far), last);
+        if (!(low[k] <= high[k])) return (cw_rectangle){0};
+    }
+    return (cw_rectangle){(size_t)low[0], (size_t)low[1], (size_t)(high[0] - low[0]) + 1,
+                          (size_t)(high[1] - low[1]) + 1};
+}
+
+cw_rectangle reach_between(const terrain *whole, const double at[2], cw_rectangle part) {
+    double low[2], high[2];
+    ends(part, low, high);
+    for (int k = 0; k < 2; k++) {
+        low[k] = fmin(low[k], at[k]) - beside;
+        high[k] = fmax(high[k], at[k]) + beside;
+    }
+    return between(whole, low, high);
+}
+
+/* The sweep of a viewshed goes on to a square around the place: beyond it, what is there changes nothing. */
+cw_rectangle reach_around(const terrain *whole, const double at[2], double metres) {
+    enum { SWEEP_BESIDE = 8 };
+    double each[2], low[2], high[2];
+    terrain_metres(whole, at[0], at[1], each);
+    double cells = 0;
+    for (int k = 0; k < 2; k++)
+        cells = fmax(cells, fabs(whole->back[k][0]) / each[0] + fabs(whole->back[k][1]) / each[1]);
+    for (int k = 0; k < 2; k++) {
+        low[k] = at[k] - metres * cells - SWEEP_BESIDE;
+        high[k] = at[k] + metres * cells + SWEEP_BESIDE;
+        const double last = (double)((k ? whole->ny : whole->nx) - 1);
+        if (high[k] < 0 || low[k] > last) return (cw_rectangle){0};
+    }
+    return between(whole, low, high);
+}
+
+cw_rectangle reach_beside(const terrain *whole, cw_rectangle part, double metres) {
+    double low[2], high[2], most[2] = {0, 0};
+    ends(part, low, high);
+    /* The compass has one direction for up to 256 rows of a map in degrees. */
+    const double from = fmax(low[1] - 256, 0), until = fmin(high[1] + 256, (double)(whole->ny - 1));
+    for (double j = from; j <= until; j += whole->geographic ? 0.5 : until - from + 1) {
+        double cells[2];
+        cells_a_metre(whole, 0.5 * (double)(whole->nx - 1), j, cells);
+        for (int k = 0; k < 2; k++) most[k] = fmax(most[k], cells[k]);
+    }
+    for (int k = 0; k < 2; k++) {
+        low[k] -= metres * most[k] * (1 + 0x1p-19) + beside;
+        high[k] += metres * most[k] * (1 + 0x1p-19) + beside;
+    }
+    return between(whole, low, high);
+}
+
+/* ---- blocks ------------------------------------------------------------------------------------------------------- */
+
+cw_status reach_blocks_create(const terrain *whole, reach_blocks *b) {
+    *b = (reach_blocks){.whole = whole,
+                        .across = (whole->nx + REACH_BLOCK - 1) / REACH_BLOCK,
+                        .down = (whole->ny + REACH_BLOCK - 1) / REACH_BLOCK};
+    const size_t n = b->across * b->down;
+    b->low = malloc(2 * n * sizeof *b->low);
+    if (b->low == NULL) return CW_ERROR_MEMORY;
+    b->high = b->low + n;
+    for (size_t k = 0; k < n; k++) {
+        b->low[k] = INFINITY;
+        b->high[k] = -INFINITY;
+    }
+    return CW_OK;
+}
+
+void reach_blocks_destroy(reach_blocks *b) {
+    free(b->low);
+    *b = (reach_blocks){0};
+}
+
+void reach_blocks_take(reach_blocks *b, cw_rectangle part, const float *z) {
+    for (size_t y = 0; y < part.ny; y++, z += part.nx)
+        for (size_t x = 0; x < part.nx;) {
+            const size_t column = (part.i + x) / REACH_BLOCK, k = (part.j + y) / REACH_BLOCK * b->across + column;
+            const size_t until = (column + 1) * REACH_BLOCK - part.i;
+            float low = b->low[k], high = b->high[k];
+            for (; x < part.nx && x < until; x++) {
+                const float here = z[x] - z[x] == 0 ? z[x] : NAN;
+                low = here < low ? here : low;
+                high = here > high ? here : high;
+            }
+            b->low[k] = low;
+            b->high[k] = high;
+        }
+}
+
+/* ---- the sun ------------------------------------------------------------------------------------------------------ */
+
+reach_sunward reach_toward(const terrain *whole, const sunlight_desc *light, cw_rectangle part) {
+    double azimuths[SUNLIGHT_STRIPS_MOST], sine, cosine;
+    const size_t strips = sunlight_azimuths(light, azimuths);
+    reach_sunward s = {.cells = {{INFINITY, -INFINITY}, {INFINITY, -INFINITY}}};
+    const double lowest = light->altitude - light->radius;
+    terrain_sine_cosine(fmax(lowest, -90), &sine, &cosine);
+    s.tangent = lowest >= 90 ? INFINITY : sine / cosine;
+    /* Rises are floats. */
+    s.tangent -= 0x1p-20 * fabs(s.tangent);
+    if (lowest >= 90) s.tangent = INFINITY;
+    const double from = fmax((double)part.j - 256, 0),
+                 until = fmin((double)(part.j + part.ny) + 255, (double)(whole->ny - 1));
+    /* Middles of rows that share a heading are multiples of a half. */
+    for (double j = from; j <= until; j += whole->geographic ? 0.5 : until - from + 1)
+        for (size_t k = 0; k < strips; k++) {
+            double dir[2];
+            const double metres = terrain_direction(whole, 0.5 * (double)(whole->nx - 1), j, azimuths[k], dir);
+            for (int a = 0; a < 2; a++) {
+                const double cells = dir[a] / metres, hair = 0x1p-40 / metres;
+                s.cells[a][0] = fmin(s.cells[a][0], cells - hair);
+                s.cells[a][1] = fmax(s.cells[a][1], cells + hair);
+            }
+        }
+    return s;
+}
+
+/* The metres along the ways from the part at which some of them may pass over the rectangle. */
+static bool passing(const reach_sunward *s, cw_rectangle part, cw_rectangle over, double *first, double *last) {
+    double from[2], until[2], low[2], high[2];
+    ends(part, from, until);
+    ends(over, low, high);
+    *first = 0;
+    *last = INFINITY;
+    for (int a = 0; a < 2; a++) {
+        const double least = low[a] - beside - until[a], most = high[a] + beside - from[a];
+        /* t cells[1] >= least and t cells[0] <= most, for some t >= 0 */
+        const double fast = s->cells[a][1], slow = s->cells[a][0];
+        if (fast > 0)
+            *first = fmax(*first, least / fast);
+        else if (least > 0)
+            return false;
+        else if (fast < 0)
+            *last = fmin(*last, least / fast);
+        if (slow < 0)
+            *first = fmax(*first, most / slow);
+        else if (most < 0)
+            return false;
+        else if (slow > 0)
+            *last = fmin(*last, most / slow);
+    }
+    return *first <= *last;
+}
+
+bool reach_passes(const reach_sunward *s, cw_rectangle part, cw_rectangle over) {
+    double first, last;
+    return passing(s, part, over, &first, &last);
+}
+
+static cw_rectangle block_at(const reach_blocks *b, size_t x, size_t y) {
+    const size_t i = x * REACH_BLOCK, j = y * REACH_BLOCK;
+    return (cw_rectangle){i, j, b->whole->nx - i < REACH_BLOCK ? b->whole->nx - i : REACH_BLOCK,
+                          b->whole->ny - j < REACH_BLOCK ? b->whole->ny - j : REACH_BLOCK};
+}
+
+cw_rectangle reach_of_shadows(const reach_blocks *b, const reach_sunward *s, cw_rectangle part) {
+    double low[2], high[2], from[2], until[2], lowest = INFINITY;
+    const size_t right = (part.i + part.nx - 1) / REACH_BLOCK, bottom = (part.j + part.ny - 1) / REACH_BLOCK;
+    for (size_t y = part.j / REACH_BLOCK; y <= bottom; y++)
+        for (size_t x = part.i / REACH_BLOCK; x <= right; x++) lowest = fmin(lowest, (double)b->low[y * b->across + x]);
+    ends(part, from, until);
+    for (int a = 0; a < 2; a++) {
+        low[a] = from[a] - beside;
+        high[a] = until[a] + beside;
+    }
+    for (size_t y = 0; y < b->down && lowest < INFINITY; y++)
+        for (size_t x = 0; x < b->across; x++) {
+            const cw_rectangle block = block_at(b, x, y);
+            double first, last, left[2], end[2];
+            if (!(b->high[y * b->across + x] > -INFINITY) || !passing(s, part, block, &first, &last)) continue;
+            const double over = ((double)b->high[y * b->across + x] - lowest) * terrain_metres_of_height(b->whole);
+            if (s->tangent > 0) last = fmin(last, over / s->tangent);
+            /* Rays that go down are hidden by what is as low as they are. */
+            if (s->tangent < 0 && over < 0) first = fmax(first, over / s->tangent);
+            if (!(first <= last)) continue;
+            ends(block, left, end);
+            for (int a = 0; a < 2; a++) {
+                const double back = fmin(s->cells[a][0], 0), on = fmax(s->cells[a][1], 0);
+                const double nearest = back < 0 ? from[a] + back * last : from[a],
+                             farthest = on > 0 ? until[a] + on * last : until[a];
+                low[a] = fmin(low[a], fmax(left[a], nearest) - beside);
+                high[a] = fmax(high[a], fmin(end[a], farthest) + beside);
+            }
+        }
+    return between(b->whole, low, high);
+}

@@ -1,0 +1,396 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "pieces.h"
+
+#include "../cancel.h"
+#include "command.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* ---- options ------------------------------------------------------------------------------------------------------ */
+
+void pieces_rows(ground_options *o, option_spec rows[PIECES_OPTION_COUNT]) {
+    const option_spec own[PIECES_OPTION_COUNT] = {
+        {.name = "window",
+         .value = "XMIN,YMIN,XMAX,YMAX",
+         .help = "only the samples in that part of the map; no more is\nread than matters to them, and the answers are "
+                 "the same",
+         .kind = OPTION_TEXT,
+         .to = &o->window},
+        {.name = "memory",
+         .value = "SIZE",
+         .help = "as 2G or 500M: the raster is read and the product made\nby bands of rows that need no more memory "
+                 "(default: three\nquarters of the machine's)",
+         .kind = OPTION_TEXT,
+         .to = &o->memory},
+    };
+    memcpy(rows, own, sizeof own);
+}
+
+static double size_of_text(const char *text) {
+    static const char units[] = "KMGT";
+    char *end;
+    double size = strtod(text, &end);
+    const char *unit = *end != '\0' ? strchr(units, *end & ~0x20) : NULL;
+    if (end == text || (*end != '\0' && (unit == NULL || end[1] != '\0'))) return NAN;
+    for (const char *u = units; unit != NULL && u <= unit; u++) size *= 1000;
+    return size;
+}
+
+bool pieces_resolve(ground_options *o) {
+    const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
+    o->bytes = pages > 0 && page > 0 ? 0.75 * (double)pages * (double)page : 4e9;
+    if (o->window && ground_numbers(o->window, o->extent, 4, 4) == 0) {
+        command_fail(o->name, "--window takes XMIN,YMIN,XMAX,YMAX, coordinates of the map, not '%s'", o->window);
+        return false;
+    }
+    if (o->memory) o->bytes = size_of_text(o->memory);
+    if (o->bytes > 0 && isfinite(o->bytes)) return true;
+    command_fail(o->name, "--memory takes a number of bytes, as 2G or 500M, not '%s'", o->memory);
+    return false;
+}
+
+/* ---- the raster, without samples ---------------------------------------------------------------------------------- */
+
+cw_rectangle pieces_all(const ground *g) { return (cw_rectangle){0, 0, g->about.nx, g->about.ny}; }
+
+static bool is_all(const ground *g, cw_rectangle r) { return r.nx == g->about.nx && r.ny == g->about.ny; }
+
+/* The map of a part of the raster. */
+static void map_of(const ground *g, cw_rectangle part, double map[3][4]) {
+    memcpy(map, g->about.map, sizeof g->about.map);
+    for (int k = 0; k < 2; k++) map[k][3] += map[k][0] * (double)part.i + map[k][1] * (double)part.j;
+}
+
+void pieces_set_window(ground *g, cw_rectangle window) {
+    g->window = window;
+    map_of(g, window, g->map);
+}
+
+static bool find_window(ground *g, io_error *error) {
+    const double *e = g->options->extent;
+    double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+    size_t first[2], count[2];
+    const double tolerance = 0x1p-20; /* cells, for coordinates in decimals */
+    for (int k = 0; k < 4; k++) {
+        double at[2];
+        terrain_from_map(&g->whole, e[k & 1 ? 2 : 0], e[k & 2 ? 3 : 1], at);
+        for (int a = 0; a < 2; a++) {
+            low[a] = fmin(low[a], at[a]);
+            high[a] = fmax(high[a], at[a]);
+        }
+    }
+    for (int a = 0; a < 2; a++) {
+        const double last = (double)((a ? g->whole.ny : g->whole.nx) - 1);
+        const double from = fmax(ceil(low[a] - tolerance), 0), until = fmin(floor(high[a] + tolerance), last);
+        double corners[2][2];
+        terrain_to_map(&g->whole, 0, 0, corners[0]);
+        terrain_to_map(&g->whole, (double)(g->whole.nx - 1), (double)(g->whole.ny - 1), corners[1]);
+        if (!(from <= until && e[0] <= e[2] && e[1] <= e[3]))
+            return io_fail(error, "--window %s: no sample is in it; they go from %.10g,%.10g to %.10g,%.10g",
+                           g->options->window, fmin(corners[0][0], corners[1][0]), fmin(corners[0][1], corners[1][1]),
+                           fmax(corners[0][0], corners[1][0]), fmax(corners[0][1], corners[1][1]));
+        first[a] = (size_t)from;
+        count[a] = (size_t)(until - from) + 1;
+    }
+    pieces_set_window(g, (cw_rectangle){first[0], first[1], count[0], count[1]});
+    return true;
+}
+
+/* A coarser raster is made of all samples, and then in memory. */
+static bool read_coarser(ground *g, io_error *error) {
+    field_file file;
+    if (!field_file_open(&file, g->path, &g->reading, &g->options->raster.coarser, &g->query, error)) return false;
+    cw_field_destroy(file.field);
+    g->about = file.raster;
+    return true;
+}
+
+bool pieces_describe(ground *g, io_error *error) {
+    io_raster_options o = g->reading;
+    o.no_samples = io_raster_has_windows(g->path);
+    if (!(g->options->raster.coarser.factor > 0 ? read_coarser(g, error)
+                                                : io_raster_read(g->path, &o, &g->about, error)))
+        return false;
+    progress_end(&((raster_options *)g->reading.context)->line);
+    const io_raster *r = &g->about;
+    if (r->nx < 2 || r->ny < 2)
+        return io_fail(error, "%s: %zu x %zu samples: %s", g->path, r->nx, r->ny, cw_status_message(CW_ERROR_ARGUMENT));
+    if (!ground_describe_raster(&g->whole, r, NULL, g->path, error)) return false;
+    g->terrain = g->whole;
+    pieces_set_window(g, pieces_all(g));
+    return g->options->window == NULL || find_window(g, error);
+}
+
+/* ---- reading ------------------------------------------------------------------------------------------------------ */
+
+/* A sample's four bytes, and what a field has built over it. */
+static const double bytes_a_sample = 4 + 4, samples_most = 0x1p31;
+
+static double bytes_of(cw_rectangle piece) { return (double)piece.nx * (double)piece.ny * bytes_a_sample; }
+
+/* The rest of the program, GDAL's cache and what is written. */
+static const double others = 3e8;
+
+static double room(const ground *g) { return fmax(g->options->bytes - others, 0.25 * g->options->bytes); }
+
+bool pieces_fit(const ground *g, cw_rectangle piece) {
+    return bytes_of(piece) <= room(g) && (double)piece.nx * (double)piece.ny <= samples_most;
+}
+
+bool pieces_check(const ground *g, cw_rectangle piece, io_error *error) {
+    if (pieces_fit(g, piece)) return true;
+    if ((double)piece.nx * (double)piece.ny > samples_most)
+        return io_fail(error, "%s: %zu x %zu samples matter, which are more than a field can hold", g->path, piece.nx,
+                       piece.ny);
+    const double need = fmin(bytes_of(piece) + others, 4 * bytes_of(piece));
+    return io_fail(error, "%s: %zu x %zu samples matter at once, which need --memory %.0fM; there is %.0fM", g->path,
+                   piece.nx, piece.ny, ceil(need / 1e6), g->options->bytes / 1e6);
+}
+
+/* What the reading of the header has told is not told again, nor the same of piece after piece. */
+static void warn_of_samples(void *context, const char *text) {
+    enum { ENOUGH = 4 };
+    ground *g = context;
+    if (strstr(text, "--nodata") != NULL && g->warnings++ < ENOUGH) g->reading.warn(g->reading.context, text);
+}
+
+static bool tell_reading(void *context, double share) {
+    const ground *g = context;
+    return g->pieces > 0 ? !atomic_load(cancel_flag()) : g->reading.progress(g->reading.context, share);
+}
+
+static io_raster_options options_of(ground *g, cw_rectangle part) {
+    io_raster_options o = g->reading;
+    if (!is_all(g, part)) {
+        o.window.i = part.i;
+        o.window.j = part.j;
+        o.window.nx = part.nx;
+        o.window.ny = part.ny;
+    }
+    /* The map is that of the whole raster, which has been described. */
+    o.cellsize = 0;
+    o.north_up = false;
+    o.warn = warn_of_samples;
+    o.progress = tell_reading;
+    o.context = g;
+    return o;
+}
+
+/* A part of a file that was read as a whole. All of it is lent. */
+static bool cut_out(const ground *g, cw_rectangle part, io_raster *r, io_error *error) {
+    const io_raster *from = &g->about;
+    *r = (io_raster){.nx = from->nx, .ny = from->ny, .z = from->z};
+    if (is_all(g, part)) return true;
+    if (!io_raster_allocate(g->path, part.nx, part.ny, r, error)) return false;
+    float *z = r->memory;
+    for (size_t y = 0; y < part.ny; y++)
+        memcpy(z + y * part.nx, from->z + (part.j + y) * from->nx + part.i, part.nx * sizeof *z);
+    return true;
+}
+
+static bool read_part(ground *g, cw_rectangle part, io_raster *r, io_error *error) {
+    const io_raster_options o = options_of(g, part);
+    if (g->about.z != NULL) return cut_out(g, part, r, error);
+    progress_end(&g->line);
+    const bool good = io_raster_read(g->path, &o, r, error);
+    progress_end(&((raster_options *)g->reading.context)->line);
+    g->pieces++;
+    if (!good) return false;
+    io_georef_free(&r->georef);
+    return true;
+}
+
+bool pieces_read(ground *g, cw_rectangle piece, bool field, io_error *error) {
+    io_raster *r = &g->file.raster;
+    field_file_close(&g->file);
+    g->terrain = g->whole;
+    if (!pieces_check(g, piece, error) || !read_part(g, piece, r, error)) return false;
+    map_of(g, piece, r->map);
+    if (field && !field_file_build(&g->file, g->path, &g->query, error)) return false;
+    g->line = progress_start(g->options->name);
+    r->georef = g->about.georef; /* lent */
+    const bool described = ground_describe_raster(&g->terrain, r, g->file.field, g->path, error);
+    r->georef = (io_georef){0};
+    g->terrain.whole = &g->whole;
+    g->terrain.column = piece.i;
+    g->terrain.row = piece.j;
+    g->piece = piece;
+    return described;
+}
+
+typedef struct survey {
+    ground *ground;
+    reach_blocks *blocks;
+    pieces_wanted *wanted;
+    void *context;
+    double most; /* samples at once */
+} survey;
+
+static bool is_wanted(const survey *s, cw_rectangle block) {
+    const cw_rectangle w = s->ground->window, both = reach_both(w, block);
+    return (both.nx < w.nx + block.nx && both.ny < w.ny + block.ny) || s->wanted(s->context, block);
+}
+
+/* The rectangle of all that is wanted of rows of blocks, and how many samples of it are. */
+static cw_rectangle find_wanted(const survey *s, size_t first, size_t end, double *samples) {
+    const size_t nx = s->ground->about.nx, ny = s->ground->about.ny;
+    cw_rectangle all = {0};
+    *samples = 0;
+    for (size_t y = first; y < end; y++)
+        for (size_t x = 0; x < s->blocks->across; x++) {
+            const size_t i = x * REACH_BLOCK, j = y * REACH_BLOCK;
+            const cw_rectangle block = {i, j, nx - i < REACH_BLOCK ? nx - i : REACH_BLOCK,
+                                        ny - j < REACH_BLOCK ? ny - j : REACH_BLOCK};
+            if (!is_wanted(s, block)) continue;
+            *samples += (double)block.nx * (double)block.ny;
+            all = reach_both(all, block);
+        }
+    return all;
+}
+
+/* Rows of blocks: together if memory has room and most of them are wanted, since each reading opens the file anew. */
+static bool survey_rows(const survey *s, size_t first, size_t end, io_error *error) {
+    double samples;
+    const cw_rectangle all = find_wanted(s, first, end, &samples);
+    const double size = (double)all.nx * (double)all.ny;
+    if (samples == 0) return true;
+    if (end - first > 1 && (size > s->most || size > 2 * samples)) {
+        const size_t middle = first + (end - first) / 2;
+        return survey_rows(s, first, middle, error) && survey_rows(s, middle, end, error);
+    }
+    const size_t columns = (size_t)fmax(s->most / (double)all.ny / REACH_BLOCK, 1) * REACH_BLOCK;
+    for (size_t i = 0; i < all.nx; i += columns) {
+        const cw_rectangle part = {all.i + i, all.j, all.nx - i < columns ? all.nx - i : columns, all.ny};
+        io_raster r;
+        if (atomic_load(cancel_flag())) return io_fail(error, "interrupted");
+        if (!read_part(s->ground, part, &r, error)) return false;
+        reach_blocks_take(s->blocks, part, r.z);
+        io_raster_free(&r);
+    }
+    return true;
+}
+
+bool pieces_survey(ground *g, reach_blocks *b, pieces_wanted *wanted, void *context, io_error *error) {
+    if (g->about.z != NULL) {
+        reach_blocks_take(b, pieces_all(g), g->about.z);
+        return true;
+    }
+    const survey s = {g, b, wanted, context, fmin(0.5 * room(g), 1e8) / sizeof(float)};
+    return survey_rows(&s, 0, b->down, error);
+}
+
+/* ---- writing ------------------------------------------------------------------------------------------------------ */
+
+/* As many rows as a GeoTIFF's tiles have, fewer where that would make Ctrl-C wait, or memory is short. */
+static size_t block_rows(const io_raster_product *p, double passes, bool few) {
+    enum { LEAST = 32 };
+    const size_t tile = io_raster_tile_side(p->ny);
+    size_t rows = tile;
+    if (few) return tile < LEAST ? tile : LEAST;
+    while (rows > LEAST && rows % 2 == 0 && passes * (double)rows * (double)p->nx > 1e7) rows /= 2;
+    while (passes * (double)rows * (double)p->nx < 1e6 && rows < p->ny) rows += tile;
+    return rows;
+}
+
+typedef struct writing {
+    ground *ground;
+    const pieces_maker *maker;
+    void *context;
+    size_t rows;         /* of a block */
+    size_t from, until;  /* rows of the window that the piece is good for */
+    size_t cell;         /* bytes of one */
+    void *cells, *lines; /* a block of the window; rows of the piece, where those are longer */
+    size_t lines_room;
+} writing;
+
+/* The piece for the next so many blocks from row on. */
+static bool piece_for(const writing *w, size_t row, size_t blocks, cw_rectangle *part, cw_rectangle *piece,
+                      io_error *error) {
+    const cw_rectangle window = w->ground->window;
+    const size_t left = window.ny - row, rows = blocks < left / w->rows + 1 ? blocks * w->rows : left;
+    *part = (cw_rectangle){window.i, window.j + row, window.nx, rows < left ? rows : left};
+    return w->maker->around(w->context, *part, piece, error);
+}
+
+/* Reads the piece for as many rows as there is memory for. */
+static bool next_piece(writing *w, size_t row, io_error *error) {
+    ground *g = w->ground;
+    cw_rectangle part = g->window, piece = pieces_all(g);
+    if (!is_all(g, part) || !pieces_fit(g, piece)) {
+        size_t least = 1, most = (g->window.ny - row + w->rows - 1) / w->rows;
+        while (least < most) {
+            const size_t blocks = most - (most - least) / 2;
+            if (!piece_for(w, row, blocks, &part, &piece, error)) return false;
+            if (pieces_fit(g, piece))
+                least = blocks;
+            else
+                most = blocks - 1;
+        }
+        if (!piece_for(w, row, least, &part, &piece, error)) return false;
+    }
+    if (w->until == 0 || memcmp(&piece, &g->piece, sizeof piece) != 0) {
+        if (!pieces_read(g, piece, true, error)) return false;
+        if (!w->maker->enter(w->context, error)) return false;
+    }
+    w->from = part.j - g->window.j;
+    w->until = w->from + part.ny;
+    return true;
+}
+
+static bool fill_block(writing *w, size_t band, size_t row, size_t rows, io_error *error) {
+    const ground *g = w->ground;
+    const size_t nx = g->terrain.nx, first = g->window.i - g->terrain.column,
+                 local = row + g->window.j - g->terrain.row;
+    if (nx == g->window.nx) return w->maker->fill(w->context, band, local, rows, w->cells, error);
+    if (w->lines_room < nx * rows) {
+        free(w->lines);
+        w->lines = malloc(nx * rows * w->cell);
+        w->lines_room = w->lines ? nx * rows : 0;
+        if (w->lines == NULL) return io_fail(error, "out of memory");
+    }
+    if (!w->maker->fill(w->context, band, local, rows, w->lines, error)) return false;
+    for (size_t y = 0; y < rows; y++)
+        memcpy((char *)w->cells + y * g->window.nx * w->cell, (const char *)w->lines + (y * nx + first) * w->cell,
+               g->window.nx * w->cell);
+    return true;
+}
+
+static bool write_blocks(writing *w, io_raster_writer *to, io_error *error) {
+    const io_raster_product *p = &to->product;
+    ground *g = w->ground;
+    for (size_t band = 0; band < p->bands; band++)
+        for (size_t row = 0; row < p->ny; row += w->rows) {
+            const size_t count = p->ny - row < w->rows ? p->ny - row : w->rows;
+            if (w->maker->around && (row < w->from || row >= w->until) && !next_piece(w, row, error)) return false;
+            g->done = ((double)band + (double)row / (double)p->ny) / (double)p->bands;
+            g->part = (double)count / (double)p->ny / (double)p->bands;
+            if (!ground_tell(g, g->done)) return io_fail(error, "interrupted");
+            if (!fill_block(w, band, row, count, error)) return false;
+            if (!io_raster_write(to, w->cells, count, error)) return false;
+        }
+    return true;
+}
+
+bool pieces_write(ground *g, const io_raster_product *product, double passes, const pieces_maker *maker, void *context,
+                  io_error *error) {
+    io_raster_writer to;
+    writing w = {.ground = g,
+                 .maker = maker,
+                 .context = context,
+                 .rows = block_rows(product, passes, maker->around && !pieces_fit(g, pieces_all(g))),
+                 .cell = io_cell_bytes(product->cell)};
+    w.cells = malloc(w.rows * product->nx * w.cell);
+    if (w.cells == NULL) return io_fail(error, "out of memory");
+    bool good = io_raster_create(&to, g->options->output, product, error);
+    if (good) {
+        good = write_blocks(&w, &to, error);
+        good = good && io_raster_commit(&to, error);
+        io_raster_discard(&to);
+    }
+    free(w.cells);
+    free(w.lines);
+    return good;
+}
