@@ -39,6 +39,11 @@ void compass_turn(compass *c, size_t row, size_t *rows) {
     *rows = c->until - row;
 }
 
+void compass_release(compass *c, size_t k) {
+    cw_heading_destroy(c->headings[k]);
+    c->headings[k] = NULL;
+}
+
 double compass_middle(const compass *c) { return 0.5 * (double)(c->from + c->until - 1); }
 
 cw_status compass_heading(compass *c, size_t k, cw_heading **heading, double *slope) {

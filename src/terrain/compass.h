@@ -29,6 +29,9 @@ void compass_turn(compass *c, size_t row, size_t *rows);
 /* The middle of these rows, in the whole raster's. */
 double compass_middle(const compass *c);
 
+/* Frees heading number k, which is made anew when it is needed again: for so many directions that they do not fit into memory. */
+void compass_release(compass *c, size_t k);
+
 /* Heading number k for these rows. The tangent of an angle, times slope, is the rise that the heading knows. */
 cw_status compass_heading(compass *c, size_t k, cw_heading **heading, double *slope);
 

@@ -5,6 +5,7 @@
 
 #include "compass.h"
 #include "grid_horizon.h"
+#include "normal.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -15,7 +16,8 @@ struct horizon {
     double *azimuths;
     compass compass;
     float *work;
-    size_t room;
+    size_t room; /* samples in it */
+    bool leans;  /* it has three numbers for each of them */
     bool grid;
     double curvature;
     grid_direction *directions;
@@ -178,8 +180,31 @@ static void add_sky(void *context, size_t begin, size_t end) {
     }
 }
 
-/* One direction more, for rows that share their headings. */
-static cw_status add_direction(horizon *h, const cw_run *query, size_t k, size_t row, size_t rows, float *share) {
+/* The sky over ground that rises by s in that direction, above the horizon's angle a: for a normal of upward part n it is n / π
+ * times the integral of (sin x - s cos x) cos x over x from a to π / 2, for each radian of azimuth. Times 2 π it is
+ * n (cos² a - s (π / 2 - a - sin a cos a)). */
+typedef struct tilting {
+    const float *rises, *east, *north;
+    float *share;
+    float per_rise, weight;
+    float towards[2]; /* the direction: east, north */
+} tilting;
+
+static void add_tilted_sky(void *context, size_t begin, size_t end) {
+    const tilting *a = context;
+    for (size_t k = begin; k < end; k++) {
+        const float slope = a->east[k] * a->towards[0] + a->north[k] * a->towards[1];
+        const float rise = a->rises[k] * a->per_rise, tangent = rise < slope ? slope : rise; /* NaN stays */
+        const float square = 1 / (1 + tangent * tangent);
+        const float rest = (float)degree * horizon_degrees(1 / fabsf(tangent)) - tangent * square;
+        a->share[k] += a->weight * (square - slope * rest);
+    }
+}
+
+/* One direction more, for rows that share their headings. lean: NULL for level ground, or slopes eastward of the rows' samples
+ * and, room samples on, northward. */
+static cw_status add_direction(horizon *h, const cw_run *query, size_t k, size_t row, size_t rows, const float *lean,
+                               float *share) {
     cw_heading *heading;
     double slope;
     const size_t nx = h->terrain->nx;
@@ -188,8 +213,66 @@ static cw_status add_direction(horizon *h, const cw_run *query, size_t k, size_t
     if (status == CW_OK)
         status = cw_heading_steepest(heading, query, 0, INFINITY, (cw_rectangle){0, row, nx, rows}, h->work);
     if (status != CW_OK) return status;
-    adding a = {h->work, share, (float)(1 / slope), 1 / (float)h->compass.count};
-    cw_pool_run(query ? query->pool : NULL, nx * rows, GRAIN, add_sky, &a);
+    cw_pool *pool = query ? query->pool : NULL;
+    const float per_rise = (float)(1 / slope), weight = 1 / (float)h->compass.count;
+    if (lean == NULL) {
+        cw_pool_run(pool, nx * rows, GRAIN, add_sky, &(adding){h->work, share, per_rise, weight});
+        return CW_OK;
+    }
+    double sine, cosine;
+    terrain_sine_cosine(h->azimuths[k], &sine, &cosine);
+    tilting a = {h->work, lean, lean + h->room, share, per_rise, weight, {(float)sine, (float)cosine}};
+    cw_pool_run(pool, nx * rows, GRAIN, add_tilted_sky, &a);
+    return CW_OK;
+}
+
+typedef struct leaning {
+    const terrain *terrain;
+    size_t row;
+    float *east, *north, *share;
+} leaning;
+
+static void find_slopes(void *context, size_t begin, size_t end) {
+    const leaning *l = context;
+    const size_t nx = l->terrain->nx;
+    for (size_t j = begin; j < end; j++) terrain_slope_row(l->terrain, l->row + j, l->east + j * nx, l->north + j * nx);
+}
+
+/* Times the normal's upward part. */
+static void turn_upright(void *context, size_t begin, size_t end) {
+    const leaning *l = context;
+    for (size_t k = begin; k < end; k++) l->share[k] /= sqrtf(1 + l->east[k] * l->east[k] + l->north[k] * l->north[k]);
+}
+
+static cw_status sky_view(horizon *h, const cw_run *query, bool tilted, size_t row, size_t rows, float *share,
+                          terrain_progress *progress, void *context, bool *done) {
+    const size_t nx = h->terrain->nx, first = row, end = row + rows;
+    cw_pool *pool = query ? query->pool : NULL;
+    *done = false;
+    if (h->room < nx * rows || (tilted && !h->leans)) {
+        free(h->work);
+        h->work = malloc(nx * rows * sizeof *h->work * (tilted ? 3 : 1));
+        h->room = h->work ? nx * rows : 0;
+        h->leans = tilted;
+        if (h->work == NULL) return CW_ERROR_MEMORY;
+    }
+    leaning lean = {h->terrain, row, h->work + h->room, h->work + 2 * h->room, share};
+    if (tilted) cw_pool_run(pool, rows, 4, find_slopes, &lean);
+    for (size_t k = 0; k < nx * rows; k++) share[k] = 0;
+    for (size_t count; row < end; row += count) {
+        compass_turn(&h->compass, row, &count);
+        count = count < end - row ? count : end - row;
+        const size_t at = (row - first) * nx;
+        for (size_t k = 0; k < h->compass.count; k++) {
+            const double part = (double)k / (double)h->compass.count;
+            if (progress && !progress(context, ((double)(row - first) + part * (double)count) / (double)rows))
+                return CW_OK;
+            const cw_status status = add_direction(h, query, k, row, count, tilted ? lean.east + at : NULL, share + at);
+            if (status != CW_OK) return status;
+        }
+    }
+    if (tilted) cw_pool_run(pool, nx * rows, GRAIN, turn_upright, &lean);
+    *done = true;
     return CW_OK;
 }
 
@@ -226,31 +309,17 @@ static cw_status grid_sky(horizon *h, const cw_run *query, terrain_progress *pro
 
 cw_status horizon_sky_view(horizon *h, const cw_run *query, size_t row, size_t rows, float *share,
                            terrain_progress *progress, void *context, bool *done) {
-    const size_t nx = h->terrain->nx, first = row, end = row + rows;
     *done = h->grid && h->sky != NULL;
     if (h->grid) {
         const cw_status status = *done ? CW_OK : grid_sky(h, query, progress, context, done);
-        if (*done) memcpy(share, h->sky + row * nx, rows * nx * sizeof *share);
+        if (*done) memcpy(share, h->sky + row * h->terrain->nx, rows * h->terrain->nx * sizeof *share);
         return status;
     }
-    if (h->room < nx * rows) {
-        free(h->work);
-        h->work = malloc(nx * rows * sizeof *h->work);
-        h->room = h->work ? nx * rows : 0;
-        if (h->work == NULL) return CW_ERROR_MEMORY;
-    }
-    for (size_t k = 0; k < nx * rows; k++) share[k] = 0;
-    for (size_t count; row < end; row += count, share += count * nx) {
-        compass_turn(&h->compass, row, &count);
-        count = count < end - row ? count : end - row;
-        for (size_t k = 0; k < h->compass.count; k++) {
-            const double part = (double)k / (double)h->compass.count;
-            if (progress && !progress(context, ((double)(row - first) + part * (double)count) / (double)rows))
-                return CW_OK;
-            const cw_status status = add_direction(h, query, k, row, count, share);
-            if (status != CW_OK) return status;
-        }
-    }
-    *done = true;
-    return CW_OK;
+    return sky_view(h, query, false, row, rows, share, progress, context, done);
+}
+
+cw_status horizon_sky_view_tilted(horizon *h, const cw_run *query, size_t row, size_t rows, float *share,
+                                  terrain_progress *progress, void *context, bool *done) {
+    if (h->grid) return CW_ERROR_ARGUMENT;
+    return sky_view(h, query, true, row, rows, share, progress, context, done);
 }

@@ -33,6 +33,12 @@ cw_status horizon_angles(horizon *h, const cw_run *query, size_t number, size_t 
 cw_status horizon_sky_view(horizon *h, const cw_run *query, size_t row, size_t rows, float *share,
                            terrain_progress *progress, void *context, bool *done);
 
+/* The same for the ground as it leans (normal.h): the mean of the sky's brightness weighted with the cosine of the angle to
+ * the ground's normal. The ground hides what is behind it, and nothing below the level is sky. A tilted plane has
+ * (1 + cos tilt) / 2. */
+cw_status horizon_sky_view_tilted(horizon *h, const cw_run *query, size_t row, size_t rows, float *share,
+                                  terrain_progress *progress, void *context, bool *done);
+
 /* Degrees whose tangent is x, off by less than 10^-5 degrees, by operations that are the same on every CPU. */
 float horizon_degrees(float x);
 

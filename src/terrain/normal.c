@@ -46,3 +46,20 @@ void terrain_lean_row(const terrain *t, size_t j, float *restrict x, float *rest
         y[i] = (float)lean[1];
     }
 }
+
+void terrain_slope_row(const terrain *t, size_t j, float *restrict east, float *restrict north) {
+    const terrain *whole = terrain_whole(t);
+    double metres[2];
+    terrain_metres(whole, 0.5 * (double)(whole->nx - 1), (double)(j + t->row), metres);
+    float to_east[2], to_north[2];
+    for (int k = 0; k < 2; k++) {
+        to_east[k] = (float)(t->back[k][0] * t->map[2][2] / metres[0]);
+        to_north[k] = (float)(t->back[k][1] * t->map[2][2] / metres[1]);
+    }
+    terrain_lean_row(t, j, east, north);
+    for (size_t i = 0; i < t->nx; i++) {
+        const float x = east[i], y = north[i];
+        east[i] = x * to_east[0] + y * to_east[1];
+        north[i] = x * to_north[0] + y * to_north[1];
+    }
+}

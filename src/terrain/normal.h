@@ -12,4 +12,7 @@ void terrain_lean(const terrain *t, size_t i, size_t j, double lean[2]);
 /* The same for all of row j: x[i], y[i]. */
 void terrain_lean_row(const terrain *t, size_t j, float *restrict x, float *restrict y);
 
+/* Slopes of the surface in row j, metres in a metre: how it rises eastward and northward. */
+void terrain_slope_row(const terrain *t, size_t j, float *restrict east, float *restrict north);
+
 #endif

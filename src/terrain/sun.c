@@ -54,6 +54,7 @@ sun_position sun_at(double seconds, double longitude, double latitude) {
         .altitude = altitude + refraction,
         .refraction = refraction,
         .radius = 0.266563 / distance,
+        .distance = distance,
     };
 }
 

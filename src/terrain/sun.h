@@ -14,6 +14,7 @@ typedef struct sun_position {
     double azimuth, altitude;
     double refraction; /* that is in the altitude */
     double radius;     /* of the disc on that day */
+    double distance;   /* in astronomical units */
 } sun_position;
 
 /* Seconds since 1970-01-01 00:00 UTC (leap seconds not counted), east longitude and north latitude in degrees. Right to 0.01

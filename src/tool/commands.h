@@ -13,6 +13,7 @@ extern const command command_trace;
 extern const command command_horizon;
 extern const command command_los;
 extern const command command_shadow;
+extern const command command_sun;
 extern const command command_viewshed;
 
 #endif

@@ -10,8 +10,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static const command *const commands[] = {&command_render,   &command_trace, &command_shadow, &command_horizon,
-                                          &command_viewshed, &command_los,   &command_info};
+static const command *const commands[] = {&command_render,  &command_trace,    &command_shadow, &command_sun,
+                                          &command_horizon, &command_viewshed, &command_los,    &command_info};
 
 /* Optional parts, tried: GDAL may have been built and not be found, or not load. */
 static void print_parts(void) {
@@ -28,7 +28,6 @@ static void print_parts(void) {
 static const char tasks[] = "By task, for a terrain dem.tif with places X,Y on its map:\n"
                             "  what it holds    cellwalk info dem.tif\n"
                             "  cast shadow      cellwalk shadow dem.tif --sun 225,30 -o shadow.tif\n"
-                            "  relief shading   cellwalk shadow dem.tif --sun 315,45 --hillshade -o hills.png\n"
                             "  visible area     cellwalk viewshed dem.tif --from X,Y -o seen.tif\n"
                             "  line of sight    cellwalk los dem.tif X,Y,2 X,Y,2\n"
                             "  sky-view factor  cellwalk horizon dem.tif --svf -o sky.tif\n"

@@ -16,7 +16,7 @@ typedef struct horizon_command {
     ground_options ground;
     unsigned directions;
     double start, curvature, max_distance;
-    bool sky, grid;
+    bool sky, tilted, grid;
     const char *at;
     ground_place place; /* of --at */
 } horizon_command;
@@ -25,7 +25,7 @@ typedef struct job {
     ground *ground;
     horizon *horizon;
     const horizon_command *command;
-    bool sky;
+    bool sky, tilted;
 } job;
 
 static bool enter(void *context, io_error *error) {
@@ -55,8 +55,9 @@ static bool fill(void *context, size_t band, size_t row, size_t rows, void *cell
     bool done = true;
     const cw_run *q = &j->ground->query;
     const cw_status status =
-        j->sky ? horizon_sky_view(j->horizon, q, row, rows, cells, ground_tell_block, j->ground, &done)
-               : horizon_angles(j->horizon, q, band, row, rows, cells);
+        j->tilted ? horizon_sky_view_tilted(j->horizon, q, row, rows, cells, ground_tell_block, j->ground, &done)
+        : j->sky  ? horizon_sky_view(j->horizon, q, row, rows, cells, ground_tell_block, j->ground, &done)
+                  : horizon_angles(j->horizon, q, band, row, rows, cells);
     if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));
     /* Where nothing is, horizon.h has the nadir, which is no horizon and would be the least and part of the mean. */
     float *angles = cells;
@@ -83,14 +84,20 @@ static bool make_bands(job *j, const horizon_command *c, io_error *error) {
         return io_fail(error, "%s: --grid needs a map in metres, and this one is in degrees", j->ground->path);
     j->command = c;
     j->sky = c->sky;
+    j->tilted = c->tilted;
     if (!enter(j, error)) return false; /* for the bands' names */
-    static const char *const sky = "sky-view factor: share of an evenly bright sky's light that reaches level ground",
-                             *const angles = "angle of the horizon over the level, one band a direction";
+    static const char
+        *const sky = "sky-view factor: share of an evenly bright sky's light that reaches level ground",
+               *const tilted = "sky-view factor: share of an evenly bright sky's light that reaches the leaning ground",
+               *const angles = "angle of the horizon over the level, one band a direction";
     const char **names = c->sky ? NULL : band_names(j->horizon, c->directions);
     if (!c->sky && names == NULL) return io_fail(error, "out of memory");
     ground_notes notes = {0};
-    io_raster_product product =
-        ground_product(j->ground, IO_CELL_FLOAT32, c->sky ? 1 : c->directions, c->sky ? &sky : &angles, &notes);
+    io_raster_product product = ground_product(j->ground, IO_CELL_FLOAT32, c->sky ? 1 : c->directions,
+                                               c->tilted ? &tilted
+                                               : c->sky  ? &sky
+                                                         : &angles,
+                                               &notes);
     ground_note(&notes, "DIRECTIONS=%u", c->directions);
     ground_note(&notes, "FIRST_AZIMUTH=%.9g", c->start);
     ground_note(&notes, "ANGLES=degrees; azimuth from the map's north over east");
@@ -155,7 +162,7 @@ static bool make(ground *g, const horizon_command *c, io_error *error) {
 
 static int run(int argc, char **argv) {
     horizon_command c = {.directions = 32};
-    enum { OWN = 7, ALL = OWN + PIECES_OPTION_COUNT + GROUND_OPTION_COUNT };
+    enum { OWN = 8, ALL = OWN + PIECES_OPTION_COUNT + GROUND_OPTION_COUNT };
     option_spec options[ALL] = {
         {.name = "directions",
          .value = "N",
@@ -179,6 +186,9 @@ static int run(int argc, char **argv) {
          .help = "write the sky-view factor instead: the share, 0 to 1,\nof an evenly bright sky's light that reaches "
                  "level\nground (float32)",
          .to = &c.sky},
+        {.name = "svf-tilted",
+         .help = "the same for the ground as it leans, which is also hidden\nbehind itself",
+         .to = &c.tilted},
         {.name = "at",
          .value = "X,Y[,H]",
          .help = "print the horizon at one place of the map, H metres\nabove ground (default: 0) or X,Y,=Z, as CSV: "
@@ -228,6 +238,11 @@ static int run(int argc, char **argv) {
     const int status = options_parse(&usage, argc, argv, &path);
     if (status != OPTIONS_GO) return status;
     if (c.at && !ground_parse_place(name, c.at, 0, &c.place)) return EXIT_USAGE;
+    if (c.tilted && (c.sky || c.grid)) {
+        command_fail(name, "--svf-tilted goes with neither --svf nor --grid");
+        return EXIT_USAGE;
+    }
+    c.sky = c.sky || c.tilted;
     if (c.at && (c.ground.output || c.sky || c.ground.window)) {
         command_fail(name, "--at prints one horizon, and goes with none of -o, --svf and --window");
         return EXIT_USAGE;

@@ -4,9 +4,8 @@
 #include "shadow.h"
 
 #include "command.h"
-#include "gdal/module.h"
 #include "pieces.h"
-#include "sun.h"
+#include "sun_place.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -66,47 +65,18 @@ static bool fill(void *context, size_t band, size_t row, size_t rows, void *cell
     return status == CW_OK || io_fail(error, "%s", cw_status_message(status));
 }
 
-/* Longitude and latitude of the terrain's middle, and how far the map's north is turned there from the true one, toward the
- * west. */
-static bool locate(const ground *g, double lon_lat[2], double *turned, io_error *error) {
-    const terrain *t = &g->whole;
-    const io_georef *r = ground_georef(g);
-    double xy[2];
-    terrain_to_map(t, 0.5 * (double)(t->nx - 1), 0.5 * (double)(t->ny - 1), xy);
-    *turned = 0;
-    if (t->geographic) {
-        for (int k = 0; k < 2; k++) lon_lat[k] = xy[k] * t->unit * (180 / 3.141592653589793);
-        return true;
-    }
-    if (r->crs == NULL)
-        return io_fail(error, "%s: names no coordinate system, so --time cannot tell where the sun is; give --sun",
-                       g->path);
-    const io_gdal *gdal = io_gdal_load(error);
-    double x[2] = {xy[0]}, y[2] = {xy[1]};
-    if (gdal == NULL || !gdal->lon_lat(r->crs, false, 1, x, y, error)) return false;
-    lon_lat[0] = x[0];
-    lon_lat[1] = y[0];
-    /* Two places, one 20 m north of the other. */
-    x[1] = x[0];
-    y[0] -= 1e-4;
-    y[1] = y[0] + 2e-4;
-    if (!gdal->lon_lat(r->crs, true, 2, x, y, error)) return false;
-    *turned = atan2(x[1] - x[0], y[1] - y[0]) * (180 / 3.141592653589793);
-    return true;
-}
-
 static bool find_sun(const shadow_command *c, const ground *g, sunlight_desc *sun, io_error *error) {
-    double lon_lat[2] = {0, 0}, turned = 0;
+    sun_place place;
     sun->azimuth = c->azimuth;
     sun->altitude = c->altitude;
     if (c->sun) return true;
-    if (!locate(g, lon_lat, &turned, error)) return false;
-    const sun_position p = sun_at(c->seconds, lon_lat[0], lon_lat[1]);
-    sun->azimuth = fmod(p.azimuth + turned + 360, 360);
+    if (!sun_place_find(&g->whole, ground_georef(g), g->path, &place, error)) return false;
+    const sun_position p = sun_place_at(&place, c->seconds);
+    sun->azimuth = p.azimuth;
     sun->altitude = p.altitude;
     if (c->usual_disc) sun->radius = p.radius;
-    printf("sun at %s over %.4f, %.4f: azimuth %.3f (%.3f on the map), altitude %.3f degrees\n", c->time, lon_lat[0],
-           lon_lat[1], p.azimuth, sun->azimuth, p.altitude);
+    printf("sun at %s over %.4f, %.4f: azimuth %.3f (%.3f on the map), altitude %.3f degrees\n", c->time,
+           place.longitude, place.latitude, fmod(p.azimuth - place.turned + 360, 360), p.azimuth, p.altitude);
     return true;
 }
 

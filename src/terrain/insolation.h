@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Sunlight over a day or a year: direct light on every sample, summed over many places of the sun. */
+#ifndef CELLWALK_TERRAIN_INSOLATION_H
+#define CELLWALK_TERRAIN_INSOLATION_H
+
+#include "sun.h"
+#include "terrain.h"
+
+typedef struct insolation insolation;
+
+typedef struct insolation_desc {
+    /* Azimuths are the map's. Places at or below the level give no light. Copied. */
+    const sun_position *suns;
+    size_t count;
+    double hours;     /* that each of them stands for */
+    double linke;     /* turbidity (clear_sky.h) */
+    double curvature; /* as sight_init takes it; 0: the earth is flat */
+    /* 0: shadows are exact, in the direction of each sun. Else the sun casts its shadow from the nearest of so many directions
+     * evenly all round, so that suns that share one also share one horizon: its azimuth is off by up to 180 / directions
+     * degrees. At most COMPASS_MOST (compass.h). */
+    size_t directions;
+} insolation_desc;
+
+/* The terrain must stay. */
+cw_status insolation_create(const terrain *t, const insolation_desc *desc, insolation **sum);
+void insolation_destroy(insolation *sum);
+
+/* In how many directions the terrain is looked at. */
+size_t insolation_directions(const insolation *sum);
+
+/* Hours in which the middle of the sun is seen: hours[y * nx + x] for rows row to row + rows - 1, NaN at a hole. progress
+ * may be NULL; *done is false if it ended the work. */
+cw_status insolation_hours(insolation *sum, const cw_run *query, size_t row, size_t rows, float *hours,
+                           terrain_progress *progress, void *context, bool *done);
+
+/* Energy of the direct light on the surface as it leans, in Wh/m² of surface; in the same way. Samples below -1000 m and above
+ * 10000 m count as being there. */
+cw_status insolation_direct(insolation *sum, const cw_run *query, size_t row, size_t rows, float *energy,
+                            terrain_progress *progress, void *context, bool *done);
+
+/* Energy of the diffuse light of the whole sky on level ground, in Wh/m²: the same at all heights. */
+double insolation_diffuse(const insolation *sum);
+
+#endif

@@ -1,0 +1,299 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* `cellwalk sun`: hours of sunlight and its energy, over a day or many, on every sample of a terrain. */
+
+#include "sun.h"
+
+#include "clear_sky.h"
+#include "command.h"
+#include "ground.h"
+#include "horizon.h"
+#include "insolation.h"
+#include "sun_place.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char name[] = "sun";
+
+static const double day = 86400;
+
+/* Suns over all days at most: a year in half minutes. */
+enum { SUNS_MOST = 1100000 };
+
+typedef struct sun_command {
+    ground_options ground;
+    const char *date, *to, *step, *place;
+    double linke, curvature;
+    unsigned directions, sky;
+    bool irradiance;
+    /* By check. */
+    double first, last; /* midnights of UTC that begin the first and the last day */
+    double seconds;     /* of a step */
+    double lon_lat[2];
+} sun_command;
+
+enum { DIRECT, DIFFUSE, BANDS };
+
+typedef struct job {
+    const sun_command *command;
+    ground *ground;
+    insolation *sum;
+    horizon *horizon;
+    double band, bands, row, rows; /* of the block that is being filled */
+} job;
+
+static bool tell_block(void *context, double share) {
+    const job *j = context;
+    const double part = (j->row + share * j->rows) / (double)j->ground->terrain.ny;
+    return ground_tell(j->ground, (j->band + part) / j->bands);
+}
+
+static bool fill(void *context, size_t band, size_t row, size_t rows, void *cells, io_error *error) {
+    job *j = context;
+    const cw_run *q = &j->ground->query;
+    const bool energy = j->command->irradiance;
+    bool done;
+    cw_status status;
+    j->band = (double)band;
+    j->row = (double)row;
+    j->rows = (double)rows;
+    if (!energy)
+        status = insolation_hours(j->sum, q, row, rows, cells, tell_block, j, &done);
+    else if (band == DIRECT)
+        status = insolation_direct(j->sum, q, row, rows, cells, tell_block, j, &done);
+    else
+        status = horizon_sky_view_tilted(j->horizon, q, row, rows, cells, tell_block, j, &done);
+    if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));
+    if (energy && band == DIFFUSE) {
+        const float light = (float)insolation_diffuse(j->sum);
+        for (size_t k = 0; k < rows * j->ground->terrain.nx; k++) ((float *)cells)[k] *= light;
+    }
+    return done || io_fail(error, "interrupted");
+}
+
+/* The sun in the middle of each step. Days begin at midnight of the place's mean solar time, so that a day's light is one
+ * piece. */
+static sun_position *find_suns(const sun_command *c, const sun_place *place, size_t *count, io_error *error) {
+    *count = (size_t)nearbyint((c->last + day - c->first) / c->seconds);
+    sun_position *suns = malloc(*count * sizeof *suns);
+    if (suns == NULL) {
+        io_fail(error, "out of memory");
+        return NULL;
+    }
+    const double midnight = c->first - place->longitude / 360 * day;
+    for (size_t k = 0; k < *count; k++) suns[k] = sun_place_at(place, midnight + ((double)k + 0.5) * c->seconds);
+    return suns;
+}
+
+static bool prepare(job *j, sun_place *place, io_error *error) {
+    const sun_command *c = j->command;
+    const ground *g = j->ground;
+    size_t count;
+    *place = (sun_place){c->lon_lat[0], c->lon_lat[1], 0};
+    if (!c->place && !sun_place_find(&g->terrain, &g->file.raster.georef, g->path, place, error)) return false;
+    sun_position *suns = find_suns(c, place, &count, error);
+    if (suns == NULL) return false;
+    const insolation_desc desc = {.suns = suns,
+                                  .count = count,
+                                  .hours = c->seconds / 3600,
+                                  .linke = c->linke,
+                                  .curvature = c->curvature,
+                                  .directions = c->directions};
+    cw_status status = insolation_create(&g->terrain, &desc, &j->sum);
+    free(suns);
+    if (status == CW_OK && c->irradiance) {
+        const horizon_desc sky = {.count = c->sky, .curvature = c->curvature};
+        status = horizon_create(&g->terrain, &sky, &j->horizon);
+    }
+    return status == CW_OK || io_fail(error, "%s", cw_status_message(status));
+}
+
+static bool make_bands(job *j, io_error *error) {
+    const sun_command *c = j->command;
+    sun_place place;
+    if (!prepare(j, &place, error)) return false;
+    static const char *const hours = "hours of direct sunlight",
+                             *const energy = "energy of sunlight on the ground under a cloudless sky",
+                             *const bands[BANDS] = {"direct light on the ground", "diffuse light on the ground"};
+    ground_notes notes = {0};
+    j->bands = c->irradiance ? BANDS : 1;
+    io_raster_product product =
+        ground_product(j->ground, IO_CELL_FLOAT32, (size_t)j->bands, c->irradiance ? &energy : &hours, &notes);
+    product.unit = c->irradiance ? "Wh/m2" : "h";
+    product.white = 24 * ((c->last - c->first) / day + 1);
+    if (c->irradiance) product.band_names = bands;
+    ground_note(&notes, "DATE=%s", c->date);
+    ground_note(&notes, "TO=%s", c->to ? c->to : c->date);
+    ground_note(&notes, "STEP_SECONDS=%.9g", c->seconds);
+    ground_note(&notes, "SUN_OVER=%.9g,%.9g", place.longitude, place.latitude);
+    ground_note(&notes, "SUN_DIRECTIONS=%zu%s", insolation_directions(j->sum),
+                c->directions ? "" : " (each sun's own)");
+    ground_note(&notes, "CURVATURE=%.9g", c->curvature);
+    if (c->irradiance) {
+        ground_note(&notes, "CLEAR_SKY=ESRA (Rigollier, Bauer, Wald 2000)");
+        ground_note(&notes, "LINKE=%.9g", c->linke);
+        ground_note(&notes, "SKY_DIRECTIONS=%u", c->sky);
+        ground_note(&notes, "DIFFUSE_LEVEL=%.9g", insolation_diffuse(j->sum));
+    }
+    /* fill looks for Ctrl-C itself. */
+    const bool good = ground_write(j->ground, &product, 1, fill, j, error);
+    ground_notes_free(&notes);
+    return good;
+}
+
+static bool make(ground *g, const sun_command *c, io_error *error) {
+    job j = {.command = c, .ground = g};
+    const bool good = make_bands(&j, error);
+    insolation_destroy(j.sum);
+    horizon_destroy(j.horizon);
+    return good;
+}
+
+/* ---- the command line --------------------------------------------------------------------------------------------------- */
+
+static bool read_date(const char *text, double *midnight) {
+    char copy[32];
+    return strlen(text) <= 10 && snprintf(copy, sizeof copy, "%sT00:00Z", text) > 0 && sun_parse_time(copy, midnight);
+}
+
+/* A number with s, min or h, which divides a day. */
+static bool read_step(const char *text, double *seconds) {
+    static const struct {
+        const char *name;
+        double seconds;
+    } units[] = {{"s", 1}, {"min", 60}, {"h", 3600}};
+    char *end;
+    const double number = strtod(text, &end);
+    for (size_t k = 0; k < sizeof units / sizeof *units && end != text; k++) {
+        if (strcmp(end, units[k].name) != 0) continue;
+        *seconds = number * units[k].seconds;
+        const double steps = nearbyint(day / *seconds);
+        return *seconds >= 1 && *seconds <= day && fabs(steps * *seconds - day) < 1e-6;
+    }
+    return false;
+}
+
+static bool wrong_command(sun_command *c) {
+    const bool energy_only = !isnan(c->linke) || c->sky > 0;
+    if (c->date == NULL)
+        command_fail(name, "--date is missing");
+    else if (!read_date(c->date, &c->first))
+        command_fail(name, "--date takes a day, as 2024-06-21, not '%s'", c->date);
+    else if (c->to && !read_date(c->to, &c->last))
+        command_fail(name, "--to takes a day, as 2024-06-21, not '%s'", c->to);
+    else if (c->to && c->last < c->first)
+        command_fail(name, "--to %s is before --date %s", c->to, c->date);
+    else if (!read_step(c->step, &c->seconds))
+        command_fail(name, "--step takes a time that divides a day, as 15min, 1h or 30s, not '%s'", c->step);
+    else if (((c->to ? c->last : c->first) + day - c->first) / c->seconds > SUNS_MOST)
+        command_fail(name, "there are more than %d steps from %s to %s; give a longer --step", SUNS_MOST, c->date,
+                     c->to ? c->to : c->date);
+    else if (c->place && (ground_numbers(c->place, c->lon_lat, 2, 2) == 0 || fabs(c->lon_lat[1]) > 90))
+        command_fail(name, "--lon-lat takes longitude and latitude in degrees, as 6.1,49.8, not '%s'", c->place);
+    else if (energy_only && !c->irradiance)
+        command_fail(name, "--linke and --sky go with --irradiance");
+    else if (!isnan(c->linke) && !(c->linke >= 1 && c->linke <= 10))
+        command_fail(name, "--linke takes a turbidity from 1 to 10, not %g", c->linke);
+    else if (c->curvature < 0)
+        command_fail(name, "--curvature takes a number from 0 on, not %g", c->curvature);
+    else
+        return false;
+    return true;
+}
+
+static int run(int argc, char **argv) {
+    sun_command c = {.step = "15min", .linke = NAN};
+    enum { OWN = 9, ALL = OWN + GROUND_OPTION_COUNT };
+    option_spec options[ALL] = {
+        {.name = "date", .value = "DAY", .help = "the day, as 2024-06-21", .kind = OPTION_TEXT, .to = &c.date},
+        {.name = "to",
+         .value = "DAY",
+         .help = "the last of several days (default: --date)",
+         .kind = OPTION_TEXT,
+         .to = &c.to},
+        {.name = "step",
+         .value = "TIME",
+         .help = "time between two places of the sun, as 30s, 15min\n(default) or 1h; it divides a day",
+         .kind = OPTION_TEXT,
+         .to = &c.step},
+        {.name = "directions",
+         .value = "N",
+         .help = "cast shadows from the nearest of N directions all round,\nso that many days share their horizons; "
+                 "azimuths are then\noff by up to 180 / N degrees (default: each sun's own)",
+         .kind = OPTION_COUNT,
+         .to = &c.directions,
+         .low = 8,
+         .high = 3600},
+        {.name = "irradiance",
+         .help = "energy instead of hours, in watt hours a square metre of the\nground as it leans: one band of direct "
+                 "light, one of "
+                 "diffuse light",
+         .to = &c.irradiance},
+        {.name = "linke",
+         .value = "TL",
+         .help = "with --irradiance: Linke's turbidity for an air mass of\n2, from 1 to 10 (default: 3)",
+         .kind = OPTION_NUMBER,
+         .to = &c.linke},
+        {.name = "sky",
+         .value = "N",
+         .help = "with --irradiance: directions of the sky-view factor for\ndiffuse light (default: 32)",
+         .kind = OPTION_COUNT,
+         .to = &c.sky,
+         .low = 1,
+         .high = 3600},
+        {.name = "curvature",
+         .value = "K",
+         .help =
+             "how much of the earth's curvature counts: 0 flat\n(default), 1 without air, 0.857 with usual refraction",
+         .kind = OPTION_NUMBER,
+         .to = &c.curvature},
+        {.name = "lon-lat",
+         .value = "LON,LAT",
+         .help =
+             "where on earth the terrain is, in degrees, for files\nthat do not say; the map's north is then the true "
+             "one",
+         .kind = OPTION_TEXT,
+         .to = &c.place},
+    };
+    ground_rows(&c.ground, name, options + OWN);
+    static const char *const operands[] = {"DEM"};
+    const options_usage usage = {
+        .name = name,
+        .synopsis = "DEM --date DAY [--to DAY] -o FILE [OPTIONS]",
+        .what = "Computes hours of direct sunlight on every sample of a terrain (float32; NaN: no data), or\n"
+                "with --irradiance the energy of direct and diffuse light under a cloudless sky.\n"
+                "\n"
+                "The sun stands in the middle of each step, where it is seen from the terrain's\n"
+                "middle, lifted by the air's refraction. A sample is lit while the sun's middle is\n"
+                "above its horizon; shadows are those of `cellwalk shadow`. Days begin at midnight of\n"
+                "the terrain's mean solar time. Hours are right to one step a day and horizon.\n"
+                "\n"
+                "Energy is by the model of the European Solar Radiation Atlas (Rigollier, Bauer and\n"
+                "Wald 2000, also in GRASS' r.sun): direct light falls on the ground as it leans, at its\n"
+                "height; diffuse light comes from an evenly bright sky, as much of it as the leaning\n"
+                "ground sees. Light that other ground reflects is left out.\n",
+        .examples =
+            "  cellwalk sun dem.tif --date 2024-06-21 -o hours.tif\n"
+            "  cellwalk sun dem.tif --date 2024-01-01 --to 2024-12-31 --step 30min --directions 720 -o year.tif\n"
+            "  cellwalk sun dem.tif --date 2024-03-20 --irradiance --linke 2.5 -o energy.tif\n",
+        .options = options,
+        .option_count = ALL,
+        .operands = operands,
+        .operand_least = 1,
+        .operand_most = 1,
+    };
+    const char *path;
+    const int status = options_parse(&usage, argc, argv, &path);
+    if (status != OPTIONS_GO) return status;
+    if (wrong_command(&c)) return EXIT_USAGE;
+    if (c.to == NULL) c.last = c.first;
+    if (isnan(c.linke)) c.linke = CLEAR_SKY_LINKE;
+    if (c.sky == 0) c.sky = 32;
+    ground g;
+    io_error error = {""};
+    const int opened = ground_open(&g, &c.ground, path, c.irradiance ? BANDS : 1, true);
+    return opened == EXIT_SUCCESS ? ground_close(&g, make(&g, &c, &error), &error) : opened;
+}
+
+const command command_sun = {"sun", "compute hours or energy of sunlight over days on a terrain", run};

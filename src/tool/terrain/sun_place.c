@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "sun_place.h"
+
+#include "gdal/module.h"
+
+#include <math.h>
+
+static const double degrees = 180 / 3.141592653589793;
+
+bool sun_place_find(const terrain *t, const io_georef *georef, const char *path, sun_place *place, io_error *error) {
+    double xy[2];
+    *place = (sun_place){0, 0, 0};
+    const terrain *whole = terrain_whole(t);
+    terrain_to_map(whole, 0.5 * (double)(whole->nx - 1), 0.5 * (double)(whole->ny - 1), xy);
+    if (t->geographic) {
+        place->longitude = xy[0] * t->unit * degrees;
+        place->latitude = xy[1] * t->unit * degrees;
+        return true;
+    }
+    if (georef->crs == NULL)
+        return io_fail(error, "%s: names no coordinate system, so the sun's place at a time is not known", path);
+    const io_gdal *gdal = io_gdal_load(error);
+    double x[2] = {xy[0]}, y[2] = {xy[1]};
+    if (gdal == NULL || !gdal->lon_lat(georef->crs, false, 1, x, y, error)) return false;
+    place->longitude = x[0];
+    place->latitude = y[0];
+    /* Two places, one 20 m north of the other. */
+    x[1] = x[0];
+    y[0] -= 1e-4;
+    y[1] = y[0] + 2e-4;
+    if (!gdal->lon_lat(georef->crs, true, 2, x, y, error)) return false;
+    place->turned = atan2(x[1] - x[0], y[1] - y[0]) * degrees;
+    return true;
+}
+
+sun_position sun_place_at(const sun_place *place, double seconds) {
+    sun_position p = sun_at(seconds, place->longitude, place->latitude);
+    p.azimuth = fmod(p.azimuth + place->turned + 360, 360);
+    return p;
+}

@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The sun over a terrain at a given time. */
+#ifndef CELLWALK_TOOL_TERRAIN_SUN_PLACE_H
+#define CELLWALK_TOOL_TERRAIN_SUN_PLACE_H
+
+#include "error.h"
+#include "georef.h"
+#include "sun.h"
+#include "terrain.h"
+
+/* Where the terrain's middle is on earth. */
+typedef struct sun_place {
+    double longitude, latitude; /* degrees */
+    double turned; /* how far the map's north is turned there from the true one, toward the west, in degrees */
+} sun_place;
+
+/* An error if the map is not in degrees and names no coordinate system; path is for messages. */
+bool sun_place_find(const terrain *t, const io_georef *georef, const char *path, sun_place *place, io_error *error);
+
+/* The sun with its azimuth on the map. */
+sun_position sun_place_at(const sun_place *place, double seconds);
+
+#endif
