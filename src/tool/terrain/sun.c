@@ -273,10 +273,9 @@ static int run(int argc, char **argv) {
                 "Wald 2000, also in GRASS' r.sun): direct light falls on the ground as it leans, at its\n"
                 "height; diffuse light comes from an evenly bright sky, as much of it as the leaning\n"
                 "ground sees. Light that other ground reflects is left out.\n",
-        .examples =
-            "  cellwalk sun dem.tif --date 2024-06-21 -o hours.tif\n"
-            "  cellwalk sun dem.tif --date 2024-01-01 --to 2024-12-31 --step 30min --directions 720 -o year.tif\n"
-            "  cellwalk sun dem.tif --date 2024-03-20 --irradiance --linke 2.5 -o energy.tif\n",
+        .examples = "  cellwalk sun dem.tif --date 2024-06-21 -o hours.tif\n"
+                    "  cellwalk sun dem.tif --date 2024-01-01 --to 2024-12-31 --directions 720 -o year.tif\n"
+                    "  cellwalk sun dem.tif --date 2024-03-20 --irradiance --linke 2.5 -o energy.tif\n",
         .options = options,
         .option_count = ALL,
         .operands = operands,
@@ -292,7 +291,7 @@ static int run(int argc, char **argv) {
     if (c.sky == 0) c.sky = 32;
     ground g;
     io_error error = {""};
-    const int opened = ground_open(&g, &c.ground, path, c.irradiance ? BANDS : 1, true);
+    const int opened = ground_open(&g, &c.ground, path, c.irradiance ? BANDS : 1, GROUND_FIELD);
     return opened == EXIT_SUCCESS ? ground_close(&g, make(&g, &c, &error), &error) : opened;
 }
 
