@@ -395,7 +395,7 @@ static void grid_of_a_plane(void **state) {
     for (size_t d = 0; d < 32; d++) {
         const double azimuth = horizon_azimuth(h, d), a = azimuth * degree;
         const double rise = shape[0] * sin(a) + shape[1] * cos(a);
-        const double before = d ? horizon_azimuth(h, d - 1) : -1;
+        const double before = d > 0 ? horizon_azimuth(h, d - 1) : horizon_azimuth(h, 31) - 360;
         check(azimuth > before, "azimuth %g comes after %g", azimuth, before);
         check_status(horizon_angles(h, NULL, d, 0, SIDE, angles), CW_OK);
         for (size_t j = 3; j + 3 < SIDE; j++)
@@ -403,7 +403,6 @@ static void grid_of_a_plane(void **state) {
                 check(fabs((double)angles[j * SIDE + i] - atan(rise) / degree) < 1e-3,
                       "(%zu, %zu), %g degrees: %g, not %g", i, j, azimuth, (double)angles[j * SIDE + i],
                       atan(rise) / degree);
-        const double before = d > 0 ? horizon_azimuth(h, d - 1) : horizon_azimuth(h, 31) - 360;
         const double after = d < 31 ? horizon_azimuth(h, d + 1) : 360 + horizon_azimuth(h, 0);
         turn += (after - before) / 720;
         sum += (after - before) / 720 / (1 + fmax(rise, 0) * fmax(rise, 0));
