@@ -344,7 +344,8 @@ static bool fill_block(writing *w, size_t band, size_t row, size_t rows, io_erro
     const ground *g = w->ground;
     const size_t nx = g->terrain.nx, first = g->window.i - g->terrain.column,
                  local = row + g->window.j - g->terrain.row;
-    if (nx == g->window.nx) return w->maker->fill(w->context, band, local, rows, w->cells, error);
+    /* Ground that is read whole has no window. */
+    if (g->window.nx == 0 || nx == g->window.nx) return w->maker->fill(w->context, band, local, rows, w->cells, error);
     if (w->lines_room < nx * rows) {
         free(w->lines);
         w->lines = malloc(nx * rows * w->cell);

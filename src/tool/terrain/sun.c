@@ -274,7 +274,7 @@ static int run(int argc, char **argv) {
                 "height; diffuse light comes from an evenly bright sky, as much of it as the leaning\n"
                 "ground sees. Light that other ground reflects is left out.\n",
         .examples = "  cellwalk sun dem.tif --date 2024-06-21 -o hours.tif\n"
-                    "  cellwalk sun dem.tif --date 2024-01-01 --to 2024-12-31 --directions 720 -o year.tif\n"
+                    "  cellwalk sun dem.tif --date 2024-06-01 --to 2024-06-30 -o june.tif\n"
                     "  cellwalk sun dem.tif --date 2024-03-20 --irradiance --linke 2.5 -o energy.tif\n",
         .options = options,
         .option_count = ALL,

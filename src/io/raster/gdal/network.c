@@ -79,14 +79,14 @@ static void close_systems(bool network) {
     VSIFilesystemPluginCallbacksStruct *c = VSIAllocFilesystemPluginCallbacksStruct();
     c->open = refuse_open;
     c->stat = refuse_stat;
-    char **prefixes = VSIGetFileSystemsPrefixes();
+    static char **prefixes; /* GDAL 3.6 keeps pointers to them */
+    if (prefixes == NULL) prefixes = VSIGetFileSystemsPrefixes();
     for (char **p = prefixes; p != NULL && *p != NULL; p++) {
         /* Standard input may be a terminal or a pipe, and standard output is the program's. */
         const bool standard = strncmp(*p, "/vsistd", 7) == 0;
         if ((*p)[0] != '\0' && (standard || (!network && !is_one_of(local_systems, *p))))
             VSIInstallPluginHandler(*p, c);
     }
-    CSLDestroy(prefixes);
     VSIFreeFilesystemPluginCallbacksStruct(c);
 }
 
