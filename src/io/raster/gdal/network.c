@@ -50,16 +50,16 @@ static bool is_one_of(const char *words, const char *word) {
 }
 
 static void *refuse_open(void *context, const char *name, const char *access) {
-    (void)context, (void)name, (void)access;
-    asked = true;
+    (void)name, (void)access;
+    if (context != NULL) asked = true;
     errno = EACCES;
     return NULL;
 }
 
 static int refuse_stat(void *context, const char *name, VSIStatBufL *about, int flags) {
-    (void)context, (void)name, (void)flags;
+    (void)name, (void)flags;
     memset(about, 0, sizeof *about);
-    asked = true;
+    if (context != NULL) asked = true;
     errno = EACCES;
     return -1;
 }
@@ -84,8 +84,9 @@ static void close_systems(bool network) {
     for (char **p = prefixes; p != NULL && *p != NULL; p++) {
         /* Standard input may be a terminal or a pipe, and standard output is the program's. */
         const bool standard = strncmp(*p, "/vsistd", 7) == 0;
-        if ((*p)[0] != '\0' && (standard || (!network && !is_one_of(local_systems, *p))))
-            VSIInstallPluginHandler(*p, c);
+        if ((*p)[0] == '\0' || (!standard && (network || is_one_of(local_systems, *p)))) continue;
+        c->pUserData = standard ? NULL : &asked; /* the standard streams are no network */
+        VSIInstallPluginHandler(*p, c);
     }
     VSIFreeFilesystemPluginCallbacksStruct(c);
 }
