@@ -100,4 +100,5 @@ for turn in range(o.rounds):
 result["seconds"] = {name: {"least": min(t), "median": float(np.median(t))} for name, t in times.items()}
 base = result["seconds"]["C query, float32 rays"]["least"]
 result["least_over_C"] = {name: t["least"] / base for name, t in result["seconds"].items()}
-print(json.dumps(result, indent=1))
+machine = json.loads(subprocess.run([o.tool, "info", "--json"], check=True, capture_output=True, text=True).stdout)
+print(json.dumps({"kind": "run", "command": "python_speed", "isa": machine["isa"], "cpu": machine["cpu"], **result}))

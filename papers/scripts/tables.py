@@ -32,12 +32,13 @@ OWN = {
 SOURCES = {
     **dict.fromkeys(names.SPEED_FILES.values()), "peers.json": None, "widths.json": None, "threads.json": None,
     "building.json": None, "counters.json": None, "profile.json": "papers/scripts/profile_kernels.py",
-    "neon.json": "papers/scripts/count_neon.py",
+    "neon.json": "papers/scripts/count_neon.py", "python.json": "papers/scripts/python_speed.py",
     "ablation.json": "--target ablation", "caches.json": "--target caches", "pages-huge.json": None,
     "pages-small.json": None, "terrain.json": "papers/scripts/terrain.py", "scenes/table.json": None,
     "scenes/pbrt.json": "papers/scripts/beside_pbrt.py", "scenes/features.json": "papers/scripts/features.py",
     "tradeoff/tradeoff.json": None, "precision/tradeoff.json": None, "afar.json": None,
-    "stability/aimed.json": "--target stability", "stability/extremes.json": "--target stability-extremes",
+    "stability/aimed-1.json": "cellwalk-stability run --part 1/2", "stability/aimed-2.json": "cellwalk-stability run --part 2/2",
+    "stability/extremes.json": "--target stability-extremes",
     "stability/exhaustive.json": "--target stability-exhaustive", "stability/stress.json": "--target stability-stress",
     "stability/leaf.json": "--target stability-leaf",
 }
@@ -67,7 +68,9 @@ BLOCKS = {
     "table": from_file("scenes/table.json", blocks_scenes.times),
     "tracing": from_file("scenes/table.json", blocks_scenes.tracing),
     "stability": lambda data: blocks_stability.stability(
-        [data["stability/aimed.json"]], blocks_speed.default_kernel(data, data["stability/aimed.json"].run.text("isa"))),
+        [data[f"stability/aimed-{part}.json"] for part in (1, 2)],
+        # Pairs had a suffix of their own before version 0.2.
+        blocks_speed.default_kernel(data, data["stability/aimed-1.json"].run.text("isa")).removesuffix("x2")),
     **{name: from_file(f"stability/{name}.json", OWN[name]) for name in ("extremes", "exhaustive", "stress", "leaf")},
     "afar": from_file("afar.json", blocks_speed.afar),
     "precision": from_file(blocks_tradeoff.PRECISION_FILE, blocks_tradeoff.precision),
