@@ -49,7 +49,7 @@ foreach(part IN ITEMS CMakeLists.txt src simd include bench tests papers)
     file(COPY ${SOURCE}/${part} DESTINATION ${copy})
 endforeach()
 run(${CMAKE_COMMAND} -S ${copy} -B ${build} -G ${GENERATOR} -DCMAKE_C_COMPILER=${COMPILER} -DCMAKE_BUILD_TYPE=Release
-    -DCELLWALK_TOOL=OFF -DCELLWALK_TESTS=OFF)
+    -DCELLWALK_TOOL=OFF -DCELLWALK_TESTS=OFF -DCELLWALK_INSTALL=OFF)
 
 variant("as it is" pyramid8)
 variant("no sharing" pyramid8 simd/shared_walk.inc.h "SHARE_AT_LEAST = 4" "SHARE_AT_LEAST = 65")
