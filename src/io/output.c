@@ -371,10 +371,12 @@ bool io_folder_make(const char *path, io_error *error) {
 }
 
 bool io_output_open_in(io_output *out, const char *folder, const char *name, io_error *error) {
-    char *path = NULL;
     *out = (io_output){.slot = DIRECT};
     if (!io_folder_make(folder, error)) return false;
-    if (asprintf(&path, "%s/%s", folder, name) < 0) return io_fail(error, "out of memory");
+    const size_t size = strlen(folder) + strlen(name) + 2;
+    char *path = malloc(size);
+    if (!path) return io_fail(error, "out of memory");
+    snprintf(path, size, "%s/%s", folder, name);
     const bool good = io_output_open(out, path, error);
     free(path);
     return good;

@@ -220,11 +220,19 @@ static cw_rectangle block_at(const reach_blocks *b, size_t x, size_t y) {
                           b->whole->ny - j < REACH_BLOCK ? b->whole->ny - j : REACH_BLOCK};
 }
 
-cw_rectangle reach_of_shadows(const reach_blocks *b, const reach_sunward *s, cw_rectangle part) {
-    double low[2], high[2], from[2], until[2], lowest = INFINITY;
+/* Compared and not by fmin: GCC 12 for aarch64 crashes on that loop (internal error in vect_transform_reduction). */
+static double lowest_of(const reach_blocks *b, cw_rectangle part) {
     const size_t right = (part.i + part.nx - 1) / REACH_BLOCK, bottom = (part.j + part.ny - 1) / REACH_BLOCK;
+    float lowest = INFINITY;
     for (size_t y = part.j / REACH_BLOCK; y <= bottom; y++)
-        for (size_t x = part.i / REACH_BLOCK; x <= right; x++) lowest = fmin(lowest, (double)b->low[y * b->across + x]);
+        for (size_t x = part.i / REACH_BLOCK; x <= right; x++)
+            if (b->low[y * b->across + x] < lowest) lowest = b->low[y * b->across + x];
+    return (double)lowest;
+}
+
+cw_rectangle reach_of_shadows(const reach_blocks *b, const reach_sunward *s, cw_rectangle part) {
+    double low[2], high[2], from[2], until[2];
+    const double lowest = lowest_of(b, part);
     ends(part, from, until);
     for (int a = 0; a < 2; a++) {
         low[a] = from[a] - beside;

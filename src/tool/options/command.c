@@ -13,9 +13,7 @@
 #include <string.h>
 #include <unistd.h>
 
-static const char *running; /* the program's name */
-
-static const char *program_name(void) { return running ? running : program_invocation_short_name; }
+static const char *running = "cellwalk"; /* the program's name */
 
 int command_fail(const char *name, const char *format, ...) {
     char text[4096];
@@ -24,11 +22,11 @@ int command_fail(const char *name, const char *format, ...) {
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
     make_printable(text);
-    fprintf(stderr, "%s%s%s: %s\n", program_name(), *name ? " " : "", name, text);
+    fprintf(stderr, "%s%s%s: %s\n", running, *name ? " " : "", name, text);
     return EXIT_FAILURE;
 }
 
-void command_print_name(FILE *to, const char *name) { fprintf(to, "%s%s%s", program_name(), *name ? " " : "", name); }
+void command_print_name(FILE *to, const char *name) { fprintf(to, "%s%s%s", running, *name ? " " : "", name); }
 
 static void print_help(const program *p, FILE *to) {
     fprintf(to, "Usage: %s COMMAND [ARGUMENTS]\n\n%s\n\nCommands:\n", p->name, p->what);
