@@ -159,8 +159,9 @@ static void next_to_the_eye(void **state) {
     (void)state;
     static const double eyes[][2] = {{20.2, 20}, {20, 20.2}, {19.8, 20}, {20, 19.8}, {20.3, 20.6}};
     tally sum = {0, 0};
-    for (int n = 0; n < 9 * 5; n++) {
-        const double shape[2] = {19 + n % 3, 19 + n / 3 % 3};
+    const size_t apart = test_step(4);
+    for (size_t n = 0; n < 9 * 5; n += apart) {
+        const double shape[2] = {19 + (double)(n % 3), 19 + (double)(n / 3 % 3)};
         ground g;
         sight_bounds *bounds = NULL;
         ground_make(&g, 41, 41, spike, shape);
@@ -174,7 +175,7 @@ static void next_to_the_eye(void **state) {
         sight_bounds_destroy(bounds);
         ground_free(&g);
     }
-    check(sum.seen > 1000 && sum.hidden > 1000, "%zu seen, %zu hidden", sum.seen, sum.hidden);
+    check(sum.seen > 1000 / apart && sum.hidden > 1000 / apart, "%zu seen, %zu hidden", sum.seen, sum.hidden);
 }
 
 /* A bowl around the eye at shape, ever steeper outward, and a spike of 100 m close by, at (21, 20). */
@@ -220,11 +221,12 @@ static void large_views(void **state) {
                                  .curvature = n};
         viewshed *v = view(&g, bounds, &d);
         count(v, &query);
-        for (size_t m = 0; m < 1000 / step(); m++)
+        for (size_t m = 0; m < test_share(1000, 50); m++)
             check_sample(&g, &d, v, random_below(&r, 200), random_below(&r, 197), &sum);
         viewshed_destroy(v);
     }
-    check(sum.seen > 100 / step() && sum.hidden > 100 / step(), "%zu seen, %zu hidden", sum.seen, sum.hidden);
+    check(sum.seen > test_share(100, 5) && sum.hidden > test_share(100, 5), "%zu seen, %zu hidden", sum.seen,
+          sum.hidden);
     sight_bounds_destroy(bounds);
     ground_free(&g);
 }
@@ -291,6 +293,7 @@ static double touched(const double *shape, double x, double y) {
 /* With the eye in a plane that everything comes up to and nothing exceeds, but for rounding, all are ties. */
 static void ties(void **state) {
     (void)state;
+    const size_t one_in = test_step(32);
     random_state r = {8};
     for (double kind = 0; kind < 4; kind++) {
         ground g;
@@ -300,7 +303,7 @@ static void ties(void **state) {
         for (int n = 0; n < 4; n++) {
             viewshed_desc d = {.place = {random_between(&r, 40, 80), random_between(&r, 30, 60)}, .absolute = true};
             d.height = 0.5 * d.place[0] + 0.25 * d.place[1];
-            lines_seen(&g, bounds, &d, 0, 1);
+            lines_seen(&g, bounds, &d, random_below(&r, one_in), one_in);
         }
         sight_bounds_destroy(bounds);
         ground_free(&g);
