@@ -2,8 +2,7 @@
 #include "peers/embree.h"
 
 #include "clock.h"
-
-#include <embree3/rtcore.h>
+#include "peers/embree_version.h"
 
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -174,12 +173,26 @@ static void restore_denormals(unsigned caller) { (void)caller; }
 
 /* RTCRayHit, RTCRayHit4, 8 and 16 as rows of 1, 4, 8 or 16 numbers. */
 enum { ORG_X, ORG_Y, ORG_Z, TNEAR, DIR_X, DIR_Y, DIR_Z, TIME, TFAR, MASK, ID, FLAGS };
-enum { NG_X = FLAGS + 1, NG_Y, NG_Z, HIT_U, HIT_V, PRIM_ID, GEOM_ID, INST_ID, ROWS };
+enum {
+    NG_X = FLAGS + 1,
+    NG_Y,
+    NG_Z,
+    HIT_U,
+    HIT_V,
+    PRIM_ID,
+    GEOM_ID,
+    INST_ID,
+#ifdef RTC_GEOMETRY_INSTANCE_ARRAY
+    INST_PRIM_ID,
+#endif
+    ROWS
+};
 typedef union packet {
     struct RTCRayHit16 whole;
     float f[ROWS * 16];
     unsigned u[ROWS * 16];
 } packet;
+_Static_assert(sizeof(packet) == sizeof(float[ROWS * 16]), "rows that this file does not know");
 
 static inline void packet_clear(packet *p, unsigned n) {
     for (unsigned k = 0; k < n; k++) {
@@ -231,31 +244,31 @@ static inline cw_hit make_hit(const peer_embree *p, unsigned geometry, unsigned 
 
 /* ---- tracing ---- */
 
-static inline void trace_packet(const contender *c, unsigned width, bool any, const int *valid,
-                                struct RTCIntersectContext *context, packet *p) {
+static inline void trace_packet(const contender *c, unsigned width, bool any, const int *valid, embree_query *query,
+                                packet *p) {
     RTCScene in = c->peer->scene;
     if (width == 1 && any)
-        rtcOccluded1(in, context, (struct RTCRay *)p);
+        rtcOccluded1(in, EMBREE_ANY(query, (struct RTCRay *)p));
     else if (width == 1)
-        rtcIntersect1(in, context, (struct RTCRayHit *)p);
+        rtcIntersect1(in, EMBREE_CLOSEST(query, (struct RTCRayHit *)p));
     else if (width == 4 && any)
-        rtcOccluded4(valid, in, context, (struct RTCRay4 *)p);
+        rtcOccluded4(valid, in, EMBREE_ANY(query, (struct RTCRay4 *)p));
     else if (width == 4)
-        rtcIntersect4(valid, in, context, (struct RTCRayHit4 *)p);
+        rtcIntersect4(valid, in, EMBREE_CLOSEST(query, (struct RTCRayHit4 *)p));
     else if (width == 8 && any)
-        rtcOccluded8(valid, in, context, (struct RTCRay8 *)p);
+        rtcOccluded8(valid, in, EMBREE_ANY(query, (struct RTCRay8 *)p));
     else if (width == 8)
-        rtcIntersect8(valid, in, context, (struct RTCRayHit8 *)p);
+        rtcIntersect8(valid, in, EMBREE_CLOSEST(query, (struct RTCRayHit8 *)p));
     else if (any)
-        rtcOccluded16(valid, in, context, &p->whole.ray);
+        rtcOccluded16(valid, in, EMBREE_ANY(query, &p->whole.ray));
     else
-        rtcIntersect16(valid, in, context, &p->whole);
+        rtcIntersect16(valid, in, EMBREE_CLOSEST(query, &p->whole));
 }
 
 /* A body for any width and both queries, compiled once for each because the callers give them as constants. */
 static inline __attribute__((always_inline)) void trace_packets(const contender *c, unsigned width, bool any,
-                                                                struct RTCIntersectContext *context, const cw_ray *rays,
-                                                                size_t n, contender_answers out) {
+                                                                embree_query *query, const cw_ray *rays, size_t n,
+                                                                contender_answers out) {
     _Alignas(64) int valid[16];
     packet p;
     packet_clear(&p, width);
@@ -268,7 +281,7 @@ static inline __attribute__((always_inline)) void trace_packets(const contender 
             packet_fill(&p, width, rays + begin, used);
         for (unsigned k = used; k < width; k++) valid[k] = 0;
         for (unsigned k = 0; !any && k < width; k++) p.u[GEOM_ID * width + k] = RTC_INVALID_GEOMETRY_ID;
-        trace_packet(c, width, any, valid, context, &p);
+        trace_packet(c, width, any, valid, query, &p);
         for (unsigned k = 0; k < used; k++) {
             const float t = p.f[TFAR * width + k];
             if (any)
@@ -283,17 +296,15 @@ static inline __attribute__((always_inline)) void trace_packets(const contender 
 static inline __attribute__((always_inline)) void trace(const contender *c, bool any, const cw_ray *rays, size_t n,
                                                         contender_answers out) {
     const unsigned caller = flush_denormals();
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    context.flags = c->coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    embree_query query = embree_query_of(c->coherent);
     if (c->width == 4)
-        trace_packets(c, 4, any, &context, rays, n, out);
+        trace_packets(c, 4, any, &query, rays, n, out);
     else if (c->width == 8)
-        trace_packets(c, 8, any, &context, rays, n, out);
+        trace_packets(c, 8, any, &query, rays, n, out);
     else if (c->width == 16)
-        trace_packets(c, 16, any, &context, rays, n, out);
+        trace_packets(c, 16, any, &query, rays, n, out);
     else
-        trace_packets(c, 1, any, &context, rays, n, out);
+        trace_packets(c, 1, any, &query, rays, n, out);
     restore_denormals(caller);
 }
 
