@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Where a climbing ray has left the terrain for good. Shadow, ambient-occlusion and bounce rays start at the surface and
- * mostly climb out of it within a few cells; to know that, the global highest sample is a poor bound and a walk down the
- * pyramid is dear. Each node knows the highest sample around it (pyramid.h), so that per level one comparison tells
- * whether the ray is above all of that by the time it may leave it, and the levels chain:
+/* Climb: ends the walk of a ray that rises out of the terrain. Shadow, ambient-occlusion and bounce rays start at the
+ * surface and mostly leave it within a few cells. Each node stores the highest sample of itself and its eight neighbours
+ * (pyramid.h). One comparison a level decides whether the ray is above all of these when it leaves them, and the levels
+ * chain:
  *
  *     reach(k)  t at which the ray leaves the 3 × 3 nodes of level k around the one in which it begins
  *     clear(k)  its height at reach(k) is above everything around its node of level k + 1, at the top: above everything
@@ -11,14 +11,17 @@
  * If clear holds at all levels k, k + 1, …, nothing lies beyond end(k), and the lowest such k gives the best end.
  *
  * Invariant: skipped cells are entered at t >= end, where the gate's own monotone height function is above every sample
- * in them; so the gate would fail there and no hit changes. A cell that is entered before end has no hit after it: the
- * watertight test keeps the surface between the samples. reach is the gate's own crossing of the nodes' border. The node may be off by one where
- * rounding puts the ray's beginning across a border, which the neighbours make up for; so that it is off by no more,
- * coordinates from 2^20 on, where floats are 1/8 cell apart, are left alone. No paper is known to us. */
+ * in them. So the gate would fail there, and no hit changes. A cell that is entered before end has no hit after it: the
+ * watertight test keeps the surface between the samples. reach is the gate's own crossing of the nodes' border.
+ * Rounding may put the ray's beginning across a border, so its node may be off by one, which the neighbours cover.
+ * Rays with coordinates above 2^20, where floats are 1/8 cell apart, are skipped, so that it is off by no more.
+ *
+ * No paper is known to us. Rejected: the global maximum, which is too loose a bound, and a walk down the pyramid, which
+ * takes longer than the comparisons. */
 
 /* A packet on its way down the levels. */
 typedef struct climber {
-    vfloat x, y, rise; /* where the rays begin, and 1 / dz */
+    vfloat x, y, rise; /* the places where the rays begin, and 1 / dz */
     vfloat above;      /* highest sample around their nodes of the level above */
     vmask chain;       /* those for which clear holds at all levels so far */
 } climber;
@@ -33,7 +36,7 @@ static inline void climb_start(climber *c, const vray *r, const struct cw_pyrami
     c->above = vf_set(p->high);
 }
 
-/* Shortens r->until by what is known at a level. */
+/* Shortens r->until to the end that this level gives, if any. */
 static inline void climb_level(climber *c, vray *r, const cw_pyramid_level *l) {
     const vfloat zero = vf_set(0), one = vf_set(1), two = vf_set(2);
     count_lanes(COUNT_CLIMB, c->chain);
@@ -49,7 +52,7 @@ static inline void climb_level(climber *c, vray *r, const cw_pyramid_level *l) {
     const vint node = vi_add(vi_mul(vi_from_vf(vf_select(c->chain, j, zero)), vi_set(4 * l->across)),
                              vi_from_vf(vf_select(c->chain, i, zero)));
     c->above = vf_gather(l->around, node, c->chain);
-    /* A guess a little too far on, then the comparison that counts. */
+    /* A guess that lies slightly too far on. The comparison below decides. */
     const vfloat clearance = above_origin(r, c->above);
     const vfloat guess = vf_mul(clearance, c->rise);
     const vfloat end = vf_max(r->from, vf_add(guess, vf_mul(vf_set(0x1p-16f), vf_abs(guess))));
@@ -57,8 +60,8 @@ static inline void climb_level(climber *c, vray *r, const cw_pyramid_level *l) {
     r->until = vf_select(holds, vf_min(r->until, end), r->until);
 }
 
-/* Shortens r->until of these packets' rays. Level by level, since in a packet each level waits for the one above: the CPU
- * works on several packets at once. */
+/* Shortens r->until of these packets' rays. All packets take one level together: within a packet each level depends
+ * on the one above, and the CPU can overlap the packets. */
 static inline void climb(packet *packets, packet_set which, const struct cw_pyramid *p) {
     climber c[PACKETS];
     packet_set climbs = 0;
@@ -75,7 +78,7 @@ static inline void climb(packet *packets, packet_set which, const struct cw_pyra
         }
 }
 
-/* Lanes whose rest is so short that the flat walk is the better way. */
+/* Lanes whose remaining way is so short that flat steps may end it. */
 static inline vmask short_way(const vray *r, vmask alive) {
     const vfloat speed = vf_max(vf_abs(r->x.dir), vf_abs(r->y.dir));
     return vm_and(alive, vf_le(vf_mul(vf_sub(r->until, r->from), speed), vf_set(8)));

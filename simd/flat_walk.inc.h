@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The flat walk, a ray a lane: W rays, each in its own cell, step together. Amanatides and Woo 1987 with crossings
- * computed from border coordinates (see src/scalar/cell.c, which this repeats lane by lane).
+/* The flat walk, a ray a lane: W rays, each in its own cell, step together. After Amanatides and Woo 1987, in two
+ * dimensions as in Musgrave 1988, with crossings computed from border coordinates as in src/scalar/cell.c.
  *
  * Invariant: a lane's cell is on its walk, and x_in … y_out are its four crossings. Lanes share instructions, not
- * cells, and what a lane computes depends on its ray alone; so packets of any width agree in every bit.
+ * cells. The values of a lane depend on its ray alone, so packets of any width agree in every bit.
  *
  * Rejected: carrying the two samples that the new cell shares with the old one. A lane steps in x or in y, so two
- * selects a sample replace two loads whose lines are in L1 already. */
+ * selects a sample would replace two loads from lines that are in the first-level cache already. */
 
 typedef struct packet {
     vray r;
@@ -20,8 +20,8 @@ typedef struct packet {
     vint step_x, step_y;
 } packet;
 
-/* The first cell along an axis that is left at t or later: the place at t gives a guess, the crossings decide. The loops
- * end after one turn unless the origin is so far off that neighbouring floats are cells apart. */
+/* The first cell along an axis that is left at t or later: the place at t is a guess, which the crossings correct. The
+ * loops end after one turn unless the origin is so far away that neighbouring floats are cells apart. */
 static inline vfloat first_cell(const vaxis *a, vfloat t, size_t samples, vmask alive) {
     const vfloat zero = vf_set(0), one = vf_set(1), last = vf_set((float)(samples - 1) - 1);
     const vfloat out = vf_select(a->up, one, zero), in = vf_sub(one, out);
@@ -44,7 +44,7 @@ static inline vfloat first_cell(const vaxis *a, vfloat t, size_t samples, vmask 
     return place;
 }
 
-/* Puts each living lane into the first cell that it has to visit. l->r and l->alive are given. */
+/* Puts each living lane into the first cell of its walk. l->r and l->alive are inputs. */
 static inline void flat_start(packet *l, const cw_field *f) {
     const vray *r = &l->r;
     const vfloat zero = vf_set(0), one = vf_set(1);
@@ -66,7 +66,7 @@ static inline void flat_start(packet *l, const cw_field *f) {
         vi_add(vi_mul(vi_from_vf(vf_select(l->alive, c->j, zero)), row), vi_from_vf(vf_select(l->alive, c->i, zero)));
 }
 
-/* Keeps what was found in cell c by the lanes in now. */
+/* Stores the finds of the lanes in now, in cell c. */
 static inline void keep_hits(found_hits *h, vmask now, const vfind *find, const vcell *c) {
     h->find.t0 = vf_select(now, find->t0, h->find.t0);
     h->find.t1 = vf_select(now, find->t1, h->find.t1);
@@ -90,7 +90,7 @@ CW_INLINE vmask leaf_test(cw_leaf leaf, const vray *r, const vcell *c, vmask amo
     return leaf == CW_LEAF_WATERTIGHT ? wt_cell(r, c, among, any, find) : mt_cell(r, c, among, find);
 }
 
-/* Tests the cell of each living lane and goes on to the next. */
+/* Tests the cell of each living lane and steps to the next one. */
 CW_INLINE void flat_step(packet *l, const cw_field *f, cw_leaf leaf, bool any) {
     const vray *r = &l->r;
     vcell *c = &l->c;

@@ -1,12 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Rays of one heading, from 16 × 4 samples at a time. src/core/heading.h says what makes that simple: all of them cross the
- * same borders at the same fractions, so the loads are of neighbours and everything else is the same for all lanes.
+/* Rays of one heading, from 16 × 4 samples at a time. All of them cross the same borders at the same fractions
+ * (src/core/heading.h), so loads are of neighbours and everything else is the same for all lanes. We know of no
+ * paper.
  *
- * The walk goes from the start outward. A stretch is passed over if the highest sample anywhere near it, seen from the
- * nearest (or, below the start, the farthest) of its crossings, would not be steeper than what each ray has seen. That
- * never changes an answer: heights between two samples are computed so that they lie above the higher one by no more than
- * job->pad. So the answer is the maximum over all crossings, whatever the width. On a curved earth each crossing is less steep
- * by its drop, and a stretch by the least of those in it; to subtract more never gives more, also when rounded. */
+The walk goes from the start outward. It skips a stretch if the highest sample near it, seen from the nearest of
+ * its crossings (the farthest if that sample is below the start), would not be steeper than each ray's steepest
+ * slope so far.
+ *
+Invariant: skipping never changes an answer, since the computed height between two samples exceeds the higher one
+ * by at most job->pad. So the answer is the maximum over all crossings, for any width. On a curved earth each
+ * crossing is less steep by its drop, and a stretch by the least drop in it. Subtracting more never gives more, also
+ * after rounding.
+ *
+Rejected: rays of other kernels, by bisection of the angle, of which a horizon would need a dozen for each
+ * direction. */
 
 #include "vocabulary.h"
 
@@ -19,17 +26,17 @@ enum { VECTORS = GROUP / (int)W, AT_ONCE = 4, PROBES = 4 };
 typedef struct group {
     const cw_heading *heading;
     int32_t i, j;          /* of the first sample */
-    float z[GROUP];        /* where the rays start; infinite where none does */
+    float z[GROUP];        /* heights at which the rays start; infinity: no ray */
     float best[GROUP];     /* the steepest slope so far */
     float pad;             /* of the job */
-    float least;           /* what is no steeper need not be known */
-    float enough;          /* nor what is steeper than this */
+    float least;           /* lower bound of the answers: slopes up to it count as it */
+    float enough;          /* slopes above it need not be compared further */
     int32_t found[PROBES]; /* stretches of level 0 in which some rays of the group before saw their steepest slope */
 } group;
 
 typedef enum reach { INSIDE, PARTLY, OUTSIDE } reach;
 
-/* Where the samples of a stretch lie, seen from all of the group. */
+/* Whether all, some or none of the samples of a stretch lie inside the field, for the whole group. */
 static inline reach stretch_reach(const group *g, const cw_stretch *s) {
     const int32_t nx = (int32_t)g->heading->field->nx, ny = (int32_t)g->heading->field->ny;
     const int32_t left = g->i + s->i_low, right = g->i + s->i_high, top = g->j + s->j_low, bottom = g->j + s->j_high;
@@ -38,7 +45,7 @@ static inline reach stretch_reach(const group *g, const cw_stretch *s) {
     return left >= nx || right + across < 0 || top >= ny || bottom + down < 0 ? OUTSIDE : PARTLY;
 }
 
-/* The highest sample that the group may meet on the stretch, or a higher one nearby; -infinity if there is none. */
+/* The highest sample that the group may meet on the stretch, or a higher one nearby; -infinity if there are none. */
 static inline float stretch_high(const group *g, const cw_stretch *s, int level) {
     const cw_field *f = g->heading->field;
     if (f->pyramid == NULL || level >= f->pyramid->levels) return f->high;
@@ -51,8 +58,8 @@ static inline float stretch_high(const group *g, const cw_stretch *s, int level)
     top = top > 0 ? top : 0;
     right = right < last_i ? right : last_i;
     bottom = bottom < last_j ? bottom : last_j;
-    /* A node with its neighbours covers a side to either hand of any place in it. Two sides are more than what the group's
-     * four rows and a stretch make together, but at level 0 its 16 columns need more than one such look. */
+    /* A node and its neighbours cover one side in each direction from any place in the node. Two sides are more than
+     * the group's four rows and a stretch together. At level 0 its 16 columns need more than one node. */
     const ptrdiff_t row = (ptrdiff_t)((top + bottom) / 2 >> shift) * 4 * l->across;
     float high = -INFINITY;
     for (int32_t x = left;; x += 2 * side) {
@@ -62,15 +69,15 @@ static inline float stretch_high(const group *g, const cw_stretch *s, int level)
     }
 }
 
-/* True if no ray of the group can see anything steeper on the stretch than it has seen. */
+/* True if no ray of the group can find a steeper slope on the stretch than it has. */
 static inline bool stretch_is_low(const group *g, const cw_stretch *s, int level, bool curved) {
     const vfloat high = vf_set(stretch_high(g, s, level)), pad = vf_set(g->pad);
     const vfloat near = vf_set(s->inverse_most), far = vf_set(s->inverse_least);
     const cw_heading *h = g->heading;
     const vfloat drop = vf_set(curved ? h->stretch_drop[level][s - h->stretch[level]] : 0);
     for (int k = 0; k < GROUP; k += (int)W) {
-        /* Level with the start, as all of a lake is, rounding puts nothing above it: if a <= b <= z, then b - a, rounded, is at
-         * most z - a, rounded, and a fraction of it at most that. */
+        /* At the height of the start, as on a lake, rounding puts nothing above it: if a <= b <= z, then b - a,
+         * rounded, is at most z - a, rounded, and a fraction of it at most that. */
         const vfloat exact = vf_sub(high, vf_load(g->z + k));
         const vfloat up = vf_select(vf_eq(exact, vf_set(0)), exact, vf_add(exact, pad));
         vfloat most = vf_max(vf_mul(up, near), vf_mul(up, far));
@@ -96,7 +103,7 @@ static inline vfloat slope_up(const cw_crossing *c, vfloat z, vfloat first, vflo
     return drop ? vf_sub(up, vf_set(*drop)) : up;
 }
 
-/* The crossings from c to end, all of them inside the field for all rays. */
+/* Scans the crossings from `from` to before `end`. All of them are inside the field for all rays. */
 static inline void scan(group *g, const cw_crossing *from, const cw_crossing *end, bool curved) {
     const cw_heading *h = g->heading;
     const size_t stride = g->heading->field->stride;
@@ -121,7 +128,7 @@ static inline void scan(group *g, const cw_crossing *from, const cw_crossing *en
     }
 }
 
-/* W samples from number k on, of which some may lie outside the field's memory: those are 0. */
+/* W samples from number k on; those outside the field's memory are 0. */
 static inline vfloat load_around(const cw_field *f, ptrdiff_t k) {
     const ptrdiff_t count = (ptrdiff_t)(f->stride * (f->ny - 1) + f->nx);
     if (k >= 0 && k + (ptrdiff_t)W <= count) return vf_load(f->z + k);
@@ -130,7 +137,7 @@ static inline vfloat load_around(const cw_field *f, ptrdiff_t k) {
     return vf_load(z);
 }
 
-/* The same as scan, with crossings outside the field left out. */
+/* The same as scan, without crossings outside the field. */
 static inline void scan_partly(group *g, const cw_crossing *from, const cw_crossing *end, bool curved) {
     const cw_heading *h = g->heading;
     const cw_field *f = g->heading->field;
@@ -165,7 +172,7 @@ static inline void scan_stretch(group *g, uint32_t number, reach r, bool curved)
         scan_partly(g, from, end, curved);
 }
 
-/* Rays that have seen enough need no looking after; true if all have. */
+/* Excludes rays steeper than enough from further comparisons; true if no others are left. */
 static inline bool all_settled(group *g) {
     const vfloat enough = vf_set(g->enough), settled = vf_set(INFINITY);
     bool all = true;
@@ -178,7 +185,7 @@ static inline bool all_settled(group *g) {
     return all;
 }
 
-/* Whichever of a few rays saw something steeper on this stretch than before, a neighbour's may lie there as well. */
+/* Remembers the stretch for each probe ray that improved on it: its neighbours are likely to improve there too. */
 static inline void remember(group *g, const float before[PROBES], uint32_t number, int32_t found[PROBES]) {
     for (int p = 0; p < PROBES; p++)
         if (g->best[p * (GROUP / PROBES + 1)] > before[p]) found[p] = (int32_t)number;
@@ -188,7 +195,7 @@ static inline void probe(const group *g, float best[PROBES]) {
     for (int p = 0; p < PROBES; p++) best[p] = g->best[p * (GROUP / PROBES + 1)];
 }
 
-/* Whether one of the stretches that were looked at first is this one. */
+/* True if the stretch was scanned before the walk began. */
 static inline bool is_done(const int32_t done[PROBES], uint32_t number) {
     for (int p = 0; p < PROBES; p++)
         if (done[p] == (int32_t)number) return true;
@@ -200,7 +207,8 @@ static inline void walk(group *g, bool guess, bool ends, bool curved) {
     int32_t done[PROBES], found[PROBES];
     float before[PROBES];
     for (int p = 0; p < PROBES; p++) done[p] = found[p] = -1;
-    /* What the group before found steepest is steep for this one as well, and lets much be passed over. */
+    /* Stretches that were steepest for the group before are likely to be steep for this one. Scanned first, they let
+     * the walk skip more. */
     for (int p = 0; p < PROBES && guess; p++) {
         const int32_t number = g->found[p];
         if (number < 0 || is_done(done, (uint32_t)number)) continue;
@@ -237,7 +245,7 @@ static inline void walk(group *g, bool guess, bool ends, bool curved) {
     for (int p = 0; p < PROBES; p++) g->found[p] = found[p];
 }
 
-/* Where lane k of the group lies outside the field, there is a hole. */
+/* Sets the group to the samples from (i, j) on. Lanes outside the field count as holes. */
 static inline void start(group *g, int32_t i, int32_t j, bool ends) {
     const cw_field *f = g->heading->field;
     const vfloat none = vf_set(INFINITY), least = vf_set(g->least);
@@ -283,7 +291,8 @@ static inline void run(const cw_heading_job *job, size_t i_begin, size_t i_end, 
         for (size_t i = i_begin; i < i_end; i += GROUP_COLUMNS) {
             const size_t i_next = i + GROUP_COLUMNS < i_end ? i + GROUP_COLUMNS : i_end;
             const size_t j_next = j + GROUP_ROWS < j_end ? j + GROUP_ROWS : j_end;
-            /* At the far borders the group moves back, where it can: all its rays are then at work inside. */
+            /* At the far borders the group moves back if the field is large enough, so that all its rays start
+             * inside. */
             const size_t i_from = i + GROUP_COLUMNS <= nx || nx < GROUP_COLUMNS ? i : nx - GROUP_COLUMNS;
             const size_t j_from = j + GROUP_ROWS <= ny || ny < GROUP_ROWS ? j : ny - GROUP_ROWS;
             start(&g, (int32_t)i_from, (int32_t)j_from, ends);

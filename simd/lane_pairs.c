@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The lane walk in pairs of vectors, for pyramid8 and pyramid16, whose other walks are in pyramid.c with single vectors. */
+/* The lane walk in pairs of vectors, for pyramid8 and pyramid16. Their other walks, in pyramid.c, use single
+ * vectors. Paper, invariant and rejected variants are in lane_walk.inc.h and vocabulary/vec_twice.h. */
 
 #include "vocabulary.h"
 
@@ -18,8 +19,8 @@
 
 #include "lane_walk.inc.h"
 
-/* See lane_walk. Local copies of the lanes save the register for their address. AVX2 has too few registers; AVX-512 has enough, and
- * would pay for the copying (papers/walks.md). */
+/* See lane_walk. Local copies of the lanes save the register for their address, of which AVX2 has too few. AVX-512 has
+ * enough, so copying would only cost time (papers/walks.md). */
 CW_INLINE void walk_pairs(const cw_field *f, const lane_queue *queue, lane_set *l, bool more, bool any,
                           lane_answers *answers) {
     if ((int)QUEUE_W < 16) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Rays on their way from the tiles to the lane walk, those in its lanes, and their answers. Shared by two objects whose vectors
- * are not as wide where tiles are made of single vectors and the lane walk takes pairs of them (lane_pairs.c). */
+/* The data of the lane walk: rays queued by the tiles, rays in its lanes, and their answers. Two objects with
+ * vectors of different widths share it if tiles use single vectors and the lane walk uses pairs (lane_pairs.c). */
 
 #include <stdalign.h>
 
@@ -19,15 +19,15 @@ enum {
     RAY_ORG,     /* mirrored, like all on an axis */
     RAY_EARLY,   /* org, set back by more than the rounding of org + t · dir within the field */
     RAY_DIR,     /* never negative */
-    RAY_CENTER,  /* what crossings are measured from */
+    RAY_CENTER,  /* the origin of crossings: vaxis.center */
     RAY_INVERSE, /* 1 / dir */
-    RAY_FIRST,   /* the field's border where rays come in */
-    RAY_LAST,    /* and where they go out */
+    RAY_FIRST,   /* the field's border at which rays enter */
+    RAY_LAST,    /* and the one at which they leave */
     RAY_SIGN,    /* -0 where the axis is mirrored, else 0 */
     RAY_AXIS,    /* numbers an axis */
     RAY_OZ = 2 * RAY_AXIS,
     RAY_DZ,
-    RAY_PAD,   /* what rounding may do to the height above a slab, beyond what the slab has room for */
+    RAY_PAD,   /* rounding error of the height above a slab, beyond the slab's own margin */
     RAY_UNTIL, /* the walk ends here */
     RAY_T0,    /* of the leaf tests: see vray */
     RAY_T1,
@@ -47,7 +47,7 @@ typedef struct lane_rays {
     int32_t i[RAY_INTS][LANES];
 } lane_rays;
 
-/* A ray waiting for a lane: which one it is of the rays made ready, where its walk begins, and where its hit goes. */
+/* A ray waiting for a lane: its place among the rays made ready, the start of its walk, and the number of its hit. */
 typedef struct queued {
     uint16_t packet, lane;
     uint32_t ray;
@@ -55,8 +55,8 @@ typedef struct queued {
     int32_t x, y, level; /* low corner, mirrored, of its first node, with the level as in lane_walk.inc.h */
 } queued;
 
-/* Rays whose leftovers are collected before the lane walk goes on; and rays after which it ends them all, so that their
- * numbers stay small. */
+/* BATCH: rays whose incoherent ones are collected before the lane walk goes on. LANE_RUN: rays after which it ends all
+ * of them, so that their numbers stay small. */
 enum { BATCH = 256, LANE_RUN = 1 << 16 };
 
 typedef struct lane_queue {
@@ -67,15 +67,15 @@ typedef struct lane_queue {
     uint32_t first;    /* number of the batch's first ray, from which those of rays count */
 } lane_queue;
 
-/* Where answers go, by the numbers of their rays; and what leaf tests have found and is not yet a hit. A leaf test finds two
- * or three hits at a time, refinement takes as long for LANES of them as for one. */
+/* The caller's arrays, indexed by the numbers of rays; and finds of leaf tests that are not yet hits. A leaf test
+ * finds two or three at a time, and refinement takes as long for LANES of them as for one. */
 typedef struct lane_answers {
     const cw_ray *rays;
     cw_hit *hits;      /* of closest-hit queries */
     uint8_t *occluded; /* of any-hit queries */
     size_t found;
     uint32_t number[2 * LANES];
-    /* LANES of them at most, another LANES as they come, and one more vector that is stored but not meant. */
+    /* At most LANES waiting, another LANES as they come, and one more vector that is stored but not used. */
     alignas(ALIGNMENT) float t0[3 * LANES], t1[3 * LANES], i[3 * LANES], j[3 * LANES];
     float h00[3 * LANES], corner[3 * LANES], h11[3 * LANES], b[3 * LANES]; /* b: 1 or 0 */
 } lane_answers;
@@ -85,8 +85,8 @@ typedef struct lane_set {
     lane_rays rays;
     alignas(ALIGNMENT) float t[LANES], leave[LANES];
     int32_t x[LANES], y[LANES], level[LANES];
-    uint32_t ray[LANES]; /* where its hit goes */
-    unsigned living;     /* lanes that hold a ray; where none does, nothing else is of use */
+    uint32_t ray[LANES]; /* number of its hit */
+    unsigned living;     /* lanes that hold a ray; if none does, the other members are undefined */
 } lane_set;
 
 /* The lane walk in pairs of vectors; see lane_walk. */

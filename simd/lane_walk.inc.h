@@ -1,29 +1,30 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The lane walk, for rays that have nothing in common: each lane has a ray, a node and a level of its own and reads its own
- * bounds; lanes share instructions alone. A lane whose ray has ended is refilled from the queue, so the vector stays
- * full.
+/* The lane walk, for rays that have nothing in common. Each lane has a ray, a node and a level, and reads that
+ * node's bounds. Lanes share only instructions. A lane whose ray has ended is refilled from the queue, so the vector
+ * stays full.
  *
- * A lane at a node whose slab its ray meets goes down to a child; otherwise it steps to the next node of the same size, and
- * up where that has another parent. Going down cuts off what is before and after the slab: the lane goes on where the ray
- * enters it, and passes over the rest of the node from where it leaves it (leave); of its nodes a lane remembers that for
- * the lowest alone. Levels are four apart, so that going down and up is rare. Lanes that have come down to a cell wait for
- * others: the leaf test costs as much as two steps. Against levels bounded by lowest and highest sample, without the cuts,
- * random rays take 13.6 steps instead of 22.4, and 1.8 cell tests instead of 4.5 (fractal terrain, 1025²).
+If the ray of a lane meets the slab of its node, the lane goes down to a child. Otherwise it steps to the next
+ * node of the same size, and up if that node has another parent. Going down cuts the ray to its part within the
+ * slab: the lane goes on where the ray enters it, and skips the rest of the node from the t at which it leaves it
+ * (leave). A lane stores that t for its lowest node only. The sides of levels differ by a factor of four, so going
+ * down and up is rare. Lanes that have reached a cell wait for others, since the leaf test costs as much as two
+ * steps.
  *
- * Invariant: at all t before s->t, and from s->leave on within the parent, whatever the leaf test computes of the ray's
- * height above the surface has one strict sign. So a cell in which the computed sign may change is not left out: a node is
- * passed over only if the sign is strict on all of it. Slabs are wide enough for that; papers/numerics.md derives how
- * wide. Going down picks a child by the ray's place at t, set back by more than its rounding error: if that is a child too
+Invariant: at all t before s->t, and from s->leave on within the parent, the leaf test's height of the ray above
+ * the surface has one strict sign. So a cell in which the computed sign may change is never skipped: a node is
+ * skipped only if the sign is strict on all of it. papers/numerics.md derives how wide slabs must be for that. Going
+ * down picks a child by the ray's place at t, set back by more than its rounding error. If that is a child too
  * early, its interval is empty and the walk steps on.
  *
- * Rejected for this job: 16 children of one ray's node at once. On AVX2 it took as many instructions a ray as lanes did
- * before slabs (1590 and 1570 for random rays in 1025² samples, callgrind), since a ray crosses 4 of the 16 children; it
- * mispredicts more branches, and gains less from wider vectors. */
+Papers: Tevs, Ihrke and Seidel 2008 (a pyramid of maxima), Smits, Shirley and Stark 2000 (parallel planes that
+ * bound a displaced triangle). We know of no pyramid of slabs over a height field. Rejected: testing 16 children of
+ * one ray's node at once. It takes as many instructions, mispredicts more branches and gains less from wider vectors
+ * (papers/walks.md). */
 
 /* The first n lanes, a bit each. */
 static inline unsigned first_lanes(size_t n) { return (unsigned)(((uint64_t)1 << n) - 1); }
 
-/* Makes hits of count of those found, from number first on. */
+/* Turns count of the finds into hits, from number first on. */
 static inline void write_found(const lane_answers *a, const cw_field *f, size_t first, size_t count) {
     const cw_ray *rays[W];
     for (size_t k = 0; k < W; k++) rays[k] = &a->rays[a->number[first + (k < count ? k : 0)]];
@@ -41,7 +42,7 @@ static inline void write_found(const lane_answers *a, const cw_field *f, size_t 
     scatter_hits(&h, &found, first_lanes(count), a->number + first, a->hits);
 }
 
-/* Keeps what the leaf test found in the lanes of which. */
+/* Stores the finds of the leaf test in the lanes of which. */
 CW_INLINE void lane_found(lane_answers *a, const cw_field *f, const uint32_t ray[W], vmask which, const vfind *find,
                           const vcell *c, bool any) {
     unsigned bits = vm_bits(which);
@@ -64,27 +65,27 @@ CW_INLINE void lane_found(lane_answers *a, const cw_field *f, const uint32_t ray
     a->found = n;
 }
 
-/* Refill when this many lanes are empty; test cells when this many lanes wait at one. papers/walks.md has the
- * measurements of other thresholds. */
+/* REFILL_AT: empty lanes at which they are refilled. LEAF_AT: lanes waiting at a cell at which cells are tested.
+ * papers/walks.md has the measurements of other thresholds. */
 enum { REFILL_AT = W < 4 ? 1 : W < 16 ? W / 4 : 4, LEAF_AT = (3 * W + 7) / 8 };
 
-/* Where no ray is left to refill with, a pair of vectors stops as soon as one of them would do. */
+/* If the queue is empty, a pair of vectors stops when one vector can hold the rest. */
 enum { LANES_LEFT = (int)W > (int)QUEUE_W ? QUEUE_W : 0 };
 
-/* What changes on the way, in registers between two refills. The rest of each ray is read from where it is. */
+/* The part of a lane's state that changes from step to step, in registers between two refills. The rest is in
+ * lane_rays. */
 typedef struct lane_state {
     vfloat t;
-    vfloat
-        leave;  /* t from which the rest of the parent is passed over; -infinity: pass over this node; else infinity */
-    vint x, y;  /* low corner of the node, mirrored */
-    vint level; /* 0 for cells; side 4^level */
+    vfloat leave; /* t from which the rest of the parent is skipped; -infinity: skip this node; infinity: nothing */
+    vint x, y;    /* low corner of the node, mirrored */
+    vint level;   /* 0 for cells; side 4^level */
     vmask alive;
 } lane_state;
 
-/* Empty lanes, whose numbers are computed with like all others. */
+/* Clears all lanes, since empty lanes take part in every operation. */
 CW_INLINE void lane_clear(lane_set *l) { memset(l, 0, sizeof *l); }
 
-/* Copies a ray that has been made ready into a lane. In runs of at most 16, which compilers turn into straight code. */
+/* Copies a ray that has been made ready into a lane, in loops of at most 16 turns, which compilers unroll. */
 static inline void copy_ray(lane_rays *to, size_t lane, const ready_rays *from, size_t k) {
     for (int c = 0; c < RAY_AXIS; c++) to->f[c][lane] = from->f[c][k];
     for (int c = RAY_AXIS; c < 2 * RAY_AXIS; c++) to->f[c][lane] = from->f[c][k];
@@ -117,7 +118,7 @@ CW_INLINE void store_lanes(lane_set *l, const lane_state *s) {
     l->living = vm_bits(s->alive);
 }
 
-/* What a step knows of one axis. */
+/* The numbers of one axis in a step. */
 typedef struct lane_axis {
     vfloat org, dir, corner, border, out;
 } lane_axis;
@@ -132,7 +133,7 @@ CW_INLINE lane_axis look_along(float f[RAY_AXIS][LANES], vint corner, vfloat sid
     return a;
 }
 
-/* An axis as leaf tests want it. */
+/* An axis without mirroring, for leaf tests. */
 CW_INLINE void turn_back(vaxis *a, float f[RAY_AXIS][LANES], vint turned) {
     const vfloat sign = vf_load(f[RAY_SIGN]);
     a->org = vf_flip(vf_load(f[RAY_ORG]), sign);
@@ -140,7 +141,7 @@ CW_INLINE void turn_back(vaxis *a, float f[RAY_AXIS][LANES], vint turned) {
     a->up = vi_eq(turned, vi_set(0));
 }
 
-/* Tests the cells that lanes wait at; the lanes that hit. */
+/* Tests the cells at which lanes wait; returns the lanes that hit. */
 CW_INLINE vmask lane_leaf(lane_rays *rays, const uint32_t ray[W], const cw_field *f, const lane_state *s,
                           const lane_axis axis[2], vmask waits, bool any, lane_answers *answers) {
     const vint turned_x = vi_load(rays->i[RAY_TURNED_X]), turned_y = vi_load(rays->i[RAY_TURNED_Y]);
@@ -194,10 +195,10 @@ CW_INLINE vint child_at(float f[RAY_AXIS][LANES], const lane_axis *a, vfloat t, 
     vfloat place = vf_fma(t, a->dir, vf_load(f[RAY_EARLY]));
     place = vf_max(vf_min(place, last), vf_load(f[RAY_FIRST]));
     const vfloat number = vf_mul(vf_sub(place, a->corner), inverse_side);
-    return vi_from_vf(vf_max(vf_min(number, vf_set(3)), vf_set(0))); /* in this order a number even if it were NaN */
+    return vi_from_vf(vf_max(vf_min(number, vf_set(3)), vf_set(0))); /* in this order NaN would become 3 */
 }
 
-/* Lanes of moves that go down to a child of their node; for them, new t, leave and place. */
+/* Returns the lanes of moves that go down to a child of their node, and sets their t, leave and place. */
 CW_INLINE vmask lane_descend(lane_state *s, lane_rays *rays, const cw_field *f, const lane_axis axis[2], vfloat side,
                              vfloat out, vmask moves) {
     const struct cw_pyramid *p = f->pyramid;
@@ -219,8 +220,8 @@ CW_INLINE vmask lane_descend(lane_state *s, lane_rays *rays, const cw_field *f, 
     s->leave = vf_select(wanted, s->leave, vf_set(INFINITY));
     const vmask enters = vm_and(moves, vm_andnot(vm_and(wanted, vf_le(t, t1)), misses));
     if (!vm_any(enters)) return enters;
-    /* Cut what is before and after the slab off: t where the ray enters it and leaves it again. Where the rate is NaN, so
-     * are both products, and the comparisons let t and infinity win. */
+    /* Cut off the parts before and after the slab: t where the ray enters it and leaves it again. If the rate is
+     * NaN, so are both products, and the comparisons select t and infinity. */
     const vfloat zero = vf_set(0), per = vf_div(vf_set(1), vf_max(vf_set(FLT_MIN), vf_abs(above.rate)));
     const vfloat before = vf_max(zero, vf_max(vf_sub(d0, high), vf_sub(low, d0)));
     const vfloat after = vf_max(zero, vf_max(vf_sub(d1, high), vf_sub(low, d1)));
@@ -238,8 +239,8 @@ CW_INLINE vmask lane_descend(lane_state *s, lane_rays *rays, const cw_field *f, 
     return enters;
 }
 
-/* Takes lanes on to the next node of the same size, and up to the parent where that is another one or the rest of the
- * parent is to be passed over. */
+/* Moves lanes to the next node of the same size, and up to the parent if that is another one or if the rest of the
+ * parent is skipped. */
 CW_INLINE void lane_advance(lane_state *s, lane_rays *rays, const lane_axis axis[2], vfloat out, vmask moves) {
     const vmask in_x = vf_le(axis[0].out, axis[1].out);
     const vmask leaves = vm_or(vm_and(in_x, vf_ge(axis[0].border, vf_load(rays->f[RAY_LAST]))),
@@ -262,7 +263,8 @@ CW_INLINE void lane_advance(lane_state *s, lane_rays *rays, const lane_axis axis
     s->t = t;
 }
 
-/* One step of every living lane, but for those that wait at a cell. Levels here: cells 0, nodes of pyramid level l l + 1. */
+/* One step of every living lane, except those that wait at a cell. Level 0 here is cells; level l + 1 is the pyramid's
+ * level l. */
 CW_INLINE void lane_step(lane_state *s, lane_set *l, const cw_field *f, bool any, lane_answers *answers) {
     lane_rays *rays = &l->rays;
     count_lanes(COUNT_STREAM, s->alive);
@@ -283,13 +285,13 @@ CW_INLINE void lane_step(lane_state *s, lane_set *l, const cw_field *f, bool any
     lane_advance(s, rays, axis, out, moves);
 }
 
-/* Walks rays in the lanes and in the queue. All come to their ends and their hits are written, but where more are to follow:
- * then, once the queue is empty, what few rays are left stay in their lanes, and hits with the answers, for the next call.
- * Rejected: ending each batch, with ever fewer lanes alive. A pair of vectors leaves the last rays to a single one
- * (walk_alone).
+/* Walks the rays in the lanes and in the queue to their ends and writes their hits. If more are to follow, it
+ * returns when the queue is empty and few rays are left; these stay in their lanes, and finds in answers, for the
+ * next call. A pair of vectors leaves the last rays to a single vector (walk_alone).
  *
- * Rejected: two vectors of lanes that take turns, so that one works while the other waits for its bounds or samples. Their
- * state goes through memory, which costs more than the waiting in all but the largest fields (papers/walks.md). */
+Rejected: ending each batch, with ever fewer lanes alive. Rejected: two vectors of lanes that take turns, so that
+ * one works while the other waits for its bounds or samples. Their state goes through memory, which costs more than
+ * the waiting in all but the largest fields (papers/walks.md). */
 CW_INLINE void lane_walk(const cw_field *f, const lane_queue *queue, lane_set *l, bool more, bool any,
                          lane_answers *answers) {
     if (l->living == 0 && queue->n > 0) lane_clear(l);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Möller and Trumbore 1997 on W cells at once, a ray each; operation by operation as in src/scalar/moller_trumbore.h.
- * The edges' zeros and ones are constants; terms times 0 are left out there as here. */
+/* Möller and Trumbore 1997 on W cells at once, with one ray each, operation by operation as in
+ * src/scalar/moller_trumbore.h. The edges' zeros and ones are constants; products with 0 are left out in both files. */
 
 /* See mt_range. */
 typedef struct vrange {
@@ -29,7 +29,8 @@ static inline vmask mt_triangle(const vfloat d[3], const vfloat o[3], bool e1y, 
     return vm_and(inside, vm_and(in_time, in_height));
 }
 
-/* Lanes among which the cell is hit, at a t of the cell's own stretch and heights or little beyond: mt_find of src/scalar/cell.c. */
+/* Lanes among which the cell is hit, at a t of the cell's stretch and heights or slightly beyond: mt_find of
+ * src/scalar/cell.c. */
 CW_INLINE vmask mt_cell(const vray *r, const vcell *c, vmask among, vfind *find) {
     const vfloat room = vf_set(0x1p-20f);
     const vrange range = {vf_max(vf_sub(c->t0, vf_mul(room, vf_abs(c->t0))), r->t0),

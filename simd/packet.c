@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The packet kernels: W rays in the flat walk until the last one has ended. simd/CMakeLists.txt compiles this once for
- * each row of its table. */
+/* The packet kernels: W rays in the flat walk until the last one has ended. simd/CMakeLists.txt compiles this once
+ * for each row of its table. Paper, invariant and a rejected variant are in flat_walk.inc.h. Rejected too: pairs of
+ * vectors, from which this walk gains nothing. */
 
 #include "vocabulary.h"
 
@@ -64,8 +65,8 @@ static void CW_CODE(any_packet_wt_)(const cw_field *f, const cw_ray *rays, size_
     packet_any(f, rays, n, occluded, CW_LEAF_WATERTIGHT);
 }
 
-/* A function a leaf test: one function for both, with a branch at its top, takes more instructions, as compilers
- * then run out of registers. */
+/* One function for each leaf test. Rejected: one for both with a branch at its top, as compilers then run out of
+ * registers (papers/walks.md). */
 const cw_kernel_code CW_CODE(packet) = {
     .closest =
         {[CW_LEAF_MOLLER_TRUMBORE] = CW_CODE(closest_packet_mt_), [CW_LEAF_WATERTIGHT] = CW_CODE(closest_packet_wt_)},

@@ -1,9 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The pyramid kernels: which walk a ray takes. Tiles of 64 rays are made ready W at a time. A tile that is coherent shares its
- * walk, else each of its groups of 16 that is (shared_walk.inc.h). Other rays are cut short where they climb out of the terrain
- * (climb.inc.h), a few steps of the flat walk finish what is close by (flat_walk.inc.h), and what is left is queued for the lane
- * walk (walk_alone.inc.h). Which way a ray takes never changes its hit. simd/CMakeLists.txt compiles this once for each
- * row of its table. */
+/* The pyramid kernels: the choice of a walk for each ray. Tiles of 64 rays are made ready W at a time. A coherent
+ * tile shares its walk, else each coherent group of 16 does (shared_walk.inc.h). The walks of other rays end where
+ * they climb out of the terrain (climb.inc.h). A few steps of the flat walk finish the short ones (flat_walk.inc.h),
+ * and the rest is queued for the lane walk (walk_alone.inc.h). simd/CMakeLists.txt compiles this once for each row
+ * of its table.
+ *
+Paper: Tevs, Ihrke and Seidel 2008, who walk a pyramid of maxima with four children a node; here a node has
+ * sixteen. Invariant: the choice of a walk never changes a hit, since every walk visits each cell that passes the
+ * gate. Rejected variants are beside the steps that they would replace. */
 
 #include "vocabulary.h"
 
@@ -32,12 +36,13 @@
 
 #include "walk_alone.inc.h"
 
-/* Steps of the flat walk, all lanes together, that a packet takes before its rays go on one by one: by then rays that
- * start at the surface and climb have left it, mostly, and the lanes are still nearly full. */
+/* Steps of the flat walk that a packet takes before its rays are queued. By then most rays that start at the surface
+ * and climb have left it, and most lanes are still in use. */
 enum { FLAT_STEPS = 4 };
 
-/* The rays of w in these packets, which share no walk. Those that go on alone are queued. The packets climb together and step
- * together, each of them one chain of operations that wait for each other. Rejected, as slower: one packet after another. */
+/* Climb and flat steps for the rays of w in these packets, which share no walk; queues those that go on. The packets
+ * climb together and step together, since each alone is one chain of dependent operations. Rejected, as slower: one
+ * packet after another (papers/walks.md). */
 CW_INLINE void walk_apart(tile_walk *w, packet_set apart, bool any) {
     const cw_field *f = w->f;
     climb(w->packets, apart, f->pyramid);
@@ -62,12 +67,12 @@ CW_INLINE void walk_apart(tile_walk *w, packet_set apart, bool any) {
         if (!vm_any(l->alive)) continue;
         if (stepped) l->r.from = vf_max(l->r.from, vf_max(l->c.x_in, l->c.y_in));
         mirror_packet(w->queue, w->first_packet, p, &l->r, f);
-        /* A ray that has just left the surface begins at its block, and so rises no further than it must. */
+        /* After flat steps the lane walk begins at the ray's block; from there it goes up only as far as it must. */
         enqueue(w->queue, w->first_packet + p, vm_bits(l->alive), l->r.from, stepped ? 1 : f->pyramid->levels);
     }
 }
 
-/* Walks the rays of w together, if their origins lie within this many cells and all else is as alike; else returns false. */
+/* Walks the rays of w together if they are coherent, with origins within this many cells; else returns false. */
 CW_INLINE bool walk_together(tile_walk *w, float cells, bool any) {
     if (__builtin_popcountll(w->rays) < SHARE_AT_LEAST || !coherent(w->packets, w->rays, cells)) return false;
     if (!fat_init(&w->tile, w->packets, w->rays)) return false;
@@ -79,11 +84,11 @@ CW_INLINE bool walk_together(tile_walk *w, float cells, bool any) {
     return true;
 }
 
-/* The first n rays of a tile, whose packets are numbers first_packet and on of the queue. Writes their hits, misses for
- * those that have none or not yet; of any-hit queries returns the rays that hit. Rays that are to go on alone are put into
- * the queue.
+/* Traces the first n rays of a tile, whose packets are numbers first_packet and on of the queue. Writes their hits,
+ * and misses for rays without a hit so far. Returns the rays that hit if any is set, else 0. Rays that go on alone
+ * are queued.
  *
- * Rejected: to let each group of a tile that is not coherent walk as soon as it is ready, with its rays in registers. Bounce
+Rejected: letting each group of an incoherent tile walk as soon as it is ready, with its rays in registers. Bounce
  * rays gain less than coherent rays lose (papers/walks.md). */
 CW_INLINE ray_set pyramid_tile(const cw_field *f, const cw_ray *rays, size_t n, bool any, cw_hit *hits,
                                lane_queue *queue, size_t first_packet) {
@@ -137,7 +142,7 @@ CW_INLINE ray_set pyramid_tile(const cw_field *f, const cw_ray *rays, size_t n, 
     return 0;
 }
 
-/* Numbers of rays count from the beginning of their run. */
+/* Rays are numbered from the beginning of their run. */
 static void CW_CODE(closest_pyramid_)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits) {
     lane_set alone;
     lane_answers answers;

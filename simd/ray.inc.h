@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* W rays made ready for a walk: the rules of src/scalar/strict.h, operation by operation. The vocabulary comes first. */
+/* W rays made ready for a walk, by the rules of src/scalar/strict.h, operation by operation. Include a vocabulary
+ * first. */
 
 #include "../src/scalar/strict.h"
 #include "count.h"
@@ -17,11 +18,11 @@ CW_INLINE void count_lanes(count_kind kind, vmask lanes) { count_step(kind, vm_b
 CW_INLINE void count_lanes(count_kind kind, vmask lanes) { (void)kind, (void)lanes; }
 #endif
 
-/* W rays as they begin for the library; see ray_start. */
+/* W rays as they are traced; see ray_start. */
 typedef struct vstart {
     vfloat org[3], dir[3];
     vfloat tmin, tmax;
-    /* Set only where a ray has been moved: */
+    /* Set only if a ray has been moved: */
     vfloat first, last; /* the caller's tmin and tmax */
     vdouble base[3];    /* org before rounding */
     vdouble shift;      /* else 0 */
@@ -46,7 +47,7 @@ static inline vmask has_few_bits(const vfloat d[3]) {
     return few;
 }
 
-/* ray_even_step where it is exact, else any. Not inlined: few rays have a direction for it. */
+/* ray_even_step if it is exact, else any. Not inlined, as few rays have a suitable direction. */
 static __attribute__((noinline)) vdouble even_step(const vstart *s, vdouble in, vdouble out, vdouble any, vmask among) {
     const vdouble room = vd_mul(vd_sub(out, in), vd_set(RAY_STEP_ROOM)), even = vd_mul(room, vd_set(0x1p52));
     const vdouble step = vd_sub(vd_add(vd_sub(in, room), even), even);
@@ -61,7 +62,7 @@ static __attribute__((noinline)) vdouble even_step(const vstart *s, vdouble in, 
 }
 
 /* Moves the origins of rays that are far away to just before the field's box: ray_move, lane by lane. Returns the lanes
- * whose rays do not pass the box by. Not inlined: near rays should not pay for its registers. */
+ * whose rays may meet the box. Not inlined, so that near rays do not pay for its registers. */
 static __attribute__((noinline)) vmask move_rays(vstart *s, const cw_field *f, vmask far) {
     const vdouble low[3] = {vd_set(0), vd_set(0), vd_set((double)f->low)};
     const vdouble high[3] = {vd_set((double)(f->nx - 1)), vd_set((double)(f->ny - 1)), vd_set((double)f->high)};
@@ -106,7 +107,7 @@ static __attribute__((noinline)) vmask move_rays(vstart *s, const cw_field *f, v
     return hopeful;
 }
 
-/* A direction component whose reciprocal is no float counts as zero. */
+/* A direction component whose reciprocal overflows counts as zero. */
 static inline vfloat direction(vfloat d) { return vf_select(vf_gt(vf_abs(d), vf_set(0x1p-128f)), d, vf_set(0)); }
 
 /* Moves those rays among alive that are far away; returns those that may hit. */
@@ -125,7 +126,7 @@ CW_INLINE vmask move_if_far(vstart *s, const cw_field *f, vmask alive) {
     return vm_and(alive, hopeful);
 }
 
-/* Lanes whose rays may hit, as far as one can tell without walking: ray_init, lane by lane. */
+/* ray_init, lane by lane; returns the lanes whose rays may hit. */
 CW_INLINE vmask start_rays(vstart *s, const cw_field *f, const cw_ray *rays) {
     vfloat c[8];
     vf_load_rays(rays, c);
@@ -154,7 +155,7 @@ CW_INLINE void restart_rays(vstart *s, const cw_field *f, const vfloat c[8]) {
     (void)move_if_far(s, f, vm_set(true));
 }
 
-/* The first n of size rays. Where the array ends before, a copy, in which the rays that are missing repeat the first. */
+/* The first n of size rays. If n < size, a copy in which the missing rays repeat the first one. */
 static inline const cw_ray *fill_up(const cw_ray *rays, size_t n, size_t size, cw_ray *copy) {
     if (n >= size) return rays;
     for (size_t k = 0; k < size; k++) copy[k] = rays[k < n ? k : 0];
@@ -172,14 +173,14 @@ typedef struct vaxis {
 typedef struct vray {
     vaxis x, y;
     vfloat oz, dz;
-    vfloat t0, t1;      /* over the field: leaf tests look at nothing beyond */
-    vfloat from, until; /* what a walk still has to visit; unlike all the rest it may change on the way */
-    bool moved;         /* some ray begins elsewhere than the caller's: see vstart */
+    vfloat t0, t1;      /* over the field: leaf tests clip to it */
+    vfloat from, until; /* the rest of the walk; the only members that change on the way */
+    bool moved;         /* the origin of some ray is not the caller's: see vstart */
 } vray;
 
 static inline vfloat crossing(const vaxis *a, vfloat border) { return vf_mul(vf_sub(border, a->center), a->inverse); }
 
-/* The height from which heights on the ray are counted: that of its origin. */
+/* A height relative to the ray's origin. */
 static inline vfloat above_origin(const vray *r, vfloat z) { return vf_sub(z, r->oz); }
 
 /* strict_room_below and strict_room_above. */
@@ -237,7 +238,8 @@ CW_INLINE void make_slab(vray *r, const cw_field *f, cw_leaf leaf) {
     r->until = vf_select(vm_and(beyond1, vf_lt(s1, r->t1)), s1, r->t1);
 }
 
-/* Lanes that may hit. Where none may, the slab is left out. *start is set where r->moved alone, for refine_hits. */
+/* Returns the lanes that may hit; if there are none, the slab is not computed. *start is set only if r->moved, for
+ * refine_hits. */
 CW_INLINE vmask make_rays_for(vray *r, const cw_field *f, const cw_ray *rays, cw_leaf leaf, vstart *start) {
     vstart s;
     vmask alive = start_rays(&s, f, rays);
@@ -259,7 +261,7 @@ CW_INLINE vmask make_rays_for(vray *r, const cw_field *f, const cw_ray *rays, cw
     return alive;
 }
 
-/* A function a leaf test, shared by what calls it. */
+/* One function for each leaf test, shared by its callers. */
 static inline vmask make_rays_wt(vray *r, const cw_field *f, const cw_ray *rays, vstart *start) {
     return make_rays_for(r, f, rays, CW_LEAF_WATERTIGHT, start);
 }
@@ -293,8 +295,8 @@ static inline vmask cell_gate(const vray *r, const vcell *c) {
     return vm_and(vm_and(walked, vf_le(c->t0, c->t1)), meets(r, c->t0, c->t1, cell_low(c), cell_high(c)));
 }
 
-/* What a leaf test finds: a stretch of t on which the ray meets a triangle of the cell, see strict_find. Lanes outside its
- * mask hold anything. */
+/* The result of a leaf test: a stretch of t on which the ray meets a triangle of the cell, see strict_find. Lanes
+ * outside its mask are undefined. */
 typedef struct vfind {
     vfloat t0, t1;
     vmask b; /* triangle B */

@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* From what leaf tests found to hits: src/scalar/refine.h, operation by operation, which says why. Once a hit, when all
- * lanes of a packet have ended, so that the vectors are as full as can be. */
+/* Turns the finds of leaf tests into hits: src/scalar/refine.h, operation by operation, where the reason is. Done
+ * once a hit, after all lanes of a packet have ended, so that as many lanes as possible are in use. */
 
-/* What is kept of a hit until then: where the leaf test found it, and the triangle's samples. */
+/* The data of a hit until then: the leaf test's find, the cell, and the triangle's samples. */
 typedef struct found_hits {
     vfind find;
     vfloat i, j;
     vfloat h00, corner, h11; /* corner: sample (i, j + 1) for triangle B, (i + 1, j) for A */
 } found_hits;
 
-/* What is written to a cw_hit. */
+/* The numbers of a cw_hit that refinement computes. */
 typedef struct vhit {
     vfloat t, u, v;
 } vhit;
 
-/* Lanes that found nothing get anything. */
+/* Lanes without a find are undefined. */
 static inline vhit refine_hits(const vstart *s, const found_hits *h) {
     const vmask b = h->find.b;
     const vfloat cell_l = vf_select(b, h->j, h->i), cell_s = vf_select(b, h->i, h->j);

@@ -1,18 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Coherent rays share their walk. A tile of 64 rays goes through the pyramid as one *fat ray*, an interval for each of their
- * numbers, judged against 16 children at once (children.inc.h); so opening a node costs 64 rays little more than it would
- * cost one. At a block each ray decides for itself whether it is concerned; then each packet takes the block's cells one
- * after another, with the cell broadcast and the rays in lanes. Where the rays no longer want the same, the tile falls apart
- * into groups of 16, which go on from that node with a fat ray each; where a group falls apart, the rays concerned are queued
- * for the lane walk, which begins at that node (lane_walk.inc.h).
+/* The shared walk of coherent rays. A tile of 64 rays goes through the pyramid as one *fat ray*, an interval for
+ * each of their numbers, tested against 16 children at once (children.inc.h). So opening a node costs 64 rays little
+ * more than one. At a block each ray is tested against the block's bounds. Then each packet takes the block's cells
+ * one after another, with the cell broadcast and the rays in lanes. Where the rays diverge, the tile falls apart
+ * into groups of 16, which go on from that node with a fat ray each. Where a group falls apart, its rays that cross
+ * the node are queued for the lane walk, which begins at that node (lane_walk.inc.h).
  *
- * Invariant: interval arithmetic in the gate's own operations, in their order, each of which is monotone in each of its
- * arguments, also after rounding. So the fat ray's interval encloses, without padding, what each ray computes for itself,
- * and no child that one of them must visit is skipped. Visits are front to back for all rays of one direction quadrant.
+Invariant: the fat ray uses interval arithmetic in the gate's own operations, in their order. Each of them is
+ * monotone in each of its arguments, also after rounding. So its intervals enclose the numbers of each ray without
+ * padding, and no child that one of the rays must visit is skipped. Visits are front to back for all rays of one
+ * direction quadrant.
  *
- * After Reshetov, Soupikov and Hurley 2005 (one traversal finds where smaller beams begin), Boulos, Wald and Shirley 2006 and
- * Wald et al. 2006 (interval and frustum traversal of grids by packets). Not done: testing every ray against every child,
- * which costs a level as much for each vector of rays as the fat ray costs once. */
+After Reshetov, Soupikov and Hurley 2005 (one traversal finds where smaller beams begin), Boulos, Wald and Shirley
+ * 2006 and Wald et al. 2006 (interval and frustum traversal of grids by packets). Rejected: testing every ray
+ * against every child. At each level that costs as much for each vector of rays as the fat ray costs once. */
 
 /* Rays of a tile, a bit each; the lanes of packet p are bits p W and on. */
 typedef uint64_t ray_set;
@@ -20,11 +21,11 @@ typedef uint64_t ray_set;
 typedef uint64_t packet_set;
 enum { TILE = 64, PACKETS = TILE / W, GROUP = 16, GROUPS = TILE / GROUP };
 
-/* Fewer rays than this do not pay for making a fat ray of them. */
+/* For fewer rays than this, making a fat ray takes longer than it saves. */
 enum { SHARE_AT_LEAST = 4 };
 
-/* Cells between origins of a tile's rays, along each axis, up to which it shares a walk. Beyond it shadow rays lose, as
- * the tile falls apart at once (papers/walks.md). */
+/* Greatest distance in cells between origins of a tile that shares a walk, along each axis. With more, shadow rays lose
+ * time, as the tile falls apart at once (papers/walks.md). */
 enum { TILE_CELLS = 4 };
 
 static inline unsigned packet_bits(ray_set rays, size_t p) {
@@ -32,7 +33,7 @@ static inline unsigned packet_bits(ray_set rays, size_t p) {
 }
 static inline ray_set group_bits(ray_set rays, size_t g) { return rays & (ray_set)0xffff << (g * GROUP); }
 
-/* The first packet that some of the rays are in; takes its rays out of them. */
+/* Returns the first packet with some of the rays, and removes its rays from them. */
 static inline size_t next_packet(ray_set *rays) {
     const size_t p = (size_t)__builtin_ctzll(*rays) / W;
     *rays &= ~((((ray_set)1 << W) - 1) << (p * W));
@@ -44,8 +45,8 @@ static inline int packets_of(ray_set rays) {
     return n;
 }
 
-/* Intervals over some rays, each number in all lanes. In mirrored coordinates, in which x and y grow along the
- * rays: centers times the sign of the direction, inverses without sign. */
+/* Intervals over some rays, each number in all lanes, in mirrored coordinates, in which x and y grow along the rays:
+ * centers times the sign of the direction, inverses without sign. */
 typedef struct fat_axis {
     vfloat center_low, center_high, inverse_low, inverse_high;
 } fat_axis;
@@ -58,15 +59,16 @@ typedef struct fat_ray {
     bool up_x, up_y;
 } fat_ray;
 
-/* A vector's lane in all lanes; read from memory, as the rays of a tile are there. */
+/* One lane of a vector, in all lanes. Read from memory, where the rays of a tile are. */
 static inline vfloat lane_of(const vfloat *v, unsigned lane) {
     float a;
     memcpy(&a, (const char *)v + lane * sizeof a, sizeof a);
     return vf_set(a);
 }
 
-/* True if the rays are alike enough to share a walk: one direction quadrant, directions within 1/8 of its length from the
- * first one's, origins within this many cells of its. The rest is a matter of speed. */
+/* True if the rays are coherent: in one direction quadrant, directions within 1/8 of the first one's length from it,
+ * origins within this many cells of its origin. Right answers require only one quadrant and no negative from; the other
+ * conditions are for speed. */
 static inline bool coherent(const packet *packets, ray_set rays, float cells) {
     const unsigned first = (unsigned)__builtin_ctzll(rays);
     const vray *one = &packets[first / W].r;
@@ -89,11 +91,11 @@ static inline bool coherent(const packet *packets, ray_set rays, float cells) {
     return true;
 }
 
-/* Numbers that intervals are made of; the highest of each is the lowest of the same turned round. */
+/* Numbers of the intervals. The highest of each is found as the lowest of its negative. */
 enum { HULL_X, HULL_X_INVERSE, HULL_Y, HULL_Y_INVERSE, HULL_OZ, HULL_DZ, HULL_UNTIL, HULL_NUMBERS, HULL_FROM = 15 };
 
-/* False if on some axis rays stand still and others do not: the inverses of the first are infinite, and so times a distance of
- * zero is no number. Where all of them stand still, that does not happen: their centers lie between borders. */
+/* False if on some axis the direction is zero for some rays and not for others: infinity, the inverse of zero, times a
+ * distance of zero is NaN. If it is zero for all, that cannot happen, as their centers lie between borders. */
 static inline bool fat_init(fat_ray *a, const packet *packets, ray_set rays) {
     const vfloat minus = vf_set(-0.0f), infinite = vf_set(INFINITY);
     const unsigned first = (unsigned)__builtin_ctzll(rays);
@@ -142,7 +144,8 @@ static inline bool fat_init(fat_ray *a, const packet *packets, ray_set rays) {
     return !mixed_x && !mixed_y;
 }
 
-/* Earliest entry into and latest exit from the place between two borders, in mirrored coordinates. */
+/* The earliest t at which one of the rays crosses an entry border, and the latest for an exit border, in mirrored
+ * coordinates. */
 static inline vfloat fat_in(const fat_axis *a, vfloat border) {
     const vfloat far = vf_sub(border, a->center_high);
     return vf_min(vf_mul(far, a->inverse_low), vf_mul(far, a->inverse_high));
@@ -208,7 +211,7 @@ static inline void place_crossings(const vray *r, bool up_x, bool up_y, float x,
     c->y_out = crossing(&r->y, vf_set(up_y ? y + side : y));
 }
 
-/* Those of the rays that may meet something in the block. */
+/* The rays whose heights over the block meet its bounds. */
 static inline ray_set block_rays(const fat_ray *a, const packet *packets, ray_set rays, const cw_pyramid_level *l,
                                  int32_t x, int32_t y) {
     const float *n =
@@ -225,8 +228,8 @@ static inline ray_set block_rays(const fat_ray *a, const packet *packets, ray_se
     return concerned & rays;
 }
 
-/* Those of a packet's rays that find their first hits in these cells of a block, of which (i, j) is the low corner. Packet
- * after packet, so that a ray stays in registers from cell to cell. */
+/* Returns a packet's rays that have their first hits in these cells of the block with low corner (i, j). Rejected: all
+ * packets in one cell after another, since a ray then leaves the registers from cell to cell (papers/walks.md). */
 CW_INLINE vmask shared_cells(const fat_ray *a, packet *l, vmask among, const block_samples *s, int32_t i, int32_t j,
                              unsigned cells, bool any) {
     const vray *r = &l->r;
@@ -248,7 +251,7 @@ CW_INLINE vmask shared_cells(const fat_ray *a, packet *l, vmask among, const blo
         c.h11 = vf_set(z[s->stride + 1]);
         const vmask gate = vm_and(among, cell_gate(r, &c));
         if (!vm_any(gate)) continue;
-        vfind find = {c.t0, c.t1, gate}; /* which any-hit queries leave alone, as compilers may not see */
+        vfind find = {c.t0, c.t1, gate}; /* any-hit queries do not set it; avoids a warning */
         const vmask now = leaf_test(CW_LEAF_WATERTIGHT, r, &c, gate, any, &find);
         if (!vm_any(now)) continue;
         if (!any) keep_hits(&l->hit, now, &find, &c);
@@ -259,13 +262,12 @@ CW_INLINE vmask shared_cells(const fat_ray *a, packet *l, vmask among, const blo
     return found;
 }
 
-/* A tile or group falls apart at a block where going on together would test this many times more cells, counted once for each
- * packet concerned, than there are rays; and at a node of which more children than this have to be visited. The
- * least time among 5, 6 and 8 children (papers/walks.md). */
+/* A tile or group falls apart at a block in which cells to be tested times packets are at least FALL_APART times its
+ * rays, and at a node of which more than CHILDREN_AT_MOST children must be visited. 6 was the fastest of 5, 6 and 8
+ * (papers/walks.md). */
 enum { FALL_APART = 2, CHILDREN_AT_MOST = 6 };
 
-/* Queues those of the rays that cross the node of the given level of the pyramid and place; the rest of their walk is
- * theirs alone. Returns them. */
+/* Queues the rays that cross the given node of the pyramid for the lane walk, and returns them. */
 static inline ray_set fall_apart(const fat_ray *a, const packet *packets, ray_set rays, const cw_field *f, int level,
                                  int32_t x, int32_t y, lane_queue *queue, size_t first_packet) {
     ray_set apart = 0;
@@ -287,35 +289,35 @@ static inline ray_set fall_apart(const fat_ray *a, const packet *packets, ray_se
     return apart;
 }
 
-/* A tile that shares a walk: its fat ray, and those of its groups, made when they are first wanted. */
+/* A tile that shares a walk: its fat ray, and those of its groups, made on first use. */
 typedef struct tile_walk {
     const cw_field *f;
     packet *packets;
     lane_queue *queue;
     size_t first_packet;
     ray_set rays; /* still walking together */
-    bool several; /* of more than one group */
+    bool several; /* from more than one group */
     unsigned made;
     fat_ray tile, group[GROUPS];
 } tile_walk;
 
-/* The fat ray of those of a group that still walk together; NULL if they are too few for one. */
+/* The fat ray of a group's rays that still walk together; NULL if they are too few. */
 static inline const fat_ray *group_ray(tile_walk *w, size_t g) {
     const ray_set rays = group_bits(w->rays, g);
     if (__builtin_popcountll(rays) < SHARE_AT_LEAST) return NULL;
     if (!(w->made >> g & 1)) {
-        (void)fat_init(&w->group[g], w->packets, rays); /* what the tile's intervals can be made of, a part of it can */
+        (void)fat_init(&w->group[g], w->packets, rays); /* true, as it was for the whole tile */
         w->made |= 1u << g;
     }
     return &w->group[g];
 }
 
-/* From this node on, the rays go on alone. */
+/* From this node on, the rays walk alone. */
 static inline void leave(tile_walk *w, const fat_ray *a, ray_set rays, int level, int32_t x, int32_t y) {
     w->rays &= ~fall_apart(a, w->packets, rays, w->f, level, x, y, w->queue, w->first_packet);
 }
 
-/* Looks for first hits of the rays in block (x, y). */
+/* Finds first hits of the rays in block (x, y). */
 static void shared_block(tile_walk *w, const fat_ray *a, ray_set rays, int32_t x, int32_t y, bool any) {
     count_step(COUNT_SHARED_BLOCK, rays);
     block_samples s;
@@ -347,12 +349,12 @@ static void shared_block(tile_walk *w, const fat_ray *a, ray_set rays, int32_t x
     }
 }
 
-/* Walks the rays that a stands for, to their ends or until they fall apart, through node (x, y), of which these children of
- * the given level are to be visited. */
+/* Walks the rays of a through these children, of the given level, of node (x, y): to their ends or until they fall
+ * apart. */
 static void shared_walk(tile_walk *w, const fat_ray *a, ray_set mine, int top, int32_t x, int32_t y, unsigned children,
                         bool any);
 
-/* The same for each group of the tile, in node (x, y) of the level, at which the tile falls apart. */
+/* The same for each group of a tile that falls apart at node (x, y) of the level. */
 static inline void walk_groups(tile_walk *w, int level, int32_t x, int32_t y, bool any) {
     for (size_t g = 0; g < GROUPS; g++) {
         const ray_set rays = group_bits(w->rays, g);

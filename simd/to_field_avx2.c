@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Rays to field space with AVX2: a vector holds x, y, z of a point and beside it the end of the ray's interval, which is
- * just how both kinds of rays lie in memory. The sums are those of the scalar form in the same order, without fused
- * operations, so that the bits agree. */
+/* Rays from user space to field space with AVX2. A vector holds x, y, z of a point and one end of the ray's range,
+ * which is the layout of both kinds of rays in memory. The sums are those of the scalar form in the same order,
+ * without fused operations, so that the bits agree. */
 
 #include "to_field.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The rays that go on alone: in the vectors of their tiles or, where CELLWALK_LANE_VECTORS is 2, in pairs of these (lane_pairs.c)
- * until one vector can hold the rest. Without that change to single vectors, calls of 1 to 64 rays are up to 1.8 times as slow
- * with 2 × 16 lanes as with 16, calls of 256 rays up to 1.14 times; with it up to 1.10 and 1.02 times (papers/walks.md). */
+/* The lane walk of the queued rays, in the vectors of their tiles. If CELLWALK_LANE_VECTORS is 2, it uses pairs of
+ * these (lane_pairs.c) until one vector can hold the rest. Rejected: pairs to the end, which slow calls of few rays
+ * down (papers/walks.md). */
 
 static inline void move_lane(lane_set *l, size_t to, size_t from) {
     for (int c = 0; c < RAY_FLOATS; c++) l->rays.f[c][to] = l->rays.f[c][from];
@@ -14,7 +14,7 @@ static inline void move_lane(lane_set *l, size_t to, size_t from) {
     l->ray[to] = l->ray[from];
 }
 
-/* Moves rays of the second vector, no more than fit, into the first. */
+/* Moves the rays of the second vector into the first. They must fit. */
 static inline void close_up(lane_set *l) {
     for (unsigned second = l->living >> W; second != 0; second &= second - 1) {
         const size_t from = W + (size_t)__builtin_ctz(second), to = (size_t)__builtin_ctz(~l->living);

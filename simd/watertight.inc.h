@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The watertight leaf test on W cells at once, a ray each; operation by operation as in src/scalar/watertight.h, which
- * says how it works and why. Lanes differ in the borders by which they enter and leave, so each choice is a select. */
+/* The watertight leaf test on W cells at once, with one ray each, operation by operation as in src/scalar/watertight.h.
+ * Idea, invariant and the rejected alternative are there. Lanes differ in the borders by which they enter and leave, so
+ * each choice is a select. */
 
 static inline vfloat wt_edge(vfloat a, vfloat b, vfloat f) {
     const vfloat z = vf_add(a, vf_mul(f, vf_sub(b, a)));
@@ -17,7 +18,8 @@ typedef struct vwt {
     vfloat h00, h10, h01, h11;
 } vwt;
 
-/* Height difference on the x border (where x_border) or y border, on its high side (where high_side) or low one. */
+/* Height difference on the x border (lanes of x_border) or y border, on its high side (lanes of high_side) or low
+ * side. */
 static inline vfloat wt_border(const vwt *r, vfloat t, vmask x_border, vmask high_side) {
     const vfloat from = vf_select(x_border, r->y, r->x), dir = vf_select(x_border, r->dy, r->dx);
     /* The edge's first sample lies at the low end of the axis along the border, the second at the high end. */
@@ -42,7 +44,7 @@ static inline vmask wt_between(vfloat da, vfloat db) {
     return vm_or(vm_and(vf_ge(da, zero), vf_le(db, zero)), vm_and(vf_le(da, zero), vf_ge(db, zero)));
 }
 
-/* Lanes among which the cell is hit; any says that no one wants to know where. */
+/* Lanes among which the cell is hit. *find is set only if any is false. */
 static inline vmask wt_cell(const vray *ray, const vcell *c, vmask among, bool any, vfind *find) {
     const vwt r = {vf_sub(ray->x.org, c->i),
                    vf_sub(ray->y.org, c->j),
@@ -74,7 +76,8 @@ static inline vmask wt_cell(const vray *ray, const vcell *c, vmask among, bool a
     vfloat td = vf_div(vf_sub(r.y, r.x), vf_sub(r.dx, r.dy));
     td = vf_max(c->t0, vf_min(td, c->t1));
     const vfloat dd = vf_sub(vf_mul(td, r.dz), wt_edge(r.h00, r.h11, wt_within(r.x, r.dx, td)));
-    /* Up to the diagonal, or beyond it; without a crossing the one stretch from border to border. */
+    /* first: the hit is before the diagonal; second: after it. Without a crossing, one stretch from border to
+     * border. */
     const vmask first = vm_and(crosses, wt_between(da, dd)), second = vm_andnot(crosses, first);
     const vfloat d0 = vf_select(second, dd, da), d1 = vf_select(first, dd, db);
     const vmask found = vm_and(among, vm_or(first, wt_between(d0, d1)));

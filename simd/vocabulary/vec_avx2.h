@@ -94,8 +94,8 @@ static inline vfloat vf_gather(const float *base, vint index, vmask m) {
     return (vfloat){_mm256_mask_i32gather_ps(_mm256_setzero_ps(), base, index.v, m.v, sizeof(float))};
 }
 
-/* Lanes that are not negative, two a register: extractions are the dearer part of an index, and this takes half as many.
- * (An array of all eight is put together in memory by GCC, for which loads then wait.) */
+/* Lanes that are not negative, two a register, which halves the number of extractions. (GCC builds an array of all
+ * eight in memory, and loads then wait for it.) */
 typedef struct lane_pairs {
     uint64_t pair[4];
 } lane_pairs;
@@ -108,8 +108,8 @@ static inline size_t lane_out(lane_pairs a, int k) {
     return k % 2 == 0 ? (uint32_t)a.pair[k / 2] : (size_t)(a.pair[k / 2] >> 32);
 }
 
-/* Two floats as one 8-byte load, the lanes' pairs then parted by shuffles: CPUs that break a gather into
- * dozens of operations take less time for both vectors this way than for one of them. */
+/* Each pair as one 8-byte load; shuffles then separate the two floats. CPUs that split a gather into dozens of
+ * operations take less time for both vectors this way than for one gather. */
 CW_INLINE void vf_gather_pairs(const float *base, vint index, vmask m, vfloat *first, vfloat *second) {
     const lane_pairs k = lanes_out(_mm256_and_si256(index.v, _mm256_castps_si256(m.v)));
     __m128 q[4];
@@ -165,8 +165,8 @@ CW_INLINE void vf_load_rays(const cw_ray *rays, vfloat out[8]) {
     vf_load_each_ray(each, out);
 }
 
-/* Lanes picked out and put side by side (vec_scalar.h): in two halves, whose bytes are drawn together by a table of 16. BMI2's
- * pext and pdep would need no table, but not every CPU with AVX2 has them, and on some they take hundreds of cycles. */
+/* In two halves, each compacted by a byte shuffle from a table of 16. Rejected: BMI2's pext and pdep, which need no
+ * table. Not every CPU with AVX2 has them, and on some they take hundreds of cycles. */
 typedef struct vpick {
     __m128i low, high;
     int count; /* lanes of the low half */
@@ -192,8 +192,9 @@ static inline void vf_store_picked(float *to, vfloat a, vpick pick) {
     _mm_storeu_ps(to + pick.count, _mm_castsi128_ps(_mm_shuffle_epi8(high, pick.high)));
 }
 
-/* Members in pairs of two; a hit is three pairs, four hits are three registers. Unpacking leaves pairs of lanes 0, 1 and
- * 4, 5 in one register, of 2, 3 and 6, 7 in the other; the halves of registers are put in order as they are stored. */
+/* Members in pairs of two; a hit is three pairs, four hits are three registers. Unpacking leaves pairs of lanes 0, 1
+ * and 4, 5 in one register, of 2, 3 and 6, 7 in the other; the halves of registers are put in order as they are
+ * stored. */
 CW_INLINE void vf_store_hits(cw_hit *hits, vfloat t, vfloat u, vfloat v, vfloat i, vfloat j, vmask b) {
     const __m256 whole_i = _mm256_castsi256_ps(_mm256_cvttps_epi32(i.v));
     const __m256 whole_j = _mm256_castsi256_ps(_mm256_cvttps_epi32(j.v));

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Four doubles a vector, for AVX2: what moving rays between spaces needs. */
+/* Four doubles a vector, for AVX2: the operations that to_field_avx2.c uses. */
 #ifndef CELLWALK_SIMD_VEC_AVX2_DOUBLE_H
 #define CELLWALK_SIMD_VEC_AVX2_DOUBLE_H
 

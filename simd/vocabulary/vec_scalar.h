@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The vector vocabulary one lane wide, in plain C: the oracle of the lanes, and what a CPU without SSE4.2 runs. It also
- * documents the vocabulary: every vec_*.h offers the same names with the same meaning, lane by lane, bit for bit.
+/* The vector vocabulary one lane wide, in plain C. Tests compare the other vocabularies with it, and CPUs without
+ * SSE4.2 run it. It also documents the vocabulary: every vec_*.h has the same names with the same meaning, lane by
+ * lane, bit for bit.
  *
- * vfloat, vint and vmask are three distinct types, so that a mask cannot be taken for a number. Arithmetic is IEEE,
- * rounded once an operation; comparisons are false on NaN. The one exception are vf_fma and vf_fnma. */
+vfloat, vint and vmask are three distinct types, so that a mask cannot be used as a number by mistake. Arithmetic
+ * is IEEE, rounded once an operation, except in vf_fma and vf_fnma. Comparisons are false on NaN. */
 #ifndef CELLWALK_SIMD_VEC_SCALAR_H
 #define CELLWALK_SIMD_VEC_SCALAR_H
 
@@ -30,8 +31,8 @@ static inline vfloat vf_add(vfloat a, vfloat b) { return (vfloat){a.v + b.v}; }
 static inline vfloat vf_sub(vfloat a, vfloat b) { return (vfloat){a.v - b.v}; }
 static inline vfloat vf_mul(vfloat a, vfloat b) { return (vfloat){a.v * b.v}; }
 static inline vfloat vf_div(vfloat a, vfloat b) { return (vfloat){a.v / b.v}; }
-/* a b + c and c - a b, rounded once where the instruction set fuses them, else twice: for what decides how far a walk
- * looks, never for what a hit is made of. */
+/* a b + c and c - a b, rounded once if the instruction set fuses them, else twice. For culling only, never for the
+ * numbers of a hit. */
 static inline vfloat vf_fma(vfloat a, vfloat b, vfloat c) { return vf_add(vf_mul(a, b), c); }
 static inline vfloat vf_fnma(vfloat a, vfloat b, vfloat c) { return vf_sub(c, vf_mul(a, b)); }
 /* a < b ? a : b and a > b ? a : b, so b where either is NaN. */
@@ -116,8 +117,8 @@ CW_INLINE void vf_load_rays(const cw_ray *rays, vfloat out[8]) {
 /* The same of rays anywhere, a pointer a lane. */
 CW_INLINE void vf_load_each_ray(const cw_ray *const rays[1], vfloat out[8]) { vf_load_rays(rays[0], out); }
 
-/* Lanes picked out and put side by side: how, and the lanes of m stored one after another. The rest of the W floats or
- * integers at to become anything. */
+/* vpick_make prepares the selection of the lanes of m; vf_store_picked stores these lanes one after another. The
+ * rest of the W floats at to is undefined. */
 typedef struct vpick {
     int unused;
 } vpick;
@@ -130,8 +131,8 @@ static inline void vf_store_picked(float *to, vfloat a, vpick pick) {
     *to = a.v;
 }
 
-/* W hits of consecutive lanes, from one vector each of t, u, v, i, j, triangle to an array of structures. i and j are whole
- * numbers; triangle is B where b. */
+/* W hits of consecutive lanes, from one vector each of t, u, v, i, j, triangle to an array of structures. i and j
+ * are whole numbers; triangle is B where b. */
 CW_INLINE void vf_store_hits(cw_hit *hits, vfloat t, vfloat u, vfloat v, vfloat i, vfloat j, vmask b) {
     *hits = (cw_hit){.t = t.v, .i = (int32_t)i.v, .j = (int32_t)j.v, .triangle = b.v, .u = u.v, .v = v.v};
 }
@@ -143,7 +144,7 @@ CW_INLINE void vf_lowest_of_each(const vfloat a[16], float out[16]) {
     for (int k = 0; k < 16; k++) out[k] = a[k].v;
 }
 
-/* W doubles, for what is computed once a ray or once a hit. */
+/* W doubles, for numbers that are computed once a ray or once a hit. */
 typedef struct vdouble {
     double v;
 } vdouble;
@@ -161,9 +162,9 @@ static inline vdouble vd_abs(vdouble a) { return (vdouble){fabs(a.v)}; }
 static inline vmask vd_gt(vdouble a, vdouble b) { return (vmask){a.v > b.v}; }
 static inline vdouble vd_select(vmask m, vdouble a, vdouble b) { return m.v ? a : b; }
 
-/* A block of 4 × 4 floats in the order in which a ray of one direction quadrant meets them: lane 4 y + x of the 16 is the
- * x-th column from where x is entered and the y-th row from where y is entered. A ray goes through a block along a
- * monotone staircase, so this order is front to back. */
+/* A block of 4 × 4 floats in the order in which a ray of one direction quadrant meets them: lane 4 y + x of the 16
+ * is the x-th column from where x is entered and the y-th row from where y is entered. A ray goes through a block
+ * along a monotone staircase, so this order is front to back. */
 typedef struct vorder {
     int flip_x, flip_y; /* 3 where the ray goes down, else 0: number in walk order XOR flip = number in the field */
 } vorder;

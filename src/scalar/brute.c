@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Every triangle of the field against every ray, without a walk and without its gate: the ground truth for small fields,
- * as far as Möller-Trumbore in float is true. */
+/* The reference without a walk: every ray against every triangle of the field, by Möller and Trumbore's test (1997),
+ * without the gate. Invariant: it returns the nearest hit of that test. Tests compare the other kernels with it on
+ * small fields, up to the rounding of the test. It is no reference for exactness: tests use an oracle in exact
+ * arithmetic for that. */
 
 #include "field.h"
 #include "kernels.h"

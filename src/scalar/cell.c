@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The 2D cell walk, one ray at a time: 2D-DDA after Amanatides and Woo, "A fast voxel traversal algorithm for ray
- * tracing", 1987, but with each crossing computed from the border's coordinate rather than by adding a delta, so that
- * errors do not build up along the ray and a crossing does not depend on where the walk began.
+/* The 2D cell walk, one ray at a time, after Amanatides and Woo, "A fast voxel traversal algorithm for ray tracing",
+ * 1987, and Musgrave, "Grid tracing", 1988. It is the plain form of the walk that the packet kernels vectorise, and
+ * tests compare their bits with it.
  *
- * This is the plain form of the algorithm that the packet kernels vectorise, and their oracle. */
+Invariant: each crossing is computed from the border's coordinate, so it does not depend on where the walk began.
+ * Rejected: adding a constant to the last crossing, as the paper does, since errors then build up along the ray. */
 
 #include "count.h"
 #include "kernels.h"
@@ -12,7 +13,7 @@
 #include "strict.h"
 #include "watertight.h"
 
-/* The first cell along an axis that is left at t or later. The place at t gives a guess, the crossings decide. */
+/* The first cell along an axis that is left at t or later. The place at t is a guess, which the crossings correct. */
 static size_t first_cell(const strict_axis *a, float t, size_t cells) {
     const float last = (float)(cells - 1);
     float place = floorf(a->org + t * a->dir);
@@ -25,9 +26,9 @@ static size_t first_cell(const strict_axis *a, float t, size_t cells) {
     return (size_t)place;
 }
 
-/* Möller and Trumbore's test of a cell on the walk. It has no part in what keeps walks together, so its hits are kept to the
- * cell's own stretch and heights, and a little beyond for their rounding: then no walk that leaves out a cell, because the ray is
- * clear of it, leaves out a hit. */
+/* Möller and Trumbore's test of a cell on the walk. It does not use the walk's crossings and heights, so its hits
+ * are limited to the cell's stretch and heights, with a little room for their rounding. Then a walk that skips a
+ * cell because the ray is clear of it skips no hit. */
 static inline bool mt_find(const strict_ray *r, const strict_cell *c, strict_find *find) {
     const float room = 0x1p-20f;
     const mt_range range = {max_second(c->t0 - room * fabsf(c->t0), r->t0),

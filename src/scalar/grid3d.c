@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The reference path: a uniform grid of voxels over the field's triangles, walked by 3D-DDA (Amanatides and Woo 1987),
- * with the resolution rule of the coursework's renderer (Pharr and Humphreys, "Physically Based Rendering", 2nd ed., 4.3):
- * voxels per unit length = 3 · cbrt(triangles) / longest side, at most 64 an axis.
+/* The reference path: a uniform grid of voxels over the field's triangles, walked by 3D-DDA (Amanatides and Woo
+ * 1987), with the resolution rule of the coursework's renderer (Pharr and Humphreys, "Physically Based Rendering",
+ * 2nd ed., 4.3): voxels per unit length = 3 · cbrt(triangles) / longest side, at most 64 an axis.
  *
- * A triangle is listed in every voxel that its box touches, so a ray may find a hit beyond the voxel it is in while a
- * nearer one waits in a voxel still to come. So a hit counts only if it lies inside the current voxel's t-range. Rejected:
- * returning the first hit found, as the coursework did (papers/walks.md). */
+Invariant: a hit counts only if it lies inside the current voxel's t-range. A triangle is listed in every voxel
+ * that its box touches, so a ray may find a hit beyond the current voxel although a later voxel has a nearer one.
+ * Rejected: returning the first hit found, as the coursework did (papers/walks.md). */
 
 #include "count.h"
 #include "error.h"
@@ -39,7 +39,7 @@ static int voxel_of(const struct cw_grid3d *g, float position, int axis) {
 static void set_resolution(struct cw_grid3d *g, const cw_field *f) {
     const float low[3] = {0, 0, f->low}, high[3] = {(float)(f->nx - 1), (float)(f->ny - 1), f->high};
     float longest = 0;
-    /* The difference of two heights may be no float. */
+    /* The difference of two heights may overflow. */
     for (int a = 0; a < 3; a++) longest = fmaxf(longest, fminf(high[a] - low[a], FLT_MAX));
     const double triangles = 2.0 * (double)(f->nx - 1) * (double)(f->ny - 1);
     const float per_unit = 3 * (float)cbrt(triangles) / longest;
@@ -54,8 +54,8 @@ static void set_resolution(struct cw_grid3d *g, const cw_field *f) {
     }
 }
 
-/* The box of voxels that a triangle's box touches; false for a triangle with a hole. A voxel more on each side costs a
- * test and saves an error analysis of voxel_of: a hit on a voxel face is found from either side. */
+/* The box of voxels that a triangle's box touches, slightly enlarged; false for a triangle with a hole. A hit on a
+ * voxel's face is then found from either side, and the rounding of voxel_of needs no analysis. */
 static bool voxels_of_triangle(const struct cw_grid3d *g, const cw_field *f, size_t i, size_t j, uint32_t triangle,
                                int first[3], int last[3]) {
     const float *h = f->z + j * f->stride + i;
@@ -126,7 +126,7 @@ void cw_grid3d_destroy(struct cw_grid3d *grid) {
     cw_memory_free(grid);
 }
 
-/* A ray's way through the grid. */
+/* The state of a ray's walk through the grid. */
 typedef struct grid_walk {
     int voxel[3], step[3], end[3];
     float next[3]; /* t of the next crossing on each axis */
@@ -136,12 +136,12 @@ typedef struct grid_walk {
 
 static float crossing(const struct cw_grid3d *g, const grid_walk *w, int axis) {
     const int border = w->voxel[axis] + (w->step[axis] > 0);
-    /* The outermost borders are the box itself, so that no hit lies beyond the last voxel by rounding. */
+    /* The outermost borders are the box itself, so that rounding puts no hit beyond the last voxel. */
     const float at = border == g->n[axis] ? g->high[axis] : g->low[axis] + (float)border * g->size[axis];
     return (at - w->org[axis]) * w->inverse[axis];
 }
 
-/* Slab test with the box padded by what rounding may take from its faces (Ize 2013: 2 ulp of the far t). */
+/* Slab test with the box padded by the rounding error at its faces (Ize 2013: 2 ulp of the far t). */
 static bool enter_grid(const struct cw_grid3d *g, const ray_start *ray, grid_walk *w) {
     float t0 = ray->tmin, t1 = ray->tmax;
     w->tmin = t0;
@@ -229,7 +229,7 @@ static void closest(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hit
         if (!trace(f, &rays[k], false, &hits[k])) hits[k] = miss();
 }
 
-/* Any triangle on the way answers this query, wherever it was found. */
+/* Returns at the first triangle hit, also if a later voxel has a nearer one. */
 static void any(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded) {
     cw_hit unused;
     for (size_t k = 0; k < n; k++) occluded[k] = trace(f, &rays[k], true, &unused);

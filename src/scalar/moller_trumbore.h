@@ -8,7 +8,7 @@
 
 #include <math.h>
 
-/* Where a hit may be: its t, and the height there, from the ray's origin. */
+/* Limits of a hit: its t, and its height relative to the ray's origin. */
 typedef struct mt_range {
     float tmin, tmax, low, high;
 } mt_range;
@@ -16,9 +16,9 @@ typedef struct mt_range {
 /* Any height. */
 static inline mt_range mt_between(float tmin, float tmax) { return (mt_range){tmin, tmax, -INFINITY, INFINITY}; }
 
-/* Ray against one triangle of a cell, relative to the cell's sample (i, j): o = org - (i, j, h00), edges
- * e1 = (1, e1y, e1z) and e2 = (e2x, 1, e2z), where e1y and e2x are 0 or 1 (constants to the compiler; a term times 0 is
- * left out, as it would change the sign of a zero, or make NaN of what overflows). True if hit->t, u, v are a hit in
+/* Ray against one triangle of a cell, relative to the cell's sample (i, j): o = org - (i, j, h00), edges e1 = (1,
+ * e1y, e1z) and e2 = (e2x, 1, e2z), where e1y and e2x are 0 or 1 (constants to the compiler). Products with 0 are
+ * left out, as they would change the sign of a zero or turn an overflow into NaN. True if hit->t, u, v are a hit in
  * the range. NaN in a vertex, or a ray in the triangle's plane (determinant 0), makes a comparison fail. */
 static inline bool mt_triangle(const float o[3], const float d[3], bool e1y, float e1z, bool e2x, float e2z,
                                const mt_range *range, cw_hit *hit) {
@@ -37,7 +37,7 @@ static inline bool mt_triangle(const float o[3], const float d[3], bool e1y, flo
     return true;
 }
 
-/* The nearer hit of the cell's two triangles; A where both are equally near. */
+/* The nearer hit of the cell's two triangles; A if both are equally near. */
 static inline bool mt_cell(const float org[3], const float dir[3], const mt_range *range, size_t i, size_t j, float h00,
                            float h10, float h01, float h11, cw_hit *hit) {
     const float o[3] = {org[0] - (float)i, org[1] - (float)j, org[2] - h00};

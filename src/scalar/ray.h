@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What include/cellwalk.h promises about a ray before anything is asked of it, and where the ray begins for the library.
+/* The checks and limits of rays that include/cellwalk.h promises, and the origin from which the library traces a
+ * ray.
  *
- * A ray that starts far from the field is *moved*: its origin goes along it to just before the field's box, and from there
- * all is computed as for a ray that starts there. t is counted from the new origin and shifted back at the end. Otherwise
- * each product t · dir would be as large as the distance, and its rounding as large as cells.
+A ray that starts far from the field is *moved*: its origin goes along it to just before the field's box, and the
+ * ray is traced from there. t is counted from the new origin and shifted back at the end. Otherwise each product t ·
+ * dir would be as large as the distance, and its rounding error as large as cells.
  *
- * The move is all but free of error. shift is a float, so shift · dir is exact in double; it nearly cancels the origin, so
- * their sum is exact as well (Sterbenz 1974) or off by 2^-53 of the field's size. One step brings the origin nearer by a
- * factor of 2^22, since shift has 24 bits; a second one is needed from some million field lengths away.
+The move is nearly exact. shift is a float, so shift · dir is exact in double. It nearly cancels the origin, so
+ * their sum is exact too (Sterbenz 1974) or off by 2^-53 of the field's size. One step brings the origin nearer by a
+ * factor of 2^22, since shift has 24 bits. A second one is needed from some million field lengths away.
  *
- * What is lost is that the new origin is rounded to float. A step of few bits, a little shorter, is taken instead where it
- * loses nothing: so rays of few bits touch exactly what they touch from where they start. */
+The one loss is that the new origin is rounded to float. If a slightly shorter step of few bits needs no rounding,
+ * it is taken instead. So rays of few bits touch exactly the same vertices and edges as from their own origins. */
 #ifndef CELLWALK_SCALAR_RAY_H
 #define CELLWALK_SCALAR_RAY_H
 
@@ -31,7 +32,7 @@ static inline double max_second_d(double a, double b) { return a > b ? a : b; }
 /* Each step brings the origin nearer by 2^22: from the largest float to the smallest field in seven. */
 enum { RAY_MOVES = 8 };
 
-/* A direction component whose reciprocal is no float counts as zero. */
+/* A direction component whose reciprocal overflows counts as zero. */
 static inline float ray_direction(float d) { return fabsf(1.0f / d) <= FLT_MAX ? d : 0; }
 
 /* False if d is so large that its reciprocal is denormal, or infinite, or NaN. */
@@ -51,19 +52,19 @@ static inline bool ray_is_far(const cw_field *f, const float org[3]) {
            fabsf(org[2] - f->middle[2]) > f->reach[2];
 }
 
-/* Part of the ray's way through the box by which a step of few bits may be shorter than another. */
+/* Part of the ray's length in the box by which a step of few bits may be shorter than another. */
 #define RAY_STEP_ROOM 0x1p-5
 
-/* A step to just before in, to a multiple of a power of 2 of at most room; or what is not exact. */
+/* A step to just before in, rounded to a multiple of a power of 2 of at most room; it may not be exact. */
 static inline double ray_even_step(double in, double room) {
-    const double even = room * 0x1p52; /* whose last place is that power */
+    const double even = room * 0x1p52; /* its last place is that power */
     return ((in - room) + even) - even;
 }
 
-/* How far a number is from being a float. */
+/* Distance of a number from the nearest float. */
 static inline double ray_not_float(double a) { return fabs((double)(float)a - a); }
 
-/* True if each component has at most 12 significant bits: of others hardly a product with a step is a float. */
+/* True if each component has at most 12 significant bits. With more, products with a step are hardly ever floats. */
 static inline bool ray_has_few_bits(const float d[3]) {
     bool few = true;
     for (int c = 0; c < 3; c++) {
@@ -83,7 +84,7 @@ static inline bool ray_step_is_exact(const ray_start *r, double step) {
     return lost == 0;
 }
 
-/* Moves the origin towards the field's box; false if the ray passes it by. */
+/* Moves the origin towards the field's box; false if the ray misses the box. */
 static inline bool ray_move(ray_start *r, const cw_field *f) {
     const double low[3] = {0, 0, f->low}, high[3] = {(double)(f->nx - 1), (double)(f->ny - 1), f->high};
     for (int k = 0; k < RAY_MOVES && ray_is_far(f, r->org); k++) {
@@ -94,7 +95,7 @@ static inline bool ray_move(ray_start *r, const cw_field *f) {
             in = max_second_d(d == 0 ? -INFINITY : min_second_d(a, b), in);
             out = min_second_d(d == 0 ? INFINITY : max_second_d(a, b), out);
         }
-        /* Quotients are off by 2^-52 of themselves at most: what is farther apart than that passes the box by. */
+        /* Quotients are off by at most 2^-52 of themselves. If in exceeds out by more, the ray misses the box. */
         if (in - out > 0x1p-50 * max_second_d(fabs(in), fabs(out))) return false;
         if (fabs(in) > (double)RAY_T_LIMIT) return false;
         /* A little early, so that the ray has positive t in the box in spite of rounding. */
@@ -112,7 +113,7 @@ static inline bool ray_move(ray_start *r, const cw_field *f) {
     return true;
 }
 
-/* False if the ray misses whatever the field, or passes it by from afar. */
+/* False if the ray would miss any field, or starts far away and misses this one's box. */
 static inline bool ray_init(ray_start *r, const cw_field *f, const cw_ray *ray) {
     const float *o = ray->org, *d = ray->dir;
     const float poison = (o[0] * 0 + o[1] * 0) + o[2] * 0;
@@ -137,8 +138,8 @@ static inline bool ray_init(ray_start *r, const cw_field *f, const cw_ray *ray) 
     return true;
 }
 
-/* t of the caller's ray at t of the ray as it is traced. The ends of a moved ray's range are rounded, so t is kept to those that
- * the caller gave; a t within them stays as it is, -0 too. */
+/* t of the caller's ray at t of the traced ray. The ends of a moved ray's range are rounded, so t is clamped to the
+ * caller's range. A t within it does not change, not even -0. */
 static inline float ray_t(const ray_start *r, double t) {
     return min_second(r->last, max_second(r->first, (float)(r->shift + t)));
 }

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The strict rules in scalar C: what a ray is to a cell. The kernels cell, packet* and pyramid* follow these rules operation
- * by operation, so that they agree in every bit; papers/numerics.md derives what the rules guarantee.
+/* The strict rules, in scalar C: which cells a ray visits, and which of them are tested. The kernels cell, packet* and
+ * pyramid* follow these rules operation by operation, so that they agree in every bit. papers/numerics.md derives the
+ * guarantees.
  *
- *  1. A ray that starts far from the field is moved to it first (ray.h). From there on all is relative to the ray's
- *     origin: heights have the origin's height taken off, places are counted from the cell. So errors grow with the
- *     distance from the origin, not with coordinates.
+ *  1. A ray that starts far from the field is moved to it first (ray.h). Then heights are relative to the ray's origin, and
+ *     places to the cell. So errors grow with the distance from the origin, not with coordinates.
  *  2. A border at field coordinate b is crossed at t(b) = (b - org) · (1 / dir), each operation rounded once. t is
  *     monotone in b because rounding is monotone, so the order of crossings along an axis is never wrong.
  *  3. The walk is the staircase that the crossings define: at the border crossed first (x where both are crossed at
@@ -12,7 +12,7 @@
  *     left in y, and entered in y earlier than left in x: a property of ray and cell alone, which any walk can check.
  *  4. The gate: only a cell on the walk, with t-interval [t0, t1] not empty, and in which the ray's heights t · dir at t0
  *     and t1 enclose a height between the cell's lowest and highest sample, less the origin's height, is tested at all.
- *     Heights are monotone in t as well, and differences in the sample, so the same comparison on a block of cells can
+ *     Heights are monotone in t, and differences are monotone in the sample. So the same comparison on a block of cells can
  *     skip the block and never changes a hit.
  *  5. The slab: a walk may begin and end where the ray is strictly beyond the field's lowest and highest sample; the gate
  *     fails there anyway. A hit of Möller and Trumbore's test may lie beyond these samples by STRICT_ROOM of its height; for
@@ -28,7 +28,7 @@
 
 typedef struct strict_axis {
     float org, dir;    /* as in ray_start */
-    float center;      /* what crossings are measured from: org, or the middle of org's cell if dir is zero */
+    float center;      /* the origin of crossings: org, or the middle of org's cell if dir is zero */
     float inverse;     /* 1 / dir, +infinity if dir is zero */
     float first, last; /* the field's borders in walk order */
     int step;          /* +1 or -1 */
@@ -37,8 +37,8 @@ typedef struct strict_axis {
 typedef struct strict_ray {
     strict_axis x, y;
     float oz, dz;
-    float t0, t1;      /* over the field, between tmin and tmax: leaf tests look at nothing beyond */
-    float from, until; /* between its lowest and highest sample too: what a walk has to visit */
+    float t0, t1;      /* over the field, between tmin and tmax: leaf tests clip to it */
+    float from, until; /* also between the field's lowest and highest sample: the range of the walk */
     ray_start start;
 } strict_ray;
 
@@ -50,7 +50,7 @@ typedef struct strict_cell {
     float h00, h10, h01, h11;
 } strict_cell;
 
-/* What a leaf test finds: the ray meets the triangle at a t in [t0, t1]. refine.h makes a hit of it. */
+/* The result of a leaf test: the ray meets the triangle at a t in [t0, t1]. refine.h turns it into a hit. */
 typedef struct strict_find {
     float t0, t1;
     bool b; /* triangle B */
@@ -76,12 +76,12 @@ static inline bool strict_axis_init(strict_axis *a, float org, float dir, size_t
     return org >= 0 && org <= end;
 }
 
-/* Möller and Trumbore's t is off by rounding, so a hit's height may be this much of itself beyond its cell's lowest and highest
- * sample; of FLT_MIN too, and of what the ray rises in so much t, as t may be denormal. Where a walk is cut off by heights, it has
- * twice as much room; so no hit is where a walk has ended. */
+/* Room for the rounding of Möller and Trumbore's t: a hit's height may lie this part of itself beyond its cell's
+ * lowest and highest sample. Since t may be denormal, the same part of FLT_MIN, and of the ray's rise in so much t,
+ * is added. A walk that is cut off by heights has twice as much room, so no hit lies beyond the end of a walk. */
 #define STRICT_ROOM 0x1p-19f
 
-/* A height above the ray's origin, set down or up by some room. */
+/* A height above the ray's origin, lowered or raised by some room. */
 static inline float strict_room(float height, float dz, float room) {
     return room * (fabsf(height) + FLT_MIN * (1 + fabsf(dz)));
 }
@@ -92,11 +92,12 @@ static inline float strict_room_above(float height, float dz, float room) {
     return height + strict_room(height, dz, room);
 }
 
-/* [from, until] cuts [t0, t1] off where it leaves the heights between the field's lowest and highest sample, in which a
- * hole counts for nothing. The estimate (enter - oz) / dz is off by 2 u of itself, u = 2^-24, and by 2^-150 where numbers are
- * denormal, and so is a height. It is set back by 8 u of itself, which is beyond in spite of that, by 2^-147, and by what the
- * ray takes to rise by 2^-147: so it is strictly beyond, always, and by no more than the pyramid's slabs have room for
- * (papers/numerics.md). Whether it is decides, so nothing cuts off a hit; with dz = 0 it is not. */
+/* Sets [from, until] to the part of [t0, t1] in which the ray is between the field's lowest and highest sample;
+ * holes do not count. The estimate (enter - oz) / dz has an error of 2 u of itself, u = 2^-24, and of 2^-150 if
+ * numbers are denormal, and so has a height. It is set back by 8 u of itself, by 2^-147, and by the t in which the
+ * ray rises by 2^-147. So it always lies strictly beyond the samples, by no more than the pyramid's slabs have room
+ * for (papers/numerics.md). It is used only if the computed height there is beyond, so no hit is cut off; with dz =
+ * 0 it is never used. */
 static inline void strict_slab(strict_ray *r, const cw_field *f, cw_leaf leaf) {
     const float u = FLT_EPSILON / 2, inverse = 1.0f / r->dz;
     const bool up = r->dz > 0;
@@ -138,7 +139,7 @@ static inline float strict_high(const strict_cell *c) {
     return max_second(c->h11, max_second(c->h01, max_second(c->h10, max_second(c->h00, -INFINITY))));
 }
 
-/* Fills c with cell (i, j) and says whether it passes the gate. */
+/* Fills c with cell (i, j); returns whether it passes the gate. */
 static inline bool strict_gate(strict_cell *c, const strict_ray *r, const cw_field *f, size_t i, size_t j) {
     const float x_low = (float)i, x_high = (float)(i + 1), y_low = (float)j, y_high = (float)(j + 1);
     c->i = i;

@@ -1,24 +1,25 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The watertight leaf test. Follow the ray through the cell and compare its height with the surface's wherever it
- * crosses an edge: the cell's border, the diagonal, the border again. Between two crossings the ray is above one
- * triangle, both heights are linear, and the ray meets the triangle if and only if it is not strictly on one side at
- * both.
+/* The watertight leaf test. It follows the ray through the cell and compares the ray's height with the surface's
+ * wherever the ray crosses an edge: the cell's border, the diagonal, the border again. Between two crossings the ray
+ * is over one triangle and both heights are linear. So the ray meets the triangle if and only if it is not strictly
+ * on one side at both.
  *
- * Invariant: what is computed at an edge depends on the ray, the edge and its two samples alone, so the two triangles
- * that share an edge see the same sign there, whichever cell, walk or packet asks. A ray that is above at one crossing
- * and below at a later one has a pair of neighbouring crossings with a change between, hence a hit: it cannot slip
- * through. (Möller-Trumbore decides each triangle by itself, and near an edge both may say no.) The surface height on an
- * edge is clamped between the edge's samples, so the gate's comparison with the cell's lowest and highest sample
+Invariant: the sign at an edge depends on the ray, the edge and its two samples alone. So the two triangles that
+ * share an edge get the same sign there, in every cell, walk and packet. A ray that is above at one crossing and
+ * below at a later one has two neighbouring crossings between which the sign changes, hence a hit: it cannot slip
+ * through. (Möller-Trumbore tests each triangle separately, and near an edge may reject both.) The surface height on
+ * an edge is clamped between the edge's samples, so the gate's comparison with the cell's lowest and highest sample
  * (strict.h) never contradicts it. A hole makes the height NaN and every comparison false: no hit.
  *
- * Rejected: Woop, Benthin and Wald 2013 (watertight edge functions), which needs a shear per ray, three edge functions
- * per triangle and a double-precision fallback where one is zero; papers/watertight.md has the comparison. */
+We know of no paper with this test. Rejected: Woop, Benthin and Wald 2013 (watertight edge functions), which needs
+ * a shear per ray, three edge functions per triangle and a double-precision fallback if one is zero.
+ * papers/watertight.md compares the two. */
 #ifndef CELLWALK_SCALAR_WATERTIGHT_H
 #define CELLWALK_SCALAR_WATERTIGHT_H
 
 #include "strict.h"
 
-/* Heights here have the ray's origin taken off; so have the cell's samples, in this order. */
+/* The cell's samples. All heights in this file are relative to the ray's origin. */
 typedef struct wt_heights {
     float h00, h10, h01, h11;
 } wt_heights;
@@ -29,19 +30,19 @@ static inline float wt_edge(float a, float b, float f) {
     return max_second(min_second(a, b), min_second(max_second(a, b), z));
 }
 
-/* Where the ray is in the cell at t, each coordinate in [0, 1]; from is its origin there. */
+/* A coordinate of the ray in the cell at t, clamped to [0, 1]; from is its origin's. */
 static inline float wt_within(float from, float dir, float t) {
     const float x = from + t * dir;
     return max_second(0, min_second(1, x));
 }
 
-/* What the tests at a cell's edges share: the ray's origin from the cell's sample (i, j), and the heights. */
+/* Common to the tests at a cell's edges: the ray's origin relative to the cell's sample (i, j), and the heights. */
 typedef struct wt_ray {
     float x, y, dx, dy, dz;
     wt_heights h;
 } wt_ray;
 
-/* Above (positive), on (0) or below the surface where the ray is at t on the border that it enters or leaves by. */
+/* The ray's height above the surface (positive: above) at t on the border by which it enters or leaves. */
 static inline float wt_border(const wt_ray *r, float t, bool x_border, bool high_side) {
     float a, b, f;
     if (x_border) {
@@ -56,7 +57,7 @@ static inline float wt_border(const wt_ray *r, float t, bool x_border, bool high
     return t * r->dz - wt_edge(a, b, f);
 }
 
-/* The same at a t inside the cell, where the ray's range starts or ends: on triangle B's plane or A's, as it falls. */
+/* The same at a t inside the cell, where the ray's range starts or ends: above the plane of the triangle there. */
 static inline float wt_inside(const wt_ray *r, float t, bool *in_b) {
     const wt_heights *h = &r->h;
     const float x = wt_within(r->x, r->dx, t), y = wt_within(r->y, r->dy, t);
