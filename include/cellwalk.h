@@ -2,7 +2,7 @@
 
 /* Cellwalk finds where rays hit a height field.
  *
- * Words. A *field* is nx × ny samples. Sample (i, j) stands at field coordinates x = i, y = j; its value is the height z.
+ * Words. A *field* is nx × ny samples. Sample (i, j) is at field coordinates x = i, y = j; its value is the height z.
  * *Cell* (i, j), 0 <= i < nx - 1, 0 <= j < ny - 1, lies between samples (i, j) and (i + 1, j + 1). Each cell is two
  * *triangles*, split along the diagonal from (i, j) to (i + 1, j + 1):
  *
@@ -23,10 +23,10 @@
  *
  * Growing. Structs that the caller fills end in reserved members, which must be zero: later versions give them a meaning, and
  * anything but zero fails with CW_ERROR_ARGUMENT. Zero is always the default, so start from {0}. Structs that the library
- * fills take their size, so that a program compiled with an older header gets the members that it knows. cw_ray, cw_user_ray
- * and cw_hit are records in arrays and never change.
+ * fills take their size, so that a program compiled with an older header gets the members of that header. cw_ray,
+ * cw_user_ray and cw_hit are records in arrays and never change.
  *
- * Stability. Everything is stable within a major version, but for headings, which are experimental.
+ * Stability. Everything is stable within a major version, except headings, which are experimental.
  *
  * Not offered: instances, rays with a stride, walks in double precision, queries on a field that another thread destroys. */
 
@@ -60,21 +60,21 @@ CW_API const char *cw_version(void);
 
 typedef enum cw_status {
     CW_OK = 0,
-    CW_ERROR_ARGUMENT, /* an argument or a member is NULL, out of range or of a value that this version does not know */
-    CW_ERROR_SAMPLE,   /* a sample lies beyond CW_HEIGHT_MAX, or a borrowed one is infinite */
-    CW_ERROR_KERNEL,   /* no kernel of that name, not on this CPU or under this limit, or not with this leaf test */
+    CW_ERROR_ARGUMENT,  /* an argument or a member is NULL, out of range or of a value unknown to this version */
+    CW_ERROR_SAMPLE,    /* a sample lies beyond CW_HEIGHT_MAX, or a borrowed one is infinite */
+    CW_ERROR_KERNEL,    /* no kernel of that name, not on this CPU or under this limit, or not with this leaf test */
     CW_ERROR_NOT_BUILT, /* the kernel needs cw_field_build first */
     CW_ERROR_MEMORY,    /* out of memory, or of threads */
     CW_ERROR_BUSY,      /* an update and something else would run on one field at the same time */
     CW_ERROR_CANCELLED  /* the watch returned false */
 } cw_status;
 
-/* What the status means in general: one English sentence without a full stop, in static storage, never NULL. */
+/* The general meaning of the status: one English sentence without a full stop, in static storage, never NULL. */
 CW_API const char *cw_status_message(cw_status status);
 
-/* What was wrong in the last call that failed on this thread, with names, values and limits: "nx: 1 samples; a field has 2 to
- * 8388608 a side". Empty if none has failed. Valid until the next failure on this thread; later successes keep it.
- * Per thread and not in a buffer of the caller's, so that no function needs two more arguments for it. */
+/* The error of the last call that failed on this thread, with names, values and limits: "nx: 1 samples; a field has
+ * 2 to 8388608 a side". Empty if none has failed. Valid until the next failure on this thread; successful calls keep
+ * it. */
 CW_API const char *cw_last_error(void);
 
 /* ---- kernels ---------------------------------------------------------------------------------------------------- */
@@ -92,8 +92,8 @@ enum { CW_ISA_COUNT = 5 };
 /* "scalar", "sse4.2", "avx2", "avx512", "neon"; NULL for any other value. */
 CW_API const char *cw_isa_name(cw_isa isa);
 
-/* True if code for part runs wherever code for whole does: avx512 includes avx2 includes sse4.2, each includes scalar and
- * itself, neon includes scalar. */
+/* True if code for part runs wherever code for whole does: avx512 includes avx2 includes sse4.2, each includes
+ * scalar and itself, neon includes scalar. */
 CW_API bool cw_isa_includes(cw_isa whole, cw_isa part);
 
 /* The instruction set in use, which is the widest that is included in all of these:
@@ -102,14 +102,14 @@ CW_API bool cw_isa_includes(cw_isa whole, cw_isa part);
  *    should check the variable at its start;
  *  - the last cw_isa_limit. */
 CW_API cw_isa cw_isa_best(void);
-/* Limits the process to an instruction set and what that includes. CW_ISA_ANY lifts the limit. Queries that have begun go on
- * as they began. */
+/* Limits the process to an instruction set and those that it includes. CW_ISA_ANY lifts the limit. Queries that have
+ * begun are not affected. */
 CW_API void cw_isa_limit(cw_isa most);
 
 /* A leaf test decides where a ray meets one cell's two triangles. */
 typedef enum cw_leaf {
     CW_LEAF_DEFAULT = 0,     /* the kernel's default_leaf */
-    CW_LEAF_MOLLER_TRUMBORE, /* each triangle by itself (Möller and Trumbore 1997): a ray may slip between two */
+    CW_LEAF_MOLLER_TRUMBORE, /* each triangle separately (Möller and Trumbore 1997): a ray may slip between two */
     CW_LEAF_WATERTIGHT       /* the sign of ray height minus surface height at each crossing, which neighbours share */
 } cw_leaf;
 enum { CW_LEAF_COUNT = 3 };
@@ -117,8 +117,8 @@ enum { CW_LEAF_COUNT = 3 };
 /* "default", "moller-trumbore", "watertight"; NULL for any other value. */
 CW_API const char *cw_leaf_name(cw_leaf leaf);
 
-/* A kernel is one way to find hits. Kernels live as long as the program. cell, packet* and pyramid* return the same bits for
- * the same leaf test; brute and grid3d have rules of their own. */
+/* A kernel is one way to find hits. Kernels live as long as the program. cell, packet* and pyramid* return the same
+ * bits for the same leaf test. brute and grid3d use other operations and may differ in last bits and near edges. */
 typedef struct cw_kernel cw_kernel;
 
 typedef struct cw_kernel_info {
@@ -134,8 +134,8 @@ typedef struct cw_kernel_info {
 CW_API size_t cw_kernel_count(void);
 /* NULL from cw_kernel_count() on. */
 CW_API const cw_kernel *cw_kernel_at(size_t number);
-/* For a name that no kernel has: a stand-in, with which a query fails with CW_ERROR_KERNEL, so that a typo never selects the
- * default kernel. */
+/* For a name that no kernel has: a stand-in, with which a query fails with CW_ERROR_KERNEL, so that a typo never
+ * selects the default kernel. */
 CW_API const cw_kernel *cw_kernel_find(const char *name);
 /* False for the stand-in of cw_kernel_find and for NULL. */
 CW_API bool cw_kernel_exists(const cw_kernel *kernel);
@@ -149,14 +149,15 @@ static inline cw_kernel_info cw_kernel_describe(const cw_kernel *kernel) {
 
 /* ---- threads and runs ------------------------------------------------------------------------------------------- */
 
-/* Threads that wait for work. A pool serves one caller at a time: if it is busy, the work runs on the calling thread. */
+/* Threads that wait for work. A pool serves one caller at a time: if it is busy, the work runs on the calling
+ * thread. */
 typedef struct cw_pool cw_pool;
 
 enum { CW_THREADS_MAX = 4096 };
 
-/* threads counts the calling thread; 0 is one for each CPU that this process may use. The caller owns the pool, whose
- * threads have at least 1 MiB of stack. On failure *pool is NULL. In a child made by fork the pool is the calling thread alone, and
- * the child may destroy it. */
+/* threads counts the calling thread; 0 is one for each CPU that this process may use. The caller owns the pool,
+ * whose threads have at least 1 MiB of stack. On failure *pool is NULL. In a child made by fork the pool is the
+ * calling thread alone, and the child may destroy it. */
 CW_API cw_status cw_pool_create(unsigned threads, cw_pool **pool);
 /* NULL is allowed. Nothing may be running on the pool. */
 CW_API void cw_pool_destroy(cw_pool *pool);
@@ -164,8 +165,8 @@ CW_API void cw_pool_destroy(cw_pool *pool);
 typedef void cw_task_fn(void *argument, unsigned number);
 typedef struct cw_tasks {
     unsigned threads; /* tasks to make of a piece of work: from 1 to CW_THREADS_MAX */
-    /* Calls task(argument, k) for each k in [0, count) on any threads in any order, and returns when all have returned. Several
-     * threads may call it at once. */
+    /* Calls task(argument, k) for each k in [0, count) on any threads in any order, and returns when all have
+     * returned. Several threads may call it at once. */
     void (*run)(void *context, cw_task_fn *task, void *argument, unsigned count);
     void *context; /* must live until cw_pool_destroy */
 } cw_tasks;
@@ -176,15 +177,16 @@ CW_API unsigned cw_pool_threads(const cw_pool *pool);
 
 /* Items [begin, end) of a piece of work. */
 typedef void cw_work_fn(void *context, size_t begin, size_t end);
-/* Runs the caller's work over [0, n) on the pool's threads, in pieces of grain items (0 counts as 1) and in any order; on one
- * thread in one piece. Returns when all is done. */
+/* Runs the caller's work over [0, n) on the pool's threads, in pieces of grain items (0 counts as 1) and in any
+ * order; on one thread in one piece. Returns when all is done. */
 CW_API void cw_pool_run(cw_pool *pool, size_t n, size_t grain, cw_work_fn *work, void *context);
 
-/* Called during long work by one thread at a time with the share that is done, in (0, 1]. Returning false ends the work soon
- * with CW_ERROR_CANCELLED; its output is then unspecified. */
+/* Called during long work by one thread at a time with the share that is done, in (0, 1]. Returning false ends the
+ * work soon with CW_ERROR_CANCELLED; its output is then unspecified. */
 typedef bool cw_watch_fn(void *context, double done);
 
-/* How something runs. All zero, and a NULL cw_run, mean: the best kernel, its default leaf test, the calling thread, no watch. */
+/* How something runs. All zero, and a NULL cw_run, mean: the best kernel, its default leaf test, the calling thread,
+ * no watch. */
 typedef struct cw_run {
     const cw_kernel *kernel; /* NULL: the best for this machine and field */
     cw_leaf leaf;            /* of queries; else ignored */
@@ -196,16 +198,18 @@ typedef struct cw_run {
 
 /* ---- memory ----------------------------------------------------------------------------------------------------- */
 
-/* Where fields, structures and headings live: memory that files back, say. allocate returns bytes bytes aligned to alignment, a
- * power of two up to 2^21, or NULL; release takes what allocate returned, never NULL. Called by several threads at once. */
+/* Memory for fields, structures and headings, such as memory backed by files. allocate returns bytes bytes aligned
+ * to alignment, a power of two up to 2^21, or NULL. release takes a pointer that allocate returned, never NULL. Both
+ * are called by several threads at once. */
 typedef struct cw_allocator {
     void *(*allocate)(void *context, size_t bytes, size_t alignment);
     void (*release)(void *context, void *memory);
     void *context;
 } cw_allocator;
 
-/* For the whole process; NULL is the library's own. To be called before anything is made, or after everything has been
- * destroyed. Pools and threads use the C library. Fails with CW_ERROR_ARGUMENT if a function is missing. */
+/* Sets the allocator of the whole process; NULL: the library's own. Must be called before the first object is made
+ * or after all have been destroyed. Pools and threads use the C library. Fails with CW_ERROR_ARGUMENT if a function
+ * is missing. */
 CW_API cw_status cw_allocator_set(const cw_allocator *allocator);
 
 /* ---- field ------------------------------------------------------------------------------------------------------ */
@@ -230,7 +234,8 @@ typedef struct cw_field_desc {
     size_t nx, ny; /* samples in a row; rows. Each from 2 to CW_SIDE_MAX */
     size_t stride; /* floats from one row to the next; 0: nx */
     cw_storage storage;
-    /* Field space to user space, three rows of four: user = map[.][0..2] · (x, y, z) + map[.][3]. All zero: the identity. */
+    /* Field space to user space, three rows of four: user = map[.][0..2] · (x, y, z) + map[.][3]. All zero: the
+     * identity. */
     double map[3][4];
     uint64_t reserved[4]; /* 0 */
 } cw_field_desc;
@@ -238,15 +243,15 @@ typedef struct cw_field_desc {
 /* The identity map and nothing else. */
 CW_API cw_field_desc cw_field_desc_default(void);
 
-/* Makes a field, which the caller owns, with the structure that run's kernel walks on: for the default kernel the bounds
- * pyramid, or none for at most 32 cells a side, where packets are faster. The field has the same bits for any pool. On failure
- * *field is NULL: CW_ERROR_ARGUMENT, _SAMPLE, _KERNEL, _MEMORY, _CANCELLED. */
+/* Makes a field, which the caller owns, with the structure that run's kernel walks on: for the default kernel the
+ * bounds pyramid, or none for at most 32 cells a side, where packets are faster. The field has the same bits for any
+ * pool. On failure *field is NULL: CW_ERROR_ARGUMENT, _SAMPLE, _KERNEL, _MEMORY, _CANCELLED. */
 CW_API cw_status cw_field_create(const cw_field_desc *desc, const cw_run *run, cw_field **field);
 /* NULL is allowed. Nothing may be running on the field. */
 CW_API void cw_field_destroy(cw_field *field);
 
-/* Makes what run's kernel walks on, unless the field has it. Nothing else may be running on the field. On failure, or when
- * cancelled, the field is as it was. */
+/* Makes the structure that run's kernel walks on, unless the field has it. Nothing else may be running on the field. On
+ * failure, or if cancelled, the field does not change. */
 CW_API cw_status cw_field_build(cw_field *field, const cw_run *run);
 
 /* Samples (i, j) to (i + nx - 1, j + ny - 1). */
@@ -257,19 +262,19 @@ typedef struct cw_rectangle {
 
 typedef struct cw_update {
     cw_rectangle at; /* may be empty */
-    /* The new samples, (at.i + x, at.j + y) at samples[y * stride + x]. NULL for a field that borrows: its caller has changed
-     * them already. */
+    /* The new samples, (at.i + x, at.j + y) at samples[y * stride + x]. NULL for a field that borrows: its caller
+     * has changed them already. */
     const float *samples;
     size_t stride;        /* floats from one row to the next; 0: at.nx */
     uint64_t reserved[4]; /* 0 */
 } cw_update;
 
-/* Changes samples. Afterwards the field has the bits of one made of the new samples, but for grid3d's structure, which is dropped
- * until cw_field_build. Takes time for the rectangle, not for the field: 64 × 64 samples 0.1 to 0.3 ms. Does not allocate.
- * Headings stay valid. Of run only the pool counts: an update is not cancelled.
- * CW_ERROR_SAMPLE: a sample is refused, and the field keeps what it had; if it borrows, put other samples there and call this
- * again before the next query. CW_ERROR_BUSY: a query or another update runs on the field; whichever comes second fails.
- * Functions without a status are not checked for that. */
+/* Changes samples. Afterwards the field has the same bits as one made of the new samples, except that grid3d's
+ * structure is dropped until cw_field_build. The time grows with the rectangle, not with the field: 64 × 64 samples
+ * take 0.1 to 0.3 ms. Does not allocate. Headings stay valid. Only run's pool is used: an update is not cancelled.
+ * CW_ERROR_SAMPLE: a sample is refused, and the field does not change; if it borrows, put other samples there and
+ * call this again before the next query. CW_ERROR_BUSY: a query or another update is running on the field. Functions
+ * without a status are not checked for that. */
 CW_API cw_status cw_field_update(cw_field *field, const cw_update *update, const cw_run *run);
 
 typedef struct cw_field_info {
@@ -290,21 +295,23 @@ static inline cw_field_info cw_field_describe(const cw_field *field) {
     return info;
 }
 
-/* The nx samples of row j as kernels see them, with holes as NaN: valid until the field is destroyed. NULL from ny on. */
+/* The nx samples of row j as kernels see them, with holes as NaN: valid until the field is destroyed. NULL from ny
+ * on. */
 CW_API const float *cw_field_row(const cw_field *field, size_t j);
 
 /* ---- queries ---------------------------------------------------------------------------------------------------- */
 
-/* Points org + t · dir for t in [tmin, tmax], both ends included, in field space. dir need not have unit length. tmin and
- * tmax may be infinite; both are clamped to half of the largest float. A direction component of at most 2^-128, whose
- * reciprocal is no float, counts as zero; one above 2^126, whose reciprocal is denormal, counts as infinite. A ray with a NaN
- * anywhere, an infinite origin or direction, a zero direction or tmin > tmax misses. A ray that goes through
- * the surface hits it, on edges too. One that touches it from one side hits as far as floats can tell: within rounding
- * (papers/numerics.md) it may miss, and so may one that meets the field's outer border or the rim of a hole.
+/* Points org + t · dir for t in [tmin, tmax], both ends included, in field space. dir need not have unit length.
+ * tmin and tmax may be infinite; both are clamped to half of the largest float. A direction component of at most
+ * 2^-128, whose reciprocal overflows, counts as zero; one above 2^126, whose reciprocal is denormal, counts as
+ * infinite. A ray with a NaN anywhere, an infinite origin or direction, a zero direction or tmin > tmax misses. A
+ * ray that goes through the surface hits it, on edges too. One that touches it from one side hits as far as floats
+ * can tell: within rounding (papers/numerics.md) it may miss, and so may one that meets the field's outer border or
+ * the rim of a hole.
  *
- * A ray may start anywhere. One that starts more than half a side outside the field, or more than eight times its range of
- * heights above or below its middle, is first moved to where it enters the field's box, in double: distance costs neither speed
- * nor precision. A ray that would enter it beyond half of the largest float misses. */
+A ray may start anywhere. One that starts more than half a side outside the field, or more than eight times its
+ * range of heights above or below its middle, is first moved to where it enters the field's box, in double: distance
+ * costs neither speed nor precision. A ray that would enter it beyond half of the largest float misses. */
 typedef struct cw_ray {
     float org[3];
     float tmin;
@@ -315,11 +322,12 @@ typedef struct cw_ray {
 typedef enum cw_triangle { CW_TRIANGLE_A = 0, CW_TRIANGLE_B = 1 } cw_triangle;
 
 /* With p0, p1, p2 the triangle's vertices in the order given at the top, the hit is p0 + u (p1 - p0) + v (p2 - p0).
- * t counts from the ray's origin as given, and lies in [tmin, tmax]. With CW_LEAF_WATERTIGHT t is the exact one rounded to the
- * nearest float, and u and v are within 1.25 · 2^-24 of theirs, with three exceptions: the ray passes within rounding of the
- * triangle's edge; it is all but parallel to the triangle; or its range begins or ends within rounding of the surface, where t
- * may be that end. papers/numerics.md has the bounds of all. From afar a float t does not distinguish neighbouring cells: i, j, u and v do.
- * A miss has t = +infinity, i = j = -1, and 0 elsewhere. The 24 bytes are also the record of the tool's hits.npy. */
+ * t counts from the ray's origin as given, and lies in [tmin, tmax]. With CW_LEAF_WATERTIGHT t is the exact one
+ * rounded to the nearest float, and u and v are within 1.25 · 2^-24 of theirs, with three exceptions: the ray passes
+ * within rounding of the triangle's edge; it is all but parallel to the triangle; or its range begins or ends within
+ * rounding of the surface, where t may be that end. papers/numerics.md has the bounds of all. From afar a float t
+ * does not distinguish neighbouring cells: i, j, u and v do. A miss has t = +infinity, i = j = -1, and 0 elsewhere.
+ * The 24 bytes are also the record of the tool's hits.npy. */
 typedef struct cw_hit {
     float t;
     int32_t i, j;
@@ -333,11 +341,11 @@ CW_API cw_status cw_run_check(const cw_field *field, const cw_run *run);
 /* The kernel that a query with this run uses on this field; field NULL stands for one that has the pyramid. */
 CW_API const cw_kernel *cw_run_kernel(const cw_field *field, const cw_run *run);
 
-/* The closest hit of each of n rays (n may be 0). rays and hits must not overlap. The answer for a ray does not depend on
- * the others, its place in the array or the number of threads. */
+/* The closest hit of each of n rays (n may be 0). rays and hits must not overlap. The answer for a ray does not
+ * depend on the others, its place in the array or the number of threads. */
 CW_API cw_status cw_closest(const cw_field *field, const cw_run *run, const cw_ray *rays, size_t n, cw_hit *hits);
 
-/* occluded[k] = 1 if rays[k] hits anything, else 0; always what cw_closest would find. */
+/* occluded[k] = 1 if rays[k] hits anything, else 0: always 1 if cw_closest has a hit, else 0. */
 CW_API cw_status cw_occluded(const cw_field *field, const cw_run *run, const cw_ray *rays, size_t n, uint8_t *occluded);
 
 /* ---- user space ------------------------------------------------------------------------------------------------- */
@@ -350,11 +358,11 @@ typedef struct cw_user_ray {
     double tmax;
 } cw_user_ray;
 
-/* Moves rays to field space in double and rounds last, so that a field far from the user's origin loses nothing: from 5 · 10^6 m
- * away, cells of 1 m get the same rays as at the origin. One rounding to float is lost: of an origin within a field of 10 000
- * cells, as in UTM, up to 5 · 10^-4 cells; of one 10^5 cells away, a sensor 700 km above cells of 10 m in geocentric
- * coordinates, up to 4 · 10^-3; and 2^-24 of the direction's length. A map that skews by a factor s loses up to s times as much.
- * t is the same in both spaces. in and out must not overlap. */
+/* Moves rays to field space in double and rounds last, so that a field far from the user's origin loses nothing:
+ * from 5 · 10^6 m away, cells of 1 m get the same rays as at the origin. One rounding to float is lost: of an origin
+ * within a field of 10 000 cells, as in UTM, up to 5 · 10^-4 cells; of one 10^5 cells away, a sensor 700 km above
+ * cells of 10 m in geocentric coordinates, up to 4 · 10^-3; and 2^-24 of the direction's length. A map that skews by
+ * a factor s loses up to s times as much. t is the same in both spaces. in and out must not overlap. */
 CW_API void cw_rays_to_field(const cw_field *field, const cw_user_ray *in, size_t n, cw_ray *out);
 
 /* cw_closest and cw_occluded of rays in user space: the answers are those of cw_rays_to_field and a query after it. If
@@ -364,17 +372,19 @@ CW_API cw_status cw_closest_user(const cw_field *field, const cw_run *run, const
 CW_API cw_status cw_occluded_user(const cw_field *field, const cw_run *run, const cw_user_ray *rays, size_t n,
                                   uint8_t *occluded);
 
-/* The place on the surface at field coordinates (x, y), as a hit with t = 0. A miss outside the field, in a triangle with a
- * hole at a vertex, and for NaN. */
+/* The place on the surface at field coordinates (x, y), as a hit with t = 0. A miss outside the field, in a triangle
+ * with a hole at a vertex, and for NaN. */
 CW_API void cw_field_at(const cw_field *field, double x, double y, cw_hit *hit);
 /* The same at (x, y) in user space. A miss, and CW_ERROR_ARGUMENT, if the map leans the heights: map[0][2] or map[1][2] is not
  * 0. */
 CW_API cw_status cw_field_at_user(const cw_field *field, double x, double y, cw_hit *hit);
 
-/* ---- points and normals of hits ------------------------------------------------------------------------------------ */
+/* ---- points and normals of hits
+ * ------------------------------------------------------------------------------------ */
 
-/* Computed on request, so that a query pays only for hits. hits are n hits on this field; three doubles for each go to the
- * output, in user space: NaN for a miss and for a cell that the field does not have. Of run, kernel and leaf are ignored. */
+/* Computed on request, so that a query pays only for hits. hits are n hits on this field; three doubles for each go
+ * to the output, in user space: NaN for a miss and for a cell that the field does not have. Of run, kernel and leaf
+ * are ignored. */
 
 /* The point on the triangle, from i, j, triangle, u and v. It lies on the surface to rounding, unlike org + t · dir. */
 CW_API cw_status cw_hit_points(const cw_field *field, const cw_run *run, const cw_hit *hits, size_t n, double *points);
@@ -383,8 +393,8 @@ CW_API cw_status cw_hit_points(const cw_field *field, const cw_run *run, const c
 CW_API cw_status cw_hit_normals(const cw_field *field, const cw_run *run, const cw_hit *hits, size_t n,
                                 double *normals);
 
-/* Unit Phong normals (Phong 1975): each vertex takes the area-weighted sum of the normals of its up to six triangles, and the
- * hit interpolates them by its barycentric coordinates. Triangles with holes are left out. */
+/* Unit Phong normals (Phong 1975): each vertex takes the area-weighted sum of the normals of its up to six
+ * triangles, and the hit interpolates them by its barycentric coordinates. Triangles with holes are left out. */
 CW_API cw_status cw_hit_phong_normals(const cw_field *field, const cw_run *run, const cw_hit *hits, size_t n,
                                       double *normals);
 
@@ -392,19 +402,19 @@ CW_API cw_status cw_hit_phong_normals(const cw_field *field, const cw_run *run, 
 
 /* How the height at each place of a coarser field follows from the samples around it. */
 typedef enum cw_filter {
-    /* The mean of the samples less than factor away along x and along y, weighted by a tent: for views and most products. A
-     * hole where holes have more than half of the weight. */
+    /* The mean of the samples less than factor away along x and along y, weighted by a tent: for views and most
+     * products. A hole where holes have more than half of the weight. */
     CW_FILTER_MEAN = 0,
-    /* The highest sample at most factor away: the coarser surface is nowhere below the full one, so no obstacle is missed.
-     * A hole where all of these samples are holes: no triangle is lost. */
+    /* The highest sample at most factor away: the coarser surface is nowhere below the full one, so no obstacle is
+     * missed. A hole where all of these samples are holes: no triangle is lost. */
     CW_FILTER_HIGHEST,
-    /* The lowest one: nowhere above the full surface, so no obstacle is invented. A hole where one of these samples is a
-     * hole: no triangle is made. */
+    /* The lowest one: nowhere above the full surface, so no obstacle is invented. A hole where one of these samples
+     * is a hole: no triangle is made. */
     CW_FILTER_LOWEST
 } cw_filter;
 
-/* How far a coarser surface lies from the full one: heights in field space, over the full field's triangles where both have a
- * surface. */
+/* How far a coarser surface lies from the full one: heights in field space, over the full field's triangles where
+ * both have a surface. */
 typedef struct cw_difference {
     double above, below; /* no point lies farther above or below the full surface; 0: none lies there at all */
     double rms;          /* root mean square over the area */
@@ -412,38 +422,40 @@ typedef struct cw_difference {
     uint64_t lost, made;
 } cw_difference;
 
-/* Makes a field of every factor-th place, factor from 2 to CW_SIDE_MAX: sample (i, j) stands at (factor i, factor j) of the full
- * field. It has ceil((nx - 1) / factor) + 1 samples a row, and rows alike. Where factor does not divide nx - 1, the last samples
- * stand less than factor cells beyond the full field's border, and samples within the field determine them. Both maps lead to
- * the same user space, so t of a user-space ray means the same on both.
+/* Makes a field of every factor-th place, factor from 2 to CW_SIDE_MAX: sample (i, j) stands at (factor i, factor j)
+ * of the full field. It has ceil((nx - 1) / factor) + 1 samples a row, and rows alike. Where factor does not divide
+ * nx - 1, the last samples stand less than factor cells beyond the full field's border, and samples within the field
+ * determine them. Both maps lead to the same user space, so t of a user-space ray means the same on both.
  *
- * The caller owns the coarser field, which has a copy of its samples and the structure that run's kernel walks on. difference
- * may be NULL. The field has the same bits for any pool. On failure *coarser is NULL: CW_ERROR_ARGUMENT, _KERNEL, _MEMORY,
- * _CANCELLED, or _BUSY during an update of the full field. */
+The caller owns the coarser field, which has a copy of its samples and the structure that run's kernel walks on.
+ * difference may be NULL. The field has the same bits for any pool. On failure *coarser is NULL: CW_ERROR_ARGUMENT,
+ * _KERNEL, _MEMORY, _CANCELLED, or _BUSY during an update of the full field. */
 CW_API cw_status cw_field_coarser(const cw_field *field, const cw_run *run, size_t factor, cw_filter filter,
                                   cw_field **coarser, cw_difference *difference);
 
-/* ---- headings (experimental) --------------------------------------------------------------------------------------- */
+/* ---- headings (experimental)
+ * --------------------------------------------------------------------------------------- */
 
-/* Sunlight, or the view in one compass direction: rays that leave from many samples in the same direction. Each starts on the
- * surface at its sample exactly, and everything beyond counts, so that no ray is lifted off the ground. This is some ten times
- * as fast as a query with a ray a sample.
+/* Sunlight, or the view in one compass direction: rays that leave from many samples in the same direction. Each
+ * starts exactly on the surface at its sample and meets everything beyond it, so no ray has to be lifted off the
+ * ground. This is about ten times as fast as a query with one ray for each sample.
  *
- * A heading is a direction (dir[0], dir[1]) in field coordinates, prepared for one field: 48 bytes per cell along the longest
- * ray. From sample (i, j) with height z, the surface at (i + t dir[0], j + t dir[1]) rises by (height - z) / t, t > 0. The
- * steepest rise is at a triangle's edge, so only edges are examined. An edge between two samples that are no holes counts,
- * even where both triangles beside it have a hole. */
+A heading is a direction (dir[0], dir[1]) in field coordinates, prepared for one field: 48 bytes per cell along
+ * the longest ray. From sample (i, j) with height z, the surface at (i + t dir[0], j + t dir[1]) rises by (height -
+ * z) / t, t > 0. The steepest rise is at a triangle's edge, so only edges are examined. An edge counts if neither of
+ * its samples is a hole, even if both triangles beside it have a hole. */
 typedef struct cw_heading cw_heading;
 
-/* The longer of dir's components is from 2^-40 to 2^40. The caller owns the heading and destroys it before the field. */
+/* The longer of dir's components is from 2^-40 to 2^40. The caller owns the heading and destroys it before the
+ * field. */
 CW_API cw_status cw_heading_create(const cw_field *field, const double dir[2], cw_heading **heading);
-/* A heading that ends, or along which the earth is curved. */
+/* A heading of limited length, or on a curved earth. */
 typedef struct cw_heading_desc {
     double dir[2];
     /* Only edges crossed at t <= reach count, up to rounding in the last bits; 0: all. */
     double reach;
-    /* What lies at t counts as lower by drop t²: the surface at (i + t dir[0], j + t dir[1]) rises by
-     * (height - drop t² - z) / t, and is straight between the lowered edges. A rise is off by up to 2^-23 drop t more. 0: the
+    /* The surface at t counts as lower by drop t²: at (i + t dir[0], j + t dir[1]) it rises by (height - drop t² -
+     * z) / t, and is straight between the lowered edges. The error of a rise grows by up to 2^-23 drop t. 0: the
      * earth is flat. At most 2^77 times dir's longer component. */
     double drop;
     uint64_t reserved[4]; /* 0 */
@@ -454,15 +466,15 @@ CW_API cw_status cw_heading_create_with(const cw_field *field, const cw_heading_
 /* NULL is allowed. */
 CW_API void cw_heading_destroy(cw_heading *heading);
 
-/* The steepest rise seen from each sample of a rectangle: slope[y * at.nx + x] for sample (at.i + x, at.j + y), NaN at a hole.
- * It is off by less than 2^-21 of the rise to the higher of the edge's two samples. Rises are clamped to [low, high]; where the
- * ray meets nothing, the rise is low. A narrow range is fast; -infinity and infinity clamp nothing. Of run the kernel counts by
- * its instruction set alone; the answers are the same for any. */
+/* The steepest rise seen from each sample of a rectangle: slope[y * at.nx + x] for sample (at.i + x, at.j + y), NaN
+ * at a hole. Its error is less than 2^-21 of the rise to the higher of the edge's two samples. Rises are clamped to
+ * [low, high]; if the ray meets nothing, the rise is low. A narrow range is fast; -infinity and infinity clamp
+ * nothing. Of run's kernel only the instruction set is used; the answers are the same for any. */
 CW_API cw_status cw_heading_steepest(const cw_heading *heading, const cw_run *run, float low, float high,
                                      cw_rectangle at, float *slope);
 
-/* occluded[y * at.nx + x] = 1 if the steepest rise is at least slope; else 0, also at a hole or where the ray meets nothing.
- * slope may be infinite. */
+/* occluded[y * at.nx + x] = 1 if the steepest rise is at least slope; else 0, also at a hole or where the ray meets
+ * nothing. slope may be infinite. */
 CW_API cw_status cw_heading_occluded(const cw_heading *heading, const cw_run *run, float slope, cw_rectangle at,
                                      uint8_t *occluded);
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Climb: ends the walk of a ray that rises out of the terrain. Shadow, ambient-occlusion and bounce rays start at the
- * surface and mostly leave it within a few cells. Each node stores the highest sample of itself and its eight neighbours
- * (pyramid.h). One comparison a level decides whether the ray is above all of these when it leaves them, and the levels
- * chain:
+ * surface and mostly leave it within a few cells. Each node stores the highest sample of itself and its eight
+ * neighbours (pyramid.h). One comparison a level decides whether the ray is above all of these when it leaves them, and
+ * the levels chain:
  *
  *     reach(k)  t at which the ray leaves the 3 × 3 nodes of level k around the one in which it begins
  *     clear(k)  its height at reach(k) is above everything around its node of level k + 1, at the top: above everything

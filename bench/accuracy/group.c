@@ -52,7 +52,7 @@ struct row {
     const tradeoff_stage *stage;
     contender contender;
     unsigned thin, thin_errors; /* of the rays that are timed, and of those whose errors are looked for */
-    double left_out;            /* seconds for a pass over the thinnest set; 0 if that is no problem */
+    double left_out;            /* seconds for a pass over the thinnest set if too many, else 0 */
     tradeoff_errors errors;
     const row *same_as; /* whose errors these are, because it gives the same bits; or NULL */
     contender_pass pass;
@@ -113,8 +113,8 @@ static unsigned thin_for(double seconds, double limit) {
     return thin;
 }
 
-/* The slow ones take fewer of the rays, so that a pass takes at most about limit seconds. Errors are rarer than speed is
- * uneven and need one pass alone, so they get more time. The first pass only warms up. */
+/* The slow ones take fewer of the rays, so that a pass takes at most about limit seconds. Errors are rarer than
+ * speed is uneven and need one pass alone, so they get more time. The first pass only warms up. */
 static void choose_thin(const group *g, row *r, double limit) {
     enum { ERRORS_LONGER = 4 };
     contender_pass p = pass_of(g, r, THIN_MAX, g->answers);

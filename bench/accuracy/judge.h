@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Judges an answer. The ray is followed over the surface in double, crossing by crossing, and what it does
- * counts only where it is clear: farther from the surface than rounding (tests/oracle/bounds.h) and the claim of the
- * answer's mode can explain. */
+/* Judges an answer. The ray is followed over the surface in double, crossing by crossing. A crossing counts only if
+ * the ray is farther from the surface there than rounding (tests/oracle/bounds.h) and the claim of the answer's mode
+ * can explain. */
 #ifndef CELLWALK_BENCH_ACCURACY_JUDGE_H
 #define CELLWALK_BENCH_ACCURACY_JUDGE_H
 
@@ -32,8 +32,8 @@ double exact_sum(const double *numbers, int count);
 /* Where the ray meets the plane of a triangle; u and v tell whether inside. False if it runs parallel to it. */
 bool exact_meet(const true_surface *on, const cw_ray *ray, int32_t i, int32_t j, uint32_t triangle, exact_hit *hit);
 
-/* Errors of a t: in units of the float's last place at the exact t; as the distance along the ray between the two places,
- * in cells. */
+/* Errors of a t: in units of the float's last place at the exact t; as the distance along the ray between the two
+ * places, in cells. */
 double exact_error_ulp(double t, double exact);
 double exact_error_cells(const cw_ray *ray, double t, double exact);
 
@@ -63,14 +63,15 @@ typedef struct tradeoff_track {
 tradeoff_track tradeoff_follow(const true_surface *on, const cw_ray *ray, double from, double to,
                                const tradeoff_claim *claim);
 
-/* The place where the ray meets the surface that a hit means: on the hit's triangle, or, where the ray exactly passes beside
- * that, on one of the cells around it, the nearest in t that the ray reaches from the hit without getting clear of the
- * surface. Where there is none, on the triangle's plane; where the ray runs within that plane, at the hit's own t. */
+/* The place where the ray meets the surface that a hit means: on the hit's triangle, or, where the ray exactly
+ * passes beside that, on one of the cells around it, the nearest in t that the ray reaches from the hit without
+ * getting clear of the surface. Where there is none, on the triangle's plane; where the ray runs within that plane,
+ * at the hit's own t. */
 exact_hit tradeoff_exact(const true_surface *on, const cw_ray *ray, const cw_hit *hit);
 
-/* How far above or below the surface the ray's point at t is, in cells; outside the field, the surface goes on as at its
- * border. Unlike the error of t it stays small where the ray runs along the surface, where a rounding of the ray itself would
- * move t by as much. */
+/* How far above or below the surface the ray's point at t is, in cells; outside the field, the surface goes on as at
+ * its border. Unlike the error of t it stays small where the ray runs along the surface, where a rounding of the ray
+ * itself would move t by as much. */
 double tradeoff_off_surface(const true_surface *on, const cw_ray *ray, double t);
 
 /* truth is the reference's answer and exact the result of tradeoff_exact for it, NULL if it misses. */

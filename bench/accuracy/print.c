@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What tradeoff found, for a first look: the frontiers and all else are made by papers/scripts from the same lines. */
+/* A summary of tradeoff on the terminal. papers/scripts makes the frontiers and all else from the saved lines. */
 #include "accuracy/tradeoff.h"
 
 #include "harness/results.h"

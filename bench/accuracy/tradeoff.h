@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* cellwalk-bench tradeoff: speed against error, for every mode of accuracy, leaf test, walk and width, and for Embree. What
- * is printed is made from the JSON lines that are saved. */
+/* cellwalk-bench tradeoff: speed against error, for every mode of accuracy, leaf test, walk and width, and for
+ * Embree. The printed table is made from the saved JSON lines. */
 #ifndef CELLWALK_BENCH_ACCURACY_TRADEOFF_H
 #define CELLWALK_BENCH_ACCURACY_TRADEOFF_H
 
@@ -52,7 +52,8 @@ typedef struct tradeoff_stage {
     peer_embree *peer;
 } tradeoff_stage;
 
-/* base has the samples of surface; both must stay until the stage is closed. isa is the widest that Embree may use. On failure the stage needs no closing. */
+/* base has the samples of surface; both must stay until the stage is closed. isa is the widest that Embree may use.
+ * On failure the stage needs no closing. */
 bool tradeoff_stage_open(tradeoff_stage *stage, const tradeoff_mode *mode, cw_field *base, const true_surface *surface,
                          cw_isa isa, io_error *error);
 void tradeoff_stage_close(tradeoff_stage *stage);
@@ -60,20 +61,21 @@ void tradeoff_stage_close(tradeoff_stage *stage);
 /* The mode's contender with a kernel, named as above. CW_ERROR_KERNEL where there is none. */
 cw_status tradeoff_stage_kernel(const tradeoff_stage *stage, const cw_kernel *kernel, contender *c);
 
-/* Rounds samples to 2^16 levels from the lowest to the highest; holes stay. The claim is half a step and the rounding of
- * the result to float. */
+/* Rounds samples to 2^16 levels from the lowest to the highest; holes stay. The claim is half a step and the
+ * rounding of the result to float. */
 tradeoff_claim tradeoff_quantise(float *z, size_t count);
 
 /* ---- errors.c ---- */
 
-/* Errors of t in ULP and in cells, heights off the surface, angles of normals; errors of t relative to it, of u and v, and of
- * the point that cw_hit_points makes of a hit, in cells. */
+/* Errors of t in ULP and in cells, heights off the surface, angles of normals; errors of t relative to it, of u and
+ * v, and of the point that cw_hit_points makes of a hit, in cells. */
 enum { TRADEOFF_ERROR_KINDS = 7 };
 
 /* The figures of a mode's answers. */
 typedef struct tradeoff_errors {
     size_t rays, hits;
-    /* Held against the true surface: what only the mode's claim explains does not count as a tie here, but as what it is. */
+    /* Compared with the true surface: differences that only the mode's claim explains count as errors here, not as
+     * ties. */
     size_t verdicts[TRADEOFF_VERDICT_COUNT];
     size_t broken; /* of them, those beyond the claim */
     /* Of the right hits; none where only "any hit" was asked. */
@@ -98,8 +100,8 @@ cw_status tradeoff_truth_make(tradeoff_truth *truth, const true_surface *surface
                               const cw_ray *rays, size_t n);
 void tradeoff_truth_free(tradeoff_truth *truth);
 
-/* Of answers to every (2^thin)-th run of 16 rays, as tradeoff_thin picks them: of hits, or where these are NULL of occluded.
- * field: whose normals the answer has. */
+/* Of answers to every (2^thin)-th run of 16 rays, as tradeoff_thin picks them: of hits, or where these are NULL of
+ * occluded. field: whose normals the answer has. */
 tradeoff_errors tradeoff_errors_of(const tradeoff_truth *truth, unsigned thin, const tradeoff_claim *claim,
                                    const cw_field *field, contender_answers answers);
 
@@ -139,8 +141,8 @@ bool tradeoff_scene_run(const char *name, const tradeoff_options *options, json_
 
 /* ---- normals.c: "barycentric Phong beats bilinear" ---- */
 
-/* Normals interpolated between the vertices of the triangle hit, and between the four of its cell, held against those of a
- * smooth surface that is known by its formula. */
+/* Normals interpolated between the vertices of the triangle hit, and between the four of its cell, held against
+ * those of a smooth surface that is known by its formula. */
 typedef enum tradeoff_normal {
     TRADEOFF_FACET,       /* the triangle's own */
     TRADEOFF_BARYCENTRIC, /* as in cw_hit_phong_normals */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Timing jobs against each other: in rounds, each round in another random order, so that whatever the machine does
- * meanwhile (clock, neighbours, temperature) falls on all alike. */
+/* Times jobs against each other in rounds, each in another random order, so that changes of the machine (clock,
+ * other programs, temperature) affect all of them alike. */
 #ifndef CELLWALK_BENCH_HARNESS_INTERLEAVE_H
 #define CELLWALK_BENCH_HARNESS_INTERLEAVE_H
 
@@ -29,8 +29,8 @@ typedef struct interleave_job {
     bool converged;
 } interleave_job;
 
-/* Jobs should have run once before, so that caches and pages are warm. A job that takes more
- * than twice its share of the time in one run is run once, whatever least says. */
+/* Jobs should have run once before, so that caches and pages are warm. A job of which one run takes more than twice
+ * its share of the time is run once, even if least is greater. */
 void interleave(interleave_job **jobs, size_t count, const interleave_limits *limits);
 
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Common parts of the subcommands that measure: the options for instruction set, CPU and seed, and the record
- * of all that a figure depends on besides the code. It is the first line of every JSON file and the last of every printed table. */
+/* Common parts of the subcommands that measure: the options for instruction set, CPU and seed, and the record of all
+ * that a figure depends on besides the code. It is the first line of every JSON file and the last of every printed
+ * table. */
 #ifndef CELLWALK_BENCH_HARNESS_RUN_H
 #define CELLWALK_BENCH_HARNESS_RUN_H
 
@@ -32,7 +33,8 @@ typedef struct run_options {
     {"no-pin", NULL, "let the system move the program between CPUs", OPTION_FLAG, .to = &(run).no_pin}
 /* clang-format on */
 
-/* Limits the library to the instruction set; false, after a message, if this machine or CELLWALK_ISA does not allow it. */
+/* Limits the library to the instruction set; false, after a message, if this machine or CELLWALK_ISA does not allow
+ * it. */
 bool run_options_check(run_options *run, const char *name);
 
 /* Keeps the program on its CPU: that CPU, or -1 if it is to be free. False if the system does not allow it. */
@@ -40,15 +42,16 @@ bool run_options_pin(const run_options *run, int *cpu, io_error *error);
 
 /* ---- record ---- */
 
-/* Keeps for the record the arguments that the program was started with, its name not among them, as one may type them
- * after "cellwalk-bench", and how many CPUs it may use. To be called before anything takes the arguments apart or pins the
- * program to a CPU. */
+/* Keeps for the record the arguments that the program was started with, its name not among them, as one may type
+ * them after "cellwalk-bench", and how many CPUs it may use. To be called before anything takes the arguments apart
+ * or pins the program to a CPU. */
 void run_record_begin(char **arguments, int count);
 
 /* A JSON object of kind "run". cpu is where the process is pinned to, or -1. */
 json_t *run_record(const char *name, uint32_t seed, int cpu);
 
-/* True if so many bytes may be had without swapping, or the system does not tell; else prints that what is skipped on field. */
+/* True if so many bytes are free without swapping, or if the system does not say. Else false, after a message that the
+ * measurement named what is skipped on the field. */
 bool run_memory_has(double bytes, const char *what, const char *field);
 
 /* One line of it for a person: "AMD EPYC, GCC 12.2.0, avx2, commit 1234567, Embree 3.13.5, one thread, load 0.42". */

@@ -57,9 +57,9 @@ static bool take_run(void *context, char *line) {
 
 /* ---- profiles ---- */
 
-/* What callgrind's format says here (names and positions are not compressed): "part:" begins the counts of one run,
- * "ob=" names the file whose code the lines after it count, "calls=" makes the next line's numbers those of a whole call,
- * which are also counted where they were spent; numbers that are 0 are left out at the end of a line. */
+/* The parts of callgrind's format that matter here (names and positions are not compressed): "part:" begins the
+ * counts of one run. "ob=" names the file whose code the next lines count. After "calls=" the next line has the
+ * numbers of a whole call, which other lines count too. Numbers that are 0 are missing at the end of a line. */
 typedef struct profile {
     counted *all;
     const char *program;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Runs the work (work.c) under callgrind, which counts inside its function guard_trace alone, a part each time that it returns,
- * and reads the counts. */
+/* Runs the work (work.c) under callgrind, which counts inside its function guard_trace alone, a part each time that
+ * it returns, and reads the counts. */
 #ifndef CELLWALK_BENCH_INSTRUCTIONS_CALLGRIND_H
 #define CELLWALK_BENCH_INSTRUCTIONS_CALLGRIND_H
 
@@ -11,7 +11,7 @@
 
 enum { COUNTED_MAX = 512, COUNTED_NAME = 32 };
 
-/* What callgrind counts of each run, in its order; those from DR on only when it models caches. */
+/* The counts of each run, in callgrind's order; those from DR on only when it models caches. */
 typedef enum event { IR, DR, DW, I1MR, D1MR, D1MW, ILMR, DLMR, DLMW, EVENTS } event;
 
 typedef struct counted_run {
@@ -26,14 +26,14 @@ typedef struct counted {
     size_t count;
 } counted;
 
-/* Takes the lines that the work printed and the profile that callgrind wrote meanwhile, one part a line. Only what runs in the
- * program itself counts, whose file is called program: libc and libm differ between machines of the same system, because they
- * choose their functions by the CPU. */
+/* Takes the lines that the work printed and the profile that callgrind wrote meanwhile, one part a line. Only code
+ * of the program itself counts, whose file is called program: libc and libm differ between machines of the same
+ * system, because they choose their functions by the CPU. */
 bool callgrind_read(counted *all, const char *runs_path, const char *profile_path, const char *program,
                     io_error *error);
 
-/* work: the program and its arguments, ending with NULL; at most 8. options: of callgrind, ending with NULL, at most 4; or NULL
- * for none. Leaves NAME.runs, NAME.callgrind and NAME.errors, the work's standard error, in the current
+/* work: the program and its arguments, ending with NULL; at most 8. options: of callgrind, ending with NULL, at most
+ * 4; or NULL for none. Leaves NAME.runs, NAME.callgrind and NAME.errors, the work's standard error, in the current
  * folder. False with *missing set if valgrind is not installed. */
 bool callgrind_run(counted *all, const char *name, const char *const *work, const char *const *options, bool *missing,
                    io_error *error);

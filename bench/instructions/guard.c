@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The program cellwalk-guard: counts the instructions of a fixed small workload under callgrind and holds them against
- * committed figures, so that a slow-down is caught without timing.
+/* The program cellwalk-guard: counts the instructions of a fixed small workload under callgrind and compares them
+ * with committed figures, so that a slow-down is found without timing.
  *
- * Why instructions: they repeat to the last digit, on a loaded machine and on another one, because callgrind runs the
- * program on a simulated CPU whose features it chooses itself (up to AVX2; AVX-512 it does not know). What they cannot
- * show: cache and TLB misses, mispredicted branches, slow instructions in place of quick ones, waiting. A change may cut
- * instructions and still be slower; that is for cellwalk-bench to say. Another compiler makes other code, so the figures
- * hold for one compiler and one set of flags, and every other build is skipped. */
+Instructions repeat to the last digit, on a loaded machine and on another one, because callgrind simulates a CPU
+ * with a fixed set of features (up to AVX2, without AVX-512). They do not show cache and TLB misses, mispredicted
+ * branches, slow instructions in place of fast ones, and waiting. A change may cut instructions and still be slower;
+ * cellwalk-bench measures that. Another compiler makes other code, so the figures hold for one compiler and one set
+ * of flags, and every other build is skipped. */
 #include "build_info.h"
 #include "instructions/figures.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A plugin of QEMU's user emulators that counts instructions, for machines that are not there: callgrind counts those of its own
- * machine alone. It counts inside guard_trace (work.c) and writes a line to standard error whenever that function returns.
- * QEMU's header is declared here as far as it is used, as Debian has no package with it; programs of one thread only. */
+/* A plugin of QEMU's user emulators that counts instructions of emulated machines, which callgrind cannot. It counts
+ * inside guard_trace (work.c) and writes a line to standard error whenever that function returns. QEMU's header is
+ * declared here as far as it is used, as Debian has no package with it; programs of one thread only. */
 #include <inttypes.h>
 #include <stdbool.h>
 #include <stddef.h>

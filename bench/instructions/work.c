@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The work that callgrind counts: it counts inside guard_trace alone and writes down a part whenever that function returns. The
- * lines printed here say, in the same order, what was counted. Without arguments it is the guard's: every kernel that this
- * machine can run, with every leaf test it has, on all classes of rays over a small and a larger field. With a kernel, a field
- * and a number of rays it is that kernel's on all classes; a hash of all answers, by which builds are known to give the same
- * ones, then goes to standard error. */
+/* The work that callgrind counts: it counts inside guard_trace alone and writes a part of its profile whenever that
+ * function returns. The lines printed here name the parts in the same order. Without arguments the work is the
+ * guard's: every kernel that this machine can run, with each of its leaf tests, on all classes of rays over a small
+ * and a larger field. With a kernel, a field and a number of rays it is that kernel on all classes. A hash of all
+ * answers, which shows that builds give the same ones, then goes to standard error. */
 #include "workload/fields.h"
 #include "workload/ray_classes.h"
 
@@ -12,8 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The guard's fields; the larger one is not for brute force, which tests all of its two million triangles for each ray, nor for
- * the 3D grid, which takes long to build. */
+/* The guard's fields; the larger one is not for brute force, which tests all of its two million triangles for each
+ * ray, nor for the 3D grid, which takes long to build. */
 static const char *const small_field = "65", *const large_field = "1025";
 /* Fewer rays for slow work: brute force, and the flat walk on the larger field. */
 enum { MOST_RAYS = 1 << 16, GUARD_RAYS = 1024, BRUTE_RAYS = 16, FLAT_RAYS = 256 };

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What building costs each side, in time and memory. */
+/* Time and memory of building, on both sides. */
 
 #include "clock.h"
 #include "micro/micro.h"

@@ -41,7 +41,7 @@ typedef struct micro_build {
     const char *name; /* a kernel's, or "embree/triangles" */
     unsigned threads; /* of a kernel; 0 for Embree */
     double seconds;
-    double update_seconds; /* by the clock, median: an update of 64 x 64 samples; 0 where it is none of its own */
+    double update_seconds; /* elapsed, median: an update of 64 x 64 samples; 0 if there is no separate update */
     size_t builds, bytes;
     const char *quality; /* "high" or "medium" for Embree, NULL for kernels */
 } micro_build;
@@ -62,8 +62,8 @@ typedef struct micro_field {
     size_t build_count;
 } micro_field;
 
-/* Both build as often as fits half a second, but at most five times and at least once; a lone build of a small field
- * would time the clock. on->field is there. The kernels build on a field of their own. */
+/* Both build as often as fits half a second, from once to five times, since one build of a small field is too short
+ * to time. on->field exists already; the kernels build on another field. */
 bool micro_build_kernels(micro_field *on, const micro_options *options, io_error *error);
 bool micro_build_peer(micro_peer *peer, const cw_field *field, const peer_options *options, io_error *error);
 
@@ -91,8 +91,8 @@ typedef struct micro_group {
     double hit_share;
 } micro_group;
 
-/* Fills group from the options, verifies, and measures or counts. on, c, back and name are given, all else is zero; rays are to be freed.
- * seconds is for all that. */
+/* Fills group from the options, verifies, and measures or counts. on, c, back and name are given, all else is zero;
+ * rays are to be freed. seconds is for all that. */
 bool micro_group_run(micro_group *group, const micro_options *options, double seconds, io_error *error);
 
 /* Human text on standard output; of a group the kernels' counts, or times. */

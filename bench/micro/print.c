@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What micro found, for people and as JSON lines. */
+/* The results of micro, as text and as JSON lines. */
 
 #include "harness/results.h"
 #include "micro/micro.h"

@@ -14,7 +14,7 @@
 
 enum { TRACERS_MAX = TABLE_PATHS_MAX + PEER_WIDTH_COUNT };
 
-/* What traces: a kernel or a width of Embree, on each of the scene's fields. Paths with other normals share it. */
+/* A kernel or a width of Embree, on each of the scene's fields. Paths that differ only in their normals share one. */
 typedef struct tracer {
     const cw_kernel *kernel; /* NULL with embree, or the library's choice */
     bool embree;

@@ -59,7 +59,8 @@ static bool run_scenes(const table_options *o, const table_path *paths, size_t c
     return true;
 }
 
-/* What pbrt-v2 takes, as a ratio of whole processes on the machine where both were measured, and which that was. */
+/* The time of pbrt-v2, as a ratio of whole processes on the machine where both were measured, and that machine's
+ * name. */
 static void add_pbrt(json_t *lines) {
     io_error none;
     size_t k, f;

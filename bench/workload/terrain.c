@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Gradient noise in octaves (Perlin 1985, with the fifth-degree blend of Perlin 2002; fractal sum after Musgrave 1989).
  * Along a row the noise between two lattice columns is a blend of two straight lines, whose coefficients are computed
- * once for each column; the 67 million samples of an 8193 × 8193 field take seconds, without memory of their own. */
+ * once for each column. The 67 million samples of an 8193 × 8193 field take seconds and no further memory. */
 
 #include "workload/terrain.h"
 

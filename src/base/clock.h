@@ -15,12 +15,12 @@ static inline double clock_read(clockid_t which) {
 /* A clock that nobody sets. */
 static inline double clock_seconds(void) { return clock_read(CLOCK_MONOTONIC); }
 
-/* Time that the process has had a CPU for. One thread's work takes as much of it as of the clock's time, except that what
- * the system gave to other programs meanwhile does not count. */
+/* CPU time of the process. For the work of one thread it is the elapsed time without the time that the system gave
+ * to other programs. */
 static inline double clock_cpu_seconds(void) { return clock_read(CLOCK_PROCESS_CPUTIME_ID); }
 
-/* The time stamp counter: it runs at a fixed rate whatever the core's clock does, so its "cycles" are units of time and
- * not cycles that the core has spent. 0 where there is none. */
+/* The time stamp counter. It runs at a fixed rate at any clock of the core, so its "cycles" are units of time, not
+ * cycles of the core. 0 if there is none. */
 static inline uint64_t clock_ticks(void) {
 #if defined(__x86_64__) || defined(__i386__)
     return __builtin_ia32_rdtsc();

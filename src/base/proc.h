@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What Linux says of the machine in files such as /proc/cpuinfo. */
+/* Facts on the machine from Linux's files such as /proc/cpuinfo. */
 #ifndef CELLWALK_BASE_PROC_H
 #define CELLWALK_BASE_PROC_H
 

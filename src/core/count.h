@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a walk does, counted: calls of count_step stand where it steps, and are nothing unless CELLWALK_COUNT is defined.
- * The build makes a second set of the kernels' objects with it, for cellwalk-bench alone; so what is counted is the
- * code that is timed, and what is timed does not count. Both sets give the same hits. */
+/* Counts the steps of walks. Calls of count_step are empty unless CELLWALK_COUNT is defined. The build compiles the
+ * kernels a second time with it, for cellwalk-bench alone. So counts are of the same source that is timed, and timed
+ * code does not count. Both give the same hits. */
 #ifndef CELLWALK_CORE_COUNT_H
 #define CELLWALK_CORE_COUNT_H
 
@@ -34,7 +34,7 @@ typedef struct count_sum {
     uint64_t events, lanes;
 } count_sum;
 
-/* Defined by whoever links the counting objects; for one thread. */
+/* Defined by the program that links the counting objects. Not thread-safe. */
 extern count_sum cw_counts[COUNT_KINDS];
 
 /* One event in which these lanes take part. */

@@ -1,17 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* How far a coarser field's surface lies above and below the full one, for every point of both.
  *
- * Samples of the coarser field stand at samples of the full one, factor apart, and cells are split along the same diagonal.
- * So the lines of its triangulation, x = factor · i, y = factor · j and x - y = factor · k, are lines of the full one, and
- * each of the full field's triangles lies within one of the coarser field's. Both surfaces are planes there. Their difference
- * is linear, hence largest and smallest at the triangle's vertices: to look at each of the full field's samples is enough.
+Samples of the coarser field stand at samples of the full one, factor apart, and cells are split along the same
+ * diagonal. So the lines of its triangulation, x = factor · i, y = factor · j and x - y = factor · k, are lines of
+ * the full one, and each of the full field's triangles lies within one of the coarser field's. Both surfaces are
+ * planes there. Their difference is linear, hence largest and smallest at the triangle's vertices: to look at each
+ * of the full field's samples is enough.
  *
- * Rounding. At a sample of height z in a triangle with corners h0, h1, h2 the difference, times factor, is
- * D = w0 (h0 - z) + w1 (h1 - z) + w2 (h2 - z), with whole weights of the sum factor. Let u = 2^-53. Each term is off by two
- * roundings, their sum by two more: D by at most 4 u (1 + 4 u) S, where S is the sum of the terms' sizes; S by that share of
- * itself. Adding 2^-50 S = 8 u S to D, which rounds once more (u S), and dividing by factor (u S), leaves the result no
- * lower than the exact difference. Where all samples are equal S is 0, and where one surface touches the other from one side
- * all terms have one sign: nothing is added to zeros. */
+Rounding. At a sample of height z in a triangle with corners h0, h1, h2 the difference, times factor, is D = w0
+ * (h0 - z) + w1 (h1 - z) + w2 (h2 - z), with whole weights of the sum factor. Let u = 2^-53. Each term is off by two
+ * roundings, their sum by two more: D by at most 4 u (1 + 4 u) S, where S is the sum of the terms' sizes; S by that
+ * share of itself. Adding 2^-50 S = 8 u S to D, which rounds once more (u S), and dividing by factor (u S), leaves
+ * the result no lower than the exact difference. Where all samples are equal S is 0, and where one surface touches
+ * the other from one side all terms have one sign: nothing is added to zeros. */
 
 #include "coarser.h"
 #include "fpenv.h"
@@ -23,7 +24,7 @@
 
 #define ROUNDING 0x1p-50
 
-/* Sums are made lane by lane, in one order whatever compiles them. */
+/* Sums are made lane by lane, in one order for any compiler and instruction set. */
 enum { LANES = 8 };
 
 /* Of one row of coarser cells; times factor, squares times its square. */
@@ -79,7 +80,8 @@ typedef struct extremes {
     double above[LANES], below[LANES];
 } extremes;
 
-/* Times factor, at (along, down) in a cell; spread: S above. p is the third corner, on the side of the diagonal that counts. */
+/* Times factor, at (along, down) in a cell; spread: S above. p is the third corner, on the side of the diagonal that
+ * counts. */
 static inline double difference_at(double factor, double along, double down, double z, double p00, double p, double p11,
                                    double *spread) {
     const double far = along > down ? along : down, near = along > down ? down : along;
@@ -120,7 +122,8 @@ static void difference_row(const measure *m, size_t j, double down, const column
     }
 }
 
-/* Twelve times the integral of a square over half a unit square, of what is linear with these values at the corners. */
+/* Twelve times the integral over half a unit square of the square of a linear function with these values at the
+ * corners. */
 static inline double squares(double a, double b, double c) { return a * a + b * b + c * c + a * b + b * c + c * a; }
 
 /* The triangles between two rows of samples, without holes. */

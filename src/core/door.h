@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Tells queries and updates of a field apart: whoever comes second is turned away, whatever it finds of the other.
+/* Keeps queries and updates of a field apart: an update fails while queries run, and a query fails while an update
+ * runs.
  *
- * A query enters and leaves. One count for all threads would travel from core to core with every query; so there are several,
- * each on a cache line of its own, and a thread takes the one that its stack points to. It mostly is alone there, and then
- * leaves by a plain store: one locked instruction a query in all. */
+A query enters and leaves. One counter for all threads would move from core to core with every query. So there are
+ * several, each on a separate cache line, and the address of a thread's stack selects one. A thread is mostly alone
+ * at its counter, and then leaves by a plain store: one locked instruction a query in all. */
 #ifndef CELLWALK_CORE_DOOR_H
 #define CELLWALK_CORE_DOOR_H
 
@@ -25,7 +26,7 @@ typedef struct door {
     alignas(CACHE_LINE) atomic_bool updating;
 } door;
 
-/* What a query that is in has to give back. */
+/* The state that a query passes back when it leaves. */
 typedef struct door_pass {
     door_entry *entry; /* NULL: it is not in */
     bool first;
@@ -57,8 +58,8 @@ static inline bool door_is_quiet(const door *d) {
     return true;
 }
 
-/* False if a query or another update runs. Looks twice, so that a query which runs meanwhile hardly ever sees an update that
- * will not be. */
+/* False if a query or another update runs. Looks twice, so that a query which runs meanwhile hardly ever sees an
+ * update that will not be. */
 static inline bool door_close(door *d) {
     if (!door_is_quiet(d) || atomic_exchange(&d->updating, true)) return false;
     if (door_is_quiet(d)) return true;

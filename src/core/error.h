@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What was wrong, for cw_last_error: each failure of a public function passes through cw_fail once. */
+/* Messages for cw_last_error: each failure of a public function calls cw_fail once. */
 #ifndef CELLWALK_CORE_ERROR_H
 #define CELLWALK_CORE_ERROR_H
 

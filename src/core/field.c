@@ -61,7 +61,8 @@ static cw_field_desc with_map(const cw_field_desc *desc) {
     return d;
 }
 
-/* ---- samples --------------------------------------------------------------------------------------------------------- */
+/* ---- samples
+ * --------------------------------------------------------------------------------------------------------- */
 
 typedef struct samples {
     cw_field *f;
@@ -102,7 +103,8 @@ static cw_status survey(cw_field *f, const cw_run *how) {
     return status;
 }
 
-/* ---- making it ------------------------------------------------------------------------------------------------------- */
+/* ---- making it
+ * ------------------------------------------------------------------------------------------------------- */
 
 static cw_status build(cw_field *f, unsigned needs, const cw_run *how, bool surveyed) {
     const double start = clock_seconds();
@@ -117,9 +119,9 @@ static cw_status build(cw_field *f, unsigned needs, const cw_run *how, bool surv
     return status;
 }
 
-/* Up to this many cells a side the flat walk is at the end before the pyramid's has begun: packet8 is 1.1 to 1.5 times as
- * fast as pyramid8 on shadow, ao and bounce rays of 3² to 33² samples, and 0.8 times on random and grazing ones of 33²;
- * on 65² the pyramid is ahead in all but shadow rays. */
+/* Up to this many cells a side the flat walk is at the end before the pyramid's has begun: packet8 is 1.1 to 1.5
+ * times as fast as pyramid8 on shadow, ao and bounce rays of 3² to 33² samples, and 0.8 times on random and grazing
+ * ones of 33²; on 65² the pyramid is ahead in all but shadow rays. */
 enum { TINY_SIDE = 32 };
 
 /* Several rows at a time; the watch is asked in between. */
@@ -132,7 +134,7 @@ static cw_status copy(cw_field *f, const cw_field_desc *desc, const cw_run *how)
     return cw_run_work(how, f->ny, GRAIN / f->nx, GRAIN / f->nx, copy_rows, &s);
 }
 
-/* What run's kernel needs; by default the pyramid, but nothing for a tiny field. */
+/* The structures that run's kernel needs; by default the pyramid, but none for a tiny field. */
 static unsigned needs_of(const cw_field *f, const cw_run *how) {
     if (how->kernel) return how->kernel->needs;
     return f->nx <= TINY_SIDE + 1 && f->ny <= TINY_SIDE + 1 ? 0 : CW_NEEDS_PYRAMID;
@@ -221,7 +223,8 @@ cw_status cw_field_build(cw_field *field, const cw_run *run) {
     return status;
 }
 
-/* ---- changing it ----------------------------------------------------------------------------------------------------- */
+/* ---- changing it
+ * ----------------------------------------------------------------------------------------------------- */
 
 static cw_status check_update(const cw_field *f, const cw_update *u) {
     const cw_status status = cw_check_reserved(u->reserved, "cw_update");
@@ -285,7 +288,8 @@ cw_status cw_field_update(cw_field *field, const cw_update *u, const cw_run *run
     return status;
 }
 
-/* ---- looking at it --------------------------------------------------------------------------------------------------- */
+/* ---- looking at it
+ * --------------------------------------------------------------------------------------------------- */
 
 void cw_field_describe_into(const cw_field *field, cw_field_info *info, size_t size) {
     cw_field_info all = {

@@ -12,7 +12,7 @@ struct cw_pyramid;
 struct cw_survey;
 struct cw_tiles;
 
-/* What kernels may need built before they run; bits of cw_kernel.needs. */
+/* Structures that kernels may need; bits of cw_kernel.needs. */
 enum { CW_NEEDS_GRID3D = 1, CW_NEEDS_PYRAMID = 2 };
 
 struct cw_field {
@@ -22,7 +22,7 @@ struct cw_field {
     size_t holes;
     /* A ray whose origin is farther than reach from middle along any axis starts far away: src/scalar/ray.h. */
     float middle[3], reach[3];
-    float *owned;                      /* what z points to unless borrowed */
+    float *owned;                      /* samples owned by the field; NULL if borrowed */
     struct cw_survey *tile, *tile_row; /* of each tile, row by row, and of each row of them: survey.h */
 
     double to_user[3][4], to_field[3][4]; /* to_field by affine_invert */

@@ -11,9 +11,9 @@
 #include <float.h>
 #include <math.h>
 
-/* How far rounding can put a place on the ray off, as a part of the distance from the start along the longer axis: the
- * direction's components, their quotient and the product are each off by 2^-53. A place nearer to a sample than that is the
- * sample's: it would be wrong to read the one beyond, which may not exist. */
+/* How far rounding can put a place on the ray off, as a part of the distance from the start along the longer axis:
+ * the direction's components, their quotient and the product are each off by 2^-53. A place nearer to a sample than
+ * that is the sample's: it would be wrong to read the one beyond, which may not exist. */
 #define PLACE_ROUNDING 0x1p-50
 
 /* Lines of one kind, which the ray crosses at equal distances: at t = 1 / rate, 2 / rate, … */
@@ -53,8 +53,8 @@ static bool between_samples(const maker *m, double t, double place, double *whol
     return fabs(place - nearest) > PLACE_ROUNDING * (t * m->longest);
 }
 
-/* A border across the ray's axis a (0: x) at distance number, going up or down. The borders across the longer axis tell of
- * the samples that the ray goes through; the others pass over them. */
+/* A border across the ray's axis a (0: x) at distance number, going up or down. Crossings at samples are taken from the
+ * borders across the longer axis and skipped at the others. */
 static void add_border(maker *m, int axis, double number, double t, bool longer) {
     const double here = m->dir[axis] > 0 ? number : -number, place = t * m->dir[1 - axis];
     double whole, fraction;
@@ -76,11 +76,11 @@ static void add_diagonal(maker *m, double number, double t) {
         add(m, t, whole, whole - c, fraction, CROSSES_DIAGONAL);
 }
 
-/* All crossings up to cell number cells along the longer axis, cell by cell; first[k] is where stretch k of 4 cells begins.
- * m->to NULL: they are only counted. */
+/* All crossings up to cell number cells along the longer axis, cell by cell; first[k] is where stretch k of 4 cells
+ * begins. m->to NULL: they are only counted. */
 static size_t make_crossings(maker *m, bool along_x, size_t cells, cw_stretch *stretch) {
     lines column = {fabs(m->dir[0]), 1}, row = {fabs(m->dir[1]), 1}, diagonal = {fabs(m->dir[0] - m->dir[1]), 1};
-    /* As places go, so do rates: what is nothing but rounding crosses nothing. */
+    /* A component that is only rounding error crosses no border. */
     if (diagonal.rate <= PLACE_ROUNDING * m->longest) diagonal.rate = 0;
     m->count = 0;
     for (size_t k = 1; k <= cells; k++) {
@@ -98,7 +98,8 @@ static size_t make_crossings(maker *m, bool along_x, size_t cells, cw_stretch *s
 static int32_t least(int32_t a, int32_t b) { return a < b ? a : b; }
 static int32_t most(int32_t a, int32_t b) { return a > b ? a : b; }
 
-/* A stretch without crossings, as the last one may be, lies outside every field; sums with its bounds do not overflow. */
+/* A stretch without crossings, as the last one may be, lies outside every field; sums with its bounds do not
+ * overflow. */
 static void clear_stretch(cw_stretch *s) {
     enum { OUTSIDE = 1 << 30 };
     s->inverse_least = INFINITY;
@@ -134,7 +135,7 @@ static void bound_stretches(const cw_stretch *from, uint32_t count, cw_stretch *
     }
 }
 
-/* The least of the drops of what the stretch is made of. */
+/* The least of the drops in the stretch. */
 static void bound_drops(cw_heading *h, int level) {
     const cw_stretch *s = h->stretch[level];
     for (uint32_t k = 0; k < h->stretches[level]; k++) {
@@ -188,7 +189,7 @@ static cw_status make(cw_heading *h, const double dir[2], const cw_heading_desc 
     }
 }
 
-/* What drop t may be, so that sums with rises of heights do not overflow. */
+/* Limit of drop t, so that sums with rises of heights do not overflow. */
 static bool is_drop(const cw_heading_desc *d, double longest) {
     return d->drop >= 0 && d->drop * ((double)CW_SIDE_MAX / longest) <= (double)CW_HEIGHT_MAX;
 }
@@ -241,7 +242,7 @@ void cw_heading_destroy(cw_heading *heading) {
     cw_memory_free(heading);
 }
 
-/* Tiles that follow the rays: the next group of one then walks over what is in the caches. */
+/* Work is divided into tiles along the rays, so that the next group of a tile finds its samples in the caches. */
 enum { TILE_LONG = 256, TILE_COLUMNS = GROUP_COLUMNS, TILE_ROWS = GROUP_ROWS };
 
 typedef struct tiles {
@@ -263,7 +264,8 @@ static void run_tiles(void *context, size_t begin, size_t end) {
 }
 
 /* By which rounding can put a place on an edge above both its samples, seen from a third one: sums and products of
- * differences of heights, of which each is off by u = 2^-24; 4 u of the whole range from the crossing, 3 u from the bound. */
+ * differences of heights, of which each is off by u = 2^-24; 4 u of the whole range from the crossing, 3 u from the
+ * bound. */
 static float rounding(const cw_field *f) {
     const float range = f->high - f->low;
     return range >= 0 ? 8 * (FLT_EPSILON / 2) * range + FLT_MIN : 0;

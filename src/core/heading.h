@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A heading: one direction across the field, in which rays leave from samples.
  *
- * Rays from all samples in one direction are copies of one another: the k-th border or diagonal is crossed equally far from
- * the start, between samples that lie equally far from it, at the same fraction of the way between them. So the crossings
- * are found once, in double, and serve the whole field; what is left for each sample is to read two heights for each
- * crossing. On a straight line above a triangle the slope up from the start is monotone, so the steepest one is found at a
- * crossing: nothing between them needs looking at, and the start, on the surface itself, is no special case. */
+Rays from all samples in one direction are copies of one another: the k-th border or diagonal is crossed at the
+ * same distance from the start, between samples with the same offsets, at the same fraction of the way between them.
+ * So the crossings are computed once, in double, for the whole field. For each sample only two heights are read at
+ * each crossing. Along a straight line above a triangle the slope up from the start is monotone, so the steepest one
+ * is at a crossing. Places between crossings need no test, and the start, on the surface itself, is no special case. */
 #ifndef CELLWALK_CORE_HEADING_H
 #define CELLWALK_CORE_HEADING_H
 
@@ -13,7 +13,8 @@
 #include "kernels.h"
 #include "pyramid.h"
 
-/* Rays are walked in groups of 16 neighbours in a row, and four rows: so many share the bounds that a stretch is judged by. */
+/* Rays are walked in groups of 16 neighbours in a row, and four rows: so many share the bounds that a stretch is
+ * judged by. */
 enum { GROUP_COLUMNS = 16, GROUP_ROWS = 4, GROUP = GROUP_COLUMNS * GROUP_ROWS };
 
 /* The second sample of a crossing is so far from the first. */
@@ -31,8 +32,8 @@ typedef struct cw_crossing {
     int32_t j;      /* rows */
 } cw_crossing;
 
-/* Crossings that follow each other, over 4 cells along the longer axis at level 0 and four times as many at each further
- * one. */
+/* Crossings that follow each other, over 4 cells along the longer axis at level 0 and four times as many at each
+ * further one. */
 typedef struct cw_stretch {
     uint32_t first; /* crossing; the next stretch's first one ends it */
     float inverse_least, inverse_most;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What follows from a hit. In field space a triangle is z = z0 + a·x + b·y, so its normal is (-a, -b, 1), and that vector
- * is twice-the-area-weighted already: every triangle covers the same half cell of the plane. Summing such vectors and
- * moving the sum by the inverse transpose gives the area-weighted user-space sum up to a factor, whatever the map. */
+/* Points and normals of hits. In field space a triangle is z = z0 + a·x + b·y, so its normal is (-a, -b, 1). The
+ * length of that vector is twice the triangle's area, as every triangle covers half a cell of the plane. The sum of
+ * such vectors, times the inverse transpose of the map, is the area-weighted sum in user space up to a factor, for
+ * any map. */
 
 #include "affine.h"
 #include "field.h"
@@ -133,7 +134,8 @@ static void phong_normal_of(const cw_field *f, const cw_hit *hit, double normal[
     for (int c = 0; c < 3; c++) normal[c] *= scale;
 }
 
-/* ---- of many hits ------------------------------------------------------------------------------------------------- */
+/* ---- of many hits
+ * ------------------------------------------------------------------------------------------------- */
 
 enum { GRAIN = 1024 };
 
@@ -177,7 +179,8 @@ cw_status cw_hit_phong_normals(const cw_field *field, const cw_run *run, const c
     return for_each(&(batch){field, hits, normals, phong_normal_of}, run, n);
 }
 
-/* ---- at a place --------------------------------------------------------------------------------------------------- */
+/* ---- at a place
+ * --------------------------------------------------------------------------------------------------- */
 
 static const cw_hit miss = {.t = INFINITY, .i = -1, .j = -1};
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Threads that sleep between queries. A query hands out pieces by one atomic counter, so that a thread which meets
- * cheap rays simply takes more pieces. The caller never waits for a thread that has not begun: on a busy machine, or for a
- * small query, it does what there is to do by itself. */
+/* Threads that sleep between queries. A query hands out pieces by one atomic counter, so that a thread with cheap
+ * rays takes more pieces. The caller never waits for a thread that has not begun: on a busy machine, or for a small
+ * query, it does all of the work. */
 
 #include "pool.h"
 
@@ -14,12 +14,12 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-/* What one caller wants done. It lives in the caller's frame, which is left when all pieces are. */
+/* The work of one caller. It is in the caller's stack frame, which stays until all pieces are done. */
 typedef struct job {
     cw_work_fn *work;
     void *context;
     size_t n, least, most; /* items; of a piece */
-    size_t parts;          /* a piece is such a part of what is left */
+    size_t parts;          /* a piece is the rest divided by this */
     atomic_size_t next;    /* item */
 } job;
 
@@ -34,16 +34,16 @@ struct cw_pool {
     bool engaged;        /* a caller has the helpers */
     pid_t process;       /* that has the helpers */
     atomic_bool quit;
-    cw_tasks tasks; /* run is NULL where the pool has helpers of its own */
+    cw_tasks tasks; /* run is NULL if the pool has helper threads */
     pthread_t helper[];
 };
 
-/* How often a thread looks for what it waits for before it sleeps, some 20 microseconds in all: to wake one takes as long.
- * In between others may have the CPU. */
+/* Polls of a waiting thread before it sleeps, about 20 microseconds in all, which is the time of waking one. Between
+ * polls it yields the CPU. */
 enum { LOOKS = 50 };
 
-/* Large pieces first, since each has a beginning and an end at which lanes of a kernel are empty; small ones at last, so that
- * all threads end together. */
+/* Large pieces first, since each has a beginning and an end at which lanes of a kernel are empty; small ones at
+ * last, so that all threads end together. */
 static size_t piece(const job *j, size_t left) {
     size_t count = left / j->parts / j->least * j->least;
     if (count > j->most) count = j->most;
@@ -91,7 +91,7 @@ static cw_status check_threads(unsigned threads, unsigned least) {
 /* A child that was forked has none of its parent's threads, and finds the lock as they left it. */
 static bool has_helpers(const cw_pool *p) { return p->threads > 1 && p->process == getpid(); }
 
-/* musl gives a thread 128 KiB, of which a query takes most. What the system gives beyond that, lent work may count on. */
+/* musl gives a thread 128 KiB of stack, most of which a query uses. cellwalk.h promises 1 MiB for the caller's work. */
 static bool start(cw_pool *p) {
     enum { STACK_LEAST = 1 << 20 };
     pthread_attr_t how;
@@ -193,8 +193,8 @@ static void take_pieces_as_task(void *argument, unsigned number) {
     take_pieces(argument);
 }
 
-/* Whoever finds the helpers engaged works alone instead of waiting: nothing stands still meanwhile, and work that itself
- * asks the pool it runs on does not wait for its own end. */
+/* If the helpers are busy, the caller works alone instead of waiting. So no thread is idle, and work that uses the
+ * pool on which it runs does not wait for its own end. */
 void cw_pool_share(cw_pool *p, size_t n, size_t least, size_t most, cw_work_fn *work, void *context) {
     if (n == 0) return;
     if (least == 0) least = 1;

@@ -6,13 +6,14 @@
 #include "cellwalk.h"
 #include "error.h"
 
-/* Fails unless all reserved words are 0; what names the struct. */
+/* Fails unless all reserved words are 0. what: the struct's name for the message. */
 cw_status cw_check_reserved(const uint64_t reserved[4], const char *what);
 
 /* Fails unless the rectangle is a part of the field. */
 cw_status cw_check_rectangle(const cw_field *field, const cw_rectangle *at);
 
-/* Fills in what a caller's struct of size bytes has of *all, and clears what a newer one has beyond. */
+/* Copies *all into a caller's struct of size bytes: members of an older struct only, and zero for members of a newer
+ * one. */
 void cw_fill(void *caller, size_t size, const void *all, size_t all_size);
 
 /* *how becomes *run, or all zero for NULL. Fails if it has an option that this version does not know. */
@@ -24,8 +25,8 @@ cw_status cw_run_settle(const cw_field *field, cw_run *how);
 /* Fails if the field lacks the structure of the kernel, which has been settled. */
 cw_status cw_run_built(const cw_field *field, const cw_run *how);
 
-/* cw_pool_share on the pool of how; in pieces of most items also on one thread if there is a watch. CW_ERROR_CANCELLED if that
- * returned false. */
+/* cw_pool_share on the pool of how; in pieces of most items also on one thread if there is a watch.
+ * CW_ERROR_CANCELLED if that returned false. */
 cw_status cw_run_work(const cw_run *how, size_t n, size_t least, size_t most, cw_work_fn *work, void *context);
 
 /* Part of a longer piece of work under one watch, which is given shares from begin to end. */

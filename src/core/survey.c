@@ -37,7 +37,7 @@ bool cw_survey_create(cw_field *f) {
 
 void cw_survey_destroy(cw_field *f) { cw_memory_free(f->tile); }
 
-/* Holes, and what is refused, in samples that are not all heights. */
+/* Counts holes and finds refused values in samples that are not all heights. */
 static void look_closer(const cw_field *f, size_t begin, size_t end, size_t j, cw_survey *s, cw_refusal *refusal) {
     for (size_t i = begin; i < end; i++) {
         const float h = f->z[j * f->stride + i];
@@ -83,8 +83,9 @@ static void add(cw_survey *sum, const cw_survey *s, size_t n) {
     }
 }
 
-/* From farther away than this, a ray's origin would add more to errors than the field itself does: half a side's length
- * outside the field; and eight times its range of heights above or below, as rays from a camera above should count as near. */
+/* From farther away than this, a ray's origin would add more to errors than the field itself does: half a side's
+ * length outside the field; and eight times its range of heights above or below, as rays from a camera above should
+ * count as near. */
 static void set_reach(cw_field *f) {
     const float range = f->high - f->low;
     f->middle[0] = 0.5f * (float)(f->nx - 1);

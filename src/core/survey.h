@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What is known of a field's samples tile by tile: lowest, highest, holes. So what holds for the whole field is found again
- * in no time when some samples change, also where it shrinks. 12 bytes for 64 × 64 samples. */
+/* Lowest and highest sample and number of holes, tile by tile. So the numbers of the whole field are found again in
+ * little time when some samples change, even if its range shrinks. 12 bytes for 64 × 64 samples. */
 #ifndef CELLWALK_CORE_SURVEY_H
 #define CELLWALK_CORE_SURVEY_H
 
@@ -11,8 +11,8 @@
 /* Cells along one side of a tile, as of a node of the pyramid's level 2. */
 enum { TILE_LEVEL = 2, TILE_SIDE = 64 };
 
-/* Of the samples that the tile owns, or all tiles in a row: each sample is owned by one tile, the one in which it is not on
- * the last row or column, if there is one. */
+/* Of the samples that the tile owns, or all tiles in a row: each sample is owned by one tile, the one in which it is
+ * not on the last row or column, if there is one. */
 typedef struct cw_survey {
     float low, high; /* over samples that are not holes; high < low if there is none */
     uint32_t holes;
@@ -26,8 +26,8 @@ typedef struct cw_tiles {
 static inline size_t cw_tiles_across(const cw_field *f) { return (f->nx - 2) / TILE_SIDE + 1; }
 static inline size_t cw_tiles_down(const cw_field *f) { return (f->ny - 2) / TILE_SIDE + 1; }
 
-/* Samples that are refused, found by several threads: the first one in the order of rows counts, so that the status is the
- * same for any number of them. */
+/* Samples that are refused, found by several threads: the first one in the order of rows counts, so that the status
+ * is the same for any number of them. */
 typedef struct cw_refusal {
     atomic_uint_least64_t first; /* the sample's number, row by row */
 } cw_refusal;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What went wrong, for a person: one line that names file, place and value. */
+/* An error message: one line that names file, place and value. */
 #ifndef CELLWALK_IO_ERROR_H
 #define CELLWALK_IO_ERROR_H
 

@@ -45,16 +45,15 @@ bool io_npy_expect_type(const io_npy *npy, const char *const *types, size_t coun
 /* "(1000, 8)" in text, for messages. */
 void io_npy_shape_text(const io_npy *npy, char *text, size_t size);
 
-/* Rows [first, first + count), each row_bytes long, aligned for their type; valid until the next call on npy. What an
- * earlier call returned is unmapped, so that a pass over a file of any size occupies the memory of one call. NULL on
- * failure. */
+/* Rows [first, first + count), each row_bytes long, aligned for their type; valid until the next call on npy, which
+ * unmaps them. So a pass over a file of any size occupies the memory of one call. NULL on failure. */
 const void *io_npy_rows(io_npy *npy, uint64_t first, uint64_t count, io_error *error);
 
 /* Takes the mapping that the last io_npy_rows made over, to be given to munmap; NULL where the rows were copied. */
 void *io_npy_take_window(io_npy *npy, size_t *bytes);
 
-/* Writes the header of an array of that shape at the start of an output, and claims room for all of it. type and item as
- * below. */
+/* Writes the header of an array of that shape at the start of an output, and claims room for all of it. type and
+ * item as below. */
 bool io_npy_write_header(io_output *output, const char *type, size_t item, size_t rank, const uint64_t *shape,
                          io_error *error);
 

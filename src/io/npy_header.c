@@ -23,7 +23,7 @@ static void skip_blanks(cursor *c) {
     while (c->place < c->size && (c->text[c->place] == ' ' || c->text[c->place] == '\n')) c->place++;
 }
 
-/* The next character that is no blank, or 0 at the end. It stays where it is. */
+/* The next character other than a blank, or 0 at the end. It is not consumed. */
 static char peek(cursor *c) {
     skip_blanks(c);
     return c->place < c->size ? c->text[c->place] : '\0';

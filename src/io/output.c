@@ -62,8 +62,8 @@ void io_output_discard(io_output *out) {
 
 enum { ATTEMPTS = 1000 };
 
-/* A hidden name beside target that shows whose it is. The number tells apart outputs of one process and what an earlier
- * process of the same number may have left when it was killed. */
+/* A hidden name beside target with the process's number. A further number distinguishes outputs of one process, and
+ * files that an earlier process of the same number left when it was killed. */
 static bool next_name(struct slot *s, const char *target) {
     enum { BASE_MAX = 200 }; /* leaves room for the rest of the name in NAME_MAX */
     static atomic_uint counter;
@@ -127,7 +127,7 @@ static int open_unnamed(const char *target) {
 }
 #endif
 
-/* What kernels and file systems say that have no files without names. */
+/* Errors of systems and file systems without nameless files. */
 static bool knows_no_unnamed(int reason) {
     return reason == ENOTSUP || reason == EOPNOTSUPP || reason == EISDIR || reason == EINVAL || reason == ENOSYS;
 }
@@ -165,8 +165,8 @@ static bool is_no_input(const io_output *out, io_error *error) {
     return io_fail(error, "%s: is also an input; choose another name for the output", out->name);
 }
 
-/* The descriptor that a name stands for, "-" or one of the system's; else -1. Such an output goes where the descriptor leads: a
- * file that a shell opened to append to must not be replaced. */
+/* The descriptor that a name stands for, "-" or one of the system's; else -1. Such an output goes where the
+ * descriptor leads: a file that a shell opened to append to must not be replaced. */
 static int descriptor_of(const char *path) {
     static const char *const folders[] = {"/dev/fd/", "/proc/self/fd/"};
     if (strcmp(path, "-") == 0 || strcmp(path, "/dev/stdout") == 0) return STDOUT_FILENO;
@@ -179,8 +179,8 @@ static int descriptor_of(const char *path) {
     return -1;
 }
 
-/* The file at the end of a chain of links, which need not be there: so the file behind a link is written, and not the link.
- * Stops at a name of a descriptor. NULL with errno. */
+/* The file at the end of a chain of links, which need not be there: so the file behind a link is written, and not
+ * the link. Stops at a name of a descriptor. NULL with errno. */
 static char *follow_links(const char *path) {
     enum { LINKS_MAX = 40 };
     char name[PATH_MAX], link[PATH_MAX];

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Output files that appear under their name only when they are whole. The bytes go to a file in the same directory that has
- * no name (O_TMPFILE), or a temporary one where the file system knows no such files; it takes the name in one step, after its
- * bytes are on the disk. Whatever fails before leaves the directory, and a file that had the name, as they were; a file
- * without a name is gone even after SIGKILL. Devices and pipes (/dev/stdout) have no such step and are written to as they
- * are; "-" is standard output. No output replaces an input (inputs.h). */
+/* Output files, renamed into place when complete. The bytes go to a nameless file in the same directory (O_TMPFILE),
+ * or to a temporary one if the file system has no nameless files. It takes its name in one step, after its bytes are
+ * on the disk. A failure before that changes neither the directory nor an existing file of that name, and a nameless
+ * file vanishes even after SIGKILL. Devices and pipes (/dev/stdout) have no such step and are written directly; "-"
+ * is standard output. No output replaces an input (inputs.h). */
 #ifndef CELLWALK_IO_OUTPUT_H
 #define CELLWALK_IO_OUTPUT_H
 
@@ -21,9 +21,9 @@ typedef struct io_output {
     int slot;
 } io_output;
 
-/* Creates the file; path "-" is standard output, which is written to as it is. Outputs may be open side by side, at most
- * IO_OUTPUT_MAX in a process. A target that is a directory or may not be written to is refused here, before any work. On failure
- * out needs no discard. */
+/* Creates the file; path "-" is standard output, which is written to as it is. Outputs may be open side by side, at
+ * most IO_OUTPUT_MAX in a process. A target that is a directory or may not be written to is refused here, before any
+ * work. On failure out needs no discard. */
 enum { IO_OUTPUT_MAX = 16 };
 bool io_output_open(io_output *out, const char *path, io_error *error);
 

@@ -6,8 +6,8 @@
 #include "scene.h"
 
 typedef struct landscape_desc {
-    /* Both stay the caller's and must live as long as the scene. Normals are computed from the samples; the field is what
-     * rays meet. */
+    /* Owned by the caller; both must live as long as the scene. Rays meet the field; normals are computed from the
+     * samples. */
     cw_field *field;
     const float *samples;
     size_t nx, ny;

@@ -53,7 +53,7 @@ cw_status compass_heading(compass *c, size_t k, cw_heading **heading, double *sl
         terrain_direction(whole, 0.5 * (double)(whole->nx - 1), compass_middle(c), c->azimuths[k], dir);
     *slope = metres / t->map[2][2];
     cw_status status = CW_OK;
-    /* What lies d metres away is lower by curvature d² / 2 R, and dir is that many metres long. */
+    /* The ground d metres away is lower by curvature d² / 2 R; dir is `metres` metres long. */
     const cw_heading_desc desc = {.dir = {dir[0], dir[1]},
                                   .reach = c->reach / metres,
                                   .drop = c->curvature * metres * metres / (2 * t->radius * t->map[2][2])};

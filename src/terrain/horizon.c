@@ -180,9 +180,9 @@ static void add_sky(void *context, size_t begin, size_t end) {
     }
 }
 
-/* The sky over ground that rises by s in that direction, above the horizon's angle a: for a normal of upward part n it is n / π
- * times the integral of (sin x - s cos x) cos x over x from a to π / 2, for each radian of azimuth. Times 2 π it is
- * n (cos² a - s (π / 2 - a - sin a cos a)). */
+/* The sky over ground that rises by s in that direction, above the horizon's angle a: for a normal of upward part n
+ * it is n / π times the integral of (sin x - s cos x) cos x over x from a to π / 2, for each radian of azimuth.
+ * Times 2 π it is n (cos² a - s (π / 2 - a - sin a cos a)). */
 typedef struct tilting {
     const float *rises, *east, *north;
     float *share;
@@ -201,15 +201,15 @@ static void add_tilted_sky(void *context, size_t begin, size_t end) {
     }
 }
 
-/* One direction more, for rows that share their headings. lean: NULL for level ground, or slopes eastward of the rows' samples
- * and, room samples on, northward. */
+/* One direction more, for rows that share their headings. lean: NULL for level ground, or slopes eastward of the
+ * rows' samples and, room samples on, northward. */
 static cw_status add_direction(horizon *h, const cw_run *query, size_t k, size_t row, size_t rows, const float *lean,
                                float *share) {
     cw_heading *heading;
     double slope;
     const size_t nx = h->terrain->nx;
     cw_status status = compass_heading(&h->compass, k, &heading, &slope);
-    /* What lies below the level hides nothing of the sky. */
+    /* Terrain below the level hides nothing of the sky. */
     if (status == CW_OK)
         status = cw_heading_steepest(heading, query, 0, INFINITY, (cw_rectangle){0, row, nx, rows}, h->work);
     if (status != CW_OK) return status;

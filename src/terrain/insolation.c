@@ -113,12 +113,14 @@ size_t insolation_directions(const insolation *s) { return s->sector_count; }
 
 double insolation_diffuse(const insolation *s) { return s->diffuse; }
 
-/* ---- one sun on a block of rows ----------------------------------------------------------------------------------------- */
+/* ---- one sun on a block of rows
+ * ----------------------------------------------------------------------------------------- */
 
-/* Direct light on a surface that faces the sun, at even steps of height. Between two it is a straight line, which is off by at
- * most step² / 8 times the second derivative. Light is that outside the atmosphere times e^-x. The air's thickness x is a concave
- * function of the air mass, which falls as e^(-height / 8434.5 m), so neither derivative of x is more than x over 8434.5 m,
- * once or twice. With (x² + x) e^-x < 0.9 and 1414 W/m² outside, the error is below 0.006 W/m². */
+/* Direct light on a surface that faces the sun, at even steps of height. Between two it is a straight line, which is
+ * off by at most step² / 8 times the second derivative. Light is that outside the atmosphere times e^-x. The air's
+ * thickness x is a concave function of the air mass, which falls as e^(-height / 8434.5 m), so neither derivative of
+ * x is more than x over 8434.5 m, once or twice. With (x² + x) e^-x < 0.9 and 1414 W/m² outside, the error is below
+ * 0.006 W/m². */
 enum { STEP = 50, LOWEST = -1000, HIGHEST = 10000, LEVELS = (HIGHEST - LOWEST) / STEP + 1 };
 
 typedef struct light {
@@ -137,7 +139,7 @@ static void make_light(const insolation *s, const sun_position *p, light *out) {
     out->up = (float)up;
 }
 
-/* What is known of each sample of the rows. */
+/* The numbers of each sample of the rows. */
 typedef struct ground_lie {
     float *east, *north, *upright,
         *place; /* slopes; the normal's upward part; the place between the levels of height */
@@ -178,7 +180,8 @@ static void add_energy(void *context, size_t begin, size_t end) {
     }
 }
 
-/* ---- all suns ----------------------------------------------------------------------------------------------------------- */
+/* ---- all suns
+ * ----------------------------------------------------------------------------------------------------------- */
 
 /* The rise of a sun in a heading's numbers. */
 static float rise_of(const beam *b, double slope) {

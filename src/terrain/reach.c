@@ -82,7 +82,7 @@ cw_rectangle reach_between(const terrain *whole, const double at[2], cw_rectangl
     return between(whole, low, high);
 }
 
-/* The sweep of a viewshed goes on to a square around the place: beyond it, what is there changes nothing. */
+/* The sweep of a viewshed ends at a square around the place: terrain beyond it changes nothing. */
 cw_rectangle reach_around(const terrain *whole, const double at[2], double metres) {
     enum { SWEEP_BESIDE = 8 };
     double each[2], low[2], high[2];
@@ -116,7 +116,8 @@ cw_rectangle reach_beside(const terrain *whole, cw_rectangle part, double metres
     return between(whole, low, high);
 }
 
-/* ---- blocks ------------------------------------------------------------------------------------------------------- */
+/* ---- blocks
+ * ------------------------------------------------------------------------------------------------------- */
 
 cw_status reach_blocks_create(const terrain *whole, reach_blocks *b) {
     *b = (reach_blocks){.whole = whole,
@@ -154,7 +155,8 @@ void reach_blocks_take(reach_blocks *b, cw_rectangle part, const float *z) {
         }
 }
 
-/* ---- the sun ------------------------------------------------------------------------------------------------------ */
+/* ---- the sun
+ * ------------------------------------------------------------------------------------------------------ */
 
 reach_sunward reach_toward(const terrain *whole, const sunlight_desc *light, cw_rectangle part) {
     double azimuths[SUNLIGHT_STRIPS_MOST], sine, cosine;
@@ -245,7 +247,7 @@ cw_rectangle reach_of_shadows(const reach_blocks *b, const reach_sunward *s, cw_
             if (!(b->high[y * b->across + x] > -INFINITY) || !passing(s, part, block, &first, &last)) continue;
             const double over = ((double)b->high[y * b->across + x] - lowest) * terrain_metres_of_height(b->whole);
             if (s->tangent > 0) last = fmin(last, over / s->tangent);
-            /* Rays that go down are hidden by what is as low as they are. */
+            /* Terrain as low as a descending ray can hide it. */
             if (s->tangent < 0 && over < 0) first = fmax(first, over / s->tangent);
             if (!(first <= last)) continue;
             ends(block, left, end);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A sample is in the shadow if the horizon in the direction of the sun is as high as the sun. For the disc, the horizon is
- * found along the middle line of each of several upright strips; what of the strip stands above it is exact, so a few strips
- * are as good as hundreds of rays. */
+/* A sample is in the shadow if the horizon in the direction of the sun is as high as the sun. For the disc, the
+ * horizon is found along the middle line of each of several upright strips. The part of the strip above it is exact,
+ * so a few strips are as good as hundreds of rays. */
 
 #include "shadow.h"
 
@@ -39,7 +39,7 @@ size_t sunlight_azimuths(const sunlight_desc *d, double azimuths[SUNLIGHT_STRIPS
     const size_t strips = d->radius == 0 ? 1 : d->strips > 0 ? d->strips : STRIPS_USUAL;
     double level, up;
     terrain_sine_cosine(d->altitude, &up, &level);
-    /* At the zenith a strip has no azimuth of its own. */
+    /* At the zenith the azimuth of a strip is undefined. */
     for (size_t k = 0; k < strips; k++)
         azimuths[k] = d->azimuth + (level > 0.01 ? strip_aside(k, strips) * d->radius / level : 0);
     return strips;
@@ -124,7 +124,8 @@ cw_status sunlight_lit(sunlight *s, const cw_run *query, size_t row, size_t rows
     return CW_OK;
 }
 
-/* Adds the part of a strip that is seen: all of it where the horizon is below its lower end, nothing where it is above its upper one. */
+/* Adds the part of a strip that is seen: all of it where the horizon is below its lower end, nothing where it is
+ * above its upper one. */
 static cw_status add_strip(sunlight *s, const cw_run *query, size_t k, size_t row, size_t rows, float *steepest,
                            float *share) {
     const size_t n = s->terrain->nx * rows;

@@ -20,9 +20,8 @@ typedef struct coarser_options {
 /* Sets *c to nothing given, and fills in the rows of a subcommand's table that set it. */
 void coarser_rows(coarser_options *c, option_spec rows[COARSER_OPTION_COUNT]);
 
-/* Puts a coarser field in the field's place, on the query's pool and under its watch, whose line ends before anything is
- * printed; and its samples and map in the raster's,
- * unless that has no samples. */
+/* Replaces the field by a coarser one, on the query's pool and under its watch, whose line ends before anything is
+ * printed. Replaces the raster's samples and map too, if it has samples. */
 bool coarser_make(const coarser_options *c, const char *path, const cw_run *query, progress *line, cw_field **field,
                   io_raster *raster, io_error *error);
 

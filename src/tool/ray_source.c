@@ -51,7 +51,7 @@ static void look_for_one(ray_source *s, const cw_field *field, const void *rows,
     }
 }
 
-/* Pages of a mapped file come into memory when they are touched; that is no part of a query's time. */
+/* Touches the pages of a mapped file, so that reading them does not count as the query's time. */
 static void touch(const void *memory, size_t bytes) {
     enum { PAGE = 4096 }; /* the smallest there is */
     const volatile char *at = memory;

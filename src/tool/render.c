@@ -33,7 +33,7 @@ typedef struct render_command {
     scene_crop part;      /* from crop */
 } render_command;
 
-/* What happens outside of scene_render. */
+/* The steps outside of scene_render. */
 typedef struct render_times {
     double load, write;
 } render_times;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* `cellwalk trace`: hits of an array of rays. Rays are mapped, traced and written piece by piece, so that neither rays nor
- * hits need to fit into memory. */
+/* `cellwalk trace`: hits of an array of rays. Rays are mapped, traced and written piece by piece, so that neither
+ * rays nor hits need to fit into memory. */
 
 #include "cancel.h"
 #include "cellwalk.h"
@@ -222,7 +222,7 @@ static const char examples[] = "  cellwalk trace terrain.npy rays.npy -o hits.np
                                "  numpy.save('rays.npy', rays)\n"
                                "  hits = numpy.load('hits.npy'); depth = hits['t']; missed = hits['i'] < 0\n";
 
-/* What cannot go together. */
+/* Options that exclude each other. */
 static bool wrong(const request *r, bool timing) {
     const bool to_stdout = r->hits && strcmp(r->hits, "-") == 0;
     if (r->hits == NULL && !timing)

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The program cellwalk-stability: aimed rays by the thousand million, every contender before the same ones. It is no
- * subcommand of cellwalk-bench because it judges with the exact oracle, which needs GMP and belongs to the tests.
+/* The program cellwalk-stability: thousands of millions of aimed rays, the same ones for every contender. It is not
+ * a subcommand of cellwalk-bench because it judges with the exact oracle, which needs GMP and belongs to the tests.
  *
- * One run is one thread. Several processes with --part 1/N … N/N do what one does without it, and a run that was ended
- * early goes on with --first; their files add up: batch number n is the same rays wherever it runs. */
+A run uses one thread. Several processes with --part 1/N … N/N together trace the rays of one without it, and a
+ * run that was ended early goes on with --first. Their files add up, since batch number n has the same rays in every
+ * run. */
 
 #include "accuracy/stability/run.h"
 #include "clock.h"
@@ -99,7 +100,8 @@ static json_t *result_line(const tested *t, aim kind, aim_start start, const cou
     return line;
 }
 
-/* A line of kind "run", one of kind "field" for each field, one of kind "result" for each contender, class and start. */
+/* A line of kind "run", one of kind "field" for each field, one of kind "result" for each contender, class and
+ * start. */
 static bool write_lines(io_output *out, const stability *s, const batch_range *r, double seconds, io_error *error) {
     json_t *run = run_record("stability", 0, -1);
     results_set_counts(run, "part parts first end batches sample",

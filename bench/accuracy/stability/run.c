@@ -150,7 +150,7 @@ static void explain(batch *b, const tested *t, size_t k, const cw_hit *hit, cons
            (int)hit->i, (int)hit->j, (unsigned)hit->triangle);
 }
 
-/* What needs no oracle: leaks of rays known to pass, and phantoms. */
+/* Faults that are found without the oracle: leaks of rays known to pass through the surface, and phantoms. */
 static void check_all(batch *b, const tested *t, const cw_hit *hits, counts *c) {
     oracle *o = b->field->oracle;
     for (size_t k = 0; k < t->rays; k++) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Contenders before the same aimed rays, counted by class of rays: what the test runs for some seconds and the program
- * cellwalk-stability for as long as one likes. */
+/* Traces the same aimed rays with all contenders and counts faults by class of rays. The test does so for some
+ * seconds, the program cellwalk-stability for any time. */
 #ifndef CELLWALK_BENCH_STABILITY_RUN_H
 #define CELLWALK_BENCH_STABILITY_RUN_H
 
@@ -79,11 +79,11 @@ void stability_batch(stability *s, uint64_t number);
 /* Batches in a round, one for each class and field; all rays of a round start alike: over the field, afar or near. */
 enum { ROUND_BATCHES = AIM_COUNT * AIMED_FIELDS };
 
-/* What contender number which has counted in a class, or in all if kind is AIM_COUNT. */
+/* The counts of contender number which in a class, or in all if kind is AIM_COUNT. */
 counts stability_sum(const stability *s, unsigned which, aim kind);
 
-/* Faults: of the reference leaks, phantoms, wrong surfaces, and errors of t that exceed their bound; of its like other bits; of
- * the construction unfounded rays. */
+/* Faults: of the reference leaks, phantoms, wrong surfaces, and errors of t that exceed their bound; of its like
+ * other bits; of the construction unfounded rays. */
 uint64_t stability_faults(const stability *s);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The pyramid made, and mended where samples have changed: tiles first, which need nothing but samples, then level by level
- * what is above them, and at last what each node knows of its neighbours. */
+/* Builds the pyramid, and repairs it after samples have changed: tiles first, which depend on samples alone, then
+ * the levels above them one by one, and last the highest sample around each node. */
 
 #include "pyramid.h"
 
@@ -17,7 +17,7 @@ static size_t least(size_t a, size_t b) { return a < b ? a : b; }
 /* Nodes of a level, all in. */
 typedef cw_tiles nodes;
 
-/* What has to be done anew: all of it, or what depends on some tiles. */
+/* The part to be built again: all of it, or the nodes that depend on some tiles. */
 typedef struct job {
     cw_field *f;
     struct cw_pyramid *p;
@@ -50,7 +50,8 @@ static void do_slabs(void *context, size_t begin, size_t end) {
     fpenv_leave(caller);
 }
 
-/* ---- around ---------------------------------------------------------------------------------------------------------- */
+/* ---- around
+ * ---------------------------------------------------------------------------------------------------------- */
 
 enum { AROUND = 256 }; /* nodes a side that are done at a time */
 
@@ -105,7 +106,8 @@ static void do_around(void *context, size_t begin, size_t end) {
     fpenv_leave(caller);
 }
 
-/* ---- all of it ------------------------------------------------------------------------------------------------------- */
+/* ---- all of it
+ * ------------------------------------------------------------------------------------------------------- */
 
 /* Nodes of a level that the tiles, level TILE_LEVEL, reach into. */
 static nodes nodes_of(const job *w, int level) {

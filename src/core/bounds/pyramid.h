@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The bounds pyramid: lowest and highest sample of ever larger blocks of cells.
  *
- * A node of level 0 covers a *block* of 4 × 4 cells; a node of level l + 1 covers 4 × 4 nodes of level l, which lie
- * together in memory as one *brick*: 16 lows, then 16 highs, two cache lines. The top level is one brick. Any field shape
- * costs less than 1.5 bytes a cell plus the partly filled bricks along its far borders; nodes outside the field,
- * and those that hold nothing but holes, have NaN, which compares false: no ray meets them, not even one whose heights
+A node of level 0 covers a *block* of 4 × 4 cells; a node of level l + 1 covers 4 × 4 nodes of level l, which lie
+ * together in memory as one *brick*: 16 lows, then 16 highs, two cache lines. The top level is one brick. A field of
+ * any shape takes less than 1.5 bytes a cell plus the partly filled bricks along its far borders. Nodes outside the
+ * field and nodes with holes only have NaN, which compares false: no ray meets them, not even one whose heights
  * overflow.
  *
- * After the maximum mipmaps of Tevs, Ihrke and Seidel (2008) and pbrt-like min-max quadtrees, but 16 children wide, so
- * that one vector comparison judges all children of a node at once. Level-0 bounds of single cells are not stored: they
+After the maximum mipmaps of Tevs, Ihrke and Seidel (2008) and pbrt-like min-max quadtrees, but 16 children wide,
+ * so that one vector comparison tests all children of a node at once. Bounds of single cells are not stored: they
  * follow from the samples that the leaf test loads anyway.
  *
- * For the lane walk each node has a *slab* as well: a plane fitted to its samples, and how far they lie below and above
- * it. Terrain is smooth at the scale of a block, so slabs are thinner than [low, high]: 0.4 times at a block, 0.5 at 16
- * cells, 0.9 at a whole field (fractal terrain, 1025²). */
+For the lane walk each node also has a *slab*: a plane fitted to its samples, and their largest distances below
+ * and above it. Terrain is smooth at the scale of a block, so slabs of small nodes are much thinner than [low, high]
+ * (papers/walks.md). */
 #ifndef CELLWALK_CORE_PYRAMID_H
 #define CELLWALK_CORE_PYRAMID_H
 
@@ -24,8 +24,8 @@
 
 enum { PYRAMID_LEVELS_MAX = 12, BRICK_FLOATS = 32 };
 
-/* How far rounding can put a ray, or what the watertight test makes of it, beside a slab: as a part of the numbers that
- * its height above the plane comes from. 32 u, of which papers/numerics.md accounts for 29. */
+/* Bound on the rounding error of a ray's height above a slab's plane, including that of the watertight test, as a
+ * part of the numbers that the height is computed from: 32 u, of which papers/numerics.md accounts for 29. */
 #define SLAB_ROUNDING 0x1p-19f
 
 typedef struct cw_pyramid_level {
@@ -33,22 +33,23 @@ typedef struct cw_pyramid_level {
     int32_t across; /* bricks in a row */
     int32_t down;
     float side; /* cells along one side of a node */
-    /* Highest sample of node (x, y) and its up to eight neighbours at around[y * 4 * across + x]: what a ray that starts
-     * in the node cannot meet anything above of before it has gone a node's side. */
+    /* Highest sample of node (x, y) and its up to eight neighbours at around[y * 4 * across + x]: an upper bound on the
+     * heights within one node side of any place in the node. */
     float *around;
 } cw_pyramid_level;
 
 /* Every sample of the node, and every point of its triangles, has
  *     low <= z - slope_x * (x - x0) - slope_y * (y - y0) <= high
- * (x0, y0) being the node's middle. Both are set outward by what rounding does to a ray's height above the plane, as
- * papers/numerics.md derives, as long as the ray starts within the field or no farther from it than it is large. A node
- * without samples has low > high. */
+ * (x0, y0) being the node's middle. Both are widened by the rounding error of a ray's height above the plane, for rays that
+ * start within the field or no farther from it than it is large (papers/numerics.md). A node without samples has
+ * low > high. */
 typedef struct cw_pyramid_slab {
     float low, high, slope_x, slope_y;
 } cw_pyramid_slab;
 
-/* What the planes of larger nodes are found from, and how steep it gets in a node, at any level: of the samples that the node
- * owns, as a tile does (survey.h). x and y count from its first sample. NaN with a hole in it. */
+/* Sums from which the planes of larger nodes are fitted, and the steepest slope in a node, at any level: over the
+ * samples that the node owns, as a tile does (survey.h). x and y count from its first sample. NaN if one of them is
+ * a hole. */
 typedef struct cw_pyramid_sum {
     double z, xz, yz; /* sums of z, x · z and y · z */
     double steepest;
@@ -62,7 +63,8 @@ struct cw_pyramid {
     float steepest; /* the largest slope of any slab, and of any triangle in it, in heights a cell */
     float high;     /* the field's highest sample */
     cw_pyramid_level level[PYRAMID_LEVELS_MAX];
-    /* Of nodes of level TILE_LEVEL, which stand for tiles even if there are fewer levels, and above: in rows as slabs are. */
+    /* Of nodes of level TILE_LEVEL, which stand for tiles even if there are fewer levels, and above: in rows as
+     * slabs are. */
     cw_pyramid_sum *sum[PYRAMID_LEVELS_MAX];
     void *memory;
     size_t bytes;
@@ -73,18 +75,19 @@ static inline float *cw_pyramid_node(const cw_pyramid_level *l, size_t x, size_t
     return l->bricks + ((y / 4) * (size_t)l->across + x / 4) * BRICK_FLOATS + (y % 4) * 4 + x % 4;
 }
 
-/* Nodes in a row of level l, and rows of them; beyond the pyramid's top as well. */
+/* Nodes in a row of level l, and rows of them; also beyond the pyramid's top. */
 static inline size_t cw_pyramid_across(const cw_field *f, int l) { return ((f->nx - 2) >> (2 * l + 2)) + 1; }
 static inline size_t cw_pyramid_down(const cw_field *f, int l) { return ((f->ny - 2) >> (2 * l + 2)) + 1; }
 
-/* src/core/bounds/tile.c: everything below and at TILE_LEVEL that tile (x, y) determines. Different tiles may be done at once. */
+/* src/core/bounds/tile.c: everything below and at TILE_LEVEL that tile (x, y) determines. Different tiles may be
+ * done at once. */
 void cw_pyramid_tile(const cw_field *f, struct cw_pyramid *p, size_t x, size_t y);
 
 /* src/core/bounds/slabs.c: sum and slab of node (x, y) of a level above TILE_LEVEL, from the levels below. */
 void cw_pyramid_node_slab(const cw_field *f, struct cw_pyramid *p, int level, size_t x, size_t y);
 
-/* Sets a slab outward, or level where that makes it no thicker than its node, which reaches from low to high: there no room for
- * a ray's place is needed (papers/numerics.md). Returns the largest slope in it. */
+/* Sets a slab outward, or level where that makes it no thicker than its node, which reaches from low to high: there
+ * no room for a ray's place is needed (papers/numerics.md). Returns the largest slope in it. */
 static inline float cw_slab_outward(cw_pyramid_slab *s, const cw_field *f, float low, float high) {
     if (!(s->low <= s->high)) return 0;
     const float slope = fabsf(s->slope_x) + fabsf(s->slope_y) + (s->high - s->low);

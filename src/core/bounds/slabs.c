@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Slabs of nodes larger than a tile, without going through their samples again.
  *
- * The plane follows from sums that the nodes below have. How far samples lie off it is exact, as it is in tiles: slabs of slabs
- * would be thicker at each level and cost steps (papers/walks.md). Only nodes whose samples can be that far off are read: the
- * slabs below bound the distance, and the nodes with the largest bounds come first. */
+The plane follows from sums that the nodes below have. How far samples lie off it is exact, as it is in tiles:
+ * slabs of slabs would be thicker at each level and cost steps (papers/walks.md). Only nodes whose samples can be
+ * that far off are read: the slabs below bound the distance, and the nodes with the largest bounds come first. */
 
 #include "pyramid.h"
 #include "survey.h"
@@ -18,7 +18,7 @@ typedef struct search {
     size_t column, row; /* the node's first sample */
     float middle;       /* of the node, seen from there */
     float sign;         /* -1: below */
-    double rounding;    /* by which a distance in float may differ from what slabs below say of it */
+    double rounding;    /* difference that a distance in float may have from the one of slabs below */
     float best;         /* distance, so far */
 } search;
 
@@ -112,8 +112,8 @@ void cw_pyramid_node_slab(const cw_field *f, struct cw_pyramid *p, int level, si
         const float half = 0.5f * (float)side;
         search s = {.f = f, .p = p, .slope_x = slope_x, .slope_y = slope_y, .column = x * side, .row = y * side};
         s.middle = half;
-        /* With u = 2^-24, a distance is off by 3 u of what the plane rises and u of the height; the slabs below, which were
-         * set from such distances, by as much of their own. */
+        /* With u = 2^-24, a distance has an error of 3 u of the plane's rise and u of the height. The slabs below
+         * were set from such distances, with errors of the same parts of their planes. */
         const double heights = fmax(fabs((double)low), fabs((double)high));
         s.rounding = 0x1p-20 * (heights + (fabs((double)slope_x) + fabs((double)slope_y)) * (double)half);
         for (int k = 0; k < 2; k++) {

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The pyramid's lower levels, tile by tile: 64 × 64 cells, whose samples come into the cache once for bounds and slabs of
- * blocks, of nodes of 16 × 16 cells and of the tile itself, instead of once for each of these.
+/* The pyramid's lower levels, tile by tile: 64 × 64 cells, whose samples come into the cache once for bounds and
+ * slabs of blocks, of nodes of 16 × 16 cells and of the tile itself, instead of once for each of these.
  *
- * A slab's plane is the least-squares one, which on the regular grid has a closed form. How far the samples lie off it is
- * found from the samples themselves. All goes over columns, so that compilers vectorize it, and at the end of columns from
- * left to right: the order of sums is part of the result, which is the same with any tiles and threads. A copy of the tile, for
- * rows of 2^k + 1 samples that fall on the same few sets of a cache, cost 1.1 times the time of building 4097² and 8193². */
+A slab's plane is the least-squares one, which on the regular grid has a closed form. How far the samples lie off
+ * it is found from the samples themselves. All goes over columns, so that compilers vectorize it, and at the end of
+ * columns from left to right: the order of sums is part of the result, which is the same with any tiles and threads.
+ * A copy of the tile, for rows of 2^k + 1 samples that fall on the same few sets of a cache, cost 1.1 times the time
+ * of building 4097² and 8193². */
 
 #include "pyramid.h"
 #include "survey.h"
@@ -25,7 +26,8 @@ typedef struct tile {
 
 static size_t least(size_t a, size_t b) { return a < b ? a : b; }
 
-/* ---- nodes of any size up to the tile's ------------------------------------------------------------------------------ */
+/* ---- nodes of any size up to the tile's
+ * ------------------------------------------------------------------------------ */
 
 /* A row of nodes in the tile. */
 typedef struct node_row {
@@ -118,7 +120,7 @@ static void measure_distances(const node_row *r) {
     }
 }
 
-/* What the planes of larger nodes are found from. */
+/* Sums from which the planes of larger nodes are fitted. */
 static void add_up(const tile *t, const node_row *r, const float sum[COLUMNS], const float moment[COLUMNS]) {
     const double middle = 0.5 * (double)(r->rows - 1);
     const size_t owned = t->last_column == t->f->nx - 1 ? r->columns : r->columns - 1;
@@ -150,7 +152,8 @@ static void do_nodes(tile *t, int level, size_t y) {
 
 static size_t rows_of_nodes(const tile *t, int level) { return ((t->last_row - t->row - 1) >> (2 * level + 2)) + 1; }
 
-/* ---- blocks, which are most of the work ------------------------------------------------------------------------------ */
+/* ---- blocks, which are most of the work
+ * ------------------------------------------------------------------------------ */
 
 /* Bounds of the blocks in a row, any number of rows and columns. */
 static void bound_blocks(const tile *t, size_t y) {
@@ -177,8 +180,8 @@ static void bound_blocks(const tile *t, size_t y) {
     }
 }
 
-/* A full tile has 16 blocks in a row, which are the lanes here. Column k of all blocks lies together: sample i of a row at
- * (i % 4) * LANES + i / 4. Of k > 0 the last lane has none. */
+/* A full tile has 16 blocks in a row, which are the lanes here. Column k of all blocks lies together: sample i of a
+ * row at (i % 4) * LANES + i / 4. Of k > 0 the last lane has none. */
 enum { BLOCKS = TILE_SIDE / 4, LANES = BLOCKS + 1, PARTED = 4 * LANES };
 typedef float lanes[BLOCKS];
 
@@ -269,7 +272,8 @@ static void do_blocks(tile *t) {
     t->steepest = (double)steepest;
 }
 
-/* ---- the tile -------------------------------------------------------------------------------------------------------- */
+/* ---- the tile
+ * -------------------------------------------------------------------------------------------------------- */
 
 /* Bricks that reach beyond the field have nodes that are never set. */
 static void clear_bricks(const tile *t, int level) {

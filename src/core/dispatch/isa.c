@@ -38,7 +38,7 @@ static cw_isa detect(void) { return CW_ISA_NEON; } /* part of the architecture *
 static cw_isa detect(void) { return CW_ISA_SCALAR; }
 #endif
 
-/* What each instruction set is called, and the widest other one that it includes. */
+/* The name of each instruction set, and the widest other one that it includes. */
 static const struct {
     const char *name;
     cw_isa includes;

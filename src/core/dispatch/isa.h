@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What this machine can run. */
+/* The instruction sets that this machine can run. */
 #ifndef CELLWALK_CORE_ISA_H
 #define CELLWALK_CORE_ISA_H
 
 #include "cellwalk.h"
 
-/* The widest instruction set of the machine itself, whatever the limit. */
+/* The widest instruction set of the machine itself, without any limit. */
 cw_isa cw_isa_machine(void);
 
 /* True if kernels for isa may run: it is included in cw_isa_best(). */

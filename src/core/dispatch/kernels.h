@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a kernel is to the rest of the library. kernels.c has the table of them all. */
+/* The interface of a kernel to the rest of the library. kernels.c has the table of kernels. */
 #ifndef CELLWALK_CORE_KERNELS_H
 #define CELLWALK_CORE_KERNELS_H
 
@@ -28,7 +28,7 @@ struct cw_kernel {
     cw_heading_fn *heading; /* code for headings, for the same instruction set */
 };
 
-/* What cw_kernel_find gives for a name that no kernel has. */
+/* The kernel that cw_kernel_find returns for an unknown name. */
 extern const cw_kernel cw_kernel_none;
 
 /* The watertight test where the kernel has it. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Well-known text (OGC 01-009, ISO 19162; ESRI's .prj files) is nested KEYWORD["name", …]. What a terrain needs of it is
- * whether the coordinates are angles, their unit, and the ellipsoid. */
+/* Well-known text (OGC 01-009, ISO 19162; ESRI's .prj files) is nested KEYWORD["name", …]. A terrain needs three
+ * facts from it: whether the coordinates are angles, their unit, and the ellipsoid. */
 
 #include "georef.h"
 

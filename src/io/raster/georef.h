@@ -22,8 +22,8 @@ void io_georef_free(io_georef *georef);
 /* The name that the coordinate system has in its well-known text, cut to size; "" if it has none. */
 void io_georef_name(const io_georef *georef, char *name, size_t size);
 
-/* Fills in crs, geographic, unit and ellipsoid from well-known text by reading of it what a terrain needs. For the small
- * .prj file beside an ASCII grid; where GDAL is at work, it knows more. False if the text is none. */
+/* Fills in crs, geographic, unit and ellipsoid from well-known text, of which it reads only these parts. For the
+ * small .prj file beside an ASCII grid; with GDAL, GDAL reads the text. False if it is not well-known text. */
 bool io_georef_from_wkt(io_georef *georef, const char *wkt);
 
 #endif

@@ -24,7 +24,7 @@ static void from_float64(const void *from, size_t n, float *z) {
     for (size_t k = 0; k < n; k++) z[k] = (float)a[k];
 }
 
-/* A finite double that is no float would become a hole behind its owner's back. */
+/* A finite double beyond the range of floats would silently become a hole. */
 static bool check_float64(const void *from, const float *z, size_t n, size_t row, const char *path, io_error *error) {
     const double *a = from;
     for (size_t k = 0; k < n; k++)
@@ -85,7 +85,7 @@ static bool check(const io_npy *npy, io_error *error) {
     char shape[128];
     io_npy_shape_text(npy, shape, sizeof shape);
     if (npy->header.rank != 2) return io_fail(error, "%s: shape %s, but a raster is (rows, columns)", npy->path, shape);
-    /* An empty side lets the other one be of any length, whatever the file's size. */
+    /* If one side is empty, the other may have any length in a file of any size. */
     if (npy->header.shape[0] == 0 || npy->header.shape[1] == 0)
         return io_fail(error, "%s: shape %s holds no samples", npy->path, shape);
     return true;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The table of formats that results are written in, and the two that need no library of their own here. */
+/* The table of formats that results are written in, and the two formats that need no library. */
 
 #include "raster_out.h"
 
@@ -17,7 +17,8 @@
 
 size_t io_cell_bytes(io_cell cell) { return cell == IO_CELL_UINT8 ? 1 : cell == IO_CELL_UINT16 ? 2 : 4; }
 
-/* ---- NumPy arrays: (rows, columns), or (bands, rows, columns) ----------------------------------------------------- */
+/* ---- NumPy arrays: (rows, columns), or (bands, rows, columns)
+ * ----------------------------------------------------- */
 
 static bool npy_create(io_raster_writer *w, io_error *error) {
     static const char *const types[] = {"'|u1'", "'<u2'", "'<f4'"};
@@ -39,7 +40,8 @@ static bool npy_finish(io_raster_writer *w, bool whole, io_error *error) {
 
 const io_raster_sink io_sink_npy = {".npy", "NumPy array", 0, npy_create, npy_write, npy_finish};
 
-/* ---- GeoTIFF ------------------------------------------------------------------------------------------------------ */
+/* ---- GeoTIFF
+ * ------------------------------------------------------------------------------------------------------ */
 
 static bool tif_create(io_raster_writer *w, io_error *error) {
     const io_gdal *gdal = io_gdal_load(error);
@@ -62,7 +64,8 @@ static bool tif_finish(io_raster_writer *w, bool whole, io_error *error) {
 
 const io_raster_sink io_sink_tif = {".tif", "GeoTIFF", 0, tif_create, tif_write, tif_finish};
 
-/* ---- the table ---------------------------------------------------------------------------------------------------- */
+/* ---- the table
+ * ---------------------------------------------------------------------------------------------------- */
 
 #ifndef CELLWALK_PNG
 const io_raster_sink io_sink_png = {".png", "picture", 1, NULL, NULL, NULL};
@@ -119,8 +122,7 @@ bool io_raster_write(io_raster_writer *w, const void *cells, size_t rows, io_err
     return true;
 }
 
-/* What programs keep beside a GeoTIFF and take for its own, statistics and smaller copies, belongs to the file that was there
- * before. */
+/* Statistics and smaller copies that programs keep beside a GeoTIFF belong to the file that is being replaced. */
 static void remove_companions(const char *target) {
     static const char *const endings[] = {".aux.xml", ".ovr", ".msk"};
     for (size_t k = 0; k < sizeof endings / sizeof endings[0]; k++) {

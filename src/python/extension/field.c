@@ -39,9 +39,9 @@ static bool is_identity(double m[3][4]) {
     return true;
 }
 
-/* Field(samples, nx, ny, map, geographic, north_up, unit, semi_major, inverse_flattening, threads, progress[, (columns, rows, column, row,
- * map) of the raster that the samples are a window of]). Returns None in place of
- * a field whose samples hold an infinity, which borrowed samples must not. */
+/* Field(samples, nx, ny, map, geographic, north_up, unit, semi_major, inverse_flattening, threads, progress[,
+ * (columns, rows, column, row, map) of the raster that the samples are a window of]). Returns None in place of a
+ * field whose samples hold an infinity, which borrowed samples must not. */
 static cw_status make(py_field *f, work *w) {
     cw_field_desc desc = cw_field_desc_default();
     desc.samples = f->samples.buf;
@@ -148,7 +148,7 @@ static void field_dealloc(PyObject *self) {
     Py_DECREF(type);
 }
 
-/* Puts block into the samples. What the field then refuses is undone. */
+/* Copies block into the samples. If the field refuses it, the old samples are restored. */
 static cw_status put(py_field *f, const cw_update *u, const cw_run *run, const float *block, float *before) {
     float *z = f->samples.buf;
     for (size_t y = 0; y < u->at.ny; y++) {
@@ -200,8 +200,8 @@ static PyObject *field_update(PyObject *self, PyObject *arguments) {
     Py_RETURN_NONE;
 }
 
-/* coarser(factor, filter, rows, columns, out, threads, progress): rows * columns heights go to out. Returns (above, below, rms,
- * lost, made). */
+/* coarser(factor, filter, rows, columns, out, threads, progress): rows * columns heights go to out. Returns (above,
+ * below, rms, lost, made). */
 static PyObject *field_coarser(PyObject *self, PyObject *arguments) {
     py_field *f = (py_field *)self;
     Py_buffer out = {0};

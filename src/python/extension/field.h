@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* _cellwalk.Field: a height field over samples that a Python object holds. Checks of dtypes, shapes and values are made in
- * Python (cellwalk/_field.py), which says argument, shape and value; here only what would read or write out of bounds is
- * refused. */
+/* _cellwalk.Field: a height field over samples that a Python object holds. Checks of dtypes, shapes and values are
+ * made in Python (cellwalk/_field.py), whose messages name argument, shape and value. This file only refuses
+ * arguments that would read or write out of bounds. */
 #ifndef CELLWALK_PYTHON_FIELD_H
 #define CELLWALK_PYTHON_FIELD_H
 

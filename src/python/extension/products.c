@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What src/terrain computes, row by row into the caller's arrays. Places come as the map's, and messages name arguments as
- * cellwalk/_products.py calls them. */
+/* The products of src/terrain, row by row into the caller's arrays. Places are in map coordinates, and messages name
+ * arguments as cellwalk/_products.py calls them. */
 #include "field.h"
 #include "horizon.h"
 #include "shadow.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Rays from arrays, whatever their layout, and what follows from hits. */
+/* Rays from arrays of any layout; points and normals of hits. */
 #include "field.h"
 
 #include <math.h>
@@ -120,7 +120,7 @@ static cw_status trace(tracing *t, work *w) {
     return (cw_status)atomic_load(&t->status);
 }
 
-/* Builds what a kernel needs that the field has not, which must not happen beside queries. */
+/* Builds the structure of a kernel if the field lacks it. Must not run beside queries. */
 static bool make_ready(py_field *f, unsigned threads, const char *kernel, PyObject *progress) {
     const cw_run run = {.kernel = kernel ? cw_kernel_find(kernel) : NULL};
     if (cw_run_check(f->field, &run) != CW_ERROR_NOT_BUILT) return true;

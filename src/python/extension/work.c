@@ -10,8 +10,8 @@
 /* Seconds between two looks for signals. */
 static const double look_after = 0.05;
 
-/* Pools live as long as the process: to end one, its threads would have to be joined, which a child that was forked cannot do.
- * A child makes pools of its own. Guarded by the GIL. */
+/* Pools live as long as the process: to end one, its threads would have to be joined, which a child that was forked
+ * cannot do. A child makes new pools. Guarded by the GIL. */
 typedef struct kept_pool {
     unsigned threads;
     pid_t process;

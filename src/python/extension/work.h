@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* How a call from Python runs: without the GIL, on a pool that all fields share, under a watch that looks for Ctrl-C and
- * tells a progress callable. */
+/* How a call from Python runs: without the GIL, on a pool that all fields share, under a watch that looks for Ctrl-C
+ * and tells a progress callable. */
 #ifndef CELLWALK_PYTHON_WORK_H
 #define CELLWALK_PYTHON_WORK_H
 
@@ -21,14 +21,16 @@ typedef struct work {
     atomic_bool stopped; /* an exception is set */
 } work;
 
-/* Makes w ready and releases the GIL. progress is None or a callable; kernel is NULL or a name. False with an exception set. */
+/* Makes w ready and releases the GIL. progress is None or a callable; kernel is NULL or a name. False with an
+ * exception set. */
 bool work_begin(work *w, unsigned threads, const char *kernel, PyObject *progress);
 
-/* Takes the GIL back. False, with an exception that names the call, unless status is CW_OK and nothing stopped the work. */
+/* Takes the GIL back. False, with an exception that names the call, unless status is CW_OK and nothing stopped the
+ * work. */
 bool work_end(work *w, cw_status status, const char *call);
 
-/* A cw_watch_fn and terrain_progress: context is the work. From threads other than the caller's it only says whether the work
- * is stopped, since Python handles signals on its own threads. */
+/* A cw_watch_fn and terrain_progress: context is the work. From threads other than the caller's it only says whether
+ * the work is stopped, since Python handles signals on its own threads. */
 bool work_watch(void *context, double done);
 
 /* The same, but tells no progress: for steps whose shares are not those of the whole. */
@@ -37,7 +39,7 @@ bool work_look(void *context, double done);
 /* For work in parts: from here on the watch is told shares of [begin, begin + share]. False if the work is stopped. */
 bool work_part(work *w, double begin, double share);
 
-/* The exception for a status, with what the library says of the last failure on this thread. */
+/* The exception for a status, with the library's message of the last failure on this thread. */
 void work_raise(cw_status status, const char *call);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The images of a scene while its file is read. Each file is read once, in the order in which shapes need them, on a thread of
- * its own if there may be one: decoding takes longer than most scenes' text. */
+/* The images of a scene while its file is read. Each file is read once, in the order in which shapes need them, on a
+ * second thread if that is allowed: decoding takes longer than most scenes' text. */
 #ifndef CELLWALK_SCENE_PBRT_IMAGES_H
 #define CELLWALK_SCENE_PBRT_IMAGES_H
 
@@ -38,11 +38,12 @@ void pbrt_images_begin(pbrt_images *p, unsigned threads);
 /* The image of a file, if it is one of those that have been asked for; else NULL. */
 texture *pbrt_images_find(const pbrt_images *p, const char *path);
 
-/* Reads a file into an empty texture, now or later. False, with error, if this one or one before is known to have failed. */
+/* Reads a file into an empty texture, now or later. False, with error, if this one or one before is known to have
+ * failed. */
 bool pbrt_images_read(pbrt_images *p, const char *path, const char *place, texture *into, io_error *error);
 
-/* Waits until all have been read. False, with error, if one failed: then it was before any other error that the caller has found
- * since, as it comes first in the file. To be called in any case, and once. */
+/* Waits until all have been read. False, with error, if one failed: then it was before any other error that the
+ * caller has found since, as it comes first in the file. To be called in any case, and once. */
 bool pbrt_images_end(pbrt_images *p, io_error *error);
 
 #endif

@@ -45,7 +45,7 @@ static const double power_of_ten[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  
                                       1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
 static const uint64_t exact_in_double = (uint64_t)1 << 53;
 
-/* What strtod and strtof say in the C locale, for the few numbers that quick arithmetic cannot round for certain. */
+/* strtod and strtof in the C locale, for the few numbers that quick arithmetic may round wrongly. */
 static void slow_number(const char *text, double *number, float *rounded) {
     const locale_t c_locale = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);
     if (number != NULL) *number = c_locale != (locale_t)0 ? strtod_l(text, NULL, c_locale) : strtod(text, NULL);
@@ -53,9 +53,9 @@ static void slow_number(const char *text, double *number, float *rounded) {
     if (c_locale != (locale_t)0) freelocale(c_locale);
 }
 
-/* Whether a double that was rounded once may be rounded to float once more. It lies on the same side of the point halfway
- * between two floats as the number that it came from, unless it is that point itself; below the smallest normal float
- * these points lie elsewhere. */
+/* Whether a double that was rounded once may be rounded to float once more. It lies on the same side of the point
+ * halfway between two floats as the number that it came from, unless it is that point itself; below the smallest
+ * normal float these points lie elsewhere. */
 static bool rounds_twice_alike(double number) {
     uint64_t bits;
     memcpy(&bits, &number, sizeof bits);

@@ -61,7 +61,8 @@ char *pbrt_resolve(const pbrt_state *p, const char *name) {
     return path;
 }
 
-/* ---- transforms --------------------------------------------------------------------------------------------------- */
+/* ---- transforms
+ * --------------------------------------------------------------------------------------------------- */
 
 static bool apply(pbrt_state *p, const transform *t) {
     p->attributes.current = transform_multiply(&p->attributes.current, t);
@@ -131,7 +132,8 @@ static bool coord_sys_transform(pbrt_state *p, const pbrt_site *site, io_error *
     return true;
 }
 
-/* ---- before the world --------------------------------------------------------------------------------------------- */
+/* ---- before the world
+ * --------------------------------------------------------------------------------------------- */
 
 /* Reads a class name, which must be the one given unless that is NULL, and parameters. */
 static bool read_class(const pbrt_site *site, const char *class, char **name, pbrt_params *params, io_error *error) {
@@ -148,7 +150,7 @@ static bool film(pbrt_state *p, const pbrt_site *site, io_error *error) {
     char *class;
     pbrt_params params = {.count = 0};
     long width = 640, height = 480;
-    const char *filename = NULL; /* not used: the program asks where to write */
+    const char *filename = NULL; /* not used: the program's option says where to write */
     bool good = read_class(site, "image", &class, &params, error) &&
                 pbrt_param_integer(&params, "xresolution", 1, SIDE_MAX, &width, error) &&
                 pbrt_param_integer(&params, "yresolution", 1, SIDE_MAX, &height, error) &&
@@ -213,7 +215,8 @@ static bool skip(pbrt_state *p, const pbrt_site *site, io_error *error) {
     return good;
 }
 
-/* ---- structure ---------------------------------------------------------------------------------------------------- */
+/* ---- structure
+ * ---------------------------------------------------------------------------------------------------- */
 
 static bool world_begin(pbrt_state *p, const pbrt_site *site, io_error *error) {
     if (!p->camera && !p->fields_only) return fail_at(site, error, "no Camera has been set");

@@ -16,11 +16,12 @@ typedef struct pbrt_texture {
     texture *image;
 } pbrt_texture;
 
-/* Limits on levels of includes, and on all that a scene reads: a file that includes two others, which include two others… would never end. */
+/* Limits on levels of includes, and on all that a scene reads: a file that includes two others, which include two
+ * others… would never end. */
 enum { PBRT_DEPTH_MAX = 64, PBRT_INCLUDE_MAX = 16, PBRT_FILES_MAX = 4096, PBRT_WARNINGS_MAX = 100 };
 static const uint64_t pbrt_bytes_max = (uint64_t)1 << 34;
 
-/* What AttributeBegin saves. */
+/* The state that AttributeBegin saves. */
 typedef struct pbrt_attributes {
     transform current;
     material surface;  /* without its image */

@@ -107,10 +107,11 @@ static void describe_shape(plan_shape *shape, const plan *p, space *s) {
     }
 }
 
-/* ---- shapes that may hide a light ----------------------------------------------------------------------------------- */
+/* ---- shapes that may hide a light
+ * ----------------------------------------------------------------------------------- */
 
-/* By how much of the radius a point must lie within a cylinder to count as inside whatever rounding does; the maps to it
- * are in float. */
+/* Margin, as a part of the radius, by which a point must lie within a cylinder to count as inside in spite of
+ * rounding; the maps to it are in float. */
 static const double inside_margin = 1e-4;
 
 static bool is_inside(const space *round, const double world[3]) {
@@ -150,7 +151,8 @@ static bool may_block(const plan *p, const space *spaces, size_t light, size_t s
     return p->general || !lies_within(&p->shapes[shape], &spaces[plan_home(shape)], c);
 }
 
-/* ---- all together ------------------------------------------------------------------------------------------------- */
+/* ---- all together
+ * ------------------------------------------------------------------------------------------------- */
 
 static bool allocate(plan *p, space **spaces) {
     const size_t shapes = p->shape_count, cylinders = shapes - p->field_count;
@@ -202,11 +204,11 @@ static double stretch(double m[3][3]) {
     return sqrt(sum);
 }
 
-/* Finds the rectangle in which the camera sees a shape's box, if all of it lies in front. Camera rays are moved to the shape's
- * space in floats: each component of a direction d there is off by less than 2^-22 |row| |d|, of the origin by 2^-24 of
- * itself. Back in the camera's space that turns a ray by less than there · back · 2^-21 (1 + farthest / nearest), where
- * there and back are how far the maps between the two stretch, and farthest and nearest are the corners. The room that is left
- * around is four times as wide. */
+/* Finds the rectangle in which the camera sees a shape's box, if all of it lies in front. Camera rays are moved to
+ * the shape's space in floats: each component of a direction d there is off by less than 2^-22 |row| |d|, of the
+ * origin by 2^-24 of itself. Back in the camera's space that turns a ray by less than there · back · 2^-21 (1 +
+ * farthest / nearest), where there and back are how far the maps between the two stretch, and farthest and nearest
+ * are the corners. The room that is left around is four times as wide. */
 static void find_seen(plan_shape *shape, const space *camera, const space *own) {
     double there[3][3], back[3][3];
     for (int r = 0; r < 3; r++)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Threads take tiles of the picture in turn. A tile is always rendered in the same way, by whichever thread. */
+/* Threads take tiles of the picture in turn. A tile is rendered in the same way by any thread. */
 
 #include "wave.h"
 
@@ -32,7 +32,8 @@ typedef struct worker {
     pthread_t thread;
 } worker;
 
-/* ---- the default tracer ------------------------------------------------------------------------------------------- */
+/* ---- the default tracer
+ * ------------------------------------------------------------------------------------------- */
 
 typedef struct library {
     const scene *scene;
@@ -69,7 +70,8 @@ static bool prepare(const library *l, io_error *error) {
     return true;
 }
 
-/* ---- threads ------------------------------------------------------------------------------------------------------ */
+/* ---- threads
+ * ------------------------------------------------------------------------------------------------------ */
 
 static void report(render *r) {
     pthread_mutex_lock(&r->lock);

@@ -5,8 +5,8 @@
 #include "lookup.inc.h"
 #include "surface.inc.h"
 
-/* Light and paths that leave a strip's ends: shadow rays, or mirrored paths. Only what material, plan and scene ask for
- * is computed. */
+/* Light and paths that leave a strip's ends: shadow rays, or mirrored paths. Only parts that material, plan and
+ * scene require are computed. */
 
 static const float one_by_pi = 0.318309886f;
 
@@ -44,8 +44,8 @@ LANE_INLINE void spread_camera(wave_strip *restrict s, const plan_shape *shape, 
     }
 }
 
-/* How far the points of neighbouring samples are from the strip's, in the flat surface; and how their directions differ,
- * if that is wanted. */
+/* How far the points of neighbouring samples are from the strip's, in the flat surface; and how their directions
+ * differ, if that is wanted. */
 static void spread_on_surface(wave *w, const wave_rays *r, size_t home, const plan_shape *shape, bool in_a_row,
                               bool directions) {
     wave_strip *s = &w->strip;
@@ -77,9 +77,9 @@ static void spread_on_surface(wave *w, const wave_rays *r, size_t home, const pl
 
 static const float by_whole_turn = 0.159154943f;
 
-/* The angle of (x, y) as a share of the whole turn, in [-1/2, 1/2], to 2^-22: a tenth of a texel where an image is 400000
- * texels wide. x and y are on the unit circle, so that no size needs care; the polynomial is within 4·10^-8 of
- * atan(x) / 2 pi on [0, 1], with the least error that its degree allows. */
+/* The angle of (x, y) as a share of the whole turn, in [-1/2, 1/2], to 2^-22: a tenth of a texel where an image is
+ * 400000 texels wide. x and y are on the unit circle, so that no size needs care; the polynomial is within 4·10^-8
+ * of atan(x) / 2 pi on [0, 1], with the least error that its degree allows. */
 LANE_INLINE float turn_of(float x, float y) {
     const float ax = fabsf(x), ay = fabsf(y);
     const float tangent = ax > ay ? ay / ax : ax / ay, q = tangent * tangent;
@@ -193,8 +193,8 @@ static void send_light(wave *w, const wave_rays *r, const plan_shape *shape, siz
     to->count = kept;
 }
 
-/* Appends the mirrored paths to the next wave. A direction d becomes d - 2 (d · n) n for the unit normal n; in a shape's
- * space, d - 2 (d · N) / (N · m) m, where m is the inverse metric times N. */
+/* Appends the mirrored paths to the next wave. A direction d becomes d - 2 (d · n) n for the unit normal n; in a
+ * shape's space, d - 2 (d · N) / (N · m) m, where m is the inverse metric times N. */
 static void send_mirrored(wave *w, const wave_rays *r, size_t home, const plan_shape *shape, bool in_a_row, size_t n,
                           wave_rays *next) {
     wave_strip *s = &w->strip;
@@ -309,8 +309,8 @@ static void shade_strip(wave *w, const wave_rays *r, size_t home, size_t number,
     for (size_t l = 0; l < p->light_count; l++) send_light(w, r, shape, n, l);
 }
 
-/* Collects the shadow rays of the wave at hand and makes the next one of its mirrored rays. No mirror counts in the last
- * bounce. */
+/* Collects the shadow rays of the wave at hand and makes the next one of its mirrored rays. No mirror counts in the
+ * last bounce. */
 static void shade(wave *w, const wave_rays *r, bool last, wave_rays *next) {
     const plan *p = w->plan;
     next->count = next->segment_count = 0;

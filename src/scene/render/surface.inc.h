@@ -9,8 +9,8 @@
 
 /* A strip of paths that end on one shape: where, and how the surface lies there, in the shape's space. */
 
-/* What a strip's paths have in an array of the wave: right there if they stand in a row, which is the rule, else collected in
- * room. */
+/* The elements of a wave's array that belong to a strip's paths: in place if they are consecutive, which is the
+ * rule, else copied to room. */
 static const float *fetch(const wave_strip *s, bool in_a_row, const float *from, float *room) {
     if (in_a_row) return from + s->path[0];
     for (size_t k = 0; k < wave_whole(s->n); k++) room[k] = from[s->path[k]];
@@ -77,7 +77,8 @@ static void arrive(wave *w, const wave_rays *r, size_t home, size_t shape, bool 
     for (size_t k = 0; k < wave_whole(s->n); k++) s->turn[0][0][k] = s->turn[1][1][k] = 1;
 }
 
-/* ---- height fields ------------------------------------------------------------------------------------------------ */
+/* ---- height fields
+ * ------------------------------------------------------------------------------------------------ */
 
 LANE_INLINE ptrdiff_t clamp(ptrdiff_t x, ptrdiff_t last) { return x < 0 ? 0 : x > last ? last : x; }
 
@@ -94,8 +95,8 @@ LANE_INLINE void copy_row(const float *row, ptrdiff_t i, ptrdiff_t last, float *
     }
 }
 
-/* The 4 x 4 samples around each cell. Each row of four is copied as it stands for sixteen paths; putting the even places first,
- * twice, sorts these by sample. In place of a sample beyond the border stands the one there. */
+/* The 4 x 4 samples around each cell. Each row of four is copied as it stands for sixteen paths; putting the even
+ * places first, twice, sorts these by sample. In place of a sample beyond the border stands the one there. */
 LANE_INLINE void fetch_window(wave_strip *s, const plan_shape *shape, bool border) {
     const float *samples = shape->field->samples;
     const ptrdiff_t nx = (ptrdiff_t)shape->field->nx, last_i = nx - 1, last_j = (ptrdiff_t)shape->field->ny - 1;
@@ -149,8 +150,9 @@ static void find_sides(wave_strip *s, const plan_shape *shape) {
     }
 }
 
-/* The cell's corners (0, 0), (1, 0), (0, 1), (1, 1), the point and the normal of the flat triangle, which is long as many
- * times its area as every other one's. Returns whether some cell lies at the border, as far as that matters to normals. */
+/* The cell's corners (0, 0), (1, 0), (0, 1), (1, 1), the point and the normal of the flat triangle, which is long as
+ * many times its area as every other one's. Returns whether some cell lies at the border, as far as that matters to
+ * normals. */
 static bool on_field(wave *w, const plan_shape *shape) {
     wave_strip *s = &w->strip;
     const float *samples = shape->field->samples;
@@ -199,13 +201,13 @@ static bool on_field(wave *w, const plan_shape *shape) {
     return border;
 }
 
-/* Vertices that a normal is made from: the cell's corners at both ends of its diagonal, the third corner of the triangle,
- * and the fourth of the cell. */
+/* Vertices that a normal is made from: the cell's corners at both ends of its diagonal, the third corner of the
+ * triangle, and the fourth of the cell. */
 enum { VERTEX_FIRST, VERTEX_LAST, VERTEX_THIRD, VERTEX_FOURTH };
 
 /* A vertex's normal is the sum of those of its triangles, at most six: both of the cells to the north-east and the
- * south-west, the lower one to the north-west, the upper one to the south-east. n, e, w and s are 1 or 0 as these cells are
- * there; multiplied by 1 all bits stay, so that a vertex inside needs no such factor. */
+ * south-west, the lower one to the north-west, the upper one to the south-east. n, e, w and s are 1 or 0 as these
+ * cells are there; multiplied by 1 all bits stay, so that a vertex inside needs no such factor. */
 typedef struct vertex {
     float x, y, z;
 } vertex;
@@ -273,7 +275,8 @@ LANE_INLINE void barycentric(wave_strip *restrict s, bool border, bool central, 
         s->normal[1][k] = a * first.y + b * last.y + c * third.y;
         s->normal[2][k] = a * first.z + b * last.z + c * third.z;
         if (!turns) continue;
-        /* From the first vertex to the third one leads a step along x in the lower triangle, along y in the upper one. */
+        /* From the first vertex to the third one leads a step along x in the lower triangle, along y in the upper
+         * one. */
         const vertex to = {third.x - first.x, third.y - first.y, third.z - first.z};
         const vertex on = {last.x - third.x, last.y - third.y, last.z - third.z};
         set_turn(s, k, 0, lower ? to.x : on.x, lower ? to.y : on.y, lower ? to.z : on.z);

@@ -7,11 +7,11 @@
 
 #include <string.h>
 
-/* A wave's rays against the scene's shapes: moved to a field and asked of it where they pass through its box, and met with
- * cylinders in closed form. */
+/* A wave's rays against the scene's shapes: moved to a field and asked of it where they pass through its box, and
+ * met with cylinders in closed form. */
 
-/* WAVE_LANES rays in a shape's space. Loops over them have a known length, and their callers are compiled into one body, so
- * that all this stays in registers. */
+/* WAVE_LANES rays in a shape's space. Loops over them have a known length, and their callers are compiled into one
+ * body, so that all this stays in registers. */
 typedef struct moved {
     float org[3][WAVE_LANES], dir[3][WAVE_LANES], tmin[WAVE_LANES], tmax[WAVE_LANES];
 } moved;
@@ -74,8 +74,8 @@ LANE_INLINE float earlier_exit(float leave, float low, float high, float org, fl
     return t < leave ? t : leave;
 }
 
-/* Whether each ray passes through a shape's box between tmin and tmax, 1 or 0. Each t has three roundings, so it is off by
- * less than 2^-22 of itself, and its sign is right: with that much room no ray is left out that passes. */
+/* Whether each ray passes through a shape's box between tmin and tmax, 1 or 0. Each t has three roundings, so it is
+ * off by less than 2^-22 of itself, and its sign is right: with that much room no ray is left out that passes. */
 LANE_INLINE void pass_box(const plan_shape *shape, const moved *restrict m, uint8_t *restrict passes) {
     const float room = 1 + 0x1p-21f;
     float low[3], high[3];
@@ -96,8 +96,8 @@ LANE_INLINE void pass_box(const plan_shape *shape, const moved *restrict m, uint
     for (int k = 0; k < WAVE_LANES; k++) passes[k] = (uint8_t)within[k];
 }
 
-/* Whether each way to a light, from t = 0 to 1, has both ends on the same side of the box: no division tells most of those that
- * do not pass. Rounding moves no sum across a border, so that the ends are where they seem. */
+/* Whether each way to a light, from t = 0 to 1, has both ends on the same side of the box: no division tells most of
+ * those that do not pass. Rounding moves no sum across a border, so that the ends are where they seem. */
 LANE_INLINE bool all_beside_box(const plan_shape *shape, const moved *restrict m) {
     int32_t beside[WAVE_LANES], all = 1;
     for (int k = 0; k < WAVE_LANES; k++) beside[k] = 0;
@@ -164,13 +164,14 @@ LANE_INLINE size_t ask(wave *w, size_t asked, const moved *m, uint8_t *passes, s
     return asked + kept;
 }
 
-/* ---- closest hits ------------------------------------------------------------------------------------------------- */
+/* ---- closest hits
+ * ------------------------------------------------------------------------------------------------- */
 
 /* Bounds on several rays, before each one is tested against a box. */
 typedef enum passing { NONE_PASS, SOME_PASS, ALL_PASS } passing;
 
-/* The tile's camera rays and a field's box: none passes if the tile lies outside of the rectangle in which the box is seen;
- * all do if those in the tile's corners do, as the box is convex, and as long as no field has been met. */
+/* The tile's camera rays and a field's box: none passes if the tile lies outside of the rectangle in which the box
+ * is seen; all do if those in the tile's corners do, as the box is convex, and as long as no field has been met. */
 static passing camera_passes(const wave *w, size_t f) {
     const plan *p = w->plan;
     const plan_shape *shape = &p->shapes[f];
@@ -275,9 +276,10 @@ static void closest_on_field(wave *w, const wave_rays *r, size_t f) {
     }
 }
 
-/* Where a ray meets the side of a cylinder of radius 1 between z = -1 and z = 1, in its space; infinity if nowhere between
- * tmin and tmax. (o + t d)² - 1 in x and y is a t² + 2 half t + c, and its discriminant is a minus the square of the cross
- * product of o and d, a form in which nothing cancels that matters. within: the ray is known to begin inside. */
+/* Where a ray meets the side of a cylinder of radius 1 between z = -1 and z = 1, in its space; infinity if nowhere
+ * between tmin and tmax. (o + t d)² - 1 in x and y is a t² + 2 half t + c, and its discriminant is a minus the
+ * square of the cross product of o and d, a form in which nothing cancels that matters. within: the ray is known to
+ * begin inside. */
 LANE_INLINE float cylinder_t(float ox, float oy, float oz, float dx, float dy, float dz, float tmin, float tmax,
                              bool within) {
     const float a = dx * dx + dy * dy, half = ox * dx + oy * dy, c = ox * ox + oy * oy - 1;
@@ -342,10 +344,12 @@ static void trace_paths(wave *w, const wave_rays *r) {
     wave_lap(w, WAVE_RAYS);
 }
 
-/* ---- hidden lights ------------------------------------------------------------------------------------------------ */
+/* ---- hidden lights
+ * ------------------------------------------------------------------------------------------------ */
 
-/* Ways to a light stay in the order of their pixels. Sorted by the cells where they begin they are traced in 0.76 to 0.98 of the
- * time, by direction in 0.99 to 1.17, shuffled in 2.5: the best sort would save up to 5 ns a ray, less than it takes. */
+/* Ways to a light stay in the order of their pixels. Sorted by the cells where they begin they are traced in 0.76 to
+ * 0.98 of the time, by direction in 0.99 to 1.17, shuffled in 2.5: the best sort would save up to 5 ns a ray, less
+ * than it takes. */
 
 LANE_INLINE size_t ask_any(wave *w, const wave_shadows *s, const wave_segment *g, const float *light, size_t f,
                            size_t asked, origin from) {
@@ -355,7 +359,7 @@ LANE_INLINE size_t ask_any(wave *w, const wave_shadows *s, const wave_segment *g
         moved m;
         move_shadows(map, from, light, s, first, &m);
         const size_t rays = g->end - first;
-        /* What begins on the field begins in its box. */
+        /* Paths that begin on the field begin in its box. */
         const bool all = from == FROM_HERE || p->general;
         if (all && f == 0) {
             asked = ask_all(w, asked, &m, first, rays);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* One thread's paths, as structures of arrays. They go through the scene in waves of up to SCENE_BATCH rays: all are traced,
- * then shaded, then all their shadow rays are traced; those that met a mirror are the next wave. So a tracer always has an
- * array of rays to work on, neighbours in the picture being neighbours in the array, and shading is loops that compilers
- * vectorise. */
+/* One thread's paths, as structures of arrays. They go through the scene in waves of up to SCENE_BATCH rays: all are
+ * traced, then shaded, then all their shadow rays are traced; those that met a mirror are the next wave. So a tracer
+ * always has an array of rays to work on, neighbours in the picture being neighbours in the array, and shading is
+ * loops that compilers vectorise. */
 #ifndef CELLWALK_SCENE_WAVE_H
 #define CELLWALK_SCENE_WAVE_H
 
@@ -98,8 +98,8 @@ typedef struct wave_strip {
     float uv[2][WAVE_STRIP], uv_apart[2][2][WAVE_STRIP];
 } wave_strip;
 
-/* What each path of a strip reads of an image: at a level and, if share is not 0, at the next coarser one, so many places
- * along an axis of its footprint. */
+/* The reads of an image by each path of a strip: at a level and, if share is not 0, at the next coarser one, so many
+ * places along an axis of its footprint. */
 typedef struct wave_footprints {
     int32_t level[WAVE_STRIP], count[WAVE_STRIP];
     float share[WAVE_STRIP], axis[2][WAVE_STRIP];
@@ -164,8 +164,9 @@ typedef struct wave_region {
     size_t x0, y0, x1, y1;
 } wave_region;
 
-/* Renders the part of the tile at (x, y) that lies in the region, of which image is the picture; x and y are multiples of
- * WAVE_TILE. False if cancel turned true. There is one such function for each instruction set, all from tile.c. */
+/* Renders the part of the tile at (x, y) that lies in the region, of which image is the picture; x and y are
+ * multiples of WAVE_TILE. False if cancel turned true. There is one such function for each instruction set, all from
+ * tile.c. */
 typedef bool wave_tile_fn(wave *w, size_t x, size_t y, const wave_region *region, const atomic_bool *cancel,
                           io_image *image);
 wave_tile_fn wave_tile_scalar, wave_tile_sse42, wave_tile_avx2, wave_tile_avx512, wave_tile_neon;

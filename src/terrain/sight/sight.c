@@ -4,7 +4,8 @@
 #include "bounds.h"
 #include "touch.h"
 
-/* ---- the place ---------------------------------------------------------------------------------------------------- */
+/* ---- the place
+ * ---------------------------------------------------------------------------------------------------- */
 
 static double clamped(double x, double low, double high) { return x < low ? low : x > high ? high : x; }
 
@@ -40,7 +41,8 @@ double sight_sample(const sight *s, size_t i, size_t j) {
     return (double)s->terrain->z[j * s->terrain->nx + i] - s->eye[2] - sight_fall(s, (double)i, (double)j);
 }
 
-/* ---- the steepest rise -------------------------------------------------------------------------------------------- */
+/* ---- the steepest rise
+ * -------------------------------------------------------------------------------------------- */
 
 /* A crossing within this many cells of an end is at the end, where rises are sought, which are rounded anyway. */
 static const double at_end = 0x1p-27;
@@ -99,17 +101,17 @@ static double bound_between(const way *w, double a, double b, int level) {
         for (size_t u = u0; u <= u1; u++)
             high = bounds->high[level][v * across + u] > high ? bounds->high[level][v * across + u] : high;
     const double height = (double)high - s->eye[2] - least_fall(s, left, right, top, bottom);
-    /* Shares from the eye. A crossing may count as one of this stretch if that is within rounding: the targets of lines that
-     * are decided are samples, so that the way goes at least a cell across all lines between. */
+    /* Shares from the eye. A crossing may count as one of this stretch if that is within rounding: the targets of
+     * lines that are decided are samples, so that the way goes at least a cell across all lines between. */
     const double room = 2 * w->slack + 2 * way_share_error, near = 1 - b - room, far = 1 - a + room;
     if (height == -INFINITY) return height;
-    /* A hair more for what rounding adds to heights between samples. */
+    /* Slightly more, for the rounding of heights between samples. */
     const double pad = 0x1p-48 * (fabs((double)high) + fabs(s->eye[2]) + fabs(height));
     return height + pad > 0 ? (near > 0 ? (height + pad) / near : INFINITY) : (height + pad) / far;
 }
 
-/* All of the way in which something may rise more steeply than *steepest, which look may raise. Stretches end at whole fours of
- * cells from the target. */
+/* All of the way in which something may rise more steeply than *steepest, which look may raise. Stretches end at
+ * whole fours of cells from the target. */
 static inline void look_along(const way *w, const double *steepest, way_look *look, void *context) {
     const sight_bounds *bounds = w->sight->bounds;
     int level = 0;
@@ -135,8 +137,8 @@ sight_rise sight_steepest(const sight *s, double i, double j, double least) {
     return found.rise;
 }
 
-/* An edge this near to the eye is crossed at places that rounding moves about. That matters nothing if all of it is below the
- * eye there: it then rises less steeply than its far end. */
+/* An edge this near to the eye is crossed at places that rounding moves about. That matters nothing if all of it is
+ * below the eye there: it then rises less steeply than its far end. */
 static const double clear_of_edges = 0x1p-10;
 
 static bool is_clear(const sight *s) {
@@ -157,8 +159,8 @@ static bool is_clear(const sight *s) {
     return ground + 2 * clear_of_edges * (high - low) < s->eye[2];
 }
 
-/* Seen from the eye, an edge is straight: what of it lies between two directions rises highest at one of them or at a sample
- * between them. Edges that are crossed within a cell of the eye end within two of it. */
+/* Seen from the eye, an edge is straight: what of it lies between two directions rises highest at one of them or at
+ * a sample between them. Edges that are crossed within a cell of the eye end within two of it. */
 double sight_around(const sight *s, const double a[2], const double b[2]) {
     enum { CELLS = 4 };
     if (!is_clear(s)) return INFINITY;
@@ -183,12 +185,13 @@ double sight_around(const sight *s, const double a[2], const double b[2]) {
             if (between && x * a[0] + y * a[1] > 0 && height / away > steepest && height < INFINITY)
                 steepest = height / away;
         }
-    /* Elsewhere places of crossings are off by less than 2^-27 cells, which is 2^-17 of the way there, and heights by 2^-50 of the
-     * numbers that they are made of, 2^-10 cells from the eye or farther. */
+    /* Elsewhere places of crossings are off by less than 2^-27 cells, which is 2^-17 of the way there, and heights
+     * by 2^-50 of the numbers that they are made of, 2^-10 cells from the eye or farther. */
     return steepest + 0x1p-16 * fabs(steepest) + 0x1p-38 * (size + most);
 }
 
-/* ---- decisions ---------------------------------------------------------------------------------------------------- */
+/* ---- decisions
+ * ---------------------------------------------------------------------------------------------------- */
 
 /* Whether the surface is not below the line at a crossing; over is how far it is above, rounded. */
 static inline bool is_blocked(const crossing *c, double *over) {
@@ -258,7 +261,8 @@ double sight_need_known(const sight *s, double i, double j, double z, double ris
     return fmax(n.steepest - w.top, n.excess);
 }
 
-/* ---- the first block ---------------------------------------------------------------------------------------------- */
+/* ---- the first block
+ * ---------------------------------------------------------------------------------------------- */
 
 typedef struct obstacle {
     double first;  /* share of the nearest crossing at which the surface is not below the line */

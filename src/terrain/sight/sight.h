@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Lines of sight from one place, in double: the highest terrain along them, seen from there.
  *
- * The surface is piecewise plane, so along a line its height over the place, divided by the distance, is greatest where the
- * line crosses an edge between two samples. Those crossings are looked at one by one, but for whole stretches in which no
- * sample is high enough. A curved earth sinks away by the square of the distance: the samples are lowered by that, and the
- * triangles stand on the lowered samples. */
+The surface is piecewise plane, so along a line its height over the place, divided by the distance, is greatest
+ * where the line crosses an edge between two samples. Those crossings are looked at one by one, but for whole
+ * stretches in which no sample is high enough. A curved earth sinks away by the square of the distance: the samples
+ * are lowered by that, and the triangles stand on the lowered samples. */
 #ifndef CELLWALK_TERRAIN_SIGHT_H
 #define CELLWALK_TERRAIN_SIGHT_H
 
@@ -23,51 +23,54 @@ typedef struct sight {
     double fall[3]; /* lowering at (x, y) from the eye: fall[0] x² + fall[1] x y + fall[2] y² */
 } sight;
 
-/* The lowering is curvature d² / (2 R), d being the distance in metres on the map and R the ellipsoid's radius at the equator:
- * 0 for a flat earth, 1 for one without air, 6/7 with the refraction that surveyors reckon with. */
+/* The lowering is curvature d² / (2 R), d being the distance in metres on the map and R the ellipsoid's radius at
+ * the equator: 0 for a flat earth, 1 for one without air, 6/7 with the refraction that surveyors reckon with. */
 void sight_init(sight *s, const terrain *t, const sight_bounds *bounds, const double eye[3], double curvature);
 
 double sight_fall(const sight *s, double i, double j);
 /* Sample (i, j) as seen from the eye: its height over the eye's, lowered. */
 double sight_sample(const sight *s, size_t i, size_t j);
 
-/* The steepest rise from the eye on the way to (i, j), as height over the eye per share of the way, both ends left out, and
- * the share at which it is, the least of several; rounded. Values below least are returned as least, at share 0. */
+/* The steepest rise from the eye on the way to (i, j), as height over the eye per share of the way, both ends left
+ * out, and the share at which it is, the least of several; rounded. Values below least are returned as least, at
+ * share 0. */
 typedef struct sight_rise {
     double steepest, share;
 } sight_rise;
 sight_rise sight_steepest(const sight *s, double i, double j, double least);
 
-/* Parts of the way to a place: the first so many cells from it, or all of it, and the last cell before the eye. Cells count
- * along the way's longer axis. */
+/* Parts of the way to a place: the first so many cells from it, or all of it, and the last cell before the eye.
+ * Cells count along the way's longer axis. */
 typedef struct sight_parts {
     double close; /* infinite: all */
     bool eye;
 } sight_parts;
 
-/* No rise within one cell of the eye is steeper than that in the directions between a and b, as height over the eye per cell
- * along the way's longer axis, which is the same for both: a and b are one long along it. */
+/* No rise within one cell of the eye is steeper than that in the directions between a and b, as height over the eye
+ * per cell along the way's longer axis, which is the same for both: a and b are one long along it. */
 double sight_around(const sight *s, const double a[2], const double b[2]);
 
-/* These decide exactly: for the samples, eye and heights as they are given, and lowerings as sight_fall rounds them, an answer
- * is that of real numbers. An edge between two samples that are no holes is part of the surface, and so is any such sample.
- * Coordinates are rounded to multiples of 2^-60. Rounding must be to nearest. */
+/* These decide exactly: for the samples, eye and heights as they are given, and lowerings as sight_fall rounds them,
+ * an answer is that of real numbers. An edge is part of the surface if neither of its samples is a hole, and so is a
+ * sample with a height. Coordinates are rounded to multiples of 2^-60. Rounding must be to nearest. */
 
-/* Whether the sample (i, j), or what stands above it, is seen, if nothing hides it outside these parts of the way: z is its
- * height and above that of the target over it, in the samples' numbers. Terrain that touches the line blocks it. */
+/* Whether the sample (i, j), or what stands above it, is seen, if nothing hides it outside these parts of the way: z
+ * is its height and above that of the target over it, in the samples' numbers. Terrain that touches the line blocks
+ * it. */
 bool sight_sees(const sight *s, double i, double j, double z, double above, sight_parts parts);
 
-/* How high over the sample (i, j) of height z something must at least stand so that nothing is above the line to it: 0 only if
- * nothing is above the line to the sample. low: something is known to rise by at least that on the way, as sight_steepest has
- * it, or -infinity. Rounded. */
+/* How high over the sample (i, j) of height z something must at least stand so that nothing is above the line to it:
+ * 0 only if nothing is above the line to the sample. low: something is known to rise by at least that on the way, as
+ * sight_steepest has it, or -infinity. Rounded. */
 double sight_need(const sight *s, double i, double j, double z, double low);
 
-/* The same, where the steepest rise on the way is known to be rise, off by less than error, but for these parts of the way. */
+/* The same, where the steepest rise on the way is known to be rise, off by less than error, but for these parts of
+ * the way. */
 double sight_need_known(const sight *s, double i, double j, double z, double rise, double error, sight_parts parts);
 
-/* The first place on the way to (i, j), at height z in the samples' numbers, at which the straight line to there is on or below
- * the surface, as a share of the way, with both ends left out; infinite if there is none. That there is one is exact, where it
- * is is rounded. */
+/* The first place on the way to (i, j), at height z in the samples' numbers, at which the straight line to there is
+ * on or below the surface, as a share of the way, with both ends left out; infinite if there is none. That there is
+ * one is exact, where it is is rounded. */
 double sight_first_block(const sight *s, double i, double j, double z);
 
 #endif

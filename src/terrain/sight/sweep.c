@@ -1,18 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The eye looks along rows of samples in four quarters, two in which rows are rows of the field and two in which they are
- * columns. In a quarter, a sample at distance r rows and x samples to the side is seen in direction u = x / r, and its rise
- * is w = height / r. That is a projection of space, so edges between samples stay straight: a sample is seen if it is above all
- * edges that are nearer, which is above their skyline.
+/* The eye looks along rows of samples in four quarters, two in which rows are rows of the field and two in which
+ * they are columns. In a quarter, a sample at distance r rows and x samples to the side is seen in direction u = x /
+ * r, and its rise is w = height / r. That is a projection of space, so edges between samples stay straight: a sample
+ * is seen if it is above all edges that are nearer, which is above their skyline.
  *
- * Row by row outward, edges are added to the skyline and samples are held against it. Two things save most of the work. The
- * skyline has a lower bound in each of many bins of directions, 8 to 16 cells wide: where neither this row nor the last one
- * comes up to it, nothing is seen and no edge matters. And an edge matters only if the triangle before it faces the eye, or is
- * missing, and the one behind it does not. Any other edge is lower, along every line that crosses it, than the next edge on the
- * line or the one before; and so on, up to an edge that is added or the sample itself. The way to a sample enters its last
- * triangle by an edge of the row before or by a diagonal: if that triangle faces the eye, neither matters.
+Row by row outward, edges are added to the skyline and samples are held against it. Two things save most of the
+ * work. The skyline has a lower bound in each of many bins of directions, 8 to 16 cells wide: where neither this row
+ * nor the last one comes up to it, nothing is seen and no edge matters. And an edge matters only if the triangle
+ * before it faces the eye, or is missing, and the one behind it does not. Any other edge is lower, along every line
+ * that crosses it, than the next edge on the line or the one before; and so on, up to an edge that is added or the
+ * sample itself. The way to a sample enters its last triangle by an edge of the row before or by a diagonal: if that
+ * triangle faces the eye, neither matters.
  *
- * Decisions are those of sight.h. Where rounding might tell otherwise, the way is followed there: where a plane passes the eye
- * within the margin, or a sample is as near to the skyline as the error. papers/terrain.md derives both, under How. */
+Decisions are those of sight.h. Where rounding might tell otherwise, the way is followed there: where a plane
+ * passes the eye within the margin, or a sample is as near to the skyline as the error. papers/terrain.md derives
+ * both, under How. */
 #include "sweep.h"
 
 #include "skyline.h"
@@ -23,8 +25,8 @@
 
 enum { SLICES = SWEEP_PARTS / 4, BIN_CELLS = 8, COLUMNS_AT_ONCE = 16, AROUND = 32, BESIDE = 3, PAD = 12 };
 
-/* Up to here all samples are looked at exactly, as edges may be so near to the eye that they do not count, and all edges are
- * added. */
+/* Up to here all samples are looked at exactly, as edges may be so near to the eye that they do not count, and all
+ * edges are added. */
 static const double close_rows = 3;
 
 /* The skyline begins there: a cell from the eye, less a hair. Nearer terrain is left to sight_around. */
@@ -55,8 +57,8 @@ typedef struct part {
 
     const float *near;                /* the last row, or NULL */
     double *near_height, *far_height; /* of it and the present row, over the eye */
-    /* How far the planes of triangles pass over the eye: those at the near row, those at the far one, and those at the far row
-     * of the rows before. 0 where that is not known, NaN where there is no triangle. */
+    /* How far the planes of triangles pass over the eye: those at the near row, those at the far one, and those at
+     * the far row of the rows before. 0 where that is not known, NaN where there is no triangle. */
     double *front, *back, *back_before;
     bool holes; /* there have been some */
 
@@ -73,8 +75,8 @@ static double distance(const part *p, long row) { return fabs((double)row - p->e
 
 static long clipped(const part *p, double i) { return i > 0 ? i < (double)p->length ? (long)i : p->length : 0; }
 
-/* Heights of a row's samples in these directions and next to them. A row that is a column is fetched with those that follow it,
- * since each line of memory holds samples of sixteen. */
+/* Heights of a row's samples in these directions and next to them. A row that is a column is fetched with those that
+ * follow it, since each line of memory holds samples of sixteen. */
 static const float *fetch(part *p, long row) {
     const terrain *t = p->sight->terrain;
     if (!p->swapped) return t->z + (size_t)row * t->nx;
@@ -188,7 +190,7 @@ static void add_row(part *p, double r, long begin, long end, uint32_t start) {
         add(p, at, x, near, h[i], x + 1, near, h[i + 1]);
     }
     if (!p->holes) return;
-    /* Next to a hole samples count by themselves. */
+    /* Beside a hole each sample counts alone. */
     for (long i = begin; i < end; i++) {
         const double x = (double)i - p->aside;
         const double planes =
@@ -233,8 +235,8 @@ static void look_around(part *p) {
     }
 }
 
-/* The samples of the row in these directions: the last part of a quarter has both ends. Directions of exactly 45 degrees
- * belong to the quarters whose rows are rows. */
+/* The samples of the row in these directions: the last part of a quarter has both ends. Directions of exactly 45
+ * degrees belong to the quarters whose rows are rows. */
 static void visit_row(part *p, long row, long begin, long end, uint32_t start, bool calm) {
     const double r = distance(p, row), per_row = 1 / r, error = error_of(p, r);
     const bool rising = p->outward > 0, all = r <= close_rows, every = p->target == INFINITY;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Command lines: one table describes a subcommand to the parser and to the reader of --help, so that the two cannot
- * disagree. Options and operands may come in any order; `--name=value` and `--name value` mean the same, as do `-o value`
- * and `-ovalue`; `--` ends the options. */
+ * disagree. Options and operands may come in any order; `--name=value` and `--name value` mean the same, as do `-o
+ * value` and `-ovalue`; `--` ends the options. */
 #ifndef CELLWALK_OPTIONS_OPTIONS_H
 #define CELLWALK_OPTIONS_OPTIONS_H
 
@@ -70,12 +70,12 @@ typedef struct options_usage {
 enum { OPTIONS_GO = -1 };
 int options_parse(const options_usage *usage, int argc, char **argv, const char **operands);
 
-/* Calls of options_parse from now on pass the table to look, with that context, and return EXIT_SUCCESS. NULL ends that. For
- * pages/ alone: not for threads. */
+/* Calls of options_parse from now on pass the table to look, with that context, and return EXIT_SUCCESS. NULL ends
+ * that. For pages/ alone: not for threads. */
 typedef void options_look(const options_usage *usage, void *context);
 void options_show(options_look *look, void *context);
 
-/* What every subcommand has, and every program. */
+/* The options of every subcommand, and of every program. */
 extern const option_spec option_help, option_version;
 
 /* True if the list is empty or holds the number. */

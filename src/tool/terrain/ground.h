@@ -38,12 +38,12 @@ typedef struct ground {
     io_raster_options reading;
     io_raster about;            /* all of the raster: size, map and place, and samples if the file has no windows */
     terrain whole;              /* the same; no samples */
-    cw_rectangle window, piece; /* what the product is made of, what is in memory */
+    cw_rectangle window, piece; /* samples of the product; samples in memory */
     double map[3][4];           /* of the window */
     size_t pieces, warnings;    /* that were read, and printed since then */
 } ground;
 
-/* What is read at the opening. */
+/* The parts that are read at the opening. */
 typedef enum ground_reading {
     GROUND_SAMPLES,
     GROUND_FIELD, /* samples, and a field of them for rays */
@@ -76,9 +76,9 @@ typedef struct ground_place {
 /* X,Y,H or X,Y,+H, X,Y,=Z, or X,Y, which is height above ground. False after a message. */
 bool ground_parse_place(const char *name, const char *text, double height, ground_place *p);
 
-/* Field coordinates, rounded to 2^-28 and to lines of samples that are as near as that, and the height in the samples' numbers.
- * An error where a height above ground has no ground, or the place is under it. *level_there is the ground's height in metres, NaN
- * where there is none, and may be NULL. */
+/* Field coordinates, rounded to 2^-28 and to lines of samples that are as near as that, and the height in the
+ * samples' numbers. An error where a height above ground has no ground, or the place is under it. *level_there is
+ * the ground's height in metres, NaN where there is none, and may be NULL. */
 bool ground_find_place(const terrain *t, const ground_place *p, double at[3], double *level_there, io_error *error);
 
 /* Where the raster lies. */
@@ -99,8 +99,9 @@ typedef struct ground_notes {
 __attribute__((format(printf, 2, 3))) void ground_note(ground_notes *n, const char *format, ...);
 void ground_notes_free(ground_notes *n);
 
-/* The product's size, place and coordinate system. what: the meaning of a sample's number, in one sentence, and the name of a single
- * band. notes get that, the subcommand, the program's version and the surface; both must stay while the product is written. */
+/* The product's size, place and coordinate system. what: the meaning of a sample's number, in one sentence, and the
+ * name of a single band. notes get that, the subcommand, the program's version and the surface; both must stay while
+ * the product is written. */
 io_raster_product ground_product(const ground *g, io_cell cell, size_t bands, const char *const *what,
                                  ground_notes *notes);
 

@@ -59,7 +59,7 @@ static bool fill(void *context, size_t band, size_t row, size_t rows, void *cell
         : j->sky  ? horizon_sky_view(j->horizon, q, row, rows, cells, ground_tell_block, j->ground, &done)
                   : horizon_angles(j->horizon, q, band, row, rows, cells);
     if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));
-    /* Where nothing is, horizon.h has the nadir, which is no horizon and would be the least and part of the mean. */
+    /* Without terrain in a direction horizon.h has the nadir, which must not count as the least or in the mean. */
     float *angles = cells;
     for (size_t k = 0; k < rows * j->ground->terrain.nx && !j->sky; k++)
         if (angles[k] == -90) angles[k] = NAN;

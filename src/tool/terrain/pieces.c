@@ -9,7 +9,8 @@
 #include <string.h>
 #include <unistd.h>
 
-/* ---- options ------------------------------------------------------------------------------------------------------ */
+/* ---- options
+ * ------------------------------------------------------------------------------------------------------ */
 
 void pieces_rows(ground_options *o, option_spec rows[PIECES_OPTION_COUNT]) {
     const option_spec own[PIECES_OPTION_COUNT] = {
@@ -52,7 +53,8 @@ bool pieces_resolve(ground_options *o) {
     return false;
 }
 
-/* ---- the raster, without samples ---------------------------------------------------------------------------------- */
+/* ---- the raster, without samples
+ * ---------------------------------------------------------------------------------- */
 
 cw_rectangle pieces_all(const ground *g) { return (cw_rectangle){0, 0, g->about.nx, g->about.ny}; }
 
@@ -124,14 +126,15 @@ bool pieces_describe(ground *g, io_error *error) {
     return g->options->window == NULL || find_window(g, error);
 }
 
-/* ---- reading ------------------------------------------------------------------------------------------------------ */
+/* ---- reading
+ * ------------------------------------------------------------------------------------------------------ */
 
-/* A sample's four bytes, and what a field has built over it. */
+/* A sample's four bytes, and its share of the field's structures. */
 static const double bytes_a_sample = 4 + 4, samples_most = 0x1p31;
 
 static double bytes_of(cw_rectangle piece) { return (double)piece.nx * (double)piece.ny * bytes_a_sample; }
 
-/* The rest of the program, GDAL's cache and what is written. */
+/* The rest of the program, GDAL's cache and the output. */
 static const double others = 3e8;
 
 static double room(const ground *g) { return fmax(g->options->bytes - others, 0.25 * g->options->bytes); }
@@ -150,7 +153,7 @@ bool pieces_check(const ground *g, cw_rectangle piece, io_error *error) {
                    piece.nx, piece.ny, ceil(need / 1e6), g->options->bytes / 1e6);
 }
 
-/* What the reading of the header has told is not told again, nor the same of piece after piece. */
+/* Warnings of the header are not repeated, nor the same warning for piece after piece. */
 static void warn_of_samples(void *context, const char *text) {
     enum { ENOUGH = 4 };
     ground *g = context;
@@ -282,7 +285,8 @@ bool pieces_survey(ground *g, reach_blocks *b, pieces_wanted *wanted, void *cont
     return survey_rows(&s, 0, b->down, error);
 }
 
-/* ---- writing ------------------------------------------------------------------------------------------------------ */
+/* ---- writing
+ * ------------------------------------------------------------------------------------------------------ */
 
 /* As many rows as a GeoTIFF's tiles have, fewer where that would make Ctrl-C wait, or memory is short. */
 static size_t block_rows(const io_raster_product *p, double passes, bool few) {

@@ -60,7 +60,7 @@ static cw_rectangle samples_of(const job *j, const double at[2]) {
     return whole || c->needed ? all : reach_between(&g->whole, at, g->window);
 }
 
-/* Reads what all observers need, and makes the window that which they can see. */
+/* Reads the part that all observers need, and sets the window to the part that they can see. */
 static bool read_samples(job *j, io_error *error) {
     const viewshed_command *c = j->command;
     ground *g = j->ground;

@@ -20,7 +20,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* ---- names of the file system ---------------------------------------------------------------------------------------- */
+/* ---- names of the file system
+ * ---------------------------------------------------------------------------------------- */
 
 typedef struct input {
     FILE *file;
@@ -28,7 +29,7 @@ typedef struct input {
     bool at_end;
 } input;
 
-static char refused[512]; /* the first name since gdal_files_reset that was no regular file */
+static char refused[512]; /* the first name since gdal_files_reset of something other than a regular file */
 
 void gdal_files_reset(void) { refused[0] = '\0'; }
 const char *gdal_files_refused(void) { return refused[0] != '\0' ? refused : NULL; }
@@ -139,7 +140,8 @@ static char **read_folder(void *context, const char *name, int most) {
     return names;
 }
 
-/* ---- files that are lent --------------------------------------------------------------------------------------------- */
+/* ---- files that are lent
+ * --------------------------------------------------------------------------------------------- */
 
 enum { LENT_MAX = 16 };
 static const char lent_prefix[] = "/vsicellwalk/";

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* GDAL has many ways to the network, and a file may ask for most of them: a description of a map server is recognised whatever
- * its name, and a VRT may name sources on servers. Here they are closed, each layer by itself:
- *  - GDAL's virtual file systems but for those that work on local files;
- *  - drivers but for a list of those that read local files, which also excludes drivers of later versions of GDAL;
- *  - GDAL's own requests;
- *  - requests by libcurl, which netCDF makes by itself: they are sent to a port of this machine at which nothing is;
- *  - PROJ's, for grids of datum shifts. */
+/* GDAL has many ways to the network, and a file can trigger most of them: a description of a map server is
+ * recognised under any name, and a VRT may name sources on servers. Here they are closed, layer by layer:  - GDAL's
+ * virtual file systems, except those that work on local files;  - drivers, except a list of those that read local
+ * files, which also excludes drivers of later versions of GDAL;  - GDAL's own requests;  - requests by libcurl,
+ * which netCDF makes without GDAL: they are sent to an unused port of this machine;  - PROJ's, for grids of datum
+ * shifts. */
 
 #include "network.h"
 
@@ -19,7 +18,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of Debian's GDAL 3.6 and the versions up to 3.11, those that read rasters from local files; netCDF takes URLs, too. Rasterlite and MBTiles read through SQLite. */
+/* Of Debian's GDAL 3.6 and the versions up to 3.11, those that read rasters from local files; netCDF takes URLs,
+ * too. Rasterlite and MBTiles read through SQLite. */
 static const char local_drivers[] =
     " VRT DERIVED GTiff COG NITF RPFTOC ECRGTOC HFA SAR_CEOS CEOS JAXAPALSAR GFF ELAS ESRIC AIG AAIGrid GRASSASCIIGrid "
     "ISG"

@@ -8,7 +8,7 @@
 #include <gdal.h>
 #include <ogr_srs_api.h>
 
-/* Fills error with name, what and GDAL's last message, clears that message, and returns false. */
+/* Fills error with name, the text what and GDAL's last message, clears that message, and returns false. */
 bool gdal_fail(io_error *error, const char *name, const char *what);
 /* Tells the options' warn. */
 __attribute__((format(printf, 2, 3))) void gdal_warn(const io_raster_options *options, const char *format, ...);
@@ -19,7 +19,8 @@ bool gdal_read(io_gdal_source *source, size_t first, size_t count, float *z, io_
 void gdal_close(io_gdal_source *source);
 bool gdal_each_file(io_gdal_source *source, bool (*note)(const char *path));
 
-/* Fills in the facts of a coordinate system: well-known text, units, ellipsoid, and the unit of heights if it has one. */
+/* Fills in the facts of a coordinate system: well-known text, units, ellipsoid, and the unit of heights if it has
+ * one. */
 void gdal_describe_crs(OGRSpatialReferenceH crs, io_georef *georef);
 bool gdal_lon_lat(const char *crs, bool back, size_t n, double *x, double *y, io_error *error);
 

@@ -52,8 +52,8 @@ static double height_unit(const char *name) {
     return 0;
 }
 
-/* Pixel corners to pixel centres: a sample stands in the middle of its pixel, and GDAL gives corners for files of either
- * convention. */
+/* Pixel corners to pixel centres: a sample stands in the middle of its pixel, and GDAL gives corners for files of
+ * either convention. */
 static void place(GDALDatasetH file, const char *path, const io_raster_options *options, io_raster *raster) {
     static const double none[6] = {0, 1, 0, 0, 0, 1};
     double g[6];
@@ -145,8 +145,8 @@ static bool fail_read(io_error *error, const char *path, const char *what) {
     return gdal_fail(error, path, what);
 }
 
-/* Blocks of a file that is read part by part are hardly ever wanted again, and GDAL keeps as many as a twentieth of the machine's
- * memory holds. */
+/* Blocks of a file that is read part by part are hardly ever wanted again, and GDAL keeps as many as a twentieth of
+ * the machine's memory holds. */
 static void keep_little(void) {
     static const GIntBig enough = (GIntBig)1 << 26;
     if (CPLGetConfigOption("GDAL_CACHEMAX", NULL) == NULL && GDALGetCacheMax64() > enough) GDALSetCacheMax64(enough);
@@ -177,7 +177,8 @@ io_gdal_source *gdal_open(const char *path, const io_raster_options *options, io
     }
     gdal_files_reset();
     gdal_network_reset();
-    /* All drivers take ten times as long to register as that of GeoTIFF: 2.4 ms beside some 40 for loading GDAL at all. */
+    /* All drivers take ten times as long to register as that of GeoTIFF: 2.4 ms beside some 40 for loading GDAL at
+     * all. */
     if (!gdal_network_is_url(path) && GDALIdentifyDriver(path, NULL) == NULL) {
         GDALAllRegister();
         gdal_network_drivers();
@@ -210,7 +211,7 @@ io_gdal_source *gdal_open(const char *path, const io_raster_options *options, io
     return s;
 }
 
-/* Values that are no data become NaN; value is the one that the file stores. */
+/* Values that mean no data become NaN; value is the one that the file stores. */
 static bool is_no_data(const io_gdal_source *s, double value) {
     bool is = s->has_nodata && value == s->nodata;
     for (size_t k = 0; k < s->other_count; k++) is |= value == s->others[k];
@@ -265,8 +266,8 @@ bool gdal_read(io_gdal_source *s, size_t first, size_t count, float *z, io_error
     return true;
 }
 
-/* A VRT lists its sources, but not those of a VRT among them. More levels and more such files than these no honest one has,
- * and one that names itself has no end. */
+/* A VRT lists its sources, but not those of a VRT among them. More levels and more such files than these no honest
+ * one has, and one that names itself has no end. */
 enum { VRT_DEPTH_MAX = 8, VRT_FILES_MAX = 4096 };
 
 static bool note_files(GDALDatasetH file, bool (*note)(const char *path), int depth, int *left) {

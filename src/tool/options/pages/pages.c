@@ -7,7 +7,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* ---- what the writers share ---- */
+/* ---- shared by the writers ---- */
 
 page_value pages_value(const option_spec *o) {
     if (o->value == NULL) return PAGE_NOTHING;

@@ -6,14 +6,15 @@
 #include "command.h"
 #include "options.h"
 
-/* Writes the pages of a program and all its subcommands into the folder, which is made if need be, with the layout of share/:
- * man/man1, bash-completion/completions, zsh/vendor-completions, fish/vendor_completions.d. Returns an exit status. */
+/* Writes the pages of a program and all its subcommands into the folder, which is made if need be, with the layout
+ * of share/: man/man1, bash-completion/completions, zsh/vendor-completions, fish/vendor_completions.d. Returns an
+ * exit status. */
 int pages_write(const program *p, const char *folder);
 
 /* ---- for the writers ---- */
 
-/* Calls in this order: head, command for each subcommand, tail. They print to one file or, if a writer has a file for each
- * subcommand, head and each command to one of their own. */
+/* Calls in this order: head, command for each subcommand, tail. They print to one file or, if a writer has a file
+ * for each subcommand, head and each command to a separate one. */
 typedef struct page_writer {
     const char *before, *after; /* of the file's name */
     bool each;                  /* subcommands have files: PROGRAM-COMMAND */
@@ -24,7 +25,7 @@ typedef struct page_writer {
 
 extern const page_writer pages_man, pages_bash, pages_zsh, pages_fish;
 
-/* What may follow an option. */
+/* The kinds of values of an option. */
 typedef enum page_value {
     PAGE_NOTHING,
     PAGE_WORD,  /* one of the option's names */

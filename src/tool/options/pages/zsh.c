@@ -3,7 +3,7 @@
 
 #include "pages.h"
 
-/* A colon would end a part of what _describe and _arguments read, a bracket the description. */
+/* In the input of _describe and _arguments a colon would end a part, a bracket the description. */
 static const char special[] = "\\:[]";
 
 static void print_rows(FILE *to, const char *name, const char *what) {
@@ -37,7 +37,8 @@ static void head(FILE *to, const program *p) {
           to);
 }
 
-/* 'OPTION[description]:VALUE:values', with both forms of an option that has a letter; after a star where it may be repeated. */
+/* 'OPTION[description]:VALUE:values', with both forms of an option that has a letter; after a star where it may be
+ * repeated. */
 static void print_option(FILE *to, const option_spec *o) {
     const page_value value = pages_value(o);
     const bool again =
