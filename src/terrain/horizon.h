@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The horizon all round: how high the terrain stands against the sky in each direction, and how much of the sky is left. */
+/* The horizon all round: how high the terrain stands against the sky in each direction, and how much of the sky is
+ * left. */
 #ifndef CELLWALK_TERRAIN_HORIZON_H
 #define CELLWALK_TERRAIN_HORIZON_H
 
@@ -10,9 +11,9 @@ typedef struct horizon horizon;
 typedef struct horizon_desc {
     double start; /* directions are start, start + 360 / count, … in degrees of the compass */
     size_t count; /* from 1 to COMPASS_MOST */
-    /* Directions from sample to sample instead, count = 8, 16 or 32 of them, in the order of their azimuths: as exact, and in
-     * time that does not grow with the distance. Not on a map in degrees, nor with max_distance. Whole bands are computed
-     * at once: a float more for each sample of the terrain, for the sky view two. */
+    /* Directions from sample to sample instead, count = 8, 16 or 32 of them, in the order of their azimuths: as
+     * exact, and in time that does not grow with the distance. Not on a map in degrees, nor with max_distance. Whole
+     * bands are computed at once: a float more for each sample of the terrain, for the sky view two. */
     bool grid;
     double max_distance; /* metres: terrain farther away does not count; 0: no limit */
     double curvature;    /* as sight_init takes it; 0: the earth is flat */
@@ -23,9 +24,9 @@ cw_status horizon_create(const terrain *t, const horizon_desc *desc, horizon **h
 void horizon_destroy(horizon *h);
 double horizon_azimuth(const horizon *h, size_t number);
 
-/* The angle in degrees at which the highest point of the terrain in direction number stands above the level of the sample,
- * negative below it, for rows row to row + rows - 1. -90 where the terrain ends at the sample or nothing of it is within the
- * distance, NaN at a hole. */
+/* The angle in degrees at which the highest point of the terrain in direction number stands above the level of the
+ * sample, negative below it, for rows row to row + rows - 1. -90 where the terrain ends at the sample or nothing of
+ * it is within the distance, NaN at a hole. */
 cw_status horizon_angles(horizon *h, const cw_run *query, size_t number, size_t row, size_t rows, float *degrees);
 
 /* The share of the light of an evenly bright sky that reaches level ground, 0 to 1: the mean over all directions of the
@@ -33,9 +34,9 @@ cw_status horizon_angles(horizon *h, const cw_run *query, size_t number, size_t 
 cw_status horizon_sky_view(horizon *h, const cw_run *query, size_t row, size_t rows, float *share,
                            terrain_progress *progress, void *context, bool *done);
 
-/* The same for the ground as it leans (normal.h): the mean of the sky's brightness weighted with the cosine of the angle to
- * the ground's normal. The ground hides what is behind it, and nothing below the level is sky. A tilted plane has
- * (1 + cos tilt) / 2. */
+/* The same for the ground as it leans (normal.h): the mean of the sky's brightness weighted with the cosine of the
+ * angle to the ground's normal. The ground hides the sky behind it, and nothing below the level is sky. A tilted
+ * plane has (1 + cos tilt) / 2. */
 cw_status horizon_sky_view_tilted(horizon *h, const cw_run *query, size_t row, size_t rows, float *share,
                                   terrain_progress *progress, void *context, bool *done);
 

@@ -171,7 +171,7 @@ static cw_status share_of_disc(sunlight *s, const cw_run *query, size_t row, siz
     return CW_OK;
 }
 
-/* What the rows' leans are worth. */
+/* Rows to shade: the light that their tilted ground receives. */
 typedef struct shading {
     const sunlight *light;
     size_t row;

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A height field as a piece of the earth: where its samples lie on the map, the map's units in metres, and where
- * the compass points.
+/* A height field as a piece of the earth: where its samples lie on the map, the map's units in metres, and where the
+ * compass points.
  *
- * The surface is the one that the field's rays meet, two triangles a cell. Directions of the compass are the map's: 0 is the
- * direction in which y grows, 90 the one in which x does. On a map in degrees, metres in a degree are those at the row in
- * question, and straight is what is straight there: in a direction of the compass, what lies a distance L away at latitude φ is
- * met up to L tan φ / 2 R beside its azimuth, 0.027 degrees for 5 km at 50 degrees, and its distance is wrong by up to
- * 0.385 times that share, 0.02 %. papers/terrain.md has the measurement. */
+The surface is the one that the field's rays meet, two triangles a cell. Directions of the compass are the map's:
+ * 0 is the direction in which y grows, 90 the one in which x does. On a map in degrees, metres in a degree are those
+ * at the row in question, and lines are straight on the map. So at latitude φ a place at distance L is met up to L
+ * tan φ / 2 R beside its azimuth, 0.027 degrees for 5 km at 50 degrees, and its distance is wrong by up to 0.385
+ * times that share, 0.02 %. papers/terrain.md has the measurement. */
 #ifndef CELLWALK_TERRAIN_TERRAIN_H
 #define CELLWALK_TERRAIN_TERRAIN_H
 
@@ -23,8 +23,8 @@ typedef struct terrain {
     double unit;                  /* metres, or radians, in one of them */
     double radius, eccentricity2; /* of the ellipsoid: the equator's, in metres; e² */
 
-    /* NULL, or the raster that the samples are a window of, from that sample of it on. Directions and metres are then those of
-     * the raster, bit for bit, and only its size and map are used: its samples need not be in memory. */
+    /* NULL, or the raster that the samples are a window of, from that sample of it on. Directions and metres are
+     * then those of the raster, bit for bit, and only its size and map are used: its samples need not be in memory. */
     const struct terrain *whole;
     size_t column, row;
 } terrain;
@@ -54,7 +54,8 @@ static inline void terrain_from_map(const terrain *t, double x, double y, double
     for (int k = 0; k < 2; k++) ij[k] = t->back[k][0] * x + t->back[k][1] * y + t->back[k][2];
 }
 
-/* A direction of the compass in field coordinates, about a cell long, as seen from there; returns its length in metres. */
+/* A direction of the compass in field coordinates, about a cell long, as seen from there; returns its length in
+ * metres. */
 double terrain_direction(const terrain *t, double i, double j, double azimuth, double dir[2]);
 
 /* Height of the surface in metres at field coordinates, as rays meet it; NaN outside and in holes. */
@@ -77,9 +78,9 @@ typedef bool terrain_progress(void *context, double share);
 /* False if a place in field coordinates is farther from the field than lines of sight can be computed. */
 bool terrain_is_in_reach(double x, double y);
 
-/* Where a place of the map lies, in field coordinates; false if that is not in reach. Places of the map that are computed from a
- * file's numbers are off by some last digits. One that is on a line of samples or on a diagonal but for that shall be on it, so
- * all are rounded, which moves nothing by more than 2^-28 of a cell. */
+/* Where a place of the map lies, in field coordinates; false if that is not in reach. Places of the map that are
+ * computed from a file's numbers are off by some last digits. One that is on a line of samples or on a diagonal but
+ * for that shall be on it, so all are rounded, which moves nothing by more than 2^-28 of a cell. */
 bool terrain_find_place(const terrain *t, double x, double y, double at[2]);
 
 /* sine and cosine of degrees, exact for multiples of 90 and 45 degrees as far as numbers allow. */

@@ -62,7 +62,7 @@ typedef struct part {
     double *front, *back, *back_before;
     bool holes; /* there have been some */
 
-    /* The greatest so far: steps between neighbours, and what errors come from, per distance. */
+    /* The greatest so far: steps between neighbours, and the numbers whose rounding matters, per distance. */
     double step, snap, size, rise;
     double margin; /* planes that pass the eye this near may face it or not */
 
@@ -156,7 +156,8 @@ static void lean(part *p, double r, long begin, long end) {
     p->margin = 0x1p-24 * p->step * r + 0x1p-46 * size * (r + 16);
 }
 
-/* How far the skyline may be from what sight.c computes for its edges, and for those that were not added. */
+/* Bound on the difference of the skyline from the results of sight.c, for its edges and for those that were not
+ * added. */
 static double error_of(const part *p, double r) {
     return 0x1p-25 * p->snap + 0x1p-44 * p->size + 0x1p-45 * r * (p->line.steepest + p->rise);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* How steep the terrain rises before each sample as seen from one place, between bounds: found for all samples together, in a
- * sweep outward, so that a line of sight has to be followed only where the bounds leave the answer open. */
+/* How steep the terrain rises before each sample as seen from one place, between bounds: found for all samples
+ * together, in a sweep outward, so that a line of sight has to be followed only where the bounds leave the answer
+ * open. */
 #ifndef CELLWALK_TERRAIN_SWEEP_H
 #define CELLWALK_TERRAIN_SWEEP_H
 
@@ -10,14 +11,14 @@
 typedef struct sweep_way {
     double low;         /* something on it rises by at least this, as height over the eye per share of the way */
     sight_parts unsure; /* where something may still hide the target */
-    /* If the target is infinite, so that all are visited: whether the steepest rise on the way is known but for what is unsure.
-     * It is then rise, off by less than error, and by 2^-17 where the skyline has a step. */
+    /* If the target is infinite, so that all are visited: whether the steepest rise on the way is known but for what
+     * is unsure. It is then rise, off by less than error, and by 2^-17 where the skyline has a step. */
     bool known;
     double rise, error;
 } sweep_way;
 
-/* Called for every sample of the field that is no hole, once, unless something is known to hide what stands target above it;
- * from several threads. */
+/* Called once for every sample of the field with a height, unless something is known to hide a target above it; from
+ * several threads. */
 typedef void sweep_visit(void *context, size_t i, size_t j, const sweep_way *way);
 
 /* Called now and then, from the thread that does the part. False ends it. */
@@ -26,8 +27,8 @@ typedef bool sweep_tick(void *context);
 /* The sweep comes in parts, any of which may be done alone. */
 enum { SWEEP_PARTS = 64 };
 
-/* Samples farther away than most cells, on the longer axis, are left out. target may be infinite: then all are visited. False
- * if memory is short. */
+/* Samples farther away than most cells, on the longer axis, are left out. target may be infinite: then all are
+ * visited. False if memory is short. */
 bool sweep_part(const sight *s, unsigned part, double most, double target, sweep_visit *visit, sweep_tick *tick,
                 void *context);
 

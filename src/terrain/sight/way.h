@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The straight way from a target back to the eye, and the edges of the surface that it crosses: on lines of samples x = n and
- * y = n, and on diagonals x - y = n.
+/* The straight way from a target back to the eye, and the edges of the surface that it crosses: on lines of samples
+ * x = n and y = n, and on diagonals x - y = n.
  *
- * Places are computed in double, so each comes with a bound on its error. If the answer must be certain, touch.h decides where the
- * bound leaves it open. */
+Places are computed in double, so each comes with a bound on its error. If the answer must be certain, touch.h
+ * decides where the bound leaves it open. */
 #ifndef CELLWALK_TERRAIN_WAY_H
 #define CELLWALK_TERRAIN_WAY_H
 
@@ -24,7 +24,7 @@ typedef struct way {
     double diagonal, diagonal_low; /* x - y at the target: a rounded difference and its error */
     double across;                 /* how much x - y grows from the target to the eye */
     double slack;                  /* computed places are within so many cells of the true ones */
-    double rough; /* the bound on the error of a height over the line, but for what the edge's own heights add */
+    double rough; /* the bound on the error of a height over the line, without the part of the edge's own heights */
 } way;
 
 /* Computed shares of the way are within this of the true ones. */
@@ -40,16 +40,16 @@ typedef struct crossing {
     double other;  /* the place on it: y, or x on a row or a diagonal */
     double share;  /* of the way, from the eye */
     double height; /* of the surface over the eye, lowered; NaN where there is no surface */
-    /* The greatest difference of heights between neighbours on the edge; on two edges where the crossing is so near to a sample
-     * that it may be on either. */
+    /* The greatest difference of heights between neighbours on the edge; on two edges where the crossing is so near
+     * to a sample that it may be on either. */
     double steps;
     bool at_sample;
 } crossing;
 
-/* A share is off by up to 3.5 2^-52 of it: on diagonals 1.5 for across, 1 for n less the target's diagonal, and 0.5 each for the
- * division and the product. A place is off by that part of the step and by three roundings of its own, which is less than half
- * of slack. A height over the line is off by 2^-49 of each of its parts and the line's; the lowering enters by the square of a
- * share. rough is more than all of that but for the edge's own heights. */
+/* A share is off by up to 3.5 2^-52 of it: on diagonals 1.5 for across, 1 for n less the target's diagonal, and 0.5
+ * each for the division and the product. A place is off by that part of the step and by three more roundings, which
+ * is less than half of slack. A height over the line is off by 2^-49 of each of its parts and the line's; the
+ * lowering enters by the square of a share. rough exceeds the sum of these, without the edge's own heights. */
 static inline way way_to(const sight *s, double i, double j, double z, double above) {
     way w = {.sight = s, .place = {i, j}, .step = {s->eye[0] - i, s->eye[1] - j}, .z = z, .above = above};
     const double x = fabs(w.step[0]), y = fabs(w.step[1]);
@@ -86,8 +86,8 @@ static inline const float *way_sample(const terrain *t, int kind, double n, doub
     return t->z + (size_t)j * t->nx + (size_t)i;
 }
 
-/* The surface at a crossing. The lowering is a quadratic form q around the eye: q(s v) = s² q(v), and a mean of its values at
- * two ends of an edge e, at f of it, is the value there plus f (1 - f) q(e). */
+/* The surface at a crossing. The lowering is a quadratic form q around the eye: q(s v) = s² q(v), and a mean of its
+ * values at two ends of an edge e, at f of it, is the value there plus f (1 - f) q(e). */
 static inline void way_height(crossing *c) {
     const way *w = c->way;
     const sight *s = w->sight;
@@ -123,8 +123,8 @@ static inline bool way_see(const way *w, int kind, double n, double share, doubl
     return isfinite(c.height) && look(context, &c);
 }
 
-/* The crossings between two shares, a <= b, both included, and some that are within rounding of them, so that none is lost
- * between two stretches. */
+/* The crossings between two shares, a <= b, both included, and some that are within rounding of them, so that none
+ * is lost between two stretches. */
 static inline bool look_between(const way *w, double a, double b, way_look *look, void *context) {
     const double *p = w->place, *d = w->step;
     for (int axis = 0; axis < 2; axis++) {
