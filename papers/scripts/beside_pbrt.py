@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """pbrt-v2 and cellwalk on the six scenes, whole processes on one thread, interleaved: CPU time and memory of each, for the
-picture and for one of a single pixel, which is what reading and building take. Writes papers/data/scenes/pbrt.json. Needs GNU
+picture and for one of a single pixel, the time of reading and building. Writes papers/data/scenes/pbrt.json. Needs GNU
 time, and a pbrt-v2 of yours: any build will do, and --build says which it was."""
 
 import argparse

@@ -89,8 +89,8 @@ def pbrt(data):
     rounds = min(int(line.number("rounds")) for line in results.some("scene"))
     return (f"{run.text('cpu')}, {run.text('isa')}, commit {run.text('commit')}, load {run.number('load'):.2f}, "
             f"{run.text('date')}. pbrt-v2: {run.text('pbrt')}.\n\nCPU seconds of the whole process on one thread, medians of "
-            f"{rounds} interleaved rounds; flat triangles. *1 pixel*: the same for a picture of one pixel, which is what "
-            "reading and building take.\n\n" +
+            f"{rounds} interleaved rounds; flat triangles. *1 pixel*: the same for a picture of one pixel, the time of "
+            "reading and building.\n\n" +
             table(["scene", "pbrt-v2", "cellwalk", "ratio", "pbrt-v2, 1 pixel", "cellwalk, 1 pixel", "pbrt-v2, MiB",
                    "cellwalk, MiB"], rows) +
             f"\nGeometric mean of the ratios: {geometric_mean(ratios):.1f}.\n")
