@@ -1,6 +1,6 @@
-# Says at the end of configuring which optional parts were found, and what is missing without the others. A row: the part, the
-# Debian package, what needs it, and the condition under which it was found, as for if(), that holds in the project's
-# top folder.
+# Prints at the end of configuring which optional parts were found, and which features the others would add. A row: the part, the
+# Debian package, the features that need it, and the condition under which it was found, as for if() in the project's top
+# folder.
 set(parts_found)
 set(parts_missing)
 macro(cellwalk_part name package use)
