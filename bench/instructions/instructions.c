@@ -103,14 +103,14 @@ static int start(int argc, char **argv) {
 }
 
 static const command by_name[] = {
-    {"ablation", "count the instructions of builds without a lever each", start},
+    {"ablation", "count the instructions of builds without one technique each", start},
     {"caches", "count reads, and those that miss caches of 32 KiB, 512 KiB and 32 MiB", start},
 };
 
 int main(int argc, char **argv) {
     static const command *const commands[] = {&by_name[0], &by_name[1]};
     static const program counting = {.name = "cellwalk-instructions",
-                                     .what = "What does callgrind count of the kernels?",
+                                     .what = "Counts the kernels' instructions and cache misses with callgrind.",
                                      .commands = commands,
                                      .command_count = 2};
     return program_main(&counting, argc, argv);

@@ -15,20 +15,21 @@ void coarser_rows(coarser_options *c, option_spec rows[COARSER_OPTION_COUNT]) {
     rows[0] =
         (option_spec){.name = "coarser",
                       .value = "N",
-                      .help = "a terrain of every N-th row and column; how far its\nsurface lies from the full one, "
-                              "at most and in the root\nmean square, is printed to standard error",
+                      .help = "a terrain of every N-th row and column; prints the\nlargest and the root-mean-square "
+                              "distance of its surface\nfrom the full one to standard error, in the map's unit of\n"
+                              "height",
                       .kind = OPTION_COUNT,
                       .to = &c->factor,
                       .low = 2,
                       .high = CW_SIDE_MAX};
-    rows[1] =
-        (option_spec){.name = "filter",
-                      .value = "NAME",
-                      .help = "with --coarser: a sample is the weighted mean of those\naround it (default), or so that "
-                              "the surface is nowhere\nbelow (highest) or nowhere above (lowest) the full one",
-                      .kind = OPTION_NAME,
-                      .to = &c->filter,
-                      .names = filter_names};
+    rows[1] = (option_spec){
+        .name = "filter",
+        .value = "NAME",
+        .help = "with --coarser: a height is the weighted mean of the\nsamples around it (default), or "
+                "such that the surface is\nnowhere below (highest) or nowhere above (lowest) the\nfull one",
+        .kind = OPTION_NAME,
+        .to = &c->filter,
+        .names = filter_names};
 }
 
 /* The coarser field's samples and map, for readers of the raster. */

@@ -30,7 +30,7 @@ static machine look_at_machine(void) {
 }
 
 static void print_kernels(const cw_kernel *chosen) {
-    printf("\n    %-14s %5s  %-8s %-16s %s\n", "kernel", "width", "needs", "leaf test", "what it is");
+    printf("\n    %-14s %5s  %-8s %-16s %s\n", "kernel", "width", "needs", "leaf test", "description");
     for (size_t k = 0; k < cw_kernel_count(); k++) {
         const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
         const char *mark = cw_kernel_at(k) == chosen ? "*" : info.available ? " " : "-";
@@ -203,10 +203,11 @@ static int run(int argc, char **argv) {
     const options_usage usage = {
         .name = "info",
         .synopsis = "[FIELD] [OPTIONS]",
-        .what = "Prints what a height field holds, or without FIELD what this machine can run.\n"
+        .what = "Prints the contents and the cost of a height field, or without FIELD the kernels\n"
+                "that this machine can run.\n"
                 "\n"
                 "With FIELD: its extent, cell size, coordinate system, heights and holes, then its\n"
-                "size, its memory in bytes, and the seconds that reading takes, and building the\n"
+                "size, its memory in bytes, and the seconds of reading it and of building the\n"
                 "structure of the chosen kernel. Without FIELD: the CPU, its instruction set as far\n"
                 "as the system supports it, the optional libraries found, and the kernels (ways to\n"
                 "find hits) with the chosen one.\n\n" FIELD_FILE_HELP,
@@ -227,4 +228,4 @@ static int run(int argc, char **argv) {
     return show(path, &raster, &query, json);
 }
 
-const command command_info = {"info", "print what a field holds, or what this machine can run", run};
+const command command_info = {"info", "print a field's contents and cost, or this machine's kernels", run};

@@ -26,7 +26,7 @@ static void print_parts(void) {
 
 /* The commands by task: the whole help fits on a screen of 24 lines. */
 static const char tasks[] = "By task, for a terrain dem.tif with places X,Y on its map:\n"
-                            "  what it holds    cellwalk info dem.tif\n"
+                            "  its contents     cellwalk info dem.tif\n"
                             "  cast shadow      cellwalk shadow dem.tif --sun 225,30 -o shadow.tif\n"
                             "  visible area     cellwalk viewshed dem.tif --from X,Y -o seen.tif\n"
                             "  line of sight    cellwalk los dem.tif X,Y,2 X,Y,2\n"

@@ -24,12 +24,13 @@ void query_options_rows(query_options *q, option_spec rows[QUERY_OPTION_COUNT]) 
                                      .kind = OPTION_TEXT,
                                      .to = &q->leaf,
                                      .names = option_leaf_names};
-    rows[QUERY_ISA] = (option_spec){.name = "isa",
-                                    .value = "NAME",
-                                    .help = "the highest instruction set to use, within what\nCELLWALK_ISA allows",
-                                    .kind = OPTION_TEXT,
-                                    .to = &q->isa,
-                                    .names = option_isa_names};
+    rows[QUERY_ISA] =
+        (option_spec){.name = "isa",
+                      .value = "NAME",
+                      .help = "the highest instruction set to use, up to that of the\nvariable CELLWALK_ISA",
+                      .kind = OPTION_TEXT,
+                      .to = &q->isa,
+                      .names = option_isa_names};
     rows[QUERY_THREADS] = (option_spec){.name = "threads",
                                         .value = "N",
                                         .help = "number of threads; 0: one for each CPU (default)",

@@ -277,7 +277,7 @@ static int run(int argc, char **argv) {
                 "--dem, --from, --to, --sun, --fov, --image and those on how to read a raster are\n"
                 "for terrain only.\n",
         .examples = "  cellwalk render dem.tif -o overview.png\n"
-                    "  cellwalk render dem.tif --from 600250,5199800,+30 --to 603000,5203000 \\\n"
+                    "  cellwalk render dem.tif --from 600250,5199800,30 --to 603000,5203000 \\\n"
                     "      --sun 225,30 --size 1600x900 --samples 16 -o view.png\n"
                     "  cellwalk render dem.tif --image photo.tif -o photo.png\n"
                     "  cellwalk render landsea-0.pbrt -o landsea-0.png\n"

@@ -230,7 +230,7 @@ static bool wrong(const request *r, bool timing) {
     else if (r->any && (r->points || r->normals))
         command_fail("trace", "--any finds no hits, so --points and --normals cannot be given");
     else if (to_stdout && timing)
-        command_fail("trace", "standard output cannot take both the hits and what --stats, --repeat or --json print");
+        command_fail("trace", "standard output cannot take both the hits and the text of --stats, --repeat or --json");
     else if (to_stdout && isatty(STDOUT_FILENO))
         command_fail("trace", "standard output is a terminal, and hits are no text: give -o HITS.npy");
     else

@@ -52,7 +52,7 @@ static bool plan_range(const settings *o, batch_range *r, io_error *error) {
     *r = (batch_range){.part = 1, .parts = 1, .first = o->first};
     r->end = ((uint64_t)o->million * 1000000 + round_rays - 1) / round_rays * ROUND_BATCHES;
     if (o->part && (sscanf(o->part, "%u/%u%c", &r->part, &r->parts, &rest) != 2 || r->part < 1 || r->part > r->parts))
-        return io_fail(error, "--part %s: want K/N with 1 <= K <= N", o->part);
+        return io_fail(error, "--part %s: not K/N with 1 <= K <= N", o->part);
     return r->first < r->end ||
            io_fail(error, "--first %" PRIu64 ": there are only %" PRIu64 " batches", r->first, r->end);
 }
@@ -160,9 +160,10 @@ static bool run(const settings *o, batch_range range, io_error *error) {
     return good && (faults == 0 || io_fail(error, "%" PRIu64 " faults", faults));
 }
 
-static const char what[] = "Traces rays that are aimed at vertices, edges and the like, of which it is known that they "
-                           "hit, through all kernels and Embree, and counts leaks, phantoms and wrong surfaces. Ctrl-C "
-                           "ends it early, with all results so far, and says how to go on.";
+static const char what[] = "Traces rays that are aimed at vertices, edges and the like, and known to hit, with all "
+                           "kernels and Embree, and prints counts of leaks, phantoms and wrong surfaces; --json also "
+                           "writes them to a file. Ctrl-C ends it early, with all results so far, and prints the "
+                           "command that continues.";
 
 static int start(int argc, char **argv) {
     settings o = {.million = 1000, .sample = 1024};
@@ -172,10 +173,10 @@ static int start(int argc, char **argv) {
         {"sample", "N", "judge one ray in N in full (1024)", OPTION_COUNT, .to = &o.sample, .low = 1,
          .high = BATCH_RAYS},
         {"part", "K/N", "only every Nth batch, from the Kth on", OPTION_TEXT, .to = &o.part},
-        {"first", "N", "begin with batch N, where a run that was ended early says so", OPTION_COUNT, .to = &o.first,
+        {"first", "N", "begin with batch N, as a run that was ended early prints", OPTION_COUNT, .to = &o.first,
          .high = UINT_MAX},
-        {"no-embree", NULL, "leave Embree out", OPTION_FLAG, .to = &o.no_embree},
-        {"json", "FILE", "write results to it", OPTION_TEXT, .to = &o.json},
+        {"no-embree", NULL, "trace without Embree", OPTION_FLAG, .to = &o.no_embree},
+        {"json", "FILE", "also write the results to FILE as JSON lines", OPTION_TEXT, .to = &o.json},
     };
     const options_usage usage = {"run", "[OPTIONS]", what, NULL, options, sizeof options / sizeof *options, NULL, 0, 0};
     const int status = options_parse(&usage, argc, argv, NULL);
@@ -187,10 +188,10 @@ static int start(int argc, char **argv) {
 }
 
 int main(int argc, char **argv) {
-    static const command run_command = {"run", "trace aimed rays and count what is wrong with the answers", start};
+    static const command run_command = {"run", "trace aimed rays and count wrong answers", start};
     static const command *const commands[] = {&run_command};
     static const program stability_program = {.name = "cellwalk-stability",
-                                              .what = "Does any kernel leak, and does Embree?",
+                                              .what = "Counts wrong answers of the kernels and Embree on aimed rays.",
                                               .commands = commands,
                                               .command_count = 1};
     run_record_begin(argv + 1, argc - 1);

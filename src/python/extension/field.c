@@ -177,7 +177,7 @@ static PyObject *field_update(PyObject *self, PyObject *arguments) {
     bool good = buffer_holds(&block, bytes, "block") && buffer_holds(&before, bytes, "before");
     if (good && (row < 0 || column < 0 || rows < 0 || columns < 0 || (size_t)rows > f->ny || (size_t)columns > f->nx ||
                  (size_t)row > f->ny - (size_t)rows || (size_t)column > f->nx - (size_t)columns)) {
-        PyErr_SetString(PyExc_ValueError, "update: the rectangle is no part of the field");
+        PyErr_SetString(PyExc_ValueError, "update: the rectangle is not within the field");
         good = false;
     }
     if (good && (f->users != 0 || f->samples.readonly)) {

@@ -20,7 +20,7 @@ static size_t rows_at_once(const py_field *f, double passes) {
 
 static bool enter_ground(py_field *f) {
     if (f->terrain.field != NULL) return field_enter(f);
-    PyErr_SetString(PyExc_ValueError, "transform: has no way back from x and y to samples");
+    PyErr_SetString(PyExc_ValueError, "transform: cannot be inverted");
     return false;
 }
 

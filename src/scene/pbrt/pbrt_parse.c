@@ -22,7 +22,7 @@ static void warn_at(pbrt_state *p, pbrt_source *s, size_t offset, const char *na
     if (p->warnings++ < PBRT_WARNINGS_MAX)
         pbrt_fail(s, offset, name, &message, "%s", text);
     else
-        io_fail(&message, "there is more to warn of, which is not told");
+        io_fail(&message, "further warnings are not printed");
     p->warn(p->warn_context, message.text);
 }
 

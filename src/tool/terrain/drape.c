@@ -137,7 +137,7 @@ static bool read_band(ortho *o, const char *path, const io_georef *georef, int b
     double m[2][3];
     if (!io_raster_read(path, &options, &photo, error)) return false;
     bool good = same_crs(path, &photo.georef, georef, error);
-    if (good && !field_to_photo(o->terrain, &photo, m)) good = io_fail(error, "%s: its map has no way back", path);
+    if (good && !field_to_photo(o->terrain, &photo, m)) good = io_fail(error, "%s: its map cannot be inverted", path);
     if (good && band == 0) {
         const terrain *t = o->terrain;
         good = begin(o->to, hypot(m[0][0], m[1][0]) * (double)(t->nx - 1),

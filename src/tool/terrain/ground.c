@@ -59,12 +59,11 @@ bool ground_describe_raster(terrain *t, const io_raster *r, const cw_field *fiel
         .semi_major = r->georef.semi_major,
         .inverse_flattening = r->georef.inverse_flattening,
     };
-    return terrain_init(t, &desc) || io_fail(error, "%s: its map has no way back to samples", path);
+    return terrain_init(t, &desc) || io_fail(error, "%s: its map cannot be inverted", path);
 }
 
 bool ground_describe(terrain *t, const field_file *file, const char *path, io_error *error) {
-    if (file->raster.z == NULL)
-        return io_fail(error, "%s: a scene says nothing of places on earth; give a raster", path);
+    if (file->raster.z == NULL) return io_fail(error, "%s: a scene has no position on the earth; give a raster", path);
     return ground_describe_raster(t, &file->raster, file->field, path, error);
 }
 

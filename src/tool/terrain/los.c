@@ -73,10 +73,10 @@ static int run(int argc, char **argv) {
     const options_usage usage = {
         .name = name,
         .synopsis = "DEM X,Y[,H] X,Y[,H] [OPTIONS]",
-        .what = "Computes whether two places on a terrain see each other and prints the answer,\n"
-                "or where the straight line from the first to the second first meets the terrain.\n"
+        .what = "Computes whether the straight line between two places is free of terrain and\n"
+                "prints the answer, or the place where the line from the first is first blocked.\n"
                 "A line that touches the terrain is blocked; the ends themselves block nothing.\n"
-                "Distances and heights are metres, whatever the unit of the map.\n"
+                "Distances and heights are metres, for any unit of the map.\n"
                 "\n" GROUND_PLACE_HELP "\nWithout H a place is on the ground.\n",
         .examples = "  cellwalk los dem.tif 600250,5199800,2 601500,5200100,=1250\n",
         .options = options,
@@ -101,4 +101,4 @@ static int run(int argc, char **argv) {
     return opened == EXIT_SUCCESS ? ground_close(&g, look(&g, &c, &error), &error) : opened;
 }
 
-const command command_los = {"los", "check whether two places on a terrain see each other", run};
+const command command_los = {"los", "compute whether the line between two places is free", run};

@@ -16,14 +16,16 @@ void pieces_rows(ground_options *o, option_spec rows[PIECES_OPTION_COUNT]) {
     const option_spec own[PIECES_OPTION_COUNT] = {
         {.name = "window",
          .value = "XMIN,YMIN,XMAX,YMAX",
-         .help = "only the samples in that part of the map; no more is\nread than matters to them, and the answers are "
-                 "the same",
+         .help =
+             "only the samples in that part of the map, in its\ncoordinates; values are those of the whole raster, of\n"
+             "which only the parts needed are read",
          .kind = OPTION_TEXT,
          .to = &o->window},
         {.name = "memory",
          .value = "SIZE",
-         .help = "as 2G or 500M: the raster is read and the product made\nby bands of rows that need no more memory "
-                 "(default: three\nquarters of the machine's)",
+         .help =
+             "limit on memory in bytes, as 2G or 500M: rasters and\nproducts that need more are made by bands of rows\n"
+             "(default: three quarters of the machine's memory)",
          .kind = OPTION_TEXT,
          .to = &o->memory},
     };

@@ -172,7 +172,7 @@ static int run(int argc, char **argv) {
          .to = &c.disc},
         {.name = "curvature",
          .value = "K",
-         .help = "how much of the earth's curvature counts: 0 flat\n(default), 1 without air, 0.857 with usual "
+         .help = "the earth's curvature as a factor: 0 for a flat earth\n(default), 1 without air, 0.857 with usual "
                  "refraction",
          .kind = OPTION_NUMBER,
          .to = &c.curvature},

@@ -244,8 +244,8 @@ static int run(int argc, char **argv) {
          .high = 3600},
         {.name = "curvature",
          .value = "K",
-         .help =
-             "how much of the earth's curvature counts: 0 flat\n(default), 1 without air, 0.857 with usual refraction",
+         .help = "the earth's curvature as a factor: 0 for a flat earth\n(default), 1 without air, 0.857 with usual "
+                 "refraction",
          .kind = OPTION_NUMBER,
          .to = &c.curvature},
         {.name = "lon-lat",
@@ -261,8 +261,9 @@ static int run(int argc, char **argv) {
     const options_usage usage = {
         .name = name,
         .synopsis = "DEM --date DAY [--to DAY] -o FILE [OPTIONS]",
-        .what = "Computes hours of direct sunlight on every sample of a terrain (float32; NaN: no data), or\n"
-                "with --irradiance the energy of direct and diffuse light under a cloudless sky.\n"
+        .what = "Computes hours of direct sunlight on every sample of a terrain and writes a raster\n"
+                "(float32; NaN: no data). --irradiance writes the energy of direct and diffuse light\n"
+                "under a cloudless sky instead.\n"
                 "\n"
                 "The sun stands in the middle of each step, where it is seen from the terrain's\n"
                 "middle, lifted by the air's refraction. A sample is lit while the sun's middle is\n"

@@ -30,7 +30,7 @@ void view_rows(view_options *v, option_spec rows[VIEW_OPTION_COUNT]) {
     const option_spec own[] = {
         {.name = "dem",
          .value = "FILE",
-         .help = "the terrain, read as a raster whatever its name ends in",
+         .help = "the terrain, read as a raster for any ending of its name",
          .kind = OPTION_TEXT,
          .to = &v->dem},
         {.name = "from",

@@ -183,7 +183,7 @@ static bool make(ground *g, const viewshed_command *c, io_error *error) {
 }
 
 static bool wrong(viewshed_command *c) {
-    if (c->from.count == 0) return command_fail(name, "--from X,Y is missing: where does the observer stand?"), true;
+    if (c->from.count == 0) return command_fail(name, "--from X,Y is missing: the observer's place"), true;
     for (size_t k = 0; k < c->from.count; k++)
         if (!ground_parse_place(name, c->from.values[k], 2, &c->places[k])) return true;
     c->needed |= c->needed_absolute;
@@ -220,7 +220,7 @@ static int run(int argc, char **argv) {
          .to = &c.max_distance},
         {.name = "extent",
          .value = "NAME",
-         .help = "what is written with --max-distance: no more than is so\nnear (the default), or the full raster",
+         .help = "with --max-distance: write only samples within it (near,\nthe default), or the full raster",
          .kind = OPTION_NAME,
          .to = &c.extent,
          .names = extent_names},
