@@ -5,6 +5,6 @@
 
 #include "command.h"
 
-extern const command command_compare, command_micro, command_table, command_tradeoff;
+extern const command command_accuracy, command_compare, command_micro, command_table, command_tradeoff;
 
 #endif

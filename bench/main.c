@@ -7,7 +7,8 @@
 
 #include <signal.h>
 
-static const command *const commands[] = {&command_table, &command_micro, &command_tradeoff, &command_compare};
+static const command *const commands[] = {&command_table, &command_micro, &command_tradeoff, &command_accuracy,
+                                          &command_compare};
 
 /* Ctrl-C leaves no unfinished file behind, and the exit status names the signal. */
 static void stop(int number) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* How far answers are from the truth. */
 
-#include "accuracy/tradeoff.h"
+#include "accuracy/accuracy.h"
 #include "harness/memory.h"
 
 #include <math.h>
@@ -9,47 +9,47 @@
 
 enum { RUN = 16 };
 
-size_t tradeoff_thinned_at(size_t m, unsigned thin) { return ((m / RUN) << thin) * RUN + m % RUN; }
+size_t accuracy_thinned_at(size_t m, unsigned thin) { return ((m / RUN) << thin) * RUN + m % RUN; }
 
-size_t tradeoff_thin(const cw_ray *rays, size_t n, unsigned thin, cw_ray *out) {
+size_t accuracy_thin(const cw_ray *rays, size_t n, unsigned thin, cw_ray *out) {
     size_t m = 0;
-    for (; tradeoff_thinned_at(m, thin) < n; m++)
-        if (out) out[m] = rays[tradeoff_thinned_at(m, thin)];
+    for (; accuracy_thinned_at(m, thin) < n; m++)
+        if (out) out[m] = rays[accuracy_thinned_at(m, thin)];
     return m;
 }
 
-cw_status tradeoff_truth_make(tradeoff_truth *truth, const true_surface *surface, const cw_field *field,
+cw_status accuracy_truth_make(accuracy_truth *truth, const true_surface *surface, const cw_field *field,
                               const cw_ray *rays, size_t n) {
     const cw_run query = {.kernel = cw_kernel_find("cell"), .leaf = CW_LEAF_WATERTIGHT};
-    *truth = (tradeoff_truth){.surface = surface, .field = field, .rays = rays, .n = n};
+    *truth = (accuracy_truth){.surface = surface, .field = field, .rays = rays, .n = n};
     truth->hits = memory(n, sizeof *truth->hits);
     truth->exact = memory(n, sizeof *truth->exact);
-    for (int k = 0; k < TRADEOFF_ERROR_KINDS; k++) truth->scratch[k] = memory(n, sizeof *truth->scratch[k]);
+    for (int k = 0; k < ACCURACY_ERROR_KINDS; k++) truth->scratch[k] = memory(n, sizeof *truth->scratch[k]);
     const cw_status status = cw_closest(field, &query, rays, n, truth->hits);
     for (size_t k = 0; status == CW_OK && k < n; k++)
-        if (truth->hits[k].i >= 0) truth->exact[k] = tradeoff_exact(surface, &rays[k], &truth->hits[k]);
+        if (truth->hits[k].i >= 0) truth->exact[k] = accuracy_exact(surface, &rays[k], &truth->hits[k]);
     return status;
 }
 
-void tradeoff_truth_free(tradeoff_truth *truth) {
+void accuracy_truth_free(accuracy_truth *truth) {
     free(truth->hits);
     free(truth->exact);
-    for (int k = 0; k < TRADEOFF_ERROR_KINDS; k++) free(truth->scratch[k]);
-    *truth = (tradeoff_truth){0};
+    for (int k = 0; k < ACCURACY_ERROR_KINDS; k++) free(truth->scratch[k]);
+    *truth = (accuracy_truth){0};
 }
 
-double tradeoff_degrees(const double a[3], const double b[3]) {
+double accuracy_degrees(const double a[3], const double b[3]) {
     return 2 * asin(fmin(1, hypot(hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2]) / 2)) * (180 / 3.14159265358979323846);
 }
 
-static double normal_error(const tradeoff_truth *truth, const exact_hit *exact, const cw_field *field,
+static double normal_error(const accuracy_truth *truth, const exact_hit *exact, const cw_field *field,
                            const cw_hit *answer) {
     const cw_hit right = {
         .u = (float)exact->u, .v = (float)exact->v, .i = exact->i, .j = exact->j, .triangle = exact->triangle};
     double a[3], b[3];
     cw_hit_phong_normals(truth->field, NULL, &right, 1, a);
     cw_hit_phong_normals(field, NULL, answer, 1, b);
-    return tradeoff_degrees(a, b);
+    return accuracy_degrees(a, b);
 }
 
 /* How far the answer's place is from the exact one, in u or v of the exact triangle. */
@@ -72,43 +72,43 @@ static double point_error(const cw_ray *ray, double t, const cw_field *field, co
 }
 
 /* Of a ray that is answered right. */
-static void measure(const tradeoff_truth *truth, size_t k, size_t n, const cw_field *field, const cw_hit *answer) {
+static void measure(const accuracy_truth *truth, size_t k, size_t n, const cw_field *field, const cw_hit *answer) {
     const cw_ray *ray = &truth->rays[k];
     const exact_hit *exact = &truth->exact[k];
     const double t = (double)answer->t;
-    const double errors[TRADEOFF_ERROR_KINDS] = {exact_error_ulp(t, exact->t),
+    const double errors[ACCURACY_ERROR_KINDS] = {exact_error_ulp(t, exact->t),
                                                  exact_error_cells(ray, t, exact->t),
-                                                 tradeoff_off_surface(truth->surface, ray, t),
+                                                 accuracy_off_surface(truth->surface, ray, t),
                                                  normal_error(truth, exact, field, answer),
                                                  exact->t == 0 ? 0 : fabs(t / exact->t - 1),
                                                  uv_error(exact, answer),
                                                  point_error(ray, exact->t, field, answer)};
-    for (int kind = 0; kind < TRADEOFF_ERROR_KINDS; kind++) truth->scratch[kind][n] = errors[kind];
+    for (int kind = 0; kind < ACCURACY_ERROR_KINDS; kind++) truth->scratch[kind][n] = errors[kind];
 }
 
-static tradeoff_verdict judge(const tradeoff_truth *truth, size_t k, const tradeoff_claim *claim, const cw_hit *hit,
+static accuracy_verdict judge(const accuracy_truth *truth, size_t k, const accuracy_claim *claim, const cw_hit *hit,
                               bool answer) {
     const bool should = truth->hits[k].i >= 0;
-    return hit ? tradeoff_judge_closest(truth->surface, &truth->rays[k], claim, &truth->hits[k],
+    return hit ? accuracy_judge_closest(truth->surface, &truth->rays[k], claim, &truth->hits[k],
                                         should ? &truth->exact[k] : NULL, hit)
-               : tradeoff_judge_any(truth->surface, &truth->rays[k], claim, should, answer);
+               : accuracy_judge_any(truth->surface, &truth->rays[k], claim, should, answer);
 }
 
-tradeoff_errors tradeoff_errors_of(const tradeoff_truth *truth, unsigned thin, const tradeoff_claim *claim,
+accuracy_errors accuracy_errors_of(const accuracy_truth *truth, unsigned thin, const accuracy_claim *claim,
                                    const cw_field *field, contender_answers answers) {
-    static const tradeoff_claim none;
-    tradeoff_errors e = {.rays = tradeoff_thin(truth->rays, truth->n, thin, NULL)};
+    static const accuracy_claim none;
+    accuracy_errors e = {.rays = accuracy_thin(truth->rays, truth->n, thin, NULL)};
     for (size_t m = 0; m < e.rays; m++) {
-        const size_t k = tradeoff_thinned_at(m, thin);
+        const size_t k = accuracy_thinned_at(m, thin);
         const cw_hit *hit = answers.hits ? &answers.hits[m] : NULL;
         const bool answer = hit ? hit->i >= 0 : answers.occluded[m] != 0;
-        const tradeoff_verdict v = judge(truth, k, claim, hit, answer);
+        const accuracy_verdict v = judge(truth, k, claim, hit, answer);
         e.hits += answer;
-        e.broken += v > TRADEOFF_TIE;
-        e.verdicts[v == TRADEOFF_TIE ? judge(truth, k, &none, hit, answer) : v]++;
-        if (hit && v == TRADEOFF_RIGHT && truth->hits[k].i >= 0) measure(truth, k, e.right_hits++, field, hit);
+        e.broken += v > ACCURACY_TIE;
+        e.verdicts[v == ACCURACY_TIE ? judge(truth, k, &none, hit, answer) : v]++;
+        if (hit && v == ACCURACY_RIGHT && truth->hits[k].i >= 0) measure(truth, k, e.right_hits++, field, hit);
     }
-    for (int k = 0; k < TRADEOFF_ERROR_KINDS; k++) {
+    for (int k = 0; k < ACCURACY_ERROR_KINDS; k++) {
         e.median[k] = statistics_of(truth->scratch[k], e.right_hits).median;
         e.most[k] =
             e.right_hits ? truth->scratch[k][(size_t)(0.999 * (double)(e.right_hits - 1))] : 0; /* sorted by now */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* One class of rays on one field: everybody's errors, then everybody's speed. */
 
-#include "accuracy/tradeoff.h"
+#include "accuracy/accuracy.h"
 #include "clock.h"
 #include "harness/memory.h"
 #include "harness/results.h"
@@ -11,37 +11,37 @@
 #include <stdlib.h>
 #include <string.h>
 
-bool tradeoff_mode_wanted(size_t number, const tradeoff_options *o) {
-    return o->modes.count ? option_wanted(&o->modes, number) : o->longer || !tradeoff_mode_at(number)->longer;
+bool accuracy_mode_wanted(size_t number, const accuracy_options *o) {
+    return o->modes.count ? option_wanted(&o->modes, number) : o->longer || !accuracy_mode_at(number)->longer;
 }
 
 /* ---- a field ---- */
 
-void tradeoff_field_close(tradeoff_field *on) {
-    for (size_t s = 0; s < on->stage_count; s++) tradeoff_stage_close(&on->stages[s]);
+void accuracy_field_close(accuracy_field *on) {
+    for (size_t s = 0; s < on->stage_count; s++) accuracy_stage_close(&on->stages[s]);
     cw_field_destroy(on->field);
     workload_field_free(&on->samples);
-    *on = (tradeoff_field){0};
+    *on = (accuracy_field){0};
 }
 
-bool tradeoff_field_open(tradeoff_field *on, const char *name, const tradeoff_options *o, io_error *error) {
-    *on = (tradeoff_field){0};
+bool accuracy_field_open(accuracy_field *on, const char *name, const accuracy_options *o, io_error *error) {
+    *on = (accuracy_field){0};
     if (!workload_field_make(name, &on->samples)) return io_fail(error, "out of memory for field %s", name);
     on->surface = true_surface_of(on->samples.z, on->samples.nx, on->samples.ny);
     cw_status status = workload_field_open(&on->samples, CW_COPY, false, &on->field);
     if (status == CW_OK) status = cw_field_build(on->field, &(cw_run){.kernel = cw_kernel_find("cell")});
     bool good = status == CW_OK || io_fail(error, "field %s: %s", name, cw_last_error());
-    for (size_t m = 0; good && tradeoff_mode_at(m); m++) {
-        const tradeoff_mode *mode = tradeoff_mode_at(m);
-        if (!tradeoff_mode_wanted(m, o) || on->stage_count == TRADEOFF_MODES_MAX) continue;
+    for (size_t m = 0; good && accuracy_mode_at(m); m++) {
+        const accuracy_mode *mode = accuracy_mode_at(m);
+        if (!accuracy_mode_wanted(m, o) || on->stage_count == ACCURACY_MODES_MAX) continue;
         if (mode->embree && (peer_embree_version() == NULL ||
                              !run_memory_has(peer_embree_needs(on->field, mode->geometry), mode->name, name)))
             continue;
         good =
-            tradeoff_stage_open(&on->stages[on->stage_count], mode, on->field, &on->surface, (cw_isa)o->run.isa, error);
+            accuracy_stage_open(&on->stages[on->stage_count], mode, on->field, &on->surface, (cw_isa)o->run.isa, error);
         on->stage_count += good;
     }
-    if (!good) tradeoff_field_close(on);
+    if (!good) accuracy_field_close(on);
     return good;
 }
 
@@ -49,11 +49,11 @@ bool tradeoff_field_open(tradeoff_field *on, const char *name, const tradeoff_op
 
 typedef struct row row;
 struct row {
-    const tradeoff_stage *stage;
+    const accuracy_stage *stage;
     contender contender;
     unsigned thin, thin_errors; /* of the rays that are timed, and of those whose errors are looked for */
     double left_out;            /* seconds for a pass over the thinnest set if too many, else 0 */
-    tradeoff_errors errors;
+    accuracy_errors errors;
     const row *same_as; /* whose errors these are, because it gives the same bits; or NULL */
     contender_pass pass;
     interleave_job job;
@@ -62,24 +62,24 @@ struct row {
 enum { THIN_MAX = 6, RAYS_SPARE = 32 }; /* of a thinned set at most a run is more than its share */
 
 typedef struct group {
-    const tradeoff_field *on;
+    const accuracy_field *on;
     workload_class c;
     bool any;
     cw_ray *rays[THIN_MAX + 1]; /* thinned; NULL until asked for */
     size_t counts[THIN_MAX + 1];
     contender_answers answers, of_leader; /* and those of the row that others are held against */
-    tradeoff_truth truth;
+    accuracy_truth truth;
     row *rows;
     size_t row_count;
 } group;
 
 /* A contender, if the mode has it here, becomes the next row. */
-static bool add_row(group *g, const tradeoff_stage *stage, const cw_kernel *kernel, unsigned width, io_error *error) {
-    if (g->row_count == TRADEOFF_ROWS_MAX) return io_fail(error, "more than %d contenders", TRADEOFF_ROWS_MAX);
+static bool add_row(group *g, const accuracy_stage *stage, const cw_kernel *kernel, unsigned width, io_error *error) {
+    if (g->row_count == ACCURACY_ROWS_MAX) return io_fail(error, "more than %d contenders", ACCURACY_ROWS_MAX);
     row *r = &g->rows[g->row_count];
     cw_status status = CW_OK;
     if (kernel)
-        status = tradeoff_stage_kernel(stage, kernel, &r->contender);
+        status = accuracy_stage_kernel(stage, kernel, &r->contender);
     else
         contender_from_peer(&r->contender, stage->peer, width, workload_class_is_coherent(g->c), stage->mode->name);
     r->stage = stage;
@@ -89,9 +89,9 @@ static bool add_row(group *g, const tradeoff_stage *stage, const cw_kernel *kern
                    g->on->samples.name, cw_last_error());
 }
 
-static bool add_rows(group *g, const tradeoff_options *o, io_error *error) {
+static bool add_rows(group *g, const accuracy_options *o, io_error *error) {
     for (size_t s = 0; s < g->on->stage_count; s++) {
-        const tradeoff_stage *stage = &g->on->stages[s];
+        const accuracy_stage *stage = &g->on->stages[s];
         for (size_t w = 0; stage->mode->embree && w < PEER_WIDTH_COUNT; w++)
             if (!add_row(g, stage, NULL, peer_embree_widths[w], error)) return false;
         for (size_t k = 0; !stage->mode->embree && k < cw_kernel_count(); k++)
@@ -138,16 +138,16 @@ static void answer(const group *g, const row *r, contender_answers out) {
 }
 
 static void judge(const group *g, row *r, contender_answers out) {
-    const tradeoff_stage *s = r->stage;
+    const accuracy_stage *s = r->stage;
     if (g->any) out.hits = NULL;
-    r->errors = tradeoff_errors_of(&g->truth, r->thin_errors, &s->claim, s->field, out);
+    r->errors = accuracy_errors_of(&g->truth, r->thin_errors, &s->claim, s->field, out);
 }
 
 /* The answers that lie there for a thinned set are bit for bit those that the leader gave for the same rays. */
 static bool same_as_leader(const group *g, const row *leader, const row *r) {
     if (r->thin_errors < leader->thin_errors) return false;
     for (size_t m = 0; m < g->counts[r->thin_errors]; m++) {
-        const size_t of = tradeoff_thinned_at(m, r->thin_errors - leader->thin_errors);
+        const size_t of = accuracy_thinned_at(m, r->thin_errors - leader->thin_errors);
         if (g->any ? g->answers.occluded[m] != g->of_leader.occluded[of]
                    : memcmp(&g->answers.hits[m], &g->of_leader.hits[of], sizeof(cw_hit)) != 0)
             return false;
@@ -157,7 +157,7 @@ static bool same_as_leader(const group *g, const row *leader, const row *r) {
 
 /* Of a mode's kernels the one that takes most rays is judged; and each other one that does not give the same bits. So
  * kernels that only walk differently have the same errors, however few rays the slow ones take. */
-static void find_errors_of(group *g, const tradeoff_stage *stage) {
+static void find_errors_of(group *g, const accuracy_stage *stage) {
     row *leader = NULL;
     for (row *r = g->rows; r < g->rows + g->row_count; r++)
         if (r->stage == stage && r->left_out == 0 && (leader == NULL || r->thin_errors <= leader->thin_errors))
@@ -179,8 +179,8 @@ static void find_errors_of(group *g, const tradeoff_stage *stage) {
 
 /* ---- speed ---- */
 
-static void time_all(group *g, const tradeoff_options *o, double seconds) {
-    interleave_job *jobs[TRADEOFF_ROWS_MAX];
+static void time_all(group *g, const accuracy_options *o, double seconds) {
+    interleave_job *jobs[ACCURACY_ROWS_MAX];
     size_t count = 0;
     for (row *r = g->rows; r < g->rows + g->row_count; r++) {
         r->pass = pass_of(g, r, r->thin, g->answers);
@@ -194,19 +194,19 @@ static void time_all(group *g, const tradeoff_options *o, double seconds) {
 
 /* ---- JSON ---- */
 
-static void set_errors(json_t *line, const tradeoff_errors *e) {
+static void set_errors(json_t *line, const accuracy_errors *e) {
     const double million = e->rays ? 1e6 / (double)e->rays : 0;
     const size_t *v = e->verdicts;
     results_set_counts(line, "ray_count hits ties leaks phantoms wrong broken",
-                       (size_t[]){e->rays, e->hits, v[TRADEOFF_TIE], v[TRADEOFF_LEAK], v[TRADEOFF_PHANTOM],
-                                  v[TRADEOFF_WRONG], e->broken});
+                       (size_t[]){e->rays, e->hits, v[ACCURACY_TIE], v[ACCURACY_LEAK], v[ACCURACY_PHANTOM],
+                                  v[ACCURACY_WRONG], e->broken});
     results_set_numbers(line, "leaks_per_million phantoms_per_million wrong_per_million broken_per_million",
-                        (double[]){(double)v[TRADEOFF_LEAK] * million, (double)v[TRADEOFF_PHANTOM] * million,
-                                   (double)v[TRADEOFF_WRONG] * million, (double)e->broken * million});
+                        (double[]){(double)v[ACCURACY_LEAK] * million, (double)v[ACCURACY_PHANTOM] * million,
+                                   (double)v[ACCURACY_WRONG] * million, (double)e->broken * million});
     if (e->right_hits == 0) return;
     results_set_count(line, "right_hits", e->right_hits);
-    for (int k = 0; k < TRADEOFF_ERROR_KINDS; k++) {
-        static const char *const names[TRADEOFF_ERROR_KINDS] = {"t_ulp",      "t_cells", "off_cells",  "normal_degrees",
+    for (int k = 0; k < ACCURACY_ERROR_KINDS; k++) {
+        static const char *const names[ACCURACY_ERROR_KINDS] = {"t_ulp",      "t_cells", "off_cells",  "normal_degrees",
                                                                 "t_relative", "uv",      "point_cells"};
         char keys[80];
         snprintf(keys, sizeof keys, "%s_median %s_most %s_worst", names[k], names[k], names[k]);
@@ -237,7 +237,7 @@ static json_t *row_line(const group *g, const row *r) {
 
 /* ---- all together ---- */
 
-static bool make_rays(group *g, const tradeoff_options *o, io_error *error) {
+static bool make_rays(group *g, const accuracy_options *o, io_error *error) {
     const size_t n = o->count;
     g->answers = answers_make(n);
     g->of_leader = answers_make(n);
@@ -246,16 +246,16 @@ static bool make_rays(group *g, const tradeoff_options *o, io_error *error) {
     g->counts[0] = workload_rays_make(g->on->field, g->c, o->run.seed, n, g->rays[0]);
     if (g->counts[0] == 0) return io_fail(error, "no rays on field %s", g->on->samples.name);
     for (unsigned thin = 1; thin <= THIN_MAX; thin++)
-        g->counts[thin] = tradeoff_thin(g->rays[0], g->counts[0], thin, g->rays[thin]);
-    const cw_status status = tradeoff_truth_make(&g->truth, &g->on->surface, g->on->field, g->rays[0], g->counts[0]);
+        g->counts[thin] = accuracy_thin(g->rays[0], g->counts[0], thin, g->rays[thin]);
+    const cw_status status = accuracy_truth_make(&g->truth, &g->on->surface, g->on->field, g->rays[0], g->counts[0]);
     return status == CW_OK || io_fail(error, "the reference kernel cell: %s", cw_last_error());
 }
 
-bool tradeoff_group_run(const tradeoff_field *on, workload_class c, const tradeoff_options *o, double seconds,
+bool accuracy_group_run(const accuracy_field *on, workload_class c, const accuracy_options *o, double seconds,
                         json_t *lines, io_error *error) {
     const double end = clock_seconds() + seconds;
     group g = {.on = on, .c = c, .any = workload_class_is_any(c)};
-    g.rows = memory(TRADEOFF_ROWS_MAX, sizeof *g.rows);
+    g.rows = memory(ACCURACY_ROWS_MAX, sizeof *g.rows);
     const bool good = make_rays(&g, o, error) && add_rows(&g, o, error);
     if (good) {
         for (size_t k = 0; k < g.row_count; k++) choose_thin(&g, &g.rows[k], o->pass);
@@ -266,7 +266,7 @@ bool tradeoff_group_run(const tradeoff_field *on, workload_class c, const tradeo
     for (unsigned thin = 0; thin <= THIN_MAX; thin++) free(g.rays[thin]);
     answers_free(g.answers);
     answers_free(g.of_leader);
-    tradeoff_truth_free(&g.truth);
+    accuracy_truth_free(&g.truth);
     free(g.rows);
     return good;
 }

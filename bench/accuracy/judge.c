@@ -57,7 +57,7 @@ typedef struct slack {
 } slack;
 
 static slack slack_at(const true_surface *on, const bounds_ray *r, double t, const ray_point *p,
-                      const tradeoff_claim *claim) {
+                      const accuracy_claim *claim) {
     const double D = bounds_D(r, p->i, p->j);
     const bounds_surface s = surface_around(on, p, bounds_delta(r, D));
     const double clear = bounds_clear(r, D, s) + bounds_height_evaluation(r, t, s) + claim->height;
@@ -94,18 +94,18 @@ static void cut(double org, double dir, double end, double *from, double *to) {
     *to = fmin(*to, fmax(a, b));
 }
 
-tradeoff_track tradeoff_follow(const true_surface *on, const cw_ray *ray, double from, double to,
-                               const tradeoff_claim *claim) {
+accuracy_track accuracy_follow(const true_surface *on, const cw_ray *ray, double from, double to,
+                               const accuracy_claim *claim) {
     const bounds_ray r = ray_of(on, ray);
     const double limit = (double)FLT_MAX / 2; /* as the library clamps t */
     from = fmax(from, fmax((double)ray->tmin, -limit));
     to = fmin(to, fmin((double)ray->tmax, limit));
     cut(r.org[0], r.dir[0], (double)(on->nx - 1), &from, &to);
     cut(r.org[1], r.dir[1], (double)(on->ny - 1), &from, &to);
-    if (!(from <= to)) return (tradeoff_track){0};
+    if (!(from <= to)) return (accuracy_track){0};
     lines all[3] = {lines_from(r.org[0], r.dir[0], from), lines_from(r.org[1], r.dir[1], from),
                     lines_from(r.org[0] - r.org[1], r.dir[0] - r.dir[1], from)};
-    tradeoff_track track = {.clear = true, .near = true};
+    accuracy_track track = {.clear = true, .near = true};
     int side = 0;
     for (double t = from;;) {
         const ray_point p = point_at(on, &r, t);
@@ -134,9 +134,9 @@ static bool is_inside(const true_surface *on, const cw_ray *ray, const exact_hit
     return p->u >= -off && p->v >= -off && p->u + p->v <= 1 + off;
 }
 
-static const tradeoff_claim none;
+static const accuracy_claim none;
 
-exact_hit tradeoff_exact(const true_surface *on, const cw_ray *ray, const cw_hit *hit) {
+exact_hit accuracy_exact(const true_surface *on, const cw_ray *ray, const cw_hit *hit) {
     exact_hit own, p, best = {(double)hit->t, (double)hit->u, (double)hit->v, hit->i, hit->j, hit->triangle};
     const bool meets = exact_meet(on, ray, hit->i, hit->j, hit->triangle, &own);
     if (meets && is_inside(on, ray, &own)) return own;
@@ -145,7 +145,7 @@ exact_hit tradeoff_exact(const true_surface *on, const cw_ray *ray, const cw_hit
         const int32_t i = hit->i + (int32_t)(k / 2 % 3) - 1, j = hit->j + (int32_t)(k / 6) - 1;
         if (i < 0 || j < 0 || (size_t)i + 1 >= on->nx || (size_t)j + 1 >= on->ny) continue;
         if (!exact_meet(on, ray, i, j, k % 2, &p) || !is_inside(on, ray, &p)) continue;
-        if (!tradeoff_follow(on, ray, fmin(p.t, (double)hit->t), fmax(p.t, (double)hit->t), &none).near) continue;
+        if (!accuracy_follow(on, ray, fmin(p.t, (double)hit->t), fmax(p.t, (double)hit->t), &none).near) continue;
         if (found && fabs(p.t - (double)hit->t) >= fabs(best.t - (double)hit->t)) continue;
         best = p;
         found = true;
@@ -153,7 +153,7 @@ exact_hit tradeoff_exact(const true_surface *on, const cw_ray *ray, const cw_hit
     return found || !meets ? best : own;
 }
 
-double tradeoff_off_surface(const true_surface *on, const cw_ray *ray, double t) {
+double accuracy_off_surface(const true_surface *on, const cw_ray *ray, double t) {
     const bounds_ray r = ray_of(on, ray);
     return fabs(point_at(on, &r, t).above);
 }
@@ -161,7 +161,7 @@ double tradeoff_off_surface(const true_surface *on, const cw_ray *ray, double t)
 /* ---- verdicts ---- */
 
 /* True if a hit with that t is not on the surface, or not over the field at all. */
-static bool is_away(const true_surface *on, const cw_ray *ray, double t, const tradeoff_claim *claim) {
+static bool is_away(const true_surface *on, const cw_ray *ray, double t, const accuracy_claim *claim) {
     if (!(isfinite(t) && t >= (double)ray->tmin && t <= (double)ray->tmax)) return true;
     const bounds_ray r = ray_of(on, ray);
     const double x = r.org[0] + t * r.dir[0], y = r.org[1] + t * r.dir[1];
@@ -174,28 +174,28 @@ static bool is_away(const true_surface *on, const cw_ray *ray, double t, const t
     return fabs(p.above) > slack_at(on, &r, t, &p, claim).hit;
 }
 
-tradeoff_verdict tradeoff_judge_closest(const true_surface *on, const cw_ray *ray, const tradeoff_claim *claim,
+accuracy_verdict accuracy_judge_closest(const true_surface *on, const cw_ray *ray, const accuracy_claim *claim,
                                         const cw_hit *truth, const exact_hit *exact, const cw_hit *answer) {
     const bool hit = answer->i >= 0, should = exact != NULL;
-    if (!hit) return tradeoff_judge_any(on, ray, claim, should, false);
+    if (!hit) return accuracy_judge_any(on, ray, claim, should, false);
     const double t = (double)answer->t;
     if (should) {
         /* On the triangle that the truth names, a bad t is a bad t and no other surface. */
         if (answer->i == truth->i && answer->j == truth->j && answer->triangle == truth->triangle)
-            return TRADEOFF_RIGHT;
+            return ACCURACY_RIGHT;
         const int32_t di = answer->i - exact->i, dj = answer->j - exact->j;
         if (di >= -1 && di <= 1 && dj >= -1 && dj <= 1 &&
-            tradeoff_follow(on, ray, fmin(t, exact->t), fmax(t, exact->t), claim).near)
-            return TRADEOFF_RIGHT;
-        if (t > exact->t && tradeoff_follow(on, ray, (double)ray->tmin, t, claim).passes) return TRADEOFF_WRONG;
+            accuracy_follow(on, ray, fmin(t, exact->t), fmax(t, exact->t), claim).near)
+            return ACCURACY_RIGHT;
+        if (t > exact->t && accuracy_follow(on, ray, (double)ray->tmin, t, claim).passes) return ACCURACY_WRONG;
     }
-    return is_away(on, ray, t, claim) ? TRADEOFF_PHANTOM : TRADEOFF_TIE;
+    return is_away(on, ray, t, claim) ? ACCURACY_PHANTOM : ACCURACY_TIE;
 }
 
-tradeoff_verdict tradeoff_judge_any(const true_surface *on, const cw_ray *ray, const tradeoff_claim *claim, bool truth,
+accuracy_verdict accuracy_judge_any(const true_surface *on, const cw_ray *ray, const accuracy_claim *claim, bool truth,
                                     bool answer) {
-    if (truth == answer) return TRADEOFF_RIGHT;
-    const tradeoff_track track = tradeoff_follow(on, ray, (double)ray->tmin, (double)ray->tmax, claim);
-    if (truth) return track.passes ? TRADEOFF_LEAK : TRADEOFF_TIE;
-    return track.clear ? TRADEOFF_PHANTOM : TRADEOFF_TIE;
+    if (truth == answer) return ACCURACY_RIGHT;
+    const accuracy_track track = accuracy_follow(on, ray, (double)ray->tmin, (double)ray->tmax, claim);
+    if (truth) return track.passes ? ACCURACY_LEAK : ACCURACY_TIE;
+    return track.clear ? ACCURACY_PHANTOM : ACCURACY_TIE;
 }

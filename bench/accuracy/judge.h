@@ -40,44 +40,44 @@ double exact_error_cells(const cw_ray *ray, double t, double exact);
 /* ---- judge.c ---- */
 
 /* How far a mode's surface may be from the true one, in height. Zero for the exact surface. */
-typedef struct tradeoff_claim {
+typedef struct accuracy_claim {
     double height;
-} tradeoff_claim;
+} accuracy_claim;
 
-typedef enum tradeoff_verdict {
-    TRADEOFF_RIGHT = 0, /* the same surface, or both miss: its t can be held against the exact one */
-    TRADEOFF_TIE,       /* another answer, within rounding and claim: a touch, an end, a silhouette */
-    TRADEOFF_LEAK,      /* a miss, although the ray passes from clearly above to clearly below, or the reverse */
-    TRADEOFF_PHANTOM,   /* a hit where the ray is clear of the surface */
-    TRADEOFF_WRONG,     /* a hit, but the ray has clearly passed through the surface before */
-    TRADEOFF_VERDICT_COUNT
-} tradeoff_verdict;
+typedef enum accuracy_verdict {
+    ACCURACY_RIGHT = 0, /* the same surface, or both miss: its t can be held against the exact one */
+    ACCURACY_TIE,       /* another answer, within rounding and claim: a touch, an end, a silhouette */
+    ACCURACY_LEAK,      /* a miss, although the ray passes from clearly above to clearly below, or the reverse */
+    ACCURACY_PHANTOM,   /* a hit where the ray is clear of the surface */
+    ACCURACY_WRONG,     /* a hit, but the ray has clearly passed through the surface before */
+    ACCURACY_VERDICT_COUNT
+} accuracy_verdict;
 
-typedef struct tradeoff_track {
+typedef struct accuracy_track {
     bool passes; /* the ray is clear on one side of the surface, and later on the other */
     bool clear;  /* it is clear on one side at every crossing */
     bool near;   /* it might be a hit at all of the crossings; all three are false if it is not over the field */
-} tradeoff_track;
+} accuracy_track;
 
 /* The ray for t in [from, to], as far as it is over the field. */
-tradeoff_track tradeoff_follow(const true_surface *on, const cw_ray *ray, double from, double to,
-                               const tradeoff_claim *claim);
+accuracy_track accuracy_follow(const true_surface *on, const cw_ray *ray, double from, double to,
+                               const accuracy_claim *claim);
 
 /* The place where the ray meets the surface that a hit means: on the hit's triangle, or, where the ray exactly
  * passes beside that, on one of the cells around it, the nearest in t that the ray reaches from the hit without
  * getting clear of the surface. Where there is none, on the triangle's plane; where the ray runs within that plane,
  * at the hit's own t. */
-exact_hit tradeoff_exact(const true_surface *on, const cw_ray *ray, const cw_hit *hit);
+exact_hit accuracy_exact(const true_surface *on, const cw_ray *ray, const cw_hit *hit);
 
 /* How far above or below the surface the ray's point at t is, in cells; outside the field, the surface goes on as at
  * its border. Unlike the error of t it stays small where the ray runs along the surface, where a rounding of the ray
  * itself would move t by as much. */
-double tradeoff_off_surface(const true_surface *on, const cw_ray *ray, double t);
+double accuracy_off_surface(const true_surface *on, const cw_ray *ray, double t);
 
-/* truth is the reference's answer and exact the result of tradeoff_exact for it, NULL if it misses. */
-tradeoff_verdict tradeoff_judge_closest(const true_surface *on, const cw_ray *ray, const tradeoff_claim *claim,
+/* truth is the reference's answer and exact the result of accuracy_exact for it, NULL if it misses. */
+accuracy_verdict accuracy_judge_closest(const true_surface *on, const cw_ray *ray, const accuracy_claim *claim,
                                         const cw_hit *truth, const exact_hit *exact, const cw_hit *answer);
-tradeoff_verdict tradeoff_judge_any(const true_surface *on, const cw_ray *ray, const tradeoff_claim *claim, bool truth,
+accuracy_verdict accuracy_judge_any(const true_surface *on, const cw_ray *ray, const accuracy_claim *claim, bool truth,
                                     bool answer);
 
 #endif

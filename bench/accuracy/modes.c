@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "accuracy/tradeoff.h"
+#include "accuracy/accuracy.h"
 
 #include "harness/memory.h"
 
@@ -9,11 +9,11 @@
 #include <string.h>
 
 /* clang-format off: a row a mode */
-static const tradeoff_mode modes[] = {
+static const accuracy_mode modes[] = {
     {"strict", "the default: watertight leaf test, IEEE operations alone", CW_LEAF_WATERTIGHT, .change = NULL},
     {"moller-trumbore", "strict operations, each triangle by itself (Möller and Trumbore 1997)",
      CW_LEAF_MOLLER_TRUMBORE, .change = NULL},
-    {"samples-16", "strict on samples rounded to 16 bits beforehand", CW_LEAF_WATERTIGHT, .change = tradeoff_quantise},
+    {"samples-16", "strict on samples rounded to 16 bits beforehand", CW_LEAF_WATERTIGHT, .change = accuracy_quantise},
     {"embree", "Embree, a mesh of triangles", .embree = true},
     {"embree-robust", "Embree, a mesh of triangles, ROBUST", .embree = true, .robust = true},
     {"embree-grid", "Embree, its grid geometry", .embree = true, .geometry = PEER_GRID, .longer = true},
@@ -23,9 +23,9 @@ static const tradeoff_mode modes[] = {
 /* clang-format on */
 enum { MODE_COUNT = sizeof modes / sizeof modes[0] };
 
-const tradeoff_mode *tradeoff_mode_at(size_t number) { return number < MODE_COUNT ? &modes[number] : NULL; }
+const accuracy_mode *accuracy_mode_at(size_t number) { return number < MODE_COUNT ? &modes[number] : NULL; }
 
-tradeoff_claim tradeoff_quantise(float *z, size_t count) {
+accuracy_claim accuracy_quantise(float *z, size_t count) {
     float lowest = INFINITY, highest = -INFINITY; /* in double, GCC 12 for aarch64 breaks down */
     for (size_t k = 0; k < count; k++) {
         if (!isfinite(z[k])) continue;
@@ -34,20 +34,20 @@ tradeoff_claim tradeoff_quantise(float *z, size_t count) {
     }
     const double low = (double)lowest, high = (double)highest;
     const double step = (high - low) / UINT16_MAX;
-    if (!(step > 0)) return (tradeoff_claim){0};
+    if (!(step > 0)) return (accuracy_claim){0};
     for (size_t k = 0; k < count; k++)
         if (isfinite(z[k])) z[k] = (float)(low + step * rint(((double)z[k] - low) / step));
-    return (tradeoff_claim){.height = step / 2 + 0x1p-24 * fmax(fabs(low), fabs(high))};
+    return (accuracy_claim){.height = step / 2 + 0x1p-24 * fmax(fabs(low), fabs(high))};
 }
 
-static bool own_field(tradeoff_stage *s, cw_field *base, const true_surface *surface, io_error *error) {
-    const tradeoff_mode *mode = s->mode;
+static bool own_field(accuracy_stage *s, cw_field *base, const true_surface *surface, io_error *error) {
+    const accuracy_mode *mode = s->mode;
     s->field = base;
     if (mode->change == NULL) return true;
     const size_t count = surface->nx * surface->ny;
     s->z = memory(count, sizeof *s->z);
     memcpy(s->z, surface->z, count * sizeof *s->z);
-    const tradeoff_claim more = mode->change(s->z, count);
+    const accuracy_claim more = mode->change(s->z, count);
     s->claim.height += more.height;
     const workload_field changed = {.nx = surface->nx, .ny = surface->ny, .z = s->z};
     const cw_status status = workload_field_open(&changed, CW_COPY, false, &s->own);
@@ -56,9 +56,9 @@ static bool own_field(tradeoff_stage *s, cw_field *base, const true_surface *sur
     return true;
 }
 
-bool tradeoff_stage_open(tradeoff_stage *stage, const tradeoff_mode *mode, cw_field *base, const true_surface *surface,
+bool accuracy_stage_open(accuracy_stage *stage, const accuracy_mode *mode, cw_field *base, const true_surface *surface,
                          cw_isa isa, io_error *error) {
-    *stage = (tradeoff_stage){.mode = mode};
+    *stage = (accuracy_stage){.mode = mode};
     bool good = own_field(stage, base, surface, error);
     if (good && mode->embree) {
         const peer_options options = {
@@ -66,19 +66,19 @@ bool tradeoff_stage_open(tradeoff_stage *stage, const tradeoff_mode *mode, cw_fi
         stage->peer = peer_embree_create(base, &options, error);
         good = stage->peer != NULL;
     }
-    if (!good) tradeoff_stage_close(stage);
+    if (!good) accuracy_stage_close(stage);
     return good;
 }
 
-void tradeoff_stage_close(tradeoff_stage *stage) {
+void accuracy_stage_close(accuracy_stage *stage) {
     peer_embree_destroy(stage->peer);
     cw_field_destroy(stage->own);
     free(stage->z);
-    *stage = (tradeoff_stage){0};
+    *stage = (accuracy_stage){0};
 }
 
-cw_status tradeoff_stage_kernel(const tradeoff_stage *stage, const cw_kernel *kernel, contender *c) {
-    const tradeoff_mode *mode = stage->mode;
+cw_status accuracy_stage_kernel(const accuracy_stage *stage, const cw_kernel *kernel, contender *c) {
+    const accuracy_mode *mode = stage->mode;
     const char *name = cw_kernel_describe(kernel).name;
     if (mode->embree) return CW_ERROR_KERNEL;
     const cw_status status = contender_from_kernel(c, stage->field, kernel, mode->leaf);

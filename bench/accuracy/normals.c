@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "accuracy/tradeoff.h"
+#include "accuracy/accuracy.h"
 #include "clock.h"
 #include "harness/memory.h"
 #include "harness/results.h"
@@ -30,20 +30,20 @@ static inline void add_vertex_normal(const true_surface *s, size_t at, double we
     n[2] += weight * 6;
 }
 
-void tradeoff_normal_at(const true_surface *s, const cw_hit *hit, tradeoff_normal kind, double n[3]) {
+void accuracy_normal_at(const true_surface *s, const cw_hit *hit, accuracy_normal kind, double n[3]) {
     const size_t at = (size_t)hit->j * s->nx + (size_t)hit->i;
     const size_t corner[4] = {at, at + 1, at + s->nx, at + s->nx + 1};
     const bool a = hit->triangle == CW_TRIANGLE_A;
-    const bool central = kind >= TRADEOFF_CENTRAL_BARYCENTRIC;
+    const bool central = kind >= ACCURACY_CENTRAL_BARYCENTRIC;
     const double u = (double)hit->u, v = (double)hit->v, x = a ? u + v : u, y = a ? v : u + v;
     n[0] = n[1] = n[2] = 0;
-    if (kind == TRADEOFF_FACET) {
+    if (kind == ACCURACY_FACET) {
         const double h = (double)s->z[corner[0]], h11 = (double)s->z[corner[3]];
         const double h10 = (double)s->z[corner[1]], h01 = (double)s->z[corner[2]];
         n[0] = a ? h - h10 : h01 - h11;
         n[1] = a ? h10 - h11 : h - h01;
         n[2] = 1;
-    } else if (kind == TRADEOFF_BARYCENTRIC || kind == TRADEOFF_CENTRAL_BARYCENTRIC) {
+    } else if (kind == ACCURACY_BARYCENTRIC || kind == ACCURACY_CENTRAL_BARYCENTRIC) {
         add_vertex_normal(s, corner[0], 1 - u - v, central, n);
         add_vertex_normal(s, corner[a ? 1 : 2], a ? u : v, central, n);
         add_vertex_normal(s, corner[3], a ? v : u, central, n);
@@ -85,7 +85,7 @@ static cw_hit some_hit(uint32_t seed, uint32_t k) {
 }
 
 /* Nanoseconds a normal: the median of some passes. */
-static double cost(const true_surface *s, const cw_hit *hits, tradeoff_normal kind) {
+static double cost(const true_surface *s, const cw_hit *hits, accuracy_normal kind) {
     double seconds[REPEATS];
     volatile double sink = 0;
     for (int r = 0; r < REPEATS; r++) {
@@ -93,7 +93,7 @@ static double cost(const true_surface *s, const cw_hit *hits, tradeoff_normal ki
         double sum = 0;
         for (size_t k = 0; k < HITS; k++) {
             double n[3];
-            tradeoff_normal_at(s, &hits[k], kind, n);
+            accuracy_normal_at(s, &hits[k], kind, n);
             sum += n[0] + n[1];
         }
         seconds[r] = clock_cpu_seconds() - start;
@@ -103,7 +103,7 @@ static double cost(const true_surface *s, const cw_hit *hits, tradeoff_normal ki
 }
 
 static json_t *measure_wave(const wave *w, float *z, const cw_hit *hits, double *errors) {
-    static const char *const names[TRADEOFF_NORMAL_COUNT] = {"facet", "barycentric", "bilinear", "central",
+    static const char *const names[ACCURACY_NORMAL_COUNT] = {"facet", "barycentric", "bilinear", "central",
                                                              "central_bilinear"};
     double right[3], n[3], area[3];
     for (size_t k = 0; k < (size_t)SIDE * SIDE; k++)
@@ -112,31 +112,31 @@ static json_t *measure_wave(const wave *w, float *z, const cw_hit *hits, double 
     json_t *line = json_object();
     results_set_text(line, "kind", "normal");
     results_set_numbers(line, "wave_length wave_height", (double[]){w->length, w->height});
-    for (int kind = 0; kind < TRADEOFF_NORMAL_COUNT; kind++) {
+    for (int kind = 0; kind < ACCURACY_NORMAL_COUNT; kind++) {
         double sum = 0, apart = 0;
         for (size_t k = 0; k < HITS; k++) {
             const bool a = hits[k].triangle == CW_TRIANGLE_A;
             const double u = (double)hits[k].u, v = (double)hits[k].v;
             wave_at(w, hits[k].i + (a ? u + v : u), hits[k].j + (a ? v : u + v), right);
-            tradeoff_normal_at(&s, &hits[k], (tradeoff_normal)kind, n);
-            errors[k] = tradeoff_degrees(n, right);
+            accuracy_normal_at(&s, &hits[k], (accuracy_normal)kind, n);
+            errors[k] = accuracy_degrees(n, right);
             sum += errors[k] * errors[k];
-            if (kind < TRADEOFF_CENTRAL_BARYCENTRIC) continue;
-            tradeoff_normal_at(&s, &hits[k], (tradeoff_normal)(kind - 2), area);
-            apart += tradeoff_degrees(n, area) * tradeoff_degrees(n, area);
+            if (kind < ACCURACY_CENTRAL_BARYCENTRIC) continue;
+            accuracy_normal_at(&s, &hits[k], (accuracy_normal)(kind - 2), area);
+            apart += accuracy_degrees(n, area) * accuracy_degrees(n, area);
         }
         json_t *of = json_object();
         const double median = statistics_of(errors, HITS).median; /* sorts them */
         results_set_numbers(
             of, "degrees_rms degrees_median degrees_worst nanoseconds",
-            (double[]){sqrt(sum / HITS), median, errors[HITS - 1], cost(&s, hits, (tradeoff_normal)kind)});
-        if (kind >= TRADEOFF_CENTRAL_BARYCENTRIC) results_set_number(of, "degrees_to_area_rms", sqrt(apart / HITS));
+            (double[]){sqrt(sum / HITS), median, errors[HITS - 1], cost(&s, hits, (accuracy_normal)kind)});
+        if (kind >= ACCURACY_CENTRAL_BARYCENTRIC) results_set_number(of, "degrees_to_area_rms", sqrt(apart / HITS));
         json_object_set_new(line, names[kind], of);
     }
     return line;
 }
 
-void tradeoff_normals_run(uint32_t seed, json_t *lines) {
+void accuracy_normals_run(uint32_t seed, json_t *lines) {
     static const wave waves[] = {{6, 0.6}, {12, 1.2}, {24, 2.4}, {48, 4.8}, {24, 0.3}};
     float *z = memory((size_t)SIDE * SIDE, sizeof *z);
     cw_hit *hits = memory(HITS, sizeof *hits);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A summary of tradeoff on the terminal. papers/scripts makes the frontiers and all else from the saved lines. */
-#include "accuracy/tradeoff.h"
+/* A summary on the terminal. papers/scripts makes tables from the saved lines. */
+#include "accuracy/accuracy.h"
 
 #include "harness/results.h"
 
@@ -9,9 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-tradeoff_sums tradeoff_sums_of(const json_t *lines, const char *name) {
+accuracy_sums accuracy_sums_of(const json_t *lines, const char *name) {
     static const char *const keys[] = {"leaks_per_million", "wrong_per_million", "phantoms_per_million"};
-    tradeoff_sums s = {.name = name};
+    accuracy_sums s = {.name = name};
     size_t index, timed = 0, aimed = 0;
     const json_t *line;
     json_array_foreach(lines, index, line) {
@@ -38,17 +38,17 @@ tradeoff_sums tradeoff_sums_of(const json_t *lines, const char *name) {
 }
 
 static int by_speed(const void *a, const void *b) {
-    const tradeoff_sums *x = a, *y = b;
+    const accuracy_sums *x = a, *y = b;
     return x->speed != y->speed ? (x->speed < y->speed ? 1 : -1) : strcmp(x->name, y->name);
 }
 
-void tradeoff_print(const json_t *lines) {
-    const char *names[TRADEOFF_ROWS_MAX];
-    tradeoff_sums all[TRADEOFF_ROWS_MAX];
-    const size_t count = results_distinct(lines, "contender", names, TRADEOFF_ROWS_MAX);
+void accuracy_print(const json_t *lines) {
+    const char *names[ACCURACY_ROWS_MAX];
+    accuracy_sums all[ACCURACY_ROWS_MAX];
+    const size_t count = results_distinct(lines, "contender", names, ACCURACY_ROWS_MAX);
     size_t most = 0;
     for (size_t k = 0; k < count; k++) {
-        all[k] = tradeoff_sums_of(lines, names[k]);
+        all[k] = accuracy_sums_of(lines, names[k]);
         most = all[k].groups > most ? all[k].groups : most;
     }
     qsort(all, count, sizeof *all, by_speed);
@@ -56,7 +56,7 @@ void tradeoff_print(const json_t *lines) {
         "\nWrong answers in a million rays; aimed: of rays aimed at vertices and edges; beyond: what the mode's claim "
         "does\nnot explain; *: did not run everywhere.\n%-27s %8s %8s %8s %8s %8s %8s %9s\n",
         "mode / kernel", "Mrays/s", "leaks", "wrong", "phantoms", "beyond", "aimed", "cells off");
-    for (const tradeoff_sums *s = all; s < all + count; s++)
+    for (const accuracy_sums *s = all; s < all + count; s++)
         if (s->groups > 0)
             printf("%-27s %8.3g %8.3g %8.3g %8.3g %8.3g %8.3g %9.3g%s\n", s->name, s->speed, s->rates[0], s->rates[1],
                    s->rates[2], s->beyond, s->aimed, s->off, s->groups < most ? " *" : "");

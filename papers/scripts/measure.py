@@ -12,9 +12,10 @@ pages-*.json            large fields on huge and on ordinary pages
 building.json           memory and building time, Embree at its default quality
 counters.json           what the kernels do for a ray
 scenes/table.json       the six scenes
-tradeoff/tradeoff.json  speed against error
-afar.json               rays from far away
-precision/tradeoff.json how exact t, u, v, normals and points are"""
+rays/tradeoff.json      speed and error of rays on coarser fields; the largest takes 9 GB
+tradeoff/tradeoff.json  speed and error of horizons, the sky-view factor and pictures
+accuracy/accuracy.json  wrong answers; how exact t, u, v, normals and points are
+afar.json               rays from far away"""
 
 import argparse
 import json
@@ -45,16 +46,16 @@ def record_of(bench):
         return Results(path).run
 
 
-def widest(kernels, isa):
-    """The widest kernel of the pyramid that an instruction set runs."""
-    able = [k["name"] for k in kernels if k["name"].startswith("pyramid") and ISAS.index(k["isa"]) <= ISAS.index(isa)]
+def widest(kernels, isa, walk="pyramid"):
+    """The widest kernel of a walk that an instruction set runs."""
+    able = [k["name"] for k in kernels if k["name"].startswith(walk) and ISAS.index(k["isa"]) <= ISAS.index(isa)]
     return able[-1] if able else "cell"
 
 
 def plan(info, embree, quick):
     """(file, share of the time or 0 where no clock is looked at, command) for each file; no word has a space."""
     kernels, best, cpus = info["kernels"], info["isa"], info["cpus"]
-    chosen = widest(kernels, best)
+    chosen, packets = widest(kernels, best), widest(kernels, best, "packet")
     rays = "--count 2048" if quick else "--count 131072 --pass 5"
     some = "65" if quick else "257,1025"
     triangles = "triangles" if embree else "none"
@@ -80,13 +81,16 @@ def plan(info, embree, quick):
     yield ("counters.json", 0, f"micro --counters --pass 60 --field {'65' if quick else '65,257,1025,4097,sea-calm,sea-rough'} "
            f"--count {'2048' if quick else '8192'} --kernel {','.join(able)}")
     yield "scenes/table.json", 2, "table" + (" --quick --scene hftest" if quick else "")
-    yield ("tradeoff/tradeoff.json", 4,
-           "tradeoff " + ("--count 512 --field 65 --scene none" if quick else "--field 257,1025 --count 131072 --pass 1"))
+    # Most of the time of these goes into making land and answers, so that they have a time of their own.
+    yield ("rays/tradeoff.json", 0, "tradeoff --part rays " +
+           ("--quick --seconds 1" if quick else "--land 1025,8193,32769 --seconds 40"))
+    yield ("tradeoff/tradeoff.json", 0, "tradeoff --part horizons,sky,pictures " + ("--quick --seconds 1" if quick else "--seconds 30"))
+    yield ("accuracy/accuracy.json", 0, f"accuracy --mode strict,moller-trumbore{',embree,embree-robust' if embree else ''},samples-16 "
+           f"--kernel {chosen},{packets} --seconds 1 --pass 1000 " +
+           ("--count 512 --field 65" if quick else "--field 1025,8193x1025 --count 131072"))
     yield ("afar.json", 2, f"micro --rays random --back 0,1,2,5,20,100,1e6 --kernel {chosen} --peer none "
            # Fewer rays, and so more passes: on large fields, checking the answers takes most of the time.
            f"--field {'65' if quick else '257,1025,4097,8193'} --count {2048 if quick else '32768 --pass 2'}")
-    yield ("precision/tradeoff.json", 0, f"tradeoff --mode strict,embree,embree-robust --kernel {chosen} --scene none --seconds 1 "
-           "--pass 1000 " + ("--count 512 --field 65" if quick else "--field 1025,8193x1025 --count 131072"))
 
 
 def kept(path, commit):

@@ -1,21 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The command line of cellwalk-bench tradeoff, and its file. */
+/* The command line of cellwalk-bench accuracy, and its file. */
 
-#include "accuracy/tradeoff.h"
+#include "accuracy/accuracy.h"
 
-#include "build_info.h"
 #include "clock.h"
 #include "commands.h"
 #include "harness/memory.h"
 #include "harness/results.h"
-#include "scenes/table.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 
 static const char what[] =
     "Measures errors and speed of every mode of accuracy, with every kernel that has it, and of Embree on the same "
-    "rays; writes tradeoff.json to a folder. The error of each answer is found first; then all contenders are timed "
+    "rays; writes accuracy.json to a folder. The error of each answer is found first; then all contenders are timed "
     "in rounds on one thread.\n\n"
     "The truth is the strict watertight answer, which the tests compare with an exact oracle, with t computed again "
     "from ray and triangle to 2^-26 of a float's last place. Errors within the bounds of rounding "
@@ -31,55 +29,50 @@ static const char what[] =
     "The file also has errors of t relative to it, of u and v, and of the hit's point in cells.\n\n"
     "Beside the benchmark's classes of rays, vertices and edges are aimed at these, to find leaks, and within-0.1 and "
     "within-2 start so many cells from the surface; they are not timed. "
-    "The six scenes are rendered with each mode and compared with strict. "
-    "papers/scripts/tables.py --data makes tables of tradeoff.json, with the Pareto frontier.";
+    "papers/scripts/tables.py --data makes tables of accuracy.json.";
 
-static const char examples[] = "  cellwalk-bench tradeoff            # a first look, in a minute\n"
-                               "  cellwalk-bench tradeoff --mode strict,moller-trumbore --kernel pyramid8 \\\n"
-                               "      --field 1025 --scene none      # the cost of the watertight leaf test\n"
-                               "  cellwalk-bench tradeoff --long --out papers/data/tradeoff\n";
+static const char examples[] = "  cellwalk-bench accuracy            # a first look, in a minute\n"
+                               "  cellwalk-bench accuracy --mode strict,moller-trumbore --kernel packet8 \\\n"
+                               "      --field 1025                   # the cost of the watertight leaf test\n"
+                               "  cellwalk-bench accuracy --long --out out/long\n";
 
-static const char *scene_or_none(size_t number) { return number == SCENES ? "none" : scene_names(number); }
 static const char *mode_names(size_t number) {
-    return tradeoff_mode_at(number) ? tradeoff_mode_at(number)->name : NULL;
+    return accuracy_mode_at(number) ? accuracy_mode_at(number)->name : NULL;
 }
 static const char *class_names(size_t number) { return workload_class_name((workload_class)number); }
 
-static void set_defaults(tradeoff_options *o) {
+static void set_defaults(accuracy_options *o) {
     if (o->count == 0) o->count = o->longer ? 1 << 20 : 1 << 14;
     if (o->seconds <= 0) o->seconds = o->longer ? 1200 : 15;
     if (o->pass <= 0) o->pass = o->longer ? 0.5 : 0.05;
-    if (o->samples == 0 && !o->longer) o->samples = 1;
     if (o->fields.count == 0) { /* 257, 1025; with --long all but the largest */
         option_list_fill(&o->fields, workload_field_name, o->longer ? 0 : 1, o->longer ? 4 : 3);
         if (o->longer) option_list_fill(&o->fields, workload_field_name, 5, 7);
     }
     if (o->rays.count == 0) option_list_fill(&o->rays, class_names, 0, OPTION_LIST_MAX);
-    if (o->scenes.count == 0) option_list_fill(&o->scenes, scene_names, 0, SCENES);
-    if (option_wanted(&o->scenes, SCENES)) o->scenes.count = 0;
 }
 
-static bool run_fields(const tradeoff_options *o, json_t *lines, io_error *error) {
+static bool run_fields(const accuracy_options *o, json_t *lines, io_error *error) {
     double end = clock_seconds() + o->seconds;
     size_t groups = 0; /* that are timed */
     for (size_t c = 0; c < WORKLOAD_CLASS_COUNT; c++) groups += option_wanted(&o->rays, c) ? o->fields.count : 0;
-    tradeoff_field *on = memory(1, sizeof *on);
+    accuracy_field *on = memory(1, sizeof *on);
     bool good = true;
     for (size_t f = 0; good && f < o->fields.count; f++) {
         const double start = clock_seconds();
         fprintf(stderr, "field %s: making it and building Embree\n", o->fields.item[f]);
-        good = tradeoff_field_open(on, o->fields.item[f], o, error);
+        good = accuracy_field_open(on, o->fields.item[f], o, error);
         end += clock_seconds() - start; /* building does not count */
         for (size_t c = 0; good && c < WORKLOAD_ALL; c++) {
             if (!option_wanted(&o->rays, c)) continue;
             fprintf(stderr, "field %s: %s\n", o->fields.item[f], workload_class_name((workload_class)c));
             const bool timed = c < WORKLOAD_CLASS_COUNT;
             const double left = end - clock_seconds();
-            good = tradeoff_group_run(on, (workload_class)c, o, timed && left > 0 ? left / (double)groups : 0, lines,
+            good = accuracy_group_run(on, (workload_class)c, o, timed && left > 0 ? left / (double)groups : 0, lines,
                                       error);
             groups -= timed;
         }
-        tradeoff_field_close(on);
+        accuracy_field_close(on);
     }
     free(on);
     return good;
@@ -88,43 +81,38 @@ static bool run_fields(const tradeoff_options *o, json_t *lines, io_error *error
 static json_t *modes_line(void) {
     json_t *line = json_object(), *modes = json_object();
     results_set_text(line, "kind", "modes");
-    for (size_t m = 0; tradeoff_mode_at(m); m++)
-        results_set_text(modes, tradeoff_mode_at(m)->name, tradeoff_mode_at(m)->what);
+    for (size_t m = 0; accuracy_mode_at(m); m++)
+        results_set_text(modes, accuracy_mode_at(m)->name, accuracy_mode_at(m)->what);
     json_object_set_new(line, "modes", modes);
     return line;
 }
 
-static bool measure_all(const tradeoff_options *o, json_t *lines, io_error *error) {
+static bool measure_all(const accuracy_options *o, json_t *lines, io_error *error) {
     results_append(lines, modes_line());
-    bool good = run_fields(o, lines, error);
-    for (size_t s = 0; good && s < o->scenes.count; s++) {
-        fprintf(stderr, "scene %s\n", o->scenes.item[s]);
-        good = tradeoff_scene_run(o->scenes.item[s], o, lines, error);
-    }
-    if (good) tradeoff_normals_run(o->run.seed, lines);
+    const bool good = run_fields(o, lines, error);
+    if (good) accuracy_normals_run(o->run.seed, lines);
     return good;
 }
 
-static bool run(const tradeoff_options *o, io_error *error) {
+static bool run(const accuracy_options *o, io_error *error) {
     io_output json = {0};
     int cpu;
     if (!run_options_pin(&o->run, &cpu, error)) return false;
-    json_t *lines = json_array(), *record = run_record("tradeoff", o->run.seed, cpu);
+    json_t *lines = json_array(), *record = run_record("accuracy", o->run.seed, cpu);
     results_set_count(record, "rays_a_class", o->count);
-    results_set_count(record, "samples_a_pixel", o->samples);
     results_append(lines, record);
-    const bool good = io_output_open_in(&json, o->out, "tradeoff.json", error) && measure_all(o, lines, error) &&
+    const bool good = io_output_open_in(&json, o->out, "accuracy.json", error) && measure_all(o, lines, error) &&
                       results_write_all(&json, lines, error) && io_output_commit(&json, error);
-    if (good) tradeoff_print(lines);
+    if (good) accuracy_print(lines);
     io_output_discard(&json);
     json_decref(lines);
     fflush(stdout);
-    if (good) fprintf(stderr, "saved %s/tradeoff.json\n", o->out);
+    if (good) fprintf(stderr, "saved %s/accuracy.json\n", o->out);
     return good;
 }
 
 static int start(int argc, char **argv) {
-    tradeoff_options o = {.run = RUN_DEFAULTS, .out = "out/tradeoff", .scene_folder = BUILD_INFO_SCENES};
+    accuracy_options o = {.run = RUN_DEFAULTS, .out = "out/accuracy"};
     const option_spec options[] = {
         {"mode", "NAMES", "only these modes; by default all but Embree's grids, with --long all", OPTION_LIST,
          .to = &o.modes, .names = mode_names},
@@ -133,30 +121,25 @@ static int start(int argc, char **argv) {
         {"rays", "NAMES", "only these classes of rays", OPTION_LIST, .to = &o.rays, .names = class_names},
         {"field", "NAMES", "these fields instead of 257 and 1025, or all but 8193 with --long", OPTION_LIST,
          .to = &o.fields, .names = workload_field_name},
-        {"scene", "NAMES", "only these scenes", OPTION_LIST, .to = &o.scenes, .names = scene_or_none},
-        {"scenes", "FOLDER", "folder with the scenes' .pbrt files; by default those built with this program",
-         OPTION_TEXT, .to = &o.scene_folder},
         {"count", "N", "rays in a class (16384; 1048576 with --long)", OPTION_COUNT, .to = &o.count, .low = 64,
          .high = 1 << 24},
-        {"samples", "N", "samples a pixel of the scenes (1; as in the scene with --long)", OPTION_COUNT,
-         .to = &o.samples, .high = 1024},
         {"seconds", "S", "seconds for errors and speeds on the fields, kept as far as possible (15; 1200 with --long)",
          OPTION_REAL, .to = &o.seconds, .low = 0.01, .high = 1e6},
         {"pass", "S",
          "contenders that take more than S seconds for a pass get fewer rays, down to a 64th (0.05; 0.5 with --long)",
          OPTION_REAL, .to = &o.pass, .low = 1e-6, .high = 1e6},
         {"long", NULL, "all fields but the largest, more rays, more time", OPTION_FLAG, .to = &o.longer},
-        {"out", "FOLDER", "folder for tradeoff.json, made if missing (out/tradeoff)", OPTION_TEXT, .to = &o.out},
+        {"out", "FOLDER", "folder for accuracy.json, made if missing (out/accuracy)", OPTION_TEXT, .to = &o.out},
         RUN_OPTIONS(o.run),
     };
-    const options_usage usage = {"tradeoff", "[OPTIONS]", what, examples, options, sizeof options / sizeof *options,
+    const options_usage usage = {"accuracy", "[OPTIONS]", what, examples, options, sizeof options / sizeof *options,
                                  NULL,       0,           0};
     const int status = options_parse(&usage, argc, argv, NULL);
     if (status != OPTIONS_GO) return status;
     io_error error = {{0}};
     set_defaults(&o);
-    if (!run_options_check(&o.run, "tradeoff")) return EXIT_USAGE;
-    return run(&o, &error) ? EXIT_SUCCESS : command_fail("tradeoff", "%s", error.text);
+    if (!run_options_check(&o.run, "accuracy")) return EXIT_USAGE;
+    return run(&o, &error) ? EXIT_SUCCESS : command_fail("accuracy", "%s", error.text);
 }
 
-const command command_tradeoff = {"tradeoff", "measure speed and error of every mode of accuracy", start};
+const command command_accuracy = {"accuracy", "measure errors and speed of strict hits, other modes and Embree", start};

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* cellwalk-bench tradeoff: speed against error, for every mode of accuracy, leaf test, walk and width, and for
+/* cellwalk-bench accuracy: speed against error, for every mode of accuracy, leaf test, walk and width, and for
  * Embree. The printed table is made from the saved JSON lines. */
-#ifndef CELLWALK_BENCH_ACCURACY_TRADEOFF_H
-#define CELLWALK_BENCH_ACCURACY_TRADEOFF_H
+#ifndef CELLWALK_BENCH_ACCURACY_ACCURACY_H
+#define CELLWALK_BENCH_ACCURACY_ACCURACY_H
 
 #include "accuracy/judge.h"
 #include "harness/interleave.h"
@@ -14,166 +14,161 @@
 
 #include <jansson.h>
 
-enum { TRADEOFF_MODES_MAX = 32, TRADEOFF_ROWS_MAX = 192 };
+enum { ACCURACY_MODES_MAX = 32, ACCURACY_ROWS_MAX = 192 };
 
-typedef struct tradeoff_options {
+typedef struct accuracy_options {
     run_options run;
-    option_list modes, kernels, rays, fields, scenes; /* numbers: of modes, kernels, classes, fields, scenes */
-    const char *scene_folder, *out;
-    unsigned count, samples;
+    option_list modes, kernels, rays, fields; /* numbers: of modes, kernels, classes, fields */
+    const char *out;
+    unsigned count;
     double seconds, pass;
     bool longer;
-} tradeoff_options;
+} accuracy_options;
 
 /* ---- modes.c: the modes that are measured ---- */
 
 /* A new mode is a new row. Members left out have their default: the strict query on the field's own samples. */
-typedef struct tradeoff_mode {
+typedef struct accuracy_mode {
     const char *name; /* "strict"; a contender is called NAME/KERNEL, or NAME/wWIDTH with Embree */
     const char *what; /* one line for a person */
     cw_leaf leaf;
-    tradeoff_claim (*change)(float *z, size_t count); /* changes the samples of the mode's own field, and says by how
+    accuracy_claim (*change)(float *z, size_t count); /* changes the samples of the mode's own field, and says by how
                                                        * much at most */
     bool longer;                                      /* only with --long, or if asked for by name */
     bool embree, robust;                              /* Embree instead of a kernel */
     peer_geometry geometry;
-} tradeoff_mode;
+} accuracy_mode;
 
 /* NULL from the count on. */
-const tradeoff_mode *tradeoff_mode_at(size_t number);
+const accuracy_mode *accuracy_mode_at(size_t number);
 
 /* A mode on one field, with all that it needs. */
-typedef struct tradeoff_stage {
-    const tradeoff_mode *mode;
+typedef struct accuracy_stage {
+    const accuracy_mode *mode;
     cw_field *field; /* the given one, or: */
     cw_field *own;   /* made from: */
     float *z;
-    tradeoff_claim claim;
+    accuracy_claim claim;
     peer_embree *peer;
-} tradeoff_stage;
+} accuracy_stage;
 
 /* base has the samples of surface; both must stay until the stage is closed. isa is the widest that Embree may use.
  * On failure the stage needs no closing. */
-bool tradeoff_stage_open(tradeoff_stage *stage, const tradeoff_mode *mode, cw_field *base, const true_surface *surface,
+bool accuracy_stage_open(accuracy_stage *stage, const accuracy_mode *mode, cw_field *base, const true_surface *surface,
                          cw_isa isa, io_error *error);
-void tradeoff_stage_close(tradeoff_stage *stage);
+void accuracy_stage_close(accuracy_stage *stage);
 
 /* The mode's contender with a kernel, named as above. CW_ERROR_KERNEL where there is none. */
-cw_status tradeoff_stage_kernel(const tradeoff_stage *stage, const cw_kernel *kernel, contender *c);
+cw_status accuracy_stage_kernel(const accuracy_stage *stage, const cw_kernel *kernel, contender *c);
 
 /* Rounds samples to 2^16 levels from the lowest to the highest; holes stay. The claim is half a step and the
  * rounding of the result to float. */
-tradeoff_claim tradeoff_quantise(float *z, size_t count);
+accuracy_claim accuracy_quantise(float *z, size_t count);
 
 /* ---- errors.c ---- */
 
 /* Errors of t in ULP and in cells, heights off the surface, angles of normals; errors of t relative to it, of u and
  * v, and of the point that cw_hit_points makes of a hit, in cells. */
-enum { TRADEOFF_ERROR_KINDS = 7 };
+enum { ACCURACY_ERROR_KINDS = 7 };
 
 /* The figures of a mode's answers. */
-typedef struct tradeoff_errors {
+typedef struct accuracy_errors {
     size_t rays, hits;
     /* Compared with the true surface: differences that only the mode's claim explains count as errors here, not as
      * ties. */
-    size_t verdicts[TRADEOFF_VERDICT_COUNT];
+    size_t verdicts[ACCURACY_VERDICT_COUNT];
     size_t broken; /* of them, those beyond the claim */
     /* Of the right hits; none where only "any hit" was asked. */
     size_t right_hits;
-    double median[TRADEOFF_ERROR_KINDS], most[TRADEOFF_ERROR_KINDS], worst[TRADEOFF_ERROR_KINDS]; /* most: of 99.9 % */
-} tradeoff_errors;
+    double median[ACCURACY_ERROR_KINDS], most[ACCURACY_ERROR_KINDS], worst[ACCURACY_ERROR_KINDS]; /* most: of 99.9 % */
+} accuracy_errors;
 
 /* The reference's answers to n rays, made once; degrees are measured with the Phong normals of field, which has the
  * surface's samples. */
-typedef struct tradeoff_truth {
+typedef struct accuracy_truth {
     const true_surface *surface;
     const cw_field *field;
     const cw_ray *rays;
     size_t n;
     cw_hit *hits;                          /* the strict answer */
     exact_hit *exact;                      /* where hits[k] is one */
-    double *scratch[TRADEOFF_ERROR_KINDS]; /* n numbers each */
-} tradeoff_truth;
+    double *scratch[ACCURACY_ERROR_KINDS]; /* n numbers each */
+} accuracy_truth;
 
 /* field must have been built for the kernel cell. To be freed in any case. */
-cw_status tradeoff_truth_make(tradeoff_truth *truth, const true_surface *surface, const cw_field *field,
+cw_status accuracy_truth_make(accuracy_truth *truth, const true_surface *surface, const cw_field *field,
                               const cw_ray *rays, size_t n);
-void tradeoff_truth_free(tradeoff_truth *truth);
+void accuracy_truth_free(accuracy_truth *truth);
 
-/* Of answers to every (2^thin)-th run of 16 rays, as tradeoff_thin picks them: of hits, or where these are NULL of
+/* Of answers to every (2^thin)-th run of 16 rays, as accuracy_thin picks them: of hits, or where these are NULL of
  * occluded. field: whose normals the answer has. */
-tradeoff_errors tradeoff_errors_of(const tradeoff_truth *truth, unsigned thin, const tradeoff_claim *claim,
+accuracy_errors accuracy_errors_of(const accuracy_truth *truth, unsigned thin, const accuracy_claim *claim,
                                    const cw_field *field, contender_answers answers);
 
 /* Between two unit vectors; from their difference, since the cosine of a small angle is 1. */
-double tradeoff_degrees(const double a[3], const double b[3]);
+double accuracy_degrees(const double a[3], const double b[3]);
 
 /* The number in the whole set of ray m of a thinned one. Runs of 16 stay together, so that packets do. */
-size_t tradeoff_thinned_at(size_t m, unsigned thin);
+size_t accuracy_thinned_at(size_t m, unsigned thin);
 /* Copies the rays of those runs and returns how many they are; out may be NULL. */
-size_t tradeoff_thin(const cw_ray *rays, size_t n, unsigned thin, cw_ray *out);
+size_t accuracy_thin(const cw_ray *rays, size_t n, unsigned thin, cw_ray *out);
 
 /* ---- group.c ---- */
 
 /* A field with its modes. */
-typedef struct tradeoff_field {
+typedef struct accuracy_field {
     workload_field samples;
     true_surface surface;
     cw_field *field;
-    tradeoff_stage stages[TRADEOFF_MODES_MAX];
+    accuracy_stage stages[ACCURACY_MODES_MAX];
     size_t stage_count;
-} tradeoff_field;
+} accuracy_field;
 
-bool tradeoff_field_open(tradeoff_field *on, const char *name, const tradeoff_options *options, io_error *error);
-void tradeoff_field_close(tradeoff_field *on);
+bool accuracy_field_open(accuracy_field *on, const char *name, const accuracy_options *options, io_error *error);
+void accuracy_field_close(accuracy_field *on);
 
 /* One class of rays on one field: appends a line of kind "result" a contender. */
-bool tradeoff_group_run(const tradeoff_field *on, workload_class c, const tradeoff_options *options, double seconds,
+bool accuracy_group_run(const accuracy_field *on, workload_class c, const accuracy_options *options, double seconds,
                         json_t *lines, io_error *error);
 
 /* True if the mode is to be measured. */
-bool tradeoff_mode_wanted(size_t number, const tradeoff_options *options);
-
-/* ---- scenes.c ---- */
-
-/* Differences that the modes make to a scene's picture: appends a line of kind "picture" a mode. */
-bool tradeoff_scene_run(const char *name, const tradeoff_options *options, json_t *lines, io_error *error);
+bool accuracy_mode_wanted(size_t number, const accuracy_options *options);
 
 /* ---- normals.c: "barycentric Phong beats bilinear" ---- */
 
 /* Normals interpolated between the vertices of the triangle hit, and between the four of its cell, held against
  * those of a smooth surface that is known by its formula. */
-typedef enum tradeoff_normal {
-    TRADEOFF_FACET,       /* the triangle's own */
-    TRADEOFF_BARYCENTRIC, /* as in cw_hit_phong_normals */
-    TRADEOFF_BILINEAR,    /* of the cell's four vertex normals */
+typedef enum accuracy_normal {
+    ACCURACY_FACET,       /* the triangle's own */
+    ACCURACY_BARYCENTRIC, /* as in cw_hit_phong_normals */
+    ACCURACY_BILINEAR,    /* of the cell's four vertex normals */
     /* The same of vertex normals by central differences. */
-    TRADEOFF_CENTRAL_BARYCENTRIC,
-    TRADEOFF_CENTRAL_BILINEAR,
-    TRADEOFF_NORMAL_COUNT
-} tradeoff_normal;
+    ACCURACY_CENTRAL_BARYCENTRIC,
+    ACCURACY_CENTRAL_BILINEAR,
+    ACCURACY_NORMAL_COUNT
+} accuracy_normal;
 
 /* Unit normal at a hit, in field space, of samples without holes. The vertex normals are those of cw_hit_phong_normal;
  * hits in the cells at the field's border are not to be asked for. */
-void tradeoff_normal_at(const true_surface *surface, const cw_hit *hit, tradeoff_normal kind, double normal[3]);
+void accuracy_normal_at(const true_surface *surface, const cw_hit *hit, accuracy_normal kind, double normal[3]);
 
 /* Appends a line of kind "normal" for each of several waves, from steep and short to flat and long. */
-void tradeoff_normals_run(uint32_t seed, json_t *lines);
+void accuracy_normals_run(uint32_t seed, json_t *lines);
 
 /* ---- print.c ---- */
 
 /* One contender over all groups (a field and a class of rays) in which it ran. */
-typedef struct tradeoff_sums {
+typedef struct accuracy_sums {
     const char *name;
     size_t groups;
     double speed;         /* geometric mean, millions of rays a second */
     double rates[3];      /* leaks, wrong and phantoms in a million rays: means over the classes that are not aimed */
     double aimed, beyond; /* all of these over the classes that are; those beyond the claim, over all */
     double off;           /* worst height off the surface, but for rays from afar, whose t is too coarse a float */
-} tradeoff_sums;
-tradeoff_sums tradeoff_sums_of(const json_t *lines, const char *name);
+} accuracy_sums;
+accuracy_sums accuracy_sums_of(const json_t *lines, const char *name);
 
 /* A line a contender, fastest first. */
-void tradeoff_print(const json_t *lines);
+void accuracy_print(const json_t *lines);
 
 #endif
