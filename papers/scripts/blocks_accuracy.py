@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Speed against error: what the results of cellwalk-bench tradeoff come to, and their tables."""
+"""Errors of hits: what the results of cellwalk-bench accuracy come to, and their tables."""
 
 import math
 from statistics import median
@@ -10,25 +10,21 @@ from blocks_work import mean_ratio, work
 from markdown import grouped, table, three
 from results import Problem, geometric_mean, run_text
 
-FILE, PRECISION_FILE = "tradeoff/tradeoff.json", "precision/tradeoff.json"
+FILE = "accuracy/accuracy.json"
 AIMED = ("vertices", "edges")  # classes of rays that are made to find leaks; they are not timed
 SHORT = {"within-0.1": "0.01 to 0.1 cells away", "within-2": "0.5 to 2 cells away"}  # for the table of precision alone
 RATES = ("leaks", "phantoms", "wrong", "broken")
 ERRORS = {"t_ulp": "t in ULP", "t_cells": "t in cells", "off_cells": "off the surface, cells",
           "normal_degrees": "normal, degrees"}
-# A step along a frontier is worth naming if it gains more speed than two runs of one program may differ by.
-STEP = 1.02
 
 
 class Summary:
     """One mode with one kernel, or a peer, over all groups (fields × classes of rays)."""
 
-    def __init__(self, name, lines, groups, timed):
+    def __init__(self, name, lines, groups):
         ran = [line for line in lines if "left_out_seconds" not in line]
-        speeds = [line.number("mrays_per_s") for line in ran if "mrays_per_s" in line]
         self.name, self.mode, self.kernel = name, lines[0].text("mode"), lines[0].text("kernel")
-        self.ran, self.partial = bool(ran), len(ran) < groups or len(speeds) < timed
-        self.speed = geometric_mean(speeds)
+        self.partial = len(ran) < groups
         ordinary = [line for line in ran if line.text("rays") not in AIMED]
         aimed = [line for line in ran if line.text("rays") in AIMED]
         self.rate = {key: _mean([line.number(f"{key}_per_million") for line in (ran if key == "broken" else ordinary)])
@@ -41,10 +37,6 @@ class Summary:
             of = [line for line in ran if f"{key}_worst" in line and line.text("rays") != "afar"]
             self.median[key] = median(line.number(f"{key}_median") for line in of) if of else None
             self.worst[key] = max((line.number(f"{key}_worst") for line in of), default=None)
-
-
-def label(summary):
-    return names.peer("embree/" + summary.kernel) if summary.mode.startswith("embree") else f"`{summary.kernel}`"
 
 
 def wrong_answers(line):
@@ -63,36 +55,17 @@ def _mean(values):
 def summaries(results):
     lines = [line for line in results.of("result") if line.text("rays") not in SHORT]
     groups = {(line.text("field"), line.text("rays")) for line in lines}
-    timed = {(line.text("field"), line.text("rays")) for line in lines if "mrays_per_s" in line}
     by_name = {}
     for line in lines:
         by_name.setdefault(line.text("contender"), []).append(line)
-    return [Summary(name, of, len(groups), len(timed)) for name, of in by_name.items()]
+    return [Summary(name, of, len(groups)) for name, of in by_name.items()]
 
 
-# What a frontier is about: its title, and the error.
-FRONTIERS = {
-    "answers": ("wrong answers per million rays", lambda s: s.wrong),
-    "place": ("cells off the surface at worst", lambda s: s.worst["off_cells"]),
-}
-
-
-def frontier(all_of_them, error):
-    """Beginning at the fastest of those with the least error: each next one has the least error among those that are
-    faster by more than a step."""
-    points = [(error(s), -s.speed, k, s) for k, s in enumerate(all_of_them)
-              if not s.partial and s.speed and error(s) is not None]
-    found, slowest = [], 0
-    while faster := [point for point in points if -point[1] > slowest]:
-        found.append(min(faster)[3])
-        slowest = found[-1].speed * STEP
-    return found
-
-
-def fastest_of_modes(all_of_them):
+def best_of_modes(all_of_them):
+    """Of a mode's kernels or of Embree's widths, the one with the fewest wrong answers."""
     best = {}
     for s in all_of_them:
-        if not s.partial and s.speed > (best[s.mode].speed if s.mode in best else 0):
+        if not s.partial and (s.mode not in best or s.wrong < best[s.mode].wrong):
             best[s.mode] = s
     return best
 
@@ -100,13 +73,14 @@ def fastest_of_modes(all_of_them):
 # ---- blocks ----
 
 def accuracy(data):
-    """A line of the summary: the default kernel, and the fastest of each other mode."""
+    """A line of the summary: the default kernel, and the best of each other mode."""
     labels = {"moller-trumbore": "with the Möller–Trumbore leaf test", "embree": "for Embree",
               "embree-robust": "for Embree in robust mode"}
     results = data[FILE]
     everyone = summaries(results)
-    best = fastest_of_modes(everyone)
-    default = default_kernel(data, results.run.text("isa"))
+    best = best_of_modes(everyone)
+    # Pairs had a suffix of their own before version 0.2.
+    default = default_kernel(data, results.run.text("isa")).removesuffix("x2")
     own = next((s for s in everyone if s.mode == "strict" and s.kernel == default), None)
     if own is None:
         raise Problem(f"{results.path}: has no result of the default kernel {default}")
@@ -118,40 +92,18 @@ def accuracy(data):
             f". Each traced {grouped(rays)} rays.\n")
 
 
-def modes(results):
-    """The fastest of each mode, with little beside."""
-    all_of_them = summaries(results)
-    best = fastest_of_modes(all_of_them)
-    rows = [[s.mode, label(s), f"{s.speed:.3g}", three(s.ordinary), three(s.aimed), f"{s.worst['off_cells']:.2g}"]
-            for s in all_of_them if best.get(s.mode) is s]
-    return table(["mode", "fastest kernel or peer", "Mrays/s", "wrong answers per million rays", "per million aimed rays",
-                  "cells off the surface, worst"], rows, "llrrrr")
-
-
-def frontiers(results):
-    """A row a step along each frontier."""
-    rows, all_of_them = [], summaries(results)
-    for title, error in FRONTIERS.values():
-        before = None
-        for s in frontier(all_of_them, error):
-            gain = f"+{100 * (s.speed / before.speed - 1):.1f} %" if before else ""
-            rows.append([title if before is None else "", s.mode, label(s), f"{s.speed:.3g}", gain, three(error(s))])
-            before = s
-    return (f"{run_text(results.run)}; {results.run.number('rays_a_class')} rays of each class on each field.\n\n" +
-            table(["error", "mode", "kernel or peer", "Mrays/s", "speed gained", "its error"], rows, "lllrrr"))
-
-
 def errors(results):
-    """The fastest of each mode, with all of its errors."""
+    """The best of each mode, with all of its errors."""
     all_of_them = summaries(results)
-    best = fastest_of_modes(all_of_them)
+    best = best_of_modes(all_of_them)
     rows = []
     for s in all_of_them:
         if best.get(s.mode) is s:
             rows.append([s.mode, *(three(s.rate[key]) for key in RATES[:3]), three(s.aimed), three(s.rate["broken"]),
                          *(f"{two(s.median[key])} / {two(s.worst[key])}" for key in ERRORS)])
-    return table(["mode", "leaks", "phantoms", "wrong surfaces", "aimed", "beyond claim",
-                  *(f"{title}: median / worst" for title in ERRORS.values())], rows)
+    return (f"{run_text(results.run)}; {grouped(results.run.number('rays_a_class'))} rays of each class on each field.\n\n" +
+            table(["mode", "leaks", "phantoms", "wrong surfaces", "aimed", "beyond claim",
+                   *(f"{title}: median / worst" for title in ERRORS.values())], rows))
 
 
 # What the table of precision compares: key and title.
@@ -194,53 +146,7 @@ def precision(results):
             (": " + "; ".join(better) if better else "") + ".\n")
 
 
-def mode_speeds(results):
-    """A row a kernel or width of Embree, a column a mode."""
-    ran = [s for s in summaries(results) if s.ran and s.speed]
-    modes_of_all = list(dict.fromkeys(s.mode for s in ran))
-    labels = {s.kernel: label(s) for s in ran}
-    of = {(s.kernel, s.mode): f"{s.speed:.3g}" + (" \\*" if s.partial else "") for s in ran}
-    fastest = {kernel: max(s.speed for s in ran if s.kernel == kernel) for kernel in labels}
-    rows = [[labels[kernel], *(of.get((kernel, mode), "") for mode in modes_of_all)]
-            for kernel in sorted(fastest, key=fastest.get, reverse=True)]
-    return table(["kernel or peer", *modes_of_all], rows)
-
-
-def pictures(results):
-    """A row a scene, a column a mode: RMSE / pixels that differ visibly."""
-    lines = results.of("picture")
-    modes_of_all = [mode for mode in results.distinct("mode")
-                    if mode != "strict" and results.first("picture", mode=mode)]
-    of = {(line.text("scene"), line.text("mode")): f"{line.number('rmse'):.1g} / {line.number('pixels_visibly')}"
-          for line in lines}
-    return table(["scene", "pixels", *modes_of_all],
-                 [[scene, grouped(results.first("picture", scene=scene).number("pixels")),
-                   *(of.get((scene, mode), "") for mode in modes_of_all)] for scene in results.distinct("scene", "picture")])
-
-
 # ---- claims of the coursework ----
-
-EARLY, EXACT = "early/grid3d-early", "moller-trumbore/grid3d"
-
-
-def early(results):
-    """Whether a 3D grid may return the first triangle hit that it finds."""
-    def tally(name):
-        lines = [line for line in results.of("result", contender=name, query="closest") if "mrays_per_s" in line]
-        wrong = [sum(line.number(key) for key in RATES[:3]) for line in lines]
-        return lines, wrong, sum(line.number("ray_count") for line in lines)
-
-    (lines, wrong, rays), (_, wrong_exact, rays_exact) = tally(EARLY), tally(EXACT)
-    if not (rays and rays_exact):
-        return "Not measured: the modes early and moller-trumbore did not both run.\n"
-    # Both use the same leaf test, whose own leaks are not the early return's fault.
-    safe = sum(wrong) / rays <= sum(wrong_exact) / rays_exact
-    per_million, worst = max((1e6 * count / line.number("ray_count"), k) for k, (count, line) in enumerate(zip(wrong, lines)))
-    where = f"{lines[worst].text('rays')} rays, {names.field(lines[worst].text('field'))}"
-    return (f"{'No counterexample found' if safe else 'Refuted'}. `grid3d-early` answers {sum(wrong)} of {rays} rays wrongly, "
-            f"at worst {per_million:.0f} in a million ({where}). `grid3d`, which goes on until no nearer hit can follow, "
-            f"answers {sum(wrong_exact)} of {rays_exact} wrongly.\n")
-
 
 def cells(data):
     """Whether a cell walk tests fewer cells but more triangles than a 3D grid."""
@@ -289,8 +195,5 @@ def normals(results):
 
 def page(results):
     """All of one file, for a page of one's own."""
-    parts = {"Frontiers": frontiers, "Modes": modes, "Errors": errors, "Speeds in millions of rays a second": mode_speeds,
-             "Early return from a 3D grid": early, "Normals": normals}
-    if results.first("picture"):
-        parts["Pictures: RMSE / pixels that differ visibly"] = pictures
+    parts = {"Errors": errors, "Precision": precision, "Normals": normals}
     return "\n".join(f"**{title}**\n\n{make(results)}" for title, make in parts.items())

@@ -219,35 +219,133 @@ def coursework(data):
 
 # ---- speed against error ----
 
+# What stands for no error on a logarithmic axis.
+NONE = "none"
+
+
+def _grid(panel):
+    panel.grid(color="#eeeeee", linewidth=0.6)
+    panel.set_axisbelow(True)
+
+
 def tradeoff(data):
-    results = data[blocks_tradeoff.FILE]
-    everyone = blocks_tradeoff.summaries(results)
-    best = blocks_tradeoff.fastest_of_modes(everyone)
-    figure, (axes,) = canvas(3.9, 1, 2, "Speed against error: the fastest kernel of each mode, and Embree", results.run,
-                             wspace=0.24)
-    lowest = {"answers": 100, "place": 1e-4}  # below, on a logarithmic axis, stands what is none
-    for panel, (name, (title, error)) in zip(axes, blocks_tradeoff.FRONTIERS.items()):
-        low = lowest[name] / 10
+    """Promises of surfaces, and pictures."""
+    rays, results = data[blocks_tradeoff.RAYS_FILE], data[blocks_tradeoff.FILE]
+    figure, ((promise, picture),) = canvas(3.9, 1, 2, "Resolution: what is promised, and what a picture makes of it", results.run,
+                                           wspace=0.26)
+    styles = {"mean": ("o", OURS), "highest": ("^", GREY), "lowest": ("v", GREY)}
+    drawn = []
+    for filter_, (marker, color) in styles.items():
+        pairs = [(line.number(side), line.number("got_" + side)) for line in rays.of("coarser", filter=filter_)
+                 for side in ("above", "below") if line.number(side) > 0]
+        promise.plot(*zip(*pairs), marker, color=color, linestyle="none", markersize=5, label=filter_)
+        drawn += [value for pair in pairs for value in pair]
+    limits = layout.log_limits(drawn)
+    promise.plot(limits, limits, "-", color="#bbbbbb", zorder=0)
+    promise.set_title("cells that a coarser surface is off")
+    promise.set_xlabel("promised")
+    promise.set_ylabel("worst found")
+    for axis in (promise.xaxis, promise.yaxis):
+        layout.log_axis(axis, limits, (1, 2, 5))
+    promise.legend(loc="lower right", fontsize=8)
+    _grid(promise)
+    lines = results.some("picture")
+    factors = sorted({line.number("factor") for line in lines})
+    labels, xs, ys = [], [], []
+    for factor in factors:
+        points = [(1e3 * line.number("seconds"), line.number("rmse")) for line in sorted(
+            lines, key=lambda line: line.number("samples_a_pixel")) if line.number("factor") == factor]
+        color = OURS if factor == 1 else OURS_LIGHT
+        picture.plot(*zip(*points), "o-", color=color, markersize=3.5)
+        labels.append(("full field" if factor == 1 else f"every {factor}.", points[-1], color if factor == 1 else GREY))
+        xs += [x for x, _ in points]
+        ys += [y for _, y in points]
+    picture.set_title("RMS error of a picture")
+    picture.set_xlabel("ms; points: 1, 2, 4 … samples a pixel")
+    layout.log_axis(picture.xaxis, layout.log_limits(xs, 0.05, above=0.2))
+    layout.log_axis(picture.yaxis, layout.log_limits(ys, 0.12))
+    _grid(picture)
+    layout.label_points(picture, labels, fontsize=8)
+    return figure
 
-        def place(value):
-            return max(value, low)
 
-        line = blocks_tradeoff.frontier(everyone, error)
-        panel.plot([s.speed for s in line], [place(error(s)) for s in line], "-", color="#bbbbbb", zorder=0)
+def tradeoff_rays(data):
+    results = data[blocks_tradeoff.RAYS_FILE]
+    lands = blocks_tradeoff.lands(results)
+    figure, (axes,) = canvas(3.7, 1, len(lands), "A view on coarser fields: speed against error of distances (99 % of the hits)",
+                             results.run, wspace=0.12, left=0.09)
+    points = {land: [(name, line.number("mrays_per_s"), line.number("t_99")) for name, line in blocks_tradeoff.views(results, land)]
+              for land in lands}
+    limits = layout.log_limits([y for found in points.values() for _, _, y in found], 0.12)
+    for panel, land in zip(axes, lands):
         labels = []
-        for mode, s in best.items():
-            embree = mode.startswith("embree")
-            color = EMBREE if embree else OURS if s in line else OURS_LIGHT
-            panel.plot(s.speed, place(error(s)), "o", color=color, markersize=6)
-            labels.append((mode, (s.speed, place(error(s))), EMBREE if embree else OURS))
-        panel.set_title(title)
-        panel.set_xlabel("million rays / s; dark blue: on the frontier")
-        panel.set_xlim(0, 1.25 * max(s.speed for s in best.values()))
-        layout.log_axis(panel.yaxis, layout.log_limits([point[1] for _, point, _ in labels], 0.1), (1,),
-                        lambda tick: "none" if tick == low else markdown.grouped(tick) if tick >= 1000 else f"{tick:g}")
-        panel.grid(color="#eeeeee", linewidth=0.6)
-        panel.set_axisbelow(True)
-        layout.label_points(panel, labels, fontsize=8)
+        levels = [(x, y) for name, x, y in points[land] if not name.startswith("Embree")]
+        panel.plot(*zip(*levels), "-", color="#bbbbbb", zorder=0)
+        for name, x, y in points[land]:
+            embree = name.startswith("Embree")
+            color = EMBREE if embree else OURS
+            panel.plot(x, y, "s" if embree else "o", color=color, markersize=5)
+            labels.append((name.replace("coarser ", "1/").replace("Embree grid", "grid"), (x, y), color))
+        panel.set_title(names.field(land) + " samples")
+        panel.set_xlabel("million rays / s")
+        layout.log_axis(panel.xaxis, layout.log_limits([x for _, x, _ in points[land]], 0.3, above=0.35), (1, 2, 5))
+        layout.log_axis(panel.yaxis, limits, (1,), lambda tick: f"{100 * tick:g} %" if panel is axes[0] else "")
+        _grid(panel)
+        layout.label_points(panel, labels, fontsize=7.5)
+    return figure
+
+
+def tradeoff_terrain(data):
+    """Horizons and the sky-view factor."""
+    results = data[blocks_tradeoff.FILE]
+    figure, ((horizon, sky),) = canvas(4.4, 1, 2, "Horizons and sky view: time against error, one thread", results.run, wspace=0.24)
+    land = results.distinct("field", "horizon")[0]
+    floor, ys, xs, labels = 1e-3, [], [], []
+
+    def spread(name, x, values, color):
+        values = [max(value, floor) for value in values]
+        horizon.plot([x] * 3, values, "-", color=color, linewidth=1, zorder=0)
+        for value, marker in zip(values, ("o", "s", "^")):
+            horizon.plot(x, value, marker, color=color, markersize=4.5)
+        labels.append((name, (x, values[2]), color))
+        xs.append(x)
+        ys.extend(values)
+
+    for line in results.of("horizon", field=land):
+        known = line.text("method") not in ("exact", "grid")
+        values = [line.number("degrees_" + key) if known else 0 for key in ("median", "99", "worst")]
+        if known and line.number("ns_an_angle") < 1:
+            continue  # every 8th sample: beyond any use
+        name = {"grid": f"grid {line.number('directions')}"}.get(line.text("method"), blocks_tradeoff.method(line))
+        spread(name.replace("within ", "").replace("coarser ", "every "), line.number("ns_an_angle"), values,
+               OURS if not known else OURS_LIGHT if line.text("method") == "max-distance" else GREY)
+    peer = blocks_tradeoff.peer_horizon(data)
+    if peer:
+        spread("r.horizon", peer[0], [peer[1].number(key) for key in ("median_degrees", "most_of_99", "most")], EMBREE)
+    horizon.set_title("degrees off: 50 %, 99 % (square), worst (triangle)")
+    horizon.set_xlabel(f"ns an angle, {names.field(land)}")
+    layout.log_axis(horizon.xaxis, layout.log_limits(xs, 0.12))
+    layout.log_axis(horizon.yaxis, layout.log_limits(ys, 0.1), (1,), lambda tick: NONE if tick == floor else f"{tick:g}")
+    _grid(horizon)
+    layout.label_points(horizon, labels, fontsize=7.5)
+    lines, labels, xs, ys = results.some("sky"), [], [], []
+    for kind, text, style, color in (("exact", "evenly spaced", "o-", OURS), ("grid", "grid", "s--", OURS),
+                                     ("max-distance", "64, within 30, 100, 300 cells", "^-", OURS_LIGHT),
+                                     ("coarser", "32, every 2., 4., 8. sample", "D-", GREY)):
+        points = sorted((line.number("ns_a_place") / 1000, line.number("share_99")) for line in lines if line.text("method") == kind)
+        sky.plot(*zip(*points), style, color=color, linewidth=1.2, label=text)
+        xs += [x for x, _ in points]
+        ys += [y for _, y in points]
+        if kind == "exact":
+            labels = [(f"{line.number('directions')}", (line.number("ns_a_place") / 1000, line.number("share_99")), color)
+                      for line in lines if line.text("method") == kind]
+    sky.set_title("sky-view factor off, 99 % of the places")
+    sky.set_xlabel("µs a place")
+    layout.log_axis(sky.xaxis, layout.log_limits(xs, 0.08, above=0.12))
+    layout.log_axis(sky.yaxis, layout.log_limits(ys, 0.08, below=0.3))
+    sky.legend(loc="lower left", fontsize=7.5)
+    _grid(sky)
+    layout.label_points(sky, labels, fontsize=7.5)
     return figure
 
 
@@ -282,4 +380,5 @@ def profile(data):
 
 
 CHARTS = {"speed-1025": speeds, "scaling": scaling, "widths": widths, "building": building, "coursework": coursework,
-          "tradeoff": tradeoff, "profile": profile}
+          "tradeoff": tradeoff, "tradeoff-rays": tradeoff_rays,
+          "tradeoff-terrain": tradeoff_terrain, "profile": profile}

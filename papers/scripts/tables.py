@@ -8,6 +8,7 @@ import glob
 import os
 import sys
 
+import blocks_accuracy
 import blocks_scenes
 import blocks_speed
 import blocks_stability
@@ -24,8 +25,8 @@ NOT_TABLES = {"install", "test", "example", "python"}
 
 # What a file of results becomes, by the command that made it.
 OWN = {
-    "table": blocks_scenes.times, "tradeoff": blocks_tradeoff.page, "micro": blocks_speed.micro,
-    "afar": blocks_speed.afar, "precision": blocks_tradeoff.precision, "counters": blocks_work.counters, "leaf": blocks_stability.leaf, "extremes": blocks_stability.extremes,
+    "table": blocks_scenes.times, "tradeoff": blocks_tradeoff.page, "accuracy": blocks_accuracy.page, "micro": blocks_speed.micro,
+    "afar": blocks_speed.afar, "precision": blocks_accuracy.precision, "counters": blocks_work.counters, "leaf": blocks_stability.leaf, "extremes": blocks_stability.extremes,
     "exhaustive": blocks_stability.exhaustive, "stress": blocks_stability.stress,
 }
 # Files of results, and what makes those that do not say by which arguments they were made.
@@ -36,7 +37,7 @@ SOURCES = {
     "ablation.json": "--target ablation", "caches.json": "--target caches", "pages-huge.json": None,
     "pages-small.json": None, "terrain.json": "papers/scripts/terrain.py", "scenes/table.json": None,
     "scenes/pbrt.json": "papers/scripts/beside_pbrt.py", "scenes/features.json": "papers/scripts/features.py",
-    "tradeoff/tradeoff.json": None, "precision/tradeoff.json": None, "afar.json": None,
+    "rays/tradeoff.json": None, "tradeoff/tradeoff.json": None, "accuracy/accuracy.json": None, "afar.json": None,
     "stability/aimed-1.json": "cellwalk-stability run --part 1/2", "stability/aimed-2.json": "cellwalk-stability run --part 2/2",
     "stability/extremes.json": "--target stability-extremes",
     "stability/exhaustive.json": "--target stability-exhaustive", "stability/stress.json": "--target stability-stress",
@@ -64,7 +65,7 @@ def from_file(name, make):
 
 
 BLOCKS = {
-    "summary": lambda data: blocks_speed.summary(data) + blocks_scenes.beside_pbrt(data) + blocks_tradeoff.accuracy(data),
+    "summary": lambda data: blocks_speed.summary(data) + blocks_scenes.beside_pbrt(data) + blocks_accuracy.accuracy(data),
     "table": from_file("scenes/table.json", blocks_scenes.times),
     "tracing": from_file("scenes/table.json", blocks_scenes.tracing),
     "stability": lambda data: blocks_stability.stability(
@@ -73,15 +74,18 @@ BLOCKS = {
         blocks_speed.default_kernel(data, data["stability/aimed-1.json"].run.text("isa")).removesuffix("x2")),
     **{name: from_file(f"stability/{name}.json", OWN[name]) for name in ("extremes", "exhaustive", "stress", "leaf")},
     "afar": from_file("afar.json", blocks_speed.afar),
-    "precision": from_file(blocks_tradeoff.PRECISION_FILE, blocks_tradeoff.precision),
     **{make.__name__: make for make in (
         blocks_speed.speeds, blocks_speed.rates, blocks_speed.targets, blocks_speed.peers, blocks_speed.widths,
         blocks_speed.threads, blocks_speed.building, blocks_work.walks, blocks_work.visits, blocks_work.steps,
         blocks_work.profile, blocks_work.neon, blocks_work.ablation, blocks_work.caches, blocks_work.pages, blocks_scenes.coursework,
-        blocks_scenes.pbrt, blocks_scenes.features, blocks_tradeoff.cells, sources)},
+        blocks_scenes.pbrt, blocks_scenes.features, blocks_accuracy.cells,
+        blocks_tradeoff.choices, blocks_tradeoff.horizon_trade, sources)},
+    **{make.__name__: from_file(blocks_accuracy.FILE, make) for make in (
+        blocks_accuracy.errors, blocks_accuracy.precision, blocks_accuracy.normals)},
+    **{make.__name__: from_file(blocks_tradeoff.RAYS_FILE, make) for make in (
+        blocks_tradeoff.promises, blocks_tradeoff.view_trade)},
     **{make.__name__: from_file(blocks_tradeoff.FILE, make) for make in (
-        blocks_tradeoff.modes, blocks_tradeoff.frontiers, blocks_tradeoff.errors, blocks_tradeoff.mode_speeds,
-        blocks_tradeoff.pictures, blocks_tradeoff.early, blocks_tradeoff.normals)},
+        blocks_tradeoff.sky_trade, blocks_tradeoff.picture_trade)},
     **{make.__name__: from_file(blocks_terrain.FILE, make) for make in (
         blocks_terrain.terrain_speed, blocks_terrain.terrain_views, blocks_terrain.terrain_horizons,
         blocks_terrain.terrain_maps, blocks_terrain.terrain_suns)},

@@ -17,6 +17,7 @@ from unittest import mock
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
 import beside_pbrt
+import blocks_accuracy
 import blocks_scenes
 import blocks_speed
 import blocks_stability
@@ -144,62 +145,70 @@ class Speeds(Folder):
         self.assertIn("| 2 | ao | 1.90 |", blocks_speed.threads(results.Data(self.folder.name)))
 
 
-class Tradeoff(Folder):
-    def line(self, mode, rays, mrays, wrong, off):
+class Accuracy(Folder):
+    def line(self, mode, rays, wrong, off, kernel="k"):
         zero = {f"{key}_per_million": 0 for key in ("leaks", "phantoms", "wrong", "broken")}
-        spread = {f"{key}_{of}": off for key in blocks_tradeoff.ERRORS for of in ("median", "worst")}
-        line = {"kind": "result", "contender": f"{mode}/k", "mode": mode, "kernel": "k", "field": "65", "rays": rays,
+        spread = {f"{key}_{of}": off for key in blocks_accuracy.ERRORS for of in ("median", "worst")}
+        return {"kind": "result", "contender": f"{mode}/{kernel}", "mode": mode, "kernel": kernel, "field": "65", "rays": rays,
                 **zero, **spread, "leaks_per_million": wrong}
-        return line if mrays is None else {**line, "mrays_per_s": mrays}
 
-    def test_frontier_and_means(self):
+    def test_means_and_the_best_of_each_mode(self):
         lines = []
-        for mode, mrays, wrong, off in (("exact", 10, 0, 1e-4), ("noise", 10.1, 5, 1e-4), ("fast", 20, 100, 1e-3),
-                                        ("bad", 15, 900, 1)):
-            lines += [self.line(mode, "ao", mrays, wrong, off), self.line(mode, "edges", None, 3 * wrong, off)]
+        for mode, kernel, wrong in (("exact", "k", 0), ("embree", "w4", 100), ("embree", "w8", 90)):
+            lines += [self.line(mode, "ao", wrong, 1e-4, kernel), self.line(mode, "edges", 3 * wrong, 1e-4, kernel)]
+        lines.append(self.line("part", "ao", 0, 1e-4))
         read = self.results(*lines, run={**RUN, "rays_a_class": 8})
-        everyone = blocks_tradeoff.summaries(read)
-        found = blocks_tradeoff.frontier(everyone, lambda s: s.wrong)
-        self.assertEqual([s.mode for s in found], ["exact", "fast"])  # less than 2 % is no step, and bad is beaten
-        self.assertEqual((found[1].ordinary, found[1].aimed, found[1].wrong), (100, 300, 200))
-        self.assertAlmostEqual(found[1].speed, 20)
-        self.assertIn("| | fast | `k` | 20 | +100.0 % | 200 |", blocks_tradeoff.frontiers(read))
+        best = blocks_accuracy.best_of_modes(blocks_accuracy.summaries(read))
+        self.assertEqual({mode: s.kernel for mode, s in best.items()}, {"exact": "k", "embree": "w8"})  # part: not everywhere
+        self.assertEqual((best["embree"].ordinary, best["embree"].aimed, best["embree"].wrong), (90, 270, 180))
+        self.assertIn("| embree | 90 | 0 | 0 | 270 |", blocks_accuracy.errors(read))
 
     def test_the_summary_is_about_the_default_kernel(self):
-        def lines(kernel, mrays, aimed):
-            return [{**self.line("strict", rays, value, aimed, 1), "kernel": kernel, "contender": f"strict/{kernel}"}
-                    for rays, value in (("ao", mrays), ("edges", None))]
-        self.results(*lines("fast", 20, 5), *lines("k", 10, 2), name=blocks_tradeoff.FILE, run={**RUN, "rays_a_class": 8})
+        def lines(kernel, aimed):
+            return [self.line("strict", rays, aimed, 1, kernel) for rays in ("ao", "edges")]
+        self.results(*lines("fast", 5), *lines("k", 2), name=blocks_accuracy.FILE, run={**RUN, "rays_a_class": 8})
         data = results.Data(self.folder.name)
-        self.fails("no result of the default kernel", blocks_tradeoff.accuracy, data)
+        self.fails("no result of the default kernel", blocks_accuracy.accuracy, data)
         self.results({"kind": "field", "field": "1025", "default_kernel": "k"}, name="speed-avx2.json")
         self.assertIn("edges: 2 for the default kernel. Each traced 8 rays.",
-                      blocks_tradeoff.accuracy(results.Data(self.folder.name)))
+                      blocks_accuracy.accuracy(results.Data(self.folder.name)))
 
     def test_from_afar_t_tells_no_place_and_short_rays_are_for_precision(self):
-        read = self.results(self.line("exact", "ao", 10, 0, 1e-4), self.line("exact", "afar", 10, 0, 1),
-                            self.line("exact", "within-2", None, 5, 9))
-        (exact,) = blocks_tradeoff.summaries(read)
+        read = self.results(self.line("exact", "ao", 0, 1e-4), self.line("exact", "afar", 0, 1), self.line("exact", "within-2", 5, 9))
+        (exact,) = blocks_accuracy.summaries(read)
         self.assertEqual((exact.worst["off_cells"], exact.ordinary, exact.partial), (1e-4, 0, False))
 
     def test_precision_takes_embrees_better_figure(self):
         def line(mode, kernel, error, **more):
-            spread = {f"{key}_{of}": error for key in blocks_tradeoff.PRECISE for of in ("median", "most", "worst")}
+            spread = {f"{key}_{of}": error for key in blocks_accuracy.PRECISE for of in ("median", "most", "worst")}
             return {"kind": "result", "field": "65", "rays": "within-2", "query": "closest", "mode": mode,
                     "contender": f"{mode}/{kernel}", **spread, **more}
         read = self.results(line("strict", "k", 2e-8), line("embree", "w1", 4e-8), line("embree", "w8", 3e-8),
                             line("embree-robust", "w1", 5e-8, uv_most=1e-8), run={**RUN, "rays_a_class": 8})
-        text = blocks_tradeoff.precision(read)
+        text = blocks_accuracy.precision(read)
         self.assertIn("| | Embree | 3.0e-08 / 3.0e-08 |", text)
         self.assertIn("in 1 of 10 comparisons: u, v (99.9 %), 0.5 to 2 cells away, 65².", text)
 
-    def test_one_that_did_not_run_everywhere_is_on_no_frontier(self):
-        read = self.results(self.line("exact", "ao", 10, 0, 1), self.line("exact", "random", 10, 0, 1),
-                            self.line("part", "ao", 99, 0, 1),
-                            {"kind": "result", "contender": "part/k", "mode": "part", "kernel": "k", "field": "65",
-                             "rays": "random", "left_out_seconds": 5})
-        found = blocks_tradeoff.frontier(blocks_tradeoff.summaries(read), lambda s: s.wrong)
-        self.assertEqual([s.mode for s in found], ["exact"])
+
+class Tradeoff(Folder):
+    def surface(self, asked, got):
+        return {"kind": "coarser", "field": "65", "filter": "mean", "factor": 2, "above": asked, "got_above": got, "below": 0,
+                "got_below": 0, "rms": 1, "got_rms": 1}
+
+    def test_a_broken_promise_is_an_error(self):
+        self.assertIn("| 65² | mean | 2 | 0.5 / 0.4 |", blocks_tradeoff.promises(self.results(self.surface(0.5, 0.4))))
+        self.fails("factor 2: the surface is farther off than promised", blocks_tradeoff.promises,
+                   self.results(self.surface(0.5, 0.6)))
+
+    def test_views_stand_beside_strict_and_embrees_fastest_width(self):
+        def line(contender, factor, mrays):
+            return {"kind": "rays", "field": "65", "contender": contender, "factor": factor, "mrays_per_s": mrays, "t_median": 0.02,
+                    "t_99": 1e-7, "cells_median": 1, "differ_per_million": 3}
+        read = self.results(line("strict", 1, 10), line("coarser", 2, 25), line("embree", 0, 4), line("embree", 0, 5),
+                            run={**RUN, "ray_count": 8})
+        text = blocks_tradeoff.view_trade(read)
+        self.assertIn("| | coarser 2 | 25 | 2.50 | 2 % | 1.0e-07 | 1 | 3 |", text)
+        self.assertIn("| | Embree | 5 | 0.50 |", text)
 
 
 class Stability(Folder):

@@ -223,7 +223,11 @@ static int run(int argc, char **argv) {
                 "--max-distance. The sky-view factor counts the sky there as free.\n"
                 "Angles are exact to 0.001 degrees (0.003 on a map in degrees) for the surface of\n"
                 "two triangles between each four samples. On a map in degrees, directions are off\n"
-                "in proportion to the distance: by up to 0.03 degrees at 5 km and latitude 50.\n",
+                "in proportion to the distance: by up to 0.03 degrees at 5 km and latitude 50.\n"
+                "\n"
+                "To save time: --grid loses no exactness. For --svf, 16 directions instead of 64\n"
+                "take a quarter of the time and are off by less than 0.003 nearly everywhere.\n"
+                "--coarser costs more error than it is worth here.\n",
         .examples = "  cellwalk horizon dem.tif --directions 32 -o horizon.tif\n"
                     "  cellwalk horizon dem.tif --directions 64 --svf -o sky.tif\n"
                     "  cellwalk horizon dem.tif --directions 16 --grid --svf -o sky.tif\n"
