@@ -329,24 +329,53 @@ static int close_stream(io_output *out) {
     return good ? fd : -1;
 }
 
-bool io_output_commit(io_output *out, io_error *error) {
-    const bool direct = out->slot == DIRECT;
+/* Flushes, and waits until the bytes are on the disk. A second descriptor, or -1 after a message. */
+static int finish_bytes(io_output *out, io_error *error) {
     struct stat about;
     /* Found out late where the input was opened after the output. */
-    if (direct && fstat(fileno(out->file), &about) == 0 && S_ISREG(about.st_mode) && io_inputs_have(&about)) {
+    if (out->slot == DIRECT && fstat(fileno(out->file), &about) == 0 && S_ISREG(about.st_mode) &&
+        io_inputs_have(&about)) {
         io_fail(error, "%s: is also an input; choose another name for the output", out->name);
-        io_output_discard(out);
-        return false;
+        fclose(out->file);
+        return -1;
     }
     const int fd = close_stream(out);
-    bool good = fd >= 0 && (direct || settle(fd));
-    if (!good) fail_write(out, error);
-    if (!direct) {
+    if (fd >= 0 && (out->slot == DIRECT || settle(fd))) return fd;
+    fail_write(out, error);
+    if (fd >= 0) close(fd);
+    return -1;
+}
+
+/* The last step, for an output whose stream is closed: gives it its name, or with good false and any fd removes it. */
+static bool finish_name(io_output *out, int fd, bool good, io_error *error) {
+    if (out->slot != DIRECT) {
         good = good && take_name(out, fd, error);
         if (take(&slots[out->slot], CLAIMED) && !good) unlink(slots[out->slot].temporary);
     }
     if (fd >= 0) close(fd);
     release(out);
+    return good;
+}
+
+bool io_output_commit(io_output *out, io_error *error) {
+    const int fd = finish_bytes(out, error);
+    return finish_name(out, fd, fd >= 0, error);
+}
+
+bool io_output_commit_both(io_output *out, io_output *beside, io_error *error) {
+    char target[PATH_MAX];
+    struct stat old;
+    const int fd = finish_bytes(out, error);
+    if (fd < 0) {
+        io_output_discard(beside);
+        return finish_name(out, fd, false, error);
+    }
+    const int fd_beside = finish_bytes(beside, error);
+    snprintf(target, sizeof target, "%s", beside->target);
+    const bool replaced = lstat(target, &old) == 0;
+    const bool named = finish_name(beside, fd_beside, fd_beside >= 0, error);
+    const bool good = finish_name(out, fd, named, error);
+    if (named && !good && !replaced) unlink(target);
     return good;
 }
 

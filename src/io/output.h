@@ -45,6 +45,10 @@ bool io_output_write(io_output *out, const void *bytes, size_t size, io_error *e
 /* Flushes, closes and gives the file its name. On failure everything is discarded. out may be discarded again. */
 bool io_output_commit(io_output *out, io_error *error);
 
+/* The same of two files that belong together: neither gets its name before the bytes of both are on the disk. Then beside
+ * gets its name first; if out cannot get its own after that, beside is removed again, unless it replaced a file. */
+bool io_output_commit_both(io_output *out, io_output *beside, io_error *error);
+
 /* Closes and removes the file. Does nothing on an output that is not open (all zero, committed, discarded). */
 void io_output_discard(io_output *out);
 

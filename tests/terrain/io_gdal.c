@@ -15,6 +15,7 @@
 #include <math.h>
 #include <ogr_srs_api.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 enum { NX = 5, NY = 4, N = NX * NY };
@@ -397,6 +398,142 @@ static void results_are_whole(void **state) {
     free(npy);
 }
 
+/* A COG has smaller copies that come first; it is made beside scratch files that have no names. */
+static void results_are_cogs(void **state) {
+    (void)state;
+    enum { SIDE = 300, BANDS = 2 };
+    static float cells[BANDS][SIDE][SIDE], back[SIDE][SIDE];
+    for (size_t k = 0; k < (size_t)BANDS * SIDE * SIDE; k++)
+        cells[k / (SIDE * SIDE)][k / SIDE % SIDE][k % SIDE] = (float)k * 0.5f;
+    make(&(source){.name = "dem.tif", .nx = SIDE, .ny = SIDE});
+    io_raster r = read_well("dem.tif", NULL);
+    static const char *const creation[] = {"BLOCKSIZE=128", "COMPRESS=LZW", "PREDICTOR=NO"};
+    io_raster_product product = {.nx = SIDE,
+                                 .ny = SIDE,
+                                 .bands = BANDS,
+                                 .cell = IO_CELL_FLOAT32,
+                                 .map = (const double(*)[4])r.map,
+                                 .georef = &r.georef,
+                                 .has_nodata = true,
+                                 .nodata = -1,
+                                 .unit = "degree",
+                                 .cog = true,
+                                 .creation = creation};
+    io_error error = {""};
+    const size_t entries = scratch_entries();
+    for (size_t c = 0; c < 4; c += 3) {
+        product.creation_count = c;
+        check(io_raster_check_creation(creation, c, true, &error), "%s", error.text);
+        io_raster_writer w;
+        check(io_raster_create(&w, "cog.tif", &product, &error), "%s", error.text);
+        for (size_t b = 0; b < BANDS; b++) check(io_raster_write(&w, cells[b], SIDE, &error), "%s", error.text);
+        check(io_raster_commit(&w, &error), "%s", error.text);
+        assert_int_equal(scratch_entries(), entries + 1);
+        GDALDatasetH file = GDALOpen("cog.tif", GA_ReadOnly);
+        assert_non_null(file);
+        assert_string_equal(GDALGetMetadataItem(file, "LAYOUT", "IMAGE_STRUCTURE"), "COG");
+        assert_string_equal(GDALGetMetadataItem(file, "COMPRESSION", "IMAGE_STRUCTURE"), c ? "LZW" : "DEFLATE");
+        assert_int_equal(GDALGetOverviewCount(GDALGetRasterBand(file, 2)), c ? 2 : 0);
+        double transform[6];
+        GDALGetGeoTransform(file, transform);
+        for (int k = 0; k < 6; k++) assert_true(transform[k] == utm[k]);
+        assert_true(GDALGetRasterNoDataValue(GDALGetRasterBand(file, 2), NULL) == -1);
+        assert_string_equal(GDALGetRasterUnitType(GDALGetRasterBand(file, 2)), "degree");
+        for (int b = 0; b < BANDS; b++) {
+            GDALRasterBandH band = GDALGetRasterBand(file, b + 1);
+            assert_int_equal(GDALRasterIO(band, GF_Read, 0, 0, SIDE, SIDE, back, SIDE, SIDE, GDT_Float32, 0, 0),
+                             CE_None);
+            assert_memory_equal(back, cells[b], sizeof back);
+        }
+        GDALClose(file);
+        assert_int_equal(unlink("cog.tif"), 0);
+    }
+    /* Rows that are missing leave nothing. */
+    io_raster_writer w;
+    check(io_raster_create(&w, "cog.tif", &product, &error), "%s", error.text);
+    assert_true(io_raster_write(&w, cells[0], SIDE, &error));
+    assert_false(io_raster_commit(&w, &error));
+    assert_int_equal(scratch_entries(), entries);
+    io_raster_free(&r);
+}
+
+/* What may grow beyond 4 GB has the large header from the beginning. */
+static void large_files_are_bigtiff(void **state) {
+    (void)state;
+    const io_georef nowhere = {0};
+    static const double identity[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
+    static const size_t sides[] = {1000, 40000};
+    for (size_t k = 0; k < 2; k++) {
+        /* GDAL would fill in what is not written. */
+        static const char *const creation[] = {"SPARSE_OK=TRUE"};
+        const io_raster_product product = {.nx = sides[k],
+                                           .ny = sides[k],
+                                           .bands = 1,
+                                           .cell = IO_CELL_FLOAT32,
+                                           .map = identity,
+                                           .georef = &nowhere,
+                                           .creation = creation,
+                                           .creation_count = 1};
+        io_raster_writer w;
+        io_error error = {""};
+        check(io_raster_create(&w, "large.tif", &product, &error), "%s", error.text);
+        const size_t rows = io_raster_tile_side(sides[k]);
+        float *cells = calloc(rows * sides[k], sizeof *cells);
+        assert_non_null(cells);
+        check(io_raster_write(&w, cells, rows, &error), "%s", error.text);
+        free(cells);
+        const int copy = dup(fileno(w.output.file));
+        io_raster_discard(&w);
+        char header[4];
+        assert_int_equal(pread(copy, header, 4, 0), 4);
+        close(copy);
+        assert_int_equal(header[2], k == 0 ? 42 : 43);
+    }
+}
+
+/* A picture of a terrain with a map has a world file, which appears and fails with it. */
+static void pictures_have_a_place(void **state) {
+    (void)state;
+    static const unsigned char cells[N] = {1};
+    static const double turned[6] = {1000, 3, 4, 2000, 4, -3};
+    make(&(source){.name = "turned.tif", .transform = turned});
+    io_raster r = read_well("turned.tif", NULL);
+    const io_raster_product product = {.nx = NX,
+                                       .ny = NY,
+                                       .bands = 1,
+                                       .cell = IO_CELL_UINT8,
+                                       .map = (const double(*)[4])r.map,
+                                       .georef = &r.georef,
+                                       .white = 1};
+    io_raster_writer w;
+    io_error error = {""};
+    check(io_raster_create(&w, "out.png", &product, &error), "%s", error.text);
+    check(io_raster_write(&w, cells, NY, &error), "%s", error.text);
+    assert_true(access("out.png", F_OK) != 0 && access("out.pgw", F_OK) != 0);
+    check(io_raster_commit(&w, &error), "%s", error.text);
+    GDALDatasetH file = GDALOpen("out.png", GA_ReadOnly);
+    assert_non_null(file);
+    double transform[6];
+    assert_int_equal(GDALGetGeoTransform(file, transform), CE_None);
+    for (int k = 0; k < 6; k++) assert_true(transform[k] == turned[k]);
+    GDALClose(file);
+    /* Rows that are missing leave what was there. */
+    const size_t entries = scratch_entries();
+    scratch_write("out.pgw", "old", 3);
+    check(io_raster_create(&w, "out.png", &product, &error), "%s", error.text);
+    assert_false(io_raster_commit(&w, &error));
+    size_t size;
+    char *old = scratch_read("out.pgw", &size);
+    assert_true(size == 3 && memcmp(old, "old", 3) == 0);
+    free(old);
+    /* Neither is written without the other. */
+    assert_int_equal(mkdir("no.pgw", 0700), 0);
+    assert_false(io_raster_create(&w, "no.png", &product, &error));
+    check(strstr(error.text, "no.pgw") != NULL, "%s", error.text);
+    assert_int_equal(scratch_entries(), entries + 1);
+    io_raster_free(&r);
+}
+
 static void results_are_pictures(void **state) {
     (void)state;
     const io_georef nowhere = {0};
@@ -479,7 +616,10 @@ int main(void) {
         cmocka_unit_test_setup_teardown(large_files_come_in_pieces, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(what_smells_is_said, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(results_are_whole, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(results_are_cogs, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(large_files_are_bigtiff, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(results_are_pictures, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(pictures_have_a_place, scratch_enter, scratch_leave),
         cmocka_unit_test(a_real_terrain),
         cmocka_unit_test(gdal_fetches_nothing),
     };

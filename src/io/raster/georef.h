@@ -14,7 +14,8 @@ typedef struct io_georef {
     double semi_major, inverse_flattening; /* of a geographic map's ellipsoid, the first in metres; 0 of a sphere */
     char *crs;                             /* the coordinate system as well-known text (WKT); NULL: not known */
     bool has_nodata;
-    double nodata; /* the value that means no data in the file */
+    double nodata;        /* the value that means no data in the file */
+    double scale, offset; /* heights are offset + scale times the file's numbers; scale 0: they are these numbers */
 } io_georef;
 
 void io_georef_free(io_georef *georef);

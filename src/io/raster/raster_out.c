@@ -8,6 +8,7 @@
 #include "npy.h"
 #include "raster_sink.h"
 
+#include <errno.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,13 +16,16 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-size_t io_cell_bytes(io_cell cell) { return cell == IO_CELL_UINT8 ? 1 : cell == IO_CELL_UINT16 ? 2 : 4; }
+size_t io_cell_bytes(io_cell cell) {
+    static const size_t bytes[] = {1, 2, 4, 2};
+    return bytes[cell];
+}
 
 /* ---- NumPy arrays: (rows, columns), or (bands, rows, columns)
  * ----------------------------------------------------- */
 
 static bool npy_create(io_raster_writer *w, io_error *error) {
-    static const char *const types[] = {"'|u1'", "'<u2'", "'<f4'"};
+    static const char *const types[] = {"'|u1'", "'<u2'", "'<f4'", "'<i2'"};
     const io_raster_product *p = &w->product;
     const uint64_t shape[3] = {p->bands, p->ny, p->nx};
     const size_t rank = p->bands > 1 ? 3 : 2;
@@ -43,6 +47,30 @@ const io_raster_sink io_sink_npy = {".npy", "NumPy array", 0, npy_create, npy_wr
 /* ---- GeoTIFF
  * ------------------------------------------------------------------------------------------------------ */
 
+/* The scratch files of a COG: the GeoTIFF that it is copied from, its smaller copies, and room for a few more. They are
+ * outputs that never get a name, on the disk of the target. */
+enum { SCRATCH_MOST = 6 };
+typedef struct tif_state {
+    io_gdal_target *target;
+    const char *beside;
+    size_t count;
+    io_output scratch[SCRATCH_MOST];
+} tif_state;
+
+static int open_scratch(void *context) {
+    tif_state *s = context;
+    io_error error;
+    if (s->count < SCRATCH_MOST && io_output_open(&s->scratch[s->count], s->beside, &error))
+        return fileno(s->scratch[s->count++].file);
+    if (s->count == SCRATCH_MOST) errno = EMFILE;
+    return -1;
+}
+
+static void free_tif(tif_state *s) {
+    for (size_t k = 0; k < s->count; k++) io_output_discard(&s->scratch[k]);
+    free(s);
+}
+
 static bool tif_create(io_raster_writer *w, io_error *error) {
     const io_gdal *gdal = io_gdal_load(error);
     if (gdal == NULL) return false;
@@ -50,16 +78,31 @@ static bool tif_create(io_raster_writer *w, io_error *error) {
     const int fd = fileno(w->output.file);
     if (fstat(fd, &about) != 0 || !S_ISREG(about.st_mode))
         return io_fail(error, "%s: cannot write: a GeoTIFF needs a regular file", w->output.name);
-    w->state = gdal->create(fd, w->output.name, &w->product, error);
-    return w->state != NULL;
+    tif_state *s = calloc(1, sizeof *s);
+    if (s == NULL) return io_fail(error, "%s: out of memory", w->output.name);
+    s->beside = w->output.target;
+    s->target = gdal->create(fd, w->output.name, &w->product, open_scratch, s, error);
+    w->state = s;
+    if (s->target != NULL) return true;
+    free_tif(s);
+    return false;
 }
 
 static bool tif_write(io_raster_writer *w, const void *cells, size_t rows, io_error *error) {
-    return io_gdal_load(error)->write(w->state, w->band, w->row, rows, cells, error);
+    const tif_state *s = w->state;
+    return io_gdal_load(error)->write(s->target, w->band, w->row, rows, cells, error);
 }
 
 static bool tif_finish(io_raster_writer *w, bool whole, io_error *error) {
-    return io_gdal_load(error)->finish(w->state, error) && whole;
+    tif_state *s = w->state;
+    const bool good = io_gdal_load(error)->finish(s->target, whole, error) && whole;
+    free_tif(s);
+    return good;
+}
+
+bool io_raster_check_creation(const char *const *creation, size_t count, bool cog, io_error *error) {
+    const io_gdal *gdal = io_gdal_load(error);
+    return gdal != NULL && gdal->check_creation(creation, count, cog, error);
 }
 
 const io_raster_sink io_sink_tif = {".tif", "GeoTIFF", 0, tif_create, tif_write, tif_finish};
@@ -103,11 +146,32 @@ bool io_raster_can_write(const char *path, size_t bands, io_error *error) {
     return true;
 }
 
+/* Places a picture on its map for programs that read world files, as GIS do: x and y of a column, x and y of a row, and of the
+ * upper left pixel's centre. */
+static bool open_world(io_raster_writer *w, io_error *error) {
+    const double(*m)[4] = w->product.map;
+    const char *target = w->output.target;
+    char path[PATH_MAX], text[200];
+    struct stat about;
+    if (w->sink != &io_sink_png || !w->product.georef->placed) return true;
+    if (fstat(fileno(w->output.file), &about) != 0 || !S_ISREG(about.st_mode)) return true;
+    if (snprintf(path, sizeof path, "%.*s.pgw", (int)(strlen(target) - strlen(w->sink->ending)), target) >=
+        (int)sizeof path)
+        return io_fail(error, "%s: cannot write: the world file's name is too long", w->output.name);
+    const int length = snprintf(text, sizeof text, "%.17g\n%.17g\n%.17g\n%.17g\n%.17g\n%.17g\n", m[0][0], m[1][0],
+                                m[0][1], m[1][1], m[0][3], m[1][3]);
+    if (!io_output_open(&w->world, path, error)) return false;
+    if (io_output_write(&w->world, text, (size_t)length, error)) return true;
+    io_output_discard(&w->world);
+    return false;
+}
+
 bool io_raster_create(io_raster_writer *w, const char *path, const io_raster_product *product, io_error *error) {
     *w = (io_raster_writer){.product = *product};
     if (!io_raster_can_write(path, product->bands, error) || !io_output_open(&w->output, path, error)) return false;
     w->sink = sink_of(path);
-    if (w->sink->create(w, error)) return true;
+    if (open_world(w, error) && w->sink->create(w, error)) return true;
+    io_output_discard(&w->world);
     io_output_discard(&w->output);
     *w = (io_raster_writer){0};
     return false;
@@ -138,9 +202,13 @@ bool io_raster_commit(io_raster_writer *w, io_error *error) {
     if (!whole) io_fail(error, "%s: rows are missing", w->output.name);
     char target[PATH_MAX] = "";
     if (w->sink == &io_sink_tif) snprintf(target, sizeof target, "%s", w->output.target);
-    const bool good = w->sink->finish(w, whole, whole ? error : NULL) && io_output_commit(&w->output, error);
+    bool good = w->sink->finish(w, whole, whole ? error : NULL);
+    if (good)
+        good = w->world.file == NULL ? io_output_commit(&w->output, error)
+                                     : io_output_commit_both(&w->output, &w->world, error);
     if (good && target[0] != '\0') remove_companions(target);
-    if (!good) io_output_discard(&w->output);
+    io_output_discard(&w->world);
+    io_output_discard(&w->output);
     *w = (io_raster_writer){0};
     return good;
 }
@@ -148,6 +216,7 @@ bool io_raster_commit(io_raster_writer *w, io_error *error) {
 void io_raster_discard(io_raster_writer *w) {
     if (w->sink == NULL) return;
     w->sink->finish(w, false, NULL);
+    io_output_discard(&w->world);
     io_output_discard(&w->output);
     *w = (io_raster_writer){0};
 }

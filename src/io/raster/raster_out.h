@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Rasters to files: values computed for each sample of a terrain, written row by row. The ending of the name says the
  * format: .tif (GeoTIFF in compressed tiles, with the terrain's coordinate system), .npy (a NumPy array), .png (a grey
- * picture). The file is renamed into place when complete. */
+ * picture, with a world file beside it if the terrain has a map). The file is renamed into place when complete. */
 #ifndef CELLWALK_IO_RASTER_OUT_H
 #define CELLWALK_IO_RASTER_OUT_H
 
 #include "georef.h"
 #include "output.h"
 
-typedef enum io_cell { IO_CELL_UINT8, IO_CELL_UINT16, IO_CELL_FLOAT32 } io_cell;
+typedef enum io_cell { IO_CELL_UINT8, IO_CELL_UINT16, IO_CELL_FLOAT32, IO_CELL_INT16 } io_cell;
 
 /* Of GeoTIFFs. All are without loss. */
 typedef enum io_compression { IO_DEFLATE, IO_ZSTD, IO_UNCOMPRESSED } io_compression;
@@ -28,12 +28,21 @@ typedef struct io_raster_product {
     const char *const *notes;      /* metadata as "NAME=value", up to a NULL */
     unsigned threads;              /* that may compress; 0: as many as there are CPUs */
     io_compression compression;
+    double scale; /* > 0: a value is its cell times this; else the cell itself */
+    bool cog;     /* Cloud Optimized GeoTIFF: smaller copies within, written in a second pass by io_raster_commit */
+    /* GDAL's creation options as "NAME=VALUE"; they replace the program's own. */
+    const char *const *creation;
+    size_t creation_count;
+    /* NULL, or called while io_raster_commit works. False ends it with the error "interrupted". */
+    bool (*go_on)(void *context);
+    void *go_on_context;
 } io_raster_product;
 
 typedef struct io_raster_writer {
     const struct io_raster_sink *sink; /* the format */
     io_raster_product product;
     io_output output;
+    io_output world;  /* of a picture: the world file beside it, if there is one */
     size_t band, row; /* that come next */
     void *state;      /* the format's */
 } io_raster_writer;
@@ -53,6 +62,9 @@ static inline size_t io_raster_tile_side(size_t samples) {
 
 /* True if the ending is one that this build and this machine can write, with so many bands; else error lists those that can be. */
 bool io_raster_can_write(const char *path, size_t bands, io_error *error);
+
+/* False if GDAL does not know a creation option of GeoTIFFs, or its value. */
+bool io_raster_check_creation(const char *const *creation, size_t count, bool cog, io_error *error);
 
 /* On failure writer needs no discard. */
 bool io_raster_create(io_raster_writer *writer, const char *path, const io_raster_product *product, io_error *error);

@@ -24,7 +24,8 @@ void ground_rows(ground_options *o, const char *name, option_spec rows[GROUND_OP
     rows[0] = (option_spec){.name = "output",
                             .letter = 'o',
                             .value = "FILE",
-                            .help = "the raster to write: .tif (GeoTIFF), .npy (NumPy array)\nor .png (grey)",
+                            .help = "the raster to write: .tif (GeoTIFF), .npy (NumPy array)\nor .png (grey, with a "
+                                    "world file .pgw if the terrain has a\nmap)",
                             .kind = OPTION_TEXT,
                             .to = &o->output};
     rows[1] = (option_spec){.name = "compress",
@@ -35,10 +36,18 @@ void ground_rows(ground_options *o, const char *name, option_spec rows[GROUND_OP
                             .kind = OPTION_NAME,
                             .to = &o->compression,
                             .names = compression_names};
-    raster_options_rows(&o->raster, rows + 2);
+    rows[2] = (option_spec){
+        .name = "cog", .help = "write a Cloud Optimized GeoTIFF: GDAL's -of COG", .kind = OPTION_FLAG, .to = &o->cog};
+    rows[3] = (option_spec){.name = "co",
+                            .value = "NAME=VALUE",
+                            .help = "a creation option for GDAL's GTiff driver, or for COG with\n--cog; may be given "
+                                    "several times",
+                            .kind = OPTION_AGAIN,
+                            .to = &o->creation};
+    raster_options_rows(&o->raster, rows + 4);
     query_options_rows(&o->query, query);
-    rows[2 + RASTER_OPTION_COUNT] = query[QUERY_ISA];
-    rows[3 + RASTER_OPTION_COUNT] = query[QUERY_THREADS];
+    rows[4 + RASTER_OPTION_COUNT] = query[QUERY_ISA];
+    rows[5 + RASTER_OPTION_COUNT] = query[QUERY_THREADS];
 }
 
 /* Whether the output would take an input's place: said before any work, since the output is opened after it. */
@@ -95,11 +104,15 @@ static int open_ground(ground *g, ground_options *o, const char *path, size_t ba
         command_fail(o->name, "nothing to do: give -o FILE for the result");
         return EXIT_USAGE;
     }
-    if (o->compression != IO_DEFLATE && !(bands > 0 && io_raster_is_tif(o->output))) {
-        command_fail(o->name, "--compress goes with -o FILE.tif");
+    const char *of_tif = o->compression != IO_DEFLATE ? "compress" : o->cog ? "cog" : o->creation.count ? "co" : NULL;
+    if (of_tif != NULL && !(bands > 0 && io_raster_is_tif(o->output))) {
+        command_fail(o->name, "--%s goes with -o FILE.tif", of_tif);
         return EXIT_USAGE;
     }
     if (bands > 0 && !io_raster_can_write(o->output, bands, &error)) return command_fail(o->name, "%s", error.text);
+    if ((o->cog || o->creation.count > 0) &&
+        !io_raster_check_creation(o->creation.values, o->creation.count, o->cog, &error))
+        return command_fail(o->name, "%s", error.text);
     if (bands > 0 && io_inputs_note_path(path) && is_input(o->output))
         return command_fail(o->name, "%s: is the terrain itself and cannot be overwritten", o->output);
     const cw_status status = cw_pool_create(o->query.threads, &g->query.pool);
@@ -234,6 +247,11 @@ void ground_notes_free(ground_notes *n) {
     *n = (ground_notes){0};
 }
 
+static bool goes_on(void *context) {
+    (void)context;
+    return !atomic_load(cancel_flag());
+}
+
 io_raster_product ground_product(const ground *g, io_cell cell, size_t bands, const char *const *what,
                                  ground_notes *notes) {
     const io_raster *r = &g->file.raster;
@@ -252,6 +270,7 @@ io_raster_product ground_product(const ground *g, io_cell cell, size_t bands, co
         .has_nodata = true,
         .nodata = cell == IO_CELL_UINT8    ? 255
                   : cell == IO_CELL_UINT16 ? 65535
+                  : cell == IO_CELL_INT16  ? INT16_MIN
                                            : NAN,
         .black = 0,
         .white = 1,
@@ -259,7 +278,17 @@ io_raster_product ground_product(const ground *g, io_cell cell, size_t bands, co
         .notes = notes->notes,
         .threads = cw_pool_threads(g->query.pool),
         .compression = (io_compression)g->options->compression,
+        .cog = g->options->cog,
+        .creation = g->options->creation.values,
+        .creation_count = g->options->creation.count,
+        .go_on = goes_on,
     };
+}
+
+void ground_scale(io_raster_product *product, double scale) {
+    product->cell = IO_CELL_INT16;
+    product->scale = scale;
+    product->nodata = INT16_MIN;
 }
 
 bool ground_tell(void *context, double share) {

@@ -16,13 +16,15 @@ typedef struct ground_options {
     const char *name; /* of the subcommand */
     const char *output;
     int compression; /* io_compression */
+    bool cog;
+    option_again creation;
     raster_options raster;
     query_options query;
     /* Of those that take them (pieces.h): the texts, and what they say. */
     const char *window, *memory;
     double extent[4], bytes;
 } ground_options;
-enum { GROUND_OPTION_COUNT = 2 + RASTER_OPTION_COUNT + 2 };
+enum { GROUND_OPTION_COUNT = 4 + RASTER_OPTION_COUNT + 2 };
 void ground_rows(ground_options *o, const char *name, option_spec rows[GROUND_OPTION_COUNT]);
 
 typedef struct ground {
@@ -107,6 +109,9 @@ io_raster_product ground_product(const ground *g, io_cell cell, size_t bands, co
 
 /* Fills in rows row to row + rows - 1 of a band, as long as the terrain's. */
 typedef bool ground_fill(void *context, size_t band, size_t row, size_t rows, void *cells, io_error *error);
+
+/* Makes a product of int16 of floats that fill fills in: each is the nearest multiple of scale, a power of two. */
+void ground_scale(io_raster_product *product, double scale);
 
 /* Makes a product block by block and writes it. passes: how often as much work as one shadow it is. */
 bool ground_write(ground *g, const io_raster_product *product, double passes, ground_fill *fill, void *context,

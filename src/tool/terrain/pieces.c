@@ -365,6 +365,17 @@ static bool fill_block(writing *w, size_t band, size_t row, size_t rows, io_erro
     return true;
 }
 
+/* Floats to multiples of the scale, in place: each is off by half of that at most, since scales are powers of two. */
+static void pack(void *cells, size_t n, const io_raster_product *p) {
+    for (size_t k = 0; k < n; k++) {
+        float value;
+        memcpy(&value, (const char *)cells + k * sizeof value, sizeof value);
+        const double steps = nearbyint((double)value / p->scale);
+        const int16_t step = (int16_t)(isnan(steps) ? p->nodata : fmin(fmax(steps, -INT16_MAX), INT16_MAX));
+        memcpy((char *)cells + k * sizeof step, &step, sizeof step);
+    }
+}
+
 static bool write_blocks(writing *w, io_raster_writer *to, io_error *error) {
     const io_raster_product *p = &to->product;
     ground *g = w->ground;
@@ -376,6 +387,7 @@ static bool write_blocks(writing *w, io_raster_writer *to, io_error *error) {
             g->part = (double)count / (double)p->ny / (double)p->bands;
             if (!ground_tell(g, g->done)) return io_fail(error, "interrupted");
             if (!fill_block(w, band, row, count, error)) return false;
+            if (p->scale > 0) pack(w->cells, count * p->nx, p);
             if (!io_raster_write(to, w->cells, count, error)) return false;
         }
     return true;
@@ -388,7 +400,7 @@ bool pieces_write(ground *g, const io_raster_product *product, double passes, co
                  .maker = maker,
                  .context = context,
                  .rows = block_rows(product, passes, maker->around && !pieces_fit(g, pieces_all(g))),
-                 .cell = io_cell_bytes(product->cell)};
+                 .cell = io_cell_bytes(product->scale > 0 ? IO_CELL_FLOAT32 : product->cell)};
     w.cells = malloc(w.rows * product->nx * w.cell);
     if (w.cells == NULL) return io_fail(error, "out of memory");
     bool good = io_raster_create(&to, g->options->output, product, error);

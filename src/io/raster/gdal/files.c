@@ -3,7 +3,7 @@
  *  - A name of the file system is opened only if it is a regular file. GDAL itself waits for ever for the writer of a pipe,
  *    which may stand behind a link, beside the file (.aux.xml) or in a VRT.
  *  - A file to be written is lent by its descriptor, so that it needs no name before it is whole, and the system's reason is
- *    known when it cannot be written. */
+ *    known when it cannot be written. So are the files that GDAL makes beside it on its way. */
 
 #include "files.h"
 
@@ -145,9 +145,15 @@ static char **read_folder(void *context, const char *name, int most) {
 
 enum { LENT_MAX = 16 };
 static const char lent_prefix[] = "/vsicellwalk/";
+enum { SUFFIX_MAX = 40 };
 static struct lent {
     bool used;
     int fd, reason;
+    int beside; /* the file that it was made beside, or -1 */
+    char suffix
+        [SUFFIX_MAX]; /* of a file that GDAL makes beside one: what its name has more than that one's, ".ovr.tmp" */
+    int (*scratch)(void *context);
+    void *context;
 } lent[LENT_MAX];
 
 typedef struct output {
@@ -159,29 +165,78 @@ typedef struct output {
 int gdal_lend(int fd, char name[GDAL_LENT_NAME]) {
     for (int k = 0; k < LENT_MAX; k++) {
         if (lent[k].used) continue;
-        lent[k] = (struct lent){.used = true, .fd = fd};
+        lent[k] = (struct lent){.used = true, .fd = fd, .beside = -1};
         snprintf(name, GDAL_LENT_NAME, "%s%d.tif", lent_prefix, k);
         return k;
     }
     return -1;
 }
 
-int gdal_lent_reason(int number) { return lent[number].reason; }
+void gdal_lend_scratch(int number, int (*scratch)(void *context), void *context) {
+    lent[number].scratch = scratch;
+    lent[number].context = context;
+}
 
-void gdal_take_back(int number) { lent[number].used = false; }
+/* Of the file, or of one beside it. */
+int gdal_lent_reason(int number) {
+    for (int k = 0; k < LENT_MAX; k++)
+        if (lent[k].used && lent[k].beside == number && lent[k].reason != 0) return lent[k].reason;
+    return lent[number].reason;
+}
 
-static struct lent *find_lent(const char *name) {
+void gdal_take_back(int number) {
+    for (int k = 0; k < LENT_MAX; k++)
+        if (lent[k].beside == number) lent[k].used = false;
+    lent[number].used = false;
+}
+
+/* The number at the beginning of a name, and the suffix; -1 if that file is not lent. */
+static int number_of(const char *name, const char **suffix) {
     char *end;
     const long k = strtol(name, &end, 10);
-    return end != name && strcmp(end, ".tif") == 0 && k >= 0 && k < LENT_MAX && lent[k].used ? &lent[k] : NULL;
+    if (end == name || strncmp(end, ".tif", 4) != 0 || k < 0 || k >= LENT_MAX) return -1;
+    *suffix = end + 4;
+    return lent[k].used && lent[k].beside < 0 ? (int)k : -1;
+}
+
+static struct lent *find_lent(const char *name) {
+    const char *suffix;
+    const int number = number_of(name, &suffix);
+    if (number < 0) return NULL;
+    if (suffix[0] == '\0') return &lent[number];
+    for (int k = 0; k < LENT_MAX; k++)
+        if (lent[k].used && lent[k].beside == number && strcmp(lent[k].suffix, suffix) == 0) return &lent[k];
+    return NULL;
+}
+
+/* A new file beside one that is lent; NULL, with errno, if there can be none. */
+static struct lent *make_beside(const char *name) {
+    const char *suffix;
+    char unused[GDAL_LENT_NAME];
+    const int number = number_of(name, &suffix);
+    errno = ENOENT;
+    if (number < 0 || lent[number].scratch == NULL || suffix[0] != '.' || strlen(suffix) >= SUFFIX_MAX) return NULL;
+    const int fd = lent[number].scratch(lent[number].context), k = fd >= 0 ? gdal_lend(fd, unused) : -1;
+    if (k < 0) {
+        if (fd >= 0) errno = EMFILE;
+        lent[number].reason = errno;
+        return NULL;
+    }
+    lent[k].beside = number;
+    snprintf(lent[k].suffix, SUFFIX_MAX, "%s", suffix);
+    return &lent[k];
 }
 
 static void *open_output(void *context, const char *name, const char *access) {
     (void)context;
     struct lent *file = find_lent(name);
+    if (file == NULL && access[0] == 'w')
+        file = make_beside(name);
+    else if (file == NULL)
+        errno = ENOENT;
     output *f = file ? calloc(1, sizeof *f) : NULL;
     if (f == NULL) {
-        errno = file ? ENOMEM : ENOENT;
+        if (file) errno = ENOMEM;
         return NULL;
     }
     f->file = file;
@@ -271,6 +326,18 @@ static int stat_output(void *context, const char *name, VSIStatBufL *about, int 
     return 0;
 }
 
+/* A file beside another is scratch: its bytes go; scratch's owner closes it. */
+static int remove_output(void *context, const char *name) {
+    (void)context;
+    struct lent *file = find_lent(name);
+    if (file == NULL || file->beside < 0) {
+        errno = ENOENT;
+        return -1;
+    }
+    file->used = false;
+    return ftruncate(file->fd, 0);
+}
+
 void gdal_files_install(void) {
     VSIFilesystemPluginCallbacksStruct *c = VSIAllocFilesystemPluginCallbacksStruct();
     c->stat = stat_name;
@@ -298,6 +365,7 @@ void gdal_files_install(void) {
     c->write = write_output;
     c->flush = flush_output;
     c->truncate = truncate_output;
+    c->unlink = remove_output;
     c->close = close_output;
     VSIInstallPluginHandler(lent_prefix, c);
     VSIFreeFilesystemPluginCallbacksStruct(c);

@@ -16,6 +16,9 @@ const char *gdal_files_refused(void);
  * too many are lent. By one thread at a time. The reason is the errno of the first write that failed, or 0. */
 enum { GDAL_LENT_NAME = 40 };
 int gdal_lend(int fd, char name[GDAL_LENT_NAME]);
+/* From now on GDAL may make files whose names begin with that one's and a point. Their bytes go to files that scratch opens,
+ * which stay its own. They are taken back with that one. */
+void gdal_lend_scratch(int number, int (*scratch)(void *context), void *context);
 int gdal_lent_reason(int number);
 void gdal_take_back(int number);
 

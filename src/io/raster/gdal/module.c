@@ -48,6 +48,7 @@ const io_gdal *cellwalk_gdal_module(bool network) {
         .read = gdal_read,
         .close = gdal_close,
         .each_file = gdal_each_file,
+        .check_creation = gdal_check_creation,
         .create = gdal_create,
         .write = gdal_write,
         .finish = gdal_finish,

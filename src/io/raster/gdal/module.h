@@ -7,7 +7,7 @@
 #include "raster.h"
 #include "raster_out.h"
 
-enum { IO_GDAL_VERSION = 4 };
+enum { IO_GDAL_VERSION = 5 };
 #define IO_GDAL_SYMBOL "cellwalk_gdal_module"
 
 typedef struct io_gdal_source io_gdal_source;
@@ -27,12 +27,16 @@ typedef struct io_gdal {
      * as soon as note says so. Some names may be none of files. */
     bool (*each_file)(io_gdal_source *source, bool (*note)(const char *path));
 
-    /* Makes a GeoTIFF in a regular file that is open for reading and writing; messages call it name. NULL on
-     * failure. */
-    io_gdal_target *(*create)(int fd, const char *name, const io_raster_product *product, io_error *error);
+    /* False unless GDAL knows these count creation options, "NAME=VALUE", of GeoTIFFs. */
+    bool (*check_creation)(const char *const *creation, size_t count, bool cog, io_error *error);
+    /* Makes a GeoTIFF in a regular file that is open for reading and writing; messages call it name. scratch(context) opens
+     * another file without a name on the same disk, or returns -1 with errno; it is for COG, and closes what it opened after
+     * finish. NULL on failure. */
+    io_gdal_target *(*create)(int fd, const char *name, const io_raster_product *product, int (*scratch)(void *context),
+                              void *context, io_error *error);
     bool (*write)(io_gdal_target *target, size_t band, size_t first, size_t count, const void *cells, io_error *error);
-    /* Closes the target; false if the data did not reach the file. */
-    bool (*finish)(io_gdal_target *target, io_error *error);
+    /* Closes the target; false if the data did not reach the file. whole: all rows were written; else no COG is made. */
+    bool (*finish)(io_gdal_target *target, bool whole, io_error *error);
 
     /* Longitude and latitude (WGS 84, degrees) of n places of a coordinate system, or the other way round; in place. */
     bool (*lon_lat)(const char *crs, bool back, size_t n, double *x, double *y, io_error *error);

@@ -24,8 +24,16 @@ bool gdal_each_file(io_gdal_source *source, bool (*note)(const char *path));
 void gdal_describe_crs(OGRSpatialReferenceH crs, io_georef *georef);
 bool gdal_lon_lat(const char *crs, bool back, size_t n, double *x, double *y, io_error *error);
 
-io_gdal_target *gdal_create(int fd, const char *name, const io_raster_product *product, io_error *error);
+/* Creation options for GDAL, which the caller frees: the program's, replaced by those of the user. side: of a tile. */
+char **gdal_tiff_options(const io_raster_product *product, const size_t side[2]);
+char **gdal_cog_options(const io_raster_product *product);
+/* Whether GDAL was built with a compression of GeoTIFFs. */
+bool gdal_has_compression(const char *name);
+bool gdal_check_creation(const char *const *creation, size_t count, bool cog, io_error *error);
+
+io_gdal_target *gdal_create(int fd, const char *name, const io_raster_product *product, int (*scratch)(void *context),
+                            void *context, io_error *error);
 bool gdal_write(io_gdal_target *target, size_t band, size_t first, size_t count, const void *cells, io_error *error);
-bool gdal_finish(io_gdal_target *target, io_error *error);
+bool gdal_finish(io_gdal_target *target, bool whole, io_error *error);
 
 #endif

@@ -88,6 +88,10 @@ static void describe_heights(io_gdal_source *s, const io_raster_options *options
     if (!given || s->scale == 0) s->scale = 1;
     s->offset = GDALGetRasterOffset(s->band, &given);
     if (!given) s->offset = 0;
+    if (s->scale != 1 || s->offset != 0) {
+        raster->georef.scale = s->scale;
+        raster->georef.offset = s->offset;
+    }
     s->nodata = GDALGetRasterNoDataValue(s->band, &given);
     s->has_nodata = given != 0 && !isnan(s->nodata);
     if (s->has_nodata) {

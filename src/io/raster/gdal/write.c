@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* GeoTIFF: tiles, compressed, a band after the other. */
+/* GeoTIFF: tiles, compressed, a band after the other. GDAL makes a COG only as a copy of another raster, since its smaller
+ * copies come first in the file: then the GeoTIFF goes to a scratch file, and finish makes the copy. */
 
 #include "parts.h"
 
@@ -7,6 +8,7 @@
 
 #include <cpl_error.h>
 #include <cpl_string.h>
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,6 +16,12 @@ struct io_gdal_target {
     GDALDatasetH file;
     char *name;
     int lent; /* its number among the files lent to GDAL */
+    char path[GDAL_LENT_NAME];
+    int lent_cog; /* likewise, of the COG; -1: none */
+    char path_of_cog[GDAL_LENT_NAME];
+    char **cog_options;
+    bool (*go_on)(void *context);
+    void *go_on_context;
     size_t nx, ny, tile_rows;
     GDALDataType type;
     bool failed;
@@ -21,7 +29,8 @@ struct io_gdal_target {
 
 /* The system's reason, if it was the system that failed: GDAL's own words name a function. */
 static bool fail_write(const io_gdal_target *t, io_error *error) {
-    const int reason = gdal_lent_reason(t->lent);
+    int reason = gdal_lent_reason(t->lent);
+    if (reason == 0 && t->lent_cog >= 0) reason = gdal_lent_reason(t->lent_cog);
     if (reason == 0) return gdal_fail(error, t->name, "cannot write");
     CPLErrorReset();
     return io_fail(error, "%s: cannot write: %s", t->name, strerror(reason));
@@ -29,12 +38,15 @@ static bool fail_write(const io_gdal_target *t, io_error *error) {
 
 static void end(io_gdal_target *t) {
     if (t->lent >= 0) gdal_take_back(t->lent);
+    if (t->lent_cog >= 0) gdal_take_back(t->lent_cog);
+    CSLDestroy(t->cog_options);
     free(t->name);
     free(t);
 }
 
 static GDALDataType type_of(io_cell cell) {
-    return cell == IO_CELL_UINT8 ? GDT_Byte : cell == IO_CELL_UINT16 ? GDT_UInt16 : GDT_Float32;
+    static const GDALDataType types[] = {GDT_Byte, GDT_UInt16, GDT_Float32, GDT_Int16};
+    return types[cell];
 }
 
 static bool describe(io_gdal_target *t, const io_raster_product *p) {
@@ -60,32 +72,39 @@ static bool describe(io_gdal_target *t, const io_raster_product *p) {
         GDALRasterBandH band = GDALGetRasterBand(t->file, (int)b + 1);
         if (p->has_nodata && GDALSetRasterNoDataValue(band, p->nodata) != CE_None) return false;
         if (p->band_names != NULL) GDALSetDescription(band, p->band_names[b]);
+        if (p->scale > 0 && (GDALSetRasterScale(band, p->scale) != CE_None || GDALSetRasterOffset(band, 0) != CE_None))
+            return false;
         if (p->unit != NULL && GDALSetRasterUnitType(band, p->unit) != CE_None) return false;
     }
     return true;
 }
 
-/* Whether GDAL was built with a compression. */
-static bool has_compression(GDALDriverH driver, const char *name) {
-    const char *list = GDALGetMetadataItem(driver, GDAL_DMD_CREATIONOPTIONLIST, NULL);
-    char value[40];
-    snprintf(value, sizeof value, "<Value>%s</Value>", name);
-    return list != NULL && strstr(list, value) != NULL;
+/* Lends GDAL the file and, for a COG, a scratch file that is written first. */
+static bool lend(io_gdal_target *t, int fd, const io_raster_product *p, int (*scratch)(void *context), void *context,
+                 io_error *error) {
+    if (p->cog) {
+        t->lent_cog = gdal_lend(fd, t->path_of_cog);
+        if (t->lent_cog >= 0) gdal_lend_scratch(t->lent_cog, scratch, context);
+        if ((fd = scratch(context)) < 0) return io_fail(error, "%s: cannot write: %s", t->name, strerror(errno));
+    }
+    t->lent = gdal_lend(fd, t->path);
+    return (t->lent >= 0 && (t->lent_cog >= 0 || !p->cog)) ||
+           io_fail(error, "%s: too many files are written at once", t->name);
 }
 
-static char **compression_options(char **options, const io_raster_product *p) {
-    static const char *const names[] = {"DEFLATE", "ZSTD", "NONE"};
-    options = CSLSetNameValue(options, "COMPRESS", names[p->compression]);
-    if (p->compression == IO_UNCOMPRESSED) return options;
-    /* Floats get hardly smaller by more, but take three times as long. */
-    options = CSLSetNameValue(options, p->compression == IO_ZSTD ? "ZSTD_LEVEL" : "ZLEVEL", "1");
-    return CSLSetNameValue(options, "PREDICTOR",
-                           p->cell == IO_CELL_FLOAT32  ? "3"
-                           : p->cell == IO_CELL_UINT16 ? "2"
-                                                       : "1");
+static bool create(io_gdal_target *t, const io_raster_product *p, io_error *error) {
+    const size_t side[2] = {io_raster_tile_side(p->nx), io_raster_tile_side(p->ny)};
+    if (p->compression == IO_ZSTD && !gdal_has_compression("ZSTD"))
+        return io_fail(error, "%s: GDAL was built without ZSTD; leave out --compress", t->name);
+    char **options = gdal_tiff_options(p, side);
+    t->file =
+        GDALCreate(GDALGetDriverByName("GTiff"), t->path, (int)p->nx, (int)p->ny, (int)p->bands, t->type, options);
+    CSLDestroy(options);
+    return (t->file != NULL && describe(t, p)) || fail_write(t, error);
 }
 
-io_gdal_target *gdal_create(int fd, const char *name, const io_raster_product *p, io_error *error) {
+io_gdal_target *gdal_create(int fd, const char *name, const io_raster_product *p, int (*scratch)(void *context),
+                            void *context, io_error *error) {
     CPLErrorReset();
     io_gdal_target *t = calloc(1, sizeof *t);
     if (t == NULL || (t->name = strdup(name)) == NULL) {
@@ -93,39 +112,17 @@ io_gdal_target *gdal_create(int fd, const char *name, const io_raster_product *p
         io_fail(error, "%s: out of memory", name);
         return NULL;
     }
-    char path[GDAL_LENT_NAME];
-    t->lent = gdal_lend(fd, path);
-    if (t->lent < 0) {
-        io_fail(error, "%s: too many files are written at once", name);
-        end(t);
-        return NULL;
-    }
-    char threads[16] = "ALL_CPUS";
-    if (p->threads > 0) snprintf(threads, sizeof threads, "%u", p->threads);
-    char side[2][24];
-    for (int k = 0; k < 2; k++) snprintf(side[k], sizeof side[k], "%zu", io_raster_tile_side(k ? p->ny : p->nx));
-    char **options = NULL;
-    options = CSLSetNameValue(options, "TILED", "YES");
-    options = CSLSetNameValue(options, "BLOCKXSIZE", side[0]);
-    options = CSLSetNameValue(options, "BLOCKYSIZE", side[1]);
-    options = compression_options(options, p);
-    options = CSLSetNameValue(options, "INTERLEAVE", "BAND");
-    options = CSLSetNameValue(options, "PHOTOMETRIC", "MINISBLACK");
-    options = CSLSetNameValue(options, "BIGTIFF", "IF_SAFER");
-    options = CSLSetNameValue(options, "NUM_THREADS", threads);
+    t->lent = t->lent_cog = -1;
     t->nx = p->nx;
     t->ny = p->ny;
     t->tile_rows = io_raster_tile_side(p->ny);
     t->type = type_of(p->cell);
-    GDALDriverH driver = GDALGetDriverByName("GTiff");
-    const bool can = driver != NULL && (p->compression != IO_ZSTD || has_compression(driver, "ZSTD"));
-    if (can) t->file = GDALCreate(driver, path, (int)p->nx, (int)p->ny, (int)p->bands, t->type, options);
-    CSLDestroy(options);
-    if (t->file != NULL && describe(t, p)) return t;
-    if (can || driver == NULL)
-        fail_write(t, error);
-    else
-        io_fail(error, "%s: GDAL was built without ZSTD; leave out --compress", name);
+    t->go_on = p->go_on;
+    t->go_on_context = p->go_on_context;
+    if (lend(t, fd, p, scratch, context, error) && create(t, p, error)) {
+        if (p->cog) t->cog_options = gdal_cog_options(p);
+        return t;
+    }
     if (t->file != NULL) GDALClose(t->file);
     end(t);
     return NULL;
@@ -145,14 +142,36 @@ bool gdal_write(io_gdal_target *t, size_t band, size_t first, size_t count, cons
     return fail_write(t, error);
 }
 
-bool gdal_finish(io_gdal_target *t, io_error *error) {
+static int CPL_STDCALL goes_on(double share, const char *message, void *context) {
+    const io_gdal_target *t = context;
+    (void)share, (void)message;
+    return t->go_on == NULL || t->go_on(t->go_on_context);
+}
+
+/* Whether GDAL or the system has complained since CPLErrorReset. */
+static bool has_failed(const io_gdal_target *t) {
+    return CPLGetLastErrorType() >= CE_Failure || gdal_lent_reason(t->lent) != 0 ||
+           (t->lent_cog >= 0 && gdal_lent_reason(t->lent_cog) != 0);
+}
+
+static bool copy_to_cog(io_gdal_target *t, io_error *error) {
+    CPLErrorReset();
+    GDALDatasetH copy =
+        GDALCreateCopy(GDALGetDriverByName("COG"), t->path_of_cog, t->file, FALSE, t->cog_options, goes_on, t);
+    if (copy != NULL) GDALClose(copy);
+    if (copy == NULL && !goes_on(1, NULL, t)) return io_fail(error, "interrupted");
+    return (copy != NULL && !has_failed(t)) || fail_write(t, error);
+}
+
+bool gdal_finish(io_gdal_target *t, bool whole, io_error *error) {
     CPLErrorReset();
     GDALFlushCache(t->file);
-    bool good = !t->failed && CPLGetLastErrorType() < CE_Failure && gdal_lent_reason(t->lent) == 0;
+    bool good = !t->failed && !has_failed(t);
     if (!good && !t->failed) fail_write(t, error);
+    if (good && whole && t->lent_cog >= 0) good = copy_to_cog(t, error);
     CPLErrorReset();
     GDALClose(t->file);
-    if (good && (CPLGetLastErrorType() >= CE_Failure || gdal_lent_reason(t->lent) != 0)) good = fail_write(t, error);
+    if (good && has_failed(t)) good = fail_write(t, error);
     end(t);
     return good;
 }

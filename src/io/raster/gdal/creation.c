@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The creation options of GeoTIFFs: the program's, and those that the user passes on. */
+
+#include "parts.h"
+
+#include <cpl_error.h>
+#include <cpl_string.h>
+#include <gdal_frmts.h>
+#include <string.h>
+#include <strings.h>
+
+bool gdal_has_compression(const char *name) {
+    GDALDriverH driver = GDALGetDriverByName("GTiff");
+    const char *list = driver != NULL ? GDALGetMetadataItem(driver, GDAL_DMD_CREATIONOPTIONLIST, NULL) : NULL;
+    char value[40];
+    snprintf(value, sizeof value, "<Value>%s</Value>", name);
+    return list != NULL && strstr(list, value) != NULL;
+}
+
+static GDALDriverH driver_of(bool cog) {
+    if (cog) GDALRegister_COG();
+    return GDALGetDriverByName(cog ? "COG" : "GTiff");
+}
+
+bool gdal_check_creation(const char *const *creation, size_t count, bool cog, io_error *error) {
+    GDALDriverH driver = driver_of(cog);
+    const char *kind = cog ? "--co with --cog" : "--co";
+    if (driver == NULL) return io_fail(error, "--cog: GDAL was built without its driver COG");
+    char **list = NULL;
+    bool good = true;
+    for (size_t k = 0; k < count && good; k++) {
+        good = strchr(creation[k], '=') != NULL;
+        if (!good) io_fail(error, "%s takes NAME=VALUE, not '%s'", kind, creation[k]);
+        list = CSLAddString(list, creation[k]);
+    }
+    CPLErrorReset();
+    /* GDAL itself only warns, and writes a file of another kind than the user wanted. */
+    if (good && list != NULL)
+        good = GDALValidateCreationOptions(driver, list) != 0 || gdal_fail(error, kind, "refused");
+    CSLDestroy(list);
+    return good;
+}
+
+static const char *predictor_of(const io_raster_product *p) {
+    return p->cell == IO_CELL_FLOAT32 ? "3" : p->cell == IO_CELL_UINT8 ? "1" : "2";
+}
+
+static const char *const names[] = {"DEFLATE", "ZSTD", "NONE"};
+
+/* Each of the user's takes the place of one of the program's; a compression that of all that belongs to it. */
+static char **replace(char **options, const io_raster_product *p) {
+    static const char *const compression[] = {"LEVEL", "ZLEVEL", "ZSTD_LEVEL", "PREDICTOR"};
+    for (size_t k = 0; k < p->creation_count; k++)
+        if (strncasecmp(p->creation[k], "COMPRESS=", 9) == 0)
+            for (size_t c = 0; c < sizeof compression / sizeof compression[0]; c++)
+                options = CSLSetNameValue(options, compression[c], NULL);
+    for (size_t k = 0; k < p->creation_count; k++) {
+        char *name = NULL;
+        const char *value = CPLParseNameValue(p->creation[k], &name);
+        if (name != NULL) options = CSLSetNameValue(options, name, value);
+        CPLFree(name);
+    }
+    return options;
+}
+
+static char **shared_options(char **options, const io_raster_product *p) {
+    char threads[16] = "ALL_CPUS";
+    if (p->threads > 0) snprintf(threads, sizeof threads, "%u", p->threads);
+    options = CSLSetNameValue(options, "COMPRESS", names[p->compression]);
+    /* By the size before compression, which is larger as a rule: 2 GB of 4 are enough for what is added then. */
+    options = CSLSetNameValue(options, "BIGTIFF", "IF_SAFER");
+    return CSLSetNameValue(options, "NUM_THREADS", threads);
+}
+
+char **gdal_tiff_options(const io_raster_product *p, const size_t side[2]) {
+    char text[2][24];
+    for (int k = 0; k < 2; k++) snprintf(text[k], sizeof text[k], "%zu", side[k]);
+    char **options = shared_options(NULL, p);
+    options = CSLSetNameValue(options, "TILED", "YES");
+    options = CSLSetNameValue(options, "BLOCKXSIZE", text[0]);
+    options = CSLSetNameValue(options, "BLOCKYSIZE", text[1]);
+    if (p->compression != IO_UNCOMPRESSED) {
+        /* Floats get hardly smaller by more, but take three times as long. */
+        options = CSLSetNameValue(options, p->compression == IO_ZSTD ? "ZSTD_LEVEL" : "ZLEVEL", "1");
+        options = CSLSetNameValue(options, "PREDICTOR", predictor_of(p));
+    }
+    options = CSLSetNameValue(options, "INTERLEAVE", "BAND");
+    options = CSLSetNameValue(options, "PHOTOMETRIC", "MINISBLACK");
+    return p->cog ? options : replace(options, p); /* those of the user are for the COG */
+}
+
+char **gdal_cog_options(const io_raster_product *p) {
+    char **options = shared_options(NULL, p);
+    if (p->compression != IO_UNCOMPRESSED) {
+        options = CSLSetNameValue(options, "LEVEL", "1");
+        options = CSLSetNameValue(options, "PREDICTOR", "YES");
+    }
+    /* Flags and counts have no mean. GDAL's cubic one leaves the range of the values. */
+    const bool counts = p->cell == IO_CELL_UINT8 || p->cell == IO_CELL_UINT16;
+    options = CSLSetNameValue(options, "OVERVIEW_RESAMPLING", counts ? "NEAREST" : "AVERAGE");
+    return replace(options, p);
+}
