@@ -6,6 +6,7 @@
 #include "compass.h"
 #include "grid_horizon.h"
 #include "normal.h"
+#include "sight.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -19,11 +20,12 @@ struct horizon {
     size_t room; /* samples in it */
     bool leans;  /* it has three numbers for each of them */
     bool grid;
-    double curvature;
+    double curvature, max_distance;
     grid_direction *directions;
     float *rises; /* of the whole terrain, in direction number in_rises; NULL until there is one */
     size_t in_rises;
-    float *sky; /* of the whole terrain; NULL until it is known */
+    float *sky;           /* of the whole terrain; NULL until it is known */
+    sight_bounds *bounds; /* for distances; NULL until they are needed */
 };
 
 static const double degree = 0.017453292519943295;
@@ -74,6 +76,7 @@ cw_status horizon_create(const terrain *t, const horizon_desc *desc, horizon **o
         h->azimuths[k] = fmod(start + 360 * (double)k / (double)count, 360);
     h->grid = desc->grid;
     h->curvature = desc->curvature;
+    h->max_distance = desc->max_distance;
     cw_status status = h->azimuths == NULL ? CW_ERROR_MEMORY : h->grid ? make_grid(h, desc) : CW_OK;
     if (status == CW_OK)
         status = compass_create(&h->compass, t, h->azimuths, count, desc->max_distance, desc->curvature);
@@ -92,6 +95,7 @@ void horizon_destroy(horizon *h) {
     free(h->directions);
     free(h->rises);
     free(h->sky);
+    if (h->bounds) sight_bounds_destroy(h->bounds);
     free(h);
 }
 
@@ -164,6 +168,72 @@ cw_status horizon_angles(horizon *h, const cw_run *query, size_t number, size_t 
     }
     return CW_OK;
 }
+
+/* ---- distances ------------------------------------------------------------------------------------------------------ */
+
+typedef struct locating {
+    const horizon *horizon;
+    size_t row;
+    double dir[2], length; /* a step of the heading: in cells, and in metres */
+    float *metres;         /* rises for each step that the heading has found, and then distances */
+} locating;
+
+/* Metres to the horizon of a sample, of which the rise is known as a float. With that most of the line of sight is passed over. */
+static float locate(const locating *l, size_t i, size_t j, double rise) {
+    const terrain *t = l->horizon->terrain;
+    const double eye[3] = {(double)i, (double)j, (double)t->z[j * t->nx + i]};
+    sight s;
+    sight_init(&s, t, l->horizon->bounds, eye, l->horizon->curvature);
+    /* A step beyond the last sample on the way; a limit counts as the heading's. */
+    double far = INFINITY;
+    for (int a = 0; a < 2; a++) {
+        const double last = (double)((a ? t->ny : t->nx) - 1);
+        if (l->dir[a] != 0) far = fmin(far, ((l->dir[a] > 0 ? last : 0) - eye[a]) / l->dir[a] + 1);
+    }
+    if (l->horizon->max_distance > 0) far = fmin(far, l->horizon->max_distance / l->length * (1 + 0x1p-20));
+    const double to[2] = {eye[0] + far * l->dir[0], eye[1] + far * l->dir[1]};
+    const double least = (rise - 0x1p-18 * fabs(rise) - 0x1p-40 * fabs(eye[2])) * far;
+    sight_rise r = sight_steepest(&s, to[0], to[1], least);
+    if (r.share == 0) r = sight_steepest(&s, to[0], to[1], -INFINITY);
+    return r.share > 0 ? (float)(r.share * far * l->length) : NAN;
+}
+
+static void locate_some(void *context, size_t begin, size_t end) {
+    const locating *l = context;
+    const size_t nx = l->horizon->terrain->nx;
+    for (size_t k = begin; k < end; k++) {
+        const double rise = (double)l->metres[k];
+        l->metres[k] = isfinite(rise) ? locate(l, k % nx, l->row + k / nx, rise) : NAN;
+    }
+}
+
+cw_status horizon_distances(horizon *h, const cw_run *query, size_t number, size_t row, size_t rows, float *metres) {
+    enum { FEW = 256 };
+    const terrain *t = h->terrain, *whole = terrain_whole(t);
+    const size_t nx = t->nx, end = row + rows;
+    if (number >= h->compass.count || h->grid) return CW_ERROR_ARGUMENT;
+    if (h->bounds == NULL) {
+        const cw_status status = sight_bounds_create(t, &h->bounds);
+        if (status != CW_OK) return status;
+    }
+    for (size_t count; row < end; row += count, metres += count * nx) {
+        compass_turn(&h->compass, row, &count);
+        count = count < end - row ? count : end - row;
+        cw_heading *heading;
+        double slope;
+        cw_status status = compass_heading(&h->compass, number, &heading, &slope);
+        if (status != CW_OK) return status;
+        status = cw_heading_steepest(heading, query, -INFINITY, INFINITY, (cw_rectangle){0, row, nx, count}, metres);
+        if (status != CW_OK) return status;
+        locating l = {.horizon = h, .row = row, .metres = metres};
+        l.length = terrain_direction(whole, 0.5 * (double)(whole->nx - 1), compass_middle(&h->compass),
+                                     h->azimuths[number], l.dir);
+        cw_pool_run(query ? query->pool : NULL, nx * count, FEW, locate_some, &l);
+    }
+    return CW_OK;
+}
+
+/* ---- the sky -------------------------------------------------------------------------------------------------------- */
 
 typedef struct adding {
     const float *rises;

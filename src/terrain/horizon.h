@@ -29,6 +29,11 @@ double horizon_azimuth(const horizon *h, size_t number);
  * it is within the distance, NaN at a hole. */
 cw_status horizon_angles(horizon *h, const cw_run *query, size_t number, size_t row, size_t rows, float *degrees);
 
+/* The distance in metres to the nearest place at which that angle is reached, on the map as terrain_direction has it. NaN where
+ * nothing of the terrain is within the distance, and at a hole. The place is a line's crossing of an edge between two samples, in double.
+ * Not along the grid's directions. */
+cw_status horizon_distances(horizon *h, const cw_run *query, size_t number, size_t row, size_t rows, float *metres);
+
 /* The share of the light of an evenly bright sky that reaches level ground, 0 to 1: the mean over all directions of the
  * cosine squared of the horizon's angle, where that is above the level. NaN at a hole. progress may be NULL. */
 cw_status horizon_sky_view(horizon *h, const cw_run *query, size_t row, size_t rows, float *share,

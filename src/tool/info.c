@@ -127,6 +127,8 @@ static void print_field(const char *path, const survey *s) {
         puts("  heights       none");
     printf("  holes         %zu", f->holes);
     if (r->georef.has_nodata) printf(" (no data: %.9g)", r->georef.nodata);
+    if (r->georef.scale != 0)
+        printf("\n  stored        heights are %.9g + %.9g x the file's numbers", r->georef.offset, r->georef.scale);
     printf("\n  samples       %zu x %zu (%zu x %zu cells)\n", f->nx, f->ny, f->nx - 1, f->ny - 1);
     printf("  memory        %.0f bytes of samples%s, %zu bytes built: %.2f bytes a cell\n", sample_bytes(f),
            s->file.mapped ? " (mapped from the file)" : "", f->bytes_built, bytes_per_cell(f));
@@ -155,6 +157,8 @@ static void print_field_json(const char *path, const survey *s) {
     fputs(", \"build_seconds\": ", stdout);
     json_number(stdout, f->build_seconds);
     if (s->file.raster.z) info_print_place_json(&s->file.raster);
+    const io_georef *g = &s->file.raster.georef;
+    if (g->scale != 0) printf(", \"scale\": %.17g, \"offset\": %.17g", g->scale, g->offset);
     fputs(", \"map\": [", stdout);
     for (int k = 0; k < 3; k++)
         printf("%s[%.17g, %.17g, %.17g, %.17g]", k ? ", " : "", s->file.map[k][0], s->file.map[k][1], s->file.map[k][2],

@@ -2,6 +2,7 @@
 /* Shadow, horizon and sky view against shapes whose answers are known in closed form, and against rays that the library's
  * queries trace one by one; the same bits for every instruction set and number of threads. */
 
+#include "brute_sight.h"
 #include "grid_horizon.h"
 #include "ground.h"
 #include "horizon.h"
@@ -304,6 +305,55 @@ static void curvature_and_distance(void **state) {
     ground_free(&g);
 }
 
+/* At that distance the surface rises as steeply as the steepest of all edges. The distance is rounded to a float, by 2^-24 of
+ * itself at most; slopes of surface and line are below 4 together, so that the rise is off by 2^-22. */
+static void distances_of_horizons(void **state) {
+    (void)state;
+    const double shape[1] = {1.1};
+    static const double distances[] = {0, 61.7, 333.3};
+    static float metres[SAMPLES];
+    ground g;
+    ground_make(&g, SIDE, SIDE, land, shape);
+    random_state r = {78};
+    sight_bounds *bounds = NULL;
+    check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
+    size_t found = 0, near = 0;
+    for (size_t k = 0; k < 3; k++) {
+        const horizon_desc desc = {.start = 11, .count = 5, .max_distance = distances[k]};
+        horizon *h = NULL;
+        check_status(horizon_create(&g.terrain, &desc, &h), CW_OK);
+        for (size_t d = 0; d < desc.count; d++) {
+            check_status(horizon_distances(h, NULL, d, 0, SIDE, metres), CW_OK);
+            for (size_t n = 0; n < 60; n++) {
+                const size_t i = 1 + random_below(&r, SIDE - 2), j = 1 + random_below(&r, SIDE - 2);
+                const double eye[3] = {(double)i, (double)j, (double)g.z[j * SIDE + i]};
+                double dir[2], far = INFINITY;
+                const double length = terrain_direction(&g.terrain, eye[0], eye[1], horizon_azimuth(h, d), dir);
+                for (int a = 0; a < 2; a++) far = fmin(far, ((dir[a] > 0 ? SIDE - 1 : 0) - eye[a]) / dir[a] + 1);
+                if (desc.max_distance > 0) far = fmin(far, desc.max_distance / length);
+                sight s;
+                sight_init(&s, &g.terrain, bounds, eye, 0);
+                const double steepest =
+                    brute_steepest(&s, eye[0] + far * dir[0], eye[1] + far * dir[1]) / (far * length);
+                const double way = (double)metres[j * SIDE + i], cells = way / length, last = SIDE - 1;
+                const double x = fmin(fmax(eye[0] + cells * dir[0], 0), last),
+                             y = fmin(fmax(eye[1] + cells * dir[1], 0), last);
+                const double top = terrain_height(&g.terrain, x, y);
+                check(fabs((top - eye[2]) / way - steepest) < 0x1p-22,
+                      "(%zu, %zu), %g degrees: %g m away the rise is %.9g, the steepest %.9g", i, j,
+                      horizon_azimuth(h, d), way, (top - eye[2]) / way, steepest);
+                check(desc.max_distance == 0 || way <= desc.max_distance * (1 + 0x1p-19), "%g m", way);
+                found++;
+                near += way < 100;
+            }
+        }
+        horizon_destroy(h);
+    }
+    check(near > 100 && found - near > 100, "%zu of %zu are near", near, found);
+    sight_bounds_destroy(bounds);
+    ground_free(&g);
+}
+
 /* The sun over a curved earth: in the shadow is what sees a horizon at least as high. */
 static void shadow_on_a_curved_earth(void **state) {
     (void)state;
@@ -512,13 +562,21 @@ static void same_bits(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(plane_shades_itself),       cmocka_unit_test(cone_shadow),
-        cmocka_unit_test(wall_before_the_disc),      cmocka_unit_test(hillshade_of_a_plane),
-        cmocka_unit_test(shadow_agrees_with_rays),   cmocka_unit_test(horizon_of_a_plane),
-        cmocka_unit_test(horizon_in_a_pit),          cmocka_unit_test(curvature_and_distance),
-        cmocka_unit_test(grid_agrees_with_headings), cmocka_unit_test(grid_of_a_plane),
-        cmocka_unit_test(shadow_on_a_curved_earth),  cmocka_unit_test(degrees_of_tangents),
-        cmocka_unit_test(holes_are_no_ground),       cmocka_unit_test(same_bits),
+        cmocka_unit_test(plane_shades_itself),
+        cmocka_unit_test(cone_shadow),
+        cmocka_unit_test(wall_before_the_disc),
+        cmocka_unit_test(hillshade_of_a_plane),
+        cmocka_unit_test(shadow_agrees_with_rays),
+        cmocka_unit_test(horizon_of_a_plane),
+        cmocka_unit_test(horizon_in_a_pit),
+        cmocka_unit_test(curvature_and_distance),
+        cmocka_unit_test(distances_of_horizons),
+        cmocka_unit_test(grid_agrees_with_headings),
+        cmocka_unit_test(grid_of_a_plane),
+        cmocka_unit_test(shadow_on_a_curved_earth),
+        cmocka_unit_test(degrees_of_tangents),
+        cmocka_unit_test(holes_are_no_ground),
+        cmocka_unit_test(same_bits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -105,6 +105,8 @@ static const char *const products[][8] = {
     {"shadow", "--sun", "45,89", "--disc", "4", NULL},
     {"horizon", "--directions", "3", NULL},
     {"horizon", "--directions", "3", "--max-distance", "400", NULL},
+    {"horizon", "--directions", "3", "--distance", NULL},
+    {"horizon", "--directions", "3", "--distance", "--max-distance", "400", NULL},
     {"shadow", "--sun", "315,12", "--curvature", "200", NULL},
     {"horizon", "--directions", "5", "--svf", NULL},
 };

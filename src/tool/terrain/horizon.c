@@ -12,11 +12,21 @@
 
 static const char name[] = "horizon";
 
+/* Steps of int16, powers of two: shares up to 1 and angles up to 90 have room, and floats hold each multiple exactly. */
+static const double step_of_angle = 0x1p-8, step_of_share = 0x1p-14;
+
+static const char *type_names(size_t number) {
+    static const char *const names[] = {"float32", "int16"};
+    return number < 2 ? names[number] : NULL;
+}
+enum { INT16 = 1 };
+
 typedef struct horizon_command {
     ground_options ground;
     unsigned directions;
     double start, curvature, max_distance;
-    bool sky, tilted, grid;
+    bool sky, tilted, grid, distance;
+    int type; /* 0: float32, 1: int16 */
     const char *at;
     ground_place place; /* of --at */
 } horizon_command;
@@ -57,11 +67,12 @@ static bool fill(void *context, size_t band, size_t row, size_t rows, void *cell
     const cw_status status =
         j->tilted ? horizon_sky_view_tilted(j->horizon, q, row, rows, cells, ground_tell_block, j->ground, &done)
         : j->sky  ? horizon_sky_view(j->horizon, q, row, rows, cells, ground_tell_block, j->ground, &done)
-                  : horizon_angles(j->horizon, q, band, row, rows, cells);
+        : j->command->distance ? horizon_distances(j->horizon, q, band, row, rows, cells)
+                               : horizon_angles(j->horizon, q, band, row, rows, cells);
     if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));
     /* Without terrain in a direction horizon.h has the nadir, which must not count as the least or in the mean. */
     float *angles = cells;
-    for (size_t k = 0; k < rows * j->ground->terrain.nx && !j->sky; k++)
+    for (size_t k = 0; k < rows * j->ground->terrain.nx && !j->sky && !j->command->distance; k++)
         if (angles[k] == -90) angles[k] = NAN;
     return done || io_fail(error, "interrupted");
 }
@@ -89,14 +100,16 @@ static bool make_bands(job *j, const horizon_command *c, io_error *error) {
     static const char
         *const sky = "sky-view factor: share of an evenly bright sky's light that reaches level ground",
                *const tilted = "sky-view factor: share of an evenly bright sky's light that reaches the leaning ground",
-               *const angles = "angle of the horizon over the level, one band a direction";
+               *const angles = "angle of the horizon over the level, one band a direction",
+               *const metres = "distance to the horizon in metres, one band a direction";
     const char **names = c->sky ? NULL : band_names(j->horizon, c->directions);
     if (!c->sky && names == NULL) return io_fail(error, "out of memory");
     ground_notes notes = {0};
     io_raster_product product = ground_product(j->ground, IO_CELL_FLOAT32, c->sky ? 1 : c->directions,
-                                               c->tilted ? &tilted
-                                               : c->sky  ? &sky
-                                                         : &angles,
+                                               c->tilted     ? &tilted
+                                               : c->sky      ? &sky
+                                               : c->distance ? &metres
+                                                             : &angles,
                                                &notes);
     ground_note(&notes, "DIRECTIONS=%u", c->directions);
     ground_note(&notes, "FIRST_AZIMUTH=%.9g", c->start);
@@ -104,11 +117,12 @@ static bool make_bands(job *j, const horizon_command *c, io_error *error) {
     ground_note(&notes, "CURVATURE=%.9g", c->curvature);
     if (!c->sky) {
         product.band_names = names;
-        product.unit = "degree";
+        product.unit = c->distance ? "metre" : "degree";
         product.white = 90;
     }
+    if (c->type == INT16) ground_scale(&product, c->sky ? step_of_share : step_of_angle);
     static const pieces_maker maker = {fill, around, enter};
-    const bool good = pieces_write(j->ground, &product, 1, &maker, j, error);
+    const bool good = pieces_write(j->ground, &product, c->distance ? 30 : 1, &maker, j, error);
     ground_notes_free(&notes);
     free(names);
     return good;
@@ -162,7 +176,7 @@ static bool make(ground *g, const horizon_command *c, io_error *error) {
 
 static int run(int argc, char **argv) {
     horizon_command c = {.directions = 32};
-    enum { OWN = 8, ALL = OWN + PIECES_OPTION_COUNT + GROUND_OPTION_COUNT };
+    enum { OWN = 10, ALL = OWN + PIECES_OPTION_COUNT + GROUND_OPTION_COUNT };
     option_spec options[ALL] = {
         {.name = "directions",
          .value = "N",
@@ -189,6 +203,16 @@ static int run(int argc, char **argv) {
         {.name = "svf-tilted",
          .help = "the same for the ground as it leans, which is also hidden\nbehind itself",
          .to = &c.tilted},
+        {.name = "distance",
+         .help = "write the distance instead, in metres: how far away the\nhorizon is in each direction",
+         .to = &c.distance},
+        {.name = "type",
+         .value = "NAME",
+         .help = "cells of a GeoTIFF: float32 (default), or int16 with a\nscale, half as large: angles are off by "
+                 "1/512 degree at\nmost, shares by 1/32768",
+         .kind = OPTION_NAME,
+         .to = &c.type,
+         .names = type_names},
         {.name = "at",
          .value = "X,Y[,H]",
          .help = "print the horizon at one place of the map, H metres\nabove ground (default: 0) or X,Y,=Z, as CSV: "
@@ -217,7 +241,8 @@ static int run(int argc, char **argv) {
         .what = "Computes the horizon of every sample of a terrain and writes a raster with one\n"
                 "band a direction: the elevation angle in degrees of the highest point there,\n"
                 "negative below the sample's level (float32). --svf writes the sky-view factor\n"
-                "instead, and --at prints the horizon of one place.\n"
+                "instead, --distance how far away that point is (the nearest of several), and\n"
+                "--at prints the horizon of one place.\n"
                 "\n"
                 "NaN means no data: at holes, and where no terrain lies in that direction within\n"
                 "--max-distance. The sky-view factor counts the sky there as free.\n"
@@ -231,6 +256,8 @@ static int run(int argc, char **argv) {
         .examples = "  cellwalk horizon dem.tif --directions 32 -o horizon.tif\n"
                     "  cellwalk horizon dem.tif --directions 64 --svf -o sky.tif\n"
                     "  cellwalk horizon dem.tif --directions 16 --grid --svf -o sky.tif\n"
+                    "  cellwalk horizon dem.tif --directions 8 --type int16 --cog -o horizon.tif\n"
+                    "  cellwalk horizon dem.tif --directions 8 --distance -o metres.tif\n"
                     "  cellwalk horizon dem.tif --at 600250,5199800 --directions 360 > horizon.csv\n",
         .options = options,
         .option_count = ALL,
@@ -247,6 +274,15 @@ static int run(int argc, char **argv) {
         return EXIT_USAGE;
     }
     c.sky = c.sky || c.tilted;
+    if (c.distance && (c.sky || c.grid || c.at)) {
+        command_fail(name, "--distance goes with none of --svf, --svf-tilted, --grid and --at");
+        return EXIT_USAGE;
+    }
+    if (c.type == INT16 && (c.distance || c.ground.output == NULL || !io_raster_is_tif(c.ground.output))) {
+        command_fail(name,
+                     c.distance ? "--type int16 has no room for --distance" : "--type int16 goes with -o FILE.tif");
+        return EXIT_USAGE;
+    }
     if (c.at && (c.ground.output || c.sky || c.ground.window)) {
         command_fail(name, "--at prints one horizon, and goes with none of -o, --svf and --window");
         return EXIT_USAGE;
