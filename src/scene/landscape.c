@@ -62,11 +62,50 @@ static void add_lights(scene *s, const landscape_desc *d) {
     if (d->sky_light > 0) s->lights[s->light_count++] = distant_light(object, (const double[3]){0, 0, 1}, d->sky_light);
 }
 
+/* The share 2^-(haze d) of light is left on a way of d: 2 % where d is the visibility (Koschmieder). */
+static double haze_of(double visibility) { return log2(50) / visibility; }
+
+/* Without haze the plain vanishes in the distance all the same, or the world would end at an edge: as in clear air, which is
+ * so many of the field's sizes deep. */
+static const double clear_air = 12;
+
+static void add_sky(scene *s, const landscape_desc *d) {
+    sky *to = s->sky;
+    const cw_field_info info = cw_field_describe(d->field);
+    double size = 0;
+    for (int c = 0; c < 3; c++) {
+        to->up[c] = (float)s->camera_to_world.m[2][c];
+        to->horizon[c] = d->horizon[c];
+        to->above[c] = d->above[c];
+        to->plain[c] = d->plain[c];
+        for (int r = 0; r < 3 && d->sun_light > 0; r++) to->sun[c] += (float)(s->camera_to_world.m[r][c] * d->sun[r]);
+    }
+    for (int r = 0; r < 2; r++)
+        size += fabs(d->to_world[r][0]) * (double)(d->nx - 1) + fabs(d->to_world[r][1]) * (double)(d->ny - 1);
+    if (d->visibility > 0) s->haze = (float)haze_of(d->visibility);
+    to->vault = d->vault;
+    if (!d->vault) return;
+    const double plain = d->to_world[2][2] * (double)info.low + d->to_world[2][3], above = d->eye[2] - plain;
+    to->eye_height = (float)fmax(above, 1e-6 * size);
+    to->plain_haze = d->visibility > 0 ? s->haze : (float)haze_of(clear_air * size);
+}
+
+static bool add_water(scene *s, const landscape_desc *d) {
+    /* Light from below the surface, which of all that comes in is little and blue-green. */
+    static const double depth[3] = {0.02, 0.08, 0.11};
+    const double light = d->sun_light * fmax(d->sun[2], 0) + d->sky_light;
+    if (d->water_level == NULL) return true;
+    if ((s->water = calloc(1, sizeof *s->water)) == NULL) return false;
+    s->water->level = (float)*d->water_level;
+    for (int c = 0; c < 3; c++) s->water->colour[c] = (float)(depth[c] * light);
+    return true;
+}
+
 scene *landscape_create(const landscape_desc *d, io_error *error) {
     scene *s = calloc(1, sizeof *s);
     bool good = s != NULL && allocate(s) && (s->textures[0] = texture_new()) != NULL;
     if (good) s->texture_count = 1;
-    if (!good || !texture_fill(s->textures[0], d->colours)) {
+    if (!good || !add_water(s, d) || !texture_fill(s->textures[0], d->colours)) {
         scene_free(s);
         io_fail(error, "out of memory");
         return NULL;
@@ -87,10 +126,6 @@ scene *landscape_create(const landscape_desc *d, io_error *error) {
     memcpy(world.m, d->to_world, sizeof world.m);
     h->to_world = transform_multiply(&world, &cells);
     add_lights(s, d);
-    for (int c = 0; c < 3; c++) {
-        s->sky->up[c] = (float)s->camera_to_world.m[2][c];
-        s->sky->horizon[c] = d->horizon[c];
-        s->sky->above[c] = d->above[c];
-    }
+    add_sky(s, d);
     return s;
 }

@@ -19,6 +19,10 @@ typedef struct landscape_desc {
     double sun[3], sun_light;   /* a unit vector toward it; brightness of a white surface across its rays, 0 to 1 */
     double sky_light;           /* brightness of a level white surface lit by the sky alone */
     float horizon[3], above[3]; /* colours of the sky, which is seen where no ground is */
+    bool vault;                 /* a sky that is brighter toward the sun, and a plain below the horizon */
+    float plain[3];             /* the plain's colour */
+    double visibility; /* > 0: what is so far away in the world keeps 2 % of its contrast, by haze; 0: clear air */
+    const double *water_level; /* NULL, or the height of water in the samples' numbers */
     size_t width, height;
     unsigned samples_a_pixel;
 } landscape_desc;

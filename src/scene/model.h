@@ -40,7 +40,19 @@ typedef struct point_light {
 typedef struct sky {
     float up[3];                /* the world's up in the camera's space */
     float horizon[3], above[3]; /* colours at the horizon and below, and straight above */
+    /* A vault is brighter toward the sun, and below the horizon there is a plain in haze. */
+    bool vault;
+    float sun[3];     /* a unit vector toward it in the camera's space; not of length one: no sun */
+    float plain[3];   /* its colour */
+    float eye_height; /* of the camera over the plain */
+    float plain_haze; /* as haze of the scene, for the plain */
 } sky;
+
+/* Level water that stands over the first height field wherever that is lower. It mirrors sky and land. */
+typedef struct water {
+    float level;     /* a height in field space */
+    float colour[3]; /* light that comes out of it, where nothing is mirrored */
+} water;
 
 struct scene {
     size_t width, height;
@@ -52,7 +64,11 @@ struct scene {
     cylinder *cylinders;
     point_light *lights;
     size_t heightfield_count, cylinder_count, light_count;
-    sky *sky; /* NULL: black */
+    sky *sky;     /* NULL: black */
+    water *water; /* NULL: none; only with a sky */
+    /* Light is halved on a way of 1 / haze, and the horizon's colour takes the place of the rest; 0: clear air. Only with a
+     * sky. */
+    float haze;
 
     /* Pointers, because materials point to them. */
     texture **textures;

@@ -19,6 +19,7 @@ void scene_free(scene *s) {
     free(s->lights);
     free(s->textures);
     free(s->sky);
+    free(s->water);
     free(s);
 }
 

@@ -117,8 +117,8 @@ static int render(const render_command *c, const char *path, scene *s, const cw_
     else
         io_output_discard(out);
     times.write = clock_seconds() - start;
-    /* Every visible point traces a shadow ray. */
-    if (good && c->terrain && !c->quiet && stats.shadow_rays == 0)
+    /* Every visible point of the ground traces a shadow ray, of water a mirrored one. */
+    if (good && c->terrain && !c->quiet && stats.shadow_rays + stats.mirror_rays == 0)
         warn(NULL, "nothing of the terrain is in the picture; --from and --to are places on its map");
     if (good && c->stats) print_stats(&stats, &times, kernel_name(s, query));
     if (good && c->json) print_json(&stats, &times, kernel_name(s, query), path, &image);
@@ -274,11 +274,13 @@ static int run(int argc, char **argv) {
                 "shapes heightfield and cylinder, materials matte and mirror, image textures,\n"
                 "point lights, a perspective camera. Anything else in the file is an error with\n"
                 "its line, or a warning if it changes neither geometry nor light. The options\n"
-                "--dem, --from, --to, --sun, --fov, --image and those on how to read a raster are\n"
-                "for terrain only.\n",
+                "--dem, --from, --to, --sun, --time, --fov, --image, --sky, --haze, --water and\n"
+                "those on how to read a raster are for terrain only.\n",
         .examples = "  cellwalk render dem.tif -o overview.png\n"
                     "  cellwalk render dem.tif --from 600250,5199800,30 --to 603000,5203000 \\\n"
                     "      --sun 225,30 --size 1600x900 --samples 16 -o view.png\n"
+                    "  cellwalk render dem.tif --time 2024-06-21T12:00:00Z --sky --haze 40000 \\\n"
+                    "      --water 310 -o lake.png\n"
                     "  cellwalk render dem.tif --image photo.tif -o photo.png\n"
                     "  cellwalk render landsea-0.pbrt -o landsea-0.png\n"
                     "  cellwalk render landsea-0.pbrt -o smooth.exr --phong --samples 64 --stats\n"

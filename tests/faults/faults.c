@@ -75,6 +75,7 @@ static char *take_output(const char *name, size_t *size) {
     if (access(name, F_OK) != 0) return NULL;
     char *bytes = scratch_read(name, size);
     assert_int_equal(unlink(name), 0);
+    if (strcmp(name, "out.png") == 0) unlink("out.pgw"); /* that of a product */
     return bytes;
 }
 
@@ -134,6 +135,23 @@ static void info(void **state) {
     check_every_fault((const char *const[]){"info", "sea.pbrt", "--json", NULL}, "none");
 }
 
+/* A picture and its world file come together, or neither comes. */
+static void shadow_png(void **state) {
+    (void)state;
+    const char *const shadow[] = {"shadow", "grid.asc", "--sun", "90,10", "--threads", "1", "-o", "out.png", NULL};
+    if (program_run(NULL, shadow)->status != 0) skip();
+    assert_int_equal(unlink("out.png"), 0);
+    assert_int_equal(unlink("out.pgw"), 0);
+    check_every_fault(shadow, "out.png");
+}
+
+static void render_scenery(void **state) {
+    (void)state;
+    check_every_fault((const char *const[]){"render", "grid.asc", "--size", "8x8", "--sky", "--haze", "9", "--water",
+                                            "4", "--threads", "1", "-o", "out.pfm", NULL},
+                      "out.pfm");
+}
+
 static void render(void **state) {
     (void)state;
     check_every_fault((const char *const[]){"render", "scene.pbrt", "-o", "out.pfm", "--threads", "3", NULL},
@@ -158,6 +176,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(trace, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(info, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(shadow_png, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(render_scenery, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(render, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(render_exr, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(render_png, enter, scratch_leave),

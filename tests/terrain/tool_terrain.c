@@ -120,12 +120,84 @@ static void horizon_at_a_wall(void **state) {
     check(strcmp(r->out, "azimuth,angle,distance,x,y\n0,21.801409,100.000,300,290\n90,0.000000,10.000,310,190\n"
                          "180,0.000000,10.000,300,180\n270,0.000000,10.000,290,190\n") == 0,
           "%s", r->out);
+    /* Of several places the nearest. */
+    run_well((const char *const[]){"horizon", "wall.npy", "--cellsize", "10", "--directions", "4", "--distance", "-o",
+                                   "h.npy", NULL});
+    const float *metres = elements("h.npy", 4ul * 4 * NX * NY, &file);
+    for (size_t d = 0; d < 4; d++) assert_true(metres[d * NX * NY + at] == (d == 0 ? 100 : 10));
+    for (size_t i = 0; i < NX; i++) assert_true(isnan(metres[i]));
+    free(file);
     run_well((const char *const[]){"horizon", "wall.npy", "--cellsize", "10", "--directions", "4", "--svf", "-o",
                                    "h.npy", NULL});
     const float *sky = elements("h.npy", 4ul * NX * NY, &file);
     const double wanted = (3 + pow(cos(up * 3.141592653589793 / 180), 2)) / 4;
     check(fabs((double)sky[at] - wanted) < 1e-6, "%g, not %g", (double)sky[at], wanted);
     free(file);
+}
+
+/* The cells of a band of a raster, read again. */
+static io_raster read_band(const char *name, unsigned band) {
+    io_raster raster;
+    io_error error = {""};
+    check(io_raster_read(name, &(io_raster_options){.band = band}, &raster, &error), "%s", error.text);
+    return raster;
+}
+
+/* Int16 with a scale: no value is off by more than half a step, in a COG neither, and no data stay no data. */
+static void scaled_integers(void **state) {
+    (void)state;
+    if (!have_real()) skip();
+    static const struct {
+        const char *product;
+        double step;
+        unsigned bands;
+    } cases[] = {{"--curvature=0", 0x1p-8, 3}, {"--svf", 0x1p-14, 1}};
+    for (size_t k = 0; k < 2; k++) {
+        run_well(
+            (const char *const[]){"horizon", real, cases[k].product, "--directions", "3", "-o", "float.tif", NULL});
+        run_well((const char *const[]){"horizon", real, cases[k].product, "--directions", "3", "--type", "int16",
+                                       "--cog", "-o", "int.tif", NULL});
+        for (unsigned b = 1; b <= cases[k].bands; b++) {
+            io_raster wanted = read_band("float.tif", b), got = read_band("int.tif", b);
+            size_t holes = 0, between = 0;
+            for (size_t n = 0; n < got.nx * got.ny; n++) {
+                const double off = fabs((double)got.z[n] - (double)wanted.z[n]);
+                assert_true(isnan(got.z[n]) == isnan(wanted.z[n]));
+                holes += isnan(got.z[n]) ? 1 : 0;
+                between += off > 0;
+                check(isnan(got.z[n]) || off <= cases[k].step / 2, "%g is %g", (double)wanted.z[n], (double)got.z[n]);
+            }
+            check(holes > 3000 && between > 1000, "%zu holes, %zu rounded", holes, between);
+            assert_true(got.georef.scale == cases[k].step && got.georef.offset == 0 && wanted.georef.scale == 0);
+            io_raster_free(&wanted);
+            io_raster_free(&got);
+        }
+    }
+    const program_result *r = program_run(NULL, (const char *const[]){"info", "int.tif", NULL});
+    check(strstr(r->out, "stored        heights are 0 + 6.10351562e-05 x the file's numbers") != NULL, "%s", r->out);
+    r = program_run(NULL, (const char *const[]){"info", "int.tif", "--json", NULL});
+    check(strstr(r->out, "\"scale\": 6.103515625e-05, \"offset\": 0") != NULL, "%s", r->out);
+}
+
+static void files_for_gdal(void **state) {
+    (void)state;
+    if (!have_real()) skip();
+    static const char *const formats[] = {"--co=BIGTIFF=YES", "--co=BIGTIFF=NO"};
+    for (size_t k = 0; k < 2; k++) {
+        size_t size;
+        run_well((const char *const[]){"shadow", real, "--sun", "0,30", formats[k], "--co", "compress=LZW", "-o",
+                                       "s.tif", NULL});
+        char *file = scratch_read("s.tif", &size);
+        assert_int_equal(file[2], k == 0 ? 43 : 42);
+        free(file);
+    }
+    check_refused((const char *const[]){"shadow", real, "--sun", "0,30", "--co", "FOO=1", "-o", "no.tif", NULL}, 1,
+                  "creation option FOO");
+    check_refused((const char *const[]){"shadow", real, "--sun", "0,30", "--co", "BIGTIFF", "-o", "no.tif", NULL}, 1,
+                  "--co takes NAME=VALUE, not 'BIGTIFF'");
+    check_refused(
+        (const char *const[]){"shadow", real, "--sun", "0,30", "--cog", "--co", "TILED=NO", "-o", "no.tif", NULL}, 1,
+        "creation option TILED");
 }
 
 static void view_of_a_wall(void **state) {
@@ -243,6 +315,18 @@ static void lines_at_a_wall(void **state) {
 
 static void what_is_refused(void **state) {
     (void)state;
+    check_refused((const char *const[]){"horizon", "wall.npy", "--type", "int16", "-o", "no.npy", NULL}, 2,
+                  "--type int16 goes with -o FILE.tif");
+    check_refused((const char *const[]){"horizon", "wall.npy", "--type", "int16", "--distance", "-o", "no.tif", NULL},
+                  2, "--type int16 has no room for --distance");
+    check_refused((const char *const[]){"horizon", "wall.npy", "--distance", "--svf", "-o", "no.npy", NULL}, 2,
+                  "--distance goes with none of");
+    check_refused((const char *const[]){"shadow", "wall.npy", "--sun", "0,9", "--cog", "-o", "no.npy", NULL}, 2,
+                  "--cog goes with -o FILE.tif");
+    check_refused((const char *const[]){"shadow", "wall.npy", "--sun", "0,9", "--co", "A=B", "-o", "no.npy", NULL}, 2,
+                  "--co goes with -o FILE.tif");
+    check_refused((const char *const[]){"shadow", "wall.npy", "--time", "2024-06-21T12:00:00Z", "-o", "no.npy", NULL},
+                  1, "the sun's place at a time is not known; give --sun");
     check_refused((const char *const[]){"shadow", "wall.npy", "-o", "s.npy", NULL}, 2, "either --sun or --time");
     check_refused((const char *const[]){"shadow", "wall.npy", "--sun", "0,91", "-o", "s.npy", NULL}, 2, "not '0,91'");
     check_refused((const char *const[]){"shadow", "wall.npy", "--sun", "0,30", NULL}, 2, "give -o FILE");
@@ -690,6 +774,8 @@ int main(void) {
         cmocka_unit_test_setup_teardown(shadow_of_a_wall, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(coarser_wall, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(horizon_at_a_wall, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(scaled_integers, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(files_for_gdal, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(view_of_a_wall, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(sun_at_a_wall, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(large_view, enter, scratch_leave),

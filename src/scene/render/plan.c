@@ -178,6 +178,7 @@ static void find_features(plan *p) {
         p->mirrors = p->mirrors || shape->surface->kind == MIRROR;
         textures = textures || shape->surface->image != NULL;
     }
+    p->mirrors = p->mirrors || p->scene->water != NULL;
     p->spreads = p->mirrors && (textures || p->general);
 }
 
@@ -194,6 +195,20 @@ static void place_camera(plan *p, const space *spaces) {
             const plan_map *map = plan_map_to(p, k, PLAN_CAMERA);
             p->shapes[k].step[0][c] = map->m[c][0] * between;
             p->shapes[k].step[1][c] = -map->m[c][1] * between;
+        }
+}
+
+/* What water mirrors begins in the first field's space. */
+static void place_sky(plan *p, const space *spaces) {
+    const sky *s = p->scene->sky;
+    for (int c = 0; c < 3; c++)
+        for (int r = 0; r < 3; r++) {
+            /* The camera's axes are orthogonal and one long. */
+            double in_camera = 0;
+            for (int k = 0; k < 3; k++)
+                in_camera += spaces[PLAN_CAMERA].back[r][k] * spaces[plan_home(0)].to_world.m[k][c];
+            p->up[c] += (float)((double)s->up[r] * in_camera);
+            p->sun[c] += (float)((double)s->sun[r] * in_camera);
         }
 }
 
@@ -294,6 +309,7 @@ bool plan_make(plan *p, const scene *s, const scene_render_options *options) {
     for (size_t k = 0; k < p->shape_count; k++) find_seen(&p->shapes[k], &spaces[PLAN_CAMERA], &spaces[plan_home(k)]);
     find_features(p);
     place_camera(p, spaces);
+    if (s->water != NULL) place_sky(p, spaces);
     free(spaces);
     return true;
 }

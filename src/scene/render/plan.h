@@ -57,6 +57,10 @@ typedef struct plan {
     plan_metric camera_metric;
     double corner[2], pixel; /* the picture's upper left corner and a pixel's side, at depth 1 */
 
+    /* The sky's vectors in the first field's space, for what water mirrors: times a direction there of length one in the world,
+     * its sine over the horizon and its cosine to the sun. */
+    float up[3], sun[3];
+
     bool mirrors; /* paths go on, and carry their share of the light */
     bool spreads; /* mirrored paths carry how far their neighbours are apart, for textures that they may meet */
     bool general; /* nothing is left out */

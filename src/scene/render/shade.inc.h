@@ -2,6 +2,7 @@
 #ifndef CELLWALK_SCENE_SHADE_INC_H
 #define CELLWALK_SCENE_SHADE_INC_H
 
+#include "air.inc.h"
 #include "lookup.inc.h"
 #include "surface.inc.h"
 
@@ -306,6 +307,7 @@ static void shade_strip(wave *w, const wave_rays *r, size_t home, size_t number,
         return;
     }
     find_colour(w, r, home, shape, in_a_row);
+    if (p->scene->haze > 0) add_haze(w, r, home, n);
     for (size_t l = 0; l < p->light_count; l++) send_light(w, r, shape, n, l);
 }
 

@@ -2,6 +2,7 @@
 /* A tile of the picture, from its camera rays to its pixels. Compiled once for each instruction set, as CELLWALK_TILE
  * (CMakeLists.txt): the loops become vectors of other widths, the bits stay the same. */
 
+#include "air.inc.h"
 #include "camera.inc.h"
 #include "shade.inc.h"
 #include "trace.inc.h"
@@ -11,29 +12,19 @@
 /* Mirrors behind the first hit that a path may meet. */
 enum { BOUNCES = 4 };
 
-/* The sky, for camera rays that met nothing. */
-static void add_sky(wave *w) {
-    const sky s = *w->plan->scene->sky;
-    const wave_rays *r = &w->rays[0];
-    for (size_t k = 0; k < r->count; k++) {
-        if (w->shape[k] != WAVE_MISS) continue;
-        const float rise = lane_dot(r->dir[0][k], r->dir[1][k], r->dir[2][k], s.up[0], s.up[1], s.up[2]);
-        const float share = rise > 0 ? rise : 0;
-        for (int c = 0; c < 3; c++)
-            w->sum[c][r->pixel[k]] += (double)(s.horizon[c] + share * (s.above[c] - s.horizon[c]));
-    }
-    wave_lap(w, WAVE_FILM);
-}
-
 /* Takes the paths of the first wave through all their bounces. */
 static void run_waves(wave *w) {
+    const bool has_water = w->plan->scene->water != NULL;
     w->stats.camera_rays += w->rays[0].count;
     int current = 0;
     for (int bounce = 0; w->rays[current].count > 0; bounce++) {
         const wave_rays *r = &w->rays[current];
         trace_paths(w, r);
+        if (bounce == 0 && has_water) meet_water(w);
         if (bounce == 0 && w->plan->scene->sky != NULL) add_sky(w);
+        if (bounce > 0 && has_water) add_mirrored_sky(w, r);
         shade(w, r, bounce == BOUNCES, &w->rays[1 - current]);
+        if (bounce == 0 && has_water) shade_water(w, &w->rays[1 - current]);
         for (size_t l = 0; l < w->plan->light_count; l++) trace_shadows(w, l);
         current = 1 - current;
     }

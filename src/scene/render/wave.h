@@ -17,7 +17,8 @@ enum {
     WAVE_STRIP = 128, /* paths that are shaded together: all about them stays in the nearest cache */
     WAVE_ROOM = SCENE_BATCH + WAVE_STRIP,
     WAVE_WINDOW = 16, /* samples around a cell */
-    WAVE_MISS = -1    /* in place of a shape */
+    WAVE_MISS = -1,   /* in place of a shape */
+    WAVE_WATER = -2   /* likewise */
 };
 
 /* Whole lanes for n paths. */

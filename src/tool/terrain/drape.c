@@ -63,8 +63,7 @@ typedef struct ortho {
 
 static void note_bands(void *context, const char *text) {
     ortho *o = context;
-    (void)text;
-    o->several = true;
+    o->several |= strstr(text, "--band") != NULL; /* others are on heights */
 }
 
 static bool go_on(void *context, double share) {

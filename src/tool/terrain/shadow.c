@@ -70,7 +70,7 @@ static bool find_sun(const shadow_command *c, const ground *g, sunlight_desc *su
     sun->azimuth = c->azimuth;
     sun->altitude = c->altitude;
     if (c->sun) return true;
-    if (!sun_place_find(&g->whole, ground_georef(g), g->path, &place, error)) return false;
+    if (!sun_place_find(&g->whole, ground_georef(g), g->path, "give --sun", &place, error)) return false;
     const sun_position p = sun_place_at(&place, c->seconds);
     sun->azimuth = p.azimuth;
     sun->altitude = p.altitude;

@@ -91,7 +91,7 @@ static bool prepare(job *j, sun_place *place, io_error *error) {
     const ground *g = j->ground;
     size_t count;
     *place = (sun_place){c->lon_lat[0], c->lon_lat[1], 0};
-    if (!c->place && !sun_place_find(&g->terrain, &g->file.raster.georef, g->path, place, error)) return false;
+    if (!c->place && !sun_place_find(&g->terrain, &g->file.raster.georef, g->path, NULL, place, error)) return false;
     sun_position *suns = find_suns(c, place, &count, error);
     if (suns == NULL) return false;
     const insolation_desc desc = {.suns = suns,

@@ -7,7 +7,8 @@
 
 static const double degrees = 180 / 3.141592653589793;
 
-bool sun_place_find(const terrain *t, const io_georef *georef, const char *path, sun_place *place, io_error *error) {
+bool sun_place_find(const terrain *t, const io_georef *georef, const char *path, const char *instead, sun_place *place,
+                    io_error *error) {
     double xy[2];
     *place = (sun_place){0, 0, 0};
     const terrain *whole = terrain_whole(t);
@@ -18,7 +19,8 @@ bool sun_place_find(const terrain *t, const io_georef *georef, const char *path,
         return true;
     }
     if (georef->crs == NULL)
-        return io_fail(error, "%s: names no coordinate system, so the sun's place at a time is not known", path);
+        return io_fail(error, "%s: names no coordinate system, so the sun's place at a time is not known%s%s", path,
+                       instead ? "; " : "", instead ? instead : "");
     const io_gdal *gdal = io_gdal_load(error);
     double x[2] = {xy[0]}, y[2] = {xy[1]};
     if (gdal == NULL || !gdal->lon_lat(georef->crs, false, 1, x, y, error)) return false;

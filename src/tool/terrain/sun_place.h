@@ -14,8 +14,10 @@ typedef struct sun_place {
     double turned; /* how far the map's north is turned there from the true one, toward the west, in degrees */
 } sun_place;
 
-/* An error if the map is not in degrees and names no coordinate system; path is for messages. */
-bool sun_place_find(const terrain *t, const io_georef *georef, const char *path, sun_place *place, io_error *error);
+/* An error if the map is not in degrees and names no coordinate system; path is for messages, and so is instead: what the user can
+ * do, or NULL. */
+bool sun_place_find(const terrain *t, const io_georef *georef, const char *path, const char *instead, sun_place *place,
+                    io_error *error);
 
 /* The sun with its azimuth on the map. */
 sun_position sun_place_at(const sun_place *place, double seconds);

@@ -5,6 +5,7 @@
 #include "drape.h"
 #include "inputs.h"
 #include "landscape.h"
+#include "sun_place.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -16,7 +17,8 @@ static const char name[] = "render";
 enum { WIDTH = 1200, HEIGHT = 800, SAMPLES = 4 };
 static const double usual_fov = 40, usual_sun[2] = {315, 40}, usual_eye = 2, usual_pitch = 30;
 static const double sun_light = 0.85, sky_light = 0.3;
-static const float horizon[3] = {0.70f, 0.80f, 0.93f}, above[3] = {0.16f, 0.34f, 0.70f};
+static const float horizon[3] = {0.70f, 0.80f, 0.93f}, above[3] = {0.16f, 0.34f, 0.70f},
+                   plain[3] = {0.20f, 0.27f, 0.16f};
 
 struct view {
     field_file file;
@@ -26,7 +28,7 @@ struct view {
 };
 
 void view_rows(view_options *v, option_spec rows[VIEW_OPTION_COUNT]) {
-    *v = (view_options){.fov = NAN};
+    *v = (view_options){.fov = NAN, .haze = NAN, .water = NAN};
     const option_spec own[] = {
         {.name = "dem",
          .value = "FILE",
@@ -53,6 +55,12 @@ void view_rows(view_options *v, option_spec rows[VIEW_OPTION_COUNT]) {
          .help = "the sun's azimuth, from the map's north over east, and\naltitude, in degrees (default: 315,40)",
          .kind = OPTION_TEXT,
          .to = &v->sun},
+        {.name = "time",
+         .value = "TIME",
+         .help = "date and time with a zone (2024-06-21T12:00:00Z, or\n+02:00 for Z), at which the sun stands over the "
+                 "terrain's\nmiddle; the file must name a coordinate system",
+         .kind = OPTION_TEXT,
+         .to = &v->time},
         {.name = "fov",
          .value = "DEGREES",
          .help = "field of view over the shorter side, in degrees\n(default: 40)",
@@ -60,11 +68,26 @@ void view_rows(view_options *v, option_spec rows[VIEW_OPTION_COUNT]) {
          .to = &v->fov},
         {.name = "image",
          .value = "FILE",
-         .help = "colours of the ground, instead of colours by height: an\northophoto that GDAL reads (1 or 3 bands), "
-                 "placed by its\n"
-                 "map; .exr, .pfm and files without a map are stretched\nover the whole raster",
+         .help = "colours of the ground, instead of colours by height: an\northophoto that GDAL reads (GeoTIFF, JPEG "
+                 "and others, 1 or 3\n"
+                 "bands), placed by its map or world file; .exr, .pfm and\nfiles without a map are stretched over the "
+                 "whole raster",
          .kind = OPTION_TEXT,
          .to = &v->image},
+        {.name = "sky",
+         .help = "a sky that is brighter toward sun and horizon, and a plain\nat the terrain's lowest height below it",
+         .to = &v->sky},
+        {.name = "haze",
+         .value = "V",
+         .help = "haze with a visibility of V metres: of contrast at a\ndistance d the share 0.02^(d/V) is left "
+                 "(Koschmieder)",
+         .kind = OPTION_NUMBER,
+         .to = &v->haze},
+        {.name = "water",
+         .value = "Z",
+         .help = "level water at height Z in metres covers all ground that\nis lower; it mirrors sky and land",
+         .kind = OPTION_NUMBER,
+         .to = &v->water},
     };
     memcpy(rows, own, sizeof own);
     raster_options_rows(&v->raster, rows + sizeof own / sizeof own[0]);
@@ -74,7 +97,11 @@ const char *view_only(const view_options *v) {
     return v->from                        ? "from"
            : v->to                        ? "to"
            : v->sun                       ? "sun"
+           : v->time                      ? "time"
            : v->image                     ? "image"
+           : v->sky                       ? "sky"
+           : !isnan(v->haze)              ? "haze"
+           : !isnan(v->water)             ? "water"
            : !isnan(v->fov)               ? "fov"
            : v->raster.band > 0           ? "band"
            : v->raster.coarser.factor > 0 ? "coarser"
@@ -89,7 +116,7 @@ const char *view_only(const view_options *v) {
 /* The options as numbers. */
 typedef struct wish {
     ground_place from, to;
-    double sun[2], fov;
+    double sun[2], fov, seconds;
 } wish;
 
 static bool read_wish(const view_options *v, wish *w) {
@@ -100,8 +127,16 @@ static bool read_wish(const view_options *v, wish *w) {
         command_fail(name, "--sun takes azimuth and altitude in degrees, as 225,30, not '%s'", v->sun);
         return false;
     }
-    if (w->fov > 0 && w->fov < 180) return true;
-    command_fail(name, "--fov takes degrees above 0 and below 180, not %g", w->fov);
+    if (v->sun && v->time)
+        command_fail(name, "give the sun's place by either --sun or --time");
+    else if (v->time && !sun_parse_time(v->time, &w->seconds))
+        command_fail(name, "--time takes a time with its zone, as 2024-06-21T12:00:00Z or +02:00, not '%s'", v->time);
+    else if (v->haze <= 0)
+        command_fail(name, "--haze takes a visibility in metres, above 0, not %g", v->haze);
+    else if (!(w->fov > 0 && w->fov < 180))
+        command_fail(name, "--fov takes degrees above 0 and below 180, not %g", w->fov);
+    else
+        return true;
     return false;
 }
 
@@ -206,6 +241,7 @@ static void shine(const wish *w, landscape_desc *d) {
         fprintf(stderr, "cellwalk render: warning: the sun is at %g degrees, below the horizon\n", w->sun[1]);
     memcpy(d->horizon, horizon, sizeof horizon);
     memcpy(d->above, above, sizeof above);
+    memcpy(d->plain, plain, sizeof plain);
 }
 
 /* ---- all together ------------------------------------------------------------------------------------------------- */
@@ -233,8 +269,18 @@ static bool fill_holes(view *v, io_error *error) {
     return true;
 }
 
-static bool make_scene(view *v, const view_options *o, const wish *w, size_t width, size_t height, bool smooth,
-                       io_error *error) {
+static bool find_sun(const view *v, const view_options *o, const char *path, wish *w, io_error *error) {
+    sun_place place;
+    if (o->time == NULL) return true;
+    if (!sun_place_find(&v->terrain, &v->file.raster.georef, path, "give --sun", &place, error)) return false;
+    const sun_position p = sun_place_at(&place, w->seconds);
+    w->sun[0] = p.azimuth;
+    w->sun[1] = p.altitude;
+    return true;
+}
+
+static bool make_scene(view *v, const view_options *o, const char *path, wish *w, size_t width, size_t height,
+                       bool smooth, io_error *error) {
     landscape_desc d = {.field = v->file.field,
                         .samples = v->terrain.z,
                         .nx = v->terrain.nx,
@@ -244,8 +290,12 @@ static bool make_scene(view *v, const view_options *o, const wish *w, size_t wid
                         .height = height ? height : HEIGHT,
                         .samples_a_pixel = SAMPLES};
     to_metres(&v->terrain, d.to_world);
-    if (!aim(v, o, w, &d, error)) return false;
+    if (!aim(v, o, w, &d, error) || !find_sun(v, o, path, w, error)) return false;
     shine(w, &d);
+    d.vault = o->sky;
+    if (o->haze > 0) d.visibility = o->haze;
+    const double water = o->water / terrain_metres_of_height(&v->terrain);
+    if (!isnan(water)) d.water_level = &water;
     if (smooth && cw_field_describe(v->file.field).holes > 0) {
         if (!fill_holes(v, error)) return false;
         d.samples = v->filled;
@@ -260,7 +310,7 @@ static bool make_scene(view *v, const view_options *o, const wish *w, size_t wid
     return v->scene != NULL;
 }
 
-static bool open_view(view *v, view_options *o, const char *path, const cw_run *query, const wish *w,
+static bool open_view(view *v, view_options *o, const char *path, const cw_run *query, wish *w,
                       const io_raster_options *raster, size_t width, size_t height, bool smooth, io_error *error) {
     /* GDAL opens files itself, past the readers that remember theirs: no picture is to take their place. */
     if (!io_inputs_note_path(path) || (o->image && !io_inputs_note_path(o->image)))
@@ -268,7 +318,7 @@ static bool open_view(view *v, view_options *o, const char *path, const cw_run *
     const bool read = field_file_open(&v->file, path, raster, &o->raster.coarser, query, error);
     progress_end(&o->raster.line);
     return read && ground_describe(&v->terrain, &v->file, path, error) &&
-           make_scene(v, o, w, width, height, smooth, error);
+           make_scene(v, o, path, w, width, height, smooth, error);
 }
 
 view *view_open(view_options *o, const char *path, const cw_run *query, size_t width, size_t height, bool smooth,

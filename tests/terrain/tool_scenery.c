@@ -1,0 +1,295 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Haze, water, sky and sun of pictures of terrain by `cellwalk render`, against closed forms; and a JPEG as its colours. */
+
+#include "image.h"
+#include "program.h"
+#include "refused.h"
+#include "tool_files.h"
+
+#include "cellwalk.h"
+
+#include <math.h>
+
+/* Level land of 590 x 490 m, samples 10 m apart, and with a wall of 40 m along row 20, which is at y = 290. From 1000 m above
+ * its middle a pixel of a square picture of 60 x 60 is 10 m wide on the ground. */
+enum { NX = 60, NY = 50, SIDE = 60 };
+#define FROM_ABOVE                                                                                                     \
+    "--cellsize", "10", "--from", "295,245,1000", "--to", "295,245,0", "--fov", "33.398488467987", "--size", "60x60"
+
+static const double sun_light = 0.85, sky_light = 0.3, ground[3] = {0.10, 0.24, 0.08}, horizon[3] = {0.70, 0.80, 0.93},
+                    above[3] = {0.16, 0.34, 0.70}, plain[3] = {0.20, 0.27, 0.16}, depth[3] = {0.02, 0.08, 0.11};
+static const double degree = 0.017453292519943295;
+
+static int enter(void **state) {
+    if (scratch_enter(state) != 0) return -1;
+    static float z[NX * NY], white[12];
+    memset(z, 0, sizeof z);
+    field_file("level.npy", z, NX, NY);
+    for (size_t i = 0; i < NX; i++) z[20 * NX + i] = 40;
+    field_file("wall.npy", z, NX, NY);
+    for (size_t k = 0; k < 12; k++) white[k] = 1;
+    io_error error;
+    assert_true(io_image_write("white.pfm", &(io_image){2, 2, white, NULL}, &error));
+    return 0;
+}
+
+static io_image run_well(program_arguments arguments) {
+    const program_result *r = program_run(NULL, arguments);
+    check(r->status == 0 && r->err[0] == '\0', "exit status %d: %s", r->status, r->err);
+    io_image image;
+    io_error error;
+    check(io_image_read("o.pfm", &image, &error), "%s", error.text);
+    return image;
+}
+
+/* Colours of the ground are kept as halves, which are off by 2^-11 of themselves; what is computed in floats is smaller. share: how
+ * much more the samples of a pixel may differ from its middle, of the colour. */
+static void check_pixel(const io_image *image, size_t x, size_t y, const double colour[3], double share) {
+    const float *rgb = image->rgb + (y * image->width + x) * 3;
+    for (int c = 0; c < 3; c++)
+        check(fabs((double)rgb[c] - colour[c]) <= (6e-4 + share) * colour[c],
+              "pixel (%zu, %zu) is (%g, %g, %g), not (%g, %g, %g)", x, y, (double)rgb[0], (double)rgb[1],
+              (double)rgb[2], colour[0], colour[1], colour[2]);
+}
+
+/* How far away the ground is in the middle of a pixel. */
+static double way_to(size_t x, size_t y) {
+    const double a = 10 * ((double)x - 29.5), b = 10 * ((double)y - 29.5);
+    return sqrt(1e6 + a * a + b * b);
+}
+
+/* Of the ground's contrast 0.02^(d / V) is left. Near the middle of the picture the ways to a pixel's samples differ by 7 m times
+ * 30 / 1000 at most. */
+static void haze_by_distance(void **state) {
+    (void)state;
+    io_image image = run_well((const char *const[]){"render", "level.npy", FROM_ABOVE, "--sun", "225,30", "--haze",
+                                                    "2000", "-o", "o.pfm", NULL});
+    for (size_t y = 27; y < 33; y++)
+        for (size_t x = 27; x < 33; x++) {
+            const double left = pow(0.02, way_to(x, y) / 2000);
+            double wanted[3];
+            for (int c = 0; c < 3; c++)
+                wanted[c] = left * ground[c] * (sun_light * 0.5 + sky_light) + (1 - left) * horizon[c];
+            check_pixel(&image, x, y, wanted, log(50) / 2000 * 0.3);
+        }
+    /* The sky behind has its own colour. */
+    check_pixel(&image, 30, 1, horizon, 0);
+    io_image_free(&image);
+}
+
+/* From above: its own light, and the sky straight up. Below the ground it changes nothing. */
+static void water_from_above(void **state) {
+    (void)state;
+    io_image image = run_well((const char *const[]){"render", "wall.npy", FROM_ABOVE, "--sun", "180,45", "--water", "5",
+                                                    "-o", "o.pfm", NULL});
+    const double light = sun_light * sqrt(0.5) + sky_light;
+    for (size_t x = 2; x < 58; x += 3)
+        for (size_t y = 8; y < 53; y++) {
+            if (y > 22 && y < 29) continue; /* the wall, and what mirrors it */
+            const double cosine = 1000 / way_to(x, y), mirrored = 0.02 + 0.98 * pow(1 - cosine, 5);
+            double wanted[3];
+            for (int c = 0; c < 3; c++)
+                wanted[c] =
+                    (1 - mirrored) * depth[c] * light + mirrored * (horizon[c] + cosine * (above[c] - horizon[c]));
+            check_pixel(&image, x, y, wanted, 1e-3);
+        }
+    const float *wall = image.rgb + (25 * SIDE + 30) * 3;
+    check(wall[0] > 0.05f, "the wall is %g, %g, %g", (double)wall[0], (double)wall[1], (double)wall[2]);
+    io_image_free(&image);
+    static const char *const levels[] = {"--quiet", "--water=-1"};
+    char *pictures[2];
+    size_t size[2];
+    for (size_t k = 0; k < 2; k++) {
+        image = run_well((const char *const[]){"render", "wall.npy", FROM_ABOVE, levels[k], "-o", "o.pfm", NULL});
+        io_image_free(&image);
+        pictures[k] = scratch_read("o.pfm", &size[k]);
+    }
+    assert_true(size[0] == size[1] && memcmp(pictures[0], pictures[1], size[0]) == 0);
+    free(pictures[0]);
+    free(pictures[1]);
+}
+
+/* A white wall in the sun, in water 10 m high: its face from y = 280 to 290 rises by 4 in 1. From 10 m over the water and 120 m
+ * before the place the mirrored ray meets it above the water. */
+static void water_mirrors_land(void **state) {
+    (void)state;
+    io_image image = run_well(
+        (const char *const[]){"render",      "wall.npy", "--cellsize", "10",        "--from", "295,80,=20", "--to",
+                              "295,200,=10", "--fov",    "0.01",       "--size",    "3x3",    "--sun",      "180,45",
+                              "--water",     "10",       "--image",    "white.pfm", "-o",     "o.pfm",      NULL});
+    const double wall = (sun_light * 5 * sqrt(0.5) + sky_light) / sqrt(17);
+    const double cosine = 10 / sqrt(10 * 10 + 120 * 120), mirrored = 0.02 + 0.98 * pow(1 - cosine, 5);
+    double wanted[3];
+    for (int c = 0; c < 3; c++)
+        wanted[c] = mirrored * wall + (1 - mirrored) * depth[c] * (sun_light * sqrt(0.5) + sky_light);
+    check_pixel(&image, 1, 1, wanted, 0);
+    io_image_free(&image);
+}
+
+/* Below the horizon the plain at the lowest ground, in haze or in air that is twelve times the terrain deep; above it a sky that
+ * is brightest where the sun is. */
+static void sky_and_plain(void **state) {
+    (void)state;
+    static const char *const air[] = {"--phong", "--haze=3000"};
+    for (size_t k = 0; k < 2; k++) {
+        io_image image = run_well((const char *const[]){"render", "level.npy", FROM_ABOVE, "--sun", "225,30", "--sky",
+                                                        air[k], "-o", "o.pfm", NULL});
+        for (size_t x = 0; x < SIDE; x++) {
+            const double left = pow(0.02, way_to(x, 1) / (k == 0 ? 12 * 1080 : 3000));
+            double wanted[3];
+            for (int c = 0; c < 3; c++) wanted[c] = horizon[c] + left * (plain[c] - horizon[c]);
+            check_pixel(&image, x, 1, wanted, log(50) / 3000 * 7);
+        }
+        io_image_free(&image);
+    }
+    /* Up by 30 degrees to the south-west, from 45 degrees below the sun to right into it. */
+    static const char *const suns[] = {"--sun=225,75", "--sun=225,30", "--sun=45,30"};
+    for (size_t k = 0; k < 3; k++) {
+        io_image image = run_well((const char *const[]){
+            "render", "level.npy", "--cellsize", "10", "--from", "295,245,=10", "--to", "195,145,=91.64965809", "--fov",
+            "0.01", "--size", "3x3", "--sky", "--quiet", suns[k], "-o", "o.pfm", NULL});
+        const double toward = k == 0 ? sqrt(0.5) : k == 1 ? 1 : cos(120 * degree), near = fmax(toward, 0);
+        const double glow = 0.15 * pow(near, 8) + 0.5 * pow(near, 128), share = 1 - 0.5 * 0.5 * 0.5;
+        static const double warm[3] = {1, 0.95, 0.85};
+        double wanted[3];
+        for (int c = 0; c < 3; c++) {
+            const double clear = horizon[c] + share * (above[c] - horizon[c]);
+            wanted[c] = clear + glow * fmax(warm[c] - clear, 0);
+        }
+        check_pixel(&image, 1, 1, wanted, 0);
+        io_image_free(&image);
+    }
+}
+
+static void same_bits(void **state) {
+    (void)state;
+    size_t size = 0;
+    char *first = NULL;
+    for (cw_isa isa = CW_ISA_SCALAR; isa <= cw_isa_best(); isa++) {
+        const program_setting setting = {.isa = cw_isa_name(isa)};
+        const char *threads = isa % 2 ? "3" : "1";
+        const program_result *r =
+            program_run(&setting, (const char *const[]){"render", "wall.npy", "--cellsize", "10", "--size", "300x200",
+                                                        "--threads", threads, "--sky", "--haze", "900", "--water", "3",
+                                                        "--phong", "-o", "o.pfm", NULL});
+        check(r->status == 0, "%s", r->err);
+        size_t length;
+        char *bytes = scratch_read("o.pfm", &length);
+        if (first == NULL) {
+            first = bytes;
+            size = length;
+            continue;
+        }
+        check(length == size && memcmp(bytes, first, size) == 0, "another picture with %s", cw_isa_name(isa));
+        free(bytes);
+    }
+    free(first);
+}
+
+/* Four squares of 8 x 8 pixels in red, green, blue and yellow; two tables of 64 ones stand between head and tail. */
+static void write_jpeg(const char *name) {
+    static const unsigned char head[] = {0xff, 0xd8, 0xff, 0xe0, 0x00, 0x10, 0x4a, 0x46, 0x49, 0x46,
+                                         0x00, 0x01, 0x01, 0x00, 0x00, 0x01, 0x00, 0x01, 0x00, 0x00},
+                               tail[] = {0xff, 0xc0, 0x00, 0x11, 0x08, 0x00, 0x10, 0x00, 0x10, 0x03, 0x01, 0x11, 0x00,
+                                         0x02, 0x11, 0x01, 0x03, 0x11, 0x01, 0xff, 0xc4, 0x00, 0x16, 0x00, 0x01, 0x01,
+                                         0x01, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00,
+                                         0x00, 0x09, 0x00, 0x0a, 0xff, 0xc4, 0x00, 0x14, 0x10, 0x01, 0x00, 0x00, 0x00,
+                                         0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00,
+                                         0xff, 0xc4, 0x00, 0x17, 0x01, 0x00, 0x03, 0x01, 0x00, 0x00, 0x00, 0x00, 0x00,
+                                         0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x0a, 0x0b, 0x08, 0xff,
+                                         0xc4, 0x00, 0x14, 0x11, 0x01, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00,
+                                         0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0xff, 0xda, 0x00, 0x0c, 0x03,
+                                         0x01, 0x00, 0x02, 0x11, 0x03, 0x11, 0x00, 0x3f, 0x00, 0x81, 0xb4, 0x0b, 0x01,
+                                         0x61, 0xd2, 0xc7, 0x05, 0xea, 0x7c, 0x34, 0xc3, 0x77, 0x09, 0x3f, 0x99, 0x41,
+                                         0xff, 0xd9};
+    unsigned char bytes[sizeof head + 2 * 69 + sizeof tail], *to = bytes;
+    memcpy(to, head, sizeof head);
+    to += sizeof head;
+    for (unsigned char k = 0; k < 2; k++, to += 69) {
+        memcpy(to, (const unsigned char[]){0xff, 0xdb, 0, 0x43, k}, 5);
+        memset(to + 5, 1, 64);
+    }
+    memcpy(to, tail, sizeof tail);
+    scratch_write(name, bytes, sizeof bytes);
+}
+
+static double linear(int byte) { return byte <= 10 ? byte / 255.0 / 12.92 : pow((byte / 255.0 + 0.055) / 1.055, 2.4); }
+
+/* Stretched over all of the terrain, and with a world file on its western half. */
+static void jpeg_on_the_ground(void **state) {
+    (void)state;
+    static const int colours[4][3] = {{254, 64, 128}, {64, 254, 32}, {33, 128, 255}, {255, 255, 63}};
+    static const size_t places[2][4][2] = {{{15, 15}, {45, 15}, {15, 45}, {45, 45}},
+                                           {{7, 15}, {22, 15}, {7, 45}, {22, 45}}};
+    /* Pixels of 18.4375 x 30.625 m. */
+    static const char world[] = "18.4375\n0\n0\n-30.625\n9.21875\n474.6875\n";
+    write_jpeg("photo.jpg");
+    if (program_run(NULL, (const char *const[]){"info", "photo.jpg", "--band", "1", NULL})->status != 0) skip();
+    for (size_t k = 0; k < 2; k++) {
+        io_image image = run_well((const char *const[]){"render", "level.npy", FROM_ABOVE, "--sun", "0,90", "--image",
+                                                        "photo.jpg", "-o", "o.pfm", NULL});
+        for (size_t p = 0; p < 4; p++) {
+            double wanted[3];
+            for (int c = 0; c < 3; c++) wanted[c] = linear(colours[p][c]) * (sun_light + sky_light);
+            check_pixel(&image, places[k][p][0], places[k][p][1], wanted, 0.05); /* a step of 64 is 4 % */
+        }
+        if (k == 1)
+            check_pixel(&image, 45, 30, (const double[]){0.4 * 1.15, 0.4 * 1.15, 0.4 * 1.15}, 0); /* bare ground */
+        io_image_free(&image);
+        scratch_write("photo.jgw", world, sizeof world - 1);
+    }
+}
+
+/* At a time the sun is where `cellwalk shadow` says, to the digits that it prints. */
+static void sun_by_time(void **state) {
+    (void)state;
+    static const char real[] = "/usr/lib/R/site-library/terra/ex/elev.tif", time[] = "--time=2024-06-21T07:00:00Z";
+    const program_result *r = program_run(NULL, (const char *const[]){"shadow", real, time, "-o", "s.npy", NULL});
+    if (r->status != 0) skip();
+    double map_azimuth, altitude;
+    char sun[64];
+    const char *numbers = strstr(r->out, "azimuth ");
+    assert_true(numbers != NULL);
+    assert_int_equal(sscanf(numbers, "azimuth %*f (%lf on the map), altitude %lf", &map_azimuth, &altitude), 2);
+    snprintf(sun, sizeof sun, "--sun=%.3f,%.3f", map_azimuth, altitude);
+    const char *const suns[] = {time, sun, "--sun=250,30"};
+    io_image pictures[3];
+    double apart[3] = {0};
+    for (size_t k = 0; k < 3; k++) {
+        pictures[k] = run_well((const char *const[]){"render", real, suns[k], "--size", "90x60", "-o", "o.pfm", NULL});
+        for (size_t p = 0; p < (size_t)3 * 90 * 60; p++)
+            apart[k] += fabs((double)pictures[k].rgb[p] - (double)pictures[0].rgb[p]) / (3 * 90 * 60);
+    }
+    check(apart[1] < 1e-4 && apart[2] > 1e-3, "%g from the sun at %s, %g from another", apart[1], sun, apart[2]);
+    for (size_t k = 0; k < 3; k++) io_image_free(&pictures[k]);
+}
+
+static void what_is_refused(void **state) {
+    (void)state;
+    check_refused((const char *const[]){"render", "level.npy", "--haze", "0", "-o", "o.pfm", NULL}, 2,
+                  "--haze takes a visibility in metres, above 0, not 0");
+    check_refused((const char *const[]){"render", "level.npy", "--time", "noon", "-o", "o.pfm", NULL}, 2, "not 'noon'");
+    check_refused((const char *const[]){"render", "level.npy", "--time", "2024-06-21T12:00:00Z", "--sun", "0,9", "-o",
+                                        "o.pfm", NULL},
+                  2, "either --sun or --time");
+    check_refused((const char *const[]){"render", "level.npy", "--time", "2024-06-21T12:00:00Z", "-o", "o.pfm", NULL},
+                  1, "level.npy: names no coordinate system, so the sun's place at a time is not known; give --sun");
+    scratch_write("s.pbrt", "WorldBegin", 10);
+    check_refused((const char *const[]){"render", "s.pbrt", "--sky", "-o", "o.pfm", NULL}, 2, "--sky is for rasters");
+    check_refused((const char *const[]){"render", "s.pbrt", "--water", "3", "-o", "o.pfm", NULL}, 2,
+                  "--water is for rasters");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(haze_by_distance, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(water_from_above, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(water_mirrors_land, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(sky_and_plain, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(same_bits, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(jpeg_on_the_ground, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(sun_by_time, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(what_is_refused, enter, scratch_leave),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
