@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures of scenes in papers/pictures: renders them again, or with --check compares every pixel. Pixels depend neither on
-the kernel nor on the number of threads, so the bound is 0: one pixel that differs is a failure."""
+"""Rendered pictures in papers/pictures, of scenes and of the terrain on README's top: renders them again, or with --check
+compares every pixel. Pixels depend neither on the kernel nor on the number of threads, so the bound is 0: one pixel that
+differs is a failure."""
 
 import argparse
 import os
@@ -10,17 +11,34 @@ import struct
 import subprocess
 import sys
 import tempfile
+import zipfile
 import zlib
 
 from results import Problem
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 # Picture: scene and options of cellwalk render.
-RENDERS = {"landsea-0.png": ("landsea-0.pbrt", ["--phong", "--samples", "16", "--size", "800x400"])}
+RENDERS = {"landsea-0.png": ("landsea-0.pbrt", ["--phong", "--samples", "16", "--size", "800x400"]), "jacksboro.png": None}
+# The terrain of README's command, which draws jacksboro.png.
+TERRAIN = "/usr/share/matplotlib/mpl-data/sample_data/jacksboro_fault_dem.npz"
+COMMAND = "cellwalk render dem.npy "
 
 
-def render(tool, scenes, name, output):
-    scene, options = RENDERS[name]
+def terrain(folder, root):
+    """The terrain as a file, and the options of README's command without its output."""
+    with open(os.path.join(root, "README.md"), encoding="utf-8") as page:
+        command = next((line for line in page if line.startswith(COMMAND)), None)
+    if command is None:
+        raise Problem(f"README.md: no line begins with '{COMMAND}'")
+    words = command.split("#")[0].split()[3:]
+    del words[words.index("-o"):words.index("-o") + 2]
+    with zipfile.ZipFile(TERRAIN) as arrays, open(os.path.join(folder, "dem.npy"), "wb") as file:
+        file.write(arrays.read("elevation.npy"))
+    return os.path.join(folder, "dem.npy"), words
+
+
+def render(tool, scenes, name, output, root):
+    scene, options = RENDERS[name] or terrain(os.path.dirname(output), root)
     done = subprocess.run([tool, "render", os.path.join(scenes, scene), *options, "-o", output], capture_output=True,
                           text=True)
     if done.returncode != 0:
@@ -80,10 +98,13 @@ def main():
     parser.add_argument("--root", default=ROOT, help="where papers/ is")
     options = parser.parse_args()
     for name in RENDERS:
+        if RENDERS[name] is None and not os.path.exists(TERRAIN):
+            print(f"{name}: left out, since {TERRAIN} is not there (Debian: python3-matplotlib)")
+            continue
         picture = os.path.join(options.root, "papers/pictures", name)
         with tempfile.TemporaryDirectory() as folder:
             rendered = os.path.join(folder, name)
-            render(options.tool, options.scenes, name, rendered)
+            render(options.tool, options.scenes, name, rendered, options.root)
             if options.check:
                 compare(name, picture, rendered)
             else:

@@ -309,19 +309,13 @@ def measure(tool, side, clock, folder):
 
 
 def draw(tool, folder):
-    """Runs the examples, one picture a product, and the README's command for a view."""
-    import rasterio
+    """Runs the examples, one picture a product."""
     where = {**os.environ, "PATH": os.path.dirname(tool) + os.pathsep + os.environ["PATH"]}
     examples = os.path.join(ROOT, "papers/scripts/examples")
     for name in ("dem", "shadow", "viewshed", "horizon", "sky"):
         subprocess.run([sys.executable, "-B", os.path.join(examples, f"{name}.py")], cwd=folder, env=where, check=True)
-    with open(os.path.join(ROOT, "README.md"), encoding="utf-8") as page:
-        command = next(line for line in page if line.startswith("cellwalk render dem.npy"))
-    with rasterio.open(os.path.join(folder, "dem.tif")) as file:
-        np.save(os.path.join(folder, "dem.npy"), file.read(1))
-    subprocess.run(command.split("#")[0].split(), cwd=folder, env=where, check=True)
-    for picture, name in (("view", "jacksboro"), *((name, f"terrain-{name}") for name in ("shadow", "viewshed", "horizon", "sky"))):
-        shutil.copy(os.path.join(folder, f"{picture}.png"), os.path.join(ROOT, f"papers/pictures/{name}.png"))
+    for name in ("shadow", "viewshed", "horizon", "sky"):
+        shutil.copy(os.path.join(folder, f"{name}.png"), os.path.join(ROOT, f"papers/pictures/terrain-{name}.png"))
 
 
 def cpu_name():
