@@ -49,6 +49,7 @@ const io_gdal *cellwalk_gdal_module(bool network) {
         .close = gdal_close,
         .each_file = gdal_each_file,
         .check_creation = gdal_check_creation,
+        .points = gdal_points,
         .create = gdal_create,
         .write = gdal_write,
         .finish = gdal_finish,

@@ -4,6 +4,7 @@
 #ifndef CELLWALK_IO_GDAL_MODULE_H
 #define CELLWALK_IO_GDAL_MODULE_H
 
+#include "points.h"
 #include "raster.h"
 #include "raster_out.h"
 
@@ -26,6 +27,11 @@ typedef struct io_gdal {
     /* Calls note with the name of each file that the source is made of, and those that these name in turn, as a VRT does; false
      * as soon as note says so. Some names may be none of files. */
     bool (*each_file)(io_gdal_source *source, bool (*note)(const char *path));
+
+    /* Gives places from a file of features to add, and names of the files that it is made of to note. */
+    bool (*points)(const char *path, const io_points_options *options, io_points *points,
+                   bool (*add)(io_points *points, const io_point *point), bool (*note)(const char *path),
+                   io_error *error);
 
     /* False unless GDAL knows these count creation options, "NAME=VALUE", of GeoTIFFs. */
     bool (*check_creation)(const char *const *creation, size_t count, bool cog, io_error *error);

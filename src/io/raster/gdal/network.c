@@ -18,7 +18,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of Debian's GDAL 3.6 and the versions up to 3.11, those that read rasters from local files; netCDF takes URLs,
+/* Of Debian's GDAL 3.6 and the versions up to 3.11, those that read from local files; netCDF takes URLs,
  * too. Rasterlite and MBTiles read through SQLite. */
 static const char local_drivers[] =
     " VRT DERIVED GTiff COG NITF RPFTOC ECRGTOC HFA SAR_CEOS CEOS JAXAPALSAR GFF ELAS ESRIC AIG AAIGrid GRASSASCIIGrid "
@@ -33,7 +33,10 @@ static const char local_drivers[] =
     "HDF5Image"
     " NWT_GRD NWT_GRC ADRG SRP BLX SAGA XYZ HF2 OZI CTG ZMap NGSGEOID IRIS PRF SIGDEM HEIF TGA GPKG GenBin ENVI EHdr "
     "ISCE Zarr"
-    " SQLite KEA EXR JPEGXL AVIF LIBERTIFF SNAP_TIFF OpenFileGDB GTI S102 S104 S111 NSIDCbin NOAA_B RCM MiraMonRaster ";
+    " SQLite KEA EXR JPEGXL AVIF LIBERTIFF SNAP_TIFF OpenFileGDB GTI S102 S104 S111 NSIDCbin NOAA_B RCM MiraMonRaster "
+    /* Features: */
+    " ESRI Shapefile MapInfo File OGR_VRT Memory GeoJSON GeoJSONSeq ESRIJSON TopoJSON KML GPX FlatGeobuf OGR_GMT "
+    "JML DXF DGN S57 MapML ODS XLSX CSV ";
 
 static const char local_systems[] =
     " /vsimem/ /vsizip/ /vsigzip/ /vsitar/ /vsi7z/ /vsirar/ /vsisubfile/ /vsisparse/ /vsicrypt/"
@@ -126,13 +129,14 @@ bool gdal_network_is_url(const char *path) { return closed && strstr(path, "://"
 void gdal_network_reset(void) { asked = false; }
 bool gdal_network_asked(void) { return asked; }
 
-const char *gdal_network_driver_of(const char *path) {
+const char *gdal_network_driver_of(const char *path, unsigned kind) {
+    const char *capability = kind == GDAL_OF_RASTER ? GDAL_DCAP_RASTER : GDAL_DCAP_VECTOR;
     const char *name = NULL;
     for (int k = 0; k < CSLCount(removed_names) && name == NULL; k++) {
-        if (GDALGetMetadataItem(removed[k], GDAL_DCAP_RASTER, NULL) == NULL) continue;
+        if (GDALGetMetadataItem(removed[k], capability, NULL) == NULL) continue;
         const char *only[] = {removed_names[k], NULL};
         GDALRegisterDriver(removed[k]);
-        if (GDALIdentifyDriverEx(path, GDAL_OF_RASTER, only, NULL) != NULL) name = removed_names[k];
+        if (GDALIdentifyDriverEx(path, kind, only, NULL) != NULL) name = removed_names[k];
         GDALDeregisterDriver(removed[k]);
     }
     return name;

@@ -15,7 +15,8 @@ bool gdal_network_is_url(const char *path);
 /* Whether anything was refused since the last reset. */
 void gdal_network_reset(void);
 bool gdal_network_asked(void);
-/* The name of the driver that gdal_network_drivers took away and that would read the file; NULL if there is none. */
-const char *gdal_network_driver_of(const char *path);
+/* The name of the driver that gdal_network_drivers took away and that would read the file; NULL if there is none. kind: GDAL_OF_RASTER
+ * or GDAL_OF_VECTOR. */
+const char *gdal_network_driver_of(const char *path, unsigned kind);
 
 #endif

@@ -10,6 +10,8 @@
 
 /* Fills error with name, the text what and GDAL's last message, clears that message, and returns false. */
 bool gdal_fail(io_error *error, const char *name, const char *what);
+/* The same after a failure to read; says why, if it was this module that kept GDAL from it. kind: GDAL_OF_RASTER or _VECTOR. */
+bool gdal_fail_read(io_error *error, const char *path, const char *what, unsigned kind);
 /* Tells the options' warn. */
 __attribute__((format(printf, 2, 3))) void gdal_warn(const io_raster_options *options, const char *format, ...);
 
@@ -23,6 +25,10 @@ bool gdal_each_file(io_gdal_source *source, bool (*note)(const char *path));
  * one. */
 void gdal_describe_crs(OGRSpatialReferenceH crs, io_georef *georef);
 bool gdal_lon_lat(const char *crs, bool back, size_t n, double *x, double *y, io_error *error);
+
+bool gdal_points(const char *path, const io_points_options *options, io_points *points,
+                 bool (*add)(io_points *points, const io_point *point), bool (*note)(const char *path),
+                 io_error *error);
 
 /* Creation options for GDAL, which the caller frees: the program's, replaced by those of the user. side: of a tile. */
 char **gdal_tiff_options(const io_raster_product *product, const size_t side[2]);

@@ -133,11 +133,11 @@ static bool choose_band(io_gdal_source *s, const io_raster_options *options, io_
     return s->band != NULL || gdal_fail(error, s->path, "cannot read the band");
 }
 
-/* Says why, if it was this module that kept GDAL from it. */
-static bool fail_read(io_error *error, const char *path, const char *what) {
+bool gdal_fail_read(io_error *error, const char *path, const char *what, unsigned kind) {
     char words[512];
     snprintf(words, sizeof words, "%s", CPLGetLastErrorMsg());
-    const char *file = gdal_files_refused(), *driver = gdal_network_is_url(path) ? NULL : gdal_network_driver_of(path);
+    const char *file = gdal_files_refused(),
+               *driver = gdal_network_is_url(path) ? NULL : gdal_network_driver_of(path, kind);
     if (file != NULL && strcmp(file, path) == 0) return io_fail(error, "%s: cannot read: not a regular file", path);
     if (file != NULL) return io_fail(error, "%s: cannot read: %s is not a regular file", path, file);
     if (driver != NULL)
@@ -189,7 +189,7 @@ io_gdal_source *gdal_open(const char *path, const io_raster_options *options, io
     }
     if (!gdal_network_is_url(path))
         s->file = GDALOpenEx(path, GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, NULL, NULL, NULL);
-    if (s->file == NULL) fail_read(error, path, "cannot read");
+    if (s->file == NULL) gdal_fail_read(error, path, "cannot read", GDAL_OF_RASTER);
     if (s->file == NULL || !choose_band(s, options, error)) {
         gdal_close(s);
         return NULL;
@@ -247,7 +247,7 @@ bool gdal_read(io_gdal_source *s, size_t first, size_t count, float *z, io_error
     if (s->direct) {
         if (GDALRasterIO(s->band, GF_Read, s->i, s->j + (int)first, s->nx, (int)count, z, s->nx, (int)count,
                          GDT_Float32, 0, 0) != CE_None)
-            return fail_read(error, s->path, "cannot read");
+            return gdal_fail_read(error, s->path, "cannot read", GDAL_OF_RASTER);
         if (s->has_nodata) drop_no_data(z, nx * count, s->nodata);
         for (size_t k = 0; k < s->other_count; k++) drop_no_data(z, nx * count, s->others[k]);
     }
@@ -257,13 +257,13 @@ bool gdal_read(io_gdal_source *s, size_t first, size_t count, float *z, io_error
         if (!s->direct) {
             if (GDALRasterIO(s->band, GF_Read, s->i, s->j + (int)(first + j), s->nx, 1, s->row, s->nx, 1, GDT_Float64,
                              0, 0) != CE_None)
-                return fail_read(error, s->path, "cannot read");
+                return gdal_fail_read(error, s->path, "cannot read", GDAL_OF_RASTER);
             if (!convert(s, first + j, row, error)) return false;
         }
         if (mask == NULL) continue;
         if (GDALRasterIO(mask, GF_Read, s->i, s->j + (int)(first + j), s->nx, 1, s->mask, s->nx, 1, GDT_Byte, 0, 0) !=
             CE_None)
-            return fail_read(error, s->path, "cannot read the mask");
+            return gdal_fail_read(error, s->path, "cannot read the mask", GDAL_OF_RASTER);
         for (size_t i = 0; i < nx; i++)
             if (s->mask[i] == 0) row[i] = NAN;
     }

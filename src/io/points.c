@@ -1,0 +1,94 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "points.h"
+
+#include "gdal/module.h"
+#include "inputs.h"
+#include "table.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+bool io_points_add(io_points *p, const io_point *point) {
+    if (p->count == p->room) {
+        const size_t room = p->room ? 2 * p->room : 64;
+        io_point *points = realloc(p->points, room * sizeof *points);
+        if (points == NULL) return false;
+        p->points = points;
+        p->room = room;
+    }
+    p->points[p->count++] = *point;
+    return true;
+}
+
+void io_points_free(io_points *p) {
+    free(p->points);
+    *p = (io_points){0};
+}
+
+void io_points_name(const io_points *p, size_t k, char *text, size_t size) {
+    snprintf(text, size, p->is_table ? "%s:%zu" : "%s: feature %zu", p->path, p->points[k].number);
+}
+
+/* ---- tables ------------------------------------------------------------------------------------------------------- */
+
+enum { X, Y, HEIGHT, WEIGHT, NAMES };
+static const char *const names[NAMES] = {"x", "y", "height", "weight"};
+
+static bool take_row(const io_table *t, size_t row, const size_t columns[NAMES], io_points *points, io_error *error) {
+    io_point p = {.height = NAN, .weight = 1, .number = t->lines[row]};
+    if (!io_table_number(t, row, columns[X], &p.x, error) || !io_table_number(t, row, columns[Y], &p.y, error))
+        return false;
+    if (columns[HEIGHT] < t->columns && !io_table_height(t, row, columns[HEIGHT], &p.height, &p.absolute, error))
+        return false;
+    if (columns[WEIGHT] < t->columns && !io_table_number(t, row, columns[WEIGHT], &p.weight, error)) return false;
+    return io_points_add(points, &p) || io_fail(error, "%s: out of memory", t->path);
+}
+
+static void warn_of_others(const io_table *t, const io_points_options *o) {
+    char others[200], text[512];
+    if (o->warn == NULL || !io_table_others(t, names, NAMES, others, sizeof others)) return;
+    snprintf(text, sizeof text, "%s: passed over: %s; columns with a meaning are x, y, height and weight", t->path,
+             others);
+    o->warn(o->context, text);
+}
+
+static bool take_table(const io_table *t, const io_points_options *o, io_points *points, io_error *error) {
+    size_t columns[NAMES];
+    for (int n = 0; n < NAMES; n++)
+        if (!(n <= Y ? io_table_require(t, names[n], &columns[n], error)
+                     : io_table_find(t, names[n], &columns[n], error)))
+            return false;
+    points->has_weight = columns[WEIGHT] < t->columns;
+    for (size_t row = 0; row < t->rows; row++)
+        if (!take_row(t, row, columns, points, error)) return false;
+    warn_of_others(t, o);
+    return true;
+}
+
+static bool read_table(const char *path, const io_points_options *o, io_points *points, io_error *error) {
+    io_table t;
+    if (o->layer) return io_fail(error, "%s: a table has no layers", path);
+    if (!io_table_read(path, &t, error)) return false;
+    const bool good = take_table(&t, o, points, error);
+    io_table_free(&t);
+    return good;
+}
+
+/* ---- all others ----------------------------------------------------------------------------------------------------- */
+
+static bool read_features(const char *path, const io_points_options *o, io_points *points, io_error *error) {
+    io_error reason;
+    const io_gdal *gdal = io_gdal_load(&reason);
+    if (gdal == NULL)
+        return io_fail(error, "%s: places come from .csv; all other files need GDAL: %s", path, reason.text);
+    return gdal->points(path, o, points, io_points_add, io_inputs_note_path, error);
+}
+
+bool io_points_read(const char *path, const io_points_options *o, io_points *points, io_error *error) {
+    *points = (io_points){.path = path, .is_table = io_table_is(path)};
+    bool good = points->is_table ? read_table(path, o, points, error) : read_features(path, o, points, error);
+    if (good && points->count == 0) good = io_fail(error, "%s: holds no places", path);
+    if (!good) io_points_free(points);
+    return good;
+}

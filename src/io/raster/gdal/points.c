@@ -1,0 +1,162 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Points and corners of lines from any file of features that GDAL reads. */
+
+#include "parts.h"
+
+#include "files.h"
+#include "network.h"
+
+#include <cpl_conv.h>
+#include <cpl_error.h>
+#include <cpl_string.h>
+#include <math.h>
+#include <ogr_api.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct reader {
+    const char *path;
+    io_points *points;
+    bool (*add)(io_points *points, const io_point *point);
+    OGRCoordinateTransformationH to_map; /* NULL: none */
+    int height, weight;                  /* numbers of the attributes, or -1 */
+    size_t parts, lines, singles;
+    io_error *error;
+} reader;
+
+static GDALDatasetH open_file(const char *path, io_error *error) {
+    GDALDatasetH file = NULL;
+    gdal_files_reset();
+    gdal_network_reset();
+    GDALAllRegister();
+    gdal_network_drivers();
+    CPLErrorReset();
+    if (!gdal_network_is_url(path))
+        file = GDALOpenEx(path, GDAL_OF_VECTOR | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, NULL, NULL, NULL);
+    if (file == NULL) gdal_fail_read(error, path, "cannot read", GDAL_OF_VECTOR);
+    return file;
+}
+
+static OGRLayerH choose_layer(GDALDatasetH file, const char *path, const char *name, io_error *error) {
+    const int count = GDALDatasetGetLayerCount(file);
+    OGRLayerH layer = name ? GDALDatasetGetLayerByName(file, name) : count == 1 ? GDALDatasetGetLayer(file, 0) : NULL;
+    if (layer != NULL) return layer;
+    char there[300] = "";
+    size_t used = 0;
+    for (int k = 0; k < count && used < sizeof there; k++)
+        used += (size_t)snprintf(there + used, sizeof there - used, "%s%s", k ? ", " : "",
+                                 OGR_L_GetName(GDALDatasetGetLayer(file, k)));
+    if (count == 0)
+        io_fail(error, "%s: holds no layer of features", path);
+    else if (name)
+        io_fail(error, "%s: has no layer '%s'; there are %s", path, name, there);
+    else
+        io_fail(error, "%s: has several layers; --layer names one of %s", path, there);
+    return NULL;
+}
+
+/* False only after an error: where either says no coordinate system, coordinates are the map's. */
+static bool find_way(reader *r, OGRLayerH layer, const char *crs) {
+    OGRSpatialReferenceH from = OGR_L_GetSpatialRef(layer), map = crs ? OSRNewSpatialReference(crs) : NULL;
+    if (from == NULL || map == NULL) {
+        if (map) OSRDestroySpatialReference(map);
+        return true;
+    }
+    from = OSRClone(from);
+    OSRSetAxisMappingStrategy(from, OAMS_TRADITIONAL_GIS_ORDER);
+    OSRSetAxisMappingStrategy(map, OAMS_TRADITIONAL_GIS_ORDER);
+    const bool same = OSRIsSame(from, map) != 0;
+    CPLErrorReset();
+    if (!same) r->to_map = OCTNewCoordinateTransformation(from, map);
+    OSRDestroySpatialReference(from);
+    OSRDestroySpatialReference(map);
+    return same || r->to_map != NULL ||
+           gdal_fail(r->error, r->path, "its coordinate system has no way to that of the terrain");
+}
+
+/* An attribute as a number; what is not set leaves *number as it is. */
+static bool take_number(reader *r, OGRFeatureH f, int field, double *number) {
+    if (field < 0 || !OGR_F_IsFieldSetAndNotNull(f, field)) return true;
+    const char *text = OGR_F_GetFieldAsString(f, field);
+    if (text[0] == '\0') return true;
+    char *end = NULL;
+    *number = CPLStrtod(text, &end);
+    return (end != text && *end == '\0' && isfinite(*number)) ||
+           io_fail(r->error, "%s: feature %lld: '%.40s' stands where a number should, in %s", r->path,
+                   (long long)OGR_F_GetFID(f), text, OGR_Fld_GetNameRef(OGR_F_GetFieldDefnRef(f, field)));
+}
+
+static bool add_place(reader *r, OGRGeometryH g, int k, io_point *p) {
+    p->x = OGR_G_GetX(g, k);
+    p->y = OGR_G_GetY(g, k);
+    CPLErrorReset();
+    if (r->to_map != NULL && !(OCTTransform(r->to_map, 1, &p->x, &p->y, NULL) && isfinite(p->x) && isfinite(p->y)))
+        return io_fail(r->error, "%s: feature %zu: %.10g, %.10g has no place on the terrain's map", r->path, p->number,
+                       OGR_G_GetX(g, k), OGR_G_GetY(g, k));
+    if (!(isfinite(p->x) && isfinite(p->y)))
+        return io_fail(r->error, "%s: feature %zu: has a coordinate that is no number", r->path, p->number);
+    return r->add(r->points, p) || io_fail(r->error, "%s: out of memory", r->path);
+}
+
+static bool take_geometry(reader *r, OGRGeometryH g, io_point *p) {
+    const OGRwkbGeometryType type = g ? OGR_GT_Flatten(OGR_G_GetGeometryType(g)) : wkbNone;
+    bool good = true;
+    if (g == NULL || OGR_G_IsEmpty(g)) return true;
+    if (type == wkbPoint) {
+        p->part = 0;
+        r->singles++;
+        return add_place(r, g, 0, p);
+    }
+    if (type == wkbLineString) {
+        p->part = r->parts++;
+        r->lines++;
+        for (int k = 0; good && k < OGR_G_GetPointCount(g); k++) good = add_place(r, g, k, p);
+        return good;
+    }
+    if (type != wkbMultiPoint && type != wkbMultiLineString && type != wkbGeometryCollection)
+        return io_fail(r->error, "%s: feature %zu: is a %s, neither points nor a line", r->path, p->number,
+                       OGR_G_GetGeometryName(g));
+    for (int k = 0; good && k < OGR_G_GetGeometryCount(g); k++) good = take_geometry(r, OGR_G_GetGeometryRef(g, k), p);
+    return good;
+}
+
+static bool take_features(reader *r, OGRLayerH layer) {
+    OGRFeatureDefnH about = OGR_L_GetLayerDefn(layer);
+    r->height = OGR_FD_GetFieldIndex(about, "height");
+    r->weight = OGR_FD_GetFieldIndex(about, "weight");
+    r->points->has_weight = r->weight >= 0;
+    OGR_L_ResetReading(layer);
+    CPLErrorReset();
+    for (OGRFeatureH f; (f = OGR_L_GetNextFeature(layer)) != NULL;) {
+        io_point p = {.height = NAN, .weight = 1, .number = (size_t)OGR_F_GetFID(f)};
+        const bool good = take_number(r, f, r->height, &p.height) && take_number(r, f, r->weight, &p.weight) &&
+                          take_geometry(r, OGR_F_GetGeometryRef(f), &p);
+        OGR_F_Destroy(f);
+        if (!good) return false;
+    }
+    if (CPLGetLastErrorType() >= CE_Failure) return gdal_fail_read(r->error, r->path, "cannot read", GDAL_OF_VECTOR);
+    r->points->has_lines = r->lines > 0;
+    return r->lines == 0 || r->singles == 0 || io_fail(r->error, "%s: has points and lines", r->path);
+}
+
+static bool note_files(GDALDatasetH file, const char *path, bool (*note)(const char *path), io_error *error) {
+    char **files = GDALGetFileList(file);
+    bool good = note(path);
+    for (char **name = files; good && name != NULL && *name != NULL; name++) good = note(*name);
+    CSLDestroy(files);
+    return good || io_fail(error, "%s: out of memory", path);
+}
+
+bool gdal_points(const char *path, const io_points_options *o, io_points *points,
+                 bool (*add)(io_points *points, const io_point *point), bool (*note)(const char *path),
+                 io_error *error) {
+    reader r = {.path = path, .points = points, .add = add, .error = error};
+    GDALDatasetH file = open_file(path, error);
+    if (file == NULL) return false;
+    OGRLayerH layer = choose_layer(file, path, o->layer, error);
+    const bool good =
+        layer != NULL && note_files(file, path, note, error) && find_way(&r, layer, o->crs) && take_features(&r, layer);
+    OCTDestroyCoordinateTransformation(r.to_map);
+    GDALClose(file);
+    return good;
+}

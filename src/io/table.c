@@ -1,0 +1,219 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "table.h"
+
+#include "file.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+bool io_table_is(const char *path) {
+    const size_t length = strlen(path);
+    return length > 4 && strcasecmp(path + length - 4, ".csv") == 0;
+}
+
+typedef struct scanner {
+    const io_table *table;
+    char *at, *end;
+    size_t line;
+    io_error *error;
+} scanner;
+
+static bool is_end_of_line(const scanner *s) { return s->at == s->end || *s->at == '\n' || *s->at == '\r'; }
+
+static void next_line(scanner *s) {
+    if (s->at < s->end && *s->at == '\r') s->at++;
+    if (s->at < s->end && *s->at == '\n') s->at++;
+    s->line++;
+}
+
+static void skip_blanks(scanner *s) {
+    while (s->at < s->end && (*s->at == ' ' || *s->at == '\t')) s->at++;
+}
+
+/* A cell in quotation marks, without them, in place. */
+static bool take_quoted(scanner *s, char **cell, char **end) {
+    const size_t line = s->line;
+    char *to = *cell = ++s->at;
+    for (; s->at < s->end; s->at++) {
+        if (*s->at == '"') {
+            if (s->at + 1 == s->end || s->at[1] != '"') break;
+            s->at++;
+        }
+        if (*s->at == '\n') s->line++;
+        *to++ = *s->at;
+    }
+    if (s->at == s->end) return io_fail(s->error, "%s:%zu: a quotation mark has no end", s->table->path, line);
+    s->at++;
+    *end = to;
+    skip_blanks(s);
+    if (s->at == s->end || *s->at == ',' || is_end_of_line(s)) return true;
+    return io_fail(s->error, "%s:%zu: text stands behind a quotation mark that ends a cell", s->table->path, s->line);
+}
+
+/* A cell; *last: it ends its row. Its end is put where the comma or the line's end was, so that comes after looking at it. */
+static bool take_cell(scanner *s, char **cell, bool *last) {
+    char *end = s->at;
+    skip_blanks(s);
+    if (s->at < s->end && *s->at == '"') {
+        if (!take_quoted(s, cell, &end)) return false;
+    } else {
+        *cell = s->at;
+        while (s->at < s->end && *s->at != ',' && !is_end_of_line(s)) s->at++;
+        for (end = s->at; end > *cell && (end[-1] == ' ' || end[-1] == '\t');) end--;
+    }
+    *last = is_end_of_line(s);
+    if (*last)
+        next_line(s);
+    else
+        s->at++;
+    *end = '\0';
+    return true;
+}
+
+/* Files of programs that separate cells by something else. */
+static bool check_separator(const scanner *s) {
+    const size_t length = strcspn(s->at, "\r\n");
+    const bool comma = memchr(s->at, ',', length) != NULL;
+    if (!comma && memchr(s->at, ';', length))
+        return io_fail(s->error,
+                       "%s:%zu: cells are separated by semicolons; a comma should stand between them, and a "
+                       "point in decimal numbers",
+                       s->table->path, s->line);
+    if (!comma && memchr(s->at, '\t', length))
+        return io_fail(s->error, "%s:%zu: cells are separated by tabs; a comma should stand between them",
+                       s->table->path, s->line);
+    return true;
+}
+
+static bool take_names(scanner *s, io_table *t) {
+    if (!check_separator(s)) return false;
+    for (bool last = false; !last;) {
+        char **names = realloc(t->names, (t->columns + 1) * sizeof *names);
+        if (names == NULL) return io_fail(s->error, "%s: out of memory", t->path);
+        t->names = names;
+        if (!take_cell(s, &t->names[t->columns], &last)) return false;
+        t->columns++;
+    }
+    return true;
+}
+
+static bool make_room(io_table *t) {
+    if (t->rows < t->room) return true;
+    const size_t room = t->room ? 2 * t->room : 64;
+    char **cells = realloc(t->cells, room * t->columns * sizeof *cells);
+    if (cells) t->cells = cells;
+    size_t *lines = realloc(t->lines, room * sizeof *lines);
+    if (lines) t->lines = lines;
+    if (cells && lines) t->room = room;
+    return cells && lines;
+}
+
+static bool take_row(scanner *s, io_table *t) {
+    if (!make_room(t)) return io_fail(s->error, "%s: out of memory", t->path);
+    const size_t line = s->line;
+    size_t count = 0;
+    for (bool last = false; !last; count++) {
+        char *cell;
+        if (!take_cell(s, &cell, &last)) return false;
+        if (count < t->columns) t->cells[t->rows * t->columns + count] = cell;
+    }
+    if (count != t->columns)
+        return io_fail(s->error, "%s:%zu: the line has %zu cell%s where the first one names %zu column%s", t->path,
+                       line, count, count == 1 ? "" : "s", t->columns, t->columns == 1 ? "" : "s");
+    t->lines[t->rows++] = line;
+    return true;
+}
+
+static bool take_table(io_table *t, size_t size, io_error *error) {
+    scanner s = {.table = t, .at = t->text, .end = t->text + size, .line = 1, .error = error};
+    if (size >= 3 && memcmp(s.at, "\xef\xbb\xbf", 3) == 0) s.at += 3;
+    if (memchr(s.at, '\0', (size_t)(s.end - s.at)))
+        return io_fail(error, "%s: is no text in UTF-8: it has zero bytes, as UTF-16 has", t->path);
+    while (s.at < s.end && is_end_of_line(&s)) next_line(&s);
+    if (s.at == s.end) return io_fail(error, "%s: is empty; its first line should name the columns", t->path);
+    if (!take_names(&s, t)) return false;
+    while (s.at < s.end) {
+        skip_blanks(&s);
+        if (is_end_of_line(&s))
+            next_line(&s);
+        else if (!take_row(&s, t))
+            return false;
+    }
+    return true;
+}
+
+bool io_table_read(const char *path, io_table *t, io_error *error) {
+    size_t size = 0;
+    *t = (io_table){.path = path};
+    t->text = io_file_read(path, &size, error);
+    if (t->text != NULL && take_table(t, size, error)) return true;
+    io_table_free(t);
+    return false;
+}
+
+void io_table_free(io_table *t) {
+    free(t->names);
+    free(t->cells);
+    free(t->lines);
+    free(t->text);
+    *t = (io_table){0};
+}
+
+bool io_table_find(const io_table *t, const char *name, size_t *column, io_error *error) {
+    *column = t->columns;
+    for (size_t k = t->columns; k-- > 0;) {
+        if (strcasecmp(t->names[k], name) != 0) continue;
+        if (*column < t->columns) return io_fail(error, "%s: two columns have the name '%s'", t->path, name);
+        *column = k;
+    }
+    return true;
+}
+
+bool io_table_require(const io_table *t, const char *name, size_t *column, io_error *error) {
+    if (!io_table_find(t, name, column, error)) return false;
+    if (*column < t->columns) return true;
+    char there[200] = "";
+    for (size_t k = 0, used = 0; k < t->columns && used < sizeof there; k++)
+        used += (size_t)snprintf(there + used, sizeof there - used, "%s%s", k ? ", " : "", t->names[k]);
+    return io_fail(error, "%s: has no column '%s'; its first line names %s", t->path, name, there);
+}
+
+bool io_table_fail(const io_table *t, size_t row, size_t column, const char *wanted, io_error *error) {
+    const char *cell = t->cells[row * t->columns + column];
+    if (cell[0] == '\0')
+        return io_fail(error, "%s:%zu: %s is empty where %s should stand", t->path, t->lines[row], t->names[column],
+                       wanted);
+    return io_fail(error, "%s:%zu: '%.40s' stands where %s should, in %s", t->path, t->lines[row], cell, wanted,
+                   t->names[column]);
+}
+
+bool io_table_number(const io_table *t, size_t row, size_t column, double *number, io_error *error) {
+    const char *cell = t->cells[row * t->columns + column];
+    char *end = NULL;
+    /* strtod would also read hexadecimal numbers and words. */
+    if (cell[0] != '\0' && cell[strspn(cell, "+-.0123456789eE")] == '\0') *number = strtod(cell, &end);
+    return (end != NULL && *end == '\0' && isfinite(*number)) || io_table_fail(t, row, column, "a number", error);
+}
+
+bool io_table_height(const io_table *t, size_t row, size_t column, double *height, bool *absolute, io_error *error) {
+    char **cell = &t->cells[row * t->columns + column], *given = *cell;
+    if (given[0] == '\0') return true;
+    *absolute = given[0] == '=';
+    *cell += *absolute;
+    const bool good = io_table_number(t, row, column, height, NULL);
+    *cell = given;
+    return good || io_table_fail(t, row, column, "a height, as 2 or =1250,", error);
+}
+
+bool io_table_others(const io_table *t, const char *const *names, size_t count, char *others, size_t size) {
+    size_t used = 0;
+    others[0] = '\0';
+    for (size_t k = 0; k < t->columns && used < size; k++) {
+        bool known = false;
+        for (size_t n = 0; n < count; n++) known |= strcasecmp(t->names[k], names[n]) == 0;
+        if (!known) used += (size_t)snprintf(others + used, size - used, "%s'%s'", used ? ", " : "", t->names[k]);
+    }
+    return used > 0;
+}

@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Tables in text files: CSV as RFC 4180 has it, in UTF-8. The first line names the columns; lines without a cell are passed over;
+ * cells may stand in quotation marks. Lines end in LF or CRLF, and a byte order mark is passed over. */
+#ifndef CELLWALK_IO_TABLE_H
+#define CELLWALK_IO_TABLE_H
+
+#include "error.h"
+
+#include <stddef.h>
+
+typedef struct io_table {
+    const char *path;
+    size_t columns, rows;
+    char **names;  /* of the columns */
+    char **cells;  /* row by row, without blanks around them */
+    size_t *lines; /* on which each row begins, from 1 on */
+    char *text;    /* that cells point into */
+    size_t room;   /* rows */
+} io_table;
+
+/* Whether the name ends in .csv. */
+bool io_table_is(const char *path);
+
+/* path must stay. An error for a file without a line, for rows with fewer or more cells than there are columns, and for a first line
+ * with semicolons or tabs between its names. On failure the table needs no freeing. */
+bool io_table_read(const char *path, io_table *table, io_error *error);
+void io_table_free(io_table *table);
+
+/* The number of the column with that name, whatever its case; table->columns if there is none. An error if there are two. */
+bool io_table_find(const io_table *table, const char *name, size_t *column, io_error *error);
+/* The same; an error if there is none. */
+bool io_table_require(const io_table *table, const char *name, size_t *column, io_error *error);
+
+/* The decimal number in a cell. An error with file, line and cell if there is none. */
+bool io_table_number(const io_table *table, size_t row, size_t column, double *number, io_error *error);
+
+/* A height above ground, or behind "=" an absolute one; an empty cell leaves both as they are. */
+bool io_table_height(const io_table *table, size_t row, size_t column, double *height, bool *absolute, io_error *error);
+
+/* Whether there are columns with other names than these, in quotation marks with commas between them. A misspelt name would change an
+ * answer without a word. */
+bool io_table_others(const io_table *table, const char *const *names, size_t count, char *others, size_t size);
+
+/* Fails with file, line, column's name and "'cell' stands where WANTED should". */
+bool io_table_fail(const io_table *table, size_t row, size_t column, const char *wanted, io_error *error);
+
+#endif
