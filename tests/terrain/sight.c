@@ -48,8 +48,8 @@ static void check_sample(const ground *g, const viewshed_desc *d, const viewshed
         east += t->map[0][c] * ((c ? (double)j : (double)i) - s->eye[c]);
         north += t->map[1][c] * ((c ? (double)j : (double)i) - s->eye[c]);
     }
-    if (d->max_distance > 0 && fabs(hypot(east, north) - d->max_distance) < 1e-6) return;
-    if (d->max_distance > 0 && hypot(east, north) > d->max_distance) {
+    if (d->limits.farthest > 0 && fabs(hypot(east, north) - d->limits.farthest) < 1e-6) return;
+    if (d->limits.farthest > 0 && hypot(east, north) > d->limits.farthest) {
         check(seen[k] == 0 && isnan(heights[k]), "(%zu, %zu) is seen beyond the greatest distance", i, j);
         return;
     }
@@ -125,7 +125,7 @@ static void every_edge_counts(void **state) {
                 for (int place = 0; place < 6; place++) {
                     viewshed_desc d = {.height = random_between(&r, 0.5, 30),
                                        .target_height = place % 2 ? random_between(&r, 0, 10) : 0,
-                                       .max_distance = place == 4 ? random_between(&r, 20, 200) : 0,
+                                       .limits.farthest = place == 4 ? random_between(&r, 20, 200) : 0,
                                        .curvature = place == 5   ? 3000
                                                     : place == 3 ? 6.0 / 7
                                                                  : 0};

@@ -239,7 +239,7 @@ PyObject *field_viewshed(PyObject *self, PyObject *arguments) {
     viewshed_desc d = {0};
     unsigned threads;
     PyObject *progress;
-    if (!PyArg_ParseTuple(arguments, "y*pdddpw*IO:viewshed", &places, &absolute, &d.target_height, &d.max_distance,
+    if (!PyArg_ParseTuple(arguments, "y*pdddpw*IO:viewshed", &places, &absolute, &d.target_height, &d.limits.farthest,
                           &d.curvature, &heights, &out, &threads, &progress))
         return NULL;
     d.absolute = absolute != 0;

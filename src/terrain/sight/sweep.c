@@ -392,6 +392,14 @@ static bool sweep(part *p, double most, sweep_tick *tick) {
     return true;
 }
 
+void sweep_directions(unsigned number, double directions[2][2]) {
+    const unsigned quarter = number / SLICES, slice = number % SLICES, across = quarter >= 2 ? 0 : 1;
+    for (unsigned k = 0; k < 2; k++) {
+        directions[k][across] = quarter % 2 ? -1 : 1;
+        directions[k][1 - across] = 2.0 * (slice + k) / SLICES - 1;
+    }
+}
+
 bool sweep_part(const sight *s, unsigned number, double most, double target, sweep_visit *visit, sweep_tick *tick,
                 void *context) {
     const terrain *t = s->terrain;

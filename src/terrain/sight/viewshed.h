@@ -4,15 +4,15 @@
 #ifndef CELLWALK_TERRAIN_VIEWSHED_H
 #define CELLWALK_TERRAIN_VIEWSHED_H
 
-#include "sight.h"
+#include "view_limits.h"
 
 typedef struct viewshed_desc {
     double place[2];      /* of the observer, in field coordinates; may lie outside the field */
     double height;        /* of the eye in metres, above the ground, or absolute */
     bool absolute;        /* must be, if the place is outside or over a hole */
     double target_height; /* metres above the ground */
-    double max_distance;  /* metres; 0: none */
     double curvature;     /* as sight_init has it; not negative */
+    sight_limits limits;  /* of the target */
 } viewshed_desc;
 
 typedef struct viewshed viewshed;
@@ -26,8 +26,16 @@ const sight *viewshed_sight(const viewshed *v);
 cw_status viewshed_count(const viewshed *v, const cw_run *query, uint16_t *seen, terrain_progress *progress,
                          void *context, bool *done);
 
+/* The same, but adds weight. */
+cw_status viewshed_weigh(const viewshed *v, const cw_run *query, double weight, double *sums,
+                         terrain_progress *progress, void *context, bool *done);
+
+/* The target's angle above the eye's horizontal, in degrees, at each sample that is seen; NaN elsewhere. */
+cw_status viewshed_angles(const viewshed *v, const cw_run *query, float *angles, terrain_progress *progress,
+                          void *context, bool *done);
+
 /* The height above ground, in metres, that is needed at each sample to be seen, 0 where the ground is seen itself, NaN at
- * holes and farther away than the greatest distance. */
+ * holes and outside the limits, which must not have vertical angles. */
 cw_status viewshed_heights(const viewshed *v, const cw_run *query, float *heights, terrain_progress *progress,
                            void *context, bool *done);
 

@@ -56,6 +56,11 @@ static bool is_input(const char *output) {
     return stat(output, &about) == 0 && io_inputs_have(&about);
 }
 
+bool ground_check_output(const ground *g, io_error *error) {
+    const char *output = g->options->output;
+    return !is_input(output) || io_fail(error, "%s: is also an input; choose another name for the output", output);
+}
+
 bool ground_describe_raster(terrain *t, const io_raster *r, const cw_field *field, const char *path, io_error *error) {
     const terrain_desc desc = {
         .field = field,

@@ -56,6 +56,9 @@ typedef enum ground_reading {
  * bands (0: there is no output). Returns EXIT_SUCCESS, or after a message the exit status; *g then needs no closing. */
 int ground_open(ground *g, ground_options *options, const char *path, size_t bands, ground_reading reading);
 
+/* The output is none of the inputs that have been noted; an error if it is. */
+bool ground_check_output(const ground *g, io_error *error);
+
 /* Frees the terrain and returns the exit status of the work, after the message in error unless it was good. */
 int ground_close(ground *g, bool good, const io_error *error);
 

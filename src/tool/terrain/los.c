@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* `cellwalk los`: whether two places see each other. */
+/* `cellwalk los`: whether places see each other. */
 
 #include "../json.h"
 #include "command.h"
-#include "ground.h"
-#include "sight.h"
+#include "inputs.h"
+#include "line.h"
+#include "los_pairs.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -16,48 +17,97 @@ typedef struct los_command {
     ground_options ground;
     double curvature;
     bool json;
+    const char *pairs, *output, *profile;
     ground_place places[2];
 } los_command;
 
-static bool look(ground *g, const los_command *c, io_error *error) {
-    const ground_place *places = c->places;
-    const terrain *t = &g->terrain;
-    double eye[3], target[3], metres[2], xy[2], ends[2][2];
-    if (!ground_find_place(t, &places[0], eye, NULL, error) || !ground_find_place(t, &places[1], target, NULL, error))
-        return false;
-    sight s;
-    const double k = isnan(c->curvature) ? g->file.raster.georef.placed ? 6.0 / 7 : 0 : c->curvature;
-    sight_init(&s, t, NULL, eye, k);
-    const double height = target[2] - s.eye[2] - sight_fall(&s, target[0], target[1]);
-    const double block = sight_first_block(&s, target[0], target[1], target[2]);
-    terrain_metres(t, eye[0], eye[1], metres);
-    for (int e = 0; e < 2; e++) terrain_to_map(t, e ? target[0] : eye[0], e ? target[1] : eye[1], ends[e]);
-    const double length = hypot((ends[1][0] - ends[0][0]) * metres[0], (ends[1][1] - ends[0][1]) * metres[1]);
-    const bool blocked = block < INFINITY;
-    for (int e = 0; e < 2; e++) xy[e] = ends[0][e] + block * (ends[1][e] - ends[0][e]);
-    /* The line bends up against the lowered surface by as much as that is lowered. */
-    const double bend = sight_fall(&s, eye[0] + block * (target[0] - eye[0]), eye[1] + block * (target[1] - eye[1]));
-    const double z = (eye[2] + block * height + bend) * terrain_metres_of_height(t);
-    if (c->json) {
-        printf("{\"visible\": %s, \"distance\": ", blocked ? "false" : "true");
-        json_number(stdout, length);
-        if (blocked)
-            printf(", \"blocked_at\": [%.10g, %.10g], \"blocked_height\": %.10g, \"blocked_distance\": %.10g", xy[0],
-                   xy[1], z, block * length);
+static void print(const line *l, bool json) {
+    if (json) {
+        printf("{\"visible\": %s, \"distance\": ", l->blocked ? "false" : "true");
+        json_number(stdout, l->length);
+        if (l->blocked)
+            printf(", \"blocked_at\": [%.10g, %.10g], \"blocked_height\": %.10g, \"blocked_distance\": %.10g",
+                   l->block[0], l->block[1], l->block_height, l->block_distance);
         puts("}");
-    } else if (blocked) {
+    } else if (l->blocked) {
         printf("blocked: %.3f m from the first place, of %.3f m, at a height of %.3f m\nat %.10g,%.10g\n",
-               block * length, length, z, xy[0], xy[1]);
+               l->block_distance, l->length, l->block_height, l->block[0], l->block[1]);
     } else {
-        printf("visible: %.3f m\n", length);
+        printf("visible: %.3f m\n", l->length);
     }
+}
+
+static bool look(ground *g, const los_command *c, io_output *profiles, io_error *error) {
+    line l;
+    profile p = {0};
+    if (!line_find(&l, g, c->places, c->curvature, error)) return false;
+    const bool good =
+        profiles == NULL || (line_head_profiles(profiles, error) && line_write_profile(&l, 1, &p, profiles, error));
+    profile_free(&p);
+    if (good) print(&l, c->json);
+    return good;
+}
+
+static bool answer(ground *g, const los_command *c, io_error *error) {
+    io_output results = {0}, profiles = {0};
+    if (c->pairs && !io_inputs_note_path(c->pairs)) return io_fail(error, "out of memory");
+    bool good = !c->profile || io_output_open(&profiles, c->profile, error);
+    if (c->pairs) {
+        good = good && io_output_open(&results, c->output ? c->output : "-", error) &&
+               los_pairs(g, c->pairs, c->curvature, &results, c->profile ? &profiles : NULL, error);
+        progress_end(&g->line);
+        good = good && io_output_commit(&results, error);
+        io_output_discard(&results);
+    } else {
+        good = good && look(g, c, c->profile ? &profiles : NULL, error);
+    }
+    good = good && (!c->profile || io_output_commit(&profiles, error));
+    io_output_discard(&profiles);
+    return good;
+}
+
+static bool wrong(los_command *c, const char *const given[3]) {
+    const bool places = given[1] != NULL;
+    if (c->pairs && places)
+        command_fail(name, "--pairs FILE and places do not go together");
+    else if (!c->pairs && given[2] == NULL)
+        command_fail(name, "%s is missing, or --pairs FILE", places ? "TO" : "FROM");
+    else if (c->output && !c->pairs)
+        command_fail(name, "-o goes with --pairs FILE");
+    else if (c->json && c->pairs)
+        command_fail(name, "--json goes with two places; the answers of --pairs are CSV");
+    else if (c->profile && strcmp(c->profile, c->output ? c->output : "-") == 0)
+        command_fail(name, "--profile needs a file that nothing else is written to");
+    else if (c->curvature < 0)
+        command_fail(name, "--curvature takes a number from 0 on, not %g", c->curvature);
+    else
+        return places && (!ground_parse_place(name, given[1], 0, &c->places[0]) ||
+                          !ground_parse_place(name, given[2], 0, &c->places[1]));
     return true;
 }
 
 static int run(int argc, char **argv) {
     los_command c = {.curvature = NAN};
-    enum { OWN = 2, ALL = OWN + RASTER_OPTION_COUNT };
+    enum { OWN = 5, ALL = OWN + RASTER_OPTION_COUNT };
     option_spec options[ALL] = {
+        {.name = "pairs",
+         .value = "FILE.csv",
+         .help = "pairs of places in place of FROM and TO: a table whose\nfirst line names the columns x1, y1, x2, y2 "
+                 "and, if there,\nheight1 and height2",
+         .kind = OPTION_TEXT,
+         .to = &c.pairs},
+        {.name = "output",
+         .letter = 'o',
+         .value = "FILE.csv",
+         .help = "with --pairs: the table of answers (default: standard\noutput)",
+         .kind = OPTION_TEXT,
+         .to = &c.output},
+        {.name = "profile",
+         .value = "FILE.csv",
+         .help = "write the terrain along each line as a table: distance,\nheights of ground and line, and whether the "
+                 "ground is seen\nfrom the first place, wherever the line crosses an edge of\na triangle",
+         .kind = OPTION_TEXT,
+         .to = &c.profile},
         {.name = "curvature",
          .value = "K",
          .help = "the earth's curvature as a factor: 0 for a flat earth,\n1 without air, 0.857 = 6/7 with usual "
@@ -72,33 +122,31 @@ static int run(int argc, char **argv) {
     static const char *const operands[] = {"DEM", "FROM", "TO"};
     const options_usage usage = {
         .name = name,
-        .synopsis = "DEM X,Y[,H] X,Y[,H] [OPTIONS]",
+        .synopsis = "DEM (X,Y[,H] X,Y[,H] | --pairs FILE.csv) [OPTIONS]",
         .what = "Computes whether the straight line between two places is free of terrain and\n"
                 "prints the answer, or the place where the line from the first is first blocked.\n"
                 "A line that touches the terrain is blocked; the ends themselves block nothing.\n"
-                "Distances and heights are metres, for any unit of the map.\n"
+                "Distances and heights are metres, for any unit of the map. A table of pairs is\n"
+                "answered by a table: visible is 1 or 0, and blocked_... are empty where nothing blocks.\n"
                 "\n" GROUND_PLACE_HELP "\nWithout H a place is on the ground.\n",
-        .examples = "  cellwalk los dem.tif 600250,5199800,2 601500,5200100,=1250\n",
+        .examples = "  cellwalk los dem.tif 600250,5199800,2 601500,5200100,=1250\n"
+                    "  cellwalk los dem.tif 600250,5199800,2 601500,5200100 --profile profile.csv\n"
+                    "  cellwalk los dem.tif --pairs links.csv -o answers.csv\n",
         .options = options,
         .option_count = ALL,
         .operands = operands,
-        .operand_least = 3,
+        .operand_least = 1,
         .operand_most = 3,
     };
     const char *given[3];
     const int status = options_parse(&usage, argc, argv, given);
     if (status != OPTIONS_GO) return status;
-    if (!ground_parse_place(name, given[1], 0, &c.places[0]) || !ground_parse_place(name, given[2], 0, &c.places[1]))
-        return EXIT_USAGE;
-    if (c.curvature < 0) {
-        command_fail(name, "--curvature takes a number from 0 on, not %g", c.curvature);
-        return EXIT_USAGE;
-    }
+    if (wrong(&c, given)) return EXIT_USAGE;
     c.ground.query.threads = 1;
     ground g;
     io_error error = {""};
     const int opened = ground_open(&g, &c.ground, given[0], 0, GROUND_SAMPLES);
-    return opened == EXIT_SUCCESS ? ground_close(&g, look(&g, &c, &error), &error) : opened;
+    return opened == EXIT_SUCCESS ? ground_close(&g, answer(&g, &c, &error), &error) : opened;
 }
 
-const command command_los = {"los", "compute whether the line between two places is free", run};
+const command command_los = {"los", "compute whether lines between places are free", run};

@@ -1,0 +1,97 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "profile.h"
+
+#include "way.h"
+
+#include <stdlib.h>
+
+static bool put(profile *p, double share, double ground) {
+    if (p->count == p->room) {
+        const size_t room = p->room ? 2 * p->room : 256;
+        profile_point *points = realloc(p->points, room * sizeof *points);
+        if (points == NULL) return false;
+        p->points = points;
+        p->room = room;
+    }
+    p->points[p->count++] = (profile_point){.share = share, .ground = ground};
+    return true;
+}
+
+/* Crossings with the lines of a kind, which the way passes from place `from` on in steps `step`; the ends are left out. */
+static bool put_crossings(profile *p, const way *w, int kind, double from, double from_low, double step) {
+    if (step == 0) return true;
+    const double per_step = 1 / step, to = from + step;
+    const double low = whole_above(fmin(from, to)), high = whole_below(fmax(from, to));
+    const int other = kind == WAY_COLUMN ? 1 : 0;
+    for (double n = low; n <= high; n++) {
+        const double share = (n - from - from_low) * per_step;
+        if (!(share > 0 && share < 1)) continue;
+        crossing c = {.way = w,
+                      .kind = kind,
+                      .n = n,
+                      .other = way_at(w->place[other], w->step[other], share),
+                      .share = 1 - share};
+        way_height(&c);
+        const double ground = c.height + (w->sight->eye[2] + c.share * c.share * w->fall);
+        if (!put(p, c.share, isfinite(ground) ? ground : NAN)) return false;
+    }
+    return true;
+}
+
+static int compare(const void *a, const void *b) {
+    const profile_point *x = a, *y = b;
+    if (x->share != y->share) return x->share < y->share ? -1 : 1;
+    return isnan(x->ground) - isnan(y->ground);
+}
+
+/* Lines that meet in a sample are crossed there by shares that differ by rounding: one of them stays, if possible one with
+ * ground. */
+static void drop_doubles(profile *p) {
+    const double same = 4 * way_share_error;
+    size_t kept = 0;
+    for (size_t k = 0; k < p->count; k++) {
+        profile_point *last = kept > 0 ? &p->points[kept - 1] : NULL;
+        if (last && p->points[k].share - last->share <= same) {
+            if (isnan(last->ground)) last->ground = p->points[k].ground;
+            continue;
+        }
+        p->points[kept++] = p->points[k];
+    }
+    p->count = kept;
+}
+
+cw_status profile_make(profile *p, const sight *s, double i, double j, double z) {
+    const terrain *t = s->terrain;
+    const way w = way_to(s, i, j, z, 0);
+    p->count = 0;
+    const double metres = terrain_metres_of_height(t);
+    bool good = put(p, 0, terrain_height(t, s->eye[0], s->eye[1]) / metres);
+    if (w.length > 0) {
+        good = good && put_crossings(p, &w, WAY_COLUMN, w.place[0], 0, w.step[0]) &&
+               put_crossings(p, &w, WAY_ROW, w.place[1], 0, w.step[1]) &&
+               put_crossings(p, &w, WAY_DIAGONAL, w.diagonal, w.diagonal_low, w.across) &&
+               put(p, 1, terrain_height(t, i, j) / metres);
+    }
+    if (!good) return CW_ERROR_MEMORY;
+    qsort(p->points, p->count, sizeof *p->points, compare);
+    drop_doubles(p);
+    double steepest = -INFINITY;
+    for (size_t k = 0; k < p->count; k++) {
+        profile_point *at = &p->points[k];
+        const double fall = at->share * at->share * w.fall;
+        at->line = s->eye[2] + at->share * w.top + fall;
+        if (k == 0) {
+            at->seen = !isnan(at->ground); /* the eye's own place */
+            continue;
+        }
+        const double rise = (at->ground - s->eye[2] - fall) / at->share;
+        at->seen = rise > steepest;
+        if (at->seen) steepest = rise;
+    }
+    return CW_OK;
+}
+
+void profile_free(profile *p) {
+    free(p->points);
+    *p = (profile){0};
+}

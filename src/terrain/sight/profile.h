@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The terrain along a line of sight: its height wherever the line crosses an edge between samples, between which it is straight. */
+#ifndef CELLWALK_TERRAIN_PROFILE_H
+#define CELLWALK_TERRAIN_PROFILE_H
+
+#include "sight.h"
+
+typedef struct profile_point {
+    double share;  /* of the way from the eye */
+    double ground; /* height in the samples' numbers, not lowered; NaN at a hole and outside */
+    double line;   /* of the line of sight, bent up as far as the ground there is lowered */
+    bool seen;     /* the ground, from the eye: it rises more steeply than all before it; rounded */
+} profile_point;
+
+typedef struct profile {
+    size_t count, room;
+    profile_point *points; /* by share, from the eye to the target */
+} profile;
+
+/* Replaces *p, which is all zero at first, by the profile to (i, j), at height z in the samples' numbers. */
+cw_status profile_make(profile *p, const sight *s, double i, double j, double z);
+void profile_free(profile *p);
+
+#endif

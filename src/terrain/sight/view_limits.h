@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Which targets count as seen from a place: those between two distances, in a sector of azimuths, between two vertical angles.
+ * The terrain blocks the view wherever it is. */
+#ifndef CELLWALK_TERRAIN_VIEW_LIMITS_H
+#define CELLWALK_TERRAIN_VIEW_LIMITS_H
+
+#include "sight.h"
+
+/* All zero: no limits. Each includes its ends. */
+typedef struct sight_limits {
+    double nearest, farthest; /* metres on the map; farthest 0: none */
+    bool has_sector;
+    double azimuths[2]; /* degrees: clockwise from the first to the second; all of them if that is 360 or more */
+    bool has_verticals;
+    double verticals[2]; /* degrees above the eye's horizontal, from -90 to 90 */
+} sight_limits;
+
+/* Limits made ready for one place. */
+typedef struct view_limits {
+    bool any;
+    sight_limits given;
+    const sight *sight;
+    double metres[2];    /* in one of the map's x and y, at the place */
+    double sector[2][2]; /* the two azimuths as east and north */
+    bool narrow;         /* less than half of the round */
+    double tangents[2];  /* of the vertical angles */
+} view_limits;
+
+/* False if a number is none or out of range. */
+bool view_limits_init(view_limits *l, const sight *s, const sight_limits *given);
+
+/* From the place to (i, j): metres east and north on the map. */
+void view_limits_step(const view_limits *l, double i, double j, double step[2]);
+
+/* Whether a target counts. rise: its height over the eye in the samples' numbers, lowered. */
+bool view_limits_have(const view_limits *l, double i, double j, double rise);
+
+/* The angle above the eye's horizontal in degrees; at the place itself -90, 0 or 90. */
+double view_limits_angle(const view_limits *l, double i, double j, double rise);
+
+/* False if no direction between a and b, in field coordinates and less than half of the round apart, is in the sector. */
+bool view_limits_meet(const view_limits *l, const double a[2], const double b[2]);
+
+#endif

@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The line of sight between two places of a terrain. */
+#ifndef CELLWALK_TOOL_TERRAIN_LINE_H
+#define CELLWALK_TOOL_TERRAIN_LINE_H
+
+#include "ground.h"
+#include "output.h"
+#include "profile.h"
+
+/* Distances and heights are metres. */
+typedef struct line {
+    sight sight;
+    double eye[3], target[3]; /* in field coordinates, heights in the samples' numbers */
+    double ends[2][2];        /* on the map */
+    double length;
+    bool blocked;
+    double block[2], block_distance, block_height; /* where, if so */
+} line;
+
+/* curvature is NaN if it was not given. */
+bool line_find(line *l, const ground *g, const ground_place places[2], double curvature, io_error *error);
+
+/* Writes the first line of a table of profiles, and the rows of one. *p is room that is used again. */
+bool line_head_profiles(io_output *to, io_error *error);
+bool line_write_profile(const line *l, size_t number, profile *p, io_output *to, io_error *error);
+
+#endif

@@ -1,0 +1,95 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "los_pairs.h"
+
+#include "../cancel.h"
+#include "line.h"
+#include "table.h"
+
+#include <math.h>
+
+enum { X1, Y1, HEIGHT1, X2, Y2, HEIGHT2, NAMES };
+static const char *const names[NAMES] = {"x1", "y1", "height1", "x2", "y2", "height2"};
+
+static bool is_height(int n) { return n == HEIGHT1 || n == HEIGHT2; }
+
+typedef struct job {
+    ground *ground;
+    io_table table;
+    size_t columns[NAMES];
+    double curvature;
+    profile profile;
+    io_output *results, *profiles;
+} job;
+
+static bool find_columns(job *j, io_error *error) {
+    const io_table *t = &j->table;
+    for (int n = 0; n < NAMES; n++)
+        if (!(is_height(n) ? io_table_find(t, names[n], &j->columns[n], error)
+                           : io_table_require(t, names[n], &j->columns[n], error)))
+            return false;
+    if (t->rows == 0) return io_fail(error, "%s: holds no pairs", t->path);
+    char others[200], text[512];
+    if (!io_table_others(t, names, NAMES, others, sizeof others)) return true;
+    snprintf(text, sizeof text, "%s: passed over: %s; columns with a meaning are x1, y1, height1, x2, y2 and height2",
+             t->path, others);
+    progress_end(&j->ground->line);
+    j->ground->reading.warn(j->ground->reading.context, text);
+    return true;
+}
+
+enum { TEXT = 300 };
+
+/* One end of a row's line. */
+static bool take_place(const job *j, size_t row, int end, ground_place *p, char text[TEXT], io_error *error) {
+    const io_table *t = &j->table;
+    const size_t *c = j->columns + (end ? X2 : X1);
+    *p = (ground_place){.text = text};
+    if (!io_table_number(t, row, c[0], &p->x, error) || !io_table_number(t, row, c[1], &p->y, error)) return false;
+    if (c[2] < t->columns && !io_table_height(t, row, c[2], &p->z, &p->absolute, error)) return false;
+    snprintf(text, TEXT, "%.150s:%zu: %.10g,%.10g,%s%.10g", t->path, t->lines[row], p->x, p->y, p->absolute ? "=" : "",
+             p->z);
+    return true;
+}
+
+static bool write_row(const job *j, size_t row, const line *l, io_error *error) {
+    char text[300], block[120] = ",,,";
+    if (l->blocked)
+        snprintf(block, sizeof block, "%.3f,%.12g,%.12g,%.3f", l->block_distance, l->block[0], l->block[1],
+                 l->block_height);
+    const int length = snprintf(text, sizeof text, "%zu,%.12g,%.12g,%.12g,%.12g,%d,%.3f,%s\n", row + 1, l->ends[0][0],
+                                l->ends[0][1], l->ends[1][0], l->ends[1][1], !l->blocked, l->length, block);
+    return io_output_write(j->results, text, (size_t)length, error);
+}
+
+static bool look(job *j, size_t row, io_error *error) {
+    char texts[2][TEXT];
+    ground_place places[2];
+    line l;
+    for (int end = 0; end < 2; end++)
+        if (!take_place(j, row, end, &places[end], texts[end], error)) return false;
+    if (!line_find(&l, j->ground, places, j->curvature, error) || !write_row(j, row, &l, error)) return false;
+    return j->profiles == NULL || line_write_profile(&l, row + 1, &j->profile, j->profiles, error);
+}
+
+static bool look_at_all(job *j, io_error *error) {
+    static const char head[] =
+        "pair,x1,y1,x2,y2,visible,distance,blocked_distance,blocked_x,blocked_y,blocked_height\n";
+    const size_t rows = j->table.rows;
+    if (!find_columns(j, error) || !io_output_write(j->results, head, sizeof head - 1, error)) return false;
+    if (j->profiles && !line_head_profiles(j->profiles, error)) return false;
+    for (size_t row = 0; row < rows; row++) {
+        if (!ground_tell(j->ground, (double)row / (double)rows)) return io_fail(error, "interrupted");
+        if (!look(j, row, error)) return false;
+    }
+    return true;
+}
+
+bool los_pairs(ground *g, const char *path, double curvature, io_output *results, io_output *profiles,
+               io_error *error) {
+    job j = {.ground = g, .curvature = curvature, .results = results, .profiles = profiles};
+    if (!io_table_read(path, &j.table, error)) return false;
+    const bool good = look_at_all(&j, error);
+    io_table_free(&j.table);
+    profile_free(&j.profile);
+    return good;
+}

@@ -1,0 +1,190 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "observers.h"
+
+#include "command.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double eye_height = 2;
+
+void observer_rows(observer_options *o, option_spec rows[OBSERVER_OPTION_COUNT]) {
+    const option_spec own[OBSERVER_OPTION_COUNT] = {
+        {.name = "from",
+         .value = "X,Y[,H]",
+         .help = "the observer's place on the map, with the eye H metres\nabove ground (default: 2), or X,Y,=Z; may be "
+                 "given\n"
+                 "up to 256 times",
+         .kind = OPTION_AGAIN,
+         .to = &o->from},
+        {.name = "observers",
+         .value = "FILE",
+         .help = "any number of observers: a table (.csv) whose first line\nnames the columns x, y and, if there, "
+                 "height and weight;\nor points of any file that GDAL reads, with such attributes,\nbrought to the "
+                 "terrain's map",
+         .kind = OPTION_TEXT,
+         .to = &o->file},
+        {.name = "layer",
+         .value = "NAME",
+         .help = "the layer of --observers, for files with several",
+         .kind = OPTION_TEXT,
+         .to = &o->layer},
+        {.name = "every",
+         .value = "D",
+         .help =
+             "the places are the corners of a line, and so are those of\neach line in a file: an observer stands at "
+             "its beginning\nand every D metres; heights and weights change evenly\nbetween corners",
+         .kind = OPTION_NUMBER,
+         .to = &o->every},
+    };
+    memcpy(rows, own, sizeof own);
+}
+
+bool observer_options_check(observer_options *o, const char *name) {
+    const bool given = o->from.count > 0;
+    if (given == (o->file != NULL))
+        command_fail(name, given ? "--from and --observers do not go together"
+                                 : "--from X,Y is missing, or --observers FILE: the place of an observer");
+    else if (o->layer && !o->file)
+        command_fail(name, "--layer goes with --observers");
+    else if (o->every < 0)
+        command_fail(name, "--every takes metres, not %g", o->every);
+    else if (o->every > 0 && o->from.count == 1)
+        command_fail(name, "--every D takes two places or more: the corners of a line");
+    else {
+        for (size_t k = 0; k < o->from.count; k++)
+            if (!ground_parse_place(name, o->from.values[k], eye_height, &o->places[k])) return false;
+        return true;
+    }
+    return false;
+}
+
+static bool put(observers *o, const observer *new, io_error *error) {
+    if (o->count == OBSERVERS_MOST) return io_fail(error, "there are more than %d observers", OBSERVERS_MOST);
+    if (o->count == o->room) {
+        const size_t room = o->room ? 2 * o->room : 64;
+        observer *list = realloc(o->list, room * sizeof *list);
+        if (list == NULL) return io_fail(error, "out of memory");
+        o->list = list;
+        o->room = room;
+    }
+    o->list[o->count++] = *new;
+    return true;
+}
+
+static size_t given_count(const observers *o) { return o->options->file ? o->points.count : o->options->from.count; }
+
+static size_t part_of(const observers *o, size_t k) { return o->options->file ? o->points.points[k].part : 0; }
+
+/* A given place as an observer. */
+static observer given(const observers *o, size_t k) {
+    if (!o->options->file) {
+        const ground_place *p = &o->options->places[k];
+        return (observer){p->x, p->y, p->z, p->absolute, 1, NAN, k};
+    }
+    const io_point *p = &o->points.points[k];
+    return (observer){p->x, p->y, isnan(p->height) ? eye_height : p->height, p->absolute, p->weight, NAN, k};
+}
+
+/* Metres between two places, by the scale halfway. */
+static double length_between(const terrain *t, const observer *a, const observer *b) {
+    double at[2], metres[2];
+    terrain_from_map(t, 0.5 * (a->x + b->x), 0.5 * (a->y + b->y), at);
+    terrain_metres(t, at[0], at[1], metres);
+    return hypot((b->x - a->x) * metres[0], (b->y - a->y) * metres[1]);
+}
+
+/* Observers from one corner up to the next, and there too if it is the last. *at: how far the next one stands from the line's
+ * beginning, in steps; before: the corner's distance from there. */
+static bool put_between(observers *o, const observer *a, const observer *b, double before, double length, double *step,
+                        io_error *error) {
+    const double every = o->options->every, end = before + length;
+    /* A length that is some steps but for rounding has them all. */
+    const double least = 0x1p-40 * end;
+    for (; *step * every <= end + least; ++*step) {
+        const double way = *step * every, share = length > 0 ? fmin((way - before) / length, 1) : 0;
+        const observer new = {a->x + share * (b->x - a->x),
+                              a->y + share * (b->y - a->y),
+                              a->z + share * (b->z - a->z),
+                              a->absolute,
+                              a->weight + share * (b->weight - a->weight),
+                              way,
+                              a->given};
+        if (!put(o, &new, error)) return false;
+    }
+    return true;
+}
+
+static ground_place place_of(const observers *o, const observer *a, char text[OBSERVER_TEXT]) {
+    if (!o->options->file && isnan(a->along)) return o->options->places[a->given];
+    char name[OBSERVER_TEXT / 2] = "", way[60] = "";
+    if (o->options->file) io_points_name(&o->points, a->given, name, sizeof name);
+    if (!isnan(a->along)) snprintf(way, sizeof way, "%s%.10g m along the line", name[0] ? ", " : "", a->along);
+    snprintf(text, OBSERVER_TEXT, "%s%s: %.10g,%.10g,%s%.10g", name, way, a->x, a->y, a->absolute ? "=" : "", a->z);
+    return (ground_place){text, a->x, a->y, a->z, a->absolute};
+}
+
+static bool put_lines(observers *o, const terrain *t, io_error *error) {
+    double before = 0, step = 0;
+    for (size_t k = 0; k < given_count(o); k++) {
+        const observer a = given(o, k);
+        const bool last = k + 1 == given_count(o) || part_of(o, k + 1) != part_of(o, k);
+        if (last) {
+            before = step = 0;
+            continue;
+        }
+        const observer b = given(o, k + 1);
+        if (a.absolute != b.absolute) {
+            char text[OBSERVER_TEXT];
+            return io_fail(error, "%s: heights along a line are all above ground, or all absolute",
+                           place_of(o, &b, text).text);
+        }
+        const double length = length_between(t, &a, &b);
+        if (!isfinite(length) || before + length > OBSERVERS_MOST * o->options->every)
+            return io_fail(error, "there are more than %d observers", OBSERVERS_MOST);
+        if (!put_between(o, &a, &b, before, length, &step, error)) return false;
+        before += length;
+    }
+    return true;
+}
+
+static bool put_places(observers *o, io_error *error) {
+    for (size_t k = 0; k < given_count(o); k++) {
+        const observer a = given(o, k);
+        if (!put(o, &a, error)) return false;
+    }
+    return true;
+}
+
+static void warn(void *context, const char *text) {
+    ground *g = context;
+    progress_end(&g->line);
+    g->reading.warn(g->reading.context, text);
+}
+
+bool observers_find(observers *o, const observer_options *options, ground *g, io_error *error) {
+    *o = (observers){.options = options};
+    const io_points_options reading = {
+        .layer = options->layer, .crs = ground_georef(g)->crs, .warn = warn, .context = g};
+    if (options->file && !io_points_read(options->file, &reading, &o->points, error)) return false;
+    bool good = true;
+    if (options->file && o->points.has_lines && options->every == 0)
+        good = io_fail(error, "%s: holds lines, and --every D says where on them observers stand", options->file);
+    good = good && (options->every > 0 ? put_lines(o, &g->whole, error) : put_places(o, error));
+    if (good && o->count == 0) good = io_fail(error, "%s: a line has two corners or more", options->file);
+    if (!good) observers_free(o);
+    return good;
+}
+
+void observers_free(observers *o) {
+    io_points_free(&o->points);
+    free(o->list);
+    *o = (observers){0};
+}
+
+bool observers_have_weights(const observers *o) { return o->points.has_weight; }
+
+ground_place observers_place(const observers *o, size_t k, char text[OBSERVER_TEXT]) {
+    return place_of(o, &o->list[k], text);
+}
