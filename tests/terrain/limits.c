@@ -250,10 +250,14 @@ static void profiles(void **state) {
             if (n % 2) ends[e][0] = rint(ends[e][0]), ends[e][1] = rint(ends[e][1]);
         }
         if (n % 5 == 0) ends[1][0] = ends[0][0]; /* along a column */
+        if (ends[1][0] == ends[0][0] && ends[1][1] == ends[0][1]) ends[1][1] = ends[0][1] < 20 ? 30 : 3;
         sight s;
         sight_init(&s, t, NULL, ends[0], n % 4 == 1 ? 50 : 0);
         check_status(profile_make(&p, &s, ends[1][0], ends[1][1], ends[1][2]), CW_OK);
-        assert_true(p.count >= 2 && p.points[0].share == 0 && p.points[p.count - 1].share == 1);
+        check(p.count >= 2 && p.points[0].share == 0 && p.points[p.count - 1].share == 1,
+              "line %zu: %zu points from %.17g to %.17g", n, p.count, p.points[0].share, p.points[p.count - 1].share);
+        /* Within an edge the lowering bends by a quarter of its value at the edge's length. */
+        const double bend = 0.25 * (fabs(s.fall[0]) + fabs(s.fall[1]) + fabs(s.fall[2]));
         assert_true(fabs(p.points[0].line - ends[0][2]) < 1e-9 && fabs(p.points[p.count - 1].line - ends[1][2]) < 1e-9);
         for (size_t k = 0; k < p.count; k++) {
             const profile_point *a = &p.points[k], *b = a + 1;
@@ -277,7 +281,7 @@ static void profiles(void **state) {
             for (int c = 0; c < 2; c++) at[c] = ends[0][c] + share * (ends[1][c] - ends[0][c]);
             const double height = terrain_height(t, at[0], at[1]) / metres;
             if (isnan(height) || isnan(a->ground + b->ground)) continue; /* an edge beside a hole is ground, too */
-            check(fabs(a->ground + f * (b->ground - a->ground) - height) < 1e-9,
+            check(fabs(a->ground + f * (b->ground - a->ground) - height) < 1e-9 + bend,
                   "between %.17g and %.17g of the way: %g, not %g", a->share, b->share,
                   a->ground + f * (b->ground - a->ground), height);
         }

@@ -53,6 +53,7 @@ static void drop_doubles(profile *p) {
         profile_point *last = kept > 0 ? &p->points[kept - 1] : NULL;
         if (last && p->points[k].share - last->share <= same) {
             if (isnan(last->ground)) last->ground = p->points[k].ground;
+            if (p->points[k].share == 1) last->share = 1;
             continue;
         }
         p->points[kept++] = p->points[k];

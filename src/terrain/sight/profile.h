@@ -14,7 +14,7 @@ typedef struct profile_point {
 
 typedef struct profile {
     size_t count, room;
-    profile_point *points; /* by share, from the eye to the target */
+    profile_point *points; /* by share, from the eye to the target; one if they are at the same place */
 } profile;
 
 /* Replaces *p, which is all zero at first, by the profile to (i, j), at height z in the samples' numbers. */
