@@ -17,6 +17,10 @@
 
 #include "lane_queue.inc.h"
 
+#include "lane_answers.inc.h"
+
+#include "close_walk.inc.h"
+
 #include "lane_walk.inc.h"
 
 /* See lane_walk. Local copies of the lanes save the register for their address, of which AVX2 has too few. AVX-512 has

@@ -67,6 +67,9 @@ typedef struct lane_queue {
     uint32_t first;    /* number of the batch's first ray, from which those of rays count */
 } lane_queue;
 
+/* Numbers of a find. */
+enum { FOUND_NUMBERS = 8 };
+
 /* The caller's arrays, indexed by the numbers of rays; and finds of leaf tests that are not yet hits. A leaf test
  * finds two or three at a time, and refinement takes as long for LANES of them as for one. */
 typedef struct lane_answers {
@@ -86,6 +89,9 @@ typedef struct lane_set {
     alignas(ALIGNMENT) float t[LANES], leave[LANES];
     int32_t x[LANES], y[LANES], level[LANES];
     uint32_t ray[LANES]; /* number of its hit */
+    int32_t born[LANES]; /* the clock when it came */
+    int32_t clock;       /* steps since all lanes were empty */
+    int32_t look_at;     /* the clock at the next look for rays that have kept their lanes for long */
     unsigned living;     /* lanes that hold a ray; if none does, the other members are undefined */
 } lane_set;
 

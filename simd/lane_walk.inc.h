@@ -21,50 +21,6 @@ Papers: Tevs, Ihrke and Seidel 2008 (a pyramid of maxima), Smits, Shirley and St
  * one ray's node at once. It takes as many instructions, mispredicts more branches and gains less from wider vectors
  * (papers/walks.md). */
 
-/* The first n lanes, a bit each. */
-static inline unsigned first_lanes(size_t n) { return (unsigned)(((uint64_t)1 << n) - 1); }
-
-/* Turns count of the finds into hits, from number first on. */
-static inline void write_found(const lane_answers *a, const cw_field *f, size_t first, size_t count) {
-    const cw_ray *rays[W];
-    for (size_t k = 0; k < W; k++) rays[k] = &a->rays[a->number[first + (k < count ? k : 0)]];
-    const found_hits found = {{vf_load(a->t0 + first), vf_load(a->t1 + first), vf_gt(vf_load(a->b + first), vf_set(0))},
-                              vf_load(a->i + first),
-                              vf_load(a->j + first),
-                              vf_load(a->h00 + first),
-                              vf_load(a->corner + first),
-                              vf_load(a->h11 + first)};
-    vfloat c[8];
-    vf_load_each_ray(rays, c);
-    vstart s;
-    restart_rays(&s, f, c);
-    const vhit h = refine_hits(&s, &found);
-    scatter_hits(&h, &found, first_lanes(count), a->number + first, a->hits);
-}
-
-/* Stores the finds of the leaf test in the lanes of which. */
-CW_INLINE void lane_found(lane_answers *a, const cw_field *f, const uint32_t ray[W], vmask which, const vfind *find,
-                          const vcell *c, bool any) {
-    unsigned bits = vm_bits(which);
-    if (any) {
-        for (; bits != 0; bits &= bits - 1) a->occluded[ray[__builtin_ctz(bits)]] = 1;
-        return;
-    }
-    const vpick pick = vpick_make(which);
-    size_t n = a->found;
-    vf_store_picked(a->t0 + n, find->t0, pick);
-    vf_store_picked(a->t1 + n, find->t1, pick);
-    vf_store_picked(a->i + n, c->i, pick);
-    vf_store_picked(a->j + n, c->j, pick);
-    vf_store_picked(a->h00 + n, c->h00, pick);
-    vf_store_picked(a->corner + n, vf_select(find->b, c->h01, c->h10), pick);
-    vf_store_picked(a->h11 + n, c->h11, pick);
-    vf_store_picked(a->b + n, vf_select(find->b, vf_set(1), vf_set(0)), pick);
-    for (; bits != 0; bits &= bits - 1) a->number[n++] = ray[__builtin_ctz(bits)];
-    if (n >= W) write_found(a, f, n -= W, W);
-    a->found = n;
-}
-
 /* REFILL_AT: empty lanes at which they are refilled. LEAF_AT: lanes waiting at a cell at which cells are tested.
  * papers/walks.md has the measurements of other thresholds. */
 enum { REFILL_AT = W < 4 ? 1 : W < 16 ? W / 4 : 4, LEAF_AT = (3 * W + 7) / 8 };
@@ -102,6 +58,7 @@ CW_INLINE void refill_lane(lane_set *l, size_t lane, const lane_queue *queue, co
     l->y[lane] = q->y;
     l->level[lane] = q->level;
     l->ray[lane] = queue->first + q->ray;
+    l->born[lane] = l->clock;
 }
 
 CW_INLINE lane_state load_lanes(const lane_set *l) {
@@ -285,6 +242,21 @@ CW_INLINE void lane_step(lane_state *s, lane_set *l, const cw_field *f, bool any
     lane_advance(s, rays, axis, out, moves);
 }
 
+/* Steps after which a ray has kept its lane for long, and from one look at that to the next. */
+enum { LATE_SHIFT = 8, LOOK_AFTER = 128 };
+
+/* Takes those rays out of their lanes that have been there for long, and walks them to their ends. */
+CW_INLINE void end_late(const cw_field *f, lane_set *l, bool any, lane_answers *answers) {
+    if (l->clock < l->look_at) return;
+    l->look_at = l->clock + LOOK_AFTER;
+    const vint age = vi_sub(vi_set(l->clock), vi_load(l->born));
+    const vmask young = vi_eq(vi_shift_right(age, vi_set(LATE_SHIFT)), vi_set(0));
+    unsigned late = ~vm_bits(young) & l->living;
+    if (late == 0 || f->pyramid->levels < CLOSE_LEVELS) return;
+    l->living &= ~late;
+    for (; late != 0; late &= late - 1) close_walk(f, l, (size_t)__builtin_ctz(late), any, answers);
+}
+
 /* Walks the rays in the lanes and in the queue to their ends and writes their hits. If more are to follow, it
  * returns when the queue is empty and few rays are left; these stay in their lanes, and finds in answers, for the
  * next call. A pair of vectors leaves the last rays to a single vector (walk_alone).
@@ -296,6 +268,7 @@ CW_INLINE void lane_walk(const cw_field *f, const lane_queue *queue, lane_set *l
                          lane_answers *answers) {
     if (l->living == 0 && queue->n > 0) lane_clear(l);
     for (size_t next = 0;;) {
+        end_late(f, l, any, answers);
         for (unsigned empty = ~l->living & first_lanes(W); empty != 0 && next < queue->n; empty &= empty - 1) {
             const unsigned lane = (unsigned)__builtin_ctz(empty);
             refill_lane(l, lane, queue, &queue->rays[next++]);
@@ -306,10 +279,12 @@ CW_INLINE void lane_walk(const cw_field *f, const lane_queue *queue, lane_set *l
         count_step(COUNT_RELOAD, l->living);
         lane_state s = load_lanes(l);
         unsigned living;
+        int steps = LOOK_AFTER;
         do {
             lane_step(&s, l, f, any, answers);
             living = vm_bits(s.alive);
-        } while (__builtin_popcount(living) > refill_at);
+        } while (__builtin_popcount(living) > refill_at && --steps > 0);
+        l->clock += LOOK_AFTER - steps;
         store_lanes(l, &s);
     }
     if (more || LANES_LEFT > 0) return;

@@ -32,6 +32,10 @@ Paper: Tevs, Ihrke and Seidel 2008, who walk a pyramid of maxima with four child
 
 #include "climb.inc.h"
 
+#include "lane_answers.inc.h"
+
+#include "close_walk.inc.h"
+
 #include "lane_walk.inc.h"
 
 #include "walk_alone.inc.h"
@@ -147,6 +151,7 @@ static void CW_CODE(closest_pyramid_)(const cw_field *f, const cw_ray *rays, siz
     lane_set alone;
     lane_answers answers;
     alone.living = 0;
+    alone.clock = alone.look_at = 0;
     answers.found = 0;
     for (size_t b = 0; b < n; b += BATCH) {
         const size_t end = n - b < BATCH ? n : b + BATCH, run = b / LANE_RUN * LANE_RUN;
@@ -167,6 +172,7 @@ static void CW_CODE(any_pyramid_)(const cw_field *f, const cw_ray *rays, size_t 
     lane_set alone;
     lane_answers answers;
     alone.living = 0;
+    alone.clock = alone.look_at = 0;
     answers.found = 0;
     for (size_t b = 0; b < n; b += BATCH) {
         const size_t end = n - b < BATCH ? n : b + BATCH, run = b / LANE_RUN * LANE_RUN;

@@ -12,6 +12,7 @@ static inline void move_lane(lane_set *l, size_t to, size_t from) {
     l->y[to] = l->y[from];
     l->level[to] = l->level[from];
     l->ray[to] = l->ray[from];
+    l->born[to] = l->born[from];
 }
 
 /* Moves the rays of the second vector into the first. They must fit. */
