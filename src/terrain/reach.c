@@ -125,7 +125,11 @@ cw_status reach_blocks_create(const terrain *whole, reach_blocks *b) {
                         .down = (whole->ny + REACH_BLOCK - 1) / REACH_BLOCK};
     const size_t n = b->across * b->down;
     b->low = malloc(2 * n * sizeof *b->low);
-    if (b->low == NULL) return CW_ERROR_MEMORY;
+    b->holes = calloc(n, sizeof *b->holes);
+    if (b->low == NULL || b->holes == NULL) {
+        reach_blocks_destroy(b);
+        return CW_ERROR_MEMORY;
+    }
     b->high = b->low + n;
     for (size_t k = 0; k < n; k++) {
         b->low[k] = INFINITY;
@@ -136,6 +140,7 @@ cw_status reach_blocks_create(const terrain *whole, reach_blocks *b) {
 
 void reach_blocks_destroy(reach_blocks *b) {
     free(b->low);
+    free(b->holes);
     *b = (reach_blocks){0};
 }
 
@@ -145,13 +150,16 @@ void reach_blocks_take(reach_blocks *b, cw_rectangle part, const float *z) {
             const size_t column = (part.i + x) / REACH_BLOCK, k = (part.j + y) / REACH_BLOCK * b->across + column;
             const size_t until = (column + 1) * REACH_BLOCK - part.i;
             float low = b->low[k], high = b->high[k];
+            bool holes = b->holes[k];
             for (; x < part.nx && x < until; x++) {
                 const float here = z[x] - z[x] == 0 ? z[x] : NAN;
                 low = here < low ? here : low;
                 high = here > high ? here : high;
+                holes |= isnan(here);
             }
             b->low[k] = low;
             b->high[k] = high;
+            b->holes[k] = holes;
         }
 }
 

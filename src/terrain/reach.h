@@ -33,6 +33,7 @@ typedef struct reach_blocks {
     const terrain *whole;
     size_t across, down;
     float *low, *high; /* low > high: all are holes, or were not taken */
+    bool *holes;       /* whether some are */
 } reach_blocks;
 
 cw_status reach_blocks_create(const terrain *whole, reach_blocks *blocks);
@@ -55,5 +56,28 @@ bool reach_passes(const reach_sunward *sunward, cw_rectangle part, cw_rectangle 
 /* The part and all that can throw a shadow on it. All blocks that rays from the part pass over must have been taken, and those
  * of the part. */
 cw_rectangle reach_of_shadows(const reach_blocks *blocks, const reach_sunward *sunward, cw_rectangle part);
+
+/* Horizons of samples of a window: what can matter to them, as far as highest and lowest samples of blocks tell. */
+typedef struct reach_horizons {
+    const reach_blocks *blocks;
+    cw_rectangle window;
+    double curvature, deepest; /* deepest: the largest number among the samples, without its sign */
+    bool above_level;
+    struct reach_row {
+        bool known;
+        cw_rectangle matters;
+    } * rows; /* of blocks */
+    struct ring *rings;
+    size_t *best;
+} reach_horizons;
+
+/* All blocks must have been taken, and stay. curvature is that of horizon.h. above_level: what is not above the level of a sample
+ * does not count for it, as in the sky view. */
+cw_status reach_horizons_create(const reach_blocks *blocks, cw_rectangle window, double curvature, bool above_level,
+                                reach_horizons *horizons);
+void reach_horizons_destroy(reach_horizons *horizons);
+
+/* A part of the window and all that can be the horizon of its samples, normals included. Not from two threads at once. */
+cw_rectangle reach_of_horizons(reach_horizons *horizons, cw_rectangle part);
 
 #endif

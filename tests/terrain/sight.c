@@ -283,6 +283,62 @@ static void lines_decide(void **state) {
     }
 }
 
+/* Steps and lakes: many edges on one line, whose pieces of the skyline become one. */
+static void make_steps(ground *g, size_t nx, size_t ny, double high, random_state *r) {
+    float *z = malloc(nx * ny * sizeof *z);
+    assert_non_null(z);
+    double waves[12][3];
+    for (int k = 0; k < 12; k++) {
+        const double size = random_between(r, 0.02, k < 4 ? 0.06 : 0.4), angle = random_between(r, 0, 6.3);
+        waves[k][0] = size * cos(angle);
+        waves[k][1] = size * sin(angle);
+        waves[k][2] = random_between(r, 0, 6.3);
+    }
+    for (size_t k = 0; k < nx * ny; k++) {
+        double height = 0;
+        for (int w = 0; w < 12; w++)
+            height += sin(waves[w][0] * (double)(k % nx) + waves[w][1] * (double)(k / nx) + waves[w][2]) /
+                      (1 + 20 * hypot(waves[w][0], waves[w][1]));
+        z[k] = (float)(high * fmax(height, -0.4));
+    }
+    ground_take(g, nx, ny, z, maps[0]);
+}
+
+/* Heights that are read off the skyline are those of the lines, to the last bit of a float: among lakes, and where floats are
+ * coarser than a tenth of a millimetre. */
+static void needs_are_those_of_lines(void **state) {
+    (void)state;
+    enum { NX = 330, NY = 250 };
+    const size_t rounds = 24 / step() + 1, one_in = test_divisor();
+    random_state r = {5};
+    size_t large = 0;
+    for (size_t round = 0; round < rounds; round++) {
+        ground g;
+        sight_bounds *bounds = NULL;
+        make_steps(&g, NX, NY, round % 3 == 0 ? 2000 : 100, &r);
+        check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
+        viewshed_desc d = {.place = {random_between(&r, 0, NX - 1), random_between(&r, 0, NY - 1)},
+                           .height = round % 2 == 0 ? 2 : 0.5};
+        for (int c = 0; c < 2 && round % 4 != 0; c++) d.place[c] = floor(d.place[c]);
+        viewshed *v = view(&g, bounds, &d);
+        const sight *s = viewshed_sight(v);
+        bool done;
+        check_status(viewshed_heights(v, NULL, heights, NULL, NULL, &done), CW_OK);
+        for (size_t k = round % one_in; k < (size_t)NX * NY; k += one_in) {
+            const double x = (double)(k % NX), y = (double)(k / NX);
+            if (x == d.place[0] && y == d.place[1]) continue;
+            const float wanted = (float)sight_need(s, x, y, (double)g.z[k], -INFINITY);
+            large += wanted > 1024;
+            check(heights[k] == wanted, "(%g, %g) from (%.17g, %.17g): %.9g m are needed, not %.9g", x, y, d.place[0],
+                  d.place[1], (double)wanted, (double)heights[k]);
+        }
+        viewshed_destroy(v);
+        sight_bounds_destroy(bounds);
+        ground_free(&g);
+    }
+    check(large > 1000 / one_in, "%zu needs are large", large);
+}
+
 /* shape: in the plane 0.5 x - 0.25 y, or ridges that come up to it. */
 static double touched(const double *shape, double x, double y) {
     const double i = x / 10, j = -y / 10, z = 0.5 * i + 0.25 * j;
@@ -448,11 +504,17 @@ static void same_bits_in_threads(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_edge_counts),    cmocka_unit_test(next_to_the_eye),
-        cmocka_unit_test(behind_a_tip),         cmocka_unit_test(large_views),
-        cmocka_unit_test(horizon_of_the_sea),   cmocka_unit_test(views_of_a_plane),
-        cmocka_unit_test(first_block),          cmocka_unit_test(same_bits_in_threads),
-        cmocka_unit_test(lines_decide),         cmocka_unit_test(ties),
+        cmocka_unit_test(every_edge_counts),
+        cmocka_unit_test(next_to_the_eye),
+        cmocka_unit_test(behind_a_tip),
+        cmocka_unit_test(large_views),
+        cmocka_unit_test(horizon_of_the_sea),
+        cmocka_unit_test(views_of_a_plane),
+        cmocka_unit_test(first_block),
+        cmocka_unit_test(same_bits_in_threads),
+        cmocka_unit_test(lines_decide),
+        cmocka_unit_test(needs_are_those_of_lines),
+        cmocka_unit_test(ties),
         cmocka_unit_test(behind_a_lone_sample),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

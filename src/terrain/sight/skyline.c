@@ -45,8 +45,11 @@ static bool make_room(skyline *s, size_t cuts) {
 /* One more cut, unless it goes on with the last one's line; a cut of no width gives way. */
 static inline size_t put(struct skyline_cut *cuts, size_t n, double from, const skyline_piece *p) {
     if (n > 0 && !(from > cuts[n - 1].from)) n--;
-    if (n > 0 && cuts[n - 1].a == p->a && cuts[n - 1].b == p->b && cuts[n - 1].below >= p->below) return n;
-    cuts[n] = (struct skyline_cut){from, p->a, p->b, p->below};
+    if (n > 0 && cuts[n - 1].a == p->a && cuts[n - 1].b == p->b && cuts[n - 1].below >= p->below) {
+        if (p->above > cuts[n - 1].above) cuts[n - 1].above = p->above;
+        return n;
+    }
+    cuts[n] = (struct skyline_cut){from, p->a, p->b, p->below, p->above};
     return n + 1;
 }
 
@@ -91,8 +94,16 @@ static void put_in_place(skyline *s, uint32_t first, uint32_t last, size_t n) {
         p->a = c->a;
         p->b = c->b;
         p->below = c->below;
+        p->above = c->above;
     }
     leave_out(s, at, behind);
+}
+
+static float rounded_up(double x) { return x > 0 ? (float)(x * (1 + 0x1p-22)) : 0; }
+
+static void leave_room(skyline_piece *p, double above) {
+    const float most = rounded_up(above);
+    if (most > p->above) p->above = most;
 }
 
 void skyline_add(skyline *s, uint32_t start, const double one[2], const double other[2]) {
@@ -122,7 +133,10 @@ void skyline_add(skyline *s, uint32_t start, const double one[2], const double o
     for (double left = from;; last = p[last].next) {
         const double end = p[p[last].next].from, right = end < until ? end : until;
         const double left_w = p[last].a + p[last].b * left, right_w = p[last].a + p[last].b * right;
-        const double over_left = edge.a + edge.b * left - left_w, over_right = edge.a + edge.b * right - right_w;
+        const double left_e = edge.a + edge.b * left, right_e = edge.a + edge.b * right;
+        const double over_left = left_e - left_w, over_right = right_e - right_w;
+        /* The lower of the two lines may be higher by that. */
+        const double rounding = skyline_rounding(fmax(fabs(left_e), fabs(right_e)), fabs(edge.b) + fabs(p[last].b));
         if (!make_room(s, n + 4)) {
             s->failed = true;
             return;
@@ -132,11 +146,15 @@ void skyline_add(skyline *s, uint32_t start, const double one[2], const double o
             if (below > (double)edge.below) edge.below = below < 1e30 ? nextafterf((float)below, INFINITY) : INFINITY;
         }
         if (over_left > 0 && over_right > 0) {
+            edge.above = rounded_up((double)p[last].above + rounding - fmin(over_left, over_right));
             n = put(s->cuts, n, left, &edge);
             higher = true;
         } else if (!(over_left > 0 || over_right > 0)) {
+            leave_room(&s->pieces[last], rounding + fmax(over_left, over_right));
             n = put(s->cuts, n, left, &p[last]);
         } else {
+            edge.above = rounded_up((double)p[last].above + rounding);
+            leave_room(&s->pieces[last], rounding);
             double middle = left + (right - left) * (over_left / (over_left - over_right));
             middle = middle < left ? left : middle > right ? right : middle;
             n = put(s->cuts, n, left, over_left > 0 ? &edge : &p[last]);

@@ -4,7 +4,7 @@
  *
  * A piece keeps the line w = a + b u of its edge from end to end, however often it is cut, so that cutting adds no error to
  * it. Where two pieces meet is rounded: who looks in a direction sees all pieces within SKYLINE_BLUR of it and gets the
- * lowest and the highest of them. Edges narrower than half of that would be too steep for lines: they become level pieces as
+ * lowest and the highest of them. Pieces also keep how much higher an edge may be that was left out by rounding. Edges narrower than half of that would be too steep for lines: they become level pieces as
  * high as their higher end, which say how far below the truth may be. */
 #ifndef CELLWALK_TERRAIN_SKYLINE_H
 #define CELLWALK_TERRAIN_SKYLINE_H
@@ -20,6 +20,7 @@ typedef struct skyline_piece {
     double from; /* up to where the next one begins */
     double a, b;
     float below;   /* the truth may be lower by that */
+    float above;   /* and higher by that, since rounding may have left out a higher edge */
     uint32_t next; /* 0 is the end: piece 0 begins at infinity */
 } skyline_piece;
 
@@ -28,7 +29,7 @@ typedef struct skyline {
     uint32_t count, room, unused; /* unused: a list of pieces */
     struct skyline_cut {
         double from, a, b;
-        float below;
+        float below, above;
     } * cuts; /* the parts into which an edge cuts pieces */
     size_t cuts_room;
     double from, until; /* the range */
@@ -67,19 +68,25 @@ static inline void skyline_at(const skyline *s, uint32_t *at, double u, double *
     }
 }
 
+/* How far the line of a piece, or of an edge, may be from the true one at height w: papers/terrain.md. */
+static inline double skyline_rounding(double w, double b) { return 0x1p-48 * (fabs(w) + fabs(b)); }
+
 /* The same, looking at pieces within 2^-40 alone: enough where no narrow edge is near, since pieces that cross meet to rounding,
  * and ends of edges are rounded by 2^-52. False where one is near. at is not behind the last piece that begins before u less
- * SKYLINE_BLUR. */
-static inline bool skyline_at_closely(const skyline *s, uint32_t at, double u, double *low, double *high) {
+ * SKYLINE_BLUR. The edges' own errors included, the truth is between *low - *doubt and *high + *doubt. */
+static inline bool skyline_at_closely(const skyline *s, uint32_t at, double u, double *low, double *high,
+                                      double *doubt) {
     const skyline_piece *p = s->pieces;
     *low = INFINITY;
     *high = -INFINITY;
+    *doubt = 0;
     for (uint32_t k = at; k == at || p[k].from < u + SKYLINE_BLUR; k = p[k].next) {
         if (p[k].below > 0) return false;
         if (p[p[k].next].from < u - 0x1p-40 || p[k].from > u + 0x1p-40) continue;
-        const double w = p[k].a + p[k].b * u;
+        const double w = p[k].a + p[k].b * u, here = (double)p[k].above + skyline_rounding(w, p[k].b);
         *high = w > *high ? w : *high;
         *low = w < *low ? w : *low;
+        *doubt = here > *doubt ? here : *doubt;
     }
     return true;
 }

@@ -255,14 +255,11 @@ static void visit_row(part *p, long row, long begin, long end, uint32_t start, b
         const double top = (h + p->target) * per_row;
         if (!all && top < low - error) continue;
         sweep_way way = {.low = (low - error) * r, .unsure = {INFINITY, true}};
-        const double exactly = 0x1p-17;
-        double least = low, most = high;
-        if (every && !all && (high - low) * r > exactly && !skyline_at_closely(&p->line, start, u, &least, &most))
-            least = low, most = high;
-        if (every && !all && (most - least) * r <= exactly) {
+        double least, most, doubt;
+        if (every && !all && skyline_at_closely(&p->line, start, u, &least, &most, &doubt)) {
             way.known = true;
             way.rise = most * r;
-            way.error = error * r;
+            way.error = (most - least + doubt + 0x1p-48 * p->size) * r;
             way.unsure.close = calm ? 0 : 2; /* calm: no edge in reach comes up to the skyline */
             way.unsure.eye = around(p, u) * r >= larger(least * r, h) - error * r;
         }
@@ -275,12 +272,15 @@ static void visit_row(part *p, long row, long begin, long end, uint32_t start, b
     }
 }
 
-/* What the bins from begin up to end, and the one behind, know of the skyline. */
-static void look_again(part *p, size_t begin, size_t end) {
+/* What the bins from begin up to end know of the skyline, after edges were added up to direction reached. A bin behind them may have
+ * had its start in a piece that is gone, since pieces on one line become one. */
+static void look_again(part *p, size_t begin, size_t end, double reached) {
     uint32_t start = begin > 0 ? p->of[begin - 1].start : SKYLINE_FIRST;
-    for (size_t b = begin; b <= end && b < p->bins; b++) {
+    for (size_t b = begin; b < p->bins; b++) {
         const double left = p->from + (double)b * p->width - 2 * SKYLINE_BLUR;
-        p->of[b].start = start = skyline_find(&p->line, start, left);
+        start = skyline_find(&p->line, start, left);
+        if (b > end && p->line.pieces[start].from > reached) break;
+        p->of[b].start = start;
         if (b < end) p->of[b].low = skyline_least(&p->line, start, left, left + p->width + 4 * SKYLINE_BLUR);
     }
 }
@@ -293,7 +293,7 @@ static bool refine(part *p) {
     p->of = of;
     p->bins *= 2;
     p->width /= 2;
-    look_again(p, 0, p->bins);
+    look_again(p, 0, p->bins, INFINITY);
     return true;
 }
 
@@ -312,7 +312,7 @@ static void look_at(part *p, long row, const float *far, size_t begin, size_t en
     }
     visit_row(p, row, left, right, start, false);
     if (p->near) add_between(p, r, from, until, start);
-    look_again(p, begin, end);
+    look_again(p, begin, end, ((double)until - p->aside) / fmax(r - 1, first_distance));
 }
 
 /* No sample from left up to right, and next to them, is higher over the eye. */

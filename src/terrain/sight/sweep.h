@@ -11,8 +11,8 @@
 typedef struct sweep_way {
     double low;         /* something on it rises by at least this, as height over the eye per share of the way */
     sight_parts unsure; /* where something may still hide the target */
-    /* If the target is infinite, so that all are visited: whether the steepest rise on the way is known but for what
-     * is unsure. It is then rise, off by less than error, and by 2^-17 where the skyline has a step. */
+    /* If the target is infinite, so that all are visited: whether the steepest rise on the way is known but for what is unsure.
+     * It is then rise, off by less than error. */
     bool known;
     double rise, error;
 } sweep_way;

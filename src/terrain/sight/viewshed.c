@@ -90,16 +90,24 @@ static void angle_sample(void *context, size_t i, size_t j, const sweep_way *way
     if (is_seen(q->v, i, j, way)) put_angle(q, i, j);
 }
 
+/* Whether a number that may be off by the error becomes the same float as the exact one. */
+static bool is_sure(double x, double error) { return x == 0 || (float)(x + error) == (float)(x - error); }
+
 static void measure_sample(void *context, size_t i, size_t j, const sweep_way *way) {
     const job *q = context;
     const viewshed *v = q->v;
     if (v->limits.any && !view_limits_have(&v->limits, (double)i, (double)j, 0)) return;
     const size_t k = j * v->terrain->nx + i;
-    const double z = (double)v->terrain->z[k];
-    const double need = way->known
-                            ? sight_need_known(&v->sight, (double)i, (double)j, z, way->rise, way->error, way->unsure)
-                            : sight_need(&v->sight, (double)i, (double)j, z, way->low);
-    q->heights[k] = (float)(need * v->terrain->map[2][2]);
+    const double z = (double)v->terrain->z[k], metres = v->terrain->map[2][2];
+    double need;
+    if (!way->known) {
+        need = sight_need(&v->sight, (double)i, (double)j, z, way->low);
+    } else {
+        need = sight_need_known(&v->sight, (double)i, (double)j, z, way->rise, way->error, way->unsure);
+        if (!is_sure(need * metres, way->error * metres))
+            need = sight_need(&v->sight, (double)i, (double)j, z, way->rise - way->error);
+    }
+    q->heights[k] = (float)(need * metres);
 }
 
 static bool tell(void *context) {

@@ -1,0 +1,189 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A block of the raster matters to the horizons of samples in another if something in it may rise more steeply, from one of these
+ * samples, than all that is nearer. With z the sample's height, H the block's highest, D the least distance in metres and c the
+ * share of its square by which the earth's curvature lowers what is there, nothing in the block rises by more than
+ * (H - z) / D - c D. On the way there, the ray crosses every ring of blocks around the sample's block that is nearer than the block
+ * itself, on an edge between two samples of the ring. So if the ring has no holes and its lowest sample is L, something rises by
+ * at least (L - z) / d - c d, d being a distance of the ring. Both are straight lines in z, but that d is the ring's greatest
+ * distance where L is above z and its least where it is below: so only the ends and z = L need be looked at.
+ *
+ * On a flat earth a summit sees to the end of the raster: this bounds little then, but where nothing below the level counts. */
+#include "reach.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Rises are computed in float: more than what they, heights between samples and distances are off by, as a share. */
+static const double hair = 0x1p-18;
+
+/* An edge that is crossed ends up to a cell beside the way, and normals look at the next samples. */
+static const double beside = 2;
+
+/* Distances in cells as metres, at all rows that share a heading with a row of blocks. */
+typedef struct scale {
+    double cells[2];  /* that a metre is long at most */
+    double metres[2]; /* that a cell is long at most */
+} scale;
+
+static scale scale_of(const terrain *whole, size_t block_row) {
+    scale s = {{0, 0}, {0, 0}};
+    const double from = fmax((double)(block_row * REACH_BLOCK) - 256, 0),
+                 until = fmin((double)((block_row + 1) * REACH_BLOCK) + 256, (double)(whole->ny - 1));
+    for (double j = from; j <= until; j += whole->geographic ? 0.5 : until - from + 1) {
+        double metres[2];
+        terrain_metres(whole, 0.5 * (double)(whole->nx - 1), j, metres);
+        for (int k = 0; k < 2; k++) {
+            s.cells[k] = fmax(s.cells[k], hypot(whole->back[k][0] / metres[0], whole->back[k][1] / metres[1]));
+            s.metres[k] = fmax(s.metres[k], hypot(whole->map[0][k] * metres[0], whole->map[1][k] * metres[1]));
+        }
+    }
+    return s;
+}
+
+/* What rises at least around a block: ring number k. */
+struct ring {
+    double low;      /* its lowest sample; -infinity: it has holes */
+    double from, to; /* least and greatest distance in metres */
+};
+typedef struct ring ring;
+
+typedef struct place {
+    const reach_horizons *horizons;
+    size_t x, y; /* of the block */
+    double low, high;
+    scale scale;
+    double drop, up; /* of a metre's square; metres that a sample's number stands for */
+    ring *rings;
+    size_t count, *best; /* the ring before number k that hides most from the highest sample; 0: none */
+} place;
+
+static size_t apart(size_t a, size_t b) { return a > b ? a - b : b - a; }
+
+static double least_rise(const place *p, const ring *r, double z) {
+    const double d = r->low < z ? r->from : r->to, over = (r->low - z) * p->up / d, fall = p->drop * r->to;
+    return over - fall - hair * ((fabs(r->low) + fabs(z)) * p->up / d + fall);
+}
+
+static double most_rise(const place *p, double high, double distance, double z) {
+    const double fall = p->drop * distance;
+    return (high - z) * p->up / distance - fall + hair * ((fabs(high) + fabs(z)) * p->up / distance + fall);
+}
+
+static void find_rings(place *p) {
+    const reach_blocks *b = p->horizons->blocks;
+    for (size_t k = 0; k < p->count; k++) {
+        const double near = (double)REACH_BLOCK * ((double)k - 1) + 1, far = (double)REACH_BLOCK * ((double)k + 1);
+        p->rings[k] = (ring){INFINITY, near / fmax(p->scale.cells[0], p->scale.cells[1]),
+                             far * (p->scale.metres[0] + p->scale.metres[1])};
+    }
+    for (size_t y = 0; y < b->down; y++)
+        for (size_t x = 0; x < b->across; x++) {
+            const size_t dx = apart(x, p->x), dy = apart(y, p->y), k = dx > dy ? dx : dy, at = y * b->across + x;
+            const double low = b->holes[at] ? -INFINITY : (double)b->low[at];
+            p->rings[k].low = fmin(p->rings[k].low, low);
+        }
+    double most = -INFINITY;
+    size_t best = 0;
+    for (size_t k = 1; k < p->count; k++) {
+        p->best[k] = best;
+        const double rise = p->rings[k].low > -INFINITY ? least_rise(p, &p->rings[k], p->high) : -INFINITY;
+        if (rise > most) {
+            most = rise;
+            best = k;
+        }
+    }
+}
+
+/* Whether something in block (x, y) may be the horizon of a sample here. */
+static bool matters(const place *p, size_t x, size_t y) {
+    const reach_horizons *h = p->horizons;
+    const size_t dx = apart(x, p->x), dy = apart(y, p->y), k = dx > dy ? dx : dy;
+    double high = (double)h->blocks->high[y * h->blocks->across + x];
+    if (k < 2) return true;
+    if (!(high > -INFINITY)) return false; /* all are holes; edges to the next blocks are theirs too */
+    /* Heights between samples are rounded, but none is above 0 where no sample is. */
+    if (high != 0) high += 0x1p-22 * (fabs(high) + h->deepest);
+    const double gap[2] = {dx > 0 ? (double)(dx - 1) * REACH_BLOCK : 0, dy > 0 ? (double)(dy - 1) * REACH_BLOCK : 0};
+    const double distance = fmax(gap[0] / p->scale.cells[0], gap[1] / p->scale.cells[1]);
+    if (h->above_level && (high - p->low) * p->up <= p->drop * distance * distance * (1 - hair)) return false;
+    if (p->best[k] == 0) return true;
+    const ring *r = &p->rings[p->best[k]];
+    const double heights[3] = {p->low, p->high, fmin(fmax(r->low, p->low), p->high)};
+    for (int n = 0; n < 3; n++)
+        if (most_rise(p, high, distance, heights[n]) > least_rise(p, r, heights[n])) return true;
+    return false;
+}
+
+static cw_rectangle block_at(const reach_blocks *b, size_t x, size_t y) {
+    const size_t i = x * REACH_BLOCK, j = y * REACH_BLOCK;
+    return (cw_rectangle){i, j, b->whole->nx - i < REACH_BLOCK ? b->whole->nx - i : REACH_BLOCK,
+                          b->whole->ny - j < REACH_BLOCK ? b->whole->ny - j : REACH_BLOCK};
+}
+
+/* Adds what matters to a block, from the outermost blocks on: what lies between is then part of it. */
+static void add_block(place *p, cw_rectangle *all) {
+    const reach_blocks *b = p->horizons->blocks;
+    find_rings(p);
+    for (size_t k = p->count; k-- > 0;)
+        for (size_t y = p->y > k ? p->y - k : 0; y <= p->y + k && y < b->down; y++)
+            for (size_t x = p->x > k ? p->x - k : 0; x <= p->x + k && x < b->across; x++) {
+                const cw_rectangle block = block_at(b, x, y), both = reach_both(*all, block);
+                const bool on_ring = apart(x, p->x) == k || apart(y, p->y) == k;
+                if (!on_ring && x < p->x + k) x = p->x + k - 1 > x ? p->x + k - 1 : x;
+                if (on_ring && memcmp(&both, all, sizeof both) != 0 && matters(p, x, y)) *all = both;
+            }
+}
+
+static cw_rectangle row_of_blocks(const reach_horizons *h, size_t y) {
+    const reach_blocks *b = h->blocks;
+    const size_t most = b->across > b->down ? b->across : b->down;
+    const cw_rectangle window = h->window;
+    cw_rectangle all = {0};
+    place p = {.horizons = h, .y = y, .count = most, .scale = scale_of(b->whole, y)};
+    p.up = terrain_metres_of_height(b->whole);
+    p.drop = h->curvature / (2 * b->whole->radius);
+    p.rings = h->rings;
+    p.best = h->best;
+    for (p.x = window.i / REACH_BLOCK; p.x <= (window.i + window.nx - 1) / REACH_BLOCK; p.x++) {
+        const size_t at = y * b->across + p.x;
+        p.low = (double)b->low[at];
+        p.high = (double)b->high[at];
+        if (p.low <= p.high) add_block(&p, &all);
+    }
+    return all;
+}
+
+cw_status reach_horizons_create(const reach_blocks *blocks, cw_rectangle window, double curvature, bool above_level,
+                                reach_horizons *h) {
+    const size_t most = blocks->across > blocks->down ? blocks->across : blocks->down;
+    *h = (reach_horizons){.blocks = blocks, .window = window, .curvature = curvature, .above_level = above_level};
+    h->rows = calloc(blocks->down, sizeof *h->rows);
+    h->rings = calloc(most, sizeof(ring));
+    h->best = calloc(most, sizeof *h->best);
+    for (size_t k = 0; k < blocks->across * blocks->down; k++)
+        if (blocks->low[k] <= blocks->high[k])
+            h->deepest = fmax(h->deepest, fmax(fabs((double)blocks->low[k]), fabs((double)blocks->high[k])));
+    if (h->rows && h->rings && h->best) return CW_OK;
+    reach_horizons_destroy(h);
+    return CW_ERROR_MEMORY;
+}
+
+void reach_horizons_destroy(reach_horizons *h) {
+    free(h->rows);
+    free(h->rings);
+    free(h->best);
+    *h = (reach_horizons){0};
+}
+
+cw_rectangle reach_of_horizons(reach_horizons *h, cw_rectangle part) {
+    const terrain *whole = h->blocks->whole;
+    cw_rectangle all = part;
+    for (size_t y = part.j / REACH_BLOCK; y <= (part.j + part.ny - 1) / REACH_BLOCK; y++) {
+        struct reach_row *row = &h->rows[y];
+        if (!row->known) row->matters = row_of_blocks(h, y);
+        row->known = true;
+        all = reach_both(all, row->matters);
+    }
+    return reach_grow(whole, all, beside);
+}
