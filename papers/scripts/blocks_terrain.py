@@ -5,6 +5,7 @@ from markdown import grouped, table, three
 from results import Problem
 
 FILE = "terrain.json"
+MORE = "terrain-more.json"
 PRODUCTS = ("viewshed", "shadow", "horizon, 32 directions")
 
 
@@ -30,6 +31,26 @@ def terrain_speed(results):
     return (run_text(results.run) + ".\n\n" +
             table(["product", "samples", "program", "seconds", "CPU seconds", "million angles or cells a CPU second", "MB"], rows,
                   "lllrrrr"))
+
+
+def terrain_more(results):
+    rows = [[line.text("product"), f"{line.number('side')}²", line.text("program"), f"{line.number('wall_seconds'):.2f}",
+             f"{line.number('cpu_seconds'):.2f}", f"{line.number('kilobytes') / 1024:.0f}"]
+            for line in sorted(results.some("time"), key=lambda line: (line.text("product"), line.number("side")))]
+    return (run_text(results.run) + ".\n\n" +
+            table(["product", "samples", "program", "seconds", "CPU seconds", "MB"], rows, "lllrrr"))
+
+
+def terrain_needed(results):
+    rows = [[line.text("program"), f"{line.number('side')}²", grouped(line.number("looked_at")),
+             *(f"{line.number(key):.2g} m" for key in ("median", "most_of_99", "most"))] for line in results.some("needed")]
+    return table(["program", "samples", "looked at", "median error", "of 99 %", "greatest"], rows, "llrrrr")
+
+
+def terrain_days(results):
+    rows = [[line.text("what"), f"{line.number('side')}²", *(f"{line.number(key):.4g}" for key in ("ours", "theirs")),
+             *(f"{line.number(key):.2g}" for key in ("median", "most_of_99"))] for line in results.some("day")]
+    return table(["a day's", "samples", "mean of `cellwalk sun`", "mean of r.sun", "median difference", "of 99 %"], rows, "llrrrr")
 
 
 def terrain_views(results):

@@ -35,7 +35,8 @@ SOURCES = {
     "building.json": None, "counters.json": None, "profile.json": "papers/scripts/profile_kernels.py",
     "neon.json": "papers/scripts/count_neon.py", "python.json": "papers/scripts/python_speed.py",
     "ablation.json": "--target ablation", "caches.json": "--target caches", "pages-huge.json": None,
-    "pages-small.json": None, "terrain.json": "papers/scripts/terrain.py", "scenes/table.json": None,
+    "pages-small.json": None, "terrain.json": "papers/scripts/terrain.py",
+    "terrain-more.json": "papers/scripts/terrain.py --more", "scenes/table.json": None,
     "scenes/pbrt.json": "papers/scripts/beside_pbrt.py", "scenes/features.json": "papers/scripts/features.py",
     "rays/tradeoff.json": None, "tradeoff/tradeoff.json": None, "accuracy/accuracy.json": None, "afar.json": None,
     "stability/aimed-1.json": "cellwalk-stability run --part 1/2", "stability/aimed-2.json": "cellwalk-stability run --part 2/2",
@@ -89,6 +90,8 @@ BLOCKS = {
     **{make.__name__: from_file(blocks_terrain.FILE, make) for make in (
         blocks_terrain.terrain_speed, blocks_terrain.terrain_views, blocks_terrain.terrain_horizons,
         blocks_terrain.terrain_maps, blocks_terrain.terrain_suns)},
+    **{make.__name__: from_file(blocks_terrain.MORE, make) for make in (
+        blocks_terrain.terrain_more, blocks_terrain.terrain_needed, blocks_terrain.terrain_days)},
 }
 
 

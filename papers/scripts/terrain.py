@@ -267,6 +267,92 @@ def compare_maps(tool, folder):
     return lines
 
 
+# ---- more products ----------------------------------------------------------------------------------------------------
+
+DAY, LON_LAT = "2024-06-21", "10.3,46.9"
+
+
+def measure_needed(tool, clock, side, dem, out):
+    """Heights that are needed to be seen, beside those of gdal_viewshed."""
+    x, y = place(side, side // 2, side // 2)
+    clock.run([("cellwalk, 1 thread", "viewshed --needed", 1, 1,
+                [tool, "viewshed", dem + ".tif", "--from", f"{x},{y},2", "--needed", "--threads", "1", "-o", out("needed")]),
+               ("gdal_viewshed -om DEM", "viewshed --needed", 1, 1,
+                ["gdal_viewshed", "-q", "-om", "DEM", "-ox", str(x), "-oy", str(y), "-oz", "2", "-md", "0", "-cc", str(K),
+                 dem + ".tif", out("gdalneeded")])], side)
+
+
+def compare_needed(z, side, out):
+    """Against every edge on the way to some samples. What is seen needs nothing."""
+    eye = (side // 2, side // 2, float(z[side // 2, side // 2]) + 2)
+    cells = [tuple(c) for c in np.random.default_rng(3).integers(0, side, (20000, 2)) if tuple(c) != eye[:2]]
+    truth, lines = np.maximum(hidden_by(z, eye, cells), 0), []
+    for program, name in (("cellwalk viewshed --needed", "needed"), ("gdal_viewshed -om DEM", "gdalneeded")):
+        values = read(out(name), side)[tuple(np.array(cells).T[::-1])].astype(float)
+        if name == "gdalneeded":  # heights above sea level, of the ground where it is seen
+            values = np.maximum(values - z[tuple(np.array(cells).T[::-1])], 0)
+        apart = np.abs(values - truth)
+        lines.append({"kind": "needed", "program": program, "side": side, "looked_at": len(cells), "median": float(np.median(apart)),
+                      "most_of_99": float(np.quantile(apart, 0.99)), "most": float(apart.max())})
+    return lines
+
+
+def measure_grid(tool, clock, side, dem, folder):
+    """Directions from sample to sample beside evenly spaced ones."""
+    clock.run([(f"cellwalk, 1 thread{', --grid' if grid else ''}", "sky view, 32 directions", 32, 32,
+                [tool, "horizon", dem + ".tif", "--svf", "--threads", "1", *grid, "-o", os.path.join(folder, "sky.npy")])
+               for grid in ([], ["--grid"])], side)
+
+
+def measure_days(tool, clock, side, dem, folder):
+    """Shadow after shadow beside horizons that suns share."""
+    sun = [tool, "sun", dem + ".tif", "--threads", "1", "--date", DAY, "-o", os.path.join(folder, "sun.npy")]
+    for name, step in (("a day, 15 min", ["--step", "15min"]), ("a day, 1 min", ["--step", "1min"]),
+                       ("5 days, 15 min", ["--step", "15min", "--to", "2024-06-25"])):
+        clock.run([(f"cellwalk, 1 thread{', --directions 720' if shared else ''}", f"sun, {name}", 1, 1, [*sun, *step, *shared])
+                   for shared in ([], ["--directions", "720"])], side)
+
+
+def compare_days(tool, clock, side, dem, out, folder):
+    """A day of r.sun in mode 2 and ours, in the same place on earth: hours of direct light, and its energy."""
+    sun = [tool, "sun", dem + ".tif", "--threads", "1", "--date", DAY, "--step", "15min", "--lon-lat", LON_LAT]
+    clock.run([("cellwalk, 1 thread", "sun --irradiance, a day", 1, 1, [*sun, "--irradiance", "-o", out("energy")])], side)
+    subprocess.run([*sun, "-o", out("hours")], check=True)
+    longitude, latitude = LON_LAT.split(",")
+    grass_timed(clock, "r.sun, mode 2", "sun --irradiance, a day", side, 1, 1, dem + ".tif",
+                "r.sun --q elevation=dem slope=slope aspect=aspect lat=lat long=lon day=173 step=0.25 insol_time=hours "
+                "beam_rad=beam diff_rad=diffuse",
+                [("hours", out("grasshours")), ("beam", out("grassbeam"))], folder,
+                before=["r.slope.aspect --q elevation=dem slope=slope aspect=aspect",
+                        f'r.mapcalc --q expression="lat = {latitude}"', f'r.mapcalc --q expression="lon = {longitude}"'])
+    beam = out("beam")
+    subprocess.run(["gdal_translate", "-q", "-b", "1", out("energy"), beam], check=True)
+    lines = []
+    for what, ours, theirs in (("hours of direct light", "hours", "grasshours"), ("direct light, Wh/m²", "beam", "grassbeam")):
+        a, b = (read(out(name), side)[1:-1, 1:-1].astype(float) for name in (ours, theirs))
+        apart = np.abs(a - b)[np.isfinite(a) & np.isfinite(b)]
+        lines.append({"kind": "day", "side": side, "what": what, "ours": float(np.nanmean(a)), "theirs": float(np.nanmean(b)),
+                      "median": float(np.median(apart)), "most_of_99": float(np.quantile(apart, 0.99))})
+    return lines
+
+
+def measure_more(tool, rounds, folder):
+    clock, lines = Clock(rounds), []
+    for side in (257, 1025, 4097):
+        dem = os.path.join(folder, f"land{side}")
+        out = lambda name, side=side: os.path.join(folder, f"{name}{side}.tif")  # noqa: E731
+        write_dem(land(side), dem)
+        if side == 257:
+            lines += compare_days(tool, clock, side, dem, out, folder)
+            continue
+        measure_needed(tool, clock, side, dem, out)
+        lines += compare_needed(land(side), side, out)
+        if side == 1025:
+            measure_grid(tool, clock, side, dem, folder)
+            measure_days(tool, clock, side, dem, folder)
+    return clock.lines + lines
+
+
 # ---- the run ----------------------------------------------------------------------------------------------------------
 
 def measure(tool, side, clock, folder):
@@ -328,6 +414,8 @@ def main():
     parser.add_argument("tool", help="the program cellwalk")
     parser.add_argument("--sides", default="1025,4097", help="samples a side (default: %(default)s)")
     parser.add_argument("--rounds", type=int, default=5, help="times each run is repeated; the least counts")
+    parser.add_argument("--more", action="store_true",
+                        help="measure needed heights, grid horizons and days of sun instead, for papers/data/terrain-more.json")
     parser.add_argument("--pictures", action="store_true", help="draw the pictures and measure nothing")
     options = parser.parse_args()
     tool = os.path.abspath(options.tool)
@@ -338,16 +426,17 @@ def main():
             return
         clock, lines = Clock(options.rounds), []
         load = os.getloadavg()[0]
-        for side in map(int, options.sides.split(",")):
+        for side in map(int, options.sides.split(",")) if not options.more else ():
             lines += measure(tool, side, clock, folder)
-        lines += compare_maps(tool, folder)
+        lines += measure_more(tool, options.rounds, folder) if options.more else compare_maps(tool, folder)
     version = lambda *command: subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()  # noqa: E731
-    run = {"kind": "run", "command": "terrain", "arguments": f"--sides {options.sides} --rounds {options.rounds}",
+    run = {"kind": "run", "command": "terrain", "arguments": f"{'--more' if options.more else f'--sides {options.sides}'} --rounds {options.rounds}",
            "cpu": cpu_name(), "isa": json.loads(version(tool, "info", "--json"))["isa"],
            "commit": version("git", "-C", ROOT, "rev-parse", "--short=10", "HEAD"),
            "gdal": version("gdalinfo", "--version").split(",")[0], "grass": "GRASS " + version("grass", "--config", "version"),
            "load": round(load, 2), "date": datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ")}
-    with open(os.path.join(ROOT, "papers/data/terrain.json"), "w", encoding="utf-8") as file:
+    name = f"terrain{'-more' if options.more else ''}.json"
+    with open(os.path.join(ROOT, "papers/data", name), "w", encoding="utf-8") as file:
         for line in [run, *clock.lines, *lines]:
             file.write(json.dumps(line, separators=(",", ":")) + "\n")
 

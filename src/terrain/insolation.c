@@ -111,6 +111,11 @@ void insolation_destroy(insolation *s) {
 
 size_t insolation_directions(const insolation *s) { return s->sector_count; }
 
+void insolation_direction(const insolation *s, size_t number, double *azimuth, double *lowest) {
+    *azimuth = s->azimuths[number];
+    *lowest = s->beams[s->sectors[number].first].sun.altitude;
+}
+
 double insolation_diffuse(const insolation *s) { return s->diffuse; }
 
 /* ---- one sun on a block of rows

@@ -27,6 +27,8 @@ void insolation_destroy(insolation *sum);
 
 /* In how many directions the terrain is looked at. */
 size_t insolation_directions(const insolation *sum);
+/* One of them: its azimuth, and the altitude of the lowest sun there, in degrees. */
+void insolation_direction(const insolation *sum, size_t number, double *azimuth, double *lowest);
 
 /* Hours in which the middle of the sun is seen: hours[y * nx + x] for rows row to row + rows - 1, NaN at a hole. progress
  * may be NULL; *done is false if it ended the work. */

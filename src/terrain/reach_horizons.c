@@ -3,7 +3,7 @@
  * samples, than all that is nearer. With z the sample's height, H the block's highest, D the least distance in metres and c the
  * share of its square by which the earth's curvature lowers what is there, nothing in the block rises by more than
  * (H - z) / D - c D. On the way there, the ray crosses every ring of blocks around the sample's block that is nearer than the block
- * itself, on an edge between two samples of the ring. So if the ring has no holes and its lowest sample is L, something rises by
+ * itself. It crosses the square in the ring's middle too, where its blocks are whole, on an edge between two samples of the ring. So if the ring has no holes and its lowest sample is L, something rises by
  * at least (L - z) / d - c d, d being a distance of the ring. Both are straight lines in z, but that d is the ring's greatest
  * distance where L is above z and its least where it is below: so only the ends and z = L need be looked at.
  *
@@ -22,20 +22,22 @@ static const double beside = 2;
 
 /* Distances in cells as metres, at all rows that share a heading with a row of blocks. */
 typedef struct scale {
-    double cells[2];  /* that a metre is long at most */
-    double metres[2]; /* that a cell is long at most */
+    double cells[2]; /* that a metre is long at most */
+    double diagonal; /* metres that the longer diagonal of a cell is long at most */
 } scale;
 
 static scale scale_of(const terrain *whole, size_t block_row) {
-    scale s = {{0, 0}, {0, 0}};
+    scale s = {{0, 0}, 0};
     const double from = fmax((double)(block_row * REACH_BLOCK) - 256, 0),
                  until = fmin((double)((block_row + 1) * REACH_BLOCK) + 256, (double)(whole->ny - 1));
     for (double j = from; j <= until; j += whole->geographic ? 0.5 : until - from + 1) {
         double metres[2];
         terrain_metres(whole, 0.5 * (double)(whole->nx - 1), j, metres);
         for (int k = 0; k < 2; k++) {
+            const double turn = k ? 1 : -1, x = whole->map[0][0] + turn * whole->map[0][1],
+                         y = whole->map[1][0] + turn * whole->map[1][1];
             s.cells[k] = fmax(s.cells[k], hypot(whole->back[k][0] / metres[0], whole->back[k][1] / metres[1]));
-            s.metres[k] = fmax(s.metres[k], hypot(whole->map[0][k] * metres[0], whole->map[1][k] * metres[1]));
+            s.diagonal = fmax(s.diagonal, hypot(x * metres[0], y * metres[1]));
         }
     }
     return s;
@@ -73,9 +75,9 @@ static double most_rise(const place *p, double high, double distance, double z) 
 static void find_rings(place *p) {
     const reach_blocks *b = p->horizons->blocks;
     for (size_t k = 0; k < p->count; k++) {
-        const double near = (double)REACH_BLOCK * ((double)k - 1) + 1, far = (double)REACH_BLOCK * ((double)k + 1);
-        p->rings[k] = (ring){INFINITY, near / fmax(p->scale.cells[0], p->scale.cells[1]),
-                             far * (p->scale.metres[0] + p->scale.metres[1])};
+        const double middle = (double)(k * REACH_BLOCK), half = 0.5 * REACH_BLOCK;
+        p->rings[k] = (ring){INFINITY, (middle - half) / fmax(p->scale.cells[0], p->scale.cells[1]),
+                             (middle + half) * p->scale.diagonal};
     }
     for (size_t y = 0; y < b->down; y++)
         for (size_t x = 0; x < b->across; x++) {

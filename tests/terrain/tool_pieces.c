@@ -6,8 +6,9 @@
 #include "tool_files.h"
 
 #include <math.h>
+#include <unistd.h>
 
-enum { NX = 300, NY = 260, ARGUMENTS = 24 };
+enum { NX = 300, NY = 260, ARGUMENTS = 32 };
 
 /* Hills, holes, and a peak in the northwest that throws long shadows. */
 static double height(size_t i, size_t j) {
@@ -97,7 +98,7 @@ static void check_part(const array *whole, const array *part, size_t i, size_t j
 
 static const char *const none[] = {NULL};
 
-static const char *const products[][8] = {
+static const char *const products[][9] = {
     {"shadow", "--sun", "315,12", NULL},
     {"shadow", "--sun", "5,30", "--hillshade", NULL},
     {"shadow", "--sun", "200,15", "--sun-disc", NULL},
@@ -109,6 +110,7 @@ static const char *const products[][8] = {
     {"horizon", "--directions", "3", "--distance", "--max-distance", "400", NULL},
     {"shadow", "--sun", "315,12", "--curvature", "200", NULL},
     {"horizon", "--directions", "5", "--svf", NULL},
+    {"sun", "--date", "2024-12-21", "--step", "4h", "--lon-lat", "7,47", NULL},
 };
 enum { PRODUCTS = sizeof products / sizeof products[0] };
 
@@ -159,6 +161,50 @@ static void bands(void **state) {
         }
 }
 
+/* A long strip of hills, in which the earth's curvature, 300 times the true one, bounds how far there is to see. */
+enum { STRIP_NX = 40, STRIP_NY = 3300 };
+static void strip_file(void) {
+    static float z[STRIP_NX * STRIP_NY];
+    for (size_t k = 0; k < (size_t)STRIP_NX * STRIP_NY; k++) {
+        const double x = (double)(k % STRIP_NX), y = (double)(k / STRIP_NX);
+        z[k] = (float)(200 + 60 * sin(y / 9) * cos(x / 5) + 30 * sin((x + 2 * y) / 70));
+    }
+    field_file("strip.npy", z, STRIP_NX, STRIP_NY);
+}
+
+/* Bands that are proved by the raster's own highest and lowest samples. */
+static void far_horizons(void **state) {
+    (void)state;
+#define DAY "sun", "--date", "2024-06-21", "--step", "6h", "--lon-lat", "7,47"
+    static const char *const far[][16] = {
+        {"horizon", "--directions", "4", "--curvature", "3000", NULL},
+        {"horizon", "--directions", "5", "--svf", "--curvature", "300", NULL},
+        {"horizon", "--directions", "4", "--svf-tilted", "--curvature", "300", NULL},
+        {DAY, NULL},
+        {DAY, "--directions", "8", "--irradiance", "--sky", "4", "--curvature", "300", NULL},
+    };
+    static const char *const memory[] = {"--memory", "3.9M", NULL}, *const less[] = {"--memory", "2M", NULL};
+    strip_file();
+    for (size_t k = 0; k < sizeof far / sizeof far[0]; k++) {
+        const char *product[16] = {NULL};
+        memcpy(product, far[k], sizeof far[k]);
+        const array whole = run("strip.npy", product, none), part = run("strip.npy", product, k == 0 ? memory : less);
+        assert_true(part.nx == STRIP_NX && part.ny == STRIP_NY);
+        check_part(&whole, &part, 0, 0, far[k][0]);
+        free(whole.file);
+        free(part.file);
+    }
+#define STRIP "strip.npy", "--cellsize", "10", "-o", "no.npy", "--memory"
+    /* On a flat earth summits see all of it. */
+    check_refused((const char *const[]){"horizon", STRIP, "2M", NULL}, 1,
+                  "40 x 3300 samples matter at once, which need --memory 5M; there is 2M");
+    check_refused((const char *const[]){"horizon", STRIP, "1M", "--curvature", "300", NULL}, 1,
+                  "samples matter at once");
+    check_refused((const char *const[]){DAY, STRIP, "2M", "--irradiance", NULL}, 1, "40 x 3300 samples matter at once");
+#undef STRIP
+#undef DAY
+}
+
 /* The output is as near as --max-distance, and what the full raster has there; elsewhere there is nothing. */
 static void near_views(void **state) {
     (void)state;
@@ -182,6 +228,43 @@ static void near_views(void **state) {
             free(whole.file);
             free(part.file);
         }
+}
+
+/* Luxembourg, a map in degrees with holes around it. */
+static void real_land(void **state) {
+    (void)state;
+    static const char file[] = "/usr/lib/R/site-library/terra/ex/elev.tif";
+    if (!have_gdal() || access(file, R_OK) != 0) skip();
+    static const char *const land[][10] = {
+        {"sun", "--date", "2024-12-21", "--step", "2h", NULL},
+        {"sun", "--date", "2024-03-20", "--step", "4h", "--irradiance", "--sky", "5", NULL},
+        {"horizon", "--svf-tilted", "--directions", "5", NULL},
+        {"horizon", "--directions", "3", "--curvature", "1", NULL},
+    };
+    static const char *const window[] = {"--window", "6.0,49.7,6.2,49.9", NULL};
+    for (size_t k = 0; k < sizeof land / sizeof land[0]; k++) {
+        const array whole = run(file, land[k], none), part = run(file, land[k], window);
+        assert_true(part.nx == 24 && part.ny == 24);
+        check_part(&whole, &part, 31, 35, land[k][0]);
+        free(whole.file);
+        free(part.file);
+    }
+    /* What is seen needs no height. */
+    static const char *const view[] = {"viewshed", "--from", "6.13,49.61,2", NULL}, *const needed[] = {"--needed",
+                                                                                                       NULL};
+    const array seen = run(file, view, none), need = run(file, view, needed);
+    size_t count[2] = {0, 0};
+    for (size_t k = 0; k < seen.nx * seen.ny; k++) {
+        const uint8_t is_seen = (uint8_t)seen.cells[k];
+        float height;
+        memcpy(&height, need.cells + k * sizeof height, sizeof height);
+        check(is_seen == 255 ? isnan(height) : is_seen == (height == 0), "sample %zu: %d, %g m", k, is_seen,
+              (double)height);
+        if (is_seen < 2) count[is_seen]++;
+    }
+    check(count[0] > 100 && count[1] > 10, "%zu hidden, %zu seen", count[0], count[1]);
+    free(seen.file);
+    free(need.file);
 }
 
 /* 4 10^10 samples, of which the land is a small part in the middle, and the rest holes. */
@@ -232,7 +315,9 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(windows, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(bands, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(far_horizons, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(near_views, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(real_land, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(huge, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(what_is_refused, enter, scratch_leave),
     };

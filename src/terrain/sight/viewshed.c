@@ -90,8 +90,12 @@ static void angle_sample(void *context, size_t i, size_t j, const sweep_way *way
     if (is_seen(q->v, i, j, way)) put_angle(q, i, j);
 }
 
-/* Whether a number that may be off by the error becomes the same float as the exact one. */
-static bool is_sure(double x, double error) { return x == 0 || (float)(x + error) == (float)(x - error); }
+/* Whether a number that may be off by the error becomes the same float as the exact one, or one within most_apart of it. Small
+ * numbers have floats that are closer together than the error. */
+static bool is_sure(double x, double error) {
+    static const double most_apart = 0x1p-17;
+    return (double)(float)(x + error) - (double)(float)(x - error) <= most_apart;
+}
 
 static void measure_sample(void *context, size_t i, size_t j, const sweep_way *way) {
     const job *q = context;

@@ -50,6 +50,16 @@ void ground_rows(ground_options *o, const char *name, option_spec rows[GROUND_OP
     rows[5 + RASTER_OPTION_COUNT] = query[QUERY_THREADS];
 }
 
+option_spec ground_flat_earth_row(double *curvature) {
+    return (option_spec){.name = "curvature",
+                         .value = "K",
+                         .help =
+                             "the earth's curvature as a factor: 0 for a flat earth\n(default), 1 without air, 0.857 "
+                             "with usual refraction",
+                         .kind = OPTION_NUMBER,
+                         .to = curvature};
+}
+
 /* Whether the output would take an input's place: said before any work, since the output is opened after it. */
 static bool is_input(const char *output) {
     struct stat about;

@@ -27,6 +27,9 @@ typedef struct ground_options {
 enum { GROUND_OPTION_COUNT = 4 + RASTER_OPTION_COUNT + 2 };
 void ground_rows(ground_options *o, const char *name, option_spec rows[GROUND_OPTION_COUNT]);
 
+/* --curvature of products for which the earth is flat unless it is given. */
+option_spec ground_flat_earth_row(double *curvature);
+
 typedef struct ground {
     const char *path;
     const ground_options *options;

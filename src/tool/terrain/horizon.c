@@ -36,6 +36,8 @@ typedef struct job {
     horizon *horizon;
     const horizon_command *command;
     bool sky, tilted;
+    reach_blocks blocks; /* once they are needed */
+    reach_horizons reach;
 } job;
 
 static bool enter(void *context, io_error *error) {
@@ -51,12 +53,20 @@ static bool enter(void *context, io_error *error) {
     return status == CW_OK || io_fail(error, "%s", cw_status_message(status));
 }
 
-/* Without a distance far mountains count. */
+/* Without a distance far mountains count, as far as the raster's highest samples let them. On lines of the grid all do. */
 static bool around(void *context, cw_rectangle part, cw_rectangle *piece, io_error *error) {
-    const job *j = context;
-    const double distance = j->command->max_distance;
-    (void)error;
-    *piece = distance > 0 ? reach_beside(&j->ground->whole, part, distance) : pieces_all(j->ground);
+    job *j = context;
+    const horizon_command *c = j->command;
+    ground *g = j->ground;
+    *piece = c->max_distance > 0 ? reach_beside(&g->whole, part, c->max_distance) : pieces_all(g);
+    if (c->max_distance > 0 || c->grid) return true;
+    if (j->blocks.whole == NULL) {
+        if (reach_blocks_create(&g->whole, &j->blocks) != CW_OK) return io_fail(error, "out of memory");
+        if (!pieces_survey(g, &j->blocks, NULL, NULL, error)) return false;
+        if (reach_horizons_create(&j->blocks, g->window, c->curvature, c->sky, &j->reach) != CW_OK)
+            return io_fail(error, "out of memory");
+    }
+    *piece = reach_of_horizons(&j->reach, part);
     return true;
 }
 
@@ -171,12 +181,14 @@ static bool make(ground *g, const horizon_command *c, io_error *error) {
     job j = {.ground = g};
     const bool good = make_bands(&j, c, error);
     horizon_destroy(j.horizon);
+    reach_horizons_destroy(&j.reach);
+    reach_blocks_destroy(&j.blocks);
     return good;
 }
 
 static int run(int argc, char **argv) {
     horizon_command c = {.directions = 32};
-    enum { OWN = 10, ALL = OWN + PIECES_OPTION_COUNT + GROUND_OPTION_COUNT };
+    enum { OWN = 9, ALL = OWN + 1 + PIECES_OPTION_COUNT + GROUND_OPTION_COUNT };
     option_spec options[ALL] = {
         {.name = "directions",
          .value = "N",
@@ -220,20 +232,15 @@ static int run(int argc, char **argv) {
                  "metres, coordinates of the map",
          .kind = OPTION_TEXT,
          .to = &c.at},
-        {.name = "curvature",
-         .value = "K",
-         .help = "the earth's curvature as a factor: 0 for a flat earth\n(default), 1 without air, 0.857 with usual "
-                 "refraction",
-         .kind = OPTION_NUMBER,
-         .to = &c.curvature},
         {.name = "max-distance",
          .value = "D",
          .help = "terrain farther away than D metres does not count\n(default: no limit)",
          .kind = OPTION_NUMBER,
          .to = &c.max_distance},
     };
-    pieces_rows(&c.ground, options + OWN);
-    ground_rows(&c.ground, name, options + OWN + PIECES_OPTION_COUNT);
+    options[OWN] = ground_flat_earth_row(&c.curvature);
+    pieces_rows(&c.ground, options + OWN + 1);
+    ground_rows(&c.ground, name, options + OWN + 1 + PIECES_OPTION_COUNT);
     static const char *const operands[] = {"DEM"};
     const options_usage usage = {
         .name = name,

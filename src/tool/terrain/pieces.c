@@ -236,7 +236,8 @@ typedef struct survey {
 
 static bool is_wanted(const survey *s, cw_rectangle block) {
     const cw_rectangle w = s->ground->window, both = reach_both(w, block);
-    return (both.nx < w.nx + block.nx && both.ny < w.ny + block.ny) || s->wanted(s->context, block);
+    return s->wanted == NULL || (both.nx < w.nx + block.nx && both.ny < w.ny + block.ny) ||
+           s->wanted(s->context, block);
 }
 
 /* The rectangle of all that is wanted of rows of blocks, and how many samples of it are. */
@@ -346,6 +347,16 @@ static bool next_piece(writing *w, size_t row, io_error *error) {
     return true;
 }
 
+/* That all pieces fit is known before the work begins. */
+static bool check_pieces(const writing *w, io_error *error) {
+    const ground *g = w->ground;
+    cw_rectangle part, piece;
+    if (w->maker->around == NULL || pieces_fit(g, pieces_all(g))) return true;
+    for (size_t row = 0; row < g->window.ny; row += w->rows)
+        if (!piece_for(w, row, 1, &part, &piece, error) || !pieces_check(g, piece, error)) return false;
+    return true;
+}
+
 static bool fill_block(writing *w, size_t band, size_t row, size_t rows, io_error *error) {
     const ground *g = w->ground;
     const size_t nx = g->terrain.nx, first = g->window.i - g->terrain.column,
@@ -403,7 +414,7 @@ bool pieces_write(ground *g, const io_raster_product *product, double passes, co
                  .cell = io_cell_bytes(product->scale > 0 ? IO_CELL_FLOAT32 : product->cell)};
     w.cells = malloc(w.rows * product->nx * w.cell);
     if (w.cells == NULL) return io_fail(error, "out of memory");
-    bool good = io_raster_create(&to, g->options->output, product, error);
+    bool good = check_pieces(&w, error) && io_raster_create(&to, g->options->output, product, error);
     if (good) {
         good = write_blocks(&w, &to, error);
         good = good && io_raster_commit(&to, error);

@@ -30,7 +30,7 @@ bool pieces_read(ground *g, cw_rectangle piece, bool field, io_error *error);
 bool pieces_fit(const ground *g, cw_rectangle piece);
 bool pieces_check(const ground *g, cw_rectangle piece, io_error *error);
 
-/* Takes the blocks of the window and those that wanted says are of use. */
+/* Takes the blocks of the window and those that wanted says are of use: all, if it is NULL. */
 typedef bool pieces_wanted(void *context, cw_rectangle block);
 bool pieces_survey(ground *g, reach_blocks *blocks, pieces_wanted *wanted, void *context, io_error *error);
 

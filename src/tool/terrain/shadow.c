@@ -146,7 +146,7 @@ static bool wrong(shadow_command *c) {
 
 static int run(int argc, char **argv) {
     shadow_command c = {.disc = NAN};
-    enum { OWN = 6, ALL = OWN + PIECES_OPTION_COUNT + GROUND_OPTION_COUNT };
+    enum { OWN = 5, ALL = OWN + 1 + PIECES_OPTION_COUNT + GROUND_OPTION_COUNT };
     option_spec options[ALL] = {
         {.name = "sun",
          .value = "AZ,ALT",
@@ -170,15 +170,10 @@ static int run(int argc, char **argv) {
          .help = "the same for a disc of radius R, in degrees",
          .kind = OPTION_NUMBER,
          .to = &c.disc},
-        {.name = "curvature",
-         .value = "K",
-         .help = "the earth's curvature as a factor: 0 for a flat earth\n(default), 1 without air, 0.857 with usual "
-                 "refraction",
-         .kind = OPTION_NUMBER,
-         .to = &c.curvature},
     };
-    pieces_rows(&c.ground, options + OWN);
-    ground_rows(&c.ground, name, options + OWN + PIECES_OPTION_COUNT);
+    options[OWN] = ground_flat_earth_row(&c.curvature);
+    pieces_rows(&c.ground, options + OWN + 1);
+    ground_rows(&c.ground, name, options + OWN + 1 + PIECES_OPTION_COUNT);
     static const char *const operands[] = {"DEM"};
     const options_usage usage = {
         .name = name,

@@ -5,9 +5,9 @@
 
 #include "clear_sky.h"
 #include "command.h"
-#include "ground.h"
 #include "horizon.h"
 #include "insolation.h"
+#include "pieces.h"
 #include "sun_place.h"
 
 #include <math.h>
@@ -38,15 +38,53 @@ enum { DIRECT, DIFFUSE, BANDS };
 typedef struct job {
     const sun_command *command;
     ground *ground;
+    sun_position *suns;
+    size_t count;
     insolation *sum;
     horizon *horizon;
-    double band, bands, row, rows; /* of the block that is being filled */
+    reach_blocks blocks; /* once they are needed */
+    reach_horizons sky;
 } job;
 
-static bool tell_block(void *context, double share) {
-    const job *j = context;
-    const double part = (j->row + share * j->rows) / (double)j->ground->terrain.ny;
-    return ground_tell(j->ground, (j->band + part) / j->bands);
+/* The ground's terrain is another piece, or the whole without samples. */
+static bool enter(void *context, io_error *error) {
+    job *j = context;
+    const sun_command *c = j->command;
+    const insolation_desc desc = {.suns = j->suns,
+                                  .count = j->count,
+                                  .hours = c->seconds / 3600,
+                                  .linke = c->linke,
+                                  .curvature = c->curvature,
+                                  .directions = c->directions};
+    const horizon_desc sky = {.count = c->sky, .curvature = c->curvature};
+    insolation_destroy(j->sum);
+    horizon_destroy(j->horizon);
+    j->horizon = NULL;
+    cw_status status = insolation_create(&j->ground->terrain, &desc, &j->sum);
+    if (status == CW_OK && c->irradiance) status = horizon_create(&j->ground->terrain, &sky, &j->horizon);
+    return status == CW_OK || io_fail(error, "%s", cw_status_message(status));
+}
+
+/* All that can throw a shadow in the direction of any sun, and for diffuse light all that hides sky. */
+static bool around(void *context, cw_rectangle part, cw_rectangle *piece, io_error *error) {
+    job *j = context;
+    const sun_command *c = j->command;
+    ground *g = j->ground;
+    const cw_rectangle all = pieces_all(g);
+    if (j->blocks.whole == NULL) {
+        if (reach_blocks_create(&g->whole, &j->blocks) != CW_OK) return io_fail(error, "out of memory");
+        if (!pieces_survey(g, &j->blocks, NULL, NULL, error)) return false;
+        if (reach_horizons_create(&j->blocks, g->window, c->curvature, true, &j->sky) != CW_OK)
+            return io_fail(error, "out of memory");
+    }
+    *piece = c->irradiance ? reach_of_horizons(&j->sky, part) : reach_grow(&g->whole, part, 2);
+    for (size_t k = 0; k < insolation_directions(j->sum) && (piece->nx < all.nx || piece->ny < all.ny); k++) {
+        sunlight_desc sun = {.curvature = c->curvature};
+        insolation_direction(j->sum, k, &sun.azimuth, &sun.altitude);
+        const reach_sunward sunward = reach_toward(&g->whole, &sun, part);
+        *piece = reach_both(*piece, reach_of_shadows(&j->blocks, &sunward, part));
+    }
+    return true;
 }
 
 static bool fill(void *context, size_t band, size_t row, size_t rows, void *cells, io_error *error) {
@@ -55,15 +93,12 @@ static bool fill(void *context, size_t band, size_t row, size_t rows, void *cell
     const bool energy = j->command->irradiance;
     bool done;
     cw_status status;
-    j->band = (double)band;
-    j->row = (double)row;
-    j->rows = (double)rows;
     if (!energy)
-        status = insolation_hours(j->sum, q, row, rows, cells, tell_block, j, &done);
+        status = insolation_hours(j->sum, q, row, rows, cells, ground_tell_block, j->ground, &done);
     else if (band == DIRECT)
-        status = insolation_direct(j->sum, q, row, rows, cells, tell_block, j, &done);
+        status = insolation_direct(j->sum, q, row, rows, cells, ground_tell_block, j->ground, &done);
     else
-        status = horizon_sky_view_tilted(j->horizon, q, row, rows, cells, tell_block, j, &done);
+        status = horizon_sky_view_tilted(j->horizon, q, row, rows, cells, ground_tell_block, j->ground, &done);
     if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));
     if (energy && band == DIFFUSE) {
         const float light = (float)insolation_diffuse(j->sum);
@@ -74,39 +109,22 @@ static bool fill(void *context, size_t band, size_t row, size_t rows, void *cell
 
 /* The sun in the middle of each step. Days begin at midnight of the place's mean solar time, so that a day's light is one
  * piece. */
-static sun_position *find_suns(const sun_command *c, const sun_place *place, size_t *count, io_error *error) {
-    *count = (size_t)nearbyint((c->last + day - c->first) / c->seconds);
-    sun_position *suns = malloc(*count * sizeof *suns);
-    if (suns == NULL) {
-        io_fail(error, "out of memory");
-        return NULL;
-    }
+static bool find_suns(job *j, const sun_place *place, io_error *error) {
+    const sun_command *c = j->command;
+    j->count = (size_t)nearbyint((c->last + day - c->first) / c->seconds);
+    j->suns = malloc(j->count * sizeof *j->suns);
+    if (j->suns == NULL) return io_fail(error, "out of memory");
     const double midnight = c->first - place->longitude / 360 * day;
-    for (size_t k = 0; k < *count; k++) suns[k] = sun_place_at(place, midnight + ((double)k + 0.5) * c->seconds);
-    return suns;
+    for (size_t k = 0; k < j->count; k++) j->suns[k] = sun_place_at(place, midnight + ((double)k + 0.5) * c->seconds);
+    return true;
 }
 
 static bool prepare(job *j, sun_place *place, io_error *error) {
     const sun_command *c = j->command;
     const ground *g = j->ground;
-    size_t count;
     *place = (sun_place){c->lon_lat[0], c->lon_lat[1], 0};
-    if (!c->place && !sun_place_find(&g->terrain, &g->file.raster.georef, g->path, NULL, place, error)) return false;
-    sun_position *suns = find_suns(c, place, &count, error);
-    if (suns == NULL) return false;
-    const insolation_desc desc = {.suns = suns,
-                                  .count = count,
-                                  .hours = c->seconds / 3600,
-                                  .linke = c->linke,
-                                  .curvature = c->curvature,
-                                  .directions = c->directions};
-    cw_status status = insolation_create(&g->terrain, &desc, &j->sum);
-    free(suns);
-    if (status == CW_OK && c->irradiance) {
-        const horizon_desc sky = {.count = c->sky, .curvature = c->curvature};
-        status = horizon_create(&g->terrain, &sky, &j->horizon);
-    }
-    return status == CW_OK || io_fail(error, "%s", cw_status_message(status));
+    if (!c->place && !sun_place_find(&g->whole, ground_georef(g), g->path, NULL, place, error)) return false;
+    return find_suns(j, place, error) && enter(j, error);
 }
 
 static bool make_bands(job *j, io_error *error) {
@@ -117,9 +135,8 @@ static bool make_bands(job *j, io_error *error) {
                              *const energy = "energy of sunlight on the ground under a cloudless sky",
                              *const bands[BANDS] = {"direct light on the ground", "diffuse light on the ground"};
     ground_notes notes = {0};
-    j->bands = c->irradiance ? BANDS : 1;
     io_raster_product product =
-        ground_product(j->ground, IO_CELL_FLOAT32, (size_t)j->bands, c->irradiance ? &energy : &hours, &notes);
+        ground_product(j->ground, IO_CELL_FLOAT32, c->irradiance ? BANDS : 1, c->irradiance ? &energy : &hours, &notes);
     product.unit = c->irradiance ? "Wh/m2" : "h";
     product.white = 24 * ((c->last - c->first) / day + 1);
     if (c->irradiance) product.band_names = bands;
@@ -137,7 +154,8 @@ static bool make_bands(job *j, io_error *error) {
         ground_note(&notes, "DIFFUSE_LEVEL=%.9g", insolation_diffuse(j->sum));
     }
     /* fill looks for Ctrl-C itself. */
-    const bool good = ground_write(j->ground, &product, 1, fill, j, error);
+    static const pieces_maker maker = {fill, around, enter};
+    const bool good = pieces_write(j->ground, &product, 1, &maker, j, error);
     ground_notes_free(&notes);
     return good;
 }
@@ -147,6 +165,9 @@ static bool make(ground *g, const sun_command *c, io_error *error) {
     const bool good = make_bands(&j, error);
     insolation_destroy(j.sum);
     horizon_destroy(j.horizon);
+    reach_horizons_destroy(&j.sky);
+    reach_blocks_destroy(&j.blocks);
+    free(j.suns);
     return good;
 }
 
@@ -204,7 +225,7 @@ static bool wrong_command(sun_command *c) {
 
 static int run(int argc, char **argv) {
     sun_command c = {.step = "15min", .linke = NAN};
-    enum { OWN = 9, ALL = OWN + GROUND_OPTION_COUNT };
+    enum { OWN = 8, ALL = OWN + 1 + PIECES_OPTION_COUNT + GROUND_OPTION_COUNT };
     option_spec options[ALL] = {
         {.name = "date", .value = "DAY", .help = "the day, as 2024-06-21", .kind = OPTION_TEXT, .to = &c.date},
         {.name = "to",
@@ -242,12 +263,6 @@ static int run(int argc, char **argv) {
          .to = &c.sky,
          .low = 1,
          .high = 3600},
-        {.name = "curvature",
-         .value = "K",
-         .help = "the earth's curvature as a factor: 0 for a flat earth\n(default), 1 without air, 0.857 with usual "
-                 "refraction",
-         .kind = OPTION_NUMBER,
-         .to = &c.curvature},
         {.name = "lon-lat",
          .value = "LON,LAT",
          .help =
@@ -256,7 +271,9 @@ static int run(int argc, char **argv) {
          .kind = OPTION_TEXT,
          .to = &c.place},
     };
-    ground_rows(&c.ground, name, options + OWN);
+    options[OWN] = ground_flat_earth_row(&c.curvature);
+    pieces_rows(&c.ground, options + OWN + 1);
+    ground_rows(&c.ground, name, options + OWN + 1 + PIECES_OPTION_COUNT);
     static const char *const operands[] = {"DEM"};
     const options_usage usage = {
         .name = name,
@@ -292,7 +309,7 @@ static int run(int argc, char **argv) {
     if (c.sky == 0) c.sky = 32;
     ground g;
     io_error error = {""};
-    const int opened = ground_open(&g, &c.ground, path, c.irradiance ? BANDS : 1, GROUND_FIELD);
+    const int opened = ground_open(&g, &c.ground, path, c.irradiance ? BANDS : 1, GROUND_PIECES);
     return opened == EXIT_SUCCESS ? ground_close(&g, make(&g, &c, &error), &error) : opened;
 }
 
