@@ -2,6 +2,7 @@
 """Products by chunks have the bits of those of the whole raster, whatever is killed meanwhile."""
 import os
 import signal
+import time
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ import pytest
 rasterio = pytest.importorskip("rasterio")
 xr = pytest.importorskip("xarray")
 pytest.importorskip("distributed")
+dask = pytest.importorskip("dask")
 
 import cellwalk as cw  # noqa: E402
 import cellwalk.dask as cwd  # noqa: E402
@@ -43,23 +45,45 @@ def compute(result):
 @pytest.mark.parametrize("arguments", [
     {"azimuth": 225, "altitude": 30}, {"azimuth": 100, "altitude": 12}, {"azimuth": 340, "altitude": 4, "disc": 1.0},
     {"azimuth": 45, "altitude": 20, "hillshade": True}, {"azimuth": 0, "altitude": 60, "disc": True, "hillshade": True}, {"altitude": -1},
-    {"altitude": 90}])
+    {"altitude": 90}, {"azimuth": 100, "altitude": 5, "curvature": 300}])
 def test_shadow(file, arguments):
     same(compute(cwd.shadow(file, chunks=64, **arguments)), cw.open(file).shadow(**{"azimuth": 225, "altitude": 30, **arguments}))
 
 
 def test_shadow_reaches_over_chunks(file):
-    """The halo matters: without it some sample differs."""
+    """The halo matters: without it some sample differs. And it is no more than the sun's side, and so high as shadows reach."""
     lit = cw.open(file).shadow(90, 8)
     alone = cw.Field(cw.open(file, (0, 192, 64, 64)).z, transform=cw.open(file, (0, 192, 64, 64)).map, crs=cw.open(file).crs).shadow(90, 8)
     assert (alone != lit[192:256, 0:64]).any()
-    window = cwd._sunward(cwd._Raster(file, 64, 1, None, None, None, 2e9).geometry, cwd._Window(0, 0, 64, 64), 0, 800, 90, 30, 0)
-    assert window.columns < COLUMNS and window.row == 0 and window.rows < 80  # and it is no more than what is needed
+    r = cwd._Raster(file, 64, 1, None, None, None, 2e9)
+    low, high = r.block_ranges()
+    z = cw.open(file).z
+    assert low.shape == (2, 2) and low[0, 0] == np.nanmin(z[:256, :256]) and high[1, 0] == np.nanmax(z[256:, :256])
+    window = cwd._Window(*r.reach.sunward(low, high, 90, 30, 0, 0, cwd._Window(0, 0, 64, 64)))
+    assert window.columns < COLUMNS and window.row == 0 and window.rows < 80
+
+
+def test_blocks_of_chunks_that_are_not_aligned(file):
+    """Lowest and highest samples are those of the raster's blocks, however it is cut."""
+    wanted = cwd._Raster(file, -1, 1, None, None, None, 2e9).block_ranges()
+    for chunks in (64, 100, (301, 1), (37, 260)):
+        for got, want in zip(cwd._Raster(file, chunks, 1, None, None, None, 2e9).block_ranges(), wanted):
+            same(got, want)
 
 
 def test_horizon_and_sky_view(file):
-    same(compute(cwd.horizon(file, 5, start=3, chunks=100)), cw.open(file).horizon(5, start=3))
-    same(compute(cwd.sky_view(file, 6, chunks=100)), cw.open(file).sky_view(6))
+    field = cw.open(file)
+    same(compute(cwd.horizon(file, 5, start=3, chunks=100)), field.horizon(5, start=3))
+    same(compute(cwd.sky_view(file, 6, chunks=100, curvature=50)), field.sky_view(6, curvature=50))
+    # Within a distance a chunk needs less than the raster.
+    for distance in (700.0, 3000.0):
+        wanted = field.horizon(5, distance, start=3, curvature=20)
+        assert not np.array_equal(wanted, field.horizon(5, start=3, curvature=20), equal_nan=True)
+        same(compute(cwd.horizon(file, 5, distance, start=3, chunks=64, curvature=20)), wanted)
+        same(compute(cwd.sky_view(file, 6, distance, chunks=64, tilted=True)), field.sky_view(6, distance, tilted=True))
+    r = cwd._Raster(file, 64, 1, None, None, None, 2e9)
+    near = cwd._Window(*r.reach.beside(cwd._Window(128, 64, 64, 64), 700.0))
+    assert near.rows * near.columns < ROWS * COLUMNS / 2 and near.row < 128 and near.row + near.rows > 192
 
 
 def test_viewshed(file):
@@ -70,6 +94,10 @@ def test_viewshed(file):
         wanted = field.viewshed(x, y, **arguments)
         assert (wanted == 1).any() and (wanted == 0).any()
         same(compute(cwd.viewshed(file, x, y, chunks=70, **arguments)), wanted)
+    for arguments in ({}, {"max_distance": 2500.0}, {"max_distance": 900.0, "observer_elevation": 900}):
+        wanted = field.viewshed(x[0], y[0], needed=True, **arguments)
+        assert np.isfinite(wanted).any() and np.isnan(wanted).any()
+        same(compute(cwd.viewshed(file, x[0], y[0], needed=True, chunks=70, **arguments)), wanted)
 
 
 def test_chunked_dataarray():
@@ -94,27 +122,63 @@ def test_without_a_map():
 
 
 def test_what_is_too_much_is_said_before(file):
-    with pytest.raises(ValueError, match=r"sky_view: far mountains may count: a chunk needs 301 x 263 samples around it, 0.00 GB a task, more than"):
+    with pytest.raises(ValueError, match=r"max_distance: None, so far mountains may count: a chunk needs 301 x 263 samples around it, 0.00 GB a task, more than"):
         cwd.sky_view(file, memory=1e5)
+    with pytest.raises(ValueError, match="max_distance: 2000: a chunk needs"):
+        cwd.horizon(file, 4, 2000, memory=1e5)
     with pytest.raises(ValueError, match="altitude: -1"):
         cwd.shadow(file, altitude=-1, memory=1e5)
     with pytest.raises(ValueError, match="max_distance"):
         cwd.viewshed(file, *cw.open(file).bounds[:2], 5, memory=1e5)
     with pytest.raises(TypeError, match="source: ndarray"):
         cwd.shadow(mountains())
+    with pytest.raises(ValueError, match="needed: the height that is needed is that of one observer, not of 2"):
+        cwd.viewshed(file, [1, 2], 3, needed=True)
+    with pytest.raises(ValueError, match="max_distance: 0, expected metres above 0"):
+        cwd.sky_view(file, max_distance=0)
+
+
+def test_chunks_are_written_as_they_are_done(file, tmp_path, monkeypatch):
+    """When a chunk is computed, the one before it is in the file."""
+    order, horizon_rows = [], cw.Field._horizon_rows
+
+    def compute_one(self, *arguments):
+        order.append("computed")
+        return horizon_rows(self, *arguments)
+    monkeypatch.setattr(cw.Field, "_horizon_rows", compute_one)
+    write = rasterio.io.DatasetWriter.write
+    monkeypatch.setattr(rasterio.io.DatasetWriter, "write", lambda self, *a, **k: (order.append("written"), write(self, *a, **k)), raising=False)
+    result = cwd.horizon(file, 4, 900, chunks=128)
+    with dask.config.set(scheduler="synchronous"):
+        cwd.to_geotiff(result, tmp_path / "horizon.tif")
+    assert order == ["computed", "written"] * 9
+    with rasterio.open(tmp_path / "horizon.tif") as f:
+        same(f.read(), cw.open(file).horizon(4, 900))
+
+
+def test_geotiff_has_the_place_of_the_result(tmp_path):
+    d = xr.DataArray(mountains(), dims=("y", "x"), coords={"y": 5e6 - 30.0 * np.arange(ROWS), "x": 6e5 + 30.0 * np.arange(COLUMNS)})
+    cwd.to_geotiff(cwd.shadow(d.chunk({"x": 256, "y": 256})), tmp_path / "shadow.tif")
+    with rasterio.open(tmp_path / "shadow.tif") as f:
+        assert f.transform == rasterio.Affine(30, 0, 6e5 - 15, 0, -30, 5e6 + 15) and f.nodata == 255
+        same(f.read(1), cw.Field(d).shadow().values)
 
 
 def test_a_worker_is_killed(file, tmp_path):
-    """Two processes; the first to be at work is killed. The file is the same, and no unfinished one remains."""
-    from distributed import Client, LocalCluster
-    wanted = cw.open(file).horizon(8)
+    """Two processes; one is killed when some chunks are done and others are not. The file is the same, and no unfinished one remains."""
+    from distributed import Client, LocalCluster, futures_of
+    wanted = cw.open(file).horizon(256)
     with LocalCluster(2, processes=True, threads_per_worker=1, dashboard_address=None, local_directory=str(tmp_path)) as cluster:
         with Client(cluster) as client:
             before = client.run(os.getpid)
             assert len(set(before.values())) == 2
-            result = cwd.horizon(file, 8, chunks=40)
+            result = cwd.horizon(file, 256, chunks=40)
             assert not isinstance(getattr(result, 'data', result), np.ndarray)
             kept = client.persist(result)
+            chunks = futures_of(kept)
+            while not any(chunk.done() for chunk in chunks):
+                time.sleep(0.01)
+            assert not all(chunk.done() for chunk in chunks)
             os.kill(next(iter(before.values())), signal.SIGKILL)
             cwd.to_geotiff(kept, tmp_path / "horizon.tif", file)
             client.wait_for_workers(2)

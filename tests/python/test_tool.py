@@ -88,6 +88,7 @@ def test_closest_floats(tool, tmp_path):
     (["--sun", "100,35", "--hillshade"], {"azimuth": 100, "altitude": 35, "hillshade": True}),
     (["--sun", "300,15", "--sun-disc"], {"azimuth": 300, "altitude": 15, "disc": True}),
     (["--sun", "0,8", "--disc", "1.5", "--hillshade"], {"azimuth": 0, "altitude": 8, "disc": 1.5, "hillshade": True}),
+    (["--sun", "100,1", "--curvature", "3000"], {"azimuth": 100, "altitude": 1, "curvature": 3000}),
 ])
 def test_shadow(tool, ground, tmp_path, words, arguments):
     same(ground.field.shadow(**arguments), product(tool, ground, tmp_path, "shadow", *words))
@@ -102,13 +103,39 @@ def test_shadow_at_a_time(tool, ground, tmp_path):
     same(got, product(tool, ground, tmp_path, "shadow", "--time", "2024-03-01T15:30:00Z", "--sun-disc"))
 
 
+def far(ground):
+    """A distance that cuts horizons off, in the map's metres."""
+    return 12.5 if ground.path.suffix == ".npy" else 410.0
+
+
 def test_horizon(tool, ground, tmp_path):
     wanted = product(tool, ground, tmp_path, "horizon", "--directions", "7", "--start", "11")
     same(ground.field.horizon(7, start=11), wanted)
+    near = ground.field.horizon(7, far(ground), start=11)
+    same(near, product(tool, ground, tmp_path, "horizon", "--directions", "7", "--start", "11", "--max-distance", far(ground)))
+    bent = ground.field.horizon(7, start=11, curvature=2000)
+    same(bent, product(tool, ground, tmp_path, "horizon", "--directions", "7", "--start", "11", "--curvature", "2000"))
+    for other in (near, bent):  # the arguments matter
+        assert not np.array_equal(other, wanted, equal_nan=True) and np.isfinite(other).any()
 
 
 def test_sky_view(tool, ground, tmp_path):
-    same(ground.field.sky_view(12), product(tool, ground, tmp_path, "horizon", "--directions", "12", "--svf"))
+    words = "horizon", "--directions", "12"
+    same(ground.field.sky_view(12), product(tool, ground, tmp_path, *words, "--svf"))
+    same(ground.field.sky_view(12, tilted=True), product(tool, ground, tmp_path, *words, "--svf-tilted"))
+    near = ground.field.sky_view(12, far(ground), curvature=500)
+    same(near, product(tool, ground, tmp_path, *words, "--svf", "--max-distance", far(ground), "--curvature", "500"))
+    assert not np.array_equal(near, ground.field.sky_view(12), equal_nan=True)
+
+
+def test_grid_of_directions(tool, ground, tmp_path):
+    if ground.field._source.crs.geographic:
+        with pytest.raises(ValueError, match="^grid: needs a map in metres"):
+            ground.field.horizon(8, grid=True)
+        return
+    words = "horizon", "--directions", "16", "--grid"
+    same(ground.field.horizon(16, grid=True), product(tool, ground, tmp_path, *words))
+    same(ground.field.sky_view(16, grid=True, curvature=500), product(tool, ground, tmp_path, *words, "--svf", "--curvature", "500"))
 
 
 def test_viewshed(tool, ground, tmp_path):
@@ -126,11 +153,9 @@ def test_viewshed(tool, ground, tmp_path):
 def test_viewshed_within_a_distance(tool, ground, tmp_path):
     x, y = place(ground.field)
     distance = 20 if ground.path.suffix == ".npy" else 700
-    try:
-        wanted = product(tool, ground, tmp_path, "viewshed", "--from", f"{x!r},{north(ground, y)!r}", "--max-distance", distance, "--extent", "full")
-    except AssertionError:  # a program that knows no other extent
-        wanted = product(tool, ground, tmp_path, "viewshed", "--from", f"{x!r},{north(ground, y)!r}", "--max-distance", distance)
-    same(ground.field.viewshed(x, y, max_distance=distance), wanted)
+    words = "viewshed", "--from", f"{x!r},{north(ground, y)!r}", "--max-distance", distance, "--extent", "full"
+    same(ground.field.viewshed(x, y, max_distance=distance), product(tool, ground, tmp_path, *words))
+    same(ground.field.viewshed(x, y, max_distance=distance, needed=True), product(tool, ground, tmp_path, *words, "--needed"))
 
 
 def printed(number, digits=10):

@@ -89,7 +89,7 @@ def read_crs(crs) -> Crs:
     if isinstance(crs, Crs):
         return crs
     if isinstance(crs, (str, int)) and str(crs).upper() in ("4326", "EPSG:4326", "OGC:CRS84"):
-        return Crs(crs, _WGS84, *_cellwalk.describe_crs(_WGS84))
+        return read_crs(_WGS84)._replace(given=crs)
     text = crs.to_wkt() if hasattr(crs, "to_wkt") else crs
     known = _cellwalk.describe_crs(text) if isinstance(text, str) else None
     if known is None and not hasattr(crs, "to_wkt"):
@@ -97,19 +97,20 @@ def read_crs(crs) -> Crs:
         known = _cellwalk.describe_crs(text)
     if known is None:
         raise ValueError(f"crs: {crs!r} is neither geographic nor projected")
-    return Crs(crs, text, *known)
+    geographic, unit, semi_major, inverse_flattening = known
+    return Crs(crs, text, geographic, unit, semi_major, inverse_flattening)
 
 
 def _look_up(crs) -> str:
     try:
-        import pyproj
+        import pyproj  # type: ignore[import]
         return pyproj.CRS.from_user_input(crs).to_wkt()
     except ImportError:
         pass
     except Exception as error:
         raise ValueError(f"crs: {crs!r}: {error}") from None
     try:
-        import rasterio.crs
+        import rasterio.crs  # type: ignore[import]
         return rasterio.crs.CRS.from_user_input(crs).to_wkt()
     except ImportError:
         raise ValueError(f"crs: {crs!r} is no well-known text, and neither pyproj nor rasterio is installed to look it up") from None
@@ -122,7 +123,7 @@ def _look_up(crs) -> str:
 
 class Source(NamedTuple):
     """What a field is made of, whatever it came from."""
-    samples: np.ndarray  # float32, contiguous; the caller's own memory where that is possible
+    samples: Any  # float32, contiguous; the caller's own memory where that is possible. None: not read yet
     map: np.ndarray
     placed: bool
     crs: Crs

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Optional, cast
 
 import numpy as np
 
@@ -15,7 +15,8 @@ from ._hits import Hits, _dtype
 from ._products import Products
 from ._rays import rays_of
 
-_builtin_open = open
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 
 class Kernel(NamedTuple):
@@ -84,17 +85,17 @@ class Field(Products):
         ((3, 5), (505.0, 775.0, 545.0, 795.0))
     """
 
-    def __init__(self, z, transform=None, crs=None, nodata=None, threads=0, *, zscale=None, band=None, copy=False,
-                 progress=None) -> None:
+    def __init__(self, z: Any, transform: Any = None, crs: Any = None, nodata: float | None = None, threads: int = 0, *,
+                 zscale: float | None = None, band: int | None = None, copy: bool = False, progress=None) -> None:
         nodata = None if nodata is None else float(nodata)
         self._make(read_source(z, transform, crs, nodata, zscale, band), threads, copy, progress, z)
 
     def _make(self, source: Source, threads, copy, progress, given=None, whole=None) -> None:
         self._threads = count(threads, "threads", 0, 4096)
         self._source = source
-        self._origin = None  # how to open it again
+        self._origin: Optional[tuple] = None  # how to open it again
         self._whole = whole
-        self._difference = None
+        self._difference: Optional[Difference] = None
         samples = source.samples
         if copy and given is not None and np.shares_memory(samples, np.asarray(getattr(given, "values", given))):
             samples = samples.copy()
@@ -121,9 +122,10 @@ class Field(Products):
     # ---- what it is ------------------------------------------------------------------------------------------------
 
     @property
-    def shape(self) -> tuple[int, int]:
+    def shape(self) -> tuple[int, int]:  # type: ignore[override]
         """Rows and columns of samples."""
-        return self._samples.shape
+        rows, columns = self._samples.shape
+        return rows, columns
 
     @property
     def z(self) -> np.ndarray:
@@ -138,7 +140,7 @@ class Field(Products):
         return self._source.map.copy()
 
     @property
-    def transform(self) -> tuple[float, ...]:
+    def transform(self) -> tuple[float, float, float, float, float, float]:
         """Where pixels lie on the map, six numbers in Affine's order: Affine(*f.transform) is what rasterio writes."""
         (a, b, _, c), (d, e, _, f), _ = self._source.map.tolist()
         return a, b, c - 0.5 * a - 0.5 * b, d, e, f - 0.5 * d - 0.5 * e
@@ -154,7 +156,8 @@ class Field(Products):
         rows, columns = self.shape
         corners = np.array([[i, j] for j in (0, rows - 1) for i in (0, columns - 1)], np.float64)
         places = corners @ self._source.map[:2, :2].T + self._source.map[:2, 3]
-        return (*(float(v) for v in places.min(0)), *(float(v) for v in places.max(0)))
+        (x0, y0), (x1, y1) = places.min(0).tolist(), places.max(0).tolist()
+        return x0, y0, x1, y1
 
     @property
     def difference(self) -> Difference | None:
@@ -173,7 +176,8 @@ class Field(Products):
 
     # ---- rays ------------------------------------------------------------------------------------------------------
 
-    def closest(self, origins, directions=None, tmin=None, tmax=None, *, kernel=None, progress=None) -> Hits:
+    def closest(self, origins: ArrayLike, directions: ArrayLike | None = None, tmin: ArrayLike | None = None,
+                tmax: ArrayLike | None = None, *, kernel: str | None = None, progress=None) -> Hits:
         """The first place where each ray meets the surface.
 
         origins      (..., 3) in the map's coordinates; or rays, (..., 6) with origin and direction as Open3D has them, or
@@ -194,7 +198,8 @@ class Field(Products):
         shape, out = self._trace(False, origins, directions, tmin, tmax, kernel, progress)
         return Hits(out.view(_dtype).reshape(shape), self)
 
-    def any(self, origins, directions=None, tmin=None, tmax=None, *, kernel=None, progress=None) -> np.ndarray:
+    def any(self, origins: ArrayLike, directions: ArrayLike | None = None, tmin: ArrayLike | None = None,
+            tmax: ArrayLike | None = None, *, kernel: str | None = None, progress=None) -> np.ndarray:
         """Whether each ray meets the surface at all: bool, with the shape of the rays. Arguments as for closest.
 
             >>> import numpy as np, cellwalk as cw
@@ -212,7 +217,7 @@ class Field(Products):
         self._core.trace(any_hit, dtype == np.float64, n, *operands, out, self._threads, kernel, progress_call(progress))
         return shape, out
 
-    def at(self, x, y, *, progress=None):
+    def at(self, x: ArrayLike, y: ArrayLike, *, progress=None) -> Any:
         """Height of the surface at places of the map, in the map's z: float64, the shape of x and y broadcast; NaN outside
         and in holes.
 
@@ -230,7 +235,7 @@ class Field(Products):
             self._core.at(np.ascontiguousarray(x), np.ascontiguousarray(y), out, self._threads, progress_call(progress))
         return out[()] if out.ndim == 0 else out
 
-    def coarser(self, factor, filter="mean", *, progress=None) -> Field:
+    def coarser(self, factor: int, filter: str = "mean", *, progress=None) -> Field:
         """A field of every factor-th row and column, in the same place on the map. It takes a share of 1 / factor² of the memory.
 
         factor   from 2 on
@@ -263,7 +268,7 @@ class Field(Products):
         field._difference = Difference(*difference)
         return field
 
-    def update(self, row, column, block, nodata=None) -> None:
+    def update(self, row: int, column: int, block: ArrayLike, nodata: float | None = None) -> None:
         """Replaces the samples from (row, column) on by block, of shape (rows, columns). Afterwards the field is what one made
         of the new samples would be.
 
@@ -287,8 +292,8 @@ class Field(Products):
         if rows == 0 or columns == 0:
             return
         # samples_of takes no single rows.
-        padded = np.ma.MaskedArray(np.empty((max(rows, 2), max(columns, 2)), array.dtype), mask=True) if min(rows, columns) < 2 else None
-        if padded is not None:
+        if min(rows, columns) < 2:
+            padded: Any = np.ma.MaskedArray(np.empty((max(rows, 2), max(columns, 2)), array.dtype), mask=True)
             padded[:rows, :columns] = array
             block = np.ascontiguousarray(samples_of(padded, nodata, "block")[:rows, :columns])
         else:
@@ -301,7 +306,8 @@ class Field(Products):
         self._core.update(row, column, rows, columns, block, np.empty_like(block), self._threads)
 
 
-def open(path, window=None, *, band=None, nodata=None, cellsize=None, zscale=None, crs=None, threads=0, progress=None) -> Field:
+def open(path: str | os.PathLike[str], window: Any = None, *, band: int | None = None, nodata: float | None = None,
+         cellsize: float | None = None, zscale: float | None = None, crs: Any = None, threads: int = 0, progress=None) -> Field:
     """A field from a raster file: GeoTIFF and all else that GDAL reads, .npy, .asc.
 
     window     (column, row, columns, rows) of samples to read, or a rasterio Window; default: all
@@ -354,5 +360,5 @@ def _window(window) -> tuple[int, int, int, int]:
     except (TypeError, ValueError):
         raise ValueError(f"window: {window!r}, expected (column, row, columns, rows)") from None
     names = ("column", "row", "columns", "rows")
-    return tuple(count(value, f"window {name}", 0 if k < 2 else 1, 2**31 - 1)
-                 for k, (name, value) in enumerate(zip(names, (column, row, columns, rows))))
+    return cast("tuple[int, int, int, int]", tuple(count(value, f"window {name}", 0 if k < 2 else 1, 2**31 - 1)
+                                                   for k, (name, value) in enumerate(zip(names, (column, row, columns, rows)))))

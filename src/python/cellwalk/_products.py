@@ -5,12 +5,16 @@ from __future__ import annotations
 
 import datetime
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Union
 
 import numpy as np
 
 from . import _cellwalk
-from ._convert import count, finite, numbers, progress_call
+from ._convert import Source, count, finite, numbers, progress_call
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+    Time = Union[str, datetime.datetime, np.datetime64]
 
 SUN_RADIUS = 0.2666  # degrees, as src/terrain/sun.h has it
 
@@ -38,7 +42,7 @@ def _seconds(time) -> float:
     raise TypeError(f"time: {time!r}, expected a string, datetime or datetime64 (UTC)")
 
 
-def sun(time, longitude: float, latitude: float) -> Sun:
+def sun(time: Time, longitude: float, latitude: float) -> Sun:
     """Where the sun stands at a time over a place, right to 0.01 degrees from 1950 to 2050.
 
     time       "2024-06-21T12:00:00Z", a datetime with its zone, or a datetime64 (UTC)
@@ -74,8 +78,44 @@ def _result(field, data, name, attrs, **axis):
     return out
 
 
+def distance_of(max_distance) -> float:
+    """Metres; 0: no limit."""
+    if max_distance is None:
+        return 0.0
+    distance = finite(max_distance, "max_distance", 0)
+    if distance == 0:
+        raise ValueError("max_distance: 0, expected metres above 0")
+    return distance
+
+
+def sky_of(directions, max_distance, curvature, start) -> tuple[float, int, float, float]:
+    """Arguments of a horizon, checked, in the order of the extension."""
+    return start, count(directions, "directions", 1, 3600), distance_of(max_distance), finite(curvature, "curvature", 0)
+
+
+def places_of(x, y, height, name, needed) -> np.ndarray:
+    """Observers, shape (n, 3): x, y, height."""
+    given = [numbers(value, what).astype(np.float64) for value, what in ((x, "x"), (y, "y"), (height, name))]
+    try:
+        places = np.stack(np.broadcast_arrays(*given), -1).reshape(-1, 3)
+    except ValueError:
+        raise ValueError(f"shapes do not broadcast: x {given[0].shape}, y {given[1].shape}, {name} {given[2].shape}") from None
+    if not np.isfinite(places).all():
+        raise ValueError(f"x, y, {name}: observer {places[~np.isfinite(places).all(1)][0].tolist()} is not finite")
+    if not 1 <= len(places) <= 65534:
+        raise ValueError(f"x, y: {len(places)} observers, expected 1 to 65534")
+    if needed and len(places) > 1:
+        raise ValueError(f"needed: the height that is needed is that of one observer, not of {len(places)}")
+    return np.ascontiguousarray(places)
+
+
 class Products:
-    """Methods of Field."""
+    """Methods of Field, which has these members."""
+    _core: _cellwalk.Field
+    _source: Source
+    _samples: np.ndarray
+    _threads: int
+    shape: tuple[int, int]
 
     def _placed(self) -> bool:
         return self._source.placed
@@ -102,13 +142,14 @@ class Products:
         (x0, y0), (x1, y1) = (_cellwalk.lon_lat(known.wkt, True, longitude, v) for v in (south, south + 2e-4))
         return longitude, latitude, math.atan2(x1 - x0, y1 - y0) * degrees
 
-    def sun(self, time) -> Sun:
+    def sun(self, time: Time) -> Sun:
         """Where the sun stands at a time over the middle of the field, its azimuth from the map's north."""
         longitude, latitude, turned = self._locate()
         p = sun(time, longitude, latitude)
         return p._replace(azimuth=math.fmod(p.azimuth + turned + 360, 360))
 
-    def shadow(self, azimuth=None, altitude=None, *, time=None, hillshade=False, disc=0, progress=None):
+    def shadow(self, azimuth: float | None = None, altitude: float | None = None, *, time: Time | None = None, hillshade: bool = False,
+               disc: float | bool = 0, curvature: float = 0.0, progress=None) -> Any:
         """Sun and shadow on every sample.
 
         azimuth    of the sun in degrees from the map's north over east; default 225. Without a map, the first row is in the north
@@ -116,9 +157,10 @@ class Products:
         time       in place of both: the sun at that time over the field's middle, as for cellwalk.sun
         hillshade  True: light on the ground, the cosine between the sun and the normal, 0 in the shadow
         disc       radius of the sun in degrees, for soft shadows; True: that of the sun. 0: a point
+        curvature  how much of the earth's curvature counts: 0 flat (default), 1 without air, 6/7 with usual refraction
 
         Returns uint8, shape (rows, columns): 1 where the sun is seen, 0 in the shadow, 255 at holes. With hillshade or disc
-        float32: the share of the light, NaN at holes. A ray that touches the surface is in the shadow. The earth is flat here.
+        float32: the share of the light, NaN at holes. A ray that touches the surface is in the shadow.
 
             >>> import numpy as np, cellwalk as cw
             >>> z = np.zeros((1, 8), "float32").repeat(3, 0); z[:, 2] = 2       # a wall along y
@@ -135,67 +177,83 @@ class Products:
         azimuth = finite(225 if azimuth is None else azimuth, "azimuth")
         altitude = finite(30 if altitude is None else altitude, "altitude", -90, 90)
         disc = SUN_RADIUS if disc is True else finite(disc, "disc", 0, 10)
-        data = self._shadow_rows(azimuth, altitude, disc, bool(hillshade), 0, self.shape[0], progress)
+        data = self._shadow_rows((azimuth, altitude, disc, finite(curvature, "curvature", 0), bool(hillshade)), 0, self.shape[0], progress)
         attrs = {"long_name": "sunlight", "azimuth": azimuth, "altitude": altitude}
         return _result(self, data, "shadow", attrs if data.dtype.kind == "f" else {**attrs, "_FillValue": np.uint8(255)})
 
-    def _shadow_rows(self, azimuth, altitude, disc, hillshade, row, rows, progress=None):
-        share = disc > 0 or hillshade
+    def _shadow_rows(self, light, row, rows, progress=None):
+        """light: azimuth, altitude, disc, curvature, hillshade"""
+        share = light[2] > 0 or light[4]
         out = np.empty((rows, self.shape[1]), np.float32 if share else np.uint8)
-        self._core.shadow(azimuth, altitude, disc, hillshade, row, rows, share, out, self._threads, progress_call(progress))
+        self._core.shadow(*light, row, rows, share, out, self._threads, progress_call(progress))
         return out
 
-    def horizon(self, directions=32, max_distance=None, *, start=0.0, progress=None):
+    def horizon(self, directions: int = 32, max_distance: float | None = None, *, start: float = 0.0, curvature: float = 0.0,
+                grid: bool = False, progress=None) -> Any:
         """How high the terrain stands against the sky, in directions all round.
 
-        directions   how many, evenly spaced, 1 to 3600; the first is start, in degrees from the map's north over east
+        directions    how many, evenly spaced, 1 to 3600; the first is start, in degrees from the map's north over east
+        max_distance  terrain farther away does not count, metres; default: no limit
+        curvature     how much of the earth's curvature counts: 0 flat (default), 1 without air, 6/7 with usual refraction
+        grid          True: 8, 16 or 32 directions from sample to sample instead, which are as exact, not evenly spaced, and faster
+                      on large fields; without start and max_distance, and not on a map in degrees
 
         Returns float32, shape (directions, rows, columns): degrees above the level of the sample, negative below it, NaN at
-        holes and where the terrain ends at the sample. A DataArray has the dimension `azimuth`.
+        holes and where there is no terrain in that direction, or none within max_distance. A DataArray has the dimension
+        `azimuth`.
 
             >>> import numpy as np, cellwalk as cw
             >>> z = np.zeros((3, 8), "float32"); z[:, 5] = 2
             >>> cw.Field(z).horizon(directions=4)[1, 1, 3:5].round(2)      # toward x
             array([45.  , 63.43], dtype=float32)
         """
-        directions = count(directions, "directions", 1, 3600)
-        start = finite(start, "start")
-        self._no_distance(max_distance)
-        data = self._horizon_rows(directions, start, 0, self.shape[0], progress)
-        azimuths = np.fmod(start + 360 * np.arange(directions) / directions, 360)
+        sky = self._sky(directions, max_distance, curvature, grid, finite(start, "start"))
+        data, azimuths = self._horizon_rows(sky, 0, self.shape[0], progress)
         return _result(self, data, "horizon", {"long_name": "horizon", "units": "degrees"}, azimuth=azimuths)
 
-    def _horizon_rows(self, directions, start, row, rows, progress=None):
-        out = np.empty((directions, rows, self.shape[1]), np.float32)
-        self._core.horizon(start, directions, row, rows, out, self._threads, progress_call(progress))
-        return out
+    def _horizon_rows(self, sky, row, rows, progress=None):
+        """sky: start, directions, max_distance, curvature, grid"""
+        out, azimuths = np.empty((sky[1], rows, self.shape[1]), np.float32), np.empty(sky[1])
+        self._core.horizon(*sky, row, rows, out, azimuths, self._threads, progress_call(progress))
+        return out, azimuths
 
-    @staticmethod
-    def _no_distance(max_distance) -> None:
-        if max_distance is not None:
-            raise NotImplementedError("max_distance: horizons look as far as the field goes; a smaller field looks less far")
+    def _sky(self, directions, max_distance, curvature, grid, start=0.0):
+        sky = sky_of(directions, max_distance, curvature, start)
+        if grid and sky[1] not in (8, 16, 32):
+            raise ValueError(f"directions: {sky[1]}, expected 8, 16 or 32 with grid")
+        if grid and (start != 0 or max_distance is not None):
+            raise ValueError("grid: goes without start and max_distance")
+        if grid and self._source.crs.geographic:
+            raise ValueError("grid: needs a map in metres, and this one is in degrees")
+        return (*sky, bool(grid))
 
-    def sky_view(self, directions=32, max_distance=None, *, progress=None):
+    def sky_view(self, directions: int = 32, max_distance: float | None = None, *, curvature: float = 0.0, grid: bool = False,
+                 tilted: bool = False, progress=None) -> Any:
         """The share of an evenly bright sky's light that reaches level ground: float32, 0 to 1, NaN at holes.
 
-        It is the mean over the directions (as for horizon) of the cosine squared of the horizon's angle above the level.
+        It is the mean over the directions of the cosine squared of the horizon's angle above the level. Arguments as for
+        horizon; with max_distance, the sky is free where no terrain is within it.
+
+        tilted   True: for the ground as it leans, which is also hidden behind itself; without grid
 
             >>> import numpy as np, cellwalk as cw
             >>> cw.Field(np.zeros((3, 3), "float32")).sky_view()[1, 1]
             1.0
         """
-        directions = count(directions, "directions", 1, 3600)
-        self._no_distance(max_distance)
-        data = self._sky_view_rows(directions, 0, self.shape[0], progress)
+        if grid and tilted:
+            raise ValueError("tilted: goes without grid")
+        sky = self._sky(directions, max_distance, curvature, grid)
+        data = self._sky_view_rows(sky, bool(tilted), 0, self.shape[0], progress)
         return _result(self, data, "sky_view", {"long_name": "sky-view factor"})
 
-    def _sky_view_rows(self, directions, row, rows, progress=None):
+    def _sky_view_rows(self, sky, tilted, row, rows, progress=None):
         out = np.empty((rows, self.shape[1]), np.float32)
-        self._core.sky_view(directions, row, rows, out, self._threads, progress_call(progress))
+        self._core.sky_view(*sky[1:], tilted, row, rows, out, self._threads, progress_call(progress))
         return out
 
-    def viewshed(self, x, y, observer_height=2.0, target_height=0.0, max_distance=None, needed=False, *,
-                 observer_elevation=None, curvature=None, progress=None):
+    def viewshed(self, x: ArrayLike, y: ArrayLike, observer_height: ArrayLike = 2.0, target_height: float = 0.0,
+                 max_distance: float | None = None, needed: bool = False, *, observer_elevation: ArrayLike | None = None,
+                 curvature: float | None = None, progress=None) -> Any:
         """Which samples are seen from a place, or from how many of several.
 
         x, y                of the observers on the map; scalars, or arrays that broadcast with the heights
@@ -217,24 +275,11 @@ class Products:
             array([1, 1, 1, 1, 0, 0, 0, 0], dtype=uint8)
         """
         absolute = observer_elevation is not None
-        height = observer_elevation if absolute else observer_height
-        given = [numbers(v, n).astype(np.float64) for v, n in ((x, "x"), (y, "y"),
-                                                               (height, "observer_elevation" if absolute else "observer_height"))]
-        try:
-            places = np.stack(np.broadcast_arrays(*given), -1).reshape(-1, 3)
-        except ValueError:
-            raise ValueError(f"shapes do not broadcast: x {given[0].shape}, y {given[1].shape}, heights {given[2].shape}") from None
-        if not np.isfinite(places).all():
-            raise ValueError(f"x, y: observer {places[~np.isfinite(places).all(1)][0].tolist()} is not finite")
-        if len(places) == 0 or len(places) > 65534:
-            raise ValueError(f"x, y: {len(places)} observers, expected 1 to 65534")
-        if needed and len(places) > 1:
-            raise ValueError(f"needed: the height that is needed is that of one observer, not of {len(places)}")
-        distance = 0.0 if max_distance is None else finite(max_distance, "max_distance", 0)
-        if max_distance is not None and distance == 0:
-            raise ValueError("max_distance: 0, expected metres above 0")
+        places = places_of(x, y, observer_elevation if absolute else observer_height,
+                           "observer_elevation" if absolute else "observer_height", needed)
+        distance = distance_of(max_distance)
         seen = np.zeros(self.shape, np.float32 if needed else np.uint16)
-        self._core.viewshed(np.ascontiguousarray(places), absolute, finite(target_height, "target_height"), distance,
+        self._core.viewshed(places, absolute, finite(target_height, "target_height"), distance,
                             self._curvature(curvature), bool(needed), seen, self._threads, progress_call(progress))
         if needed:
             return _result(self, seen, "needed_height", {"long_name": "height above ground needed to be seen", "units": "m"})
@@ -244,7 +289,8 @@ class Products:
             seen = seen.astype(np.uint8)
         return _result(self, seen, "viewshed", {"long_name": "number of observers that see it", "_FillValue": seen.dtype.type(nodata)})
 
-    def line_of_sight(self, a, b, *, absolute=False, curvature=None, progress=None) -> LineOfSight:
+    def line_of_sight(self, a: ArrayLike, b: ArrayLike, *, absolute: bool | tuple[bool, bool] = False, curvature: float | None = None,
+                      progress=None) -> LineOfSight:
         """Whether places see each other, or where the straight line from a to b first meets the surface.
 
         a, b       (..., 3): x and y on the map, and metres above ground; (..., 2): on the ground. They broadcast.
@@ -273,7 +319,7 @@ class Products:
             raise ValueError(f"shapes do not broadcast: a {pair[0].shape}, b {pair[1].shape}") from None
         lines = np.ascontiguousarray(np.stack(both, -2))
         shape = lines.shape[:-2]
-        above = (bool(absolute), bool(absolute)) if np.ndim(absolute) == 0 else tuple(bool(v) for v in absolute)
+        above = (bool(absolute), bool(absolute)) if not isinstance(absolute, (tuple, list)) else (bool(absolute[0]), bool(absolute[1]))
         out = np.full(shape + (6,), np.nan)
         if out.size:
             self._core.line_of_sight(lines, above[0], above[1], self._curvature(curvature), out, self._threads, progress_call(progress))

@@ -6,7 +6,7 @@ from __future__ import annotations
 try:
     import xarray
 except ImportError:
-    xarray = None
+    xarray = None  # type: ignore[assignment]
 
 
 class Accessor:

@@ -31,6 +31,12 @@ bool field_enter(py_field *f) {
     return true;
 }
 
+bool field_enter_ground(py_field *f) {
+    if (f->terrain.field != NULL) return field_enter(f);
+    PyErr_SetString(PyExc_ValueError, "transform: cannot be inverted");
+    return false;
+}
+
 void field_leave(py_field *f) { f->users--; }
 
 static bool is_identity(double m[3][4]) {
@@ -48,7 +54,7 @@ static cw_status make(py_field *f, work *w) {
     desc.nx = f->nx;
     desc.ny = f->ny;
     desc.storage = CW_BORROW;
-    memcpy(desc.map, f->map, sizeof desc.map);
+    memcpy(desc.map, f->ground.map, sizeof desc.map);
     return cw_field_create(&desc, &w->run, &f->field);
 }
 
@@ -75,13 +81,12 @@ static PyObject *field_new(PyTypeObject *type, PyObject *arguments, PyObject *ke
                           &row, &whole_map))
         return NULL;
     const bool is_window = whole_map.obj != NULL;
-    if (is_window && whole_map.len == sizeof raster) memcpy(raster, whole_map.buf, sizeof raster);
+    const bool placed = !is_window || ground_take_map(&whole_map, raster);
     PyBuffer_Release(&whole_map);
     allocfunc allocate = (allocfunc)PyType_GetSlot(type, Py_tp_alloc);
     py_field *f = (py_field *)allocate(type, 0);
-    const bool good = f != NULL && buffer_holds(&map, sizeof f->map, "map") &&
+    const bool good = f != NULL && placed && ground_take_map(&map, f->ground.map) &&
                       PyObject_GetBuffer(samples, &f->samples, PyBUF_SIMPLE) == 0;
-    if (good) memcpy(f->map, map.buf, sizeof f->map);
     PyBuffer_Release(&map);
     if (!good || nx < 0 || ny < 0 || (ny > 0 && nx > PY_SSIZE_T_MAX / 4 / ny) ||
         !buffer_holds(&f->samples, (size_t)nx * (size_t)ny * sizeof(float), "samples")) {
@@ -91,8 +96,12 @@ static PyObject *field_new(PyTypeObject *type, PyObject *arguments, PyObject *ke
     }
     f->nx = (size_t)nx;
     f->ny = (size_t)ny;
-    f->identity = is_identity(f->map);
-    f->north_up = north_up != 0;
+    f->ground.geographic = geographic != 0;
+    f->ground.north_up = north_up != 0;
+    f->ground.unit = unit;
+    f->ground.semi_major = semi_major;
+    f->ground.inverse_flattening = inverse_flattening;
+    f->identity = is_identity(f->ground.map);
     work w;
     if (!work_begin(&w, threads, NULL, progress)) {
         Py_DECREF((PyObject *)f);
@@ -108,29 +117,13 @@ static PyObject *field_new(PyTypeObject *type, PyObject *arguments, PyObject *ke
         Py_DECREF((PyObject *)f);
         Py_RETURN_NONE;
     }
-    /* Without a map, a picture's: the first row is in the north. A coarser field's samples stand more than 1 apart. */
-    const double apart = f->map[0][0];
-    const double picture[3][4] = {{apart, 0, 0, 0}, {0, -apart, 0, apart * (double)(ny - 1)}, {0, 0, f->map[2][2], 0}};
-    const terrain_desc ground = {
-        .field = f->field,
-        .nx = f->nx,
-        .ny = f->ny,
-        .z = f->samples.buf,
-        .map = north_up ? picture : (const double(*)[4])f->map,
-        .geographic = geographic != 0,
-        .unit = unit,
-        .semi_major = semi_major,
-        .inverse_flattening = inverse_flattening,
-    };
-    if (!terrain_init(&f->terrain, &ground)) f->terrain.field = NULL; /* products will say so */
+    if (!ground_init(&f->terrain, &f->ground, f->field, f->nx, f->ny, f->samples.buf))
+        f->terrain.field = NULL; /* products will say so */
     if (is_window) {
-        terrain_desc whole = ground;
-        whole.nx = (size_t)whole_nx;
-        whole.ny = (size_t)whole_ny;
-        const double big_picture[3][4] = {
-            {apart, 0, 0, 0}, {0, -apart, 0, apart * (double)(whole_ny - 1)}, {0, 0, f->map[2][2], 0}};
-        whole.map = north_up ? big_picture : (const double(*)[4])raster;
-        if (!terrain_init(&f->whole, &whole)) f->terrain.field = NULL;
+        ground whole = f->ground;
+        memcpy(whole.map, raster, sizeof whole.map);
+        if (!ground_init(&f->whole, &whole, f->field, (size_t)whole_nx, (size_t)whole_ny, f->samples.buf))
+            f->terrain.field = NULL;
         f->terrain.whole = &f->whole;
         f->terrain.column = (size_t)column;
         f->terrain.row = (size_t)row;

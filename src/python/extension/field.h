@@ -5,24 +5,24 @@
 #ifndef CELLWALK_PYTHON_FIELD_H
 #define CELLWALK_PYTHON_FIELD_H
 
-#include "terrain.h"
+#include "ground.h"
 #include "work.h"
 
 typedef struct py_field {
     PyObject_HEAD cw_field *field;
     Py_buffer samples; /* borrowed by the field; contiguous float, ny × nx */
     size_t nx, ny;
-    double map[3][4];
+    ground ground;
     terrain terrain, whole; /* whole: of a window */
     bool identity;          /* the map is */
-    bool north_up;          /* there is no map: products have the first row in the north, though y is the row */
     long users;             /* queries that run; -1: an update. Guarded by the GIL */
     long process;           /* in which users were counted: a fork forgets them */
 } py_field;
 
 /* The field is not to be changed from here to field_leave. False with an exception set while an update runs. */
 bool field_enter(py_field *f);
-bool field_is_idle(py_field *f); /* the same, but nothing is begun */
+bool field_is_idle(py_field *f);      /* the same, but nothing is begun */
+bool field_enter_ground(py_field *f); /* the same for products, which need a map with a way back */
 void field_leave(py_field *f);
 
 extern PyType_Spec py_field_spec;

@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "ground.h"
+
+#include <string.h>
+
+bool ground_take_map(const Py_buffer *buffer, double map[3][4]) {
+    enum { BYTES = 12 * sizeof(double) };
+    if (buffer->len == BYTES) {
+        memcpy(map, buffer->buf, BYTES);
+        return true;
+    }
+    PyErr_Format(PyExc_ValueError, "map: a buffer of %zd bytes, where %d are needed", buffer->len, (int)BYTES);
+    return false;
+}
+
+bool ground_init(terrain *t, const ground *g, const cw_field *field, size_t nx, size_t ny, const float *z) {
+    /* Without a map, a picture's: the first row is in the north. A coarser field's samples stand more than 1 apart. */
+    const double apart = g->map[0][0];
+    const double picture[3][4] = {{apart, 0, 0, 0}, {0, -apart, 0, apart * (double)(ny - 1)}, {0, 0, g->map[2][2], 0}};
+    const terrain_desc desc = {
+        .field = field,
+        .nx = nx,
+        .ny = ny,
+        .z = z,
+        .map = g->north_up ? picture : (const double(*)[4])g->map,
+        .geographic = g->geographic,
+        .unit = g->unit,
+        .semi_major = g->semi_major,
+        .inverse_flattening = g->inverse_flattening,
+    };
+    return terrain_init(t, &desc);
+}
+
+double ground_northward(const ground *g, const terrain *t, double y) {
+    return g->north_up ? g->map[0][0] * (double)(terrain_whole(t)->ny - 1) - y : y;
+}

@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* How the samples of an array lie on the earth, as Python says it. */
+#ifndef CELLWALK_PYTHON_GROUND_H
+#define CELLWALK_PYTHON_GROUND_H
+
+#define PY_SSIZE_T_CLEAN
+#include <Python.h>
+
+#include "terrain.h"
+
+typedef struct ground {
+    double map[3][4]; /* samples (column, row, z) to x, y, z */
+    bool geographic;
+    bool north_up; /* there is no map: products have the first row in the north, though y is the row */
+    double unit, semi_major, inverse_flattening;
+} ground;
+
+/* A buffer of 12 doubles. False with an exception if it is shorter. */
+bool ground_take_map(const Py_buffer *buffer, double map[3][4]);
+
+/* False if the map cannot be inverted. field and z may be NULL, for a terrain that only its map and size are used of. */
+bool ground_init(terrain *t, const ground *g, const cw_field *field, size_t nx, size_t ny, const float *z);
+
+/* y of the caller's to that of the terrain, and back. */
+double ground_northward(const ground *g, const terrain *t, double y);
+
+#endif
