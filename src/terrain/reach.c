@@ -122,7 +122,8 @@ cw_rectangle reach_beside(const terrain *whole, cw_rectangle part, double metres
 cw_status reach_blocks_create(const terrain *whole, reach_blocks *b) {
     *b = (reach_blocks){.whole = whole,
                         .across = (whole->nx + REACH_BLOCK - 1) / REACH_BLOCK,
-                        .down = (whole->ny + REACH_BLOCK - 1) / REACH_BLOCK};
+                        .down = (whole->ny + REACH_BLOCK - 1) / REACH_BLOCK,
+                        .highest = -INFINITY};
     const size_t n = b->across * b->down;
     b->low = malloc(2 * n * sizeof *b->low);
     b->holes = calloc(n, sizeof *b->holes);
@@ -160,6 +161,7 @@ void reach_blocks_take(reach_blocks *b, cw_rectangle part, const float *z) {
             b->low[k] = low;
             b->high[k] = high;
             b->holes[k] = holes;
+            b->highest = high > b->highest ? high : b->highest;
         }
 }
 
@@ -230,6 +232,22 @@ static cw_rectangle block_at(const reach_blocks *b, size_t x, size_t y) {
                           b->whole->ny - j < REACH_BLOCK ? b->whole->ny - j : REACH_BLOCK};
 }
 
+/* Blocks first[a] to end[a] - 1 of an axis: none farther away has what the highest sample would throw a shadow from. */
+static void blocks_in_reach(const reach_blocks *b, const reach_sunward *s, const double from[2], const double until[2],
+                            double lowest, size_t first[2], size_t end[2]) {
+    const double over = fmax(((double)b->highest - lowest) * terrain_metres_of_height(b->whole), 0);
+    for (int a = 0; a < 2; a++) {
+        const double count = (double)(a ? b->down : b->across);
+        double low = 0, high = count;
+        if (s->tangent > 0) {
+            low = floor((from[a] + fmin(s->cells[a][0], 0) * (over / s->tangent) - 2 * beside) / REACH_BLOCK);
+            high = floor((until[a] + fmax(s->cells[a][1], 0) * (over / s->tangent) + 2 * beside) / REACH_BLOCK) + 1;
+        }
+        first[a] = (size_t)fmin(fmax(low, 0), count);
+        end[a] = (size_t)fmax(fmin(high, count), 0);
+    }
+}
+
 /* Compared and not by fmin: GCC 12 for aarch64 crashes on that loop (internal error in vect_transform_reduction). */
 static double lowest_of(const reach_blocks *b, cw_rectangle part) {
     const size_t right = (part.i + part.nx - 1) / REACH_BLOCK, bottom = (part.j + part.ny - 1) / REACH_BLOCK;
@@ -248,8 +266,10 @@ cw_rectangle reach_of_shadows(const reach_blocks *b, const reach_sunward *s, cw_
         low[a] = from[a] - beside;
         high[a] = until[a] + beside;
     }
-    for (size_t y = 0; y < b->down && lowest < INFINITY; y++)
-        for (size_t x = 0; x < b->across; x++) {
+    size_t begin[2], stop[2];
+    blocks_in_reach(b, s, from, until, lowest, begin, stop);
+    for (size_t y = begin[1]; y < stop[1] && lowest < INFINITY; y++)
+        for (size_t x = begin[0]; x < stop[0]; x++) {
             const cw_rectangle block = block_at(b, x, y);
             double first, last, left[2], end[2];
             if (!(b->high[y * b->across + x] > -INFINITY) || !passing(s, part, block, &first, &last)) continue;

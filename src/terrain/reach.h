@@ -34,6 +34,7 @@ typedef struct reach_blocks {
     size_t across, down;
     float *low, *high; /* low > high: all are holes, or were not taken */
     bool *holes;       /* whether some are */
+    float highest;     /* of all */
 } reach_blocks;
 
 cw_status reach_blocks_create(const terrain *whole, reach_blocks *blocks);

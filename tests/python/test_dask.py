@@ -59,7 +59,7 @@ def test_shadow_reaches_over_chunks(file):
     low, high = r.block_ranges()
     z = cw.open(file).z
     assert low.shape == (2, 2) and low[0, 0] == np.nanmin(z[:256, :256]) and high[1, 0] == np.nanmax(z[256:, :256])
-    window = cwd._Window(*r.reach.sunward(low, high, 90, 30, 0, 0, cwd._Window(0, 0, 64, 64)))
+    window = cwd._Window(*r.reach.sunward(low, high, float(high.max()), 90, 30, 0, 0, cwd._Window(0, 0, 64, 64)))
     assert window.columns < COLUMNS and window.row == 0 and window.rows < 80
 
 
@@ -134,6 +134,13 @@ def test_what_is_too_much_is_said_before(file):
         cwd.shadow(mountains())
     with pytest.raises(ValueError, match="needed: the height that is needed is that of one observer, not of 2"):
         cwd.viewshed(file, [1, 2], 3, needed=True)
+    for chunks in (0, -5, "many", (3, 3, 3)):
+        with pytest.raises(ValueError, match="^chunks: .*for a raster of 301 x 263"):
+            cwd.shadow(file, chunks=chunks)
+    with pytest.raises(TypeError, match="nodata: 'none'"):
+        cwd.shadow(file, nodata="none")
+    with pytest.raises(TypeError, match="result: int, expected what"):
+        cwd.to_geotiff(3, "nowhere.tif")
     with pytest.raises(ValueError, match="max_distance: 0, expected metres above 0"):
         cwd.sky_view(file, max_distance=0)
 

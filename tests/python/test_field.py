@@ -76,7 +76,7 @@ def test_update_that_is_refused():
     z = rough(holes=False)
     field = cw.Field(z)
     wanted = ask(field)
-    with pytest.raises(ValueError, match="update"):
+    with pytest.raises(ValueError, match=r"block: sample \(3, 3\) is 2e"):
         field.update(3, 3, np.full((5, 5), 2e30, np.float32))
     same_hits(ask(field), wanted)
     with pytest.raises(ValueError, match=r"block: shape \(5, 5\) at \(60, 3\) goes beyond the field's \(61, 83\)"):
@@ -114,9 +114,14 @@ def _looks_up():
     (np.zeros((3, 3), complex), {}, TypeError, "z: dtype complex128"),
     (np.array([["a", "b"], ["c", "d"]]), {}, TypeError, "z: dtype <U1"),
     (np.array([[0, 1e300], [0, 0]]), {}, ValueError, r"z: the sample at \(0, 1\) is 1e\+300, beyond the range"),
-    (np.full((3, 3), 1e35, np.float32), {}, ValueError, "field: "),
+    (np.full((3, 3), 1e35, np.float32), {}, ValueError, "z: sample"),
     (np.zeros((3, 3)), {"transform": (1, 2, 3)}, ValueError, r"transform: shape \(3,\)"),
-    (np.zeros((3, 3)), {"transform": (0, 0, 3, 0, 0, 3)}, ValueError, "field: "),
+    (np.zeros((3, 3)), {"transform": (0, 0, 3, 0, 0, 3)}, ValueError, r"transform: \(0.0, 0.0, 3.0, 0.0, 0.0, 3.0\), expected finite"),
+    (np.zeros((3, 3)), {"transform": (1, 0, np.nan, 0, 1, 3)}, ValueError, "transform: "),
+    (np.zeros((3, 3)), {"transform": "abc"}, TypeError, "transform: 'abc', expected an Affine or numbers"),
+    (np.zeros((3, 3)), {"nodata": "none"}, TypeError, "nodata: 'none', expected a number"),
+    (np.zeros((3, 3)), {"zscale": "m"}, TypeError, "zscale: 'm', expected a number"),
+    (np.zeros((3, 3)), {"band": 2}, ValueError, "band: 2, but z is an array"),
     (np.zeros((3, 3)), {"threads": -1}, ValueError, "threads: -1, expected 0 to 4096"),
     (np.zeros((3, 3)), {"threads": 1.5}, TypeError, "threads: 1.5, expected an integer"),
     (np.zeros((3, 3)), {"zscale": 0}, ValueError, "zscale: 0"),
@@ -145,8 +150,27 @@ def test_wrong_arguments(z, keywords, kind, words):
     (lambda f: f.viewshed(1, 2, max_distance=-4), ValueError, "max_distance: -4"),
     (lambda f: f.viewshed(1, 2, curvature=-1), ValueError, "curvature: -1"),
     (lambda f: f.line_of_sight((1, 2, 3, 4), (1, 2)), ValueError, r"a: shape \(4,\)"),
-    (lambda f: f.line_of_sight((1, 2, 3), (-7, 2)), ValueError, "a, b: no ground"),
+    (lambda f: f.line_of_sight((1, 2, 3), (-7, 2)), ValueError, r"b: \(-7, 2, 0\) has no ground under it"),
+    (lambda f: f.line_of_sight((1e12, 2, 3), (7, 2)), ValueError, r"a: \(1e\+12, 2, 3\) is too far away"),
+    (lambda f: f.line_of_sight((1, 2), [(7, 2, 1), (8, 2, -3)]), ValueError, r"b: \(8, 2, -3\) is under the ground"),
+    (lambda f: f.line_of_sight((1, 2), (7, 2), absolute=(True,)), TypeError, r"absolute: \(True,\), expected"),
+    (lambda f: f.viewshed(5, 5, -3), ValueError, r"observer_height: -3 at \(5, 5\) is under the ground"),
+    (lambda f: f.viewshed(5, 5, observer_elevation=-99), ValueError, r"observer_elevation: -99 at \(5, 5\) is under the ground"),
+    (lambda f: f.viewshed([5, 6], [1, 2, 3]), ValueError, r"x \(2,\), y \(3,\), observer_height \(\)"),
+    (lambda f: f.horizon(8, max_distance=0), ValueError, "max_distance: 0, expected metres above 0"),
+    (lambda f: f.sky_view(8, max_distance="far"), TypeError, "max_distance: 'far', expected a number"),
+    (lambda f: f.sky_view(8, curvature=-1), ValueError, "curvature: -1, expected"),
+    (lambda f: f.sky_view(8, grid=True, tilted=True), ValueError, "tilted: goes without grid"),
+    (lambda f: f.horizon(7, grid=True), ValueError, "directions: 7, expected 8, 16 or 32"),
+    (lambda f: f.horizon(8, 5, grid=True), ValueError, "grid: goes without start and max_distance"),
+    (lambda f: f.shadow(time="noon"), ValueError, "time: 'noon', expected a time with its zone"),
+    (lambda f: f.shadow(curvature=np.inf), ValueError, "curvature: inf"),
+    (lambda f: f.closest([1, 1, 1], [0, 0, 1], kernel=3), TypeError, "kernel: 3, expected a name"),
+    (lambda f: f.closest(np.zeros((3, 6)), tmin=[1, 2]), ValueError, r"tmin: shape \(2,\) does not broadcast to that of the rays, \(3,\)"),
+    (lambda f: f.closest(np.zeros((3, 6)), tmax="far"), TypeError, "tmax: dtype"),
+    (lambda f: f.update(0, 0, np.full((3, 3), 1e35)), ValueError, "block: sample .0, 0. is 1e"),
     (lambda f: cw.sun("yesterday", 0, 0), ValueError, "time: 'yesterday'"),
+    (lambda f: cw.open(3), TypeError, "path: 3, expected a path"),
 ])
 def test_wrong_questions(call, kind, words):
     with pytest.raises(kind, match=words):

@@ -127,6 +127,14 @@ def test_wrong_arguments(arguments, kind, words):
             call(*arguments)
 
 
+def test_packed_floats_with_wider_ends():
+    """A range that is no float is not rounded, whatever form the rays have."""
+    rays = random_rays(FIELD, 500, dtype=np.float32)[:, [0, 1, 2, 4, 5, 6]]
+    ends = FIELD.closest(rays).t.astype(np.float64)
+    for end in (ends * (1 - 1e-12), 0.3):
+        same_hits(FIELD.closest(rays, tmax=end), FIELD.closest(rays[:, :3], rays[:, 3:], tmax=end))
+
+
 def test_wrong_kernel():
     with pytest.raises(ValueError, match="kernel: 'no-such'"):
         FIELD.closest([0, 0, 9], [0, 0, -1], kernel="no-such")

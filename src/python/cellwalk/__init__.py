@@ -19,11 +19,15 @@ Make a field with Field(array) or open(file). Then ask it:
     update            new heights in a rectangle
     coarser           a field of every n-th sample, with its error
 
-Places are those of the map: x and y by `transform` or by the coordinates of a DataArray. Without a map, x is the column and y
-the row, and azimuths take the first row for the north, as in a picture. Arrays of samples are indexed [row, column]. Results are of the caller's kind: a DataArray in, a DataArray out.
+cellwalk.sun says where the sun stands, cellwalk.kernels which ways of tracing there are. cellwalk.dask has shadow,
+viewshed, horizon and sky_view of rasters larger than memory.
 
-All answers are exact for the surface of two triangles between each four samples. They are the same bits for any number of
-threads, any CPU, and the program `cellwalk`.
+Places are those of the map: x and y by `transform` or by the coordinates of a DataArray. Without a map, x is the
+column and y the row, and azimuths take the first row for the north, as in a picture. Arrays of samples are indexed
+[row, column]. Results are of the caller's kind: a DataArray in, a DataArray out.
+
+All answers are exact for the surface of two triangles between each four samples. They are the same bits for any
+number of threads, any CPU, and the program `cellwalk`.
 """
 
 from ._cellwalk import version as __version__

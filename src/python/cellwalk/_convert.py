@@ -32,12 +32,13 @@ def map_of_transform(transform) -> np.ndarray:
     its pixel's middle."""
     if transform is None:
         return IDENTITY.copy()
-    if all(hasattr(transform, name) for name in "abcdef"):
-        numbers = np.array([getattr(transform, name) for name in "abcdef"], np.float64)
-    else:
-        numbers = np.asarray(transform, np.float64)
+    given = [getattr(transform, name) for name in "abcdef"] if all(hasattr(transform, name) for name in "abcdef") else transform
+    try:
+        numbers = np.array(given, np.float64)
+    except (TypeError, ValueError):
+        raise TypeError(f"transform: {transform!r}, expected an Affine or numbers") from None
     if numbers.shape == (3, 4):
-        return numbers.copy()
+        return numbers
     if numbers.shape == (9,):
         numbers = numbers[:6]
     if numbers.shape == (3, 3):
@@ -45,6 +46,8 @@ def map_of_transform(transform) -> np.ndarray:
     if numbers.shape != (6,):
         raise ValueError(f"transform: shape {numbers.shape}, expected an Affine, (6,), (3, 3) or (3, 4)")
     a, b, c, d, e, f = (float(x) for x in numbers)
+    if not (np.isfinite(numbers).all() and a * e - b * d != 0):
+        raise ValueError(f"transform: {(a, b, c, d, e, f)}, expected finite numbers with a way back from x and y to samples")
     # The order of additions is the one of src/io/raster/gdal/read.c, so that bits are the same.
     return np.array([[a, b, 0, c + 0.5 * a + 0.5 * b], [d, e, 0, f + 0.5 * d + 0.5 * e], [0, 0, 1, 0]])
 
@@ -249,9 +252,9 @@ _METRES = {"m": 1.0, "metre": 1.0, "metres": 1.0, "meter": 1.0, "meters": 1.0, "
 def _scale_heights(affine: np.ndarray, zscale, unit, crs: Crs) -> None:
     """The map's third row: heights in the unit of x and y, or in metres on a map in degrees."""
     if zscale is not None:
-        if not (np.isfinite(zscale) and zscale > 0):
+        affine[2, 2] = finite(zscale, "zscale")
+        if not affine[2, 2] > 0:
             raise ValueError(f"zscale: {zscale!r}, expected a number above 0")
-        affine[2, 2] = zscale
     elif isinstance(unit, str) and unit.lower() in _METRES and (crs.geographic or crs.unit > 0):
         affine[2, 2] = _METRES[unit.lower()] / (1.0 if crs.geographic else crs.unit)
 
@@ -280,6 +283,8 @@ def read_source(z, transform, crs, nodata, zscale, band) -> Source:
         return _source_of_dataset(z, transform, crs, nodata, zscale, band)
     if isinstance(z, (str, bytes)) or hasattr(z, "__fspath__"):
         raise TypeError(f"z: {z!r} is a path; use cellwalk.open")
+    if band is not None:
+        raise ValueError(f"band: {band!r}, but z is an array and has none")
     known = read_crs(crs)
     affine = map_of_transform(transform)
     _scale_heights(affine, zscale, None, known)
@@ -287,6 +292,14 @@ def read_source(z, transform, crs, nodata, zscale, band) -> Source:
 
 
 # ---- numbers --------------------------------------------------------------------------------------------------------------
+
+
+def nodata_of(value) -> Optional[float]:
+    """A float, or None; NaN and infinity may stand for no data as well."""
+    try:
+        return None if value is None else float(value)
+    except (TypeError, ValueError):
+        raise TypeError(f"nodata: {value!r}, expected a number") from None
 
 
 def finite(value, name: str, low: float = -math.inf, high: float = math.inf) -> float:

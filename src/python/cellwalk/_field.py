@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Optional, cast
 import numpy as np
 
 from . import _cellwalk
-from ._convert import IDENTITY, Crs, Source, coarser_like, count, finite, numbers, progress_call, read_crs, read_source, samples_of
+from ._convert import IDENTITY, Crs, Source, coarser_like, count, finite, nodata_of, numbers, progress_call, read_crs, read_source, samples_of
 from ._hits import Hits, _dtype
 from ._products import Products
 from ._rays import rays_of
@@ -87,8 +87,7 @@ class Field(Products):
 
     def __init__(self, z: Any, transform: Any = None, crs: Any = None, nodata: float | None = None, threads: int = 0, *,
                  zscale: float | None = None, band: int | None = None, copy: bool = False, progress=None) -> None:
-        nodata = None if nodata is None else float(nodata)
-        self._make(read_source(z, transform, crs, nodata, zscale, band), threads, copy, progress, z)
+        self._make(read_source(z, transform, crs, nodata_of(nodata), zscale, band), threads, copy, progress, z)
 
     def _make(self, source: Source, threads, copy, progress, given=None, whole=None) -> None:
         self._threads = count(threads, "threads", 0, 4096)
@@ -211,6 +210,8 @@ class Field(Products):
         return out.view(np.bool_).reshape(shape)
 
     def _trace(self, any_hit, origins, directions, tmin, tmax, kernel, progress):
+        if kernel is not None and not isinstance(kernel, str):
+            raise TypeError(f"kernel: {kernel!r}, expected a name of cellwalk.kernels()")
         shape, dtype, operands = rays_of(origins, directions, tmin, tmax)
         n = int(np.prod(shape, dtype=np.int64))
         out = np.empty(n * (1 if any_hit else _dtype.itemsize), np.uint8)
@@ -282,6 +283,7 @@ class Field(Products):
             >>> float(f.at(4, 4))
             5.0
         """
+        nodata = nodata_of(nodata)
         array = np.asarray(block) if not isinstance(block, np.ma.MaskedArray) else block
         if array.ndim != 2:
             raise ValueError(f"block: shape {array.shape}, expected (rows, columns)")
@@ -325,10 +327,12 @@ def open(path: str | os.PathLike[str], window: Any = None, *, band: int | None =
         >>> cw.open(path, window=(1, 0, 3, 4)).shape
         (4, 3)
     """
+    if not isinstance(path, (str, os.PathLike)):
+        raise TypeError(f"path: {path!r}, expected a path")
     path = os.fspath(path)
     column, row, columns, rows = _window(window)
     given = _cellwalk.read_raster(path, 0 if band is None else count(band, "band", 1, 65535),
-                                  None if nodata is None else float(nodata), 0.0 if cellsize is None else finite(cellsize, "cellsize", 0),
+                                  nodata_of(nodata), 0.0 if cellsize is None else finite(cellsize, "cellsize", 0),
                                   0.0 if zscale is None else finite(zscale, "zscale", 0), (column, row, columns, rows),
                                   progress_call(progress))
     for sentence in given["warnings"]:

@@ -56,6 +56,10 @@ def sun(time: Time, longitude: float, latitude: float) -> Sun:
     return Sun(*_cellwalk.sun(_seconds(time), finite(longitude, "longitude"), finite(latitude, "latitude", -90, 90)))
 
 
+# As look_along in src/python/extension/views.c counts them.
+_places_wrong = ("has no ground under it; absolute=True takes heights themselves", "is too far away from the terrain", "is under the ground")
+
+
 class LineOfSight(NamedTuple):
     """visible: bool; distance: metres from end to end on the map; blocked_at: x, y, z where the line first meets the surface,
     NaN if it does not; blocked_distance: metres from the first place to there."""
@@ -170,6 +174,7 @@ class Products:
         if time is not None:
             if azimuth is not None or altitude is not None:
                 raise ValueError("time: goes without azimuth and altitude")
+            _seconds(time)  # before what is asked of the field
             place = self.sun(time)
             azimuth, altitude = place.azimuth, place.altitude
             if disc is True:
@@ -267,7 +272,8 @@ class Products:
 
         Returns uint8, shape (rows, columns): 1 where seen, else 0, 255 at holes. From several observers: how many see it
         (uint16 with 65535 at holes, from 255 observers on). needed: float32 metres, 0 where the ground is seen, NaN at holes
-        and farther than max_distance. A line that touches the surface on the way is blocked.
+        and farther than max_distance. A line that touches the surface on the way is blocked. Raises ValueError if an observer
+        has no ground to stand on, or is under it.
 
             >>> import numpy as np, cellwalk as cw
             >>> z = np.zeros((3, 8), "float32"); z[:, 3] = 5
@@ -297,7 +303,7 @@ class Products:
         absolute   True: the third number is the height itself; or a pair, for a and for b
         curvature  as for viewshed
 
-        Raises ValueError if a place has no ground under it. The ends themselves block nothing.
+        Raises ValueError if a place has no ground under it or is under the ground. The ends themselves block nothing.
 
             >>> import numpy as np, cellwalk as cw
             >>> z = np.zeros((3, 9), "float32"); z[:, 4] = 3
@@ -319,13 +325,16 @@ class Products:
             raise ValueError(f"shapes do not broadcast: a {pair[0].shape}, b {pair[1].shape}") from None
         lines = np.ascontiguousarray(np.stack(both, -2))
         shape = lines.shape[:-2]
-        above = (bool(absolute), bool(absolute)) if not isinstance(absolute, (tuple, list)) else (bool(absolute[0]), bool(absolute[1]))
+        above = (absolute, absolute) if isinstance(absolute, (bool, np.bool_)) else tuple(absolute) if np.ndim(absolute) == 1 else ()
+        if len(above) != 2:
+            raise TypeError(f"absolute: {absolute!r}, expected True, False or a pair of them")
         out = np.full(shape + (6,), np.nan)
         if out.size:
-            self._core.line_of_sight(lines, above[0], above[1], self._curvature(curvature), out, self._threads, progress_call(progress))
+            self._core.line_of_sight(lines, bool(above[0]), bool(above[1]), self._curvature(curvature), out, self._threads, progress_call(progress))
         wrong = np.isnan(out[..., 0])
         if wrong.any():
-            first = lines.reshape(-1, 2, 3)[int(np.argmax(wrong.ravel()))]
-            raise ValueError(f"a, b: no ground under a place of the line from {first[0].tolist()} to {first[1].tolist()}, or too "
-                             "far away; absolute=True takes heights themselves")
+            number = int(np.argmax(wrong.ravel()))
+            end = int(out.reshape(-1, 6)[number, 1])
+            place, reason = lines.reshape(-1, 2, 3)[number, end % 2].tolist(), _places_wrong[end // 2]
+            raise ValueError(f"{'ab'[end % 2]}: ({', '.join(format(v, '.10g') for v in place)}) {reason}")
         return LineOfSight(out[..., 0] == 1, out[..., 1], out[..., 2:5], out[..., 5])

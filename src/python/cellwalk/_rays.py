@@ -34,10 +34,14 @@ def _packed(rays, tmin, tmax):
         if tmin is not None or tmax is not None:
             raise ValueError("tmin, tmax: rays of shape (..., 8) have theirs already")
         return shape, rays.dtype, [(rays, place * size, step) for place in (0, 4, 3, 7)]
-    ends = [np.asarray(end, rays.dtype) for end in (0 if tmin is None else tmin, np.inf if tmax is None else tmax)]
+    ends = [numbers(0 if tmin is None else tmin, "tmin"), numbers(np.inf if tmax is None else tmax, "tmax")]
     for end, name in zip(ends, ("tmin", "tmax")):
-        if np.broadcast_shapes(end.shape, shape) != shape:
+        if len(end.shape) > len(shape) or any(n not in (1, m) for n, m in zip(end.shape[::-1], shape[::-1])):
             raise ValueError(f"{name}: shape {end.shape} does not broadcast to that of the rays, {shape}")
+    if rays.dtype == np.float32 and not all((end.astype(np.float32) == end).all() for end in ends):
+        rays, step = rays.astype(np.float64), 2 * step  # doubles that are no floats are not rounded
+        size *= 2
+    ends = [end.astype(rays.dtype, copy=False) for end in ends]
     return shape, rays.dtype, [(rays, 0, step), (rays, 3 * size, step)] + [_operand(end, shape, 0) for end in ends]
 
 

@@ -31,7 +31,7 @@ import dask.array as da
 import numpy as np
 
 from . import _cellwalk
-from ._convert import Crs, Source, count, describe_dataarray, finite, samples_of
+from ._convert import Crs, Source, count, describe_dataarray, finite, nodata_of, samples_of
 from ._field import Field, open as open_field
 from ._products import SUN_RADIUS, distance_of, places_of, sky_of
 
@@ -167,13 +167,13 @@ class _Raster:
         self.threads = count(threads, "threads", 0, 4096)
         self.memory = finite(memory, "memory", 1)
         self.like = self.path = None
+        nodata = nodata_of(nodata)
         if isinstance(source, (str, os.PathLike)):
             self.path = os.path.abspath(os.fspath(source)) if "://" not in str(source) and not str(source).startswith("/vsi") else str(source)
             self.band = 0 if band is None else count(band, "band", 1, 65535)
             columns, rows = _cellwalk.raster_size(self.path, self.band)
             corner = open_field(self.path, (0, 0, 2, 2), band=band, nodata=nodata, crs=crs, threads=1)
             about = corner._source
-            nodata = None if nodata is None else float(nodata)
         elif hasattr(source, "dims") and hasattr(source, "coords"):
             about = describe_dataarray(source, crs=crs, nodata=nodata)
             self.like, nodata = about.like, about.nodata
@@ -187,7 +187,10 @@ class _Raster:
         self.geometry = g = _Geometry(rows, columns, tuple(map(tuple, about.map.tolist())), about.placed, about.crs._replace(given=None), nodata)
         self.reach = _cellwalk.Reach(rows, columns, np.array(g.map), g.crs.geographic, not g.placed, g.crs.unit, g.crs.semi_major,
                                      g.crs.inverse_flattening)
-        self.chunks = da.core.normalize_chunks(2048 if chunks is None else chunks, (rows, columns), dtype=np.float32)
+        try:
+            self.chunks = da.core.normalize_chunks(2048 if chunks is None else chunks, (rows, columns), dtype=np.float32)
+        except (TypeError, ValueError, ZeroDivisionError) as error:
+            raise ValueError(f"chunks: {chunks!r}, expected rows and columns of a chunk, for a raster of {rows} x {columns}: {error}") from None
         ends = [np.concatenate([[0], np.cumsum(sizes)]) for sizes in self.chunks]
         self.windows = [[_Window(int(r), int(c), h, w) for c, w in zip(ends[1], self.chunks[1])] for r, h in zip(ends[0], self.chunks[0])]
 
@@ -263,7 +266,8 @@ def shadow(source: Any, azimuth: float = 225, altitude: float = 30, *, hillshade
     azimuth, altitude = finite(azimuth, "azimuth"), finite(altitude, "altitude", -90, 90)
     disc, curvature = SUN_RADIUS if disc is True else finite(disc, "disc", 0, 10), finite(curvature, "curvature", 0)
     low, high = r.block_ranges()
-    blocks = r.map(_shadow, lambda w: r.reach.sunward(low, high, azimuth, altitude, disc, curvature, w), f"altitude: {altitude}", 4,
+    highest = float(high.max())
+    blocks = r.map(_shadow, lambda w: r.reach.sunward(low, high, highest, azimuth, altitude, disc, curvature, w), f"altitude: {altitude}", 4,
                    (azimuth, altitude, disc, curvature, bool(hillshade)))
     share = disc > 0 or hillshade
     attrs = {"long_name": "sunlight", "azimuth": azimuth, "altitude": altitude}
@@ -378,6 +382,8 @@ def to_geotiff(result: Any, path: str | os.PathLike[str], like: str | os.PathLik
     import rasterio
     from rasterio.windows import Window  # type: ignore[import]
     array = result.data if hasattr(result, "dims") else result
+    if not isinstance(array, da.Array) or array.ndim not in (2, 3):
+        raise TypeError(f"result: {type(result).__name__}, expected what shadow, viewshed, horizon or sky_view returned")
     bands = array.shape[0] if array.ndim == 3 else 1
     # Compressed tiles that are written in parts would leave gaps.
     aligned = all(edge % 256 == 0 for sizes in array.chunks[-2:] for edge in np.cumsum(sizes)[:-1])

@@ -109,7 +109,7 @@ static PyObject *field_new(PyTypeObject *type, PyObject *arguments, PyObject *ke
     }
     const cw_status status = make(f, &w);
     const bool infinite = status == CW_ERROR_SAMPLE && has_infinity(f);
-    if (!work_end(&w, infinite ? CW_OK : status, "field")) {
+    if (!work_end(&w, infinite ? CW_OK : status, "z")) {
         Py_DECREF((PyObject *)f);
         return NULL;
     }
@@ -183,7 +183,7 @@ static PyObject *field_update(PyObject *self, PyObject *arguments) {
         f->users = -1;
         if ((good = work_begin(&w, threads, NULL, Py_None))) {
             const cw_update u = {.at = {(size_t)column, (size_t)row, (size_t)columns, (size_t)rows}};
-            good = work_end(&w, put(f, &u, &w.run, block.buf, before.buf), "update");
+            good = work_end(&w, put(f, &u, &w.run, block.buf, before.buf), "block");
         }
         f->users = 0;
     }

@@ -101,21 +101,23 @@ static PyObject *around(PyObject *self, PyObject *arguments) {
 
 static size_t blocks_along(size_t samples) { return (samples + REACH_BLOCK - 1) / REACH_BLOCK; }
 
-/* sunward(low, high, azimuth, altitude, radius, curvature, window): the window and all that can throw a shadow on it; low and high
+/* sunward(low, high, highest, azimuth, altitude, radius, curvature, window): the window and all that can throw a shadow on it; low and high
  * of all blocks, row by row. */
 static PyObject *sunward(PyObject *self, PyObject *arguments) {
     const py_reach *r = (const py_reach *)self;
     Py_buffer low = {0}, high = {0};
     sunlight_desc light = {0};
+    float highest;
     cw_rectangle part;
-    if (!PyArg_ParseTuple(arguments, "y*y*ddddO&:sunward", &low, &high, &light.azimuth, &light.altitude, &light.radius,
-                          &light.curvature, to_rectangle, &part))
+    if (!PyArg_ParseTuple(arguments, "y*y*fddddO&:sunward", &low, &high, &highest, &light.azimuth, &light.altitude,
+                          &light.radius, &light.curvature, to_rectangle, &part))
         return NULL;
     reach_blocks blocks = {.whole = &r->whole,
                            .across = blocks_along(r->whole.nx),
                            .down = blocks_along(r->whole.ny),
                            .low = low.buf,
-                           .high = high.buf};
+                           .high = high.buf,
+                           .highest = highest};
     const size_t bytes = blocks.across * blocks.down * sizeof(float);
     PyObject *answer = NULL;
     if (buffer_holds(&low, bytes, "low") && buffer_holds(&high, bytes, "high") && is_part(r, part)) {

@@ -20,13 +20,21 @@ typedef struct viewing {
 /* y of the caller's to that of the terrain, and back. */
 static double northward(const py_field *f, double y) { return ground_northward(&f->ground, &f->terrain, y); }
 
-/* A place in field coordinates, height in the samples' numbers; NaN if there is none. */
-static void find_place(const py_field *f, const double place[3], bool absolute, double at[3]) {
+/* What is wrong with a place; _places_wrong of cellwalk/_products.py has the same order. */
+typedef enum finding { NO_GROUND, TOO_FAR, UNDER_GROUND, FOUND } finding;
+
+/* So far under the ground a place may be: its height may come from decimals. As in the program. */
+static const double least_depth = 0.001;
+
+/* A place in field coordinates, height in the samples' numbers. */
+static finding find_place(const py_field *f, const double place[3], bool absolute, double at[3]) {
     const terrain *t = &f->terrain;
-    const bool near = terrain_find_place(t, place[0], northward(f, place[1]), at);
-    const double level = near ? terrain_height(t, at[0], at[1]) : NAN;
-    at[2] = (absolute ? place[2] : level + place[2]) / terrain_metres_of_height(t);
-    if (!near) at[2] = NAN;
+    if (!terrain_find_place(t, place[0], northward(f, place[1]), at)) return TOO_FAR;
+    const double level = terrain_height(t, at[0], at[1]), height = absolute ? place[2] : level + place[2];
+    at[2] = height / terrain_metres_of_height(t);
+    if (!absolute && isnan(level)) return NO_GROUND;
+    if (height < level - least_depth) return UNDER_GROUND;
+    return isfinite(at[2]) ? FOUND : TOO_FAR;
 }
 
 static cw_status view_from(const viewing *v, size_t number, const sight_bounds *bounds) {
@@ -61,11 +69,15 @@ static cw_status view(const viewing *v) {
 static bool check_place(const py_field *f, const double place[3], bool absolute) {
     double at[3];
     char text[200];
-    find_place(f, place, absolute, at);
-    if (!isnan(at[2])) return true;
-    snprintf(text, sizeof text, "x, y: (%.10g, %.10g) %s", place[0], place[1],
-             terrain_is_in_reach(at[0], at[1]) ? "has no ground to stand on; give the height itself, as an elevation"
-                                               : "is too far away from the terrain");
+    const finding found = find_place(f, place, absolute, at);
+    if (found == FOUND) return true;
+    if (found == UNDER_GROUND)
+        snprintf(text, sizeof text, "%s: %.10g at (%.10g, %.10g) is under the ground",
+                 absolute ? "observer_elevation" : "observer_height", place[2], place[0], place[1]);
+    else
+        snprintf(text, sizeof text, "x, y: (%.10g, %.10g) %s", place[0], place[1],
+                 found == NO_GROUND ? "has no ground to stand on; give observer_elevation"
+                                    : "is too far away from the terrain");
     PyErr_SetString(PyExc_ValueError, text);
     return false;
 }
@@ -109,7 +121,7 @@ PyObject *field_viewshed(PyObject *self, PyObject *arguments) {
 typedef struct lines_of_sight {
     const py_field *field;
     const double (*ends)[2][3]; /* x, y, height */
-    double (*answers)[6];       /* 1 if visible, distance, x, y, z of the block, its distance */
+    double (*answers)[6]; /* 1 if visible, distance, x, y, z of the block, its distance; or NaN and 2 findings + end */
     double curvature;
     bool absolute[2];
     work *work;
@@ -122,11 +134,11 @@ static void look_along(const lines_of_sight *l, const double ends[2][3], double 
     const terrain *t = &l->field->terrain;
     double at[2][3], metres[2], xy[2][2];
     for (int k = 0; k < 2; k++) {
-        find_place(l->field, ends[k], l->absolute[k], at[k]);
-        if (!isfinite(at[k][2])) {
-            for (int c = 0; c < 6; c++) answer[c] = NAN;
-            return;
-        }
+        const finding found = find_place(l->field, ends[k], l->absolute[k], at[k]);
+        if (found == FOUND) continue;
+        answer[0] = NAN;
+        answer[1] = 2 * (int)found + k;
+        return;
     }
     const double *eye = at[0], *target = at[1];
     sight s;
