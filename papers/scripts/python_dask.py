@@ -24,7 +24,7 @@ import cellwalk.dask as cwd
 
 PRODUCTS = {
     "shadow": ({"azimuth": 250, "altitude": 12}, ["shadow", "--sun", "250,12"]),
-    "sky_view": ({"directions": 8, "max_distance": 2000}, ["horizon", "--svf", "--directions", "8", "--max-distance", "2000"]),
+    "sky_view": ({"directions": 4, "max_distance": 2000}, ["horizon", "--svf", "--directions", "4", "--max-distance", "2000"]),
 }
 
 

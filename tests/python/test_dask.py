@@ -71,6 +71,22 @@ def test_blocks_of_chunks_that_are_not_aligned(file):
             same(got, want)
 
 
+def test_blocks_out_of_reach_are_not_looked_at():
+    """The highest sample limits which blocks are looked at, and changes no window; too low a one does."""
+    random = np.random.default_rng(3)
+    reach = cw._cellwalk.Reach(40 * 256 + 9, 50 * 256 - 3, np.array([[10.0, 1, 0, 6e5], [0.5, -12, 0, 5e6], [0, 0, 1, 0]]), False, False, 1.0, 0.0, 0.0)
+    low = random.uniform(0, 300, (41, 50)).astype(np.float32)
+    high = low + random.uniform(0, 900, low.shape).astype(np.float32) * (random.random(low.shape) < 0.2)
+    differ = 0
+    for _ in range(300):
+        azimuth, altitude, disc = random.uniform(0, 360), random.choice([-2, 3, 10, 25, 60, 90]), random.choice([0, 1])
+        window = (int(random.integers(0, 9000)), int(random.integers(0, 9000)), 512, 700)
+        every, some, none = (reach.sunward(low, high, top, azimuth, altitude, disc, 0, window) for top in (1e30, float(high.max()), 310))
+        assert every == some
+        differ += none != every
+    assert differ > 50
+
+
 def test_horizon_and_sky_view(file):
     field = cw.open(file)
     same(compute(cwd.horizon(file, 5, start=3, chunks=100)), field.horizon(5, start=3))

@@ -390,7 +390,9 @@ def to_geotiff(result: Any, path: str | os.PathLike[str], like: str | os.PathLik
     profile = {"driver": "GTiff", "height": array.shape[-2], "width": array.shape[-1], "count": bands, "dtype": array.dtype.name,
                "tiled": True, "blockxsize": 256, "blockysize": 256, "BIGTIFF": "IF_SAFER", "interleave": "band",
                "nodata": np.nan if array.dtype.kind == "f" else int(np.iinfo(array.dtype).max),
-               **({"compress": "deflate"} if aligned else {}), **_place_of(result, like)}
+               **_place_of(result, like)}
+    if aligned:  # as the program compresses
+        profile.update(compress="deflate", zlevel=1, predictor={"f": 3}.get(array.dtype.kind, array.dtype.itemsize), num_threads="ALL_CPUS")
     part = f"{os.fspath(path)}.part"
     try:
         with rasterio.open(part, "w", **profile) as file:
