@@ -309,7 +309,7 @@ CW_API const float *cw_field_row(const cw_field *field, size_t j);
  * can tell: within rounding (papers/numerics.md) it may miss, and so may one that meets the field's outer border or
  * the rim of a hole.
  *
-A ray may start anywhere. One that starts more than half a side outside the field, or more than eight times its
+ * A ray may start anywhere. One that starts more than half a side outside the field, or more than eight times its
  * range of heights above or below its middle, is first moved to where it enters the field's box, in double: distance
  * costs neither speed nor precision. A ray that would enter it beyond half of the largest float misses. */
 typedef struct cw_ray {
@@ -427,7 +427,7 @@ typedef struct cw_difference {
  * nx - 1, the last samples stand less than factor cells beyond the full field's border, and samples within the field
  * determine them. Both maps lead to the same user space, so t of a user-space ray means the same on both.
  *
-The caller owns the coarser field, which has a copy of its samples and the structure that run's kernel walks on.
+ * The caller owns the coarser field, which has a copy of its samples and the structure that run's kernel walks on.
  * difference may be NULL. The field has the same bits for any pool. On failure *coarser is NULL: CW_ERROR_ARGUMENT,
  * _KERNEL, _MEMORY, _CANCELLED, or _BUSY during an update of the full field. */
 CW_API cw_status cw_field_coarser(const cw_field *field, const cw_run *run, size_t factor, cw_filter filter,
@@ -440,7 +440,7 @@ CW_API cw_status cw_field_coarser(const cw_field *field, const cw_run *run, size
  * starts exactly on the surface at its sample and meets everything beyond it, so no ray has to be lifted off the
  * ground. This is about ten times as fast as a query with one ray for each sample.
  *
-A heading is a direction (dir[0], dir[1]) in field coordinates, prepared for one field: 48 bytes per cell along
+ * A heading is a direction (dir[0], dir[1]) in field coordinates, prepared for one field: 48 bytes per cell along
  * the longest ray. From sample (i, j) with height z, the surface at (i + t dir[0], j + t dir[1]) rises by (height -
  * z) / t, t > 0. The steepest rise is at a triangle's edge, so only edges are examined. An edge counts if neither of
  * its samples is a hole, even if both triangles beside it have a hole. */

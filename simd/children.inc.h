@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The 16 children of a node, or the 16 cells of a block, in walk order: lanes are places.
  *
-Lane 4 y + x is the child in column x and row y of walk order (vorder), so the lowest set bit of a mask of
+ * Lane 4 y + x is the child in column x and row y of walk order (vorder), so the lowest set bit of a mask of
  * children is always the nearest: a ray goes through the 4 × 4 children along a monotone staircase. Descending takes
  * the lowest bit. Coming back up needs the rest of the mask, which is all the state of a level. */
 

@@ -3,16 +3,16 @@
  * (src/core/heading.h), so loads are of neighbours and everything else is the same for all lanes. We know of no
  * paper.
  *
-The walk goes from the start outward. It skips a stretch if the highest sample near it, seen from the nearest of
+ * The walk goes from the start outward. It skips a stretch if the highest sample near it, seen from the nearest of
  * its crossings (the farthest if that sample is below the start), would not be steeper than each ray's steepest
  * slope so far.
  *
-Invariant: skipping never changes an answer, since the computed height between two samples exceeds the higher one
+ * Invariant: skipping never changes an answer, since the computed height between two samples exceeds the higher one
  * by at most job->pad. So the answer is the maximum over all crossings, for any width. On a curved earth each
  * crossing is less steep by its drop, and a stretch by the least drop in it. Subtracting more never gives more, also
  * after rounding.
  *
-Rejected: rays of other kernels, by bisection of the angle, of which a horizon would need a dozen for each
+ * Rejected: rays of other kernels, by bisection of the angle, of which a horizon would need a dozen for each
  * direction. */
 
 #include "vocabulary.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Rays made ready for the lane walk (lane_walk.inc.h): mirrored, and with the node in which each begins.
  *
-Mirroring turns the axes along which a ray goes down, so that all lanes go up: x becomes -x, which no float
+ * Mirroring turns the axes along which a ray goes down, so that all lanes go up: x becomes -x, which no float
  * operation rounds differently. A node is named by its low corner in mirrored coordinates, corner. Its exit borders
  * are corner + side, and its number along the axis is (corner XOR turned) >> 2 level, with turned = -1 for a
  * mirrored axis, else 0. */

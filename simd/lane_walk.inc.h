@@ -3,20 +3,20 @@
  * node's bounds. Lanes share only instructions. A lane whose ray has ended is refilled from the queue, so the vector
  * stays full.
  *
-If the ray of a lane meets the slab of its node, the lane goes down to a child. Otherwise it steps to the next
+ * If the ray of a lane meets the slab of its node, the lane goes down to a child. Otherwise it steps to the next
  * node of the same size, and up if that node has another parent. Going down cuts the ray to its part within the
  * slab: the lane goes on where the ray enters it, and skips the rest of the node from the t at which it leaves it
  * (leave). A lane stores that t for its lowest node only. The sides of levels differ by a factor of four, so going
  * down and up is rare. Lanes that have reached a cell wait for others, since the leaf test costs as much as two
  * steps.
  *
-Invariant: at all t before s->t, and from s->leave on within the parent, the leaf test's height of the ray above
+ * Invariant: at all t before s->t, and from s->leave on within the parent, the leaf test's height of the ray above
  * the surface has one strict sign. So a cell in which the computed sign may change is never skipped: a node is
  * skipped only if the sign is strict on all of it. papers/numerics.md derives how wide slabs must be for that. Going
  * down picks a child by the ray's place at t, set back by more than its rounding error. If that is a child too
  * early, its interval is empty and the walk steps on.
  *
-Papers: Tevs, Ihrke and Seidel 2008 (a pyramid of maxima), Smits, Shirley and Stark 2000 (parallel planes that
+ * Papers: Tevs, Ihrke and Seidel 2008 (a pyramid of maxima), Smits, Shirley and Stark 2000 (parallel planes that
  * bound a displaced triangle). We know of no pyramid of slabs over a height field. Rejected: testing 16 children of
  * one ray's node at once. It takes as many instructions, mispredicts more branches and gains less from wider vectors
  * (papers/walks.md). */
@@ -261,7 +261,7 @@ CW_INLINE void end_late(const cw_field *f, lane_set *l, bool any, lane_answers *
  * returns when the queue is empty and few rays are left; these stay in their lanes, and finds in answers, for the
  * next call. A pair of vectors leaves the last rays to a single vector (walk_alone).
  *
-Rejected: ending each batch, with ever fewer lanes alive. Rejected: two vectors of lanes that take turns, so that
+ * Rejected: ending each batch, with ever fewer lanes alive. Rejected: two vectors of lanes that take turns, so that
  * one works while the other waits for its bounds or samples. Their state goes through memory, which costs more than
  * the waiting in all but the largest fields (papers/walks.md). */
 CW_INLINE void lane_walk(const cw_field *f, const lane_queue *queue, lane_set *l, bool more, bool any,

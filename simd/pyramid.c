@@ -5,7 +5,7 @@
  * and the rest is queued for the lane walk (walk_alone.inc.h). simd/CMakeLists.txt compiles this once for each row
  * of its table.
  *
-Paper: Tevs, Ihrke and Seidel 2008, who walk a pyramid of maxima with four children a node; here a node has
+ * Paper: Tevs, Ihrke and Seidel 2008, who walk a pyramid of maxima with four children a node; here a node has
  * sixteen. Invariant: the choice of a walk never changes a hit, since every walk visits each cell that passes the
  * gate. Rejected variants are beside the steps that they would replace. */
 
@@ -92,7 +92,7 @@ CW_INLINE bool walk_together(tile_walk *w, float cells, bool any) {
  * and misses for rays without a hit so far. Returns the rays that hit if any is set, else 0. Rays that go on alone
  * are queued.
  *
-Rejected: letting each group of an incoherent tile walk as soon as it is ready, with its rays in registers. Bounce
+ * Rejected: letting each group of an incoherent tile walk as soon as it is ready, with its rays in registers. Bounce
  * rays gain less than coherent rays lose (papers/walks.md). */
 CW_INLINE ray_set pyramid_tile(const cw_field *f, const cw_ray *rays, size_t n, bool any, cw_hit *hits,
                                lane_queue *queue, size_t first_packet) {

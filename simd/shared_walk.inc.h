@@ -6,12 +6,12 @@
  * into groups of 16, which go on from that node with a fat ray each. Where a group falls apart, its rays that cross
  * the node are queued for the lane walk, which begins at that node (lane_walk.inc.h).
  *
-Invariant: the fat ray uses interval arithmetic in the gate's own operations, in their order. Each of them is
+ * Invariant: the fat ray uses interval arithmetic in the gate's own operations, in their order. Each of them is
  * monotone in each of its arguments, also after rounding. So its intervals enclose the numbers of each ray without
  * padding, and no child that one of the rays must visit is skipped. Visits are front to back for all rays of one
  * direction quadrant.
  *
-After Reshetov, Soupikov and Hurley 2005 (one traversal finds where smaller beams begin), Boulos, Wald and Shirley
+ * After Reshetov, Soupikov and Hurley 2005 (one traversal finds where smaller beams begin), Boulos, Wald and Shirley
  * 2006 and Wald et al. 2006 (interval and frustum traversal of grids by packets). Rejected: testing every ray
  * against every child. At each level that costs as much for each vector of rays as the fat ray costs once. */
 

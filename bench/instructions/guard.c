@@ -2,7 +2,7 @@
 /* The program cellwalk-guard: counts the instructions of a fixed small workload under callgrind and compares them
  * with committed figures, so that a slow-down is found without timing.
  *
-Instructions repeat to the last digit, on a loaded machine and on another one, because callgrind simulates a CPU
+ * Instructions repeat to the last digit, on a loaded machine and on another one, because callgrind simulates a CPU
  * with a fixed set of features (up to AVX2, without AVX-512). They do not show cache and TLB misses, mispredicted
  * branches, slow instructions in place of fast ones, and waiting. A change may cut instructions and still be slower;
  * cellwalk-bench measures that. Another compiler makes other code, so the figures hold for one compiler and one set

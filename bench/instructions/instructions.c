@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The program cellwalk-instructions: callgrind's counts of the kernels, as JSON lines.
  *
-ablation: the instructions of several builds of cellwalk-counted-work, each without one technique of the kernels.
+ * ablation: the instructions of several builds of cellwalk-counted-work, each without one technique of the kernels.
  * ablation.cmake makes the builds and calls this. guard.c explains why instructions are counted, and their limits.
  *
-caches: how often rays miss the caches, by callgrind's model of them, as not every machine has hardware counters:
+ * caches: how often rays miss the caches, by callgrind's model of them, as not every machine has hardware counters:
  * two levels at a time, least recently used, without prefetches. Its caches are those of Zen 3 on every machine, so
  * that counts repeat. Each class of rays starts with the caches as the class before left them. */
 #include "command.h"

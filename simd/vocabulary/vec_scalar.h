@@ -3,7 +3,7 @@
  * SSE4.2 run it. It also documents the vocabulary: every vec_*.h has the same names with the same meaning, lane by
  * lane, bit for bit.
  *
-vfloat, vint and vmask are three distinct types, so that a mask cannot be used as a number by mistake. Arithmetic
+ * vfloat, vint and vmask are three distinct types, so that a mask cannot be used as a number by mistake. Arithmetic
  * is IEEE, rounded once an operation, except in vf_fma and vf_fnma. Comparisons are false on NaN. */
 #ifndef CELLWALK_SIMD_VEC_SCALAR_H
 #define CELLWALK_SIMD_VEC_SCALAR_H

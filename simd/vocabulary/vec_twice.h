@@ -2,7 +2,7 @@
 /* The vector vocabulary for pairs of vectors of the vocabulary that was included between vec_half.h and this file.
  * Meanings are in vec_scalar.h.
  *
-A step of the lane walk is one chain of some forty dependent operations, longer than the CPU can look ahead, so
+ * A step of the lane walk is one chain of some forty dependent operations, longer than the CPU can look ahead, so
  * one vector leaves most of its units idle. Two vectors in lockstep, operation by operation, are two chains at once.
  * Rejected: vectors that take turns step by step, since the CPU still sees one chain at a time (papers/walks.md). */
 #ifndef CELLWALK_SIMD_VEC_TWICE_H

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* How far a coarser field's surface lies above and below the full one, for every point of both.
  *
-Samples of the coarser field stand at samples of the full one, factor apart, and cells are split along the same
+ * Samples of the coarser field stand at samples of the full one, factor apart, and cells are split along the same
  * diagonal. So the lines of its triangulation, x = factor · i, y = factor · j and x - y = factor · k, are lines of
  * the full one, and each of the full field's triangles lies within one of the coarser field's. Both surfaces are
  * planes there. Their difference is linear, hence largest and smallest at the triangle's vertices: to look at each
  * of the full field's samples is enough.
  *
-Rounding. At a sample of height z in a triangle with corners h0, h1, h2 the difference, times factor, is D = w0
+ * Rounding. At a sample of height z in a triangle with corners h0, h1, h2 the difference, times factor, is D = w0
  * (h0 - z) + w1 (h1 - z) + w2 (h2 - z), with whole weights of the sum factor. Let u = 2^-53. Each term is off by two
  * roundings, their sum by two more: D by at most 4 u (1 + 4 u) S, where S is the sum of the terms' sizes; S by that
  * share of itself. Adding 2^-50 S = 8 u S to D, which rounds once more (u S), and dividing by factor (u S), leaves

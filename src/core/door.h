@@ -2,7 +2,7 @@
 /* Keeps queries and updates of a field apart: an update fails while queries run, and a query fails while an update
  * runs.
  *
-A query enters and leaves. One counter for all threads would move from core to core with every query. So there are
+ * A query enters and leaves. One counter for all threads would move from core to core with every query. So there are
  * several, each on a separate cache line, and the address of a thread's stack selects one. A thread is mostly alone
  * at its counter, and then leaves by a plain store: one locked instruction a query in all. */
 #ifndef CELLWALK_CORE_DOOR_H

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A heading: one direction across the field, in which rays leave from samples.
  *
-Rays from all samples in one direction are copies of one another: the k-th border or diagonal is crossed at the
+ * Rays from all samples in one direction are copies of one another: the k-th border or diagonal is crossed at the
  * same distance from the start, between samples with the same offsets, at the same fraction of the way between them.
  * So the crossings are computed once, in double, for the whole field. For each sample only two heights are read at
  * each crossing. Along a straight line above a triangle the slope up from the start is monotone, so the steepest one

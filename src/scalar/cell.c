@@ -3,7 +3,7 @@
  * 1987, and Musgrave, "Grid tracing", 1988. It is the plain form of the walk that the packet kernels vectorise, and
  * tests compare their bits with it.
  *
-Invariant: each crossing is computed from the border's coordinate, so it does not depend on where the walk began.
+ * Invariant: each crossing is computed from the border's coordinate, so it does not depend on where the walk began.
  * Rejected: adding a constant to the last crossing, as the paper does, since errors then build up along the ray. */
 
 #include "count.h"

@@ -3,7 +3,7 @@
  * 1987), with the resolution rule of the coursework's renderer (Pharr and Humphreys, "Physically Based Rendering",
  * 2nd ed., 4.3): voxels per unit length = 3 · cbrt(triangles) / longest side, at most 64 an axis.
  *
-Invariant: a hit counts only if it lies inside the current voxel's t-range. A triangle is listed in every voxel
+ * Invariant: a hit counts only if it lies inside the current voxel's t-range. A triangle is listed in every voxel
  * that its box touches, so a ray may find a hit beyond the current voxel although a later voxel has a nearer one.
  * Rejected: returning the first hit found, as the coursework did (papers/walks.md). */
 

@@ -2,15 +2,15 @@
 /* The checks and limits of rays that include/cellwalk.h promises, and the origin from which the library traces a
  * ray.
  *
-A ray that starts far from the field is *moved*: its origin goes along it to just before the field's box, and the
+ * A ray that starts far from the field is *moved*: its origin goes along it to just before the field's box, and the
  * ray is traced from there. t is counted from the new origin and shifted back at the end. Otherwise each product t ·
  * dir would be as large as the distance, and its rounding error as large as cells.
  *
-The move is nearly exact. shift is a float, so shift · dir is exact in double. It nearly cancels the origin, so
+ * The move is nearly exact. shift is a float, so shift · dir is exact in double. It nearly cancels the origin, so
  * their sum is exact too (Sterbenz 1974) or off by 2^-53 of the field's size. One step brings the origin nearer by a
  * factor of 2^22, since shift has 24 bits. A second one is needed from some million field lengths away.
  *
-The one loss is that the new origin is rounded to float. If a slightly shorter step of few bits needs no rounding,
+ * The one loss is that the new origin is rounded to float. If a slightly shorter step of few bits needs no rounding,
  * it is taken instead. So rays of few bits touch exactly the same vertices and edges as from their own origins. */
 #ifndef CELLWALK_SCALAR_RAY_H
 #define CELLWALK_SCALAR_RAY_H

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Turns the find of a leaf test into a hit, in double.
  *
-Leaf tests decide in float which triangle a ray meets, and on which stretch of t. The hit is the root of the ray's
+ * Leaf tests decide in float which triangle a ray meets, and on which stretch of t. The hit is the root of the ray's
  * height above the triangle's plane, solved for here in coordinates relative to the cell and clamped to the stretch.
  * So the decision does not change, nor do watertightness and the order of hits along the ray, and t, u and v are as
  * precise as floats allow, at any distance.
  *
-Rejected: interpolating t between the stretch's ends, whose heights are known. It is free, but near a ray's origin
+ * Rejected: interpolating t between the stretch's ends, whose heights are known. It is free, but near a ray's origin
  * its t is a thousand times less precise (papers/walks.md). */
 #ifndef CELLWALK_SCALAR_REFINE_H
 #define CELLWALK_SCALAR_REFINE_H

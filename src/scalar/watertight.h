@@ -4,14 +4,14 @@
  * is over one triangle and both heights are linear. So the ray meets the triangle if and only if it is not strictly
  * on one side at both.
  *
-Invariant: the sign at an edge depends on the ray, the edge and its two samples alone. So the two triangles that
+ * Invariant: the sign at an edge depends on the ray, the edge and its two samples alone. So the two triangles that
  * share an edge get the same sign there, in every cell, walk and packet. A ray that is above at one crossing and
  * below at a later one has two neighbouring crossings between which the sign changes, hence a hit: it cannot slip
  * through. (Möller-Trumbore tests each triangle separately, and near an edge may reject both.) The surface height on
  * an edge is clamped between the edge's samples, so the gate's comparison with the cell's lowest and highest sample
  * (strict.h) never contradicts it. A hole makes the height NaN and every comparison false: no hit.
  *
-We know of no paper with this test. Rejected: Woop, Benthin and Wald 2013 (watertight edge functions), which needs
+ * We know of no paper with this test. Rejected: Woop, Benthin and Wald 2013 (watertight edge functions), which needs
  * a shear per ray, three edge functions per triangle and a double-precision fallback if one is zero.
  * papers/watertight.md compares the two. */
 #ifndef CELLWALK_SCALAR_WATERTIGHT_H

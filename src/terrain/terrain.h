@@ -2,7 +2,7 @@
 /* A height field as a piece of the earth: where its samples lie on the map, the map's units in metres, and where the
  * compass points.
  *
-The surface is the one that the field's rays meet, two triangles a cell. Directions of the compass are the map's:
+ * The surface is the one that the field's rays meet, two triangles a cell. Directions of the compass are the map's:
  * 0 is the direction in which y grows, 90 the one in which x does. On a map in degrees, metres in a degree are those
  * at the row in question, and lines are straight on the map. So at latitude φ a place at distance L is met up to L
  * tan φ / 2 R beside its azimuth, 0.027 degrees for 5 km at 50 degrees, and its distance is wrong by up to 0.385

@@ -2,7 +2,7 @@
 /* The program cellwalk-stability: thousands of millions of aimed rays, the same ones for every contender. It is not
  * a subcommand of cellwalk-bench because it judges with the exact oracle, which needs GMP and belongs to the tests.
  *
-A run uses one thread. Several processes with --part 1/N … N/N together trace the rays of one without it, and a
+ * A run uses one thread. Several processes with --part 1/N … N/N together trace the rays of one without it, and a
  * run that was ended early goes on with --first. Their files add up, since batch number n has the same rays in every
  * run. */
 

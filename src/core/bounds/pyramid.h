@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The bounds pyramid: lowest and highest sample of ever larger blocks of cells.
  *
-A node of level 0 covers a *block* of 4 × 4 cells; a node of level l + 1 covers 4 × 4 nodes of level l, which lie
+ * A node of level 0 covers a *block* of 4 × 4 cells; a node of level l + 1 covers 4 × 4 nodes of level l, which lie
  * together in memory as one *brick*: 16 lows, then 16 highs, two cache lines. The top level is one brick. A field of
  * any shape takes less than 1.5 bytes a cell plus the partly filled bricks along its far borders. Nodes outside the
  * field and nodes with holes only have NaN, which compares false: no ray meets them, not even one whose heights
  * overflow.
  *
-After the maximum mipmaps of Tevs, Ihrke and Seidel (2008) and pbrt-like min-max quadtrees, but 16 children wide,
+ * After the maximum mipmaps of Tevs, Ihrke and Seidel (2008) and pbrt-like min-max quadtrees, but 16 children wide,
  * so that one vector comparison tests all children of a node at once. Bounds of single cells are not stored: they
  * follow from the samples that the leaf test loads anyway.
  *
-For the lane walk each node also has a *slab*: a plane fitted to its samples, and their largest distances below
+ * For the lane walk each node also has a *slab*: a plane fitted to its samples, and their largest distances below
  * and above it. Terrain is smooth at the scale of a block, so slabs of small nodes are much thinner than [low, high]
  * (papers/walks.md). */
 #ifndef CELLWALK_CORE_PYRAMID_H

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Slabs of nodes larger than a tile, without going through their samples again.
  *
-The plane follows from sums that the nodes below have. How far samples lie off it is exact, as it is in tiles:
+ * The plane follows from sums that the nodes below have. How far samples lie off it is exact, as it is in tiles:
  * slabs of slabs would be thicker at each level and cost steps (papers/walks.md). Only nodes whose samples can be
  * that far off are read: the slabs below bound the distance, and the nodes with the largest bounds come first. */
 

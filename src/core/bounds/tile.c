@@ -2,7 +2,7 @@
 /* The pyramid's lower levels, tile by tile: 64 × 64 cells, whose samples come into the cache once for bounds and
  * slabs of blocks, of nodes of 16 × 16 cells and of the tile itself, instead of once for each of these.
  *
-A slab's plane is the least-squares one, which on the regular grid has a closed form. How far the samples lie off
+ * A slab's plane is the least-squares one, which on the regular grid has a closed form. How far the samples lie off
  * it is found from the samples themselves. All goes over columns, so that compilers vectorize it, and at the end of
  * columns from left to right: the order of sums is part of the result, which is the same with any tiles and threads.
  * A copy of the tile, for rows of 2^k + 1 samples that fall on the same few sets of a cache, cost 1.1 times the time

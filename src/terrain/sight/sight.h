@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Lines of sight from one place, in double: the highest terrain along them, seen from there.
  *
-The surface is piecewise plane, so along a line its height over the place, divided by the distance, is greatest
+ * The surface is piecewise plane, so along a line its height over the place, divided by the distance, is greatest
  * where the line crosses an edge between two samples. Those crossings are looked at one by one, but for whole
  * stretches in which no sample is high enough. A curved earth sinks away by the square of the distance: the samples
  * are lowered by that, and the triangles stand on the lowered samples. */

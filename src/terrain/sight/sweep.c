@@ -4,7 +4,7 @@
  * r, and its rise is w = height / r. That is a projection of space, so edges between samples stay straight: a sample
  * is seen if it is above all edges that are nearer, which is above their skyline.
  *
-Row by row outward, edges are added to the skyline and samples are held against it. Two things save most of the
+ * Row by row outward, edges are added to the skyline and samples are held against it. Two things save most of the
  * work. The skyline has a lower bound in each of many bins of directions, 8 to 16 cells wide: where neither this row
  * nor the last one comes up to it, nothing is seen and no edge matters. And an edge matters only if the triangle
  * before it faces the eye, or is missing, and the one behind it does not. Any other edge is lower, along every line
@@ -12,7 +12,7 @@ Row by row outward, edges are added to the skyline and samples are held against 
  * sample itself. The way to a sample enters its last triangle by an edge of the row before or by a diagonal: if that
  * triangle faces the eye, neither matters.
  *
-Decisions are those of sight.h. Where rounding might tell otherwise, the way is followed there: where a plane
+ * Decisions are those of sight.h. Where rounding might tell otherwise, the way is followed there: where a plane
  * passes the eye within the margin, or a sample is as near to the skyline as the error. papers/terrain.md derives
  * both, under How. */
 #include "sweep.h"

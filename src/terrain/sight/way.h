@@ -2,7 +2,7 @@
 /* The straight way from a target back to the eye, and the edges of the surface that it crosses: on lines of samples
  * x = n and y = n, and on diagonals x - y = n.
  *
-Places are computed in double, so each comes with a bound on its error. If the answer must be certain, touch.h
+ * Places are computed in double, so each comes with a bound on its error. If the answer must be certain, touch.h
  * decides where the bound leaves it open. */
 #ifndef CELLWALK_TERRAIN_WAY_H
 #define CELLWALK_TERRAIN_WAY_H
