@@ -274,8 +274,8 @@ static int run(int argc, char **argv) {
                 "shapes heightfield and cylinder, materials matte and mirror, image textures,\n"
                 "point lights, a perspective camera. Anything else in the file is an error with\n"
                 "its line, or a warning if it changes neither geometry nor light. The options\n"
-                "--dem, --from, --to, --sun, --time, --fov, --image, --sky, --haze, --water and\n"
-                "those on how to read a raster are for terrain only.\n",
+                "--dem, --from, --to, --sun, --time, --fov, --image, --sky, --haze, --water,\n"
+                "--curvature and those on how to read a raster are for terrain only.\n",
         .examples = "  cellwalk render dem.tif -o overview.png\n"
                     "  cellwalk render dem.tif --from 600250,5199800,30 --to 603000,5203000 \\\n"
                     "      --sun 225,30 --size 1600x900 --samples 16 -o view.png\n"

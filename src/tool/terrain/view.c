@@ -2,6 +2,7 @@
 #include "view.h"
 
 #include "command.h"
+#include "curvature.h"
 #include "drape.h"
 #include "inputs.h"
 #include "landscape.h"
@@ -21,14 +22,16 @@ static const float horizon[3] = {0.70f, 0.80f, 0.93f}, above[3] = {0.16f, 0.34f,
                    plain[3] = {0.20f, 0.27f, 0.16f};
 
 struct view {
-    field_file file;
-    terrain terrain;
+    field_file file; /* that rays meet */
+    field_file flat; /* with --curvature, until the scene is made: the terrain before it was lowered */
+    terrain terrain; /* before it was lowered */
+    sight earth;     /* by how much it was: 0 without --curvature */
     float *filled;
     scene *scene;
 };
 
 void view_rows(view_options *v, option_spec rows[VIEW_OPTION_COUNT]) {
-    *v = (view_options){.fov = NAN, .haze = NAN, .water = NAN};
+    *v = (view_options){.fov = NAN, .haze = NAN, .water = NAN, .curvature = NAN};
     const option_spec own[] = {
         {.name = "dem",
          .value = "FILE",
@@ -88,6 +91,7 @@ void view_rows(view_options *v, option_spec rows[VIEW_OPTION_COUNT]) {
          .help = "level water at height Z in metres covers all ground that\nis lower; it mirrors sky and land",
          .kind = OPTION_NUMBER,
          .to = &v->water},
+        curvature_around_eye_row(&v->curvature),
     };
     memcpy(rows, own, sizeof own);
     raster_options_rows(&v->raster, rows + sizeof own / sizeof own[0]);
@@ -103,6 +107,7 @@ const char *view_only(const view_options *v) {
            : !isnan(v->haze)              ? "haze"
            : !isnan(v->water)             ? "water"
            : !isnan(v->fov)               ? "fov"
+           : !isnan(v->curvature)         ? "curvature"
            : v->raster.band > 0           ? "band"
            : v->raster.coarser.factor > 0 ? "coarser"
            : v->raster.nodata.count > 0   ? "nodata"
@@ -133,6 +138,12 @@ static bool read_wish(const view_options *v, wish *w) {
         command_fail(name, "--time takes a time with its zone, as 2024-06-21T12:00:00Z or +02:00, not '%s'", v->time);
     else if (v->haze <= 0)
         command_fail(name, "--haze takes a visibility in metres, above 0, not %g", v->haze);
+    else if (v->curvature < 0)
+        command_fail(name, "--curvature takes a number from 0 on, not %g", v->curvature);
+    else if (v->curvature > 0 && v->from == NULL)
+        command_fail(name, "--curvature lowers the terrain around the eye: give the eye's place by --from");
+    else if (v->curvature > 0 && !isnan(v->water))
+        command_fail(name, "--water is level and does not go with --curvature");
     else if (!(w->fov > 0 && w->fov < 180))
         command_fail(name, "--fov takes degrees above 0 and below 180, not %g", w->fov);
     else
@@ -159,7 +170,7 @@ static void put(double map[3][4], double i, double j, double z, double out[3]) {
 static bool put_place(const view *v, double map[3][4], const ground_place *p, double out[3], io_error *error) {
     double at[3];
     if (!ground_find_place(&v->terrain, p, at, NULL, error)) return false;
-    put(map, at[0], at[1], at[2], out);
+    put(map, at[0], at[1], at[2] - sight_fall(&v->earth, at[0], at[1]), out);
     return true;
 }
 
@@ -213,13 +224,13 @@ static void stand_back(const view *v, double map[3][4], double fov, double aspec
 }
 
 static bool aim(const view *v, const view_options *o, const wish *w, landscape_desc *d, io_error *error) {
-    const cw_field_info info = cw_field_describe(v->file.field);
+    const cw_field_info info = cw_field_describe(v->terrain.field);
     if (info.low > info.high) return io_fail(error, "all samples are holes");
     if (o->to) {
         if (!put_place(v, d->to_world, &w->to, d->target, error)) return false;
     } else {
-        put(d->to_world, 0.5 * (double)(info.nx - 1), 0.5 * (double)(info.ny - 1),
-            0.5 * ((double)info.low + (double)info.high), d->target);
+        const double i = 0.5 * (double)(info.nx - 1), j = 0.5 * (double)(info.ny - 1);
+        put(d->to_world, i, j, 0.5 * ((double)info.low + (double)info.high) - sight_fall(&v->earth, i, j), d->target);
     }
     if (o->from) {
         if (!put_place(v, d->to_world, &w->from, d->eye, error)) return false;
@@ -250,7 +261,7 @@ static void shine(const wish *w, landscape_desc *d) {
  * around it that are not stands in. */
 static bool fill_holes(view *v, io_error *error) {
     const size_t nx = v->terrain.nx, ny = v->terrain.ny;
-    const float *z = v->terrain.z;
+    const float *z = v->file.raster.z;
     v->filled = malloc(nx * ny * sizeof *v->filled);
     if (v->filled == NULL) return io_fail(error, "out of memory");
     for (size_t j = 0; j < ny; j++)
@@ -282,7 +293,7 @@ static bool find_sun(const view *v, const view_options *o, const char *path, wis
 static bool make_scene(view *v, const view_options *o, const char *path, wish *w, size_t width, size_t height,
                        bool smooth, io_error *error) {
     landscape_desc d = {.field = v->file.field,
-                        .samples = v->terrain.z,
+                        .samples = v->file.raster.z,
                         .nx = v->terrain.nx,
                         .ny = v->terrain.ny,
                         .field_of_view = w->fov,
@@ -310,15 +321,39 @@ static bool make_scene(view *v, const view_options *o, const char *path, wish *w
     return v->scene != NULL;
 }
 
+/* The terrain as it is, and as the eye sees it: lowered by the earth's curvature. */
+static bool open_lowered(view *v, view_options *o, const char *path, const cw_run *query, const wish *w,
+                         const io_raster_options *raster, io_error *error) {
+    cw_run bare = *query; /* no ray meets the flat one */
+    double eye[3];
+    bare.kernel = cw_kernel_find("cell");
+    if (!field_file_open(&v->flat, path, raster, &o->raster.coarser, &bare, error)) return false;
+    progress_end(&o->raster.line);
+    if (!ground_describe(&v->terrain, &v->flat, path, error) ||
+        !ground_find_place(&v->terrain, &w->from, eye, NULL, error))
+        return false;
+    sight_init(&v->earth, &v->terrain, NULL, eye, o->curvature);
+    return curvature_lower(&v->flat.raster, &v->earth, path, &v->file.raster, error) &&
+           field_file_build(&v->file, path, query, error);
+}
+
+static bool open_field(view *v, view_options *o, const char *path, const cw_run *query, const wish *w,
+                       const io_raster_options *raster, io_error *error) {
+    if (o->curvature > 0) return open_lowered(v, o, path, query, w, raster, error);
+    return field_file_open(&v->file, path, raster, &o->raster.coarser, query, error) &&
+           ground_describe(&v->terrain, &v->file, path, error);
+}
+
 static bool open_view(view *v, view_options *o, const char *path, const cw_run *query, wish *w,
                       const io_raster_options *raster, size_t width, size_t height, bool smooth, io_error *error) {
     /* GDAL opens files itself, past the readers that remember theirs: no picture is to take their place. */
     if (!io_inputs_note_path(path) || (o->image && !io_inputs_note_path(o->image)))
         return io_fail(error, "out of memory");
-    const bool read = field_file_open(&v->file, path, raster, &o->raster.coarser, query, error);
+    const bool read = open_field(v, o, path, query, w, raster, error);
     progress_end(&o->raster.line);
-    return read && ground_describe(&v->terrain, &v->file, path, error) &&
-           make_scene(v, o, path, w, width, height, smooth, error);
+    const bool good = read && make_scene(v, o, path, w, width, height, smooth, error);
+    field_file_close(&v->flat);
+    return good;
 }
 
 view *view_open(view_options *o, const char *path, const cw_run *query, size_t width, size_t height, bool smooth,
