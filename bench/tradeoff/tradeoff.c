@@ -90,5 +90,4 @@ static int start(int argc, char **argv) {
     return run(&o, &error) ? EXIT_SUCCESS : command_fail("tradeoff", "%s", error.text);
 }
 
-const command command_tradeoff = {"tradeoff", "measure what coarser fields, fewer directions and samples gain and cost",
-                                  start};
+const command command_tradeoff = {"tradeoff", "measure gain and error of coarser fields and fewer directions", start};
