@@ -34,6 +34,7 @@ SOURCES = {
     **dict.fromkeys(names.SPEED_FILES.values()), "peers.json": None, "widths.json": None, "threads.json": None,
     "building.json": None, "counters.json": None, "profile.json": "papers/scripts/profile_kernels.py",
     "neon.json": "papers/scripts/count_neon.py", "python.json": "papers/scripts/python_speed.py",
+    "python_dask.json": "papers/scripts/python_dask.py",
     "ablation.json": "--target ablation", "caches.json": "--target caches", "pages-huge.json": None,
     "pages-small.json": None, "terrain.json": "papers/scripts/terrain.py",
     "terrain-more.json": "papers/scripts/terrain.py --more", "scenes/table.json": None,

@@ -37,6 +37,16 @@ static void make_land(void) {
     text_file("photo.tif", vrt);
 }
 
+/* The road is GeoJSON by content, for the same reason. */
+static void make_places(void) {
+    text_file("towers.csv", "x,y,height,weight\n600250,5199800,30,1\n602000,5201000,20,2\n");
+    text_file("links.csv", "x1,y1,height1,x2,y2,height2\n600250,5199800,2,601500,5200100,30\n");
+    text_file("road.gpkg",
+              "{\"type\":\"FeatureCollection\",\"crs\":{\"type\":\"name\",\"properties\":"
+              "{\"name\":\"urn:ogc:def:crs:EPSG::32632\"}},\"features\":[{\"type\":\"Feature\",\"properties\":{},"
+              "\"geometry\":{\"type\":\"LineString\",\"coordinates\":[[600250,5199800],[600400,5199900]]}}]}\n");
+}
+
 static void make_rays(void) {
     enum { N = 100 };
     static cw_ray rays[N], sun[N];
@@ -81,6 +91,7 @@ static void make_path(void) {
 static int enter(void **state) {
     if (scratch_enter(state) != 0) return -1;
     make_land();
+    make_places();
     make_rays();
     make_scenes();
     make_path();
@@ -99,7 +110,7 @@ static char *output_of(const char *line) {
 /* Whether the line writes or reads a format that this build lacks. */
 static bool lacks(const char *line) {
     static const char *const needs[][2] = {
-        {".tif", "GDAL     yes"}, {".exr", "OpenEXR  yes"}, {".png", "libpng   yes"}};
+        {".tif", "GDAL     yes"}, {".gpkg", "GDAL     yes"}, {".exr", "OpenEXR  yes"}, {".png", "libpng   yes"}};
     static char version[TEXT_MAX];
     bool lacking = false;
     if (version[0] == '\0') { /* takes a tenth of a second: GDAL is loaded */
