@@ -185,24 +185,6 @@ def peers(data):
             table(["field", "Embree geometry", *classes], rows, "ll" + "r" * len(classes)))
 
 
-def embree4(data):
-    """Another version of Embree, measured by itself: beside the library, and beside Debian's by way of the library."""
-    results, debian = data["embree4.json"], data[names.SPEED_FILES[data["embree4.json"].run.text("isa")]]
-    ours, theirs = all_ratios(results), all_ratios(debian)
-    both = {place: theirs[place] / value for place, value in ours.items() if theirs.get(place)}
-    slow, fast = min(both, key=both.get), max(both, key=both.get)
-
-    def cell(field, rays):
-        found = (rays, field)
-        return f"{ours[found]:.2f} ({both[found]:.2f})" if found in both else ""
-    return (f"{run_text(results.run)}.\n\n" + by_field(results, "rays", cell) +
-            f"\nGeometric mean over these cases: {geometric_mean(ours[found] for found in both):.2f} times the speed of Embree "
-            f"{results.run.text('embree')}, {geometric_mean(theirs[found] for found in both):.2f} times that of Debian's "
-            f"{debian.run.text('embree')}. In brackets: the speed of the one over that of the other, each measured beside the "
-            f"library, from {both[slow]:.2f} ({place(*slow)}) to {both[fast]:.2f} ({place(*fast)}), "
-            f"{geometric_mean(both.values()):.2f} in the mean.\n")
-
-
 def widths(data):
     results = data["widths.json"]
     fields, classes = matrix(results)
