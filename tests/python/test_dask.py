@@ -137,6 +137,7 @@ def test_without_a_map():
     same(compute(cwd.viewshed(chunked, 100, 190, max_distance=50)), field.viewshed(100, 190, max_distance=50).values)
 
 
+@pytest.mark.parametrize("file", ["utm"], indirect=True)
 def test_what_is_too_much_is_said_before(file):
     with pytest.raises(ValueError, match=r"max_distance: None, so far mountains may count: a chunk needs 301 x 263 samples around it, 0.00 GB a task, more than"):
         cwd.sky_view(file, memory=1e5)
@@ -161,6 +162,7 @@ def test_what_is_too_much_is_said_before(file):
         cwd.sky_view(file, max_distance=0)
 
 
+@pytest.mark.parametrize("file", ["utm"], indirect=True)
 def test_chunks_are_written_as_they_are_done(file, tmp_path, monkeypatch):
     """When a chunk is computed, the one before it is in the file."""
     order, horizon_rows = [], cw.Field._horizon_rows
@@ -187,6 +189,7 @@ def test_geotiff_has_the_place_of_the_result(tmp_path):
         same(f.read(1), cw.Field(d).shadow().values)
 
 
+@pytest.mark.parametrize("file", ["utm"], indirect=True)
 def test_a_worker_is_killed(file, tmp_path):
     """Two processes; one is killed when some chunks are done and others are not. The file is the same, and no unfinished one remains."""
     from distributed import Client, LocalCluster, futures_of
