@@ -268,7 +268,6 @@ CW_INLINE void lane_walk(const cw_field *f, const lane_queue *queue, lane_set *l
                          lane_answers *answers) {
     if (l->living == 0 && queue->n > 0) lane_clear(l);
     for (size_t next = 0;;) {
-        end_late(f, l, any, answers);
         for (unsigned empty = ~l->living & first_lanes(W); empty != 0 && next < queue->n; empty &= empty - 1) {
             const unsigned lane = (unsigned)__builtin_ctz(empty);
             refill_lane(l, lane, queue, &queue->rays[next++]);
@@ -286,6 +285,7 @@ CW_INLINE void lane_walk(const cw_field *f, const lane_queue *queue, lane_set *l
         } while (__builtin_popcount(living) > refill_at && --steps > 0);
         l->clock += LOOK_AFTER - steps;
         store_lanes(l, &s);
+        end_late(f, l, any, answers);
     }
     if (more || LANES_LEFT > 0) return;
     while (answers->found > 0) {
