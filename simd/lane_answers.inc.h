@@ -22,6 +22,17 @@ static inline void write_found(const lane_answers *a, const cw_field *f, size_t 
     scatter_hits(&h, &found, first_lanes(count), a->number + first, a->hits);
 }
 
+/* Turns all finds into hits. Lanes beyond the last find would else be computed from numbers that nothing has set. */
+static inline void write_rest(lane_answers *a, const cw_field *f) {
+    float *const numbers[FOUND_NUMBERS] = {a->t0, a->t1, a->i, a->j, a->h00, a->corner, a->h11, a->b};
+    while (a->found > 0) {
+        const size_t count = a->found < W ? a->found : W;
+        for (int k = 0; k < FOUND_NUMBERS; k++)
+            for (size_t m = count; m < W; m++) numbers[k][m] = 0;
+        write_found(a, f, a->found -= count, count);
+    }
+}
+
 /* Stores the finds of the leaf test in the lanes of which. */
 CW_INLINE void lane_found(lane_answers *a, const cw_field *f, const uint32_t ray[W], vmask which, const vfind *find,
                           const vcell *c, bool any) {

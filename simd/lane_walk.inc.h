@@ -287,9 +287,5 @@ CW_INLINE void lane_walk(const cw_field *f, const lane_queue *queue, lane_set *l
         store_lanes(l, &s);
         end_late(f, l, any, answers);
     }
-    if (more || LANES_LEFT > 0) return;
-    while (answers->found > 0) {
-        const size_t count = answers->found < W ? answers->found : W;
-        write_found(answers, f, answers->found -= count, count);
-    }
+    if (!more && LANES_LEFT == 0) write_rest(answers, f);
 }
