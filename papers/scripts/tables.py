@@ -9,6 +9,7 @@ import os
 import sys
 
 import blocks_accuracy
+import blocks_python
 import blocks_scenes
 import blocks_speed
 import blocks_stability
@@ -76,6 +77,8 @@ BLOCKS = {
         blocks_speed.default_kernel(data, data["stability/aimed-1.json"].run.text("isa")).removesuffix("x2")),
     **{name: from_file(f"stability/{name}.json", OWN[name]) for name in ("extremes", "exhaustive", "stress", "leaf")},
     "afar": from_file("afar.json", blocks_speed.afar),
+    "python_chunks": from_file("python_dask.json", blocks_python.python_chunks),
+    "python_calls": from_file("python.json", blocks_python.python_calls),
     **{make.__name__: make for make in (
         blocks_speed.speeds, blocks_speed.rates, blocks_speed.targets, blocks_speed.peers, blocks_speed.widths,
         blocks_speed.threads, blocks_speed.building, blocks_work.walks, blocks_work.visits, blocks_work.steps,
