@@ -41,7 +41,7 @@ static bool take_quoted(scanner *s, char **cell, char **end) {
             if (s->at + 1 == s->end || s->at[1] != '"') break;
             s->at++;
         }
-        if (*s->at == '\n') s->line++;
+        if (*s->at == '\n' || (*s->at == '\r' && s->at[1] != '\n')) s->line++;
         *to++ = *s->at;
     }
     if (s->at == s->end) return io_fail(s->error, "%s:%zu: a quotation mark has no end", s->table->path, line);
@@ -89,19 +89,22 @@ static bool check_separator(const scanner *s) {
 
 static bool take_names(scanner *s, io_table *t) {
     if (!check_separator(s)) return false;
-    for (bool last = false; !last;) {
-        char **names = realloc(t->names, (t->columns + 1) * sizeof *names);
-        if (names == NULL) return io_fail(s->error, "%s: out of memory", t->path);
-        t->names = names;
+    size_t room = 0;
+    for (bool last = false; !last; t->columns++) {
+        if (t->columns == room) {
+            room = room ? 2 * room : 16;
+            char **names = realloc(t->names, room * sizeof *names);
+            if (names == NULL) return io_fail(s->error, "%s: out of memory", t->path);
+            t->names = names;
+        }
         if (!take_cell(s, &t->names[t->columns], &last)) return false;
-        t->columns++;
     }
     return true;
 }
 
 static bool make_room(io_table *t) {
     if (t->rows < t->room) return true;
-    const size_t room = t->room ? 2 * t->room : 64;
+    const size_t room = t->room ? 2 * t->room : 1; /* a row may have a million cells */
     char **cells = realloc(t->cells, room * t->columns * sizeof *cells);
     if (cells) t->cells = cells;
     size_t *lines = realloc(t->lines, room * sizeof *lines);
@@ -131,7 +134,7 @@ static bool take_table(io_table *t, size_t size, io_error *error) {
     if (size >= 3 && memcmp(s.at, "\xef\xbb\xbf", 3) == 0) s.at += 3;
     if (memchr(s.at, '\0', (size_t)(s.end - s.at)))
         return io_fail(error, "%s: is no text in UTF-8: it has zero bytes, as UTF-16 has", t->path);
-    while (s.at < s.end && is_end_of_line(&s)) next_line(&s);
+    for (skip_blanks(&s); s.at < s.end && is_end_of_line(&s); skip_blanks(&s)) next_line(&s);
     if (s.at == s.end) return io_fail(error, "%s: is empty; its first line should name the columns", t->path);
     if (!take_names(&s, t)) return false;
     while (s.at < s.end) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Tables in text files: CSV as RFC 4180 has it, in UTF-8. The first line names the columns; lines without a cell are passed over;
- * cells may stand in quotation marks. Lines end in LF or CRLF, and a byte order mark is passed over. */
+/* Tables in text files: CSV as RFC 4180 has it, in UTF-8. The first line names the columns; lines of nothing but blanks are
+ * passed over; cells may stand in quotation marks. Lines end in LF, CRLF or CR, and a byte order mark is passed over. */
 #ifndef CELLWALK_IO_TABLE_H
 #define CELLWALK_IO_TABLE_H
 
@@ -14,8 +14,8 @@ typedef struct io_table {
     char **names;  /* of the columns */
     char **cells;  /* row by row, without blanks around them */
     size_t *lines; /* on which each row begins, from 1 on */
-    char *text;    /* that cells point into */
-    size_t room;   /* rows */
+    char *text;    /* of the file; names and cells point into it */
+    size_t room;   /* rows that fit into cells and lines */
 } io_table;
 
 /* Whether the name ends in .csv. */

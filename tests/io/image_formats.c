@@ -53,7 +53,7 @@ static void pfm_keeps_every_bit(void **state) {
     io_image_free(&back);
 }
 
-/* The nearest half by a way of its own: multiples of the spacing at that size, ties to even as rint does it. */
+/* The nearest half, found in another way: multiples of the spacing at that size, ties to even as rint does it. */
 static float nearest_half(float x) {
     int exponent;
     frexpf(x, &exponent);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* .npy files: what is written is read back, and nothing else than a whole, plain array is taken for one. */
+/* .npy files: what is written is read back, and only a whole, plain array is read. */
 
 #include "check.h"
 #include "npy.h"
@@ -29,7 +29,7 @@ static size_t make(const char *name, unsigned version, const char *text, size_t 
 static void check_refused(const char *name, const char *part) {
     io_npy npy;
     io_error error = {""};
-    check(!io_npy_open(&npy, name, &error), "%s was taken for an array", name);
+    check(!io_npy_open(&npy, name, &error), "%s was read as an array", name);
     check(strncmp(error.text, name, strlen(name)) == 0, "%s is not named in '%s'", name, error.text);
     check(strstr(error.text, part) != NULL, "'%s' is not in '%s'", part, error.text);
 }

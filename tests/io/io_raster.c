@@ -122,7 +122,7 @@ static void ascii_grids(void **state) {
 static void check_refused(const char *name, const char *part) {
     io_raster r;
     io_error error = {""};
-    check(!io_raster_read(name, NULL, &r, &error), "%s was taken for a raster", name);
+    check(!io_raster_read(name, NULL, &r, &error), "%s was read as a raster", name);
     check(strncmp(error.text, name, strlen(name)) == 0, "%s is not named in '%s'", name, error.text);
     check(strstr(error.text, part) != NULL, "'%s' is not in '%s'", part, error.text);
 }
