@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Rays beside a tilted plane, for hundreds of cells nearer to it than slabs can tell: the close walk (simd/close_walk.inc.h)
- * ends them, and gives the same bits as the plain walk from cell to cell. Planes of any slope and size, also of denormal
- * heights, as they are, rippled, with fins across the ray's way and with holes; rays parallel to them or all but that, from
- * within the field, from its border, from behind it, and from where rays are moved. There is no tolerance. */
+/* Rays beside a tilted plane, for hundreds of cells nearer to it than slabs can resolve: the close walk
+ * (simd/close_walk.inc.h) ends them, and gives the same bits as the plain walk from cell to cell. Planes of any slope and
+ * size, also of denormal heights or far from zero, plain, rippled, with fins across the ray's way and with holes; rays
+ * parallel to them or nearly so, from within the field, from its border, from behind it, and from where rays are moved.
+ * There is no tolerance. */
 
 #include "check.h"
 #include "rays.h"
@@ -12,30 +13,37 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { RAYS_MAX = 600, FIELDS = 240 };
+enum { RAYS_MAX = 600, FIELDS = 600, PLAIN = 240 };
 
 static const field_size sizes[] = {{300, 257}, {66, 66}, {1500, 70}, {70, 1500}, {2049, 9}, {5, 1025}, {513, 400}};
 enum { SIZES = sizeof sizes / sizeof sizes[0] };
 
-/* A plane: a slope along each axis, and what a ray's distance from it is measured by. */
+/* A plane: a slope along each axis, the height at sample (0, 0), and the unit of a ray's distance from it. */
 typedef struct plane {
     size_t nx, ny;
-    double slope[2], unit;
+    double slope[2], base, unit;
+    bool high; /* so far from zero and so level that a sample's rounding is more than the plane's rise in a cell */
     float *z;
 } plane;
 
 static void make_plane(plane *p, size_t number, random_state *r) {
-    static const int exponents[] = {0, -3, -20, -60, -132, 40, 90, 0};
+    static const int exponents[][8] = {{0, -3, -20, -60, -132, 40, 90, 0}, {0, -3, -20, -60, -132, 40, 90, -140}};
     p->nx = sizes[number % SIZES].nx;
     p->ny = sizes[number % SIZES].ny;
     const double longest = (double)(p->nx > p->ny ? p->nx : p->ny);
-    p->unit = ldexp(1, exponents[random_below(r, 8)]);
+    p->unit = ldexp(1, exponents[number >= PLAIN][random_below(r, 8)]);
     if (p->unit > 1) p->unit /= longest;
     for (int c = 0; c < 2; c++) {
         const double slope = random_below(r, 3) ? random_between(r, -1, 1) : 0.125 * ((double)random_below(r, 9) - 4);
         p->slope[c] = p->unit * slope;
     }
-    const double base = random_below(r, 2) ? 0 : p->unit * random_between(r, -1000, 1000);
+    p->base = random_below(r, 2) ? 0 : p->unit * random_between(r, -1000, 1000);
+    p->high = number >= PLAIN && random_below(r, 3) > 0;
+    if (p->high) {
+        const double level = pow(10, random_between(r, -4, 0));
+        for (int c = 0; c < 2; c++) p->slope[c] *= level;
+        if (p->unit <= 1 && random_below(r, 2)) p->base *= 1000;
+    }
     const double ripple = random_below(r, 2) ? 0 : p->unit * pow(10, random_between(r, -8, -2));
     const size_t fin = random_below(r, 2) ? 0 : 20 + random_below(r, 200), holes = random_below(r, 3) ? 0 : 3000;
     const bool along = p->nx > p->ny;
@@ -43,11 +51,12 @@ static void make_plane(plane *p, size_t number, random_state *r) {
         for (size_t i = 0; i < p->nx; i++) {
             float *z = &p->z[j * p->nx + i];
             const size_t place = along ? i : j;
-            *z = (float)(base + p->slope[0] * (double)i + p->slope[1] * (double)j + ripple * random_between(r, -1, 1));
+            *z = (float)(p->base + p->slope[0] * (double)i + p->slope[1] * (double)j +
+                         ripple * random_between(r, -1, 1));
             if (fin > 0 && place % fin == fin - 1 && 2 * place > (along ? p->nx : p->ny)) *z += (float)(p->unit * 0.01);
             if (holes > 0 && random_below(r, holes) == 0) *z = NAN;
         }
-    p->z[0] = (float)base; /* where the plane begins: no hole */
+    p->z[0] = (float)p->base; /* where the plane begins: no hole */
 }
 
 static cw_ray make_ray(const plane *p, random_state *r) {
@@ -68,6 +77,7 @@ static cw_ray make_ray(const plane *p, random_state *r) {
     if (random_below(r, 2)) dz += steep * pow(10, random_between(r, -10, -3)) * random_between(r, -1, 1);
     double z = (double)p->z[0] + p->slope[0] * place[0] + p->slope[1] * place[1];
     if (random_below(r, 8)) z += sign * steep * pow(10, random_between(r, -8, -1));
+    if (p->high && random_below(r, 4) == 0) z += sign * fabs(p->base) * 0x1p-24 * random_between(r, 0, 8);
     /* Its length: t is as much shorter or longer. */
     const double longest = fmax(fmax(fabs(d[0]), fabs(d[1])), fabs(dz));
     double scale = longest > 0 ? 1 / longest : 1;
