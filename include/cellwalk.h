@@ -123,7 +123,7 @@ typedef struct cw_kernel cw_kernel;
 
 typedef struct cw_kernel_info {
     const char *name; /* "packet8" */
-    const char *what; /* one line for a person */
+    const char *what; /* a description in one line */
     cw_isa isa;       /* the instruction set it needs */
     unsigned width;   /* lanes of the vectors that it walks with */
     bool needs_build; /* it walks on a structure that cw_field_create or cw_field_build makes */
@@ -155,14 +155,15 @@ typedef struct cw_pool cw_pool;
 
 enum { CW_THREADS_MAX = 4096 };
 
-/* threads counts the calling thread; 0 is one for each CPU that this process may use. The caller owns the pool,
- * whose threads have at least 1 MiB of stack. On failure *pool is NULL. In a child made by fork the pool is the
- * calling thread alone, and the child may destroy it. */
+/* threads, at most CW_THREADS_MAX, counts the calling thread; 0 is one for each CPU that this process may use. The
+ * caller owns the pool, whose threads have at least 1 MiB of stack. On failure *pool is NULL: CW_ERROR_ARGUMENT,
+ * _MEMORY. In a child made by fork the pool is the calling thread alone, and the child may destroy it. */
 CW_API cw_status cw_pool_create(unsigned threads, cw_pool **pool);
 /* NULL is allowed. Nothing may be running on the pool. */
 CW_API void cw_pool_destroy(cw_pool *pool);
-/* Threads that the caller has already. */
+/* A task that the library hands to the caller's threads. */
 typedef void cw_task_fn(void *argument, unsigned number);
+/* Threads that the caller has already. */
 typedef struct cw_tasks {
     unsigned threads; /* tasks to make of a piece of work: from 1 to CW_THREADS_MAX */
     /* Calls task(argument, k) for each k in [0, count) on any threads in any order, and returns when all have
@@ -170,7 +171,8 @@ typedef struct cw_tasks {
     void (*run)(void *context, cw_task_fn *task, void *argument, unsigned count);
     void *context; /* must live until cw_pool_destroy */
 } cw_tasks;
-/* A pool that uses the caller's threads. tasks is copied. */
+/* A pool that uses the caller's threads. tasks is copied. The caller owns the pool. On failure *pool is NULL:
+ * CW_ERROR_ARGUMENT, _MEMORY. */
 CW_API cw_status cw_pool_create_on(const cw_tasks *tasks, cw_pool **pool);
 /* 1 for NULL. */
 CW_API unsigned cw_pool_threads(const cw_pool *pool);
@@ -223,14 +225,15 @@ enum { CW_SIDE_MAX = 1 << 23 };
 typedef struct cw_field cw_field;
 
 typedef enum cw_storage {
-    CW_COPY = 0, /* the field copies the samples, which may go after cw_field_create */
-    CW_BORROW /* the field reads the caller's samples, which must stay until cw_field_destroy and may change only together
-                  * with cw_field_update */
+    CW_COPY = 0, /* the field copies the samples, which may be freed after cw_field_create */
+    /* The field reads the caller's samples. They must stay until cw_field_destroy, and may change only together with
+     * cw_field_update. */
+    CW_BORROW
 } cw_storage;
 
 typedef struct cw_field_desc {
-    const float
-        *samples;  /* sample (i, j) is samples[j * stride + i]. Holes are NaN, or infinite where they are copied */
+    /* Sample (i, j) is samples[j * stride + i]. Holes are NaN; infinite samples are also holes if they are copied. */
+    const float *samples;
     size_t nx, ny; /* samples in a row; rows. Each from 2 to CW_SIDE_MAX */
     size_t stride; /* floats from one row to the next; 0: nx */
     cw_storage storage;
@@ -251,7 +254,7 @@ CW_API cw_status cw_field_create(const cw_field_desc *desc, const cw_run *run, c
 CW_API void cw_field_destroy(cw_field *field);
 
 /* Makes the structure that run's kernel walks on, unless the field has it. Nothing else may be running on the field. On
- * failure, or if cancelled, the field does not change. */
+ * failure the field does not change: CW_ERROR_ARGUMENT, _KERNEL, _MEMORY, _CANCELLED. */
 CW_API cw_status cw_field_build(cw_field *field, const cw_run *run);
 
 /* Samples (i, j) to (i + nx - 1, j + ny - 1). */
@@ -270,8 +273,8 @@ typedef struct cw_update {
 } cw_update;
 
 /* Changes samples. Afterwards the field has the same bits as one made of the new samples, except that grid3d's
- * structure is dropped until cw_field_build. The time grows with the rectangle, not with the field: 64 × 64 samples
- * take 0.1 to 0.3 ms. Does not allocate. Headings stay valid. Only run's pool is used: an update is not cancelled.
+ * structure is dropped until cw_field_build. The time grows with the rectangle, not with the field. Does not
+ * allocate. Headings stay valid. Only run's pool is used: an update is not cancelled.
  * CW_ERROR_SAMPLE: a sample is refused, and the field does not change; if it borrows, put other samples there and
  * call this again before the next query. CW_ERROR_BUSY: a query or another update is running on the field. Functions
  * without a status are not checked for that. */
@@ -342,10 +345,11 @@ CW_API cw_status cw_run_check(const cw_field *field, const cw_run *run);
 CW_API const cw_kernel *cw_run_kernel(const cw_field *field, const cw_run *run);
 
 /* The closest hit of each of n rays (n may be 0). rays and hits must not overlap. The answer for a ray does not
- * depend on the others, its place in the array or the number of threads. */
+ * depend on the others, its place in the array or the number of threads. Fails with CW_ERROR_ARGUMENT, _KERNEL,
+ * _NOT_BUILT, _BUSY during an update, or _CANCELLED; with a watch also _MEMORY. */
 CW_API cw_status cw_closest(const cw_field *field, const cw_run *run, const cw_ray *rays, size_t n, cw_hit *hits);
 
-/* occluded[k] = 1 if rays[k] hits anything, else 0: always 1 if cw_closest has a hit, else 0. */
+/* occluded[k] = 1 if rays[k] hits anything, else 0: always 1 if cw_closest has a hit, else 0. Fails like cw_closest. */
 CW_API cw_status cw_occluded(const cw_field *field, const cw_run *run, const cw_ray *rays, size_t n, uint8_t *occluded);
 
 /* ---- user space ------------------------------------------------------------------------------------------------- */
@@ -379,8 +383,7 @@ CW_API void cw_field_at(const cw_field *field, double x, double y, cw_hit *hit);
  * 0. */
 CW_API cw_status cw_field_at_user(const cw_field *field, double x, double y, cw_hit *hit);
 
-/* ---- points and normals of hits
- * ------------------------------------------------------------------------------------ */
+/* ---- points and normals of hits ---------------------------------------------------------------------------------- */
 
 /* Computed on request, so that a query pays only for hits. hits are n hits on this field; three doubles for each go
  * to the output, in user space: NaN for a miss and for a cell that the field does not have. Of run, kernel and leaf
@@ -433,12 +436,11 @@ typedef struct cw_difference {
 CW_API cw_status cw_field_coarser(const cw_field *field, const cw_run *run, size_t factor, cw_filter filter,
                                   cw_field **coarser, cw_difference *difference);
 
-/* ---- headings (experimental)
- * --------------------------------------------------------------------------------------- */
+/* ---- headings (experimental) ------------------------------------------------------------------------------------- */
 
 /* Sunlight, or the view in one compass direction: rays that leave from many samples in the same direction. Each
  * starts exactly on the surface at its sample and meets everything beyond it, so no ray has to be lifted off the
- * ground. This is about ten times as fast as a query with one ray for each sample.
+ * ground. This is faster than a query with one ray for each sample.
  *
  * A heading is a direction (dir[0], dir[1]) in field coordinates, prepared for one field: 48 bytes per cell along
  * the longest ray. From sample (i, j) with height z, the surface at (i + t dir[0], j + t dir[1]) rises by (height -
@@ -447,12 +449,12 @@ CW_API cw_status cw_field_coarser(const cw_field *field, const cw_run *run, size
 typedef struct cw_heading cw_heading;
 
 /* The longer of dir's components is from 2^-40 to 2^40. The caller owns the heading and destroys it before the
- * field. */
+ * field. On failure *heading is NULL: CW_ERROR_ARGUMENT, _MEMORY. */
 CW_API cw_status cw_heading_create(const cw_field *field, const double dir[2], cw_heading **heading);
 /* A heading of limited length, or on a curved earth. */
 typedef struct cw_heading_desc {
     double dir[2];
-    /* Only edges crossed at t <= reach count, up to rounding in the last bits; 0: all. */
+    /* Only edges crossed at t <= reach count, up to rounding in the last bits; finite; 0: all. */
     double reach;
     /* The surface at t counts as lower by drop t²: at (i + t dir[0], j + t dir[1]) it rises by (height - drop t² -
      * z) / t, and is straight between the lowered edges. The error of a rise grows by up to 2^-23 drop t. 0: the

@@ -47,7 +47,7 @@ typedef struct close_box {
     int32_t begin[2], end[2];
 } close_box;
 
-/* The ray in all lanes, as leaf tests want it. */
+/* The ray in all lanes, as leaf tests take it. */
 static inline vray close_vectors(const close_ray *r) {
     vray v; /* no initialisers: they would clear all of it first */
     vaxis *const axis[2] = {&v.x, &v.y};

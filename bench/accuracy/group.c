@@ -97,7 +97,7 @@ static bool add_rows(group *g, const accuracy_options *o, io_error *error) {
         for (size_t k = 0; !stage->mode->embree && k < cw_kernel_count(); k++)
             if (option_wanted(&o->kernels, k) && !add_row(g, stage, cw_kernel_at(k), 0, error)) return false;
     }
-    return g->row_count > 0 || io_fail(error, "no kernel that is asked for has a mode that is asked for");
+    return g->row_count > 0 || io_fail(error, "none of the given kernels has any of the given modes");
 }
 
 /* ---- passes ---- */

@@ -11,7 +11,7 @@
 /* clang-format off: a row a mode */
 static const accuracy_mode modes[] = {
     {"strict", "the default: watertight leaf test, IEEE operations alone", CW_LEAF_WATERTIGHT, .change = NULL},
-    {"moller-trumbore", "strict operations, each triangle by itself (Möller and Trumbore 1997)",
+    {"moller-trumbore", "strict operations, each triangle separately (Möller and Trumbore 1997)",
      CW_LEAF_MOLLER_TRUMBORE, .change = NULL},
     {"samples-16", "strict on samples rounded to 16 bits beforehand", CW_LEAF_WATERTIGHT, .change = accuracy_quantise},
     {"embree", "Embree, a mesh of triangles", .embree = true},

@@ -39,7 +39,7 @@ typedef struct agreement {
 /* Both add to *sum, which starts all zero. a and b are the answers to rays[0..n) on the field. */
 void agree_closest(agreement *sum, const cw_field *field, const cw_ray *rays, size_t n, const cw_hit *a,
                    const cw_hit *b);
-/* Contenders are asked for closest hits where the answers differ, to tell why. */
+/* Where the answers differ, both contenders also find the closest hits, which show why. */
 void agree_any(agreement *sum, const cw_field *field, const cw_ray *rays, size_t n, const uint8_t *a, const uint8_t *b,
                const contender *of_a, const contender *of_b);
 

@@ -150,7 +150,7 @@ static bool run(const micro_options *o, io_output *out, io_error *error) {
     return good;
 }
 
-/* The whole of it, with a file if one is asked for. */
+/* The whole measurement, with a file if one is given. */
 static bool run_into_file(micro_options *o, io_error *error) {
     io_output out = {0};
     if (o->small_pages && prctl(PR_SET_THP_DISABLE, 1, 0, 0, 0) != 0)

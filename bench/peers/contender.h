@@ -30,7 +30,7 @@ typedef struct contender_answers {
     uint8_t *occluded;
 } contender_answers;
 
-/* All rays once: any says which answers are asked for. */
+/* All rays once: any: find any hits instead of closest ones. */
 typedef struct contender_pass {
     const contender *of;
     const cw_ray *rays;

@@ -3,7 +3,7 @@
  * hits. Optional: without the library every function is there, peer_embree_version is NULL and nothing can be made.
  *
  * The time includes: reading rays from an array of cw_ray, filling packets, tracing, writing cw_hit. Denormals are
- * flushed to zero while Embree runs, as its manual asks for. Building is timed separately. */
+ * flushed to zero while Embree runs, as its manual recommends. Building is timed separately. */
 #ifndef CELLWALK_BENCH_PEERS_EMBREE_H
 #define CELLWALK_BENCH_PEERS_EMBREE_H
 

@@ -65,7 +65,7 @@ typedef struct table_options {
 
 /* Reads NAME or NAME-phong, -central or -bilinear, NAME being default, auto or a kernel's name. */
 bool table_path_parse(const char *text, table_path *path, io_error *error);
-/* The paths that are asked for and can run here, in order; lines for those that cannot go to skipped (a JSON array). */
+/* The requested paths that can run here, in order; lines for those that cannot go to skipped (a JSON array). */
 bool table_paths_choose(const table_options *options, table_path *paths, size_t *count, json_t *skipped,
                         io_error *error);
 

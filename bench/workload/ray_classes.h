@@ -27,7 +27,7 @@ typedef enum workload_class {
 
 /* "primary", "shadow", "ao", "bounce", "random", "grazing", "afar", "vertices", "edges", "within-0.1", "within-2". */
 const char *workload_class_name(workload_class c);
-/* True if the class asks for any hit, false if for the closest. */
+/* True if queries of the class find any hit, false if the closest. */
 bool workload_class_is_any(workload_class c);
 /* True if neighbours in the array run side by side: primary and shadow rays, and rays from afar. */
 bool workload_class_is_coherent(workload_class c);

@@ -33,7 +33,7 @@ class Summary:
                                                  for some in (ran, ordinary, aimed))
         self.median, self.worst = {}, {}
         for key in ERRORS:
-            # From afar t is too coarse a float to say where a hit is, whoever finds it.
+            # From afar no float t is fine enough to say where a hit is.
             of = [line for line in ran if f"{key}_worst" in line and line.text("rays") != "afar"]
             self.median[key] = median(line.number(f"{key}_median") for line in of) if of else None
             self.worst[key] = max((line.number(f"{key}_worst") for line in of), default=None)
@@ -79,7 +79,7 @@ def accuracy(data):
     results = data[FILE]
     everyone = summaries(results)
     best = best_of_modes(everyone)
-    # Pairs had a suffix of their own before version 0.2.
+    # Before version 0.2 the names of pairs had a suffix.
     default = default_kernel(data, results.run.text("isa")).removesuffix("x2")
     own = next((s for s in everyone if s.mode == "strict" and s.kernel == default), None)
     if own is None:

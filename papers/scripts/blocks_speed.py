@@ -211,7 +211,7 @@ def threads(data):
 
 
 def building(data):
-    """Bytes a cell / time to build, a row a field and a column a structure."""
+    """Bytes a cell / time to build, a row a field and a column a structure; and the time of an update of 64 x 64 samples."""
     results = data["building.json"]
     structures = list(dict.fromkeys((line.get("kind"), line.text(line.get("kind").split("_")[0])) for line in results.lines
                                     if line.get("kind") in ("kernel_build", "peer_build")))
@@ -220,9 +220,10 @@ def building(data):
         of = [results.first(kind, field=about.text("field"), **{kind.split("_")[0]: name}) for kind, name in structures]
         rows.append([names.field(about.text("field")),
                      *(f"{bytes_a_cell(about, line):.1f} / {duration(line.number('build_seconds'))}" if line else ""
-                       for line in of)])
+                       for line in of),
+                     next((duration(line.number("update_seconds")) for line in of if line and "update_seconds" in line), "")])
     titles = [name.replace("embree/", "Embree ") if kind == "peer_build" else f"`{name}`" for kind, name in structures]
-    return table(["field", *titles], rows)
+    return table(["field", *titles, "64 × 64 samples updated"], rows)
 
 
 # ---- what was aimed at ----

@@ -58,8 +58,8 @@ def _check_parts(files):
             b = other.run
             parts_differ = a.number("parts") == b.number("parts") and a.number("part") != b.number("part")
             if not parts_differ and a.number("first") < b.number("end") and b.number("first") < a.number("end"):
-                raise Problem(f"{results.path}:1: batches {a.number('first')} to {a.number('end')} are in {other.path} "
-                              "as well")
+                raise Problem(f"{results.path}:1: batches {a.number('first')} to {a.number('end')} are also in "
+                              f"{other.path}")
 
 
 def stability(files, default=""):

@@ -81,7 +81,7 @@ def plan(info, embree, quick):
     yield ("counters.json", 0, f"micro --counters --pass 60 --field {'65' if quick else '65,257,1025,4097,sea-calm,sea-rough'} "
            f"--count {'2048' if quick else '8192'} --kernel {','.join(able)}")
     yield "scenes/table.json", 2, "table" + (" --quick --scene hftest" if quick else "")
-    # Most of the time of these goes into making land and answers, so that they have a time of their own.
+    # Most of the time of these goes into making land and answers, so they get a separate time.
     yield ("rays/tradeoff.json", 0, "tradeoff --part rays " +
            ("--quick --seconds 1" if quick else "--land 1025,8193,32769 --seconds 40"))
     yield ("tradeoff/tradeoff.json", 0, "tradeoff --part horizons,sky,pictures " + ("--quick --seconds 1" if quick else "--seconds 30"))

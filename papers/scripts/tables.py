@@ -73,7 +73,7 @@ BLOCKS = {
     "tracing": from_file("scenes/table.json", blocks_scenes.tracing),
     "stability": lambda data: blocks_stability.stability(
         [data[f"stability/aimed-{part}.json"] for part in (1, 2)],
-        # Pairs had a suffix of their own before version 0.2.
+        # Before version 0.2 the names of pairs had a suffix.
         blocks_speed.default_kernel(data, data["stability/aimed-1.json"].run.text("isa")).removesuffix("x2")),
     **{name: from_file(f"stability/{name}.json", OWN[name]) for name in ("extremes", "exhaustive", "stress", "leaf")},
     "afar": from_file("afar.json", blocks_speed.afar),

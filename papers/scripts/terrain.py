@@ -129,7 +129,7 @@ def grass(script, folder):
 
 
 def grass_timed(clock, program, product, side, part, whole, dem, command, outputs, folder, before=(), after=()):
-    """A GRASS module by itself, its raster already imported; outputs: map and file."""
+    """The time of one GRASS module, with its raster already imported; outputs: map and file."""
     report = os.path.join(folder, "report")
     lines = [f"r.in.gdal -o --q input={dem} output=dem", "g.region raster=dem", *before,
              f"/usr/bin/time -o {report} -f '%e %U %S %M' {command}"]

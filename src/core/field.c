@@ -61,8 +61,7 @@ static cw_field_desc with_map(const cw_field_desc *desc) {
     return d;
 }
 
-/* ---- samples
- * --------------------------------------------------------------------------------------------------------- */
+/* ---- samples ----------------------------------------------------------------------------------------------------- */
 
 typedef struct samples {
     cw_field *f;
@@ -103,8 +102,7 @@ static cw_status survey(cw_field *f, const cw_run *how) {
     return status;
 }
 
-/* ---- making it
- * ------------------------------------------------------------------------------------------------------- */
+/* ---- making it --------------------------------------------------------------------------------------------------- */
 
 static cw_status build(cw_field *f, unsigned needs, const cw_run *how, bool surveyed) {
     const double start = clock_seconds();
@@ -124,7 +122,7 @@ static cw_status build(cw_field *f, unsigned needs, const cw_run *how, bool surv
  * ones of 33²; on 65² the pyramid is ahead in all but shadow rays. */
 enum { TINY_SIDE = 32 };
 
-/* Several rows at a time; the watch is asked in between. */
+/* Several rows at a time; the watch is called in between. */
 static cw_status copy(cw_field *f, const cw_field_desc *desc, const cw_run *how) {
     f->owned = cw_memory_allocate(f->nx * f->ny * sizeof(float));
     if (f->owned == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
@@ -223,8 +221,7 @@ cw_status cw_field_build(cw_field *field, const cw_run *run) {
     return status;
 }
 
-/* ---- changing it
- * ----------------------------------------------------------------------------------------------------- */
+/* ---- changing it ------------------------------------------------------------------------------------------------- */
 
 static cw_status check_update(const cw_field *f, const cw_update *u) {
     const cw_status status = cw_check_reserved(u->reserved, "cw_update");
@@ -288,8 +285,7 @@ cw_status cw_field_update(cw_field *field, const cw_update *u, const cw_run *run
     return status;
 }
 
-/* ---- looking at it
- * --------------------------------------------------------------------------------------------------- */
+/* ---- looking at it ----------------------------------------------------------------------------------------------- */
 
 void cw_field_describe_into(const cw_field *field, cw_field_info *info, size_t size) {
     cw_field_info all = {

@@ -134,8 +134,7 @@ static void phong_normal_of(const cw_field *f, const cw_hit *hit, double normal[
     for (int c = 0; c < 3; c++) normal[c] *= scale;
 }
 
-/* ---- of many hits
- * ------------------------------------------------------------------------------------------------- */
+/* ---- of many hits ------------------------------------------------------------------------------------------------ */
 
 enum { GRAIN = 1024 };
 
@@ -179,8 +178,7 @@ cw_status cw_hit_phong_normals(const cw_field *field, const cw_run *run, const c
     return for_each(&(batch){field, hits, normals, phong_normal_of}, run, n);
 }
 
-/* ---- at a place
- * --------------------------------------------------------------------------------------------------- */
+/* ---- at a place -------------------------------------------------------------------------------------------------- */
 
 static const cw_hit miss = {.t = INFINITY, .i = -1, .j = -1};
 

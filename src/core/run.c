@@ -14,8 +14,7 @@
 
 cw_status cw_check_reserved(const uint64_t reserved[4], const char *what) {
     if ((reserved[0] | reserved[1] | reserved[2] | reserved[3]) == 0) return CW_OK;
-    return cw_fail(CW_ERROR_ARGUMENT, "%s: a reserved member is not 0, which library %s does not know", what,
-                   CW_VERSION);
+    return cw_fail(CW_ERROR_ARGUMENT, "%s: a reserved member is not 0; library %s has no use for it", what, CW_VERSION);
 }
 
 cw_status cw_check_rectangle(const cw_field *f, const cw_rectangle *at) {

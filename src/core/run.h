@@ -16,7 +16,7 @@ cw_status cw_check_rectangle(const cw_field *field, const cw_rectangle *at);
  * one. */
 void cw_fill(void *caller, size_t size, const void *all, size_t all_size);
 
-/* *how becomes *run, or all zero for NULL. Fails if it has an option that this version does not know. */
+/* *how becomes *run, or all zero for NULL. Fails if its leaf test or a reserved member is invalid. */
 cw_status cw_run_begin(const cw_run *run, cw_run *how);
 
 /* Sets kernel and leaf test to those that run on this field. Fails if there is none such here. */

@@ -25,7 +25,7 @@ static inline uint16_t half_from_float(float value) {
     return (uint16_t)((in.bits >> 16 & 0x8000) | (uint32_t)(size >= 0x477ff000 ? above : number));
 }
 
-/* Exact for every number. Infinity and NaN become numbers of at least 65536: nobody wants them in a sum of texels. */
+/* Exact for every number. Infinity and NaN become numbers of at least 65536: they must not occur in a sum of texels. */
 static inline float half_number(uint16_t half) {
     half_bits value = {.bits = (uint32_t)(half & 0x7fff) << 13};
     value.f *= 0x1p112f; /* the difference of the exponents' biases; denormals get theirs right, too */

@@ -118,8 +118,7 @@ void insolation_direction(const insolation *s, size_t number, double *azimuth, d
 
 double insolation_diffuse(const insolation *s) { return s->diffuse; }
 
-/* ---- one sun on a block of rows
- * ----------------------------------------------------------------------------------------- */
+/* ---- one sun on a block of rows ---------------------------------------------------------------------------------- */
 
 /* Direct light on a surface that faces the sun, at even steps of height. Between two it is a straight line, which is
  * off by at most step² / 8 times the second derivative. Light is that outside the atmosphere times e^-x. The air's
@@ -185,8 +184,7 @@ static void add_energy(void *context, size_t begin, size_t end) {
     }
 }
 
-/* ---- all suns
- * ----------------------------------------------------------------------------------------------------------- */
+/* ---- all suns ---------------------------------------------------------------------------------------------------- */
 
 /* The rise of a sun in a heading's numbers. */
 static float rise_of(const beam *b, double slope) {

@@ -116,8 +116,7 @@ cw_rectangle reach_beside(const terrain *whole, cw_rectangle part, double metres
     return between(whole, low, high);
 }
 
-/* ---- blocks
- * ------------------------------------------------------------------------------------------------------- */
+/* ---- blocks ------------------------------------------------------------------------------------------------------ */
 
 cw_status reach_blocks_create(const terrain *whole, reach_blocks *b) {
     *b = (reach_blocks){.whole = whole,
@@ -165,8 +164,7 @@ void reach_blocks_take(reach_blocks *b, cw_rectangle part, const float *z) {
         }
 }
 
-/* ---- the sun
- * ------------------------------------------------------------------------------------------------------ */
+/* ---- the sun ----------------------------------------------------------------------------------------------------- */
 
 reach_sunward reach_toward(const terrain *whole, const sunlight_desc *light, cw_rectangle part) {
     double azimuths[SUNLIGHT_STRIPS_MOST], sine, cosine;

@@ -16,7 +16,7 @@
 
 enum { SIDE = 9, SAMPLES = SIDE * SIDE };
 
-/* Ground at height 1, and if asked for a wall of height 3 along y at x = 4. */
+/* Ground at height 1, and if requested a wall of height 3 along y at x = 4. */
 static void make_ground(float *z, bool wall) {
     for (size_t k = 0; k < SAMPLES; k++) z[k] = wall && k % SIDE == 4 ? 3 : 1;
 }

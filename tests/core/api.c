@@ -235,7 +235,7 @@ static void test_bad_queries(void **state) {
     for (size_t k = 0; k < sizeof occluded; k++) check(occluded[k] == 0x5a, "an error wrote to the results");
 }
 
-/* A field of up to 32 cells a side pays for no pyramid, unless one is asked for. */
+/* A field of up to 32 cells a side pays for no pyramid, unless one is requested. */
 static void test_tiny_fields_build_nothing(void **state) {
     (void)state;
     static const float flat[34 * 34];

@@ -34,7 +34,7 @@ static size_t find_paths(path *paths) {
     return n;
 }
 
-/* How a path's answer compares with brute force's, whoever is right. */
+/* How a path's answer compares with brute force's; either may be right. */
 static void compare(path *p, const cw_hit *brute, const cw_hit *here) {
     if (brute->i < 0 || here->i < 0) {
         if (brute->i < 0 && here->i < 0)

@@ -133,7 +133,7 @@ static size_t judge_all(const test_field *f, const lattice *l, bool every_path, 
 
 static const float heights[] = {0, 1, 2, NAN};
 
-static FILE *counts; /* NULL: not asked for */
+static FILE *counts; /* NULL: not requested */
 
 static void write_counts(size_t nx, size_t ny, size_t height_count, const outcome *o) {
     const size_t *v = o->tally.verdict;

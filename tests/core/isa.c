@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The bounds on instruction sets: the machine's, the user's by CELLWALK_ISA, the program's by cw_isa_limit. The variable is
- * read once a process, so each case is a process of its own. */
+ * read once a process, so each case is a separate process. */
 
 #include "check.h"
 

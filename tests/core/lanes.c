@@ -338,8 +338,8 @@ static void test_every_kernel_takes_part(void **state) {
         const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
         const bool in = !has_own_rules(cw_kernel_at(k)) && info.available;
         check(has_own_rules(cw_kernel_at(k)) == (info.default_leaf != CW_LEAF_WATERTIGHT),
-              "%s: has it rules of its own?", info.name);
-        printf("%-14s %s\n", info.name, in ? "compared" : info.available ? "has rules of its own" : "not on this CPU");
+              "%s: does it obey other rules?", info.name);
+        printf("%-14s %s\n", info.name, in ? "compared" : info.available ? "obeys other rules" : "not on this CPU");
         part += in;
     }
     check(part >= 2, "fewer than two kernels to compare");

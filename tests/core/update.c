@@ -561,7 +561,7 @@ static void making_is_watched(void **state) {
     free(p.z);
 }
 
-/* Of several samples that are refused the first counts, whoever finds it. */
+/* Of several samples that are refused the first counts, for any number of threads. */
 static void refusals_do_not_depend_on_threads(void **state) {
     (void)state;
     random_state r = {8};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What can be made to fail: what preload.c counts and faults.c asks for. */
+/* The calls that can be made to fail: preload.c counts them, faults.c chooses one. */
 #ifndef CELLWALK_TESTS_FAULTS_H
 #define CELLWALK_TESTS_FAULTS_H
 

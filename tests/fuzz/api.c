@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Fields, holes, strides, rays and options made of the input's bytes, and where they end, of a random sequence that they begin:
  * so that some bytes make hundreds of rays. Every kernel of the cell walks gives the bits that `cell` gives, any hit agrees with the
- * closest, and what follows from hits is where it belongs. Each array is a block of its own, whose ends AddressSanitizer
+ * closest, and what follows from hits is where it belongs. Each array is a separate block, whose ends AddressSanitizer
  * guards. */
 
 #include "api.h"
@@ -105,7 +105,7 @@ typedef struct work {
     size_t n;
     cw_ray *rays;
     cw_hit *expected, *hits; /* expected: what cell finds, if it was asked */
-    bool known, slow;        /* slow: brute force and the grid in space are asked as well */
+    bool known, slow;        /* slow: brute force and grid3d are also compared */
     uint8_t *occluded;
 } work;
 

@@ -16,7 +16,7 @@
 int LLVMFuzzerInitialize(int *count, char ***arguments);
 const void *cellwalk_gdal_module(void);
 
-/* Where the program loads the module from: here, it has it. AddressSanitizer asks as well, before it is at work. */
+/* Where the program loads the module from: here, it has it. AddressSanitizer also calls this, before it is at work. */
 static char own;
 static bool asked;
 #define BEFORE_ALL __attribute__((no_sanitize("address", "undefined", "coverage")))

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The linker lets all calls to open and the like end here (--wrap): those of the readers, and between inputs libFuzzer's own,
- * which go on to libc. A mapping is a block of its own, as long as what is left of the file: unlike with a real one,
+ * which go on to libc. A mapping is a separate block, as long as what is left of the file: unlike with a real one,
  * AddressSanitizer sees each byte that is read behind the end. */
 
 #include "memory.h"

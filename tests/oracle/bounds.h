@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The bounds of papers/numerics.md on what rounding does to a watertight hit, in double and under the names used there: whoever
- * judges an answer takes them from here. Doubles are off by 2^-27 of the bounds or less, but for a ray from so far away that
+/* The bounds of papers/numerics.md on what rounding does to a watertight hit, in double and under the names used there:
+ * every judge of an answer takes them from here. Doubles are off by 2^-27 of the bounds or less, but for a ray from so far away that
  * its own place is: bounds_evaluation says by how much. */
 #ifndef CELLWALK_ORACLE_BOUNDS_H
 #define CELLWALK_ORACLE_BOUNDS_H

@@ -50,8 +50,7 @@ static void do_slabs(void *context, size_t begin, size_t end) {
     fpenv_leave(caller);
 }
 
-/* ---- around
- * ---------------------------------------------------------------------------------------------------------- */
+/* ---- around ------------------------------------------------------------------------------------------------------ */
 
 enum { AROUND = 256 }; /* nodes a side that are done at a time */
 
@@ -106,8 +105,7 @@ static void do_around(void *context, size_t begin, size_t end) {
     fpenv_leave(caller);
 }
 
-/* ---- all of it
- * ------------------------------------------------------------------------------------------------------- */
+/* ---- all of it --------------------------------------------------------------------------------------------------- */
 
 /* Nodes of a level that the tiles, level TILE_LEVEL, reach into. */
 static nodes nodes_of(const job *w, int level) {

@@ -26,8 +26,7 @@ typedef struct tile {
 
 static size_t least(size_t a, size_t b) { return a < b ? a : b; }
 
-/* ---- nodes of any size up to the tile's
- * ------------------------------------------------------------------------------ */
+/* ---- nodes of any size up to the tile's -------------------------------------------------------------------------- */
 
 /* A row of nodes in the tile. */
 typedef struct node_row {
@@ -152,8 +151,7 @@ static void do_nodes(tile *t, int level, size_t y) {
 
 static size_t rows_of_nodes(const tile *t, int level) { return ((t->last_row - t->row - 1) >> (2 * level + 2)) + 1; }
 
-/* ---- blocks, which are most of the work
- * ------------------------------------------------------------------------------ */
+/* ---- blocks, which are most of the work -------------------------------------------------------------------------- */
 
 /* Bounds of the blocks in a row, any number of rows and columns. */
 static void bound_blocks(const tile *t, size_t y) {
@@ -272,8 +270,7 @@ static void do_blocks(tile *t) {
     t->steepest = (double)steepest;
 }
 
-/* ---- the tile
- * -------------------------------------------------------------------------------------------------------- */
+/* ---- the tile ---------------------------------------------------------------------------------------------------- */
 
 /* Bricks that reach beyond the field have nodes that are never set. */
 static void clear_bricks(const tile *t, int level) {

@@ -142,7 +142,7 @@ static bool read_text(const char *path, const char *text, size_t size, const io_
     scanner s = {.at = text, .line = 1, .path = path, .error = error};
     header h = {0};
     if (!take_header(&s, &h)) return false;
-    /* A number and a blank take two bytes: known before memory is asked for. No overflow: sides are at most 2^31. */
+    /* A number and a blank take two bytes: checked before memory is allocated. No overflow: sides are at most 2^31. */
     const size_t left = size - (size_t)(s.at - text);
     if (h.nx * h.ny > left / 2 + 1)
         return io_fail(error, "%s: truncated: %zu x %zu samples do not fit into the %zu bytes from line %zu on", path,

@@ -21,8 +21,7 @@ size_t io_cell_bytes(io_cell cell) {
     return bytes[cell];
 }
 
-/* ---- NumPy arrays: (rows, columns), or (bands, rows, columns)
- * ----------------------------------------------------- */
+/* ---- NumPy arrays: (rows, columns), or (bands, rows, columns) ---------------------------------------------------- */
 
 static bool npy_create(io_raster_writer *w, io_error *error) {
     static const char *const types[] = {"'|u1'", "'<u2'", "'<f4'", "'<i2'"};
@@ -44,8 +43,7 @@ static bool npy_finish(io_raster_writer *w, bool whole, io_error *error) {
 
 const io_raster_sink io_sink_npy = {".npy", "NumPy array", 0, npy_create, npy_write, npy_finish};
 
-/* ---- GeoTIFF
- * ------------------------------------------------------------------------------------------------------ */
+/* ---- GeoTIFF ----------------------------------------------------------------------------------------------------- */
 
 /* The scratch files of a COG: the GeoTIFF that it is copied from, its smaller copies, and room for a few more. They are
  * outputs that never get a name, on the disk of the target. */
@@ -107,8 +105,7 @@ bool io_raster_check_creation(const char *const *creation, size_t count, bool co
 
 const io_raster_sink io_sink_tif = {".tif", "GeoTIFF", 0, tif_create, tif_write, tif_finish};
 
-/* ---- the table
- * ---------------------------------------------------------------------------------------------------- */
+/* ---- the table --------------------------------------------------------------------------------------------------- */
 
 #ifndef CELLWALK_PNG
 const io_raster_sink io_sink_png = {".png", "picture", 1, NULL, NULL, NULL};

@@ -55,7 +55,7 @@ bool io_raster_is_tif(const char *path);
 /* The side of a GeoTIFF's tiles along so many samples: 256 or less, so that the last tile is nearly full too, whose rest is
  * compressed for nothing. To be written fast, rows come in whole tiles. */
 static inline size_t io_raster_tile_side(size_t samples) {
-    enum { MOST = 256, MULTIPLE = 16 }; /* TIFF wants multiples of 16 */
+    enum { MOST = 256, MULTIPLE = 16 }; /* TIFF requires multiples of 16 */
     const size_t tiles = (samples + MOST - 1) / MOST, side = (samples + tiles - 1) / tiles;
     return (side + MULTIPLE - 1) / MULTIPLE * MULTIPLE;
 }
@@ -63,7 +63,7 @@ static inline size_t io_raster_tile_side(size_t samples) {
 /* True if the ending is one that this build and this machine can write, with so many bands; else error lists those that can be. */
 bool io_raster_can_write(const char *path, size_t bands, io_error *error);
 
-/* False if GDAL does not know a creation option of GeoTIFFs, or its value. */
+/* False if GDAL has no such creation option for GeoTIFFs, or the option no such value. */
 bool io_raster_check_creation(const char *const *creation, size_t count, bool cog, io_error *error);
 
 /* On failure writer needs no discard. */

@@ -295,7 +295,7 @@ def read_source(z, transform, crs, nodata, zscale, band) -> Source:
 
 
 def nodata_of(value) -> Optional[float]:
-    """A float, or None; NaN and infinity may stand for no data as well."""
+    """A float, or None; NaN and infinity may also stand for no data."""
     try:
         return None if value is None else float(value)
     except (TypeError, ValueError):

@@ -174,7 +174,7 @@ class Products:
         if time is not None:
             if azimuth is not None or altitude is not None:
                 raise ValueError("time: goes without azimuth and altitude")
-            _seconds(time)  # before what is asked of the field
+            _seconds(time)  # a wrong time is reported before a missing map
             place = self.sun(time)
             azimuth, altitude = place.azimuth, place.altitude
             if disc is True:

@@ -83,7 +83,7 @@ static bool check_place(const py_field *f, const double place[3], bool absolute)
 }
 
 /* viewshed(places, absolute, target_height, max_distance, curvature, heights, out, threads, progress): out holds
- * floats if heights are asked for, else uint16, all zero. */
+ * floats if heights is true, else uint16, all zero. */
 PyObject *field_viewshed(PyObject *self, PyObject *arguments) {
     py_field *f = (py_field *)self;
     Py_buffer places = {0}, out = {0};

@@ -61,8 +61,7 @@ char *pbrt_resolve(const pbrt_state *p, const char *name) {
     return path;
 }
 
-/* ---- transforms
- * --------------------------------------------------------------------------------------------------- */
+/* ---- transforms -------------------------------------------------------------------------------------------------- */
 
 static bool apply(pbrt_state *p, const transform *t) {
     p->attributes.current = transform_multiply(&p->attributes.current, t);
@@ -132,8 +131,7 @@ static bool coord_sys_transform(pbrt_state *p, const pbrt_site *site, io_error *
     return true;
 }
 
-/* ---- before the world
- * --------------------------------------------------------------------------------------------- */
+/* ---- before the world -------------------------------------------------------------------------------------------- */
 
 /* Reads a class name, which must be the one given unless that is NULL, and parameters. */
 static bool read_class(const pbrt_site *site, const char *class, char **name, pbrt_params *params, io_error *error) {
@@ -215,8 +213,7 @@ static bool skip(pbrt_state *p, const pbrt_site *site, io_error *error) {
     return good;
 }
 
-/* ---- structure
- * ---------------------------------------------------------------------------------------------------- */
+/* ---- structure --------------------------------------------------------------------------------------------------- */
 
 static bool world_begin(pbrt_state *p, const pbrt_site *site, io_error *error) {
     if (!p->camera && !p->fields_only) return fail_at(site, error, "no Camera has been set");

@@ -23,7 +23,7 @@ static inline uint32_t reverse_bits(uint32_t x) {
     return (x & 0x55555555) << 1 | (x & 0xaaaaaaaa) >> 1;
 }
 
-/* Numbers are kept with their bits reversed, which is how scrambling wants them: each bit of the result depends on itself
+/* Numbers are kept with their bits reversed, as scrambling requires: each bit of the result depends on itself
  * and on the lower bits of x alone. */
 static inline uint32_t scramble_reversed(uint32_t x, uint32_t seed) {
     x += seed;

@@ -107,8 +107,7 @@ static void describe_shape(plan_shape *shape, const plan *p, space *s) {
     }
 }
 
-/* ---- shapes that may hide a light
- * ----------------------------------------------------------------------------------- */
+/* ---- shapes that may hide a light -------------------------------------------------------------------------------- */
 
 /* Margin, as a part of the radius, by which a point must lie within a cylinder to count as inside in spite of
  * rounding; the maps to it are in float. */
@@ -151,8 +150,7 @@ static bool may_block(const plan *p, const space *spaces, size_t light, size_t s
     return p->general || !lies_within(&p->shapes[shape], &spaces[plan_home(shape)], c);
 }
 
-/* ---- all together
- * ------------------------------------------------------------------------------------------------- */
+/* ---- all together ------------------------------------------------------------------------------------------------ */
 
 static bool allocate(plan *p, space **spaces) {
     const size_t shapes = p->shape_count, cylinders = shapes - p->field_count;

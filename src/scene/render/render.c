@@ -32,8 +32,7 @@ typedef struct worker {
     pthread_t thread;
 } worker;
 
-/* ---- the default tracer
- * ------------------------------------------------------------------------------------------- */
+/* ---- the default tracer ------------------------------------------------------------------------------------------ */
 
 typedef struct library {
     const scene *scene;
@@ -70,8 +69,7 @@ static bool prepare(const library *l, io_error *error) {
     return true;
 }
 
-/* ---- threads
- * ------------------------------------------------------------------------------------------------------ */
+/* ---- threads ----------------------------------------------------------------------------------------------------- */
 
 static void report(render *r) {
     pthread_mutex_lock(&r->lock);

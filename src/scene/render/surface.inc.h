@@ -77,8 +77,7 @@ static void arrive(wave *w, const wave_rays *r, size_t home, size_t shape, bool 
     for (size_t k = 0; k < wave_whole(s->n); k++) s->turn[0][0][k] = s->turn[1][1][k] = 1;
 }
 
-/* ---- height fields
- * ------------------------------------------------------------------------------------------------ */
+/* ---- height fields ----------------------------------------------------------------------------------------------- */
 
 LANE_INLINE ptrdiff_t clamp(ptrdiff_t x, ptrdiff_t last) { return x < 0 ? 0 : x > last ? last : x; }
 

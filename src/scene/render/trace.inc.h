@@ -164,8 +164,7 @@ LANE_INLINE size_t ask(wave *w, size_t asked, const moved *m, uint8_t *passes, s
     return asked + kept;
 }
 
-/* ---- closest hits
- * ------------------------------------------------------------------------------------------------- */
+/* ---- closest hits ------------------------------------------------------------------------------------------------ */
 
 /* Bounds on several rays, before each one is tested against a box. */
 typedef enum passing { NONE_PASS, SOME_PASS, ALL_PASS } passing;
@@ -344,8 +343,7 @@ static void trace_paths(wave *w, const wave_rays *r) {
     wave_lap(w, WAVE_RAYS);
 }
 
-/* ---- hidden lights
- * ------------------------------------------------------------------------------------------------ */
+/* ---- hidden lights ----------------------------------------------------------------------------------------------- */
 
 /* Ways to a light stay in the order of their pixels. Sorted by the cells where they begin they are traced in 0.76 to
  * 0.98 of the time, by direction in 0.99 to 1.17, shuffled in 2.5: the best sort would save up to 5 ns a ray, less

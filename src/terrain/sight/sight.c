@@ -4,8 +4,7 @@
 #include "bounds.h"
 #include "touch.h"
 
-/* ---- the place
- * ---------------------------------------------------------------------------------------------------- */
+/* ---- the place --------------------------------------------------------------------------------------------------- */
 
 static double clamped(double x, double low, double high) { return x < low ? low : x > high ? high : x; }
 
@@ -41,8 +40,7 @@ double sight_sample(const sight *s, size_t i, size_t j) {
     return (double)s->terrain->z[j * s->terrain->nx + i] - s->eye[2] - sight_fall(s, (double)i, (double)j);
 }
 
-/* ---- the steepest rise
- * -------------------------------------------------------------------------------------------- */
+/* ---- the steepest rise ------------------------------------------------------------------------------------------- */
 
 /* A crossing within this many cells of an end is at the end, where rises are sought, which are rounded anyway. */
 static const double at_end = 0x1p-27;
@@ -190,8 +188,7 @@ double sight_around(const sight *s, const double a[2], const double b[2]) {
     return steepest + 0x1p-16 * fabs(steepest) + 0x1p-38 * (size + most);
 }
 
-/* ---- decisions
- * ---------------------------------------------------------------------------------------------------- */
+/* ---- decisions --------------------------------------------------------------------------------------------------- */
 
 /* Whether the surface is not below the line at a crossing; over is how far it is above, rounded. */
 static inline bool is_blocked(const crossing *c, double *over) {
@@ -261,8 +258,7 @@ double sight_need_known(const sight *s, double i, double j, double z, double ris
     return fmax(n.steepest - w.top, n.excess);
 }
 
-/* ---- the first block
- * ---------------------------------------------------------------------------------------------- */
+/* ---- the first block --------------------------------------------------------------------------------------------- */
 
 typedef struct obstacle {
     double first;  /* share of the nearest crossing at which the surface is not below the line */

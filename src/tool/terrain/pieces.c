@@ -9,8 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* ---- options
- * ------------------------------------------------------------------------------------------------------ */
+/* ---- options ----------------------------------------------------------------------------------------------------- */
 
 void pieces_rows(ground_options *o, option_spec rows[PIECES_OPTION_COUNT]) {
     const option_spec own[PIECES_OPTION_COUNT] = {
@@ -55,8 +54,7 @@ bool pieces_resolve(ground_options *o) {
     return false;
 }
 
-/* ---- the raster, without samples
- * ---------------------------------------------------------------------------------- */
+/* ---- the raster, without samples --------------------------------------------------------------------------------- */
 
 cw_rectangle pieces_all(const ground *g) { return (cw_rectangle){0, 0, g->about.nx, g->about.ny}; }
 
@@ -128,8 +126,7 @@ bool pieces_describe(ground *g, io_error *error) {
     return g->options->window == NULL || find_window(g, error);
 }
 
-/* ---- reading
- * ------------------------------------------------------------------------------------------------------ */
+/* ---- reading ----------------------------------------------------------------------------------------------------- */
 
 /* A sample's four bytes, and its share of the field's structures. */
 static const double bytes_a_sample = 4 + 4, samples_most = 0x1p31;
@@ -288,8 +285,7 @@ bool pieces_survey(ground *g, reach_blocks *b, pieces_wanted *wanted, void *cont
     return survey_rows(&s, 0, b->down, error);
 }
 
-/* ---- writing
- * ------------------------------------------------------------------------------------------------------ */
+/* ---- writing ----------------------------------------------------------------------------------------------------- */
 
 /* As many rows as a GeoTIFF's tiles have, fewer where that would make Ctrl-C wait, or memory is short. */
 static size_t block_rows(const io_raster_product *p, double passes, bool few) {

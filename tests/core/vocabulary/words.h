@@ -40,7 +40,7 @@ typedef struct word_in {
     const float *memory; /* 4 floats for each index, aligned to 16 bytes */
 } word_in;
 
-/* What a word gives. Memory that it writes by itself has room for a guard, which it must not touch. */
+/* The results of a word. Memory that it writes has room for a guard, which it must not touch. */
 typedef struct word_out {
     float f[8][WORD_LANES + WORD_GUARD];
     int32_t i[WORD_LANES + WORD_GUARD];

@@ -20,8 +20,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* ---- names of the file system
- * ---------------------------------------------------------------------------------------- */
+/* ---- names of the file system ------------------------------------------------------------------------------------ */
 
 typedef struct input {
     FILE *file;
@@ -140,8 +139,7 @@ static char **read_folder(void *context, const char *name, int most) {
     return names;
 }
 
-/* ---- files that are lent
- * --------------------------------------------------------------------------------------------- */
+/* ---- files that are lent ----------------------------------------------------------------------------------------- */
 
 enum { LENT_MAX = 16 };
 static const char lent_prefix[] = "/vsicellwalk/";
