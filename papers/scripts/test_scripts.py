@@ -224,7 +224,7 @@ class Stability(Folder):
         text = blocks_stability.stability([a, b])
         self.assertIn("| `k` | 20 | 20 | 1 | 0 | 4 | 0 |", text)
         self.assertIn("| at a sample | 0.90 | 0.10 | 0.20 | 0.5 | 50 000 |", text)
-        self.fails("c.json:1: batches 2 to 3 are in", blocks_stability.stability, [a, self.part("c.json", 2, 3)])
+        self.fails("c.json:1: batches 2 to 3 are also in", blocks_stability.stability, [a, self.part("c.json", 2, 3)])
         self.fails('"rays" is "odd", an unknown class', blocks_stability.stability, [self.part("d.json", 0, 1, rays="odd")])
 
     def test_says_whether_the_default_kernel_took_part(self):

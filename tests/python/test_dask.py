@@ -71,6 +71,11 @@ def test_blocks_of_chunks_that_are_not_aligned(file):
             same(got, want)
 
 
+def test_a_window_with_too_many_samples_to_count_is_refused():
+    with pytest.raises(ValueError, match="window: no rectangle"):
+        cw._cellwalk.block_ranges(b"", (0, 0, 2 ** 62, 2 ** 62), bytearray(4), bytearray(4))
+
+
 def test_blocks_out_of_reach_are_not_looked_at():
     """The highest sample limits which blocks are looked at, and changes no window; too low a one does."""
     random = np.random.default_rng(3)

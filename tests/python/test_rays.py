@@ -86,6 +86,16 @@ def test_many_rays():
     same(got[:: n // 1000], FIELD.closest(eye, v[:: n // 1000]).hit)
 
 
+@pytest.mark.parametrize("dtype", [np.float32, np.float64, np.int32, ">f8"])
+def test_masked_rays_miss(dtype):
+    rays = np.ma.masked_array(np.tile(np.array([3, 3, 90, 0, 0, -1]), (5, 1)).astype(dtype))
+    assert FIELD.closest(rays).hit.all()
+    rays[1, 2] = rays[3, 5] = np.ma.masked
+    assert FIELD.closest(rays).hit.tolist() == [True, False, True, False, True]
+    assert FIELD.any(rays).tolist() == [True, False, True, False, True]
+    assert np.isnan(FIELD.at(np.ma.masked_array([3, 3], [False, True]), 3)).tolist() == [False, True]
+
+
 def test_zero_rays():
     for shape in ((0, 8), (0, 6), (3, 0, 8)):
         assert FIELD.closest(np.empty(shape)).shape == shape[:-1]

@@ -323,10 +323,12 @@ def count(value, name: str, low: int, high: int) -> int:
 
 
 def numbers(value, name: str) -> np.ndarray:
-    """An array of real numbers as float32 or float64, in whatever layout it has; copied only to convert."""
+    """An array of real numbers as float32 or float64, in any layout; copied only to convert. Masked ones become NaN."""
     array = np.asarray(value)
     if array.dtype.kind not in "fiu":
         raise TypeError(f"{name}: dtype {array.dtype}, expected real numbers")
+    if np.ma.is_masked(value):
+        array = np.where(np.ma.getmaskarray(value), np.float32(np.nan), array)
     if array.dtype == np.float32 or array.dtype == np.float64:
         return array if array.dtype.isnative else array.astype(array.dtype.newbyteorder("="))
     return array.astype(np.float32 if array.dtype == np.float16 else np.float64)

@@ -49,7 +49,8 @@ static void reach_dealloc(PyObject *self) {
 static int to_rectangle(PyObject *object, void *to) {
     Py_ssize_t row, column, rows, columns;
     if (!PyArg_ParseTuple(object, "nnnn:window", &row, &column, &rows, &columns)) return 0;
-    if (row >= 0 && column >= 0 && rows > 0 && columns > 0) {
+    /* So the number of its samples and their bytes are a size_t. */
+    if (row >= 0 && column >= 0 && rows > 0 && columns > 0 && rows <= CW_SIDE_MAX && columns <= CW_SIDE_MAX) {
         *(cw_rectangle *)to = (cw_rectangle){(size_t)column, (size_t)row, (size_t)columns, (size_t)rows};
         return 1;
     }
