@@ -146,8 +146,9 @@ CW_INLINE ray_set pyramid_tile(const cw_field *f, const cw_ray *rays, size_t n, 
     return 0;
 }
 
-/* Rays are numbered from the beginning of their run. */
-static void CW_CODE(closest_pyramid_)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits) {
+/* Closest hits, or any hits; the other array is NULL. Rays are numbered from the beginning of their run. */
+CW_INLINE void pyramid_rays(const cw_field *f, const cw_ray *rays, size_t n, bool any, cw_hit *hits,
+                            uint8_t *occluded) {
     lane_set alone;
     lane_answers answers;
     alone.living = 0;
@@ -159,35 +160,24 @@ static void CW_CODE(closest_pyramid_)(const cw_field *f, const cw_ray *rays, siz
         queue.n = 0;
         queue.first = (uint32_t)(b - run);
         answers.rays = rays + run;
-        answers.hits = hits + run;
+        if (any)
+            answers.occluded = occluded + run;
+        else
+            answers.hits = hits + run;
         for (size_t k = b; k < end; k += TILE) {
             const size_t count = end - k < TILE ? end - k : TILE;
-            (void)pyramid_tile(f, rays + k, count, false, hits + k, &queue, (k - b) / W);
+            const ray_set found = pyramid_tile(f, rays + k, count, any, any ? NULL : hits + k, &queue, (k - b) / W);
+            for (size_t m = 0; any && m < count; m++) occluded[k + m] = found >> m & 1;
         }
-        walk_alone(f, &queue, &alone, end < n && end % LANE_RUN != 0, false, &answers);
+        walk_alone(f, &queue, &alone, end < n && end % LANE_RUN != 0, any, &answers);
     }
 }
 
+static void CW_CODE(closest_pyramid_)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits) {
+    pyramid_rays(f, rays, n, false, hits, NULL);
+}
 static void CW_CODE(any_pyramid_)(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded) {
-    lane_set alone;
-    lane_answers answers;
-    alone.living = 0;
-    alone.clock = alone.look_at = 0;
-    answers.found = 0;
-    for (size_t b = 0; b < n; b += BATCH) {
-        const size_t end = n - b < BATCH ? n : b + BATCH, run = b / LANE_RUN * LANE_RUN;
-        lane_queue queue;
-        queue.n = 0;
-        queue.first = (uint32_t)(b - run);
-        answers.rays = rays + run;
-        answers.occluded = occluded + run;
-        for (size_t k = b; k < end; k += TILE) {
-            const size_t count = end - k < TILE ? end - k : TILE;
-            const ray_set found = pyramid_tile(f, rays + k, count, true, NULL, &queue, (k - b) / W);
-            for (size_t m = 0; m < count; m++) occluded[k + m] = found >> m & 1;
-        }
-        walk_alone(f, &queue, &alone, end < n && end % LANE_RUN != 0, true, &answers);
-    }
+    pyramid_rays(f, rays, n, true, NULL, occluded);
 }
 
 const cw_kernel_code CW_CODE(pyramid) = {
