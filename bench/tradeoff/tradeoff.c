@@ -69,7 +69,7 @@ static bool run(const tradeoff_options *o, io_error *error) {
 static int start(int argc, char **argv) {
     tradeoff_options o = {.run = RUN_DEFAULTS, .out = "out/tradeoff"};
     const option_spec options[] = {
-        {"part", "NAMES", "only these parts: rays, horizons, sky, pictures", OPTION_LIST, .to = &o.parts,
+        {"part", "NAMES", "only these parts", OPTION_LIST, .to = &o.parts,
          .names = part_names},
         {"land", "NAMES", "lands for rays, by samples a side (1025,8193); 32769 takes 9 GB", OPTION_LIST,
          .to = &o.sides, .names = tradeoff_land_name},
