@@ -15,7 +15,7 @@
 /* Nodes of this pyramid level, 16 × 16 cells, are the smallest ones judged. In fields without larger nodes no way is long. */
 enum { CLOSE_LEVEL = 1, CLOSE_LEVELS = 3 };
 
-/* What the lanes stand for. */
+/* The number of each lane: its column, counted from the box's first one. */
 static const float close_column[32] = {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13, 14, 15,
                                        16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31};
 
@@ -64,7 +64,7 @@ static inline vray close_vectors(const close_ray *r) {
     return v;
 }
 
-/* The first of the found lanes, if it is before *column and *row, which are those of what is in first. */
+/* Stores the first of the found lanes in first, if it is before *column and *row, the place of the find stored there. */
 static inline void close_keep(vmask found, const vfind *find, const vcell *c, vfloat columns, vfloat rows,
                               float *column, float *row, float first[FOUND_NUMBERS]) {
     float all[FOUND_NUMBERS][W], at[W], in[W];
@@ -164,8 +164,8 @@ static inline bool close_misses(const close_ray *r, const cw_field *f, int level
     const double px = (double)nx[RAY_ORG] - ((double)x + half), py = (double)ny[RAY_ORG] - ((double)y + half);
     const double steep = fabs(a) + fabs(b), sigma = steep + (high - low),
                  absolute = max_second_d(fabs(low), fabs(high));
-    /* Slabs with a slope have been set outward for rays from anywhere (cw_slab_outward). That is taken back, and what this ray
-     * needs here is put in its place. */
+    /* Slabs with a slope have been set outward for rays from anywhere (cw_slab_outward). That is taken back, and replaced by
+     * the width that this ray needs here. */
     const double k = (double)SLAB_ROUNDING * 2 * (double)(f->nx + f->ny);
     const double wide = steep > 0 ? k / (1 + 2 * k) * (1 - 0x1p-20) * max_second_d(0, sigma - 2 * u * absolute) : 0;
     const double away = fabs(px) + fabs(py) + 2 * half + 2;

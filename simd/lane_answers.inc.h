@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the walks of single rays find, and how it becomes hits. */
+/* The finds of the walks of single rays, and their conversion to hits. */
 
 /* The first n lanes, a bit each. */
 static inline unsigned first_lanes(size_t n) { return (unsigned)(((uint64_t)1 << n) - 1); }

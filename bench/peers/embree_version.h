@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What Embree 3 and 4 name or order differently: how a query is told the kind of its rays. CELLWALK_EMBREE is the version. */
+/* Differences between Embree 3 and 4 in names and order: how a query is told the kind of its rays. CELLWALK_EMBREE is the version. */
 #ifndef BENCH_PEERS_EMBREE_VERSION_H
 #define BENCH_PEERS_EMBREE_VERSION_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Rays on coarser fields: what is promised of their surfaces, what is so, and what the rays gain. */
+/* Rays on coarser fields: the promised and the actual distance of their surfaces, and the gain in speed. */
 #include "tradeoff/tradeoff.h"
 
 #include "accuracy/judge.h"

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 
 static const char what[] =
-    "Measures what the choices between speed and accuracy gain and what error they cost, on fractal land, one thread; "
+    "Measures the gain and the error of each choice between speed and accuracy, on fractal land, one thread; "
     "writes tradeoff.json to a folder.\n\n"
     "  rays      coarser land: how far its surface is promised to lie from the full one, and does; speed and error of "
     "a view's rays, beside strict and Embree\n"
@@ -69,8 +69,7 @@ static bool run(const tradeoff_options *o, io_error *error) {
 static int start(int argc, char **argv) {
     tradeoff_options o = {.run = RUN_DEFAULTS, .out = "out/tradeoff"};
     const option_spec options[] = {
-        {"part", "NAMES", "only these parts", OPTION_LIST, .to = &o.parts,
-         .names = part_names},
+        {"part", "NAMES", "only these parts", OPTION_LIST, .to = &o.parts, .names = part_names},
         {"land", "NAMES", "lands for rays, by samples a side (1025,8193); 32769 takes 9 GB", OPTION_LIST,
          .to = &o.sides, .names = tradeoff_land_name},
         {"count", "N", "rays of the view (1048576)", OPTION_COUNT, .to = &o.count, .low = 64, .high = 1 << 20},

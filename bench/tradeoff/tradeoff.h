@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* cellwalk-bench tradeoff: what the choices of speed against accuracy gain, and what error they cost. */
+/* cellwalk-bench tradeoff: the gain and the error of each choice of speed against accuracy. */
 #ifndef CELLWALK_BENCH_TRADEOFF_H
 #define CELLWALK_BENCH_TRADEOFF_H
 

@@ -21,8 +21,8 @@ typedef struct landscape_desc {
     float horizon[3], above[3]; /* colours of the sky, which is seen where no ground is */
     bool vault;                 /* a sky that is brighter toward the sun, and a plain below the horizon */
     float plain[3];             /* the plain's colour */
-    double visibility; /* > 0: what is so far away in the world keeps 2 % of its contrast, by haze; 0: clear air */
-    const double *water_level; /* NULL, or the height of water in the samples' numbers */
+    double visibility;          /* > 0: haze leaves 2 % of the contrast at this distance in the world; 0: clear air */
+    const double *water_level;  /* NULL, or the height of water in the samples' numbers */
     size_t width, height;
     unsigned samples_a_pixel;
 } landscape_desc;

@@ -88,7 +88,7 @@ static PyObject *grown(PyObject *self, PyObject *arguments) {
     return from_rectangle(reach_grow(&r->whole, part, more));
 }
 
-/* around(x, y, metres): what a viewshed from a place of the map looks at; None if that is nothing. */
+/* around(x, y, metres): the part that a viewshed from a place of the map examines, or None. */
 static PyObject *around(PyObject *self, PyObject *arguments) {
     const py_reach *r = (const py_reach *)self;
     double x, y, metres, at[2];

@@ -20,7 +20,7 @@ typedef struct viewing {
 /* y of the caller's to that of the terrain, and back. */
 static double northward(const py_field *f, double y) { return ground_northward(&f->ground, &f->terrain, y); }
 
-/* What is wrong with a place; _places_wrong of cellwalk/_products.py has the same order. */
+/* The faults of a place, in the order of _places_wrong in cellwalk/_products.py. */
 typedef enum finding { NO_GROUND, TOO_FAR, UNDER_GROUND, FOUND } finding;
 
 /* So far under the ground a place may be: its height may come from decimals. As in the program. */

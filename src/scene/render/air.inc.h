@@ -9,7 +9,7 @@
 
 /* ---- sky -------------------------------------------------------------------------------------------------------------- */
 
-/* Brighter toward the sun: how much of what is missing to white is added. */
+/* The share of the difference to white that is added toward the sun. */
 LANE_INLINE float glow_of(float toward) {
     const float near = toward > 0 ? toward : 0, second = near * near, fourth = second * second,
                 eighth = fourth * fourth;
@@ -110,7 +110,7 @@ static void meet_water(wave *w) {
     wave_lap(w, WAVE_RAYS);
 }
 
-/* What a level surface of water reflects of light that comes at that cosine to its normal (Schlick 1994). */
+/* The share of light that water reflects, by the cosine of the light's angle to its normal (Schlick 1994). */
 LANE_INLINE float mirrored_share(float cosine) {
     const float rest = 1 - cosine, second = rest * rest;
     return 0.02f + 0.98f * (second * second * rest);
@@ -130,7 +130,7 @@ static void spread_from_water(const plan_shape *field, const float dir[3], float
     }
 }
 
-/* The water's own light, and rays for what it mirrors, which join the next wave. */
+/* Light from the water, and mirrored rays, which join the next wave. */
 static void shade_water(wave *w, wave_rays *next) {
     const plan *p = w->plan;
     const scene *s = p->scene;

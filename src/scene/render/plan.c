@@ -196,7 +196,7 @@ static void place_camera(plan *p, const space *spaces) {
         }
 }
 
-/* What water mirrors begins in the first field's space. */
+/* Rays that water mirrors begin in the first field's space. */
 static void place_sky(plan *p, const space *spaces) {
     const sky *s = p->scene->sky;
     for (int c = 0; c < 3; c++)

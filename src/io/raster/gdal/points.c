@@ -74,7 +74,7 @@ static bool find_way(reader *r, OGRLayerH layer, const char *crs) {
            gdal_fail(r->error, r->path, "its coordinate system has no way to that of the terrain");
 }
 
-/* An attribute as a number; what is not set leaves *number as it is. */
+/* An attribute as a number; an unset one leaves *number as it is. */
 static bool take_number(reader *r, OGRFeatureH f, int field, double *number) {
     if (field < 0 || !OGR_F_IsFieldSetAndNotNull(f, field)) return true;
     const char *text = OGR_F_GetFieldAsString(f, field);
