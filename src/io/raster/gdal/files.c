@@ -147,9 +147,8 @@ enum { SUFFIX_MAX = 40 };
 static struct lent {
     bool used;
     int fd, reason;
-    int beside; /* the file that it was made beside, or -1 */
-    char suffix
-        [SUFFIX_MAX]; /* of a file that GDAL makes beside one: what its name has more than that one's, ".ovr.tmp" */
+    int beside;              /* the file that it was made beside, or -1 */
+    char suffix[SUFFIX_MAX]; /* the text behind the other file's name in that of a file beside it: ".ovr.tmp" */
     int (*scratch)(void *context);
     void *context;
 } lent[LENT_MAX];
