@@ -7,6 +7,7 @@ if(NOT cited STREQUAL "version: ${PROJECT_VERSION}")
 endif()
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+# A placeholder: no mail arrives at example.org. Who gives packages to others puts a name and address here (CONTRIBUTING.md).
 set(CPACK_PACKAGE_CONTACT "Cellwalk developers <cellwalk@example.org>" CACHE STRING "Maintainer of packages: name and address")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "") # each package has its own
 set(CPACK_STRIP_FILES ON)
