@@ -271,7 +271,9 @@ static void test_definitions(void **state) {
         for (int shape = 0; shape < FIELD_SHAPES; shape++)
             for (size_t k = 0; k < CASES; k++) {
                 field_make(&f, (field_shape)shape, cases[k].nx, cases[k].ny, 100 * round + k + 1);
-                for (int filter = 0; filter < FILTERS; filter++) check_case(&f, cases[k].factor, (cw_filter)filter);
+                for (int filter = 0; filter < FILTERS; filter++)
+                    if (test_takes((size_t)(shape + filter) + k, FILTERS))
+                        check_case(&f, cases[k].factor, (cw_filter)filter);
             }
 }
 

@@ -11,6 +11,22 @@ import cellwalk as cw
 
 UTM = 'EPSG:32632'
 
+DIVISOR, TURN = (int(os.environ.get(f"CELLWALK_TEST_{name}", least)) for name, least in (("DIVIDE", 1), ("TURN", 0)))
+
+
+def share(examples):
+    """How many of them Hypothesis tries, as test_share of ../support/check.h."""
+    return max(examples // DIVISOR, 10)
+
+
+def pytest_collection_modifyitems(items):
+    """Of a test's cases one in four or less is taken where all have run elsewhere, as test_takes of ../support/check.h says."""
+    tests = {}
+    for item in items:
+        tests.setdefault(item.nodeid.split("[")[0], []).append(item)
+    items[:] = [item for number, cases in enumerate(tests.values()) for k, item in enumerate(cases)
+                if (k + number + TURN) % min(DIVISOR, 4, len(cases)) == 0]
+
 
 def real_dem():
     """344 x 403 samples in Tennessee, 3 seconds of arc apart; part of Debian's python3-matplotlib."""

@@ -8,7 +8,7 @@ from hypothesis import given, settings, strategies as st
 from hypothesis.extra import numpy as hn
 
 import cellwalk as cw
-from conftest import UTM, random_rays, rough, same, same_hits
+from conftest import UTM, random_rays, rough, same, same_hits, share
 
 
 def ask(field):
@@ -57,7 +57,7 @@ def test_holes():
     assert cw.Field(z).shadow()[11, 22] == 255
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=share(40))
 @given(z=hn.arrays(st.sampled_from([np.float32, np.float64, np.int16, np.uint8]), st.tuples(st.integers(2, 40), st.integers(2, 40)),
                    elements={"min_value": 0, "max_value": 200}), data=st.data())
 def test_update_is_a_new_field(z, data):

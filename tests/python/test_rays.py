@@ -6,7 +6,7 @@ from hypothesis import given, settings, strategies as st
 from hypothesis.extra import numpy as hn
 
 import cellwalk as cw
-from conftest import random_rays, rough, same, same_hits
+from conftest import random_rays, rough, same, same_hits, share
 
 FIELD = cw.Field(rough())
 MAP = np.array([[2, 0.5, 0, 100], [0.25, -3, 0, 500], [0, 0, 1.5, 7]])
@@ -49,7 +49,7 @@ def test_odd_alignment():
 shapes = hn.mutually_broadcastable_shapes(num_shapes=4, max_dims=3, max_side=4, min_side=0)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=share(60))
 @given(shapes=shapes, seed=st.integers(0, 2**31), types=st.tuples(*[st.sampled_from(["f4", "f8", ">f4", "f2", "i4"])] * 4))
 def test_broadcasting(shapes, seed, types):
     random = np.random.default_rng(seed)
@@ -65,7 +65,7 @@ def test_broadcasting(shapes, seed, types):
     same(FIELD.any(*arrays), h.hit)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=share(60))
 @given(rays=hn.arrays(np.float64, hn.array_shapes(max_dims=1, max_side=8).map(lambda s: s + (8,)),
                       elements=st.floats(width=64, allow_nan=True, allow_infinity=True)))
 def test_any_numbers(rays):

@@ -119,7 +119,7 @@ static void limits_sample_by_sample(void **state) {
     size_t seen = 0, left_out = 0;
     cw_pool *pool = NULL;
     check_status(cw_pool_create(4, &pool), CW_OK);
-    for (size_t n = 0; n < 160; n += test_step(5)) {
+    for (size_t n = 0; n < 160; n += test_step(7)) {
         ground g;
         sight_bounds *bounds;
         make_land(&g, &r, (int)(n % 4), n % 3 == 0);

@@ -207,6 +207,7 @@ static void windows(void **state) {
         {"--weights"}, {"--angle", "--bands"}, {"--weights", "--azimuth", "300,120"}, {"--vertical", "-5,-1"}};
     for (size_t d = 0; d < 2; d++)
         for (size_t m = 0; m < 4; m++) {
+            if (!test_takes(d + m, 2)) continue;
             const size_t cell = m == 3 ? 1 : 4, bands = m == 1 ? 2 : 1;
             text_file("t.csv", tables[d]);
             char *file[2];
@@ -292,6 +293,7 @@ static void features(void **state) {
         {FEATURE("", "Point", "[500100,5200100]"), "--weights", "w.geojson: has no column 'weight'"},
     };
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        if (!test_takes(k, 3)) continue;
         json_file("w.geojson", utm, cases[k].features);
         check_refused((const char *const[]){"viewshed", "utm.vrt", "--observers", "w.geojson", cases[k].more, "-o",
                                             "o.npy", NULL},
