@@ -173,6 +173,7 @@ static void any_number(void **state) {
     static char text[70000 * 8];
     field_file("level.npy", z, SIDE, SIDE);
     for (int round = 0; round < 2; round++) {
+        if (!test_takes((size_t)round, 2)) continue;
         const size_t observers = round ? 65535 : 10000;
         size_t used = (size_t)snprintf(text, sizeof text, "x,y\n");
         for (size_t k = 0; k < observers; k++)
