@@ -345,6 +345,40 @@ static void needs_are_those_of_lines(void **state) {
     check(large > 1000 / one_in, "%zu needs are large", large);
 }
 
+/* For an eye at (9.75, 0) and height 0: from shape on, a dam at that height in row 16, then a cliff, and a shore at that height again
+ * in the last two rows, whose end is a tower before the cliff. */
+static double dam_and_shore(const double *shape, double x, double y) {
+    const double i = x / 10, j = -y / 10;
+    if (j == 16 && i >= shape[0]) return i < 12 ? 0 : 500;
+    return j < 257 ? -100 : i < 15 ? 0 : i < 38 ? -100 : 3000;
+}
+
+/* An edge of the shore joins an edge of the dam, as both are on one line as seen from the eye, and the dam's piece of the skyline is gone.
+ * Bins of directions farther right must not look for the cliff from that piece. There are enough bins from row 257 on. */
+static void behind_a_joined_piece(void **state) {
+    (void)state;
+    enum { NX = 43, NY = 259 };
+    const double shape[1] = {10};
+    ground g;
+    sight_bounds *bounds = NULL;
+    ground_make(&g, NX, NY, dam_and_shore, shape);
+    check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
+    const viewshed_desc d = {.place = {9.75, 0}, .absolute = true};
+    const size_t total = lines_seen(&g, bounds, &d, 0, 1);
+    check(total > 100, "%zu are seen", total);
+    viewshed *v = view(&g, bounds, &d);
+    bool done;
+    check_status(viewshed_heights(v, NULL, heights, NULL, NULL, &done), CW_OK);
+    for (size_t k = 0; k < (size_t)NX * NY; k++) {
+        const double x = (double)(k % NX), y = (double)(k / NX);
+        const float wanted = (float)sight_need(viewshed_sight(v), x, y, (double)g.z[k], -INFINITY);
+        check(heights[k] == wanted, "(%g, %g): %.9g m are needed, not %.9g", x, y, (double)wanted, (double)heights[k]);
+    }
+    viewshed_destroy(v);
+    sight_bounds_destroy(bounds);
+    ground_free(&g);
+}
+
 /* shape: in the plane 0.5 x - 0.25 y, or ridges that come up to it. */
 static double touched(const double *shape, double x, double y) {
     const double i = x / 10, j = -y / 10, z = 0.5 * i + 0.25 * j;
@@ -511,17 +545,12 @@ static void same_bits_in_threads(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_edge_counts),
-        cmocka_unit_test(next_to_the_eye),
-        cmocka_unit_test(behind_a_tip),
-        cmocka_unit_test(large_views),
-        cmocka_unit_test(horizon_of_the_sea),
-        cmocka_unit_test(views_of_a_plane),
-        cmocka_unit_test(first_block),
-        cmocka_unit_test(same_bits_in_threads),
-        cmocka_unit_test(lines_decide),
-        cmocka_unit_test(needs_are_those_of_lines),
-        cmocka_unit_test(ties),
+        cmocka_unit_test(every_edge_counts),     cmocka_unit_test(next_to_the_eye),
+        cmocka_unit_test(behind_a_tip),          cmocka_unit_test(large_views),
+        cmocka_unit_test(horizon_of_the_sea),    cmocka_unit_test(views_of_a_plane),
+        cmocka_unit_test(first_block),           cmocka_unit_test(same_bits_in_threads),
+        cmocka_unit_test(lines_decide),          cmocka_unit_test(needs_are_those_of_lines),
+        cmocka_unit_test(behind_a_joined_piece), cmocka_unit_test(ties),
         cmocka_unit_test(behind_a_lone_sample),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
