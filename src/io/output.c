@@ -362,6 +362,26 @@ bool io_output_commit(io_output *out, io_error *error) {
     return finish_name(out, fd, fd >= 0, error);
 }
 
+/* Gives the file a second name, which keeps it if another takes its own. DIRECT if it has no name or cannot have two. */
+static int keep_old(const char *target) {
+    const int k = claim_slot();
+    if (k == DIRECT) return DIRECT;
+    struct slot *s = &slots[k];
+    for (unsigned attempt = 0; attempt < ATTEMPTS && next_name(s, target); attempt++) {
+        atomic_store(&s->state, LIVE);
+        if (link(target, s->temporary) == 0) return k;
+        if (!take(s, CLAIMED) || errno != EEXIST) break;
+    }
+    atomic_store(&s->state, FREE);
+    return DIRECT;
+}
+
+/* Ends that, with the name given back or not. */
+static void leave_old(int k, const char *target, bool back) {
+    if (take(&slots[k], CLAIMED) && !(back && rename(slots[k].temporary, target) == 0)) unlink(slots[k].temporary);
+    atomic_store(&slots[k].state, FREE);
+}
+
 bool io_output_commit_both(io_output *out, io_output *beside, io_error *error) {
     char target[PATH_MAX];
     struct stat old;
@@ -372,10 +392,12 @@ bool io_output_commit_both(io_output *out, io_output *beside, io_error *error) {
     }
     const int fd_beside = finish_bytes(beside, error);
     snprintf(target, sizeof target, "%s", beside->target);
-    const bool replaced = lstat(target, &old) == 0;
+    const bool replaces = lstat(target, &old) == 0;
+    const int kept = replaces && beside->slot != DIRECT && fd_beside >= 0 ? keep_old(target) : DIRECT;
     const bool named = finish_name(beside, fd_beside, fd_beside >= 0, error);
     const bool good = finish_name(out, fd, named, error);
-    if (named && !good && !replaced) unlink(target);
+    if (kept != DIRECT) leave_old(kept, target, named && !good);
+    if (named && !good && !replaces) unlink(target);
     return good;
 }
 

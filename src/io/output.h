@@ -46,7 +46,8 @@ bool io_output_write(io_output *out, const void *bytes, size_t size, io_error *e
 bool io_output_commit(io_output *out, io_error *error);
 
 /* The same of two files that belong together: neither gets its name before the bytes of both are on the disk. Then beside
- * gets its name first; if out cannot get its own after that, beside is removed again, unless it replaced a file. */
+ * gets its name first. If out cannot get its own after that, beside is removed again. A file that beside replaced comes back if it
+ * can have two names at a time (hard links); else beside stays. */
 bool io_output_commit_both(io_output *out, io_output *beside, io_error *error);
 
 /* Closes and removes the file. Does nothing on an output that is not open (all zero, committed, discarded). */

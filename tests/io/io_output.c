@@ -385,6 +385,33 @@ static void failures_leave_nothing(void **state) {
     assert_int_equal(scratch_entries(), 1);
 }
 
+/* A file beside another that fails at its name is gone with it, and one that it replaced is back. */
+static void files_beside_fail_together(void **state) {
+    (void)state;
+    assert_int_equal(mkdir("folder", 0777), 0);
+    for (int old = 0; old < 2; old++) {
+        io_output out, beside;
+        io_error error = {""};
+        if (old) scratch_write("folder/b", "old", 3);
+        open_and_write(&out, "a", "text");
+        open_and_write(&beside, "folder/b", "new");
+        assert_int_equal(mkdir("a", 0777), 0);
+        assert_false(io_output_commit_both(&out, &beside, &error));
+        check(strstr(error.text, "a: cannot write: Is a directory") != NULL, "%s", error.text);
+        if (old) check_content("folder/b", "old");
+        assert_int_equal(rmdir("a"), 0);
+        check(system("test $(ls -A folder | wc -l) = $(ls folder/b 2> /dev/null | wc -l)") == 0, "more than b");
+        check(old || access("folder/b", F_OK) != 0, "a new file is left");
+        open_and_write(&out, "a", "text");
+        open_and_write(&beside, "folder/b", "new");
+        check(io_output_commit_both(&out, &beside, &error), "%s", error.text);
+        check_content("a", "text");
+        check_content("folder/b", "new");
+        check(system("test $(ls -A folder | wc -l) = 1 && rm a folder/b") == 0, "more than b");
+    }
+    assert_int_equal(scratch_entries(), 1);
+}
+
 static void devices_are_written_to(void **state) {
     (void)state;
     io_output out;
@@ -451,6 +478,7 @@ int main(void) {
         BOTH(deleted_folders_are_an_error),
         BOTH(bad_targets_are_refused),
         BOTH(failures_leave_nothing),
+        BOTH(files_beside_fail_together),
         BOTH(devices_are_written_to),
         cmocka_unit_test_setup_teardown(killed_writers_leave_nothing, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(dash_is_standard_output, enter, scratch_leave),
