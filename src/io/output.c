@@ -10,6 +10,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
+#include <stdarg.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
@@ -287,6 +288,14 @@ bool io_output_reserve(io_output *out, uint64_t bytes, io_error *error) {
 bool io_output_write(io_output *out, const void *bytes, size_t size, io_error *error) {
     if (fwrite(bytes, 1, size, out->file) == size) return true;
     return fail_write(out, error);
+}
+
+bool io_output_print(io_output *out, io_error *error, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    const int length = vfprintf(out->file, format, arguments);
+    va_end(arguments);
+    return length >= 0 || fail_write(out, error);
 }
 
 /* Whether the file's data are on the disk; errno is set if not. */

@@ -42,6 +42,9 @@ bool io_output_reserve(io_output *out, uint64_t bytes, io_error *error);
 /* Writes to out->file. False, with the file and the system's reason in error, when that fails. */
 bool io_output_write(io_output *out, const void *bytes, size_t size, io_error *error);
 
+/* The same of text as printf writes it. */
+__attribute__((format(printf, 3, 4))) bool io_output_print(io_output *out, io_error *error, const char *format, ...);
+
 /* Flushes, closes and gives the file its name. On failure everything is discarded. out may be discarded again. */
 bool io_output_commit(io_output *out, io_error *error);
 

@@ -102,6 +102,27 @@ static void profile_over_a_wall(void **state) {
     free(text);
 }
 
+/* Rows are as long as their numbers: metres of 151 digits. */
+static void long_rows(void **state) {
+    (void)state;
+    text_file("p.csv", "x1,y1,x2,y2,height1,height2\n2e150,1e150,2e150,40e150,5,1\n");
+    run_well((const char *const[]){"los", "wall.npy", "--cellsize", "1e150", "--pairs", "p.csv", "-o", "a.csv",
+                                   "--profile", "b.csv", NULL});
+    for (int k = 0; k < 2; k++) {
+        size_t size, commas = 0, rows = 0, digits = 0;
+        char *text = scratch_read(k ? "b.csv" : "a.csv", &size);
+        for (size_t n = 0; n < size; n++) {
+            commas += text[n] == ',';
+            rows += text[n] == '\n';
+            digits += text[n] >= '0' && text[n] <= '9';
+            check(text[n] == '\n' || (text[n] >= ' ' && text[n] <= '~'), "character %d is none of a table", text[n]);
+        }
+        assert_int_equal(commas, (k ? 6 : 10) * rows);
+        check(rows == (k ? 41 : 2) && digits > 150 * (rows - 1), "%zu digits in %zu rows", digits, rows);
+        free(text);
+    }
+}
+
 static void what_is_refused(void **state) {
     (void)state;
     static const struct {
@@ -168,6 +189,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(pairs, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(profile_over_a_wall, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(long_rows, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(what_is_refused, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(endings, enter, scratch_leave),
     };

@@ -43,13 +43,13 @@ bool line_write_profile(const line *l, size_t number, profile *p, io_output *to,
     for (size_t k = 0; k < p->count; k++) {
         const profile_point *at = &p->points[k];
         double xy[2];
-        char row[200], height[40] = "";
         for (int e = 0; e < 2; e++) xy[e] = l->ends[0][e] + at->share * (l->ends[1][e] - l->ends[0][e]);
-        if (!isnan(at->ground)) snprintf(height, sizeof height, "%.3f", at->ground * metres);
-        const char *seen = isnan(at->ground) ? "" : at->seen ? "1" : "0";
-        const int length = snprintf(row, sizeof row, "%zu,%.3f,%.12g,%.12g,%s,%.3f,%s\n", number, at->share * l->length,
-                                    xy[0], xy[1], height, at->line * metres, seen);
-        if (!io_output_write(to, row, (size_t)length, error)) return false;
+        const double distance = at->share * l->length, over = at->line * metres;
+        bool good = io_output_print(to, error, "%zu,%.3f,%.12g,%.12g,", number, distance, xy[0], xy[1]);
+        good = good &&
+               (isnan(at->ground) ? io_output_print(to, error, ",%.3f,\n", over)
+                                  : io_output_print(to, error, "%.3f,%.3f,%d\n", at->ground * metres, over, at->seen));
+        if (!good) return false;
     }
     return !atomic_load(cancel_flag()) || io_fail(error, "interrupted");
 }

@@ -52,13 +52,12 @@ static bool take_place(const job *j, size_t row, int end, ground_place *p, char 
 }
 
 static bool write_row(const job *j, size_t row, const line *l, io_error *error) {
-    char text[300], block[120] = ",,,";
-    if (l->blocked)
-        snprintf(block, sizeof block, "%.3f,%.12g,%.12g,%.3f", l->block_distance, l->block[0], l->block[1],
-                 l->block_height);
-    const int length = snprintf(text, sizeof text, "%zu,%.12g,%.12g,%.12g,%.12g,%d,%.3f,%s\n", row + 1, l->ends[0][0],
-                                l->ends[0][1], l->ends[1][0], l->ends[1][1], !l->blocked, l->length, block);
-    return io_output_write(j->results, text, (size_t)length, error);
+    if (!io_output_print(j->results, error, "%zu,%.12g,%.12g,%.12g,%.12g,%d,%.3f,", row + 1, l->ends[0][0],
+                         l->ends[0][1], l->ends[1][0], l->ends[1][1], !l->blocked, l->length))
+        return false;
+    if (!l->blocked) return io_output_print(j->results, error, ",,,\n");
+    return io_output_print(j->results, error, "%.3f,%.12g,%.12g,%.3f\n", l->block_distance, l->block[0], l->block[1],
+                           l->block_height);
 }
 
 static bool look(job *j, size_t row, io_error *error) {
