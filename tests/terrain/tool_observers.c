@@ -126,6 +126,14 @@ static void weights_and_bands(void **state) {
     for (size_t n = 0; n < NX * NY; n++)
         check(n == 7 * NX + 9 ? isnan(sums[n]) : sums[n] == (float)wanted[n], "sample %zu: %g, not %g", n,
               (double)sums[n], wanted[n]);
+    /* Sums of 8 bytes a sample count against the memory: with 4 bytes of samples, 36 kB of 150, of which a quarter may be used. */
+    check_refused((const char *const[]){"viewshed", "land.npy", "--cellsize", "10", "--observers", "t.csv", "--weights",
+                                        "--memory", "100K", "-o", "o.npy", NULL},
+                  1, "60 x 50 samples matter at once, which need --memory 1M");
+    check_same("land.npy", OPTIONS("--observers", "t.csv", "--weights"),
+               OPTIONS("--observers", "t.csv", "--weights", "--memory", "150K"), 4 * NX * NY, NULL);
+    check_same("land.npy", OPTIONS("--observers", "t.csv"), OPTIONS("--observers", "t.csv", "--memory", "100K"),
+               NX * NY, NULL);
     /* A GeoTIFF says whose band is whose. */
     const program_result *r =
         program_run(NULL, (const char *const[]){"viewshed", "land.npy", "--cellsize", "10", "--observers", "t.csv",

@@ -131,23 +131,27 @@ bool pieces_describe(ground *g, io_error *error) {
 /* A sample's four bytes, and its share of the field's structures. */
 static const double bytes_a_sample = 4 + 4, samples_most = 0x1p31;
 
-static double bytes_of(cw_rectangle piece) { return (double)piece.nx * (double)piece.ny * bytes_a_sample; }
+static double bytes_of(cw_rectangle piece, double more) {
+    return (double)piece.nx * (double)piece.ny * (bytes_a_sample + more);
+}
 
 /* The rest of the program, GDAL's cache and the output. */
 static const double others = 3e8;
 
 static double room(const ground *g) { return fmax(g->options->bytes - others, 0.25 * g->options->bytes); }
 
-bool pieces_fit(const ground *g, cw_rectangle piece) {
-    return bytes_of(piece) <= room(g) && (double)piece.nx * (double)piece.ny <= samples_most;
+static bool fits(const ground *g, cw_rectangle piece, double more) {
+    return bytes_of(piece, more) <= room(g) && (double)piece.nx * (double)piece.ny <= samples_most;
 }
 
-bool pieces_check(const ground *g, cw_rectangle piece, io_error *error) {
-    if (pieces_fit(g, piece)) return true;
+bool pieces_fit(const ground *g, cw_rectangle piece) { return fits(g, piece, 0); }
+
+bool pieces_check(const ground *g, cw_rectangle piece, double more, io_error *error) {
+    if (fits(g, piece, more)) return true;
     if ((double)piece.nx * (double)piece.ny > samples_most)
         return io_fail(error, "%s: %zu x %zu samples matter, which are more than a field can hold", g->path, piece.nx,
                        piece.ny);
-    const double need = fmin(bytes_of(piece) + others, 4 * bytes_of(piece));
+    const double bytes = bytes_of(piece, more), need = fmin(bytes + others, 4 * bytes);
     return io_fail(error, "%s: %zu x %zu samples matter at once, which need --memory %.0fM; there is %.0fM", g->path,
                    piece.nx, piece.ny, ceil(need / 1e6), g->options->bytes / 1e6);
 }
@@ -209,7 +213,7 @@ bool pieces_read(ground *g, cw_rectangle piece, bool field, io_error *error) {
     io_raster *r = &g->file.raster;
     field_file_close(&g->file);
     g->terrain = g->whole;
-    if (!pieces_check(g, piece, error) || !read_part(g, piece, r, error)) return false;
+    if (!pieces_check(g, piece, 0, error) || !read_part(g, piece, r, error)) return false;
     map_of(g, piece, r->map);
     if (field && !field_file_build(&g->file, g->path, &g->query, error)) return false;
     g->line = progress_start(g->options->name);
@@ -349,7 +353,7 @@ static bool check_pieces(const writing *w, io_error *error) {
     cw_rectangle part, piece;
     if (w->maker->around == NULL || pieces_fit(g, pieces_all(g))) return true;
     for (size_t row = 0; row < g->window.ny; row += w->rows)
-        if (!piece_for(w, row, 1, &part, &piece, error) || !pieces_check(g, piece, error)) return false;
+        if (!piece_for(w, row, 1, &part, &piece, error) || !pieces_check(g, piece, 0, error)) return false;
     return true;
 }
 

@@ -26,9 +26,10 @@ cw_rectangle pieces_all(const ground *g);
 /* Puts a piece into the place of the one that is in memory. */
 bool pieces_read(ground *g, cw_rectangle piece, bool field, io_error *error);
 
-/* Whether memory has room for a piece with a field; an error if not. */
+/* Whether memory has room for a piece with a field or for a result of four bytes a sample; an error if not. more: further bytes a
+ * sample. */
 bool pieces_fit(const ground *g, cw_rectangle piece);
-bool pieces_check(const ground *g, cw_rectangle piece, io_error *error);
+bool pieces_check(const ground *g, cw_rectangle piece, double more, io_error *error);
 
 /* Takes the blocks of the window and those that wanted says are of use: all, if it is NULL. */
 typedef bool pieces_wanted(void *context, cw_rectangle block);

@@ -46,14 +46,6 @@ static cw_rectangle samples_of(const job *j, const double at[2]) {
     return whole || j->kind == VIEW_NEEDED ? all : reach_between(&g->whole, at, g->window);
 }
 
-/* Sums are twice as long as samples, which the check of memory does not know. */
-static bool check_sums(const job *j, cw_rectangle piece, io_error *error) {
-    const cw_rectangle more = {piece.i, piece.j, piece.nx, piece.ny + piece.ny / 2 + 1};
-    if (j->kind != VIEW_WEIGHT || pieces_fit(j->ground, more)) return true;
-    return io_fail(error, "%s: sums for %zu x %zu samples need half as much memory again as there is", j->ground->path,
-                   piece.nx, piece.ny);
-}
-
 /* Reads the part that all observers need, and sets the window to the part that they can see. */
 static bool read_samples(job *j, io_error *error) {
     const double farthest = j->request->target.limits.farthest;
@@ -80,7 +72,9 @@ static bool read_samples(job *j, io_error *error) {
         piece = reach_both(piece, samples_of(j, at));
     }
     piece = reach_grow(&g->whole, reach_both(piece, g->window), 0);
-    return check_sums(j, piece, error) && pieces_read(g, piece, false, error);
+    const double more =
+        j->kind == VIEW_WEIGHT ? sizeof *j->sums - sizeof(float) : 0; /* sums are longer than other results */
+    return pieces_check(g, piece, more, error) && pieces_read(g, piece, false, error);
 }
 
 /* ---- views ----------------------------------------------------------------------------------------------------------- */
