@@ -28,6 +28,7 @@ static void print_parts(void) {
 static const char tasks[] = "By task, for a terrain dem.tif with places X,Y on its map:\n"
                             "  its contents     cellwalk info dem.tif\n"
                             "  cast shadow      cellwalk shadow dem.tif --sun 225,30 -o shadow.tif\n"
+                            "  hours of sun     cellwalk sun dem.tif --date 2024-06-21 -o hours.tif\n"
                             "  visible area     cellwalk viewshed dem.tif --from X,Y -o seen.tif\n"
                             "  line of sight    cellwalk los dem.tif X,Y,2 X,Y,2\n"
                             "  sky-view factor  cellwalk horizon dem.tif --svf -o sky.tif\n"

@@ -211,14 +211,23 @@ static void examples_of_the_benchmark(void **state) {
     examples_run("cellwalk-bench");
 }
 
-/* Without arguments: all that the program can do, on a screen of 24 lines. */
+/* Without arguments: all that the program can do, with a task for each command, on a screen of 24 lines. */
 static void map_fits_a_screen(void **state) {
     (void)state;
     size_t size, lines = 0;
     check(system("cellwalk 2>err") != 0, "no command is a success");
     char *text = scratch_read("err", &size);
     for (const char *c = text; *c; c++) lines += *c == '\n';
-    check(strstr(text, "By task") != NULL && lines <= 24, "%zu lines: %s", lines, text);
+    const char *tasks = strstr(text, "By task"), *name = strstr(text, "Commands:\n");
+    check(tasks && name && lines <= 24, "%zu lines: %s", lines, text);
+    size_t commands = 0;
+    for (name = strchr(name, '\n') + 1; name[0] == ' '; name = strchr(name, '\n') + 1, commands++) {
+        char task[40];
+        const int length = (int)strcspn(name + 2, " ");
+        snprintf(task, sizeof task, " cellwalk %.*s dem.tif", length < 20 ? length : 20, name + 2);
+        check(strstr(tasks, task) != NULL, "no task says%s", task);
+    }
+    assert_true(commands > 5);
     free(text);
 }
 

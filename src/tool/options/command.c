@@ -32,8 +32,8 @@ static void print_help(const program *p, FILE *to) {
     fprintf(to, "Usage: %s COMMAND [ARGUMENTS]\n\n%s\n\nCommands:\n", p->name, p->what);
     for (size_t k = 0; k < p->command_count; k++)
         fprintf(to, "  %-9s %s\n", p->commands[k]->name, p->commands[k]->what);
-    if (p->ending) fprintf(to, "\n%s", p->ending);
-    fprintf(to, "\nMore: '%s COMMAND --help' with examples, '%s --version'.\n", p->name, p->name);
+    fprintf(to, "\n%s", p->ending ? p->ending : "");
+    fprintf(to, "More: '%s COMMAND --help' with examples, '%s --version'.\n", p->name, p->name);
 }
 
 static int unknown(const program *p, const char *word) {
