@@ -27,6 +27,8 @@ static int enter(void **state) {
     field_file("level.npy", z, NX, NY);
     for (size_t i = 0; i < NX; i++) z[20 * NX + i] = 40;
     field_file("wall.npy", z, NX, NY);
+    z[33 * NX + 25] = NAN;
+    field_file("hole.npy", z, NX, NY);
     for (size_t k = 0; k < 12; k++) white[k] = 1;
     io_error error;
     assert_true(io_image_write("white.pfm", &(io_image){2, 2, white, NULL}, &error));
@@ -93,6 +95,11 @@ static void water_from_above(void **state) {
                     (1 - mirrored) * depth[c] * light + mirrored * (horizon[c] + cosine * (above[c] - horizon[c]));
             check_pixel(&image, x, y, wanted, 1e-3);
         }
+    /* Holes are under water too. */
+    io_image same = run_well((const char *const[]){"render", "hole.npy", FROM_ABOVE, "--sun", "180,45", "--water", "5",
+                                                   "-o", "o.pfm", NULL});
+    assert_memory_equal(same.rgb + 30 * SIDE * 3, image.rgb + 30 * SIDE * 3, 20 * SIDE * 3 * sizeof *image.rgb);
+    io_image_free(&same);
     const float *wall = image.rgb + (25 * SIDE + 30) * 3;
     check(wall[0] > 0.05f, "the wall is %g, %g, %g", (double)wall[0], (double)wall[1], (double)wall[2]);
     io_image_free(&image);
