@@ -150,18 +150,27 @@ static cw_status grid_angles(horizon *h, const cw_run *query, size_t number, siz
     return CW_OK;
 }
 
+/* The rises of rows from this one on, *rows at most; sets that to how many share a heading; slope as compass_heading sets it. */
+static cw_status find_rises(horizon *h, const cw_run *query, size_t number, size_t row, size_t *rows, float *rises,
+                            double *slope) {
+    size_t alike;
+    cw_heading *heading;
+    compass_turn(&h->compass, row, &alike);
+    if (alike < *rows) *rows = alike;
+    const cw_status status = compass_heading(&h->compass, number, &heading, slope);
+    if (status != CW_OK) return status;
+    const cw_rectangle at = {0, row, h->terrain->nx, *rows};
+    return cw_heading_steepest(heading, query, -INFINITY, INFINITY, at, rises);
+}
+
 cw_status horizon_angles(horizon *h, const cw_run *query, size_t number, size_t row, size_t rows, float *degrees) {
     const size_t nx = h->terrain->nx, end = row + rows;
     if (number >= h->compass.count) return CW_ERROR_ARGUMENT;
     if (h->grid) return grid_angles(h, query, number, row, rows, degrees);
     for (size_t count; row < end; row += count, degrees += count * nx) {
-        compass_turn(&h->compass, row, &count);
-        count = count < end - row ? count : end - row;
-        cw_heading *heading;
         double slope;
-        cw_status status = compass_heading(&h->compass, number, &heading, &slope);
-        if (status != CW_OK) return status;
-        status = cw_heading_steepest(heading, query, -INFINITY, INFINITY, (cw_rectangle){0, row, nx, count}, degrees);
+        count = end - row;
+        const cw_status status = find_rises(h, query, number, row, &count, degrees, &slope);
         if (status != CW_OK) return status;
         turning t = {degrees, (float)(1 / slope)};
         cw_pool_run(query ? query->pool : NULL, nx * count, GRAIN, to_degrees, &t);
@@ -184,12 +193,7 @@ static float locate(const locating *l, size_t i, size_t j, double rise) {
     const double eye[3] = {(double)i, (double)j, (double)t->z[j * t->nx + i]};
     sight s;
     sight_init(&s, t, l->horizon->bounds, eye, l->horizon->curvature);
-    /* A step beyond the last sample on the way; a limit counts as the heading's. */
-    double far = INFINITY;
-    for (int a = 0; a < 2; a++) {
-        const double last = (double)((a ? t->ny : t->nx) - 1);
-        if (l->dir[a] != 0) far = fmin(far, ((l->dir[a] > 0 ? last : 0) - eye[a]) / l->dir[a] + 1);
-    }
+    double far = terrain_steps_out(t, eye, l->dir); /* a limit counts as the heading's */
     if (l->horizon->max_distance > 0) far = fmin(far, l->horizon->max_distance / l->length * (1 + 0x1p-20));
     const double to[2] = {eye[0] + far * l->dir[0], eye[1] + far * l->dir[1]};
     const double least = (rise - 0x1p-18 * fabs(rise) - 0x1p-40 * fabs(eye[2])) * far;
@@ -217,13 +221,9 @@ cw_status horizon_distances(horizon *h, const cw_run *query, size_t number, size
         if (status != CW_OK) return status;
     }
     for (size_t count; row < end; row += count, metres += count * nx) {
-        compass_turn(&h->compass, row, &count);
-        count = count < end - row ? count : end - row;
-        cw_heading *heading;
         double slope;
-        cw_status status = compass_heading(&h->compass, number, &heading, &slope);
-        if (status != CW_OK) return status;
-        status = cw_heading_steepest(heading, query, -INFINITY, INFINITY, (cw_rectangle){0, row, nx, count}, metres);
+        count = end - row;
+        const cw_status status = find_rises(h, query, number, row, &count, metres, &slope);
         if (status != CW_OK) return status;
         locating l = {.horizon = h, .row = row, .metres = metres};
         l.length = terrain_direction(whole, 0.5 * (double)(whole->nx - 1), compass_middle(&h->compass),

@@ -80,6 +80,15 @@ double terrain_direction(const terrain *t, double i, double j, double azimuth, d
     return length;
 }
 
+double terrain_steps_out(const terrain *t, const double at[2], const double dir[2]) {
+    double steps = INFINITY;
+    for (int a = 0; a < 2; a++) {
+        const double last = (double)((a ? t->ny : t->nx) - 1);
+        if (dir[a] != 0) steps = fmin(steps, ((dir[a] > 0 ? last : 0) - at[a]) / dir[a] + 1);
+    }
+    return steps;
+}
+
 double terrain_height(const terrain *t, double i, double j) {
     if (!(i >= 0 && j >= 0 && i <= (double)(t->nx - 1) && j <= (double)(t->ny - 1))) return NAN;
     const size_t ci = i < (double)(t->nx - 1) ? (size_t)i : t->nx - 2,

@@ -58,6 +58,9 @@ static inline void terrain_from_map(const terrain *t, double x, double y, double
  * metres. */
 double terrain_direction(const terrain *t, double i, double j, double azimuth, double dir[2]);
 
+/* How many such steps lead out of the terrain, and one more; infinite if dir is 0. */
+double terrain_steps_out(const terrain *t, const double at[2], const double dir[2]);
+
 /* Height of the surface in metres at field coordinates, as rays meet it; NaN outside and in holes. */
 double terrain_height(const terrain *t, double i, double j);
 

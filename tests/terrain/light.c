@@ -263,6 +263,25 @@ static void horizon_in_a_pit(void **state) {
     horizon_destroy(h);
     ground_free(&g);
 }
+/* A sample away from the border, and the line from it in a direction of the horizon, out of the terrain. */
+typedef struct outlook {
+    size_t i, j;
+    double eye[3], end[2], far; /* far: metres */
+    double dir[2], length;      /* a step, and how many metres it is long */
+} outlook;
+
+static outlook random_outlook(const ground *g, random_state *r, double azimuth, double max_distance) {
+    outlook o = {.i = 1 + random_below(r, SIDE - 2), .j = 1 + random_below(r, SIDE - 2)};
+    o.eye[0] = (double)o.i;
+    o.eye[1] = (double)o.j;
+    o.eye[2] = (double)g->z[o.j * SIDE + o.i];
+    o.length = terrain_direction(&g->terrain, o.eye[0], o.eye[1], azimuth, o.dir);
+    double steps = max_distance > 0 ? max_distance / o.length : INFINITY;
+    for (int a = 0; a < 2; a++) steps = fmin(steps, ((o.dir[a] > 0 ? SIDE - 1 : 0) - o.eye[a]) / o.dir[a] + 1);
+    for (int a = 0; a < 2; a++) o.end[a] = o.eye[a] + steps * o.dir[a];
+    o.far = steps * o.length;
+    return o;
+}
 
 /* On a curved earth, and as far as one looks: what lines of sight see, which are followed in double. The earth is made so much
  * rounder that it hides what is far.
@@ -290,22 +309,16 @@ static void curvature_and_distance(void **state) {
         for (size_t d = 0; d < desc.count; d++) {
             check_status(horizon_angles(h, NULL, d, 0, SIDE, angles), CW_OK);
             for (size_t n = 0; n < places; n++) {
-                const size_t i = 1 + random_below(&r, SIDE - 2), j = 1 + random_below(&r, SIDE - 2);
-                const double eye[3] = {(double)i, (double)j, (double)g.z[j * SIDE + i]};
-                double dir[2], far = INFINITY;
-                const double length = terrain_direction(&g.terrain, eye[0], eye[1], horizon_azimuth(h, d), dir);
-                for (int a = 0; a < 2; a++) far = fmin(far, ((dir[a] > 0 ? SIDE - 1 : 0) - eye[a]) / dir[a] + 1);
-                if (desc.max_distance > 0) far = fmin(far, desc.max_distance / length);
+                const outlook o = random_outlook(&g, &r, horizon_azimuth(h, d), desc.max_distance);
                 sight s;
-                sight_init(&s, &g.terrain, bounds, eye, desc.curvature);
-                const sight_rise rise = sight_steepest(&s, eye[0] + far * dir[0], eye[1] + far * dir[1], -INFINITY);
-                const double wanted = rise.steepest == -INFINITY ? -90 : atan(rise.steepest / (far * length)) / degree;
-                check(fabs((double)angles[j * SIDE + i] - wanted) < allowed,
-                      "(%zu, %zu), %g degrees, curvature %g, up to %g m: %g, not %g", i, j, horizon_azimuth(h, d),
-                      desc.curvature, desc.max_distance, (double)angles[j * SIDE + i], wanted);
-                sight_init(&s, &g.terrain, bounds, eye, 0);
-                differ += sight_steepest(&s, eye[0] + far * dir[0], eye[1] + far * dir[1], -INFINITY).steepest !=
-                          rise.steepest;
+                sight_init(&s, &g.terrain, bounds, o.eye, desc.curvature);
+                const sight_rise rise = sight_steepest(&s, o.end[0], o.end[1], -INFINITY);
+                const double wanted = rise.steepest == -INFINITY ? -90 : atan(rise.steepest / o.far) / degree;
+                check(fabs((double)angles[o.j * SIDE + o.i] - wanted) < allowed,
+                      "(%zu, %zu), %g degrees, curvature %g, up to %g m: %g, not %g", o.i, o.j, horizon_azimuth(h, d),
+                      desc.curvature, desc.max_distance, (double)angles[o.j * SIDE + o.i], wanted);
+                sight_init(&s, &g.terrain, bounds, o.eye, 0);
+                differ += sight_steepest(&s, o.end[0], o.end[1], -INFINITY).steepest != rise.steepest;
             }
         }
         horizon_destroy(h);
@@ -336,23 +349,17 @@ static void distances_of_horizons(void **state) {
         for (size_t d = 0; d < desc.count; d++) {
             check_status(horizon_distances(h, NULL, d, 0, SIDE, metres), CW_OK);
             for (size_t n = 0; n < places; n++) {
-                const size_t i = 1 + random_below(&r, SIDE - 2), j = 1 + random_below(&r, SIDE - 2);
-                const double eye[3] = {(double)i, (double)j, (double)g.z[j * SIDE + i]};
-                double dir[2], far = INFINITY;
-                const double length = terrain_direction(&g.terrain, eye[0], eye[1], horizon_azimuth(h, d), dir);
-                for (int a = 0; a < 2; a++) far = fmin(far, ((dir[a] > 0 ? SIDE - 1 : 0) - eye[a]) / dir[a] + 1);
-                if (desc.max_distance > 0) far = fmin(far, desc.max_distance / length);
+                const outlook o = random_outlook(&g, &r, horizon_azimuth(h, d), desc.max_distance);
                 sight s;
-                sight_init(&s, &g.terrain, bounds, eye, 0);
-                const double steepest =
-                    brute_steepest(&s, eye[0] + far * dir[0], eye[1] + far * dir[1]) / (far * length);
-                const double way = (double)metres[j * SIDE + i], cells = way / length, last = SIDE - 1;
-                const double x = fmin(fmax(eye[0] + cells * dir[0], 0), last),
-                             y = fmin(fmax(eye[1] + cells * dir[1], 0), last);
+                sight_init(&s, &g.terrain, bounds, o.eye, 0);
+                const double steepest = brute_steepest(&s, o.end[0], o.end[1]) / o.far;
+                const double way = (double)metres[o.j * SIDE + o.i], cells = way / o.length, last = SIDE - 1;
+                const double x = fmin(fmax(o.eye[0] + cells * o.dir[0], 0), last),
+                             y = fmin(fmax(o.eye[1] + cells * o.dir[1], 0), last);
                 const double top = terrain_height(&g.terrain, x, y);
-                check(fabs((top - eye[2]) / way - steepest) < 0x1p-22,
-                      "(%zu, %zu), %g degrees: %g m away the rise is %.9g, the steepest %.9g", i, j,
-                      horizon_azimuth(h, d), way, (top - eye[2]) / way, steepest);
+                check(fabs((top - o.eye[2]) / way - steepest) < 0x1p-22,
+                      "(%zu, %zu), %g degrees: %g m away the rise is %.9g, the steepest %.9g", o.i, o.j,
+                      horizon_azimuth(h, d), way, (top - o.eye[2]) / way, steepest);
                 check(desc.max_distance == 0 || way <= desc.max_distance * (1 + 0x1p-19), "%g m", way);
                 found++;
                 near += way < 100;

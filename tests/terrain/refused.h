@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the program refuses: its exit status, its words, and that it leaves nothing behind. */
+/* Runs that end without a result, by an error or by Ctrl-C: the exit status, the words, and that nothing remains. */
 #ifndef CELLWALK_TESTS_TERRAIN_REFUSED_H
 #define CELLWALK_TESTS_TERRAIN_REFUSED_H
 
@@ -7,13 +7,27 @@
 #include "program.h"
 #include "scratch.h"
 
+#include <signal.h>
 #include <string.h>
+#include <time.h>
 
 static inline void check_refused(program_arguments arguments, int status, const char *part) {
     const size_t entries = scratch_entries();
     const program_result *r = program_run(NULL, arguments);
     check(r->status == status, "exit status %d instead of %d: %s", r->status, status, r->err);
     check(strstr(r->err, part) != NULL, "'%s' is not in '%s'", part, r->err);
+    assert_int_equal(scratch_entries(), entries);
+}
+
+/* Ctrl-C in the middle of a long run; writes: once the output is open. */
+static inline void check_interrupted(program_arguments arguments, bool writes) {
+    const size_t entries = scratch_entries();
+    const pid_t process = program_start(NULL, arguments);
+    if (writes) program_wait_for_output(process);
+    nanosleep(&(struct timespec){0, 100000000}, NULL);
+    kill(process, SIGINT);
+    const program_result *r = program_wait(process);
+    check(r->status == 128 + SIGINT, "exit status %d: %s", r->status, r->err);
     assert_int_equal(scratch_entries(), entries);
 }
 

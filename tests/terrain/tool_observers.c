@@ -6,9 +6,7 @@
 #include "tool_files.h"
 
 #include <math.h>
-#include <signal.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 enum { NX = 60, NY = 50, ARGUMENTS = 24 };
@@ -401,18 +399,10 @@ static void what_is_refused(void **state) {
 static void interrupted(void **state) {
     (void)state;
     text_file("t.csv", "x,y\n100,100\n400,100\n");
-    for (int bands = 0; bands < 2; bands++) {
-        const size_t entries = scratch_entries();
-        const pid_t process = program_start(NULL, (const char *const[]){"viewshed", "land.npy", "--cellsize", "10",
-                                                                        "--observers", "t.csv", "--every", "0.005",
-                                                                        "-o", "o.npy", bands ? "--bands" : NULL, NULL});
-        if (bands) program_wait_for_output(process);
-        nanosleep(&(struct timespec){0, 100000000}, NULL);
-        kill(process, SIGINT);
-        const int status = program_wait(process)->status;
-        check(status == 128 + SIGINT, "exit status %d", status);
-        assert_int_equal(scratch_entries(), entries);
-    }
+    for (int bands = 0; bands < 2; bands++)
+        check_interrupted((const char *const[]){"viewshed", "land.npy", "--cellsize", "10", "--observers", "t.csv",
+                                                "--every", "0.005", "-o", "o.npy", bands ? "--bands" : NULL, NULL},
+                          bands);
 }
 
 int main(void) {

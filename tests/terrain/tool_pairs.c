@@ -7,7 +7,6 @@
 
 #include <math.h>
 #include <signal.h>
-#include <time.h>
 
 enum { NX = 60, NY = 50 };
 
@@ -176,13 +175,7 @@ static void endings(void **state) {
     check(r->status == EXIT_FAILURE && strstr(r->err, "b.csv: cannot write: File too large"), "%d: %s", r->status,
           r->err);
     assert_int_equal(scratch_entries(), entries);
-    const pid_t process = program_start(NULL, run);
-    program_wait_for_output(process);
-    nanosleep(&(struct timespec){0, 50000000}, NULL);
-    kill(process, SIGINT);
-    const int status = program_wait(process)->status;
-    check(status == 128 + SIGINT, "exit status %d", status);
-    assert_int_equal(scratch_entries(), entries);
+    check_interrupted(run, true);
 }
 
 int main(void) {

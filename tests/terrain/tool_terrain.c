@@ -9,8 +9,6 @@
 #include "refused.h"
 #include "tool_files.h"
 
-#include <signal.h>
-#include <time.h>
 #include <unistd.h>
 
 /* Luxembourg in degrees, from SRTM: Debian's r-cran-terra. */
@@ -319,6 +317,8 @@ static void what_is_refused(void **state) {
                   "--type int16 goes with -o FILE.tif");
     check_refused((const char *const[]){"horizon", "wall.npy", "--type", "int16", "--distance", "-o", "no.tif", NULL},
                   2, "--type int16 has no room for --distance");
+    check_refused((const char *const[]){"horizon", "wall.npy", "--distance", "--grid", "-o", "no.npy", NULL}, 2,
+                  "give --distance without --grid");
     check_refused((const char *const[]){"horizon", "wall.npy", "--distance", "--svf", "-o", "no.npy", NULL}, 2,
                   "--distance goes with none of");
     check_refused((const char *const[]){"shadow", "wall.npy", "--sun", "0,9", "--cog", "-o", "no.npy", NULL}, 2,
@@ -605,23 +605,8 @@ static void interrupted(void **state) {
     static const char place[] = "1000,1000,100000";
     static const char *const view[] = {"viewshed", "rough.npy", "--from", place,   "--from",    place, "--from", place,
                                        "--from",   place,       "-o",     "o.npy", "--threads", "1",   NULL};
-    const size_t before = scratch_entries();
-    const pid_t viewing = program_start(NULL, view);
-    nanosleep(&(struct timespec){0, 100000000}, NULL);
-    kill(viewing, SIGINT);
-    const int ended = program_wait(viewing)->status;
-    check(ended == 128 + SIGINT, "exit status %d", ended);
-    assert_int_equal(scratch_entries(), before);
-    for (size_t k = 0; k < 2; k++) {
-        const size_t entries = scratch_entries();
-        const pid_t process = program_start(NULL, runs[k]);
-        program_wait_for_output(process);
-        nanosleep(&(struct timespec){0, 100000000}, NULL);
-        kill(process, SIGINT);
-        const program_result *r = program_wait(process);
-        check(r->status == 128 + SIGINT, "exit status %d: %s", r->status, r->err);
-        assert_int_equal(scratch_entries(), entries);
-    }
+    check_interrupted(view, false);
+    for (size_t k = 0; k < 2; k++) check_interrupted(runs[k], true);
 }
 
 static char *whole(const char *name, size_t *size) { return scratch_read(name, size); }

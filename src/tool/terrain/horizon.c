@@ -4,7 +4,7 @@
 #include "horizon.h"
 
 #include "command.h"
-#include "pieces.h"
+#include "product.h"
 #include "sight.h"
 
 #include <math.h>
@@ -155,12 +155,7 @@ static bool print_at(const ground *g, const horizon_command *c, io_error *error)
         const double azimuth = fmod(c->start + 360.0 * k / c->directions, 360);
         double dir[2], xy[2];
         const double length = terrain_direction(t, eye[0], eye[1], azimuth, dir);
-        /* A cell farther than the last sample on the way. */
-        double far = INFINITY;
-        for (int a = 0; a < 2; a++) {
-            const double last = (double)(a ? t->ny - 1 : t->nx - 1);
-            if (dir[a] != 0) far = fmin(far, ((dir[a] > 0 ? last : 0) - eye[a]) / dir[a] + 1);
-        }
+        double far = terrain_steps_out(t, eye, dir);
         if (c->max_distance > 0) far = fmin(far, c->max_distance / length);
         const sight_rise r = sight_steepest(&s, eye[0] + far * dir[0], eye[1] + far * dir[1], -INFINITY);
         if (r.steepest == -INFINITY) {
@@ -176,7 +171,8 @@ static bool print_at(const ground *g, const horizon_command *c, io_error *error)
     return true;
 }
 
-static bool make(ground *g, const horizon_command *c, io_error *error) {
+static bool make(void *context, ground *g, io_error *error) {
+    const horizon_command *c = context;
     if (c->at) return print_at(g, c, error);
     job j = {.ground = g};
     const bool good = make_bands(&j, c, error);
@@ -186,10 +182,40 @@ static bool make(ground *g, const horizon_command *c, io_error *error) {
     return good;
 }
 
+static bool check(void *context, size_t *bands) {
+    horizon_command *c = context;
+    const bool regular = c->directions == 8 || c->directions == 16 || c->directions == 32;
+    const bool tif = c->ground.output && io_raster_is_tif(c->ground.output), sky = c->sky || c->tilted;
+    if (c->at && !ground_parse_place(name, c->at, 0, &c->place)) return false;
+    if (c->tilted && (c->sky || c->grid))
+        command_fail(name, "--svf-tilted goes with neither --svf nor --grid");
+    else if (c->distance && (sky || c->at))
+        command_fail(name, "--distance goes with none of --svf, --svf-tilted and --at");
+    else if (c->distance && c->grid)
+        command_fail(name, "--grid computes angles and sky-view factors only; give --distance without --grid");
+    else if (c->type == INT16 && (c->distance || !tif))
+        command_fail(name,
+                     c->distance ? "--type int16 has no room for --distance" : "--type int16 goes with -o FILE.tif");
+    else if (c->at && (c->ground.output || sky || c->ground.window))
+        command_fail(name, "--at prints one horizon, and goes with none of -o, --svf and --window");
+    else if (c->curvature < 0)
+        command_fail(name, "--curvature takes a number from 0 on, not %g", c->curvature);
+    else if (c->max_distance < 0)
+        command_fail(name, "--max-distance takes metres, not %g", c->max_distance);
+    else if (c->grid && (c->at || c->start != 0 || c->max_distance > 0 || !regular))
+        command_fail(name,
+                     "--grid goes with 8, 16 or 32 --directions, and with none of --at, --start and --max-distance");
+    else {
+        c->sky = sky;
+        *bands = c->at ? 0 : sky ? 1 : c->directions;
+        return true;
+    }
+    return false;
+}
+
 static int run(int argc, char **argv) {
     horizon_command c = {.directions = 32};
-    enum { OWN = 9, ALL = OWN + 1 + PIECES_OPTION_COUNT + GROUND_OPTION_COUNT };
-    option_spec options[ALL] = {
+    const option_spec options[] = {
         {.name = "directions",
          .value = "N",
          .help = "number of directions, evenly spaced (default: 32)",
@@ -237,11 +263,8 @@ static int run(int argc, char **argv) {
          .help = "terrain farther away than D metres does not count\n(default: no limit)",
          .kind = OPTION_NUMBER,
          .to = &c.max_distance},
+        ground_flat_earth_row(&c.curvature),
     };
-    options[OWN] = ground_flat_earth_row(&c.curvature);
-    pieces_rows(&c.ground, options + OWN + 1);
-    ground_rows(&c.ground, name, options + OWN + 1 + PIECES_OPTION_COUNT);
-    static const char *const operands[] = {"DEM"};
     const options_usage usage = {
         .name = name,
         .synopsis = "DEM (-o FILE | --at X,Y) [OPTIONS]",
@@ -267,51 +290,9 @@ static int run(int argc, char **argv) {
                     "  cellwalk horizon dem.tif --directions 8 --distance -o metres.tif\n"
                     "  cellwalk horizon dem.tif --at 600250,5199800 --directions 360 > horizon.csv\n",
         .options = options,
-        .option_count = ALL,
-        .operands = operands,
-        .operand_least = 1,
-        .operand_most = 1,
+        .option_count = sizeof options / sizeof *options,
     };
-    const char *path;
-    const int status = options_parse(&usage, argc, argv, &path);
-    if (status != OPTIONS_GO) return status;
-    if (c.at && !ground_parse_place(name, c.at, 0, &c.place)) return EXIT_USAGE;
-    if (c.tilted && (c.sky || c.grid)) {
-        command_fail(name, "--svf-tilted goes with neither --svf nor --grid");
-        return EXIT_USAGE;
-    }
-    c.sky = c.sky || c.tilted;
-    if (c.distance && (c.sky || c.grid || c.at)) {
-        command_fail(name, "--distance goes with none of --svf, --svf-tilted, --grid and --at");
-        return EXIT_USAGE;
-    }
-    if (c.type == INT16 && (c.distance || c.ground.output == NULL || !io_raster_is_tif(c.ground.output))) {
-        command_fail(name,
-                     c.distance ? "--type int16 has no room for --distance" : "--type int16 goes with -o FILE.tif");
-        return EXIT_USAGE;
-    }
-    if (c.at && (c.ground.output || c.sky || c.ground.window)) {
-        command_fail(name, "--at prints one horizon, and goes with none of -o, --svf and --window");
-        return EXIT_USAGE;
-    }
-    if (c.curvature < 0 || c.max_distance < 0) {
-        command_fail(name,
-                     c.curvature < 0 ? "--curvature takes a number from 0 on, not %g"
-                                     : "--max-distance takes metres, not %g",
-                     c.curvature < 0 ? c.curvature : c.max_distance);
-        return EXIT_USAGE;
-    }
-    if (c.grid && (c.at || c.start != 0 || c.max_distance > 0 ||
-                   (c.directions != 8 && c.directions != 16 && c.directions != 32))) {
-        command_fail(name,
-                     "--grid goes with 8, 16 or 32 --directions, and with none of --at, --start and --max-distance");
-        return EXIT_USAGE;
-    }
-    const size_t bands = c.at ? 0 : c.sky ? 1 : c.directions;
-    ground g;
-    io_error error = {""};
-    const int opened = ground_open(&g, &c.ground, path, bands, c.at ? GROUND_SAMPLES : GROUND_PIECES);
-    return opened == EXIT_SUCCESS ? ground_close(&g, make(&g, &c, &error), &error) : opened;
+    return product_run(&(product_command){&c.ground, &c, check, make}, &usage, argc, argv);
 }
 
 const command command_horizon = {"horizon", "compute horizon angles or the sky-view factor of each sample", run};

@@ -4,7 +4,7 @@
 #include "shadow.h"
 
 #include "command.h"
-#include "pieces.h"
+#include "product.h"
 #include "sun_place.h"
 
 #include <math.h>
@@ -115,16 +115,17 @@ static bool make_light(job *j, io_error *error) {
     return good;
 }
 
-static bool make(ground *g, const shadow_command *c, io_error *error) {
-    job j = {.command = c, .ground = g};
+static bool make(void *context, ground *g, io_error *error) {
+    job j = {.command = context, .ground = g};
     const bool good = make_light(&j, error);
     sunlight_destroy(j.light);
     reach_blocks_destroy(&j.blocks);
     return good;
 }
 
-/* Reads --sun and --time; true after a message, for these and for the other options. */
-static bool wrong(shadow_command *c) {
+static bool check(void *context, size_t *bands) {
+    shadow_command *c = context;
+    (void)bands;
     double numbers[2] = {0, 0};
     if ((c->sun == NULL) == (c->time == NULL))
         command_fail(name, "give the sun's place by either --sun or --time");
@@ -139,15 +140,14 @@ static bool wrong(shadow_command *c) {
     else {
         c->azimuth = numbers[0];
         c->altitude = numbers[1];
-        return false;
+        return true;
     }
-    return true;
+    return false;
 }
 
 static int run(int argc, char **argv) {
     shadow_command c = {.disc = NAN};
-    enum { OWN = 5, ALL = OWN + 1 + PIECES_OPTION_COUNT + GROUND_OPTION_COUNT };
-    option_spec options[ALL] = {
+    const option_spec options[] = {
         {.name = "sun",
          .value = "AZ,ALT",
          .help = "azimuth from the map's north over east, and altitude,\nin degrees",
@@ -170,11 +170,8 @@ static int run(int argc, char **argv) {
          .help = "the same for a disc of radius R, in degrees",
          .kind = OPTION_NUMBER,
          .to = &c.disc},
+        ground_flat_earth_row(&c.curvature),
     };
-    options[OWN] = ground_flat_earth_row(&c.curvature);
-    pieces_rows(&c.ground, options + OWN + 1);
-    ground_rows(&c.ground, name, options + OWN + 1 + PIECES_OPTION_COUNT);
-    static const char *const operands[] = {"DEM"};
     const options_usage usage = {
         .name = name,
         .synopsis = "DEM (--sun AZ,ALT | --time TIME) -o FILE [OPTIONS]",
@@ -190,19 +187,9 @@ static int run(int argc, char **argv) {
                     "  cellwalk shadow dem.tif --time 2024-12-21T13:00:00Z --sun-disc -o light.tif\n"
                     "  cellwalk shadow dem.tif --sun 315,45 --hillshade -o relief.png\n",
         .options = options,
-        .option_count = ALL,
-        .operands = operands,
-        .operand_least = 1,
-        .operand_most = 1,
+        .option_count = sizeof options / sizeof *options,
     };
-    const char *path;
-    const int status = options_parse(&usage, argc, argv, &path);
-    if (status != OPTIONS_GO) return status;
-    if (wrong(&c)) return EXIT_USAGE;
-    ground g;
-    io_error error = {""};
-    const int opened = ground_open(&g, &c.ground, path, 1, GROUND_PIECES);
-    return opened == EXIT_SUCCESS ? ground_close(&g, make(&g, &c, &error), &error) : opened;
+    return product_run(&(product_command){&c.ground, &c, check, make}, &usage, argc, argv);
 }
 
 const command command_shadow = {"shadow", "compute sunlight and shadow on each sample of a terrain", run};

@@ -7,7 +7,7 @@
 #include "command.h"
 #include "horizon.h"
 #include "insolation.h"
-#include "pieces.h"
+#include "product.h"
 #include "sun_place.h"
 
 #include <math.h>
@@ -160,8 +160,8 @@ static bool make_bands(job *j, io_error *error) {
     return good;
 }
 
-static bool make(ground *g, const sun_command *c, io_error *error) {
-    job j = {.command = c, .ground = g};
+static bool make(void *context, ground *g, io_error *error) {
+    job j = {.command = context, .ground = g};
     const bool good = make_bands(&j, error);
     insolation_destroy(j.sum);
     horizon_destroy(j.horizon);
@@ -195,7 +195,8 @@ static bool read_step(const char *text, double *seconds) {
     return false;
 }
 
-static bool wrong_command(sun_command *c) {
+static bool check(void *context, size_t *bands) {
+    sun_command *c = context;
     const bool energy_only = !isnan(c->linke) || c->sky > 0;
     if (c->date == NULL)
         command_fail(name, "--date is missing");
@@ -218,15 +219,19 @@ static bool wrong_command(sun_command *c) {
         command_fail(name, "--linke takes a turbidity from 1 to 10, not %g", c->linke);
     else if (c->curvature < 0)
         command_fail(name, "--curvature takes a number from 0 on, not %g", c->curvature);
-    else
-        return false;
-    return true;
+    else {
+        if (c->to == NULL) c->last = c->first;
+        if (isnan(c->linke)) c->linke = CLEAR_SKY_LINKE;
+        if (c->sky == 0) c->sky = 32;
+        *bands = c->irradiance ? BANDS : 1;
+        return true;
+    }
+    return false;
 }
 
 static int run(int argc, char **argv) {
     sun_command c = {.step = "15min", .linke = NAN};
-    enum { OWN = 8, ALL = OWN + 1 + PIECES_OPTION_COUNT + GROUND_OPTION_COUNT };
-    option_spec options[ALL] = {
+    const option_spec options[] = {
         {.name = "date", .value = "DAY", .help = "the day, as 2024-06-21", .kind = OPTION_TEXT, .to = &c.date},
         {.name = "to",
          .value = "DAY",
@@ -270,11 +275,8 @@ static int run(int argc, char **argv) {
              "one",
          .kind = OPTION_TEXT,
          .to = &c.place},
+        ground_flat_earth_row(&c.curvature),
     };
-    options[OWN] = ground_flat_earth_row(&c.curvature);
-    pieces_rows(&c.ground, options + OWN + 1);
-    ground_rows(&c.ground, name, options + OWN + 1 + PIECES_OPTION_COUNT);
-    static const char *const operands[] = {"DEM"};
     const options_usage usage = {
         .name = name,
         .synopsis = "DEM --date DAY [--to DAY] -o FILE [OPTIONS]",
@@ -295,22 +297,9 @@ static int run(int argc, char **argv) {
                     "  cellwalk sun dem.tif --date 2024-06-01 --to 2024-06-30 -o june.tif\n"
                     "  cellwalk sun dem.tif --date 2024-03-20 --irradiance --linke 2.5 -o energy.tif\n",
         .options = options,
-        .option_count = ALL,
-        .operands = operands,
-        .operand_least = 1,
-        .operand_most = 1,
+        .option_count = sizeof options / sizeof *options,
     };
-    const char *path;
-    const int status = options_parse(&usage, argc, argv, &path);
-    if (status != OPTIONS_GO) return status;
-    if (wrong_command(&c)) return EXIT_USAGE;
-    if (c.to == NULL) c.last = c.first;
-    if (isnan(c.linke)) c.linke = CLEAR_SKY_LINKE;
-    if (c.sky == 0) c.sky = 32;
-    ground g;
-    io_error error = {""};
-    const int opened = ground_open(&g, &c.ground, path, c.irradiance ? BANDS : 1, GROUND_PIECES);
-    return opened == EXIT_SUCCESS ? ground_close(&g, make(&g, &c, &error), &error) : opened;
+    return product_run(&(product_command){&c.ground, &c, check, make}, &usage, argc, argv);
 }
 
 const command command_sun = {"sun", "compute hours or energy of sunlight over days on a terrain", run};

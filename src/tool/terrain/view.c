@@ -88,7 +88,8 @@ void view_rows(view_options *v, option_spec rows[VIEW_OPTION_COUNT]) {
          .to = &v->haze},
         {.name = "water",
          .value = "Z",
-         .help = "level water at height Z in metres covers all ground that\nis lower, and holes; it mirrors sky and land",
+         .help =
+             "level water at height Z in metres covers all ground that\nis lower, and holes; it mirrors sky and land",
          .kind = OPTION_NUMBER,
          .to = &v->water},
         curvature_around_eye_row(&v->curvature),

@@ -2,7 +2,7 @@
 /* `cellwalk viewshed`: the samples seen from one place or many. */
 
 #include "command.h"
-#include "pieces.h"
+#include "product.h"
 #include "viewshed_make.h"
 
 #include <math.h>
@@ -24,10 +24,12 @@ static const char *extent_names(size_t number) {
     return number < sizeof names / sizeof *names ? names[number] : NULL;
 }
 
-static bool wrong(viewshed_command *c) {
+static bool check(void *context, size_t *bands) {
+    viewshed_command *c = context;
+    (void)bands; /* known when the observers are read */
     viewshed_request *r = &c->request;
     const bool needed = c->needed || r->absolute;
-    if (!observer_options_check(&r->observers, name) || !target_options_read(&r->target, name)) return true;
+    if (!observer_options_check(&r->observers, name) || !target_options_read(&r->target, name)) return false;
     r->kind = needed ? VIEW_NEEDED : c->angle ? VIEW_ANGLE : c->weights ? VIEW_WEIGHT : VIEW_SEEN;
     r->full = c->extent == EXTENT_FULL;
     if (needed + c->angle + c->weights > 1)
@@ -44,20 +46,21 @@ static bool wrong(viewshed_command *c) {
     else if (r->curvature < 0)
         command_fail(name, "--curvature takes a number from 0 on, not %g", r->curvature);
     else
-        return false;
-    return true;
+        return true;
+    return false;
+}
+
+static bool make(void *context, ground *g, io_error *error) {
+    const viewshed_command *c = context;
+    return viewshed_make(g, &c->request, error);
 }
 
 static int run(int argc, char **argv) {
     static viewshed_command c; /* large */
     viewshed_request *r = &c.request;
     r->curvature = NAN;
-    enum {
-        PLACES = OBSERVER_OPTION_COUNT + TARGET_OPTION_COUNT,
-        OWN = PLACES + 7,
-        ALL = OWN + PIECES_OPTION_COUNT + GROUND_OPTION_COUNT
-    };
-    option_spec options[ALL] = {
+    enum { PLACES = OBSERVER_OPTION_COUNT + TARGET_OPTION_COUNT };
+    option_spec options[] = {
         [PLACES] = {.name = "curvature",
                     .value = "K",
                     .help = "the earth's curvature as a factor: 0 for a flat earth,\n1 without air, 0.857 = 6/7 with "
@@ -89,9 +92,6 @@ static int run(int argc, char **argv) {
     };
     observer_rows(&r->observers, options);
     target_rows(&r->target, options + OBSERVER_OPTION_COUNT);
-    pieces_rows(&c.ground, options + OWN);
-    ground_rows(&c.ground, name, options + OWN + PIECES_OPTION_COUNT);
-    static const char *const operands[] = {"DEM"};
     const options_usage usage = {
         .name = name,
         .synopsis = "DEM (--from X,Y | --observers FILE) -o FILE [OPTIONS]",
@@ -120,19 +120,9 @@ static int run(int argc, char **argv) {
                     "  cellwalk viewshed dem.tif --observers towers.csv --weights -o served.tif\n"
                     "  cellwalk viewshed dem.tif --observers road.gpkg --every 50 -o seen.tif\n",
         .options = options,
-        .option_count = ALL,
-        .operands = operands,
-        .operand_least = 1,
-        .operand_most = 1,
+        .option_count = sizeof options / sizeof *options,
     };
-    const char *path;
-    const int status = options_parse(&usage, argc, argv, &path);
-    if (status != OPTIONS_GO) return status;
-    if (wrong(&c)) return EXIT_USAGE;
-    ground g;
-    io_error error = {""};
-    const int opened = ground_open(&g, &c.ground, path, 1, GROUND_PIECES);
-    return opened == EXIT_SUCCESS ? ground_close(&g, viewshed_make(&g, r, &error), &error) : opened;
+    return product_run(&(product_command){&c.ground, &c, check, make}, &usage, argc, argv);
 }
 
 const command command_viewshed = {"viewshed", "compute which samples are seen from one place or many", run};
