@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Haze, water, sky and sun of pictures of terrain by `cellwalk render`, against closed forms; and a JPEG as its colours. */
 
-#include "image.h"
+#include "picture.h"
 #include "program.h"
 #include "refused.h"
 #include "tool_files.h"
@@ -35,25 +35,6 @@ static int enter(void **state) {
     return 0;
 }
 
-static io_image run_well(program_arguments arguments) {
-    const program_result *r = program_run(NULL, arguments);
-    check(r->status == 0 && r->err[0] == '\0', "exit status %d: %s", r->status, r->err);
-    io_image image;
-    io_error error;
-    check(io_image_read("o.pfm", &image, &error), "%s", error.text);
-    return image;
-}
-
-/* Colours of the ground are kept as halves, which are off by 2^-11 of themselves; what is computed in floats is smaller. share: how
- * much more the samples of a pixel may differ from its middle, of the colour. */
-static void check_pixel(const io_image *image, size_t x, size_t y, const double colour[3], double share) {
-    const float *rgb = image->rgb + (y * image->width + x) * 3;
-    for (int c = 0; c < 3; c++)
-        check(fabs((double)rgb[c] - colour[c]) <= (6e-4 + share) * colour[c],
-              "pixel (%zu, %zu) is (%g, %g, %g), not (%g, %g, %g)", x, y, (double)rgb[0], (double)rgb[1],
-              (double)rgb[2], colour[0], colour[1], colour[2]);
-}
-
 /* How far away the ground is in the middle of a pixel. */
 static double way_to(size_t x, size_t y) {
     const double a = 10 * ((double)x - 29.5), b = 10 * ((double)y - 29.5);
@@ -64,26 +45,26 @@ static double way_to(size_t x, size_t y) {
  * 30 / 1000 at most. */
 static void haze_by_distance(void **state) {
     (void)state;
-    io_image image = run_well((const char *const[]){"render", "level.npy", FROM_ABOVE, "--sun", "225,30", "--haze",
-                                                    "2000", "-o", "o.pfm", NULL});
+    io_image image = picture((const char *const[]){"render", "level.npy", FROM_ABOVE, "--sun", "225,30", "--haze",
+                                                   "2000", "-o", "o.pfm", NULL});
     for (size_t y = 27; y < 33; y++)
         for (size_t x = 27; x < 33; x++) {
             const double left = pow(0.02, way_to(x, y) / 2000);
             double wanted[3];
             for (int c = 0; c < 3; c++)
                 wanted[c] = left * ground[c] * (sun_light * 0.5 + sky_light) + (1 - left) * horizon[c];
-            check_pixel(&image, x, y, wanted, log(50) / 2000 * 0.3);
+            check_pixel(&image, x, y, wanted, 1, log(50) / 2000 * 0.3);
         }
     /* The sky behind has its own colour. */
-    check_pixel(&image, 30, 1, horizon, 0);
+    check_pixel(&image, 30, 1, horizon, 1, 0);
     io_image_free(&image);
 }
 
 /* From above: its own light, and the sky straight up. Below the ground it changes nothing. */
 static void water_from_above(void **state) {
     (void)state;
-    io_image image = run_well((const char *const[]){"render", "wall.npy", FROM_ABOVE, "--sun", "180,45", "--water", "5",
-                                                    "-o", "o.pfm", NULL});
+    io_image image = picture((const char *const[]){"render", "wall.npy", FROM_ABOVE, "--sun", "180,45", "--water", "5",
+                                                   "-o", "o.pfm", NULL});
     const double light = sun_light * sqrt(0.5) + sky_light;
     for (size_t x = 2; x < 58; x += 3)
         for (size_t y = 8; y < 53; y++) {
@@ -93,11 +74,11 @@ static void water_from_above(void **state) {
             for (int c = 0; c < 3; c++)
                 wanted[c] =
                     (1 - mirrored) * depth[c] * light + mirrored * (horizon[c] + cosine * (above[c] - horizon[c]));
-            check_pixel(&image, x, y, wanted, 1e-3);
+            check_pixel(&image, x, y, wanted, 1, 1e-3);
         }
     /* Holes are under water too. */
-    io_image same = run_well((const char *const[]){"render", "hole.npy", FROM_ABOVE, "--sun", "180,45", "--water", "5",
-                                                   "-o", "o.pfm", NULL});
+    io_image same = picture((const char *const[]){"render", "hole.npy", FROM_ABOVE, "--sun", "180,45", "--water", "5",
+                                                  "-o", "o.pfm", NULL});
     assert_memory_equal(same.rgb + 30 * SIDE * 3, image.rgb + 30 * SIDE * 3, 20 * SIDE * 3 * sizeof *image.rgb);
     io_image_free(&same);
     const float *wall = image.rgb + (25 * SIDE + 30) * 3;
@@ -107,7 +88,7 @@ static void water_from_above(void **state) {
     char *pictures[2];
     size_t size[2];
     for (size_t k = 0; k < 2; k++) {
-        image = run_well((const char *const[]){"render", "wall.npy", FROM_ABOVE, levels[k], "-o", "o.pfm", NULL});
+        image = picture((const char *const[]){"render", "wall.npy", FROM_ABOVE, levels[k], "-o", "o.pfm", NULL});
         io_image_free(&image);
         pictures[k] = scratch_read("o.pfm", &size[k]);
     }
@@ -120,7 +101,7 @@ static void water_from_above(void **state) {
  * before the place the mirrored ray meets it above the water. */
 static void water_mirrors_land(void **state) {
     (void)state;
-    io_image image = run_well(
+    io_image image = picture(
         (const char *const[]){"render",      "wall.npy", "--cellsize", "10",        "--from", "295,80,=20", "--to",
                               "295,200,=10", "--fov",    "0.01",       "--size",    "3x3",    "--sun",      "180,45",
                               "--water",     "10",       "--image",    "white.pfm", "-o",     "o.pfm",      NULL});
@@ -129,7 +110,7 @@ static void water_mirrors_land(void **state) {
     double wanted[3];
     for (int c = 0; c < 3; c++)
         wanted[c] = mirrored * wall + (1 - mirrored) * depth[c] * (sun_light * sqrt(0.5) + sky_light);
-    check_pixel(&image, 1, 1, wanted, 0);
+    check_pixel(&image, 1, 1, wanted, 1, 0);
     io_image_free(&image);
 }
 
@@ -139,20 +120,20 @@ static void sky_and_plain(void **state) {
     (void)state;
     static const char *const air[] = {"--phong", "--haze=3000"};
     for (size_t k = 0; k < 2; k++) {
-        io_image image = run_well((const char *const[]){"render", "level.npy", FROM_ABOVE, "--sun", "225,30", "--sky",
-                                                        air[k], "-o", "o.pfm", NULL});
+        io_image image = picture((const char *const[]){"render", "level.npy", FROM_ABOVE, "--sun", "225,30", "--sky",
+                                                       air[k], "-o", "o.pfm", NULL});
         for (size_t x = 0; x < SIDE; x++) {
             const double left = pow(0.02, way_to(x, 1) / (k == 0 ? 12 * 1080 : 3000));
             double wanted[3];
             for (int c = 0; c < 3; c++) wanted[c] = horizon[c] + left * (plain[c] - horizon[c]);
-            check_pixel(&image, x, 1, wanted, log(50) / 3000 * 7);
+            check_pixel(&image, x, 1, wanted, 1, log(50) / 3000 * 7);
         }
         io_image_free(&image);
     }
     /* Up by 30 degrees to the south-west, from 45 degrees below the sun to right into it. */
     static const char *const suns[] = {"--sun=225,75", "--sun=225,30", "--sun=45,30"};
     for (size_t k = 0; k < 3; k++) {
-        io_image image = run_well((const char *const[]){
+        io_image image = picture((const char *const[]){
             "render", "level.npy", "--cellsize", "10", "--from", "295,245,=10", "--to", "195,145,=91.64965809", "--fov",
             "0.01", "--size", "3x3", "--sky", "--quiet", suns[k], "-o", "o.pfm", NULL});
         const double toward = k == 0 ? sqrt(0.5) : k == 1 ? 1 : cos(120 * degree), near = fmax(toward, 0);
@@ -163,7 +144,7 @@ static void sky_and_plain(void **state) {
             const double clear = horizon[c] + share * (above[c] - horizon[c]);
             wanted[c] = clear + glow * fmax(warm[c] - clear, 0);
         }
-        check_pixel(&image, 1, 1, wanted, 0);
+        check_pixel(&image, 1, 1, wanted, 1, 0);
         io_image_free(&image);
     }
 }
@@ -233,15 +214,15 @@ static void jpeg_on_the_ground(void **state) {
     write_jpeg("photo.jpg");
     if (program_run(NULL, (const char *const[]){"info", "photo.jpg", "--band", "1", NULL})->status != 0) skip();
     for (size_t k = 0; k < 2; k++) {
-        io_image image = run_well((const char *const[]){"render", "level.npy", FROM_ABOVE, "--sun", "0,90", "--image",
-                                                        "photo.jpg", "-o", "o.pfm", NULL});
+        io_image image = picture((const char *const[]){"render", "level.npy", FROM_ABOVE, "--sun", "0,90", "--image",
+                                                       "photo.jpg", "-o", "o.pfm", NULL});
         for (size_t p = 0; p < 4; p++) {
             double wanted[3];
             for (int c = 0; c < 3; c++) wanted[c] = linear(colours[p][c]) * (sun_light + sky_light);
-            check_pixel(&image, places[k][p][0], places[k][p][1], wanted, 0.05); /* a step of 64 is 4 % */
+            check_pixel(&image, places[k][p][0], places[k][p][1], wanted, 1, 0.05); /* a step of 64 is 4 % */
         }
         if (k == 1)
-            check_pixel(&image, 45, 30, (const double[]){0.4 * 1.15, 0.4 * 1.15, 0.4 * 1.15}, 0); /* bare ground */
+            check_pixel(&image, 45, 30, (const double[]){0.4 * 1.15, 0.4 * 1.15, 0.4 * 1.15}, 1, 0); /* bare ground */
         io_image_free(&image);
         scratch_write("photo.jgw", world, sizeof world - 1);
     }
@@ -263,7 +244,7 @@ static void sun_by_time(void **state) {
     io_image pictures[3];
     double apart[3] = {0};
     for (size_t k = 0; k < 3; k++) {
-        pictures[k] = run_well((const char *const[]){"render", real, suns[k], "--size", "90x60", "-o", "o.pfm", NULL});
+        pictures[k] = picture((const char *const[]){"render", real, suns[k], "--size", "90x60", "-o", "o.pfm", NULL});
         for (size_t p = 0; p < (size_t)3 * 90 * 60; p++)
             apart[k] += fabs((double)pictures[k].rgb[p] - (double)pictures[0].rgb[p]) / (3 * 90 * 60);
     }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Pictures of terrain by `cellwalk render`: level land from straight above, whose pixels are known. */
 
-#include "image.h"
+#include "picture.h"
 #include "program.h"
 #include "refused.h"
 #include "tool_files.h"
@@ -33,36 +33,18 @@ static int enter(void **state) {
     return 0;
 }
 
-static io_image run_well(program_arguments arguments) {
-    const program_result *r = program_run(NULL, arguments);
-    check(r->status == 0 && r->err[0] == '\0', "exit status %d: %s", r->status, r->err);
-    io_image image;
-    io_error error;
-    check(io_image_read("o.pfm", &image, &error), "%s", error.text);
-    return image;
-}
-
-/* Colours are kept as halves, which are off by 2^-11 of themselves; all else is smaller. */
-static void check_pixel(const io_image *image, size_t x, size_t y, const double colour[3], double light) {
-    const float *rgb = image->rgb + (y * image->width + x) * 3;
-    for (int c = 0; c < 3; c++)
-        check(fabs((double)rgb[c] - colour[c] * light) <= 6e-4 * colour[c] * light,
-              "pixel (%zu, %zu) is (%g, %g, %g), not (%g, %g, %g)", x, y, (double)rgb[0], (double)rgb[1],
-              (double)rgb[2], colour[0] * light, colour[1] * light, colour[2] * light);
-}
-
 /* Everything stands where it should, and is as bright. */
 static void level_land(void **state) {
     (void)state;
     io_image image =
-        run_well((const char *const[]){"render", "level.npy", FROM_ABOVE, "--sun", "225,30", "-o", "o.pfm", NULL});
+        picture((const char *const[]){"render", "level.npy", FROM_ABOVE, "--sun", "225,30", "-o", "o.pfm", NULL});
     assert_true(image.width == SIDE && image.height == SIDE);
     for (size_t y = 0; y < SIDE; y++)
         for (size_t x = 0; x < SIDE; x++) {
             if (y < 5 || y > 54)
-                check_pixel(&image, x, y, sky, 1);
+                check_pixel(&image, x, y, sky, 1, 0);
             else if (y > 5 && y < 54 && x > 0 && x < 59)
-                check_pixel(&image, x, y, ground, light_of_sun * 0.5 + light_of_sky);
+                check_pixel(&image, x, y, ground, light_of_sun * 0.5 + light_of_sky, 0);
         }
     io_image_free(&image);
 }
@@ -70,14 +52,14 @@ static void level_land(void **state) {
 /* The sun in the south, 45 degrees high: from y = 300, where the wall stands, to 330 there is shadow. */
 static void shadow_of_a_wall(void **state) {
     (void)state;
-    io_image image = run_well(
+    io_image image = picture(
         (const char *const[]){"render", "--dem", "wall.npy", FROM_ABOVE, "--sun", "180,45", "-o", "o.pfm", NULL});
     const double lit = light_of_sun * sqrt(0.5) + light_of_sky;
     for (size_t x = 1; x < 59; x++) {
-        check_pixel(&image, x, 20, ground, lit);
-        check_pixel(&image, x, 22, ground, light_of_sky);
-        check_pixel(&image, x, 23, ground, light_of_sky);
-        check_pixel(&image, x, 28, ground, lit);
+        check_pixel(&image, x, 20, ground, lit, 0);
+        check_pixel(&image, x, 22, ground, light_of_sky, 0);
+        check_pixel(&image, x, 23, ground, light_of_sky, 0);
+        check_pixel(&image, x, 28, ground, lit, 0);
     }
     io_image_free(&image);
 }
@@ -90,25 +72,25 @@ static void stretched_image(void **state) {
     for (size_t k = 0; k < NX * NY; k++) memcpy(rgb + 3 * k, colours[k / NX / 25 * 2 + k % NX / 30], sizeof colours[0]);
     io_error error;
     assert_true(io_image_write("photo.pfm", &(io_image){NX, NY, rgb, NULL}, &error));
-    io_image image = run_well((const char *const[]){"render", "level.npy", FROM_ABOVE, "--sun", "0,90", "--image",
-                                                    "photo.pfm", "-o", "o.pfm", NULL});
+    io_image image = picture((const char *const[]){"render", "level.npy", FROM_ABOVE, "--sun", "0,90", "--image",
+                                                   "photo.pfm", "-o", "o.pfm", NULL});
     static const size_t places[4][2] = {{15, 15}, {45, 15}, {15, 45}, {45, 45}};
     for (size_t k = 0; k < 4; k++) {
         const float *c = colours[k];
         check_pixel(&image, places[k][0], places[k][1], (const double[3]){(double)c[0], (double)c[1], (double)c[2]},
-                    light_of_sun + light_of_sky);
+                    light_of_sun + light_of_sky, 0);
     }
     io_image_free(&image);
     /* A raster with one band and no map, likewise: white in the north-west alone. */
     static float grey[NX * NY];
     for (size_t k = 0; k < NX * NY; k++) grey[k] = k / NX < 25 && k % NX < 30;
     field_file("photo.npy", grey, NX, NY);
-    image = run_well((const char *const[]){"render", "level.npy", FROM_ABOVE, "--sun", "0,90", "--image", "photo.npy",
-                                           "-o", "o.pfm", NULL});
+    image = picture((const char *const[]){"render", "level.npy", FROM_ABOVE, "--sun", "0,90", "--image", "photo.npy",
+                                          "-o", "o.pfm", NULL});
     for (size_t k = 0; k < 4; k++) {
         const double white = k == 0;
         check_pixel(&image, places[k][0], places[k][1], (const double[3]){white, white, white},
-                    light_of_sun + light_of_sky);
+                    light_of_sun + light_of_sky, 0);
     }
     io_image_free(&image);
 }
@@ -121,13 +103,13 @@ static void placed_image(void **state) {
     for (int k = 0; k < 30 * 50; k++)
         length += snprintf(text + length, sizeof text - (size_t)length, "%d ", k / 30 < 5 ? 0 : 255);
     scratch_write("photo.asc", text, (size_t)length);
-    io_image image = run_well((const char *const[]){"render", "level.npy", FROM_ABOVE, "--sun", "0,90", "--image",
-                                                    "photo.asc", "-o", "o.pfm", NULL});
+    io_image image = picture((const char *const[]){"render", "level.npy", FROM_ABOVE, "--sun", "0,90", "--image",
+                                                   "photo.asc", "-o", "o.pfm", NULL});
     static const double black[3] = {0, 0, 0}, white[3] = {1, 1, 1}, bare[3] = {0.4, 0.4, 0.4};
     for (size_t x = 2; x < 58; x++) {
         if (x == 29 || x == 30) continue;
-        check_pixel(&image, x, 7, x < 29 ? black : bare, light_of_sun + light_of_sky);
-        check_pixel(&image, x, 30, x < 29 ? white : bare, light_of_sun + light_of_sky);
+        check_pixel(&image, x, 7, x < 29 ? black : bare, light_of_sun + light_of_sky, 0);
+        check_pixel(&image, x, 30, x < 29 ? white : bare, light_of_sun + light_of_sky, 0);
     }
     io_image_free(&image);
 }
@@ -135,8 +117,8 @@ static void placed_image(void **state) {
 /* Smooth normals at the rim of a hole are made of samples alone, and rays pass through the hole. */
 static void smooth_around_a_hole(void **state) {
     (void)state;
-    io_image image = run_well((const char *const[]){"render", "hole.npy", FROM_ABOVE, "--sun", "225,30", "--phong",
-                                                    "--samples", "1", "-o", "o.pfm", NULL});
+    io_image image = picture((const char *const[]){"render", "hole.npy", FROM_ABOVE, "--sun", "225,30", "--phong",
+                                                   "--samples", "1", "-o", "o.pfm", NULL});
     const float *rgb = image.rgb;
     size_t through = 0;
     for (size_t k = 0; k < SIDE * SIDE; k++) through += fabs((double)rgb[3 * k + 2] - sky[2]) < 1e-6;
@@ -149,7 +131,7 @@ static void smooth_around_a_hole(void **state) {
             if (fabs((double)p[2] - sky[2]) < 1e-6)
                 check(x >= 24 && x <= 26 && y >= 37 && y <= 39, "the sky at (%zu, %zu)", x, y);
             else
-                check_pixel(&image, x, y, ground, light_of_sun * 0.5 + light_of_sky);
+                check_pixel(&image, x, y, ground, light_of_sun * 0.5 + light_of_sky, 0);
         }
     io_image_free(&image);
 }
@@ -183,7 +165,7 @@ static void seen_as_a_whole(void **state) {
     (void)state;
     static const char *const sizes[] = {"90x60", "60x90"};
     for (size_t k = 0; k < 2; k++) {
-        io_image image = run_well(
+        io_image image = picture(
             (const char *const[]){"render", "wall.npy", "--cellsize", "10", "--size", sizes[k], "-o", "o.pfm", NULL});
         size_t land = 0;
         for (size_t y = 0; y < image.height; y++)
