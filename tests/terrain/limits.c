@@ -230,7 +230,7 @@ static void ends_of_limits(void **state) {
     ground_free(&g);
 }
 
-/* Every point is on the surface, which is straight between two points, so that none is missing; and what is seen of it is all that
+/* All points of a profile are on the surface. Between two points the surface is straight, so none is missing. A point is seen if it
  * rises more steeply than all edges before it. */
 static void profiles(void **state) {
     (void)state;
