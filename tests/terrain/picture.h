@@ -3,11 +3,14 @@
 #ifndef CELLWALK_TESTS_TERRAIN_PICTURE_H
 #define CELLWALK_TESTS_TERRAIN_PICTURE_H
 
+#include "cellwalk.h"
 #include "check.h"
 #include "image.h"
 #include "program.h"
+#include "scratch.h"
 
 #include <math.h>
+#include <string.h>
 
 /* The picture o.pfm of a run without messages. */
 static inline io_image picture(program_arguments arguments) {
@@ -28,6 +31,27 @@ static inline void check_pixel(const io_image *image, size_t x, size_t y, const 
         check(fabs((double)rgb[c] - colour[c] * light) <= (6e-4 + share) * colour[c] * light,
               "pixel (%zu, %zu) is (%g, %g, %g), not (%g, %g, %g)", x, y, (double)rgb[0], (double)rgb[1],
               (double)rgb[2], colour[0] * light, colour[1] * light, colour[2] * light);
+}
+
+/* Each instruction set and number of threads makes the same picture of wall.npy with these options. */
+static inline void check_same_bits(program_arguments more) {
+    char *first = NULL;
+    size_t size = 0;
+    for (cw_isa isa = CW_ISA_SCALAR; isa <= cw_isa_best(); isa++) {
+        const char *arguments[PROGRAM_ARGUMENTS_MAX] = {"render",  "wall.npy",  "--cellsize",        "10", "--size",
+                                                        "300x200", "--threads", isa % 2 ? "3" : "1", "-o", "o.pfm"};
+        for (size_t n = 0; more[n]; n++) arguments[10 + n] = more[n];
+        const program_result *r = program_run(&(program_setting){.isa = cw_isa_name(isa)}, arguments);
+        check(r->status == 0, "%s", r->err);
+        size_t length;
+        char *bytes = scratch_read("o.pfm", &length);
+        check(first == NULL || (length == size && memcmp(bytes, first, size) == 0), "another picture with %s",
+              cw_isa_name(isa));
+        free(first);
+        first = bytes;
+        size = length;
+    }
+    free(first);
 }
 
 #endif
