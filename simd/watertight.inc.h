@@ -64,12 +64,17 @@ static inline vmask wt_cell(const vray *ray, const vcell *c, vmask among, bool a
     const vmask at_in = vf_ge(in, ray->t0), at_out = vf_le(out, ray->t1);
     vfloat da = wt_border(&r, c->t0, enter_x, vm_not(up_in));
     vfloat db = wt_border(&r, c->t1, leave_x, up_out);
-    if (vm_any(vm_andnot(among, vm_and(at_in, at_out)))) { /* ranges that start or end inside a cell are rare */
-        vmask start_b, stop_b;
-        const vfloat start = wt_inside(&r, c->t0, &start_b), stop = wt_inside(&r, c->t1, &stop_b);
+    /* Ranges that start or end inside a cell are rare, and both at once rarer. */
+    if (vm_any(vm_andnot(among, at_in))) {
+        vmask start_b;
+        const vfloat start = wt_inside(&r, c->t0, &start_b);
         da = vf_select(at_in, da, start);
-        db = vf_select(at_out, db, stop);
         in_b = vm_or(vm_and(at_in, in_b), vm_andnot(start_b, at_in));
+    }
+    if (vm_any(vm_andnot(among, at_out))) {
+        vmask stop_b;
+        const vfloat stop = wt_inside(&r, c->t1, &stop_b);
+        db = vf_select(at_out, db, stop);
         out_b = vm_or(vm_and(at_out, out_b), vm_andnot(stop_b, at_out));
     }
     const vmask crosses = vm_xor(in_b, out_b);
