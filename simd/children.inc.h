@@ -24,6 +24,7 @@ typedef struct block_samples {
     const float *z;
     size_t stride;
     float copy[5 * 5];
+    float low[CHILDREN], high[CHILDREN]; /* lowest and highest sample of each cell, in walk order; set by fat_cells */
 } block_samples;
 
 static inline void load_samples(block_samples *s, const cw_field *f, size_t i, size_t j) {

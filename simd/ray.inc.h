@@ -289,11 +289,12 @@ static inline vfloat cell_high(const vcell *c) {
     return vf_max(c->h11, vf_max(c->h01, vf_max(c->h10, vf_max(c->h00, vf_set(-INFINITY)))));
 }
 
-/* Lanes whose cell, with crossings, t-interval and samples filled in, passes the gate. */
-static inline vmask cell_gate(const vray *r, const vcell *c) {
+/* Lanes whose cell, with crossings and t-interval filled in, and its lowest and highest sample, passes the gate. */
+static inline vmask cell_gate_of(const vray *r, const vcell *c, vfloat low, vfloat high) {
     const vmask walked = vm_and(vf_le(c->x_in, c->y_out), vf_lt(c->y_in, c->x_out));
-    return vm_and(vm_and(walked, vf_le(c->t0, c->t1)), meets(r, c->t0, c->t1, cell_low(c), cell_high(c)));
+    return vm_and(vm_and(walked, vf_le(c->t0, c->t1)), meets(r, c->t0, c->t1, low, high));
 }
+static inline vmask cell_gate(const vray *r, const vcell *c) { return cell_gate_of(r, c, cell_low(c), cell_high(c)); }
 
 /* The result of a leaf test: a stretch of t on which the ray meets a triangle of the cell, see strict_find. Lanes
  * outside its mask are undefined. */

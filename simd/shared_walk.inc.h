@@ -186,8 +186,8 @@ static inline unsigned fat_open(const fat_ray *a, const cw_pyramid_level *l, int
     return mask;
 }
 
-/* The cells of a block that some ray may meet. */
-static inline unsigned fat_cells(const fat_ray *a, const block_samples *s, int32_t x, int32_t y) {
+/* The cells of a block that some ray may meet. Also sets the cells' lowest and highest samples. */
+static inline unsigned fat_cells(const fat_ray *a, block_samples *s, int32_t x, int32_t y) {
     const vfloat start_x = mirrored_start(a->up_x, 4 * x, 1), start_y = mirrored_start(a->up_y, 4 * y, 1);
     const float *row = first_row(&a->order, s->z, s->stride);
     const ptrdiff_t step = row_step(&a->order, s->stride);
@@ -198,7 +198,10 @@ static inline unsigned fat_cells(const fat_ray *a, const block_samples *s, int32
         c.h10 = vf_load_block(row + 1, step, &a->order, k);
         c.h01 = vf_load_block(row + s->stride, step, &a->order, k);
         c.h11 = vf_load_block(row + s->stride + 1, step, &a->order, k);
-        mask |= vm_bits(fat_meets(a, start_x, start_y, vf_set(1), k, cell_low(&c), cell_high(&c))) << (k * W);
+        const vfloat low = cell_low(&c), high = cell_high(&c);
+        vf_store(s->low + k * W, low);
+        vf_store(s->high + k * W, high);
+        mask |= vm_bits(fat_meets(a, start_x, start_y, vf_set(1), k, low, high)) << (k * W);
     }
     return mask;
 }
@@ -245,12 +248,12 @@ CW_INLINE vmask shared_cells(const fat_ray *a, packet *l, vmask among, const blo
         place_crossings(r, a->up_x, a->up_y, (float)(i + x), (float)(j + y), 1, &c);
         c.t0 = vf_max(vf_max(c.x_in, c.y_in), r->t0);
         c.t1 = vf_min(vf_min(c.x_out, c.y_out), r->t1);
+        const vmask gate = vm_and(among, cell_gate_of(r, &c, vf_set(s->low[place]), vf_set(s->high[place])));
+        if (!vm_any(gate)) continue;
         c.h00 = vf_set(z[0]);
         c.h10 = vf_set(z[1]);
         c.h01 = vf_set(z[s->stride]);
         c.h11 = vf_set(z[s->stride + 1]);
-        const vmask gate = vm_and(among, cell_gate(r, &c));
-        if (!vm_any(gate)) continue;
         vfind find = {c.t0, c.t1, gate}; /* any-hit queries do not set it; avoids a warning */
         const vmask now = leaf_test(CW_LEAF_WATERTIGHT, r, &c, gate, any, &find);
         if (!vm_any(now)) continue;
