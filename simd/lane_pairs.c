@@ -4,6 +4,8 @@
 
 #include "vocabulary.h"
 
+enum { INLINE_WATERTIGHT = 0 }; /* see watertight.inc.h */
+
 #include "ray.inc.h"
 
 #include "moller_trumbore.inc.h"

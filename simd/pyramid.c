@@ -11,6 +11,8 @@
 
 #include "vocabulary.h"
 
+enum { INLINE_WATERTIGHT = W == 16 }; /* with the 32 registers of AVX-512; see watertight.inc.h */
+
 #include "ray.inc.h"
 
 #include "moller_trumbore.inc.h"

@@ -231,21 +231,30 @@ static inline ray_set block_rays(const fat_ray *a, const packet *packets, ray_se
     return concerned & rays;
 }
 
-/* Returns a packet's rays that have their first hits in these cells of the block with low corner (i, j). Rejected: all
- * packets in one cell after another, since a ray then leaves the registers from cell to cell (papers/walks.md). */
-CW_INLINE vmask shared_cells(const fat_ray *a, packet *l, vmask among, const block_samples *s, int32_t i, int32_t j,
-                             unsigned cells, bool any) {
+/* Cells of the block with low corner (i, j), in the order of a walk in this quadrant. */
+typedef struct block_cells {
+    const block_samples *s;
+    int32_t i, j;
+    unsigned cells;
+} block_cells;
+
+/* Returns a packet's rays that have their first hits in these cells. Rejected: all packets in one cell after another,
+ * since a ray then leaves the registers from cell to cell (papers/walks.md). */
+CW_INLINE vmask shared_cells(int quadrant, packet *l, vmask among, const block_cells *b, bool any) {
+    const bool up_x = quadrant & QUADRANT_UP_X, up_y = quadrant & QUADRANT_UP_Y;
+    const int flip_x = up_x ? 0 : 3, flip_y = up_y ? 0 : 3;
+    const block_samples *s = b->s;
     const vray *r = &l->r;
     vmask found = vm_set(false);
-    for (; cells != 0; cells &= cells - 1) {
+    for (unsigned cells = b->cells; cells != 0; cells &= cells - 1) {
         const int32_t place = __builtin_ctz(cells);
-        const int32_t x = (place & 3) ^ a->order.flip_x, y = (place >> 2) ^ a->order.flip_y;
+        const int32_t x = (place & 3) ^ flip_x, y = (place >> 2) ^ flip_y;
         const float *z = s->z + (size_t)y * s->stride + x;
         count_step(COUNT_SHARED_CELL, vm_bits(among));
         vcell c;
-        c.i = vf_set((float)(i + x));
-        c.j = vf_set((float)(j + y));
-        place_crossings(r, a->up_x, a->up_y, (float)(i + x), (float)(j + y), 1, &c);
+        c.i = vf_set((float)(b->i + x));
+        c.j = vf_set((float)(b->j + y));
+        place_crossings(r, up_x, up_y, (float)(b->i + x), (float)(b->j + y), 1, &c);
         c.t0 = vf_max(vf_max(c.x_in, c.y_in), r->t0);
         c.t1 = vf_min(vf_min(c.x_out, c.y_out), r->t1);
         const vmask gate = vm_and(among, cell_gate_of(r, &c, vf_set(s->low[place]), vf_set(s->high[place])));
@@ -255,7 +264,8 @@ CW_INLINE vmask shared_cells(const fat_ray *a, packet *l, vmask among, const blo
         c.h01 = vf_set(z[s->stride]);
         c.h11 = vf_set(z[s->stride + 1]);
         vfind find = {c.t0, c.t1, gate}; /* any-hit queries do not set it; avoids a warning */
-        const vmask now = leaf_test(CW_LEAF_WATERTIGHT, r, &c, gate, any, &find);
+        count_lanes(COUNT_LEAF, gate);
+        const vmask now = wt_cell_in(quadrant, r, &c, gate, any, &find);
         if (!vm_any(now)) continue;
         if (!any) keep_hits(&l->hit, now, &find, &c);
         found = vm_or(found, now);
@@ -320,6 +330,46 @@ static inline void leave(tile_walk *w, const fat_ray *a, ray_set rays, int level
     w->rays &= ~fall_apart(a, w->packets, rays, w->f, level, x, y, w->queue, w->first_packet);
 }
 
+/* Finds first hits of the rays in these cells. */
+CW_INLINE void shared_packets(int quadrant, tile_walk *w, ray_set rays, const block_cells *b, bool any) {
+    while (rays != 0) {
+        const ray_set before = rays;
+        const size_t p = next_packet(&rays);
+        packet *l = &w->packets[p];
+        const vmask found = shared_cells(quadrant, l, vm_from_bits(packet_bits(before, p)), b, any);
+        l->found = vm_or(l->found, found);
+        w->rays &= ~((ray_set)vm_bits(found) << (p * W));
+    }
+}
+
+/* The same, a function for each quadrant. */
+typedef void shared_packets_fn(tile_walk *w, ray_set rays, const block_cells *b);
+static void closest_down_down(tile_walk *w, ray_set rays, const block_cells *b) {
+    shared_packets(0, w, rays, b, false);
+}
+static void closest_up_down(tile_walk *w, ray_set rays, const block_cells *b) {
+    shared_packets(QUADRANT_UP_X, w, rays, b, false);
+}
+static void closest_down_up(tile_walk *w, ray_set rays, const block_cells *b) {
+    shared_packets(QUADRANT_UP_Y, w, rays, b, false);
+}
+static void closest_up_up(tile_walk *w, ray_set rays, const block_cells *b) {
+    shared_packets(QUADRANT_UP_X + QUADRANT_UP_Y, w, rays, b, false);
+}
+static void any_down_down(tile_walk *w, ray_set rays, const block_cells *b) { shared_packets(0, w, rays, b, true); }
+static void any_up_down(tile_walk *w, ray_set rays, const block_cells *b) {
+    shared_packets(QUADRANT_UP_X, w, rays, b, true);
+}
+static void any_down_up(tile_walk *w, ray_set rays, const block_cells *b) {
+    shared_packets(QUADRANT_UP_Y, w, rays, b, true);
+}
+static void any_up_up(tile_walk *w, ray_set rays, const block_cells *b) {
+    shared_packets(QUADRANT_UP_X + QUADRANT_UP_Y, w, rays, b, true);
+}
+static shared_packets_fn *const closest_packets[QUADRANTS] = {closest_down_down, closest_up_down, closest_down_up,
+                                                              closest_up_up};
+static shared_packets_fn *const any_packets[QUADRANTS] = {any_down_down, any_up_down, any_down_up, any_up_up};
+
 /* Finds first hits of the rays in block (x, y). */
 static void shared_block(tile_walk *w, const fat_ray *a, ray_set rays, int32_t x, int32_t y, bool any) {
     count_step(COUNT_SHARED_BLOCK, rays);
@@ -342,14 +392,9 @@ static void shared_block(tile_walk *w, const fat_ray *a, ray_set rays, int32_t x
         }
         return;
     }
-    while (rays != 0) {
-        const ray_set before = rays;
-        const size_t p = next_packet(&rays);
-        packet *l = &w->packets[p];
-        const vmask found = shared_cells(a, l, vm_from_bits(packet_bits(before, p)), &s, 4 * x, 4 * y, cells, any);
-        l->found = vm_or(l->found, found);
-        w->rays &= ~((ray_set)vm_bits(found) << (p * W));
-    }
+    const block_cells b = {&s, 4 * x, 4 * y, cells};
+    const int quadrant = (a->up_x ? QUADRANT_UP_X : 0) + (a->up_y ? QUADRANT_UP_Y : 0);
+    (any ? any_packets : closest_packets)[quadrant](w, rays, &b);
 }
 
 /* Walks the rays of a through these children, of the given level, of node (x, y): to their ends or until they fall

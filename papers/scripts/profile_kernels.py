@@ -23,7 +23,8 @@ PHASES = {
     "shared walk: set-up": "coherent fat_init group_ray",
     "shared walk: nodes": "shared_walk walk_groups fat_open",
     "shared walk: blocks": "shared_block block_rays fat_cells load_samples",
-    "shared walk: cells": "shared_cells",
+    "shared walk: cells": "shared_cells shared_packets closest_down_down closest_up_down closest_down_up closest_up_up "
+                          "any_down_down any_up_down any_down_up any_up_up",
     "lane walk: queue, refill": "fall_apart mirror_packet mirror_rays mirror_axis enqueue first_corner set_tolerances "
                                 "refill_lane copy_ray lane_clear load_lanes store_lanes move_lane close_up",
     "lane walk: step": "lane_walk lane_step look_along",
@@ -31,7 +32,7 @@ PHASES = {
                           "tolerant_hit",
     "lane walk: advance": "lane_advance",
     "lane walk: cells": "lane_leaf turn_back",
-    "leaf test": "wt_cell wt_border wt_edge wt_within wt_inside wt_between mt_cell",
+    "leaf test": "wt_cell wt_cell_in wt_in_b wt_border wt_edge_samples wt_edge wt_within wt_inside wt_between mt_cell",
     "misses and hits written": "packet_hits keep_hits refine_hits scatter_hits lane_found write_found restart_rays",
 }
 PHASE_OF = {function: phase for phase, functions in PHASES.items() for function in functions.split()}
