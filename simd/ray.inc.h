@@ -110,24 +110,29 @@ static __attribute__((noinline)) vmask move_rays(vstart *s, const cw_field *f, v
 /* A direction component whose reciprocal overflows counts as zero. */
 static inline vfloat direction(vfloat d) { return vf_select(vf_gt(vf_abs(d), vf_set(0x1p-128f)), d, vf_set(0)); }
 
-/* Moves those rays among alive that are far away; returns those that may hit. */
-CW_INLINE vmask move_if_far(vstart *s, const cw_field *f, vmask alive) {
+/* Moves those rays among alive that are far away; returns those that may hit. If any is moved, *moved is set as a whole, and
+ * of *s only moved, origins and ends. So *s stays in registers: its address is not taken, and directions do not change. */
+CW_INLINE vmask move_if_far(vstart *s, const cw_field *f, vmask alive, vstart *moved) {
     const vmask far = vm_and(alive, is_far(f, s->org));
     s->shift = vd_set(0);
     s->moved = false;
     if (!vm_any(far)) return alive;
-    /* A copy, so that the address of *s is not taken and it stays in registers. */
-    vstart moved = {.org = {s->org[0], s->org[1], s->org[2]},
-                    .dir = {s->dir[0], s->dir[1], s->dir[2]},
-                    .tmin = s->tmin,
-                    .tmax = s->tmax};
-    const vmask hopeful = move_rays(&moved, f, far);
-    *s = moved;
+    for (int c = 0; c < 3; c++) {
+        moved->org[c] = s->org[c];
+        moved->dir[c] = s->dir[c];
+    }
+    moved->tmin = s->tmin;
+    moved->tmax = s->tmax;
+    const vmask hopeful = move_rays(moved, f, far);
+    for (int c = 0; c < 3; c++) s->org[c] = moved->org[c];
+    s->tmin = moved->tmin;
+    s->tmax = moved->tmax;
+    s->moved = true;
     return vm_and(alive, hopeful);
 }
 
-/* ray_init, lane by lane; returns the lanes whose rays may hit. */
-CW_INLINE vmask start_rays(vstart *s, const cw_field *f, const cw_ray *rays) {
+/* ray_init, lane by lane; returns the lanes whose rays may hit. *moved: see move_if_far. */
+CW_INLINE vmask start_rays(vstart *s, const cw_field *f, const cw_ray *rays, vstart *moved) {
     vfloat c[8];
     vf_load_rays(rays, c);
     const vfloat zero = vf_set(0), most = vf_set(0x1p126f);
@@ -141,7 +146,7 @@ CW_INLINE vmask start_rays(vstart *s, const cw_field *f, const cw_ray *rays) {
     }
     s->tmin = vf_max(c[3], vf_set(-RAY_T_LIMIT));
     s->tmax = vf_min(c[7], vf_set(RAY_T_LIMIT));
-    return move_if_far(s, f, vm_andnot(alive, stands));
+    return move_if_far(s, f, vm_andnot(alive, stands), moved);
 }
 
 /* The same for rays that are known to hit. */
@@ -152,7 +157,9 @@ CW_INLINE void restart_rays(vstart *s, const cw_field *f, const vfloat c[8]) {
     }
     s->tmin = vf_max(c[3], vf_set(-RAY_T_LIMIT));
     s->tmax = vf_min(c[7], vf_set(RAY_T_LIMIT));
-    (void)move_if_far(s, f, vm_set(true));
+    vstart moved;
+    (void)move_if_far(s, f, vm_set(true), &moved);
+    if (s->moved) *s = moved;
 }
 
 /* The first n of size rays. If n < size, a copy in which the missing rays repeat the first one. */
@@ -242,13 +249,12 @@ CW_INLINE void make_slab(vray *r, const cw_field *f, cw_leaf leaf) {
  * refine_hits. */
 CW_INLINE vmask make_rays_for(vray *r, const cw_field *f, const cw_ray *rays, cw_leaf leaf, vstart *start) {
     vstart s;
-    vmask alive = start_rays(&s, f, rays);
+    vmask alive = start_rays(&s, f, rays, start);
     alive = vm_and(alive, make_axis(&r->x, s.org[0], s.dir[0], f->nx));
     alive = vm_and(alive, make_axis(&r->y, s.org[1], s.dir[1], f->ny));
     r->oz = s.org[2];
     r->dz = s.dir[2];
     r->moved = s.moved;
-    if (s.moved) *start = s;
     r->t0 = vf_max(vf_max(crossing(&r->x, r->x.first), crossing(&r->y, r->y.first)), s.tmin);
     r->t1 = vf_min(vf_min(crossing(&r->x, r->x.last), crossing(&r->y, r->y.last)), s.tmax);
     alive = vm_and(alive, vf_le(r->t0, r->t1));
