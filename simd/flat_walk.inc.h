@@ -14,7 +14,7 @@ typedef struct packet {
     vint sample; /* number of sample (i, j) */
     vmask alive; /* still walking */
     vmask found;
-    found_hits hit; /* of the lanes in found; not kept for any-hit queries */
+    found_hits hit; /* of the lanes in found; undefined if there are none, and for any-hit queries */
     /* Constants of the ray: border beyond the cell as an offset from its low corner, sample steps. */
     vfloat x_in, x_out, y_in, y_out;
     vint step_x, step_y;
@@ -66,22 +66,21 @@ static inline void flat_start(packet *l, const cw_field *f) {
         vi_add(vi_mul(vi_from_vf(vf_select(l->alive, c->j, zero)), row), vi_from_vf(vf_select(l->alive, c->i, zero)));
 }
 
-/* Stores the finds of the lanes in now, in cell c. */
-static inline void keep_hits(found_hits *h, vmask now, const vfind *find, const vcell *c) {
+/* Stores the finds of the lanes in now, in cell c. If first is set, no lane has had one before, and h may be undefined. */
+static inline void keep_hits(found_hits *h, bool first, vmask now, const vfind *find, const vcell *c) {
+    const vfloat corner = vf_select(find->b, c->h01, c->h10);
+    if (first) {
+        *h = (found_hits){*find, c->i, c->j, c->h00, corner, c->h11};
+        return;
+    }
     h->find.t0 = vf_select(now, find->t0, h->find.t0);
     h->find.t1 = vf_select(now, find->t1, h->find.t1);
     h->find.b = vm_or(vm_and(now, find->b), vm_andnot(h->find.b, now));
     h->i = vf_select(now, c->i, h->i);
     h->j = vf_select(now, c->j, h->j);
     h->h00 = vf_select(now, c->h00, h->h00);
-    h->corner = vf_select(now, vf_select(find->b, c->h01, c->h10), h->corner);
+    h->corner = vf_select(now, corner, h->corner);
     h->h11 = vf_select(now, c->h11, h->h11);
-}
-
-static inline void packet_clear(packet *l) {
-    const vfloat zero = vf_set(0);
-    l->found = vm_set(false);
-    l->hit = (found_hits){{zero, zero, l->found}, zero, zero, zero, zero, zero};
 }
 
 /* Lanes among which the cell is hit. */
@@ -90,8 +89,8 @@ CW_INLINE vmask leaf_test(cw_leaf leaf, const vray *r, const vcell *c, vmask amo
     return leaf == CW_LEAF_WATERTIGHT ? wt_cell(r, c, among, any, find) : mt_cell(r, c, among, find);
 }
 
-/* Tests the cell of each living lane and steps to the next one. */
-CW_INLINE void flat_step(packet *l, const cw_field *f, cw_leaf leaf, bool any) {
+/* Tests the cell of each living lane and steps to the next one. cleared: l->hit is defined before the first hit. */
+CW_INLINE void flat_step(packet *l, const cw_field *f, cw_leaf leaf, bool any, bool cleared) {
     const vray *r = &l->r;
     vcell *c = &l->c;
     count_lanes(COUNT_FLAT, l->alive);
@@ -103,7 +102,7 @@ CW_INLINE void flat_step(packet *l, const cw_field *f, cw_leaf leaf, bool any) {
     if (vm_any(candidates)) {
         vfind find;
         const vmask now = leaf_test(leaf, r, c, candidates, any, &find);
-        if (!any && vm_any(now)) keep_hits(&l->hit, now, &find, c);
+        if (!any && vm_any(now)) keep_hits(&l->hit, !cleared && !vm_any(l->found), now, &find, c);
         l->found = vm_or(l->found, now);
         l->alive = vm_andnot(l->alive, now);
     }

@@ -22,10 +22,13 @@ enum { INLINE_WATERTIGHT = 0 }; /* see watertight.inc.h */
 CW_INLINE void packet_walk(packet *l, const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, bool any,
                            vstart *start) {
     l->alive = vm_and(vm_first(n), make_rays(&l->r, f, rays, leaf, start));
-    packet_clear(l);
+    const vfloat zero = vf_set(0);
+    l->found = vm_set(false);
+    /* As it stays in registers, clearing costs nothing, and a branch at the first hit would. */
+    l->hit = (found_hits){{zero, zero, l->found}, zero, zero, zero, zero, zero};
     flat_start(l, f);
     while (vm_any(l->alive)) /* at most nx + ny turns: a lane goes one way on each axis and leaves the field */
-        flat_step(l, f, leaf, any);
+        flat_step(l, f, leaf, any, true);
 }
 
 CW_INLINE void packet_closest(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, cw_leaf leaf) {

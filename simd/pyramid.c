@@ -64,7 +64,7 @@ CW_INLINE void walk_apart(tile_walk *w, packet_set apart, bool any) {
     for (int k = 0; k < FLAT_STEPS; k++)
         for (packet_set left = flat; left != 0; left &= left - 1) {
             packet *l = &w->packets[__builtin_ctzll(left)];
-            if (vm_any(l->alive)) flat_step(l, f, CW_LEAF_WATERTIGHT, any);
+            if (vm_any(l->alive)) flat_step(l, f, CW_LEAF_WATERTIGHT, any, false);
         }
     for (packet_set left = apart; left != 0; left &= left - 1) {
         const size_t p = (size_t)__builtin_ctzll(left);
@@ -115,7 +115,7 @@ CW_INLINE ray_set pyramid_tile(const cw_field *f, const cw_ray *rays, size_t n, 
         const cw_ray *mine = fill_up(rays + p * W, n - p * W, W, tail);
         l->alive = vm_and(vm_first(n - p * W), make_rays(&l->r, f, mine, CW_LEAF_WATERTIGHT, &start[p]));
         l->alive = vm_and(l->alive, vf_le(l->r.from, l->r.until));
-        packet_clear(l);
+        l->found = vm_set(false);
         alive |= (ray_set)vm_bits(l->alive) << (p * W);
     }
     w.rays = alive;

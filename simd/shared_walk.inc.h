@@ -267,7 +267,7 @@ CW_INLINE vmask shared_cells(int quadrant, packet *l, vmask among, const block_c
         count_lanes(COUNT_LEAF, gate);
         const vmask now = wt_cell_in(quadrant, r, &c, gate, any, &find);
         if (!vm_any(now)) continue;
-        if (!any) keep_hits(&l->hit, now, &find, &c);
+        if (!any) keep_hits(&l->hit, !vm_any(vm_or(l->found, found)), now, &find, &c);
         found = vm_or(found, now);
         among = vm_andnot(among, now);
         if (!vm_any(among)) break;
