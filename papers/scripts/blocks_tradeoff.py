@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The trade of speed against accuracy: what the results of cellwalk-bench tradeoff come to, and their tables."""
 
+import textwrap
+
 import names
 from blocks_terrain import FILE as TERRAIN_FILE
 from markdown import duration, table, three
@@ -34,6 +36,7 @@ def views(results, land):
     """(name, line) of strict, each level, and the fastest width of each of Embree's meshes."""
     found = [("strict", strict(results, land))]
     found += [(f"coarser {line.number('factor')}", line) for line in results.of("rays", field=land, contender="coarser")]
+    found += [(f"detail {line.number('pixels'):g}", line) for line in results.of("rays", field=land, contender="detail")]
     for mesh in ("embree", "embree-robust", "embree-grid", "embree-grid-robust"):
         widths = results.of("rays", field=land, contender=mesh)
         if widths:
@@ -83,17 +86,55 @@ def peer_horizon(data):
     return 1e9 * clock.number("cpu_seconds") / angles, error
 
 
-def picture_of(results, samples, factor):
+def picture_of(results, samples, factor, detail=0):
     for line in results.of("picture"):
-        if line.number("samples_a_pixel") == samples and line.number("factor") == factor:
+        if (line.number("samples_a_pixel"), line.number("factor"), line.number("detail", 0)) == (samples, factor, detail):
             return line
     return None
 
 
+def pictures(results):
+    """(factor, detail) of each kind of picture: the full field, with detail, coarser ones."""
+    return sorted({(line.number("factor"), line.number("detail", 0)) for line in results.of("picture")})
+
+
+def picture_name(kind):
+    factor, detail = kind
+    return f"detail {detail:g}" if detail else "full" if factor == 1 else f"coarser {factor}"
+
+
+def detail(results, land, pixels):
+    return next((line for line in results.of("rays", field=land, contender="detail") if line.number("pixels") == pixels), None)
+
+
 # ---- blocks ----
+
+HEAD = ["you want", "choose", "it gains", "it costs"]
+
 
 def choices(data):
     """One screen: what one wants, what one chooses, what it gains and costs."""
+    return table(HEAD, choice_rows(data), "llll")
+
+
+def choices_short(data):
+    """The rows for README."""
+    wanted = ("`--coarser 2`", "`--coarser 8`", "`render --detail 1`", "`render --detail 4`", "`horizon --grid --directions 16`",
+              "`--svf --directions 16`", "`render --samples 4`")
+    rows, title = {}, ""
+    for row in choice_rows(data):
+        title = row[0] or title
+        if row[1] in wanted:
+            rows[row[1]] = [title, *row[1:]]  # the last one, which is of the largest land
+    missing = [option for option in wanted if option not in rows]
+    if missing:
+        raise Problem(f"the table of choices has no row {', '.join(missing)}")
+    titles = [None] + [rows[option][0] for option in wanted]
+    return table(HEAD, [["" if rows[option][0] == before else rows[option][0], *rows[option][1:]]
+                        for before, option in zip(titles, wanted)], "llll")
+
+
+def choice_rows(data):
     rays, rest = data[RAYS_FILE], data[FILE]
     rows = []
     for land in lands(rays)[-2:]:
@@ -104,6 +145,14 @@ def choices(data):
                          f"1/{factor * factor} of the memory",
                          f"distances off by {share(view.number('t_median'))}, 99 %: {share(view.number('t_99'))}; heights by at "
                          f"most {max(surface.number('above'), surface.number('below')):.2g} cells"])
+        for pixels in (1, 4):
+            view = detail(rays, land, pixels)
+            if view:
+                rows.append(["", f"`render --detail {pixels}`",
+                             f"{times(view.number('mrays_per_s'), strict(rays, land).number('mrays_per_s'))} × the rays a second, "
+                             "at 4/3 of the memory",
+                             f"distances off by {share(view.number('t_median'))}, 99 %: {share(view.number('t_99'))}; near cells "
+                             f"are exact, far ones at most {pixels} pixel{'s' if pixels > 1 else ''} long"])
     safe = coarser(rays, "1025", "highest", 2) if "1025" in lands(rays) else None
     if safe:
         rows.append(["no obstacle missed", "`--coarser 2 --filter highest`", "1/4 of the memory",
@@ -139,7 +188,60 @@ def choices(data):
                          f"{times(many.number('seconds'), line.number('seconds'))} × (64 samples = 1)",
                          f"RMS error {line.number('rmse'):.2g}, beside {many.number('rmse'):.2g}"])
     rows.append(["hits", "nothing", "", "strict hits cost next to nothing ([below](#tried-and-rejected))"])
-    return table(["you want", "choose", "it gains", "it costs"], rows, "llll")
+    return rows
+
+
+# ---- the program's help ----
+
+def c_text(name, text):
+    """A string of lines that fit a terminal, for the option tables of the program."""
+    lines = textwrap.wrap(text, 80, break_on_hyphens=False, break_long_words=False)
+    return f"#define {name} \\\n" + " \\\n".join(f'    "{line}\\n"' for line in lines) + "\n"
+
+
+def help_header(data):
+    """src/tool/options/trade.h: what each command's choices gain and cost, from the same figures as the pages."""
+    rays, rest = data[RAYS_FILE], data[FILE]
+    land = lands(rays)[-1]
+    of = f"terrain of {land} x {land} samples"
+
+    def gain(line):
+        return f"{line.number('mrays_per_s') / strict(rays, land).number('mrays_per_s'):.2g}"
+
+    def off(line):
+        return f"{100 * line.number('t_median'):.2g} % (99 % of them: {100 * line.number('t_99'):.2g} %)"
+
+    def picture(samples):
+        line = picture_of(rest, samples, 1)
+        return (f"{picture_of(rest, 64, 1).number('seconds') / line.number('seconds'):.2g}", f"{line.number('rmse'):.2g}")
+
+    two, eight = (level(rays, land, factor)[0] for factor in (2, 8))
+    near = {pixels: detail(rays, land, pixels) for pixels in (1, 4)}
+    if None in near.values():
+        raise Problem(f"{rays.path}: has no view with detail on {land}")
+    coarse = (f"--coarser 2 makes rays {gain(two)} times as fast, with distances off by {off(two)}, --coarser 8 {gain(eight)} times and "
+              f"{off(eight)}.")
+    sixteen, many, grid = sky_line(rest, "exact", 16), sky_line(rest, "exact", 64), rest.of("horizon", method="grid")
+    horizon = rest.first("horizon", method="exact")
+    grids = [line for line in grid if line.text("field") == horizon.text("field") and line.number("directions") == 16]
+    about = f"To save time, measured on rough {of} (papers/tradeoff.md): "
+    texts = {
+        "TRADE_TRACE": about + coarse,
+        "TRADE_RENDER": about + coarse + f" --detail 1 makes rays {gain(near[1])} times as fast, off by {off(near[1])}, and keeps near "
+                        f"cells exact, --detail 4 {gain(near[4])} times and {off(near[4])}. With 4 samples a pixel a picture takes 1/"
+                        f"{picture(4)[0]} of the time of 64, and its RMS error is {picture(4)[1]} instead of "
+                        f"{picture_of(rest, 64, 1).number('rmse'):.2g}, with 16 1/{picture(16)[0]} and {picture(16)[1]}.",
+        "TRADE_HORIZON": f"To save time (papers/tradeoff.md): --grid loses no exactness, and 16 directions are "
+                         f"{horizon.number('ns_an_angle') / grids[0].number('ns_an_angle'):.2g} times as fast as others. For --svf, 16 "
+                         f"directions take 1/{many.number('ns_a_place') / sixteen.number('ns_a_place'):.2g} of the time of 64, and 99 % of "
+                         f"the factors are off by at most {sixteen.number('share_99'):.1g}. --coarser costs more error than it is "
+                         "worth here.",
+    }
+    return ("/* SPDX-License-Identifier: Apache-2.0 */\n"
+            "/* What choices of speed gain and cost, for the help of commands. papers/scripts/tables.py writes this file. */\n"
+            "/* clang-format off */\n"
+            "#ifndef CELLWALK_TOOL_OPTIONS_TRADE_H\n#define CELLWALK_TOOL_OPTIONS_TRADE_H\n\n" +
+            "\n".join(c_text(name, text) for name, text in texts.items()) + "\n#endif\n")
 
 
 def sky_line(results, kind, directions):
@@ -213,14 +315,14 @@ def sky_trade(results):
 
 
 def picture_trade(results):
-    factors = sorted({line.number("factor") for line in results.of("picture")})
+    kinds = pictures(results)
     rows = []
     for samples in SAMPLES:
-        lines = [picture_of(results, samples, factor) for factor in factors]
+        lines = [picture_of(results, samples, *kind) for kind in kinds]
         if any(lines):
             rows.append([f"{samples}", *(f"{line.number('rmse'):.2g} / {duration(line.number('seconds'))}" if line else ""
                                          for line in lines)])
-    return table(["samples a pixel", *("full" if factor == 1 else f"coarser {factor}" for factor in factors)], rows)
+    return table(["samples a pixel", *map(picture_name, kinds)], rows)
 
 
 # ---- an own run ----

@@ -250,14 +250,15 @@ def tradeoff(data):
     promise.legend(loc="lower right", fontsize=8)
     _grid(promise)
     lines = results.some("picture")
-    factors = sorted({line.number("factor") for line in lines})
     labels, xs, ys = [], [], []
-    for factor in factors:
+    for kind in blocks_tradeoff.pictures(results):
+        factor, detail = kind
         points = [(1e3 * line.number("seconds"), line.number("rmse")) for line in sorted(
-            lines, key=lambda line: line.number("samples_a_pixel")) if line.number("factor") == factor]
-        color = OURS if factor == 1 else OURS_LIGHT
+            lines, key=lambda line: line.number("samples_a_pixel")) if (line.number("factor"), line.number("detail", 0)) == kind]
+        color = OURS if factor == 1 and not detail else GREY if detail else OURS_LIGHT
         picture.plot(*zip(*points), "o-", color=color, markersize=3.5)
-        labels.append(("full field" if factor == 1 else f"every {factor}.", points[-1], color if factor == 1 else GREY))
+        labels.append((f"detail {detail:g}" if detail else "full field" if factor == 1 else f"every {factor}.", points[-1],
+                       color if factor == 1 else GREY))
         xs += [x for x, _ in points]
         ys += [y for _, y in points]
     picture.set_title("RMS error of a picture")
@@ -279,7 +280,7 @@ def tradeoff_rays(data):
     limits = layout.log_limits([y for found in points.values() for _, _, y in found], 0.12)
     for panel, land in zip(axes, lands):
         labels = []
-        levels = [(x, y) for name, x, y in points[land] if not name.startswith("Embree")]
+        levels = [(x, y) for name, x, y in points[land] if not name.startswith(("Embree", "detail"))]
         panel.plot(*zip(*levels), "-", color="#bbbbbb", zorder=0)
         for name, x, y in points[land]:
             embree = name.startswith("Embree")

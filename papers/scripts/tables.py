@@ -22,7 +22,7 @@ from results import Data, Problem, Results
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 # Blocks of pages that are no tables: commands and a program, which tests read.
-NOT_TABLES = {"install", "test", "example", "python"}
+NOT_TABLES = {"install", "test", "example", "detail_example", "python"}
 
 # What a file of results becomes, by the command that made it.
 OWN = {
@@ -84,7 +84,7 @@ BLOCKS = {
         blocks_speed.threads, blocks_speed.building, blocks_work.walks, blocks_work.visits, blocks_work.steps,
         blocks_work.profile, blocks_work.neon, blocks_work.ablation, blocks_work.caches, blocks_work.pages, blocks_scenes.coursework,
         blocks_scenes.pbrt, blocks_scenes.features, blocks_accuracy.cells,
-        blocks_tradeoff.choices, blocks_tradeoff.horizon_trade, sources)},
+        blocks_tradeoff.choices, blocks_tradeoff.choices_short, blocks_tradeoff.horizon_trade, sources)},
     **{make.__name__: from_file(blocks_accuracy.FILE, make) for make in (
         blocks_accuracy.errors, blocks_accuracy.precision, blocks_accuracy.normals)},
     **{make.__name__: from_file(blocks_tradeoff.RAYS_FILE, make) for make in (
@@ -97,6 +97,16 @@ BLOCKS = {
     **{make.__name__: from_file(blocks_terrain.MORE, make) for make in (
         blocks_terrain.terrain_more, blocks_terrain.terrain_needed, blocks_terrain.terrain_days)},
 }
+
+# Whole files, from the same figures.
+FILES = {"src/tool/options/trade.h": blocks_tradeoff.help_header}
+
+
+class File(Page):
+    """A file that is one block."""
+
+    def span(self, name):
+        return 0, len(self.text)
 
 
 def pages(root):
@@ -113,7 +123,8 @@ def fill(root, data):
     if missing:
         raise Problem(f"no page has the table {', '.join(sorted(missing))}")
     made = {name: BLOCKS[name](data) for name in BLOCKS}
-    return [(page, name, made[name]) for page, name, _ in fills]
+    files = [(File(os.path.join(root, name)), name, make(data)) for name, make in FILES.items()]
+    return [(page, name, made[name]) for page, name, _ in fills] + files
 
 
 def check(fills, root):

@@ -17,7 +17,7 @@ void coarser_rows(coarser_options *c, option_spec rows[COARSER_OPTION_COUNT]) {
                       .value = "N",
                       .help = "a terrain of every N-th row and column; prints the\nlargest and the root-mean-square "
                               "distance of its surface\nfrom the full one to standard error, in the map's unit of\n"
-                              "height. On large terrains, rays are 1.5 times as fast with\n2, and 3 times with 8",
+                              "height",
                       .kind = OPTION_COUNT,
                       .to = &c->factor,
                       .low = 2,

@@ -15,6 +15,7 @@
 #include "query_options.h"
 #include "raster_options.h"
 #include "ray_source.h"
+#include "trade.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -210,7 +211,8 @@ static const char what[] = "Finds where rays hit a height field and writes one h
                            "\n"
                            "Rays and hits need not fit into memory. HITS is renamed into place when complete.\n"
                            "The name - is standard output, and for RAYS standard input, redirected from a\n"
-                           "file.\n";
+                           "file.\n"
+                           "\n" TRADE_TRACE;
 
 static const char examples[] = "  cellwalk trace terrain.npy rays.npy -o hits.npy\n"
                                "  cellwalk trace dem.tif lidar.npy --user --points -o hits.npy --stats\n"

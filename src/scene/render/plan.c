@@ -180,9 +180,13 @@ static void find_features(plan *p) {
     p->spreads = p->mirrors && (textures || p->general);
 }
 
+/* Half of a pixel's side at depth 1. */
+static double half_pixel(const plan *p) {
+    return tan(p->scene->field_of_view * (acos(-1) / 360)) / fmin((double)p->width, (double)p->height);
+}
+
 static void place_camera(plan *p, const space *spaces) {
-    const double width = (double)p->width, height = (double)p->height;
-    const double reach = tan(p->scene->field_of_view * (acos(-1) / 360)) / fmin(width, height);
+    const double width = (double)p->width, height = (double)p->height, reach = half_pixel(p);
     const float between = (float)(2 * reach / sqrt(p->samples));
     p->camera_metric = metric_of(&spaces[PLAN_CAMERA]);
     p->pixel = 2 * reach;
@@ -208,6 +212,23 @@ static void place_sky(plan *p, const space *spaces) {
             p->up[c] += (float)((double)s->up[r] * in_camera);
             p->sun[c] += (float)((double)s->sun[r] * in_camera);
         }
+}
+
+/* Camera rays on a level are those of the full field to the bit, but for powers of 2, and textures lie on the full field. */
+static void place_levels(plan *p, double seen) {
+    for (size_t k = 1; k < p->levels; k++) {
+        const float scale = p->scene->levels->level[k].scale;
+        plan_map *map = &p->maps[k * (p->shape_count + 1) + PLAN_CAMERA];
+        *map = *plan_map_to(p, 0, PLAN_CAMERA);
+        for (int r = 0; r < 2; r++) {
+            p->shapes[k].uv_scale[r] = p->shapes[0].uv_scale[r] / scale;
+            for (int c = 0; c < 4; c++) map->m[r][c] *= scale;
+        }
+    }
+    if (p->levels == 1) return;
+    const float *g = p->shapes[0].metric.g;
+    const double cell = sqrt((double)(g[0] > g[1] ? g[0] : g[1])), height = sqrt((double)g[2]);
+    p->detail = detail_view_of(p->scene->levels, cell, height, seen);
 }
 
 /* The square root of the sum of a matrix's squares: it makes no vector longer than so many times. */
@@ -273,6 +294,9 @@ bool plan_make(plan *p, const scene *s, const scene_render_options *options) {
                 .field_count = s->heightfield_count,
                 .light_count = s->light_count,
                 .general = options->general};
+    const bool detailed = s->levels != NULL && options->detail > 0;
+    p->levels = detailed ? s->levels->count : 1;
+    if (s->levels != NULL) p->shape_count = p->field_count = p->levels;
     space *spaces = NULL;
     if (!allocate(p, &spaces)) {
         free(spaces);
@@ -296,6 +320,7 @@ bool plan_make(plan *p, const scene *s, const scene_render_options *options) {
         for (size_t home = 0; home <= p->shape_count; home++)
             p->maps[k * (p->shape_count + 1) + home] =
                 home == plan_home(k) ? map_identity() : map_between(&spaces[home], &spaces[plan_home(k)]);
+    place_levels(p, options->detail * 2 * half_pixel(p));
     for (size_t k = p->field_count; k < p->shape_count; k++)
         for (size_t home = 0; home <= p->shape_count; home++)
             p->within[k * (p->shape_count + 1) + home] = begins_within(p, spaces, home, k);

@@ -6,6 +6,7 @@
 #include "command.h"
 #include "product.h"
 #include "sight.h"
+#include "trade.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -280,9 +281,7 @@ static int run(int argc, char **argv) {
                 "two triangles between each four samples. On a map in degrees, directions are off\n"
                 "in proportion to the distance: by up to 0.03 degrees at 5 km and latitude 50.\n"
                 "\n"
-                "To save time: --grid loses no exactness. For --svf, 16 directions instead of 64\n"
-                "take a quarter of the time and are off by less than 0.003 nearly everywhere.\n"
-                "--coarser costs more error than it is worth here.\n",
+                TRADE_HORIZON,
         .examples = "  cellwalk horizon dem.tif --directions 32 -o horizon.tif\n"
                     "  cellwalk horizon dem.tif --directions 64 --svf -o sky.tif\n"
                     "  cellwalk horizon dem.tif --directions 16 --grid --svf -o sky.tif\n"

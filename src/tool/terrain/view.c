@@ -3,6 +3,7 @@
 
 #include "command.h"
 #include "curvature.h"
+#include "detail.h"
 #include "drape.h"
 #include "inputs.h"
 #include "landscape.h"
@@ -26,12 +27,13 @@ struct view {
     field_file flat; /* with --curvature, until the scene is made: the terrain before it was lowered */
     terrain terrain; /* before it was lowered */
     sight earth;     /* by how much it was: 0 without --curvature */
-    float *filled;
+    detail levels;   /* of the file's field, with --detail */
+    float *filled[DETAIL_LEVELS_MAX];
     scene *scene;
 };
 
 void view_rows(view_options *v, option_spec rows[VIEW_OPTION_COUNT]) {
-    *v = (view_options){.fov = NAN, .haze = NAN, .water = NAN, .curvature = NAN};
+    *v = (view_options){.fov = NAN, .haze = NAN, .water = NAN, .curvature = NAN, .detail = NAN};
     const option_spec own[] = {
         {.name = "dem",
          .value = "FILE",
@@ -93,6 +95,13 @@ void view_rows(view_options *v, option_spec rows[VIEW_OPTION_COUNT]) {
          .kind = OPTION_NUMBER,
          .to = &v->water},
         curvature_around_eye_row(&v->curvature),
+        {.name = "detail",
+         .value = "PIXELS",
+         .help = "far cells of coarser terrain, of every 2nd, 4th, 8th and\nso on row and column, as far away as these "
+                 "cells and the\nerrors of their heights are at most PIXELS pixels long\n(default: 0, all cells are of "
+                 "the full terrain)",
+         .kind = OPTION_NUMBER,
+         .to = &v->detail},
     };
     memcpy(rows, own, sizeof own);
     raster_options_rows(&v->raster, rows + sizeof own / sizeof own[0]);
@@ -109,6 +118,7 @@ const char *view_only(const view_options *v) {
            : !isnan(v->water)             ? "water"
            : !isnan(v->fov)               ? "fov"
            : !isnan(v->curvature)         ? "curvature"
+           : !isnan(v->detail)            ? "detail"
            : v->raster.band > 0           ? "band"
            : v->raster.coarser.factor > 0 ? "coarser"
            : v->raster.nodata.count > 0   ? "nodata"
@@ -145,6 +155,8 @@ static bool read_wish(const view_options *v, wish *w) {
         command_fail(name, "--curvature lowers the terrain around the eye: give the eye's place by --from");
     else if (v->curvature > 0 && !isnan(v->water))
         command_fail(name, "--water is level and does not go with --curvature");
+    else if (v->detail < 0)
+        command_fail(name, "--detail takes a number of pixels, 0 or more, not %g", v->detail);
     else if (!(w->fov > 0 && w->fov < 180))
         command_fail(name, "--fov takes degrees above 0 and below 180, not %g", w->fov);
     else
@@ -260,15 +272,16 @@ static void shine(const wish *w, landscape_desc *d) {
 
 /* Smooth normals are made of neighbours, and the renderer takes them all for ground: where one is a hole, the mean of those
  * around it that are not stands in. */
-static bool fill_holes(view *v, io_error *error) {
-    const size_t nx = v->terrain.nx, ny = v->terrain.ny;
-    const float *z = v->file.raster.z;
-    v->filled = malloc(nx * ny * sizeof *v->filled);
-    if (v->filled == NULL) return io_fail(error, "out of memory");
+static float *fill_holes(const float *z, size_t nx, size_t ny, io_error *error) {
+    float *filled = malloc(nx * ny * sizeof *filled);
+    if (filled == NULL) {
+        io_fail(error, "out of memory");
+        return NULL;
+    }
     for (size_t j = 0; j < ny; j++)
         for (size_t i = 0; i < nx; i++) {
             double sum = 0, count = 0;
-            v->filled[j * nx + i] = z[j * nx + i];
+            filled[j * nx + i] = z[j * nx + i];
             if (isfinite(z[j * nx + i])) continue;
             for (size_t y = j > 0 ? j - 1 : 0; y <= j + 1 && y < ny; y++)
                 for (size_t x = i > 0 ? i - 1 : 0; x <= i + 1 && x < nx; x++) {
@@ -276,9 +289,20 @@ static bool fill_holes(view *v, io_error *error) {
                     sum += (double)z[y * nx + x];
                     count++;
                 }
-            v->filled[j * nx + i] = count > 0 ? (float)(sum / count) : 0;
+            filled[j * nx + i] = count > 0 ? (float)(sum / count) : 0;
         }
-    return true;
+    return filled;
+}
+
+/* The same for the field and its levels. */
+static bool fill_all(view *v, landscape_desc *d, io_error *error) {
+    if (cw_field_describe(v->file.field).holes == 0) return true;
+    d->samples = v->filled[0] = fill_holes(v->file.raster.z, d->nx, d->ny, error);
+    for (size_t k = 1; v->filled[k - 1] && k < v->levels.count; k++) {
+        detail_level *l = &v->levels.level[k];
+        l->samples = v->filled[k] = fill_holes(l->samples, l->nx, l->ny, error);
+    }
+    return v->filled[v->levels.count > 0 ? v->levels.count - 1 : 0] != NULL;
 }
 
 static bool find_sun(const view *v, const view_options *o, const char *path, wish *w, io_error *error) {
@@ -291,8 +315,8 @@ static bool find_sun(const view *v, const view_options *o, const char *path, wis
     return true;
 }
 
-static bool make_scene(view *v, const view_options *o, const char *path, wish *w, size_t width, size_t height,
-                       bool smooth, io_error *error) {
+static bool make_scene(view *v, const view_options *o, const char *path, const cw_run *query, wish *w, size_t width,
+                       size_t height, bool smooth, io_error *error) {
     landscape_desc d = {.field = v->file.field,
                         .samples = v->file.raster.z,
                         .nx = v->terrain.nx,
@@ -308,10 +332,9 @@ static bool make_scene(view *v, const view_options *o, const char *path, wish *w
     if (o->haze > 0) d.visibility = o->haze;
     const double water = o->water / terrain_metres_of_height(&v->terrain);
     if (!isnan(water)) d.water_level = &water;
-    if (smooth && cw_field_describe(v->file.field).holes > 0) {
-        if (!fill_holes(v, error)) return false;
-        d.samples = v->filled;
-    }
+    if (o->detail > 0 && !detail_make(&v->levels, v->file.field, query, error)) return false;
+    if (v->levels.count > 0) d.levels = &v->levels;
+    if (smooth && !fill_all(v, &d, error)) return false;
     io_image colours;
     if (!(o->image ? drape_image(&colours, o->image, &v->terrain, &v->file.raster.georef, error)
                    : drape_heights(&colours, &v->terrain, error)))
@@ -352,7 +375,7 @@ static bool open_view(view *v, view_options *o, const char *path, const cw_run *
         return io_fail(error, "out of memory");
     const bool read = open_field(v, o, path, query, w, raster, error);
     progress_end(&o->raster.line);
-    const bool good = read && make_scene(v, o, path, w, width, height, smooth, error);
+    const bool good = read && make_scene(v, o, path, query, w, width, height, smooth, error);
     field_file_close(&v->flat);
     return good;
 }
@@ -381,7 +404,8 @@ scene *view_scene(const view *v) { return v->scene; }
 void view_close(view *v) {
     if (v == NULL) return;
     scene_free(v->scene);
-    free(v->filled);
+    detail_free(&v->levels);
+    for (size_t k = 0; k < DETAIL_LEVELS_MAX; k++) free(v->filled[k]);
     field_file_close(&v->file);
     free(v);
 }
