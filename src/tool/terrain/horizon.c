@@ -280,8 +280,7 @@ static int run(int argc, char **argv) {
                 "Angles are exact to 0.001 degrees (0.003 on a map in degrees) for the surface of\n"
                 "two triangles between each four samples. On a map in degrees, directions are off\n"
                 "in proportion to the distance: by up to 0.03 degrees at 5 km and latitude 50.\n"
-                "\n"
-                TRADE_HORIZON,
+                "\n" TRADE_HORIZON,
         .examples = "  cellwalk horizon dem.tif --directions 32 -o horizon.tif\n"
                     "  cellwalk horizon dem.tif --directions 64 --svf -o sky.tif\n"
                     "  cellwalk horizon dem.tif --directions 16 --grid --svf -o sky.tif\n"
