@@ -1,7 +1,8 @@
 # AVX-512 for machines without it: every kernel that is compiled for it, compiled once more for AVX2 with its intrinsics
-# carried out by SIMDe; and so the renderer's tiles, which have none. A program that links cellwalk_emulated takes these objects in place of the library's, which the
-# linker then has no reason to take, and believes that the machine has AVX-512 if it has AVX2. So the kernels 16 lanes wide
-# are tested on every machine, and every test can be run as it runs on a machine with AVX-512.
+# carried out by SIMDe; and so the renderer's tiles, which have none. A program that links cellwalk_emulated takes these
+# objects in place of the library's, which the linker then has no reason to take, and believes that the machine has AVX-512
+# if it has AVX2. So the kernels 16 lanes wide are tested on every machine, and every test can be run as it runs on a machine
+# with AVX-512.
 
 find_path(SIMDE_INCLUDE simde/x86/avx512.h)
 set(no_emulation "")
@@ -53,6 +54,8 @@ foreach(kernel IN LISTS kernels cellwalk_words_targets ITEMS cellwalk_tile_avx51
         -Wno-psabi -include ${CMAKE_CURRENT_LIST_DIR}/emulated_avx512.h)
     math(EXPR emulated "${emulated} + 1")
 endforeach()
+# What the tiles call, also in programs that render nothing.
+target_link_libraries(cellwalk_emulated INTERFACE cellwalk_scene)
 if(emulated EQUAL 0)
     message(FATAL_ERROR "simd/ has no kernel for AVX-512 to emulate")
 endif()
