@@ -173,6 +173,19 @@ def afar(results):
             f"\nIn brackets: the time of a ray over that from the border, at most {worst:.2f} ({where}).\n")
 
 
+def newer_embree(data):
+    """Another version of Embree beside the same kernel, and what it changes where Debian's was measured, too."""
+    results, debian = data["embree4.json"], data[names.SPEED_FILES[data["embree4.json"].run.text("isa")]]
+    fields, classes = matrix(results)
+    places = [(field, rays) for field in fields for rays in classes]
+    both = [(over_embree(results, *at), over_embree(debian, *at)) for at in places]
+    both = [(newer, older) for newer, older in both if newer and older]
+    mean, there = geometric_mean([newer for newer, _ in both]), geometric_mean([older for _, older in both])
+    return (f"{run_text(results.run)}.\n\n" +
+            by_field(results, "rays", lambda field, rays: ratio(over_embree(results, field, rays), 1)) +
+            f"\nThe geometric mean of these {len(both)} ratios is {mean:.2f}, and {there:.2f} beside {embree_text(debian.run)}.\n")
+
+
 def peers(data):
     geometries = {"triangles": "triangles", "triangles-robust": "triangles, robust", "grid": "grid",
                   "grid-robust": "grid, robust"}
