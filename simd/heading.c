@@ -51,22 +51,26 @@ static inline float stretch_high(const group *g, const cw_stretch *s, int level)
     if (f->pyramid == NULL || level >= f->pyramid->levels) return f->high;
     const cw_pyramid_level *l = &f->pyramid->level[level];
     const int shift = 2 * level + 2;
-    const int32_t side = 1 << shift, last_i = (int32_t)f->nx - 2, last_j = (int32_t)f->ny - 2;
+    const int32_t last_i = (int32_t)f->nx - 1, last_j = (int32_t)f->ny - 1;
     int32_t left = g->i + s->i_low, right = g->i + s->i_high + GROUP_COLUMNS - 1;
     int32_t top = g->j + s->j_low, bottom = g->j + s->j_high + GROUP_ROWS - 1;
     left = left > 0 ? left : 0;
     top = top > 0 ? top : 0;
     right = right < last_i ? right : last_i;
     bottom = bottom < last_j ? bottom : last_j;
-    /* A node and its neighbours cover one side in each direction from any place in the node. Two sides are more than
-     * the group's four rows and a stretch together. At level 0 its 16 columns need more than one node. */
-    const ptrdiff_t row = (ptrdiff_t)((top + bottom) / 2 >> shift) * 4 * l->across;
+    if (left > right) return -INFINITY; /* a stretch without crossings */
+    /* Two by two nodes: a stretch and the group's four rows reach into three at most, its 16 columns into more at level
+     * 0. A sample on the border of two nodes belongs to both, so the first of them is enough. */
+    const int32_t last_x = (right > left ? right - 1 : right) >> shift;
+    const int32_t y = top >> shift, last_y = (bottom > top ? bottom - 1 : bottom) >> shift;
+    const ptrdiff_t in_row = 4 * (ptrdiff_t)l->across + 1;
+    const float *first_row = l->ahead + (y < last_y ? y + 1 : y) * in_row, *last_row = l->ahead + last_y * in_row;
     float high = -INFINITY;
-    for (int32_t x = left;; x += 2 * side) {
-        const int32_t rest = right - x, i = rest <= 2 * side ? x + rest / 2 : x + side;
-        high = higher(l->around[row + (i >> shift)], high);
-        if (rest <= 2 * side) return high;
+    for (int32_t x = left >> shift; x <= last_x; x += 2) {
+        const int32_t k = x < last_x ? x + 1 : x;
+        high = higher(first_row[k], higher(last_row[k], high));
     }
+    return high;
 }
 
 /* True if no ray of the group can find a steeper slope on the stretch than it has. */

@@ -51,7 +51,7 @@ enum { FLAT_STEPS = 4 };
  * packet after another (papers/walks.md). */
 CW_INLINE void walk_apart(tile_walk *w, packet_set apart, bool any) {
     const cw_field *f = w->f;
-    climb(w->packets, apart, f->pyramid);
+    climb(w->packets, apart, f);
     packet_set flat = 0;
     for (packet_set left = apart; left != 0; left &= left - 1) {
         const int p = __builtin_ctzll(left);

@@ -152,7 +152,22 @@ static float check_slab(const cw_field *f, int level, size_t x, size_t y, const 
     return slope;
 }
 
-static void slabs_are_exact(void **state) {
+/* The highest samples of nodes two by two. */
+static void check_ahead(const cw_pyramid_level *l, const char *what) {
+    const size_t across = 4 * (size_t)l->across, down = 4 * (size_t)l->down;
+    for (size_t y = 0; y <= down; y++)
+        for (size_t x = 0; x <= across; x++) {
+            float high = -INFINITY;
+            for (size_t j = y > 0 ? y - 1 : 0; j <= y && j < down; j++)
+                for (size_t i = x > 0 ? x - 1 : 0; i <= x && i < across; i++)
+                    high = higher(cw_pyramid_node(l, i, j)[16], high);
+            const float got = l->ahead[y * (across + 1) + x];
+            check(got == high, "%s: highest sample ahead of (%zu, %zu) %g instead of %g", what, x, y, (double)got,
+                  (double)high);
+        }
+}
+
+static void bounds_are_exact(void **state) {
     (void)state;
     random_state r = {2};
     size_t leaning = 0;
@@ -161,7 +176,10 @@ static void slabs_are_exact(void **state) {
             const place p = make_place(s, (kind)k, &r);
             cw_field *f = make_field(&p, CW_BORROW, false, NULL);
             float steepest = 0;
-            for (int l = 0; l < f->pyramid->levels; l++)
+            for (int l = 0; l < f->pyramid->levels; l++) {
+                char level[100];
+                snprintf(level, sizeof level, "%zu x %zu, %s, level %d", p.nx, p.ny, kind_names[k], l);
+                check_ahead(&f->pyramid->level[l], level);
                 for (size_t y = 0; y < cw_pyramid_down(f, l); y++)
                     for (size_t x = 0; x < cw_pyramid_across(f, l); x++) {
                         char what[100];
@@ -171,6 +189,7 @@ static void slabs_are_exact(void **state) {
                         const size_t number = (size_t)f->pyramid->first[l + 1] + y * cw_pyramid_across(f, l) + x;
                         leaning += l > TILE_LEVEL && f->pyramid->slab[number].slope_x != 0;
                     }
+            }
             check(steepest == f->pyramid->steepest, "%zu x %zu, %s: steepest %g instead of %g", p.nx, p.ny,
                   kind_names[k], (double)f->pyramid->steepest, (double)steepest);
             cw_field_destroy(f);
@@ -591,7 +610,7 @@ static void refusals_do_not_depend_on_threads(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(threads_change_nothing),
-        cmocka_unit_test(slabs_are_exact),
+        cmocka_unit_test(bounds_are_exact),
         cmocka_unit_test(updates_give_what_is_made_anew),
         cmocka_unit_test(what_is_refused_changes_nothing),
         cmocka_unit_test(grid3d_is_dropped),

@@ -127,6 +127,37 @@ static void every_edge_counts(void **state) {
         }
 }
 
+/* A wall on the far border, 16 k columns from the first one. By rounding its crossing may be the first one of the next
+ * stretch, of whose samples no other lies in the field. */
+static void walls_on_the_border_count(void **state) {
+    (void)state;
+    static float slope[FIELD_SAMPLES_MAX];
+    random_state r = {20261123};
+    test_field *f = &field_a;
+    for (size_t nx = 17; nx <= 49; nx += 16) {
+        field_make(f, FIELD_RANDOM, nx, 30, nx);
+        for (size_t j = 0; j < f->ny; j++)
+            for (size_t i = 0; i < nx; i++)
+                f->z[j * nx + i] = (float)random_unit(&r) + (i == nx - 1 ? (float)(4 * nx) : 0);
+        cw_field *field = field_open(f);
+        for (size_t d = 0; d < 40; d++) {
+            const double angle = random_between(&r, -0.7, 0.7), dir[2] = {cos(angle), sin(angle)};
+            cw_heading *h = heading_open(field, dir);
+            check_status(cw_heading_steepest(h, NULL, -INFINITY, INFINITY, (cw_rectangle){0, 0, nx, f->ny}, slope),
+                         CW_OK);
+            for (size_t at = 0; at < nx * f->ny; at += 16) {
+                double allowed;
+                const double wanted = brute(f, at % nx, at / nx, dir, &allowed), got = (double)slope[at];
+                check(got == wanted || fabs(got - wanted) <= allowed + 0x1p-140,
+                      "%zu columns, from (%zu, %zu) along (%a, %a): %.9g, not %.9g", nx, at % nx, at / nx, dir[0],
+                      dir[1], got, wanted);
+            }
+            cw_heading_destroy(h);
+        }
+        cw_field_destroy(field);
+    }
+}
+
 /* Land with mountains far away, so that stretches are passed over. */
 static void land(test_field *f, size_t nx, size_t ny) {
     field_make(f, FIELD_RANDOM, nx, ny, 3);
@@ -339,10 +370,10 @@ static void misuse_is_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_edge_counts),        cmocka_unit_test(stretches_are_passed_over_rightly),
-        cmocka_unit_test(ends_and_curvature_count), cmocka_unit_test(bits_are_the_same),
-        cmocka_unit_test(bounds_change_nothing),    cmocka_unit_test(planes_rise_evenly),
-        cmocka_unit_test(misuse_is_refused),
+        cmocka_unit_test(every_edge_counts),         cmocka_unit_test(stretches_are_passed_over_rightly),
+        cmocka_unit_test(ends_and_curvature_count),  cmocka_unit_test(bits_are_the_same),
+        cmocka_unit_test(bounds_change_nothing),     cmocka_unit_test(planes_rise_evenly),
+        cmocka_unit_test(walls_on_the_border_count), cmocka_unit_test(misuse_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Builds the pyramid, and repairs it after samples have changed: tiles first, which depend on samples alone, then
- * the levels above them one by one, and last the highest sample around each node. */
+ * the levels above them one by one, and last the highest samples of nodes two by two. */
 
 #include "pyramid.h"
 
@@ -50,57 +50,54 @@ static void do_slabs(void *context, size_t begin, size_t end) {
     fpenv_leave(caller);
 }
 
-/* ---- around ------------------------------------------------------------------------------------------------------ */
+/* ---- ahead ------------------------------------------------------------------------------------------------------- */
 
-enum { AROUND = 256 }; /* nodes a side that are done at a time */
+enum { AHEAD = 256 }; /* numbers a side that are done at a time */
 
-/* For nodes begin to end of row y of a level the highest of themselves and the one to either side. */
-static void highest_in_row(const cw_pyramid_level *l, size_t y, size_t begin, size_t end, float *restrict to) {
-    float high[4 + AROUND + 12]; /* whole bricks, and something lower than all to either side */
-    const size_t first = begin >= 4 ? begin / 4 - 1 : 0, last = least(end / 4 + 1, (size_t)l->across);
+/* Numbers begin to end of a row of them, from row y of nodes alone: the higher of two neighbours. */
+static void highest_of_two(const cw_pyramid_level *l, size_t y, size_t begin, size_t end, float *restrict to) {
+    float high[4 + AHEAD + 12]; /* whole bricks, and something lower than all to either side */
+    const size_t first = begin >= 1 ? (begin - 1) / 4 : 0, last = least((end - 1) / 4 + 1, (size_t)l->across);
     for (size_t b = first; b < last; b++) {
         const float *from = cw_pyramid_node(l, 4 * b, y) + 16;
         for (size_t k = 0; k < 4; k++) high[4 + 4 * (b - first) + k] = from[k];
     }
     high[3] = high[4 + 4 * (last - first)] = -INFINITY;
     const float *restrict at = high + 4 + begin - 4 * first;
-    for (size_t k = 0; k < end - begin; k++) {
-        const float most = higher(at[k], -INFINITY); /* a node of holes alone is NaN */
-        to[k] = higher(at[k + 1], higher(at[(ptrdiff_t)k - 1], most));
-    }
+    for (size_t k = 0; k < end - begin; k++)
+        to[k] = higher(at[k], higher(at[(ptrdiff_t)k - 1], -INFINITY)); /* a node of holes alone is NaN */
 }
 
-/* Separable: the highest of three nodes in a row, then of three such rows. */
-static void do_around_part(const cw_pyramid_level *l, const nodes *part) {
-    float rows[3][AROUND];
-    const size_t n = 4 * (size_t)l->across, down = 4 * (size_t)l->down, begin = part->x, end = part->x_last + 1;
-    for (size_t y = part->y > 0 ? part->y - 1 : 0; y <= part->y_last + 1; y++) {
-        float *here = rows[y % 3];
-        if (y < down) {
-            highest_in_row(l, y, begin, end, here);
+/* Separable: the higher of two nodes in a row, then of two such rows. */
+static void do_ahead_part(const cw_pyramid_level *l, const nodes *part) {
+    float rows[2][AHEAD];
+    const size_t n = 4 * (size_t)l->across + 1, down = 4 * (size_t)l->down, begin = part->x, end = part->x_last + 1;
+    for (size_t y = part->y; y <= part->y_last + 1; y++) { /* row y - 1 of nodes */
+        float *here = rows[y % 2];
+        if (1 <= y && y <= down) {
+            highest_of_two(l, y - 1, begin, end, here);
         } else {
-            for (size_t x = begin; x < end; x++) here[x - begin] = -INFINITY;
+            for (size_t x = 0; x < end - begin; x++) here[x] = -INFINITY;
         }
-        if (y <= part->y) continue;
-        const float *below = rows[(y + 2) % 3], *further = rows[(y + 1) % 3];
-        float *out = l->around + (y - 1) * n + begin;
-        for (size_t x = 0; x < end - begin; x++)
-            out[x] = higher(y >= 2 ? further[x] : -INFINITY, higher(below[x], here[x]));
+        if (y == part->y) continue;
+        const float *before = rows[(y + 1) % 2];
+        float *out = l->ahead + (y - 1) * n + begin;
+        for (size_t x = 0; x < end - begin; x++) out[x] = higher(before[x], here[x]);
     }
 }
 
-static size_t parts(size_t first, size_t last) { return (last - first) / AROUND + 1; }
+static size_t parts(size_t first, size_t last) { return (last - first) / AHEAD + 1; }
 
-static void do_around(void *context, size_t begin, size_t end) {
+static void do_ahead(void *context, size_t begin, size_t end) {
     const job *w = context;
     const nodes *all = &w->nodes;
     const size_t in_row = parts(all->x, all->x_last);
     const fpenv caller = fpenv_enter();
     for (size_t k = begin; k < end; k++) {
-        nodes part = {.x = all->x + k % in_row * AROUND, .y = all->y + k / in_row * AROUND};
-        part.x_last = least(part.x + AROUND - 1, all->x_last);
-        part.y_last = least(part.y + AROUND - 1, all->y_last);
-        do_around_part(&w->p->level[w->level], &part);
+        nodes part = {.x = all->x + k % in_row * AHEAD, .y = all->y + k / in_row * AHEAD};
+        part.x_last = least(part.x + AHEAD - 1, all->x_last);
+        part.y_last = least(part.y + AHEAD - 1, all->y_last);
+        do_ahead_part(&w->p->level[w->level], &part);
     }
     fpenv_leave(caller);
 }
@@ -121,14 +118,12 @@ static nodes nodes_of(const job *w, int level) {
     return n;
 }
 
-/* The same with their neighbours; bricks at the field's far borders have more of these than one. */
-static nodes nodes_around(const job *w, int level) {
+/* The numbers that depend on them; bricks at the field's far borders have more nodes than the field. */
+static nodes ahead_of(const job *w, int level) {
     const cw_pyramid_level *l = &w->p->level[level];
     nodes n = nodes_of(w, level);
-    n.x -= n.x > 0;
-    n.y -= n.y > 0;
-    n.x_last = n.x_last + 1 < cw_pyramid_across(w->f, level) ? n.x_last + 1 : 4 * (size_t)l->across - 1;
-    n.y_last = n.y_last + 1 < cw_pyramid_down(w->f, level) ? n.y_last + 1 : 4 * (size_t)l->down - 1;
+    n.x_last = n.x_last + 1 < cw_pyramid_across(w->f, level) ? n.x_last + 1 : 4 * (size_t)l->across;
+    n.y_last = n.y_last + 1 < cw_pyramid_down(w->f, level) ? n.y_last + 1 : 4 * (size_t)l->down;
     return n;
 }
 
@@ -151,8 +146,8 @@ static void do_upper(job *w, cw_pool *pool) {
         cw_pool_run(pool, count(&w->nodes), 1, do_slabs, w);
     }
     for (w->level = 0; w->level < p->levels; w->level++) {
-        w->nodes = nodes_around(w, w->level);
-        cw_pool_run(pool, parts(w->nodes.x, w->nodes.x_last) * parts(w->nodes.y, w->nodes.y_last), 1, do_around, w);
+        w->nodes = ahead_of(w, w->level);
+        cw_pool_run(pool, parts(w->nodes.x, w->nodes.x_last) * parts(w->nodes.y, w->nodes.y_last), 1, do_ahead, w);
     }
     p->steepest = steepest(w->f, p);
     p->high = w->f->high;
@@ -160,7 +155,7 @@ static void do_upper(job *w, cw_pool *pool) {
 
 /* Where everything lies in one piece of memory. */
 static bool lay_out(struct cw_pyramid *p, const cw_field *f) {
-    size_t bricks = 0, begin[PYRAMID_LEVELS_MAX];
+    size_t bricks = 0, aheads = 0, first_brick[PYRAMID_LEVELS_MAX], first_ahead[PYRAMID_LEVELS_MAX];
     size_t x = blocks(f->nx - 1), y = blocks(f->ny - 1);
     float side = 4;
     do {
@@ -168,8 +163,10 @@ static bool lay_out(struct cw_pyramid *p, const cw_field *f) {
         x = blocks(x);
         y = blocks(y);
         *l = (cw_pyramid_level){.across = (int32_t)x, .down = (int32_t)y, .side = side};
-        begin[p->levels++] = bricks;
+        first_brick[p->levels] = bricks;
+        first_ahead[p->levels++] = aheads;
         bricks += x * y;
+        aheads += (4 * x + 1) * (4 * y + 1);
         side *= 4;
     } while (x > 1 || y > 1);
 
@@ -180,16 +177,17 @@ static bool lay_out(struct cw_pyramid *p, const cw_field *f) {
     }
     for (int l = TILE_LEVEL; l < p->levels || l == TILE_LEVEL; l++)
         sums += cw_pyramid_across(f, l) * cw_pyramid_down(f, l);
-    p->bytes =
-        bricks * (BRICK_FLOATS + 16) * sizeof(float) + slabs * sizeof(cw_pyramid_slab) + sums * sizeof(cw_pyramid_sum);
+    p->bytes = bricks * BRICK_FLOATS * sizeof(float) + slabs * sizeof(cw_pyramid_slab) + sums * sizeof(cw_pyramid_sum) +
+               aheads * sizeof(float);
     p->memory = cw_memory_allocate(p->bytes);
     if (p->memory == NULL) return false;
-    for (int l = 0; l < p->levels; l++) {
-        p->level[l].bricks = (float *)p->memory + begin[l] * BRICK_FLOATS;
-        p->level[l].around = (float *)p->memory + bricks * BRICK_FLOATS + begin[l] * 16;
-    }
-    p->slab = (cw_pyramid_slab *)((float *)p->memory + bricks * (BRICK_FLOATS + 16));
+    p->slab = (cw_pyramid_slab *)((float *)p->memory + bricks * BRICK_FLOATS);
     cw_pyramid_sum *sum = (cw_pyramid_sum *)(p->slab + slabs);
+    float *ahead = (float *)(sum + sums);
+    for (int l = 0; l < p->levels; l++) {
+        p->level[l].bricks = (float *)p->memory + first_brick[l] * BRICK_FLOATS;
+        p->level[l].ahead = ahead + first_ahead[l];
+    }
     for (int l = TILE_LEVEL; l < p->levels || l == TILE_LEVEL; l++) {
         p->sum[l] = sum;
         sum += cw_pyramid_across(f, l) * cw_pyramid_down(f, l);

@@ -33,9 +33,10 @@ typedef struct cw_pyramid_level {
     int32_t across; /* bricks in a row */
     int32_t down;
     float side; /* cells along one side of a node */
-    /* Highest sample of node (x, y) and its up to eight neighbours at around[y * 4 * across + x]: an upper bound on the
-     * heights within one node side of any place in the node. */
-    float *around;
+    /* Highest sample of the nodes (x - 1, y - 1), (x, y - 1), (x - 1, y) and (x, y), as far as they exist, at
+     * ahead[y * (4 * across + 1) + x], x <= 4 * across, y <= 4 * down. So a node has four of these numbers, one for each
+     * quadrant of directions in which a ray may go on from it. */
+    float *ahead;
 } cw_pyramid_level;
 
 /* Every sample of the node, and every point of its triangles, has
