@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The linker lets all calls to open and the like end here (--wrap): those of the readers, and between inputs libFuzzer's own,
- * which go on to libc. A mapping is a separate block, as long as what is left of the file: unlike with a real one,
- * AddressSanitizer sees each byte that is read behind the end. */
+ * which go on to libc. A mapping is a separate block, as long as the rest of the file, so AddressSanitizer sees
+ * each byte that is read behind the end. In a real mapping it would not. */
 
 #include "memory.h"
 
