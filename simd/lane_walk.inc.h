@@ -242,15 +242,17 @@ CW_INLINE void lane_step(lane_state *s, lane_set *l, const cw_field *f, bool any
     lane_advance(s, rays, axis, out, moves);
 }
 
-/* Steps after which a ray has kept its lane for long, and from one look at that to the next. */
+/* A ray that has kept its lane for 2^LATE_SHIFT steps is late; LOOK_AFTER: steps from one look for such rays to the next.
+ * A step takes as long for FEW lanes as for all, so if no more rays than that are left, these numbers are smaller. */
 enum { LATE_SHIFT = 8, LOOK_AFTER = 128 };
+enum { FEW = W / 4, LATE_SHIFT_OF_FEW = 5, LOOK_AFTER_OF_FEW = 32 };
 
-/* Takes those rays out of their lanes that have been there for long, and walks them to their ends. */
-CW_INLINE void end_late(const cw_field *f, lane_set *l, bool any, lane_answers *answers) {
-    if (l->clock < l->look_at) return;
+/* Takes those rays out of their lanes that are late, and walks them to their ends. */
+CW_INLINE void end_late(const cw_field *f, lane_set *l, bool few, bool any, lane_answers *answers) {
+    if (l->clock < l->look_at && !few) return;
     l->look_at = l->clock + LOOK_AFTER;
     const vint age = vi_sub(vi_set(l->clock), vi_load(l->born));
-    const vmask young = vi_eq(vi_shift_right(age, vi_set(LATE_SHIFT)), vi_set(0));
+    const vmask young = vi_eq(vi_shift_right(age, vi_set(few ? LATE_SHIFT_OF_FEW : LATE_SHIFT)), vi_set(0));
     unsigned late = ~vm_bits(young) & l->living;
     if (late == 0 || f->pyramid->levels < CLOSE_LEVELS) return;
     l->living &= ~late;
@@ -276,16 +278,18 @@ CW_INLINE void lane_walk(const cw_field *f, const lane_queue *queue, lane_set *l
         const int refill_at = more || next < queue->n ? (int)W - REFILL_AT : LANES_LEFT;
         if (__builtin_popcount(l->living) <= refill_at) break;
         count_step(COUNT_RELOAD, l->living);
+        const bool few = refill_at == 0 && __builtin_popcount(l->living) <= FEW;
+        const int stop_at = refill_at == 0 && !few ? FEW : refill_at, most = few ? LOOK_AFTER_OF_FEW : LOOK_AFTER;
         lane_state s = load_lanes(l);
         unsigned living;
-        int steps = LOOK_AFTER;
+        int steps = most;
         do {
             lane_step(&s, l, f, any, answers);
             living = vm_bits(s.alive);
-        } while (__builtin_popcount(living) > refill_at && --steps > 0);
-        l->clock += LOOK_AFTER - steps;
+        } while (__builtin_popcount(living) > stop_at && --steps > 0);
+        l->clock += most - steps;
         store_lanes(l, &s);
-        end_late(f, l, any, answers);
+        end_late(f, l, few, any, answers);
     }
     if (!more && LANES_LEFT == 0) write_rest(answers, f);
 }
