@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "run.h"
 
+#include "clock.h"
 #include "field.h"
 #include "isa.h"
 #include "kernels.h"
@@ -65,11 +66,17 @@ cw_status cw_run_check(const cw_field *field, const cw_run *run) {
 
 /* ---- work under a watch ---------------------------------------------------------------------------------------------- */
 
+/* Some rays take 10 000 times as long as others, and a watch is called between pieces only. So pieces begin small, and grow
+ * or shrink with the time that the last one took. Rejected: small pieces always, since kernels work best on many rays. */
+enum { FIRST_PIECE = 64 };
+static const double short_piece = 0.005, long_piece = 0.05; /* seconds */
+
 typedef struct watched {
     const cw_run *how;
     cw_work_fn *work;
     void *context;
     size_t n, most;
+    atomic_size_t piece; /* items, 1 to most */
     atomic_bool stopped;
     pthread_mutex_t lock; /* of done, and of the watch */
     size_t done;
@@ -87,8 +94,14 @@ static void report(watched *w, size_t count) {
 static void work_in_pieces(void *context, size_t begin, size_t end) {
     watched *w = context;
     while (begin < end && !atomic_load(&w->stopped)) {
-        const size_t count = end - begin < w->most ? end - begin : w->most;
+        const size_t piece = atomic_load(&w->piece), count = end - begin < piece ? end - begin : piece;
+        const double start = clock_seconds();
         w->work(w->context, begin, begin + count);
+        const double seconds = clock_seconds() - start;
+        if (seconds > long_piece)
+            atomic_store(&w->piece, piece > 8 ? piece / 8 : 1);
+        else if (count == piece && seconds < short_piece)
+            atomic_store(&w->piece, 2 * piece < w->most ? 2 * piece : w->most);
         report(w, count);
         begin += count;
     }
@@ -100,6 +113,7 @@ cw_status cw_run_work(const cw_run *how, size_t n, size_t least, size_t most, cw
         return CW_OK;
     }
     watched w = {.how = how, .work = work, .context = context, .n = n, .most = most > 0 ? most : 1};
+    atomic_init(&w.piece, w.most < FIRST_PIECE ? w.most : FIRST_PIECE);
     if (pthread_mutex_init(&w.lock, NULL) != 0) return cw_fail_plainly(CW_ERROR_MEMORY);
     cw_pool_share(how->pool, n, least, most, work_in_pieces, &w);
     pthread_mutex_destroy(&w.lock);
