@@ -26,6 +26,8 @@ static bool add_kernel(micro_group *g, const micro_options *o, const cw_kernel *
         c.query.pool = o->pools[t];
         const size_t used = strlen(c.name);
         if (o->pools[t]) snprintf(c.name + used, sizeof c.name - used, "/t%u", c.threads);
+        c.call = o->call;
+        if (o->call > 0) snprintf(c.name + strlen(c.name), sizeof c.name - strlen(c.name), "/c%u", o->call);
         if (!add_row(g, &c, status, error)) return false;
     }
     return true;

@@ -25,6 +25,7 @@ static const char what[] =
 
 static const char examples[] = "  cellwalk-bench micro              # a first look, in a minute\n"
                                "  cellwalk-bench micro --kernel packet8 --rays shadow --field 1025 --isa avx2\n"
+                               "  cellwalk-bench micro --field plane,grooves,comb,checkerboard --rays beside --call 1\n"
                                "  cellwalk-bench micro --json before.json\n"
                                "  cellwalk-bench micro --json after.json      # built with a change\n"
                                "  cellwalk-bench compare before.json after.json\n";
@@ -37,9 +38,13 @@ static const char *peer_names(size_t number) {
 
 static const char *quality_names(size_t number) { return number == 0 ? "high" : number == 1 ? "medium" : NULL; }
 
+/* The classes that are timed, then the one that is so on request only, and none. */
+enum { RAYS_BESIDE = WORKLOAD_CLASS_COUNT, RAYS_NONE };
+static workload_class ray_class(size_t number) {
+    return number == RAYS_BESIDE ? WORKLOAD_BESIDE : (workload_class)number;
+}
 static const char *ray_names(size_t number) {
-    return number < WORKLOAD_CLASS_COUNT ? workload_class_name((workload_class)number)
-                                         : (number == WORKLOAD_CLASS_COUNT ? "none" : NULL);
+    return number < RAYS_NONE ? workload_class_name(ray_class(number)) : number == RAYS_NONE ? "none" : NULL;
 }
 
 /* Those that a query may ask for, and all of them. */
@@ -52,9 +57,9 @@ static bool check_options(micro_options *o, io_error *error) {
     if (o->fields.count == 0)
         option_list_fill(&o->fields, workload_field_name, 0, o->longer ? WORKLOAD_FIELDS_TIMED : 3);
     if (o->rays.count == 0) option_list_fill(&o->rays, ray_names, 0, WORKLOAD_CLASS_COUNT);
-    if (o->rays.count > 1 && option_wanted(&o->rays, WORKLOAD_CLASS_COUNT))
+    if (o->rays.count > 1 && option_wanted(&o->rays, RAYS_NONE))
         return io_fail(error, "--rays none: and no other class");
-    if (o->rays.number[0] == WORKLOAD_CLASS_COUNT) o->rays.count = 0;
+    if (o->rays.number[0] == RAYS_NONE) o->rays.count = 0;
     if (o->peers.count == 0) {
         const size_t none = PEER_KINDS, first = peer_embree_version() && !o->counters ? 0 : none;
         option_list_fill(&o->peers, peer_names, first, first + 1);
@@ -141,8 +146,8 @@ static bool run(const micro_options *o, io_output *out, io_error *error) {
         if (good) micro_print_field(&on);
         for (size_t s = 0; good && s < sets; s++, groups--) {
             const double left = end - clock_seconds();
-            good = run_group(&on, (workload_class)o->rays.number[s / o->backs.count], o->backs.real[s % o->backs.count],
-                             o, left > 0 ? left / (double)groups : 0, out, error);
+            good = run_group(&on, ray_class(o->rays.number[s / o->backs.count]), o->backs.real[s % o->backs.count], o,
+                             left > 0 ? left / (double)groups : 0, out, error);
         }
         if (good) good = micro_write_field(out, &on, error);
         close_field(&on);
@@ -174,8 +179,8 @@ static int start(int argc, char **argv) {
     const option_spec options[] = {
         {"kernel", "NAMES", "only these kernels; all by default", OPTION_LIST, .to = &o.kernels,
          .names = option_kernel_names},
-        {"rays", "NAMES", "only these classes of rays; none is for building alone", OPTION_LIST, .to = &o.rays,
-         .names = ray_names},
+        {"rays", "NAMES", "only these classes of rays; by default all but beside; none is for building alone",
+         OPTION_LIST, .to = &o.rays, .names = ray_names},
         {"field", "NAMES", "these fields; by default the first three, with --long all", OPTION_LIST, .to = &o.fields,
          .names = workload_field_name},
         {"leaf", "NAMES", "these leaf tests; by default each kernel's own choice", OPTION_LIST, .to = &o.leaves,
@@ -190,6 +195,8 @@ static int start(int argc, char **argv) {
         {"quality", "NAME", "Embree's build quality; high by default, medium is Embree's own default", OPTION_NAME,
          .to = &o.quality, .names = quality_names},
         {"count", "N", "rays in a class (32768; 262144 with --long)", OPTION_COUNT, .to = &o.count, .low = 16,
+         .high = 1 << 24},
+        {"call", "N", "rays in a call of a kernel; by default all at once", OPTION_COUNT, .to = &o.call, .low = 1,
          .high = 1 << 24},
         {"seconds", "S",
          "seconds for all but making and building the fields, kept as far as possible (40; 900 with --long)",

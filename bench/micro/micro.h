@@ -27,7 +27,7 @@ typedef struct micro_options {
     option_list threads;                              /* how many to run each kernel with */
     option_list backs; /* how many times the field's longer side rays start farther back */
     const char *json;
-    unsigned count;
+    unsigned count, call;
     int quality; /* of Embree: 0 high, 1 medium */
     double seconds, width, pass;
     bool longer, small_pages;

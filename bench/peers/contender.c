@@ -3,13 +3,21 @@
 
 #include <stdio.h>
 
+static size_t call_of(const contender *c, size_t left) { return c->call > 0 && c->call < left ? c->call : left; }
+
 /* Queries cannot fail here: contender_from_kernel has tried one. */
 static void closest(const contender *c, const cw_ray *rays, size_t n, cw_hit *hits) {
-    (void)cw_closest(c->field, &c->query, rays, n, hits);
+    for (size_t k = 0, count; k < n; k += count) {
+        count = call_of(c, n - k);
+        (void)cw_closest(c->field, &c->query, rays + k, count, hits + k);
+    }
 }
 
 static void any(const contender *c, const cw_ray *rays, size_t n, uint8_t *occluded) {
-    (void)cw_occluded(c->field, &c->query, rays, n, occluded);
+    for (size_t k = 0, count; k < n; k += count) {
+        count = call_of(c, n - k);
+        (void)cw_occluded(c->field, &c->query, rays + k, count, occluded + k);
+    }
 }
 
 cw_status contender_from_kernel(contender *c, cw_field *field, const cw_kernel *kernel, cw_leaf leaf) {

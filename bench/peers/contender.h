@@ -17,6 +17,7 @@ struct contender {
     /* A kernel of the library on a field; or Embree. */
     const cw_field *field;
     cw_run query;
+    size_t call; /* rays a call of the kernel; 0: all in one */
     const struct peer_embree *peer;
     bool coherent; /* rays are announced as that */
 };

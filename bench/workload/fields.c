@@ -8,7 +8,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef enum shape { LAND, SEA, NOISE, INTEGERS, CLIFFS, SLOPE, SWELL, FLAT, GENTLE, FAINT } shape;
+typedef enum shape {
+    LAND,
+    SEA,
+    NOISE,
+    INTEGERS,
+    CLIFFS,
+    SLOPE,
+    SWELL,
+    FLAT,
+    GENTLE,
+    FAINT,
+    PLANE,
+    GROOVES,
+    COMB,
+    CHECKS
+} shape;
 
 /* amount: the relief of land, the roughness of water. */
 static const struct {
@@ -26,6 +41,10 @@ static const struct {
     {"sea-calm", NULL, 1000, 1000, SEA, 0.02f, 2},
     {"sea-rough", NULL, 1000, 1000, SEA, 0.5f, 2},
     {"8193x1025", NULL, 8193, 1025, LAND, 0.1f, 1},
+    {"plane", NULL, 1025, 1025, PLANE, 0, 0},
+    {"grooves", NULL, 1025, 1025, GROOVES, 0, 0},
+    {"comb", NULL, 1025, 1025, COMB, 0, 0},
+    {"checkerboard", NULL, 1025, 1025, CHECKS, 0, 0},
     {"fractal", "fractal land, 513 x 513, relief a tenth of the side", 513, 513, LAND, 0.1f, 5},
     {"noise", "uniform in [0, 1), 65 x 65", 65, 65, NOISE, 0, 1},
     {"integers", "whole numbers from -2 to 2, 64 x 33", 64, 33, INTEGERS, 0, 2},
@@ -61,6 +80,14 @@ static double sample(shape kind, size_t i, size_t j, random_state *r) {
         return 5e-5 * (double)i + 3e-5 * (double)j;
     case FAINT:
         return ldexp(x, -136);
+    case PLANE:
+        return 0.25 * (double)i + 0.125 * (double)j;
+    case GROOVES:
+        return j % 2 ? 0 : 1;
+    case COMB:
+        return j % 8 ? 0 : 1;
+    case CHECKS:
+        return (i + j) % 2 ? 0 : 1;
     default:
         return 0.375;
     }

@@ -13,8 +13,10 @@ typedef struct workload_field {
 
 /* "65", "257", "1025", "4097", "8193": fractal land of that many samples a side, height range 0.1 of the side.
  * "sea-calm", "sea-rough": 1000 × 1000 samples of water.
- * "8193x1025": land as long as the largest, for errors far from the origin; Embree has room for it. It is not timed. */
-enum { WORKLOAD_FIELDS = 8, WORKLOAD_FIELDS_TIMED = 7 };
+ * "8193x1025": land as long as the largest, for errors far from the origin; Embree has room for it. It is not timed.
+ * "plane", "grooves", "comb", "checkerboard": 1025 × 1025 samples for rays beside them. The plane is tilted; of the others
+ * every second row, every eighth row or every second sample is 1 high, the rest 0. Timed on request only. */
+enum { WORKLOAD_FIELDS = 12, WORKLOAD_FIELDS_TIMED = 7 };
 /* NULL from there on. */
 const char *workload_field_name(size_t number);
 

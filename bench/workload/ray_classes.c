@@ -10,7 +10,7 @@
 static const struct {
     const char *name;
     bool any, coherent;
-} classes[WORKLOAD_ALL] = {
+} classes[WORKLOAD_NAMES] = {
     [WORKLOAD_PRIMARY] = {"primary", false, true},
     [WORKLOAD_SHADOW] = {"shadow", true, true},
     [WORKLOAD_AO] = {"ao", true, false},
@@ -22,14 +22,22 @@ static const struct {
     [WORKLOAD_EDGES] = {"edges", false, false},
     [WORKLOAD_WITHIN_TENTH] = {"within-0.1", false, false},
     [WORKLOAD_WITHIN_TWO] = {"within-2", false, false},
+    [WORKLOAD_BESIDE] = {"beside", false, false},
 };
 
-const char *workload_class_name(workload_class c) { return (unsigned)c < WORKLOAD_ALL ? classes[c].name : NULL; }
+const char *workload_class_name(workload_class c) { return (unsigned)c < WORKLOAD_NAMES ? classes[c].name : NULL; }
 bool workload_class_is_any(workload_class c) { return classes[c].any; }
 bool workload_class_is_coherent(workload_class c) { return classes[c].coherent; }
 
 /* Number stream of a class: the second input of the hash, beside the ray's number. */
-enum { STREAM_AO = 100, STREAM_BOUNCE = 200, STREAM_RANDOM = 300, STREAM_GRAZING = 400, STREAM_SHORT = 500 };
+enum {
+    STREAM_AO = 100,
+    STREAM_BOUNCE = 200,
+    STREAM_RANDOM = 300,
+    STREAM_GRAZING = 400,
+    STREAM_SHORT = 500,
+    STREAM_BESIDE = 600
+};
 
 /* Uniform in (0, 1), never an end. */
 static double uniform(uint32_t seed, size_t ray, uint32_t stream) {
@@ -258,6 +266,46 @@ static cw_ray grazing_ray(const cw_field_info *info, uint32_t seed, size_t k) {
     return make_ray(org, dir);
 }
 
+/* The plane through three corners of the field, at z + slope[0] x + slope[1] y, and the heights of samples over it. */
+typedef struct corner_plane {
+    double z, slope[2], low, high;
+} corner_plane;
+
+static corner_plane plane_of(const cw_field *field, const cw_field_info *info) {
+    const size_t right = info->nx - 1, top = info->ny - 1;
+    const double z = (double)cw_field_row(field, 0)[0];
+    corner_plane p = {.z = z, .low = INFINITY, .high = -INFINITY};
+    p.slope[0] = ((double)cw_field_row(field, 0)[right] - z) / (double)right;
+    p.slope[1] = ((double)cw_field_row(field, top)[0] - z) / (double)top;
+    for (size_t j = 0; j < info->ny; j++)
+        for (size_t i = 0; i < info->nx; i++) {
+            const double over =
+                (double)cw_field_row(field, j)[i] - (z + p.slope[0] * (double)i + p.slope[1] * (double)j);
+            p.low = fmin(p.low, over);
+            p.high = fmax(p.high, over);
+        }
+    return p;
+}
+
+static cw_ray beside_ray(const corner_plane *p, const cw_field_info *info, uint32_t seed, size_t k) {
+    static const double distance[4] = {1e-2, 1e-3, 1e-4, 1e-5};
+    const double side[2] = {(double)(info->nx - 1), (double)(info->ny - 1)};
+    const bool along = k % 4 == 3;
+    double org[3] = {0, 0, p->z}, dir[3] = {1, 0, 0};
+    for (uint32_t a = 0; a < 2; a++) {
+        org[a] = uniform(seed, k, STREAM_BESIDE + a) * side[a];
+        if (!along) dir[a] = uniform(seed, k, STREAM_BESIDE + 2 + a) * side[a] - org[a];
+    }
+    if (along) org[0] = 0;
+    const double away = distance[k / 4 % 4], share = uniform(seed, k, STREAM_BESIDE + 4);
+    org[2] += along ? p->low + share * (p->high - p->low) : p->high + (k / 16 % 2 ? -away : away);
+    for (int a = 0; a < 2; a++) {
+        org[2] += p->slope[a] * org[a];
+        dir[2] += p->slope[a] * dir[a];
+    }
+    return make_ray(org, dir);
+}
+
 static size_t aimed(const cw_field *field, workload_class c, uint32_t seed, size_t n, cw_ray *rays) {
     aimed_field f = aimed_field_of(field);
     f.bounded = true; /* or errors would tell how far rays come from, not how they meet the surface */
@@ -278,6 +326,11 @@ size_t workload_rays_make(const cw_field *field, workload_class c, uint32_t seed
     if (c < WORKLOAD_RANDOM) return secondary(field, &query, c, seed, n, rays);
     if (c == WORKLOAD_VERTICES || c == WORKLOAD_EDGES)
         return info.nx >= 4 && info.ny >= 4 ? aimed(field, c, seed, n, rays) : 0;
+    if (c == WORKLOAD_BESIDE) {
+        const corner_plane p = plane_of(field, &info);
+        for (size_t k = 0; k < n; k++) rays[k] = beside_ray(&p, &info, seed, k);
+        return n;
+    }
     for (size_t k = 0; k < n; k++)
         rays[k] = c == WORKLOAD_WITHIN_TENTH ? short_ray(field, &info, seed, k, 0.01, 0.1)
                   : c == WORKLOAD_WITHIN_TWO ? short_ray(field, &info, seed, k, 0.5, 2)

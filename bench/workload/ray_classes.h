@@ -22,10 +22,16 @@ typedef enum workload_class {
     /* To places anywhere on the surface from 0.01 to 0.1, and from 0.5 to 2 cells before them: for counting errors too. */
     WORKLOAD_WITHIN_TENTH,
     WORKLOAD_WITHIN_TWO,
-    WORKLOAD_ALL
+    WORKLOAD_ALL,
+    /* For the worst case, timed on request only. Three quarters run at random places and in random directions parallel to the
+     * plane through the field's corners, 10^-2 to 10^-5 above or below the highest sample over that plane. One quarter runs
+     * along x, lower, but above the lowest sample. */
+    WORKLOAD_BESIDE = WORKLOAD_ALL,
+    WORKLOAD_NAMES
 } workload_class;
 
-/* "primary", "shadow", "ao", "bounce", "random", "grazing", "afar", "vertices", "edges", "within-0.1", "within-2". */
+/* "primary", "shadow", "ao", "bounce", "random", "grazing", "afar", "vertices", "edges", "within-0.1", "within-2",
+ * "beside". */
 const char *workload_class_name(workload_class c);
 /* True if queries of the class find any hit, false if the closest. */
 bool workload_class_is_any(workload_class c);

@@ -258,6 +258,23 @@ static void rays_start_farther_back(void **state) {
     check(run(&command_micro, arguments) == 2, "a negative --back is taken");
 }
 
+/* Rays beside a surface, in calls that do not divide their number. */
+static void calls_may_be_small(void **state) {
+    (void)state;
+    check(run(&command_micro, "--field 65 --rays beside --kernel pyramid1 --peer none --count 1000 --call 7 "
+                              "--seconds 0.01 --json c.json") == 0,
+          "micro fails");
+    io_error error;
+    json_t *lines = results_read("c.json", &error);
+    check(lines != NULL, "%s", error.text);
+    const json_t *line = results_first(lines, "result");
+    check(line && strcmp(results_text(line, "rays"), "beside") == 0, "no rays beside the surface");
+    check(strcmp(results_text(line, "contender"), "pyramid1/watertight/c7") == 0, "it is %s",
+          results_text(line, "contender"));
+    check(results_number(json_object_get(line, "agreement"), "same_bits") == 1000, "answers differ");
+    json_decref(lines);
+}
+
 /* Two kernels and a control, in two runs. */
 static void write_run(const char *name, double kernel, double control) {
     char text[1024];
@@ -317,6 +334,7 @@ static void mistakes_leave_nothing(void **state) {
         {&command_micro, "--field 66", 2},
         {&command_micro, "--count 0", 2},
         {&command_micro, "--count many", 2},
+        {&command_micro, "--call 0", 2},
         {&command_micro, "--count 1e9", 2},
         {&command_micro, "--seconds", 2},
         {&command_micro, "--isa mmx", 2},
@@ -357,6 +375,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(micro_against_itself_is_undecided, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(threads_take_part, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(nothing_but_building, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(calls_may_be_small, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(rays_start_farther_back, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(comparisons_need_more_than_the_machine, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(results_are_checked, scratch_enter, scratch_leave),

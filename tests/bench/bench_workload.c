@@ -53,9 +53,11 @@ static void fields_are_what_they_were(void **state) {
         float range; /* of heights, exactly; 0: not given */
         uint64_t hash;
     } known[] = {
-        {"65", 65, 6.4f, 0xb6efb7d0d6e51bf0u},       {"257", 257, 25.6f, 0xb09c7f2aa10db23fu},
-        {"1025", 1025, 102.4f, 0xac9dd3e347b17868u}, {"sea-calm", 1000, 0, 0xdd566efff66c770du},
-        {"sea-rough", 1000, 0, 0x7e6b294aed11b039u},
+        {"65", 65, 6.4f, 0xb6efb7d0d6e51bf0u},          {"257", 257, 25.6f, 0xb09c7f2aa10db23fu},
+        {"1025", 1025, 102.4f, 0xac9dd3e347b17868u},    {"sea-calm", 1000, 0, 0xdd566efff66c770du},
+        {"sea-rough", 1000, 0, 0x7e6b294aed11b039u},    {"plane", 1025, 384, 0x7c735dd77ebf756eu},
+        {"grooves", 1025, 1, 0x6bac00c391466f98u},      {"comb", 1025, 1, 0xe7e9a01493ec6f98u},
+        {"checkerboard", 1025, 1, 0xe4e544cd75536f98u},
     };
     for (size_t k = 0; k < sizeof known / sizeof known[0]; k++) {
         workload_field f;
@@ -83,24 +85,25 @@ static void unknown_field(void **state) {
 
 static void rays_are_what_they_were(void **state) {
     ground *g = *state;
-    static const uint64_t known[WORKLOAD_CLASS_COUNT] = {0x178632adbd0683f1u, 0xb13b39c9883f0f8fu, 0x8e8fceed79817928u,
-                                                         0xa26b27529c7f380bu, 0x0ce8f34c2a14040cu, 0x4f700ae024e1b3e8u,
-                                                         0x7461cedfbac259dau};
-    for (int c = 0; c < WORKLOAD_CLASS_COUNT; c++) {
-        const char *name = workload_class_name((workload_class)c);
-        const size_t n = workload_rays_make(g->field, (workload_class)c, 1, RAYS, g->rays);
+    static const uint64_t known[WORKLOAD_CLASS_COUNT + 1] = {
+        0x178632adbd0683f1u, 0xb13b39c9883f0f8fu, 0x8e8fceed79817928u, 0xa26b27529c7f380bu,
+        0x0ce8f34c2a14040cu, 0x4f700ae024e1b3e8u, 0x7461cedfbac259dau, 0xcf4e2a03d9838379u};
+    for (int k = 0; k <= WORKLOAD_CLASS_COUNT; k++) {
+        const workload_class c = k < WORKLOAD_CLASS_COUNT ? (workload_class)k : WORKLOAD_BESIDE;
+        const char *name = workload_class_name(c);
+        const size_t n = workload_rays_make(g->field, c, 1, RAYS, g->rays);
         check(n == RAYS, "%zu %s rays", n, name);
         const uint64_t first = hash(g->rays, sizeof g->rays);
-        check(first == known[c], "%s rays have hash 0x%016llx", name, (unsigned long long)first);
-        workload_rays_make(g->field, (workload_class)c, 1, RAYS, g->rays);
+        check(first == known[k], "%s rays have hash 0x%016llx", name, (unsigned long long)first);
+        workload_rays_make(g->field, c, 1, RAYS, g->rays);
         check(hash(g->rays, sizeof g->rays) == first, "%s rays change when made again", name);
-        workload_rays_make(g->field, (workload_class)c, 2, RAYS, g->rays);
+        workload_rays_make(g->field, c, 2, RAYS, g->rays);
         const bool seeded = c != WORKLOAD_PRIMARY && c != WORKLOAD_SHADOW && c != WORKLOAD_AFAR;
         check((hash(g->rays, sizeof g->rays) != first) == seeded, "%s rays and their seed", name);
-        for (size_t k = 0; k < n; k++) {
+        for (size_t m = 0; m < n; m++) {
             double length = 0;
-            for (int a = 0; a < 3; a++) length += (double)g->rays[k].dir[a] * (double)g->rays[k].dir[a];
-            check(fabs(length - 1) < 1e-6, "%s ray %zu has direction of squared length %g", name, k, length);
+            for (int a = 0; a < 3; a++) length += (double)g->rays[m].dir[a] * (double)g->rays[m].dir[a];
+            check(fabs(length - 1) < 1e-6, "%s ray %zu has direction of squared length %g", name, m, length);
         }
     }
 }
