@@ -172,7 +172,10 @@ static inline bool close_misses(const close_ray *r, const cw_field *f, int level
     const double heights = max_second_d(fabs((double)bounds[0] - oz), fabs((double)bounds[16] - oz));
     const double least =
         (double)FLT_MIN * (1 + fabs((double)t0) + fabs((double)t1) + 0x1p-14 * (fabs(dz) + sigma * (dx + dy)));
-    const double pad = 1.001 * u * (sigma * (8 * away + 2 * side) + 4 * (heights + absolute)) + least - wide;
+    const double own = 1.001 * u * (sigma * (8 * away + 2 * side) + 4 * (heights + absolute)) + least - wide;
+    /* The slab as it is stored suits every ray with the pad of the lane walk. That is narrower far from the origin, in fields so
+     * long that slabs are level. */
+    const double pad = min_second_d(own, (double)r->n[RAY_PAD]);
     const double o = oz - (a * px + b * py), rate = dz - (a * dx + b * dy);
     const double d0 = o + (double)t0 * rate, d1 = o + (double)t1 * rate;
     return min_second_d(d0, d1) > high + pad || max_second_d(d0, d1) < low - pad;

@@ -15,7 +15,8 @@
 
 enum { RAYS_MAX = 600, FIELDS = 600, PLAIN = 240 };
 
-static const field_size sizes[] = {{300, 257}, {66, 66}, {1500, 70}, {70, 1500}, {2049, 9}, {5, 1025}, {513, 400}};
+static const field_size sizes[] = {{300, 257}, {66, 66},  {1500, 70}, {70, 1500},
+                                   {2049, 9},  {5, 1025}, {513, 400}, {9001, 2}};
 enum { SIZES = sizeof sizes / sizeof sizes[0] };
 
 /* A plane: a slope along each axis, the height at sample (0, 0), and the unit of a ray's distance from it. */
