@@ -21,6 +21,7 @@ CW_INLINE void count_lanes(count_kind kind, vmask lanes) { (void)kind, (void)lan
 /* W rays as they are traced; see ray_start. */
 typedef struct vstart {
     vfloat org[3], dir[3];
+    vfloat inverse[3]; /* 1 / dir, infinite for zero */
     vfloat tmin, tmax;
     /* Set only if a ray has been moved: */
     vfloat first, last; /* the caller's tmin and tmax */
@@ -47,8 +48,26 @@ static inline vmask has_few_bits(const vfloat d[3]) {
     return few;
 }
 
+/* ray_box: by division in double, for even_step. Ends of standing axes stay out. */
+static inline void box_in_double(const vstart *s, const vfloat low[3], const vfloat high[3], vdouble *in,
+                                 vdouble *out) {
+    *in = vd_set(-INFINITY);
+    *out = vd_set(INFINITY);
+    for (int c = 0; c < 3; c++) {
+        const vdouble d = vd_from_vf(s->dir[c]);
+        const vdouble a = vd_div(vd_sub(vd_from_vf(low[c]), s->base[c]), d);
+        const vdouble b = vd_div(vd_sub(vd_from_vf(high[c]), s->base[c]), d);
+        const vmask stands = vf_eq(s->dir[c], vf_set(0));
+        *in = vd_max(vd_select(stands, vd_set(-INFINITY), vd_min(a, b)), *in);
+        *out = vd_min(vd_select(stands, vd_set(INFINITY), vd_max(a, b)), *out);
+    }
+}
+
 /* ray_even_step if it is exact, else any. Not inlined, as few rays have a suitable direction. */
-static __attribute__((noinline)) vdouble even_step(const vstart *s, vdouble in, vdouble out, vdouble any, vmask among) {
+static __attribute__((noinline)) vfloat even_step(const vstart *s, const vfloat low[3], const vfloat high[3],
+                                                  vfloat any, vmask among) {
+    vdouble in, out;
+    box_in_double(s, low, high, &in, &out);
     const vdouble room = vd_mul(vd_sub(out, in), vd_set(RAY_STEP_ROOM)), even = vd_mul(room, vd_set(0x1p52));
     const vdouble step = vd_sub(vd_add(vd_sub(in, room), even), even);
     vdouble lost = not_float(step);
@@ -58,52 +77,76 @@ static __attribute__((noinline)) vdouble even_step(const vstart *s, vdouble in, 
             vd_add(vd_abs(vd_sub(vd_sub(base, s->base[c]), way)), vd_abs(vd_sub(vd_sub(base, way), s->base[c])));
         lost = vd_add(lost, vd_add(parts, not_float(base)));
     }
-    return vd_select(vm_and(among, vd_gt(vd_set(0x1p-1074), lost)), step, any); /* zero is less, NaN is not */
+    const vmask exact = vd_gt(vd_set(0x1p-1074), lost); /* zero is less, NaN is not */
+    return vf_select(vm_and(among, exact), vf_from_vd(step), any);
 }
 
 /* Moves the origins of rays that are far away to just before the field's box: ray_move, lane by lane. Returns the lanes
  * whose rays may meet the box. Not inlined, so that near rays do not pay for its registers. */
 static __attribute__((noinline)) vmask move_rays(vstart *s, const cw_field *f, vmask far) {
-    const vdouble low[3] = {vd_set(0), vd_set(0), vd_set((double)f->low)};
-    const vdouble high[3] = {vd_set((double)(f->nx - 1)), vd_set((double)(f->ny - 1)), vd_set((double)f->high)};
-    const vdouble infinite = vd_set(INFINITY), minus_infinite = vd_set(-INFINITY), none = vd_set(0);
+    const vfloat low[3] = {vf_set(0), vf_set(0), vf_set(f->low)};
+    const vfloat high[3] = {vf_set((float)(f->nx - 1)), vf_set((float)(f->ny - 1)), vf_set(f->high)};
+    const vfloat infinite = vf_set(INFINITY), minus_infinite = vf_set(-INFINITY), least = vf_set(FLT_MIN);
     vmask hopeful = vm_set(true);
+    vfloat to_low[3], to_high[3]; /* from the base */
     s->moved = true;
-    s->shift = none;
-    for (int c = 0; c < 3; c++) s->base[c] = vd_from_vf(s->org[c]);
-    for (int k = 0; k < RAY_MOVES && vm_any(far); k++) {
-        vdouble in = minus_infinite, out = infinite;
-        vmask passes = vm_set(false);
-        for (int c = 0; c < 3; c++) {
-            const vdouble d = vd_from_vf(s->dir[c]);
-            const vdouble a = vd_div(vd_sub(low[c], s->base[c]), d), b = vd_div(vd_sub(high[c], s->base[c]), d);
-            const vmask stands = vf_eq(s->dir[c], vf_set(0));
-            const vmask outside = vm_or(vd_gt(low[c], s->base[c]), vd_gt(s->base[c], high[c]));
-            passes = vm_or(passes, vm_and(stands, outside));
-            in = vd_max(vd_select(stands, minus_infinite, vd_min(a, b)), in);
-            out = vd_min(vd_select(stands, infinite, vd_max(a, b)), out);
-        }
-        const vdouble room = vd_mul(vd_set(0x1p-50), vd_max(vd_abs(in), vd_abs(out)));
-        passes = vm_or(passes, vm_or(vd_gt(vd_sub(in, out), room), vd_gt(vd_abs(in), vd_set((double)RAY_T_LIMIT))));
-        hopeful = vm_andnot(hopeful, vm_and(far, passes));
-        far = vm_andnot(far, passes);
-        const vdouble early = vd_sub(in, vd_mul(vd_abs(in), vd_set(0x1p-22)));
-        vdouble step = vd_from_vf(vf_from_vd(early));
-        const vmask few_bits = vm_and(far, has_few_bits(s->dir));
-        if (vm_any(few_bits)) step = even_step(s, in, out, step, few_bits);
-        step = vd_select(far, step, none);
-        s->shift = vd_add(s->shift, step);
-        for (int c = 0; c < 3; c++) {
-            const vdouble base = vd_add(s->base[c], vd_mul(step, vd_from_vf(s->dir[c])));
-            s->base[c] = vd_select(far, base, s->base[c]); /* a zero keeps its sign */
-            s->org[c] = vf_select(far, vf_from_vd(s->base[c]), s->org[c]);
-        }
-        far = vm_and(far, is_far(f, s->org));
-    }
+    s->shift = vd_set(0);
     s->first = s->tmin;
     s->last = s->tmax;
-    s->tmin = vf_max(vf_from_vd(vd_sub(vd_from_vf(s->tmin), s->shift)), vf_set(-RAY_T_LIMIT));
-    s->tmax = vf_min(vf_from_vd(vd_sub(vd_from_vf(s->tmax), s->shift)), vf_set(RAY_T_LIMIT));
+    for (int c = 0; c < 3; c++) {
+        s->base[c] = vd_from_vf(s->org[c]);
+        to_low[c] = vf_sub(low[c], s->org[c]); /* as if rounded from double */
+        to_high[c] = vf_sub(high[c], s->org[c]);
+    }
+    for (int k = 0;;) {
+        vfloat in = minus_infinite, out = infinite;
+        vmask passes = vm_set(false);
+        for (int c = 0; c < 3; c++) {
+            const vfloat a = vf_mul(to_low[c], s->inverse[c]), b = vf_mul(to_high[c], s->inverse[c]);
+            const vmask stands = vf_eq(s->dir[c], vf_set(0));
+            vfloat first = vf_min(a, b), last = vf_max(a, b);
+            if (vm_any(stands)) {
+                const vmask outside = vm_or(vf_gt(to_low[c], vf_set(0)), vf_lt(to_high[c], vf_set(0)));
+                passes = vm_or(passes, vm_and(stands, outside));
+                first = vf_select(stands, minus_infinite, first);
+                last = vf_select(stands, infinite, last);
+            }
+            in = vf_max(first, in);
+            out = vf_min(last, out);
+        }
+        const vfloat share = vf_set(RAY_BOX_ROOM);
+        const vfloat room = vf_mul(vf_add(vf_max(vf_abs(in), vf_abs(out)), least), share);
+        passes = vm_or(passes, vm_or(vf_gt(vf_sub(in, out), room), vf_gt(vf_abs(in), vf_set(RAY_FARTHEST))));
+        hopeful = vm_andnot(hopeful, vm_and(far, passes));
+        far = vm_andnot(far, passes);
+        if (!vm_any(far)) break;
+        vfloat step = vf_sub(in, vf_mul(vf_add(vf_abs(in), least), share));
+        const vmask few_bits = vm_and(far, has_few_bits(s->dir));
+        if (vm_any(few_bits)) step = even_step(s, low, high, step, few_bits);
+        step = vf_select(far, step, vf_set(0));
+        const vdouble way = vd_from_vf(step);
+        s->shift = vd_add(s->shift, way);
+        for (int c = 0; c < 3; c++) {
+            const vdouble base = vd_add(s->base[c], vd_mul(way, vd_from_vf(s->dir[c])));
+            s->base[c] = vd_select(far, base, s->base[c]); /* a zero keeps its sign */
+            s->org[c] = vf_from_vd(s->base[c]);
+        }
+        if (k == 0) { /* as if rounded from double, too */
+            s->tmin = vf_sub(s->first, step);
+            s->tmax = vf_sub(s->last, step);
+        } else {
+            s->tmin = vf_from_vd(vd_sub(vd_from_vf(s->first), s->shift));
+            s->tmax = vf_from_vd(vd_sub(vd_from_vf(s->last), s->shift));
+        }
+        far = vm_and(far, is_far(f, s->org));
+        if (!vm_any(far) || ++k == RAY_MOVES) break;
+        for (int c = 0; c < 3; c++) {
+            to_low[c] = vf_from_vd(vd_sub(vd_from_vf(low[c]), s->base[c]));
+            to_high[c] = vf_from_vd(vd_sub(vd_from_vf(high[c]), s->base[c]));
+        }
+    }
+    s->tmin = vf_max(s->tmin, vf_set(-RAY_T_LIMIT));
+    s->tmax = vf_min(s->tmax, vf_set(RAY_T_LIMIT));
     return hopeful;
 }
 
@@ -120,6 +163,7 @@ CW_INLINE vmask move_if_far(vstart *s, const cw_field *f, vmask alive, vstart *m
     for (int c = 0; c < 3; c++) {
         moved->org[c] = s->org[c];
         moved->dir[c] = s->dir[c];
+        moved->inverse[c] = vf_div(vf_set(1), s->dir[c]);
     }
     moved->tmin = s->tmin;
     moved->tmax = s->tmax;

@@ -7,8 +7,9 @@
  * dir would be as large as the distance, and its rounding error as large as cells.
  *
  * The move is nearly exact. shift is a float, so shift · dir is exact in double. It nearly cancels the origin, so
- * their sum is exact too (Sterbenz 1974) or off by 2^-53 of the field's size. One step brings the origin nearer by a
- * factor of 2^22, since shift has 24 bits. A second one is needed from some million field lengths away.
+ * their sum is exact too (Sterbenz 1974) or off by 2^-53 of the field's size. So the entry into the box need not be
+ * known better than to a float. One step brings the origin nearer by a factor of 2^20. A second one is needed from some
+ * hundred thousand field lengths away.
  *
  * The one loss is that the new origin is rounded to float. If a slightly shorter step of few bits needs no rounding,
  * it is taken instead. So rays of few bits touch exactly the same vertices and edges as from their own origins. */
@@ -29,7 +30,7 @@ static inline double max_second_d(double a, double b) { return a > b ? a : b; }
 /* t is clamped to plus or minus this: half the largest float, so that the length of a t-range is a float too. */
 #define RAY_T_LIMIT (FLT_MAX / 2)
 
-/* Each step brings the origin nearer by 2^22: from the largest float to the smallest field in seven. */
+/* Each step brings the origin nearer by 2^20: from the largest float to the smallest field in seven. */
 enum { RAY_MOVES = 8 };
 
 /* A direction component whose reciprocal overflows counts as zero. */
@@ -54,6 +55,15 @@ static inline bool ray_is_far(const cw_field *f, const float org[3]) {
 
 /* Part of the ray's length in the box by which a step of few bits may be shorter than another. */
 #define RAY_STEP_ROOM 0x1p-5
+
+/* Entry into the field's box and exit are computed in float: three operations, so they are off by 3 u of themselves,
+ * u = 2^-24, and by 2^-150 if they are denormal. A ray misses the box if its entry comes after its exit by this part
+ * of them, 8 u, and of FLT_MIN. By the same part its new origin is before the entry, so that its t in the box is
+ * positive in spite of rounding. */
+#define RAY_BOX_ROOM 0x1p-21f
+
+/* A ray that enters the box later misses it within RAY_T_LIMIT. */
+#define RAY_FARTHEST (1.5f * RAY_T_LIMIT)
 
 /* A step to just before in, rounded to a multiple of a power of 2 of at most room; it may not be exact. */
 static inline double ray_even_step(double in, double room) {
@@ -84,29 +94,39 @@ static inline bool ray_step_is_exact(const ray_start *r, double step) {
     return lost == 0;
 }
 
+/* A step to just before the box, of few bits, if there is an exact one, else any. */
+static inline float ray_exact_step(const ray_start *r, const float low[3], const float high[3], float any) {
+    double in = -INFINITY, out = INFINITY;
+    for (int c = 0; c < 3; c++) {
+        const double d = (double)r->dir[c];
+        const double a = ((double)low[c] - r->base[c]) / d, b = ((double)high[c] - r->base[c]) / d;
+        in = max_second_d(d == 0 ? -INFINITY : min_second_d(a, b), in);
+        out = min_second_d(d == 0 ? INFINITY : max_second_d(a, b), out);
+    }
+    const double even = ray_even_step(in, RAY_STEP_ROOM * (out - in));
+    return ray_step_is_exact(r, even) ? (float)even : any;
+}
+
 /* Moves the origin towards the field's box; false if the ray misses the box. */
 static inline bool ray_move(ray_start *r, const cw_field *f) {
-    const double low[3] = {0, 0, f->low}, high[3] = {(double)(f->nx - 1), (double)(f->ny - 1), f->high};
+    const float low[3] = {0, 0, f->low}, high[3] = {(float)(f->nx - 1), (float)(f->ny - 1), f->high};
     for (int k = 0; k < RAY_MOVES && ray_is_far(f, r->org); k++) {
-        double in = -INFINITY, out = INFINITY;
+        float in = -INFINITY, out = INFINITY;
         for (int c = 0; c < 3; c++) {
-            const double d = r->dir[c], a = (low[c] - r->base[c]) / d, b = (high[c] - r->base[c]) / d;
-            if (d == 0 && (r->base[c] < low[c] || r->base[c] > high[c])) return false;
-            in = max_second_d(d == 0 ? -INFINITY : min_second_d(a, b), in);
-            out = min_second_d(d == 0 ? INFINITY : max_second_d(a, b), out);
+            const float to_low = (float)((double)low[c] - r->base[c]), to_high = (float)((double)high[c] - r->base[c]);
+            const float inverse = 1 / r->dir[c], a = to_low * inverse, b = to_high * inverse;
+            const bool stands = r->dir[c] == 0;
+            if (stands && (to_low > 0 || to_high < 0)) return false;
+            in = max_second(stands ? -INFINITY : min_second(a, b), in);
+            out = min_second(stands ? INFINITY : max_second(a, b), out);
         }
-        /* Quotients are off by at most 2^-52 of themselves. If in exceeds out by more, the ray misses the box. */
-        if (in - out > 0x1p-50 * max_second_d(fabs(in), fabs(out))) return false;
-        if (fabs(in) > (double)RAY_T_LIMIT) return false;
-        /* A little early, so that the ray has positive t in the box in spite of rounding. */
-        double step = (double)(float)(in - fabs(in) * 0x1p-22);
-        if (ray_has_few_bits(r->dir)) {
-            const double even = ray_even_step(in, RAY_STEP_ROOM * (out - in));
-            if (ray_step_is_exact(r, even)) step = even;
-        }
-        r->shift += step;
+        if (in - out > (max_second(fabsf(in), fabsf(out)) + FLT_MIN) * RAY_BOX_ROOM) return false;
+        if (fabsf(in) > RAY_FARTHEST) return false;
+        float step = in - (fabsf(in) + FLT_MIN) * RAY_BOX_ROOM;
+        if (ray_has_few_bits(r->dir)) step = ray_exact_step(r, low, high, step);
+        r->shift += (double)step;
         for (int c = 0; c < 3; c++) {
-            r->base[c] += step * (double)r->dir[c];
+            r->base[c] += (double)step * (double)r->dir[c];
             r->org[c] = (float)r->base[c];
         }
     }

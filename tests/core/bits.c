@@ -25,7 +25,7 @@ static const struct {
          [WORKLOAD_BOUNCE] = {0x5ac1b73388674ecfu, 0x34b2b4f6a429e3f8u},
          [WORKLOAD_RANDOM] = {0x0f86e786cb850ca7u, 0xb48b28899266ed17u},
          [WORKLOAD_GRAZING] = {0x6871f906b0be7343u, 0xc493e5ac2d98fb4eu},
-         [WORKLOAD_AFAR] = {0xbaefe65a2b512878u, 0xd7e59522d316750cu},
+         [WORKLOAD_AFAR] = {0xe4ba737b4e9c01dcu, 0xd7e59522d316750cu},
      }},
     {"sea",
      {
@@ -35,7 +35,7 @@ static const struct {
          [WORKLOAD_BOUNCE] = {0x8c302c6130b33a53u, 0xd45f0122305513e7u},
          [WORKLOAD_RANDOM] = {0xe64a4dacbcf9e9ecu, 0x47a3342ffb33871fu},
          [WORKLOAD_GRAZING] = {0x8f0029d52d9697b2u, 0x51e9bb0cbaee65d1u},
-         [WORKLOAD_AFAR] = {0x5c353fed467cc53au, 0xb30a16f6ef2bce9fu},
+         [WORKLOAD_AFAR] = {0x68b945cefbda8cbfu, 0xb30a16f6ef2bce9fu},
      }},
 };
 enum { GROUNDS = sizeof grounds / sizeof grounds[0] };

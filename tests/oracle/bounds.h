@@ -5,6 +5,7 @@
 #ifndef CELLWALK_ORACLE_BOUNDS_H
 #define CELLWALK_ORACLE_BOUNDS_H
 
+#include <float.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -35,7 +36,7 @@ static inline bool bounds_is_far(const double org[3], size_t nx, size_t ny, doub
            (range > 0 && fabsf((float)org[2] - middle_z) > 8 * range);
 }
 
-/* low and high are the field's. A moved ray starts where it enters the field's box, or before that by 1.3 · 2^-22 of the
+/* low and high are the field's. A moved ray starts where it enters the field's box, or before that by 3.1 · 2^-22 of the
  * distance or by 1.5 · 2^-5 of its way through the box, but no farther outside than rays are that are not moved. */
 static inline bounds_ray bounds_ray_of(const double org[3], const double dir[3], size_t nx, size_t ny, double low,
                                        double high) {
@@ -54,7 +55,7 @@ static inline bounds_ray bounds_ray_of(const double org[3], const double dir[3],
     for (int c = 0; c < 3 && r.moved; c++) {
         r.from[c] = fmin(box_high[c], fmax(box_low[c], org[c] + in * dir[c]));
         r.start = in;
-        r.early = fmax(1.3 * 0x1p-22 * fabs(in), 1.5 * 0x1p-5 * fmax(0, out - in));
+        r.early = fmax(3.1 * 0x1p-22 * (fabs(in) + (double)FLT_MIN), 1.5 * 0x1p-5 * fmax(0, out - in));
         r.spare[c] = fmin(dir[c] == 0 ? 0 : r.early * fabs(dir[c]), most[c]);
     }
     return r;
