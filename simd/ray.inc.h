@@ -21,7 +21,7 @@ CW_INLINE void count_lanes(count_kind kind, vmask lanes) { (void)kind, (void)lan
 /* W rays as they are traced; see ray_start. */
 typedef struct vstart {
     vfloat org[3], dir[3];
-    vfloat inverse[3]; /* 1 / dir, infinite for zero */
+    vfloat inverse[3]; /* 1 / dir; set for move_rays alone */
     vfloat tmin, tmax;
     /* Set only if a ray has been moved: */
     vfloat first, last; /* the caller's tmin and tmax */
