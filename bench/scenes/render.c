@@ -19,7 +19,7 @@ typedef struct tracer {
     const cw_kernel *kernel; /* NULL with embree, or the library's choice */
     bool embree;
     field_tracer fields;
-    double build_seconds;
+    double build_seconds, verify_seconds;
     agreement agreement;
 } tracer;
 
@@ -54,7 +54,9 @@ static void verify_closest(void *context, size_t field, const cw_ray *rays, size
     stage *s = context;
     field_tracer_of(&s->reference.fields).closest(&s->reference.fields, field, rays, n, hits);
     for (tracer *t = s->tracers; t < s->tracers + s->tracer_count; t++) {
+        const double start = clock_cpu_seconds();
         field_tracer_of(&t->fields).closest(&t->fields, field, rays, n, s->hits);
+        t->verify_seconds += clock_cpu_seconds() - start;
         agree_closest(&t->agreement, scene_field(s->scene, field), rays, n, hits, s->hits);
     }
 }
@@ -63,7 +65,9 @@ static void verify_any(void *context, size_t field, const cw_ray *rays, size_t n
     stage *s = context;
     field_tracer_of(&s->reference.fields).any(&s->reference.fields, field, rays, n, occluded);
     for (tracer *t = s->tracers; t < s->tracers + s->tracer_count; t++) {
+        const double start = clock_cpu_seconds();
         field_tracer_of(&t->fields).any(&t->fields, field, rays, n, s->occluded);
+        t->verify_seconds += clock_cpu_seconds() - start;
         agree_any(&t->agreement, scene_field(s->scene, field), rays, n, occluded, s->occluded,
                   &s->reference.fields.on[field], &t->fields.on[field]);
     }
@@ -116,7 +120,7 @@ static tracer *tracer_of(stage *s, const table_path *path) {
     tracer *best = NULL;
     for (tracer *t = s->tracers; t < s->tracers + s->tracer_count; t++) {
         if (t->embree != path->embree || (!t->embree && t->kernel != path->kernel)) continue;
-        if (best == NULL || t->fields.cpu_seconds < best->fields.cpu_seconds) best = t;
+        if (best == NULL || t->verify_seconds < best->verify_seconds) best = t;
     }
     return best;
 }
@@ -144,6 +148,8 @@ static void close_stage(stage *s) {
 
 /* ---- rendering ---- */
 
+/* The renderer takes the time of tracing by the clock: to read CPU time at each of its questions takes 1.4 us, 3 to 4 % of a
+ * picture. The time that the system gave to other programs is left out in proportion. */
 static void render(void *context) {
     job *j = context;
     if (j->error.text[0] || j->runs == INTERLEAVE_SAMPLES_MAX) return;
@@ -152,10 +158,11 @@ static void render(void *context) {
     const scene_render_options options = {
         .tracer = &own, .threads = 1, .samples = j->samples, .phong = true, .normals = j->path->normals};
     io_image_free(&j->image);
-    fields->cpu_seconds = 0;
     fields->rays = 0;
+    const double start = clock_seconds(), cpu_start = clock_cpu_seconds();
     if (!scene_render(j->on->scene, &options, &j->image, &j->stats, &j->error)) j->image = (io_image){0};
-    j->trace_seconds[j->runs++] = fields->cpu_seconds;
+    const double cpu = clock_cpu_seconds() - cpu_start, seconds = clock_seconds() - start;
+    j->trace_seconds[j->runs++] = j->stats.trace_seconds * (cpu / seconds);
     j->traced = fields->rays;
 }
 

@@ -19,10 +19,9 @@ const char *scene_names(size_t number);
 /* folder/NAME.pbrt. NULL, with the reason in error, if it cannot be read or has more than SCENE_FIELDS_MAX fields. */
 scene *scene_open(const char *folder, const char *name, io_error *error);
 
-/* The tracer, and its time. */
+/* The tracer, and how many rays it was given. */
 typedef struct field_tracer {
     contender on[SCENE_FIELDS_MAX];
-    double cpu_seconds;
     uint64_t rays;
 } field_tracer;
 

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "scenes/table.h"
 
-#include "clock.h"
-
 #include <math.h>
 
 const char *scene_names(size_t number) {
@@ -27,9 +25,7 @@ scene *scene_open(const char *folder, const char *name, io_error *error) {
 static void trace(void *context, const contender_pass *pass) {
     field_tracer *t = context;
     contender_pass p = *pass;
-    const double start = clock_cpu_seconds();
     contender_run(&p);
-    t->cpu_seconds += clock_cpu_seconds() - start;
     t->rays += p.n;
 }
 
