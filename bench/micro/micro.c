@@ -25,7 +25,7 @@ static const char what[] =
 
 static const char examples[] = "  cellwalk-bench micro              # a first look, in a minute\n"
                                "  cellwalk-bench micro --kernel packet8 --rays shadow --field 1025 --isa avx2\n"
-                               "  cellwalk-bench micro --field plane,grooves,comb,checkerboard --rays beside --call 1\n"
+                               "  cellwalk-bench micro --field plane,grooves,comb --rays beside --call 1\n"
                                "  cellwalk-bench micro --json before.json\n"
                                "  cellwalk-bench micro --json after.json      # built with a change\n"
                                "  cellwalk-bench compare before.json after.json\n";
