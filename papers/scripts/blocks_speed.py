@@ -186,6 +186,20 @@ def newer_embree(data):
             f"\nThe geometric mean of these {len(both)} ratios is {mean:.2f}, and {there:.2f} beside {embree_text(debian.run)}.\n")
 
 
+def beside(data):
+    """Rays parallel to a surface, in one call and each in a call of its own."""
+    calls = {"in one call": data["beside.json"], "one ray a call": data["beside-single.json"]}
+    rows = []
+    for name in data["beside.json"].distinct("field"):
+        row = [names.field(name)]
+        for results in calls.values():
+            above, below = own(results, name, "beside"), fastest(results, name, "beside")
+            row += [f"{1 / speed(line):.2g}" if line else "" for line in (above, below)] + [ratio(speed(above), speed(below))]
+        rows.append(row)
+    heads = [f"{head}{where}" for where in calls for head in ("Cellwalk, ", "Embree, ", "ratio, ")]
+    return f"{run_text(data['beside.json'].run)}.\n\n" + table(["field", *heads], rows)
+
+
 def peers(data):
     geometries = {"triangles": "triangles", "triangles-robust": "triangles, robust", "grid": "grid",
                   "grid-robust": "grid, robust"}

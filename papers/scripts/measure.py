@@ -7,6 +7,7 @@ machine; making fields and building Embree takes a quarter of an hour more than 
 speed-ISA.json          each instruction set: all classes of rays on all fields, the library's kernel and Embree
 peers.json              Embree's triangles and grids, normal and robust
 widths.json             every width of every walk
+beside*.json            rays parallel to a plane, grooves and walls, in one call and one a call
 threads.json            one thread, two, and one a CPU
 pages-*.json            large fields on huge and on ordinary pages
 building.json           memory and building time, Embree at its default quality
@@ -68,6 +69,9 @@ def plan(info, embree, quick):
     yield "peers.json", 3, f"micro --kernel {chosen} --peer {peers} --field {some} {rays}"
     walks = ",".join(name for name in able if not name.startswith("grid"))
     yield "widths.json", 3, f"micro --peer {triangles} --field {some} {rays} --kernel {walks}"
+    surfaces = "--field " + ("comb" if quick else "plane,grooves,comb,checkerboard") + f" --count {1024 if quick else 16384}"
+    for name, option in (("beside", ""), ("beside-single", " --call 1")):
+        yield f"{name}.json", 2, f"micro --rays beside --kernel {chosen} --peer {triangles} {surfaces} --pass 3{option}"
     # One CPU has nothing to be faster than, which is a result like another.
     threads = ",".join(str(n) for n in sorted({1, min(2, cpus), cpus}))
     yield ("threads.json", 3, f"micro --threads {threads} --kernel {chosen} --peer none --field {some} "

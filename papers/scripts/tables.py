@@ -32,7 +32,8 @@ OWN = {
 }
 # Files of results, and what makes those that do not say by which arguments they were made.
 SOURCES = {
-    **dict.fromkeys(names.SPEED_FILES.values()), "peers.json": None, "embree4.json": None, "widths.json": None, "threads.json": None,
+    **dict.fromkeys(names.SPEED_FILES.values()), "peers.json": None, "embree4.json": None, "beside.json": None, "beside-single.json": None, "widths.json": None,
+    "threads.json": None,
     "building.json": None, "counters.json": None, "profile.json": "papers/scripts/profile_kernels.py",
     "neon.json": "papers/scripts/count_neon.py", "python.json": "papers/scripts/python_speed.py",
     "python_dask.json": "papers/scripts/python_dask.py",
@@ -80,7 +81,7 @@ BLOCKS = {
     "python_chunks": from_file("python_dask.json", blocks_python.python_chunks),
     "python_calls": from_file("python.json", blocks_python.python_calls),
     **{make.__name__: make for make in (
-        blocks_speed.speeds, blocks_speed.newer_embree, blocks_speed.rates, blocks_speed.targets, blocks_speed.peers,
+        blocks_speed.speeds, blocks_speed.newer_embree, blocks_speed.beside, blocks_speed.rates, blocks_speed.targets, blocks_speed.peers,
         blocks_speed.widths, blocks_speed.threads, blocks_speed.building, blocks_work.walks, blocks_work.visits, blocks_work.steps,
         blocks_work.profile, blocks_work.neon, blocks_work.ablation, blocks_work.caches, blocks_work.pages, blocks_scenes.coursework,
         blocks_scenes.pbrt, blocks_scenes.features, blocks_accuracy.cells,
