@@ -313,8 +313,8 @@ CW_API const float *cw_field_row(const cw_field *field, size_t j);
  * the rim of a hole.
  *
  * A ray may start anywhere. One that starts more than half a side outside the field, or more than eight times its
- * range of heights above or below its middle, is first moved to where it enters the field's box, in double: distance
- * costs neither speed nor precision. A ray that would enter it beyond half of the largest float misses. */
+ * range of heights above or below its middle, is first moved to where it enters the field's box: distance costs
+ * neither speed nor precision. */
 typedef struct cw_ray {
     float org[3];
     float tmin;

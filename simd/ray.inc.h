@@ -49,7 +49,7 @@ static inline vmask has_few_bits(const vfloat d[3]) {
     return few;
 }
 
-/* ray_box: by division in double, for even_step. Ends of standing axes stay out. */
+/* The box of ray_exact_step, by division in double. Ends of standing axes stay out. */
 static inline void box_in_double(const vstart *s, const vfloat low[3], const vfloat high[3], vdouble *in,
                                  vdouble *out) {
     *in = vd_set(-INFINITY);
@@ -117,7 +117,9 @@ static __attribute__((noinline)) vmask move_rays(vstart *s, const cw_field *f, v
         }
         const vfloat share = vf_set(RAY_BOX_ROOM);
         const vfloat room = vf_mul(vf_add(vf_max(vf_abs(in), vf_abs(out)), least), share);
-        passes = vm_or(passes, vm_or(vf_gt(vf_sub(in, out), room), vf_gt(vf_abs(in), vf_set(RAY_FARTHEST))));
+        const vfloat farthest = vf_set(RAY_FARTHEST), before = vf_set(-RAY_FARTHEST);
+        passes = vm_or(passes, vm_or(vf_gt(vf_sub(in, out), room), vm_or(vf_gt(in, farthest), vf_lt(out, before))));
+        in = vf_max(in, before);
         hopeful = vm_andnot(hopeful, vm_and(far, passes));
         far = vm_andnot(far, passes);
         if (!vm_any(far)) break;

@@ -30,7 +30,7 @@ static inline double max_second_d(double a, double b) { return a > b ? a : b; }
 /* t is clamped to plus or minus this: half the largest float, so that the length of a t-range is a float too. */
 #define RAY_T_LIMIT (FLT_MAX / 2)
 
-/* Each step brings the origin nearer by 2^20: from the largest float to the smallest field in seven. */
+/* Each step brings the origin nearer by 2^20: from the largest float to a cell in seven. */
 enum { RAY_MOVES = 8 };
 
 /* A direction component whose reciprocal overflows counts as zero. */
@@ -62,7 +62,8 @@ static inline bool ray_is_far(const cw_field *f, const float org[3]) {
  * positive in spite of rounding. */
 #define RAY_BOX_ROOM 0x1p-21f
 
-/* A ray that enters the box later misses it within RAY_T_LIMIT. */
+/* A ray that enters the box later, or leaves it earlier than minus this, is not in it within RAY_T_LIMIT. One that enters it
+ * earlier than minus this is moved into the box, to a place before its range of t. */
 #define RAY_FARTHEST (1.5f * RAY_T_LIMIT)
 
 /* A step to just before in, rounded to a multiple of a power of 2 of at most room; it may not be exact. */
@@ -121,7 +122,8 @@ static inline bool ray_move(ray_start *r, const cw_field *f) {
             out = min_second(stands ? INFINITY : max_second(a, b), out);
         }
         if (in - out > (max_second(fabsf(in), fabsf(out)) + FLT_MIN) * RAY_BOX_ROOM) return false;
-        if (fabsf(in) > RAY_FARTHEST) return false;
+        if (in > RAY_FARTHEST || out < -RAY_FARTHEST) return false;
+        in = max_second(in, -RAY_FARTHEST);
         float step = in - (fabsf(in) + FLT_MIN) * RAY_BOX_ROOM;
         if (ray_has_few_bits(r->dir)) step = ray_exact_step(r, low, high, step);
         r->shift += (double)step;

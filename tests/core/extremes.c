@@ -332,6 +332,45 @@ static void test_far_origins(void **state) {
     extreme_expect(2, 2, z, ray, INFINITY, INFINITY, "a t that is clamped");
 }
 
+/* A ray whose t at a place on the surface or near it is up to 1.3 times the limit, on either side of the origin. */
+static cw_ray ray_to_the_limit(const test_field *f, random_state *r) {
+    const size_t i = random_below(r, f->nx), j = random_below(r, f->ny);
+    const double height = (double)f->z[j * f->nx + i], side = (double)(f->nx + f->ny);
+    const double at[3] = {(double)i + random_unit(r) - 0.5, (double)j + random_unit(r) - 0.5,
+                          isfinite(height) ? height : 0};
+    const double away = side * exp2(4 * random_unit(r) - 2), limit = (double)FLT_MAX / 2;
+    const double t = (0.05 + 1.25 * random_unit(r)) * (random_below(r, 2) ? limit : -limit);
+    cw_ray ray = {.tmin = -INFINITY, .tmax = INFINITY};
+    for (int c = 0; c < 3; c++) {
+        const double part = random_below(r, 4) == 0 ? 0 : 2 * random_unit(r) - 1;
+        ray.org[c] = (float)(at[c] - away * part);
+        ray.dir[c] = (float)(away * part / t);
+    }
+    return ray;
+}
+
+static void test_limit_of_t(void **state) {
+    (void)state;
+    extreme_item("hits at t up to half of the largest float and beyond, before and behind",
+                 "the exact answer within that limit; beyond it a miss");
+    static test_field f;
+    static cw_ray rays[RAYS];
+    random_state r = {20261124};
+    size_t met = 0;
+    const size_t n = test_share(RAYS, 15);
+    for (int shape = 0; shape < FIELD_SHAPES; shape++)
+        for (size_t s = (size_t)shape % 3; s < FIELD_SIZES; s += 3) {
+            field_make(&f, (field_shape)shape, field_sizes[s].nx, field_sizes[s].ny, s);
+            for (size_t k = 0; k < n; k++) rays[k] = ray_to_the_limit(&f, &r);
+            met += extreme_judge(&f, rays, n);
+        }
+    check(met > 0, "no ray meets a field");
+    /* The ray comes into the field at -1.75 times the limit, and meets the surface at x = 0.8125. */
+    const float z[4] = {0, 2, 0, 2}, t = -0.9375f * 0x1p127f;
+    const cw_ray ray = {.org = {1.75f, 0.25f, 1.625f}, .dir = {0x1p-127f, 0, 0}, .tmin = -INFINITY, .tmax = INFINITY};
+    extreme_expect(2, 2, z, ray, t, t, "a hit far behind, in a field that begins beyond the limit");
+}
+
 static void test_near_hits(void **state) {
     (void)state;
     extreme_item("hits 10^-4 to 2 cells from the origin", "t to half a unit in the last place, and u and v");
@@ -509,6 +548,7 @@ int main(void) {
         cmocka_unit_test(test_tiny_and_huge_heights),
         cmocka_unit_test(test_scaled_heights_change_nothing),
         cmocka_unit_test(test_far_origins),
+        cmocka_unit_test(test_limit_of_t),
         cmocka_unit_test(test_near_hits),
         cmocka_unit_test(test_tiny_components),
         cmocka_unit_test(test_largest_heights),
