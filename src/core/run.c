@@ -67,7 +67,8 @@ cw_status cw_run_check(const cw_field *field, const cw_run *run) {
 /* ---- work under a watch ---------------------------------------------------------------------------------------------- */
 
 /* Some rays take 10 000 times as long as others, and a watch is called between pieces only. So pieces begin small, and grow
- * or shrink with the time that the last one took. Rejected: small pieces always, since kernels work best on many rays. */
+ * or shrink with the time that the last one took. A piece that has grown on fast rays and then comes to slow ones still runs
+ * to its end. Rejected: small pieces always, since kernels work best on many rays. */
 enum { FIRST_PIECE = 64 };
 static const double short_piece = 0.005, long_piece = 0.05; /* seconds */
 
@@ -98,10 +99,11 @@ static void work_in_pieces(void *context, size_t begin, size_t end) {
         const double start = clock_seconds();
         w->work(w->context, begin, begin + count);
         const double seconds = clock_seconds() - start;
+        size_t seen = piece; /* if another thread has changed it since, its word counts */
         if (seconds > long_piece)
             atomic_store(&w->piece, piece > 8 ? piece / 8 : 1);
         else if (count == piece && seconds < short_piece)
-            atomic_store(&w->piece, 2 * piece < w->most ? 2 * piece : w->most);
+            atomic_compare_exchange_strong(&w->piece, &seen, 2 * piece < w->most ? 2 * piece : w->most);
         report(w, count);
         begin += count;
     }
