@@ -6,22 +6,22 @@
 
 #define TRADE_TRACE \
     "To save time, measured on rough terrain of 32769 x 32769 samples\n" \
-    "(papers/tradeoff.md): --coarser 2 makes rays 1.6 times as fast, with distances\n" \
-    "off by 0.0028 % (99 % of them: 0.063 %), --coarser 8 3.2 times and 0.017 % (99 %\n" \
+    "(papers/tradeoff.md): --coarser 2 makes rays 1.5 times as fast, with distances\n" \
+    "off by 0.0028 % (99 % of them: 0.063 %), --coarser 8 3 times and 0.017 % (99 %\n" \
     "of them: 0.55 %).\n"
 
 #define TRADE_RENDER \
     "To save time, measured on rough terrain of 32769 x 32769 samples\n" \
-    "(papers/tradeoff.md): --coarser 2 makes rays 1.6 times as fast, with distances\n" \
-    "off by 0.0028 % (99 % of them: 0.063 %), --coarser 8 3.2 times and 0.017 % (99 %\n" \
+    "(papers/tradeoff.md): --coarser 2 makes rays 1.5 times as fast, with distances\n" \
+    "off by 0.0028 % (99 % of them: 0.063 %), --coarser 8 3 times and 0.017 % (99 %\n" \
     "of them: 0.55 %). --detail 1 makes rays 1.6 times as fast, off by 0.0053 % (99 %\n" \
     "of them: 0.23 %), and keeps near cells exact, --detail 4 2.3 times and 0.028 %\n" \
-    "(99 % of them: 1.4 %). With 4 samples a pixel a picture takes 1/15 of the time\n" \
+    "(99 % of them: 1.4 %). With 4 samples a pixel a picture takes 1/12 of the time\n" \
     "of 64, and its RMS error is 0.01 instead of 0.001, with 16 1/3.9 and 0.0032.\n"
 
 #define TRADE_HORIZON \
     "To save time (papers/tradeoff.md): --grid loses no exactness, and 16 directions\n" \
-    "are 1.9 times as fast as others. For --svf, 16 directions take 1/4.2 of the time\n" \
+    "are 2 times as fast as others. For --svf, 16 directions take 1/3.5 of the time\n" \
     "of 64, and 99 % of the factors are off by at most 0.002. --coarser costs more\n" \
     "error than it is worth here.\n"
 
