@@ -117,7 +117,7 @@ static place place_of(const cw_ray *ray, float t) {
 
 /* A ray that is so far over or under a level, at a place of the full field's box, is clear of it. E + 2 S delta is at most
  * u (5 Z + 16.5 SD + |oz|) + 3 delta0 S and some denormals, with u = 2^-24. In cells of the level, Z is at most that height,
- * |t dz| and 3 S; D is |t dx| + |t dy| + 4, at least 2; delta0 is at most 1.5 u times a side. |t dx| is at most |ox| and a side,
+ * |t dz| and 3 S; D is |t dx| + |t dy| + 4, at least 2; delta0 is at most 1.5 u times both sides. |t dx| is at most |ox| and a side,
  * |t dz| at most |oz| and the box's height, also of a moved ray. The place and the surface there are computed in double, but
  * for u and v of a hit, floats that move the height by 2 u S. */
 static double clear_height(const detail *d, const float org[3]) {

@@ -67,9 +67,9 @@ static inline double bounds_D(const bounds_ray *r, double i, double j) {
     return fabs(r->from[0] - i) + r->spare[0] + fabs(r->from[1] - j) + r->spare[1] + 2;
 }
 
-/* delta0: how far, to the side, a moved ray is off by the rounding of its new origin. */
+/* delta0: how far, to the side, a moved ray is off by the rounding of its new origin, along x and y together: as x - y it is. */
 static inline double bounds_delta0(const bounds_ray *r) {
-    return r->moved ? bounds_u() * fmax(fabs(r->from[0]) + r->spare[0], fabs(r->from[1]) + r->spare[1]) : 0;
+    return r->moved ? bounds_u() * (fabs(r->from[0]) + r->spare[0] + fabs(r->from[1]) + r->spare[1]) : 0;
 }
 
 /* delta: how far the exact ray is beside the triangle of a hit, at all t that the leaf test takes it to be over it. */
