@@ -66,9 +66,9 @@ cw_status cw_run_check(const cw_field *field, const cw_run *run) {
 
 /* ---- work under a watch ---------------------------------------------------------------------------------------------- */
 
-/* Some rays take 10 000 times as long as others, and a watch is called between pieces only. So pieces begin small, and grow
- * or shrink with the time that the last one took. A piece that has grown on fast rays and then comes to slow ones still runs
- * to its end. Rejected: small pieces always, since kernels work best on many rays. */
+/* Some rays take 10 000 times as long as others, and a watch is called between pieces only. So pieces of rays begin small, and
+ * grow or shrink with the time that the last one took. A piece that has grown on fast rays and then comes to slow ones still
+ * runs to its end. Rejected: small pieces always, since kernels work best on many rays. */
 enum { FIRST_PIECE = 64 };
 static const double short_piece = 0.005, long_piece = 0.05; /* seconds */
 
@@ -77,6 +77,7 @@ typedef struct watched {
     cw_work_fn *work;
     void *context;
     size_t n, most;
+    bool even;           /* all pieces are of most items */
     atomic_size_t piece; /* items, 1 to most */
     atomic_bool stopped;
     pthread_mutex_t lock; /* of done, and of the watch */
@@ -96,9 +97,9 @@ static void work_in_pieces(void *context, size_t begin, size_t end) {
     watched *w = context;
     while (begin < end && !atomic_load(&w->stopped)) {
         const size_t piece = atomic_load(&w->piece), count = end - begin < piece ? end - begin : piece;
-        const double start = clock_seconds();
+        const double start = w->even ? 0 : clock_seconds();
         w->work(w->context, begin, begin + count);
-        const double seconds = clock_seconds() - start;
+        const double seconds = w->even ? 0 : clock_seconds() - start;
         size_t seen = piece; /* if another thread has changed it since, its word counts */
         if (seconds > long_piece)
             atomic_store(&w->piece, piece > 8 ? piece / 8 : 1);
@@ -114,8 +115,9 @@ cw_status cw_run_work(const cw_run *how, size_t n, size_t least, size_t most, cw
         cw_pool_share(how->pool, n, least, most, work, context);
         return CW_OK;
     }
-    watched w = {.how = how, .work = work, .context = context, .n = n, .most = most > 0 ? most : 1};
-    atomic_init(&w.piece, w.most < FIRST_PIECE ? w.most : FIRST_PIECE);
+    watched w = {
+        .how = how, .work = work, .context = context, .n = n, .most = most > 0 ? most : 1, .even = least >= most};
+    atomic_init(&w.piece, w.even || w.most < FIRST_PIECE ? w.most : FIRST_PIECE);
     if (pthread_mutex_init(&w.lock, NULL) != 0) return cw_fail_plainly(CW_ERROR_MEMORY);
     cw_pool_share(how->pool, n, least, most, work_in_pieces, &w);
     pthread_mutex_destroy(&w.lock);
