@@ -5,13 +5,13 @@
  * parallel to them or nearly so, from within the field, from its border, from behind it, and from where rays are moved.
  * There is no tolerance. */
 
+#include "as_cell.h"
 #include "check.h"
 #include "rays.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum { RAYS_MAX = 600, FIELDS = 600, PLAIN = 240 };
 
@@ -99,34 +99,13 @@ static cw_ray make_ray(const plane *p, random_state *r) {
     return ray;
 }
 
-typedef struct answers {
-    cw_hit expected[RAYS_MAX], hits[RAYS_MAX];
-    uint8_t occluded[RAYS_MAX];
-} answers;
-
-static void compare(const cw_field *field, const cw_kernel *kernel, const cw_ray *rays, size_t n, answers *a) {
-    const cw_run run = {.kernel = kernel, .leaf = CW_LEAF_WATERTIGHT};
-    const char *name = cw_kernel_describe(kernel).name;
-    check_status(cw_closest(field, &run, rays, n, a->hits), CW_OK);
-    check_status(cw_occluded(field, &run, rays, n, a->occluded), CW_OK);
-    for (size_t k = 0; k < n; k++) {
-        const bool same = hit_same(&a->hits[k], &a->expected[k]), any = a->occluded[k] == (a->expected[k].i >= 0);
-        if (same && any) continue;
-        ray_print(&rays[k]);
-        hit_print("cell", &a->expected[k]);
-        hit_print(name, &a->hits[k]);
-        check(false, "%s: ray %zu of %zu differs from cell, any hit says %d", name, k, n, a->occluded[k]);
-    }
-}
-
 static void test_beside(void **state) {
     (void)state;
     static cw_ray rays[RAYS_MAX];
-    static answers a;
     plane p = {.z = malloc((size_t)512 * 512 * sizeof *p.z)};
     assert_non_null(p.z);
     random_state r = {20261122};
-    size_t traced = 0, hits = 0, kernels = 0;
+    as_cell_counts sum = {0};
     const size_t fields = test_share(FIELDS, 14);
     for (size_t m = 0; m < fields; m++) {
         make_plane(&p, m, &r);
@@ -145,24 +124,13 @@ static void test_beside(void **state) {
                 rays[k].org[k % 2] += (float)random_between(&r, -1, 1);
             }
         }
-        const cw_run plain = {.kernel = cw_kernel_find("cell"), .leaf = CW_LEAF_WATERTIGHT};
-        check_status(cw_closest(field, &plain, rays, n, a.expected), CW_OK);
-        for (size_t k = 0; k < n; k++) hits += a.expected[k].i >= 0;
-        traced += n;
-        for (size_t k = 0; k < cw_kernel_count(); k++) {
-            const cw_kernel *kernel = cw_kernel_at(k);
-            if (strncmp(cw_kernel_describe(kernel).name, "pyramid", 7) != 0 || !cw_kernel_describe(kernel).available)
-                continue;
-            check_status(cw_field_build(field, &(cw_run){.kernel = kernel}), CW_OK);
-            compare(field, kernel, rays, n, &a);
-            kernels++;
-        }
+        as_cell_check(field, rays, n, &sum);
         cw_field_destroy(field);
     }
     free(p.z);
-    printf("%zu rays beside %zu planes, %zu hits, the same bits in every kernel\n", traced, fields, hits);
-    check(kernels >= fields, "no kernel was compared");
-    check(hits > traced / 10 && hits < traced, "too few rays hit or miss for the test to mean anything");
+    printf("%zu rays beside %zu planes, %zu hits, the same bits in every kernel\n", sum.rays, fields, sum.hits);
+    check(sum.kernels >= fields, "no kernel was compared");
+    check(sum.hits > sum.rays / 10 && sum.hits < sum.rays, "too few rays hit or miss for the test to mean anything");
 }
 
 int main(void) {

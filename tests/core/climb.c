@@ -5,6 +5,7 @@
  * Ranges begin a few floats before or behind the corner, at negative t too; directions have zeros of either sign; some
  * origins lie so far out that floats there are an eighth of a cell apart. There is no tolerance. */
 
+#include "as_cell.h"
 #include "check.h"
 #include "rays.h"
 
@@ -100,53 +101,17 @@ static cw_ray from_afar(const towers *f, random_state *r) {
     return ray;
 }
 
-typedef struct answers {
-    cw_hit expected[RAYS], hits[RAYS];
-    uint8_t occluded[RAYS];
-} answers;
-
-static void compare(const cw_field *field, const cw_kernel *kernel, const cw_ray *rays, size_t n, answers *a) {
-    const cw_run run = {.kernel = kernel, .leaf = CW_LEAF_WATERTIGHT};
-    const char *name = cw_kernel_describe(kernel).name;
-    check_status(cw_closest(field, &run, rays, n, a->hits), CW_OK);
-    check_status(cw_occluded(field, &run, rays, n, a->occluded), CW_OK);
-    for (size_t k = 0; k < n; k++) {
-        const bool same = hit_same(&a->hits[k], &a->expected[k]), any = a->occluded[k] == (a->expected[k].i >= 0);
-        if (same && any) continue;
-        ray_print(&rays[k]);
-        hit_print("cell", &a->expected[k]);
-        hit_print(name, &a->hits[k]);
-        check(false, "%s: ray %zu of %zu differs from cell, any hit says %d", name, k, n, a->occluded[k]);
-    }
-}
-
-typedef struct totals {
-    size_t rays, hits, kernels;
-} totals;
-
-static void trace(const towers *f, size_t times, totals *sum, random_state *r) {
+static void trace(const towers *f, size_t times, as_cell_counts *sum, random_state *r) {
     static cw_ray rays[RAYS];
-    static answers a;
     cw_field_desc d = cw_field_desc_default();
     d.samples = f->z;
     d.nx = f->nx;
     d.ny = f->ny;
     cw_field *field;
     check_status(cw_field_create(&d, NULL, &field), CW_OK);
-    const cw_run plain = {.kernel = cw_kernel_find("cell"), .leaf = CW_LEAF_WATERTIGHT};
     for (; times > 0; times--) {
         for (size_t k = 0; k < RAYS; k++) rays[k] = random_below(r, 4) ? from_a_float_off(f, r) : from_afar(f, r);
-        check_status(cw_closest(field, &plain, rays, RAYS, a.expected), CW_OK);
-        for (size_t k = 0; k < RAYS; k++) sum->hits += a.expected[k].i >= 0;
-        sum->rays += RAYS;
-        for (size_t k = 0; k < cw_kernel_count(); k++) {
-            const cw_kernel *kernel = cw_kernel_at(k);
-            const cw_kernel_info info = cw_kernel_describe(kernel);
-            if (strncmp(info.name, "pyramid", 7) != 0 || !info.available) continue;
-            check_status(cw_field_build(field, &(cw_run){.kernel = kernel}), CW_OK);
-            compare(field, kernel, rays, RAYS, &a);
-            sum->kernels++;
-        }
+        as_cell_check(field, rays, RAYS, sum);
     }
     cw_field_destroy(field);
 }
@@ -156,7 +121,7 @@ static void test_corners(void **state) {
     towers f = {.z = malloc((size_t)SIDE_MAX * SIDE_MAX * sizeof *f.z)};
     assert_non_null(f.z);
     random_state r = {20261123};
-    totals sum = {0, 0, 0};
+    as_cell_counts sum = {0};
     const size_t fields = test_share(FIELDS, 12);
     for (size_t m = 0; m < fields; m++) {
         make_towers(&f, 6 + random_below(&r, SIDE_MAX - 5), 6 + random_below(&r, SIDE_MAX - 5), &r);
@@ -175,7 +140,7 @@ static void test_far_out(void **state) {
     towers f = {.z = malloc((size_t)WIDE * WIDE_ROWS * sizeof *f.z)};
     assert_non_null(f.z);
     random_state r = {20261124};
-    totals sum = {0, 0, 0};
+    as_cell_counts sum = {0};
     make_towers(&f, WIDE, WIDE_ROWS, &r);
     trace(&f, test_share(60, 8), &sum, &r);
     free(f.z);
