@@ -17,19 +17,18 @@ from results import Problem, Results
 # Which phase a function of simd/ belongs to. The innermost function of a sample that stands here decides, so helpers
 # that serve several phases (crossing, cell_gate, the vector vocabulary) are left to their callers.
 PHASES = {
-    "rays made ready": "make_rays start_rays move_if_far move_rays make_axis make_slab fill_up",
-    "climb": "climb climb_start climb_level",
-    "flat steps": "flat_start first_cell flat_step first_steps short_way",
+    "rays made ready": "make_rays start_rays move_if_far move_rays box_in_double even_step make_axis make_slab fill_up",
+    "climb": "climb climb_start climb_place climb_pair_of climb_level",
+    "flat steps": "flat_start first_cell flat_step short_way",
     "shared walk: set-up": "coherent fat_init group_ray",
     "shared walk: nodes": "shared_walk walk_groups fat_open",
     "shared walk: blocks": "shared_block block_rays fat_cells load_samples",
     "shared walk: cells": "shared_cells shared_packets closest_down_down closest_up_down closest_down_up closest_up_up "
                           "any_down_down any_up_down any_down_up any_up_up",
-    "lane walk: queue, refill": "fall_apart mirror_packet mirror_rays mirror_axis enqueue first_corner set_tolerances "
+    "lane walk: queue, refill": "fall_apart mirror_packet mirror_rays mirror_axis enqueue first_corner "
                                 "refill_lane copy_ray lane_clear load_lanes store_lanes move_lane close_up",
     "lane walk: step": "lane_walk lane_step look_along",
-    "lane walk: descend": "lane_descend above_plane child_at lane_within_tolerance lane_solid lane_tolerant_hits "
-                          "tolerant_hit",
+    "lane walk: descend": "lane_descend above_plane child_at",
     "lane walk: advance": "lane_advance",
     "lane walk: cells": "lane_leaf turn_back",
     "leaf test": "wt_cell wt_cell_in wt_in_b wt_border wt_edge_samples wt_edge wt_within wt_inside wt_between mt_cell",
