@@ -23,6 +23,9 @@ target_compile_options(cellwalk_plain_flags INTERFACE
 if(CELLWALK_OPTIMIZE)
     target_compile_options(cellwalk_plain_flags INTERFACE -O3)
 endif()
+if(MINGW) # isfinite and isnan of its <math.h> convert a double to float where they never use it
+    target_compile_options(cellwalk_plain_flags INTERFACE -Wno-float-conversion)
+endif()
 if(CELLWALK_WERROR)
     target_compile_options(cellwalk_plain_flags INTERFACE -Werror)
 endif()

@@ -6,19 +6,37 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdlib.h>
+#ifdef _WIN32
+#include <malloc.h>
+#else
 #include <sys/mman.h>
+#endif
 
-/* Begins at a cache line; NULL when out of memory. To be freed by free(). */
+/* Begins at a cache line, a large array at a huge page; NULL when out of memory. To be freed by large_release, which is free()
+ * everywhere but on Windows. */
 static inline void *large_allocate(size_t bytes) {
     enum { CACHE_LINE = 64, HUGE_PAGE = 1 << 21 };
-    void *memory;
     const bool large = bytes >= HUGE_PAGE;
-    if (posix_memalign(&memory, large ? HUGE_PAGE : CACHE_LINE, bytes ? bytes : 1) != 0) return NULL;
+    const size_t alignment = large ? HUGE_PAGE : CACHE_LINE;
+#ifdef _WIN32
+    return _aligned_malloc(bytes ? bytes : 1, alignment);
+#else
+    void *memory;
+    if (posix_memalign(&memory, alignment, bytes ? bytes : 1) != 0) return NULL;
 #ifdef MADV_HUGEPAGE
     /* A wish, on which nothing depends; the last, partly used huge page is left to small ones. */
     if (large) (void)madvise(memory, bytes / HUGE_PAGE * HUGE_PAGE, MADV_HUGEPAGE);
 #endif
     return memory;
+#endif
+}
+
+static inline void large_release(void *memory) {
+#ifdef _WIN32
+    _aligned_free(memory);
+#else
+    free(memory);
+#endif
 }
 
 #endif

@@ -5,8 +5,15 @@
 
 #include "cellwalk.h"
 
+/* mingw-w64 checks formats as Microsoft's library has them, though _GNU_SOURCE selects C's own. */
+#ifdef __MINGW32__
+#define CW_PRINTF gnu_printf
+#else
+#define CW_PRINTF printf
+#endif
+
 /* Keeps the sentence for this thread and returns status. */
-__attribute__((format(printf, 2, 3))) cw_status cw_fail(cw_status status, const char *format, ...);
+__attribute__((format(CW_PRINTF, 2, 3))) cw_status cw_fail(cw_status status, const char *format, ...);
 
 /* The same for failures that need no more words than the status has. */
 cw_status cw_fail_plainly(cw_status status);

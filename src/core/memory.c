@@ -13,7 +13,7 @@ static void *own_allocate(void *context, size_t bytes, size_t alignment) {
 
 static void own_release(void *context, void *memory) {
     (void)context;
-    free(memory);
+    large_release(memory);
 }
 
 static const cw_allocator own = {.allocate = own_allocate, .release = own_release};

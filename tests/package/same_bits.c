@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Prints the number of kernels, and a hash of the bits of hits that all of them return, alone and on a pool. Systems and C
+ * libraries must not differ in it. Heights and rays are made by integers and exact divisions alone. */
+
+#include <cellwalk.h>
+
+#include <stdio.h>
+#include <string.h>
+
+enum { SIDE = 129, RAYS = 20000 };
+
+static float samples[SIDE * SIDE];
+static cw_ray rays[RAYS];
+static cw_hit expected[RAYS], hits[RAYS];
+
+static int fail(const char *what) {
+    fprintf(stderr, "%s: %s\n", what, cw_last_error());
+    return 1;
+}
+
+static uint32_t next(void) { /* Marsaglia's xorshift */
+    static uint32_t state = 2463534242u;
+    state ^= state << 13;
+    state ^= state >> 17;
+    state ^= state << 5;
+    return state;
+}
+
+/* From -scale to scale, a multiple of 2^-16 of it. */
+static float number(float scale) { return ((float)(next() >> 15) / 65536 - 1) * scale; }
+
+int main(void) {
+    for (int k = 0; k < SIDE * SIDE; k++) samples[k] = number(2);
+    for (int k = 0; k < RAYS; k++) {
+        cw_ray *r = &rays[k];
+        *r = (cw_ray){.org = {SIDE / 2 + number(SIDE / 2), SIDE / 2 + number(SIDE / 2), number(4)}, .tmax = 1e9f};
+        for (int c = 0; c < 3; c++) r->dir[c] = number(1);
+    }
+    const cw_field_desc desc = {.samples = samples, .nx = SIDE, .ny = SIDE};
+    cw_field *field;
+    cw_pool *pool;
+    if (cw_field_create(&desc, NULL, &field) != CW_OK || cw_pool_create(3, &pool) != CW_OK)
+        return fail("no field or pool");
+    const cw_run plain = {.kernel = cw_kernel_find("cell")};
+    if (cw_closest(field, &plain, rays, RAYS, expected) != CW_OK) return fail("cell");
+    int kernels = 0;
+    for (size_t k = 0; k < cw_kernel_count(); k++) {
+        const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
+        if (!info.available || (strncmp(info.name, "packet", 6) != 0 && strncmp(info.name, "pyramid", 7) != 0))
+            continue;
+        for (int threads = 1; threads <= 2; threads++) {
+            const cw_run run = {.kernel = cw_kernel_at(k), .pool = threads == 1 ? NULL : pool};
+            memset(hits, -1, sizeof hits);
+            if (cw_closest(field, &run, rays, RAYS, hits) != CW_OK) return fail(info.name);
+            if (memcmp(hits, expected, sizeof hits) != 0) return fail(info.name);
+        }
+        kernels++;
+    }
+    uint64_t hash = 14695981039346656037u; /* FNV-1a */
+    for (size_t k = 0; k < sizeof hits; k++) hash = (hash ^ ((const unsigned char *)expected)[k]) * 1099511628211u;
+    printf("%d kernels, hits %016llx\n", kernels, (unsigned long long)hash);
+    cw_pool_destroy(pool);
+    cw_field_destroy(field);
+    return kernels == 0;
+}
