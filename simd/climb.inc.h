@@ -59,7 +59,6 @@ static inline climb_pair climb_pair_of(const vaxis *a, vfloat place, vfloat side
 
 /* Shortens r->until to the end that this level gives, if any. */
 static inline void climb_level(climber *c, vray *r, const cw_pyramid_level *l) {
-    count_lanes(COUNT_CLIMB, c->chain);
     const vfloat scale = vf_set(1 / l->side), side = vf_set(l->side);
     const climb_pair x = climb_pair_of(&r->x, c->x, side, scale), y = climb_pair_of(&r->y, c->y, side, scale);
     const vfloat reach = vf_min(x.leave, y.leave);

@@ -85,7 +85,6 @@ static inline void keep_hits(found_hits *h, bool first, vmask now, const vfind *
 
 /* Lanes among which the cell is hit. */
 CW_INLINE vmask leaf_test(cw_leaf leaf, const vray *r, const vcell *c, vmask among, bool any, vfind *find) {
-    count_lanes(COUNT_LEAF, among);
     return leaf == CW_LEAF_WATERTIGHT ? wt_cell(r, c, among, any, find) : mt_cell(r, c, among, find);
 }
 
@@ -93,7 +92,6 @@ CW_INLINE vmask leaf_test(cw_leaf leaf, const vray *r, const vcell *c, vmask amo
 CW_INLINE void flat_step(packet *l, const cw_field *f, cw_leaf leaf, bool any, bool cleared) {
     const vray *r = &l->r;
     vcell *c = &l->c;
-    count_lanes(COUNT_FLAT, l->alive);
     c->t0 = vf_max(vf_max(c->x_in, c->y_in), r->t0);
     c->t1 = vf_min(vf_min(c->x_out, c->y_out), r->t1);
     vf_gather_pairs(f->z, l->sample, l->alive, &c->h00, &c->h10);

@@ -50,7 +50,6 @@ static inline void copy_ray(lane_rays *to, size_t lane, const ready_rays *from, 
 }
 
 CW_INLINE void refill_lane(lane_set *l, size_t lane, const lane_queue *queue, const queued *q) {
-    count_step(COUNT_REFILL, 1);
     copy_ray(&l->rays, lane, &queue->ready[q->packet], q->lane);
     l->t[lane] = q->t;
     l->leave[lane] = INFINITY;
@@ -224,19 +223,16 @@ CW_INLINE void lane_advance(lane_state *s, lane_rays *rays, const lane_axis axis
  * level l. */
 CW_INLINE void lane_step(lane_state *s, lane_set *l, const cw_field *f, bool any, lane_answers *answers) {
     lane_rays *rays = &l->rays;
-    count_lanes(COUNT_STREAM, s->alive);
     const vfloat side = vf_power_of_2(vi_add(s->level, s->level));
     const lane_axis axis[2] = {look_along(rays->f, s->x, side), look_along(rays->f + RAY_AXIS, s->y, side)};
     const vfloat out = vf_min(axis[0].out, axis[1].out);
     const vmask at_cell = vi_eq(s->level, vi_set(0)), waits = vm_and(s->alive, at_cell);
     vmask moves = vm_andnot(s->alive, at_cell);
     if (__builtin_popcount(vm_bits(waits)) >= LEAF_AT || !vm_any(moves)) {
-        count_lanes(COUNT_ROUND, waits);
         const vmask found = lane_leaf(rays, l->ray, f, s, axis, waits, any, answers);
         s->alive = vm_andnot(s->alive, found);
         moves = vm_andnot(waits, found);
     } else {
-        count_lanes(COUNT_NODE, moves);
         moves = vm_andnot(moves, lane_descend(s, rays, f, axis, side, out, moves));
     }
     lane_advance(s, rays, axis, out, moves);
@@ -277,7 +273,6 @@ CW_INLINE void lane_walk(const cw_field *f, const lane_queue *queue, lane_set *l
         }
         const int refill_at = more || next < queue->n ? (int)W - REFILL_AT : LANES_LEFT;
         if (__builtin_popcount(l->living) <= refill_at) break;
-        count_step(COUNT_RELOAD, l->living);
         const bool few = refill_at == 0 && __builtin_popcount(l->living) <= FEW;
         const int stop_at = refill_at == 0 && !few ? FEW : refill_at, most = few ? LOOK_AFTER_OF_FEW : LOOK_AFTER;
         lane_state s = load_lanes(l);

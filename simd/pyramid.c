@@ -84,8 +84,6 @@ CW_INLINE bool walk_together(tile_walk *w, float cells, bool any) {
     if (!fat_init(&w->tile, w->packets, w->rays)) return false;
     const struct cw_pyramid *p = w->f->pyramid;
     const int top = p->levels - 1;
-    count_step(COUNT_SHARED, w->rays);
-    count_step(COUNT_SHARED_NODE, w->rays);
     shared_walk(w, &w->tile, w->rays, top, 0, 0, fat_open(&w->tile, &p->level[top], 0, 0), any);
     return true;
 }

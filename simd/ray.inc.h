@@ -3,20 +3,12 @@
  * first. */
 
 #include "../src/scalar/strict.h"
-#include "count.h"
 #include "field.h"
 
 #include <float.h>
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
-
-/* Counts an event with the lanes of a mask. */
-#ifdef CELLWALK_COUNT
-CW_INLINE void count_lanes(count_kind kind, vmask lanes) { count_step(kind, vm_bits(lanes)); }
-#else
-CW_INLINE void count_lanes(count_kind kind, vmask lanes) { (void)kind, (void)lanes; }
-#endif
 
 /* W rays as they are traced; see ray_start. */
 typedef struct vstart {
@@ -321,7 +313,6 @@ CW_INLINE vmask make_rays_for(vray *r, const cw_field *f, const cw_ray *rays, cw
     r->t1 = vf_min(vf_min(crossing(&r->x, r->x.last), crossing(&r->y, r->y.last)), s.tmax);
     alive = vm_and(alive, vf_le(r->t0, r->t1));
     alive = vm_and(alive, meets(r, r->t0, r->t1, vf_set(f->low), vf_set(f->high)));
-    count_lanes(COUNT_RAY, alive);
     if (vm_any(alive))
         make_slab(r, f, leaf);
     else

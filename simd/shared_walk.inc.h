@@ -250,7 +250,6 @@ CW_INLINE vmask shared_cells(int quadrant, packet *l, vmask among, const block_c
         const int32_t place = __builtin_ctz(cells);
         const int32_t x = (place & 3) ^ flip_x, y = (place >> 2) ^ flip_y;
         const float *z = s->z + (size_t)y * s->stride + x;
-        count_step(COUNT_SHARED_CELL, vm_bits(among));
         vcell c;
         c.i = vf_set((float)(b->i + x));
         c.j = vf_set((float)(b->j + y));
@@ -264,7 +263,6 @@ CW_INLINE vmask shared_cells(int quadrant, packet *l, vmask among, const block_c
         c.h01 = vf_set(z[s->stride]);
         c.h11 = vf_set(z[s->stride + 1]);
         vfind find = {c.t0, c.t1, gate}; /* any-hit queries do not set it; avoids a warning */
-        count_lanes(COUNT_LEAF, gate);
         const vmask now = wt_cell_in(quadrant, r, &c, gate, any, &find);
         if (!vm_any(now)) continue;
         if (!any) keep_hits(&l->hit, !vm_any(vm_or(l->found, found)), now, &find, &c);
@@ -298,7 +296,6 @@ static inline ray_set fall_apart(const fat_ray *a, const packet *packets, ray_se
         enqueue(queue, first_packet + p, now, t0, level + 1);
         apart |= (ray_set)now << (p * W);
     }
-    count_step(COUNT_APART, apart);
     return apart;
 }
 
@@ -372,7 +369,6 @@ static shared_packets_fn *const any_packets[QUADRANTS] = {any_down_down, any_up_
 
 /* Finds first hits of the rays in block (x, y). */
 static void shared_block(tile_walk *w, const fat_ray *a, ray_set rays, int32_t x, int32_t y, bool any) {
-    count_step(COUNT_SHARED_BLOCK, rays);
     block_samples s;
     load_samples(&s, w->f, (size_t)(4 * x), (size_t)(4 * y));
     unsigned cells = fat_cells(a, &s, x, y);
@@ -412,7 +408,6 @@ static inline void walk_groups(tile_walk *w, int level, int32_t x, int32_t y, bo
             leave(w, &w->tile, rays, level, x, y);
             continue;
         }
-        count_step(COUNT_SHARED_NODE, rays);
         const unsigned children = fat_open(a, &w->f->pyramid->level[level - 1], x, y);
         if (__builtin_popcount(children) > CHILDREN_AT_MOST)
             leave(w, a, rays, level, x, y);
@@ -447,7 +442,6 @@ static void shared_walk(tile_walk *w, const fat_ray *a, ray_set mine, int top, i
             if (concerned != 0) shared_block(w, a, concerned, cx, cy, any);
             continue;
         }
-        count_step(COUNT_SHARED_NODE, w->rays & mine);
         const unsigned inner = fat_open(a, &p->level[level - 1], cx, cy);
         if (__builtin_popcount(inner) > CHILDREN_AT_MOST) {
             if (groups)

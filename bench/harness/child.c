@@ -33,21 +33,3 @@ int child_run(const char *const *argv, const char *out, const char *err) {
         if (errno != EINTR) return -1;
     return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status); /* a fork that could not: 127, too */
 }
-
-int child_run_counting(int argc, char **argv) {
-    static const char name[] = "cellwalk-bench-counting";
-    char path[4096];
-    const ssize_t length = readlink("/proc/self/exe", path, sizeof path - sizeof name);
-    const char **whole = calloc((size_t)argc + 2, sizeof *whole);
-    int status = -1;
-    if (length > 0 && whole) {
-        path[length] = '\0';
-        char *slash = strrchr(path, '/');
-        memcpy(slash ? slash + 1 : path, name, sizeof name);
-        whole[0] = path;
-        for (int k = 0; k < argc; k++) whole[k + 1] = argv[k];
-        status = child_run(whole, NULL, NULL);
-    }
-    free(whole);
-    return status;
-}

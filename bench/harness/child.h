@@ -8,7 +8,4 @@
  * the signal that ended it; 127 if there is no such program; -1 with errno if it could not be started otherwise. */
 int child_run(const char *const *argv, const char *out, const char *err);
 
-/* Like that, cellwalk-bench-counting, which lies beside this program, with these arguments. */
-int child_run_counting(int argc, char **argv);
-
 #endif

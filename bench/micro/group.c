@@ -86,7 +86,7 @@ static double predict(const contender_pass *whole, double limit) {
     return seconds * (double)whole->n / (double)(PIECES * piece);
 }
 
-/* Compares all answers with the reference's, with the kernels' counts. Contenders that are too slow are skipped. False if that
+/* Compares all answers with the reference's. Contenders that are too slow are skipped. False if that
  * is everybody. */
 static bool verify(micro_group *g, const micro_options *o, contender_answers expected, contender_answers out) {
     const bool any = workload_class_is_any(g->c);
@@ -103,9 +103,7 @@ static bool verify(micro_group *g, const micro_options *o, contender_answers exp
             continue;
         }
         running++;
-        counters_reset();
         contender_run(&p);
-        counters_read(row->counts);
         if (any)
             agree_any(&row->agreement, g->on->field, g->rays, g->ray_count, expected.occluded, out.occluded,
                       &g->reference, &row->contender);
@@ -152,7 +150,7 @@ bool micro_group_run(micro_group *g, const micro_options *o, double seconds, io_
     start_farther_back(g);
     if (g->ray_count == 0) return io_fail(error, "no rays on field %s", g->on->samples.name);
     const contender_answers expected = answers_make(o->count), out = answers_make(o->count);
-    if (verify(g, o, expected, out) && !o->counters) time_all(g, o, fmax(0, end - clock_seconds()), out);
+    if (verify(g, o, expected, out)) time_all(g, o, fmax(0, end - clock_seconds()), out);
     answers_free(expected);
     answers_free(out);
     return true;

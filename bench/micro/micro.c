@@ -61,19 +61,19 @@ static bool check_options(micro_options *o, io_error *error) {
         return io_fail(error, "--rays none: and no other class");
     if (o->rays.number[0] == RAYS_NONE) o->rays.count = 0;
     if (o->peers.count == 0) {
-        const size_t none = PEER_KINDS, first = peer_embree_version() && !o->counters ? 0 : none;
+        const size_t none = PEER_KINDS, first = peer_embree_version() ? 0 : none;
         option_list_fill(&o->peers, peer_names, first, first + 1);
     }
     if (o->count == 0) o->count = o->longer ? 262144 : 32768;
     if (o->seconds <= 0) o->seconds = o->longer ? 900 : 40;
-    if (o->pass <= 0) o->pass = o->longer || o->counters ? 5 : 0.5;
+    if (o->pass <= 0) o->pass = o->longer ? 5 : 0.5;
     if (o->threads.count == 0) o->threads = (option_list){.item = {"1"}, .number = {1}, .count = 1};
     if (o->backs.count == 0) o->backs.count = 1; /* 0 */
     for (size_t t = 0; t < o->threads.count; t++)
         if (o->threads.number[t] > 1) o->by_clock = o->run.no_pin = true;
     if (o->threads.count > MICRO_THREADS_MAX)
         return io_fail(error, "--threads: more than %d numbers", MICRO_THREADS_MAX);
-    return !(o->by_clock && o->counters) || io_fail(error, "--counters: counts are those of one thread");
+    return true;
 }
 
 static void close_field(micro_field *on) {
@@ -114,8 +114,8 @@ static bool run_group(micro_field *on, workload_class c, double back, const micr
     const int length = snprintf(g->name, sizeof g->name, "%s", workload_class_name(c));
     if (back > 0) snprintf(g->name + length, sizeof g->name - (size_t)length, "+%g", back);
     bool good = micro_group_run(g, o, seconds, error);
-    if (good) micro_print_group(g, o->counters);
-    good = good && micro_write_group(out, g, o->counters, error);
+    if (good) micro_print_group(g);
+    good = good && micro_write_group(out, g, error);
     free(g->rays);
     free(g);
     return good;
@@ -173,8 +173,6 @@ static bool run_into_file(micro_options *o, io_error *error) {
 }
 
 static int start(int argc, char **argv) {
-    const int elsewhere = counters_elsewhere(argc, argv);
-    if (elsewhere >= 0) return elsewhere;
     micro_options o = {.run = RUN_DEFAULTS, .width = 0.02};
     const option_spec options[] = {
         {"kernel", "NAMES", "only these kernels; all by default", OPTION_LIST, .to = &o.kernels,
@@ -208,8 +206,6 @@ static int start(int argc, char **argv) {
          OPTION_REAL, .to = &o.pass, .low = 1e-6, .high = 1e6},
         {"small-pages", NULL, "keep the system from backing large fields with huge pages", OPTION_FLAG,
          .to = &o.small_pages},
-        {"counters", NULL, "count steps, leaf tests, busy lanes and refills of the kernels instead of timing",
-         OPTION_FLAG, .to = &o.counters},
         {"long", NULL, "all fields, more rays, more time", OPTION_FLAG, .to = &o.longer},
         {"json", "FILE", "write the results to FILE as JSON lines", OPTION_TEXT, .to = &o.json},
         RUN_OPTIONS(o.run),

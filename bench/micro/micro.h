@@ -6,7 +6,6 @@
 #include "harness/agree.h"
 #include "harness/interleave.h"
 #include "harness/run.h"
-#include "micro/counters.h"
 #include "output.h"
 #include "peers/contender.h"
 #include "peers/embree.h"
@@ -33,7 +32,6 @@ typedef struct micro_options {
     bool longer, small_pages;
     cw_pool *pools[MICRO_THREADS_MAX]; /* for each number of threads above 1, else NULL */
     bool by_clock;                     /* time by the clock, as is done for all once one has more than one thread */
-    bool counters;                     /* count the kernels' events instead of timing them */
 } micro_options;
 
 /* The structures of a contender. seconds: CPU time, or by the clock if everything is, median of the builds. */
@@ -73,7 +71,6 @@ typedef struct micro_row {
     double predicted; /* seconds of a pass by the probe, where the contender was left out; else 0 */
     contender_pass pass;
     interleave_job job;
-    counter counts[COUNTERS_MAX]; /* of a pass */
     agreement agreement;
     double to_embree; /* Embree's best median over this one's: above 1 is faster than Embree; 0 without Embree */
 } micro_row;
@@ -91,17 +88,17 @@ typedef struct micro_group {
     double hit_share;
 } micro_group;
 
-/* Fills group from the options, verifies, and measures or counts. on, c, back and name are given, all else is zero;
+/* Fills group from the options, verifies, and measures. on, c, back and name are given, all else is zero;
  * rays are to be freed. seconds is for all that. */
 bool micro_group_run(micro_group *group, const micro_options *options, double seconds, io_error *error);
 
-/* Human text on standard output; of a group the kernels' counts, or times. */
+/* Human text on standard output. */
 void micro_print_field(const micro_field *on);
-void micro_print_group(const micro_group *group, bool counted);
+void micro_print_group(const micro_group *group);
 
 /* JSON lines; does nothing if out->file is NULL. */
 bool micro_write_field(io_output *out, const micro_field *on, io_error *error);
-bool micro_write_group(io_output *out, const micro_group *group, bool counted, io_error *error);
+bool micro_write_group(io_output *out, const micro_group *group, io_error *error);
 
 /* ---- compare.c ---- */
 

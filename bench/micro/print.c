@@ -54,8 +54,6 @@ bool micro_write_field(io_output *out, const micro_field *on, io_error *error) {
     return good;
 }
 
-/* ---- a group, timed ---- */
-
 static double mrays(const micro_group *g, const micro_row *row) {
     return (double)g->ray_count / row->job.seconds.median * 1e-6;
 }
@@ -81,54 +79,29 @@ static void set_times(json_t *line, const micro_group *g, const micro_row *row) 
     if (row->to_embree > 0) results_set_number(line, "speed_to_embree_best", row->to_embree);
 }
 
-/* ---- a group, counted ---- */
-
-/* Brute force counts nothing. */
-static bool is_counted(const micro_row *row) {
-    size_t k = 0;
-    while (k < counters_count() && row->counts[k].events == 0) k++;
-    return k < counters_count();
-}
-
-/* Of each kind the events a ray, and in brackets how many lanes took part in one. */
-static void print_counts(const micro_group *g, const micro_row *row) {
-    for (size_t k = 0; k < counters_count(); k++) {
-        const counter *c = &row->counts[k];
-        if (c->events == 0) continue;
-        printf(" %s %.3g (%.3g)", counters_name(k), (double)c->events / (double)g->ray_count,
-               (double)c->lanes / (double)c->events);
-    }
-    printf("\n");
-}
-
 /* ---- a group ---- */
 
-void micro_print_group(const micro_group *g, bool counted) {
+void micro_print_group(const micro_group *g) {
     printf("\n%s, %s: %zu rays, %.1f %% hit, %s\n", g->on->samples.name, g->name, g->ray_count, 100 * g->hit_share,
            workload_class_is_any(g->c) ? "any hit" : "closest hit");
-    if (counted)
-        printf("  events a ray, and in brackets the lanes that take part in one:\n");
-    else
-        printf("  %-30s %9s %7s %7s %9s %9s  %s\n", "contender", "Mrays/s", "CI +-%", "MAD %", "TSC/ray", "/Embree",
-               "against the reference");
+    printf("  %-30s %9s %7s %7s %9s %9s  %s\n", "contender", "Mrays/s", "CI +-%", "MAD %", "TSC/ray", "/Embree",
+           "against the reference");
     for (const micro_row *row = g->rows; row < g->rows + g->row_count; row++) {
-        if (counted && row->predicted == 0 && !is_counted(row)) continue;
         printf("  %-30s", row->contender.name);
         if (row->predicted > 0)
             printf(" left out: a pass would take %.2g s\n", row->predicted);
         else
-            (counted ? print_counts : print_times)(g, row);
+            print_times(g, row);
     }
     fflush(stdout);
 }
 
-bool micro_write_group(io_output *out, const micro_group *g, bool counted, io_error *error) {
+bool micro_write_group(io_output *out, const micro_group *g, io_error *error) {
     bool good = true;
     for (const micro_row *row = g->rows; good && row < g->rows + g->row_count; row++) {
-        if (counted && (row->predicted > 0 || !is_counted(row))) continue;
         json_t *line = json_object();
         results_set_texts(line, "kind field rays query contender",
-                          (const char *[]){counted ? "counts" : "result", g->on->samples.name, g->name,
+                          (const char *[]){"result", g->on->samples.name, g->name,
                                            workload_class_is_any(g->c) ? "any" : "closest", row->contender.name});
         results_set_counts(line, "width threads ray_count",
                            (size_t[]){row->contender.width, row->contender.threads, g->ray_count});
@@ -137,9 +110,8 @@ bool micro_write_group(io_output *out, const micro_group *g, bool counted, io_er
         } else {
             results_set_text(line, "reference", g->reference.name);
             json_object_set_new(line, "agreement", results_agreement(&row->agreement));
-            if (!counted) set_times(line, g, row);
+            set_times(line, g, row);
             results_set_number(line, "hit_share", g->hit_share);
-            if (counted) json_object_set_new(line, "counts", counters_json(row->counts));
         }
         good = results_write(out, line, error);
     }

@@ -6,7 +6,6 @@ from statistics import median
 
 import names
 from blocks_speed import default_kernel
-from blocks_work import mean_ratio, work
 from markdown import grouped, table, three
 from results import Problem, geometric_mean, run_text
 
@@ -147,17 +146,6 @@ def precision(results):
 
 
 # ---- claims of the coursework ----
-
-def cells(data):
-    """Whether a cell walk tests fewer cells but more triangles than a 3D grid."""
-    found = work(data)
-    fewer, more = (sum(f(grid, cell) for grid, cell, _ in found.values()) for f in (
-        lambda grid, cell: cell[0] < grid[0], lambda grid, cell: cell[1] > grid[1]))
-    verdict = "Confirmed" if fewer == more == len(found) else "True only in part" if fewer and more else "Refuted"
-    return (f"{verdict}. The cell walk visits fewer cells than the 3D grid visits voxels in {fewer} of {len(found)} sets of "
-            f"rays; the geometric mean is {mean_ratio(found, 1, 0, 0):.1f} times as many. It tests more triangles in {more} "
-            f"of them, and {100 * mean_ratio(found, 1, 0, 1):.2g} % as many on average.\n")
-
 
 def normals(results):
     """Whether barycentric interpolation of normals beats bilinear interpolation."""

@@ -11,7 +11,6 @@ beside*.json            rays parallel to a plane, grooves and walls, in one call
 threads.json            one thread, two, and one a CPU
 pages-*.json            large fields on huge and on ordinary pages
 building.json           memory and building time, Embree at its default quality
-counters.json           what the kernels do for a ray
 scenes/table.json       the six scenes
 rays/tradeoff.json      speed and error of rays on coarser fields; the largest takes 9 GB
 tradeoff/tradeoff.json  speed and error of horizons, the sky-view factor and pictures
@@ -81,9 +80,6 @@ def plan(info, embree, quick):
                f"micro --kernel {chosen} --peer none --field {'65' if quick else '1025,4097,8193'} {rays}{option}")
     yield ("building.json", 0, f"micro --rays none --quality medium --kernel {chosen},grid3d "
            f"--peer {'triangles,grid' if embree else 'none'} --field {'65,257' if quick else '65,257,1025,4097,8193'}")
-    # Pass is long, so that who takes part does not depend on the machine's mood.
-    yield ("counters.json", 0, f"micro --counters --pass 60 --field {'65' if quick else '65,257,1025,4097,sea-calm,sea-rough'} "
-           f"--count {'2048' if quick else '8192'} --kernel {','.join(able)}")
     yield "scenes/table.json", 2, "table" + (" --quick --scene hftest" if quick else "")
     # Most of the time of these goes into making land and answers, so they get a separate time.
     yield ("rays/tradeoff.json", 0, "tradeoff --part rays " +

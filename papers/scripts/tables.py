@@ -27,17 +27,17 @@ NOT_TABLES = {"install", "test", "example", "detail_example", "python"}
 # What a file of results becomes, by the command that made it.
 OWN = {
     "table": blocks_scenes.times, "tradeoff": blocks_tradeoff.page, "accuracy": blocks_accuracy.page, "micro": blocks_speed.micro,
-    "afar": blocks_speed.afar, "precision": blocks_accuracy.precision, "counters": blocks_work.counters, "leaf": blocks_stability.leaf, "extremes": blocks_stability.extremes,
+    "afar": blocks_speed.afar, "precision": blocks_accuracy.precision, "leaf": blocks_stability.leaf, "extremes": blocks_stability.extremes,
     "exhaustive": blocks_stability.exhaustive, "stress": blocks_stability.stress,
 }
 # Files of results, and what makes those that do not say by which arguments they were made.
 SOURCES = {
     **dict.fromkeys(names.SPEED_FILES.values()), "peers.json": None, "embree4.json": None, "beside.json": None, "beside-single.json": None, "widths.json": None,
     "threads.json": None,
-    "building.json": None, "counters.json": None, "profile.json": "papers/scripts/profile_kernels.py",
+    "building.json": None, "profile.json": "papers/scripts/profile_kernels.py",
     "neon.json": "papers/scripts/count_neon.py", "python.json": "papers/scripts/python_speed.py",
     "python_dask.json": "papers/scripts/python_dask.py",
-    "ablation.json": "--target ablation", "caches.json": "--target caches", "pages-huge.json": None,
+    "caches.json": "--target caches", "pages-huge.json": None,
     "pages-small.json": None, "terrain.json": "papers/scripts/terrain.py",
     "terrain-more.json": "papers/scripts/terrain.py --more", "scenes/table.json": None,
     "scenes/pbrt.json": "papers/scripts/beside_pbrt.py", "scenes/features.json": "papers/scripts/features.py",
@@ -82,9 +82,9 @@ BLOCKS = {
     "python_calls": from_file("python.json", blocks_python.python_calls),
     **{make.__name__: make for make in (
         blocks_speed.speeds, blocks_speed.newer_embree, blocks_speed.beside, blocks_speed.rates, blocks_speed.targets, blocks_speed.peers,
-        blocks_speed.widths, blocks_speed.threads, blocks_speed.building, blocks_work.walks, blocks_work.visits, blocks_work.steps,
-        blocks_work.profile, blocks_work.neon, blocks_work.ablation, blocks_work.caches, blocks_work.pages, blocks_scenes.coursework,
-        blocks_scenes.pbrt, blocks_scenes.features, blocks_accuracy.cells,
+        blocks_speed.widths, blocks_speed.threads, blocks_speed.building,
+        blocks_work.profile, blocks_work.neon, blocks_work.caches, blocks_work.pages, blocks_scenes.coursework,
+        blocks_scenes.pbrt, blocks_scenes.features,
         blocks_tradeoff.choices, blocks_tradeoff.choices_short, blocks_tradeoff.horizon_trade, sources)},
     **{make.__name__: from_file(blocks_accuracy.FILE, make) for make in (
         blocks_accuracy.errors, blocks_accuracy.precision, blocks_accuracy.normals)},
@@ -153,7 +153,7 @@ def own_run(paths, into, block):
         if block in ("afar", "precision"):
             name = block
         elif name == "micro":
-            name = "leaf" if block == "leaf" else "counters" if files[0].first("counts") else "micro"
+            name = "leaf" if block == "leaf" else "micro"
         if name not in OWN:
             raise Problem(f"{paths[0]}:1: results of {name}: there is no table of these")
         text = OWN[name](files[0])

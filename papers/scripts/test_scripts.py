@@ -498,7 +498,6 @@ class Measure(unittest.TestCase):
         self.assertEqual([file for file in steps if file.startswith("speed")], ["speed-avx2.json", "speed-sse42.json"])
         self.assertIn("--isa sse4.2 --kernel pyramid4 --peer triangles ", steps["speed-sse42.json"])
         self.assertTrue(steps["widths.json"].endswith("--kernel cell,pyramid1,pyramid4,pyramid8"))
-        self.assertTrue(steps["counters.json"].endswith("--kernel grid3d,cell,pyramid1,pyramid4,pyramid8"))
         self.assertIn("--threads 1,2,4 ", steps["threads.json"])
 
     def test_what_is_missing_takes_no_part(self):

@@ -6,7 +6,6 @@
  * Invariant: each crossing is computed from the border's coordinate, so it does not depend on where the walk began.
  * Rejected: adding a constant to the last crossing, as the paper does, since errors then build up along the ray. */
 
-#include "count.h"
 #include "kernels.h"
 #include "moller_trumbore.h"
 #include "refine.h"
@@ -48,10 +47,8 @@ static inline bool walk(const cw_field *f, const cw_ray *ray, cw_leaf leaf, bool
     size_t i = first_cell(&r.x, r.from, cells_x), j = first_cell(&r.y, r.from, cells_y);
     for (;;) { /* at most cells_x + cells_y times: each turn goes on along one axis and none turns back */
         strict_cell c;
-        count_step(COUNT_FLAT, 1);
         if (strict_gate(&c, &r, f, i, j)) {
             strict_find find;
-            count_step(COUNT_LEAF, 1);
             if (leaf == CW_LEAF_WATERTIGHT ? wt_cell(&r, &c, &find) : mt_find(&r, &c, &find)) {
                 if (!any) *hit = refine_hit(&r.start, &c, &find);
                 return true;

@@ -7,7 +7,6 @@
  * that its box touches, so a ray may find a hit beyond the current voxel although a later voxel has a nearer one.
  * Rejected: returning the first hit found, as the coursework did (papers/walks.md). */
 
-#include "count.h"
 #include "error.h"
 #include "field.h"
 #include "kernels.h"
@@ -174,11 +173,9 @@ static bool enter_grid(const struct cw_grid3d *g, const ray_start *ray, grid_wal
 static bool test_voxel(const struct cw_grid3d *g, const cw_field *f, const ray_start *ray, const grid_walk *w,
                        cw_hit *best) {
     const size_t v = voxel_number(g, w->voxel);
-    count_step(COUNT_VOXEL, 1);
     const mt_range range = mt_between(w->tmin, w->tmax);
     bool found = false;
     for (uint32_t k = g->begin[v]; k < g->begin[v + 1]; k++) {
-        count_step(COUNT_TRIANGLE, 1);
         const size_t number = g->entry[k] >> TRIANGLE_BITS, i = number % f->nx, j = number / f->nx;
         const float *h = f->z + j * f->stride + i;
         const float h00 = h[0], h11 = h[f->stride + 1];

@@ -9,7 +9,7 @@ endif()
 file(REMOVE_RECURSE ${FOLDER})
 file(MAKE_DIRECTORY ${FOLDER})
 foreach(name IN ITEMS one two)
-    execute_process(COMMAND ${CACHES} caches ${name}.json 256 65 work ${WORK} pyramid1 WORKING_DIRECTORY ${FOLDER}
+    execute_process(COMMAND ${CACHES} caches ${name}.json 256 65 ${WORK} pyramid1 WORKING_DIRECTORY ${FOLDER}
         RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE error)
     if(NOT status EQUAL 0)
         message(FATAL_ERROR "cellwalk-instructions caches ends with ${status}\n${error}")
@@ -36,7 +36,7 @@ foreach(line IN LISTS one)
         message(FATAL_ERROR "${field}, ${rays}: more misses in the larger cache")
     endif()
 endforeach()
-execute_process(COMMAND ${CACHES} caches three.json 256 nowhere work ${WORK} pyramid1 WORKING_DIRECTORY ${FOLDER}
+execute_process(COMMAND ${CACHES} caches three.json 256 nowhere ${WORK} pyramid1 WORKING_DIRECTORY ${FOLDER}
     RESULT_VARIABLE status OUTPUT_QUIET ERROR_VARIABLE error)
 if(status EQUAL 0 OR NOT error MATCHES "nowhere" OR EXISTS ${FOLDER}/three.json)
     message(FATAL_ERROR "a field that does not exist ends with ${status}: ${error}")

@@ -340,7 +340,6 @@ static void mistakes_leave_nothing(void **state) {
         {&command_micro, "--isa mmx", 2},
         {&command_micro, "--threads 0", 2},
         {&command_micro, "--threads two", 2},
-        {&command_micro, "--threads 2 --counters", 1},
         {&command_micro, "--rays none,ao", 2},
         {&command_micro, "--nonesuch", 2},
         {&command_micro, "loose", 2},

@@ -42,16 +42,16 @@ foreach(file IN LISTS files)
 endforeach()
 
 # Kept, but for one.
-list(FILTER files INCLUDE REGEX "counters\\.json$")
+list(FILTER files INCLUDE REGEX "building\\.json$")
 file(REMOVE ${files})
 hashes(before ${FOLDER}/data/*)
 measure(0 --out ${FOLDER}/data)
 hashes(after ${FOLDER}/data/*)
 list(REMOVE_ITEM after ${before})
-if(NOT after MATCHES "^data/counters\\.json=[0-9a-f]+$")
+if(NOT after MATCHES "^data/building\\.json=[0-9a-f]+$")
     message(FATAL_ERROR "made again: ${after}")
 endif()
 
 # No folder can be made in a file.
-measure(1 --out ${FOLDER}/data/counters.json/data)
+measure(1 --out ${FOLDER}/data/building.json/data)
 file(REMOVE_RECURSE ${FOLDER})
