@@ -3,7 +3,6 @@
 #include "tradeoff/tradeoff.h"
 
 #include "clock.h"
-#include "detail.h"
 #include "harness/memory.h"
 #include "harness/results.h"
 #include "landscape.h"
@@ -14,12 +13,10 @@
 #include <stdlib.h>
 
 enum { MANY = 1024, WIDTH = 1200, HEIGHT = 800, LEFT = 576, RIGHT = 640, REPEATS = 3 };
-static const double details[] = {0, 0.5, 1, 2, 4};
 
 typedef struct view {
     cw_field *own; /* of coarser land, or NULL; z likewise */
     float *z;
-    detail levels; /* of the full land alone */
     scene *scene;
     scene_crop part; /* of the picture */
 } view;
@@ -41,8 +38,6 @@ static bool open_view(view *v, const tradeoff_land *land, size_t factor, const t
             return io_fail(error, "coarser land: %s", cw_last_error());
         v->z = tradeoff_samples_of(v->own);
         field = v->own;
-    } else if (!detail_make(&v->levels, field, NULL, error)) {
-        return false;
     }
     const cw_field_info info = cw_field_describe(field);
     const double side = (double)(land->samples.nx - 1), step = (double)factor;
@@ -51,7 +46,6 @@ static bool open_view(view *v, const tradeoff_land *land, size_t factor, const t
                         .samples = v->z ? v->z : land->samples.z,
                         .nx = info.nx,
                         .ny = info.ny,
-                        .levels = factor > 1 ? NULL : &v->levels,
                         .to_world = {{step, 0, 0, 0}, {0, step, 0, 0}, {0, 0, 1, 0}},
                         .field_of_view = 50,
                         .eye = {(double)i, (double)j, (double)cw_field_row(land->field, j)[i] + 0.04 * side},
@@ -75,36 +69,33 @@ static bool open_view(view *v, const tradeoff_land *land, size_t factor, const t
 
 static void close_view(view *v) {
     if (v->scene) scene_free(v->scene);
-    detail_free(&v->levels);
     cw_field_destroy(v->own);
     free(v->z);
 }
 
-static bool draw(const view *v, double pixels, unsigned samples, uint32_t seed, io_image *image, double *seconds,
-                 io_error *error) {
+static bool draw(const view *v, unsigned samples, uint32_t seed, io_image *image, double *seconds, io_error *error) {
     const scene_render_options options = {
-        .threads = 1, .samples = samples, .seed = seed, .phong = true, .detail = pixels, .crop = v->part};
+        .threads = 1, .samples = samples, .seed = seed, .phong = true, .crop = v->part};
     const double start = clock_cpu_seconds(); /* one thread */
     const bool good = scene_render(v->scene, &options, image, NULL, error);
     *seconds = clock_cpu_seconds() - start;
     return good;
 }
 
-static bool measure(const view *v, size_t factor, double pixels, unsigned samples, const char *name,
-                    const io_image *truth, json_t *lines, io_error *error) {
+static bool measure(const view *v, size_t factor, unsigned samples, const char *name, const io_image *truth,
+                    json_t *lines, io_error *error) {
     double seconds[REPEATS];
     io_image image = {0};
     for (int k = 0; k < REPEATS; k++) {
         io_image_free(&image);
-        if (!draw(v, pixels, samples, 0, &image, &seconds[k], error)) return false;
+        if (!draw(v, samples, 0, &image, &seconds[k], error)) return false;
     }
     const picture_difference d = picture_compare(&image, truth);
     json_t *line = json_object();
     results_set_texts(line, "kind field", (const char *[]){"picture", name});
     results_set_counts(line, "samples_a_pixel factor width height pixels_visibly",
                        (size_t[]){samples, factor, image.width, image.height, d.visible});
-    results_set_numbers(line, "detail rmse worst seconds",
-                        (double[]){pixels, d.rmse, d.worst, statistics_of(seconds, REPEATS).min});
+    results_set_numbers(line, "rmse worst seconds", (double[]){d.rmse, d.worst, statistics_of(seconds, REPEATS).min});
     results_append(lines, line);
     io_image_free(&image);
     return true;
@@ -121,10 +112,9 @@ bool tradeoff_pictures_run(const char *name, const tradeoff_options *o, json_t *
         fprintf(stderr, "land %s: pictures, every %zu. sample\n", name, factor);
         good = open_view(&v, &land, factor, o, error);
         /* Another pattern of samples, so that the picture holds none of those that it judges. */
-        if (good && factor == 1) good = draw(&v, 0, o->quick ? 64 : MANY, 1, &truth, &seconds, error);
-        for (size_t k = 0; good && k < (factor > 1 ? 1 : sizeof details / sizeof *details); k++)
-            for (unsigned samples = 1; good && samples <= (o->quick ? 4 : 64); samples *= 2)
-                good = measure(&v, factor, details[k], samples, name, &truth, lines, error);
+        if (good && factor == 1) good = draw(&v, o->quick ? 64 : MANY, 1, &truth, &seconds, error);
+        for (unsigned samples = 1; good && samples <= (o->quick ? 4 : 64); samples *= 2)
+            good = measure(&v, factor, samples, name, &truth, lines, error);
         close_view(&v);
     }
     io_image_free(&truth);

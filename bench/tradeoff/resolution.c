@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Rays on coarser fields, alone or near and far in one view: the promised and the actual distance of their surfaces, and the gain
- * in speed. */
+/* Rays on coarser fields: the promised and the actual distance of their surfaces, and the gain in speed. */
 #include "tradeoff/tradeoff.h"
 
 #include "accuracy/judge.h"
 #include "clock.h"
-#include "detail.h"
 #include "harness/memory.h"
 #include "harness/results.h"
 #include "peers/embree.h"
@@ -16,9 +14,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { LEVELS = 4, DETAILS = 2, CONTENDERS_MAX = 1 + LEVELS + DETAILS + 2 * PEER_WIDTH_COUNT };
+enum { LEVELS = 4, CONTENDERS_MAX = 1 + LEVELS + 2 * PEER_WIDTH_COUNT };
 static const size_t factors[LEVELS] = {2, 4, 8, 16};
-static const double pixels[DETAILS] = {1, 4};
 static const char *const filters[] = {"mean", "highest", "lowest"};
 
 /* ---- asked against got ---- */
@@ -91,10 +88,8 @@ static bool compare_coarser(const char *land, const cw_field *full, size_t facto
 
 typedef struct runner {
     contender contender;
-    struct detail_contender *detail; /* which stands in for it; or NULL */
     const char *what;
     size_t factor; /* 0: Embree */
-    double pixels; /* of detail; else 0 */
     cw_ray *rays;
     contender_pass pass;
     interleave_job job;
@@ -102,8 +97,7 @@ typedef struct runner {
 
 typedef struct bout {
     const tradeoff_land *land;
-    detail levels;
-    double level_seconds; /* to make them */
+    cw_field *levels[LEVELS];
     peer_embree *peers[2];
     runner *runners;
     size_t count;
@@ -123,32 +117,6 @@ static cw_ray *rays_on(const cw_ray *rays, size_t n, size_t factor) {
     return out;
 }
 
-/* The camera of workload/ray_classes.c: 1024 pixels for 60 degrees, and its depth is y. */
-static const double view_pixel = 2 * 0.57735 / 1024;
-
-typedef struct detail_contender {
-    contender contender; /* first: the other members follow it */
-    const detail *levels;
-    detail_view view;
-    float reach[SCENE_BATCH];
-    uint8_t level[SCENE_BATCH];
-    detail_room room;
-} detail_contender;
-
-static void closest_on_level(void *levels, size_t level, const cw_ray *rays, size_t n, cw_hit *hits) {
-    cw_closest(((const detail *)levels)->level[level].field, NULL, rays, n, hits); /* as strict, which cannot fail */
-}
-
-static void closest_with_detail(const contender *self, const cw_ray *rays, size_t n, cw_hit *hits) {
-    detail_contender *c = (detail_contender *)(uintptr_t)self;
-    const scene_tracer tracer = {.context = (void *)(uintptr_t)c->levels, .closest = closest_on_level};
-    for (size_t first = 0; first < n; first += SCENE_BATCH) {
-        const size_t some = n - first < SCENE_BATCH ? n - first : SCENE_BATCH;
-        for (size_t k = 0; k < some; k++) c->reach[k] = 1 / (rays[first + k].dir[1] * rays[first + k].dir[1]);
-        detail_closest(c->levels, &c->view, &tracer, rays + first, c->reach, some, hits + first, c->level, &c->room);
-    }
-}
-
 static json_t *ray_line(const bout *b, const runner *r, size_t n, const cw_hit *truth, const double *exact,
                         const cw_hit *hits, double *shares, double *cells) {
     size_t both = 0, differ = 0;
@@ -164,13 +132,11 @@ static json_t *ray_line(const bout *b, const runner *r, size_t n, const cw_hit *
                       (const char *[]){"rays", b->land->samples.name, workload_class_name(WORKLOAD_PRIMARY), r->what,
                                        r->contender.name});
     results_set_counts(line, "factor width ray_count", (size_t[]){r->factor, r->contender.width, n});
-    if (r->pixels > 0) results_set_number(line, "pixels", r->pixels);
     results_set_number(line, "differ_per_million", 1e6 * (double)differ / (double)n);
     const tradeoff_spread share = tradeoff_spread_of(shares, both), cell = tradeoff_spread_of(cells, both);
     tradeoff_set_spread(line, "t", &share);
     tradeoff_set_spread(line, "cells", &cell);
     results_set_seconds(line, &r->job.seconds);
-    if (r->pixels > 0) results_set_number(line, "level_seconds", b->level_seconds);
     results_set_number(line, "mrays_per_s", (double)n / r->job.seconds.median * 1e-6);
     return line;
 }
@@ -186,7 +152,7 @@ static void fight(bout *b, const tradeoff_options *o, double seconds, json_t *li
     for (size_t k = 0; k < b->count; k++) {
         runner *r = &b->runners[k];
         r->rays = r->factor > 1 ? rays_on(rays, n, r->factor) : rays;
-        r->pass = (contender_pass){r->detail ? &r->detail->contender : &r->contender, r->rays, n, false, answers};
+        r->pass = (contender_pass){&r->contender, r->rays, n, false, answers};
         r->job = (interleave_job){.run = contender_run, .context = &r->pass};
         jobs[k] = &r->job;
     }
@@ -224,21 +190,13 @@ static bool add_field(bout *b, cw_field *field, size_t factor, io_error *error) 
     return status == CW_OK || io_fail(error, "land %s: %s", b->land->samples.name, cw_last_error());
 }
 
-/* Near and far in one view, for each number of pixels. */
-static bool add_details(bout *b, io_error *error) {
-    for (int k = 0; k < DETAILS; k++) {
-        if (!add_field(b, b->land->field, 1, error)) return false;
-        runner *r = &b->runners[b->count - 1];
-        detail_contender *c = memory(1, sizeof *c);
-        *c = (detail_contender){.contender = r->contender,
-                                .levels = &b->levels,
-                                .view = detail_view_of(&b->levels, 1, 1, view_pixel * pixels[k])};
-        c->contender.closest = closest_with_detail;
-        r->detail = c;
-        r->what = "detail";
-        r->pixels = pixels[k];
-    }
-    return true;
+static bool add_coarser(bout *b, int level, io_error *error) {
+    const cw_status status =
+        cw_field_coarser(b->land->field, NULL, factors[level], CW_FILTER_MEAN, &b->levels[level], NULL);
+    if (status != CW_OK)
+        return io_fail(error, "land %s, every %zu-th sample: %s", b->land->samples.name, factors[level],
+                       cw_last_error());
+    return add_field(b, b->levels[level], factors[level], error);
 }
 
 /* A mesh of triangles where it is built in seconds, else grids. */
@@ -273,15 +231,10 @@ bool tradeoff_resolution_run(const char *name, const tradeoff_options *o, double
     good = add_field(&b, land.field, 1, error);
     for (int k = 0; good && k < LEVELS; k++)
         good = compare_coarser(name, land.field, factors[k], CW_FILTER_MEAN, o, lines, error);
-    const double start = clock_cpu_seconds();
-    good = good && detail_make(&b.levels, land.field, NULL, error);
-    b.level_seconds = clock_cpu_seconds() - start;
-    for (size_t k = 0; good && k < LEVELS && k + 1 < b.levels.count; k++)
-        good = add_field(&b, b.levels.own[k + 1], factors[k], error);
-    good = good && add_details(&b, error) && add_embree(&b, o, error);
+    for (int k = 0; good && k < LEVELS; k++) good = add_coarser(&b, k, error);
+    good = good && add_embree(&b, o, error);
     if (good) fight(&b, o, seconds, lines);
-    for (size_t k = 0; k < b.count; k++) free(b.runners[k].detail);
-    detail_free(&b.levels);
+    for (int k = 0; k < LEVELS; k++) cw_field_destroy(b.levels[k]);
     for (int k = 0; k < 2; k++) peer_embree_destroy(b.peers[k]);
     /* The other filters serve promises, not speed. */
     for (int k = 0; good && k < LEVELS && land.samples.nx <= 4097; k++)

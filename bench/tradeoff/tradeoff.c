@@ -13,10 +13,10 @@ static const char what[] =
     "Measures the gain and the error of each choice between speed and accuracy, on fractal land, one thread; "
     "writes tradeoff.json to a folder.\n\n"
     "  rays      coarser land: how far its surface is promised to lie from the full one, and does; speed and error of "
-    "a view's rays, also near and far in one view, beside strict and Embree\n"
+    "a view's rays, beside strict and Embree\n"
     "  horizons  exact, along the grid, within a distance, and of coarser land\n"
     "  sky       the sky-view factor, by directions, distance and resolution, against 256 directions\n"
-    "  pictures  by samples a pixel, resolution and detail, against 1024 samples a pixel\n\n"
+    "  pictures  by samples a pixel and resolution, against 1024 samples a pixel\n\n"
     "Contenders are timed in rounds. papers/scripts/tables.py --data makes tables of the file.";
 
 static const char examples[] = "  cellwalk-bench tradeoff --quick       # to see whether all runs\n"

@@ -36,7 +36,6 @@ def views(results, land):
     """(name, line) of strict, each level, and the fastest width of each of Embree's meshes."""
     found = [("strict", strict(results, land))]
     found += [(f"coarser {line.number('factor')}", line) for line in results.of("rays", field=land, contender="coarser")]
-    found += [(f"detail {line.number('pixels'):g}", line) for line in results.of("rays", field=land, contender="detail")]
     for mesh in ("embree", "embree-robust", "embree-grid", "embree-grid-robust"):
         widths = results.of("rays", field=land, contender=mesh)
         if widths:
@@ -86,25 +85,20 @@ def peer_horizon(data):
     return 1e9 * clock.number("cpu_seconds") / angles, error
 
 
-def picture_of(results, samples, factor, detail=0):
+def picture_of(results, samples, factor):
     for line in results.of("picture"):
-        if (line.number("samples_a_pixel"), line.number("factor"), line.number("detail", 0)) == (samples, factor, detail):
+        if (line.number("samples_a_pixel"), line.number("factor")) == (samples, factor):
             return line
     return None
 
 
 def pictures(results):
-    """(factor, detail) of each kind of picture: the full field, with detail, coarser ones."""
-    return sorted({(line.number("factor"), line.number("detail", 0)) for line in results.of("picture")})
+    """The factors of pictures: the full field, coarser ones."""
+    return sorted({line.number("factor") for line in results.of("picture")})
 
 
-def picture_name(kind):
-    factor, detail = kind
-    return f"detail {detail:g}" if detail else "full" if factor == 1 else f"coarser {factor}"
-
-
-def detail(results, land, pixels):
-    return next((line for line in results.of("rays", field=land, contender="detail") if line.number("pixels") == pixels), None)
+def picture_name(factor):
+    return "full" if factor == 1 else f"coarser {factor}"
 
 
 # ---- blocks ----
@@ -119,7 +113,7 @@ def choices(data):
 
 def choices_short(data):
     """The rows for README."""
-    wanted = ("`--coarser 2`", "`--coarser 8`", "`render --detail 1`", "`render --detail 4`", "`horizon --grid --directions 16`",
+    wanted = ("`--coarser 2`", "`--coarser 8`", "`horizon --grid --directions 16`",
               "`--svf --directions 16`", "`render --samples 4`")
     rows, title = {}, ""
     for row in choice_rows(data):
@@ -145,14 +139,6 @@ def choice_rows(data):
                          f"1/{factor * factor} of the memory",
                          f"distances off by {share(view.number('t_median'))}, 99 %: {share(view.number('t_99'))}; heights by at "
                          f"most {max(surface.number('above'), surface.number('below')):.2g} cells"])
-        for pixels in (1, 4):
-            view = detail(rays, land, pixels)
-            if view:
-                rows.append(["", f"`render --detail {pixels}`",
-                             f"{times(view.number('mrays_per_s'), strict(rays, land).number('mrays_per_s'))} × the rays a second, "
-                             "at 4/3 of the memory",
-                             f"distances off by {share(view.number('t_median'))}, 99 %: {share(view.number('t_99'))}; near cells "
-                             f"are exact, far ones at most {pixels} pixel{'s' if pixels > 1 else ''} long"])
     safe = coarser(rays, "1025", "highest", 2) if "1025" in lands(rays) else None
     if safe:
         rows.append(["no obstacle missed", "`--coarser 2 --filter highest`", "1/4 of the memory",
@@ -216,9 +202,6 @@ def help_header(data):
         return (f"{picture_of(rest, 64, 1).number('seconds') / line.number('seconds'):.2g}", f"{line.number('rmse'):.2g}")
 
     two, eight = (level(rays, land, factor)[0] for factor in (2, 8))
-    near = {pixels: detail(rays, land, pixels) for pixels in (1, 4)}
-    if None in near.values():
-        raise Problem(f"{rays.path}: has no view with detail on {land}")
     coarse = (f"--coarser 2 makes rays {gain(two)} times as fast, with distances off by {off(two)}, --coarser 8 {gain(eight)} times and "
               f"{off(eight)}.")
     sixteen, many, grid = sky_line(rest, "exact", 16), sky_line(rest, "exact", 64), rest.of("horizon", method="grid")
@@ -227,8 +210,7 @@ def help_header(data):
     about = f"To save time, measured on rough {of} (papers/tradeoff.md): "
     texts = {
         "TRADE_TRACE": about + coarse,
-        "TRADE_RENDER": about + coarse + f" --detail 1 makes rays {gain(near[1])} times as fast, off by {off(near[1])}, and keeps near "
-                        f"cells exact, --detail 4 {gain(near[4])} times and {off(near[4])}. With 4 samples a pixel a picture takes 1/"
+        "TRADE_RENDER": about + coarse + f" With 4 samples a pixel a picture takes 1/"
                         f"{picture(4)[0]} of the time of 64, and its RMS error is {picture(4)[1]} instead of "
                         f"{picture_of(rest, 64, 1).number('rmse'):.2g}, with 16 1/{picture(16)[0]} and {picture(16)[1]}.",
         "TRADE_HORIZON": f"To save time (papers/tradeoff.md): --grid loses no exactness, and 16 directions are "
@@ -315,14 +297,14 @@ def sky_trade(results):
 
 
 def picture_trade(results):
-    kinds = pictures(results)
+    factors = pictures(results)
     rows = []
     for samples in SAMPLES:
-        lines = [picture_of(results, samples, *kind) for kind in kinds]
+        lines = [picture_of(results, samples, factor) for factor in factors]
         if any(lines):
             rows.append([f"{samples}", *(f"{line.number('rmse'):.2g} / {duration(line.number('seconds'))}" if line else ""
                                          for line in lines)])
-    return table(["samples a pixel", *map(picture_name, kinds)], rows)
+    return table(["samples a pixel", *map(picture_name, factors)], rows)
 
 
 # ---- an own run ----

@@ -251,14 +251,12 @@ def tradeoff(data):
     _grid(promise)
     lines = results.some("picture")
     labels, xs, ys = [], [], []
-    for kind in blocks_tradeoff.pictures(results):
-        factor, detail = kind
+    for factor in blocks_tradeoff.pictures(results):
         points = [(1e3 * line.number("seconds"), line.number("rmse")) for line in sorted(
-            lines, key=lambda line: line.number("samples_a_pixel")) if (line.number("factor"), line.number("detail", 0)) == kind]
-        color = OURS if factor == 1 and not detail else GREY if detail else OURS_LIGHT
+            lines, key=lambda line: line.number("samples_a_pixel")) if line.number("factor") == factor]
+        color = OURS if factor == 1 else OURS_LIGHT
         picture.plot(*zip(*points), "o-", color=color, markersize=3.5)
-        labels.append((f"detail {detail:g}" if detail else "full field" if factor == 1 else f"every {factor}.", points[-1],
-                       color if factor == 1 else GREY))
+        labels.append(("full field" if factor == 1 else f"every {factor}.", points[-1], color if factor == 1 else GREY))
         xs += [x for x, _ in points]
         ys += [y for _, y in points]
     picture.set_title("RMS error of a picture")
@@ -274,13 +272,13 @@ def tradeoff_rays(data):
     results = data[blocks_tradeoff.RAYS_FILE]
     lands = blocks_tradeoff.lands(results)
     figure, (axes,) = canvas(3.7, 1, len(lands), "A view on coarser fields: speed against error of distances (99 % of the hits)",
-                             results.run, wspace=0.12, left=0.09)
+                             results.run, wspace=0.12, left=0.105)
     points = {land: [(name, line.number("mrays_per_s"), line.number("t_99")) for name, line in blocks_tradeoff.views(results, land)]
               for land in lands}
     limits = layout.log_limits([y for found in points.values() for _, _, y in found], 0.12)
     for panel, land in zip(axes, lands):
         labels = []
-        levels = [(x, y) for name, x, y in points[land] if not name.startswith(("Embree", "detail"))]
+        levels = [(x, y) for name, x, y in points[land] if not name.startswith("Embree")]
         panel.plot(*zip(*levels), "-", color="#bbbbbb", zorder=0)
         for name, x, y in points[land]:
             embree = name.startswith("Embree")

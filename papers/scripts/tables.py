@@ -22,7 +22,7 @@ from results import Data, Problem, Results
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 # Blocks of pages that are no tables: commands and a program, which tests read.
-NOT_TABLES = {"install", "test", "example", "detail_example", "python"}
+NOT_TABLES = {"install", "test", "example", "python"}
 
 # What a file of results becomes, by the command that made it.
 OWN = {

@@ -204,20 +204,19 @@ class Tradeoff(Folder):
         def line(contender, factor, mrays):
             return {"kind": "rays", "field": "65", "contender": contender, "factor": factor, "mrays_per_s": mrays, "t_median": 0.02,
                     "t_99": 1e-7, "cells_median": 1, "differ_per_million": 3}
-        read = self.results(line("strict", 1, 10), line("coarser", 2, 25), {**line("detail", 1, 15), "pixels": 4.0}, line("embree", 0, 4), line("embree", 0, 5),
+        read = self.results(line("strict", 1, 10), line("coarser", 2, 25), line("embree", 0, 4), line("embree", 0, 5),
                             run={**RUN, "ray_count": 8})
         text = blocks_tradeoff.view_trade(read)
         self.assertIn("| | coarser 2 | 25 | 2.50 | 2 % | 1.0e-07 | 1 | 3 |", text)
         self.assertIn("| | Embree | 5 | 0.50 |", text)
-        self.assertIn("| | detail 4 | 15 | 1.50 |", text)
 
-    def test_pictures_stand_by_detail_and_resolution(self):
-        def line(samples, factor, detail, rmse):
-            return {"kind": "picture", "field": "65", "samples_a_pixel": samples, "factor": factor, "detail": detail, "rmse": rmse,
+    def test_pictures_stand_by_resolution(self):
+        def line(samples, factor, rmse):
+            return {"kind": "picture", "field": "65", "samples_a_pixel": samples, "factor": factor, "rmse": rmse,
                     "seconds": 0.002}
-        text = blocks_tradeoff.picture_trade(self.results(line(1, 2, 0, 0.3), line(1, 1, 0.5, 0.2), line(1, 1, 0, 0.1)))
-        self.assertIn("| samples a pixel | full | detail 0.5 | coarser 2 |", text)
-        self.assertIn("| 1 | 0.1 / 2 ms | 0.2 / 2 ms | 0.3 / 2 ms |", text)
+        text = blocks_tradeoff.picture_trade(self.results(line(1, 2, 0.3), line(1, 1, 0.1)))
+        self.assertIn("| samples a pixel | full | coarser 2 |", text)
+        self.assertIn("| 1 | 0.1 / 2 ms | 0.3 / 2 ms |", text)
 
     def test_the_help_is_a_string_of_short_lines(self):
         text = blocks_tradeoff.c_text("NAME", "word " * 40)

@@ -47,8 +47,8 @@ static transform camera_at(const double eye[3], const double target[3]) {
     return t;
 }
 
-static bool allocate(scene *s, const landscape_desc *d) {
-    s->heightfields = calloc(d->levels ? d->levels->count : 1, sizeof *s->heightfields);
+static bool allocate(scene *s) {
+    s->heightfields = calloc(1, sizeof *s->heightfields);
     s->lights = calloc(2, sizeof *s->lights);
     s->textures = calloc(1, sizeof(texture *));
     s->sky = calloc(1, sizeof *s->sky);
@@ -101,15 +101,13 @@ static bool add_water(scene *s, const landscape_desc *d) {
     return true;
 }
 
-/* A field whose samples stand step cells of the full one apart. */
-static void add_field(scene *s, const landscape_desc *d, cw_field *field, const float *samples, size_t nx, size_t ny,
-                      double step) {
+static void add_field(scene *s, const landscape_desc *d) {
     heightfield *h = &s->heightfields[s->heightfield_count++];
-    *h = (heightfield){.field = field, .samples = samples, .nx = nx, .ny = ny, .borrowed = true};
+    *h = (heightfield){.field = d->field, .samples = d->samples, .nx = d->nx, .ny = d->ny, .borrowed = true};
     h->surface = (material){.kind = MATTE, .colour = {1, 1, 1}, .image = s->textures[0]};
     transform cells = transform_identity();
-    cells.m[0][0] = step * (double)(nx - 1);
-    cells.m[1][1] = step * (double)(ny - 1);
+    cells.m[0][0] = (double)(d->nx - 1);
+    cells.m[1][1] = (double)(d->ny - 1);
     transform world;
     memcpy(world.m, d->to_world, sizeof world.m);
     h->to_world = transform_multiply(&world, &cells);
@@ -117,7 +115,7 @@ static void add_field(scene *s, const landscape_desc *d, cw_field *field, const 
 
 scene *landscape_create(const landscape_desc *d, io_error *error) {
     scene *s = calloc(1, sizeof *s);
-    bool good = s != NULL && allocate(s, d) && (s->textures[0] = texture_new()) != NULL;
+    bool good = s != NULL && allocate(s) && (s->textures[0] = texture_new()) != NULL;
     if (good) s->texture_count = 1;
     if (!good || !add_water(s, d) || !texture_fill(s->textures[0], d->colours)) {
         scene_free(s);
@@ -129,12 +127,7 @@ scene *landscape_create(const landscape_desc *d, io_error *error) {
     s->samples = d->samples_a_pixel;
     s->field_of_view = d->field_of_view;
     s->camera_to_world = camera_at(d->eye, d->target);
-    add_field(s, d, d->field, d->samples, d->nx, d->ny, 1);
-    s->levels = d->levels;
-    for (size_t k = 1; d->levels && k < d->levels->count; k++) {
-        const detail_level *l = &d->levels->level[k];
-        add_field(s, d, d->levels->own[k], l->samples, l->nx, l->ny, 1 / (double)l->scale);
-    }
+    add_field(s, d);
     add_lights(s, d);
     add_sky(s, d);
     return s;

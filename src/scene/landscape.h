@@ -3,7 +3,6 @@
 #ifndef CELLWALK_SCENE_LANDSCAPE_H
 #define CELLWALK_SCENE_LANDSCAPE_H
 
-#include "detail.h"
 #include "scene.h"
 
 typedef struct landscape_desc {
@@ -12,7 +11,6 @@ typedef struct landscape_desc {
     cw_field *field;
     const float *samples;
     size_t nx, ny;
-    const detail *levels;  /* of the field, owned likewise; NULL: none */
     double to_world[3][4]; /* from field space; can be inverted; up is the world's z */
     /* Of the ground, from field space's y = 0, the first row, to its end. Taken over if that succeeds. */
     io_image *colours;

@@ -3,7 +3,6 @@
 #ifndef CELLWALK_SCENE_MODEL_H
 #define CELLWALK_SCENE_MODEL_H
 
-#include "detail.h"
 #include "scene.h"
 #include "texture.h"
 #include "transform.h"
@@ -62,8 +61,6 @@ struct scene {
     transform camera_to_world; /* the camera looks along +z, +y is up, +x right */
 
     heightfield *heightfields;
-    /* NULL, or of the first height field, which is then the only shape: the others are its levels, each in its place. */
-    const detail *levels;
     cylinder *cylinders;
     point_light *lights;
     size_t heightfield_count, cylinder_count, light_count;

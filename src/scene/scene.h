@@ -60,12 +60,9 @@ typedef struct scene_render_options {
     size_t width, height;       /* of the picture; 0: as the scene says */
     scene_crop crop;            /* the part of it that is rendered, each pixel as in the whole; x1 = 0: all */
     bool phong;                 /* Phong normals on height fields instead of the triangles' own */
-    /* Of a landscape with levels: cells that the camera sees, and errors of their heights, are at most so many pixels long, as
-     * detail.h says. 0: all cells are of the full field. */
-    double detail;
-    scene_normals normals;     /* of these */
-    bool general;              /* for tests: leave nothing out that the scene does not require */
-    const atomic_bool *cancel; /* NULL, or stops the rendering soon after it turns true */
+    scene_normals normals;      /* of these */
+    bool general;               /* for tests: leave nothing out that the scene does not require */
+    const atomic_bool *cancel;  /* NULL, or stops the rendering soon after it turns true */
     /* NULL, or told the share done in [0, 1], from one thread at a time. */
     void (*progress)(void *context, double done);
     void *progress_context;

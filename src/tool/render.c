@@ -99,7 +99,6 @@ static int render(const render_command *c, const char *path, scene *s, const cw_
                                           .height = c->height,
                                           .crop = c->part,
                                           .phong = c->phong,
-                                          .detail = c->view.detail > 0 ? c->view.detail : 0,
                                           .cancel = cancel_flag(),
                                           .progress = c->quiet ? NULL : progress_update,
                                           .progress_context = &p};
@@ -277,7 +276,7 @@ static int run(int argc, char **argv) {
                 "point lights, a perspective camera. Anything else in the file is an error with\n"
                 "its line, or a warning if it changes neither geometry nor light. The options\n"
                 "--dem, --from, --to, --sun, --time, --fov, --image, --sky, --haze, --water,\n"
-                "--curvature, --detail and those on how to read a raster are for terrain only.\n"
+                "--curvature and those on how to read a raster are for terrain only.\n"
                 "\n" TRADE_RENDER,
         .examples = "  cellwalk render dem.tif -o overview.png\n"
                     "  cellwalk render dem.tif --from 600250,5199800,30 --to 603000,5203000 \\\n"

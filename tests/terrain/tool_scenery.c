@@ -152,44 +152,6 @@ static void same_bits(void **state) {
     check_same_bits((const char *const[]){"--sky", "--haze", "900", "--water", "3", "--phong", NULL});
 }
 
-/* The picture's bytes, with options more on land that is rough and has holes. */
-static char *rough_picture(const char *first, const char *second, size_t *length) {
-    const program_result *r = program_run(
-        NULL, (const char *const[]){"render", "rough.npy", "--size", "150x100", "--from", "100,9,5", "--quiet",
-                                    "--phong", "--samples", "1", "-o", "o.pfm", first, second, NULL});
-    check(r->status == 0 && r->err[0] == '\0', "exit status %d: %s", r->status, r->err);
-    return scratch_read("o.pfm", length);
-}
-
-/* A detail of 0 is none, even to the bit, and one of a few pixels is some, the same for any number of threads. */
-static void near_and_far(void **state) {
-    (void)state;
-    enum { WIDE = 200, HIGH = 160 };
-    static float z[WIDE * HIGH];
-    for (size_t k = 0; k < WIDE * HIGH; k++) z[k] = k % 977 == 0 ? NAN : (float)((k * 2654435761u >> 7) % 8);
-    field_file("rough.npy", z, WIDE, HIGH);
-    static const struct {
-        const char *one[2], *other[2];
-        bool same;
-    } pairs[] = {{{"--detail=0", NULL}, {NULL, NULL}, true},
-                 {{"--detail=1e-9", NULL}, {NULL, NULL}, true},
-                 {{"--detail=9", NULL}, {NULL, NULL}, false},
-                 {{"--detail=9", "--threads=1"}, {"--detail=9", "--threads=3"}, true},
-                 {{"--detail=9", "--sky"}, {"--detail=9", NULL}, false},
-                 {{"--detail=9", "--coarser=2"}, {"--coarser=2", NULL}, false},
-                 {{"--detail=9", "--curvature=99"}, {"--curvature=99", NULL}, false}};
-    for (size_t k = 0; k < sizeof pairs / sizeof pairs[0]; k++) {
-        size_t lengths[2];
-        char *one = rough_picture(pairs[k].one[0], pairs[k].one[1], &lengths[0]);
-        char *other = rough_picture(pairs[k].other[0], pairs[k].other[1], &lengths[1]);
-        assert_int_equal(lengths[0], lengths[1]);
-        check((memcmp(one, other, lengths[0]) == 0) == pairs[k].same, "pictures of pair %zu are %s", k,
-              pairs[k].same ? "not the same" : "the same");
-        free(one);
-        free(other);
-    }
-}
-
 /* Four squares of 8 x 8 pixels in red, green, blue and yellow; two tables of 64 ones stand between head and tail. */
 static void write_jpeg(const char *name) {
     static const unsigned char head[] = {0xff, 0xd8, 0xff, 0xe0, 0x00, 0x10, 0x4a, 0x46, 0x49, 0x46,
@@ -282,12 +244,6 @@ static void what_is_refused(void **state) {
     check_refused((const char *const[]){"render", "s.pbrt", "--sky", "-o", "o.pfm", NULL}, 2, "--sky is for rasters");
     check_refused((const char *const[]){"render", "s.pbrt", "--water", "3", "-o", "o.pfm", NULL}, 2,
                   "--water is for rasters");
-    check_refused((const char *const[]){"render", "s.pbrt", "--detail", "1", "-o", "o.pfm", NULL}, 2,
-                  "--detail is for rasters, and s.pbrt is a scene");
-    check_refused((const char *const[]){"render", "level.npy", "--detail=-1", "-o", "o.pfm", NULL}, 2,
-                  "--detail takes a number of pixels, 0 or more, not -1");
-    check_refused((const char *const[]){"render", "level.npy", "--detail", "nan", "-o", "o.pfm", NULL}, 2,
-                  "--detail takes a number, not 'nan'");
 }
 
 int main(void) {
@@ -297,7 +253,6 @@ int main(void) {
         cmocka_unit_test_setup_teardown(water_mirrors_land, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(sky_and_plain, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(same_bits, enter, scratch_leave),
-        cmocka_unit_test_setup_teardown(near_and_far, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(jpeg_on_the_ground, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(sun_by_time, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(what_is_refused, enter, scratch_leave),

@@ -55,24 +55,16 @@ static void add_sky(wave *w) {
     wave_lap(w, WAVE_FILM);
 }
 
-/* For rays that water has mirrored and that met nothing. On a coarser level of detail x and y are shorter. */
+/* For rays that water has mirrored and that met nothing. */
 static void add_mirrored_sky(wave *w, const wave_rays *r) {
     const sky s = *w->plan->scene->sky;
-    for (size_t g = 0; g < r->segment_count; g++) {
-        const wave_segment *part = &r->segments[g];
-        const float step = w->plan->levels > 1 ? 1 / w->plan->scene->levels->level[part->home - 1].scale : 1;
-        float up[3], sun[3];
-        for (int c = 0; c < 3; c++) {
-            up[c] = w->plan->up[c] * (c < 2 ? step : 1);
-            sun[c] = w->plan->sun[c] * (c < 2 ? step : 1);
-        }
-        for (size_t k = part->begin; k < part->end; k++) {
-            if (w->shape[k] != WAVE_MISS) continue;
-            const float x = r->dir[0][k], y = r->dir[1][k], z = r->dir[2][k];
-            float colour[3];
-            sky_colour(&s, lane_dot(x, y, z, up[0], up[1], up[2]), lane_dot(x, y, z, sun[0], sun[1], sun[2]), colour);
-            for (int c = 0; c < 3; c++) w->sum[c][r->pixel[k]] += (double)(r->share[c][k] * colour[c]);
-        }
+    const float *up = w->plan->up, *sun = w->plan->sun;
+    for (size_t k = 0; k < r->count; k++) {
+        if (w->shape[k] != WAVE_MISS) continue;
+        const float x = r->dir[0][k], y = r->dir[1][k], z = r->dir[2][k];
+        float colour[3];
+        sky_colour(&s, lane_dot(x, y, z, up[0], up[1], up[2]), lane_dot(x, y, z, sun[0], sun[1], sun[2]), colour);
+        for (int c = 0; c < 3; c++) w->sum[c][r->pixel[k]] += (double)(r->share[c][k] * colour[c]);
     }
     wave_lap(w, WAVE_FILM);
 }
@@ -138,22 +130,19 @@ static void spread_from_water(const plan_shape *field, const float dir[3], float
     }
 }
 
-/* Light from the water, and mirrored rays, which join the next wave: on a level of detail those that meet the water where that
- * level serves. */
-static void shade_water_on(wave *w, size_t level, wave_rays *next) {
+/* Light from the water, and mirrored rays, which join the next wave. */
+static void shade_water(wave *w, wave_rays *next) {
     const plan *p = w->plan;
     const scene *s = p->scene;
     const wave_rays *r = &w->rays[0];
-    const plan_map *map = plan_map_to(p, level, PLAN_CAMERA);
-    const float step = level > 0 ? 1 / s->levels->level[level].scale : 1;
+    const plan_map *map = plan_map_to(p, 0, PLAN_CAMERA);
     const size_t begin = next->count;
     for (size_t k = 0; k < r->count; k++) {
         if (w->shape[k] != WAVE_WATER) continue;
-        if (p->levels > 1 && plan_level(p, w->t[k], plan_reach(r->dir[2][k])) != level) continue;
         const size_t to = next->count++;
         float dir[3];
         for (int c = 0; c < 3; c++) dir[c] = lane_turn(map->m[c], r->dir[0][k], r->dir[1][k], r->dir[2][k]);
-        const float t = w->t[k], cosine = -lane_dot(dir[0] * step, dir[1] * step, dir[2], p->up[0], p->up[1], p->up[2]);
+        const float t = w->t[k], cosine = -lane_dot(dir[0], dir[1], dir[2], p->up[0], p->up[1], p->up[2]);
         const float mirrored = mirrored_share(cosine < 1 ? cosine : 1),
                     left = s->haze > 0 ? lane_halved(s->haze * t) : 1;
         for (int c = 0; c < 3; c++) {
@@ -165,17 +154,12 @@ static void shade_water_on(wave *w, size_t level, wave_rays *next) {
         }
         next->tmin[to] = 0;
         next->pixel[to] = r->pixel[k];
-        if (p->spreads) spread_from_water(&p->shapes[level], dir, t, r->dir[2][k], next->spread, to);
+        if (p->spreads) spread_from_water(&p->shapes[0], dir, t, r->dir[2][k], next->spread, to);
     }
     if (next->count == begin) return;
-    next->segments[next->segment_count++] = (wave_segment){plan_home(level), begin, next->count};
+    next->segments[next->segment_count++] = (wave_segment){plan_home(0), begin, next->count};
     w->stats.mirror_rays += next->count - begin;
-}
-
-static void shade_water(wave *w, wave_rays *next) {
-    const size_t begin = next->count;
-    for (size_t level = 0; level < w->plan->levels; level++) shade_water_on(w, level, next);
-    if (next->count > begin) wave_lap(w, WAVE_SHADE);
+    wave_lap(w, WAVE_SHADE);
 }
 
 #endif

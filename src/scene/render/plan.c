@@ -214,23 +214,6 @@ static void place_sky(plan *p, const space *spaces) {
         }
 }
 
-/* Camera rays on a level are those of the full field to the bit, but for powers of 2, and textures lie on the full field. */
-static void place_levels(plan *p, double seen) {
-    for (size_t k = 1; k < p->levels; k++) {
-        const float scale = p->scene->levels->level[k].scale;
-        plan_map *map = &p->maps[k * (p->shape_count + 1) + PLAN_CAMERA];
-        *map = *plan_map_to(p, 0, PLAN_CAMERA);
-        for (int r = 0; r < 2; r++) {
-            p->shapes[k].uv_scale[r] = p->shapes[0].uv_scale[r] / scale;
-            for (int c = 0; c < 4; c++) map->m[r][c] *= scale;
-        }
-    }
-    if (p->levels == 1) return;
-    const float *g = p->shapes[0].metric.g;
-    const double cell = sqrt((double)(g[0] > g[1] ? g[0] : g[1])), height = sqrt((double)g[2]);
-    p->detail = detail_view_of(p->scene->levels, cell, height, seen);
-}
-
 /* The square root of the sum of a matrix's squares: it makes no vector longer than so many times. */
 static double stretch(double m[3][3]) {
     double sum = 0;
@@ -294,9 +277,6 @@ bool plan_make(plan *p, const scene *s, const scene_render_options *options) {
                 .field_count = s->heightfield_count,
                 .light_count = s->light_count,
                 .general = options->general};
-    const bool detailed = s->levels != NULL && options->detail > 0;
-    p->levels = detailed ? s->levels->count : 1;
-    if (s->levels != NULL) p->shape_count = p->field_count = p->levels;
     space *spaces = NULL;
     if (!allocate(p, &spaces)) {
         free(spaces);
@@ -320,7 +300,6 @@ bool plan_make(plan *p, const scene *s, const scene_render_options *options) {
         for (size_t home = 0; home <= p->shape_count; home++)
             p->maps[k * (p->shape_count + 1) + home] =
                 home == plan_home(k) ? map_identity() : map_between(&spaces[home], &spaces[plan_home(k)]);
-    place_levels(p, options->detail * 2 * half_pixel(p));
     for (size_t k = p->field_count; k < p->shape_count; k++)
         for (size_t home = 0; home <= p->shape_count; home++)
             p->within[k * (p->shape_count + 1) + home] = begins_within(p, spaces, home, k);

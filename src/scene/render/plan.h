@@ -54,11 +54,6 @@ typedef struct plan {
     bool *within;   /* [shape * (shape_count + 1) + home]: all rays from home begin inside of this cylinder */
     bool *blocks;   /* [(light * shape_count + home shape) * cylinders + cylinder]: may stand between the two */
 
-    /* Levels of detail: 1, or shapes 0 to before levels are those of the scene's detail, and nothing else is there. What begins
-     * on a level meets that level alone. */
-    size_t levels;
-    detail_view detail; /* of camera rays of reach 1 */
-
     plan_metric camera_metric;
     double corner[2], pixel; /* the picture's upper left corner and a pixel's side, at depth 1 */
 
@@ -77,17 +72,6 @@ void plan_free(plan *p);
 
 static inline const plan_map *plan_map_to(const plan *p, size_t shape, size_t home) {
     return &p->maps[shape * (p->shape_count + 1) + home];
-}
-
-/* A camera ray's reach, where z is that of its direction. A length s at distance t and depth t z moves by at most s / (t z²) in the
- * picture, to first order, as the derivative of (x / z, y / z) stretches nothing by more. */
-static inline float plan_reach(float z) { return 1 / (z * z); }
-
-/* The level that a camera ray of that reach meets at t. */
-static inline size_t plan_level(const plan *p, float t, float reach) {
-    size_t level = 0;
-    while (level + 1 < p->levels && (float)(p->detail.begin[level + 1] * (double)reach) <= t) level++;
-    return level;
 }
 
 #endif

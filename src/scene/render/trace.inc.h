@@ -238,34 +238,9 @@ static size_t ask_segment(wave *w, const wave_rays *r, const wave_segment *g, si
     return asked;
 }
 
-/* With levels of detail, what begins on one meets no other. */
-static bool meets_level(const plan *p, size_t home, size_t f) { return p->levels == 1 || home == plan_home(f); }
-
-/* Camera rays on all levels of detail. */
-static void closest_on_levels(wave *w, const wave_rays *r) {
-    size_t asked = 0;
-    for (size_t s = 0; s < r->segment_count; s++) asked = ask_segment(w, r, &r->segments[s], 0, asked);
-    if (asked == 0) return;
-    for (size_t k = 0; k < asked; k++) w->reach[k] = plan_reach(r->dir[2][w->asked_of[k]]);
-    cw_hit *hits = w->answers[0];
-    wave_lap(w, WAVE_RAYS);
-    w->stats.field_queries += detail_closest(w->plan->scene->levels, &w->plan->detail, w->tracer, w->asked, w->reach,
-                                             asked, hits, w->levels, w->detail);
-    wave_lap(w, WAVE_TRACE);
-    for (size_t k = 0; k < asked; k++) {
-        const size_t of = w->asked_of[k], level = w->levels[k];
-        if (hits[k].i < 0) continue;
-        w->t[of] = hits[k].t;
-        w->shape[of] = (int32_t)level;
-        w->hit[of] = (uint32_t)k;
-        w->answers[level][k] = hits[k];
-    }
-}
-
 static void closest_on_field(wave *w, const wave_rays *r, size_t f) {
     size_t asked = 0;
-    for (size_t s = 0; s < r->segment_count; s++)
-        if (meets_level(w->plan, r->segments[s].home, f)) asked = ask_segment(w, r, &r->segments[s], f, asked);
+    for (size_t s = 0; s < r->segment_count; s++) asked = ask_segment(w, r, &r->segments[s], f, asked);
     if (asked == 0) return;
     w->open = false;
     cw_hit *answers = w->answers[f];
@@ -363,10 +338,7 @@ static void trace_paths(wave *w, const wave_rays *r) {
         w->shape[k] = WAVE_MISS;
     }
     w->open = true;
-    if (w->plan->levels > 1 && r->segments[0].home == PLAN_CAMERA)
-        closest_on_levels(w, r);
-    else
-        for (size_t f = 0; f < w->plan->field_count; f++) closest_on_field(w, r, f);
+    for (size_t f = 0; f < w->plan->field_count; f++) closest_on_field(w, r, f);
     for (size_t c = w->plan->field_count; c < w->plan->shape_count; c++) closest_on_cylinder(w, r, c);
     wave_lap(w, WAVE_RAYS);
 }
@@ -387,7 +359,7 @@ LANE_INLINE size_t ask_any(wave *w, const wave_shadows *s, const wave_segment *g
         const size_t rays = g->end - first;
         /* Paths that begin on the field begin in its box. */
         const bool all = from == FROM_HERE || p->general;
-        if (all && (f == 0 || p->levels > 1)) {
+        if (all && f == 0) {
             asked = ask_all(w, asked, &m, first, rays);
             continue;
         }
@@ -409,7 +381,6 @@ static void hide_by_field(wave *w, const wave_shadows *s, size_t light, size_t f
     size_t asked = 0;
     for (size_t k = 0; k < s->segment_count; k++) {
         const wave_segment *g = &s->segments[k];
-        if (!meets_level(w->plan, g->home, f)) continue;
         if (origin_of(g->home, f) == FROM_HERE)
             asked = ask_any(w, s, g, place, f, asked, FROM_HERE);
         else

@@ -17,8 +17,7 @@ static bool allocate(wave *w, const plan *p) {
         if (w->shadows[l].segments == NULL) return false;
     }
     w->answers = calloc(p->field_count + 1, sizeof *w->answers);
-    if (p->levels > 1) w->detail = malloc(sizeof *w->detail);
-    return w->shadows != NULL && w->answers != NULL && (p->levels == 1 || w->detail != NULL);
+    return w->shadows != NULL && w->answers != NULL;
 }
 
 wave *wave_create(const plan *p, const scene_tracer *tracer) {
@@ -41,6 +40,5 @@ void wave_free(wave *w) {
     for (size_t l = 0; w->shadows != NULL && l < w->plan->light_count; l++) free(w->shadows[l].segments);
     free(w->shadows);
     free(w->answers);
-    free(w->detail);
     free(w);
 }

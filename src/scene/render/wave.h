@@ -140,9 +140,6 @@ typedef struct wave {
     /* One query of the tracer: the field, the rays and the answers. */
     cw_ray asked[WAVE_ROOM];
     uint32_t asked_of[WAVE_ROOM];
-    float reach[WAVE_ROOM];         /* with levels of detail: of each ray asked about */
-    uint8_t levels[SCENE_BATCH];    /* and the level of each answer */
-    detail_room *detail;            /* NULL without levels */
     cw_hit (*answers)[SCENE_BATCH]; /* of each field: they are read when the paths are shaded */
     uint8_t yes[SCENE_BATCH];
     uint8_t hidden[WAVE_ROOM]; /* 1 or 0 */

@@ -14,10 +14,8 @@
     "To save time, measured on rough terrain of 32769 x 32769 samples\n" \
     "(papers/tradeoff.md): --coarser 2 makes rays 1.5 times as fast, with distances\n" \
     "off by 0.0028 % (99 % of them: 0.063 %), --coarser 8 3 times and 0.017 % (99 %\n" \
-    "of them: 0.55 %). --detail 1 makes rays 1.6 times as fast, off by 0.0053 % (99 %\n" \
-    "of them: 0.23 %), and keeps near cells exact, --detail 4 2.3 times and 0.028 %\n" \
-    "(99 % of them: 1.4 %). With 4 samples a pixel a picture takes 1/12 of the time\n" \
-    "of 64, and its RMS error is 0.01 instead of 0.001, with 16 1/3.9 and 0.0032.\n"
+    "of them: 0.55 %). With 4 samples a pixel a picture takes 1/12 of the time of 64,\n" \
+    "and its RMS error is 0.01 instead of 0.001, with 16 1/3.9 and 0.0032.\n"
 
 #define TRADE_HORIZON \
     "To save time (papers/tradeoff.md): --grid loses no exactness, and 16 directions\n" \

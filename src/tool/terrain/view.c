@@ -3,7 +3,6 @@
 
 #include "command.h"
 #include "curvature.h"
-#include "detail.h"
 #include "drape.h"
 #include "inputs.h"
 #include "landscape.h"
@@ -27,13 +26,12 @@ struct view {
     field_file flat; /* with --curvature, until the scene is made: the terrain before it was lowered */
     terrain terrain; /* before it was lowered */
     sight earth;     /* by how much it was: 0 without --curvature */
-    detail levels;   /* of the file's field, with --detail */
-    float *filled[DETAIL_LEVELS_MAX];
+    float *filled;   /* the file's samples without holes, where smooth normals require it */
     scene *scene;
 };
 
 void view_rows(view_options *v, option_spec rows[VIEW_OPTION_COUNT]) {
-    *v = (view_options){.fov = NAN, .haze = NAN, .water = NAN, .curvature = NAN, .detail = NAN};
+    *v = (view_options){.fov = NAN, .haze = NAN, .water = NAN, .curvature = NAN};
     const option_spec own[] = {
         {.name = "dem",
          .value = "FILE",
@@ -95,13 +93,6 @@ void view_rows(view_options *v, option_spec rows[VIEW_OPTION_COUNT]) {
          .kind = OPTION_NUMBER,
          .to = &v->water},
         curvature_around_eye_row(&v->curvature),
-        {.name = "detail",
-         .value = "PIXELS",
-         .help = "far cells of coarser terrain, of every 2nd, 4th, 8th and\nso on row and column, as far away as these "
-                 "cells and the\nerrors of their heights are at most PIXELS pixels long\n(default: 0, all cells are of "
-                 "the full terrain)",
-         .kind = OPTION_NUMBER,
-         .to = &v->detail},
     };
     memcpy(rows, own, sizeof own);
     raster_options_rows(&v->raster, rows + sizeof own / sizeof own[0]);
@@ -118,7 +109,6 @@ const char *view_only(const view_options *v) {
            : !isnan(v->water)             ? "water"
            : !isnan(v->fov)               ? "fov"
            : !isnan(v->curvature)         ? "curvature"
-           : !isnan(v->detail)            ? "detail"
            : v->raster.band > 0           ? "band"
            : v->raster.coarser.factor > 0 ? "coarser"
            : v->raster.nodata.count > 0   ? "nodata"
@@ -155,8 +145,6 @@ static bool read_wish(const view_options *v, wish *w) {
         command_fail(name, "--curvature lowers the terrain around the eye: give the eye's place by --from");
     else if (v->curvature > 0 && !isnan(v->water))
         command_fail(name, "--water is level and does not go with --curvature");
-    else if (v->detail < 0)
-        command_fail(name, "--detail takes a number of pixels, 0 or more, not %g", v->detail);
     else if (!(w->fov > 0 && w->fov < 180))
         command_fail(name, "--fov takes degrees above 0 and below 180, not %g", w->fov);
     else
@@ -294,17 +282,6 @@ static float *fill_holes(const float *z, size_t nx, size_t ny, io_error *error) 
     return filled;
 }
 
-/* The same for the field and its levels. */
-static bool fill_all(view *v, landscape_desc *d, io_error *error) {
-    if (cw_field_describe(v->file.field).holes == 0) return true;
-    d->samples = v->filled[0] = fill_holes(v->file.raster.z, d->nx, d->ny, error);
-    for (size_t k = 1; v->filled[k - 1] && k < v->levels.count; k++) {
-        detail_level *l = &v->levels.level[k];
-        l->samples = v->filled[k] = fill_holes(l->samples, l->nx, l->ny, error);
-    }
-    return v->filled[v->levels.count > 0 ? v->levels.count - 1 : 0] != NULL;
-}
-
 static bool find_sun(const view *v, const view_options *o, const char *path, wish *w, io_error *error) {
     sun_place place;
     if (o->time == NULL) return true;
@@ -315,8 +292,8 @@ static bool find_sun(const view *v, const view_options *o, const char *path, wis
     return true;
 }
 
-static bool make_scene(view *v, const view_options *o, const char *path, const cw_run *query, wish *w, size_t width,
-                       size_t height, bool smooth, io_error *error) {
+static bool make_scene(view *v, const view_options *o, const char *path, wish *w, size_t width, size_t height,
+                       bool smooth, io_error *error) {
     landscape_desc d = {.field = v->file.field,
                         .samples = v->file.raster.z,
                         .nx = v->terrain.nx,
@@ -332,9 +309,10 @@ static bool make_scene(view *v, const view_options *o, const char *path, const c
     if (o->haze > 0) d.visibility = o->haze;
     const double water = o->water / terrain_metres_of_height(&v->terrain);
     if (!isnan(water)) d.water_level = &water;
-    if (o->detail > 0 && !detail_make(&v->levels, v->file.field, query, error)) return false;
-    if (v->levels.count > 0) d.levels = &v->levels;
-    if (smooth && !fill_all(v, &d, error)) return false;
+    if (smooth && cw_field_describe(d.field).holes > 0) {
+        d.samples = v->filled = fill_holes(v->file.raster.z, d.nx, d.ny, error);
+        if (v->filled == NULL) return false;
+    }
     io_image colours;
     if (!(o->image ? drape_image(&colours, o->image, &v->terrain, &v->file.raster.georef, error)
                    : drape_heights(&colours, &v->terrain, error)))
@@ -375,7 +353,7 @@ static bool open_view(view *v, view_options *o, const char *path, const cw_run *
         return io_fail(error, "out of memory");
     const bool read = open_field(v, o, path, query, w, raster, error);
     progress_end(&o->raster.line);
-    const bool good = read && make_scene(v, o, path, query, w, width, height, smooth, error);
+    const bool good = read && make_scene(v, o, path, w, width, height, smooth, error);
     field_file_close(&v->flat);
     return good;
 }
@@ -404,8 +382,7 @@ scene *view_scene(const view *v) { return v->scene; }
 void view_close(view *v) {
     if (v == NULL) return;
     scene_free(v->scene);
-    detail_free(&v->levels);
-    for (size_t k = 0; k < DETAIL_LEVELS_MAX; k++) free(v->filled[k]);
+    free(v->filled);
     field_file_close(&v->file);
     free(v);
 }

@@ -13,12 +13,11 @@ typedef struct view_options {
     double haze;      /* visibility in metres; NaN: not given */
     double water;     /* height in metres; NaN: not given */
     double curvature; /* factor; NaN: not given */
-    double detail;    /* pixels; NaN: not given */
     bool sky;
     raster_options raster;
 } view_options;
 
-enum { VIEW_OPTION_COUNT = 12 + RASTER_OPTION_COUNT };
+enum { VIEW_OPTION_COUNT = 11 + RASTER_OPTION_COUNT };
 void view_rows(view_options *v, option_spec rows[VIEW_OPTION_COUNT]);
 
 /* The name of an option that was given and that a scene has no use for, or NULL. */
