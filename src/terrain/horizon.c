@@ -30,22 +30,38 @@ struct horizon {
 
 static const double degree = 0.017453292519943295;
 
-/* Metres eastward and northward of a step from sample to sample. */
-static void step_metres(const terrain *t, grid_direction d, double metres[2]) {
-    for (int k = 0; k < 2; k++) metres[k] = t->unit * (t->map[k][0] * d.dx + t->map[k][1] * d.dy);
+/* Metres eastward and northward of a step from sample to sample, in the middle of a row. */
+static void step_metres(const terrain *t, grid_direction d, double row, double metres[2]) {
+    double scale[2];
+    terrain_metres(t, 0.5 * (double)(t->nx - 1), row, scale);
+    for (int k = 0; k < 2; k++) metres[k] = scale[k] * (t->map[k][0] * d.dx + t->map[k][1] * d.dy);
 }
+
+static double middle_row(const terrain *t) { return 0.5 * (double)(t->ny - 1); }
 
 static double step_azimuth(const terrain *t, grid_direction d) {
     double metres[2];
-    step_metres(t, d, metres);
+    step_metres(t, d, middle_row(t), metres);
     const double azimuth = atan2(metres[0], metres[1]) / degree;
     return azimuth < 0 ? azimuth + 360 : azimuth;
+}
+
+bool horizon_has_grid(const terrain *t) {
+    double middle[2], end[2];
+    if (t->geographic) return false;
+    terrain_metres(t, 0.5 * (double)(t->nx - 1), middle_row(t), middle);
+    for (int e = 0; e < 2; e++) {
+        terrain_metres(t, 0.5 * (double)(t->nx - 1), e ? (double)(t->ny - 1) : 0, end);
+        for (int k = 0; k < 2; k++)
+            if (!(fabs(end[k] / middle[k] - 1) <= 0.01)) return false;
+    }
+    return true;
 }
 
 /* Directions in the order of their azimuths. */
 static cw_status make_grid(horizon *h, const horizon_desc *desc) {
     const size_t count = desc->count;
-    if (h->terrain->geographic || desc->max_distance > 0) return CW_ERROR_ARGUMENT;
+    if (!horizon_has_grid(h->terrain) || desc->max_distance > 0) return CW_ERROR_ARGUMENT;
     h->directions = malloc(GRID_DIRECTIONS_MOST * sizeof *h->directions);
     if (h->directions == NULL) return CW_ERROR_MEMORY;
     if (!grid_directions(count, h->directions)) return CW_ERROR_ARGUMENT;
@@ -124,13 +140,20 @@ static void to_degrees(void *context, size_t begin, size_t end) {
 
 enum { GRAIN = 1 << 14 };
 
-/* Of the whole terrain in a direction of the grid; slope as compass_heading sets it. */
-static cw_status make_rises(horizon *h, const cw_run *query, size_t number, double *slope) {
+/* 1 / slope, as compass_heading sets that, of a direction of the grid in the rows that the compass is turned to. */
+static float grid_per_rise(const horizon *h, size_t number) {
+    double metres[2];
+    step_metres(h->terrain, h->directions[number], compass_middle(&h->compass), metres);
+    const double slope = hypot(metres[0], metres[1]) / h->terrain->map[2][2];
+    return (float)(1 / slope);
+}
+
+/* Of the whole terrain in a direction of the grid. The earth falls away by the square of a step in the middle. */
+static cw_status make_rises(horizon *h, const cw_run *query, size_t number) {
     const terrain *t = h->terrain;
     double metres[2];
-    step_metres(t, h->directions[number], metres);
+    step_metres(t, h->directions[number], middle_row(t), metres);
     const double length = hypot(metres[0], metres[1]);
-    *slope = length / t->map[2][2];
     if (h->rises != NULL && h->in_rises == number) return CW_OK;
     if (h->rises == NULL) h->rises = malloc(t->nx * t->ny * sizeof *h->rises);
     if (h->rises == NULL) return CW_ERROR_MEMORY;
@@ -140,13 +163,16 @@ static cw_status make_rises(horizon *h, const cw_run *query, size_t number, doub
 }
 
 static cw_status grid_angles(horizon *h, const cw_run *query, size_t number, size_t row, size_t rows, float *degrees) {
-    const size_t nx = h->terrain->nx;
-    double slope;
-    const cw_status status = make_rises(h, query, number, &slope);
+    const size_t nx = h->terrain->nx, end = row + rows;
+    const cw_status status = make_rises(h, query, number);
     if (status != CW_OK) return status;
     memcpy(degrees, h->rises + row * nx, rows * nx * sizeof *degrees);
-    turning t = {degrees, (float)(1 / slope)};
-    cw_pool_run(query ? query->pool : NULL, nx * rows, GRAIN, to_degrees, &t);
+    for (size_t count; row < end; row += count, degrees += count * nx) {
+        compass_turn(&h->compass, row, &count);
+        turning t = {degrees, grid_per_rise(h, number)};
+        count = count < end - row ? count : end - row;
+        cw_pool_run(query ? query->pool : NULL, nx * count, GRAIN, to_degrees, &t);
+    }
     return CW_OK;
 }
 
@@ -360,14 +386,17 @@ static cw_status grid_sky(horizon *h, const cw_run *query, terrain_progress *pro
     float *sky = calloc(n, sizeof *sky);
     cw_status status = sky ? CW_OK : CW_ERROR_MEMORY;
     for (size_t k = 0; k < h->compass.count && status == CW_OK; k++) {
-        double slope;
         if (progress && !progress(context, (double)k / (double)h->compass.count)) {
             free(sky);
             return CW_OK;
         }
-        status = make_rises(h, query, k, &slope);
-        adding a = {h->rises, sky, (float)(1 / slope), (float)share_of_turn(h, k)};
-        if (status == CW_OK) cw_pool_run(query ? query->pool : NULL, n, GRAIN, add_sky, &a);
+        status = make_rises(h, query, k);
+        for (size_t row = 0, count; row < h->terrain->ny && status == CW_OK; row += count) {
+            compass_turn(&h->compass, row, &count);
+            const size_t nx = h->terrain->nx, at = row * nx;
+            adding a = {h->rises + at, sky + at, grid_per_rise(h, k), (float)share_of_turn(h, k)};
+            cw_pool_run(query ? query->pool : NULL, nx * count, GRAIN, add_sky, &a);
+        }
     }
     *done = status == CW_OK;
     if (*done)

@@ -12,12 +12,16 @@ typedef struct horizon_desc {
     double start; /* directions are start, start + 360 / count, … in degrees of the compass */
     size_t count; /* from 1 to COMPASS_MOST */
     /* Directions from sample to sample instead, count = 8, 16 or 32 of them, in the order of their azimuths: as
-     * exact, and in time that does not grow with the distance. Not on a map in degrees, nor with max_distance. Whole
-     * bands are computed at once: a float more for each sample of the terrain, for the sky view two. */
+     * exact, and in time that does not grow with the distance. Only where horizon_has_grid is true, and without
+     * max_distance. Whole bands are computed at once: a float more for each sample of the terrain, for the sky view two. */
     bool grid;
     double max_distance; /* metres: terrain farther away does not count; 0: no limit */
     double curvature;    /* as sight_init takes it; 0: the earth is flat */
 } horizon_desc;
+
+/* Whether a step from sample to sample is the same direction and length in all rows: the map is not in degrees, and its
+ * scale changes by at most 1 % from its middle row. Each row's angles are by its own scale. */
+bool horizon_has_grid(const terrain *t);
 
 /* The terrain must stay. */
 cw_status horizon_create(const terrain *t, const horizon_desc *desc, horizon **h);

@@ -102,9 +102,9 @@ cw_rectangle reach_around(const terrain *whole, const double at[2], double metre
 cw_rectangle reach_beside(const terrain *whole, cw_rectangle part, double metres) {
     double low[2], high[2], most[2] = {0, 0};
     ends(part, low, high);
-    /* The compass has one direction for up to 256 rows of a map in degrees. */
+    /* The compass has one direction for up to 256 rows. */
     const double from = fmax(low[1] - 256, 0), until = fmin(high[1] + 256, (double)(whole->ny - 1));
-    for (double j = from; j <= until; j += whole->geographic ? 0.5 : until - from + 1) {
+    for (double j = from; j <= until; j += terrain_has_rows(whole) ? 0.5 : until - from + 1) {
         double cells[2];
         cells_a_metre(whole, 0.5 * (double)(whole->nx - 1), j, cells);
         for (int k = 0; k < 2; k++) most[k] = fmax(most[k], cells[k]);
@@ -179,7 +179,7 @@ reach_sunward reach_toward(const terrain *whole, const sunlight_desc *light, cw_
     const double from = fmax((double)part.j - 256, 0),
                  until = fmin((double)(part.j + part.ny) + 255, (double)(whole->ny - 1));
     /* Middles of rows that share a heading are multiples of a half. */
-    for (double j = from; j <= until; j += whole->geographic ? 0.5 : until - from + 1)
+    for (double j = from; j <= until; j += terrain_has_rows(whole) ? 0.5 : until - from + 1)
         for (size_t k = 0; k < strips; k++) {
             double dir[2];
             const double metres = terrain_direction(whole, 0.5 * (double)(whole->nx - 1), j, azimuths[k], dir);

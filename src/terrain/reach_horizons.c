@@ -30,7 +30,7 @@ static scale scale_of(const terrain *whole, size_t block_row) {
     scale s = {{0, 0}, 0};
     const double from = fmax((double)(block_row * REACH_BLOCK) - 256, 0),
                  until = fmin((double)((block_row + 1) * REACH_BLOCK) + 256, (double)(whole->ny - 1));
-    for (double j = from; j <= until; j += whole->geographic ? 0.5 : until - from + 1) {
+    for (double j = from; j <= until; j += terrain_has_rows(whole) ? 0.5 : until - from + 1) {
         double metres[2];
         terrain_metres(whole, 0.5 * (double)(whole->nx - 1), j, metres);
         for (int k = 0; k < 2; k++) {

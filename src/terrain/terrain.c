@@ -10,6 +10,7 @@ bool terrain_init(terrain *t, const terrain_desc *d) {
     *t = (terrain){.field = d->field, .nx = d->nx, .ny = d->ny, .z = d->z, .geographic = d->geographic};
     memcpy(t->map, d->map, sizeof t->map);
     t->unit = d->unit > 0 ? d->unit : d->geographic ? pi / 180 : 1;
+    t->scale = d->geographic ? NULL : d->scale;
     const double flattening = d->inverse_flattening > 0 ? 1 / d->inverse_flattening : 0;
     const bool known = d->semi_major > 0;
     t->radius = known ? d->semi_major : 6378137;
@@ -31,9 +32,13 @@ bool terrain_init(terrain *t, const terrain_desc *d) {
 /* On an ellipsoid the meridian's radius of curvature is a (1 - e²) / w³, the one across it a / w, w² = 1 - e² sin² latitude. */
 void terrain_metres(const terrain *t, double i, double j, double metres[2]) {
     metres[0] = metres[1] = t->unit;
-    if (!t->geographic) return;
+    if (!terrain_has_rows(t)) return;
     if (t->whole) { /* coordinates are sums of whole numbers and fractions that have room in double */
         terrain_metres(t->whole, i + (double)t->column, j + (double)t->row, metres);
+        return;
+    }
+    if (t->scale != NULL) {
+        map_scale_at(t->scale, t->nx, t->ny, i, j, metres);
         return;
     }
     double xy[2];
@@ -105,13 +110,14 @@ double terrain_height(const terrain *t, double i, double j) {
 }
 
 size_t terrain_rows_alike(const terrain *t, size_t row) {
-    if (!t->geographic) return t->ny;
+    if (!terrain_has_rows(t)) return t->ny;
     size_t rows = 1;
     double here[2], there[2];
     terrain_metres(t, 0.5 * (double)(t->nx - 1), (double)row, here);
     for (; row + rows < t->ny && rows < 256; rows++) {
         terrain_metres(t, 0.5 * (double)(t->nx - 1), (double)(row + rows), there);
         if (fabs(there[0] / here[0] - 1) > 1e-4) break;
+        if (t->scale != NULL && fabs(there[1] / here[1] - 1) > 1e-4) break;
     }
     return rows;
 }

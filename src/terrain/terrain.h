@@ -4,13 +4,15 @@
  *
  * The surface is the one that the field's rays meet, two triangles a cell. Directions of the compass are the map's:
  * 0 is the direction in which y grows, 90 the one in which x does. On a map in degrees, metres in a degree are those
- * at the row in question, and lines are straight on the map. So at latitude φ a place at distance L is met up to L
+ * at the row in question, and so are metres of ground in the unit of a projected map whose scale is known (map_scale.h).
+ * Lines are straight on the map. So at latitude φ a place at distance L is met up to L
  * tan φ / 2 R beside its azimuth, 0.027 degrees for 5 km at 50 degrees, and its distance is wrong by up to 0.385
  * times that share, 0.02 %. papers/terrain.md has the measurement. */
 #ifndef CELLWALK_TERRAIN_TERRAIN_H
 #define CELLWALK_TERRAIN_TERRAIN_H
 
 #include "cellwalk.h"
+#include "map_scale.h"
 
 typedef struct terrain {
     const cw_field *field;
@@ -21,6 +23,7 @@ typedef struct terrain {
     double back[2][3];            /* map x and y to field x and y */
     bool geographic;              /* map x and y are angles */
     double unit;                  /* metres, or radians, in one of them */
+    const map_scale *scale;       /* NULL: such a metre is one on the ground */
     double radius, eccentricity2; /* of the ellipsoid: the equator's, in metres; e² */
 
     /* NULL, or the raster that the samples are a window of, from that sample of it on. Directions and metres are
@@ -38,13 +41,17 @@ typedef struct terrain_desc {
     bool geographic;
     double unit; /* metres, or radians if geographic, in one of x and y; 0: one metre, one degree */
     double semi_major, inverse_flattening; /* of the ellipsoid; 0: WGS 84 */
+    const map_scale *scale; /* of a projected map, over these samples; NULL: 1 everywhere. Not of a geographic one */
 } terrain_desc;
 
-/* False if the map cannot be inverted. The terrain keeps pointers to field and samples. */
+/* False if the map cannot be inverted. The terrain keeps pointers to field, samples and scale. */
 bool terrain_init(terrain *t, const terrain_desc *desc);
 
 /* Metres in one of the map's x and y, at field coordinates (i, j). */
 void terrain_metres(const terrain *t, double i, double j, double metres[2]);
+
+/* Whether they differ from row to row. */
+static inline bool terrain_has_rows(const terrain *t) { return t->geographic || t->scale != NULL; }
 
 /* Places. */
 static inline void terrain_to_map(const terrain *t, double i, double j, double xy[2]) {
@@ -71,7 +78,7 @@ static inline double terrain_metres_of_height(const terrain *t) { return t->map[
 static inline const terrain *terrain_whole(const terrain *t) { return t->whole ? t->whole : t; }
 
 /* Rows from row on whose scales differ by less than 10^-4, so that they may share one heading with angles off by less than
- * 0.003 degrees: all of them, unless the map is in degrees. */
+ * 0.003 degrees: all of them, unless scales differ from row to row. */
 size_t terrain_rows_alike(const terrain *t, size_t row);
 
 /* Called during long work with the share that is done of one call. False ends it, with *done false. Called from any

@@ -66,15 +66,21 @@ def random_rays(field, n, seed=2, dtype=np.float64):
 
 
 @pytest.fixture(scope="session")
-def tool():
-    program = os.environ.get("CELLWALK_PROGRAM")
-    if not program:
+def program():
+    """Runs the program cellwalk: exit status and what it printed."""
+    path = os.environ.get("CELLWALK_PROGRAM")
+    if not path:
         pytest.skip("CELLWALK_PROGRAM does not name the program cellwalk")
+    return lambda *words: subprocess.run([path, *map(str, words)], capture_output=True, text=True)
 
-    def run(*words):
-        done = subprocess.run([program, *map(str, words)], capture_output=True, text=True)
-        assert done.returncode == 0, done.stderr
-        return done.stdout
+
+@pytest.fixture(scope="session")
+def tool(program):
+    """The same for what must succeed, or must fail: standard output, or what is said of the failure."""
+    def run(*words, fails=False):
+        done = program(*words)
+        assert (done.returncode != 0) == fails, done.stderr
+        return done.stderr if fails else done.stdout
     return run
 
 
@@ -85,7 +91,7 @@ class Ground:
         self.path, self.field = path, field
 
 
-@pytest.fixture(scope="session", params=["plain", "utm", "turned", "degrees"])
+@pytest.fixture(scope="session", params=["plain", "utm", "turned", "degrees", "mercator"])
 def ground(request, tmp_path_factory):
     folder = tmp_path_factory.mktemp(request.param)
     z = rough()
@@ -96,8 +102,8 @@ def ground(request, tmp_path_factory):
     rasterio = pytest.importorskip("rasterio")
     from rasterio.transform import Affine
     transform = {"utm": Affine(30, 0, 600000, 0, -30, 5200000), "turned": Affine(25, 5, 600000, 4, -28, 5200000),
-                 "degrees": Affine(1 / 1200, 0, 10.5, 0, -1 / 1200, 47.25)}[request.param]
-    crs = "EPSG:4326" if request.param == "degrees" else UTM
+                 "degrees": Affine(1 / 1200, 0, 10.5, 0, -1 / 1200, 47.25), "mercator": Affine(40, 0, 1.2e6, 0, -40, 5.95e6)}[request.param]
+    crs = {"degrees": "EPSG:4326", "mercator": "EPSG:3857"}.get(request.param, UTM)
     z = z * 20 + 500
     path = folder / "dem.tif"
     with rasterio.open(path, "w", driver="GTiff", width=z.shape[1], height=z.shape[0], count=1, dtype="float32", crs=crs,

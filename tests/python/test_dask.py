@@ -79,7 +79,7 @@ def test_a_window_with_too_many_samples_to_count_is_refused():
 def test_blocks_out_of_reach_are_not_looked_at():
     """The highest sample limits which blocks are looked at, and changes no window; too low a one does."""
     random = np.random.default_rng(3)
-    reach = cw._cellwalk.Reach(40 * 256 + 9, 50 * 256 - 3, np.array([[10.0, 1, 0, 6e5], [0.5, -12, 0, 5e6], [0, 0, 1, 0]]), False, False, 1.0, 0.0, 0.0)
+    reach = cw._cellwalk.Reach(40 * 256 + 9, 50 * 256 - 3, np.array([[10.0, 1, 0, 6e5], [0.5, -12, 0, 5e6], [0, 0, 1, 0]]), False, False, 1.0, 0.0, 0.0, None)
     low = random.uniform(0, 300, (41, 50)).astype(np.float32)
     high = low + random.uniform(0, 900, low.shape).astype(np.float32) * (random.random(low.shape) < 0.2)
     differ = 0

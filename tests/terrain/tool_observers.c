@@ -277,9 +277,10 @@ static void features(void **state) {
               FEATURE("\"height\":4", "LineString", "[[500100,5200100],[500400,5200100]]") "," FEATURE(
                   "\"height\":6", "MultiLineString",
                   "[[[500200,5200300],[500200,5200360]],[[500300,5200300],[500300,5200340]]]"));
-    text_file("l.csv", "x,y,height\n500100,5200100,4\n500200,5200100,4\n500300,5200100,4\n500400,5200100,4\n"
-                       "500200,5200300,6\n500300,5200300,6\n");
-    check_same("utm.vrt", OPTIONS("--observers", "l.csv"), OPTIONS("--observers", "l.geojson", "--every", "100"),
+    /* 95 m of ground are 0.9996 times as much on the map, in the middle of UTM's zone. */
+    text_file("l.csv", "x,y,height\n500100,5200100,4\n500194.962,5200100,4\n500289.924,5200100,4\n"
+                       "500384.886,5200100,4\n500200,5200300,6\n500300,5200300,6\n");
+    check_same("utm.vrt", OPTIONS("--observers", "l.csv"), OPTIONS("--observers", "l.geojson", "--every", "95"),
                NX * NY, NULL);
     /* What is wrong with a file is said. */
     static const struct {

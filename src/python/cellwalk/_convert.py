@@ -5,6 +5,7 @@ changed. Messages say argument, shape and value."""
 from __future__ import annotations
 
 import math
+import warnings
 from typing import Any, Callable, NamedTuple, Optional
 
 import numpy as np
@@ -102,6 +103,17 @@ def read_crs(crs) -> Crs:
         raise ValueError(f"crs: {crs!r} is neither geographic nor projected")
     geographic, unit, semi_major, inverse_flattening = known
     return Crs(crs, text, geographic, unit, semi_major, inverse_flattening)
+
+
+def scale_of(source: Source, rows: int, columns: int, name: str) -> Optional[bytes]:
+    """How long the unit of a projected map is on the ground; warns if that is not known or not the same in all directions."""
+    known = source.crs
+    if known.wkt is None or known.geographic or not source.placed:
+        return None
+    scale, sentences = _cellwalk.find_scale(known.wkt, np.ascontiguousarray(source.map), rows, columns, name)
+    for sentence in sentences:
+        warnings.warn(sentence, stacklevel=4)
+    return scale
 
 
 def _look_up(crs) -> str:

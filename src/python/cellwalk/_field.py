@@ -4,13 +4,14 @@
 from __future__ import annotations
 
 import os
+import threading
 import warnings
 from typing import TYPE_CHECKING, Any, NamedTuple, Optional, cast
 
 import numpy as np
 
 from . import _cellwalk
-from ._convert import IDENTITY, Crs, Source, coarser_like, count, finite, nodata_of, numbers, progress_call, read_crs, read_source, samples_of
+from ._convert import IDENTITY, Crs, Source, coarser_like, count, finite, nodata_of, numbers, progress_call, read_crs, read_source, samples_of, scale_of
 from ._hits import Hits, _dtype
 from ._products import Products
 from ._rays import rays_of
@@ -89,11 +90,12 @@ class Field(Products):
                  zscale: float | None = None, band: int | None = None, copy: bool = False, progress=None) -> None:
         self._make(read_source(z, transform, crs, nodata_of(nodata), zscale, band), threads, copy, progress, z)
 
-    def _make(self, source: Source, threads, copy, progress, given=None, whole=None) -> None:
+    def _make(self, source: Source, threads, copy, progress, given=None, whole=None, scale: Any = None) -> None:
         self._threads = count(threads, "threads", 0, 4096)
         self._source = source
         self._origin: Optional[tuple] = None  # how to open it again
-        self._whole = whole
+        self._whole, self._scale = whole, scale
+        self._door = threading.Lock()
         self._difference: Optional[Difference] = None
         samples = source.samples
         if copy and given is not None and np.shares_memory(samples, np.asarray(getattr(given, "values", given))):
@@ -117,6 +119,20 @@ class Field(Products):
             self._own = True
             core = make(samples)
         self._core, self._samples = core, samples
+        self._ready = False
+
+    @property
+    def _ground(self) -> _cellwalk.Field:
+        """The extension's field for products, which need the scale of a projected map: GDAL is loaded for it."""
+        with self._door:
+            if not self._ready:
+                if self._scale is None:
+                    name = self._origin[0] if self._origin else "crs"
+                    self._scale = scale_of(self._source, *self._samples.shape, name) or b""
+                if self._scale:
+                    self._core.scale(self._scale)
+                self._ready = True
+        return self._core
 
     # ---- what it is ------------------------------------------------------------------------------------------------
 

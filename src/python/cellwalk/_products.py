@@ -115,7 +115,7 @@ def places_of(x, y, height, name, needed) -> np.ndarray:
 
 class Products:
     """Methods of Field, which has these members."""
-    _core: _cellwalk.Field
+    _ground: _cellwalk.Field
     _source: Source
     _samples: np.ndarray
     _threads: int
@@ -190,7 +190,7 @@ class Products:
         """light: azimuth, altitude, disc, curvature, hillshade"""
         share = light[2] > 0 or light[4]
         out = np.empty((rows, self.shape[1]), np.float32 if share else np.uint8)
-        self._core.shadow(*light, row, rows, share, out, self._threads, progress_call(progress))
+        self._ground.shadow(*light, row, rows, share, out, self._threads, progress_call(progress))
         return out
 
     def horizon(self, directions: int = 32, max_distance: float | None = None, *, start: float = 0.0, curvature: float = 0.0,
@@ -219,7 +219,7 @@ class Products:
     def _horizon_rows(self, sky, row, rows, progress=None):
         """sky: start, directions, max_distance, curvature, grid"""
         out, azimuths = np.empty((sky[1], rows, self.shape[1]), np.float32), np.empty(sky[1])
-        self._core.horizon(*sky, row, rows, out, azimuths, self._threads, progress_call(progress))
+        self._ground.horizon(*sky, row, rows, out, azimuths, self._threads, progress_call(progress))
         return out, azimuths
 
     def _sky(self, directions, max_distance, curvature, grid, start=0.0):
@@ -253,7 +253,7 @@ class Products:
 
     def _sky_view_rows(self, sky, tilted, row, rows, progress=None):
         out = np.empty((rows, self.shape[1]), np.float32)
-        self._core.sky_view(*sky[1:], tilted, row, rows, out, self._threads, progress_call(progress))
+        self._ground.sky_view(*sky[1:], tilted, row, rows, out, self._threads, progress_call(progress))
         return out
 
     def viewshed(self, x: ArrayLike, y: ArrayLike, observer_height: ArrayLike = 2.0, target_height: float = 0.0,
@@ -285,7 +285,7 @@ class Products:
                            "observer_elevation" if absolute else "observer_height", needed)
         distance = distance_of(max_distance)
         seen = np.zeros(self.shape, np.float32 if needed else np.uint16)
-        self._core.viewshed(places, absolute, finite(target_height, "target_height"), distance,
+        self._ground.viewshed(places, absolute, finite(target_height, "target_height"), distance,
                             self._curvature(curvature), bool(needed), seen, self._threads, progress_call(progress))
         if needed:
             return _result(self, seen, "needed_height", {"long_name": "height above ground needed to be seen", "units": "m"})
@@ -330,7 +330,7 @@ class Products:
             raise TypeError(f"absolute: {absolute!r}, expected True, False or a pair of them")
         out = np.full(shape + (6,), np.nan)
         if out.size:
-            self._core.line_of_sight(lines, bool(above[0]), bool(above[1]), self._curvature(curvature), out, self._threads, progress_call(progress))
+            self._ground.line_of_sight(lines, bool(above[0]), bool(above[1]), self._curvature(curvature), out, self._threads, progress_call(progress))
         wrong = np.isnan(out[..., 0])
         if wrong.any():
             number = int(np.argmax(wrong.ravel()))

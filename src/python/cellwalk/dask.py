@@ -31,7 +31,7 @@ import dask.array as da
 import numpy as np
 
 from . import _cellwalk
-from ._convert import Crs, Source, count, describe_dataarray, finite, nodata_of, samples_of
+from ._convert import Crs, Source, count, describe_dataarray, finite, nodata_of, samples_of, scale_of
 from ._field import Field, open as open_field
 from ._products import SUN_RADIUS, distance_of, places_of, sky_of
 
@@ -47,6 +47,7 @@ class _Geometry(NamedTuple):
     placed: bool
     crs: Crs
     nodata: Optional[float]
+    scale: bytes  # of the map; empty: it has none
 
 
 class _Window(NamedTuple):
@@ -83,7 +84,8 @@ def _field(part, g: _Geometry, window: _Window, threads: int) -> Field:
     whole = g.columns, g.rows, window.column, window.row, affine.copy()
     affine[:2, 3] += affine[:2, 0] * window.column + affine[:2, 1] * window.row
     field = Field.__new__(Field)
-    field._make(Source(_samples(part, g, window), affine, g.placed, g.crs, None, g.nodata), threads, False, None, whole=whole)
+    field._make(Source(_samples(part, g, window), affine, g.placed, g.crs, None, g.nodata), threads, False, None, whole=whole,
+                scale=g.scale)
     return field
 
 
@@ -125,7 +127,7 @@ def _seen(part, g, window, place, absolute, target, distance, curvature, needed,
     """1 where one observer sees a sample of the window, 0 elsewhere and at holes; or the heights that are needed."""
     field = _field_of(part, g, window, threads)
     out = np.zeros(field.shape, np.float32 if needed else np.uint16)
-    field._core.viewshed(np.array([place]), absolute, target, distance, curvature, needed, out, threads, None)
+    field._ground.viewshed(np.array([place]), absolute, target, distance, curvature, needed, out, threads, None)
     return out if needed else out.astype(np.uint8)
 
 
@@ -184,9 +186,10 @@ class _Raster:
             raise TypeError(f"source: {type(source).__name__}, expected a path or a DataArray")
         if min(rows, columns) < 2:
             raise ValueError(f"source: {rows} rows of {columns} samples, expected at least 2 of each")
-        self.geometry = g = _Geometry(rows, columns, tuple(map(tuple, about.map.tolist())), about.placed, about.crs._replace(given=None), nodata)
+        self.geometry = g = _Geometry(rows, columns, tuple(map(tuple, about.map.tolist())), about.placed, about.crs._replace(given=None), nodata,
+                                      scale_of(about, rows, columns, self.path or "crs") or b"")
         self.reach = _cellwalk.Reach(rows, columns, np.array(g.map), g.crs.geographic, not g.placed, g.crs.unit, g.crs.semi_major,
-                                     g.crs.inverse_flattening)
+                                     g.crs.inverse_flattening, g.scale or None)
         try:
             self.chunks = da.core.normalize_chunks(2048 if chunks is None else chunks, (rows, columns), dtype=np.float32)
         except (TypeError, ValueError, ZeroDivisionError) as error:

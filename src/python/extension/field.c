@@ -228,6 +228,18 @@ static PyObject *field_coarser(PyObject *self, PyObject *arguments) {
     return Py_BuildValue("(dddKK)", d.above, d.below, d.rms, (unsigned long long)d.lost, (unsigned long long)d.made);
 }
 
+/* scale(nodes): how long the map's unit is on the ground, as find_scale has it. Before the first product. */
+static PyObject *field_scale(PyObject *self, PyObject *arguments) {
+    py_field *f = (py_field *)self;
+    Py_buffer nodes = {0};
+    if (!PyArg_ParseTuple(arguments, "y*:scale", &nodes)) return NULL;
+    const bool good = ground_take_scale(&nodes, &f->scale, &f->terrain);
+    f->whole.scale = f->terrain.scale;
+    PyBuffer_Release(&nodes);
+    if (!good) return NULL;
+    Py_RETURN_NONE;
+}
+
 static PyObject *field_describe(PyObject *self, PyObject *unused) {
     const py_field *f = (const py_field *)self;
     (void)unused;
@@ -244,6 +256,7 @@ static PyMethodDef methods[] = {
     {"update", field_update, METH_VARARGS, NULL},
     {"coarser", field_coarser, METH_VARARGS, NULL},
     {"describe", field_describe, METH_NOARGS, NULL},
+    {"scale", field_scale, METH_VARARGS, NULL},
     {"shadow", field_shadow, METH_VARARGS, NULL},
     {"horizon", field_horizon, METH_VARARGS, NULL},
     {"sky_view", field_sky_view, METH_VARARGS, NULL},

@@ -14,6 +14,7 @@ typedef struct py_field {
     size_t nx, ny;
     ground ground;
     terrain terrain, whole; /* whole: of a window */
+    map_scale scale;        /* of the whole map, once it is set */
     bool identity;          /* the map is */
     long users;             /* queries that run; -1: an update. Guarded by the GIL */
     long process;           /* in which users were counted: a fork forgets them */

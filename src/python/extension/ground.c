@@ -13,6 +13,17 @@ bool ground_take_map(const Py_buffer *buffer, double map[3][4]) {
     return false;
 }
 
+bool ground_take_scale(const Py_buffer *buffer, map_scale *to, terrain *t) {
+    if (buffer->obj == NULL) return true;
+    if (buffer->len != sizeof *to) {
+        PyErr_SetString(PyExc_ValueError, "scale: a buffer of another size");
+        return false;
+    }
+    memcpy(to, buffer->buf, sizeof *to);
+    if (!t->geographic) t->scale = to;
+    return true;
+}
+
 bool ground_init(terrain *t, const ground *g, const cw_field *field, size_t nx, size_t ny, const float *z) {
     /* Without a map, a picture's: the first row is in the north. A coarser field's samples stand more than 1 apart. */
     const double apart = g->map[0][0];

@@ -15,6 +15,10 @@ typedef struct ground {
     double unit, semi_major, inverse_flattening;
 } ground;
 
+/* Gives the terrain the scale that find_scale returned, copied to where it stays; none if the buffer has no object. False
+ * with an exception if the buffer is of another size. */
+bool ground_take_scale(const Py_buffer *buffer, map_scale *to, terrain *t);
+
 /* A buffer of 12 doubles. False with an exception if it is shorter. */
 bool ground_take_map(const Py_buffer *buffer, double map[3][4]);
 

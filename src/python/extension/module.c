@@ -76,15 +76,11 @@ static PyObject *lon_lat(PyObject *self, PyObject *arguments) {
 }
 
 static PyMethodDef functions[] = {
-    {"kernels", list_kernels, METH_NOARGS, NULL},
-    {"sun", sun, METH_VARARGS, NULL},
-    {"parse_time", parse_time, METH_VARARGS, NULL},
-    {"describe_crs", describe_crs, METH_VARARGS, NULL},
-    {"lon_lat", lon_lat, METH_VARARGS, NULL},
-    {"read_raster", read_raster, METH_VARARGS, NULL},
-    {"raster_size", raster_size, METH_VARARGS, NULL},
-    {"block_ranges", block_ranges, METH_VARARGS, NULL},
-    {NULL, NULL, 0, NULL},
+    {"kernels", list_kernels, METH_NOARGS, NULL},       {"sun", sun, METH_VARARGS, NULL},
+    {"parse_time", parse_time, METH_VARARGS, NULL},     {"describe_crs", describe_crs, METH_VARARGS, NULL},
+    {"lon_lat", lon_lat, METH_VARARGS, NULL},           {"read_raster", read_raster, METH_VARARGS, NULL},
+    {"find_scale", find_scale, METH_VARARGS, NULL},     {"raster_size", raster_size, METH_VARARGS, NULL},
+    {"block_ranges", block_ranges, METH_VARARGS, NULL}, {NULL, NULL, 0, NULL},
 };
 
 /* Where the members of a hit are, for a NumPy dtype. */

@@ -2,7 +2,9 @@
 #include "raster_object.h"
 
 #include "gdal/module.h"
+#include "ground.h"
 #include "raster.h"
+#include "scale.h"
 #include "work.h"
 
 #include <string.h>
@@ -141,6 +143,50 @@ PyObject *read_raster(PyObject *self, PyObject *arguments) {
     }
     Py_XDECREF(r.warnings);
     return answer;
+}
+
+enum { SENTENCES = 3, SENTENCE = 1024 };
+
+typedef struct sentences {
+    size_t count;
+    char text[SENTENCES][SENTENCE];
+} sentences;
+
+static void keep(void *context, const char *text) {
+    sentences *s = context;
+    if (s->count < SENTENCES) snprintf(s->text[s->count++], SENTENCE, "%s", text);
+}
+
+PyObject *find_scale(PyObject *self, PyObject *arguments) {
+    const char *wkt, *name;
+    Py_buffer numbers = {0};
+    Py_ssize_t rows, columns;
+    double map[3][4];
+    map_scale scale;
+    sentences said = {0};
+    (void)self;
+    if (!PyArg_ParseTuple(arguments, "sy*nns:find_scale", &wkt, &numbers, &rows, &columns, &name)) return NULL;
+    bool good = ground_take_map(&numbers, map);
+    PyBuffer_Release(&numbers);
+    if (!good) return NULL;
+    io_georef georef = {0};
+    Py_BEGIN_ALLOW_THREADS;
+    pthread_mutex_lock(&door);
+    georef.placed = io_georef_from_wkt(&georef, wkt);
+    good = rows >= 2 && columns >= 2 &&
+           io_scale_find(&georef, map, (size_t)columns, (size_t)rows, name, keep, &said, &scale);
+    pthread_mutex_unlock(&door);
+    io_georef_free(&georef);
+    Py_END_ALLOW_THREADS;
+    PyObject *warnings = PyList_New(0);
+    for (size_t k = 0; k < said.count && warnings != NULL; k++) {
+        PyObject *text = PyUnicode_DecodeUTF8(said.text[k], (Py_ssize_t)strlen(said.text[k]), "replace");
+        if (text == NULL || PyList_Append(warnings, text) != 0) Py_CLEAR(warnings);
+        Py_XDECREF(text);
+    }
+    if (warnings == NULL) return NULL;
+    PyObject *nodes = good ? PyBytes_FromStringAndSize((const char *)&scale, sizeof scale) : Py_NewRef(Py_None);
+    return Py_BuildValue("(NN)", nodes, warnings);
 }
 
 static bool find_size(const char *path, const io_raster_options *o, size_t size[2], io_error *error) {

@@ -12,6 +12,9 @@ extern PyType_Spec py_raster_spec;
  * says all of the raster */
 PyObject *read_raster(PyObject *self, PyObject *arguments);
 
+/* find_scale(wkt, map, rows, columns, name) -> (bytes or None, warnings): the scale of a projected map */
+PyObject *find_scale(PyObject *self, PyObject *arguments);
+
 /* raster_size(path, band) -> (columns, rows), without reading the samples of what GDAL reads */
 PyObject *raster_size(PyObject *self, PyObject *arguments);
 

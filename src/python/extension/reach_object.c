@@ -9,32 +9,35 @@
 typedef struct py_reach {
     PyObject_HEAD ground ground;
     terrain whole;
+    map_scale scale;
 } py_reach;
 
-/* Reach(rows, columns, map, geographic, north_up, unit, semi_major, inverse_flattening) */
+/* Reach(rows, columns, map, geographic, north_up, unit, semi_major, inverse_flattening, scale or None) */
 static PyObject *reach_new(PyTypeObject *type, PyObject *arguments, PyObject *keywords) {
-    Py_buffer map = {0};
+    Py_buffer map = {0}, scale = {0};
     Py_ssize_t rows, columns;
     int geographic, north_up;
     ground g = {0};
     (void)keywords;
-    if (!PyArg_ParseTuple(arguments, "nny*ppddd:Reach", &rows, &columns, &map, &geographic, &north_up, &g.unit,
-                          &g.semi_major, &g.inverse_flattening))
+    if (!PyArg_ParseTuple(arguments, "nny*ppdddz*:Reach", &rows, &columns, &map, &geographic, &north_up, &g.unit,
+                          &g.semi_major, &g.inverse_flattening, &scale))
         return NULL;
     g.geographic = geographic != 0;
     g.north_up = north_up != 0;
     const bool good = ground_take_map(&map, g.map);
     PyBuffer_Release(&map);
-    if (!good) return NULL;
     allocfunc allocate = (allocfunc)PyType_GetSlot(type, Py_tp_alloc);
-    py_reach *r = (py_reach *)allocate(type, 0);
-    if (r == NULL) return NULL;
-    r->ground = g;
-    if (rows >= 2 && columns >= 2 && ground_init(&r->whole, &g, NULL, (size_t)columns, (size_t)rows, NULL))
-        return (PyObject *)r;
-    PyErr_SetString(PyExc_ValueError, rows < 2 || columns < 2 ? "source: expected at least 2 rows and 2 columns"
-                                                              : "transform: cannot be inverted");
-    Py_DECREF((PyObject *)r);
+    py_reach *r = good ? (py_reach *)allocate(type, 0) : NULL;
+    if (r != NULL) r->ground = g;
+    const bool made = r != NULL && rows >= 2 && columns >= 2 &&
+                      ground_init(&r->whole, &g, NULL, (size_t)columns, (size_t)rows, NULL) &&
+                      ground_take_scale(&scale, &r->scale, &r->whole);
+    PyBuffer_Release(&scale);
+    if (made) return (PyObject *)r;
+    if (!PyErr_Occurred())
+        PyErr_SetString(PyExc_ValueError, rows < 2 || columns < 2 ? "source: expected at least 2 rows and 2 columns"
+                                                                  : "transform: cannot be inverted");
+    Py_XDECREF((PyObject *)r);
     return NULL;
 }
 

@@ -71,7 +71,13 @@ bool ground_check_output(const ground *g, io_error *error) {
     return !is_input(output) || io_fail(error, "%s: is also an input; choose another name for the output", output);
 }
 
-bool ground_describe_raster(terrain *t, const io_raster *r, const cw_field *field, const char *path, io_error *error) {
+void ground_find_scale(ground_scale_of_map *scale, io_raster *r, const char *path, const io_raster_options *options) {
+    scale->known =
+        io_scale_find(&r->georef, r->map, r->nx, r->ny, path, options->warn, options->context, &scale->nodes);
+}
+
+bool ground_describe_raster(terrain *t, const io_raster *r, const cw_field *field, const ground_scale_of_map *scale,
+                            const char *path, io_error *error) {
     const terrain_desc desc = {
         .field = field,
         .nx = r->nx,
@@ -82,13 +88,15 @@ bool ground_describe_raster(terrain *t, const io_raster *r, const cw_field *fiel
         .unit = r->georef.unit,
         .semi_major = r->georef.semi_major,
         .inverse_flattening = r->georef.inverse_flattening,
+        .scale = scale->known ? &scale->nodes : NULL,
     };
     return terrain_init(t, &desc) || io_fail(error, "%s: its map cannot be inverted", path);
 }
 
-bool ground_describe(terrain *t, const field_file *file, const char *path, io_error *error) {
+bool ground_describe(terrain *t, const field_file *file, const ground_scale_of_map *scale, const char *path,
+                     io_error *error) {
     if (file->raster.z == NULL) return io_fail(error, "%s: a scene has no position on the earth; give a raster", path);
-    return ground_describe_raster(t, &file->raster, file->field, path, error);
+    return ground_describe_raster(t, &file->raster, file->field, scale, path, error);
 }
 
 const io_georef *ground_georef(const ground *g) { return g->about.nx > 0 ? &g->about.georef : &g->file.raster.georef; }
@@ -104,7 +112,8 @@ static bool read_ground(ground *g, const char *path, const io_raster_options *op
     const io_raster *r = &g->file.raster;
     if (!field && (r->nx < 2 || r->ny < 2))
         return io_fail(error, "%s: %zu x %zu samples: %s", path, r->nx, r->ny, cw_status_message(CW_ERROR_ARGUMENT));
-    return ground_describe(&g->terrain, &g->file, path, error);
+    ground_find_scale(&g->scale, &g->file.raster, path, options);
+    return ground_describe(&g->terrain, &g->file, &g->scale, path, error);
 }
 
 /* EXIT_SUCCESS, or the exit status after a message; *g needs freeing in any case. */

@@ -9,6 +9,7 @@
 #include "../query_options.h"
 #include "../raster_options.h"
 #include "raster_out.h"
+#include "scale.h"
 #include "terrain.h"
 
 /* Options of all of them. */
@@ -30,12 +31,19 @@ void ground_rows(ground_options *o, const char *name, option_spec rows[GROUND_OP
 /* --curvature of products for which the earth is flat unless it is given. */
 option_spec ground_flat_earth_row(double *curvature);
 
+/* The scale of a map, if it has one. */
+typedef struct ground_scale_of_map {
+    bool known;
+    map_scale nodes;
+} ground_scale_of_map;
+
 typedef struct ground {
     const char *path;
     const ground_options *options;
     field_file file;
     terrain terrain;
     cw_run query;
+    ground_scale_of_map scale;
     progress line;
     double done, part; /* of all, before a block, and by it */
 
@@ -92,9 +100,14 @@ bool ground_find_place(const terrain *t, const ground_place *p, double at[3], do
 /* Where the raster lies. */
 const io_georef *ground_georef(const ground *g);
 
-/* The terrain that a file holds. */
-bool ground_describe_raster(terrain *t, const io_raster *r, const cw_field *field, const char *path, io_error *error);
-bool ground_describe(terrain *t, const field_file *file, const char *path, io_error *error);
+/* Finds the scale of the whole raster's map, and tells the options' warn if it is not to be had. */
+void ground_find_scale(ground_scale_of_map *scale, io_raster *r, const char *path, const io_raster_options *options);
+
+/* The terrain that a file holds; scale must stay. */
+bool ground_describe_raster(terrain *t, const io_raster *r, const cw_field *field, const ground_scale_of_map *scale,
+                            const char *path, io_error *error);
+bool ground_describe(terrain *t, const field_file *file, const ground_scale_of_map *scale, const char *path,
+                     io_error *error);
 
 /* Metadata of a product: notes as "NAME=value". All zero: none yet. */
 enum { GROUND_NOTES_MOST = 300 };

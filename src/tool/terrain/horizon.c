@@ -104,6 +104,11 @@ static const char **band_names(const horizon *h, size_t count) {
 static bool make_bands(job *j, const horizon_command *c, io_error *error) {
     if (c->grid && ground_georef(j->ground)->geographic)
         return io_fail(error, "%s: --grid needs a map in metres, and this one is in degrees", j->ground->path);
+    if (c->grid && !horizon_has_grid(terrain_whole(&j->ground->terrain)))
+        return io_fail(error,
+                       "%s: --grid needs a map whose scale is the same in all rows, and this one's changes by "
+                       "more than 1 %%",
+                       j->ground->path);
     j->command = c;
     j->sky = c->sky;
     j->tilted = c->tilted;

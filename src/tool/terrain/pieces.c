@@ -117,10 +117,11 @@ bool pieces_describe(ground *g, io_error *error) {
                                                 : io_raster_read(g->path, &o, &g->about, error)))
         return false;
     progress_end(&((raster_options *)g->reading.context)->line);
-    const io_raster *r = &g->about;
+    io_raster *r = &g->about;
     if (r->nx < 2 || r->ny < 2)
         return io_fail(error, "%s: %zu x %zu samples: %s", g->path, r->nx, r->ny, cw_status_message(CW_ERROR_ARGUMENT));
-    if (!ground_describe_raster(&g->whole, r, NULL, g->path, error)) return false;
+    ground_find_scale(&g->scale, r, g->path, &g->reading);
+    if (!ground_describe_raster(&g->whole, r, NULL, &g->scale, g->path, error)) return false;
     g->terrain = g->whole;
     pieces_set_window(g, pieces_all(g));
     return g->options->window == NULL || find_window(g, error);
@@ -218,7 +219,7 @@ bool pieces_read(ground *g, cw_rectangle piece, bool field, io_error *error) {
     if (field && !field_file_build(&g->file, g->path, &g->query, error)) return false;
     g->line = progress_start(g->options->name);
     r->georef = g->about.georef; /* lent */
-    const bool described = ground_describe_raster(&g->terrain, r, g->file.field, g->path, error);
+    const bool described = ground_describe_raster(&g->terrain, r, g->file.field, &g->scale, g->path, error);
     r->georef = (io_georef){0};
     g->terrain.whole = &g->whole;
     g->terrain.column = piece.i;

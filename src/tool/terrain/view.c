@@ -25,8 +25,9 @@ struct view {
     field_file file; /* that rays meet */
     field_file flat; /* with --curvature, until the scene is made: the terrain before it was lowered */
     terrain terrain; /* before it was lowered */
-    sight earth;     /* by how much it was: 0 without --curvature */
-    float *filled;   /* the file's samples without holes, where smooth normals require it */
+    ground_scale_of_map scale;
+    sight earth;   /* by how much it was: 0 without --curvature */
+    float *filled; /* the file's samples without holes, where smooth normals require it */
     scene *scene;
 };
 
@@ -331,7 +332,8 @@ static bool open_lowered(view *v, view_options *o, const char *path, const cw_ru
     bare.kernel = cw_kernel_find("cell");
     if (!field_file_open(&v->flat, path, raster, &o->raster.coarser, &bare, error)) return false;
     progress_end(&o->raster.line);
-    if (!ground_describe(&v->terrain, &v->flat, path, error) ||
+    ground_find_scale(&v->scale, &v->flat.raster, path, raster);
+    if (!ground_describe(&v->terrain, &v->flat, &v->scale, path, error) ||
         !ground_find_place(&v->terrain, &w->from, eye, NULL, error))
         return false;
     sight_init(&v->earth, &v->terrain, NULL, eye, o->curvature);
@@ -342,8 +344,9 @@ static bool open_lowered(view *v, view_options *o, const char *path, const cw_ru
 static bool open_field(view *v, view_options *o, const char *path, const cw_run *query, const wish *w,
                        const io_raster_options *raster, io_error *error) {
     if (o->curvature > 0) return open_lowered(v, o, path, query, w, raster, error);
-    return field_file_open(&v->file, path, raster, &o->raster.coarser, query, error) &&
-           ground_describe(&v->terrain, &v->file, path, error);
+    if (!field_file_open(&v->file, path, raster, &o->raster.coarser, query, error)) return false;
+    ground_find_scale(&v->scale, &v->file.raster, path, raster);
+    return ground_describe(&v->terrain, &v->file, &v->scale, path, error);
 }
 
 static bool open_view(view *v, view_options *o, const char *path, const cw_run *query, wish *w,

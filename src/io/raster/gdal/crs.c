@@ -60,3 +60,78 @@ bool gdal_lon_lat(const char *crs, bool back, size_t n, double *x, double *y, io
     if (earth) OSRDestroySpatialReference(earth);
     return good;
 }
+
+/* ---- the scale of a projection ----------------------------------------------------------------------------------- */
+
+/* Steps to either side of a place, in metres of the map. On the ground they are chords: of 2 km of a sphere one is
+ * shorter than the arc by 4e-9 of it, and the difference of two ends leaves out 4e-9 of the scale for Mercator. The
+ * coordinates' rounding, 1e-9 m, is 1e-12 of them. */
+static const double step = 1000;
+
+typedef struct globe {
+    double semi_major, eccentricity2, unit; /* radians in one of its coordinates */
+} globe;
+
+/* A place of the ellipsoid, in metres from its centre. */
+static void to_space(const globe *g, double longitude, double latitude, double out[3]) {
+    const double lambda = longitude * g->unit, phi = latitude * g->unit, sine = sin(phi),
+                 across = g->semi_major / sqrt(1 - g->eccentricity2 * sine * sine);
+    out[0] = across * cos(phi) * cos(lambda);
+    out[1] = across * cos(phi) * sin(lambda);
+    out[2] = across * (1 - g->eccentricity2) * sine;
+}
+
+/* x and y hold 4 ends a place, as longitudes and latitudes; far: the distance of two ends on the map. */
+static bool take_scales(const globe *g, size_t n, const double *x, const double *y, double far, double (*metres)[3]) {
+    bool good = true;
+    for (size_t k = 0; k < n; k++) {
+        double end[4][3], along[2][3], dot = 0;
+        for (size_t e = 0; e < 4; e++) to_space(g, x[4 * k + e], y[4 * k + e], end[e]);
+        for (int a = 0; a < 2; a++) {
+            for (int c = 0; c < 3; c++) along[a][c] = (end[2 * a + 1][c] - end[2 * a][c]) / far;
+            metres[k][a] = sqrt(along[a][0] * along[a][0] + along[a][1] * along[a][1] + along[a][2] * along[a][2]);
+        }
+        for (int c = 0; c < 3; c++) dot += along[0][c] * along[1][c];
+        metres[k][2] = dot / (metres[k][0] * metres[k][1]);
+        for (int a = 0; a < 2; a++) good = good && isfinite(metres[k][a]) && metres[k][a] > 0;
+    }
+    return good;
+}
+
+/* The system's own longitudes and latitudes: without a change of datum, which may need grids. */
+static bool find_scales(OGRSpatialReferenceH map, size_t n, const double *at_x, const double *at_y, double *x,
+                        double *y, double (*metres)[3]) {
+    OGRSpatialReferenceH earth = OSRCloneGeogCS(map);
+    if (earth == NULL) return false;
+    OGRErr status[2] = {OGRERR_NONE, OGRERR_NONE};
+    const double unit = OSRGetLinearUnits(map, NULL), semi_major = OSRGetSemiMajor(earth, &status[0]),
+                 inverse = OSRGetInvFlattening(earth, &status[1]), flattening = inverse > 0 ? 1 / inverse : 0;
+    const globe g = {semi_major, flattening * (2 - flattening), OSRGetAngularUnits(earth, NULL)};
+    bool good = status[0] == OGRERR_NONE && status[1] == OGRERR_NONE && unit > 0 && semi_major > 0;
+    const double away = good ? step / unit : 0;
+    for (size_t k = 0; k < 4 * n; k++) {
+        x[k] = at_x[k / 4] + (k % 4 == 0 ? -away : k % 4 == 1 ? away : 0);
+        y[k] = at_y[k / 4] + (k % 4 == 2 ? -away : k % 4 == 3 ? away : 0);
+    }
+    OSRSetAxisMappingStrategy(map, OAMS_TRADITIONAL_GIS_ORDER);
+    OSRSetAxisMappingStrategy(earth, OAMS_TRADITIONAL_GIS_ORDER);
+    OGRCoordinateTransformationH way = good ? OCTNewCoordinateTransformation(map, earth) : NULL;
+    good =
+        way != NULL && OCTTransform(way, (int)(4 * n), x, y, NULL) != 0 && take_scales(&g, n, x, y, 2 * away, metres);
+    OCTDestroyCoordinateTransformation(way);
+    OSRDestroySpatialReference(earth);
+    return good;
+}
+
+bool gdal_scales(const char *crs, size_t n, const double *at_x, const double *at_y, double (*metres)[3],
+                 io_error *error) {
+    CPLErrorReset();
+    OGRSpatialReferenceH map = OSRNewSpatialReference(crs);
+    double *x = malloc(4 * n * sizeof *x), *y = malloc(4 * n * sizeof *y);
+    const bool good = map != NULL && x != NULL && y != NULL && find_scales(map, n, at_x, at_y, x, y, metres);
+    if (!good) gdal_fail(error, "the coordinate system", "has no way to longitude and latitude");
+    free(x);
+    free(y);
+    if (map) OSRDestroySpatialReference(map);
+    return good;
+}

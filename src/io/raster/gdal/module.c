@@ -54,6 +54,7 @@ const io_gdal *cellwalk_gdal_module(bool network) {
         .write = gdal_write,
         .finish = gdal_finish,
         .lon_lat = gdal_lon_lat,
+        .scales = gdal_scales,
     };
     static bool ready;
     if (ready) return &table;

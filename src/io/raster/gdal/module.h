@@ -8,7 +8,7 @@
 #include "raster.h"
 #include "raster_out.h"
 
-enum { IO_GDAL_VERSION = 5 };
+enum { IO_GDAL_VERSION = 6 };
 #define IO_GDAL_SYMBOL "cellwalk_gdal_module"
 
 typedef struct io_gdal_source io_gdal_source;
@@ -46,6 +46,10 @@ typedef struct io_gdal {
 
     /* Longitude and latitude (WGS 84, degrees) of n places of a coordinate system, or the other way round; in place. */
     bool (*lon_lat)(const char *crs, bool back, size_t n, double *x, double *y, io_error *error);
+
+    /* The scale of a projected system at n places: metres on its ellipsoid in one of the map's x and in one of its y, and
+     * the cosine of the angle between the two there. */
+    bool (*scales)(const char *crs, size_t n, const double *x, const double *y, double (*metres)[3], io_error *error);
 } io_gdal;
 
 /* In the program: loads the module at the first call. NULL, with the reason, if it is not there. */

@@ -25,6 +25,8 @@ bool gdal_each_file(io_gdal_source *source, bool (*note)(const char *path));
  * one. */
 void gdal_describe_crs(OGRSpatialReferenceH crs, io_georef *georef);
 bool gdal_lon_lat(const char *crs, bool back, size_t n, double *x, double *y, io_error *error);
+bool gdal_scales(const char *crs, size_t n, const double *at_x, const double *at_y, double (*metres)[3],
+                 io_error *error);
 
 bool gdal_points(const char *path, const io_points_options *options, io_points *points,
                  bool (*add)(io_points *points, const io_point *point), bool (*note)(const char *path),
