@@ -13,11 +13,13 @@
  * and the samples' heights. *User space* is the caller's; an affine map in double ties it to field space.
  *
  * Threads. Every function may be called from several threads at once unless it says otherwise. Queries do not allocate. A call
- * needs at most 128 KiB of stack.
+ * needs at most 128 KiB of stack. No function is a cancellation point, and callbacks run with cancellation disabled; asynchronous
+ * cancellation is undefined. A callback must return: it must not jump out, throw or end its thread. In a child made by fork,
+ * queries of the parent's other threads do not keep a field busy; an update does, so destroy a field that was being updated.
  *
  * Errors. Functions that can fail return a cw_status and leave a sentence with the argument, its value and the limit for
  * cw_last_error. Unless a function says otherwise, its outputs are untouched on an error. Functions without a status are not
- * checked: no argument may be NULL.
+ * checked: no argument may be NULL. Arrays may be NULL if nothing is in them: for n = 0 and for an empty rectangle.
  *
  * Floating point. Queries run in the IEEE default environment (round to nearest, denormals kept) and restore the caller's.
  *

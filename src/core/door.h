@@ -4,21 +4,24 @@
  *
  * A query enters and leaves. One counter for all threads would move from core to core with every query. So there are
  * several, each on a separate cache line, and the address of a thread's stack selects one. A thread is mostly alone
- * at its counter, and then leaves by a plain store: one locked instruction a query in all. */
+ * at its counter, and then leaves by a plain store: one locked instruction a query in all.
+ *
+ * Counts hold the process that they were made in. A child made by fork has none of its parent's other threads, and what
+ * they left in the counters counts for nothing there. */
 #ifndef CELLWALK_CORE_DOOR_H
 #define CELLWALK_CORE_DOOR_H
 
+#include "process.h"
+
 #include <stdalign.h>
-#include <stdatomic.h>
-#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
 enum { DOOR_ENTRIES = 16, CACHE_LINE = 64 };
 
 typedef struct door_entry {
-    alignas(CACHE_LINE) atomic_bool first; /* a query is in that found nobody there */
-    atomic_uint others;                    /* and so many that did */
+    alignas(CACHE_LINE) atomic_uint first; /* the process of a query that found nobody there; 0: none is in */
+    atomic_uint_least64_t others;          /* how many found somebody, and above 32 bits their process */
 } door_entry;
 
 typedef struct door {
@@ -29,12 +32,19 @@ typedef struct door {
 /* The state that a query passes back when it leaves. */
 typedef struct door_pass {
     door_entry *entry; /* NULL: it is not in */
+    unsigned process;
     bool first;
 } door_pass;
 
+static inline uint64_t door_others(uint64_t others, unsigned process) {
+    return others >> 32 == process ? others & UINT32_MAX : 0;
+}
+
+/* A child does not count what its parent counted, so it takes nothing off either. */
 static inline void door_leave(door_pass pass) {
+    if (pass.process != cw_process()) return;
     if (pass.first)
-        atomic_store_explicit(&pass.entry->first, false, memory_order_release);
+        atomic_store_explicit(&pass.entry->first, 0, memory_order_release);
     else
         atomic_fetch_sub(&pass.entry->others, 1);
 }
@@ -43,18 +53,27 @@ static inline void door_leave(door_pass pass) {
 static inline door_pass door_enter(const door *d) {
     char here; /* on this thread's stack; stacks lie 64 kB apart at least */
     const uint64_t place = (uint64_t)((uintptr_t)&here >> 16) * 0x9E3779B97F4A7C15;
-    bool nobody = false;
-    door_pass pass = {.entry = (door_entry *)&d->entry[place >> 60]}; /* of a field that is const to its queries */
-    pass.first = atomic_compare_exchange_strong(&pass.entry->first, &nobody, true);
-    if (!pass.first) atomic_fetch_add(&pass.entry->others, 1);
+    door_pass pass = {.entry = (door_entry *)&d->entry[place >> 60], /* of a field that is const to its queries */
+                      .process = cw_process()};
+    unsigned found = 0;
+    pass.first = atomic_compare_exchange_strong(&pass.entry->first, &found, pass.process) ||
+                 (found != pass.process && atomic_compare_exchange_strong(&pass.entry->first, &found, pass.process));
+    if (!pass.first) {
+        uint64_t others = atomic_load(&pass.entry->others), more;
+        do more = ((uint64_t)pass.process << 32 | door_others(others, pass.process)) + 1;
+        while (!atomic_compare_exchange_weak(&pass.entry->others, &others, more));
+    }
     if (!atomic_load(&d->updating)) return pass;
     door_leave(pass);
-    return (door_pass){NULL, false};
+    return (door_pass){NULL, 0, false};
 }
 
 static inline bool door_is_quiet(const door *d) {
-    for (size_t k = 0; k < DOOR_ENTRIES; k++)
-        if (atomic_load(&d->entry[k].first) || atomic_load(&d->entry[k].others) != 0) return false;
+    const unsigned process = cw_process();
+    for (size_t k = 0; k < DOOR_ENTRIES; k++) {
+        const door_entry *e = &d->entry[k];
+        if (atomic_load(&e->first) == process || door_others(atomic_load(&e->others), process) != 0) return false;
+    }
     return true;
 }
 

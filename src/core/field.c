@@ -157,7 +157,7 @@ static cw_status create(const cw_field_desc *desc, const cw_run *how, cw_field *
     cw_status status = check(desc);
     if (status != CW_OK) return status;
 
-    cw_field *f = cw_memory_allocate(sizeof *f);
+    cw_field *f = cw_process_follow_forks() ? cw_memory_allocate(sizeof *f) : NULL;
     if (f == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
     memset(f, 0, sizeof *f);
     f->nx = desc->nx;
@@ -228,7 +228,8 @@ static cw_status check_update(const cw_field *f, const cw_update *u) {
     if (status != CW_OK) return status;
     if (u->samples != NULL && f->owned == NULL)
         return cw_fail(CW_ERROR_ARGUMENT, "samples: given to a field that borrows; change its samples in place");
-    if (u->samples == NULL && f->owned != NULL) return cw_fail(CW_ERROR_ARGUMENT, "samples: NULL");
+    if (u->samples == NULL && f->owned != NULL && u->at.nx > 0 && u->at.ny > 0)
+        return cw_fail(CW_ERROR_ARGUMENT, "samples: NULL");
     const cw_status in = cw_check_rectangle(f, &u->at);
     return in == CW_OK ? check_stride(u->stride, u->at.nx, u->at.ny) : in;
 }

@@ -271,19 +271,18 @@ static float rounding(const cw_field *f) {
     return range >= 0 ? 8 * (FLT_EPSILON / 2) * range + FLT_MIN : 0;
 }
 
-static cw_status query_along(const cw_heading_job *job, const cw_run *run) {
+static cw_status query_along(const cw_heading_job *job, const cw_run *run, const void *out, const char *out_name) {
     const cw_heading *h = job->heading;
     if (h == NULL) return cw_fail(CW_ERROR_ARGUMENT, "heading: NULL");
-    if (job->steepest == NULL && job->occluded == NULL) return cw_fail(CW_ERROR_ARGUMENT, "slope or occluded: NULL");
-    if (!(job->low <= job->high))
-        return cw_fail(CW_ERROR_ARGUMENT, "slopes: from %g to %g", (double)job->low, (double)job->high);
+    const size_t samples = job->nx * job->ny;
+    if (samples > 0 && out == NULL) return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL for %zu samples", out_name, samples);
     const cw_field *f = h->field;
     cw_run how;
     cw_status status = cw_run_begin(run, &how);
     if (status == CW_OK) status = cw_check_rectangle(f, &(cw_rectangle){job->i, job->j, job->nx, job->ny});
     how.leaf = CW_LEAF_DEFAULT;
     if (status == CW_OK) status = cw_run_settle(f, &how);
-    if (status != CW_OK || job->nx == 0 || job->ny == 0) return status;
+    if (status != CW_OK || samples == 0) return status;
     const door_pass in = door_enter(&f->door);
     if (in.entry == NULL) return cw_fail_plainly(CW_ERROR_BUSY);
     tiles t = {.job = *job, .code = how.kernel->heading};
@@ -305,16 +304,19 @@ static cw_heading_job job_of(const cw_heading *heading, const cw_rectangle *at) 
 cw_status cw_heading_steepest(const cw_heading *heading, const cw_run *run, float low, float high, cw_rectangle at,
                               float *slope) {
     cw_heading_job job = job_of(heading, &at);
+    if (isnan(low) || isnan(high)) return cw_fail(CW_ERROR_ARGUMENT, "%s: NaN", isnan(low) ? "low" : "high");
+    if (low > high) return cw_fail(CW_ERROR_ARGUMENT, "low: %g, above high, %g", (double)low, (double)high);
     job.low = low;
     job.high = high;
     job.steepest = slope;
-    return query_along(&job, run);
+    return query_along(&job, run, slope, "slope");
 }
 
 cw_status cw_heading_occluded(const cw_heading *heading, const cw_run *run, float slope, cw_rectangle at,
                               uint8_t *occluded) {
     cw_heading_job job = job_of(heading, &at);
+    if (isnan(slope)) return cw_fail(CW_ERROR_ARGUMENT, "slope: NaN");
     job.low = job.high = slope;
     job.occluded = occluded;
-    return query_along(&job, run);
+    return query_along(&job, run, occluded, "occluded");
 }

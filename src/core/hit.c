@@ -150,10 +150,10 @@ static void run_batch(void *context, size_t begin, size_t end) {
     for (size_t k = begin; k < end; k++) b->one(b->field, &b->hits[k], b->out + 3 * k);
 }
 
-static cw_status for_each(const batch *b, const cw_run *run, size_t n) {
+static cw_status for_each(const batch *b, const char *out_name, const cw_run *run, size_t n) {
     if (b->field == NULL) return cw_fail(CW_ERROR_ARGUMENT, "field: NULL");
     if (n > 0 && b->hits == NULL) return cw_fail(CW_ERROR_ARGUMENT, "hits: NULL for %zu hits", n);
-    if (n > 0 && b->out == NULL) return cw_fail(CW_ERROR_ARGUMENT, "points or normals: NULL for %zu hits", n);
+    if (n > 0 && b->out == NULL) return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL for %zu hits", out_name, n);
     batch all = *b;
     cw_run how;
     cw_status status = cw_run_begin(run, &how);
@@ -166,16 +166,16 @@ static cw_status for_each(const batch *b, const cw_run *run, size_t n) {
 }
 
 cw_status cw_hit_points(const cw_field *field, const cw_run *run, const cw_hit *hits, size_t n, double *points) {
-    return for_each(&(batch){field, hits, points, point_of}, run, n);
+    return for_each(&(batch){field, hits, points, point_of}, "points", run, n);
 }
 
 cw_status cw_hit_normals(const cw_field *field, const cw_run *run, const cw_hit *hits, size_t n, double *normals) {
-    return for_each(&(batch){field, hits, normals, normal_of}, run, n);
+    return for_each(&(batch){field, hits, normals, normal_of}, "normals", run, n);
 }
 
 cw_status cw_hit_phong_normals(const cw_field *field, const cw_run *run, const cw_hit *hits, size_t n,
                                double *normals) {
-    return for_each(&(batch){field, hits, normals, phong_normal_of}, run, n);
+    return for_each(&(batch){field, hits, normals, phong_normal_of}, "normals", run, n);
 }
 
 /* ---- at a place -------------------------------------------------------------------------------------------------- */
@@ -204,6 +204,7 @@ void cw_field_at(const cw_field *field, double x, double y, cw_hit *hit) {
 }
 
 cw_status cw_field_at_user(const cw_field *field, double x, double y, cw_hit *hit) {
+    if (field == NULL || hit == NULL) return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL", field ? "hit" : "field");
     *hit = miss;
     if (field->to_user[0][2] != 0 || field->to_user[1][2] != 0)
         return cw_fail(CW_ERROR_ARGUMENT, "field: its map leans the heights, so that no single place is above (x, y)");

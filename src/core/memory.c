@@ -3,6 +3,7 @@
 
 #include "error.h"
 #include "large.h"
+#include "process.h"
 
 #include <string.h>
 
@@ -21,14 +22,17 @@ static cw_allocator present = {.allocate = own_allocate, .release = own_release}
 
 cw_status cw_allocator_set(const cw_allocator *allocator) {
     if (allocator && (allocator->allocate == NULL || allocator->release == NULL))
-        return cw_fail(CW_ERROR_ARGUMENT, "allocator: allocate or release is NULL");
+        return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL", allocator->allocate ? "release" : "allocate");
     present = allocator ? *allocator : own;
     return CW_OK;
 }
 
 void *cw_memory_allocate(size_t bytes) {
     enum { CACHE_LINE = 64, HUGE_PAGE = 1 << 21 };
-    return present.allocate(present.context, bytes ? bytes : 1, bytes >= HUGE_PAGE ? HUGE_PAGE : CACHE_LINE);
+    const int cancel = cancel_disable();
+    void *memory = present.allocate(present.context, bytes ? bytes : 1, bytes >= HUGE_PAGE ? HUGE_PAGE : CACHE_LINE);
+    cancel_restore(cancel);
+    return memory;
 }
 
 void *cw_memory_clear(size_t bytes) {
@@ -38,5 +42,8 @@ void *cw_memory_clear(size_t bytes) {
 }
 
 void cw_memory_free(void *memory) {
-    if (memory) present.release(present.context, memory);
+    if (memory == NULL) return;
+    const int cancel = cancel_disable();
+    present.release(present.context, memory);
+    cancel_restore(cancel);
 }

@@ -7,12 +7,12 @@
 
 #include "cpus.h"
 #include "error.h"
+#include "process.h"
 
 #include <pthread.h>
 #include <sched.h>
 #include <stdatomic.h>
 #include <stdlib.h>
-#include <unistd.h>
 
 /* The work of one caller. It is in the caller's stack frame, which stays until all pieces are done. */
 typedef struct job {
@@ -32,7 +32,7 @@ struct cw_pool {
     atomic_ulong number; /* of the job */
     job *present;        /* NULL: there is nothing to join */
     bool engaged;        /* a caller has the helpers */
-    pid_t process;       /* that has the helpers */
+    unsigned process;    /* that has the helpers; in a child of it the lock stays as another thread left it */
     atomic_bool quit;
     cw_tasks tasks; /* run is NULL if the pool has helper threads */
     pthread_t helper[];
@@ -88,9 +88,6 @@ static cw_status check_threads(unsigned threads, unsigned least) {
     return cw_fail(CW_ERROR_ARGUMENT, "threads: %u; a pool has 1 to %d", threads, CW_THREADS_MAX);
 }
 
-/* A child that was forked has none of its parent's threads, and finds the lock as they left it. */
-static bool has_helpers(const cw_pool *p) { return p->threads > 1 && p->process == getpid(); }
-
 /* musl gives a thread 128 KiB of stack, most of which a query uses. cellwalk.h promises 1 MiB for the caller's work. */
 static bool start(cw_pool *p) {
     enum { STACK_LEAST = 1 << 20 };
@@ -110,13 +107,13 @@ cw_status cw_pool_create(unsigned threads, cw_pool **pool) {
     const cw_status status = check_threads(threads, 0);
     if (status != CW_OK) return status;
     if (threads == 0) threads = cpus_usable();
-    cw_pool *p = calloc(1, sizeof *p + (threads - 1) * sizeof p->helper[0]);
+    cw_pool *p = cw_process_follow_forks() ? calloc(1, sizeof *p + (threads - 1) * sizeof p->helper[0]) : NULL;
     if (p == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
     pthread_mutex_init(&p->lock, NULL);
     pthread_cond_init(&p->start, NULL);
     pthread_cond_init(&p->done, NULL);
     p->threads = threads;
-    p->process = getpid();
+    p->process = cw_process();
     while (p->created < threads - 1) {
         if (!start(p)) {
             const unsigned started = p->created;
@@ -145,7 +142,7 @@ cw_status cw_pool_create_on(const cw_tasks *tasks, cw_pool **pool) {
 
 void cw_pool_destroy(cw_pool *p) {
     if (p == NULL) return;
-    if (p->tasks.run != NULL || p->process != getpid()) {
+    if (p->tasks.run != NULL || p->process != cw_process()) {
         free(p);
         return;
     }
@@ -153,7 +150,9 @@ void cw_pool_destroy(cw_pool *p) {
     p->quit = true;
     pthread_cond_broadcast(&p->start);
     pthread_mutex_unlock(&p->lock);
+    const int cancel = cancel_disable();
     for (unsigned k = 0; k < p->created; k++) pthread_join(p->helper[k], NULL);
+    cancel_restore(cancel);
     pthread_cond_destroy(&p->done);
     pthread_cond_destroy(&p->start);
     pthread_mutex_destroy(&p->lock);
@@ -202,16 +201,20 @@ void cw_pool_share(cw_pool *p, size_t n, size_t least, size_t most, cw_work_fn *
     const size_t pieces = n / least + (n % least != 0); /* at most */
     job j = {.work = work, .context = context, .n = n, .least = least, .most = most > least ? most : least};
     j.parts = (size_t)2 * threads;
-    if (p != NULL && p->tasks.run != NULL && threads > 1 && pieces > 1) {
-        p->tasks.run(p->tasks.context, take_pieces_as_task, &j, pieces < threads ? (unsigned)pieces : threads);
-        return;
-    }
-    if (threads == 1 || pieces == 1 || !has_helpers(p) || !engage(p, &j)) {
+    if (threads == 1 || pieces == 1) {
         work(context, 0, n);
         return;
     }
-    take_pieces(&j);
-    disengage(p);
+    const int cancel = cancel_disable();
+    if (p->tasks.run != NULL) {
+        p->tasks.run(p->tasks.context, take_pieces_as_task, &j, pieces < threads ? (unsigned)pieces : threads);
+    } else if (p->process == cw_process() && engage(p, &j)) {
+        take_pieces(&j);
+        disengage(p);
+    } else {
+        work(context, 0, n);
+    }
+    cancel_restore(cancel);
 }
 
 void cw_pool_run(cw_pool *pool, size_t n, size_t grain, cw_work_fn *work, void *context) {

@@ -6,6 +6,7 @@
 #include "isa.h"
 #include "kernels.h"
 #include "pool.h"
+#include "process.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
@@ -85,11 +86,13 @@ typedef struct watched {
 } watched;
 
 static void report(watched *w, size_t count) {
+    const int cancel = cancel_disable();
     pthread_mutex_lock(&w->lock);
     w->done += count;
     if (!atomic_load(&w->stopped) && !w->how->watch(w->how->watch_context, (double)w->done / (double)w->n))
         atomic_store(&w->stopped, true);
     pthread_mutex_unlock(&w->lock);
+    cancel_restore(cancel);
 }
 
 /* One thread gets all items in one call. */

@@ -33,12 +33,11 @@ static void trace_blocks(void *context, size_t begin, size_t end) {
     }
 }
 
-static cw_status trace(job *q, const cw_run *run, size_t n) {
+static cw_status trace(job *q, const cw_run *run, const void *out, const char *out_name, size_t n) {
     cw_run whole = run ? *run : (cw_run){0};
     if (n < 2 * BLOCK) whole.pool = NULL; /* done before a thread that sleeps has woken up */
     if (n > 0 && q->rays == NULL) return cw_fail(CW_ERROR_ARGUMENT, "rays: NULL for %zu rays", n);
-    if (n > 0 && q->hits == NULL && q->occluded == NULL)
-        return cw_fail(CW_ERROR_ARGUMENT, "hits or occluded: NULL for %zu rays", n);
+    if (n > 0 && out == NULL) return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL for %zu rays", out_name, n);
     cw_status status = cw_closest(q->field, &whole, NULL, 0, NULL);
     if (status != CW_OK || n == 0) return status;
     q->how = whole;
@@ -55,11 +54,11 @@ static cw_status trace(job *q, const cw_run *run, size_t n) {
 
 cw_status cw_closest_user(const cw_field *field, const cw_run *run, const cw_user_ray *rays, size_t n, cw_hit *hits) {
     job q = {.field = field, .rays = rays, .hits = hits};
-    return trace(&q, run, n);
+    return trace(&q, run, hits, "hits", n);
 }
 
 cw_status cw_occluded_user(const cw_field *field, const cw_run *run, const cw_user_ray *rays, size_t n,
                            uint8_t *occluded) {
     job q = {.field = field, .rays = rays, .occluded = occluded};
-    return trace(&q, run, n);
+    return trace(&q, run, occluded, "occluded", n);
 }

@@ -46,13 +46,7 @@ static void test_bad_fields(void **state) {
     good.samples = z;
     good.nx = 3;
     good.ny = 2;
-    cw_field *f;
     check_status(try_create(good), CW_OK);
-    check_status(cw_field_create(NULL, NULL, &f), CW_ERROR_ARGUMENT);
-    assert_null(f);
-    check_status(cw_field_create(&good, NULL, NULL), CW_ERROR_ARGUMENT);
-    d = good, d.samples = NULL;
-    check_status(try_create(d), CW_ERROR_ARGUMENT);
     d = good, d.storage = (cw_storage)2;
     check_status(try_create(d), CW_ERROR_ARGUMENT);
 
@@ -149,7 +143,6 @@ static void test_pool_sizes(void **state) {
         check_status(cw_pool_create(sizes[k], &pool), CW_ERROR_ARGUMENT);
         assert_null(pool);
     }
-    check_status(cw_pool_create(2, NULL), CW_ERROR_ARGUMENT);
     check_status(cw_pool_create(0, &pool), CW_OK);
     check(cw_pool_threads(pool) >= 1 && cw_pool_threads(pool) <= CW_THREADS_MAX, "%u threads", cw_pool_threads(pool));
     cw_pool_destroy(pool);
@@ -186,15 +179,6 @@ static void test_bad_queries(void **state) {
     cw_hit hits[2];
     memset(hits, 0x5a, sizeof hits);
     memset(occluded, 0x5a, sizeof occluded);
-    check_status(cw_closest(NULL, NULL, rays, 2, hits), CW_ERROR_ARGUMENT);
-    check_status(cw_closest(field, NULL, NULL, 2, hits), CW_ERROR_ARGUMENT);
-    check_status(cw_closest(field, NULL, rays, 2, NULL), CW_ERROR_ARGUMENT);
-    check_status(cw_occluded(NULL, NULL, rays, 2, occluded), CW_ERROR_ARGUMENT);
-    check_status(cw_occluded(field, NULL, NULL, 2, occluded), CW_ERROR_ARGUMENT);
-    check_status(cw_occluded(field, NULL, rays, 2, NULL), CW_ERROR_ARGUMENT);
-    check_status(cw_closest(field, NULL, NULL, 0, NULL), CW_OK);
-    check_status(cw_occluded(field, NULL, NULL, 0, NULL), CW_OK);
-
     cw_run q = (cw_run){0};
     q.leaf = (cw_leaf)CW_LEAF_COUNT;
     check_status(cw_closest(field, &q, rays, 2, hits), CW_ERROR_ARGUMENT);
@@ -220,7 +204,6 @@ static void test_bad_queries(void **state) {
     assert_true(cw_kernel_describe(q.kernel).needs_build);
     check_status(cw_closest(f, &q, rays, 2, hits), CW_ERROR_NOT_BUILT);
     check_status(cw_occluded(f, &q, rays, 2, occluded), CW_ERROR_NOT_BUILT);
-    check_status(cw_field_build(NULL, &(cw_run){.kernel = q.kernel}), CW_ERROR_ARGUMENT);
     check_status(cw_field_build(f, NULL), CW_OK); /* a tiny field needs nothing */
     assert_int_equal(cw_field_describe(f).bytes_built, 0);
     check_status(cw_field_build(f, &(cw_run){.kernel = q.kernel}), CW_OK);

@@ -5,7 +5,9 @@
 #include "rays.h"
 
 #include <pthread.h>
+#include <semaphore.h>
 #include <stdatomic.h>
+#include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -111,6 +113,144 @@ static void each_item_once(void **state) {
     cw_pool_destroy(pool);
 }
 
+/* ---- threads that are cancelled ------------------------------------------------------------------------------------ */
+
+/* The library's, by the linker's --wrap. A thread that is to be cancelled leaves here. */
+static _Thread_local bool tells_of_waiting;
+static atomic_bool waits;
+
+int __real_pthread_cond_wait(pthread_cond_t *cond, pthread_mutex_t *mutex);
+int __wrap_pthread_cond_wait(pthread_cond_t *cond, pthread_mutex_t *mutex);
+int __wrap_pthread_cond_wait(pthread_cond_t *cond, pthread_mutex_t *mutex) {
+    if (tells_of_waiting) atomic_store(&waits, true);
+    return __real_pthread_cond_wait(cond, mutex);
+}
+
+typedef struct doomed {
+    cw_pool *pool;
+    size_t number; /* of what it does */
+    bool returned;
+} doomed;
+
+static atomic_uint at_work;
+
+/* The caller's piece ends when a helper has the other one, and that one when the caller waits for it. */
+static void hold_helper(void *context, size_t begin, size_t end) {
+    (void)context, (void)begin, (void)end;
+    atomic_fetch_add(&at_work, 1);
+    while (tells_of_waiting ? atomic_load(&at_work) < 2 : !atomic_load(&waits)) sched_yield();
+}
+
+/* Work with a cancellation point in the middle, as input and output are. */
+static void look_for_an_end(void *context, size_t begin, size_t end) {
+    (void)context, (void)begin, (void)end;
+    pthread_testcancel();
+}
+static bool watch_for_an_end(void *context, double done) {
+    look_for_an_end(context, 0, 0);
+    return done <= 1;
+}
+static void *allocate(void *context, size_t bytes, size_t alignment) {
+    look_for_an_end(context, 0, 0);
+    return aligned_alloc(alignment, (bytes + alignment - 1) / alignment * alignment);
+}
+static void release(void *context, void *memory) {
+    look_for_an_end(context, 0, 0);
+    free(memory);
+}
+
+enum { PLACES = 17 * 17 };
+static double points[RAYS][3];
+static cw_user_ray user_rays[RAYS];
+static float slopes[PLACES];
+static cw_field *made; /* made under an allocator that looks for an end too */
+static cw_heading *heading;
+
+/* What waits for threads, or calls back. */
+static cw_status do_one(const doomed *d) {
+    const cw_run run = {.pool = d->pool, .watch = watch_for_an_end};
+    const cw_field_desc desc = {.samples = shape.z, .nx = 17, .ny = 17};
+    const cw_rectangle all = {0, 0, 17, 17};
+    cw_field *coarser = NULL;
+    switch (d->number) {
+    case 0:
+        cw_pool_run(d->pool, 2, 1, hold_helper, NULL);
+        return CW_OK;
+    case 1:
+        cw_pool_run(d->pool, 100, 1, look_for_an_end, NULL);
+        return CW_OK;
+    case 2:
+        return cw_closest(field, &run, rays, RAYS, got[0]);
+    case 3:
+        return cw_occluded(field, &run, rays, RAYS, occluded[0]);
+    case 4:
+        return cw_closest_user(field, &run, user_rays, RAYS, got[0]);
+    case 5:
+        return cw_occluded_user(field, &run, user_rays, RAYS, occluded[0]);
+    case 6:
+        return cw_hit_points(field, &run, expected, RAYS, points[0]);
+    case 7:
+        return cw_field_create(&desc, &run, &made);
+    case 8:
+        return cw_field_update(made, &(cw_update){.at = all, .samples = shape.z}, &run);
+    case 9:
+        return cw_heading_create(made, (double[]){1, 0.3}, &heading);
+    case 10:
+        return cw_heading_steepest(heading, &run, -1, 1, all, slopes);
+    case 11:
+        return cw_heading_occluded(heading, &run, 0, all, occluded[0]);
+    case 12:
+        if (cw_field_coarser(made, &run, 2, CW_FILTER_MEAN, &coarser, &(cw_difference){0}) != CW_OK)
+            return CW_ERROR_ARGUMENT;
+        cw_field_destroy(coarser);
+        return CW_OK;
+    case 13:
+        cw_heading_destroy(heading);
+        cw_field_destroy(made);
+        return CW_OK;
+    case 14:
+        cw_pool_destroy(d->pool);
+        return CW_OK;
+    default:
+        return CW_ERROR_ARGUMENT;
+    }
+}
+enum { DEEDS = 15 };
+
+/* The end is waiting before it begins, and comes at the first cancellation point. */
+static void *do_one_and_end(void *argument) {
+    doomed *d = argument;
+    tells_of_waiting = true;
+    pthread_cancel(pthread_self());
+    d->returned = do_one(d) == CW_OK;
+    pthread_testcancel();
+    return NULL;
+}
+
+static void no_function_is_a_cancellation_point(void **state) {
+    (void)state;
+    cw_pool *pool;
+    cw_hit *hits = got[1];
+    check_status(cw_pool_create(2, &pool), CW_OK);
+    check_status(cw_allocator_set(&(cw_allocator){.allocate = allocate, .release = release}), CW_OK);
+    for (size_t k = 0; k < DEEDS; k++) {
+        doomed d = {.pool = pool, .number = k};
+        pthread_t thread;
+        void *end = NULL;
+        assert_int_equal(pthread_create(&thread, NULL, do_one_and_end, &d), 0);
+        assert_int_equal(pthread_join(thread, &end), 0);
+        check(d.returned && end == PTHREAD_CANCELED, "number %zu does not return, or the thread goes on", k);
+        if (k + 1 == DEEDS) break;
+        memset(hits, 0, RAYS * sizeof *hits);
+        check_status(cw_closest(field, &(cw_run){.pool = pool}, rays, RAYS, hits), CW_OK);
+        for (size_t r = 0; r < RAYS; r++) check(hit_same(&hits[r], &expected[r]), "after number %zu, ray %zu", k, r);
+        check_status(cw_field_update(field, &(cw_update){.at = {1, 1, 1, 1}}, NULL), CW_OK);
+    }
+    check_status(cw_allocator_set(NULL), CW_OK);
+}
+
+/* ---- processes that fork ------------------------------------------------------------------------------------------- */
+
 /* A child has none of its parent's threads, and goes on with the pool alone. */
 static void pools_outlive_a_fork(void **state) {
     (void)state;
@@ -141,12 +281,78 @@ static void pools_outlive_a_fork(void **state) {
     cw_pool_destroy(pool);
 }
 
+static sem_t inside, go_on;
+
+static bool stay_inside(void *context, double done) {
+    (void)done;
+    if (atomic_exchange((atomic_bool *)context, false)) {
+        sem_post(&inside);
+        sem_wait(&go_on);
+    }
+    return true;
+}
+
+static void *ask_and_stay(void *argument) {
+    const cw_run run = {.watch = stay_inside, .watch_context = argument};
+    return cw_closest(field, &run, rays, RAYS, got[0]) == CW_OK ? argument : NULL;
+}
+
+/* Two threads are in a query, which one of them found empty. 0 if both answers and an update after them are right. */
+static int ask_in_two(void) {
+    atomic_bool first[2] = {true, true};
+    pthread_t thread[2];
+    const cw_update same = {.at = {1, 1, 1, 1}};
+    int wrong = 0;
+    for (int k = 0; k < 2; k++) {
+        if (pthread_create(&thread[k], NULL, ask_and_stay, &first[k]) != 0) return 1;
+        sem_wait(&inside);
+    }
+    wrong += cw_field_update(field, &same, NULL) != CW_ERROR_BUSY;
+    for (int k = 0; k < 2; k++) sem_post(&go_on);
+    for (int k = 0; k < 2; k++) {
+        void *good = NULL;
+        wrong += pthread_join(thread[k], &good) != 0 || good == NULL;
+    }
+    return wrong + (cw_field_update(field, &same, NULL) != CW_OK);
+}
+
+/* Queries of the parent's other threads do not run in a child, and keep no update out. Those of the child's own do. */
+static void fields_outlive_a_fork(void **state) {
+    (void)state;
+    enum { IN = 40 }; /* so many that some share a counter */
+    pthread_t thread[IN];
+    atomic_bool first[IN];
+#ifdef __SANITIZE_THREAD__
+    skip();
+#endif
+    assert_int_equal(sem_init(&inside, 0, 0) | sem_init(&go_on, 0, 0), 0);
+    for (int k = 0; k < IN; k++) {
+        atomic_init(&first[k], true);
+        assert_int_equal(pthread_create(&thread[k], NULL, ask_and_stay, &first[k]), 0);
+        sem_wait(&inside);
+    }
+    const cw_update same = {.at = {1, 1, 1, 1}};
+    check_status(cw_field_update(field, &same, NULL), CW_ERROR_BUSY);
+    const pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        alarm(LIMIT_SECONDS / 2);
+        _exit(cw_field_update(field, &same, NULL) != CW_OK ? 100 : ask_in_two());
+    }
+    int status;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    check_status(cw_field_update(field, &same, NULL), CW_ERROR_BUSY);
+    for (int k = 0; k < IN; k++) sem_post(&go_on);
+    for (int k = 0; k < IN; k++) assert_int_equal(pthread_join(thread[k], NULL), 0);
+    check(WIFEXITED(status) && WEXITSTATUS(status) == 0, "the child ended with %#x", (unsigned)status);
+    check_status(cw_field_update(field, &same, NULL), CW_OK);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(callers_at_once),
-        cmocka_unit_test(work_within_work),
-        cmocka_unit_test(each_item_once),
-        cmocka_unit_test(pools_outlive_a_fork),
+        cmocka_unit_test(callers_at_once),      cmocka_unit_test(work_within_work),
+        cmocka_unit_test(each_item_once),       cmocka_unit_test(no_function_is_a_cancellation_point),
+        cmocka_unit_test(pools_outlive_a_fork), cmocka_unit_test(fields_outlive_a_fork),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -284,8 +284,6 @@ static void what_is_refused_changes_nothing(void **state) {
     cw_field *anew = make_field(&p, CW_COPY, false, NULL);
     float z[6] = {1, 2, 3, 4, 5, 0x1.2p100f};
     const cw_update good = {.at = {.i = 7, .j = 9, .nx = 3, .ny = 2}, .samples = z};
-    check_status(cw_field_update(NULL, &good, NULL), CW_ERROR_ARGUMENT);
-    check_status(cw_field_update(copied, NULL, NULL), CW_ERROR_ARGUMENT);
     check_status(cw_field_update(copied, &good, NULL), CW_ERROR_SAMPLE);
     check_status(cw_field_update(borrowed, &good, NULL), CW_ERROR_ARGUMENT);
     cw_update u = good;
