@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "cancel.h"
 
+#include "gdal_host.h"
 #include "output.h"
 
 #include <errno.h>
@@ -40,7 +41,7 @@ static void on_timer(int number) {
     static const char text[] = "cellwalk: interrupted\n";
     (void)number;
     io_output_discard_all();
-    const ssize_t told = write(STDERR_FILENO, text, sizeof text - 1);
+    const ssize_t told = write(gdal_host_messages(), text, sizeof text - 1);
     (void)told; /* no other place for a message is left */
     die(atomic_load(&caught));
 }
@@ -49,7 +50,7 @@ static void on_bus_error(int number) {
     static const char text[] = "cellwalk: an input file shrank or became unreadable while it was being read\n";
     (void)number;
     io_output_discard_all();
-    if (write(STDERR_FILENO, text, sizeof text - 1) < 0) _exit(EXIT_FAILURE);
+    if (write(gdal_host_messages(), text, sizeof text - 1) < 0) _exit(EXIT_FAILURE);
     _exit(EXIT_FAILURE);
 }
 

@@ -3,6 +3,7 @@
 
 #include "cancel.h"
 #include "commands.h"
+#include "gdal_host.h"
 #include "image.h"
 #include "inputs.h"
 #include "raster_out.h"
@@ -45,6 +46,7 @@ int main(int argc, char **argv) {
         .about = print_parts};
     cancel_install();
     io_inputs_protect();
+    gdal_host_install();
     const int status = program_main(&cellwalk, argc, argv);
     if (status != EXIT_SUCCESS) cancel_finish();
     return status;

@@ -3,6 +3,7 @@
 
 #include "cancel.h"
 #include "command.h"
+#include "gdal_host.h"
 #include "printable.h"
 
 #include <math.h>
@@ -38,11 +39,10 @@ void raster_options_rows(raster_options *r, option_spec rows[RASTER_OPTION_COUNT
                                     "northernmost, the last begins at\n0, 0",
                             .kind = OPTION_NUMBER,
                             .to = &r->cellsize};
-    rows[4] =
-        (option_spec){.name = "allow-network",
-                      .help = "let GDAL fetch files that a raster names on the network,\nand use all of its drivers",
-                      .kind = OPTION_FLAG,
-                      .to = &r->network};
+    rows[4] = (option_spec){.name = "allow-network",
+                            .help = "let GDAL fetch what a file names on the network",
+                            .kind = OPTION_FLAG,
+                            .to = &r->network};
 }
 
 static void warn(void *context, const char *text) {
@@ -81,7 +81,7 @@ bool raster_options_resolve(raster_options *r, const char *name, io_raster_optio
         command_fail(name, "--nodata takes a number, not '%s'", r->nodata.values[k]);
         return false;
     }
-    if (r->network) io_raster_allow_network();
+    if (r->network) gdal_allow_network();
     r->name = r->coarser.name = name;
     r->line = progress_start("reading");
     *options = (io_raster_options){

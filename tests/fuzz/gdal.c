@@ -14,7 +14,7 @@
 #include <string.h>
 
 int LLVMFuzzerInitialize(int *count, char ***arguments);
-const void *cellwalk_gdal_module(void);
+io_gdal_entry cellwalk_gdal_module;
 
 /* Where the program loads the module from: here, it has it. AddressSanitizer also calls this, before it is at work. */
 static char own;
@@ -41,11 +41,15 @@ bool __wrap_io_raster_allocate(const char *path, size_t nx, size_t ny, io_raster
     return __real_io_raster_allocate(path, nx, ny, raster, error);
 }
 
+static bool prepare(bool network, io_error *error) { return (void)error, !network; }
+static void leave_streams(void) {}
+
 int LLVMFuzzerInitialize(int *count, char ***arguments) {
+    static const io_gdal_host host = {.prepare = prepare, .hide_streams = leave_streams, .show_streams = leave_streams};
     static const char *const kept[] = {"GTiff", "VRT", "AAIGrid"};
     (void)count, (void)arguments;
     setenv("CELLWALK_MODULES", "modules", 1);
-    cellwalk_gdal_module();
+    io_raster_host(&host);
     io_error error;
     memory_file(0, "modules/cellwalk_gdal.so", NULL, 0); /* which is looked for before it is loaded */
     asked = true;
@@ -54,7 +58,6 @@ int LLVMFuzzerInitialize(int *count, char ***arguments) {
     memory_done();
     GDALSetCacheMax(1 << 20);
     CPLSetConfigOption("CPL_VSIL_CURL_ALLOWED_FILENAME", "none"); /* a VRT may name files of other machines */
-    CPLSetConfigOption("GDAL_NUM_THREADS", "1");
     CPLSetConfigOption("GDAL_DISABLE_READDIR_ON_OPEN", "EMPTY_DIR");
     for (int k = GDALGetDriverCount(); k-- > 0;) {
         GDALDriverH driver = GDALGetDriver(k);

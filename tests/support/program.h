@@ -14,6 +14,7 @@ typedef struct program_setting {
     unsigned long file_size_limit;              /* bytes; 0: none */
     unsigned long address_space_limit;          /* bytes; 0: none */
     bool powerless;                             /* without the rights of root, even if the test has them */
+    bool refuse_filters;                        /* the system call seccomp fails with EINVAL, as in some emulators */
     unsigned seconds_limit;                     /* SIGALRM ends it after so long; 0: none */
     const char *preload, *fault, *fault_counts; /* LD_PRELOAD, and variables for ../faults/preload.c; NULL: not set */
 } program_setting;

@@ -1,15 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What files may make GDAL do, as users run the program: wait for nobody, send no request unless asked for, and leave nothing
- * of a GeoTIFF that was not finished. */
+/* What files may make GDAL do, as users run the program: wait for nobody, read no memory, and leave nothing of a GeoTIFF that
+ * was not finished. gdal_network.c has the network. */
 
 #include "program.h"
 #include "tool_files.h"
 
-#include <netinet/in.h>
-#include <pthread.h>
 #include <signal.h>
-#include <stdatomic.h>
-#include <sys/socket.h>
 #include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
@@ -56,105 +52,44 @@ static void pipes_are_refused(void **state) {
     check(r->status == EXIT_SUCCESS, "beside a pipe: exit status %d: %s", r->status, r->err);
 }
 
-/* A server that counts who comes, and hangs up. */
-typedef struct server {
-    int socket, port;
-    atomic_uint visits;
-    atomic_bool quit;
-    pthread_t thread;
-} server;
-
-static void *serve(void *context) {
-    server *s = context;
-    for (;;) {
-        const int visitor = accept(s->socket, NULL, NULL);
-        if (atomic_load(&s->quit) || visitor < 0) return NULL;
-        atomic_fetch_add(&s->visits, 1);
-        close(visitor);
-    }
-}
-
-static void open_server(server *s) {
-    struct sockaddr_in here = {.sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
-    socklen_t size = sizeof here;
-    *s = (server){.socket = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)};
-    assert_true(s->socket >= 0);
-    assert_int_equal(bind(s->socket, (struct sockaddr *)&here, size), 0);
-    assert_int_equal(listen(s->socket, 64), 0);
-    assert_int_equal(getsockname(s->socket, (struct sockaddr *)&here, &size), 0);
-    s->port = ntohs(here.sin_port);
-    assert_int_equal(pthread_create(&s->thread, NULL, serve, s), 0);
-}
-
-static void close_server(server *s) {
-    atomic_store(&s->quit, true);
-    shutdown(s->socket, SHUT_RDWR);
-    pthread_join(s->thread, NULL);
-    close(s->socket);
-}
-
-/* How often the server is visited. */
-static unsigned visits(server *s, const char *file, bool allowed) {
-    const program_setting setting = {.seconds_limit = 60};
-    const unsigned before = atomic_load(&s->visits);
-    const char *const arguments[] = {"info", file, allowed ? "--allow-network" : NULL, NULL};
-    const program_result *r = program_run(&setting, arguments);
-    check(r->status == EXIT_FAILURE, "%s: exit status %d: %s", file, r->status, r->err);
-    return atomic_load(&s->visits) - before;
-}
-
-static void no_request_unless_asked_for(void **state) {
+/* A name may hold an address in memory, or text in which one stands. */
+static void names_are_files(void **state) {
     (void)state;
-    server s;
-    open_server(&s);
-    /* No proxy of the machine's stands between. */
-    setenv("no_proxy", "127.0.0.1", 1);
-    setenv("GDAL_HTTP_MAX_RETRY", "0", 1);
-    static const char *const sources[] = {
-        "/vsicurl/http://127.0.0.1:%d/a.tif",
-        "/vsicurl_streaming/http://127.0.0.1:%d/a.tif",
-        "/vsizip//vsicurl/http://127.0.0.1:%d/a.zip/a.tif",
-        "NETCDF:&quot;http://127.0.0.1:%d/a.nc&quot;:z",
-        "http://127.0.0.1:%d/a.tif",
-        "WMTS:http://127.0.0.1:%d/w",
-        "map.tif",
-    };
-    enum { SOURCES = sizeof sources / sizeof sources[0] };
-    char text[1024];
-    snprintf(text, sizeof text,
-             "<GDAL_WMS><Service name=\"TMS\"><ServerUrl>http://127.0.0.1:%d/${z}/${x}/${y}.png</ServerUrl></Service>"
-             "<DataWindow><UpperLeftX>0</UpperLeftX><UpperLeftY>4</UpperLeftY><LowerRightX>4</LowerRightX>"
-             "<LowerRightY>0</LowerRightY><TileLevel>0</TileLevel><TileCountX>1</TileCountX><TileCountY>1</TileCountY>"
-             "</DataWindow><BlockSizeX>4</BlockSizeX><BlockSizeY>4</BlockSizeY><BandsCount>1</BandsCount></GDAL_WMS>",
-             s.port);
-    text_file("map.tif", text);
-    unsigned open_doors = 0;
-    for (size_t k = 0; k < SOURCES; k++) {
-        snprintf(text, sizeof text, sources[k], s.port);
-        vrt_file("net.vrt", text);
-        const unsigned uninvited = visits(&s, "net.vrt", false);
-        check(uninvited == 0, "%s: %u requests", text, uninvited);
-        open_doors += visits(&s, "net.vrt", true) > 0;
+#define ADDRESS "DATAPOINTER=1,PIXELS=4,LINES=4,DATATYPE=Float32"
+    static const char *const hostile[] = {"MEM:::" ADDRESS,
+                                          "mem:::" ADDRESS,
+                                          "Mem:::" ADDRESS,
+                                          "DERIVED_SUBDATASET:AMPLITUDE:MEM:::" ADDRESS,
+                                          "derived_subdataset:AMPLITUDE:DERIVED_SUBDATASET:AMPLITUDE:MEM:::" ADDRESS,
+                                          "vrt://MEM:::" ADDRESS,
+                                          "vrt://MEM:::" ADDRESS "?bands=1"};
+    const program_setting setting = {.seconds_limit = 20};
+    char text[2048];
+    size_t size;
+    static const float z[4] = {1, 2, 3, 4};
+    field_file("field.npy", z, 2, 2);
+    for (size_t k = 0; k < sizeof hostile / sizeof hostile[0]; k++) {
+        check_refused(hostile[k], "cannot read");
+        vrt_file("hidden.vrt", hostile[k]);
+        check_refused("hidden.vrt", "cannot read");
+        char *xml = scratch_read("hidden.vrt", &size);
+        check_refused(xml, "cannot read");
+        snprintf(text, sizeof text, " %s", xml);
+        check_refused(text, "cannot read");
+        free(xml);
+        /* As a picture and as observers. */
+        static const char *const commands[][2] = {{"render", "--image"}, {"viewshed", "--observers"}};
+        for (size_t c = 0; c < 2 && k % 3 == 0; c++) {
+            const program_result *r =
+                program_run(&setting, (const char *const[]){commands[c][0], "field.npy", commands[c][1], hostile[k],
+                                                            "-o", "out.png", NULL});
+            check(r->status == EXIT_FAILURE && strstr(r->err, "cannot read") != NULL, "%s %s: status %d: %s",
+                  commands[c][1], hostile[k], r->status, r->err);
+        }
     }
-    /* By a proxy that GDAL is told of, and that goes before those of the environment. */
-    snprintf(text, sizeof text, "127.0.0.1:%d", s.port);
-    setenv("GDAL_HTTP_PROXY", text, 1);
-    vrt_file("net.vrt", "/vsicurl/http://nowhere.invalid/a.tif");
-    assert_int_equal(visits(&s, "net.vrt", false), 0);
-    open_doors += visits(&s, "net.vrt", true) > 0;
-    unsetenv("GDAL_HTTP_PROXY");
-    assert_int_equal(visits(&s, "map.tif", false), 0);
-    check_refused("map.tif", "--allow-network");
-    open_doors += visits(&s, "map.tif", true) > 0;
-    /* By its name. */
-    snprintf(text, sizeof text, "/vsicurl/http://127.0.0.1:%d/b.tif", s.port);
-    assert_int_equal(visits(&s, text, false), 0);
-    check_refused(text, "--allow-network");
-    open_doors += visits(&s, text, true) > 0;
-    close_server(&s);
-    /* A GDAL without libcurl has none of them. */
-    print_message("%u of %d ways lead to the network\n", open_doors, SOURCES + 3);
-    if (open_doors == 0) skip();
+    /* Entities hide the name in the text of a VRT. */
+    vrt_file("hidden.vrt", "&#77;EM:::" ADDRESS);
+    check_refused("hidden.vrt", "cannot read");
 }
 
 static void rough_field(size_t side) {
@@ -232,7 +167,7 @@ static int enter(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(pipes_are_refused, enter, scratch_leave),
-        cmocka_unit_test_setup_teardown(no_request_unless_asked_for, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(names_are_files, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(killed_geotiffs_leave_nothing, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(a_full_disk_is_named, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(old_companions_go, enter, scratch_leave),

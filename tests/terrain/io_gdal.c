@@ -9,7 +9,6 @@
 #include "scratch.h"
 
 #include <cpl_conv.h>
-#include <cpl_http.h>
 #include <cpl_string.h>
 #include <gdal.h>
 #include <math.h>
@@ -594,18 +593,6 @@ static void a_real_terrain(void **state) {
     io_raster_free(&r);
 }
 
-/* Nor what drivers fetch on their way, as coordinate systems. */
-static void gdal_fetches_nothing(void **state) {
-    (void)state;
-    io_error error = {""};
-    check(io_gdal_load(&error) != NULL, "%s", error.text);
-    CPLHTTPResult *result = CPLHTTPFetch("http://127.0.0.1:9/crs", NULL);
-    assert_non_null(result);
-    assert_true(result->nStatus != 0);
-    assert_string_equal(result->pszErrBuf, "the network is off");
-    CPLHTTPDestroyResult(result);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(without_the_module, scratch_enter, scratch_leave),
@@ -621,7 +608,6 @@ int main(void) {
         cmocka_unit_test_setup_teardown(results_are_pictures, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(pictures_have_a_place, scratch_enter, scratch_leave),
         cmocka_unit_test(a_real_terrain),
-        cmocka_unit_test(gdal_fetches_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -61,9 +61,17 @@ void io_raster_free(io_raster *raster);
 /* Whether windows of the file, and its size and map, are read without reading the rest. */
 bool io_raster_has_windows(const char *path);
 
-/* Lets GDAL use the network, and all of its drivers, from now on in this process. Only before the first raster is read or
- * written. Without it a file that needs the network is refused. */
-void io_raster_allow_network(void);
+/* A program that GDAL shares its process with no one else in. */
+typedef struct io_gdal_host {
+    bool network; /* GDAL may use the network */
+    /* Called before GDAL is loaded, which fails if it does. */
+    bool (*prepare)(bool network, io_error *error);
+    /* Called before and after each call of GDAL: what libraries print in between is theirs. */
+    void (*hide_streams)(void), (*show_streams)(void);
+} io_gdal_host;
+
+/* Before the first raster is read or written, by the program. Without it, as in Python, GDAL keeps its settings. */
+void io_raster_host(const io_gdal_host *host);
 
 /* Places a raster whose file does not say where it lies: samples that far apart, the first row in the north, the last row's
  * first sample at the origin. */

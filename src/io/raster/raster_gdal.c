@@ -61,11 +61,13 @@ bool io_gdal_is_there(void) {
     return find_module(path);
 }
 
-typedef const io_gdal *module_entry(bool network);
+static io_gdal_host host;
+static bool has_host;
 
-static bool network;
-
-void io_raster_allow_network(void) { network = true; }
+void io_raster_host(const io_gdal_host *program) {
+    host = *program;
+    has_host = true;
+}
 
 const io_gdal *io_gdal_load(io_error *error) {
     static const io_gdal *loaded;
@@ -77,8 +79,9 @@ const io_gdal *io_gdal_load(io_error *error) {
                 module_name);
         return NULL;
     }
+    if (has_host && !host.prepare(host.network, error)) return NULL;
     void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
-    module_entry *entry = NULL;
+    io_gdal_entry *entry = NULL;
     void *symbol = library ? dlsym(library, IO_GDAL_SYMBOL) : NULL;
     if (symbol != NULL) memcpy(&entry, &symbol, sizeof entry); /* ISO C has no cast from an object to a function */
     if (entry == NULL) {
@@ -86,7 +89,7 @@ const io_gdal *io_gdal_load(io_error *error) {
         io_fail(error, "cannot load GDAL: %s", reason ? reason : path);
         return NULL;
     }
-    const io_gdal *module = entry(network);
+    const io_gdal *module = entry(has_host ? &host : NULL);
     if (module->version != IO_GDAL_VERSION) {
         io_fail(error, "cannot load GDAL: %s belongs to another version of cellwalk", path);
         return NULL;

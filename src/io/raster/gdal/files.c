@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The files that GDAL opens, through callbacks of this module in place of GDAL's own:
- *  - A name of the file system is opened only if it is a regular file. GDAL itself waits for ever for the writer of a pipe,
- *    which may stand behind a link, beside the file (.aux.xml) or in a VRT.
- *  - A file to be written is lent by its descriptor, so that it needs no name before it is whole, and the system's reason is
+/* The files that GDAL opens, through callbacks of this module:
+ *  - A name of the file system is opened only if it is a regular file, and only for reading. GDAL itself waits for ever for the
+ *    writer of a pipe, which may stand behind a link, beside the file (.aux.xml) or in a VRT.
+ *  - The standard streams, which GDAL has names for, are not opened.
+ *  - A file to be written is lent by its descriptor, so that it needs no name before it is complete, and the system's reason is
  *    known when it cannot be written. So are the files that GDAL makes beside it on its way. */
 
 #include "files.h"
@@ -20,13 +21,107 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* ---- names of the file system ------------------------------------------------------------------------------------ */
+/* ---- an open file ------------------------------------------------------------------------------------------------ */
 
-typedef struct input {
-    FILE *file;
-    vsi_l_offset at, wanted; /* the stream's position, and the reader's: a seek that reads nothing costs nothing */
+enum { LENT_MAX = 16, SUFFIX_MAX = 40 };
+static const char lent_prefix[] = "/vsicellwalk/";
+static struct lent {
+    bool used;
+    int fd, reason;
+    int beside;              /* the file that it was made beside, or -1 */
+    char suffix[SUFFIX_MAX]; /* the text behind the other file's name in that of a file beside it: ".ovr.tmp" */
+    int (*scratch)(void *context);
+    void *context;
+} lent[LENT_MAX];
+
+typedef struct handle {
+    int fd;
+    struct lent *file; /* NULL: a file of the file system */
+    vsi_l_offset at;
     bool at_end;
-} input;
+} handle;
+
+static handle *make_handle(int fd, struct lent *file) {
+    handle *h = malloc(sizeof *h);
+    if (h != NULL) *h = (handle){.fd = fd, .file = file};
+    errno = ENOMEM;
+    return h;
+}
+
+static void note_reason(handle *h, int reason) {
+    if (h->file != NULL && h->file->reason == 0) h->file->reason = reason;
+}
+
+static vsi_l_offset tell(void *file) { return ((handle *)file)->at; }
+
+static int seek(void *file, vsi_l_offset offset, int whence) {
+    handle *h = file;
+    struct stat about;
+    if (whence == SEEK_CUR) offset += h->at;
+    if (whence == SEEK_END) {
+        if (fstat(h->fd, &about) != 0) return -1;
+        offset += (vsi_l_offset)about.st_size;
+    }
+    if (offset > INT64_MAX) return -1;
+    h->at = offset;
+    h->at_end = false;
+    return 0;
+}
+
+static size_t read_some(void *file, void *to, size_t size, size_t count) {
+    handle *h = file;
+    size_t done = 0;
+    const size_t bytes = size * count;
+    while (done < bytes) {
+        const ssize_t got = pread(h->fd, (char *)to + done, bytes - done, (off_t)h->at);
+        if (got < 0 && errno == EINTR) continue;
+        if (got <= 0) break;
+        done += (size_t)got;
+        h->at += (vsi_l_offset)got;
+    }
+    h->at_end = done < bytes;
+    return size > 0 ? done / size : 0;
+}
+
+static size_t write_some(void *file, const void *from, size_t size, size_t count) {
+    handle *h = file;
+    size_t done = 0;
+    const size_t bytes = size * count;
+    while (done < bytes) {
+        const ssize_t put = pwrite(h->fd, (const char *)from + done, bytes - done, (off_t)h->at);
+        if (put < 0 && errno == EINTR) continue;
+        if (put <= 0) {
+            note_reason(h, put < 0 ? errno : ENOSPC);
+            break;
+        }
+        done += (size_t)put;
+        h->at += (vsi_l_offset)put;
+    }
+    return size > 0 ? done / size : 0;
+}
+
+static int truncate_to(void *file, vsi_l_offset size) {
+    handle *h = file;
+    const int status = ftruncate(h->fd, (off_t)size);
+    if (status != 0) note_reason(h, errno);
+    return status;
+}
+
+static int is_at_end(void *file) { return ((handle *)file)->at_end; }
+
+static int flush(void *file) {
+    (void)file;
+    return 0;
+}
+
+static int close_handle(void *file) {
+    handle *h = file;
+    const int status = h->file == NULL ? close(h->fd) : 0;
+    free(h);
+    return status;
+}
+
+/* ---- names of the file system ------------------------------------------------------------------------------------ */
 
 static char refused[512]; /* the first name since gdal_files_reset of something other than a regular file */
 
@@ -35,78 +130,19 @@ const char *gdal_files_refused(void) { return refused[0] != '\0' ? refused : NUL
 
 static void *open_input(void *context, const char *name, const char *access) {
     (void)context;
+    errno = EROFS;
+    if (access[0] != 'r' || strchr(access, '+') != NULL) return NULL;
     /* Without O_NONBLOCK opening a pipe would wait for its other end. */
-    const bool updates = strchr(access, '+') != NULL;
-    const int way =
-        access[0] == 'r' ? (updates ? O_RDWR : O_RDONLY) : O_RDWR | O_CREAT | (access[0] == 'w' ? O_TRUNC : 0);
-    const int fd = open(name, way | O_CLOEXEC | O_NONBLOCK, 0666);
+    const int fd = open(name, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     struct stat about;
     if (fd < 0) return NULL;
     const bool regular = fstat(fd, &about) == 0 && S_ISREG(about.st_mode);
-    input *f = regular ? calloc(1, sizeof *f) : NULL;
-    if (f != NULL && (f->file = fdopen(fd, way == O_RDONLY ? "rb" : "r+b")) != NULL) return f;
+    handle *h = regular ? make_handle(fd, NULL) : NULL;
+    if (h != NULL) return h;
     if (!regular && !S_ISDIR(about.st_mode) && refused[0] == '\0') snprintf(refused, sizeof refused, "%s", name);
-    errno = regular ? ENOMEM : S_ISDIR(about.st_mode) ? EISDIR : EINVAL;
-    free(f);
+    if (!regular) errno = S_ISDIR(about.st_mode) ? EISDIR : EINVAL;
     close(fd);
     return NULL;
-}
-
-static vsi_l_offset tell_input(void *file) { return ((input *)file)->wanted; }
-
-static int seek_input(void *file, vsi_l_offset offset, int whence) {
-    input *f = file;
-    struct stat about;
-    if (whence == SEEK_CUR) offset += f->wanted;
-    if (whence == SEEK_END) {
-        if (fflush(f->file) != 0 || fstat(fileno(f->file), &about) != 0) return -1;
-        offset += (vsi_l_offset)about.st_size;
-    }
-    if (offset > INT64_MAX) return -1;
-    f->wanted = offset;
-    f->at_end = false;
-    return 0;
-}
-
-static size_t read_input(void *file, void *to, size_t size, size_t count) {
-    input *f = file;
-    if (size == 0 || count == 0) return 0;
-    if (f->at != f->wanted && fseeko(f->file, (off_t)f->wanted, SEEK_SET) != 0) return 0;
-    const size_t bytes = fread(to, 1, size * count, f->file);
-    f->at = f->wanted += bytes;
-    f->at_end = bytes < size * count;
-    return bytes / size;
-}
-
-/* GDAL writes no file of the program's in this way; other code of the process may. */
-static size_t write_input(void *file, const void *from, size_t size, size_t count) {
-    input *f = file;
-    if (size == 0 || fseeko(f->file, (off_t)f->wanted, SEEK_SET) != 0) return 0;
-    const size_t done = fwrite(from, size, count, f->file);
-    f->wanted += size * done;
-    f->at = UINT64_MAX; /* a stream has to be placed between writing and reading */
-    return done;
-}
-
-static int truncate_input(void *file, vsi_l_offset size) {
-    input *f = file;
-    return fflush(f->file) == 0 ? ftruncate(fileno(f->file), (off_t)size) : -1;
-}
-
-static int flush_input(void *file) { return fflush(((input *)file)->file); }
-
-static int remove_name(void *context, const char *name) {
-    (void)context;
-    return unlink(name);
-}
-
-static int at_end_of_input(void *file) { return ((input *)file)->at_end; }
-
-static int close_input(void *file) {
-    input *f = file;
-    const int status = fclose(f->file);
-    free(f);
-    return status;
 }
 
 static int stat_name(void *context, const char *name, VSIStatBufL *about, int flags) {
@@ -140,24 +176,6 @@ static char **read_folder(void *context, const char *name, int most) {
 }
 
 /* ---- files that are lent ----------------------------------------------------------------------------------------- */
-
-enum { LENT_MAX = 16 };
-static const char lent_prefix[] = "/vsicellwalk/";
-enum { SUFFIX_MAX = 40 };
-static struct lent {
-    bool used;
-    int fd, reason;
-    int beside;              /* the file that it was made beside, or -1 */
-    char suffix[SUFFIX_MAX]; /* the text behind the other file's name in that of a file beside it: ".ovr.tmp" */
-    int (*scratch)(void *context);
-    void *context;
-} lent[LENT_MAX];
-
-typedef struct output {
-    struct lent *file;
-    vsi_l_offset at;
-    bool at_end;
-} output;
 
 int gdal_lend(int fd, char name[GDAL_LENT_NAME]) {
     for (int k = 0; k < LENT_MAX; k++) {
@@ -231,85 +249,12 @@ static void *open_output(void *context, const char *name, const char *access) {
         file = make_beside(name);
     else if (file == NULL)
         errno = ENOENT;
-    output *f = file ? calloc(1, sizeof *f) : NULL;
-    if (f == NULL) {
-        if (file) errno = ENOMEM;
-        return NULL;
-    }
-    f->file = file;
+    if (file == NULL) return NULL;
     if (access[0] == 'w' && ftruncate(file->fd, 0) != 0) {
         file->reason = errno;
-        free(f);
         return NULL;
     }
-    return f;
-}
-
-static vsi_l_offset tell_output(void *file) { return ((output *)file)->at; }
-
-static int seek_output(void *file, vsi_l_offset offset, int whence) {
-    output *f = file;
-    struct stat about;
-    if (whence == SEEK_CUR) offset += f->at;
-    if (whence == SEEK_END) {
-        if (fstat(f->file->fd, &about) != 0) return -1;
-        offset += (vsi_l_offset)about.st_size;
-    }
-    if (offset > INT64_MAX) return -1;
-    f->at = offset;
-    f->at_end = false;
-    return 0;
-}
-
-static size_t read_output(void *file, void *to, size_t size, size_t count) {
-    output *f = file;
-    size_t done = 0;
-    const size_t bytes = size * count;
-    while (done < bytes) {
-        const ssize_t got = pread(f->file->fd, (char *)to + done, bytes - done, (off_t)f->at);
-        if (got < 0 && errno == EINTR) continue;
-        if (got <= 0) break;
-        done += (size_t)got;
-        f->at += (vsi_l_offset)got;
-    }
-    f->at_end = done < bytes;
-    return size > 0 ? done / size : 0;
-}
-
-static size_t write_output(void *file, const void *from, size_t size, size_t count) {
-    output *f = file;
-    size_t done = 0;
-    const size_t bytes = size * count;
-    while (done < bytes) {
-        const ssize_t put = pwrite(f->file->fd, (const char *)from + done, bytes - done, (off_t)f->at);
-        if (put < 0 && errno == EINTR) continue;
-        if (put <= 0) {
-            if (f->file->reason == 0) f->file->reason = put < 0 ? errno : ENOSPC;
-            break;
-        }
-        done += (size_t)put;
-        f->at += (vsi_l_offset)put;
-    }
-    return size > 0 ? done / size : 0;
-}
-
-static int at_end_of_output(void *file) { return ((output *)file)->at_end; }
-
-static int truncate_output(void *file, vsi_l_offset size) {
-    output *f = file;
-    const int status = ftruncate(f->file->fd, (off_t)size);
-    if (status != 0 && f->file->reason == 0) f->file->reason = errno;
-    return status;
-}
-
-static int flush_output(void *file) {
-    (void)file;
-    return 0;
-}
-
-static int close_output(void *file) {
-    free(file);
-    return 0;
+    return make_handle(file->fd, file);
 }
 
 static int stat_output(void *context, const char *name, VSIStatBufL *about, int flags) {
@@ -335,35 +280,44 @@ static int remove_output(void *context, const char *name) {
     return ftruncate(file->fd, 0);
 }
 
-void gdal_files_install(void) {
-    VSIFilesystemPluginCallbacksStruct *c = VSIAllocFilesystemPluginCallbacksStruct();
-    c->stat = stat_name;
-    c->read_dir = read_folder;
-    c->open = open_input;
-    c->tell = tell_input;
-    c->seek = seek_input;
-    c->read = read_input;
-    c->eof = at_end_of_input;
-    c->write = write_input;
-    c->flush = flush_input;
-    c->truncate = truncate_input;
-    c->unlink = remove_name;
-    c->close = close_input;
-    VSIInstallPluginHandler("", c);
-    VSIFreeFilesystemPluginCallbacksStruct(c);
+/* ---- standard streams -------------------------------------------------------------------------------------------- */
 
-    c = VSIAllocFilesystemPluginCallbacksStruct();
-    c->stat = stat_output;
-    c->open = open_output;
-    c->tell = tell_output;
-    c->seek = seek_output;
-    c->read = read_output;
-    c->eof = at_end_of_output;
-    c->write = write_output;
-    c->flush = flush_output;
-    c->truncate = truncate_output;
-    c->unlink = remove_output;
-    c->close = close_output;
-    VSIInstallPluginHandler(lent_prefix, c);
+static void *refuse_open(void *context, const char *name, const char *access) {
+    (void)context, (void)name, (void)access;
+    errno = EACCES;
+    return NULL;
+}
+
+static int refuse_stat(void *context, const char *name, VSIStatBufL *about, int flags) {
+    (void)context, (void)name, (void)flags;
+    memset(about, 0, sizeof *about);
+    errno = EACCES;
+    return -1;
+}
+
+static void install(const char *prefix, VSIFilesystemPluginOpenCallback open_file,
+                    VSIFilesystemPluginStatCallback stat_file, VSIFilesystemPluginUnlinkCallback remove_file) {
+    VSIFilesystemPluginCallbacksStruct *c = VSIAllocFilesystemPluginCallbacksStruct();
+    c->open = open_file;
+    c->stat = stat_file;
+    c->read_dir = prefix[0] == '\0' ? read_folder : NULL;
+    c->tell = tell;
+    c->seek = seek;
+    c->read = read_some;
+    c->eof = is_at_end;
+    c->write = write_some;
+    c->flush = flush;
+    c->truncate = truncate_to;
+    c->unlink = remove_file;
+    c->close = close_handle;
+    VSIInstallPluginHandler(prefix, c); /* which keeps the pointer to the prefix */
     VSIFreeFilesystemPluginCallbacksStruct(c);
+}
+
+void gdal_files_install(bool own_process) {
+    static const char *const streams[] = {"/vsistdin/", "/vsistdin?", "/vsistdout/", "/vsistdout_redirect/"};
+    install(lent_prefix, open_output, stat_output, remove_output);
+    if (!own_process) return;
+    install("", open_input, stat_name, NULL);
+    for (size_t k = 0; k < sizeof streams / sizeof streams[0]; k++) install(streams[k], refuse_open, refuse_stat, NULL);
 }

@@ -5,8 +5,8 @@
 
 #include <stdbool.h>
 
-/* From now on GDAL opens regular files and files that are lent to it. */
-void gdal_files_install(void);
+/* From now on GDAL opens files that are lent to it and, in a process of the program's own, of all others regular ones alone. */
+void gdal_files_install(bool own_process);
 
 /* The first name since the last reset that GDAL could not open because it is a pipe or a device; NULL if there is none. */
 void gdal_files_reset(void);

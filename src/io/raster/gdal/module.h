@@ -8,7 +8,7 @@
 #include "raster.h"
 #include "raster_out.h"
 
-enum { IO_GDAL_VERSION = 6 };
+enum { IO_GDAL_VERSION = 7 };
 #define IO_GDAL_SYMBOL "cellwalk_gdal_module"
 
 typedef struct io_gdal_source io_gdal_source;
@@ -51,6 +51,9 @@ typedef struct io_gdal {
      * the cosine of the angle between the two there. */
     bool (*scales)(const char *crs, size_t n, const double *x, const double *y, double (*metres)[3], io_error *error);
 } io_gdal;
+
+/* What the module exports under the name IO_GDAL_SYMBOL. host: NULL where the process is not the program's own. */
+typedef const io_gdal *io_gdal_entry(const io_gdal_host *host);
 
 /* In the program: loads the module at the first call. NULL, with the reason, if it is not there. */
 const io_gdal *io_gdal_load(io_error *error);

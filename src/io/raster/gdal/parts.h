@@ -10,8 +10,18 @@
 
 /* Fills error with name, the text what and GDAL's last message, clears that message, and returns false. */
 bool gdal_fail(io_error *error, const char *name, const char *what);
-/* The same after a failure to read; says why, if it was this module that kept GDAL from it. kind: GDAL_OF_RASTER or _VECTOR. */
-bool gdal_fail_read(io_error *error, const char *path, const char *what, unsigned kind);
+/* The same after a failure to read; says why, if it was this module or the program that kept GDAL from it. */
+bool gdal_fail_read(io_error *error, const char *path, const char *what);
+/* Opens a file to be read; NULL after a failure. kind: GDAL_OF_RASTER or GDAL_OF_VECTOR. */
+GDALDatasetH gdal_open_name(const char *path, unsigned kind, io_error *error);
+/* Keeps VRTs from opening the process's memory, in a process of the program's own. */
+void gdal_names_close_memory(void);
+
+/* The program, or NULL where GDAL is also another's. */
+const io_gdal_host *gdal_host(void);
+/* During a call of GDAL the program's standard streams are hidden; not while GDAL calls the program. */
+void gdal_streams(bool shown);
+
 /* Tells the options' warn. */
 __attribute__((format(printf, 2, 3))) void gdal_warn(const io_raster_options *options, const char *format, ...);
 

@@ -3,9 +3,6 @@
 
 #include "parts.h"
 
-#include "files.h"
-#include "network.h"
-
 #include <cpl_conv.h>
 #include <cpl_error.h>
 #include <cpl_string.h>
@@ -23,19 +20,6 @@ typedef struct reader {
     size_t parts, lines, singles;
     io_error *error;
 } reader;
-
-static GDALDatasetH open_file(const char *path, io_error *error) {
-    GDALDatasetH file = NULL;
-    gdal_files_reset();
-    gdal_network_reset();
-    GDALAllRegister();
-    gdal_network_drivers();
-    CPLErrorReset();
-    if (!gdal_network_is_url(path))
-        file = GDALOpenEx(path, GDAL_OF_VECTOR | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, NULL, NULL, NULL);
-    if (file == NULL) gdal_fail_read(error, path, "cannot read", GDAL_OF_VECTOR);
-    return file;
-}
 
 static OGRLayerH choose_layer(GDALDatasetH file, const char *path, const char *name, io_error *error) {
     const int count = GDALDatasetGetLayerCount(file);
@@ -134,7 +118,7 @@ static bool take_features(reader *r, OGRLayerH layer) {
         OGR_F_Destroy(f);
         if (!good) return false;
     }
-    if (CPLGetLastErrorType() >= CE_Failure) return gdal_fail_read(r->error, r->path, "cannot read", GDAL_OF_VECTOR);
+    if (CPLGetLastErrorType() >= CE_Failure) return gdal_fail_read(r->error, r->path, "cannot read");
     r->points->has_lines = r->lines > 0;
     return r->lines == 0 || r->singles == 0 || io_fail(r->error, "%s: has points and lines", r->path);
 }
@@ -151,7 +135,7 @@ bool gdal_points(const char *path, const io_points_options *o, io_points *points
                  bool (*add)(io_points *points, const io_point *point), bool (*note)(const char *path),
                  io_error *error) {
     reader r = {.path = path, .points = points, .add = add, .error = error};
-    GDALDatasetH file = open_file(path, error);
+    GDALDatasetH file = gdal_open_name(path, GDAL_OF_VECTOR, error);
     if (file == NULL) return false;
     OGRLayerH layer = choose_layer(file, path, o->layer, error);
     const bool good =

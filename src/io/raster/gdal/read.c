@@ -3,9 +3,6 @@
 
 #include "parts.h"
 
-#include "files.h"
-#include "network.h"
-
 #include <cpl_conv.h>
 #include <cpl_error.h>
 #include <cpl_string.h>
@@ -133,33 +130,9 @@ static bool choose_band(io_gdal_source *s, const io_raster_options *options, io_
     return s->band != NULL || gdal_fail(error, s->path, "cannot read the band");
 }
 
-bool gdal_fail_read(io_error *error, const char *path, const char *what, unsigned kind) {
-    char words[512];
-    snprintf(words, sizeof words, "%s", CPLGetLastErrorMsg());
-    const char *file = gdal_files_refused(),
-               *driver = gdal_network_is_url(path) ? NULL : gdal_network_driver_of(path, kind);
-    if (file != NULL && strcmp(file, path) == 0) return io_fail(error, "%s: cannot read: not a regular file", path);
-    if (file != NULL) return io_fail(error, "%s: cannot read: %s is not a regular file", path, file);
-    if (driver != NULL)
-        return io_fail(error, "%s: GDAL's driver %s, which may use the network, reads it; --allow-network lets it",
-                       path, driver);
-    if (gdal_network_asked() || gdal_network_is_url(path))
-        return io_fail(error, "%s: names something on the network; --allow-network lets GDAL get it", path);
-    CPLErrorSetState(CE_Failure, CPLE_OpenFailed, words); /* which looking for a driver has changed */
-    return gdal_fail(error, path, what);
-}
-
-/* Blocks of a file that is read part by part are hardly ever wanted again, and GDAL keeps as many as a twentieth of
- * the machine's memory holds. */
-static void keep_little(void) {
-    static const GIntBig enough = (GIntBig)1 << 26;
-    if (CPLGetConfigOption("GDAL_CACHEMAX", NULL) == NULL && GDALGetCacheMax64() > enough) GDALSetCacheMax64(enough);
-}
-
 static bool take_window(io_gdal_source *s, const io_raster_options *options, io_raster *raster, io_error *error) {
     if (!io_raster_check_window(options, s->path, raster->nx, raster->ny, error)) return false;
     if (options->window.nx > 0) {
-        keep_little();
         raster->nx = options->window.nx;
         raster->ny = options->window.ny;
         s->i = (int)options->window.i;
@@ -172,24 +145,13 @@ static bool take_window(io_gdal_source *s, const io_raster_options *options, io_
 
 io_gdal_source *gdal_open(const char *path, const io_raster_options *options, io_raster *raster, size_t *rows_at_once,
                           io_error *error) {
-    CPLErrorReset();
     io_gdal_source *s = calloc(1, sizeof *s);
     if (s == NULL || (s->path = strdup(path)) == NULL) {
         io_fail(error, "%s: out of memory", path);
         gdal_close(s);
         return NULL;
     }
-    gdal_files_reset();
-    gdal_network_reset();
-    /* All drivers take ten times as long to register as that of GeoTIFF: 2.4 ms beside some 40 for loading GDAL at
-     * all. */
-    if (!gdal_network_is_url(path) && GDALIdentifyDriver(path, NULL) == NULL) {
-        GDALAllRegister();
-        gdal_network_drivers();
-    }
-    if (!gdal_network_is_url(path))
-        s->file = GDALOpenEx(path, GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, NULL, NULL, NULL);
-    if (s->file == NULL) gdal_fail_read(error, path, "cannot read", GDAL_OF_RASTER);
+    s->file = gdal_open_name(path, GDAL_OF_RASTER, error);
     if (s->file == NULL || !choose_band(s, options, error)) {
         gdal_close(s);
         return NULL;
@@ -247,7 +209,7 @@ bool gdal_read(io_gdal_source *s, size_t first, size_t count, float *z, io_error
     if (s->direct) {
         if (GDALRasterIO(s->band, GF_Read, s->i, s->j + (int)first, s->nx, (int)count, z, s->nx, (int)count,
                          GDT_Float32, 0, 0) != CE_None)
-            return gdal_fail_read(error, s->path, "cannot read", GDAL_OF_RASTER);
+            return gdal_fail_read(error, s->path, "cannot read");
         if (s->has_nodata) drop_no_data(z, nx * count, s->nodata);
         for (size_t k = 0; k < s->other_count; k++) drop_no_data(z, nx * count, s->others[k]);
     }
@@ -257,13 +219,13 @@ bool gdal_read(io_gdal_source *s, size_t first, size_t count, float *z, io_error
         if (!s->direct) {
             if (GDALRasterIO(s->band, GF_Read, s->i, s->j + (int)(first + j), s->nx, 1, s->row, s->nx, 1, GDT_Float64,
                              0, 0) != CE_None)
-                return gdal_fail_read(error, s->path, "cannot read", GDAL_OF_RASTER);
+                return gdal_fail_read(error, s->path, "cannot read");
             if (!convert(s, first + j, row, error)) return false;
         }
         if (mask == NULL) continue;
         if (GDALRasterIO(mask, GF_Read, s->i, s->j + (int)(first + j), s->nx, 1, s->mask, s->nx, 1, GDT_Byte, 0, 0) !=
             CE_None)
-            return gdal_fail_read(error, s->path, "cannot read the mask", GDAL_OF_RASTER);
+            return gdal_fail_read(error, s->path, "cannot read the mask");
         for (size_t i = 0; i < nx; i++)
             if (s->mask[i] == 0) row[i] = NAN;
     }

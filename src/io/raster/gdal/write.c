@@ -145,7 +145,10 @@ bool gdal_write(io_gdal_target *t, size_t band, size_t first, size_t count, cons
 static int CPL_STDCALL goes_on(double share, const char *message, void *context) {
     const io_gdal_target *t = context;
     (void)share, (void)message;
-    return t->go_on == NULL || t->go_on(t->go_on_context);
+    gdal_streams(true);
+    const bool on = t->go_on == NULL || t->go_on(t->go_on_context);
+    gdal_streams(false);
+    return on;
 }
 
 /* Whether GDAL or the system has complained since CPLErrorReset. */
