@@ -14,6 +14,8 @@
 
 /* Nodes of this pyramid level, 16 × 16 cells, are the smallest ones judged. In fields without larger nodes no way is long. */
 enum { CLOSE_LEVEL = 1, CLOSE_LEVELS = 3 };
+void CW_CODE(close_walk_)(const cw_field *f, const lane_set *l, size_t lane, lane_answers *answers);
+#ifndef CELLWALK_PAIRS
 
 /* The number of each lane: its column, counted from the box's first one. */
 static const float close_column[32] = {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13, 14, 15,
@@ -132,7 +134,7 @@ CW_INLINE bool close_cells(const close_ray *r, const cw_field *f, const close_bo
             if (!vm_any(gate)) continue;
             /* As if the closest hit were asked for: that is a constant, for which compilers have a copy of the test already. */
             vfind find;
-            const vmask found = leaf_test(CW_LEAF_WATERTIGHT, &v, &c, gate, false, &find);
+            const vmask found = leaf_test(CW_LEAF_WATERTIGHT, &v, &c, gate, &find);
             if (vm_any(found)) close_keep(found, &find, &c, columns, rows, &column, &row, first);
         }
     }
@@ -220,13 +222,13 @@ static bool close_nodes(const close_ray *r, const cw_field *f, int level, int32_
 }
 
 /* Walks the ray in a lane to its end. */
-static __attribute__((noinline)) void close_walk(const cw_field *f, const lane_set *l, size_t lane, bool any,
-                                                 lane_answers *answers) {
+void CW_CODE(close_walk_)(const cw_field *f, const lane_set *l, size_t lane, lane_answers *answers) {
     const int top = f->pyramid->levels - 1;
     close_ray r = {.turned = {l->rays.i[RAY_TURNED_X][lane], l->rays.i[RAY_TURNED_Y][lane]}, .t = l->t[lane]};
     for (int k = 0; k < RAY_FLOATS; k++) r.n[k] = l->rays.f[k][lane];
     const int32_t side = (int32_t)4 << 2 * top, begin_x = r.turned[0] * 4 * side, begin_y = r.turned[1] * 4 * side;
     float first[FOUND_NUMBERS];
     const int32_t x = close_corner(&r, 0, r.t, side, begin_x), y = close_corner(&r, 1, r.t, side, begin_y);
-    if (close_nodes(&r, f, top, x, y, first)) one_found(answers, f, l->ray[lane], first, any);
+    if (close_nodes(&r, f, top, x, y, first)) one_found(answers, f, l->ray[lane], first);
 }
+#endif

@@ -84,8 +84,8 @@ static inline void keep_hits(found_hits *h, bool first, vmask now, const vfind *
 }
 
 /* Lanes among which the cell is hit. */
-CW_INLINE vmask leaf_test(cw_leaf leaf, const vray *r, const vcell *c, vmask among, bool any, vfind *find) {
-    return leaf == CW_LEAF_WATERTIGHT ? wt_cell(r, c, among, any, find) : mt_cell(r, c, among, find);
+CW_INLINE vmask leaf_test(cw_leaf leaf, const vray *r, const vcell *c, vmask among, vfind *find) {
+    return leaf == CW_LEAF_WATERTIGHT ? wt_cell(r, c, among, find) : mt_cell(r, c, among, find);
 }
 
 /* Tests the cell of each living lane and steps to the next one. cleared: l->hit is defined before the first hit. */
@@ -99,7 +99,7 @@ CW_INLINE void flat_step(packet *l, const cw_field *f, cw_leaf leaf, bool any, b
     const vmask candidates = vm_and(l->alive, cell_gate(r, c));
     if (vm_any(candidates)) {
         vfind find;
-        const vmask now = leaf_test(leaf, r, c, candidates, any, &find);
+        const vmask now = leaf_test(leaf, r, c, candidates, &find);
         if (!any && vm_any(now)) keep_hits(&l->hit, !cleared && !vm_any(l->found), now, &find, c);
         l->found = vm_or(l->found, now);
         l->alive = vm_andnot(l->alive, now);

@@ -27,22 +27,12 @@ enum { INLINE_WATERTIGHT = 0 }; /* see watertight.inc.h */
 
 /* See lane_walk. Local copies of the lanes save the register for their address, of which AVX2 has too few. AVX-512 has
  * enough, so copying would only cost time (papers/walks.md). */
-CW_INLINE void walk_pairs(const cw_field *f, const lane_queue *queue, lane_set *l, bool more, bool any,
-                          lane_answers *answers) {
+void CW_CODE(lane_pairs_)(const cw_field *f, const lane_queue *queue, lane_set *l, bool more, lane_answers *answers) {
     if ((int)QUEUE_W < 16) {
         lane_set here = *l;
-        lane_walk(f, queue, &here, more, any, answers);
+        lane_walk(f, queue, &here, more, answers);
         *l = here;
     } else {
-        lane_walk(f, queue, l, more, any, answers);
+        lane_walk(f, queue, l, more, answers);
     }
-}
-
-void CW_CODE(lane_pairs_closest_)(const cw_field *f, const lane_queue *queue, lane_set *l, bool more,
-                                  lane_answers *answers) {
-    walk_pairs(f, queue, l, more, false, answers);
-}
-void CW_CODE(lane_pairs_any_)(const cw_field *f, const lane_queue *queue, lane_set *l, bool more,
-                              lane_answers *answers) {
-    walk_pairs(f, queue, l, more, true, answers);
 }

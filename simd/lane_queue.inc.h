@@ -5,7 +5,7 @@
 #include <stdalign.h>
 
 /* QUEUE_W: lanes of the vectors in which rays are queued. LANES: lanes of the lane walk. */
-#if defined(CELLWALK_PAIRS) && CELLWALK_LANE_VECTORS == 2
+#ifdef CELLWALK_PAIRS
 enum { QUEUE_W = half_W, LANES = W };
 #else
 enum { QUEUE_W = W, LANES = CELLWALK_LANE_VECTORS * W };
@@ -75,7 +75,7 @@ enum { FOUND_NUMBERS = 8 };
 typedef struct lane_answers {
     const cw_ray *rays;
     cw_hit *hits;      /* of closest-hit queries */
-    uint8_t *occluded; /* of any-hit queries */
+    uint8_t *occluded; /* of any-hit queries; one of the two is NULL */
     size_t found;
     uint32_t number[2 * LANES];
     /* At most LANES waiting, another LANES as they come, and one more vector that is stored but not used. */
@@ -96,5 +96,5 @@ typedef struct lane_set {
 } lane_set;
 
 /* The lane walk in pairs of vectors; see lane_walk. */
-typedef void lane_pairs_fn(const cw_field *f, const lane_queue *queue, lane_set *l, bool more, lane_answers *answers);
-extern lane_pairs_fn CW_CODE(lane_pairs_closest_), CW_CODE(lane_pairs_any_);
+extern void CW_CODE(lane_pairs_)(const cw_field *f, const lane_queue *queue, lane_set *l, bool more,
+                                 lane_answers *answers);

@@ -99,7 +99,7 @@ CW_INLINE void turn_back(vaxis *a, float f[RAY_AXIS][LANES], vint turned) {
 
 /* Tests the cells at which lanes wait; returns the lanes that hit. */
 CW_INLINE vmask lane_leaf(lane_rays *rays, const uint32_t ray[W], const cw_field *f, const lane_state *s,
-                          const lane_axis axis[2], vmask waits, bool any, lane_answers *answers) {
+                          const lane_axis axis[2], vmask waits, lane_answers *answers) {
     const vint turned_x = vi_load(rays->i[RAY_TURNED_X]), turned_y = vi_load(rays->i[RAY_TURNED_Y]);
     const vint i = vi_xor(s->x, turned_x), j = vi_xor(s->y, turned_y);
     float(*fx)[LANES] = rays->f, (*fy)[LANES] = rays->f + RAY_AXIS;
@@ -125,8 +125,8 @@ CW_INLINE vmask lane_leaf(lane_rays *rays, const uint32_t ray[W], const cw_field
     const vmask gate = vm_and(waits, cell_gate(&r, &c));
     if (!vm_any(gate)) return gate;
     vfind find;
-    const vmask found = leaf_test(CW_LEAF_WATERTIGHT, &r, &c, gate, any, &find);
-    if (vm_any(found)) lane_found(answers, f, ray, found, &find, &c, any);
+    const vmask found = leaf_test(CW_LEAF_WATERTIGHT, &r, &c, gate, &find);
+    if (vm_any(found)) lane_found(answers, f, ray, found, &find, &c);
     return found;
 }
 
@@ -140,15 +140,15 @@ CW_INLINE lane_plane above_plane(const lane_rays *rays, const lane_axis axis[2],
     const vfloat x = vf_sub(axis[0].org, vf_add(axis[0].corner, half_side)); /* from the node's middle */
     const vfloat y = vf_sub(axis[1].org, vf_add(axis[1].corner, half_side));
     return (lane_plane){
-        vf_fnma(slope[1], y, vf_fnma(slope[0], x, vf_load(rays->f[RAY_OZ]))),
-        vf_fnma(slope[1], axis[1].dir, vf_fnma(slope[0], axis[0].dir, vf_load(rays->f[RAY_DZ]))),
+        vf_sub(vf_sub(vf_load(rays->f[RAY_OZ]), vf_mul(slope[0], x)), vf_mul(slope[1], y)),
+        vf_sub(vf_sub(vf_load(rays->f[RAY_DZ]), vf_mul(slope[0], axis[0].dir)), vf_mul(slope[1], axis[1].dir)),
     };
 }
 
 /* Number along the axis, of 0 to 3, of the child in which the ray is at t, or of an earlier one. */
 CW_INLINE vint child_at(float f[RAY_AXIS][LANES], const lane_axis *a, vfloat t, vfloat inverse_side) {
     const vfloat last = vf_sub(vf_load(f[RAY_LAST]), vf_set(0.5f));
-    vfloat place = vf_fma(t, a->dir, vf_load(f[RAY_EARLY]));
+    vfloat place = vf_add(vf_load(f[RAY_EARLY]), vf_mul(t, a->dir));
     place = vf_max(vf_min(place, last), vf_load(f[RAY_FIRST]));
     const vfloat number = vf_mul(vf_sub(place, a->corner), inverse_side);
     return vi_from_vf(vf_max(vf_min(number, vf_set(3)), vf_set(0))); /* in this order NaN would become 3 */
@@ -170,7 +170,7 @@ CW_INLINE vmask lane_descend(lane_state *s, lane_rays *rays, const cw_field *f, 
                              vf_flip(slab[3], vf_load(rays->f[RAY_AXIS + RAY_SIGN]))};
     const lane_plane above = above_plane(rays, axis, slope, vf_mul(side, vf_set(0.5f)));
     const vfloat t = s->t, t1 = vf_min(out, vf_load(rays->f[RAY_UNTIL]));
-    const vfloat d0 = vf_fma(t, above.rate, above.origin), d1 = vf_fma(t1, above.rate, above.origin);
+    const vfloat d0 = vf_add(above.origin, vf_mul(t, above.rate)), d1 = vf_add(above.origin, vf_mul(t1, above.rate));
     const vmask misses = vm_or(vf_gt(vf_min(d0, d1), high), vf_lt(vf_max(d0, d1), low));
     const vmask wanted = vf_le(t, s->leave);
     s->leave = vf_select(wanted, s->leave, vf_set(INFINITY));
@@ -181,8 +181,8 @@ CW_INLINE vmask lane_descend(lane_state *s, lane_rays *rays, const cw_field *f, 
     const vfloat zero = vf_set(0), per = vf_div(vf_set(1), vf_max(vf_set(FLT_MIN), vf_abs(above.rate)));
     const vfloat before = vf_max(zero, vf_max(vf_sub(d0, high), vf_sub(low, d0)));
     const vfloat after = vf_max(zero, vf_max(vf_sub(d1, high), vf_sub(low, d1)));
-    const vfloat start = vf_min(vf_max(vf_fma(before, per, t), t), t1);
-    const vfloat leave = vf_max(start, vf_min(vf_fnma(after, per, t1), vf_set(INFINITY)));
+    const vfloat start = vf_min(vf_max(vf_add(t, vf_mul(before, per)), t), t1);
+    const vfloat leave = vf_max(start, vf_min(vf_sub(t1, vf_mul(after, per)), vf_set(INFINITY)));
     s->t = vf_select(enters, start, t);
     s->leave = vf_select(enters, leave, s->leave);
     const vint child_shift = vi_add(shift, vi_set(-2)), none = vi_set(0);
@@ -221,7 +221,7 @@ CW_INLINE void lane_advance(lane_state *s, lane_rays *rays, const lane_axis axis
 
 /* One step of every living lane, except those that wait at a cell. Level 0 here is cells; level l + 1 is the pyramid's
  * level l. */
-CW_INLINE void lane_step(lane_state *s, lane_set *l, const cw_field *f, bool any, lane_answers *answers) {
+CW_INLINE void lane_step(lane_state *s, lane_set *l, const cw_field *f, lane_answers *answers) {
     lane_rays *rays = &l->rays;
     const vfloat side = vf_power_of_2(vi_add(s->level, s->level));
     const lane_axis axis[2] = {look_along(rays->f, s->x, side), look_along(rays->f + RAY_AXIS, s->y, side)};
@@ -229,7 +229,7 @@ CW_INLINE void lane_step(lane_state *s, lane_set *l, const cw_field *f, bool any
     const vmask at_cell = vi_eq(s->level, vi_set(0)), waits = vm_and(s->alive, at_cell);
     vmask moves = vm_andnot(s->alive, at_cell);
     if (__builtin_popcount(vm_bits(waits)) >= LEAF_AT || !vm_any(moves)) {
-        const vmask found = lane_leaf(rays, l->ray, f, s, axis, waits, any, answers);
+        const vmask found = lane_leaf(rays, l->ray, f, s, axis, waits, answers);
         s->alive = vm_andnot(s->alive, found);
         moves = vm_andnot(waits, found);
     } else {
@@ -244,7 +244,7 @@ enum { LATE_SHIFT = 8, LOOK_AFTER = 128 };
 enum { FEW = W / 4, LATE_SHIFT_OF_FEW = 5, LOOK_AFTER_OF_FEW = 32 };
 
 /* Takes those rays out of their lanes that are late, and walks them to their ends. */
-CW_INLINE void end_late(const cw_field *f, lane_set *l, bool few, bool any, lane_answers *answers) {
+CW_INLINE void end_late(const cw_field *f, lane_set *l, bool few, lane_answers *answers) {
     if (l->clock < l->look_at && !few) return;
     l->look_at = l->clock + LOOK_AFTER;
     const vint age = vi_sub(vi_set(l->clock), vi_load(l->born));
@@ -252,7 +252,7 @@ CW_INLINE void end_late(const cw_field *f, lane_set *l, bool few, bool any, lane
     unsigned late = ~vm_bits(young) & l->living;
     if (late == 0 || f->pyramid->levels < CLOSE_LEVELS) return;
     l->living &= ~late;
-    for (; late != 0; late &= late - 1) close_walk(f, l, (size_t)__builtin_ctz(late), any, answers);
+    for (; late != 0; late &= late - 1) CW_CODE(close_walk_)(f, l, (size_t)__builtin_ctz(late), answers);
 }
 
 /* Walks the rays in the lanes and in the queue to their ends and writes their hits. If more are to follow, it
@@ -262,8 +262,7 @@ CW_INLINE void end_late(const cw_field *f, lane_set *l, bool few, bool any, lane
  * Rejected: ending each batch, with ever fewer lanes alive. Rejected: two vectors of lanes that take turns, so that
  * one works while the other waits for its bounds or samples. Their state goes through memory, which costs more than
  * the waiting in all but the largest fields (papers/walks.md). */
-CW_INLINE void lane_walk(const cw_field *f, const lane_queue *queue, lane_set *l, bool more, bool any,
-                         lane_answers *answers) {
+CW_INLINE void lane_walk(const cw_field *f, const lane_queue *queue, lane_set *l, bool more, lane_answers *answers) {
     if (l->living == 0 && queue->n > 0) lane_clear(l);
     for (size_t next = 0;;) {
         for (unsigned empty = ~l->living & first_lanes(W); empty != 0 && next < queue->n; empty &= empty - 1) {
@@ -279,12 +278,12 @@ CW_INLINE void lane_walk(const cw_field *f, const lane_queue *queue, lane_set *l
         unsigned living;
         int steps = most;
         do {
-            lane_step(&s, l, f, any, answers);
+            lane_step(&s, l, f, answers);
             living = vm_bits(s.alive);
         } while (__builtin_popcount(living) > stop_at && --steps > 0);
         l->clock += most - steps;
         store_lanes(l, &s);
-        end_late(f, l, few, any, answers);
+        end_late(f, l, few, answers);
     }
     if (!more && LANES_LEFT == 0) write_rest(answers, f);
 }

@@ -31,47 +31,48 @@ CW_INLINE void packet_walk(packet *l, const cw_field *f, const cw_ray *rays, siz
         flat_step(l, f, leaf, any, true);
 }
 
-CW_INLINE void packet_closest(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, cw_leaf leaf) {
+/* Closest hits, or any hits; the other array is NULL. */
+CW_INLINE void packet_rays(const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, bool any, cw_hit *hits,
+                           uint8_t *occluded) {
     for (size_t k = 0; k < n; k += W) {
         const size_t count = n - k < W ? n - k : W;
         cw_ray tail[W];
         cw_hit answers[W];
-        const cw_ray *from = fill_up(rays + k, count, W, tail);
         packet l;
         vstart start;
-        packet_walk(&l, f, from, count, leaf, false, &start);
-        packet_hits(&l, &start, count < W ? answers : hits + k);
-        if (count < W) memcpy(hits + k, answers, count * sizeof *hits);
+        packet_walk(&l, f, fill_up(rays + k, count, W, tail), count, leaf, any, &start);
+        if (any) {
+            const unsigned found = vm_bits(l.found);
+            for (size_t m = 0; m < count; m++) occluded[k + m] = found >> m & 1;
+        } else {
+            packet_hits(&l, &start, count < W ? answers : hits + k);
+            if (count < W) memcpy(hits + k, answers, count * sizeof *hits);
+        }
     }
-}
-
-CW_INLINE void packet_any(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded, cw_leaf leaf) {
-    for (size_t k = 0; k < n; k += W) {
-        const size_t count = n - k < W ? n - k : W;
-        cw_ray tail[W];
-        packet l;
-        vstart start;
-        packet_walk(&l, f, fill_up(rays + k, count, W, tail), count, leaf, true, &start);
-        const unsigned found = vm_bits(l.found);
-        for (size_t m = 0; m < count; m++) occluded[k + m] = found >> m & 1;
-    }
-}
-
-static void CW_CODE(closest_packet_mt_)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits) {
-    packet_closest(f, rays, n, hits, CW_LEAF_MOLLER_TRUMBORE);
-}
-static void CW_CODE(any_packet_mt_)(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded) {
-    packet_any(f, rays, n, occluded, CW_LEAF_MOLLER_TRUMBORE);
-}
-static void CW_CODE(closest_packet_wt_)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits) {
-    packet_closest(f, rays, n, hits, CW_LEAF_WATERTIGHT);
-}
-static void CW_CODE(any_packet_wt_)(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded) {
-    packet_any(f, rays, n, occluded, CW_LEAF_WATERTIGHT);
 }
 
 /* One function for each leaf test. Rejected: one for both with a branch at its top, as compilers then run out of
  * registers (papers/walks.md). */
+CW_ONE_COPY void packet_mt(const cw_field *f, const cw_ray *rays, size_t n, bool any, cw_hit *hits, uint8_t *occluded) {
+    packet_rays(f, rays, n, CW_LEAF_MOLLER_TRUMBORE, any, hits, occluded);
+}
+CW_ONE_COPY void packet_wt(const cw_field *f, const cw_ray *rays, size_t n, bool any, cw_hit *hits, uint8_t *occluded) {
+    packet_rays(f, rays, n, CW_LEAF_WATERTIGHT, any, hits, occluded);
+}
+
+static void CW_CODE(closest_packet_mt_)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits) {
+    packet_mt(f, rays, n, false, hits, NULL);
+}
+static void CW_CODE(any_packet_mt_)(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded) {
+    packet_mt(f, rays, n, true, NULL, occluded);
+}
+static void CW_CODE(closest_packet_wt_)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits) {
+    packet_wt(f, rays, n, false, hits, NULL);
+}
+static void CW_CODE(any_packet_wt_)(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded) {
+    packet_wt(f, rays, n, true, NULL, occluded);
+}
+
 const cw_kernel_code CW_CODE(packet) = {
     .closest =
         {[CW_LEAF_MOLLER_TRUMBORE] = CW_CODE(closest_packet_mt_), [CW_LEAF_WATERTIGHT] = CW_CODE(closest_packet_wt_)},

@@ -146,9 +146,10 @@ CW_INLINE ray_set pyramid_tile(const cw_field *f, const cw_ray *rays, size_t n, 
     return 0;
 }
 
-/* Closest hits, or any hits; the other array is NULL. Rays are numbered from the beginning of their run. */
-CW_INLINE void pyramid_rays(const cw_field *f, const cw_ray *rays, size_t n, bool any, cw_hit *hits,
-                            uint8_t *occluded) {
+/* Closest hits, or any hits; the other array is NULL. Rays are numbered from the beginning of their run. One function for
+ * both: a copy for each is twice the text and no faster. */
+CW_ONE_COPY void pyramid_rays(const cw_field *f, const cw_ray *rays, size_t n, bool any, cw_hit *hits,
+                              uint8_t *occluded) {
     lane_set alone;
     lane_answers answers;
     alone.living = 0;
@@ -160,16 +161,14 @@ CW_INLINE void pyramid_rays(const cw_field *f, const cw_ray *rays, size_t n, boo
         queue.n = 0;
         queue.first = (uint32_t)(b - run);
         answers.rays = rays + run;
-        if (any)
-            answers.occluded = occluded + run;
-        else
-            answers.hits = hits + run;
+        answers.hits = any ? NULL : hits + run;
+        answers.occluded = any ? occluded + run : NULL;
         for (size_t k = b; k < end; k += TILE) {
             const size_t count = end - k < TILE ? end - k : TILE;
             const ray_set found = pyramid_tile(f, rays + k, count, any, any ? NULL : hits + k, &queue, (k - b) / W);
             for (size_t m = 0; any && m < count; m++) occluded[k + m] = found >> m & 1;
         }
-        walk_alone(f, &queue, &alone, end < n && end % LANE_RUN != 0, any, &answers);
+        walk_alone(f, &queue, &alone, end < n && end % LANE_RUN != 0, &answers);
     }
 }
 

@@ -29,51 +29,6 @@ static inline vmask is_far(const cw_field *f, const vfloat org[3]) {
     return vm_or(vm_or(far[0], far[1]), far[2]);
 }
 
-static inline vdouble not_float(vdouble a) { return vd_abs(vd_sub(vd_from_vf(vf_from_vd(a)), a)); }
-
-/* ray_has_few_bits. */
-static inline vmask has_few_bits(const vfloat d[3]) {
-    vmask few = vm_set(true);
-    for (int c = 0; c < 3; c++) {
-        const vfloat up = vf_mul(d[c], vf_set(0x1.001p12f));
-        few = vm_and(few, vf_eq(vf_sub(up, vf_sub(up, d[c])), d[c]));
-    }
-    return few;
-}
-
-/* The box of ray_exact_step, by division in double. Ends of standing axes stay out. */
-static inline void box_in_double(const vstart *s, const vfloat low[3], const vfloat high[3], vdouble *in,
-                                 vdouble *out) {
-    *in = vd_set(-INFINITY);
-    *out = vd_set(INFINITY);
-    for (int c = 0; c < 3; c++) {
-        const vdouble d = vd_from_vf(s->dir[c]);
-        const vdouble a = vd_div(vd_sub(vd_from_vf(low[c]), s->base[c]), d);
-        const vdouble b = vd_div(vd_sub(vd_from_vf(high[c]), s->base[c]), d);
-        const vmask stands = vf_eq(s->dir[c], vf_set(0));
-        *in = vd_max(vd_select(stands, vd_set(-INFINITY), vd_min(a, b)), *in);
-        *out = vd_min(vd_select(stands, vd_set(INFINITY), vd_max(a, b)), *out);
-    }
-}
-
-/* ray_even_step if it is exact, else any. Not inlined, as few rays have a suitable direction. */
-static __attribute__((noinline)) vfloat even_step(const vstart *s, const vfloat low[3], const vfloat high[3],
-                                                  vfloat any, vmask among) {
-    vdouble in, out;
-    box_in_double(s, low, high, &in, &out);
-    const vdouble room = vd_mul(vd_sub(out, in), vd_set(RAY_STEP_ROOM)), even = vd_mul(room, vd_set(0x1p52));
-    const vdouble step = vd_sub(vd_add(vd_sub(in, room), even), even);
-    vdouble lost = not_float(step);
-    for (int c = 0; c < 3; c++) {
-        const vdouble way = vd_mul(step, vd_from_vf(s->dir[c])), base = vd_add(s->base[c], way);
-        const vdouble parts =
-            vd_add(vd_abs(vd_sub(vd_sub(base, s->base[c]), way)), vd_abs(vd_sub(vd_sub(base, way), s->base[c])));
-        lost = vd_add(lost, vd_add(parts, not_float(base)));
-    }
-    const vmask exact = vd_gt(vd_set(0x1p-1074), lost); /* zero is less, NaN is not */
-    return vf_select(vm_and(among, exact), vf_from_vd(step), any);
-}
-
 /* Moves the origins of rays that are far away to just before the field's box: ray_move, lane by lane. Returns the lanes
  * whose rays may meet the box. Not inlined, so that near rays do not pay for its registers. */
 static __attribute__((noinline)) vmask move_rays(vstart *s, const cw_field *f, vmask far) {
@@ -116,8 +71,6 @@ static __attribute__((noinline)) vmask move_rays(vstart *s, const cw_field *f, v
         far = vm_andnot(far, passes);
         if (!vm_any(far)) break;
         vfloat step = vf_sub(in, vf_mul(vf_add(vf_abs(in), least), share));
-        const vmask few_bits = vm_and(far, has_few_bits(s->dir));
-        if (vm_any(few_bits)) step = even_step(s, low, high, step, few_bits);
         step = vf_select(far, step, vf_set(0));
         const vdouble way = vd_from_vf(step);
         s->shift = vd_add(s->shift, way);

@@ -263,7 +263,7 @@ CW_INLINE vmask shared_cells(int quadrant, packet *l, vmask among, const block_c
         c.h01 = vf_set(z[s->stride]);
         c.h11 = vf_set(z[s->stride + 1]);
         vfind find = {c.t0, c.t1, gate}; /* any-hit queries do not set it; avoids a warning */
-        const vmask now = wt_cell_in(quadrant, r, &c, gate, any, &find);
+        const vmask now = wt_cell_in(quadrant, r, &c, gate, &find);
         if (!vm_any(now)) continue;
         if (!any) keep_hits(&l->hit, !vm_any(vm_or(l->found, found)), now, &find, &c);
         found = vm_or(found, now);
@@ -340,32 +340,21 @@ CW_INLINE void shared_packets(int quadrant, tile_walk *w, ray_set rays, const bl
 }
 
 /* The same, a function for each quadrant. */
-typedef void shared_packets_fn(tile_walk *w, ray_set rays, const block_cells *b);
-static void closest_down_down(tile_walk *w, ray_set rays, const block_cells *b) {
-    shared_packets(0, w, rays, b, false);
+typedef void shared_packets_fn(tile_walk *w, ray_set rays, const block_cells *b, bool any);
+static void packets_down_down(tile_walk *w, ray_set rays, const block_cells *b, bool any) {
+    shared_packets(0, w, rays, b, any);
 }
-static void closest_up_down(tile_walk *w, ray_set rays, const block_cells *b) {
-    shared_packets(QUADRANT_UP_X, w, rays, b, false);
+static void packets_up_down(tile_walk *w, ray_set rays, const block_cells *b, bool any) {
+    shared_packets(QUADRANT_UP_X, w, rays, b, any);
 }
-static void closest_down_up(tile_walk *w, ray_set rays, const block_cells *b) {
-    shared_packets(QUADRANT_UP_Y, w, rays, b, false);
+static void packets_down_up(tile_walk *w, ray_set rays, const block_cells *b, bool any) {
+    shared_packets(QUADRANT_UP_Y, w, rays, b, any);
 }
-static void closest_up_up(tile_walk *w, ray_set rays, const block_cells *b) {
-    shared_packets(QUADRANT_UP_X + QUADRANT_UP_Y, w, rays, b, false);
+static void packets_up_up(tile_walk *w, ray_set rays, const block_cells *b, bool any) {
+    shared_packets(QUADRANT_UP_X + QUADRANT_UP_Y, w, rays, b, any);
 }
-static void any_down_down(tile_walk *w, ray_set rays, const block_cells *b) { shared_packets(0, w, rays, b, true); }
-static void any_up_down(tile_walk *w, ray_set rays, const block_cells *b) {
-    shared_packets(QUADRANT_UP_X, w, rays, b, true);
-}
-static void any_down_up(tile_walk *w, ray_set rays, const block_cells *b) {
-    shared_packets(QUADRANT_UP_Y, w, rays, b, true);
-}
-static void any_up_up(tile_walk *w, ray_set rays, const block_cells *b) {
-    shared_packets(QUADRANT_UP_X + QUADRANT_UP_Y, w, rays, b, true);
-}
-static shared_packets_fn *const closest_packets[QUADRANTS] = {closest_down_down, closest_up_down, closest_down_up,
-                                                              closest_up_up};
-static shared_packets_fn *const any_packets[QUADRANTS] = {any_down_down, any_up_down, any_down_up, any_up_up};
+static shared_packets_fn *const packets_of_quadrant[QUADRANTS] = {packets_down_down, packets_up_down, packets_down_up,
+                                                                  packets_up_up};
 
 /* Finds first hits of the rays in block (x, y). */
 static void shared_block(tile_walk *w, const fat_ray *a, ray_set rays, int32_t x, int32_t y, bool any) {
@@ -390,7 +379,7 @@ static void shared_block(tile_walk *w, const fat_ray *a, ray_set rays, int32_t x
     }
     const block_cells b = {&s, 4 * x, 4 * y, cells};
     const int quadrant = (a->up_x ? QUADRANT_UP_X : 0) + (a->up_y ? QUADRANT_UP_Y : 0);
-    (any ? any_packets : closest_packets)[quadrant](w, rays, &b);
+    packets_of_quadrant[quadrant](w, rays, &b, any);
 }
 
 /* Walks the rays of a through these children, of the given level, of node (x, y): to their ends or until they fall

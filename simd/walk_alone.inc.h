@@ -25,17 +25,16 @@ static inline void close_up(lane_set *l) {
 }
 
 /* See lane_walk. Empties the queue. */
-CW_INLINE void walk_alone(const cw_field *f, lane_queue *queue, lane_set *l, bool more, bool any,
-                          lane_answers *answers) {
+CW_INLINE void walk_alone(const cw_field *f, lane_queue *queue, lane_set *l, bool more, lane_answers *answers) {
     if (LANES > (int)W) {
         const size_t rays = (size_t)__builtin_popcount(l->living) + queue->n;
         if (more ? queue->n > 0 : rays > W) {
-            (any ? CW_CODE(lane_pairs_any_) : CW_CODE(lane_pairs_closest_))(f, queue, l, more, answers);
+            CW_CODE(lane_pairs_)(f, queue, l, more, answers);
             queue->n = 0;
         }
         if (more) return;
         close_up(l);
     }
-    lane_walk(f, queue, l, more, any, answers);
+    lane_walk(f, queue, l, more, answers);
     queue->n = 0;
 }

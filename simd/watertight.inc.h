@@ -75,7 +75,7 @@ CW_INLINE vmask wt_in_b(const wt_borders *e, bool mixed) {
 }
 
 /* Lanes among which the cell is hit. *find is set only if any is false. */
-CW_INLINE vmask wt_cell_in(int quadrant, const vray *ray, const vcell *c, vmask among, bool any, vfind *find) {
+CW_INLINE vmask wt_cell_in(int quadrant, const vray *ray, const vcell *c, vmask among, vfind *find) {
     const vwt r = {vf_sub(ray->x.org, c->i),
                    vf_sub(ray->y.org, c->j),
                    ray->x.dir,
@@ -120,21 +120,18 @@ CW_INLINE vmask wt_cell_in(int quadrant, const vray *ray, const vcell *c, vmask 
     const vmask first = vm_and(crosses, wt_between(da, dd)), second = vm_andnot(crosses, first);
     const vfloat d0 = vf_select(second, dd, da), d1 = vf_select(first, dd, db);
     const vmask found = vm_and(among, vm_or(first, wt_between(d0, d1)));
-    if (!any) {
-        find->t0 = vf_select(second, td, c->t0);
-        find->t1 = vf_select(first, td, c->t1);
-        find->b = vm_or(vm_andnot(in_b, second), vm_and(second, out_b));
-    }
+    find->t0 = vf_select(second, td, c->t0);
+    find->t1 = vf_select(first, td, c->t1);
+    find->b = vm_or(vm_andnot(in_b, second), vm_and(second, out_b));
     return found;
 }
 
 /* The same for lanes of any directions. The object that includes this defines INLINE_WATERTIGHT: 1 if its walks have
  * registers enough for the test within them, else 0. */
-static __attribute__((noinline)) vmask wt_cell_apart(const vray *ray, const vcell *c, vmask among, bool any,
-                                                     vfind *find) {
-    return wt_cell_in(QUADRANT_MIXED, ray, c, among, any, find);
+static __attribute__((noinline)) vmask wt_cell_apart(const vray *ray, const vcell *c, vmask among, vfind *find) {
+    return wt_cell_in(QUADRANT_MIXED, ray, c, among, find);
 }
-CW_INLINE vmask wt_cell(const vray *ray, const vcell *c, vmask among, bool any, vfind *find) {
-    if (INLINE_WATERTIGHT) return wt_cell_in(QUADRANT_MIXED, ray, c, among, any, find);
-    return wt_cell_apart(ray, c, among, any, find);
+CW_INLINE vmask wt_cell(const vray *ray, const vcell *c, vmask among, vfind *find) {
+    if (INLINE_WATERTIGHT) return wt_cell_in(QUADRANT_MIXED, ray, c, among, find);
+    return wt_cell_apart(ray, c, among, find);
 }

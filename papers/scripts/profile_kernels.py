@@ -17,7 +17,7 @@ from results import Problem, Results
 # Which phase a function of simd/ belongs to. The innermost function of a sample that stands here decides, so helpers
 # that serve several phases (crossing, cell_gate, the vector vocabulary) are left to their callers.
 PHASES = {
-    "rays made ready": "make_rays start_rays move_if_far move_rays box_in_double even_step make_axis make_slab fill_up",
+    "rays made ready": "make_rays start_rays move_if_far move_rays make_axis make_slab fill_up",
     "climb": "climb climb_start climb_place climb_pair_of climb_level",
     "flat steps": "flat_start first_cell flat_step short_way",
     "shared walk: set-up": "coherent fat_init group_ray",

@@ -27,8 +27,6 @@ static inline vfloat vf_add(vfloat a, vfloat b) { return (vfloat){_mm256_add_ps(
 static inline vfloat vf_sub(vfloat a, vfloat b) { return (vfloat){_mm256_sub_ps(a.v, b.v)}; }
 static inline vfloat vf_mul(vfloat a, vfloat b) { return (vfloat){_mm256_mul_ps(a.v, b.v)}; }
 static inline vfloat vf_div(vfloat a, vfloat b) { return (vfloat){_mm256_div_ps(a.v, b.v)}; }
-static inline vfloat vf_fma(vfloat a, vfloat b, vfloat c) { return (vfloat){_mm256_fmadd_ps(a.v, b.v, c.v)}; }
-static inline vfloat vf_fnma(vfloat a, vfloat b, vfloat c) { return (vfloat){_mm256_fnmadd_ps(a.v, b.v, c.v)}; }
 static inline vfloat vf_min(vfloat a, vfloat b) { return (vfloat){_mm256_min_ps(a.v, b.v)}; }
 static inline vfloat vf_max(vfloat a, vfloat b) { return (vfloat){_mm256_max_ps(a.v, b.v)}; }
 static inline vfloat vf_abs(vfloat a) { return (vfloat){_mm256_andnot_ps(_mm256_set1_ps(-0.0f), a.v)}; }
@@ -258,16 +256,6 @@ static inline vdouble vd_min(vdouble x, vdouble y) {
 }
 static inline vdouble vd_max(vdouble x, vdouble y) {
     return (vdouble){_mm256_max_pd(x.a, y.a), _mm256_max_pd(x.b, y.b)};
-}
-static inline vdouble vd_abs(vdouble x) {
-    const __m256d sign = _mm256_set1_pd(-0.0);
-    return (vdouble){_mm256_andnot_pd(sign, x.a), _mm256_andnot_pd(sign, x.b)};
-}
-static inline vmask vd_gt(vdouble x, vdouble y) {
-    const __m256 a = _mm256_castpd_ps(_mm256_cmp_pd(x.a, y.a, _CMP_GT_OQ));
-    const __m256 b = _mm256_castpd_ps(_mm256_cmp_pd(x.b, y.b, _CMP_GT_OQ));
-    const __m256d mixed = _mm256_castps_pd(_mm256_shuffle_ps(a, b, 0x88)); /* pairs of lanes 0, 4, 2, 6 */
-    return (vmask){_mm256_castpd_ps(_mm256_permute4x64_pd(mixed, 0xd8))};
 }
 static inline vdouble vd_select(vmask m, vdouble x, vdouble y) {
     const __m256i bits = _mm256_castps_si256(m.v);

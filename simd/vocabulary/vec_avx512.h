@@ -27,8 +27,6 @@ static inline vfloat vf_add(vfloat a, vfloat b) { return (vfloat){_mm512_add_ps(
 static inline vfloat vf_sub(vfloat a, vfloat b) { return (vfloat){_mm512_sub_ps(a.v, b.v)}; }
 static inline vfloat vf_mul(vfloat a, vfloat b) { return (vfloat){_mm512_mul_ps(a.v, b.v)}; }
 static inline vfloat vf_div(vfloat a, vfloat b) { return (vfloat){_mm512_div_ps(a.v, b.v)}; }
-static inline vfloat vf_fma(vfloat a, vfloat b, vfloat c) { return (vfloat){_mm512_fmadd_ps(a.v, b.v, c.v)}; }
-static inline vfloat vf_fnma(vfloat a, vfloat b, vfloat c) { return (vfloat){_mm512_fnmadd_ps(a.v, b.v, c.v)}; }
 static inline vfloat vf_min(vfloat a, vfloat b) { return (vfloat){_mm512_min_ps(a.v, b.v)}; }
 static inline vfloat vf_max(vfloat a, vfloat b) { return (vfloat){_mm512_max_ps(a.v, b.v)}; }
 static inline vfloat vf_abs(vfloat a) { return (vfloat){_mm512_abs_ps(a.v)}; }
@@ -266,11 +264,6 @@ static inline vdouble vd_min(vdouble x, vdouble y) {
 }
 static inline vdouble vd_max(vdouble x, vdouble y) {
     return (vdouble){_mm512_max_pd(x.a, y.a), _mm512_max_pd(x.b, y.b)};
-}
-static inline vdouble vd_abs(vdouble x) { return (vdouble){_mm512_abs_pd(x.a), _mm512_abs_pd(x.b)}; }
-static inline vmask vd_gt(vdouble x, vdouble y) {
-    const unsigned a = _mm512_cmp_pd_mask(x.a, y.a, _CMP_GT_OQ), b = _mm512_cmp_pd_mask(x.b, y.b, _CMP_GT_OQ);
-    return (vmask){(__mmask16)(b << 8 | a)};
 }
 static inline vdouble vd_select(vmask m, vdouble x, vdouble y) {
     return (vdouble){_mm512_mask_blend_pd((__mmask8)m.v, y.a, x.a),

@@ -12,11 +12,9 @@
 #define vint              half_vint
 #define vmask             half_vmask
 #define vdouble           half_vdouble
-#define vd_abs            half_vd_abs
 #define vd_add            half_vd_add
 #define vd_div            half_vd_div
 #define vd_from_vf        half_vd_from_vf
-#define vd_gt             half_vd_gt
 #define vd_max            half_vd_max
 #define vd_min            half_vd_min
 #define vd_mul            half_vd_mul
@@ -30,8 +28,6 @@
 #define vf_eq             half_vf_eq
 #define vf_flip           half_vf_flip
 #define vf_floor          half_vf_floor
-#define vf_fma            half_vf_fma
-#define vf_fnma           half_vf_fnma
 #define vf_from_vi        half_vf_from_vi
 #define vf_gather         half_vf_gather
 #define vf_gather_pairs   half_vf_gather_pairs

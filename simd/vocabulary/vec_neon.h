@@ -33,8 +33,6 @@ static inline vfloat vf_add(vfloat a, vfloat b) { return (vfloat){vaddq_f32(a.v,
 static inline vfloat vf_sub(vfloat a, vfloat b) { return (vfloat){vsubq_f32(a.v, b.v)}; }
 static inline vfloat vf_mul(vfloat a, vfloat b) { return (vfloat){vmulq_f32(a.v, b.v)}; }
 static inline vfloat vf_div(vfloat a, vfloat b) { return (vfloat){vdivq_f32(a.v, b.v)}; }
-static inline vfloat vf_fma(vfloat a, vfloat b, vfloat c) { return (vfloat){vfmaq_f32(c.v, a.v, b.v)}; }
-static inline vfloat vf_fnma(vfloat a, vfloat b, vfloat c) { return (vfloat){vfmsq_f32(c.v, a.v, b.v)}; }
 static inline vfloat vf_min(vfloat a, vfloat b) { return (vfloat){vbslq_f32(vcltq_f32(a.v, b.v), a.v, b.v)}; }
 static inline vfloat vf_max(vfloat a, vfloat b) { return (vfloat){vbslq_f32(vcgtq_f32(a.v, b.v), a.v, b.v)}; }
 static inline vfloat vf_abs(vfloat a) { return (vfloat){vabsq_f32(a.v)}; }
@@ -225,11 +223,6 @@ static inline vdouble vd_min(vdouble x, vdouble y) {
 }
 static inline vdouble vd_max(vdouble x, vdouble y) {
     return (vdouble){vbslq_f64(vcgtq_f64(x.a, y.a), x.a, y.a), vbslq_f64(vcgtq_f64(x.b, y.b), x.b, y.b)};
-}
-static inline vdouble vd_abs(vdouble x) { return (vdouble){vabsq_f64(x.a), vabsq_f64(x.b)}; }
-static inline vmask vd_gt(vdouble x, vdouble y) {
-    const uint32x4_t a = vreinterpretq_u32_u64(vcgtq_f64(x.a, y.a)), b = vreinterpretq_u32_u64(vcgtq_f64(x.b, y.b));
-    return (vmask){vuzp1q_u32(a, b)};
 }
 static inline vdouble vd_select(vmask m, vdouble x, vdouble y) {
     const uint64x2_t a = vreinterpretq_u64_u32(vzip1q_u32(m.v, m.v)), b = vreinterpretq_u64_u32(vzip2q_u32(m.v, m.v));

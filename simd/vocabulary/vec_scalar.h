@@ -4,7 +4,7 @@
  * lane, bit for bit.
  *
  * vfloat, vint and vmask are three distinct types, so that a mask cannot be used as a number by mistake. Arithmetic
- * is IEEE, rounded once an operation, except in vf_fma and vf_fnma. Comparisons are false on NaN. */
+ * is IEEE, rounded once an operation. Comparisons are false on NaN. */
 #ifndef CELLWALK_SIMD_VEC_SCALAR_H
 #define CELLWALK_SIMD_VEC_SCALAR_H
 
@@ -31,10 +31,6 @@ static inline vfloat vf_add(vfloat a, vfloat b) { return (vfloat){a.v + b.v}; }
 static inline vfloat vf_sub(vfloat a, vfloat b) { return (vfloat){a.v - b.v}; }
 static inline vfloat vf_mul(vfloat a, vfloat b) { return (vfloat){a.v * b.v}; }
 static inline vfloat vf_div(vfloat a, vfloat b) { return (vfloat){a.v / b.v}; }
-/* a b + c and c - a b, rounded once if the instruction set fuses them, else twice. For culling only, never for the
- * numbers of a hit. */
-static inline vfloat vf_fma(vfloat a, vfloat b, vfloat c) { return vf_add(vf_mul(a, b), c); }
-static inline vfloat vf_fnma(vfloat a, vfloat b, vfloat c) { return vf_sub(c, vf_mul(a, b)); }
 /* a < b ? a : b and a > b ? a : b, so b where either is NaN. */
 static inline vfloat vf_min(vfloat a, vfloat b) { return (vfloat){a.v < b.v ? a.v : b.v}; }
 static inline vfloat vf_max(vfloat a, vfloat b) { return (vfloat){a.v > b.v ? a.v : b.v}; }
@@ -158,8 +154,6 @@ static inline vdouble vd_mul(vdouble a, vdouble b) { return (vdouble){a.v * b.v}
 static inline vdouble vd_div(vdouble a, vdouble b) { return (vdouble){a.v / b.v}; }
 static inline vdouble vd_min(vdouble a, vdouble b) { return (vdouble){a.v < b.v ? a.v : b.v}; } /* as vf_min */
 static inline vdouble vd_max(vdouble a, vdouble b) { return (vdouble){a.v > b.v ? a.v : b.v}; }
-static inline vdouble vd_abs(vdouble a) { return (vdouble){fabs(a.v)}; }
-static inline vmask vd_gt(vdouble a, vdouble b) { return (vmask){a.v > b.v}; }
 static inline vdouble vd_select(vmask m, vdouble a, vdouble b) { return m.v ? a : b; }
 
 /* A block of 4 × 4 floats in the order in which a ray of one direction quadrant meets them: lane 4 y + x of the 16

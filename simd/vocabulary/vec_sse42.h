@@ -27,8 +27,6 @@ static inline vfloat vf_add(vfloat a, vfloat b) { return (vfloat){_mm_add_ps(a.v
 static inline vfloat vf_sub(vfloat a, vfloat b) { return (vfloat){_mm_sub_ps(a.v, b.v)}; }
 static inline vfloat vf_mul(vfloat a, vfloat b) { return (vfloat){_mm_mul_ps(a.v, b.v)}; }
 static inline vfloat vf_div(vfloat a, vfloat b) { return (vfloat){_mm_div_ps(a.v, b.v)}; }
-static inline vfloat vf_fma(vfloat a, vfloat b, vfloat c) { return vf_add(vf_mul(a, b), c); }
-static inline vfloat vf_fnma(vfloat a, vfloat b, vfloat c) { return vf_sub(c, vf_mul(a, b)); }
 static inline vfloat vf_min(vfloat a, vfloat b) { return (vfloat){_mm_min_ps(a.v, b.v)}; }
 static inline vfloat vf_max(vfloat a, vfloat b) { return (vfloat){_mm_max_ps(a.v, b.v)}; }
 static inline vfloat vf_abs(vfloat a) { return (vfloat){_mm_andnot_ps(_mm_set1_ps(-0.0f), a.v)}; }
@@ -203,14 +201,6 @@ static inline vdouble vd_mul(vdouble x, vdouble y) { return (vdouble){_mm_mul_pd
 static inline vdouble vd_div(vdouble x, vdouble y) { return (vdouble){_mm_div_pd(x.a, y.a), _mm_div_pd(x.b, y.b)}; }
 static inline vdouble vd_min(vdouble x, vdouble y) { return (vdouble){_mm_min_pd(x.a, y.a), _mm_min_pd(x.b, y.b)}; }
 static inline vdouble vd_max(vdouble x, vdouble y) { return (vdouble){_mm_max_pd(x.a, y.a), _mm_max_pd(x.b, y.b)}; }
-static inline vdouble vd_abs(vdouble x) {
-    const __m128d sign = _mm_set1_pd(-0.0);
-    return (vdouble){_mm_andnot_pd(sign, x.a), _mm_andnot_pd(sign, x.b)};
-}
-static inline vmask vd_gt(vdouble x, vdouble y) {
-    const __m128 a = _mm_castpd_ps(_mm_cmpgt_pd(x.a, y.a)), b = _mm_castpd_ps(_mm_cmpgt_pd(x.b, y.b));
-    return (vmask){_mm_shuffle_ps(a, b, 0x88)};
-}
 static inline vdouble vd_select(vmask m, vdouble x, vdouble y) {
     const __m128d a = _mm_castps_pd(_mm_unpacklo_ps(m.v, m.v)), b = _mm_castps_pd(_mm_unpackhi_ps(m.v, m.v));
     return (vdouble){_mm_blendv_pd(y.a, x.a, a), _mm_blendv_pd(y.b, x.b, b)};

@@ -13,11 +13,9 @@
 #undef vint
 #undef vmask
 #undef vdouble
-#undef vd_abs
 #undef vd_add
 #undef vd_div
 #undef vd_from_vf
-#undef vd_gt
 #undef vd_max
 #undef vd_min
 #undef vd_mul
@@ -31,8 +29,6 @@
 #undef vf_eq
 #undef vf_flip
 #undef vf_floor
-#undef vf_fma
-#undef vf_fnma
 #undef vf_from_vi
 #undef vf_gather
 #undef vf_gather_pairs
@@ -118,8 +114,6 @@ TWO(vfloat, vf_div, vfloat, vfloat)
 TWO(vfloat, vf_min, vfloat, vfloat)
 TWO(vfloat, vf_max, vfloat, vfloat)
 TWO(vfloat, vf_flip, vfloat, vfloat)
-THREE(vfloat, vf_fma, vfloat)
-THREE(vfloat, vf_fnma, vfloat)
 TWO(vmask, vf_lt, vfloat, vfloat)
 TWO(vmask, vf_le, vfloat, vfloat)
 TWO(vmask, vf_gt, vfloat, vfloat)
@@ -151,8 +145,6 @@ TWO(vdouble, vd_mul, vdouble, vdouble)
 TWO(vdouble, vd_div, vdouble, vdouble)
 TWO(vdouble, vd_min, vdouble, vdouble)
 TWO(vdouble, vd_max, vdouble, vdouble)
-TWO(vmask, vd_gt, vdouble, vdouble)
-ONE(vdouble, vd_abs, vdouble)
 ONE(vdouble, vd_from_vf, vfloat)
 ONE(vfloat, vf_from_vd, vdouble)
 /* clang-format on */

@@ -13,6 +13,13 @@
  * keeps the choice at run time and writes the ray's twenty vectors to the stack for the call. */
 #define CW_INLINE static inline __attribute__((always_inline))
 
+/* For bodies of which one copy serves all callers, whatever constants they pass. */
+#ifdef __clang__
+#define CW_ONE_COPY static __attribute__((noinline))
+#else
+#define CW_ONE_COPY static __attribute__((noipa))
+#endif
+
 #ifdef CELLWALK_PAIRS
 #include "vec_half.h"
 #endif

@@ -11,8 +11,7 @@
  * known better than to a float. One step brings the origin nearer by a factor of 2^20. A second one is needed from some
  * hundred thousand field lengths away.
  *
- * The one loss is that the new origin is rounded to float. If a slightly shorter step of few bits needs no rounding,
- * it is taken instead. So rays of few bits touch exactly the same vertices and edges as from their own origins. */
+ * The one loss is that the new origin is rounded to float. */
 #ifndef CELLWALK_SCALAR_RAY_H
 #define CELLWALK_SCALAR_RAY_H
 
@@ -53,9 +52,6 @@ static inline bool ray_is_far(const cw_field *f, const float org[3]) {
            fabsf(org[2] - f->middle[2]) > f->reach[2];
 }
 
-/* Part of the ray's length in the box by which a step of few bits may be shorter than another. */
-#define RAY_STEP_ROOM 0x1p-5
-
 /* Entry into the field's box and exit are computed in float: three operations, so they are off by 3 u of themselves,
  * u = 2^-24, and by 2^-150 if they are denormal. A ray misses the box if its entry comes after its exit by this part
  * of them, 8 u, and of FLT_MIN. By the same part its new origin is before the entry, so that its t in the box is
@@ -65,48 +61,6 @@ static inline bool ray_is_far(const cw_field *f, const float org[3]) {
 /* A ray that enters the box later, or leaves it earlier than minus this, is not in it within RAY_T_LIMIT. One that enters it
  * earlier than minus this is moved into the box, to a place before its range of t. */
 #define RAY_FARTHEST (1.5f * RAY_T_LIMIT)
-
-/* A step to just before in, rounded to a multiple of a power of 2 of at most room; it may not be exact. */
-static inline double ray_even_step(double in, double room) {
-    const double even = room * 0x1p52; /* its last place is that power */
-    return ((in - room) + even) - even;
-}
-
-/* Distance of a number from the nearest float. */
-static inline double ray_not_float(double a) { return fabs((double)(float)a - a); }
-
-/* True if each component has at most 12 significant bits. With more, products with a step are hardly ever floats. */
-static inline bool ray_has_few_bits(const float d[3]) {
-    bool few = true;
-    for (int c = 0; c < 3; c++) {
-        const float up = d[c] * 0x1.001p12f;
-        few = few && up - (up - d[c]) == d[c];
-    }
-    return few;
-}
-
-/* True if the step is a float, and the new origin too. */
-static inline bool ray_step_is_exact(const ray_start *r, double step) {
-    double lost = ray_not_float(step);
-    for (int c = 0; c < 3; c++) {
-        const double way = step * (double)r->dir[c], base = r->base[c] + way;
-        lost += (fabs((base - r->base[c]) - way) + fabs((base - way) - r->base[c])) + ray_not_float(base);
-    }
-    return lost == 0;
-}
-
-/* A step to just before the box, of few bits, if there is an exact one, else any. */
-static inline float ray_exact_step(const ray_start *r, const float low[3], const float high[3], float any) {
-    double in = -INFINITY, out = INFINITY;
-    for (int c = 0; c < 3; c++) {
-        const double d = (double)r->dir[c];
-        const double a = ((double)low[c] - r->base[c]) / d, b = ((double)high[c] - r->base[c]) / d;
-        in = max_second_d(d == 0 ? -INFINITY : min_second_d(a, b), in);
-        out = min_second_d(d == 0 ? INFINITY : max_second_d(a, b), out);
-    }
-    const double even = ray_even_step(in, RAY_STEP_ROOM * (out - in));
-    return ray_step_is_exact(r, even) ? (float)even : any;
-}
 
 /* Moves the origin towards the field's box; false if the ray misses the box. */
 static inline bool ray_move(ray_start *r, const cw_field *f) {
@@ -124,8 +78,7 @@ static inline bool ray_move(ray_start *r, const cw_field *f) {
         if (in - out > (max_second(fabsf(in), fabsf(out)) + FLT_MIN) * RAY_BOX_ROOM) return false;
         if (in > RAY_FARTHEST || out < -RAY_FARTHEST) return false;
         in = max_second(in, -RAY_FARTHEST);
-        float step = in - (fabsf(in) + FLT_MIN) * RAY_BOX_ROOM;
-        if (ray_has_few_bits(r->dir)) step = ray_exact_step(r, low, high, step);
+        const float step = in - (fabsf(in) + FLT_MIN) * RAY_BOX_ROOM;
         r->shift += (double)step;
         for (int c = 0; c < 3; c++) {
             r->base[c] += (double)step * (double)r->dir[c];

@@ -16,7 +16,7 @@ top = pathlib.Path(__file__).resolve().parents[3]
 class CMakeBuild(build_ext):
     def build_extension(self, extension):
         build = pathlib.Path(self.build_temp).resolve()
-        options = ["TOOL=OFF", "BENCH=OFF", "TESTS=OFF", "COUNTERS=OFF", "INSTALL=OFF", "PYTHON=ON"]
+        options = ["TOOL=OFF", "BENCH=OFF", "TESTS=OFF", "INSTALL=OFF", "PYTHON=ON"]
         generator = ["-G", "Ninja"] if shutil.which("ninja") else []
         subprocess.run(["cmake", "-S", top, "-B", build, *generator, "-DCMAKE_BUILD_TYPE=Release", "-DBUILD_SHARED_LIBS=OFF",
                         f"-DPython3_EXECUTABLE={sys.executable}", *(f"-DCELLWALK_{option}" for option in options)], check=True)
