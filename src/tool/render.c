@@ -268,22 +268,21 @@ static int run(int argc, char **argv) {
         .name = name,
         .synopsis = "DEM|SCENE.pbrt -o IMAGE [OPTIONS]",
         .what = "Draws a terrain from a place on its map, or renders a scene, and writes the\n"
-                "picture. A terrain is drawn in sunlight and shadow, coloured by height or by an\n"
-                "orthophoto. DEM is any raster that the other subcommands read.\n"
+                "picture. A terrain is drawn in sunlight and shadow, coloured by height. DEM is any\n"
+                "raster that the other subcommands read.\n"
                 "\n"
                 "SCENE.pbrt is in the part of pbrt's scene language that height-field scenes need:\n"
                 "shapes heightfield and cylinder, materials matte and mirror, image textures,\n"
                 "point lights, a perspective camera. Anything else in the file is an error with\n"
                 "its line, or a warning if it changes neither geometry nor light. The options\n"
-                "--dem, --from, --to, --sun, --time, --fov, --image, --sky, --haze, --water,\n"
-                "--curvature and those on how to read a raster are for terrain only.\n"
+                "--dem, --from, --to, --sun, --time, --fov, --sky, --haze, --water, --curvature\n"
+                "and those on how to read a raster are for terrain only.\n"
                 "\n" TRADE_RENDER,
         .examples = "  cellwalk render dem.tif -o overview.png\n"
                     "  cellwalk render dem.tif --from 600250,5199800,30 --to 603000,5203000 \\\n"
                     "      --sun 225,30 --size 1600x900 --samples 16 -o view.png\n"
                     "  cellwalk render dem.tif --time 2024-06-21T12:00:00Z --sky --haze 40000 \\\n"
                     "      --water 310 -o lake.png\n"
-                    "  cellwalk render dem.tif --image photo.tif -o photo.png\n"
                     "  cellwalk render landsea-0.pbrt -o landsea-0.png\n"
                     "  cellwalk render landsea-0.pbrt -o smooth.exr --phong --samples 64 --stats\n"
                     "  cellwalk render texture.pbrt -o part.png --size 1600x1600 --crop 0,0,400,400\n",

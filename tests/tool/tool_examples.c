@@ -34,7 +34,6 @@ static void make_land(void) {
                               "<SourceFilename relativeToVRT=\"1\">dem.asc</SourceFilename><SourceBand>1</SourceBand>"
                               "</SimpleSource></VRTRasterBand></VRTDataset>\n";
     text_file("dem.tif", vrt);
-    text_file("photo.tif", vrt);
 }
 
 /* The road is GeoJSON by content, for the same reason. */

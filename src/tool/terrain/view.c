@@ -3,10 +3,10 @@
 
 #include "command.h"
 #include "curvature.h"
-#include "drape.h"
 #include "inputs.h"
 #include "landscape.h"
 #include "sun_place.h"
+#include "tint.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -70,14 +70,6 @@ void view_rows(view_options *v, option_spec rows[VIEW_OPTION_COUNT]) {
          .help = "field of view over the shorter side, in degrees\n(default: 40)",
          .kind = OPTION_NUMBER,
          .to = &v->fov},
-        {.name = "image",
-         .value = "FILE",
-         .help = "colours of the ground, instead of colours by height: an\northophoto that GDAL reads (GeoTIFF, JPEG "
-                 "and others, 1 or 3\n"
-                 "bands), placed by its map or world file; .exr, .pfm and\nfiles without a map are stretched over the "
-                 "whole raster",
-         .kind = OPTION_TEXT,
-         .to = &v->image},
         {.name = "sky",
          .help = "a sky that is brighter toward sun and horizon, and a plain\nat the terrain's lowest height below it",
          .to = &v->sky},
@@ -104,7 +96,6 @@ const char *view_only(const view_options *v) {
            : v->to                        ? "to"
            : v->sun                       ? "sun"
            : v->time                      ? "time"
-           : v->image                     ? "image"
            : v->sky                       ? "sky"
            : !isnan(v->haze)              ? "haze"
            : !isnan(v->water)             ? "water"
@@ -315,9 +306,7 @@ static bool make_scene(view *v, const view_options *o, const char *path, wish *w
         if (v->filled == NULL) return false;
     }
     io_image colours;
-    if (!(o->image ? drape_image(&colours, o->image, &v->terrain, &v->file.raster.georef, error)
-                   : drape_heights(&colours, &v->terrain, error)))
-        return false;
+    if (!tint_heights(&colours, &v->terrain, error)) return false;
     d.colours = &colours;
     v->scene = landscape_create(&d, error);
     if (v->scene == NULL) io_image_free(&colours);
@@ -352,8 +341,7 @@ static bool open_field(view *v, view_options *o, const char *path, const cw_run 
 static bool open_view(view *v, view_options *o, const char *path, const cw_run *query, wish *w,
                       const io_raster_options *raster, size_t width, size_t height, bool smooth, io_error *error) {
     /* GDAL opens files itself, past the readers that remember theirs: no picture is to take their place. */
-    if (!io_inputs_note_path(path) || (o->image && !io_inputs_note_path(o->image)))
-        return io_fail(error, "out of memory");
+    if (!io_inputs_note_path(path)) return io_fail(error, "out of memory");
     const bool read = open_field(v, o, path, query, w, raster, error);
     progress_end(&o->raster.line);
     const bool good = read && make_scene(v, o, path, w, width, height, smooth, error);

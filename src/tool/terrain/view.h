@@ -8,7 +8,7 @@
 
 typedef struct view_options {
     const char *dem; /* NULL: the operand, if it is no scene */
-    const char *from, *to, *sun, *time, *image;
+    const char *from, *to, *sun, *time;
     double fov;       /* degrees; NaN: not given */
     double haze;      /* visibility in metres; NaN: not given */
     double water;     /* height in metres; NaN: not given */
@@ -17,7 +17,7 @@ typedef struct view_options {
     raster_options raster;
 } view_options;
 
-enum { VIEW_OPTION_COUNT = 11 + RASTER_OPTION_COUNT };
+enum { VIEW_OPTION_COUNT = 10 + RASTER_OPTION_COUNT };
 void view_rows(view_options *v, option_spec rows[VIEW_OPTION_COUNT]);
 
 /* The name of an option that was given and that a scene has no use for, or NULL. */
