@@ -127,15 +127,15 @@ static bool write_one(const char *path, io_error *error) {
     if (strcmp(name, "land.pbrt") == 0) return write_land(path, error);
     if (strcmp(name, "sea.pbrt") == 0) return write_sea(path, SIDE, 4, 3, 3, error);
     if (strcmp(name, "sea-l.pbrt") == 0) return write_sea(path, LARGE_SIDE, 1, 4, 0.4f, error);
-    if (strcmp(name, "sky.pfm") == 0) return write_image(path, 1024, 512, sky, error);
-    if (strcmp(name, "grid.pfm") == 0) return write_image(path, 512, 512, grid, error);
-    return io_fail(error, "%s: not land.pbrt, sea.pbrt, sea-l.pbrt, sky.pfm or grid.pfm", path);
+    if (strcmp(name, "sky.exr") == 0) return write_image(path, 1024, 512, sky, error);
+    if (strcmp(name, "grid.exr") == 0) return write_image(path, 512, 512, grid, error);
+    return io_fail(error, "%s: not land.pbrt, sea.pbrt, sea-l.pbrt, sky.exr or grid.exr", path);
 }
 
 int main(int argc, char **argv) {
     if (argc < 2) {
         fputs("Usage: cellwalk-terrain FILE...\n"
-              "Writes what the files are named after: land.pbrt, sea.pbrt, sea-l.pbrt, sky.pfm, grid.pfm\n",
+              "Writes what the files are named after: land.pbrt, sea.pbrt, sea-l.pbrt, sky.exr, grid.exr\n",
               stderr);
         return 2;
     }

@@ -56,7 +56,7 @@ def scene(features):
         'AttributeBegin CoordSysTransform "camera" LightSource "point" "color I" [15 15 15] AttributeEnd'
         if "light" in features else "",
         'Translate -2 -0.5 1 Rotate 85 1 0 0',
-        'AttributeBegin Texture "sky" "color" "imagemap" "string filename" "sky.pfm" ' + sky +
+        'AttributeBegin Texture "sky" "color" "imagemap" "string filename" "sky.exr" ' + sky +
         ' Translate 2 1.5 0.25 Rotate 25 0 0 1 Scale 4 4 6 Shape "cylinder" AttributeEnd' if "sky" in features else "",
         'AttributeBegin Material "matte" "color Kd" [0.4 0.2 0.1] Scale 4 4 0.4 Include "land.pbrt" AttributeEnd',
         'AttributeBegin Material "' + ("mirror" if "mirror" in features else "matte") +
@@ -116,13 +116,13 @@ def main():
     lines = []
     for what, features, more in STEPS:
         with tempfile.TemporaryDirectory() as folder:
-            for name in ("land.pbrt", "sea.pbrt", "sky.pfm"):
+            for name in ("land.pbrt", "sea.pbrt", "sky.exr"):
                 os.symlink(os.path.join(os.path.abspath(options.scenes), name), os.path.join(folder, name))
             with open(os.path.join(folder, "scene.pbrt"), "w", encoding="utf-8") as file:
                 file.write(scene(features.split()))
             found = os.path.join(folder, "counts")
             done = subprocess.run(["valgrind", "--tool=callgrind", "--dump-line=yes", f"--callgrind-out-file={found}", options.tool,
-                                   "render", "scene.pbrt", "-o", "picture.pfm", "--isa", "avx2", "--threads", "1", "--quiet",
+                                   "render", "scene.pbrt", "-o", "picture.exr", "--isa", "avx2", "--threads", "1", "--quiet",
                                    "--json", *more], cwd=folder, capture_output=True, text=True)
             if done.returncode != 0:
                 raise Problem(f"{options.tool} failed: {done.stderr}")

@@ -16,7 +16,7 @@ const image_format image_exr = {".exr", NULL, NULL};
 const image_format image_png = {".png", NULL, NULL};
 #endif
 
-static const image_format *const formats[] = {&image_exr, &image_png, &image_pfm};
+static const image_format *const formats[] = {&image_exr, &image_png};
 enum { FORMATS = sizeof formats / sizeof formats[0] };
 
 static const image_format *format_of(const char *path) {

@@ -1,5 +1,5 @@
 # Pictures. OpenEXR (its C library) and libpng are optional; each sits behind one file.
-target_sources(cellwalk_io PRIVATE image.c image_pfm.c)
+target_sources(cellwalk_io PRIVATE image.c)
 
 find_package(OpenEXR 3.1 CONFIG QUIET GLOBAL)
 if(TARGET OpenEXR::OpenEXRCore)

@@ -14,6 +14,6 @@ typedef struct image_format {
 } image_format;
 
 /* Both functions NULL where the library was absent when this was built. */
-extern const image_format image_exr, image_pfm, image_png;
+extern const image_format image_exr, image_png;
 
 #endif

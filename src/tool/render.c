@@ -222,8 +222,7 @@ static int run(int argc, char **argv) {
         {.name = "output",
          .letter = 'o',
          .value = "IMAGE",
-         .help = "the picture: .exr (half RGBA, linear), .png (8 bit, sRGB)\n"
-                 "or .pfm (float, linear)",
+         .help = "the picture: .exr (half RGBA, linear) or .png (8 bit, sRGB)",
          .kind = OPTION_TEXT,
          .to = &c.output},
         {.name = "samples",

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A scene with all that it includes: bytes 0xff part the input into scene.pbrt, a.pbrt, b.pbrt, a.pfm and a.exr. Read as a
+/* A scene with all that it includes: bytes 0xff part the input into scene.pbrt, a.pbrt, b.pbrt and a.exr. Read as a
  * scene, and as a file with a height field alone. */
 
 #include "memory.h"
@@ -10,7 +10,7 @@
 static void pass_over(void *context, const char *message) { (void)context, (void)message; }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-    static const char *const names[] = {"scene.pbrt", "a.pbrt", "b.pbrt", "a.pfm", "a.exr"};
+    static const char *const names[] = {"scene.pbrt", "a.pbrt", "b.pbrt", "a.exr"};
     enum { NAMES = sizeof names / sizeof names[0] };
     for (size_t k = 0; k < NAMES; k++) {
         const uint8_t *end = size > 0 && k + 1 < NAMES ? memchr(data, 0xff, size) : NULL;

@@ -45,14 +45,6 @@ static void write_and_read(const char *name, io_image *back) {
     check(back->width == WIDTH && back->height == HEIGHT, "%s: %zu x %zu", name, back->width, back->height);
 }
 
-static void pfm_keeps_every_bit(void **state) {
-    (void)state;
-    io_image back;
-    write_and_read("a.pfm", &back);
-    check(memcmp(back.rgb, pixels, sizeof pixels) == 0, "pixels changed");
-    io_image_free(&back);
-}
-
 /* The nearest half, found in another way: multiples of the spacing at that size, ties to even as rint does it. */
 static float nearest_half(float x) {
     int exponent;
@@ -64,8 +56,6 @@ static float nearest_half(float x) {
 
 static void exr_rounds_to_the_nearest_half(void **state) {
     (void)state;
-    io_error error;
-    if (!io_image_can_write("a.exr", &error)) skip();
     io_image back;
     write_and_read("a.exr", &back);
     for (size_t k = 0; k < WIDTH * HEIGHT * 3; k++)
@@ -74,17 +64,11 @@ static void exr_rounds_to_the_nearest_half(void **state) {
     io_image_free(&back);
 }
 
-/* PNG cannot be read back: its header at least, and that the whole file is there. */
-/* Halves are those that were written, and only a file of halves is read as such. */
+/* Halves are those that were written. */
 static void halves_are_read_as_they_are(void **state) {
     (void)state;
     io_error error;
     io_image back;
-    check(io_image_write("a.pfm", &picture, &error), "%s", error.text);
-    check(io_image_read_halves("a.pfm", &back, &error), "%s", error.text);
-    check(back.halves == NULL && memcmp(back.rgb, pixels, sizeof pixels) == 0, "floats became halves");
-    io_image_free(&back);
-    if (!io_image_can_write("a.exr", &error)) return;
     check(io_image_write("a.exr", &picture, &error), "%s", error.text);
     check(io_image_read_halves("a.exr", &back, &error), "%s", error.text);
     check(back.rgb == NULL && back.width == WIDTH && back.height == HEIGHT, "no halves");
@@ -95,6 +79,7 @@ static void halves_are_read_as_they_are(void **state) {
     io_image_free(&back);
 }
 
+/* PNG cannot be read back: its header at least, and that the whole file is there. */
 static void png_is_whole(void **state) {
     (void)state;
     io_error error;
@@ -110,20 +95,6 @@ static void png_is_whole(void **state) {
     check(memcmp(bytes + n - 8, "IEND", 4) == 0, "the end is missing");
 }
 
-static void pfm_reads_grey_and_either_byte_order(void **state) {
-    (void)state;
-    FILE *file = fopen("grey.pfm", "wb");
-    assert_non_null(file);
-    fputs("Pf\n1 2\n1.0\n", file);
-    fwrite("\x40\x00\x00\x00\x3f\x80\x00\x00", 1, 8, file); /* 2 below, 1 above, big end first */
-    fclose(file);
-    io_image back;
-    io_error error;
-    check(io_image_read("grey.pfm", &back, &error), "%s", error.text);
-    for (int c = 0; c < 3; c++) check(back.rgb[c] == 1 && back.rgb[3 + c] == 2, "wrong values");
-    io_image_free(&back);
-}
-
 static void refuse(const char *path, const char *reason) {
     io_image image;
     io_error error;
@@ -135,16 +106,10 @@ static void refuse(const char *path, const char *reason) {
 
 static void damaged_files_are_refused(void **state) {
     (void)state;
-    refuse("missing.pfm", "No such file");
-    refuse("missing.exr", "");
-    refuse(written("word.pfm", "hello"), "not a portable float map");
-    refuse(written("zero.pfm", "PF\n0 4\n-1\n"), "not a portable float map");
-    refuse(written("huge.pfm", "PF\n999999999 999999999\n-1\nabcd"), "bytes");
-    refuse(written("short.pfm", "PF\n2 2\n-1\n0123456789"), "the file has 10");
+    refuse("missing.exr", "No such file");
     refuse(written("a.gif", "GIF"), "unknown kind");
     io_error error;
-    if (!io_image_can_write("a.exr", &error)) return;
-    refuse(written("word.exr", "hello"), "");
+    refuse(written("word.exr", "hello"), "not a readable OpenEXR picture");
     check(io_image_write("whole.exr", &picture, &error), "%s", error.text);
     /* Cut at every 97th byte. */
     for (long size = 0;; size += 97) {
@@ -163,8 +128,8 @@ static void damaged_files_are_refused(void **state) {
 static void a_full_disk_is_reported_and_nothing_left(void **state) {
     (void)state;
     if (access("/dev/full", W_OK) != 0) skip();
-    static const char *const names[] = {"full.pfm", "full.png", "full.exr"};
-    for (int k = 0; k < 3; k++) {
+    static const char *const names[] = {"full.png", "full.exr"};
+    for (int k = 0; k < 2; k++) {
         io_error error;
         if (!io_image_can_write(names[k], &error)) continue;
         check(symlink("/dev/full", names[k]) == 0, "cannot link");
@@ -180,18 +145,16 @@ static void unknown_endings_are_refused(void **state) {
     io_error error;
     const int before = (int)scratch_entries();
     check(!io_image_write("a.jpg", &picture, &error), "a.jpg was written");
-    check(strstr(error.text, ".pfm") != NULL, "the message does not say what can be written: %s", error.text);
-    check(!io_image_write("none/a.pfm", &picture, &error), "written into a missing folder");
+    check(strstr(error.text, ".exr") != NULL, "the message does not say what can be written: %s", error.text);
+    check(!io_image_write("none/a.exr", &picture, &error), "written into a missing folder");
     check((int)scratch_entries() == before, "files are left");
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(pfm_keeps_every_bit),
         cmocka_unit_test(exr_rounds_to_the_nearest_half),
         cmocka_unit_test(halves_are_read_as_they_are),
         cmocka_unit_test(png_is_whole),
-        cmocka_unit_test(pfm_reads_grey_and_either_byte_order),
         cmocka_unit_test(damaged_files_are_refused),
         cmocka_unit_test(a_full_disk_is_reported_and_nothing_left),
         cmocka_unit_test(unknown_endings_are_refused),

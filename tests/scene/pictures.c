@@ -2,6 +2,7 @@
 #include "pictures.h"
 
 #include "check.h"
+#include "landscape.h"
 #include "scratch.h"
 #include "workload/random.h"
 
@@ -81,13 +82,13 @@ static void write_image(const char *name) {
 
 scene *pictures_full_scene(void) {
     static text t;
-    write_image("image.pfm");
+    write_image("image.exr");
     t.used = 0;
     t.random = (random_state){12};
     add(&t, "Film \"image\" \"integer xresolution\" 70 \"integer yresolution\" 50\n"
             "Sampler \"bestcandidate\" \"integer pixelsamples\" 6\nLookAt 0 -1.2 1 0 1 0.1 0 0 1\n"
             "Camera \"perspective\" \"float fov\" 70\nWorldBegin\n"
-            "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"image.pfm\"\n"
+            "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"image.exr\"\n"
             "AttributeBegin\nTranslate 1 -1 2\n" LIGHT "Translate -2 0.5 -1\n" LIGHT "Translate 0 9 3\n" LIGHT
             "AttributeEnd\nAttributeBegin\nMaterial \"matte\" \"texture Kd\" \"t\"\nRotate 20 1 0 1\nScale 3 3.5 4\n"
             "Shape \"cylinder\"\nAttributeEnd\n"
@@ -101,4 +102,43 @@ scene *pictures_full_scene(void) {
               9, 4);
     add(&t, "WorldEnd\n");
     return pictures_load(t.all);
+}
+
+scene *pictures_landscape(void) {
+    enum { NX = 40, NY = 33 };
+    static const double level = 0.75;
+    static float z[NX * NY];
+    static cw_field *field;
+    random_state r = {13};
+    for (int k = 0; k < NX * NY; k++) z[k] = (float)random_between(&r, -3, 3);
+    cw_field_destroy(field);
+    check(cw_field_create(&(cw_field_desc){.samples = z, .nx = NX, .ny = NY}, NULL, &field) == CW_OK, "no field");
+    io_image colours;
+    io_error error = {""};
+    check(io_image_allocate(&colours, 2, 1, false, "", &error), "%s", error.text);
+    for (int k = 0; k < 6; k++) colours.rgb[k] = 0.25f + 0.125f * (float)k;
+    const landscape_desc d = {.field = field,
+                              .samples = z,
+                              .nx = NX,
+                              .ny = NY,
+                              .to_world = {{2, 0.25, 0, -40}, {0, 1.5, 0, -20}, {0, 0, 1.25, 0}},
+                              .colours = &colours,
+                              .eye = {-20, -30, 14},
+                              .target = {0, 0, 1},
+                              .field_of_view = 60,
+                              .sun = {0.6, 0, 0.8},
+                              .sun_light = 0.85,
+                              .sky_light = 0.3,
+                              .horizon = {0.7f, 0.8f, 0.93f},
+                              .above = {0.16f, 0.34f, 0.7f},
+                              .vault = true,
+                              .plain = {0.2f, 0.27f, 0.16f},
+                              .visibility = 200,
+                              .water_level = &level,
+                              .width = 70,
+                              .height = 50,
+                              .samples_a_pixel = 6};
+    scene *s = landscape_create(&d, &error);
+    check(s != NULL, "%s", error.text);
+    return s;
 }

@@ -19,4 +19,8 @@ scene *pictures_rough_scene(void);
  * each. Writes the image into the working directory. */
 scene *pictures_full_scene(void);
 
+/* Rough land in the sun, in haze, partly under water, below a sky with a plain. 70 x 50 pixels, 6 samples each. Its field lives until
+ * the next such scene is made. */
+scene *pictures_landscape(void);
+
 #endif

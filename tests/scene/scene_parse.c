@@ -174,7 +174,7 @@ static const struct {
     {HEAD "Material \"matte\" \"color Kd\" [1 2]", ":4: Material: \"color Kd\" must be three numbers"},
     {HEAD "Material \"matte\" \"float sigma\" 20", ":4: Material: \"sigma\" must be 0"},
     {HEAD "Material \"matte\" \"texture Kd\" \"none\"", ":4: Material: texture \"none\" is not defined"},
-    {HEAD "AttributeBegin\nTexture \"t\" \"color\" \"imagemap\" \"string filename\" \"a.pfm\"\nAttributeEnd\n"
+    {HEAD "AttributeBegin\nTexture \"t\" \"color\" \"imagemap\" \"string filename\" \"a.exr\"\nAttributeEnd\n"
           "Material \"matte\" \"texture Kd\" \"t\"",
      ":7: Material: texture \"t\" is not defined"},
     {HEAD "Texture \"t\" \"color\" \"checkerboard\"", ":4: Texture: \"color\" \"checkerboard\" is not supported"},
@@ -273,9 +273,9 @@ static void unreadable_images_are_named(void **state) {
     static const char text[] = HEAD "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"%s\"\n"
                                     "Material \"matte\" \"texture Kd\" \"t\"\n%sWorldEnd\n";
     char file[512], message[256];
-    written("broken.pfm", "PF\n9 9\n-1\n");
-    snprintf(file, sizeof file, text, "broken.pfm", PLAIN);
-    snprintf(message, sizeof message, ":4: Texture: %s: 9 x 9 pixels need", "broken.pfm");
+    written("broken.exr", "v/1");
+    snprintf(file, sizeof file, text, "broken.exr", PLAIN);
+    snprintf(message, sizeof message, ":4: Texture: %s: not a readable OpenEXR picture", "broken.exr");
     load_fails(written("broken.pbrt", file), message);
     snprintf(file, sizeof file, text, "gone.exr", PLAIN);
     load_fails(written("gone.pbrt", file), ":4: Texture: ");
@@ -296,17 +296,17 @@ static void the_first_error_is_told(void **state) {
                                     "\"matte\" \"texture Kd\" \"t\"\n%s" PLAIN "WorldEnd\n";
     static const struct {
         const char *first, *second, *line, *message;
-    } cases[] = {{"good.pfm", "good.pfm", "", NULL},
-                 {"good.pfm", "good.pfm", "Wrong\n", "Wrong: "},
-                 {"broken.pfm", "good.pfm", "Wrong\n", ": Texture: broken.pfm: "},
-                 {"good.pfm", "broken.pfm", "Wrong\n", "Wrong: "}, /* which its shape comes after */
-                 {"good.pfm", "broken.pfm", "", ": Texture: broken.pfm: "},
-                 {"broken.pfm", "gone.pfm", "", ": Texture: broken.pfm: "},
-                 {"gone.pfm", "broken.pfm", "", ": Texture: gone.pfm: "}};
+    } cases[] = {{"good.exr", "good.exr", "", NULL},
+                 {"good.exr", "good.exr", "Wrong\n", "Wrong: "},
+                 {"broken.exr", "good.exr", "Wrong\n", ": Texture: broken.exr: "},
+                 {"good.exr", "broken.exr", "Wrong\n", "Wrong: "}, /* which its shape comes after */
+                 {"good.exr", "broken.exr", "", ": Texture: broken.exr: "},
+                 {"broken.exr", "gone.exr", "", ": Texture: broken.exr: "},
+                 {"gone.exr", "broken.exr", "", ": Texture: gone.exr: "}};
     static float rgb[12];
     io_error error = {""};
-    check(io_image_write("good.pfm", &(io_image){.width = 2, .height = 2, .rgb = rgb}, &error), "%s", error.text);
-    written("broken.pfm", "PF\n9 9\n-1\n");
+    check(io_image_write("good.exr", &(io_image){.width = 2, .height = 2, .rgb = rgb}, &error), "%s", error.text);
+    written("broken.exr", "v/1");
     for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++)
         for (unsigned threads = 0; threads < 3; threads++) {
             char file[1024];

@@ -14,7 +14,7 @@ static const char *const normal_names[] = {"area", "central", "bilinear", "flat"
 enum { NORMALS = 4 };
 
 typedef scene *make_fn(void);
-static make_fn *const makers[] = {pictures_rough_scene, pictures_full_scene};
+static make_fn *const makers[] = {pictures_rough_scene, pictures_full_scene, pictures_landscape};
 enum { MAKERS = sizeof makers / sizeof makers[0] };
 
 static scene_render_options with_normals(int normals) {

@@ -196,11 +196,11 @@ static void images_lie_on_shapes_as_they_should(void **state) {
     float one[3 * 8 * 4], four[4 * 3] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 1};
     for (int k = 0; k < 3 * 8 * 4; k++) one[k] = 0.5f;
     io_error error = {""};
-    check(io_image_write("one.pfm", &(io_image){.width = 8, .height = 4, .rgb = one}, &error), "%s", error.text);
-    check(io_image_write("four.pfm", &(io_image){.width = 2, .height = 2, .rgb = four}, &error), "%s", error.text);
+    check(io_image_write("one.exr", &(io_image){.width = 8, .height = 4, .rgb = one}, &error), "%s", error.text);
+    check(io_image_write("four.exr", &(io_image){.width = 2, .height = 2, .rgb = four}, &error), "%s", error.text);
     static const char textured[] =
         HEAD "AttributeBegin\n" LIGHT "AttributeEnd\nTexture \"t\" \"color\" \"imagemap\" \"string filename\" "
-             "\"%s.pfm\"\nMaterial \"matte\" \"texture Kd\" \"t\"\n%sWorldEnd";
+             "\"%s.exr\"\nMaterial \"matte\" \"texture Kd\" \"t\"\n%sWorldEnd";
     static const char square[] = "Translate -1 -1 2\nScale 2 2 1\n" FLAT;
     char text[1024];
     snprintf(text, sizeof text, textured, "one", square);

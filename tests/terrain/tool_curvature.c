@@ -31,11 +31,11 @@ static io_image look(const char *from, const char *to, const char *factor, const
     const program_result *r = program_run(
         NULL, (const char *const[]){"render", "land.npy", "--cellsize",  "100",    "--from",  from,        "--to",
                                     to,       "--fov",    "0.1",         "--size", "256x256", "--samples", "1",
-                                    "--sun",  sun,        "--curvature", factor,   "-o",      "o.pfm",     NULL});
+                                    "--sun",  sun,        "--curvature", factor,   "-o",      "o.exr",     NULL});
     check(r->status == 0 && r->err[0] == '\0', "exit status %d: %s", r->status, r->err);
     io_image image;
     io_error error;
-    check(io_image_read("o.pfm", &image, &error), "%s", error.text);
+    check(io_image_read("o.exr", &image, &error), "%s", error.text);
     return image;
 }
 
@@ -112,11 +112,11 @@ static void shadows_are_lowered(void **state) {
 static io_image picture(const char *option, const char *value) {
     const program_result *r =
         program_run(NULL, (const char *const[]){"render", "land.npy", "--cellsize", "100", "--from", "200,200,=60",
-                                                "--size", "64x64", "--phong", "-o", "o.pfm", option, value, NULL});
+                                                "--size", "64x64", "--phong", "-o", "o.exr", option, value, NULL});
     check(r->status == 0 && r->err[0] == '\0', "exit status %d: %s", r->status, r->err);
     io_image image;
     io_error error;
-    check(io_image_read("o.pfm", &image, &error), "%s", error.text);
+    check(io_image_read("o.exr", &image, &error), "%s", error.text);
     return image;
 }
 
@@ -136,18 +136,18 @@ static void what_is_refused(void **state) {
     (void)state;
     make_land(100, 50);
     check_refused(
-        (const char *const[]){"render", "land.npy", "--curvature", "-1", "--from", "200,200", "-o", "o.pfm", NULL}, 2,
+        (const char *const[]){"render", "land.npy", "--curvature", "-1", "--from", "200,200", "-o", "o.exr", NULL}, 2,
         "--curvature takes a number from 0 on, not -1");
-    check_refused((const char *const[]){"render", "land.npy", "--curvature", "1", "-o", "o.pfm", NULL}, 2,
+    check_refused((const char *const[]){"render", "land.npy", "--curvature", "1", "-o", "o.exr", NULL}, 2,
                   "give the eye's place by --from");
     check_refused((const char *const[]){"render", "land.npy", "--curvature", "1", "--from", "200,200", "--water", "3",
-                                        "-o", "o.pfm", NULL},
+                                        "-o", "o.exr", NULL},
                   2, "--water is level and does not go with --curvature");
     scratch_write("s.pbrt", "", 0);
-    check_refused((const char *const[]){"render", "s.pbrt", "--curvature", "1", "-o", "o.pfm", NULL}, 2,
+    check_refused((const char *const[]){"render", "s.pbrt", "--curvature", "1", "-o", "o.exr", NULL}, 2,
                   "--curvature is for rasters");
     check_refused(
-        (const char *const[]){"render", "land.npy", "--curvature", "1", "--from", "-900,0", "-o", "o.pfm", NULL}, 1,
+        (const char *const[]){"render", "land.npy", "--curvature", "1", "--from", "-900,0", "-o", "o.exr", NULL}, 1,
         "lies outside");
 }
 

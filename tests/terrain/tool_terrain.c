@@ -380,8 +380,8 @@ static void places_that_are_refused(void **state) {
         check_refused((const char *const[]){"horizon", "holed.npy", "--at", p, NULL}, 1, why);
         check_refused((const char *const[]){"los", "holed.npy", "10,10,2", p, NULL}, 1, why);
         check_refused((const char *const[]){"los", "holed.npy", p, "10,10,2", NULL}, 1, why);
-        check_refused((const char *const[]){"render", "holed.npy", "--from", p, "-o", "v.pfm", NULL}, 1, why);
-        check_refused((const char *const[]){"render", "holed.npy", "--to", p, "-o", "v.pfm", NULL}, 1, why);
+        check_refused((const char *const[]){"render", "holed.npy", "--from", p, "-o", "v.exr", NULL}, 1, why);
+        check_refused((const char *const[]){"render", "holed.npy", "--to", p, "-o", "v.exr", NULL}, 1, why);
     }
     check_refused((const char *const[]){"los", "wall.npy", "1,2,=", "10,10,2", NULL}, 2, "not '1,2,='");
     check_refused((const char *const[]){"los", "wall.npy", "1,=2", "10,10,2", NULL}, 2, "not '1,=2'");
@@ -419,7 +419,7 @@ static void rows_without_a_map(void **state) {
         {"shadow", "wall.npy", "--sun", "20,60", "-o", "o.npy", NULL},
         {"horizon", "wall.npy", "--directions", "3", "-o", "o.npy", NULL},
         {"viewshed", "wall.npy", "--from", "7,35,60", "-o", "o.npy", NULL},
-        {"render", "wall.npy", "--size", "30x20", "-o", "o.pfm", NULL},
+        {"render", "wall.npy", "--size", "30x20", "-o", "o.exr", NULL},
         {"los", "wall.npy", "7,3,2", "20,40,60", NULL},
         {"horizon", "wall.npy", "--at", "7,3,2", NULL},
     };

@@ -35,7 +35,7 @@ static int enter(void **state) {
 static void level_land(void **state) {
     (void)state;
     io_image image =
-        picture((const char *const[]){"render", "level.npy", FROM_ABOVE, "--sun", "225,30", "-o", "o.pfm", NULL});
+        picture((const char *const[]){"render", "level.npy", FROM_ABOVE, "--sun", "225,30", "-o", "o.exr", NULL});
     assert_true(image.width == SIDE && image.height == SIDE);
     for (size_t y = 0; y < SIDE; y++)
         for (size_t x = 0; x < SIDE; x++) {
@@ -51,7 +51,7 @@ static void level_land(void **state) {
 static void shadow_of_a_wall(void **state) {
     (void)state;
     io_image image = picture(
-        (const char *const[]){"render", "--dem", "wall.npy", FROM_ABOVE, "--sun", "180,45", "-o", "o.pfm", NULL});
+        (const char *const[]){"render", "--dem", "wall.npy", FROM_ABOVE, "--sun", "180,45", "-o", "o.exr", NULL});
     const double lit = light_of_sun * sqrt(0.5) + light_of_sky;
     for (size_t x = 1; x < 59; x++) {
         check_pixel(&image, x, 20, ground, lit, 0);
@@ -78,7 +78,7 @@ static void colours_by_height(void **state) {
     }
     field_file("steps.npy", z, NX, NY);
     io_image image =
-        picture((const char *const[]){"render", "steps.npy", FROM_ABOVE, "--sun", "225,30", "-o", "o.pfm", NULL});
+        picture((const char *const[]){"render", "steps.npy", FROM_ABOVE, "--sun", "225,30", "-o", "o.exr", NULL});
     for (size_t k = 0; k < sizeof places / sizeof places[0]; k++)
         check_pixel(&image, places[k].x, places[k].y, tints[places[k].step], light_of_sun * 0.5 + light_of_sky, 0);
     io_image_free(&image);
@@ -88,17 +88,17 @@ static void colours_by_height(void **state) {
 static void smooth_around_a_hole(void **state) {
     (void)state;
     io_image image = picture((const char *const[]){"render", "hole.npy", FROM_ABOVE, "--sun", "225,30", "--phong",
-                                                   "--samples", "1", "-o", "o.pfm", NULL});
+                                                   "--samples", "1", "-o", "o.exr", NULL});
     const float *rgb = image.rgb;
     size_t through = 0;
-    for (size_t k = 0; k < SIDE * SIDE; k++) through += fabs((double)rgb[3 * k + 2] - sky[2]) < 1e-6;
+    for (size_t k = 0; k < SIDE * SIDE; k++) through += rgb[3 * k + 2] == as_half(sky[2]);
     /* The first to fifth rows and the last ones, half a row each beside them and half a column at the sides, and of six
      * triangles, three pixels large, what the samples' places make of it. */
     check(through > 600 && through < 800, "%zu pixels show the sky", through);
     for (size_t y = 8; y < 52; y++)
         for (size_t x = 2; x < 58; x++) {
             const float *p = rgb + 3 * (y * SIDE + x);
-            if (fabs((double)p[2] - sky[2]) < 1e-6)
+            if (p[2] == as_half(sky[2]))
                 check(x >= 24 && x <= 26 && y >= 37 && y <= 39, "the sky at (%zu, %zu)", x, y);
             else
                 check_pixel(&image, x, y, ground, light_of_sun * 0.5 + light_of_sky, 0);
@@ -117,7 +117,7 @@ static void seen_as_a_whole(void **state) {
     static const char *const sizes[] = {"90x60", "60x90"};
     for (size_t k = 0; k < 2; k++) {
         io_image image = picture(
-            (const char *const[]){"render", "wall.npy", "--cellsize", "10", "--size", sizes[k], "-o", "o.pfm", NULL});
+            (const char *const[]){"render", "wall.npy", "--cellsize", "10", "--size", sizes[k], "-o", "o.exr", NULL});
         size_t land = 0;
         for (size_t y = 0; y < image.height; y++)
             for (size_t x = 0; x < image.width; x++) {
@@ -135,28 +135,28 @@ static void what_is_refused(void **state) {
     (void)state;
     static const char scene[] = "WorldBegin";
     scratch_write("s.pbrt", scene, sizeof scene - 1);
-    check_refused((const char *const[]){"render", "-o", "o.pfm", NULL}, 2, "nothing to draw");
-    check_refused((const char *const[]){"render", "level.npy", "--dem", "wall.npy", "-o", "o.pfm", NULL}, 2,
+    check_refused((const char *const[]){"render", "-o", "o.exr", NULL}, 2, "nothing to draw");
+    check_refused((const char *const[]){"render", "level.npy", "--dem", "wall.npy", "-o", "o.exr", NULL}, 2,
                   "give either level.npy or --dem wall.npy");
-    check_refused((const char *const[]){"render", "s.pbrt", "--sun", "0,30", "-o", "o.pfm", NULL}, 2,
+    check_refused((const char *const[]){"render", "s.pbrt", "--sun", "0,30", "-o", "o.exr", NULL}, 2,
                   "--sun is for rasters");
-    check_refused((const char *const[]){"render", "s.pbrt", "--nodata", "0", "-o", "o.pfm", NULL}, 2,
+    check_refused((const char *const[]){"render", "s.pbrt", "--nodata", "0", "-o", "o.exr", NULL}, 2,
                   "--nodata is for rasters");
-    check_refused((const char *const[]){"render", "level.npy", "--sun", "0", "-o", "o.pfm", NULL}, 2, "not '0'");
-    check_refused((const char *const[]){"render", "level.npy", "--fov", "180", "-o", "o.pfm", NULL}, 2, "not 180");
-    check_refused((const char *const[]){"render", "level.npy", "--from", "5", "-o", "o.pfm", NULL}, 2, "not '5'");
-    check_refused((const char *const[]){"render", "level.npy", "--from", "-5,3", "-o", "o.pfm", NULL}, 1,
+    check_refused((const char *const[]){"render", "level.npy", "--sun", "0", "-o", "o.exr", NULL}, 2, "not '0'");
+    check_refused((const char *const[]){"render", "level.npy", "--fov", "180", "-o", "o.exr", NULL}, 2, "not 180");
+    check_refused((const char *const[]){"render", "level.npy", "--from", "5", "-o", "o.exr", NULL}, 2, "not '5'");
+    check_refused((const char *const[]){"render", "level.npy", "--from", "-5,3", "-o", "o.exr", NULL}, 1,
                   "-5,3: lies outside");
-    check_refused((const char *const[]){"render", "level.npy", "--from", "5,3,9", "--to", "5,3,9", "-o", "o.pfm", NULL},
+    check_refused((const char *const[]){"render", "level.npy", "--from", "5,3,9", "--to", "5,3,9", "-o", "o.exr", NULL},
                   1, "the same place");
     check_refused((const char *const[]){"render", "level.npy", NULL}, 2, "-o IMAGE is missing");
     check_refused((const char *const[]){"render", "wall.npy", "--cellsize", "10", "--from", "295,290,=20", "--size",
-                                        "9x9", "-o", "o.pfm", NULL},
+                                        "9x9", "-o", "o.exr", NULL},
                   1, "295,290,=20: is under the ground, which is 40.000 m high there");
     /* A place on another map. */
     const program_result *r =
         program_run(NULL, (const char *const[]){"render", "level.npy", "--from", "600000,5200000,=300", "--to",
-                                                "600000,5200100,=0", "--size", "9x9", "-o", "o.pfm", NULL});
+                                                "600000,5200100,=0", "--size", "9x9", "-o", "o.exr", NULL});
     check(r->status == 0 && strstr(r->err, "nothing of the terrain is in the picture"), "%d: %s", r->status, r->err);
     /* Pictures do not replace what they are made from. */
     r = program_run(NULL, (const char *const[]){"render", "level.npy", "--size", "9x9", "-o", "o.png", NULL});
