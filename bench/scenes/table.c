@@ -6,7 +6,7 @@
 #include "commands.h"
 #include "harness/memory.h"
 #include "harness/results.h"
-#include "markdown.h"
+#include "words.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -24,6 +24,19 @@ static const char examples[] = "  cellwalk-bench table --quick       # a first l
 enum { MARKDOWN, CSV, JSON, FILES };
 static const char *const names[FILES] = {"table.md", "table.csv", "table.json"};
 
+/* Folds paragraphs for a terminal; tables stay as they are. */
+static void print_text(const char *text) {
+    enum { COLUMNS = 80 };
+    for (size_t length; *text; text += length + (text[length] == '\n')) {
+        length = strcspn(text, "\n");
+        if (*text == '|')
+            printf("%.*s", (int)length, text);
+        else
+            words_fold(text, length, 0, 0, COLUMNS);
+        putchar('\n');
+    }
+}
+
 static bool save(io_output *out, const json_t *lines, io_error *error) {
     char *text = NULL;
     size_t size;
@@ -31,7 +44,7 @@ static bool save(io_output *out, const json_t *lines, io_error *error) {
     if (stream == NULL) memory_end();
     table_write_markdown(stream, lines);
     if (fclose(stream) != 0) memory_end();
-    markdown_print(text);
+    print_text(text);
     bool good = io_output_write(&out[MARKDOWN], text, size, error);
     free(text);
     table_write_csv(out[CSV].file, lines);

@@ -3,7 +3,6 @@
  * numbers, comparisons of a file with itself decide nothing, mistakes are told and leave nothing behind. */
 #include "commands.h"
 #include "harness/results.h"
-#include "markdown.h"
 #include "micro/micro.h"
 #include "scenes/table.h"
 
@@ -46,54 +45,6 @@ static char *line_of(char *text, const char *start) {
     return NULL;
 }
 
-/* What markdown_print makes of the text; the caller frees it. */
-static char *printed(const char *markdown) {
-    fflush(stdout);
-    const int held = dup(STDOUT_FILENO);
-    assert_true(held >= 0 && freopen("printed", "w", stdout));
-    markdown_print(markdown);
-    fflush(stdout);
-    assert_true(dup2(held, STDOUT_FILENO) >= 0);
-    close(held);
-    return read_text("printed");
-}
-
-static void check_width(const char *text, size_t most) {
-    for (const char *line = text; *line;) {
-        size_t columns = 0;
-        const size_t length = strcspn(line, "\n");
-        for (size_t k = 0; k < length; k++) columns += ((unsigned char)line[k] & 0xc0) != 0x80;
-        check(columns <= most, "%zu columns: %.*s", columns, (int)length, line);
-        line += length + (line[length] == '\n');
-    }
-}
-
-static void tables_are_printed_in_columns(void **state) {
-    (void)state;
-    char *text = printed("A table:\n\n| what | one, two | three |\n|---|--:|---|\n| ½ | 1 | a |\n| longer | 10 | |\n");
-    check(strcmp(text, "A table:\nwhat    one  three\n        two\n½         1  a\nlonger   10\n") == 0, "it is\n%s",
-          text);
-    free(text);
-    /* More columns than a terminal has: the rest goes below. */
-    char wide[4096] = "| name |", row[4096] = "| x |", dashes[512] = "|---|";
-    for (int k = 0; k < 30; k++) {
-        snprintf(wide + strlen(wide), sizeof wide - strlen(wide), " kernel%d, Phong |", k);
-        snprintf(row + strlen(row), sizeof row - strlen(row), " 1.%02d |", k);
-        strcat(dashes, "--:|");
-    }
-    snprintf(wide + strlen(wide), sizeof wide - strlen(wide), "\n%s\n%.2000s\n", dashes, row);
-    text = printed(wide);
-    check_width(text, 100);
-    for (int k = 0; k < 30; k++) {
-        char cell[32];
-        snprintf(cell, sizeof cell, " 1.%02d", k);
-        check(strstr(text, cell) != NULL, "%s is lost: %s", cell, text);
-        snprintf(cell, sizeof cell, " kernel%d", k);
-        check(strstr(text, cell) != NULL, "%s is lost: %s", cell, text);
-    }
-    free(text);
-}
-
 static void table_files_hold_the_same_numbers(void **state) {
     (void)state;
     check(run(&command_table,
@@ -116,10 +67,6 @@ static void table_files_hold_the_same_numbers(void **state) {
     table_write_markdown(memory, lines);
     fclose(memory);
     check(strcmp(markdown, page) == 0, "table.md is not what table.json gives");
-    char *text = printed(page);
-    check_width(text, 100);
-    check(strstr(text, "\nhftest ") != NULL, "the printed table has no line on hftest");
-    free(text);
     free(page);
     const char *cell = line_of(markdown, "| hftest |");
     check(cell != NULL, "table.md has no line on hftest");
@@ -369,7 +316,6 @@ static void helps(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(tables_are_printed_in_columns, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(table_files_hold_the_same_numbers, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(micro_against_itself_is_undecided, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(threads_take_part, scratch_enter, scratch_leave),

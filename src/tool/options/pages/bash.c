@@ -1,12 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Completions for bash: one function. Options without words to choose from get file names, or nothing. */
+/* Options without words to choose from get file names, or nothing. */
 
 #include "pages.h"
 
+#include <string.h>
+
+/* A name for the function: the program's with _ for -. */
+static void print_function(FILE *to, const program *p) {
+    putc('_', to);
+    for (const char *c = p->name; *c; c++) putc(*c == '-' ? '_' : *c, to);
+}
+
 /* bash takes --option=value for three words, since = is one of its breaks. */
-static void head(FILE *to, const program *p) {
-    fprintf(to, "# bash completion of %s -*- shell-script -*-\n_", p->name);
-    pages_print_function(to, p);
+void bash_head(FILE *to, const program *p) {
+    fprintf(to, "# bash completion of %s -*- shell-script -*-\n", p->name);
+    print_function(to, p);
     fputs("() {\n"
           "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} words= first=\n"
           "    if [[ $word == '=' ]]; then\n"
@@ -27,24 +35,24 @@ static void head(FILE *to, const program *p) {
             option_help.name, option_version.name);
 }
 
+/* Values of options that take some: words, files, or anything. */
 static void print_case(FILE *to, const command *c, const option_spec *o) {
-    const page_value value = pages_value(o);
-    if (value == PAGE_NOTHING) return;
+    static const char *const files[] = {"FILE", "FOLDER", "IMAGE"};
+    if (o->value == NULL) return;
     if (o->letter) fprintf(to, "    %s:-%c | ", c->name, o->letter);
     fprintf(to, "%s%s:--%s) ", o->letter ? "" : "    ", c->name, o->name);
-    if (value == PAGE_FILE) {
-        fputs("words=: ;;\n", to);
-    } else if (value == PAGE_ANYTHING) {
-        fputs("return ;;\n", to);
-    } else {
+    if (o->names) {
         fputs("words='", to);
-        pages_print_names(to, o, " ");
-        fputs(value == PAGE_WORDS ? "'; [[ $word == *,* ]] && first=${word%,*}, ;;\n" : "' ;;\n", to);
+        for (size_t k = 0; o->names(k); k++) fprintf(to, "%s%s", k ? " " : "", o->names(k));
+        fputs(o->kind == OPTION_LIST ? "'; [[ $word == *,* ]] && first=${word%,*}, ;;\n" : "' ;;\n", to);
+        return;
     }
+    bool file = strchr(o->value, '.') != NULL;
+    for (size_t k = 0; k < sizeof files / sizeof files[0]; k++) file = file || strcmp(o->value, files[k]) == 0;
+    fputs(file ? "words=: ;;\n" : "return ;;\n", to);
 }
 
-static void command_case(FILE *to, const program *p, const command *c, const options_usage *usage) {
-    (void)p;
+void bash_command(FILE *to, const command *c, const options_usage *usage) {
     for (size_t k = 0; pages_option(usage, k); k++) print_case(to, c, pages_option(usage, k));
     fprintf(to, "    %s:*) [[ $word == -* ]] && words='", c->name);
     for (size_t k = 0; pages_option(usage, k); k++) {
@@ -55,7 +63,7 @@ static void command_case(FILE *to, const program *p, const command *c, const opt
     fputs("' || words=: ;;\n", to);
 }
 
-static void tail(FILE *to, const program *p) {
+void bash_tail(FILE *to, const program *p) {
     fputs("    esac\n"
           "    if [[ $words == : ]]; then\n"
           "        compopt -o filenames 2>/dev/null\n"
@@ -64,10 +72,8 @@ static void tail(FILE *to, const program *p) {
           "        mapfile -t COMPREPLY < <(compgen -P \"$first\" -W \"$words\" -- \"${word#\"$first\"}\")\n"
           "    fi\n"
           "}\n"
-          "complete -F _",
+          "complete -F ",
           to);
-    pages_print_function(to, p);
+    print_function(to, p);
     fprintf(to, " %s\n", p->name);
 }
-
-const page_writer pages_bash = {"bash-completion/completions/", "", false, head, command_case, tail};

@@ -114,7 +114,7 @@ static void print_reference(FILE *to, const program *p, const command *c, const 
     fprintf(to, " (1)%s\n", end);
 }
 
-static void program_page(FILE *to, const program *p) {
+void man_program(FILE *to, const program *p) {
     print_title(to, p, NULL);
     fputs("\\fB", to);
     print_text(to, p->name);
@@ -138,7 +138,7 @@ static void program_page(FILE *to, const program *p) {
         print_reference(to, p, p->commands[k], k + 1 < p->command_count ? "," : "");
 }
 
-static void command_page(FILE *to, const program *p, const command *c, const options_usage *usage) {
+void man_command(FILE *to, const program *p, const command *c, const options_usage *usage) {
     print_title(to, p, c);
     fputs("\\fB", to);
     print_text(to, p->name);
@@ -156,5 +156,3 @@ static void command_page(FILE *to, const program *p, const command *c, const opt
     fputs(".SH SEE ALSO\n", to);
     print_reference(to, p, NULL, "");
 }
-
-const page_writer pages_man = {"man/man1/", ".1", true, program_page, command_page, NULL};
