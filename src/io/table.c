@@ -2,6 +2,7 @@
 #include "table.h"
 
 #include "file.h"
+#include "number.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -195,8 +196,8 @@ bool io_table_fail(const io_table *t, size_t row, size_t column, const char *wan
 bool io_table_number(const io_table *t, size_t row, size_t column, double *number, io_error *error) {
     const char *cell = t->cells[row * t->columns + column];
     char *end = NULL;
-    /* strtod would also read hexadecimal numbers and words. */
-    if (cell[0] != '\0' && cell[strspn(cell, "+-.0123456789eE")] == '\0') *number = strtod(cell, &end);
+    /* number_read would also read hexadecimal numbers and words. */
+    if (cell[0] != '\0' && cell[strspn(cell, "+-.0123456789eE")] == '\0') *number = number_read(cell, &end);
     return (end != NULL && *end == '\0' && isfinite(*number)) || io_table_fail(t, row, column, "a number", error);
 }
 

@@ -4,6 +4,7 @@
 #include "cancel.h"
 #include "command.h"
 #include "gdal_host.h"
+#include "number.h"
 #include "printable.h"
 
 #include <math.h>
@@ -76,7 +77,7 @@ bool raster_options_resolve(raster_options *r, const char *name, io_raster_optio
         }
     for (size_t k = 0; k < r->nodata.count; k++) {
         char *end;
-        r->nodata_values[k] = strtod(r->nodata.values[k], &end);
+        r->nodata_values[k] = number_read(r->nodata.values[k], &end);
         if (end != r->nodata.values[k] && *end == '\0' && isfinite(r->nodata_values[k])) continue;
         command_fail(name, "--nodata takes a number, not '%s'", r->nodata.values[k]);
         return false;

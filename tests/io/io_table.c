@@ -2,6 +2,7 @@
 /* Tables in CSV: cells as spreadsheets and programs write them, and the message for each mistake, with its line. */
 
 #include "check.h"
+#include "plain.h"
 #include "scratch.h"
 #include "table.h"
 
@@ -98,7 +99,7 @@ static void numbers_are_decimal(void **state) {
         snprintf(text, sizeof text, "x\n%s\n", good[k]);
         io_table t = read_text(text);
         check(io_table_number(&t, 0, 0, &number, &error), "%s", error.text);
-        check(number == strtod(good[k], NULL), "%s is read as %g", good[k], number);
+        check(number == plain_double(good[k]), "%s is read as %g", good[k], number);
         io_table_free(&t);
     }
     for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) {

@@ -4,6 +4,7 @@
 #include "check.h"
 #include "image.h"
 #include "pbrt_lex.h"
+#include "plain.h"
 #include "scene.h"
 #include "scratch.h"
 #include "workload/random.h"
@@ -20,11 +21,11 @@ static const char *written(const char *name, const char *text) {
     return name;
 }
 
-static void number_equals_strtod(const char *text) {
+static void number_equals_plain(const char *text) {
     double number = 0;
     const char *end = pbrt_number(text, &number);
     check(end != NULL && *end == '\0', "\"%s\" is not read to its end", text);
-    check(number == strtod(text, NULL), "\"%s\" is %a, not %a", text, number, strtod(text, NULL));
+    check(number == plain_double(text), "\"%s\" is %a, not %a", text, number, plain_double(text));
 }
 
 static void numbers_are_rounded_correctly(void **state) {
@@ -45,13 +46,13 @@ static void numbers_are_rounded_correctly(void **state) {
                                         "1e400",
                                         "1e-400",
                                         "1e99999999999"};
-    for (size_t k = 0; k < sizeof texts / sizeof texts[0]; k++) number_equals_strtod(texts[k]);
+    for (size_t k = 0; k < sizeof texts / sizeof texts[0]; k++) number_equals_plain(texts[k]);
     random_state r = {3};
     for (int k = 0; k < 100000; k++) {
         char text[64];
         const double size = ldexp(random_unit(&r), (int)random_below(&r, 200) - 100);
-        snprintf(text, sizeof text, "%.*g", 1 + (int)random_below(&r, 20), k % 2 ? size : -size);
-        number_equals_strtod(text);
+        plain_print(text, sizeof text, "%.*g", 1 + (int)random_below(&r, 20), k % 2 ? size : -size);
+        number_equals_plain(text);
     }
     double number;
     static const char *const wrong[] = {"", "-", ".", "e5", "nan", "inf", "+-1", "1e", "1e+"};
@@ -66,9 +67,9 @@ static void halfway_texts(char texts[][48], int count) {
         const float below = (float)ldexp(random_unit(&r), (int)random_below(&r, 8) - 4);
         const double middle = ((double)below + (double)nextafterf(below, INFINITY)) / 2;
         if (k % 4 == 3)
-            snprintf(texts[k], sizeof texts[k], "%.6f", middle);
+            plain_print(texts[k], sizeof texts[k], "%.6f", middle);
         else
-            snprintf(texts[k], sizeof texts[k], k % 4 == 0 ? "-%.40f" : "%.40f", middle);
+            plain_print(texts[k], sizeof texts[k], k % 4 == 0 ? "-%.40f" : "%.40f", middle);
         /* All 40 digits are exact, and the last one is a zero. */
         if (k % 4 == 1) texts[k][strlen(texts[k]) - 1] = '1';
     }
@@ -100,10 +101,10 @@ static void samples_are_rounded_once(void **state) {
     check(field != NULL, "%s", error.text);
     int doubled = 0;
     for (size_t k = 0; k < SIDE * SIDE; k++) {
-        const float sample = cw_field_row(field, k / SIDE)[k % SIDE], wanted = strtof(texts[k], NULL);
+        const float sample = cw_field_row(field, k / SIDE)[k % SIDE], wanted = plain_float(texts[k]);
         check(memcmp(&sample, &wanted, sizeof sample) == 0, "%s is %a, not %a", texts[k], (double)sample,
               (double)wanted);
-        doubled += (float)strtod(texts[k], NULL) != wanted;
+        doubled += (float)plain_double(texts[k]) != wanted;
     }
     check(doubled > SIDE, "only %d texts tell one rounding from two", doubled);
     cw_field_destroy(field);

@@ -4,6 +4,8 @@
 
 #include "georef.h"
 
+#include "number.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -71,7 +73,7 @@ static bool numbers(const node *n, double *value, int count) {
         at += strspn(at, " \t\r\n");
         if (*at != ',') return false;
         char *end;
-        *value = strtod(at + 1, &end);
+        *value = number_read(at + 1, &end);
         if (end == at + 1 || !isfinite(*value)) return false;
         at = end;
         value++;

@@ -4,6 +4,7 @@
  * is the northernmost, so y falls as j grows. A file of the same name that ends in .prj says the coordinate system. */
 
 #include "file.h"
+#include "number.h"
 #include "raster.h"
 
 #include <math.h>
@@ -35,13 +36,13 @@ static void skip_blanks(scanner *s) {
 
 static bool at_word_end(const char *at) { return *at == '\0' || strchr(" \t\r\n", *at) != NULL; }
 
-/* Only characters of decimal numbers: strtod would also accept hexadecimal numbers and words. */
+/* Only characters of decimal numbers: number_read would also accept hexadecimal numbers and words. */
 static bool decimal(const char *at) { return *at != '\0' && strspn(at, "+-.0123456789eE") == strcspn(at, " \t\r\n"); }
 
 static bool take_double(scanner *s, double *value) {
     char *end = NULL;
     skip_blanks(s);
-    if (decimal(s->at)) *value = strtod(s->at, &end);
+    if (decimal(s->at)) *value = number_read(s->at, &end);
     if (end == NULL || !at_word_end(end) || !isfinite(*value)) return fail(s, "a number");
     s->at = end;
     return true;
@@ -89,7 +90,7 @@ static bool take_key(scanner *s, header *h) {
         s->at += 3; /* missing samples may also be written as nan */
         return true;
     }
-    h->nodata = strtof(s->at, NULL);
+    h->nodata = number_read_float(s->at, NULL);
     return take_double(s, &h->value[k]);
 }
 
@@ -123,7 +124,7 @@ static bool take_sample(scanner *s, const header *h, float *z) {
     char *end = NULL;
     skip_blanks(s);
     if (decimal(s->at)) {
-        *z = strtof(s->at, &end);
+        *z = number_read_float(s->at, &end);
     } else if (strncasecmp(s->at, "nan", 3) == 0) {
         *z = NAN;
         end = (char *)s->at + 3;

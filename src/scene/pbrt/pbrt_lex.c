@@ -5,8 +5,8 @@
 #include "pbrt_lex.h"
 
 #include "file.h"
+#include "number.h"
 
-#include <locale.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -45,14 +45,6 @@ static const double power_of_ten[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  
                                       1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
 static const uint64_t exact_in_double = (uint64_t)1 << 53;
 
-/* strtod and strtof in the C locale, for the few numbers that quick arithmetic may round wrongly. */
-static void slow_number(const char *text, double *number, float *rounded) {
-    const locale_t c_locale = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);
-    if (number != NULL) *number = c_locale != (locale_t)0 ? strtod_l(text, NULL, c_locale) : strtod(text, NULL);
-    if (rounded != NULL) *rounded = c_locale != (locale_t)0 ? strtof_l(text, NULL, c_locale) : strtof(text, NULL);
-    if (c_locale != (locale_t)0) freelocale(c_locale);
-}
-
 /* Whether a double that was rounded once may be rounded to float once more. It lies on the same side of the point
  * halfway between two floats as the number that it came from, unless it is that point itself; below the smallest
  * normal float these points lie elsewhere. */
@@ -64,9 +56,7 @@ static bool rounds_twice_alike(double number) {
 
 float pbrt_float(const pbrt_token *token) {
     if (rounds_twice_alike(token->number)) return (float)token->number;
-    float rounded;
-    slow_number(token->start, NULL, &rounded);
-    return rounded;
+    return number_read_float(token->start, NULL);
 }
 
 const char *pbrt_number(const char *text, double *number) {
@@ -115,7 +105,7 @@ const char *pbrt_number(const char *text, double *number) {
         const double size = exponent < 0 ? m / power_of_ten[-exponent] : m * power_of_ten[exponent];
         *number = negative ? -size : size;
     } else {
-        slow_number(text, number, NULL);
+        *number = number_read(text, NULL);
     }
     return p;
 }

@@ -5,6 +5,7 @@
 #include "options.h"
 
 #include "command.h"
+#include "number.h"
 #include "words.h"
 
 #include <float.h>
@@ -141,7 +142,7 @@ static bool set_name(const options_usage *usage, const option_spec *o, const cha
 
 static bool set_real(const options_usage *usage, const option_spec *o, const char *value, double *to) {
     char *end = NULL;
-    const double real = strtod(value, &end);
+    const double real = number_read(value, &end);
     if (end != value && *end == '\0' && real >= o->low && real <= o->high) { /* not NaN */
         *to = real;
         return true;
@@ -155,7 +156,7 @@ static bool set_real(const options_usage *usage, const option_spec *o, const cha
 
 static bool set_number(const options_usage *usage, const option_spec *o, const char *value) {
     char *end = NULL;
-    const double number = strtod(value, &end);
+    const double number = number_read(value, &end);
     if (end == value || *end != '\0' || !isfinite(number))
         return command_fail(usage->name, "--%s takes a number, not '%s'", o->name, value), false;
     *(double *)o->to = number;

@@ -4,6 +4,7 @@
 #include "../cancel.h"
 #include "command.h"
 #include "inputs.h"
+#include "number.h"
 #include "pieces.h"
 
 #include <math.h>
@@ -173,7 +174,7 @@ int ground_close(ground *g, bool good, const io_error *error) {
 size_t ground_numbers(const char *text, double *numbers, size_t least, size_t most) {
     for (size_t count = 0; count < most;) {
         char *end;
-        numbers[count] = strtod(text, &end);
+        numbers[count] = number_read(text, &end);
         if (end == text || !isfinite(numbers[count])) return 0;
         count++;
         if (*end == '\0') return count >= least ? count : 0;

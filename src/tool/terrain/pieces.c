@@ -3,6 +3,7 @@
 
 #include "../cancel.h"
 #include "command.h"
+#include "number.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -34,7 +35,7 @@ void pieces_rows(ground_options *o, option_spec rows[PIECES_OPTION_COUNT]) {
 static double size_of_text(const char *text) {
     static const char units[] = "KMGT";
     char *end;
-    double size = strtod(text, &end);
+    double size = number_read(text, &end);
     const char *unit = *end != '\0' ? strchr(units, *end & ~0x20) : NULL;
     if (end == text || (*end != '\0' && (unit == NULL || end[1] != '\0'))) return NAN;
     for (const char *u = units; unit != NULL && u <= unit; u++) size *= 1000;

@@ -7,6 +7,7 @@
 #include "command.h"
 #include "horizon.h"
 #include "insolation.h"
+#include "number.h"
 #include "product.h"
 #include "sun_place.h"
 
@@ -185,7 +186,7 @@ static bool read_step(const char *text, double *seconds) {
         double seconds;
     } units[] = {{"s", 1}, {"min", 60}, {"h", 3600}};
     char *end;
-    const double number = strtod(text, &end);
+    const double number = number_read(text, &end);
     for (size_t k = 0; k < sizeof units / sizeof *units && end != text; k++) {
         if (strcmp(end, units[k].name) != 0) continue;
         *seconds = number * units[k].seconds;

@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "number.h"
+
+#include "linux.h"
+
+#include <locale.h>
+#include <pthread.h>
+#include <stdlib.h>
+
+static locale_t plain;
+
+/* Of all categories: glibc has this one at hand, so that it cannot fail. */
+static void make_plain(void) { plain = newlocale(LC_ALL_MASK, "C", (locale_t)0); }
+
+static locale_t plain_locale(void) {
+    static pthread_once_t once = PTHREAD_ONCE_INIT;
+    pthread_once(&once, make_plain);
+    return plain;
+}
+
+/* The calling thread's locale, for the other functions to set back. */
+static locale_t enter_plain(void) {
+    const locale_t to = plain_locale();
+    return uselocale(to); /* 0 changes nothing */
+}
+
+#if CELLWALK_LINUX
+double number_read(const char *text, char **end) { return strtod_l(text, end, plain_locale()); }
+float number_read_float(const char *text, char **end) { return strtof_l(text, end, plain_locale()); }
+#else
+double number_read(const char *text, char **end) {
+    const locale_t before = enter_plain();
+    const double number = strtod(text, end);
+    uselocale(before);
+    return number;
+}
+
+float number_read_float(const char *text, char **end) {
+    const locale_t before = enter_plain();
+    const float number = strtof(text, end);
+    uselocale(before);
+    return number;
+}
+#endif
+
+int number_print(FILE *file, const char *format, va_list arguments) {
+    const locale_t before = enter_plain();
+    const int length = vfprintf(file, format, arguments);
+    uselocale(before);
+    return length;
+}
