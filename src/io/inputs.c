@@ -20,6 +20,13 @@ void io_inputs_protect(void) {
     pthread_mutex_unlock(&inputs.lock);
 }
 
+bool io_inputs_are_protected(void) {
+    pthread_mutex_lock(&inputs.lock);
+    const bool on = inputs.on;
+    pthread_mutex_unlock(&inputs.lock);
+    return on;
+}
+
 static bool find(const struct stat *about) {
     for (size_t k = 0; k < inputs.count; k++)
         if (inputs.list[k].device == about->st_dev && inputs.list[k].inode == about->st_ino) return true;

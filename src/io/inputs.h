@@ -8,9 +8,10 @@
 
 #include <sys/stat.h>
 
-/* From now on files are remembered as they are opened for reading, and outputs that would replace one are refused. A
- * program that brings files up to date in place does without. */
+/* From now on files are remembered as they are opened for reading, and outputs that would replace one or each other are
+ * refused. A program that brings files up to date in place does without. */
 void io_inputs_protect(void);
+bool io_inputs_are_protected(void);
 
 /* For readers: notes that the file described by about is read. False when out of memory. Remembers nothing unless protected. */
 bool io_inputs_note(const struct stat *about);

@@ -4,7 +4,6 @@
 #include "raster_out.h"
 
 #include "gdal/module.h"
-#include "inputs.h"
 #include "npy.h"
 #include "raster_sink.h"
 
@@ -14,7 +13,6 @@
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 size_t io_cell_bytes(io_cell cell) {
     static const size_t bytes[] = {1, 2, 4, 2};
@@ -31,8 +29,10 @@ static bool npy_create(io_raster_writer *w, io_error *error) {
     return io_npy_write_header(&w->output, types[p->cell], io_cell_bytes(p->cell), rank, shape + 3 - rank, error);
 }
 
-static bool npy_write(io_raster_writer *w, const void *cells, size_t rows, io_error *error) {
-    return io_output_write(&w->output, cells, rows * w->product.nx * io_cell_bytes(w->product.cell), error);
+static bool npy_write(io_raster_writer *w, size_t band, const io_raster_window *window, const void *cells,
+                      io_error *error) {
+    (void)band;
+    return io_output_write(&w->output, cells, window->nx * window->ny * io_cell_bytes(w->product.cell), error);
 }
 
 static bool npy_finish(io_raster_writer *w, bool whole, io_error *error) {
@@ -41,7 +41,8 @@ static bool npy_finish(io_raster_writer *w, bool whole, io_error *error) {
     return whole;
 }
 
-const io_raster_sink io_sink_npy = {".npy", "NumPy array", 0, npy_create, npy_write, npy_finish};
+const io_raster_sink io_sink_npy = {
+    .ending = ".npy", .what = "NumPy array", .create = npy_create, .write = npy_write, .finish = npy_finish};
 
 /* ---- GeoTIFF ----------------------------------------------------------------------------------------------------- */
 
@@ -58,7 +59,7 @@ typedef struct tif_state {
 static int open_scratch(void *context) {
     tif_state *s = context;
     io_error error;
-    if (s->count < SCRATCH_MOST && io_output_open(&s->scratch[s->count], s->beside, &error))
+    if (s->count < SCRATCH_MOST && io_output_open_scratch(&s->scratch[s->count], s->beside, &error))
         return fileno(s->scratch[s->count++].file);
     if (s->count == SCRATCH_MOST) errno = EMFILE;
     return -1;
@@ -86,9 +87,10 @@ static bool tif_create(io_raster_writer *w, io_error *error) {
     return false;
 }
 
-static bool tif_write(io_raster_writer *w, const void *cells, size_t rows, io_error *error) {
+static bool tif_write(io_raster_writer *w, size_t band, const io_raster_window *window, const void *cells,
+                      io_error *error) {
     const tif_state *s = w->state;
-    return io_gdal_load(error)->write(s->target, w->band, w->row, rows, cells, error);
+    return io_gdal_load(error)->write(s->target, band, window, cells, error);
 }
 
 static bool tif_finish(io_raster_writer *w, bool whole, io_error *error) {
@@ -103,12 +105,18 @@ bool io_raster_check_creation(const char *const *creation, size_t count, bool co
     return gdal != NULL && gdal->check_creation(creation, count, cog, error);
 }
 
-const io_raster_sink io_sink_tif = {".tif", "GeoTIFF", 0, tif_create, tif_write, tif_finish};
+static const char *const tif_sidecars[] = {".aux.xml", ".ovr", ".msk", "*.tfw", "w", NULL};
+const io_raster_sink io_sink_tif = {.ending = ".tif",
+                                    .what = "GeoTIFF",
+                                    .sidecars = tif_sidecars,
+                                    .create = tif_create,
+                                    .write = tif_write,
+                                    .finish = tif_finish};
 
 /* ---- the table --------------------------------------------------------------------------------------------------- */
 
 #ifndef CELLWALK_PNG
-const io_raster_sink io_sink_png = {".png", "picture", 1, NULL, NULL, NULL};
+const io_raster_sink io_sink_png = {.ending = ".png", .what = "picture", .bands_most = 1};
 #endif
 
 static const io_raster_sink *const sinks[] = {&io_sink_tif, &io_sink_npy, &io_sink_png};
@@ -148,34 +156,53 @@ bool io_raster_can_write(const char *path, size_t bands, io_error *error) {
 static bool open_world(io_raster_writer *w, io_error *error) {
     const double(*m)[4] = w->product.map;
     const char *target = w->output.target;
-    char path[PATH_MAX], text[200];
+    char path[PATH_MAX];
     struct stat about;
     if (w->sink != &io_sink_png || !w->product.georef->placed) return true;
     if (fstat(fileno(w->output.file), &about) != 0 || !S_ISREG(about.st_mode)) return true;
     if (snprintf(path, sizeof path, "%.*s.pgw", (int)(strlen(target) - strlen(w->sink->ending)), target) >=
         (int)sizeof path)
         return io_fail(error, "%s: cannot write: the world file's name is too long", w->output.name);
-    const int length = snprintf(text, sizeof text, "%.17g\n%.17g\n%.17g\n%.17g\n%.17g\n%.17g\n", m[0][0], m[1][0],
-                                m[0][1], m[1][1], m[0][3], m[1][3]);
     if (!io_output_open(&w->world, path, error)) return false;
-    if (io_output_write(&w->world, text, (size_t)length, error)) return true;
+    if (io_output_print(&w->world, error, "%.17g\n%.17g\n%.17g\n%.17g\n%.17g\n%.17g\n", m[0][0], m[1][0], m[0][1],
+                        m[1][1], m[0][3], m[1][3]))
+        return true;
     io_output_discard(&w->world);
     return false;
 }
 
+/* A picture's world file is an output itself. */
+static bool check_sidecars(const io_raster_writer *w, bool replaces, io_error *error) {
+    io_sidecar_list list = w->sink->sidecars;
+    if (w->output.direct) return true;
+    if (list != NULL && w->world.name != NULL) list++;
+    return io_sidecars_check(list, w->output.target, replaces, error) &&
+           io_sidecars_check(list, w->output.name, replaces, error);
+}
+
 bool io_raster_create(io_raster_writer *w, const char *path, const io_raster_product *product, io_error *error) {
-    *w = (io_raster_writer){.product = *product};
+    struct stat old;
+    *w = (io_raster_writer){.product = *product, .left = (uint64_t)product->bands * product->nx * product->ny};
     if (!io_raster_can_write(path, product->bands, error) || !io_output_open(&w->output, path, error)) return false;
     w->sink = sink_of(path);
-    if (open_world(w, error) && w->sink->create(w, error)) return true;
+    const bool replaces = stat(w->output.target, &old) == 0;
+    if (open_world(w, error) && check_sidecars(w, replaces, error) && w->sink->create(w, error)) return true;
     io_output_discard(&w->world);
     io_output_discard(&w->output);
     *w = (io_raster_writer){0};
     return false;
 }
 
+bool io_raster_write_window(io_raster_writer *w, size_t band, const io_raster_window *window, const void *cells,
+                            io_error *error) {
+    if (!w->sink->write(w, band, window, cells, error)) return false;
+    w->left -= (uint64_t)window->nx * window->ny;
+    return true;
+}
+
 bool io_raster_write(io_raster_writer *w, const void *cells, size_t rows, io_error *error) {
-    if (!w->sink->write(w, cells, rows, error)) return false;
+    const io_raster_window window = {0, w->row, w->product.nx, rows};
+    if (!io_raster_write_window(w, w->band, &window, cells, error)) return false;
     w->row += rows;
     if (w->row < w->product.ny) return true;
     w->row = 0;
@@ -183,27 +210,26 @@ bool io_raster_write(io_raster_writer *w, const void *cells, size_t rows, io_err
     return true;
 }
 
-/* Statistics and smaller copies that programs keep beside a GeoTIFF belong to the file that is being replaced. */
-static void remove_companions(const char *target) {
-    static const char *const endings[] = {".aux.xml", ".ovr", ".msk"};
-    for (size_t k = 0; k < sizeof endings / sizeof endings[0]; k++) {
-        char name[PATH_MAX];
-        struct stat about;
-        if (snprintf(name, sizeof name, "%s%s", target, endings[k]) >= (int)sizeof name) continue;
-        if (lstat(name, &about) == 0 && S_ISREG(about.st_mode) && !io_inputs_have(&about)) unlink(name);
+static bool commit(io_raster_writer *w, io_error *error) {
+    struct stat old;
+    io_sidecar_list list = w->sink->sidecars;
+    char *names[2] = {strdup(w->output.target), strdup(w->output.name)}; /* where programs look for sidecars */
+    bool good = (names[0] != NULL && names[1] != NULL) || io_fail(error, "%s: out of memory", w->output.name);
+    if (good && (w->output.direct || stat(names[0], &old) != 0)) list = NULL; /* replaces nothing */
+    if (list != NULL && w->world.name != NULL) list++;
+    good = good && (w->world.name == NULL || io_output_settle(&w->world, error)) && io_output_commit(&w->output, error);
+    good = good && (w->world.name == NULL || io_output_commit(&w->world, error));
+    for (int k = 0; k < 2; k++) {
+        good = good && io_sidecars_remove(list, names[k], error);
+        free(names[k]);
     }
+    return good;
 }
 
 bool io_raster_commit(io_raster_writer *w, io_error *error) {
-    const bool whole = w->band == w->product.bands && w->row == 0;
+    const bool whole = w->left == 0;
     if (!whole) io_fail(error, "%s: rows are missing", w->output.name);
-    char target[PATH_MAX] = "";
-    if (w->sink == &io_sink_tif) snprintf(target, sizeof target, "%s", w->output.target);
-    bool good = w->sink->finish(w, whole, whole ? error : NULL);
-    if (good)
-        good = w->world.file == NULL ? io_output_commit(&w->output, error)
-                                     : io_output_commit_both(&w->output, &w->world, error);
-    if (good && target[0] != '\0') remove_companions(target);
+    const bool good = w->sink->finish(w, whole, whole ? error : NULL) && commit(w, error);
     io_output_discard(&w->world);
     io_output_discard(&w->output);
     *w = (io_raster_writer){0};

@@ -38,12 +38,17 @@ typedef struct io_raster_product {
     void *go_on_context;
 } io_raster_product;
 
+typedef struct io_raster_window {
+    size_t i, j, nx, ny;
+} io_raster_window;
+
 typedef struct io_raster_writer {
     const struct io_raster_sink *sink; /* the format */
     io_raster_product product;
     io_output output;
     io_output world;  /* of a picture: the world file beside it, if there is one */
     size_t band, row; /* that come next */
+    uint64_t left;    /* cells that are still to come */
     void *state;      /* the format's */
 } io_raster_writer;
 
@@ -70,6 +75,10 @@ bool io_raster_check_creation(const char *const *creation, size_t count, bool co
 bool io_raster_create(io_raster_writer *writer, const char *path, const io_raster_product *product, io_error *error);
 /* The next rows: bands one after the other, each from row 0 on. */
 bool io_raster_write(io_raster_writer *writer, const void *cells, size_t rows, io_error *error);
+/* A rectangle of a band, in any order, each cell once; of a GeoTIFF alone. */
+bool io_raster_write_window(io_raster_writer *writer, size_t band, const io_raster_window *window, const void *cells,
+                            io_error *error);
+/* False too if an old file's sidecar (sidecars.h) cannot be removed: then the new file is complete all the same. */
 bool io_raster_commit(io_raster_writer *writer, io_error *error);
 /* Does nothing on a writer that is all zero, committed or discarded. */
 void io_raster_discard(io_raster_writer *writer);

@@ -83,11 +83,13 @@ static double cell_value(io_cell cell, const void *cells, size_t k) {
     return (double)((const float *)cells)[k];
 }
 
-static bool png_write(io_raster_writer *w, const void *cells, size_t rows, io_error *error) {
+static bool png_write(io_raster_writer *w, size_t band, const io_raster_window *window, const void *cells,
+                      io_error *error) {
+    (void)band;
     const io_raster_product *p = &w->product;
     png_state *s = w->state;
     if (setjmp(png_jmpbuf(s->png))) return io_fail(error, "%s", s->error.text);
-    for (size_t j = 0; j < rows; j++) {
+    for (size_t j = 0; j < window->ny; j++) {
         for (size_t i = 0; i < p->nx; i++) s->grey[i] = grey(p, cell_value(p->cell, cells, j * p->nx + i));
         png_write_row(s->png, s->grey);
     }
@@ -105,4 +107,12 @@ static bool png_finish(io_raster_writer *w, bool whole, io_error *error) {
     return good;
 }
 
-const io_raster_sink io_sink_png = {".png", "picture", 1, png_create, png_write, png_finish};
+/* The world file first: raster_out.c leaves it out if it writes one. */
+static const char *const sidecars[] = {"*.pgw", "w", ".aux.xml", ".ovr", ".msk", NULL};
+const io_raster_sink io_sink_png = {.ending = ".png",
+                                    .what = "picture",
+                                    .bands_most = 1,
+                                    .sidecars = sidecars,
+                                    .create = png_create,
+                                    .write = png_write,
+                                    .finish = png_finish};

@@ -4,15 +4,18 @@
 #define CELLWALK_IO_RASTER_SINK_H
 
 #include "raster_out.h"
+#include "sidecars.h"
 
 typedef struct io_raster_sink {
     const char *ending; /* ".tif" */
     const char *what;
     size_t bands_most; /* 0: any number */
+    io_sidecar_list sidecars;
     /* writer->output is open; on failure nothing is left but that. NULL: this build has no library for it. */
     bool (*create)(io_raster_writer *writer, io_error *error);
-    /* rows rows of band writer->band from row writer->row on. */
-    bool (*write)(io_raster_writer *writer, const void *cells, size_t rows, io_error *error);
+    /* Rows from band 0 and row 0 on, or for GeoTIFF any windows. */
+    bool (*write)(io_raster_writer *writer, size_t band, const io_raster_window *window, const void *cells,
+                  io_error *error);
     /* Ends the file, which is whole if so it says, and frees writer->state. */
     bool (*finish)(io_raster_writer *writer, bool whole, io_error *error);
 } io_raster_sink;

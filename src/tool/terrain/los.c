@@ -56,8 +56,8 @@ static bool answer(ground *g, const los_command *c, io_error *error) {
         good = good && io_output_open(&results, c->output ? c->output : "-", error) &&
                los_pairs(g, c->pairs, c->curvature, &results, c->profile ? &profiles : NULL, error);
         progress_end(&g->line);
-        good = good &&
-               (c->profile ? io_output_commit_both(&results, &profiles, error) : io_output_commit(&results, error));
+        good = good && (!c->profile || io_output_settle(&profiles, error)) && io_output_commit(&results, error) &&
+               (!c->profile || io_output_commit(&profiles, error));
         io_output_discard(&results);
     } else {
         good = good && look(g, c, c->profile ? &profiles : NULL, error) &&

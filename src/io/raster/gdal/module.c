@@ -139,10 +139,10 @@ static io_gdal_target *create_target(int fd, const char *name, const io_raster_p
     return target;
 }
 
-static bool write_target(io_gdal_target *target, size_t band, size_t first, size_t count, const void *cells,
+static bool write_target(io_gdal_target *target, size_t band, const io_raster_window *window, const void *cells,
                          io_error *error) {
     enter();
-    const bool good = gdal_write(target, band, first, count, cells, error);
+    const bool good = gdal_write(target, band, window, cells, error);
     leave();
     return good;
 }

@@ -8,7 +8,7 @@
 #include "raster.h"
 #include "raster_out.h"
 
-enum { IO_GDAL_VERSION = 7 };
+enum { IO_GDAL_VERSION = 8 };
 #define IO_GDAL_SYMBOL "cellwalk_gdal_module"
 
 typedef struct io_gdal_source io_gdal_source;
@@ -40,7 +40,8 @@ typedef struct io_gdal {
      * finish. NULL on failure. */
     io_gdal_target *(*create)(int fd, const char *name, const io_raster_product *product, int (*scratch)(void *context),
                               void *context, io_error *error);
-    bool (*write)(io_gdal_target *target, size_t band, size_t first, size_t count, const void *cells, io_error *error);
+    bool (*write)(io_gdal_target *target, size_t band, const io_raster_window *window, const void *cells,
+                  io_error *error);
     /* Closes the target; false if the data did not reach the file. whole: all rows were written; else no COG is made. */
     bool (*finish)(io_gdal_target *target, bool whole, io_error *error);
 

@@ -51,7 +51,8 @@ bool gdal_check_creation(const char *const *creation, size_t count, bool cog, io
 
 io_gdal_target *gdal_create(int fd, const char *name, const io_raster_product *product, int (*scratch)(void *context),
                             void *context, io_error *error);
-bool gdal_write(io_gdal_target *target, size_t band, size_t first, size_t count, const void *cells, io_error *error);
+bool gdal_write(io_gdal_target *target, size_t band, const io_raster_window *window, const void *cells,
+                io_error *error);
 bool gdal_finish(io_gdal_target *target, bool whole, io_error *error);
 
 #endif

@@ -128,14 +128,14 @@ io_gdal_target *gdal_create(int fd, const char *name, const io_raster_product *p
     return NULL;
 }
 
-bool gdal_write(io_gdal_target *t, size_t band, size_t first, size_t count, const void *cells, io_error *error) {
+bool gdal_write(io_gdal_target *t, size_t band, const io_raster_window *w, const void *cells, io_error *error) {
     CPLErrorReset();
     GDALRasterBandH to = GDALGetRasterBand(t->file, (int)band + 1);
     /* It takes a pointer that is not const for reading and writing alike. */
-    const CPLErr status = GDALRasterIO(to, GF_Write, 0, (int)first, (int)t->nx, (int)count, (void *)(uintptr_t)cells,
-                                       (int)t->nx, (int)count, t->type, 0, 0);
+    const CPLErr status = GDALRasterIO(to, GF_Write, (int)w->i, (int)w->j, (int)w->nx, (int)w->ny,
+                                       (void *)(uintptr_t)cells, (int)w->nx, (int)w->ny, t->type, 0, 0);
     /* Whole tiles go to the threads that compress, while the next ones are computed. */
-    const size_t end = first + count;
+    const size_t end = w->j + w->ny;
     const bool whole = end % t->tile_rows == 0 || end == t->ny;
     if (status == CE_None && (!whole || GDALFlushRasterCache(to) == CE_None)) return true;
     t->failed = true;

@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "target.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+int io_target_descriptor(const char *path) {
+    static const char *const folders[] = {"/dev/fd/", "/proc/self/fd/"};
+    if (strcmp(path, "-") == 0 || strcmp(path, "/dev/stdout") == 0) return STDOUT_FILENO;
+    if (strcmp(path, "/dev/stderr") == 0) return STDERR_FILENO;
+    for (size_t k = 0; k < sizeof folders / sizeof folders[0]; k++) {
+        const char *digits = path + strlen(folders[k]);
+        if (strncmp(path, folders[k], strlen(folders[k])) != 0 || strlen(digits) == 0 || strlen(digits) > 9) continue;
+        if (strspn(digits, "0123456789") == strlen(digits)) return atoi(digits);
+    }
+    return -1;
+}
+
+const char *io_target_base(const char *path) {
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+bool io_target_folder(const char *path, char folder[PATH_MAX]) {
+    const int length = (int)(io_target_base(path) - path);
+    errno = ENAMETOOLONG;
+    return snprintf(folder, PATH_MAX, "%.*s", length > 0 ? length : 2, length > 0 ? path : "./") < PATH_MAX;
+}
+
+static bool stat_folder(const char *path, struct stat *about) {
+    char folder[PATH_MAX];
+    return io_target_folder(path, folder) && stat(folder, about) == 0;
+}
+
+/* The rule of Linux's fs.protected_symlinks, which opening by name would obey: in a shared folder anybody can put a link
+ * where an output is expected. */
+static bool may_follow(const char *path) {
+    struct stat link, folder;
+    if (lstat(path, &link) != 0 || !stat_folder(path, &folder)) return false;
+    const bool shared = (folder.st_mode & (S_ISVTX | S_IWOTH)) == (S_ISVTX | S_IWOTH);
+    if (!shared || link.st_uid == geteuid() || link.st_uid == folder.st_uid) return true;
+    errno = EACCES;
+    return false;
+}
+
+char *io_target_follow(const char *path) {
+    enum { LINKS_MAX = 40 };
+    char name[PATH_MAX], link[PATH_MAX];
+    if (snprintf(name, sizeof name, "%s", path) >= (int)sizeof name) {
+        errno = ENAMETOOLONG;
+        return NULL;
+    }
+    for (int k = 0; k < LINKS_MAX; k++) {
+        const ssize_t length = io_target_descriptor(name) >= 0 ? -1 : readlink(name, link, sizeof link - 1);
+        if (length < 0) return strdup(name);
+        if (!may_follow(name)) return NULL;
+        link[length] = '\0';
+        char *base = link[0] == '/' ? name : name + (io_target_base(name) - name);
+        if ((size_t)length >= sizeof name - (size_t)(base - name)) {
+            errno = ENAMETOOLONG;
+            return NULL;
+        }
+        memcpy(base, link, (size_t)length + 1);
+    }
+    errno = ELOOP;
+    return NULL;
+}
+
+bool io_target_make_folder(const char *path, io_error *error) {
+    char *copy = strdup(path);
+    if (copy == NULL) return io_fail(error, "out of memory");
+    bool good = true;
+    for (char *end = copy + 1; good; end++) {
+        const char held = *end;
+        if (held != '/' && held != '\0') continue;
+        *end = '\0';
+        struct stat there;
+        if (mkdir(copy, 0777) != 0 && errno != EEXIST)
+            good = io_fail(error, "folder %s: cannot make %s: %s", path, copy, strerror(errno));
+        else if (stat(copy, &there) != 0 || !S_ISDIR(there.st_mode))
+            good = io_fail(error, "folder %s: %s is not a folder", path, copy);
+        *end = held;
+        if (held == '\0') break;
+    }
+    free(copy);
+    return good;
+}
+
+bool io_target_identify(io_target_identity *i, const char *target, const struct stat *about) {
+    struct stat folder;
+    *i = (io_target_identity){.base = io_target_base(target)};
+    if (about != NULL && !S_ISCHR(about->st_mode)) {
+        i->file = true;
+        i->device = about->st_dev;
+        i->inode = about->st_ino;
+    }
+    if (io_target_descriptor(target) >= 0 || (about != NULL && !S_ISREG(about->st_mode))) return true;
+    i->place = stat_folder(target, &folder);
+    if (i->place) {
+        i->folder_device = folder.st_dev;
+        i->folder_inode = folder.st_ino;
+    }
+    return i->place;
+}
+
+bool io_target_same(const io_target_identity *a, const io_target_identity *b) {
+    if (a->file && b->file && a->device == b->device && a->inode == b->inode) return true;
+    return a->place && b->place && a->folder_device == b->folder_device && a->folder_inode == b->folder_inode &&
+           strcmp(a->base, b->base) == 0;
+}
+
+bool io_target_is_stream(const io_target_identity *i, int descriptor) {
+    struct stat about;
+    return i->file && fstat(descriptor, &about) == 0 && S_ISREG(about.st_mode) && about.st_dev == i->device &&
+           about.st_ino == i->inode;
+}

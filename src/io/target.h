@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Where an output goes: names of files, links to them, and names of descriptors. */
+#ifndef CELLWALK_IO_TARGET_H
+#define CELLWALK_IO_TARGET_H
+
+#include "error.h"
+
+#include <limits.h>
+#include <sys/stat.h>
+
+/* The descriptor that a name stands for, "-" or one of the system's; else -1. Such an output goes where the descriptor
+ * leads: a file that a shell opened to append to must not be replaced. */
+int io_target_descriptor(const char *path);
+
+/* The file at the end of a chain of links, which need not exist; stops at a name of a descriptor. In a folder that is
+ * sticky and writable for all, as /tmp, only links of the user's own or of the folder's owner are followed. To be freed;
+ * NULL with errno. */
+char *io_target_follow(const char *path);
+
+/* The part of path behind its last slash, and the folder before it. False, with errno, if that is too long. */
+const char *io_target_base(const char *path);
+bool io_target_folder(const char *path, char folder[PATH_MAX]);
+
+/* Makes a folder and those that it lies in; it may exist already. */
+bool io_target_make_folder(const char *path, io_error *error);
+
+/* Two names that lead to one file are found equal before and after the file exists. Devices equal nothing. */
+typedef struct io_target_identity {
+    bool file, place; /* which of the two below are known */
+    dev_t device, folder_device;
+    ino_t inode, folder_inode;
+    const char *base; /* in the folder; the target's own text */
+} io_target_identity;
+
+/* about: of the file, or NULL if there is none. target must live as long as identity. False if its folder is unknown. */
+bool io_target_identify(io_target_identity *identity, const char *target, const struct stat *about);
+bool io_target_same(const io_target_identity *a, const io_target_identity *b);
+/* Whether an open descriptor leads to that regular file. */
+bool io_target_is_stream(const io_target_identity *identity, int descriptor);
+
+#endif
