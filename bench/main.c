@@ -7,8 +7,7 @@
 
 #include <signal.h>
 
-static const command *const commands[] = {&command_table, &command_micro, &command_tradeoff, &command_accuracy,
-                                          &command_compare};
+static const command *const commands[] = {&command_measure, &command_table, &command_compare};
 
 /* Ctrl-C leaves no unfinished file behind, and the exit status names the signal. */
 static void stop(int number) {
@@ -22,7 +21,7 @@ int main(int argc, char **argv) {
                                   .what = "Measures the speed and the errors of Cellwalk's kernels, beside Embree.",
                                   .commands = commands,
                                   .command_count = sizeof commands / sizeof commands[0],
-                                  .ending = "A first look:\n  cellwalk-bench micro --field 257 --seconds 10\n"};
+                                  .ending = "A first look:\n  cellwalk-bench measure first\n"};
     signal(SIGINT, stop);
     signal(SIGTERM, stop);
     run_record_begin(argv + 1, argc - 1);

@@ -6,13 +6,7 @@
 #include "workload/terrain.h"
 
 #include <stdlib.h>
-
-typedef struct samples {
-    double seconds[INTERLEAVE_SAMPLES_MAX], ticks[INTERLEAVE_SAMPLES_MAX], sorted[INTERLEAVE_SAMPLES_MAX];
-    double spent, cpu; /* seconds of the clock, of the CPU */
-    size_t n;
-    bool done;
-} samples;
+#include <string.h>
 
 static void shuffle(size_t *order, size_t count, uint32_t seed, uint32_t round) {
     for (size_t k = count; k > 1; k--) {
@@ -22,55 +16,57 @@ static void shuffle(size_t *order, size_t count, uint32_t seed, uint32_t round) 
     }
 }
 
-static void take_sample(interleave_job *job, samples *s) {
+static double time_of(interleave_job *job) {
     const double start = clock_seconds(), cpu_start = clock_cpu_seconds();
-    const uint64_t first = clock_ticks();
     job->run(job->context);
-    const uint64_t last = clock_ticks();
-    const double cpu = clock_cpu_seconds() - cpu_start, seconds = clock_seconds() - start;
-    const double counts = job->by_clock ? seconds : cpu;
-    s->seconds[s->n] = counts;
-    s->ticks[s->n++] = (double)(last - first) * (counts / seconds);
-    s->spent += seconds;
-    s->cpu += cpu;
+    if (job->counts) return *job->counts;
+    return job->by_clock ? clock_seconds() - start : clock_cpu_seconds() - cpu_start;
 }
 
-static statistics sorted_copy(samples *s, const double *from) {
-    for (size_t k = 0; k < s->n; k++) s->sorted[k] = from[k];
-    return statistics_of(s->sorted, s->n);
+static statistics summary(const double *values, size_t n) {
+    double sorted[INTERLEAVE_MOST];
+    for (size_t k = 0; k < n; k++) sorted[k] = values[k];
+    return statistics_of(sorted, n);
+}
+
+statistics interleave_ratio(const interleave_job *a, const interleave_job *b) {
+    double ratios[INTERLEAVE_MOST];
+    for (size_t k = 0; k < a->seconds.n; k++) ratios[k] = a->times[k] / b->times[k];
+    return summary(ratios, a->seconds.n);
+}
+
+static bool is_narrow(const statistics *s, double width) { return s->sure && s->high - s->low <= width * s->median; }
+
+static bool is_best(interleave_job *const *jobs, size_t count, const interleave_job *of) {
+    bool best = true;
+    for (size_t k = 0; k < count && of->group; k++)
+        best = best && !(jobs[k]->group && strcmp(jobs[k]->group, of->group) == 0 &&
+                         jobs[k]->seconds.median < of->seconds.median);
+    return best;
+}
+
+/* True if all that count have converged in n rounds. */
+static bool judge(interleave_job **jobs, size_t count, size_t n, double width) {
+    bool all = true;
+    for (size_t k = 0; k < count; k++) jobs[k]->seconds = summary(jobs[k]->times, n);
+    for (size_t k = 0; k < count; k++) {
+        jobs[k]->best = is_best(jobs, count, jobs[k]);
+        const statistics s = k ? interleave_ratio(jobs[k], jobs[0]) : jobs[0]->seconds;
+        /* Alone, a job is measured against itself; else its ratio counts, and the first has none. */
+        jobs[k]->converged = k == 0 && count > 1 ? s.sure : is_narrow(&s, width);
+        all = all && (jobs[k]->converged || !jobs[k]->best);
+    }
+    return all;
 }
 
 void interleave(interleave_job **jobs, size_t count, const interleave_limits *limits) {
-    samples *all = memory(count, sizeof *all);
-    size_t *order = memory(count, sizeof *order), running = count;
-    const size_t most = limits->most < INTERLEAVE_SAMPLES_MAX ? limits->most : INTERLEAVE_SAMPLES_MAX;
+    size_t *order = memory(count, sizeof *order);
     const double end = clock_seconds() + limits->seconds;
     for (size_t k = 0; k < count; k++) order[k] = k;
-    for (uint32_t round = 0; running > 0; round++) {
+    for (uint32_t round = 0; count > 0 && round < INTERLEAVE_MOST; round++) {
         shuffle(order, count, limits->seed, round);
-        for (size_t k = 0; k < count; k++) {
-            samples *s = &all[order[k]];
-            if (!s->done) take_sample(jobs[order[k]], s);
-        }
-        const bool late = clock_seconds() >= end;
-        for (size_t k = 0; k < count; k++) {
-            samples *s = &all[k];
-            if (s->done) continue;
-            const double share = 2 * limits->seconds / (double)count;
-            /* A job that is slow as a whole is not repeated until it has eaten the others' time. */
-            const bool slow = s->spent > share * (double)s->n;
-            if (s->n < limits->least && !slow) continue;
-            const statistics now = sorted_copy(s, s->seconds);
-            jobs[k]->converged = now.sure && now.high - now.low <= limits->width * now.median;
-            s->done = jobs[k]->converged || late || s->spent > share || s->n >= most;
-            running -= s->done;
-        }
+        for (size_t k = 0; k < count; k++) jobs[order[k]]->times[round] = time_of(jobs[order[k]]);
+        if (judge(jobs, count, round + 1, limits->width) || clock_seconds() >= end) break;
     }
-    for (size_t k = 0; k < count; k++) {
-        jobs[k]->seconds = sorted_copy(&all[k], all[k].seconds);
-        jobs[k]->ticks = sorted_copy(&all[k], all[k].ticks);
-        jobs[k]->cpu_share = all[k].cpu / all[k].spent;
-    }
-    free(all);
     free(order);
 }

@@ -8,29 +8,34 @@
 
 #include <stdint.h>
 
-enum { INTERLEAVE_SAMPLES_MAX = 1000 };
-
-typedef struct interleave_limits {
-    double width;       /* stop a job when its median's confidence interval, over the median, is at most this */
-    double seconds;     /* stop all when this time is over, but not before least samples of each */
-    size_t least, most; /* samples a job; most <= INTERLEAVE_SAMPLES_MAX */
-    uint32_t seed;      /* of the order */
-} interleave_limits;
+/* Passes below which no interval covers a median with STATISTICS_CONFIDENCE; passes at most. */
+enum { INTERLEAVE_LEAST = 7, INTERLEAVE_MOST = 400 };
 
 typedef struct interleave_job {
     void (*run)(void *context);
     void *context;
     /* The clock: CPU time of the process for a run of one thread, wall-clock time for one of several. */
     bool by_clock;
-    /* Results for a run: seconds, and the ticks that the time stamp counter made in that time. */
-    statistics seconds, ticks;
-    double cpu_share; /* CPU time over the clock's time, all runs together: below the number of threads where other
-                       * programs got between */
-    bool converged;
+    const char *group;    /* of jobs of one group, NULL being none, the fastest counts: the others need not converge */
+    const double *counts; /* NULL, or where run leaves the seconds that count instead */
+    /* Results. times[k] is of round k, in seconds; jobs of one call have the same number of rounds. */
+    double times[INTERLEAVE_MOST];
+    statistics seconds;
+    bool best;      /* of its group */
+    bool converged; /* the interval of the ratio to the first job, or of the first one's median, is narrow enough */
 } interleave_job;
 
-/* Jobs should have run once before, so that caches and pages are warm. A job of which one run takes more than twice
- * its share of the time is run once, even if least is greater. */
+typedef struct interleave_limits {
+    double width;   /* of an interval, over its middle */
+    double seconds; /* no round begins later */
+    uint32_t seed;  /* of the order */
+} interleave_limits;
+
+/* Jobs should have run once before, so that caches and pages are warm. Ends when all that count have converged. */
 void interleave(interleave_job **jobs, size_t count, const interleave_limits *limits);
+
+/* How many times as long as b job a takes: the median of the rounds' ratios, which the machine's changes from round to round
+ * do not enter, with its interval. */
+statistics interleave_ratio(const interleave_job *a, const interleave_job *b);
 
 #endif

@@ -34,13 +34,12 @@ bool run_options_pin(const run_options *run, int *cpu, io_error *error) {
 
 /* ---- record ---- */
 
-bool run_memory_has(double bytes, const char *what, const char *field) {
+bool run_memory_has(double bytes, char why[192]) {
     char kibibytes[64];
     proc_value("/proc/meminfo", "MemAvailable", kibibytes, sizeof kibibytes);
     const double available = strtod(kibibytes, NULL) * 1024;
     if (available <= 0 || bytes < available) return true;
-    printf("%s is left out on field %s: it would take about %.1f GB, and %.1f GB are available\n", what, field,
-           bytes * 1e-9, available * 1e-9);
+    snprintf(why, 192, "it would take about %.1f GB, and %.1f GB are available", bytes * 1e-9, available * 1e-9);
     return false;
 }
 

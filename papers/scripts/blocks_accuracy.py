@@ -111,40 +111,6 @@ PRECISE = {"t_relative": "t, relative", "off_cells": "t, cells off the surface",
 SIDES = {"strict": "Cellwalk", "embree": "Embree", "embree-robust": "Embree robust"}
 
 
-def _least(lines, key):
-    """Of a mode's kernels or widths, the best figure."""
-    return min(line.number(key) for line in lines)
-
-
-def precision(results):
-    """A table a field, with a row a class of rays and a side: errors of the median and of 99.9 % of all hits; and where Embree's
-    are smaller."""
-    text, better, compared = "", [], 0
-    classes = [*SHORT, *(rays for rays in names.CLASSES if results.first("result", rays=rays, query="closest"))]
-    for field in results.distinct("field"):
-        rows = []
-        for rays in classes:
-            sides = {mode: [line for line in results.of("result", field=field, rays=rays, mode=mode) if "uv_most" in line]
-                     for mode in SIDES}
-            title = SHORT.get(rays, names.CLASSES.get(rays))
-            for mode, lines in sides.items():
-                if lines:
-                    rows.append([title if mode == "strict" else "", SIDES[mode],
-                                 *(f"{_least(lines, f'{key}_median'):.1e} / {_least(lines, f'{key}_most'):.1e}" for key in PRECISE),
-                                 f"{_least(lines, 'point_cells_worst'):.1e}"])
-            for key, column in PRECISE.items():
-                for part, of in (("median", "median"), ("most", "99.9 %")):
-                    theirs = [_least(sides[mode], f"{key}_{part}") for mode in ("embree", "embree-robust") if sides[mode]]
-                    compared += bool(theirs)
-                    if theirs and min(theirs) < _least(sides["strict"], f"{key}_{part}"):
-                        better.append(f"{column} ({of}), {title}, {names.field(field)}")
-        text += (f"\n{names.field(field)} samples, median / 99.9 %:\n\n" +
-                 table(["hits", "", *PRECISE.values(), "point, worst"], rows, "ll" + "r" * (len(PRECISE) + 1)))
-    return (f"{run_text(results.run)}; {results.run.number('rays_a_class')} rays of each class on each field.\n" + text +
-            f"\nEmbree's better mode has a smaller error in {len(better)} of {compared} comparisons" +
-            (": " + "; ".join(better) if better else "") + ".\n")
-
-
 # ---- claims of the coursework ----
 
 def normals(results):

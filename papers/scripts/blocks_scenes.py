@@ -51,12 +51,6 @@ def times(results):
     return text + "\n\n" + table([head[0], "pbrt-v2", *head[1:]] if facts else head, rows)
 
 
-def tracing(results):
-    """In millions of rays a second."""
-    head = ["scene", *(path.text("title") for path in results.some("scene")[0].lines("paths"))]
-    return table(head, _rows(results, lambda path: f"{path.number('trace_mrays_per_s'):.3g}"))
-
-
 def coursework(data):
     rows = []
     for line in data["scenes/table.json"].of("scene"):
@@ -96,14 +90,3 @@ def pbrt(data):
             f"\nGeometric mean of the ratios: {geometric_mean(ratios):.1f}.\n")
 
 
-def features(data):
-    """What each feature of a scene adds to the instructions of a picture."""
-    lines = data["scenes/features.json"].some("features")
-    parts = list(lines[0].inner("per_ray"))
-    rows, most = [], 0.0
-    for line in lines:
-        per_ray = [line.inner("per_ray").number(part) for part in parts]
-        most = max(most, line.number("unused_per_ray") / sum(per_ray))
-        rows.append([line.text("added"), f"{sum(per_ray):.0f}", *(f"{number:.0f}" if number >= 0.5 else "" for number in per_ray)])
-    return (table(["scene", "all", *parts], rows) +
-            f"\nCode of features that a scene does not have runs at most {100 * most:.2f} % of the instructions.\n")

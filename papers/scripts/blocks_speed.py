@@ -213,18 +213,6 @@ def peers(data):
             table(["field", "Embree geometry", *classes], rows, "ll" + "r" * len(classes)))
 
 
-def widths(data):
-    results = data["widths.json"]
-    fields, classes = matrix(results)
-    rows = []
-    for field in fields:
-        for name in results.distinct("contender"):
-            of = {line.text("rays"): speed(line) for line in results.of("result", field=field, contender=name)}
-            rows.append([names.field(field), names.label(name),
-                         *(f"{of[rays]:.3g}" if of.get(rays) else "" for rays in classes)])
-    return table(["field", "kernel or peer", *classes], rows, "ll" + "r" * len(classes))
-
-
 def threads(data):
     results = data["threads.json"]
     fields, classes = matrix(results)

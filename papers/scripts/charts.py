@@ -123,34 +123,6 @@ def scaling(data):
     return figure
 
 
-def widths(data, field="1025"):
-    results = data["widths.json"]
-    classes = names.classes(results)
-    rows = panel_rows(classes)
-    height = 0.75 + 2.2 * rows
-    figure, axes = canvas(height, rows, 3, f"Speed and vector width, {field} × {field} samples, one thread",
-                          results.run, hspace=0.32, wspace=0.16, top=1 - 1.0 / height)
-    of = {(line.text("contender"), line.text("rays")): speed(line) for line in results.of("result", field=field)}
-    series = [("pyramid", OURS, "o-", "pyramid{}/watertight"),
-              ("pyramid, two vectors in lockstep", OURS_LIGHT, "D--", "pyramid{}x2/watertight"),
-              ("flat walk", GREY, "^-", "packet{}/watertight"), ("Embree", EMBREE, "s-", "embree/triangles/w{}")]
-    lanes = (1, 4, 8, 16)
-    points = {(rays, name): [(width, of[name.format(width), rays]) for width in lanes if of.get((name.format(width), rays))]
-              for rays in classes for *_, name in series}
-    series = [line for line in series if all(points[rays, line[3]] for rays in classes)]
-    legend(figure, height, [line[:3] for line in series])
-    limits = layout.log_limits([y for found in points.values() for _, y in found])
-
-    def draw(panel, rays):
-        for _, color, style, name in series:
-            panel.plot(*zip(*points[rays, name]), style, color=color)
-        layout.log_axis(panel.yaxis, limits)
-        layout.log_axis(panel.xaxis, layout.log_limits(lanes), ticks=lanes)
-
-    panels(axes, classes, draw, "million rays / s", "lanes in a vector")
-    return figure
-
-
 # ---- memory and building ----
 
 def building(data):
@@ -354,30 +326,6 @@ GROUPS = {"rays made ready": "#4d4d4d", "climb": "#8c6bb1", "flat steps": "#2b9c
           "lane walk": "#c9a227", "leaf test": "#b5443c", "misses and hits written": "#9a9a9a", "other": "#dddddd"}
 
 
-def profile(data):
-    results = data["profile.json"]
-    lines = results.some("profile")
-    kernel = lines[0].text("kernel")
-    figure, ((axes,),) = canvas(4.3, title=f"Where the time of a ray goes, {kernel}, per cent", run=results.run, left=0.22,
-                                bottom=0.03, top=0.76)
-    for k, line in enumerate(lines):
-        y, begin = k + (k >= len(names.classes(results, "profile"))) * 0.6, 0
-        for group, color in GROUPS.items():
-            share = 100 * sum(value for phase, value in line.inner("shares").items() if phase.split(":")[0] == group)
-            axes.barh(y, share, 0.78, left=begin, color=color, label=group if k == 0 else None)
-            if share >= 4.5:
-                axes.text(begin + share / 2, y, f"{share:.0f}", ha="center", va="center", fontsize=8,
-                          color="black" if group in ("other", "misses and hits written", "lane walk") else "white")
-            begin += share
-        layout.beside(axes.text(-1, y, f"{names.CLASSES[line.text('rays')]}, {names.field(line.text('field'))}", ha="right",
-                                va="center"))
-    axes.set_xlim(0, 100.5)
-    axes.set_ylim(len(lines) + 0.2, -0.6)
-    axes.axis("off")
-    axes.legend(loc="lower left", bbox_to_anchor=(-0.28, 1), ncol=4, fontsize=8.5, handlelength=1, columnspacing=1.2)
-    return figure
-
-
-CHARTS = {"speed-1025": speeds, "scaling": scaling, "widths": widths, "building": building, "coursework": coursework,
+CHARTS = {"speed-1025": speeds, "scaling": scaling, "building": building, "coursework": coursework,
           "tradeoff": tradeoff, "tradeoff-rays": tradeoff_rays,
-          "tradeoff-terrain": tradeoff_terrain, "profile": profile}
+          "tradeoff-terrain": tradeoff_terrain}

@@ -15,7 +15,6 @@ import blocks_speed
 import blocks_stability
 import blocks_terrain
 import blocks_tradeoff
-import blocks_work
 import names
 from markdown import Page, table
 from results import Data, Problem, Results
@@ -27,25 +26,23 @@ NOT_TABLES = {"install", "test", "example", "python"}
 # What a file of results becomes, by the command that made it.
 OWN = {
     "table": blocks_scenes.times, "tradeoff": blocks_tradeoff.page, "accuracy": blocks_accuracy.page, "micro": blocks_speed.micro,
-    "afar": blocks_speed.afar, "precision": blocks_accuracy.precision, "leaf": blocks_stability.leaf, "extremes": blocks_stability.extremes,
+    "afar": blocks_speed.afar, "leaf": blocks_stability.leaf, "extremes": blocks_stability.extremes,
     "exhaustive": blocks_stability.exhaustive, "stress": blocks_stability.stress,
 }
 # Files of results, and what makes those that do not say by which arguments they were made.
 SOURCES = {
-    **dict.fromkeys(names.SPEED_FILES.values()), "peers.json": None, "embree4.json": None, "beside.json": None, "beside-single.json": None, "widths.json": None,
+    **dict.fromkeys(names.SPEED_FILES.values()), "peers.json": None, "embree4.json": None, "beside.json": None, "beside-single.json": None,
     "threads.json": None,
-    "building.json": None, "profile.json": "papers/scripts/profile_kernels.py",
-    "neon.json": "papers/scripts/count_neon.py", "python.json": "papers/scripts/python_speed.py",
+    "building.json": None, "python.json": "papers/scripts/python_speed.py",
     "python_dask.json": "papers/scripts/python_dask.py",
-    "caches.json": "--target caches", "pages-huge.json": None,
-    "pages-small.json": None, "terrain.json": "papers/scripts/terrain.py",
+    "terrain.json": "papers/scripts/terrain.py",
     "terrain-more.json": "papers/scripts/terrain.py --more", "scenes/table.json": None,
-    "scenes/pbrt.json": "papers/scripts/beside_pbrt.py", "scenes/features.json": "papers/scripts/features.py",
+    "scenes/pbrt.json": "papers/scripts/beside_pbrt.py",
     "rays/tradeoff.json": None, "tradeoff/tradeoff.json": None, "accuracy/accuracy.json": None, "afar.json": None,
     "stability/aimed-1.json": "cellwalk-stability run --part 1/2", "stability/aimed-2.json": "cellwalk-stability run --part 2/2",
     "stability/extremes.json": "--target stability-extremes",
     "stability/exhaustive.json": "--target stability-exhaustive", "stability/stress.json": "--target stability-stress",
-    "stability/leaf.json": "--target stability-leaf",
+    "stability/leaf.json": None,
 }
 
 
@@ -71,7 +68,6 @@ def from_file(name, make):
 BLOCKS = {
     "summary": lambda data: blocks_speed.summary(data) + blocks_scenes.beside_pbrt(data) + blocks_accuracy.accuracy(data),
     "table": from_file("scenes/table.json", blocks_scenes.times),
-    "tracing": from_file("scenes/table.json", blocks_scenes.tracing),
     "stability": lambda data: blocks_stability.stability(
         [data[f"stability/aimed-{part}.json"] for part in (1, 2)],
         # Before version 0.2 the names of pairs had a suffix.
@@ -82,12 +78,11 @@ BLOCKS = {
     "python_calls": from_file("python.json", blocks_python.python_calls),
     **{make.__name__: make for make in (
         blocks_speed.speeds, blocks_speed.newer_embree, blocks_speed.beside, blocks_speed.rates, blocks_speed.targets, blocks_speed.peers,
-        blocks_speed.widths, blocks_speed.threads, blocks_speed.building,
-        blocks_work.profile, blocks_work.neon, blocks_work.caches, blocks_work.pages, blocks_scenes.coursework,
-        blocks_scenes.pbrt, blocks_scenes.features,
+        blocks_speed.threads, blocks_speed.building,
+        blocks_scenes.coursework, blocks_scenes.pbrt,
         blocks_tradeoff.choices, blocks_tradeoff.choices_short, blocks_tradeoff.horizon_trade, sources)},
     **{make.__name__: from_file(blocks_accuracy.FILE, make) for make in (
-        blocks_accuracy.errors, blocks_accuracy.precision, blocks_accuracy.normals)},
+        blocks_accuracy.errors, blocks_accuracy.normals)},
     **{make.__name__: from_file(blocks_tradeoff.RAYS_FILE, make) for make in (
         blocks_tradeoff.promises, blocks_tradeoff.view_trade)},
     **{make.__name__: from_file(blocks_tradeoff.FILE, make) for make in (
@@ -150,7 +145,7 @@ def own_run(paths, into, block):
     else:
         if len(files) > 1:
             raise Problem(f"{paths[1]}: only runs of cellwalk-stability can be added up")
-        if block in ("afar", "precision"):
+        if block in ("afar",):
             name = block
         elif name == "micro":
             name = "leaf" if block == "leaf" else "micro"

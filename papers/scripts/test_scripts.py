@@ -22,13 +22,10 @@ import blocks_scenes
 import blocks_speed
 import blocks_stability
 import blocks_tradeoff
-import features
 import links
 import markdown
-import measure
 import names
 import pictures
-import profile_kernels
 import prose
 import renders
 import results
@@ -177,17 +174,6 @@ class Accuracy(Folder):
         read = self.results(self.line("exact", "ao", 0, 1e-4), self.line("exact", "afar", 0, 1), self.line("exact", "within-2", 5, 9))
         (exact,) = blocks_accuracy.summaries(read)
         self.assertEqual((exact.worst["off_cells"], exact.ordinary, exact.partial), (1e-4, 0, False))
-
-    def test_precision_takes_embrees_better_figure(self):
-        def line(mode, kernel, error, **more):
-            spread = {f"{key}_{of}": error for key in blocks_accuracy.PRECISE for of in ("median", "most", "worst")}
-            return {"kind": "result", "field": "65", "rays": "within-2", "query": "closest", "mode": mode,
-                    "contender": f"{mode}/{kernel}", **spread, **more}
-        read = self.results(line("strict", "k", 2e-8), line("embree", "w1", 4e-8), line("embree", "w8", 3e-8),
-                            line("embree-robust", "w1", 5e-8, uv_most=1e-8), run={**RUN, "rays_a_class": 8})
-        text = blocks_accuracy.precision(read)
-        self.assertIn("| | Embree | 3.0e-08 / 3.0e-08 |", text)
-        self.assertIn("in 1 of 10 comparisons: u, v (99.9 %), 0.5 to 2 cells away, 65².", text)
 
 
 class Tradeoff(Folder):
@@ -425,18 +411,6 @@ class Renders(Folder):
                    self.path("a.png"), self.png("other.png", other, [0] * 5))
 
 
-class Profile(unittest.TestCase):
-    def test_innermost_known_function_decides(self):
-        stacks = {1: [("vf_add", "/x/simd/vec_avx2.h"), ("wt_edge", "/x/simd/w.h"), ("stream_leaf", "/x/simd/l.h")],
-                  2: [("crossing", "/x/simd/ray.h"), ("shared_cells", "/x/simd/s.h")], 3: [("walk", "/x/src/scalar/cell.c")],
-                  4: [("renamed", "/x/simd/new.h"), ("pyramid_closest", "/x/simd/p.c")]}
-        with mock.patch.object(profile_kernels, "addresses", lambda program, recording: {1: 5, 2: 3, 3: 100, 4: 2}), \
-                mock.patch.object(profile_kernels, "frames", lambda program, wanted: stacks):
-            counts, unknown = profile_kernels.shares("program", "recording")
-        self.assertEqual(counts, {"leaf test": 5, "shared walk: cells": 3, "other": 2})
-        self.assertEqual(unknown, {"renamed": 2})
-
-
 class Links(Folder):
     def test_links_headings_paths_and_names(self):
         self.write("src/a.c", "int cw_there(void);")
@@ -482,49 +456,6 @@ class BesidePbrt(Folder):
         self.assertIn("| sea | 16.0 x | 0.500 (0.80) |", text)
         self.assertIn("| land | | 0.500 (0.80) |", text)
         self.assertIn("another run: Abacus, avx2, commit abc", text)
-
-
-class Measure(unittest.TestCase):
-    @staticmethod
-    def steps(isa, cpus, embree):
-        kernels = [{"name": name, "isa": of, "available": measure.ISAS.index(of) <= measure.ISAS.index(isa)} for name, of in
-                   (("brute", "scalar"), ("grid3d", "scalar"), ("cell", "scalar"), ("pyramid1", "scalar"),
-                    ("pyramid4", "sse4.2"), ("pyramid8", "avx2"), ("pyramid16", "avx512"))]
-        return {file: words for file, _, words in measure.plan({"kernels": kernels, "isa": isa, "cpus": cpus}, embree, True)}
-
-    def test_each_instruction_set_has_its_kernel(self):
-        steps = self.steps("avx2", 4, "3.13.5")
-        self.assertEqual([file for file in steps if file.startswith("speed")], ["speed-avx2.json", "speed-sse42.json"])
-        self.assertIn("--isa sse4.2 --kernel pyramid4 --peer triangles ", steps["speed-sse42.json"])
-        self.assertTrue(steps["widths.json"].endswith("--kernel cell,pyramid1,pyramid4,pyramid8"))
-        self.assertIn("--threads 1,2,4 ", steps["threads.json"])
-
-    def test_what_is_missing_takes_no_part(self):
-        steps = self.steps("scalar", 1, "")
-        self.assertFalse([file for file in steps if file.startswith("speed")])
-        self.assertIn("--threads 1 --kernel pyramid1 ", steps["threads.json"])
-        self.assertTrue(all("--peer none" in words for words in steps.values() if "--peer" in words))
-
-
-class Features(Folder):
-    def test_instructions_go_to_the_function_of_their_line(self):
-        source = self.write("shade.inc.h", "/* x */\nstatic void send_light(int a) {\n    b();\n}\n"
-                                           "static void other(\n    int a) {\n}\n")
-        functions = {"shade.inc.h": features.Functions(source), "lookup.inc.h": features.Functions(source)}
-        found = self.write("counts", "fl=(1) /home/src/scene/render/shade.inc.h\nfn=(1) wave\n3 10\n+3 5\n"
-                                     "fi=(2) /home/src/scene/render/lookup.inc.h\n2 7\nfe=(1)\n3 1\n"
-                                     "cfi=(3) simd/pyramid.c\ncfn=(2) walk\ncalls=1 5\n* 1000\n"
-                                     "fl=(3)\nfn=(2)\n5 900\nfl=(4) libc.c\nfn=(3) memset\n1 50\n")
-        self.assertEqual(dict(features.counts(found, functions)),
-                         {"light": 11, "rest of the renderer": 5, "textures": 7, "tracing": 900, "other": 50})
-
-    def test_table(self):
-        line = {"kind": "features", "added": "a light", "per_ray": {"light": 20.0, "mirrors": 0.1, "tracing": 79.9},
-                "unused_per_ray": 0.1}
-        self.results(line, name="scenes/features.json")
-        text = blocks_scenes.features(results.Data(self.folder.name))
-        self.assertIn("| a light | 100 | 20 | | 80 |", text)
-        self.assertIn("at most 0.10 %", text)
 
 
 if __name__ == "__main__":

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Medians, deviations, intervals and verdicts against samples worked out by hand. */
+#include "harness/interleave.h"
 #include "harness/statistics.h"
 
 #include "check.h"
@@ -91,12 +92,44 @@ static void verdicts(void **state) {
     same("upper end", r.high, 8.1 / 9.9);
 }
 
+/* Times that are given, not measured: the machine slows down from round to round, and all jobs alike. */
+typedef struct given {
+    double share, seconds;
+    unsigned rounds;
+} given;
+
+static void take_given(void *context) {
+    given *g = context;
+    g->seconds = g->share * (1 + g->rounds++);
+}
+
+static void ratios_are_of_rounds(void **state) {
+    (void)state;
+    static interleave_job jobs[4];
+    static given times[4] = {{.share = 2}, {.share = 5}, {.share = 3}, {.share = 4}};
+    interleave_job *all[4];
+    for (size_t k = 0; k < 4; k++) {
+        jobs[k] = (interleave_job){.run = take_given, .context = &times[k], .counts = &times[k].seconds};
+        jobs[k].group = k > 0 && k < 3 ? "a" : NULL;
+        all[k] = &jobs[k];
+    }
+    interleave(all, 4, &(interleave_limits){.width = 0.01, .seconds = 1e6, .seed = 1});
+    for (size_t k = 0; k < 4; k++) {
+        const statistics s = interleave_ratio(&jobs[k], &jobs[0]);
+        check(jobs[k].seconds.n == INTERLEAVE_LEAST, "not as many rounds as an interval needs");
+        check(jobs[k].converged && s.sure, "equal ratios have not converged");
+        check(s.median == times[k].share / 2 && s.low == s.median && s.high == s.median, "not the rounds' ratio");
+        check(jobs[k].best == (k != 1), "the fastest of a group is another");
+    }
+    interleave(all, 4, &(interleave_limits){.width = 0.01, .seconds = 0, .seed = 1});
+    check(jobs[0].seconds.n == 1 && !jobs[2].converged, "one round has converged");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(location_and_spread),
-        cmocka_unit_test(deviations_by_definition),
-        cmocka_unit_test(interval_ranks),
-        cmocka_unit_test(verdicts),
+        cmocka_unit_test(location_and_spread),  cmocka_unit_test(deviations_by_definition),
+        cmocka_unit_test(interval_ranks),       cmocka_unit_test(verdicts),
+        cmocka_unit_test(ratios_are_of_rounds),
     };
     return cmocka_run_group_tests_name("bench_statistics", tests, NULL, NULL);
 }

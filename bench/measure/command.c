@@ -1,0 +1,283 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* cellwalk-bench measure and table: runs a plan line by line. A result stands in the file with its interval, and with
+ * "converged": false where that is too wide or comes from too few passes; then the exit status is 1. */
+
+#include "build_info.h"
+#include "clock.h"
+#include "commands.h"
+#include "harness/memory.h"
+#include "harness/results.h"
+#include "measure/measure.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- a workload ---- */
+
+entrant *measure_enter(workload *w, const char *group, const char *name, io_error *error) {
+    if (w->count == ENTRANTS_MAX) {
+        io_fail(error, "%s: more than %d contenders", w->name, ENTRANTS_MAX);
+        return NULL;
+    }
+    entrant *e = &w->entrants[w->count++];
+    snprintf(e->name, sizeof e->name, "%s", name);
+    snprintf(e->group, sizeof e->group, "%s", group);
+    e->line = json_object();
+    results_set_texts(e->line, "kind workload field item unit contender group",
+                      (const char *[]){"result", w->name, w->field, w->item, w->kind->unit, name, group});
+    return e;
+}
+
+static bool name_workload(workload *w, const char *name, io_error *error) {
+    const char *slash = strrchr(name, '/');
+    snprintf(w->name, sizeof w->name, "%s", name);
+    snprintf(w->field, sizeof w->field, "%.*s", (int)(slash - name), name);
+    snprintf(w->item, sizeof w->item, "%s", slash + 1);
+    for (size_t k = 0; measure_kind(k); k++)
+        if (measure_kind(k)->has(w->field, w->item)) w->kind = measure_kind(k);
+    return w->kind || io_fail(error, "%s: there is no such work; cellwalk-bench measure --help lists all", name);
+}
+
+static void leave_all(workload *w) {
+    for (entrant *e = w->entrants; e < w->entrants + w->count; e++) {
+        if (e->own) w->kind->leave(e);
+        json_decref(e->line);
+    }
+    if (w->own) w->kind->close(w);
+    free(w->entrants);
+}
+
+static void set_time(workload *w, entrant *e, const entrant *first) {
+    const statistics *s = &e->job.seconds;
+    const statistics to = interleave_ratio(&e->job, &first->job);
+    results_set_number(e->line, "items", w->items);
+    results_set_seconds(e->line, s);
+    results_set_numbers(e->line, "per_second time_to_first time_to_first_low time_to_first_high",
+                        (double[]){w->items / s->median, to.median, to.low, to.high});
+    results_set_bool(e->line, "converged", e->job.converged);
+    results_set_bool(e->line, "by_clock", e->job.by_clock);
+}
+
+/* Those that are not left out; the fastest of a group, as of Embree's widths, is marked. */
+static void time_all(workload *w, double seconds) {
+    interleave_job *jobs[ENTRANTS_MAX];
+    entrant *first = NULL;
+    size_t count = 0;
+    for (entrant *e = w->entrants; e < w->entrants + w->count; e++) {
+        if (e->why[0]) continue;
+        if (first == NULL) first = e;
+        e->job.group = e->group;
+        jobs[count++] = &e->job;
+    }
+    interleave(jobs, count, &(interleave_limits){w->options->width, seconds, w->options->run.seed});
+    for (entrant *e = w->entrants; e < w->entrants + w->count; e++) {
+        if (e->why[0]) continue;
+        set_time(w, e, first);
+        results_set_bool(e->line, "best_of_group", e->job.best);
+    }
+}
+
+static bool run_line(const plan_line *line, const measure_options *o, double seconds, json_t *results, size_t *wide,
+                     io_error *error) {
+    workload w = {.options = o, .entrants = memory(ENTRANTS_MAX, sizeof *w.entrants)};
+    bool good = name_workload(&w, line->workload, error) && w.kind->open(&w, error);
+    for (size_t k = 0; good && w.why[0] == '\0' && k < line->count; k++)
+        good = w.kind->enter(&w, line->contenders[k], error);
+    for (size_t k = 0; good && k < w.count; k++) {
+        entrant *e = &w.entrants[k];
+        if (e->why[0])
+            results_set_text(e->line, "left_out", e->why);
+        else
+            good = w.kind->judge(&w, e, line->metrics, error);
+    }
+    if (good && (line->metrics & METRIC_TIME)) time_all(&w, seconds);
+    if (good) print_workload(&w);
+    for (size_t k = 0; good && k < w.count; k++) {
+        results_append(results, json_incref(w.entrants[k].line));
+        *wide += (line->metrics & METRIC_TIME) && w.entrants[k].why[0] == '\0' && w.entrants[k].job.best &&
+                 !w.entrants[k].job.converged;
+    }
+    if (w.kind)
+        leave_all(&w);
+    else
+        free(w.entrants);
+    return good;
+}
+
+/* ---- a plan ---- */
+
+static bool run_plan(const char *name, measure_options *o, json_t *results, io_error *error) {
+    plan p;
+    int cpu;
+    size_t timed = 0, wide = 0;
+    if (!measure_plan_read(&p, name, o->field, error)) return false;
+    for (size_t k = 0; k < p.count; k++) {
+        timed += (p.lines[k].metrics & METRIC_TIME) != 0;
+        for (size_t c = 0; c < p.lines[k].count; c++) /* threads need more than one CPU */
+            o->run.no_pin = o->run.no_pin || strstr(p.lines[k].contenders[c], ":threads=") != NULL;
+    }
+    bool good = run_options_pin(&o->run, &cpu, error);
+    if (good) {
+        json_t *record = run_record("measure", o->run.seed, cpu);
+        char text[512];
+        results_set_text(record, "plan", name);
+        run_record_text(record, text, sizeof text);
+        printf("%s\n", text);
+        results_append(results, record);
+    }
+    if (o->seconds <= 0) o->seconds = 10 * (double)timed;
+    /* Making fields and building Embree do not count. */
+    for (size_t k = 0; good && k < p.count; k++)
+        good = run_line(&p.lines[k], o, o->seconds / (double)(timed ? timed : 1), results, &wide, error);
+    land_end();
+    if (good && wide > 0) {
+        json_t *line = json_object();
+        results_set_text(line, "kind", "not converged");
+        results_set_count(line, "results", wide);
+        results_append(results, line);
+    }
+    measure_plan_free(&p);
+    if (good && wide > 0)
+        fprintf(stderr,
+                "%zu results have not converged in %.3g s: no figure of theirs may be quoted; give more --seconds, or "
+                "stop other programs\n",
+                wide, o->seconds);
+    return good;
+}
+
+/* Runs a plan into a file, if one is given, and prints the scenes' table if it has any. */
+static int measure(const char *as, const char *name, measure_options *o, const char *folder) {
+    io_output out = {0}, text = {0};
+    io_error error = {{0}};
+    json_t *results = json_array();
+    char *markdown = NULL;
+    size_t size = 0;
+    if (!run_options_check(&o->run, as)) return EXIT_USAGE;
+    bool good = o->out == NULL || io_output_open(&out, o->out, &error);
+    if (folder)
+        good = io_output_open_in(&text, folder, "table.md", &error) &&
+               io_output_open_in(&out, folder, "table.jsonl", &error);
+    good = good && run_plan(name, o, results, &error) && results_write_all(&out, results, &error);
+    if (good && results_first(results, "result") &&
+        strcmp(results_text(results_first(results, "result"), "field"), "scenes") == 0) {
+        FILE *stream = open_memstream(&markdown, &size);
+        if (stream == NULL) memory_end();
+        print_scenes(stream, results);
+        if (fclose(stream) != 0) memory_end();
+        printf("\n%s", markdown);
+        good = folder == NULL || (io_output_write(&text, markdown, size, &error) && io_output_commit(&text, &error));
+    }
+    good = good && (out.file == NULL || io_output_commit(&out, &error));
+    const bool wide = results_first(results, "not converged") != NULL;
+    io_output_discard(&out);
+    io_output_discard(&text);
+    json_decref(results);
+    free(markdown);
+    if (!good) return command_fail(as, "%s", error.text);
+    return wide ? EXIT_FAILURE : EXIT_SUCCESS;
+}
+
+/* ---- command lines ---- */
+
+static const char what[] =
+    "Runs a plan: a file, or one that ships (speed, first, single, widths, leaf, threads, afar, beside, build, "
+    "tradeoff, accuracy, "
+    "physics, scenes). Each of its lines is \"FIELD/WORK CONTENDERS METRICS\", with commas in lists and # before "
+    "comments:\n\n"
+    "  257,1025/primary  default,embree               time\n"
+    "  8193/primary      default,coarser:2,coarser:4  time,error\n"
+    "  scenes/hftest     default,grid3d,embree        time\n\n"
+    "Contenders are compared first, then timed in turns, each round in another order, until the 95 % intervals of "
+    "their ratios to "
+    "the first are narrow. A figure that did not get there is marked and the exit status is 1.\n\n"
+    "A field is a number of samples a side of fractal land, sea-calm, sea-rough, plane, grooves, comb, checkerboard, "
+    "jacksboro, "
+    "or the file of a raster. Without a plan, --field times all classes of rays on a raster of your own beside Embree.";
+
+static const char examples[] = "  cellwalk-bench measure --field dem.tif            # your own land\n"
+                               "  cellwalk-bench measure speed -o speed.jsonl\n"
+                               "  cellwalk-bench measure my.plan --seconds 60 --isa avx2 -o mine.jsonl\n";
+
+static char *help_of_kinds(void) {
+    char *text = NULL;
+    size_t size;
+    FILE *stream = open_memstream(&text, &size);
+    if (stream == NULL) memory_end();
+    fprintf(stream, "%s\n\n", what);
+    for (size_t k = 0; measure_kind(k); k++)
+        fprintf(stream, "  %-15s %s\n", measure_kind(k)->form, measure_kind(k)->what);
+    fprintf(stream, "\n%s.", contenders_help);
+    if (fclose(stream) != 0) memory_end();
+    return text;
+}
+
+static int start_measure(int argc, char **argv) {
+    measure_options o = {.run = RUN_DEFAULTS, .scenes = BUILD_INFO_SCENES, .count = 65536, .width = 0.04, .pass = 5};
+    const option_spec options[] = {
+        {"out", "FILE", "write results there, a JSON object a line", OPTION_TEXT, .to = &o.out, .letter = 'o'},
+        {"field", "FILE", "stands for FIELD in the plan; without a plan, the raster to measure on", OPTION_TEXT,
+         .to = &o.field},
+        {"cellsize", "SIZE", "cell size of a raster that does not say, in its unit of heights", OPTION_REAL,
+         .to = &o.cell_size, .low = 1e-9, .high = 1e9},
+        {"seconds", "S", "seconds for all timing together (10 a line of the plan)", OPTION_REAL, .to = &o.seconds,
+         .low = 0.01, .high = 1e6},
+        {"width", "SHARE", "an interval is narrow if it is at most SHARE of its middle wide (0.04)", OPTION_REAL,
+         .to = &o.width, .low = 1e-6, .high = 10},
+        {"count", "N", "rays of a pass (65536)", OPTION_COUNT, .to = &o.count, .low = 16, .high = 1 << 24},
+        {"pass", "S", "contenders that need longer for a pass are left out, and listed (5)", OPTION_REAL, .to = &o.pass,
+         .low = 1e-3, .high = 1e6},
+        {"scenes", "FOLDER", "folder with the scenes' .pbrt files; by default those built with this program",
+         OPTION_TEXT, .to = &o.scenes},
+        RUN_OPTIONS(o.run),
+    };
+    static const char *const names[] = {"PLAN"};
+    char *text = help_of_kinds();
+    const options_usage usage = {"measure", "[PLAN] [-o FILE.jsonl] [OPTIONS]", text,  examples,
+                                 options,   sizeof options / sizeof *options,   names, 0,
+                                 1};
+    const char *name;
+    const int status = options_parse(&usage, argc, argv, &name);
+    free(text);
+    if (status != OPTIONS_GO) return status;
+    if (name == NULL && o.field == NULL) return command_fail("measure", "give a PLAN, or --field FILE"), EXIT_USAGE;
+    return measure("measure", name ? name : "field", &o, NULL);
+}
+
+static int start_table(int argc, char **argv) {
+    const char *folder = "out/table";
+    bool quick = false;
+    measure_options o = {.run = RUN_DEFAULTS, .scenes = BUILD_INFO_SCENES, .count = 16, .width = 0.04, .pass = 60};
+    const option_spec options[] = {
+        {"out", "FOLDER", "folder for table.md and table.jsonl, made if missing (out/table)", OPTION_TEXT,
+         .to = &folder},
+        {"scenes", "FOLDER", "folder with the scenes' .pbrt files; by default those built with this program",
+         OPTION_TEXT, .to = &o.scenes},
+        {"seconds", "S", "seconds for all timing together (120)", OPTION_REAL, .to = &o.seconds, .low = 0.01,
+         .high = 1e6},
+        {"width", "SHARE", "an interval is narrow if it is at most SHARE of its middle wide (0.04)", OPTION_REAL,
+         .to = &o.width, .low = 1e-6, .high = 10},
+        {"quick", NULL, "the smallest scene alone: a first look", OPTION_FLAG, .to = &quick},
+        RUN_OPTIONS(o.run),
+    };
+    const options_usage usage = {
+        "table",
+        "[OPTIONS]",
+        "Renders the six scenes on one thread with the rays of Embree and of the kernels, in turns, and "
+        "prints their times: the plan \"scenes\" of cellwalk-bench measure.",
+        "  cellwalk-bench table --quick\n",
+        options,
+        sizeof options / sizeof *options,
+        NULL,
+        0,
+        0};
+    const int status = options_parse(&usage, argc, argv, NULL);
+    if (status != OPTIONS_GO) return status;
+    if (o.seconds <= 0) o.seconds = quick ? 10 : 120;
+    return measure("table", quick ? "scenes-quick" : "scenes", &o, folder);
+}
+
+const command command_measure = {"measure", "compare and time contenders by a plan, or on a raster of your own",
+                                 start_measure};
+const command command_table = {"table", "time six scenes rendered by Embree and the kernels; write the table",
+                               start_table};

@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "measure/measure.h"
+
+#include "build_info.h"
+#include "harness/memory.h"
+#include "raster.h"
+#include "workload/terrain.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static land *present;
+
+static void warn(void *context, const char *text) {
+    (void)context;
+    fprintf(stderr, "warning: %s\n", text);
+}
+
+/* A raster's heights in cells. A degree counts 111 320 m along both axes: these rays are for timing. */
+static bool read_raster(land *l, const char *path, double cell_size, io_error *error) {
+    const io_raster_options options = {.cellsize = cell_size, .north_up = true, .warn = warn};
+    io_raster raster;
+    if (!io_raster_read(path, &options, &raster, error)) return false;
+    const io_georef *g = &raster.georef;
+    const double unit = g->geographic ? 111320 : g->unit > 0 ? g->unit : 1;
+    const double cell = hypot(raster.map[0][0], raster.map[1][0]) * unit;
+    const double height = g->height_unit > 0 ? g->height_unit : 1;
+    l->samples = (workload_field){.name = l->name, .nx = raster.nx, .ny = raster.ny};
+    l->samples.z = malloc(raster.nx * raster.ny * sizeof *l->samples.z);
+    if (l->samples.z == NULL) memory_end();
+    for (size_t k = 0; k < raster.nx * raster.ny; k++) l->samples.z[k] = (float)((double)raster.z[k] * height / cell);
+    io_raster_free(&raster);
+    return true;
+}
+
+static bool is_side(const char *name, size_t *side) {
+    char *end;
+    *side = strtoul(name, &end, 10);
+    return *end == '\0' && *side >= 2 && *side <= 65537;
+}
+
+/* Fractal land of any size, a field of the workloads, or a file. */
+static bool make_samples(land *l, const measure_options *o, char why[192], io_error *error) {
+    size_t side;
+    if (is_side(l->name, &side)) {
+        /* The land itself, its bounds, and a third of both for coarser ones. */
+        if (!run_memory_has(8.5 * (double)side * (double)side, why)) return true;
+        l->samples =
+            (workload_field){.name = l->name, .nx = side, .ny = side, .z = malloc(side * side * sizeof(float))};
+        if (l->samples.z == NULL) return io_fail(error, "out of memory for land of %zu samples a side", side);
+        terrain_fractal(l->samples.z, side, side, 1, 0.1f);
+        return true;
+    }
+    if (workload_field_make(l->name, &l->samples)) return true;
+    if (l->samples.name) return io_fail(error, "out of memory for field %s", l->name);
+    if (strcmp(l->name, "jacksboro") != 0) return read_raster(l, l->name, o->cell_size, error);
+    /* Its cells are 3 seconds of arc: 93 m along y, 74 m along x; the mean. */
+    return read_raster(l, BUILD_INFO_JACKSBORO, 83, error) ||
+           io_fail(error, "field jacksboro: the build found no python3-matplotlib, which has its elevations");
+}
+
+land *land_of(const char *name, const measure_options *o, char why[192], io_error *error) {
+    if (present != NULL && strcmp(present->name, name) == 0) return present;
+    land_end();
+    land *l = memory(1, sizeof *l);
+    snprintf(l->name, sizeof l->name, "%s", name);
+    fprintf(stderr, "field %s\n", name);
+    bool good = make_samples(l, o, why, error);
+    if (good && why[0] == '\0' && workload_field_open(&l->samples, CW_BORROW, false, &l->field) != CW_OK)
+        good = io_fail(error, "field %s: %s", name, cw_last_error());
+    if (good && why[0] == '\0') return present = l;
+    land_close(l);
+    free(l);
+    return NULL;
+}
+
+void land_close(land *l) {
+    for (size_t k = 0; k < sizeof l->peers / sizeof *l->peers; k++) peer_embree_destroy(l->peers[k]);
+    for (size_t k = 0; k <= FACTOR_MAX; k++) cw_field_destroy(l->coarser[k]);
+    if (l->borrowed) return;
+    cw_field_destroy(l->field);
+    workload_field_free(&l->samples);
+}
+
+void land_end(void) {
+    if (present == NULL) return;
+    land_close(present);
+    free(present);
+    present = NULL;
+}
+
+cw_field *land_coarser(land *l, size_t factor, io_error *error) {
+    if (factor == 1) return l->field;
+    if (l->coarser[factor] == NULL &&
+        cw_field_coarser(l->field, NULL, factor, CW_FILTER_MEAN, &l->coarser[factor], NULL) != CW_OK)
+        io_fail(error, "field %s, every %zu. sample: %s", l->name, factor, cw_last_error());
+    return l->coarser[factor];
+}
+
+peer_embree *land_embree(land *l, const peer_options *o, char why[192], io_error *error) {
+    peer_embree **peer = &l->peers[(size_t)o->geometry + 2 * (size_t)o->quality + 4 * (size_t)o->robust];
+    if (*peer == NULL && peer_embree_version() == NULL)
+        snprintf(why, 192, "built without Embree (Debian: libembree-dev)");
+    else if (*peer == NULL && run_memory_has(peer_embree_needs(l->field, o->geometry), why))
+        *peer = peer_embree_create(l->field, o, error);
+    return *peer;
+}

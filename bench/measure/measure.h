@@ -1,0 +1,151 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* cellwalk-bench measure: a plan is lines "workloads contenders metrics". Each workload is one piece of work that all of its
+ * contenders do; they are compared, then timed in turns. A new workload is a workload_kind in a file of its own and a row in
+ * plan_lines.c. */
+#ifndef CELLWALK_BENCH_MEASURE_MEASURE_H
+#define CELLWALK_BENCH_MEASURE_MEASURE_H
+
+#include "harness/interleave.h"
+#include "harness/run.h"
+#include "peers/contender.h"
+#include "peers/embree.h"
+#include "scene.h"
+#include "workload/fields.h"
+
+#include <jansson.h>
+
+/* METRIC_AGREE: answers are compared with the reference's. METRIC_ERROR: they are held against the truth. METRIC_TIME: the
+ * contenders are timed, after they were compared. */
+enum { METRIC_AGREE = 1, METRIC_ERROR = 2, METRIC_TIME = 4 };
+enum { MEASURE_NAME = 256, ENTRANTS_MAX = 48, FACTOR_MAX = 64 };
+
+typedef struct measure_options {
+    run_options run;
+    const char *out, *field, *scenes;
+    unsigned count; /* rays of a pass */
+    double seconds, width, pass,
+        cell_size; /* for all; of intervals; a pass may take at most; of a raster, 0: its own */
+} measure_options;
+
+/* A contender at one workload. */
+typedef struct entrant {
+    char name[MEASURE_NAME], group[MEASURE_NAME]; /* "embree:w8"; as the plan has it, "embree" */
+    char why[192];                                /* it is left out; else empty */
+    void *own;                                    /* the kind's */
+    interleave_job job;
+    json_t *line; /* of the result */
+} entrant;
+
+typedef struct workload workload;
+typedef struct workload_kind {
+    const char *form, *what, *unit; /* for the help: "FIELD/primary", …; what a pass counts: "rays" */
+    bool (*has)(const char *field, const char *item);
+    /* own and items. Where memory is missing for it, why is set. */
+    bool (*open)(workload *w, io_error *error);
+    /* Adds one entrant or more by measure_enter, of which some may be left out. */
+    bool (*enter)(workload *w, const char *contender, io_error *error);
+    /* Lets the entrant work once and adds what was found to its line. */
+    bool (*judge)(workload *w, entrant *e, unsigned metrics, io_error *error);
+    void (*leave)(entrant *e);
+    void (*close)(workload *w);
+} workload_kind;
+
+struct workload {
+    char name[MEASURE_NAME], field[MEASURE_NAME], item[MEASURE_NAME]; /* "257/primary", "257", "primary" */
+    const workload_kind *kind;
+    const measure_options *options;
+    char why[192]; /* all of it is left out; else empty */
+    double items;  /* of a pass */
+    void *own;
+    entrant *entrants;
+    size_t count;
+};
+
+/* The next entrant, of a name that begins with the contender's in the plan; NULL, with the error, where there is no room. */
+entrant *measure_enter(workload *w, const char *group, const char *name, io_error *error);
+
+/* ---- plan_lines.c ---- */
+
+extern const workload_kind measure_rays, measure_scene, measure_build, measure_horizon, measure_sky, measure_picture;
+/* NULL from the count on. */
+const workload_kind *measure_kind(size_t number);
+
+/* A line of a plan, taken apart: one workload. */
+typedef struct plan_line {
+    char workload[MEASURE_NAME];
+    char *contenders[ENTRANTS_MAX];
+    size_t count;
+    unsigned metrics;
+} plan_line;
+typedef struct plan {
+    plan_line *lines;
+    size_t count;
+    char **texts; /* that the lines point into */
+    size_t text_count;
+} plan;
+/* From a file or, without one of that name, the plan of that name that ships. field: stands for FIELD in it. */
+bool measure_plan_read(plan *p, const char *name, const char *field, io_error *error);
+void measure_plan_free(plan *p);
+
+/* ---- land.c: a field and what contenders make of it, kept while lines of a plan need it ---- */
+
+typedef struct land {
+    char name[MEASURE_NAME];
+    workload_field samples; /* of land_of */
+    cw_field *field;
+    cw_field *coarser[FACTOR_MAX + 1];
+    peer_embree *peers[8]; /* by geometry, quality and robustness */
+    bool borrowed;
+} land;
+
+/* The land of that name, a workload field or a raster's file; the same one until another is named. NULL with the error; why is
+ * set where memory is missing. */
+land *land_of(const char *name, const measure_options *options, char why[192], io_error *error);
+void land_close(land *l);
+/* Releases the last one of land_of. */
+void land_end(void);
+/* Each is made once. NULL with the error, or with why if memory is missing. */
+cw_field *land_coarser(land *l, size_t factor, io_error *error);
+peer_embree *land_embree(land *l, const peer_options *options, char why[192], io_error *error);
+
+/* ---- contenders.c: of rays, by name ---- */
+
+/* Contenders of that name on the land: one, or one for each packet width of Embree. Names are BASE:OPTION…, as the help has them.
+ * count is 0, with why, where it cannot run here. False for an unknown name. */
+enum { WIDTHS_MAX = PEER_WIDTH_COUNT };
+typedef struct ray_contender {
+    contender contender;
+    size_t factor; /* of coarser land; else 1 */
+    cw_pool *pool;
+} ray_contender;
+bool contenders_of(land *l, const char *name, bool coherent, cw_isa isa, ray_contender out[WIDTHS_MAX], size_t *count,
+                   char why[192], io_error *error);
+void contenders_leave(ray_contender *c);
+extern const char contenders_help[];
+
+/* ---- errors.c: answers to rays before the exact judge ---- */
+
+/* Adds what is wrong with the answers to rays on the land, and how far their t is off, to the line. hits is NULL where any hit was
+ * asked for. factor: other land than the truth's is only held against it, not judged. */
+void errors_of_rays(const land *l, const cw_ray *rays, size_t n, contender_answers answers, bool any, size_t factor,
+                    json_t *line);
+
+/* Errors, none below 0: mean, root mean square, 99 %, worst, to the member name. Sorts them. */
+void errors_set_spread(json_t *line, const char *name, double *errors, size_t count);
+
+/* ---- scene.c ---- */
+
+typedef struct picture_difference {
+    size_t pixels, differ, visible; /* in any bit; by more than half a step of 8-bit linear colour */
+    double rmse, worst;             /* over all colour values, clamped to [0, 1] as on a screen */
+} picture_difference;
+picture_difference picture_compare(const io_image *a, const io_image *b);
+const char *scene_names(size_t number);
+
+/* ---- print.c ---- */
+
+void print_workload(const workload *w);
+/* The scenes' table: a row a scene, a column a contender, seconds and their ratio to Embree's. */
+void print_scenes(FILE *to, const json_t *lines);
+
+#endif

@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Plans: lines of text, and the table of the kinds of workloads. */
+
+#include "build_info.h"
+#include "harness/memory.h"
+#include "measure/measure.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+static const workload_kind *const kinds[] = {&measure_rays,    &measure_scene, &measure_build,
+                                             &measure_horizon, &measure_sky,   &measure_picture};
+
+const workload_kind *measure_kind(size_t number) {
+    return number < sizeof kinds / sizeof *kinds ? kinds[number] : NULL;
+}
+
+static bool metrics_of(char *text, unsigned *metrics) {
+    *metrics = 0;
+    char *rest = text;
+    for (char *word; (word = strsep(&rest, ",")) != NULL;) {
+        if (strcmp(word, "time") == 0)
+            *metrics |= METRIC_TIME | METRIC_AGREE;
+        else if (strcmp(word, "agree") == 0)
+            *metrics |= METRIC_AGREE;
+        else if (strcmp(word, "error") == 0)
+            *metrics |= METRIC_ERROR;
+        else
+            return false;
+    }
+    return true;
+}
+
+/* FIELDS/ITEMS stands for each field with each item. A path has slashes of its own, so the last one counts. */
+static bool add_line(plan *p, const char *workloads, char *const *contenders, size_t count, unsigned metrics,
+                     const char *field) {
+    const char *slash = strrchr(workloads, '/');
+    if (slash == NULL || slash == workloads || slash[1] == '\0') return false;
+    char fields[MEASURE_NAME], items[MEASURE_NAME], *next = fields;
+    snprintf(fields, sizeof fields, "%.*s", (int)(slash - workloads), workloads);
+    for (char *name; (name = strsep(&next, ",")) != NULL;) {
+        snprintf(items, sizeof items, "%s", slash + 1);
+        char *next_item = items;
+        for (char *item; (item = strsep(&next_item, ",")) != NULL;) {
+            p->lines = realloc(p->lines, (p->count + 1) * sizeof *p->lines);
+            if (p->lines == NULL) memory_end();
+            plan_line *line = &p->lines[p->count++];
+            *line = (plan_line){.count = count, .metrics = metrics};
+            const char *of = field && strcmp(name, "FIELD") == 0 ? field : name;
+            if (snprintf(line->workload, sizeof line->workload, "%s/%s", of, item) >= (int)sizeof line->workload)
+                return false;
+            memcpy(line->contenders, contenders, count * sizeof *contenders);
+        }
+    }
+    return true;
+}
+
+static bool take_line(plan *p, char *text, const char *field) {
+    char *words[4], *contenders[ENTRANTS_MAX], *rest = text;
+    size_t count = 0, entered = 0;
+    unsigned metrics;
+    for (char *word; count < 4 && (word = strsep(&rest, " \t")) != NULL;)
+        if (*word) words[count++] = word;
+    if (count != 3 || !metrics_of(words[2], &metrics)) return false;
+    for (char *name; (name = strsep(&words[1], ",")) != NULL;) {
+        if (*name == '\0' || entered == ENTRANTS_MAX) return false;
+        contenders[entered++] = name;
+    }
+    return add_line(p, words[0], contenders, entered, metrics, field);
+}
+
+static FILE *open_plan(const char *name, char path[4096]) {
+    snprintf(path, 4096, "%s", name);
+    FILE *file = fopen(path, "r");
+    if (file != NULL || errno != ENOENT || strchr(name, '/') != NULL) return file;
+    snprintf(path, 4096, "%s/%s.plan", BUILD_INFO_PLANS, name);
+    file = fopen(path, "r");
+    if (file == NULL) snprintf(path, 4096, "%s", name);
+    return file;
+}
+
+bool measure_plan_read(plan *p, const char *name, const char *field, io_error *error) {
+    char path[4096], *line = NULL;
+    size_t size = 0, number = 0;
+    *p = (plan){0};
+    FILE *file = open_plan(name, path);
+    if (file == NULL)
+        return io_fail(error, "%s: no such plan, neither a file nor one that ships: %s", path, strerror(errno));
+    bool good = true;
+    while (good && getline(&line, &size, file) >= 0) {
+        number++;
+        line[strcspn(line, "#\n")] = '\0';
+        if (line[strspn(line, " \t")] == '\0') continue;
+        p->texts = realloc(p->texts, (p->text_count + 1) * sizeof *p->texts);
+        char *text = strdup(line);
+        if (p->texts == NULL || text == NULL) memory_end();
+        p->texts[p->text_count++] = text;
+        good = take_line(p, text, field) || io_fail(error,
+                                                    "%s:%zu: a line is FIELD/WORK CONTENDERS METRICS, with commas in "
+                                                    "lists; metrics are time, agree and error",
+                                                    path, number);
+    }
+    if (good && ferror(file)) good = io_fail(error, "%s: %s", path, strerror(errno));
+    if (good && p->count == 0) good = io_fail(error, "%s: has no line to measure", path);
+    free(line);
+    fclose(file);
+    if (!good) measure_plan_free(p);
+    return good;
+}
+
+void measure_plan_free(plan *p) {
+    for (size_t k = 0; k < p->text_count; k++) free(p->texts[k]);
+    free(p->texts);
+    free(p->lines);
+    *p = (plan){0};
+}

@@ -1,0 +1,168 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* FIELD/CLASS: the rays of a class on a field. CLASS+BACK starts them BACK times the field's longer side farther behind. */
+
+#include "clock.h"
+#include "harness/memory.h"
+#include "harness/results.h"
+#include "measure/measure.h"
+#include "workload/ray_classes.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+typedef struct group {
+    land *land;
+    bool any, coherent;
+    cw_ray *rays;
+    size_t n;
+    contender reference;
+    contender_answers expected, out;
+} group;
+
+typedef struct at {
+    group *in;
+    ray_contender c;
+    cw_ray *scaled; /* of coarser land; else NULL */
+    contender_pass pass;
+} at;
+
+static bool class_of(const char *item, workload_class *c, double *back) {
+    const char *plus = strchr(item, '+');
+    const size_t length = plus ? (size_t)(plus - item) : strlen(item);
+    char *end = NULL;
+    *back = plus ? strtod(plus + 1, &end) : 0;
+    if (plus && (*end != '\0' || !(*back >= 0))) return false;
+    for (int k = 0; workload_class_name((workload_class)k); k++) {
+        const char *name = workload_class_name(*c = (workload_class)k);
+        if (strlen(name) == length && strncmp(name, item, length) == 0) return true;
+    }
+    return false;
+}
+
+static bool has(const char *field, const char *item) {
+    workload_class c;
+    double back;
+    return strcmp(field, "scenes") != 0 && class_of(item, &c, &back);
+}
+
+static bool open_group(workload *w, io_error *error) {
+    workload_class c;
+    double back;
+    const measure_options *o = w->options;
+    group *g = w->own = memory(1, sizeof *g);
+    g->land = land_of(w->field, o, w->why, error);
+    if (g->land == NULL) return w->why[0] != '\0';
+    class_of(w->item, &c, &back);
+    g->any = workload_class_is_any(c);
+    g->coherent = workload_class_is_coherent(c);
+    g->rays = memory(o->count, sizeof *g->rays);
+    g->n = workload_rays_make(g->land->field, c, o->run.seed, o->count, g->rays);
+    if (g->n == 0) return io_fail(error, "%s: no rays", w->name);
+    const workload_field *s = &g->land->samples;
+    const double side = (double)(s->nx > s->ny ? s->nx : s->ny) - 1;
+    for (size_t k = 0; k < g->n; k++)
+        for (int a = 0; a < 3; a++)
+            g->rays[k].org[a] = (float)((double)g->rays[k].org[a] - back * side * (double)g->rays[k].dir[a]);
+    if (contender_from_kernel(&g->reference, g->land->field, cw_kernel_find("cell"), CW_LEAF_WATERTIGHT) != CW_OK)
+        return io_fail(error, "%s: the reference kernel: %s", w->name, cw_last_error());
+    g->expected = answers_make(g->n);
+    g->out = answers_make(g->n);
+    contender_run(&(contender_pass){&g->reference, g->rays, g->n, g->any, g->expected});
+    w->items = (double)g->n;
+    return true;
+}
+
+/* Seconds that a pass takes, from rays all over the array, since neighbouring ones cost alike; the hopeless are told by few. */
+static double predict(const contender_pass *whole, double limit) {
+    enum { PIECES = 32, HOPELESS = 20 };
+    if (whole->n < (size_t)PIECES * 128) return 0;
+    const size_t distance = whole->n / PIECES;
+    double seconds = 0;
+    for (size_t size = 1; size <= distance / 8 && seconds <= HOPELESS * limit; size *= 4) {
+        const double start = clock_cpu_seconds();
+        for (size_t k = 0; k < PIECES; k++)
+            contender_run(&(contender_pass){whole->of, whole->rays + k * distance, size, whole->any, whole->out});
+        seconds = (clock_cpu_seconds() - start) * (double)distance / (double)size;
+    }
+    return seconds;
+}
+
+static bool enter(workload *w, const char *name, io_error *error) {
+    group *g = w->own;
+    ray_contender found[WIDTHS_MAX];
+    char why[192] = "";
+    size_t count;
+    if (!contenders_of(g->land, name, g->coherent, (cw_isa)w->options->run.isa, found, &count, why, error))
+        return false;
+    for (size_t k = 0; k < (count ? count : 1); k++) {
+        entrant *e = measure_enter(w, name, count ? found[k].contender.name : name, error);
+        if (e == NULL) return false;
+        memcpy(e->why, why, sizeof why);
+        if (count == 0) return true;
+        at *a = e->own = memory(1, sizeof *a);
+        *a = (at){.in = g, .c = found[k]};
+        if (a->c.factor > 1) {
+            /* t is the same on all levels. */
+            a->scaled = memory(g->n, sizeof *a->scaled);
+            for (size_t r = 0; r < g->n; r++) {
+                a->scaled[r] = g->rays[r];
+                for (int c = 0; c < 2; c++) {
+                    a->scaled[r].org[c] /= (float)a->c.factor;
+                    a->scaled[r].dir[c] /= (float)a->c.factor;
+                }
+            }
+        }
+        a->pass = (contender_pass){&a->c.contender, a->scaled ? a->scaled : g->rays, g->n, g->any, g->out};
+        e->job = (interleave_job){.run = contender_run, .context = &a->pass, .by_clock = a->c.contender.threads > 1};
+        const double seconds = predict(&a->pass, w->options->pass);
+        if (seconds > w->options->pass) snprintf(e->why, sizeof e->why, "a pass would take %.2g s", seconds);
+    }
+    return true;
+}
+
+static bool judge(workload *w, entrant *e, unsigned metrics, io_error *error) {
+    group *g = w->own;
+    at *a = e->own;
+    if ((metrics & METRIC_ERROR) && cw_field_describe(g->land->field).holes > 0)
+        return io_fail(error, "%s: errors are judged on fields without holes only", w->name);
+    contender_run(&a->pass);
+    results_set_counts(e->line, "width threads", (size_t[]){a->c.contender.width, a->c.contender.threads});
+    if ((metrics & METRIC_AGREE) && a->c.factor == 1) {
+        agreement sum = {0};
+        if (g->any)
+            agree_any(&sum, g->land->field, g->rays, g->n, g->expected.occluded, g->out.occluded, &g->reference,
+                      &a->c.contender);
+        else
+            agree_closest(&sum, g->land->field, g->rays, g->n, g->expected.hits, g->out.hits);
+        json_object_set_new(e->line, "agreement", results_agreement(&sum));
+    }
+    if (metrics & METRIC_ERROR) errors_of_rays(g->land, g->rays, g->n, g->out, g->any, a->c.factor, e->line);
+    return true;
+}
+
+static void leave(entrant *e) {
+    at *a = e->own;
+    contenders_leave(&a->c);
+    free(a->scaled);
+    free(a);
+}
+
+static void close_group(workload *w) {
+    group *g = w->own;
+    answers_free(g->expected);
+    answers_free(g->out);
+    free(g->rays);
+    free(g);
+}
+
+const workload_kind measure_rays = {"FIELD/CLASS",
+                                    "rays on a field: primary, shadow, ao, bounce, random, grazing, afar; beside, "
+                                    "vertices, edges, within-0.1, within-2",
+                                    "rays",
+                                    has,
+                                    open_group,
+                                    enter,
+                                    judge,
+                                    leave,
+                                    close_group};

@@ -1,0 +1,222 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* scenes/NAME: one of the six scenes, rendered with the rays of each contender. Names end in :flat, :central or :bilinear for other
+ * normals than Phong's. Of Embree's widths the one counts that was fastest while answers were compared. */
+
+#include "clock.h"
+#include "harness/memory.h"
+#include "harness/results.h"
+#include "measure/measure.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { SCENES = 6, FIELDS_MAX = 16 };
+
+typedef struct stage {
+    scene *scene;
+    size_t field_count;
+    land lands[FIELDS_MAX];
+    contender reference[FIELDS_MAX];
+    io_image first; /* the first contender's picture */
+} stage;
+
+typedef struct player {
+    stage *on;
+    ray_contender by[FIELDS_MAX][WIDTHS_MAX];
+    size_t widths, width; /* that there are; the one that counts */
+    scene_normals normals;
+    agreement agreement;
+    double spent[WIDTHS_MAX]; /* while comparing */
+    io_image image;
+    bool failed;
+} player;
+
+const char *scene_names(size_t number) {
+    static const char *const names[SCENES] = {"hftest",    "landsea-0", "landsea-1",
+                                              "landsea-2", "texture",   "landsea-big"};
+    return number < SCENES ? names[number] : NULL;
+}
+
+static bool has(const char *field, const char *item) {
+    size_t k = 0;
+    while (k < SCENES && strcmp(scene_names(k), item) != 0) k++;
+    return strcmp(field, "scenes") == 0 && k < SCENES;
+}
+
+static bool open_stage(workload *w, io_error *error) {
+    char file[4096];
+    stage *s = w->own = memory(1, sizeof *s);
+    fprintf(stderr, "scene %s\n", w->item);
+    snprintf(file, sizeof file, "%s/%s.pbrt", w->options->scenes, w->item);
+    s->scene = scene_load(file, 1, NULL, NULL, error);
+    if (s->scene == NULL) return false;
+    s->field_count = scene_field_count(s->scene);
+    if (s->field_count > FIELDS_MAX) return io_fail(error, "%s: more than %d height fields", file, FIELDS_MAX);
+    for (size_t f = 0; f < s->field_count; f++) {
+        land *l = &s->lands[f];
+        *l = (land){.field = scene_field(s->scene, f), .borrowed = true};
+        snprintf(l->name, sizeof l->name, "%zu of the scene", f);
+        if (contender_from_kernel(&s->reference[f], l->field, cw_kernel_find("cell"), CW_LEAF_WATERTIGHT) != CW_OK)
+            return io_fail(error, "%s: %s", w->name, cw_last_error());
+    }
+    w->items = (double)(scene_width(s->scene) * scene_height(s->scene));
+    return true;
+}
+
+/* ---- tracing ---- */
+
+static void closest(void *context, size_t field, const cw_ray *rays, size_t n, cw_hit *hits) {
+    const player *p = context;
+    const contender *c = &p->by[field][p->width].contender;
+    c->closest(c, rays, n, hits);
+}
+
+static void any(void *context, size_t field, const cw_ray *rays, size_t n, uint8_t *occluded) {
+    const player *p = context;
+    const contender *c = &p->by[field][p->width].contender;
+    c->any(c, rays, n, occluded);
+}
+
+/* The reference answers, so that all are asked the same; every width is asked too. */
+static void compare_closest(void *context, size_t field, const cw_ray *rays, size_t n, cw_hit *hits) {
+    player *p = context;
+    cw_hit own[SCENE_BATCH];
+    const contender *reference = &p->on->reference[field];
+    reference->closest(reference, rays, n, hits);
+    for (p->width = 0; p->width < p->widths; p->width++) {
+        const double start = clock_cpu_seconds();
+        closest(p, field, rays, n, own);
+        p->spent[p->width] += clock_cpu_seconds() - start;
+        agree_closest(&p->agreement, p->on->lands[field].field, rays, n, hits, own);
+    }
+}
+
+static void compare_any(void *context, size_t field, const cw_ray *rays, size_t n, uint8_t *occluded) {
+    player *p = context;
+    uint8_t own[SCENE_BATCH];
+    const contender *reference = &p->on->reference[field];
+    reference->any(reference, rays, n, occluded);
+    for (p->width = 0; p->width < p->widths; p->width++) {
+        const double start = clock_cpu_seconds();
+        any(p, field, rays, n, own);
+        p->spent[p->width] += clock_cpu_seconds() - start;
+        agree_any(&p->agreement, p->on->lands[field].field, rays, n, occluded, own, reference,
+                  &p->by[field][p->width].contender);
+    }
+}
+
+static bool render(player *p, bool compare, io_image *image, io_error *error) {
+    const scene_tracer tracer =
+        compare ? (scene_tracer){p, compare_closest, compare_any} : (scene_tracer){p, closest, any};
+    const scene_render_options options = {
+        .tracer = &tracer, .threads = 1, .samples = compare ? 1 : 0, .phong = true, .normals = p->normals};
+    return scene_render(p->on->scene, &options, image, NULL, error);
+}
+
+static void render_timed(void *context) {
+    player *p = context;
+    io_error error;
+    io_image_free(&p->image);
+    p->image = (io_image){0};
+    p->failed = !render(p, false, &p->image, &error) || p->failed;
+}
+
+/* ---- contenders ---- */
+
+static scene_normals normals_of(const char *name, char base[MEASURE_NAME]) {
+    static const struct {
+        const char *ending;
+        scene_normals normals;
+    } endings[] = {
+        {":flat", SCENE_NORMALS_FLAT}, {":central", SCENE_NORMALS_CENTRAL}, {":bilinear", SCENE_NORMALS_BILINEAR}};
+    snprintf(base, MEASURE_NAME, "%s", name);
+    for (size_t k = 0; k < sizeof endings / sizeof *endings; k++) {
+        const size_t length = strlen(base), end = strlen(endings[k].ending);
+        if (length <= end || strcmp(base + length - end, endings[k].ending) != 0) continue;
+        base[length - end] = '\0';
+        return endings[k].normals;
+    }
+    return SCENE_NORMALS_AREA;
+}
+
+static bool enter(workload *w, const char *name, io_error *error) {
+    stage *s = w->own;
+    char base[MEASURE_NAME];
+    entrant *e = measure_enter(w, name, name, error);
+    if (e == NULL) return false;
+    player *p = e->own = memory(1, sizeof *p);
+    *p = (player){.on = s, .normals = normals_of(name, base)};
+    for (size_t f = 0; f < s->field_count && e->why[0] == '\0'; f++)
+        if (!contenders_of(&s->lands[f], base, true, (cw_isa)w->options->run.isa, p->by[f], &p->widths, e->why, error))
+            return false;
+    if (p->by[0][0].factor > 1) return io_fail(error, "%s: scenes have no coarser fields", name);
+    e->job = (interleave_job){.run = render_timed, .context = p};
+    return true;
+}
+
+static bool judge(workload *w, entrant *e, unsigned metrics, io_error *error) {
+    stage *s = w->own;
+    player *p = e->own;
+    io_image image = {0};
+    (void)metrics;
+    if (!render(p, true, &image, error)) return false;
+    io_image_free(&image);
+    p->width = 0;
+    for (size_t k = 1; k < p->widths; k++)
+        if (p->spent[k] < p->spent[p->width]) p->width = k;
+    json_object_set_new(e->line, "agreement", results_agreement(&p->agreement));
+    results_set_text(e->line, "by", p->by[0][p->width].contender.name);
+    if (!render(p, false, &p->image, error)) return false;
+    if (s->first.rgb == NULL) {
+        s->first = p->image;
+        p->image = (io_image){0};
+        return true;
+    }
+    const picture_difference d = picture_compare(&p->image, &s->first);
+    results_set_counts(e->line, "pixels pixels_differ pixels_visibly", (size_t[]){d.pixels, d.differ, d.visible});
+    return true;
+}
+
+static void leave(entrant *e) {
+    player *p = e->own;
+    for (size_t f = 0; f < p->on->field_count; f++)
+        for (size_t k = 0; k < p->widths; k++) contenders_leave(&p->by[f][k]);
+    io_image_free(&p->image);
+    free(p);
+}
+
+static void close_stage(workload *w) {
+    stage *s = w->own;
+    for (size_t f = 0; f < s->field_count; f++) land_close(&s->lands[f]);
+    io_image_free(&s->first);
+    if (s->scene) scene_free(s->scene);
+    free(s);
+}
+
+picture_difference picture_compare(const io_image *a, const io_image *b) {
+    picture_difference d = {.pixels = a->width * a->height};
+    double squares = 0;
+    for (size_t k = 0; k < d.pixels; k++) {
+        double seen = 0;
+        bool same = true;
+        for (size_t c = 3 * k; c < 3 * k + 3; c++) {
+            const double x = fmax(0, fmin(1, (double)a->rgb[c])), y = fmax(0, fmin(1, (double)b->rgb[c]));
+            same = same && a->rgb[c] == b->rgb[c];
+            squares += (x - y) * (x - y);
+            seen = fmax(seen, fabs(x - y));
+        }
+        d.differ += !same;
+        d.visible += seen > 0.5 / 255;
+        d.worst = fmax(d.worst, seen);
+    }
+    d.rmse = sqrt(squares / (3 * (double)d.pixels));
+    return d;
+}
+
+const workload_kind measure_scene = {
+    "scenes/NAME", "one of the six scenes, rendered: hftest, landsea-0, landsea-1, landsea-2, texture, landsea-big",
+    "pixels",      has,
+    open_stage,    enter,
+    judge,         leave,
+    close_stage};

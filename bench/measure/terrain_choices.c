@@ -1,0 +1,172 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* FIELD/horizon and FIELD/sky: choices between speed and accuracy of horizons and of the sky-view factor, on land of 10 m cells.
+ * Contenders are directions:N, coarser:FACTOR and distance:CELLS. Only some strips of rows, spread over the land, are computed
+ * of what goes row by row. */
+
+#include "harness/memory.h"
+#include "harness/results.h"
+#include "horizon.h"
+#include "measure/measure.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { CELL = 10, STRIPS = 8, BORDER = 16, ANGLES = 8, SKY_TRUTH = 256, SKY_DEFAULT = 64 };
+
+typedef struct choice {
+    land *land;
+    cw_field *field; /* of the land, or coarser */
+    float *z;        /* of coarser land */
+    terrain terrain;
+    horizon_desc desc;
+    bool sky;
+    size_t factor;
+    float *out; /* of all rows computed; of horizons, a direction behind the other */
+    bool failed;
+} choice;
+
+typedef struct choices {
+    land *land;
+    choice truth;
+    bool judged; /* the truth is computed */
+} choices;
+
+static size_t strip_rows(const choice *c) { return c->factor > 1 ? c->terrain.ny : c->terrain.ny / (4 * STRIPS) + 1; }
+static size_t strip_count(const choice *c) { return c->factor > 1 ? 1 : STRIPS; }
+static size_t strip_of(const choice *c, size_t s) { return s * (c->terrain.ny / STRIPS); }
+
+static void compute(void *context) {
+    choice *c = context;
+    const size_t nx = c->terrain.nx, rows = strip_rows(c);
+    horizon *h;
+    bool done = true;
+    cw_status status = horizon_create(&c->terrain, &c->desc, &h);
+    for (size_t s = 0; s < strip_count(c) && status == CW_OK; s++) {
+        float *out = c->out + strip_of(c, s) * nx;
+        if (c->sky) status = horizon_sky_view(h, NULL, strip_of(c, s), rows, out, NULL, NULL, &done);
+        for (size_t k = 0; k < c->desc.count && !c->sky && status == CW_OK; k++)
+            status = horizon_angles(h, NULL, k, strip_of(c, s), rows, out + k * nx * c->terrain.ny);
+    }
+    horizon_destroy(h);
+    c->failed = status != CW_OK || c->failed;
+}
+
+static bool prepare(choice *c, land *l, const char *name, bool sky, io_error *error) {
+    unsigned number = 0;
+    *c = (choice){.land = l, .sky = sky, .factor = 1};
+    c->desc = (horizon_desc){.start = sky ? 0 : 11.25, .count = sky ? SKY_DEFAULT : ANGLES};
+    const bool good =
+        strcmp(name, "default") == 0 ||
+        (sky && sscanf(name, "directions:%u", &number) == 1 && number > 0 && (c->desc.count = number)) ||
+        (sscanf(name, "coarser:%u", &number) == 1 && number > 1 && number <= FACTOR_MAX && (c->factor = number)) ||
+        (sscanf(name, "distance:%u", &number) == 1 && number > 0);
+    if (!good)
+        return io_fail(
+            error, "contender %s: horizons have default, coarser:FACTOR and distance:CELLS, the sky also directions:N",
+            name);
+    if (strncmp(name, "distance:", 9) == 0) c->desc.max_distance = (double)number * CELL;
+    c->field = land_coarser(l, c->factor, error);
+    if (c->field == NULL) return false;
+    const cw_field_info info = cw_field_describe(c->field);
+    if (c->factor > 1) {
+        c->z = memory(info.nx * info.ny, sizeof *c->z);
+        for (size_t j = 0; j < info.ny; j++)
+            memcpy(c->z + j * info.nx, cw_field_row(c->field, j), info.nx * sizeof *c->z);
+    }
+    const double step = (double)(CELL * c->factor), map[3][4] = {{step, 0, 0, 0}, {0, step, 0, 0}, {0, 0, CELL, 0}};
+    const terrain_desc desc = {
+        .field = c->field, .nx = info.nx, .ny = info.ny, .z = c->z ? c->z : l->samples.z, .map = map, .unit = 1};
+    terrain_init(&c->terrain, &desc);
+    c->out = memory(info.nx * info.ny * (sky ? 1 : ANGLES), sizeof *c->out);
+    return true;
+}
+
+/* Of coarser land's values, bilinear between its samples. */
+static double value_at(const choice *c, size_t layer, size_t i, size_t j) {
+    const size_t nx = c->terrain.nx, ny = c->terrain.ny;
+    const float *values = c->out + layer * nx * ny;
+    if (c->factor == 1) return (double)values[j * nx + i];
+    const double x = (double)i / (double)c->factor, y = (double)j / (double)c->factor;
+    const size_t a = (size_t)x < nx - 1 ? (size_t)x : nx - 2, b = (size_t)y < ny - 1 ? (size_t)y : ny - 2;
+    const double u = x - (double)a, v = y - (double)b;
+    const float *at = values + b * nx + a;
+    return (1 - v) * ((1 - u) * (double)at[0] + u * (double)at[1]) +
+           v * ((1 - u) * (double)at[nx] + u * (double)at[nx + 1]);
+}
+
+static void compare(const choice *c, const choice *truth, json_t *line) {
+    const size_t nx = truth->terrain.nx, ny = truth->terrain.ny, layers = c->sky ? 1 : ANGLES;
+    double *errors = memory(layers * nx * strip_rows(truth) * STRIPS, sizeof *errors);
+    size_t count = 0;
+    for (size_t layer = 0; layer < layers; layer++)
+        for (size_t s = 0; s < STRIPS; s++)
+            for (size_t j = strip_of(truth, s); j < strip_of(truth, s) + strip_rows(truth); j++)
+                for (size_t i = BORDER; i + BORDER < nx; i++)
+                    if (j >= BORDER && j + BORDER < ny)
+                        errors[count++] = fabs(value_at(c, layer, i, j) - value_at(truth, layer, i, j));
+    errors_set_spread(line, c->sky ? "share" : "degrees", errors, count);
+    free(errors);
+}
+
+static void release(choice *c) {
+    free(c->z);
+    free(c->out);
+}
+
+/* ---- the kinds ---- */
+
+static bool has_horizon(const char *field, const char *item) {
+    return strcmp(field, "scenes") != 0 && strcmp(item, "horizon") == 0;
+}
+static bool has_sky(const char *field, const char *item) {
+    return strcmp(field, "scenes") != 0 && strcmp(item, "sky") == 0;
+}
+
+static bool open_choices(workload *w, io_error *error) {
+    choices *all = w->own = memory(1, sizeof *all);
+    all->land = land_of(w->field, w->options, w->why, error);
+    if (all->land == NULL) return w->why[0] != '\0';
+    if (!prepare(&all->truth, all->land, "default", w->kind == &measure_sky, error)) return false;
+    /* None of these directions is among those that are compared. */
+    if (all->truth.sky) all->truth.desc = (horizon_desc){.start = 0.3, .count = SKY_TRUTH};
+    w->items = (double)(strip_rows(&all->truth) * STRIPS * all->truth.terrain.nx);
+    return true;
+}
+
+static bool enter(workload *w, const char *name, io_error *error) {
+    choices *all = w->own;
+    entrant *e = measure_enter(w, name, name, error);
+    if (e == NULL) return false;
+    choice *c = e->own = memory(1, sizeof *c);
+    e->job = (interleave_job){.run = compute, .context = c};
+    return prepare(c, all->land, name, w->kind == &measure_sky, error);
+}
+
+static bool judge(workload *w, entrant *e, unsigned metrics, io_error *error) {
+    choices *all = w->own;
+    choice *c = e->own;
+    compute(c);
+    results_set_counts(e->line, "directions factor", (size_t[]){c->desc.count, c->factor});
+    if ((metrics & METRIC_ERROR) && !all->judged) compute(&all->truth), all->judged = true;
+    if (metrics & METRIC_ERROR) compare(c, &all->truth, e->line);
+    return !(c->failed || all->truth.failed) || io_fail(error, "%s of %s: %s", e->name, w->name, cw_last_error());
+}
+
+static void leave(entrant *e) {
+    release(e->own);
+    free(e->own);
+}
+
+static void close_choices(workload *w) {
+    choices *all = w->own;
+    release(&all->truth);
+    free(all);
+}
+
+const workload_kind measure_horizon = {
+    "FIELD/horizon", "horizons in eight directions", "places", has_horizon, open_choices, enter, judge, leave,
+    close_choices};
+const workload_kind measure_sky = {
+    "FIELD/sky",  "the sky-view factor, against 256 directions", "places", has_sky, open_choices, enter, judge, leave,
+    close_choices};

@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: Apache-2.0
+"""cellwalk-bench measure, table and compare from beginning to end, on little work. No test looks at how long anything took."""
+import json
+import os
+import pathlib
+import subprocess
+
+import numpy as np
+import pytest
+
+BENCH = os.environ["CELLWALK_BENCH"]
+PLANS = pathlib.Path(os.environ["CELLWALK_SOURCE"]) / "bench" / "plans"
+WIDE = ["--width", "10", "--count", "4096", "--seconds", "100000"]  # the intervals of seven rounds are narrow, however long these take
+
+
+def run(*words, status=0, **more):
+    done = subprocess.run([BENCH, *map(str, words)], capture_output=True, text=True, **more)
+    assert done.returncode == status, done.stdout + done.stderr
+    return done
+
+
+def measure(folder, plan, *words, status=0):
+    (folder / "my.plan").write_text(plan)
+    done = run("measure", folder / "my.plan", "-o", folder / "out.jsonl", *WIDE, *words, status=status)
+    lines = [json.loads(line) for line in (folder / "out.jsonl").read_text().splitlines()]
+    assert lines[0]["kind"] == "run" and lines[0]["commit"] and "load" in lines[0]
+    return done, [line for line in lines if line["kind"] == "result"]
+
+
+def has_embree(folder):
+    _, (line,) = measure(folder, "65/primary embree:w8 agree\n")
+    return "left_out" not in line
+
+
+def by_name(lines):
+    return {line["contender"]: line for line in lines}
+
+
+def test_strict_kernels_have_the_same_bits_and_intervals(tmp_path):
+    done, lines = measure(tmp_path, "# a comment\n65/primary,random  default,cell,pyramid1,default:call=3,grid3d  time\n")
+    assert [line["workload"] for line in lines] == ["65/primary"] * 5 + ["65/random"] * 5
+    for line in lines:
+        assert line["samples"] >= 7 and line["converged"] and line["time_to_first_low"] <= line["time_to_first"]
+        assert line["agreement"]["why"]["other"] == 0
+        if line["contender"] != "grid3d":
+            assert line["agreement"]["same_bits"] == line["agreement"]["rays"] > 0
+    assert by_name(lines)["default"]["time_to_first"] == 1
+    assert "same bits" in done.stdout
+
+
+def test_what_has_not_converged_is_marked(tmp_path):
+    done, lines = measure(tmp_path, "65/primary default,cell time\n", "--width", "1e-6", "--seconds", "0.05", status=1)
+    assert not by_name(lines)["cell"]["converged"]
+    assert "not converged" in done.stdout and "have not converged" in done.stderr
+
+
+def test_errors_of_leaf_tests_and_coarser_land(tmp_path):
+    leaves = "default,cell:moller-trumbore,coarser:2"
+    _, lines = measure(tmp_path, f"65/vertices {leaves} error\n65/primary {leaves} error\n")
+    exact, loose, coarse = (by_name(lines[:3])[name] for name in leaves.split(","))
+    assert exact["leaks_per_million"] == exact["wrong_per_million"] == exact["phantoms_per_million"] == 0
+    assert loose["leaks_per_million"] > 10000
+    assert "leaks_per_million" not in coarse and coarse["t_99"] > 1e3 * exact["t_99"]
+    strict = by_name(lines[3:])["default"]
+    assert strict["ulp_worst"] <= 0.5001 and strict["differ_per_million"] == 0
+
+
+def test_embree_agrees_and_its_fastest_width_is_marked(tmp_path):
+    if not has_embree(tmp_path):
+        pytest.skip("built without Embree")
+    _, lines = measure(tmp_path, "257/ao,bounce default,embree,embree:grid:w8 time\n")
+    for work in ("ao", "bounce"):
+        peers = [line for line in lines if line["group"] == "embree" and line["item"] == work]
+        assert len(peers) == 4 and sum(line["best_of_group"] for line in peers) == 1
+        best = next(line for line in peers if line["best_of_group"])
+        assert best["seconds_median"] == min(line["seconds_median"] for line in peers)
+        assert all(line["agreement"]["why"]["other"] == 0 for line in peers)
+
+
+def test_building_counts_bytes(tmp_path):
+    _, lines = measure(tmp_path, "65/build default,default:threads=2 time\n")
+    one, two = lines
+    assert one["bytes"] == two["bytes"] and 4 < one["bytes_a_cell"] < 10 and one["items"] == 64 * 64
+
+
+def test_terrain_choices_have_errors(tmp_path):
+    _, lines = measure(tmp_path, "129/horizon default,coarser:2,distance:20 error\n129/sky directions:32,directions:4 error\n"
+                       "65/picture samples:16,samples:1 error\n")
+    of = by_name(lines)
+    assert of["default"]["degrees_worst"] == 0 < of["distance:20"]["degrees_rms"] and of["coarser:2"]["degrees_rms"] > 0
+    assert 0 < of["directions:32"]["share_rms"] < of["directions:4"]["share_rms"] < 0.2
+    assert 0 < of["samples:16"]["rmse"] < of["samples:1"]["rmse"]
+
+
+def test_the_scenes_table(tmp_path):
+    done = run("table", "--quick", "--width", "10", "--seconds", "100000", "--out", tmp_path)
+    table = (tmp_path / "table.md").read_text()
+    assert "| hftest |" in table and "grid3d" in table and "hftest" in done.stdout
+    lines = [json.loads(line) for line in (tmp_path / "table.jsonl").read_text().splitlines()]
+    for line in lines[1:]:
+        if "left_out" not in line:
+            assert line["agreement"]["why"]["other"] == 0 and line.get("pixels_visibly", 0) == 0
+
+
+def test_a_raster_of_ones_own(tmp_path):
+    rng = np.random.default_rng(1)
+    np.save(tmp_path / "land.npy", rng.normal(size=(50, 70)).cumsum(axis=1).astype(np.float32))
+    done = run("measure", "--field", tmp_path / "land.npy", "--cellsize", 2, *WIDE)
+    assert done.stdout.count("default") == 7 and "land.npy/shadow" in done.stdout
+
+
+def test_every_plan_that_ships_is_understood(tmp_path):
+    names = {plan.stem for plan in PLANS.glob("*.plan")}
+    help_text = " ".join(run("measure", "--help").stdout.split())
+    for name in names - {"field", "scenes-quick"}:
+        assert name in help_text, f"--help does not name the plan {name}"
+    for name in names:
+        for line in (PLANS / f"{name}.plan").read_text().splitlines():
+            words = line.split("#")[0].split()
+            if words:
+                smallest = [words[0].rsplit("/", 1)[0].split(",")[-1], words[0].rsplit("/", 1)[1].split(",")[0]]
+                where = "scenes/hftest" if smallest[0] == "scenes" else f"65/{smallest[1]}"
+                contenders = ",".join(c for c in words[1].split(",") if not c.startswith("grid3d"))
+                measure(tmp_path, f"{where} {contenders} {words[2].replace('time', 'agree')}\n", "--count", "64")
+
+
+@pytest.mark.parametrize("plan, words", [
+    ("65/primary default\n", "my.plan:1: a line is FIELD/WORK CONTENDERS METRICS"),
+    ("\n65/primary default speed\n", "my.plan:2: a line is"),
+    ("65/nothing default time\n", "65/nothing: there is no such work"),
+    ("65/primary nobody time\n", "contender nobody: Contenders of rays: default"),
+    ("65/primary coarser:1 error\n", "contender coarser:1"),
+    ("65/primary default:call=0 time\n", "contender default:call=0"),
+    ("65/build cell time\n", "contender cell: what builds is"),
+    ("65/sky distance: error\n", "contender distance:"),
+    ("nowhere.tif/primary default time\n", "nowhere.tif"),
+    ("# nothing\n", "has no line to measure"),
+])
+def test_wrong_plans(tmp_path, plan, words):
+    (tmp_path / "my.plan").write_text(plan)
+    done = run("measure", tmp_path / "my.plan", "-o", tmp_path / "out.jsonl", *WIDE, status=1)
+    assert words in done.stderr and not (tmp_path / "out.jsonl").exists()
+
+
+def test_wrong_words():
+    assert "neither a file nor one that ships" in run("measure", "nothing", status=1).stderr
+    assert "give a PLAN, or --field FILE" in run("measure", status=2).stderr
+    limited = {**os.environ, "CELLWALK_ISA": "scalar"}
+    assert "allows no more than scalar" in run("measure", "first", "--isa", "sse4.2", status=2, env=limited).stderr
+    for name in ("sse", "AVX2", "avx2 "):
+        assert "is unknown" in run("measure", "first", status=2, env={**os.environ, "CELLWALK_ISA": name}).stderr
+
+
+def test_compare(tmp_path):
+    measure(tmp_path, "65/primary,random default,cell time\n")
+    once = tmp_path / "once.jsonl"
+    (tmp_path / "out.jsonl").rename(once)
+    done = run("compare", once, once)
+    assert "faster 0 times, slower 0 times" in done.stdout
+    slow = [json.loads(line) for line in once.read_text().splitlines()]
+    for line in slow:
+        for key in ("seconds_median", "seconds_low", "seconds_high"):
+            if key in line:
+                line[key] *= 2
+    (tmp_path / "slow.jsonl").write_text("".join(json.dumps(line) + "\n" for line in slow))
+    assert "slower" in run("compare", once, tmp_path / "slow.jsonl", "--margin", "0.02").stdout
+    assert "my.plan:1: not a line of JSON" in run("compare", once, tmp_path / "my.plan", status=1).stderr
