@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Products by chunks have the bits of those of the whole raster, whatever is killed meanwhile."""
+import itertools
 import os
 import signal
-import time
 
 import numpy as np
 import pytest
@@ -196,24 +196,36 @@ def test_geotiff_has_the_place_of_the_result(tmp_path):
 
 @pytest.mark.parametrize("file", ["utm"], indirect=True)
 def test_a_worker_is_killed(file, tmp_path):
-    """Two processes; one is killed when some chunks are done and others are not. The file is the same, and no unfinished one remains."""
+    """Two processes; one is killed when it has computed a chunk and begun another. The file is the same, and no unfinished one remains."""
     from distributed import Client, LocalCluster, futures_of
     wanted = cw.open(file).horizon(256)
+    pipe = str(tmp_path / "pipe")
+    os.mkfifo(pipe)
+
+    def wait_in_the_second_chunk():
+        """Runs in the worker. Both ends of a pipe open together."""
+        rows, calls = cw.Field._horizon_rows, itertools.count(1)
+
+        def held(self, *arguments):
+            if next(calls) == 2:
+                open(pipe).read()
+            return rows(self, *arguments)
+        cw.Field._horizon_rows = held
+
     with LocalCluster(2, processes=True, threads_per_worker=1, dashboard_address=None, local_directory=str(tmp_path)) as cluster:
         with Client(cluster) as client:
-            before = client.run(os.getpid)
-            assert len(set(before.values())) == 2
+            client.wait_for_workers(2)
+            (victim, process), (_, other) = client.run(os.getpid).items()
+            assert process != other
+            client.run(wait_in_the_second_chunk, workers=[victim])
             result = cwd.horizon(file, 256, chunks=40)
             assert not isinstance(getattr(result, 'data', result), np.ndarray)
             kept = client.persist(result)
-            chunks = futures_of(kept)
-            while not any(chunk.done() for chunk in chunks):
-                time.sleep(0.01)
-            assert not all(chunk.done() for chunk in chunks)
-            os.kill(next(iter(before.values())), signal.SIGKILL)
+            with open(pipe, "w"):
+                assert not all(chunk.done() for chunk in futures_of(kept))
+                os.kill(process, signal.SIGKILL)
             cwd.to_geotiff(kept, tmp_path / "horizon.tif", file)
-            client.wait_for_workers(2)
-            assert set(client.run(os.getpid).values()) != set(before.values())
+            assert process not in client.run(os.getpid).values()
     with rasterio.open(tmp_path / "horizon.tif") as f, rasterio.open(file) as source:
         same(f.read(), wanted)
         assert f.transform == source.transform and f.crs == source.crs

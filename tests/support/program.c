@@ -9,6 +9,7 @@
 #include <linux/filter.h>
 #include <linux/seccomp.h>
 #include <linux/securebits.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -98,29 +99,64 @@ const program_result *program_run(const program_setting *setting, program_argume
     return program_wait(program_start(setting, arguments));
 }
 
-/* Whether a descriptor leads to a file of the working directory that has no name or a temporary one. */
-static bool has_output(pid_t process) {
+/* What a descriptor leads to, if that is in the working directory, as seen from there. */
+typedef bool file_fits(const char *file, const char *name);
+
+static bool any_descriptor(pid_t process, file_fits *fits, const char *name) {
     char folder[64], here[PATH_MAX], target[PATH_MAX];
     snprintf(folder, sizeof folder, "/proc/%ld/fd", (long)process);
     assert_non_null(getcwd(here, sizeof here));
+    const size_t length = strlen(here);
     DIR *descriptors = opendir(folder);
     bool found = false;
-    for (const struct dirent *e; descriptors && (e = readdir(descriptors)) != NULL;) {
-        const ssize_t length = readlinkat(dirfd(descriptors), e->d_name, target, sizeof target - 1);
-        if (length < 0) continue;
-        target[length] = '\0';
-        if (strncmp(target, here, strlen(here)) != 0) continue;
-        found = found || strstr(target, "/#") != NULL || strstr(target, ".tmp") != NULL;
+    for (const struct dirent *e; descriptors && !found && (e = readdir(descriptors)) != NULL;) {
+        const ssize_t size = readlinkat(dirfd(descriptors), e->d_name, target, sizeof target - 1);
+        if (size < 0) continue;
+        target[size] = '\0';
+        found = strncmp(target, here, length) == 0 && fits(target + length, name);
     }
     if (descriptors) closedir(descriptors);
     return found;
 }
 
-void program_wait_for_output(pid_t process) {
+/* It has no name or a temporary one. */
+static bool is_output(const char *file, const char *name) {
+    (void)name;
+    return strstr(file, "/#") != NULL || strstr(file, ".tmp") != NULL;
+}
+
+static bool is_input(const char *file, const char *name) { return file[0] == '/' && strcmp(file + 1, name) == 0; }
+
+static bool is_mapped(pid_t process, const char *name) {
+    char path[64], here[PATH_MAX], file[2 * PATH_MAX], line[3 * PATH_MAX];
+    assert_non_null(getcwd(here, sizeof here));
+    snprintf(path, sizeof path, "/proc/%ld/maps", (long)process);
+    snprintf(file, sizeof file, " %s/%s\n", here, name);
+    FILE *maps = fopen(path, "r");
+    bool found = false;
+    while (maps && !found && fgets(line, sizeof line, maps)) found = strstr(line, file) != NULL;
+    if (maps) fclose(maps);
+    return found;
+}
+
+static bool has_output(pid_t process, const char *name) { return any_descriptor(process, is_output, name); }
+
+static bool has_input(pid_t process, const char *name) { return any_descriptor(process, is_input, name); }
+
+/* The pause leaves the CPU to the program; it decides nothing. Only its end ends the wait before its time. */
+static void wait_until(pid_t process, bool (*is_so)(pid_t, const char *), const char *name, const char *what) {
     const struct timespec pause = {.tv_nsec = 1000000};
-    for (int k = 0; k < 10000; k++) {
-        if (has_output(process)) return;
+    for (;;) {
+        siginfo_t end = {.si_pid = 0};
+        assert_int_equal(waitid(P_PID, (id_t)process, &end, WEXITED | WNOHANG | WNOWAIT), 0);
+        if (is_so(process, name)) return;
+        check(end.si_pid == 0, "the program ended before %s %s", name, what);
         nanosleep(&pause, NULL);
     }
-    check(false, "no output was opened");
 }
+
+void program_wait_for_output(pid_t process) { wait_until(process, has_output, "an output", "was opened"); }
+
+void program_wait_for_input(pid_t process, const char *name) { wait_until(process, has_input, name, "was open"); }
+
+void program_wait_for_map(pid_t process, const char *name) { wait_until(process, is_mapped, name, "was mapped"); }

@@ -9,7 +9,6 @@
 
 #include <signal.h>
 #include <string.h>
-#include <time.h>
 
 static inline void check_refused(program_arguments arguments, int status, const char *part) {
     const size_t entries = scratch_entries();
@@ -19,12 +18,12 @@ static inline void check_refused(program_arguments arguments, int status, const 
     assert_int_equal(scratch_entries(), entries);
 }
 
-/* Ctrl-C in the middle of a long run; writes: once the output is open. */
+/* Ctrl-C in a long run, once its first input, a .npy file, is mapped; writes: and its output is open. */
 static inline void check_interrupted(program_arguments arguments, bool writes) {
     const size_t entries = scratch_entries();
     const pid_t process = program_start(NULL, arguments);
+    program_wait_for_map(process, arguments[1]);
     if (writes) program_wait_for_output(process);
-    nanosleep(&(struct timespec){0, 100000000}, NULL);
     kill(process, SIGINT);
     const program_result *r = program_wait(process);
     check(r->status == 128 + SIGINT, "exit status %d: %s", r->status, r->err);

@@ -7,7 +7,6 @@
 #include <signal.h>
 #include <stdio.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 enum { RAYS = 1000, NX = 5, NY = 4 };
@@ -338,11 +337,9 @@ static void interruptions_do_not_wait(void **state) {
     (void)state;
     large_work();
     const size_t entries = scratch_entries();
-    const program_setting setting = {.seconds_limit = 20}; /* a small part of what the query takes */
-    const struct timespec pause = {.tv_nsec = 200000000};
-    const pid_t process = program_start(&setting, minutes);
+    const pid_t process = program_start(NULL, minutes);
     program_wait_for_output(process);
-    nanosleep(&pause, NULL); /* the field is read after the output was opened */
+    program_wait_for_map(process, "many.npy"); /* rays are mapped for the query that traces them */
     kill(process, SIGINT);
     const program_result *r = program_wait(process);
     check(r->status == 128 + SIGINT, "exit status %d: %s", r->status, r->err);
@@ -359,10 +356,8 @@ static void interruptions_while_reading(void **state) {
     fprintf(file, "ncols %d\nnrows %d\ncellsize 1\n", SIDE, SIDE);
     for (int k = 0; k < SIDE * SIDE; k++) fputs("1.2345678901234567890123456789 ", file);
     fclose(file);
-    const struct timespec pause = {.tv_nsec = 20000000};
-    const program_setting setting = {.seconds_limit = 20};
-    const pid_t process = program_start(&setting, (const char *const[]){"info", "text.asc", NULL});
-    nanosleep(&pause, NULL);
+    const pid_t process = program_start(NULL, (const char *const[]){"info", "text.asc", NULL});
+    program_wait_for_input(process, "text.asc");
     kill(process, SIGTERM);
     const program_result *r = program_wait(process);
     check(r->status == 128 + SIGTERM, "exit status %d: %s", r->status, r->err);
@@ -387,8 +382,7 @@ static void shrinking_input_is_an_error(void **state) {
     const pid_t process = program_start(
         NULL, (const char *const[]){"trace", "field.npy", "rays.npy", "-o", "hits.npy", "--repeat", "1000000", NULL});
     program_wait_for_output(process);
-    const struct timespec pause = {.tv_nsec = 50000000};
-    nanosleep(&pause, NULL);
+    program_wait_for_map(process, "rays.npy");
     assert_int_equal(truncate("rays.npy", 0), 0);
     check_failure(program_wait(process), 1, "an input file shrank");
     assert_int_equal(scratch_entries(), entries);
