@@ -8,6 +8,7 @@
 #include "workload/random.h"
 
 #include <string.h>
+#include <unistd.h>
 
 /* Of all maps and sizes one in that many. */
 static size_t step(void) { return test_step(4); }
@@ -432,6 +433,42 @@ static void behind_a_lone_sample(void **state) {
     ground_free(&g);
 }
 
+/* Land along one axis, one sample wide. */
+static double strip(const double *shape, double x, double y) {
+    const double along = (shape[0] > 0 ? x : -y) / GROUND_CELL, beside = (shape[0] > 0 ? -y : x) / GROUND_CELL;
+    return beside == 0 ? 5 * random_unit(&(random_state){(uint64_t)along}) : (double)NAN;
+}
+
+/* Where every sample stands beside a hole, one way after the other to the eye would take the square of the length: ten minutes
+ * here, and half a second now. */
+static void a_strip_is_no_square(void **state) {
+    (void)state;
+    enum { LENGTH = 40000 };
+    alarm(120);
+    for (int along = 0; along < 2; along++) {
+        const double shape[1] = {along}, eye = 7;
+        ground g;
+        sight_bounds *bounds = NULL;
+        ground_make(&g, along ? LENGTH : 2, along ? 2 : LENGTH, strip, shape);
+        check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
+        viewshed *v = view(&g, bounds, &(viewshed_desc){.height = eye, .absolute = true});
+        bool done = false;
+        check_status(viewshed_heights(v, NULL, heights, NULL, NULL, &done), CW_OK);
+        double steepest = -(double)INFINITY;
+        for (size_t k = 1; k < LENGTH; k++) {
+            const size_t at = along ? k : 2 * k;
+            const double z = (double)g.z[at], needed = fmax(steepest * (double)k + eye - z, 0);
+            check(fabs((double)heights[at] - needed) <= 1e-6 * (1 + needed), "sample %zu: %.9g m, not %.9g", k,
+                  (double)heights[at], needed);
+            steepest = fmax(steepest, (z - eye) / (double)k);
+        }
+        viewshed_destroy(v);
+        sight_bounds_destroy(bounds);
+        ground_free(&g);
+    }
+    alarm(0);
+}
+
 static double level(const double *shape, double x, double y) {
     (void)x;
     (void)y;
@@ -551,7 +588,7 @@ int main(void) {
         cmocka_unit_test(first_block),           cmocka_unit_test(same_bits_in_threads),
         cmocka_unit_test(lines_decide),          cmocka_unit_test(needs_are_those_of_lines),
         cmocka_unit_test(behind_a_joined_piece), cmocka_unit_test(ties),
-        cmocka_unit_test(behind_a_lone_sample),
+        cmocka_unit_test(behind_a_lone_sample),  cmocka_unit_test(a_strip_is_no_square),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

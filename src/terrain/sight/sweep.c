@@ -65,6 +65,7 @@ typedef struct part {
     /* The greatest so far: steps between neighbours, and the numbers whose rounding matters, per distance. */
     double step, snap, size, rise;
     double margin; /* planes that pass the eye this near may face it or not */
+    double ahead;  /* the steepest rise to a sample exactly ahead, on the ways to all those behind it */
 
     double around[AROUND]; /* rises next to the eye, in so many ranges of directions */
     float *columns;        /* COLUMNS_AT_ONCE columns of the field, as rows, and the last before them */
@@ -255,11 +256,16 @@ static void visit_row(part *p, long row, long begin, long end, uint32_t start, b
         const double top = (h + p->target) * per_row;
         if (!all && top < low - error) continue;
         sweep_way way = {.low = (low - error) * r, .unsure = {INFINITY, true}};
+        if (every && x == 0 &&
+            r >= 1) { /* beside holes the skyline is unsure there, and each way would be followed to the eye */
+            way.low = larger((p->ahead - error) * r, way.low);
+            p->ahead = larger(h * per_row, p->ahead);
+        }
         double least, most, doubt;
         if (every && !all && skyline_at_closely(&p->line, start, u, &least, &most, &doubt)) {
             way.known = true;
             way.rise = most * r;
-            way.error = (most - least + doubt + 0x1p-48 * p->size) * r;
+            way.error = most == -INFINITY ? 0 : (most - least + doubt + 0x1p-48 * p->size) * r;
             way.unsure.close = calm ? 0 : 2; /* calm: no edge in reach comes up to the skyline */
             way.unsure.eye = around(p, u) * r >= larger(least * r, h) - error * r;
         }
@@ -417,6 +423,7 @@ bool sweep_part(const sight *s, unsigned number, double most, double target, swe
     p.bins = 1;
     p.width = p.until - p.from;
     p.columns_from = -1;
+    p.ahead = -INFINITY;
     const size_t length = (size_t)p.length + 2 * PAD;
     p.of = malloc(sizeof *p.of);
     double *lines = calloc(5 * length, sizeof *lines);
