@@ -10,6 +10,9 @@
 
 /* The most pixels that a picture is read or rendered with: 3 GiB of floats. */
 enum { IO_IMAGE_PIXELS_MAX = 1 << 28 };
+/* No compression packs pictures closer, be they of one colour: blocks of 8 x 8 pixels become one value, and zlib packs such
+ * values by 1032 to 1 at best. A file of a few bytes can claim any number of pixels. */
+enum { IO_EXR_PIXELS_PER_BYTE_MAX = 1 << 16 };
 enum { IO_IMAGE_ROOM = 64 };
 
 /* rgb[(y * width + x) * 3 + c], row 0 at the top, linear light. Of an image that was read as halves, rgb is NULL and

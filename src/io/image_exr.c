@@ -147,10 +147,6 @@ static bool exr_write(io_output *out, const io_image *image, io_error *error) {
 
 /* ---- reading ------------------------------------------------------------------------------------------------------ */
 
-/* No compression packs pictures closer, be they of one colour: blocks of 8 x 8 pixels become one value, and zlib packs such
- * values by 1032 to 1 at best. A file of a few bytes can claim any number of pixels. */
-enum { PIXELS_PER_BYTE_MAX = 1 << 16 };
-
 typedef struct reader {
     int fd;
     uint64_t file_size;
@@ -262,7 +258,7 @@ static bool read_started(reader *r, bool halves, const char *path, const sink *s
 
     const int64_t width = (int64_t)window.max.x - window.min.x + 1, height = (int64_t)window.max.y - window.min.y + 1;
     if (width < 1 || height < 1) return io_fail(error, "%s: has no pixels", path);
-    if ((uint64_t)width * (uint64_t)height / PIXELS_PER_BYTE_MAX > r->file_size)
+    if ((uint64_t)width * (uint64_t)height / IO_EXR_PIXELS_PER_BYTE_MAX > r->file_size)
         return io_fail(error, "%s: %lld x %lld pixels are more than %llu bytes can hold", path, (long long)width,
                        (long long)height, (unsigned long long)r->file_size);
     if (!io_image_allocate(r->image, (size_t)width, (size_t)height, halves, path, error)) return false;

@@ -92,6 +92,8 @@ static bool take_names(scanner *s, io_table *t) {
     if (!check_separator(s)) return false;
     size_t room = 0;
     for (bool last = false; !last; t->columns++) {
+        if (t->columns == IO_TABLE_COLUMNS_MAX)
+            return io_fail(s->error, "%s:%zu: names more than %d columns", t->path, s->line, (int)IO_TABLE_COLUMNS_MAX);
         if (t->columns == room) {
             room = room ? 2 * room : 16;
             char **names = realloc(t->names, room * sizeof *names);
@@ -105,7 +107,7 @@ static bool take_names(scanner *s, io_table *t) {
 
 static bool make_room(io_table *t) {
     if (t->rows < t->room) return true;
-    const size_t room = t->room ? 2 * t->room : 1; /* a row may have a million cells */
+    const size_t room = t->room ? 2 * t->room : 1; /* a row may have thousands of cells */
     char **cells = realloc(t->cells, room * t->columns * sizeof *cells);
     if (cells) t->cells = cells;
     size_t *lines = realloc(t->lines, room * sizeof *lines);

@@ -8,6 +8,9 @@
 
 #include <stddef.h>
 
+/* As many as a sheet of the usual programs has. */
+enum { IO_TABLE_COLUMNS_MAX = 16384 };
+
 typedef struct io_table {
     const char *path;
     size_t columns, rows;

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { WIDE = 100000 };
+enum { WIDE = IO_TABLE_COLUMNS_MAX};
 
 static void write_text(const char *text) { scratch_write("t.csv", text, strlen(text)); }
 
@@ -71,7 +71,9 @@ static void lines_are_counted_within_cells(void **state) {
 
 static void mistakes_are_named(void **state) {
     (void)state;
-    static const char *const cases[][2] = {
+    static char commas[20000];
+    memset(commas, ',', sizeof commas - 1);
+    const char *const cases[][2] = {
         {"", "t.csv: is empty; its first line should name the columns"},
         {"\xef\xbb\xbf", "t.csv: is empty; its first line should name the columns"},
         {" \n\n", "t.csv: is empty; its first line should name the columns"},
@@ -79,6 +81,7 @@ static void mistakes_are_named(void **state) {
                        "decimal numbers"},
         {"x\ty\n", "t.csv:1: cells are separated by tabs; a comma should stand between them"},
         {"x,y\n1,2\n1,2,\n", "t.csv:3: the line has 3 cells where the first one names 2 columns"},
+        {commas, "t.csv:1: names more than 16384 columns"},
         {"x,y\n1\n", "t.csv:2: the line has 1 cell where the first one names 2 columns"},
         {"x,y\n1,2\n3,\"4\n5,6\n", "t.csv:3: a quotation mark has no end"},
         {"x,y\n\"1\"2,3\n", "t.csv:2: text stands behind a quotation mark that ends a cell"},

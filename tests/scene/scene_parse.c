@@ -130,6 +130,8 @@ static const struct {
     {"Film \"image\" \"string filename\" [\"a\"", ":1: Film: \"filename\": the file ends within its values"},
     {"Film \"image\n", ":1: Film: unterminated string"},
     {"Film \"image", ":1: Film: unterminated string"},
+    {"\"", ":1: unterminated string"},
+    {"\"\"", ":1: a directive is expected"},
     {"Camera \"perspective\" \"float fov\" 180", ":1: Camera: \"float fov\" must lie between 0 and 180 degrees"},
     {"Camera \"perspective\" \"float fov\" \"a\"", ":1: Camera: \"float fov\" must be one number"},
     {"LookAt 0 0 0 0 0 0 0 1 0", ":1: LookAt: eye and target coincide"},

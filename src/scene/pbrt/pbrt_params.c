@@ -12,7 +12,7 @@ bool pbrt_fail(pbrt_source *s, size_t offset, const char *directive, io_error *e
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    return io_fail(error, "%s:%zu: %s: %s", s->path, pbrt_line(s, offset), directive, text);
+    return io_fail(error, "%s:%zu: %s%s%s", s->path, pbrt_line(s, offset), directive, directive[0] ? ": " : "", text);
 }
 
 /* Splits "float Pz" into type and name. */

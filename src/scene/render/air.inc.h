@@ -95,14 +95,14 @@ static void meet_water(wave *w) {
     const plan *p = w->plan;
     const plan_shape *field = &p->shapes[0];
     const wave_rays *r = &w->rays[0];
-    const plan_map *map = plan_map_to(p, 0, PLAN_CAMERA);
-    const float down = p->scene->water->level - map->m[2][3];
+    const plan_map map = plan_map_to(p, 0, PLAN_CAMERA);
+    const float down = p->scene->water->level - map.m[2][3];
     if (!(down < 0)) return; /* the eye is not above the water */
     for (size_t k = 0; k < r->count; k++) {
-        const float x = r->dir[0][k], y = r->dir[1][k], z = r->dir[2][k], t = down / lane_turn(map->m[2], x, y, z);
+        const float x = r->dir[0][k], y = r->dir[1][k], z = r->dir[2][k], t = down / lane_turn(map.m[2], x, y, z);
         if (!(t > 0 && t < w->t[k])) continue;
-        const float i = map->m[0][3] + t * lane_turn(map->m[0], x, y, z);
-        const float j = map->m[1][3] + t * lane_turn(map->m[1], x, y, z);
+        const float i = map.m[0][3] + t * lane_turn(map.m[0], x, y, z);
+        const float j = map.m[1][3] + t * lane_turn(map.m[1], x, y, z);
         if (!(i >= 0 && j >= 0 && i <= field->high[0] && j <= field->high[1])) continue;
         w->t[k] = t;
         w->shape[k] = WAVE_WATER;
@@ -135,18 +135,18 @@ static void shade_water(wave *w, wave_rays *next) {
     const plan *p = w->plan;
     const scene *s = p->scene;
     const wave_rays *r = &w->rays[0];
-    const plan_map *map = plan_map_to(p, 0, PLAN_CAMERA);
+    const plan_map map = plan_map_to(p, 0, PLAN_CAMERA);
     const size_t begin = next->count;
     for (size_t k = 0; k < r->count; k++) {
         if (w->shape[k] != WAVE_WATER) continue;
         const size_t to = next->count++;
         float dir[3];
-        for (int c = 0; c < 3; c++) dir[c] = lane_turn(map->m[c], r->dir[0][k], r->dir[1][k], r->dir[2][k]);
+        for (int c = 0; c < 3; c++) dir[c] = lane_turn(map.m[c], r->dir[0][k], r->dir[1][k], r->dir[2][k]);
         const float t = w->t[k], cosine = -lane_dot(dir[0], dir[1], dir[2], p->up[0], p->up[1], p->up[2]);
         const float mirrored = mirrored_share(cosine < 1 ? cosine : 1),
                     left = s->haze > 0 ? lane_halved(s->haze * t) : 1;
         for (int c = 0; c < 3; c++) {
-            next->org[c][to] = c < 2 ? map->m[c][3] + t * dir[c] : s->water->level;
+            next->org[c][to] = c < 2 ? map.m[c][3] + t * dir[c] : s->water->level;
             next->dir[c][to] = c < 2 ? dir[c] : -dir[c];
             next->share[c][to] = left * mirrored;
             w->sum[c][r->pixel[k]] +=

@@ -7,14 +7,8 @@
  * triangle's is larger because a point within half a cell of the horizon may see neighbours at such distances. */
 static const float field_offset = 1e-3f, cylinder_offset = 5e-4f;
 
-/* A space's way to the world and back. */
-typedef struct space {
-    transform to_world;
-    double back[3][3]; /* inverse of the linear part */
-} space;
-
-static space space_of(const transform *to_world) {
-    space s = {.to_world = *to_world};
+static plan_space space_of(const transform *to_world) {
+    plan_space s = {.to_world = *to_world};
     transform inverse;
     transform_invert(to_world, &inverse); /* the parser refuses singular transforms */
     for (int r = 0; r < 3; r++)
@@ -22,7 +16,7 @@ static space space_of(const transform *to_world) {
     return s;
 }
 
-static space space_of_field(const heightfield *h) {
+static plan_space space_of_field(const heightfield *h) {
     transform cells = transform_identity();
     cells.m[0][0] = 1 / (double)(h->nx - 1);
     cells.m[1][1] = 1 / (double)(h->ny - 1);
@@ -31,18 +25,18 @@ static space space_of_field(const heightfield *h) {
 }
 
 /* A space's origin, in the world. */
-static void origin_of(const space *s, double out[3]) {
+static void origin_of(const plan_space *s, double out[3]) {
     for (int r = 0; r < 3; r++) out[r] = s->to_world.m[r][3];
 }
 
 /* A point of the world; the translation goes first, so that points far from the world's origin lose no digits. */
-static void into_space(const space *s, const double point[3], double out[3]) {
+static void into_space(const plan_space *s, const double point[3], double out[3]) {
     double from[3];
     for (int c = 0; c < 3; c++) from[c] = point[c] - s->to_world.m[c][3];
     for (int r = 0; r < 3; r++) out[r] = dot(s->back[r], from);
 }
 
-static plan_map map_between(const space *from, const space *to) {
+static plan_map map_between(const plan_space *from, const plan_space *to) {
     plan_map map;
     double begin[3], shift[3];
     origin_of(from, begin);
@@ -58,7 +52,10 @@ static plan_map map_between(const space *from, const space *to) {
     return map;
 }
 
-static plan_map map_identity(void) { return (plan_map){{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}}; }
+plan_map plan_map_to(const plan *p, size_t shape, size_t home) {
+    if (home == plan_home(shape)) return (plan_map){{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    return map_between(&p->spaces[home], &p->spaces[plan_home(shape)]);
+}
 
 static plan_metric products(double columns[3][3]) {
     static const int pair[6][2] = {{0, 0}, {1, 1}, {2, 2}, {1, 2}, {0, 2}, {0, 1}};
@@ -67,7 +64,7 @@ static plan_metric products(double columns[3][3]) {
     return m;
 }
 
-static plan_metric metric_of(const space *s) {
+static plan_metric metric_of(const plan_space *s) {
     double columns[3][3];
     for (int r = 0; r < 3; r++)
         for (int c = 0; c < 3; c++) columns[c][r] = s->to_world.m[r][c];
@@ -80,7 +77,7 @@ static bool sends(const material *m, size_t lights) {
     return m->colour[0] + m->colour[1] + m->colour[2] > 0;
 }
 
-static void describe_shape(plan_shape *shape, const plan *p, space *s) {
+static void describe_shape(plan_shape *shape, const plan *p, plan_space *s) {
     shape->metric = metric_of(s);
     shape->inverse = products(s->back);
     shape->sends = sends(shape->surface, p->light_count);
@@ -100,11 +97,12 @@ static void describe_shape(plan_shape *shape, const plan *p, space *s) {
         }
         shape->offset = cylinder_offset;
     }
-    for (size_t l = 0; l < p->light_count; l++) {
-        double place[3];
-        into_space(s, p->scene->lights[l].position, place);
-        for (int c = 0; c < 3; c++) shape->lights[l][c] = (float)place[c];
-    }
+}
+
+void plan_light(const plan *p, size_t shape, size_t light, float place[3]) {
+    double there[3];
+    into_space(&p->spaces[plan_home(shape)], p->scene->lights[light].position, there);
+    for (int c = 0; c < 3; c++) place[c] = (float)there[c];
 }
 
 /* ---- shapes that may hide a light -------------------------------------------------------------------------------- */
@@ -113,14 +111,14 @@ static void describe_shape(plan_shape *shape, const plan *p, space *s) {
  * rounding; the maps to it are in float. */
 static const double inside_margin = 1e-4;
 
-static bool is_inside(const space *round, const double world[3]) {
+static bool is_inside(const plan_space *round, const double world[3]) {
     double at[3];
     into_space(round, world, at);
     return at[0] * at[0] + at[1] * at[1] < (1 - inside_margin) * (1 - inside_margin);
 }
 
 /* Whether a shape lies inside of a cylinder. */
-static bool lies_within(const plan_shape *shape, const space *own, const space *round) {
+static bool lies_within(const plan_shape *shape, const plan_space *own, const plan_space *round) {
     for (int corner = 0; corner < 8; corner++) {
         double at[3], world[3];
         for (int k = 0; k < 3; k++) at[k] = (double)(corner >> k & 1 ? shape->high[k] : shape->low[k]);
@@ -130,42 +128,24 @@ static bool lies_within(const plan_shape *shape, const space *own, const space *
     return true;
 }
 
-/* Whether all rays from a home begin inside of a cylinder. */
-static bool begins_within(const plan *p, const space *spaces, size_t home, size_t behind) {
-    const space *round = &spaces[plan_home(behind)];
+bool plan_within(const plan *p, size_t behind, size_t home) {
+    const plan_space *round = &p->spaces[plan_home(behind)];
     if (p->general || home == plan_home(behind)) return false;
     if (home == PLAN_CAMERA) {
         double eye[3];
-        origin_of(&spaces[PLAN_CAMERA], eye);
+        origin_of(&p->spaces[PLAN_CAMERA], eye);
         return is_inside(round, eye);
     }
-    return lies_within(&p->shapes[home - 1], &spaces[home], round);
+    return lies_within(&p->shapes[home - 1], &p->spaces[home], round);
 }
 
 /* A cylinder's inside is convex: a segment with both ends in it stays there. */
-static bool may_block(const plan *p, const space *spaces, size_t light, size_t shape, size_t behind) {
-    const space *c = &spaces[plan_home(behind)];
-    if (!is_inside(c, p->scene->lights[light].position)) return true;
-    if (shape == behind) return false;
-    return p->general || !lies_within(&p->shapes[shape], &spaces[plan_home(shape)], c);
+bool plan_blocks(const plan *p, size_t light, size_t home, size_t behind) {
+    if (!is_inside(&p->spaces[plan_home(behind)], p->scene->lights[light].position)) return true;
+    return home != plan_home(behind) && !plan_within(p, behind, home);
 }
 
 /* ---- all together ------------------------------------------------------------------------------------------------ */
-
-static bool allocate(plan *p, space **spaces) {
-    const size_t shapes = p->shape_count, cylinders = shapes - p->field_count;
-    p->shapes = calloc(shapes + 1, sizeof *p->shapes);
-    p->maps = calloc((shapes + 1) * (shapes + 1), sizeof *p->maps);
-    p->within = calloc((shapes + 1) * (shapes + 1), sizeof *p->within);
-    p->blocks = calloc(p->light_count * shapes * cylinders + 1, sizeof *p->blocks);
-    *spaces = calloc(shapes + 1, sizeof **spaces);
-    bool good = p->shapes != NULL && p->maps != NULL && p->within != NULL && p->blocks != NULL && *spaces != NULL;
-    for (size_t k = 0; good && k < shapes; k++) {
-        p->shapes[k].lights = calloc(p->light_count + 1, sizeof *p->shapes[k].lights);
-        good = p->shapes[k].lights != NULL;
-    }
-    return good;
-}
 
 /* Mirrors and textures decide which values a path carries. */
 static void find_features(plan *p) {
@@ -185,30 +165,31 @@ static double half_pixel(const plan *p) {
     return tan(p->scene->field_of_view * (acos(-1) / 360)) / fmin((double)p->width, (double)p->height);
 }
 
-static void place_camera(plan *p, const space *spaces) {
+static void place_camera(plan *p) {
     const double width = (double)p->width, height = (double)p->height, reach = half_pixel(p);
     const float between = (float)(2 * reach / sqrt(p->samples));
-    p->camera_metric = metric_of(&spaces[PLAN_CAMERA]);
+    p->camera_metric = metric_of(&p->spaces[PLAN_CAMERA]);
     p->pixel = 2 * reach;
     p->corner[0] = -width * reach;
     p->corner[1] = height * reach;
-    for (size_t k = 0; k < p->shape_count; k++)
+    for (size_t k = 0; k < p->shape_count; k++) {
+        const plan_map map = plan_map_to(p, k, PLAN_CAMERA);
         for (int c = 0; c < 3; c++) {
-            const plan_map *map = plan_map_to(p, k, PLAN_CAMERA);
-            p->shapes[k].step[0][c] = map->m[c][0] * between;
-            p->shapes[k].step[1][c] = -map->m[c][1] * between;
+            p->shapes[k].step[0][c] = map.m[c][0] * between;
+            p->shapes[k].step[1][c] = -map.m[c][1] * between;
         }
+    }
 }
 
 /* Rays that water mirrors begin in the first field's space. */
-static void place_sky(plan *p, const space *spaces) {
+static void place_sky(plan *p) {
     const sky *s = p->scene->sky;
     for (int c = 0; c < 3; c++)
         for (int r = 0; r < 3; r++) {
             /* The camera's axes are orthogonal and one long. */
             double in_camera = 0;
             for (int k = 0; k < 3; k++)
-                in_camera += spaces[PLAN_CAMERA].back[r][k] * spaces[plan_home(0)].to_world.m[k][c];
+                in_camera += p->spaces[PLAN_CAMERA].back[r][k] * p->spaces[plan_home(0)].to_world.m[k][c];
             p->up[c] += (float)((double)s->up[r] * in_camera);
             p->sun[c] += (float)((double)s->sun[r] * in_camera);
         }
@@ -226,7 +207,7 @@ static double stretch(double m[3][3]) {
  * origin by 2^-24 of itself. Back in the camera's space that turns a ray by less than there · back · 2^-21 (1 +
  * farthest / nearest), where there and back are how far the maps between the two stretch, and farthest and nearest
  * are the corners. The room that is left around is four times as wide. */
-static void find_seen(plan_shape *shape, const space *camera, const space *own) {
+static void find_seen(plan_shape *shape, const plan_space *camera, const plan_space *own) {
     double there[3][3], back[3][3];
     for (int r = 0; r < 3; r++)
         for (int c = 0; c < 3; c++) {
@@ -277,50 +258,35 @@ bool plan_make(plan *p, const scene *s, const scene_render_options *options) {
                 .field_count = s->heightfield_count,
                 .light_count = s->light_count,
                 .general = options->general};
-    space *spaces = NULL;
-    if (!allocate(p, &spaces)) {
-        free(spaces);
+    p->shapes = calloc(p->shape_count + 1, sizeof *p->shapes);
+    p->spaces = calloc(p->shape_count + 1, sizeof *p->spaces);
+    if (p->shapes == NULL || p->spaces == NULL) {
         plan_free(p);
         return false;
     }
-    spaces[PLAN_CAMERA] = space_of(&s->camera_to_world);
+    p->spaces[PLAN_CAMERA] = space_of(&s->camera_to_world);
     for (size_t k = 0; k < p->shape_count; k++) {
         plan_shape *shape = &p->shapes[k];
+        plan_space *own = &p->spaces[plan_home(k)];
         if (k < p->field_count) {
             shape->field = &s->heightfields[k];
             shape->surface = &shape->field->surface;
-            spaces[plan_home(k)] = space_of_field(shape->field);
+            *own = space_of_field(shape->field);
         } else {
             shape->surface = &s->cylinders[k - p->field_count].surface;
-            spaces[plan_home(k)] = space_of(&s->cylinders[k - p->field_count].to_world);
+            *own = space_of(&s->cylinders[k - p->field_count].to_world);
         }
-        describe_shape(shape, p, &spaces[plan_home(k)]);
+        describe_shape(shape, p, own);
+        find_seen(shape, &p->spaces[PLAN_CAMERA], own);
     }
-    for (size_t k = 0; k < p->shape_count; k++)
-        for (size_t home = 0; home <= p->shape_count; home++)
-            p->maps[k * (p->shape_count + 1) + home] =
-                home == plan_home(k) ? map_identity() : map_between(&spaces[home], &spaces[plan_home(k)]);
-    for (size_t k = p->field_count; k < p->shape_count; k++)
-        for (size_t home = 0; home <= p->shape_count; home++)
-            p->within[k * (p->shape_count + 1) + home] = begins_within(p, spaces, home, k);
-    const size_t cylinders = p->shape_count - p->field_count;
-    for (size_t l = 0; l < p->light_count; l++)
-        for (size_t k = 0; k < p->shape_count; k++)
-            for (size_t c = 0; c < cylinders; c++)
-                p->blocks[(l * p->shape_count + k) * cylinders + c] = may_block(p, spaces, l, k, p->field_count + c);
-    for (size_t k = 0; k < p->shape_count; k++) find_seen(&p->shapes[k], &spaces[PLAN_CAMERA], &spaces[plan_home(k)]);
     find_features(p);
-    place_camera(p, spaces);
-    if (s->water != NULL) place_sky(p, spaces);
-    free(spaces);
+    place_camera(p);
+    if (s->water != NULL) place_sky(p);
     return true;
 }
 
 void plan_free(plan *p) {
-    for (size_t k = 0; p->shapes != NULL && k < p->shape_count; k++) free(p->shapes[k].lights);
     free(p->shapes);
-    free(p->maps);
-    free(p->within);
-    free(p->blocks);
+    free(p->spaces);
     *p = (plan){0};
 }

@@ -35,11 +35,16 @@ typedef struct plan_shape {
     float seen[2][2]; /* where the camera sees the box, at depth 1: the least x and y, and the most; or everywhere */
     /* Of the world's lengths of vectors and of covectors such as normals, both in this space. */
     plan_metric metric, inverse;
-    float offset;       /* a ray that starts here leaves out this share of the way to here */
-    float uv_scale[2];  /* of a field: u and v are x and y times these */
-    float step[2][3];   /* from one sample of the picture to the next, at depth 1 */
-    float (*lights)[3]; /* where they are */
+    float offset;      /* a ray that starts here leaves out this share of the way to here */
+    float uv_scale[2]; /* of a field: u and v are x and y times these */
+    float step[2][3];  /* from one sample of the picture to the next, at depth 1 */
 } plan_shape;
+
+/* A space's way to the world and back. */
+typedef struct plan_space {
+    transform to_world;
+    double back[3][3]; /* inverse of the linear part */
+} plan_space;
 
 typedef struct plan {
     const scene *scene;
@@ -50,9 +55,7 @@ typedef struct plan {
 
     size_t shape_count, field_count, light_count;
     plan_shape *shapes;
-    plan_map *maps; /* [shape * (shape_count + 1) + home] */
-    bool *within;   /* [shape * (shape_count + 1) + home]: all rays from home begin inside of this cylinder */
-    bool *blocks;   /* [(light * shape_count + home shape) * cylinders + cylinder]: may stand between the two */
+    plan_space *spaces; /* [home] */
 
     plan_metric camera_metric;
     double corner[2], pixel; /* the picture's upper left corner and a pixel's side, at depth 1 */
@@ -70,8 +73,16 @@ typedef struct plan {
 bool plan_make(plan *p, const scene *s, const scene_render_options *options);
 void plan_free(plan *p);
 
-static inline const plan_map *plan_map_to(const plan *p, size_t shape, size_t home) {
-    return &p->maps[shape * (p->shape_count + 1) + home];
-}
+/* Found for each wave anew: tables of them for n shapes would hold n² items. */
+plan_map plan_map_to(const plan *p, size_t shape, size_t home);
+
+/* A light's place in the space of a shape. */
+void plan_light(const plan *p, size_t shape, size_t light, float place[3]);
+
+/* Whether all rays from home begin inside of this cylinder. */
+bool plan_within(const plan *p, size_t cylinder, size_t home);
+
+/* Whether this cylinder may stand between the light and a home that is a shape. */
+bool plan_blocks(const plan *p, size_t light, size_t home, size_t cylinder);
 
 #endif

@@ -58,14 +58,14 @@ static void spread_on_surface(wave *w, const wave_rays *r, size_t home, const pl
             spread_camera(s, shape, depth, false);
         return;
     }
-    const plan_map *map = plan_map_to(w->plan, (size_t)(shape - w->plan->shapes), home);
+    const plan_map map = plan_map_to(w->plan, (size_t)(shape - w->plan->shapes), home);
     const wave_spread *spread = r->spread;
     for (int a = 0; a < 2; a++) {
         const float *in[3];
         fetch_vector(s, in_a_row, spread->dir[a], s->in, in);
-        turn_vectors(map, in[0], in[1], in[2], wave_whole(s->n), s->apart_dir[a]);
+        turn_vectors(&map, in[0], in[1], in[2], wave_whole(s->n), s->apart_dir[a]);
         fetch_vector(s, in_a_row, spread->org[a], s->in, in);
-        turn_vectors(map, in[0], in[1], in[2], wave_whole(s->n), s->apart[a]);
+        turn_vectors(&map, in[0], in[1], in[2], wave_whole(s->n), s->apart[a]);
     }
     for (size_t k = 0; k < wave_whole(s->n); k++) {
         const float way = s->t[k], facing = by_facing(s, k);
@@ -144,7 +144,9 @@ static void send_light(wave *w, const wave_rays *r, const plan_shape *shape, siz
     wave_strip *s = &w->strip;
     wave_shadows *to = &w->shadows[light];
     const size_t count = to->count;
-    const float *place = shape->lights[light], lx = place[0], ly = place[1], lz = place[2], offset = shape->offset;
+    float place[3];
+    plan_light(w->plan, (size_t)(shape - w->plan->shapes), light, place);
+    const float lx = place[0], ly = place[1], lz = place[2], offset = shape->offset;
     const float *intensity = w->plan->scene->lights[light].intensity;
     const float ir = intensity[0], ig = intensity[1], ib = intensity[2];
     float g[6], inverse[6];

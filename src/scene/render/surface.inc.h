@@ -49,23 +49,21 @@ LANE_INLINE void turn_vectors(const plan_map *map, const float *restrict x, cons
 /* The rays that came, and for a cylinder where they ended and its normals, which are (x, y, 0). */
 static void arrive(wave *w, const wave_rays *r, size_t home, size_t shape, bool turns, bool in_a_row) {
     wave_strip *s = &w->strip;
-    const plan_map *map = plan_map_to(w->plan, shape, home);
-    float m[3][4];
-    memcpy(m, map->m, sizeof m);
+    const plan_map map = plan_map_to(w->plan, shape, home);
     const float *in[3];
     fetch_vector(s, in_a_row, r->dir, s->in, in);
-    turn_vectors(map, in[0], in[1], in[2], wave_whole(s->n), s->dir);
+    turn_vectors(&map, in[0], in[1], in[2], wave_whole(s->n), s->dir);
     copy(s, in_a_row, w->t, s->t);
     if (w->plan->shapes[shape].field != NULL) return;
 
     if (home == PLAN_CAMERA) {
         for (int c = 0; c < 3; c++)
-            for (size_t k = 0; k < wave_whole(s->n); k++) s->at[c][k] = m[c][3] + s->t[k] * s->dir[c][k];
+            for (size_t k = 0; k < wave_whole(s->n); k++) s->at[c][k] = map.m[c][3] + s->t[k] * s->dir[c][k];
     } else {
         fetch_vector(s, in_a_row, r->org, s->in, in);
         for (size_t k = 0; k < wave_whole(s->n); k++)
             for (int c = 0; c < 3; c++)
-                s->at[c][k] = lane_move(m[c], in[0][k], in[1][k], in[2][k]) + s->t[k] * s->dir[c][k];
+                s->at[c][k] = lane_move(map.m[c], in[0][k], in[1][k], in[2][k]) + s->t[k] * s->dir[c][k];
     }
     for (size_t k = 0; k < wave_whole(s->n); k++) {
         s->flat[0][k] = s->normal[0][k] = s->at[0][k];

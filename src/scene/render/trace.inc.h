@@ -180,13 +180,13 @@ static passing camera_passes(const wave *w, size_t f) {
         low[1] > shape->seen[1][1])
         return NONE_PASS;
     if (!w->open) return SOME_PASS; /* rays may have ended before they come to the box */
-    const plan_map *map = plan_map_to(p, f, PLAN_CAMERA);
+    const plan_map map = plan_map_to(p, f, PLAN_CAMERA);
     moved m;
     for (int k = 0; k < WAVE_LANES; k++) {
         const float x = k & 1 ? high[0] : low[0], y = k & 2 ? high[1] : low[1];
         for (int c = 0; c < 3; c++) {
-            m.org[c][k] = map->m[c][3];
-            m.dir[c][k] = lane_turn(map->m[c], x, y, 1);
+            m.org[c][k] = map.m[c][3];
+            m.dir[c][k] = lane_turn(map.m[c], x, y, 1);
         }
         m.tmin[k] = 0;
         m.tmax[k] = INFINITY;
@@ -199,10 +199,10 @@ static passing camera_passes(const wave *w, size_t f) {
 LANE_INLINE size_t ask_closest(wave *w, const wave_rays *r, const wave_segment *g, size_t f, size_t asked, origin from,
                                passing before) {
     const plan *p = w->plan;
-    const plan_map *map = plan_map_to(p, f, g->home);
+    const plan_map map = plan_map_to(p, f, g->home);
     for (size_t first = g->begin; first < g->end; first += WAVE_LANES) {
         moved m;
-        move_rays(map, from, w->t, r, first, &m);
+        move_rays(&map, from, w->t, r, first, &m);
         if (before == ALL_PASS) {
             asked = ask_all(w, asked, &m, first, g->end - first);
             continue;
@@ -298,11 +298,11 @@ LANE_INLINE float cylinder_t(float ox, float oy, float oz, float dx, float dy, f
 
 LANE_INLINE void meet_cylinder(wave *w, const wave_rays *r, const wave_segment *g, size_t shape, origin from,
                                bool within) {
-    const plan_map *map = plan_map_to(w->plan, shape, g->home);
+    const plan_map map = plan_map_to(w->plan, shape, g->home);
     for (size_t first = g->begin; first < g->end; first += WAVE_LANES) {
         moved m;
         float found[WAVE_LANES];
-        move_rays(map, from, w->t, r, first, &m);
+        move_rays(&map, from, w->t, r, first, &m);
         for (int k = 0; k < WAVE_LANES; k++)
             found[k] = cylinder_t(m.org[0][k], m.org[1][k], m.org[2][k], m.dir[0][k], m.dir[1][k], m.dir[2][k],
                                   m.tmin[k], m.tmax[k], within);
@@ -319,7 +319,7 @@ LANE_INLINE void meet_cylinder(wave *w, const wave_rays *r, const wave_segment *
 static void closest_on_cylinder(wave *w, const wave_rays *r, size_t shape) {
     for (size_t s = 0; s < r->segment_count; s++) {
         const wave_segment *g = &r->segments[s];
-        const bool within = w->plan->within[shape * (w->plan->shape_count + 1) + g->home];
+        const bool within = plan_within(w->plan, shape, g->home);
         if (g->home == PLAN_CAMERA && within)
             meet_cylinder(w, r, g, shape, FROM_CAMERA, true);
         else if (g->home == PLAN_CAMERA)
@@ -352,10 +352,10 @@ static void trace_paths(wave *w, const wave_rays *r) {
 LANE_INLINE size_t ask_any(wave *w, const wave_shadows *s, const wave_segment *g, const float *light, size_t f,
                            size_t asked, origin from) {
     const plan *p = w->plan;
-    const plan_map *map = plan_map_to(p, f, g->home);
+    const plan_map map = plan_map_to(p, f, g->home);
     for (size_t first = g->begin; first < g->end; first += WAVE_LANES) {
         moved m;
-        move_shadows(map, from, light, s, first, &m);
+        move_shadows(&map, from, light, s, first, &m);
         const size_t rays = g->end - first;
         /* Paths that begin on the field begin in its box. */
         const bool all = from == FROM_HERE || p->general;
@@ -377,7 +377,8 @@ LANE_INLINE size_t ask_any(wave *w, const wave_shadows *s, const wave_segment *g
 }
 
 static void hide_by_field(wave *w, const wave_shadows *s, size_t light, size_t f) {
-    const float *place = w->plan->shapes[f].lights[light];
+    float place[3];
+    plan_light(w->plan, f, light, place);
     size_t asked = 0;
     for (size_t k = 0; k < s->segment_count; k++) {
         const wave_segment *g = &s->segments[k];
@@ -401,16 +402,17 @@ static void hide_by_field(wave *w, const wave_shadows *s, size_t light, size_t f
 /* Segments with both ends inside of a cylinder stay there. */
 static void hide_by_cylinder(wave *w, const wave_shadows *s, size_t light, size_t shape) {
     const plan *p = w->plan;
-    const size_t cylinders = p->shape_count - p->field_count;
     for (size_t k = 0; k < s->segment_count; k++) {
         const wave_segment *g = &s->segments[k];
-        if (!p->blocks[(light * p->shape_count + g->home - 1) * cylinders + shape - p->field_count]) continue;
-        const float *end = p->shapes[shape].lights[light];
+        if (!plan_blocks(p, light, g->home, shape)) continue;
+        const plan_map map = plan_map_to(p, shape, g->home);
+        float end[3];
+        plan_light(p, shape, light, end);
         const int32_t light_inside = end[0] * end[0] + end[1] * end[1] < 1;
         for (size_t first = g->begin; first < g->end; first += WAVE_LANES) {
             moved m;
             int32_t hides[WAVE_LANES];
-            move_shadows(plan_map_to(p, shape, g->home), FROM_ELSEWHERE, end, s, first, &m);
+            move_shadows(&map, FROM_ELSEWHERE, end, s, first, &m);
             for (int q = 0; q < WAVE_LANES; q++) {
                 const float x = m.org[0][q] + m.tmin[q] * m.dir[0][q], y = m.org[1][q] + m.tmin[q] * m.dir[1][q];
                 const float t = cylinder_t(m.org[0][q], m.org[1][q], m.org[2][q], m.dir[0][q], m.dir[1][q], m.dir[2][q],
