@@ -45,11 +45,13 @@ endfunction()
 #   RUNS target     the program that the test starts, as CELLWALK_PROGRAM
 #   AFTER target…   what else has to be built first
 #   DEFINES a=b…    for its sources
-#   KERNELS share   its outcome may depend on which kernels the machine has. So it gets the label kernels, and runs again as
-#                   NAME_avx512_emulated (emulated.cmake) with one ray in that many where it makes rays by the number; 0: not
-#   SECONDS n       roughly, if it is long: the longest start first
+#   KERNELS share   its outcome may depend on which kernels the machine has. So it gets the label kernels, and a twin
+#                   NAME_avx512_emulated (emulated.cmake) with one ray in that many where it makes rays by the number; 0: none
+#   TWIN            the twin is built and run with all others, under the label emulated. Other twins have the label long, which only
+#                   the preset long builds and runs
+#   SECONDS n       of CPU time, if it is long: the longest start first
 function(cellwalk_test folder name)
-    cmake_parse_arguments(PARSE_ARGV 2 row "" "RUNS;KERNELS;SECONDS" "SOURCES;LINKS;NEEDS;AFTER;DEFINES")
+    cmake_parse_arguments(PARSE_ARGV 2 row "TWIN" "RUNS;KERNELS;SECONDS" "SOURCES;LINKS;NEEDS;AFTER;DEFINES")
     if(row_UNPARSED_ARGUMENTS OR NOT row_SOURCES)
         message(FATAL_ERROR "${name}: ${row_UNPARSED_ARGUMENTS} is none of a row's words, or sources are missing")
     endif()
@@ -72,8 +74,26 @@ function(cellwalk_test folder name)
             endif()
             cellwalk_add_program(${twin} "${row_RUNS}" cellwalk_emulated ${row_LINKS})
             set_tests_properties(${twin} PROPERTIES ENVIRONMENT CELLWALK_TEST_DIVIDE=${row_KERNELS} LABELS emulated)
+            if(NOT row_TWIN)
+                set_tests_properties(${twin} PROPERTIES LABELS long)
+                set_target_properties(test_${twin} PROPERTIES EXCLUDE_FROM_ALL ON)
+                add_dependencies(long test_${twin})
+            endif()
         endif()
     endif()
+endfunction()
+
+# What only the preset long runs.
+add_custom_target(long)
+
+# The tests of the preset quick.
+function(cellwalk_quick)
+    foreach(name IN LISTS ARGN)
+        if(NOT TEST ${name})
+            message(FATAL_ERROR "there is no test ${name}")
+        endif()
+        set_property(TEST ${name} APPEND PROPERTY LABELS quick)
+    endforeach()
 endfunction()
 
 # Takes the row from cellwalk_test.
