@@ -49,7 +49,7 @@ static bool open_stage(workload *w, io_error *error) {
     stage *s = w->own = memory(1, sizeof *s);
     fprintf(stderr, "scene %s\n", w->item);
     snprintf(file, sizeof file, "%s/%s.pbrt", w->options->scenes, w->item);
-    s->scene = scene_load(file, 1, NULL, NULL, error);
+    s->scene = scene_load(file, NULL, NULL, error);
     if (s->scene == NULL) return false;
     s->field_count = scene_field_count(s->scene);
     if (s->field_count > FIELDS_MAX) return io_fail(error, "%s: more than %d height fields", file, FIELDS_MAX);

@@ -23,24 +23,23 @@ void scene_free(scene *s) {
     free(s);
 }
 
-static scene *load(const char *path, bool fields_only, unsigned threads, scene_warn_fn *warn, void *warn_context,
-                   io_error *error) {
+static scene *load(const char *path, bool fields_only, scene_warn_fn *warn, void *warn_context, io_error *error) {
     scene *s = calloc(1, sizeof *s);
     if (s == NULL) {
         io_fail(error, "%s: out of memory", path);
         return NULL;
     }
-    if (pbrt_parse(path, fields_only, threads, s, warn, warn_context, error)) return s;
+    if (pbrt_parse(path, fields_only, s, warn, warn_context, error)) return s;
     scene_free(s);
     return NULL;
 }
 
-scene *scene_load(const char *path, unsigned threads, scene_warn_fn *warn, void *warn_context, io_error *error) {
-    return load(path, false, threads, warn, warn_context, error);
+scene *scene_load(const char *path, scene_warn_fn *warn, void *warn_context, io_error *error) {
+    return load(path, false, warn, warn_context, error);
 }
 
 cw_field *scene_load_heightfield(const char *path, const cw_run *run, io_error *error) {
-    scene *s = load(path, true, 1, NULL, NULL, error);
+    scene *s = load(path, true, NULL, NULL, error);
     if (s == NULL) return NULL;
     cw_field *field = NULL;
     if (s->heightfield_count != 1) {

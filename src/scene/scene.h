@@ -12,10 +12,9 @@
 typedef struct scene scene;
 
 /* Reads a scene with all that it includes. NULL on failure, with file, line and directive in error. Directives that were
- * skipped because they change neither geometry nor light are told to warn, which may be NULL. Images are read by a second
- * thread meanwhile, unless threads is 1 or, being 0, finds one CPU alone. */
+ * skipped because they change neither geometry nor light are told to warn, which may be NULL. */
 typedef void scene_warn_fn(void *context, const char *message);
-scene *scene_load(const char *path, unsigned threads, scene_warn_fn *warn, void *warn_context, io_error *error);
+scene *scene_load(const char *path, scene_warn_fn *warn, void *warn_context, io_error *error);
 void scene_free(scene *s);
 
 /* The height field of a file that holds exactly one, with or without a scene around it: the samples as written, field

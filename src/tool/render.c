@@ -138,7 +138,7 @@ static int render_to_file(const render_command *c, const char *path, scene *s, c
 static int render_scene(const render_command *c, const char *path, const cw_run *query) {
     io_error error;
     const double start = clock_seconds();
-    scene *s = scene_load(path, c->query.threads, c->quiet ? NULL : warn, NULL, &error);
+    scene *s = scene_load(path, c->quiet ? NULL : warn, NULL, &error);
     if (s == NULL) return command_fail(name, "%s", error.text);
     const int status = render_to_file(c, path, s, query, start);
     scene_free(s);

@@ -20,7 +20,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
         size -= length + (end != NULL);
     }
     io_error error;
-    scene_free(scene_load(names[0], 2, pass_over, NULL, &error));
+    scene_free(scene_load(names[0], pass_over, NULL, &error));
     cw_field_destroy(scene_load_heightfield(names[0], NULL, &error));
     memory_done();
     return 0;

@@ -54,7 +54,7 @@ enum { BOUNDS_COUNT = sizeof bounds / sizeof bounds[0] };
 static int render(void) {
     io_error error = {""};
     io_image image;
-    scene *s = scene_load("flood.pbrt", 1, NULL, NULL, &error);
+    scene *s = scene_load("flood.pbrt", NULL, NULL, &error);
     if (s == NULL || !scene_render(s, &(scene_render_options){.threads = 1}, &image, NULL, &error)) return 1;
     scene_free(s);
     return 0;

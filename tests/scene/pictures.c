@@ -12,7 +12,7 @@
 scene *pictures_load(const char *text) {
     io_error error = {""};
     scratch_write("scene.pbrt", text, strlen(text));
-    scene *s = scene_load("scene.pbrt", 2, NULL, NULL, &error);
+    scene *s = scene_load("scene.pbrt", NULL, NULL, &error);
     check(s != NULL, "%s", error.text);
     return s;
 }

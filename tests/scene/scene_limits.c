@@ -26,7 +26,7 @@ static void write_text(const char *name, const char *text) { scratch_write(name,
 
 static void check_refused(const char *path, const char *part) {
     io_error error = {""};
-    scene *s = scene_load(path, 2, NULL, NULL, &error);
+    scene *s = scene_load(path, NULL, NULL, &error);
     check(s == NULL, "%s was read, which should fail with '%s'", path, part);
     check(strstr(error.text, part) != NULL, "'%s' instead of '%s'", error.text, part);
 }
@@ -94,7 +94,7 @@ static void images_are_read_once(void **state) {
                 k);
     fputs("WorldEnd\n", file);
     fclose(file);
-    scene *s = scene_load("a.pbrt", 2, NULL, NULL, &error);
+    scene *s = scene_load("a.pbrt", NULL, NULL, &error);
     check(s != NULL, "%s", error.text);
     assert_int_equal(s->heightfield_count, TEXTURES);
     assert_int_equal(s->texture_count, 2);
@@ -109,7 +109,7 @@ static void films_are_bounded(void **state) {
     write_text("a.pbrt",
                "Film \"image\" \"integer xresolution\" 16384 \"integer yresolution\" 16384\n" HEAD "WorldEnd\n");
     io_error error = {""};
-    scene *s = scene_load("a.pbrt", 2, NULL, NULL, &error);
+    scene *s = scene_load("a.pbrt", NULL, NULL, &error);
     check(s != NULL, "%s", error.text);
     scene_free(s);
 }
@@ -169,7 +169,7 @@ static void warnings_end(void **state) {
     fclose(file);
     warnings w = {0};
     io_error error = {""};
-    assert_null(scene_load("a.pbrt", 2, note, &w, &error));
+    assert_null(scene_load("a.pbrt", note, &w, &error));
     assert_int_equal(w.count, 101);
     check(strstr(w.last, "further warnings") != NULL, "%s", w.last);
     check(strstr(error.text, "a.pbrt:40004: Material: ") != NULL, "%s", error.text);

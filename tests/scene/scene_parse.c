@@ -190,7 +190,7 @@ static const struct {
 
 static void load_fails(const char *path, const char *message) {
     io_error error = {""};
-    scene *s = scene_load(path, 2, NULL, NULL, &error);
+    scene *s = scene_load(path, NULL, NULL, &error);
     check(s == NULL, "%s was read; it should fail with %s", path, message);
     check(strncmp(error.text, path, strlen(path)) == 0 &&
               strncmp(error.text + strlen(path), message, strlen(message)) == 0,
@@ -216,7 +216,7 @@ static void cut_files_are_refused(void **state) {
         memcpy(part, text, n);
         part[n] = '\0';
         io_error error = {""};
-        scene *s = scene_load(written("cut.pbrt", part), 2, NULL, NULL, &error);
+        scene *s = scene_load(written("cut.pbrt", part), NULL, NULL, &error);
         check((s != NULL) == (n == sizeof text - 1), "%zu characters: %s", n, s ? "read" : error.text);
         scene_free(s);
     }
@@ -228,7 +228,7 @@ static void includes_are_followed_and_not_in_circles(void **state) {
     written("plain.pbrt", PLAIN);
     const char *good = written("good.pbrt", HEAD "Include \"plain.pbrt\"\nInclude \"plain.pbrt\"\nWorldEnd\n");
     io_error error = {""};
-    scene *s = scene_load(good, 2, NULL, NULL, &error);
+    scene *s = scene_load(good, NULL, NULL, &error);
     check(s != NULL && scene_field_count(s) == 2, "%s", error.text);
     scene_free(s);
 
@@ -243,14 +243,14 @@ static void includes_are_followed_and_not_in_circles(void **state) {
     /* In a circle of two the mistake is found in the second. */
     const char *first = written("first.pbrt", HEAD "Include \"second.pbrt\"\n");
     const char *second = written("second.pbrt", "\nInclude \"./first.pbrt\"\n");
-    s = scene_load(first, 2, NULL, NULL, &error);
+    s = scene_load(first, NULL, NULL, &error);
     snprintf(message, sizeof message, "%s:2: Include: ", second);
     check(s == NULL && strncmp(error.text, message, strlen(message)) == 0, "message: %s", error.text);
 
     /* Names are relative to the folder of the first file. */
     check(mkdir("folder", 0777) == 0, "cannot make a folder");
     written("folder/part.pbrt", PLAIN);
-    s = scene_load(written("folder/whole.pbrt", HEAD "Include \"part.pbrt\"\nWorldEnd"), 2, NULL, NULL, &error);
+    s = scene_load(written("folder/whole.pbrt", HEAD "Include \"part.pbrt\"\nWorldEnd"), NULL, NULL, &error);
     check(s != NULL && scene_field_count(s) == 1, "%s", error.text);
     scene_free(s);
 
@@ -261,12 +261,12 @@ static void includes_are_followed_and_not_in_circles(void **state) {
         snprintf(text, sizeof text, "Include \"chain%d.pbrt\"\n", k + 1);
         written(name, text);
     }
-    s = scene_load("chain0.pbrt", 2, NULL, NULL, &error);
+    s = scene_load("chain0.pbrt", NULL, NULL, &error);
     check(s == NULL && strstr(error.text, ":1: Include: too many levels") != NULL, "message: %s", error.text);
 
     /* A mistake in an included file is named with that file. */
     const char *wrong = written("wrong.pbrt", "Translate 1\n2\nz");
-    s = scene_load(written("includer.pbrt", HEAD "Include \"wrong.pbrt\"\nWorldEnd"), 2, NULL, NULL, &error);
+    s = scene_load(written("includer.pbrt", HEAD "Include \"wrong.pbrt\"\nWorldEnd"), NULL, NULL, &error);
     snprintf(message, sizeof message, "%s:3: Translate: ", wrong);
     check(s == NULL && strncmp(error.text, message, strlen(message)) == 0, "message: %s", error.text);
 }
@@ -285,12 +285,12 @@ static void unreadable_images_are_named(void **state) {
     /* An image that no shape needs is not read. */
     snprintf(file, sizeof file, text, "gone.exr", "");
     io_error error = {""};
-    scene *s = scene_load(written("unused.pbrt", file), 2, NULL, NULL, &error);
+    scene *s = scene_load(written("unused.pbrt", file), NULL, NULL, &error);
     check(s != NULL, "%s", error.text);
     scene_free(s);
 }
 
-/* What stands first in the file is told, whether images are read meanwhile or not. */
+/* What stands first in the file is told. */
 static void the_first_error_is_told(void **state) {
     (void)state;
     static const char text[] = HEAD "Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"%s\"\n"
@@ -310,17 +310,14 @@ static void the_first_error_is_told(void **state) {
     io_error error = {""};
     check(io_image_write("good.exr", &(io_image){.width = 2, .height = 2, .rgb = rgb}, &error), "%s", error.text);
     written("broken.exr", "v/1");
-    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++)
-        for (unsigned threads = 0; threads < 3; threads++) {
-            char file[1024];
-            snprintf(file, sizeof file, text, cases[k].first, cases[k].second, cases[k].line);
-            scene *s = scene_load(written("first.pbrt", file), threads, NULL, NULL, &error);
-            check((s != NULL) == (cases[k].message == NULL), "case %zu, %u threads: %s", k, threads,
-                  s ? "read" : error.text);
-            check(s != NULL || strstr(error.text, cases[k].message), "case %zu, %u threads: %s", k, threads,
-                  error.text);
-            scene_free(s);
-        }
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        char file[1024];
+        snprintf(file, sizeof file, text, cases[k].first, cases[k].second, cases[k].line);
+        scene *s = scene_load(written("first.pbrt", file), NULL, NULL, &error);
+        check((s != NULL) == (cases[k].message == NULL), "case %zu: %s", k, s ? "read" : error.text);
+        check(s != NULL || strstr(error.text, cases[k].message), "case %zu: %s", k, error.text);
+        scene_free(s);
+    }
 }
 
 static void count_warning(void *context, const char *message) {
@@ -337,7 +334,7 @@ static void what_changes_nothing_is_a_warning(void **state) {
                              "Sampler \"lowdiscrepancy\" \"integer pixelsamples\" [3]\n" HEAD "WorldEnd\n");
     int warnings = 0;
     io_error error = {""};
-    scene *s = scene_load(path, 2, count_warning, &warnings, &error);
+    scene *s = scene_load(path, count_warning, &warnings, &error);
     check(s != NULL, "%s", error.text);
     check(warnings == 3, "%d warnings", warnings);
     check(scene_width(s) == 12 && scene_height(s) == 480, "%zu x %zu", scene_width(s), scene_height(s));

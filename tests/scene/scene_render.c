@@ -389,7 +389,7 @@ static void the_six_scenes_render(void **state) {
         char path[4096];
         io_error error = {""};
         snprintf(path, sizeof path, "%s/%s.pbrt", SCENES, scenes[k].name);
-        scene *s = scene_load(path, 2, NULL, NULL, &error);
+        scene *s = scene_load(path, NULL, NULL, &error);
         check(s != NULL, "%s", error.text);
         check(scene_width(s) == scenes[k].side && scene_height(s) == scenes[k].side, "%s: size", path);
         check(scene_field_count(s) == scenes[k].fields, "%s: %zu fields", path, scene_field_count(s));

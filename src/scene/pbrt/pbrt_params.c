@@ -6,13 +6,37 @@
 #include <stdlib.h>
 #include <string.h>
 
-bool pbrt_fail(pbrt_source *s, size_t offset, const char *directive, io_error *error, const char *format, ...) {
+static bool fail(const pbrt_site *site, size_t offset, io_error *error, const char *format, va_list arguments) {
     char text[256];
+    vsnprintf(text, sizeof text, format, arguments);
+    return io_fail(error, "%s:%zu: %s%s%s", site->source->path, pbrt_line(site->source, offset), site->name,
+                   site->name[0] ? ": " : "", text);
+}
+
+bool pbrt_fail(const pbrt_site *site, io_error *error, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
+    fail(site, site->offset, error, format, arguments);
     va_end(arguments);
-    return io_fail(error, "%s:%zu: %s%s%s", s->path, pbrt_line(s, offset), directive, directive[0] ? ": " : "", text);
+    return false;
+}
+
+bool pbrt_fail_at(const pbrt_site *site, size_t offset, io_error *error, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    fail(site, offset, error, format, arguments);
+    va_end(arguments);
+    return false;
+}
+
+char *pbrt_read_string(const pbrt_site *site, io_error *error) {
+    const pbrt_token token = pbrt_next(site->source);
+    char *text = token.kind == PBRT_STRING ? strndup(token.start, token.length) : NULL;
+    if (token.kind != PBRT_STRING)
+        pbrt_fail_at(site, token.offset, error, "%s", token.kind == PBRT_BAD ? token.problem : "a string is expected");
+    else if (text == NULL)
+        pbrt_fail(site, error, "out of memory");
+    return text;
 }
 
 /* Splits "float Pz" into type and name. */
@@ -39,30 +63,29 @@ static bool make_room(pbrt_param *param, size_t *capacity) {
 /* Takes one value into the parameter; all of a list must be of one kind. */
 static bool take_value(pbrt_params *params, pbrt_param *param, const pbrt_token *token, size_t *capacity,
                        io_error *error) {
-    pbrt_source *s = params->source;
+    const pbrt_site *site = &params->site;
     if (token->kind == PBRT_STRING && param->floats == NULL) {
         if (param->count++ > 0) return true;
         param->text = strndup(token->start, token->length);
-        return param->text != NULL || pbrt_fail(s, token->offset, params->directive, error, "out of memory");
+        return param->text != NULL || pbrt_fail_at(site, token->offset, error, "out of memory");
     }
     if (token->kind == PBRT_NUMBER && param->text == NULL) {
         const float value = pbrt_float(token);
         if (!isfinite(value))
-            return pbrt_fail(s, token->offset, params->directive, error, "\"%s\": %.*s is too large for a float",
-                             param->name, (int)(token->length < 40 ? token->length : 40), token->start);
+            return pbrt_fail_at(site, token->offset, error, "\"%s\": %.*s is too large for a float", param->name,
+                                (int)(token->length < 40 ? token->length : 40), token->start);
         if (param->count == 0) param->first = token->number;
-        if (!make_room(param, capacity)) return pbrt_fail(s, token->offset, params->directive, error, "out of memory");
+        if (!make_room(param, capacity)) return pbrt_fail_at(site, token->offset, error, "out of memory");
         param->floats[param->count++] = value;
         return true;
     }
     if (token->kind == PBRT_BAD)
-        return pbrt_fail(s, token->offset, params->directive, error, "\"%s\": %s", param->name, token->problem);
+        return pbrt_fail_at(site, token->offset, error, "\"%s\": %s", param->name, token->problem);
     if (token->kind == PBRT_END)
-        return pbrt_fail(s, token->offset, params->directive, error, "\"%s\": the file ends within its values",
-                         param->name);
-    return pbrt_fail(s, token->offset, params->directive, error, "\"%s\": value %zu is not a %s but %.*s", param->name,
-                     param->count + 1, param->text ? "string" : "number",
-                     (int)(token->length < 40 ? token->length : 40), token->start);
+        return pbrt_fail_at(site, token->offset, error, "\"%s\": the file ends within its values", param->name);
+    return pbrt_fail_at(site, token->offset, error, "\"%s\": value %zu is not a %s but %.*s", param->name,
+                        param->count + 1, param->text ? "string" : "number",
+                        (int)(token->length < 40 ? token->length : 40), token->start);
 }
 
 static bool read_values(pbrt_params *params, pbrt_param *param, pbrt_source *s, io_error *error) {
@@ -81,31 +104,38 @@ static bool read_values(pbrt_params *params, pbrt_param *param, pbrt_source *s, 
     return true;
 }
 
-bool pbrt_params_read(pbrt_params *params, pbrt_source *s, const char *directive, io_error *error) {
-    params->source = s;
-    params->directive = directive;
+bool pbrt_params_read(pbrt_params *params, const pbrt_site *site, io_error *error) {
+    pbrt_source *s = site->source;
+    params->site = *site;
     params->count = 0;
     for (;;) {
         const size_t before = s->at;
         const pbrt_token token = pbrt_next(s);
-        if (token.kind == PBRT_BAD) return pbrt_fail(s, token.offset, directive, error, "%s", token.problem);
+        if (token.kind == PBRT_BAD) return pbrt_fail_at(site, token.offset, error, "%s", token.problem);
         if (token.kind != PBRT_STRING) {
             s->at = before;
             return true;
         }
-        if (params->count == PBRT_PARAMS_MAX)
-            return pbrt_fail(s, token.offset, directive, error, "too many parameters");
+        if (params->count == PBRT_PARAMS_MAX) return pbrt_fail_at(site, token.offset, error, "too many parameters");
         pbrt_param *param = &params->list[params->count];
         *param = (pbrt_param){.offset = token.offset};
         if (!declare(param, &token))
-            return pbrt_fail(s, token.offset, directive, error, "\"%.*s\" is no parameter: \"type name\" is expected",
-                             (int)(token.length < 40 ? token.length : 40), token.start);
+            return pbrt_fail_at(site, token.offset, error, "\"%.*s\" is no parameter: \"type name\" is expected",
+                                (int)(token.length < 40 ? token.length : 40), token.start);
         params->count++;
         for (int k = 0; k + 1 < params->count; k++)
             if (strcmp(params->list[k].name, param->name) == 0 && strcmp(params->list[k].type, param->type) == 0)
-                return pbrt_fail(s, token.offset, directive, error, "\"%s\" is given twice", param->name);
+                return pbrt_fail_at(site, token.offset, error, "\"%s\" is given twice", param->name);
         if (!read_values(params, param, s, error)) return false;
     }
+}
+
+bool pbrt_class_read(pbrt_params *params, const pbrt_site *site, const char *class, io_error *error) {
+    params->class = pbrt_read_string(site, error);
+    if (params->class == NULL) return false;
+    if (class != NULL && strcmp(params->class, class) != 0)
+        return pbrt_fail(site, error, "\"%s\" is not supported, only \"%s\" is", params->class, class);
+    return pbrt_params_read(params, site, error);
 }
 
 void pbrt_params_free(pbrt_params *params) {
@@ -114,6 +144,7 @@ void pbrt_params_free(pbrt_params *params) {
         free(params->list[k].text);
     }
     params->count = 0;
+    free(params->class);
 }
 
 pbrt_param *pbrt_param_find(pbrt_params *params, const char *type, const char *name) {
@@ -127,8 +158,8 @@ pbrt_param *pbrt_param_find(pbrt_params *params, const char *type, const char *n
 }
 
 static bool wrong(const pbrt_params *params, const pbrt_param *param, io_error *error, const char *expected) {
-    return pbrt_fail(params->source, param->offset, params->directive, error, "\"%s %s\" must be %s", param->type,
-                     param->name, expected);
+    return pbrt_fail_at(&params->site, param->offset, error, "\"%s %s\" must be %s", param->type, param->name,
+                        expected);
 }
 
 bool pbrt_param_integer(pbrt_params *params, const char *name, long low, long high, long *value, io_error *error) {
@@ -171,7 +202,7 @@ bool pbrt_param_string(pbrt_params *params, const char *type, const char *name, 
 bool pbrt_params_all_used(const pbrt_params *params, io_error *error) {
     for (int k = 0; k < params->count; k++)
         if (!params->list[k].used)
-            return pbrt_fail(params->source, params->list[k].offset, params->directive, error,
-                             "parameter \"%s %s\" is not supported", params->list[k].type, params->list[k].name);
+            return pbrt_fail_at(&params->site, params->list[k].offset, error, "parameter \"%s %s\" is not supported",
+                                params->list[k].type, params->list[k].name);
     return true;
 }

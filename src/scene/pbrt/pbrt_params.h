@@ -5,6 +5,13 @@
 
 #include "pbrt_lex.h"
 
+/* The directive being read: what messages name. */
+typedef struct pbrt_site {
+    pbrt_source *source;
+    size_t offset;
+    const char *name; /* Shape "cylinder" */
+} pbrt_site;
+
 typedef struct pbrt_param {
     char type[16], name[32];
     size_t offset;
@@ -18,18 +25,23 @@ typedef struct pbrt_param {
 enum { PBRT_PARAMS_MAX = 32 };
 
 typedef struct pbrt_params {
-    pbrt_source *source;
-    const char *directive; /* for messages: Shape "cylinder" */
+    pbrt_site site;
+    char *class; /* the string before them, if there was one */
     pbrt_param list[PBRT_PARAMS_MAX];
     int count;
 } pbrt_params;
 
-/* "file:line: directive: …"; returns false. */
-__attribute__((format(printf, 5, 6))) bool pbrt_fail(pbrt_source *s, size_t offset, const char *directive,
-                                                     io_error *error, const char *format, ...);
+/* "file:line: directive: …", at the directive or at another place; returns false. */
+__attribute__((format(printf, 3, 4))) bool pbrt_fail(const pbrt_site *site, io_error *error, const char *format, ...);
+__attribute__((format(printf, 4, 5))) bool pbrt_fail_at(const pbrt_site *site, size_t offset, io_error *error,
+                                                        const char *format, ...);
 
+/* Reads the string that follows a directive. The caller frees it; NULL on failure. */
+char *pbrt_read_string(const pbrt_site *site, io_error *error);
 /* Reads until something else than a parameter follows. On failure, too, pbrt_params_free is due. */
-bool pbrt_params_read(pbrt_params *params, pbrt_source *s, const char *directive, io_error *error);
+bool pbrt_params_read(pbrt_params *params, const pbrt_site *site, io_error *error);
+/* The same, after a class, which must be the one given unless that is NULL. */
+bool pbrt_class_read(pbrt_params *params, const pbrt_site *site, const char *class, io_error *error);
 void pbrt_params_free(pbrt_params *params);
 
 /* NULL if absent; else it counts as used. */

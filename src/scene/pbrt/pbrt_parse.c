@@ -12,42 +12,26 @@
 
 static bool parse_file(pbrt_state *p, const char *path, io_error *error);
 
-static bool fail_at(const pbrt_site *site, io_error *error, const char *text) {
-    return pbrt_fail(site->source, site->offset, site->name, error, "%s", text);
-}
-
-static void warn_at(pbrt_state *p, pbrt_source *s, size_t offset, const char *name, const char *text) {
+static void warn_at(pbrt_state *p, const pbrt_site *site, size_t offset, const char *text) {
     if (p->warn == NULL || p->warnings > PBRT_WARNINGS_MAX) return;
     io_error message;
     if (p->warnings++ < PBRT_WARNINGS_MAX)
-        pbrt_fail(s, offset, name, &message, "%s", text);
+        pbrt_fail_at(site, offset, &message, "%s", text);
     else
         io_fail(&message, "further warnings are not printed");
     p->warn(p->warn_context, message.text);
-}
-
-char *pbrt_read_string(const pbrt_site *site, io_error *error) {
-    const pbrt_token token = pbrt_next(site->source);
-    if (token.kind != PBRT_STRING) {
-        pbrt_fail(site->source, token.offset, site->name, error, "%s",
-                  token.kind == PBRT_BAD ? token.problem : "a string is expected");
-        return NULL;
-    }
-    char *text = strndup(token.start, token.length);
-    if (text == NULL) fail_at(site, error, "out of memory");
-    return text;
 }
 
 static bool read_numbers(const pbrt_site *site, int count, double *numbers, io_error *error) {
     for (int k = 0; k < count; k++) {
         const pbrt_token token = pbrt_next(site->source);
         if (token.kind != PBRT_NUMBER)
-            return pbrt_fail(site->source, token.offset, site->name, error, "%s: number %d of %d is expected",
-                             token.kind == PBRT_BAD   ? token.problem
-                             : token.kind == PBRT_END ? "the file ends"
-                                                      : "not a number",
-                             k + 1, count);
-        if (!isfinite(token.number)) return fail_at(site, error, "a number is too large");
+            return pbrt_fail_at(site, token.offset, error, "%s: number %d of %d is expected",
+                                token.kind == PBRT_BAD   ? token.problem
+                                : token.kind == PBRT_END ? "the file ends"
+                                                         : "not a number",
+                                k + 1, count);
+        if (!isfinite(token.number)) return pbrt_fail(site, error, "a number is too large");
         numbers[k] = token.number;
     }
     return true;
@@ -89,7 +73,7 @@ static bool rotate(pbrt_state *p, const pbrt_site *site, io_error *error) {
     double n[4];
     if (!read_numbers(site, 4, n, error)) return false;
     double *axis = n + 1;
-    if (!(dot(axis, axis) > 0)) return fail_at(site, error, "the axis has no length");
+    if (!(dot(axis, axis) > 0)) return pbrt_fail(site, error, "the axis has no length");
     normalise(axis);
     const double angle = n[0] * (acos(-1) / 180), c = cos(angle), s = sin(angle);
     const double turn[3][3] = {{0, -axis[2], axis[1]}, {axis[2], 0, -axis[0]}, {-axis[1], axis[0], 0}};
@@ -116,7 +100,7 @@ static bool look_at(pbrt_state *p, const pbrt_site *site, io_error *error) {
         camera.m[r][3] = n[r];
     }
     if (!transform_invert(&camera, &world))
-        return fail_at(site, error, "eye and target coincide, or the up vector lies along the view");
+        return pbrt_fail(site, error, "eye and target coincide, or the up vector lies along the view");
     return apply(p, &world);
 }
 
@@ -125,78 +109,61 @@ static bool coord_sys_transform(pbrt_state *p, const pbrt_site *site, io_error *
     if (name == NULL) return false;
     const bool camera = strcmp(name, "camera") == 0;
     free(name);
-    if (!camera) return fail_at(site, error, "only \"camera\" is supported");
-    if (!p->camera) return fail_at(site, error, "no Camera has been set");
+    if (!camera) return pbrt_fail(site, error, "only \"camera\" is supported");
+    if (!p->camera) return pbrt_fail(site, error, "no Camera has been set");
     p->attributes.current = p->scene->camera_to_world;
     return true;
 }
 
 /* ---- before the world -------------------------------------------------------------------------------------------- */
 
-/* Reads a class name, which must be the one given unless that is NULL, and parameters. */
-static bool read_class(const pbrt_site *site, const char *class, char **name, pbrt_params *params, io_error *error) {
-    *name = pbrt_read_string(site, error);
-    if (*name == NULL) return false;
-    if (class != NULL && strcmp(*name, class) != 0)
-        return pbrt_fail(site->source, site->offset, site->name, error, "\"%s\" is not supported, only \"%s\" is",
-                         *name, class);
-    return pbrt_params_read(params, site->source, site->name, error);
-}
-
 static bool film(pbrt_state *p, const pbrt_site *site, io_error *error) {
     enum { SIDE_MAX = 65536 };
-    char *class;
     pbrt_params params = {.count = 0};
     long width = 640, height = 480;
     const char *filename = NULL; /* not used: the program's option says where to write */
-    bool good = read_class(site, "image", &class, &params, error) &&
+    bool good = pbrt_class_read(&params, site, "image", error) &&
                 pbrt_param_integer(&params, "xresolution", 1, SIDE_MAX, &width, error) &&
                 pbrt_param_integer(&params, "yresolution", 1, SIDE_MAX, &height, error) &&
                 pbrt_param_string(&params, "string", "filename", &filename, error);
     if (good && width > IO_IMAGE_PIXELS_MAX / height)
-        good = pbrt_fail(site->source, site->offset, site->name, error, "%ld x %ld pixels are more than %d", width,
-                         height, IO_IMAGE_PIXELS_MAX);
+        good = pbrt_fail(site, error, "%ld x %ld pixels are more than %d", width, height, IO_IMAGE_PIXELS_MAX);
     const pbrt_param *display = good ? pbrt_param_find(&params, "bool", "display") : NULL;
-    if (display != NULL) warn_at(p, site->source, display->offset, site->name, "\"bool display\" is skipped");
+    if (display != NULL) warn_at(p, site, display->offset, "\"bool display\" is skipped");
     good = good && pbrt_params_all_used(&params, error);
     if (good) {
         p->scene->width = (size_t)width;
         p->scene->height = (size_t)height;
     }
     pbrt_params_free(&params);
-    free(class);
     return good;
 }
 
 /* Of any sampler only the number of samples counts: patterns differ in noise alone. */
 static bool sampler(pbrt_state *p, const pbrt_site *site, io_error *error) {
     enum { SAMPLES_MAX = 65536 };
-    char *class;
     pbrt_params params = {.count = 0};
     long samples = 4;
-    const bool good = read_class(site, NULL, &class, &params, error) &&
+    const bool good = pbrt_class_read(&params, site, NULL, error) &&
                       pbrt_param_integer(&params, "pixelsamples", 1, SAMPLES_MAX, &samples, error) &&
                       pbrt_params_all_used(&params, error);
-    if (good && strcmp(class, "bestcandidate") != 0)
-        warn_at(p, site->source, site->offset, site->name, "only the number of samples is taken from it");
+    if (good && strcmp(params.class, "bestcandidate") != 0)
+        warn_at(p, site, site->offset, "only the number of samples is taken from it");
     if (good) p->scene->samples = (unsigned)samples;
     pbrt_params_free(&params);
-    free(class);
     return good;
 }
 
 static bool camera(pbrt_state *p, const pbrt_site *site, io_error *error) {
-    char *class;
     pbrt_params params = {.count = 0};
     double degrees = 90;
-    bool good = read_class(site, "perspective", &class, &params, error) &&
+    bool good = pbrt_class_read(&params, site, "perspective", error) &&
                 pbrt_param_float(&params, "fov", &degrees, error) && pbrt_params_all_used(&params, error);
     pbrt_params_free(&params);
-    free(class);
     if (good && !(degrees > 0 && degrees < 180))
-        good = fail_at(site, error, "\"float fov\" must lie between 0 and 180 degrees");
+        good = pbrt_fail(site, error, "\"float fov\" must lie between 0 and 180 degrees");
     if (good && !transform_invert(&p->attributes.current, &p->scene->camera_to_world))
-        good = fail_at(site, error, "the current transform cannot be inverted");
+        good = pbrt_fail(site, error, "the current transform cannot be inverted");
     if (!good) return false;
     p->scene->field_of_view = degrees;
     p->camera = true;
@@ -204,39 +171,37 @@ static bool camera(pbrt_state *p, const pbrt_site *site, io_error *error) {
 }
 
 static bool skip(pbrt_state *p, const pbrt_site *site, io_error *error) {
-    char *class;
     pbrt_params params = {.count = 0};
-    const bool good = read_class(site, NULL, &class, &params, error);
-    if (good) warn_at(p, site->source, site->offset, site->name, "skipped; it changes neither geometry nor light");
+    const bool good = pbrt_class_read(&params, site, NULL, error);
+    if (good) warn_at(p, site, site->offset, "skipped; it changes neither geometry nor light");
     pbrt_params_free(&params);
-    free(class);
     return good;
 }
 
 /* ---- structure --------------------------------------------------------------------------------------------------- */
 
 static bool world_begin(pbrt_state *p, const pbrt_site *site, io_error *error) {
-    if (!p->camera && !p->fields_only) return fail_at(site, error, "no Camera has been set");
+    if (!p->camera && !p->fields_only) return pbrt_fail(site, error, "no Camera has been set");
     p->world = true;
     p->attributes.current = transform_identity();
     return true;
 }
 
 static bool world_end(pbrt_state *p, const pbrt_site *site, io_error *error) {
-    if (p->depth > 0) return fail_at(site, error, "an AttributeBegin has no AttributeEnd");
+    if (p->depth > 0) return pbrt_fail(site, error, "an AttributeBegin has no AttributeEnd");
     p->world = false;
     p->ended = true;
     return true;
 }
 
 static bool attribute_begin(pbrt_state *p, const pbrt_site *site, io_error *error) {
-    if (p->depth == PBRT_DEPTH_MAX) return fail_at(site, error, "too many levels");
+    if (p->depth == PBRT_DEPTH_MAX) return pbrt_fail(site, error, "too many levels");
     p->saved[p->depth++] = p->attributes;
     return true;
 }
 
 static bool attribute_end(pbrt_state *p, const pbrt_site *site, io_error *error) {
-    if (p->depth == 0) return fail_at(site, error, "there is no AttributeBegin for it");
+    if (p->depth == 0) return pbrt_fail(site, error, "there is no AttributeBegin for it");
     p->attributes = p->saved[--p->depth];
     return true;
 }
@@ -246,21 +211,18 @@ static bool include(pbrt_state *p, const pbrt_site *site, io_error *error) {
     if (name == NULL) return false;
     char *path = pbrt_resolve(p, name);
     free(name);
-    if (path == NULL) return fail_at(site, error, "out of memory");
+    if (path == NULL) return pbrt_fail(site, error, "out of memory");
     struct stat status;
     bool good = true;
-    if (stat(path, &status) != 0)
-        good = pbrt_fail(site->source, site->offset, site->name, error, "%s: cannot read: %s", path, strerror(errno));
+    if (stat(path, &status) != 0) good = pbrt_fail(site, error, "%s: cannot read: %s", path, strerror(errno));
     for (int k = 0; good && k < p->open_count; k++)
         if (p->open[k].device == status.st_dev && p->open[k].inode == status.st_ino)
-            good = pbrt_fail(site->source, site->offset, site->name, error, "%s includes itself", path);
-    if (good && p->open_count == PBRT_INCLUDE_MAX) good = fail_at(site, error, "too many levels");
+            good = pbrt_fail(site, error, "%s includes itself", path);
+    if (good && p->open_count == PBRT_INCLUDE_MAX) good = pbrt_fail(site, error, "too many levels");
     if (good && p->files == PBRT_FILES_MAX)
-        good =
-            pbrt_fail(site->source, site->offset, site->name, error, "more than %d files are included", PBRT_FILES_MAX);
+        good = pbrt_fail(site, error, "more than %d files are included", PBRT_FILES_MAX);
     if (good && p->bytes + (uint64_t)status.st_size > pbrt_bytes_max)
-        good = pbrt_fail(site->source, site->offset, site->name, error, "more than %llu bytes are included",
-                         (unsigned long long)pbrt_bytes_max);
+        good = pbrt_fail(site, error, "more than %llu bytes are included", (unsigned long long)pbrt_bytes_max);
     good = good && parse_file(p, path, error);
     free(path);
     return good;
@@ -297,20 +259,20 @@ static const struct directive {
 static bool run_directive(pbrt_state *p, pbrt_source *s, const pbrt_token *token, io_error *error) {
     char name[41];
     snprintf(name, sizeof name, "%.*s", (int)(token->length < 40 ? token->length : 40), token->start);
+    pbrt_site site = {s, token->offset, name};
     if (token->kind != PBRT_WORD)
-        return pbrt_fail(s, token->offset, name, error, "%s",
-                         token->kind == PBRT_BAD ? token->problem : "a directive is expected");
+        return pbrt_fail(&site, error, "%s", token->kind == PBRT_BAD ? token->problem : "a directive is expected");
     for (size_t k = 0; k < sizeof directives / sizeof directives[0]; k++) {
         const struct directive *d = &directives[k];
         if (strcmp(d->name, name) != 0) continue;
-        const pbrt_site site = {s, token->offset, d->name};
-        if (p->ended) return fail_at(&site, error, "nothing may follow WorldEnd");
+        site.name = d->name;
+        if (p->ended) return pbrt_fail(&site, error, "nothing may follow WorldEnd");
         if (!(d->where & (p->world ? INSIDE : OUTSIDE)) && !(p->fields_only && d->run == pbrt_shape))
-            return fail_at(&site, error,
-                           p->world ? "it must stand before WorldBegin" : "it must stand after WorldBegin");
+            return pbrt_fail(&site, error,
+                             p->world ? "it must stand before WorldBegin" : "it must stand after WorldBegin");
         return d->run(p, &site, error);
     }
-    return pbrt_fail(s, token->offset, name, error, "this directive is not supported");
+    return pbrt_fail(&site, error, "this directive is not supported");
 }
 
 static bool parse_file(pbrt_state *p, const char *path, io_error *error) {
@@ -331,13 +293,12 @@ static bool parse_file(pbrt_state *p, const char *path, io_error *error) {
     return good;
 }
 
-bool pbrt_parse(const char *path, bool fields_only, unsigned threads, scene *s, scene_warn_fn *warn, void *warn_context,
+bool pbrt_parse(const char *path, bool fields_only, scene *s, scene_warn_fn *warn, void *warn_context,
                 io_error *error) {
     pbrt_state *p = calloc(1, sizeof *p);
     if (p == NULL) return io_fail(error, "%s: out of memory", path);
     p->scene = s;
     p->fields_only = fields_only;
-    pbrt_images_begin(&p->images, threads);
     p->warn = warn;
     p->warn_context = warn_context;
     p->attributes = (pbrt_attributes){
@@ -351,7 +312,6 @@ bool pbrt_parse(const char *path, bool fields_only, unsigned threads, scene *s, 
     bool good = p->directory != NULL || io_fail(error, "%s: out of memory", path);
     good = good && parse_file(p, path, error);
     if (good && !fields_only && !p->ended) good = io_fail(error, "%s: the file ends without WorldEnd", path);
-    good = pbrt_images_end(&p->images, error) && good;
 
     for (int k = 0; k < p->texture_capacity; k++) {
         free(p->textures[k].name);
@@ -359,6 +319,7 @@ bool pbrt_parse(const char *path, bool fields_only, unsigned threads, scene *s, 
         free(p->textures[k].place);
     }
     free(p->textures);
+    free(p->images);
     free(p->directory);
     free(p);
     return good;

@@ -6,9 +6,8 @@
 #include "model.h"
 
 /* Fills s, which is all zero, from the file and all that it includes. With fields_only, height fields may stand outside
- * of a world, stay in field space, and no image is read. threads as in scene_load. On failure s may hold parts, which are the
+ * of a world, stay in field space, and no image is read. On failure s may hold parts, which are the
  * caller's to free. */
-bool pbrt_parse(const char *path, bool fields_only, unsigned threads, scene *s, scene_warn_fn *warn, void *warn_context,
-                io_error *error);
+bool pbrt_parse(const char *path, bool fields_only, scene *s, scene_warn_fn *warn, void *warn_context, io_error *error);
 
 #endif

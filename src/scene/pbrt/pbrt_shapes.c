@@ -5,13 +5,12 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 /* array with room for one more element of this size, or NULL. */
 static void *grown(void *array, size_t count, size_t size) { return realloc(array, (count + 1) * size); }
 
-static bool no_memory(const pbrt_site *site, io_error *error) {
-    return pbrt_fail(site->source, site->offset, site->name, error, "out of memory");
-}
+static bool no_memory(const pbrt_site *site, io_error *error) { return pbrt_fail(site, error, "out of memory"); }
 
 /* ---- Texture and Material ----------------------------------------------------------------------------------------- */
 
@@ -22,12 +21,11 @@ bool pbrt_texture_define(pbrt_state *p, const pbrt_site *site, io_error *error) 
     bool good = true;
     for (int k = 0; k < 3 && good; k++) good = (word[k] = pbrt_read_string(site, error)) != NULL;
     if (good && (strcmp(word[1], "color") != 0 || strcmp(word[2], "imagemap") != 0))
-        good = pbrt_fail(site->source, site->offset, site->name, error,
-                         "\"%s\" \"%s\" is not supported, only \"color\" \"imagemap\" is", word[1], word[2]);
-    good = good && pbrt_params_read(&params, site->source, site->name, error) &&
+        good =
+            pbrt_fail(site, error, "\"%s\" \"%s\" is not supported, only \"color\" \"imagemap\" is", word[1], word[2]);
+    good = good && pbrt_params_read(&params, site, error) &&
            pbrt_param_string(&params, "string", "filename", &filename, error) && pbrt_params_all_used(&params, error);
-    if (good && filename == NULL)
-        good = pbrt_fail(site->source, site->offset, site->name, error, "\"string filename\" is missing");
+    if (good && filename == NULL) good = pbrt_fail(site, error, "\"string filename\" is missing");
 
     pbrt_attributes *a = &p->attributes;
     if (good && a->texture_count == p->texture_capacity) {
@@ -62,28 +60,26 @@ static bool use_texture(pbrt_state *p, const pbrt_site *site, const char *name, 
             p->attributes.image = k;
             return true;
         }
-    return pbrt_fail(site->source, site->offset, site->name, error, "texture \"%s\" is not defined", name);
+    return pbrt_fail(site, error, "texture \"%s\" is not defined", name);
 }
 
-static bool read_material(pbrt_state *p, const pbrt_site *site, const char *class, pbrt_params *params,
-                          io_error *error) {
+static bool read_material(pbrt_state *p, const pbrt_site *site, pbrt_params *params, io_error *error) {
     pbrt_attributes *a = &p->attributes;
     const char *image = NULL;
     double sigma = 0;
     a->image = -1;
-    if (strcmp(class, "matte") == 0) {
+    if (strcmp(params->class, "matte") == 0) {
         a->surface = (material){.kind = MATTE, .colour = {0.5f, 0.5f, 0.5f}};
         if (!pbrt_param_colour(params, "Kd", a->surface.colour, error) ||
             !pbrt_param_string(params, "texture", "Kd", &image, error) ||
             !pbrt_param_float(params, "sigma", &sigma, error))
             return false;
-        if (sigma != 0) return pbrt_fail(site->source, site->offset, site->name, error, "\"sigma\" must be 0");
-    } else if (strcmp(class, "mirror") == 0) {
+        if (sigma != 0) return pbrt_fail(site, error, "\"sigma\" must be 0");
+    } else if (strcmp(params->class, "mirror") == 0) {
         a->surface = (material){.kind = MIRROR, .colour = {0.9f, 0.9f, 0.9f}};
         if (!pbrt_param_colour(params, "Kr", a->surface.colour, error)) return false;
     } else {
-        return pbrt_fail(site->source, site->offset, site->name, error,
-                         "\"%s\" is not supported, only \"matte\" and \"mirror\" are", class);
+        return pbrt_fail(site, error, "\"%s\" is not supported, only \"matte\" and \"mirror\" are", params->class);
     }
     for (int c = 0; c < 3; c++)
         if (a->surface.colour[c] < 0) a->surface.colour[c] = 0;
@@ -92,24 +88,43 @@ static bool read_material(pbrt_state *p, const pbrt_site *site, const char *clas
 }
 
 bool pbrt_material(pbrt_state *p, const pbrt_site *site, io_error *error) {
-    char *class = pbrt_read_string(site, error);
-    if (class == NULL) return false;
     pbrt_params params = {.count = 0};
-    const bool good =
-        pbrt_params_read(&params, site->source, site->name, error) && read_material(p, site, class, &params, error);
+    const bool good = pbrt_class_read(&params, site, NULL, error) && read_material(p, site, &params, error);
     pbrt_params_free(&params);
-    free(class);
     return good;
 }
 
-/* An image that no other directive has needed before. */
+/* Reads a file that no other directive has needed before; else it is the scene's already. */
 static bool read_image(pbrt_state *p, const pbrt_site *site, const pbrt_texture *t, texture **out, io_error *error) {
-    texture **more = grown(p->scene->textures, p->scene->texture_count, sizeof *more);
+    struct stat about = {0};
+    stat(t->path, &about); /* a missing file fails when it is read */
+    const size_t count = p->scene->texture_count;
+    for (size_t k = 0; k < count; k++)
+        if (p->images[k].device == about.st_dev && p->images[k].inode == about.st_ino) {
+            *out = p->images[k].image;
+            return true;
+        }
+    texture **more = grown(p->scene->textures, count, sizeof *more);
     if (more != NULL) p->scene->textures = more;
-    *out = more != NULL ? texture_new() : NULL;
-    if (*out == NULL) return no_memory(site, error);
-    p->scene->textures[p->scene->texture_count++] = *out;
-    return pbrt_images_read(&p->images, t->path, t->place, *out, error);
+    pbrt_image *images = grown(p->images, count, sizeof *images);
+    if (images != NULL) p->images = images;
+    texture *new = more != NULL &&images != NULL ? texture_new() : NULL;
+    if (new == NULL) return no_memory(site, error);
+    more[p->scene->texture_count++] = new; /* from here on the scene frees it */
+    images[count] = (pbrt_image){about.st_dev, about.st_ino, new};
+
+    io_image image;
+    io_error why;
+    if (!io_image_read_halves(t->path, &image, &why)) return io_fail(error, "%s: Texture: %s", t->place, why.text);
+    const size_t pixels = image.width * image.height;
+    bool good = pixels <= IO_IMAGE_PIXELS_MAX - p->pixels ||
+                io_fail(error, "%s: Texture: the scene's images have more than %d pixels in all", t->place,
+                        IO_IMAGE_PIXELS_MAX);
+    if (good && !texture_fill(new, &image)) good = io_fail(error, "%s: Texture: out of memory", t->place);
+    if (!good) io_image_free(&image);
+    p->pixels += pixels;
+    *out = new;
+    return good;
 }
 
 /* The current material for a shape; this is where its image is needed. */
@@ -117,7 +132,6 @@ static bool surface(pbrt_state *p, const pbrt_site *site, material *out, io_erro
     *out = p->attributes.surface;
     if (p->attributes.image < 0 || p->fields_only) return true;
     pbrt_texture *t = &p->textures[p->attributes.image];
-    if (t->image == NULL) t->image = pbrt_images_find(&p->images, t->path);
     if (t->image == NULL && !read_image(p, site, t, &t->image, error)) return false;
     out->image = t->image;
     return true;
@@ -139,7 +153,7 @@ static bool create_field(const pbrt_state *p, const pbrt_site *site, heightfield
         memcpy(desc.map, map.m, sizeof desc.map);
     }
     const cw_status status = cw_field_create(&desc, NULL, &h->field);
-    return status == CW_OK || pbrt_fail(site->source, site->offset, site->name, error, "%s", cw_last_error());
+    return status == CW_OK || pbrt_fail(site, error, "%s", cw_last_error());
 }
 
 static bool add_heightfield(pbrt_state *p, const pbrt_site *site, pbrt_params *params, io_error *error) {
@@ -149,14 +163,13 @@ static bool add_heightfield(pbrt_state *p, const pbrt_site *site, pbrt_params *p
         return false;
     pbrt_param *z = pbrt_param_find(params, "float", "Pz");
     if (nu == 0 || nv == 0 || z == NULL || z->floats == NULL)
-        return pbrt_fail(site->source, site->offset, site->name, error, "%s is missing",
+        return pbrt_fail(site, error, "%s is missing",
                          nu == 0   ? "\"integer nu\""
                          : nv == 0 ? "\"integer nv\""
                                    : "\"float Pz\" with numbers");
     if (z->count != (size_t)nu * (size_t)nv)
-        return pbrt_fail(site->source, z->offset, site->name, error,
-                         "\"float Pz\" has %zu values; nu %ld times nv %ld are %zu", z->count, nu, nv,
-                         (size_t)nu * (size_t)nv);
+        return pbrt_fail_at(site, z->offset, error, "\"float Pz\" has %zu values; nu %ld times nv %ld are %zu",
+                            z->count, nu, nv, (size_t)nu * (size_t)nv);
     if (!pbrt_params_all_used(params, error)) return false;
 
     heightfield *more = grown(p->scene->heightfields, p->scene->heightfield_count, sizeof *more);
@@ -176,7 +189,7 @@ static bool add_cylinder(pbrt_state *p, const pbrt_site *site, pbrt_params *para
     cylinder c = {.to_world = p->attributes.current};
     transform to_object;
     if (!transform_invert(&c.to_world, &to_object))
-        return pbrt_fail(site->source, site->offset, site->name, error, "the current transform cannot be inverted");
+        return pbrt_fail(site, error, "the current transform cannot be inverted");
     if (!surface(p, site, &c.surface, error)) return false;
     cylinder *more = grown(p->scene->cylinders, p->scene->cylinder_count, sizeof *more);
     if (more == NULL) return no_memory(site, error);
@@ -194,10 +207,9 @@ bool pbrt_shape(pbrt_state *p, const pbrt_site *site, io_error *error) {
     pbrt_params params = {.count = 0};
     bool good;
     if (strcmp(class, "heightfield") != 0 && strcmp(class, "cylinder") != 0)
-        good = pbrt_fail(site->source, site->offset, site->name, error,
-                         "\"%s\" is not supported, only \"heightfield\" and \"cylinder\" are", class);
+        good = pbrt_fail(site, error, "\"%s\" is not supported, only \"heightfield\" and \"cylinder\" are", class);
     else
-        good = pbrt_params_read(&params, site->source, name, error) &&
+        good = pbrt_params_read(&params, &shape, error) &&
                (class[0] == 'h' ? add_heightfield(p, &shape, &params, error) : add_cylinder(p, &shape, &params, error));
     pbrt_params_free(&params);
     free(class);
@@ -207,16 +219,11 @@ bool pbrt_shape(pbrt_state *p, const pbrt_site *site, io_error *error) {
 /* ---- LightSource -------------------------------------------------------------------------------------------------- */
 
 bool pbrt_light(pbrt_state *p, const pbrt_site *site, io_error *error) {
-    char *class = pbrt_read_string(site, error);
-    if (class == NULL) return false;
     pbrt_params params = {.count = 0};
     point_light light = {.intensity = {1, 1, 1}};
-    bool good = strcmp(class, "point") == 0 || pbrt_fail(site->source, site->offset, site->name, error,
-                                                         "\"%s\" is not supported, only \"point\" is", class);
-    good = good && pbrt_params_read(&params, site->source, site->name, error) &&
-           pbrt_param_colour(&params, "I", light.intensity, error) && pbrt_params_all_used(&params, error);
+    const bool good = pbrt_class_read(&params, site, "point", error) &&
+                      pbrt_param_colour(&params, "I", light.intensity, error) && pbrt_params_all_used(&params, error);
     pbrt_params_free(&params);
-    free(class);
     if (!good) return false;
     transform_point(&p->attributes.current, (double[3]){0, 0, 0}, light.position);
     point_light *more = grown(p->scene->lights, p->scene->light_count, sizeof *more);

@@ -4,7 +4,6 @@
 #define CELLWALK_SCENE_PBRT_STATE_H
 
 #include "model.h"
-#include "pbrt_images.h"
 #include "pbrt_params.h"
 
 #include <sys/types.h>
@@ -15,6 +14,13 @@ typedef struct pbrt_texture {
     char *place; /* "file:line" */
     texture *image;
 } pbrt_texture;
+
+/* A file's image, however many Texture directives name it. */
+typedef struct pbrt_image {
+    dev_t device;
+    ino_t inode;
+    texture *image; /* the scene's */
+} pbrt_image;
 
 /* Limits on levels of includes, and on all that a scene reads: a file that includes two others, which include two
  * others… would never end. */
@@ -49,24 +55,16 @@ typedef struct pbrt_state {
     int depth;
     pbrt_texture *textures;
     int texture_capacity;
-    pbrt_images images;
+    pbrt_image *images; /* as many as the scene has textures */
+    size_t pixels;      /* of all of them */
     bool camera, world, ended;
 } pbrt_state;
-
-/* The directive being read. */
-typedef struct pbrt_site {
-    pbrt_source *source;
-    size_t offset;
-    const char *name;
-} pbrt_site;
 
 typedef bool pbrt_directive_fn(pbrt_state *p, const pbrt_site *site, io_error *error);
 
 /* pbrt_shapes.c: directives that put something into the world. */
 pbrt_directive_fn pbrt_shape, pbrt_light, pbrt_material, pbrt_texture_define;
 
-/* Reads the string that follows a directive. The caller frees it; NULL on failure. */
-char *pbrt_read_string(const pbrt_site *site, io_error *error);
 /* name relative to the scene's directory; the caller frees it; NULL when out of memory. */
 char *pbrt_resolve(const pbrt_state *p, const char *name);
 
