@@ -59,54 +59,21 @@ float pbrt_float(const pbrt_token *token) {
     return number_read_float(token->start, NULL);
 }
 
+static const char *skip_digits(const char *p) {
+    while (is_digit(*p)) p++;
+    return p;
+}
+
 const char *pbrt_number(const char *text, double *number) {
-    const char *p = text;
-    const bool negative = *p == '-';
-    if (*p == '-' || *p == '+') p++;
-    /* number = mantissa · 10^exponent unless a digit beyond the 18th was dropped */
-    const uint64_t full = 100000000000000000;
-    uint64_t mantissa = 0;
-    long exponent = 0;
-    bool any = false, dropped = false;
-    for (; is_digit(*p); p++) {
-        any = true;
-        if (mantissa < full) {
-            mantissa = mantissa * 10 + (uint64_t)(*p - '0');
-        } else {
-            exponent++;
-            dropped = true;
-        }
-    }
-    if (*p == '.')
-        for (p++; is_digit(*p); p++) {
-            any = true;
-            if (mantissa < full) {
-                mantissa = mantissa * 10 + (uint64_t)(*p - '0');
-                exponent--;
-            } else {
-                dropped = true;
-            }
-        }
-    if (!any) return NULL;
+    const char *start = text + (*text == '-' || *text == '+'), *point = skip_digits(start), *p = point;
+    if (*p == '.') p = skip_digits(p + 1);
+    if (p - start == (*point == '.')) return NULL; /* no digit */
     if (*p == 'e' || *p == 'E') {
-        const char *q = p + 1;
-        const bool below = *q == '-';
-        if (*q == '-' || *q == '+') q++;
-        if (!is_digit(*q)) return NULL;
-        long power = 0;
-        for (; is_digit(*q); q++)
-            if (power < 100000) power = power * 10 + (*q - '0');
-        exponent += below ? -power : power;
-        p = q;
+        p += p[1] == '-' || p[1] == '+' ? 2 : 1;
+        if (!is_digit(*p)) return NULL;
+        p = skip_digits(p);
     }
-    /* Mantissa and power of ten are exact in double, so that their product or quotient is rounded once. */
-    if (!dropped && mantissa <= exact_in_double && exponent >= -22 && exponent <= 22) {
-        const double m = (double)mantissa;
-        const double size = exponent < 0 ? m / power_of_ten[-exponent] : m * power_of_ten[exponent];
-        *number = negative ? -size : size;
-    } else {
-        *number = number_read(text, NULL);
-    }
+    *number = number_read(text, NULL);
     return p;
 }
 
@@ -163,22 +130,8 @@ static pbrt_token bad(pbrt_token token, const char *problem) {
     return token;
 }
 
-static bool ends_token(char c) {
-    switch (c) {
-    case '\0':
-    case ' ':
-    case '\n':
-    case '\t':
-    case '\r':
-    case '[':
-    case ']':
-    case '"':
-    case '#':
-        return true;
-    default:
-        return false;
-    }
-}
+/* The text's NUL does, too. */
+static bool ends_token(char c) { return strchr(" \n\t\r[]\"#", c) != NULL; }
 
 pbrt_token pbrt_next(pbrt_source *s) {
     skip_blanks_and_comments(s);

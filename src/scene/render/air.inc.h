@@ -39,32 +39,17 @@ LANE_INLINE void sky_colour(const sky *s, float rise, float toward, float colour
     for (int c = 0; c < 3; c++) colour[c] = s->horizon[c] + share * (s->above[c] - s->horizon[c]);
 }
 
-/* For camera rays that met nothing. */
-static void add_sky(wave *w) {
+/* For rays that met nothing: of the camera, or mirrored by water. up and sun are in their space. */
+static void add_sky(wave *w, const wave_rays *r, const float up[3], const float sun[3]) {
     const sky s = *w->plan->scene->sky;
-    const wave_rays *r = &w->rays[0];
-    for (size_t k = 0; k < r->count; k++) {
-        if (w->shape[k] != WAVE_MISS) continue;
-        const float x = r->dir[0][k], y = r->dir[1][k], z = r->dir[2][k];
-        const float rise = lane_dot(x, y, z, s.up[0], s.up[1], s.up[2]);
-        const float toward = s.vault ? lane_dot(x, y, z, s.sun[0], s.sun[1], s.sun[2]) : 0;
-        float colour[3];
-        sky_colour(&s, rise, toward, colour);
-        for (int c = 0; c < 3; c++) w->sum[c][r->pixel[k]] += (double)colour[c];
-    }
-    wave_lap(w, WAVE_FILM);
-}
-
-/* For rays that water has mirrored and that met nothing. */
-static void add_mirrored_sky(wave *w, const wave_rays *r) {
-    const sky s = *w->plan->scene->sky;
-    const float *up = w->plan->up, *sun = w->plan->sun;
+    const bool mirrored = r != &w->rays[0] || r->segments[0].home != PLAN_CAMERA;
     for (size_t k = 0; k < r->count; k++) {
         if (w->shape[k] != WAVE_MISS) continue;
         const float x = r->dir[0][k], y = r->dir[1][k], z = r->dir[2][k];
         float colour[3];
         sky_colour(&s, lane_dot(x, y, z, up[0], up[1], up[2]), lane_dot(x, y, z, sun[0], sun[1], sun[2]), colour);
-        for (int c = 0; c < 3; c++) w->sum[c][r->pixel[k]] += (double)(r->share[c][k] * colour[c]);
+        for (int c = 0; c < 3; c++)
+            w->sum[c][r->pixel[k]] += (double)(mirrored ? r->share[c][k] * colour[c] : colour[c]);
     }
     wave_lap(w, WAVE_FILM);
 }

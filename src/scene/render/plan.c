@@ -128,21 +128,11 @@ static bool lies_within(const plan_shape *shape, const plan_space *own, const pl
     return true;
 }
 
-bool plan_within(const plan *p, size_t behind, size_t home) {
-    const plan_space *round = &p->spaces[plan_home(behind)];
-    if (p->general || home == plan_home(behind)) return false;
-    if (home == PLAN_CAMERA) {
-        double eye[3];
-        origin_of(&p->spaces[PLAN_CAMERA], eye);
-        return is_inside(round, eye);
-    }
-    return lies_within(&p->shapes[home - 1], &p->spaces[home], round);
-}
-
 /* A cylinder's inside is convex: a segment with both ends in it stays there. */
 bool plan_blocks(const plan *p, size_t light, size_t home, size_t behind) {
-    if (!is_inside(&p->spaces[plan_home(behind)], p->scene->lights[light].position)) return true;
-    return home != plan_home(behind) && !plan_within(p, behind, home);
+    const plan_space *round = &p->spaces[plan_home(behind)];
+    if (!is_inside(round, p->scene->lights[light].position)) return true;
+    return home != plan_home(behind) && (p->general || !lies_within(&p->shapes[home - 1], &p->spaces[home], round));
 }
 
 /* ---- all together ------------------------------------------------------------------------------------------------ */

@@ -79,9 +79,6 @@ plan_map plan_map_to(const plan *p, size_t shape, size_t home);
 /* A light's place in the space of a shape. */
 void plan_light(const plan *p, size_t shape, size_t light, float place[3]);
 
-/* Whether all rays from home begin inside of this cylinder. */
-bool plan_within(const plan *p, size_t cylinder, size_t home);
-
 /* Whether this cylinder may stand between the light and a home that is a shape. */
 bool plan_blocks(const plan *p, size_t light, size_t home, size_t cylinder);
 

@@ -304,6 +304,15 @@ LANE_INLINE void bilinear(wave_strip *restrict s, bool border, bool turns) {
     }
 }
 
+LANE_INLINE void interpolate(wave_strip *s, scene_normals kind, bool border, bool turns) {
+    if (kind == SCENE_NORMALS_AREA)
+        barycentric(s, border, false, turns);
+    else if (kind == SCENE_NORMALS_CENTRAL)
+        barycentric(s, border, true, turns);
+    else
+        bilinear(s, border, turns);
+}
+
 /* Normals for shading and, for mirrored spreads, how they turn. The constants pick the code that is compiled. */
 static void field_normals(wave *w, bool border, bool turns) {
     wave_strip *s = &w->strip;
@@ -311,38 +320,10 @@ static void field_normals(wave *w, bool border, bool turns) {
     if (kind == SCENE_NORMALS_FLAT) {
         memcpy(s->normal, s->flat, sizeof s->normal);
         if (turns) memset(s->turn, 0, sizeof s->turn);
-        return;
-    }
-    switch (kind) {
-    case SCENE_NORMALS_AREA:
-        if (border && turns)
-            barycentric(s, true, false, true);
-        else if (border)
-            barycentric(s, true, false, false);
-        else if (turns)
-            barycentric(s, false, false, true);
-        else
-            barycentric(s, false, false, false);
-        break;
-    case SCENE_NORMALS_CENTRAL:
-        if (border && turns)
-            barycentric(s, true, true, true);
-        else if (border)
-            barycentric(s, true, true, false);
-        else if (turns)
-            barycentric(s, false, true, true);
-        else
-            barycentric(s, false, true, false);
-        break;
-    default:
-        if (border && turns)
-            bilinear(s, true, true);
-        else if (border)
-            bilinear(s, true, false);
-        else if (turns)
-            bilinear(s, false, true);
-        else
-            bilinear(s, false, false);
+    } else if (border) {
+        turns ? interpolate(s, kind, true, true) : interpolate(s, kind, true, false);
+    } else {
+        turns ? interpolate(s, kind, false, true) : interpolate(s, kind, false, false);
     }
 }
 

@@ -15,14 +15,15 @@ enum { BOUNCES = 4 };
 /* Takes the paths of the first wave through all their bounces. */
 static void run_waves(wave *w) {
     const bool has_water = w->plan->scene->water != NULL;
+    const sky *from = w->plan->scene->sky;
     w->stats.camera_rays += w->rays[0].count;
     int current = 0;
     for (int bounce = 0; w->rays[current].count > 0; bounce++) {
         const wave_rays *r = &w->rays[current];
         trace_paths(w, r);
         if (bounce == 0 && has_water) meet_water(w);
-        if (bounce == 0 && w->plan->scene->sky != NULL) add_sky(w);
-        if (bounce > 0 && has_water) add_mirrored_sky(w, r);
+        if (bounce == 0 && from != NULL) add_sky(w, r, from->up, from->sun);
+        if (bounce > 0 && has_water) add_sky(w, r, w->plan->up, w->plan->sun);
         shade(w, r, bounce == BOUNCES, &w->rays[1 - current]);
         if (bounce == 0 && has_water) shade_water(w, &w->rays[1 - current]);
         for (size_t l = 0; l < w->plan->light_count; l++) trace_shadows(w, l);

@@ -214,28 +214,18 @@ LANE_INLINE size_t ask_closest(wave *w, const wave_rays *r, const wave_segment *
     return asked;
 }
 
-/* The rays of one segment. */
+/* The rays of one segment. The constants pick the code that is compiled. */
 static size_t ask_segment(wave *w, const wave_rays *r, const wave_segment *g, size_t f, size_t asked) {
-    const bool general = w->plan->general;
-    switch (origin_of(g->home, f)) {
-    case FROM_CAMERA:
-        switch (camera_passes(w, f)) {
-        case NONE_PASS:
-            return asked;
-        case SOME_PASS:
-            return ask_closest(w, r, g, f, asked, FROM_CAMERA, SOME_PASS);
-        case ALL_PASS:
-            return ask_closest(w, r, g, f, asked, FROM_CAMERA, ALL_PASS);
-        }
-        return asked;
-    case FROM_HERE:
-        if (general) return ask_closest(w, r, g, f, asked, FROM_HERE, ALL_PASS);
-        return ask_closest(w, r, g, f, asked, FROM_HERE, SOME_PASS);
-    case FROM_ELSEWHERE:
-        if (general) return ask_closest(w, r, g, f, asked, FROM_ELSEWHERE, ALL_PASS);
-        return ask_closest(w, r, g, f, asked, FROM_ELSEWHERE, SOME_PASS);
-    }
-    return asked;
+    const origin from = origin_of(g->home, f);
+    const passing before = from == FROM_CAMERA ? camera_passes(w, f) : w->plan->general ? ALL_PASS : SOME_PASS;
+    if (before == NONE_PASS) return asked;
+    if (before == ALL_PASS)
+        return from == FROM_CAMERA ? ask_closest(w, r, g, f, asked, FROM_CAMERA, ALL_PASS)
+               : from == FROM_HERE ? ask_closest(w, r, g, f, asked, FROM_HERE, ALL_PASS)
+                                   : ask_closest(w, r, g, f, asked, FROM_ELSEWHERE, ALL_PASS);
+    return from == FROM_CAMERA ? ask_closest(w, r, g, f, asked, FROM_CAMERA, SOME_PASS)
+           : from == FROM_HERE ? ask_closest(w, r, g, f, asked, FROM_HERE, SOME_PASS)
+                               : ask_closest(w, r, g, f, asked, FROM_ELSEWHERE, SOME_PASS);
 }
 
 static void closest_on_field(wave *w, const wave_rays *r, size_t f) {
@@ -277,10 +267,8 @@ static void closest_on_field(wave *w, const wave_rays *r, size_t f) {
 
 /* Where a ray meets the side of a cylinder of radius 1 between z = -1 and z = 1, in its space; infinity if nowhere
  * between tmin and tmax. (o + t d)² - 1 in x and y is a t² + 2 half t + c, and its discriminant is a minus the
- * square of the cross product of o and d, a form in which nothing cancels that matters. within: the ray is known to
- * begin inside. */
-LANE_INLINE float cylinder_t(float ox, float oy, float oz, float dx, float dy, float dz, float tmin, float tmax,
-                             bool within) {
+ * square of the cross product of o and d, a form in which nothing cancels that matters. */
+LANE_INLINE float cylinder_t(float ox, float oy, float oz, float dx, float dy, float dz, float tmin, float tmax) {
     const float a = dx * dx + dy * dy, half = ox * dx + oy * dy, c = ox * ox + oy * oy - 1;
     const float across = ox * dy - oy * dx, square = a - across * across;
     const float root = sqrtf(square > 0 ? square : 0);
@@ -288,16 +276,15 @@ LANE_INLINE float cylinder_t(float ox, float oy, float oz, float dx, float dy, f
     const float q = half < 0 ? root - half : -root - half;
     const float far = (half < 0 ? q : c) / (half < 0 ? a : q);
     /* From inside, the nearer one lies behind. */
-    const int inside = within | ((c < 0) & (tmin >= 0));
-    const float near = within ? -1 : (half < 0 ? c : q) / (half < 0 ? q : a);
+    const int inside = (c < 0) & (tmin >= 0);
+    const float near = (half < 0 ? c : q) / (half < 0 ? q : a);
     const int near_holds = (inside == 0) & (near >= tmin) & (near <= tmax) & (fabsf(oz + near * dz) <= 1);
     const int far_holds = (far >= tmin) & (far <= tmax) & (fabsf(oz + far * dz) <= 1);
     const float t = near_holds ? near : far_holds ? far : INFINITY;
     return ((a > 0) & (square >= 0)) ? t : INFINITY;
 }
 
-LANE_INLINE void meet_cylinder(wave *w, const wave_rays *r, const wave_segment *g, size_t shape, origin from,
-                               bool within) {
+LANE_INLINE void meet_cylinder(wave *w, const wave_rays *r, const wave_segment *g, size_t shape, origin from) {
     const plan_map map = plan_map_to(w->plan, shape, g->home);
     for (size_t first = g->begin; first < g->end; first += WAVE_LANES) {
         moved m;
@@ -305,7 +292,7 @@ LANE_INLINE void meet_cylinder(wave *w, const wave_rays *r, const wave_segment *
         move_rays(&map, from, w->t, r, first, &m);
         for (int k = 0; k < WAVE_LANES; k++)
             found[k] = cylinder_t(m.org[0][k], m.org[1][k], m.org[2][k], m.dir[0][k], m.dir[1][k], m.dir[2][k],
-                                  m.tmin[k], m.tmax[k], within);
+                                  m.tmin[k], m.tmax[k]);
         for (size_t k = g->end - first; k < WAVE_LANES; k++) found[k] = INFINITY; /* the next segment's */
         float *t = &w->t[first];
         int32_t *which = &w->shape[first];
@@ -319,15 +306,10 @@ LANE_INLINE void meet_cylinder(wave *w, const wave_rays *r, const wave_segment *
 static void closest_on_cylinder(wave *w, const wave_rays *r, size_t shape) {
     for (size_t s = 0; s < r->segment_count; s++) {
         const wave_segment *g = &r->segments[s];
-        const bool within = plan_within(w->plan, shape, g->home);
-        if (g->home == PLAN_CAMERA && within)
-            meet_cylinder(w, r, g, shape, FROM_CAMERA, true);
-        else if (g->home == PLAN_CAMERA)
-            meet_cylinder(w, r, g, shape, FROM_CAMERA, false);
-        else if (within)
-            meet_cylinder(w, r, g, shape, FROM_ELSEWHERE, true);
+        if (g->home == PLAN_CAMERA)
+            meet_cylinder(w, r, g, shape, FROM_CAMERA);
         else
-            meet_cylinder(w, r, g, shape, FROM_ELSEWHERE, false);
+            meet_cylinder(w, r, g, shape, FROM_ELSEWHERE);
     }
 }
 
@@ -416,7 +398,7 @@ static void hide_by_cylinder(wave *w, const wave_shadows *s, size_t light, size_
             for (int q = 0; q < WAVE_LANES; q++) {
                 const float x = m.org[0][q] + m.tmin[q] * m.dir[0][q], y = m.org[1][q] + m.tmin[q] * m.dir[1][q];
                 const float t = cylinder_t(m.org[0][q], m.org[1][q], m.org[2][q], m.dir[0][q], m.dir[1][q], m.dir[2][q],
-                                           m.tmin[q], 1, false);
+                                           m.tmin[q], 1);
                 const int32_t stays = light_inside & (x * x + y * y < 1);
                 hides[q] = (t < INFINITY) & (stays == 0);
             }
