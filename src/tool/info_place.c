@@ -5,20 +5,11 @@
 
 #include <math.h>
 
-enum { UNIT_MOST = 40 };
-
-/* A unit of so many metres, with a blank before it. */
-static const char *unit_name(double metres, char *text) {
-    static const struct {
-        double metres;
-        const char *name;
-    } units[] = {{1, " m"}, {0.3048, " ft"}, {1200.0 / 3937, " US survey ft"}, {1000, " km"}};
-    text[0] = '\0';
-    if (!(metres > 0)) return text;
-    for (size_t k = 0; k < sizeof units / sizeof units[0]; k++)
-        if (fabs(metres / units[k].metres - 1) < 1e-9) return units[k].name;
-    snprintf(text, UNIT_MOST, " x %.9g m", metres);
-    return text;
+/* The unit's name with a blank before it. */
+static const char *unit_name(double metres, char text[IO_UNIT_NAME]) {
+    text[0] = ' ';
+    io_unit_name(metres, text + 1);
+    return text[1] == '\0' ? text + 1 : text;
 }
 
 const char *info_height_unit(const io_raster *r, char *text) {
@@ -45,7 +36,7 @@ static void find_cell(const io_raster *r, double size[2]) {
 void info_print_place(const io_raster *r) {
     const io_georef *g = &r->georef;
     double low[2], high[2], cell[2];
-    char crs[128], unit[UNIT_MOST];
+    char crs[128], unit[IO_UNIT_NAME];
     if (!g->placed) {
         puts("  extent        no map: terrain commands take cells for 1 wide and row 0 for the\n"
              "                northernmost");

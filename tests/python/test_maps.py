@@ -173,3 +173,68 @@ def test_what_a_scale_leaves_out_is_said(program, tmp_path, crs, affine, words):
     with warnings.catch_warnings():  # once a field, and not for rays
         warnings.simplefilter("error")
         cw.open(path).closest([0, 0, 1], [0, 0, -1])
+
+
+# ---- guesses, and what looks wrong -------------------------------------------------------------------------------------------
+
+FEET = MAPS["feet"]
+
+
+def test_guessed_heights(program, tmp_path):
+    """Feet for x and y say nothing of heights."""
+    place = Affine(100, 0, 1.6e6, 0, -100, 4e5)
+    for units, words, warned in ((None, [], True), (None, ["--zscale", "3.2808"], False), ("metre", [], False), ("ft", [], False)):
+        path = write(tmp_path / "feet.tif", np.zeros((9, 9), "float32"), FEET, place)
+        with rasterio.open(path, "r+") as file:
+            file.units = (units,)
+        said = program("shadow", path, "--sun", "200,30", "-o", tmp_path / "o.tif", *words).stderr
+        assert ("heights taken as US survey ft, as x and y; --zscale 3.2808 if they are metres" in said) == warned, said
+        assert said.count("\n") == warned
+    with pytest.warns(UserWarning, match="^crs: heights taken as US survey ft"):
+        cw.Field(np.zeros((9, 9)), place, rasterio.crs.CRS.from_string(FEET))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        cw.Field(np.zeros((9, 9)), place, rasterio.crs.CRS.from_string(FEET), zscale=3.2808)
+        cw.Field(np.zeros((9, 9)), Affine(100, 0, 6e5, 0, -100, 5e6), "EPSG:32632")
+
+
+DEGREES, METRES = (1 / 1200, 0, 10.5, 0, -1 / 1200, 47.25), (30, 0, 6e5, 0, -30, 5.2e6)
+WARNED = {
+    "degrees": (lambda z: cw.Field(z, DEGREES), "looks like degrees"),
+    "no data": (lambda z: cw.Field(np.where(z > 2, z, -9999), METRES), "3 samples are -9999.*nodata=-9999"),
+    "rounded": (lambda z: cw.Field(z + 1e9, METRES), "up to 1e.09 are rounded to multiples of 64"),
+    "night": (lambda z: cw.Field(z, METRES).shadow(200, -3), "sun is at -3.000 degrees, below the horizon"),
+}
+REFUSED = {
+    "GDAL's order": (lambda z: cw.Field(z, (600000, 10, 0, 5200000, 0, -10)), "Affine.from_gdal"),
+    "GDAL's degrees": (lambda z: cw.Field(z, (10.5, 1 / 1200, 0, 47.25, 0, -1 / 1200)), "Affine.from_gdal"),
+    "two heights": (lambda z: cw.Field(z, METRES).viewshed(6e5 + 75, 5.2e6 - 75, 2.0, observer_elevation=9), "^observer_height: goes without"),
+}
+
+
+@pytest.mark.parametrize("name", WARNED)
+def test_what_looks_wrong(name):
+    """Said at the caller's line."""
+    make, words = WARNED[name]
+    z = np.arange(25.0).reshape(5, 5)
+    with pytest.warns(UserWarning, match=words) as said:
+        make(z)
+    assert len(said) == 1 and said[0].filename == __file__
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        cw.Field(z, METRES).shadow(200, 3)
+        cw.Field(z, DEGREES, "EPSG:4326")
+        cw.Field(np.where(z > 2, z, -9999), METRES, nodata=-9999)
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_is_refused(name):
+    make, words = REFUSED[name]
+    with pytest.raises(ValueError, match=words):
+        make(np.arange(25.0).reshape(5, 5))
+
+
+def test_rounded_heights_in_the_program(program, tmp_path):
+    path = write(tmp_path / "high.tif", np.full((5, 5), 1e9, "float32"), MAPS["utm"], Affine(*METRES))
+    said = program("shadow", path, "--sun", "200,30", "-o", tmp_path / "o.tif").stderr
+    assert "heights are floats, and those up to 1e+09 are rounded to multiples of 64" in said

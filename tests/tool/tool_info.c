@@ -96,7 +96,8 @@ static void places_come_first(void **state) {
                               "PROJECTION[\"Transverse_Mercator\"],UNIT[\"foot\",0.3048]]";
     scratch_write("a.asc", asc, sizeof asc - 1);
     scratch_write("a.prj", prj, sizeof prj - 1);
-    const program_result *r = run_well(NULL, (const char *const[]){"info", "a.asc", NULL});
+    const program_result *r = program_run(NULL, (const char *const[]){"info", "a.asc", NULL});
+    check(strstr(r->err, "a.asc: heights taken as ft, as x and y; --zscale 3.2808") != NULL, "%s", r->err);
     static const char first[] = "a.asc\n"
                                 "  extent        X 101 to 105, Y 21 to 23 (pixels' centres)\n"
                                 "  cell size     2 x 2 ft\n"

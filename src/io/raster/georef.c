@@ -23,6 +23,16 @@ void io_georef_name(const io_georef *georef, char *name, size_t size) {
     snprintf(name, size, "%.*s", (int)(length < 200 ? length : 200), quote ? quote + 1 : "");
 }
 
+void io_unit_name(double metres, char *text) {
+    static const struct {
+        double metres;
+        const char *name;
+    } units[] = {{1, "m"}, {0.3048, "ft"}, {1200.0 / 3937, "US survey ft"}, {1000, "km"}};
+    snprintf(text, IO_UNIT_NAME - 1, metres > 0 ? "x %.9g m" : "", metres);
+    for (size_t k = 0; k < sizeof units / sizeof units[0]; k++)
+        if (fabs(metres / units[k].metres - 1) < 1e-8) snprintf(text, IO_UNIT_NAME - 1, "%s", units[k].name);
+}
+
 static bool is_word(char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_'; }
 
 /* A word that opens a bracket; at is behind the bracket. Depths count from 1. */

@@ -23,6 +23,11 @@ void io_georef_free(io_georef *georef);
 /* The name that the coordinate system has in its well-known text, cut to size; "" if it has none. */
 void io_georef_name(const io_georef *georef, char *name, size_t size);
 
+/* A unit of so many metres, as "US survey ft" or "x 0.5 m"; "" if that is not above 0. text has a byte more room than
+ * that, for a blank. */
+enum { IO_UNIT_NAME = 40 };
+void io_unit_name(double metres, char *text);
+
 /* Fills in crs, geographic, unit and ellipsoid from well-known text, of which it reads only these parts. For the
  * small .prj file beside an ASCII grid; with GDAL, GDAL reads the text. False if it is not well-known text. */
 bool io_georef_from_wkt(io_georef *georef, const char *wkt);

@@ -83,18 +83,26 @@ static bool take_nodata_out(const char *path, const io_raster_options *options, 
     return true;
 }
 
-/* Warns of values that programs often write for no data, if the file does not mark them. */
-static void smell_nodata(const char *path, const io_raster_options *options, const io_raster *raster) {
+/* From here on floats are more than 1 apart. */
+static const float coarse = 0x1p24f;
+
+/* Warns of values that programs often write for no data, if the file does not mark them, and of heights whose last
+ * digits are lost. */
+static void smell_samples(const char *path, const io_raster_options *options, const io_raster *raster) {
     float suspicious[] = {-32768, -32767, -9999, -99999};
     enum { COUNT = sizeof suspicious / sizeof suspicious[0] };
     size_t counts[COUNT] = {0}, huge = 0;
-    float example = 0;
+    float example = 0, largest = 0;
     for (size_t j = 0; j < raster->ny; j++) {
         const float *z = raster->z + j * raster->nx;
         float low = INFINITY, high = -INFINITY;
         for (size_t i = 0; i < raster->nx; i++) {
             low = z[i] < low ? z[i] : low;
             high = z[i] > high ? z[i] : high;
+        }
+        for (int k = 0; k < 2; k++) {
+            const float size = fabsf(k ? low : high);
+            if (size < 1e30f && size > largest) largest = size;
         }
         if (!(low <= -9999 || high >= 1e30f)) continue;
         for (size_t i = 0; i < raster->nx; i++) {
@@ -112,6 +120,19 @@ static void smell_nodata(const char *path, const io_raster_options *options, con
         warn(options,
              "%s: %zu samples are beyond 1e30, as %.9g, which looks like no data; --nodata %.9g makes them holes", path,
              huge, (double)example, (double)example);
+    if (largest > coarse)
+        warn(options, "%s: heights are floats, and those up to %.9g are rounded to multiples of %g", path,
+             (double)largest, (double)(nextafterf(largest, INFINITY) - largest));
+}
+
+/* A guess that is wrong makes relief 3.28 times too flat. */
+static void tell_guessed_heights(const char *path, const io_raster_options *options, const io_raster *raster) {
+    const io_georef *g = &raster->georef;
+    char unit[IO_UNIT_NAME];
+    if (options->zscale > 0 || g->height_unit > 0 || !g->placed || g->geographic || g->unit == 0 || g->unit == 1)
+        return;
+    io_unit_name(g->unit, unit);
+    warn(options, "%s: heights taken as %s, as x and y; --zscale %.5g if they are metres", path, unit, 1 / g->unit);
 }
 
 static void smell_degrees(const char *path, const io_raster_options *options, const io_raster *raster) {
@@ -203,7 +224,8 @@ static bool finish(const char *path, const io_raster_options *options, io_raster
         raster->map[2][2] = options->zscale;
     else if (g->height_unit > 0 && (g->geographic || g->unit > 0))
         raster->map[2][2] = g->height_unit / (g->geographic ? 1 : g->unit);
-    if (raster->z != NULL) smell_nodata(path, options, raster);
+    if (raster->z != NULL) smell_samples(path, options, raster);
+    tell_guessed_heights(path, options, raster);
     smell_degrees(path, options, raster);
     return true;
 }

@@ -5,6 +5,7 @@ changed. Messages say argument, shape and value."""
 from __future__ import annotations
 
 import math
+import sys
 import warnings
 from typing import Any, Callable, NamedTuple, Optional
 
@@ -47,6 +48,10 @@ def map_of_transform(transform) -> np.ndarray:
     if numbers.shape != (6,):
         raise ValueError(f"transform: shape {numbers.shape}, expected an Affine, (6,), (3, 3) or (3, 4)")
     a, b, c, d, e, f = (float(x) for x in numbers)
+    sides = math.hypot(a, d), math.hypot(b, e)
+    if 1000 * min(sides) < max(sides):
+        raise ValueError(f"transform: {(a, b, c, d, e, f)} makes cells of {sides[0]:g} x {sides[1]:g}, which looks like GDAL's order of "
+                         "the numbers; Affine.from_gdal takes that")
     if not (np.isfinite(numbers).all() and a * e - b * d != 0):
         raise ValueError(f"transform: {(a, b, c, d, e, f)}, expected finite numbers with a way back from x and y to samples")
     # The order of additions is the one of src/io/raster/gdal/read.c, so that bits are the same.
@@ -112,7 +117,7 @@ def scale_of(source: Source, rows: int, columns: int, name: str) -> Optional[byt
         return None
     scale, sentences = _cellwalk.find_scale(known.wkt, np.ascontiguousarray(source.map), rows, columns, name)
     for sentence in sentences:
-        warnings.warn(sentence, stacklevel=4)
+        warn(sentence)
     return scale
 
 
@@ -222,7 +227,7 @@ def describe_dataarray(z, transform=None, crs=None, nodata=None, zscale=None) ->
     if crs is None and placed and str(x).lower() in ("lon", "longitude"):
         crs = _WGS84
     known = read_crs(crs)
-    _scale_heights(affine, zscale, like.attrs.get("units"), known)
+    _scale_heights(affine, zscale, like.attrs.get("units"), known, placed)
     return Source(None, affine, placed, known, like, nodata)
 
 
@@ -261,14 +266,43 @@ _METRES = {"m": 1.0, "metre": 1.0, "metres": 1.0, "meter": 1.0, "meters": 1.0, "
            "us-ft": 1200 / 3937, "us survey foot": 1200 / 3937, "km": 1000.0, "cm": 0.01, "mm": 0.001, "dm": 0.1}
 
 
-def _scale_heights(affine: np.ndarray, zscale, unit, crs: Crs) -> None:
-    """The map's third row: heights in the unit of x and y, or in metres on a map in degrees."""
+def _scale_heights(affine: np.ndarray, zscale, unit, crs: Crs, placed: bool) -> None:
+    """The map's third row: heights in the unit of x and y, or in metres on a map in degrees. Warns, as the program does, where that
+    is a guess that may be wrong."""
+    dx, (x, y) = math.hypot(affine[0, 0], affine[1, 0]), affine[:2, 3]
+    if placed and crs.wkt is None and 0 < dx < 0.1 and abs(x) <= 360 and abs(y) <= 90:
+        warn(f"transform: samples are {dx:g} apart around ({x:g}, {y:g}), which looks like degrees, but there is no coordinate system "
+              "(crs); heights are taken in the same unit")
     if zscale is not None:
         affine[2, 2] = finite(zscale, "zscale")
         if not affine[2, 2] > 0:
             raise ValueError(f"zscale: {zscale!r}, expected a number above 0")
     elif isinstance(unit, str) and unit.lower() in _METRES and (crs.geographic or crs.unit > 0):
         affine[2, 2] = _METRES[unit.lower()] / (1.0 if crs.geographic else crs.unit)
+    elif placed and not crs.geographic and crs.unit not in (0, 1):
+        known = (name for metres, name in ((0.3048, "ft"), (1200 / 3937, "US survey ft")) if abs(crs.unit / metres - 1) < 1e-8)
+        name = next(known, f"x {crs.unit:.9g} m")
+        warn(f"crs: heights taken as {name}, as x and y; zscale={1 / crs.unit:.5g} if they are metres")
+
+
+def warn(text: str) -> None:
+    """At the line of the caller's that called this package."""
+    frame, level = sys._getframe(1), 2
+    while frame.f_back is not None and frame.f_globals.get("__package__") == __package__:
+        frame, level = frame.f_back, level + 1
+    warnings.warn(text, stacklevel=level)
+
+
+def warn_of_heights(samples: np.ndarray, low: float, high: float) -> None:
+    """What programs often write for no data, and heights whose last digits are lost, as the program warns of them."""
+    if low <= -9999:
+        for value in (-32768, -32767, -9999, -99999):
+            number = int(np.count_nonzero(samples == np.float32(value)))
+            if number:
+                warn(f"z: {number} samples are {value}, which often stands for no data; nodata={value} makes them holes")
+    if max(-low, high) > 2**24:
+        most = np.float32(max(-low, high))
+        warn(f"z: heights are floats, and those up to {most:.9g} are rounded to multiples of {np.spacing(most):g}")
 
 
 def _source_of_dataset(z, transform, crs, nodata, zscale, band) -> Source:
@@ -284,7 +318,7 @@ def _source_of_dataset(z, transform, crs, nodata, zscale, band) -> Source:
     known = read_crs(crs if crs is not None else z.crs)
     affine = map_of_transform(given if placed else None)
     units = getattr(z, "units", None)
-    _scale_heights(affine, zscale, units[band - 1] if units else None, known)
+    _scale_heights(affine, zscale, units[band - 1] if units else None, known, placed)
     return Source(samples_of(array, None), affine, placed, known, None, nodata)
 
 
@@ -299,7 +333,7 @@ def read_source(z, transform, crs, nodata, zscale, band) -> Source:
         raise ValueError(f"band: {band!r}, but z is an array and has none")
     known = read_crs(crs)
     affine = map_of_transform(transform)
-    _scale_heights(affine, zscale, None, known)
+    _scale_heights(affine, zscale, None, known, transform is not None)
     return Source(samples_of(z, nodata), affine, transform is not None, known, None, nodata)
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Optional, cast
 import numpy as np
 
 from . import _cellwalk
-from ._convert import IDENTITY, Crs, Source, coarser_like, count, finite, nodata_of, numbers, progress_call, read_crs, read_source, samples_of, scale_of
+from ._convert import IDENTITY, Crs, Source, coarser_like, count, finite, nodata_of, numbers, progress_call, read_crs, read_source, samples_of, scale_of, warn_of_heights
 from ._hits import Hits, _dtype
 from ._products import Products
 from ._rays import rays_of
@@ -89,6 +89,8 @@ class Field(Products):
     def __init__(self, z: Any, transform: Any = None, crs: Any = None, nodata: float | None = None, threads: int = 0, *,
                  zscale: float | None = None, band: int | None = None, copy: bool = False, progress=None) -> None:
         self._make(read_source(z, transform, crs, nodata_of(nodata), zscale, band), threads, copy, progress, z)
+        about = self._core.describe()
+        warn_of_heights(self._samples, about["low"], about["high"])
 
     def _make(self, source: Source, threads, copy, progress, given=None, whole=None, scale: Any = None) -> None:
         self._threads = count(threads, "threads", 0, 4096)

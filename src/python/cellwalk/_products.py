@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Union
 import numpy as np
 
 from . import _cellwalk
-from ._convert import Source, count, finite, numbers, progress_call
+from ._convert import Source, count, finite, numbers, progress_call, warn
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -82,6 +82,11 @@ def _result(field, data, name, attrs, **axis):
     return out
 
 
+def warn_of_night(altitude: float) -> None:
+    if altitude <= 0:
+        warn(f"altitude: the sun is at {altitude:.3f} degrees, below the horizon")
+
+
 def distance_of(max_distance) -> float:
     """Metres; 0: no limit."""
     if max_distance is None:
@@ -97,8 +102,13 @@ def sky_of(directions, max_distance, curvature, start) -> tuple[float, int, floa
     return start, count(directions, "directions", 1, 3600), distance_of(max_distance), finite(curvature, "curvature", 0)
 
 
-def places_of(x, y, height, name, needed) -> np.ndarray:
-    """Observers, shape (n, 3): x, y, height."""
+def places_of(x, y, height, elevation, needed) -> tuple[np.ndarray, bool]:
+    """Observers, shape (n, 3): x, y, and the eye's height above ground or, True, the height itself."""
+    absolute = elevation is not None
+    if absolute and height is not None:
+        raise ValueError("observer_height: goes without observer_elevation")
+    name = "observer_elevation" if absolute else "observer_height"
+    height = elevation if absolute else 2.0 if height is None else height
     given = [numbers(value, what).astype(np.float64) for value, what in ((x, "x"), (y, "y"), (height, name))]
     try:
         places = np.stack(np.broadcast_arrays(*given), -1).reshape(-1, 3)
@@ -110,7 +120,7 @@ def places_of(x, y, height, name, needed) -> np.ndarray:
         raise ValueError(f"x, y: {len(places)} observers, expected 1 to 65534")
     if needed and len(places) > 1:
         raise ValueError(f"needed: the height that is needed is that of one observer, not of {len(places)}")
-    return np.ascontiguousarray(places)
+    return np.ascontiguousarray(places), absolute
 
 
 class Products:
@@ -182,6 +192,7 @@ class Products:
         azimuth = finite(225 if azimuth is None else azimuth, "azimuth")
         altitude = finite(30 if altitude is None else altitude, "altitude", -90, 90)
         disc = SUN_RADIUS if disc is True else finite(disc, "disc", 0, 10)
+        warn_of_night(altitude)
         data = self._shadow_rows((azimuth, altitude, disc, finite(curvature, "curvature", 0), bool(hillshade)), 0, self.shape[0], progress)
         attrs = {"long_name": "sunlight", "azimuth": azimuth, "altitude": altitude}
         return _result(self, data, "shadow", attrs if data.dtype.kind == "f" else {**attrs, "_FillValue": np.uint8(255)})
@@ -256,13 +267,13 @@ class Products:
         self._ground.sky_view(*sky[1:], tilted, row, rows, out, self._threads, progress_call(progress))
         return out
 
-    def viewshed(self, x: ArrayLike, y: ArrayLike, observer_height: ArrayLike = 2.0, target_height: float = 0.0,
+    def viewshed(self, x: ArrayLike, y: ArrayLike, observer_height: ArrayLike | None = None, target_height: float = 0.0,
                  max_distance: float | None = None, needed: bool = False, *, observer_elevation: ArrayLike | None = None,
                  curvature: float | None = None, progress=None) -> Any:
         """Which samples are seen from a place, or from how many of several.
 
         x, y                of the observers on the map; scalars, or arrays that broadcast with the heights
-        observer_height     of the eye above ground, metres
+        observer_height     of the eye above ground, metres; default: 2
         observer_elevation  in its place: the eye's height itself, metres; the place may then be outside the terrain
         target_height       something of that height on each sample is looked for, metres
         max_distance        nothing farther away is seen, metres; default: no limit
@@ -280,9 +291,7 @@ class Products:
             >>> cw.Field(z).viewshed(0, 1)[1]
             array([1, 1, 1, 1, 0, 0, 0, 0], dtype=uint8)
         """
-        absolute = observer_elevation is not None
-        places = places_of(x, y, observer_elevation if absolute else observer_height,
-                           "observer_elevation" if absolute else "observer_height", needed)
+        places, absolute = places_of(x, y, observer_height, observer_elevation, needed)
         distance = distance_of(max_distance)
         seen = np.zeros(self.shape, np.float32 if needed else np.uint16)
         self._ground.viewshed(places, absolute, finite(target_height, "target_height"), distance,

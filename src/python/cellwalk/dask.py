@@ -33,7 +33,7 @@ import numpy as np
 from . import _cellwalk
 from ._convert import Crs, Source, count, describe_dataarray, finite, nodata_of, samples_of, scale_of
 from ._field import Field, open as open_field
-from ._products import SUN_RADIUS, distance_of, places_of, sky_of
+from ._products import SUN_RADIUS, distance_of, places_of, sky_of, warn_of_night
 
 # A task's samples, as they are read and as the field has them, and the field's bounds over them.
 _BYTES_A_SAMPLE = 10
@@ -267,6 +267,7 @@ def shadow(source: Any, azimuth: float = 225, altitude: float = 30, *, hillshade
     """Sun and shadow on every sample, as Field.shadow. One pass over the raster is made at once; the rest is lazy."""
     r = _Raster(source, chunks, threads, nodata, crs, band, memory)
     azimuth, altitude = finite(azimuth, "azimuth"), finite(altitude, "altitude", -90, 90)
+    warn_of_night(altitude)
     disc, curvature = SUN_RADIUS if disc is True else finite(disc, "disc", 0, 10), finite(curvature, "curvature", 0)
     low, high = r.block_ranges()
     highest = float(high.max())
@@ -305,13 +306,11 @@ def sky_view(source: Any, directions: int = 32, max_distance: float | None = Non
     return r.result(blocks, np.float32, "sky_view", {"long_name": "sky-view factor"})
 
 
-def viewshed(source: Any, x: Any, y: Any, observer_height: Any = 2.0, target_height: float = 0.0, max_distance: float | None = None,
+def viewshed(source: Any, x: Any, y: Any, observer_height: Any = None, target_height: float = 0.0, max_distance: float | None = None,
              needed: bool = False, *, observer_elevation: Any = None, curvature: float | None = None, chunks: Any = None,
              threads: int = 1, nodata: float | None = None, crs: Any = None, band: int | None = None, memory: float = 2e9) -> Any:
     """Which samples are seen, as Field.viewshed. Observers are looked from one by one, each in its window of max_distance."""
-    absolute = observer_elevation is not None
-    places = places_of(x, y, observer_elevation if absolute else observer_height, "observer_elevation" if absolute else "observer_height",
-                       needed)
+    places, absolute = places_of(x, y, observer_height, observer_elevation, needed)
     distance, target = distance_of(max_distance), finite(target_height, "target_height")
     r = _Raster(source, chunks, threads, nodata, crs, band, memory)
     g = r.geometry

@@ -162,7 +162,8 @@ bool pieces_check(const ground *g, cw_rectangle piece, double more, io_error *er
 static void warn_of_samples(void *context, const char *text) {
     enum { ENOUGH = 4 };
     ground *g = context;
-    if (strstr(text, "--nodata") != NULL && g->warnings++ < ENOUGH) g->reading.warn(g->reading.context, text);
+    const bool of_samples = strstr(text, "--nodata") != NULL || strstr(text, "heights are floats") != NULL;
+    if (of_samples && g->warnings++ < ENOUGH) g->reading.warn(g->reading.context, text);
 }
 
 static bool tell_reading(void *context, double share) {
