@@ -110,16 +110,30 @@ static cw_status blocked(sunlight *s, const cw_run *query, size_t row, size_t ro
                                (cw_rectangle){0, row, s->terrain->nx, rows}, occluded);
 }
 
+/* At the raster's rim no terrain hides a sun below the level. From a height h over the sea a free horizon has the dip
+ * acos(R / (R + h)), so samples up to this height, in their numbers, are dark. */
+static double night_limit(const sunlight *s) {
+    double sine, cosine, half, unused;
+    const double top = s->desc.altitude + s->desc.radius;
+    if (!(top < 0)) return -INFINITY;
+    terrain_sine_cosine(top, &sine, &cosine);
+    terrain_sine_cosine(top / 2, &half, &unused);
+    if (!(cosine > 0)) return INFINITY;
+    return s->terrain->radius * 2 * half * half / cosine / terrain_metres_of_height(s->terrain);
+}
+
 cw_status sunlight_lit(sunlight *s, const cw_run *query, size_t row, size_t rows, uint8_t *lit) {
     const size_t nx = s->terrain->nx, end = row + rows;
     if (s->strips != 1 || s->desc.hillshade) return CW_ERROR_ARGUMENT;
+    const double night = night_limit(s);
     for (size_t count; row < end; row += count, lit += count * nx) {
         compass_turn(&s->compass, row, &count);
         count = count < end - row ? count : end - row;
         const cw_status status = blocked(s, query, row, count, lit);
         if (status != CW_OK) return status;
         const float *z = s->terrain->z + row * nx;
-        for (size_t k = 0; k < nx * count; k++) lit[k] = isfinite(z[k]) ? (uint8_t)(1 - lit[k]) : 255;
+        for (size_t k = 0; k < nx * count; k++)
+            lit[k] = !isfinite(z[k]) ? 255 : (double)z[k] <= night ? 0 : (uint8_t)(1 - lit[k]);
     }
     return CW_OK;
 }
@@ -211,11 +225,15 @@ static cw_status shade(sunlight *s, const cw_run *query, size_t row, size_t rows
 
 cw_status sunlight_share(sunlight *s, const cw_run *query, size_t row, size_t rows, float *share) {
     const size_t nx = s->terrain->nx, end = row + rows;
+    const double night = night_limit(s);
     for (size_t count; row < end; row += count, share += count * nx) {
         compass_turn(&s->compass, row, &count);
         count = count < end - row ? count : end - row;
         cw_status status = share_of_disc(s, query, row, count, share);
         if (status == CW_OK && s->desc.hillshade) status = shade(s, query, row, count, share);
+        const float *z = s->terrain->z + row * nx;
+        for (size_t k = 0; k < nx * count && night > -INFINITY; k++)
+            if ((double)z[k] <= night && isfinite(z[k])) share[k] = 0;
         if (status != CW_OK) return status;
     }
     return CW_OK;

@@ -24,6 +24,9 @@ size_t sunlight_azimuths(const sunlight_desc *desc, double azimuths[SUNLIGHT_STR
 cw_status sunlight_create(const terrain *t, const sunlight_desc *desc, sunlight **light);
 void sunlight_destroy(sunlight *light);
 
+/* Once all of the sun is lower than a free horizon at the sample's height over the sea, the sample is in the shadow,
+ * though nothing of the terrain may hide the sun at the raster's rim. */
+
 /* Of a point without hillshade: lit[y * nx + x] is 1 in the sun, 0 in the shadow, 255 at a hole, for rows row to
  * row + rows - 1. A ray that touches the surface is in the shadow. */
 cw_status sunlight_lit(sunlight *light, const cw_run *query, size_t row, size_t rows, uint8_t *lit);

@@ -124,16 +124,34 @@ size_t terrain_rows_alike(const terrain *t, size_t row) {
 
 bool terrain_is_in_reach(double x, double y) { return fabs(x) <= 0x1p24 && fabs(y) <= 0x1p24; }
 
+/* Moves a place to the sample that is within a millimetre of it on the ground; of cells of some millimetres, within a part
+ * of them that no place is written for. */
+static void snap_to_sample(const terrain *whole, double at[2]) {
+    static const double near = 1e-3, part = 0x1p-6;
+    const double sample[2] = {nearbyint(at[0]), nearbyint(at[1])}, i = at[0] - sample[0], j = at[1] - sample[1];
+    if (!(fabs(i) <= part && fabs(j) <= part)) return;
+    double metres[2];
+    terrain_metres(whole, sample[0], sample[1], metres);
+    const double x = whole->map[0][0] * i + whole->map[0][1] * j, y = whole->map[1][0] * i + whole->map[1][1] * j;
+    if (hypot(x * metres[0], y * metres[1]) <= near) memcpy(at, sample, sizeof sample);
+}
+
 bool terrain_find_place(const terrain *t, double x, double y, double at[2]) {
     static const double unit = 0x1p-28;
-    terrain_from_map(terrain_whole(t), x, y, at);
+    const terrain *whole = terrain_whole(t);
+    double slack[2];
+    terrain_from_map(whole, x, y, at);
     const bool near = terrain_is_in_reach(at[0], at[1]);
     for (int c = 0; c < 2 && near; c++) {
+        /* The coordinates and the map's numbers are off by half a last digit each, and so are products and sums of them. */
+        const double *b = whole->back[c];
+        slack[c] = fmax(unit, 0x1p-51 * (fabs(b[0] * x) + fabs(b[1] * y) + fabs(b[2])));
         at[c] = nearbyint(at[c] / unit) * unit;
-        if (fabs(at[c] - nearbyint(at[c])) <= unit) at[c] = nearbyint(at[c]);
+        if (fabs(at[c] - nearbyint(at[c])) <= slack[c]) at[c] = nearbyint(at[c]);
     }
     const double diagonal = at[0] - at[1];
-    if (near && fabs(diagonal - nearbyint(diagonal)) <= unit) at[0] = at[1] + nearbyint(diagonal);
+    if (near && fabs(diagonal - nearbyint(diagonal)) <= fmax(slack[0], slack[1])) at[0] = at[1] + nearbyint(diagonal);
+    if (near) snap_to_sample(whole, at);
     at[0] -= (double)t->column;
     at[1] -= (double)t->row;
     return near;

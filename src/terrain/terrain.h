@@ -90,7 +90,9 @@ bool terrain_is_in_reach(double x, double y);
 
 /* Where a place of the map lies, in field coordinates; false if that is not in reach. Places of the map that are
  * computed from a file's numbers are off by some last digits. One that is on a line of samples or on a diagonal but
- * for that shall be on it, so all are rounded, which moves nothing by more than 2^-28 of a cell. */
+ * for that shall be on it, so all are rounded. That moves nothing by more than 2^-28 of a cell or, where cells are so
+ * small that doubles of that size do not have that, by what they have. A place within a millimetre of a sample is on
+ * it, as coordinates are often written to the millimetre. */
 bool terrain_find_place(const terrain *t, double x, double y, double at[2]);
 
 /* sine and cosine of degrees, exact for multiples of 90 and 45 degrees as far as numbers allow. */

@@ -238,3 +238,87 @@ def test_rounded_heights_in_the_program(program, tmp_path):
     path = write(tmp_path / "high.tif", np.full((5, 5), 1e9, "float32"), MAPS["utm"], Affine(*METRES))
     said = program("shadow", path, "--sun", "200,30", "-o", tmp_path / "o.tif").stderr
     assert "heights are floats, and those up to 1e+09 are rounded to multiples of 64" in said
+
+
+def test_a_missing_tile(program, tmp_path):
+    """A part that no file covers reads as 0."""
+    random = np.random.default_rng(3)
+    z = random.uniform(104, 400, (20, 50)).astype("float32")
+    z[:, :14] = 0
+    path = write(tmp_path / "tile.tif", z, MAPS["utm"], Affine(*METRES))
+    words = "28 % of the samples are exactly 0, and the next ones are 104"
+    for name, arguments, warned in (("shadow", ["--sun", "200,30", "-o", tmp_path / "o.tif"], True), ("info", [], True),
+                                    ("info", ["--nodata", "0"], False)):
+        said = program(name, path, *arguments).stderr
+        assert (words in said) == warned and said.count("\n") == warned, said
+    with pytest.warns(UserWarning, match=f"^z: {words}.*nodata=0"):
+        cw.Field(z, METRES)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for usual in (z - 104, np.where(z > 110, 0, z), np.where(z > 399.9, z, 0)):  # a coast, a plain with towers
+            cw.Field(usual + (usual == 0) * (np.arange(50) % 2) * 0.5, METRES)
+        cw.Field(z, METRES, nodata=0)
+
+
+@pytest.mark.parametrize("arguments", [{}, {"hillshade": True}, {"disc": True}, {"curvature": 1.0}])
+def test_night_at_the_rim(tool, tmp_path, arguments):
+    """Nothing is lit below what the dip of the horizon explains."""
+    y, x = np.mgrid[0:60, 0:60]
+    z = (600 + 300 * np.sin(x / 7) * np.cos(y / 5)).astype("float32")
+    z[4, 5] = np.nan
+    field = cw.Field(z, METRES, MAPS["utm"])
+    dip = np.degrees(np.arccos(6378137 / (6378137 + z)))
+    for azimuth in range(0, 360, 40):
+        for altitude in (-89.9, -30.0, -3.0, -1.5, -0.6, -0.3):
+            with pytest.warns(UserWarning, match="below the horizon"):
+                lit = field.shadow(azimuth, altitude, **arguments)
+            top = altitude + (0.2666 if "disc" in arguments else 0)
+            dark = np.isfinite(z) & (dip < -top - 1e-6)
+            assert (lit[dark] == 0).all() and dark.sum() in ((3599,) if top < -1 else range(3600))
+            assert lit[4, 5] == 255 if lit.dtype == np.uint8 else np.isnan(lit[4, 5])
+    with pytest.warns(UserWarning):
+        assert any((field.shadow(azimuth, -0.3, **arguments) > 0)[:, [0, -1]].any() for azimuth in range(0, 360, 90))
+
+
+# ---- places ------------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["utm", "degrees"])
+def test_places_written_to_the_millimetre(name, tool, tmp_path):
+    """A sample between holes has no triangle, and its place stays its own."""
+    affine = Affine(7.001, 0, 600000.1234, 0, -7.001, 5200000.4321) if name == "utm" else Affine(1e-4 / 3, 0, 10.5, 0, -1e-4 / 3, 47.25)
+    digits = 3 if name == "utm" else 8
+    z = np.arange(99, dtype="float32").reshape(9, 11)
+    z[3:6, 3:6] = np.nan
+    z[4, 4] = 50
+    path = write(tmp_path / "dem.tif", z, MAPS[name], affine)
+    field = cw.open(path)
+    for row, column in ((4, 4), (1, 1), (8, 10), (2, 4)):
+        x, y = (round(v, digits) for v in affine * (column + 0.5, row + 0.5))
+        seen = field.viewshed(x, y, 300)
+        assert seen[row, column] == 1
+        tool("viewshed", path, "--from", f"{x},{y},300", "-o", tmp_path / "seen.tif")
+        with rasterio.open(tmp_path / "seen.tif") as file:
+            assert file.read(1).tobytes() == seen.tobytes()
+    with pytest.raises(ValueError, match="no ground"):
+        field.viewshed(*(affine * (4.5 + 0.02, 4.5 - 0.02)), 2)  # 0.2 m or 0.07 m off: in a hole
+
+
+@pytest.mark.parametrize("cell", [0.1, 0.03, 0.01])
+@pytest.mark.parametrize("turned", [False, True])
+def test_small_cells_far_from_the_origin(cell, turned):
+    """Coordinates of 5.2e6 m have no digits for 2^-28 of a cell: answers are those with the origin at 0, 0."""
+    random = np.random.default_rng(8)
+    z = (300 * random.random((12, 12))).astype("float32") * cell
+    z[3, 3] = np.nan
+    here, far = (cw.Field(z, Affine.translation(x, y) * Affine.rotation(20 if turned else 0) * Affine.scale(cell, -cell), MAPS["utm"])
+                 for x, y in ((0, 0), (633333.3, 5.2e6 + 1 / 3)))
+    for row in range(12):
+        for column in range(12):
+            answers = []
+            for field in (here, far):
+                x, y = Affine(*field.transform) * (column + 0.5, row + 0.5)
+                if np.isfinite(z[row, column]):  # a corner of the raster, or a sample beside the hole
+                    field.viewshed(x, y, 1)
+                answers.append(field.viewshed(x, y, observer_elevation=400 * cell, needed=True, curvature=0))
+            assert np.allclose(*answers, rtol=1e-6, atol=1e-6 * cell, equal_nan=True), (row, column)

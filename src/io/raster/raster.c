@@ -91,8 +91,8 @@ static const float coarse = 0x1p24f;
 static void smell_samples(const char *path, const io_raster_options *options, const io_raster *raster) {
     float suspicious[] = {-32768, -32767, -9999, -99999};
     enum { COUNT = sizeof suspicious / sizeof suspicious[0] };
-    size_t counts[COUNT] = {0}, huge = 0;
-    float example = 0, largest = 0;
+    size_t counts[COUNT] = {0}, huge = 0, zeros = 0;
+    float example = 0, largest = 0, nearest = INFINITY; /* to 0 */
     for (size_t j = 0; j < raster->ny; j++) {
         const float *z = raster->z + j * raster->nx;
         float low = INFINITY, high = -INFINITY;
@@ -103,6 +103,11 @@ static void smell_samples(const char *path, const io_raster_options *options, co
         for (int k = 0; k < 2; k++) {
             const float size = fabsf(k ? low : high);
             if (size < 1e30f && size > largest) largest = size;
+        }
+        if (low > 0) nearest = low < nearest ? low : nearest;
+        for (size_t i = 0; i < raster->nx && !(low > 0); i++) {
+            zeros += z[i] == 0;
+            nearest = z[i] != 0 && fabsf(z[i]) < nearest ? fabsf(z[i]) : nearest;
         }
         if (!(low <= -9999 || high >= 1e30f)) continue;
         for (size_t i = 0; i < raster->nx; i++) {
@@ -120,6 +125,12 @@ static void smell_samples(const char *path, const io_raster_options *options, co
         warn(options,
              "%s: %zu samples are beyond 1e30, as %.9g, which looks like no data; --nodata %.9g makes them holes", path,
              huge, (double)example, (double)example);
+    const double share = (double)zeros / ((double)raster->nx * (double)raster->ny);
+    if (!raster->georef.has_nodata && share >= 0.001 && share <= 0.5 && nearest >= 10)
+        warn(options,
+             "%s: %.3g %% of the samples are exactly 0, and the next ones are %.6g from it, which looks like missing "
+             "data; --nodata 0 makes them holes",
+             path, 100 * share, (double)nearest);
     if (largest > coarse)
         warn(options, "%s: heights are floats, and those up to %.9g are rounded to multiples of %g", path,
              (double)largest, (double)(nextafterf(largest, INFINITY) - largest));

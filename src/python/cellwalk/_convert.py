@@ -293,13 +293,19 @@ def warn(text: str) -> None:
     warnings.warn(text, stacklevel=level)
 
 
-def warn_of_heights(samples: np.ndarray, low: float, high: float) -> None:
+def warn_of_heights(samples: np.ndarray, low: float, high: float, nodata: Optional[float]) -> None:
     """What programs often write for no data, and heights whose last digits are lost, as the program warns of them."""
     if low <= -9999:
         for value in (-32768, -32767, -9999, -99999):
             number = int(np.count_nonzero(samples == np.float32(value)))
             if number:
                 warn(f"z: {number} samples are {value}, which often stands for no data; nodata={value} makes them holes")
+    if nodata is None and low <= 0 <= high:
+        zeros = np.count_nonzero(samples == 0) / samples.size
+        nearest = float(np.nanmin(np.abs(samples), where=samples != 0, initial=np.inf)) if 0.001 <= zeros <= 0.5 else 0.0
+        if 10 <= nearest < math.inf:
+            warn(f"z: {100 * zeros:.3g} % of the samples are exactly 0, and the next ones are {nearest:.6g} from it, which looks like missing "
+                 "data; nodata=0 makes them holes")
     if max(-low, high) > 2**24:
         most = np.float32(max(-low, high))
         warn(f"z: heights are floats, and those up to {most:.9g} are rounded to multiples of {np.spacing(most):g}")

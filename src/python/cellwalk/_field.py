@@ -90,7 +90,7 @@ class Field(Products):
                  zscale: float | None = None, band: int | None = None, copy: bool = False, progress=None) -> None:
         self._make(read_source(z, transform, crs, nodata_of(nodata), zscale, band), threads, copy, progress, z)
         about = self._core.describe()
-        warn_of_heights(self._samples, about["low"], about["high"])
+        warn_of_heights(self._samples, about["low"], about["high"], self._source.nodata)
 
     def _make(self, source: Source, threads, copy, progress, given=None, whole=None, scale: Any = None) -> None:
         self._threads = count(threads, "threads", 0, 4096)
