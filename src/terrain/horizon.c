@@ -17,8 +17,9 @@ struct horizon {
     double *azimuths;
     compass compass;
     float *work;
-    size_t room; /* samples in it */
-    bool leans;  /* it has three numbers for each of them */
+    double *sums; /* of the sky */
+    size_t room;  /* samples in both */
+    bool leans;   /* it has three numbers for each of them */
     bool grid;
     double curvature, max_distance;
     grid_direction *directions;
@@ -108,6 +109,7 @@ void horizon_destroy(horizon *h) {
     compass_destroy(&h->compass);
     free(h->azimuths);
     free(h->work);
+    free(h->sums);
     free(h->directions);
     free(h->rises);
     free(h->sky);
@@ -263,8 +265,9 @@ cw_status horizon_distances(horizon *h, const cw_run *query, size_t number, size
 
 typedef struct adding {
     const float *rises;
-    float *share;
-    float per_rise, weight;
+    double *sum;
+    float per_rise;
+    double weight;
 } adding;
 
 /* cos² = 1 / (1 + tan²). A hole's NaN stays. */
@@ -272,7 +275,7 @@ static void add_sky(void *context, size_t begin, size_t end) {
     const adding *a = context;
     for (size_t k = begin; k < end; k++) {
         const float up = a->rises[k] * a->per_rise, tangent = up < 0 ? 0 : up;
-        a->share[k] += a->weight / (1 + tangent * tangent);
+        a->sum[k] += a->weight * (double)(1 / (1 + tangent * tangent));
     }
 }
 
@@ -281,8 +284,8 @@ static void add_sky(void *context, size_t begin, size_t end) {
  * Times 2 π it is n (cos² a - s (π / 2 - a - sin a cos a)). */
 typedef struct tilting {
     const float *rises, *east, *north;
-    float *share;
-    float per_rise, weight;
+    double *sum;
+    float per_rise;
     float towards[2]; /* the direction: east, north */
 } tilting;
 
@@ -293,14 +296,14 @@ static void add_tilted_sky(void *context, size_t begin, size_t end) {
         const float rise = a->rises[k] * a->per_rise, tangent = rise < slope ? slope : rise; /* NaN stays */
         const float square = 1 / (1 + tangent * tangent);
         const float rest = (float)degree * horizon_degrees(1 / fabsf(tangent)) - tangent * square;
-        a->share[k] += a->weight * (square - slope * rest);
+        a->sum[k] += (double)(square - slope * rest);
     }
 }
 
 /* One direction more, for rows that share their headings. lean: NULL for level ground, or slopes eastward of the
  * rows' samples and, room samples on, northward. */
 static cw_status add_direction(horizon *h, const cw_run *query, size_t k, size_t row, size_t rows, const float *lean,
-                               float *share) {
+                               double *sum) {
     cw_heading *heading;
     double slope;
     const size_t nx = h->terrain->nx;
@@ -310,14 +313,14 @@ static cw_status add_direction(horizon *h, const cw_run *query, size_t k, size_t
         status = cw_heading_steepest(heading, query, 0, INFINITY, (cw_rectangle){0, row, nx, rows}, h->work);
     if (status != CW_OK) return status;
     cw_pool *pool = query ? query->pool : NULL;
-    const float per_rise = (float)(1 / slope), weight = 1 / (float)h->compass.count;
+    const float per_rise = (float)(1 / slope);
     if (lean == NULL) {
-        cw_pool_run(pool, nx * rows, GRAIN, add_sky, &(adding){h->work, share, per_rise, weight});
+        cw_pool_run(pool, nx * rows, GRAIN, add_sky, &(adding){h->work, sum, per_rise, 1});
         return CW_OK;
     }
     double sine, cosine;
     terrain_sine_cosine(h->azimuths[k], &sine, &cosine);
-    tilting a = {h->work, lean, lean + h->room, share, per_rise, weight, {(float)sine, (float)cosine}};
+    tilting a = {h->work, lean, lean + h->room, sum, per_rise, {(float)sine, (float)cosine}};
     cw_pool_run(pool, nx * rows, GRAIN, add_tilted_sky, &a);
     return CW_OK;
 }
@@ -347,14 +350,16 @@ static cw_status sky_view(horizon *h, const cw_run *query, bool tilted, size_t r
     *done = false;
     if (h->room < nx * rows || (tilted && !h->leans)) {
         free(h->work);
+        free(h->sums);
         h->work = malloc(nx * rows * sizeof *h->work * (tilted ? 3 : 1));
-        h->room = h->work ? nx * rows : 0;
+        h->sums = malloc(nx * rows * sizeof *h->sums);
+        h->room = h->work && h->sums ? nx * rows : 0;
         h->leans = tilted;
-        if (h->work == NULL) return CW_ERROR_MEMORY;
+        if (h->room == 0) return CW_ERROR_MEMORY;
     }
     leaning lean = {h->terrain, row, h->work + h->room, h->work + 2 * h->room, share};
     if (tilted) cw_pool_run(pool, rows, 4, find_slopes, &lean);
-    for (size_t k = 0; k < nx * rows; k++) share[k] = 0;
+    for (size_t k = 0; k < nx * rows; k++) h->sums[k] = 0;
     for (size_t count; row < end; row += count) {
         compass_turn(&h->compass, row, &count);
         count = count < end - row ? count : end - row;
@@ -363,10 +368,13 @@ static cw_status sky_view(horizon *h, const cw_run *query, bool tilted, size_t r
             const double part = (double)k / (double)h->compass.count;
             if (progress && !progress(context, ((double)(row - first) + part * (double)count) / (double)rows))
                 return CW_OK;
-            const cw_status status = add_direction(h, query, k, row, count, tilted ? lean.east + at : NULL, share + at);
+            const cw_status status =
+                add_direction(h, query, k, row, count, tilted ? lean.east + at : NULL, h->sums + at);
             if (status != CW_OK) return status;
         }
     }
+    /* Shares of a free sky are 1: a sum of so many of them. */
+    for (size_t k = 0; k < nx * rows; k++) share[k] = (float)(h->sums[k] / (double)h->compass.count);
     if (tilted) cw_pool_run(pool, nx * rows, GRAIN, turn_upright, &lean);
     *done = true;
     return CW_OK;
@@ -383,26 +391,26 @@ static double share_of_turn(const horizon *h, size_t k) {
 /* Of the whole terrain, direction by direction. */
 static cw_status grid_sky(horizon *h, const cw_run *query, terrain_progress *progress, void *context, bool *done) {
     const size_t n = h->terrain->nx * h->terrain->ny;
-    float *sky = calloc(n, sizeof *sky);
-    cw_status status = sky ? CW_OK : CW_ERROR_MEMORY;
+    double *sum = calloc(n, sizeof *sum);
+    cw_status status = sum ? CW_OK : CW_ERROR_MEMORY;
     for (size_t k = 0; k < h->compass.count && status == CW_OK; k++) {
         if (progress && !progress(context, (double)k / (double)h->compass.count)) {
-            free(sky);
+            free(sum);
             return CW_OK;
         }
         status = make_rises(h, query, k);
         for (size_t row = 0, count; row < h->terrain->ny && status == CW_OK; row += count) {
             compass_turn(&h->compass, row, &count);
             const size_t nx = h->terrain->nx, at = row * nx;
-            adding a = {h->rises + at, sky + at, grid_per_rise(h, k), (float)share_of_turn(h, k)};
+            adding a = {h->rises + at, sum + at, grid_per_rise(h, k), share_of_turn(h, k)};
             cw_pool_run(query ? query->pool : NULL, nx * count, GRAIN, add_sky, &a);
         }
     }
+    if (status == CW_OK) h->sky = malloc(n * sizeof *h->sky);
+    if (status == CW_OK && h->sky == NULL) status = CW_ERROR_MEMORY;
     *done = status == CW_OK;
-    if (*done)
-        h->sky = sky;
-    else
-        free(sky);
+    for (size_t k = 0; *done && k < n; k++) h->sky[k] = (float)sum[k];
+    free(sum);
     return status;
 }
 

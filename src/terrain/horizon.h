@@ -13,7 +13,7 @@ typedef struct horizon_desc {
     size_t count; /* from 1 to COMPASS_MOST */
     /* Directions from sample to sample instead, count = 8, 16 or 32 of them, in the order of their azimuths: as
      * exact, and in time that does not grow with the distance. Only where horizon_has_grid is true, and without
-     * max_distance. Whole bands are computed at once: a float more for each sample of the terrain, for the sky view two. */
+     * max_distance. Whole bands are computed at once: a float more for each sample of the terrain, for the sky view four. */
     bool grid;
     double max_distance; /* metres: terrain farther away does not count; 0: no limit */
     double curvature;    /* as sight_init takes it; 0: the earth is flat */

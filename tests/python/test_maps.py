@@ -322,3 +322,16 @@ def test_small_cells_far_from_the_origin(cell, turned):
                     field.viewshed(x, y, 1)
                 answers.append(field.viewshed(x, y, observer_elevation=400 * cell, needed=True, curvature=0))
             assert np.allclose(*answers, rtol=1e-6, atol=1e-6 * cell, equal_nan=True), (row, column)
+
+
+# ---- sums -------------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("directions", [1, 3, 7, 32, 360, 720, 3599])
+def test_the_sky_of_a_plain_is_whole(directions):
+    plain = cw.Field(np.full((7, 9), 300.0))
+    assert (plain.sky_view(directions) == 1).all() and (plain.sky_view(directions, tilted=True) == 1).all()
+    if directions == 32:
+        assert (plain.sky_view(directions, grid=True) == 1).all()
+    rough = cw.Field(np.random.default_rng(1).normal(0, 1e-4, (7, 9)))
+    assert (rough.sky_view(directions) <= 1).all()

@@ -137,6 +137,17 @@ typedef struct tally {
     size_t seen, touched, hidden;
 } tally;
 
+/* Nothing is above the line to so much over the ground, and something is above that to less; both by more than floats and
+ * the search's rounding leave open. */
+static void check_need(const sight *s, double x, double y, double z, double need) {
+    const double slack = 1e-4 + 1e-6 * need;
+    if (need > 1e6) return; /* an edge so near to the eye that its share of the way, known to 2^-49, is far below 1 */
+    check(judge_line(s, x, y, z, need + slack) <= 0, "(%g, %g) from (%.17g, %.17g, %.17g): %g m are not enough", x, y,
+          s->eye[0], s->eye[1], s->eye[2], need);
+    check(!(need > slack) || judge_line(s, x, y, z, need - slack) >= 0,
+          "(%g, %g) from (%.17g, %.17g, %.17g): %g m are too much", x, y, s->eye[0], s->eye[1], s->eye[2], need);
+}
+
 /* All samples, or one in so many of larger land: whether they are seen, and what is needed for that; and whether a line of sight says the same. */
 static void check_view(const ground *g, const viewshed_desc *d, tally *sum) {
     static uint16_t seen[SAMPLES];
@@ -161,6 +172,7 @@ static void check_view(const ground *g, const viewshed_desc *d, tally *sum) {
         const int ground_highest = d->target_height == 0 ? highest : judge_line(s, x, y, z, 0);
         check((need[k] > 0) == (ground_highest > 0), "(%g, %g) from (%.17g, %.17g, %.17g): %g m are needed, verdict %d",
               x, y, s->eye[0], s->eye[1], s->eye[2], (double)need[k], ground_highest);
+        if (k % 4 == 0) check_need(s, x, y, z, (double)need[k]);
         const double block = sight_first_block(s, x, y, z);
         check((block < INFINITY) == (ground_highest >= 0), "(%g, %g) from (%.17g, %.17g, %.17g): the line is %s", x, y,
               s->eye[0], s->eye[1], s->eye[2], block < INFINITY ? "blocked" : "free");
@@ -285,6 +297,63 @@ static void next_to_a_row(void **state) {
     ground_free(&g);
 }
 
+/* Land on one side of a line of samples, with nothing on its other side, and an eye that is next to the line, on either
+ * side or on it. */
+typedef struct shore {
+    random_state r;
+    int kind;      /* of the line: along x, along y, a diagonal */
+    bool after;    /* land is where the coordinate is larger */
+    double n;      /* of the line */
+    bool on_holes; /* the other side is holes; else the raster ends there */
+} shore;
+
+static double shore_side(const shore *s, double i, double j) {
+    const double side = (s->kind == 0 ? j : s->kind == 1 ? i : j - i) - s->n;
+    return s->after ? side : -side;
+}
+
+static double shore_height(void *context, size_t i, size_t j) {
+    shore *s = context;
+    const double z = 10 * (double)random_below(&s->r, 1 << 12) / (1 << 12);
+    return shore_side(s, (double)i, (double)j) < 0 ? (double)NAN : z;
+}
+
+static void beside_lines_holes_and_borders(void **state) {
+    (void)state;
+    enum { LONG = 90, THIN = 3 };
+    shore s = {.r = {15}};
+    random_state *r = &s.r;
+    tally sum = {0};
+    const size_t lands = 80 / test_step(4) * test_rounds();
+    for (size_t land = 0; land < lands; land++) {
+        ground g;
+        s.kind = (int)random_below(r, 3);
+        s.after = random_below(r, 2) == 0;
+        s.on_holes = random_below(r, 3) > 0;
+        const size_t nx = s.kind == 0   ? LONG
+                          : s.kind == 1 ? THIN
+                                        : SIDE,
+                     ny = s.kind == 0   ? THIN
+                          : s.kind == 1 ? LONG
+                                        : SIDE;
+        const double last = (double)(s.kind == 0 ? ny : nx) - 1;
+        s.n = s.kind == 2 ? (double)random_below(r, 5) - 2 : s.on_holes ? 1 : s.after ? 0 : last;
+        make_ground(&g, nx, ny, shore_height, &s);
+        const double off = ldexp(random_below(r, 2) ? 1 : -1, -(int)(18 + random_below(r, 43)));
+        viewshed_desc d = {.absolute = true, .height = 10 * random_between(r, -0.2, 1.5), .curvature = land % 7 == 6};
+        d.place[0] = random_between(r, -2, (double)nx + 1);
+        d.place[1] = random_between(r, -2, (double)ny + 1);
+        if (s.kind == 2)
+            d.place[1] = d.place[0] + s.n + off;
+        else
+            d.place[s.kind == 0] = s.n + (land % 8 == 7 ? 0 : off);
+        check_view(&g, &d, &sum);
+        ground_free(&g);
+    }
+    check(sum.seen > 20 * lands && sum.hidden > 5 * lands, "%zu seen, %zu touched, %zu hidden", sum.seen, sum.touched,
+          sum.hidden);
+}
+
 /* Lines of sight between any two places. */
 static void lines_between_places(void **state) {
     (void)state;
@@ -329,8 +398,9 @@ static void lines_between_places(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_touch_blocks), cmocka_unit_test(whole_heights),        cmocka_unit_test(last_digits),
-        cmocka_unit_test(next_to_a_row),  cmocka_unit_test(lines_between_places),
+        cmocka_unit_test(a_touch_blocks),       cmocka_unit_test(whole_heights),
+        cmocka_unit_test(last_digits),          cmocka_unit_test(next_to_a_row),
+        cmocka_unit_test(lines_between_places), cmocka_unit_test(beside_lines_holes_and_borders),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

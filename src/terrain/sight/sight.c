@@ -233,7 +233,7 @@ static inline bool look_for_need(void *context, const crossing *c) {
     const double doubt = w->rough + 2 * (w->slack + 0x1p-49) * c->steps + 0x1p-49 * fabs(c->height);
     if (c->height < line - doubt) return false;
     const bool inside = c->share > way_share_error && c->share < 1 - way_share_error;
-    if (c->height - c->share * w->top > doubt && inside) {
+    if (c->height - c->share * w->top > doubt && inside && !c->at_sample) {
         n->steepest = fmax(n->steepest, c->height / c->share);
         return false;
     }

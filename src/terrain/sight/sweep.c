@@ -249,7 +249,9 @@ static void visit_row(part *p, long row, long begin, long end, uint32_t start, b
         const bool after = u >= p->from || p->from == -1, before = u < p->until || p->until == 1;
         const bool inside = p->swapped ? fabs(x) < r : fabs(x) <= r;
         if (!(h < INFINITY) || !(after && before && inside)) continue;
-        const double leans = x > 0 ? left_of[i - 1] : right_of[i];
+        /* On a diagonal but for rounding, the way may be in the triangle on either side, and one of them may be missing. */
+        const bool between = fabs(fabs(x) - r) <= 0x1p-50 * (r + fabs(p->aside) + fabs(p->eye));
+        const double leans = between ? 0 : x > 0 ? left_of[i - 1] : right_of[i];
         if (!all && p->target == 0 && leans > p->margin) continue;
         double low, high;
         skyline_at(&p->line, &start, u, &low, &high);
