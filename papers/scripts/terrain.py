@@ -257,7 +257,7 @@ def compare_maps(tool, folder):
             rows = subprocess.run([tool, "horizon", dem + ".tif", "--at", f"{longitude},{latitude}", "--directions", "72"],
                                   check=True, capture_output=True, text=True).stdout.splitlines()[1:]
             turned, longer, farthest = [], [], 0
-            for azimuth, _, metres, x, y in (map(float, row.split(",")) for row in rows):
+            for _, azimuth, _, _, metres, x, y in (map(float, row.split(",")) for row in rows):
                 exact, direction = geodesics.way(latitude, longitude, y, x)
                 turned.append(abs((direction - azimuth + 180) % 360 - 180))
                 longer.append(abs(metres / exact - 1))

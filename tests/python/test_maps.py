@@ -335,3 +335,41 @@ def test_the_sky_of_a_plain_is_whole(directions):
         assert (plain.sky_view(directions, grid=True) == 1).all()
     rough = cw.Field(np.random.default_rng(1).normal(0, 1e-4, (7, 9)))
     assert (rough.sky_view(directions) <= 1).all()
+
+
+# ---- horizons of places ------------------------------------------------------------------------------------------------------
+
+
+def test_horizons_of_places(program, tool, maps, tmp_path):
+    """All that are given, in order; azimuths of the map and from true north; a table of places, and JSON, say the same."""
+    east, north = inside(3)
+    for name in ("utm", "degrees"):
+        crs, path = MAPS[name], maps[name]
+        x, y = transform("EPSG:32632", crs, list(east), list(north))
+        given = [f"{a!r},{b!r},{k}" for k, (a, b) in enumerate(zip(x, y))]
+        single = [tool("horizon", path, "--at", place, "--directions", "5", "--start", "7").splitlines() for place in given]
+        words = "horizon", path, *(w for place in given for w in ("--at", place)), "--directions", "5", "--start", "7"
+        lines = tool(*words).splitlines()
+        assert lines[0] == "place,azimuth,true_azimuth,angle,distance,x,y" and len(lines) == 16
+        assert [line.split(",", 1) for line in lines[1:]] == [[str(k + 1), line.split(",", 1)[1]] for k in range(3) for line in single[k][1:]]
+        table = tmp_path / "places.csv"
+        table.write_text("x,y,height\n" + "".join(f"{place}\n" for place in given))
+        rest = "--directions", "5", "--start", "7"
+        assert program("horizon", path, "--places", table, *rest, "-o", tmp_path / "out.csv").stdout == ""
+        assert (tmp_path / "out.csv").read_text().splitlines() == lines
+        said = json.loads(tool(*words, "--json"))["places"]
+        for k, place in enumerate(said):
+            assert np.allclose(place["place"], [x[k], y[k]])
+            for row, line in zip(place["horizon"], lines[1 + 5 * k:]):
+                numbers = [float(v) for v in line.split(",")[1:]]
+                assert np.allclose(numbers, [row["azimuth"], row["true_azimuth"], row["angle"], row["distance"], *row["at"]], atol=6e-4)
+        # The way to a place 1 km north, and east, on the ground.
+        lon, lat = (np.array(v) for v in degrees_of(crs, x, y))
+        true, of_map = (np.array([[float(line.split(",")[c]) for line in lines[1:]]]).reshape(3, 5)[:, 0] for c in (2, 1))
+        if name == "degrees":
+            assert (true == of_map).all()
+        else:
+            assert np.allclose(of_map - true, -np.degrees(np.arctan(np.tan(np.radians(lon - 9)) * np.sin(np.radians(lat)))), atol=2e-3)
+    for wrong, words in ((["--at", "1,2", "--places", "p.csv"], "do not go together"), (["--json", "-o", "o.tif"], "--json goes with"),
+                         (["--at", "1,2", "--svf"], "go with neither --svf")):
+        assert words in tool("horizon", maps["utm"], *wrong, fails=True)

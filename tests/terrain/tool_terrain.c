@@ -115,8 +115,9 @@ static void horizon_at_a_wall(void **state) {
     free(file);
     const program_result *r = run_well(
         (const char *const[]){"horizon", "wall.npy", "--cellsize", "10", "--directions", "4", "--at", "300,190", NULL});
-    check(strcmp(r->out, "azimuth,angle,distance,x,y\n0,21.801409,100.000,300,290\n90,0.000000,10.000,310,190\n"
-                         "180,0.000000,10.000,300,180\n270,0.000000,10.000,290,190\n") == 0,
+    check(strcmp(r->out, "place,azimuth,true_azimuth,angle,distance,x,y\n1,0,,21.801409,100.000,300,290\n"
+                         "1,90,,0.000000,10.000,310,190\n1,180,,0.000000,10.000,300,180\n"
+                         "1,270,,0.000000,10.000,290,190\n") == 0,
           "%s", r->out);
     /* Of several places the nearest. */
     run_well((const char *const[]){"horizon", "wall.npy", "--cellsize", "10", "--directions", "4", "--distance", "-o",

@@ -4,8 +4,8 @@
 #include "horizon.h"
 
 #include "command.h"
+#include "horizon_at.h"
 #include "product.h"
-#include "sight.h"
 #include "trade.h"
 
 #include <math.h>
@@ -28,8 +28,7 @@ typedef struct horizon_command {
     double start, curvature, max_distance;
     bool sky, tilted, grid, distance;
     int type; /* 0: float32, 1: int16 */
-    const char *at;
-    ground_place place; /* of --at */
+    horizon_at at;
 } horizon_command;
 
 typedef struct job {
@@ -144,42 +143,9 @@ static bool make_bands(job *j, const horizon_command *c, io_error *error) {
     return good;
 }
 
-/* The horizon at one place, in double, as a table. */
-static bool print_at(const ground *g, const horizon_command *c, io_error *error) {
-    const terrain *t = &g->terrain;
-    double eye[3], metres[2], ground_height;
-    if (!ground_find_place(t, &c->place, eye, &ground_height, error)) return false;
-    if (isnan(ground_height)) return io_fail(error, "%s: is not on the terrain, where the horizon is found", c->at);
-    const double scale = terrain_metres_of_height(t);
-    sight_bounds *bounds;
-    if (sight_bounds_create(t, &bounds) != CW_OK) return io_fail(error, "out of memory");
-    sight s;
-    sight_init(&s, t, bounds, eye, c->curvature);
-    terrain_metres(t, eye[0], eye[1], metres);
-    puts("azimuth,angle,distance,x,y");
-    for (unsigned k = 0; k < c->directions; k++) {
-        const double azimuth = fmod(c->start + 360.0 * k / c->directions, 360);
-        double dir[2], xy[2];
-        const double length = terrain_direction(t, eye[0], eye[1], azimuth, dir);
-        double far = terrain_steps_out(t, eye, dir);
-        if (c->max_distance > 0) far = fmin(far, c->max_distance / length);
-        const sight_rise r = sight_steepest(&s, eye[0] + far * dir[0], eye[1] + far * dir[1], -INFINITY);
-        if (r.steepest == -INFINITY) {
-            printf("%.6g,,,,\n", azimuth); /* the terrain ends there */
-            continue;
-        }
-        const double cells = r.share * far;
-        terrain_to_map(t, eye[0] + cells * dir[0], eye[1] + cells * dir[1], xy);
-        printf("%.6g,%.6f,%.3f,%.10g,%.10g\n", azimuth,
-               atan(r.steepest * scale / (far * length)) * (180 / 3.141592653589793), cells * length, xy[0], xy[1]);
-    }
-    sight_bounds_destroy(bounds);
-    return true;
-}
-
 static bool make(void *context, ground *g, io_error *error) {
     const horizon_command *c = context;
-    if (c->at) return print_at(g, c, error);
+    if (horizon_at_asked(&c->at)) return horizon_at_write(g, &c->at, error);
     job j = {.ground = g};
     const bool good = make_bands(&j, c, error);
     horizon_destroy(j.horizon);
@@ -192,35 +158,46 @@ static bool check(void *context, size_t *bands) {
     horizon_command *c = context;
     const bool regular = c->directions == 8 || c->directions == 16 || c->directions == 32;
     const bool tif = c->ground.output && io_raster_is_tif(c->ground.output), sky = c->sky || c->tilted;
-    if (c->at && !ground_parse_place(name, c->at, 0, &c->place)) return false;
+    const bool at = horizon_at_asked(&c->at);
+    if (!horizon_at_check(&c->at, name)) return false;
     if (c->tilted && (c->sky || c->grid))
         command_fail(name, "--svf-tilted goes with neither --svf nor --grid");
-    else if (c->distance && (sky || c->at))
-        command_fail(name, "--distance goes with none of --svf, --svf-tilted and --at");
+    else if (c->distance && (sky || at))
+        command_fail(name, "--distance goes with none of --svf, --svf-tilted, --at and --places");
     else if (c->distance && c->grid)
         command_fail(name, "--grid computes angles and sky-view factors only; give --distance without --grid");
     else if (c->type == INT16 && (c->distance || !tif))
         command_fail(name,
                      c->distance ? "--type int16 has no room for --distance" : "--type int16 goes with -o FILE.tif");
-    else if (c->at && (c->ground.output || sky || c->ground.window))
-        command_fail(name, "--at prints one horizon, and goes with none of -o, --svf and --window");
+    else if (c->at.at.count > 0 && c->at.file)
+        command_fail(name, "--at and --places do not go together");
+    else if (at && (sky || c->ground.window))
+        command_fail(name, "--at and --places print horizons of places, and go with neither --svf nor --window");
+    else if (c->at.json && !at)
+        command_fail(name, "--json goes with --at or --places");
     else if (c->curvature < 0)
         command_fail(name, "--curvature takes a number from 0 on, not %g", c->curvature);
     else if (c->max_distance < 0)
         command_fail(name, "--max-distance takes metres, not %g", c->max_distance);
-    else if (c->grid && (c->at || c->start != 0 || c->max_distance > 0 || !regular))
+    else if (c->grid && (at || c->start != 0 || c->max_distance > 0 || !regular))
         command_fail(name,
                      "--grid goes with 8, 16 or 32 --directions, and with none of --at, --start and --max-distance");
     else {
         c->sky = sky;
-        *bands = c->at ? 0 : sky ? 1 : c->directions;
+        c->at.output = c->ground.output;
+        c->at.directions = c->directions;
+        c->at.start = c->start;
+        c->at.max_distance = c->max_distance;
+        c->at.curvature = c->curvature;
+        *bands = at ? 0 : sky ? 1 : c->directions;
         return true;
     }
     return false;
 }
 
 static int run(int argc, char **argv) {
-    horizon_command c = {.directions = 32};
+    static horizon_command c; /* large */
+    c.directions = 32;
     const option_spec options[] = {
         {.name = "directions",
          .value = "N",
@@ -259,11 +236,18 @@ static int run(int argc, char **argv) {
          .names = type_names},
         {.name = "at",
          .value = "X,Y[,H]",
-         .help = "print the horizon at one place of the map, H metres\nabove ground (default: 0) or X,Y,=Z, as CSV: "
-                 "degrees,\n"
-                 "metres, coordinates of the map",
+         .help = "print the horizon at a place of the map, H metres above\nground (default: 0) or X,Y,=Z, as CSV: "
+                 "degrees (azimuths\nof the map and from true north), metres, coordinates of\nthe map; may be given up "
+                 "to 256 times",
+         .kind = OPTION_AGAIN,
+         .to = &c.at.at},
+        {.name = "places",
+         .value = "FILE",
+         .help = "the same for the places of a table (.csv) with the columns\nx, y and, if there, height, or of points "
+                 "in any file that\nGDAL reads; -o names the table to write",
          .kind = OPTION_TEXT,
-         .to = &c.at},
+         .to = &c.at.file},
+        {.name = "json", .help = "with --at or --places: print one JSON object", .to = &c.at.json},
         {.name = "max-distance",
          .value = "D",
          .help = "terrain farther away than D metres does not count\n(default: no limit)",
@@ -273,12 +257,12 @@ static int run(int argc, char **argv) {
     };
     const options_usage usage = {
         .name = name,
-        .synopsis = "DEM (-o FILE | --at X,Y) [OPTIONS]",
+        .synopsis = "DEM (-o FILE | --at X,Y | --places FILE) [OPTIONS]",
         .what = "Computes the horizon of every sample of a terrain and writes a raster with one\n"
                 "band a direction: the elevation angle in degrees of the highest point there,\n"
                 "negative below the sample's level (float32). --svf writes the sky-view factor\n"
                 "instead, --distance how far away that point is (the nearest of several), and\n"
-                "--at prints the horizon of one place.\n"
+                "--at and --places print the horizons of places.\n"
                 "\n"
                 "NaN means no data: at holes, and where no terrain lies in that direction within\n"
                 "--max-distance. The sky-view factor counts the sky there as free.\n"

@@ -10,9 +10,14 @@ static const double degrees = 180 / 3.141592653589793;
 bool sun_place_find(const terrain *t, const io_georef *georef, const char *path, const char *instead, sun_place *place,
                     io_error *error) {
     double xy[2];
-    *place = (sun_place){0, 0, 0};
     const terrain *whole = terrain_whole(t);
     terrain_to_map(whole, 0.5 * (double)(whole->nx - 1), 0.5 * (double)(whole->ny - 1), xy);
+    return sun_place_of(t, georef, xy, path, instead, place, error);
+}
+
+bool sun_place_of(const terrain *t, const io_georef *georef, const double xy[2], const char *path, const char *instead,
+                  sun_place *place, io_error *error) {
+    *place = (sun_place){0, 0, 0};
     if (t->geographic) {
         place->longitude = xy[0] * t->unit * degrees;
         place->latitude = xy[1] * t->unit * degrees;

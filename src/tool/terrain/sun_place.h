@@ -8,16 +8,20 @@
 #include "sun.h"
 #include "terrain.h"
 
-/* Where the terrain's middle is on earth. */
+/* Where a place is on earth. */
 typedef struct sun_place {
     double longitude, latitude; /* degrees */
     double turned; /* how far the map's north is turned there from the true one, toward the west, in degrees */
 } sun_place;
 
-/* An error if the map is not in degrees and names no coordinate system; path is for messages, and so is instead: what the user can
+/* Of the terrain's middle. An error if the map is not in degrees and names no coordinate system; path is for messages, and so is instead: what the user can
  * do, or NULL. */
 bool sun_place_find(const terrain *t, const io_georef *georef, const char *path, const char *instead, sun_place *place,
                     io_error *error);
+
+/* The same of a place of the map. */
+bool sun_place_of(const terrain *t, const io_georef *georef, const double xy[2], const char *path, const char *instead,
+                  sun_place *place, io_error *error);
 
 /* The sun with its azimuth on the map. */
 sun_position sun_place_at(const sun_place *place, double seconds);
