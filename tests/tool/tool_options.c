@@ -23,7 +23,7 @@ typedef struct settings {
     unsigned count;
     double real;
     int name;
-    option_list list, free_list;
+    option_again again;
     const char *operands[2];
 } settings;
 
@@ -36,8 +36,7 @@ static int parse(settings *s, const char *line) {
         {"count", "N", "a whole number", OPTION_COUNT, .to = &s->count, .low = 2, .high = 9},
         {"real", "X", "a number", OPTION_REAL, .to = &s->real, .low = -0.5, .high = 1.5},
         {"name", "NAME", "one of these", OPTION_NAME, .to = &s->name, .names = colours},
-        {"list", "NAMES", "several of these", OPTION_LIST, .to = &s->list, .names = colours},
-        {"free", "NAMES", "several of anything", OPTION_LIST, .to = &s->free_list},
+        {"again", "TEXT", "several of anything", OPTION_AGAIN, .to = &s->again},
     };
     static const char *const operands[] = {"FROM", "TO"};
     const options_usage usage = {.name = "paint",
@@ -48,7 +47,7 @@ static int parse(settings *s, const char *line) {
                                  .operands = operands,
                                  .operand_least = 1,
                                  .operand_most = 2};
-    static char copy[512]; /* lists point into it */
+    static char copy[512]; /* values point into it */
     char *argv[32];
     int argc = 0;
     snprintf(copy, sizeof copy, "paint %s", line);
@@ -70,24 +69,15 @@ static int parse(settings *s, const char *line) {
 static void values_are_taken(void **state) {
     (void)state;
     settings s;
-    check(parse(&s, "here -f --text=a=b --count 9 --real -0.5 --name grey --list green,red --list red --free x,,") !=
-              OPTIONS_GO,
-          "an empty item is taken");
-    check(parse(&s, "here -f --text=a=b --count 9 --real -0.5 --name grey --list green,red --list red --free x,y") ==
-              OPTIONS_GO,
+    check(parse(&s, "here --again x --again=") != OPTIONS_GO, "an empty value is taken");
+    check(parse(&s, "here -f --text=a=b --count 9 --real -0.5 --name grey --again x,y --again x,y") == OPTIONS_GO,
           "good options are refused");
     check(s.flag && strcmp(s.text, "a=b") == 0 && s.count == 9 && s.real == -0.5 && s.name == 2, "a value is another");
-    check(s.list.count == 2 && s.list.number[0] == 1 && s.list.number[1] == 0 && strcmp(s.list.item[0], "green") == 0,
-          "the list is another");
-    check(s.free_list.count == 2 && strcmp(s.free_list.item[1], "y") == 0, "the list of anything is another");
+    check(s.again.count == 2 && strcmp(s.again.values[1], "x,y") == 0, "an option given twice is another");
     check(strcmp(s.operands[0], "here") == 0 && s.operands[1] == NULL, "the operands are others");
-    check(option_wanted(&s.list, 1) && !option_wanted(&s.list, 2) && option_wanted(&(option_list){.count = 0}, 2),
-          "what is wanted is another");
     check(parse(&s, "-tx -- -f --flag") == OPTIONS_GO && strcmp(s.text, "x") == 0 && !s.flag &&
               strcmp(s.operands[1], "--flag") == 0,
           "-- does not end the options");
-    option_list_fill(&s.list, colours, 1, 99);
-    check(s.list.count == 2 && s.list.number[1] == 2, "a list is filled otherwise");
 }
 
 static void mistakes_are_told(void **state) {
@@ -103,7 +93,7 @@ static void mistakes_are_told(void **state) {
         {"here --real 1.6", "--real takes a number from -0.5 to 1.5, not '1.6'"},
         {"here --real nan", "not 'nan'"},
         {"here --name gren", "--name 'gren' is unknown; did you mean green? There are red, green, grey"},
-        {"here --list red,blue", "--list 'blue' is unknown; there are red, green, grey"},
+        {"here --name blue", "--name 'blue' is unknown; there are red, green, grey"},
         {"here --text", "--text needs a value: --text TEXT"},
         {"here --flag=1", "--flag takes no value, but got '1'"},
         {"", "FROM is missing"},

@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NAMES_MAX = OPTION_LIST_MAX };
+enum { NAMES_MAX = 64 };
 
 const char *option_kernel_names(size_t number) {
     return number < cw_kernel_count() ? cw_kernel_describe(cw_kernel_at(number)).name : NULL;
@@ -46,19 +46,6 @@ bool option_isa_limit(const char *name, cw_isa isa) {
     command_fail(name, "--isa %s: this machine, or CELLWALK_ISA, allows no more than %s", cw_isa_name(isa),
                  cw_isa_name(cw_isa_best()));
     return false;
-}
-
-bool option_wanted(const option_list *list, size_t number) {
-    for (size_t k = 0; k < list->count; k++)
-        if (list->number[k] == number) return true;
-    return list->count == 0;
-}
-
-void option_list_fill(option_list *list, option_names *names, size_t first, size_t last) {
-    for (size_t k = first; k < last && names(k) && list->count < OPTION_LIST_MAX; k++) {
-        list->number[list->count] = k;
-        list->item[list->count++] = names(k);
-    }
 }
 
 /* ---- help ---- */
@@ -184,32 +171,6 @@ static bool set_count(const options_usage *usage, const option_spec *o, const ch
     return false;
 }
 
-/* Splits the text in place. Items that are in the list already are not added again. */
-static bool add_items(const options_usage *usage, const option_spec *o, char *text) {
-    option_list *list = o->to;
-    for (char *rest = text; rest;) {
-        const char *item = strsep(&rest, ",");
-        size_t number = 0, k = 0;
-        unsigned whole;
-        double real = 0;
-        if (*item == '\0') return command_fail(usage->name, "--%s needs a value that is not empty", o->name), false;
-        if (o->names && !set_name(usage, o, item, &number)) return false;
-        if (o->kind == OPTION_REALS && !set_real(usage, o, item, &real)) return false;
-        if (o->kind == OPTION_COUNTS) {
-            if (!set_count(usage, o, item, &whole)) return false;
-            number = whole;
-        }
-        while (k < list->count && strcmp(list->item[k], item) != 0) k++;
-        if (k == OPTION_LIST_MAX)
-            return command_fail(usage->name, "--%s takes at most %d values", o->name, OPTION_LIST_MAX), false;
-        if (k < list->count) continue;
-        list->number[list->count] = number;
-        list->real[list->count] = real;
-        list->item[list->count++] = item;
-    }
-    return true;
-}
-
 static bool set_value(const options_usage *usage, const option_spec *o, char *value) {
     size_t number;
     switch (o->kind) {
@@ -221,10 +182,6 @@ static bool set_value(const options_usage *usage, const option_spec *o, char *va
         return set_number(usage, o, value);
     case OPTION_AGAIN:
         return add_value(usage, o, value);
-    case OPTION_LIST:
-    case OPTION_COUNTS:
-    case OPTION_REALS:
-        return add_items(usage, o, value);
     case OPTION_NAME:
         if (!set_name(usage, o, value, &number)) return false;
         *(int *)o->to = (int)number;

@@ -17,20 +17,8 @@ typedef enum option_kind {
     OPTION_REAL,   /* to: double *; a number in [low, high] */
     OPTION_NAME,   /* to: int *; the number of the name given */
     OPTION_NUMBER, /* to: double *; any number that is finite */
-    OPTION_LIST,   /* to: option_list *; a,b,c or the option again */
-    OPTION_COUNTS, /* the same, of whole numbers in [low, high] */
-    OPTION_REALS,  /* the same, of numbers in [low, high] */
     OPTION_AGAIN   /* to: option_again *; may be given several times */
 } option_kind;
-
-enum { OPTION_LIST_MAX = 64 };
-
-typedef struct option_list {
-    const char *item[OPTION_LIST_MAX];
-    size_t number[OPTION_LIST_MAX]; /* each item's among the option's names, or the whole number that it is */
-    double real[OPTION_LIST_MAX];
-    size_t count;
-} option_list;
 
 /* The values of an option that may be given several times, the arguments themselves, in order. */
 enum { OPTION_AGAIN_MAX = 256 };
@@ -47,11 +35,10 @@ typedef struct option_spec {
     const char *value; /* name of the value in the help; NULL for a flag. FILE, FOLDER, IMAGE and NAME.END are paths */
     const char *help;  /* is wrapped; the names are appended */
     option_kind kind;
-    void *to; /* untouched while the option is not given, but for lists, to which items are added */
+    void *to; /* untouched while the option is not given */
     double low, high;
-    option_names
-        *names;  /* that a name or the items of a list may have; NULL for lists of anything. Of a text: examples */
-    char letter; /* a one-letter form, or 0 */
+    option_names *names; /* that the value may have; NULL for any. Of a text: examples */
+    char letter;         /* a one-letter form, or 0 */
 } option_spec;
 
 typedef struct options_usage {
@@ -77,11 +64,6 @@ void options_show(options_look *look, void *context);
 
 /* The options of every subcommand, and of every program. */
 extern const option_spec option_help, option_version;
-
-/* True if the list is empty or holds the number. */
-bool option_wanted(const option_list *list, size_t number);
-/* Adds the names from first up to last, without last. */
-void option_list_fill(option_list *list, option_names *names, size_t first, size_t last);
 
 /* Names for options: of kernels, instruction sets and leaf tests. */
 const char *option_kernel_names(size_t number);

@@ -54,17 +54,20 @@ bool words_unknown(const char *name, const char *what, const char *word, const c
     return false;
 }
 
-size_t words_columns(const char *text, size_t bytes) {
+/* Columns of a terminal that so many bytes of UTF-8 take. */
+static size_t columns_of(const char *text, size_t bytes) {
     size_t columns = 0;
     for (size_t k = 0; k < bytes; k++) columns += ((unsigned char)text[k] & 0xc0) != 0x80;
     return columns;
 }
 
-size_t words_fold(const char *text, size_t bytes, size_t at, size_t hang, size_t most) {
+/* Prints so many bytes of text from column at on, which is where the cursor is; lines but the first begin at column hang. Line
+ * breaks are spaces. Where the cursor is then. */
+static size_t fold(const char *text, size_t bytes, size_t at, size_t hang) {
     for (const char *end = text + bytes; text < end;) {
         const size_t spaces = strspn(text, " \n"), length = strcspn(text + spaces, " \n");
-        const size_t width = words_columns(text + spaces, length);
-        if (at > hang && at + spaces + width > most) {
+        const size_t width = columns_of(text + spaces, length);
+        if (at > hang && at + spaces + width > COLUMNS) {
             printf("\n%*s", (int)hang, "");
             at = hang;
         } else {
@@ -82,7 +85,7 @@ size_t words_fold(const char *text, size_t bytes, size_t at, size_t hang, size_t
 static size_t hang_of(const char *line) {
     const size_t length = strcspn(line, "\n"), indent = strspn(line, " ");
     for (size_t k = indent; indent > 0 && k + 1 < length; k++)
-        if (line[k] == ' ' && line[k + 1] == ' ') return words_columns(line, k + strspn(line + k, " "));
+        if (line[k] == ' ' && line[k + 1] == ' ') return columns_of(line, k + strspn(line + k, " "));
     return indent;
 }
 
@@ -92,7 +95,7 @@ void words_wrap(const char *text, size_t column) {
         /* Up to the end of the paragraph, or of the list's line. */
         size_t length = strcspn(text, "\n");
         while (text[length] == '\n' && !strchr("\n ", text[length + 1])) length += 1 + strcspn(text + length + 1, "\n");
-        at = words_fold(text, length, at, column + hang_of(text), COLUMNS);
+        at = fold(text, length, at, column + hang_of(text));
         for (text += length; *text == '\n'; text++) {
             putchar('\n');
             at = 0;

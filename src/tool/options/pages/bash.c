@@ -16,7 +16,7 @@ void bash_head(FILE *to, const program *p) {
     fprintf(to, "# bash completion of %s -*- shell-script -*-\n", p->name);
     print_function(to, p);
     fputs("() {\n"
-          "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} words= first=\n"
+          "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} words=\n"
           "    if [[ $word == '=' ]]; then\n"
           "        word=\n"
           "    elif [[ $before == '=' ]]; then\n"
@@ -44,7 +44,7 @@ static void print_case(FILE *to, const command *c, const option_spec *o) {
     if (o->names) {
         fputs("words='", to);
         for (size_t k = 0; o->names(k); k++) fprintf(to, "%s%s", k ? " " : "", o->names(k));
-        fputs(o->kind == OPTION_LIST ? "'; [[ $word == *,* ]] && first=${word%,*}, ;;\n" : "' ;;\n", to);
+        fputs("' ;;\n", to);
         return;
     }
     bool file = strchr(o->value, '.') != NULL;
@@ -69,7 +69,7 @@ void bash_tail(FILE *to, const program *p) {
           "        compopt -o filenames 2>/dev/null\n"
           "        mapfile -t COMPREPLY < <(compgen -f -- \"$word\")\n"
           "    else\n"
-          "        mapfile -t COMPREPLY < <(compgen -P \"$first\" -W \"$words\" -- \"${word#\"$first\"}\")\n"
+          "        mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"$word\")\n"
           "    fi\n"
           "}\n"
           "complete -F ",
