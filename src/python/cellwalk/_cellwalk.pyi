@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The extension module; buffers are contiguous and of the size that the comment in src/python/extension says."""
+import os
 from typing import Any, Callable, Dict, List, Optional, Tuple
 
 version: str
@@ -8,6 +9,13 @@ _Progress = Optional[Callable[[float], object]]
 _Operand = Tuple[Any, int, int]
 
 class Raster: ...
+
+class GeoTiff:
+    def __new__(cls, path: str | bytes | os.PathLike[str], bands: int, rows: int, columns: int, dtype: str, nodata: float, map: Any,
+                wkt: Optional[str], compress: bool) -> GeoTiff: ...
+    def write(self, band: int, row: int, column: int, rows: int, columns: int, block: Any) -> None: ...
+    def commit(self) -> None: ...
+    def discard(self) -> None: ...
 
 class Field:
     def __new__(cls, samples: Any, nx: int, ny: int, map: Any, geographic: bool, north_up: bool, unit: float, semi_major: float,

@@ -38,6 +38,9 @@ from ._products import SUN_RADIUS, distance_of, places_of, sky_of, warn_of_night
 # A task's samples, as they are read and as the field has them, and the field's bounds over them.
 _BYTES_A_SAMPLE = 10
 
+# Tasks are annotated with the file that they read, which no result may replace.
+_INPUT = "cellwalk_input"
+
 
 class _Geometry(NamedTuple):
     """What tasks are told of the whole raster."""
@@ -168,10 +171,11 @@ class _Raster:
     def __init__(self, source, chunks, threads, nodata, crs, band, memory) -> None:
         self.threads = count(threads, "threads", 0, 4096)
         self.memory = finite(memory, "memory", 1)
-        self.like = self.path = None
+        self.like = self.path = self.input = None
         nodata = nodata_of(nodata)
         if isinstance(source, (str, os.PathLike)):
             self.path = os.path.abspath(os.fspath(source)) if "://" not in str(source) and not str(source).startswith("/vsi") else str(source)
+            self.input = self.path
             self.band = 0 if band is None else count(band, "band", 1, 65535)
             columns, rows = _cellwalk.raster_size(self.path, self.band)
             corner = open_field(self.path, (0, 0, 2, 2), band=band, nodata=nodata, crs=crs, threads=1)
@@ -179,6 +183,7 @@ class _Raster:
         elif hasattr(source, "dims") and hasattr(source, "coords"):
             about = describe_dataarray(source, crs=crs, nodata=nodata)
             self.like, nodata = about.like, about.nodata
+            self.input = source.encoding.get("source")
             rows, columns = self.like.shape
             self.array = self.like.data if isinstance(self.like.data, da.Array) else da.from_array(self.like.values, chunks="auto")
             chunks = self.array.chunks if chunks is None else chunks
@@ -201,6 +206,14 @@ class _Raster:
         if self.path is not None:
             return self.path, self.band
         return self.array[window.row:window.row + window.rows, window.column:window.column + window.columns]
+
+    def delayed(self, task):
+        make = dask.delayed(task, pure=True)
+
+        def call(*arguments):
+            with dask.annotate(**{_INPUT: self.input}):
+                return make(*arguments)
+        return call
 
     def padded(self, window: _Window) -> _Window:
         """At least 2 rows and columns, which a field needs."""
@@ -234,7 +247,7 @@ class _Raster:
         """A task for each chunk, with the window that around finds for it."""
         windows = [[_Window(*around(w)) for w in row] for row in self.windows]
         self.check_memory(what, [pair for rows in zip(windows, self.windows) for pair in zip(*rows)], chunk_bytes)
-        task = dask.delayed(task, pure=True)
+        task = self.delayed(task)
         return [[task(self.part(window), self.geometry, window, chunk, *arguments, self.threads) for window, chunk in zip(*rows)]
                 for rows in zip(windows, self.windows)]
 
@@ -315,7 +328,7 @@ def viewshed(source: Any, x: Any, y: Any, observer_height: Any = None, target_he
     r = _Raster(source, chunks, threads, nodata, crs, band, memory)
     g = r.geometry
     bend = (6.0 / 7 if g.placed else 0.0) if curvature is None else finite(curvature, "curvature", 0)
-    task, views, whole = dask.delayed(_seen, pure=True), [], (0, 0, g.rows, g.columns)
+    task, views, whole = r.delayed(_seen), [], (0, 0, g.rows, g.columns)
     for place in places:
         window = r.reach.around(place[0], place[1], distance) if distance else whole
         if window is not None:
@@ -327,10 +340,10 @@ def viewshed(source: Any, x: Any, y: Any, observer_height: Any = None, target_he
         return [(v, s) for v, s in views if v.row < w.row + w.rows and w.row < v.row + v.rows
                 and v.column < w.column + w.columns and w.column < v.column + v.columns]
     if needed:
-        put = dask.delayed(_needed, pure=True)
+        put = r.delayed(_needed)
         return r.result([[put(w, near(w)) for w in row] for row in r.windows], np.float32, "needed_height",
                         {"long_name": "height above ground needed to be seen", "units": "m"})
-    add = dask.delayed(_sum_seen, pure=True)
+    add = r.delayed(_sum_seen)
     nodata_out = 255 if len(places) <= 254 else 65535
     blocks = [[add(r.part(r.padded(w)), g, w, r.padded(w), nodata_out, near(w)) for w in row] for row in r.windows]
     dtype = np.uint8 if nodata_out == 255 else np.uint16
@@ -359,54 +372,63 @@ def _write_chunks(array: da.Array, write) -> None:
         write(places[future.key], block)
 
 
-def _place_of(result, like) -> dict:
-    """transform and crs for rasterio, from a file or from the result's own coordinates."""
-    import rasterio  # type: ignore[import]
+def _place_of(result, like, shape) -> tuple[Optional[np.ndarray], Optional[str]]:
+    """Map and coordinate system, from a file or from the result's own coordinates."""
     if like is not None:
-        with rasterio.open(like) as file:
-            return {"transform": file.transform, "crs": file.crs}
+        name = os.fspath(like)
+        columns, rows = _cellwalk.raster_size(name, 0)
+        if (rows, columns) != shape:
+            raise ValueError(f"like: {name!r} has {rows} x {columns} samples, the result {shape[0]} x {shape[1]}")
+        about = _cellwalk.read_raster(name, 0, None, 0.0, 0.0, (0, 0, min(columns, 2), min(rows, 2)), None)
+        return (np.array(about["map"]), about["crs"]) if about["placed"] else (None, None)
     if not hasattr(result, "dims") or any(name not in result.coords for name in result.dims[-2:]):
-        return {}
-    about = describe_dataarray(result[0] if result.ndim == 3 else result)
-    m = about.map
-    place = {"transform": rasterio.Affine(m[0, 0], 0, m[0, 3] - 0.5 * m[0, 0], 0, m[1, 1], m[1, 3] - 0.5 * m[1, 1])}
-    return {**place, "crs": about.crs.wkt} if about.crs.wkt else place
+        return None, None
+    described = describe_dataarray(result[0] if result.ndim == 3 else result)
+    return np.ascontiguousarray(described.map), described.crs.wkt
+
+
+def _refuse_inputs(array: da.Array, path, like) -> None:
+    """The file may be read until the last chunk is done, and the next run would read the result."""
+    layers = array.__dask_graph__().layers.values()
+    inputs = {(layer.annotations or {}).get(_INPUT) for layer in layers} | {like if like is None else os.fspath(like)}
+    for name in inputs - {None}:
+        try:
+            same = os.path.samefile(path, name)
+        except OSError:  # one of them is not there, or on the network
+            continue
+        if same:
+            raise ValueError(f"path: {os.fspath(path)!r} is also an input; choose another name for the output")
 
 
 def to_geotiff(result: Any, path: str | os.PathLike[str], like: str | os.PathLike[str] | None = None) -> None:
-    """Computes a result and writes it to a tiled GeoTIFF, chunk by chunk as they are done. Needs rasterio.
+    """Computes a result and writes it to a tiled GeoTIFF, chunk by chunk as they are done. Needs GDAL, as cellwalk.open.
 
+    path: ends in .tif or .tiff. A file of that name is replaced, and keeps its owner and permissions, unless it is an input.
     like: a file of the same size whose place and coordinate system the result takes; default: the result's coordinates.
 
-    The file is written by the process that calls this, and appears under its name when it is complete. Many machines write
-    faster to zarr: result.to_dataset().to_zarr(path), where workers write their chunks themselves.
+    The file is written by the process that calls this, and gets its name when all of it is on the disk. If anything fails, nothing
+    is changed. Many machines write faster to zarr: result.to_dataset().to_zarr(path), where workers write their chunks themselves.
     """
-    import rasterio
-    from rasterio.windows import Window  # type: ignore[import]
     array = result.data if hasattr(result, "dims") else result
     if not isinstance(array, da.Array) or array.ndim not in (2, 3):
         raise TypeError(f"result: {type(result).__name__}, expected what shadow, viewshed, horizon or sky_view returned")
+    _refuse_inputs(array, path, like)
     bands = array.shape[0] if array.ndim == 3 else 1
+    rows, columns = array.shape[-2:]
     # Compressed tiles that are written in parts would leave gaps.
     aligned = all(edge % 256 == 0 for sizes in array.chunks[-2:] for edge in np.cumsum(sizes)[:-1])
-    profile = {"driver": "GTiff", "height": array.shape[-2], "width": array.shape[-1], "count": bands, "dtype": array.dtype.name,
-               "tiled": True, "blockxsize": 256, "blockysize": 256, "BIGTIFF": "IF_SAFER", "interleave": "band",
-               "nodata": np.nan if array.dtype.kind == "f" else int(np.iinfo(array.dtype).max),
-               **_place_of(result, like)}
-    if aligned:  # as the program compresses
-        profile.update(compress="deflate", zlevel=1, predictor={"f": 3}.get(array.dtype.kind, array.dtype.itemsize), num_threads="ALL_CPUS")
-    part = f"{os.fspath(path)}.part"
+    dtype = array.dtype.newbyteorder("=")
+    nodata = np.nan if dtype.kind != "u" and dtype.kind != "i" else np.iinfo(dtype).max
+    file = _cellwalk.GeoTiff(path, bands, rows, columns, dtype.name, nodata, *_place_of(result, like, (rows, columns)), aligned)
+
+    def write(index, block):
+        window = [n for s in index[-2:] for n in (s.start, s.stop - s.start)]
+        blocks = np.asarray(block).reshape((-1, window[1], window[3]))
+        for band, part in enumerate(blocks, index[0].start if array.ndim == 3 else 0):
+            file.write(band, window[0], window[2], window[1], window[3], np.ascontiguousarray(part, dtype))
+
     try:
-        with rasterio.open(part, "w", **profile) as file:
-            def write(index, block):
-                rows, columns = index[-2:]
-                window = Window(columns.start, rows.start, columns.stop - columns.start, rows.stop - rows.start)
-                if block.ndim == 3:
-                    file.write(block, indexes=list(range(index[0].start + 1, index[0].stop + 1)), window=window)
-                else:
-                    file.write(block, indexes=1, window=window)
-            _write_chunks(array, write)
-        os.replace(part, path)
+        _write_chunks(array, write)
+        file.commit()
     finally:
-        if os.path.exists(part):
-            os.unlink(part)
+        file.discard()

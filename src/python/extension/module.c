@@ -3,6 +3,7 @@
  * arrays come and go by the buffer protocol, without NumPy's headers. */
 #include "gdal/module.h"
 #include "field.h"
+#include "geotiff_object.h"
 #include "raster_object.h"
 #include "reach.h"
 #include "reach_object.h"
@@ -67,8 +68,11 @@ static PyObject *lon_lat(PyObject *self, PyObject *arguments) {
     io_error error = {""};
     (void)self;
     if (!PyArg_ParseTuple(arguments, "spdd:lon_lat", &wkt, &back, &x, &y)) return NULL;
-    const io_gdal *gdal = io_gdal_load(&error); /* under the GIL: once */
-    if (gdal == NULL || !gdal->lon_lat(wkt, back != 0, 1, &x, &y, &error)) {
+    PyThreadState *state = raster_enter();
+    const io_gdal *gdal = io_gdal_load(&error);
+    const bool good = gdal != NULL && gdal->lon_lat(wkt, back != 0, 1, &x, &y, &error);
+    raster_leave(state);
+    if (!good) {
         PyErr_SetString(PyExc_ValueError, error.text);
         return NULL;
     }
@@ -108,8 +112,8 @@ static int fill(PyObject *module) {
         return -1;
     }
     if (add_layout(module) != 0 || add_type(module, &py_field_spec, "Field") != 0 ||
-        add_type(module, &py_raster_spec, "Raster") != 0 || add_type(module, &py_reach_spec, "Reach") != 0 ||
-        PyModule_AddIntConstant(module, "BLOCK", REACH_BLOCK) != 0)
+        add_type(module, &py_raster_spec, "Raster") != 0 || add_type(module, &py_geotiff_spec, "GeoTiff") != 0 ||
+        add_type(module, &py_reach_spec, "Reach") != 0 || PyModule_AddIntConstant(module, "BLOCK", REACH_BLOCK) != 0)
         return -1;
     return PyModule_AddStringConstant(module, "version", cw_version());
 }

@@ -60,8 +60,18 @@ PyType_Spec py_raster_spec = {
     .slots = slots,
 };
 
-/* Reading is done under the GIL's protection but without it: io_gdal_load is not for several threads at once. */
 static pthread_mutex_t door = PTHREAD_MUTEX_INITIALIZER;
+
+PyThreadState *raster_enter(void) {
+    PyThreadState *state = PyEval_SaveThread();
+    pthread_mutex_lock(&door);
+    return state;
+}
+
+void raster_leave(PyThreadState *state) {
+    pthread_mutex_unlock(&door);
+    PyEval_RestoreThread(state);
+}
 
 typedef struct reading {
     work work;
@@ -170,14 +180,12 @@ PyObject *find_scale(PyObject *self, PyObject *arguments) {
     PyBuffer_Release(&numbers);
     if (!good) return NULL;
     io_georef georef = {0};
-    Py_BEGIN_ALLOW_THREADS;
-    pthread_mutex_lock(&door);
+    PyThreadState *state = raster_enter();
     georef.placed = io_georef_from_wkt(&georef, wkt);
     good = rows >= 2 && columns >= 2 &&
            io_scale_find(&georef, map, (size_t)columns, (size_t)rows, name, keep, &said, &scale);
-    pthread_mutex_unlock(&door);
+    raster_leave(state);
     io_georef_free(&georef);
-    Py_END_ALLOW_THREADS;
     PyObject *warnings = PyList_New(0);
     for (size_t k = 0; k < said.count && warnings != NULL; k++) {
         PyObject *text = PyUnicode_DecodeUTF8(said.text[k], (Py_ssize_t)strlen(said.text[k]), "replace");
@@ -224,9 +232,9 @@ PyObject *raster_size(PyObject *self, PyObject *arguments) {
     size_t size[2];
     (void)self;
     if (!PyArg_ParseTuple(arguments, "sI:raster_size", &path, &o.band)) return NULL;
-    pthread_mutex_lock(&door);
+    PyThreadState *state = raster_enter();
     const bool good = find_size(path, &o, size, &error);
-    pthread_mutex_unlock(&door);
+    raster_leave(state);
     if (good) return Py_BuildValue("(nn)", (Py_ssize_t)size[0], (Py_ssize_t)size[1]);
     PyErr_SetString(PyExc_OSError, error.text);
     return NULL;

@@ -8,6 +8,11 @@
 
 extern PyType_Spec py_raster_spec;
 
+/* Around each use of GDAL's module, which is for one thread at a time: gives the GIL back, then waits for the others. In
+ * this order, since who is inside may ask for the GIL, to warn or to tell progress. */
+PyThreadState *raster_enter(void);
+void raster_leave(PyThreadState *state);
+
 /* read_raster(path, band, nodata or None, cellsize, zscale, (column, row, columns, rows) or None, warn, progress) -> a dict that
  * says all of the raster */
 PyObject *read_raster(PyObject *self, PyObject *arguments);

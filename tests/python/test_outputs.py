@@ -1,0 +1,264 @@
+# SPDX-License-Identifier: Apache-2.0
+"""to_geotiff beside other users, other writers and other files: nothing is lost, nothing is followed, nothing is half written."""
+import errno
+import os
+import pathlib
+import resource
+import stat
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+rasterio = pytest.importorskip("rasterio")
+xr = pytest.importorskip("xarray")
+dask = pytest.importorskip("dask")
+
+import dask.array as da  # noqa: E402
+
+import cellwalk as cw  # noqa: E402
+import cellwalk.dask as cwd  # noqa: E402
+from conftest import UTM, rough, same  # noqa: E402
+
+ROWS, COLUMNS = 300, 270
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with dask.config.set(scheduler="synchronous"):
+        yield tmp_path
+
+
+def values(seed=1):
+    return np.random.default_rng(seed).normal(500, 50, (ROWS, COLUMNS)).astype(np.float32)
+
+
+def result(z, chunks=256):
+    return da.from_array(z, chunks=chunks)
+
+
+def content(name):
+    with rasterio.open(os.fspath(name)) as file:
+        return file.read(1)
+
+
+def dem(name="dem.tif"):
+    with rasterio.open(name, "w", driver="GTiff", width=COLUMNS, height=ROWS, count=1, dtype="float32", crs=UTM,
+                       transform=rasterio.Affine(30, 0, 600000, 0, -30, 5200000)) as file:
+        file.write(rough(ROWS, COLUMNS, holes=False), 1)
+    return name
+
+
+def bytes_of_all():
+    """Each entry of the folder: what a link says, what a file holds."""
+    return {p.name: os.readlink(p) if p.is_symlink() else p.read_bytes() if p.is_file() else None for p in pathlib.Path(".").iterdir()}
+
+
+def test_names_of_unfinished_files_are_left_alone():
+    """Names that an unfinished file might have: a link of somebody's, a file of one's own, an input."""
+    pathlib.Path("private").write_text("private")
+    for name in ("a.tif.part", "a.tif.tmp", ".a.tif.tmp", "a.part"):
+        os.symlink("private", name)
+    for name in ("b.tif.part", "b.tif.tmp", ".b.tif.tmp"):
+        pathlib.Path(name).write_text("mine")
+    dem("c.tif.part")
+    before = bytes_of_all()
+    cwd.to_geotiff(result(values()), "a.tif")
+    cwd.to_geotiff(result(values()), "b.tif")
+    cwd.to_geotiff(cwd.shadow("c.tif.part", chunks=256), "c.tif")
+    after = bytes_of_all()
+    assert {name: after.pop(name) for name in before} == before
+    assert sorted(after) == ["a.tif", "b.tif", "c.tif"]
+    same(content("c.tif"), cw.open("c.tif.part").shadow())
+
+
+def test_links_are_followed_to_their_end():
+    os.mkdir("elsewhere")
+    pathlib.Path("elsewhere/old.tif").write_text("old")
+    os.link("elsewhere/old.tif", "second.tif")
+    os.symlink("elsewhere/old.tif", "link.tif")
+    cwd.to_geotiff(result(values()), "link.tif")
+    assert os.path.islink("link.tif") and pathlib.Path("second.tif").read_text() == "old"
+    same(content("elsewhere/old.tif"), values())
+    assert os.listdir("elsewhere") == ["old.tif"]
+
+
+def test_an_input_is_not_replaced():
+    dem()
+    os.symlink("dem.tif", "soft.tif")
+    os.link("dem.tif", "hard.tif")
+    before = bytes_of_all()
+    lit = cwd.shadow("dem.tif", chunks=128)
+    array = xr.DataArray(da.from_array(values(), chunks=128), dims=("y", "x"))
+    array.encoding["source"] = os.path.abspath("dem.tif")  # as rioxarray has it
+    results = [lit, lit.where(lit == 1, 0).astype("uint8") if hasattr(lit, "where") else lit[:], cwd.sky_view("dem.tif", 4, 300, chunks=128),
+               cwd.viewshed("dem.tif", 601000, 5199000, max_distance=900, chunks=128), cwd.shadow(array)]
+    for name in ("dem.tif", "./dem.tif", "soft.tif", "hard.tif", os.path.abspath("dem.tif"), pathlib.Path("dem.tif")):
+        for output in results:
+            with pytest.raises(ValueError, match="path: .*is also an input"):
+                cwd.to_geotiff(output, name)
+        with pytest.raises(ValueError, match="path: .*is also an input"):
+            cwd.to_geotiff(result(values()), name, like="dem.tif")
+    assert bytes_of_all() == before
+    for _ in range(2):  # a result that is an input of another may be made anew
+        cwd.to_geotiff(lit, "lit.tif")
+        cwd.to_geotiff(cwd.sky_view("lit.tif", 4, 300, chunks=128), "other.tif")
+
+
+@pytest.mark.parametrize("exists", [False, True])
+def test_two_writers_of_one_path(exists):
+    """The second begins and ends while the first is half written: the file is whole after each, and the last one stays."""
+    if exists:
+        cwd.to_geotiff(result(values(0)), "a.tif")
+    seen = []
+
+    def slowly(block, block_info=None):
+        if block_info[0]["chunk-location"] == (1, 0):
+            cwd.to_geotiff(result(values(2)), "a.tif")
+            seen.append(content("a.tif"))
+        return block
+    cwd.to_geotiff(result(values(1)).map_blocks(slowly, dtype=np.float32), "a.tif")
+    assert len(seen) == 1
+    same(seen[0], values(2))
+    same(content("a.tif"), values(1))
+    assert os.listdir(".") == ["a.tif"]
+
+
+@pytest.mark.parametrize("chunks", [256, 100], ids=["compressed", "uncompressed"])
+def test_a_full_disk_is_an_error(chunks):
+    """A limit on the size of files stands for it. Nothing else changes, however late it is found out."""
+    cwd.to_geotiff(result(values(), chunks), "whole.tif")
+    size = os.path.getsize("whole.tif")
+    os.unlink("whole.tif")
+    pathlib.Path("old.tif").write_text("old")
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    for room in [0, 1, 8, 500, *(size * k // 8 for k in range(1, 8)), size - 1]:
+        for name in ("old.tif", "new.tif"):
+            resource.setrlimit(resource.RLIMIT_FSIZE, (room, limits[1]))
+            try:
+                with pytest.raises(OSError, match=rf"{name}: cannot write: {os.strerror(errno.EFBIG)}"):
+                    cwd.to_geotiff(result(values(), chunks), name)
+            finally:
+                resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+            assert os.listdir(".") == ["old.tif"] and pathlib.Path("old.tif").read_text() == "old"
+
+
+@pytest.mark.parametrize("failure", [RuntimeError, KeyboardInterrupt])
+def test_a_failing_chunk_changes_nothing(failure):
+    pathlib.Path("a.tif").write_text("old")
+
+    def fail(block, block_info=None):
+        if block_info[0]["chunk-location"] == (1, 1):
+            raise failure("no")
+        return block
+    for name in ("a.tif", "b.tif"):
+        with pytest.raises(failure):
+            cwd.to_geotiff(result(values()).map_blocks(fail, dtype=np.float32), name)
+    assert os.listdir(".") == ["a.tif"] and pathlib.Path("a.tif").read_text() == "old"
+
+
+@pytest.mark.parametrize("mode", [0o600, 0o640, 0o4777, 0o2755])
+def test_rights_are_those_of_the_old_file(mode):
+    pathlib.Path("a.tif").write_text("old")
+    if os.geteuid() == 0:  # another user's
+        os.chown("a.tif", 65534, 12345)
+    before = os.stat("a.tif")
+    os.chmod("a.tif", mode)
+    cwd.to_geotiff(result(values()), "a.tif")
+    after = os.stat("a.tif")
+    assert stat.S_IMODE(after.st_mode) == mode & 0o777 and (after.st_uid, after.st_gid) == (before.st_uid, before.st_gid)
+
+
+def test_sidecars_go_with_the_old_file():
+    sidecars = ["a.tif.ovr", "a.tif.aux.xml", "a.tif.msk", "a.tfw"]
+    cwd.to_geotiff(result(values()), "a.tif")
+    pathlib.Path("kept").write_text("kept")
+    for name in sidecars[1:]:
+        pathlib.Path(name).write_text("old")
+    os.symlink("kept", sidecars[0])
+    cwd.to_geotiff(result(values(2)), "a.tif")
+    assert sorted(os.listdir(".")) == ["a.tif", "kept"]
+    os.unlink("a.tif")
+    for name in sidecars:
+        pathlib.Path(name).write_text("old")
+        with pytest.raises(OSError, match=f"{name}, left of another file, would be read with it"):
+            cwd.to_geotiff(result(values()), "a.tif")
+        assert sorted(os.listdir(".")) == sorted([name, "kept"])
+        os.unlink(name)
+
+
+def test_names_are_only_names():
+    for name in ("-a.tif", "a b.tif", "a\nb.tif", "\x1b[2J.tif", "GTIFF_DIR:1:a.tif", "MEM:::DATAPOINTER=1.tif", "NETCDF:a.tif", "%d%s.tif",
+                 "a.TIFF", "caf\u00e9.tif", b"\xff\xfe.tif", "\udcff.tif", "x" * 251 + ".tif"):
+        cwd.to_geotiff(result(values()), name)
+        assert os.listdir(os.fsencode(".")) == [os.fsencode(name)]
+        os.rename(os.fsencode(name), "plain.tif")
+        same(content("plain.tif"), values())
+        os.unlink("plain.tif")
+    for name in ("a.npy", "a.png", "a", "a.tif.part", ".tif"):
+        with pytest.raises(ValueError, match="path: .*expected a name that ends in .tif"):
+            cwd.to_geotiff(result(values()), name)
+    for name, reason in (("nowhere/a.tif", errno.ENOENT), ("/vsimem/a.tif", errno.ENOENT), ("x" * 252 + ".tif", errno.ENAMETOOLONG),
+                         ("folder.tif", errno.EISDIR)):
+        os.makedirs("folder.tif", exist_ok=True)
+        with pytest.raises(OSError, match=os.strerror(reason)):
+            cwd.to_geotiff(result(values()), name)
+    assert os.listdir(".") == ["folder.tif"] and not os.listdir("folder.tif")
+
+
+def test_like_has_the_same_size():
+    dem()
+    with pytest.raises(ValueError, match="like: 'dem.tif' has 300 x 270 samples, the result 10 x 20"):
+        cwd.to_geotiff(da.zeros((10, 20), dtype="uint8"), "a.tif", like="dem.tif")
+    with pytest.raises(TypeError, match="result: dtype float64, expected uint8"):
+        cwd.to_geotiff(da.zeros((10, 20)), "a.tif")
+
+
+@pytest.mark.parametrize("dtype", ["uint8", "uint16", "int16", "float32", ">f4"])
+def test_dtypes(dtype):
+    z = values().astype(dtype)
+    cwd.to_geotiff(result(z), "a.tif")
+    same(content("a.tif"), z.astype(np.dtype(dtype).newbyteorder("=")))
+
+
+FORK = """
+import os, sys, numpy as np, cellwalk as cw
+z = np.arange(512 * 512, dtype="float32").reshape(512, 512)
+file = cw._cellwalk.GeoTiff("a.tif", 1, 512, 512, "float32", float("nan"), None, None, True)
+file.write(0, 0, 0, 256, 512, z[:256])
+child = os.fork()
+if child == 0:
+    try:
+        file.commit()
+    except ValueError:
+        del file
+        sys.exit(7)  # with all that Python and C do at an exit
+    sys.exit(8)
+assert os.waitpid(child, 0)[1] >> 8 == 7
+assert not [name for name in os.listdir(".") if not name.startswith(".")]
+file.write(0, 256, 0, 256, 512, z[256:])
+file.commit()
+"""
+
+
+def test_a_forked_child_has_no_say():
+    subprocess.run([sys.executable, "-c", FORK], check=True)
+    assert os.listdir(".") == ["a.tif"]
+    same(content("a.tif"), np.arange(512 * 512, dtype="float32").reshape(512, 512))
+
+
+def test_windows_are_checked():
+    file = cw._cellwalk.GeoTiff("a.tif", 2, 20, 30, "uint8", 255.0, None, None, True)
+    block = np.zeros((5, 7), np.uint8)
+    for window in ((-1, 0, 0, 5, 7), (2, 0, 0, 5, 7), (0, 16, 0, 5, 7), (0, 0, 24, 5, 7), (0, -1, 0, 5, 7), (0, 0, 0, 5, 6), (0, 0, 0, 0, 0),
+                   (0, 2 ** 62, 0, 5, 7), (0, 0, 0, 2 ** 62, 2 ** 62)):
+        with pytest.raises(ValueError, match="block"):
+            file.write(*window, block)
+    with pytest.raises(OSError, match="a.tif: rows are missing"):
+        file.commit()
+    with pytest.raises(ValueError, match="closed"):
+        file.commit()
+    file.discard()
+    assert os.listdir(".") == []
