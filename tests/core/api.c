@@ -173,6 +173,25 @@ static void test_holes_in_borrowed_samples(void **state) {
     cw_field_destroy(f);
 }
 
+/* In every tile of a field, which are summed up by rows of tiles. */
+static void test_holes_are_counted(void **state) {
+    (void)state;
+    enum { NX = 200, NY = 140, STEP = 37 };
+    float *z = calloc(NX * NY, sizeof *z);
+    assert_non_null(z);
+    size_t holes = 0;
+    for (size_t k = 0; k < (size_t)NX * NY; k += STEP, holes++) z[k] = NAN;
+    cw_field_desc d = cw_field_desc_default();
+    d.samples = z;
+    d.nx = NX;
+    d.ny = NY;
+    cw_field *f;
+    check_status(cw_field_create(&d, NULL, &f), CW_OK);
+    assert_int_equal(cw_field_describe(f).holes, holes);
+    cw_field_destroy(f);
+    free(z);
+}
+
 static void test_bad_queries(void **state) {
     (void)state;
     uint8_t occluded[2];
@@ -436,6 +455,7 @@ int main(void) {
         cmocka_unit_test(test_descriptions_filled_in_by_hand),
         cmocka_unit_test(test_pool_sizes),
         cmocka_unit_test(test_holes_in_borrowed_samples),
+        cmocka_unit_test(test_holes_are_counted),
         cmocka_unit_test(test_bad_queries),
         cmocka_unit_test(test_tiny_fields_build_nothing),
         cmocka_unit_test(test_unavailable_kernels),

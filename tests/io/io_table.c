@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { WIDE = IO_TABLE_COLUMNS_MAX};
+enum { WIDE = IO_TABLE_COLUMNS_MAX };
 
 static void write_text(const char *text) { scratch_write("t.csv", text, strlen(text)); }
 
@@ -136,6 +136,20 @@ static void columns_are_found_by_name(void **state) {
     io_table_free(&t);
 }
 
+/* A column without a meaning is named, one in capitals has its meaning. */
+static void other_columns_are_named(void **state) {
+    (void)state;
+    static const char *const known[] = {"x", "y"};
+    char others[80];
+    io_table t = read_text("X,colour,y,note\n1,2,3,4\n");
+    assert_true(io_table_others(&t, known, 2, others, sizeof others));
+    assert_string_equal(others, "'colour', 'note'");
+    io_table_free(&t);
+    t = read_text("X,Y\n1,2\n");
+    assert_false(io_table_others(&t, known, 2, others, sizeof others));
+    io_table_free(&t);
+}
+
 /* Room is made for the rows that come, not for many: each of them may be as long as the file. */
 static void a_wide_row_takes_no_room_for_others(void **state) {
     (void)state;
@@ -160,7 +174,8 @@ int main(void) {
         cmocka_unit_test(mistakes_are_named),
         cmocka_unit_test(numbers_are_decimal),
         cmocka_unit_test(columns_are_found_by_name),
+        cmocka_unit_test(other_columns_are_named),
         cmocka_unit_test(a_wide_row_takes_no_room_for_others),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, scratch_enter, scratch_leave);
 }

@@ -169,6 +169,31 @@ static void hillshade_of_a_plane(void **state) {
     ground_free(&g);
 }
 
+/* shape: x up to which the ground is level, before it falls by 1000 m. */
+static double cliff(const double *shape, double x, double y) {
+    (void)y;
+    return x <= shape[0] ? 0 : -1000;
+}
+
+/* At the edge of a cliff the sun is seen, but the mean of the triangles faces away from it: no light, and not less. */
+static void no_light_from_behind(void **state) {
+    (void)state;
+    const double shape[1] = {10 * MIDDLE};
+    const sunlight_desc sun = {.azimuth = 270, .altitude = 10, .hillshade = true};
+    static float share[SAMPLES];
+    static uint8_t lit[SAMPLES];
+    ground g;
+    ground_make(&g, SIDE, SIDE, cliff, shape);
+    lit_of(&g, sun.azimuth, sun.altitude, lit);
+    share_of(&g, &sun, NULL, share);
+    for (size_t j = 0; j < SIDE; j++) {
+        const size_t edge = j * SIDE + MIDDLE;
+        check(lit[edge] == 1 && share[edge] == 0, "row %zu: %g at the edge", j, (double)share[edge]);
+        check(share[edge - 1] > 0, "row %zu: %g before the edge", j, (double)share[edge - 1]);
+    }
+    ground_free(&g);
+}
+
 /* Against the horizon, and against what the library's queries say of rays. */
 static void shadow_agrees_with_rays(void **state) {
     (void)state;
@@ -371,6 +396,28 @@ static void distances_of_horizons(void **state) {
     }
     check(near > 5 * places / 3 && found - near > 5 * places / 3, "%zu of %zu are near", near, found);
     sight_bounds_destroy(bounds);
+    ground_free(&g);
+}
+
+/* shape: x of an eye. Walls 8 and 16 cells east of it, the second one twice as high. */
+static double equal_walls(const double *shape, double x, double y) {
+    (void)y;
+    return x == shape[0] + 80 ? 20 : x == shape[0] + 160 ? 40 : 0;
+}
+
+/* Of equal rises the nearest is the horizon. From the eye 64 steps lead out of the field, so that no share of the way is rounded. */
+static void nearest_of_equal_horizons(void **state) {
+    (void)state;
+    enum { EYE = SIDE - 64 };
+    const double shape[1] = {10 * EYE};
+    static float metres[SAMPLES];
+    ground g;
+    ground_make(&g, SIDE, SIDE, equal_walls, shape);
+    horizon *h = NULL;
+    check_status(horizon_create(&g.terrain, &(horizon_desc){.start = 90, .count = 1}, &h), CW_OK);
+    check_status(horizon_distances(h, NULL, 0, 0, SIDE, metres), CW_OK);
+    for (size_t j = 0; j < SIDE; j++) check(metres[j * SIDE + EYE] == 80, "%g m", (double)metres[j * SIDE + EYE]);
+    horizon_destroy(h);
     ground_free(&g);
 }
 
@@ -588,11 +635,13 @@ int main(void) {
         cmocka_unit_test(cone_shadow),
         cmocka_unit_test(wall_before_the_disc),
         cmocka_unit_test(hillshade_of_a_plane),
+        cmocka_unit_test(no_light_from_behind),
         cmocka_unit_test(shadow_agrees_with_rays),
         cmocka_unit_test(horizon_of_a_plane),
         cmocka_unit_test(horizon_in_a_pit),
         cmocka_unit_test(curvature_and_distance),
         cmocka_unit_test(distances_of_horizons),
+        cmocka_unit_test(nearest_of_equal_horizons),
         cmocka_unit_test(grid_agrees_with_headings),
         cmocka_unit_test(grid_of_a_plane),
         cmocka_unit_test(shadow_on_a_curved_earth),
