@@ -2,11 +2,13 @@
 /* A library to be put in front of libc (LD_PRELOAD): lets one call of one kind fail, chosen by the environment variable
  * CELLWALK_FAULT, "memory:17" for the 17th allocation. With CELLWALK_FAULT_COUNTS it writes into that file, when the program
  * ends, how many calls of each kind there were, in the order of the kinds, and how many blocks of memory were not freed.
+ * CELLWALK_THREADS, a number, is how many threads may live beside the first one; more are refused, as by a container's limit.
  * Calls count from the program's own start on, not while libraries are loaded. */
 
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <pthread.h>
 #include <stdarg.h>
 #include <stdatomic.h>
@@ -30,6 +32,7 @@ static atomic_ulong calls[FAULT_KINDS];
 static atomic_long blocks;
 static int failing = -1; /* kind */
 static unsigned long failing_number;
+static atomic_long room = LONG_MAX; /* for threads */
 
 /* Whether this call is the one. */
 static bool fails(fault_kind kind) {
@@ -61,6 +64,8 @@ __attribute__((constructor)) static void start(void) {
         failing = k;
         failing_number = strtoul(fault + length + 1, NULL, 10);
     }
+    const char *threads = getenv("CELLWALK_THREADS");
+    if (threads != NULL) atomic_store(&room, strtol(threads, NULL, 10));
     atomic_store(&counting, true);
 }
 
@@ -244,9 +249,30 @@ __attribute__((visibility("default"))) void *mmap(void *at, size_t size, int pro
     return MAP_FAILED;
 }
 
+typedef struct start {
+    void *(*run)(void *);
+    void *argument;
+} start_of_thread;
+
+/* In the new thread. */
+static void *run_counted(void *context) {
+    const start_of_thread s = *(start_of_thread *)context;
+    __libc_free(context);
+    void *result = s.run(s.argument);
+    atomic_fetch_add(&room, 1);
+    return result;
+}
+
 typedef int thread_fn(pthread_t *, const pthread_attr_t *, void *(*)(void *), void *);
 __attribute__((visibility("default"))) int pthread_create(pthread_t *thread, const pthread_attr_t *how,
                                                           void *(*run)(void *), void *argument) {
     NEXT(thread_fn, "pthread_create");
-    return fails(FAULT_THREAD) ? EAGAIN : next(thread, how, run, argument);
+    if (fails(FAULT_THREAD)) return EAGAIN;
+    start_of_thread *s = __libc_malloc(sizeof *s);
+    *s = (start_of_thread){run, argument};
+    const int status = atomic_fetch_sub(&room, 1) > 0 ? next(thread, how, run_counted, s) : EAGAIN;
+    if (status == 0) return 0;
+    atomic_fetch_add(&room, 1);
+    __libc_free(s);
+    return status;
 }

@@ -48,6 +48,7 @@ static void apply(const program_setting *s) {
     if (s->isa) setenv("CELLWALK_ISA", s->isa, 1);
     if (s->fault) setenv("CELLWALK_FAULT", s->fault, 1);
     if (s->fault_counts) setenv("CELLWALK_FAULT_COUNTS", s->fault_counts, 1);
+    if (s->threads) setenv("CELLWALK_THREADS", s->threads, 1);
     if (s->preload) setenv("LD_PRELOAD", s->preload, 1);
     /* AddressSanitizer looks up the symbols of each leak, to leave out GDAL's (leaks.supp), and takes longer for it than most runs
      * of the program. The libraries' names are enough for that. */

@@ -10,13 +10,14 @@ enum { PROGRAM_TEXT_MAX = 1 << 16, PROGRAM_ARGUMENTS_MAX = 24 };
 
 /* Environment and limits of the program. */
 typedef struct program_setting {
-    const char *isa;                            /* CELLWALK_ISA; NULL: as the test itself has it */
-    unsigned long file_size_limit;              /* bytes; 0: none */
-    unsigned long address_space_limit;          /* bytes; 0: none */
-    bool powerless;                             /* without the rights of root, even if the test has them */
-    bool refuse_filters;                        /* the system call seccomp fails with EINVAL, as in some emulators */
-    unsigned seconds_limit;                     /* SIGALRM ends it after so long; 0: none */
-    const char *preload, *fault, *fault_counts; /* LD_PRELOAD, and variables for ../faults/preload.c; NULL: not set */
+    const char *isa;                   /* CELLWALK_ISA; NULL: as the test itself has it */
+    unsigned long file_size_limit;     /* bytes; 0: none */
+    unsigned long address_space_limit; /* bytes; 0: none */
+    bool powerless;                    /* without the rights of root, even if the test has them */
+    bool refuse_filters;               /* the system call seccomp fails with EINVAL, as in some emulators */
+    unsigned seconds_limit;            /* SIGALRM ends it after so long; 0: none */
+    const char *preload, *fault, *fault_counts,
+        *threads; /* LD_PRELOAD, and variables for ../faults/preload.c; NULL: not set */
 } program_setting;
 
 typedef struct program_result {

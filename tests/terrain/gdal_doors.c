@@ -76,15 +76,11 @@ static void names_are_files(void **state) {
         snprintf(text, sizeof text, " %s", xml);
         check_refused(text, "cannot read");
         free(xml);
-        /* As a picture and as observers. */
-        static const char *const commands[][2] = {{"render", "--image"}, {"viewshed", "--observers"}};
-        for (size_t c = 0; c < 2 && k % 3 == 0; c++) {
-            const program_result *r =
-                program_run(&setting, (const char *const[]){commands[c][0], "field.npy", commands[c][1], hostile[k],
-                                                            "-o", "out.png", NULL});
-            check(r->status == EXIT_FAILURE && strstr(r->err, "cannot read") != NULL, "%s %s: status %d: %s",
-                  commands[c][1], hostile[k], r->status, r->err);
-        }
+        if (k % 3 != 0) continue;
+        const program_result *r = program_run(
+            &setting, (const char *const[]){"viewshed", "field.npy", "--observers", hostile[k], "-o", "out.npy", NULL});
+        check(r->status == EXIT_FAILURE && strstr(r->err, "cannot read") != NULL, "observers %s: status %d: %s",
+              hostile[k], r->status, r->err);
     }
     /* Entities hide the name in the text of a VRT. */
     vrt_file("hidden.vrt", "&#77;EM:::" ADDRESS);

@@ -14,11 +14,6 @@
 #include <strings.h>
 #include <sys/stat.h>
 
-size_t io_cell_bytes(io_cell cell) {
-    static const size_t bytes[] = {1, 2, 4, 2};
-    return bytes[cell];
-}
-
 /* ---- NumPy arrays: (rows, columns), or (bands, rows, columns) ---------------------------------------------------- */
 
 static bool npy_create(io_raster_writer *w, io_error *error) {

@@ -26,7 +26,7 @@ typedef struct io_raster_product {
     const char *const *band_names; /* one for each band */
     const char *unit;              /* of the values */
     const char *const *notes;      /* metadata as "NAME=value", up to a NULL */
-    unsigned threads;              /* that may compress; 0: as many as there are CPUs */
+    unsigned threads;              /* that may compress, if the file is large; 0: as many as there are CPUs */
     io_compression compression;
     double scale; /* > 0: a value is its cell times this; else the cell itself */
     bool cog;     /* Cloud Optimized GeoTIFF: smaller copies within, written in a second pass by io_raster_commit */
@@ -52,7 +52,10 @@ typedef struct io_raster_writer {
     void *state;      /* the format's */
 } io_raster_writer;
 
-size_t io_cell_bytes(io_cell cell);
+static inline size_t io_cell_bytes(io_cell cell) {
+    static const size_t bytes[] = {1, 2, 4, 2};
+    return bytes[cell];
+}
 
 /* Whether the name's ending is that of a GeoTIFF. */
 bool io_raster_is_tif(const char *path);

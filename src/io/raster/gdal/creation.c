@@ -3,9 +3,13 @@
 
 #include "parts.h"
 
+#include "cpus.h"
+#include "threads.h"
+
 #include <cpl_error.h>
 #include <cpl_string.h>
 #include <gdal_frmts.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -63,9 +67,29 @@ static char **replace(char **options, const io_raster_product *p) {
     return options;
 }
 
+/* Threads that compress. A small file is written before they have started. */
+enum { THREADS_MAX = 16 };
+static const double bytes_of_a_large_file = 1 << 24;
+
+static unsigned choose_threads(const io_raster_product *p) {
+    const double bytes = (double)io_cell_bytes(p->cell) * (double)p->nx * (double)p->ny * (double)p->bands;
+    if (p->compression == IO_UNCOMPRESSED || bytes < bytes_of_a_large_file) return 1;
+    const unsigned count = p->threads > 0 ? p->threads : cpus_usable();
+    return count < THREADS_MAX ? count : THREADS_MAX;
+}
+
+/* GDAL starts the threads as soon as it has the options, and waits for ever for one that the system refuses. */
+static char **limit_threads(char **options) {
+    const char *asked = CSLFetchNameValueDef(options, "NUM_THREADS", "1");
+    const long count = strcasecmp(asked, "ALL_CPUS") == 0 ? (long)cpus_usable() : strtol(asked, NULL, 10);
+    return count > 1 && !(count <= CPUS_MAX && threads_can_start((unsigned)count))
+               ? CSLSetNameValue(options, "NUM_THREADS", "1")
+               : options;
+}
+
 static char **shared_options(char **options, const io_raster_product *p) {
-    char threads[16] = "ALL_CPUS";
-    if (p->threads > 0) snprintf(threads, sizeof threads, "%u", p->threads);
+    char threads[16];
+    snprintf(threads, sizeof threads, "%u", choose_threads(p));
     options = CSLSetNameValue(options, "COMPRESS", names[p->compression]);
     /* By the size before compression, which is larger as a rule: 2 GB of 4 are enough for what is added then. */
     options = CSLSetNameValue(options, "BIGTIFF", "IF_SAFER");
@@ -86,7 +110,7 @@ char **gdal_tiff_options(const io_raster_product *p, const size_t side[2]) {
     }
     options = CSLSetNameValue(options, "INTERLEAVE", "BAND");
     options = CSLSetNameValue(options, "PHOTOMETRIC", "MINISBLACK");
-    return p->cog ? options : replace(options, p); /* those of the user are for the COG */
+    return limit_threads(p->cog ? options : replace(options, p)); /* those of the user are for the COG */
 }
 
 char **gdal_cog_options(const io_raster_product *p) {
@@ -98,5 +122,5 @@ char **gdal_cog_options(const io_raster_product *p) {
     /* Flags and counts have no mean. GDAL's cubic one leaves the range of the values. */
     const bool counts = p->cell == IO_CELL_UINT8 || p->cell == IO_CELL_UINT16;
     options = CSLSetNameValue(options, "OVERVIEW_RESAMPLING", counts ? "NEAREST" : "AVERAGE");
-    return replace(options, p);
+    return limit_threads(replace(options, p));
 }

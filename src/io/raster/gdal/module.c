@@ -8,10 +8,14 @@
 #include <cpl_conv.h>
 #include <cpl_error.h>
 #include <gdal_frmts.h>
+#include <stdatomic.h>
 #include <string.h>
+
+static char of_thread[300]; /* the first error of one of GDAL's own threads */
 
 bool gdal_fail(io_error *error, const char *name, const char *what) {
     const char *words = CPLGetLastErrorMsg();
+    if (words[0] == '\0' && gdal_thread_failed()) words = of_thread;
     const size_t length = strlen(name);
     /* GDAL mostly begins with the file itself. */
     if (strncmp(words, name, length) == 0 && words[length] == ':')
@@ -72,9 +76,25 @@ static void leave(void) {
     CPLPopErrorHandler();
 }
 
+/* GDAL forgets errors of its own threads: a tile that one could not compress for lack of memory is just missing. Errors of the
+ * calling thread do not come here. */
+static atomic_bool thread_fails, thread_failed;
+
+static void CPL_STDCALL note_error(CPLErr class, CPLErrorNum number, const char *text) {
+    (void)number;
+    /* GDAL 3.6 complains about the file in memory that a thread decompresses with, but then does so; the caller's thread gets
+     * to know failures there. */
+    const bool of_reading = strstr(text, "/vsimem/decompress_") != NULL;
+    if (class < CE_Failure || of_reading || atomic_exchange(&thread_fails, true)) return;
+    snprintf(of_thread, sizeof of_thread, "%s", text);
+    atomic_store(&thread_failed, true);
+}
+
+bool gdal_thread_failed(void) { return atomic_load(&thread_failed); }
+
 /* GDAL's own threads have no settings but these. */
 static void own_process(void) {
-    CPLSetErrorHandler(CPLQuietErrorHandler);
+    CPLSetErrorHandler(note_error);
     gdal_names_close_memory();
     if (!program->network) OSRSetPROJEnableNetwork(0);
     for (size_t k = 0; k < SETTINGS; k++)

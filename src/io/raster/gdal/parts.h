@@ -19,6 +19,8 @@ void gdal_names_close_memory(void);
 
 /* The program, or NULL where GDAL is also another's. */
 const io_gdal_host *gdal_host(void);
+/* Whether one of GDAL's own threads has ever failed. */
+bool gdal_thread_failed(void);
 /* During a call of GDAL the program's standard streams are hidden; not while GDAL calls the program. */
 void gdal_streams(bool shown);
 

@@ -153,7 +153,7 @@ static int CPL_STDCALL goes_on(double share, const char *message, void *context)
 
 /* Whether GDAL or the system has complained since CPLErrorReset. */
 static bool has_failed(const io_gdal_target *t) {
-    return CPLGetLastErrorType() >= CE_Failure || gdal_lent_reason(t->lent) != 0 ||
+    return CPLGetLastErrorType() >= CE_Failure || gdal_thread_failed() || gdal_lent_reason(t->lent) != 0 ||
            (t->lent_cog >= 0 && gdal_lent_reason(t->lent_cog) != 0);
 }
 
