@@ -4,6 +4,7 @@
 #include "field.h"
 #include "isa.h"
 #include "run.h"
+#include "visible.h"
 
 #include <string.h>
 
@@ -16,25 +17,25 @@
 /* From the plainest to the fastest: the last one available is the default. */
 /* clang-format off */
 static const cw_kernel kernels[] = {
-    {"brute", "every triangle: the ground truth for small fields", CW_ISA_SCALAR, 1, 0, &cw_brute, cw_heading1},
-    {"grid3d", "uniform 3D grid, 3D-DDA", CW_ISA_SCALAR, 1, CW_NEEDS_GRID3D, &cw_grid3d, cw_heading1},
-    {"cell", "2D cell walk, one ray at a time", CW_ISA_SCALAR, 1, 0, &cw_cell, cw_heading1},
+    {"brute", "every triangle: the ground truth for small fields", CW_ISA_SCALAR, 1, 0, &cw_brute, cw_heading1, &cw_visible1},
+    {"grid3d", "uniform 3D grid, 3D-DDA", CW_ISA_SCALAR, 1, CW_NEEDS_GRID3D, &cw_grid3d, cw_heading1, &cw_visible1},
+    {"cell", "2D cell walk, one ray at a time", CW_ISA_SCALAR, 1, 0, &cw_cell, cw_heading1, &cw_visible1},
 #if NEON
-    {"packet4", "2D cell walk, 4 rays at once", CW_ISA_NEON, 4, 0, &cw_packet4, cw_heading4},
+    {"packet4", "2D cell walk, 4 rays at once", CW_ISA_NEON, 4, 0, &cw_packet4, cw_heading4, &cw_visible4},
 #elif CELLWALK_SIMD
-    {"packet4", "2D cell walk, 4 rays at once", CW_ISA_SSE42, 4, 0, &cw_packet4, cw_heading4},
-    {"packet8", "2D cell walk, 8 rays at once", CW_ISA_AVX2, 8, 0, &cw_packet8, cw_heading8},
-    {"packet16", "2D cell walk, 16 rays at once", CW_ISA_AVX512, 16, 0, &cw_packet16, cw_heading16},
+    {"packet4", "2D cell walk, 4 rays at once", CW_ISA_SSE42, 4, 0, &cw_packet4, cw_heading4, &cw_visible4},
+    {"packet8", "2D cell walk, 8 rays at once", CW_ISA_AVX2, 8, 0, &cw_packet8, cw_heading8, &cw_visible8},
+    {"packet16", "2D cell walk, 16 rays at once", CW_ISA_AVX512, 16, 0, &cw_packet16, cw_heading16, &cw_visible16},
 #endif
-    {"pyramid1", "bounds pyramid, one lane", CW_ISA_SCALAR, 1, CW_NEEDS_PYRAMID, &cw_pyramid1, cw_heading1},
+    {"pyramid1", "bounds pyramid, one lane", CW_ISA_SCALAR, 1, CW_NEEDS_PYRAMID, &cw_pyramid1, cw_heading1, &cw_visible1},
 #if NEON
-    {"pyramid4", "bounds pyramid, pairs of 4 lanes", CW_ISA_NEON, 8, CW_NEEDS_PYRAMID, &cw_pyramid4, cw_heading4},
+    {"pyramid4", "bounds pyramid, pairs of 4 lanes", CW_ISA_NEON, 8, CW_NEEDS_PYRAMID, &cw_pyramid4, cw_heading4, &cw_visible4},
 #elif CELLWALK_SIMD
-    {"pyramid4", "bounds pyramid, pairs of 4 lanes", CW_ISA_SSE42, 8, CW_NEEDS_PYRAMID, &cw_pyramid4, cw_heading4},
+    {"pyramid4", "bounds pyramid, pairs of 4 lanes", CW_ISA_SSE42, 8, CW_NEEDS_PYRAMID, &cw_pyramid4, cw_heading4, &cw_visible4},
     {"pyramid8", "bounds pyramid, 8 lanes, single rays in pairs of 8",
-     CW_ISA_AVX2, 16, CW_NEEDS_PYRAMID, &cw_pyramid8, cw_heading8},
+     CW_ISA_AVX2, 16, CW_NEEDS_PYRAMID, &cw_pyramid8, cw_heading8, &cw_visible8},
     {"pyramid16", "bounds pyramid, 16 lanes, single rays in pairs of 16",
-     CW_ISA_AVX512, 32, CW_NEEDS_PYRAMID, &cw_pyramid16, cw_heading16},
+     CW_ISA_AVX512, 32, CW_NEEDS_PYRAMID, &cw_pyramid16, cw_heading16, &cw_visible16},
 #endif
 };
 /* clang-format on */

@@ -1,0 +1,176 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The ground in sight along one direction, from W samples at a time (src/core/visible.h).
+ *
+ * The walk goes outward and keeps the steepest slope so far. Between two crossings the surface is straight, so the slope up to
+ * it from the eye is monotone: of a piece, all, nothing, or one part with an end is in sight. That end is where the piece meets
+ * the line of sight over the steepest place before.
+ *
+ * Invariant: blocks of rows are passed over only if no slope in them, as this code rounds it, exceeds the steepest one of any
+ * lane. Then the walk would add nothing there. So the answers do not depend on width, nor on how blocks lie. papers/numerics.md
+ * derives the bound. */
+
+#include "vocabulary.h"
+
+#include "visible.h"
+
+#include <math.h>
+
+typedef struct lanes {
+    vfloat z;        /* of the eyes */
+    vfloat slope;    /* up to the target at the last crossing; NaN: there is no edge */
+    vfloat steepest; /* up to the ground, so far */
+    vdouble area;
+    vfloat farthest;
+} lanes;
+
+/* The ground's height over the eye at a crossing. */
+CW_INLINE vfloat height_over(const visible_crossing *c, const float *eye, vfloat z) {
+    const vfloat a = vf_load(eye + c->first), b = vf_load(eye + c->first + c->second);
+    return vf_add(vf_sub(a, z), vf_mul(vf_set(c->fraction), vf_sub(b, a)));
+}
+
+CW_INLINE vfloat slope_to(const visible_crossing *c, vfloat height, bool curved) {
+    const vfloat up = vf_mul(height, vf_set(c->inverse));
+    return curved ? vf_sub(up, vf_set(c->drop)) : up;
+}
+
+/* Adds what is in sight of a piece: from share of its length before its end (late) or after its begin. */
+CW_INLINE void add_seen(const visible_job *job, lanes *l, const visible_piece *p, vmask seen, vmask late, vfloat share,
+                        bool cut) {
+    const vfloat begin = vf_set(p->begin), end = vf_set(p->end), part = vf_mul(vf_set(p->length), share);
+    vfloat last = vf_select(late, end, vf_add(begin, part));
+    const vfloat from_end = vf_mul(part, vf_sub(vf_add(end, end), part));
+    const vfloat from_begin = vf_mul(part, vf_add(vf_add(begin, begin), part));
+    vfloat area = vf_select(late, from_end, from_begin);
+    if (cut) { /* what lies beyond the reach does not count */
+        const vfloat first = vf_select(late, vf_sub(end, part), begin);
+        last = vf_min(last, vf_set(job->reach));
+        seen = vm_and(seen, vf_lt(first, last));
+        area = vf_mul(vf_sub(last, first), vf_add(last, first));
+    }
+    l->area = vd_add(l->area, vd_from_vf(vf_select(seen, area, vf_set(0))));
+    l->farthest = vf_select(seen, last, l->farthest);
+}
+
+/* The pieces that end at crossings from `from` to before `end`. */
+CW_INLINE void scan(const visible_job *job, const float *eye, lanes *l, size_t from, size_t end, bool above,
+                    bool curved, bool cut) {
+    const vfloat target = vf_set(job->target), one = vf_set(1);
+    for (size_t k = from; k < end; k++) {
+        const visible_crossing *c = job->crossing + k;
+        const vfloat height = height_over(c, eye, l->z);
+        const vfloat slope = slope_to(c, above ? vf_add(height, target) : height, curved);
+        const vmask late = vf_gt(slope, l->steepest);
+        /* Without a target above the ground, the last slope is at most the steepest. */
+        const vmask early = above ? vf_gt(l->slope, l->steepest) : vm_set(false);
+        if (vm_any(above ? vm_or(late, early) : late)) {
+            const visible_piece *p = job->piece + k;
+            const vmask begins = vf_eq(l->slope, l->slope), ends = vf_eq(slope, slope);
+            const vfloat before = vf_mul(vf_sub(l->steepest, l->slope), vf_set(p->begin));
+            const vfloat after = vf_mul(vf_sub(slope, l->steepest), vf_set(p->end)), both = vf_add(before, after);
+            vfloat share = vf_div(above ? vf_select(late, after, before) : after, both);
+            if (above) share = vf_select(vm_and(late, early), one, share);
+            const vmask some = above ? vm_and(vm_or(late, early), ends) : late;
+            add_seen(job, l, p, vm_and(some, begins), above ? late : vm_set(true), share, cut);
+            l->steepest = vf_max(above ? slope_to(c, height, curved) : slope, l->steepest);
+        }
+        l->slope = slope;
+    }
+}
+
+/* True if no slope in the block of rows before which the ray crosses its k-th row exceeds the steepest one of any lane. */
+CW_INLINE bool block_is_low(const visible_job *job, ptrdiff_t eyes, size_t row, size_t k, int level, const lanes *l,
+                            bool curved) {
+    const size_t length = (size_t)1 << visible_shift(level), after = k + length < job->steps ? k + length : job->steps;
+    const float *bound = job->bound[level] + (ptrdiff_t)((row + k) >> visible_shift(level)) * job->stride;
+    const visible_crossing *near = job->crossing + job->until[k] - 1, *far = job->crossing + job->until[after] - 1;
+    const vfloat up = vf_add(vf_sub(vf_load(bound + eyes + job->entry[k]), l->z), vf_set(job->lift));
+    vfloat most = vf_max(vf_mul(up, vf_set(near->inverse)), vf_mul(up, vf_set(far->inverse)));
+    if (curved) most = vf_sub(most, vf_set(near->drop));
+    return !vm_any(vf_gt(most, l->steepest));
+}
+
+CW_INLINE void walk(const visible_job *job, ptrdiff_t eyes, size_t row, size_t most, float *area, float *farthest,
+                    bool above, bool curved) {
+    const vfloat none = vf_set(-INFINITY), nothing = vf_set(0);
+    const float *eye = job->land + (ptrdiff_t)row * job->stride + eyes;
+    const vfloat ground = vf_load(eye);
+    lanes l = {.z = vf_add(ground, vf_set(job->eye)), none, none, vd_set(0), nothing};
+    size_t steps = job->rows - 1 - row;
+    steps = steps < most ? steps : most;
+    steps = steps < job->steps ? steps : job->steps;
+    const vmask exists = vf_eq(ground, ground);
+    if (steps == 0 || !vm_any(exists)) {
+        vf_store(area, vf_select(exists, nothing, ground));
+        vf_store(farthest, nothing);
+        return;
+    }
+    /* The first piece begins under the eye and is straight: in sight as a whole, or edge-on if nothing stands above the ground. */
+    const bool whole = job->reach > 0 && job->steps == steps; /* the last crossing may be beyond the reach */
+    const size_t until = job->until[steps] - whole;
+    const bool cut_first = until == 0;
+    const vfloat first = height_over(job->crossing, eye, l.z);
+    const vmask higher = above ? exists : vf_gt(l.z, ground);
+    l.slope = slope_to(job->crossing, above ? vf_add(first, vf_set(job->target)) : first, curved);
+    add_seen(job, &l, job->piece, vm_and(higher, vf_eq(first, first)), vm_set(true), vf_set(1), cut_first);
+    l.steepest = vf_max(slope_to(job->crossing, first, curved), none);
+    bool passed = false;
+    for (size_t k = 0; k < steps;) {
+        const size_t at = row + k;
+        if (k > 0 && (at & 7) == 0) {
+            if ((at & 63) == 0 && block_is_low(job, eyes, row, k, 1, &l, curved)) {
+                k += 64;
+                passed = true;
+                continue;
+            }
+            if (block_is_low(job, eyes, row, k, 0, &l, curved)) {
+                k += 8;
+                passed = true;
+                continue;
+            }
+        }
+        const size_t next = (at | 7) + 1 - row, end = next < steps ? next : steps;
+        if (passed) { /* the crossing at which the last block ended */
+            const visible_crossing *c = job->crossing + job->until[k] - 1;
+            const vfloat height = height_over(c, eye, l.z);
+            l.slope = slope_to(c, above ? vf_add(height, vf_set(job->target)) : height, curved);
+            passed = false;
+        }
+        const size_t from = job->until[k] > 0 ? job->until[k] : 1, to = job->until[end];
+        scan(job, eye, &l, from, to < until ? to : until, above, curved, false);
+        if (to > until && until > 0) scan(job, eye, &l, until, to, above, curved, true);
+        k = end;
+    }
+    vf_store(area, vf_select(exists, vf_from_vd(l.area), ground));
+    vf_store(farthest, l.farthest);
+}
+
+CW_INLINE void walk_all(const visible_job *job, ptrdiff_t eyes, size_t row, size_t step, size_t count, size_t most,
+                        float *area, float *farthest, bool above, bool curved) {
+    for (size_t k = 0; k < count; k++, row += step)
+        for (size_t lane = 0; lane < VISIBLE_GROUP; lane += W, area += W, farthest += W)
+            walk(job, eyes + (ptrdiff_t)lane, row, most, area, farthest, above, curved);
+}
+
+static void walk_group(const visible_job *job, ptrdiff_t eyes, size_t row, size_t step, size_t count, size_t most,
+                       float *area, float *farthest) {
+    const bool above = job->target > 0;
+    if (above && job->curved)
+        walk_all(job, eyes, row, step, count, most, area, farthest, true, true);
+    else if (above)
+        walk_all(job, eyes, row, step, count, most, area, farthest, true, false);
+    else if (job->curved)
+        walk_all(job, eyes, row, step, count, most, area, farthest, false, true);
+    else
+        walk_all(job, eyes, row, step, count, most, area, farthest, false, false);
+}
+
+static void bound_row(float *to, const float *from, const ptrdiff_t *at, size_t count, size_t width) {
+    for (size_t k = 0; k < width; k += W) {
+        vfloat high = vf_load(to + k);
+        for (size_t n = 0; n < count; n++) high = vf_max(vf_load(from + (ptrdiff_t)k + at[n]), high);
+        vf_store(to + k, high);
+    }
+}
+
+const visible_code CW_CODE(visible) = {walk_group, bound_row};

@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The ground in sight along one direction, from many samples: what simd/visible.c gets to walk on.
+ *
+ * All rays of a direction cross the same borders at the same places (heading.h). The land is a copy of the field, turned so
+ * that every ray goes toward greater rows and crosses at most one column a row. Eyes that are neighbours across the ray then
+ * read neighbouring samples. Columns of the same remainder by the spacing of the eyes stand together, so that eyes with gaps
+ * between them do, too. */
+#ifndef CELLWALK_CORE_VISIBLE_H
+#define CELLWALK_CORE_VISIBLE_H
+
+#include "cellwalk.h"
+
+/* Eyes are walked from in groups of so many columns. A ray may read so many columns beyond the land: they are holes. Bounds are
+ * made of 8 rows, and of 64. */
+enum { VISIBLE_GROUP = 16, VISIBLE_MARGIN = 32, VISIBLE_LEVELS = 2 };
+static inline int visible_shift(int level) { return 3 * (level + 1); }
+
+/* A crossing of an edge. Distances count in cells along the ray's longer axis. */
+typedef struct visible_crossing {
+    ptrdiff_t first; /* from the eye's sample to the edge's first one */
+    int32_t second;  /* from there to its second one */
+    float fraction;  /* of the way to that */
+    float inverse;   /* of the distance */
+    float drop;      /* by which the slope is less on a curved earth */
+} visible_crossing;
+
+/* The piece of the ray that ends at a crossing. */
+typedef struct visible_piece {
+    float begin, end, length;
+} visible_piece;
+
+typedef struct visible_job {
+    const float *land; /* the sample of column 0 and row 0 */
+    ptrdiff_t stride;
+    size_t rows; /* of the land */
+    /* Of each block of rows, where a ray enters it in a given column: at least as high as all samples that the ray reads in it.
+     * -infinity: there are none. */
+    float *bound[VISIBLE_LEVELS];
+
+    const visible_crossing *crossing; /* in the order of their distances */
+    const visible_piece *piece;
+    const uint32_t *until;  /* number of crossings up to row k of the ray, that row's included */
+    const ptrdiff_t *entry; /* the column in which the ray crosses row k, as a distance in memory */
+    size_t steps;           /* rows that the ray goes through at most */
+    float reach;            /* the last piece ends there; 0: at its crossing */
+
+    float eye, target; /* heights above the ground */
+    float lift;        /* a bound rises so far above it, target and rounding included */
+    bool curved;
+} visible_job;
+
+/* Eyes of VISIBLE_GROUP columns, the first at `eyes` from column 0, in count rows from row on, step apart. No ray is inside the
+ * land for more than most rows. area: twice the integral of the distance over what is in sight, NaN at a hole; farthest: the
+ * greatest distance in sight, or 0. Both VISIBLE_GROUP to a row. */
+typedef void visible_walk_fn(const visible_job *job, ptrdiff_t eyes, size_t row, size_t step, size_t count, size_t most,
+                             float *area, float *farthest);
+
+/* The maximum of one row of numbers, width of them, seen from offsets at[0] to at[count - 1]: to[k] becomes the greatest of
+ * to[k] and from[k + at[n]], NaN left out. */
+typedef void visible_bound_fn(float *to, const float *from, const ptrdiff_t *at, size_t count, size_t width);
+
+typedef struct visible_code {
+    visible_walk_fn *walk;
+    visible_bound_fn *bound;
+} visible_code;
+
+extern const visible_code cw_visible1, cw_visible4, cw_visible8, cw_visible16;
+
+#endif
