@@ -15,5 +15,6 @@ extern const command command_los;
 extern const command command_shadow;
 extern const command command_sun;
 extern const command command_viewshed;
+extern const command command_visibility;
 
 #endif

@@ -11,8 +11,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static const command *const commands[] = {&command_render,  &command_trace,    &command_shadow, &command_sun,
-                                          &command_horizon, &command_viewshed, &command_los,    &command_info};
+static const command *const commands[] = {&command_render,     &command_trace,   &command_shadow,
+                                          &command_sun,        &command_horizon, &command_viewshed,
+                                          &command_visibility, &command_los,     &command_info};
 
 /* Optional parts, tried: GDAL may have been built and not be found, or not load. */
 static void print_parts(void) {
@@ -31,6 +32,7 @@ static const char tasks[] = "By task, for a terrain dem.tif with places X,Y on i
                             "  cast shadow      cellwalk shadow dem.tif --sun 225,30 -o shadow.tif\n"
                             "  hours of sun     cellwalk sun dem.tif --date 2024-06-21 -o hours.tif\n"
                             "  visible area     cellwalk viewshed dem.tif --from X,Y -o seen.tif\n"
+                            "  how much is seen cellwalk visibility dem.tif -o km2.tif\n"
                             "  line of sight    cellwalk los dem.tif X,Y,2 X,Y,2\n"
                             "  sky-view factor  cellwalk horizon dem.tif --svf -o sky.tif\n"
                             "  a picture        cellwalk render dem.tif -o view.png\n"

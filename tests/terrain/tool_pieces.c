@@ -110,6 +110,9 @@ static const char *const products[][9] = {
     {"horizon", "--directions", "3", "--distance", "--max-distance", "400", NULL},
     {"shadow", "--sun", "315,12", "--curvature", "200", NULL},
     {"horizon", "--directions", "5", "--svf", NULL},
+    {"visibility", "--directions", "7", NULL},
+    {"visibility", "--directions", "7", "--share", "--max-distance", "300", NULL},
+    {"visibility", "--directions", "7", "--longest", "--target-height", "5", "--max-distance", "500", NULL},
     {"sun", "--date", "2024-12-21", "--step", "4h", "--lon-lat", "7,47", NULL},
 };
 enum { PRODUCTS = sizeof products / sizeof products[0] };
@@ -151,7 +154,8 @@ static void bands(void **state) {
                                           {"shadow", "--sun", "5,30", "--hillshade", NULL},
                                           {"shadow", "--sun", "200,60", "--sun-disc", NULL},
                                           {"shadow", "--sun", "45,89", "--disc", "4", NULL},
-                                          {"horizon", "--svf", "--max-distance", "300", NULL}};
+                                          {"horizon", "--svf", "--max-distance", "300", NULL},
+                                          {"visibility", "--longest", "--max-distance", "100", NULL}};
     for (size_t m = 0; m < (have_gdal() ? 4 : 1); m++)
         for (size_t k = 0; k < sizeof suns / sizeof suns[0]; k++) {
             if (!test_takes(m + k, sizeof suns / sizeof suns[0])) continue;

@@ -52,6 +52,7 @@ typedef struct ground {
     io_raster about;            /* all of the raster: size, map and place, and samples if the file has no windows */
     terrain whole;              /* the same; no samples */
     cw_rectangle window, piece; /* samples of the product; samples in memory */
+    size_t until;               /* the window's row at which the piece is no longer good for a product */
     double map[3][4];           /* of the window */
     size_t pieces, warnings;    /* that were read, and printed since then */
 } ground;

@@ -136,7 +136,7 @@ static bool make_bands(job *j, const horizon_command *c, io_error *error) {
         product.white = 90;
     }
     if (c->type == INT16) ground_scale(&product, c->sky ? step_of_share : step_of_angle);
-    static const pieces_maker maker = {fill, around, enter};
+    static const pieces_maker maker = {.fill = fill, .around = around, .enter = enter};
     const bool good = pieces_write(j->ground, &product, c->distance ? 30 : 1, &maker, j, error);
     ground_notes_free(&notes);
     free(names);

@@ -309,7 +309,7 @@ typedef struct writing {
     ground *ground;
     const pieces_maker *maker;
     void *context;
-    size_t rows;         /* of a block */
+    size_t rows, step;   /* rows of a block; rows of the window for each */
     size_t from, until;  /* rows of the window that the piece is good for */
     size_t cell;         /* bytes of one */
     void *cells, *lines; /* a block of the window; rows of the piece, where those are longer */
@@ -320,7 +320,8 @@ typedef struct writing {
 static bool piece_for(const writing *w, size_t row, size_t blocks, cw_rectangle *part, cw_rectangle *piece,
                       io_error *error) {
     const cw_rectangle window = w->ground->window;
-    const size_t left = window.ny - row, rows = blocks < left / w->rows + 1 ? blocks * w->rows : left;
+    const size_t left = window.ny - row, block = w->rows * w->step,
+                 rows = blocks < left / block + 1 ? blocks * block : left;
     *part = (cw_rectangle){window.i, window.j + row, window.nx, rows < left ? rows : left};
     return w->maker->around(w->context, *part, piece, error);
 }
@@ -329,12 +330,12 @@ static bool piece_for(const writing *w, size_t row, size_t blocks, cw_rectangle 
 static bool next_piece(writing *w, size_t row, io_error *error) {
     ground *g = w->ground;
     cw_rectangle part = g->window, piece = pieces_all(g);
-    if (!is_all(g, part) || !pieces_fit(g, piece)) {
-        size_t least = 1, most = (g->window.ny - row + w->rows - 1) / w->rows;
+    if (!is_all(g, part) || !fits(g, piece, w->maker->more)) {
+        size_t least = 1, most = (g->window.ny - row + w->rows * w->step - 1) / (w->rows * w->step);
         while (least < most) {
             const size_t blocks = most - (most - least) / 2;
             if (!piece_for(w, row, blocks, &part, &piece, error)) return false;
-            if (pieces_fit(g, piece))
+            if (fits(g, piece, w->maker->more))
                 least = blocks;
             else
                 most = blocks - 1;
@@ -346,7 +347,7 @@ static bool next_piece(writing *w, size_t row, io_error *error) {
         if (!w->maker->enter(w->context, error)) return false;
     }
     w->from = part.j - g->window.j;
-    w->until = w->from + part.ny;
+    w->until = g->until = w->from + part.ny;
     return true;
 }
 
@@ -354,14 +355,15 @@ static bool next_piece(writing *w, size_t row, io_error *error) {
 static bool check_pieces(const writing *w, io_error *error) {
     const ground *g = w->ground;
     cw_rectangle part, piece;
-    if (w->maker->around == NULL || pieces_fit(g, pieces_all(g))) return true;
-    for (size_t row = 0; row < g->window.ny; row += w->rows)
-        if (!piece_for(w, row, 1, &part, &piece, error) || !pieces_check(g, piece, 0, error)) return false;
+    if (w->maker->around == NULL || fits(g, pieces_all(g), w->maker->more)) return true;
+    for (size_t row = 0; row < g->window.ny; row += w->rows * w->step)
+        if (!piece_for(w, row, 1, &part, &piece, error) || !pieces_check(g, piece, w->maker->more, error)) return false;
     return true;
 }
 
 static bool fill_block(writing *w, size_t band, size_t row, size_t rows, io_error *error) {
     const ground *g = w->ground;
+    if (w->maker->every > 0) return w->maker->fill(w->context, band, row, rows, w->cells, error);
     const size_t nx = g->terrain.nx, first = g->window.i - g->terrain.column,
                  local = row + g->window.j - g->terrain.row;
     /* Ground that is read whole has no window. */
@@ -396,7 +398,8 @@ static bool write_blocks(writing *w, io_raster_writer *to, io_error *error) {
     for (size_t band = 0; band < p->bands; band++)
         for (size_t row = 0; row < p->ny; row += w->rows) {
             const size_t count = p->ny - row < w->rows ? p->ny - row : w->rows;
-            if (w->maker->around && (row < w->from || row >= w->until) && !next_piece(w, row, error)) return false;
+            const size_t at = row * w->step;
+            if (w->maker->around && (at < w->from || at >= w->until) && !next_piece(w, at, error)) return false;
             g->done = ((double)band + (double)row / (double)p->ny) / (double)p->bands;
             g->part = (double)count / (double)p->ny / (double)p->bands;
             if (!ground_tell(g, g->done)) return io_fail(error, "interrupted");
@@ -413,7 +416,8 @@ bool pieces_write(ground *g, const io_raster_product *product, double passes, co
     writing w = {.ground = g,
                  .maker = maker,
                  .context = context,
-                 .rows = block_rows(product, passes, maker->around && !pieces_fit(g, pieces_all(g))),
+                 .rows = block_rows(product, passes, maker->around && !fits(g, pieces_all(g), maker->more)),
+                 .step = maker->every > 0 ? maker->every : 1,
                  .cell = io_cell_bytes(product->scale > 0 ? IO_CELL_FLOAT32 : product->cell)};
     w.cells = malloc(w.rows * product->nx * w.cell);
     if (w.cells == NULL) return io_fail(error, "out of memory");

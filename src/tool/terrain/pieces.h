@@ -41,6 +41,10 @@ typedef struct pieces_maker {
     /* The samples that matter to a part of the window. Not called if all of the raster is asked for, and fits. */
     bool (*around)(void *context, cw_rectangle part, cw_rectangle *piece, io_error *error);
     bool (*enter)(void *context, io_error *error); /* the ground's terrain is another piece, with a field */
+    double more;                                   /* bytes that fill needs for each sample of a piece */
+    /* 0: the product has the window's samples. Otherwise it has every so many columns and rows of them, and fill writes the
+     * product's columns alone; its rows are the product's. */
+    size_t every;
 } pieces_maker;
 
 /* As ground_write. NULL for around and enter: the piece that is in memory has the window. */

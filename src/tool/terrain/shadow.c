@@ -109,7 +109,7 @@ static bool make_light(job *j, io_error *error) {
     if (c->time) ground_note(&notes, "TIME=%s", c->time);
     ground_note(&notes, "ANGLES=degrees; azimuth from the map's north over east");
     ground_note(&notes, "CURVATURE=%.9g", c->curvature);
-    static const pieces_maker maker = {fill, around, enter};
+    static const pieces_maker maker = {.fill = fill, .around = around, .enter = enter};
     const bool good = pieces_write(j->ground, &product, sun.radius > 0 ? 16 : 1, &maker, j, error);
     ground_notes_free(&notes);
     return good;

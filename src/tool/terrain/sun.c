@@ -155,7 +155,7 @@ static bool make_bands(job *j, io_error *error) {
         ground_note(&notes, "DIFFUSE_LEVEL=%.9g", insolation_diffuse(j->sum));
     }
     /* fill looks for Ctrl-C itself. */
-    static const pieces_maker maker = {fill, around, enter};
+    static const pieces_maker maker = {.fill = fill, .around = around, .enter = enter};
     const bool good = pieces_write(j->ground, &product, 1, &maker, j, error);
     ground_notes_free(&notes);
     return good;
