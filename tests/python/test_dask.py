@@ -107,6 +107,14 @@ def test_horizon_and_sky_view(file):
     assert near.rows * near.columns < ROWS * COLUMNS / 2 and near.row < 128 and near.row + near.rows > 192
 
 
+def test_visibility(file):
+    field = cw.open(file)
+    same(compute(cwd.visibility(file, 5, chunks=100)), field.visibility(5))
+    for result in ("area", "share", "longest", "azimuth"):
+        wanted = field.visibility(5, 900.0, target_height=3, result=result)
+        same(compute(cwd.visibility(file, 5, 900.0, target_height=3, result=result, chunks=64)), wanted)
+
+
 def test_viewshed(file):
     field = cw.open(file)
     x0, y0, x1, y1 = field.bounds

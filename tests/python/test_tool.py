@@ -128,6 +128,21 @@ def test_sky_view(tool, ground, tmp_path):
     assert not np.array_equal(near, ground.field.sky_view(12), equal_nan=True)
 
 
+def test_visibility(tool, ground, tmp_path):
+    words = "visibility", "--directions", "9"
+    wanted = product(tool, ground, tmp_path, *words)
+    same(ground.field.visibility(9), wanted)
+    near = ground.field.visibility(9, far(ground), observer_height=1, target_height=3, curvature=0, result="share")
+    same(near, product(tool, ground, tmp_path, *words, "--max-distance", far(ground), "--observer-height", "1", "--target-height", "3",
+                       "--curvature", "0", "--share"))
+    longest = [ground.field.visibility(9, result=result) for result in ("longest", "azimuth")]
+    same(np.stack(longest), product(tool, ground, tmp_path, *words, "--longest"))
+    same(ground.field.visibility(9, every=3), wanted[::3, ::3])
+    same(ground.field.visibility(9, every=3), product(tool, ground, tmp_path, *words, "--every", "3"))
+    with pytest.raises(ValueError, match="^result: 'view', expected one of area, share, longest, azimuth"):
+        ground.field.visibility(result="view")
+
+
 def test_grid_of_directions(tool, ground, tmp_path):
     if ground.field._source.crs.geographic:
         with pytest.raises(ValueError, match="^grid: needs a map in metres"):

@@ -14,13 +14,14 @@ Make a field with Field(array) or open(file). Then ask it:
     at                the surface's height at places
     shadow            sun and shadow on every sample
     viewshed          which samples are seen from places
+    visibility        how much of the ground every sample sees
     horizon, sky_view the horizon's angle all round, the share of the sky
     line_of_sight     whether two places see each other
     update            new heights in a rectangle
     coarser           a field of every n-th sample, with its error
 
 cellwalk.sun says where the sun stands, cellwalk.kernels which ways of tracing there are. cellwalk.dask has shadow,
-viewshed, horizon and sky_view of rasters larger than memory.
+viewshed, visibility, horizon and sky_view of rasters larger than memory.
 
 Places are those of the map: x and y by `transform` or by the coordinates of a DataArray. Without a map, x is the
 column and y the row, and azimuths take the first row for the north, as in a picture. Arrays of samples are indexed

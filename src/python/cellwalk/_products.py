@@ -69,11 +69,13 @@ class LineOfSight(NamedTuple):
     blocked_distance: np.ndarray
 
 
-def _result(field, data, name, attrs, **axis):
-    """Data as a DataArray if the field was made of one."""
+def _result(field, data, name, attrs, every=1, **axis):
+    """Data as a DataArray if the field was made of one; of every so many rows and columns."""
     like = field._source.like
     if like is None:
         return data
+    if every > 1:
+        like = like[::every, ::every]
     keep = {key: like.attrs[key] for key in ("grid_mapping", "crs") if key in like.attrs}
     for key, values in axis.items():
         like = like.expand_dims({key: values})
@@ -100,6 +102,20 @@ def distance_of(max_distance) -> float:
 def sky_of(directions, max_distance, curvature, start) -> tuple[float, int, float, float]:
     """Arguments of a horizon, checked, in the order of the extension."""
     return start, count(directions, "directions", 1, 3600), distance_of(max_distance), finite(curvature, "curvature", 0)
+
+
+VISIBILITY = {"a": {"long_name": "ground in sight", "units": "km2"}, "s": {"long_name": "share of the ground in sight"},
+              "l": {"long_name": "farthest ground in sight", "units": "m"},
+              "z": {"long_name": "azimuth of the farthest ground in sight", "units": "degrees"}}
+
+
+def look_of(directions, max_distance, observer_height, target_height, curvature, result) -> tuple[int, float, float, float, float, str]:
+    """Arguments of visibility, checked, in the order of the extension but for every."""
+    kinds = {"area": "a", "share": "s", "longest": "l", "azimuth": "z"}
+    if result not in kinds:
+        raise ValueError(f"result: {result!r}, expected one of {', '.join(kinds)}")
+    return (count(directions, "directions", 1, 3600), distance_of(max_distance), finite(observer_height, "observer_height", 0),
+            finite(target_height, "target_height", 0), curvature, kinds[result])
 
 
 def places_of(x, y, height, elevation, needed) -> tuple[np.ndarray, bool]:
@@ -303,6 +319,37 @@ class Products:
         if nodata == 255:
             seen = seen.astype(np.uint8)
         return _result(self, seen, "viewshed", {"long_name": "number of observers that see it", "_FillValue": seen.dtype.type(nodata)})
+
+    def visibility(self, directions: int = 128, max_distance: float | None = None, *, observer_height: float = 2.0,
+                   target_height: float = 0.0, curvature: float | None = None, every: int = 1, result: str = "area",
+                   progress=None) -> Any:
+        """How much of the ground every sample sees, as float32, NaN at holes.
+
+        directions       how many, evenly spaced, 1 to 3600; along each the parts in sight are exact
+        max_distance     what is farther away does not count, metres; default: no limit
+        observer_height  of the eyes above the ground, metres
+        target_height    of what must be seen above the ground, metres
+        curvature        how much of the earth's curvature counts; default: 6/7 with a map, else 0
+        every            eyes at every so many columns and rows
+        result           "area": square kilometres in sight; "share": that area as a share of all within max_distance and
+                         the field; "longest": metres to the farthest place in sight; "azimuth": of that place, in degrees
+
+        How exposed a place is, from how much of the ground one sees it, follows by exchanging the two heights.
+
+            >>> import numpy as np, cellwalk as cw
+            >>> z = np.zeros((9, 9), "float32"); z[:, 5] = 3           # a wall
+            >>> cw.Field(z).visibility(result="share")[4, [1, 5]].round(2)
+            array([0.63, 1.  ], dtype=float32)
+        """
+        look = look_of(directions, max_distance, observer_height, target_height, self._curvature(curvature), result)
+        gap = count(every, "every", 1, 1 << 20)
+        data = self._visibility_rows(look, 0, 0, *self.shape, gap, progress)
+        return _result(self, data, "visibility", VISIBILITY[look[-1]], every=gap)
+
+    def _visibility_rows(self, look, row, column, rows, columns, every=1, progress=None):
+        out = np.empty((-(-rows // every), -(-columns // every)), np.float32)
+        self._ground.visibility(*look[:-1], every, look[-1], row, column, rows, columns, out, self._threads, progress_call(progress))
+        return out
 
     def line_of_sight(self, a: ArrayLike, b: ArrayLike, *, absolute: bool | tuple[bool, bool] = False, curvature: float | None = None,
                       progress=None) -> LineOfSight:

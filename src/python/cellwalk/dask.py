@@ -12,7 +12,8 @@ matters to it.
     shadow             what can throw a shadow on the chunk, found by the lowest and highest samples of blocks, which one pass over
                        the raster finds first
     viewshed           max_distance around each observer
-    horizon, sky_view  max_distance around the chunk; without one the whole raster in each task, as far mountains may count
+    horizon, sky_view, visibility
+                       max_distance around the chunk; without one the whole raster in each task, as far mountains may count
 
 Where a task needs more than `memory` bytes, that is said before work starts. The rectangles are those by which the program
 makes rasters larger than memory (src/terrain/reach.c).
@@ -33,7 +34,7 @@ import numpy as np
 from . import _cellwalk
 from ._convert import Crs, Source, count, describe_dataarray, finite, nodata_of, samples_of, scale_of
 from ._field import Field, open as open_field
-from ._products import SUN_RADIUS, distance_of, places_of, sky_of, warn_of_night
+from ._products import SUN_RADIUS, VISIBILITY, distance_of, look_of, places_of, sky_of, warn_of_night
 
 # A task's samples, as they are read and as the field has them, and the field's bounds over them.
 _BYTES_A_SAMPLE = 10
@@ -124,6 +125,11 @@ def _horizon(part, g, window, chunk, sky, threads):
 def _sky_view(part, g, window, chunk, sky, tilted, threads):
     rows, columns = chunk.inside(window)
     return _field_of(part, g, window, threads)._sky_view_rows(sky, tilted, rows.start, chunk.rows)[:, columns]
+
+
+def _visibility(part, g, window, chunk, look, threads):
+    rows, columns = chunk.inside(window)
+    return _field_of(part, g, window, threads)._visibility_rows(look, rows.start, columns.start, chunk.rows, chunk.columns)
 
 
 def _seen(part, g, window, place, absolute, target, distance, curvature, needed, threads):
@@ -317,6 +323,18 @@ def sky_view(source: Any, directions: int = 32, max_distance: float | None = Non
     r = _Raster(source, chunks, threads, nodata, crs, band, memory)
     blocks = r.map(_sky_view, *_around_chunk(r, sky[2]), 4, (*sky, False), bool(tilted))
     return r.result(blocks, np.float32, "sky_view", {"long_name": "sky-view factor"})
+
+
+def visibility(source: Any, directions: int = 128, max_distance: float | None = None, *, observer_height: float = 2.0,
+               target_height: float = 0.0, curvature: float | None = None, result: str = "area", chunks: Any = None, threads: int = 1,
+               nodata: float | None = None, crs: Any = None, band: int | None = None, memory: float = 2e9) -> Any:
+    """How much of the ground every sample sees, as Field.visibility."""
+    r = _Raster(source, chunks, threads, nodata, crs, band, memory)
+    bent = (6.0 / 7 if r.geometry.placed else 0.0) if curvature is None else finite(curvature, "curvature", 0)
+    look = look_of(directions, max_distance, observer_height, target_height, bent, result)
+    # The turned land and its bounds beside the field; sums in double and answers for the chunk.
+    blocks = r.map(_visibility, *_around_chunk(r, look[1]), 16, look)
+    return r.result(blocks, np.float32, "visibility", VISIBILITY[look[-1]])
 
 
 def viewshed(source: Any, x: Any, y: Any, observer_height: Any = None, target_height: float = 0.0, max_distance: float | None = None,

@@ -261,6 +261,7 @@ static PyMethodDef methods[] = {
     {"horizon", field_horizon, METH_VARARGS, NULL},
     {"sky_view", field_sky_view, METH_VARARGS, NULL},
     {"viewshed", field_viewshed, METH_VARARGS, NULL},
+    {"visibility", field_visibility, METH_VARARGS, NULL},
     {"line_of_sight", field_line_of_sight, METH_VARARGS, NULL},
     {NULL, NULL, 0, NULL},
 };

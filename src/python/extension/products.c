@@ -3,8 +3,10 @@
 #include "field.h"
 #include "horizon.h"
 #include "shadow.h"
+#include "visibility.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 /* So many angles are computed between two looks for Ctrl-C: 0.1 s on one thread. */
 enum { ANGLES_AT_ONCE = 1 << 20 };
@@ -165,6 +167,53 @@ PyObject *field_sky_view(PyObject *self, PyObject *arguments) {
             const cw_status status = sky_rows(f, &w, &d, tilted != 0, (size_t)row, (size_t)rows, out.buf);
             good = work_end(&w, status, "sky_view");
         }
+        field_leave(f);
+    }
+    PyBuffer_Release(&out);
+    if (!good) return NULL;
+    Py_RETURN_NONE;
+}
+
+/* ---- the ground in sight ------------------------------------------------------------------------------------------- */
+
+/* visibility(directions, max_distance, eye, target, curvature, every, kind, row, column, rows, columns, out, threads, progress):
+ * kind: a for the area, s for its share, l for the longest line of sight, z for that one's azimuth. */
+PyObject *field_visibility(PyObject *self, PyObject *arguments) {
+    py_field *f = (py_field *)self;
+    visibility_desc d = {0};
+    Py_buffer out = {0};
+    Py_ssize_t directions, every, row, column, rows, columns;
+    int kind;
+    unsigned threads;
+    PyObject *progress;
+    if (!PyArg_ParseTuple(arguments, "nddddnCnnnnw*IO:visibility", &directions, &d.max_distance, &d.eye_height,
+                          &d.target_height, &d.curvature, &every, &kind, &row, &column, &rows, &columns, &out, &threads,
+                          &progress))
+        return NULL;
+    const size_t wide = every > 0 ? (size_t)((columns + every - 1) / every) : 0,
+                 high = every > 0 ? (size_t)((rows + every - 1) / every) : 0, eyes = wide * high;
+    d.directions = (size_t)directions;
+    d.every = (size_t)every;
+    bool good = directions > 0 && every > 0 && column >= 0 && columns >= 0 && check_rows(f, row, rows) &&
+                buffer_holds(&out, eyes * sizeof(float), "out") && field_enter_ground(f);
+    if (good) {
+        work w;
+        float *other = kind == 'l' || kind == 'z' ? malloc(eyes * sizeof *other + 1) : NULL;
+        if ((good = work_begin(&w, threads, NULL, progress))) {
+            visibility_answers to = {.area = kind == 'a' ? out.buf : NULL, .share = kind == 's' ? out.buf : NULL};
+            if (other != NULL) {
+                to.farthest = kind == 'l' ? out.buf : other;
+                to.azimuth = kind == 'l' ? other : out.buf;
+            }
+            const cw_rectangle at = {(size_t)column, (size_t)row, (size_t)columns, (size_t)rows};
+            bool done = false;
+            cw_status status = other == NULL && (kind == 'l' || kind == 'z')
+                                   ? CW_ERROR_MEMORY
+                                   : visibility_find(&f->terrain, &d, &w.run, at, &to, work_watch, &w, &done);
+            if (status == CW_OK && !done) status = CW_ERROR_CANCELLED;
+            good = work_end(&w, status, "visibility");
+        }
+        free(other);
         field_leave(f);
     }
     PyBuffer_Release(&out);

@@ -29,10 +29,10 @@ int command_fail(const char *name, const char *format, ...) {
 void command_print_name(FILE *to, const char *name) { fprintf(to, "%s%s%s", running, *name ? " " : "", name); }
 
 static void print_help(const program *p, FILE *to) {
-    fprintf(to, "Usage: %s COMMAND [ARGUMENTS]\n\n%s\n\nCommands:\n", p->name, p->what);
+    fprintf(to, "Usage: %s COMMAND [ARGUMENTS]\n%s\n\nCommands:\n", p->name, p->what);
     for (size_t k = 0; k < p->command_count; k++)
-        fprintf(to, "  %-9s %s\n", p->commands[k]->name, p->commands[k]->what);
-    fprintf(to, "\n%s", p->ending ? p->ending : "");
+        fprintf(to, "  %-10s %s\n", p->commands[k]->name, p->commands[k]->what);
+    fprintf(to, "%s", p->ending ? p->ending : "\n");
     fprintf(to, "More: '%s COMMAND --help' with examples, '%s --version'.\n", p->name, p->name);
 }
 
