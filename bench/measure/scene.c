@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* scenes/NAME: one of the six scenes, rendered with the rays of each contender. Names end in :flat, :central or :bilinear for other
- * normals than Phong's. Of Embree's widths the one counts that was fastest while answers were compared. */
+/* scenes/NAME: one of the six scenes, rendered with the rays of each contender. Names end in :flat for
+ * flat normals instead of Phong's. Of Embree's widths the one counts that was fastest while answers were compared. */
 
 #include "clock.h"
 #include "harness/memory.h"
@@ -25,7 +25,7 @@ typedef struct player {
     stage *on;
     ray_contender by[FIELDS_MAX][WIDTHS_MAX];
     size_t widths, width; /* that there are; the one that counts */
-    scene_normals normals;
+    bool flat;
     agreement agreement;
     double spent[WIDTHS_MAX]; /* while comparing */
     io_image image;
@@ -110,7 +110,7 @@ static bool render(player *p, bool compare, io_image *image, io_error *error) {
     const scene_tracer tracer =
         compare ? (scene_tracer){p, compare_closest, compare_any} : (scene_tracer){p, closest, any};
     const scene_render_options options = {
-        .tracer = &tracer, .threads = 1, .samples = compare ? 1 : 0, .phong = true, .normals = p->normals};
+        .tracer = &tracer, .threads = 1, .samples = compare ? 1 : 0, .phong = !p->flat};
     return scene_render(p->on->scene, &options, image, NULL, error);
 }
 
@@ -124,20 +124,13 @@ static void render_timed(void *context) {
 
 /* ---- contenders ---- */
 
-static scene_normals normals_of(const char *name, char base[MEASURE_NAME]) {
-    static const struct {
-        const char *ending;
-        scene_normals normals;
-    } endings[] = {
-        {":flat", SCENE_NORMALS_FLAT}, {":central", SCENE_NORMALS_CENTRAL}, {":bilinear", SCENE_NORMALS_BILINEAR}};
+/* Cuts the ending off. */
+static bool is_flat(const char *name, char base[MEASURE_NAME]) {
     snprintf(base, MEASURE_NAME, "%s", name);
-    for (size_t k = 0; k < sizeof endings / sizeof *endings; k++) {
-        const size_t length = strlen(base), end = strlen(endings[k].ending);
-        if (length <= end || strcmp(base + length - end, endings[k].ending) != 0) continue;
-        base[length - end] = '\0';
-        return endings[k].normals;
-    }
-    return SCENE_NORMALS_AREA;
+    char *colon = strrchr(base, ':');
+    if (colon == NULL || strcmp(colon, ":flat") != 0) return false;
+    *colon = '\0';
+    return true;
 }
 
 static bool enter(workload *w, const char *name, io_error *error) {
@@ -146,7 +139,7 @@ static bool enter(workload *w, const char *name, io_error *error) {
     entrant *e = measure_enter(w, name, name, error);
     if (e == NULL) return false;
     player *p = e->own = memory(1, sizeof *p);
-    *p = (player){.on = s, .normals = normals_of(name, base)};
+    *p = (player){.on = s, .flat = is_flat(name, base)};
     for (size_t f = 0; f < s->field_count && e->why[0] == '\0'; f++)
         if (!contenders_of(&s->lands[f], base, true, (cw_isa)w->options->run.isa, p->by[f], &p->widths, e->why, error))
             return false;

@@ -37,14 +37,6 @@ typedef struct scene_tracer {
     void (*any)(void *context, size_t field, const cw_ray *rays, size_t n, uint8_t *occluded);
 } scene_tracer;
 
-/* Which normals Phong shading interpolates, and how. */
-typedef enum scene_normals {
-    SCENE_NORMALS_AREA = 0, /* of vertices: sums of the area-weighted normals of their triangles; barycentrically */
-    SCENE_NORMALS_CENTRAL,  /* of vertices: by central differences; barycentrically */
-    SCENE_NORMALS_BILINEAR, /* the same, bilinearly between the corners of the cell */
-    SCENE_NORMALS_FLAT      /* the triangles' own, used without phong */
-} scene_normals;
-
 /* Pixels from (x0, y0) to before (x1, y1). */
 typedef struct scene_crop {
     size_t x0, y0, x1, y1;
@@ -58,10 +50,11 @@ typedef struct scene_render_options {
     uint32_t seed;              /* of the samples' places in their pixels */
     size_t width, height;       /* of the picture; 0: as the scene says */
     scene_crop crop;            /* the part of it that is rendered, each pixel as in the whole; x1 = 0: all */
-    bool phong;                 /* Phong normals on height fields instead of the triangles' own */
-    scene_normals normals;      /* of these */
-    bool general;               /* for tests: leave nothing out that the scene does not require */
-    const atomic_bool *cancel;  /* NULL, or stops the rendering soon after it turns true */
+    /* Phong normals on height fields instead of the triangles' own: of vertices, the sums of the area-weighted normals of their
+     * triangles, interpolated barycentrically. */
+    bool phong;
+    bool general;              /* for tests: leave nothing out that the scene does not require */
+    const atomic_bool *cancel; /* NULL, or stops the rendering soon after it turns true */
     /* NULL, or told the share done in [0, 1], from one thread at a time. */
     void (*progress)(void *context, double done);
     void *progress_context;

@@ -10,15 +10,15 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char *const normal_names[] = {"area", "central", "bilinear", "flat"};
-enum { NORMALS = 4 };
+static const char *const normal_names[] = {"flat", "smooth"};
+enum { NORMALS = 2 };
 
 typedef scene *make_fn(void);
 static make_fn *const makers[] = {pictures_rough_scene, pictures_full_scene, pictures_landscape};
 enum { MAKERS = sizeof makers / sizeof makers[0] };
 
 static scene_render_options with_normals(int normals) {
-    return (scene_render_options){.threads = 1, .phong = true, .normals = (scene_normals)normals};
+    return (scene_render_options){.threads = 1, .phong = normals == 1};
 }
 
 /* A scene of each kind is worth its name: all kinds of rays occur, and many pixels are lit. */
@@ -44,7 +44,6 @@ static void the_plan_changes_no_pixel(void **state) {
     for (int m = 0; m < MAKERS; m++) {
         scene *s = makers[m]();
         for (int normals = 0; normals < NORMALS; normals++) {
-            if (!test_takes((size_t)(m + normals), 2)) continue;
             scene_render_options options = with_normals(normals);
             scene_render_stats planned, general;
             io_image image = pictures_render(s, &options, &planned);
@@ -67,7 +66,6 @@ static void instruction_sets_change_no_pixel(void **state) {
     for (int m = 0; m < MAKERS; m++) {
         scene *s = makers[m]();
         for (int normals = 0; normals < NORMALS; normals++) {
-            if (!test_takes((size_t)(m + normals), 2)) continue;
             const scene_render_options options = with_normals(normals);
             io_image first = {0};
             for (int isa = CW_ISA_SCALAR; isa < CW_ISA_COUNT; isa++) {
@@ -92,18 +90,11 @@ static void instruction_sets_change_no_pixel(void **state) {
 static void kinds_of_normals_differ(void **state) {
     (void)state;
     scene *s = pictures_full_scene();
-    io_image images[NORMALS];
-    for (int k = 0; k < NORMALS; k++) {
-        const scene_render_options options = with_normals(k);
-        images[k] = pictures_render(s, &options, NULL);
-        for (int other = 0; other < k; other++)
-            check(!pictures_same(&images[k], &images[other]), "normals %s and %s look alike", normal_names[k],
-                  normal_names[other]);
-    }
     io_image flat = pictures_render(s, &(scene_render_options){.threads = 1}, NULL);
-    check(pictures_same(&flat, &images[SCENE_NORMALS_FLAT]), "without phong, normals are not flat");
+    io_image smooth = pictures_render(s, &(scene_render_options){.threads = 1, .phong = true}, NULL);
+    check(!pictures_same(&flat, &smooth), "flat and smooth normals look alike");
     io_image_free(&flat);
-    for (int k = 0; k < NORMALS; k++) io_image_free(&images[k]);
+    io_image_free(&smooth);
     scene_free(s);
 }
 
@@ -120,25 +111,21 @@ static void normals_of_a_plane_of(int nu, int nv) {
     snprintf(text + used, sizeof text - used, "]\nWorldEnd\n");
     scene *s = pictures_load(text);
     io_image flat = pictures_render(s, &(scene_render_options){.threads = 1}, NULL);
-    for (int normals = 0; normals < SCENE_NORMALS_FLAT; normals++) {
-        const scene_render_options options = with_normals(normals);
-        io_image image = pictures_render(s, &options, NULL);
-        size_t lit = 0;
-        for (size_t k = 0; k < 64 * 64 * 3; k++) {
-            lit += flat.rgb[k] > 0;
-            /* The samples are exact and so are their differences; a light has some twenty roundings. */
-            check(fabsf(image.rgb[k] - flat.rgb[k]) <= 40 * 0x1p-24f * flat.rgb[k],
-                  "%d x %d samples, normals %s: %g instead of %g", nu, nv, normal_names[normals], (double)image.rgb[k],
-                  (double)flat.rgb[k]);
-        }
-        check(lit > 64 * 64, "only %zu values are lit", lit);
-        io_image_free(&image);
+    io_image image = pictures_render(s, &(scene_render_options){.threads = 1, .phong = true}, NULL);
+    size_t lit = 0;
+    for (size_t k = 0; k < 64 * 64 * 3; k++) {
+        lit += flat.rgb[k] > 0;
+        /* The samples are exact and so are their differences; a light has some twenty roundings. */
+        check(fabsf(image.rgb[k] - flat.rgb[k]) <= 40 * 0x1p-24f * flat.rgb[k], "%d x %d samples: %g instead of %g", nu,
+              nv, (double)image.rgb[k], (double)flat.rgb[k]);
     }
+    check(lit > 64 * 64, "only %zu values are lit", lit);
+    io_image_free(&image);
     io_image_free(&flat);
     scene_free(s);
 }
 
-/* A tilted plane has the same normal everywhere, by whichever formula, up to its border, also if the samples around a cell are
+/* A tilted plane has the same normal everywhere, up to its border, also if the samples around a cell are
  * more than there are. */
 static void all_normals_of_a_plane_are_its_own(void **state) {
     (void)state;

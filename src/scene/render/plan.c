@@ -243,7 +243,7 @@ bool plan_make(plan *p, const scene *s, const scene_render_options *options) {
                 .height = given(options->height, s->height),
                 .samples = options->samples > 0 ? options->samples : s->samples,
                 .seed = options->seed,
-                .normals = options->phong ? options->normals : SCENE_NORMALS_FLAT,
+                .smooth = options->phong,
                 .shape_count = s->heightfield_count + s->cylinder_count,
                 .field_count = s->heightfield_count,
                 .light_count = s->light_count,

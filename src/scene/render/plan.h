@@ -51,7 +51,7 @@ typedef struct plan {
     size_t width, height; /* of the picture */
     unsigned samples;     /* a pixel */
     uint32_t seed;
-    scene_normals normals; /* of height fields */
+    bool smooth; /* Phong normals on height fields */
 
     size_t shape_count, field_count, light_count;
     plan_shape *shapes;

@@ -163,7 +163,7 @@ static bool on_field(wave *w, const plan_shape *shape) {
         s->u[k] = hit->u;
         s->v[k] = hit->v;
     }
-    const bool smooth = w->plan->normals != SCENE_NORMALS_FLAT;
+    const bool smooth = w->plan->smooth;
     const bool border = smooth && (at_border(s, shape) || w->plan->general);
     if (smooth) {
         if (border) {
@@ -198,9 +198,8 @@ static bool on_field(wave *w, const plan_shape *shape) {
     return border;
 }
 
-/* Vertices that a normal is made from: the cell's corners at both ends of its diagonal, the third corner of the
- * triangle, and the fourth of the cell. */
-enum { VERTEX_FIRST, VERTEX_LAST, VERTEX_THIRD, VERTEX_FOURTH };
+/* Vertices that a normal is made from: the cell's corners at both ends of its diagonal, and the third corner of the triangle. */
+enum { VERTEX_FIRST, VERTEX_LAST, VERTEX_THIRD };
 
 /* A vertex's normal is the sum of those of its triangles, at most six: both of the cells to the north-east and the
  * south-west, the lower one to the north-west, the upper one to the south-east. n, e, w and s are 1 or 0 as these
@@ -223,34 +222,26 @@ LANE_INLINE vertex vertex_at_border(float c, float e, float n, float w, float s,
     return (vertex){-x, -y, 2 * (to_ne + to_sw) + (to_nw + to_se)};
 }
 
-/* Central differences; at the border the difference to the one neighbour. Scaled by 1 where both are there. */
-LANE_INLINE vertex vertex_central(float e, float n, float w, float s, float has_e, float has_n, float has_w,
-                                  float has_s) {
-    return (vertex){(w - e) / (has_e + has_w), (s - n) / (has_n + has_s), 1};
-}
-
 /* A sample at (dx, dy) from a vertex in the window. */
 LANE_INLINE float beside(const wave_strip *s, int q, int dx, int dy, size_t k) {
     if (q == VERTEX_FIRST) return window_sample(s, dx, dy, k);
     if (q == VERTEX_LAST) return window_sample(s, 1 + dx, 1 + dy, k);
     const float east = window_sample(s, 1 + dx, dy, k), north = window_sample(s, dx, 1 + dy, k);
-    return (s->lower[k] == 1) == (q == VERTEX_THIRD) ? east : north;
+    return s->lower[k] == 1 ? east : north;
 }
 
-LANE_INLINE vertex vertex_of(const wave_strip *s, int q, size_t k, bool border, bool central) {
+LANE_INLINE vertex vertex_of(const wave_strip *s, int q, size_t k, bool border) {
     const float c = beside(s, q, 0, 0, k), e = beside(s, q, 1, 0, k), n = beside(s, q, 0, 1, k);
     const float west = beside(s, q, -1, 0, k), south = beside(s, q, 0, -1, k);
     const float ne = beside(s, q, 1, 1, k), sw = beside(s, q, -1, -1, k);
-    if (!border)
-        return central ? vertex_central(e, n, west, south, 1, 1, 1, 1) : vertex_inside(c, e, n, west, south, ne, sw);
+    if (!border) return vertex_inside(c, e, n, west, south, ne, sw);
     /* Towards the cell the field goes on in any case. */
     const bool at_east = q == VERTEX_LAST, at_west = q == VERTEX_FIRST;
-    const bool east_corner = (s->lower[k] == 1) == (q == VERTEX_THIRD);
+    const bool east_corner = s->lower[k] == 1;
     const float has_e = at_west ? 1 : at_east || east_corner ? s->goes_on[EAST][k] : 1;
     const float has_w = at_east ? 1 : at_west || !east_corner ? s->goes_on[WEST][k] : 1;
     const float has_n = at_west ? 1 : at_east || !east_corner ? s->goes_on[NORTH][k] : 1;
     const float has_s = at_east ? 1 : at_west || east_corner ? s->goes_on[SOUTH][k] : 1;
-    if (central) return vertex_central(e, n, west, south, has_e, has_n, has_w, has_s);
     return vertex_at_border(c, e, n, west, south, ne, sw, has_e, has_n, has_w, has_s);
 }
 
@@ -261,12 +252,12 @@ LANE_INLINE void set_turn(wave_strip *s, size_t k, int axis, float x, float y, f
 }
 
 /* The normals of the triangle's vertices, interpolated by the hit's barycentric coordinates. */
-LANE_INLINE void barycentric(wave_strip *restrict s, bool border, bool central, bool turns) {
+LANE_INLINE void barycentric(wave_strip *restrict s, bool border, bool turns) {
     for (size_t k = 0; k < wave_whole(s->n); k++) {
         const int32_t lower = s->lower[k];
-        const vertex first = vertex_of(s, VERTEX_FIRST, k, border, central);
-        const vertex last = vertex_of(s, VERTEX_LAST, k, border, central);
-        const vertex third = vertex_of(s, VERTEX_THIRD, k, border, central);
+        const vertex first = vertex_of(s, VERTEX_FIRST, k, border);
+        const vertex last = vertex_of(s, VERTEX_LAST, k, border);
+        const vertex third = vertex_of(s, VERTEX_THIRD, k, border);
         const float u = s->u[k], v = s->v[k], a = 1 - u - v, b = lower ? v : u, c = lower ? u : v;
         s->normal[0][k] = a * first.x + b * last.x + c * third.x;
         s->normal[1][k] = a * first.y + b * last.y + c * third.y;
@@ -281,49 +272,16 @@ LANE_INLINE void barycentric(wave_strip *restrict s, bool border, bool central, 
     }
 }
 
-/* Those of the cell's four corners, interpolated along x and y. */
-LANE_INLINE void bilinear(wave_strip *restrict s, bool border, bool turns) {
-    for (size_t k = 0; k < wave_whole(s->n); k++) {
-        const int32_t lower = s->lower[k];
-        const vertex first = vertex_of(s, VERTEX_FIRST, k, border, true);
-        const vertex last = vertex_of(s, VERTEX_LAST, k, border, true);
-        const vertex third = vertex_of(s, VERTEX_THIRD, k, border, true);
-        const vertex fourth = vertex_of(s, VERTEX_FOURTH, k, border, true);
-        const vertex east = {lower ? third.x : fourth.x, lower ? third.y : fourth.y, 1};
-        const vertex north = {lower ? fourth.x : third.x, lower ? fourth.y : third.y, 1};
-        const float u = s->u[k], v = s->v[k], sum = u + v, x = lower ? sum : u, y = lower ? v : sum;
-        const vertex below = {first.x + x * (east.x - first.x), first.y + x * (east.y - first.y), 1};
-        const vertex above = {north.x + x * (last.x - north.x), north.y + x * (last.y - north.y), 1};
-        s->normal[0][k] = below.x + y * (above.x - below.x);
-        s->normal[1][k] = below.y + y * (above.y - below.y);
-        s->normal[2][k] = 1;
-        if (!turns) continue;
-        set_turn(s, k, 0, (1 - y) * (east.x - first.x) + y * (last.x - north.x),
-                 (1 - y) * (east.y - first.y) + y * (last.y - north.y), 0);
-        set_turn(s, k, 1, above.x - below.x, above.y - below.y, 0);
-    }
-}
-
-LANE_INLINE void interpolate(wave_strip *s, scene_normals kind, bool border, bool turns) {
-    if (kind == SCENE_NORMALS_AREA)
-        barycentric(s, border, false, turns);
-    else if (kind == SCENE_NORMALS_CENTRAL)
-        barycentric(s, border, true, turns);
-    else
-        bilinear(s, border, turns);
-}
-
 /* Normals for shading and, for mirrored spreads, how they turn. The constants pick the code that is compiled. */
 static void field_normals(wave *w, bool border, bool turns) {
     wave_strip *s = &w->strip;
-    const scene_normals kind = w->plan->normals;
-    if (kind == SCENE_NORMALS_FLAT) {
+    if (!w->plan->smooth) {
         memcpy(s->normal, s->flat, sizeof s->normal);
         if (turns) memset(s->turn, 0, sizeof s->turn);
     } else if (border) {
-        turns ? interpolate(s, kind, true, true) : interpolate(s, kind, true, false);
+        turns ? barycentric(s, true, true) : barycentric(s, true, false);
     } else {
-        turns ? interpolate(s, kind, false, true) : interpolate(s, kind, false, false);
+        turns ? barycentric(s, false, true) : barycentric(s, false, false);
     }
 }
 
