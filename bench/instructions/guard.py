@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The guard against slow-downs: counts the instructions of a fixed small workload (work.c) under callgrind and compares them with
+"""The guard against slow-downs: counts the instructions of a fixed small workload (counted_work.c) under callgrind and compares them with
 committed figures, so that a slow-down is found without timing.
 
 Instructions repeat to the last digit, on a loaded machine and on another one, because callgrind simulates a CPU with a fixed set

@@ -133,7 +133,7 @@ void errors_of_rays(const land *l, const cw_ray *rays, size_t n, contender_answe
 /* Errors, none below 0: mean, root mean square, 99 %, worst, to the member name. Sorts them. */
 void errors_set_spread(json_t *line, const char *name, double *errors, size_t count);
 
-/* ---- scene.c ---- */
+/* ---- measure_scene.c ---- */
 
 typedef struct picture_difference {
     size_t pixels, differ, visible; /* in any bit; by more than half a step of 8-bit linear colour */

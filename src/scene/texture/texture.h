@@ -24,7 +24,7 @@ typedef struct texture {
     uint16_t *texels;     /* four halves each, the last of them 0 */
     atomic_bool whole;    /* the smaller levels have been built */
     pthread_mutex_t lock; /* of their building */
-    /* Builds them; a pointer, so that a tile's code needs only its arguments (render/tile.c). */
+    /* Builds them; a pointer, so that a tile's code needs only its arguments (render/wave_tile.c). */
     void (*build)(struct texture *t);
 } texture;
 
