@@ -3,6 +3,7 @@
 import gc
 import multiprocessing
 import os
+import pickle
 import signal
 import subprocess
 import sys
@@ -85,6 +86,90 @@ def test_fork():
     wanted = _ask(INHERITED)  # the pool has threads now, which a child lacks
     with multiprocessing.get_context("fork").Pool(2) as pool:
         assert pool.map_async(_ask_inherited, range(4)).get(300) == [wanted] * 4
+
+
+def test_update_in_a_child_of_a_busy_parent():
+    """Other threads of the parent query the field all the time; the child has none of them."""
+    field = cw.Field(np.zeros((257, 257), np.float32), copy=True, threads=1)
+    origins = np.column_stack([np.linspace(1, 255, 200000), np.linspace(1, 255, 200000), np.full(200000, 9.0)])
+    started, stop = threading.Barrier(3), threading.Event()
+
+    def ask():
+        started.wait()
+        while not stop.is_set():
+            field.any(origins, [0, 0, -1])
+    threads = [threading.Thread(target=ask) for _ in range(2)]
+    for t in threads:
+        t.start()
+    started.wait()
+    try:
+        for _ in range(10):
+            child = os.fork()
+            if child == 0:
+                status = 1
+                try:
+                    field.update(0, 0, np.ones((257, 257), np.float32))
+                    status = 0 if (field.closest(origins[:10], [0, 0, -1]).t == 8).all() else 2
+                finally:
+                    os._exit(status)
+            assert os.waitpid(child, 0)[1] == 0
+    finally:
+        stop.set()
+        for t in threads:
+            t.join()
+
+
+THREADS = """
+import os, threading, numpy as np, cellwalk as cw
+def ask(threads):
+    field = cw.Field(np.zeros((300, 300), "float32"), threads=threads)
+    return field.closest(np.full((9000, 3), 50.0), [0, 0, -1]).t
+assert (ask(1) == 50).all()
+alone = len(os.listdir("/proc/self/task"))
+for threads in range(2, 33):
+    assert (ask(threads) == 50).all()
+# The two pools used last: 31 and 32 threads, of which the caller's is one each.
+assert len(os.listdir("/proc/self/task")) - alone <= 31 + 30, len(os.listdir("/proc/self/task"))
+wrong = []
+def many(first):
+    for threads in range(first, first + 20):
+        wrong.extend(ask(2 + threads % 7)[ask(2 + threads % 5) != 50])
+asking = [threading.Thread(target=many, args=(k,)) for k in range(4)]
+[t.start() for t in asking], [t.join() for t in asking]
+assert not wrong
+if os.fork() == 0:
+    os._exit(0 if (ask(8) == 50).all() and (ask(3) == 50).all() else 1)
+assert os.wait()[1] == 0
+"""
+
+
+def test_pools_that_nobody_uses_end():
+    subprocess.run([sys.executable, "-c", THREADS], check=True)
+
+
+def test_pickles_are_of_the_same_field(tmp_path):
+    path = tmp_path / "z.npy"
+    np.save(path, Z)
+    whole, part = cw.open(path), cw.open(path, window=(5, 5, 40, 30))
+    pickles = [pickle.dumps(whole), pickle.dumps(part)]
+    same(pickle.loads(pickles[0]).z, Z)
+    np.save(path, Z[:200])
+    with pytest.raises(ValueError, match="z.npy: 200 x 257 samples, the pickled field had 257 x 257"):
+        pickle.loads(pickles[0])
+    same(pickle.loads(pickles[1]).z, Z[5:35, 5:45])
+    part.update(0, 0, np.zeros((3, 3), np.float32))
+    with pytest.raises(TypeError, match="not pickled after update"):
+        pickle.dumps(part)
+
+
+def test_messages_name_no_options_of_the_program(tmp_path):
+    (tmp_path / "net.vrt").write_text(
+        '<VRTDataset rasterXSize="9" rasterYSize="9"><VRTRasterBand dataType="Float32" band="1"><SimpleSource><SourceFilename>'
+        '/vsicurl/http://127.0.0.1:1/a.tif</SourceFilename></SimpleSource></VRTRasterBand></VRTDataset>')
+    for path in ("/vsicurl/http://127.0.0.1:1/a.tif", "http://127.0.0.1:1/a.tif", str(tmp_path / "net.vrt"), "/vsis3/a/b.tif"):
+        with pytest.raises(OSError) as raised:
+            cw.open(path)
+        assert "--" not in str(raised.value)
 
 
 def test_spawn(tmp_path):

@@ -96,6 +96,7 @@ class Field(Products):
         self._threads = count(threads, "threads", 0, 4096)
         self._source = source
         self._origin: Optional[tuple] = None  # how to open it again
+        self._updated = False  # no longer what its file says
         self._whole, self._scale = whole, scale
         self._door = threading.Lock()
         self._difference: Optional[Difference] = None
@@ -189,7 +190,9 @@ class Field(Products):
     def __reduce__(self):
         if self._origin is None:
             raise TypeError("a Field made of an array is not pickled; send the array, or a path to cellwalk.open")
-        return _reopen, self._origin
+        if self._updated:
+            raise TypeError("a Field is not pickled after update, which its file lacks; send field.z")
+        return _reopen, (*self._origin, self.shape)
 
     # ---- rays ------------------------------------------------------------------------------------------------------
 
@@ -323,6 +326,7 @@ class Field(Products):
         if not self._own:
             self._own = True
             self._build(self._samples.copy())
+        self._updated = True
         self._core.update(row, column, rows, columns, block, np.empty_like(block), self._threads)
 
 
@@ -363,13 +367,15 @@ def open(path: str | os.PathLike[str], window: Any = None, *, band: int | None =
         raise ValueError(f"{path}: {samples.shape[0]} rows of {samples.shape[1]} samples, expected at least 2 of each")
     field = Field.__new__(Field)
     field._make(Source(samples, np.array(given["map"]), given["placed"], known, None, given["nodata"]), threads, False, progress)
-    field._own = samples.flags.writeable
     field._origin = path, window if window is None else (column, row, columns, rows), band, nodata, cellsize, zscale, crs, threads
     return field
 
 
-def _reopen(path, window, band, nodata, cellsize, zscale, crs, threads) -> Field:
-    return open(path, window, band=band, nodata=nodata, cellsize=cellsize, zscale=zscale, crs=crs, threads=threads)
+def _reopen(path, window, band, nodata, cellsize, zscale, crs, threads, shape) -> Field:
+    field = open(path, window, band=band, nodata=nodata, cellsize=cellsize, zscale=zscale, crs=crs, threads=threads)
+    if field.shape != shape:
+        raise ValueError(f"{path}: {field.shape[0]} x {field.shape[1]} samples, the pickled field had {shape[0]} x {shape[1]}")
+    return field
 
 
 def _window(window) -> tuple[int, int, int, int]:

@@ -10,37 +10,65 @@
 /* Seconds between two looks for signals. */
 static const double look_after = 0.05;
 
-/* Pools live as long as the process: to end one, its threads would have to be joined, which a child that was forked
- * cannot do. A child makes new pools. Guarded by the GIL. */
-typedef struct kept_pool {
-    unsigned threads;
+/* Threads cost too much to start for each call. So the pools used last stay, and others go once nothing runs on them. A
+ * child that was forked makes its own. Guarded by the GIL. */
+enum { KEPT_MOST = 2 };
+
+struct kept_pool {
+    unsigned threads, users;
     pid_t process;
     cw_pool *pool;
     struct kept_pool *next;
-} kept_pool;
+};
 
-static kept_pool *pools;
+static struct kept_pool *pools; /* the one used last first */
 
-static cw_status find_pool(unsigned threads, cw_pool **pool) {
+static void drop_pools(void) {
     const pid_t process = getpid();
-    *pool = NULL;
-    if (threads == 1) return CW_OK;
-    for (const kept_pool *p = pools; p != NULL; p = p->next)
-        if (p->threads == threads && p->process == process) {
-            *pool = p->pool;
-            return CW_OK;
+    unsigned kept = 0;
+    for (struct kept_pool **at = &pools; *at != NULL;) {
+        struct kept_pool *p = *at;
+        kept += p->process == process;
+        if (p->users > 0 || (p->process == process && kept <= KEPT_MOST)) {
+            at = &p->next;
+        } else {
+            *at = p->next;
+            cw_pool_destroy(p->pool);
+            free(p);
         }
-    kept_pool *kept = malloc(sizeof *kept);
-    if (kept == NULL) return CW_ERROR_MEMORY;
-    *kept = (kept_pool){.threads = threads, .process = process, .next = pools};
-    const cw_status status = cw_pool_create(threads, &kept->pool);
-    if (status != CW_OK) {
-        free(kept);
-        return status;
     }
-    pools = kept;
-    *pool = kept->pool;
+}
+
+static cw_status take_pool(work *w, unsigned threads) {
+    const pid_t process = getpid();
+    struct kept_pool **at = &pools;
+    if (threads == 1) return CW_OK;
+    while (*at != NULL && ((*at)->threads != threads || (*at)->process != process)) at = &(*at)->next;
+    struct kept_pool *p = *at;
+    if (p != NULL) {
+        *at = p->next;
+    } else {
+        p = malloc(sizeof *p);
+        if (p == NULL) return CW_ERROR_MEMORY;
+        *p = (struct kept_pool){.threads = threads, .process = process};
+        const cw_status status = cw_pool_create(threads, &p->pool);
+        if (status != CW_OK) {
+            free(p);
+            return status;
+        }
+    }
+    p->next = pools;
+    p->users++;
+    pools = w->kept = p;
+    w->run.pool = p->pool;
     return CW_OK;
+}
+
+static void leave_pool(work *w) {
+    if (w->kept == NULL) return;
+    w->kept->users--;
+    w->kept = NULL;
+    drop_pools();
 }
 
 void work_raise(cw_status status, const char *call) {
@@ -53,7 +81,7 @@ void work_raise(cw_status status, const char *call) {
 
 bool work_begin(work *w, unsigned threads, const char *kernel, PyObject *progress) {
     memset(w, 0, sizeof *w);
-    const cw_status status = find_pool(threads, &w->run.pool);
+    const cw_status status = take_pool(w, threads);
     if (status != CW_OK) {
         work_raise(status, "threads");
         return false;
@@ -62,6 +90,7 @@ bool work_begin(work *w, unsigned threads, const char *kernel, PyObject *progres
         w->run.kernel = cw_kernel_find(kernel);
         if (!cw_kernel_exists(w->run.kernel)) {
             PyErr_Format(PyExc_ValueError, "kernel: '%s' is none of cellwalk.kernels()", kernel);
+            leave_pool(w);
             return false;
         }
     }
@@ -111,6 +140,7 @@ bool work_part(work *w, double begin, double share) {
 
 bool work_end(work *w, cw_status status, const char *call) {
     PyEval_RestoreThread(w->state);
+    leave_pool(w);
     if (atomic_load(&w->stopped)) return false;
     if (status != CW_OK) {
         work_raise(status, call);

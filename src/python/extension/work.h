@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* How a call from Python runs: without the GIL, on a pool that all fields share, under a watch that looks for Ctrl-C
+/* How a call from Python runs: without the GIL, on a pool that fields share, under a watch that looks for Ctrl-C
  * and tells a progress callable. */
 #ifndef CELLWALK_PYTHON_WORK_H
 #define CELLWALK_PYTHON_WORK_H
@@ -13,6 +13,7 @@
 
 typedef struct work {
     cw_run run; /* pool, kernel and watch are set */
+    struct kept_pool *kept;
     PyObject *progress;
     PyThreadState *state;
     pthread_t caller;
