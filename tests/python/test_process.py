@@ -147,6 +147,25 @@ def test_pools_that_nobody_uses_end():
     subprocess.run([sys.executable, "-c", THREADS], check=True)
 
 
+CUT = """
+import os, sys, numpy as np, cellwalk as cw
+z = np.random.default_rng(1).normal(0, 9, (700, 600))
+for dtype in ("<f4", "<f8"):
+    for window in (None, (20, 30, 400, 500)):
+        np.save("z.npy", z.astype(dtype))
+        field, same = cw.open("z.npy", window=window), cw.open("z.npy", window=window)
+        wanted = same.shadow(200, 20)
+        os.truncate("z.npy", 200)  # mapped pages behind the end would kill this process
+        assert (field.shadow(200, 20) == wanted).all()
+        np.save("z.npy", -z.astype(dtype))
+        assert (field.shadow(200, 20) == wanted).all() and (field.z == same.z).all()
+"""
+
+
+def test_files_may_change_while_a_field_lives(tmp_path):
+    subprocess.run([sys.executable, "-c", CUT], check=True, cwd=tmp_path)
+
+
 def test_pickles_are_of_the_same_field(tmp_path):
     path = tmp_path / "z.npy"
     np.save(path, Z)

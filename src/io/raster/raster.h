@@ -34,6 +34,7 @@ typedef struct io_raster_options {
     struct {
         size_t i, j, nx, ny;
     } window;        /* only these samples, from (i, j) on; nx = 0: all. An error if the raster lacks some of them */
+    bool copy;       /* no mapping of the file is kept or read: the file may change, now or later */
     bool no_samples; /* size, map and georef alone, which need no memory where GDAL reads: z stays NULL */
     /* NULL, or called with a warning: a sentence without a full stop that names the file. */
     void (*warn)(void *context, const char *text);

@@ -20,14 +20,7 @@ static int get_buffer(PyObject *self, Py_buffer *view, int flags) {
     view->buf = r->raster.memory;
     view->len = r->shape[0] * r->shape[1] * (Py_ssize_t)sizeof(float);
     view->itemsize = sizeof(float);
-    view->readonly = r->raster.mapped_bytes > 0;
-    if (view->readonly && (flags & PyBUF_WRITABLE) == PyBUF_WRITABLE) {
-        PyErr_SetString(PyExc_BufferError, "the file is mapped, and not to be written to");
-        view->obj = NULL;
-        return -1;
-    }
-    /* A mapped file begins with a header. */
-    view->buf = (void *)(uintptr_t)r->raster.z;
+    view->readonly = 0;
     view->format = (flags & PyBUF_FORMAT) ? format : NULL;
     view->ndim = (flags & PyBUF_ND) ? 2 : 1;
     view->shape = (flags & PyBUF_ND) ? r->shape : NULL;
@@ -117,7 +110,7 @@ PyObject *read_raster(PyObject *self, PyObject *arguments) {
     const char *path;
     Py_ssize_t column = 0, row = 0, columns = 0, rows = 0;
     PyObject *nodata, *progress;
-    io_raster_options o = {0};
+    io_raster_options o = {.copy = true}; /* other processes and np.save write to files while a field lives */
     double no_data;
     if (!PyArg_ParseTuple(arguments, "sIOdd(nnnn)O:read_raster", &path, &o.band, &nodata, &o.cellsize, &o.zscale,
                           &column, &row, &columns, &rows, &progress))
@@ -227,7 +220,7 @@ static bool find_size(const char *path, const io_raster_options *o, size_t size[
 
 PyObject *raster_size(PyObject *self, PyObject *arguments) {
     const char *path;
-    io_raster_options o = {0};
+    io_raster_options o = {.no_samples = true};
     io_error error = {""};
     size_t size[2];
     (void)self;
