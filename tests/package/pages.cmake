@@ -38,7 +38,8 @@ function(check_page name help)
     fold(page)
     string(REGEX REPLACE "\nMore:.*" "" help "${help}") # the program's last lines are about other pages
     string(REGEX REPLACE "\n(Commands|Options|Examples):\n" "@" help "${help}")
-    string(REGEX REPLACE "^Usage: ([^\n]*)\n\n" "\\1@" help "${help}")
+    string(REGEX REPLACE "^Usage: ([^\n]*)\n\n?" "\\1@" help "${help}")
+    string(REGEX REPLACE "(\n  [^\n]*)\n([^ \n])" "\\1@\\2" help "${help}") # a list ends: the page has a heading there
     string(REGEX REPLACE "\n\n+" "@" help "${help}")
     while(NOT help STREQUAL "")
         string(FIND "${help}@" "@" length)

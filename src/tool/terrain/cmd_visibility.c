@@ -191,7 +191,7 @@ static int run(int argc, char **argv) {
         {.name = "every",
          .value = "K",
          .help = "eyes at every K-th column and row, on the land in full:\na raster of cells K times as wide, in 1 / "
-                 "K² of the "
+                 "K^2 of the "
                  "time",
          .kind = OPTION_COUNT,
          .to = &c.every,
