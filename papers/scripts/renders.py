@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Rendered pictures in papers/pictures, of scenes and of the terrain on README's top: renders them again, or with --check
+"""Pictures in papers/pictures that the program makes, of scenes and by README's commands: makes them again, or with --check
 compares every pixel. Pixels depend neither on the kernel nor on the number of threads, so the bound is 0: one pixel that
 differs is a failure."""
 
@@ -17,32 +17,35 @@ import zlib
 from results import Problem
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-# Picture: scene and options of cellwalk render.
-RENDERS = {"landsea-0.png": ("landsea-0.pbrt", ["--phong", "--samples", "16", "--size", "800x400"]), "jacksboro.png": None}
-# The terrain of README's command, which draws jacksboro.png.
+# Picture: scene and options of cellwalk render; or the output of the README's command that makes it.
+RENDERS = {"landsea-0.png": ("landsea-0.pbrt", ["--phong", "--samples", "16", "--size", "800x400"]), "jacksboro.png": "view.png",
+           "jacksboro-seen.png": "seen.png", "jacksboro-shadow.png": "shadow.png", "jacksboro-area.png": "area.png"}
+# The terrain of README's commands.
 TERRAIN = "/usr/share/matplotlib/mpl-data/sample_data/jacksboro_fault_dem.npz"
-COMMAND = "cellwalk render dem.npy "
 
 
-def terrain(folder, root):
-    """The terrain as a file, and the options of README's command without its output."""
+def command_for(output, root):
+    """The words of the README's command that writes that file, without the program and the output."""
     with open(os.path.join(root, "README.md"), encoding="utf-8") as page:
-        command = next((line for line in page if line.startswith(COMMAND)), None)
-    if command is None:
-        raise Problem(f"README.md: no line begins with '{COMMAND}'")
-    words = command.split("#")[0].split()[3:]
+        words = next((line.split("#")[0].split() for line in page if line.startswith("cellwalk ") and f" -o {output}" in line), None)
+    if words is None:
+        raise Problem(f"README.md: no command writes {output}")
     del words[words.index("-o"):words.index("-o") + 2]
-    with zipfile.ZipFile(TERRAIN) as arrays, open(os.path.join(folder, "dem.npy"), "wb") as file:
-        file.write(arrays.read("elevation.npy"))
-    return os.path.join(folder, "dem.npy"), words
+    return words[1:]
 
 
 def render(tool, scenes, name, output, root):
-    scene, options = RENDERS[name] or terrain(os.path.dirname(output), root)
-    done = subprocess.run([tool, "render", os.path.join(scenes, scene), *options, "-o", output], capture_output=True,
-                          text=True)
+    folder, made_by = os.path.dirname(output), RENDERS[name]
+    if isinstance(made_by, str):
+        words = command_for(made_by, root)
+        with zipfile.ZipFile(TERRAIN) as arrays, open(os.path.join(folder, "dem.npy"), "wb") as file:
+            file.write(arrays.read("elevation.npy"))
+    else:
+        words = ["render", os.path.join(scenes, made_by[0]), *made_by[1]]
+    done = subprocess.run([os.path.abspath(tool), *words, "-o", output], capture_output=True, text=True,
+                          cwd=folder if isinstance(made_by, str) else None)
     if done.returncode != 0:
-        raise Problem(f"{tool} render {scene} failed with status {done.returncode}: {done.stderr.strip()}")
+        raise Problem(f"{tool} {' '.join(words)} failed with status {done.returncode}: {done.stderr.strip()}")
 
 
 def pixels(path):
@@ -98,7 +101,7 @@ def main():
     parser.add_argument("--root", default=ROOT, help="where papers/ is")
     options = parser.parse_args()
     for name in RENDERS:
-        if RENDERS[name] is None and not os.path.exists(TERRAIN):
+        if isinstance(RENDERS[name], str) and not os.path.exists(TERRAIN):
             print(f"{name}: left out, since {TERRAIN} is not there (Debian: python3-matplotlib)")
             continue
         picture = os.path.join(options.root, "papers/pictures", name)

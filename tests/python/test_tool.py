@@ -203,3 +203,69 @@ def test_sun(tool, ground, tmp_path):
     said = tool("shadow", ground.path, "--time", "2024-06-21T09:00:00Z", "-o", tmp_path / "s.npy")
     p = ground.field.sun("2024-06-21T09:00:00Z")
     assert f"({p.azimuth:.3f} on the map), altitude {p.altitude:.3f}" in said
+
+
+# ---- what a person sees -------------------------------------------------------------------------------------------------
+
+
+def outcome(program, *words):
+    done = program(*words)
+    assert done.returncode == 0, done.stderr
+    return done.stderr.splitlines()
+
+
+def test_the_line_at_the_end_says_what_came_out(program, ground, tmp_path):
+    out = tmp_path / ("out" + ground.path.suffix)
+    x, y = place(ground.field)
+    *_, line = outcome(program, "shadow", ground.path, "--sun", "300,20", "-o", out)
+    lit = raster(out)
+    share = 100 * (lit == 1).sum() / (lit != 255).sum()
+    assert line.startswith(f"cellwalk shadow: {out}: {share:.3g} % of {(lit != 255).sum()} samples in the sun, ")
+    *_, line = outcome(program, "viewshed", ground.path, "--from", f"{x:.9g},{north(ground, y):.9g},9", "-o", out)
+    seen = raster(out)
+    assert f": {100 * (seen == 1).sum() / (seen != 255).sum():.3g} % of {(seen != 255).sum()} samples in sight, " in line
+    *_, line = outcome(program, "horizon", ground.path, "--svf", "-o", out)
+    sky = raster(out)
+    sky = sky[np.isfinite(sky)]
+    assert f": {sky.min():.3g} to {sky.max():.3g}, median " in line and f", of {sky.size} samples, " in line
+    assert not any("samples" in line for line in outcome(program, "horizon", ground.path, "--svf", "--quiet", "-o", out))
+
+
+def test_pictures_show_relief_values_and_observers(program, tool, ground, tmp_path):
+    image = pytest.importorskip("matplotlib.image")
+    x, y = place(ground.field)
+    words = ["viewshed", ground.path, "--from", f"{x:.9g},{north(ground, y):.9g},9", "-o"]
+    tool(*words, tmp_path / "seen.npy")
+    tool(*words, tmp_path / "seen.png")
+    tool(*words, tmp_path / "plain.png", "--plain")
+    seen, picture = np.load(tmp_path / "seen.npy"), (image.imread(tmp_path / "seen.png")[..., :3] * 255).round().astype(int)
+    plain = (image.imread(tmp_path / "plain.png") * 255).round().astype(int)
+    assert plain.ndim == 2 and ((plain == 255) == (seen != 0)).all()
+    marks = (picture == (213, 94, 0)).all(-1)
+    rows, columns = np.nonzero(marks)
+    x0, y0, x1, y1 = ground.field.bounds
+    if ground.path.parent.name.startswith(("utm", "degrees", "mercator")):  # north is up: places follow from the bounds
+        assert abs(columns.mean() - (x - x0) / (x1 - x0) * (seen.shape[1] - 1)) < 1
+        assert abs(rows.mean() - (y1 - y) / (y1 - y0) * (seen.shape[0] - 1)) < 1
+    assert marks.sum() >= 5
+    clear = ~marks & ~(picture == 255).all(-1)
+    yellow = picture[..., 0] - picture[..., 2]  # the ramp ends in blue and in yellow
+    assert yellow[clear & (seen == 1)].min() > yellow[clear & (seen == 0)].max()
+    blue = picture[clear & (seen == 0)].sum(-1)
+    assert blue.std() > 10  # the relief shows
+    assert "--plain goes with -o FILE.png" in tool(*words, tmp_path / "a.npy", "--plain", fails=True)
+
+
+def test_pictures_of_windows_and_every_other_sample(tool, ground, tmp_path):
+    """The relief is that of the samples that the pixels stand for."""
+    image = pytest.importorskip("matplotlib.image")
+    tool("visibility", ground.path, "--directions", "8", "-o", tmp_path / "all.npy")
+    tool("visibility", ground.path, "--directions", "8", "--every", "3", "-o", tmp_path / "third.npy")
+    tool("visibility", ground.path, "--directions", "8", "--every", "3", "-o", tmp_path / "third.png")
+    third = np.load(tmp_path / "third.npy")
+    picture = image.imread(tmp_path / "third.png")
+    same(third, np.load(tmp_path / "all.npy")[::3, ::3])
+    assert picture.shape[:2] == third.shape
+    holes = (np.abs(picture[..., :3] * 255 - 240) < 0.5).all(-1)
+    wanted = np.isnan(third)
+    assert (holes <= wanted).all()

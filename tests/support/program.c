@@ -84,6 +84,30 @@ static void take_text(FILE *file, char *text) {
     fclose(file);
 }
 
+/* "cellwalk shadow: s.npy: 94 % of 3000 samples in the sun, 0.01 s" */
+static bool is_outcome(const char *line, size_t length) {
+    return strncmp(line, "cellwalk ", 9) == 0 && length > 11 && strncmp(line + length - 2, " s", 2) == 0 &&
+           line[length - 3] >= '0' && line[length - 3] <= '9' && strstr(line, " samples") != NULL &&
+           strstr(line, " samples") < line + length;
+}
+
+/* Lines of what was written go from err to outcome. */
+static void part_texts(char *messages, char *outcome) {
+    char *to = messages;
+    *outcome = '\0';
+    for (const char *line = messages; *line;) {
+        const size_t length = strcspn(line, "\n"), whole = length + (line[length] == '\n');
+        if (is_outcome(line, length)) {
+            strncat(outcome, line, whole);
+        } else {
+            memmove(to, line, whole);
+            to += whole;
+        }
+        line += whole;
+    }
+    *to = '\0';
+}
+
 const program_result *program_wait(pid_t process) {
     static program_result result;
     int status;
@@ -91,6 +115,7 @@ const program_result *program_wait(pid_t process) {
     result.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
     take_text(out, result.out);
     take_text(err, result.err);
+    part_texts(result.err, result.outcome);
     check(result.status != SANITIZER_STATUS, "a sanitizer ended the program: %s", result.err);
     check(strstr(result.err, "Sanitizer") == NULL && strstr(result.err, "runtime error") == NULL, "%s", result.err);
     return &result;

@@ -22,7 +22,8 @@ typedef struct program_setting {
 
 typedef struct program_result {
     int status; /* exit status; 128 + the signal's number if one ended it; 255 if the setting is not to be had */
-    char out[PROGRAM_TEXT_MAX], err[PROGRAM_TEXT_MAX];
+    char out[PROGRAM_TEXT_MAX], err[PROGRAM_TEXT_MAX]; /* err without the lines that say what was written: */
+    char outcome[PROGRAM_TEXT_MAX];
 } program_result;
 
 /* Arguments, without the program's name and up to NULL. setting may be NULL. */

@@ -144,7 +144,8 @@ static void run_example(const char *line) {
     snprintf(words, sizeof words, "%s%s >output 2>err", command, reduced(command));
     const int status = system(words);
     char *err = scratch_read("err", &size);
-    check(status == 0 && size == 0, "%s: status %d: %s", words, status, err);
+    const bool quiet = size == 0 || (strchr(err, '\n') == err + size - 1 && strstr(err, " samples") != NULL);
+    check(status == 0 && quiet, "%s: status %d: %s", words, status, err);
     free(err);
     char *written = strstr(command, " -o ");
     if (written == NULL || strstr(words, " --help ")) return;

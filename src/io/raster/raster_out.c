@@ -130,6 +130,8 @@ static const io_raster_sink *sink_of(const char *path) {
 
 bool io_raster_is_tif(const char *path) { return sink_of(path) == &io_sink_tif; }
 
+bool io_raster_is_png(const char *path) { return sink_of(path) == &io_sink_png; }
+
 bool io_raster_can_write(const char *path, size_t bands, io_error *error) {
     const io_raster_sink *sink = sink_of(path);
     if (sink == NULL)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Rasters to files: values computed for each sample of a terrain, written row by row. The ending of the name says the
- * format: .tif (GeoTIFF in compressed tiles, with the terrain's coordinate system), .npy (a NumPy array), .png (a grey
+ * format: .tif (GeoTIFF in compressed tiles, with the terrain's coordinate system), .npy (a NumPy array), .png (a
  * picture, with a world file beside it if the terrain has a map). The file is renamed into place when complete. */
 #ifndef CELLWALK_IO_RASTER_OUT_H
 #define CELLWALK_IO_RASTER_OUT_H
@@ -21,7 +21,8 @@ typedef struct io_raster_product {
     const io_georef *georef; /* of the terrain */
     bool has_nodata;
     double nodata;
-    double black, white; /* in a picture: the values that become 0 and 255 */
+    double black, white; /* in a grey picture: the values that become 0 and 255 */
+    bool rgb;            /* of a picture: cells are three bytes, its colours */
     /* For GeoTIFF, each may be NULL. */
     const char *const *band_names; /* one for each band */
     const char *unit;              /* of the values */
@@ -59,6 +60,8 @@ static inline size_t io_cell_bytes(io_cell cell) {
 
 /* Whether the name's ending is that of a GeoTIFF. */
 bool io_raster_is_tif(const char *path);
+/* Whether it is that of a picture. */
+bool io_raster_is_png(const char *path);
 
 /* The side of a GeoTIFF's tiles along so many samples: 256 or less, so that the last tile is nearly full too, whose rest is
  * compressed for nothing. To be written fast, rows come in whole tiles. */

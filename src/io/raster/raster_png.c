@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Results as grey pictures of 8 bits, row by row: a product has more cells than a picture in memory would be good for.
+/* Results as pictures of 8 bits a colour, grey or RGB, row by row: a product has more cells than a picture in memory would be good for.
  * Hence not libpng's simplified interface, which takes whole pictures, as src/io/image_png.c does. */
 
 #include "raster_sink.h"
@@ -65,8 +65,9 @@ static bool png_create(io_raster_writer *w, io_error *error) {
         free_state(w);
         return false;
     }
-    png_set_IHDR(s->png, s->info, (png_uint_32)p->nx, (png_uint_32)p->ny, 8, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
-                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_set_IHDR(s->png, s->info, (png_uint_32)p->nx, (png_uint_32)p->ny, 8,
+                 p->rgb ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+                 PNG_FILTER_TYPE_DEFAULT);
     png_write_info(s->png, s->info);
     return true;
 }
@@ -90,6 +91,10 @@ static bool png_write(io_raster_writer *w, size_t band, const io_raster_window *
     png_state *s = w->state;
     if (setjmp(png_jmpbuf(s->png))) return io_fail(error, "%s", s->error.text);
     for (size_t j = 0; j < window->ny; j++) {
+        if (p->rgb) {
+            png_write_row(s->png, (const unsigned char *)cells + 3 * j * p->nx);
+            continue;
+        }
         for (size_t i = 0; i < p->nx; i++) s->grey[i] = grey(p, cell_value(p->cell, cells, j * p->nx + i));
         png_write_row(s->png, s->grey);
     }

@@ -110,6 +110,7 @@ static bool make_light(job *j, io_error *error) {
     ground_note(&notes, "ANGLES=degrees; azimuth from the map's north over east");
     ground_note(&notes, "CURVATURE=%.9g", c->curvature);
     static const pieces_maker maker = {.fill = fill, .around = around, .enter = enter};
+    j->ground->counted = "in the sun";
     const bool good = pieces_write(j->ground, &product, sun.radius > 0 ? 16 : 1, &maker, j, error);
     ground_notes_free(&notes);
     return good;

@@ -2,6 +2,7 @@
 #include "ground.h"
 
 #include "../cancel.h"
+#include "clock.h"
 #include "command.h"
 #include "inputs.h"
 #include "number.h"
@@ -25,8 +26,8 @@ void ground_rows(ground_options *o, const char *name, option_spec rows[GROUND_OP
     rows[0] = (option_spec){.name = "output",
                             .letter = 'o',
                             .value = "FILE",
-                            .help = "the raster to write: .tif (GeoTIFF), .npy (NumPy array)\nor .png (grey, with a "
-                                    "world file .pgw if the terrain has a\nmap)",
+                            .help = "the raster to write: .tif (GeoTIFF), .npy (NumPy array)\nor .png (a picture over "
+                                    "the terrain's relief, with a world\nfile .pgw if that has a map)",
                             .kind = OPTION_TEXT,
                             .to = &o->output};
     rows[1] = (option_spec){.name = "compress",
@@ -45,10 +46,16 @@ void ground_rows(ground_options *o, const char *name, option_spec rows[GROUND_OP
                                     "several times",
                             .kind = OPTION_AGAIN,
                             .to = &o->creation};
-    raster_options_rows(&o->raster, rows + 4);
+    rows[4] = (option_spec){.name = "plain",
+                            .help = "of a .png: grey values alone, from black to white",
+                            .kind = OPTION_FLAG,
+                            .to = &o->plain};
+    rows[5] =
+        (option_spec){.name = "quiet", .help = "leave out the line at the end", .kind = OPTION_FLAG, .to = &o->quiet};
+    raster_options_rows(&o->raster, rows + 6);
     query_options_rows(&o->query, query);
-    rows[4 + RASTER_OPTION_COUNT] = query[QUERY_ISA];
-    rows[5 + RASTER_OPTION_COUNT] = query[QUERY_THREADS];
+    rows[6 + RASTER_OPTION_COUNT] = query[QUERY_ISA];
+    rows[7 + RASTER_OPTION_COUNT] = query[QUERY_THREADS];
 }
 
 option_spec ground_flat_earth_row(double *curvature) {
@@ -121,7 +128,7 @@ static bool read_ground(ground *g, const char *path, const io_raster_options *op
 static int open_ground(ground *g, ground_options *o, const char *path, size_t bands, ground_reading reading) {
     io_raster_options raster;
     io_error error;
-    *g = (ground){.path = path, .options = o};
+    *g = (ground){.path = path, .options = o, .start = clock_seconds()};
     if (!query_options_resolve(&o->query, o->name, &g->query)) return EXIT_USAGE;
     if (!raster_options_resolve(&o->raster, o->name, &raster)) return EXIT_USAGE;
     if (reading == GROUND_PIECES && !pieces_resolve(o)) return EXIT_USAGE;
@@ -132,6 +139,10 @@ static int open_ground(ground *g, ground_options *o, const char *path, size_t ba
     const char *of_tif = o->compression != IO_DEFLATE ? "compress" : o->cog ? "cog" : o->creation.count ? "co" : NULL;
     if (of_tif != NULL && !(bands > 0 && io_raster_is_tif(o->output))) {
         command_fail(o->name, "--%s goes with -o FILE.tif", of_tif);
+        return EXIT_USAGE;
+    }
+    if (o->plain && !(bands > 0 && io_raster_is_png(o->output))) {
+        command_fail(o->name, "--plain goes with -o FILE.png");
         return EXIT_USAGE;
     }
     if (bands > 0 && !io_raster_can_write(o->output, bands, &error)) return command_fail(o->name, "%s", error.text);

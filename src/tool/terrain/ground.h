@@ -17,7 +17,7 @@ typedef struct ground_options {
     const char *name; /* of the subcommand */
     const char *output;
     int compression; /* io_compression */
-    bool cog;
+    bool cog, plain, quiet;
     option_again creation;
     raster_options raster;
     query_options query;
@@ -25,7 +25,7 @@ typedef struct ground_options {
     const char *window, *memory;
     double extent[4], bytes;
 } ground_options;
-enum { GROUND_OPTION_COUNT = 4 + RASTER_OPTION_COUNT + 2 };
+enum { GROUND_OPTION_COUNT = 6 + RASTER_OPTION_COUNT + 2 };
 void ground_rows(ground_options *o, const char *name, option_spec rows[GROUND_OPTION_COUNT]);
 
 /* --curvature of products for which the earth is flat unless it is given. */
@@ -46,6 +46,12 @@ typedef struct ground {
     ground_scale_of_map scale;
     progress line;
     double done, part; /* of all, before a block, and by it */
+    double start;      /* seconds of the clock */
+
+    /* For the line at the end and for pictures; each may be NULL or 0. */
+    const char *counted; /* what samples are whose value is above 0: "in sight" */
+    const double *marks; /* places: columns and rows of the whole raster, one after the other */
+    size_t mark_count;
 
     /* pieces.h: */
     io_raster_options reading;

@@ -2,8 +2,11 @@
 #include "pieces.h"
 
 #include "../cancel.h"
+#include "clock.h"
 #include "command.h"
 #include "number.h"
+#include "picture.h"
+#include "printable.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -314,6 +317,9 @@ typedef struct writing {
     size_t cell;         /* bytes of one */
     void *cells, *lines; /* a block of the window; rows of the piece, where those are longer */
     size_t lines_room;
+    outcome outcome;
+    picture *picture; /* NULL: rows are written as they come */
+    float *values;    /* of a block */
 } writing;
 
 /* The piece for the next so many blocks from row on. */
@@ -392,8 +398,17 @@ static void pack(void *cells, size_t n, const io_raster_product *p) {
     }
 }
 
-static bool write_blocks(writing *w, io_raster_writer *to, io_error *error) {
-    const io_raster_product *p = &to->product;
+/* The block as the line at the end counts it and a picture shows it. */
+static bool take_block(writing *w, const io_raster_product *p, size_t row, size_t rows, io_error *error) {
+    const ground *g = w->ground;
+    outcome_read(p, w->cells, rows * p->nx, w->values);
+    outcome_take(&w->outcome, w->values, rows * p->nx);
+    const size_t first = g->window.i - g->terrain.column, local = row * w->step + g->window.j - g->terrain.row;
+    return w->picture == NULL ||
+           picture_take(w->picture, row, rows, w->values, &g->terrain, first, local, w->step, error);
+}
+
+static bool write_blocks(writing *w, const io_raster_product *p, io_raster_writer *to, io_error *error) {
     ground *g = w->ground;
     for (size_t band = 0; band < p->bands; band++)
         for (size_t row = 0; row < p->ny; row += w->rows) {
@@ -403,16 +418,57 @@ static bool write_blocks(writing *w, io_raster_writer *to, io_error *error) {
             g->done = ((double)band + (double)row / (double)p->ny) / (double)p->bands;
             g->part = (double)count / (double)p->ny / (double)p->bands;
             if (!ground_tell(g, g->done)) return io_fail(error, "interrupted");
-            if (!fill_block(w, band, row, count, error)) return false;
+            if (!fill_block(w, band, row, count, error) || (band == 0 && !take_block(w, p, row, count, error)))
+                return false;
+            if (to == NULL) continue;
             if (p->scale > 0) pack(w->cells, count * p->nx, p);
             if (!io_raster_write(to, w->cells, count, error)) return false;
         }
     return true;
 }
 
+static bool write_rows(writing *w, const io_raster_product *product, io_error *error) {
+    io_raster_writer to;
+    if (!io_raster_create(&to, w->ground->options->output, product, error)) return false;
+    const bool good = write_blocks(w, product, &to, error) && io_raster_commit(&to, error);
+    io_raster_discard(&to);
+    return good;
+}
+
+static bool write_picture(writing *w, const io_raster_product *product, io_error *error) {
+    const ground *g = w->ground;
+    const char *output = g->options->output;
+    double *marks = malloc((2 * g->mark_count + 1) * sizeof *marks);
+    picture p;
+    if (marks == NULL) return io_fail(error, "out of memory");
+    for (size_t k = 0; k < g->mark_count; k++) {
+        marks[2 * k] = g->marks[2 * k] - (double)g->window.i;
+        marks[2 * k + 1] = g->marks[2 * k + 1] - (double)g->window.j;
+    }
+    bool good = picture_begin(&p, output, product->nx, product->ny, error);
+    w->picture = &p;
+    good = good && write_blocks(w, product, NULL, error) &&
+           picture_write(&p, output, product, &w->outcome, marks, g->mark_count, error);
+    picture_end(&p);
+    free(marks);
+    return good;
+}
+
+/* "cellwalk shadow: shadow.tif: 24.1 % of 138632 samples in the sun, 0.31 s" */
+static void tell_outcome(ground *g, const outcome *o, const io_raster_product *p) {
+    char text[200], output[1000];
+    progress_end(&g->line);
+    if (g->options->quiet) return;
+    outcome_text(o, p, g->counted ? g->counted : "above 0", text, sizeof text);
+    snprintf(output, sizeof output, "%s", g->options->output);
+    make_printable(output);
+    command_print_name(stderr, g->options->name);
+    fprintf(stderr, ": %s: %s%s, %.2f s\n", output, p->bands > 1 ? "in the first band " : "", text,
+            clock_seconds() - g->start);
+}
+
 bool pieces_write(ground *g, const io_raster_product *product, double passes, const pieces_maker *maker, void *context,
                   io_error *error) {
-    io_raster_writer to;
     writing w = {.ground = g,
                  .maker = maker,
                  .context = context,
@@ -420,14 +476,15 @@ bool pieces_write(ground *g, const io_raster_product *product, double passes, co
                  .step = maker->every > 0 ? maker->every : 1,
                  .cell = io_cell_bytes(product->scale > 0 ? IO_CELL_FLOAT32 : product->cell)};
     w.cells = malloc(w.rows * product->nx * w.cell);
-    if (w.cells == NULL) return io_fail(error, "out of memory");
-    bool good = check_pieces(&w, error) && io_raster_create(&to, g->options->output, product, error);
-    if (good) {
-        good = write_blocks(&w, &to, error);
-        good = good && io_raster_commit(&to, error);
-        io_raster_discard(&to);
-    }
+    w.values = malloc(w.rows * product->nx * sizeof *w.values);
+    bool good = (w.cells && w.values) || io_fail(error, "out of memory");
+    good = good && outcome_begin(&w.outcome, product->nx * product->ny, error) && check_pieces(&w, error);
+    const bool drawn = io_raster_is_png(g->options->output) && !g->options->plain;
+    good = good && (drawn ? write_picture(&w, product, error) : write_rows(&w, product, error));
+    if (good) tell_outcome(g, &w.outcome, product);
+    outcome_end(&w.outcome);
     free(w.cells);
+    free(w.values);
     free(w.lines);
     return good;
 }

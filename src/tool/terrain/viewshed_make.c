@@ -204,6 +204,14 @@ static char **name_bands(const job *j) {
     return names;
 }
 
+/* Where the observers stand, in samples of the whole raster. */
+static double *find_marks(const job *j) {
+    double *marks = malloc(2 * j->observers.count * sizeof *marks);
+    for (size_t k = 0; marks && k < j->observers.count; k++)
+        terrain_from_map(&j->ground->whole, j->observers.list[k].x, j->observers.list[k].y, marks + 2 * k);
+    return marks;
+}
+
 static bool write_raster(job *j, io_error *error) {
     const bool bands = j->request->bands, floats = j->kind != VIEW_SEEN;
     const char *what = meaning(j);
@@ -222,8 +230,15 @@ static bool write_raster(job *j, io_error *error) {
     if (j->kind == VIEW_ANGLE) product.unit = "degree";
     note(j, &notes);
     product.notes = notes.notes;
+    double *marks = find_marks(j);
+    good = good && (marks != NULL || io_fail(error, "out of memory"));
+    j->ground->counted = "in sight";
+    j->ground->marks = marks;
+    j->ground->mark_count = j->observers.count;
     good = good && ground_write(j->ground, &product, 1, fill, j, error);
+    j->ground->marks = NULL;
     ground_notes_free(&notes);
+    free(marks);
     free(names);
     return good;
 }
