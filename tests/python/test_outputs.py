@@ -145,6 +145,26 @@ def test_a_full_disk_is_an_error(chunks):
             assert os.listdir(".") == ["old.tif"] and pathlib.Path("old.tif").read_text() == "old"
 
 
+THREADS = """
+import numpy as np, dask, rasterio, cellwalk as cw, cellwalk.dask as cwd
+z = np.random.default_rng(1).normal(0, 9, (1500, 1400)).astype("float32")
+with rasterio.open("dem.tif", "w", driver="GTiff", width=1400, height=1500, count=1, dtype="float32", crs="EPSG:32632", tiled=True,
+                   transform=rasterio.Affine(30, 0, 6e5, 0, -30, 5.2e6), blockxsize=256, blockysize=256) as file:
+    file.write(z, 1)
+wanted = cw.open("dem.tif").shadow()
+with dask.config.set(scheduler="threads", num_workers=4):
+    for _ in range(4):
+        cwd.to_geotiff(cwd.shadow("dem.tif", chunks=512), "a.tif", like="dem.tif")
+        with rasterio.open("a.tif") as file:
+            assert (file.read(1) == wanted).all()
+"""
+
+
+def test_threads_read_while_one_writes():
+    """GDAL's cache is so small that reading a chunk writes tiles of another. With rasterio that hung."""
+    subprocess.run([sys.executable, "-c", THREADS], check=True, env={**os.environ, "GDAL_CACHEMAX": "600000"}, timeout=600)
+
+
 @pytest.mark.parametrize("failure", [RuntimeError, KeyboardInterrupt])
 def test_a_failing_chunk_changes_nothing(failure):
     pathlib.Path("a.tif").write_text("old")

@@ -28,7 +28,8 @@ void io_unit_name(double metres, char *text) {
         double metres;
         const char *name;
     } units[] = {{1, "m"}, {0.3048, "ft"}, {1200.0 / 3937, "US survey ft"}, {1000, "km"}};
-    snprintf(text, IO_UNIT_NAME - 1, metres > 0 ? "x %.9g m" : "", metres);
+    text[0] = '\0';
+    if (metres > 0) snprintf(text, IO_UNIT_NAME - 1, "x %.9g m", metres);
     for (size_t k = 0; k < sizeof units / sizeof units[0]; k++)
         if (fabs(metres / units[k].metres - 1) < 1e-8) snprintf(text, IO_UNIT_NAME - 1, "%s", units[k].name);
 }
