@@ -4,6 +4,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdio.h>
 
 /* How many bytes the character at c takes; 0 if it is none of UTF-8, or commands a terminal: C0, DEL, C1, and those that turn
  * the direction of text or end a line. */
@@ -28,6 +29,18 @@ static inline void make_printable(char *text) {
     for (unsigned char *c = (unsigned char *)text; *c;) {
         const size_t length = printable_length(c);
         if (length == 0) *c = '?';
+        c += length > 0 ? length : 1;
+    }
+}
+
+/* Prints such a name on standard output or elsewhere. */
+static inline void print_text(FILE *to, const char *text) {
+    for (const unsigned char *c = (const unsigned char *)text; *c;) {
+        const size_t length = printable_length(c);
+        if (length > 0)
+            fwrite(c, 1, length, to);
+        else
+            fputc('?', to);
         c += length > 0 ? length : 1;
     }
 }

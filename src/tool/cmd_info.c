@@ -79,11 +79,13 @@ static void print_parts_json(void) {
 }
 
 static void print_machine(const machine *m) {
-    printf("cellwalk        %s\nCPU             %s, %u to use\ninstruction set %s", CW_VERSION, m->cpu, m->cpus,
-           cw_isa_name(cw_isa_best()));
+    printf("cellwalk        %s\nCPU             ", CW_VERSION);
+    print_text(stdout, m->cpu);
+    printf(", %u to use\ninstruction set %s", m->cpus, cw_isa_name(cw_isa_best()));
     const char *limit = getenv("CELLWALK_ISA");
-    if (limit) printf(" (CELLWALK_ISA=%s)", limit);
-    putchar('\n');
+    if (limit) fputs(" (CELLWALK_ISA=", stdout);
+    print_text(stdout, limit ? limit : "");
+    puts(limit ? ")" : "");
 }
 
 static void print_machine_json(const machine *m) {
@@ -119,7 +121,8 @@ static void print_field(const char *path, const survey *s) {
     const cw_field_info *f = &s->info;
     const io_raster *r = &s->file.raster;
     char unit[40];
-    printf("%s\n", path);
+    print_text(stdout, path);
+    putchar('\n');
     if (r->z) info_print_place(r);
     if (f->low <= f->high)
         printf("  heights       %.9g to %.9g%s\n", (double)f->low, (double)f->high, info_height_unit(r, unit));

@@ -41,7 +41,7 @@ typedef struct render_times {
 
 static void warn(void *context, const char *message) {
     (void)context;
-    fprintf(stderr, "cellwalk render: warning: %s\n", message);
+    command_warn("render", "%s", message);
 }
 
 /* Rays per second of the whole rendering, in millions. */

@@ -101,11 +101,10 @@ static bool prepare(trace *t, io_error *error) {
     progress_end(&t->request->raster.line);
     if (!good) return false;
     if (r->user && t->field.raster.georef.geographic)
-        fprintf(
-            stderr,
-            "cellwalk trace: warning: %s: its map is in degrees, so rays are straight in degrees and heights; gdalwarp "
-            "-t_srs EPSG:... puts it on a map in metres\n",
-            r->field);
+        command_warn("trace",
+                     "%s: its map is in degrees, so rays are straight in degrees and heights; gdalwarp -t_srs EPSG:... "
+                     "puts it on a map in metres",
+                     r->field);
     t->query.kernel = t->field.kernel;
     if (r->any)
         t->occluded = calloc(PIECE, sizeof *t->occluded);
@@ -167,14 +166,11 @@ static void warn_of_bounds(const trace *t) {
             high[k] += fmax(from, to);
         }
     }
-    fprintf(
-        stderr,
-        "cellwalk trace: warning: no ray meets the field, which lies at x %.10g to %.10g, y %.10g to %.10g, z %.6g to "
-        "%.6g%s\n",
-        low[0], high[0], low[1], high[1], low[2], high[2],
-        t->request->user                ? " of the map"
-        : t->field.raster.georef.placed ? "; if the rays are in coordinates of its map, --user takes them so"
-                                        : "");
+    command_warn("trace", "no ray meets the field, which lies at x %.10g to %.10g, y %.10g to %.10g, z %.6g to %.6g%s",
+                 low[0], high[0], low[1], high[1], low[2], high[2],
+                 t->request->user                ? " of the map"
+                 : t->field.raster.georef.placed ? "; if the rays are in coordinates of its map, --user takes them so"
+                                                 : "");
 }
 
 static int run_request(request *r, const cw_run *query, const io_raster_options *raster, bool timing) {

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "coarser.h"
 
+#include "command.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -52,14 +54,14 @@ static bool replace(io_raster *r, const cw_field *coarser, unsigned factor, cons
 static void print(const coarser_options *c, const char *path, const cw_field *full, const cw_field *coarser,
                   const cw_difference *d, double unit) {
     const cw_field_info f = cw_field_describe(full), g = cw_field_describe(coarser);
-    fprintf(stderr,
-            "cellwalk %s: %s: %zu x %zu samples for %zu x %zu; the surface lies up to %.6g above and %.6g below the "
-            "full one, %.6g in the root mean square",
-            c->name, path, g.nx, g.ny, f.nx, f.ny, d->above * unit, d->below * unit, d->rms * unit);
+    char holes[160] = "";
     if (d->lost + d->made > 0)
-        fprintf(stderr, "; of its triangles %llu are lost to holes, and %llu come in place of holes",
-                (unsigned long long)d->lost, (unsigned long long)d->made);
-    fputc('\n', stderr);
+        snprintf(holes, sizeof holes, "; of its triangles %llu are lost to holes, and %llu come in place of holes",
+                 (unsigned long long)d->lost, (unsigned long long)d->made);
+    command_note(c->name,
+                 "%s: %zu x %zu samples for %zu x %zu; the surface lies up to %.6g above and %.6g below the full one, "
+                 "%.6g in the root mean square%s",
+                 path, g.nx, g.ny, f.nx, f.ny, d->above * unit, d->below * unit, d->rms * unit, holes);
 }
 
 bool coarser_make(const coarser_options *c, const char *path, const cw_run *query, progress *line, cw_field **field,

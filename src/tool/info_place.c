@@ -47,7 +47,9 @@ void info_print_place(const io_raster *r) {
     io_georef_name(g, crs, sizeof crs);
     printf("  extent        X %.10g to %.10g, Y %.10g to %.10g (pixels' centres)\n", low[0], high[0], low[1], high[1]);
     printf("  cell size     %.9g x %.9g%s\n", cell[0], cell[1], g->geographic ? " degrees" : unit_name(g->unit, unit));
-    printf("  coordinates   %s\n", crs[0] != '\0' ? crs : "no coordinate system");
+    fputs("  coordinates   ", stdout);
+    print_text(stdout, crs[0] != '\0' ? crs : "no coordinate system");
+    putchar('\n');
 }
 
 void info_print_place_json(const io_raster *r) {

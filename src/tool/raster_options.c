@@ -5,7 +5,6 @@
 #include "command.h"
 #include "gdal_host.h"
 #include "number.h"
-#include "printable.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -49,10 +48,7 @@ void raster_options_rows(raster_options *r, option_spec rows[RASTER_OPTION_COUNT
 static void warn(void *context, const char *text) {
     raster_options *r = context;
     progress_end(&r->line);
-    char line[1024];
-    snprintf(line, sizeof line, "%s", text);
-    make_printable(line);
-    fprintf(stderr, "cellwalk %s: warning: %s\n", r->name, line);
+    command_warn(r->name, "%s", text);
 }
 
 static bool tell(void *context, double share) {

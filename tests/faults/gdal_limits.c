@@ -22,6 +22,7 @@ static const char *const commands[][12] = {
     {"horizon", "dem.tif", "--directions", "4", "--max-distance", "20", "--cog", "-o", "out.tif"},
     {"horizon", "dem.tif", "--directions", "1", "--max-distance", "20", "--co=NUM_THREADS=7", "-o", "out.tif"},
     {"viewshed", "dem.tif", "--from", FROM, "-o", "out.tif"},
+    {"visibility", "dem.tif", "--directions", "2", "--every", "64", "--max-distance", "20", "-o", "out.tif"},
     {"los", "dem.tif", FROM, "600,600,50"},
     {"render", "dem.tif", "--size", "8x8", "-o", "out.png"},
 };

@@ -15,15 +15,34 @@
 
 static const char *running = "cellwalk"; /* the program's name */
 
-int command_fail(const char *name, const char *format, ...) {
+/* All that the program writes to standard error, but for the line of progress, comes this way. */
+static void print_message(const char *name, const char *kind, const char *format, va_list arguments) {
     char text[4096];
+    vsnprintf(text, sizeof text, format, arguments);
+    make_printable(text);
+    fprintf(stderr, "%s%s%s: %s%s\n", running, *name ? " " : "", name, kind, text);
+}
+
+int command_fail(const char *name, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
+    print_message(name, "", format, arguments);
     va_end(arguments);
-    make_printable(text);
-    fprintf(stderr, "%s%s%s: %s\n", running, *name ? " " : "", name, text);
     return EXIT_FAILURE;
+}
+
+void command_note(const char *name, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    print_message(name, "", format, arguments);
+    va_end(arguments);
+}
+
+void command_warn(const char *name, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    print_message(name, "warning: ", format, arguments);
+    va_end(arguments);
 }
 
 void command_print_name(FILE *to, const char *name) { fprintf(to, "%s%s%s", running, *name ? " " : "", name); }
@@ -42,12 +61,9 @@ static int unknown(const program *p, const char *word) {
     size_t count = 0;
     for (; count < p->command_count && count < NAMES_MAX; count++) names[count] = p->commands[count]->name;
     const char *meant = words_closest(word, names, count);
-    char text[256];
-    snprintf(text, sizeof text, "%s", word);
-    make_printable(text);
-    fprintf(stderr, "%s: unknown %s '%s'", p->name, word[0] == '-' ? "option" : "command", text);
-    if (meant) fprintf(stderr, "; did you mean %s?", meant);
-    fprintf(stderr, "\nTry '%s --help'.\n", p->name);
+    command_fail("", "unknown %s '%s'%s%s%s", word[0] == '-' ? "option" : "command", word,
+                 meant ? "; did you mean " : "", meant ? meant : "", meant ? "?" : "");
+    fprintf(stderr, "Try '%s --help'.\n", p->name);
     return EXIT_USAGE;
 }
 

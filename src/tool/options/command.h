@@ -33,6 +33,9 @@ enum { EXIT_USAGE = 2 };
 
 /* Prints "PROGRAM NAME: message", or "PROGRAM: message" if name is empty, and returns EXIT_FAILURE. */
 __attribute__((format(printf, 2, 3))) int command_fail(const char *name, const char *format, ...);
+/* The same for what is no failure; "PROGRAM NAME: warning: message". */
+__attribute__((format(printf, 2, 3))) void command_note(const char *name, const char *format, ...);
+__attribute__((format(printf, 2, 3))) void command_warn(const char *name, const char *format, ...);
 
 /* Prints "PROGRAM NAME". */
 void command_print_name(FILE *to, const char *name);

@@ -75,8 +75,10 @@ static bool find_sun(const shadow_command *c, const ground *g, sunlight_desc *su
     sun->azimuth = p.azimuth;
     sun->altitude = p.altitude;
     if (c->usual_disc) sun->radius = p.radius;
-    printf("sun at %s over %.4f, %.4f: azimuth %.3f (%.3f on the map), altitude %.3f degrees\n", c->time,
-           place.longitude, place.latitude, fmod(p.azimuth - place.turned + 360, 360), p.azimuth, p.altitude);
+    fputs("sun at ", stdout);
+    print_text(stdout, c->time);
+    printf(" over %.4f, %.4f: azimuth %.3f (%.3f on the map), altitude %.3f degrees\n", place.longitude, place.latitude,
+           fmod(p.azimuth - place.turned + 360, 360), p.azimuth, p.altitude);
     return true;
 }
 
@@ -86,8 +88,7 @@ static bool make_light(job *j, io_error *error) {
         .hillshade = c->hillshade, .curvature = c->curvature, .radius = c->usual_disc ? SUN_RADIUS : 0};
     if (!find_sun(c, j->ground, &sun, error)) return false;
     if (!isnan(c->disc)) sun.radius = c->disc;
-    if (sun.altitude <= 0)
-        fprintf(stderr, "cellwalk shadow: warning: the sun is at %.3f degrees, below the horizon\n", sun.altitude);
+    if (sun.altitude <= 0) command_warn("shadow", "the sun is at %.3f degrees, below the horizon", sun.altitude);
     j->sun = sun;
     j->share = sun.radius > 0 || sun.hillshade;
     static const char *const lit = "1 where the sun is seen, 0 in the shadow",

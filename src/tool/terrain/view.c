@@ -241,8 +241,7 @@ static void shine(const wish *w, landscape_desc *d) {
     memcpy(d->sun, sun, sizeof sun);
     d->sun_light = w->sun[1] > 0 ? sun_light : 0;
     d->sky_light = sky_light;
-    if (w->sun[1] <= 0)
-        fprintf(stderr, "cellwalk render: warning: the sun is at %g degrees, below the horizon\n", w->sun[1]);
+    if (w->sun[1] <= 0) command_warn("render", "the sun is at %g degrees, below the horizon", w->sun[1]);
     memcpy(d->horizon, horizon, sizeof horizon);
     memcpy(d->above, above, sizeof above);
     memcpy(d->plain, plain, sizeof plain);
