@@ -135,25 +135,6 @@ static void a_full_disk_is_named(void **state) {
     }
 }
 
-/* Statistics of a file that is no longer there would make viewers stretch the new one by them. */
-static void old_companions_go(void **state) {
-    (void)state;
-    rough_field(20);
-    static const char *const companions[] = {"sky.tif", "sky.tif.aux.xml", "sky.tif.ovr", "sky.tif.msk",
-                                             "sky.npy.aux.xml"};
-    for (size_t k = 0; k < sizeof companions / sizeof companions[0]; k++) text_file(companions[k], "old");
-    const size_t entries = scratch_entries();
-    static const char *const outputs[] = {"sky.npy", "sky.tif"};
-    static const int more[] = {1, -2};
-    for (size_t k = 0; k < 2; k++) {
-        const program_result *r = program_run(
-            NULL, (const char *const[]){"horizon", "rough.npy", "--directions", "4", "-o", outputs[k], NULL});
-        check(r->status == 0, "%s", r->err);
-        assert_int_equal((int)scratch_entries(), (int)entries + more[k]);
-    }
-    assert_int_equal(access("sky.npy.aux.xml", F_OK), 0);
-}
-
 static int enter(void **state) {
     signal(SIGXFSZ, SIG_IGN);
     return scratch_enter(state);
@@ -165,7 +146,6 @@ int main(void) {
         cmocka_unit_test_setup_teardown(names_are_files, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(killed_geotiffs_leave_nothing, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(a_full_disk_is_named, enter, scratch_leave),
-        cmocka_unit_test_setup_teardown(old_companions_go, enter, scratch_leave),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
