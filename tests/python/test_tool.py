@@ -269,3 +269,60 @@ def test_pictures_of_windows_and_every_other_sample(tool, ground, tmp_path):
     holes = (np.abs(picture[..., :3] * 255 - 240) < 0.5).all(-1)
     wanted = np.isnan(third)
     assert (holes <= wanted).all()
+
+
+# ---- radio links --------------------------------------------------------------------------------------------------------
+
+
+def test_clearance_over_a_plain_is_least_in_the_middle(tool, tmp_path):
+    np.save(tmp_path / "plain.npy", np.zeros((3, 401), np.float32))
+    answer = json.loads(tool("los", tmp_path / "plain.npy", "--cellsize", "10", "0,10,12", "4000,10,12", "--frequency", "2400", "--curvature", "0", "--json"))
+    radius = np.sqrt(0.299792458 / 2.4 * 4000 / 4)
+    assert answer["fresnel_radius"] == pytest.approx(radius, rel=1e-8)  # nine digits are printed
+    assert answer["clearance"] == pytest.approx(12 / radius, rel=1e-8) and answer["clearance_distance"] == pytest.approx(2000)
+    # From 0.5 to 12 m: between two crossings, where the heights are as the distances to the ends.
+    answer = json.loads(tool("los", tmp_path / "plain.npy", "--cellsize", "10", "0,10,0.5", "4000,10,12", "--frequency", "2400", "--curvature", "0", "--json"))
+    share = 0.5 / 12.5
+    radius = np.sqrt(0.299792458 / 2.4 * np.hypot(4000, 11.5) * share * (1 - share))
+    assert answer["clearance_distance"] == pytest.approx(4000 * share, rel=1e-6)
+    assert answer["clearance"] == pytest.approx((0.5 + 11.5 * share) / radius, rel=1e-6)
+
+
+def test_clearance_is_the_least_along_the_profile(tool, ground, tmp_path):
+    field, random = ground.field, np.random.default_rng(5)
+    solid = np.isfinite(field.z)
+    for shift in ((0, 1), (1, 0), (0, -1), (-1, 0), (1, 1), (-1, -1)):  # places round a bit
+        solid &= np.roll(solid, shift, (0, 1))
+    rows, columns = np.nonzero(solid[1:-1, 1:-1])
+    pairs = ["x1,y1,height1,x2,y2,height2"]
+    for _ in range(40):
+        words = []
+        for k in random.integers(len(rows), size=2):
+            x, y = field.map[:2, :3] @ (columns[k] + 1, rows[k] + 1, 0) + field.map[:2, 3]
+            words += [f"{x:.12g}", f"{north(ground, y):.12g}", f"{random.uniform(1, 60):.3f}"]
+        pairs.append(",".join(words))
+    (tmp_path / "pairs.csv").write_text("\n".join(pairs) + "\n")
+    tool("los", ground.path, "--pairs", tmp_path / "pairs.csv", "--frequency", "868", "--curvature", "0.75", "-o", tmp_path / "a.csv",
+         "--profile", tmp_path / "p.csv")
+    answers = np.genfromtxt(tmp_path / "a.csv", delimiter=",", names=True)
+    profile = np.genfromtxt(tmp_path / "p.csv", delimiter=",", names=True)
+    for answer in answers:
+        rows = profile[(profile["pair"] == answer["pair"])]
+        s = np.unique(np.r_[rows["distance"], np.linspace(0, answer["distance"], 20001)[1:-1]])
+        gap = np.interp(s, rows["distance"], rows["line"] - rows["ground"])
+        rise = rows["line"][-1] - rows["line"][0]
+        radius = np.sqrt(0.299792458 / 0.868 * np.hypot(answer["distance"], rise) * (s / answer["distance"]) * (1 - s / answer["distance"]))
+        inside = (radius > 0.01) & np.isfinite(gap)
+        if not inside.any():
+            continue
+        least = (gap[inside] / radius[inside]).min()
+        # The table has millimetres: of heights, of the gap's place, and of what is left out at the ends.
+        assert answer["clearance"] <= least + 2e-3 / answer["fresnel_radius"] + 1e-4
+        assert answer["clearance"] >= least - 0.02 * abs(least) - 2e-3 / answer["fresnel_radius"] - 1e-4
+
+
+def test_frequencies_that_are_none(tool, ground):
+    x, y = place(ground.field)
+    at = f"{x:.9g},{north(ground, y):.9g},9"
+    for wrong in ("-1", "0.01", "1e9"):
+        assert "--frequency takes megahertz from 0.1 to 1000000" in tool("los", ground.path, at, at, "--frequency", wrong, fails=True)

@@ -31,15 +31,53 @@ bool line_find(line *l, const ground *g, const ground_place places[2], double cu
     return true;
 }
 
-bool line_head_profiles(io_output *to, io_error *error) {
-    static const char head[] = "pair,distance,x,y,ground,line,seen\n";
-    return io_output_write(to, head, sizeof head - 1, error);
+/* ---- radio ------------------------------------------------------------------------------------------------------------- */
+
+/* At a share of the way. */
+static double fresnel_radius(const line *l, double megahertz, double share) {
+    const double wavelength = 299.792458 / megahertz;
+    const double rise = (l->target[2] - l->eye[2]) * terrain_metres_of_height(l->sight.terrain);
+    return sqrt(wavelength * hypot(l->length, rise) * share * (1 - share));
 }
 
-bool line_write_profile(const line *l, size_t number, profile *p, io_output *to, io_error *error) {
+static bool find_profile(const line *l, profile *p, io_error *error) {
+    return profile_make(p, &l->sight, l->target[0], l->target[1], l->target[2]) == CW_OK ||
+           io_fail(error, "out of memory");
+}
+
+static void look_at_clearance(const line *l, double megahertz, double share, double gap, clearance *c) {
+    const double radius = fresnel_radius(l, megahertz, share);
+    if (!(radius > 0) || gap / radius >= c->share) return;
+    *c = (clearance){gap / radius, share * l->length, radius};
+}
+
+bool line_clearance(const line *l, double megahertz, profile *p, clearance *c, io_error *error) {
     const double metres = terrain_metres_of_height(l->sight.terrain);
-    if (profile_make(p, &l->sight, l->target[0], l->target[1], l->target[2]) != CW_OK)
-        return io_fail(error, "out of memory");
+    *c = (clearance){.share = INFINITY, .distance = NAN, .radius = NAN};
+    if (!find_profile(l, p, error)) return false;
+    for (size_t k = 0; k < p->count; k++) {
+        const profile_point *a = &p->points[k], *b = k + 1 < p->count ? a + 1 : a;
+        const double gap = (a->line - a->ground) * metres, next = (b->line - b->ground) * metres;
+        if (!isnan(gap)) look_at_clearance(l, megahertz, a->share, gap, c);
+        /* Between two crossings the gap is linear. Its share of the radius is least where the gaps of that straight line at the
+         * two ends of the way are as the distances to them, if that is between the two. */
+        const double slope = (next - gap) / (b->share - a->share), first = gap - slope * a->share;
+        const double least = first / (2 * first + slope);
+        if (least > a->share && least < b->share) look_at_clearance(l, megahertz, least, first + slope * least, c);
+    }
+    if (isinf(c->share)) c->share = NAN;
+    return true;
+}
+
+/* ---- profiles ---------------------------------------------------------------------------------------------------------- */
+
+bool line_head_profiles(double megahertz, io_output *to, io_error *error) {
+    return io_output_print(to, error, "pair,distance,x,y,ground,line,seen%s\n", megahertz > 0 ? ",fresnel_radius" : "");
+}
+
+bool line_write_profile(const line *l, size_t number, double megahertz, profile *p, io_output *to, io_error *error) {
+    const double metres = terrain_metres_of_height(l->sight.terrain);
+    if (!find_profile(l, p, error)) return false;
     for (size_t k = 0; k < p->count; k++) {
         const profile_point *at = &p->points[k];
         double xy[2];
@@ -47,9 +85,12 @@ bool line_write_profile(const line *l, size_t number, profile *p, io_output *to,
         const double distance = at->share * l->length, over = at->line * metres;
         bool good = io_output_print(to, error, "%zu,%.3f,%.12g,%.12g,", number, distance, xy[0], xy[1]);
         good = good &&
-               (isnan(at->ground) ? io_output_print(to, error, ",%.3f,\n", over)
-                                  : io_output_print(to, error, "%.3f,%.3f,%d\n", at->ground * metres, over, at->seen));
-        if (!good) return false;
+               (isnan(at->ground) ? io_output_print(to, error, ",%.3f,", over)
+                                  : io_output_print(to, error, "%.3f,%.3f,%d", at->ground * metres, over, at->seen));
+        if (megahertz > 0)
+            good =
+                good && io_output_print(to, error, ",%.3f", fresnel_radius(l, megahertz, fmin(fmax(at->share, 0), 1)));
+        if (!good || !io_output_write(to, "\n", 1, error)) return false;
     }
     return !atomic_load(cancel_flag()) || io_fail(error, "interrupted");
 }

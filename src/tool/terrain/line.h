@@ -20,8 +20,19 @@ typedef struct line {
 /* curvature is NaN if it was not given. */
 bool line_find(line *l, const ground *g, const ground_place places[2], double curvature, io_error *error);
 
+/* The worst place of a radio link: where the least share of the first Fresnel zone's radius is free below the line. That radius is
+ * sqrt(w d1 d2 / (d1 + d2)) for the wavelength w and the distances to the ends (ITU-R P.526). */
+typedef struct clearance {
+    double share;    /* of the radius, vertical; below 0 where the line is blocked; NaN: no ground lies between */
+    double distance; /* from the first place, in metres */
+    double radius;   /* there */
+} clearance;
+/* megahertz > 0. *p is room that is used again. */
+bool line_clearance(const line *l, double megahertz, profile *p, clearance *c, io_error *error);
+
 /* Writes the first line of a table of profiles, and the rows of one. *p is room that is used again. */
-bool line_head_profiles(io_output *to, io_error *error);
-bool line_write_profile(const line *l, size_t number, profile *p, io_output *to, io_error *error);
+/* megahertz: 0 for no column of Fresnel radii. */
+bool line_head_profiles(double megahertz, io_output *to, io_error *error);
+bool line_write_profile(const line *l, size_t number, double megahertz, profile *p, io_output *to, io_error *error);
 
 #endif

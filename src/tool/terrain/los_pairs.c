@@ -16,7 +16,7 @@ typedef struct job {
     ground *ground;
     io_table table;
     size_t columns[NAMES];
-    double curvature;
+    double curvature, megahertz;
     profile profile;
     io_output *results, *profiles;
 } job;
@@ -51,13 +51,22 @@ static bool take_place(const job *j, size_t row, int end, ground_place *p, char 
     return true;
 }
 
-static bool write_row(const job *j, size_t row, const line *l, io_error *error) {
+static bool write_row(job *j, size_t row, const line *l, io_error *error) {
     if (!io_output_print(j->results, error, "%zu,%.12g,%.12g,%.12g,%.12g,%d,%.3f,", row + 1, l->ends[0][0],
                          l->ends[0][1], l->ends[1][0], l->ends[1][1], !l->blocked, l->length))
         return false;
-    if (!l->blocked) return io_output_print(j->results, error, ",,,\n");
-    return io_output_print(j->results, error, "%.3f,%.12g,%.12g,%.3f\n", l->block_distance, l->block[0], l->block[1],
-                           l->block_height);
+    if (!(l->blocked ? io_output_print(j->results, error, "%.3f,%.12g,%.12g,%.3f", l->block_distance, l->block[0],
+                                       l->block[1], l->block_height)
+                     : io_output_print(j->results, error, ",,,")))
+        return false;
+    clearance c;
+    if (j->megahertz > 0) {
+        if (!line_clearance(l, j->megahertz, &j->profile, &c, error)) return false;
+        if (!(isnan(c.share) ? io_output_print(j->results, error, ",,,")
+                             : io_output_print(j->results, error, ",%.4f,%.3f,%.3f", c.share, c.distance, c.radius)))
+            return false;
+    }
+    return io_output_write(j->results, "\n", 1, error);
 }
 
 static bool look(job *j, size_t row, io_error *error) {
@@ -67,15 +76,16 @@ static bool look(job *j, size_t row, io_error *error) {
     for (int end = 0; end < 2; end++)
         if (!take_place(j, row, end, &places[end], texts[end], error)) return false;
     if (!line_find(&l, j->ground, places, j->curvature, error) || !write_row(j, row, &l, error)) return false;
-    return j->profiles == NULL || line_write_profile(&l, row + 1, &j->profile, j->profiles, error);
+    return j->profiles == NULL || line_write_profile(&l, row + 1, j->megahertz, &j->profile, j->profiles, error);
 }
 
 static bool look_at_all(job *j, io_error *error) {
-    static const char head[] =
-        "pair,x1,y1,x2,y2,visible,distance,blocked_distance,blocked_x,blocked_y,blocked_height\n";
+    static const char head[] = "pair,x1,y1,x2,y2,visible,distance,blocked_distance,blocked_x,blocked_y,blocked_height";
+    static const char *const more = ",clearance,clearance_distance,fresnel_radius\n";
     const size_t rows = j->table.rows;
     if (!find_columns(j, error) || !io_output_write(j->results, head, sizeof head - 1, error)) return false;
-    if (j->profiles && !line_head_profiles(j->profiles, error)) return false;
+    if (!io_output_print(j->results, error, "%s", j->megahertz > 0 ? more : "\n")) return false;
+    if (j->profiles && !line_head_profiles(j->megahertz, j->profiles, error)) return false;
     for (size_t row = 0; row < rows; row++) {
         if (!ground_tell(j->ground, (double)row / (double)rows)) return io_fail(error, "interrupted");
         if (!look(j, row, error)) return false;
@@ -83,9 +93,9 @@ static bool look_at_all(job *j, io_error *error) {
     return true;
 }
 
-bool los_pairs(ground *g, const char *path, double curvature, io_output *results, io_output *profiles,
+bool los_pairs(ground *g, const char *path, double curvature, double megahertz, io_output *results, io_output *profiles,
                io_error *error) {
-    job j = {.ground = g, .curvature = curvature, .results = results, .profiles = profiles};
+    job j = {.ground = g, .curvature = curvature, .megahertz = megahertz, .results = results, .profiles = profiles};
     if (!io_table_read(path, &j.table, error)) return false;
     const bool good = look_at_all(&j, error);
     io_table_free(&j.table);

@@ -6,7 +6,9 @@
 #include "ground.h"
 #include "output.h"
 
-/* path: a table with the columns x1, y1, x2, y2 and, if there, height1 and height2. profiles may be NULL. */
-bool los_pairs(ground *g, const char *path, double curvature, io_output *results, io_output *profiles, io_error *error);
+/* path: a table with the columns x1, y1, x2, y2 and, if there, height1 and height2. megahertz: 0, or that of radio links, whose
+ * clearance is written too. profiles may be NULL. */
+bool los_pairs(ground *g, const char *path, double curvature, double megahertz, io_output *results, io_output *profiles,
+               io_error *error);
 
 #endif
