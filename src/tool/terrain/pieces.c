@@ -6,7 +6,6 @@
 #include "command.h"
 #include "number.h"
 #include "picture.h"
-#include "printable.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -456,15 +455,12 @@ static bool write_picture(writing *w, const io_raster_product *product, io_error
 
 /* "cellwalk shadow: shadow.tif: 24.1 % of 138632 samples in the sun, 0.31 s" */
 static void tell_outcome(ground *g, const outcome *o, const io_raster_product *p) {
-    char text[200], output[1000];
+    char text[200];
     progress_end(&g->line);
     if (g->options->quiet) return;
     outcome_text(o, p, g->counted ? g->counted : "above 0", text, sizeof text);
-    snprintf(output, sizeof output, "%s", g->options->output);
-    make_printable(output);
-    command_print_name(stderr, g->options->name);
-    fprintf(stderr, ": %s: %s%s, %.2f s\n", output, p->bands > 1 ? "in the first band " : "", text,
-            clock_seconds() - g->start);
+    command_note(g->options->name, "%s: %s%s, %.2f s", g->options->output, p->bands > 1 ? "in the first band " : "",
+                 text, clock_seconds() - g->start);
 }
 
 bool pieces_write(ground *g, const io_raster_product *product, double passes, const pieces_maker *maker, void *context,
