@@ -4,92 +4,107 @@
 #define CELLWALK_SIMD_VEC_AVX2_H
 
 #include "cellwalk.h"
+#include "inline.h"
 
 #include <immintrin.h>
 #include <stddef.h>
 
-enum { W = 8 };
+#define W 8 /* lanes of a register */
 
-typedef struct vfloat {
+typedef struct float_reg {
     __m256 v;
-} vfloat;
-typedef struct vint {
+} float_reg;
+typedef struct int_reg {
     __m256i v;
-} vint;
-typedef struct vmask {
+} int_reg;
+typedef struct mask_reg {
     __m256 v;
-} vmask;
+} mask_reg;
 
-static inline vfloat vf_set(float a) { return (vfloat){_mm256_set1_ps(a)}; }
-static inline vfloat vf_load(const float *a) { return (vfloat){_mm256_loadu_ps(a)}; }
-static inline void vf_store(float *to, vfloat a) { _mm256_storeu_ps(to, a.v); }
-static inline vfloat vf_add(vfloat a, vfloat b) { return (vfloat){_mm256_add_ps(a.v, b.v)}; }
-static inline vfloat vf_sub(vfloat a, vfloat b) { return (vfloat){_mm256_sub_ps(a.v, b.v)}; }
-static inline vfloat vf_mul(vfloat a, vfloat b) { return (vfloat){_mm256_mul_ps(a.v, b.v)}; }
-static inline vfloat vf_div(vfloat a, vfloat b) { return (vfloat){_mm256_div_ps(a.v, b.v)}; }
-static inline vfloat vf_min(vfloat a, vfloat b) { return (vfloat){_mm256_min_ps(a.v, b.v)}; }
-static inline vfloat vf_max(vfloat a, vfloat b) { return (vfloat){_mm256_max_ps(a.v, b.v)}; }
-static inline vfloat vf_abs(vfloat a) { return (vfloat){_mm256_andnot_ps(_mm256_set1_ps(-0.0f), a.v)}; }
-static inline vfloat vf_floor(vfloat a) { return (vfloat){_mm256_floor_ps(a.v)}; }
-
-static inline vmask vf_lt(vfloat a, vfloat b) { return (vmask){_mm256_cmp_ps(a.v, b.v, _CMP_LT_OQ)}; }
-static inline vmask vf_le(vfloat a, vfloat b) { return (vmask){_mm256_cmp_ps(a.v, b.v, _CMP_LE_OQ)}; }
-static inline vmask vf_gt(vfloat a, vfloat b) { return (vmask){_mm256_cmp_ps(a.v, b.v, _CMP_GT_OQ)}; }
-static inline vmask vf_ge(vfloat a, vfloat b) { return (vmask){_mm256_cmp_ps(a.v, b.v, _CMP_GE_OQ)}; }
-static inline vmask vf_eq(vfloat a, vfloat b) { return (vmask){_mm256_cmp_ps(a.v, b.v, _CMP_EQ_OQ)}; }
-static inline vfloat vf_select(vmask m, vfloat a, vfloat b) { return (vfloat){_mm256_blendv_ps(b.v, a.v, m.v)}; }
-
-static inline vint vi_set(int32_t a) { return (vint){_mm256_set1_epi32(a)}; }
-static inline void vi_store(int32_t *to, vint a) { _mm256_storeu_si256((__m256i *)to, a.v); }
-static inline vint vi_add(vint a, vint b) { return (vint){_mm256_add_epi32(a.v, b.v)}; }
-static inline vint vi_mul(vint a, vint b) { return (vint){_mm256_mullo_epi32(a.v, b.v)}; }
-static inline vint vi_select(vmask m, vint a, vint b) {
-    return (vint){_mm256_blendv_epi8(b.v, a.v, _mm256_castps_si256(m.v))};
+static inline float_reg rf_set(float a) { return (float_reg){_mm256_set1_ps(a)}; }
+static inline float_reg rf_load(const float *a) { return (float_reg){_mm256_loadu_ps(a)}; }
+static inline void rf_store(float *to, float_reg a) { _mm256_storeu_ps(to, a.v); }
+static inline float_reg rf_add(float_reg a, float_reg b) { return (float_reg){_mm256_add_ps(a.v, b.v)}; }
+static inline float_reg rf_sub(float_reg a, float_reg b) { return (float_reg){_mm256_sub_ps(a.v, b.v)}; }
+static inline float_reg rf_mul(float_reg a, float_reg b) { return (float_reg){_mm256_mul_ps(a.v, b.v)}; }
+static inline float_reg rf_div(float_reg a, float_reg b) { return (float_reg){_mm256_div_ps(a.v, b.v)}; }
+static inline float_reg rf_fma(float_reg a, float_reg b, float_reg c) {
+    return (float_reg){_mm256_fmadd_ps(a.v, b.v, c.v)};
 }
-static inline vint vi_from_vf(vfloat a) { return (vint){_mm256_cvttps_epi32(a.v)}; }
+static inline float_reg rf_fnma(float_reg a, float_reg b, float_reg c) {
+    return (float_reg){_mm256_fnmadd_ps(a.v, b.v, c.v)};
+}
+static inline float_reg rf_min(float_reg a, float_reg b) { return (float_reg){_mm256_min_ps(a.v, b.v)}; }
+static inline float_reg rf_max(float_reg a, float_reg b) { return (float_reg){_mm256_max_ps(a.v, b.v)}; }
+static inline float_reg rf_abs(float_reg a) { return (float_reg){_mm256_andnot_ps(_mm256_set1_ps(-0.0f), a.v)}; }
+static inline float_reg rf_floor(float_reg a) { return (float_reg){_mm256_floor_ps(a.v)}; }
 
-static inline vfloat vf_from_vi(vint a) { return (vfloat){_mm256_cvtepi32_ps(a.v)}; }
-static inline vint vi_load(const int32_t *a) { return (vint){_mm256_loadu_si256((const __m256i *)a)}; }
-static inline vint vi_and(vint a, vint b) { return (vint){_mm256_and_si256(a.v, b.v)}; }
-static inline vint vi_or(vint a, vint b) { return (vint){_mm256_or_si256(a.v, b.v)}; }
-static inline vint vi_xor(vint a, vint b) { return (vint){_mm256_xor_si256(a.v, b.v)}; }
-static inline vint vi_sub(vint a, vint b) { return (vint){_mm256_sub_epi32(a.v, b.v)}; }
-static inline vint vi_shift_right(vint a, vint by) { return (vint){_mm256_srlv_epi32(a.v, by.v)}; }
-static inline vint vi_shift_left(vint a, vint by) { return (vint){_mm256_sllv_epi32(a.v, by.v)}; }
-static inline vmask vi_eq(vint a, vint b) { return (vmask){_mm256_castsi256_ps(_mm256_cmpeq_epi32(a.v, b.v))}; }
-static inline vint vi_lookup(const int32_t table[16], vint k) {
+static inline mask_reg rf_lt(float_reg a, float_reg b) { return (mask_reg){_mm256_cmp_ps(a.v, b.v, _CMP_LT_OQ)}; }
+static inline mask_reg rf_le(float_reg a, float_reg b) { return (mask_reg){_mm256_cmp_ps(a.v, b.v, _CMP_LE_OQ)}; }
+static inline mask_reg rf_gt(float_reg a, float_reg b) { return (mask_reg){_mm256_cmp_ps(a.v, b.v, _CMP_GT_OQ)}; }
+static inline mask_reg rf_ge(float_reg a, float_reg b) { return (mask_reg){_mm256_cmp_ps(a.v, b.v, _CMP_GE_OQ)}; }
+static inline mask_reg rf_eq(float_reg a, float_reg b) { return (mask_reg){_mm256_cmp_ps(a.v, b.v, _CMP_EQ_OQ)}; }
+static inline float_reg rf_select(mask_reg m, float_reg a, float_reg b) {
+    return (float_reg){_mm256_blendv_ps(b.v, a.v, m.v)};
+}
+
+static inline int_reg ri_set(int32_t a) { return (int_reg){_mm256_set1_epi32(a)}; }
+static inline void ri_store(int32_t *to, int_reg a) { _mm256_storeu_si256((__m256i *)to, a.v); }
+static inline int_reg ri_add(int_reg a, int_reg b) { return (int_reg){_mm256_add_epi32(a.v, b.v)}; }
+static inline int_reg ri_mul(int_reg a, int_reg b) { return (int_reg){_mm256_mullo_epi32(a.v, b.v)}; }
+static inline int_reg ri_select(mask_reg m, int_reg a, int_reg b) {
+    return (int_reg){_mm256_blendv_epi8(b.v, a.v, _mm256_castps_si256(m.v))};
+}
+static inline int_reg ri_from_rf(float_reg a) { return (int_reg){_mm256_cvttps_epi32(a.v)}; }
+
+static inline float_reg rf_from_ri(int_reg a) { return (float_reg){_mm256_cvtepi32_ps(a.v)}; }
+static inline int_reg ri_load(const int32_t *a) { return (int_reg){_mm256_loadu_si256((const __m256i *)a)}; }
+static inline int_reg ri_and(int_reg a, int_reg b) { return (int_reg){_mm256_and_si256(a.v, b.v)}; }
+static inline int_reg ri_or(int_reg a, int_reg b) { return (int_reg){_mm256_or_si256(a.v, b.v)}; }
+static inline int_reg ri_xor(int_reg a, int_reg b) { return (int_reg){_mm256_xor_si256(a.v, b.v)}; }
+static inline int_reg ri_sub(int_reg a, int_reg b) { return (int_reg){_mm256_sub_epi32(a.v, b.v)}; }
+static inline int_reg ri_shift_right(int_reg a, int_reg by) { return (int_reg){_mm256_srlv_epi32(a.v, by.v)}; }
+static inline int_reg ri_shift_left(int_reg a, int_reg by) { return (int_reg){_mm256_sllv_epi32(a.v, by.v)}; }
+static inline mask_reg ri_eq(int_reg a, int_reg b) {
+    return (mask_reg){_mm256_castsi256_ps(_mm256_cmpeq_epi32(a.v, b.v))};
+}
+static inline int_reg ri_lookup(const int32_t table[16], int_reg k) {
     const __m256i *halves = (const __m256i *)table;
     const __m256 low = _mm256_castsi256_ps(_mm256_permutevar8x32_epi32(_mm256_loadu_si256(halves), k.v));
     const __m256 high = _mm256_castsi256_ps(_mm256_permutevar8x32_epi32(_mm256_loadu_si256(halves + 1), k.v));
     const __m256 upper = _mm256_castsi256_ps(_mm256_slli_epi32(k.v, 28)); /* bit 3 as the sign */
-    return (vint){_mm256_castps_si256(_mm256_blendv_ps(low, high, upper))};
+    return (int_reg){_mm256_castps_si256(_mm256_blendv_ps(low, high, upper))};
 }
 
-static inline vint vi_where(vmask m, vint a) { return (vint){_mm256_and_si256(a.v, _mm256_castps_si256(m.v))}; }
-static inline vfloat vf_flip(vfloat a, vfloat sign) { return (vfloat){_mm256_xor_ps(a.v, sign.v)}; }
-static inline vfloat vf_power_of_2(vint k) {
-    return (vfloat){_mm256_castsi256_ps(_mm256_slli_epi32(_mm256_add_epi32(k.v, _mm256_set1_epi32(127)), 23))};
+static inline int_reg ri_where(mask_reg m, int_reg a) {
+    return (int_reg){_mm256_and_si256(a.v, _mm256_castps_si256(m.v))};
+}
+static inline float_reg rf_flip(float_reg a, float_reg sign) { return (float_reg){_mm256_xor_ps(a.v, sign.v)}; }
+static inline float_reg rf_power_of_2(int_reg k) {
+    return (float_reg){_mm256_castsi256_ps(_mm256_slli_epi32(_mm256_add_epi32(k.v, _mm256_set1_epi32(127)), 23))};
 }
 
-static inline vmask vm_and(vmask a, vmask b) { return (vmask){_mm256_and_ps(a.v, b.v)}; }
-static inline vmask vm_or(vmask a, vmask b) { return (vmask){_mm256_or_ps(a.v, b.v)}; }
-static inline vmask vm_xor(vmask a, vmask b) { return (vmask){_mm256_xor_ps(a.v, b.v)}; }
-static inline vmask vm_andnot(vmask a, vmask b) { return (vmask){_mm256_andnot_ps(b.v, a.v)}; }
-static inline vmask vm_not(vmask a) { return (vmask){_mm256_xor_ps(a.v, _mm256_castsi256_ps(_mm256_set1_epi32(-1)))}; }
-static inline vmask vm_first(size_t n) {
+static inline mask_reg rm_and(mask_reg a, mask_reg b) { return (mask_reg){_mm256_and_ps(a.v, b.v)}; }
+static inline mask_reg rm_or(mask_reg a, mask_reg b) { return (mask_reg){_mm256_or_ps(a.v, b.v)}; }
+static inline mask_reg rm_xor(mask_reg a, mask_reg b) { return (mask_reg){_mm256_xor_ps(a.v, b.v)}; }
+static inline mask_reg rm_andnot(mask_reg a, mask_reg b) { return (mask_reg){_mm256_andnot_ps(b.v, a.v)}; }
+static inline mask_reg rm_not(mask_reg a) {
+    return (mask_reg){_mm256_xor_ps(a.v, _mm256_castsi256_ps(_mm256_set1_epi32(-1)))};
+}
+static inline mask_reg rm_first(size_t n) {
     const __m256i lane = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-    return (vmask){_mm256_castsi256_ps(_mm256_cmpgt_epi32(_mm256_set1_epi32((int32_t)n), lane))};
+    return (mask_reg){_mm256_castsi256_ps(_mm256_cmpgt_epi32(_mm256_set1_epi32((int32_t)n), lane))};
 }
-static inline vmask vm_from_bits(unsigned bits) {
+static inline mask_reg rm_from_bits(unsigned bits) {
     const __m256i bit = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
-    return (vmask){
+    return (mask_reg){
         _mm256_castsi256_ps(_mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32((int32_t)bits), bit), bit))};
 }
-static inline bool vm_any(vmask a) { return _mm256_movemask_ps(a.v) != 0; }
-static inline unsigned vm_bits(vmask a) { return (unsigned)_mm256_movemask_ps(a.v); }
+static inline bool rm_any(mask_reg a) { return _mm256_movemask_ps(a.v) != 0; }
+static inline unsigned rm_bits(mask_reg a) { return (unsigned)_mm256_movemask_ps(a.v); }
 
-static inline vfloat vf_gather(const float *base, vint index, vmask m) {
-    return (vfloat){_mm256_mask_i32gather_ps(_mm256_setzero_ps(), base, index.v, m.v, sizeof(float))};
+static inline float_reg rf_gather(const float *base, int_reg index, mask_reg m) {
+    return (float_reg){_mm256_mask_i32gather_ps(_mm256_setzero_ps(), base, index.v, m.v, sizeof(float))};
 }
 
 /* Lanes that are not negative, two a register, which halves the number of extractions. (GCC builds an array of all
@@ -108,7 +123,7 @@ static inline size_t lane_out(lane_pairs a, int k) {
 
 /* Each pair as one 8-byte load; shuffles then separate the two floats. CPUs that split a gather into dozens of
  * operations take less time for both vectors this way than for one gather. */
-CW_INLINE void vf_gather_pairs(const float *base, vint index, vmask m, vfloat *first, vfloat *second) {
+CW_INLINE void rf_gather_pairs(const float *base, int_reg index, mask_reg m, float_reg *first, float_reg *second) {
     const lane_pairs k = lanes_out(_mm256_and_si256(index.v, _mm256_castps_si256(m.v)));
     __m128 q[4];
     for (int p = 0; p < 4; p++) {
@@ -121,15 +136,8 @@ CW_INLINE void vf_gather_pairs(const float *base, vint index, vmask m, vfloat *f
     second->v = _mm256_shuffle_ps(low, high, 0xdd);
 }
 
-/* Lanes k and k + 4 share a register, then a 4 × 4 transpose within halves. Indices are doubled as a vector, so that an
- * address's own factor of 8 makes 16 bytes of them. */
-CW_INLINE void vf_gather_quads(const float *base, vint index, vmask m, vfloat out[4]) {
-    const __m256i safe = _mm256_and_si256(index.v, _mm256_castps_si256(m.v));
-    const lane_pairs k = lanes_out(_mm256_add_epi32(safe, safe));
-    __m256 r[4];
-    for (int q = 0; q < 4; q++)
-        r[q] = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(base + 2 * lane_out(k, q))),
-                                    _mm_load_ps(base + 2 * lane_out(k, q + 4)), 1);
+/* 4 × 4 transposes within halves. */
+CW_INLINE void transpose(const __m256 r[4], float_reg out[4]) {
     const __m256 a = _mm256_unpacklo_ps(r[0], r[1]), b = _mm256_unpackhi_ps(r[0], r[1]);
     const __m256 c = _mm256_unpacklo_ps(r[2], r[3]), d = _mm256_unpackhi_ps(r[2], r[3]);
     out[0].v = _mm256_shuffle_ps(a, c, 0x44);
@@ -138,62 +146,39 @@ CW_INLINE void vf_gather_quads(const float *base, vint index, vmask m, vfloat ou
     out[3].v = _mm256_shuffle_ps(b, d, 0xee);
 }
 
-/* Transposes 8 rays of 8 floats: pairs, pairs of pairs, halves. */
-CW_INLINE void vf_load_each_ray(const cw_ray *const rays[8], vfloat out[8]) {
-    __m256 r[8], s[8];
-    for (int k = 0; k < 8; k++) r[k] = _mm256_loadu_ps((const float *)rays[k]);
-    for (int k = 0; k < 4; k++) {
-        s[2 * k] = _mm256_unpacklo_ps(r[2 * k], r[2 * k + 1]);
-        s[2 * k + 1] = _mm256_unpackhi_ps(r[2 * k], r[2 * k + 1]);
-    }
-    for (int k = 0; k < 2; k++) {
-        r[4 * k + 0] = _mm256_shuffle_ps(s[4 * k], s[4 * k + 2], 0x44);
-        r[4 * k + 1] = _mm256_shuffle_ps(s[4 * k], s[4 * k + 2], 0xee);
-        r[4 * k + 2] = _mm256_shuffle_ps(s[4 * k + 1], s[4 * k + 3], 0x44);
-        r[4 * k + 3] = _mm256_shuffle_ps(s[4 * k + 1], s[4 * k + 3], 0xee);
-    }
-    for (int k = 0; k < 4; k++) {
-        out[k].v = _mm256_permute2f128_ps(r[k], r[4 + k], 0x20);
-        out[4 + k].v = _mm256_permute2f128_ps(r[k], r[4 + k], 0x31);
-    }
+/* Lanes k and k + 4 share a register. Indices are doubled as a vector, so that an address's own factor of 8 makes 16 bytes
+ * of them. */
+CW_INLINE void rf_gather_quads(const float *base, int_reg index, mask_reg m, float_reg out[4]) {
+    const __m256i safe = _mm256_and_si256(index.v, _mm256_castps_si256(m.v));
+    const lane_pairs k = lanes_out(_mm256_add_epi32(safe, safe));
+    __m256 r[4];
+    for (int q = 0; q < 4; q++)
+        r[q] = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(base + 2 * lane_out(k, q))),
+                                    _mm_load_ps(base + 2 * lane_out(k, q + 4)), 1);
+    transpose(r, out);
 }
-CW_INLINE void vf_load_rays(const cw_ray *rays, vfloat out[8]) {
-    const cw_ray *each[8];
-    for (int k = 0; k < 8; k++) each[k] = rays + k;
-    vf_load_each_ray(each, out);
+CW_INLINE void rf_load_quads(const float *const at[8], float_reg out[4]) {
+    __m256 r[4];
+    for (int q = 0; q < 4; q++)
+        r[q] = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(at[q])), _mm_loadu_ps(at[q + 4]), 1);
+    transpose(r, out);
 }
 
-/* In two halves, each compacted by a byte shuffle from a table of 16. Rejected: BMI2's pext and pdep, which need no
- * table. Not every CPU with AVX2 has them, and on some they take hundreds of cycles. */
-typedef struct vpick {
-    __m128i low, high;
-    int count; /* lanes of the low half */
-} vpick;
-/* The bytes of lane k are 4 k to 4 k + 3. */
-static inline __m128i vpick_half(int mask) {
-    static const uint8_t first[16][4] = {
-        {0, 0, 0, 0}, {0, 0, 0, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}, {2, 0, 0, 0}, {0, 2, 0, 0}, {1, 2, 0, 0}, {0, 1, 2, 0},
-        {3, 0, 0, 0}, {0, 3, 0, 0}, {1, 3, 0, 0}, {0, 1, 3, 0}, {2, 3, 0, 0}, {0, 2, 3, 0}, {1, 2, 3, 0}, {0, 1, 2, 3}};
-    int32_t lanes;
-    __builtin_memcpy(&lanes, first[mask], sizeof lanes);
-    const __m128i four = _mm_cvtepu8_epi32(_mm_cvtsi32_si128(lanes)); /* a lane's number in each */
-    return _mm_add_epi8(_mm_mullo_epi32(four, _mm_set1_epi32(0x04040404)), _mm_set1_epi32(0x03020100));
-}
-static inline vpick vpick_make(vmask m) {
-    const int mask = _mm256_movemask_ps(m.v);
-    return (vpick){vpick_half(mask & 15), vpick_half(mask >> 4), __builtin_popcount((unsigned)mask & 15)};
-}
-static inline void vf_store_picked(float *to, vfloat a, vpick pick) {
-    const __m128i low = _mm_castps_si128(_mm256_castps256_ps128(a.v));
-    const __m128i high = _mm_castps_si128(_mm256_extractf128_ps(a.v, 1));
-    _mm_storeu_ps(to, _mm_castsi128_ps(_mm_shuffle_epi8(low, pick.low)));
-    _mm_storeu_ps(to + pick.count, _mm_castsi128_ps(_mm_shuffle_epi8(high, pick.high)));
+CW_INLINE void rf_load_rays(const cw_ray *rays, float_reg out[8]) {
+    for (int half = 0; half < 2; half++) {
+        __m256 r[4];
+        for (int q = 0; q < 4; q++)
+            r[q] = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps((const float *)(rays + q) + 4 * half)),
+                                        _mm_loadu_ps((const float *)(rays + q + 4) + 4 * half), 1);
+        transpose(r, out + 4 * half);
+    }
 }
 
 /* Members in pairs of two; a hit is three pairs, four hits are three registers. Unpacking leaves pairs of lanes 0, 1
  * and 4, 5 in one register, of 2, 3 and 6, 7 in the other; the halves of registers are put in order as they are
  * stored. */
-CW_INLINE void vf_store_hits(cw_hit *hits, vfloat t, vfloat u, vfloat v, vfloat i, vfloat j, vmask b) {
+CW_INLINE void rf_store_hits(cw_hit *hits, float_reg t, float_reg u, float_reg v, float_reg i, float_reg j,
+                             mask_reg b) {
     const __m256 whole_i = _mm256_castsi256_ps(_mm256_cvttps_epi32(i.v));
     const __m256 whole_j = _mm256_castsi256_ps(_mm256_cvttps_epi32(j.v));
     const __m256 in_b = _mm256_and_ps(b.v, _mm256_castsi256_ps(_mm256_set1_epi32(1)));
@@ -213,10 +198,10 @@ CW_INLINE void vf_store_hits(cw_hit *hits, vfloat t, vfloat u, vfloat v, vfloat 
     }
 }
 
-static inline vmask vm_set(bool a) { return (vmask){_mm256_castsi256_ps(_mm256_set1_epi32(-(int32_t)a))}; }
+static inline mask_reg rm_set(bool a) { return (mask_reg){_mm256_castsi256_ps(_mm256_set1_epi32(-(int32_t)a))}; }
 
 /* By eights: a transpose in which each step takes minima. */
-CW_INLINE void vf_lowest_of_each(const vfloat a[16], float out[16]) {
+CW_INLINE void rf_lowest_of_each(const float_reg a[16], float out[16]) {
     for (int k = 0; k < 16; k += 8) {
         __m256 half[4]; /* of vectors k + q and k + 4 + q, a half each */
         for (int q = 0; q < 4; q++)
@@ -228,41 +213,30 @@ CW_INLINE void vf_lowest_of_each(const vfloat a[16], float out[16]) {
     }
 }
 
-typedef struct vdouble {
-    __m256d a, b; /* lanes 0 to 3, 4 to 7 */
-} vdouble;
+typedef struct double_reg {
+    __m256d v;
+} double_reg;
+#define DOUBLE_REGS 2
 
-static inline vdouble vd_set(double a) { return (vdouble){_mm256_set1_pd(a), _mm256_set1_pd(a)}; }
-static inline vdouble vd_from_vf(vfloat x) {
-    return (vdouble){_mm256_cvtps_pd(_mm256_castps256_ps128(x.v)), _mm256_cvtps_pd(_mm256_extractf128_ps(x.v, 1))};
+static inline double_reg rd_set(double a) { return (double_reg){_mm256_set1_pd(a)}; }
+static inline double_reg rd_from_rf(float_reg a, int k) {
+    return (double_reg){_mm256_cvtps_pd(k == 0 ? _mm256_castps256_ps128(a.v) : _mm256_extractf128_ps(a.v, 1))};
 }
-static inline vfloat vf_from_vd(vdouble x) {
-    return (vfloat){_mm256_insertf128_ps(_mm256_castps128_ps256(_mm256_cvtpd_ps(x.a)), _mm256_cvtpd_ps(x.b), 1)};
+static inline float_reg rf_from_rd(double_reg low, double_reg high) {
+    const __m256 first = _mm256_castps128_ps256(_mm256_cvtpd_ps(low.v));
+    return (float_reg){_mm256_insertf128_ps(first, _mm256_cvtpd_ps(high.v), 1)};
 }
-static inline vdouble vd_add(vdouble x, vdouble y) {
-    return (vdouble){_mm256_add_pd(x.a, y.a), _mm256_add_pd(x.b, y.b)};
-}
-static inline vdouble vd_sub(vdouble x, vdouble y) {
-    return (vdouble){_mm256_sub_pd(x.a, y.a), _mm256_sub_pd(x.b, y.b)};
-}
-static inline vdouble vd_mul(vdouble x, vdouble y) {
-    return (vdouble){_mm256_mul_pd(x.a, y.a), _mm256_mul_pd(x.b, y.b)};
-}
-static inline vdouble vd_div(vdouble x, vdouble y) {
-    return (vdouble){_mm256_div_pd(x.a, y.a), _mm256_div_pd(x.b, y.b)};
-}
-static inline vdouble vd_min(vdouble x, vdouble y) {
-    return (vdouble){_mm256_min_pd(x.a, y.a), _mm256_min_pd(x.b, y.b)};
-}
-static inline vdouble vd_max(vdouble x, vdouble y) {
-    return (vdouble){_mm256_max_pd(x.a, y.a), _mm256_max_pd(x.b, y.b)};
-}
-static inline vdouble vd_select(vmask m, vdouble x, vdouble y) {
+static inline double_reg rd_add(double_reg a, double_reg b) { return (double_reg){_mm256_add_pd(a.v, b.v)}; }
+static inline double_reg rd_sub(double_reg a, double_reg b) { return (double_reg){_mm256_sub_pd(a.v, b.v)}; }
+static inline double_reg rd_mul(double_reg a, double_reg b) { return (double_reg){_mm256_mul_pd(a.v, b.v)}; }
+static inline double_reg rd_div(double_reg a, double_reg b) { return (double_reg){_mm256_div_pd(a.v, b.v)}; }
+static inline double_reg rd_min(double_reg a, double_reg b) { return (double_reg){_mm256_min_pd(a.v, b.v)}; }
+static inline double_reg rd_max(double_reg a, double_reg b) { return (double_reg){_mm256_max_pd(a.v, b.v)}; }
+static inline double_reg rd_select(mask_reg m, int k, double_reg a, double_reg b) {
     const __m256i bits = _mm256_castps_si256(m.v);
-    const __m256i a = _mm256_cvtepi32_epi64(_mm256_castsi256_si128(bits));
-    const __m256i b = _mm256_cvtepi32_epi64(_mm256_extracti128_si256(bits, 1));
-    return (vdouble){_mm256_blendv_pd(y.a, x.a, _mm256_castsi256_pd(a)),
-                     _mm256_blendv_pd(y.b, x.b, _mm256_castsi256_pd(b))};
+    const __m256i wide =
+        _mm256_cvtepi32_epi64(k == 0 ? _mm256_castsi256_si128(bits) : _mm256_extracti128_si256(bits, 1));
+    return (double_reg){_mm256_blendv_pd(b.v, a.v, _mm256_castsi256_pd(wide))};
 }
 
 typedef struct vorder {
@@ -275,10 +249,10 @@ static inline vorder vorder_make(bool up_x, bool up_y) {
     return (vorder){up_x ? 0 : 3, up_y ? 0 : 3, up_x ? same : turned};
 }
 
-static inline vfloat vf_load_block(const float *row, ptrdiff_t step, const vorder *o, size_t k) {
+static inline float_reg rf_load_block(const float *row, ptrdiff_t step, const vorder *o, size_t k) {
     const float *near = row + (ptrdiff_t)(2 * k) * step;
     const __m256 rows = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(near)), _mm_loadu_ps(near + step), 1);
-    return (vfloat){_mm256_permutevar_ps(rows, o->column)};
+    return (float_reg){_mm256_permutevar_ps(rows, o->column)};
 }
 
 #endif

@@ -1,37 +1,246 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The vector vocabulary that the build names for this object, and the name of the code that comes of it:
+/* The vector vocabulary: the words of an instruction set (vec_*.h) for vectors of REGISTERS registers each.
  *
- *     CELLWALK_VOCABULARY  "vec_avx2.h", the header with the vectors' types and operations
- *     CELLWALK_PAIRS       defined where two such vectors go in lockstep as one
- *     CELLWALK_SUFFIX      8, of which CW_CODE(pyramid) makes cw_pyramid8
+ * CELLWALK_VOCABULARY is the header of the instruction set, from simd/CMakeLists.txt. It has W lanes a register, types
+ * float_reg, int_reg, mask_reg and double_reg, and the words rf_add, rm_and and so on for one register. Here vf_add is
+ * rf_add for each register of a vector, and so for all others. vec_scalar.h says what each word means.
  *
- * simd/CMakeLists.txt sets them. */
+ * Why two registers: a step of the lane walk is one chain of some forty dependent operations, longer than the CPU can look
+ * ahead, so one register leaves most of its units idle. Two in lockstep, operation by operation, are two chains at once.
+ * Rejected: vectors that take turns step by step, since the CPU still sees one chain at a time (papers/walks.md). */
 #ifndef CELLWALK_SIMD_VOCABULARY_H
 #define CELLWALK_SIMD_VOCABULARY_H
 
-/* For bodies that take constant arguments (leaf test, kind of query) or a ray by pointer: unless it is inlined, a compiler
- * keeps the choice at run time and writes the ray's twenty vectors to the stack for the call. */
-#define CW_INLINE static inline __attribute__((always_inline))
-
-/* For bodies of which one copy serves all callers, whatever constants they pass. */
-#ifdef __clang__
-#define CW_ONE_COPY static __attribute__((noinline))
-#else
-#define CW_ONE_COPY static __attribute__((noipa))
-#endif
-
-#ifdef CELLWALK_PAIRS
-#include "vec_half.h"
-#endif
+#include "inline.h"
 
 #include CELLWALK_VOCABULARY
 
-#ifdef CELLWALK_PAIRS
-#include "vec_twice.h"
+#include <string.h>
+
+/* Names with the width of the instruction set: CW_CODE(pyramid) is cw_pyramid1, cw_pyramid4, cw_pyramid8 or cw_pyramid16. */
+#define CW_PASTE(kind, width)   cw_##kind##width
+#define CW_CODE_OF(kind, width) CW_PASTE(kind, width)
+#define CW_CODE(kind)           CW_CODE_OF(kind, W)
+
+/* W: lanes of a register. LANES: lanes of a vector. */
+enum { LANES = REGISTERS * W };
+
+/* What is there for a second register alone. */
+#if REGISTERS == 1
+#define SECOND(...)
+#else
+#define SECOND(...) __VA_ARGS__
 #endif
 
-#define CW_PASTE(kind, suffix)   cw_##kind##suffix
-#define CW_CODE_OF(kind, suffix) CW_PASTE(kind, suffix)
-#define CW_CODE(kind)            CW_CODE_OF(kind, CELLWALK_SUFFIX)
+/* Rejected: arrays of registers and loops over them, which GCC copies through memory (papers/walks.md). Words are inlined as those
+ * of registers are, or GCC does not inline these before it takes vectors apart. */
+typedef struct vfloat {
+    float_reg a;
+    SECOND(float_reg b;)
+} vfloat;
+typedef struct vint {
+    int_reg a;
+    SECOND(int_reg b;)
+} vint;
+typedef struct vmask {
+    mask_reg a;
+    SECOND(mask_reg b;)
+} vmask;
+
+/* Doubles: of(d, half, r) makes member d of the result from the half numbered half of register r. */
+#if DOUBLE_REGS == 1
+typedef struct vdouble {
+    double_reg d0;
+    SECOND(double_reg d1;)
+} vdouble;
+#define DOUBLES(of)                                                                                                    \
+    (vdouble) { of(d0, 0, a) SECOND(, of(d1, 0, b)) }
+#else
+typedef struct vdouble {
+    double_reg d0, d1;
+    SECOND(double_reg d2, d3;)
+} vdouble;
+#define DOUBLES(of)                                                                                                    \
+    (vdouble) { of(d0, 0, a), of(d1, 1, a) SECOND(, of(d2, 0, b), of(d3, 1, b)) }
+#endif
+
+/* A word that does the same in each lane, of one to three vectors. */
+#define ONE(result, word, of, type)                                                                                    \
+    static inline result word(type x) { return (result){of(x.a) SECOND(, of(x.b))}; }
+#define TWO(result, word, of, left, right)                                                                             \
+    static inline result word(left x, right y) { return (result){of(x.a, y.a) SECOND(, of(x.b, y.b))}; }
+#define THREE(result, word, of, first, type)                                                                           \
+    static inline result word(first x, type y, type z) {                                                               \
+        return (result){of(x.a, y.a, z.a) SECOND(, of(x.b, y.b, z.b))};                                                \
+    }
+#define SAME(result, word, of, type)                                                                                   \
+    static inline result word(type x) { return (result){of(x) SECOND(, of(x))}; }
+#define MEMORY(vector, load, of_load, store, of_store, type)                                                           \
+    static inline vector load(const type *from) { return (vector){of_load(from) SECOND(, of_load(from + W))}; }        \
+    static inline void store(type *to, vector x) {                                                                     \
+        of_store(to, x.a);                                                                                             \
+        SECOND(of_store(to + W, x.b);)                                                                                 \
+    }
+
+/* clang-format off: a word a line */
+SAME(vfloat, vf_set, rf_set, float)
+SAME(vint, vi_set, ri_set, int32_t)
+SAME(vmask, vm_set, rm_set, bool)
+MEMORY(vfloat, vf_load, rf_load, vf_store, rf_store, float)
+MEMORY(vint, vi_load, ri_load, vi_store, ri_store, int32_t)
+THREE(vfloat, vf_select, rf_select, vmask, vfloat)
+THREE(vint, vi_select, ri_select, vmask, vint)
+TWO(vfloat, vf_add, rf_add, vfloat, vfloat)
+TWO(vfloat, vf_sub, rf_sub, vfloat, vfloat)
+TWO(vfloat, vf_mul, rf_mul, vfloat, vfloat)
+TWO(vfloat, vf_div, rf_div, vfloat, vfloat)
+THREE(vfloat, vf_fma, rf_fma, vfloat, vfloat)
+THREE(vfloat, vf_fnma, rf_fnma, vfloat, vfloat)
+TWO(vfloat, vf_min, rf_min, vfloat, vfloat)
+TWO(vfloat, vf_max, rf_max, vfloat, vfloat)
+TWO(vfloat, vf_flip, rf_flip, vfloat, vfloat)
+ONE(vfloat, vf_abs, rf_abs, vfloat)
+ONE(vfloat, vf_floor, rf_floor, vfloat)
+ONE(vfloat, vf_from_vi, rf_from_ri, vint)
+ONE(vfloat, vf_power_of_2, rf_power_of_2, vint)
+ONE(vint, vi_from_vf, ri_from_rf, vfloat)
+TWO(vmask, vf_lt, rf_lt, vfloat, vfloat)
+TWO(vmask, vf_le, rf_le, vfloat, vfloat)
+TWO(vmask, vf_gt, rf_gt, vfloat, vfloat)
+TWO(vmask, vf_ge, rf_ge, vfloat, vfloat)
+TWO(vmask, vf_eq, rf_eq, vfloat, vfloat)
+TWO(vint, vi_add, ri_add, vint, vint)
+TWO(vint, vi_sub, ri_sub, vint, vint)
+TWO(vint, vi_mul, ri_mul, vint, vint)
+TWO(vint, vi_and, ri_and, vint, vint)
+TWO(vint, vi_or, ri_or, vint, vint)
+TWO(vint, vi_xor, ri_xor, vint, vint)
+TWO(vint, vi_shift_left, ri_shift_left, vint, vint)
+TWO(vint, vi_shift_right, ri_shift_right, vint, vint)
+TWO(vint, vi_where, ri_where, vmask, vint)
+TWO(vmask, vi_eq, ri_eq, vint, vint)
+TWO(vmask, vm_and, rm_and, vmask, vmask)
+TWO(vmask, vm_or, rm_or, vmask, vmask)
+TWO(vmask, vm_xor, rm_xor, vmask, vmask)
+TWO(vmask, vm_andnot, rm_andnot, vmask, vmask)
+ONE(vmask, vm_not, rm_not, vmask)
+#define OF(d, half, r) rd_set(x)
+static inline vdouble vd_set(double x) { return DOUBLES(OF); }
+#undef OF
+#define OF(d, half, r) rd_from_rf(x.r, half)
+static inline vdouble vd_from_vf(vfloat x) { return DOUBLES(OF); }
+#undef OF
+#define OF(d, half, r) rd_select(m.r, half, x.d, y.d)
+static inline vdouble vd_select(vmask m, vdouble x, vdouble y) { return DOUBLES(OF); }
+#undef OF
+#define OF(d, half, r) rd_add(x.d, y.d)
+static inline vdouble vd_add(vdouble x, vdouble y) { return DOUBLES(OF); }
+#undef OF
+#define OF(d, half, r) rd_sub(x.d, y.d)
+static inline vdouble vd_sub(vdouble x, vdouble y) { return DOUBLES(OF); }
+#undef OF
+#define OF(d, half, r) rd_mul(x.d, y.d)
+static inline vdouble vd_mul(vdouble x, vdouble y) { return DOUBLES(OF); }
+#undef OF
+#define OF(d, half, r) rd_div(x.d, y.d)
+static inline vdouble vd_div(vdouble x, vdouble y) { return DOUBLES(OF); }
+#undef OF
+#define OF(d, half, r) rd_min(x.d, y.d)
+static inline vdouble vd_min(vdouble x, vdouble y) { return DOUBLES(OF); }
+#undef OF
+#define OF(d, half, r) rd_max(x.d, y.d)
+static inline vdouble vd_max(vdouble x, vdouble y) { return DOUBLES(OF); }
+#undef OF
+#if DOUBLE_REGS == 1
+static inline vfloat vf_from_vd(vdouble x) { return (vfloat){rf_from_rd(x.d0) SECOND(, rf_from_rd(x.d1))}; }
+#else
+static inline vfloat vf_from_vd(vdouble x) { return (vfloat){rf_from_rd(x.d0, x.d1) SECOND(, rf_from_rd(x.d2, x.d3))}; }
+#endif
+static inline vint vi_lookup(const int32_t table[16], vint k) {
+    return (vint){ri_lookup(table, k.a) SECOND(, ri_lookup(table, k.b))};
+}
+/* clang-format on */
+
+#undef ONE
+#undef TWO
+#undef THREE
+#undef SAME
+#undef MEMORY
+
+static inline vmask vm_first(size_t n) { return (vmask){rm_first(n) SECOND(, rm_first(n < W ? 0 : n - W))}; }
+static inline vmask vm_from_bits(unsigned bits) {
+    return (vmask){rm_from_bits(bits) SECOND(, rm_from_bits(bits >> W))};
+}
+static inline bool vm_any(vmask a) {
+    mask_reg some = a.a;
+    SECOND(some = rm_or(some, a.b);)
+    return rm_any(some);
+}
+static inline unsigned vm_bits(vmask a) { return rm_bits(a.a) SECOND(| rm_bits(a.b) << W); }
+
+/* Lane k of a vector in memory. */
+static inline float vf_lane(const vfloat *a, unsigned k) {
+    float lane;
+    memcpy(&lane, (const char *)a + k * sizeof lane, sizeof lane);
+    return lane;
+}
+
+static inline vfloat vf_gather(const float *base, vint index, vmask m) {
+    return (vfloat){rf_gather(base, index.a, m.a) SECOND(, rf_gather(base, index.b, m.b))};
+}
+CW_INLINE void vf_gather_pairs(const float *base, vint index, vmask m, vfloat *first, vfloat *second) {
+    rf_gather_pairs(base, index.a, m.a, &first->a, &second->a);
+    SECOND(rf_gather_pairs(base, index.b, m.b, &first->b, &second->b);)
+}
+
+/* Puts n vectors together from their registers. */
+CW_INLINE void join(const float_reg *first, const float_reg *second, vfloat *out, size_t n) {
+    (void)second;
+    for (size_t k = 0; k < n; k++) out[k] = (vfloat){first[k] SECOND(, second[k])};
+}
+CW_INLINE void vf_gather_quads(const float *base, vint index, vmask m, vfloat out[4]) {
+    float_reg quad[REGISTERS][4];
+    rf_gather_quads(base, index.a, m.a, quad[0]);
+    SECOND(rf_gather_quads(base, index.b, m.b, quad[1]);)
+    join(quad[0], quad[REGISTERS - 1], out, 4);
+}
+
+/* Rays anywhere, a pointer a lane, to one vector each of org x y z, tmin, dir x y z, tmax. */
+CW_INLINE void vf_load_each_ray(const cw_ray *const rays[LANES], vfloat out[8]) {
+    float_reg quad[REGISTERS][8];
+    for (int r = 0; r < REGISTERS; r++)
+        for (int half = 0; half < 2; half++) {
+            const float *at[W];
+            for (int k = 0; k < W; k++) at[k] = (const float *)rays[r * W + k] + 4 * half;
+            rf_load_quads(at, quad[r] + 4 * half);
+        }
+    join(quad[0], quad[REGISTERS - 1], out, 8);
+}
+/* The same of consecutive rays. */
+CW_INLINE void vf_load_rays(const cw_ray *rays, vfloat out[8]) {
+    float_reg member[REGISTERS][8];
+    for (int r = 0; r < REGISTERS; r++) rf_load_rays(rays + r * W, member[r]);
+    join(member[0], member[REGISTERS - 1], out, 8);
+}
+CW_INLINE void vf_store_hits(cw_hit *hits, vfloat t, vfloat u, vfloat v, vfloat i, vfloat j, vmask b) {
+    rf_store_hits(hits, t.a, u.a, v.a, i.a, j.a, b.a);
+    SECOND(rf_store_hits(hits + W, t.b, u.b, v.b, i.b, j.b, b.b);)
+}
+
+CW_INLINE void vf_lowest_of_each(const vfloat a[16], float out[16]) {
+    float_reg lowest[16];
+    for (int k = 0; k < 16; k++) {
+        lowest[k] = a[k].a;
+        SECOND(lowest[k] = rf_min(lowest[k], a[k].b);)
+    }
+    rf_lowest_of_each(lowest, out);
+}
+
+static inline vfloat vf_load_block(const float *row, ptrdiff_t step, const vorder *o, size_t k) {
+    return (vfloat){rf_load_block(row, step, o, REGISTERS * k) SECOND(, rf_load_block(row, step, o, 2 * k + 1))};
+}
+
+#undef DOUBLES
+#undef SECOND
 
 #endif

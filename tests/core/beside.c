@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Rays beside a tilted plane, for hundreds of cells nearer to it than slabs can resolve: the close walk
- * (simd/close_walk.inc.h) ends them, and gives the same bits as the plain walk from cell to cell. Planes of any slope and
+ * (simd/close_walk.h) ends them, and gives the same bits as the plain walk from cell to cell. Planes of any slope and
  * size, also of denormal heights or far from zero, plain, rippled, with fins across the ray's way and with holes; rays
  * parallel to them or nearly so, from within the field, from its border, from behind it, and from where rays are moved.
  * There is no tolerance. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Rays that climb out of the terrain from next to the corner of a node: the pyramid kernels, which end such a walk early
- * (simd/climb.inc.h), give the same bits as the plain walk from cell to cell. Rounding decides in which of the four nodes
+ * (simd/climb.h), give the same bits as the plain walk from cell to cell. Rounding decides in which of the four nodes
  * a ray's beginning lies, and which it enters first. Towers stand beside the corners, so that one cell more or less shows.
  * Ranges begin a few floats before or behind the corner, at negative t too; directions have zeros of either sign; some
  * origins lie so far out that floats there are an eighth of a cell apart. There is no tolerance. */

@@ -1,5 +1,5 @@
 # The words of each row of simd/CMakeLists.txt, as cellwalk_test_words, for tests/core/vocabulary.c: with the row's vocabulary and
-# flags, and once more in pairs of vectors. A new row there needs no edit here.
+# flags, and once more in vectors of two registers. A new row there needs no edit here.
 
 add_library(cellwalk_test_words STATIC EXCLUDE_FROM_ALL)
 set(cellwalk_words_targets)
@@ -17,9 +17,9 @@ foreach(kernel IN LISTS kernels)
         set(target cellwalk_words_${suffix})
         add_library(${target} OBJECT EXCLUDE_FROM_ALL ${CMAKE_CURRENT_LIST_DIR}/../core/vocabulary/words.c)
         target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/simd/vocabulary ${PROJECT_SOURCE_DIR}/include)
-        target_compile_definitions(${target} PRIVATE ${definitions} CELLWALK_SUFFIX=${suffix})
+        target_compile_definitions(${target} PRIVATE ${definitions} WORDS_SUFFIX=${suffix})
         if(suffix MATCHES "x2$")
-            target_compile_definitions(${target} PRIVATE CELLWALK_PAIRS)
+            target_compile_definitions(${target} PRIVATE REGISTERS=2)
         endif()
         if(options)
             target_compile_options(${target} PRIVATE ${options})

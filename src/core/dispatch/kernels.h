@@ -39,11 +39,11 @@ cw_leaf cw_kernel_default_leaf(const cw_kernel *kernel);
 /* src/scalar/ */
 extern const cw_kernel_code cw_brute, cw_cell, cw_grid3d;
 
-/* simd/packet.c and simd/pyramid.c, each compiled for the rows of the table in simd/CMakeLists.txt */
+/* simd/packet_kernel.c and simd/pyramid_kernel.c, each compiled for the rows of the table in simd/CMakeLists.txt */
 extern const cw_kernel_code cw_packet4, cw_packet8, cw_packet16;
 extern const cw_kernel_code cw_pyramid1, cw_pyramid4, cw_pyramid8, cw_pyramid16;
 
-/* simd/heading.c */
+/* simd/heading_kernel.c */
 cw_heading_fn cw_heading1, cw_heading4, cw_heading8, cw_heading16;
 
 #endif

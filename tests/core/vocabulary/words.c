@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The words of one vocabulary, for tests/core/vocabulary.c. Built once for each row of simd/CMakeLists.txt, and once more in
- * pairs of vectors. */
+ * vectors of two registers. */
 
 #include "vocabulary.h"
 
@@ -27,7 +27,7 @@ static inline vdouble get_doubles(const double *from) {
 }
 static inline vmask get_mask(const bool *from) {
     unsigned bits = 0;
-    for (unsigned k = 0; k < W; k++) bits |= (unsigned)from[k] << k;
+    for (unsigned k = 0; k < LANES; k++) bits |= (unsigned)from[k] << k;
     return vm_from_bits(bits);
 }
 static inline void put_floats(float *to, vfloat a) { memcpy(to, &a, sizeof a); }
@@ -35,16 +35,16 @@ static inline void put_ints(int32_t *to, vint a) { memcpy(to, &a, sizeof a); }
 static inline void put_doubles(double *to, vdouble a) { memcpy(to, &a, sizeof a); }
 static inline void put_mask(uint8_t *to, vmask a) {
     const unsigned bits = vm_bits(a);
-    for (unsigned k = 0; k < W; k++) to[k] = bits >> k & 1;
+    for (unsigned k = 0; k < LANES; k++) to[k] = bits >> k & 1;
 }
-_Static_assert(sizeof(vfloat) == sizeof(float[W]) && sizeof(vint) == sizeof(int32_t[W]) &&
-                   sizeof(vdouble) == sizeof(double[W]),
+_Static_assert(sizeof(vfloat) == sizeof(float[LANES]) && sizeof(vint) == sizeof(int32_t[LANES]) &&
+                   sizeof(vdouble) == sizeof(double[LANES]),
                "vectors hold more than their lanes");
 
 /* A place in memory with room for the rows of a block on both sides. */
 static inline const float *block(const word_in *in, size_t from) { return in->memory + 64 + from; }
 /* The number of the vector in a block, or of the lane if that is all there is. */
-#define BLOCK_PART (W == 1 ? in->block_lane : in->block_vector)
+#define BLOCK_PART (LANES == 1 ? in->block_lane : in->block_vector)
 
 #define FLOATS(operand)    get_floats(in->operand)
 #define INTS(operand)      get_ints(in->operand)
@@ -68,7 +68,9 @@ static const word words[] = {
 };
 #undef WORD
 
+#define WORDS_PASTE(suffix)   cw_words_##suffix
+#define WORDS_ROW(suffix)     WORDS_PASTE(suffix)
 #define WORDS_TEXT_OF(suffix) #suffix
 #define WORDS_TEXT(suffix)    WORDS_TEXT_OF(suffix)
-extern const word_row CW_CODE(words_);
-const word_row CW_CODE(words_) = {WORDS_TEXT(CELLWALK_SUFFIX), W, sizeof words / sizeof words[0], words};
+extern const word_row WORDS_ROW(WORDS_SUFFIX);
+const word_row WORDS_ROW(WORDS_SUFFIX) = {WORDS_TEXT(WORDS_SUFFIX), LANES, sizeof words / sizeof words[0], words};

@@ -55,6 +55,8 @@ typedef struct word_out {
 typedef enum word_result {
     GIVES_BITS,    /* f[0], bit for bit: nothing is computed */
     GIVES_NUMBERS, /* f[0], bit for bit but that a NaN may be any */
+    GIVES_FMA,     /* f[0], rounded once or twice, a NaN may be any */
+    GIVES_FNMA,    /* the same */
     GIVES_2,       /* f[0] and f[1], bit for bit */
     GIVES_4,
     GIVES_8,
@@ -63,7 +65,6 @@ typedef enum word_result {
     GIVES_DOUBLES_NAN, /* bit for bit but that a NaN may be any */
     GIVES_MASK,
     GIVES_HITS,
-    GIVES_PICKED,    /* f[0], as many as lanes are picked */
     GIVES_MASK_BITS, /* bits */
     GIVES_ANY,       /* is_any */
     GIVES_LOWEST     /* each; zeros of either sign are the same */

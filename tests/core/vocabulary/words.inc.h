@@ -10,6 +10,8 @@ WORD(vf_add, GIVES_NUMBERS, TO_FLOATS(vf_add(FLOATS(any[0]), FLOATS(any[1]))))
 WORD(vf_sub, GIVES_NUMBERS, TO_FLOATS(vf_sub(FLOATS(any[0]), FLOATS(any[1]))))
 WORD(vf_mul, GIVES_NUMBERS, TO_FLOATS(vf_mul(FLOATS(any[0]), FLOATS(any[1]))))
 WORD(vf_div, GIVES_NUMBERS, TO_FLOATS(vf_div(FLOATS(any[0]), FLOATS(any[1]))))
+WORD(vf_fma, GIVES_FMA, TO_FLOATS(vf_fma(FLOATS(any[0]), FLOATS(any[1]), FLOATS(any[2]))))
+WORD(vf_fnma, GIVES_FNMA, TO_FLOATS(vf_fnma(FLOATS(any[0]), FLOATS(any[1]), FLOATS(any[2]))))
 WORD(vf_min, GIVES_BITS, TO_FLOATS(vf_min(FLOATS(any[0]), FLOATS(any[1]))))
 WORD(vf_max, GIVES_BITS, TO_FLOATS(vf_max(FLOATS(any[0]), FLOATS(any[1]))))
 WORD(vf_abs, GIVES_BITS, TO_FLOATS(vf_abs(FLOATS(any[0]))))
@@ -55,8 +57,7 @@ WORD(vf_gather_pairs, GIVES_2, vfloat r[2]; vf_gather_pairs(in->memory, INTS(ind
 WORD(vf_gather_quads, GIVES_4, vfloat r[4]; vf_gather_quads(in->memory, INTS(index), MASK(0), r); TO_EACH_FLOATS(r, 4))
 WORD(vf_load_rays, GIVES_8, vfloat r[8]; vf_load_rays(in->ray, r); TO_EACH_FLOATS(r, 8))
 WORD(vf_load_each_ray, GIVES_8, vfloat r[8]; vf_load_each_ray(in->each, r); TO_EACH_FLOATS(r, 8))
-WORD(vpick_make, GIVES_PICKED, vf_store_picked(out->f[0], FLOATS(any[0]), vpick_make(MASK(0))))
-WORD(vf_store_picked, GIVES_PICKED, vf_store_picked(out->f[0], FLOATS(any[1]), vpick_make(MASK(1))))
+WORD(vf_lane, GIVES_BITS, const vfloat a = FLOATS(any[0]); for (unsigned k = 0; k < LANES; k++) out->f[0][k] = vf_lane(&a, k))
 WORD(vf_store_hits, GIVES_HITS,
      vf_store_hits(out->hit, FLOATS(any[0]), FLOATS(any[1]), FLOATS(any[2]), FLOATS(whole[0]), FLOATS(whole[1]),
                    MASK(0)))

@@ -173,4 +173,5 @@ static void bound_row(float *to, const float *from, const ptrdiff_t *at, size_t 
     }
 }
 
+/* cw_visible1, cw_visible4, cw_visible8 or cw_visible16. */
 const visible_code CW_CODE(visible) = {walk_group, bound_row};

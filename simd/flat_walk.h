@@ -7,6 +7,12 @@
  *
  * Rejected: carrying the two samples that the new cell shares with the old one. A lane steps in x or in y, so two
  * selects a sample would replace two loads from lines that are in the first-level cache already. */
+#ifndef CELLWALK_SIMD_FLAT_WALK_H
+#define CELLWALK_SIMD_FLAT_WALK_H
+
+#include "vector_moller_trumbore.h"
+#include "vector_refine.h"
+#include "vector_watertight.h"
 
 typedef struct packet {
     vray r;
@@ -137,3 +143,5 @@ static inline void packet_hits(const packet *l, const vstart *start, cw_hit *hit
                   vf_select(l->found, h.v, zero), vf_select(l->found, l->hit.i, none),
                   vf_select(l->found, l->hit.j, none), vm_and(l->found, l->hit.find.b));
 }
+
+#endif

@@ -20,13 +20,90 @@
  * bound a displaced triangle). We know of no pyramid of slabs over a height field. Rejected: testing 16 children of
  * one ray's node at once. It takes as many instructions, mispredicts more branches and gains less from wider vectors
  * (papers/walks.md). */
+#ifndef CELLWALK_SIMD_LANE_WALK_H
+#define CELLWALK_SIMD_LANE_WALK_H
+
+#include "lane_queue.h"
+#include "pyramid.h"
+#include "vector_watertight.h"
+#if REGISTERS == 1
+#include "vector_refine.h"
+#endif
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+/* ---- finds, and their conversion to hits ---- */
+
+/* The first n lanes, a bit each. */
+static inline unsigned first_lanes(size_t n) { return (unsigned)(((uint64_t)1 << n) - 1); }
+
+#if REGISTERS == 1 /* vectors of two registers call it, too */
+CW_ONE_COPY void CW_CODE(lane_write)(const lane_answers *a, const cw_field *f, size_t first, size_t count) {
+    const cw_ray *rays[W];
+    for (size_t k = 0; k < W; k++) rays[k] = &a->rays[a->number[first + (k < count ? k : 0)]];
+    const found_hits found = {{vf_load(a->t0 + first), vf_load(a->t1 + first), vf_gt(vf_load(a->b + first), vf_set(0))},
+                              vf_load(a->i + first),
+                              vf_load(a->j + first),
+                              vf_load(a->h00 + first),
+                              vf_load(a->corner + first),
+                              vf_load(a->h11 + first)};
+    vfloat c[8];
+    vf_load_each_ray(rays, c);
+    vstart s;
+    restart_rays(&s, f, c);
+    const vhit h = refine_hits(&s, &found);
+    scatter_hits(&h, &found, first_lanes(count), a->number + first, a->hits);
+}
+#endif
+
+/* Turns all finds into hits. Lanes beyond the last find would else be computed from numbers that nothing has set. */
+static inline void write_rest(lane_answers *a, const cw_field *f) {
+    float *const numbers[FOUND_NUMBERS] = {a->t0, a->t1, a->i, a->j, a->h00, a->corner, a->h11, a->b};
+    while (a->found > 0) {
+        const size_t count = a->found < W ? a->found : W;
+        for (int k = 0; k < FOUND_NUMBERS; k++)
+            for (size_t m = count; m < W; m++) numbers[k][m] = 0;
+        CW_CODE(lane_write)(a, f, a->found -= count, count);
+    }
+}
+
+/* Adds a ray's find, of which find holds t0, t1, i, j, h00, corner, h11 and b, in this order. */
+CW_INLINE void one_found(lane_answers *a, const cw_field *f, uint32_t ray, const float find[FOUND_NUMBERS]) {
+    if (a->occluded) {
+        a->occluded[ray] = 1;
+        return;
+    }
+    float *const to[FOUND_NUMBERS] = {a->t0, a->t1, a->i, a->j, a->h00, a->corner, a->h11, a->b};
+    for (int k = 0; k < FOUND_NUMBERS; k++) to[k][a->found] = find[k];
+    a->number[a->found++] = ray;
+    if (a->found >= W) CW_CODE(lane_write)(a, f, a->found -= W, W);
+}
+
+/* The same for the lanes of bits, mostly two or three. Not inlined, as it would take registers from the walk. */
+static __attribute__((noinline)) void lanes_found(lane_answers *a, const cw_field *f, const uint32_t ray[LANES],
+                                                  unsigned bits, const vfind *find, const vcell *c) {
+    const unsigned b = vm_bits(find->b);
+    for (; bits != 0; bits &= bits - 1) {
+        const unsigned k = (unsigned)__builtin_ctz(bits);
+        const bool in_b = b >> k & 1;
+        const float one[FOUND_NUMBERS] = {vf_lane(&find->t0, k), vf_lane(&find->t1, k),
+                                          vf_lane(&c->i, k),     vf_lane(&c->j, k),
+                                          vf_lane(&c->h00, k),   vf_lane(in_b ? &c->h01 : &c->h10, k),
+                                          vf_lane(&c->h11, k),   in_b};
+        one_found(a, f, ray[k], one);
+    }
+}
+
+/* ---- the walk ---- */
 
 /* REFILL_AT: empty lanes at which they are refilled. LEAF_AT: lanes waiting at a cell at which cells are tested.
  * papers/walks.md has the measurements of other thresholds. */
-enum { REFILL_AT = W < 4 ? 1 : W < 16 ? W / 4 : 4, LEAF_AT = (3 * W + 7) / 8 };
+enum { REFILL_AT = LANES < 4 ? 1 : LANES < 16 ? LANES / 4 : 4, LEAF_AT = (3 * LANES + 7) / 8 };
 
-/* If the queue is empty, a pair of vectors stops when one vector can hold the rest. */
-enum { LANES_LEFT = (int)W > (int)QUEUE_W ? QUEUE_W : 0 };
+/* If the queue is empty, two registers stop when one can hold the rest. */
+enum { LANES_LEFT = REGISTERS == 2 ? W : 0 };
 
 /* The part of a lane's state that changes from step to step, in registers between two refills. The rest is in
  * lane_rays. */
@@ -79,7 +156,7 @@ typedef struct lane_axis {
     vfloat org, dir, corner, border, out;
 } lane_axis;
 
-CW_INLINE lane_axis look_along(float f[RAY_AXIS][LANES], vint corner, vfloat side) {
+CW_INLINE lane_axis look_along(float f[RAY_AXIS][SLOTS], vint corner, vfloat side) {
     lane_axis a;
     a.org = vf_load(f[RAY_ORG]);
     a.dir = vf_load(f[RAY_DIR]);
@@ -90,7 +167,7 @@ CW_INLINE lane_axis look_along(float f[RAY_AXIS][LANES], vint corner, vfloat sid
 }
 
 /* An axis without mirroring, for leaf tests. */
-CW_INLINE void turn_back(vaxis *a, float f[RAY_AXIS][LANES], vint turned) {
+CW_INLINE void turn_back(vaxis *a, float f[RAY_AXIS][SLOTS], vint turned) {
     const vfloat sign = vf_load(f[RAY_SIGN]);
     a->org = vf_flip(vf_load(f[RAY_ORG]), sign);
     a->dir = vf_flip(vf_load(f[RAY_DIR]), sign);
@@ -98,11 +175,11 @@ CW_INLINE void turn_back(vaxis *a, float f[RAY_AXIS][LANES], vint turned) {
 }
 
 /* Tests the cells at which lanes wait; returns the lanes that hit. */
-CW_INLINE vmask lane_leaf(lane_rays *rays, const uint32_t ray[W], const cw_field *f, const lane_state *s,
+CW_INLINE vmask lane_leaf(lane_rays *rays, const uint32_t ray[LANES], const cw_field *f, const lane_state *s,
                           const lane_axis axis[2], vmask waits, lane_answers *answers) {
     const vint turned_x = vi_load(rays->i[RAY_TURNED_X]), turned_y = vi_load(rays->i[RAY_TURNED_Y]);
     const vint i = vi_xor(s->x, turned_x), j = vi_xor(s->y, turned_y);
-    float(*fx)[LANES] = rays->f, (*fy)[LANES] = rays->f + RAY_AXIS;
+    float(*fx)[SLOTS] = rays->f, (*fy)[SLOTS] = rays->f + RAY_AXIS;
     vray r; /* no initialisers: they would clear all of it first */
     turn_back(&r.x, fx, turned_x);
     turn_back(&r.y, fy, turned_y);
@@ -125,8 +202,8 @@ CW_INLINE vmask lane_leaf(lane_rays *rays, const uint32_t ray[W], const cw_field
     const vmask gate = vm_and(waits, cell_gate(&r, &c));
     if (!vm_any(gate)) return gate;
     vfind find;
-    const vmask found = leaf_test(CW_LEAF_WATERTIGHT, &r, &c, gate, &find);
-    if (vm_any(found)) lane_found(answers, f, ray, found, &find, &c);
+    const vmask found = wt_cell(&r, &c, gate, &find);
+    if (vm_any(found)) lanes_found(answers, f, ray, vm_bits(found), &find, &c);
     return found;
 }
 
@@ -140,15 +217,15 @@ CW_INLINE lane_plane above_plane(const lane_rays *rays, const lane_axis axis[2],
     const vfloat x = vf_sub(axis[0].org, vf_add(axis[0].corner, half_side)); /* from the node's middle */
     const vfloat y = vf_sub(axis[1].org, vf_add(axis[1].corner, half_side));
     return (lane_plane){
-        vf_sub(vf_sub(vf_load(rays->f[RAY_OZ]), vf_mul(slope[0], x)), vf_mul(slope[1], y)),
-        vf_sub(vf_sub(vf_load(rays->f[RAY_DZ]), vf_mul(slope[0], axis[0].dir)), vf_mul(slope[1], axis[1].dir)),
+        vf_fnma(slope[1], y, vf_fnma(slope[0], x, vf_load(rays->f[RAY_OZ]))),
+        vf_fnma(slope[1], axis[1].dir, vf_fnma(slope[0], axis[0].dir, vf_load(rays->f[RAY_DZ]))),
     };
 }
 
 /* Number along the axis, of 0 to 3, of the child in which the ray is at t, or of an earlier one. */
-CW_INLINE vint child_at(float f[RAY_AXIS][LANES], const lane_axis *a, vfloat t, vfloat inverse_side) {
+CW_INLINE vint child_at(float f[RAY_AXIS][SLOTS], const lane_axis *a, vfloat t, vfloat inverse_side) {
     const vfloat last = vf_sub(vf_load(f[RAY_LAST]), vf_set(0.5f));
-    vfloat place = vf_add(vf_load(f[RAY_EARLY]), vf_mul(t, a->dir));
+    vfloat place = vf_fma(t, a->dir, vf_load(f[RAY_EARLY]));
     place = vf_max(vf_min(place, last), vf_load(f[RAY_FIRST]));
     const vfloat number = vf_mul(vf_sub(place, a->corner), inverse_side);
     return vi_from_vf(vf_max(vf_min(number, vf_set(3)), vf_set(0))); /* in this order NaN would become 3 */
@@ -170,7 +247,7 @@ CW_INLINE vmask lane_descend(lane_state *s, lane_rays *rays, const cw_field *f, 
                              vf_flip(slab[3], vf_load(rays->f[RAY_AXIS + RAY_SIGN]))};
     const lane_plane above = above_plane(rays, axis, slope, vf_mul(side, vf_set(0.5f)));
     const vfloat t = s->t, t1 = vf_min(out, vf_load(rays->f[RAY_UNTIL]));
-    const vfloat d0 = vf_add(above.origin, vf_mul(t, above.rate)), d1 = vf_add(above.origin, vf_mul(t1, above.rate));
+    const vfloat d0 = vf_fma(t, above.rate, above.origin), d1 = vf_fma(t1, above.rate, above.origin);
     const vmask misses = vm_or(vf_gt(vf_min(d0, d1), high), vf_lt(vf_max(d0, d1), low));
     const vmask wanted = vf_le(t, s->leave);
     s->leave = vf_select(wanted, s->leave, vf_set(INFINITY));
@@ -181,8 +258,8 @@ CW_INLINE vmask lane_descend(lane_state *s, lane_rays *rays, const cw_field *f, 
     const vfloat zero = vf_set(0), per = vf_div(vf_set(1), vf_max(vf_set(FLT_MIN), vf_abs(above.rate)));
     const vfloat before = vf_max(zero, vf_max(vf_sub(d0, high), vf_sub(low, d0)));
     const vfloat after = vf_max(zero, vf_max(vf_sub(d1, high), vf_sub(low, d1)));
-    const vfloat start = vf_min(vf_max(vf_add(t, vf_mul(before, per)), t), t1);
-    const vfloat leave = vf_max(start, vf_min(vf_sub(t1, vf_mul(after, per)), vf_set(INFINITY)));
+    const vfloat start = vf_min(vf_max(vf_fma(before, per, t), t), t1);
+    const vfloat leave = vf_max(start, vf_min(vf_fnma(after, per, t1), vf_set(INFINITY)));
     s->t = vf_select(enters, start, t);
     s->leave = vf_select(enters, leave, s->leave);
     const vint child_shift = vi_add(shift, vi_set(-2)), none = vi_set(0);
@@ -241,7 +318,7 @@ CW_INLINE void lane_step(lane_state *s, lane_set *l, const cw_field *f, lane_ans
 /* A ray that has kept its lane for 2^LATE_SHIFT steps is late; LOOK_AFTER: steps from one look for such rays to the next.
  * A step takes as long for FEW lanes as for all, so if no more rays than that are left, these numbers are smaller. */
 enum { LATE_SHIFT = 8, LOOK_AFTER = 128 };
-enum { FEW = W / 4, LATE_SHIFT_OF_FEW = 5, LOOK_AFTER_OF_FEW = 32 };
+enum { FEW = LANES / 4, LATE_SHIFT_OF_FEW = 5, LOOK_AFTER_OF_FEW = 32 };
 
 /* Takes those rays out of their lanes that are late, and walks them to their ends. */
 CW_INLINE void end_late(const cw_field *f, lane_set *l, bool few, lane_answers *answers) {
@@ -252,12 +329,16 @@ CW_INLINE void end_late(const cw_field *f, lane_set *l, bool few, lane_answers *
     unsigned late = ~vm_bits(young) & l->living;
     if (late == 0 || f->pyramid->levels < CLOSE_LEVELS) return;
     l->living &= ~late;
-    for (; late != 0; late &= late - 1) CW_CODE(close_walk_)(f, l, (size_t)__builtin_ctz(late), answers);
+    for (; late != 0; late &= late - 1) {
+        const size_t lane = (size_t)__builtin_ctz(late);
+        float find[FOUND_NUMBERS];
+        if (CW_CODE(close_walk)(f, l, lane, find)) one_found(answers, f, l->ray[lane], find);
+    }
 }
 
 /* Walks the rays in the lanes and in the queue to their ends and writes their hits. If more are to follow, it
  * returns when the queue is empty and few rays are left; these stay in their lanes, and finds in answers, for the
- * next call. A pair of vectors leaves the last rays to a single vector (walk_alone).
+ * next call. Two registers leave the last rays to one (walk_alone).
  *
  * Rejected: ending each batch, with ever fewer lanes alive. Rejected: two vectors of lanes that take turns, so that
  * one works while the other waits for its bounds or samples. Their state goes through memory, which costs more than
@@ -265,12 +346,12 @@ CW_INLINE void end_late(const cw_field *f, lane_set *l, bool few, lane_answers *
 CW_INLINE void lane_walk(const cw_field *f, const lane_queue *queue, lane_set *l, bool more, lane_answers *answers) {
     if (l->living == 0 && queue->n > 0) lane_clear(l);
     for (size_t next = 0;;) {
-        for (unsigned empty = ~l->living & first_lanes(W); empty != 0 && next < queue->n; empty &= empty - 1) {
+        for (unsigned empty = ~l->living & first_lanes(LANES); empty != 0 && next < queue->n; empty &= empty - 1) {
             const unsigned lane = (unsigned)__builtin_ctz(empty);
             refill_lane(l, lane, queue, &queue->rays[next++]);
             l->living |= 1u << lane;
         }
-        const int refill_at = more || next < queue->n ? (int)W - REFILL_AT : LANES_LEFT;
+        const int refill_at = more || next < queue->n ? LANES - REFILL_AT : LANES_LEFT;
         if (__builtin_popcount(l->living) <= refill_at) break;
         const bool few = refill_at == 0 && __builtin_popcount(l->living) <= FEW;
         const int stop_at = refill_at == 0 && !few ? FEW : refill_at, most = few ? LOOK_AFTER_OF_FEW : LOOK_AFTER;
@@ -287,3 +368,5 @@ CW_INLINE void lane_walk(const cw_field *f, const lane_queue *queue, lane_set *l
     }
     if (!more && LANES_LEFT == 0) write_rest(answers, f);
 }
+
+#endif

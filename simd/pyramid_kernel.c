@@ -1,46 +1,23 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The pyramid kernels: the choice of a walk for each ray. Tiles of 64 rays are made ready W at a time. A coherent
- * tile shares its walk, else each coherent group of 16 does (shared_walk.inc.h). The walks of other rays end where
- * they climb out of the terrain (climb.inc.h). A few steps of the flat walk finish the short ones (flat_walk.inc.h),
- * and the rest is queued for the lane walk (walk_alone.inc.h). simd/CMakeLists.txt compiles this once for each row
+ * tile shares its walk, else each coherent group of 16 does (shared_walk.h). The walks of other rays end where
+ * they climb out of the terrain (climb.h). A few steps of the flat walk finish the short ones (flat_walk.h),
+ * and the rest is queued for the lane walk (lane_walk.h). simd/CMakeLists.txt compiles this once for each row
  * of its table.
  *
  * Paper: Tevs, Ihrke and Seidel 2008, who walk a pyramid of maxima with four children a node; here a node has
  * sixteen. Invariant: the choice of a walk never changes a hit, since every walk visits each cell that passes the
  * gate. Rejected variants are beside the steps that they would replace. */
 
-#include "vocabulary.h"
+#define INLINE_WATERTIGHT (W == 16) /* with the 32 registers of AVX-512; see vector_watertight.h */
 
-enum { INLINE_WATERTIGHT = W == 16 }; /* with the 32 registers of AVX-512; see watertight.inc.h */
-
-#include "ray.inc.h"
-
-#include "moller_trumbore.inc.h"
-#include "watertight.inc.h"
-
-#include "refine.inc.h"
-
-#include "flat_walk.inc.h"
-
+#include "climb.h"
+#include "close_walk.h"
 #include "kernels.h"
-#include "pyramid.h"
+#include "lane_walk.h"
+#include "shared_walk.h"
 
-#include "children.inc.h"
-#include "lane_queue.inc.h"
-
-#include "lane_rays.inc.h"
-
-#include "shared_walk.inc.h"
-
-#include "climb.inc.h"
-
-#include "lane_answers.inc.h"
-
-#include "close_walk.inc.h"
-
-#include "lane_walk.inc.h"
-
-#include "walk_alone.inc.h"
+#include <string.h>
 
 /* Steps of the flat walk that a packet takes before its rays are queued. By then most rays that start at the surface
  * and climb have left it, and most lanes are still in use. */
@@ -146,10 +123,47 @@ CW_INLINE ray_set pyramid_tile(const cw_field *f, const cw_ray *rays, size_t n, 
     return 0;
 }
 
+static inline void move_lane(lane_set *l, size_t to, size_t from) {
+    for (int c = 0; c < RAY_FLOATS; c++) l->rays.f[c][to] = l->rays.f[c][from];
+    for (int c = 0; c < RAY_INTS; c++) l->rays.i[c][to] = l->rays.i[c][from];
+    l->t[to] = l->t[from];
+    l->leave[to] = l->leave[from];
+    l->x[to] = l->x[from];
+    l->y[to] = l->y[from];
+    l->level[to] = l->level[from];
+    l->ray[to] = l->ray[from];
+    l->born[to] = l->born[from];
+}
+
+/* Moves the rays of the second register into the first. They must fit. */
+static inline void close_up(lane_set *l) {
+    for (unsigned second = l->living >> W; second != 0; second &= second - 1) {
+        const size_t from = W + (size_t)__builtin_ctz(second), to = (size_t)__builtin_ctz(~l->living);
+        move_lane(l, to, from);
+        l->living ^= 1u << from | 1u << to;
+    }
+}
+
+/* lane_walk in vectors of two registers until one can hold the rest, and empties the queue. Rejected: two to the end, which
+ * slow calls of few rays down (papers/walks.md). */
+CW_INLINE void walk_alone(const cw_field *f, lane_queue *queue, lane_set *l, bool more, lane_answers *answers) {
+    if (SLOTS > W) {
+        const size_t rays = (size_t)__builtin_popcount(l->living) + queue->n;
+        if (more ? queue->n > 0 : rays > W) {
+            CW_CODE(lane_pairs)(f, queue, l, more, answers);
+            queue->n = 0;
+        }
+        if (more) return;
+        close_up(l);
+    }
+    lane_walk(f, queue, l, more, answers);
+    queue->n = 0;
+}
+
 /* Closest hits, or any hits; the other array is NULL. Rays are numbered from the beginning of their run. One function for
  * both: a copy for each is twice the text and no faster. */
-CW_ONE_COPY void pyramid_rays(const cw_field *f, const cw_ray *rays, size_t n, bool any, cw_hit *hits,
-                              uint8_t *occluded) {
+CW_ONE_COPY static void pyramid_rays(const cw_field *f, const cw_ray *rays, size_t n, bool any, cw_hit *hits,
+                                     uint8_t *occluded) {
     lane_set alone;
     lane_answers answers;
     alone.living = 0;
@@ -179,6 +193,7 @@ static void CW_CODE(any_pyramid_)(const cw_field *f, const cw_ray *rays, size_t 
     pyramid_rays(f, rays, n, true, NULL, occluded);
 }
 
+/* cw_pyramid1, cw_pyramid4, cw_pyramid8 or cw_pyramid16. */
 const cw_kernel_code CW_CODE(pyramid) = {
     .closest = {[CW_LEAF_WATERTIGHT] = CW_CODE(closest_pyramid_)},
     .any = {[CW_LEAF_WATERTIGHT] = CW_CODE(any_pyramid_)},

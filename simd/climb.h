@@ -21,6 +21,12 @@
  * No paper is known to us. Rejected: the global maximum, which is too loose a bound; a walk down the pyramid, which
  * takes longer than the comparisons; and the nodes on all sides, 3 × 3, which need no crossing behind the ray but are
  * higher (papers/walks.md). */
+#ifndef CELLWALK_SIMD_CLIMB_H
+#define CELLWALK_SIMD_CLIMB_H
+
+#include "fat_ray.h"
+#include "flat_walk.h"
+#include "pyramid.h"
 
 /* A packet on its way down the levels. */
 typedef struct climber {
@@ -102,3 +108,5 @@ static inline vmask short_way(const vray *r, vmask alive) {
     const vfloat speed = vf_max(vf_abs(r->x.dir), vf_abs(r->y.dir));
     return vm_and(alive, vf_le(vf_mul(vf_sub(r->until, r->from), speed), vf_set(8)));
 }
+
+#endif

@@ -1,6 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Turns the finds of leaf tests into hits: src/scalar/refine.h, operation by operation, where the reason is. Done
- * once a hit, after all lanes of a packet have ended, so that as many lanes as possible are in use. */
+/* Turns the finds of leaf tests into hits: src/scalar/refine.h, operation by operation, where the reason is. Done once a hit,
+ * after all lanes of a packet have ended, so that as many lanes as possible are in use. */
+#ifndef CELLWALK_SIMD_VECTOR_REFINE_H
+#define CELLWALK_SIMD_VECTOR_REFINE_H
+
+#include "vector_rays.h"
 
 /* The data of a hit until then: the leaf test's find, the cell, and the triangle's samples. */
 typedef struct found_hits {
@@ -15,7 +19,7 @@ typedef struct vhit {
 } vhit;
 
 /* Lanes without a find are undefined. */
-static inline vhit refine_hits(const vstart *s, const found_hits *h) {
+CW_INLINE vhit refine_hits(const vstart *s, const found_hits *h) {
     const vmask b = h->find.b;
     const vfloat cell_l = vf_select(b, h->j, h->i), cell_s = vf_select(b, h->i, h->j);
     const vdouble dl = vd_from_vf(vf_select(b, s->dir[1], s->dir[0])),
@@ -56,3 +60,5 @@ static inline void scatter_hits(const vhit *h, const found_hits *found, unsigned
         hits[number[k]] = in_order[k];
     }
 }
+
+#endif

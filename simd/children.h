@@ -4,6 +4,13 @@
  * Lane 4 y + x is the child in column x and row y of walk order (vorder), so the lowest set bit of a mask of
  * children is always the nearest: a ray goes through the 4 × 4 children along a monotone staircase. Descending takes
  * the lowest bit. Coming back up needs the rest of the mask, which is all the state of a level. */
+#ifndef CELLWALK_SIMD_CHILDREN_H
+#define CELLWALK_SIMD_CHILDREN_H
+
+#include "field.h"
+#include "vocabulary.h"
+
+#include <math.h>
 
 enum { CHILDREN = 16, CHILD_VECTORS = CHILDREN / W };
 
@@ -37,3 +44,5 @@ static inline void load_samples(block_samples *s, const cw_field *f, size_t i, s
     s->z = s->copy;
     s->stride = 5;
 }
+
+#endif

@@ -1,10 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Rays made ready for the lane walk (lane_walk.inc.h): mirrored, and with the node in which each begins.
+/* Rays made ready for the lane walk (lane_walk.h): mirrored, and with the node in which each begins.
  *
  * Mirroring turns the axes along which a ray goes down, so that all lanes go up: x becomes -x, which no float
  * operation rounds differently. A node is named by its low corner in mirrored coordinates, corner. Its exit borders
  * are corner + side, and its number along the axis is (corner XOR turned) >> 2 level, with turned = -1 for a
  * mirrored axis, else 0. */
+#ifndef CELLWALK_SIMD_LANE_RAYS_H
+#define CELLWALK_SIMD_LANE_RAYS_H
+
+#include "lane_queue.h"
+#include "pyramid.h"
+#include "vector_cells.h"
+
+#include <float.h>
+#include <math.h>
 
 /* One axis of W rays. */
 static inline void mirror_axis(float f[RAY_AXIS][W], int32_t turned[W], const vaxis *a, size_t samples) {
@@ -80,3 +89,5 @@ static inline void enqueue(lane_queue *q, size_t packet_number, unsigned which, 
             (uint16_t)packet_number, (uint16_t)k, (uint32_t)(packet_number * W) + k, from[k], x[k], y[k], level};
     }
 }
+
+#endif

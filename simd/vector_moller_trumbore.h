@@ -1,6 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Möller and Trumbore 1997 on W cells at once, with one ray each, operation by operation as in
- * src/scalar/moller_trumbore.h. The edges' zeros and ones are constants; products with 0 are left out in both files. */
+/* Möller and Trumbore 1997 on a cell a lane, with one ray each, operation by operation as in src/scalar/moller_trumbore.h. The
+ * edges' zeros and ones are constants; products with 0 are left out in both files. */
+#ifndef CELLWALK_SIMD_VECTOR_MOLLER_TRUMBORE_H
+#define CELLWALK_SIMD_VECTOR_MOLLER_TRUMBORE_H
+
+#include "vector_rays.h"
 
 /* See mt_range. */
 typedef struct vrange {
@@ -47,3 +51,5 @@ CW_INLINE vmask mt_cell(const vray *r, const vcell *c, vmask among, vfind *find)
     find->t0 = find->t1 = vf_select(find->b, b, a);
     return vm_and(among, vm_or(hit_a, hit_b));
 }
+
+#endif

@@ -1,22 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The packet kernels: W rays in the flat walk until the last one has ended. simd/CMakeLists.txt compiles this once
- * for each row of its table. Paper, invariant and a rejected variant are in flat_walk.inc.h. Rejected too: pairs of
- * vectors, from which this walk gains nothing. */
+ * for each row of its table. Paper, invariant and a rejected variant are in flat_walk.h. Rejected too: vectors
+ * of two registers, from which this walk gains nothing. */
 
-#include "vocabulary.h"
-
-enum { INLINE_WATERTIGHT = 0 }; /* see watertight.inc.h */
-
-#include "ray.inc.h"
-
-#include "moller_trumbore.inc.h"
-#include "watertight.inc.h"
-
-#include "refine.inc.h"
-
-#include "flat_walk.inc.h"
-
+#include "flat_walk.h"
 #include "kernels.h"
+
+#include <string.h>
 
 /* Walks the first n of W rays to their ends. start: see make_rays. */
 CW_INLINE void packet_walk(packet *l, const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, bool any,
@@ -53,10 +43,12 @@ CW_INLINE void packet_rays(const cw_field *f, const cw_ray *rays, size_t n, cw_l
 
 /* One function for each leaf test. Rejected: one for both with a branch at its top, as compilers then run out of
  * registers (papers/walks.md). */
-CW_ONE_COPY void packet_mt(const cw_field *f, const cw_ray *rays, size_t n, bool any, cw_hit *hits, uint8_t *occluded) {
+CW_ONE_COPY static void packet_mt(const cw_field *f, const cw_ray *rays, size_t n, bool any, cw_hit *hits,
+                                  uint8_t *occluded) {
     packet_rays(f, rays, n, CW_LEAF_MOLLER_TRUMBORE, any, hits, occluded);
 }
-CW_ONE_COPY void packet_wt(const cw_field *f, const cw_ray *rays, size_t n, bool any, cw_hit *hits, uint8_t *occluded) {
+CW_ONE_COPY static void packet_wt(const cw_field *f, const cw_ray *rays, size_t n, bool any, cw_hit *hits,
+                                  uint8_t *occluded) {
     packet_rays(f, rays, n, CW_LEAF_WATERTIGHT, any, hits, occluded);
 }
 
@@ -73,6 +65,7 @@ static void CW_CODE(any_packet_wt_)(const cw_field *f, const cw_ray *rays, size_
     packet_wt(f, rays, n, true, NULL, occluded);
 }
 
+/* cw_packet4, cw_packet8 or cw_packet16. */
 const cw_kernel_code CW_CODE(packet) = {
     .closest =
         {[CW_LEAF_MOLLER_TRUMBORE] = CW_CODE(closest_packet_mt_), [CW_LEAF_WATERTIGHT] = CW_CODE(closest_packet_wt_)},

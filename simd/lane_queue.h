@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The data of the lane walk: rays queued by the tiles, rays in its lanes, and their answers. Two objects with
- * vectors of different widths share it if tiles use single vectors and the lane walk uses pairs (lane_pairs.c). */
+/* The data of the lane walk: rays queued by the tiles, rays in its lanes, and their answers. Tiles have vectors of one register.
+ * The lane walk has two, but for its last rays (lane_walk.h). */
+#ifndef CELLWALK_SIMD_LANE_QUEUE_H
+#define CELLWALK_SIMD_LANE_QUEUE_H
+
+#include "field.h"
+#include "vocabulary.h"
 
 #include <stdalign.h>
 
-/* QUEUE_W: lanes of the vectors in which rays are queued. LANES: lanes of the lane walk. */
-#ifdef CELLWALK_PAIRS
-enum { QUEUE_W = half_W, LANES = W };
-#else
-enum { QUEUE_W = W, LANES = CELLWALK_LANE_VECTORS * W };
-#endif
+/* Lanes of the lane walk: two registers. One lane wide, a second one would only take longer. */
+enum { SLOTS = W > 1 ? 2 * W : W };
 
 /* A cache line, so that no vector lies across two. */
 enum { ALIGNMENT = 64 };
@@ -37,14 +38,14 @@ enum { RAY_TURNED_X, RAY_TURNED_Y, RAY_INTS };
 
 /* A vector of rays made ready. */
 typedef struct ready_rays {
-    alignas(ALIGNMENT) float f[RAY_FLOATS][QUEUE_W];
-    int32_t i[RAY_INTS][QUEUE_W];
+    alignas(ALIGNMENT) float f[RAY_FLOATS][W];
+    int32_t i[RAY_INTS][W];
 } ready_rays;
 
 /* Those in the lanes. */
 typedef struct lane_rays {
-    alignas(ALIGNMENT) float f[RAY_FLOATS][LANES];
-    int32_t i[RAY_INTS][LANES];
+    alignas(ALIGNMENT) float f[RAY_FLOATS][SLOTS];
+    int32_t i[RAY_INTS][SLOTS];
 } lane_rays;
 
 /* A ray waiting for a lane: its place among the rays made ready, the start of its walk, and the number of its hit. */
@@ -52,7 +53,7 @@ typedef struct queued {
     uint16_t packet, lane;
     uint32_t ray;
     float t;
-    int32_t x, y, level; /* low corner, mirrored, of its first node, with the level as in lane_walk.inc.h */
+    int32_t x, y, level; /* low corner, mirrored, of its first node, with the level as in lane_walk.h */
 } queued;
 
 /* BATCH: rays whose incoherent ones are collected before the lane walk goes on. LANE_RUN: rays after which it ends all
@@ -60,7 +61,7 @@ typedef struct queued {
 enum { BATCH = 256, LANE_RUN = 1 << 16 };
 
 typedef struct lane_queue {
-    ready_rays ready[BATCH / QUEUE_W];
+    ready_rays ready[BATCH / W];
     queued rays[BATCH];
     size_t n;
     uint64_t mirrored; /* bits of the present tile's packets that are in ready */
@@ -71,30 +72,37 @@ typedef struct lane_queue {
 enum { FOUND_NUMBERS = 8 };
 
 /* The caller's arrays, indexed by the numbers of rays; and finds of leaf tests that are not yet hits. A leaf test
- * finds two or three at a time, and refinement takes as long for LANES of them as for one. */
+ * finds two or three at a time, and refinement takes as long for SLOTS of them as for one. */
 typedef struct lane_answers {
     const cw_ray *rays;
     cw_hit *hits;      /* of closest-hit queries */
     uint8_t *occluded; /* of any-hit queries; one of the two is NULL */
     size_t found;
-    uint32_t number[2 * LANES];
-    /* At most LANES waiting, another LANES as they come, and one more vector that is stored but not used. */
-    alignas(ALIGNMENT) float t0[3 * LANES], t1[3 * LANES], i[3 * LANES], j[3 * LANES];
-    float h00[3 * LANES], corner[3 * LANES], h11[3 * LANES], b[3 * LANES]; /* b: 1 or 0 */
+    uint32_t number[2 * SLOTS];
+    /* At most SLOTS waiting, another SLOTS as they come, and one more vector that is stored but not used. */
+    alignas(ALIGNMENT) float t0[3 * SLOTS], t1[3 * SLOTS], i[3 * SLOTS], j[3 * SLOTS];
+    float h00[3 * SLOTS], corner[3 * SLOTS], h11[3 * SLOTS], b[3 * SLOTS]; /* b: 1 or 0 */
 } lane_answers;
 
 /* The lanes, as they are while they are refilled. */
 typedef struct lane_set {
     lane_rays rays;
-    alignas(ALIGNMENT) float t[LANES], leave[LANES];
-    int32_t x[LANES], y[LANES], level[LANES];
-    uint32_t ray[LANES]; /* number of its hit */
-    int32_t born[LANES]; /* the clock when it came */
+    alignas(ALIGNMENT) float t[SLOTS], leave[SLOTS];
+    int32_t x[SLOTS], y[SLOTS], level[SLOTS];
+    uint32_t ray[SLOTS]; /* number of its hit */
+    int32_t born[SLOTS]; /* the clock when it came */
     int32_t clock;       /* steps since all lanes were empty */
     int32_t look_at;     /* the clock at the next look for rays that have kept their lanes for long */
     unsigned living;     /* lanes that hold a ray; if none does, the other members are undefined */
 } lane_set;
 
-/* The lane walk in pairs of vectors; see lane_walk. */
-extern void CW_CODE(lane_pairs_)(const cw_field *f, const lane_queue *queue, lane_set *l, bool more,
-                                 lane_answers *answers);
+/* Turns count of the finds into hits, from number first on; count is at most W. */
+void CW_CODE(lane_write)(const lane_answers *a, const cw_field *f, size_t first, size_t count);
+/* lane_walk in vectors of two registers (lane_pairs_kernel.c). */
+void CW_CODE(lane_pairs)(const cw_field *f, const lane_queue *queue, lane_set *l, bool more, lane_answers *answers);
+/* Walks the ray in a lane to its end (close_walk.h), in a field of at least CLOSE_LEVELS levels. True if it hits: find is then
+ * its t0, t1, i, j, h00, corner, h11 and b. */
+enum { CLOSE_LEVELS = 3 };
+bool CW_CODE(close_walk)(const cw_field *f, const lane_set *l, size_t lane, float find[FOUND_NUMBERS]);
+
+#endif

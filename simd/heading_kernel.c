@@ -314,6 +314,7 @@ static inline void run_on(const cw_heading_job *job, size_t i, size_t i_end, siz
         run(job, i, i_end, j, j_end, false, false, curved);
 }
 
+/* cw_heading1, cw_heading4, cw_heading8 or cw_heading16. */
 void CW_CODE(heading)(const cw_heading_job *job, size_t i, size_t i_end, size_t j, size_t j_end) {
     if (job->heading->drop != NULL)
         run_on(job, i, i_end, j, j_end, true);

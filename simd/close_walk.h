@@ -11,15 +11,22 @@
  * The staircase of crossings is that of Amanatides and Woo 1987. Rejected: narrow slabs in the lane walk. They depend on the
  * ray's distance, so each step of each lane would pay for them, and only on large fields do other rays gain by them. Not
  * possible: slabs that shrink with the node alone. The leaf test computes from the origin, and its bits are given. */
+#ifndef CELLWALK_SIMD_CLOSE_WALK_H
+#define CELLWALK_SIMD_CLOSE_WALK_H
+
+#include "../src/scalar/ray.h"
+#include "lane_queue.h"
+#include "pyramid.h"
+#include "vector_watertight.h"
+
+#include <float.h>
+#include <math.h>
 
 /* Nodes of this pyramid level, 16 × 16 cells, are the smallest ones judged. In fields without larger nodes no way is long. */
-enum { CLOSE_LEVEL = 1, CLOSE_LEVELS = 3 };
-void CW_CODE(close_walk_)(const cw_field *f, const lane_set *l, size_t lane, lane_answers *answers);
-#ifndef CELLWALK_PAIRS
+enum { CLOSE_LEVEL = CLOSE_LEVELS - 2 };
 
 /* The number of each lane: its column, counted from the box's first one. */
-static const float close_column[32] = {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13, 14, 15,
-                                       16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31};
+static const float close_column[16] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
 
 /* A ray out of its lane. */
 typedef struct close_ray {
@@ -132,9 +139,8 @@ CW_INLINE bool close_cells(const close_ray *r, const cw_field *f, const close_bo
             vf_gather_pairs(f->z + f->stride, sample, todo, &c.h01, &c.h11);
             const vmask gate = vm_and(todo, cell_gate(&v, &c));
             if (!vm_any(gate)) continue;
-            /* As if the closest hit were asked for: that is a constant, for which compilers have a copy of the test already. */
             vfind find;
-            const vmask found = leaf_test(CW_LEAF_WATERTIGHT, &v, &c, gate, &find);
+            const vmask found = wt_cell(&v, &c, gate, &find);
             if (vm_any(found)) close_keep(found, &find, &c, columns, rows, &column, &row, first);
         }
     }
@@ -221,14 +227,13 @@ static bool close_nodes(const close_ray *r, const cw_field *f, int level, int32_
     return close_test(r, f, &box, first);
 }
 
-/* Walks the ray in a lane to its end. */
-void CW_CODE(close_walk_)(const cw_field *f, const lane_set *l, size_t lane, lane_answers *answers) {
+bool CW_CODE(close_walk)(const cw_field *f, const lane_set *l, size_t lane, float find[FOUND_NUMBERS]) {
     const int top = f->pyramid->levels - 1;
     close_ray r = {.turned = {l->rays.i[RAY_TURNED_X][lane], l->rays.i[RAY_TURNED_Y][lane]}, .t = l->t[lane]};
     for (int k = 0; k < RAY_FLOATS; k++) r.n[k] = l->rays.f[k][lane];
     const int32_t side = (int32_t)4 << 2 * top, begin_x = r.turned[0] * 4 * side, begin_y = r.turned[1] * 4 * side;
-    float first[FOUND_NUMBERS];
     const int32_t x = close_corner(&r, 0, r.t, side, begin_x), y = close_corner(&r, 1, r.t, side, begin_y);
-    if (close_nodes(&r, f, top, x, y, first)) one_found(answers, f, l->ray[lane], first);
+    return close_nodes(&r, f, top, x, y, find);
 }
+
 #endif

@@ -1,7 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The watertight leaf test on W cells at once, with one ray each, operation by operation as in src/scalar/watertight.h.
- * Idea, invariant and the rejected alternative are there. Lanes differ in the borders by which they enter and leave, so
- * each choice is a select. */
+/* The watertight leaf test on a cell a lane, with one ray each, operation by operation as in src/scalar/watertight.h. Idea,
+ * invariant and the rejected alternative are there. Lanes differ in the borders by which they enter and leave, so each choice
+ * is a select. */
+#ifndef CELLWALK_SIMD_VECTOR_WATERTIGHT_H
+#define CELLWALK_SIMD_VECTOR_WATERTIGHT_H
+
+#include "vector_cells.h"
 
 static inline vfloat wt_edge(vfloat a, vfloat b, vfloat f) {
     const vfloat z = vf_add(a, vf_mul(f, vf_sub(b, a)));
@@ -126,8 +130,11 @@ CW_INLINE vmask wt_cell_in(int quadrant, const vray *ray, const vcell *c, vmask 
     return found;
 }
 
-/* The same for lanes of any directions. The object that includes this defines INLINE_WATERTIGHT: 1 if its walks have
- * registers enough for the test within them, else 0. */
+/* The same for lanes of any directions. An object whose walks have registers enough for the test within them defines
+ * INLINE_WATERTIGHT as 1. */
+#ifndef INLINE_WATERTIGHT
+#define INLINE_WATERTIGHT 0
+#endif
 static __attribute__((noinline)) vmask wt_cell_apart(const vray *ray, const vcell *c, vmask among, vfind *find) {
     return wt_cell_in(QUADRANT_MIXED, ray, c, among, find);
 }
@@ -135,3 +142,5 @@ CW_INLINE vmask wt_cell(const vray *ray, const vcell *c, vmask among, vfind *fin
     if (INLINE_WATERTIGHT) return wt_cell_in(QUADRANT_MIXED, ray, c, among, find);
     return wt_cell_apart(ray, c, among, find);
 }
+
+#endif

@@ -1,0 +1,229 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A fat ray: an interval for each number of some coherent rays of a tile, tested against 16 children or cells at once. So
+ * opening a node costs 64 rays little more than one.
+ *
+ * Invariant: the fat ray uses interval arithmetic in the gate's own operations, in their order. Each of them is monotone in each
+ * of its arguments, also after rounding. So its intervals enclose the numbers of each ray without padding, and no child that one
+ * of the rays must visit is skipped. Visits are front to back for all rays of one direction quadrant. */
+#ifndef CELLWALK_SIMD_FAT_RAY_H
+#define CELLWALK_SIMD_FAT_RAY_H
+
+#include "children.h"
+#include "flat_walk.h"
+#include "pyramid.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+/* Rays of a tile, a bit each; the lanes of packet p are bits p W and on. */
+typedef uint64_t ray_set;
+/* Its packets. */
+typedef uint64_t packet_set;
+enum { TILE = 64, PACKETS = TILE / W, GROUP = 16, GROUPS = TILE / GROUP };
+
+/* For fewer rays than this, making a fat ray takes longer than it saves. */
+enum { SHARE_AT_LEAST = 4 };
+
+/* Greatest distance in cells between origins of a tile that shares a walk, along each axis. With more, shadow rays lose
+ * time, as the tile falls apart at once (papers/walks.md). */
+enum { TILE_CELLS = 4 };
+
+static inline unsigned packet_bits(ray_set rays, size_t p) {
+    return (unsigned)(rays >> (p * W)) & (unsigned)(((ray_set)1 << W) - 1);
+}
+static inline ray_set group_bits(ray_set rays, size_t g) { return rays & (ray_set)0xffff << (g * GROUP); }
+
+/* Returns the first packet with some of the rays, and removes its rays from them. */
+static inline size_t next_packet(ray_set *rays) {
+    const size_t p = (size_t)__builtin_ctzll(*rays) / W;
+    *rays &= ~((((ray_set)1 << W) - 1) << (p * W));
+    return p;
+}
+static inline int packets_of(ray_set rays) {
+    int n = 0;
+    for (; rays != 0; n++) (void)next_packet(&rays);
+    return n;
+}
+
+/* Intervals over some rays, each number in all lanes, in mirrored coordinates, in which x and y grow along the rays:
+ * centers times the sign of the direction, inverses without sign. */
+typedef struct fat_axis {
+    vfloat center_low, center_high, inverse_low, inverse_high;
+} fat_axis;
+
+typedef struct fat_ray {
+    fat_axis x, y;
+    vfloat oz_low, oz_high, dz_low, dz_high;
+    vfloat from, until;
+    vorder order;
+    bool up_x, up_y;
+} fat_ray;
+
+/* True if the rays are coherent: in one direction quadrant, directions within 1/8 of the first one's length from it,
+ * origins within this many cells of its origin. Right answers require only one quadrant and no negative from; the other
+ * conditions are for speed. */
+static inline bool coherent(const packet *packets, ray_set rays, float cells) {
+    const unsigned first = (unsigned)__builtin_ctzll(rays);
+    const vray *one = &packets[first / W].r;
+    const unsigned lane = first % W;
+    const vfloat dx = vf_set(vf_lane(&one->x.dir, lane)), dy = vf_set(vf_lane(&one->y.dir, lane)),
+                 dz = vf_set(vf_lane(&one->dz, lane));
+    const vfloat ox = vf_set(vf_lane(&one->x.org, lane)), oy = vf_set(vf_lane(&one->y.org, lane));
+    const vfloat length = vf_max(vf_max(vf_abs(dx), vf_abs(dy)), vf_abs(dz)), zero = vf_set(0);
+    const vfloat angle = vf_mul(length, vf_set(0.125f)), apart = vf_set(cells);
+    for (ray_set left = rays; left != 0;) {
+        const size_t p = next_packet(&left);
+        const unsigned here = packet_bits(rays, p);
+        const vray *r = &packets[p].r;
+        vmask m = vm_and(vf_le(vf_abs(vf_sub(r->x.dir, dx)), angle), vf_le(vf_abs(vf_sub(r->y.dir, dy)), angle));
+        m = vm_and(m, vf_le(vf_abs(vf_sub(r->dz, dz)), angle));
+        m = vm_and(m, vm_and(vf_le(vf_abs(vf_sub(r->x.org, ox)), apart), vf_le(vf_abs(vf_sub(r->y.org, oy)), apart)));
+        m = vm_andnot(m, vm_or(vm_xor(r->x.up, vf_ge(dx, zero)), vm_xor(r->y.up, vf_ge(dy, zero))));
+        m = vm_and(m, vf_ge(r->from, zero)); /* products of t and dz keep their order */
+        if ((vm_bits(m) & here) != here) return false;
+    }
+    return true;
+}
+
+/* Numbers of the intervals. The highest of each is found as the lowest of its negative. */
+enum { HULL_X, HULL_X_INVERSE, HULL_Y, HULL_Y_INVERSE, HULL_OZ, HULL_DZ, HULL_UNTIL, HULL_NUMBERS, HULL_FROM = 15 };
+
+/* False if on some axis the direction is zero for some rays and not for others: infinity, the inverse of zero, times a
+ * distance of zero is NaN. If it is zero for all, that cannot happen, as their centers lie between borders. */
+static __attribute__((noinline)) bool fat_init(fat_ray *a, const packet *packets, ray_set rays) {
+    const vfloat minus = vf_set(-0.0f), infinite = vf_set(INFINITY);
+    const unsigned first = (unsigned)__builtin_ctzll(rays);
+    vfloat hull[16];
+    for (int k = 0; k < 16; k++) hull[k] = infinite;
+    for (ray_set left = rays; left != 0;) {
+        const size_t p = next_packet(&left);
+        const vray *r = &packets[p].r;
+        const vmask m = vm_from_bits(packet_bits(rays, p));
+        const vfloat number[HULL_NUMBERS] = {r->x.center, r->x.inverse, r->y.center, r->y.inverse,
+                                             r->oz,       r->dz,        r->until};
+        for (int k = 0; k < HULL_NUMBERS; k++) {
+            const vfloat low = vf_select(m, number[k], infinite);
+            const vfloat high = vf_select(m, vf_flip(number[k], minus), infinite);
+            hull[k] = vf_min(hull[k], low);
+            hull[HULL_NUMBERS + k] = vf_min(hull[HULL_NUMBERS + k], high);
+        }
+        const vfloat from = vf_select(m, r->from, infinite);
+        hull[HULL_FROM] = vf_min(hull[HULL_FROM], from);
+    }
+    float low[16];
+    vf_lowest_of_each(hull, low);
+    const float *minus_high = low + HULL_NUMBERS;
+
+    a->up_x = vm_bits(packets[first / W].r.x.up) >> (first % W) & 1;
+    a->up_y = vm_bits(packets[first / W].r.y.up) >> (first % W) & 1;
+    a->order = vorder_make(a->up_x, a->up_y);
+    a->oz_low = vf_set(low[HULL_OZ]);
+    a->oz_high = vf_set(-minus_high[HULL_OZ]);
+    a->dz_low = vf_set(low[HULL_DZ]);
+    a->dz_high = vf_set(-minus_high[HULL_DZ]);
+    a->from = vf_set(low[HULL_FROM]);
+    a->until = vf_set(-minus_high[HULL_UNTIL]);
+    fat_axis *const axis[2] = {&a->x, &a->y};
+    for (int c = 0; c < 2; c++) { /* mirrored where rays go down */
+        const bool up = c == 0 ? a->up_x : a->up_y;
+        const float *l = up ? low + 2 * c : minus_high + 2 * c, *h = up ? minus_high + 2 * c : low + 2 * c;
+        axis[c]->center_low = vf_set(l[0]);
+        axis[c]->center_high = vf_set(-h[0]);
+        axis[c]->inverse_low = vf_set(l[1]);
+        axis[c]->inverse_high = vf_set(-h[1]);
+    }
+    /* Only rays that go up have infinite ones. */
+    const bool mixed_x = a->up_x && -minus_high[HULL_X_INVERSE] > FLT_MAX && low[HULL_X_INVERSE] <= FLT_MAX;
+    const bool mixed_y = a->up_y && -minus_high[HULL_Y_INVERSE] > FLT_MAX && low[HULL_Y_INVERSE] <= FLT_MAX;
+    return !mixed_x && !mixed_y;
+}
+
+/* The earliest t at which one of the rays crosses an entry border, and the latest for an exit border, in mirrored
+ * coordinates. */
+static inline vfloat fat_in(const fat_axis *a, vfloat border) {
+    const vfloat far = vf_sub(border, a->center_high);
+    return vf_min(vf_mul(far, a->inverse_low), vf_mul(far, a->inverse_high));
+}
+static inline vfloat fat_out(const fat_axis *a, vfloat border) {
+    const vfloat far = vf_sub(border, a->center_low);
+    return vf_max(vf_mul(far, a->inverse_low), vf_mul(far, a->inverse_high));
+}
+
+/* Of the 16 places of the given side at packet k, those in which some ray may meet heights in [low, high]. start_x and
+ * start_y are the mirrored borders at which walk order begins. */
+static inline vmask fat_meets(const fat_ray *a, vfloat start_x, vfloat start_y, vfloat side, size_t k, vfloat low,
+                              vfloat high) {
+    const vfloat x = vf_add(start_x, vf_mul(vf_load(lane_x + k * W), side));
+    const vfloat y = vf_add(start_y, vf_mul(vf_load(lane_y + k * W), side));
+    const vfloat t0 = vf_max(vf_max(fat_in(&a->x, x), fat_in(&a->y, y)), a->from);
+    const vfloat t1 = vf_min(vf_min(fat_out(&a->x, vf_add(x, side)), fat_out(&a->y, vf_add(y, side))), a->until);
+    const vfloat bottom = vf_min(vf_mul(t0, a->dz_low), vf_mul(t1, a->dz_low));
+    const vfloat top = vf_max(vf_mul(t0, a->dz_high), vf_mul(t1, a->dz_high));
+    const vmask meets = vm_and(vf_ge(top, vf_sub(low, a->oz_high)), vf_le(bottom, vf_sub(high, a->oz_low)));
+    return vm_and(vf_le(t0, t1), meets);
+}
+
+static inline vfloat mirrored_start(bool up, int32_t place, float side) {
+    return vf_set(up ? (float)place * side : -((float)place + 4) * side);
+}
+
+static inline unsigned fat_open(const fat_ray *a, const cw_pyramid_level *l, int32_t x, int32_t y) {
+    const float *brick = l->bricks + ((size_t)y * (size_t)l->across + (size_t)x) * BRICK_FLOATS;
+    const vfloat start_x = mirrored_start(a->up_x, 4 * x, l->side), start_y = mirrored_start(a->up_y, 4 * y, l->side);
+    const float *row = first_row(&a->order, brick, 4);
+    const ptrdiff_t step = row_step(&a->order, 4);
+    unsigned mask = 0;
+    for (size_t k = 0; k < CHILD_VECTORS; k++)
+        mask |= vm_bits(fat_meets(a, start_x, start_y, vf_set(l->side), k, vf_load_block(row, step, &a->order, k),
+                                  vf_load_block(row + 16, step, &a->order, k)))
+                << (k * W);
+    return mask;
+}
+
+/* The cells of a block that some ray may meet. Also sets the cells' lowest and highest samples. */
+static inline unsigned fat_cells(const fat_ray *a, block_samples *s, int32_t x, int32_t y) {
+    const vfloat start_x = mirrored_start(a->up_x, 4 * x, 1), start_y = mirrored_start(a->up_y, 4 * y, 1);
+    const float *row = first_row(&a->order, s->z, s->stride);
+    const ptrdiff_t step = row_step(&a->order, s->stride);
+    unsigned mask = 0;
+    for (size_t k = 0; k < CHILD_VECTORS; k++) {
+        vcell c;
+        c.h00 = vf_load_block(row, step, &a->order, k);
+        c.h10 = vf_load_block(row + 1, step, &a->order, k);
+        c.h01 = vf_load_block(row + s->stride, step, &a->order, k);
+        c.h11 = vf_load_block(row + s->stride + 1, step, &a->order, k);
+        const vfloat low = cell_low(&c), high = cell_high(&c);
+        vf_store(s->low + k * W, low);
+        vf_store(s->high + k * W, high);
+        mask |= vm_bits(fat_meets(a, start_x, start_y, vf_set(1), k, low, high)) << (k * W);
+    }
+    return mask;
+}
+
+/* Crossings of the place with lowest corner (x, y), a ray a lane. */
+static inline void place_crossings(const vray *r, bool up_x, bool up_y, float x, float y, float side, vcell *c) {
+    c->x_in = crossing(&r->x, vf_set(up_x ? x : x + side));
+    c->x_out = crossing(&r->x, vf_set(up_x ? x + side : x));
+    c->y_in = crossing(&r->y, vf_set(up_y ? y : y + side));
+    c->y_out = crossing(&r->y, vf_set(up_y ? y + side : y));
+}
+
+/* The rays whose heights over the block meet its bounds. */
+static inline ray_set block_rays(const fat_ray *a, const packet *packets, ray_set rays, const cw_pyramid_level *l,
+                                 int32_t x, int32_t y) {
+    const float *n =
+        l->bricks + ((size_t)(y >> 2) * (size_t)l->across + (size_t)(x >> 2)) * BRICK_FLOATS + ((y & 3) << 2 | (x & 3));
+    ray_set concerned = 0;
+    for (ray_set left = rays; left != 0;) {
+        const size_t p = next_packet(&left);
+        const vray *r = &packets[p].r;
+        vcell c;
+        place_crossings(r, a->up_x, a->up_y, (float)(4 * x), (float)(4 * y), 4, &c);
+        const vfloat t0 = vf_max(vf_max(c.x_in, c.y_in), r->from), t1 = vf_min(vf_min(c.x_out, c.y_out), r->until);
+        concerned |= (ray_set)vm_bits(vm_and(vf_le(t0, t1), meets(r, t0, t1, vf_set(n[0]), vf_set(n[16])))) << (p * W);
+    }
+    return concerned & rays;
+}
+
+#endif
