@@ -123,7 +123,7 @@ static io_image picture(const char *option, const char *value) {
 /* Without the option nothing changes; colours by height stay those of the terrain as it is. */
 static void off_by_default(void **state) {
     (void)state;
-    make_land(100, 50);
+    make_land(100, 5);
     io_image none = picture(NULL, NULL), flat = picture("--curvature", "0"), round = picture("--curvature", "1");
     check_same(&none, &flat, true, "factor 0");
     check_same(&none, &round, false, "factor 1");
@@ -134,7 +134,7 @@ static void off_by_default(void **state) {
 
 static void what_is_refused(void **state) {
     (void)state;
-    make_land(100, 50);
+    make_land(100, 5);
     check_refused(
         (const char *const[]){"render", "land.npy", "--curvature", "-1", "--from", "200,200", "-o", "o.exr", NULL}, 2,
         "--curvature takes a number from 0 on, not -1");
