@@ -221,8 +221,13 @@ static void near_views(void **state) {
     for (size_t m = 1; m < MAPS; m++)
         for (int needed = 0; needed < 2; needed++) {
             if (!test_takes(m + (size_t)needed, 2)) continue;
-            const char *const view[] = {
-                "viewshed", "--from", maps[m].from, "--max-distance", m == 1 ? "600.3" : "600", needed ? "--needed" : NULL, NULL};
+            const char *const view[] = {"viewshed",
+                                        "--from",
+                                        maps[m].from,
+                                        "--max-distance",
+                                        m == 1 ? "600.3" : "600",
+                                        needed ? "--needed" : NULL,
+                                        NULL};
             const char *const full[] = {"--extent", "full", NULL};
             const array whole = run(maps[m].file, view, full), part = run(maps[m].file, view, none);
             /* Samples 10 m apart on UTM's map, 10.004 on the ground, from (150, 100); or 0.0003 and 0.0002 degrees, 22.8 and 22.2 m. */
