@@ -53,6 +53,25 @@ def terrain_days(results):
     return table(["a day's", "samples", "mean of `cellwalk sun`", "mean of r.sun", "median difference", "of 99 %"], rows, "llrrrr")
 
 
+def terrain_areas(results):
+    lands = [line.text("land") for line in results.some("land")]
+    ways = {}
+    for line in results.some("area"):
+        ways.setdefault((line.text("way"), line.number("directions")), {})[line.text("land")] = line
+    rows = [[way, str(directions or ""), *(cell for land in lands for cell in area_cells(of[land]))]
+            for (way, directions), of in ways.items()]
+    heads = [f"{land}: {what}" for land in lands for what in ("bias", "RMS", "99 %", "CPU seconds")]
+    run = results.run
+    return (f"{run.text('cpu')}, {run.text('isa')}, commit {run.text('commit')}, load {run.number('load'):.2f}, {run.text('date')}.\n\n" +
+            table(["way", "directions", *heads], rows, "l" + "r" * (1 + len(heads))))
+
+
+def area_cells(line):
+    seconds = line.number("cpu_seconds")
+    return [f"{100 * line.number('bias'):+.1f} %", *(f"{100 * line.number(key):.2g} %" for key in ("rms", "most_of_99")),
+            f"{seconds:.2f}" if seconds else ""]
+
+
 def terrain_views(results):
     rows = [[line.text("program"), f"{line.number('side')}²", line.text("class"), grouped(line.number("cells")),
              f"{100 * line.number('cells') / line.number('seen'):.2g} %", grouped(line.number("looked_at")),

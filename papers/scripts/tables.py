@@ -36,7 +36,7 @@ SOURCES = {
     "building.json": None, "python.json": "papers/scripts/python_speed.py",
     "python_dask.json": "papers/scripts/python_dask.py",
     "terrain.json": "papers/scripts/terrain.py",
-    "terrain-more.json": "papers/scripts/terrain.py --more", "scenes/table.json": None,
+    "terrain-more.json": "papers/scripts/terrain.py --more", "visibility.json": "papers/scripts/visibility.py", "scenes/table.json": None,
     "scenes/pbrt.json": "papers/scripts/beside_pbrt.py",
     "rays/tradeoff.json": None, "tradeoff/tradeoff.json": None, "accuracy/accuracy.json": None, "afar.json": None,
     "stability/aimed-1.json": "cellwalk-stability run --part 1/2", "stability/aimed-2.json": "cellwalk-stability run --part 2/2",
@@ -73,6 +73,7 @@ BLOCKS = {
         # Before version 0.2 the names of pairs had a suffix.
         blocks_speed.default_kernel(data, data["stability/aimed-1.json"].run.text("isa")).removesuffix("x2")),
     **{name: from_file(f"stability/{name}.json", OWN[name]) for name in ("extremes", "exhaustive", "stress", "leaf")},
+    "terrain_areas": from_file("visibility.json", blocks_terrain.terrain_areas),
     "afar": from_file("afar.json", blocks_speed.afar),
     "python_chunks": from_file("python_dask.json", blocks_python.python_chunks),
     "python_calls": from_file("python.json", blocks_python.python_calls),

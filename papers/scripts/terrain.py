@@ -398,9 +398,9 @@ def draw(tool, folder):
     """Runs the examples, one picture a product."""
     where = {**os.environ, "PATH": os.path.dirname(tool) + os.pathsep + os.environ["PATH"]}
     examples = os.path.join(ROOT, "papers/scripts/examples")
-    for name in ("dem", "shadow", "viewshed", "horizon", "sky"):
+    for name in ("dem", "shadow", "viewshed", "horizon", "sky", "visibility"):
         subprocess.run([sys.executable, "-B", os.path.join(examples, f"{name}.py")], cwd=folder, env=where, check=True)
-    for name in ("shadow", "viewshed", "horizon", "sky"):
+    for name in ("shadow", "viewshed", "horizon", "sky", "visibility"):
         shutil.copy(os.path.join(folder, f"{name}.png"), os.path.join(ROOT, f"papers/pictures/terrain-{name}.png"))
 
 

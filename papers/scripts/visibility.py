@@ -1,0 +1,119 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""How far the area in sight from a place is off, and what it costs, by the number of directions; beside nearest samples and interpolated
+heights at unit steps. Truth: the viewshed of the same triangles on a lattice four times as fine, by those of its samples that lie inside
+triangles, since edges stick out. Prints papers/data/visibility.json. Needs NumPy, Debian's python3-matplotlib for its elevation model, and
+the Python module (PYTHONPATH)."""
+
+import argparse
+import datetime
+import json
+import os
+import subprocess
+import time
+
+import numpy as np
+
+import cellwalk as cw
+import terrain
+
+EYE = 2.0
+JACKSBORO = "/usr/share/matplotlib/mpl-data/sample_data/jacksboro_fault_dem.npz"
+
+
+def lands():
+    """Name, heights, width of cells in metres."""
+    yield "Jacksboro", np.load(JACKSBORO)["elevation"].astype(np.float32), 83.0
+    yield "fractal", terrain.land(513), 10.0
+
+
+def field(z, cell):
+    return cw.Field(z, transform=(cell, 0, 0, 0, -cell, 0), threads=1)
+
+
+def finer(z, n=4):
+    """The same triangles on a lattice n times as fine."""
+    rows, columns = z.shape
+    y, x = np.meshgrid(np.arange(n * (rows - 1) + 1) / n, np.arange(n * (columns - 1) + 1) / n, indexing="ij")
+    j, i = np.minimum(y.astype(int), rows - 2), np.minimum(x.astype(int), columns - 2)
+    v, u = y - j, x - i
+    z = z.astype(float)
+    side = np.where(u > v, z[j, i + 1], z[j + 1, i])
+    return (z[j, i] + np.maximum(u, v) * (side - z[j, i]) + np.minimum(u, v) * (z[j + 1, i + 1] - side)).astype(np.float32)
+
+
+def inside(shape, n=4):
+    j, i = np.indices(shape)
+    return (j % n != 0) & (i % n != 0) & ((i - j) % n != 0)
+
+
+def truth(z, cell, eyes, n=4):
+    """Square kilometres by area, and by counting the samples of z itself."""
+    fine, coarse, area, counted = field(finer(z, n), cell / n), field(z, cell), [], []
+    some = inside(fine.shape, n)
+    for j, i in eyes:
+        x, y = (i + 0.5) * cell, -(j + 0.5) * cell
+        # Samples stand at the pixels' centres, which begin elsewhere with smaller pixels.
+        seen = fine.viewshed((i * n + 0.5) * cell / n, -(j * n + 0.5) * cell / n, EYE, curvature=0)
+        area.append(np.count_nonzero(seen[some]) * cell * cell / (n - 1) / (n - 2) / 1e6)
+        counted.append(np.count_nonzero(coarse.viewshed(x, y, EYE, curvature=0)) * cell * cell / 1e6)
+    return np.array(area), np.array(counted)
+
+
+def by_samples(z, cell, eyes, directions, interpolated):
+    """Heights at unit steps, as rotated rasters have them."""
+    rows, columns = z.shape
+    steps, out = np.arange(1, rows + columns), []
+    angle = 2 * np.pi * np.arange(directions)[:, None] / directions
+    for j, i in eyes:
+        y, x = j + np.cos(angle) * steps, i + np.sin(angle) * steps
+        there = (y >= 0) & (x >= 0) & (y <= rows - 1) & (x <= columns - 1)
+        y, x = np.where(there, y, 0), np.where(there, x, 0)
+        if interpolated:
+            b, a = np.minimum(y.astype(int), rows - 2), np.minimum(x.astype(int), columns - 2)
+            v, u = y - b, x - a
+            h = (1 - v) * ((1 - u) * z[b, a] + u * z[b, a + 1]) + v * ((1 - u) * z[b + 1, a] + u * z[b + 1, a + 1])
+        else:
+            h = z[np.rint(y).astype(int), np.rint(x).astype(int)]
+        slope = np.where(there, (h - z[j, i] - EYE) / (steps * cell), -np.inf)
+        before = np.maximum.accumulate(np.pad(slope, ((0, 0), (1, 0)), constant_values=-np.inf), 1)[:, :-1]
+        out.append(((slope > before) * steps).sum() * 2 * np.pi / directions * cell * cell / 1e6)
+    return np.array(out)
+
+
+def line(land, way, directions, got, wanted, seconds):
+    off = (got - wanted) / wanted.mean()
+    return {"kind": "area", "land": land, "way": way, "directions": directions, "bias": off.mean(), "rms": np.sqrt((off ** 2).mean()),
+            "most_of_99": np.quantile(np.abs(off), 0.99), "cpu_seconds": seconds}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--eyes", type=int, default=300)
+    options = parser.parse_args()
+    root = terrain.ROOT
+    print(json.dumps({"kind": "run", "command": "visibility", "arguments": f"--eyes {options.eyes}", "cpu": terrain.cpu_name(),
+                      "isa": [k.isa for k in cw.kernels() if k.available][-1],
+                      "commit": subprocess.run(["git", "-C", root, "rev-parse", "--short=10", "HEAD"], capture_output=True, text=True).stdout.strip(),
+                      "load": os.getloadavg()[0], "date": datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ")}))
+    for name, z, cell in lands():
+        random = np.random.default_rng(5)
+        eyes = list(zip(random.integers(0, z.shape[0], options.eyes), random.integers(0, z.shape[1], options.eyes)))
+        wanted, counted = truth(z, cell, eyes)
+        print(json.dumps({"kind": "land", "land": name, "rows": z.shape[0], "columns": z.shape[1], "cell": cell, "eyes": len(eyes),
+                          "mean": wanted.mean()}))
+        print(json.dumps(line(name, "samples counted", 0, counted, wanted, 0)))
+        for interpolated in (False, True):
+            got = by_samples(z, cell, eyes, 360, interpolated)
+            print(json.dumps(line(name, "interpolated heights" if interpolated else "nearest samples", 360, got, wanted, 0)))
+        ground = field(z, cell)
+        for directions in (16, 32, 64, 128, 256, 512):
+            before = time.process_time()
+            all_of_it = ground.visibility(directions, observer_height=EYE, curvature=0)
+            seconds = time.process_time() - before
+            got = np.array([all_of_it[j, i] for j, i in eyes], float)
+            print(json.dumps(line(name, "exact", directions, got, wanted, seconds)), flush=True)
+
+
+if __name__ == "__main__":
+    main()
