@@ -68,7 +68,7 @@ def terrain_areas(results):
 
 def area_cells(line):
     seconds = line.number("cpu_seconds")
-    return [f"{100 * line.number('bias'):+.1f} %", *(f"{100 * line.number(key):.2g} %" for key in ("rms", "most_of_99")),
+    return [f"{100 * line.number('bias'):+.1f} %", *(f"{100 * line.number(key):.{2 if line.number(key) < 1 else 3}g} %" for key in ("rms", "most_of_99")),
             f"{seconds:.2f}" if seconds else ""]
 
 

@@ -299,19 +299,38 @@ typedef struct walking {
     float length;                   /* of distances */
 } walking;
 
-static void add_answer(const walking *w, size_t across, size_t along, float area, float farthest) {
-    const cw_visible *v = w->view;
-    const size_t a = v->rotated ? w->wide - 1 - across : across, b = v->rotated ? w->long_way - 1 - along : along;
-    const size_t x = v->transposed ? b : a, y = v->transposed ? a : b, to = y * v->nx + x;
-    if (w->to.area) w->to.area[to] += w->scale * (double)area;
-    if (w->to.farthest == NULL) return;
-    const float far = farthest * w->length;
-    if (isnan(area)) {
-        w->to.farthest[to] = w->to.direction[to] = NAN;
-    } else if (far > w->to.farthest[to]) {
-        w->to.farthest[to] = far;
-        w->to.direction[to] = w->desc->label;
+/* A line of count eyes whose answers lie together in the sums, from number `to` on or backward. */
+static void add_line(const walking *w, const float *area, const float *farthest, size_t apart, size_t count,
+                     ptrdiff_t to, ptrdiff_t step) {
+    double *sum = w->to.area;
+    float *far = w->to.farthest, *direction = w->to.direction;
+    for (size_t k = 0; k < count && sum; k++) sum[to + (ptrdiff_t)k * step] += w->scale * (double)area[k * apart];
+    for (size_t k = 0; k < count && far; k++) {
+        const ptrdiff_t at = to + (ptrdiff_t)k * step;
+        const float length = farthest[k * apart] * w->length;
+        if (isnan(area[k * apart])) {
+            far[at] = direction[at] = NAN;
+        } else if (length > far[at]) {
+            far[at] = length;
+            direction[at] = w->desc->label;
+        }
     }
+}
+
+/* Answers of eyes in columns and rows of the land, to where their samples are in the field. */
+static void add_answers(const walking *w, size_t across, size_t wide, size_t along, size_t rows, const float *area,
+                        const float *farthest) {
+    const cw_visible *v = w->view;
+    const ptrdiff_t step = v->rotated ? -1 : 1, nx = (ptrdiff_t)v->nx;
+    const size_t x = v->rotated ? w->wide - 1 - across : across, y = v->rotated ? w->long_way - 1 - along : along;
+    if (v->transposed)
+        for (size_t k = 0; k < wide; k++)
+            add_line(w, area + k, farthest + k, VISIBLE_GROUP, rows,
+                     ((ptrdiff_t)x + (ptrdiff_t)k * step) * nx + (ptrdiff_t)y, step);
+    else
+        for (size_t k = 0; k < rows; k++)
+            add_line(w, area + k * VISIBLE_GROUP, farthest + k * VISIBLE_GROUP, 1, wide,
+                     ((ptrdiff_t)y + (ptrdiff_t)k * step) * nx + (ptrdiff_t)x, step);
 }
 
 /* Rows of the land in which some ray of a group's columns is inside it, at most. */
@@ -334,9 +353,8 @@ static void walk_some(void *context, size_t begin, size_t end) {
         const size_t rows = w->long_way - along < ROWS_AT_ONCE ? w->long_way - along : ROWS_AT_ONCE;
         w->code->walk(&w->job, (ptrdiff_t)(w->first_column + across), w->first_row + along * v->every, v->every, rows,
                       most_rows(w, group), area, farthest);
-        for (size_t y = 0; y < rows; y++)
-            for (size_t x = 0; x < VISIBLE_GROUP && across + x < w->wide; x++)
-                add_answer(w, across + x, along + y, area[y * VISIBLE_GROUP + x], farthest[y * VISIBLE_GROUP + x]);
+        const size_t wide = w->wide - across < VISIBLE_GROUP ? w->wide - across : VISIBLE_GROUP;
+        add_answers(w, across, wide, along, rows, area, farthest);
     }
     fpenv_leave(caller);
 }
