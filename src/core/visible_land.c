@@ -1,0 +1,235 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "visible_land.h"
+
+#include "kernels.h"
+#include "memory.h"
+#include "run.h"
+
+#include <math.h>
+
+/* ---- the land -------------------------------------------------------------------------------------------------------- */
+
+static ptrdiff_t below(ptrdiff_t a, ptrdiff_t b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
+
+/* Where a column lies in a row, seen from one at which an eye stands. */
+static ptrdiff_t column_at(const cw_visible *v, ptrdiff_t column) {
+    const ptrdiff_t every = (ptrdiff_t)v->every, number = below(column, every);
+    return (column - number * every) * v->segment + number;
+}
+
+static bool make_room(float **memory, size_t *room, size_t count) {
+    if (*room >= count) return true;
+    cw_memory_free(*memory);
+    *memory = cw_memory_allocate(count * sizeof(float));
+    *room = *memory ? count : 0;
+    return *memory != NULL;
+}
+
+typedef struct turning {
+    cw_visible *view;
+    float *to;
+} turning;
+
+static void turn_rows(void *context, size_t begin, size_t end) {
+    const turning *t = context;
+    const cw_visible *v = t->view;
+    const cw_field *f = v->field;
+    for (size_t y = begin; y < end; y++) {
+        float *row = t->to + (ptrdiff_t)y * v->stride;
+        for (ptrdiff_t k = -VISIBLE_MARGIN; k < v->stride - VISIBLE_MARGIN; k++) row[k] = NAN;
+        for (size_t c = 0; c < v->across; c++) {
+            const size_t x = v->rotated ? v->across - 1 - c : c, z = v->rotated ? v->down - 1 - y : y;
+            row[column_at(v, (ptrdiff_t)(c + v->before))] =
+                v->transposed ? f->z[x * f->stride + z] : f->z[z * f->stride + x];
+        }
+    }
+}
+
+cw_status cw_visible_turn(cw_visible *v, const double dir[2], const cw_run *how) {
+    const bool transposed = fabs(dir[0]) > fabs(dir[1]), rotated = dir[transposed ? 0 : 1] < 0;
+    if (v->turned && v->transposed == transposed && v->rotated == rotated) return CW_OK;
+    const size_t nx = v->field->nx, ny = v->field->ny;
+    v->turned = v->bounded = false;
+    v->transposed = transposed;
+    v->rotated = rotated;
+    v->across = transposed ? ny : nx;
+    v->down = transposed ? nx : ny;
+    const size_t eye = transposed ? v->j : v->i;
+    const size_t first = (rotated ? v->across - 1 - eye : eye) % v->every;
+    v->before = (v->every - first) % v->every;
+    const size_t number = (v->across + v->before + v->every - 1) / v->every;
+    v->segment = (ptrdiff_t)((number + 2 * VISIBLE_MARGIN + VISIBLE_GROUP - 1) / VISIBLE_GROUP * VISIBLE_GROUP);
+    v->stride = v->segment * (ptrdiff_t)v->every;
+    if (!make_room(&v->memory, &v->room, v->down * (size_t)v->stride + 2 * AROUND))
+        return cw_fail_plainly(CW_ERROR_MEMORY);
+    for (size_t k = 0; k < AROUND; k++) v->memory[k] = v->memory[v->down * (size_t)v->stride + AROUND + k] = NAN;
+    turning t = {v, v->memory + AROUND + VISIBLE_MARGIN};
+    cw_run quiet = *how;
+    quiet.watch = NULL;
+    const cw_status status = cw_run_work(&quiet, v->down, 16, 64, turn_rows, &t);
+    v->turned = status == CW_OK;
+    return status;
+}
+
+/* ---- bounds ---------------------------------------------------------------------------------------------------------- */
+
+/* Rays differ from the middle of the bounds by so many columns a row, at least; rounding of places is far less. */
+static const double hair = 0x1p-20;
+
+typedef struct bounding {
+    const cw_visible *view;
+    const visible_code *code;
+    int level;
+    size_t blocks; /* of the level below; rows at level 0 */
+} bounding;
+
+static double lesser(double a, double b) { return a < b ? a : b; }
+static double greater(double a, double b) { return a > b ? a : b; }
+
+/* The columns, from the one in which the block is entered, in which row q of a block has samples that a ray reads. A ray reads
+ * them at crossings before and after the row: up to a row farther back if it goes to lesser columns. At level 1: in which
+ * block q of level 0 is entered. */
+static void columns_of(const cw_visible *v, int level, int q, ptrdiff_t *low, ptrdiff_t *high) {
+    const double step = level > 0 ? 8 : 1, back = level > 0 || q == 0 ? q : q - 1, on = level > 0 || q == 8 ? q : q + 1;
+    *low = (ptrdiff_t)floor(step * lesser(q * v->aside[0], on * v->aside[0]) - hair);
+    *high = (ptrdiff_t)floor(step * greater(q * v->aside[1], back * v->aside[1]) + hair) + (level > 0 ? 1 : 2);
+}
+
+static void bound_blocks(void *context, size_t begin, size_t end) {
+    enum { COLUMNS_MOST = 8 };
+    const bounding *b = context;
+    const cw_visible *v = b->view;
+    const int last = b->level > 0 ? 7 : 8;
+    for (size_t block = begin; block < end; block++) {
+        float *to = v->bound_memory[b->level] + AROUND + (ptrdiff_t)block * v->stride;
+        for (ptrdiff_t k = 0; k < v->stride; k++) to[k] = -INFINITY;
+        for (int q = 0; q <= last && 8 * block + (size_t)q < b->blocks; q++) {
+            const float *from = (b->level > 0 ? v->bound_memory[0] : v->memory) + AROUND +
+                                (ptrdiff_t)(8 * block + (size_t)q) * v->stride;
+            ptrdiff_t low, high, at[COLUMNS_MOST];
+            columns_of(v, b->level, q, &low, &high);
+            for (size_t phase = 0; phase < v->every; phase++) {
+                size_t count = 0;
+                const ptrdiff_t here = (ptrdiff_t)phase * v->segment;
+                for (ptrdiff_t o = low; o <= high && count < COLUMNS_MOST; o++)
+                    at[count++] = column_at(v, (ptrdiff_t)phase + o) - here;
+                b->code->bound(to + here, from + here, at, count, (size_t)v->segment);
+            }
+        }
+    }
+}
+
+cw_status cw_visible_bound(cw_visible *v, const cw_run *how, double aside, double slack) {
+    if (v->bounded && aside >= v->aside[0] + hair && aside <= v->aside[1] - hair) return CW_OK;
+    v->aside[0] = aside - slack - 2 * hair;
+    v->aside[1] = aside + slack + 2 * hair;
+    v->bounded = false;
+    cw_run quiet = *how;
+    quiet.watch = NULL;
+    size_t blocks = v->down;
+    for (int l = 0; l < VISIBLE_LEVELS; l++) {
+        bounding b = {v, how->kernel->visible, l, blocks};
+        blocks = (blocks + 7) / 8;
+        if (!make_room(&v->bound_memory[l], &v->bound_room[l], blocks * (size_t)v->stride + 2 * AROUND))
+            return cw_fail_plainly(CW_ERROR_MEMORY);
+        for (size_t k = 0; k < AROUND; k++)
+            v->bound_memory[l][k] = v->bound_memory[l][blocks * (size_t)v->stride + AROUND + k] = -INFINITY;
+        const cw_status status = cw_run_work(&quiet, blocks, 4, 16, bound_blocks, &b);
+        if (status != CW_OK) return status;
+    }
+    v->bounded = true;
+    return CW_OK;
+}
+
+/* ---- crossings ------------------------------------------------------------------------------------------------------- */
+
+typedef struct place {
+    double at;                  /* distance */
+    double first[2], second[2]; /* the edge's samples: column and row, from the eye's */
+    double fraction;
+} place;
+
+/* Sorted into those of the row that come before. */
+static void add_place(place *row, size_t *count, place p) {
+    size_t k = (*count)++;
+    for (; k > 0 && row[k - 1].at > p.at; k--) row[k] = row[k - 1];
+    row[k] = p;
+}
+
+/* Whether a place on a line across the ray is between two samples, and then its fraction of the way. */
+static bool is_between(double at, double along, double *fraction) {
+    *fraction = along - floor(along);
+    return fabs(along - nearbyint(along)) > PLACE_ROUNDING * at;
+}
+
+enum { CROSSINGS_MOST = 4 }; /* in a row: a column, two diagonals, the row */
+
+/* The crossings from row k - 1 on, without it, to row k. */
+static size_t row_of_crossings(double aside, size_t k, place row[CROSSINGS_MOST]) {
+    const double low = (double)(k - 1), high = (double)k, steep = aside - 1;
+    size_t count = 0;
+    double fraction;
+    /* Columns, crossed at column / aside. */
+    for (double c = aside > 0 ? floor(aside * low) : ceil(aside * low); aside != 0; c += aside > 0 ? 1 : -1) {
+        const double at = c / aside;
+        if (at > high) break;
+        if (at <= low || !is_between(at, at, &fraction)) continue;
+        add_place(row, &count, (place){at, {c, low}, {c, high}, fraction});
+    }
+    /* Diagonals column - row = number, crossed at number / (aside - 1). */
+    for (double n = ceil(steep * low); steep < -PLACE_ROUNDING; n--) {
+        const double at = n / steep;
+        if (at > high) break;
+        if (at <= low || !is_between(at, at, &fraction)) continue;
+        add_place(row, &count, (place){at, {n + low, low}, {n + high, high}, fraction});
+    }
+    const double x = aside * high;
+    const bool between = is_between(high, x, &fraction);
+    const double c = between ? floor(x) : nearbyint(x);
+    add_place(row, &count, (place){high, {c, high}, {between ? c + 1 : c, high}, between ? fraction : 0});
+    return count;
+}
+
+void cw_visible_free_ways(ways *w) {
+    cw_memory_free(w->crossing);
+    cw_memory_free(w->piece);
+    cw_memory_free(w->until);
+    cw_memory_free(w->entry);
+    *w = (ways){0};
+}
+
+cw_status cw_visible_make_ways(const cw_visible *v, ways *w) {
+    const double columns = fabs(w->aside) > 0 ? (double)(v->across - 1) / fabs(w->aside) : INFINITY;
+    double rows = lesser((double)(v->down - 1), ceil(columns * (1 + 0x1p-40)));
+    if (w->reach > 0) rows = lesser(rows, ceil(w->reach) + 1);
+    const size_t most = (size_t)rows, room = CROSSINGS_MOST * most + 1;
+    w->crossing = cw_memory_allocate(room * sizeof *w->crossing);
+    w->piece = cw_memory_allocate(room * sizeof *w->piece);
+    w->until = cw_memory_allocate((most + 1) * sizeof *w->until);
+    w->entry = cw_memory_allocate((most + 1) * sizeof *w->entry);
+    if (w->crossing == NULL || w->piece == NULL || w->until == NULL || w->entry == NULL)
+        return cw_fail_plainly(CW_ERROR_MEMORY);
+    double last = 0;
+    w->until[0] = 0;
+    w->entry[0] = 0;
+    while (w->steps < most && !w->ends) {
+        place row[CROSSINGS_MOST];
+        const size_t k = ++w->steps, count = row_of_crossings(w->aside, k, row);
+        for (size_t n = 0; n < count && !w->ends; n++) {
+            const place *p = &row[n];
+            const ptrdiff_t first = column_at(v, (ptrdiff_t)p->first[0]) + (ptrdiff_t)p->first[1] * v->stride;
+            const ptrdiff_t second = column_at(v, (ptrdiff_t)p->second[0]) + (ptrdiff_t)p->second[1] * v->stride;
+            w->crossing[w->crossings] = (visible_crossing){.first = first,
+                                                           .second = (int32_t)(second - first),
+                                                           .fraction = (float)p->fraction,
+                                                           .inverse = (float)(1 / p->at),
+                                                           .drop = (float)(w->drop * p->at)};
+            w->piece[w->crossings++] = (visible_piece){(float)last, (float)p->at, (float)(p->at - last)};
+            last = p->at;
+            w->ends = w->reach > 0 && p->at >= w->reach;
+        }
+        w->until[k] = (uint32_t)w->crossings;
+        w->entry[k] = column_at(v, (ptrdiff_t)row[count - 1].first[0]);
+    }
+    return CW_OK;
+}
