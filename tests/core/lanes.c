@@ -2,6 +2,7 @@
 /* Every kernel with a cell walk gives the same bits: packets of any width, any later walk, closest and any hit, each
  * leaf test, on rays and fields from rays.h and fields.h, in runs of any length. There is no tolerance. */
 
+#include "as_cell.h"
 #include "check.h"
 #include "rays.h"
 
@@ -31,31 +32,11 @@ typedef struct run {
     size_t compared[CW_LEAF_COUNT]; /* kernels so far, cell among them */
 } run;
 
-static void report(const run *q, size_t k, const char *name, const cw_hit *hit) {
-    field_print(q->shape);
-    ray_print(&q->rays[k]);
-    printf("leaf test %s, ray %zu of %zu\n", cw_leaf_name(q->leaf), k, q->n);
-    hit_print("cell", &q->hits[k]);
-    if (hit) hit_print(name, hit);
-}
-
 static void compare(const run *q, const cw_kernel *kernel) {
-    static cw_hit hits[RUN_MAX];
-    static uint8_t occluded[RUN_MAX];
-    const char *name = cw_kernel_describe(kernel).name;
     const cw_run query = {.kernel = kernel, .leaf = q->leaf};
-    check_status(cw_closest(q->field, &query, q->rays, q->n, hits), CW_OK);
-    check_status(cw_occluded(q->field, &query, q->rays, q->n, occluded), CW_OK);
-    for (size_t k = 0; k < q->n; k++) {
-        if (!hit_same(&hits[k], &q->hits[k])) {
-            report(q, k, name, &hits[k]);
-            check(false, "%s and cell differ", name);
-        }
-        if (occluded[k] != (hits[k].i >= 0)) {
-            report(q, k, name, NULL);
-            check(false, "%s: any hit says %d", name, occluded[k]);
-        }
-    }
+    if (as_cell_differ(q->field, &query, q->rays, q->n, q->hits) == 0) return;
+    field_print(q->shape);
+    check(false, "%s and cell differ", cw_kernel_describe(kernel).name);
 }
 
 /* The reference, then each kernel against it. */
@@ -66,9 +47,11 @@ static void run_all(run *q) {
         const cw_run query = {.kernel = reference, .leaf = q->leaf};
         check_status(cw_closest(q->field, &query, q->rays, q->n, q->hits), CW_OK);
         for (size_t k = 0; k < q->n; k++) {
-            const bool within = q->hits[k].t >= q->rays[k].tmin && q->hits[k].t <= q->rays[k].tmax;
-            if (q->hits[k].i >= 0 && !within) report(q, k, NULL, NULL);
-            check(q->hits[k].i < 0 || within, "a hit lies outside of its ray's range");
+            if (q->hits[k].i < 0 || (q->hits[k].t >= q->rays[k].tmin && q->hits[k].t <= q->rays[k].tmax)) continue;
+            field_print(q->shape);
+            ray_print(&q->rays[k]);
+            hit_print("cell", &q->hits[k]);
+            check(false, "a hit lies outside of its ray's range");
         }
         for (size_t k = 0; k < cw_kernel_count(); k++) {
             const cw_kernel *kernel = cw_kernel_at(k);
@@ -291,9 +274,7 @@ static void test_long_call(void **state) {
     (void)state;
     static cw_ray rays[LONG];
     static cw_hit hits[LONG];
-    static uint8_t occluded[LONG];
     static test_field shape;
-    static run q = {.shape = &shape, .leaf = CW_LEAF_WATERTIGHT};
     if (test_divisor() >= 1000) skip(); /* on an emulated CPU (old_cpu.cmake) */
     const bool slow = test_divisor() >= 8;
     const size_t n = slow ? LONG_ENOUGH : LONG;
@@ -305,26 +286,19 @@ static void test_long_call(void **state) {
     random_state r = {20261121};
     field_make(&shape, FIELD_RANDOM, large.nx, large.ny, 1);
     cw_field *field = field_open(&shape);
-    q.field = field;
     for (size_t k = 0; k < n; k++) rays[k] = ray_make(RAY_RANDOM, &shape, &r);
     size_t kernels = 0;
     for (size_t k = 0; k < cw_kernel_count(); k++) {
         const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
         if (!takes_long_calls(&info) || (slow && info.isa != most)) continue;
         kernels++;
-        const cw_run query = {.kernel = cw_kernel_at(k), .leaf = q.leaf};
-        check_status(cw_closest(field, &query, rays, n, hits), CW_OK);
-        check_status(cw_occluded(field, &query, rays, n, occluded), CW_OK);
-        for (size_t begin = 0; begin < n; begin += q.n) {
-            q.n = n - begin < RUN_MAX ? n - begin : RUN_MAX;
-            memcpy(q.rays, rays + begin, q.n * sizeof *rays);
-            check_status(cw_closest(field, &query, q.rays, q.n, q.hits), CW_OK);
-            for (size_t m = 0; m < q.n; m++) {
-                if (!hit_same(&hits[begin + m], &q.hits[m])) report(&q, m, info.name, &hits[begin + m]);
-                check(hit_same(&hits[begin + m], &q.hits[m]) && occluded[begin + m] == (q.hits[m].i >= 0),
-                      "%s: ray %zu of a long call is answered otherwise in a short one", info.name, begin + m);
-            }
-        }
+        const cw_run query = {.kernel = cw_kernel_at(k), .leaf = CW_LEAF_WATERTIGHT};
+        for (size_t begin = 0; begin < n; begin += RUN_MAX)
+            check_status(
+                cw_closest(field, &query, rays + begin, n - begin < RUN_MAX ? n - begin : RUN_MAX, hits + begin),
+                CW_OK);
+        check(as_cell_differ(field, &query, rays, n, hits) == 0, "%s: a long call answers otherwise than short ones",
+              info.name);
     }
     check(kernels > 0, "no kernel took a long call");
     cw_field_destroy(field);

@@ -4,6 +4,7 @@
  * takes RAYS rays a class; CELLWALK_TEST_ROUNDS=170 takes more than 10^7. With CELLWALK_TEST_COUNTS = FILE the counts are
  * kept for papers/robustness.md. */
 
+#include "as_cell.h"
 #include "check.h"
 #include "paths.h"
 
@@ -48,20 +49,8 @@ static cw_field *make_field(size_t round) {
 
 typedef struct work {
     cw_ray rays[RAYS];
-    cw_hit hits[RAYS], expected[RAYS];
-    uint8_t occluded[RAYS];
+    cw_hit expected[RAYS];
 } work;
-
-/* One path's answers for rays from begin on against the hits that are expected. */
-static void compare_rays(work *w, const cw_field *field, const cw_run *q, size_t begin, size_t n, count *c) {
-    check_status(cw_closest(field, q, w->rays + begin, n, w->hits), CW_OK);
-    check_status(cw_occluded(field, q, w->rays + begin, n, w->occluded), CW_OK);
-    for (size_t k = 0; k < n; k++) {
-        const cw_hit *expected = &w->expected[begin + k];
-        c->other += memcmp(&w->hits[k], expected, sizeof *expected) != 0 || w->occluded[k] != (expected->i >= 0);
-    }
-    c->answers += n;
-}
 
 static void compare_class(work *w, const cw_field *field, const path *paths, size_t path_count, workload_class class,
                           uint32_t seed, count *c) {
@@ -75,8 +64,10 @@ static void compare_class(work *w, const cw_field *field, const path *paths, siz
         if (paths[p].leaf == CW_LEAF_WATERTIGHT)
             for (size_t k = 0; k < n; k++) c->hits += w->expected[k].i >= 0;
         for (size_t q = 0; q < path_count; q++)
-            if (paths[q].strict && q != p && paths[q].leaf == paths[p].leaf)
-                compare_rays(w, field, &paths[q].query, 0, n, c);
+            if (paths[q].strict && q != p && paths[q].leaf == paths[p].leaf) {
+                c->other += as_cell_differ(field, &paths[q].query, w->rays, n, w->expected);
+                c->answers += n;
+            }
     }
 }
 
