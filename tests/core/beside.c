@@ -133,7 +133,40 @@ static void test_beside(void **state) {
     check(sum.hits > sum.rays / 10 && sum.hits < sum.rays, "too few rays hit or miss for the test to mean anything");
 }
 
+/* A ray a float's width above level ground, through the corners of cells: two cells along one axis for each along the other. It
+ * touches one sample, whose first cell on the way has a hole. So its hit is in a cell that it only enters through a corner. */
+static void test_corners_behind_holes(void **state) {
+    (void)state;
+    enum { SHORT = 300, LONG = 2 * SHORT };
+    static float z[SHORT * LONG];
+    const float level = 1000, ground = nextafterf(level, 0);
+    as_cell_counts sum = {0};
+    size_t cases = 0;
+    for (int number = 0; number < 8 * 3; number++, cases++) {
+        const int along = number & 1, turn_x = number & 2, turn_y = number & 4,
+                  k = 150 + 60 * (number / 8); /* axis 0: x is longer */
+        const int nx = along ? LONG : SHORT, ny = along ? SHORT : LONG;
+        const int i = along ? 2 * k : k, j = along ? k : 2 * k, last_x = nx - 1, last_y = ny - 1;
+        for (int m = 0; m < SHORT * LONG; m++) z[m] = ground;
+        z[(turn_y ? last_y - j : j) * nx + (turn_x ? last_x - i : i)] = level;
+        z[(turn_y ? last_y - j + 1 : j - 1) * nx + (turn_x ? last_x - i + 1 : i - 1)] = NAN;
+        const cw_ray ray = {
+            .org = {(float)(turn_x ? last_x : 0), (float)(turn_y ? last_y : 0), level},
+            .dir = {(turn_x ? -1.0f : 1.0f) * (along ? 1 : 0.5f), (turn_y ? -1.0f : 1.0f) * (along ? 0.5f : 1), 0},
+            .tmax = INFINITY};
+        cw_field_desc d = cw_field_desc_default();
+        d.samples = z;
+        d.nx = (size_t)nx;
+        d.ny = (size_t)ny;
+        cw_field *field;
+        check_status(cw_field_create(&d, NULL, &field), CW_OK);
+        as_cell_check(field, &ray, 1, &sum);
+        cw_field_destroy(field);
+    }
+    check(sum.hits == cases, "%zu hits of %zu", sum.hits, cases);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_beside)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_beside), cmocka_unit_test(test_corners_behind_holes)};
     return cmocka_run_group_tests_name("beside", tests, NULL, NULL);
 }

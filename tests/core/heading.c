@@ -322,6 +322,32 @@ static void planes_rise_evenly(void **state) {
     }
 }
 
+/* From the first sample, at -2^23, the ray along (1, 3/4) crosses one edge, at t = 5, three quarters of the way from a to a + 2. Both
+ * rise from the start by a tie, which rounds to 2^24 + 4: up from a, down from a + 2. With the step along the edge the rise is
+ * 2^24 + 6, above that to the higher sample. A bound that leaves rounding out passes the stretch over. */
+static void rounding_above_both_samples_counts(void **state) {
+    (void)state;
+    enum { NX = 20, NY = 16 };
+    static float slope[NX * NY];
+    test_field *f = &field_a;
+    field_make(f, FIELD_FLAT, NX, NY, 1);
+    for (size_t k = 0; k < NX * NY; k++) f->z[k] = NAN;
+    f->z[0] = -0x1p23f;
+    f->z[3 * NX + 5] = 0x1p23f + 3;
+    f->z[4 * NX + 5] = 0x1p23f + 5;
+    const float known = (0x1p24f + 4) / 5; /* the rise to the higher sample: anything steeper counts */
+    cw_field *field = field_open(f);
+    cw_heading *h = heading_open(field, (double[2]){1, 0.75});
+    for (int isa = CW_ISA_SCALAR; isa < CW_ISA_COUNT; isa++) {
+        cw_isa_limit((cw_isa)isa);
+        check_status(cw_heading_steepest(h, NULL, known, INFINITY, (cw_rectangle){0, 0, NX, NY}, slope), CW_OK);
+        check(slope[0] == known + 0.5f, "%.9g, not %.9g", (double)slope[0], (double)(known + 0.5f));
+    }
+    cw_isa_limit(CW_ISA_ANY);
+    cw_heading_destroy(h);
+    cw_field_destroy(field);
+}
+
 static void misuse_is_refused(void **state) {
     (void)state;
     field_make(&field_a, FIELD_RANDOM, 5, 4, 1);
@@ -365,10 +391,15 @@ static void misuse_is_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_edge_counts),         cmocka_unit_test(stretches_are_passed_over_rightly),
-        cmocka_unit_test(ends_and_curvature_count),  cmocka_unit_test(bits_are_the_same),
-        cmocka_unit_test(bounds_change_nothing),     cmocka_unit_test(planes_rise_evenly),
-        cmocka_unit_test(walls_on_the_border_count), cmocka_unit_test(misuse_is_refused),
+        cmocka_unit_test(every_edge_counts),
+        cmocka_unit_test(stretches_are_passed_over_rightly),
+        cmocka_unit_test(ends_and_curvature_count),
+        cmocka_unit_test(bits_are_the_same),
+        cmocka_unit_test(bounds_change_nothing),
+        cmocka_unit_test(planes_rise_evenly),
+        cmocka_unit_test(walls_on_the_border_count),
+        cmocka_unit_test(misuse_is_refused),
+        cmocka_unit_test(rounding_above_both_samples_counts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
