@@ -29,9 +29,9 @@ static const cw_kernel kernels[] = {
 #endif
     {"pyramid1", "bounds pyramid, one lane", CW_ISA_SCALAR, 1, CW_NEEDS_PYRAMID, &cw_pyramid1, cw_heading1, &cw_visible1},
 #if NEON
-    {"pyramid4", "bounds pyramid, pairs of 4 lanes", CW_ISA_NEON, 8, CW_NEEDS_PYRAMID, &cw_pyramid4, cw_heading4, &cw_visible4},
+    {"pyramid4", "bounds pyramid, 4 lanes, single rays in pairs of 4", CW_ISA_NEON, 8, CW_NEEDS_PYRAMID, &cw_pyramid4, cw_heading4, &cw_visible4},
 #elif CELLWALK_SIMD
-    {"pyramid4", "bounds pyramid, pairs of 4 lanes", CW_ISA_SSE42, 8, CW_NEEDS_PYRAMID, &cw_pyramid4, cw_heading4, &cw_visible4},
+    {"pyramid4", "bounds pyramid, 4 lanes, single rays in pairs of 4", CW_ISA_SSE42, 8, CW_NEEDS_PYRAMID, &cw_pyramid4, cw_heading4, &cw_visible4},
     {"pyramid8", "bounds pyramid, 8 lanes, single rays in pairs of 8",
      CW_ISA_AVX2, 16, CW_NEEDS_PYRAMID, &cw_pyramid8, cw_heading8, &cw_visible8},
     {"pyramid16", "bounds pyramid, 16 lanes, single rays in pairs of 16",

@@ -39,7 +39,7 @@ cw_leaf cw_kernel_default_leaf(const cw_kernel *kernel);
 /* src/scalar/ */
 extern const cw_kernel_code cw_brute, cw_cell, cw_grid3d;
 
-/* simd/packet_kernel.c and simd/pyramid_kernel.c, each compiled for the rows of the table in simd/CMakeLists.txt */
+/* simd/packet_kernel.c and simd/pyramid_kernel.c, each compiled for the instruction sets of simd/isas.cmake */
 extern const cw_kernel_code cw_packet4, cw_packet8, cw_packet16;
 extern const cw_kernel_code cw_pyramid1, cw_pyramid4, cw_pyramid8, cw_pyramid16;
 

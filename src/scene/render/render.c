@@ -130,17 +130,17 @@ static bool render_with(render *r, const scene_tracer *tracer, unsigned threads,
     return !atomic_load(&r->stopped) || io_fail(error, "cancelled");
 }
 
-/* The code for the widest instruction set that there is. */
+/* The code for the widest instruction set that there is. The last tile is scalar. */
+#define TILE(set, name) extern wave_tile_fn wave_tile_##name;
+CELLWALK_TILES
+#undef TILE
 static wave_tile_fn *tile_function(void) {
-#if defined(CELLWALK_SCENE_SIMD) && defined(__aarch64__)
-    if (cw_isa_includes(cw_isa_best(), CW_ISA_NEON)) return wave_tile_neon;
-#elif defined(CELLWALK_SCENE_SIMD)
     const cw_isa isa = cw_isa_best();
-    if (cw_isa_includes(isa, CW_ISA_AVX512)) return wave_tile_avx512;
-    if (cw_isa_includes(isa, CW_ISA_AVX2)) return wave_tile_avx2;
-    if (cw_isa_includes(isa, CW_ISA_SSE42)) return wave_tile_sse42;
-#endif
-    return wave_tile_scalar;
+#define TILE(set, name)                                                                                                \
+    if (cw_isa_includes(isa, CW_ISA_##set)) return wave_tile_##name;
+    CELLWALK_TILES
+#undef TILE
+    return NULL;
 }
 
 /* Finds the region and the tiles that it touches, and allocates its picture. */

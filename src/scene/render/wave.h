@@ -170,6 +170,5 @@ typedef struct wave_region {
  * wave_tile.c. */
 typedef bool wave_tile_fn(wave *w, size_t x, size_t y, const wave_region *region, const atomic_bool *cancel,
                           io_image *image);
-wave_tile_fn wave_tile_scalar, wave_tile_sse42, wave_tile_avx2, wave_tile_avx512, wave_tile_neon;
 
 #endif

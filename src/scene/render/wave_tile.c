@@ -50,6 +50,7 @@ static void put_pixels(wave *w, size_t x, size_t y, const wave_region *region, i
     }
 }
 
+wave_tile_fn CELLWALK_TILE;
 bool CELLWALK_TILE(wave *w, size_t x, size_t y, const wave_region *region, const atomic_bool *cancel, io_image *image) {
     memset(w->sum, 0, sizeof w->sum);
     wave_lap(w, WAVE_FILM);
