@@ -4,6 +4,7 @@
 #include "commands.h"
 #include "harness/run.h"
 #include "output.h"
+#include "reference.h"
 
 #include <signal.h>
 
@@ -24,6 +25,7 @@ int main(int argc, char **argv) {
                                   .ending = "A first look:\n  cellwalk-bench measure first\n"};
     signal(SIGINT, stop);
     signal(SIGTERM, stop);
+    cw_reference_add();
     run_record_begin(argv + 1, argc - 1);
     return program_main(&bench, argc, argv);
 }

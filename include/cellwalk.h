@@ -65,7 +65,7 @@ typedef enum cw_status {
     CW_ERROR_ARGUMENT,  /* an argument or a member is NULL, out of range or of a value unknown to this version */
     CW_ERROR_SAMPLE,    /* a sample lies beyond CW_HEIGHT_MAX, or a borrowed one is infinite */
     CW_ERROR_KERNEL,    /* no kernel of that name, not on this CPU or under this limit, or not with this leaf test */
-    CW_ERROR_NOT_BUILT, /* the kernel needs cw_field_build first */
+    CW_ERROR_NOT_BUILT, /* a reference kernel needs cw_field_build first */
     CW_ERROR_MEMORY,    /* out of memory, or of threads */
     CW_ERROR_BUSY,      /* an update and something else would run on one field at the same time */
     CW_ERROR_CANCELLED  /* the watch returned false */
@@ -120,7 +120,8 @@ enum { CW_LEAF_COUNT = 3 };
 CW_API const char *cw_leaf_name(cw_leaf leaf);
 
 /* A kernel is one way to find hits. Kernels live as long as the program. cell, packet* and pyramid* return the same
- * bits for the same leaf test. brute and grid3d use other operations and may differ in last bits and near edges. */
+ * bits for the same leaf test. A program may add reference kernels, which are in no library: brute and grid3d use other operations
+ * and may differ in last bits and near edges. */
 typedef struct cw_kernel cw_kernel;
 
 typedef struct cw_kernel_info {
@@ -128,7 +129,7 @@ typedef struct cw_kernel_info {
     const char *what; /* a description in one line */
     cw_isa isa;       /* the instruction set it needs */
     unsigned width;   /* lanes of the vectors that it walks with */
-    bool needs_build; /* it walks on a structure that cw_field_create or cw_field_build makes */
+    bool needs_build; /* it needs another structure than a field's bounds: only reference kernels do */
     bool available;   /* on this machine under the present limit */
     cw_leaf default_leaf;
 } cw_kernel_info;
@@ -248,15 +249,14 @@ typedef struct cw_field_desc {
 /* The identity map and nothing else. */
 CW_API cw_field_desc cw_field_desc_default(void);
 
-/* Makes a field, which the caller owns, with the structure that run's kernel walks on: for the default kernel the
- * bounds pyramid, or none for at most 32 cells a side, where packets are faster. The field has the same bits for any
- * pool. On failure *field is NULL: CW_ERROR_ARGUMENT, _SAMPLE, _KERNEL, _MEMORY, _CANCELLED. */
+/* Makes a field, which the caller owns, with the bounds that kernels walk on: less than 2 bytes a cell, but for small fields, and
+ * 2 KiB. Of run, pool and watch are used; a reference kernel gets its structure, too. The field has the same bits for any pool. On failure *field is NULL: CW_ERROR_ARGUMENT, _SAMPLE, _KERNEL, _MEMORY, _CANCELLED. */
 CW_API cw_status cw_field_create(const cw_field_desc *desc, const cw_run *run, cw_field **field);
 /* NULL is allowed. Nothing may be running on the field. */
 CW_API void cw_field_destroy(cw_field *field);
 
-/* Makes the structure that run's kernel walks on, unless the field has it. Nothing else may be running on the field. On
- * failure the field does not change: CW_ERROR_ARGUMENT, _KERNEL, _MEMORY, _CANCELLED. */
+/* Makes the structure that run's kernel needs beside the bounds, if it does, unless the field has it. Nothing else may be running
+ * on the field. On failure the field does not change: CW_ERROR_ARGUMENT, _KERNEL, _MEMORY. */
 CW_API cw_status cw_field_build(cw_field *field, const cw_run *run);
 
 /* Samples (i, j) to (i + nx - 1, j + ny - 1). */
@@ -274,8 +274,8 @@ typedef struct cw_update {
     uint64_t reserved[4]; /* 0 */
 } cw_update;
 
-/* Changes samples. Afterwards the field has the same bits as one made of the new samples, except that grid3d's
- * structure is dropped until cw_field_build. The time grows with the rectangle, not with the field. Does not
+/* Changes samples. Afterwards the field has the same bits as one made of the new samples, except that a reference
+ * kernel's structure is dropped until cw_field_build. The time grows with the rectangle, not with the field. Does not
  * allocate. Headings stay valid. Only run's pool is used: an update is not cancelled.
  * CW_ERROR_SAMPLE: a sample is refused, and the field does not change; if it borrows, put other samples there and
  * call this again before the next query. CW_ERROR_BUSY: a query or another update is running on the field. Functions
@@ -343,7 +343,7 @@ typedef struct cw_hit {
 /* CW_OK if a query with this run on this field would start; field NULL stands for one that has every structure. */
 CW_API cw_status cw_run_check(const cw_field *field, const cw_run *run);
 
-/* The kernel that a query with this run uses on this field; field NULL stands for one that has the pyramid. */
+/* The kernel that a query with this run uses, on any field. */
 CW_API const cw_kernel *cw_run_kernel(const cw_field *field, const cw_run *run);
 
 /* The closest hit of each of n rays (n may be 0). rays and hits must not overlap. The answer for a ray does not

@@ -67,7 +67,6 @@ typedef struct samples {
     cw_field *f;
     const float *from;              /* rows stride apart */
     size_t stride, column, row, nx; /* where they go, and how many in a row */
-    cw_refusal refusal;
 } samples;
 
 /* In a copy an infinite sample becomes NaN, so that kernels meet one kind of hole. */
@@ -80,47 +79,12 @@ static void copy_rows(void *context, size_t begin, size_t end) {
     }
 }
 
-static void look_at_tiles(void *context, size_t begin, size_t end) {
-    samples *s = context;
-    const size_t across = cw_tiles_across(s->f);
-    const fpenv caller = fpenv_enter();
-    for (size_t k = begin; k < end; k++) cw_survey_tile(s->f, k % across, k / across, &s->refusal);
-    fpenv_leave(caller);
-}
-
 static cw_tiles all_tiles(const cw_field *f) { return (cw_tiles){0, 0, cw_tiles_across(f) - 1, cw_tiles_down(f) - 1}; }
 
 /* Samples that a thread takes at a time, more or less. */
 enum { GRAIN = 1 << 16 };
 
-static cw_status survey(cw_field *f, const cw_run *how) {
-    samples s = {.f = f, .refusal = {CW_REFUSED_NONE}};
-    const size_t n = cw_tiles_across(f) * cw_tiles_down(f), grain = GRAIN / (TILE_SIDE * TILE_SIDE);
-    cw_status status = cw_run_work(how, n, grain, grain, look_at_tiles, &s);
-    if (status == CW_OK) status = cw_refusal_status(f, &s.refusal);
-    if (status == CW_OK) cw_survey_total(f, all_tiles(f));
-    return status;
-}
-
 /* ---- making it --------------------------------------------------------------------------------------------------- */
-
-static cw_status build(cw_field *f, unsigned needs, const cw_run *how, bool surveyed) {
-    const double start = clock_seconds();
-    cw_status status = CW_OK;
-    if (needs & CW_NEEDS_PYRAMID) {
-        status = f->pyramid ? CW_OK : cw_pyramid_build(f, how, !surveyed);
-    } else if (!surveyed) {
-        status = survey(f, how);
-    }
-    if (status == CW_OK && (needs & CW_NEEDS_GRID3D) && !f->grid3d) status = cw_grid3d_build(f);
-    f->build_seconds += clock_seconds() - start;
-    return status;
-}
-
-/* Up to this many cells a side the flat walk is at the end before the pyramid's has begun: packet8 is 1.1 to 1.5
- * times as fast as pyramid8 on shadow, ao and bounce rays of 3² to 33² samples, and 0.8 times on random and grazing
- * ones of 33²; on 65² the pyramid is ahead in all but shadow rays. */
-enum { TINY_SIDE = 32 };
 
 /* Several rows at a time; the watch is called in between. */
 static cw_status copy(cw_field *f, const cw_field_desc *desc, const cw_run *how) {
@@ -132,10 +96,18 @@ static cw_status copy(cw_field *f, const cw_field_desc *desc, const cw_run *how)
     return cw_run_work(how, f->ny, GRAIN / f->nx, GRAIN / f->nx, copy_rows, &s);
 }
 
-/* The structures that run's kernel needs; by default the pyramid, but none for a tiny field. */
-static unsigned needs_of(const cw_field *f, const cw_run *how) {
-    if (how->kernel) return how->kernel->needs;
-    return f->nx <= TINY_SIDE + 1 && f->ny <= TINY_SIDE + 1 ? 0 : CW_NEEDS_PYRAMID;
+/* What run's kernel needs beside the bounds. */
+static cw_status build_guest(cw_field *f, const cw_run *how) {
+    if (how->kernel == NULL || how->kernel->build == NULL || f->guest.structure != NULL) return CW_OK;
+    const double start = clock_seconds();
+    const cw_status status = how->kernel->build(f);
+    f->build_seconds += clock_seconds() - start;
+    return status;
+}
+
+static void destroy_guest(cw_field *f) {
+    if (f->guest.structure != NULL) f->guest.destroy(f->guest.structure);
+    f->guest = (cw_guest){0};
 }
 
 static cw_status fill(cw_field *f, const cw_field_desc *desc, const cw_run *whole) {
@@ -150,7 +122,11 @@ static cw_status fill(cw_field *f, const cw_field_desc *desc, const cw_run *whol
         status = copy(f, desc, &first);
         part = (run_part){whole, part.end, 1};
     }
-    return status == CW_OK ? build(f, needs_of(f, whole), &first, false) : status;
+    if (status != CW_OK) return status;
+    const double start = clock_seconds();
+    status = cw_pyramid_build(f, &first);
+    f->build_seconds = clock_seconds() - start;
+    return status == CW_OK ? build_guest(f, whole) : status;
 }
 
 static cw_status create(const cw_field_desc *desc, const cw_run *how, cw_field **field) {
@@ -203,7 +179,7 @@ cw_status cw_field_create(const cw_field_desc *desc, const cw_run *run, cw_field
 
 void cw_field_destroy(cw_field *field) {
     if (field == NULL) return;
-    cw_grid3d_destroy(field->grid3d);
+    destroy_guest(field);
     cw_pyramid_destroy(field->pyramid);
     cw_survey_destroy(field);
     cw_memory_free(field->owned);
@@ -216,7 +192,7 @@ cw_status cw_field_build(cw_field *field, const cw_run *run) {
     cw_status status = begin(run, &how);
     if (status != CW_OK) return status;
     const fpenv caller = fpenv_enter();
-    status = build(field, needs_of(field, &how), &how, true);
+    status = build_guest(field, &how);
     fpenv_leave(caller);
     return status;
 }
@@ -242,14 +218,6 @@ static cw_tiles tiles_of(const cw_field *f, const cw_update *u) {
                       x < all.x_last ? x : all.x_last, y < all.y_last ? y : all.y_last};
 }
 
-/* It serves for comparisons, and is made anew at the price of being made. */
-static void drop_grid3d(cw_field *f) {
-    if (f->grid3d == NULL) return;
-    cw_grid3d_destroy(f->grid3d);
-    f->grid3d = NULL;
-    f->bytes_built = f->pyramid ? sizeof *f->pyramid + f->pyramid->bytes : 0;
-}
-
 static cw_status update(cw_field *f, const cw_update *u, cw_pool *pool) {
     const bool borrowed = f->owned == NULL;
     samples s = {.f = f, .column = u->at.i, .row = u->at.j, .nx = u->at.nx};
@@ -261,14 +229,8 @@ static cw_status update(cw_field *f, const cw_update *u, cw_pool *pool) {
     }
     if (!borrowed) cw_pool_run(pool, u->at.ny, GRAIN / u->at.nx, copy_rows, &s);
     const cw_tiles changed = tiles_of(f, u);
-    drop_grid3d(f);
-    if (f->pyramid) {
-        cw_pyramid_update(f, changed, pool);
-        return CW_OK;
-    }
-    for (size_t y = changed.y; y <= changed.y_last; y++)
-        for (size_t x = changed.x; x <= changed.x_last; x++) cw_survey_tile(f, x, y, &s.refusal);
-    cw_survey_total(f, changed);
+    destroy_guest(f);
+    cw_pyramid_update(f, changed, pool);
     return CW_OK;
 }
 
@@ -296,7 +258,7 @@ void cw_field_describe_into(const cw_field *field, cw_field_info *info, size_t s
         .high = field->high,
         .holes = field->holes,
         .bytes_samples = field->owned ? field->nx * field->ny * sizeof(float) : 0,
-        .bytes_built = field->bytes_built,
+        .bytes_built = sizeof *field->pyramid + field->pyramid->bytes + field->guest.bytes,
         .build_seconds = field->build_seconds,
     };
     memcpy(all.map, field->to_user, sizeof all.map);

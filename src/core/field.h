@@ -7,13 +7,16 @@
 #include "door.h"
 #include "ieee.h"
 
-struct cw_grid3d;
 struct cw_pyramid;
 struct cw_survey;
 struct cw_tiles;
 
-/* Structures that kernels may need; bits of cw_kernel.needs. */
-enum { CW_NEEDS_GRID3D = 1, CW_NEEDS_PYRAMID = 2 };
+/* What a kernel of another library walks on, which cw_kernel.build has made. An update destroys it. */
+typedef struct cw_guest {
+    void *structure; /* NULL: there is none */
+    void (*destroy)(void *structure);
+    size_t bytes;
+} cw_guest;
 
 struct cw_field {
     const float *z; /* sample (i, j) is z[j * stride + i]; a hole is NaN, never infinite */
@@ -27,23 +30,17 @@ struct cw_field {
 
     double to_user[3][4], to_field[3][4]; /* to_field by affine_invert */
 
-    struct cw_grid3d *grid3d; /* NULL until built */
-    struct cw_pyramid *pyramid;
-    size_t bytes_built;
+    struct cw_pyramid *pyramid; /* its bounds */
+    cw_guest guest;
     double build_seconds;
 
     double to_normals[3][4]; /* to_field for vectors whose length counts for nothing: neither tiny nor huge */
     door door;               /* queries that run, and updates */
 };
 
-/* src/core/bounds/pyramid.c */
-/* survey: the samples have not been looked at. */
-cw_status cw_pyramid_build(cw_field *field, const cw_run *how, bool survey);
+/* src/core/bounds/pyramid.c: looks at the samples, too. */
+cw_status cw_pyramid_build(cw_field *field, const cw_run *how);
 void cw_pyramid_update(cw_field *field, struct cw_tiles changed, cw_pool *pool);
 void cw_pyramid_destroy(struct cw_pyramid *pyramid);
-
-/* src/scalar/grid3d.c */
-cw_status cw_grid3d_build(cw_field *field);
-void cw_grid3d_destroy(struct cw_grid3d *grid);
 
 #endif

@@ -40,7 +40,7 @@ static cw_status query(job *q, const cw_run *run, const void *out, const char *o
     if (n > 0 && q->rays == NULL) return cw_fail(CW_ERROR_ARGUMENT, "rays: NULL for %zu rays", n);
     if (n > 0 && out == NULL) return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL for %zu rays", out_name, n);
     cw_status status = cw_run_begin(run, &q->how);
-    if (status == CW_OK) status = cw_run_settle(q->field, &q->how);
+    if (status == CW_OK) status = cw_run_settle(&q->how);
     if (status != CW_OK) return status;
     if (n < SHARED) q->how.pool = NULL;
     const door_pass in = door_enter(&q->field->door);

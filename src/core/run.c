@@ -37,8 +37,8 @@ cw_status cw_run_begin(const cw_run *run, cw_run *how) {
     return cw_check_reserved(how->reserved, "cw_run");
 }
 
-cw_status cw_run_settle(const cw_field *field, cw_run *how) {
-    const cw_kernel *given = how->kernel, *kernel = how->kernel = cw_run_kernel(field, how);
+cw_status cw_run_settle(cw_run *how) {
+    const cw_kernel *given = how->kernel, *kernel = how->kernel = cw_run_kernel(NULL, how);
     if (!cw_kernel_exists(kernel)) return cw_fail(CW_ERROR_KERNEL, "kernel: there is no kernel of that name");
     /* A kernel that was chosen here is available, even if the limit has just become lower. */
     if (given && !cw_isa_allows(kernel->isa))
@@ -52,8 +52,7 @@ cw_status cw_run_settle(const cw_field *field, cw_run *how) {
 }
 
 cw_status cw_run_built(const cw_field *field, const cw_run *how) {
-    const unsigned needs = how->kernel->needs;
-    if (((needs & CW_NEEDS_GRID3D) && field->grid3d == NULL) || ((needs & CW_NEEDS_PYRAMID) && field->pyramid == NULL))
+    if (how->kernel->build && field->guest.structure == NULL)
         return cw_fail(CW_ERROR_NOT_BUILT, "kernel: %s needs cw_field_build on this field first", how->kernel->name);
     return CW_OK;
 }
@@ -61,7 +60,7 @@ cw_status cw_run_built(const cw_field *field, const cw_run *how) {
 cw_status cw_run_check(const cw_field *field, const cw_run *run) {
     cw_run how;
     cw_status status = cw_run_begin(run, &how);
-    if (status == CW_OK) status = cw_run_settle(field, &how);
+    if (status == CW_OK) status = cw_run_settle(&how);
     return status == CW_OK && field ? cw_run_built(field, &how) : status;
 }
 

@@ -19,8 +19,8 @@ void cw_fill(void *caller, size_t size, const void *all, size_t all_size);
 /* *how becomes *run, or all zero for NULL. Fails if its leaf test or a reserved member is invalid. */
 cw_status cw_run_begin(const cw_run *run, cw_run *how);
 
-/* Sets kernel and leaf test to those that run on this field. Fails if there is none such here. */
-cw_status cw_run_settle(const cw_field *field, cw_run *how);
+/* Sets kernel and leaf test to those that run. Fails if there is none such here. */
+cw_status cw_run_settle(cw_run *how);
 
 /* Fails if the field lacks the structure of the kernel, which has been settled. */
 cw_status cw_run_built(const cw_field *field, const cw_run *how);

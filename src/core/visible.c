@@ -195,7 +195,7 @@ cw_status cw_visible_add(cw_visible *v, const cw_run *run, const cw_visible_desc
     cw_run how;
     cw_status status = cw_run_begin(run, &how);
     how.leaf = CW_LEAF_DEFAULT;
-    if (status == CW_OK) status = cw_run_settle(v->field, &how);
+    if (status == CW_OK) status = cw_run_settle(&how);
     if (status != CW_OK || rows == 0 || v->nx == 0) return status;
     const door_pass in = door_enter(&v->field->door);
     if (in.entry == NULL) return cw_fail_plainly(CW_ERROR_BUSY);

@@ -7,6 +7,7 @@
 #include "image.h"
 #include "inputs.h"
 #include "raster_out.h"
+#include "reference.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -46,6 +47,7 @@ int main(int argc, char **argv) {
         .command_count = sizeof commands / sizeof commands[0],
         .ending = tasks,
         .about = print_parts};
+    cw_reference_add();
     cancel_install();
     io_inputs_protect();
     gdal_host_install();

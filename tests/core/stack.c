@@ -39,7 +39,7 @@ static void *do_everything(void *failure) {
     if (cw_field_create(&desc, NULL, &field) != CW_OK) return NULL;
     for (size_t k = 0; k < cw_kernel_count(); k++) {
         const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
-        const size_t n = info.needs_build ? RAYS : 30; /* brute force takes its time */
+        const size_t n = strcmp(info.name, "brute") != 0 ? RAYS : 30; /* brute force takes its time */
         if (!info.available) continue;
         *failed = info.name;
         if (cw_field_build(field, &(cw_run){.kernel = cw_kernel_at(k)}) != CW_OK) return NULL;

@@ -61,10 +61,10 @@ static place make_place(size_t size, kind k, random_state *r) {
     return p;
 }
 
-static cw_field *make_field(const place *p, cw_storage storage, bool bare, cw_pool *pool) {
+static cw_field *make_field(const place *p, cw_storage storage, cw_pool *pool) {
     cw_field *field;
     const cw_field_desc d = {.samples = p->z, .nx = p->nx, .ny = p->ny, .stride = p->stride, .storage = storage};
-    const cw_run how = {.kernel = cw_kernel_find(bare ? "cell" : "pyramid1"), .pool = pool};
+    const cw_run how = {.pool = pool};
     check_status(cw_field_create(&d, &how, &field), CW_OK);
     return field;
 }
@@ -80,8 +80,6 @@ static const char *difference(const cw_field *a, const cw_field *b) {
     if (!same(a->middle, b->middle, sizeof a->middle) || !same(a->reach, b->reach, sizeof a->reach)) return "reach";
     const size_t tiles = (cw_tiles_across(a) + 1) * cw_tiles_down(a);
     if (!same(a->tile, b->tile, tiles * sizeof *a->tile)) return "survey";
-    if ((a->pyramid == NULL) != (b->pyramid == NULL)) return "having a pyramid";
-    if (a->pyramid == NULL) return NULL;
     const struct cw_pyramid *p = a->pyramid, *q = b->pyramid;
     if (!same(&p->steepest, &q->steepest, sizeof p->steepest)) return "steepest slope";
     if (!same(&p->high, &q->high, sizeof p->high)) return "pyramid's highest";
@@ -97,20 +95,18 @@ static void check_same(const cw_field *got, const cw_field *wanted, const char *
 static void threads_change_nothing(void **state) {
     (void)state;
     static const unsigned threads[] = {2, 3, 7};
-    const int ways = test_divisor() > 1 ? 1 : 3; /* borrowed, copied, built later */
+    const int ways = test_divisor() > 1 ? 1 : 2; /* borrowed, copied */
     random_state r = {1};
     cw_pool *pool[3];
     for (size_t t = 0; t < 3; t++) check_status(cw_pool_create(threads[t], &pool[t]), CW_OK);
     for (size_t s = 0; s < SIZES; s++)
         for (int k = first_kind(s); k < KINDS; k += kind_step()) {
             const place p = make_place(s, (kind)k, &r);
-            cw_field *alone = make_field(&p, CW_BORROW, false, NULL);
+            cw_field *alone = make_field(&p, CW_BORROW, NULL);
             for (size_t t = 0; t < 3; t++)
                 for (int way = 0; way < ways; way++) {
                     char what[100];
-                    cw_field *many = make_field(&p, way == 1 ? CW_COPY : CW_BORROW, way == 2, pool[t]);
-                    const cw_run q = {.kernel = cw_kernel_find("pyramid1"), .pool = pool[t]};
-                    check_status(cw_field_build(many, &q), CW_OK);
+                    cw_field *many = make_field(&p, way == 1 ? CW_COPY : CW_BORROW, pool[t]);
                     snprintf(what, sizeof what, "%zu x %zu, %s, %u threads, way %d", p.nx, p.ny, kind_names[k],
                              threads[t], way);
                     check_same(many, alone, what);
@@ -174,7 +170,7 @@ static void bounds_are_exact(void **state) {
     for (size_t s = 0; s < SIZES; s++)
         for (int k = first_kind(s); k < KINDS; k += kind_step()) {
             const place p = make_place(s, (kind)k, &r);
-            cw_field *f = make_field(&p, CW_BORROW, false, NULL);
+            cw_field *f = make_field(&p, CW_BORROW, NULL);
             float steepest = 0;
             for (int l = 0; l < f->pyramid->levels; l++) {
                 char level[100];
@@ -246,8 +242,8 @@ static void updates_give_what_is_made_anew(void **state) {
         for (size_t s = 0; s < SIZES; s++)
             for (int k = first_kind(s); k < KINDS; k += kind_step()) {
                 const place p = make_place(s, (kind)k, &r);
-                cw_field *borrowed = make_field(&p, CW_BORROW, false, NULL);
-                cw_field *copied = make_field(&p, CW_COPY, false, NULL), *bare = make_field(&p, CW_COPY, true, NULL);
+                cw_field *borrowed = make_field(&p, CW_BORROW, NULL);
+                cw_field *copied = make_field(&p, CW_COPY, NULL);
                 for (size_t turn = 0; turn < test_share(12, 1); turn++) {
                     char what[100];
                     cw_update u = some_rectangle(&p, &r);
@@ -259,18 +255,13 @@ static void updates_give_what_is_made_anew(void **state) {
                     u.samples = p.z + u.at.j * p.stride + u.at.i;
                     u.stride = p.stride;
                     check_status(cw_field_update(copied, &u, &how), CW_OK);
-                    check_status(cw_field_update(bare, &u, &how), CW_OK);
-                    cw_field *anew = make_field(&p, CW_BORROW, false, NULL),
-                             *bare_anew = make_field(&p, CW_COPY, true, NULL);
+                    cw_field *anew = make_field(&p, CW_BORROW, NULL);
                     check_same(borrowed, anew, what);
                     check_same(copied, anew, what);
-                    check_same(bare, bare_anew, what);
                     cw_field_destroy(anew);
-                    cw_field_destroy(bare_anew);
                 }
                 cw_field_destroy(borrowed);
                 cw_field_destroy(copied);
-                cw_field_destroy(bare);
                 free(p.z);
             }
     cw_pool_destroy(pool);
@@ -280,8 +271,8 @@ static void what_is_refused_changes_nothing(void **state) {
     (void)state;
     random_state r = {4};
     const place p = make_place(3, LAND, &r);
-    cw_field *borrowed = make_field(&p, CW_BORROW, false, NULL), *copied = make_field(&p, CW_COPY, false, NULL);
-    cw_field *anew = make_field(&p, CW_COPY, false, NULL);
+    cw_field *borrowed = make_field(&p, CW_BORROW, NULL), *copied = make_field(&p, CW_COPY, NULL);
+    cw_field *anew = make_field(&p, CW_COPY, NULL);
     float z[6] = {1, 2, 3, 4, 5, 0x1.2p100f};
     const cw_update good = {.at = {.i = 7, .j = 9, .nx = 3, .ny = 2}, .samples = z};
     check_status(cw_field_update(copied, &good, NULL), CW_ERROR_SAMPLE);
@@ -340,7 +331,7 @@ static void grid3d_is_dropped(void **state) {
     (void)state;
     random_state r = {5};
     const place p = make_place(3, LAND, &r);
-    cw_field *f = make_field(&p, CW_COPY, false, NULL);
+    cw_field *f = make_field(&p, CW_COPY, NULL);
     const cw_run q = {.kernel = cw_kernel_find("grid3d")};
     const float z = 100;
     const cw_ray down = {.org = {30.5f, 30.25f, 1000}, .dir = {0, 0, -1}, .tmax = INFINITY};
@@ -403,7 +394,7 @@ static void who_comes_second_is_turned_away(void **state) {
     (void)state;
     random_state r = {6};
     const place p = make_place(8, LAND, &r);
-    cw_field *f = make_field(&p, CW_COPY, false, NULL), *anew = make_field(&p, CW_COPY, false, NULL);
+    cw_field *f = make_field(&p, CW_COPY, NULL), *anew = make_field(&p, CW_COPY, NULL);
     meeting m = {.field = f, .update = {.at = {.nx = 300, .ny = 300}, .samples = p.z, .stride = p.stride}};
     const cw_ray ray = {.org = {1, 1, 0}, .dir = {1, 0, 0}, .tmax = 1};
     const cw_user_ray user = {.org = {1, 1, 0}, .dir = {1, 0, 0}, .tmax = 1};
@@ -545,14 +536,11 @@ static void making_is_watched(void **state) {
     const place p = make_place(8, LAND, &r);
     cw_pool *pool;
     check_status(cw_pool_create(3, &pool), CW_OK);
-    for (int way = 0; way < 4; way++) {
+    for (int way = 0; way < 2; way++) {
         observer o = {0};
         cw_field_desc d = {.samples = p.z, .nx = p.nx, .ny = p.ny, .stride = p.stride};
-        d.storage = way & 2 ? CW_COPY : CW_BORROW;
-        const cw_run how = {.kernel = cw_kernel_find(way & 1 ? "cell" : "pyramid1"),
-                            .pool = pool,
-                            .watch = observe,
-                            .watch_context = &o};
+        d.storage = way & 1 ? CW_COPY : CW_BORROW;
+        const cw_run how = {.pool = pool, .watch = observe, .watch_context = &o};
         cw_field *f;
         check_status(cw_field_create(&d, &how, &f), CW_OK);
         check(o.calls > 3 && !o.backwards && o.last == 1, "way %d: %u calls, the last at %g", way, o.calls, o.last);
@@ -564,16 +552,6 @@ static void making_is_watched(void **state) {
             assert_null(f);
         }
     }
-    cw_field *f = make_field(&p, CW_BORROW, true, NULL), *anew = make_field(&p, CW_BORROW, false, NULL);
-    observer o = {.stop_at = 2};
-    cw_run q = {.kernel = cw_kernel_find("pyramid1"), .pool = pool, .watch = observe, .watch_context = &o};
-    check_status(cw_field_build(f, &q), CW_ERROR_CANCELLED);
-    check(f->pyramid == NULL && cw_field_describe(f).bytes_built == 0, "half a pyramid");
-    q.watch = NULL;
-    check_status(cw_field_build(f, &q), CW_OK);
-    check_same(f, anew, "built after all");
-    cw_field_destroy(f);
-    cw_field_destroy(anew);
     cw_pool_destroy(pool);
     free(p.z);
 }
@@ -588,7 +566,7 @@ static void refusals_do_not_depend_on_threads(void **state) {
     cw_field_desc d = {.samples = p.z, .nx = p.nx, .ny = p.ny, .stride = p.stride, .storage = CW_BORROW};
     for (int k = 0; k < 20; k++) {
         cw_field *f;
-        const cw_run how = {.kernel = cw_kernel_find(k % 2 ? "cell" : "pyramid1"), .pool = pool};
+        const cw_run how = {.pool = pool};
         p.z[300 * p.stride + 500] = INFINITY;
         p.z[301 * p.stride + 3] = 0x1.2p100f; /* in a tile that is looked at before */
         check_status(cw_field_create(&d, &how, &f), CW_ERROR_SAMPLE);

@@ -5,6 +5,7 @@
  * guards. */
 
 #include "api.h"
+#include "reference.h"
 
 #include "cellwalk.h"
 
@@ -25,6 +26,7 @@ static void tell(void) {
 
 int LLVMFuzzerInitialize(int *count, char ***arguments) {
     (void)count, (void)arguments;
+    cw_reference_add();
     atexit(tell);
     return 0;
 }

@@ -5,6 +5,7 @@
  * Allocations may fall into another's place, so the process as a whole may grow by a little; by more it fails, too. */
 
 #include "api.h"
+#include "reference.h"
 
 #include "cellwalk.h"
 
@@ -138,6 +139,7 @@ static void round_of_inputs(void) {
 }
 
 int main(int count, char **arguments) {
+    cw_reference_add();
     const double duration = count == 2 || count == 3 ? atof(arguments[1]) : 0;
     if (count == 3) state = strtoull(arguments[2], NULL, 10);
     if (!(duration > 0) || state == 0) {

@@ -11,6 +11,7 @@
 #include "command.h"
 #include "harness/results.h"
 #include "harness/run.h"
+#include "reference.h"
 
 #include <inttypes.h>
 #include <limits.h>
@@ -194,6 +195,7 @@ int main(int argc, char **argv) {
                                               .what = "Counts wrong answers of the kernels and Embree on aimed rays.",
                                               .commands = commands,
                                               .command_count = 1};
+    cw_reference_add();
     run_record_begin(argv + 1, argc - 1);
     return program_main(&stability_program, argc, argv);
 }

@@ -22,7 +22,7 @@ typedef struct job {
     cw_field *f;
     struct cw_pyramid *p;
     cw_tiles tiles;
-    cw_refusal *refusal; /* NULL: the samples are known */
+    cw_refusal *refusal;
     int level;
     nodes nodes; /* of that level */
 } job;
@@ -35,7 +35,7 @@ static void do_tiles(void *context, size_t begin, size_t end) {
     const fpenv caller = fpenv_enter();
     for (size_t k = begin; k < end; k++) {
         const size_t x = w->tiles.x + k % across(&w->tiles), y = w->tiles.y + k / across(&w->tiles);
-        if (w->refusal) cw_survey_tile(w->f, x, y, w->refusal);
+        cw_survey_tile(w->f, x, y, w->refusal);
         cw_pyramid_tile(w->f, w->p, x, y);
     }
     fpenv_leave(caller);
@@ -206,10 +206,9 @@ static void clear_upper(struct cw_pyramid *p) {
 /* Tiles that a thread takes at a time: neighbours in a row, which share cache lines. */
 enum { TILES_AT_ONCE = 4 };
 
-cw_status cw_pyramid_build(cw_field *f, const cw_run *how, bool survey) {
+cw_status cw_pyramid_build(cw_field *f, const cw_run *how) {
     cw_refusal refusal = {CW_REFUSED_NONE};
-    job w = {.f = f, .tiles = {0, 0, cw_tiles_across(f) - 1, cw_tiles_down(f) - 1}};
-    if (survey) w.refusal = &refusal;
+    job w = {.f = f, .tiles = {0, 0, cw_tiles_across(f) - 1, cw_tiles_down(f) - 1}, .refusal = &refusal};
     w.p = cw_memory_clear(sizeof *w.p);
     if (w.p == NULL || !lay_out(w.p, f)) {
         cw_pyramid_destroy(w.p);
@@ -222,10 +221,9 @@ cw_status cw_pyramid_build(cw_field *f, const cw_run *how, bool survey) {
         cw_pyramid_destroy(w.p);
         return status;
     }
-    if (survey) cw_survey_total(f, w.tiles);
+    cw_survey_total(f, w.tiles);
     do_upper(&w, how->pool);
     f->pyramid = w.p;
-    f->bytes_built += sizeof *w.p + w.p->bytes;
     return CW_OK;
 }
 

@@ -17,25 +17,23 @@
 /* From the plainest to the fastest: the last one available is the default. */
 /* clang-format off */
 static const cw_kernel kernels[] = {
-    {"brute", "every triangle: the ground truth for small fields", CW_ISA_SCALAR, 1, 0, &cw_brute, cw_heading1, &cw_visible1},
-    {"grid3d", "uniform 3D grid, 3D-DDA", CW_ISA_SCALAR, 1, CW_NEEDS_GRID3D, &cw_grid3d, cw_heading1, &cw_visible1},
-    {"cell", "2D cell walk, one ray at a time", CW_ISA_SCALAR, 1, 0, &cw_cell, cw_heading1, &cw_visible1},
+    {"cell", "2D cell walk, one ray at a time", CW_ISA_SCALAR, 1, &cw_cell, cw_heading1, &cw_visible1, NULL},
 #if NEON
-    {"packet4", "2D cell walk, 4 rays at once", CW_ISA_NEON, 4, 0, &cw_packet4, cw_heading4, &cw_visible4},
+    {"packet4", "2D cell walk, 4 rays at once", CW_ISA_NEON, 4, &cw_packet4, cw_heading4, &cw_visible4, NULL},
 #elif CELLWALK_SIMD
-    {"packet4", "2D cell walk, 4 rays at once", CW_ISA_SSE42, 4, 0, &cw_packet4, cw_heading4, &cw_visible4},
-    {"packet8", "2D cell walk, 8 rays at once", CW_ISA_AVX2, 8, 0, &cw_packet8, cw_heading8, &cw_visible8},
-    {"packet16", "2D cell walk, 16 rays at once", CW_ISA_AVX512, 16, 0, &cw_packet16, cw_heading16, &cw_visible16},
+    {"packet4", "2D cell walk, 4 rays at once", CW_ISA_SSE42, 4, &cw_packet4, cw_heading4, &cw_visible4, NULL},
+    {"packet8", "2D cell walk, 8 rays at once", CW_ISA_AVX2, 8, &cw_packet8, cw_heading8, &cw_visible8, NULL},
+    {"packet16", "2D cell walk, 16 rays at once", CW_ISA_AVX512, 16, &cw_packet16, cw_heading16, &cw_visible16, NULL},
 #endif
-    {"pyramid1", "bounds pyramid, one lane", CW_ISA_SCALAR, 1, CW_NEEDS_PYRAMID, &cw_pyramid1, cw_heading1, &cw_visible1},
+    {"pyramid1", "bounds pyramid, one lane", CW_ISA_SCALAR, 1, &cw_pyramid1, cw_heading1, &cw_visible1, NULL},
 #if NEON
-    {"pyramid4", "bounds pyramid, 4 lanes, single rays in pairs of 4", CW_ISA_NEON, 8, CW_NEEDS_PYRAMID, &cw_pyramid4, cw_heading4, &cw_visible4},
+    {"pyramid4", "bounds pyramid, 4 lanes, single rays in pairs of 4", CW_ISA_NEON, 8, &cw_pyramid4, cw_heading4, &cw_visible4, NULL},
 #elif CELLWALK_SIMD
-    {"pyramid4", "bounds pyramid, 4 lanes, single rays in pairs of 4", CW_ISA_SSE42, 8, CW_NEEDS_PYRAMID, &cw_pyramid4, cw_heading4, &cw_visible4},
+    {"pyramid4", "bounds pyramid, 4 lanes, single rays in pairs of 4", CW_ISA_SSE42, 8, &cw_pyramid4, cw_heading4, &cw_visible4, NULL},
     {"pyramid8", "bounds pyramid, 8 lanes, single rays in pairs of 8",
-     CW_ISA_AVX2, 16, CW_NEEDS_PYRAMID, &cw_pyramid8, cw_heading8, &cw_visible8},
+     CW_ISA_AVX2, 16, &cw_pyramid8, cw_heading8, &cw_visible8, NULL},
     {"pyramid16", "bounds pyramid, 16 lanes, single rays in pairs of 16",
-     CW_ISA_AVX512, 32, CW_NEEDS_PYRAMID, &cw_pyramid16, cw_heading16, &cw_visible16},
+     CW_ISA_AVX512, 32, &cw_pyramid16, cw_heading16, &cw_visible16, NULL},
 #endif
 };
 /* clang-format on */
@@ -43,13 +41,24 @@ enum { KERNEL_COUNT = sizeof kernels / sizeof kernels[0] };
 
 const cw_kernel cw_kernel_none = {.name = "none", .what = "there is no kernel of that name"};
 
-size_t cw_kernel_count(void) { return KERNEL_COUNT; }
+static const cw_kernel *added;
+static size_t added_count;
 
-const cw_kernel *cw_kernel_at(size_t number) { return number < KERNEL_COUNT ? &kernels[number] : NULL; }
+void cw_kernels_add(const cw_kernel *first, size_t count) {
+    added = first;
+    added_count = count;
+}
+
+size_t cw_kernel_count(void) { return added_count + KERNEL_COUNT; }
+
+const cw_kernel *cw_kernel_at(size_t number) {
+    if (number < added_count) return &added[number];
+    return number - added_count < KERNEL_COUNT ? &kernels[number - added_count] : NULL;
+}
 
 const cw_kernel *cw_kernel_find(const char *name) {
-    for (size_t k = 0; name && k < KERNEL_COUNT; k++)
-        if (strcmp(name, kernels[k].name) == 0) return &kernels[k];
+    for (size_t k = 0; name && k < cw_kernel_count(); k++)
+        if (strcmp(name, cw_kernel_at(k)->name) == 0) return cw_kernel_at(k);
     return &cw_kernel_none;
 }
 
@@ -65,7 +74,7 @@ void cw_kernel_describe_into(const cw_kernel *kernel, cw_kernel_info *info, size
     if (cw_kernel_exists(kernel)) {
         all.isa = k->isa;
         all.width = k->width;
-        all.needs_build = k->needs != 0;
+        all.needs_build = k->build != NULL;
         all.available = cw_isa_allows(k->isa);
         all.default_leaf = cw_kernel_default_leaf(k);
     }
@@ -78,11 +87,9 @@ const char *cw_leaf_name(cw_leaf leaf) {
 }
 
 const cw_kernel *cw_run_kernel(const cw_field *field, const cw_run *run) {
+    (void)field;
     if (run && run->kernel) return run->kernel;
-    for (size_t k = KERNEL_COUNT - 1; k > 0; k--) {
-        if (!cw_isa_allows(kernels[k].isa)) continue;
-        if ((kernels[k].needs & CW_NEEDS_PYRAMID) && field && !field->pyramid) continue;
-        if (!(kernels[k].needs & CW_NEEDS_GRID3D)) return &kernels[k];
-    }
-    return &kernels[0];
+    size_t k = KERNEL_COUNT - 1;
+    while (k > 0 && !cw_isa_allows(kernels[k].isa)) k--;
+    return &kernels[k];
 }

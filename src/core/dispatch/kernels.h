@@ -24,10 +24,10 @@ struct cw_kernel {
     const char *name, *what;
     cw_isa isa;
     unsigned width; /* lanes of the widest vectors it walks with */
-    unsigned needs; /* CW_NEEDS_… of field.h */
     const cw_kernel_code *code;
     cw_heading_fn *heading; /* code for headings, for the same instruction set */
     const struct visible_code *visible;
+    cw_status (*build)(cw_field *field); /* makes the field's guest, if the bounds alone do not serve it */
 };
 
 /* The kernel that cw_kernel_find returns for an unknown name. */
@@ -36,8 +36,11 @@ extern const cw_kernel cw_kernel_none;
 /* The watertight test where the kernel has it. */
 cw_leaf cw_kernel_default_leaf(const cw_kernel *kernel);
 
-/* src/scalar/ */
-extern const cw_kernel_code cw_brute, cw_cell, cw_grid3d;
+/* Kernels of another library, which come before those of this one. Before the first other call, and once. */
+void cw_kernels_add(const cw_kernel *first, size_t count);
+
+/* src/scalar/cell.c */
+extern const cw_kernel_code cw_cell;
 
 /* simd/packet_kernel.c and simd/pyramid_kernel.c, each compiled for the instruction sets of simd/isas.cmake */
 extern const cw_kernel_code cw_packet4, cw_packet8, cw_packet16;

@@ -9,9 +9,9 @@
 
 #include "error.h"
 #include "field.h"
-#include "kernels.h"
 #include "memory.h"
 #include "moller_trumbore.h"
+#include "paths.h"
 #include "ray.h"
 #include "refine.h"
 
@@ -90,6 +90,13 @@ static void enter_triangles(struct cw_grid3d *g, const cw_field *f, bool write) 
             }
 }
 
+static void destroy(void *grid) {
+    struct cw_grid3d *g = grid;
+    cw_memory_free(g->begin);
+    cw_memory_free(g->entry);
+    cw_memory_free(g);
+}
+
 cw_status cw_grid3d_build(cw_field *field) {
     struct cw_grid3d *g = cw_memory_clear(sizeof *g);
     if (g == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
@@ -110,19 +117,15 @@ cw_status cw_grid3d_build(cw_field *field) {
     /* Writing moved each begin to its end, which is the next one's begin. */
     for (size_t v = voxels; v > 0; v--) g->begin[v] = g->begin[v - 1];
     g->begin[0] = 0;
-    field->grid3d = g;
-    field->bytes_built += sizeof *g + (voxels + 2) * sizeof *g->begin + entries * sizeof *g->entry;
+    field->guest = (cw_guest){
+        .structure = g,
+        .destroy = destroy,
+        .bytes = sizeof *g + (voxels + 2) * sizeof *g->begin + entries * sizeof *g->entry,
+    };
     return CW_OK;
 no_memory:
-    cw_grid3d_destroy(g);
+    destroy(g);
     return cw_fail_plainly(CW_ERROR_MEMORY);
-}
-
-void cw_grid3d_destroy(struct cw_grid3d *grid) {
-    if (grid == NULL) return;
-    cw_memory_free(grid->begin);
-    cw_memory_free(grid->entry);
-    cw_memory_free(grid);
 }
 
 /* The state of a ray's walk through the grid. */
@@ -193,7 +196,7 @@ static bool test_voxel(const struct cw_grid3d *g, const cw_field *f, const ray_s
 }
 
 static inline bool walk(const cw_field *f, const ray_start *ray, bool any, cw_hit *hit) {
-    const struct cw_grid3d *g = f->grid3d;
+    const struct cw_grid3d *g = f->guest.structure;
     grid_walk w;
     bool found = false;
     if (!enter_grid(g, ray, &w)) return false;

@@ -5,8 +5,8 @@
  * arithmetic for that. */
 
 #include "field.h"
-#include "kernels.h"
 #include "moller_trumbore.h"
+#include "paths.h"
 #include "ray.h"
 #include "refine.h"
 

@@ -1,0 +1,10 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Two ways to find hits that serve for comparison alone, and are in no library: brute, every triangle, and grid3d, a uniform 3D grid
+ * (cellwalk_reference). A program that has called cw_reference_add finds them wherever a kernel is named. */
+#ifndef CELLWALK_REFERENCE_H
+#define CELLWALK_REFERENCE_H
+
+/* Before the first other call to the library; further calls do nothing. */
+void cw_reference_add(void);
+
+#endif
