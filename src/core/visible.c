@@ -186,10 +186,21 @@ cw_status cw_visible_add(cw_visible *v, const cw_run *run, const cw_visible_desc
     const double *dir = desc->dir, longest = fmax(fabs(dir[0]), fabs(dir[1]));
     if (!(isfinite(dir[0]) && isfinite(dir[1]) && longest >= 0x1p-40 && longest <= 0x1p40))
         return cw_fail(CW_ERROR_ARGUMENT, "dir: (%g, %g); its longer component is from 2^-40 to 2^40", dir[0], dir[1]);
-    if (!(is_size(desc->reach, DBL_MAX) && is_size(desc->drop * (CW_SIDE_MAX / longest), (double)CW_HEIGHT_MAX) &&
-          is_size((double)desc->eye, (double)CW_HEIGHT_MAX) && is_size((double)desc->target, (double)CW_HEIGHT_MAX) &&
-          is_size(desc->slack, 0x1p-7)))
-        return cw_fail(CW_ERROR_ARGUMENT, "reach, drop, eye, target or slack is out of range");
+    const struct {
+        const char *name;
+        double value, most;
+    } sizes[] = {
+        {"reach", desc->reach, DBL_MAX},
+        {"drop", desc->drop, (double)CW_HEIGHT_MAX / (CW_SIDE_MAX / longest)},
+        {"eye", (double)desc->eye, (double)CW_HEIGHT_MAX},
+        {"target", (double)desc->target, (double)CW_HEIGHT_MAX},
+        {"slack", desc->slack, 0x1p-7},
+        {"weight", fabs(desc->weight), DBL_MAX},
+        {"length", fabs(desc->length), DBL_MAX},
+    };
+    for (size_t k = 0; k < sizeof sizes / sizeof sizes[0]; k++)
+        if (!is_size(sizes[k].value, sizes[k].most))
+            return cw_fail(CW_ERROR_ARGUMENT, "%s: %g; its limit is %g", sizes[k].name, sizes[k].value, sizes[k].most);
     if (row > v->ny || rows > v->ny - row)
         return cw_fail(CW_ERROR_ARGUMENT, "rows %zu to %zu of %zu", row, row + rows, v->ny);
     cw_run how;
