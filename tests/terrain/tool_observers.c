@@ -94,6 +94,44 @@ static void tables(void **state) {
                OPTIONS("--observers", "t.csv", "--angle", "--threads", "3"), 4 * NX * NY, NULL);
 }
 
+/* A line for each observer, by the samples of its own view; the raster is the same as without a table. Row 0 of an array lies in the
+ * north, so sample (i, j) is at (10 i, 490 - 10 j). */
+static void a_table_of_views(void **state) {
+    (void)state;
+    static const char *const places[] = {"100,100,3", "250.5,321.25,2", "400,20,=90"};
+    text_file("t.csv", "x,y,height\n100,100,3\n250.5,321.25,2\n400,20,=90\n");
+    check_same("land.npy", OPTIONS("--observers", "t.csv"), OPTIONS("--observers", "t.csv", "--table", "seen.csv"),
+               NX * NY, NULL);
+    size_t size;
+    char *table = scratch_read("seen.csv", &size), *file;
+    const char *line = strchr(table, '\n') + 1;
+    check(strncmp(table, "observer,x,y,samples,km2,farthest,farthest_x,farthest_y\n", (size_t)(line - table)) == 0,
+          "%s", table);
+    for (size_t k = 0; k < 3; k++, line = strchr(line, '\n') + 1) {
+        const uint8_t *seen = view("land.npy", OPTIONS("--from", places[k]), NX * NY, &file, NULL);
+        double x, y, of[8], far = 0;
+        size_t count = 0;
+        sscanf(places[k], "%lf,%lf", &x, &y);
+        for (size_t n = 0; n < NX * NY; n++) {
+            const double away = hypot(10.0 * (double)(n % NX) - x, 490 - 10.0 * (double)(n / NX) - y);
+            count += seen[n] == 1;
+            if (seen[n] == 1) far = fmax(far, away);
+        }
+        check(sscanf(line, "%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf", &of[0], &of[1], &of[2], &of[3], &of[4], &of[5], &of[6],
+                     &of[7]) == 8,
+              "%s", line);
+        check(of[0] == (double)(k + 1) && of[1] == x && of[2] == y && of[3] == (double)count &&
+                  fabs(of[4] - 1e-4 * (double)count) < 1e-9 && fabs(of[5] - far) < 1e-3 &&
+                  fabs(hypot(of[6] - x, of[7] - y) - far) < 1e-3,
+              "%zu samples, %g m: %s", count, far, line);
+        free(file);
+    }
+    free(table);
+    check_refused((const char *const[]){"viewshed", "land.npy", "--cellsize", "10", "--observers", "t.csv", "--table",
+                                        "no.csv", "--bands", "-o", "o.npy", NULL},
+                  2, "--table is about what is seen");
+}
+
 static void weights_and_bands(void **state) {
     (void)state;
     static const char *const places[] = {"100,100,3", "250.5,321.25,2", "400,20,=90"};
@@ -409,6 +447,7 @@ static void interrupted(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(tables, enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(a_table_of_views, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(weights_and_bands, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(along_a_line, enter, scratch_leave),
         cmocka_unit_test_setup_teardown(any_number, enter, scratch_leave),

@@ -43,6 +43,9 @@ static bool check(void *context, size_t *bands) {
     else if (r->observers.from.count > 1 && r->observers.every == 0 && !r->bands && (needed || c->angle))
         command_fail(name, "%s is that of one observer, not of %zu; --bands writes a band for each",
                      needed ? "the height that is needed to be seen" : "the angle", r->observers.from.count);
+    else if (r->table && (r->kind != VIEW_SEEN || r->bands))
+        command_fail(name,
+                     "--table is about what is seen, and goes with none of --angle, --bands, --needed and --weights");
     else if (r->curvature < 0)
         command_fail(name, "--curvature takes a number from 0 on, not %g", r->curvature);
     else
@@ -83,6 +86,13 @@ static int run(int argc, char **argv) {
         {.name = "bands",
          .help = "write a band for each observer instead of counts; also\nwith --angle and --needed",
          .to = &r->bands},
+        {.name = "table",
+         .value = "FILE",
+         .help = "also write a table (CSV) with a line for each observer:\nhow many samples it sees, these times a "
+                 "cell's area "
+                 "in\nsquare kilometres, and the farthest one",
+         .kind = OPTION_TEXT,
+         .to = &r->table},
         {.name = "extent",
          .value = "NAME",
          .help = "with --max-distance: write only samples within it (near,\nthe default), or the full raster",
@@ -118,6 +128,7 @@ static int run(int argc, char **argv) {
                     "  cellwalk viewshed dem.tif --from 600250,5199800 --azimuth 350,80 --angle \\\n"
                     "      -o angle.tif\n"
                     "  cellwalk viewshed dem.tif --observers towers.csv --weights -o served.tif\n"
+                    "  cellwalk viewshed dem.tif --observers towers.csv --table seen.csv -o seen.tif\n"
                     "  cellwalk viewshed dem.tif --observers road.gpkg --every 50 -o seen.tif\n",
         .options = options,
         .option_count = sizeof options / sizeof *options,

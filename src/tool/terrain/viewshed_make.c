@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "viewshed_make.h"
 
+#include "output.h"
 #include "pieces.h"
 #include "viewshed.h"
 
@@ -21,6 +22,8 @@ typedef struct job {
     float *numbers;
     size_t observer; /* whose view is being computed */
     size_t made;     /* of bands: the views so far */
+    uint16_t *own;   /* what one observer sees; NULL: there is no table */
+    io_output table;
 } job;
 
 static bool tell(void *context, double share) {
@@ -72,12 +75,44 @@ static bool read_samples(job *j, io_error *error) {
         piece = reach_both(piece, samples_of(j, at));
     }
     piece = reach_grow(&g->whole, reach_both(piece, g->window), 0);
-    const double more =
-        j->kind == VIEW_WEIGHT ? sizeof *j->sums - sizeof(float) : 0; /* sums are longer than other results */
+    const double more = (j->kind == VIEW_WEIGHT ? (double)(sizeof *j->sums - sizeof(float))
+                                                : 0) + /* sums are longer than other results */
+                        (j->request->table ? (double)sizeof *j->own : 0);
     return pieces_check(g, piece, more, error) && pieces_read(g, piece, false, error);
 }
 
 /* ---- views ----------------------------------------------------------------------------------------------------------- */
+
+/* The line of the table about one observer's view of the window, which is then added to those before. */
+static bool print_view(job *j, const double eye[3], io_error *error) {
+    const terrain *t = &j->ground->terrain;
+    const cw_rectangle w = j->ground->window;
+    const observer *o = &j->observers.list[j->observer];
+    double metres[2], far = -1, there[2] = {NAN, NAN};
+    size_t count = 0;
+    terrain_metres(t, eye[0], eye[1], metres);
+    for (size_t y = w.j - t->row; y < w.j - t->row + w.ny; y++)
+        for (size_t x = w.i - t->column; x < w.i - t->column + w.nx; x++) {
+            if (j->own[y * t->nx + x] == 0) continue;
+            const double dx = (double)x - eye[0], dy = (double)y - eye[1];
+            const double away = hypot((t->map[0][0] * dx + t->map[0][1] * dy) * metres[0],
+                                      (t->map[1][0] * dx + t->map[1][1] * dy) * metres[1]);
+            count++;
+            if (away <= far) continue;
+            far = away;
+            terrain_to_map(t, (double)x, (double)y, there);
+        }
+    for (size_t k = 0; k < t->nx * t->ny; k++) {
+        if (j->seen) j->seen[k] = (uint16_t)(j->seen[k] + j->own[k]);
+        if (j->sums) j->sums[k] += j->own[k];
+    }
+    const double cell = fabs(t->map[0][0] * t->map[1][1] - t->map[0][1] * t->map[1][0]) * metres[0] * metres[1];
+    if (!io_output_print(&j->table, error, "%zu,%.12g,%.12g,%zu,%.9g,", j->observer + 1, o->x, o->y, count,
+                         1e-6 * cell * (double)count))
+        return false;
+    if (count == 0) return io_output_print(&j->table, error, ",,\n");
+    return io_output_print(&j->table, error, "%.3f,%.12g,%.12g\n", far, there[0], there[1]);
+}
 
 static bool look_from(job *j, io_error *error) {
     const viewshed_request *r = j->request;
@@ -99,18 +134,29 @@ static bool look_from(job *j, io_error *error) {
     viewshed *v;
     bool done = false;
     cw_status status = viewshed_create(t, j->bounds, &d, &v);
+    if (j->own) memset(j->own, 0, t->nx * t->ny * sizeof *j->own);
     if (status == CW_OK)
-        status = j->kind == VIEW_NEEDED   ? viewshed_heights(v, query, j->numbers, tell, j, &done)
+        status = j->own                   ? viewshed_count(v, query, j->own, tell, j, &done)
+                 : j->kind == VIEW_NEEDED ? viewshed_heights(v, query, j->numbers, tell, j, &done)
                  : j->kind == VIEW_ANGLE  ? viewshed_angles(v, query, j->numbers, tell, j, &done)
                  : j->kind == VIEW_WEIGHT ? viewshed_weigh(v, query, weight, j->sums, tell, j, &done)
                                           : viewshed_count(v, query, j->seen, tell, j, &done);
     viewshed_destroy(v);
     if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));
-    return done || io_fail(error, "interrupted");
+    if (!done) return io_fail(error, "interrupted");
+    return j->own == NULL || print_view(j, eye, error);
 }
 
 static bool make_room(job *j, io_error *error) {
     const size_t n = j->ground->terrain.nx * j->ground->terrain.ny;
+    if (j->request->table) {
+        static const char head[] = "observer,x,y,samples,km2,farthest,farthest_x,farthest_y\n";
+        j->own = malloc(n * sizeof *j->own);
+        if (j->own == NULL) return io_fail(error, "out of memory");
+        if (!io_output_open(&j->table, j->request->table, error) ||
+            !io_output_write(&j->table, head, sizeof head - 1, error))
+            return false;
+    }
     if (j->kind == VIEW_SEEN)
         j->seen = calloc(n, sizeof *j->seen);
     else if (j->kind == VIEW_WEIGHT)
@@ -265,7 +311,8 @@ static bool make(job *j, io_error *error) {
     if (!make_room(j, error)) return false;
     for (j->observer = 0; j->observer < j->observers.count && !j->request->bands; j->observer++)
         if (!look_from(j, error)) return false;
-    return write_raster(j, error);
+    if (j->own && !io_output_settle(&j->table, error)) return false;
+    return write_raster(j, error) && (j->own == NULL || io_output_commit(&j->table, error));
 }
 
 bool viewshed_make(ground *g, const viewshed_request *request, io_error *error) {
@@ -273,6 +320,8 @@ bool viewshed_make(ground *g, const viewshed_request *request, io_error *error) 
     const bool good = make(&j, error);
     sight_bounds_destroy(j.bounds);
     observers_free(&j.observers);
+    io_output_discard(&j.table);
+    free(j.own);
     free(j.seen);
     free(j.sums);
     free(j.numbers);

@@ -18,9 +18,10 @@ typedef struct viewshed_request {
     target_options target;
     double curvature; /* NaN if it was not given */
     view_kind kind;
-    bool absolute; /* of VIEW_NEEDED: heights */
-    bool bands;    /* one for each observer */
-    bool full;     /* all of the raster, even with a greatest distance */
+    bool absolute;     /* of VIEW_NEEDED: heights */
+    bool bands;        /* one for each observer */
+    const char *table; /* a file with a line for each observer; NULL: none */
+    bool full;         /* all of the raster, even with a greatest distance */
 } viewshed_request;
 
 bool viewshed_make(ground *g, const viewshed_request *request, io_error *error);
