@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Plants the faults of faults.toml one by one in a copy of the project, and runs the tests that should notice.
+
+A fault is caught if one of its tests fails, crashes or does not end. First all faults meet tests with a sixteenth of their rays, then
+those that are left meet tests in full. A fault that no test catches is a missing test, and the exit status is 1.
+
+    mutate.py --work build/mutate/work [--check] [--only TEXT] [--json FILE]
+"""
+import argparse
+import json
+import os
+import pathlib
+import resource
+import shutil
+import subprocess
+import sys
+import tomllib
+
+HERE = pathlib.Path(__file__).parent
+SOURCE = HERE.parent.parent
+CPU_SECONDS = 300  # of a test: ten times what the longest takes
+SETTINGS = ["-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_C_FLAGS_RELEASE=-O1 -DNDEBUG", "-DCELLWALK_PYTHON=OFF"]
+
+
+def read_faults():
+    """The faults; stops at one whose text does not stand exactly once in its file."""
+    faults = tomllib.loads((HERE / "faults.toml").read_text())["fault"]
+    for f in faults:
+        count = (SOURCE / f["file"]).read_text().count(f["search"])
+        if count != 1 or f["search"] == f["replace"]:
+            sys.exit(f"{f['file']}: '{f['search']}' stands there {count} times; a fault needs a text that stands there once")
+    return faults
+
+
+def run(command, **options):
+    return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, **options)
+
+
+def copy_project(work):
+    tree = work / "tree"
+    if tree.exists():
+        shutil.rmtree(tree)
+    for name in run(["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"], cwd=SOURCE).stdout.split("\0"):
+        if name and (SOURCE / name).is_file():
+            (tree / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(SOURCE / name, tree / name)  # as new: an interrupted run may have left objects with a fault
+    return tree
+
+
+class Build:
+    def __init__(self, work, jobs):
+        self.tree, self.folder, self.jobs = copy_project(work), work / "build", jobs
+        done = run(["cmake", "-S", self.tree, "-B", self.folder, "-G", "Ninja", *SETTINGS])
+        if done.returncode:
+            sys.exit(done.stdout)
+
+    def make(self, tests):
+        done = run(["cmake", "--build", self.folder, f"-j{self.jobs}", "--target", *(f"test_{t}" for t in tests)])
+        return None if done.returncode == 0 else done.stdout[-2000:]
+
+    def fails(self, test, divide):
+        """Whether the test notices something."""
+        def limit():
+            resource.setrlimit(resource.RLIMIT_CPU, (CPU_SECONDS, CPU_SECONDS))
+        folder = self.folder / "tests"
+        environment = dict(os.environ, CELLWALK_TEST_DIVIDE=str(divide))
+        return run([folder / f"test_{test}"], cwd=folder, env=environment, preexec_fn=limit).returncode != 0
+
+    def plant(self, fault, divide):
+        """The test that catches it, or None."""
+        path = self.tree / fault["file"]
+        text = path.read_text()
+        path.write_text(text.replace(fault["search"], fault["replace"]))
+        broken = self.make(fault["tests"])
+        by = None if broken else next((t for t in fault["tests"] if self.fails(t, divide)), None)
+        path.write_text(text)
+        if broken:
+            sys.exit(f"{fault['file']}: with '{fault['replace']}' it cannot be built:\n{broken}")
+        return by
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--work", type=pathlib.Path, required=True)
+    parser.add_argument("--check", action="store_true", help="only find the texts")
+    parser.add_argument("--only", default="", help="faults whose file or text has this in it")
+    parser.add_argument("--json", type=pathlib.Path, help="a line a fault")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count())
+    options = parser.parse_args()
+    faults = [f for f in read_faults() if options.only in f["file"] + f["search"]]
+    if options.check:
+        return
+    options.work.mkdir(parents=True, exist_ok=True)
+    build = Build(options.work.resolve(), options.jobs)
+    tests = sorted({t for f in faults for t in f["tests"]})
+    broken = build.make(tests)
+    if broken:
+        sys.exit(broken)
+    for test in tests:
+        if build.fails(test, 16):
+            sys.exit(f"{test} fails without a fault")
+    left, lines = faults, []
+    for divide in (16, 1):
+        todo, left = left, []
+        for fault in todo:
+            by = build.plant(fault, divide)
+            if by is None:
+                left.append(fault)
+            lines.append({"file": fault["file"], "breaks": fault["breaks"], "test": by, "share": f"1/{divide}"})
+            print(f"{by or ('SURVIVES' if divide == 1 else 'not yet'):20} {fault['file']}: {fault['breaks']}", flush=True)
+    if options.json:
+        options.json.write_text("".join(json.dumps(line) + "\n" for line in lines if line["test"] or line["share"] == "1/1"))
+    print(f"{len(faults) - len(left)} of {len(faults)} faults are caught")
+    sys.exit(len(left) > 0)
+
+
+main()
