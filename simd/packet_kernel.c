@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The packet kernels: W rays in the flat walk until the last one has ended. simd/CMakeLists.txt compiles this once
+/* The packet kernels: W rays in the flat walk until the last one has ended. The build compiles this once
  * for each row of its table. Paper, invariant and a rejected variant are in flat_walk.h. Rejected too: vectors
  * of two registers, from which this walk gains nothing. */
 

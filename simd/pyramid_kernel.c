@@ -2,7 +2,7 @@
 /* The pyramid kernels: the choice of a walk for each ray. Tiles of 64 rays are made ready W at a time. A coherent
  * tile shares its walk, else each coherent group of 16 does (shared_walk.h). The walks of other rays end where
  * they climb out of the terrain (climb.h). A few steps of the flat walk finish the short ones (flat_walk.h),
- * and the rest is queued for the lane walk (lane_walk.h). simd/CMakeLists.txt compiles this once for each row
+ * and the rest is queued for the lane walk (lane_walk.h). The build compiles this once for each row
  * of its table.
  *
  * Paper: Tevs, Ihrke and Seidel 2008, who walk a pyramid of maxima with four children a node; here a node has

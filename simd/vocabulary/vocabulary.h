@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The vector vocabulary: the words of an instruction set (vec_*.h) for vectors of REGISTERS registers each.
  *
- * CELLWALK_VOCABULARY is the header of the instruction set, from simd/CMakeLists.txt. It has W lanes a register, types
+ * CELLWALK_VOCABULARY is the header of the instruction set, from simd/isas.cmake. It has W lanes a register, types
  * float_reg, int_reg, mask_reg and double_reg, and the words rf_add, rm_and and so on for one register. Here vf_add is
  * rf_add for each register of a vector, and so for all others. vec_scalar.h says what each word means.
  *

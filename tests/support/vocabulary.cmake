@@ -1,4 +1,4 @@
-# The words of each row of simd/CMakeLists.txt, as cellwalk_test_words, for tests/core/vocabulary.c: with the row's vocabulary and
+# The words of each row of simd/isas.cmake, as cellwalk_test_words, for tests/core/vocabulary.c: with the row's vocabulary and
 # flags, and once more in vectors of two registers. A new row there needs no edit here.
 
 add_library(cellwalk_test_words STATIC EXCLUDE_FROM_ALL)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The words of one vocabulary, for tests/core/vocabulary.c. Built once for each row of simd/CMakeLists.txt, and once more in
+/* The words of one vocabulary, for tests/core/vocabulary.c. Built once for each row of simd/isas.cmake, and once more in
  * vectors of two registers. */
 
 #include "vocabulary.h"
