@@ -73,9 +73,7 @@ static bool run_guard(work *w, bool small) {
         const bool brute = strcmp(info.name, "brute") == 0, dear = brute || strncmp(info.name, "grid3d", 6) == 0;
         if (!info.available || (!small && dear)) continue;
         if (cw_field_build(w->field, &(cw_run){.kernel = w->query.kernel}) != CW_OK) return false;
-        const size_t most = brute                                                    ? BRUTE_RAYS
-                            : small || strncmp(info.name, "pyramid", 7) == 0 ? SIZE_MAX
-                                                                                     : FLAT_RAYS;
+        const size_t most = brute ? BRUTE_RAYS : small || strncmp(info.name, "pyramid", 7) == 0 ? SIZE_MAX : FLAT_RAYS;
         for (int leaf = 1; leaf < CW_LEAF_COUNT; leaf++)
             if (!run(w, (cw_leaf)leaf, most)) return false;
     }

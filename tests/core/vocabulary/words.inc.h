@@ -57,7 +57,8 @@ WORD(vf_gather_pairs, GIVES_2, vfloat r[2]; vf_gather_pairs(in->memory, INTS(ind
 WORD(vf_gather_quads, GIVES_4, vfloat r[4]; vf_gather_quads(in->memory, INTS(index), MASK(0), r); TO_EACH_FLOATS(r, 4))
 WORD(vf_load_rays, GIVES_8, vfloat r[8]; vf_load_rays(in->ray, r); TO_EACH_FLOATS(r, 8))
 WORD(vf_load_each_ray, GIVES_8, vfloat r[8]; vf_load_each_ray(in->each, r); TO_EACH_FLOATS(r, 8))
-WORD(vf_lane, GIVES_BITS, const vfloat a = FLOATS(any[0]); for (unsigned k = 0; k < LANES; k++) out->f[0][k] = vf_lane(&a, k))
+WORD(vf_lane, GIVES_BITS, const vfloat a = FLOATS(any[0]);
+     for (unsigned k = 0; k < LANES; k++) out->f[0][k] = vf_lane(&a, k))
 WORD(vf_store_hits, GIVES_HITS,
      vf_store_hits(out->hit, FLOATS(any[0]), FLOATS(any[1]), FLOATS(any[2]), FLOATS(whole[0]), FLOATS(whole[1]),
                    MASK(0)))
