@@ -213,7 +213,7 @@ typedef struct cw_allocator {
 } cw_allocator;
 
 /* Sets the allocator of the whole process; NULL: the library's own. Must be called before the first object is made
- * or after all have been destroyed. Pools and threads use the C library. Fails with CW_ERROR_ARGUMENT if a function
+ * or after all have been destroyed. That is not checked: memory of objects that live on goes to the new release. Pools and threads use the C library. Fails with CW_ERROR_ARGUMENT if a function
  * is missing. */
 CW_API cw_status cw_allocator_set(const cw_allocator *allocator);
 
@@ -321,17 +321,20 @@ typedef struct cw_ray {
     float org[3];
     float tmin;
     float dir[3];
-    float tmax;
+    float
+        tmax; /* infinite: the ray has no end. 0, as {0} leaves it: the ray is its origin alone, and all but always misses */
 } cw_ray;
 
 typedef enum cw_triangle { CW_TRIANGLE_A = 0, CW_TRIANGLE_B = 1 } cw_triangle;
 
 /* With p0, p1, p2 the triangle's vertices in the order given at the top, the hit is p0 + u (p1 - p0) + v (p2 - p0).
  * t counts from the ray's origin as given, and lies in [tmin, tmax]. With CW_LEAF_WATERTIGHT t is the exact one
- * rounded to the nearest float, and u and v are within 1.25 · 2^-24 of theirs, with three exceptions: the ray passes
- * within rounding of the triangle's edge; it is all but parallel to the triangle; or its range begins or ends within
- * rounding of the surface, where t may be that end. papers/numerics.md has the bounds of all. From afar a float t
- * does not distinguish neighbouring cells: i, j, u and v do. A miss has t = +infinity, i = j = -1, and 0 elsewhere.
+ * rounded to the nearest float, or to the next one if it is within 2^-50 of it of the middle of the two, and u and v
+ * are within 1.25 · 2^-24 of theirs, with four exceptions: the ray passes within rounding of the triangle's edge; it is
+ * all but parallel to the triangle; its range begins or ends within rounding of the surface, where t may be that end;
+ * or t is so small, as below 1e-10 in a field of unit heights, that the rounding of the heights in double counts.
+ * papers/numerics.md has the bounds of all. From afar a float t does not distinguish neighbouring cells: i, j, u and
+ * v do. A miss has t = +infinity, i = j = -1, and 0 elsewhere.
  * The 24 bytes are also the record of the tool's hits.npy. */
 typedef struct cw_hit {
     float t;
@@ -381,9 +384,10 @@ CW_API cw_status cw_occluded_user(const cw_field *field, const cw_run *run, cons
 /* The place on the surface at field coordinates (x, y), as a hit with t = 0. A miss outside the field, in a triangle
  * with a hole at a vertex, and for NaN. */
 CW_API void cw_field_at(const cw_field *field, double x, double y, cw_hit *hit);
-/* The same at (x, y) in user space. A miss, and CW_ERROR_ARGUMENT, if the map leans the heights: map[0][2] or map[1][2] is not
- * 0. */
-CW_API cw_status cw_field_at_user(const cw_field *field, double x, double y, cw_hit *hit);
+/* The place on the surface above or below a point in user space, along the field's own up, which is the map's third
+ * column: (x, y, anything) where that is (0, 0, 1), (x, anything, z) in a world whose y is up. A miss as for
+ * cw_field_at. */
+CW_API cw_status cw_field_at_user(const cw_field *field, const double point[3], cw_hit *hit);
 
 /* ---- points and normals of hits ---------------------------------------------------------------------------------- */
 
@@ -471,8 +475,9 @@ CW_API cw_status cw_heading_create_with(const cw_field *field, const cw_heading_
 CW_API void cw_heading_destroy(cw_heading *heading);
 
 /* The steepest rise seen from each sample of a rectangle: slope[y * at.nx + x] for sample (at.i + x, at.j + y), NaN
- * at a hole. Its error is less than 2^-21 of the rise to the higher of the edge's two samples. Rises are clamped to
- * [low, high]; if the ray meets nothing, the rise is low. A narrow range is fast; -infinity and infinity clamp
+ * at a hole. Its error is less than 2^-21 of the steeper of the rises to the edge's two samples, by their sizes. A rise
+ * beyond the largest float is infinite. Rises are clamped to [low, high]; if the ray meets nothing, the rise is low. So
+ * -infinity may be either, unless low is finite. A narrow range is fast; -infinity and infinity clamp
  * nothing. Of run's kernel only the instruction set is used; the answers are the same for any. */
 CW_API cw_status cw_heading_steepest(const cw_heading *heading, const cw_run *run, float low, float high,
                                      cw_rectangle at, float *slope);

@@ -203,13 +203,11 @@ void cw_field_at(const cw_field *field, double x, double y, cw_hit *hit) {
     if (!isnan(slope[0] + slope[1])) *hit = h;
 }
 
-cw_status cw_field_at_user(const cw_field *field, double x, double y, cw_hit *hit) {
-    if (field == NULL || hit == NULL) return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL", field ? "hit" : "field");
-    *hit = miss;
-    if (field->to_user[0][2] != 0 || field->to_user[1][2] != 0)
-        return cw_fail(CW_ERROR_ARGUMENT, "field: its map leans the heights, so that no single place is above (x, y)");
+cw_status cw_field_at_user(const cw_field *field, const double point[3], cw_hit *hit) {
+    if (field == NULL || point == NULL || hit == NULL)
+        return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL", !field ? "field" : point ? "hit" : "point");
     double p[3];
-    affine_point_back(field->to_field, (double[3]){x, y, field->to_user[2][3]}, p);
+    affine_point_back(field->to_field, point, p);
     cw_field_at(field, p[0], p[1], hit);
     return CW_OK;
 }

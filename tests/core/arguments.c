@@ -207,7 +207,7 @@ static value good_value(const char *function, const parameter *p, size_t number)
     X(cw_occluded, v[0].p, v[1].p, v[2].p, v[3].n, v[4].p)                                                             \
     X(cw_closest_user, v[0].p, v[1].p, v[2].p, v[3].n, v[4].p)                                                         \
     X(cw_occluded_user, v[0].p, v[1].p, v[2].p, v[3].n, v[4].p)                                                        \
-    X(cw_field_at_user, v[0].p, v[1].d, v[2].d, v[3].p)                                                                \
+    X(cw_field_at_user, v[0].p, v[1].p, v[2].p)                                                                        \
     X(cw_hit_points, v[0].p, v[1].p, v[2].p, v[3].n, v[4].p)                                                           \
     X(cw_hit_normals, v[0].p, v[1].p, v[2].p, v[3].n, v[4].p)                                                          \
     X(cw_hit_phong_normals, v[0].p, v[1].p, v[2].p, v[3].n, v[4].p)                                                    \

@@ -283,7 +283,7 @@ static void places_on_the_surface(void **state) {
         cw_hit hit, from_user;
         cw_field_at(field, x, y, &hit);
         const double ux = map[0][0] * x + map[0][1] * y + map[0][3], uy = map[1][0] * x + map[1][1] * y + map[1][3];
-        check_status(cw_field_at_user(field, ux, uy, &from_user), CW_OK);
+        check_status(cw_field_at_user(field, (double[3]){ux, uy, random_unit(&r) - 0.5}, &from_user), CW_OK);
         const bool outside = x > SIDE - 1 || y > SIDE - 1;
         if (outside) {
             check(hit.i == -1 && isinf(hit.t), "(%g, %g) is outside", x, y);
@@ -322,16 +322,36 @@ static void places_on_the_surface(void **state) {
     assert_int_equal(hit.i, -1);
     cw_field_at(field, 1, (double)INFINITY, &hit);
     assert_int_equal(hit.i, -1);
+}
 
-    cw_field_desc d = cw_field_desc_default();
-    d.samples = shape.z;
-    d.nx = d.ny = SIDE;
-    d.map[0][2] = 0.5;
-    cw_field *leaning;
-    check_status(cw_field_create(&d, NULL, &leaning), CW_OK);
-    check_status(cw_field_at_user(leaning, 1, 1, &hit), CW_ERROR_ARGUMENT);
-    assert_int_equal(hit.i, -1);
-    cw_field_destroy(leaning);
+/* Worlds whose y is up, or whose heights lean: a point is moved along the field's own up. */
+static void places_along_the_fields_up(void **state) {
+    (void)state;
+    static const double maps[][3][4] = {{{2, 0, 0, 10}, {0, 0, 3, -5}, {0, -2, 0, 7}},
+                                        {{1, 0, 0.5, 0}, {0, 1, -0.25, 0}, {0, 0, 1, 0}},
+                                        {{0, 0, 1, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}}};
+    random_state r = {12};
+    for (size_t m = 0; m < sizeof maps / sizeof *maps; m++) {
+        cw_field_desc d = cw_field_desc_default();
+        d.samples = shape.z;
+        d.nx = d.ny = SIDE;
+        memcpy(d.map, maps[m], sizeof d.map);
+        cw_field *turned;
+        check_status(cw_field_create(&d, NULL, &turned), CW_OK);
+        for (int k = 0; k < 2000; k++) {
+            const double x = (double)random_below(&r, 8 * SIDE) / 8, y = (double)random_below(&r, 8 * SIDE) / 8,
+                         z = (double)random_below(&r, 64) - 32;
+            double point[3];
+            cw_hit wanted, hit;
+            for (int c = 0; c < 3; c++)
+                point[c] = maps[m][c][0] * x + maps[m][c][1] * y + maps[m][c][2] * z + maps[m][c][3];
+            cw_field_at(turned, x, y, &wanted);
+            check_status(cw_field_at_user(turned, point, &hit), CW_OK); /* all numbers are exact */
+            check(memcmp(&hit, &wanted, sizeof hit) == 0, "(%g, %g) on map %zu: cell %d, %d, not %d, %d", x, y, m,
+                  hit.i, hit.j, wanted.i, wanted.j);
+        }
+        cw_field_destroy(turned);
+    }
 }
 
 /* What a later version would mean by more is refused, whatever it is. */
@@ -431,11 +451,17 @@ static void memory_is_the_callers(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(versions_agree),        cmocka_unit_test(precision_that_arrives),
-        cmocka_unit_test(rays_in_user_space),    cmocka_unit_test(threads_of_the_caller),
-        cmocka_unit_test(queries_are_watched),   cmocka_unit_test(hits_by_the_array),
-        cmocka_unit_test(places_on_the_surface), cmocka_unit_test(strangers_are_refused),
-        cmocka_unit_test(filled_structs_grow),   cmocka_unit_test(errors_say_what_was_wrong),
+        cmocka_unit_test(versions_agree),
+        cmocka_unit_test(precision_that_arrives),
+        cmocka_unit_test(rays_in_user_space),
+        cmocka_unit_test(threads_of_the_caller),
+        cmocka_unit_test(queries_are_watched),
+        cmocka_unit_test(hits_by_the_array),
+        cmocka_unit_test(places_along_the_fields_up),
+        cmocka_unit_test(places_on_the_surface),
+        cmocka_unit_test(strangers_are_refused),
+        cmocka_unit_test(filled_structs_grow),
+        cmocka_unit_test(errors_say_what_was_wrong),
         cmocka_unit_test(memory_is_the_callers),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

@@ -203,8 +203,8 @@ static void ask_user(work *w, source *s) {
     for (int k = 0; k < 4; k++) {
         cw_hit hit;
         cw_field_at(w->field, (double)number(s), (double)number(s), &hit);
-        if (cw_field_at_user(w->field, (double)number(s), (double)number(s), &hit) != CW_OK && hit.i >= 0)
-            wrong("field_at_user", "an error and a hit", 0);
+        const double point[3] = {(double)number(s), (double)number(s), (double)number(s)};
+        if (cw_field_at_user(w->field, point, &hit) != CW_OK) wrong("field_at_user", "an error", 0);
     }
 }
 

@@ -202,8 +202,8 @@ static void look_down(void *context, size_t begin, size_t end) {
         const size_t until = end - begin < BLOCK ? end : begin + BLOCK, count = until - begin;
         for (; begin < until; begin++) {
             cw_hit hit;
-            double point[3] = {NAN, NAN, NAN};
-            cw_status status = cw_field_at_user(l->field->field, l->x[begin], l->y[begin], &hit);
+            double point[3] = {l->x[begin], l->y[begin], l->field->ground.map[2][3]};
+            cw_status status = cw_field_at_user(l->field->field, point, &hit);
             if (status == CW_OK) status = cw_hit_points(l->field->field, NULL, &hit, 1, point);
             if (status != CW_OK) atomic_store(&l->status, (int)status);
             l->z[begin] = point[2];
@@ -219,6 +219,13 @@ PyObject *field_at(PyObject *self, PyObject *arguments) {
     unsigned threads;
     PyObject *progress;
     if (!PyArg_ParseTuple(arguments, "y*y*w*IO:at", &x, &y, &z, &threads, &progress)) return NULL;
+    if (f->ground.map[0][2] != 0 || f->ground.map[1][2] != 0) {
+        PyErr_SetString(PyExc_ValueError, "transform: leans the heights, so that no single place is above x and y");
+        PyBuffer_Release(&x);
+        PyBuffer_Release(&y);
+        PyBuffer_Release(&z);
+        return NULL;
+    }
     looking l = {.field = f, .x = x.buf, .y = y.buf, .z = z.buf, .n = (size_t)z.len / sizeof(double)};
     bool good = buffer_holds(&x, (size_t)z.len, "x") && buffer_holds(&y, (size_t)z.len, "y") && field_enter(f);
     if (good) {
