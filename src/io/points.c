@@ -9,6 +9,18 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Names go into messages and metadata: on one line, and without the rest of a character that was cut. */
+static void tidy(char *name, size_t size) {
+    size_t length = strlen(name);
+    if (length + 1 == size) { /* back to the character's first byte */
+        while (length > 0 && ((unsigned char)name[length - 1] & 0xc0) == 0x80) length--;
+        if (length > 0 && (unsigned char)name[length - 1] >= 0xc0) length--;
+        name[length] = '\0';
+    }
+    for (char *c = name; *c; c++)
+        if ((unsigned char)*c < ' ') *c = ' ';
+}
+
 bool io_points_add(io_points *p, const io_point *point) {
     if (p->count == p->room) {
         const size_t room = p->room ? 2 * p->room : 64;
@@ -17,7 +29,9 @@ bool io_points_add(io_points *p, const io_point *point) {
         p->points = points;
         p->room = room;
     }
-    p->points[p->count++] = *point;
+    io_point *to = &p->points[p->count++];
+    *to = *point;
+    tidy(to->name, sizeof to->name);
     return true;
 }
 
@@ -27,13 +41,16 @@ void io_points_free(io_points *p) {
 }
 
 void io_points_name(const io_points *p, size_t k, char *text, size_t size) {
-    snprintf(text, size, p->is_table ? "%s:%zu" : "%s: feature %zu", p->path, p->points[k].number);
+    const io_point *point = &p->points[k];
+    const int used = snprintf(text, size, p->is_table ? "%s:%zu" : "%s: feature %zu", p->path, point->number);
+    if (point->name[0] != '\0' && used > 0 && (size_t)used < size)
+        snprintf(text + used, size - (size_t)used, " (%s)", point->name);
 }
 
 /* ---- tables ------------------------------------------------------------------------------------------------------- */
 
-enum { X, Y, HEIGHT, WEIGHT, NAMES };
-static const char *const names[NAMES] = {"x", "y", "height", "weight"};
+enum { X, Y, HEIGHT, WEIGHT, NAME, NAMES };
+static const char *const names[NAMES] = {"x", "y", "height", "weight", "name"};
 
 static bool take_row(const io_table *t, size_t row, const size_t columns[NAMES], io_points *points, io_error *error) {
     io_point p = {.height = NAN, .weight = 1, .number = t->lines[row]};
@@ -42,14 +59,15 @@ static bool take_row(const io_table *t, size_t row, const size_t columns[NAMES],
     if (columns[HEIGHT] < t->columns && !io_table_height(t, row, columns[HEIGHT], &p.height, &p.absolute, error))
         return false;
     if (columns[WEIGHT] < t->columns && !io_table_number(t, row, columns[WEIGHT], &p.weight, error)) return false;
+    if (columns[NAME] < t->columns) snprintf(p.name, sizeof p.name, "%s", t->cells[row * t->columns + columns[NAME]]);
     return io_points_add(points, &p) || io_fail(error, "%s: out of memory", t->path);
 }
 
 static void warn_of_others(const io_table *t, const io_points_options *o) {
     char others[200], text[512];
     if (o->warn == NULL || !io_table_others(t, names, NAMES, others, sizeof others)) return;
-    snprintf(text, sizeof text, "%s: passed over: %s; columns with a meaning are x, y, height and weight", t->path,
-             others);
+    snprintf(text, sizeof text, "%s: passed over: %s; columns with a meaning are x, y, height, weight and name",
+             t->path, others);
     o->warn(o->context, text);
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Places from files: rows of a table (.csv) with the columns x, y and, if there, height and weight; or the features of any other
+/* Places from files: rows of a table (.csv) with the columns x, y and, if there, height, weight and name; or the features of any other
  * file, which GDAL reads, with such attributes. */
 #ifndef CELLWALK_IO_POINTS_H
 #define CELLWALK_IO_POINTS_H
@@ -15,6 +15,7 @@ typedef struct io_point {
     bool absolute; /* the height; in a table "=12" */
     size_t number; /* the line of the table, or the feature, from 0 on, as GDAL counts */
     size_t part;   /* places with the same number here are the corners of one line; 0 for points */
+    char name[48]; /* cut to that; "": none */
 } io_point;
 
 typedef struct io_points {
@@ -42,7 +43,7 @@ void io_points_free(io_points *points);
 /* For the readers: false if memory is short. */
 bool io_points_add(io_points *points, const io_point *point);
 
-/* For messages: file and line or feature. */
+/* For messages: file, line or feature, and name. */
 void io_points_name(const io_points *points, size_t k, char *text, size_t size);
 
 #endif

@@ -221,13 +221,14 @@ static float locate(const locating *l, size_t i, size_t j, double rise) {
     const double eye[3] = {(double)i, (double)j, (double)t->z[j * t->nx + i]};
     sight s;
     sight_init(&s, t, l->horizon->bounds, eye, l->horizon->curvature);
+    s.at_crossings = true;
     double far = terrain_steps_out(t, eye, l->dir); /* a limit counts as the heading's */
     if (l->horizon->max_distance > 0) far = fmin(far, l->horizon->max_distance / l->length * (1 + 0x1p-20));
     const double to[2] = {eye[0] + far * l->dir[0], eye[1] + far * l->dir[1]};
     const double least = (rise - 0x1p-18 * fabs(rise) - 0x1p-40 * fabs(eye[2])) * far;
     sight_rise r = sight_steepest(&s, to[0], to[1], least);
     if (r.share == 0) r = sight_steepest(&s, to[0], to[1], -INFINITY);
-    return r.share > 0 ? (float)(r.share * far * l->length) : NAN;
+    return r.share > 0 ? (float)(sight_nearest(&s, to[0], to[1], r) * far * l->length) : NAN;
 }
 
 static void locate_some(void *context, size_t begin, size_t end) {

@@ -34,7 +34,7 @@ double horizon_azimuth(const horizon *h, size_t number);
 cw_status horizon_angles(horizon *h, const cw_run *query, size_t number, size_t row, size_t rows, float *degrees);
 
 /* The distance in metres to the nearest place at which that angle is reached, on the map as terrain_direction has it. NaN where
- * nothing of the terrain is within the distance, and at a hole. The place is a line's crossing of an edge between two samples, in double.
+ * nothing of the terrain is within the distance, and at a hole. The place is a line's crossing of an edge between two samples, in double: the nearest one whose rise is the steepest but for the rounding of both (sight_nearest).
  * Not along the grid's directions. */
 cw_status horizon_distances(horizon *h, const cw_run *query, size_t number, size_t row, size_t rows, float *metres);
 

@@ -42,7 +42,7 @@ typedef struct trace {
     hits_file file; /* not open where no output was asked for */
     size_t piece;
     cw_hit *hits;      /* PIECE of them */
-    uint8_t *occluded; /* the same, for --any */
+    uint8_t *occluded; /* the same, for --occluded */
     progress line;
     uint64_t hit_count;
     double *seconds; /* request->repeat of them */
@@ -202,7 +202,7 @@ static const char what[] = "Finds where rays hit a height field and writes one h
                            "\n"
                            "HITS becomes a NumPy array of N records with the fields t (float32), i, j (int32:\n"
                            "the cell), triangle (uint32: 0 below the diagonal, 1 above), u, v (float32:\n"
-                           "barycentric). A miss has t = inf, i = j = -1 and 0 elsewhere. With --any it is N\n"
+                           "barycentric). A miss has t = inf, i = j = -1 and 0 elsewhere. With --occluded it is N\n"
                            "numbers of one byte (uint8): 1 where the ray hits anything, else 0.\n"
                            "\n"
                            "Rays and hits need not fit into memory. HITS is renamed into place when complete.\n"
@@ -212,7 +212,7 @@ static const char what[] = "Finds where rays hit a height field and writes one h
 
 static const char examples[] = "  cellwalk trace terrain.npy rays.npy -o hits.npy\n"
                                "  cellwalk trace dem.tif lidar.npy --user --points -o hits.npy --stats\n"
-                               "  cellwalk trace dem.asc sun.npy -o shadow.npy --any --threads 4\n"
+                               "  cellwalk trace dem.asc sun.npy -o shadow.npy --occluded --threads 4\n"
                                "  cellwalk trace terrain.npy rays.npy --threads 1 --repeat 9 --json\n"
                                "\n"
                                "In Python:\n"
@@ -226,7 +226,7 @@ static bool wrong(const request *r, bool timing) {
     if (r->hits == NULL && !timing)
         command_fail("trace", "nothing to do: give -o HITS.npy for the hits, or --stats, --repeat or --json");
     else if (r->any && (r->points || r->normals))
-        command_fail("trace", "--any finds no hits, so --points and --normals cannot be given");
+        command_fail("trace", "--occluded finds no hits, so --points and --normals cannot be given");
     else if (to_stdout && timing)
         command_fail("trace", "standard output cannot take both the hits and the text of --stats, --repeat or --json");
     else if (to_stdout && isatty(STDOUT_FILENO))
@@ -246,7 +246,7 @@ static int run(int argc, char **argv) {
          .help = "the array of hits to write; - is standard output",
          .kind = OPTION_TEXT,
          .to = &r.hits},
-        {.name = "any", .help = "only find whether a ray hits anything: one byte a ray", .to = &r.any},
+        {.name = "occluded", .help = "only find whether a ray hits anything: one byte a ray", .to = &r.any},
         {.name = "user", .help = "RAYS is float64, in the coordinates of the field's map", .to = &r.user},
         {.name = "points",
          .help = "also write the hits' places on the map, on the surface\nto rounding: x, y, z (float64)",

@@ -124,7 +124,7 @@ static void trace(void **state) {
     (void)state;
     check_every_fault((const char *const[]){"trace", "field.npy", "rays.npy", "-o", "hits.npy", "--threads", "3", NULL},
                       "hits.npy");
-    check_every_fault((const char *const[]){"trace", "wide.npy", "rays.npy", "-o", "hits.npy", "--any", "--kernel",
+    check_every_fault((const char *const[]){"trace", "wide.npy", "rays.npy", "-o", "hits.npy", "--occluded", "--kernel",
                                             "pyramid1", "--json", NULL},
                       "hits.npy");
     check_every_fault((const char *const[]){"trace", "grid.asc", "rays.npy", "-o", "hits.npy", NULL}, "hits.npy");

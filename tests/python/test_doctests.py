@@ -23,7 +23,7 @@ def test_everything_public_is_described():
         for name, member in vars(kind).items():
             if not name.startswith("_") and callable(member):
                 assert inspect.getdoc(member) and len(inspect.getdoc(member)) > 30, name
-    for name in ("closest", "any", "at", "update", "shadow", "viewshed", "horizon", "sky_view", "visibility", "line_of_sight"):
+    for name in ("closest", "occluded", "at", "update", "shadow", "viewshed", "horizon", "sky_view", "visibility", "line_of_sight"):
         assert ">>>" in getattr(cw.Field, name).__doc__, name
     documented = [cw, *(getattr(cw, name) for name in cw.__all__ if name != "__version__"), *vars(cw.Field).values(), *vars(cw.Hits).values()]
     widest = max((line for thing in documented for line in (inspect.getdoc(thing) or "").splitlines()), key=len)

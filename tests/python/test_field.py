@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a field is made of, its holes, its map, its updates."""
+import copy
 import pickle
 
 import numpy as np
@@ -192,8 +193,30 @@ def test_open(tmp_path):
         cw.open(tmp_path / "z.npy", window=3)
     with pytest.raises(OSError, match="missing.npy"):
         cw.open(tmp_path / "missing.npy")
-    with pytest.raises(TypeError, match="is not pickled"):
-        pickle.dumps(cw.Field(z))
+
+
+@pytest.mark.parametrize("again", [copy.copy, copy.deepcopy, lambda f: pickle.loads(pickle.dumps(f))])
+def test_copies(again):
+    """Of a field made of an array: the same answers, and neither changes with the other."""
+    field = cw.Field(rough(), transform=(10, 0, 500, 0, -10, 800), threads=2)
+    field.update(3, 3, np.full((2, 2), 4.0))
+    other = again(field)
+    same_hits(ask(other), ask(field))
+    before = ask(field)
+    other.update(0, 0, np.full((20, 20), 30.0))
+    same_hits(ask(field), before)
+    assert other.transform == field.transform and other.at(510, 790) == 30
+    coarse = again(field.coarser(2))
+    assert coarse.difference == field.coarser(2).difference
+
+
+def test_repr():
+    z = np.arange(6.0).reshape(2, 3)
+    assert repr(cw.Field(z)) == "<cellwalk.Field: 2 rows of 3 samples, heights 0 to 5, 0 holes, cells 1 x 1, no crs>"
+    assert "no heights, 6 holes" in repr(cw.Field(z * np.nan))
+    assert repr(cw.Field(z, (30, 0, 6e5, 0, -20, 5e6), 'PROJCS["Zone",GEOGCS["g",DATUM["d",SPHEROID["s",6378137,298.25]]],UNIT["metre",1]]')
+                ).endswith("cells 30 x 20 m, Zone>")
+    assert repr(cw.Field(z, (0.5, 0, 7, 0, -0.5, 47), 4326)).endswith("cells 0.5 x 0.5 degrees, WGS 84>")
 
 
 def test_open_geotiff_window(tmp_path):

@@ -373,3 +373,122 @@ def test_horizons_of_places(program, tool, maps, tmp_path):
     for wrong, words in ((["--at", "1,2", "--places", "p.csv"], "do not go together"), (["--json", "-o", "o.tif"], "--json goes with"),
                          (["--at", "1,2", "--svf"], "go with neither --svf")):
         assert words in tool("horizon", maps["utm"], *wrong, fails=True)
+
+
+# ---- distances ---------------------------------------------------------------------------------------------------------------
+
+
+def test_the_nearest_of_equal_rises(tool, tmp_path):
+    """On a plane every crossing is as steep as the next one: the first one is the horizon."""
+    j, i = np.mgrid[0:60, 0:60]
+    for slopes, azimuth in (((3, 2), 200), ((3, 2), 17), ((1, -4), 100.5), ((0, 0), 310)):
+        path = write(tmp_path / "ramp.tif", (1000 + slopes[0] * i + slopes[1] * j).astype("float32"), MAPS["utm"], Affine(*METRES))
+        tool("horizon", path, "--directions", "1", "--start", azimuth, "--distance", "-o", tmp_path / "d.tif")
+        with rasterio.open(tmp_path / "d.tif") as file:
+            metres = file.read(1)
+        inner = metres[2:-2, 2:-2]
+        assert np.isfinite(inner).all() and np.ptp(inner) < 1e-3 and inner.max() < 42.5
+
+
+def test_angle_and_distance_are_of_one_ground(tool, tmp_path):
+    """On a curved earth, the place that the distance tells is as high as the angle says."""
+    z = np.random.default_rng(6).normal(500, 0.02, (80, 80)).astype("float32")
+    path = write(tmp_path / "level.tif", z, MAPS["utm"], Affine(*METRES))
+    words = "horizon", path, "--directions", "1", "--start", "73", "--curvature", "1"
+    found = []
+    for more in ([], ["--distance"]):
+        tool(*words, *more, "-o", tmp_path / "o.tif")
+        with rasterio.open(tmp_path / "o.tif") as file:
+            found.append(file.read(1))
+    field, (angle, metres) = cw.open(path), found
+    scale = np.linalg.norm(np.diff(to_space(*(np.array(v) for v in degrees_of(MAPS["utm"], [6e5 + 1200, 6e5 + 1230], [5.2e6 - 1200] * 2))), axis=1)) / 30
+    for row, column in np.random.default_rng(7).integers(5, 60, (200, 2)):
+        x, y = Affine(*METRES) * (column + 0.5, row + 0.5)
+        d = metres[row, column]
+        ground = field.at(x + d / scale * np.sin(np.radians(73)), y + d / scale * np.cos(np.radians(73)))
+        rise = (ground - d * d / (2 * 6378137) - z[row, column]) / d
+        if np.isnan(ground):
+            continue  # on the border but for rounding
+        # Places are known to a part in 10⁷, floats of 500 m to 3e-5 m.
+        assert abs(rise - np.tan(np.radians(angle[row, column]))) < 1e-4 / d + 2e-7, (row, column, d)
+
+
+# ---- what is said --------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("words, said", [
+    (["shadow", "--sun", "30,225", "-o", "o.tif"], "--sun 30,225: the second number is the altitude, and 225 degrees is none; the azimuth is first"),
+    (["render", "--sun", "30,225", "-o", "o.png"], "--sun 30,225: the second number is the altitude"),
+    (["viewshed", "--from", "600500,5205000", "--max-distance", "0", "-o", "o.tif"], "--max-distance takes metres above 0, not 0"),
+    (["horizon", "--max-distance", "0", "-o", "o.tif"], "--max-distance takes metres above 0, not 0"),
+    (["viewshed", "--from", "10.3,47", "-o", "o.tif"], "10.3,47: lies outside and looks like longitude and latitude"),
+    (["los", "10.3,47", "10.4,47"], "looks like longitude and latitude"),
+    (["viewshed", "--from", "600500,5205000", "--height", "3", "-o", "o.tif"],
+     "unknown option --height; the height of a place is its third number: X,Y,H"),
+    (["shadow", "--sun", "225,30", "--memory", "0.15M", "--window", "0,0,1e7,1e7", "-o", "o.tif"], "there is 0.15M"),
+    (["trace", "rays.npy", "--any", "-o", "o.npy"], "unknown option --any"),
+])
+def test_messages(tool, maps, tmp_path, words, said):
+    words = [tmp_path / word if word.startswith("o.") else word for word in words]
+    assert said in tool(words[0], maps["utm"], *words[1:], fails=True)
+
+
+@pytest.mark.parametrize("shape", [(1, 9), (9, 1)])
+def test_one_row_is_no_terrain(tool, tmp_path, shape):
+    path = write(tmp_path / "line.tif", np.zeros(shape, "float32"), MAPS["utm"], Affine(*METRES))
+    for words in (["shadow", path, "--sun", "9,9", "-o", tmp_path / "o.tif"], ["los", path, "600015,5199985", "600015,5199985"]):
+        assert f"{shape[1]} x {shape[0]} samples; a terrain has at least 2 x 2" in tool(*words, fails=True)
+
+
+def test_profiles_have_no_minus_zero(tool, tmp_path):
+    z = np.full((9, 9), -1e-4, "float32")
+    path = write(tmp_path / "flat.tif", z, MAPS["utm"], Affine(*METRES))
+    tool("los", path, "600030,5199970,1", "600200,5199830,1", "--curvature", "0", "--profile", tmp_path / "p.csv")
+    assert "-0.000" not in (tmp_path / "p.csv").read_text() and ",0.000," in (tmp_path / "p.csv").read_text()
+
+
+# ---- observers of files --------------------------------------------------------------------------------------------------------
+
+
+def points(*rows):
+    return json.dumps({"type": "FeatureCollection", "crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::32632"}},
+                       "features": [{"type": "Feature", "properties": properties, "geometry": {"type": "Point", "coordinates": place}}
+                                    for place, properties in rows]})
+
+
+KML = ('<kml xmlns="http://www.opengis.net/kml/2.2"><Document><Placemark><name>Mast</name><ExtendedData><Data name="height"><value>30</value>'
+       '</Data></ExtendedData><Point><coordinates>10.32,47.0</coordinates></Point></Placemark></Document></kml>')
+HERE = [600000.1, 5206000.3]
+
+
+@pytest.mark.parametrize("name, text, height, warned", [
+    ("a.geojson", points((HERE, {"OFFSETA": 30.0, "name": "Mast"})), 30, None),
+    ("a.geojson", points((HERE, {"height": 30.0, "OFFSETA": 1.0, "AZIMUTH1": 20, "RADIUS2": None})), 30, "'OFFSETA', 'AZIMUTH1'; attributes"),
+    ("a.geojson", points((HERE + [1500.0], {"height": 30.0, "RADIUS2": 90})), 30, "'RADIUS2', z of places; attributes"),
+    ("a.geojson", points((HERE + [0.0], {})), 2, None),
+    ("a.kml", KML, 30, None),
+])
+def test_attributes_of_observers(program, maps, tmp_path, name, text, height, warned):
+    """What is known counts; what is passed over is said."""
+    (tmp_path / name).write_text(text)
+    made = program("viewshed", maps["utm"], "--observers", tmp_path / name, "-o", tmp_path / "o.tif")
+    assert made.returncode == 0 and ((warned or "passed over") in made.stderr) == (warned is not None), made.stderr
+    with rasterio.open(tmp_path / "o.tif") as file:
+        assert file.tags()["OBSERVER_1"].endswith(f",{height}")
+        seen = file.read(1)
+        x, y, _ = map(float, file.tags()["OBSERVER_1"].split(","))
+    assert (seen == cw.open(maps["utm"]).viewshed(x, y, height)).all()
+
+
+def test_names_of_observers(program, maps, tmp_path):
+    table = tmp_path / "towers.csv"
+    table.write_text("name,x,y\nHigh Mast,601000.639,5206000.639\n,600000,5205000\n\"a\nb\",600500,5204000\n" + "ä" * 40 + ",600500,5205500\n")
+    assert program("viewshed", maps["utm"], "--observers", table, "--bands", "-o", tmp_path / "o.tif").stderr == ""
+    with rasterio.open(tmp_path / "o.tif") as file:
+        assert file.descriptions[:3] == ("observer 1 (High Mast) at 601000.639,5206000.639", "observer 2 at 600000,5205000",
+                                         "observer 3 (a b) at 600500,5204000")
+        tags = file.tags()
+        assert tags["OBSERVER_1"] == "601000.639,5206000.639,2" and tags["OBSERVER_1_NAME"] == "High Mast"
+        assert "OBSERVER_2_NAME" not in tags and set(tags["OBSERVER_4_NAME"]) == {"ä"}
+    table.write_text("name,x,y\nFar Mast,1,1\n")
+    assert "towers.csv:2 (Far Mast)" in program("viewshed", maps["utm"], "--observers", table, "-o", tmp_path / "p.tif").stderr

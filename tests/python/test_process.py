@@ -97,7 +97,7 @@ def test_update_in_a_child_of_a_busy_parent():
     def ask():
         started.wait()
         while not stop.is_set():
-            field.any(origins, [0, 0, -1])
+            field.occluded(origins, [0, 0, -1])
     threads = [threading.Thread(target=ask) for _ in range(2)]
     for t in threads:
         t.start()
@@ -236,11 +236,11 @@ HILLS = "np.add.outer(60 * np.sin(np.arange(4097) / 90), 50 * np.cos(np.arange(4
 # Calls that take minutes: rays along a plane, just above it; thousands of directions; needed heights.
 @pytest.mark.parametrize("threads", [1, 2])
 @pytest.mark.parametrize("field, call", [
-    ("np.full((1025, 1025), .5).cumsum(1)", "f.any([1, 512, 1.0001], [1, 0, .5], tmax=np.full(8_000_000, 2000.))"),
+    ("np.full((1025, 1025), .5).cumsum(1)", "f.occluded([1, 512, 1.0001], [1, 0, .5], tmax=np.full(8_000_000, 2000.))"),
     (NOISE, "f.sky_view(3600)"),
     (HILLS, "f.viewshed(2048, 2048, needed=True)"),
     (NOISE, "[f.horizon(32, grid=True) is None for _ in range(999)]"),
-], ids=["any", "sky_view", "viewshed", "grid"])
+], ids=["occluded", "sky_view", "viewshed", "grid"])
 def test_interrupt(field, call, threads):
     program = SLOW.format(field=field, call=call, threads=threads)
     child = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True)

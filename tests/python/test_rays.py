@@ -34,8 +34,8 @@ def test_forms_agree(field, dtype):
     same_hits(field.closest(rays.astype(np.float64)), wanted)  # widened: the same rays
     six = np.concatenate([o, d], -1)
     same_hits(field.closest(six, tmin=t0, tmax=t1), wanted)
-    same(field.any(rays), wanted.hit)
-    same(field.any(o, d, t0, t1), wanted.hit)
+    same(field.occluded(rays), wanted.hit)
+    same(field.occluded(o, d, t0, t1), wanted.hit)
 
 
 def test_odd_alignment():
@@ -62,7 +62,7 @@ def test_broadcasting(shapes, seed, types):
     plain = np.zeros(h.shape + (8,))
     plain[..., 0:3], plain[..., 4:7], plain[..., 3], plain[..., 7] = full
     same_hits(h, FIELD.closest(plain))
-    same(FIELD.any(*arrays), h.hit)
+    same(FIELD.occluded(*arrays), h.hit)
 
 
 @settings(deadline=None, max_examples=share(60))
@@ -72,7 +72,7 @@ def test_any_numbers(rays):
     h = FIELD.closest(rays)
     assert (np.isfinite(h.t) == h.hit).all() and ((h.i >= 0) == (h.j >= 0)).all()
     assert (np.isinf(h.t) & (h.t > 0))[~h.hit].all()
-    same(FIELD.any(rays), h.hit)
+    same(FIELD.occluded(rays), h.hit)
     same(np.isnan(h.points()).all(-1), ~h.hit)
 
 
@@ -81,7 +81,7 @@ def test_many_rays():
     eye = np.array([41.0, 30, 60])
     v = np.zeros((n, 3), np.float32)
     v[:, 0], v[:, 1], v[:, 2] = np.linspace(-1, 1, n), np.linspace(0.9, -0.9, n), -1
-    got = FIELD.any(eye, v)
+    got = FIELD.occluded(eye, v)
     assert got.shape == (n,)
     same(got[:: n // 1000], FIELD.closest(eye, v[:: n // 1000]).hit)
 
@@ -92,14 +92,14 @@ def test_masked_rays_miss(dtype):
     assert FIELD.closest(rays).hit.all()
     rays[1, 2] = rays[3, 5] = np.ma.masked
     assert FIELD.closest(rays).hit.tolist() == [True, False, True, False, True]
-    assert FIELD.any(rays).tolist() == [True, False, True, False, True]
+    assert FIELD.occluded(rays).tolist() == [True, False, True, False, True]
     assert np.isnan(FIELD.at(np.ma.masked_array([3, 3], [False, True]), 3)).tolist() == [False, True]
 
 
 def test_zero_rays():
     for shape in ((0, 8), (0, 6), (3, 0, 8)):
         assert FIELD.closest(np.empty(shape)).shape == shape[:-1]
-    assert FIELD.any(np.empty((0, 3)), [0, 0, 1]).shape == (0,)
+    assert FIELD.occluded(np.empty((0, 3)), [0, 0, 1]).shape == (0,)
     assert FIELD.closest(np.empty((0, 8))).points().shape == (0, 3)
     assert FIELD.at([], []).shape == (0,)
 
@@ -132,7 +132,7 @@ def test_kernels_agree():
     ((np.zeros(3), np.zeros(3), np.zeros((2,)), np.zeros((3,))), ValueError, r"do not broadcast.*tmin \(2,\), tmax \(3,\)"),
 ])
 def test_wrong_arguments(arguments, kind, words):
-    for call in (FIELD.closest, FIELD.any):
+    for call in (FIELD.closest, FIELD.occluded):
         with pytest.raises(kind, match=words):
             call(*arguments)
 

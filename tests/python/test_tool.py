@@ -45,8 +45,8 @@ def test_closest_user(tool, ground, tmp_path):
     assert (h.triangle == wanted["triangle"]).all()
     same(h.points(), np.stack([wanted[n] for n in ("x", "y", "z")], -1))
     same(h.normals().astype(np.float32), np.stack([wanted[n] for n in ("nx", "ny", "nz")], -1))
-    tool("trace", ground.path, tmp_path / "rays.npy", "--user", "--any", "-o", tmp_path / "any.npy")
-    same(ground.field.any(rays).view(np.uint8), np.load(tmp_path / "any.npy"))
+    tool("trace", ground.path, tmp_path / "rays.npy", "--user", "--occluded", "-o", tmp_path / "any.npy")
+    same(ground.field.occluded(rays).view(np.uint8), np.load(tmp_path / "any.npy"))
 
 
 @pytest.mark.parametrize("name", ["mean", "highest", "lowest"])

@@ -81,8 +81,8 @@ static void tables(void **state) {
         {"x,y,height\n100,100,3\n250.5,321.25,\n400,20,=90", NULL},
         {"\xef\xbb\xbfX,Y,Height\r\n100,100,3\r\n250.5,321.25,2\r\n400,20,=90\r\n", NULL},
         {"\n\"height\" , \"y\",\tx\n3,100,100\n\n 2.0 , 3.2125e2 ,\"250.5\"\n\"=90\",20,400\n  \n", NULL},
-        {"name,x,y,height\n\"a, \"\"b\"\"\nc\",100,100,3\nd,250.5,321.25,2\n,400,20,=90\n",
-         "t.csv: passed over: 'name'; columns with a meaning are x, y, height and weight"},
+        {"label,x,y,height\n\"a, \"\"b\"\"\nc\",100,100,3\nd,250.5,321.25,2\n,400,20,=90\n",
+         "t.csv: passed over: 'label'; columns with a meaning are x, y, height, weight and name"},
     };
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         text_file("t.csv", cases[k].text);

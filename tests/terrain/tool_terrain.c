@@ -329,7 +329,8 @@ static void what_is_refused(void **state) {
     check_refused((const char *const[]){"shadow", "wall.npy", "--time", "2024-06-21T12:00:00Z", "-o", "no.npy", NULL},
                   1, "the sun's place at a time is not known; give --sun");
     check_refused((const char *const[]){"shadow", "wall.npy", "-o", "s.npy", NULL}, 2, "either --sun or --time");
-    check_refused((const char *const[]){"shadow", "wall.npy", "--sun", "0,91", "-o", "s.npy", NULL}, 2, "not '0,91'");
+    check_refused((const char *const[]){"shadow", "wall.npy", "--sun", "0,91", "-o", "s.npy", NULL}, 2,
+                  "--sun 0,91: the second number is the altitude");
     check_refused((const char *const[]){"shadow", "wall.npy", "--sun", "0,30", NULL}, 2, "give -o FILE");
     check_refused((const char *const[]){"shadow", "wall.npy", "--time", "noon", "-o", "s.npy", NULL}, 2, "not 'noon'");
     check_refused((const char *const[]){"shadow", "wall.npy", "--time", "2024-06-21T12:00:00Z", "-o", "s.npy", NULL}, 1,

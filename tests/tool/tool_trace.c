@@ -103,7 +103,7 @@ static void any_marks_the_occluded(void **state) {
     (void)state;
     fixture *f = make();
     check_status(cw_occluded(f->open, NULL, f->rays, RAYS, f->occluded), CW_OK);
-    run_well((const char *const[]){"trace", "--any", "field.npy", "rays.npy", "--output=hits.npy", NULL});
+    run_well((const char *const[]){"trace", "--occluded", "field.npy", "rays.npy", "--output=hits.npy", NULL});
     char *file;
     const unsigned char *bytes = read_array("hits.npy", "'|u1'", RAYS, 1, &file);
     assert_memory_equal(bytes, f->occluded, RAYS);
@@ -164,7 +164,7 @@ static void rays_of_the_map(void **state) {
     }
     free(file);
     assert_in_range(found, N / 4, N - 20);
-    run_well((const char *const[]){"trace", "a.asc", "user.npy", "--user", "--any", "-o", "hits.npy", NULL});
+    run_well((const char *const[]){"trace", "a.asc", "user.npy", "--user", "--occluded", "-o", "hits.npy", NULL});
     record = read_array("hits.npy", "'|u1'", N, 1, &file);
     assert_memory_equal(record, occluded, N);
     free(file);
@@ -195,13 +195,13 @@ static void what_is_said_of_rays(void **state) {
     check(r->status == 1 && strstr(r->err, "'<f8', not '<f4'"), "%s", r->err);
     r = program_run(NULL, (const char *const[]){"trace", "a.asc", "near.npy", "--user", "--stats", NULL});
     check(r->status == 0 && strstr(r->out, "1 rays, 1 hits"), "%s", r->out);
-    r = program_run(NULL, (const char *const[]){"trace", "a.asc", "near.npy", "--user", "--any", "-o", "-", NULL});
+    r = program_run(NULL, (const char *const[]){"trace", "a.asc", "near.npy", "--user", "--occluded", "-o", "-", NULL});
     check(r->status == 0 && memcmp(r->out, "\x93NUMPY", 6) == 0, "%s", r->err);
     r = program_run(NULL, (const char *const[]){"trace", "a.asc", "near.npy", "--user", "-o", "-", "--stats", NULL});
     check(r->status == 2 && strstr(r->err, "cannot take both"), "%s", r->err);
     r = program_run(NULL,
-                    (const char *const[]){"trace", "a.asc", "near.npy", "--any", "--points", "-o", "h.npy", NULL});
-    check(r->status == 2 && strstr(r->err, "--any finds no hit"), "%s", r->err);
+                    (const char *const[]){"trace", "a.asc", "near.npy", "--occluded", "--points", "-o", "h.npy", NULL});
+    check(r->status == 2 && strstr(r->err, "--occluded finds no hit"), "%s", r->err);
 }
 
 /* More rays than one piece holds, the last piece being short. */

@@ -10,7 +10,7 @@
 
 Make a field with Field(array) or open(file). Then ask it:
 
-    closest, any      where rays hit, or whether they do
+    closest, occluded where rays hit, or whether they do
     at                the surface's height at places
     shadow            sun and shadow on every sample
     viewshed          which samples are seen from places

@@ -77,8 +77,8 @@ class Field(Products):
 
     Raises ValueError or TypeError naming the argument, MemoryError, KeyboardInterrupt.
 
-    Queries may run in several threads at once; Python's other threads go on meanwhile. Ctrl-C ends a query. A field made by
-    `open` can be pickled: the file is opened again.
+    Queries may run in several threads at once; Python's other threads go on meanwhile. Ctrl-C ends a query. Fields can be
+    copied and pickled. One made by `open` is pickled as its path: the file is opened again.
 
         >>> import numpy as np, cellwalk as cw
         >>> f = cw.Field(np.zeros((3, 5), "float32"), transform=(10, 0, 500, 0, -10, 800))
@@ -183,16 +183,29 @@ class Field(Products):
         return self._difference
 
     def __repr__(self) -> str:
-        about = self._core.describe()
-        return (f"<cellwalk.Field: {self.shape[0]} rows of {self.shape[1]} samples, heights {about['low']:g} to {about['high']:g}, "
-                f"{about['holes']} holes>")
+        about, known, m = self._core.describe(), self._source.crs, self._source.map
+        heights = f"heights {about['low']:g} to {about['high']:g}" if about["low"] <= about["high"] else "no heights"
+        cell = " x ".join(f"{float(np.hypot(m[0, k], m[1, k])):g}" for k in range(2))
+        unit = ("" if not self._source.placed else " degrees" if known.geographic else
+                " m" if known.unit == 1 else f" x {known.unit:g} m" if known.unit else "")
+        name = known.wkt.split('"')[1] if known.wkt and '"' in known.wkt else "no crs"
+        return (f"<cellwalk.Field: {self.shape[0]} rows of {self.shape[1]} samples, {heights}, {about['holes']} holes, "
+                f"cells {cell}{unit}, {name}>")
 
     def __reduce__(self):
-        if self._origin is None:
-            raise TypeError("a Field made of an array is not pickled; send the array, or a path to cellwalk.open")
-        if self._updated:
+        if self._origin is not None and self._updated:
             raise TypeError("a Field is not pickled after update, which its file lacks; send field.z")
-        return _reopen, (*self._origin, self.shape)
+        if self._origin is not None:
+            return _reopen, (*self._origin, self.shape)
+        source = self._source._replace(samples=None)
+        return _remake, (source, self._samples, self._threads, self._whole, self._scale, self._difference)
+
+    def __copy__(self) -> Field:
+        """A field of its own samples: an update of one does not change the other."""
+        return _remake(self._source, self._samples.copy(), self._threads, self._whole, self._scale, self._difference)
+
+    def __deepcopy__(self, memo) -> Field:
+        return self.__copy__()
 
     # ---- rays ------------------------------------------------------------------------------------------------------
 
@@ -218,13 +231,13 @@ class Field(Products):
         shape, out = self._trace(False, origins, directions, tmin, tmax, kernel, progress)
         return Hits(out.view(_dtype).reshape(shape), self)
 
-    def any(self, origins: ArrayLike, directions: ArrayLike | None = None, tmin: ArrayLike | None = None,
+    def occluded(self, origins: ArrayLike, directions: ArrayLike | None = None, tmin: ArrayLike | None = None,
             tmax: ArrayLike | None = None, *, kernel: str | None = None, progress=None) -> np.ndarray:
         """Whether each ray meets the surface at all: bool, with the shape of the rays. Arguments as for closest.
 
             >>> import numpy as np, cellwalk as cw
             >>> f = cw.Field(np.zeros((9, 9), "float32"))
-            >>> f.any([4, 4, 2], [0, 0, -1], tmax=[1, 3])
+            >>> f.occluded([4, 4, 2], [0, 0, -1], tmax=[1, 3])
             array([False,  True])
         """
         shape, out = self._trace(True, origins, directions, tmin, tmax, kernel, progress)
@@ -368,6 +381,13 @@ def open(path: str | os.PathLike[str], window: Any = None, *, band: int | None =
     field = Field.__new__(Field)
     field._make(Source(samples, np.array(given["map"]), given["placed"], known, None, given["nodata"]), threads, False, progress)
     field._origin = path, window if window is None else (column, row, columns, rows), band, nodata, cellsize, zscale, crs, threads
+    return field
+
+
+def _remake(source, samples, threads, whole, scale, difference) -> Field:
+    field = Field.__new__(Field)
+    field._make(source._replace(samples=samples), threads, False, None, whole=whole, scale=scale)
+    field._difference = difference
     return field
 
 

@@ -176,7 +176,7 @@ PyObject *field_trace(PyObject *self, PyObject *arguments) {
         if ((good = work_begin(&w, threads, kernel, progress))) {
             t.work = &w;
             const cw_status status = trace(&t, &w);
-            good = work_end(&w, status == CW_ERROR_CANCELLED ? CW_OK : status, any ? "any" : "closest");
+            good = work_end(&w, status == CW_ERROR_CANCELLED ? CW_OK : status, any ? "occluded" : "closest");
         }
         field_leave(f);
     }

@@ -135,6 +135,36 @@ sight_rise sight_steepest(const sight *s, double i, double j, double least) {
     return found.rise;
 }
 
+/* How far the height of a crossing over a line may be off. */
+static inline double doubt_of(const crossing *c) {
+    const way *w = c->way;
+    return w->rough + 2 * (w->slack + 0x1p-49) * c->steps + 0x1p-49 * fabs(c->height);
+}
+
+typedef struct tie {
+    sight_rise steepest;
+    double share; /* the least so far */
+} tie;
+
+static inline bool look_for_tie(void *context, const crossing *c) {
+    tie *t = context;
+    const double share = c->share, length = c->way->length;
+    if (!(share < t->share && share * length > at_end && (1 - share) * length > at_end)) return false;
+    /* The steepest is off by the same as at its own crossing, which is no nearer than this one. */
+    const double line = t->steepest.steepest * share;
+    if (c->height + 2 * doubt_of(c) + 0x1p-48 * fabs(line) >= line) t->share = share;
+    return false;
+}
+
+double sight_nearest(const sight *s, double i, double j, sight_rise steepest) {
+    const way w = way_to(s, i, j, 0, 0);
+    tie t = {steepest, steepest.share};
+    /* Stretches are passed over by a lower rise than any tie has. */
+    const double low = steepest.steepest - 0x1p-30 * (fabs(steepest.steepest) + fabs(s->eye[2]));
+    if (w.length > at_end && steepest.share > 0) look_along(&w, &low, look_for_tie, &t);
+    return t.share;
+}
+
 /* An edge this near to the eye is crossed at places that rounding moves about. That matters nothing if all of it is
  * below the eye there: it then rises less steeply than its far end. */
 static const double clear_of_edges = 0x1p-10;
@@ -194,7 +224,7 @@ double sight_around(const sight *s, const double a[2], const double b[2]) {
 static inline bool is_blocked(const crossing *c, double *over) {
     const way *w = c->way;
     *over = c->height - c->share * w->top;
-    const double doubt = w->rough + 2 * (w->slack + 0x1p-49) * c->steps + 0x1p-49 * fabs(c->height);
+    const double doubt = doubt_of(c);
     if (*over < -doubt) return false;
     const bool inside = c->share > way_share_error && c->share < 1 - way_share_error;
     if (*over > doubt && inside && !c->at_sample) return true;
@@ -230,7 +260,7 @@ static inline bool look_for_need(void *context, const crossing *c) {
     need *n = context;
     const way *w = c->way;
     const double line = n->steepest * c->share;
-    const double doubt = w->rough + 2 * (w->slack + 0x1p-49) * c->steps + 0x1p-49 * fabs(c->height);
+    const double doubt = doubt_of(c);
     if (c->height < line - doubt) return false;
     const bool inside = c->share > way_share_error && c->share < 1 - way_share_error;
     if (c->height - c->share * w->top > doubt && inside && !c->at_sample) {

@@ -21,6 +21,9 @@ typedef struct sight {
     const sight_bounds *bounds;
     double eye[3];
     double fall[3]; /* lowering at (x, y) from the eye: fall[0] x² + fall[1] x y + fall[2] y² */
+    /* Crossings are lowered, and the ground is straight between them, as headings have it; else samples are, and the
+     * triangles stand on them. For rises alone: decisions lower samples. */
+    bool at_crossings;
 } sight;
 
 /* The lowering is curvature d² / (2 R), d being the distance in metres on the map and R the ellipsoid's radius at
@@ -38,6 +41,10 @@ typedef struct sight_rise {
     double steepest, share;
 } sight_rise;
 sight_rise sight_steepest(const sight *s, double i, double j, double least);
+
+/* The least share of the way to (i, j) at which something rises as steeply as that, the steepest, but for twice the error of
+ * either: of a plane through the eye, all crossings are such ties. */
+double sight_nearest(const sight *s, double i, double j, sight_rise steepest);
 
 /* Parts of the way to a place: the first so many cells from it, or all of it, and the last cell before the eye.
  * Cells count along the way's longer axis. */

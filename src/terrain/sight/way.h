@@ -105,9 +105,10 @@ static inline void way_height(crossing *c) {
         if (before) c->steps = fmax(c->steps, fabs((double)*before - height)); /* holes do not count */
     } else {
         const double along = c->other - first, step = (double)*next - height;
-        const double edge = c->kind == WAY_COLUMN ? s->fall[2]
-                            : c->kind == WAY_ROW  ? s->fall[0]
-                                                  : s->fall[0] + s->fall[1] + s->fall[2];
+        const double edge = s->at_crossings         ? 0
+                            : c->kind == WAY_COLUMN ? s->fall[2]
+                            : c->kind == WAY_ROW    ? s->fall[0]
+                                                    : s->fall[0] + s->fall[1] + s->fall[2];
         height += along * step - along * (1 - along) * edge;
         c->steps = fabs(step);
     }

@@ -104,6 +104,14 @@ static int unknown(const options_usage *usage, const char *argument, size_t leng
     for (; count < NAMES_MAX && count <= usage->option_count; count++) names[count] = usage->options[count - 1].name;
     char word[64];
     snprintf(word, sizeof word, "%.*s", (int)length, argument);
+    /* Heights of places are no options: closest in spelling would be another one. */
+    bool places = strstr(usage->synopsis, "X,Y[,H]") != NULL;
+    for (size_t k = 0; k < usage->option_count; k++)
+        places |= usage->options[k].value && strncmp(usage->options[k].value, "X,Y[,H]", 7) == 0;
+    if (places && strstr(word, "height") != NULL) {
+        command_fail(usage->name, "unknown option %s; the height of a place is its third number: X,Y,H", word);
+        return wrong(usage);
+    }
     const char *meant = word[1] == '-' ? words_closest(word + 2, names, count) : NULL;
     if (meant)
         command_fail(usage->name, "unknown option %s; did you mean --%s?", word, meant);

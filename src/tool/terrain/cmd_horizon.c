@@ -177,13 +177,14 @@ static bool check(void *context, size_t *bands) {
         command_fail(name, "--json goes with --at or --places");
     else if (c->curvature < 0)
         command_fail(name, "--curvature takes a number from 0 on, not %g", c->curvature);
-    else if (c->max_distance < 0)
-        command_fail(name, "--max-distance takes metres, not %g", c->max_distance);
+    else if (c->max_distance <= 0)
+        command_fail(name, "--max-distance takes metres above 0, not %g", c->max_distance);
     else if (c->grid && (at || c->start != 0 || c->max_distance > 0 || !regular))
         command_fail(name,
                      "--grid goes with 8, 16 or 32 --directions, and with none of --at, --start and --max-distance");
     else {
         c->sky = sky;
+        if (isnan(c->max_distance)) c->max_distance = 0; /* no limit */
         c->at.output = c->ground.output;
         c->at.directions = c->directions;
         c->at.start = c->start;
@@ -198,6 +199,7 @@ static bool check(void *context, size_t *bands) {
 static int run(int argc, char **argv) {
     static horizon_command c; /* large */
     c.directions = 32;
+    c.max_distance = NAN;
     const option_spec options[] = {
         {.name = "directions",
          .value = "N",
@@ -266,8 +268,9 @@ static int run(int argc, char **argv) {
                 "\n"
                 "NaN means no data: at holes, and where no terrain lies in that direction within\n"
                 "--max-distance. The sky-view factor counts the sky there as free.\n"
-                "Angles are exact to 0.001 degrees (0.003 on a map in degrees) for the surface of\n"
-                "two triangles between each four samples. On a map in degrees, directions are off\n"
+                "Angles are exact to 0.001 degrees (0.003 where the scale differs from row to\n"
+                "row) for the surface of two triangles between each four samples, if neighbours\n"
+                "differ by less than 30 times their distance. On a map in degrees, directions are off\n"
                 "in proportion to the distance: by up to 0.03 degrees at 5 km and latitude 50.\n"
                 "\n" TRADE_HORIZON,
         .examples = "  cellwalk horizon dem.tif --directions 32 -o horizon.tif\n"

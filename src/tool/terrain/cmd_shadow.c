@@ -129,10 +129,9 @@ static bool check(void *context, size_t *bands) {
     shadow_command *c = context;
     (void)bands;
     double numbers[2] = {0, 0};
+    if (c->sun && c->time == NULL && !ground_parse_sun(name, c->sun, numbers)) return false;
     if ((c->sun == NULL) == (c->time == NULL))
         command_fail(name, "give the sun's place by either --sun or --time");
-    else if (c->sun && (ground_numbers(c->sun, numbers, 2, 2) == 0 || fabs(numbers[1]) > 90))
-        command_fail(name, "--sun takes azimuth and altitude in degrees, as 225,30, not '%s'", c->sun);
     else if (c->time && !sun_parse_time(c->time, &c->seconds))
         command_fail(name, "--time takes a time with its zone, as 2024-06-21T12:00:00Z or +02:00, not '%s'", c->time);
     else if (!isnan(c->disc) && !(c->disc > 0 && c->disc <= 10))

@@ -119,7 +119,7 @@ static bool read_ground(ground *g, const char *path, const io_raster_options *op
     if (!field && !io_raster_read(path, options, &g->file.raster, error)) return false;
     const io_raster *r = &g->file.raster;
     if (!field && (r->nx < 2 || r->ny < 2))
-        return io_fail(error, "%s: %zu x %zu samples: %s", path, r->nx, r->ny, cw_status_message(CW_ERROR_ARGUMENT));
+        return io_fail(error, "%s: %zu x %zu samples; a terrain has at least 2 x 2", path, r->nx, r->ny);
     ground_find_scale(&g->scale, &g->file.raster, path, options);
     return ground_describe(&g->terrain, &g->file, &g->scale, path, error);
 }
@@ -195,6 +195,25 @@ size_t ground_numbers(const char *text, double *numbers, size_t least, size_t mo
     return 0;
 }
 
+const char *ground_number(double number, char text[GROUND_NUMBER]) {
+    for (int digits = 15; digits <= 17; digits++) {
+        snprintf(text, GROUND_NUMBER, "%.*g", digits, number);
+        if (strtod(text, NULL) == number) break;
+    }
+    return text;
+}
+
+bool ground_parse_sun(const char *name, const char *text, double sun[2]) {
+    if (ground_numbers(text, sun, 2, 2) == 0)
+        command_fail(name, "--sun takes azimuth and altitude in degrees, as 225,30, not '%s'", text);
+    else if (fabs(sun[1]) > 90)
+        command_fail(name, "--sun %s: the second number is the altitude, and %g degrees is none; the azimuth is first",
+                     text, sun[1]);
+    else
+        return true;
+    return false;
+}
+
 bool ground_parse_place(const char *name, const char *text, double height, ground_place *p) {
     enum { LONGEST = 200 };
     char copy[LONGEST];
@@ -232,6 +251,11 @@ static void find_extent(const terrain *t, double low[2], double high[2]) {
     }
 }
 
+static bool looks_like_degrees(const terrain *t, const ground_place *p, const double low[2], const double high[2]) {
+    const bool far = low[0] > 360 || high[0] < -360 || low[1] > 360 || high[1] < -360;
+    return !t->geographic && far && fabs(p->x) <= 360 && fabs(p->y) <= 360;
+}
+
 /* Why a place has no ground. */
 static bool tell_no_ground(const terrain *part, const ground_place *p, const double there[2], io_error *error) {
     const terrain *t = terrain_whole(part);
@@ -241,7 +265,9 @@ static bool tell_no_ground(const terrain *part, const ground_place *p, const dou
         return io_fail(error, "%s: there is no data at that place; X,Y,=Z gives the height itself", p->text);
     find_extent(t, low, high);
     terrain_from_map(t, p->y, p->x, swapped);
-    const char *why = is_inside(t, at, 0.5)        ? "lies in the outer half of a pixel, beyond the outermost centres"
+    const char *why = is_inside(t, at, 0.5) ? "lies in the outer half of a pixel, beyond the outermost centres"
+                      : looks_like_degrees(t, p, low, high)
+                          ? "lies outside and looks like longitude and latitude, which this map does not have"
                       : is_inside(t, swapped, 0.5) ? "lies outside, but with X and Y exchanged it would not"
                                                    : "lies outside";
     return io_fail(error,

@@ -83,6 +83,13 @@ int ground_close(ground *g, bool good, const io_error *error);
 /* Numbers with commas between them: least to most of them; how many there are, or 0. */
 size_t ground_numbers(const char *text, double *numbers, size_t least, size_t most);
 
+/* The shortest decimal of a number that reads as that number. */
+enum { GROUND_NUMBER = 32 };
+const char *ground_number(double number, char text[GROUND_NUMBER]);
+
+/* --sun AZ,ALT; false after a message. */
+bool ground_parse_sun(const char *name, const char *text, double sun[2]);
+
 /* A place on the map: z metres above the ground, or absolute. */
 typedef struct ground_place {
     const char *text; /* as it was given */

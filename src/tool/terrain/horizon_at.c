@@ -41,7 +41,7 @@ static finding look(const job *j, const sight *s, double azimuth, double turned)
     if (j->options->max_distance > 0) far = fmin(far, j->options->max_distance / length);
     const sight_rise r = sight_steepest(s, s->eye[0] + far * dir[0], s->eye[1] + far * dir[1], -INFINITY);
     if (r.steepest == -INFINITY) return f;
-    const double cells = r.share * far;
+    const double cells = sight_nearest(s, s->eye[0] + far * dir[0], s->eye[1] + far * dir[1], r) * far;
     f.angle = atan(r.steepest * terrain_metres_of_height(t) / (far * length)) / degree;
     f.distance = cells * length;
     terrain_to_map(t, s->eye[0] + cells * dir[0], s->eye[1] + cells * dir[1], f.at);
@@ -82,6 +82,7 @@ static bool write_place(job *j, const ground_place *p, io_error *error) {
     if (!ground_find_place(t, p, eye, &level, error)) return false;
     if (isnan(level)) return io_fail(error, "%s: is not on the terrain, where the horizon is found", p->text);
     sight_init(&s, t, j->bounds, eye, o->curvature);
+    s.at_crossings = true;
     terrain_to_map(t, eye[0], eye[1], xy);
     if (!sun_place_of(t, ground_georef(j->ground), xy, j->ground->path, NULL, &north, &unknown)) north.turned = NAN;
     if (o->json && !io_output_print(&j->to, error, "%s {\"place\": [%.10g, %.10g], \"horizon\": [",

@@ -183,6 +183,10 @@ void observers_free(observers *o) {
     *o = (observers){0};
 }
 
+const char *observers_name(const observers *o, size_t k) {
+    return o->options->file ? o->points.points[o->list[k].given].name : "";
+}
+
 bool observers_have_weights(const observers *o) { return o->points.has_weight; }
 
 ground_place observers_place(const observers *o, size_t k, char text[OBSERVER_TEXT]) {

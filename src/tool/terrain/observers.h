@@ -42,6 +42,9 @@ void observers_free(observers *o);
 
 bool observers_have_weights(const observers *o);
 
+/* The name that the file gives; "" if it gives none. */
+const char *observers_name(const observers *o, size_t k);
+
 /* The place, with a text for messages in the caller's memory. */
 enum { OBSERVER_TEXT = 300 };
 ground_place observers_place(const observers *o, size_t k, char text[OBSERVER_TEXT]);

@@ -122,7 +122,7 @@ bool pieces_describe(ground *g, io_error *error) {
     progress_end(&((raster_options *)g->reading.context)->line);
     io_raster *r = &g->about;
     if (r->nx < 2 || r->ny < 2)
-        return io_fail(error, "%s: %zu x %zu samples: %s", g->path, r->nx, r->ny, cw_status_message(CW_ERROR_ARGUMENT));
+        return io_fail(error, "%s: %zu x %zu samples; a terrain has at least 2 x 2", g->path, r->nx, r->ny);
     ground_find_scale(&g->scale, r, g->path, &g->reading);
     if (!ground_describe_raster(&g->whole, r, NULL, &g->scale, g->path, error)) return false;
     g->terrain = g->whole;
@@ -156,7 +156,7 @@ bool pieces_check(const ground *g, cw_rectangle piece, double more, io_error *er
         return io_fail(error, "%s: %zu x %zu samples matter, which are more than a field can hold", g->path, piece.nx,
                        piece.ny);
     const double bytes = bytes_of(piece, more), need = fmin(bytes + others, 4 * bytes);
-    return io_fail(error, "%s: %zu x %zu samples matter at once, which need --memory %.0fM; there is %.0fM", g->path,
+    return io_fail(error, "%s: %zu x %zu samples matter at once, which need --memory %.0fM; there is %.9gM", g->path,
                    piece.nx, piece.ny, ceil(need / 1e6), g->options->bytes / 1e6);
 }
 

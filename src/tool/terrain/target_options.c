@@ -7,6 +7,7 @@
 #include <string.h>
 
 void target_rows(target_options *t, option_spec rows[TARGET_OPTION_COUNT]) {
+    t->limits.farthest = NAN;
     const option_spec own[TARGET_OPTION_COUNT] = {
         {.name = "target-height",
          .value = "T",
@@ -43,8 +44,8 @@ bool target_options_read(target_options *t, const char *name) {
     sight_limits *l = &t->limits;
     l->has_sector = t->azimuth != NULL;
     l->has_verticals = t->vertical != NULL;
-    if (l->farthest < 0)
-        command_fail(name, "--max-distance takes metres, not %g", l->farthest);
+    if (l->farthest <= 0)
+        command_fail(name, "--max-distance takes metres above 0, not %g", l->farthest);
     else if (l->nearest < 0)
         command_fail(name, "--min-distance takes metres, not %g", l->nearest);
     else if (l->farthest > 0 && l->nearest > l->farthest)
@@ -56,8 +57,10 @@ bool target_options_read(target_options *t, const char *name) {
                               l->verticals[0] <= l->verticals[1] && l->verticals[1] <= 90))
         command_fail(name, "--vertical takes two angles from -90 to 90 degrees, the lower one first, not '%s'",
                      t->vertical);
-    else
+    else {
+        if (isnan(l->farthest)) l->farthest = 0; /* no limit */
         return true;
+    }
     return false;
 }
 

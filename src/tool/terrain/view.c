@@ -121,10 +121,7 @@ static bool read_wish(const view_options *v, wish *w) {
     *w = (wish){.sun = {usual_sun[0], usual_sun[1]}, .fov = isnan(v->fov) ? usual_fov : v->fov};
     if (v->from && !ground_parse_place(name, v->from, usual_eye, &w->from)) return false;
     if (v->to && !ground_parse_place(name, v->to, 0, &w->to)) return false;
-    if (v->sun && (ground_numbers(v->sun, w->sun, 2, 2) == 0 || fabs(w->sun[1]) > 90)) {
-        command_fail(name, "--sun takes azimuth and altitude in degrees, as 225,30, not '%s'", v->sun);
-        return false;
-    }
+    if (v->sun && !ground_parse_sun(name, v->sun, w->sun)) return false;
     if (v->sun && v->time)
         command_fail(name, "give the sun's place by either --sun or --time");
     else if (v->time && !sun_parse_time(v->time, &w->seconds))

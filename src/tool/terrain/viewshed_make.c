@@ -233,19 +233,25 @@ static void note(const job *j, ground_notes *notes) {
     /* As many as there is room for. */
     for (size_t k = 0; k < all->count; k++) {
         const observer *o = &all->list[k];
-        ground_note(notes, "OBSERVER_%zu=%.17g,%.17g,%s%.17g", k + 1, o->x, o->y, o->absolute ? "=" : "", o->z);
+        char x[GROUND_NUMBER], y[GROUND_NUMBER], z[GROUND_NUMBER];
+        ground_note(notes, "OBSERVER_%zu=%s,%s,%s%s", k + 1, ground_number(o->x, x), ground_number(o->y, y),
+                    o->absolute ? "=" : "", ground_number(o->z, z));
+        const char *name = observers_name(all, k);
+        if (name[0] != '\0') ground_note(notes, "OBSERVER_%zu_NAME=%s", k + 1, name);
     }
 }
 
 /* Names of bands, which the caller frees with the array. */
 static char **name_bands(const job *j) {
-    enum { LONGEST = 100 };
+    enum { LONGEST = 160 };
     const size_t count = j->observers.count;
     char **names = malloc(count * (sizeof *names + LONGEST));
     char *text = names ? (char *)(names + count) : NULL;
     for (size_t k = 0; names && k < count; k++, text += LONGEST) {
         const observer *o = &j->observers.list[k];
-        snprintf(names[k] = text, LONGEST, "observer %zu at %.10g,%.10g", k + 1, o->x, o->y);
+        const char *name = observers_name(&j->observers, k);
+        snprintf(names[k] = text, LONGEST, "observer %zu%s%s%s at %.10g,%.10g", k + 1, name[0] ? " (" : "", name,
+                 name[0] ? ")" : "", o->x, o->y);
     }
     return names;
 }

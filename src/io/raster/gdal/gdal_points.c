@@ -10,14 +10,18 @@
 #include <ogr_api.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 typedef struct reader {
     const char *path;
     io_points *points;
     bool (*add)(io_points *points, const io_point *point);
     OGRCoordinateTransformationH to_map; /* NULL: none */
-    int height, weight;                  /* numbers of the attributes, or -1 */
+    int height, weight, name;            /* numbers of the attributes, or -1 */
+    bool has_z;                          /* a place's is not 0 */
     size_t parts, lines, singles;
+    const io_points_options *options;
+    bool is_kml;
     io_error *error;
 } reader;
 
@@ -73,6 +77,7 @@ static bool take_number(reader *r, OGRFeatureH f, int field, double *number) {
 static bool add_place(reader *r, OGRGeometryH g, int k, io_point *p) {
     p->x = OGR_G_GetX(g, k);
     p->y = OGR_G_GetY(g, k);
+    r->has_z |= OGR_G_Is3D(g) && OGR_G_GetZ(g, k) != 0;
     CPLErrorReset();
     if (r->to_map != NULL && !(OCTTransform(r->to_map, 1, &p->x, &p->y, NULL) && isfinite(p->x) && isfinite(p->y)))
         return io_fail(r->error, "%s: feature %zu: %.10g, %.10g has no place on the terrain's map", r->path, p->number,
@@ -104,21 +109,60 @@ static bool take_geometry(reader *r, OGRGeometryH g, io_point *p) {
     return good;
 }
 
+/* Attributes that have a value somewhere, and that nothing else reads. KML's own, such as tessellate, are no user's. */
+enum { FIELDS_MOST = 200 };
+
+static void note_others(const reader *r, OGRFeatureH f, bool others[FIELDS_MOST]) {
+    static const char *const own[] = {"description", "timestamp",  "begin",     "end",  "altitudeMode", "tessellate",
+                                      "extrude",     "visibility", "drawOrder", "icon", "snippet",      "id"};
+    const int count = OGR_F_GetFieldCount(f) < FIELDS_MOST ? OGR_F_GetFieldCount(f) : FIELDS_MOST;
+    for (int k = 0; k < count; k++) {
+        bool known = k == r->height || k == r->weight || k == r->name;
+        for (size_t n = 0; n < sizeof own / sizeof *own && r->is_kml; n++)
+            known |= strcasecmp(OGR_Fld_GetNameRef(OGR_F_GetFieldDefnRef(f, k)), own[n]) == 0;
+        others[k] |= !known && OGR_F_IsFieldSetAndNotNull(f, k) && OGR_F_GetFieldAsString(f, k)[0] != '\0';
+    }
+}
+
+/* Heights that are passed over in silence would be taken for the usual one. */
+static void warn_of_others(const reader *r, OGRFeatureDefnH about, const bool others[FIELDS_MOST]) {
+    char list[300] = "";
+    size_t used = 0;
+    for (int k = 0; k < FIELDS_MOST && used < sizeof list; k++)
+        if (others[k])
+            used += (size_t)snprintf(list + used, sizeof list - used, "%s'%s'", used ? ", " : "",
+                                     OGR_Fld_GetNameRef(OGR_FD_GetFieldDefn(about, k)));
+    if (r->has_z && used < sizeof list) snprintf(list + used, sizeof list - used, "%sz of places", used ? ", " : "");
+    const io_raster_options to = {.warn = r->options->warn, .context = r->options->context};
+    if (list[0] != '\0')
+        gdal_warn(
+            &to,
+            "%s: passed over: %s; attributes with a meaning are height (or OFFSETA, above ground), weight and name",
+            r->path, list);
+}
+
 static bool take_features(reader *r, OGRLayerH layer) {
+    bool others[FIELDS_MOST] = {false};
     OGRFeatureDefnH about = OGR_L_GetLayerDefn(layer);
     r->height = OGR_FD_GetFieldIndex(about, "height");
+    if (r->height < 0) r->height = OGR_FD_GetFieldIndex(about, "OFFSETA");
+    r->name = OGR_FD_GetFieldIndex(about, "name");
     r->weight = OGR_FD_GetFieldIndex(about, "weight");
     r->points->has_weight = r->weight >= 0;
     OGR_L_ResetReading(layer);
     CPLErrorReset();
     for (OGRFeatureH f; (f = OGR_L_GetNextFeature(layer)) != NULL;) {
         io_point p = {.height = NAN, .weight = 1, .number = (size_t)OGR_F_GetFID(f)};
+        if (r->name >= 0 && OGR_F_IsFieldSetAndNotNull(f, r->name))
+            snprintf(p.name, sizeof p.name, "%s", OGR_F_GetFieldAsString(f, r->name));
+        note_others(r, f, others);
         const bool good = take_number(r, f, r->height, &p.height) && take_number(r, f, r->weight, &p.weight) &&
                           take_geometry(r, OGR_F_GetGeometryRef(f), &p);
         OGR_F_Destroy(f);
         if (!good) return false;
     }
     if (CPLGetLastErrorType() >= CE_Failure) return gdal_fail_read(r->error, r->path, "cannot read");
+    warn_of_others(r, about, others);
     r->points->has_lines = r->lines > 0;
     return r->lines == 0 || r->singles == 0 || io_fail(r->error, "%s: has points and lines", r->path);
 }
@@ -134,9 +178,10 @@ static bool note_files(GDALDatasetH file, const char *path, bool (*note)(const c
 bool gdal_points(const char *path, const io_points_options *o, io_points *points,
                  bool (*add)(io_points *points, const io_point *point), bool (*note)(const char *path),
                  io_error *error) {
-    reader r = {.path = path, .points = points, .add = add, .error = error};
+    reader r = {.path = path, .points = points, .add = add, .options = o, .error = error};
     GDALDatasetH file = gdal_open_name(path, GDAL_OF_VECTOR, error);
     if (file == NULL) return false;
+    r.is_kml = strstr(GDALGetDriverShortName(GDALGetDatasetDriver(file)), "KML") != NULL;
     OGRLayerH layer = choose_layer(file, path, o->layer, error);
     const bool good =
         layer != NULL && note_files(file, path, note, error) && find_way(&r, layer, o->crs) && take_features(&r, layer);
