@@ -189,7 +189,7 @@ def test_guessed_heights(program, tmp_path):
             file.units = (units,)
         said = program("shadow", path, "--sun", "200,30", "-o", tmp_path / "o.tif", *words).stderr
         assert ("heights taken as US survey ft, as x and y; --zscale 3.2808 if they are metres" in said) == warned, said
-        assert said.count("\n") == warned
+        assert said.count("warning:") == warned
     with pytest.warns(UserWarning, match="^crs: heights taken as US survey ft"):
         cw.Field(np.zeros((9, 9)), place, rasterio.crs.CRS.from_string(FEET))
     with warnings.catch_warnings():
@@ -250,7 +250,7 @@ def test_a_missing_tile(program, tmp_path):
     for name, arguments, warned in (("shadow", ["--sun", "200,30", "-o", tmp_path / "o.tif"], True), ("info", [], True),
                                     ("info", ["--nodata", "0"], False)):
         said = program(name, path, *arguments).stderr
-        assert (words in said) == warned and said.count("\n") == warned, said
+        assert (words in said) == warned and said.count("warning:") == warned, said
     with pytest.warns(UserWarning, match=f"^z: {words}.*nodata=0"):
         cw.Field(z, METRES)
     with warnings.catch_warnings():
@@ -483,7 +483,7 @@ def test_attributes_of_observers(program, maps, tmp_path, name, text, height, wa
 def test_names_of_observers(program, maps, tmp_path):
     table = tmp_path / "towers.csv"
     table.write_text("name,x,y\nHigh Mast,601000.639,5206000.639\n,600000,5205000\n\"a\nb\",600500,5204000\n" + "ä" * 40 + ",600500,5205500\n")
-    assert program("viewshed", maps["utm"], "--observers", table, "--bands", "-o", tmp_path / "o.tif").stderr == ""
+    assert "warning" not in program("viewshed", maps["utm"], "--observers", table, "--bands", "-o", tmp_path / "o.tif").stderr
     with rasterio.open(tmp_path / "o.tif") as file:
         assert file.descriptions[:3] == ("observer 1 (High Mast) at 601000.639,5206000.639", "observer 2 at 600000,5205000",
                                          "observer 3 (a b) at 600500,5204000")
