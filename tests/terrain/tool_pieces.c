@@ -323,7 +323,7 @@ static void what_is_refused(void **state) {
     check_refused((const char *const[]){"viewshed", LAND, "--from", "9000,0,=9", "--max-distance", "5", NULL}, 1,
                   "no sample is within 5 m of any observer");
     check_refused((const char *const[]){"horizon", "land.npy", "--at", "10,10", "--window", "0,0,9,9", NULL}, 2,
-                  "goes with none of -o, --svf and --window");
+                  "go with neither --svf nor --window");
 #undef LAND
 }
 
