@@ -9,6 +9,7 @@
 #include "harness/results.h"
 #include "measure/measure.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -78,8 +79,9 @@ static void time_all(workload *w, double seconds) {
     }
 }
 
-static bool run_line(const plan_line *line, const measure_options *o, double seconds, json_t *results, size_t *wide,
-                     io_error *error) {
+/* *left: seconds for all timing that is still to come, of which this line may take a share. */
+static bool run_line(const plan_line *line, const measure_options *o, double share, double *left, json_t *results,
+                     size_t *wide, io_error *error) {
     workload w = {.options = o, .entrants = memory(ENTRANTS_MAX, sizeof *w.entrants)};
     bool good = name_workload(&w, line->workload, error) && w.kind->open(&w, error);
     for (size_t k = 0; good && w.why[0] == '\0' && k < line->count; k++)
@@ -91,7 +93,11 @@ static bool run_line(const plan_line *line, const measure_options *o, double sec
         else
             good = w.kind->judge(&w, e, line->metrics, error);
     }
-    if (good && (line->metrics & METRIC_TIME)) time_all(&w, seconds);
+    if (good && (line->metrics & METRIC_TIME)) {
+        const double start = clock_seconds();
+        time_all(&w, *left * share);
+        *left = fmax(*left - (clock_seconds() - start), 0);
+    }
     if (good) print_workload(&w);
     for (size_t k = 0; good && k < w.count; k++) {
         results_append(results, json_incref(w.entrants[k].line));
@@ -127,9 +133,12 @@ static bool run_plan(const char *name, measure_options *o, json_t *results, io_e
         results_append(results, record);
     }
     if (o->seconds <= 0) o->seconds = 10 * (double)timed;
-    /* Making fields and building Embree do not count. */
-    for (size_t k = 0; good && k < p.count; k++)
-        good = run_line(&p.lines[k], o, o->seconds / (double)(timed ? timed : 1), results, &wide, error);
+    /* Making fields and building Embree do not count. What a line leaves, because it has converged, the later ones get. */
+    double left = o->seconds;
+    for (size_t k = 0; good && k < p.count; k++) {
+        good = run_line(&p.lines[k], o, 1 / (double)(timed ? timed : 1), &left, results, &wide, error);
+        timed -= (p.lines[k].metrics & METRIC_TIME) != 0;
+    }
     land_end();
     if (good && wide > 0) {
         json_t *line = json_object();
@@ -169,7 +178,8 @@ static int measure(const char *as, const char *name, measure_options *o, const c
         good = folder == NULL || (io_output_write(&text, markdown, size, &error) && io_output_commit(&text, &error));
     }
     good = good && (out.file == NULL || io_output_commit(&out, &error));
-    const bool wide = results_first(results, "not converged") != NULL;
+    /* The scenes' table is the work itself, and says which of its figures have not converged. */
+    const bool wide = folder == NULL && results_first(results, "not converged") != NULL;
     io_output_discard(&out);
     io_output_discard(&text);
     json_decref(results);
@@ -182,8 +192,8 @@ static int measure(const char *as, const char *name, measure_options *o, const c
 
 static const char what[] =
     "Runs a plan: a file, or one that ships (speed, first, single, widths, leaf, threads, afar, beside, build, "
-    "tradeoff, accuracy, "
-    "physics, scenes). Each of its lines is \"FIELD/WORK CONTENDERS METRICS\", with commas in lists and # before "
+    "tradeoff, accuracy, scenes). Each of its lines is \"FIELD/WORK CONTENDERS METRICS\", with commas in lists and # "
+    "before "
     "comments:\n\n"
     "  257,1025/primary  default,embree               time\n"
     "  8193/primary      default,coarser:2,coarser:4  time,error\n"

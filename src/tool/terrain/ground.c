@@ -198,7 +198,7 @@ size_t ground_numbers(const char *text, double *numbers, size_t least, size_t mo
 const char *ground_number(double number, char text[GROUND_NUMBER]) {
     for (int digits = 15; digits <= 17; digits++) {
         snprintf(text, GROUND_NUMBER, "%.*g", digits, number);
-        if (strtod(text, NULL) == number) break;
+        if (number_read(text, NULL) == number) break;
     }
     return text;
 }
