@@ -101,7 +101,10 @@ bool contenders_of(land *l, const char *name, bool coherent, cw_isa isa, ray_con
     const cw_kernel *kernel = s.kernel ? s.kernel : cw_run_kernel(field, NULL);
     const cw_status status = contender_from_kernel(&c->contender, field, kernel, s.leaf);
     if (status == CW_ERROR_KERNEL) {
-        snprintf(why, 192, "%s", cw_last_error());
+        const cw_kernel_info info = cw_kernel_describe(kernel);
+        snprintf(why, 192, "%s",
+                 info.available ? cw_last_error()
+                                : "needs an instruction set that this CPU, or the limit, does not have");
         return true;
     }
     if (status != CW_OK) return io_fail(error, "%s on field %s: %s", name, l->name, cw_last_error());

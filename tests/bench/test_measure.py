@@ -151,6 +151,12 @@ def test_wrong_words():
         assert "is unknown" in run("measure", "first", status=2, env={**os.environ, "CELLWALK_ISA": name}).stderr
 
 
+def test_contenders_that_cannot_run_are_left_out(tmp_path):
+    (tmp_path / "my.plan").write_text("65/primary default,packet8 time\n")
+    done = run("measure", tmp_path / "my.plan", *WIDE, env={**os.environ, "CELLWALK_ISA": "scalar"})
+    assert "left out: needs an instruction set" in done.stdout and "pyramid" not in done.stderr
+
+
 def test_compare(tmp_path):
     measure(tmp_path, "65/primary,random default,cell time\n")
     once = tmp_path / "once.jsonl"
