@@ -136,7 +136,8 @@ static int enter(void **state) {
 
 /* FIELD stands for each of the fields. */
 #define FIELD "@"
-static const char *const commands[][10] = {
+enum { WORDS = 12 }; /* of a command, and NULL */
+static const char *const commands[][WORDS] = {
     {"info", FIELD},
     {"info", FIELD, "--coarser", "2"},
     {"info", FIELD, "--json"},
@@ -160,7 +161,7 @@ static void fields_of_every_kind(void **state) {
     for (size_t c = 0; c < COMMANDS; c++)
         for (size_t f = 0; f < FIELDS; f++) {
             if (c > 2 && !test_takes(c * FIELDS + f, 2)) continue;
-            const char *arguments[10] = {NULL};
+            const char *arguments[WORDS] = {NULL};
             for (size_t k = 0; commands[c][k] != NULL; k++)
                 arguments[k] = strcmp(commands[c][k], FIELD) == 0 ? fields[f] : commands[c][k];
             check_text(arguments);
