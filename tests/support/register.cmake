@@ -106,6 +106,9 @@ function(cellwalk_add_program name program)
         # Slow: tests with random parts run a tenth of their rays.
         target_compile_definitions(${target} PRIVATE TEST_SCALE_DOWN=10)
     endif()
+    if(CMAKE_CROSSCOMPILING) # an emulator's memory is its own, and QEMU 7.2 fails where a forked child starts threads
+        target_compile_definitions(${target} PRIVATE TEST_IN_EMULATOR)
+    endif()
     target_compile_definitions(${target} PRIVATE ${row_DEFINES})
     if(program)
         target_compile_definitions(${target} PRIVATE CELLWALK_PROGRAM="$<TARGET_FILE:${program}>")
