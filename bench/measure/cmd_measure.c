@@ -257,7 +257,7 @@ static int start_measure(int argc, char **argv) {
 static int start_table(int argc, char **argv) {
     const char *folder = "out/table";
     bool quick = false;
-    measure_options o = {.run = RUN_DEFAULTS, .scenes = BUILD_INFO_SCENES, .count = 16, .width = 0.04, .pass = 60};
+    measure_options o = {.run = RUN_DEFAULTS, .scenes = BUILD_INFO_SCENES, .count = 16, .width = 0.1, .pass = 60};
     const option_spec options[] = {
         {"out", "FOLDER", "folder for table.md and table.jsonl, made if missing (out/table)", OPTION_TEXT,
          .to = &folder},
@@ -265,7 +265,7 @@ static int start_table(int argc, char **argv) {
          OPTION_TEXT, .to = &o.scenes},
         {"seconds", "S", "seconds for all timing together (120)", OPTION_REAL, .to = &o.seconds, .low = 0.01,
          .high = 1e6},
-        {"width", "SHARE", "an interval is narrow if it is at most SHARE of its middle wide (0.04)", OPTION_REAL,
+        {"width", "SHARE", "an interval is narrow if it is at most SHARE of its middle wide (0.1)", OPTION_REAL,
          .to = &o.width, .low = 1e-6, .high = 10},
         {"quick", NULL, "the smallest scene alone: a first look", OPTION_FLAG, .to = &quick},
         RUN_OPTIONS(o.run),
