@@ -55,13 +55,14 @@ static void print(const line *l, const clearance *c, bool json) {
 static bool look(ground *g, const los_command *c, io_output *profiles, io_error *error) {
     line l;
     profile p = {0};
-    if (!line_find(&l, g, c->places, c->curvature, error)) return false;
+    if (!line_find(&l, &g->terrain, c->places, ground_curvature(g, c->curvature), error)) return false;
     clearance free;
     const bool radio = c->megahertz > 0;
     bool good = profiles == NULL || (line_head_profiles(c->megahertz, profiles, error) &&
                                      line_write_profile(&l, 1, c->megahertz, &p, profiles, error));
     good = good && (!radio || line_clearance(&l, c->megahertz, &p, &free, error));
     profile_free(&p);
+    good = good && (ground_tell(g, 1) || io_fail(error, "interrupted"));
     if (good) print(&l, radio ? &free : NULL, c->json);
     return good;
 }
@@ -102,8 +103,8 @@ static bool wrong(los_command *c, const char *const given[3]) {
     else if (c->curvature < 0)
         command_fail(name, "--curvature takes a number from 0 on, not %g", c->curvature);
     else
-        return places && (!ground_parse_place(name, given[1], 0, &c->places[0]) ||
-                          !ground_parse_place(name, given[2], 0, &c->places[1]));
+        return places && (!ground_read_place(name, given[1], 0, &c->places[0]) ||
+                          !ground_read_place(name, given[2], 0, &c->places[1]));
     return true;
 }
 

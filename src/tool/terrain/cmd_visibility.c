@@ -95,7 +95,7 @@ static bool make(void *context, ground *g, io_error *error) {
     job j = {.ground = g, .command = c, .desc = c->desc};
     j.desc.directions = c->directions;
     j.desc.every = c->every;
-    j.desc.curvature = !isnan(c->curvature) ? c->curvature : ground_georef(g)->placed ? 6.0 / 7 : 0;
+    j.desc.curvature = ground_curvature(g, c->curvature);
     static const char *const area = "square kilometres of ground in sight",
                              *const share = "share of the ground within the distance that is in sight",
                              *const longest = "metres to the farthest ground in sight";

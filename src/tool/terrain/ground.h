@@ -8,6 +8,7 @@
 #include "../progress.h"
 #include "../query_options.h"
 #include "../raster_options.h"
+#include "place.h"
 #include "raster_out.h"
 #include "scale.h"
 #include "terrain.h"
@@ -80,22 +81,8 @@ bool ground_check_output(const ground *g, io_error *error);
 /* Frees the terrain and returns the exit status of the work, after the message in error unless it was good. */
 int ground_close(ground *g, bool good, const io_error *error);
 
-/* Numbers with commas between them: least to most of them; how many there are, or 0. */
-size_t ground_numbers(const char *text, double *numbers, size_t least, size_t most);
-
-/* The shortest decimal of a number that reads as that number. */
-enum { GROUND_NUMBER = 32 };
-const char *ground_number(double number, char text[GROUND_NUMBER]);
-
 /* --sun AZ,ALT; false after a message. */
 bool ground_parse_sun(const char *name, const char *text, double sun[2]);
-
-/* A place on the map: z metres above the ground, or absolute. */
-typedef struct ground_place {
-    const char *text; /* as it was given */
-    double x, y, z;
-    bool absolute;
-} ground_place;
 
 /* The paragraph on places in the help of all subcommands. */
 #define GROUND_PLACE_HELP                                                                                              \
@@ -103,16 +90,14 @@ typedef struct ground_place {
     "an absolute height in metres, which may lie outside the raster. Samples are the\n"                                \
     "pixels' centres, so the surface ends half a pixel inside the raster's edge."
 
-/* X,Y,H or X,Y,+H, X,Y,=Z, or X,Y, which is height above ground. False after a message. */
-bool ground_parse_place(const char *name, const char *text, double height, ground_place *p);
-
-/* Field coordinates, rounded to 2^-28 and to lines of samples that are as near as that, and the height in the
- * samples' numbers. An error where a height above ground has no ground, or the place is under it. *level_there is
- * the ground's height in metres, NaN where there is none, and may be NULL. */
-bool ground_find_place(const terrain *t, const ground_place *p, double at[3], double *level_there, io_error *error);
+/* ground_parse_place; false after a message. */
+bool ground_read_place(const char *name, const char *text, double height, ground_place *p);
 
 /* Where the raster lies. */
 const io_georef *ground_georef(const ground *g);
+
+/* The curvature that was given, or if that is NaN the default of lines of sight. */
+double ground_curvature(const ground *g, double given);
 
 /* Finds the scale of the whole raster's map, and tells the options' warn if it is not to be had. */
 void ground_find_scale(ground_scale_of_map *scale, io_raster *r, const char *path, const io_raster_options *options);

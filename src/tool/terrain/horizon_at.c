@@ -15,7 +15,7 @@ static const double degree = 3.141592653589793 / 180;
 
 bool horizon_at_check(horizon_at *h, const char *name) {
     for (size_t k = 0; k < h->at.count; k++)
-        if (!ground_parse_place(name, h->at.values[k], 0, &h->places[k])) return false;
+        if (!ground_read_place(name, h->at.values[k], 0, &h->places[k])) return false;
     return true;
 }
 

@@ -75,7 +75,7 @@ static bool look(job *j, size_t row, io_error *error) {
     line l;
     for (int end = 0; end < 2; end++)
         if (!take_place(j, row, end, &places[end], texts[end], error)) return false;
-    if (!line_find(&l, j->ground, places, j->curvature, error) || !write_row(j, row, &l, error)) return false;
+    if (!line_find(&l, &j->ground->terrain, places, j->curvature, error) || !write_row(j, row, &l, error)) return false;
     return j->profiles == NULL || line_write_profile(&l, row + 1, j->megahertz, &j->profile, j->profiles, error);
 }
 
@@ -87,15 +87,19 @@ static bool look_at_all(job *j, io_error *error) {
     if (!io_output_print(j->results, error, "%s", j->megahertz > 0 ? more : "\n")) return false;
     if (j->profiles && !line_head_profiles(j->megahertz, j->profiles, error)) return false;
     for (size_t row = 0; row < rows; row++) {
-        if (!ground_tell(j->ground, (double)row / (double)rows)) return io_fail(error, "interrupted");
         if (!look(j, row, error)) return false;
+        if (!ground_tell(j->ground, (double)(row + 1) / (double)rows)) return io_fail(error, "interrupted");
     }
     return true;
 }
 
 bool los_pairs(ground *g, const char *path, double curvature, double megahertz, io_output *results, io_output *profiles,
                io_error *error) {
-    job j = {.ground = g, .curvature = curvature, .megahertz = megahertz, .results = results, .profiles = profiles};
+    job j = {.ground = g,
+             .curvature = ground_curvature(g, curvature),
+             .megahertz = megahertz,
+             .results = results,
+             .profiles = profiles};
     if (!io_table_read(path, &j.table, error)) return false;
     const bool good = look_at_all(&j, error);
     io_table_free(&j.table);

@@ -54,7 +54,7 @@ bool observer_options_check(observer_options *o, const char *name) {
         command_fail(name, "--every D takes two places or more: the corners of a line");
     else {
         for (size_t k = 0; k < o->from.count; k++)
-            if (!ground_parse_place(name, o->from.values[k], eye_height, &o->places[k])) return false;
+            if (!ground_read_place(name, o->from.values[k], eye_height, &o->places[k])) return false;
         return true;
     }
     return false;

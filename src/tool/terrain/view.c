@@ -31,6 +31,14 @@ struct view {
     scene *scene;
 };
 
+static option_spec curvature_around_eye_row(double *curvature) {
+    option_spec row = ground_flat_earth_row(curvature);
+    row.help = "the earth's curvature as a factor: 0 for a flat earth\n(default), 1 without air, 0.857 with usual "
+               "refraction;\nterrain is lowered around the eye that --from places, and\nshadows are those of the "
+               "lowered terrain";
+    return row;
+}
+
 void view_rows(view_options *v, option_spec rows[VIEW_OPTION_COUNT]) {
     *v = (view_options){.fov = NAN, .haze = NAN, .water = NAN, .curvature = NAN};
     const option_spec own[] = {
@@ -119,8 +127,8 @@ typedef struct wish {
 
 static bool read_wish(const view_options *v, wish *w) {
     *w = (wish){.sun = {usual_sun[0], usual_sun[1]}, .fov = isnan(v->fov) ? usual_fov : v->fov};
-    if (v->from && !ground_parse_place(name, v->from, usual_eye, &w->from)) return false;
-    if (v->to && !ground_parse_place(name, v->to, 0, &w->to)) return false;
+    if (v->from && !ground_read_place(name, v->from, usual_eye, &w->from)) return false;
+    if (v->to && !ground_read_place(name, v->to, 0, &w->to)) return false;
     if (v->sun && !ground_parse_sun(name, v->sun, w->sun)) return false;
     if (v->sun && v->time)
         command_fail(name, "give the sun's place by either --sun or --time");

@@ -31,11 +31,6 @@ static bool tell(void *context, double share) {
     return ground_tell(j->ground, ((double)j->observer + share) / (double)j->observers.count);
 }
 
-static double curvature_of(const job *j) {
-    const double given = j->request->curvature;
-    return !isnan(given) ? given : ground_georef(j->ground)->placed ? 6.0 / 7 : 0;
-}
-
 /* ---- samples ------------------------------------------------------------------------------------------------------- */
 
 /* The samples that one observer's answers in the window come from. */
@@ -127,7 +122,7 @@ static bool look_from(job *j, io_error *error) {
         .height = eye[2] * terrain_metres_of_height(t),
         .absolute = true,
         .target_height = r->target.height,
-        .curvature = curvature_of(j),
+        .curvature = ground_curvature(j->ground, r->curvature),
         .limits = r->target.limits,
     };
     const double weight = r->kind == VIEW_WEIGHT ? j->observers.list[j->observer].weight : 1;
@@ -228,7 +223,7 @@ static void note(const job *j, ground_notes *notes) {
     ground_note(notes, "HEIGHTS=metres; an observer's third number is above ground, or absolute behind =");
     if (j->kind != VIEW_NEEDED) ground_note(notes, "TARGET_HEIGHT=%.9g", r->target.height);
     target_note(&r->target, notes);
-    ground_note(notes, "CURVATURE=%.9g", curvature_of(j));
+    ground_note(notes, "CURVATURE=%.9g", ground_curvature(j->ground, r->curvature));
     ground_note(notes, "OBSERVERS=%zu", all->count);
     /* As many as there is room for. */
     for (size_t k = 0; k < all->count; k++) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A product as a picture to look at: the terrain's relief, the values above it in colours, places marked. */
-#ifndef CELLWALK_TOOL_TERRAIN_PICTURE_H
-#define CELLWALK_TOOL_TERRAIN_PICTURE_H
+#ifndef CELLWALK_GROUND_PICTURE_H
+#define CELLWALK_GROUND_PICTURE_H
 
 #include "outcome.h"
 #include "terrain.h"

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The line of sight between two places of a terrain. */
-#ifndef CELLWALK_TOOL_TERRAIN_LINE_H
-#define CELLWALK_TOOL_TERRAIN_LINE_H
+#ifndef CELLWALK_GROUND_LINE_H
+#define CELLWALK_GROUND_LINE_H
 
-#include "ground.h"
 #include "output.h"
+#include "place.h"
 #include "profile.h"
 
 /* Distances and heights are metres. */
@@ -17,8 +17,7 @@ typedef struct line {
     double block[2], block_distance, block_height; /* where, if so */
 } line;
 
-/* curvature is NaN if it was not given. */
-bool line_find(line *l, const ground *g, const ground_place places[2], double curvature, io_error *error);
+bool line_find(line *l, const terrain *t, const ground_place places[2], double curvature, io_error *error);
 
 /* The worst place of a radio link: where the least share of the first Fresnel zone's radius is free below the line. That radius is
  * sqrt(w d1 d2 / (d1 + d2)) for the wavelength w and the distances to the ends (ITU-R P.526). */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Colours of the ground for pictures, by height. */
-#ifndef CELLWALK_TOOL_TERRAIN_TINT_H
-#define CELLWALK_TOOL_TERRAIN_TINT_H
+#ifndef CELLWALK_GROUND_TINT_H
+#define CELLWALK_GROUND_TINT_H
 
 #include "image.h"
 #include "terrain.h"

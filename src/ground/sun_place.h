@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The sun over a terrain at a given time. */
-#ifndef CELLWALK_TOOL_TERRAIN_SUN_PLACE_H
-#define CELLWALK_TOOL_TERRAIN_SUN_PLACE_H
+#ifndef CELLWALK_GROUND_SUN_PLACE_H
+#define CELLWALK_GROUND_SUN_PLACE_H
 
 #include "error.h"
 #include "georef.h"

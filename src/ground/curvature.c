@@ -1,17 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "curvature.h"
 
-#include "ground.h"
-
 #include <string.h>
-
-option_spec curvature_around_eye_row(double *curvature) {
-    option_spec row = ground_flat_earth_row(curvature);
-    row.help = "the earth's curvature as a factor: 0 for a flat earth\n(default), 1 without air, 0.857 with usual "
-               "refraction;\nterrain is lowered around the eye that --from places, and\nshadows are those of the "
-               "lowered terrain";
-    return row;
-}
 
 bool curvature_lower(io_raster *raster, const sight *s, const char *path, io_raster *lowered, io_error *error) {
     if (!io_raster_allocate(path, raster->nx, raster->ny, lowered, error)) return false;

@@ -1,21 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "line.h"
 
-#include "../cancel.h"
-
 #include <math.h>
 #include <string.h>
 
-bool line_find(line *l, const ground *g, const ground_place places[2], double curvature, io_error *error) {
-    const terrain *t = &g->terrain;
+bool line_find(line *l, const terrain *t, const ground_place places[2], double curvature, io_error *error) {
     double metres[2];
     if (!ground_find_place(t, &places[0], l->eye, NULL, error) ||
         !ground_find_place(t, &places[1], l->target, NULL, error))
         return false;
     const double *eye = l->eye, *target = l->target;
-    const double k = isnan(curvature) ? g->file.raster.georef.placed ? 6.0 / 7 : 0 : curvature;
     sight *s = &l->sight;
-    sight_init(s, t, NULL, eye, k);
+    sight_init(s, t, NULL, eye, curvature);
     const double height = target[2] - s->eye[2] - sight_fall(s, target[0], target[1]);
     const double block = sight_first_block(s, target[0], target[1], target[2]);
     terrain_metres(t, eye[0], eye[1], metres);
@@ -95,5 +91,5 @@ bool line_write_profile(const line *l, size_t number, double megahertz, profile 
                 good && io_output_print(to, error, ",%.3f", fresnel_radius(l, megahertz, fmin(fmax(at->share, 0), 1)));
         if (!good || !io_output_write(to, "\n", 1, error)) return false;
     }
-    return !atomic_load(cancel_flag()) || io_fail(error, "interrupted");
+    return true;
 }

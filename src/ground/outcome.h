@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What a product came to: the line at the end of a command, and what a picture needs to know of its values. */
-#ifndef CELLWALK_TOOL_TERRAIN_OUTCOME_H
-#define CELLWALK_TOOL_TERRAIN_OUTCOME_H
+#ifndef CELLWALK_GROUND_OUTCOME_H
+#define CELLWALK_GROUND_OUTCOME_H
 
 #include "raster_out.h"
 
