@@ -203,21 +203,19 @@ static int run(int argc, char **argv) {
     bool json = false;
     raster_options raster;
     enum { OWN = 1, SHARED = OWN + QUERY_OPTION_COUNT, ALL = SHARED + RASTER_OPTION_COUNT };
-    option_spec options[ALL] = {{.name = "json", .help = "print one JSON object", .kind = OPTION_FLAG, .to = &json}};
+    option_spec options[ALL] = {option_flag("json", &json, "print one JSON object")};
     query_options_rows(&q, options + OWN);
     raster_options_rows(&raster, options + SHARED);
     static const char *const operand_names[] = {"FIELD"};
     const options_usage usage = {
         .name = "info",
         .synopsis = "[FIELD] [OPTIONS]",
-        .what = "Prints the contents and the cost of a height field, or without FIELD the kernels\n"
-                "that this machine can run.\n"
-                "\n"
-                "With FIELD: its extent, cell size, coordinate system, heights and holes, then its\n"
-                "size, its memory in bytes, and the seconds of reading it and of building the\n"
-                "structure of the chosen kernel. Without FIELD: the CPU, its instruction set as far\n"
-                "as the system supports it, the optional libraries found, and the kernels (ways to\n"
-                "find hits) with the chosen one.\n\n" FIELD_FILE_HELP,
+        .what = "Prints the contents and the cost of a height field, or without FIELD the kernels that this machine "
+                "can run.\n\n"
+                "With FIELD: its extent, cell size, coordinate system, heights and holes, then its size, its memory in "
+                "bytes, and the seconds of reading it and of building the structure of the chosen kernel. Without "
+                "FIELD: the CPU, its instruction set as far as the system supports it, the optional libraries found, "
+                "and the kernels (ways to find hits) with the chosen one.\n\n" FIELD_FILE_HELP,
         .examples = "  cellwalk info\n"
                     "  cellwalk info dem.tif\n"
                     "  cellwalk info --isa sse4.2        # the kernel chosen without AVX2\n"

@@ -219,46 +219,18 @@ static int run(int argc, char **argv) {
     enum { ALL = OWN + VIEW_OPTION_COUNT + QUERY_OPTION_COUNT };
     option_spec options[ALL];
     const option_spec own[] = {
-        {.name = "output",
-         .letter = 'o',
-         .value = "IMAGE",
-         .help = "the picture: .exr (half RGBA, linear) or .png (8 bit, sRGB)",
-         .kind = OPTION_TEXT,
-         .to = &c.output},
-        {.name = "samples",
-         .value = "N",
-         .help = "samples a pixel (default: as in the scene; 4 for a\nterrain)",
-         .kind = OPTION_COUNT,
-         .to = &c.samples,
-         .low = 1,
-         .high = 65536},
-        {.name = "size",
-         .value = "WxH",
-         .help = "width and height in pixels (default: as in the scene;\n1200x800 for a terrain)",
-         .kind = OPTION_TEXT,
-         .to = &c.size},
-        {.name = "crop",
-         .value = "X0,Y0,X1,Y1",
-         .help = "only the part from pixel (X0, Y0) up to and without\n(X1, Y1), counted from the upper left corner",
-         .kind = OPTION_TEXT,
-         .to = &c.crop},
-        {.name = "seed",
-         .value = "N",
-         .help = "number of the pattern of samples in a pixel (default: 0)",
-         .kind = OPTION_COUNT,
-         .to = &c.seed,
-         .low = 0,
-         .high = UINT32_MAX},
-        {.name = "phong", .help = "smooth height fields by Phong normals", .kind = OPTION_FLAG, .to = &c.phong},
-        {.name = "quiet", .help = "print neither progress nor warnings", .kind = OPTION_FLAG, .to = &c.quiet},
-        {.name = "stats",
-         .help = "print counts of rays, and seconds for each step",
-         .kind = OPTION_FLAG,
-         .to = &c.stats},
-        {.name = "json",
-         .help = "print the counts and times of --stats as one JSON object",
-         .kind = OPTION_FLAG,
-         .to = &c.json}};
+        option_output("IMAGE", &c.output, "the picture: .exr (half RGBA, linear) or .png (8 bit, sRGB)"),
+        option_count("samples", "N", &c.samples, 1, 65536,
+                     "samples a pixel (default: as in the scene; 4 for a terrain)"),
+        option_text("size", "WxH", &c.size,
+                    "width and height in pixels (default: as in the scene; 1200x800 for a terrain)"),
+        option_text("crop", "X0,Y0,X1,Y1", &c.crop,
+                    "only the part from pixel (X0, Y0) up to and without (X1, Y1), counted from the upper left corner"),
+        option_count("seed", "N", &c.seed, 0, UINT32_MAX, "number of the pattern of samples in a pixel (default: 0)"),
+        option_flag("phong", &c.phong, "smooth height fields by Phong normals"),
+        option_flag("quiet", &c.quiet, "print neither progress nor warnings"),
+        option_flag("stats", &c.stats, "print counts of rays, and seconds for each step"),
+        option_flag("json", &c.json, "print the counts and times of --stats as one JSON object")};
     for (size_t k = 0; k < OWN; k++) options[k] = own[k];
     view_rows(&c.view, options + OWN);
     query_options_rows(&c.query, options + OWN + VIEW_OPTION_COUNT);
@@ -266,17 +238,14 @@ static int run(int argc, char **argv) {
     const options_usage usage = {
         .name = name,
         .synopsis = "DEM|SCENE.pbrt -o IMAGE [OPTIONS]",
-        .what = "Draws a terrain from a place on its map, or renders a scene, and writes the\n"
-                "picture. A terrain is drawn in sunlight and shadow, coloured by height. DEM is any\n"
-                "raster that the other subcommands read.\n"
-                "\n"
-                "SCENE.pbrt is in the part of pbrt's scene language that height-field scenes need:\n"
-                "shapes heightfield and cylinder, materials matte and mirror, image textures,\n"
-                "point lights, a perspective camera. Anything else in the file is an error with\n"
-                "its line, or a warning if it changes neither geometry nor light. The options\n"
-                "--dem, --from, --to, --sun, --time, --fov, --sky, --haze, --water, --curvature\n"
-                "and those on how to read a raster are for terrain only.\n"
-                "\n" TRADE_RENDER,
+        .what =
+            "Draws a terrain from a place on its map, or renders a scene, and writes the picture. A terrain is drawn "
+            "in sunlight and shadow, coloured by height. DEM is any raster that the other subcommands read.\n\n"
+            "SCENE.pbrt is in the part of pbrt's scene language that height-field scenes need: shapes heightfield and "
+            "cylinder, materials matte and mirror, image textures, point lights, a perspective camera. Anything else "
+            "in the file is an error with its line, or a warning if it changes neither geometry nor light. The options "
+            "--dem, --from, --to, --sun, --time, --fov, --sky, --haze, --water, --curvature and those on how to read a "
+            "raster are for terrain only.\n\n" TRADE_RENDER,
         .examples = "  cellwalk render dem.tif -o overview.png\n"
                     "  cellwalk render dem.tif --from 600250,5199800,30 --to 603000,5203000 \\\n"
                     "      --sun 225,30 --size 1600x900 --samples 16 -o view.png\n"

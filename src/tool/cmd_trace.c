@@ -194,21 +194,17 @@ static int run_request(request *r, const cw_run *query, const io_raster_options 
     return good ? EXIT_SUCCESS : command_fail("trace", "%s", error.text);
 }
 
-static const char what[] = "Finds where rays hit a height field and writes one hit a ray as a NumPy array.\n"
-                           "\n" FIELD_FILE_HELP "\n"
-                           "RAYS is a NumPy array (.npy) of float32 with the shape (N, 8): origin x, y, z,\n"
-                           "tmin, direction x, y, z, tmax, in field space: org + t dir for t in [tmin, tmax].\n"
-                           "With --user it is float64, in the coordinates of the field's map.\n"
-                           "\n"
-                           "HITS becomes a NumPy array of N records with the fields t (float32), i, j (int32:\n"
-                           "the cell), triangle (uint32: 0 below the diagonal, 1 above), u, v (float32:\n"
-                           "barycentric). A miss has t = inf, i = j = -1 and 0 elsewhere. With --occluded it is N\n"
-                           "numbers of one byte (uint8): 1 where the ray hits anything, else 0.\n"
-                           "\n"
-                           "Rays and hits need not fit into memory. HITS is renamed into place when complete.\n"
-                           "The name - is standard output, and for RAYS standard input, redirected from a\n"
-                           "file.\n"
-                           "\n" TRADE_TRACE;
+static const char what[] =
+    "Finds where rays hit a height field and writes one hit a ray as a NumPy array.\n\n" FIELD_FILE_HELP
+    "\nRAYS is a NumPy array (.npy) of float32 with the shape (N, 8): origin x, y, z, tmin, direction x, y, z, tmax, "
+    "in "
+    "field space: org + t dir for t in [tmin, tmax]. With --user it is float64, in the coordinates of the field's "
+    "map.\n\n"
+    "HITS becomes a NumPy array of N records with the fields t (float32), i, j (int32: the cell), triangle (uint32: 0 "
+    "below the diagonal, 1 above), u, v (float32: barycentric). A miss has t = inf, i = j = -1 and 0 elsewhere. With "
+    "--occluded it is N numbers of one byte (uint8): 1 where the ray hits anything, else 0.\n\n"
+    "Rays and hits need not fit into memory. HITS is renamed into place when complete. The name - is standard output, "
+    "and for RAYS standard input, redirected from a file.\n\n" TRADE_TRACE;
 
 static const char examples[] = "  cellwalk trace terrain.npy rays.npy -o hits.npy\n"
                                "  cellwalk trace dem.tif lidar.npy --user --points -o hits.npy --stats\n"
@@ -240,34 +236,19 @@ static int run(int argc, char **argv) {
     request r = {.repeat = 0};
     enum { OWN = 8, SHARED = OWN + QUERY_OPTION_COUNT, ALL = SHARED + RASTER_OPTION_COUNT };
     option_spec options[ALL] = {
-        {.name = "output",
-         .letter = 'o',
-         .value = "HITS.npy",
-         .help = "the array of hits to write; - is standard output",
-         .kind = OPTION_TEXT,
-         .to = &r.hits},
-        {.name = "occluded", .help = "only find whether a ray hits anything: one byte a ray", .to = &r.any},
-        {.name = "user", .help = "RAYS is float64, in the coordinates of the field's map", .to = &r.user},
-        {.name = "points",
-         .help = "also write the hits' places on the map, on the surface\nto rounding: x, y, z (float64)",
-         .to = &r.points},
-        {.name = "normals",
-         .help = "also write the triangles' unit normals, in the map's\ncoordinates: nx, ny, nz (float32)",
-         .to = &r.normals},
-        {.name = "stats",
-         .help = "print counts of rays and hits, and the seconds of the\nqueries alone",
-         .to = &r.stats},
-        {.name = "repeat",
-         .value = "N",
-         .help = "trace N times and print the seconds of the queries\nalone; -o is then optional",
-         .kind = OPTION_COUNT,
-         .to = &r.repeat,
-         .low = 1,
-         .high = REPEAT_MOST},
-        {.name = "json",
-         .help = "print one JSON object: kernel, rays, hits, threads,\nseconds_min, seconds_median, mrays_per_s\n"
-                 "(by the median); -o is then optional",
-         .to = &r.json},
+        option_output("HITS.npy", &r.hits, "the array of hits to write; - is standard output"),
+        option_flag("occluded", &r.any, "only find whether a ray hits anything: one byte a ray"),
+        option_flag("user", &r.user, "RAYS is float64, in the coordinates of the field's map"),
+        option_flag("points", &r.points,
+                    "also write the hits' places on the map, on the surface to rounding: x, y, z (float64)"),
+        option_flag("normals", &r.normals,
+                    "also write the triangles' unit normals, in the map's coordinates: nx, ny, nz (float32)"),
+        option_flag("stats", &r.stats, "print counts of rays and hits, and the seconds of the queries alone"),
+        option_count("repeat", "N", &r.repeat, 1, REPEAT_MOST,
+                     "trace N times and print the seconds of the queries alone; -o is then optional"),
+        option_flag("json", &r.json,
+                    "print one JSON object: kernel, rays, hits, threads, seconds_min, seconds_median, mrays_per_s (by "
+                    "the median); -o is then optional"),
     };
     query_options_rows(&r.query, options + OWN);
     raster_options_rows(&r.raster, options + SHARED);

@@ -14,24 +14,12 @@ static const char *filter_names(size_t number) {
 
 void coarser_rows(coarser_options *c, option_spec rows[COARSER_OPTION_COUNT]) {
     *c = (coarser_options){0};
-    rows[0] =
-        (option_spec){.name = "coarser",
-                      .value = "N",
-                      .help = "a terrain of every N-th row and column; prints the\nlargest and the root-mean-square "
-                              "distance of its surface\nfrom the full one to standard error, in the map's unit of\n"
-                              "height",
-                      .kind = OPTION_COUNT,
-                      .to = &c->factor,
-                      .low = 2,
-                      .high = CW_SIDE_MAX};
-    rows[1] = (option_spec){
-        .name = "filter",
-        .value = "NAME",
-        .help = "with --coarser: a height is the weighted mean of the\nsamples around it (default), or "
-                "such that the surface is\nnowhere below (highest) or nowhere above (lowest) the\nfull one",
-        .kind = OPTION_NAME,
-        .to = &c->filter,
-        .names = filter_names};
+    rows[0] = option_count("coarser", "N", &c->factor, 2, CW_SIDE_MAX,
+                           "a terrain of every N-th row and column; prints the largest and the root-mean-square "
+                           "distance of its surface from the full one to standard error, in the map's unit of height");
+    rows[1] = option_choice("filter", "NAME", &c->filter, filter_names,
+                            "with --coarser: a height is the weighted mean of the samples around it (default), or such "
+                            "that the surface is nowhere below (highest) or nowhere above (lowest) the full one");
 }
 
 /* The coarser field's samples and map, for readers of the raster. */

@@ -11,32 +11,15 @@
 enum { NAMES_MAX = 64 };
 
 void query_options_rows(query_options *q, option_spec rows[QUERY_OPTION_COUNT]) {
-    rows[QUERY_KERNEL] = (option_spec){
-        .name = "kernel",
-        .value = "NAME",
-        .help = "the kernel that finds hits; `cellwalk info` explains\nthem (default: the best for this CPU)",
-        .kind = OPTION_TEXT,
-        .to = &q->kernel,
-        .names = option_kernel_names};
-    rows[QUERY_LEAF] = (option_spec){.name = "leaf",
-                                     .value = "NAME",
-                                     .help = "the test of a ray against a cell (default:\nas `cellwalk info` shows)",
-                                     .kind = OPTION_TEXT,
-                                     .to = &q->leaf,
-                                     .names = option_leaf_names};
-    rows[QUERY_ISA] =
-        (option_spec){.name = "isa",
-                      .value = "NAME",
-                      .help = "the highest instruction set to use, up to that of the\nvariable CELLWALK_ISA",
-                      .kind = OPTION_TEXT,
-                      .to = &q->isa,
-                      .names = option_isa_names};
-    rows[QUERY_THREADS] = (option_spec){.name = "threads",
-                                        .value = "N",
-                                        .help = "number of threads; 0: one for each CPU (default)",
-                                        .kind = OPTION_COUNT,
-                                        .to = &q->threads,
-                                        .high = 4096};
+    rows[QUERY_KERNEL] =
+        option_word("kernel", "NAME", &q->kernel, option_kernel_names,
+                    "the kernel that finds hits; `cellwalk info` explains them (default: the best for this CPU)");
+    rows[QUERY_LEAF] = option_word("leaf", "NAME", &q->leaf, option_leaf_names,
+                                   "the test of a ray against a cell (default: as `cellwalk info` shows)");
+    rows[QUERY_ISA] = option_word("isa", "NAME", &q->isa, option_isa_names,
+                                  "the highest instruction set to use, up to that of the variable CELLWALK_ISA");
+    rows[QUERY_THREADS] =
+        option_count("threads", "N", &q->threads, 0, 4096, "number of threads; 0: one for each CPU (default)");
 }
 
 static bool apply_isa(const query_options *q, const char *name) {

@@ -13,36 +13,17 @@
 void raster_options_rows(raster_options *r, option_spec rows[RASTER_OPTION_COUNT]) {
     *r = (raster_options){.cellsize = NAN, .zscale = NAN};
     coarser_rows(&r->coarser, rows + 5);
-    rows[0] = (option_spec){.name = "band",
-                            .value = "N",
-                            .help = "number of the file's band to read, from 1 on (default: 1)",
-                            .kind = OPTION_COUNT,
-                            .to = &r->band,
-                            .low = 1,
-                            .high = 1 << 20};
-    rows[1] = (option_spec){
-        .name = "nodata",
-        .value = "V",
-        .help = "samples of value V are holes, beside those that the\nfile marks; may be given up to 256 times",
-        .kind = OPTION_AGAIN,
-        .to = &r->nodata};
-    rows[2] =
-        (option_spec){.name = "zscale",
-                      .value = "S",
-                      .help = "one unit of height is S units of the map, or S metres on\na map in degrees (0.3048: "
-                              "feet)",
-                      .kind = OPTION_NUMBER,
-                      .to = &r->zscale};
-    rows[3] = (option_spec){.name = "cellsize",
-                            .value = "S",
-                            .help = "samples are S metres apart, for files that do not say:\nthe first row is the "
-                                    "northernmost, the last begins at\n0, 0",
-                            .kind = OPTION_NUMBER,
-                            .to = &r->cellsize};
-    rows[4] = (option_spec){.name = "allow-network",
-                            .help = "let GDAL fetch what a file names on the network",
-                            .kind = OPTION_FLAG,
-                            .to = &r->network};
+    rows[0] =
+        option_count("band", "N", &r->band, 1, 1 << 20, "number of the file's band to read, from 1 on (default: 1)");
+    rows[1] =
+        option_several("nodata", "V", &r->nodata,
+                       "samples of value V are holes, beside those that the file marks; may be given up to 256 times");
+    rows[2] = option_number("zscale", "S", &r->zscale,
+                            "one unit of height is S units of the map, or S metres on a map in degrees (0.3048: feet)");
+    rows[3] = option_number("cellsize", "S", &r->cellsize,
+                            "samples are S metres apart, for files that do not say: the first row is the northernmost, "
+                            "the last begins at 0, 0");
+    rows[4] = option_flag("allow-network", &r->network, "let GDAL fetch what a file names on the network");
 }
 
 static void warn(void *context, const char *text) {

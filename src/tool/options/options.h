@@ -41,6 +41,37 @@ typedef struct option_spec {
     char letter;         /* a one-letter form, or 0 */
 } option_spec;
 
+/* Rows by kind: name, the value's name, where it goes, help. */
+static inline option_spec option_flag(const char *name, bool *to, const char *help) {
+    return (option_spec){.name = name, .help = help, .kind = OPTION_FLAG, .to = to};
+}
+static inline option_spec option_text(const char *name, const char *value, const char **to, const char *help) {
+    return (option_spec){.name = name, .value = value, .help = help, .kind = OPTION_TEXT, .to = to};
+}
+static inline option_spec option_output(const char *value, const char **to, const char *help) {
+    return (option_spec){.name = "output", .letter = 'o', .value = value, .help = help, .kind = OPTION_TEXT, .to = to};
+}
+static inline option_spec option_number(const char *name, const char *value, double *to, const char *help) {
+    return (option_spec){.name = name, .value = value, .help = help, .kind = OPTION_NUMBER, .to = to};
+}
+static inline option_spec option_several(const char *name, const char *value, option_again *to, const char *help) {
+    return (option_spec){.name = name, .value = value, .help = help, .kind = OPTION_AGAIN, .to = to};
+}
+static inline option_spec option_count(const char *name, const char *value, unsigned *to, double low, double high,
+                                       const char *help) {
+    return (option_spec){
+        .name = name, .value = value, .help = help, .kind = OPTION_COUNT, .to = to, .low = low, .high = high};
+}
+/* Of names: the number of the one given, or with option_word the text. */
+static inline option_spec option_choice(const char *name, const char *value, int *to, option_names *names,
+                                        const char *help) {
+    return (option_spec){.name = name, .value = value, .help = help, .kind = OPTION_NAME, .to = to, .names = names};
+}
+static inline option_spec option_word(const char *name, const char *value, const char **to, option_names *names,
+                                      const char *help) {
+    return (option_spec){.name = name, .value = value, .help = help, .kind = OPTION_TEXT, .to = to, .names = names};
+}
+
 typedef struct options_usage {
     const char *name;     /* the subcommand; "" if the program has none */
     const char *synopsis; /* all that follows the name: "FIELD RAYS.npy -o HITS.npy [OPTIONS]" */

@@ -201,78 +201,45 @@ static int run(int argc, char **argv) {
     c.directions = 32;
     c.max_distance = NAN;
     const option_spec options[] = {
-        {.name = "directions",
-         .value = "N",
-         .help = "number of directions, evenly spaced (default: 32)",
-         .kind = OPTION_COUNT,
-         .to = &c.directions,
-         .low = 1,
-         .high = 3600},
-        {.name = "start",
-         .value = "AZ",
-         .help = "azimuth of the first direction in degrees, from the\nmap's north over east (default: 0)",
-         .kind = OPTION_NUMBER,
-         .to = &c.start},
-        {.name = "grid",
-         .help = "with --directions 8, 16 or 32: directions from sample to\nsample, such as (1, 0), (2, 1) and (3, 2), "
-                 "which are "
-                 "as\nexact, not evenly spaced, and faster on large terrains",
-         .kind = OPTION_FLAG,
-         .to = &c.grid},
-        {.name = "svf",
-         .help = "write the sky-view factor instead: the share, 0 to 1,\nof an evenly bright sky's light that reaches "
-                 "level\nground (float32)",
-         .to = &c.sky},
-        {.name = "svf-tilted",
-         .help = "the same for the ground as it leans, which is also hidden\nbehind itself",
-         .to = &c.tilted},
-        {.name = "distance",
-         .help = "write the distance instead, in metres: how far away the\nhorizon is in each direction",
-         .to = &c.distance},
-        {.name = "type",
-         .value = "NAME",
-         .help = "cells of a GeoTIFF: float32 (default), or int16 with a\nscale, half as large: angles are off by "
-                 "1/512 degree at\nmost, shares by 1/32768",
-         .kind = OPTION_NAME,
-         .to = &c.type,
-         .names = type_names},
-        {.name = "at",
-         .value = "X,Y[,H]",
-         .help = "print the horizon at a place of the map, H metres above\nground (default: 0) or X,Y,=Z, as CSV: "
-                 "degrees (azimuths\nof the map and from true north), metres, coordinates of\nthe map; may be given up "
-                 "to 256 times",
-         .kind = OPTION_AGAIN,
-         .to = &c.at.at},
-        {.name = "places",
-         .value = "FILE",
-         .help = "the same for the places of a table (.csv) with the columns\nx, y and, if there, height, or of points "
-                 "in any file that\nGDAL reads; -o names the table to write",
-         .kind = OPTION_TEXT,
-         .to = &c.at.file},
-        {.name = "json", .help = "with --at or --places: print one JSON object", .to = &c.at.json},
-        {.name = "max-distance",
-         .value = "D",
-         .help = "terrain farther away than D metres does not count\n(default: no limit)",
-         .kind = OPTION_NUMBER,
-         .to = &c.max_distance},
+        option_count("directions", "N", &c.directions, 1, 3600, "number of directions, evenly spaced (default: 32)"),
+        option_number("start", "AZ", &c.start,
+                      "azimuth of the first direction in degrees, from the map's north over east (default: 0)"),
+        option_flag("grid", &c.grid,
+                    "with --directions 8, 16 or 32: directions from sample to sample, such as (1, 0), (2, 1) and (3, "
+                    "2), which are as exact, not evenly spaced, and faster on large terrains"),
+        option_flag("svf", &c.sky,
+                    "write the sky-view factor instead: the share, 0 to 1, of an evenly bright sky's light that "
+                    "reaches level ground (float32)"),
+        option_flag("svf-tilted", &c.tilted, "the same for the ground as it leans, which is also hidden behind itself"),
+        option_flag("distance", &c.distance,
+                    "write the distance instead, in metres: how far away the horizon is in each direction"),
+        option_choice("type", "NAME", &c.type, type_names,
+                      "cells of a GeoTIFF: float32 (default), or int16 with a scale, half as large: angles are off by "
+                      "1/512 degree at most, shares by 1/32768"),
+        option_several(
+            "at", "X,Y[,H]", &c.at.at,
+            "print the horizon at a place of the map, H metres above ground (default: 0) or X,Y,=Z, as CSV: degrees "
+            "(azimuths of the map and from true north), metres, coordinates of the map; may be given up to 256 times"),
+        option_text("places", "FILE", &c.at.file,
+                    "the same for the places of a table (.csv) with the columns x, y and, if there, height, or of "
+                    "points in any file that GDAL reads; -o names the table to write"),
+        option_flag("json", &c.at.json, "with --at or --places: print one JSON object"),
+        option_number("max-distance", "D", &c.max_distance,
+                      "terrain farther away than D metres does not count (default: no limit)"),
         ground_flat_earth_row(&c.curvature),
     };
     const options_usage usage = {
         .name = name,
         .synopsis = "DEM (-o FILE | --at X,Y | --places FILE) [OPTIONS]",
-        .what = "Computes the horizon of every sample of a terrain and writes a raster with one\n"
-                "band a direction: the elevation angle in degrees of the highest point there,\n"
-                "negative below the sample's level (float32). --svf writes the sky-view factor\n"
-                "instead, --distance how far away that point is (the nearest of several), and\n"
-                "--at and --places print the horizons of places.\n"
-                "\n"
-                "NaN means no data: at holes, and where no terrain lies in that direction within\n"
-                "--max-distance. The sky-view factor counts the sky there as free.\n"
-                "Angles are exact to 0.001 degrees (0.003 where the scale differs from row to\n"
-                "row) for the surface of two triangles between each four samples, if neighbours\n"
-                "differ by less than 30 times their distance. On a map in degrees, directions are off\n"
-                "in proportion to the distance: by up to 0.03 degrees at 5 km and latitude 50.\n"
-                "\n" TRADE_HORIZON,
+        .what = "Computes the horizon of every sample of a terrain and writes a raster with one band a direction: the "
+                "elevation angle in degrees of the highest point there, negative below the sample's level (float32). "
+                "--svf writes the sky-view factor instead, --distance how far away that point is (the nearest of "
+                "several), and --at and --places print the horizons of places.\n\n"
+                "NaN means no data: at holes, and where no terrain lies in that direction within --max-distance. The "
+                "sky-view factor counts the sky there as free. Angles are exact to 0.001 degrees (0.003 where the "
+                "scale differs from row to row) for the surface of two triangles between each four samples, if "
+                "neighbours differ by less than 30 times their distance. On a map in degrees, directions are off in "
+                "proportion to the distance: by up to 0.03 degrees at 5 km and latitude 50.\n\n" TRADE_HORIZON,
         .examples = "  cellwalk horizon dem.tif --directions 32 -o horizon.tif\n"
                     "  cellwalk horizon dem.tif --directions 64 --svf -o sky.tif\n"
                     "  cellwalk horizon dem.tif --directions 16 --grid --svf -o sky.tif\n"

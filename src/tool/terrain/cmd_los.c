@@ -112,40 +112,21 @@ static int run(int argc, char **argv) {
     los_command c = {.curvature = NAN};
     enum { OWN = 6, ALL = OWN + RASTER_OPTION_COUNT };
     option_spec options[ALL] = {
-        {.name = "pairs",
-         .value = "FILE.csv",
-         .help = "pairs of places in place of FROM and TO: a table whose\nfirst line names the columns x1, y1, x2, y2 "
-                 "and, if there,\nheight1 and height2",
-         .kind = OPTION_TEXT,
-         .to = &c.pairs},
-        {.name = "output",
-         .letter = 'o',
-         .value = "FILE.csv",
-         .help = "with --pairs: the table of answers (default: standard\noutput)",
-         .kind = OPTION_TEXT,
-         .to = &c.output},
-        {.name = "profile",
-         .value = "FILE.csv",
-         .help = "write the terrain along each line as a table: distance,\nheights of ground and line, and whether the "
-                 "ground is seen\nfrom the first place, wherever the line crosses an edge of\na triangle",
-         .kind = OPTION_TEXT,
-         .to = &c.profile},
-        {.name = "curvature",
-         .value = "K",
-         .help = "the earth's curvature as a factor: 0 for a flat earth,\n1 without air, 0.857 = 6/7 with usual "
-                 "refraction\n"
-                 "(default: 6/7, or 0 if the file has no map)",
-         .kind = OPTION_NUMBER,
-         .to = &c.curvature},
-        {.name = "frequency",
-         .value = "MHZ",
-         .help =
-             "of a radio link: also print the least clearance of the\nline over the ground, as a share of the first "
-             "Fresnel\n"
-             "zone's radius there; 60 % is the usual demand, and\n--curvature 0.75 the 4/3 earth of radio",
-         .kind = OPTION_NUMBER,
-         .to = &c.megahertz},
-        {.name = "json", .help = "print one JSON object", .to = &c.json},
+        option_text("pairs", "FILE.csv", &c.pairs,
+                    "pairs of places in place of FROM and TO: a table whose first line names the columns x1, y1, x2, "
+                    "y2 and, if there, height1 and height2"),
+        option_output("FILE.csv", &c.output, "with --pairs: the table of answers (default: standard output)"),
+        option_text("profile", "FILE.csv", &c.profile,
+                    "write the terrain along each line as a table: distance, heights of ground and line, and whether "
+                    "the ground is seen from the first place, wherever the line crosses an edge of a triangle"),
+        option_number("curvature", "K", &c.curvature,
+                      "the earth's curvature as a factor: 0 for a flat earth, 1 without air, 0.857 = 6/7 with usual "
+                      "refraction (default: 6/7, or 0 if the file has no map)"),
+        option_number(
+            "frequency", "MHZ", &c.megahertz,
+            "of a radio link: also print the least clearance of the line over the ground, as a share of the first "
+            "Fresnel zone's radius there; 60 % is the usual demand, and --curvature 0.75 the 4/3 earth of radio"),
+        option_flag("json", &c.json, "print one JSON object"),
     };
     c.ground.name = name;
     raster_options_rows(&c.ground.raster, options + OWN);
@@ -153,12 +134,11 @@ static int run(int argc, char **argv) {
     const options_usage usage = {
         .name = name,
         .synopsis = "DEM (X,Y[,H] X,Y[,H] | --pairs FILE.csv) [OPTIONS]",
-        .what = "Computes whether the straight line between two places is free of terrain and\n"
-                "prints the answer, or the place where the line from the first is first blocked.\n"
-                "A line that touches the terrain is blocked; the ends themselves block nothing.\n"
-                "Distances and heights are metres, for any unit of the map. A table of pairs is\n"
-                "answered by a table: visible is 1 or 0, and blocked_... are empty where nothing blocks.\n"
-                "\n" GROUND_PLACE_HELP "\nWithout H a place is on the ground.\n",
+        .what = "Computes whether the straight line between two places is free of terrain and prints the answer, or "
+                "the place where the line from the first is first blocked. A line that touches the terrain is blocked; "
+                "the ends themselves block nothing. Distances and heights are metres, for any unit of the map. A table "
+                "of pairs is answered by a table: visible is 1 or 0, and blocked_... are empty where nothing "
+                "blocks.\n\n" GROUND_PLACE_HELP "\nWithout H a place is on the ground.\n",
         .examples = "  cellwalk los dem.tif 600250,5199800,2 601500,5200100,=1250\n"
                     "  cellwalk los dem.tif 600250,5199800,2 601500,5200100 --profile profile.csv\n"
                     "  cellwalk los dem.tif --pairs links.csv -o answers.csv\n"

@@ -149,41 +149,27 @@ static bool check(void *context, size_t *bands) {
 static int run(int argc, char **argv) {
     shadow_command c = {.disc = NAN};
     const option_spec options[] = {
-        {.name = "sun",
-         .value = "AZ,ALT",
-         .help = "azimuth from the map's north over east, and altitude,\nin degrees",
-         .kind = OPTION_TEXT,
-         .to = &c.sun},
-        {.name = "time",
-         .value = "TIME",
-         .help = "date and time with a zone (2024-06-21T12:00:00Z, or\n+02:00 for Z), at which the sun stands over the "
-                 "terrain's\nmiddle; the file must name a coordinate system",
-         .kind = OPTION_TEXT,
-         .to = &c.time},
-        {.name = "hillshade",
-         .help = "light on the ground: the cosine of the angle between\nthe sun and the ground's normal, 0 in shadow",
-         .to = &c.hillshade},
-        {.name = "sun-disc",
-         .help = "write the share of the sun's disc that is seen, so that\nshadows have soft edges",
-         .to = &c.usual_disc},
-        {.name = "disc",
-         .value = "R",
-         .help = "the same for a disc of radius R, in degrees",
-         .kind = OPTION_NUMBER,
-         .to = &c.disc},
+        option_text("sun", "AZ,ALT", &c.sun, "azimuth from the map's north over east, and altitude, in degrees"),
+        option_text("time", "TIME", &c.time,
+                    "date and time with a zone (2024-06-21T12:00:00Z, or +02:00 for Z), at which the sun stands over "
+                    "the terrain's middle; the file must name a coordinate system"),
+        option_flag(
+            "hillshade", &c.hillshade,
+            "light on the ground: the cosine of the angle between the sun and the ground's normal, 0 in shadow"),
+        option_flag("sun-disc", &c.usual_disc,
+                    "write the share of the sun's disc that is seen, so that shadows have soft edges"),
+        option_number("disc", "R", &c.disc, "the same for a disc of radius R, in degrees"),
         ground_flat_earth_row(&c.curvature),
     };
     const options_usage usage = {
         .name = name,
         .synopsis = "DEM (--sun AZ,ALT | --time TIME) -o FILE [OPTIONS]",
-        .what = "Computes sunlight on every sample of a terrain and writes a raster: 1 where the\n"
-                "sun is seen, 0 where the terrain hides it (uint8; 255: no data). --hillshade,\n"
-                "--sun-disc and --disc write the share of its light, 0 to 1 (float32; NaN: no\n"
-                "data).\n"
-                "\n"
-                "The surface is two triangles between each four samples; rays start on the\n"
-                "samples themselves and need no lift. On a map in degrees, directions are off in\n"
-                "proportion to the distance: by up to 0.03 degrees at 5 km and latitude 50.\n",
+        .what = "Computes sunlight on every sample of a terrain and writes a raster: 1 where the sun is seen, 0 where "
+                "the terrain hides it (uint8; 255: no data). --hillshade, --sun-disc and --disc write the share of its "
+                "light, 0 to 1 (float32; NaN: no data).\n\n"
+                "The surface is two triangles between each four samples; rays start on the samples themselves and need "
+                "no lift. On a map in degrees, directions are off in proportion to the distance: by up to 0.03 degrees "
+                "at 5 km and latitude 50.\n",
         .examples = "  cellwalk shadow dem.tif --sun 225,30 -o shadow.tif\n"
                     "  cellwalk shadow dem.tif --time 2024-12-21T13:00:00Z --sun-disc -o light.tif\n"
                     "  cellwalk shadow dem.tif --sun 315,45 --hillshade -o relief.png\n",

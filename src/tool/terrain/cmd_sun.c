@@ -233,67 +233,38 @@ static bool check(void *context, size_t *bands) {
 static int run(int argc, char **argv) {
     sun_command c = {.step = "15min", .linke = NAN};
     const option_spec options[] = {
-        {.name = "date", .value = "DAY", .help = "the day, as 2024-06-21", .kind = OPTION_TEXT, .to = &c.date},
-        {.name = "to",
-         .value = "DAY",
-         .help = "the last of several days (default: --date)",
-         .kind = OPTION_TEXT,
-         .to = &c.to},
-        {.name = "step",
-         .value = "TIME",
-         .help = "time between two places of the sun, as 30s, 15min\n(default) or 1h; it divides a day",
-         .kind = OPTION_TEXT,
-         .to = &c.step},
-        {.name = "directions",
-         .value = "N",
-         .help = "cast shadows from the nearest of N directions all round,\nso that many days share their horizons; "
-                 "azimuths are then\noff by up to 180 / N degrees (default: each sun's own)",
-         .kind = OPTION_COUNT,
-         .to = &c.directions,
-         .low = 8,
-         .high = 3600},
-        {.name = "irradiance",
-         .help = "energy instead of hours, in watt hours a square metre of the\nground as it leans: one band of direct "
-                 "light, one of "
-                 "diffuse light",
-         .to = &c.irradiance},
-        {.name = "linke",
-         .value = "TL",
-         .help = "with --irradiance: Linke's turbidity for an air mass of\n2, from 1 to 10 (default: 3)",
-         .kind = OPTION_NUMBER,
-         .to = &c.linke},
-        {.name = "sky",
-         .value = "N",
-         .help = "with --irradiance: directions of the sky-view factor for\ndiffuse light (default: 32)",
-         .kind = OPTION_COUNT,
-         .to = &c.sky,
-         .low = 1,
-         .high = 3600},
-        {.name = "lon-lat",
-         .value = "LON,LAT",
-         .help =
-             "where on earth the terrain is, in degrees, for files\nthat do not say; the map's north is then the true "
-             "one",
-         .kind = OPTION_TEXT,
-         .to = &c.place},
+        option_text("date", "DAY", &c.date, "the day, as 2024-06-21"),
+        option_text("to", "DAY", &c.to, "the last of several days (default: --date)"),
+        option_text("step", "TIME", &c.step,
+                    "time between two places of the sun, as 30s, 15min (default) or 1h; it divides a day"),
+        option_count("directions", "N", &c.directions, 8, 3600,
+                     "cast shadows from the nearest of N directions all round, so that many days share their horizons; "
+                     "azimuths are then off by up to 180 / N degrees (default: each sun's own)"),
+        option_flag("irradiance", &c.irradiance,
+                    "energy instead of hours, in watt hours a square metre of the ground as it leans: one band of "
+                    "direct light, one of diffuse light"),
+        option_number("linke", "TL", &c.linke,
+                      "with --irradiance: Linke's turbidity for an air mass of 2, from 1 to 10 (default: 3)"),
+        option_count("sky", "N", &c.sky, 1, 3600,
+                     "with --irradiance: directions of the sky-view factor for diffuse light (default: 32)"),
+        option_text("lon-lat", "LON,LAT", &c.place,
+                    "where on earth the terrain is, in degrees, for files that do not say; the map's north is then the "
+                    "true one"),
         ground_flat_earth_row(&c.curvature),
     };
     const options_usage usage = {
         .name = name,
         .synopsis = "DEM --date DAY [--to DAY] -o FILE [OPTIONS]",
-        .what = "Computes hours of direct sunlight on every sample of a terrain and writes a raster\n"
-                "(float32; NaN: no data). --irradiance writes the energy of direct and diffuse light\n"
-                "under a cloudless sky instead.\n"
-                "\n"
-                "The sun stands in the middle of each step, where it is seen from the terrain's\n"
-                "middle, lifted by the air's refraction. A sample is lit while the sun's middle is\n"
-                "above its horizon; shadows are those of `cellwalk shadow`. Days begin at midnight of\n"
-                "the terrain's mean solar time. Hours are right to one step a day and horizon.\n"
-                "\n"
-                "Energy is by the model of the European Solar Radiation Atlas (Rigollier, Bauer and\n"
-                "Wald 2000, also in GRASS' r.sun): direct light falls on the ground as it leans, at its\n"
-                "height; diffuse light comes from an evenly bright sky, as much of it as the leaning\n"
-                "ground sees. Light that other ground reflects is left out.\n",
+        .what = "Computes hours of direct sunlight on every sample of a terrain and writes a raster (float32; NaN: no "
+                "data). --irradiance writes the energy of direct and diffuse light under a cloudless sky instead.\n\n"
+                "The sun stands in the middle of each step, where it is seen from the terrain's middle, lifted by the "
+                "air's refraction. A sample is lit while the sun's middle is above its horizon; shadows are those of "
+                "`cellwalk shadow`. Days begin at midnight of the terrain's mean solar time. Hours are right to one "
+                "step a day and horizon.\n\n"
+                "Energy is by the model of the European Solar Radiation Atlas (Rigollier, Bauer and Wald 2000, also in "
+                "GRASS' r.sun): direct light falls on the ground as it leans, at its height; diffuse light comes from "
+                "an evenly bright sky, as much of it as the leaning ground sees. Light that other ground reflects is "
+                "left out.\n",
         .examples = "  cellwalk sun dem.tif --date 2024-06-21 -o hours.tif\n"
                     "  cellwalk sun dem.tif --date 2024-06-01 --to 2024-06-30 -o june.tif\n"
                     "  cellwalk sun dem.tif --date 2024-03-20 --irradiance --linke 2.5 -o energy.tif\n",

@@ -64,62 +64,41 @@ static int run(int argc, char **argv) {
     r->curvature = NAN;
     enum { PLACES = OBSERVER_OPTION_COUNT + TARGET_OPTION_COUNT };
     option_spec options[] = {
-        [PLACES] = {.name = "curvature",
-                    .value = "K",
-                    .help = "the earth's curvature as a factor: 0 for a flat earth,\n1 without air, 0.857 = 6/7 with "
-                            "usual refraction\n"
-                            "(default: 6/7, or 0 if the file has no map)",
-                    .kind = OPTION_NUMBER,
-                    .to = &r->curvature},
-        {.name = "weights",
-         .help = "write the sum of the weights of the observers that see\nthe sample (float32; NaN: no data)",
-         .to = &c.weights},
-        {.name = "angle",
-         .help = "write the angle of the target above the eye's horizontal,\nin degrees (float32; NaN: not seen)",
-         .to = &c.angle},
-        {.name = "needed",
-         .help = "write the height above ground, in metres, from which on\na target is seen; 0 where the ground itself "
-                 "is (float32;\n"
-                 "NaN: no data or too far)",
-         .to = &c.needed},
-        {.name = "needed-absolute", .help = "the same as an absolute height in metres", .to = &r->absolute},
-        {.name = "bands",
-         .help = "write a band for each observer instead of counts; also\nwith --angle and --needed",
-         .to = &r->bands},
-        {.name = "table",
-         .value = "FILE",
-         .help = "also write a table (CSV) with a line for each observer:\nhow many samples it sees, these times a "
-                 "cell's area "
-                 "in\nsquare kilometres, and the farthest one",
-         .kind = OPTION_TEXT,
-         .to = &r->table},
-        {.name = "extent",
-         .value = "NAME",
-         .help = "with --max-distance: write only samples within it (near,\nthe default), or the full raster",
-         .kind = OPTION_NAME,
-         .to = &c.extent,
-         .names = extent_names},
+        [PLACES] = option_number("curvature", "K", &r->curvature,
+                                 "the earth's curvature as a factor: 0 for a flat earth, 1 without air, 0.857 = 6/7 "
+                                 "with usual refraction (default: 6/7, or 0 if the file has no map)"),
+        option_flag("weights", &c.weights,
+                    "write the sum of the weights of the observers that see the sample (float32; NaN: no data)"),
+        option_flag("angle", &c.angle,
+                    "write the angle of the target above the eye's horizontal, in degrees (float32; NaN: not seen)"),
+        option_flag("needed", &c.needed,
+                    "write the height above ground, in metres, from which on a target is seen; 0 where the ground "
+                    "itself is (float32; NaN: no data or too far)"),
+        option_flag("needed-absolute", &r->absolute, "the same as an absolute height in metres"),
+        option_flag("bands", &r->bands,
+                    "write a band for each observer instead of counts; also with --angle and --needed"),
+        option_text("table", "FILE", &r->table,
+                    "also write a table (CSV) with a line for each observer: how many samples it sees, these times a "
+                    "cell's area in square kilometres, and the farthest one"),
+        option_choice("extent", "NAME", &c.extent, extent_names,
+                      "with --max-distance: write only samples within it (near, the default), or the full raster"),
     };
     observer_rows(&r->observers, options);
     target_rows(&r->target, options + OBSERVER_OPTION_COUNT);
     const options_usage usage = {
         .name = name,
         .synopsis = "DEM (--from X,Y | --observers FILE) -o FILE [OPTIONS]",
-        .what = "Computes which samples of a terrain are seen from a place and writes a raster: 1\n"
-                "where the straight line from the eye to the sample, or to a target on it, passes\n"
-                "above the surface, 0 elsewhere (uint8; 255: no data). With several observers it\n"
-                "writes how many of them see the sample (uint16 from 255 observers on; 65535: no\n"
-                "data; float32 from 65535 on; NaN: no data).\n"
-                "\n"
-                "Who looks: --from, --observers and --every. At which targets: --target-height,\n"
-                "--min-distance, --max-distance, --azimuth and --vertical, each with its ends; a\n"
-                "target outside these limits counts as not seen. What is written instead of counts:\n"
-                "--weights, --angle or --needed, and with --bands a band for each observer.\n"
-                "\n"
-                "The surface is two triangles between each four samples, lowered by the earth's\n"
-                "curvature; every sample's line is decided exactly, and one that touches the\n"
-                "surface is blocked.\n"
-                "\n" GROUND_PLACE_HELP "\n",
+        .what =
+            "Computes which samples of a terrain are seen from a place and writes a raster: 1 where the straight line "
+            "from the eye to the sample, or to a target on it, passes above the surface, 0 elsewhere (uint8; 255: no "
+            "data). With several observers it writes how many of them see the sample (uint16 from 255 observers on; "
+            "65535: no data; float32 from 65535 on; NaN: no data).\n\n"
+            "Who looks: --from, --observers and --every. At which targets: --target-height, --min-distance, "
+            "--max-distance, --azimuth and --vertical, each with its ends; a target outside these limits counts as not "
+            "seen. What is written instead of counts: --weights, --angle or --needed, and with --bands a band for each "
+            "observer.\n\n"
+            "The surface is two triangles between each four samples, lowered by the earth's curvature; every sample's "
+            "line is decided exactly, and one that touches the surface is blocked.\n\n" GROUND_PLACE_HELP "\n",
         .examples = "  cellwalk viewshed dem.tif --from 600250,5199800 -o seen.tif\n"
                     "  cellwalk viewshed dem.tif --from 600250,5199800,30 --target-height 1.5 \\\n"
                     "      --max-distance 20000 -o seen.tif\n"

@@ -152,72 +152,43 @@ static bool check(void *context, size_t *bands) {
 static int run(int argc, char **argv) {
     visibility_command c = {.desc = {.eye_height = 2}, .directions = 128, .every = 1, .curvature = NAN};
     const option_spec options[] = {
-        {.name = "longest",
-         .help = "write how far one sees instead: metres to the farthest\nground in sight, and its azimuth in a second "
-                 "band",
-         .to = &c.longest},
-        {.name = "share",
-         .help = "write a share instead, 0 to 1: of all ground within\n--max-distance and the raster, what is in sight",
-         .to = &c.share},
-        {.name = "directions",
-         .value = "N",
-         .help = "number of directions, evenly spaced from north on\n(default: 128)",
-         .kind = OPTION_COUNT,
-         .to = &c.directions,
-         .low = 1,
-         .high = VISIBILITY_DIRECTIONS_MOST},
-        {.name = "observer-height",
-         .value = "H",
-         .help = "height of the eyes above the ground in metres\n(default: 2)",
-         .kind = OPTION_NUMBER,
-         .to = &c.desc.eye_height},
-        {.name = "target-height",
-         .value = "T",
-         .help = "what must be seen is T metres above the ground\n(default: 0, the ground itself)",
-         .kind = OPTION_NUMBER,
-         .to = &c.desc.target_height},
-        {.name = "max-distance",
-         .value = "D",
-         .help = "what is farther away than D metres does not count\n(default: no limit)",
-         .kind = OPTION_NUMBER,
-         .to = &c.desc.max_distance},
-        {.name = "curvature",
-         .value = "K",
-         .help = "the earth's curvature as a factor: 0 for a flat earth,\n1 without air, 0.857 = 6/7 with usual "
-                 "refraction\n"
-                 "(default: 6/7, or 0 if the file has no map)",
-         .kind = OPTION_NUMBER,
-         .to = &c.curvature},
-        {.name = "every",
-         .value = "K",
-         .help = "eyes at every K-th column and row, on the land in full:\na raster of cells K times as wide, in 1 / "
-                 "K^2 of the "
-                 "time",
-         .kind = OPTION_COUNT,
-         .to = &c.every,
-         .low = 1,
-         .high = 1 << 20},
+        option_flag(
+            "longest", &c.longest,
+            "write how far one sees instead: metres to the farthest ground in sight, and its azimuth in a second band"),
+        option_flag(
+            "share", &c.share,
+            "write a share instead, 0 to 1: of all ground within --max-distance and the raster, what is in sight"),
+        option_count("directions", "N", &c.directions, 1, VISIBILITY_DIRECTIONS_MOST,
+                     "number of directions, evenly spaced from north on (default: 128)"),
+        option_number("observer-height", "H", &c.desc.eye_height,
+                      "height of the eyes above the ground in metres (default: 2)"),
+        option_number("target-height", "T", &c.desc.target_height,
+                      "what must be seen is T metres above the ground (default: 0, the ground itself)"),
+        option_number("max-distance", "D", &c.desc.max_distance,
+                      "what is farther away than D metres does not count (default: no limit)"),
+        option_number("curvature", "K", &c.curvature,
+                      "the earth's curvature as a factor: 0 for a flat earth, 1 without air, 0.857 = 6/7 with usual "
+                      "refraction (default: 6/7, or 0 if the file has no map)"),
+        option_count("every", "K", &c.every, 1, 1 << 20,
+                     "eyes at every K-th column and row, on the land in full: a raster of cells K times as wide, in 1 "
+                     "/ K^2 of the time"),
     };
     const options_usage usage = {
         .name = name,
         .synopsis = "DEM -o FILE [OPTIONS]",
-        .what = "Computes how much every sample of a terrain sees, and writes a raster: the square\n"
-                "kilometres of ground in sight of an eye above the sample (float32; NaN: no data).\n"
-                "\n"
-                "Along each direction, the parts of the surface in sight are exact: the surface is\n"
-                "two triangles between each four samples, and a part ends where the line of sight\n"
-                "meets it. A line that touches the surface is blocked. Between directions nothing\n"
-                "is looked at; papers/terrain.md has the error this makes. Ground counts by its area\n"
-                "on the map, whether steep or level. Holes are not seen and hide nothing, and the\n"
-                "view ends where the raster does.\n"
-                "\n"
-                "How exposed a place is, which is from how much of the ground one sees it, follows\n"
-                "by exchanging the two heights: --observer-height 0 --target-height 2 counts the\n"
-                "places at which an eye 2 m above ground sees the sample.\n"
-                "\n"
-                "Without --max-distance all of the raster matters to each eye, and --memory must\n"
-                "have room for it, at about 30 bytes a sample. --window limits the eyes, not the\n"
-                "ground that they see. `cellwalk viewshed` shows what one place sees.\n",
+        .what = "Computes how much every sample of a terrain sees, and writes a raster: the square kilometres of "
+                "ground in sight of an eye above the sample (float32; NaN: no data).\n\n"
+                "Along each direction, the parts of the surface in sight are exact: the surface is two triangles "
+                "between each four samples, and a part ends where the line of sight meets it. A line that touches the "
+                "surface is blocked. Between directions nothing is looked at; papers/terrain.md has the error this "
+                "makes. Ground counts by its area on the map, whether steep or level. Holes are not seen and hide "
+                "nothing, and the view ends where the raster does.\n\n"
+                "How exposed a place is, which is from how much of the ground one sees it, follows by exchanging the "
+                "two heights: --observer-height 0 --target-height 2 counts the places at which an eye 2 m above ground "
+                "sees the sample.\n\n"
+                "Without --max-distance all of the raster matters to each eye, and --memory must have room for it, at "
+                "about 30 bytes a sample. --window limits the eyes, not the ground that they see. `cellwalk viewshed` "
+                "shows what one place sees.\n",
         .examples = "  cellwalk visibility dem.tif -o km2.tif\n"
                     "  cellwalk visibility dem.tif --longest -o far.tif\n"
                     "  cellwalk visibility dem.tif --share --max-distance 5000 -o share.tif\n"

@@ -23,35 +23,18 @@ static const char *compression_names(size_t number) {
 void ground_rows(ground_options *o, const char *name, option_spec rows[GROUND_OPTION_COUNT]) {
     option_spec query[QUERY_OPTION_COUNT];
     o->name = name;
-    rows[0] = (option_spec){.name = "output",
-                            .letter = 'o',
-                            .value = "FILE",
-                            .help = "the raster to write: .tif (GeoTIFF), .npy (NumPy array)\nor .png (a picture over "
-                                    "the terrain's relief, with a world\nfile .pgw if that has a map)",
-                            .kind = OPTION_TEXT,
-                            .to = &o->output};
-    rows[1] = (option_spec){.name = "compress",
-                            .value = "NAME",
-                            .help = "lossless compression of a GeoTIFF: deflate (default),\nwhich every program reads, "
-                                    "or zstd, which is faster and\n"
-                                    "needs a newer program",
-                            .kind = OPTION_NAME,
-                            .to = &o->compression,
-                            .names = compression_names};
-    rows[2] = (option_spec){
-        .name = "cog", .help = "write a Cloud Optimized GeoTIFF: GDAL's -of COG", .kind = OPTION_FLAG, .to = &o->cog};
-    rows[3] = (option_spec){.name = "co",
-                            .value = "NAME=VALUE",
-                            .help = "a creation option for GDAL's GTiff driver, or for COG with\n--cog; may be given "
-                                    "several times",
-                            .kind = OPTION_AGAIN,
-                            .to = &o->creation};
-    rows[4] = (option_spec){.name = "plain",
-                            .help = "of a .png: grey values alone, from black to white",
-                            .kind = OPTION_FLAG,
-                            .to = &o->plain};
-    rows[5] =
-        (option_spec){.name = "quiet", .help = "leave out the line at the end", .kind = OPTION_FLAG, .to = &o->quiet};
+    rows[0] = option_output("FILE", &o->output,
+                            "the raster to write: .tif (GeoTIFF), .npy (NumPy array) or .png (a picture over the "
+                            "terrain's relief, with a world file .pgw if that has a map)");
+    rows[1] = option_choice("compress", "NAME", &o->compression, compression_names,
+                            "lossless compression of a GeoTIFF: deflate (default), which every program reads, or zstd, "
+                            "which is faster and needs a newer program");
+    rows[2] = option_flag("cog", &o->cog, "write a Cloud Optimized GeoTIFF: GDAL's -of COG");
+    rows[3] =
+        option_several("co", "NAME=VALUE", &o->creation,
+                       "a creation option for GDAL's GTiff driver, or for COG with --cog; may be given several times");
+    rows[4] = option_flag("plain", &o->plain, "of a .png: grey values alone, from black to white");
+    rows[5] = option_flag("quiet", &o->quiet, "leave out the line at the end");
     raster_options_rows(&o->raster, rows + 6);
     query_options_rows(&o->query, query);
     rows[6 + RASTER_OPTION_COUNT] = query[QUERY_ISA];
@@ -59,13 +42,9 @@ void ground_rows(ground_options *o, const char *name, option_spec rows[GROUND_OP
 }
 
 option_spec ground_flat_earth_row(double *curvature) {
-    return (option_spec){.name = "curvature",
-                         .value = "K",
-                         .help =
-                             "the earth's curvature as a factor: 0 for a flat earth\n(default), 1 without air, 0.857 "
-                             "with usual refraction",
-                         .kind = OPTION_NUMBER,
-                         .to = curvature};
+    return option_number(
+        "curvature", "K", curvature,
+        "the earth's curvature as a factor: 0 for a flat earth (default), 1 without air, 0.857 with usual refraction");
 }
 
 /* Whether the output would take an input's place: said before any work, since the output is opened after it. */

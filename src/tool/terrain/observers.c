@@ -11,32 +11,17 @@ static const double eye_height = 2;
 
 void observer_rows(observer_options *o, option_spec rows[OBSERVER_OPTION_COUNT]) {
     const option_spec own[OBSERVER_OPTION_COUNT] = {
-        {.name = "from",
-         .value = "X,Y[,H]",
-         .help = "the observer's place on the map, with the eye H metres\nabove ground (default: 2), or X,Y,=Z; may be "
-                 "given\n"
-                 "up to 256 times",
-         .kind = OPTION_AGAIN,
-         .to = &o->from},
-        {.name = "observers",
-         .value = "FILE",
-         .help = "any number of observers: a table (.csv) whose first line\nnames the columns x, y and, if there, "
-                 "height and weight;\nor points of any file that GDAL reads, with such attributes,\nbrought to the "
-                 "terrain's map",
-         .kind = OPTION_TEXT,
-         .to = &o->file},
-        {.name = "layer",
-         .value = "NAME",
-         .help = "the layer of --observers, for files with several",
-         .kind = OPTION_TEXT,
-         .to = &o->layer},
-        {.name = "every",
-         .value = "D",
-         .help =
-             "the places are the corners of a line, and so are those of\neach line in a file: an observer stands at "
-             "its beginning\nand every D metres; heights and weights change evenly\nbetween corners",
-         .kind = OPTION_NUMBER,
-         .to = &o->every},
+        option_several("from", "X,Y[,H]", &o->from,
+                       "the observer's place on the map, with the eye H metres above ground (default: 2), or X,Y,=Z; "
+                       "may be given up to 256 times"),
+        option_text(
+            "observers", "FILE", &o->file,
+            "any number of observers: a table (.csv) whose first line names the columns x, y and, if there, height and "
+            "weight; or points of any file that GDAL reads, with such attributes, brought to the terrain's map"),
+        option_text("layer", "NAME", &o->layer, "the layer of --observers, for files with several"),
+        option_number("every", "D", &o->every,
+                      "the places are the corners of a line, and so are those of each line in a file: an observer "
+                      "stands at its beginning and every D metres; heights and weights change evenly between corners"),
     };
     memcpy(rows, own, sizeof own);
 }

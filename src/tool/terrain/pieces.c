@@ -16,20 +16,12 @@
 
 void pieces_rows(ground_options *o, option_spec rows[PIECES_OPTION_COUNT]) {
     const option_spec own[PIECES_OPTION_COUNT] = {
-        {.name = "window",
-         .value = "XMIN,YMIN,XMAX,YMAX",
-         .help =
-             "only the samples in that part of the map, in its\ncoordinates; values are those of the whole raster, of\n"
-             "which only the parts needed are read",
-         .kind = OPTION_TEXT,
-         .to = &o->window},
-        {.name = "memory",
-         .value = "SIZE",
-         .help =
-             "limit on memory in bytes, as 2G or 500M: rasters and\nproducts that need more are made by bands of rows\n"
-             "(default: three quarters of the machine's memory)",
-         .kind = OPTION_TEXT,
-         .to = &o->memory},
+        option_text("window", "XMIN,YMIN,XMAX,YMAX", &o->window,
+                    "only the samples in that part of the map, in its coordinates; values are those of the whole "
+                    "raster, of which only the parts needed are read"),
+        option_text("memory", "SIZE", &o->memory,
+                    "limit on memory in bytes, as 2G or 500M: rasters and products that need more are made by bands of "
+                    "rows (default: three quarters of the machine's memory)"),
     };
     memcpy(rows, own, sizeof own);
 }

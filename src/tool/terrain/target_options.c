@@ -9,33 +9,18 @@
 void target_rows(target_options *t, option_spec rows[TARGET_OPTION_COUNT]) {
     t->limits.farthest = NAN;
     const option_spec own[TARGET_OPTION_COUNT] = {
-        {.name = "target-height",
-         .value = "T",
-         .help = "height of the target above ground, in metres\n(default: 0, the ground)",
-         .kind = OPTION_NUMBER,
-         .to = &t->height},
-        {.name = "max-distance",
-         .value = "D",
-         .help = "samples farther away than D metres are not seen, nor\nread and written (default: no limit)",
-         .kind = OPTION_NUMBER,
-         .to = &t->limits.farthest},
-        {.name = "min-distance",
-         .value = "D",
-         .help = "samples nearer than D metres are not seen, but block the\nview (default: 0)",
-         .kind = OPTION_NUMBER,
-         .to = &t->limits.nearest},
-        {.name = "azimuth",
-         .value = "A,B",
-         .help = "only samples in directions from azimuth A clockwise to B,\nin degrees from the map's north: 350,10 "
-                 "are 20 degrees",
-         .kind = OPTION_TEXT,
-         .to = &t->azimuth},
-        {.name = "vertical",
-         .value = "LO,HI",
-         .help = "only targets at angles from LO to HI degrees above the\neye's horizontal, from -90 to 90; below it "
-                 "they are negative",
-         .kind = OPTION_TEXT,
-         .to = &t->vertical},
+        option_number("target-height", "T", &t->height,
+                      "height of the target above ground, in metres (default: 0, the ground)"),
+        option_number("max-distance", "D", &t->limits.farthest,
+                      "samples farther away than D metres are not seen, nor read and written (default: no limit)"),
+        option_number("min-distance", "D", &t->limits.nearest,
+                      "samples nearer than D metres are not seen, but block the view (default: 0)"),
+        option_text("azimuth", "A,B", &t->azimuth,
+                    "only samples in directions from azimuth A clockwise to B, in degrees from the map's north: 350,10 "
+                    "are 20 degrees"),
+        option_text("vertical", "LO,HI", &t->vertical,
+                    "only targets at angles from LO to HI degrees above the eye's horizontal, from -90 to 90; below it "
+                    "they are negative"),
     };
     memcpy(rows, own, sizeof own);
 }

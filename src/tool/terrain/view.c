@@ -42,57 +42,28 @@ static option_spec curvature_around_eye_row(double *curvature) {
 void view_rows(view_options *v, option_spec rows[VIEW_OPTION_COUNT]) {
     *v = (view_options){.fov = NAN, .haze = NAN, .water = NAN, .curvature = NAN};
     const option_spec own[] = {
-        {.name = "dem",
-         .value = "FILE",
-         .help = "the terrain, read as a raster for any ending of its name",
-         .kind = OPTION_TEXT,
-         .to = &v->dem},
-        {.name = "from",
-         .value = "X,Y[,H]",
-         .help = "the eye's place on the map, H metres above ground\n(default: 2), or X,Y,=Z at an absolute height in "
-                 "metres;\n"
-                 "without --from the eye is south of the terrain and sees\nall of it",
-         .kind = OPTION_TEXT,
-         .to = &v->from},
-        {.name = "to",
-         .value = "X,Y[,H]",
-         .help =
-             "the place in the middle of the picture, in the same form\n(default of H: 0, the ground; without --to: "
-             "the middle of\n"
-             "the raster)",
-         .kind = OPTION_TEXT,
-         .to = &v->to},
-        {.name = "sun",
-         .value = "AZ,ALT",
-         .help = "the sun's azimuth, from the map's north over east, and\naltitude, in degrees (default: 315,40)",
-         .kind = OPTION_TEXT,
-         .to = &v->sun},
-        {.name = "time",
-         .value = "TIME",
-         .help = "date and time with a zone (2024-06-21T12:00:00Z, or\n+02:00 for Z), at which the sun stands over the "
-                 "terrain's\nmiddle; the file must name a coordinate system",
-         .kind = OPTION_TEXT,
-         .to = &v->time},
-        {.name = "fov",
-         .value = "DEGREES",
-         .help = "field of view over the shorter side, in degrees\n(default: 40)",
-         .kind = OPTION_NUMBER,
-         .to = &v->fov},
-        {.name = "sky",
-         .help = "a sky that is brighter toward sun and horizon, and a plain\nat the terrain's lowest height below it",
-         .to = &v->sky},
-        {.name = "haze",
-         .value = "V",
-         .help = "haze with a visibility of V metres: of contrast at a\ndistance d the share 0.02^(d/V) is left "
-                 "(Koschmieder)",
-         .kind = OPTION_NUMBER,
-         .to = &v->haze},
-        {.name = "water",
-         .value = "Z",
-         .help =
-             "level water at height Z in metres covers all ground that\nis lower, and holes; it mirrors sky and land",
-         .kind = OPTION_NUMBER,
-         .to = &v->water},
+        option_text("dem", "FILE", &v->dem, "the terrain, read as a raster for any ending of its name"),
+        option_text("from", "X,Y[,H]", &v->from,
+                    "the eye's place on the map, H metres above ground (default: 2), or X,Y,=Z at an absolute height "
+                    "in metres; without --from the eye is south of the terrain and sees all of it"),
+        option_text("to", "X,Y[,H]", &v->to,
+                    "the place in the middle of the picture, in the same form (default of H: 0, the ground; without "
+                    "--to: the middle of the raster)"),
+        option_text("sun", "AZ,ALT", &v->sun,
+                    "the sun's azimuth, from the map's north over east, and altitude, in degrees (default: 315,40)"),
+        option_text("time", "TIME", &v->time,
+                    "date and time with a zone (2024-06-21T12:00:00Z, or +02:00 for Z), at which the sun stands over "
+                    "the terrain's middle; the file must name a coordinate system"),
+        option_number("fov", "DEGREES", &v->fov, "field of view over the shorter side, in degrees (default: 40)"),
+        option_flag(
+            "sky", &v->sky,
+            "a sky that is brighter toward sun and horizon, and a plain at the terrain's lowest height below it"),
+        option_number("haze", "V", &v->haze,
+                      "haze with a visibility of V metres: of contrast at a distance d the share 0.02^(d/V) is left "
+                      "(Koschmieder)"),
+        option_number(
+            "water", "Z", &v->water,
+            "level water at height Z in metres covers all ground that is lower, and holes; it mirrors sky and land"),
         curvature_around_eye_row(&v->curvature),
     };
     memcpy(rows, own, sizeof own);
