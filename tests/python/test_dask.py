@@ -178,12 +178,12 @@ def test_what_is_too_much_is_said_before(file):
 @pytest.mark.parametrize("file", ["utm"], indirect=True)
 def test_chunks_are_written_as_they_are_done(file, tmp_path, monkeypatch):
     """When a chunk is computed, the one before it is in the file."""
-    order, horizon_rows = [], cw.Field._horizon_rows
+    order, horizon_rows = [], cw.Field._rows
 
     def compute_one(self, *arguments):
         order.append("computed")
         return horizon_rows(self, *arguments)
-    monkeypatch.setattr(cw.Field, "_horizon_rows", compute_one)
+    monkeypatch.setattr(cw.Field, "_rows", compute_one)
     geotiff = cw._cellwalk.GeoTiff
 
     class Watched:
@@ -222,13 +222,13 @@ def test_a_worker_is_killed(file, tmp_path):
 
     def wait_in_the_second_chunk():
         """Runs in the worker. Both ends of a pipe open together."""
-        rows, calls = cw.Field._horizon_rows, itertools.count(1)
+        rows, calls = cw.Field._rows, itertools.count(1)
 
         def held(self, *arguments):
             if next(calls) == 2:
                 open(pipe).read()
             return rows(self, *arguments)
-        cw.Field._horizon_rows = held
+        cw.Field._rows = held
 
     with LocalCluster(2, processes=True, threads_per_worker=1, dashboard_address=None, local_directory=str(tmp_path)) as cluster:
         with Client(cluster) as client:

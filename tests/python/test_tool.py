@@ -119,6 +119,27 @@ def test_horizon(tool, ground, tmp_path):
         assert not np.array_equal(other, wanted, equal_nan=True) and np.isfinite(other).any()
 
 
+def test_horizon_distance(tool, ground, tmp_path):
+    words = "horizon", "--directions", "5", "--start", "20", "--distance", "--max-distance", far(ground), "--curvature", "500"
+    same(ground.field.horizon(5, far(ground), start=20, curvature=500, distance=True), product(tool, ground, tmp_path, *words))
+
+
+@pytest.mark.parametrize("words, arguments", [
+    ([], {}),
+    (["--to", "2024-03-22", "--step", "1h", "--directions", "48", "--curvature", "500"], {"to": "2024-03-22", "step": "1h", "directions": 48, "curvature": 500}),
+    (["--step", "2h", "--irradiance"], {"step": 7200, "irradiance": True}),
+    (["--step", "2h", "--irradiance", "--linke", "5", "--sky", "9"], {"step": "2h", "irradiance": True, "linke": 5, "sky": 9}),
+])
+def test_insolation(tool, ground, tmp_path, words, arguments):
+    if ground.path.suffix == ".npy":
+        with pytest.raises(ValueError, match="^date: without a coordinate system"):
+            ground.field.insolation("2024-03-20")
+        words, arguments = [*words, "--lon-lat", "11,47"], {**arguments, "lon_lat": (11, 47)}
+    got = ground.field.insolation("2024-03-20", **arguments)
+    assert np.isfinite(got).any() and np.nanmax(got) > 5
+    same(got, product(tool, ground, tmp_path, "sun", "--date", "2024-03-20", *words))
+
+
 def test_sky_view(tool, ground, tmp_path):
     words = "horizon", "--directions", "12"
     same(ground.field.sky_view(12), product(tool, ground, tmp_path, *words, "--svf"))

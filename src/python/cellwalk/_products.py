@@ -3,20 +3,17 @@
 
 from __future__ import annotations
 
-import datetime
-import math
-from typing import TYPE_CHECKING, Any, NamedTuple, Union
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from . import _cellwalk
-from ._convert import Source, count, finite, numbers, progress_call, warn
+from . import _cellwalk, _plans
+from ._convert import Source, finite, numbers, progress_call
 
 if TYPE_CHECKING:
+    import datetime
     from numpy.typing import ArrayLike
-    Time = Union[str, datetime.datetime, np.datetime64]
-
-SUN_RADIUS = 0.2666  # degrees, as src/terrain/sun.h has it
+    from ._plans import Day, Time
 
 
 class Sun(NamedTuple):
@@ -25,21 +22,6 @@ class Sun(NamedTuple):
     altitude: float
     refraction: float
     radius: float
-
-
-def _seconds(time) -> float:
-    if isinstance(time, str):
-        seconds = _cellwalk.parse_time(time)
-        if seconds is None:
-            raise ValueError(f"time: {time!r}, expected a time with its zone, as 2024-06-21T12:00:00Z or +02:00")
-        return seconds
-    if isinstance(time, np.datetime64):
-        return float((time - np.datetime64(0, "s")) / np.timedelta64(1, "s"))
-    if isinstance(time, datetime.datetime):
-        if time.tzinfo is None:
-            raise ValueError(f"time: {time!r} has no time zone; use datetime.timezone.utc")
-        return time.timestamp()
-    raise TypeError(f"time: {time!r}, expected a string, datetime or datetime64 (UTC)")
 
 
 def sun(time: Time, longitude: float, latitude: float) -> Sun:
@@ -53,7 +35,9 @@ def sun(time: Time, longitude: float, latitude: float) -> Sun:
         >>> round(s.azimuth), round(s.altitude)
         (179, 62)
     """
-    return Sun(*_cellwalk.sun(_seconds(time), finite(longitude, "longitude"), finite(latitude, "latitude", -90, 90)))
+    seconds = _plans.seconds_of(time)
+    place = finite(longitude, "longitude"), finite(latitude, "latitude", -90, 90)
+    return Sun(*_plans.suns_at(seconds, *place)[0, :4].tolist())
 
 
 # As look_along in src/python/extension/views.c counts them.
@@ -84,61 +68,6 @@ def _result(field, data, name, attrs, every=1, **axis):
     return out
 
 
-def warn_of_night(altitude: float) -> None:
-    if altitude <= 0:
-        warn(f"altitude: the sun is at {altitude:.3f} degrees, below the horizon")
-
-
-def distance_of(max_distance) -> float:
-    """Metres; 0: no limit."""
-    if max_distance is None:
-        return 0.0
-    distance = finite(max_distance, "max_distance", 0)
-    if distance == 0:
-        raise ValueError("max_distance: 0, expected metres above 0")
-    return distance
-
-
-def sky_of(directions, max_distance, curvature, start) -> tuple[float, int, float, float]:
-    """Arguments of a horizon, checked, in the order of the extension."""
-    return start, count(directions, "directions", 1, 3600), distance_of(max_distance), finite(curvature, "curvature", 0)
-
-
-VISIBILITY = {"a": {"long_name": "ground in sight", "units": "km2"}, "s": {"long_name": "share of the ground in sight"},
-              "l": {"long_name": "farthest ground in sight", "units": "m"},
-              "z": {"long_name": "azimuth of the farthest ground in sight", "units": "degrees"}}
-
-
-def look_of(directions, max_distance, observer_height, target_height, curvature, result) -> tuple[int, float, float, float, float, str]:
-    """Arguments of visibility, checked, in the order of the extension but for every."""
-    kinds = {"area": "a", "share": "s", "longest": "l", "azimuth": "z"}
-    if result not in kinds:
-        raise ValueError(f"result: {result!r}, expected one of {', '.join(kinds)}")
-    return (count(directions, "directions", 1, 3600), distance_of(max_distance), finite(observer_height, "observer_height", 0),
-            finite(target_height, "target_height", 0), curvature, kinds[result])
-
-
-def places_of(x, y, height, elevation, needed) -> tuple[np.ndarray, bool]:
-    """Observers, shape (n, 3): x, y, and the eye's height above ground or, True, the height itself."""
-    absolute = elevation is not None
-    if absolute and height is not None:
-        raise ValueError("observer_height: goes without observer_elevation")
-    name = "observer_elevation" if absolute else "observer_height"
-    height = elevation if absolute else 2.0 if height is None else height
-    given = [numbers(value, what).astype(np.float64) for value, what in ((x, "x"), (y, "y"), (height, name))]
-    try:
-        places = np.stack(np.broadcast_arrays(*given), -1).reshape(-1, 3)
-    except ValueError:
-        raise ValueError(f"shapes do not broadcast: x {given[0].shape}, y {given[1].shape}, {name} {given[2].shape}") from None
-    if not np.isfinite(places).all():
-        raise ValueError(f"x, y, {name}: observer {places[~np.isfinite(places).all(1)][0].tolist()} is not finite")
-    if not 1 <= len(places) <= 65534:
-        raise ValueError(f"x, y: {len(places)} observers, expected 1 to 65534")
-    if needed and len(places) > 1:
-        raise ValueError(f"needed: the height that is needed is that of one observer, not of {len(places)}")
-    return np.ascontiguousarray(places), absolute
-
-
 class Products:
     """Methods of Field, which has these members."""
     _ground: _cellwalk.Field
@@ -147,36 +76,27 @@ class Products:
     _threads: int
     shape: tuple[int, int]
 
-    def _placed(self) -> bool:
-        return self._source.placed
+    @property
+    def _site(self) -> _plans.Site:
+        return _plans.Site(*self.shape, self._source.map, self._source.placed, self._source.crs)
 
-    def _curvature(self, curvature) -> float:
-        if curvature is None:
-            return 6.0 / 7 if self._placed() else 0.0
-        return finite(curvature, "curvature", 0)
+    def _rows(self, plan: _plans.Plan, window: _cellwalk._Window | None = None, progress=None) -> np.ndarray:
+        """The plan's product of all samples, or of a window's."""
+        window = (0, 0, *self.shape) if window is None else window
+        out = np.empty(plan.shape(*window[2:]), plan.dtype)
+        filled = (plan.lead[1],) if plan.lead is not None and isinstance(plan.lead[1], np.ndarray) else ()
+        self._ground.make(plan.make, plan.numbers, window, plan.inputs, (out, *filled), self._threads, progress_call(progress))
+        return out
 
-    def _locate(self):
-        """Longitude and latitude of the middle; how far the map's north is turned from the true one, toward the west."""
-        rows, columns = self.shape
-        m, known = self._source.map, self._source.crs
-        i, j = 0.5 * (columns - 1), 0.5 * (rows - 1)
-        x, y = (float(m[k, 0] * i + m[k, 1] * j + m[k, 3]) for k in range(2))
-        degrees = 180 / 3.141592653589793
-        if known.geographic:
-            unit = known.unit or 3.141592653589793 / 180
-            return x * unit * degrees, y * unit * degrees, 0.0
-        if known.wkt is None:
-            raise ValueError("time: without a coordinate system (crs) nothing says where the sun stands; give azimuth and altitude")
-        longitude, latitude = _cellwalk.lon_lat(known.wkt, False, x, y)
-        south = latitude - 1e-4
-        (x0, y0), (x1, y1) = (_cellwalk.lon_lat(known.wkt, True, longitude, v) for v in (south, south + 2e-4))
-        return longitude, latitude, math.atan2(x1 - x0, y1 - y0) * degrees
+    def _product(self, plan: _plans.Plan, progress=None) -> Any:
+        data = self._rows(plan, None, progress)
+        return _result(self, data, plan.name, plan.attrs, int(plan.numbers.get("every", 1)), **dict([plan.lead] if plan.lead else ()))
 
     def sun(self, time: Time) -> Sun:
-        """Where the sun stands at a time over the middle of the field, its azimuth from the map's north."""
-        longitude, latitude, turned = self._locate()
-        p = sun(time, longitude, latitude)
-        return p._replace(azimuth=math.fmod(p.azimuth + turned + 360, 360))
+        """Where the sun stands at a time over the middle of the field, its azimuth from the map's north. For the light that falls on
+        the ground see insolation."""
+        seconds = _plans.seconds_of(time)
+        return Sun(*_plans.suns_at(seconds, *_plans.locate(self._site, "time"))[0, :4].tolist())
 
     def shadow(self, azimuth: float | None = None, altitude: float | None = None, *, time: Time | None = None, hillshade: bool = False,
                disc: float | bool = 0, curvature: float = 0.0, progress=None) -> Any:
@@ -197,31 +117,37 @@ class Products:
             >>> cw.Field(z).shadow(azimuth=270, altitude=45)[0]
             array([1, 1, 1, 0, 0, 1, 1, 1], dtype=uint8)
         """
-        if time is not None:
-            if azimuth is not None or altitude is not None:
-                raise ValueError("time: goes without azimuth and altitude")
-            _seconds(time)  # a wrong time is reported before a missing map
-            place = self.sun(time)
-            azimuth, altitude = place.azimuth, place.altitude
-            if disc is True:
-                disc = place.radius
-        azimuth = finite(225 if azimuth is None else azimuth, "azimuth")
-        altitude = finite(30 if altitude is None else altitude, "altitude", -90, 90)
-        disc = SUN_RADIUS if disc is True else finite(disc, "disc", 0, 10)
-        warn_of_night(altitude)
-        data = self._shadow_rows((azimuth, altitude, disc, finite(curvature, "curvature", 0), bool(hillshade)), 0, self.shape[0], progress)
-        attrs = {"long_name": "sunlight", "azimuth": azimuth, "altitude": altitude}
-        return _result(self, data, "shadow", attrs if data.dtype.kind == "f" else {**attrs, "_FillValue": np.uint8(255)})
+        return self._product(_plans.shadow(self._site, azimuth, altitude, time, hillshade, disc, curvature), progress)
 
-    def _shadow_rows(self, light, row, rows, progress=None):
-        """light: azimuth, altitude, disc, curvature, hillshade"""
-        share = light[2] > 0 or light[4]
-        out = np.empty((rows, self.shape[1]), np.float32 if share else np.uint8)
-        self._ground.shadow(*light, row, rows, share, out, self._threads, progress_call(progress))
-        return out
+    def insolation(self, date: Day, to: Day | None = None, *, step: str | float | datetime.timedelta = "15min", directions: int | None = None,
+                   irradiance: bool = False, linke: float = 3.0, sky: int = 32, lon_lat: tuple[float, float] | None = None,
+                   curvature: float = 0.0, progress=None) -> Any:
+        """Hours of direct sunlight on every sample over a day or several, or the light's energy.
+
+        date, to    the first and the last day, as "2024-06-21", a date or a datetime64; default: one day
+        step        between two places of the sun: "30s", "15min", "1h", seconds or a timedelta; it divides a day
+        directions  cast shadows from the nearest of so many directions all round, 8 to 3600, so that many days share their
+                    horizons; azimuths are then off by up to 180 / directions degrees. Default: each sun's own
+        irradiance  True: energy instead, under a cloudless sky, on the ground as it leans
+        linke       with irradiance: Linke's turbidity for an air mass of 2, 1 to 10
+        sky         with irradiance: directions of the sky-view factor for diffuse light
+        lon_lat     longitude and latitude of the land, in degrees, for a field without a coordinate system; the map's north is
+                    then the true one
+        curvature   how much of the earth's curvature counts: 0 flat (default), 1 without air, 6/7 with usual refraction
+
+        Returns float32: hours, shape (rows, columns), or Wh/m2, shape (2, rows, columns), direct and diffuse; NaN at holes. Days
+        begin at midnight of the land's mean solar time, and the sun stands in the middle of each step. The model of energy
+        is that of the European Solar Radiation Atlas (Rigollier, Bauer and Wald 2000).
+
+            >>> import numpy as np, cellwalk as cw
+            >>> z = np.zeros((3, 9), "float32"); z[:, 6] = 5                     # a wall in the east
+            >>> cw.Field(z).insolation("2024-03-20", lon_lat=(0, 50))[1, [0, 5]]
+            array([11.25,  6.5 ], dtype=float32)
+        """
+        return self._product(_plans.insolation(self._site, date, to, step, directions, irradiance, linke, sky, lon_lat, curvature), progress)
 
     def horizon(self, directions: int = 32, max_distance: float | None = None, *, start: float = 0.0, curvature: float = 0.0,
-                grid: bool = False, progress=None) -> Any:
+                grid: bool = False, distance: bool = False, progress=None) -> Any:
         """How high the terrain stands against the sky, in directions all round.
 
         directions    how many, evenly spaced, 1 to 3600; the first is start, in degrees from the map's north over east
@@ -229,6 +155,7 @@ class Products:
         curvature     how much of the earth's curvature counts: 0 flat (default), 1 without air, 6/7 with usual refraction
         grid          True: 8, 16 or 32 directions from sample to sample instead, which are as exact, not evenly spaced, and faster
                       on large fields; without start and max_distance, and not on a map in degrees
+        distance      True: how far away the horizon is instead, in metres; without grid
 
         Returns float32, shape (directions, rows, columns): degrees above the level of the sample, negative below it, NaN at
         holes and where there is no terrain in that direction, or none within max_distance. A DataArray has the dimension
@@ -239,25 +166,7 @@ class Products:
             >>> cw.Field(z).horizon(directions=4)[1, 1, 3:5].round(2)      # toward x
             array([45.  , 63.43], dtype=float32)
         """
-        sky = self._sky(directions, max_distance, curvature, grid, finite(start, "start"))
-        data, azimuths = self._horizon_rows(sky, 0, self.shape[0], progress)
-        return _result(self, data, "horizon", {"long_name": "horizon", "units": "degrees"}, azimuth=azimuths)
-
-    def _horizon_rows(self, sky, row, rows, progress=None):
-        """sky: start, directions, max_distance, curvature, grid"""
-        out, azimuths = np.empty((sky[1], rows, self.shape[1]), np.float32), np.empty(sky[1])
-        self._ground.horizon(*sky, row, rows, out, azimuths, self._threads, progress_call(progress))
-        return out, azimuths
-
-    def _sky(self, directions, max_distance, curvature, grid, start=0.0):
-        sky = sky_of(directions, max_distance, curvature, start)
-        if grid and sky[1] not in (8, 16, 32):
-            raise ValueError(f"directions: {sky[1]}, expected 8, 16 or 32 with grid")
-        if grid and (start != 0 or max_distance is not None):
-            raise ValueError("grid: goes without start and max_distance")
-        if grid and self._source.crs.geographic:
-            raise ValueError("grid: needs a map in metres, and this one is in degrees")
-        return (*sky, bool(grid))
+        return self._product(_plans.horizon(self._site, directions, max_distance, start, curvature, grid, distance), progress)
 
     def sky_view(self, directions: int = 32, max_distance: float | None = None, *, curvature: float = 0.0, grid: bool = False,
                  tilted: bool = False, progress=None) -> Any:
@@ -272,16 +181,7 @@ class Products:
             >>> cw.Field(np.zeros((3, 3), "float32")).sky_view()[1, 1]
             1.0
         """
-        if grid and tilted:
-            raise ValueError("tilted: goes without grid")
-        sky = self._sky(directions, max_distance, curvature, grid)
-        data = self._sky_view_rows(sky, bool(tilted), 0, self.shape[0], progress)
-        return _result(self, data, "sky_view", {"long_name": "sky-view factor"})
-
-    def _sky_view_rows(self, sky, tilted, row, rows, progress=None):
-        out = np.empty((rows, self.shape[1]), np.float32)
-        self._ground.sky_view(*sky[1:], tilted, row, rows, out, self._threads, progress_call(progress))
-        return out
+        return self._product(_plans.sky_view(self._site, directions, max_distance, curvature, grid, tilted), progress)
 
     def viewshed(self, x: ArrayLike, y: ArrayLike, observer_height: ArrayLike | None = None, target_height: float = 0.0,
                  max_distance: float | None = None, needed: bool = False, *, observer_elevation: ArrayLike | None = None,
@@ -307,11 +207,11 @@ class Products:
             >>> cw.Field(z).viewshed(0, 1)[1]
             array([1, 1, 1, 1, 0, 0, 0, 0], dtype=uint8)
         """
-        places, absolute = places_of(x, y, observer_height, observer_elevation, needed)
-        distance = distance_of(max_distance)
+        places, absolute = _plans.places_of(x, y, observer_height, observer_elevation, needed)
+        distance = _plans.distance_of(max_distance)
         seen = np.zeros(self.shape, np.float32 if needed else np.uint16)
         self._ground.viewshed(places, absolute, finite(target_height, "target_height"), distance,
-                            self._curvature(curvature), bool(needed), seen, self._threads, progress_call(progress))
+                            _plans.bend_of(self._site, curvature), bool(needed), seen, self._threads, progress_call(progress))
         if needed:
             return _result(self, seen, "needed_height", {"long_name": "height above ground needed to be seen", "units": "m"})
         nodata = 255 if len(places) <= 254 else 65535
@@ -341,15 +241,8 @@ class Products:
             >>> cw.Field(z).visibility(result="share")[4, [1, 5]].round(2)
             array([0.63, 1.  ], dtype=float32)
         """
-        look = look_of(directions, max_distance, observer_height, target_height, self._curvature(curvature), result)
-        gap = count(every, "every", 1, 1 << 20)
-        data = self._visibility_rows(look, 0, 0, *self.shape, gap, progress)
-        return _result(self, data, "visibility", VISIBILITY[look[-1]], every=gap)
-
-    def _visibility_rows(self, look, row, column, rows, columns, every=1, progress=None):
-        out = np.empty((-(-rows // every), -(-columns // every)), np.float32)
-        self._ground.visibility(*look[:-1], every, look[-1], row, column, rows, columns, out, self._threads, progress_call(progress))
-        return out
+        return self._product(_plans.visibility(self._site, directions, max_distance, observer_height, target_height, curvature, every, result),
+                          progress)
 
     def line_of_sight(self, a: ArrayLike, b: ArrayLike, *, absolute: bool | tuple[bool, bool] = False, curvature: float | None = None,
                       progress=None) -> LineOfSight:
@@ -386,7 +279,7 @@ class Products:
             raise TypeError(f"absolute: {absolute!r}, expected True, False or a pair of them")
         out = np.full(shape + (6,), np.nan)
         if out.size:
-            self._ground.line_of_sight(lines, bool(above[0]), bool(above[1]), self._curvature(curvature), out, self._threads, progress_call(progress))
+            self._ground.line_of_sight(lines, bool(above[0]), bool(above[1]), _plans.bend_of(self._site, curvature), out, self._threads, progress_call(progress))
         wrong = np.isnan(out[..., 0])
         if wrong.any():
             number = int(np.argmax(wrong.ravel()))

@@ -25,16 +25,15 @@ import functools
 import math
 import os
 import threading
-from typing import Any, NamedTuple, Optional, cast
+from typing import Any, NamedTuple, Optional, TypedDict, Unpack, cast
 
 import dask
 import dask.array as da
 import numpy as np
 
-from . import _cellwalk
+from . import _cellwalk, _plans
 from ._convert import Crs, Source, count, describe_dataarray, finite, nodata_of, samples_of, scale_of
 from ._field import Field, open as open_field
-from ._products import SUN_RADIUS, VISIBILITY, distance_of, look_of, places_of, sky_of, warn_of_night
 
 # A task's samples, as they are read and as the field has them, and the field's bounds over them.
 _BYTES_A_SAMPLE = 10
@@ -112,24 +111,13 @@ def _ranges(part, g, window):
     return low, high
 
 
-def _shadow(part, g, window, chunk, light, threads):
+def _make(part, g, window, chunk, plan, threads):
+    """A chunk of a plan's product. Those of whole rows are cut."""
     rows, columns = chunk.inside(window)
-    return _field_of(part, g, window, threads)._shadow_rows(light, rows.start, chunk.rows)[:, columns]
-
-
-def _horizon(part, g, window, chunk, sky, threads):
-    rows, columns = chunk.inside(window)
-    return _field_of(part, g, window, threads)._horizon_rows(sky, rows.start, chunk.rows)[0][..., columns]
-
-
-def _sky_view(part, g, window, chunk, sky, tilted, threads):
-    rows, columns = chunk.inside(window)
-    return _field_of(part, g, window, threads)._sky_view_rows(sky, tilted, rows.start, chunk.rows)[:, columns]
-
-
-def _visibility(part, g, window, chunk, look, threads):
-    rows, columns = chunk.inside(window)
-    return _field_of(part, g, window, threads)._visibility_rows(look, rows.start, columns.start, chunk.rows, chunk.columns)
+    field = _field_of(part, g, window, threads)
+    if plan.make == "visibility":
+        return field._rows(plan, (rows.start, columns.start, chunk.rows, chunk.columns))
+    return field._rows(plan, (rows.start, 0, chunk.rows, window.columns))[..., columns]
 
 
 def _seen(part, g, window, place, absolute, target, distance, curvature, needed, threads):
@@ -174,7 +162,7 @@ def _sum_seen(part, g, chunk, padded, nodata, views):
 class _Raster:
     """A source, cut into chunks."""
 
-    def __init__(self, source, chunks, threads, nodata, crs, band, memory) -> None:
+    def __init__(self, source, chunks=None, threads=1, nodata=None, crs=None, band=None, memory=2e9) -> None:
         self.threads = count(threads, "threads", 0, 4096)
         self.memory = finite(memory, "memory", 1)
         self.like = self.path = self.input = None
@@ -249,17 +237,26 @@ class _Raster:
             np.maximum(high[here], most, out=high[here])
         return low, high
 
-    def map(self, task, around, what, chunk_bytes, *arguments):
-        """A task for each chunk, with the window that around finds for it."""
+    def make(self, plan: _plans.Plan, around, what: str, chunk_bytes: int = 0) -> Any:
+        """The plan's product, of which each chunk is made from the window that around finds for it."""
         windows = [[_Window(*around(w)) for w in row] for row in self.windows]
-        self.check_memory(what, [pair for rows in zip(windows, self.windows) for pair in zip(*rows)], chunk_bytes)
-        task = self.delayed(task)
-        return [[task(self.part(window), self.geometry, window, chunk, *arguments, self.threads) for window, chunk in zip(*rows)]
-                for rows in zip(windows, self.windows)]
+        self.check_memory(what, [pair for rows in zip(windows, self.windows) for pair in zip(*rows)],
+                          chunk_bytes or 4 * (len(plan.lead[1]) if plan.lead else 1))
+        task = self.delayed(_make)
+        blocks = [[task(self.part(window), self.geometry, window, chunk, plan, self.threads) for window, chunk in zip(*rows)]
+                  for rows in zip(windows, self.windows)]
+        return self.result(blocks, plan.dtype, plan.name, plan.attrs, plan.lead)
+
+    def make_around(self, plan: _plans.Plan, chunk_bytes: int = 0) -> Any:
+        """The same from all within max_distance of a chunk."""
+        distance, g = plan.numbers["max_distance"], self.geometry
+        if distance > 0:
+            return self.make(plan, lambda w: self.reach.beside(w, distance), f"max_distance: {distance:g}", chunk_bytes)
+        return self.make(plan, lambda w: (0, 0, g.rows, g.columns), "max_distance: None, so far mountains may count", chunk_bytes)
 
     def result(self, blocks, dtype, name, attrs, lead=None):
         """Blocks of tasks, row by row, as one array, and as a DataArray if the source is one."""
-        shape = (lambda w: (w.rows, w.columns)) if lead is None else (lambda w: (len(lead), w.rows, w.columns))
+        shape = (lambda w: (w.rows, w.columns)) if lead is None else (lambda w: (len(lead[1]), w.rows, w.columns))
         array = da.block([[da.from_delayed(b, shape(w), dtype) for b, w in zip(row, windows)] for row, windows in zip(blocks, self.windows)])
         like = self.like
         if like is None:
@@ -274,78 +271,63 @@ class _Raster:
                 "y": m[1][3] + m[1][1] * np.arange(self.geometry.rows), "x": m[0][3] + m[0][0] * np.arange(self.geometry.columns)})
         keep = {key: like.attrs[key] for key in ("grid_mapping", "crs") if key in like.attrs}
         if lead is not None:
-            like = like.expand_dims(azimuth=lead)
+            like = like.expand_dims(dict([lead]))
         out = like.copy(deep=False, data=array)
         out.name, out.attrs, out.encoding = name, {**attrs, **keep}, {}
         return out
 
 
-def shadow(source: Any, azimuth: float = 225, altitude: float = 30, *, hillshade: bool = False, disc: float | bool = 0,
-           curvature: float = 0.0, chunks: Any = None, threads: int = 1, nodata: float | None = None, crs: Any = None,
-           band: int | None = None, memory: float = 2e9) -> Any:
+class _Reading(TypedDict, total=False):
+    """Of every product: how the source is cut, read and worked on."""
+    chunks: Any
+    threads: int
+    nodata: float | None
+    crs: Any
+    band: int | None
+    memory: float
+
+
+def shadow(source: Any, azimuth: float | None = None, altitude: float | None = None, *, time: _plans.Time | None = None,
+           hillshade: bool = False, disc: float | bool = 0, curvature: float = 0.0, **reading: Unpack[_Reading]) -> Any:
     """Sun and shadow on every sample, as Field.shadow. One pass over the raster is made at once; the rest is lazy."""
-    r = _Raster(source, chunks, threads, nodata, crs, band, memory)
-    azimuth, altitude = finite(azimuth, "azimuth"), finite(altitude, "altitude", -90, 90)
-    warn_of_night(altitude)
-    disc, curvature = SUN_RADIUS if disc is True else finite(disc, "disc", 0, 10), finite(curvature, "curvature", 0)
+    r = _Raster(source, **reading)
+    plan = _plans.shadow(r.geometry, azimuth, altitude, time, hillshade, disc, curvature)
+    light = [plan.numbers[name] for name in ("azimuth", "altitude", "disc", "curvature")]
     low, high = r.block_ranges()
     highest = float(high.max())
-    blocks = r.map(_shadow, lambda w: r.reach.sunward(low, high, highest, azimuth, altitude, disc, curvature, w), f"altitude: {altitude}", 4,
-                   (azimuth, altitude, disc, curvature, bool(hillshade)))
-    share = disc > 0 or hillshade
-    attrs = {"long_name": "sunlight", "azimuth": azimuth, "altitude": altitude}
-    return r.result(blocks, np.float32 if share else np.uint8, "shadow", attrs if share else {**attrs, "_FillValue": np.uint8(255)})
-
-
-def _around_chunk(r, distance):
-    """Windows of horizons, and how a refusal begins."""
-    if distance > 0:
-        return lambda w: r.reach.beside(w, distance), f"max_distance: {distance:g}"
-    return lambda w: (0, 0, r.geometry.rows, r.geometry.columns), "max_distance: None, so far mountains may count"
+    return r.make(plan, lambda w: r.reach.sunward(low, high, highest, *light, w), f"altitude: {light[1]}")
 
 
 def horizon(source: Any, directions: int = 32, max_distance: float | None = None, *, start: float = 0.0, curvature: float = 0.0,
-            chunks: Any = None, threads: int = 1, nodata: float | None = None, crs: Any = None, band: int | None = None,
-            memory: float = 2e9) -> Any:
-    """The horizon's angle in directions all round, as Field.horizon."""
-    sky = sky_of(directions, max_distance, curvature, finite(start, "start"))
-    r = _Raster(source, chunks, threads, nodata, crs, band, memory)
-    blocks = r.map(_horizon, *_around_chunk(r, sky[2]), 4 * sky[1], (*sky, False))
-    azimuths = np.fmod(sky[0] + 360 * np.arange(sky[1]) / sky[1], 360)
-    return r.result(blocks, np.float32, "horizon", {"long_name": "horizon", "units": "degrees"}, azimuths)
+            distance: bool = False, **reading: Unpack[_Reading]) -> Any:
+    """The horizon's angle in directions all round, or its distance, as Field.horizon."""
+    r = _Raster(source, **reading)
+    return r.make_around(_plans.horizon(r.geometry, directions, max_distance, start, curvature, False, distance))
 
 
 def sky_view(source: Any, directions: int = 32, max_distance: float | None = None, *, curvature: float = 0.0, tilted: bool = False,
-             chunks: Any = None, threads: int = 1, nodata: float | None = None, crs: Any = None, band: int | None = None,
-             memory: float = 2e9) -> Any:
+             **reading: Unpack[_Reading]) -> Any:
     """The share of the sky, as Field.sky_view."""
-    sky = sky_of(directions, max_distance, curvature, 0.0)
-    r = _Raster(source, chunks, threads, nodata, crs, band, memory)
-    blocks = r.map(_sky_view, *_around_chunk(r, sky[2]), 4, (*sky, False), bool(tilted))
-    return r.result(blocks, np.float32, "sky_view", {"long_name": "sky-view factor"})
+    r = _Raster(source, **reading)
+    return r.make_around(_plans.sky_view(r.geometry, directions, max_distance, curvature, False, tilted))
 
 
 def visibility(source: Any, directions: int = 128, max_distance: float | None = None, *, observer_height: float = 2.0,
-               target_height: float = 0.0, curvature: float | None = None, result: str = "area", chunks: Any = None, threads: int = 1,
-               nodata: float | None = None, crs: Any = None, band: int | None = None, memory: float = 2e9) -> Any:
+               target_height: float = 0.0, curvature: float | None = None, result: str = "area", **reading: Unpack[_Reading]) -> Any:
     """How much of the ground every sample sees, as Field.visibility."""
-    r = _Raster(source, chunks, threads, nodata, crs, band, memory)
-    bent = (6.0 / 7 if r.geometry.placed else 0.0) if curvature is None else finite(curvature, "curvature", 0)
-    look = look_of(directions, max_distance, observer_height, target_height, bent, result)
-    # The turned land and its bounds beside the field; sums in double and answers for the chunk.
-    blocks = r.map(_visibility, *_around_chunk(r, look[1]), 16, look)
-    return r.result(blocks, np.float32, "visibility", VISIBILITY[look[-1]])
+    r = _Raster(source, **reading)
+    plan = _plans.visibility(r.geometry, directions, max_distance, observer_height, target_height, curvature, 1, result)
+    return r.make_around(plan, 16)  # the turned land and its bounds beside the field; sums in double and answers for the chunk
 
 
 def viewshed(source: Any, x: Any, y: Any, observer_height: Any = None, target_height: float = 0.0, max_distance: float | None = None,
-             needed: bool = False, *, observer_elevation: Any = None, curvature: float | None = None, chunks: Any = None,
-             threads: int = 1, nodata: float | None = None, crs: Any = None, band: int | None = None, memory: float = 2e9) -> Any:
+             needed: bool = False, *, observer_elevation: Any = None, curvature: float | None = None, **reading: Unpack[_Reading]) -> Any:
     """Which samples are seen, as Field.viewshed. Observers are looked from one by one, each in its window of max_distance."""
-    places, absolute = places_of(x, y, observer_height, observer_elevation, needed)
-    distance, target = distance_of(max_distance), finite(target_height, "target_height")
-    r = _Raster(source, chunks, threads, nodata, crs, band, memory)
+    places, absolute = _plans.places_of(x, y, observer_height, observer_elevation, needed)
+    distance, target = _plans.distance_of(max_distance), finite(target_height, "target_height")
+    r = _Raster(source, **reading)
     g = r.geometry
-    bend = (6.0 / 7 if g.placed else 0.0) if curvature is None else finite(curvature, "curvature", 0)
+    bend = _plans.bend_of(g, curvature)
     task, views, whole = r.delayed(_seen), [], (0, 0, g.rows, g.columns)
     for place in places:
         window = r.reach.around(place[0], place[1], distance) if distance else whole

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "field.h"
+#include "call.h"
 
 #include <math.h>
 #include <string.h>
@@ -257,11 +257,8 @@ static PyMethodDef methods[] = {
     {"coarser", field_coarser, METH_VARARGS, NULL},
     {"describe", field_describe, METH_NOARGS, NULL},
     {"scale", field_scale, METH_VARARGS, NULL},
-    {"shadow", field_shadow, METH_VARARGS, NULL},
-    {"horizon", field_horizon, METH_VARARGS, NULL},
-    {"sky_view", field_sky_view, METH_VARARGS, NULL},
+    {"make", field_make, METH_VARARGS, NULL},
     {"viewshed", field_viewshed, METH_VARARGS, NULL},
-    {"visibility", field_visibility, METH_VARARGS, NULL},
     {"line_of_sight", field_line_of_sight, METH_VARARGS, NULL},
     {NULL, NULL, 0, NULL},
 };

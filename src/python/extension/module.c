@@ -9,6 +9,7 @@
 #include "reach_object.h"
 #include "sun.h"
 
+#include <math.h>
 #include <stddef.h>
 
 static PyObject *list_kernels(PyObject *self, PyObject *unused) {
@@ -25,13 +26,24 @@ static PyObject *list_kernels(PyObject *self, PyObject *unused) {
     return list;
 }
 
-/* sun(seconds, longitude, latitude) -> azimuth, altitude, refraction, radius */
-static PyObject *sun(PyObject *self, PyObject *arguments) {
-    double seconds, longitude, latitude;
+/* suns(seconds, longitude, latitude, turned, out): a place of the sun for each of the times, azimuths from the map's north, which is
+ * turned by that from the true one toward the west. */
+static PyObject *suns(PyObject *self, PyObject *arguments) {
+    Py_buffer times = {0}, out = {0};
+    double longitude, latitude, turned;
     (void)self;
-    if (!PyArg_ParseTuple(arguments, "ddd:sun", &seconds, &longitude, &latitude)) return NULL;
-    const sun_position p = sun_at(seconds, longitude, latitude);
-    return Py_BuildValue("(dddd)", p.azimuth, p.altitude, p.refraction, p.radius);
+    if (!PyArg_ParseTuple(arguments, "y*dddw*:suns", &times, &longitude, &latitude, &turned, &out)) return NULL;
+    const size_t count = (size_t)times.len / sizeof(double);
+    const bool good = buffer_holds(&out, count * sizeof(sun_position), "out");
+    for (size_t k = 0; k < count && good; k++) {
+        sun_position p = sun_at(((const double *)times.buf)[k], longitude, latitude);
+        p.azimuth = fmod(p.azimuth + turned + 360, 360);
+        ((sun_position *)out.buf)[k] = p;
+    }
+    PyBuffer_Release(&times);
+    PyBuffer_Release(&out);
+    if (!good) return NULL;
+    Py_RETURN_NONE;
 }
 
 /* The clock of `--time`: None if the text is none. */
@@ -80,7 +92,7 @@ static PyObject *lon_lat(PyObject *self, PyObject *arguments) {
 }
 
 static PyMethodDef functions[] = {
-    {"kernels", list_kernels, METH_NOARGS, NULL},       {"sun", sun, METH_VARARGS, NULL},
+    {"kernels", list_kernels, METH_NOARGS, NULL},       {"suns", suns, METH_VARARGS, NULL},
     {"parse_time", parse_time, METH_VARARGS, NULL},     {"describe_crs", describe_crs, METH_VARARGS, NULL},
     {"lon_lat", lon_lat, METH_VARARGS, NULL},           {"read_raster", read_raster, METH_VARARGS, NULL},
     {"find_scale", find_scale, METH_VARARGS, NULL},     {"raster_size", raster_size, METH_VARARGS, NULL},

@@ -1,222 +1,179 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Sunlight and horizons, row by row into the caller's arrays. Messages name arguments as cellwalk/_products.py calls them. */
-#include "field.h"
+/* Products with a number for each sample of the window, which has all of the field's columns but for visibility's. */
+#include "call.h"
 #include "horizon.h"
+#include "insolation.h"
 #include "shadow.h"
 #include "visibility.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* So many angles are computed between two looks for Ctrl-C: 0.1 s on one thread. */
-enum { ANGLES_AT_ONCE = 1 << 20 };
-
-static size_t rows_at_once(const py_field *f, double passes) {
-    const double rows = ANGLES_AT_ONCE / (passes * (double)f->nx);
-    return rows < 1 ? 1 : (size_t)rows;
-}
-
 /* ---- the sun ----------------------------------------------------------------------------------------------------- */
 
-static cw_status light_rows(py_field *f, work *w, const sunlight_desc *d, size_t row, size_t rows, uint8_t *lit,
-                            float *share) {
+cw_status make_shadow(call *c) {
+    const call_numbers *n = &c->n;
+    const size_t nx = c->field->nx;
+    const sunlight_desc d = {.azimuth = n->azimuth,
+                             .altitude = n->altitude,
+                             .radius = n->disc,
+                             .curvature = n->curvature,
+                             .hillshade = n->hillshade != 0};
+    const bool share = n->share != 0;
+    char *out = call_output(c, 0, c->at.ny * nx * (share ? sizeof(float) : 1));
     sunlight *light;
-    cw_status status = sunlight_create(&f->terrain, d, &light);
+    if (out == NULL) return CW_ERROR_ARGUMENT;
+    cw_status status = sunlight_create(&c->field->terrain, &d, &light);
     if (status != CW_OK) return status;
-    const size_t most = rows_at_once(f, d->radius > 0 ? 16 : 1);
-    for (size_t k = 0, count; k < rows && status == CW_OK; k += count) {
-        count = rows - k < most ? rows - k : most;
-        if (!work_watch(w, (double)k / (double)rows))
-            status = CW_ERROR_CANCELLED;
-        else if (share)
-            status = sunlight_share(light, &w->run, row + k, count, share + k * f->nx);
-        else
-            status = sunlight_lit(light, &w->run, row + k, count, lit + k * f->nx);
-    }
+    for (size_t k = 0, some; status == CW_OK && (some = call_rows(c, k, d.radius > 0 ? 16 : 1)) > 0; k += some)
+        status = share ? sunlight_share(light, &c->work.run, c->at.j + k, some, (float *)out + k * nx)
+                       : sunlight_lit(light, &c->work.run, c->at.j + k, some, (uint8_t *)out + k * nx);
     sunlight_destroy(light);
     return status;
 }
 
-static bool check_rows(const py_field *f, Py_ssize_t row, Py_ssize_t rows) {
-    if (row >= 0 && rows >= 0 && (size_t)rows <= f->ny && (size_t)row <= f->ny - (size_t)rows) return true;
-    PyErr_SetString(PyExc_ValueError, "rows: no part of the field");
-    return false;
+/* ---- what goes all round --------------------------------------------------------------------------------------------- */
+
+static horizon_desc horizon_of(const call *c) {
+    return (horizon_desc){.start = c->n.start,
+                          .count = (size_t)c->n.directions,
+                          .max_distance = c->n.max_distance,
+                          .curvature = c->n.curvature,
+                          .grid = c->n.grid != 0};
 }
 
-/* shadow(azimuth, altitude, radius, curvature, hillshade, row, rows, as_share, out, threads, progress) */
-PyObject *field_shadow(PyObject *self, PyObject *arguments) {
-    py_field *f = (py_field *)self;
-    sunlight_desc d = {0};
-    Py_buffer out = {0};
-    Py_ssize_t row, rows;
-    int hillshade, share;
-    unsigned threads;
-    PyObject *progress;
-    if (!PyArg_ParseTuple(arguments, "ddddpnnpw*IO:shadow", &d.azimuth, &d.altitude, &d.radius, &d.curvature,
-                          &hillshade, &row, &rows, &share, &out, &threads, &progress))
-        return NULL;
-    d.hillshade = hillshade != 0;
-    bool good = check_rows(f, row, rows) &&
-                buffer_holds(&out, (size_t)rows * f->nx * (share ? sizeof(float) : 1), "out") && field_enter_ground(f);
-    if (good) {
-        work w;
-        if ((good = work_begin(&w, threads, NULL, progress))) {
-            w.run.watch = work_look;
-            const cw_status status =
-                light_rows(f, &w, &d, (size_t)row, (size_t)rows, share ? NULL : out.buf, share ? out.buf : NULL);
-            good = work_end(&w, status, "shadow");
-        }
-        field_leave(f);
-    }
-    PyBuffer_Release(&out);
-    if (!good) return NULL;
-    Py_RETURN_NONE;
-}
+typedef cw_status find_some(horizon *h, const cw_run *run, size_t number, size_t row, size_t rows, float *to);
 
-/* ---- horizons ---------------------------------------------------------------------------------------------------- */
-
-static cw_status angle_rows(py_field *f, work *w, const horizon_desc *desc, size_t row, size_t rows, float *out,
-                            double *azimuths) {
+/* Direction by direction: a plane of the first output, and an azimuth of the second. */
+static cw_status find_all(call *c, find_some *find) {
+    const horizon_desc d = horizon_of(c);
+    const size_t nx = c->field->nx, plane = c->at.ny * nx;
+    float *out = call_output(c, 0, d.count * plane * sizeof *out);
+    double *azimuths = call_output(c, 1, d.count * sizeof *azimuths);
     horizon *h;
-    cw_status status = horizon_create(&f->terrain, desc, &h);
-    const size_t most = rows_at_once(f, 1);
-    for (size_t k = 0; k < desc->count && status == CW_OK; k++) {
+    if (out == NULL || azimuths == NULL) return CW_ERROR_ARGUMENT;
+    cw_status status = horizon_create(&c->field->terrain, &d, &h);
+    for (size_t k = 0; k < d.count && status == CW_OK; k++, out += plane) {
         azimuths[k] = horizon_azimuth(h, k);
-        for (size_t r = 0, some; r < rows && status == CW_OK; r += some) {
-            some = rows - r < most ? rows - r : most;
-            const double done = ((double)k + (double)r / (double)rows) / (double)desc->count;
-            float *angles = out + (k * rows + r) * f->nx;
-            status = work_watch(w, done) ? horizon_angles(h, &w->run, k, row + r, some, angles) : CW_ERROR_CANCELLED;
-            for (size_t n = 0; n < some * f->nx && status == CW_OK; n++)
-                if (angles[n] == -90) angles[n] = NAN; /* nothing is there: no horizon */
-        }
+        c->begin = (double)k / (double)d.count;
+        c->share = 1 / (double)d.count;
+        for (size_t r = 0, some; status == CW_OK && (some = call_rows(c, r, 1)) > 0; r += some)
+            status = find(h, &c->work.run, k, c->at.j + r, some, out + r * nx);
+        for (size_t s = 0; s < plane && status == CW_OK && find == horizon_angles; s++)
+            if (out[s] == -90) out[s] = NAN; /* nothing is there: no horizon */
     }
     horizon_destroy(h);
     return status;
 }
 
-/* horizon(start, directions, max_distance, curvature, grid, row, rows, out, azimuths, threads, progress): out holds directions ×
- * rows × nx floats, azimuths a double a direction. */
-PyObject *field_horizon(PyObject *self, PyObject *arguments) {
-    py_field *f = (py_field *)self;
-    horizon_desc d = {0};
-    Py_buffer out = {0}, azimuths = {0};
-    Py_ssize_t count, row, rows;
-    int grid;
-    unsigned threads;
-    PyObject *progress;
-    if (!PyArg_ParseTuple(arguments, "dnddpnnw*w*IO:horizon", &d.start, &count, &d.max_distance, &d.curvature, &grid,
-                          &row, &rows, &out, &azimuths, &threads, &progress))
-        return NULL;
-    d.count = (size_t)count;
-    d.grid = grid != 0;
-    bool good = count > 0 && check_rows(f, row, rows) &&
-                buffer_holds(&out, d.count * (size_t)rows * f->nx * sizeof(float), "out") &&
-                buffer_holds(&azimuths, d.count * sizeof(double), "azimuths") && field_enter_ground(f);
-    if (good) {
-        work w;
-        if ((good = work_begin(&w, threads, NULL, progress))) {
-            w.run.watch = work_look;
-            good = work_end(&w, angle_rows(f, &w, &d, (size_t)row, (size_t)rows, out.buf, azimuths.buf), "horizon");
-        }
-        field_leave(f);
-    }
-    PyBuffer_Release(&out);
-    PyBuffer_Release(&azimuths);
-    if (!good) return NULL;
-    Py_RETURN_NONE;
-}
+cw_status make_angles(call *c) { return find_all(c, horizon_angles); }
+cw_status make_distances(call *c) { return find_all(c, horizon_distances); }
 
-static cw_status sky_rows(py_field *f, work *w, const horizon_desc *desc, bool tilted, size_t row, size_t rows,
-                          float *out) {
+typedef cw_status sum_some(horizon *h, const cw_run *run, size_t row, size_t rows, float *to,
+                           terrain_progress *progress, void *context, bool *done);
+
+/* Sums over directions, times a number, into plane number k of the output. */
+static cw_status sum_all(call *c, const horizon_desc *d, sum_some *sum, size_t k, float times) {
+    const size_t nx = c->field->nx, plane = c->at.ny * nx;
+    float *out = call_output(c, 0, (k + 1) * plane * sizeof *out);
     horizon *h;
-    cw_status status = horizon_create(&f->terrain, desc, &h);
-    const size_t most = rows_at_once(f, 1);
-    for (size_t r = 0, some; r < rows && status == CW_OK; r += some) {
-        some = rows - r < most ? rows - r : most;
-        bool done = work_part(w, (double)r / (double)rows, (double)some / (double)rows);
-        if (done)
-            status = (tilted ? horizon_sky_view_tilted : horizon_sky_view)(h, &w->run, row + r, some, out + r * f->nx,
-                                                                           work_watch, w, &done);
-        if (!done && status == CW_OK) status = CW_ERROR_CANCELLED;
-    }
+    if (out == NULL) return CW_ERROR_ARGUMENT;
+    out += k * plane;
+    cw_status status = horizon_create(&c->field->terrain, d, &h);
+    bool done = true;
+    for (size_t r = 0, some; status == CW_OK && done && (some = call_rows(c, r, 1)) > 0; r += some)
+        status = sum(h, &c->work.run, c->at.j + r, some, out + r * nx, work_watch, &c->work, &done);
+    for (size_t s = 0; s < plane && status == CW_OK && times != 1; s++) out[s] *= times;
     horizon_destroy(h);
     return status;
 }
 
-/* sky_view(directions, max_distance, curvature, grid, tilted, row, rows, out, threads, progress) */
-PyObject *field_sky_view(PyObject *self, PyObject *arguments) {
-    py_field *f = (py_field *)self;
-    horizon_desc d = {0};
-    Py_buffer out = {0};
-    Py_ssize_t count, row, rows;
-    int grid, tilted;
-    unsigned threads;
-    PyObject *progress;
-    if (!PyArg_ParseTuple(arguments, "nddppnnw*IO:sky_view", &count, &d.max_distance, &d.curvature, &grid, &tilted,
-                          &row, &rows, &out, &threads, &progress))
-        return NULL;
-    d.count = (size_t)count;
-    d.grid = grid != 0;
-    bool good = count > 0 && check_rows(f, row, rows) &&
-                buffer_holds(&out, (size_t)rows * f->nx * sizeof(float), "out") && field_enter_ground(f);
-    if (good) {
-        work w;
-        if ((good = work_begin(&w, threads, NULL, progress))) {
-            w.run.watch = work_look;
-            const cw_status status = sky_rows(f, &w, &d, tilted != 0, (size_t)row, (size_t)rows, out.buf);
-            good = work_end(&w, status, "sky_view");
-        }
-        field_leave(f);
-    }
-    PyBuffer_Release(&out);
-    if (!good) return NULL;
-    Py_RETURN_NONE;
+static cw_status make_sum(call *c, sum_some *sum) {
+    const horizon_desc d = horizon_of(c);
+    return sum_all(c, &d, sum, 0, 1);
+}
+
+cw_status make_sky(call *c) { return make_sum(c, horizon_sky_view); }
+cw_status make_tilted_sky(call *c) { return make_sum(c, horizon_sky_view_tilted); }
+
+/* ---- sunlight over days ------------------------------------------------------------------------------------------------ */
+
+/* Input 0: places of the sun. */
+static cw_status find_suns(call *c, insolation **sum) {
+    size_t count;
+    const sun_position *suns = call_input(c, 0, sizeof *suns, &count);
+    const insolation_desc d = {.suns = suns,
+                               .count = count,
+                               .hours = c->n.hours,
+                               .linke = c->n.linke,
+                               .curvature = c->n.curvature,
+                               .directions = (size_t)c->n.directions};
+    return insolation_create(&c->field->terrain, &d, sum);
+}
+
+typedef cw_status sun_some(insolation *s, const cw_run *run, size_t row, size_t rows, float *to,
+                           terrain_progress *progress, void *context, bool *done);
+
+static cw_status add_suns(call *c, insolation *s, sun_some *add) {
+    const size_t nx = c->field->nx;
+    float *out = call_output(c, 0, c->at.ny * nx * sizeof *out);
+    cw_status status = out ? CW_OK : CW_ERROR_ARGUMENT;
+    bool done = true;
+    for (size_t r = 0, some; status == CW_OK && done && (some = call_rows(c, r, 1)) > 0; r += some)
+        status = add(s, &c->work.run, c->at.j + r, some, out + r * nx, work_watch, &c->work, &done);
+    return status;
+}
+
+cw_status make_hours(call *c) {
+    insolation *s;
+    cw_status status = find_suns(c, &s);
+    if (status == CW_OK) status = add_suns(c, s, insolation_hours);
+    insolation_destroy(s);
+    return status;
+}
+
+/* A plane of direct light and one of diffuse light. */
+cw_status make_irradiance(call *c) {
+    const horizon_desc sky = {.count = (size_t)c->n.sky, .curvature = c->n.curvature};
+    insolation *s;
+    cw_status status = find_suns(c, &s);
+    c->share = 0.5;
+    if (status == CW_OK) status = add_suns(c, s, insolation_direct);
+    c->begin = 0.5;
+    if (status == CW_OK) status = sum_all(c, &sky, horizon_sky_view_tilted, 1, (float)insolation_diffuse(s));
+    insolation_destroy(s);
+    return status;
 }
 
 /* ---- the ground in sight ------------------------------------------------------------------------------------------- */
 
-/* visibility(directions, max_distance, eye, target, curvature, every, kind, row, column, rows, columns, out, threads, progress):
- * kind: a for the area, s for its share, l for the longest line of sight, z for that one's azimuth. */
-PyObject *field_visibility(PyObject *self, PyObject *arguments) {
-    py_field *f = (py_field *)self;
-    visibility_desc d = {0};
-    Py_buffer out = {0};
-    Py_ssize_t directions, every, row, column, rows, columns;
-    int kind;
-    unsigned threads;
-    PyObject *progress;
-    if (!PyArg_ParseTuple(arguments, "nddddnCnnnnw*IO:visibility", &directions, &d.max_distance, &d.eye_height,
-                          &d.target_height, &d.curvature, &every, &kind, &row, &column, &rows, &columns, &out, &threads,
-                          &progress))
-        return NULL;
-    const size_t wide = every > 0 ? (size_t)((columns + every - 1) / every) : 0,
-                 high = every > 0 ? (size_t)((rows + every - 1) / every) : 0, eyes = wide * high;
-    d.directions = (size_t)directions;
-    d.every = (size_t)every;
-    bool good = directions > 0 && every > 0 && column >= 0 && columns >= 0 && check_rows(f, row, rows) &&
-                buffer_holds(&out, eyes * sizeof(float), "out") && field_enter_ground(f);
-    if (good) {
-        work w;
-        float *other = kind == 'l' || kind == 'z' ? malloc(eyes * sizeof *other + 1) : NULL;
-        if ((good = work_begin(&w, threads, NULL, progress))) {
-            visibility_answers to = {.area = kind == 'a' ? out.buf : NULL, .share = kind == 's' ? out.buf : NULL};
-            if (other != NULL) {
-                to.farthest = kind == 'l' ? out.buf : other;
-                to.azimuth = kind == 'l' ? other : out.buf;
-            }
-            const cw_rectangle at = {(size_t)column, (size_t)row, (size_t)columns, (size_t)rows};
-            bool done = false;
-            cw_status status = other == NULL && (kind == 'l' || kind == 'z')
-                                   ? CW_ERROR_MEMORY
-                                   : visibility_find(&f->terrain, &d, &w.run, at, &to, work_watch, &w, &done);
-            if (status == CW_OK && !done) status = CW_ERROR_CANCELLED;
-            good = work_end(&w, status, "visibility");
-        }
+/* kind: the answer wanted, as visibility_answers has them. */
+cw_status make_visibility(call *c) {
+    enum { AREA, SHARE, LONGEST, AZIMUTH };
+    const call_numbers *n = &c->n;
+    const int kind = (int)n->kind;
+    const visibility_desc d = {.directions = (size_t)n->directions,
+                               .max_distance = n->max_distance,
+                               .eye_height = n->observer_height,
+                               .target_height = n->target_height,
+                               .curvature = n->curvature,
+                               .every = n->every >= 1 ? (size_t)n->every : 1};
+    const size_t wide = (c->at.nx + d.every - 1) / d.every, eyes = wide * ((c->at.ny + d.every - 1) / d.every);
+    float *out = call_output(c, 0, eyes * sizeof *out),
+          *other = kind >= LONGEST ? malloc(eyes * sizeof *other + 1) : NULL;
+    if (out == NULL || (kind >= LONGEST && other == NULL)) {
         free(other);
-        field_leave(f);
+        return out == NULL ? CW_ERROR_ARGUMENT : CW_ERROR_MEMORY;
     }
-    PyBuffer_Release(&out);
-    if (!good) return NULL;
-    Py_RETURN_NONE;
+    const visibility_answers to = {.area = kind == AREA ? out : NULL,
+                                   .share = kind == SHARE ? out : NULL,
+                                   .farthest = kind == LONGEST ? out : other,
+                                   .azimuth = kind == LONGEST   ? other
+                                              : kind == AZIMUTH ? out
+                                                                : NULL};
+    bool done;
+    const cw_status status =
+        visibility_find(&c->field->terrain, &d, &c->work.run, c->at, &to, work_watch, &c->work, &done);
+    free(other);
+    return status;
 }

@@ -1,0 +1,240 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Products' arguments, checked, as plans: numbers by name for the extension, and how the result looks. Field makes a plan of all rows,
+cellwalk.dask of a chunk's."""
+
+from __future__ import annotations
+
+import datetime
+import math
+import re
+from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Union
+
+import numpy as np
+
+from . import _cellwalk
+from ._convert import Crs, count, finite, numbers, warn
+
+if TYPE_CHECKING:
+    Time = Union[str, datetime.datetime, np.datetime64]
+    Day = Union[str, datetime.date, np.datetime64]
+
+SUN_RADIUS = 0.2666  # degrees, as src/terrain/sun.h has it
+_DEGREES = 180 / 3.141592653589793
+
+
+class Site(NamedTuple):
+    """Where a raster lies."""
+    rows: int
+    columns: int
+    map: Any
+    placed: bool
+    crs: Crs
+
+
+class Plan(NamedTuple):
+    make: str  # the extension's name
+    numbers: dict[str, float]
+    name: str  # the result's
+    attrs: dict[str, Any]
+    dtype: Any = np.float32
+    lead: Optional[tuple[str, Any]] = None  # a dimension before rows and columns, and its values; azimuths are filled in
+    inputs: tuple = ()
+
+    def shape(self, rows: int, columns: int) -> tuple[int, ...]:
+        every = int(self.numbers.get("every", 1))
+        return (*(() if self.lead is None else (len(self.lead[1]),)), -(-rows // every), -(-columns // every))
+
+
+# ---- the sun ----------------------------------------------------------------------------------------------------------------
+
+
+def seconds_of(time: Time) -> float:
+    if isinstance(time, str):
+        seconds = _cellwalk.parse_time(time)
+        if seconds is None:
+            raise ValueError(f"time: {time!r}, expected a time with its zone, as 2024-06-21T12:00:00Z or +02:00")
+        return seconds
+    if isinstance(time, np.datetime64):
+        return float((time - np.datetime64(0, "s")) / np.timedelta64(1, "s"))
+    if isinstance(time, datetime.datetime):
+        if time.tzinfo is None:
+            raise ValueError(f"time: {time!r} has no time zone; use datetime.timezone.utc")
+        return time.timestamp()
+    raise TypeError(f"time: {time!r}, expected a string, datetime or datetime64 (UTC)")
+
+
+def suns_at(seconds, longitude: float, latitude: float, turned: float = 0.0) -> np.ndarray:
+    """Azimuth, altitude, refraction, radius and distance at each of the times."""
+    times = np.atleast_1d(np.asarray(seconds, np.float64))
+    out = np.empty((times.size, 5))
+    if times.size:
+        _cellwalk.suns(times, longitude, latitude, turned, out)
+    return out
+
+
+def locate(site: Site, what: str) -> tuple[float, float, float]:
+    """Longitude and latitude of the middle; how far the map's north is turned from the true one, toward the west."""
+    m, known = site.map, site.crs
+    i, j = 0.5 * (site.columns - 1), 0.5 * (site.rows - 1)
+    x, y = (float(m[k][0] * i + m[k][1] * j + m[k][3]) for k in range(2))
+    if known.geographic:
+        unit = known.unit or 3.141592653589793 / 180
+        return x * unit * _DEGREES, y * unit * _DEGREES, 0.0
+    if known.wkt is None:
+        raise ValueError(f"{what}: without a coordinate system (crs) nothing says where the sun stands; give "
+                         f"{'azimuth and altitude' if what == 'time' else 'lon_lat'}")
+    longitude, latitude = _cellwalk.lon_lat(known.wkt, False, x, y)
+    south = latitude - 1e-4
+    (x0, y0), (x1, y1) = (_cellwalk.lon_lat(known.wkt, True, longitude, v) for v in (south, south + 2e-4))
+    return longitude, latitude, math.atan2(x1 - x0, y1 - y0) * _DEGREES
+
+
+def _midnight(day: Day, name: str) -> float:
+    """Seconds to the beginning of a day of UTC."""
+    text = day.isoformat() if isinstance(day, datetime.date) else str(day) if isinstance(day, (str, np.datetime64)) else ""
+    seconds = _cellwalk.parse_time(f"{text}T00:00Z") if re.fullmatch(r"\d{4}-\d\d-\d\d", text) else None
+    if seconds is None:
+        raise ValueError(f"{name}: {day!r}, expected a day, as 2024-06-21")
+    return seconds
+
+
+def _step(step: str | float | datetime.timedelta) -> float:
+    """Seconds that divide a day."""
+    found = re.fullmatch(r"([\d.]+)(s|min|h)", step) if isinstance(step, str) else None
+    try:
+        seconds = (step.total_seconds() if isinstance(step, datetime.timedelta) else
+                   float(found[1]) * {"s": 1, "min": 60, "h": 3600}[found[2]] if found else float(step))
+    except (TypeError, ValueError):
+        seconds = 0.0
+    if not (1 <= seconds <= 86400 and abs(round(86400 / seconds) * seconds - 86400) < 1e-6):
+        raise ValueError(f"step: {step!r}, expected a time that divides a day, as 15min, 1h or 30s")
+    return seconds
+
+
+def warn_of_night(altitude: float) -> None:
+    if altitude <= 0:
+        warn(f"altitude: the sun is at {altitude:.3f} degrees, below the horizon")
+
+
+def shadow(site: Site, azimuth, altitude, time, hillshade, disc, curvature) -> Plan:
+    if time is not None:
+        if azimuth is not None or altitude is not None:
+            raise ValueError("time: goes without azimuth and altitude")
+        seconds = seconds_of(time)  # a wrong time is reported before a missing map
+        azimuth, altitude, _, radius, _ = suns_at(seconds, *locate(site, "time"))[0].tolist()
+        disc = radius if disc is True else disc
+    azimuth = finite(225 if azimuth is None else azimuth, "azimuth")
+    altitude = finite(30 if altitude is None else altitude, "altitude", -90, 90)
+    disc = SUN_RADIUS if disc is True else finite(disc, "disc", 0, 10)
+    curvature, share = finite(curvature, "curvature", 0), disc > 0 or bool(hillshade)
+    warn_of_night(altitude)
+    light = {"azimuth": azimuth, "altitude": altitude}
+    return Plan("shadow", {**light, "disc": disc, "curvature": curvature, "hillshade": bool(hillshade), "share": share}, "shadow",
+                {"long_name": "sunlight", **light, **({} if share else {"_FillValue": np.uint8(255)})}, np.float32 if share else np.uint8)
+
+
+def insolation(site: Site, date, to, step, directions, irradiance, linke, sky, lon_lat, curvature) -> Plan:
+    first, seconds = _midnight(date, "date"), _step(step)
+    last = first if to is None else _midnight(to, "to")
+    if last < first:
+        raise ValueError(f"to: {to!r} is before date={date!r}")
+    if lon_lat is None:
+        place = locate(site, "date")
+    else:
+        place = finite(lon_lat[0], "lon_lat"), finite(lon_lat[1], "lon_lat", -90, 90), 0.0
+    steps = round((last + 86400 - first) / seconds)
+    if steps > 1100000:
+        raise ValueError(f"step: {step!r} makes {steps} steps of the time from {date} to {to or date}, expected at most 1100000")
+    # Days begin at midnight of the place's mean solar time; the sun stands in the middle of each step.
+    midnight = first - place[0] / 360 * 86400
+    suns = suns_at(midnight + (np.arange(steps) + 0.5) * seconds, *place)
+    numbers = {"hours": seconds / 3600, "linke": finite(linke, "linke", 1, 10), "sky": count(sky, "sky", 1, 3600),
+               "directions": 0 if directions is None else count(directions, "directions", 8, 3600),
+               "curvature": finite(curvature, "curvature", 0)}
+    if irradiance:
+        return Plan("irradiance", numbers, "irradiance", {"long_name": "energy of sunlight on the ground", "units": "Wh m-2"},
+                    lead=("light", ["direct", "diffuse"]), inputs=(suns,))
+    return Plan("hours", numbers, "sunlight_hours", {"long_name": "hours of direct sunlight", "units": "h"}, inputs=(suns,))
+
+
+# ---- what goes all round ----------------------------------------------------------------------------------------------------
+
+
+def distance_of(max_distance) -> float:
+    """Metres; 0: no limit."""
+    if max_distance is None:
+        return 0.0
+    distance = finite(max_distance, "max_distance", 0)
+    if distance == 0:
+        raise ValueError("max_distance: 0, expected metres above 0")
+    return distance
+
+
+def _round(site: Site, directions, max_distance, curvature, grid=False, start=0.0) -> dict[str, float]:
+    sky = {"start": finite(start, "start"), "directions": count(directions, "directions", 1, 3600),
+           "max_distance": distance_of(max_distance), "curvature": finite(curvature, "curvature", 0), "grid": bool(grid)}
+    if grid and directions not in (8, 16, 32):
+        raise ValueError(f"directions: {directions}, expected 8, 16 or 32 with grid")
+    if grid and (sky["start"] != 0 or max_distance is not None):
+        raise ValueError("grid: goes without start and max_distance")
+    if grid and site.crs.geographic:
+        raise ValueError("grid: needs a map in metres, and this one is in degrees")
+    return sky
+
+
+def horizon(site: Site, directions, max_distance, start, curvature, grid, distance) -> Plan:
+    if grid and distance:
+        raise ValueError("distance: goes without grid")
+    sky = _round(site, directions, max_distance, curvature, grid, start)
+    azimuths = np.fmod(sky["start"] + 360 * np.arange(directions) / directions, 360)
+    about = {"long_name": "distance to the horizon", "units": "m"} if distance else {"long_name": "horizon", "units": "degrees"}
+    return Plan("horizon_distance" if distance else "horizon", sky, "horizon", about, lead=("azimuth", azimuths))
+
+
+def sky_view(site: Site, directions, max_distance, curvature, grid, tilted) -> Plan:
+    if grid and tilted:
+        raise ValueError("tilted: goes without grid")
+    return Plan("sky_view_tilted" if tilted else "sky_view", _round(site, directions, max_distance, curvature, grid), "sky_view",
+                {"long_name": "sky-view factor"})
+
+
+# ---- sight ------------------------------------------------------------------------------------------------------------------
+
+_VISIBILITY = {"area": {"long_name": "ground in sight", "units": "km2"}, "share": {"long_name": "share of the ground in sight"},
+               "longest": {"long_name": "farthest ground in sight", "units": "m"},
+               "azimuth": {"long_name": "azimuth of the farthest ground in sight", "units": "degrees"}}
+
+
+def bend_of(site: Site, curvature) -> float:
+    """The curvature of lines of sight."""
+    return (6.0 / 7 if site.placed else 0.0) if curvature is None else finite(curvature, "curvature", 0)
+
+
+def visibility(site: Site, directions, max_distance, observer_height, target_height, curvature, every, result) -> Plan:
+    if result not in _VISIBILITY:
+        raise ValueError(f"result: {result!r}, expected one of {', '.join(_VISIBILITY)}")
+    look = {"directions": count(directions, "directions", 1, 3600), "max_distance": distance_of(max_distance),
+            "observer_height": finite(observer_height, "observer_height", 0), "target_height": finite(target_height, "target_height", 0),
+            "curvature": bend_of(site, curvature), "every": count(every, "every", 1, 1 << 20), "kind": list(_VISIBILITY).index(result)}
+    return Plan("visibility", look, "visibility", _VISIBILITY[result])
+
+
+def places_of(x, y, height, elevation, needed) -> tuple[np.ndarray, bool]:
+    """Observers, shape (n, 3): x, y, and the eye's height above ground or, True, the height itself."""
+    absolute = elevation is not None
+    if absolute and height is not None:
+        raise ValueError("observer_height: goes without observer_elevation")
+    name = "observer_elevation" if absolute else "observer_height"
+    height = elevation if absolute else 2.0 if height is None else height
+    given = [numbers(value, what).astype(np.float64) for value, what in ((x, "x"), (y, "y"), (height, name))]
+    try:
+        places = np.stack(np.broadcast_arrays(*given), -1).reshape(-1, 3)
+    except ValueError:
+        raise ValueError(f"shapes do not broadcast: x {given[0].shape}, y {given[1].shape}, {name} {given[2].shape}") from None
+    if not np.isfinite(places).all():
+        raise ValueError(f"x, y, {name}: observer {places[~np.isfinite(places).all(1)][0].tolist()} is not finite")
+    if not 1 <= len(places) <= 65534:
+        raise ValueError(f"x, y: {len(places)} observers, expected 1 to 65534")
+    if needed and len(places) > 1:
+        raise ValueError(f"needed: the height that is needed is that of one observer, not of {len(places)}")
+    return np.ascontiguousarray(places), absolute

@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A call of one of the products of src/terrain: Field.make(name, numbers, window, inputs, outputs, threads, progress). Python checks
+ * and names the numbers; a product here picks those that it has a use for. */
+#ifndef CELLWALK_PYTHON_CALL_H
+#define CELLWALK_PYTHON_CALL_H
+
+#include "field.h"
+
+/* What products take: 0 where the caller names none. */
+typedef struct call_numbers {
+    double altitude, azimuth, curvature, directions, disc, every, grid, hillshade, hours, kind, linke, max_distance,
+        observer_height, share, sky, start, target_height;
+} call_numbers;
+
+enum { CALL_BUFFERS_MOST = 3 };
+
+typedef struct call {
+    py_field *field;
+    work work;
+    call_numbers n;
+    cw_rectangle at;     /* of the field's samples */
+    double begin, share; /* the part of the work that call_rows divides; all of it at first */
+    Py_buffer in[CALL_BUFFERS_MOST], out[CALL_BUFFERS_MOST];
+    size_t in_count, out_count;
+    char error[256]; /* the text of a ValueError; "": the status says what is wrong */
+} call;
+
+/* Runs without the GIL. A status other than CW_OK becomes an exception, and so does a Ctrl-C that a watch finds. */
+typedef cw_status product(call *c);
+
+/* Output number k, or NULL with an error unless it has so many bytes. */
+void *call_output(call *c, size_t k, size_t bytes);
+
+/* Input number k as records of so many bytes, and how many these are. */
+const void *call_input(call *c, size_t k, size_t bytes, size_t *count);
+
+/* Sets the error; returns CW_ERROR_ARGUMENT. */
+__attribute__((format(printf, 2, 3))) cw_status call_fail(call *c, const char *format, ...);
+
+/* How many of the window's rows come next after the first k: about 0.1 s of work at so many passes over a sample. 0: none are left,
+ * or the work is stopped. work_watch then takes shares of these rows' work. */
+size_t call_rows(call *c, size_t k, double passes);
+
+/* Products by file. */
+product make_angles, make_distances, make_hours, make_irradiance, make_shadow, make_sky, make_tilted_sky,
+    make_visibility;
+
+PyObject *field_make(PyObject *self, PyObject *arguments);
+
+#endif
