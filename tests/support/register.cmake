@@ -38,6 +38,12 @@ function(cellwalk_tell_left_out)
     endforeach()
 endfunction()
 
+# Slow: tests with random parts run a tenth of their rays.
+set(scale_down 1)
+if(CELLWALK_SANITIZE OR CELLWALK_SANITIZE_THREADS OR CMAKE_BUILD_TYPE STREQUAL "Debug" OR CMAKE_CROSSCOMPILING)
+    set(scale_down 10)
+endif()
+
 # A row of the table: the cmocka program test_NAME from sources in FOLDER, and the test NAME that runs it, with FOLDER as label.
 #   SOURCES file…   in FOLDER
 #   LINKS target…   beside cmocka and the library
@@ -102,10 +108,7 @@ function(cellwalk_add_program name program)
     add_executable(${target} ${row_SOURCES})
     target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/${folder})
     target_link_libraries(${target} PRIVATE ${ARGN} cellwalk_test_support cellwalk_flags)
-    if(CELLWALK_SANITIZE OR CELLWALK_SANITIZE_THREADS OR CMAKE_BUILD_TYPE STREQUAL "Debug" OR CMAKE_CROSSCOMPILING)
-        # Slow: tests with random parts run a tenth of their rays.
-        target_compile_definitions(${target} PRIVATE TEST_SCALE_DOWN=10)
-    endif()
+    target_compile_definitions(${target} PRIVATE TEST_SCALE_DOWN=${scale_down})
     if(CMAKE_CROSSCOMPILING) # an emulator's memory is its own, and QEMU 7.2 fails where a forked child starts threads
         target_compile_definitions(${target} PRIVATE TEST_IN_EMULATOR)
     endif()
@@ -126,6 +129,38 @@ function(cellwalk_limit_time name)
     set_tests_properties(${name} PROPERTIES TIMEOUT 900) # a hang, not a slow or busy machine
     if(row_SECONDS)
         set_tests_properties(${name} PROPERTIES COST ${row_SECONDS})
+    endif()
+endfunction()
+
+# A row for tool/test_NAME.py, which starts the program: the test tool_NAME. KERNELS and SECONDS as of cellwalk_test, but that a twin
+# starts the program with emulated kernels. One in which pytest skips a test counts as skipped, and says which.
+function(cellwalk_tool_test name)
+    cmake_parse_arguments(PARSE_ARGV 1 row "" "KERNELS;SECONDS" "NEEDS")
+    cellwalk_add_tool_test(tool_${name} cellwalk_tool tool ${row_NEEDS})
+    if(DEFINED row_KERNELS AND TEST tool_${name})
+        set_property(TEST tool_${name} APPEND PROPERTY LABELS kernels)
+    endif()
+    if(row_KERNELS)
+        if(NOT lacks_emulation AND NOT lacks_tool)
+            cellwalk_emulated_twin(cellwalk_tool)
+            add_dependencies(long cellwalk_tool_emulated)
+        endif()
+        cellwalk_add_tool_test(tool_${name}_avx512_emulated cellwalk_tool_emulated long ${row_NEEDS} emulation)
+    endif()
+endfunction()
+
+# Takes name and row from its caller.
+function(cellwalk_add_tool_test test program label)
+    cellwalk_is_possible(possible ${test} native tool numpy pytest ${ARGN})
+    if(possible)
+        add_test(NAME ${test} WORKING_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/tool
+            COMMAND ${interpreter} -B -m pytest -q -rs -p no:cacheprovider test_${name}.py)
+        set(environment CELLWALK_PROGRAM=$<TARGET_FILE:${program}> CELLWALK_SOURCE=${PROJECT_SOURCE_DIR} CELLWALK_TEST_SLOW=${scale_down})
+        if(TARGET cellwalk_gdal)
+            list(APPEND environment CELLWALK_MODULES=$<TARGET_FILE_DIR:cellwalk_gdal>)
+        endif()
+        set_tests_properties(${test} PROPERTIES LABELS ${label} SKIP_REGULAR_EXPRESSION "SKIPPED \\[" ENVIRONMENT "${environment}")
+        cellwalk_limit_time(${test})
     endif()
 endfunction()
 

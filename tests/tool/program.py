@@ -1,0 +1,289 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The program cellwalk as users run it. Tests work in a folder of their own (conftest.py), where its files are."""
+import ctypes
+import os
+import pathlib
+import resource
+import signal
+import subprocess
+import tempfile
+import time
+import zlib
+
+import numpy as np
+import pytest
+
+PROGRAM, BENCH, LIBRARY, SOURCE = (os.environ.get(f"CELLWALK_{name}", "") for name in ("PROGRAM", "BENCH", "LIBRARY", "SOURCE"))
+DIVISOR, TURN, SLOW = (int(os.environ.get(f"CELLWALK_TEST_{name}", least)) for name, least in (("DIVIDE", 1), ("TURN", 0), ("SLOW", 1)))
+SANITIZER = 99  # the exit status of a program that a sanitizer ends
+REAL = "/usr/lib/R/site-library/terra/ex/elev.tif"  # Luxembourg in degrees, from SRTM
+
+
+def takes(k, most):
+    """Whether case k is one of those that are taken of so many, as test_takes of ../support/check.h."""
+    return (k + TURN) % min(DIVISOR * SLOW, most) == 0
+
+
+def taken(cases, most):
+    return [case for k, case in enumerate(cases) if takes(k, most)]
+
+
+# ---- runs ---------------------------------------------------------------------------------------------------------------
+
+
+class Done:
+    """How a run ended: 128 + the number of the signal that ended it, if one did. Lines that say what was written are in outcome."""
+
+    def __init__(self, status, out, err):
+        self.status, self.bytes = status if status >= 0 else 128 - status, out
+        self.out, text = out.decode(errors="replace"), err.decode(errors="replace")
+        lines = text.splitlines(keepends=True)
+        written = [line.startswith("cellwalk ") and line.endswith(" s\n") and " samples" in line for line in lines]
+        self.err, self.outcome = ("".join(line for line, is_one in zip(lines, written) if is_one == wanted) for wanted in (False, True))
+        assert self.status != SANITIZER and "Sanitizer" not in text and "runtime error" not in text, text
+
+
+def without_rights():
+    """Root may write anywhere unless executing a program gives it no rights. Whether that could be had."""
+    SECUREBITS, NOROOT = 28, 1
+    return os.geteuid() != 0 or ctypes.CDLL(None).prctl(SECUREBITS, NOROOT, 0, 0, 0) == 0
+
+
+def settings(file_size=0, memory=0, powerless=False):
+    def apply():
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # a shell may have started the tests with it ignored
+        for kind, limit in ((resource.RLIMIT_FSIZE, file_size), (resource.RLIMIT_AS, memory)):
+            if limit:
+                resource.setrlimit(kind, (limit, limit))
+        if powerless:
+            assert without_rights()
+    return apply
+
+
+def start(*words, env=(), isa=None, streams=None, **limits):
+    """env: variables beside the tests' own; isa: CELLWALK_ISA; limits: bytes of a file, of memory, no rights of root."""
+    environment = {"ASAN_OPTIONS": f"symbolize=0:exitcode={SANITIZER}", **os.environ, **dict(env)}
+    if isa is not None:
+        environment["CELLWALK_ISA"] = isa
+    out, err = streams or (tempfile.TemporaryFile(), tempfile.TemporaryFile())
+    process = subprocess.Popen([PROGRAM, *map(str, words)], stdin=subprocess.DEVNULL, stdout=out, stderr=err, env=environment,
+                               preexec_fn=settings(**limits))
+    process.streams = out, err
+    return process
+
+
+def end(process):
+    status, texts = process.wait(), []
+    for stream in process.streams:
+        stream.seek(0)
+        texts.append(stream.read())
+        stream.close()
+    return Done(status, *texts)
+
+
+def run(*words, **setting):
+    return end(start(*words, **setting))
+
+
+def well(*words, **setting):
+    """A run without an error or a warning."""
+    done = run(*words, **setting)
+    assert (done.status, done.err) == (0, ""), words
+    return done
+
+
+def refused(status, part, *words, **setting):
+    """A run that fails with these words and leaves nothing behind."""
+    before = entries()
+    done = run(*words, **setting)
+    assert done.status == status and part in done.err and done.err.startswith("cellwalk"), (words, done.status, done.err)
+    assert entries() == before, words
+    return done
+
+
+def array(*words, name="out.npy", **setting):
+    """What a run without messages writes."""
+    well(*words, "-o", name, **setting)
+    return np.load(name)
+
+
+def shell(line):
+    """PROGRAM is the program's name there."""
+    return subprocess.run(line.replace("PROGRAM", f"'{PROGRAM}'"), shell=True, capture_output=True, text=True)
+
+
+# ---- runs that do not come to their end -----------------------------------------------------------------------------------
+
+
+def wait_until(process, is_so):
+    """The pause leaves the CPU to the program and decides nothing: only its end ends the wait before its time."""
+    while True:
+        over = process.poll() is not None
+        if is_so():
+            return
+        assert not over, "the program ended too early"
+        time.sleep(0.001)
+
+
+def open_files(process):
+    """Names below the working directory of what the program has open."""
+    names, here = [], os.getcwd() + "/"
+    try:
+        for descriptor in os.listdir(f"/proc/{process.pid}/fd"):
+            names.append(os.readlink(f"/proc/{process.pid}/fd/{descriptor}"))
+    except OSError:  # it has ended, or closed the file meanwhile
+        pass
+    return [name[len(here):] for name in names if name.startswith(here)]
+
+
+def wait_for_output(process):
+    """An output has a temporary name, or none."""
+    wait_until(process, lambda: any(name.startswith("#") or "/#" in name or ".tmp" in name for name in open_files(process)))
+
+
+def wait_for_input(process, name):
+    wait_until(process, lambda: name in open_files(process))
+
+
+def wait_for_map(process, name):
+    """Samples and rays of .npy files are mapped for as long as they are used."""
+    def is_mapped():
+        try:
+            return f"{os.getcwd()}/{name}\n" in pathlib.Path(f"/proc/{process.pid}/maps").read_text()
+        except OSError:
+            return False
+    wait_until(process, is_mapped)
+
+
+def interrupted(*words, mapped=None, writes=True, signals=(signal.SIGINT,), **setting):
+    """A long run is told to stop as soon as it has mapped a file and opened its output. It does, and leaves nothing."""
+    before = entries()
+    process = start(*words, **setting)
+    if mapped:
+        wait_for_map(process, mapped)
+    if writes:
+        wait_for_output(process)
+    for number in signals:
+        process.send_signal(number)
+    done = end(process)
+    assert done.status - 128 in signals, (done.status, done.err)
+    assert entries() == before
+    return done
+
+
+# ---- files --------------------------------------------------------------------------------------------------------------
+
+
+def entries():
+    return sorted(os.listdir())
+
+
+def write(name, text):
+    pathlib.Path(name).write_bytes(text if isinstance(text, bytes) else text.encode())
+
+
+def read(name):
+    return pathlib.Path(name).read_bytes()
+
+
+def npy(name, type, shape, data=b""):
+    """A .npy file whose header need not fit the data."""
+    header = f"{{'descr': '{type}', 'fortran_order': False, 'shape': {shape}, }}".encode()
+    header += b" " * (-(len(header) + 11) % 64) + b"\n"
+    write(name, b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header + bytes(data))
+
+
+def rays(name, origins, direction=(0, 0, -1), tmin=0, tmax=1e9, dtype="<f4"):
+    origins = np.atleast_2d(np.asarray(origins, float))
+    table = np.zeros((len(origins), 8))
+    table[:, :3], table[:, 3], table[:, 4:7], table[:, 7] = origins, tmin, direction, tmax
+    np.save(name, table.astype(dtype))
+    return table
+
+
+def asc(name, z, x=0, y=0, cell=10):
+    z = np.where(np.isnan(z), -9999, z)
+    rows = "\n".join(" ".join(f"{v:.9g}" for v in row) for row in z)
+    write(name, f"ncols {z.shape[1]}\nnrows {z.shape[0]}\nxllcorner {x}\nyllcorner {y}\ncellsize {cell}\nnodata_value -9999\n{rows}\n")
+
+
+def vrt(name, source, shape, place, sides=None, at=0):
+    """A raster for GDAL of that many rows and columns at that place, its SRS and GeoTransform; the source begins at sample (at, at)."""
+    (ny, nx), (rows, columns) = shape, sides or shape
+    write(name, f'<VRTDataset rasterXSize="{columns}" rasterYSize="{rows}">{place}<VRTRasterBand dataType="Float32" band="1">'
+                f'<NoDataValue>-9999</NoDataValue><ComplexSource><SourceFilename relativeToVRT="1">{source}</SourceFilename>'
+                f'<SrcRect xOff="0" yOff="0" xSize="{nx}" ySize="{ny}"/><DstRect xOff="{at}" yOff="{at}" xSize="{nx}" ySize="{ny}"/>'
+                '<NODATA>-9999</NODATA></ComplexSource></VRTRasterBand></VRTDataset>')
+
+
+def on_map(crs, *transform):
+    return (f"<SRS>EPSG:{crs}</SRS>" if crs else "") + f"<GeoTransform>{','.join(map(str, transform))}</GeoTransform>"
+
+
+def library(name):
+    """Whether this build has an optional library."""
+    return any(line.split()[:2] == [name, "yes"] for line in run("--version").out.splitlines())
+
+
+def needs(name):
+    if not library(name):
+        pytest.skip(f"this build lacks {name}")
+
+
+def needs_real():
+    needs("GDAL")
+    if not os.path.exists(REAL):
+        pytest.skip(f"{REAL} (Debian: r-cran-terra) is not there")
+
+
+# ---- pictures -----------------------------------------------------------------------------------------------------------
+
+
+def exr(name):
+    """The pixels of a picture as the program writes it, (rows, columns, RGB) in floats: lines of halves, packed by zlib."""
+    data = read(name)
+    at, attributes = 8, {}
+    while data[at]:
+        (key, kind), start = data[at:].split(b"\0", 2)[:2], at
+        start += len(key) + len(kind) + 2
+        size = int.from_bytes(data[start:start + 4], "little")
+        attributes[key], at = data[start + 4:start + 4 + size], start + 4 + size
+    assert attributes[b"compression"] == b"\3"  # 16 lines at once
+    x0, y0, x1, y1 = np.frombuffer(attributes[b"dataWindow"], "<i4")
+    names = [part.split(b"\0")[0] for part in attributes[b"channels"].split(b"\1\0\0\0\1\0\0\0")[:-1]]
+    names = [name[-1:].decode() for name in names]
+    width, height = x1 - x0 + 1, y1 - y0 + 1
+    offsets = np.frombuffer(data, "<u8", -(-height // 16), at + 1)
+    pixels = np.empty((height, len(names), width), "<f2")
+    for k, offset in enumerate(offsets.astype(int)):
+        size = int.from_bytes(data[offset + 4:offset + 8], "little")
+        part = pixels[16 * k:16 * k + 16]
+        packed = data[offset + 8:offset + 8 + size]
+        if size < part.nbytes:
+            steps = np.frombuffer(zlib.decompress(packed), np.uint8).astype(np.int64)
+            halves = ((np.cumsum(steps) - 128 * np.arange(len(steps))) % 256).astype(np.uint8)
+            packed = np.empty(len(halves), np.uint8)
+            packed[0::2], packed[1::2] = np.split(halves, [(len(halves) + 1) // 2])
+        part[:] = np.frombuffer(bytes(packed), "<f2").reshape(part.shape)
+    return np.moveaxis(pixels[:, [names.index(c) for c in "RGB"]], 1, 2).astype(np.float32)
+
+
+def picture(*words, **setting):
+    """The picture that `cellwalk render` makes without messages."""
+    well("render", *words, "-o", "o.exr", **setting)
+    return exr("o.exr")
+
+
+def as_half(value):
+    """As a picture's file holds it."""
+    return np.asarray(value).astype(np.float32).astype(np.float16).astype(np.float32)
+
+
+def close(pixels, colour, light=1, share=0):
+    """Pixels are a colour times light. Colours of the ground are kept as halves, which are off by 2^-11 of themselves; what is computed
+    in floats is smaller. share: how much more the samples of a pixel may differ from its middle, of the colour. The file's rounding to
+    halves is monotone: what is between two bounds stays between these rounded."""
+    wanted = np.asarray(colour) * light
+    off = (6e-4 + share) * wanted
+    good = (pixels >= as_half(wanted - off)) & (pixels <= as_half(wanted + off))
+    assert good.all(), (pixels[~good.all(-1)], np.broadcast_to(wanted, pixels.shape)[~good.all(-1)])

@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Parts of rasters, and rasters larger than memory: the same bits as from all of it in one piece."""
+import numpy as np
+import pytest
+from program import REAL, asc, library, needs, needs_real, on_map, refused, run, taken, takes, vrt
+
+NX, NY = 300, 260
+UTM, DEGREES = on_map(32632, 600000, 10, 0, 5200000, 0, -10), on_map(4326, 7, 0.0003, 0, 47, 0, -0.0002)
+TURNED = on_map(32632, 600000, 8, 6, 5200000, 6, -8)
+# Windows by the edges of pixels, columns 100 to 199 and rows 85 to 129, and a place in them.
+MAPS = {"land.npy": ("995,1295,1994,1744", "1500,1450,10"), "utm.vrt": ("601000,5198700,602000,5199150", "601505,5198995,10"),
+        "degrees.vrt": ("7.03,46.974,7.06,46.983", "7.0452,46.9799,10")}
+PART = np.s_[..., 85:130, 100:200]
+
+
+@pytest.fixture(autouse=True)
+def land(folder):
+    """Hills, holes, and a peak in the northwest that throws long shadows."""
+    y, x = np.mgrid[:NY, :NX]
+    z = 120 + 60 * np.sin(x / 9) * np.cos(y / 13) + 25 * np.sin((x + 2 * y) / 5) + np.maximum(900 - 25 * np.hypot(x - 20, y - 15), 0)
+    z[101:130, 141:150] = np.nan
+    z = z.astype(np.float32)
+    np.save("land.npy", z)
+    asc("land.txt", z)
+    for name, place in ("utm.vrt", UTM), ("degrees.vrt", DEGREES), ("turned.vrt", TURNED):
+        vrt(name, "land.txt", z.shape, place)
+
+
+def product(file, command, *words):
+    done = run(command, file, *words, *(("--cellsize", 10) if file.endswith(".npy") else ()), "-o", "out.npy")
+    assert done.status == 0, done.err
+    return np.load("out.npy")
+
+
+def same(whole, part, what):
+    assert whole.dtype == part.dtype and whole.shape == part.shape and whole.tobytes() == part.tobytes(), what
+
+
+PRODUCTS = [("shadow", "--sun", "315,12"), ("shadow", "--sun", "5,30", "--hillshade"), ("shadow", "--sun", "200,15", "--sun-disc"),
+            ("shadow", "--sun", "90,-3"), ("shadow", "--sun", "45,89", "--disc", 4), ("horizon", "--directions", 3),
+            ("horizon", "--directions", 3, "--max-distance", 400), ("horizon", "--directions", 3, "--distance"),
+            ("horizon", "--directions", 3, "--distance", "--max-distance", 400), ("shadow", "--sun", "315,12", "--curvature", 200),
+            ("horizon", "--directions", 5, "--svf"), ("visibility", "--directions", 7),
+            ("visibility", "--directions", 7, "--share", "--max-distance", 300),
+            ("visibility", "--directions", 7, "--longest", "--target-height", 5, "--max-distance", 500),
+            ("sun", "--date", "2024-12-21", "--step", "4h", "--lon-lat", "7,47")]
+
+
+def files():
+    return [*MAPS, "turned.vrt"] if library("GDAL") else ["land.npy"]
+
+
+def test_windows():
+    cases = [(file, words, MAPS[file][0]) for file in files()[:3]
+             for words in [*PRODUCTS, ("viewshed", "--from", MAPS[file][1]), ("viewshed", "--from", MAPS[file][1], "--needed")]]
+    for file, words, window in taken(cases, 5):
+        same(product(file, *words)[PART], product(file, *words, "--window", window), (file, words))
+
+
+def test_bands():
+    """So little memory that each band has 32 rows, or a few more."""
+    for m, file in enumerate(files()):
+        for k, words in enumerate([("shadow", "--sun", "340,35"), ("shadow", "--sun", "5,30", "--hillshade"), ("shadow", "--sun", "200,60", "--sun-disc"),
+                                   ("shadow", "--sun", "45,89", "--disc", 4), ("horizon", "--svf", "--max-distance", 300),
+                                   ("visibility", "--longest", "--max-distance", 100)]):
+            if takes(m + k, 6):
+                same(product(file, *words), product(file, *words, "--memory", "2.4M"), (file, words))
+
+
+DAY = "sun", "--date", "2024-06-21", "--step", "6h", "--lon-lat", "7,47"
+
+
+@pytest.fixture
+def strip():
+    """A long strip with ridges, seen over more than two blocks of 256 rows, in which a curvature of 100 and more earths bounds how far there
+    is to see."""
+    y, x = np.mgrid[:3300, :40]
+    ridge = 400 - 40 * np.abs((y + 200) % 900 - 450)  # row 250, 1150 and so on
+    np.save("strip.npy", (200 + 8 * np.sin(y / 9) * np.cos(x / 5) + np.maximum(ridge, 0)).astype(np.float32))
+
+
+def test_far_horizons(strip):
+    """Bands that are proved by the raster's own highest and lowest samples."""
+    for words in taken([("horizon", "--directions", 4, "--curvature", 1000), ("horizon", "--directions", 5, "--svf", "--curvature", 100),
+                        ("horizon", "--directions", 4, "--svf-tilted", "--curvature", 100), DAY,
+                        (*DAY, "--directions", 8, "--irradiance", "--sky", 4, "--curvature", 100)], 3):
+        same(product("strip.npy", *words), product("strip.npy", *words, "--memory", "3.9M"), words)
+
+
+@pytest.mark.parametrize("why, command, words", [
+    # On a flat earth summits see all of it.
+    ("40 x 3300 samples matter at once, which need --memory 5M; there is 2M", "horizon", ("--memory", "2M")),
+    ("samples matter at once", "horizon", ("--memory", "1M", "--curvature", 100)),
+    ("40 x 3300 samples matter at once", "sun", (*DAY[1:], "--memory", "2M", "--irradiance"))])
+def test_bands_that_would_be_too_large(strip, why, command, words):
+    refused(1, why, command, "strip.npy", "--cellsize", 10, "-o", "no.npy", *words)
+
+
+# Samples 10 m apart on UTM's map, 10.004 on the ground, from (150, 100); or 0.0003 and 0.0002 degrees, 22.8 and 22.2 m.
+@pytest.mark.parametrize("file, distance, side", [("utm.vrt", 600.3, 60), ("degrees.vrt", 600, 26)])
+def test_near_views(file, distance, side):
+    """The output is as near as --max-distance, and what the full raster has there; elsewhere there is nothing."""
+    needs("GDAL")
+    words = "viewshed", "--from", MAPS[file][1], "--max-distance", distance
+    near = np.s_[100 - side:101 + side, 150 - side:151 + side]
+    for more in taken([(), ("--needed",)], 2):
+        whole = product(file, *words, *more, "--extent", "full")
+        same(whole[near], product(file, *words, *more), file)
+        if not more:
+            whole[near] = 0
+            assert np.isin(whole, (0, 255)).all()
+
+
+def test_real_land():
+    """Luxembourg, a map in degrees with holes around it."""
+    needs_real()
+    for words in taken([("sun", "--date", "2024-12-21", "--step", "2h"), ("sun", "--date", "2024-03-20", "--step", "4h", "--irradiance", "--sky", 5),
+                        ("horizon", "--svf-tilted", "--directions", 5), ("horizon", "--directions", 3, "--curvature", 1)], 2):
+        same(product(REAL, *words)[..., 35:59, 31:55], product(REAL, *words, "--window", "6.0,49.7,6.2,49.9"), words)
+    # What is seen needs no height.
+    seen, need = (product(REAL, "viewshed", "--from", "6.13,49.61,2", *more) for more in ((), ("--needed",)))
+    assert (np.isnan(need) == (seen == 255)).all() and ((need == 0) == (seen == 1)).all()
+    assert (seen == 0).sum() > 100 and (seen == 1).sum() > 10
+
+
+def test_huge():
+    """4 10^10 samples, of which the land is a small part in the middle, and the rest holes."""
+    needs("GDAL")
+    vrt("huge.vrt", "land.txt", (NY, NX), on_map(None, 0, 10, 0, 0, 0, -10), (200000, 200000), 100032)
+    vrt("small.vrt", "land.txt", (NY, NX), on_map(None, 1000320, 10, 0, -1000320, 0, -10))
+    memory = "--memory", "60M"
+    shadow, view = ("shadow", "--sun", "315,12"), ("viewshed", "--from", "1001825,-1001325,10", "--max-distance", 600)
+    same(product("small.vrt", *shadow)[PART], product("huge.vrt", *shadow, "--window", "1001320,-1001620,1002320,-1001170", *memory), "shadow")
+    same(product("small.vrt", *view), product("huge.vrt", *view, *memory), "viewshed")
+
+
+@pytest.mark.parametrize("status, why, command, words", [
+    (2, "--window takes XMIN,YMIN,XMAX,YMAX", "shadow", ("--sun", "0,30", "--window", "1,2,3")),
+    (1, "no sample is in it; they go from 0,0 to 2990,2590", "shadow", ("--sun", "0,30", "--window", "5000,0,6000,10")),
+    (1, "no sample is in it", "shadow", ("--sun", "0,30", "--window", "20,0,10,10")),
+    (2, "--memory takes a number of bytes", "shadow", ("--sun", "0,30", "--memory", "2X")),
+    (1, "300 x 260 samples matter at once, which need --memory 3M; there is 1M", "horizon", ("--memory", "1M")),
+    (1, "no sample is within 5 m of any observer", "viewshed", ("--from", "9000,0,=9", "--max-distance", 5)),
+    (2, "go with neither --svf nor --window", "horizon", ("--at", "10,10", "--window", "0,0,9,9", "-o", ""))])
+def test_refusals(status, why, command, words):
+    words = words[:-2] if words[-1] == "" else (*words, "--cellsize", 10, "-o", "no.npy")
+    refused(status, why, command, "land.npy", *words)

@@ -1,0 +1,406 @@
+# SPDX-License-Identifier: Apache-2.0
+"""shadow, horizon, viewshed, sun and los as users run them: files in, files out, on made-up land and on a real one."""
+import json
+import re
+
+import numpy as np
+import pytest
+from program import (REAL, array, asc, interrupted, needs, needs_real, rays, read, refused, run, taken, takes, vrt, well, write)
+
+NX, NY = 60, 50
+ROWS, COLUMNS = np.mgrid[:NY, :NX]
+MAP = "--cellsize", 10
+FLAT = *MAP, "--curvature", 0
+
+
+@pytest.fixture(autouse=True)
+def wall(folder):
+    """A wall of 40 m along row 20, on level ground."""
+    z = np.zeros((NY, NX), np.float32)
+    z[20] = 40
+    np.save("wall.npy", z)
+    return z
+
+
+def test_shadow_of_a_wall():
+    # The sun in the north, 45 degrees high: 40 m of shadow to the south, over four rows. The ray from the fourth touches the wall's
+    # top, to rounding; so the sun is a little higher.
+    sun = "--sun", "0,45.1"
+    assert (array("shadow", "wall.npy", *MAP, *sun) == ~((ROWS > 20) & (ROWS < 24))).all()
+    assert (array("shadow", "wall.npy", *MAP, "--zscale", 2, *sun) == ~((ROWS > 20) & (ROWS < 28))).all()
+    light = array("shadow", "wall.npy", *MAP, "--nodata", 40, *sun, "--hillshade")
+    assert np.isnan(light[20]).all() and np.allclose(np.delete(light, 20, 0), np.sin(np.radians(45.1)), atol=1e-6)
+
+
+def test_coarser_wall():
+    """Every second row: the wall is as high two rows on, and three coarser rows thick. Each output has as many samples as the coarser
+    terrain, and standard error says how far that lies from the full one."""
+    words = "shadow", "wall.npy", *MAP, "--sun", "0,45.1", "-o", "s.npy"
+    done = run(*words, "--coarser", 2, "--filter", "highest", "--zscale", 0.5)
+    assert done.status == 0 and "31 x 26 samples for 60 x 50" in done.err and "up to 20 above and 0 below" in done.err
+    lit = np.load("s.npy")
+    assert lit.shape == (26, 31) and (lit == 1).all()
+    run(*words, "--coarser=2", "--filter=highest")
+    assert (np.load("s.npy") == (np.arange(26) != 12)[:, None]).all()
+    # What needs no field otherwise, and a place on the same map.
+    done = run("los", "wall.npy", "50,490,+1", "50,0,+1", *MAP, "--coarser", 2, "--filter", "lowest")
+    assert done.status == 0 and "visible" in done.out and "up to 0 above and 40 below" in done.err
+
+
+def test_horizon_at_a_wall():
+    words = "horizon", "wall.npy", *MAP, "--directions", 4
+    row, column, up = 30, 30, np.degrees(np.arctan(40 / 100))  # x = 300, y = 190
+    at = array(*words)[:, row, column]
+    assert abs(at[0] - up) < 1e-3 and (at[1:] == 0).all()
+    assert well(*words, "--at", "300,190").out == (
+        "place,azimuth,true_azimuth,angle,distance,x,y\n1,0,,21.801409,100.000,300,290\n1,90,,0.000000,10.000,310,190\n"
+        "1,180,,0.000000,10.000,300,180\n1,270,,0.000000,10.000,290,190\n")
+    metres = array(*words, "--distance")  # of several places the nearest
+    assert metres[:, row, column].tolist() == [100, 10, 10, 10] and np.isnan(metres[0, 0]).all()
+    sky = array(*words, "--svf")[row, column]
+    assert abs(sky - (3 + np.cos(np.radians(up)) ** 2) / 4) < 1e-6
+
+
+def test_border_samples_have_no_horizon_beyond():
+    """That is no data, and no angle that statistics would count."""
+    angle = array("horizon", "wall.npy", *MAP, "--directions", 1)
+    assert np.isnan(angle[0]).all() and (angle[1:] > -89).all()
+
+
+def test_view_of_a_wall():
+    """From the south all up to the wall; from the north the rest; both together are counted."""
+    places = "300,100,1.7", "250,400,1.7"
+    seen = [array("viewshed", "wall.npy", *FLAT, "--from", place) for place in places]
+    assert (seen[0] == (ROWS >= 20)).all() and (seen[1] == (ROWS <= 20)).all()
+    assert (array("viewshed", "wall.npy", *FLAT, "--from", places[0], "--from", places[1]) == seen[0] + seen[1]).all()
+    # What stands 10 rows behind the wall, 20 from the eye, must be 80 m high less what the eye is.
+    needed = array("viewshed", "wall.npy", *FLAT, "--from", "300,190,0", "--needed")
+    assert abs(needed[10, 30] - 80) < 1e-4
+
+
+def test_large_view():
+    """Larger than what is written at once, with the wall in the last block."""
+    z = np.zeros((600, 2000), np.float32)
+    z[590] = 40
+    np.save("large.npy", z)
+    seen = array("viewshed", "large.npy", *FLAT, "--from", "9000,5990")
+    assert (seen == (np.arange(600) <= 590)[:, None]).all()
+
+
+def test_sun_at_a_wall():
+    """At the pole the sun turns about at one height, 20 degrees in late May: all sides of the wall have shadow for a while; level ground
+    far from it has the whole day. With --irradiance the bands are direct and diffuse light."""
+    words = "sun", "wall.npy", *MAP, "--lon-lat", "0,90", "--date", "2024-05-21"
+    hours = array(*words, "--step", "1h")[:, NX // 2]
+    # 40 m at 20.2 degrees are 109 m of shadow, 10.9 rows; the wall as seen 8 rows off fills nearly half of the round.
+    off = np.abs(np.arange(NY) - 20)
+    assert (hours[(off == 0) | (off > 10)] == 24).all()
+    assert ((hours >= 12) & (hours < 20))[(off > 0) & (off < 9)].all() and (hours[(off == 9) | (off == 10)] < 24).all()
+    direct, diffuse = array(*words, "--to", "2024-05-22", "--irradiance", "--linke", 2)[:, :, 30]
+    # By the formulas at the almanac's mean declination, 20 degrees 20.7', with 1.0122 astronomical units and 0.045 degrees of
+    # refraction. From that the declination strays by 12' on either side, and light with it by 1.4 % at most.
+    assert abs(direct[45] / (48 * 294.1) - 1) < 0.02 and abs(diffuse[45] / (48 * 44.7) - 1) < 0.02
+    assert direct[22] < 0.8 * direct[45] and diffuse[22] < 0.8 * diffuse[45]
+
+
+def test_lines_at_a_wall():
+    done = well("los", "wall.npy", "300,190,2", "300,390,=30", *FLAT)
+    # The line rises 28 m in 200; the wall's flank 40 m in the last 10 of 100: they meet at 94.3 m.
+    met = (90 * 4 + 2) / (4 - 0.14)
+    says = r"blocked: (\S+) m from the first place, of (\S+) m, at a height of (\S+) m\nat (\S+),(\S+)\n"
+    away, of, z, x, y = map(float, re.match(says, done.out).groups())
+    assert x == 300 and of == 200 and max(abs(z - 2 - 0.14 * met), abs(away - met), abs(y - 190 - met)) < 1e-3
+    assert well("los", "wall.npy", "300,190,+2", "300,390,=85", *FLAT, "--json").out == '{"visible": true, "distance": 200}\n'
+
+
+@pytest.mark.parametrize("same", [("300,290,+3", "300,290,=43"), ("300,100,3", "300,100,=3")])
+def test_heights_of_places(same):
+    """A height above ground and the absolute height that it comes to are the same place."""
+    views = [array("viewshed", "wall.npy", *MAP, "--from", place) for place in same]
+    lines = [well("los", "wall.npy", *MAP, place, "300,400,60").out for place in same]
+    assert (views[0] == views[1]).all() and lines[0] == lines[1]
+
+
+def test_a_place_next_to_a_row_is_on_it():
+    """But for a last digit: on the ridge of the wall both sides are seen, not one."""
+    words = "viewshed", "wall.npy", "--cellsize", 1, "--curvature", 0, "--from"
+    seen = [array(*words, place) for place in ("7,29,0", "7,29.000000001,0", "7,28.999999999,0")]
+    assert seen[0][0, 7] == 1 and seen[0][49, 7] == 1 and (seen[1] == seen[0]).all() and (seen[2] == seen[0]).all()
+
+
+@pytest.mark.parametrize("place", ["7,1e-320,=2", "7,-1e-320,=2", "1e-300,7,=2"])
+def test_as_near_to_a_row_as_can_be(place):
+    """One over that distance is no number."""
+    need = array("viewshed", "wall.npy", "--cellsize", 1, "--from", place, "--needed")
+    assert ((need >= 0) & (need < 1000)).all()
+
+
+RUNS = [("shadow", "--sun", "20,60", "-o", "o.npy"), ("horizon", "--directions", 3, "-o", "o.npy"), ("viewshed", "--from", "7,35,60", "-o", "o.npy"),
+        ("render", "--size", "30x20", "-o", "o.exr"), ("los", "7,3,2", "20,40,60"), ("horizon", "--at", "7,3,2")]
+
+
+@pytest.mark.parametrize("words", RUNS)
+def test_rows_without_a_map(words):
+    """Row 0 is in the north and cells are 1 wide, as with --cellsize 1, and that is said."""
+    results, (command, *more) = [], words
+    for given in (), ("--cellsize", 1, *(("--curvature", 0) if command in ("viewshed", "los") else ())):
+        done = run(command, "wall.npy", *more, *given)
+        assert done.status == 0 and ("cells are read as 1 wide, row 0 as the northernmost" in done.err) == (given == ())
+        results.append((done.out, read(more[-1]) if "-o" in more else b""))
+    assert results[0] == results[1]
+
+
+def test_shadow_falls_to_the_south():
+    run("shadow", "wall.npy", "--sun", "0,88", "-o", "o.npy")
+    lit = np.load("o.npy")
+    assert lit[19, 0] == 1 and lit[21, 0] == 0
+
+
+def test_each_nodata_counts():
+    assert (array("shadow", "wall.npy", *MAP, "--nodata", 40, "--nodata", 0, "--sun", "0,45") == 255).all()
+
+
+# ---- refusals -----------------------------------------------------------------------------------------------------------
+
+REFUSED = [
+    (2, "--type int16 goes with -o FILE.tif", "horizon", "--type", "int16", "-o", "no.npy"),
+    (2, "--type int16 has no room for --distance", "horizon", "--type", "int16", "--distance", "-o", "no.tif"),
+    (2, "give --distance without --grid", "horizon", "--distance", "--grid", "-o", "no.npy"),
+    (2, "--distance goes with none of", "horizon", "--distance", "--svf", "-o", "no.npy"),
+    (1, "no room for 32 bands", "horizon", "-o", "h.png"),
+    (2, "--compress goes with -o FILE.tif", "horizon", "--compress", "zstd", "-o", "h.npy"),
+    (2, "there are deflate, zstd, none", "horizon", "--compress", "lzw", "-o", "h.tif"),
+    (2, "--cog goes with -o FILE.tif", "shadow", "--sun", "0,9", "--cog", "-o", "no.npy"),
+    (2, "--co goes with -o FILE.tif", "shadow", "--sun", "0,9", "--co", "A=B", "-o", "no.npy"),
+    (1, "names no coordinate system, so the sun's place at a time is not known; give --sun", "shadow", "--time", "2024-06-21T12:00:00Z", "-o", "no.npy"),
+    (2, "either --sun or --time", "shadow", "-o", "s.npy"),
+    (2, "--sun 0,91: the second number is the altitude", "shadow", "--sun", "0,91", "-o", "s.npy"),
+    (2, "give -o FILE", "shadow", "--sun", "0,30"),
+    (2, "not 'noon'", "shadow", "--time", "noon", "-o", "s.npy"),
+    (1, "the name's ending tells no format", "shadow", "--sun", "0,30", "-o", "s.xyz"),
+    (1, "is the terrain itself", "shadow", "--sun", "0,30", "-o", "./wall.npy"),
+    (2, "--cellsize takes a number above 0", "shadow", "--sun", "0,30", "--cellsize", "0", "-o", "s.npy"),
+    (1, "has one band, not 2", "shadow", "--sun", "0,30", "--band", "2", "-o", "s.npy"),
+    (2, "--nodata takes a number, not 'x'", "shadow", "--nodata", "x", "--sun", "0,45", "-o", "s.npy"),
+    (2, "--from X,Y is missing", "viewshed", "-o", "v.npy"),
+    (2, "not '3;4'", "viewshed", "--from", "3;4", "-o", "v.npy"),
+    (1, "is too far away", "viewshed", "--from", "3,1e308,=9", "-o", "v.npy"),
+    (2, "not '5'", "los", "5", "10,10,+2"),
+    (2, "not '1,2,='", "los", "1,2,=", "10,10,2"),
+    (2, "not '1,=2'", "los", "1,=2", "10,10,2"),
+    # Farther away than lines of sight are computed, where numbers no longer fit.
+    (1, "is too far away", "los", "1e308,1e308,=9", "10,10,2"),
+    (1, "is too far away", "los", "10,10,2", "1e8,3,=9"),
+    *((status, why, "sun", *MAP, "-o", "s.npy", *more) for status, why, *more in [
+        (2, "--date is missing"),
+        (2, "not 'yesterday'", "--date", "yesterday"),
+        (2, "not '2024-02-30'", "--date", "2024-02-30"),
+        (1, "names no coordinate system", "--date", "2024-06-21"),
+        (2, "is before", "--date", "2024-06-21", "--to", "2024-06-20"),
+        (2, "divides a day", "--date", "2024-06-21", "--step", "7min"),
+        (2, "not '15'", "--date", "2024-06-21", "--step", "15"),
+        (2, "go with --irradiance", "--date", "2024-06-21", "--linke", "3"),
+        (2, "from 1 to 10, not 0", "--date", "2024-06-21", "--irradiance", "--linke", "0"),
+        (2, "not '7'", "--date", "2024-06-21", "--lon-lat", "7"),
+        (2, "longer --step", "--date", "2000-06-21", "--to", "2024-06-20", "--step", "30s")])]
+
+
+@pytest.mark.parametrize("status, why, command, more", [(*case[:3], case[3:]) for case in REFUSED])
+def test_refusals(status, why, command, more):
+    refused(status, why, command, "wall.npy", *more)
+
+
+@pytest.mark.parametrize("place, why", [
+    # Column 70 does not exist, nor does row 55 from below; (5, 29) is on the wall.
+    ("70,5,2", "70,5,2: lies outside: the samples, which are the pixels' centres, go from X 0 to 59 and Y 0 to 49"),
+    ("-300,4", "-300,4: lies outside"),
+    ("20,55,+1", "20,55,+1: lies outside, but with X and Y exchanged it would not"),
+    ("59.4,5,2", "59.4,5,2: lies in the outer half of a pixel"),
+    ("3,4,2", "3,4,2: there is no data at that place"),
+    ("5,29,=39", "5,29,=39: is under the ground, which is 40.000 m high there: X,Y,H counts H from the ground"),
+    ("5,29,-1", "5,29,-1: is under the ground, which is 40.000 m high there")])
+def test_places_that_are_refused(wall, place, why):
+    """One meaning of a place for all: H above ground, =Z absolute, and what is wrong with one is said."""
+    wall[45, 3] = np.nan
+    np.save("holed.npy", wall)
+    for command, *more in [("viewshed", "--from", place, "-o", "v.npy"), ("horizon", "--at", place), ("los", "10,10,2", place),
+                           ("los", place, "10,10,2"), ("render", "--from", place, "-o", "v.exr"), ("render", "--to", place, "-o", "v.exr")]:
+        refused(1, why, command, "holed.npy", *more)
+
+
+def test_interruptions():
+    """Ctrl-C in the middle of a long run: no file remains."""
+    k = np.arange(2000 * 2000, dtype=np.uint32)
+    np.save("rough.npy", ((k * np.uint32(2654435761) >> 7) % 1000).astype(np.float32).reshape(2000, 2000))
+    # A viewshed writes nothing before it is done.
+    interrupted("viewshed", "rough.npy", *["--from", "1000,1000,100000"] * 4, "-o", "o.npy", "--threads", 1, mapped="rough.npy", writes=False)
+    for more in (), ("--svf",):
+        interrupted("horizon", "rough.npy", "--directions", 3600, *more, "-o", "o.npy", mapped="rough.npy")
+
+
+# ---- GDAL ---------------------------------------------------------------------------------------------------------------
+
+SHADOW, VIEW, HORIZON = (("shadow", *MAP, "--sun", "225.5,30"), ("viewshed", *MAP, "--from", "300,100"), ("horizon", *MAP, "--directions", 3))
+
+
+@pytest.mark.parametrize("words, says", [
+    (SHADOW, [">225.5<", "SUN_ALTITUDE", "1 where the sun is seen, 0 in the shadow", "cellwalk VERSION"]),
+    ((*SHADOW, "--hillshade"), ["cosine of the angle between sun and normal"]),
+    ((*VIEW, "--from", "310,100,=7"), [">300,100,2<", ">310,100,=7<", "OBSERVER_2", "number of observers that see the target", "CURVATURE"]),
+    ((*VIEW, "--needed"), ["height above ground that is needed to be seen", ">m<"]),
+    (HORIZON, ["azimuth 240", ">degree<", "DIRECTIONS"]),
+    ((*HORIZON, "--svf"), ["sky-view factor"]),
+    ((*HORIZON, "--svf-tilted"), ["reaches the leaning ground"]),
+    (("sun", *MAP, "--lon-lat", "7,47", "--date", "2024-06-21", "--irradiance"),
+     ["Rigollier", ">2024-06-21<", "diffuse light on the ground", "LINKE", ">Wh/m2<"])])
+def test_geotiffs_say_how_they_were_made(words, says):
+    """Metadata are text in the file."""
+    needs("GDAL")
+    version = run("--version").out.split()[1]
+    well(words[0], "wall.npy", *words[1:], "-o", "o.tif")
+    for words in says:
+        assert words.replace("VERSION", version).encode() in read("o.tif"), words
+
+
+def test_creation_options():
+    needs_real()
+    words = "shadow", REAL, "--sun", "0,30"
+    for option, magic in ("--co=BIGTIFF=YES", 43), ("--co=BIGTIFF=NO", 42):
+        well(*words, option, "--co", "compress=LZW", "-o", "s.tif")
+        assert read("s.tif")[2] == magic
+    refused(1, "creation option FOO", *words, "--co", "FOO=1", "-o", "no.tif")
+    refused(1, "--co takes NAME=VALUE, not 'BIGTIFF'", *words, "--co", "BIGTIFF", "-o", "no.tif")
+    refused(1, "creation option TILED", *words, "--cog", "--co", "TILED=NO", "-o", "no.tif")
+
+
+@pytest.mark.parametrize("product, step, bands", [("--curvature=0", 2.0**-8, 3), ("--svf", 2.0**-14, 1)])
+def test_scaled_integers(product, step, bands):
+    """Int16 with a scale: no value is off by more than half a step, in a COG neither, and no data stay no data."""
+    needs_real()
+    rasterio = pytest.importorskip("rasterio")
+    words = "horizon", REAL, product, "--directions", 3
+    well(*words, "-o", "float.tif")
+    well(*words, "--type", "int16", "--cog", "-o", "int.tif")
+    with rasterio.open("float.tif") as file:
+        wanted = file.read(masked=True)
+        assert set(file.scales) == {1}
+    with rasterio.open("int.tif") as file:
+        got = file.read(masked=True)
+        assert file.dtypes == ("int16",) * bands and set(file.scales) == {step} and set(file.offsets) == {0}
+    holes = np.isnan(wanted.filled(np.nan))
+    assert got.shape[0] == bands and (np.ma.getmaskarray(got) == holes).all() and holes[0].sum() > 3000
+    off = np.abs(got.data * step - wanted.data.astype(float))[~holes]
+    assert off.max() <= step / 2 and (off > 0).sum() > 1000 * bands
+    if product == "--svf":
+        assert "stored        heights are 0 + 6.10351562e-05 x the file's numbers" in run("info", "int.tif").out
+        assert '"scale": 6.103515625e-05, "offset": 0' in run("info", "int.tif", "--json").out
+
+
+def test_sources_are_not_replaced():
+    """What a VRT is made of is an input, too, however deep: whatever its name says, GDAL knows an ASCII grid by its content."""
+    needs("GDAL")
+    z = np.arange(1.0, 10).reshape(3, 3)
+    asc("grid.npy", z)
+    place = "<GeoTransform>0,10,0,30,0,-10</GeoTransform>"
+    vrt("inner.npy", "grid.npy", z.shape, place)
+    vrt("outer.vrt", "inner.npy", z.shape, place)
+    rays("rays.npy", (1, 1, 9))
+    before = read("grid.npy")
+    for to in "inner.npy", "grid.npy", "./grid.npy":
+        for command, *more in ("shadow", "--sun", "0,30"), ("horizon",), ("viewshed", "--from", "15,15,2"), ("trace", "rays.npy"):
+            refused(1, "is also an input", command, "outer.vrt", *more, "-o", to)
+    assert read("grid.npy") == before
+
+
+def test_another_format():
+    """What is no GeoTIFF is read by GDAL's other drivers: here a window into the real terrain, made of text."""
+    needs_real()
+    write("window.vrt", f'<VRTDataset rasterXSize="40" rasterYSize="30"><VRTRasterBand dataType="Int16" band="1"><SimpleSource><SourceFilename>{REAL}'
+          '</SourceFilename><SourceBand>1</SourceBand><SrcRect xOff="30" yOff="30" xSize="40" ySize="30"/>'
+          '<DstRect xOff="0" yOff="0" xSize="40" ySize="30"/></SimpleSource></VRTRasterBand></VRTDataset>')
+    lit = array("shadow", "window.vrt", "--nodata", -32768, "--cellsize", 1000, "--sun", "0,90")
+    assert ((lit == 1) | (lit == 255)).all() and (lit == 255).sum() == 98
+
+
+# ---- real land in degrees, with holes -----------------------------------------------------------------------------------
+
+
+def sets():
+    """Instruction sets up to the best one of this machine, or of CELLWALK_ISA."""
+    every = ["scalar", "sse4.2", "avx2", "avx512"]
+    return every[:every.index(json.loads(run("info", "--json").out)["isa"]) + 1]
+
+
+def test_real_terrain_has_the_same_bits():
+    """For each instruction set and number of threads."""
+    needs_real()
+    view = "viewshed", REAL, "--from", "6.1,49.75,30"
+    for words in taken([("shadow", REAL, "--sun", "130,4"), ("shadow", REAL, "--sun", "130,4", "--hillshade", "--sun-disc"),
+                        ("horizon", REAL, "--directions", 5), ("horizon", REAL, "--svf"), view, (*view, "--needed")], 3):
+        files = set()
+        for k, isa in enumerate(sets()):
+            well(*words, "--threads", 1 if k % 2 else 3, "-o", "o.npy", isa=isa)
+            files.add(read("o.npy"))
+        assert len(files) == 1, words
+
+
+def test_real_view():
+    """Sample by sample, by looking at every edge."""
+    needs_real()
+    rasterio = pytest.importorskip("rasterio")
+    with rasterio.open(REAL) as file:
+        z, (i, j) = file.read(1, masked=True).astype(float).filled(np.nan), ~file.transform * (6.1, 49.75)
+    got = array("viewshed", REAL, "--from", "6.1,49.75,30")
+    i, j, rows, columns = i - 0.5, j - 0.5, *np.mgrid[:z.shape[0], :z.shape[1]]
+    holes = np.isnan(z)
+    assert (got[holes] == 255).all() and holes.sum() == 3942
+    # Metres in a degree at the eye, on the ellipsoid of WGS 84; the surface on triangles whose diagonal goes from (i, j) to (i + 1, j + 1).
+    e2, a = 2 / 298.257223563 - 1 / 298.257223563**2, 6378137.0
+    w = np.sqrt(1 - e2 * np.sin(np.radians(49.75)) ** 2)
+    cell = 1 / 120
+    x, y = np.radians(cell) * a / w * np.cos(np.radians(49.75)) * (columns - i), np.radians(cell) * a * (1 - e2) / w**3 * (rows - j)
+    u, v, left, top = i % 1, j % 1, int(i), int(j)
+    corner = z[top:top + 2, left:left + 2]
+    ground = (corner[0, 0] * (1 - max(u, v)) + corner[1, 1] * min(u, v) + (corner[0, 1] if u > v else corner[1, 0]) * abs(u - v))
+    rise = z - ground - 30 - 6 / 7 / (2 * a) * (x**2 + y**2)
+    edges = [(np.s_[:, :-1], np.s_[:, 1:]), (np.s_[:-1], np.s_[1:]), (np.s_[:-1, :-1], np.s_[1:, 1:])]
+    seen = unclear = 0
+    for k, (row, column) in enumerate(np.argwhere(~holes)):
+        if not takes(k, 4):
+            continue
+        dx, dy = column - i, row - j
+        side, share = dx * (rows - j) - dy * (columns - i), (dx * (columns - i) + dy * (rows - j)) / (dx * dx + dy * dy)
+        passed = (np.abs(side) < 1e-9) & (share > 1e-9) & (share < 1 - 1e-9) & ~holes
+        steepest = (rise[passed] / share[passed]).max(initial=-np.inf)
+        for one, other in edges:
+            with np.errstate(divide="ignore", invalid="ignore"):
+                f = side[one] / (side[one] - side[other])
+                at, height = share[one] + f * (share[other] - share[one]), rise[one] + f * (rise[other] - rise[one])
+                crossed = (side[one] * side[other] < 0) & (at > 1e-9) & (at < 1 - 1e-9) & ~np.isnan(height)
+                steepest = max(steepest, (height / at)[crossed].max(initial=-np.inf))
+        near = abs(steepest - rise[row, column]) < 1e-3
+        unclear += near
+        assert near or got[row, column] == (steepest < rise[row, column]), (row, column)
+        seen += got[row, column]
+    assert seen > 25 and unclear < 3
+
+
+def test_sun_by_time():
+    """At noon the sun stands in the south, as high as 90 degrees less the latitude and its declination: 23.436 in summer."""
+    needs_real()
+    said = well("shadow", REAL, "--time", "2024-06-21T11:37:24Z", "-o", "s.npy").out
+    azimuth, altitude = map(float, re.search(r"azimuth (\S+) \(\S+ on the map\), altitude (\S+) degrees", said).groups())
+    assert abs(azimuth - 180) < 0.05 and abs(altitude - (90 - 49.8167 + 23.436)) < 0.02
+
+
+def test_sun_on_a_turned_map():
+    """East of a zone's middle the map's north points to the east of the true one, by the longitude from there times the sine of the
+    latitude, nearly."""
+    needs_real()
+    asc("a.asc", np.array([[0, 1], [2, 7]]), 600000, 5200000)
+    write("a.prj", 'PROJCS["UTM 32N",GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],PRIMEM["Greenwich",0],'
+          'UNIT["degree",0.0174532925199433]],PROJECTION["Transverse_Mercator"],PARAMETER["latitude_of_origin",0],PARAMETER["central_meridian",9],'
+          'PARAMETER["scale_factor",0.9996],PARAMETER["false_easting",500000],PARAMETER["false_northing",0],UNIT["metre",1]]')
+    said = well("shadow", "a.asc", "--time", "2024-12-21T14:00:00+01:00", "-o", "s.npy").out
+    lon, lat, azimuth, on_map = map(float, re.search(r"over (\S+), (\S+): azimuth (\S+) \((\S+) on the map\)", said).groups())
+    assert abs(lon - 10.315) < 0.01 and abs(azimuth - (lon - 9) * np.sin(np.radians(lat)) - on_map) < 0.003
