@@ -2,7 +2,6 @@
 #include "harness/agree.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 static const char *const reason_names[AGREE_REASON_COUNT] = {"end", "edge", "grazing", "other"};
@@ -97,20 +96,4 @@ void agree_any(agreement *sum, const cw_field *field, const cw_ray *rays, size_t
         /* A contender that answers "any" against its own closest hit is wrong without any comparison. */
         sum->why[hit.i < 0 ? AGREE_OTHER : reason_of(field, &rays[k], &hit, slack_of(&info, &rays[k]))]++;
     }
-}
-
-size_t agree_differ(const agreement *sum) { return sum->only_a + sum->only_b + sum->far; }
-
-void agree_text(const agreement *sum, char text[AGREE_TEXT]) {
-    const size_t differ = agree_differ(sum);
-    int used = differ ? snprintf(text, AGREE_TEXT, "%zu of %zu rays differ (", differ, sum->rays)
-                      : snprintf(text, AGREE_TEXT, "all %zu rays agree%s", sum->rays,
-                                 sum->same_bits == sum->rays ? ", bit for bit" : "");
-    const char *between = "";
-    for (int r = 0; differ && r < AGREE_REASON_COUNT; r++) {
-        if (sum->why[r] == 0) continue;
-        used += snprintf(text + used, AGREE_TEXT - (size_t)used, "%s%zu %s", between, sum->why[r], reason_names[r]);
-        between = ", ";
-    }
-    if (differ) snprintf(text + used, AGREE_TEXT - (size_t)used, ")");
 }

@@ -43,10 +43,4 @@ void agree_closest(agreement *sum, const cw_field *field, const cw_ray *rays, si
 void agree_any(agreement *sum, const cw_field *field, const cw_ray *rays, size_t n, const uint8_t *a, const uint8_t *b,
                const contender *of_a, const contender *of_b);
 
-/* Rays that do not agree: only_a + only_b + far. */
-size_t agree_differ(const agreement *sum);
-/* "12 of 65536 rays differ (10 edge, 2 end)", "all 65536 rays agree, bit for bit", … */
-enum { AGREE_TEXT = 192 }; /* room for six numbers */
-void agree_text(const agreement *sum, char text[AGREE_TEXT]);
-
 #endif

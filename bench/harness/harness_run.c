@@ -23,7 +23,11 @@ bool run_options_check(run_options *run, const char *name) {
 }
 
 bool run_options_pin(const run_options *run, int *cpu, io_error *error) {
+    static cpu_set_t before; /* the first pin */
+    static bool known;
     cpu_set_t set;
+    if (!known) known = sched_getaffinity(0, sizeof before, &before) == 0;
+    if (run->no_pin && known) (void)sched_setaffinity(0, sizeof before, &before);
     *cpu = run->cpu == UINT_MAX ? sched_getcpu() : (int)run->cpu;
     CPU_ZERO(&set);
     if (*cpu >= 0 && *cpu < CPU_SETSIZE) CPU_SET((size_t)*cpu, &set);

@@ -100,8 +100,8 @@ void results_set_counts(json_t *object, const char *keys, const size_t *values) 
 
 void results_set_seconds(json_t *object, const statistics *s) {
     results_set_count(object, "samples", s->n);
-    results_set_numbers(object, "seconds_min seconds_median seconds_mad seconds_low seconds_high",
-                        (double[]){s->min, s->median, s->mad, s->low, s->high});
+    results_set_numbers(object, "seconds_min seconds_median seconds_low seconds_high",
+                        (double[]){s->min, s->median, s->low, s->high});
     results_set_bool(object, "interval_sure", s->sure);
 }
 
@@ -124,12 +124,6 @@ const char *results_text(const json_t *object, const char *key) {
 double results_number(const json_t *object, const char *key) { return json_number_value(json_object_get(object, key)); }
 
 bool results_is(const json_t *line, const char *kind) { return strcmp(results_text(line, "kind"), kind) == 0; }
-
-const json_t *results_first(const json_t *lines, const char *kind) {
-    size_t k = 0;
-    while (k < json_array_size(lines) && !results_is(json_array_get(lines, k), kind)) k++;
-    return json_array_get(lines, k);
-}
 
 size_t results_distinct(const json_t *lines, const char *key, const char **texts, size_t most) {
     size_t count = 0, index;

@@ -31,7 +31,7 @@ void results_set_texts(json_t *object, const char *keys, const char *const *text
 void results_set_numbers(json_t *object, const char *keys, const double *values);
 void results_set_counts(json_t *object, const char *keys, const size_t *values);
 
-/* Members samples, seconds_min, _median, _mad, _low, _high, and interval_sure. */
+/* Members samples, seconds_min, _median, _low, _high, and interval_sure. */
 struct statistics; /* statistics.h */
 void results_set_seconds(json_t *object, const struct statistics *seconds);
 
@@ -44,8 +44,6 @@ double results_number(const json_t *object, const char *key);
 
 /* True if the line is of that kind. */
 bool results_is(const json_t *line, const char *kind);
-/* The first such line; NULL if there is none. */
-const json_t *results_first(const json_t *lines, const char *kind);
 /* The texts that a member has in lines of kind "result", in order of first appearance; at most most of them. */
 size_t results_distinct(const json_t *lines, const char *key, const char **texts, size_t most);
 /* True if a member is the same text in both. */

@@ -37,7 +37,7 @@ typedef struct run_options {
  * it. */
 bool run_options_check(run_options *run, const char *name);
 
-/* Keeps the program on its CPU: that CPU, or -1 if it is to be free. False if the system does not allow it. */
+/* Keeps the program on its CPU: that CPU, or -1 if it is to be free, also again. False if the system does not allow it. */
 bool run_options_pin(const run_options *run, int *cpu, io_error *error);
 
 /* ---- record ---- */

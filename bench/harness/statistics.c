@@ -35,31 +35,5 @@ statistics statistics_of(double *samples, size_t n) {
     s.sure = rank >= 0;
     s.low = samples[drop];
     s.high = samples[n - 1 - drop];
-
-    /* The deviations in order, from the two sides inwards out: those below the median fall, those above rise. */
-    size_t below = 0;
-    while (below < n && samples[below] < s.median) below++;
-    size_t left = below, right = below;
-    double last = 0, before = 0;
-    for (size_t k = 0; k <= n / 2; k++) {
-        const double l = left > 0 ? s.median - samples[left - 1] : INFINITY;
-        const double r = right < n ? samples[right] - s.median : INFINITY;
-        before = last;
-        if (l < r) {
-            last = l;
-            left--;
-        } else {
-            last = r;
-            right++;
-        }
-    }
-    s.mad = n % 2 ? last : 0.5 * (before + last);
     return s;
-}
-
-ratio statistics_ratio(const statistics *a, const statistics *b, double margin) {
-    ratio r = {.value = b->median / a->median, .low = b->low / a->high, .high = b->high / a->low};
-    if (a->sure && b->sure && r.high < 1 - margin) r.verdict = VERDICT_LOWER;
-    if (a->sure && b->sure && r.low > 1 + margin) r.verdict = VERDICT_HIGHER;
-    return r;
 }

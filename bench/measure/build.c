@@ -12,7 +12,7 @@
 
 typedef struct builder {
     land *land;
-    bool embree;
+    bool embree, bullet;
     peer_options options;
     cw_pool *pool;
     size_t bytes;
@@ -42,6 +42,13 @@ static void build(void *context) {
         peer_embree_destroy(peer);
         return;
     }
+    if (b->bullet) {
+        peer_bullet *peer = peer_bullet_create(b->land->field, false);
+        b->failed = b->failed || peer == NULL;
+        if (peer) b->bytes = peer_bullet_bytes(peer);
+        peer_bullet_destroy(peer);
+        return;
+    }
     const workload_field *s = &b->land->samples;
     const cw_field_desc desc = {.samples = s->z, .nx = s->nx, .ny = s->ny, .storage = CW_BORROW};
     cw_field *field = NULL;
@@ -56,17 +63,20 @@ static bool enter(workload *w, const char *name, io_error *error) {
     builder *b = e->own = memory(1, sizeof *b);
     const bool grid = strstr(name, ":grid") != NULL;
     unsigned threads = 1;
-    *b = (builder){.land = w->own, .embree = strncmp(name, "embree", 6) == 0};
+    *b = (builder){.land = w->own, .embree = strncmp(name, "embree", 6) == 0, .bullet = strcmp(name, "bullet") == 0};
     b->options = (peer_options){.isa = (cw_isa)w->options->run.isa,
                                 .geometry = grid ? PEER_GRID : PEER_TRIANGLES,
                                 .quality = strstr(name, ":high") ? PEER_HIGH : PEER_MEDIUM};
-    if (!b->embree && strcmp(name, "default") != 0 && sscanf(name, "default:threads=%u", &threads) != 1)
+    if (!b->embree && !b->bullet && strcmp(name, "default") != 0 && sscanf(name, "default:threads=%u", &threads) != 1)
         return io_fail(
-            error, "contender %s: what builds is default, default:threads=N, embree, embree:high, embree:grid", name);
+            error, "contender %s: what builds is default, default:threads=N, embree, embree:high, embree:grid, bullet",
+            name);
     if (threads > 1 && cw_pool_create(threads, &b->pool) != CW_OK)
         return io_fail(error, "%s: %s", name, cw_last_error());
     if (b->embree && peer_embree_version() == NULL)
         snprintf(e->why, sizeof e->why, "built without Embree (Debian: libembree-dev)");
+    else if (b->bullet)
+        land_bullet(b->land, false, e->why);
     else if (b->embree)
         run_memory_has(peer_embree_needs(b->land->field, b->options.geometry), e->why);
     e->job =

@@ -25,8 +25,9 @@ entrant *measure_enter(workload *w, const char *group, const char *name, io_erro
     snprintf(e->name, sizeof e->name, "%s", name);
     snprintf(e->group, sizeof e->group, "%s", group);
     e->line = json_object();
-    results_set_texts(e->line, "kind workload field item unit contender group",
-                      (const char *[]){"result", w->name, w->field, w->item, w->kind->unit, name, group});
+    results_set_texts(e->line, "kind workload isa field item unit contender group",
+                      (const char *[]){"result", w->name, cw_isa_name((cw_isa)w->options->run.isa), w->field, w->item,
+                                       w->kind->unit, name, group});
     return e;
 }
 
@@ -81,7 +82,7 @@ static void time_all(workload *w, double seconds) {
 
 /* *left: seconds for all timing that is still to come, of which this line may take a share. */
 static bool run_line(const plan_line *line, const measure_options *o, double share, double *left, json_t *results,
-                     size_t *wide, io_error *error) {
+                     io_error *error) {
     workload w = {.options = o, .entrants = memory(ENTRANTS_MAX, sizeof *w.entrants)};
     bool good = name_workload(&w, line->workload, error) && w.kind->open(&w, error);
     for (size_t k = 0; good && w.why[0] == '\0' && k < line->count; k++)
@@ -99,11 +100,7 @@ static bool run_line(const plan_line *line, const measure_options *o, double sha
         *left = fmax(*left - (clock_seconds() - start), 0);
     }
     if (good) print_workload(&w);
-    for (size_t k = 0; good && k < w.count; k++) {
-        results_append(results, json_incref(w.entrants[k].line));
-        *wide += (line->metrics & METRIC_TIME) && w.entrants[k].why[0] == '\0' && w.entrants[k].job.best &&
-                 !w.entrants[k].job.converged;
-    }
+    for (size_t k = 0; good && k < w.count; k++) results_append(results, json_incref(w.entrants[k].line));
     if (w.kind)
         leave_all(&w);
     else
@@ -113,45 +110,120 @@ static bool run_line(const plan_line *line, const measure_options *o, double sha
 
 /* ---- a plan ---- */
 
+/* A time that no page may quote. */
+static bool is_wide(const json_t *line) {
+    return json_is_true(json_object_get(line, "best_of_group")) && json_is_false(json_object_get(line, "converged"));
+}
+
+/* Copies what an earlier run found of a line, if each of its times has converged; false if there is none. */
+static bool take_over(const json_t *earlier, const plan_line *line, cw_isa isa, json_t *results) {
+    json_t *found = json_array(), *old;
+    size_t index, k = 0;
+    bool good = true;
+    json_array_foreach((json_t *)earlier, index, old) {
+        if (strcmp(results_text(old, "workload"), line->workload) != 0 ||
+            strcmp(results_text(old, "isa"), cw_isa_name(isa)) != 0)
+            continue;
+        const char *group = results_text(old, "group");
+        bool asked = false;
+        for (size_t c = 0; c < line->count; c++) asked = asked || strcmp(group, line->contenders[c]) == 0;
+        if (!asked) continue;
+        good = good && !is_wide(old) &&
+               ((line->metrics & METRIC_TIME) == 0 || json_object_get(old, "converged") ||
+                json_object_get(old, "left_out"));
+        results_append(found, json_incref(old));
+    }
+    for (; good && k < line->count; k++) {
+        bool there = false;
+        json_array_foreach(found, index, old) there =
+            there || strcmp(results_text(old, "group"), line->contenders[k]) == 0;
+        good = there;
+    }
+    if (good) json_array_extend(results, found);
+    json_decref(found);
+    return good;
+}
+
+static bool save(const char *path, const json_t *results, io_error *error) {
+    io_output out = {0};
+    const bool good =
+        io_output_open(&out, path, error) && results_write_all(&out, results, error) && io_output_commit(&out, error);
+    io_output_discard(&out);
+    return good;
+}
+
+/* An earlier run's results, if there are any and they are of the same program and machine. */
+static bool read_earlier(const char *path, const json_t *record, json_t **earlier, io_error *error) {
+    static const char *const keys[] = {"commit", "flags", "cpu", "embree"};
+    FILE *file = fopen(path, "r");
+    if (file == NULL) return true;
+    fclose(file);
+    *earlier = results_read(path, error);
+    for (size_t k = 0; *earlier && k < sizeof keys / sizeof *keys; k++)
+        if (!results_same(json_array_get(*earlier, 0), record, keys[k]))
+            return io_fail(error, "%s: is of another %s, %s", path, keys[k],
+                           results_text(json_array_get(*earlier, 0), keys[k]));
+    return *earlier != NULL;
+}
+
+static size_t count_wide(const json_t *results) {
+    size_t index, wide = 0;
+    const json_t *line;
+    json_array_foreach((json_t *)results, index, line) wide += is_wide(line);
+    return wide;
+}
+
+/* Threads need more than one CPU. */
+static bool pin_for(const plan_line *line, const run_options *run, io_error *error) {
+    run_options own = *run;
+    int cpu;
+    for (size_t c = 0; c < line->count; c++)
+        own.no_pin = own.no_pin || strstr(line->contenders[c], ":threads=") != NULL;
+    return run_options_pin(&own, &cpu, error);
+}
+
 static bool run_plan(const char *name, measure_options *o, json_t *results, io_error *error) {
     plan p;
     int cpu;
-    size_t timed = 0, wide = 0;
+    size_t timed = 0;
+    json_t *earlier = NULL;
+    char text[512];
+    const cw_isa most = (cw_isa)o->run.isa;
     if (!measure_plan_read(&p, name, o->field, error)) return false;
-    for (size_t k = 0; k < p.count; k++) {
-        timed += (p.lines[k].metrics & METRIC_TIME) != 0;
-        for (size_t c = 0; c < p.lines[k].count; c++) /* threads need more than one CPU */
-            o->run.no_pin = o->run.no_pin || strstr(p.lines[k].contenders[c], ":threads=") != NULL;
-    }
+    for (size_t k = 0; k < p.count; k++) timed += (p.lines[k].metrics & METRIC_TIME) != 0;
     bool good = run_options_pin(&o->run, &cpu, error);
-    if (good) {
-        json_t *record = run_record("measure", o->run.seed, cpu);
-        char text[512];
-        results_set_text(record, "plan", name);
-        run_record_text(record, text, sizeof text);
-        printf("%s\n", text);
-        results_append(results, record);
-    }
+    json_t *record = run_record("measure", o->run.seed, cpu);
+    results_set_text(record, "plan", name);
+    run_record_text(record, text, sizeof text);
+    printf("%s\n", text);
+    results_append(results, record);
+    good = good && (!o->resume || read_earlier(o->out, record, &earlier, error));
     if (o->seconds <= 0) o->seconds = 10 * (double)timed;
     /* Making fields and building Embree do not count. What a line leaves, because it has converged, the later ones get. */
     double left = o->seconds;
     for (size_t k = 0; good && k < p.count; k++) {
-        good = run_line(&p.lines[k], o, 1 / (double)(timed ? timed : 1), &left, results, &wide, error);
-        timed -= (p.lines[k].metrics & METRIC_TIME) != 0;
+        const plan_line *line = &p.lines[k];
+        const cw_isa isa = line->isa < 0 ? most : (cw_isa)line->isa;
+        o->run.isa = (int)isa;
+        if (!cw_isa_includes(most, isa)) {
+            printf("\n%s with %s is left out: this machine, or the limit, has no more than %s\n", line->workload,
+                   cw_isa_name(isa), cw_isa_name(most));
+        } else if (earlier == NULL || !take_over(earlier, line, isa, results)) {
+            cw_isa_limit(isa);
+            good = pin_for(line, &o->run, error) &&
+                   run_line(line, o, 1 / (double)(timed ? timed : 1), &left, results, error);
+            good = good && (!o->resume || save(o->out, results, error));
+        }
+        timed -= (line->metrics & METRIC_TIME) != 0;
     }
     land_end();
-    if (good && wide > 0) {
-        json_t *line = json_object();
-        results_set_text(line, "kind", "not converged");
-        results_set_count(line, "results", wide);
-        results_append(results, line);
-    }
+    json_decref(earlier);
     measure_plan_free(&p);
-    if (good && wide > 0)
+    if (good && count_wide(results) > 0)
         fprintf(stderr,
                 "%zu results have not converged in %.3g s: no figure of theirs may be quoted; give more --seconds, or "
                 "stop other programs\n",
-                wide, o->seconds);
+                count_wide(results), o->seconds);
     return good;
 }
 
@@ -163,23 +235,23 @@ static int measure(const char *as, const char *name, measure_options *o, const c
     char *markdown = NULL;
     size_t size = 0;
     if (!run_options_check(&o->run, as)) return EXIT_USAGE;
-    bool good = o->out == NULL || io_output_open(&out, o->out, &error);
+    bool good = o->out == NULL || o->resume || io_output_open(&out, o->out, &error);
     if (folder)
         good = io_output_open_in(&text, folder, "table.md", &error) &&
                io_output_open_in(&out, folder, "table.jsonl", &error);
-    good = good && run_plan(name, o, results, &error) && results_write_all(&out, results, &error);
-    if (good && results_first(results, "result") &&
-        strcmp(results_text(results_first(results, "result"), "field"), "scenes") == 0) {
+    good = good && run_plan(name, o, results, &error);
+    good = good && (o->resume ? save(o->out, results, &error) : results_write_all(&out, results, &error));
+    if (good && folder) {
         FILE *stream = open_memstream(&markdown, &size);
         if (stream == NULL) memory_end();
         print_scenes(stream, results);
         if (fclose(stream) != 0) memory_end();
         printf("\n%s", markdown);
-        good = folder == NULL || (io_output_write(&text, markdown, size, &error) && io_output_commit(&text, &error));
+        good = io_output_write(&text, markdown, size, &error) && io_output_commit(&text, &error);
     }
     good = good && (out.file == NULL || io_output_commit(&out, &error));
     /* The scenes' table is the work itself, and says which of its figures have not converged. */
-    const bool wide = folder == NULL && results_first(results, "not converged") != NULL;
+    const bool wide = folder == NULL && count_wide(results) > 0;
     io_output_discard(&out);
     io_output_discard(&text);
     json_decref(results);
@@ -191,10 +263,9 @@ static int measure(const char *as, const char *name, measure_options *o, const c
 /* ---- command lines ---- */
 
 static const char what[] =
-    "Runs a plan: a file, or one that ships (speed, first, single, widths, leaf, threads, afar, beside, build, "
-    "tradeoff, accuracy, scenes). Each of its lines is \"FIELD/WORK CONTENDERS METRICS\", with commas in lists and # "
-    "before "
-    "comments:\n\n"
+    "Runs a plan: a file, or one that ships (release, speed, first, single, beside, tradeoff, scenes). "
+    "Each of its lines is \"FIELD/WORK CONTENDERS METRICS\", with commas in lists and # "
+    "before comments; a fourth word names instruction sets:\n\n"
     "  257,1025/primary  default,embree               time\n"
     "  8193/primary      default,coarser:2,coarser:4  time,error\n"
     "  scenes/hftest     default,grid3d,embree        time\n\n"
@@ -207,6 +278,7 @@ static const char what[] =
 
 static const char examples[] = "  cellwalk-bench measure --field dem.tif            # your own land\n"
                                "  cellwalk-bench measure speed -o speed.jsonl\n"
+                               "  cellwalk-bench measure release -o release.jsonl --resume\n"
                                "  cellwalk-bench measure my.plan --seconds 60 --isa avx2 -o mine.jsonl\n";
 
 static char *help_of_kinds(void) {
@@ -226,6 +298,8 @@ static int start_measure(int argc, char **argv) {
     measure_options o = {.run = RUN_DEFAULTS, .scenes = BUILD_INFO_SCENES, .count = 65536, .width = 0.04, .pass = 5};
     const option_spec options[] = {
         {"out", "FILE", "write results there, a JSON object a line", OPTION_TEXT, .to = &o.out, .letter = 'o'},
+        {"resume", NULL, "keep FILE after each work, and leave out what it has already, converged", OPTION_FLAG,
+         .to = &o.resume},
         {"field", "FILE", "stands for FIELD in the plan; without a plan, the raster to measure on", OPTION_TEXT,
          .to = &o.field},
         {"cellsize", "SIZE", "cell size of a raster that does not say, in its unit of heights", OPTION_REAL,
@@ -251,6 +325,7 @@ static int start_measure(int argc, char **argv) {
     free(text);
     if (status != OPTIONS_GO) return status;
     if (name == NULL && o.field == NULL) return command_fail("measure", "give a PLAN, or --field FILE"), EXIT_USAGE;
+    if (o.resume && o.out == NULL) return command_fail("measure", "--resume needs -o FILE"), EXIT_USAGE;
     return measure("measure", name ? name : "field", &o, NULL);
 }
 

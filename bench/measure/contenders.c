@@ -7,14 +7,15 @@
 #include <string.h>
 
 const char contenders_help[] =
-    "Contenders of rays: default, a kernel, embree, or coarser:FACTOR. Options follow after colons: a leaf test "
+    "Contenders of rays: default, a kernel, embree, bullet, or coarser:FACTOR. Options follow after colons: a leaf "
+    "test "
     "(default:moller-trumbore), call=N rays a call, threads=N; for embree robust, grid, medium (the build's quality) "
     "and wN, "
-    "one packet width of the four";
+    "one packet width of the four; for bullet accelerated, which loses hits";
 
 typedef struct spec {
     char base[64];
-    bool embree, robust, grid, medium;
+    bool embree, bullet, accelerated, robust, grid, medium;
     unsigned width, threads, call;
     size_t factor;
     cw_leaf leaf;
@@ -37,6 +38,7 @@ static bool take_option(spec *s, const char *word) {
         s->factor = factor;
         return true;
     }
+    if (s->bullet) return strcmp(word, "accelerated") == 0 && (s->accelerated = true);
     if (s->embree) {
         if (strcmp(word, "robust") == 0) return s->robust = true;
         if (strcmp(word, "grid") == 0) return s->grid = true;
@@ -58,7 +60,8 @@ static bool parse(spec *s, const char *name, io_error *error) {
     snprintf(text, sizeof text, "%s", name);
     snprintf(s->base, sizeof s->base, "%s", strsep(&rest, ":"));
     s->embree = strcmp(s->base, "embree") == 0;
-    const bool own = strcmp(s->base, "default") == 0 || strcmp(s->base, "coarser") == 0;
+    s->bullet = strcmp(s->base, "bullet") == 0;
+    const bool own = strcmp(s->base, "default") == 0 || strcmp(s->base, "coarser") == 0 || s->bullet;
     if (!s->embree && !own) s->kernel = cw_kernel_find(s->base);
     bool good = own || s->embree || cw_kernel_exists(s->kernel);
     for (char *word; good && (word = strsep(&rest, ":")) != NULL;) good = take_option(s, word);
@@ -94,6 +97,14 @@ bool contenders_of(land *l, const char *name, bool coherent, cw_isa isa, ray_con
     *count = 0;
     if (!parse(&s, name, error)) return false;
     if (s.embree) return enter_embree(l, name, &s, coherent, isa, out, count, why, error);
+    if (s.bullet) {
+        const peer_bullet *peer = land_bullet(l, s.accelerated, why);
+        out[0] = (ray_contender){.factor = 1};
+        contender_from_bullet(&out[0].contender, peer);
+        snprintf(out[0].contender.name, sizeof out[0].contender.name, "%s", name);
+        *count = peer != NULL;
+        return true;
+    }
     cw_field *field = land_coarser(l, s.factor, error);
     if (field == NULL) return false;
     ray_contender *c = &out[0];

@@ -1,9 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* Answers to rays before the tests' exact oracle, which needs GMP. */
 #include "measure/measure.h"
 
-#include "accuracy/judge.h"
 #include "harness/memory.h"
 #include "harness/results.h"
+#if BENCH_ORACLE
+#include "oracle.h"
+#endif
 
 #include <math.h>
 #include <stdio.h>
@@ -23,51 +26,72 @@ void errors_set_spread(json_t *line, const char *name, double *errors, size_t co
                                    errors[(size_t)(0.99 * (double)(count - 1))], errors[count - 1]});
 }
 
-/* The strict answer's cell is right, and its place is computed again. */
-static void find_truth(const land *l, const true_surface *surface, const cw_ray *rays, size_t n, cw_hit *truth,
-                       exact_hit *exact) {
-    const cw_run strict = {.kernel = cw_kernel_find("cell"), .leaf = CW_LEAF_WATERTIGHT};
-    (void)cw_closest(l->field, &strict, rays, n, truth);
-    for (size_t k = 0; k < n; k++)
-        if (truth[k].i >= 0) exact[k] = accuracy_exact(surface, &rays[k], &truth[k]);
+#if BENCH_ORACLE
+void errors_forget(land *l) { oracle_destroy(l->oracle); }
+
+/* 0 where it judges nothing wrong. */
+static const char *const wrong_keys[VERDICTS] = {
+    [VERDICT_LEAK] = "leaks_per_million",
+    [VERDICT_PHANTOM] = "phantoms_per_million",
+    [VERDICT_WRONG_SURFACE] = "wrong_per_million",
+};
+
+/* What the contender has at a ray that it answers alone; an any-hit query tells less, so its closest hit speaks for it. */
+static cw_hit hit_of(const contender *of, const cw_ray *ray, contender_answers answers, size_t k, bool any) {
+    cw_hit hit = {.t = INFINITY, .i = -1, .j = -1};
+    if (!any) return answers.hits[k];
+    if (answers.occluded[k]) of->closest(of, ray, 1, &hit);
+    return hit;
 }
 
-void errors_of_rays(const land *l, const cw_ray *rays, size_t n, contender_answers answers, bool any, size_t factor,
-                    json_t *line) {
-    const true_surface surface = true_surface_of(l->samples.z, l->samples.nx, l->samples.ny);
-    const accuracy_claim none = {0};
-    cw_hit *truth = memory(n, sizeof *truth);
-    exact_hit *exact = memory(n, sizeof *exact);
-    double *shares = memory(n, sizeof *shares), *cells = memory(n, sizeof *cells), *ulps = memory(n, sizeof *ulps);
-    size_t verdicts[ACCURACY_VERDICT_COUNT] = {0}, differ = 0, both = 0;
-    find_truth(l, &surface, rays, n, truth, exact);
+bool errors_of_rays(land *l, const contender *of, const cw_ray *rays, size_t n, contender_answers answers, bool any,
+                    json_t *line, io_error *error) {
+    const workload_field *s = &l->samples;
+    if (l->oracle == NULL) l->oracle = oracle_create(s->z, s->nx, s->ny);
+    if (l->oracle == NULL) return io_fail(error, "field %s: out of memory for the exact oracle", l->name);
+    double *shares = memory(n, sizeof *shares), *ulps = memory(n, sizeof *ulps);
+    size_t verdicts[VERDICTS] = {0}, both = 0;
     for (size_t k = 0; k < n; k++) {
-        const bool should = truth[k].i >= 0, hit = any ? answers.occluded[k] != 0 : answers.hits[k].i >= 0;
-        differ += should != hit;
-        if (factor == 1)
-            verdicts[any ? accuracy_judge_any(&surface, &rays[k], &none, should, hit)
-                         : accuracy_judge_closest(&surface, &rays[k], &none, &truth[k], should ? &exact[k] : NULL,
-                                                  &answers.hits[k])]++;
-        if (any || !should || !hit) continue;
-        const double t = (double)answers.hits[k].t;
-        cells[both] = exact_error_cells(&rays[k], t, exact[k].t);
-        ulps[both] = exact_error_ulp(t, exact[k].t);
-        shares[both] = exact[k].t > 0 ? fabs(t / exact[k].t - 1) : 0;
-        both++;
+        const oracle_truth *truth = oracle_trace(l->oracle, &rays[k]);
+        const cw_hit hit = hit_of(of, &rays[k], answers, k, any);
+        verdict v = any && answers.occluded[k] && hit.i < 0 ? VERDICT_PHANTOM : oracle_judge(l->oracle, &hit).verdict;
+        /* Where a hit may be is bounded for this library's rounding. Others may be farther off, but not hit what is not there. */
+        if (v == VERDICT_PHANTOM && of->field == NULL && truth->hit) v = VERDICT_TIE;
+        verdicts[v]++;
+        if (any || !truth->hit || hit.i < 0) continue;
+        const double off = fabs((double)hit.t - truth->t);
+        shares[both] = truth->t > 0 ? off / truth->t : 0;
+        ulps[both++] = off / ldexp(1, ilogb(fmax(fabs(truth->t), 0x1p-126)) - 23);
     }
-    const double million = 1e6 / (double)n;
-    results_set_number(line, "differ_per_million", (double)differ * million);
-    if (factor == 1)
-        results_set_numbers(line, "leaks_per_million phantoms_per_million wrong_per_million",
-                            (double[]){(double)verdicts[ACCURACY_LEAK] * million,
-                                       (double)verdicts[ACCURACY_PHANTOM] * million,
-                                       (double)verdicts[ACCURACY_WRONG] * million});
+    for (int v = 0; v < VERDICTS; v++)
+        if (wrong_keys[v]) results_set_number(line, wrong_keys[v], (double)verdicts[v] * 1e6 / (double)n);
     errors_set_spread(line, "t", shares, both);
-    errors_set_spread(line, "cells", cells, both);
-    if (factor == 1) errors_set_spread(line, "ulp", ulps, both);
-    free(truth);
-    free(exact);
+    errors_set_spread(line, "ulp", ulps, both);
     free(shares);
-    free(cells);
     free(ulps);
+    return true;
+}
+#else
+void errors_forget(land *l) { (void)l; }
+
+bool errors_of_rays(land *l, const contender *of, const cw_ray *rays, size_t n, contender_answers answers, bool any,
+                    json_t *line, io_error *error) {
+    (void)l, (void)of, (void)rays, (void)n, (void)answers, (void)any;
+    (void)error;
+    results_set_text(line, "not_judged", "built without the exact oracle, which needs GMP (Debian: libgmp-dev)");
+    return true;
+}
+#endif
+
+void errors_of_choice(const cw_hit *truth, const cw_hit *hits, size_t n, json_t *line) {
+    double *shares = memory(n, sizeof *shares);
+    size_t both = 0, differ = 0;
+    for (size_t k = 0; k < n; k++) {
+        differ += (truth[k].i >= 0) != (hits[k].i >= 0);
+        if (truth[k].i >= 0 && hits[k].i >= 0 && truth[k].t > 0)
+            shares[both++] = fabs((double)hits[k].t / (double)truth[k].t - 1);
+    }
+    results_set_number(line, "differ_per_million", (double)differ * 1e6 / (double)n);
+    errors_set_spread(line, "t", shares, both);
+    free(shares);
 }

@@ -75,8 +75,17 @@ land *land_of(const char *name, const measure_options *o, char why[192], io_erro
     return NULL;
 }
 
+static void forget_embree(land *l) {
+    for (size_t k = 0; k < sizeof l->peers / sizeof *l->peers; k++) {
+        peer_embree_destroy(l->peers[k]);
+        l->peers[k] = NULL;
+    }
+}
+
 void land_close(land *l) {
-    for (size_t k = 0; k < sizeof l->peers / sizeof *l->peers; k++) peer_embree_destroy(l->peers[k]);
+    errors_forget(l);
+    forget_embree(l);
+    for (int k = 0; k < 2; k++) peer_bullet_destroy(l->bullet[k]);
     for (size_t k = 0; k <= FACTOR_MAX; k++) cw_field_destroy(l->coarser[k]);
     if (l->borrowed) return;
     cw_field_destroy(l->field);
@@ -99,10 +108,21 @@ cw_field *land_coarser(land *l, size_t factor, io_error *error) {
 }
 
 peer_embree *land_embree(land *l, const peer_options *o, char why[192], io_error *error) {
+    if (o->isa != l->peers_isa) forget_embree(l);
+    l->peers_isa = o->isa;
     peer_embree **peer = &l->peers[(size_t)o->geometry + 2 * (size_t)o->quality + 4 * (size_t)o->robust];
     if (*peer == NULL && peer_embree_version() == NULL)
         snprintf(why, 192, "built without Embree (Debian: libembree-dev)");
     else if (*peer == NULL && run_memory_has(peer_embree_needs(l->field, o->geometry), why))
         *peer = peer_embree_create(l->field, o, error);
+    return *peer;
+}
+
+const peer_bullet *land_bullet(land *l, bool accelerated, char why[192]) {
+    peer_bullet **peer = &l->bullet[accelerated];
+    if (peer_bullet_version() == NULL)
+        snprintf(why, 192, "built without Bullet (Debian: libbullet-dev)");
+    else if (*peer == NULL && (*peer = peer_bullet_create(l->field, accelerated)) == NULL)
+        memory_end();
     return *peer;
 }

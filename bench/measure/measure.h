@@ -7,6 +7,7 @@
 
 #include "harness/interleave.h"
 #include "harness/run.h"
+#include "peers/bullet.h"
 #include "peers/contender.h"
 #include "peers/embree.h"
 #include "scene.h"
@@ -22,6 +23,7 @@ enum { MEASURE_NAME = 256, ENTRANTS_MAX = 48, FACTOR_MAX = 64 };
 typedef struct measure_options {
     run_options run;
     const char *out, *field, *scenes;
+    bool resume;
     unsigned count; /* rays of a pass */
     double seconds, width, pass,
         cell_size; /* for all; of intervals; a pass may take at most; of a raster, 0: its own */
@@ -66,7 +68,7 @@ entrant *measure_enter(workload *w, const char *group, const char *name, io_erro
 
 /* ---- plan_lines.c ---- */
 
-extern const workload_kind measure_rays, measure_scene, measure_build, measure_horizon, measure_sky, measure_picture;
+extern const workload_kind measure_rays, measure_scene, measure_build, measure_horizon, measure_sky;
 /* NULL from the count on. */
 const workload_kind *measure_kind(size_t number);
 
@@ -76,6 +78,7 @@ typedef struct plan_line {
     char *contenders[ENTRANTS_MAX];
     size_t count;
     unsigned metrics;
+    int isa; /* a cw_isa; below 0: that of the run */
 } plan_line;
 typedef struct plan {
     plan_line *lines;
@@ -94,7 +97,10 @@ typedef struct land {
     workload_field samples; /* of land_of */
     cw_field *field;
     cw_field *coarser[FACTOR_MAX + 1];
-    peer_embree *peers[8]; /* by geometry, quality and robustness */
+    peer_embree *peers[8]; /* by geometry, quality and robustness, all up to one instruction set */
+    cw_isa peers_isa;
+    peer_bullet *bullet[2]; /* without and with its accelerator */
+    struct oracle *oracle;  /* errors.c */
     bool borrowed;
 } land;
 
@@ -106,6 +112,7 @@ void land_close(land *l);
 void land_end(void);
 /* Each is made once. NULL with the error, or with why if memory is missing. */
 cw_field *land_coarser(land *l, size_t factor, io_error *error);
+const peer_bullet *land_bullet(land *l, bool accelerated, char why[192]);
 peer_embree *land_embree(land *l, const peer_options *options, char why[192], io_error *error);
 
 /* ---- contenders.c: of rays, by name ---- */
@@ -123,23 +130,20 @@ bool contenders_of(land *l, const char *name, bool coherent, cw_isa isa, ray_con
 void contenders_leave(ray_contender *c);
 extern const char contenders_help[];
 
-/* ---- errors.c: answers to rays before the exact judge ---- */
+/* ---- errors.c: answers to rays before the exact oracle ---- */
 
-/* Adds what is wrong with the answers to rays on the land, and how far their t is off, to the line. hits is NULL where any hit was
- * asked for. factor: other land than the truth's is only held against it, not judged. */
-void errors_of_rays(const land *l, const cw_ray *rays, size_t n, contender_answers answers, bool any, size_t factor,
-                    json_t *line);
+/* Adds what is wrong with the answers to rays on the land, and how far their t is off, to the line. */
+bool errors_of_rays(land *l, const contender *of, const cw_ray *rays, size_t n, contender_answers answers, bool any,
+                    json_t *line, io_error *error);
+/* The same of a named choice, which is held against the strict hits. */
+void errors_of_choice(const cw_hit *truth, const cw_hit *hits, size_t n, json_t *line);
+void errors_forget(land *l);
 
 /* Errors, none below 0: mean, root mean square, 99 %, worst, to the member name. Sorts them. */
 void errors_set_spread(json_t *line, const char *name, double *errors, size_t count);
 
 /* ---- measure_scene.c ---- */
 
-typedef struct picture_difference {
-    size_t pixels, differ, visible; /* in any bit; by more than half a step of 8-bit linear colour */
-    double rmse, worst;             /* over all colour values, clamped to [0, 1] as on a screen */
-} picture_difference;
-picture_difference picture_compare(const io_image *a, const io_image *b);
 const char *scene_names(size_t number);
 
 /* ---- print.c ---- */

@@ -128,6 +128,7 @@ static bool judge(workload *w, entrant *e, unsigned metrics, io_error *error) {
         return io_fail(error, "%s: errors are judged on fields without holes only", w->name);
     contender_run(&a->pass);
     results_set_counts(e->line, "width threads", (size_t[]){a->c.contender.width, a->c.contender.threads});
+    if (a->c.contender.field) results_set_text(e->line, "kernel", cw_kernel_describe(a->c.contender.query.kernel).name);
     if ((metrics & METRIC_AGREE) && a->c.factor == 1) {
         agreement sum = {0};
         if (g->any)
@@ -137,7 +138,10 @@ static bool judge(workload *w, entrant *e, unsigned metrics, io_error *error) {
             agree_closest(&sum, g->land->field, g->rays, g->n, g->expected.hits, g->out.hits);
         json_object_set_new(e->line, "agreement", results_agreement(&sum));
     }
-    if (metrics & METRIC_ERROR) errors_of_rays(g->land, g->rays, g->n, g->out, g->any, a->c.factor, e->line);
+    if ((metrics & METRIC_ERROR) && a->c.factor > 1 && !g->any)
+        errors_of_choice(g->expected.hits, g->out.hits, g->n, e->line);
+    else if (metrics & METRIC_ERROR)
+        return errors_of_rays(g->land, &a->c.contender, g->rays, g->n, g->out, g->any, e->line, error);
     return true;
 }
 

@@ -9,8 +9,8 @@
 #include <stdio.h>
 #include <string.h>
 
-static const workload_kind *const kinds[] = {&measure_rays,    &measure_scene, &measure_build,
-                                             &measure_horizon, &measure_sky,   &measure_picture};
+static const workload_kind *const kinds[] = {&measure_rays, &measure_scene, &measure_build, &measure_horizon,
+                                             &measure_sky};
 
 const workload_kind *measure_kind(size_t number) {
     return number < sizeof kinds / sizeof *kinds ? kinds[number] : NULL;
@@ -33,7 +33,7 @@ static bool metrics_of(char *text, unsigned *metrics) {
 }
 
 /* FIELDS/ITEMS stands for each field with each item. A path has slashes of its own, so the last one counts. */
-static bool add_line(plan *p, const char *workloads, char *const *contenders, size_t count, unsigned metrics,
+static bool add_line(plan *p, const char *workloads, char *const *contenders, size_t count, unsigned metrics, int isa,
                      const char *field) {
     const char *slash = strrchr(workloads, '/');
     if (slash == NULL || slash == workloads || slash[1] == '\0') return false;
@@ -46,7 +46,7 @@ static bool add_line(plan *p, const char *workloads, char *const *contenders, si
             p->lines = realloc(p->lines, (p->count + 1) * sizeof *p->lines);
             if (p->lines == NULL) memory_end();
             plan_line *line = &p->lines[p->count++];
-            *line = (plan_line){.count = count, .metrics = metrics};
+            *line = (plan_line){.count = count, .metrics = metrics, .isa = isa};
             const char *of = field && strcmp(name, "FIELD") == 0 ? field : name;
             if (snprintf(line->workload, sizeof line->workload, "%s/%s", of, item) >= (int)sizeof line->workload)
                 return false;
@@ -57,17 +57,23 @@ static bool add_line(plan *p, const char *workloads, char *const *contenders, si
 }
 
 static bool take_line(plan *p, char *text, const char *field) {
-    char *words[4], *contenders[ENTRANTS_MAX], *rest = text;
+    char *words[5], *contenders[ENTRANTS_MAX], *rest = text;
     size_t count = 0, entered = 0;
     unsigned metrics;
-    for (char *word; count < 4 && (word = strsep(&rest, " \t")) != NULL;)
+    for (char *word; count < 5 && (word = strsep(&rest, " \t")) != NULL;)
         if (*word) words[count++] = word;
-    if (count != 3 || !metrics_of(words[2], &metrics)) return false;
+    if (count < 3 || count > 4 || !metrics_of(words[2], &metrics)) return false;
     for (char *name; (name = strsep(&words[1], ",")) != NULL;) {
         if (*name == '\0' || entered == ENTRANTS_MAX) return false;
         contenders[entered++] = name;
     }
-    return add_line(p, words[0], contenders, entered, metrics, field);
+    if (count == 3) return add_line(p, words[0], contenders, entered, metrics, -1, field);
+    for (char *name; (name = strsep(&words[3], ",")) != NULL;) {
+        int isa = CW_ISA_COUNT - 1;
+        while (isa >= 0 && strcmp(name, cw_isa_name((cw_isa)isa)) != 0) isa--;
+        if (isa < 0 || !add_line(p, words[0], contenders, entered, metrics, isa, field)) return false;
+    }
+    return true;
 }
 
 static FILE *open_plan(const char *name, char path[4096]) {
@@ -97,8 +103,8 @@ bool measure_plan_read(plan *p, const char *name, const char *field, io_error *e
         if (p->texts == NULL || text == NULL) memory_end();
         p->texts[p->text_count++] = text;
         good = take_line(p, text, field) || io_fail(error,
-                                                    "%s:%zu: a line is FIELD/WORK CONTENDERS METRICS, with commas in "
-                                                    "lists; metrics are time, agree and error",
+                                                    "%s:%zu: a line is FIELD/WORK CONTENDERS METRICS [ISAS], with "
+                                                    "commas in lists; metrics are time, agree and error",
                                                     path, number);
     }
     if (good && ferror(file)) good = io_fail(error, "%s: %s", path, strerror(errno));

@@ -43,8 +43,8 @@ void print_workload(const workload *w) {
         printf("\n%s is left out: %s\n", w->name, w->why);
         return;
     }
-    printf("\n%s, %.0f %s\n  %-28s %13s  %-26s\n", w->name, w->items, w->kind->unit, "contender", "M a second",
-           "time, first = 1 (95 %)");
+    printf("\n%s, %s, %.0f %s\n  %-28s %13s  %-26s\n", w->name, cw_isa_name((cw_isa)w->options->run.isa), w->items,
+           w->kind->unit, "contender", "M a second", "time, first = 1 (95 %)");
     for (const entrant *e = w->entrants; e < w->entrants + w->count; e++) {
         printf("  %-28s", e->name);
         if (e->why[0]) {

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Stands in for embree.c where Embree is not installed. */
+/* Stands in for embree.c and bullet.cpp where these are not installed. */
+#include "peers/bullet.h"
 #include "peers/embree.h"
+
+#if !CELLWALK_EMBREE
 
 const unsigned peer_embree_widths[PEER_WIDTH_COUNT] = {1, 4, 8, 16};
 
@@ -23,3 +26,17 @@ void contender_from_peer(contender *c, const peer_embree *peer, unsigned width, 
     (void)peer, (void)coherent, (void)prefix;
     *c = (contender){.width = width, .embree = true};
 }
+#endif
+
+#if !CELLWALK_BULLET
+const char *peer_bullet_version(void) { return NULL; }
+peer_bullet *peer_bullet_create(const cw_field *field, bool accelerated) {
+    return (void)field, (void)accelerated, NULL;
+}
+void peer_bullet_destroy(peer_bullet *peer) { (void)peer; }
+size_t peer_bullet_bytes(const peer_bullet *peer) { return (void)peer, 0; }
+void contender_from_bullet(contender *c, const peer_bullet *peer) {
+    (void)peer;
+    *c = (contender){.width = 1};
+}
+#endif

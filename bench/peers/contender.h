@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* One way to answer ray queries, a kernel's or Embree's. The benchmark times contenders against each other. */
+/* One way to answer ray queries, a kernel's or another program's. The benchmark times contenders against each other. */
 #ifndef CELLWALK_BENCH_PEERS_CONTENDER_H
 #define CELLWALK_BENCH_PEERS_CONTENDER_H
 
@@ -14,11 +14,11 @@ struct contender {
     bool embree; /* counts for "Embree's best width" */
     void (*closest)(const contender *self, const cw_ray *rays, size_t n, cw_hit *hits);
     void (*any)(const contender *self, const cw_ray *rays, size_t n, uint8_t *occluded);
-    /* A kernel of the library on a field; or Embree. */
+    /* A kernel of the library on a field; or another program's structures. */
     const cw_field *field;
     cw_run query;
     size_t call; /* rays a call of the kernel; 0: all in one */
-    const struct peer_embree *peer;
+    const void *peer;
     bool coherent; /* rays are announced as that */
 };
 

@@ -246,7 +246,7 @@ static inline cw_hit make_hit(const peer_embree *p, unsigned geometry, unsigned 
 
 static inline void trace_packet(const contender *c, unsigned width, bool any, const int *valid, embree_query *query,
                                 packet *p) {
-    RTCScene in = c->peer->scene;
+    RTCScene in = ((const peer_embree *)c->peer)->scene;
     if (width == 1 && any)
         rtcOccluded1(in, EMBREE_ANY(query, (struct RTCRay *)p));
     else if (width == 1)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "workload/ray_classes.h"
 
-#include "workload/aimed.h"
+#include "stability/aimed.h"
 #include "workload/terrain.h"
 
 #include <math.h>

@@ -34,9 +34,10 @@ static agreement of(const cw_ray *ray, const cw_hit *a, const cw_hit *b) {
 static void equal_hits(void **state) {
     (void)state;
     agreement sum = of(&down, &inside, &inside);
-    check(agree_differ(&sum) == 0 && sum.same_bits == 1 && sum.hits_a == 1 && sum.hits_b == 1, "equal hits differ");
+    check((sum.only_a + sum.only_b + sum.far) == 0 && sum.same_bits == 1 && sum.hits_a == 1 && sum.hits_b == 1,
+          "equal hits differ");
     sum = of(&down, &nothing, &nothing);
-    check(agree_differ(&sum) == 0 && sum.same_bits == 1 && sum.hits_a == 0, "misses differ");
+    check((sum.only_a + sum.only_b + sum.far) == 0 && sum.same_bits == 1 && sum.hits_a == 0, "misses differ");
 }
 
 static void rounding_is_not_a_difference(void **state) {
@@ -44,13 +45,14 @@ static void rounding_is_not_a_difference(void **state) {
     cw_hit rounded = inside;
     rounded.t = nextafterf(1, 2);
     agreement sum = of(&down, &inside, &rounded);
-    check(agree_differ(&sum) == 0 && sum.same_bits == 0 && sum.worst > 0, "one rounding counts as a difference");
+    check((sum.only_a + sum.only_b + sum.far) == 0 && sum.same_bits == 0 && sum.worst > 0,
+          "one rounding counts as a difference");
     rounded.triangle = CW_TRIANGLE_B;
     sum = of(&down, &inside, &rounded);
-    check(agree_differ(&sum) == 0 && sum.other_triangle == 1, "a tie is not counted as one");
+    check((sum.only_a + sum.only_b + sum.far) == 0 && sum.other_triangle == 1, "a tie is not counted as one");
     rounded.t = 1.001f;
     sum = of(&down, &inside, &rounded);
-    check(sum.far == 1 && agree_differ(&sum) == 1, "a thousandth counts as rounding");
+    check(sum.far == 1 && (sum.only_a + sum.only_b + sum.far) == 1, "a thousandth counts as rounding");
 }
 
 static void reasons(void **state) {
@@ -86,15 +88,11 @@ static void any_hit(void **state) {
     const uint8_t yes = 1, no = 0;
     agreement sum = {0};
     agree_any(&sum, field, &down, 1, &yes, &yes, &finder, &finder);
-    check(sum.rays == 1 && agree_differ(&sum) == 0, "equal answers differ");
+    check(sum.rays == 1 && (sum.only_a + sum.only_b + sum.far) == 0, "equal answers differ");
     agree_any(&sum, field, &down, 1, &yes, &no, &finder, &finder);
     agree_any(&sum, field, &down, 1, &no, &yes, &finder, &finder);
     check(sum.rays == 3 && sum.only_a == 1 && sum.only_b == 1 && sum.why[AGREE_OTHER] == 2, "different answers agree");
     cw_field_destroy(field);
-
-    char text[AGREE_TEXT];
-    agree_text(&sum, text);
-    check(strcmp(text, "2 of 3 rays differ (2 other)") == 0, "told as \"%s\"", text);
 }
 
 int main(void) {

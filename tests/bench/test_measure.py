@@ -62,7 +62,7 @@ def test_errors_of_leaf_tests_and_coarser_land(tmp_path):
     assert loose["leaks_per_million"] > 10000
     assert "leaks_per_million" not in coarse and coarse["t_99"] > 1e3 * exact["t_99"]
     strict = by_name(lines[3:])["default"]
-    assert strict["ulp_worst"] <= 0.5001 and strict["differ_per_million"] == 0
+    assert strict["ulp_worst"] <= 0.5001
 
 
 def test_embree_agrees_and_its_fastest_width_is_marked(tmp_path):
@@ -77,6 +77,29 @@ def test_embree_agrees_and_its_fastest_width_is_marked(tmp_path):
         assert all(line["agreement"]["why"]["other"] == 0 for line in peers)
 
 
+def test_bullet_agrees_without_its_accelerator(tmp_path):
+    _, lines = measure(tmp_path, "65/random,shadow default,bullet agree,error\n")
+    for line in lines:
+        if "left_out" not in line:
+            assert line["agreement"]["why"]["other"] == 0 and line["wrong_per_million"] == 0
+
+
+def test_a_line_with_instruction_sets_and_an_early_end(tmp_path):
+    _, lines = measure(tmp_path, "65/primary,random default,cell time scalar,avx2\n", "--isa", "scalar", "--resume")
+    assert [line["isa"] for line in lines] == ["scalar"] * 4
+    out = tmp_path / "out.jsonl"
+    rest = [json.loads(line) for line in out.read_text().splitlines()]
+    rest[1]["seconds_median"] = 77  # a mark: converged results are taken over as they are
+    rest[4]["converged"] = False
+    out.write_text("".join(json.dumps(line) + "\n" for line in rest))
+    _, again = measure(tmp_path, "65/primary,random default,cell time scalar,avx2\n", "--isa", "scalar", "--resume")
+    assert again[0]["seconds_median"] == 77 and again[3]["converged"] and len(again) == 4
+    rest[0]["commit"] = "other"
+    out.write_text("".join(json.dumps(line) + "\n" for line in rest))
+    done = run("measure", tmp_path / "my.plan", "-o", out, "--resume", *WIDE, status=1)
+    assert "is of another commit, other" in done.stderr
+
+
 def test_building_counts_bytes(tmp_path):
     _, lines = measure(tmp_path, "65/build default,default:threads=2 time\n")
     one, two = lines
@@ -84,12 +107,10 @@ def test_building_counts_bytes(tmp_path):
 
 
 def test_terrain_choices_have_errors(tmp_path):
-    _, lines = measure(tmp_path, "129/horizon default,coarser:2,distance:20 error\n129/sky directions:32,directions:4 error\n"
-                       "65/picture samples:16,samples:1 error\n")
+    _, lines = measure(tmp_path, "129/horizon default,coarser:2,distance:20 error\n129/sky directions:32,directions:4 error\n")
     of = by_name(lines)
     assert of["default"]["degrees_worst"] == 0 < of["distance:20"]["degrees_rms"] and of["coarser:2"]["degrees_rms"] > 0
     assert 0 < of["directions:32"]["share_rms"] < of["directions:4"]["share_rms"] < 0.2
-    assert 0 < of["samples:16"]["rmse"] < of["samples:1"]["rmse"]
 
 
 def test_the_scenes_table(tmp_path):

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "workload/aimed.h"
+#include "stability/aimed.h"
 
 #include <math.h>
 

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Traces the same aimed rays with all contenders and counts faults by class of rays. The test does so for some
  * seconds, the program cellwalk-stability for any time. */
-#ifndef CELLWALK_BENCH_STABILITY_RUN_H
-#define CELLWALK_BENCH_STABILITY_RUN_H
+#ifndef CELLWALK_TESTS_STABILITY_RUN_H
+#define CELLWALK_TESTS_STABILITY_RUN_H
 
 #include "oracle.h"
 #include "peers/contender.h"
 #include "peers/embree.h"
-#include "workload/aimed.h"
+#include "stability/aimed.h"
 #include "workload/fields.h"
 
 enum { BATCH_RAYS = 4096, SLOW_RAYS = 512, CONTENDERS_MAX = 48, ULP_BINS = 32 };

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The part of the long run (bench/accuracy/stability) that a test has time for: at least 10^6 aimed rays a class through the default
+/* The part of the long run (cellwalk-stability) that a test has time for: at least 10^6 aimed rays a class through the default
  * kernel, and a share of them through every other one; no leak, no phantom, the same bits. And that the run would see a
  * fault if there were one. */
 
-#include "accuracy/stability/run.h"
 #include "check.h"
+#include "stability/run.h"
 
 #include <math.h>
 #include <stdio.h>

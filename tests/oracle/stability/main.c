@@ -6,12 +6,12 @@
  * run that was ended early goes on with --first. Their files add up, since batch number n has the same rays in every
  * run. */
 
-#include "accuracy/stability/run.h"
 #include "clock.h"
 #include "command.h"
 #include "harness/results.h"
 #include "harness/run.h"
 #include "reference.h"
+#include "stability/run.h"
 
 #include <inttypes.h>
 #include <limits.h>

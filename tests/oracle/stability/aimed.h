@@ -4,8 +4,8 @@
  * surface right there. Those that graze a triangle cross it well inside, by more than the bound on a computed height where they
  * can. Rounding may spoil a ray: the exact oracle says whether it is clear at both ends. Sines and powers are
  * libm's, so another libm makes other rays. */
-#ifndef CELLWALK_BENCH_WORKLOAD_AIMED_H
-#define CELLWALK_BENCH_WORKLOAD_AIMED_H
+#ifndef CELLWALK_TESTS_STABILITY_AIMED_H
+#define CELLWALK_TESTS_STABILITY_AIMED_H
 
 #include "cellwalk.h"
 #include "workload/random.h"

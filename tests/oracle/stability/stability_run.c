@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "accuracy/stability/run.h"
+#include "stability/run.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "peers/bullet.h"
+
+#include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
+#include <BulletCollision/NarrowPhaseCollision/btRaycastCallback.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <new>
+#include <vector>
+
+namespace {
+const int chunk = 16; /* cells a side of the accelerator's bounds: Bullet's default */
+
+/* The nearest triangle so far; Bullet names its cell. */
+struct nearest : btTriangleRaycastCallback {
+    int i = -1, j = -1;
+    nearest(const btVector3 &from, const btVector3 &to) : btTriangleRaycastCallback(from, to) {}
+    btScalar reportHit(const btVector3 &, btScalar fraction, int x, int y) override {
+        i = x;
+        j = y;
+        return fraction;
+    }
+};
+} // namespace
+
+struct peer_bullet {
+    size_t nx, ny;
+    double low, high;
+    bool accelerated;
+    std::vector<float> z;
+    std::unique_ptr<btHeightfieldTerrainShape> shape;
+};
+
+const char *peer_bullet_version(void) {
+    static char text[32];
+    std::snprintf(text, sizeof text, "%d.%02d", BT_BULLET_VERSION / 100, BT_BULLET_VERSION % 100);
+    return text;
+}
+
+peer_bullet *peer_bullet_create(const cw_field *field, bool accelerated) try {
+    const cw_field_info info = cw_field_describe(field);
+    std::unique_ptr<peer_bullet> p(new peer_bullet{info.nx, info.ny, info.low, info.high, accelerated, {}, nullptr});
+    for (size_t j = 0; j < info.ny; j++)
+        p->z.insert(p->z.end(), cw_field_row(field, j), cw_field_row(field, j) + info.nx);
+    /* Flipped quads have the diagonal from sample (i, j) to (i + 1, j + 1). */
+    p->shape.reset(new btHeightfieldTerrainShape(static_cast<int>(info.nx), static_cast<int>(info.ny), p->z.data(),
+                                                 info.low, info.high, 2, true));
+    if (accelerated) p->shape->buildAccelerator(chunk);
+
+    return p.release();
+} catch (const std::bad_alloc &) {
+    return nullptr;
+}
+
+void peer_bullet_destroy(peer_bullet *peer) { delete peer; }
+
+size_t peer_bullet_bytes(const peer_bullet *p) {
+    return p->nx * p->ny * sizeof(float) + (p->accelerated ? 1 : 0) * ((p->nx + chunk - 1) / chunk) *
+                                               ((p->ny + chunk - 1) / chunk) * sizeof(btHeightfieldTerrainShape::Range);
+}
+
+/* Bullet takes segments, about the middle of the field's box. Cut to the box, in double, they lose the least by rounding. */
+static cw_hit trace(const peer_bullet *p, const cw_ray &ray) {
+    cw_hit hit = {};
+    hit.t = std::numeric_limits<float>::infinity();
+    hit.i = hit.j = -1;
+    const double high[3] = {double(p->nx - 1), double(p->ny - 1), p->high}, low[3] = {0, 0, p->low};
+    double begin = ray.tmin, end = ray.tmax;
+    for (int c = 0; c < 3; c++) {
+        const double a = (low[c] - ray.org[c]) / ray.dir[c], b = (high[c] - ray.org[c]) / ray.dir[c];
+        if (ray.dir[c] == 0 && (ray.org[c] < low[c] || ray.org[c] > high[c])) return hit;
+        if (ray.dir[c] == 0) continue;
+        begin = std::max(begin, std::min(a, b));
+        end = std::min(end, std::max(a, b));
+    }
+    if (!(begin <= end)) return hit;
+    btVector3 from, to;
+    for (int c = 0; c < 3; c++) {
+        from[c] = btScalar(ray.org[c] + begin * ray.dir[c] - (low[c] + high[c]) / 2);
+        to[c] = btScalar(ray.org[c] + end * ray.dir[c] - (low[c] + high[c]) / 2);
+    }
+    nearest best(from, to);
+    p->shape->performRaycast(&best, from, to);
+    if (best.i < 0) return hit;
+    const double t = begin + best.m_hitFraction * (end - begin);
+    const double x = ray.org[0] + t * ray.dir[0] - best.i, y = ray.org[1] + t * ray.dir[1] - best.j;
+    const bool upper = y > x;
+    hit.t = float(t);
+    hit.i = best.i;
+    hit.j = best.j;
+    hit.triangle = upper ? CW_TRIANGLE_B : CW_TRIANGLE_A;
+    hit.u = float(upper ? x : x - y);
+    hit.v = float(upper ? y - x : y);
+    return hit;
+}
+
+static void closest(const contender *c, const cw_ray *rays, size_t n, cw_hit *hits) {
+    for (size_t k = 0; k < n; k++) hits[k] = trace(static_cast<const peer_bullet *>(c->peer), rays[k]);
+}
+
+static void any(const contender *c, const cw_ray *rays, size_t n, uint8_t *occluded) {
+    for (size_t k = 0; k < n; k++) occluded[k] = trace(static_cast<const peer_bullet *>(c->peer), rays[k]).i >= 0;
+}
+
+void contender_from_bullet(contender *c, const peer_bullet *peer) {
+    std::memset(c, 0, sizeof *c);
+    c->width = c->threads = 1;
+    c->closest = closest;
+    c->any = any;
+    c->peer = peer;
+}
