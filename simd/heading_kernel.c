@@ -74,18 +74,17 @@ static inline float stretch_high(const group *g, const cw_stretch *s, int level)
 }
 
 /* True if no ray of the group can find a steeper slope on the stretch than it has. */
-static inline bool stretch_is_low(const group *g, const cw_stretch *s, int level, bool curved) {
+static inline bool stretch_is_low(const group *g, const cw_stretch *s, int level) {
     const vfloat high = vf_set(stretch_high(g, s, level)), pad = vf_set(g->pad);
     const vfloat near = vf_set(s->inverse_most), far = vf_set(s->inverse_least);
     const cw_heading *h = g->heading;
-    const vfloat drop = vf_set(curved ? h->stretch_drop[level][s - h->stretch[level]] : 0);
+    const vfloat drop = vf_set(h->drop ? h->stretch_drop[level][s - h->stretch[level]] : 0);
     for (int k = 0; k < GROUP; k += (int)W) {
         /* At the height of the start, as on a lake, rounding puts nothing above it: if a <= b <= z, then b - a,
          * rounded, is at most z - a, rounded, and a fraction of it at most that. */
         const vfloat exact = vf_sub(high, vf_load(g->z + k));
         const vfloat up = vf_select(vf_eq(exact, vf_set(0)), exact, vf_add(exact, pad));
-        vfloat most = vf_max(vf_mul(up, near), vf_mul(up, far));
-        if (curved) most = vf_sub(most, drop);
+        const vfloat most = vf_sub(vf_max(vf_mul(up, near), vf_mul(up, far)), drop);
         if (vm_any(vm_not(vf_le(most, vf_load(g->best + k))))) return false;
     }
     return true;
@@ -108,7 +107,7 @@ static inline vfloat slope_up(const cw_crossing *c, vfloat z, vfloat first, vflo
 }
 
 /* Scans the crossings from `from` to before `end`. All of them are inside the field for all rays. */
-static inline void scan(group *g, const cw_crossing *from, const cw_crossing *end, bool curved) {
+CW_INLINE void scan(group *g, const cw_crossing *from, const cw_crossing *end, bool curved) {
     const cw_heading *h = g->heading;
     const size_t stride = g->heading->field->stride;
     const float *start = g->heading->field->z + (size_t)g->j * stride + (size_t)g->i;
@@ -142,7 +141,7 @@ static inline vfloat load_around(const cw_field *f, ptrdiff_t k) {
 }
 
 /* The same as scan, without crossings outside the field. */
-static inline void scan_partly(group *g, const cw_crossing *from, const cw_crossing *end, bool curved) {
+static void scan_partly(group *g, const cw_crossing *from, const cw_crossing *end) {
     const cw_heading *h = g->heading;
     const cw_field *f = g->heading->field;
     float columns[W];
@@ -160,20 +159,22 @@ static inline void scan_partly(group *g, const cw_crossing *from, const cw_cross
             const vmask inside = vm_and(vf_ge(column, low), vf_le(column, high));
             const ptrdiff_t at = (ptrdiff_t)j * (ptrdiff_t)f->stride + i;
             const vfloat up = slope_up(c, z, load_around(f, at), load_around(f, at + second_sample(c, f->stride)),
-                                       curved ? h->drop + (c - h->crossing) : NULL);
+                                       h->drop ? h->drop + (c - h->crossing) : NULL);
             best = vf_max(vf_select(inside, up, none), best);
         }
         vf_store(g->best + k, best);
     }
 }
 
-static inline void scan_stretch(group *g, uint32_t number, reach r, bool curved) {
+static inline void scan_stretch(group *g, uint32_t number, reach r) {
     const cw_stretch *s = &g->heading->stretch[0][number];
     const cw_crossing *from = g->heading->crossing + s[0].first, *end = g->heading->crossing + s[1].first;
-    if (r == INSIDE)
-        scan(g, from, end, curved);
+    if (r != INSIDE)
+        scan_partly(g, from, end);
+    else if (g->heading->drop != NULL)
+        scan(g, from, end, true);
     else
-        scan_partly(g, from, end, curved);
+        scan(g, from, end, false);
 }
 
 /* Excludes rays steeper than enough from further comparisons; true if no others are left. */
@@ -206,7 +207,7 @@ static inline bool is_done(const int32_t done[PROBES], uint32_t number) {
     return false;
 }
 
-static inline void walk(group *g, bool guess, bool ends, bool curved) {
+static inline void walk(group *g, bool guess, bool ends) {
     const cw_heading *h = g->heading;
     int32_t done[PROBES], found[PROBES];
     float before[PROBES];
@@ -218,7 +219,7 @@ static inline void walk(group *g, bool guess, bool ends, bool curved) {
         if (number < 0 || is_done(done, (uint32_t)number)) continue;
         if (stretch_reach(g, &h->stretch[0][number]) != INSIDE) continue;
         probe(g, before);
-        scan_stretch(g, (uint32_t)number, INSIDE, curved);
+        scan_stretch(g, (uint32_t)number, INSIDE);
         remember(g, before, (uint32_t)number, found);
         done[p] = number;
     }
@@ -228,7 +229,7 @@ static inline void walk(group *g, bool guess, bool ends, bool curved) {
         const cw_stretch *s = &h->stretch[level][u >> 2 * level];
         const reach r = stretch_reach(g, s);
         if (r == OUTSIDE) break;
-        if (stretch_is_low(g, s, level, curved)) {
+        if (stretch_is_low(g, s, level)) {
             u += length;
             if (level + 1 < h->levels && u % (length << 2) == 0) level++;
             continue;
@@ -238,10 +239,10 @@ static inline void walk(group *g, bool guess, bool ends, bool curved) {
             continue;
         }
         if (!is_done(done, u)) {
-            if (guess) probe(g, before);
-            scan_stretch(g, u, r, curved);
+            probe(g, before);
+            scan_stretch(g, u, r);
             if (ends && all_settled(g)) break;
-            if (guess) remember(g, before, u, found);
+            remember(g, before, u, found);
         }
         u++;
         if (h->levels > 1 && u % 4 == 0) level = 1;
@@ -284,8 +285,10 @@ static inline void finish(const group *g, const cw_heading_job *job, size_t i0, 
     }
 }
 
-static inline void run(const cw_heading_job *job, size_t i_begin, size_t i_end, size_t j_begin, size_t j_end, bool any,
-                       bool ends, bool curved) {
+/* cw_heading1, cw_heading4, cw_heading8 or cw_heading16. Rejected: a copy of the walk for each kind of query, which is three times
+ * the text and no faster. */
+void CW_CODE(heading)(const cw_heading_job *job, size_t i_begin, size_t i_end, size_t j_begin, size_t j_end) {
+    const bool any = job->occluded != NULL, ends = any || job->high < INFINITY;
     const cw_heading *h = job->heading;
     const size_t nx = h->field->nx, ny = h->field->ny;
     group g = {.heading = h, .pad = job->pad, .least = job->low, .enough = job->high};
@@ -300,24 +303,7 @@ static inline void run(const cw_heading_job *job, size_t i_begin, size_t i_end, 
             const size_t i_from = i + GROUP_COLUMNS <= nx || nx < GROUP_COLUMNS ? i : nx - GROUP_COLUMNS;
             const size_t j_from = j + GROUP_ROWS <= ny || ny < GROUP_ROWS ? j : ny - GROUP_ROWS;
             start(&g, (int32_t)i_from, (int32_t)j_from, ends);
-            walk(&g, !any, ends, curved);
+            walk(&g, !any, ends);
             finish(&g, job, i, i_next, j, j_next, any);
         }
-}
-
-static inline void run_on(const cw_heading_job *job, size_t i, size_t i_end, size_t j, size_t j_end, bool curved) {
-    if (job->occluded)
-        run(job, i, i_end, j, j_end, true, true, curved);
-    else if (job->high < INFINITY)
-        run(job, i, i_end, j, j_end, false, true, curved);
-    else
-        run(job, i, i_end, j, j_end, false, false, curved);
-}
-
-/* cw_heading1, cw_heading4, cw_heading8 or cw_heading16. */
-void CW_CODE(heading)(const cw_heading_job *job, size_t i, size_t i_end, size_t j, size_t j_end) {
-    if (job->heading->drop != NULL)
-        run_on(job, i, i_end, j, j_end, true);
-    else
-        run_on(job, i, i_end, j, j_end, false);
 }

@@ -29,9 +29,9 @@ CW_INLINE vfloat height_over(const visible_crossing *c, const float *eye, vfloat
     return vf_add(vf_sub(a, z), vf_mul(vf_set(c->fraction), vf_sub(b, a)));
 }
 
-CW_INLINE vfloat slope_to(const visible_crossing *c, vfloat height, bool curved) {
-    const vfloat up = vf_mul(height, vf_set(c->inverse));
-    return curved ? vf_sub(up, vf_set(c->drop)) : up;
+/* A flat earth's drop is 0, which changes no bit. */
+CW_INLINE vfloat slope_to(const visible_crossing *c, vfloat height) {
+    return vf_sub(vf_mul(height, vf_set(c->inverse)), vf_set(c->drop));
 }
 
 /* Adds what is in sight of a piece: from share of its length before its end (late) or after its begin. */
@@ -52,14 +52,13 @@ CW_INLINE void add_seen(const visible_job *job, lanes *l, const visible_piece *p
     l->farthest = vf_select(seen, last, l->farthest);
 }
 
-/* The pieces that end at crossings from `from` to before `end`. */
-CW_INLINE void scan(const visible_job *job, const float *eye, lanes *l, size_t from, size_t end, bool above,
-                    bool curved, bool cut) {
+/* The pieces that end at crossings from `from` to before `end`. cut: they may end beyond the reach. */
+CW_INLINE void scan(const visible_job *job, const float *eye, lanes *l, size_t from, size_t end, bool above, bool cut) {
     const vfloat target = vf_set(job->target), one = vf_set(1);
     for (size_t k = from; k < end; k++) {
         const visible_crossing *c = job->crossing + k;
         const vfloat height = height_over(c, eye, l->z);
-        const vfloat slope = slope_to(c, above ? vf_add(height, target) : height, curved);
+        const vfloat slope = slope_to(c, above ? vf_add(height, target) : height);
         const vmask late = vf_gt(slope, l->steepest);
         /* Without a target above the ground, the last slope is at most the steepest. */
         const vmask early = above ? vf_gt(l->slope, l->steepest) : vm_set(false);
@@ -72,26 +71,29 @@ CW_INLINE void scan(const visible_job *job, const float *eye, lanes *l, size_t f
             if (above) share = vf_select(vm_and(late, early), one, share);
             const vmask some = above ? vm_and(vm_or(late, early), ends) : late;
             add_seen(job, l, p, vm_and(some, begins), above ? late : vm_set(true), share, cut);
-            l->steepest = vf_max(above ? slope_to(c, height, curved) : slope, l->steepest);
+            l->steepest = vf_max(above ? slope_to(c, height) : slope, l->steepest);
         }
         l->slope = slope;
     }
 }
 
+/* The last piece, which is cut. Not inlined, as it would take registers from the others. */
+static __attribute__((noinline)) void scan_last(const visible_job *job, const float *eye, lanes *l, size_t k) {
+    scan(job, eye, l, k, k + 1, job->target > 0, true);
+}
+
 /* True if no slope in the block of rows before which the ray crosses its k-th row exceeds the steepest one of any lane. */
-CW_INLINE bool block_is_low(const visible_job *job, ptrdiff_t eyes, size_t row, size_t k, int level, const lanes *l,
-                            bool curved) {
+CW_INLINE bool block_is_low(const visible_job *job, ptrdiff_t eyes, size_t row, size_t k, int level, const lanes *l) {
     const size_t length = (size_t)1 << visible_shift(level), after = k + length < job->steps ? k + length : job->steps;
     const float *bound = job->bound[level] + (ptrdiff_t)((row + k) >> visible_shift(level)) * job->stride;
     const visible_crossing *near = job->crossing + job->until[k] - 1, *far = job->crossing + job->until[after] - 1;
     const vfloat up = vf_add(vf_sub(vf_load(bound + eyes + job->entry[k]), l->z), vf_set(job->lift));
-    vfloat most = vf_max(vf_mul(up, vf_set(near->inverse)), vf_mul(up, vf_set(far->inverse)));
-    if (curved) most = vf_sub(most, vf_set(near->drop));
-    return !vm_any(vf_gt(most, l->steepest));
+    const vfloat most = vf_max(vf_mul(up, vf_set(near->inverse)), vf_mul(up, vf_set(far->inverse)));
+    return !vm_any(vf_gt(vf_sub(most, vf_set(near->drop)), l->steepest));
 }
 
 CW_INLINE void walk(const visible_job *job, ptrdiff_t eyes, size_t row, size_t most, float *area, float *farthest,
-                    bool above, bool curved) {
+                    bool above) {
     const vfloat none = vf_set(-INFINITY), nothing = vf_set(0);
     const float *eye = job->land + (ptrdiff_t)row * job->stride + eyes;
     const vfloat ground = vf_load(eye);
@@ -108,23 +110,18 @@ CW_INLINE void walk(const visible_job *job, ptrdiff_t eyes, size_t row, size_t m
     /* The first piece begins under the eye and is straight: in sight as a whole, or edge-on if nothing stands above the ground. */
     const bool whole = job->reach > 0 && job->steps == steps; /* the last crossing may be beyond the reach */
     const size_t until = job->until[steps] - whole;
-    const bool cut_first = until == 0;
     const vfloat first = height_over(job->crossing, eye, l.z);
     const vmask higher = above ? exists : vf_gt(l.z, ground);
-    l.slope = slope_to(job->crossing, above ? vf_add(first, vf_set(job->target)) : first, curved);
-    add_seen(job, &l, job->piece, vm_and(higher, vf_eq(first, first)), vm_set(true), vf_set(1), cut_first);
-    l.steepest = vf_max(slope_to(job->crossing, first, curved), none);
+    l.slope = slope_to(job->crossing, above ? vf_add(first, vf_set(job->target)) : first);
+    add_seen(job, &l, job->piece, vm_and(higher, vf_eq(first, first)), vm_set(true), vf_set(1), until == 0);
+    l.steepest = vf_max(slope_to(job->crossing, first), none);
     bool passed = false;
     for (size_t k = 0; k < steps;) {
         const size_t at = row + k;
         if (k > 0 && (at & 7) == 0) {
-            if ((at & 63) == 0 && block_is_low(job, eyes, row, k, 1, &l, curved)) {
-                k += 64;
-                passed = true;
-                continue;
-            }
-            if (block_is_low(job, eyes, row, k, 0, &l, curved)) {
-                k += 8;
+            const bool by_64 = (at & 63) == 0 && block_is_low(job, eyes, row, k, 1, &l);
+            if (by_64 || block_is_low(job, eyes, row, k, 0, &l)) {
+                k += by_64 ? 64 : 8;
                 passed = true;
                 continue;
             }
@@ -133,36 +130,35 @@ CW_INLINE void walk(const visible_job *job, ptrdiff_t eyes, size_t row, size_t m
         if (passed) { /* the crossing at which the last block ended */
             const visible_crossing *c = job->crossing + job->until[k] - 1;
             const vfloat height = height_over(c, eye, l.z);
-            l.slope = slope_to(c, above ? vf_add(height, vf_set(job->target)) : height, curved);
+            l.slope = slope_to(c, above ? vf_add(height, vf_set(job->target)) : height);
             passed = false;
         }
-        const size_t from = job->until[k] > 0 ? job->until[k] : 1, to = job->until[end];
-        scan(job, eye, &l, from, to < until ? to : until, above, curved, false);
-        if (to > until && until > 0) scan(job, eye, &l, until, to, above, curved, true);
+        const size_t to = job->until[end];
+        scan(job, eye, &l, job->until[k] > 0 ? job->until[k] : 1, to < until ? to : until, above, false);
         k = end;
+    }
+    if (whole && until > 0 && !passed) {
+        lanes last = l; /* keeps l in registers */
+        scan_last(job, eye, &last, until);
+        l = last;
     }
     vf_store(area, vf_select(exists, vf_from_vd(l.area), ground));
     vf_store(farthest, l.farthest);
 }
 
 CW_INLINE void walk_all(const visible_job *job, ptrdiff_t eyes, size_t row, size_t step, size_t count, size_t most,
-                        float *area, float *farthest, bool above, bool curved) {
+                        float *area, float *farthest, bool above) {
     for (size_t k = 0; k < count; k++, row += step)
         for (size_t lane = 0; lane < VISIBLE_GROUP; lane += W, area += W, farthest += W)
-            walk(job, eyes + (ptrdiff_t)lane, row, most, area, farthest, above, curved);
+            walk(job, eyes + (ptrdiff_t)lane, row, most, area, farthest, above);
 }
 
 static void walk_group(const visible_job *job, ptrdiff_t eyes, size_t row, size_t step, size_t count, size_t most,
                        float *area, float *farthest) {
-    const bool above = job->target > 0;
-    if (above && job->curved)
-        walk_all(job, eyes, row, step, count, most, area, farthest, true, true);
-    else if (above)
-        walk_all(job, eyes, row, step, count, most, area, farthest, true, false);
-    else if (job->curved)
-        walk_all(job, eyes, row, step, count, most, area, farthest, false, true);
+    if (job->target > 0)
+        walk_all(job, eyes, row, step, count, most, area, farthest, true);
     else
-        walk_all(job, eyes, row, step, count, most, area, farthest, false, false);
+        walk_all(job, eyes, row, step, count, most, area, farthest, false);
 }
 
 static void bound_row(float *to, const float *from, const ptrdiff_t *at, size_t count, size_t width) {

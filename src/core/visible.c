@@ -134,8 +134,7 @@ static cw_status add(cw_visible *v, const cw_run *how, const cw_visible_desc *de
                           .steps = s->steps,
                           .reach = s->ends ? (float)s->reach : 0,
                           .eye = desc->eye,
-                          .target = desc->target,
-                          .curved = desc->drop > 0};
+                          .target = desc->target};
     for (int l = 0; l < VISIBLE_LEVELS; l++) w.job.bound[l] = v->bound_memory[l] + AROUND + VISIBLE_MARGIN;
     w.job.lift = (float)((double)desc->target + rounding(v->field, desc->eye, desc->target));
     w.scale = 0.5 * desc->weight / (longest * longest);

@@ -21,7 +21,7 @@ typedef struct visible_crossing {
     int32_t second;  /* from there to its second one */
     float fraction;  /* of the way to that */
     float inverse;   /* of the distance */
-    float drop;      /* by which the slope is less on a curved earth */
+    float drop;      /* by which the slope is less on a curved earth; 0 on a flat one */
 } visible_crossing;
 
 /* The piece of the ray that ends at a crossing. */
@@ -46,7 +46,6 @@ typedef struct visible_job {
 
     float eye, target; /* heights above the ground */
     float lift;        /* a bound rises so far above it, target and rounding included */
-    bool curved;
 } visible_job;
 
 /* Eyes of VISIBLE_GROUP columns, the first at `eyes` from column 0, in count rows from row on, step apart. No ray is inside the
