@@ -96,9 +96,13 @@ static inline void close_keep(vmask found, const vfind *find, const vcell *c, vf
     }
 }
 
-/* Tests the cells of a box, with columns along the given axis; true if one of them is hit. */
-CW_INLINE bool close_cells(const close_ray *r, const cw_field *f, const close_box *box, const int axis,
-                           float first[FOUND_NUMBERS]) {
+/* Tests the cells of a box, with columns along the axis on which the ray is faster; true if one of them is hit. Not inlined, as
+ * its vectors would be in each frame of the recursion. */
+static __attribute__((noinline)) bool close_test(const close_ray *r, const cw_field *f, const close_box *box,
+                                                 float first[FOUND_NUMBERS]) {
+    const bool along_x = r->n[RAY_INVERSE] <= r->n[RAY_AXIS + RAY_INVERSE];
+    const int axis = along_x ? 0 : 1;
+    const vmask is_x = vm_set(along_x);
     const float *a = close_axis(r, axis), *b = close_axis(r, 1 - axis);
     const vray v = close_vectors(r);
     const vfloat one = vf_set(1), lowest = vf_set(max_second((float)box->begin[1 - axis], b[RAY_FIRST]));
@@ -123,15 +127,15 @@ CW_INLINE bool close_cells(const close_ray *r, const cw_field *f, const close_bo
             todo = vm_and(todo, vm_and(vf_lt(rows, end), vf_le(b_in, a_out)));
             if (!vm_any(todo)) break;
             const vfloat b_out = vf_mul(vf_sub(vf_add(rows, one), center_b), inverse_b);
-            const vint i = vi_xor(vi_from_vf(axis == 0 ? columns : rows), vi_set(r->turned[0]));
-            const vint j = vi_xor(vi_from_vf(axis == 0 ? rows : columns), vi_set(r->turned[1]));
+            const vint i = vi_xor(vi_from_vf(vf_select(is_x, columns, rows)), vi_set(r->turned[0]));
+            const vint j = vi_xor(vi_from_vf(vf_select(is_x, rows, columns)), vi_set(r->turned[1]));
             vcell c;
             c.i = vf_from_vi(i);
             c.j = vf_from_vi(j);
-            c.x_in = axis == 0 ? a_in : b_in;
-            c.x_out = axis == 0 ? a_out : b_out;
-            c.y_in = axis == 0 ? b_in : a_in;
-            c.y_out = axis == 0 ? b_out : a_out;
+            c.x_in = vf_select(is_x, a_in, b_in);
+            c.x_out = vf_select(is_x, a_out, b_out);
+            c.y_in = vf_select(is_x, b_in, a_in);
+            c.y_out = vf_select(is_x, b_out, a_out);
             c.t0 = vf_max(vf_max(c.x_in, c.y_in), v.t0);
             c.t1 = vf_min(vf_min(c.x_out, c.y_out), v.t1);
             const vint sample = vi_add(vi_mul(j, vi_set((int32_t)f->stride)), i);
@@ -145,13 +149,6 @@ CW_INLINE bool close_cells(const close_ray *r, const cw_field *f, const close_bo
         }
     }
     return column < INFINITY;
-}
-
-/* The same, along the axis on which the ray is faster. Not inlined, as its vectors would be in each frame of the recursion. */
-static __attribute__((noinline)) bool close_test(const close_ray *r, const cw_field *f, const close_box *box,
-                                                 float first[FOUND_NUMBERS]) {
-    const bool along_x = r->n[RAY_INVERSE] <= r->n[RAY_AXIS + RAY_INVERSE];
-    return along_x ? close_cells(r, f, box, 0, first) : close_cells(r, f, box, 1, first);
 }
 
 /* True if nothing in node (x, y), its low corner mirrored, can be hit between t0 and t1, the ends of the ray's way over it. */

@@ -139,30 +139,31 @@ static void packets_up_up(tile_walk *w, ray_set rays, const block_cells *b, bool
 static shared_packets_fn *const packets_of_quadrant[QUADRANTS] = {packets_down_down, packets_up_down, packets_down_up,
                                                                   packets_up_up};
 
-/* Finds first hits of the rays in block (x, y). */
-static void shared_block(tile_walk *w, const fat_ray *a, ray_set rays, int32_t x, int32_t y, bool any) {
+/* Finds first hits of the rays in block (x, y). False if they fall apart there. */
+static __attribute__((noinline)) bool block_hits(tile_walk *w, const fat_ray *a, ray_set rays, int32_t x, int32_t y,
+                                                 bool any) {
     block_samples s;
     load_samples(&s, w->f, (size_t)(4 * x), (size_t)(4 * y));
-    unsigned cells = fat_cells(a, &s, x, y);
-    if (FALL_APART * __builtin_popcountll(rays) <= __builtin_popcount(cells) * packets_of(rays)) {
-        if (a != &w->tile || !w->several) {
-            leave(w, a, rays, 0, x, y);
-            return;
-        }
-        while (rays != 0) {
-            const size_t g = (size_t)__builtin_ctzll(rays) / GROUP;
-            const fat_ray *b = group_ray(w, g);
-            if (b == NULL)
-                leave(w, a, group_bits(rays, g), 0, x, y);
-            else
-                shared_block(w, b, group_bits(rays, g), x, y, any);
-            rays &= ~group_bits(rays, g);
-        }
-        return;
-    }
+    const unsigned cells = fat_cells(a, &s, x, y);
+    if (FALL_APART * __builtin_popcountll(rays) <= __builtin_popcount(cells) * packets_of(rays)) return false;
     const block_cells b = {&s, 4 * x, 4 * y, cells};
     const int quadrant = (a->up_x ? QUADRANT_UP_X : 0) + (a->up_y ? QUADRANT_UP_Y : 0);
     packets_of_quadrant[quadrant](w, rays, &b, any);
+    return true;
+}
+
+/* The same, group by group if they fall apart. */
+static inline void shared_block(tile_walk *w, const fat_ray *a, ray_set rays, int32_t x, int32_t y, bool any) {
+    if (block_hits(w, a, rays, x, y, any)) return;
+    if (a != &w->tile || !w->several) {
+        leave(w, a, rays, 0, x, y);
+        return;
+    }
+    for (size_t g = 0; g < GROUPS; g++) {
+        const ray_set mine = group_bits(rays, g);
+        const fat_ray *b = mine != 0 ? group_ray(w, g) : NULL;
+        if (mine != 0 && (b == NULL || !block_hits(w, b, mine, x, y, any))) leave(w, a, mine, 0, x, y);
+    }
 }
 
 /* Walks the rays of a through these children, of the given level, of node (x, y): to their ends or until they fall
