@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Reading .npy files by windows: only the rows asked for are mapped, so that a file may be larger than memory and than
- * the address space that a process is granted. */
+/* Rows are read and not mapped: a mapping of a file that another process cuts ends this process. */
 
 #include "npy.h"
 
@@ -9,13 +8,114 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 #include <unistd.h>
 
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "elements are used as they lie in the file");
 
 /* The dictionary of an array of plain numbers has some 100 characters; versions 2 and 3 allow 4 GiB for records. */
 enum { HEADER_MAX = 1 << 16 };
+
+/* ---- the header -------------------------------------------------------------------------------------------------- */
+
+/* The header is the text of a Python dictionary with exactly the keys descr, fortran_order and shape. It is read strictly:
+ * text that NumPy does not write is an error that names the byte. */
+typedef struct cursor {
+    const char *text, *at; /* ends in a NUL byte */
+    const char *path;
+    uint64_t offset; /* of text in the file */
+    io_error *error;
+} cursor;
+
+static bool fail(const cursor *c, const char *what) {
+    const unsigned long long byte = c->offset + (uint64_t)(c->at - c->text);
+    return io_fail(c->error, "%s: not a .npy header at byte %llu: %s", c->path, byte, what);
+}
+
+/* Passes over blanks and then, if it follows, over word. */
+static bool take(cursor *c, const char *word) {
+    c->at += strspn(c->at, " \n");
+    if (strncmp(c->at, word, strlen(word)) != 0) return false;
+    c->at += strlen(word);
+    return true;
+}
+
+static bool take_string(cursor *c, char *to, size_t size) {
+    const char quote = *c->at, *end = strchr("'\"", quote) && quote != '\0' ? strchr(c->at + 1, quote) : NULL;
+    if (quote != '\'' && quote != '"') return fail(c, "a quoted word should stand here");
+    if (end == NULL) return fail(c, "this quotation mark is not closed");
+    if ((size_t)(end - c->at) > size) return fail(c, "this word has no meaning here");
+    snprintf(to, size, "%.*s", (int)(end - c->at - 1), c->at + 1);
+    c->at = end + 1;
+    return true;
+}
+
+/* Byte order, kind, size. The kinds are numbers: float, integer, unsigned, complex, bool. */
+static bool take_type(cursor *c, io_npy_header *header) {
+    static const char *const sizes[] = {"1", "2", "4", "8", "16"};
+    char type[64];
+    if (*c->at == '[') return io_fail(c->error, "%s: holds records; only plain numbers can be read", c->path);
+    if (!take_string(c, type, sizeof type)) return false;
+    const bool number =
+        strlen(type) >= 3 && strlen(type) < sizeof header->type && strchr("<>|", type[0]) && strchr("fiucb", type[1]);
+    for (size_t k = 0; number && k < sizeof sizes / sizeof sizes[0]; k++)
+        if (strcmp(type + 2, sizes[k]) == 0) header->item = (size_t)1 << k;
+    if (header->item == 0)
+        return io_fail(c->error, "%s: holds elements of type '%s'; only plain numbers can be read", c->path, type);
+    strcpy(header->type, type);
+    return true;
+}
+
+static bool take_order(cursor *c) {
+    if (take(c, "True"))
+        return io_fail(c->error, "%s: is in Fortran order; save numpy.ascontiguousarray(a) instead", c->path);
+    return take(c, "False") || fail(c, "fortran_order should be True or False");
+}
+
+static bool take_shape(cursor *c, io_npy_header *header) {
+    if (!take(c, "(")) return fail(c, "the shape should start with (");
+    bool comma = true;
+    while (!take(c, ")")) {
+        char *end;
+        if (!comma) return fail(c, "a comma or ) should stand here");
+        if (header->rank == IO_NPY_RANK_MAX) return fail(c, "arrays of so many dimensions cannot be read");
+        if (*c->at < '0' || *c->at > '9') return fail(c, "a size should stand here");
+        errno = 0;
+        header->shape[header->rank++] = strtoull(c->at, &end, 10);
+        if (errno != 0) return fail(c, "this size is too large");
+        c->at = end + (*end == 'L'); /* Python 2 wrote long integers so */
+        comma = take(c, ",");
+    }
+    /* (5) is a number in Python, (5,) a shape. */
+    return header->rank != 1 || comma || fail(c, "a shape of one dimension has a comma");
+}
+
+static bool take_entry(cursor *c, io_npy_header *header, bool seen[3]) {
+    static const char *const keys[3] = {"descr", "fortran_order", "shape"};
+    const cursor before = *c;
+    char key[32];
+    int which = 0;
+    if (!take_string(c, key, sizeof key)) return false;
+    while (which < 3 && strcmp(key, keys[which]) != 0) which++;
+    if (which == 3) return fail(&before, "this key is unknown");
+    if (seen[which]) return fail(&before, "this key is here for the second time");
+    seen[which] = true;
+    if (!take(c, ":")) return fail(c, "a colon should stand here");
+    take(c, "");
+    return which == 0 ? take_type(c, header) : which == 1 ? take_order(c) : take_shape(c, header);
+}
+
+static bool parse(cursor *c, size_t size, io_npy_header *header) {
+    bool seen[3] = {false}, comma = true;
+    if (!take(c, "{")) return fail(c, "the header should start with {");
+    while (!take(c, "}")) {
+        if (!comma) return fail(c, "a comma or } should stand here");
+        if (!take_entry(c, header, seen)) return false;
+        comma = take(c, ",");
+    }
+    if (!seen[0] || !seen[1] || !seen[2]) return fail(c, "descr, fortran_order or shape is missing");
+    take(c, "");
+    return c->at == c->text + size || fail(c, "only blanks may follow the dictionary");
+}
 
 /* Magic, version, length of the text: 10 bytes in version 1.0, 12 later. */
 static bool read_header(io_npy *npy, uint64_t file_size, io_error *error) {
@@ -41,10 +141,11 @@ static bool read_header(io_npy *npy, uint64_t file_size, io_error *error) {
     if (length > HEADER_MAX)
         return io_fail(error, "%s: the header is %llu bytes long; no array of plain numbers needs more than %d",
                        npy->path, (unsigned long long)length, HEADER_MAX);
-    char *text = malloc((size_t)length + 1);
+    char *text = calloc((size_t)length + 1, 1);
     if (text == NULL) return io_fail(error, "%s: out of memory", npy->path);
+    cursor c = {.text = text, .at = text, .path = npy->path, .offset = before, .error = error};
     const bool good = io_file_read_at(npy->fd, npy->path, text, (size_t)length, before, error) &&
-                      io_npy_parse(text, (size_t)length, npy->path, before, &npy->header, error);
+                      parse(&c, (size_t)length, &npy->header);
     free(text);
     npy->offset = before + length;
     return good;
@@ -85,14 +186,8 @@ bool io_npy_open(io_npy *npy, const char *path, io_error *error) {
     return false;
 }
 
-static void unmap(io_npy *npy) {
-    if (npy->window) munmap(npy->window, (size_t)(npy->window_end - npy->window_begin));
-    free(npy->aligned);
-    npy->window = npy->aligned = NULL;
-}
-
 void io_npy_close(io_npy *npy) {
-    unmap(npy);
+    free(npy->rows);
     if (npy->fd >= 0) close(npy->fd);
     free(npy->path);
     *npy = (io_npy){.fd = -1};
@@ -119,46 +214,76 @@ bool io_npy_expect_type(const io_npy *npy, const char *const *types, size_t coun
 }
 
 const void *io_npy_rows(io_npy *npy, uint64_t first, uint64_t count, io_error *error) {
-    static const max_align_t nothing;
-    const uint64_t begin = npy->offset + first * npy->row_bytes, end = begin + count * npy->row_bytes;
-    if (begin == end) return &nothing;
-    const uint64_t page = (uint64_t)sysconf(_SC_PAGESIZE), mapped = begin / page * page;
-    /* A pass that is repeated over one window keeps it. */
-    const bool same = npy->window && npy->window_from == begin && npy->window_end == end;
-    if (!same) {
-        unmap(npy);
-        void *window = MAP_FAILED;
-        errno = ENOMEM;
-        if (end - mapped <= SIZE_MAX)
-            window = mmap(NULL, (size_t)(end - mapped), PROT_READ, MAP_PRIVATE, npy->fd, (off_t)mapped);
-        if (window == MAP_FAILED) {
-            io_fail(error, "%s: cannot map %llu bytes: %s", npy->path, (unsigned long long)(end - mapped),
-                    strerror(errno));
-            return NULL;
-        }
-        madvise(window, (size_t)(end - mapped), MADV_SEQUENTIAL);
-        npy->window = window;
-        npy->window_begin = mapped;
-        npy->window_from = begin;
-        npy->window_end = end;
+    const uint64_t bytes = count * npy->row_bytes;
+    /* A pass that is repeated over the same rows keeps them. */
+    if (npy->rows != NULL && npy->first == first && npy->count == count) return npy->rows;
+    if (npy->rows == NULL || npy->room < bytes) {
+        free(npy->rows);
+        npy->rows = bytes < SIZE_MAX ? malloc((size_t)bytes + 1) : NULL;
+        npy->room = bytes;
     }
-    const char *rows = (const char *)npy->window + (begin - mapped);
-    if (begin % npy->header.item == 0) return rows;
-    if (npy->aligned == NULL) {
-        npy->aligned = malloc((size_t)(end - begin));
-        if (npy->aligned == NULL) {
-            io_fail(error, "%s: out of memory for %llu bytes", npy->path, (unsigned long long)(end - begin));
-            return NULL;
-        }
-        memcpy(npy->aligned, rows, (size_t)(end - begin));
+    npy->first = first;
+    npy->count = count;
+    if (npy->rows == NULL) {
+        io_fail(error, "%s: out of memory for %llu bytes", npy->path, (unsigned long long)bytes);
+        return NULL;
     }
-    return npy->aligned;
+    if (io_file_read_at(npy->fd, npy->path, npy->rows, (size_t)bytes, npy->offset + first * npy->row_bytes, error))
+        return npy->rows;
+    npy->count = 0;
+    return NULL;
 }
 
-void *io_npy_take_window(io_npy *npy, size_t *bytes) {
-    if (npy->aligned || npy->window == NULL) return NULL;
-    void *window = npy->window;
-    *bytes = (size_t)(npy->window_end - npy->window_begin);
-    npy->window = NULL;
-    return window;
+/* ---- writing ----------------------------------------------------------------------------------------------------- */
+
+enum { ALIGNMENT = 64 }; /* of the first element, as NumPy has it */
+
+/* Version 1.0: magic, version, length of the rest as 16 bits, the dictionary, blanks up to the alignment, newline. */
+bool io_npy_write_header(io_output *output, const char *type, size_t item, size_t rank, const uint64_t *shape,
+                         io_error *error) {
+    char header[1024] = "\x93NUMPY\x01", sides[24 * IO_NPY_RANK_MAX] = "";
+    uint64_t bytes = item;
+    size_t used = 0;
+    for (size_t k = 0; k < rank; k++) {
+        if (shape[k] > 0 && bytes > INT64_MAX / shape[k])
+            return io_fail(error, "%s: too many elements for any file", output->name);
+        bytes *= shape[k];
+        used += (size_t)snprintf(sides + used, sizeof sides - used, "%s%llu%s", k > 0 ? " " : "",
+                                 (unsigned long long)shape[k], k + 1 < rank || rank == 1 ? "," : "");
+    }
+    const size_t start = 10, room = sizeof header - ALIGNMENT - start;
+    const int length =
+        snprintf(header + start, room, "{'descr': %s, 'fortran_order': False, 'shape': (%s), }", type, sides);
+    if (length < 0 || (size_t)length >= room) return io_fail(error, "%s: too many fields", output->name);
+    size_t size = start + (size_t)length;
+    while ((size + 1) % ALIGNMENT != 0) header[size++] = ' ';
+    header[size++] = '\n';
+    header[8] = (char)((size - start) & 0xff);
+    header[9] = (char)((size - start) >> 8);
+    return io_output_reserve(output, size + bytes, error) && io_output_write(output, header, size, error);
 }
+
+bool io_npy_create(io_npy_writer *writer, const char *path, const char *type, size_t item, uint64_t rows,
+                   io_error *error) {
+    *writer = (io_npy_writer){.left = rows * item};
+    if (rows > INT64_MAX / item) return io_fail(error, "%s: too many elements for any file", path);
+    if (!io_output_open(&writer->output, path, error)) return false;
+    if (io_npy_write_header(&writer->output, type, item, 1, &rows, error)) return true;
+    io_npy_discard(writer);
+    return false;
+}
+
+bool io_npy_write(io_npy_writer *writer, const void *bytes, size_t size, io_error *error) {
+    if (size > writer->left) return io_fail(error, "%s: more elements than announced", writer->output.name);
+    writer->left -= size;
+    return io_output_write(&writer->output, bytes, size, error);
+}
+
+bool io_npy_commit(io_npy_writer *writer, io_error *error) {
+    if (writer->left == 0) return io_output_commit(&writer->output, error);
+    io_fail(error, "%s: %llu bytes of elements are missing", writer->output.name, (unsigned long long)writer->left);
+    io_npy_discard(writer);
+    return false;
+}
+
+void io_npy_discard(io_npy_writer *writer) { io_output_discard(&writer->output); }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* NumPy's array files (.npy, versions 1.0 to 3.0): reading plain numbers in C order through the virtual memory, and
- * writing from start to end. Neither needs memory for the whole array. */
+/* NumPy's array files (.npy, versions 1.0 to 3.0): reading plain numbers in C order by rows, and writing from start to
+ * end. Neither needs memory for the whole array. */
 #ifndef CELLWALK_IO_NPY_H
 #define CELLWALK_IO_NPY_H
 
@@ -20,19 +20,14 @@ typedef struct io_npy_header {
     uint64_t shape[IO_NPY_RANK_MAX];
 } io_npy_header;
 
-/* Parses the header's text, a Python dictionary in the narrow form that the format prescribes. path and at (the text's
- * place in the file) are for messages. */
-bool io_npy_parse(const char *text, size_t size, const char *path, uint64_t at, io_npy_header *header, io_error *error);
-
 typedef struct io_npy {
     io_npy_header header;
     char *path;
     uint64_t offset;    /* of the first element in the file */
     uint64_t row_bytes; /* of one step along the first axis */
     int fd;
-    void *window;                                   /* the part of the file that is mapped */
-    uint64_t window_begin, window_from, window_end; /* its first page, first row, and end, in bytes of the file */
-    void *aligned;                                  /* a copy, where the file has its elements at odd places */
+    void *rows; /* that were read last: count of them from first on, in room for so many bytes */
+    uint64_t first, count, room;
 } io_npy;
 
 /* Opens a file whose size agrees with its header. On failure npy needs no closing. */
@@ -45,15 +40,12 @@ bool io_npy_expect_type(const io_npy *npy, const char *const *types, size_t coun
 /* "(1000, 8)" in text, for messages. */
 void io_npy_shape_text(const io_npy *npy, char *text, size_t size);
 
-/* Rows [first, first + count), each row_bytes long, aligned for their type; valid until the next call on npy, which
- * unmaps them. So a pass over a file of any size occupies the memory of one call. NULL on failure. */
+/* Rows [first, first + count), each row_bytes long, aligned for their type; valid until the next call on npy. NULL on
+ * failure. */
 const void *io_npy_rows(io_npy *npy, uint64_t first, uint64_t count, io_error *error);
 
-/* Takes the mapping that the last io_npy_rows made over, to be given to munmap; NULL where the rows were copied. */
-void *io_npy_take_window(io_npy *npy, size_t *bytes);
-
-/* Writes the header of an array of that shape at the start of an output, and claims room for all of it. type and
- * item as below. */
+/* Writes the header of an array of that shape at the start of an output, and claims room for all of it, so that a full
+ * disk is found out before the work. type and item as below. */
 bool io_npy_write_header(io_output *output, const char *type, size_t item, size_t rank, const uint64_t *shape,
                          io_error *error);
 

@@ -46,14 +46,6 @@ static void on_timer(int number) {
     die(atomic_load(&caught));
 }
 
-static void on_bus_error(int number) {
-    static const char text[] = "cellwalk: an input file shrank or became unreadable while it was being read\n";
-    (void)number;
-    io_output_discard_all();
-    if (write(gdal_host_messages(), text, sizeof text - 1) < 0) _exit(EXIT_FAILURE);
-    _exit(EXIT_FAILURE);
-}
-
 void cancel_install(void) {
     struct sigaction action;
     memset(&action, 0, sizeof action);
@@ -69,8 +61,6 @@ void cancel_install(void) {
         /* nohup and background jobs of simple shells start programs with these ignored: so they stay. */
         if (sigaction(asked[k], NULL, &old) == 0 && old.sa_handler != SIG_IGN) sigaction(asked[k], &action, NULL);
     }
-    action.sa_handler = on_bus_error;
-    sigaction(SIGBUS, &action, NULL);
     /* Writing fails with EFBIG or EPIPE instead. */
     signal(SIGXFSZ, SIG_IGN);
     signal(SIGPIPE, SIG_IGN);

@@ -7,7 +7,7 @@
 #include <stdatomic.h>
 
 /* Handles SIGINT, SIGTERM and SIGHUP from now on, and turns signals that would kill the program (a file size
- * limit, a reader that goes away, a mapped input file that shrinks) into errors. */
+ * limit, a reader that goes away) into errors. */
 void cancel_install(void);
 
 /* Turns true with the first signal and stays so. */

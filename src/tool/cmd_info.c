@@ -111,7 +111,7 @@ static bool look_at_field(const char *path, const io_raster_options *options, co
 
 static double sample_bytes(const cw_field_info *info) { return (double)info->nx * (double)info->ny * sizeof(float); }
 
-/* Samples and structures built on them, whether the samples are copied, borrowed or mapped. */
+/* Samples and structures built on them, whether the samples are copied or borrowed. */
 static double bytes_per_cell(const cw_field_info *info) {
     return (sample_bytes(info) + (double)info->bytes_built) / ((double)(info->nx - 1) * (double)(info->ny - 1));
 }
@@ -133,8 +133,8 @@ static void print_field(const char *path, const survey *s) {
     if (r->georef.scale != 0)
         printf("\n  stored        heights are %.9g + %.9g x the file's numbers", r->georef.offset, r->georef.scale);
     printf("\n  samples       %zu x %zu (%zu x %zu cells)\n", f->nx, f->ny, f->nx - 1, f->ny - 1);
-    printf("  memory        %.0f bytes of samples%s, %zu bytes built: %.2f bytes a cell\n", sample_bytes(f),
-           s->file.mapped ? " (mapped from the file)" : "", f->bytes_built, bytes_per_cell(f));
+    printf("  memory        %.0f bytes of samples, %zu bytes built: %.2f bytes a cell\n", sample_bytes(f),
+           f->bytes_built, bytes_per_cell(f));
     printf("  read          %.6f s\n", s->read_seconds);
     printf("  built         %.6f s, for kernel %s\n", f->build_seconds, cw_kernel_describe(s->file.kernel).name);
     puts("  user space    rows of the map from (x, y, z, 1):");
@@ -152,8 +152,8 @@ static void print_field_json(const char *path, const survey *s) {
     json_number(stdout, some ? (double)f->low : NAN);
     fputs(", \"high\": ", stdout);
     json_number(stdout, some ? (double)f->high : NAN);
-    printf(", \"holes\": %zu, \"bytes_samples\": %.0f, \"mapped\": %s, \"bytes_built\": %zu, \"bytes_per_cell\": ",
-           f->holes, sample_bytes(f), s->file.mapped ? "true" : "false", f->bytes_built);
+    printf(", \"holes\": %zu, \"bytes_samples\": %.0f, \"bytes_built\": %zu, \"bytes_per_cell\": ", f->holes,
+           sample_bytes(f), f->bytes_built);
     json_number(stdout, bytes_per_cell(f));
     fputs(", \"read_seconds\": ", stdout);
     json_number(stdout, s->read_seconds);

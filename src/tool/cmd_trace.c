@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* `cellwalk trace`: hits of an array of rays. Rays are mapped, traced and written piece by piece, so that neither
+/* `cellwalk trace`: hits of an array of rays. Rays are read, traced and written piece by piece, so that neither
  * rays nor hits need to fit into memory. */
 
 #include "cancel.h"

@@ -27,9 +27,8 @@ static bool replace(io_raster *r, const cw_field *coarser, unsigned factor, cons
     const cw_field_info info = cw_field_describe(coarser);
     io_raster smaller;
     if (!io_raster_allocate(path, info.nx, info.ny, &smaller, error)) return false;
-    float *z = smaller.memory;
     for (size_t j = 0; j < info.ny; j++)
-        for (size_t i = 0; i < info.nx; i++) z[j * info.nx + i] = cw_field_row(coarser, j)[i];
+        for (size_t i = 0; i < info.nx; i++) smaller.memory[j * info.nx + i] = cw_field_row(coarser, j)[i];
     for (int k = 0; k < 3; k++)
         for (int a = 0; a < 4; a++) smaller.map[k][a] = r->map[k][a] * (a < 2 ? (double)factor : 1);
     smaller.georef = r->georef;

@@ -25,7 +25,6 @@ static cw_status create(field_file *file, const cw_run *how) {
     memcpy(desc.map, r->map, sizeof desc.map);
     memcpy(file->map, r->map, sizeof file->map);
     cw_status status = cw_field_create(&desc, how, &file->field);
-    file->mapped = status == CW_OK && r->mapped_bytes > 0;
     if (status != CW_ERROR_SAMPLE) return status;
     desc.storage = CW_COPY;
     return cw_field_create(&desc, how, &file->field);
@@ -57,7 +56,6 @@ static bool make_coarser(field_file *file, const char *path, const coarser_optio
     if (!coarser_make(coarser, path, how, how->watch_context, &file->field, &file->raster, error)) return false;
     for (int k = 0; k < 3; k++)
         for (int a = 0; a < 2; a++) file->map[k][a] *= (double)coarser->factor;
-    file->mapped = false;
     return true;
 }
 

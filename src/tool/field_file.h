@@ -13,7 +13,6 @@ typedef struct field_file {
     const cw_kernel *kernel; /* that the query runs on the field; its structures are built */
     io_raster raster;        /* owner of the samples if the field borrows them */
     double map[3][4];        /* field space to the file's coordinates */
-    bool mapped;             /* the samples are pages of the file and no memory of the program's own */
 } field_file;
 
 /* Reads a field for query: nothing is built that it does not need, and on its pool. options, which may be NULL, are for rasters;

@@ -51,17 +51,9 @@ static void look_for_one(ray_source *s, const cw_field *field, const void *rows,
     }
 }
 
-/* Touches the pages of a mapped file, so that reading them does not count as the query's time. */
-static void touch(const void *memory, size_t bytes) {
-    enum { PAGE = 4096 }; /* the smallest there is */
-    const volatile char *at = memory;
-    for (size_t k = 0; k < bytes; k += PAGE) (void)at[k];
-}
-
 const void *ray_source_rows(ray_source *s, const cw_field *field, uint64_t first, size_t n, io_error *error) {
     const void *rows = io_npy_rows(&s->npy, first, n, error);
     if (rows == NULL) return NULL;
-    touch(rows, n * (s->user ? sizeof(cw_user_ray) : sizeof(cw_ray)));
     if (s->none_meets) look_for_one(s, field, rows, n);
     return rows;
 }

@@ -105,7 +105,7 @@ static void killed_geotiffs_leave_nothing(void **state) {
                                                                         options[k], "-o", "sky.tif", NULL});
         program_wait_for_output(process);
         const bool unnamed = scratch_entries() == entries;
-        program_wait_for_map(process, "rough.npy");
+        program_wait_until_read(process, "rough.npy");
         kill(process, SIGKILL);
         assert_int_equal(program_wait(process)->status, 128 + SIGKILL);
         if (!unnamed) skip(); /* this file system knows no files without names */

@@ -7,6 +7,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { ROWS = 1000, COLUMNS = 3, NPY_MAX = 1 << 16 };
 
@@ -127,6 +128,22 @@ static void growth_and_replacement_change_nothing(void **state) {
     check_refused("a.npy", "not a .npy file");
 }
 
+/* Another program cuts the file while it is open. */
+static void shrinking_is_an_error(void **state) {
+    (void)state;
+    make("a.npy", 1, "{'descr': '|u1', 'fortran_order': False, 'shape': (200,), }", 200);
+    io_npy npy;
+    io_error error = {""};
+    check(io_npy_open(&npy, "a.npy", &error), "%s", error.text);
+    assert_non_null(io_npy_rows(&npy, 0, 100, &error));
+    assert_int_equal(truncate("a.npy", (off_t)npy.offset + 150), 0);
+    for (int k = 0; k < 2; k++) {
+        assert_null(io_npy_rows(&npy, 100, 100, &error));
+        check(strstr(error.text, "a.npy: the file ends at byte") != NULL, "%s", error.text);
+    }
+    io_npy_close(&npy);
+}
+
 static void every_truncation_is_seen(void **state) {
     (void)state;
     for (unsigned version = 1; version <= 3; version++) {
@@ -229,6 +246,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(incomplete_is_not_committed, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(windows_show_their_rows, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(growth_and_replacement_change_nothing, scratch_enter, scratch_leave),
+        cmocka_unit_test_setup_teardown(shrinking_is_an_error, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(every_truncation_is_seen, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(headers_are_read_strictly, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(long_headers_are_not_loaded, scratch_enter, scratch_leave),

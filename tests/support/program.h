@@ -39,9 +39,8 @@ const program_result *program_wait(pid_t process);
 /* Waits until the started program has an output open in the working directory, which need not have a name there. */
 void program_wait_for_output(pid_t process);
 
-/* Waits until the started program has a file of the working directory open; or mapped, as samples and rays of .npy files are for
- * as long as they are used. */
+/* Waits until the started program has a file of the working directory open; or has read as many bytes as the file has. */
 void program_wait_for_input(pid_t process, const char *name);
-void program_wait_for_map(pid_t process, const char *name);
+void program_wait_until_read(pid_t process, const char *name);
 
 #endif

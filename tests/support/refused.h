@@ -18,11 +18,11 @@ static inline void check_refused(program_arguments arguments, int status, const 
     assert_int_equal(scratch_entries(), entries);
 }
 
-/* Ctrl-C in a long run, once its first input, a .npy file, is mapped; writes: and its output is open. */
+/* Ctrl-C in a long run, once its first input, a .npy file, has been read; writes: and its output is open. */
 static inline void check_interrupted(program_arguments arguments, bool writes) {
     const size_t entries = scratch_entries();
     const pid_t process = program_start(NULL, arguments);
-    program_wait_for_map(process, arguments[1]);
+    program_wait_until_read(process, arguments[1]);
     if (writes) program_wait_for_output(process);
     kill(process, SIGINT);
     const program_result *r = program_wait(process);

@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The table of raster formats, and the steps after reading that all formats share.
- *
- * Some formats have readers here, although GDAL reads all of
- * them, but (GDAL 3.6.2) it reads a word in an ASCII grid as 0, lowers 1e99 to the largest float and overlooks numbers
- * that are too many, all without an error; and linking it makes a program start in 59 ms that starts in 1 ms without. So
- * GDAL reads the other formats, and is loaded only then (raster_gdal.c). */
+/* The table of raster formats, and the steps after reading that all formats share. README.md says why ASCII grids have a
+ * reader here, and why GDAL is a module. */
 
 #include "raster.h"
 
@@ -13,21 +9,15 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/mman.h>
 
 static const io_raster_format *const formats[] = {&io_raster_npy, &io_raster_asc};
 enum { FORMAT_COUNT = sizeof formats / sizeof formats[0] };
 
-static bool has_ending(const char *path, const io_raster_format *format) {
+static const io_raster_format *format_of(const char *path) {
     const char *ending = strrchr(path, '.');
-    if (ending == NULL) return false;
-    const size_t length = strlen(ending);
-    for (const char *e = format->endings; *e; e += strspn(e, " ")) {
-        const size_t n = strcspn(e, " ");
-        if (n == length && strncasecmp(e, ending, n) == 0) return true;
-        e += n;
-    }
-    return false;
+    for (size_t k = 0; ending != NULL && k < FORMAT_COUNT; k++)
+        if (strcasecmp(ending, formats[k]->ending) == 0) return formats[k];
+    return &io_raster_gdal;
 }
 
 static void warn(const io_raster_options *options, const char *format, ...) {
@@ -45,42 +35,15 @@ bool io_raster_progress(const io_raster_options *options, const char *path, doub
     return io_fail(error, "%s: interrupted", path);
 }
 
-/* The samples, where they may be written to: those of a mapped file are copied first. */
-static float *writable(const char *path, io_raster *raster, io_error *error) {
-    if (raster->mapped_bytes == 0) return raster->memory;
-    const size_t bytes = raster->nx * raster->ny * sizeof(float);
-    float *z = malloc(bytes > 0 ? bytes : 1);
-    if (z == NULL) {
-        io_fail(error, "%s: out of memory for %zu x %zu samples", path, raster->nx, raster->ny);
-        return NULL;
-    }
-    memcpy(z, raster->z, bytes);
-    munmap(raster->memory, raster->mapped_bytes);
-    raster->memory = z;
-    raster->z = z;
-    raster->mapped_bytes = 0;
-    return z;
-}
-
-static size_t count_equal(const io_raster *raster, float value) {
-    size_t count = 0;
-    for (size_t k = 0; k < raster->nx * raster->ny; k++) count += raster->z[k] == value;
-    return count;
-}
-
-static bool take_nodata_out(const char *path, const io_raster_options *options, io_raster *raster, io_error *error) {
+static void take_nodata_out(const io_raster_options *options, io_raster *raster) {
     for (size_t n = 0; n < options->nodata_count; n++) {
         const float value = (float)options->nodata[n];
-        if (raster->z == NULL || count_equal(raster, value) == 0) continue;
-        float *z = writable(path, raster, error);
-        if (z == NULL) return false;
-        for (size_t k = 0; k < raster->nx * raster->ny; k++)
-            if (z[k] == value) z[k] = NAN;
+        for (size_t k = 0; raster->z != NULL && k < raster->nx * raster->ny; k++)
+            if (raster->memory[k] == value) raster->memory[k] = NAN;
     }
-    if (options->nodata_count == 0) return true;
+    if (options->nodata_count == 0) return;
     raster->georef.has_nodata = true;
     raster->georef.nodata = options->nodata[0];
-    return true;
 }
 
 /* From here on floats are more than 1 apart. */
@@ -158,7 +121,7 @@ static void smell_degrees(const char *path, const io_raster_options *options, co
 }
 
 bool io_raster_allocate(const char *path, size_t nx, size_t ny, io_raster *raster, io_error *error) {
-    *raster = (io_raster){.nx = nx, .ny = ny, .map = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    *raster = (io_raster){.nx = nx, .ny = ny, .rows = ny, .map = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
     if (ny == 0 || nx <= SIZE_MAX / sizeof(float) / ny) {
         const size_t bytes = nx * ny * sizeof(float);
         raster->memory = malloc(bytes > 0 ? bytes : 1);
@@ -168,64 +131,41 @@ bool io_raster_allocate(const char *path, size_t nx, size_t ny, io_raster *raste
 }
 
 /* Samples that far apart, the first row in the north, the last row's first sample at the origin. */
-static void set_map(io_raster *raster, double cellsize) {
-    const double map[3][4] = {
-        {cellsize, 0, 0, 0}, {0, -cellsize, 0, raster->ny > 0 ? cellsize * (double)(raster->ny - 1) : 0}, {0, 0, 1, 0}};
+static void set_map(const io_raster_options *o, double cellsize, io_raster *raster) {
+    const double last = raster->rows > 0 ? (double)(raster->rows - 1) : 0;
+    const double map[3][4] = {{cellsize, 0, 0, 0}, {0, -cellsize, 0, cellsize * last}, {0, 0, 1, 0}};
     memcpy(raster->map, map, sizeof map);
+    io_raster_shift(raster, o->window.i, o->window.j);
 }
 
-void io_raster_place(io_raster *raster, double cellsize) {
-    set_map(raster, cellsize);
-    raster->georef.placed = true;
-}
-
-static void drop_samples(io_raster *raster) {
-    if (raster->mapped_bytes > 0)
-        munmap(raster->memory, raster->mapped_bytes);
-    else
-        free(raster->memory);
-    raster->memory = NULL;
-    raster->z = NULL;
-    raster->mapped_bytes = 0;
-}
-
-/* For formats that read all there is; GDAL reads the window alone. */
+/* For ASCII grids, which are read as a whole. */
 static bool crop(const char *path, const io_raster_options *o, io_raster *raster, io_error *error) {
     io_raster part;
     if (!io_raster_check_window(o, path, raster->nx, raster->ny, error)) return false;
     if (!io_raster_allocate(path, o->window.nx, o->window.ny, &part, error)) return false;
-    float *z = part.memory;
     for (size_t y = 0; y < part.ny; y++)
-        memcpy(z + y * part.nx, raster->z + (o->window.j + y) * raster->nx + o->window.i, part.nx * sizeof *z);
-    drop_samples(raster);
-    raster->memory = part.memory;
-    raster->z = part.z;
+        memcpy(part.memory + y * part.nx, raster->z + (o->window.j + y) * raster->nx + o->window.i,
+               part.nx * sizeof *part.z);
+    free(raster->memory);
+    raster->z = raster->memory = part.memory;
     raster->nx = part.nx;
     raster->ny = part.ny;
     io_raster_shift(raster, o->window.i, o->window.j);
     return true;
 }
 
-static const io_raster_format *format_of(const char *path) {
-    const io_raster_format *format = &io_raster_gdal;
-    for (size_t k = 0; k < FORMAT_COUNT; k++)
-        if (has_ending(path, formats[k])) format = formats[k];
-    return format;
-}
-
 static bool finish(const char *path, const io_raster_options *options, io_raster *raster, io_error *error) {
     io_georef *g = &raster->georef;
-    if (!take_nodata_out(path, options, raster, error)) return false;
+    take_nodata_out(options, raster);
     if (options->cellsize > 0) {
-        if (options->window.nx > 0 && format_of(path) == &io_raster_gdal)
-            return io_fail(error, "%s: a cell size cannot place a window of it", path);
         if (g->placed)
             return io_fail(error,
                            "%s: the file gives the distance between its samples; --cellsize is for files without one",
                            path);
-        io_raster_place(raster, options->cellsize);
+        set_map(options, options->cellsize, raster);
+        g->placed = true;
     } else if (!g->placed && options->north_up) {
-        set_map(raster, 1);
+        set_map(options, 1, raster);
         warn(options,
              "%s: has no map: cells are read as 1 wide, row 0 as the northernmost, and the last row begins at 0,0;"
              " --cellsize sets their width",
@@ -241,12 +181,12 @@ static bool finish(const char *path, const io_raster_options *options, io_raster
     return true;
 }
 
-bool io_raster_has_windows(const char *path) { return format_of(path) == &io_raster_gdal; }
+bool io_raster_has_windows(const char *path) { return format_of(path) != &io_raster_asc; }
 
 void io_raster_known(char *text, size_t size) {
     size_t used = 0;
     for (size_t k = 0; k < FORMAT_COUNT && used < size; k++)
-        used += (size_t)snprintf(text + used, size - used, "%s%s (%s)", k ? ", " : "", formats[k]->endings,
+        used += (size_t)snprintf(text + used, size - used, "%s%s (%s)", k ? ", " : "", formats[k]->ending,
                                  formats[k]->name);
 }
 
@@ -258,15 +198,14 @@ bool io_raster_read(const char *path, const io_raster_options *options, io_raste
     if (format != &io_raster_gdal && options->band > 1)
         return io_fail(error, "%s: has one band, not %u", path, options->band);
     if (!format->read(path, options, raster, error)) return false;
-    if (options->no_samples) drop_samples(raster);
-    const bool whole = options->window.nx == 0 || format == &io_raster_gdal;
-    if (finish(path, options, raster, error) && (whole || crop(path, options, raster, error))) return true;
+    const bool whole = options->window.nx == 0 || io_raster_has_windows(path);
+    if ((whole || crop(path, options, raster, error)) && finish(path, options, raster, error)) return true;
     io_raster_free(raster);
     return false;
 }
 
 void io_raster_free(io_raster *raster) {
-    drop_samples(raster);
+    free(raster->memory);
     io_georef_free(&raster->georef);
     *raster = (io_raster){0};
 }

@@ -17,8 +17,8 @@ typedef struct io_raster {
     const float *z;
     double map[3][4];
     io_georef georef;
-    void *memory;        /* freed or unmapped by io_raster_free */
-    size_t mapped_bytes; /* > 0: memory is a file mapping of that size */
+    float *memory; /* of the samples, freed by io_raster_free; NULL: they are another's */
+    size_t rows;   /* of the whole file, of which the raster may be a window */
 } io_raster;
 
 /* Facts that the file lacks, and functions to call. All zero: none. */
@@ -34,8 +34,7 @@ typedef struct io_raster_options {
     struct {
         size_t i, j, nx, ny;
     } window;        /* only these samples, from (i, j) on; nx = 0: all. An error if the raster lacks some of them */
-    bool copy;       /* no mapping of the file is kept or read: the file may change, now or later */
-    bool no_samples; /* size, map and georef alone, which need no memory where GDAL reads: z stays NULL */
+    bool no_samples; /* size, map and georef alone: z stays NULL, except for formats without windows */
     /* NULL, or called with a warning: a sentence without a full stop that names the file. */
     void (*warn)(void *context, const char *text);
     /* NULL, or called now and then with the share that is read. False ends the reading with the error "interrupted". */
@@ -44,10 +43,10 @@ typedef struct io_raster_options {
 } io_raster_options;
 
 typedef struct io_raster_format {
-    const char *name;    /* "ESRI ASCII grid" */
-    const char *endings; /* ".asc .grd" */
+    const char *name;   /* "ESRI ASCII grid" */
+    const char *ending; /* ".asc" */
     /* On failure the raster needs no freeing. Leaves to the caller: no-data by the options, cell size, unit of heights,
-     * and, except for GDAL, the window. */
+     * and, for ASCII grids, the window. */
     bool (*read)(const char *path, const io_raster_options *options, io_raster *raster, io_error *error);
 } io_raster_format;
 
@@ -74,14 +73,10 @@ typedef struct io_gdal_host {
 /* Before the first raster is read or written, by the program. Without it, as in Python, GDAL keeps its settings. */
 void io_raster_host(const io_gdal_host *host);
 
-/* Places a raster whose file does not say where it lies: samples that far apart, the first row in the north, the last row's
- * first sample at the origin. */
-void io_raster_place(io_raster *raster, double cellsize);
-
 /* For messages: the endings that are read without GDAL. */
 void io_raster_known(char *text, size_t size);
 
-/* For the formats: memory for nx × ny samples and the identity map. The samples are raster->memory, a float array. */
+/* For the formats: memory for nx × ny samples and the identity map. */
 bool io_raster_allocate(const char *path, size_t nx, size_t ny, io_raster *raster, io_error *error);
 
 /* For the formats: fails unless the options' window, if there is one, is part of nx × ny samples. */

@@ -119,33 +119,23 @@ static bool read_gdal(const char *path, const io_raster_options *options, io_ras
         return io_fail(error, "%s: known endings are %s; GeoTIFF, PGM and all other rasters need GDAL: %s", path, known,
                        reason.text);
     }
-    io_raster header = {.map = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+    io_raster about = {.map = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
     size_t at_once = 1;
-    io_gdal_source *source = gdal->open(path, options, &header, &at_once, error);
-    if (source == NULL) {
-        io_georef_free(&header.georef);
-        return false;
+    io_gdal_source *source = gdal->open(path, options, &about, &at_once, error);
+    bool good =
+        source != NULL && (gdal->each_file(source, io_inputs_note_path) || io_fail(error, "%s: out of memory", path));
+    if (good && !options->no_samples) {
+        good = (uint64_t)about.nx * about.ny <= most_samples
+                   ? io_raster_allocate(path, about.nx, about.ny, raster, error)
+                   : io_fail(
+                         error,
+                         "%s: %zu x %zu samples are more than a field can hold; gdal_translate -srcwin cuts a part out",
+                         path, about.nx, about.ny);
+        about.z = about.memory = raster->memory;
+        good = good && read_rows(gdal, source, path, options, at_once, &about, error);
     }
-    const bool noted = gdal->each_file(source, io_inputs_note_path);
-    if (!noted) io_fail(error, "%s: out of memory", path);
-    bool good = noted && (options->no_samples || (uint64_t)header.nx * header.ny <= most_samples);
-    if (noted && !good)
-        io_fail(error, "%s: %zu x %zu samples are more than a field can hold; gdal_translate -srcwin cuts a part out",
-                path, header.nx, header.ny);
-    if (good && options->no_samples) {
-        *raster = header;
-        gdal->close(source);
-        return true;
-    }
-    good = good && io_raster_allocate(path, header.nx, header.ny, raster, error);
-    if (good) {
-        memcpy(raster->map, header.map, sizeof raster->map);
-        raster->georef = header.georef;
-        good = read_rows(gdal, source, path, options, at_once, raster, error);
-    } else {
-        io_georef_free(&header.georef);
-    }
-    gdal->close(source);
+    *raster = about;
+    if (source != NULL) gdal->close(source);
     if (!good) io_raster_free(raster);
     return good;
 }

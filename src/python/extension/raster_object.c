@@ -110,7 +110,7 @@ PyObject *read_raster(PyObject *self, PyObject *arguments) {
     const char *path;
     Py_ssize_t column = 0, row = 0, columns = 0, rows = 0;
     PyObject *nodata, *progress;
-    io_raster_options o = {.copy = true}; /* other processes and np.save write to files while a field lives */
+    io_raster_options o = {0};
     double no_data;
     if (!PyArg_ParseTuple(arguments, "sIOdd(nnnn)O:read_raster", &path, &o.band, &nodata, &o.cellsize, &o.zscale,
                           &column, &row, &columns, &rows, &progress))
@@ -191,31 +191,12 @@ PyObject *find_scale(PyObject *self, PyObject *arguments) {
 }
 
 static bool find_size(const char *path, const io_raster_options *o, size_t size[2], io_error *error) {
-    const char *ending = strrchr(path, '.');
-    const io_raster_format *own[] = {&io_raster_npy, &io_raster_asc};
-    io_raster raster = {0};
-    bool by_gdal = true;
-    for (size_t k = 0; k < sizeof own / sizeof *own && ending != NULL; k++) {
-        const char *found = strstr(own[k]->endings, ending);
-        by_gdal &= found == NULL || (found[strlen(ending)] != '\0' && found[strlen(ending)] != ' ');
-    }
-    bool good;
-    if (by_gdal) {
-        size_t rows;
-        const io_gdal *gdal = io_gdal_load(error);
-        io_gdal_source *source = gdal ? gdal->open(path, o, &raster, &rows, error) : NULL;
-        good = source != NULL;
-        if (good) gdal->close(source);
-    } else {
-        good = io_raster_read(path, o, &raster, error);
-    }
+    io_raster raster;
+    if (!io_raster_read(path, o, &raster, error)) return false;
     size[0] = raster.nx;
     size[1] = raster.ny;
-    if (good && !by_gdal)
-        io_raster_free(&raster);
-    else
-        io_georef_free(&raster.georef);
-    return good;
+    io_raster_free(&raster);
+    return true;
 }
 
 PyObject *raster_size(PyObject *self, PyObject *arguments) {

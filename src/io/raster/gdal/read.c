@@ -157,7 +157,7 @@ io_gdal_source *gdal_open(const char *path, const io_raster_options *options, io
         return NULL;
     }
     raster->nx = (size_t)GDALGetRasterXSize(s->file);
-    raster->ny = (size_t)GDALGetRasterYSize(s->file);
+    raster->ny = raster->rows = (size_t)GDALGetRasterYSize(s->file);
     place(s->file, path, options, raster);
     if (!take_window(s, options, raster, error)) {
         gdal_close(s);
