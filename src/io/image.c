@@ -59,30 +59,20 @@ bool io_image_write(const char *path, const io_image *image, io_error *error) {
     return false;
 }
 
-static bool read_as(const char *path, bool halves, io_image *image, io_error *error) {
+bool io_image_read(const char *path, io_image *image, io_error *error) {
     *image = (io_image){0};
     const image_format *format = format_of(path);
     if (format == NULL || format->read == NULL) return refuse(path, format, false, error);
-    return format->read(path, halves, image, error);
+    return format->read(path, image, error);
 }
 
-bool io_image_read(const char *path, io_image *image, io_error *error) { return read_as(path, false, image, error); }
-
-bool io_image_read_halves(const char *path, io_image *image, io_error *error) {
-    return read_as(path, true, image, error);
-}
-
-bool io_image_allocate(io_image *image, size_t width, size_t height, bool halves, const char *path, io_error *error) {
+bool io_image_allocate(io_image *image, size_t width, size_t height, const char *path, io_error *error) {
     *image = (io_image){.width = width, .height = height};
     if (width != 0 && height > IO_IMAGE_PIXELS_MAX / width)
         return io_fail(error, "%s: %zu x %zu pixels are more than %d, the most that are read", path, width, height,
                        IO_IMAGE_PIXELS_MAX);
-    if (halves && width != 0)
-        image->halves = large_allocate((2 * (width + 2) * height + IO_IMAGE_ROOM) * 4 * sizeof *image->halves);
-    else if (width != 0)
-        image->rgb = large_allocate(width * height * 3 * sizeof *image->rgb);
-    if (image->rgb != NULL || image->halves != NULL) return true;
-    return io_fail(error, "%s: no memory for %zu x %zu pixels", path, width, height);
+    image->halves = large_allocate((2 * (width + 2) * height + IO_IMAGE_ROOM) * 4 * sizeof *image->halves);
+    return image->halves != NULL || io_fail(error, "%s: no memory for %zu x %zu pixels", path, width, height);
 }
 
 void io_image_free(io_image *image) {

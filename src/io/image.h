@@ -15,10 +15,10 @@ enum { IO_IMAGE_PIXELS_MAX = 1 << 28 };
 enum { IO_EXR_PIXELS_PER_BYTE_MAX = 1 << 16 };
 enum { IO_IMAGE_ROOM = 64 };
 
-/* rgb[(y * width + x) * 3 + c], row 0 at the top, linear light. Of an image that was read as halves, rgb is NULL and
- * halves has four half-precision floats a pixel, the last of them 0: halves[((width + 2) * y + x + 1) * 4 + c]. The
- * extra pixel on each side of a row is free for the caller's border. Behind the last row there is room for as many
- * pixels again and IO_IMAGE_ROOM more, for smaller copies of the picture; memory that is not touched costs nothing. */
+/* A picture that is written: rgb[(y * width + x) * 3 + c], row 0 at the top, linear light. One that was read: four
+ * half-precision floats a pixel, the last of them 0: halves[((width + 2) * y + x + 1) * 4 + c]. The extra pixel on each
+ * side of a row is free for the caller's border. Behind the last row there is room for as many pixels again and
+ * IO_IMAGE_ROOM more, for smaller copies of the picture; memory that is not touched costs nothing. */
 typedef struct io_image {
     size_t width, height;
     float *rgb;
@@ -34,11 +34,9 @@ bool io_image_put(io_output *out, const io_image *image, io_error *error);
 
 /* Reads .exr (any channel types, R G B or Y). The caller frees the pixels with io_image_free. */
 bool io_image_read(const char *path, io_image *image, io_error *error);
-/* The same, as halves if the file holds halves. */
-bool io_image_read_halves(const char *path, io_image *image, io_error *error);
-/* Allocates the pixels, as floats or as halves; false, with error, if they are too many or memory is short. Nothing
- * is set. path: the name in the error message. */
-bool io_image_allocate(io_image *image, size_t width, size_t height, bool halves, const char *path, io_error *error);
+/* Allocates a picture's halves; false, with error, if they are too many or memory is short. Nothing is set. path: the name
+ * in the error message. */
+bool io_image_allocate(io_image *image, size_t width, size_t height, const char *path, io_error *error);
 void io_image_free(io_image *image);
 
 /* True if the ending is one that this build can write; else error lists those that it can. */

@@ -3,7 +3,6 @@
  * back to fill in its table of chunks and an output may be a pipe. */
 
 #include "file.h"
-#include "half.h"
 #include "image_format.h"
 
 #include <openexr.h>
@@ -41,17 +40,6 @@ static int component(const char *name) {
 
 /* ---- writing ------------------------------------------------------------------------------------------------------ */
 
-/* RGBA, alpha 1. NULL when out of memory. */
-static uint16_t *half_pixels(const io_image *image) {
-    const size_t n = image->width * image->height;
-    uint16_t *rgba = malloc(n * 4 * sizeof *rgba);
-    for (size_t k = 0; rgba != NULL && k < n; k++) {
-        for (size_t c = 0; c < 3; c++) rgba[k * 4 + c] = half_from_float(image->rgb[k * 3 + c]);
-        rgba[k * 4 + 3] = half_from_float(1);
-    }
-    return rgba;
-}
-
 static int64_t sink_write(exr_const_context_t context, void *user, const void *bytes, uint64_t size, uint64_t offset,
                           exr_stream_error_func_ptr_t fail) {
     (void)fail; /* would take the library's lock */
@@ -73,7 +61,10 @@ static int64_t sink_write(exr_const_context_t context, void *user, const void *b
     return (int64_t)size;
 }
 
-static exr_result_t encode_chunks(exr_context_t context, const uint16_t *rgba, size_t width, int height) {
+static const float opaque = 1;
+
+static exr_result_t encode_chunks(exr_context_t context, const io_image *image) {
+    const int height = (int)image->height;
     int32_t lines = 1;
     exr_result_t result = exr_get_scanlines_per_chunk(context, 0, &lines);
     exr_encode_pipeline_t encoder = EXR_ENCODE_PIPELINE_INITIALIZER;
@@ -86,12 +77,13 @@ static exr_result_t encode_chunks(exr_context_t context, const uint16_t *rgba, s
         if (result != EXR_ERR_SUCCESS) break;
         for (int c = 0; c < encoder.channel_count; c++) {
             exr_coding_channel_info_t *channel = &encoder.channels[c];
-            const size_t place = (size_t)component(channel->channel_name);
-            channel->user_bytes_per_element = sizeof *rgba;
-            channel->user_data_type = EXR_PIXEL_HALF;
-            channel->user_pixel_stride = 4 * sizeof *rgba;
-            channel->user_line_stride = (int32_t)(width * 4 * sizeof *rgba);
-            channel->encode_from_ptr = (const uint8_t *)(rgba + (size_t)y * width * 4 + place);
+            const int place = component(channel->channel_name);
+            const float *pixels = image->rgb + (size_t)y * image->width * 3 + place;
+            channel->user_bytes_per_element = sizeof *pixels;
+            channel->user_data_type = EXR_PIXEL_FLOAT;
+            channel->user_pixel_stride = place < 3 ? 3 * sizeof *pixels : 0;
+            channel->user_line_stride = place < 3 ? (int32_t)(image->width * 3 * sizeof *pixels) : 0;
+            channel->encode_from_ptr = (const uint8_t *)(place < 3 ? pixels : &opaque);
         }
         if (y == 0) result = exr_encoding_choose_default_routines(context, 0, &encoder);
         if (result == EXR_ERR_SUCCESS) result = exr_encoding_run(context, 0, &encoder);
@@ -103,7 +95,7 @@ static exr_result_t encode_chunks(exr_context_t context, const uint16_t *rgba, s
 /* Of zlib, whose default is 6: half of its time for files that are 4 % larger, measured on pictures of the six scenes. */
 enum { ZIP_LEVEL = 4 };
 
-static exr_result_t encode(sink *s, const char *name, const io_image *image, const uint16_t *rgba) {
+static exr_result_t encode(sink *s, const char *name, const io_image *image) {
     exr_context_initializer_t setup = EXR_DEFAULT_CONTEXT_INITIALIZER;
     setup.error_handler_fn = keep_message;
     setup.user_data = s;
@@ -122,7 +114,7 @@ static exr_result_t encode(sink *s, const char *name, const io_image *image, con
     for (int c = 0; c < 4 && result == EXR_ERR_SUCCESS; c++)
         result = exr_add_channel(context, part, names[c], EXR_PIXEL_HALF, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
     if (result == EXR_ERR_SUCCESS) result = exr_write_header(context);
-    if (result == EXR_ERR_SUCCESS) result = encode_chunks(context, rgba, image->width, height);
+    if (result == EXR_ERR_SUCCESS) result = encode_chunks(context, image);
     const exr_result_t finished = exr_finish(&context);
     return result == EXR_ERR_SUCCESS ? finished : result;
 }
@@ -131,17 +123,13 @@ static bool exr_write(io_output *out, const io_image *image, io_error *error) {
     enum { SIDE_MAX = 1 << 24 }; /* keeps a row's bytes in the 31 bits that the library has for them */
     if (image->width > SIDE_MAX || image->height > SIDE_MAX)
         return io_fail(error, "%s: %zu x %zu pixels are too many for OpenEXR", out->name, image->width, image->height);
-    uint16_t *rgba = half_pixels(image);
-    if (rgba == NULL)
-        return io_fail(error, "%s: no memory for %zu x %zu pixels", out->name, image->width, image->height);
     sink s = {0};
     present = &s;
-    const exr_result_t result = encode(&s, out->name, image, rgba);
+    const exr_result_t result = encode(&s, out->name, image);
     present = NULL;
     const bool good = result == EXR_ERR_SUCCESS ? io_output_write(out, s.bytes, s.size, error)
                                                 : io_fail(error, "%s: cannot write: %s", out->name, reason(&s, result));
     free(s.bytes);
-    free(rgba);
     return good;
 }
 
@@ -177,13 +165,11 @@ static exr_result_t decode_chunk(reader *r, const exr_chunk_info_t *chunk, size_
     exr_result_t result = r->started ? exr_decoding_update(r->context, 0, chunk, &r->decoder)
                                      : exr_decoding_initialize(r->context, 0, chunk, &r->decoder);
     if (result != EXR_ERR_SUCCESS) return result;
-    const bool halves = r->image->halves != NULL;
-    const size_t bytes = halves ? sizeof(uint16_t) : sizeof(float), pixel = (halves ? 4 : 3) * bytes;
-    const size_t row = (r->image->width + (halves ? 2 : 0)) * pixel;
-    uint8_t *corner = halves ? (uint8_t *)r->image->halves + pixel : (uint8_t *)r->image->rgb;
-    corner += y * row + x * pixel;
-    for (int32_t k = 0; halves && k < chunk->height; k++)
-        memset(corner + (size_t)k * row, 0, (size_t)chunk->width * pixel); /* for channels that the file lacks */
+    enum { PIXEL = 4 * sizeof(uint16_t) };
+    const size_t row = (r->image->width + 2) * PIXEL;
+    uint8_t *corner = (uint8_t *)r->image->halves + y * row + (x + 1) * PIXEL;
+    for (int32_t k = 0; k < chunk->height; k++)
+        memset(corner + (size_t)k * row, 0, (size_t)chunk->width * PIXEL); /* for channels that the file lacks */
     for (int c = 0; c < r->decoder.channel_count; c++) {
         exr_coding_channel_info_t *channel = &r->decoder.channels[c];
         const int place = !r->grey                                  ? component(channel->channel_name)
@@ -191,11 +177,11 @@ static exr_result_t decode_chunk(reader *r, const exr_chunk_info_t *chunk, size_
                                                                     : -1;
         channel->decode_to_ptr = NULL;
         if (place < 0 || place > 2) continue;
-        channel->user_bytes_per_element = (int16_t)bytes;
-        channel->user_data_type = halves ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT;
-        channel->user_pixel_stride = (int32_t)pixel;
+        channel->user_bytes_per_element = sizeof(uint16_t);
+        channel->user_data_type = EXR_PIXEL_HALF;
+        channel->user_pixel_stride = PIXEL;
         channel->user_line_stride = (int32_t)row;
-        channel->decode_to_ptr = corner + (size_t)place * bytes;
+        channel->decode_to_ptr = corner + (size_t)place * sizeof(uint16_t);
     }
     if (!r->started) result = exr_decoding_choose_default_routines(r->context, 0, &r->decoder);
     r->started = true;
@@ -226,8 +212,8 @@ static exr_result_t decode_tiles(reader *r) {
     return result;
 }
 
-/* Looks for R, G and B, or Y alone; none of them thinned out. halves: R, G and B are such. */
-static bool know_channels(exr_context_t context, bool *grey, bool *halves) {
+/* Looks for R, G and B, or Y alone; none of them thinned out. */
+static bool know_channels(exr_context_t context, bool *grey) {
     const exr_attr_chlist_t *list = NULL;
     if (exr_get_channels(context, 0, &list) != EXR_ERR_SUCCESS) return false;
     enum { Y = 1 << 4 };
@@ -238,14 +224,12 @@ static bool know_channels(exr_context_t context, bool *grey, bool *halves) {
         const unsigned bit = strcmp(entry->name.str, "Y") == 0 ? Y : place >= 0 ? 1u << place : 0;
         if (bit != 0 && (entry->x_sampling != 1 || entry->y_sampling != 1)) return false;
         found |= bit;
-        *halves = *halves && (place > 2 || bit == 0 || entry->pixel_type == EXR_PIXEL_HALF);
     }
     *grey = (found & 7) == 0;
-    *halves = *halves && !*grey;
     return *grey ? (found & Y) != 0 : (found & 7) == 7;
 }
 
-static bool read_started(reader *r, bool halves, const char *path, const sink *s, io_error *error) {
+static bool read_started(reader *r, const char *path, const sink *s, io_error *error) {
     exr_storage_t storage;
     exr_attr_box2i_t window;
     exr_result_t result = exr_get_storage(r->context, 0, &storage);
@@ -253,7 +237,7 @@ static bool read_started(reader *r, bool halves, const char *path, const sink *s
     if (result != EXR_ERR_SUCCESS) return io_fail(error, "%s: cannot read: %s", path, reason(s, result));
     if (storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED)
         return io_fail(error, "%s: deep pictures are not supported", path);
-    if (!know_channels(r->context, &r->grey, &halves))
+    if (!know_channels(r->context, &r->grey))
         return io_fail(error, "%s: has neither the channels R, G and B nor Y at full resolution", path);
 
     const int64_t width = (int64_t)window.max.x - window.min.x + 1, height = (int64_t)window.max.y - window.min.y + 1;
@@ -261,18 +245,19 @@ static bool read_started(reader *r, bool halves, const char *path, const sink *s
     if ((uint64_t)width * (uint64_t)height / IO_EXR_PIXELS_PER_BYTE_MAX > r->file_size)
         return io_fail(error, "%s: %lld x %lld pixels are more than %llu bytes can hold", path, (long long)width,
                        (long long)height, (unsigned long long)r->file_size);
-    if (!io_image_allocate(r->image, (size_t)width, (size_t)height, halves, path, error)) return false;
+    if (!io_image_allocate(r->image, (size_t)width, (size_t)height, path, error)) return false;
     result = storage == EXR_STORAGE_TILED ? decode_tiles(r) : decode_lines(r, window.min.y);
     if (result != EXR_ERR_SUCCESS) {
         io_image_free(r->image);
         return io_fail(error, "%s: cannot read: %s", path, reason(s, result));
     }
-    for (size_t k = 0; r->grey && k < r->image->width * r->image->height; k++)
-        r->image->rgb[k * 3 + 1] = r->image->rgb[k * 3 + 2] = r->image->rgb[k * 3];
+    uint16_t *pixel = r->image->halves;
+    for (size_t k = 0; r->grey && k < (r->image->width + 2) * r->image->height; k++, pixel += 4)
+        pixel[1] = pixel[2] = pixel[0];
     return true;
 }
 
-static bool exr_read(const char *path, bool halves, io_image *image, io_error *error) {
+static bool exr_read(const char *path, io_image *image, io_error *error) {
     reader r = {.image = image, .decoder = EXR_DECODE_PIPELINE_INITIALIZER};
     r.fd = io_file_open(path, &r.file_size, error);
     if (r.fd < 0) return false;
@@ -287,7 +272,7 @@ static bool exr_read(const char *path, bool halves, io_image *image, io_error *e
     setup.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
     const exr_result_t result = exr_start_read(&r.context, path, &setup);
     const bool good = result == EXR_ERR_SUCCESS
-                          ? read_started(&r, halves, path, &s, error)
+                          ? read_started(&r, path, &s, error)
                           : io_fail(error, "%s: not a readable OpenEXR picture: %s", path, reason(&s, result));
     if (r.started) exr_decoding_destroy(r.context, &r.decoder);
     exr_finish(&r.context);

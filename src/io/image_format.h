@@ -7,9 +7,8 @@
 
 typedef struct image_format {
     const char *ending; /* ".exr" */
-    /* Fills an image whose pixels are malloc'ed, with halves if that is wanted and the file holds them; on failure nothing is
-     * left to free. NULL: cannot be read. */
-    bool (*read)(const char *path, bool halves, io_image *image, io_error *error);
+    /* On failure nothing is left to free. NULL: cannot be read. */
+    bool (*read)(const char *path, io_image *image, io_error *error);
     bool (*write)(io_output *out, const io_image *image, io_error *error);
 } image_format;
 

@@ -9,8 +9,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     io_image image;
     io_error error;
     if (io_image_read(NAME, &image, &error)) {
-        volatile float sum = 0;
-        for (size_t k = 0; k < image.width * image.height * 3; k++) sum = sum + image.rgb[k];
+        volatile unsigned sum = 0;
+        for (size_t k = 0; k < image.width * image.height; k++)
+            for (size_t c = 0; c < 4; c++)
+                sum = sum + image.halves[4 * (k / image.width * (image.width + 2) + k % image.width + 1) + c];
         io_image_free(&image);
     }
     memory_done();

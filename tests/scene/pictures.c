@@ -2,6 +2,7 @@
 #include "pictures.h"
 
 #include "check.h"
+#include "half.h"
 #include "landscape.h"
 #include "scratch.h"
 #include "workload/random.h"
@@ -115,8 +116,8 @@ scene *pictures_landscape(void) {
     check(cw_field_create(&(cw_field_desc){.samples = z, .nx = NX, .ny = NY}, NULL, &field) == CW_OK, "no field");
     io_image colours;
     io_error error = {""};
-    check(io_image_allocate(&colours, 2, 1, false, "", &error), "%s", error.text);
-    for (int k = 0; k < 6; k++) colours.rgb[k] = 0.25f + 0.125f * (float)k;
+    check(io_image_allocate(&colours, 2, 1, "", &error), "%s", error.text);
+    for (int k = 0; k < 6; k++) colours.halves[4 + k / 3 * 4 + k % 3] = half_from_float(0.25f + 0.125f * (float)k);
     const landscape_desc d = {.field = field,
                               .samples = z,
                               .nx = NX,

@@ -2,8 +2,8 @@
 /* The program's render command from outside: exit statuses, messages, and what it leaves behind. */
 
 #include "check.h"
-#include "image.h"
 #include "program.h"
+#include "read_picture.h"
 #include "scratch.h"
 
 #include <fcntl.h>
@@ -84,9 +84,7 @@ static void pictures_and_counts(void **state) {
     said("stdout", "\"width\": 40, \"height\": 30, ");
     static const char *const stages[] = {"parsing", "building", "rays", "tracing", "shading", "film", "writing"};
     for (size_t k = 0; k < sizeof stages / sizeof stages[0]; k++) said("stdout", stages[k]);
-    io_image image;
-    io_error error;
-    check(io_image_read("a.exr", &image, &error), "%s", error.text);
+    io_image image = read_picture("a.exr");
     check(image.width == 40 && image.height == 30 && image.rgb[(15 * 40 + 20) * 3] > 0.1f, "not the picture");
     io_image_free(&image);
     run((const char *const[]){scene_file, "-o", "b.exr", "--threads", "1", NULL}, 0, "");
@@ -103,11 +101,7 @@ static void a_crop_of_a_size_is_a_part_of_it(void **state) {
     run((const char *const[]){scene_file, "-o", "part.exr", "--size=80x60", "--seed=7", "--crop", "30,20,50,41", NULL},
         0, "");
     run((const char *const[]){scene_file, "-o", "other.exr", "--size=80x60", NULL}, 0, "");
-    io_image whole, part, other;
-    io_error error;
-    check(io_image_read("whole.exr", &whole, &error), "%s", error.text);
-    check(io_image_read("part.exr", &part, &error), "%s", error.text);
-    check(io_image_read("other.exr", &other, &error), "%s", error.text);
+    io_image whole = read_picture("whole.exr"), part = read_picture("part.exr"), other = read_picture("other.exr");
     check(whole.width == 80 && whole.height == 60 && part.width == 20 && part.height == 21, "not the sizes asked for");
     for (size_t y = 0; y < 21; y++)
         check(memcmp(part.rgb + y * 60, whole.rgb + ((20 + y) * 80 + 30) * 3, 60 * sizeof(float)) == 0,

@@ -115,12 +115,14 @@ static bool read_image(pbrt_state *p, const pbrt_site *site, const pbrt_texture 
 
     io_image image;
     io_error why;
-    if (!io_image_read_halves(t->path, &image, &why)) return io_fail(error, "%s: Texture: %s", t->place, why.text);
+    if (!io_image_read(t->path, &image, &why)) return io_fail(error, "%s: Texture: %s", t->place, why.text);
     const size_t pixels = image.width * image.height;
     bool good = pixels <= IO_IMAGE_PIXELS_MAX - p->pixels ||
                 io_fail(error, "%s: Texture: the scene's images have more than %d pixels in all", t->place,
                         IO_IMAGE_PIXELS_MAX);
-    if (good && !texture_fill(new, &image)) good = io_fail(error, "%s: Texture: out of memory", t->place);
+    if (good && !texture_fill(new, &image))
+        good = io_fail(error, "%s: Texture: %zu x %zu pixels are too many for their smaller copies", t->place,
+                       image.width, image.height);
     if (!good) io_image_free(&image);
     p->pixels += pixels;
     *out = new;

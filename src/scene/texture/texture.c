@@ -2,7 +2,6 @@
 #include "texture.h"
 
 #include "half.h"
-#include "large.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -10,14 +9,6 @@
 
 static uint16_t *texel(const texture *t, const texture_level *l, int32_t x, int32_t y) {
     return t->texels + 4 * ((size_t)l->first + (size_t)y * (size_t)l->stride + (size_t)(x + 1));
-}
-
-static void convert_row(const texture *t, const texture_level *l, int32_t y, const float *restrict rgb) {
-    uint16_t *restrict out = texel(t, l, 0, y);
-    for (int32_t x = 0; x < l->width; x++) {
-        for (int c = 0; c < 3; c++) out[4 * x + c] = half_from_float(rgb[3 * x + c]);
-        out[4 * x + 3] = 0;
-    }
 }
 
 /* The stretch of a row of n texels that texel k of a row of half as many covers: texels first … last, the outer two by
@@ -117,16 +108,10 @@ texture *texture_new(void) {
 
 bool texture_fill(texture *t, io_image *image) {
     size_t texels = 0;
-    if (lay_out(t, image->width, image->height, &texels))
-        t->texels = image->halves != NULL ? image->halves : large_allocate(texels * 4 * sizeof *t->texels);
-    if (t->texels == NULL) return false;
-    image->halves = NULL; /* it has room for all levels and stands where the finest one does */
-    const texture_level *l = &t->levels[0];
-    for (int32_t y = 0; y < l->height; y++) {
-        if (image->rgb != NULL) convert_row(t, l, y, image->rgb + (size_t)y * image->width * 3);
-        repeat_row(t, l, y);
-    }
-    io_image_free(image);
+    if (!lay_out(t, image->width, image->height, &texels)) return false;
+    t->texels = image->halves; /* it has room for all levels and stands where the finest one does */
+    image->halves = NULL;
+    for (int32_t y = 0; y < t->levels[0].height; y++) repeat_row(t, &t->levels[0], y);
     return true;
 }
 

@@ -30,7 +30,7 @@ typedef struct texture {
 
 /* Without an image yet; NULL when out of memory. */
 texture *texture_new(void);
-/* Takes over the image's pixels, once. False when out of memory or too large; the image is then still the caller's. */
+/* Takes over an image that was read, once. False if it is too large; the image is then still the caller's. */
 bool texture_fill(texture *t, io_image *image);
 /* To be called, by any thread, before a smaller level is read: builds them, as not every picture needs them. */
 static inline void texture_need_levels(texture *t) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Half-precision floats: 1 bit of sign, 5 of exponent, 10 of mantissa. */
-#ifndef CELLWALK_IO_HALF_H
-#define CELLWALK_IO_HALF_H
+#ifndef CELLWALK_BASE_HALF_H
+#define CELLWALK_BASE_HALF_H
 
 #include <stdint.h>
 
