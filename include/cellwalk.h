@@ -407,41 +407,6 @@ CW_API cw_status cw_hit_normals(const cw_field *field, const cw_run *run, const 
 CW_API cw_status cw_hit_phong_normals(const cw_field *field, const cw_run *run, const cw_hit *hits, size_t n,
                                       double *normals);
 
-/* ---- coarser fields ---------------------------------------------------------------------------------------------- */
-
-/* How the height at each place of a coarser field follows from the samples around it. */
-typedef enum cw_filter {
-    /* The mean of the samples less than factor away along x and along y, weighted by a tent: for views and most
-     * products. A hole where holes have more than half of the weight. */
-    CW_FILTER_MEAN = 0,
-    /* The highest sample at most factor away: the coarser surface is nowhere below the full one, so no obstacle is
-     * missed. A hole where all of these samples are holes: no triangle is lost. */
-    CW_FILTER_HIGHEST,
-    /* The lowest one: nowhere above the full surface, so no obstacle is invented. A hole where one of these samples
-     * is a hole: no triangle is made. */
-    CW_FILTER_LOWEST
-} cw_filter;
-
-/* How far a coarser surface lies from the full one: heights in field space, over the full field's triangles where
- * both have a surface. */
-typedef struct cw_difference {
-    double above, below; /* no point lies farther above or below the full surface; 0: none lies there at all */
-    double rms;          /* root mean square over the area */
-    /* Triangles of the full field where only the full one has a surface, and where only the coarser one has. */
-    uint64_t lost, made;
-} cw_difference;
-
-/* Makes a field of every factor-th place, factor from 2 to CW_SIDE_MAX: sample (i, j) stands at (factor i, factor j)
- * of the full field. It has ceil((nx - 1) / factor) + 1 samples a row, and rows alike. Where factor does not divide
- * nx - 1, the last samples stand less than factor cells beyond the full field's border, and samples within the field
- * determine them. Both maps lead to the same user space, so t of a user-space ray means the same on both.
- *
- * The caller owns the coarser field, which has a copy of its samples and the structure that run's kernel walks on.
- * difference may be NULL. The field has the same bits for any pool. On failure *coarser is NULL: CW_ERROR_ARGUMENT,
- * _KERNEL, _MEMORY, _CANCELLED, or _BUSY during an update of the full field. */
-CW_API cw_status cw_field_coarser(const cw_field *field, const cw_run *run, size_t factor, cw_filter filter,
-                                  cw_field **coarser, cw_difference *difference);
-
 /* ---- headings (experimental) ------------------------------------------------------------------------------------- */
 
 /* Sunlight, or the view in one compass direction: rays that leave from many samples in the same direction. Each
@@ -486,47 +451,6 @@ CW_API cw_status cw_heading_steepest(const cw_heading *heading, const cw_run *ru
  * nothing. slope may be infinite. */
 CW_API cw_status cw_heading_occluded(const cw_heading *heading, const cw_run *run, float slope, cw_rectangle at,
                                      uint8_t *occluded);
-
-/* The ground in sight (experimental): from each eye of a grid, what is seen of the surface along one direction after another.
- *
- * An eye stands above a sample. Ground is in sight, or a target above it, if the straight line from the eye to it passes above
- * all ground before it; a line that touches the ground is blocked. The surface between two edges is straight, so the parts in
- * sight have ends that are solved for. Holes are neither seen nor do they hide anything. The answers are the same for any
- * instruction set, pool and part of rows. */
-typedef struct cw_visible cw_visible;
-
-typedef struct cw_visible_desc {
-    double dir[2]; /* in field coordinates, as of a heading */
-    double reach;  /* what is seen at t <= reach counts; 0: all */
-    double drop;   /* as of cw_heading_desc */
-    float eye;     /* height of the eye above its sample, from 0 to CW_HEIGHT_MAX */
-    float target;  /* height above the ground that must be seen, likewise */
-    double slack;  /* later directions whose shorter component differs by at most that share of the longer one take less
-                      time; from 0 to 1 / 128 */
-    double weight; /* of areas */
-    double length; /* of a step dir */
-    float label;   /* of the direction */
-    uint64_t reserved[4]; /* 0 */
-} cw_visible_desc;
-
-/* Sums over directions, eye by eye. */
-typedef struct cw_visible_sums {
-    double *area; /* grows by weight times the integral of t over the parts in sight; NaN at a hole. NULL: none */
-    /* The greatest t in sight times length, if that exceeds the number there, and its direction's label; NaN at a hole. Both
-     * NULL: none. */
-    float *farthest, *direction;
-} cw_visible_sums;
-
-/* Eyes at each every-th column and row of the rectangle, from its first ones on: ceil(nx / every) a row. The caller owns it, and
- * destroys it before the field, which must not be changed meanwhile. It has a copy of the field's samples, and a seventh more.
- * On failure *visible is NULL: CW_ERROR_ARGUMENT, _MEMORY. */
-CW_API cw_status cw_visible_create(const cw_field *field, cw_rectangle at, size_t every, cw_visible **visible);
-/* NULL is allowed. */
-CW_API void cw_visible_destroy(cw_visible *visible);
-/* Adds a direction for rows row to row + rows - 1 of the eyes; the sums begin with the first of these. Directions of the same
- * longer axis and sign should follow each other. Not from two threads at once. */
-CW_API cw_status cw_visible_add(cw_visible *visible, const cw_run *run, const cw_visible_desc *desc, size_t row,
-                                size_t rows, cw_visible_sums sums);
 
 #ifdef __cplusplus
 }

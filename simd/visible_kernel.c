@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The ground in sight along one direction, from W samples at a time (src/core/visible.h).
+/* The ground in sight along one direction, from W samples at a time (visible_job.h).
  *
  * The walk goes outward and keeps the steepest slope so far. Between two crossings the surface is straight, so the slope up to
  * it from the eye is monotone: of a piece, all, nothing, or one part with an end is in sight. That end is where the piece meets
@@ -11,7 +11,7 @@
 
 #include "vocabulary.h"
 
-#include "visible.h"
+#include "visible_job.h"
 
 #include <math.h>
 

@@ -2,6 +2,7 @@
 #include "measure/measure.h"
 
 #include "build_info.h"
+#include "cellwalk_terrain.h"
 #include "harness/memory.h"
 #include "raster.h"
 #include "workload/terrain.h"
@@ -102,7 +103,7 @@ void land_end(void) {
 cw_field *land_coarser(land *l, size_t factor, io_error *error) {
     if (factor == 1) return l->field;
     if (l->coarser[factor] == NULL &&
-        cw_field_coarser(l->field, NULL, factor, CW_FILTER_MEAN, &l->coarser[factor], NULL) != CW_OK)
+        cw_field_coarser(l->field, NULL, factor, CW_FILTER_MEAN, &l->coarser[factor], NULL, 0) != CW_OK)
         io_fail(error, "field %s, every %zu. sample: %s", l->name, factor, cw_last_error());
     return l->coarser[factor];
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Messages for cw_last_error: each failure of a public function calls cw_fail once. */
+/* Messages for cw_last_error: each failure of a public function calls cw_fail once. CW_API: see sister.h. */
 #ifndef CELLWALK_CORE_ERROR_H
 #define CELLWALK_CORE_ERROR_H
 
@@ -13,9 +13,9 @@
 #endif
 
 /* Keeps the sentence for this thread and returns status. */
-__attribute__((format(CW_PRINTF, 2, 3))) cw_status cw_fail(cw_status status, const char *format, ...);
+CW_API __attribute__((format(CW_PRINTF, 2, 3))) cw_status cw_fail(cw_status status, const char *format, ...);
 
 /* The same for failures that need no more words than the status has. */
-cw_status cw_fail_plainly(cw_status status);
+CW_API cw_status cw_fail_plainly(cw_status status);
 
 #endif

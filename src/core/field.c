@@ -9,6 +9,7 @@
 #include "memory.h"
 #include "pyramid.h"
 #include "run.h"
+#include "sister.h"
 #include "survey.h"
 #include "to_field.h"
 
@@ -176,6 +177,13 @@ cw_status cw_field_create(const cw_field_desc *desc, const cw_run *run, cw_field
     fpenv_leave(caller);
     return status;
 }
+
+bool cw_field_enter(const cw_field *field, door_pass *pass) {
+    *pass = door_enter(&field->door);
+    return pass->entry != NULL;
+}
+
+void cw_field_leave(door_pass pass) { door_leave(pass); }
 
 void cw_field_destroy(cw_field *field) {
     if (field == NULL) return;

@@ -17,7 +17,7 @@ cw_status cw_check_rectangle(const cw_field *field, const cw_rectangle *at);
 void cw_fill(void *caller, size_t size, const void *all, size_t all_size);
 
 /* *how becomes *run, or all zero for NULL. Fails if its leaf test or a reserved member is invalid. */
-cw_status cw_run_begin(const cw_run *run, cw_run *how);
+CW_API cw_status cw_run_begin(const cw_run *run, cw_run *how);
 
 /* Sets kernel and leaf test to those that run. Fails if there is none such here. */
 cw_status cw_run_settle(cw_run *how);
@@ -28,7 +28,7 @@ cw_status cw_run_built(const cw_field *field, const cw_run *how);
 /* cw_pool_share on the pool of how; if there is a watch, in pieces of at most most items also on one thread. If least is
  * less, items may take different times, and pieces are made smaller where they take long.
  * CW_ERROR_CANCELLED if that returned false. */
-cw_status cw_run_work(const cw_run *how, size_t n, size_t least, size_t most, cw_work_fn *work, void *context);
+CW_API cw_status cw_run_work(const cw_run *how, size_t n, size_t least, size_t most, cw_work_fn *work, void *context);
 
 /* Part of a longer piece of work under one watch, which is given shares from begin to end. */
 typedef struct run_part {
@@ -37,6 +37,6 @@ typedef struct run_part {
 } run_part;
 
 /* The run of that part, which must stay where it is as long as the run is used. */
-cw_run cw_run_part_of(run_part *part);
+CW_API cw_run cw_run_part_of(run_part *part);
 
 #endif

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "visibility.h"
 
+#include "visible.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

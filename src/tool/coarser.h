@@ -13,7 +13,7 @@ enum { COARSER_OPTION_COUNT = 2 };
 
 typedef struct coarser_options {
     unsigned factor;  /* 0: not given */
-    int filter;       /* cw_filter */
+    int filter;       /* CW_FILTER_… */
     const char *name; /* of the subcommand, for the line on standard error that tells the difference; NULL: no line */
 } coarser_options;
 

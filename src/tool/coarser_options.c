@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "coarser.h"
 
+#include "cellwalk_terrain.h"
 #include "command.h"
 
 #include <math.h>
@@ -55,7 +56,7 @@ bool coarser_make(const coarser_options *c, const char *path, const cw_run *quer
                   io_raster *raster, io_error *error) {
     cw_field *coarser;
     cw_difference d;
-    const cw_status status = cw_field_coarser(*field, query, c->factor, (cw_filter)c->filter, &coarser, &d);
+    const cw_status status = cw_field_coarser(*field, query, c->factor, c->filter, &coarser, &d, sizeof d);
     progress_end(line);
     if (status == CW_ERROR_CANCELLED) return io_fail(error, "interrupted");
     if (status != CW_OK) return io_fail(error, "%s: %s", path, cw_last_error());

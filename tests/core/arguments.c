@@ -126,7 +126,6 @@ typedef union value {
     double d;
     size_t n;
     cw_rectangle at;
-    cw_visible_sums sums;
 } value;
 
 static void run_tasks(void *context, cw_task_fn *task, void *argument, unsigned count) {
@@ -147,17 +146,15 @@ static double room[MOST][32]; /* for two of anything, or a number for each sampl
 static void *out;
 static cw_field *field;
 static cw_heading *heading;
-static cw_visible *visible;
 static cw_field_desc field_desc = {.samples = samples, .nx = SIDE, .ny = SIDE, .map = {{1}, {0, 1}, {0, 0, 1}}};
 static cw_heading_desc heading_desc = {.dir = {1, 0.5}};
-static cw_visible_desc visible_desc = {.dir = {1, 0.5}, .weight = 1, .length = 1};
 static cw_run run;
 static cw_update update = {.at = {1, 1, 2, 2}, .samples = samples};
 static cw_tasks tasks = {.threads = 2, .run = run_tasks};
 static cw_allocator allocator = {.allocate = allocate, .release = release};
 
 static const char arrays[] = "rays hits occluded points normals slope";
-static const char optional[] = "run difference allocator x y label kernel pool watch watch_context context";
+static const char optional[] = "run allocator x y label kernel pool watch watch_context context";
 
 static value good_value(const char *function, const parameter *p, size_t number) {
     const struct {
@@ -166,11 +163,7 @@ static value good_value(const char *function, const parameter *p, size_t number)
     } named[] = {
         {"field", {.p = field}},
         {"heading", {.p = heading}},
-        {"visible", {.p = visible}},
-        {"desc",
-         {.p = strstr(function, "heading")   ? (void *)&heading_desc
-               : strstr(function, "visible") ? (void *)&visible_desc
-                                             : (void *)&field_desc}},
+        {"desc", {.p = strstr(function, "heading") ? (void *)&heading_desc : (void *)&field_desc}},
         {"run", {.p = &run}},
         {"update", {.p = &update}},
         {"tasks", {.p = &tasks}},
@@ -178,10 +171,6 @@ static value good_value(const char *function, const parameter *p, size_t number)
         {"dir", {.p = heading_desc.dir}},
         {"threads", {.n = 2}},
         {"n", {.n = 2}},
-        {"every", {.n = 1}},
-        {"rows", {.n = 1}},
-        {"sums", {.sums = {.area = room[number]}}},
-        {"factor", {.n = 2}},
         {"at", {.at = {0, 0, SIDE, SIDE}}},
         {"low", {.d = -1}},
         {"high", {.d = 1}},
@@ -211,13 +200,10 @@ static value good_value(const char *function, const parameter *p, size_t number)
     X(cw_hit_points, v[0].p, v[1].p, v[2].p, v[3].n, v[4].p)                                                           \
     X(cw_hit_normals, v[0].p, v[1].p, v[2].p, v[3].n, v[4].p)                                                          \
     X(cw_hit_phong_normals, v[0].p, v[1].p, v[2].p, v[3].n, v[4].p)                                                    \
-    X(cw_field_coarser, v[0].p, v[1].p, v[2].n, (cw_filter)v[3].n, v[4].p, v[5].p)                                     \
     X(cw_heading_create, v[0].p, v[1].p, v[2].p)                                                                       \
     X(cw_heading_create_with, v[0].p, v[1].p, v[2].p)                                                                  \
     X(cw_heading_steepest, v[0].p, v[1].p, (float)v[2].d, (float)v[3].d, v[4].at, v[5].p)                              \
-    X(cw_heading_occluded, v[0].p, v[1].p, (float)v[2].d, v[3].at, v[4].p)                                             \
-    X(cw_visible_create, v[0].p, v[1].at, v[2].n, v[3].p)                                                              \
-    X(cw_visible_add, v[0].p, v[1].p, v[2].p, v[3].n, v[4].n, v[5].sums)
+    X(cw_heading_occluded, v[0].p, v[1].p, (float)v[2].d, v[3].at, v[4].p)
 #define CALL(NAME, ...)                                                                                                \
     static cw_status call_##NAME(const value *v) { return NAME(__VA_ARGS__); }
 #define ROW(NAME, ...) {#NAME, call_##NAME},
@@ -234,8 +220,6 @@ static cw_status call(const struct function *f, const value *v) {
         cw_pool_destroy(out);
     else if (strstr(f->name, "heading"))
         cw_heading_destroy(out);
-    else if (strstr(f->name, "visible"))
-        cw_visible_destroy(out);
     else
         cw_field_destroy(out);
     out = NULL;
@@ -320,7 +304,6 @@ static const struct filled {
     {"cw_field_desc", &field_desc, sizeof field_desc, "cw_field_create(", 0},
     {"cw_update", &update, sizeof update, "cw_field_update(", 1},
     {"cw_heading_desc", &heading_desc, sizeof heading_desc, "cw_heading_create_with(", 1},
-    {"cw_visible_desc", &visible_desc, sizeof visible_desc, "cw_visible_add(", 2},
 };
 enum { STRUCT_COUNT = sizeof structs / sizeof structs[0] };
 
@@ -389,15 +372,13 @@ static void each_struct(void **state) {
 static int set_up(void **state) {
     (void)state;
     const bool good = cw_field_create(&field_desc, NULL, &field) == CW_OK &&
-                      cw_heading_create(field, heading_desc.dir, &heading) == CW_OK &&
-                      cw_visible_create(field, (cw_rectangle){0, 0, SIDE, SIDE}, 1, &visible) == CW_OK;
+                      cw_heading_create(field, heading_desc.dir, &heading) == CW_OK;
     return good ? read_header() : -1;
 }
 
 static int tear_down(void **state) {
     (void)state;
     if (now[0] != '\0') print_error("the last call: %s\n", now);
-    cw_visible_destroy(visible);
     cw_heading_destroy(heading);
     cw_field_destroy(field);
     free(header);

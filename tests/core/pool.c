@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A pool that several threads use at once: each gets the answers that it would get alone, and none waits for ever. */
 
+#include "cellwalk_terrain.h"
 #include "check.h"
 #include "rays.h"
 
@@ -200,7 +201,8 @@ static cw_status do_one(const doomed *d) {
     case 11:
         return cw_heading_occluded(heading, &run, 0, all, occluded[0]);
     case 12:
-        if (cw_field_coarser(made, &run, 2, CW_FILTER_MEAN, &coarser, &(cw_difference){0}) != CW_OK)
+        if (cw_field_coarser(made, &run, 2, CW_FILTER_MEAN, &coarser, &(cw_difference){0}, sizeof(cw_difference)) !=
+            CW_OK)
             return CW_ERROR_ARGUMENT;
         cw_field_destroy(coarser);
         return CW_OK;

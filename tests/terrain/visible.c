@@ -2,6 +2,7 @@
 /* The ground in sight along a direction: against all edges of the field in double, with bounds on rounding that are carried
  * through; the same bits for every instruction set, number of threads, part of the eyes and place of the land; closed forms. */
 
+#include "visible.h"
 #include "check.h"
 #include "fields.h"
 #include "workload/random.h"
@@ -492,7 +493,7 @@ static void misuse_is_refused(void **state) {
     assert_null(v);
     check_status(cw_visible_create(field, whole, 1, &v), CW_OK);
     const cw_visible_desc good = {.dir = {1, 0}, .weight = 1, .length = 1};
-    cw_visible_desc bad[] = {good, good, good, good, good, good, good, good};
+    cw_visible_desc bad[] = {good, good, good, good, good, good, good};
     bad[0].dir[0] = 0;
     bad[1].dir[1] = NAN;
     bad[2].reach = -1;
@@ -500,7 +501,6 @@ static void misuse_is_refused(void **state) {
     bad[4].eye = -1;
     bad[5].target = NAN;
     bad[6].slack = 1;
-    bad[7].reserved[3] = 1;
     const cw_visible_sums to = {.area = area};
     for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++)
         check_status(cw_visible_add(v, NULL, &bad[k], 0, 4, to), CW_ERROR_ARGUMENT);

@@ -4,7 +4,6 @@
 #include "field.h"
 #include "isa.h"
 #include "run.h"
-#include "visible.h"
 
 #include <string.h>
 
@@ -17,23 +16,23 @@
 /* From the plainest to the fastest: the last one available is the default. */
 /* clang-format off */
 static const cw_kernel kernels[] = {
-    {"cell", "2D cell walk, one ray at a time", CW_ISA_SCALAR, 1, &cw_cell, cw_heading1, &cw_visible1, NULL},
+    {"cell", "2D cell walk, one ray at a time", CW_ISA_SCALAR, 1, &cw_cell, cw_heading1, NULL},
 #if NEON
-    {"packet4", "2D cell walk, 4 rays at once", CW_ISA_NEON, 4, &cw_packet4, cw_heading4, &cw_visible4, NULL},
+    {"packet4", "2D cell walk, 4 rays at once", CW_ISA_NEON, 4, &cw_packet4, cw_heading4, NULL},
 #elif CELLWALK_SIMD
-    {"packet4", "2D cell walk, 4 rays at once", CW_ISA_SSE42, 4, &cw_packet4, cw_heading4, &cw_visible4, NULL},
-    {"packet8", "2D cell walk, 8 rays at once", CW_ISA_AVX2, 8, &cw_packet8, cw_heading8, &cw_visible8, NULL},
-    {"packet16", "2D cell walk, 16 rays at once", CW_ISA_AVX512, 16, &cw_packet16, cw_heading16, &cw_visible16, NULL},
+    {"packet4", "2D cell walk, 4 rays at once", CW_ISA_SSE42, 4, &cw_packet4, cw_heading4, NULL},
+    {"packet8", "2D cell walk, 8 rays at once", CW_ISA_AVX2, 8, &cw_packet8, cw_heading8, NULL},
+    {"packet16", "2D cell walk, 16 rays at once", CW_ISA_AVX512, 16, &cw_packet16, cw_heading16, NULL},
 #endif
-    {"pyramid1", "bounds pyramid, one lane", CW_ISA_SCALAR, 1, &cw_pyramid1, cw_heading1, &cw_visible1, NULL},
+    {"pyramid1", "bounds pyramid, one lane", CW_ISA_SCALAR, 1, &cw_pyramid1, cw_heading1, NULL},
 #if NEON
-    {"pyramid4", "bounds pyramid, 4 lanes, single rays in pairs of 4", CW_ISA_NEON, 8, &cw_pyramid4, cw_heading4, &cw_visible4, NULL},
+    {"pyramid4", "bounds pyramid, 4 lanes, single rays in pairs of 4", CW_ISA_NEON, 8, &cw_pyramid4, cw_heading4, NULL},
 #elif CELLWALK_SIMD
-    {"pyramid4", "bounds pyramid, 4 lanes, single rays in pairs of 4", CW_ISA_SSE42, 8, &cw_pyramid4, cw_heading4, &cw_visible4, NULL},
+    {"pyramid4", "bounds pyramid, 4 lanes, single rays in pairs of 4", CW_ISA_SSE42, 8, &cw_pyramid4, cw_heading4, NULL},
     {"pyramid8", "bounds pyramid, 8 lanes, single rays in pairs of 8",
-     CW_ISA_AVX2, 16, &cw_pyramid8, cw_heading8, &cw_visible8, NULL},
+     CW_ISA_AVX2, 16, &cw_pyramid8, cw_heading8, NULL},
     {"pyramid16", "bounds pyramid, 16 lanes, single rays in pairs of 16",
-     CW_ISA_AVX512, 32, &cw_pyramid16, cw_heading16, &cw_visible16, NULL},
+     CW_ISA_AVX512, 32, &cw_pyramid16, cw_heading16, NULL},
 #endif
 };
 /* clang-format on */

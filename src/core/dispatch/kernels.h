@@ -12,7 +12,6 @@ typedef void cw_any_fn(const cw_field *field, const cw_ray *rays, size_t n, uint
 /* Samples i to i_end, j to j_end of a rectangle, without the ends: see heading.h. */
 struct cw_heading_job;
 typedef void cw_heading_fn(const struct cw_heading_job *job, size_t i, size_t i_end, size_t j, size_t j_end);
-struct visible_code; /* visible.h */
 
 /* By leaf test; NULL where the kernel does not have it. Entry CW_LEAF_DEFAULT is unused. */
 typedef struct cw_kernel_code {
@@ -25,8 +24,7 @@ struct cw_kernel {
     cw_isa isa;
     unsigned width; /* lanes of the widest vectors it walks with */
     const cw_kernel_code *code;
-    cw_heading_fn *heading; /* code for headings, for the same instruction set */
-    const struct visible_code *visible;
+    cw_heading_fn *heading;              /* code for headings, for the same instruction set */
     cw_status (*build)(cw_field *field); /* makes the field's guest, if the bounds alone do not serve it */
 };
 

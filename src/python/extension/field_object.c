@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "call.h"
 
+#include "cellwalk_terrain.h"
+
 #include <math.h>
 #include <string.h>
 #include <structmember.h>
@@ -210,7 +212,7 @@ static PyObject *field_coarser(PyObject *self, PyObject *arguments) {
     if (good) {
         work w;
         if ((good = work_begin(&w, threads, "cell", progress)))
-            good = work_end(&w, cw_field_coarser(f->field, &w.run, (size_t)factor, (cw_filter)filter, &coarser, &d),
+            good = work_end(&w, cw_field_coarser(f->field, &w.run, (size_t)factor, filter, &coarser, &d, sizeof d),
                             "coarser");
         field_leave(f);
     }

@@ -14,9 +14,9 @@
  * the result no lower than the exact difference. Where all samples are equal S is 0, and where one surface touches
  * the other from one side all terms have one sign: nothing is added to zeros. */
 
-#include "coarser.h"
+#include "difference.h"
 #include "fpenv.h"
-#include "run.h"
+#include "sister.h"
 
 #include <math.h>
 #include <stdatomic.h>
@@ -34,7 +34,7 @@ typedef struct row_sums {
 } row_sums;
 
 typedef struct measure {
-    const cw_field *full, *coarser;
+    const samples *full, *coarser;
     size_t factor;
     row_sums *rows;
     atomic_bool out_of_memory;
@@ -60,7 +60,7 @@ static bool columns_create(columns *c, size_t nx) {
 
 /* The last column of the full field belongs to the cell before it. */
 static void fill_columns(const measure *m, size_t row, columns *c) {
-    const cw_field *k = m->coarser;
+    const samples *k = m->coarser;
     size_t cell = 0, along = 0;
     for (size_t i = 0; i < m->full->nx; i++, along++) {
         if (along == m->factor && i + 1 < m->full->nx) {
@@ -143,7 +143,7 @@ static double squares_between(const columns *c, size_t cells) {
 /* One triangle of cell (i, j) of the full field, whose first corner lies (along, down) in coarser cell (x, y). */
 static void look_at_triangle(const measure *m, size_t i, size_t j, size_t x, size_t y, bool lower, extremes *e,
                              row_sums *s) {
-    const cw_field *f = m->full, *g = m->coarser;
+    const samples *f = m->full, *g = m->coarser;
     const size_t along = i - x * m->factor, down = j - y * m->factor;
     const float *z = f->z + j * f->stride + i, *h = g->z + y * g->stride + x;
     const float corner[3] = {z[0], lower ? z[f->stride] : z[1], z[f->stride + 1]};
@@ -171,7 +171,7 @@ static void look_at_triangles(const measure *m, size_t row, size_t rows, extreme
             for (int lower = 0; lower < 2; lower++) look_at_triangle(m, i, j, i / m->factor, row, lower, e, s);
 }
 
-static bool has_hole(const cw_field *f, size_t row, size_t rows) {
+static bool has_hole(const samples *f, size_t row, size_t rows) {
     if (f->holes == 0) return false;
     for (size_t j = row; j < row + rows; j++) {
         int32_t odd = 0;
@@ -239,7 +239,7 @@ static cw_difference total(const measure *m, size_t rows) {
     };
 }
 
-cw_status cw_difference_measure(const cw_field *full, const cw_field *coarser, size_t factor, const cw_run *run,
+cw_status cw_difference_measure(const samples *full, const samples *coarser, size_t factor, const cw_run *run,
                                 cw_difference *difference) {
     const size_t rows = coarser->ny - 1, grain = COARSER_GRAIN / (full->nx * factor);
     measure m = {.full = full, .coarser = coarser, .factor = factor, .rows = calloc(rows, sizeof *m.rows)};

@@ -4,9 +4,7 @@
 #include "visible_land.h"
 
 #include "fpenv.h"
-#include "kernels.h"
-#include "memory.h"
-#include "run.h"
+#include "sister.h"
 
 #include <float.h>
 #include <math.h>
@@ -92,7 +90,7 @@ static void walk_some(void *context, size_t begin, size_t end) {
 
 /* Of the height of a place on an edge over the eye, and of a target on it: sums, products and their rounding, each off by
  * u = 2^-24 of the heights' range (papers/numerics.md). */
-static double rounding(const cw_field *f, float eye, float target) {
+static double rounding(const samples *f, float eye, float target) {
     const double range = f->high >= f->low ? (double)f->high - (double)f->low : 0;
     return 8 * (double)FLT_EPSILON * (range + (double)eye + (double)target) + (double)FLT_MIN;
 }
@@ -123,7 +121,7 @@ static cw_status add(cw_visible *v, const cw_run *how, const cw_visible_desc *de
     if (status == CW_OK) status = cw_visible_bound(v, how, v->ways.aside, desc->slack);
     if (status != CW_OK) return status;
     const ways *s = &v->ways;
-    walking w = {.view = v, .code = how->kernel->visible, .desc = desc, .row = row, .rows = rows, .to = to};
+    walking w = {.view = v, .code = v->code, .desc = desc, .row = row, .rows = rows, .to = to};
     w.job = (visible_job){.land = v->memory + AROUND + VISIBLE_MARGIN,
                           .stride = v->stride,
                           .rows = v->down,
@@ -136,12 +134,29 @@ static cw_status add(cw_visible *v, const cw_run *how, const cw_visible_desc *de
                           .eye = desc->eye,
                           .target = desc->target};
     for (int l = 0; l < VISIBLE_LEVELS; l++) w.job.bound[l] = v->bound_memory[l] + AROUND + VISIBLE_MARGIN;
-    w.job.lift = (float)((double)desc->target + rounding(v->field, desc->eye, desc->target));
+    w.job.lift = (float)((double)desc->target + rounding(&v->samples, desc->eye, desc->target));
     w.scale = 0.5 * desc->weight / (longest * longest);
     w.length = (float)(desc->length / longest);
     place_eyes(&w);
     const size_t pieces = (w.long_way + ROWS_AT_ONCE - 1) / ROWS_AT_ONCE;
     return cw_run_work(how, w.groups * pieces, 1, 4, walk_some, &w);
+}
+
+/* ---- instruction sets ------------------------------------------------------------------------------------------------ */
+
+/* Of the run's kernel only the instruction set is used. */
+static const visible_code *code_of(const cw_run *how) {
+    static const struct {
+        cw_isa isa;
+        const visible_code *code;
+    } all[] = {
+#define CODE(SET, LANES) {CW_ISA_##SET, &cw_visible##LANES},
+        CELLWALK_VISIBLE_CODES /* the widest first; the last is scalar */
+    };
+    const cw_isa most = how->kernel ? cw_kernel_describe(how->kernel).isa : cw_isa_best();
+    size_t k = 0;
+    while (all[k].isa != CW_ISA_SCALAR && !cw_isa_includes(most, all[k].isa)) k++;
+    return all[k].code;
 }
 
 /* ---- the interface --------------------------------------------------------------------------------------------------- */
@@ -151,11 +166,14 @@ cw_status cw_visible_create(const cw_field *field, cw_rectangle at, size_t every
     *visible = NULL;
     if (field == NULL) return cw_fail(CW_ERROR_ARGUMENT, "field: NULL");
     if (every == 0 || every > CW_SIDE_MAX) return cw_fail(CW_ERROR_ARGUMENT, "every: %zu", every);
-    const cw_status status = cw_check_rectangle(field, &at);
-    if (status != CW_OK) return status;
-    cw_visible *v = cw_memory_clear(sizeof *v);
+    const samples of = samples_of(field);
+    if (at.i > of.nx || at.nx > of.nx - at.i || at.j > of.ny || at.ny > of.ny - at.j)
+        return cw_fail(CW_ERROR_ARGUMENT, "at: %zu x %zu samples from (%zu, %zu) on; the field has %zu x %zu", at.nx,
+                       at.ny, at.i, at.j, of.nx, of.ny);
+    cw_visible *v = calloc(1, sizeof *v);
     if (v == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
     v->field = field;
+    v->samples = of;
     v->i = at.i;
     v->j = at.j;
     v->every = every;
@@ -168,9 +186,9 @@ cw_status cw_visible_create(const cw_field *field, cw_rectangle at, size_t every
 void cw_visible_destroy(cw_visible *v) {
     if (v == NULL) return;
     cw_visible_free_ways(&v->ways);
-    cw_memory_free(v->memory);
-    for (int l = 0; l < VISIBLE_LEVELS; l++) cw_memory_free(v->bound_memory[l]);
-    cw_memory_free(v);
+    large_release(v->memory);
+    for (int l = 0; l < VISIBLE_LEVELS; l++) large_release(v->bound_memory[l]);
+    free(v);
 }
 
 static bool is_size(double a, double most) { return a >= 0 && a <= most; }
@@ -180,8 +198,6 @@ cw_status cw_visible_add(cw_visible *v, const cw_run *run, const cw_visible_desc
     if (v == NULL || desc == NULL) return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL", v ? "desc" : "visible");
     if ((to.farthest == NULL) != (to.direction == NULL))
         return cw_fail(CW_ERROR_ARGUMENT, "farthest and direction go together");
-    const cw_status reserved = cw_check_reserved(desc->reserved, "cw_visible_desc");
-    if (reserved != CW_OK) return reserved;
     const double *dir = desc->dir, longest = fmax(fabs(dir[0]), fabs(dir[1]));
     if (!(isfinite(dir[0]) && isfinite(dir[1]) && longest >= 0x1p-40 && longest <= 0x1p40))
         return cw_fail(CW_ERROR_ARGUMENT, "dir: (%g, %g); its longer component is from 2^-40 to 2^40", dir[0], dir[1]);
@@ -205,13 +221,14 @@ cw_status cw_visible_add(cw_visible *v, const cw_run *run, const cw_visible_desc
     cw_run how;
     cw_status status = cw_run_begin(run, &how);
     how.leaf = CW_LEAF_DEFAULT;
-    if (status == CW_OK) status = cw_run_settle(&how);
+    if (status == CW_OK) status = cw_run_check(NULL, &how);
     if (status != CW_OK || rows == 0 || v->nx == 0) return status;
-    const door_pass in = door_enter(&v->field->door);
-    if (in.entry == NULL) return cw_fail_plainly(CW_ERROR_BUSY);
+    v->code = code_of(&how);
+    door_pass in;
+    if (!cw_field_enter(v->field, &in)) return cw_fail_plainly(CW_ERROR_BUSY);
     const fpenv caller = fpenv_enter();
     status = add(v, &how, desc, row, rows, to);
     fpenv_leave(caller);
-    door_leave(in);
+    cw_field_leave(in);
     return status;
 }

@@ -1,16 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Coarser fields: every factor-th place of a field, as a field. src/core/difference.c measures how far the two lie apart.
+/* Coarser fields: every factor-th place of a field, as a field. difference.c measures how far the two lie apart.
  *
  * Each height follows from the samples around its place by the same operations in the same order, so the field has the same
  * bits for any number of threads. */
 
-#include "coarser.h"
+#include "difference.h"
 
-#include "affine.h"
-#include "door.h"
 #include "fpenv.h"
-#include "memory.h"
-#include "run.h"
+#include "large.h"
+#include "sister.h"
 
 #include <math.h>
 #include <stdatomic.h>
@@ -28,10 +26,10 @@ static span around(size_t place, size_t reach, size_t n) {
 }
 
 typedef struct maker {
-    const cw_field *full;
+    const samples *full;
     float *z; /* of the coarser field */
     size_t nx, factor;
-    cw_filter filter;
+    int32_t filter;
     atomic_bool out_of_memory;
 } maker;
 
@@ -42,7 +40,7 @@ static double tent(size_t factor, size_t place, size_t k) {
 
 /* sum and weight have an item for each column of the full field. */
 static void average_row(const maker *m, size_t j, double *restrict sum, double *restrict weight) {
-    const cw_field *f = m->full;
+    const samples *f = m->full;
     const bool holes = f->holes > 0;
     const span rows = around(j * m->factor, m->factor - 1, f->ny);
     memset(sum, 0, f->nx * sizeof *sum);
@@ -80,7 +78,7 @@ static inline float extreme(bool highest, float a, float b) {
 }
 
 static inline void extreme_row(const maker *m, size_t j, float *restrict column, bool highest) {
-    const cw_field *f = m->full;
+    const samples *f = m->full;
     const float none = highest ? -INFINITY : INFINITY;
     const span rows = around(j * m->factor, m->factor, f->ny);
     for (size_t i = 0; i < f->nx; i++) column[i] = none;
@@ -117,7 +115,7 @@ static void make_rows(void *context, size_t begin, size_t end) {
 }
 
 static cw_status make_samples(maker *m, size_t ny, const cw_run *how) {
-    m->z = cw_memory_allocate(m->nx * ny * sizeof *m->z);
+    m->z = large_allocate(m->nx * ny * sizeof *m->z);
     if (m->z == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
     const size_t grain = COARSER_GRAIN / (m->nx * m->factor * m->factor);
     cw_status status = cw_run_work(how, ny, grain, grain, make_rows, m);
@@ -125,54 +123,58 @@ static cw_status make_samples(maker *m, size_t ny, const cw_run *how) {
     return status;
 }
 
-/* A field of samples that it owns, tied to user space by the full field's map. */
-static cw_status make_field(const maker *m, size_t ny, const cw_run *how, cw_field **coarser) {
-    cw_field_desc desc = {.samples = m->z, .nx = m->nx, .ny = ny, .storage = CW_BORROW};
-    memcpy(desc.map, m->full->to_user, sizeof desc.map);
+/* Tied to user space by the full field's map. */
+static cw_status make_field(const maker *m, const cw_field *full, size_t ny, const cw_run *how, cw_field **coarser) {
+    cw_field_desc desc = {.samples = m->z, .nx = m->nx, .ny = ny, .storage = CW_COPY};
+    const cw_field_info info = cw_field_describe(full);
+    memcpy(desc.map, info.map, sizeof desc.map);
     for (int k = 0; k < 3; k++)
         for (int a = 0; a < 2; a++) desc.map[k][a] *= (double)m->factor;
-    const cw_status status = cw_field_create(&desc, how, coarser);
-    if (status == CW_OK) (*coarser)->owned = m->z;
-    return status;
+    return cw_field_create(&desc, how, coarser);
 }
 
 /* Shares of the watch: the samples are read once for each of the three. */
-static cw_status make(maker *m, size_t ny, const cw_run *how, cw_field **coarser, cw_difference *difference) {
+static cw_status make(maker *m, const cw_field *full, size_t ny, const cw_run *how, cw_field **coarser,
+                      cw_difference *difference) {
     run_part part = {how, 0, difference ? 0.4 : 0.8};
-    const cw_run samples = cw_run_part_of(&part);
-    cw_status status = make_samples(m, ny, &samples);
+    const cw_run sampling = cw_run_part_of(&part);
+    cw_status status = make_samples(m, ny, &sampling);
     run_part rest = {how, part.end, difference ? 0.5 : 1};
     const cw_run field = cw_run_part_of(&rest);
-    if (status == CW_OK) status = make_field(m, ny, &field, coarser);
-    if (status != CW_OK) {
-        cw_memory_free(m->z);
-        return status;
-    }
+    if (status == CW_OK) status = make_field(m, full, ny, &field, coarser);
+    large_release(m->z);
+    if (status != CW_OK || difference == NULL) return status;
     run_part last = {how, rest.end, 1};
     const cw_run measuring = cw_run_part_of(&last);
-    if (difference) status = cw_difference_measure(m->full, *coarser, m->factor, &measuring, difference);
+    const struct samples made = samples_of(*coarser);
+    status = cw_difference_measure(m->full, &made, m->factor, &measuring, difference);
     if (status == CW_OK) return status;
     cw_field_destroy(*coarser);
     *coarser = NULL;
     return status;
 }
 
-cw_status cw_field_coarser(const cw_field *field, const cw_run *run, size_t factor, cw_filter filter,
-                           cw_field **coarser, cw_difference *difference) {
+cw_status cw_field_coarser(const cw_field *field, const cw_run *run, size_t factor, int32_t filter, cw_field **coarser,
+                           cw_difference *difference, size_t size) {
     if (coarser == NULL) return cw_fail(CW_ERROR_ARGUMENT, "coarser: NULL");
     *coarser = NULL;
     if (field == NULL) return cw_fail(CW_ERROR_ARGUMENT, "field: NULL");
     if (factor < 2 || factor > CW_SIDE_MAX)
         return cw_fail(CW_ERROR_ARGUMENT, "factor: %zu; it is from 2 to %d", factor, CW_SIDE_MAX);
-    if (filter != CW_FILTER_MEAN && filter != CW_FILTER_HIGHEST && filter != CW_FILTER_LOWEST)
-        return cw_fail(CW_ERROR_ARGUMENT, "filter: %d is none", (int)filter);
+    if (filter < CW_FILTER_MEAN || filter > CW_FILTER_LOWEST)
+        return cw_fail(CW_ERROR_ARGUMENT, "filter: %d; it is from %d to %d", filter, CW_FILTER_MEAN, CW_FILTER_LOWEST);
     cw_run how;
     cw_status status = cw_run_begin(run, &how);
     if (status != CW_OK) return status;
-    const door_pass in = door_enter(&field->door);
-    if (in.entry == NULL) return cw_fail_plainly(CW_ERROR_BUSY);
-    maker m = {.full = field, .nx = (field->nx - 2) / factor + 2, .factor = factor, .filter = filter};
-    status = make(&m, (field->ny - 2) / factor + 2, &how, coarser, difference);
-    door_leave(in);
+    door_pass in;
+    if (!cw_field_enter(field, &in)) return cw_fail_plainly(CW_ERROR_BUSY);
+    const struct samples full = samples_of(field);
+    maker m = {.full = &full, .nx = (full.nx - 2) / factor + 2, .factor = factor, .filter = filter};
+    cw_difference all;
+    status = make(&m, field, (full.ny - 2) / factor + 2, &how, coarser, difference ? &all : NULL);
+    cw_field_leave(in);
+    if (status != CW_OK || difference == NULL) return status;
+    memset(difference, 0, size);
+    memcpy(difference, &all, size < sizeof all ? size : sizeof all);
     return status;
 }

@@ -3,6 +3,7 @@
  * difference is compared at points inside each triangle, found on both surfaces without use of how they overlap, and at the
  * triangle's corners. */
 
+#include "cellwalk_terrain.h"
 #include "check.h"
 #include "fields.h"
 
@@ -159,7 +160,7 @@ static void check_difference(const char *what, const cw_field *full, const cw_fi
           d->above, d->below);
     check(d->lost == sum.lost && d->made == sum.made, "%s: %zu triangles lost and %zu made, not %zu and %zu", what,
           (size_t)sum.lost, (size_t)sum.made, (size_t)d->lost, (size_t)d->made);
-    /* src/core/difference.c: off by at most 14 · 2^-53 of the largest difference between a sample and a corner. */
+    /* src/terrain/difference.c: off by at most 14 · 2^-53 of the largest difference between a sample and a corner. */
     const double range = sum.both ? fmax((double)f.high, (double)g.high) - fmin((double)f.low, (double)g.low) : 0;
     const double slack = 0x1p-49 * range, most = mpq_get_d(n.most), least = mpq_get_d(n.least);
     check(d->above <= most + slack && d->below <= -least + slack, "%s: reported +%.17g -%.17g, but it is +%.17g -%.17g",
@@ -216,7 +217,7 @@ static float extreme_at(const cw_field *f, size_t i, size_t j, size_t factor, bo
 }
 
 static void check_sample(const char *what, const cw_field *full, const cw_field *coarser, size_t i, size_t j,
-                         size_t factor, cw_filter filter) {
+                         size_t factor, int32_t filter) {
     const float z = cw_field_row(coarser, j)[i];
     if (filter != CW_FILTER_MEAN) {
         const float right = extreme_at(full, i, j, factor, filter == CW_FILTER_HIGHEST);
@@ -238,13 +239,13 @@ static void check_sample(const char *what, const cw_field *full, const cw_field 
     mpq_clear(mean);
 }
 
-static cw_field *make(const cw_field *full, size_t factor, cw_filter filter, cw_difference *d) {
+static cw_field *make(const cw_field *full, size_t factor, int32_t filter, cw_difference *d) {
     cw_field *coarser;
-    check_status(cw_field_coarser(full, NULL, factor, filter, &coarser, d), CW_OK);
+    check_status(cw_field_coarser(full, NULL, factor, filter, &coarser, d, sizeof *d), CW_OK);
     return coarser;
 }
 
-static void check_case(const test_field *f, size_t factor, cw_filter filter) {
+static void check_case(const test_field *f, size_t factor, int32_t filter) {
     char what[128];
     snprintf(what, sizeof what, "%s %zu x %zu, %s of %zu", field_shape_name(f->shape), f->nx, f->ny,
              filter_names[filter], factor);
@@ -272,8 +273,7 @@ static void test_definitions(void **state) {
             for (size_t k = 0; k < CASES; k++) {
                 field_make(&f, (field_shape)shape, cases[k].nx, cases[k].ny, 100 * round + k + 1);
                 for (int filter = 0; filter < FILTERS; filter++)
-                    if (test_takes((size_t)(shape + filter) + k, FILTERS))
-                        check_case(&f, cases[k].factor, (cw_filter)filter);
+                    if (test_takes((size_t)(shape + filter) + k, FILTERS)) check_case(&f, cases[k].factor, filter);
             }
 }
 
@@ -299,9 +299,9 @@ static void test_threads(void **state) {
     for (size_t factor = 2; factor < 8; factor += 3)
         for (int filter = 0; filter < FILTERS; filter++) {
             cw_difference one, many;
-            cw_field *a = make(full, factor, (cw_filter)filter, &one), *b;
+            cw_field *a = make(full, factor, filter, &one), *b;
             const cw_run run = {.pool = pool};
-            check_status(cw_field_coarser(full, &run, factor, (cw_filter)filter, &b, &many), CW_OK);
+            check_status(cw_field_coarser(full, &run, factor, filter, &b, &many, sizeof(cw_difference)), CW_OK);
             assert_memory_equal(&one, &many, sizeof one);
             const cw_field_info info = cw_field_describe(a);
             for (size_t j = 0; j < info.ny; j++)
@@ -333,12 +333,13 @@ static void test_watch(void **state) {
     cw_difference d;
     watching w = {0};
     cw_run run = {.watch = watch, .watch_context = &w};
-    check_status(cw_field_coarser(full, &run, 2, CW_FILTER_MEAN, &coarser, &d), CW_OK);
+    check_status(cw_field_coarser(full, &run, 2, CW_FILTER_MEAN, &coarser, &d, sizeof(cw_difference)), CW_OK);
     check(fabs(w.last - 1) < 1e-9 && w.calls > 2, "told %zu times, last %g", w.calls, w.last);
     cw_field_destroy(coarser);
     for (size_t stop = w.calls; stop > 0; stop--) {
         w = (watching){.stop = stop};
-        check_status(cw_field_coarser(full, &run, 2, CW_FILTER_MEAN, &coarser, &d), CW_ERROR_CANCELLED);
+        check_status(cw_field_coarser(full, &run, 2, CW_FILTER_MEAN, &coarser, &d, sizeof(cw_difference)),
+                     CW_ERROR_CANCELLED);
         assert_null(coarser);
     }
     cw_field_destroy(full);
@@ -373,11 +374,11 @@ static void test_misuse(void **state) {
     cw_field *full, *coarser;
     cw_run odd = {.reserved = {1}};
     check_status(cw_field_create(&(cw_field_desc){.samples = z, .nx = 2, .ny = 2}, NULL, &full), CW_OK);
-    check_status(cw_field_coarser(full, NULL, 1, CW_FILTER_MEAN, &coarser, NULL), CW_ERROR_ARGUMENT);
-    check_status(cw_field_coarser(full, NULL, (size_t)CW_SIDE_MAX + 1, CW_FILTER_MEAN, &coarser, NULL),
+    check_status(cw_field_coarser(full, NULL, 1, CW_FILTER_MEAN, &coarser, NULL, 0), CW_ERROR_ARGUMENT);
+    check_status(cw_field_coarser(full, NULL, (size_t)CW_SIDE_MAX + 1, CW_FILTER_MEAN, &coarser, NULL, 0),
                  CW_ERROR_ARGUMENT);
-    check_status(cw_field_coarser(full, NULL, 2, (cw_filter)3, &coarser, NULL), CW_ERROR_ARGUMENT);
-    check_status(cw_field_coarser(full, &odd, 2, CW_FILTER_MEAN, &coarser, NULL), CW_ERROR_ARGUMENT);
+    check_status(cw_field_coarser(full, NULL, 2, 3, &coarser, NULL, 0), CW_ERROR_ARGUMENT);
+    check_status(cw_field_coarser(full, &odd, 2, CW_FILTER_MEAN, &coarser, NULL, 0), CW_ERROR_ARGUMENT);
     assert_null(coarser);
     cw_field_destroy(full);
 }

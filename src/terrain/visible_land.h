@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The land turned toward a direction, its bounds, and where rays of the direction cross its edges. */
-#ifndef CELLWALK_CORE_VISIBLE_LAND_H
-#define CELLWALK_CORE_VISIBLE_LAND_H
+#ifndef CELLWALK_TERRAIN_VISIBLE_LAND_H
+#define CELLWALK_TERRAIN_VISIBLE_LAND_H
 
-#include "field.h"
+#include "large.h"
+#include "run.h"
+#include "samples.h"
 #include "visible.h"
+#include "visible_job.h"
 
 /* How far rounding can put a place on the ray off, as a part of the distance: as in heading.c. A place nearer to a sample than
  * that is the sample's. */
@@ -25,6 +28,8 @@ typedef struct ways {
 
 struct cw_visible {
     const cw_field *field;
+    struct samples samples;
+    const visible_code *code;   /* for the present direction's run */
     size_t i, j, every, nx, ny; /* eyes: the first one's sample, the gaps, and how many of them */
 
     /* The land, turned: columns of the same remainder by `every` stand together. */

@@ -5,8 +5,8 @@
  * that every ray goes toward greater rows and crosses at most one column a row. Eyes that are neighbours across the ray then
  * read neighbouring samples. Columns of the same remainder by the spacing of the eyes stand together, so that eyes with gaps
  * between them do, too. */
-#ifndef CELLWALK_CORE_VISIBLE_H
-#define CELLWALK_CORE_VISIBLE_H
+#ifndef CELLWALK_SIMD_VISIBLE_JOB_H
+#define CELLWALK_SIMD_VISIBLE_JOB_H
 
 #include "cellwalk.h"
 

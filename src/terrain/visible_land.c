@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "visible_land.h"
 
-#include "kernels.h"
-#include "memory.h"
-#include "run.h"
-
 #include <math.h>
 
 /* ---- the land -------------------------------------------------------------------------------------------------------- */
@@ -19,8 +15,8 @@ static ptrdiff_t column_at(const cw_visible *v, ptrdiff_t column) {
 
 static bool make_room(float **memory, size_t *room, size_t count) {
     if (*room >= count) return true;
-    cw_memory_free(*memory);
-    *memory = cw_memory_allocate(count * sizeof(float));
+    large_release(*memory);
+    *memory = large_allocate(count * sizeof(float));
     *room = *memory ? count : 0;
     return *memory != NULL;
 }
@@ -33,7 +29,7 @@ typedef struct turning {
 static void turn_rows(void *context, size_t begin, size_t end) {
     const turning *t = context;
     const cw_visible *v = t->view;
-    const cw_field *f = v->field;
+    const samples *f = &v->samples;
     for (size_t y = begin; y < end; y++) {
         float *row = t->to + (ptrdiff_t)y * v->stride;
         for (ptrdiff_t k = -VISIBLE_MARGIN; k < v->stride - VISIBLE_MARGIN; k++) row[k] = NAN;
@@ -48,7 +44,7 @@ static void turn_rows(void *context, size_t begin, size_t end) {
 cw_status cw_visible_turn(cw_visible *v, const double dir[2], const cw_run *how) {
     const bool transposed = fabs(dir[0]) > fabs(dir[1]), rotated = dir[transposed ? 0 : 1] < 0;
     if (v->turned && v->transposed == transposed && v->rotated == rotated) return CW_OK;
-    const size_t nx = v->field->nx, ny = v->field->ny;
+    const size_t nx = v->samples.nx, ny = v->samples.ny;
     v->turned = v->bounded = false;
     v->transposed = transposed;
     v->rotated = rotated;
@@ -128,7 +124,7 @@ cw_status cw_visible_bound(cw_visible *v, const cw_run *how, double aside, doubl
     quiet.watch = NULL;
     size_t blocks = v->down;
     for (int l = 0; l < VISIBLE_LEVELS; l++) {
-        bounding b = {v, how->kernel->visible, l, blocks};
+        bounding b = {v, v->code, l, blocks};
         blocks = (blocks + 7) / 8;
         if (!make_room(&v->bound_memory[l], &v->bound_room[l], blocks * (size_t)v->stride + 2 * AROUND))
             return cw_fail_plainly(CW_ERROR_MEMORY);
@@ -191,10 +187,10 @@ static size_t row_of_crossings(double aside, size_t k, place row[CROSSINGS_MOST]
 }
 
 void cw_visible_free_ways(ways *w) {
-    cw_memory_free(w->crossing);
-    cw_memory_free(w->piece);
-    cw_memory_free(w->until);
-    cw_memory_free(w->entry);
+    large_release(w->crossing);
+    large_release(w->piece);
+    large_release(w->until);
+    large_release(w->entry);
     *w = (ways){0};
 }
 
@@ -203,10 +199,10 @@ cw_status cw_visible_make_ways(const cw_visible *v, ways *w) {
     double rows = lesser((double)(v->down - 1), ceil(columns * (1 + 0x1p-40)));
     if (w->reach > 0) rows = lesser(rows, ceil(w->reach) + 1);
     const size_t most = (size_t)rows, room = CROSSINGS_MOST * most + 1;
-    w->crossing = cw_memory_allocate(room * sizeof *w->crossing);
-    w->piece = cw_memory_allocate(room * sizeof *w->piece);
-    w->until = cw_memory_allocate((most + 1) * sizeof *w->until);
-    w->entry = cw_memory_allocate((most + 1) * sizeof *w->entry);
+    w->crossing = large_allocate(room * sizeof *w->crossing);
+    w->piece = large_allocate(room * sizeof *w->piece);
+    w->until = large_allocate((most + 1) * sizeof *w->until);
+    w->entry = large_allocate((most + 1) * sizeof *w->entry);
     if (w->crossing == NULL || w->piece == NULL || w->until == NULL || w->entry == NULL)
         return cw_fail_plainly(CW_ERROR_MEMORY);
     double last = 0;

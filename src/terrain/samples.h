@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The samples of a field, which has them: they are not held twice. */
+#ifndef CELLWALK_TERRAIN_SAMPLES_H
+#define CELLWALK_TERRAIN_SAMPLES_H
+
+#include "cellwalk.h"
+
+typedef struct samples {
+    const float *z; /* sample (i, j) is z[j * stride + i]; a hole is NaN */
+    size_t nx, ny, stride, holes;
+    float low, high; /* high < low: all are holes */
+} samples;
+
+static inline samples samples_of(const cw_field *field) {
+    const cw_field_info info = cw_field_describe(field);
+    const float *z = cw_field_row(field, 0);
+    return (samples){z, info.nx, info.ny, (size_t)(cw_field_row(field, 1) - z), info.holes, info.low, info.high};
+}
+
+#endif
