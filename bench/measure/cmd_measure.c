@@ -273,7 +273,7 @@ static const char what[] =
     "their ratios to "
     "the first are narrow. A figure that did not get there is marked and the exit status is 1.\n\n"
     "A field is a number of samples a side of fractal land, sea-calm, sea-rough, plane, grooves, comb, checkerboard, "
-    "jacksboro, "
+    "jacksboro, jacksboro-4, "
     "or the file of a raster. Without a plan, --field times all classes of rays on a raster of your own beside Embree.";
 
 static const char examples[] = "  cellwalk-bench measure --field dem.tif            # your own land\n"
