@@ -29,8 +29,8 @@ bool line_find(line *l, const terrain *t, const ground_place places[2], double c
 
 /* ---- radio ------------------------------------------------------------------------------------------------------------- */
 
-/* At a share of the way. */
-static double fresnel_radius(const line *l, double megahertz, double share) {
+double line_fresnel_radius(const line *l, double megahertz, double where) {
+    const double share = fmin(fmax(where, 0), 1);
     const double wavelength = 299.792458 / megahertz;
     const double rise = (l->target[2] - l->eye[2]) * terrain_metres_of_height(l->sight.terrain);
     return sqrt(wavelength * hypot(l->length, rise) * share * (1 - share));
@@ -42,7 +42,7 @@ static bool find_profile(const line *l, profile *p, io_error *error) {
 }
 
 static void look_at_clearance(const line *l, double megahertz, double share, double gap, clearance *c) {
-    const double radius = fresnel_radius(l, megahertz, share);
+    const double radius = line_fresnel_radius(l, megahertz, share);
     if (!(radius > 0) || gap / radius >= c->share) return;
     *c = (clearance){gap / radius, share * l->length, radius};
 }
@@ -87,8 +87,7 @@ bool line_write_profile(const line *l, size_t number, double megahertz, profile 
                                           : io_output_print(to, error, "%.3f,%.3f,%d", no_minus(at->ground * metres),
                                                             over, at->seen));
         if (megahertz > 0)
-            good =
-                good && io_output_print(to, error, ",%.3f", fresnel_radius(l, megahertz, fmin(fmax(at->share, 0), 1)));
+            good = good && io_output_print(to, error, ",%.3f", line_fresnel_radius(l, megahertz, at->share));
         if (!good || !io_output_write(to, "\n", 1, error)) return false;
     }
     return true;

@@ -29,6 +29,9 @@ typedef struct clearance {
 /* megahertz > 0. *p is room that is used again. */
 bool line_clearance(const line *l, double megahertz, profile *p, clearance *c, io_error *error);
 
+/* The first Fresnel zone's radius in metres at a share of the way. */
+double line_fresnel_radius(const line *l, double megahertz, double where);
+
 /* Writes the first line of a table of profiles, and the rows of one. *p is room that is used again. */
 /* megahertz: 0 for no column of Fresnel radii. */
 bool line_head_profiles(double megahertz, io_output *to, io_error *error);

@@ -112,6 +112,14 @@ def ground(request, tmp_path_factory):
     return Ground(path, cw.open(path))
 
 
+def raster(path):
+    if path.suffix == ".npy":
+        return np.load(path)
+    import rasterio
+    with rasterio.open(path) as file:
+        return file.read() if file.count > 1 else file.read(1)
+
+
 def same(a, b):
     """Equal to the last bit, NaN included."""
     a, b = np.asarray(a), np.asarray(b)

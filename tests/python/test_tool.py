@@ -1,20 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every function against the program cellwalk, bit for bit."""
+"""Rays, coarser fields and what the program prints and draws against Python; test_products.py has the products."""
 import json
 
 import numpy as np
 import pytest
 
 import cellwalk as cw
-from conftest import random_rays, real_dem, same
-
-
-def raster(path):
-    if path.suffix == ".npy":
-        return np.load(path)
-    import rasterio
-    with rasterio.open(path) as file:
-        return file.read() if file.count > 1 else file.read(1)
+from conftest import random_rays, raster, real_dem, same
 
 
 def product(tool, ground, tmp_path, *words):
@@ -81,141 +73,6 @@ def test_closest_floats(tool, tmp_path):
     assert h.hit.any() and not h.hit.all()
     for name in ("t", "u", "v", "i", "j"):
         same(getattr(h, name), wanted[name])
-
-
-@pytest.mark.parametrize("words, arguments", [
-    (["--sun", "225,20"], {"azimuth": 225, "altitude": 20}),
-    (["--sun", "100,35", "--hillshade"], {"azimuth": 100, "altitude": 35, "hillshade": True}),
-    (["--sun", "300,15", "--sun-disc"], {"azimuth": 300, "altitude": 15, "disc": True}),
-    (["--sun", "0,8", "--disc", "1.5", "--hillshade"], {"azimuth": 0, "altitude": 8, "disc": 1.5, "hillshade": True}),
-    (["--sun", "100,1", "--curvature", "3000"], {"azimuth": 100, "altitude": 1, "curvature": 3000}),
-])
-def test_shadow(tool, ground, tmp_path, words, arguments):
-    same(ground.field.shadow(**arguments), product(tool, ground, tmp_path, "shadow", *words))
-
-
-def test_shadow_at_a_time(tool, ground, tmp_path):
-    if ground.path.suffix == ".npy":
-        with pytest.raises(ValueError, match="^time: without a coordinate system"):
-            ground.field.shadow(time="2024-03-01T15:30:00Z")
-        return
-    got = ground.field.shadow(time="2024-03-01T15:30:00Z", disc=True)
-    same(got, product(tool, ground, tmp_path, "shadow", "--time", "2024-03-01T15:30:00Z", "--sun-disc"))
-
-
-def far(ground):
-    """A distance that cuts horizons off, in the map's metres."""
-    return 12.5 if ground.path.suffix == ".npy" else 410.0
-
-
-def test_horizon(tool, ground, tmp_path):
-    wanted = product(tool, ground, tmp_path, "horizon", "--directions", "7", "--start", "11")
-    same(ground.field.horizon(7, start=11), wanted)
-    near = ground.field.horizon(7, far(ground), start=11)
-    same(near, product(tool, ground, tmp_path, "horizon", "--directions", "7", "--start", "11", "--max-distance", far(ground)))
-    bent = ground.field.horizon(7, start=11, curvature=2000)
-    same(bent, product(tool, ground, tmp_path, "horizon", "--directions", "7", "--start", "11", "--curvature", "2000"))
-    for other in (near, bent):  # the arguments matter
-        assert not np.array_equal(other, wanted, equal_nan=True) and np.isfinite(other).any()
-
-
-def test_horizon_distance(tool, ground, tmp_path):
-    words = "horizon", "--directions", "5", "--start", "20", "--distance", "--max-distance", far(ground), "--curvature", "500"
-    same(ground.field.horizon(5, far(ground), start=20, curvature=500, distance=True), product(tool, ground, tmp_path, *words))
-
-
-@pytest.mark.parametrize("words, arguments", [
-    ([], {}),
-    (["--to", "2024-03-22", "--step", "1h", "--directions", "48", "--curvature", "500"], {"to": "2024-03-22", "step": "1h", "directions": 48, "curvature": 500}),
-    (["--step", "2h", "--irradiance"], {"step": 7200, "irradiance": True}),
-    (["--step", "2h", "--irradiance", "--linke", "5", "--sky", "9"], {"step": "2h", "irradiance": True, "linke": 5, "sky": 9}),
-])
-def test_insolation(tool, ground, tmp_path, words, arguments):
-    if ground.path.suffix == ".npy":
-        with pytest.raises(ValueError, match="^date: without a coordinate system"):
-            ground.field.insolation("2024-03-20")
-        words, arguments = [*words, "--lon-lat", "11,47"], {**arguments, "lon_lat": (11, 47)}
-    got = ground.field.insolation("2024-03-20", **arguments)
-    assert np.isfinite(got).any() and np.nanmax(got) > 5
-    same(got, product(tool, ground, tmp_path, "sun", "--date", "2024-03-20", *words))
-
-
-def test_sky_view(tool, ground, tmp_path):
-    words = "horizon", "--directions", "12"
-    same(ground.field.sky_view(12), product(tool, ground, tmp_path, *words, "--svf"))
-    same(ground.field.sky_view(12, tilted=True), product(tool, ground, tmp_path, *words, "--svf-tilted"))
-    near = ground.field.sky_view(12, far(ground), curvature=500)
-    same(near, product(tool, ground, tmp_path, *words, "--svf", "--max-distance", far(ground), "--curvature", "500"))
-    assert not np.array_equal(near, ground.field.sky_view(12), equal_nan=True)
-
-
-def test_visibility(tool, ground, tmp_path):
-    words = "visibility", "--directions", "9"
-    wanted = product(tool, ground, tmp_path, *words)
-    same(ground.field.visibility(9), wanted)
-    near = ground.field.visibility(9, far(ground), observer_height=1, target_height=3, curvature=0, result="share")
-    same(near, product(tool, ground, tmp_path, *words, "--max-distance", far(ground), "--observer-height", "1", "--target-height", "3",
-                       "--curvature", "0", "--share"))
-    longest = [ground.field.visibility(9, result=result) for result in ("longest", "azimuth")]
-    same(np.stack(longest), product(tool, ground, tmp_path, *words, "--longest"))
-    same(ground.field.visibility(9, every=3), wanted[::3, ::3])
-    same(ground.field.visibility(9, every=3), product(tool, ground, tmp_path, *words, "--every", "3"))
-    with pytest.raises(ValueError, match="^result: 'view', expected one of area, share, longest, azimuth"):
-        ground.field.visibility(result="view")
-
-
-def test_grid_of_directions(tool, ground, tmp_path):
-    if ground.field._source.crs.geographic:
-        with pytest.raises(ValueError, match="^grid: needs a map in metres"):
-            ground.field.horizon(8, grid=True)
-        return
-    words = "horizon", "--directions", "16", "--grid"
-    same(ground.field.horizon(16, grid=True), product(tool, ground, tmp_path, *words))
-    same(ground.field.sky_view(16, grid=True, curvature=500), product(tool, ground, tmp_path, *words, "--svf", "--curvature", "500"))
-
-
-def test_viewshed(tool, ground, tmp_path):
-    x, y = place(ground.field)
-    wanted = product(tool, ground, tmp_path, "viewshed", "--from", f"{x!r},{north(ground, y)!r},3", "--target-height", "1.5")
-    got = ground.field.viewshed(x, y, 3, 1.5)
-    assert 0 < (got == 1).sum() < got.size
-    same(got, wanted)
-    same(ground.field.viewshed(x, y, needed=True), product(tool, ground, tmp_path, "viewshed", "--from", f"{x!r},{north(ground, y)!r}", "--needed"))
-    u, v = place(ground.field, 0.8, 0.2)
-    many = product(tool, ground, tmp_path, "viewshed", "--from", f"{x!r},{north(ground, y)!r},9", "--from", f"{u!r},{north(ground, v)!r},9", "--curvature", "1")
-    same(ground.field.viewshed([x, u], [y, v], 9, curvature=1), many)
-
-
-def test_viewshed_within_a_distance(tool, ground, tmp_path):
-    x, y = place(ground.field)
-    distance = 20 if ground.path.suffix == ".npy" else 700
-    words = "viewshed", "--from", f"{x!r},{north(ground, y)!r}", "--max-distance", distance, "--extent", "full"
-    same(ground.field.viewshed(x, y, max_distance=distance), product(tool, ground, tmp_path, *words))
-    same(ground.field.viewshed(x, y, max_distance=distance, needed=True), product(tool, ground, tmp_path, *words, "--needed"))
-
-
-def printed(number, digits=10):
-    return float(f"{number:.{digits}g}")
-
-
-def test_line_of_sight(tool, ground):
-    random = np.random.default_rng(5)
-    x0, y0, x1, y1 = ground.field.bounds
-    blocked = 0
-    for _ in range(12):
-        (a, b, c, d) = random.uniform(0.1, 0.9, 4)
-        ends = [(x0 + a * (x1 - x0), y0 + b * (y1 - y0)), (x0 + c * (x1 - x0), y0 + d * (y1 - y0))]
-        if np.isnan(ground.field.at(*np.transpose(ends))).any():
-            continue
-        said = json.loads(tool("los", ground.path, *(f"{x!r},{north(ground, y)!r},2" for x, y in ends), "--json"))
-        s = ground.field.line_of_sight(*((x, y, 2) for x, y in ends))
-        assert bool(s.visible) == said["visible"] and printed(s.distance, 9) == said["distance"]
-        if not s.visible:
-            blocked += 1
-            x, y, z = s.blocked_at
-            assert [printed(x), printed(north(ground, y)), printed(z)] == [*said["blocked_at"], said["blocked_height"]]
-            assert printed(s.blocked_distance) == said["blocked_distance"]
-    assert blocked > 0
 
 
 def test_sun(tool, ground, tmp_path):

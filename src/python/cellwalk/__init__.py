@@ -13,10 +13,12 @@ Make a field with Field(array) or open(file). Then ask it:
     closest, occluded where rays hit, or whether they do
     at                the surface's height at places
     shadow            sun and shadow on every sample
-    viewshed          which samples are seen from places
+    insolation        hours of sun on every sample, or the energy of its light
+    viewshed, sites   which samples are seen from places, how many from each
     visibility        how much of the ground every sample sees
     horizon, sky_view the horizon's angle all round, the share of the sky
-    line_of_sight     whether two places see each other
+    horizon_at        the horizon as a place sees it
+    line_of_sight     whether two places see each other, and the clearance of a radio link; profile
     update            new heights in a rectangle
     coarser           a field of every n-th sample, with its error
 
@@ -34,7 +36,7 @@ number of threads, any CPU, and the program `cellwalk`.
 from ._cellwalk import version as __version__
 from ._field import Difference, Field, kernels, open
 from ._hits import Hits
-from ._products import LineOfSight, sun
+from ._products import LineOfSight, PlaceHorizon, Profile, Sites, sun
 from . import _xarray  # noqa: F401  (registers DataArray.cellwalk if xarray is loaded later or already)
 
-__all__ = ["Difference", "Field", "Hits", "LineOfSight", "kernels", "open", "sun", "__version__"]
+__all__ = ["Difference", "Field", "Hits", "LineOfSight", "PlaceHorizon", "Profile", "Sites", "kernels", "open", "sun", "__version__"]

@@ -72,11 +72,12 @@ def suns_at(seconds, longitude: float, latitude: float, turned: float = 0.0) -> 
     return out
 
 
-def locate(site: Site, what: str) -> tuple[float, float, float]:
-    """Longitude and latitude of the middle; how far the map's north is turned from the true one, toward the west."""
+def locate(site: Site, what: str, place: Optional[tuple[float, float]] = None) -> tuple[float, float, float]:
+    """Longitude and latitude of a place, by default the middle; how far the map's north is turned there from the true one, toward the
+    west."""
     m, known = site.map, site.crs
     i, j = 0.5 * (site.columns - 1), 0.5 * (site.rows - 1)
-    x, y = (float(m[k][0] * i + m[k][1] * j + m[k][3]) for k in range(2))
+    x, y = (float(m[k][0] * i + m[k][1] * j + m[k][3]) for k in range(2)) if place is None else place
     if known.geographic:
         unit = known.unit or 3.141592653589793 / 180
         return x * unit * _DEGREES, y * unit * _DEGREES, 0.0
@@ -170,7 +171,7 @@ def distance_of(max_distance) -> float:
     return distance
 
 
-def _round(site: Site, directions, max_distance, curvature, grid=False, start=0.0) -> dict[str, float]:
+def round_of(site: Site, directions, max_distance, curvature, grid=False, start=0.0) -> dict[str, float]:
     sky = {"start": finite(start, "start"), "directions": count(directions, "directions", 1, 3600),
            "max_distance": distance_of(max_distance), "curvature": finite(curvature, "curvature", 0), "grid": bool(grid)}
     if grid and directions not in (8, 16, 32):
@@ -185,7 +186,7 @@ def _round(site: Site, directions, max_distance, curvature, grid=False, start=0.
 def horizon(site: Site, directions, max_distance, start, curvature, grid, distance) -> Plan:
     if grid and distance:
         raise ValueError("distance: goes without grid")
-    sky = _round(site, directions, max_distance, curvature, grid, start)
+    sky = round_of(site, directions, max_distance, curvature, grid, start)
     azimuths = np.fmod(sky["start"] + 360 * np.arange(directions) / directions, 360)
     about = {"long_name": "distance to the horizon", "units": "m"} if distance else {"long_name": "horizon", "units": "degrees"}
     return Plan("horizon_distance" if distance else "horizon", sky, "horizon", about, lead=("azimuth", azimuths))
@@ -194,7 +195,7 @@ def horizon(site: Site, directions, max_distance, start, curvature, grid, distan
 def sky_view(site: Site, directions, max_distance, curvature, grid, tilted) -> Plan:
     if grid and tilted:
         raise ValueError("tilted: goes without grid")
-    return Plan("sky_view_tilted" if tilted else "sky_view", _round(site, directions, max_distance, curvature, grid), "sky_view",
+    return Plan("sky_view_tilted" if tilted else "sky_view", round_of(site, directions, max_distance, curvature, grid), "sky_view",
                 {"long_name": "sky-view factor"})
 
 
@@ -219,22 +220,90 @@ def visibility(site: Site, directions, max_distance, observer_height, target_hei
     return Plan("visibility", look, "visibility", _VISIBILITY[result])
 
 
-def places_of(x, y, height, elevation, needed) -> tuple[np.ndarray, bool]:
-    """Observers, shape (n, 3): x, y, and the eye's height above ground or, True, the height itself."""
+def spots_of(x, y, height, elevation, default: float = 2.0, weights=None) -> np.ndarray:
+    """Places, shape (n, 5): x, y, height above ground or, if the fourth number is 1, the height itself, weight."""
     absolute = elevation is not None
     if absolute and height is not None:
         raise ValueError("observer_height: goes without observer_elevation")
     name = "observer_elevation" if absolute else "observer_height"
-    height = elevation if absolute else 2.0 if height is None else height
-    given = [numbers(value, what).astype(np.float64) for value, what in ((x, "x"), (y, "y"), (height, name))]
+    height = elevation if absolute else default if height is None else height
+    given = [numbers(value, what).astype(np.float64) for value, what in
+             ((x, "x"), (y, "y"), (height, name), (1.0 if weights is None else weights, "weights"))]
     try:
-        places = np.stack(np.broadcast_arrays(*given), -1).reshape(-1, 3)
+        columns = np.broadcast_arrays(*given)
     except ValueError:
-        raise ValueError(f"shapes do not broadcast: x {given[0].shape}, y {given[1].shape}, {name} {given[2].shape}") from None
-    if not np.isfinite(places).all():
-        raise ValueError(f"x, y, {name}: observer {places[~np.isfinite(places).all(1)][0].tolist()} is not finite")
-    if not 1 <= len(places) <= 65534:
-        raise ValueError(f"x, y: {len(places)} observers, expected 1 to 65534")
-    if needed and len(places) > 1:
-        raise ValueError(f"needed: the height that is needed is that of one observer, not of {len(places)}")
-    return np.ascontiguousarray(places), absolute
+        raise ValueError(f"shapes do not broadcast: x {given[0].shape}, y {given[1].shape}, {name} {given[2].shape}, weights "
+                         f"{given[3].shape}") from None
+    spots = np.stack([*columns[:3], np.full(columns[0].shape, float(absolute)), columns[3]], -1).reshape(-1, 5)
+    if not np.isfinite(spots).all():
+        raise ValueError(f"x, y, {name}: {spots[~np.isfinite(spots).all(1)][0, :3].tolist()} is not finite")
+    if not 1 <= len(spots) <= 65534:
+        raise ValueError(f"x, y: {len(spots)} places, expected 1 to 65534")
+    return np.ascontiguousarray(spots)
+
+
+def _pair(value, name: str, low: float, high: float) -> tuple[float, float]:
+    if np.shape(value) != (2,):
+        raise ValueError(f"{name}: {value!r}, expected two angles")
+    return finite(value[0], name, low, high), finite(value[1], name, low, high)
+
+
+def limits_of(site: Site, target_height, max_distance, min_distance, azimuth, vertical, curvature) -> dict[str, float]:
+    """Which targets count, and the earth's curvature."""
+    limits = {"target_height": finite(target_height, "target_height"), "max_distance": distance_of(max_distance),
+              "min_distance": finite(min_distance, "min_distance", 0), "curvature": bend_of(site, curvature)}
+    if max_distance is not None and limits["min_distance"] > limits["max_distance"]:
+        raise ValueError(f"min_distance: {min_distance} is more than max_distance={max_distance}")
+    if azimuth is not None:
+        first, until = _pair(azimuth, "azimuth", -360, 360)
+        limits.update(has_azimuths=1, azimuth=first, azimuth_until=until)
+    if vertical is not None:
+        lowest, highest = _pair(vertical, "vertical", -90, 90)
+        if lowest > highest:
+            raise ValueError(f"vertical: {vertical!r}, expected the lower angle first")
+        limits.update(has_verticals=1, lowest=lowest, highest=highest)
+    return limits
+
+
+_KINDS = ("seen", "weights", "angle", "needed", "needed_absolute")
+_VIEWS = {"seen": ("viewshed", {"long_name": "number of observers that see it"}),
+          "weights": ("viewshed", {"long_name": "sum of the weights of the observers that see it"}),
+          "angle": ("viewshed_angle", {"long_name": "angle of the target above the eye's horizontal", "units": "degrees"}),
+          "needed": ("needed_height", {"long_name": "height above ground needed to be seen", "units": "m"}),
+          "needed_absolute": ("needed_height", {"long_name": "height needed to be seen", "units": "m"})}
+
+
+def viewshed(spots: np.ndarray, limits: dict[str, float], kind: str, bands: bool) -> Plan:
+    """What the spots see. Counts come as uint16, with nothing at holes."""
+    if kind not in _KINDS[:2] and len(spots) > 1 and not bands:
+        raise ValueError(f"{kind}: that of one observer, not of {len(spots)}; bands=True gives one for each")
+    if bands and kind == "weights":
+        raise ValueError("weights: adds observers up, and bands keeps them apart")
+    if kind.startswith("needed") and "has_verticals" in limits:
+        raise ValueError("vertical: is about targets of a given height, and needed looks for that height")
+    return Plan("viewshed", {**limits, "kind": _KINDS.index(kind), "bands": bands}, *_VIEWS[kind],
+                np.uint16 if kind == "seen" else np.float32, ("observer", list(range(len(spots)))) if bands else None, (spots,))
+
+
+def ends_of(a, b, absolute) -> tuple[tuple[int, ...], np.ndarray]:
+    """Lines as pairs of spots, and their shape."""
+    pair = []
+    for value, name in ((a, "a"), (b, "b")):
+        ends = numbers(value, name).astype(np.float64)
+        if ends.ndim == 0 or ends.shape[-1] not in (2, 3):
+            raise ValueError(f"{name}: shape {ends.shape}, expected (..., 3) with x, y and height, or (..., 2)")
+        pair.append(np.concatenate([ends, np.zeros(ends.shape[:-1] + (5 - ends.shape[-1],))], -1))
+    try:
+        both = np.broadcast_arrays(*pair)
+    except ValueError:
+        raise ValueError(f"shapes do not broadcast: a {np.shape(a)}, b {np.shape(b)}") from None
+    lines = np.ascontiguousarray(np.stack(both, -2))
+    above = (absolute, absolute) if isinstance(absolute, (bool, np.bool_)) else tuple(absolute) if np.ndim(absolute) == 1 else ()
+    if len(above) != 2:
+        raise TypeError(f"absolute: {absolute!r}, expected True, False or a pair of them")
+    lines[..., 3] = above
+    return lines.shape[:-2], lines
+
+
+def frequency_of(frequency) -> float:
+    return 0.0 if frequency is None else finite(frequency, "frequency", 0.1, 1e6)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from . import _cellwalk, _plans
-from ._convert import Source, finite, numbers, progress_call
+from ._convert import Source, finite, progress_call, warn
 
 if TYPE_CHECKING:
     import datetime
@@ -40,17 +40,48 @@ def sun(time: Time, longitude: float, latitude: float) -> Sun:
     return Sun(*_plans.suns_at(seconds, *place)[0, :4].tolist())
 
 
-# As look_along in src/python/extension/views.c counts them.
-_places_wrong = ("has no ground under it; absolute=True takes heights themselves", "is too far away from the terrain", "is under the ground")
-
-
 class LineOfSight(NamedTuple):
     """visible: bool; distance: metres from end to end on the map; blocked_at: x, y, z where the line first meets the surface,
-    NaN if it does not; blocked_distance: metres from the first place to there."""
+    NaN if it does not; blocked_distance: metres from the first place to there. With a frequency, of the place where least of the first
+    Fresnel zone's radius is free: clearance, as a share of the radius; clearance_distance and fresnel_radius in metres. Else NaN."""
     visible: np.ndarray
     distance: np.ndarray
     blocked_at: np.ndarray
     blocked_distance: np.ndarray
+    clearance: np.ndarray
+    clearance_distance: np.ndarray
+    fresnel_radius: np.ndarray
+
+
+class Profile(NamedTuple):
+    """Along a line, wherever it crosses an edge of a triangle: metres from the first place; x and y on the map; heights of the ground
+    (NaN at holes) and of the line, bent as the earth falls away; whether the ground is seen from the first place; with a frequency
+    the first Fresnel zone's radius, else NaN."""
+    distance: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+    ground: np.ndarray
+    line: np.ndarray
+    seen: np.ndarray
+    fresnel_radius: np.ndarray
+
+
+class PlaceHorizon(NamedTuple):
+    """The horizon of places, each of shape (..., directions): azimuths from the map's north and from the true one (NaN without a
+    coordinate system), angle in degrees, distance in metres; at: (..., directions, 2), x and y of the horizon. NaN where no terrain is."""
+    azimuth: np.ndarray
+    true_azimuth: np.ndarray
+    angle: np.ndarray
+    distance: np.ndarray
+    at: np.ndarray
+
+
+class Sites(NamedTuple):
+    """What each observer sees: how many samples, their area, the distance in metres of the farthest one, and where that is (x, y)."""
+    samples: np.ndarray
+    km2: np.ndarray
+    farthest: np.ndarray
+    farthest_at: np.ndarray
 
 
 def _result(field, data, name, attrs, every=1, **axis):
@@ -83,7 +114,7 @@ class Products:
     def _rows(self, plan: _plans.Plan, window: _cellwalk._Window | None = None, progress=None) -> np.ndarray:
         """The plan's product of all samples, or of a window's."""
         window = (0, 0, *self.shape) if window is None else window
-        out = np.empty(plan.shape(*window[2:]), plan.dtype)
+        out = np.zeros(plan.shape(*window[2:]), plan.dtype)
         filled = (plan.lead[1],) if plan.lead is not None and isinstance(plan.lead[1], np.ndarray) else ()
         self._ground.make(plan.make, plan.numbers, window, plan.inputs, (out, *filled), self._threads, progress_call(progress))
         return out
@@ -183,9 +214,25 @@ class Products:
         """
         return self._product(_plans.sky_view(self._site, directions, max_distance, curvature, grid, tilted), progress)
 
+    def _found(self, spots: np.ndarray, skip_outside: bool) -> np.ndarray:
+        """Without those that have no ground to stand on or are under it, if they are to be skipped."""
+        if not skip_outside:
+            return spots
+        found = np.empty(len(spots), np.uint8)
+        self._ground.make("found", {}, (0, 0, 0, 0), (spots,), (found,), 1, None)
+        if not found.any():
+            raise ValueError(f"x, y: none of {len(spots)} observers has ground to stand on")
+        if not found.all():
+            lost = np.flatnonzero(found == 0)
+            warn(f"x, y: {len(lost)} of {len(spots)} observers have no ground to stand on or are under it and are skipped: "
+                 f"{', '.join(map(str, lost[:10]))}{', ...' if len(lost) > 10 else ''}")
+        return np.ascontiguousarray(spots[found == 1])
+
     def viewshed(self, x: ArrayLike, y: ArrayLike, observer_height: ArrayLike | None = None, target_height: float = 0.0,
-                 max_distance: float | None = None, needed: bool = False, *, observer_elevation: ArrayLike | None = None,
-                 curvature: float | None = None, progress=None) -> Any:
+                 max_distance: float | None = None, needed: bool | str = False, *, observer_elevation: ArrayLike | None = None,
+                 curvature: float | None = None, min_distance: float = 0.0, azimuth: tuple[float, float] | None = None,
+                 vertical: tuple[float, float] | None = None, angle: bool = False, weights: ArrayLike | None = None, bands: bool = False,
+                 skip_outside: bool = False, progress=None) -> Any:
         """Which samples are seen from a place, or from how many of several.
 
         x, y                of the observers on the map; scalars, or arrays that broadcast with the heights
@@ -193,32 +240,93 @@ class Products:
         observer_elevation  in its place: the eye's height itself, metres; the place may then be outside the terrain
         target_height       something of that height on each sample is looked for, metres
         max_distance        nothing farther away is seen, metres; default: no limit
+        min_distance        nothing nearer is seen, though it blocks the view, metres
+        azimuth             only directions from the first of two azimuths clockwise to the second, degrees from the map's north
+        vertical            only targets between two angles above the eye's horizontal, degrees
         curvature           how much of the earth's curvature counts: 0 flat, 1 without air, 6/7 with usual refraction. Default:
                             6/7 on a map, else 0
-        needed              True: the height above ground that is needed to be seen, from one observer
+        needed              True: the height above ground that is needed to be seen; "absolute": as an absolute height
+        angle               True: the angle of the target above the eye's horizontal
+        weights             the sum of the weights of the observers that see the sample
+        bands               True: a band for each observer in place of counts
+        skip_outside        True: observers without ground, or under it, are left out with a warning
 
         Returns uint8, shape (rows, columns): 1 where seen, else 0, 255 at holes. From several observers: how many see it
-        (uint16 with 65535 at holes, from 255 observers on). needed: float32 metres, 0 where the ground is seen, NaN at holes
-        and farther than max_distance. A line that touches the surface on the way is blocked. Raises ValueError if an observer
-        has no ground to stand on, or is under it.
+        (uint16 with 65535 at holes, from 255 observers on). bands: shape (observers, rows, columns). float32 with NaN for none are
+        needed (metres, 0 where the ground is seen), angle (degrees) and weights. A line that touches the surface on the way is
+        blocked. Raises ValueError if an observer has no ground to stand on, or is under it.
 
             >>> import numpy as np, cellwalk as cw
             >>> z = np.zeros((3, 8), "float32"); z[:, 3] = 5
             >>> cw.Field(z).viewshed(0, 1)[1]
             array([1, 1, 1, 1, 0, 0, 0, 0], dtype=uint8)
         """
-        places, absolute = _plans.places_of(x, y, observer_height, observer_elevation, needed)
-        distance = _plans.distance_of(max_distance)
-        seen = np.zeros(self.shape, np.float32 if needed else np.uint16)
-        self._ground.viewshed(places, absolute, finite(target_height, "target_height"), distance,
-                            _plans.bend_of(self._site, curvature), bool(needed), seen, self._threads, progress_call(progress))
-        if needed:
-            return _result(self, seen, "needed_height", {"long_name": "height above ground needed to be seen", "units": "m"})
-        nodata = 255 if len(places) <= 254 else 65535
-        seen[~np.isfinite(self._samples)] = nodata
-        if nodata == 255:
-            seen = seen.astype(np.uint8)
-        return _result(self, seen, "viewshed", {"long_name": "number of observers that see it", "_FillValue": seen.dtype.type(nodata)})
+        if needed not in (True, False, "absolute"):
+            raise ValueError(f"needed: {needed!r}, expected True, False or 'absolute'")
+        if bool(needed) + bool(angle) + (weights is not None) > 1:
+            raise ValueError("needed, angle, weights: only one can be had")
+        kind = "needed_absolute" if needed == "absolute" else "needed" if needed else "angle" if angle else "seen" if weights is None else "weights"
+        spots = self._found(_plans.spots_of(x, y, observer_height, observer_elevation, 2.0, weights), skip_outside)
+        limits = _plans.limits_of(self._site, target_height, max_distance, min_distance, azimuth, vertical, curvature)
+        plan = _plans.viewshed(spots, limits, kind, bool(bands))
+        data = self._rows(plan, None, progress)
+        if kind == "seen":
+            small = bands or len(spots) <= 254
+            data[..., ~np.isfinite(self._samples)] = 255 if small else 65535
+            data = data.astype(np.uint8) if small else data
+            plan.attrs["_FillValue"] = data.dtype.type(255 if small else 65535)
+        return _result(self, data, plan.name, plan.attrs, **dict([plan.lead] if plan.lead else ()))
+
+    def sites(self, x: ArrayLike, y: ArrayLike, observer_height: ArrayLike | None = None, target_height: float = 0.0,
+              max_distance: float | None = None, *, observer_elevation: ArrayLike | None = None, curvature: float | None = None,
+              min_distance: float = 0.0, azimuth: tuple[float, float] | None = None, vertical: tuple[float, float] | None = None,
+              within: Any = None, progress=None) -> Sites:
+        """How much each of several observers sees. Arguments as for viewshed.
+
+        within  only samples count where this array of the field's shape is not 0
+
+            >>> import numpy as np, cellwalk as cw
+            >>> z = np.zeros((9, 9), "float32"); z[4, 4] = 5
+            >>> cw.Field(z).sites([4, 0], [4, 0]).samples
+            array([81, 69])
+        """
+        spots = _plans.spots_of(x, y, observer_height, observer_elevation)
+        limits = _plans.limits_of(self._site, target_height, max_distance, min_distance, azimuth, vertical, curvature)
+        mask: tuple = ()
+        if within is not None:
+            mask = (np.ascontiguousarray(np.asarray(within) != 0, np.uint8),)
+            if mask[0].shape != self.shape:
+                raise ValueError(f"within: shape {mask[0].shape}, expected the field's {self.shape}")
+        out = np.empty((len(spots), 5))
+        self._ground.make("viewshed", {**limits, "table": 1, "within": bool(mask)}, (0, 0, *self.shape), (spots, *mask), (out,), self._threads,
+                          progress_call(progress))
+        return Sites(out[:, 0].astype(np.int64), out[:, 1], out[:, 2], out[:, 3:])
+
+    def horizon_at(self, x: ArrayLike, y: ArrayLike, height: ArrayLike | None = None, directions: int = 32, max_distance: float | None = None,
+                   *, elevation: ArrayLike | None = None, start: float = 0.0, curvature: float = 0.0, progress=None) -> PlaceHorizon:
+        """The horizon as places on the terrain see it: angles, and how far away it is.
+
+        x, y        of the places on the map; scalars, or arrays that broadcast with the heights
+        height      of the eye above ground, metres; default: 0
+        elevation   in its place: the height itself, metres
+        directions, max_distance, start, curvature as for horizon
+
+            >>> import numpy as np, cellwalk as cw
+            >>> z = np.zeros((3, 8), "float32"); z[:, 5] = 2
+            >>> h = cw.Field(z).horizon_at(3, 1, directions=4)
+            >>> h.angle[1].round(2), h.distance[1]
+            (45.0, 2.0)
+        """
+        spots = _plans.spots_of(x, y, height, elevation, 0.0)
+        numbers = _plans.round_of(self._site, directions, max_distance, curvature, False, start)
+        out = np.empty((len(spots), directions, 5))
+        self._ground.make("place_horizon", numbers, (0, 0, 0, 0), (spots,), (out,), self._threads, progress_call(progress))
+        turned = np.full((len(spots), 1), np.nan)
+        if self._source.crs.geographic or self._source.crs.wkt is not None:
+            turned[:, 0] = [_plans.locate(self._site, "x, y", (at[0], at[1]))[2] for at in spots.tolist()]
+        out = out.reshape(*np.broadcast_shapes(*map(np.shape, (x, y, elevation if height is None else height))), directions, 5)
+        true = np.fmod(out[..., 0] - turned.reshape(*out.shape[:-2], 1) + 360, 360)
+        return PlaceHorizon(out[..., 0], true, out[..., 1], out[..., 2], out[..., 3:])
 
     def visibility(self, directions: int = 128, max_distance: float | None = None, *, observer_height: float = 2.0,
                    target_height: float = 0.0, curvature: float | None = None, every: int = 1, result: str = "area",
@@ -245,12 +353,13 @@ class Products:
                           progress)
 
     def line_of_sight(self, a: ArrayLike, b: ArrayLike, *, absolute: bool | tuple[bool, bool] = False, curvature: float | None = None,
-                      progress=None) -> LineOfSight:
+                      frequency: float | None = None, progress=None) -> LineOfSight:
         """Whether places see each other, or where the straight line from a to b first meets the surface.
 
         a, b       (..., 3): x and y on the map, and metres above ground; (..., 2): on the ground. They broadcast.
         absolute   True: the third number is the height itself; or a pair, for a and for b
-        curvature  as for viewshed
+        curvature  as for viewshed; 0.75 is the 4/3 earth of radio
+        frequency  of a radio link in MHz: also the clearance of its first Fresnel zone, of which 0.6 is the usual demand
 
         Raises ValueError if a place has no ground under it or is under the ground. The ends themselves block nothing.
 
@@ -260,30 +369,31 @@ class Products:
             >>> bool(s.visible), s.blocked_at.round(3).tolist()
             (False, [3.333, 1.0, 1.0])
         """
-        pair = []
-        for value, name in ((a, "a"), (b, "b")):
-            ends = numbers(value, name).astype(np.float64)
-            if ends.ndim == 0 or ends.shape[-1] not in (2, 3):
-                raise ValueError(f"{name}: shape {ends.shape}, expected (..., 3) with x, y and height, or (..., 2)")
-            if ends.shape[-1] == 2:
-                ends = np.concatenate([ends, np.zeros(ends.shape[:-1] + (1,))], -1)
-            pair.append(ends)
-        try:
-            both = np.broadcast_arrays(*pair)
-        except ValueError:
-            raise ValueError(f"shapes do not broadcast: a {pair[0].shape}, b {pair[1].shape}") from None
-        lines = np.ascontiguousarray(np.stack(both, -2))
-        shape = lines.shape[:-2]
-        above = (absolute, absolute) if isinstance(absolute, (bool, np.bool_)) else tuple(absolute) if np.ndim(absolute) == 1 else ()
-        if len(above) != 2:
-            raise TypeError(f"absolute: {absolute!r}, expected True, False or a pair of them")
-        out = np.full(shape + (6,), np.nan)
+        shape, lines = _plans.ends_of(a, b, absolute)
+        out = np.full((*shape, 9), np.nan)
+        numbers = {"curvature": _plans.bend_of(self._site, curvature), "frequency": _plans.frequency_of(frequency)}
         if out.size:
-            self._ground.line_of_sight(lines, bool(above[0]), bool(above[1]), _plans.bend_of(self._site, curvature), out, self._threads, progress_call(progress))
-        wrong = np.isnan(out[..., 0])
-        if wrong.any():
-            number = int(np.argmax(wrong.ravel()))
-            end = int(out.reshape(-1, 6)[number, 1])
-            place, reason = lines.reshape(-1, 2, 3)[number, end % 2].tolist(), _places_wrong[end // 2]
-            raise ValueError(f"{'ab'[end % 2]}: ({', '.join(format(v, '.10g') for v in place)}) {reason}")
-        return LineOfSight(out[..., 0] == 1, out[..., 1], out[..., 2:5], out[..., 5])
+            self._ground.make("line_of_sight", numbers, (0, 0, 0, 0), (lines,), (out,), self._threads, progress_call(progress))
+        return LineOfSight(out[..., 0] == 1, out[..., 1], out[..., 2:5], out[..., 5], out[..., 6], out[..., 7], out[..., 8])
+
+    def profile(self, a: ArrayLike, b: ArrayLike, *, absolute: bool | tuple[bool, bool] = False, curvature: float | None = None,
+                frequency: float | None = None) -> Profile:
+        """The terrain along the line from a to b, each of shape (3,) or (2,). Arguments as for line_of_sight.
+
+            >>> import numpy as np, cellwalk as cw
+            >>> z = np.zeros((3, 4), "float32"); z[:, 2] = 3
+            >>> p = cw.Field(z).profile((0, 1, 1), (3, 1, 1))
+            >>> p.distance.round(3).tolist(), p.ground.tolist()
+            ([0.0, 1.0, 2.0, 3.0], [0.0, 0.0, 3.0, 0.0])
+        """
+        shape, line = _plans.ends_of(a, b, absolute)
+        if shape:
+            raise ValueError(f"a, b: shape {(*shape, 3)}, expected one line")
+        numbers = {"curvature": _plans.bend_of(self._site, curvature), "frequency": _plans.frequency_of(frequency)}
+        room, found = 4 * sum(self.shape), np.array([np.inf])
+        while found[0] > room or np.isinf(found[0]):
+            room = max(room, int(found[0]) if np.isfinite(found[0]) else 0)
+            out = np.empty((room, 7))
+            self._ground.make("profile", numbers, (0, 0, 0, 0), (line,), (out, found), 1, None)
+        out = out[:int(found[0])].T.copy()
+        return Profile(*out[:5], out[5] == 1, out[6])

@@ -120,12 +120,10 @@ def _make(part, g, window, chunk, plan, threads):
     return field._rows(plan, (rows.start, 0, chunk.rows, window.columns))[..., columns]
 
 
-def _seen(part, g, window, place, absolute, target, distance, curvature, needed, threads):
+def _seen(part, g, window, plan, threads):
     """1 where one observer sees a sample of the window, 0 elsewhere and at holes; or the heights that are needed."""
-    field = _field_of(part, g, window, threads)
-    out = np.zeros(field.shape, np.float32 if needed else np.uint16)
-    field._ground.viewshed(np.array([place]), absolute, target, distance, curvature, needed, out, threads, None)
-    return out if needed else out.astype(np.uint8)
+    out = _field_of(part, g, window, threads)._rows(plan)
+    return out if plan.dtype == np.float32 else out.astype(np.uint8)
 
 
 def _common(chunk, window):
@@ -321,20 +319,23 @@ def visibility(source: Any, directions: int = 128, max_distance: float | None = 
 
 
 def viewshed(source: Any, x: Any, y: Any, observer_height: Any = None, target_height: float = 0.0, max_distance: float | None = None,
-             needed: bool = False, *, observer_elevation: Any = None, curvature: float | None = None, **reading: Unpack[_Reading]) -> Any:
+             needed: bool = False, *, observer_elevation: Any = None, curvature: float | None = None, min_distance: float = 0.0,
+             azimuth: tuple[float, float] | None = None, vertical: tuple[float, float] | None = None, **reading: Unpack[_Reading]) -> Any:
     """Which samples are seen, as Field.viewshed. Observers are looked from one by one, each in its window of max_distance."""
-    places, absolute = _plans.places_of(x, y, observer_height, observer_elevation, needed)
-    distance, target = _plans.distance_of(max_distance), finite(target_height, "target_height")
+    places = _plans.spots_of(x, y, observer_height, observer_elevation)
     r = _Raster(source, **reading)
     g = r.geometry
-    bend = _plans.bend_of(g, curvature)
+    limits = _plans.limits_of(g, target_height, max_distance, min_distance, azimuth, vertical, curvature)
+    kind, distance = "needed" if needed else "seen", limits["max_distance"]
+    if needed and len(places) > 1:
+        raise ValueError(f"needed: that of one observer, not of {len(places)}")
     task, views, whole = r.delayed(_seen), [], (0, 0, g.rows, g.columns)
     for place in places:
         window = r.reach.around(place[0], place[1], distance) if distance else whole
         if window is not None:
             window = r.padded(_Window(*window))
             r.check_memory("max_distance", [(window, window)])
-            views.append((window, task(r.part(window), g, window, place, absolute, target, distance, bend, bool(needed), r.threads)))
+            views.append((window, task(r.part(window), g, window, _plans.viewshed(place[None], limits, kind, False), r.threads)))
 
     def near(w):
         return [(v, s) for v, s in views if v.row < w.row + w.rows and w.row < v.row + v.rows

@@ -18,6 +18,11 @@ static const struct {
     {"sky_view", make_sky},
     {"sky_view_tilted", make_tilted_sky},
     {"visibility", make_visibility},
+    {"found", make_found},
+    {"viewshed", make_viewshed},
+    {"line_of_sight", make_lines},
+    {"profile", make_profile},
+    {"place_horizon", make_place_horizons},
 };
 
 #define NUMBER(name)                                                                                                   \
@@ -26,10 +31,13 @@ static const struct {
     const char *name;
     size_t at;
 } numbers[] = {
-    NUMBER(altitude), NUMBER(azimuth),       NUMBER(curvature),       NUMBER(directions), NUMBER(disc),
-    NUMBER(every),    NUMBER(grid),          NUMBER(hillshade),       NUMBER(hours),      NUMBER(kind),
-    NUMBER(linke),    NUMBER(max_distance),  NUMBER(observer_height), NUMBER(share),      NUMBER(sky),
-    NUMBER(start),    NUMBER(target_height),
+    NUMBER(altitude),        NUMBER(azimuth),       NUMBER(azimuth_until), NUMBER(bands),
+    NUMBER(curvature),       NUMBER(directions),    NUMBER(disc),          NUMBER(every),
+    NUMBER(frequency),       NUMBER(grid),          NUMBER(has_azimuths),  NUMBER(has_verticals),
+    NUMBER(highest),         NUMBER(hillshade),     NUMBER(hours),         NUMBER(kind),
+    NUMBER(linke),           NUMBER(lowest),        NUMBER(max_distance),  NUMBER(min_distance),
+    NUMBER(observer_height), NUMBER(share),         NUMBER(sky),           NUMBER(start),
+    NUMBER(table),           NUMBER(target_height), NUMBER(within),
 };
 #undef NUMBER
 

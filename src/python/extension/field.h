@@ -32,8 +32,6 @@ extern PyType_Spec py_field_spec;
 PyObject *field_trace(PyObject *self, PyObject *arguments);
 PyObject *field_at(PyObject *self, PyObject *arguments);
 PyObject *field_points(PyObject *self, PyObject *arguments);
-PyObject *field_viewshed(PyObject *self, PyObject *arguments);
-PyObject *field_line_of_sight(PyObject *self, PyObject *arguments);
 
 /* Whether a buffer holds at least so many bytes; else a ValueError. */
 bool buffer_holds(const Py_buffer *buffer, size_t bytes, const char *name);

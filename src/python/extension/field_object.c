@@ -260,8 +260,6 @@ static PyMethodDef methods[] = {
     {"describe", field_describe, METH_NOARGS, NULL},
     {"scale", field_scale, METH_VARARGS, NULL},
     {"make", field_make, METH_VARARGS, NULL},
-    {"viewshed", field_viewshed, METH_VARARGS, NULL},
-    {"line_of_sight", field_line_of_sight, METH_VARARGS, NULL},
     {NULL, NULL, 0, NULL},
 };
 

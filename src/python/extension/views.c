@@ -1,201 +1,294 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Viewsheds and lines of sight. Places come as the map's. */
-#include "field.h"
+/* Products of places of the map: viewsheds, lines of sight, horizons. */
+#include "call.h"
+#include "line.h"
+#include "place_horizon.h"
+#include "view_sum.h"
 #include "viewshed.h"
 
 #include <math.h>
-#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-typedef struct viewing {
-    py_field *field;
-    work *work;
-    const double (*places)[3]; /* x, y, height of the eye */
-    size_t count;
-    viewshed_desc desc;
-    uint16_t *seen;
-    float *heights;
-} viewing;
+/* A place as Python hands it in. z is above the ground, or absolute if that is not 0. */
+typedef struct spot {
+    double x, y, z, absolute, weight;
+} spot;
 
 /* y of the caller's to that of the terrain, and back. */
-static double northward(const py_field *f, double y) { return ground_northward(&f->ground, &f->terrain, y); }
+static double northward(const call *c, double y) { return ground_northward(&c->field->ground, &c->field->terrain, y); }
 
-/* The faults of a place, in the order of _places_wrong in cellwalk/_products.py. */
-typedef enum finding { NO_GROUND, TOO_FAR, UNDER_GROUND, FOUND } finding;
-
-/* So far under the ground a place may be: its height may come from decimals. As in the program. */
-static const double least_depth = 0.001;
-
-/* A place in field coordinates, height in the samples' numbers. */
-static finding find_place(const py_field *f, const double place[3], bool absolute, double at[3]) {
-    const terrain *t = &f->terrain;
-    if (!terrain_find_place(t, place[0], northward(f, place[1]), at)) return TOO_FAR;
-    const double level = terrain_height(t, at[0], at[1]), height = absolute ? place[2] : level + place[2];
-    at[2] = height / terrain_metres_of_height(t);
-    if (!absolute && isnan(level)) return NO_GROUND;
-    if (height < level - least_depth) return UNDER_GROUND;
-    return isfinite(at[2]) ? FOUND : TOO_FAR;
+static ground_place place_of(const call *c, const spot *s) {
+    return (ground_place){"", s->x, northward(c, s->y), s->z, s->absolute != 0};
 }
 
-static cw_status view_from(const viewing *v, size_t number, const sight_bounds *bounds) {
-    viewshed_desc d = v->desc;
-    const terrain *t = &v->field->terrain;
-    double eye[3];
-    find_place(v->field, v->places[number], d.absolute, eye);
-    d.place[0] = eye[0];
-    d.place[1] = eye[1];
-    d.height = eye[2] * terrain_metres_of_height(t);
-    d.absolute = true;
-    viewshed *shed;
-    cw_status status = viewshed_create(t, bounds, &d, &shed);
-    if (status != CW_OK) return status;
-    bool done = work_part(v->work, (double)number / (double)v->count, 1 / (double)v->count);
-    if (done)
-        status = v->seen ? viewshed_count(shed, &v->work->run, v->seen, work_watch, v->work, &done)
-                         : viewshed_heights(shed, &v->work->run, v->heights, work_watch, v->work, &done);
-    viewshed_destroy(shed);
-    return status == CW_OK && !done ? CW_ERROR_CANCELLED : status;
-}
-
-static cw_status view(const viewing *v) {
-    sight_bounds *bounds;
-    cw_status status = sight_bounds_create(&v->field->terrain, &bounds);
-    for (size_t k = 0; k < v->count && status == CW_OK; k++) status = view_from(v, k, bounds);
-    sight_bounds_destroy(bounds);
-    return status;
-}
-
-/* False, with an exception, if no line of sight can leave from the place. */
-static bool check_place(const py_field *f, const double place[3], bool absolute) {
-    double at[3];
-    char text[200];
-    const finding found = find_place(f, place, absolute, at);
-    if (found == FOUND) return true;
-    if (found == UNDER_GROUND)
-        snprintf(text, sizeof text, "%s: %.10g at (%.10g, %.10g) is under the ground",
-                 absolute ? "observer_elevation" : "observer_height", place[2], place[0], place[1]);
-    else
-        snprintf(text, sizeof text, "x, y: (%.10g, %.10g) %s", place[0], place[1],
-                 found == NO_GROUND ? "has no ground to stand on; give observer_elevation"
-                                    : "is too far away from the terrain");
-    PyErr_SetString(PyExc_ValueError, text);
+/* Field coordinates of a spot that one can look from; else false with an error. name: the argument's. */
+static bool find_spot(call *c, const char *name, const spot *s, double at[3]) {
+    const terrain *t = &c->field->terrain;
+    const ground_place p = place_of(c, s);
+    double level;
+    io_error unused;
+    if (ground_find_place(t, &p, at, &level, &unused)) return true;
+    const char *why = !terrain_find_place(t, p.x, p.y, at) ? "is too far away from the terrain"
+                      : isnan(level)                       ? "has no ground under it; give the height itself, absolute"
+                      : p.z < level                        ? "is under the ground"
+                                                           : "is too high";
+    call_fail(c, "%s: (%.10g, %.10g, %.10g) %s", name, s->x, s->y, s->z, why);
     return false;
 }
 
-/* viewshed(places, absolute, target_height, max_distance, curvature, heights, out, threads, progress): out holds
- * floats if heights is true, else uint16, all zero. */
-PyObject *field_viewshed(PyObject *self, PyObject *arguments) {
-    py_field *f = (py_field *)self;
-    Py_buffer places = {0}, out = {0};
-    int absolute, heights;
-    viewshed_desc d = {0};
-    unsigned threads;
-    PyObject *progress;
-    if (!PyArg_ParseTuple(arguments, "y*pdddpw*IO:viewshed", &places, &absolute, &d.target_height, &d.limits.farthest,
-                          &d.curvature, &heights, &out, &threads, &progress))
-        return NULL;
-    d.absolute = absolute != 0;
-    viewing v = {.field = f, .places = places.buf, .count = (size_t)places.len / sizeof *v.places, .desc = d};
-    if (heights)
-        v.heights = out.buf;
-    else
-        v.seen = out.buf;
-    bool good = buffer_holds(&out, f->nx * f->ny * (heights ? sizeof(float) : sizeof(uint16_t)), "out") &&
-                field_enter_ground(f);
-    if (good) {
-        for (size_t k = 0; k < v.count && good; k++) good = check_place(f, v.places[k], d.absolute);
-        work w;
-        if (good && (good = work_begin(&w, threads, NULL, progress))) {
-            w.run.watch = work_look;
-            v.work = &w;
-            good = work_end(&w, view(&v), "viewshed");
-        }
-        field_leave(f);
-    }
-    PyBuffer_Release(&places);
-    PyBuffer_Release(&out);
-    if (!good) return NULL;
-    Py_RETURN_NONE;
+/* Inputs: spots. Output: a byte for each, 1 where one can look from it. */
+cw_status make_found(call *c) {
+    size_t n;
+    const spot *spots = call_input(c, 0, sizeof *spots, &n);
+    uint8_t *out = call_output(c, 0, n);
+    double at[3];
+    if (out == NULL) return CW_ERROR_ARGUMENT;
+    for (size_t k = 0; k < n; k++) out[k] = find_spot(c, "", &spots[k], at);
+    c->error[0] = '\0';
+    return CW_OK;
 }
 
-typedef struct lines_of_sight {
-    const py_field *field;
-    const double (*ends)[2][3]; /* x, y, height */
-    double (*answers)[6]; /* 1 if visible, distance, x, y, z of the block, its distance; or NaN and 2 findings + end */
-    double curvature;
-    bool absolute[2];
-    work *work;
+/* ---- viewsheds ----------------------------------------------------------------------------------------------------------- */
+
+enum { SEEN, WEIGHT, ANGLE, NEEDED, NEEDED_ABSOLUTE };
+
+typedef struct viewing {
+    call *call;
+    sight_bounds *bounds;
+    const uint8_t *within; /* NULL: all samples count */
+    uint16_t *seen;        /* of all observers, or a plane of each; one of these */
+    float *numbers;
+    double *sums;
+    uint16_t *own; /* of one observer, for the table */
+    view_sum *table;
+    size_t samples;
+} viewing;
+
+static viewshed_desc view_of(const call *c, const double eye[3]) {
+    const call_numbers *n = &c->n;
+    return (viewshed_desc){.place = {eye[0], eye[1]},
+                           .height = eye[2] * terrain_metres_of_height(&c->field->terrain),
+                           .absolute = true,
+                           .target_height = n->target_height,
+                           .curvature = n->curvature,
+                           .limits = {.nearest = n->min_distance,
+                                      .farthest = n->max_distance,
+                                      .has_sector = n->has_azimuths != 0,
+                                      .azimuths = {n->azimuth, n->azimuth_until},
+                                      .has_verticals = n->has_verticals != 0,
+                                      .verticals = {n->lowest, n->highest}}};
+}
+
+static cw_status look(viewing *v, const double eye[3], double weight, size_t number, bool *done) {
+    call *c = v->call;
+    work *w = &c->work;
+    const viewshed_desc d = view_of(c, eye);
+    const size_t plane = c->n.bands != 0 ? number * v->samples : 0;
+    viewshed *shed;
+    cw_status status = viewshed_create(&c->field->terrain, v->bounds, &d, &shed);
+    if (status != CW_OK) return status;
+    if (v->own) memset(v->own, 0, v->samples * sizeof *v->own);
+    switch ((int)c->n.kind) {
+    case WEIGHT:
+        status = viewshed_weigh(shed, &w->run, weight, v->sums, work_watch, w, done);
+        break;
+    case ANGLE:
+        status = viewshed_angles(shed, &w->run, v->numbers + plane, work_watch, w, done);
+        break;
+    case NEEDED:
+    case NEEDED_ABSOLUTE:
+        status = viewshed_heights(shed, &w->run, v->numbers + plane, work_watch, w, done);
+        break;
+    default:
+        status = viewshed_count(shed, &w->run, v->own ? v->own : v->seen + plane, work_watch, w, done);
+    }
+    viewshed_destroy(shed);
+    return status;
+}
+
+static void take_own(viewing *v, const double eye[3], size_t number) {
+    const py_field *f = v->call->field;
+    for (size_t k = 0; k < v->samples && v->within; k++) v->own[k] &= v->within[k] ? UINT16_MAX : 0;
+    v->table[number] = view_sum_of(&f->terrain, v->call->at, v->own, eye);
+    v->table[number].farthest_at[1] = northward(v->call, v->table[number].farthest_at[1]);
+}
+
+static cw_status view(viewing *v, const spot *spots, size_t count) {
+    call *c = v->call;
+    cw_status status = sight_bounds_create(&c->field->terrain, &v->bounds);
+    bool done = true;
+    for (size_t k = 0; k < count && status == CW_OK && done; k++) {
+        double eye[3];
+        if (!find_spot(c, "x, y", &spots[k], eye)) return CW_ERROR_ARGUMENT;
+        done = work_part(&c->work, (double)k / (double)count, 1 / (double)count);
+        if (done) status = look(v, eye, spots[k].weight, k, &done);
+        if (status == CW_OK && done && v->own) take_own(v, eye, k);
+    }
+    return status;
+}
+
+/* Sums and absolute heights as floats. */
+static void finish(const viewing *v, float *to, size_t planes) {
+    const float *z = v->call->field->terrain.z;
+    const double metres = terrain_metres_of_height(&v->call->field->terrain);
+    for (size_t k = 0; k < v->samples && v->sums; k++) to[k] = isfinite(z[k]) ? (float)v->sums[k] : NAN;
+    for (size_t k = 0; k < v->samples * planes && v->call->n.kind == NEEDED_ABSOLUTE; k++)
+        to[k] = (float)(to[k] + z[k % v->samples] * metres);
+}
+
+/* Inputs: observers, and if `within` is not 0 a byte for each sample. Outputs: a uint16 of each sample, at first 0, or with another kind
+ * a float; with bands a plane of them for each observer; with `table` only a view_sum of each observer. */
+cw_status make_viewshed(call *c) {
+    const size_t n = c->field->nx * c->field->ny;
+    const int kind = (int)c->n.kind;
+    const bool table = c->n.table != 0;
+    size_t count, bytes;
+    const spot *spots = call_input(c, 0, sizeof *spots, &count);
+    viewing v = {.call = c, .samples = n};
+    const size_t planes = c->n.bands != 0 ? count : 1;
+    void *out = call_output(c, 0, table ? count * sizeof *v.table : planes * n * (kind == SEEN ? 2 : sizeof(float)));
+    if (c->n.within != 0 && (v.within = call_input(c, 1, 1, &bytes)) != NULL && bytes < n) v.within = NULL;
+    if (out == NULL || (c->n.within != 0 && v.within == NULL)) return CW_ERROR_ARGUMENT;
+    if (table) {
+        v.table = out;
+        v.own = malloc(n * sizeof *v.own);
+    } else if (kind == WEIGHT) {
+        v.sums = calloc(n, sizeof *v.sums);
+    } else if (kind == SEEN) {
+        v.seen = out;
+    } else {
+        v.numbers = out;
+    }
+    const bool room = v.own || v.sums || v.seen || v.numbers;
+    const cw_status status = room ? view(&v, spots, count) : CW_ERROR_MEMORY;
+    if (status == CW_OK && kind != SEEN) finish(&v, out, planes);
+    sight_bounds_destroy(v.bounds);
+    free(v.own);
+    free(v.sums);
+    return status;
+}
+
+/* ---- lines of sight ------------------------------------------------------------------------------------------------------ */
+
+typedef struct answer {
+    double visible, distance, block[3], block_distance;
+    clearance clearance; /* with a frequency */
+} answer;
+
+typedef struct lines {
+    call *call;
+    const spot (*ends)[2];
+    answer *answers;
     size_t n;
     atomic_size_t done;
-} lines_of_sight;
+    atomic_bool failed;
+} lines;
 
-/* As `cellwalk los` has it. */
-static void look_along(const lines_of_sight *l, const double ends[2][3], double answer[6]) {
-    const terrain *t = &l->field->terrain;
-    double at[2][3], metres[2], xy[2][2];
-    for (int k = 0; k < 2; k++) {
-        const finding found = find_place(l->field, ends[k], l->absolute[k], at[k]);
-        if (found == FOUND) continue;
-        answer[0] = NAN;
-        answer[1] = 2 * (int)found + k;
-        return;
-    }
-    const double *eye = at[0], *target = at[1];
-    sight s;
-    sight_init(&s, t, NULL, eye, l->curvature);
-    const double height = target[2] - s.eye[2] - sight_fall(&s, target[0], target[1]);
-    const double block = sight_first_block(&s, target[0], target[1], target[2]);
-    terrain_metres(t, eye[0], eye[1], metres);
-    for (int k = 0; k < 2; k++) terrain_to_map(t, at[k][0], at[k][1], xy[k]);
-    answer[0] = block < INFINITY ? 0 : 1;
-    answer[1] = hypot((xy[1][0] - xy[0][0]) * metres[0], (xy[1][1] - xy[0][1]) * metres[1]);
-    for (int c = 2; c < 6; c++) answer[c] = NAN;
-    if (!(block < INFINITY)) return;
-    for (int c = 0; c < 2; c++) answer[2 + c] = xy[0][c] + block * (xy[1][c] - xy[0][c]);
-    answer[3] = northward(l->field, answer[3]);
-    const double bend = sight_fall(&s, eye[0] + block * (target[0] - eye[0]), eye[1] + block * (target[1] - eye[1]));
-    answer[4] = (eye[2] + block * height + bend) * terrain_metres_of_height(t);
-    answer[5] = block * answer[1];
+static bool find_line(const call *c, line *l, const spot ends[2]) {
+    const ground_place places[2] = {place_of(c, &ends[0]), place_of(c, &ends[1])};
+    io_error unused;
+    return line_find(l, &c->field->terrain, places, c->n.curvature, &unused);
 }
 
-static void look_along_all(void *context, size_t begin, size_t end) {
-    lines_of_sight *l = context;
+static bool look_along(const lines *all, size_t k, profile *p) {
+    const call *c = all->call;
+    answer *a = &all->answers[k];
+    line l;
+    io_error unused;
+    if (!find_line(c, &l, all->ends[k])) return false;
+    *a = (answer){!l.blocked, l.length, {NAN, NAN, NAN}, NAN, {NAN, NAN, NAN}};
+    if (l.blocked) {
+        a->block[0] = l.block[0];
+        a->block[1] = northward(c, l.block[1]);
+        a->block[2] = l.block_height;
+        a->block_distance = l.block_distance;
+    }
+    return !(c->n.frequency > 0) || line_clearance(&l, c->n.frequency, p, &a->clearance, &unused);
+}
+
+static void look_along_some(void *context, size_t begin, size_t end) {
+    lines *l = context;
+    profile p = {0};
     for (; begin < end; begin++) {
-        look_along(l, l->ends[begin], l->answers[begin]);
-        if (!work_watch(l->work, (double)(atomic_fetch_add(&l->done, 1) + 1) / (double)l->n)) return;
+        if (!look_along(l, begin, &p)) atomic_store(&l->failed, true);
+        if (!work_watch(&l->call->work, (double)(atomic_fetch_add(&l->done, 1) + 1) / (double)l->n)) break;
     }
+    profile_free(&p);
 }
 
-/* line_of_sight(ends, absolute, absolute, curvature, out, threads, progress): six doubles a line, six an answer */
-PyObject *field_line_of_sight(PyObject *self, PyObject *arguments) {
-    py_field *f = (py_field *)self;
-    Py_buffer ends = {0}, out = {0};
-    int absolute[2];
-    unsigned threads;
-    double curvature;
-    PyObject *progress;
-    if (!PyArg_ParseTuple(arguments, "y*ppdw*IO:line_of_sight", &ends, &absolute[0], &absolute[1], &curvature, &out,
-                          &threads, &progress))
-        return NULL;
-    lines_of_sight l = {.field = f,
-                        .ends = ends.buf,
-                        .answers = out.buf,
-                        .curvature = curvature,
-                        .absolute = {absolute[0] != 0, absolute[1] != 0},
-                        .n = (size_t)ends.len / sizeof *l.ends};
-    bool good = buffer_holds(&out, l.n * sizeof *l.answers, "out") && field_enter_ground(f);
-    if (good) {
-        work w;
-        if ((good = work_begin(&w, threads, NULL, progress))) {
-            w.run.watch = work_look;
-            l.work = &w;
-            cw_pool_run(w.run.pool, l.n, 64, look_along_all, &l);
-            good = work_end(&w, CW_OK, "line_of_sight");
-        }
-        field_leave(f);
+static bool check_ends(call *c, const spot (*ends)[2], size_t n) {
+    double at[3];
+    for (size_t k = 0; k < 2 * n; k++)
+        if (!find_spot(c, k % 2 ? "b" : "a", &ends[k / 2][k % 2], at)) return false;
+    return true;
+}
+
+cw_status make_lines(call *c) {
+    lines l = {.call = c};
+    l.ends = call_input(c, 0, sizeof *l.ends, &l.n);
+    l.answers = call_output(c, 0, l.n * sizeof *l.answers);
+    if (l.answers == NULL || !check_ends(c, l.ends, l.n)) return CW_ERROR_ARGUMENT;
+    cw_pool_run(c->work.run.pool, l.n, 64, look_along_some, &l);
+    return atomic_load(&l.failed) ? CW_ERROR_MEMORY : CW_OK;
+}
+
+/* Along one line: rows of numbers as far as the first output has room, and how many there are in the second. */
+cw_status make_profile(call *c) {
+    typedef struct row {
+        double distance, x, y, ground, line, seen, radius;
+    } row;
+    size_t n;
+    const spot(*ends)[2] = call_input(c, 0, sizeof *ends, &n);
+    const size_t room = c->out_count > 0 ? (size_t)c->out[0].len / sizeof(row) : 0;
+    row *rows = call_output(c, 0, 0);
+    double *count = call_output(c, 1, sizeof *count);
+    line l;
+    profile p = {0};
+    if (rows == NULL || count == NULL || !check_ends(c, ends, n) || !find_line(c, &l, *ends)) return CW_ERROR_ARGUMENT;
+    const cw_status status = profile_make(&p, &l.sight, l.target[0], l.target[1], l.target[2]);
+    const double metres = terrain_metres_of_height(&c->field->terrain);
+    for (size_t k = 0; k < p.count && k < room && status == CW_OK; k++) {
+        const profile_point *at = &p.points[k];
+        double xy[2];
+        for (int e = 0; e < 2; e++) xy[e] = l.ends[0][e] + at->share * (l.ends[1][e] - l.ends[0][e]);
+        rows[k] = (row){
+            at->share * l.length, xy[0], northward(c, xy[1]), at->ground * metres, at->line * metres, at->seen, NAN};
+        if (c->n.frequency > 0) rows[k].radius = line_fresnel_radius(&l, c->n.frequency, at->share);
     }
-    PyBuffer_Release(&ends);
-    PyBuffer_Release(&out);
-    if (!good) return NULL;
-    Py_RETURN_NONE;
+    *count = (double)p.count;
+    profile_free(&p);
+    return status;
+}
+
+/* ---- horizons of places -------------------------------------------------------------------------------------------------- */
+
+/* Input: places. Output: a place_horizon for each of the directions from each of them. */
+cw_status make_place_horizons(call *c) {
+    const terrain *t = &c->field->terrain;
+    const size_t directions = (size_t)c->n.directions;
+    size_t count;
+    const spot *spots = call_input(c, 0, sizeof *spots, &count);
+    place_horizon *out = call_output(c, 0, count * directions * sizeof *out);
+    sight_bounds *bounds = NULL;
+    if (out == NULL) return CW_ERROR_ARGUMENT;
+    cw_status status = sight_bounds_create(t, &bounds);
+    for (size_t k = 0; k < count && status == CW_OK && work_watch(&c->work, (double)k / (double)count); k++) {
+        double eye[3];
+        sight s;
+        if (!find_spot(c, "x, y", &spots[k], eye)) break;
+        if (isnan(terrain_height(t, eye[0], eye[1]))) {
+            call_fail(c, "x, y: (%.10g, %.10g) is not on the terrain, where the horizon is found", spots[k].x,
+                      spots[k].y);
+            break;
+        }
+        sight_init(&s, t, bounds, eye, c->n.curvature);
+        for (size_t d = 0; d < directions; d++, out++) {
+            *out = place_horizon_toward(&s, fmod(c->n.start + 360.0 * (double)d / (double)directions, 360),
+                                        c->n.max_distance);
+            out->at[1] = northward(c, out->at[1]);
+        }
+    }
+    sight_bounds_destroy(bounds);
+    return status;
 }

@@ -5,13 +5,11 @@
 #include "../json.h"
 #include "inputs.h"
 #include "output.h"
+#include "place_horizon.h"
 #include "points.h"
-#include "sight.h"
 #include "sun_place.h"
 
 #include <math.h>
-
-static const double degree = 3.141592653589793 / 180;
 
 bool horizon_at_check(horizon_at *h, const char *name) {
     for (size_t k = 0; k < h->at.count; k++)
@@ -27,47 +25,32 @@ typedef struct job {
     size_t number; /* of the place, from 1 on */
 } job;
 
-/* One direction from a place; NaN where the terrain ends there. */
 typedef struct finding {
-    double azimuth, true_azimuth, angle, distance, at[2];
+    place_horizon is;
+    double true_azimuth;
 } finding;
-
-static finding look(const job *j, const sight *s, double azimuth, double turned) {
-    const terrain *t = &j->ground->terrain;
-    finding f = {azimuth, fmod(azimuth - turned + 360, 360), NAN, NAN, {NAN, NAN}};
-    double dir[2];
-    const double length = terrain_direction(t, s->eye[0], s->eye[1], azimuth, dir);
-    double far = terrain_steps_out(t, s->eye, dir);
-    if (j->options->max_distance > 0) far = fmin(far, j->options->max_distance / length);
-    const sight_rise r = sight_steepest(s, s->eye[0] + far * dir[0], s->eye[1] + far * dir[1], -INFINITY);
-    if (r.steepest == -INFINITY) return f;
-    const double cells = sight_nearest(s, s->eye[0] + far * dir[0], s->eye[1] + far * dir[1], r) * far;
-    f.angle = atan(r.steepest * terrain_metres_of_height(t) / (far * length)) / degree;
-    f.distance = cells * length;
-    terrain_to_map(t, s->eye[0] + cells * dir[0], s->eye[1] + cells * dir[1], f.at);
-    return f;
-}
 
 static bool write_row(job *j, const finding *f, io_error *error) {
     char true_azimuth[40] = "";
     if (isfinite(f->true_azimuth)) snprintf(true_azimuth, sizeof true_azimuth, "%.6g", f->true_azimuth);
-    if (!io_output_print(&j->to, error, "%zu,%.6g,%s,", j->number, f->azimuth, true_azimuth)) return false;
-    if (isnan(f->angle)) return io_output_print(&j->to, error, ",,,\n");
-    return io_output_print(&j->to, error, "%.6f,%.3f,%.10g,%.10g\n", f->angle, f->distance, f->at[0], f->at[1]);
+    if (!io_output_print(&j->to, error, "%zu,%.6g,%s,", j->number, f->is.azimuth, true_azimuth)) return false;
+    if (isnan(f->is.angle)) return io_output_print(&j->to, error, ",,,\n");
+    return io_output_print(&j->to, error, "%.6f,%.3f,%.10g,%.10g\n", f->is.angle, f->is.distance, f->is.at[0],
+                           f->is.at[1]);
 }
 
 static bool write_json(job *j, const finding *f, bool first, io_error *error) {
     FILE *to = j->to.file;
     if (!io_output_print(&j->to, error, "%s\n  {\"azimuth\": ", first ? "" : ",")) return false;
-    json_number(to, f->azimuth);
+    json_number(to, f->is.azimuth);
     fputs(", \"true_azimuth\": ", to);
     json_number(to, f->true_azimuth);
     fputs(", \"angle\": ", to);
-    json_number(to, f->angle);
+    json_number(to, f->is.angle);
     fputs(", \"distance\": ", to);
-    json_number(to, f->distance);
-    return isnan(f->angle) ? io_output_print(&j->to, error, ", \"at\": null}")
-                           : io_output_print(&j->to, error, ", \"at\": [%.10g, %.10g]}", f->at[0], f->at[1]);
+    json_number(to, f->is.distance);
+    return isnan(f->is.angle) ? io_output_print(&j->to, error, ", \"at\": null}")
+                              : io_output_print(&j->to, error, ", \"at\": [%.10g, %.10g]}", f->is.at[0], f->is.at[1]);
 }
 
 static bool write_place(job *j, const ground_place *p, io_error *error) {
@@ -82,14 +65,14 @@ static bool write_place(job *j, const ground_place *p, io_error *error) {
     if (!ground_find_place(t, p, eye, &level, error)) return false;
     if (isnan(level)) return io_fail(error, "%s: is not on the terrain, where the horizon is found", p->text);
     sight_init(&s, t, j->bounds, eye, o->curvature);
-    s.at_crossings = true;
     terrain_to_map(t, eye[0], eye[1], xy);
     if (!sun_place_of(t, ground_georef(j->ground), xy, j->ground->path, NULL, &north, &unknown)) north.turned = NAN;
     if (o->json && !io_output_print(&j->to, error, "%s {\"place\": [%.10g, %.10g], \"horizon\": [",
                                     j->number > 1 ? ",\n" : "", xy[0], xy[1]))
         return false;
     for (unsigned k = 0; k < o->directions; k++) {
-        const finding f = look(j, &s, fmod(o->start + 360.0 * k / o->directions, 360), north.turned);
+        finding f = {place_horizon_toward(&s, fmod(o->start + 360.0 * k / o->directions, 360), o->max_distance), 0};
+        f.true_azimuth = fmod(f.is.azimuth - north.turned + 360, 360);
         if (!(o->json ? write_json(j, &f, k == 0, error) : write_row(j, &f, error))) return false;
     }
     return !o->json || io_output_print(&j->to, error, "]}");

@@ -3,6 +3,7 @@
 
 #include "output.h"
 #include "pieces.h"
+#include "view_sum.h"
 #include "viewshed.h"
 
 #include <math.h>
@@ -83,30 +84,15 @@ static bool print_view(job *j, const double eye[3], io_error *error) {
     const terrain *t = &j->ground->terrain;
     const cw_rectangle w = j->ground->window;
     const observer *o = &j->observers.list[j->observer];
-    double metres[2], far = -1, there[2] = {NAN, NAN};
-    size_t count = 0;
-    terrain_metres(t, eye[0], eye[1], metres);
-    for (size_t y = w.j - t->row; y < w.j - t->row + w.ny; y++)
-        for (size_t x = w.i - t->column; x < w.i - t->column + w.nx; x++) {
-            if (j->own[y * t->nx + x] == 0) continue;
-            const double dx = (double)x - eye[0], dy = (double)y - eye[1];
-            const double away = hypot((t->map[0][0] * dx + t->map[0][1] * dy) * metres[0],
-                                      (t->map[1][0] * dx + t->map[1][1] * dy) * metres[1]);
-            count++;
-            if (away <= far) continue;
-            far = away;
-            terrain_to_map(t, (double)x, (double)y, there);
-        }
+    const view_sum v = view_sum_of(t, (cw_rectangle){w.i - t->column, w.j - t->row, w.nx, w.ny}, j->own, eye);
     for (size_t k = 0; k < t->nx * t->ny; k++) {
         if (j->seen) j->seen[k] = (uint16_t)(j->seen[k] + j->own[k]);
         if (j->sums) j->sums[k] += j->own[k];
     }
-    const double cell = fabs(t->map[0][0] * t->map[1][1] - t->map[0][1] * t->map[1][0]) * metres[0] * metres[1];
-    if (!io_output_print(&j->table, error, "%zu,%.12g,%.12g,%zu,%.9g,", j->observer + 1, o->x, o->y, count,
-                         1e-6 * cell * (double)count))
+    if (!io_output_print(&j->table, error, "%zu,%.12g,%.12g,%.0f,%.9g,", j->observer + 1, o->x, o->y, v.samples, v.km2))
         return false;
-    if (count == 0) return io_output_print(&j->table, error, ",,\n");
-    return io_output_print(&j->table, error, "%.3f,%.12g,%.12g\n", far, there[0], there[1]);
+    if (v.samples == 0) return io_output_print(&j->table, error, ",,\n");
+    return io_output_print(&j->table, error, "%.3f,%.12g,%.12g\n", v.farthest, v.farthest_at[0], v.farthest_at[1]);
 }
 
 static bool look_from(job *j, io_error *error) {

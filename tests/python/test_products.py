@@ -1,0 +1,207 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every option of the program's products against Python, bit for bit, from one list. An option that --help names and no case has must
+be excused here with a reason."""
+import csv
+import io
+import re
+
+import numpy as np
+import pytest
+
+from conftest import raster, same
+
+
+class Places:
+    """Of the terrain, as both are given them."""
+
+    def __init__(self, ground):
+        f, plain = ground.field, ground.path.suffix == ".npy"
+        x0, y0, x1, y1 = f.bounds
+        self.xs = np.array([x0 + share * (x1 - x0) for share in (0.37, 0.8, 0.5)])
+        self.ys = np.array([y0 + share * (y1 - y0) for share in (0.61, 0.2, 0.45)])
+        self.far, self.near = (12.5, 4.0) if plain else (410.0, 120.0)
+        # The program has the first row of a file without a map in the north, and y counts from the last.
+        self.northward = (lambda y: f.shape[0] - 1 - y) if plain else (lambda y: y)
+        self.known = not plain
+        self.at = [f"{x!r},{self.northward(y)!r}" for x, y in zip(self.xs.tolist(), self.ys.tolist())]
+
+    def spot(self, k, *height):
+        return (float(self.xs[k]), float(self.ys[k]), *height)
+
+    def words(self, text):
+        return text.format(a=self.at[0], b=self.at[1], c=self.at[2], far=self.far, near=self.near).split()
+
+
+def needs_crs(case):
+    """A file without a coordinate system is told where it is."""
+    return lambda f, p: case(f, {} if p.known else {"lon_lat": (11, 47)})
+
+
+MANY = "--from {a},9 --from {b},9 --from {c},9"
+
+# The program's words, and the same in Python.
+RASTERS = [
+    ("shadow --sun 225,20", lambda f, p: f.shadow(225, 20)),
+    ("shadow --sun 225,30", lambda f, p: f.shadow()),
+    ("shadow --sun 100,35 --hillshade", lambda f, p: f.shadow(100, 35, hillshade=True)),
+    ("shadow --sun 300,15 --sun-disc", lambda f, p: f.shadow(300, 15, disc=True)),
+    ("shadow --sun 0,8 --disc 1.5 --hillshade", lambda f, p: f.shadow(0, 8, disc=1.5, hillshade=True)),
+    ("shadow --sun 100,1 --curvature 3000", lambda f, p: f.shadow(100, 1, curvature=3000)),
+    ("shadow --time 2024-03-01T15:30:00Z --sun-disc", lambda f, p: f.shadow(time="2024-03-01T15:30:00Z", disc=True)),
+    ("sun --date 2024-03-20", needs_crs(lambda f, o: f.insolation("2024-03-20", **o))),
+    ("sun --date 2024-03-20 --to 2024-03-22 --step 1h --directions 48 --curvature 500",
+     needs_crs(lambda f, o: f.insolation("2024-03-20", "2024-03-22", step="1h", directions=48, curvature=500, **o))),
+    ("sun --date 2024-03-20 --step 2h --irradiance", needs_crs(lambda f, o: f.insolation("2024-03-20", step=7200, irradiance=True, **o))),
+    ("sun --date 2024-03-20 --step 2h --irradiance --linke 5 --sky 9",
+     needs_crs(lambda f, o: f.insolation("2024-03-20", step="2h", irradiance=True, linke=5, sky=9, **o))),
+    ("horizon", lambda f, p: f.horizon()),
+    ("horizon --directions 7 --start 11", lambda f, p: f.horizon(7, start=11)),
+    ("horizon --directions 7 --max-distance {far}", lambda f, p: f.horizon(7, p.far)),
+    ("horizon --directions 7 --curvature 2000", lambda f, p: f.horizon(7, curvature=2000)),
+    ("horizon --directions 5 --distance --max-distance {far} --curvature 500",
+     lambda f, p: f.horizon(5, p.far, curvature=500, distance=True)),
+    ("horizon --directions 16 --grid", lambda f, p: f.horizon(16, grid=True)),
+    ("horizon --directions 16 --grid --svf --curvature 500", lambda f, p: f.sky_view(16, grid=True, curvature=500)),
+    ("horizon --svf", lambda f, p: f.sky_view()),
+    ("horizon --directions 12 --svf-tilted", lambda f, p: f.sky_view(12, tilted=True)),
+    ("horizon --directions 12 --svf --max-distance {far} --curvature 500", lambda f, p: f.sky_view(12, p.far, curvature=500)),
+    ("visibility", lambda f, p: f.visibility()),
+    ("visibility --directions 9 --max-distance {far} --observer-height 1 --target-height 3 --curvature 0 --share",
+     lambda f, p: f.visibility(9, p.far, observer_height=1, target_height=3, curvature=0, result="share")),
+    ("visibility --directions 9 --longest", lambda f, p: np.stack([f.visibility(9, result=r) for r in ("longest", "azimuth")])),
+    ("visibility --directions 9 --every 3", lambda f, p: f.visibility(9, every=3)),
+    ("viewshed --from {a}", lambda f, p: f.viewshed(*p.spot(0))),
+    ("viewshed --from {a},3 --target-height 1.5", lambda f, p: f.viewshed(*p.spot(0, 3), 1.5)),
+    (f"viewshed {MANY} --curvature 1", lambda f, p: f.viewshed(p.xs, p.ys, 9, curvature=1)),
+    (f"viewshed {MANY} --bands", lambda f, p: f.viewshed(p.xs, p.ys, 9, bands=True)),
+    (f"viewshed {MANY} --needed --bands", lambda f, p: f.viewshed(p.xs, p.ys, 9, needed=True, bands=True)),
+    ("viewshed --from {a} --max-distance {far} --extent full", lambda f, p: f.viewshed(*p.spot(0), max_distance=p.far)),
+    ("viewshed --from {a} --max-distance {far} --extent full --needed",
+     lambda f, p: f.viewshed(*p.spot(0), max_distance=p.far, needed=True)),
+    ("viewshed --from {a} --needed-absolute", lambda f, p: f.viewshed(*p.spot(0), needed="absolute")),
+    ("viewshed --from {a} --angle", lambda f, p: f.viewshed(*p.spot(0), angle=True)),
+    ("viewshed --from {a},6 --min-distance {near} --azimuth 350,120 --vertical -60,20",
+     lambda f, p: f.viewshed(*p.spot(0, 6), min_distance=p.near, azimuth=(350, 120), vertical=(-60, 20))),
+    ("viewshed --observers FILE --weights", lambda f, p: f.viewshed(p.xs, p.ys, 9, weights=[0.3, 1.7, 0.1])),
+]
+
+# Tables: the program's decimals, and numbers of Python in the same columns.
+TABLES = [
+    ("horizon --at {a} --directions 9 --start 5 --max-distance {far}",
+     "angle distance x y", lambda f, p: at_places(p, f.horizon_at(*p.spot(0), directions=9, start=5, max_distance=p.far))),
+    ("horizon --at {a},4 --at {b},4 --directions 5 --curvature 500",
+     "angle distance x y true_azimuth", lambda f, p: at_places(p, f.horizon_at(p.xs[:2], p.ys[:2], 4, 5, curvature=500))),
+    ("viewshed --observers FILE --max-distance {far} --extent full --table TABLE",
+     "samples km2 farthest farthest_x farthest_y", lambda f, p: of_sites(p, f.sites(p.xs, p.ys, 9, max_distance=p.far))),
+    ("los --pairs PAIRS", "visible distance blocked_distance blocked_x blocked_y blocked_height", lambda f, p: of_lines(p, links(f, p))),
+    ("los --pairs PAIRS --frequency 2400 --curvature 0.75", "clearance clearance_distance fresnel_radius",
+     lambda f, p: of_lines(p, links(f, p, curvature=0.75, frequency=2400))),
+    ("los {a},9 {b},2 --frequency 900 --profile TABLE", "distance x y ground line seen fresnel_radius",
+     lambda f, p: of_profile(p, f.profile(p.spot(0, 9), p.spot(1, 2), frequency=900))),
+]
+
+
+def links(f, p, **options):
+    return f.line_of_sight([p.spot(0, 9), p.spot(1, 2)], [p.spot(1, 2), p.spot(2, 1)], **options)
+
+
+def at_places(p, h):
+    return {"angle": h.angle, "distance": h.distance, "x": h.at[..., 0], "y": p.northward(h.at[..., 1]), "true_azimuth": h.true_azimuth}
+
+
+def of_sites(p, s):
+    return {"samples": s.samples, "km2": s.km2, "farthest": s.farthest, "farthest_x": s.farthest_at[:, 0],
+            "farthest_y": p.northward(s.farthest_at[:, 1])}
+
+
+def of_lines(p, s):
+    x, y, z = np.moveaxis(s.blocked_at, -1, 0)
+    return {**s._asdict(), "blocked_x": x, "blocked_y": p.northward(y), "blocked_height": z}
+
+
+def of_profile(p, profile):
+    return {**profile._asdict(), "y": p.northward(profile.y), "seen": np.where(np.isnan(profile.ground), np.nan, profile.seen)}
+
+
+# What Python has in another way, or has no use for.
+FILES = "arrays and DataArrays take the place of files"
+EXCUSED = {
+    "output": FILES, "compress": FILES, "cog": FILES, "co": FILES, "plain": FILES, "json": FILES, "type": FILES, "layer": FILES,
+    "quiet": "progress= is the only thing that is told", "help": "help(cellwalk)",
+    "band": "cellwalk.open(band=)", "nodata": "cellwalk.open(nodata=)", "zscale": "cellwalk.open(zscale=)",
+    "cellsize": "cellwalk.open(cellsize=)", "allow-network": "GDAL's own settings rule in Python (SECURITY.md)",
+    "coarser": "Field.coarser(factor)", "filter": "Field.coarser(filter=)", "isa": "the variable CELLWALK_ISA, of which no bit depends",
+    "threads": "Field(threads=)", "window": "results are arrays that are cut; cellwalk.open(window=) reads a part",
+    "memory": "cellwalk.dask", "places": "arrays of places",
+    "every": "arrays of places; visibility has it, and its case",
+}
+
+
+def long_options(text):
+    return set(re.findall(r"--([a-z][a-z-]+)", text))
+
+
+def files(p, tmp_path):
+    """Places for the words FILE and PAIRS, and a name for TABLE."""
+    (tmp_path / "observers.csv").write_text("x,y,height,weight\n" + "".join(f"{at},9,{w}\n" for at, w in zip(p.at, (0.3, 1.7, 0.1))))
+    (tmp_path / "pairs.csv").write_text(f"x1,y1,height1,x2,y2,height2\n{p.at[0]},9,{p.at[1]},2\n{p.at[1]},2,{p.at[2]},1\n")
+    return {"FILE": tmp_path / "observers.csv", "PAIRS": tmp_path / "pairs.csv", "TABLE": tmp_path / "table.csv"}
+
+
+def run(tool, ground, tmp_path, text, p):
+    name, *words = p.words(text)
+    if name == "sun" and not p.known:
+        words += ["--lon-lat", "11,47"]
+    stands = files(p, tmp_path)
+    return name, ground.path, *(stands.get(word, word) for word in words)
+
+
+@pytest.mark.parametrize("words, made", RASTERS, ids=[words for words, _ in RASTERS])
+def test_rasters(tool, ground, tmp_path, words, made):
+    p, out = Places(ground), tmp_path / ("out" + ground.path.suffix)
+    if "--grid" in words and ground.field._source.crs.geographic:
+        with pytest.raises(ValueError, match="^grid: needs a map in metres"):
+            made(ground.field, p)
+        return
+    if "--time" in words and not p.known:
+        with pytest.raises(ValueError, match="^time: without a coordinate system"):
+            made(ground.field, p)
+        return
+    tool(*run(tool, ground, tmp_path, words, p), "-o", out)
+    wanted = raster(out)
+    assert len(np.unique(wanted[np.isfinite(wanted)])) > 1  # or anything would be the same
+    same(made(ground.field, p), wanted)
+
+
+@pytest.mark.parametrize("words, columns, made", TABLES, ids=[words for words, *_ in TABLES])
+def test_tables(tool, ground, tmp_path, words, columns, made):
+    p = Places(ground)
+    line = run(tool, ground, tmp_path, words, p)
+    if line[0] == "viewshed":
+        line += "-o", tmp_path / "seen.npy"
+    printed = tool(*line)
+    if "TABLE" in words:
+        printed = (tmp_path / "table.csv").read_text()
+    rows, got = list(csv.DictReader(io.StringIO(printed))), made(ground.field, p)
+    assert rows
+    for name in columns.split():
+        numbers = np.ravel(got[name]).astype(float)
+        assert len(numbers) == len(rows)
+        for row, number in zip(rows, numbers.tolist()):
+            text = row[name]
+            digits = len(text.partition(".")[2])
+            close = abs(number - float(text or "nan")) <= 0.500001 * 10.0 ** -digits + 1e-9 * abs(number)
+            assert close if text else np.isnan(number), (name, text, number)
+
+
+def test_every_option_is_compared_or_excused(tool):
+    cases = {}
+    for words, *_ in RASTERS + TABLES:
+        cases.setdefault(words.split()[0], set()).update(long_options(words))
+    cases["sun"].add("lon-lat")
+    for command, compared in cases.items():
+        named = long_options(" ".join(re.findall(r"^ +(?:-\w, )?(--[a-z-]+)", tool(command, "--help"), re.M)))
+        assert len(named) > 10
+        assert named - compared - set(EXCUSED) == set(), f"{command}: neither compared with Python nor excused"
+        assert compared <= named
+    assert set(EXCUSED) & set.union(*cases.values()) <= {"every"}
