@@ -3,6 +3,7 @@
 import ctypes
 import os
 import pathlib
+import re
 import resource
 import signal
 import subprocess
@@ -145,22 +146,24 @@ def wait_for_input(process, name):
     wait_until(process, lambda: name in open_files(process))
 
 
-def wait_for_map(process, name):
-    """Samples and rays of .npy files are mapped for as long as they are used."""
-    def is_mapped():
+def wait_until_read(process, name):
+    """Until it has read as many bytes as the file has, of whatever files."""
+    size = os.stat(name).st_size
+
+    def is_read():
         try:
-            return f"{os.getcwd()}/{name}\n" in pathlib.Path(f"/proc/{process.pid}/maps").read_text()
+            return int(re.search(r"rchar: (\d+)", pathlib.Path(f"/proc/{process.pid}/io").read_text()).group(1)) >= size
         except OSError:
             return False
-    wait_until(process, is_mapped)
+    wait_until(process, is_read)
 
 
-def interrupted(*words, mapped=None, writes=True, signals=(signal.SIGINT,), **setting):
-    """A long run is told to stop as soon as it has mapped a file and opened its output. It does, and leaves nothing."""
+def interrupted(*words, input=None, writes=True, signals=(signal.SIGINT,), **setting):
+    """A long run is told to stop as soon as it has read an input and opened its output. It does, and leaves nothing."""
     before = entries()
     process = start(*words, **setting)
-    if mapped:
-        wait_for_map(process, mapped)
+    if input:
+        wait_until_read(process, input)
     if writes:
         wait_for_output(process)
     for number in signals:
@@ -287,3 +290,26 @@ def close(pixels, colour, light=1, share=0):
     off = (6e-4 + share) * wanted
     good = (pixels >= as_half(wanted - off)) & (pixels <= as_half(wanted + off))
     assert good.all(), (pixels[~good.all(-1)], np.broadcast_to(wanted, pixels.shape)[~good.all(-1)])
+
+
+# ---- the library, by library.c ----------------------------------------------------------------------------------------------
+
+HIT = np.dtype([("t", "<f4"), ("i", "<i4"), ("j", "<i4"), ("triangle", "<u4"), ("u", "<f4"), ("v", "<f4")])
+
+
+def kernels(isa=None):
+    """Its kernels, as name, width, instruction set, leaf test, available, chosen; and the best instruction set."""
+    environment = {**os.environ, **({"CELLWALK_ISA": isa} if isa else {})}
+    *lines, best = subprocess.run([LIBRARY, "kernels"], env=environment, capture_output=True, text=True, check=True).stdout.splitlines()
+    return [(name, int(width), isa, leaf, available == "1", chosen == "1")
+            for name, width, isa, leaf, available, chosen in map(str.split, lines)], best
+
+
+def answers(z, table, kernel="default", map=np.eye(3, 4)):
+    """Its answers to rays in the field's numbers, or those of the map if they are of eight bytes: hits, occluded, points, normals."""
+    given = np.asarray(map, float).tobytes() + np.asarray(z, np.float32).tobytes() + table.tobytes()
+    kind, n = "user" if table.dtype == np.float64 else "field", len(table)
+    out = subprocess.run([LIBRARY, "answers", str(z.shape[1]), str(z.shape[0]), kernel, kind], input=given, capture_output=True, check=True).stdout
+    hits, occluded, points, normals = (out[a * n:b * n] for a, b in ((0, 24), (24, 25), (25, 49), (49, 73)))
+    return (np.frombuffer(hits, HIT), np.frombuffer(occluded, np.uint8), np.frombuffer(points, float).reshape(n, 3),
+            np.frombuffer(normals, float).reshape(n, 3))

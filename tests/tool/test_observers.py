@@ -275,4 +275,4 @@ def test_the_table_is_not_overwritten():
 @pytest.mark.parametrize("bands", [(), ("--bands",)])
 def test_interruptions(bands):
     write("t.csv", "x,y\n100,100\n400,100\n")
-    interrupted(*LAND, *FILE, "--every", 0.005, "-o", "o.npy", *bands, mapped="land.npy", writes=bool(bands))
+    interrupted(*LAND, *FILE, "--every", 0.005, "-o", "o.npy", *bands, input="land.npy", writes=bool(bands))

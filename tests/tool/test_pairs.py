@@ -95,4 +95,4 @@ def test_endings():
     words = *LOS, "--pairs", "p.csv", "-o", "a.csv", "--profile", "b.csv"
     done = run(*words, file_size=1000000)
     assert done.status == 1 and "b.csv: cannot write: File too large" in done.err and entries() == before
-    interrupted(*words, mapped="wall.npy")
+    interrupted(*words, input="wall.npy")

@@ -233,9 +233,9 @@ def test_interruptions():
     k = np.arange(2000 * 2000, dtype=np.uint32)
     np.save("rough.npy", ((k * np.uint32(2654435761) >> 7) % 1000).astype(np.float32).reshape(2000, 2000))
     # A viewshed writes nothing before it is done.
-    interrupted("viewshed", "rough.npy", *["--from", "1000,1000,100000"] * 4, "-o", "o.npy", "--threads", 1, mapped="rough.npy", writes=False)
+    interrupted("viewshed", "rough.npy", *["--from", "1000,1000,100000"] * 4, "-o", "o.npy", "--threads", 1, input="rough.npy", writes=False)
     for more in (), ("--svf",):
-        interrupted("horizon", "rough.npy", "--directions", 3600, *more, "-o", "o.npy", mapped="rough.npy")
+        interrupted("horizon", "rough.npy", "--directions", 3600, *more, "-o", "o.npy", input="rough.npy")
 
 
 # ---- GDAL ---------------------------------------------------------------------------------------------------------------

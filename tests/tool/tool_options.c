@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Command lines are taken apart as their table says, mistakes are told with what was probably meant, and no help of any
- * program is wider than 80 columns. */
+/* Command lines are taken apart as their table says, and mistakes are told with what was probably meant. */
 
 #include "options.h"
 
@@ -111,58 +110,10 @@ static void mistakes_are_told(void **state) {
     }
 }
 
-/* The output of a shell's command; the caller frees it. */
-static char *output_of(const char *line) {
-    size_t size;
-    check(system(line) == 0, "%s fails", line);
-    return scratch_read("printed", &size);
-}
-
-static void check_width(const char *what, const char *text) {
-    for (const char *line = text; *line; line += strcspn(line, "\n") + (line[strcspn(line, "\n")] == '\n')) {
-        size_t columns = 0;
-        const size_t length = strcspn(line, "\n");
-        for (size_t k = 0; k < length; k++) columns += ((unsigned char)line[k] & 0xc0) != 0x80;
-        check(columns <= 80, "%s prints %zu columns: %.*s", what, columns, (int)length, line);
-    }
-}
-
-/* Each subcommand is a line of the program's help: two spaces and its name. */
-static size_t check_helps(const char *of) {
-    char words[4096];
-    size_t found = 0;
-    snprintf(words, sizeof words, "'%s' --help >printed", of);
-    char *help = output_of(words);
-    check_width(words, help);
-    for (char *line = strstr(help, "Commands:\n"); line && (line = strchr(line, '\n')) && strncmp(line, "\n  ", 3) == 0;
-         found++) {
-        line += 3;
-        snprintf(words, sizeof words, "'%s' %.*s --help >printed", of, (int)strcspn(line, " "), line);
-        char *text = output_of(words);
-        check_width(words, text);
-        check(strstr(text, "\nOptions:\n") != NULL, "%s does not list options", words);
-        free(text);
-    }
-    free(help);
-    snprintf(words, sizeof words, "'%s' --version >printed", of);
-    char *version = output_of(words);
-    check(strstr(version, " " CW_VERSION "\n") != NULL, "%s prints %s", words, version);
-    free(version);
-    return found;
-}
-
-static void helps_fit(void **state) {
-    (void)state;
-    char programs[] = OPTIONS_PROGRAMS;
-    for (char *of = strtok(programs, ":"); of; of = strtok(NULL, ":"))
-        check(check_helps(of) >= 3, "%s has no subcommands", of);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(values_are_taken, scratch_enter, scratch_leave),
         cmocka_unit_test_setup_teardown(mistakes_are_told, scratch_enter, scratch_leave),
-        cmocka_unit_test_setup_teardown(helps_fit, scratch_enter, scratch_leave),
     };
     return cmocka_run_group_tests_name("tool_options", tests, NULL, NULL);
 }

@@ -1,0 +1,246 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the program says to bad input, and that it leaves nothing behind."""
+import os
+import signal
+import subprocess
+
+import numpy as np
+import pytest
+from program import (end, entries, interrupted, kernels, npy, rays, read, refused, run, shell, start, wait_for_input,
+                     wait_for_output, write)
+
+TRACE = "trace", "field.npy", "rays.npy"
+LONG = *TRACE, "-o", "hits.npy", "--repeat", 1000000
+
+
+@pytest.fixture(autouse=True)
+def inputs(folder):
+    np.save("field.npy", np.zeros((4, 5), np.float32))
+    rays("rays.npy", [(2.25, 1.5, k + 1) for k in range(1000)])
+
+
+def fails(status, part, *words, **setting):
+    """And prints nothing."""
+    assert refused(status, part, *words, **setting).out == ""
+
+
+@pytest.mark.parametrize("part, words", [
+    ("", ()),
+    ("did you mean trace?", ("tarce",)),
+    ("unknown option '--verbose'", ("--verbose",)),
+    ("FIELD is missing", ("trace",)),
+    ("RAYS.npy is missing", ("trace", "field.npy")),
+    ("nothing to do", TRACE),
+    ("'hits.npy' is one argument too many", (*TRACE, "hits.npy")),
+    ("--output needs a value", (*TRACE, "-o")),
+    ("--output needs a value", (*TRACE, "-o", "")),
+    ("unknown option -x", (*TRACE, "-x")),
+    ("--kernal; did you mean --kernel?", (*TRACE, "--kernal=cell")),
+    ("--json takes no value", (*TRACE, "--json=yes")),
+    ("'celt' is unknown; did you mean cell?", (*TRACE, "--json", "--kernel", "celt")),
+    ("there are default, moller-trumbore, watertight", (*TRACE, "--json", "--leaf", "woop")),
+    ("scalar, sse4.2, avx2, avx512", (*TRACE, "--json", "--isa", "avx")),
+    ("from 1 to 1000000, not '0'", (*TRACE, "--json", "--repeat", 0)),
+    ("not '-1'", (*TRACE, "--json", "--threads", -1)),
+    ("not 'two'", (*TRACE, "--json", "--threads", "two")),
+    ("not '4x'", (*TRACE, "--json", "--threads", "4x")),
+    ("not '99999999999999999999'", (*TRACE, "--json", "--threads=99999999999999999999")),
+    ("standard output cannot take both", (*TRACE, "-o", "-", "--json")),
+    ("'b' is one argument too many", ("info", "a", "b")),
+    ("CELLWALK_ISA 'sse' is unknown; there are scalar,", (*TRACE, "-o", "hits.npy", {"isa": "sse"})),
+    ("CELLWALK_ISA '' is unknown; there are scalar,", (*TRACE, "-o", "hits.npy", {"isa": ""})),
+    ("brute does not have the leaf test watertight", (*TRACE, "--json", "--kernel", "brute", "--leaf", "watertight"))])
+def test_bad_command_lines(part, words):
+    setting = words[-1] if words and isinstance(words[-1], dict) else {}
+    done = run(*(words[:-1] if setting else words), **setting)
+    assert done.status == 2 and part in done.err and done.out == "" and entries() == ["field.npy", "rays.npy"], done.err
+
+
+def test_kernels_out_of_reach():
+    assert run(*TRACE, "-o", "hits.npy", isa="scalar").status == 0
+    if not any(name == "packet4" for name, *_ in kernels()[0]):
+        return  # a build without them
+    packet = *TRACE, "--json", "--kernel", "packet4"
+    fails(2, "--kernel packet4 needs sse4.2; this machine, or the limit set by --isa or CELLWALK_ISA, has scalar", *packet, isa="scalar")
+    fails(2, "--kernel packet4 needs sse4.2", *packet, "--isa", "scalar")
+    # The variable is an upper bound: no option lifts it.
+    fails(2, "--isa sse4.2: this machine, or CELLWALK_ISA, allows no more than scalar", *TRACE, "--json", "--isa", "sse4.2", isa="scalar")
+
+
+def cannot_trace(field, rays, part):
+    fails(1, part, "trace", field, rays, "-o", "hits.npy")
+
+
+@pytest.mark.parametrize("name, type, shape, size, part", [
+    ("f8.npy", "<f8", "(2, 8)", 128, "holds elements of type '<f8', not '<f4'"),
+    ("big.npy", ">f4", "(2, 8)", 64, "holds elements of type '>f4'"),
+    ("seven.npy", "<f4", "(2, 7)", 56, "shape (2, 7), but rays are (N, 8)"),
+    ("flat.npy", "<f4", "(16,)", 64, "shape (16,), but rays are (N, 8)"),
+    ("huge.npy", "<f4", "(1000000000, 8)", 64, "truncated: shape (1000000000, 8)"),
+    ("longer.npy", "<f4", "(2, 8)", 65, "too long"),
+    ("absent.npy", None, None, 0, "cannot read: No such file"),
+    (".", None, None, 0, "cannot read: Is a directory"),
+    ("/dev/null", None, None, 0, "cannot read: not a regular file")])
+def test_bad_rays(name, type, shape, size, part):
+    if type:
+        npy(name, type, shape, bytes(size))
+    cannot_trace("field.npy", name, f"{name}: {part}")
+
+
+def test_rays_that_are_cut():
+    whole = read("rays.npy")
+    for cut in range(0, 128, 9):  # each byte of the header is the library's test's
+        write("cut.npy", whole[:cut])
+        cannot_trace("field.npy", "cut.npy", "cut.npy: ")
+    write("cut.npy", whole[:-1])
+    cannot_trace("field.npy", "cut.npy", "cut.npy: truncated")
+
+
+SEA = 'Shape "heightfield" "integer nu" [2] "integer nv" [2] "float Pz" [0 1 2 3]\n'
+
+
+@pytest.mark.parametrize("name, made, part", [
+    ("row.npy", ("<f4", "(1, 16)", 64), "row.npy: 16 x 1 samples: "),
+    ("none.npy", ("<f4", "(0, 16)", 0), "none.npy: shape (0, 16) holds no samples"),
+    ("cube.npy", ("<f4", "(2, 2, 4)", 64), "cube.npy: shape (2, 2, 4), but a raster is (rows, columns)"),
+    ("bytes.npy", ("|u1", "(8, 8)", 64), "bytes.npy: holds elements of type '|u1'"),
+    ("cut.npy", ("<f4", "(4, 4)", 63), "cut.npy: truncated"),
+    ("word.asc", "ncols 2\nnrows 2\ncellsize 1\n1 2\n3 four\n", "word.asc:5: 'four' stands where a number should"),
+    ("two.pbrt", SEA + SEA, "two.pbrt: holds 2 height fields, not one"),
+    ("none.pbrt", "\n", "none.pbrt: holds 0 height fields, not one"),
+    ("absent.npy", None, "absent.npy: cannot read: No such file"),
+    ("field", None, "cellwalk trace: field: ")])
+def test_bad_fields(name, made, part):
+    if isinstance(made, str):
+        write(name, made)
+    elif made:
+        npy(name, *made[:2], bytes(made[2]))
+    cannot_trace(name, "rays.npy", part)
+
+
+RED = b"\33[31mred\7\r\302\233m\177.asc"
+
+
+@pytest.mark.parametrize("words", [("info", os.fsdecode(RED)), ("info", "word.asc"), ("info", "a.pbrt"), ("info", "--kernel", os.fsdecode(RED)),
+                                   ("info", "field.npy", os.fsdecode(RED)), (os.fsdecode(RED),)], ids=range(6))
+def test_messages_hold_no_commands(words):
+    """Nothing in a file's name or text commands the terminal that shows the message."""
+    write("word.asc", "ncols 2\nnrows 2\ncellsize 1\n1 2\n3 \33]0;title\7\n")
+    write("a.pbrt", b'Shape "\33[2J\302\233"\n')
+    done = run(*words)
+    assert done.status != 0 and done.err.replace("\n", "").isprintable() and done.err
+
+
+# ---- outputs --------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("output, why", [("/dev/full", "cannot write: No space left on device"), ("absent/hits.npy", "cannot write: No such file"),
+                                         (".", "cannot write: Is a directory")])
+def test_bad_outputs(output, why):
+    fails(1, f"{output}: {why}", *TRACE, "-o", output)
+
+
+def test_full_disks():
+    write("hits.npy", "old")
+    # A disk quota shows in the same way as this limit; the file that was there stays.
+    fails(1, "hits.npy: cannot write: File too large", *TRACE, "-o", "hits.npy", file_size=8192)
+    assert read("hits.npy") == b"old"
+    fails(1, "No space left", *TRACE, "-o", "/dev/full", "--json")  # and no time is told of a run that failed
+
+
+def test_directories_without_permission():
+    os.mkdir("closed", 0o555)
+    try:
+        run("--version", powerless=True)
+    except subprocess.SubprocessError:
+        pytest.skip("root that may not give up its rights")
+    fails(1, "closed/hits.npy: cannot write: Permission denied", *TRACE, "-o", "closed/hits.npy", powerless=True)
+    # A file can be replaced wherever its directory may be written to; but its owner wants it to stay.
+    write("hits.npy", "old")
+    os.chmod("hits.npy", 0o444)
+    fails(1, "hits.npy: cannot write: Permission denied", *TRACE, "-o", "hits.npy", powerless=True)
+
+
+def test_inputs_as_outputs():
+    """What is read is never replaced by what is written, by whatever name."""
+    before = read("field.npy")
+    os.link("field.npy", "again.npy")
+    os.symlink("rays.npy", "same.npy")
+    for name in "field.npy", "rays.npy", "./field.npy", "again.npy", "same.npy":
+        fails(1, f"{name}: is also an input", *TRACE, "-o", name)
+    assert read("field.npy") == before
+
+
+def test_parts_of_a_scene_as_outputs():
+    write("scene.pbrt", 'Camera "perspective"\nWorldBegin\nTexture "t" "color" "imagemap" "string filename" "image.exr"\n'
+          'Material "matte" "texture Kd" "t"\nInclude "shape.exr"\nWorldEnd\n')
+    write("shape.exr", SEA)
+    write("image.pbrt", 'Camera "perspective"\nWorldBegin\nWorldEnd\n')
+    if run("render", "image.pbrt", "-o", "image.exr").status == 0:  # with OpenEXR
+        for output in "shape.exr", "image.exr":
+            fails(1, "is also an input", "render", "scene.pbrt", "-o", output)
+
+
+def test_output_to_standard_output():
+    assert shell("PROGRAM trace field.npy rays.npy -o - > piped.npy && PROGRAM trace field.npy rays.npy -o hits.npy").returncode == 0
+    assert read("piped.npy") == read("hits.npy")
+
+
+def test_closed_streams_are_no_files():
+    """A warning that cannot be shown lands in no file either."""
+    z = np.zeros((4, 5), np.float32)
+    z[0, 0] = -9999
+    np.save("warns.npy", z)
+    done = shell("PROGRAM trace warns.npy rays.npy -o hits.npy")
+    assert done.returncode == 0 and "-9999" in done.stderr
+    for closed in "<&- 2>&-", ">&- 2>&-", "<&- >&- 2>&-", "2>&-":
+        assert shell(f"PROGRAM trace warns.npy rays.npy -o again.npy {closed}").returncode == 0
+        assert read("again.npy") == read("hits.npy"), closed
+
+
+def test_results_that_cannot_be_printed():
+    done = shell("PROGRAM info > /dev/full")
+    assert done.returncode != 0 and done.stderr == "cellwalk: cannot write to standard output: No space left on device\n"
+
+
+# ---- endings --------------------------------------------------------------------------------------------------------------
+
+
+def test_killed_programs_leave_nothing():
+    before = entries()
+    process = start(*LONG)
+    wait_for_output(process)
+    unnamed = entries() == before
+    process.kill()
+    assert end(process).status == 128 + signal.SIGKILL
+    assert entries() == before or not unnamed  # a file system that knows no files without names
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_interruptions_leave_nothing(number):
+    assert "interrupted" in interrupted(*LONG, "--threads", 2, signals=[number]).err
+
+
+@pytest.fixture
+def minutes():
+    """A query by brute force that takes so long, and does not look whether it is told to stop."""
+    np.save("large.npy", np.zeros((1000, 1000), np.float32))
+    rays("many.npy", np.tile([5.5, 5, 1], (100000, 1)))
+    return "trace", "large.npy", "many.npy", "-o", "hits.npy", "--kernel", "brute"
+
+
+def test_interruptions_do_not_wait(minutes):
+    assert "interrupted" in interrupted(*minutes, input="many.npy").err  # rays are read for the query that traces them
+
+
+def test_a_second_interruption_is_the_end(minutes):
+    interrupted(*minutes, signals=[signal.SIGINT, signal.SIGTERM])
+
+
+def test_interruptions_while_reading():
+    """Nor does it look while it reads, here four million numbers of many digits."""
+    write("text.asc", "ncols 2000\nnrows 2000\ncellsize 1\n" + "1.2345678901234567890123456789 " * 4000000)
+    process = start("info", "text.asc")
+    wait_for_input(process, "text.asc")
+    process.terminate()
+    assert end(process).status == 128 + signal.SIGTERM

@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The files that the program writes, in every format: whose they are, what goes with the file that they replace, and that no two results take one
+name."""
+import os
+import stat
+
+import numpy as np
+import pytest
+from program import entries, rays, read, refused, run, shell, write
+
+MAP = "--cellsize", 10
+SHADOW = "shadow", "field.npy", *MAP, "--sun", "225,30"
+PICTURE = "render", "field.npy", *MAP, "--size", "8x8"
+LOS = "los", "field.npy", *MAP, "--pairs", "pairs.csv"
+FORMATS = {"hits.npy": ("trace", "field.npy", "rays.npy"), "light.npy": SHADOW, "light.png": SHADOW, "light.tif": SHADOW,
+           "light.tiff": ("horizon", "field.npy", *MAP, "--directions", 4, "--cog"), "answers.csv": (*LOS, "--profile", "profile.csv"),
+           "view.png": PICTURE, "view.exr": PICTURE}
+BESIDE = {"light.png": ["light.pgw"], "answers.csv": ["profile.csv"]}
+# Statistics, smaller copies, masks and places of the file before would be read with the new one.
+SIDECARS = {"light.tif": ["light.tif.aux.xml", "light.tif.ovr", "light.tif.msk", "light.tfw", "light.tifw"],
+            "light.png": ["light.png.aux.xml", "light.png.ovr", "light.png.msk", "light.pngw"]}
+
+
+@pytest.fixture(autouse=True)
+def inputs(folder):
+    np.save("field.npy", (np.arange(320) * 7919 % 23).astype(np.float32).reshape(16, 20))
+    rays("rays.npy", [(2.25, 1.5, k + 90) for k in range(10)])
+    write("pairs.csv", "x1,y1,x2,y2\n10,10,150,120\n30,20,90,100\n")
+
+
+def make(output):
+    """Skips where this build lacks the format's library."""
+    done = run(*FORMATS[output], "-o", output)
+    if "has no library" in done.err or "needs GDAL" in done.err:
+        pytest.skip(done.err)
+    assert done.status == 0, done.err
+
+
+@pytest.mark.parametrize("output", FORMATS)
+def test_rights_stay_and_none_are_added(output):
+    """Root's result over another's file stays that user's, and never takes a bit that gives rights; with other users, only the mode can be looked
+    at."""
+    owner = 65534 if os.geteuid() == 0 else os.geteuid()
+    if os.geteuid() != 0:
+        print("left out: owners, which only root can change")
+    make(output)
+    for mode in 0o600, 0o4777, 0o6755:
+        files = [output, *BESIDE.get(output, [])]
+        for name in files:
+            write(name, "old")
+            os.chown(name, owner, os.getegid())
+            os.chmod(name, mode)
+        make(output)
+        for name in files:
+            now = os.stat(name)
+            assert now.st_size > 3 and stat.S_IMODE(now.st_mode) == mode & 0o777 and now.st_uid == owner, name
+
+
+@pytest.mark.parametrize("place", [write, lambda name, _: os.symlink("kept", name), lambda name, _: os.symlink("nothing", name),
+                                   lambda name, _: os.link("kept", name)], ids=["file", "link", "link to nothing", "second name"])
+@pytest.mark.parametrize("output", SIDECARS)
+def test_sidecars_go_with_the_old_file(output, place):
+    """Also if they are links, whose ends stay."""
+    make(output)
+    write("kept", "old")
+    before = entries()
+    for name in SIDECARS[output]:
+        place(name, "old")
+    make(output)
+    assert entries() == before and read("kept") == b"old"
+
+
+def test_an_old_world_file_goes_with_its_picture():
+    """A terrain without a map has none; the old one would place the new picture."""
+    make("light.png")
+    write("light.pgw", "old")
+    assert run("shadow", "field.npy", "--sun", "225,30", "-o", "light.png").status == 0 and not os.path.exists("light.pgw")
+
+
+@pytest.mark.parametrize("output", SIDECARS)
+def test_sidecars_beside_either_name_of_a_link(output):
+    make(output)
+    os.mkdir("elsewhere")
+    os.rename(output, f"elsewhere/{output}")
+    os.symlink(f"elsewhere/{output}", output)
+    sidecars = SIDECARS[output][0], f"elsewhere/{output}.ovr"
+    for name in sidecars:
+        write(name, "old")
+    make(output)
+    assert not any(map(os.path.exists, sidecars))
+
+
+@pytest.mark.parametrize("output", SIDECARS)
+def test_sidecars_of_no_file_are_refused(output):
+    """Without an old file, nobody knows whose they are: they are neither removed nor read with the new file."""
+    make(output)
+    os.unlink(output)
+    for name in SIDECARS[output]:
+        write(name, "old")
+        done = refused(1, name, *FORMATS[output], "-o", output)
+        assert "remove that first" in done.err
+        os.unlink(name)
+
+
+def test_a_sidecar_that_is_the_terrain_itself():
+    make("light.tif")
+    os.rename("light.tif", "sky.tif.ovr")
+    write("sky.tif", "old")
+    refused(1, "is also an input", "shadow", "sky.tif.ovr", "--sun", "225,30", "-o", "sky.tif")
+
+
+def test_two_results_do_not_take_one_name():
+    os.mkdir("folder")
+    os.symlink("folder", "way")
+    os.symlink("soft.csv", "link.csv")
+    before = entries()
+    assert run(*LOS, "-o", "a.csv", "--profile", "b.csv").status == 0
+    assert set(entries()) - set(before) == {"a.csv", "b.csv"}
+    os.link("a.csv", "hard.csv")
+    for one, other in ("c.csv", "./c.csv"), ("folder/c.csv", "way/c.csv"), ("link.csv", "soft.csv"), ("a.csv", "hard.csv"):
+        refused(1, "is also another output", *LOS, "-o", one, "--profile", other)
+    done = shell("PROGRAM los field.npy --cellsize 10 --pairs pairs.csv --profile all.csv > all.csv")
+    assert done.returncode == 1 and "all.csv: is also where standard output leads" in done.stderr
