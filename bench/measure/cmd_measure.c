@@ -100,7 +100,10 @@ static bool run_line(const plan_line *line, const measure_options *o, double sha
         *left = fmax(*left - (clock_seconds() - start), 0);
     }
     if (good) print_workload(&w);
-    for (size_t k = 0; good && k < w.count; k++) results_append(results, json_incref(w.entrants[k].line));
+    for (size_t k = 0; good && k < w.count; k++) {
+        results_set_count(w.entrants[k].line, "line", line->number);
+        results_append(results, json_incref(w.entrants[k].line));
+    }
     if (w.kind)
         leave_all(&w);
     else
@@ -122,6 +125,7 @@ static bool take_over(const json_t *earlier, const plan_line *line, cw_isa isa, 
     bool good = true;
     json_array_foreach((json_t *)earlier, index, old) {
         if (strcmp(results_text(old, "workload"), line->workload) != 0 ||
+            (size_t)results_number(old, "line") != line->number ||
             strcmp(results_text(old, "isa"), cw_isa_name(isa)) != 0)
             continue;
         const char *group = results_text(old, "group");

@@ -78,7 +78,8 @@ typedef struct plan_line {
     char *contenders[ENTRANTS_MAX];
     size_t count;
     unsigned metrics;
-    int isa; /* a cw_isa; below 0: that of the run */
+    size_t number; /* of the plan's line that it comes from; what stands in one was measured in turns */
+    int isa;       /* a cw_isa; below 0: that of the run */
 } plan_line;
 typedef struct plan {
     plan_line *lines;

@@ -46,7 +46,7 @@ static bool add_line(plan *p, const char *workloads, char *const *contenders, si
             p->lines = realloc(p->lines, (p->count + 1) * sizeof *p->lines);
             if (p->lines == NULL) memory_end();
             plan_line *line = &p->lines[p->count++];
-            *line = (plan_line){.count = count, .metrics = metrics, .isa = isa};
+            *line = (plan_line){.count = count, .metrics = metrics, .number = p->text_count, .isa = isa};
             const char *of = field && strcmp(name, "FIELD") == 0 ? field : name;
             if (snprintf(line->workload, sizeof line->workload, "%s/%s", of, item) >= (int)sizeof line->workload)
                 return false;

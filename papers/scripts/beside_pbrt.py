@@ -15,7 +15,7 @@ import sys
 import tempfile
 import time
 
-from results import Problem
+from draw import Problem
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 SCENES = ("hftest", "landsea-0", "landsea-1", "landsea-2", "texture", "landsea-big")

@@ -10,7 +10,7 @@ from matplotlib.text import Annotation, Text
 from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 from matplotlib.transforms import Bbox
 
-from results import Problem
+from draw import Problem
 
 # Candidate places of a label, in points of type from its point: right, left, above, below, then between these.
 PLACES = [(dx, dy, ha) for far in (7, 12, 20, 28) for dx, dy, ha in (

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Products of a large raster by chunks, on one or more worker processes: prints one JSON object with seconds, bytes read and the
+"""Products of a large raster by chunks, on one or more worker processes: prints JSON lines with seconds, bytes read and the
 greatest memory of a worker.
 
     python3 python_dask.py --raster dem.tif --workers 2 [--side 16385] [--tool build/release/src/tool/cellwalk]
@@ -90,14 +90,15 @@ def main():
         shape = file.shape
     commit = subprocess.run(["git", "rev-parse", "--short=10", "HEAD"], capture_output=True, text=True).stdout.strip()
     result = {"kind": "run", "command": "python_dask", "commit": commit, "date": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
-              "cellwalk": cw.__version__, "shape": list(shape), "raster_bytes": 4 * shape[0] * shape[1], "products": {}}
+              "cellwalk": cw.__version__, "shape": list(shape), "raster_bytes": 4 * shape[0] * shape[1]}
+    print(json.dumps(result))
     with tempfile.TemporaryDirectory(dir=pathlib.Path(o.raster).parent) as folder:
         for product in o.products:
             out = pathlib.Path(folder) / f"{product}.tif"
-            runs = result["products"][product] = {"arguments": PRODUCTS[product][0], "runs": [run(product, o.raster, out, n) for n in o.workers]}
+            for workers in o.workers:
+                print(json.dumps({"kind": "chunks", "product": product, "arguments": PRODUCTS[product][0], **run(product, o.raster, out, workers)}))
             if o.tool:
-                runs["bytes_that_differ"] = differing(product, o.raster, out, o.tool)
-    print(json.dumps(result))
+                print(json.dumps({"kind": "compared", "product": product, "bytes_that_differ": differing(product, o.raster, out, o.tool)}))
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A million rays from NumPy beside the C query and beside Open3D, interleaved on one machine: prints one JSON object.
+"""A million rays from NumPy beside the C query and beside Open3D, interleaved on one machine: prints JSON lines.
 
     python3 python_speed.py --tool build/release/src/tool/cellwalk [--side 1025] [--rays 1000000] [--rounds 7]
 """
@@ -97,8 +97,8 @@ times = {name: [] for name in contenders}
 for turn in range(o.rounds):
     for name in sorted(contenders, key=lambda n: hash((turn, n))):
         times[name].append(contenders[name]())
-result["seconds"] = {name: {"least": min(t), "median": float(np.median(t))} for name, t in times.items()}
-base = result["seconds"]["C query, float32 rays"]["least"]
-result["least_over_C"] = {name: t["least"] / base for name, t in result["seconds"].items()}
 machine = json.loads(subprocess.run([o.tool, "info", "--json"], check=True, capture_output=True, text=True).stdout)
 print(json.dumps({"kind": "run", "command": "python_speed", "isa": machine["isa"], "cpu": machine["cpu"], **result}))
+base = min(times["C query, float32 rays"])
+for name, t in times.items():
+    print(json.dumps({"kind": "call", "call": name, "least": min(t), "median": float(np.median(t)), "over_C": min(t) / base}))

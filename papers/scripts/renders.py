@@ -14,7 +14,7 @@ import tempfile
 import zipfile
 import zlib
 
-from results import Problem
+from draw import Problem
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 # Picture: scene and options of cellwalk render; or the output of the README's command that makes it.

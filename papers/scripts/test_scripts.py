@@ -1,38 +1,34 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the scripts, on small made-up results: what tables say, what wrong input gives, and that --check notices an
-edited figure."""
+"""Tests of the scripts, on small made-up results: what blocks say, what wrong input gives, and that --check notices an edited figure."""
 
 import contextlib
 import io
 import json
 import os
 import struct
+import subprocess
 import sys
 import tempfile
 import unittest
 import zlib
-from unittest import mock
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
 import beside_pbrt
-import blocks_accuracy
-import blocks_scenes
-import blocks_speed
-import blocks_stability
-import blocks_tradeoff
+import draw
 import links
-import markdown
-import names
-import pictures
 import prose
 import renders
-import results
-import tables
 
-RUN = {"kind": "run", "command": "micro", "cpu": "Abacus", "isa": "avx2", "compiler": "GNU 12", "build_type": "Release",
-       "commit": "abc", "seed": 1, "load": 0.5, "date": "2026-01-02T03:04:05Z", "embree": "3.13.5", "embree_assertions": True}
+RUN = {"kind": "run", "command": "measure", "arguments": "measure x", "cpu": "Abacus", "isa": "avx2", "commit": "abc", "load": 0.5,
+       "date": "2026-01-02T03:04:05Z"}
+
+
+def line(contender, seconds, field="65", item="ao", converged=True, **more):
+    group = contender.rsplit(":w", 1)[0]
+    return {"kind": "result", "workload": f"{field}/{item}", "isa": "avx2", "field": field, "item": item, "contender": contender,
+            "group": group, "line": 1, "items": 100, "seconds_median": seconds, "per_second": 100 / seconds, "converged": converged, **more}
 
 
 class Folder(unittest.TestCase):
@@ -49,268 +45,75 @@ class Folder(unittest.TestCase):
             file.write(text)
         return self.path(name)
 
-    def results(self, *lines, name="data.json", run=None):
-        path = self.write(name, "".join(json.dumps(line) + "\n" for line in (run or RUN, *lines)))
-        return results.Results(path)
-
     def fails(self, text, call, *arguments):
-        with self.assertRaises(results.Problem) as caught:
+        with self.assertRaises(draw.Problem) as caught:
             call(*arguments)
         self.assertIn(text, str(caught.exception))
 
+    def data(self, *lines, run=RUN):
+        self.write("papers/data/a.jsonl", "".join(json.dumps(one) + "\n" for one in (run, *lines)))
+        return draw.Data(self.path("papers/data"))
 
-def speed(field, rays, contender, mrays, threads=1):
-    return {"kind": "result", "field": field, "rays": rays, "contender": contender, "threads": threads, "mrays_per_s": mrays,
-            "seconds_min": 1 / mrays}
 
+class Blocks(Folder):
+    LINES = (line("default", 2), line("embree:w4", 6), line("embree:w8", 5), line("default", 3, field="257"),
+             line("embree:w8", 9, field="257", converged=False))
 
-class ReadingResults(Folder):
-    def test_names_file_line_and_key(self):
-        read = self.results({"kind": "result", "field": "65", "mrays_per_s": "fast"})
-        line = read.of("result")[0]
-        self.fails('data.json:2: has no key "rays"', line.text, "rays")
-        self.fails('data.json:2: "mrays_per_s" is "fast"; want a number', line.number, "mrays_per_s")
-        self.fails('data.json:2: "field" is "65"; want a number', line.number, "field")
-        self.assertEqual(line.number("absent", 7), 7)
+    def test_ratios_take_the_fastest_width_and_leave_out_what_has_not_converged(self):
+        query = 'file=a rows=item cols=field value="faster()" '
+        self.assertIn("| ambient occlusion | 2.5 | n. c. |", draw.made("table", query, self.data(*self.LINES)))
+        provisional = self.data(*self.LINES, run={**RUN, "provisional": True})
+        self.assertIn("| ambient occlusion | 2.5 | ~3.0 |", draw.made("table", query, provisional))
+        self.assertEqual(draw.made("text", "file=a\nLowest {named(min(ratios()))}, mean {digits(mean(ratios()))}.", self.data(*self.LINES)),
+                         "Lowest 2.5 (ambient occlusion, 65²), mean 2.5.\n")
+
+    def test_a_pair_is_of_one_line_of_the_plan(self):
+        data = self.data(line("default", 1, line=0), line("default", 2), line("embree:w8", 8))
+        self.assertEqual(draw.made("text", "file=a\n{digits(faster())}", data), "4.0\n")
+
+    def test_lists_add_up_and_columns_have_titles(self):
+        data = self.data({"kind": "x", "by": "a", "n": 1200}, {"kind": "x", "by": "a", "n": 34}, {"kind": "y"})
+        query = """file=a where="kind == '{}'" group=by cols="by|by; n|grouped(n)" """
+        self.assertEqual(draw.made("list", query.format("x"), data), "| by | n |\n|---|--:|\n| a | 1 234 |\n")
+        self.fails("no line of a.jsonl has", draw.made, "list", query.format("z"), data)
+
+    def test_numbers(self):
+        for number, text in ((0, "0"), (0.0123, "0.012"), (1, "1.0"), (5.88, "5.9"), (167, "170"), (12345, "12 000"), (1e-7, "1e-07")):
+            self.assertEqual(draw.digits(number), text)
+        self.assertEqual([draw.dur(s) for s in (3.2e-5, 0.0081, 12)], ["32 µs", "8.1 ms", "12 s"])
+        self.assertIsNone((draw.Number(1) / draw.Number.of(2, {"sure": None})).sure)
 
     def test_wrong_files(self):
-        self.fails("is not JSON", results.Results, self.write("a.json", json.dumps(RUN) + "\n{nonsense\n"))
-        self.fails("b.json:1: not results", results.Results, self.write("b.json", '{"kind":"result"}\n'))
-        self.fails("c.json:2: is not a JSON object", results.Results, self.write("c.json", json.dumps(RUN) + "\n[1]\n"))
-        self.fails("none.json: No such file", results.Results, self.path("none.json"))
-        self.fails("empty.json:1: not results", results.Results, self.write("empty.json", ""))
-
-
-class Markdown(Folder):
-    def test_tables_and_numbers(self):
-        self.assertEqual(markdown.table(["", "n"], [["a", 1], ["b", ""]]), "| | n |\n|---|--:|\n| a | 1 |\n| b | |\n")
-        self.assertEqual([markdown.grouped(1234567), markdown.three(0.1284), markdown.three(999.7), markdown.three(51172)],
-                         ["1 234 567", "0.128", "1 000", "51 200"])
-        self.assertEqual([markdown.listed("abc"), markdown.listed({"a": 1})], ["a, b and c", "a"])
-        self.assertEqual([markdown.duration(0.0000347), markdown.duration(0.134), markdown.duration(105.2)],
-                         ["34.7 µs", "134 ms", "105 s"])
-        self.assertEqual([markdown.ratio(3, 2), markdown.ratio(3, 0), markdown.ratio(None, 1)], ["1.50", "", ""])
-
-    def test_pages(self):
-        page = markdown.Page(self.write("page.md", "top\n<!-- begin:x -->\nold\n<!-- end:x -->\nend\n"))
-        self.assertEqual(page.names(), ["x"])
-        self.assertIsNone(page.difference("x", "old\n"))
-        self.assertEqual(page.difference("x", "new\n"), (3, "old", "new"))
-        self.assertEqual(page.difference("x", "old\nmore\n"), (4, "", "more"))
-        page.put("x", "new\n")
-        page.save()
-        self.assertEqual(markdown.Page(page.path).text, "top\n<!-- begin:x -->\nnew\n<!-- end:x -->\nend\n")
-        self.fails("has 0 lines <!-- begin:y -->", page.span, "y")
-        self.fails("stands before", markdown.Page(self.write("b.md", "<!-- end:x -->\n<!-- begin:x -->\n")).span, "x")
-
-
-class Speeds(Folder):
-    def test_own_kernel_over_the_fastest_width(self):
-        read = self.results(
-            {"kind": "field", "field": "65", "default_kernel": "pyramid8"},
-            speed("65", "ao", "pyramid8/watertight", 8, threads=2), speed("65", "ao", "pyramid8/watertight", 6),
-            speed("65", "ao", "pyramid8x2/watertight", 9), speed("65", "ao", "embree/triangles/w1", 2),
-            speed("65", "ao", "embree/triangles/w8", 3), speed("65", "ao", "embree/triangles-robust/w8", 100))
-        self.assertEqual(blocks_speed.over_embree(read, "65", "ao"), 2)
-        self.assertEqual(blocks_speed.over_embree(read, "65", "primary"), 0)
-        self.assertEqual(blocks_speed.micro(read).splitlines()[-1], "| ao | 9 `pyramid8x2` |")
-
-    def test_the_lowest_is_the_lowest_of_all_fields(self):
-        of = {("65", "ao"): 0.5, ("257", "ao"): 2, ("sea-calm", "ao"): 4}
-        lines = [{"kind": "field", "field": field, "default_kernel": "k"} for field, _ in of]
-        for (field, rays), value in of.items():
-            lines += [speed(field, rays, "k/w", value), speed(field, rays, "embree/triangles/w8", 1)]
-        self.results(*lines, name="speed-avx2.json")
-        self.results(name="building.json")
-        text = blocks_speed.summary(results.Data(self.folder.name))
-        self.assertIn("1.59 times that of Embree 3.13.5 (Debian's build, with assertions) with AVX2", text)
-        self.assertIn("Lowest of all: 0.50 (ambient occlusion, 65²). Highest: 4.00 (ambient occlusion, calm sea).", text)
-        self.assertIn("Embree is faster in 1 of 3 cases", text)
-
-    def test_afar(self):
-        text = blocks_speed.afar(self.results(speed("65", "random", "k/w", 10), speed("65", "random+5", "k/w", 8)))
-        self.assertIn("| field | 0 | 5 |", text)
-        self.assertIn("| 65² | 10 | 8 (1.25) |", text)
-        self.assertIn("at most 1.25 (65², 5)", text)
-
-    def test_classes_that_older_results_lack(self):
-        self.assertEqual(names.classes(self.results(speed("65", "random", "k/w", 1), speed("65", "ao", "k/w", 1))), ["ao", "random"])
-
-    def test_threads(self):
-        self.results(speed("65", "ao", "k/w", 10), speed("65", "ao", "k/w", 19, threads=2), name="threads.json",
-                     run={**RUN, "cpus": 2})
-        self.assertIn("| 2 | ao | 1.90 |", blocks_speed.threads(results.Data(self.folder.name)))
-
-
-class Accuracy(Folder):
-    def line(self, mode, rays, wrong, off, kernel="k"):
-        zero = {f"{key}_per_million": 0 for key in ("leaks", "phantoms", "wrong", "broken")}
-        spread = {f"{key}_{of}": off for key in blocks_accuracy.ERRORS for of in ("median", "worst")}
-        return {"kind": "result", "contender": f"{mode}/{kernel}", "mode": mode, "kernel": kernel, "field": "65", "rays": rays,
-                **zero, **spread, "leaks_per_million": wrong}
-
-    def test_means_and_the_best_of_each_mode(self):
-        lines = []
-        for mode, kernel, wrong in (("exact", "k", 0), ("embree", "w4", 100), ("embree", "w8", 90)):
-            lines += [self.line(mode, "ao", wrong, 1e-4, kernel), self.line(mode, "edges", 3 * wrong, 1e-4, kernel)]
-        lines.append(self.line("part", "ao", 0, 1e-4))
-        read = self.results(*lines, run={**RUN, "rays_a_class": 8})
-        best = blocks_accuracy.best_of_modes(blocks_accuracy.summaries(read))
-        self.assertEqual({mode: s.kernel for mode, s in best.items()}, {"exact": "k", "embree": "w8"})  # part: not everywhere
-        self.assertEqual((best["embree"].ordinary, best["embree"].aimed, best["embree"].wrong), (90, 270, 180))
-        self.assertIn("| embree | 90 | 0 | 0 | 270 |", blocks_accuracy.errors(read))
-
-    def test_the_summary_is_about_the_default_kernel(self):
-        def lines(kernel, aimed):
-            return [self.line("strict", rays, aimed, 1, kernel) for rays in ("ao", "edges")]
-        self.results(*lines("fast", 5), *lines("k", 2), name=blocks_accuracy.FILE, run={**RUN, "rays_a_class": 8})
-        data = results.Data(self.folder.name)
-        self.fails("no result of the default kernel", blocks_accuracy.accuracy, data)
-        self.results({"kind": "field", "field": "1025", "default_kernel": "k"}, name="speed-avx2.json")
-        self.assertIn("edges: 2 for the default kernel. Each traced 8 rays.",
-                      blocks_accuracy.accuracy(results.Data(self.folder.name)))
-
-    def test_from_afar_t_tells_no_place_and_short_rays_are_for_precision(self):
-        read = self.results(self.line("exact", "ao", 0, 1e-4), self.line("exact", "afar", 0, 1), self.line("exact", "within-2", 5, 9))
-        (exact,) = blocks_accuracy.summaries(read)
-        self.assertEqual((exact.worst["off_cells"], exact.ordinary, exact.partial), (1e-4, 0, False))
-
-
-class Tradeoff(Folder):
-    def surface(self, asked, got):
-        return {"kind": "coarser", "field": "65", "filter": "mean", "factor": 2, "above": asked, "got_above": got, "below": 0,
-                "got_below": 0, "rms": 1, "got_rms": 1}
-
-    def test_a_broken_promise_is_an_error(self):
-        self.assertIn("| 65² | mean | 2 | 0.5 / 0.4 |", blocks_tradeoff.promises(self.results(self.surface(0.5, 0.4))))
-        self.fails("factor 2: the surface is farther off than promised", blocks_tradeoff.promises,
-                   self.results(self.surface(0.5, 0.6)))
-
-    def test_views_stand_beside_strict_and_embrees_fastest_width(self):
-        def line(contender, factor, mrays):
-            return {"kind": "rays", "field": "65", "contender": contender, "factor": factor, "mrays_per_s": mrays, "t_median": 0.02,
-                    "t_99": 1e-7, "cells_median": 1, "differ_per_million": 3}
-        read = self.results(line("strict", 1, 10), line("coarser", 2, 25), line("embree", 0, 4), line("embree", 0, 5),
-                            run={**RUN, "ray_count": 8})
-        text = blocks_tradeoff.view_trade(read)
-        self.assertIn("| | coarser 2 | 25 | 2.50 | 2 % | 1.0e-07 | 1 | 3 |", text)
-        self.assertIn("| | Embree | 5 | 0.50 |", text)
-
-    def test_pictures_stand_by_resolution(self):
-        def line(samples, factor, rmse):
-            return {"kind": "picture", "field": "65", "samples_a_pixel": samples, "factor": factor, "rmse": rmse,
-                    "seconds": 0.002}
-        text = blocks_tradeoff.picture_trade(self.results(line(1, 2, 0.3), line(1, 1, 0.1)))
-        self.assertIn("| samples a pixel | full | coarser 2 |", text)
-        self.assertIn("| 1 | 0.1 / 2 ms | 0.3 / 2 ms |", text)
-
-    def test_the_help_is_a_string_of_short_lines(self):
-        text = blocks_tradeoff.c_text("NAME", "word " * 40)
-        self.assertTrue(text.startswith('#define NAME \\\n    "word word'))
-        self.assertTrue(text.endswith('word\\n"\n'))
-        self.assertTrue(all(len(line) < 90 for line in text.split("\n")))
-
-
-class Stability(Folder):
-    def part(self, name, first, end, **counts):
-        line = {"kind": "result", "contender": "k/watertight", "role": "reference", "rays": "vertex", "traced": 10, "hits": 10,
-                "pass": 10, "leaks": 0, "phantoms": 0, "sampled": 2, "residual": 0.5, "apart": 0.1, "t_error": 0.2,
-                "other_bits": 0, "verdicts": {"right": 2, "tie": 0, "wrong_surface": 0}, "t_error_ulp": [1, 1], **counts}
-        run = {**RUN, "command": "stability", "part": 1, "parts": 1, "first": first, "end": end, "sample": 5, "seconds": 1}
-        return self.results(line, name=name, run=run)
-
-    def test_parts_add_up_and_never_twice(self):
-        a, b = self.part("a.json", 0, 4, residual=0.9), self.part("b.json", 4, 8, leaks=1)
-        text = blocks_stability.stability([a, b])
-        self.assertIn("| `k` | 20 | 20 | 1 | 0 | 4 | 0 |", text)
-        self.assertIn("| at a sample | 0.90 | 0.10 | 0.20 | 0.5 | 50 000 |", text)
-        self.fails("c.json:1: batches 2 to 3 are also in", blocks_stability.stability, [a, self.part("c.json", 2, 3)])
-        self.fails('"rays" is "odd", an unknown class', blocks_stability.stability, [self.part("d.json", 0, 1, rays="odd")])
-
-    def test_says_whether_the_default_kernel_took_part(self):
-        a = self.part("a.json", 0, 4)
-        self.assertNotIn("default", blocks_stability.stability([a], "k"))
-        self.assertIn("another default kernel, `other`. It took no part", blocks_stability.stability([a], "other"))
-
-    def test_files_without_commit_say_so(self):
-        line = {"kind": "stress", "rays": "ao", "traced": 1, "hits": 1, "answers": 1, "other_bits": 0}
-        text = blocks_stability.stress(self.results(line, run={"kind": "run", "command": "stress"}))
-        self.assertIn("records neither commit nor machine", text)
-        run = {"kind": "run", "command": "stress", "commit": "abc", "date": "2026-01-02T03:04:05Z"}
-        self.assertIn("Commit abc, 2026-01-02", blocks_stability.stress(self.results(line, run=run)))
-
-    def test_extremes_count_what_is_not_as_expected(self):
-        line = {"kind": "extreme", "item": "spikes", "expected": "a hit", "kernel": "k", "leaf": "watertight", "asked": 10,
-                "as_expected": 9, "slipped": 0, "parallel": 0}
-        self.assertIn("10 answers, **1** not as expected", blocks_stability.extremes(self.results(line)))
-        self.fails("is excused", blocks_stability.extremes, self.results({**line, "slipped": 1}))
+        self.write("papers/data/b.jsonl", "{}\n")
+        self.write("papers/data/c.jsonl", json.dumps(RUN) + "\n{\n")
+        data = draw.Data(self.path("papers/data"))
+        self.fails("results begin with", data.__getitem__, "b")
+        self.fails("c.jsonl:2: is not JSON", data.__getitem__, "c")
+        self.fails("No such file", data.__getitem__, "d")
 
 
 class Checking(Folder):
-    """tables.py as it is called, on a page with one table."""
+    def run_draw(self, *words):
+        return subprocess.run([sys.executable, "-B", draw.__file__, "--root", self.folder.name, "--only", "text", *words],
+                              capture_output=True, text=True)
 
-    def setUp(self):
-        super().setUp()
-        self.results(speed("65", "ao", "k/w", 10), speed("65", "ao", "k/w", 19, threads=2), name="papers/data/threads.json",
-                     run={**RUN, "cpus": 2})
-        self.write("README.md", "intro\n<!-- begin:install -->\nsh\n<!-- end:install -->\n")
-        self.write("papers/page.md", "text\n<!-- begin:threads -->\n<!-- end:threads -->\n")
-
-    def call(self, *arguments):
-        out = io.StringIO()
-        with mock.patch.object(tables, "BLOCKS", {"threads": blocks_speed.threads}), \
-                mock.patch.object(tables, "FILES", {}), contextlib.redirect_stdout(out), \
-                mock.patch.object(sys, "argv", ["tables.py", "--root", self.folder.name, *arguments]):
-            tables.main()
-        return out.getvalue()
-
-    def test_check_agrees_then_notices_an_edited_figure(self):
-        self.call()
-        self.assertEqual(self.call("--check"), "")
-        page = self.path("papers/page.md")
+    def test_check_agrees_then_notices_an_edited_figure_and_unused_data(self):
+        self.data(*Blocks.LINES)
+        self.write("README.md", "")
+        page = self.write("papers/page.md", '<!-- table file=a rows=item cols=field value="faster()" -->\n<!-- end -->\n')
+        self.assertEqual(self.run_draw().returncode, 0)
+        self.assertEqual(self.run_draw("--check").returncode, 0)
         with open(page, encoding="utf-8") as file:
             text = file.read()
-        self.write("papers/page.md", text.replace("1.90", "2.90"))
-        out = io.StringIO()
-        with contextlib.redirect_stdout(out), self.assertRaises(results.Problem):
-            tables.check([(markdown.Page(page), "threads", text.split("-->\n")[1].split("<!--")[0])], self.folder.name)
-        self.assertIn("papers/page.md:7: threads is not what the data give\n"
-                      "  page: | 2 | ao | 2.90 |\n  data: | 2 | ao | 1.90 |", out.getvalue())
-        self.fails("1 tables are out of date", self.call, "--check")
-
-    def test_a_misspelt_or_lost_block(self):
-        self.write("papers/page.md", "<!-- begin:thread -->\n<!-- end:thread -->\n")
-        self.fails("there is no table thread", self.call, "--check")
-        self.write("papers/page.md", "nothing\n")
-        self.fails("no page has the table threads", self.call, "--check")
-
-    def test_an_own_run_goes_into_a_page(self):
-        data = self.results(speed("65", "ao", "k/w", 10), name="own.json").path
-        page = self.write("own.md", "<!-- begin:micro -->\n<!-- end:micro -->\n")
-        self.call("--data", data, "--into", page)
-        self.assertIn("| ao | 10 `k` |", markdown.Page(page).text)
-        self.assertIn("| ao | 10 `k` |", self.call("--data", data))
-        self.fails("there is no table of these", self.call, "--data", self.results(run={**RUN, "command": "odd"}).path)
-
-
-class Pictures(Folder):
-    def test_check_notices_an_edited_picture(self):
-        if pictures.matplotlib is None:
-            self.skipTest("matplotlib is missing")
-        with mock.patch.object(pictures, "load", lambda: {"a": lambda data: "figure"}), \
-                mock.patch.object(pictures, "svg", lambda name, figure: version + "<b/>\n"):
-            version = f"<Matplotlib v{pictures.matplotlib.__version__}>\n"
-            self.write("a.svg", version + "<b/>\n")
-            self.assertEqual(pictures.check(self.folder.name, None), 0)
-            self.write("a.svg", version + "<c/>\n")
-            self.fails("a.svg:2: is not what the data give", pictures.check, self.folder.name, None)
-            self.write("b.svg", version)
-            self.fails("b.svg: is none that pictures.py draws", pictures.check, self.folder.name, None)
-
-    def test_another_version_is_skipped(self):
-        self.write("a.svg", "Matplotlib v0.0.1\n")
-        with contextlib.redirect_stdout(io.StringIO()):
-            self.assertEqual(pictures.check(self.folder.name, None), pictures.SKIPPED)
+        self.write("papers/page.md", text.replace("2.5", "2.6"))
+        done = self.run_draw("--check")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("page.md:4: not what the data give", done.stdout)
+        self.write("papers/page.md", text.replace("faster()", "slower()"))
+        self.assertIn("page.md:1: NameError", self.run_draw("--check").stderr)
+        self.write("papers/page.md", text)
+        self.write("papers/data/other.jsonl", json.dumps(RUN) + "\n")
+        self.assertIn("other.jsonl: no page uses this", self.run_draw("--check").stderr)
 
 
 class Layout(Folder):
@@ -318,10 +121,11 @@ class Layout(Folder):
 
     def setUp(self):
         super().setUp()
-        if pictures.matplotlib is None:
+        try:
+            import charts  # noqa: F401 (its settings)
+            import layout
+        except ImportError:
             self.skipTest("matplotlib is missing")
-        pictures.load()
-        import layout
         from matplotlib import pyplot
         self.layout = layout
         self.figure, self.axes = pyplot.subplots(figsize=(4, 3))
@@ -366,7 +170,7 @@ class Layout(Folder):
             self.axes.plot(*point, "o")
         self.layout.label_points(self.axes, [(f"label {k}", point, "black") for k, point in enumerate(points)], fontsize=8)
         self.finds()
-        with self.assertRaisesRegex(results.Problem, "no free place"):
+        with self.assertRaisesRegex(draw.Problem, "no free place"):
             self.layout.label_points(self.axes, [("wide " * 40, (2, 2), "black")])
 
     def test_limits_hold_the_values(self):
@@ -432,30 +236,6 @@ class BesidePbrt(Folder):
                              f'Film "image" "string filename" ["b.exr"] "integer xresolution" [{x}] '
                              f'"integer yresolution" [{y}]\nCamera "perspective"\n')
         self.fails("2 films", beside_pbrt.with_film, self.SCENE * 2, False, "b.exr")
-
-    def test_table(self):
-        line = {"kind": "scene", "scene": "sea", "rounds": 9, "pbrt_seconds": 4.0, "pbrt_pixel_seconds": 1.0,
-                "pbrt_mib": 700.4, "cellwalk_seconds": 0.25, "cellwalk_pixel_seconds": 0.05, "cellwalk_mib": 20.0}
-        name = "scenes/pbrt.json"
-        self.results(line, line | {"scene": "land", "pbrt_seconds": 1.0}, name=name, run=RUN | {"pbrt": "built so"})
-        text = blocks_scenes.pbrt(results.Data(self.folder.name))
-        self.assertIn("| sea | 4.00 | 0.250 | 16.0 | 1.00 | 0.050 | 700 | 20 |", text)
-        self.assertIn("pbrt-v2: built so.", text)
-        self.assertIn("Geometric mean of the ratios: 8.0.", text)
-        self.assertIn("8.0 times the speed of pbrt-v2, geometric mean over 2 scenes, from 4.0 to 16.0",
-                      blocks_scenes.beside_pbrt(results.Data(self.folder.name)))
-
-    def test_column_beside_the_scenes(self):
-        path = {"path": "auto-phong", "title": "cellwalk, Phong", "by": "cell/watertight", "seconds_median": 0.5,
-                "time_to_default": 0.8, "trace_mrays_per_s": 40.0}
-        lines = [{"kind": "scene", "scene": name, "paths": [path]} for name in ("sea", "land")]
-        self.assertIn("| sea | 0.500 (0.80) |", blocks_scenes.times(self.results(*lines)))
-        lines[0]["pbrt_ratio"] = 16.04
-        text = blocks_scenes.times(self.results(RUN | {"kind": "pbrt", "pbrt": "built so"}, *lines))
-        self.assertIn("| scene | pbrt-v2 | cellwalk, Phong |", text)
-        self.assertIn("| sea | 16.0 x | 0.500 (0.80) |", text)
-        self.assertIn("| land | | 0.500 (0.80) |", text)
-        self.assertIn("another run: Abacus, avx2, commit abc", text)
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What choices of speed gain and cost, for the help of commands. papers/scripts/tables.py writes this file. */
+/* What choices of speed gain and cost, for the help of commands. The figures are those of papers/tradeoff.md, of commit dcb5604a15. */
 /* clang-format off */
 #ifndef CELLWALK_TOOL_OPTIONS_TRADE_H
 #define CELLWALK_TOOL_OPTIONS_TRADE_H

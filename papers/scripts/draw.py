@@ -1,0 +1,433 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Tables, sentences and charts of README.md and papers/*.md from the results in papers/data. A block in a page is its own query:
+
+<!-- table file=release where="isa == 'avx512'" rows=item cols=field value="faster('embree', 'default')" --> … <!-- end -->
+<!-- list file=terrain where="kind == 'time'" cols="program|program; side|side; seconds|dur(wall_seconds)" --> … <!-- end -->
+<!-- text file=release
+Sentences with {expressions} in braces. --> … <!-- end -->
+<!-- chart speed-1025 kind=bars file=release … -->        draws pictures/speed-1025.svg (charts.py)
+
+Expressions are Python. where and the columns of a list see a result's members, value and text the functions of Rows. A figure that has
+not converged is written "n. c." (of a file whose run says "provisional": after "~"). The same results give the same text."""
+
+import argparse
+import json
+import math
+import os
+import re
+import shlex
+import sys
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+SKIPPED = 77  # exit status of --check where charts cannot be compared
+BLOCK = re.compile(r"(<!-- (table|list|text|files) (.*?)-->\n)(.*?)(<!-- end -->)", re.DOTALL)
+CHART = re.compile(r"<!-- chart (.*?)-->", re.DOTALL)
+CLASSES = ("primary", "shadow", "ao", "bounce", "random", "grazing", "afar")
+LANDS = ("65", "257", "1025", "4097", "8193", "sea-calm", "sea-rough")
+ITEMS = {"ao": "ambient occlusion", "afar": "from afar", "within-2": "from within 2 cells"}
+FIELDS = {"sea-calm": "calm sea", "sea-rough": "rough sea", "jacksboro": "Jacksboro", "jacksboro-4": "Jacksboro, 4 × as fine"}
+ISAS = {"avx512": "AVX-512", "avx2": "AVX2", "sse4.2": "SSE4.2", "scalar": "no vector instructions"}
+
+
+sys.modules.setdefault("draw", sys.modules[__name__])  # for charts.py, if this is the program
+
+
+class Problem(Exception):
+    """What is wrong, for the user."""
+
+
+class Number(float):
+    """A figure; sure is None if it has not converged, and False if it is provisional. item names what it is of."""
+    sure, item = True, ""
+
+    @staticmethod
+    def of(value, *lines, item=""):
+        number = Number(value)
+        number.item = item
+        number.sure = min((line.get("sure", True) for line in lines), default=True, key=lambda sure: (sure is not None, bool(sure)))
+        return number
+
+    def _with(self, value, *others):
+        number = Number(value)
+        of = [self, *(other for other in others if isinstance(other, Number))]
+        number.sure = None if any(n.sure is None for n in of) else all(n.sure for n in of)
+        number.item = self.item
+        return number
+
+    def __truediv__(self, other):
+        return self._with(float(self) / other, other)
+
+    def __rtruediv__(self, other):
+        return self._with(other / float(self))
+
+    def __mul__(self, other):
+        return self._with(float(self) * other, other)
+
+    def written(self, text):
+        return "n. c." if self.sure is None else text if self.sure else "~" + text
+
+
+def mark(number, text):
+    return number.written(text) if isinstance(number, Number) else text
+
+
+# ---- how numbers are written ----
+
+def grouped(number):
+    return f"{int(number):,}".replace(",", " ")
+
+
+def digits(number, count=2):
+    """So many significant digits, and no exponent from 1000 on."""
+    if number is None:
+        return ""
+    text = grouped(float(f"{number:.{count}g}")) if abs(number) >= 999.5 else f"{float(f'{number:.{count}g}'):g}"
+    if "e" not in text and " " not in text and abs(number) >= 0.1 and len(re.sub(r"[-.]|^0\.", "", text)) < count:
+        text = f"{number:.{max(0, count - 1 - math.floor(math.log10(abs(number))))}f}"
+    return mark(number, text)
+
+
+def three(number):
+    return digits(number, 3)
+
+
+def dur(seconds, count=2):
+    scale, unit = (1, "s") if seconds >= 1 else (1e3, "ms") if seconds >= 1e-3 else (1e6, "µs")
+    return mark(seconds, f"{float(f'{seconds * scale:.{count}g}'):g} {unit}")
+
+
+def share(value):
+    return mark(value, f"{100 * value:.2g} %")
+
+
+def name(text):
+    """What pages call a field or a class of rays."""
+    text = str(text)
+    return FIELDS.get(text) or ITEMS.get(text) or (f"{text}²" if text.isdigit() and (int(text) - 1) & (int(text) - 2) == 0 else text.replace("x", " × ") if re.fullmatch(
+        r"\d+x\d+", text) else text)
+
+
+def ordinal(number):
+    return number + {"2": "nd"}.get(number, "th")
+
+
+def table(head, rows):
+    align = ["r" if all(re.match(r"^(~?[-−<≤≥]?[\d.]|n\. c\.|–|$)", str(row[k])) for row in rows) and k else "l" for k in range(len(head))]
+    lines = [head, None, *rows]
+    return "".join("|" + "".join("---|" if a == "l" else "--:|" for a in align) + "\n" if line is None else
+                   "|" + "".join(f" {cell} |" if str(cell) != "" else " |" for cell in line) + "\n" for line in lines)
+
+
+# ---- results ----
+
+class Rows(list):
+    """Lines of results, and what text and values ask of them."""
+
+    def where(self, test):
+        code = compile(test, test, "eval")
+        return Rows(line for line in self if _holds(code, line))
+
+    def best(self, contender, **members):
+        """The contender's line, of several packet widths the fastest; of several lines of the plan the first. None if it was left out."""
+        found = [line for line in self if contender in (line.get("contender"), line.get("group")) and "left_out" not in line and
+                 all(line.get(key) == value for key, value in members.items())]
+        first = min((line.get("line", 0) for line in found), default=0)
+        return min((line for line in found if line.get("line", 0) == first), key=lambda line: line.get("seconds_median", 0), default=None)
+
+    def faster(self, a="embree", b="default", **members):
+        """How many times as long a takes as b, measured in turns; None if they were not."""
+        for line in sorted({line.get("line", 0) for line in self if "seconds_median" in line}):
+            pair = [self.best(name, line=line, **members) for name in (a, b)]
+            if all(pair) and all("seconds_median" in of for of in pair):
+                above, below = (of["seconds_median"] / of.get("items", 1) for of in pair)
+                return Number.of(above / below, *pair, item=f"{name(pair[0]['item'])}, {name(pair[0]['field'])}")
+        return None
+
+    def ratios(self, a="embree", b="default", **members):
+        """faster() for each workload that both have."""
+        works = dict.fromkeys((line.get("workload"), line.get("isa")) for line in self)
+        found = [self.faster(a, b, **{"workload": work, "isa": isa, **members}) for work, isa in works if isa == members.get("isa", isa)]
+        return [number for number in found if number is not None]
+
+    def timed(self, isa):
+        """The cases that the headline is of: seven classes of rays on seven fields."""
+        return Rows(line for line in self if line.get("item") in CLASSES and line.get("field") in LANDS).ratios(isa=isa)
+
+    def value(self, contender, key, **members):
+        line = self.best(contender, **members)
+        return None if line is None or line.get(key) is None else Number.of(line[key], line if key.startswith(("s", "per_s")) else {})
+
+    def rate(self, contender, **members):
+        """Millions of items a second."""
+        line = self.best(contender, **members)
+        return None if line is None or "per_second" not in line else Number.of(line["per_second"] / 1e6, line)
+
+    def distinct(self, key):
+        return list(dict.fromkeys(line[key] for line in self if key in line))
+
+
+def _holds(code, line):
+    try:
+        return bool(eval(code, {"__builtins__": {}}, Names(line)))
+    except TypeError:
+        return False
+
+
+class Names(dict):
+    """Members of a line; one that it has not is None."""
+    def __missing__(self, key):
+        if key.rstrip("_") in self:  # class_ and pass_, which Python's own words are
+            return self[key.rstrip("_")]
+        if key in HELPERS:
+            return HELPERS[key]
+        return None
+
+
+def mean(numbers):
+    """The geometric mean. It is as sure as the most doubtful of them."""
+    numbers = [number for number in numbers if number.sure is not None]
+    result = Number(math.exp(sum(map(math.log, numbers)) / len(numbers)))
+    result.sure = all(number.sure for number in numbers)
+    return result
+
+
+def named(number):
+    return f"{digits(number)} ({number.item})"
+
+
+HELPERS = {"digits": digits, "two": digits, "three": three, "dur": dur, "share": share, "name": name, "grouped": grouped, "mean": mean,
+           "named": named, "min": min, "max": max, "sum": sum, "len": len, "round": round, "abs": abs, "sorted": sorted, "str": str,
+           "int": int, "float": float, "ISAS": ISAS, "Number": Number, "log10": math.log10, "any": any, "all": all, "CLASSES": CLASSES, "LANDS": LANDS}
+
+
+def members_of(line, run):
+    """sure: True, False if provisional, None if it may not be quoted."""
+    if "converged" in line:
+        line["sure"] = True if line["converged"] else False if run.get("provisional") else None
+    return line
+
+
+class Data:
+    """Files of papers/data, read once. The first line is the run."""
+
+    def __init__(self, folder):
+        self.folder, self.files, self.used, self.listing = folder, {}, set(), False
+
+    def __getitem__(self, file):
+        path = os.path.join(self.folder, file + ".jsonl")
+        path = path if os.path.exists(path) else path[:-1]
+        if not self.listing:
+            self.used.add(os.path.relpath(path, self.folder))
+        if file not in self.files:
+            lines = []
+            try:
+                with open(path, encoding="utf-8") as text:
+                    for number, line in enumerate(text, 1):
+                        try:
+                            lines.append(json.loads(line))
+                        except json.JSONDecodeError as error:
+                            raise Problem(f"{path}:{number}: is not JSON: {error.msg}") from None
+            except OSError as error:
+                raise Problem(f"{path}: {error.strerror}") from None
+            if not lines or lines[0].get("kind") != "run":
+                raise Problem(f'{path}:1: results begin with an object of kind "run"')
+            self.files[file] = lines[0], Rows(members_of(line, lines[0]) for line in lines[1:])
+        return self.files[file]
+
+
+    def there(self):
+        return sorted(os.path.relpath(os.path.join(at, file), self.folder) for at, _, files in os.walk(self.folder) for file in files)
+
+
+def run_text(run):
+    about = [run.get("cpu"), ISAS.get(run.get("isa"), run.get("isa")), "commit " + run["commit"] if run.get("commit") else None,
+             f"Embree {run['embree']}" + (" (compiled with assertions)" if run.get("embree_assertions") else "") if run.get("embree") else
+             None, f"load {run['load']:.2f}" if "load" in run else None, run.get("date", "")[:10]]
+    return ", ".join(text for text in about if text)
+
+
+# ---- blocks ----
+
+def attributes(text):
+    words = shlex.split(text)
+    return {key: value for key, _, value in (word.partition("=") for word in words)}
+
+
+def columns(text):
+    return [tuple(part.strip().split("|", 1)) for part in text.split(";")]
+
+
+def evaluate(code, rows, run):
+    scope = {**HELPERS, "run": run, "R": rows, "about": run_text(run),
+             **{method: getattr(rows, method) for method in ("best", "faster", "ratios", "value", "rate", "where", "distinct", "timed")}}
+    return eval(code, scope)
+
+
+def pivot(rows, run, a):
+    if "columns" in a:
+        pairs, body = columns(a["columns"]), []
+        for row in a["rows_order"].split(",") if "rows_order" in a else rows.distinct(a["rows"]):
+            group = Rows(line for line in rows if str(line.get(a["rows"])) == str(row))
+            cells = [evaluate(code, group, run) for _, code in pairs]
+            body.append([name(row), *("" if cell is None else cell if isinstance(cell, str) else digits(cell) for cell in cells)])
+        return table([a.get("head", ""), *(title for title, _ in pairs)], body)
+    values = {key: a.get(f"{key}_order", "").split(",") if a.get(f"{key}_order") else rows.distinct(a[key]) for key in ("rows", "cols")}
+    body = []
+    for row in values["rows"]:
+        cells = []
+        for column in values["cols"]:
+            group = Rows(line for line in rows if str(line.get(a["rows"])) == str(row) and str(line.get(a["cols"])) == str(column))
+            value = evaluate(a["value"], group, run) if group else None
+            cells.append("" if value is None else value if isinstance(value, str) else digits(value))
+        body.append([name(row), *cells])
+    return table([a.get("head", ""), *map(name, values["cols"])], body)
+
+
+def merged(rows, key):
+    """Lines with the same key as one, their numbers added."""
+    sums = {}
+    for line in rows:
+        of = sums.setdefault(line[key], {})
+        for member, value in line.items():
+            number = isinstance(value, (int, float)) and not isinstance(value, bool)
+            of[member] = of.get(member, 0) + value if number else merged_counts(of.get(member, {}), value) if isinstance(
+                value, dict) else value
+    return list(sums.values())
+
+
+def merged_counts(a, b):
+    return {key: a.get(key, 0) + value for key, value in b.items()}
+
+
+def listing(rows, a):
+    pairs = columns(a["cols"])
+    if "group" in a:
+        rows = merged(rows, a["group"])
+    if "sort" in a:
+        rows = sorted(rows, key=lambda line: eval(a["sort"], {"__builtins__": {}}, Names(line)))
+    body = []
+    for line in rows:
+        cells = [eval(code, {"__builtins__": {}}, Names(line)) for _, code in pairs]
+        body.append(["" if cell is None else digits(Number.of(cell, line)) if isinstance(cell, float) else cell for cell in cells])
+    return table([title for title, _ in pairs], body)
+
+
+def made(kind, query, data):
+    """The text of a block."""
+    if kind == "files":
+        return sources(data)
+    first, _, template = query.partition("\n") if kind == "text" else (query, "", "")
+    a = attributes(first)
+    found = [data[file] for file in a["file"].split(",")]
+    run, rows = found[0][0], Rows(line for _, lines in found for line in lines)
+    if "where" in a:
+        rows = rows.where(a["where"])
+    if not rows and kind != "text":
+        raise Problem(f'no line of {a["file"]}.jsonl has {a.get("where")}')
+    if kind == "text":
+        return re.sub(r"\{(.+?)\}", lambda m: str(evaluate(m[1], rows, run)), template.strip()) + "\n"
+    about = f"{run_text(run)}.\n\n" if "about" in a else ""
+    return about + (pivot(rows, run, a) if kind == "table" else listing(rows, a))
+
+
+def sources(data):
+    """A line a file, by whom, of which commit and when."""
+    body, data.listing = [], True
+    for file in data.there():
+        run = data[file.rsplit(".", 1)[0]][0]
+        made_by = f"cellwalk-bench {run['arguments']}" if run.get("command") == "measure" and not run.get("provisional") else run.get(
+            "command", "") + " " + str(run.get("arguments", ""))
+        load = f"{run['load']:.2f}" if "load" in run else ""
+        body.append([f"[{file}](data/{file})", made_by, run.get("isa", ""), run.get("commit", "not recorded"), load, run.get("date", "")[:10]])
+    data.listing = False
+    return table(["file", "made by", "up to", "commit", "load", "date"], body)
+
+
+def pages(root):
+    return [os.path.join(root, "README.md"), *sorted(os.path.join(root, "papers", page) for page in os.listdir(
+        os.path.join(root, "papers")) if page.endswith(".md"))]
+
+
+def fill(path, data):
+    """A page's text, and the same with all of its blocks made anew."""
+    with open(path, encoding="utf-8") as file:
+        text = file.read()
+
+    def replace(match):
+        try:
+            return match[1] + made(match[2], match[3], data) + match[5]
+        except Problem as problem:
+            raise Problem(f"{path}:{text.count(chr(10), 0, match.start()) + 1}: {problem}") from None
+        except Exception as error:  # whatever an expression does
+            raise Problem(f"{path}:{text.count(chr(10), 0, match.start()) + 1}: {type(error).__name__}: {error}") from error
+    return text, BLOCK.sub(replace, text)
+
+
+def charts_of(text):
+    for match in CHART.finditer(text):
+        first, _, rest = match[1].strip().partition(" ")
+        yield first, attributes(rest.replace("\n", " "))
+
+
+def draw(root, data, found, check):
+    """All charts; status."""
+    try:
+        import charts
+    except ImportError:
+        print("draw.py: charts are left out: they need matplotlib (Debian: python3-matplotlib)")
+        return SKIPPED
+    stale, folder = 0, os.path.join(root, "papers/pictures")
+    for chart, a in found:
+        run, rows = data[a["file"]]
+        path = os.path.join(folder, chart + ".svg")
+        text = charts.svg(chart, a, run, rows.where(a["where"]) if "where" in a else rows)
+        try:
+            with open(path, encoding="utf-8") as file:
+                have = file.read()
+        except OSError:
+            have = ""
+        if check and re.findall(r"Matplotlib v[\w.]+", have) != re.findall(r"Matplotlib v[\w.]+", text):
+            print("draw.py: charts are not compared: another version of matplotlib drew them")
+            return SKIPPED
+        if check and have != text:
+            print(f"{path}: is not what the data give")
+            stale += 1
+        elif have != text:
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(text)
+    return 1 if stale else 0
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--check", action="store_true", help="write nothing; fail if a page or chart has other figures")
+    parser.add_argument("--root", default=ROOT, help="where README.md and papers/ are")
+    parser.add_argument("--only", choices=["text", "charts"], help="pages or pictures alone")
+    o = parser.parse_args()
+    data, stale, found = Data(os.path.join(o.root, "papers/data")), 0, []
+    for path in pages(o.root):
+        old, new = fill(path, data)
+        found += charts_of(new)
+        if o.only == "charts" or old == new:
+            continue
+        if not o.check:
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(new)
+            continue
+        pairs = list(zip(old.split("\n"), new.split("\n"), strict=False))
+        number, (have, want) = next(((k, pair) for k, pair in enumerate(pairs, 1) if pair[0] != pair[1]), (0, ("", "")))
+        print(f"{path}:{number}: not what the data give\n  page: {have}\n  data: {want}")
+        stale += 1
+    status = draw(o.root, data, found, o.check) if o.only != "text" else 0
+    unused = set(data.there()) - data.used
+    if unused:
+        raise Problem(f"{data.folder}: {', '.join(sorted(unused))}: no page uses this")
+    return 1 if stale else status
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main())
+    except Problem as problem:
+        sys.exit(f"draw.py: {problem}")
