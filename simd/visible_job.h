@@ -8,7 +8,7 @@
 #ifndef CELLWALK_SIMD_VISIBLE_JOB_H
 #define CELLWALK_SIMD_VISIBLE_JOB_H
 
-#include "cellwalk.h"
+#include "cellwalk_expert.h"
 
 /* Eyes are walked from in groups of so many columns. A ray may read so many columns beyond the land: they are holes. Bounds are
  * made of 8 rows, and of 64. */

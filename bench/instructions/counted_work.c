@@ -4,6 +4,7 @@
  * guard's: every kernel that this machine can run, with each of its leaf tests, on all classes of rays over a small
  * and a larger field. With a kernel, a field and a number of rays it is that kernel on all classes. A hash of all
  * answers, which shows that builds give the same ones, then goes to standard error. */
+#include "cellwalk_expert.h"
 #include "reference.h"
 #include "workload/fields.h"
 #include "workload/ray_classes.h"
@@ -49,8 +50,8 @@ static void hash_answers(work *w) {
 
 /* most: of rays a class. */
 static bool run(work *w, cw_leaf leaf, size_t most) {
-    const cw_kernel_info info = cw_kernel_describe(w->query.kernel);
-    w->query.leaf = leaf;
+    const cw_kernel_info info = cw_kernel_describe(w->query.expert.kernel);
+    w->query.expert.leaf = leaf;
     if (cw_closest(w->field, &w->query, NULL, 0, NULL) == CW_ERROR_KERNEL) return true;
     for (int c = 0; c < WORKLOAD_CLASS_COUNT; c++) {
         w->rays = rays[c];
@@ -67,12 +68,12 @@ static bool run(work *w, cw_leaf leaf, size_t most) {
 
 static bool run_guard(work *w, bool small) {
     for (size_t k = 0; k < cw_kernel_count(); k++) {
-        w->query.kernel = cw_kernel_at(k);
-        const cw_kernel_info info = cw_kernel_describe(w->query.kernel);
+        w->query.expert.kernel = cw_kernel_at(k);
+        const cw_kernel_info info = cw_kernel_describe(w->query.expert.kernel);
         if (!info.available && small) printf("absent,%s,%s\n", info.name, cw_isa_name(info.isa));
         const bool brute = strcmp(info.name, "brute") == 0, dear = brute || strncmp(info.name, "grid3d", 6) == 0;
         if (!info.available || (!small && dear)) continue;
-        if (cw_field_build(w->field, &(cw_run){.kernel = w->query.kernel}) != CW_OK) return false;
+        if (cw_field_build(w->field, &(cw_run){.expert.kernel = w->query.expert.kernel}) != CW_OK) return false;
         const size_t most = brute ? BRUTE_RAYS : small || strncmp(info.name, "pyramid", 7) == 0 ? SIZE_MAX : FLAT_RAYS;
         for (int leaf = 1; leaf < CW_LEAF_COUNT; leaf++)
             if (!run(w, (cw_leaf)leaf, most)) return false;
@@ -81,9 +82,9 @@ static bool run_guard(work *w, bool small) {
 }
 
 static bool run_kernel(work *w, const char *kernel) {
-    w->query.kernel = cw_kernel_find(kernel);
-    if (cw_field_build(w->field, &(cw_run){.kernel = w->query.kernel}) != CW_OK ||
-        !run(w, cw_kernel_describe(w->query.kernel).default_leaf, SIZE_MAX))
+    w->query.expert.kernel = cw_kernel_find(kernel);
+    if (cw_field_build(w->field, &(cw_run){.expert.kernel = w->query.expert.kernel}) != CW_OK ||
+        !run(w, cw_kernel_describe(w->query.expert.kernel).default_leaf, SIZE_MAX))
         return false;
     fprintf(stderr, "%016" PRIx64 "\n", w->hash);
     return true;

@@ -24,9 +24,10 @@ cw_status contender_from_kernel(contender *c, cw_field *field, const cw_kernel *
     const cw_kernel_info info = cw_kernel_describe(kernel);
     if (leaf == CW_LEAF_DEFAULT) leaf = info.default_leaf;
     *c = (contender){.width = info.width, .threads = 1, .closest = closest, .any = any, .field = field};
-    c->query = (cw_run){.kernel = kernel, .leaf = leaf};
+    c->query = (cw_run){.expert.kernel = kernel, .expert.leaf = leaf};
     snprintf(c->name, sizeof c->name, "%s/%s", info.name, cw_leaf_name(leaf));
-    const cw_status status = info.available ? cw_field_build(field, &(cw_run){.kernel = kernel}) : CW_ERROR_KERNEL;
+    const cw_status status =
+        info.available ? cw_field_build(field, &(cw_run){.expert.kernel = kernel}) : CW_ERROR_KERNEL;
     return status == CW_OK ? cw_closest(field, &c->query, NULL, 0, NULL) : status;
 }
 

@@ -3,7 +3,7 @@
 #ifndef CELLWALK_BENCH_PEERS_CONTENDER_H
 #define CELLWALK_BENCH_PEERS_CONTENDER_H
 
-#include "cellwalk.h"
+#include "cellwalk_expert.h"
 
 enum { CONTENDER_NAME = 64 };
 

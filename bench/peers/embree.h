@@ -7,7 +7,7 @@
 #ifndef CELLWALK_BENCH_PEERS_EMBREE_H
 #define CELLWALK_BENCH_PEERS_EMBREE_H
 
-#include "cellwalk.h"
+#include "cellwalk_expert.h"
 #include "error.h"
 #include "peers/contender.h"
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "workload/fields.h"
+#include "cellwalk_expert.h"
 
 #include "workload/random.h"
 #include "workload/terrain.h"
@@ -117,11 +118,11 @@ void workload_field_free(workload_field *field) {
 }
 
 cw_status workload_field_open(const workload_field *samples, cw_storage storage, bool bare, cw_field **field) {
-    cw_field_desc desc = cw_field_desc_default();
+    cw_field_desc desc = {0};
     desc.samples = samples->z;
     desc.nx = samples->nx;
     desc.ny = samples->ny;
     desc.storage = storage;
-    const cw_run nothing = {.kernel = cw_kernel_find("cell")};
+    const cw_run nothing = {.expert.kernel = cw_kernel_find("cell")};
     return cw_field_create(&desc, bare ? &nothing : NULL, field);
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "workload/ray_classes.h"
+#include "cellwalk_expert.h"
 
 #include "stability/aimed.h"
 #include "workload/terrain.h"
@@ -223,7 +224,7 @@ static cw_ray short_ray(const cw_field *field, const cw_field_info *info, uint32
     const double away = near + uniform(seed, k, STREAM_SHORT + 2) * (far - near);
     double org[3], normal[3], dir[3];
     cw_hit hit;
-    cw_field_at(field, (double)up.org[0], (double)up.org[1], &hit);
+    cw_surface_at(field, NULL, (double[2]){(double)up.org[0], (double)up.org[1]}, 1, &hit);
     meet(field, &up, &hit, org, normal);
     cosine_direction(normal, seed, k, STREAM_SHORT + 3, dir);
     for (int c = 0; c < 3; c++) {
@@ -319,7 +320,7 @@ static size_t aimed(const cw_field *field, workload_class c, uint32_t seed, size
 
 size_t workload_rays_make(const cw_field *field, workload_class c, uint32_t seed, size_t n, cw_ray *rays) {
     /* One fixed kernel and leaf test, so that the rays do not change when a better kernel becomes the default. */
-    const cw_run query = {.kernel = cw_kernel_find("cell"), .leaf = CW_LEAF_WATERTIGHT};
+    const cw_run query = {.expert.kernel = cw_kernel_find("cell"), .expert.leaf = CW_LEAF_WATERTIGHT};
     const cw_field_info info = cw_field_describe(field);
     if (c == WORKLOAD_PRIMARY) return primary(field, &query, n, rays);
     if (c == WORKLOAD_AFAR) return view_rays(&info, afar_ray, n, rays);

@@ -19,6 +19,7 @@ cw_status cw_fail_plainly(cw_status status) { return cw_fail(status, "%s", cw_st
 const char *cw_last_error(void) { return text; }
 
 const char *cw_version(void) { return CW_VERSION; }
+uint32_t cw_version_number(void) { return CW_VERSION_NUMBER; }
 
 const char *cw_status_message(cw_status status) {
     switch (status) {

@@ -16,10 +16,6 @@
 #include <math.h>
 #include <string.h>
 
-cw_field_desc cw_field_desc_default(void) {
-    return (cw_field_desc){.storage = CW_COPY, .map = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
-}
-
 static cw_status check_side(const char *name, size_t side) {
     if (side >= 2 && side <= CW_SIDE_MAX) return CW_OK;
     return cw_fail(CW_ERROR_ARGUMENT, "%s: %zu samples; a field has 2 to %d a side", name, side, CW_SIDE_MAX);
@@ -38,13 +34,15 @@ static cw_status check_stride(size_t stride, size_t nx, size_t ny) {
 
 static cw_status check(const cw_field_desc *d) {
     if (d->samples == NULL) return cw_fail(CW_ERROR_ARGUMENT, "samples: NULL");
-    cw_status status = cw_check_reserved(d->reserved, "cw_field_desc");
+    cw_status status = cw_check_reserved(d->reserved, 8, d->zero, "cw_field_desc");
     if (status == CW_OK) status = check_side("nx", d->nx);
     if (status == CW_OK) status = check_side("ny", d->ny);
     if (status == CW_OK) status = check_stride(d->stride, d->nx, d->ny);
     if (status != CW_OK) return status;
     if (d->storage != CW_COPY && d->storage != CW_BORROW)
-        return cw_fail(CW_ERROR_ARGUMENT, "storage: %u is neither CW_COPY nor CW_BORROW", (unsigned)d->storage);
+        return cw_fail(CW_ERROR_ARGUMENT, "storage: %d is neither CW_COPY nor CW_BORROW", d->storage);
+    status = cw_check_allocator(d->allocator);
+    if (status != CW_OK) return status;
     /* Kernels number samples by 31 bits, borrowed ones in place. */
     const size_t row = d->storage == CW_BORROW && d->stride ? d->stride : d->nx;
     if (row > INT32_MAX || row * (d->ny - 1) + d->nx > INT32_MAX)
@@ -89,7 +87,7 @@ enum { GRAIN = 1 << 16 };
 
 /* Several rows at a time; the watch is called in between. */
 static cw_status copy(cw_field *f, const cw_field_desc *desc, const cw_run *how) {
-    f->owned = cw_memory_allocate(f->nx * f->ny * sizeof(float));
+    f->owned = cw_memory_allocate(&f->memory, f->nx * f->ny * sizeof(float));
     if (f->owned == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
     f->z = f->owned;
     f->stride = f->nx;
@@ -99,9 +97,9 @@ static cw_status copy(cw_field *f, const cw_field_desc *desc, const cw_run *how)
 
 /* What run's kernel needs beside the bounds. */
 static cw_status build_guest(cw_field *f, const cw_run *how) {
-    if (how->kernel == NULL || how->kernel->build == NULL || f->guest.structure != NULL) return CW_OK;
+    if (how->expert.kernel == NULL || how->expert.kernel->build == NULL || f->guest.structure != NULL) return CW_OK;
     const double start = clock_seconds();
-    const cw_status status = how->kernel->build(f);
+    const cw_status status = how->expert.kernel->build(f);
     f->build_seconds += clock_seconds() - start;
     return status;
 }
@@ -134,9 +132,10 @@ static cw_status create(const cw_field_desc *desc, const cw_run *how, cw_field *
     cw_status status = check(desc);
     if (status != CW_OK) return status;
 
-    cw_field *f = cw_process_follow_forks() ? cw_memory_allocate(sizeof *f) : NULL;
+    const cw_allocator *memory = desc->allocator ? desc->allocator : &cw_memory_own;
+    cw_field *f = cw_process_follow_forks() ? cw_memory_clear(memory, sizeof *f) : NULL;
     if (f == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
-    memset(f, 0, sizeof *f);
+    f->memory = *memory;
     f->nx = desc->nx;
     f->ny = desc->ny;
     memcpy(f->to_user, desc->map, sizeof f->to_user);
@@ -158,7 +157,7 @@ static cw_status create(const cw_field_desc *desc, const cw_run *how, cw_field *
 /* Checks how, of which a kernel that does not exist is no request for the default one. */
 static cw_status begin(const cw_run *run, cw_run *how) {
     const cw_status status = cw_run_begin(run, how);
-    if (status == CW_OK && how->kernel && !cw_kernel_exists(how->kernel))
+    if (status == CW_OK && how->expert.kernel && !cw_kernel_exists(how->expert.kernel))
         return cw_fail(CW_ERROR_KERNEL, "kernel: there is no kernel of that name");
     return status;
 }
@@ -188,10 +187,11 @@ void cw_field_leave(door_pass pass) { door_leave(pass); }
 void cw_field_destroy(cw_field *field) {
     if (field == NULL) return;
     destroy_guest(field);
-    cw_pyramid_destroy(field->pyramid);
+    cw_pyramid_destroy(field, field->pyramid);
     cw_survey_destroy(field);
-    cw_memory_free(field->owned);
-    cw_memory_free(field);
+    const cw_allocator memory = field->memory;
+    cw_memory_free(&memory, field->owned);
+    cw_memory_free(&memory, field);
 }
 
 cw_status cw_field_build(cw_field *field, const cw_run *run) {
@@ -208,7 +208,7 @@ cw_status cw_field_build(cw_field *field, const cw_run *run) {
 /* ---- changing it ------------------------------------------------------------------------------------------------- */
 
 static cw_status check_update(const cw_field *f, const cw_update *u) {
-    const cw_status status = cw_check_reserved(u->reserved, "cw_update");
+    const cw_status status = cw_check_reserved(u->reserved, 8, 0, "cw_update");
     if (status != CW_OK) return status;
     if (u->samples != NULL && f->owned == NULL)
         return cw_fail(CW_ERROR_ARGUMENT, "samples: given to a field that borrows; change its samples in place");
@@ -242,7 +242,7 @@ static cw_status update(cw_field *f, const cw_update *u, cw_pool *pool) {
     return CW_OK;
 }
 
-cw_status cw_field_update(cw_field *field, const cw_update *u, const cw_run *run) {
+cw_status cw_field_update(cw_field *field, const cw_run *run, const cw_update *u) {
     if (field == NULL || u == NULL) return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL", field ? "update" : "field");
     cw_run how;
     cw_status status = cw_run_begin(run, &how);
@@ -267,37 +267,13 @@ void cw_field_describe_into(const cw_field *field, cw_field_info *info, size_t s
         .holes = field->holes,
         .bytes_samples = field->owned ? field->nx * field->ny * sizeof(float) : 0,
         .bytes_built = sizeof *field->pyramid + field->pyramid->bytes + field->guest.bytes,
-        .build_seconds = field->build_seconds,
     };
     memcpy(all.map, field->to_user, sizeof all.map);
     cw_fill(info, size, &all, sizeof all);
 }
 
+double cw_field_build_seconds(const cw_field *field) { return field->build_seconds; }
+
 const float *cw_field_row(const cw_field *field, size_t j) {
     return j < field->ny ? field->z + j * field->stride : NULL;
-}
-
-static void to_field(const double m[3][4], const cw_user_ray *in, size_t n, cw_ray *out) {
-    for (size_t k = 0; k < n; k++) {
-        double org[3], dir[3];
-        affine_point_back(m, in[k].org, org);
-        affine_vector(m, in[k].dir, dir);
-        out[k] = (cw_ray){
-            .org = {(float)org[0], (float)org[1], (float)org[2]},
-            .tmin = (float)in[k].tmin,
-            .dir = {(float)dir[0], (float)dir[1], (float)dir[2]},
-            .tmax = (float)in[k].tmax,
-        };
-    }
-}
-
-void cw_rays_to_field(const cw_field *field, const cw_user_ray *in, size_t n, cw_ray *out) {
-    const fpenv caller = fpenv_enter();
-#if CELLWALK_SIMD && defined(__x86_64__)
-    if (cw_isa_allows(CW_ISA_AVX2))
-        cw_to_field_avx2(field->to_field, in, n, out);
-    else
-#endif
-        to_field(field->to_field, in, n, out);
-    fpenv_leave(caller);
 }

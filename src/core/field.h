@@ -3,7 +3,7 @@
 #ifndef CELLWALK_CORE_FIELD_H
 #define CELLWALK_CORE_FIELD_H
 
-#include "cellwalk.h"
+#include "cellwalk_expert.h"
 #include "door.h"
 #include "ieee.h"
 
@@ -32,6 +32,7 @@ struct cw_field {
 
     struct cw_pyramid *pyramid; /* its bounds */
     cw_guest guest;
+    cw_allocator memory; /* of the field and all that is made from it */
     double build_seconds;
 
     double to_normals[3][4]; /* to_field for vectors whose length counts for nothing: neither tiny nor huge */
@@ -41,6 +42,6 @@ struct cw_field {
 /* src/core/bounds/pyramid.c: looks at the samples, too. */
 cw_status cw_pyramid_build(cw_field *field, const cw_run *how);
 void cw_pyramid_update(cw_field *field, struct cw_tiles changed, cw_pool *pool);
-void cw_pyramid_destroy(struct cw_pyramid *pyramid);
+void cw_pyramid_destroy(const cw_field *field, struct cw_pyramid *pyramid);
 
 #endif

@@ -161,12 +161,12 @@ static cw_status make(cw_heading *h, const double dir[2], const cw_heading_desc 
     h->along_x = fabs(dir[0]) == longest;
     h->crossings = make_crossings(&m, h->along_x, cells, NULL);
     if (h->crossings > INT32_MAX) return cw_fail_plainly(CW_ERROR_MEMORY);
-    h->crossing = m.to = cw_memory_allocate((h->crossings + 1) * sizeof *h->crossing);
+    h->crossing = m.to = cw_memory_allocate(&h->field->memory, (h->crossings + 1) * sizeof *h->crossing);
     if (h->crossing == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
-    if (desc->drop > 0) h->drop = m.drop = cw_memory_allocate((h->crossings + 1) * sizeof *h->drop);
+    if (desc->drop > 0) h->drop = m.drop = cw_memory_allocate(&h->field->memory, (h->crossings + 1) * sizeof *h->drop);
     if (desc->drop > 0 && h->drop == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
     for (uint32_t n = (uint32_t)((cells + 3) / 4);; n = (n + 3) / 4) {
-        cw_stretch *s = cw_memory_allocate(((size_t)n + 1) * sizeof *s);
+        cw_stretch *s = cw_memory_allocate(&h->field->memory, ((size_t)n + 1) * sizeof *s);
         if (s == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
         const int l = h->levels++;
         h->stretch[l] = s;
@@ -181,7 +181,7 @@ static cw_status make(cw_heading *h, const double dir[2], const cw_heading_desc 
                 bound_stretches(h->stretch[l - 1] + 4 * k, below < 4 ? below : 4, &s[k]);
         }
         if (h->drop != NULL) {
-            h->stretch_drop[l] = cw_memory_allocate(n * sizeof(float));
+            h->stretch_drop[l] = cw_memory_allocate(&h->field->memory, n * sizeof(float));
             if (h->stretch_drop[l] == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
             bound_drops(h, l);
         }
@@ -194,18 +194,11 @@ static bool is_drop(const cw_heading_desc *d, double longest) {
     return d->drop >= 0 && d->drop * ((double)CW_SIDE_MAX / longest) <= (double)CW_HEIGHT_MAX;
 }
 
-cw_status cw_heading_create(const cw_field *field, const double dir[2], cw_heading **heading) {
-    if (heading == NULL) return cw_fail(CW_ERROR_ARGUMENT, "heading: NULL");
-    *heading = NULL;
-    if (dir == NULL) return cw_fail(CW_ERROR_ARGUMENT, "dir: NULL");
-    return cw_heading_create_with(field, &(cw_heading_desc){.dir = {dir[0], dir[1]}}, heading);
-}
-
-cw_status cw_heading_create_with(const cw_field *field, const cw_heading_desc *desc, cw_heading **heading) {
+cw_status cw_heading_create(const cw_field *field, const cw_heading_desc *desc, cw_heading **heading) {
     if (heading == NULL) return cw_fail(CW_ERROR_ARGUMENT, "heading: NULL");
     *heading = NULL;
     if (field == NULL || desc == NULL) return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL", field ? "desc" : "field");
-    const cw_status reserved = cw_check_reserved(desc->reserved, "cw_heading_desc");
+    const cw_status reserved = cw_check_reserved(desc->reserved, 4, 0, "cw_heading_desc");
     if (reserved != CW_OK) return reserved;
     const double *dir = desc->dir;
     const double longest = fmax(fabs(dir[0]), fabs(dir[1]));
@@ -215,7 +208,7 @@ cw_status cw_heading_create_with(const cw_field *field, const cw_heading_desc *d
         return cw_fail(CW_ERROR_ARGUMENT, "reach: %g; it is finite and not negative", desc->reach);
     if (!is_drop(desc, longest))
         return cw_fail(CW_ERROR_ARGUMENT, "drop: %g; it is from 0 to 2^77 times dir's longer component", desc->drop);
-    cw_heading *h = cw_memory_clear(sizeof *h);
+    cw_heading *h = cw_memory_clear(&field->memory, sizeof *h);
     if (h == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
     const fpenv caller = fpenv_enter();
     h->field = field;
@@ -233,13 +226,14 @@ cw_status cw_heading_create_with(const cw_field *field, const cw_heading_desc *d
 
 void cw_heading_destroy(cw_heading *heading) {
     if (heading == NULL) return;
+    const cw_allocator *memory = &heading->field->memory;
     for (int l = 0; l < heading->levels; l++) {
-        cw_memory_free(heading->stretch[l]);
-        cw_memory_free(heading->stretch_drop[l]);
+        cw_memory_free(memory, heading->stretch[l]);
+        cw_memory_free(memory, heading->stretch_drop[l]);
     }
-    cw_memory_free(heading->drop);
-    cw_memory_free(heading->crossing);
-    cw_memory_free(heading);
+    cw_memory_free(memory, heading->drop);
+    cw_memory_free(memory, heading->crossing);
+    cw_memory_free(memory, heading);
 }
 
 /* Work is divided into tiles along the rays, so that the next group of a tile finds its samples in the caches. */
@@ -280,12 +274,12 @@ static cw_status query_along(const cw_heading_job *job, const cw_run *run, const
     cw_run how;
     cw_status status = cw_run_begin(run, &how);
     if (status == CW_OK) status = cw_check_rectangle(f, &(cw_rectangle){job->i, job->j, job->nx, job->ny});
-    how.leaf = CW_LEAF_DEFAULT;
+    how.expert.leaf = CW_LEAF_DEFAULT;
     if (status == CW_OK) status = cw_run_settle(&how);
     if (status != CW_OK || samples == 0) return status;
     const door_pass in = door_enter(&f->door);
     if (in.entry == NULL) return cw_fail_plainly(CW_ERROR_BUSY);
-    tiles t = {.job = *job, .code = how.kernel->heading};
+    tiles t = {.job = *job, .code = how.expert.kernel->heading};
     const fpenv caller = fpenv_enter();
     t.job.pad = rounding(f);
     fpenv_leave(caller);

@@ -136,46 +136,32 @@ static void phong_normal_of(const cw_field *f, const cw_hit *hit, double normal[
 
 /* ---- of many hits ------------------------------------------------------------------------------------------------ */
 
-enum { GRAIN = 1024 };
-
-typedef struct batch {
-    const cw_field *field;
-    const cw_hit *hits;
-    double *out; /* three numbers a hit */
-    void (*one)(const cw_field *field, const cw_hit *hit, double out[3]);
-} batch;
-
-static void run_batch(void *context, size_t begin, size_t end) {
-    const batch *b = context;
-    for (size_t k = begin; k < end; k++) b->one(b->field, &b->hits[k], b->out + 3 * k);
+static void points_of(void *context, size_t begin, size_t end) {
+    const cw_batch *b = context;
+    for (size_t k = begin; k < end; k++) point_of(b->field, (const cw_hit *)b->in + k, (double *)b->out + 3 * k);
 }
 
-static cw_status for_each(const batch *b, const char *out_name, const cw_run *run, size_t n) {
-    if (b->field == NULL) return cw_fail(CW_ERROR_ARGUMENT, "field: NULL");
-    if (n > 0 && b->hits == NULL) return cw_fail(CW_ERROR_ARGUMENT, "hits: NULL for %zu hits", n);
-    if (n > 0 && b->out == NULL) return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL for %zu hits", out_name, n);
-    batch all = *b;
-    cw_run how;
-    cw_status status = cw_run_begin(run, &how);
-    if (status != CW_OK) return status;
-    const door_pass in = door_enter(&b->field->door);
-    if (in.entry == NULL) return cw_fail_plainly(CW_ERROR_BUSY);
-    status = cw_run_work(&how, n, GRAIN, GRAIN, run_batch, &all);
-    door_leave(in);
-    return status;
+static void normals_of(void *context, size_t begin, size_t end) {
+    const cw_batch *b = context;
+    for (size_t k = begin; k < end; k++) normal_of(b->field, (const cw_hit *)b->in + k, (double *)b->out + 3 * k);
+}
+
+static void phong_normals_of(void *context, size_t begin, size_t end) {
+    const cw_batch *b = context;
+    for (size_t k = begin; k < end; k++) phong_normal_of(b->field, (const cw_hit *)b->in + k, (double *)b->out + 3 * k);
 }
 
 cw_status cw_hit_points(const cw_field *field, const cw_run *run, const cw_hit *hits, size_t n, double *points) {
-    return for_each(&(batch){field, hits, points, point_of}, "points", run, n);
+    return cw_run_batch(&(cw_batch){field, points_of, "hits", "hits", hits, "points", points}, run, n);
 }
 
 cw_status cw_hit_normals(const cw_field *field, const cw_run *run, const cw_hit *hits, size_t n, double *normals) {
-    return for_each(&(batch){field, hits, normals, normal_of}, "normals", run, n);
+    return cw_run_batch(&(cw_batch){field, normals_of, "hits", "hits", hits, "normals", normals}, run, n);
 }
 
 cw_status cw_hit_phong_normals(const cw_field *field, const cw_run *run, const cw_hit *hits, size_t n,
                                double *normals) {
-    return for_each(&(batch){field, hits, normals, phong_normal_of}, "normals", run, n);
+    return cw_run_batch(&(cw_batch){field, phong_normals_of, "hits", "hits", hits, "normals", normals}, run, n);
 }
 
 /* ---- at a place -------------------------------------------------------------------------------------------------- */
@@ -189,7 +175,7 @@ static int32_t split(double x, size_t samples, double *rest) {
     return (int32_t)cell;
 }
 
-void cw_field_at(const cw_field *field, double x, double y, cw_hit *hit) {
+static void surface_at(const cw_field *field, double x, double y, cw_hit *hit) {
     *hit = miss;
     if (!(x >= 0 && x <= (double)(field->nx - 1) && y >= 0 && y <= (double)(field->ny - 1))) return;
     double u, v;
@@ -203,11 +189,25 @@ void cw_field_at(const cw_field *field, double x, double y, cw_hit *hit) {
     if (!isnan(slope[0] + slope[1])) *hit = h;
 }
 
-cw_status cw_field_at_user(const cw_field *field, const double point[3], cw_hit *hit) {
-    if (field == NULL || point == NULL || hit == NULL)
-        return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL", !field ? "field" : point ? "hit" : "point");
-    double p[3];
-    affine_point_back(field->to_field, point, p);
-    cw_field_at(field, p[0], p[1], hit);
-    return CW_OK;
+static void places(void *context, size_t begin, size_t end) {
+    const cw_batch *b = context;
+    const double *xy = b->in;
+    for (size_t k = begin; k < end; k++) surface_at(b->field, xy[2 * k], xy[2 * k + 1], (cw_hit *)b->out + k);
+}
+
+static void user_places(void *context, size_t begin, size_t end) {
+    const cw_batch *b = context;
+    for (size_t k = begin; k < end; k++) {
+        double p[3];
+        affine_point_back(b->field->to_field, (const double *)b->in + 3 * k, p);
+        surface_at(b->field, p[0], p[1], (cw_hit *)b->out + k);
+    }
+}
+
+cw_status cw_surface_at(const cw_field *field, const cw_run *run, const double *xy, size_t n, cw_hit *hits) {
+    return cw_run_batch(&(cw_batch){field, places, "places", "xy", xy, "hits", hits}, run, n);
+}
+
+cw_status cw_surface_at_user(const cw_field *field, const cw_run *run, const double *xyz, size_t n, cw_hit *hits) {
+    return cw_run_batch(&(cw_batch){field, user_places, "places", "xyz", xyz, "hits", hits}, run, n);
 }

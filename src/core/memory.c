@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "memory.h"
 
-#include "error.h"
 #include "large.h"
 #include "process.h"
 
@@ -17,33 +16,25 @@ static void own_release(void *context, void *memory) {
     large_release(memory);
 }
 
-static const cw_allocator own = {.allocate = own_allocate, .release = own_release};
-static cw_allocator present = {.allocate = own_allocate, .release = own_release};
+const cw_allocator cw_memory_own = {.allocate = own_allocate, .release = own_release};
 
-cw_status cw_allocator_set(const cw_allocator *allocator) {
-    if (allocator && (allocator->allocate == NULL || allocator->release == NULL))
-        return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL", allocator->allocate ? "release" : "allocate");
-    present = allocator ? *allocator : own;
-    return CW_OK;
-}
-
-void *cw_memory_allocate(size_t bytes) {
+void *cw_memory_allocate(const cw_allocator *from, size_t bytes) {
     enum { CACHE_LINE = 64, HUGE_PAGE = 1 << 21 };
     const int cancel = cancel_disable();
-    void *memory = present.allocate(present.context, bytes ? bytes : 1, bytes >= HUGE_PAGE ? HUGE_PAGE : CACHE_LINE);
+    void *memory = from->allocate(from->context, bytes ? bytes : 1, bytes >= HUGE_PAGE ? HUGE_PAGE : CACHE_LINE);
     cancel_restore(cancel);
     return memory;
 }
 
-void *cw_memory_clear(size_t bytes) {
-    void *memory = cw_memory_allocate(bytes);
+void *cw_memory_clear(const cw_allocator *from, size_t bytes) {
+    void *memory = cw_memory_allocate(from, bytes);
     if (memory) memset(memory, 0, bytes);
     return memory;
 }
 
-void cw_memory_free(void *memory) {
+void cw_memory_free(const cw_allocator *from, void *memory) {
     if (memory == NULL) return;
     const int cancel = cancel_disable();
-    present.release(present.context, memory);
+    from->release(from->context, memory);
     cancel_restore(cancel);
 }

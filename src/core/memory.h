@@ -4,13 +4,16 @@
 #ifndef CELLWALK_CORE_MEMORY_H
 #define CELLWALK_CORE_MEMORY_H
 
-#include <stddef.h>
+#include "cellwalk.h"
 
-/* From the process's allocator; NULL when out of memory. */
-void *cw_memory_allocate(size_t bytes);
+/* The allocator of a field whose description has none. */
+extern const cw_allocator cw_memory_own;
+
+/* NULL when out of memory. */
+void *cw_memory_allocate(const cw_allocator *from, size_t bytes);
 /* The same, all zero. */
-void *cw_memory_clear(size_t bytes);
+void *cw_memory_clear(const cw_allocator *from, size_t bytes);
 /* NULL is allowed. */
-void cw_memory_free(void *memory);
+void cw_memory_free(const cw_allocator *from, void *memory);
 
 #endif

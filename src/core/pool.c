@@ -8,6 +8,7 @@
 #include "cpus.h"
 #include "error.h"
 #include "process.h"
+#include "run.h"
 
 #include <pthread.h>
 #include <sched.h>
@@ -101,7 +102,7 @@ static bool start(cw_pool *p) {
     return good;
 }
 
-cw_status cw_pool_create(unsigned threads, cw_pool **pool) {
+cw_status cw_pool_create(uint32_t threads, cw_pool **pool) {
     if (pool == NULL) return cw_fail(CW_ERROR_ARGUMENT, "pool: NULL");
     *pool = NULL;
     const cw_status status = check_threads(threads, 0);
@@ -130,7 +131,8 @@ cw_status cw_pool_create_on(const cw_tasks *tasks, cw_pool **pool) {
     if (pool == NULL) return cw_fail(CW_ERROR_ARGUMENT, "pool: NULL");
     *pool = NULL;
     if (tasks == NULL || tasks->run == NULL) return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL", tasks ? "run" : "tasks");
-    const cw_status status = check_threads(tasks->threads, 1);
+    cw_status status = check_threads(tasks->threads, 1);
+    if (status == CW_OK) status = cw_check_reserved(tasks->reserved, 4, tasks->zero, "cw_tasks");
     if (status != CW_OK) return status;
     cw_pool *p = calloc(1, sizeof *p);
     if (p == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
@@ -159,7 +161,7 @@ void cw_pool_destroy(cw_pool *p) {
     free(p);
 }
 
-unsigned cw_pool_threads(const cw_pool *pool) { return pool ? pool->threads : 1; }
+uint32_t cw_pool_threads(const cw_pool *pool) { return pool ? pool->threads : 1; }
 
 /* Gives the job to the helpers; false if they have one. */
 static bool engage(cw_pool *p, job *j) {
@@ -187,7 +189,7 @@ static void disengage(cw_pool *p) {
     pthread_mutex_unlock(&p->lock);
 }
 
-static void take_pieces_as_task(void *argument, unsigned number) {
+static void take_pieces_as_task(void *argument, uint32_t number) {
     (void)number;
     take_pieces(argument);
 }

@@ -23,14 +23,14 @@ typedef struct job {
 static void run_closest(void *context, size_t begin, size_t end) {
     const job *q = context;
     const fpenv caller = fpenv_enter();
-    q->how.kernel->code->closest[q->how.leaf](q->field, q->rays + begin, end - begin, q->hits + begin);
+    q->how.expert.kernel->code->closest[q->how.expert.leaf](q->field, q->rays + begin, end - begin, q->hits + begin);
     fpenv_leave(caller);
 }
 
 static void run_any(void *context, size_t begin, size_t end) {
     const job *q = context;
     const fpenv caller = fpenv_enter();
-    q->how.kernel->code->any[q->how.leaf](q->field, q->rays + begin, end - begin, q->occluded + begin);
+    q->how.expert.kernel->code->any[q->how.expert.leaf](q->field, q->rays + begin, end - begin, q->occluded + begin);
     fpenv_leave(caller);
 }
 

@@ -3,6 +3,7 @@
 
 #include "clock.h"
 #include "field.h"
+#include "fpenv.h"
 #include "isa.h"
 #include "kernels.h"
 #include "pool.h"
@@ -14,9 +15,18 @@
 
 /* ---- checks ---------------------------------------------------------------------------------------------------------- */
 
-cw_status cw_check_reserved(const uint64_t reserved[4], const char *what) {
-    if ((reserved[0] | reserved[1] | reserved[2] | reserved[3]) == 0) return CW_OK;
+cw_status cw_check_reserved(const uint64_t *reserved, size_t count, uint32_t zero, const char *what) {
+    uint64_t any = zero;
+    for (size_t k = 0; k < count; k++) any |= reserved[k];
+    if (any == 0) return CW_OK;
     return cw_fail(CW_ERROR_ARGUMENT, "%s: a reserved member is not 0; library %s has no use for it", what, CW_VERSION);
+}
+
+cw_status cw_check_allocator(const cw_allocator *a) {
+    if (a == NULL) return CW_OK;
+    if (a->allocate == NULL || a->release == NULL)
+        return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL", a->allocate ? "release" : "allocate");
+    return cw_check_reserved(a->reserved, 4, 0, "cw_allocator");
 }
 
 cw_status cw_check_rectangle(const cw_field *f, const cw_rectangle *at) {
@@ -32,28 +42,29 @@ void cw_fill(void *caller, size_t size, const void *all, size_t all_size) {
 
 cw_status cw_run_begin(const cw_run *run, cw_run *how) {
     *how = run ? *run : (cw_run){0};
-    if ((unsigned)how->leaf >= CW_LEAF_COUNT)
-        return cw_fail(CW_ERROR_ARGUMENT, "leaf: %u is not a leaf test", (unsigned)how->leaf);
-    return cw_check_reserved(how->reserved, "cw_run");
+    if ((uint32_t)how->expert.leaf >= CW_LEAF_COUNT)
+        return cw_fail(CW_ERROR_ARGUMENT, "expert: leaf %u is not a leaf test", (uint32_t)how->expert.leaf);
+    return cw_check_reserved(how->reserved, 6, 0, "cw_run");
 }
 
 cw_status cw_run_settle(cw_run *how) {
-    const cw_kernel *given = how->kernel, *kernel = how->kernel = cw_run_kernel(NULL, how);
+    const cw_kernel *given = how->expert.kernel, *kernel = how->expert.kernel = cw_run_kernel(NULL, how);
     if (!cw_kernel_exists(kernel)) return cw_fail(CW_ERROR_KERNEL, "kernel: there is no kernel of that name");
     /* A kernel that was chosen here is available, even if the limit has just become lower. */
     if (given && !cw_isa_allows(kernel->isa))
         return cw_fail(CW_ERROR_KERNEL, "kernel: %s needs %s; this machine, or the limit on instruction sets, has %s",
                        kernel->name, cw_isa_name(kernel->isa), cw_isa_name(cw_isa_best()));
-    if (how->leaf == CW_LEAF_DEFAULT) how->leaf = cw_kernel_default_leaf(kernel);
-    if (kernel->code->closest[how->leaf] == NULL)
+    if (how->expert.leaf == CW_LEAF_DEFAULT) how->expert.leaf = cw_kernel_default_leaf(kernel);
+    if (kernel->code->closest[how->expert.leaf] == NULL)
         return cw_fail(CW_ERROR_KERNEL, "leaf: %s does not have the leaf test %s", kernel->name,
-                       cw_leaf_name(how->leaf));
+                       cw_leaf_name(how->expert.leaf));
     return CW_OK;
 }
 
 cw_status cw_run_built(const cw_field *field, const cw_run *how) {
-    if (how->kernel->build && field->guest.structure == NULL)
-        return cw_fail(CW_ERROR_NOT_BUILT, "kernel: %s needs cw_field_build on this field first", how->kernel->name);
+    if (how->expert.kernel->build && field->guest.structure == NULL)
+        return cw_fail(CW_ERROR_NOT_BUILT, "kernel: %s needs cw_field_build on this field first",
+                       how->expert.kernel->name);
     return CW_OK;
 }
 
@@ -124,6 +135,29 @@ cw_status cw_run_work(const cw_run *how, size_t n, size_t least, size_t most, cw
     cw_pool_share(how->pool, n, least, most, work_in_pieces, &w);
     pthread_mutex_destroy(&w.lock);
     return atomic_load(&w.stopped) ? cw_fail_plainly(CW_ERROR_CANCELLED) : CW_OK;
+}
+
+static void work_on_batch(void *context, size_t begin, size_t end) {
+    cw_batch *b = context;
+    const fpenv caller = fpenv_enter();
+    b->work(b, begin, end);
+    fpenv_leave(caller);
+}
+
+cw_status cw_run_batch(const cw_batch *batch, const cw_run *run, size_t n) {
+    enum { GRAIN = 1024 };
+    cw_batch b = *batch;
+    if (b.field == NULL) return cw_fail(CW_ERROR_ARGUMENT, "field: NULL");
+    if (n > 0 && (b.in == NULL || b.out == NULL))
+        return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL for %zu %s", b.in ? b.out_name : b.in_name, n, b.items);
+    cw_run how;
+    cw_status status = cw_run_begin(run, &how);
+    if (status != CW_OK) return status;
+    const door_pass in = door_enter(&b.field->door);
+    if (in.entry == NULL) return cw_fail_plainly(CW_ERROR_BUSY);
+    status = cw_run_work(&how, n, GRAIN, GRAIN, work_on_batch, &b);
+    door_leave(in);
+    return status;
 }
 
 static bool report_part(void *context, double done) {

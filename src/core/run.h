@@ -3,11 +3,14 @@
 #ifndef CELLWALK_CORE_RUN_H
 #define CELLWALK_CORE_RUN_H
 
-#include "cellwalk.h"
+#include "cellwalk_expert.h"
 #include "error.h"
 
-/* Fails unless all reserved words are 0. what: the struct's name for the message. */
-cw_status cw_check_reserved(const uint64_t reserved[4], const char *what);
+/* Fails unless all reserved words and zero are 0. what: the struct's name for the message. */
+cw_status cw_check_reserved(const uint64_t *reserved, size_t count, uint32_t zero, const char *what);
+
+/* Fails unless it is NULL or whole. */
+cw_status cw_check_allocator(const cw_allocator *allocator);
 
 /* Fails unless the rectangle is a part of the field. */
 cw_status cw_check_rectangle(const cw_field *field, const cw_rectangle *at);
@@ -29,6 +32,20 @@ cw_status cw_run_built(const cw_field *field, const cw_run *how);
  * less, items may take different times, and pieces are made smaller where they take long.
  * CW_ERROR_CANCELLED if that returned false. */
 CW_API cw_status cw_run_work(const cw_run *how, size_t n, size_t least, size_t most, cw_work_fn *work, void *context);
+
+/* Plain work on a caller's array of n items, whose results go to another one. */
+typedef struct cw_batch {
+    const cw_field *field;
+    cw_work_fn *work; /* its context is the batch; in the IEEE default environment */
+    const char *items;
+    const char *in_name;
+    const void *in;
+    const char *out_name;
+    void *out;
+} cw_batch;
+
+/* Checks it and works behind the field's door. */
+cw_status cw_run_batch(const cw_batch *batch, const cw_run *run, size_t n);
 
 /* Part of a longer piece of work under one watch, which is given shares from begin to end. */
 typedef struct run_part {

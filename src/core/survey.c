@@ -30,12 +30,12 @@ static void refuse(cw_refusal *refusal, uint64_t number) {
 
 bool cw_survey_create(cw_field *f) {
     const size_t across = cw_tiles_across(f), down = cw_tiles_down(f);
-    f->tile = cw_memory_clear((across + 1) * down * sizeof *f->tile);
+    f->tile = cw_memory_clear(&f->memory, (across + 1) * down * sizeof *f->tile);
     f->tile_row = f->tile + across * down;
     return f->tile != NULL;
 }
 
-void cw_survey_destroy(cw_field *f) { cw_memory_free(f->tile); }
+void cw_survey_destroy(cw_field *f) { cw_memory_free(&f->memory, f->tile); }
 
 /* Counts holes and finds refused values in samples that are not all heights. */
 static void look_closer(const cw_field *f, size_t begin, size_t end, size_t j, cw_survey *s, cw_refusal *refusal) {

@@ -1,4 +1,4 @@
-# cpack makes Debian packages: libcellwalk0, libcellwalk-dev, cellwalk, and python3-cellwalk where the module is built. A build tree
+# cpack makes Debian packages: libcellwalk1, libcellwalk-dev, cellwalk, and python3-cellwalk where the module is built. A build tree
 # for them is configured with the prefix /usr, as the preset package is, so that libraries lie where Debian has them. Files that
 # Debian requires beside those that are installed come from debian/.
 file(STRINGS ${PROJECT_SOURCE_DIR}/CITATION.cff cited REGEX "^version: ")
@@ -37,13 +37,12 @@ if(TARGET cellwalk)
 Cellwalk finds where rays hit terrain. It takes a grid of heights and any
 number of rays, and returns the first hit of each ray, with the same bits
 on every CPU and for any number of threads.")
-    # Before 1.0 every version may change the interface, so programs belong to one.
-    file(CONFIGURE OUTPUT debian/shlibs CONTENT "libcellwalk ${PROJECT_VERSION_MAJOR} libcellwalk${PROJECT_VERSION_MAJOR} (= ${PROJECT_VERSION}-1)\n")
+    file(CONFIGURE OUTPUT debian/shlibs CONTENT "libcellwalk ${PROJECT_VERSION_MAJOR} libcellwalk${PROJECT_VERSION_MAJOR} (>= ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})\n")
     file(CONFIGURE OUTPUT debian/triggers CONTENT "activate-noawait ldconfig\n")
     set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_BINARY_DIR}/debian/shlibs ${CMAKE_CURRENT_BINARY_DIR}/debian/triggers)
 endif()
 cellwalk_package(development libcellwalk-dev libdevel "exact ray queries on height fields - development files
-Cellwalk finds where rays hit terrain. This package has the header, the static
+Cellwalk finds where rays hit terrain. This package has the headers, the static
 library, and files for CMake and pkg-config.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS OFF)
 if(TARGET cellwalk)

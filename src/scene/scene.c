@@ -46,7 +46,7 @@ cw_field *scene_load_heightfield(const char *path, const cw_run *run, io_error *
         io_fail(error, "%s: holds %zu height fields, not one", path, s->heightfield_count);
     } else {
         const heightfield *h = &s->heightfields[0];
-        cw_field_desc desc = cw_field_desc_default();
+        cw_field_desc desc = {0};
         desc.samples = h->samples;
         desc.nx = h->nx;
         desc.ny = h->ny;

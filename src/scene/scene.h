@@ -3,7 +3,7 @@
 #ifndef CELLWALK_SCENE_SCENE_H
 #define CELLWALK_SCENE_SCENE_H
 
-#include "cellwalk.h"
+#include "cellwalk_expert.h"
 #include "error.h"
 #include "image.h"
 

@@ -57,7 +57,7 @@ cw_status compass_heading(compass *c, size_t k, cw_heading **heading, double *sl
     const cw_heading_desc desc = {.dir = {dir[0], dir[1]},
                                   .reach = c->reach / metres,
                                   .drop = c->curvature * metres * metres / (2 * t->radius * t->map[2][2])};
-    if (c->headings[k] == NULL) status = cw_heading_create_with(t->field, &desc, &c->headings[k]);
+    if (c->headings[k] == NULL) status = cw_heading_create(t->field, &desc, &c->headings[k]);
     *heading = c->headings[k];
     return status;
 }

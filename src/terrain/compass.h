@@ -4,6 +4,7 @@
 #ifndef CELLWALK_TERRAIN_COMPASS_H
 #define CELLWALK_TERRAIN_COMPASS_H
 
+#include "cellwalk_expert.h"
 #include "terrain.h"
 
 enum { COMPASS_MOST = 3600 };

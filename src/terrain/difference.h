@@ -3,6 +3,7 @@
 #ifndef CELLWALK_TERRAIN_DIFFERENCE_H
 #define CELLWALK_TERRAIN_DIFFERENCE_H
 
+#include "cellwalk_expert.h"
 #include "cellwalk_terrain.h"
 #include "samples.h"
 

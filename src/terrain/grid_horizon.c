@@ -17,6 +17,8 @@
 
 #include "grid_horizon.h"
 
+#include "cellwalk_expert.h"
+
 #include <math.h>
 #include <stdatomic.h>
 #include <stdlib.h>

@@ -153,7 +153,7 @@ static const visible_code *code_of(const cw_run *how) {
 #define CODE(SET, LANES) {CW_ISA_##SET, &cw_visible##LANES},
         CELLWALK_VISIBLE_CODES /* the widest first; the last is scalar */
     };
-    const cw_isa most = how->kernel ? cw_kernel_describe(how->kernel).isa : cw_isa_best();
+    const cw_isa most = how->expert.kernel ? cw_kernel_describe(how->expert.kernel).isa : cw_isa_best();
     size_t k = 0;
     while (all[k].isa != CW_ISA_SCALAR && !cw_isa_includes(most, all[k].isa)) k++;
     return all[k].code;
@@ -220,7 +220,7 @@ cw_status cw_visible_add(cw_visible *v, const cw_run *run, const cw_visible_desc
         return cw_fail(CW_ERROR_ARGUMENT, "rows %zu to %zu of %zu", row, row + rows, v->ny);
     cw_run how;
     cw_status status = cw_run_begin(run, &how);
-    how.leaf = CW_LEAF_DEFAULT;
+    how.expert.leaf = CW_LEAF_DEFAULT;
     if (status == CW_OK) status = cw_run_check(NULL, &how);
     if (status != CW_OK || rows == 0 || v->nx == 0) return status;
     v->code = code_of(&how);

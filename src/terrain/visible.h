@@ -8,7 +8,7 @@
 #ifndef CELLWALK_TERRAIN_VISIBLE_H
 #define CELLWALK_TERRAIN_VISIBLE_H
 
-#include "cellwalk.h"
+#include "cellwalk_expert.h"
 
 typedef struct cw_visible cw_visible;
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* `cellwalk info`: this machine's kernels, and the contents and cost of a field. */
 
-#include "cellwalk.h"
+#include "cellwalk_expert.h"
 #include "clock.h"
 #include "command.h"
 #include "commands.h"
@@ -105,7 +105,7 @@ static bool look_at_field(const char *path, const io_raster_options *options, co
     const double start = clock_seconds();
     if (!field_file_open(&s->file, path, options, coarser, query, error)) return false;
     s->info = cw_field_describe(s->file.field);
-    s->read_seconds = clock_seconds() - start - s->info.build_seconds;
+    s->read_seconds = clock_seconds() - start - cw_field_build_seconds(s->file.field);
     return true;
 }
 
@@ -136,7 +136,8 @@ static void print_field(const char *path, const survey *s) {
     printf("  memory        %.0f bytes of samples, %zu bytes built: %.2f bytes a cell\n", sample_bytes(f),
            f->bytes_built, bytes_per_cell(f));
     printf("  read          %.6f s\n", s->read_seconds);
-    printf("  built         %.6f s, for kernel %s\n", f->build_seconds, cw_kernel_describe(s->file.kernel).name);
+    printf("  built         %.6f s, for kernel %s\n", cw_field_build_seconds(s->file.field),
+           cw_kernel_describe(s->file.kernel).name);
     puts("  user space    rows of the map from (x, y, z, 1):");
     for (int k = 0; k < 3; k++)
         printf("                %.17g %.17g %.17g %.17g\n", s->file.map[k][0], s->file.map[k][1], s->file.map[k][2],
@@ -158,7 +159,7 @@ static void print_field_json(const char *path, const survey *s) {
     fputs(", \"read_seconds\": ", stdout);
     json_number(stdout, s->read_seconds);
     fputs(", \"build_seconds\": ", stdout);
-    json_number(stdout, f->build_seconds);
+    json_number(stdout, cw_field_build_seconds(s->file.field));
     if (s->file.raster.z) info_print_place_json(&s->file.raster);
     const io_georef *g = &s->file.raster.georef;
     if (g->scale != 0) printf(", \"scale\": %.17g, \"offset\": %.17g", g->scale, g->offset);

@@ -3,7 +3,7 @@
  * rays nor hits need to fit into memory. */
 
 #include "cancel.h"
-#include "cellwalk.h"
+#include "cellwalk_expert.h"
 #include "clock.h"
 #include "command.h"
 #include "commands.h"
@@ -105,7 +105,7 @@ static bool prepare(trace *t, io_error *error) {
                      "%s: its map is in degrees, so rays are straight in degrees and heights; gdalwarp -t_srs EPSG:... "
                      "puts it on a map in metres",
                      r->field);
-    t->query.kernel = t->field.kernel;
+    t->query.expert.kernel = t->field.kernel;
     if (r->any)
         t->occluded = calloc(PIECE, sizeof *t->occluded);
     else
@@ -124,7 +124,7 @@ static void report(trace *t) {
     qsort(t->seconds, n, sizeof *t->seconds, compare);
     const double least = t->seconds[0], median = 0.5 * (t->seconds[(n - 1) / 2] + t->seconds[n / 2]);
     const double mrays = t->rays.count > 0 ? 1e-6 * (double)t->rays.count / median : 0;
-    const char *kernel = cw_kernel_describe(t->query.kernel).name;
+    const char *kernel = cw_kernel_describe(t->query.expert.kernel).name;
     const unsigned threads = cw_pool_threads(t->query.pool);
     const unsigned long long rays = t->rays.count, hits = t->hit_count;
     if (!t->request->json) {

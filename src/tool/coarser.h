@@ -3,7 +3,7 @@
 #ifndef CELLWALK_TOOL_COARSER_H
 #define CELLWALK_TOOL_COARSER_H
 
-#include "cellwalk.h"
+#include "cellwalk_expert.h"
 #include "error.h"
 #include "options.h"
 #include "progress.h"

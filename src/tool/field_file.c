@@ -17,7 +17,7 @@ static bool tell(void *context, double done) {
 /* Holes that are infinite instead of NaN need a copy in which they are NaN. */
 static cw_status create(field_file *file, const cw_run *how) {
     const io_raster *r = &file->raster;
-    cw_field_desc desc = cw_field_desc_default();
+    cw_field_desc desc = {0};
     desc.samples = r->z;
     desc.nx = r->nx;
     desc.ny = r->ny;
@@ -70,7 +70,7 @@ bool field_file_open(field_file *file, const char *path, const io_raster_options
     how.watch = tell;
     how.watch_context = &line;
     cw_run full = how; /* of which a coarser field needs the samples alone */
-    if (less) full.kernel = cw_kernel_find("cell");
+    if (less) full.expert.kernel = cw_kernel_find("cell");
     bool good = pbrt ? open_pbrt(file, path, &full, error) : open_raster(file, path, options, &full, error);
     if (good && less) good = make_coarser(file, path, coarser, &how, error);
     if (good) file->kernel = cw_run_kernel(file->field, query);

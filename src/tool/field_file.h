@@ -3,7 +3,7 @@
 #ifndef CELLWALK_TOOL_FIELD_FILE_H
 #define CELLWALK_TOOL_FIELD_FILE_H
 
-#include "cellwalk.h"
+#include "cellwalk_expert.h"
 #include "coarser.h"
 #include "error.h"
 #include "raster.h"

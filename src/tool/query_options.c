@@ -64,7 +64,7 @@ static bool goes_together(const char *name, const cw_run *query) {
 bool query_options_resolve(const query_options *q, const char *name, cw_run *query) {
     *query = (cw_run){0};
     if (!apply_isa(q, name)) return false;
-    if (q->kernel && !find_kernel(name, q->kernel, &query->kernel)) return false;
-    if (q->leaf && !find_leaf(name, q->leaf, &query->leaf)) return false;
+    if (q->kernel && !find_kernel(name, q->kernel, &query->expert.kernel)) return false;
+    if (q->leaf && !find_leaf(name, q->leaf, &query->expert.leaf)) return false;
     return goes_together(name, query);
 }

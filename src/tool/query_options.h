@@ -3,7 +3,7 @@
 #ifndef CELLWALK_TOOL_QUERY_OPTIONS_H
 #define CELLWALK_TOOL_QUERY_OPTIONS_H
 
-#include "cellwalk.h"
+#include "cellwalk_expert.h"
 #include "options.h"
 
 typedef struct query_options {

@@ -46,7 +46,7 @@ static void look_for_one(ray_source *s, const cw_field *field, const void *rows,
     for (size_t k = 0; k < n && s->none_meets; k++) {
         cw_ray moved;
         const cw_ray *ray = s->user ? &moved : (const cw_ray *)rows + k;
-        if (s->user) cw_rays_to_field(field, (const cw_user_ray *)rows + k, 1, &moved);
+        if (s->user) cw_rays_to_field(field, NULL, (const cw_user_ray *)rows + k, 1, &moved);
         s->none_meets = !meets(ray, low, high);
     }
 }

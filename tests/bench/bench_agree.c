@@ -10,7 +10,7 @@
 static const float flat[9] = {0};
 
 static cw_field *new_field(void) {
-    cw_field_desc desc = cw_field_desc_default();
+    cw_field_desc desc = {0};
     desc.samples = flat;
     desc.nx = desc.ny = 3;
     cw_field *field;

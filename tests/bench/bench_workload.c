@@ -28,7 +28,7 @@ static uint64_t hash(const void *bytes, size_t size) {
 static int open_ground(void **state) {
     ground *g = calloc(1, sizeof *g);
     if (g == NULL || !workload_field_make("257", &g->samples)) return -1;
-    cw_field_desc desc = cw_field_desc_default();
+    cw_field_desc desc = {0};
     desc.samples = g->samples.z;
     desc.nx = g->samples.nx;
     desc.ny = g->samples.ny;

@@ -2,6 +2,7 @@
 /* The public functions: misuse gives the documented status, arrays of any length and alignment give the documented result,
  * and rays are moved to the field in one way. */
 
+#include "cellwalk_expert.h"
 #include "check.h"
 #include "rays.h"
 
@@ -42,7 +43,7 @@ static cw_status try_create(cw_field_desc desc) {
 static void test_bad_fields(void **state) {
     (void)state;
     static const float z[12] = {0};
-    cw_field_desc good = cw_field_desc_default(), d;
+    cw_field_desc good = {0}, d;
     good.samples = z;
     good.nx = 3;
     good.ny = 2;
@@ -77,7 +78,7 @@ static void test_bad_fields(void **state) {
 static void test_bad_maps(void **state) {
     (void)state;
     static const float z[4] = {0};
-    cw_field_desc good = cw_field_desc_default(), d;
+    cw_field_desc good = {.map = {{1}, {0, 1}, {0, 0, 1}}}, d;
     good.samples = z;
     good.nx = good.ny = 2;
     for (int r = 0; r < 3; r++)
@@ -102,7 +103,7 @@ static void test_bad_maps(void **state) {
 static void test_heights_that_are_too_large(void **state) {
     (void)state;
     float z[4] = {0, CW_HEIGHT_MAX, -CW_HEIGHT_MAX, NAN};
-    cw_field_desc d = cw_field_desc_default();
+    cw_field_desc d = {0};
     d.samples = z;
     d.nx = d.ny = 2;
     for (int storage = CW_COPY; storage <= CW_BORROW; storage++) {
@@ -153,7 +154,7 @@ static void test_pool_sizes(void **state) {
 static void test_holes_in_borrowed_samples(void **state) {
     (void)state;
     float z[4] = {0, NAN, 1, 2};
-    cw_field_desc d = cw_field_desc_default();
+    cw_field_desc d = {0};
     d.samples = z;
     d.nx = d.ny = 2;
     d.storage = CW_BORROW;
@@ -181,7 +182,7 @@ static void test_holes_are_counted(void **state) {
     assert_non_null(z);
     size_t holes = 0;
     for (size_t k = 0; k < (size_t)NX * NY; k += STEP, holes++) z[k] = NAN;
-    cw_field_desc d = cw_field_desc_default();
+    cw_field_desc d = {0};
     d.samples = z;
     d.nx = NX;
     d.ny = NY;
@@ -199,37 +200,37 @@ static void test_bad_queries(void **state) {
     memset(hits, 0x5a, sizeof hits);
     memset(occluded, 0x5a, sizeof occluded);
     cw_run q = (cw_run){0};
-    q.leaf = (cw_leaf)CW_LEAF_COUNT;
+    q.expert.leaf = (cw_leaf)CW_LEAF_COUNT;
     check_status(cw_closest(field, &q, rays, 2, hits), CW_ERROR_ARGUMENT);
-    q.leaf = (cw_leaf)-1;
+    q.expert.leaf = (cw_leaf)-1;
     check_status(cw_occluded(field, &q, rays, 2, occluded), CW_ERROR_ARGUMENT);
-    q.leaf = CW_LEAF_WATERTIGHT;
-    q.kernel = cw_kernel_find("packet99");
+    q.expert.leaf = CW_LEAF_WATERTIGHT;
+    q.expert.kernel = cw_kernel_find("packet99");
     check_status(cw_closest(field, &q, rays, 2, hits), CW_ERROR_KERNEL);
     check_status(cw_occluded(field, &q, rays, 2, occluded), CW_ERROR_KERNEL);
     check_status(cw_closest(field, &q, NULL, 0, NULL), CW_ERROR_KERNEL);
-    check_status(cw_field_build(field, &(cw_run){.kernel = q.kernel}), CW_ERROR_KERNEL);
-    assert_ptr_equal(cw_run_kernel(field, &q), q.kernel);
-    q.kernel = cw_kernel_find("brute");
+    check_status(cw_field_build(field, &(cw_run){.expert.kernel = q.expert.kernel}), CW_ERROR_KERNEL);
+    assert_ptr_equal(cw_run_kernel(field, &q), q.expert.kernel);
+    q.expert.kernel = cw_kernel_find("brute");
     check_status(cw_closest(field, &q, rays, 2, hits), CW_ERROR_KERNEL);
     check_status(cw_occluded(field, &q, rays, 2, occluded), CW_ERROR_KERNEL);
 
-    cw_field_desc d = cw_field_desc_default();
+    cw_field_desc d = {0};
     d.samples = shape.z;
     d.nx = d.ny = 2;
     cw_field *f;
     check_status(cw_field_create(&d, NULL, &f), CW_OK);
-    q = (cw_run){.kernel = cw_kernel_find("grid3d")};
-    assert_true(cw_kernel_describe(q.kernel).needs_build);
+    q = (cw_run){.expert.kernel = cw_kernel_find("grid3d")};
+    assert_true(cw_kernel_describe(q.expert.kernel).needs_build);
     check_status(cw_closest(f, &q, rays, 2, hits), CW_ERROR_NOT_BUILT);
     check_status(cw_occluded(f, &q, rays, 2, occluded), CW_ERROR_NOT_BUILT);
     const size_t bounds = cw_field_describe(f).bytes_built;
     check_status(cw_field_build(f, NULL), CW_OK); /* the default kernel needs the bounds alone */
     assert_int_equal(cw_field_describe(f).bytes_built, bounds);
-    check_status(cw_field_build(f, &(cw_run){.kernel = q.kernel}), CW_OK);
+    check_status(cw_field_build(f, &(cw_run){.expert.kernel = q.expert.kernel}), CW_OK);
     const size_t built = cw_field_describe(f).bytes_built;
     check(built > bounds && bounds > 0, "a build of no bytes");
-    check_status(cw_field_build(f, &(cw_run){.kernel = q.kernel}), CW_OK);
+    check_status(cw_field_build(f, &(cw_run){.expert.kernel = q.expert.kernel}), CW_OK);
     assert_int_equal(cw_field_describe(f).bytes_built, built);
     cw_field_destroy(f);
     cw_field_destroy(NULL);
@@ -247,7 +248,7 @@ static void test_unavailable_kernels(void **state) {
               "the limit does not hold");
         for (size_t k = 0; k < cw_kernel_count(); k++) {
             const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
-            const cw_run q = {.kernel = cw_kernel_at(k)};
+            const cw_run q = {.expert.kernel = cw_kernel_at(k)};
             check(info.available == cw_isa_includes(cw_isa_best(), info.isa), "%s: availability", info.name);
             cw_hit hit;
             check_status(cw_closest(field, &q, rays, 1, &hit), info.available ? CW_OK : CW_ERROR_KERNEL);
@@ -296,7 +297,7 @@ static void test_names(void **state) {
 static void test_borrowed_and_copied(void **state) {
     (void)state;
     float z[6] = {1, 1, 9, 1, 1, 9}; /* 2 × 2 in rows of three */
-    cw_field_desc d = cw_field_desc_default();
+    cw_field_desc d = {0};
     d.samples = z;
     d.nx = d.ny = 2;
     d.stride = 3;
@@ -310,16 +311,16 @@ static void test_borrowed_and_copied(void **state) {
     z[0] = z[1] = z[3] = z[4] = NAN;
     const cw_ray down = {.org = {0.25f, 0.5f, 3}, .dir = {0, 0, -1}, .tmax = INFINITY};
     for (size_t k = 0; k < cw_kernel_count(); k++) {
-        const cw_run q = {.kernel = cw_kernel_at(k)};
-        if (!cw_kernel_describe(q.kernel).available) continue;
+        const cw_run q = {.expert.kernel = cw_kernel_at(k)};
+        if (!cw_kernel_describe(q.expert.kernel).available) continue;
         cw_hit hit;
-        check_status(cw_field_build(copied, &(cw_run){.kernel = q.kernel}), CW_OK);
+        check_status(cw_field_build(copied, &(cw_run){.expert.kernel = q.expert.kernel}), CW_OK);
         check_status(cw_closest(copied, &q, &down, 1, &hit), CW_OK);
         check(fabsf(hit.t - 2) <= 0x1p-22f && hit.triangle == CW_TRIANGLE_B, "%s: the copy changed",
-              cw_kernel_describe(q.kernel).name);
-        check_status(cw_field_build(borrowed, &(cw_run){.kernel = q.kernel}), CW_OK);
+              cw_kernel_describe(q.expert.kernel).name);
+        check_status(cw_field_build(borrowed, &(cw_run){.expert.kernel = q.expert.kernel}), CW_OK);
         check_status(cw_closest(borrowed, &q, &down, 1, &hit), CW_OK);
-        check(hit.i == -1, "%s: borrowed samples are not read in place", cw_kernel_describe(q.kernel).name);
+        check(hit.i == -1, "%s: borrowed samples are not read in place", cw_kernel_describe(q.expert.kernel).name);
     }
     cw_field_destroy(copied);
     cw_field_destroy(borrowed);
@@ -334,8 +335,8 @@ static void test_lengths_and_alignment(void **state) {
     uint8_t *in = malloc(LONGEST * sizeof(cw_ray) + 64), *out = malloc(LONGEST * sizeof(cw_hit) + 64 + 2 * CANARY);
     check(in != NULL && out != NULL, "out of memory");
     for (size_t kernel = 0; kernel < cw_kernel_count(); kernel++) {
-        const cw_run q = {.kernel = cw_kernel_at(kernel)};
-        const cw_kernel_info info = cw_kernel_describe(q.kernel);
+        const cw_run q = {.expert.kernel = cw_kernel_at(kernel)};
+        const cw_kernel_info info = cw_kernel_describe(q.expert.kernel);
         if (!info.available) continue;
         cw_hit single[LONGEST];
         for (size_t k = 0; k < LONGEST; k++) check_status(cw_closest(field, &q, &rays[k], 1, &single[k]), CW_OK);
@@ -377,7 +378,7 @@ static void test_moved_rays_agree(void **state) {
     enum { N = 500 };
     static cw_user_ray given[N];
     static cw_ray got_rays[2][N];
-    cw_field_desc d = cw_field_desc_default();
+    cw_field_desc d = {0};
     d.samples = shape.z;
     d.nx = shape.nx;
     d.ny = shape.ny;
@@ -400,12 +401,12 @@ static void test_moved_rays_agree(void **state) {
         if (k % 16 == 3) given[k].org[k / 16 % 3] = INFINITY;
     }
     const cw_isa best = cw_isa_best();
-    cw_rays_to_field(f, given, N, got_rays[0]);
+    cw_rays_to_field(f, NULL, given, N, got_rays[0]);
     for (int number = CW_ISA_SCALAR; number < CW_ISA_COUNT; number++) {
         const cw_isa isa = (cw_isa)number;
         if (!cw_isa_includes(best, isa)) continue;
         cw_isa_limit(isa);
-        cw_rays_to_field(f, given, N, got_rays[1]);
+        cw_rays_to_field(f, NULL, given, N, got_rays[1]);
         for (size_t k = 0; k < N; k++) {
             const float *a = got_rays[0][k].org, *b = got_rays[1][k].org; /* a NaN has no one bit pattern */
             for (int c = 0; c < 3; c++)

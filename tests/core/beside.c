@@ -109,7 +109,7 @@ static void test_beside(void **state) {
     const size_t fields = test_share(FIELDS, 14);
     for (size_t m = 0; m < fields; m++) {
         make_plane(&p, m, &r);
-        cw_field_desc d = cw_field_desc_default();
+        cw_field_desc d = {0};
         d.samples = p.z;
         d.nx = p.nx;
         d.ny = p.ny;
@@ -154,7 +154,7 @@ static void test_corners_behind_holes(void **state) {
             .org = {(float)(turn_x ? last_x : 0), (float)(turn_y ? last_y : 0), level},
             .dir = {(turn_x ? -1.0f : 1.0f) * (along ? 1 : 0.5f), (turn_y ? -1.0f : 1.0f) * (along ? 0.5f : 1), 0},
             .tmax = INFINITY};
-        cw_field_desc d = cw_field_desc_default();
+        cw_field_desc d = {0};
         d.samples = z;
         d.nx = (size_t)nx;
         d.ny = (size_t)ny;

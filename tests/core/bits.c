@@ -3,6 +3,7 @@
  * once. lanes.c holds all kernels to the one that is asked here. Land, sea and rays are made by hashes and IEEE operations
  * alone. After a change that is meant to change answers, the new sums are what the test prints. */
 
+#include "cellwalk_expert.h"
 #include "check.h"
 
 #include "workload/ray_classes.h"
@@ -72,7 +73,7 @@ static void test_sums(void **state) {
             terrain_fractal(z, SIDE, SIDE, 7, 0.1f);
         else
             terrain_sea(z, SIDE, SIDE, 7, 0.5f);
-        cw_field_desc desc = cw_field_desc_default();
+        cw_field_desc desc = {0};
         desc.samples = z;
         desc.nx = desc.ny = SIDE;
         cw_field *field;
@@ -81,13 +82,13 @@ static void test_sums(void **state) {
             const size_t n = workload_rays_make(field, (workload_class)c, 7, RAYS, rays);
             check(n == RAYS, "%zu %s rays", n, workload_class_name((workload_class)c));
             for (int leaf = 0; leaf < LEAVES; leaf++) {
-                const cw_run query = {.kernel = cw_kernel_find("cell"),
-                                      .leaf = leaf ? CW_LEAF_WATERTIGHT : CW_LEAF_MOLLER_TRUMBORE};
+                const cw_run query = {.expert.kernel = cw_kernel_find("cell"),
+                                      .expert.leaf = leaf ? CW_LEAF_WATERTIGHT : CW_LEAF_MOLLER_TRUMBORE};
                 check_status(cw_closest(field, &query, rays, n, hits), CW_OK);
                 const uint64_t sum = sum_of(hits, n);
                 const bool good = sum == grounds[g].sum[c][leaf];
                 printf("%s, %-8s %-16s 0x%016llxu%s\n", grounds[g].name, workload_class_name((workload_class)c),
-                       cw_leaf_name(query.leaf), (unsigned long long)sum, good ? "" : " is not what it was");
+                       cw_leaf_name(query.expert.leaf), (unsigned long long)sum, good ? "" : " is not what it was");
                 wrong += !good;
             }
         }

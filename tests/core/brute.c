@@ -5,6 +5,7 @@
  *  - Möller-Trumbore: leaks (or a wrong surface behind one) only where the exact ray goes through a triangle within
  *    rounding of an edge; phantoms only on triangles that the ray is so nearly parallel to that rounding decides. */
 
+#include "cellwalk_expert.h"
 #include "check.h"
 #include "tally.h"
 
@@ -95,7 +96,7 @@ static void test_every_path(void **state) {
         for (size_t n = 0; n < rays_each; n++)
             rays[n] = ray_make((ray_class)(k / 5 / FIELD_SHAPES % RAY_CLASSES), &shape, &r);
         for (size_t p = 0; p < count; p++) {
-            const cw_run query = {.kernel = paths[p].kernel, .leaf = paths[p].leaf};
+            const cw_run query = {.expert.kernel = paths[p].kernel, .expert.leaf = paths[p].leaf};
             check_status(cw_closest(field, &query, rays, rays_each, p == 0 ? brute : hits), CW_OK);
             for (size_t n = 0; n < rays_each; n++) {
                 const cw_hit *hit = p == 0 ? &brute[n] : &hits[n];

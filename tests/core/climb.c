@@ -103,7 +103,7 @@ static cw_ray from_afar(const towers *f, random_state *r) {
 
 static void trace(const towers *f, size_t times, as_cell_counts *sum, random_state *r) {
     static cw_ray rays[RAYS];
-    cw_field_desc d = cw_field_desc_default();
+    cw_field_desc d = {0};
     d.samples = f->z;
     d.nx = f->nx;
     d.ny = f->ny;

@@ -2,6 +2,7 @@
 /* What surrounds a query must not change its result: the caller's floating-point environment, the number of threads,
  * other queries at the same time. */
 
+#include "cellwalk_expert.h"
 #include "check.h"
 #include "fp_register.h"
 #include "rays.h"
@@ -45,8 +46,8 @@ static void check_queries(const char *where) {
     static cw_hit mine[RAYS];
     static uint8_t occluded[RAYS];
     for (size_t kernel = 0; kernel < cw_kernel_count(); kernel++) {
-        const cw_run q = {.kernel = cw_kernel_at(kernel)};
-        const cw_kernel_info info = cw_kernel_describe(q.kernel);
+        const cw_run q = {.expert.kernel = cw_kernel_at(kernel)};
+        const cw_kernel_info info = cw_kernel_describe(q.expert.kernel);
         if (!info.available || strcmp(info.name, "brute") == 0) continue;
         const bool watertight = info.default_leaf == CW_LEAF_WATERTIGHT;
         check_status(cw_closest(field, &q, rays, count, mine), CW_OK);
@@ -107,11 +108,12 @@ static void test_field_made_under_daz(void **state) {
     check(a.low == b.low && a.high == b.high, "range %a to %a, but %a to %a under DAZ", (double)a.low, (double)a.high,
           (double)b.low, (double)b.high);
     for (size_t k = 0; k < cw_kernel_count(); k++) {
-        const cw_run q = {.kernel = cw_kernel_at(k)};
-        if (!cw_kernel_describe(q.kernel).available) continue;
+        const cw_run q = {.expert.kernel = cw_kernel_at(k)};
+        if (!cw_kernel_describe(q.expert.kernel).available) continue;
         check_status(cw_closest(plain, &q, down, 500, here), CW_OK);
         check_status(cw_closest(under_daz, &q, down, 500, got), CW_OK);
-        check(same(here, got, 500), "%s: other hits in a field made under DAZ", cw_kernel_describe(q.kernel).name);
+        check(same(here, got, 500), "%s: other hits in a field made under DAZ",
+              cw_kernel_describe(q.expert.kernel).name);
         for (size_t m = 0; m < 500; m++) hits += here[m].i >= 0;
     }
     check(hits > 500, "too few hits for the test to mean anything");
@@ -125,7 +127,7 @@ static void test_spaces_under_other_rounding(void **state) {
     (void)state;
     if (FP_MODES == 0) skip();
     const cw_user_ray in = {.org = {0.1, 0.2, 0.3}, .dir = {1.0 / 3, 0.7, -0.9}, .tmax = 1e3};
-    cw_field_desc d = cw_field_desc_default();
+    cw_field_desc d = {0};
     d.samples = shape.z;
     d.nx = shape.nx;
     d.ny = shape.ny;
@@ -137,7 +139,7 @@ static void test_spaces_under_other_rounding(void **state) {
         memset(&ray[mode], 0, sizeof ray[mode]);
         fp_register_set(fp_register_mode(4 * mode));
         const cw_status status = cw_field_create(&d, NULL, &f);
-        cw_rays_to_field(f, &in, 1, &ray[mode]);
+        cw_rays_to_field(f, NULL, &in, 1, &ray[mode]);
         fp_register_set(before);
         check_status(status, CW_OK);
         check(memcmp(&ray[mode], &ray[0], sizeof ray[0]) == 0, "other field-space ray under rounding mode %u", mode);

@@ -114,7 +114,7 @@ static size_t judge_all(const test_field *f, const lattice *l, bool every_path, 
     oracle *o = oracle_create(f->z, f->nx, f->ny);
     cw_hit *hits = malloc(l->rays * sizeof *hits);
     check(o != NULL && hits != NULL, "out of memory");
-    const cw_run query = {.kernel = cw_kernel_find("cell"), .leaf = CW_LEAF_WATERTIGHT};
+    const cw_run query = {.expert.kernel = cw_kernel_find("cell"), .expert.leaf = CW_LEAF_WATERTIGHT};
     check_status(cw_closest(field, &query, l->ray, l->rays, hits), CW_OK);
     for (size_t k = 0; k < l->rays; k++) {
         const oracle_truth *truth = oracle_trace(o, &l->ray[k]);

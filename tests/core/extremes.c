@@ -432,8 +432,8 @@ static void test_far_user_space(void **state) {
             far_rays[k] = near_rays[k];
             for (int c = 0; c < 2; c++) far_rays[k].org[c] += away;
         }
-        cw_rays_to_field(here, near_rays, RAYS, a);
-        cw_rays_to_field(there, far_rays, RAYS, b);
+        cw_rays_to_field(here, NULL, near_rays, RAYS, a);
+        cw_rays_to_field(there, NULL, far_rays, RAYS, b);
         check(memcmp(a, b, sizeof a) == 0, "other rays in field space");
         extreme_compare(here, a, there, b, RAYS, false, "a far origin");
         check_status(cw_closest(there, NULL, b, RAYS, hits), CW_OK);

@@ -2,6 +2,7 @@
 /* Headings: the steepest rise from every sample, held against all edges of the field one by one in double; the same bits for
  * every instruction set, number of threads and rectangle; whether a ray hits, and how steep the rise is, said alike. */
 
+#include "cellwalk_expert.h"
 #include "check.h"
 #include "fields.h"
 #include "workload/random.h"
@@ -81,8 +82,7 @@ static void direction(random_state *r, size_t number, double dir[2]) {
 static cw_heading *heading_open(const cw_field *field, const double dir[2]) {
     cw_heading *h = NULL;
     const cw_heading_desc desc = {.dir = {dir[0], dir[1]}, .reach = reach, .drop = drop};
-    check_status(reach > 0 || drop > 0 ? cw_heading_create_with(field, &desc, &h) : cw_heading_create(field, dir, &h),
-                 CW_OK);
+    check_status(cw_heading_create(field, &desc, &h), CW_OK);
     return h;
 }
 
@@ -215,9 +215,9 @@ static void check_bits(size_t first_direction) {
             cw_run query = (cw_run){0};
             query.pool = isa % 2 ? pool : NULL;
             check_status(cw_heading_steepest(h, &query, -INFINITY, INFINITY, (cw_rectangle){0, 0, NX, NY},
-                                             isa == 0 ? first : slope),
+                                             isa == CW_ISA_SCALAR ? first : slope),
                          CW_OK);
-            if (isa > 0) assert_memory_equal(first, slope, sizeof slope);
+            if (isa > CW_ISA_SCALAR) assert_memory_equal(first, slope, sizeof slope);
 
             const float threshold = first[random_below(&r, NX * NY)]; /* equal to one: a touch is a hit */
             if (!isfinite(threshold)) continue;
@@ -271,11 +271,11 @@ static void check_bounds(void) {
         for (size_t k = 0; k < 1 + round % 4; k++)
             field_a.z[random_below(&r, NX * NY)] += (float)random_between(&r, 0, 9);
         cw_field *with = field_open(&field_a), *without = NULL;
-        cw_field_desc desc = cw_field_desc_default();
+        cw_field_desc desc = {0};
         desc.samples = field_a.z;
         desc.nx = NX;
         desc.ny = NY;
-        check_status(cw_field_create(&desc, &(cw_run){.kernel = cw_kernel_find("cell")}, &without), CW_OK);
+        check_status(cw_field_create(&desc, &(cw_run){.expert.kernel = cw_kernel_find("cell")}, &without), CW_OK);
         for (size_t d = 0; d < 24; d += step()) {
             double dir[2];
             direction(&r, d, dir);
@@ -356,14 +356,15 @@ static void misuse_is_refused(void **state) {
     cw_heading *h;
     for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) {
         h = (cw_heading *)&field_a;
-        check_status(cw_heading_create(field, bad[k], &h), CW_ERROR_ARGUMENT);
+        check_status(cw_heading_create(field, &(cw_heading_desc){.dir = {bad[k][0], bad[k][1]}}, &h),
+                     CW_ERROR_ARGUMENT);
         assert_null(h);
     }
     const cw_heading_desc wrong[] = {{.dir = {1, 0}, .reach = -1},    {.dir = {1, 0}, .reach = INFINITY},
                                      {.dir = {1, 0}, .drop = NAN},    {.dir = {1, 0}, .drop = -1},
                                      {.dir = {1, 0}, .drop = 0x1p80}, {.dir = {1, 0}, .reserved = {0, 0, 0, 1}}};
     for (size_t k = 0; k < sizeof wrong / sizeof wrong[0]; k++)
-        check_status(cw_heading_create_with(field, &wrong[k], &h), CW_ERROR_ARGUMENT);
+        check_status(cw_heading_create(field, &wrong[k], &h), CW_ERROR_ARGUMENT);
     h = heading_open(field, good);
     float slope[20];
     uint8_t hit[20];
@@ -376,7 +377,7 @@ static void misuse_is_refused(void **state) {
                  CW_ERROR_ARGUMENT);
     check_status(cw_heading_steepest(h, NULL, -INFINITY, INFINITY, (cw_rectangle){0, SIZE_MAX, 5, 4}, slope),
                  CW_ERROR_ARGUMENT);
-    const cw_run misspelt = {.kernel = cw_kernel_find("packet99")}, later = {.reserved = {0, 0, 0, 1}};
+    const cw_run misspelt = {.expert.kernel = cw_kernel_find("packet99")}, later = {.reserved = {0, 0, 0, 1}};
     check_status(cw_heading_steepest(h, &misspelt, 0, 1, (cw_rectangle){0, 0, 5, 4}, slope), CW_ERROR_KERNEL);
     check_status(cw_heading_occluded(h, &later, 0, (cw_rectangle){0, 0, 5, 4}, hit), CW_ERROR_ARGUMENT);
     check_status(cw_heading_steepest(h, NULL, -INFINITY, INFINITY, (cw_rectangle){5, 4, 0, 0}, slope), CW_OK);

@@ -115,7 +115,7 @@ static void test_what_follows_from_no_hit(void **state) {
 
 static void test_what_follows_from_a_hit(void **state) {
     (void)state;
-    cw_field_desc d = cw_field_desc_default();
+    cw_field_desc d = {0};
     d.samples = shape.z;
     d.nx = shape.nx;
     d.ny = shape.ny;
@@ -157,7 +157,7 @@ static void test_normals_of_maps_of_any_size(void **state) {
     static const int exponents[] = {0, -1010, -600, 600, 1010};
     double first[20][2][3];
     for (size_t e = 0; e < sizeof exponents / sizeof exponents[0]; e++) {
-        cw_field_desc d = cw_field_desc_default();
+        cw_field_desc d = {0};
         d.samples = shape.z;
         d.nx = shape.nx;
         d.ny = shape.ny;
@@ -181,7 +181,7 @@ static void test_normals_of_maps_of_any_size(void **state) {
 static void test_phong_normal_beside_a_hole(void **state) {
     (void)state;
     const float z[9] = {0, 1, NAN, 0, 1, 5, 0, 1, 2};
-    cw_field_desc d = cw_field_desc_default();
+    cw_field_desc d = {0};
     d.samples = z;
     d.nx = d.ny = 3;
     cw_field *f;

@@ -2,6 +2,7 @@
 /* What is built on the queries: rays in user space, the caller's own threads, a watch, many hits at once, places on the
  * surface. Each gives what the plain functions give. */
 
+#include "cellwalk_expert.h"
 #include "check.h"
 #include "rays.h"
 
@@ -26,7 +27,7 @@ static const double map[3][4] = {{30, -5, 0, 3e6}, {4, 31, 0, -7e6}, {0.5, 0.25,
 static int set_up(void **state) {
     (void)state;
     field_make(&shape, FIELD_HOLES, SIDE, SIDE, 5);
-    cw_field_desc d = cw_field_desc_default();
+    cw_field_desc d = {0};
     d.samples = shape.z;
     d.nx = d.ny = SIDE;
     memcpy(d.map, map, sizeof map);
@@ -41,7 +42,7 @@ static int set_up(void **state) {
             user_rays[k].dir[c] = map[c][0] * v[0] + map[c][1] * v[1] + map[c][2] * v[2];
         }
     }
-    cw_rays_to_field(field, user_rays, RAYS, rays);
+    cw_rays_to_field(field, NULL, user_rays, RAYS, rays);
     return cw_closest(field, NULL, rays, RAYS, expected) == CW_OK ? 0 : -1;
 }
 
@@ -68,7 +69,7 @@ static void versions_agree(void **state) {
  * along an axis, and how much of a cell they may lose. Doubles are off by 10^-9 cells here. */
 static void check_precision(double to_user[3][4], double cell, const double reach[3], double most, const char *what) {
     static const float z[4];
-    cw_field_desc d = cw_field_desc_default();
+    cw_field_desc d = {0};
     cw_field *f;
     d.samples = z;
     d.nx = d.ny = 2;
@@ -88,7 +89,7 @@ static void check_precision(double to_user[3][4], double cell, const double reac
             for (int c = 0; c < 3; c++) in.org[c] += to_user[c][a] * along;
         }
         for (int c = 0; c < 3; c++) in.org[c] = round(in.org[c] * 1000) / 1000; /* millimetres */
-        cw_rays_to_field(f, &in, 1, &out);
+        cw_rays_to_field(f, NULL, &in, 1, &out);
         for (int a = 0; a < 3; a++) { /* to_user's columns are at right angles and as long as a cell */
             double org = 0, dir = 0;
             for (int c = 0; c < 3; c++) {
@@ -140,7 +141,7 @@ static void rays_in_user_space(void **state) {
             if (n < RAYS) check(got[n].i == 0x5a5a5a5a && occluded[n] == 0x5a, "wrote beyond %zu", n);
         }
     cw_pool_destroy(pool);
-    const cw_run none = {.kernel = cw_kernel_find("packet99")};
+    const cw_run none = {.expert.kernel = cw_kernel_find("packet99")};
     check_status(cw_closest_user(field, &none, user_rays, 1, got), CW_ERROR_KERNEL);
 }
 
@@ -164,7 +165,7 @@ static void *run_task(void *argument) {
 }
 
 /* Each on a new thread, from the last on. */
-static void run_all(void *context, cw_task_fn *run, void *argument, unsigned count) {
+static void run_all(void *context, cw_task_fn *run, void *argument, uint32_t count) {
     engine *e = context;
     task tasks[8];
     check(count >= 1 && count <= 8, "%u tasks", count);
@@ -281,9 +282,9 @@ static void places_on_the_surface(void **state) {
         const double x = floor(random_unit(&r) * SIDE / scale) * scale;
         const double y = k % 4 == 1 ? x : floor(random_unit(&r) * SIDE / scale) * scale;
         cw_hit hit, from_user;
-        cw_field_at(field, x, y, &hit);
+        check_status(cw_surface_at(field, NULL, (double[2]){x, y}, 1, &hit), CW_OK);
         const double ux = map[0][0] * x + map[0][1] * y + map[0][3], uy = map[1][0] * x + map[1][1] * y + map[1][3];
-        check_status(cw_field_at_user(field, (double[3]){ux, uy, random_unit(&r) - 0.5}, &from_user), CW_OK);
+        check_status(cw_surface_at_user(field, NULL, (double[3]){ux, uy, random_unit(&r) - 0.5}, 1, &from_user), CW_OK);
         const bool outside = x > SIDE - 1 || y > SIDE - 1;
         if (outside) {
             check(hit.i == -1 && isinf(hit.t), "(%g, %g) is outside", x, y);
@@ -312,16 +313,11 @@ static void places_on_the_surface(void **state) {
         /* Places are known to 2^-53 of 7e6, and heights change by less than one from there to the next sample. */
         check(fabs(p[2] - wanted[2]) <= 1e-6, "user (%g, %g): %g, not %g", ux, uy, p[2], wanted[2]);
     }
-    static const double outside[][2] = {{-0.001, 1}, {1, -1e-300}, {32.001, 1}, {1, 1e300}};
-    cw_hit hit;
-    for (size_t k = 0; k < 4; k++) {
-        cw_field_at(field, outside[k][0], outside[k][1], &hit);
-        assert_int_equal(hit.i, -1);
-    }
-    cw_field_at(field, (double)NAN, 1, &hit);
-    assert_int_equal(hit.i, -1);
-    cw_field_at(field, 1, (double)INFINITY, &hit);
-    assert_int_equal(hit.i, -1);
+    const double outside[][2] = {{-0.001, 1}, {1, -1e-300},     {32.001, 1},
+                                 {1, 1e300},  {(double)NAN, 1}, {1, (double)INFINITY}};
+    cw_hit hit[6] = {{0}};
+    check_status(cw_surface_at(field, NULL, outside[0], 6, hit), CW_OK);
+    for (size_t k = 0; k < 6; k++) assert_int_equal(hit[k].i, -1);
 }
 
 /* Worlds whose y is up, or whose heights lean: a point is moved along the field's own up. */
@@ -332,7 +328,7 @@ static void places_along_the_fields_up(void **state) {
                                         {{0, 0, 1, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}}};
     random_state r = {12};
     for (size_t m = 0; m < sizeof maps / sizeof *maps; m++) {
-        cw_field_desc d = cw_field_desc_default();
+        cw_field_desc d = {0};
         d.samples = shape.z;
         d.nx = d.ny = SIDE;
         memcpy(d.map, maps[m], sizeof d.map);
@@ -345,8 +341,8 @@ static void places_along_the_fields_up(void **state) {
             cw_hit wanted, hit;
             for (int c = 0; c < 3; c++)
                 point[c] = maps[m][c][0] * x + maps[m][c][1] * y + maps[m][c][2] * z + maps[m][c][3];
-            cw_field_at(turned, x, y, &wanted);
-            check_status(cw_field_at_user(turned, point, &hit), CW_OK); /* all numbers are exact */
+            check_status(cw_surface_at(turned, NULL, (double[2]){x, y}, 1, &wanted), CW_OK);
+            check_status(cw_surface_at_user(turned, NULL, point, 1, &hit), CW_OK); /* all numbers are exact */
             check(memcmp(&hit, &wanted, sizeof hit) == 0, "(%g, %g) on map %zu: cell %d, %d, not %d, %d", x, y, m,
                   hit.i, hit.j, wanted.i, wanted.j);
         }
@@ -393,13 +389,15 @@ static void errors_say_what_was_wrong(void **state) {
     cw_field_desc d = {.samples = shape.z, .nx = 1, .ny = 5};
     check_status(cw_field_create(&d, NULL, &f), CW_ERROR_ARGUMENT);
     assert_string_equal(cw_last_error(), "nx: 1 samples; a field has 2 to 8388608 a side");
-    check_status(cw_closest(field, &(cw_run){.kernel = cw_kernel_find("packet99")}, rays, 1, got), CW_ERROR_KERNEL);
+    check_status(cw_closest(field, &(cw_run){.expert.kernel = cw_kernel_find("packet99")}, rays, 1, got),
+                 CW_ERROR_KERNEL);
     assert_string_equal(cw_last_error(), "kernel: there is no kernel of that name");
     check_status(cw_closest(field, NULL, NULL, 7, got), CW_ERROR_ARGUMENT);
     assert_string_equal(cw_last_error(), "rays: NULL for 7 rays");
     check_status(cw_closest(field, NULL, rays, 1, got), CW_OK);
     assert_string_equal(cw_last_error(), "rays: NULL for 7 rays");
-    check_status(cw_run_check(NULL, &(cw_run){.kernel = cw_kernel_find("pyramid1"), .leaf = CW_LEAF_MOLLER_TRUMBORE}),
+    check_status(cw_run_check(NULL, &(cw_run){.expert.kernel = cw_kernel_find("pyramid1"),
+                                              .expert.leaf = CW_LEAF_MOLLER_TRUMBORE}),
                  CW_ERROR_KERNEL);
     assert_string_equal(cw_last_error(), "leaf: pyramid1 does not have the leaf test moller-trumbore");
     check_status(cw_run_check(field, NULL), CW_OK);
@@ -424,29 +422,24 @@ static void count_release(void *context, void *memory) {
     free(memory);
 }
 
-/* All that a field holds comes from the process's allocator and goes back to it. */
+/* All that a field holds comes from its allocator and goes back to it. */
 static void memory_is_the_callers(void **state) {
     (void)state;
     counted c = {0};
-    const cw_allocator allocator = {count_allocate, count_release, &c};
-    check_status(cw_allocator_set(&(cw_allocator){.allocate = count_allocate}), CW_ERROR_ARGUMENT);
-    check_status(cw_allocator_set(&allocator), CW_OK);
+    cw_allocator allocator = {.allocate = count_allocate, .release = count_release, .context = &c};
     cw_field *f;
     cw_heading *h;
-    const cw_field_desc d = {.samples = shape.z, .nx = SIDE, .ny = SIDE};
+    const cw_field_desc d = {.samples = shape.z, .nx = SIDE, .ny = SIDE, .allocator = &allocator};
     for (size_t k = 0; k < cw_kernel_count(); k++) {
-        check_status(cw_field_create(&d, &(cw_run){.kernel = cw_kernel_at(k)}, &f), CW_OK);
-        check_status(cw_heading_create(f, (double[2]){1, 0.5}, &h), CW_OK);
+        check_status(cw_field_create(&d, &(cw_run){.expert.kernel = cw_kernel_at(k)}, &f), CW_OK);
+        check_status(cw_heading_create(f, &(cw_heading_desc){.dir = {1, 0.5}}, &h), CW_OK);
         check(atomic_load(&c.blocks) >= 5, "%ld blocks", atomic_load(&c.blocks));
+        allocator.release = NULL; /* it was copied */
         cw_heading_destroy(h);
         cw_field_destroy(f);
         check(atomic_load(&c.blocks) == 0, "%ld blocks are left", atomic_load(&c.blocks));
+        allocator.release = count_release;
     }
-    check_status(cw_allocator_set(NULL), CW_OK);
-    const unsigned long calls = atomic_load(&c.calls);
-    check_status(cw_field_create(&d, NULL, &f), CW_OK);
-    cw_field_destroy(f);
-    check(atomic_load(&c.calls) == calls, "the allocator is still in use");
 }
 
 int main(void) {

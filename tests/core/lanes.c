@@ -3,6 +3,7 @@
  * leaf test, on rays and fields from rays.h and fields.h, in runs of any length. There is no tolerance. */
 
 #include "as_cell.h"
+#include "cellwalk_expert.h"
 #include "check.h"
 #include "rays.h"
 
@@ -33,7 +34,7 @@ typedef struct run {
 } run;
 
 static void compare(const run *q, const cw_kernel *kernel) {
-    const cw_run query = {.kernel = kernel, .leaf = q->leaf};
+    const cw_run query = {.expert.kernel = kernel, .expert.leaf = q->leaf};
     if (as_cell_differ(q->field, &query, q->rays, q->n, q->hits) == 0) return;
     field_print(q->shape);
     check(false, "%s and cell differ", cw_kernel_describe(kernel).name);
@@ -44,7 +45,7 @@ static void run_all(run *q) {
     const cw_kernel *reference = cw_kernel_find("cell");
     for (int leaf = CW_LEAF_MOLLER_TRUMBORE; leaf < CW_LEAF_COUNT; leaf++) {
         q->leaf = (cw_leaf)leaf;
-        const cw_run query = {.kernel = reference, .leaf = q->leaf};
+        const cw_run query = {.expert.kernel = reference, .expert.leaf = q->leaf};
         check_status(cw_closest(q->field, &query, q->rays, q->n, q->hits), CW_OK);
         for (size_t k = 0; k < q->n; k++) {
             if (q->hits[k].i < 0 || (q->hits[k].t >= q->rays[k].tmin && q->hits[k].t <= q->rays[k].tmax)) continue;
@@ -55,7 +56,8 @@ static void run_all(run *q) {
         }
         for (size_t k = 0; k < cw_kernel_count(); k++) {
             const cw_kernel *kernel = cw_kernel_at(k);
-            if (has_own_rules(kernel) || cw_run_check(NULL, &(cw_run){.kernel = kernel, .leaf = q->leaf}) != CW_OK)
+            if (has_own_rules(kernel) ||
+                cw_run_check(NULL, &(cw_run){.expert.kernel = kernel, .expert.leaf = q->leaf}) != CW_OK)
                 continue;
             compare(q, kernel);
             q->compared[leaf]++;
@@ -292,7 +294,7 @@ static void test_long_call(void **state) {
         const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
         if (!takes_long_calls(&info) || (slow && info.isa != most)) continue;
         kernels++;
-        const cw_run query = {.kernel = cw_kernel_at(k), .leaf = CW_LEAF_WATERTIGHT};
+        const cw_run query = {.expert.kernel = cw_kernel_at(k), .expert.leaf = CW_LEAF_WATERTIGHT};
         for (size_t begin = 0; begin < n; begin += RUN_MAX)
             check_status(
                 cw_closest(field, &query, rays + begin, n - begin < RUN_MAX ? n - begin : RUN_MAX, hits + begin),

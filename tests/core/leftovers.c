@@ -2,6 +2,7 @@
 /* No answer depends on what earlier calls have left on the stack, and none of it is computed with: under
  * UndefinedBehaviorSanitizer an integer that was never set overflows here. */
 
+#include "cellwalk_expert.h"
 #include "check.h"
 #include "rays.h"
 
@@ -21,7 +22,7 @@ static void __attribute__((noinline, no_sanitize("address", "undefined"))) leave
 }
 
 static void compare(const cw_field *field, const cw_kernel *kernel, cw_leaf leaf, const cw_ray *rays) {
-    const cw_run q = {.kernel = kernel, .leaf = leaf};
+    const cw_run q = {.expert.kernel = kernel, .expert.leaf = leaf};
     static cw_hit expected[RAYS], hits[RAYS];
     static uint8_t occluded[RAYS];
     leave_behind(0);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A pool that several threads use at once: each gets the answers that it would get alone, and none waits for ever. */
 
+#include "cellwalk_expert.h"
 #include "cellwalk_terrain.h"
 #include "check.h"
 #include "rays.h"
@@ -170,7 +171,8 @@ static cw_heading *heading;
 /* What waits for threads, or calls back. */
 static cw_status do_one(const doomed *d) {
     const cw_run run = {.pool = d->pool, .watch = watch_for_an_end};
-    const cw_field_desc desc = {.samples = shape.z, .nx = 17, .ny = 17};
+    const cw_allocator allocator = {.allocate = allocate, .release = release};
+    const cw_field_desc desc = {.samples = shape.z, .nx = 17, .ny = 17, .allocator = &allocator};
     const cw_rectangle all = {0, 0, 17, 17};
     cw_field *coarser = NULL;
     switch (d->number) {
@@ -193,9 +195,9 @@ static cw_status do_one(const doomed *d) {
     case 7:
         return cw_field_create(&desc, &run, &made);
     case 8:
-        return cw_field_update(made, &(cw_update){.at = all, .samples = shape.z}, &run);
+        return cw_field_update(made, &run, &(cw_update){.at = all, .samples = shape.z});
     case 9:
-        return cw_heading_create(made, (double[]){1, 0.3}, &heading);
+        return cw_heading_create(made, &(cw_heading_desc){.dir = {1, 0.3}}, &heading);
     case 10:
         return cw_heading_steepest(heading, &run, -1, 1, all, slopes);
     case 11:
@@ -234,7 +236,6 @@ static void no_function_is_a_cancellation_point(void **state) {
     cw_pool *pool;
     cw_hit *hits = got[1];
     check_status(cw_pool_create(2, &pool), CW_OK);
-    check_status(cw_allocator_set(&(cw_allocator){.allocate = allocate, .release = release}), CW_OK);
     for (size_t k = 0; k < DEEDS; k++) {
         doomed d = {.pool = pool, .number = k};
         pthread_t thread;
@@ -246,9 +247,8 @@ static void no_function_is_a_cancellation_point(void **state) {
         memset(hits, 0, RAYS * sizeof *hits);
         check_status(cw_closest(field, &(cw_run){.pool = pool}, rays, RAYS, hits), CW_OK);
         for (size_t r = 0; r < RAYS; r++) check(hit_same(&hits[r], &expected[r]), "after number %zu, ray %zu", k, r);
-        check_status(cw_field_update(field, &(cw_update){.at = {1, 1, 1, 1}}, NULL), CW_OK);
+        check_status(cw_field_update(field, NULL, &(cw_update){.at = {1, 1, 1, 1}}), CW_OK);
     }
-    check_status(cw_allocator_set(NULL), CW_OK);
 }
 
 /* ---- processes that fork ------------------------------------------------------------------------------------------- */
@@ -309,13 +309,13 @@ static int ask_in_two(void) {
         if (pthread_create(&thread[k], NULL, ask_and_stay, &first[k]) != 0) return 1;
         sem_wait(&inside);
     }
-    wrong += cw_field_update(field, &same, NULL) != CW_ERROR_BUSY;
+    wrong += cw_field_update(field, NULL, &same) != CW_ERROR_BUSY;
     for (int k = 0; k < 2; k++) sem_post(&go_on);
     for (int k = 0; k < 2; k++) {
         void *good = NULL;
         wrong += pthread_join(thread[k], &good) != 0 || good == NULL;
     }
-    return wrong + (cw_field_update(field, &same, NULL) != CW_OK);
+    return wrong + (cw_field_update(field, NULL, &same) != CW_OK);
 }
 
 /* Queries of the parent's other threads do not run in a child, and keep no update out. Those of the child's own do. */
@@ -334,12 +334,12 @@ static void fields_outlive_a_fork(void **state) {
         sem_wait(&inside);
     }
     const cw_update same = {.at = {1, 1, 1, 1}};
-    check_status(cw_field_update(field, &same, NULL), CW_ERROR_BUSY);
+    check_status(cw_field_update(field, NULL, &same), CW_ERROR_BUSY);
     const pid_t child = fork();
     assert_true(child >= 0);
     if (child == 0) {
         alarm(LIMIT_SECONDS / 2);
-        if (cw_field_update(field, &same, NULL) != CW_OK) _exit(100);
+        if (cw_field_update(field, NULL, &same) != CW_OK) _exit(100);
 #ifdef TEST_IN_EMULATOR
         _exit(0);
 #endif
@@ -347,11 +347,11 @@ static void fields_outlive_a_fork(void **state) {
     }
     int status;
     assert_int_equal(waitpid(child, &status, 0), child);
-    check_status(cw_field_update(field, &same, NULL), CW_ERROR_BUSY);
+    check_status(cw_field_update(field, NULL, &same), CW_ERROR_BUSY);
     for (int k = 0; k < IN; k++) sem_post(&go_on);
     for (int k = 0; k < IN; k++) assert_int_equal(pthread_join(thread[k], NULL), 0);
     check(WIFEXITED(status) && WEXITSTATUS(status) == 0, "the child ended with %#x", (unsigned)status);
-    check_status(cw_field_update(field, &same, NULL), CW_OK);
+    check_status(cw_field_update(field, NULL, &same), CW_OK);
 }
 
 int main(void) {

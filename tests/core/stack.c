@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Every call keeps to the stack that the header says, and the threads of a pool have the megabyte that they are promised. */
 
+#include "cellwalk_expert.h"
 #include "check.h"
 #include "rays.h"
 
@@ -42,9 +43,9 @@ static void *do_everything(void *failure) {
         const size_t n = strcmp(info.name, "brute") != 0 ? RAYS : 30; /* brute force takes its time */
         if (!info.available) continue;
         *failed = info.name;
-        if (cw_field_build(field, &(cw_run){.kernel = cw_kernel_at(k)}) != CW_OK) return NULL;
+        if (cw_field_build(field, &(cw_run){.expert.kernel = cw_kernel_at(k)}) != CW_OK) return NULL;
         for (int leaf = 0; leaf < CW_LEAF_COUNT; leaf++) {
-            const cw_run q = {.kernel = cw_kernel_at(k), .leaf = (cw_leaf)leaf};
+            const cw_run q = {.expert.kernel = cw_kernel_at(k), .expert.leaf = (cw_leaf)leaf};
             const cw_status status = cw_closest(field, &q, rays, n, hits);
             if (status == CW_ERROR_KERNEL) continue;
             if (status != CW_OK || cw_occluded(field, &q, rays, n, occluded) != CW_OK ||
@@ -60,11 +61,11 @@ static void *do_everything(void *failure) {
         return NULL;
     *failed = "cw_field_update";
     const cw_update update = {.at = {.i = 3, .j = 5, .nx = 200, .ny = 150}, .samples = samples, .stride = SIDE};
-    if (cw_field_update(field, &update, NULL) != CW_OK) return NULL;
+    if (cw_field_update(field, NULL, &update) != CW_OK) return NULL;
     *failed = "a heading";
     cw_heading *heading;
     float slopes[SIDE];
-    if (cw_heading_create(field, (double[2]){0.3, 1}, &heading) != CW_OK ||
+    if (cw_heading_create(field, &(cw_heading_desc){.dir = {0.3, 1}}, &heading) != CW_OK ||
         cw_heading_steepest(heading, NULL, -INFINITY, INFINITY, (cw_rectangle){0, 7, SIDE, 1}, slopes) != CW_OK)
         return NULL;
     cw_heading_destroy(heading);

@@ -37,7 +37,7 @@ static cw_field *make_field(size_t round) {
         terrain_fractal(z, nx, ny, (uint32_t)round, shapes[round % SHAPES].relief);
     else
         terrain_sea(z, nx, ny, (uint32_t)round, shapes[round % SHAPES].roughness);
-    cw_field_desc d = cw_field_desc_default();
+    cw_field_desc d = {0};
     d.samples = z;
     d.nx = nx;
     d.ny = ny;
@@ -98,7 +98,7 @@ static void test_walks_agree(void **state) {
     for (size_t round = 0; round < test_rounds(); round++) {
         cw_field *field = make_field(round);
         for (size_t p = 0; p < path_count; p++)
-            check_status(cw_field_build(field, &(cw_run){.kernel = paths[p].query.kernel}), CW_OK);
+            check_status(cw_field_build(field, &(cw_run){.expert.kernel = paths[p].query.expert.kernel}), CW_OK);
         for (int c = 0; c < WORKLOAD_CLASS_COUNT; c++)
             compare_class(w, field, paths, path_count, (workload_class)c, (uint32_t)round, &counts[c]);
         cw_field_destroy(field);

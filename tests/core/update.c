@@ -251,10 +251,10 @@ static void updates_give_what_is_made_anew(void **state) {
                     snprintf(what, sizeof what, "%zu x %zu, %s, %zu x %zu from (%zu, %zu)", p.nx, p.ny, kind_names[k],
                              u.at.nx, u.at.ny, u.at.i, u.at.j);
                     const cw_run how = {.pool = (turn + s) % 2 ? pool : NULL};
-                    check_status(cw_field_update(borrowed, &u, &how), CW_OK);
+                    check_status(cw_field_update(borrowed, &how, &u), CW_OK);
                     u.samples = p.z + u.at.j * p.stride + u.at.i;
                     u.stride = p.stride;
-                    check_status(cw_field_update(copied, &u, &how), CW_OK);
+                    check_status(cw_field_update(copied, &how, &u), CW_OK);
                     cw_field *anew = make_field(&p, CW_BORROW, NULL);
                     check_same(borrowed, anew, what);
                     check_same(copied, anew, what);
@@ -275,50 +275,50 @@ static void what_is_refused_changes_nothing(void **state) {
     cw_field *anew = make_field(&p, CW_COPY, NULL);
     float z[6] = {1, 2, 3, 4, 5, 0x1.2p100f};
     const cw_update good = {.at = {.i = 7, .j = 9, .nx = 3, .ny = 2}, .samples = z};
-    check_status(cw_field_update(copied, &good, NULL), CW_ERROR_SAMPLE);
-    check_status(cw_field_update(borrowed, &good, NULL), CW_ERROR_ARGUMENT);
+    check_status(cw_field_update(copied, NULL, &good), CW_ERROR_SAMPLE);
+    check_status(cw_field_update(borrowed, NULL, &good), CW_ERROR_ARGUMENT);
     cw_update u = good;
     u.samples = NULL;
-    check_status(cw_field_update(copied, &u, NULL), CW_ERROR_ARGUMENT);
+    check_status(cw_field_update(copied, NULL, &u), CW_ERROR_ARGUMENT);
     u = good;
     u.stride = 2;
-    check_status(cw_field_update(copied, &u, NULL), CW_ERROR_ARGUMENT);
+    check_status(cw_field_update(copied, NULL, &u), CW_ERROR_ARGUMENT);
     /* Rows that no array can hold. */
     static const size_t far_apart[] = {SIZE_MAX, SIZE_MAX / 2, SIZE_MAX / 4 - 5, SIZE_MAX / 8,
                                        PTRDIFF_MAX / sizeof(float)};
     for (size_t k = 0; k < sizeof far_apart / sizeof far_apart[0]; k++) {
         u = good;
         u.stride = far_apart[k];
-        check_status(cw_field_update(copied, &u, NULL), CW_ERROR_ARGUMENT);
+        check_status(cw_field_update(copied, NULL, &u), CW_ERROR_ARGUMENT);
     }
     u = good;
     u.reserved[2] = 1;
-    check_status(cw_field_update(copied, &u, NULL), CW_ERROR_ARGUMENT);
+    check_status(cw_field_update(copied, NULL, &u), CW_ERROR_ARGUMENT);
     const cw_update outside[] = {{.at = {.i = 63, .nx = 3, .ny = 1}, .samples = z},
                                  {.at = {.j = 64, .nx = 1, .ny = 2}, .samples = z},
                                  {.at = {.i = 66, .nx = 0, .ny = 1}, .samples = z},
                                  {.at = {.i = SIZE_MAX, .nx = 2, .ny = 1}, .samples = z},
                                  {.at = {.i = 1, .nx = SIZE_MAX, .ny = 1}, .samples = z}};
     for (size_t k = 0; k < sizeof outside / sizeof outside[0]; k++)
-        check_status(cw_field_update(copied, &outside[k], NULL), CW_ERROR_ARGUMENT);
+        check_status(cw_field_update(copied, NULL, &outside[k]), CW_ERROR_ARGUMENT);
     const cw_update nothing[] = {{.at = {.i = 65, .nx = 0, .ny = 1}, .samples = z},
                                  {.at = {.nx = 5, .ny = 0}, .samples = z}};
-    for (size_t k = 0; k < 2; k++) check_status(cw_field_update(copied, &nothing[k], NULL), CW_OK);
+    for (size_t k = 0; k < 2; k++) check_status(cw_field_update(copied, NULL, &nothing[k]), CW_OK);
     check_same(copied, anew, "after refusals");
 
     float *sample = &p.z[20 * p.stride + 64];
     const float old = *sample;
     const cw_update one = {.at = {64, 20, 1, 1}};
     *sample = INFINITY;
-    check_status(cw_field_update(borrowed, &one, NULL), CW_ERROR_SAMPLE);
+    check_status(cw_field_update(borrowed, NULL, &one), CW_ERROR_SAMPLE);
     *sample = -0x1.2p100f;
-    check_status(cw_field_update(borrowed, &one, NULL), CW_ERROR_SAMPLE);
+    check_status(cw_field_update(borrowed, NULL, &one), CW_ERROR_SAMPLE);
     *sample = old;
     check_same(borrowed, anew, "put back after refusals");
 
     /* In a copy an infinity is a hole. */
     z[5] = -INFINITY;
-    check_status(cw_field_update(copied, &good, NULL), CW_OK);
+    check_status(cw_field_update(copied, NULL, &good), CW_OK);
     assert_true(isnan(cw_field_row(copied, 10)[9]));
     assert_int_equal(cw_field_describe(copied).holes, 1);
     cw_field_destroy(borrowed);
@@ -332,21 +332,21 @@ static void grid3d_is_dropped(void **state) {
     random_state r = {5};
     const place p = make_place(3, LAND, &r);
     cw_field *f = make_field(&p, CW_COPY, NULL);
-    const cw_run q = {.kernel = cw_kernel_find("grid3d")};
+    const cw_run q = {.expert.kernel = cw_kernel_find("grid3d")};
     const float z = 100;
     const cw_ray down = {.org = {30.5f, 30.25f, 1000}, .dir = {0, 0, -1}, .tmax = INFINITY};
     const size_t before = cw_field_describe(f).bytes_built;
     cw_hit hit;
     check_status(cw_field_build(f, &q), CW_OK);
     assert_true(cw_field_describe(f).bytes_built > before);
-    check_status(cw_field_update(f, &(cw_update){.at = {.i = 30, .j = 30, .nx = 1, .ny = 1}, .samples = &z}, NULL),
+    check_status(cw_field_update(f, NULL, &(cw_update){.at = {.i = 30, .j = 30, .nx = 1, .ny = 1}, .samples = &z}),
                  CW_OK);
     check_status(cw_closest(f, &q, &down, 1, &hit), CW_ERROR_NOT_BUILT);
     assert_int_equal(cw_field_describe(f).bytes_built, before);
     check_status(cw_field_build(f, &q), CW_OK);
     check_status(cw_closest(f, &q, &down, 1, &hit), CW_OK);
     cw_hit expected;
-    check_status(cw_closest(f, &(cw_run){.kernel = cw_kernel_find("cell")}, &down, 1, &expected), CW_OK);
+    check_status(cw_closest(f, &(cw_run){.expert.kernel = cw_kernel_find("cell")}, &down, 1, &expected), CW_OK);
     check(hit.i == 30 && hit.j == 30 && fabsf(hit.t - expected.t) < 1e-3f, "grid3d at t = %g", (double)hit.t);
     cw_field_destroy(f);
     free(p.z);
@@ -365,25 +365,25 @@ typedef struct meeting {
 static bool update_meanwhile(void *context, double done) {
     meeting *m = context;
     (void)done;
-    m->status[0] = cw_field_update(m->field, &m->update, NULL);
+    m->status[0] = cw_field_update(m->field, NULL, &m->update);
     m->tried++;
     return true;
 }
 
 /* From within an update, on whose pool this is. */
-static void ask_meanwhile(void *context, cw_task_fn *task, void *argument, unsigned count) {
+static void ask_meanwhile(void *context, cw_task_fn *task, void *argument, uint32_t count) {
     meeting *m = context;
     const cw_ray ray = {.org = {1, 1, 0}, .dir = {1, 0, 0}, .tmax = 1};
     const cw_user_ray user = {.org = {1, 1, 0}, .dir = {1, 0, 0}, .tmax = 1};
     /* Whose grid the update frees. */
-    const cw_run grid = {.kernel = cw_kernel_find("grid3d")};
+    const cw_run grid = {.expert.kernel = cw_kernel_find("grid3d")};
     cw_hit hit;
     uint8_t occluded;
     double point[3];
     const cw_status status[] = {
         cw_closest(m->field, NULL, &ray, 1, &hit),       cw_occluded(m->field, NULL, &ray, 1, &occluded),
         cw_closest_user(m->field, NULL, &user, 1, &hit), cw_occluded_user(m->field, NULL, &user, 1, &occluded),
-        cw_hit_points(m->field, NULL, &hit, 1, point),   cw_field_update(m->field, &m->update, NULL),
+        cw_hit_points(m->field, NULL, &hit, 1, point),   cw_field_update(m->field, NULL, &m->update),
         cw_closest(m->field, &grid, &ray, 1, &hit),      cw_occluded(m->field, &grid, &ray, 1, &occluded)};
     for (size_t k = 0; k < sizeof status / sizeof status[0]; k++) check_status(status[k], CW_ERROR_BUSY);
     m->tried++;
@@ -409,8 +409,8 @@ static void who_comes_second_is_turned_away(void **state) {
     cw_pool *pool;
     const cw_tasks tasks = {.threads = 2, .run = ask_meanwhile, .context = &m};
     check_status(cw_pool_create_on(&tasks, &pool), CW_OK);
-    check_status(cw_field_build(f, &(cw_run){.kernel = cw_kernel_find("grid3d")}), CW_OK);
-    check_status(cw_field_update(f, &m.update, &(cw_run){.pool = pool}), CW_OK);
+    check_status(cw_field_build(f, &(cw_run){.expert.kernel = cw_kernel_find("grid3d")}), CW_OK);
+    check_status(cw_field_update(f, &(cw_run){.pool = pool}, &m.update), CW_OK);
     check(m.tried > 2, "nothing was tried during the update");
     check_same(f, anew, "after all of that");
     check_status(cw_closest(f, NULL, &ray, 1, &hit), CW_OK);
@@ -448,7 +448,7 @@ static void *update_and_update(void *argument) {
     for (size_t k = 0; k < 64 * 64; k++) z[0][k] = 1, z[1][k] = 2;
     for (size_t k = 0; k < TURNS; k++) {
         const cw_update u = {.at = {.i = 60, .j = 60, .nx = 64, .ny = 64}, .samples = z[k % 2]};
-        const cw_status status = cw_field_update(c->field, &u, NULL);
+        const cw_status status = cw_field_update(c->field, NULL, &u);
         c->done += status == CW_OK;
         c->away += status == CW_ERROR_BUSY;
         c->wrong += status != CW_OK && status != CW_ERROR_BUSY;
@@ -478,7 +478,7 @@ static void a_crowd_does_no_harm(void **state) {
 /* Queries of grid3d until its grid is gone. */
 static void *ask_grid3d(void *argument) {
     crowd *c = argument;
-    const cw_run q = {.kernel = cw_kernel_find("grid3d")};
+    const cw_run q = {.expert.kernel = cw_kernel_find("grid3d")};
     const cw_ray down = {.org = {30.5f, 30.25f, 100}, .dir = {0, 0, -1}, .tmax = INFINITY};
     for (cw_status status = CW_OK; status != CW_ERROR_NOT_BUILT && c->done + c->away < TURNS;) {
         cw_hit hit;
@@ -500,12 +500,12 @@ static void a_grid_goes_while_it_is_asked(void **state) {
     check_status(cw_field_create(&d, NULL, &f), CW_OK);
     for (size_t round = 0; round < ROUNDS; round++) {
         crowd c[ASKING] = {{0}};
-        check_status(cw_field_build(f, &(cw_run){.kernel = cw_kernel_find("grid3d")}), CW_OK);
+        check_status(cw_field_build(f, &(cw_run){.expert.kernel = cw_kernel_find("grid3d")}), CW_OK);
         for (size_t k = 0; k < ASKING; k++) {
             c[k] = (crowd){.field = f, .number = k};
             assert_int_equal(pthread_create(&c[k].thread, NULL, ask_grid3d, &c[k]), 0);
         }
-        while (cw_field_update(f, &(cw_update){.at = {.nx = 1, .ny = 1}, .samples = z}, NULL) == CW_ERROR_BUSY)
+        while (cw_field_update(f, NULL, &(cw_update){.at = {.nx = 1, .ny = 1}, .samples = z}) == CW_ERROR_BUSY)
             continue;
         for (size_t k = 0; k < ASKING; k++) {
             assert_int_equal(pthread_join(c[k].thread, NULL), 0);

@@ -2,6 +2,7 @@
 /* Every word of every vector vocabulary that this CPU can run gives, lane by lane, what vec_scalar.h gives: on random bits, NaN,
  * infinities, denormals, zeros of both signs, and whatever lies in inactive lanes. */
 
+#include "cellwalk_expert.h"
 #include "check.h"
 #include "vocabulary/words.h"
 #include "workload/random.h"

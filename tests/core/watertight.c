@@ -2,6 +2,7 @@
 /* The watertight leaf test judged by the exact oracle: no leak, no phantom, no wrong surface, on every adversarial ray class
  * and field shape; and no touch lost where nothing is rounded. All kernels with this leaf test give the same bits (lanes.c), so one is judged for all. */
 
+#include "cellwalk_expert.h"
 #include "check.h"
 #include "tally.h"
 
@@ -20,7 +21,7 @@ static size_t judge_field(ray_class kind, const test_field *shape, random_state 
     oracle *o = oracle_create(shape->z, shape->nx, shape->ny);
     assert_non_null(o);
     for (size_t k = 0; k < n; k++) rays[k] = ray_make(kind, shape, r);
-    const cw_run query = {.kernel = cw_kernel_find("cell"), .leaf = CW_LEAF_WATERTIGHT};
+    const cw_run query = {.expert.kernel = cw_kernel_find("cell"), .expert.leaf = CW_LEAF_WATERTIGHT};
     check_status(cw_closest(field, &query, rays, n, hits), CW_OK);
     for (size_t k = 0; k < n; k++) {
         const oracle_truth *truth = oracle_trace(o, &rays[k]);
@@ -109,7 +110,7 @@ static void test_touches(void **state) {
                 x >= (double)(f.nx - 1) || y >= (double)(f.ny - 1))
                 continue;
             cw_hit hit;
-            const cw_run query = {.kernel = cw_kernel_find("cell"), .leaf = CW_LEAF_WATERTIGHT};
+            const cw_run query = {.expert.kernel = cw_kernel_find("cell"), .expert.leaf = CW_LEAF_WATERTIGHT};
             check_status(cw_closest(field, &query, &ray, 1, &hit), CW_OK);
             touches++;
             if (hit.i >= 0 && fabs((double)hit.t - truth->t) == 0) continue;

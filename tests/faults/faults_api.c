@@ -2,6 +2,7 @@
 /* Each allocation and each start of a thread of the library's functions fails once: the status says which, what was to be
  * made is NULL, what was there works on, and no memory is lost. Queries and updates allocate nothing and start no thread. */
 
+#include "cellwalk_expert.h"
 #include "check.h"
 #include "faults.h"
 
@@ -19,7 +20,7 @@ static uint8_t occluded[RAYS];
 static double points[RAYS][3];
 
 static cw_field_desc describe(void) {
-    cw_field_desc d = cw_field_desc_default();
+    cw_field_desc d = {0};
     d.samples = samples;
     d.nx = d.ny = SIDE;
     return d;
@@ -53,12 +54,12 @@ static cw_status build(const void *context) {
     const cw_kernel *kernel = context;
     const cw_field_desc d = describe();
     cw_field *field;
-    cw_status status = cw_field_create(&d, &(cw_run){.kernel = cw_kernel_find("cell")}, &field);
+    cw_status status = cw_field_create(&d, &(cw_run){.expert.kernel = cw_kernel_find("cell")}, &field);
     if (status != CW_OK) return status;
-    status = cw_field_build(field, &(cw_run){.kernel = kernel});
-    const cw_run q = {.kernel = kernel};
-    if (status != CW_OK &&
-        (cw_field_build(field, &(cw_run){.kernel = kernel}) != CW_OK || cw_closest(field, &q, rays, 10, hits) != CW_OK))
+    status = cw_field_build(field, &(cw_run){.expert.kernel = kernel});
+    const cw_run q = {.expert.kernel = kernel};
+    if (status != CW_OK && (cw_field_build(field, &(cw_run){.expert.kernel = kernel}) != CW_OK ||
+                            cw_closest(field, &q, rays, 10, hits) != CW_OK))
         status = CW_ERROR_ARGUMENT;
     cw_field_destroy(field);
     return status;
@@ -73,7 +74,7 @@ static cw_status make_pool(const void *context) {
     return status;
 }
 
-static void run_one(void *context, cw_task_fn *task, void *argument, unsigned count) {
+static void run_one(void *context, cw_task_fn *task, void *argument, uint32_t count) {
     (void)context;
     for (unsigned k = 0; k < count; k++) task(argument, k);
 }
@@ -141,16 +142,16 @@ static void queries_ask_for_nothing(void **state) {
     check_status(cw_pool_create(2, &pool), CW_OK);
     for (size_t k = 0; k < cw_kernel_count(); k++) {
         const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
-        cw_run q = {.kernel = cw_kernel_at(k), .pool = pool, .watch = k % 2 ? go_on : NULL};
+        cw_run q = {.expert.kernel = cw_kernel_at(k), .pool = pool, .watch = k % 2 ? go_on : NULL};
         if (!info.available) continue;
-        check_status(cw_field_build(field, &(cw_run){.kernel = q.kernel}), CW_OK);
+        check_status(cw_field_build(field, &(cw_run){.expert.kernel = q.expert.kernel}), CW_OK);
         const size_t n = strcmp(info.name, "brute") != 0 ? RAYS : 5000; /* brute force takes its time */
         faults_begin(FAULT_MEMORY, 0);
         const cw_update update = {.at = {3, 3, 66, 60}, .samples = samples, .stride = SIDE};
         const cw_status status[] = {
             cw_closest(field, &q, rays, n, hits),           cw_occluded(field, &q, rays, n, occluded),
             cw_closest_user(field, &q, user_rays, n, hits), cw_occluded_user(field, &q, user_rays, n, occluded),
-            cw_hit_points(field, &q, hits, n, points[0]),   cw_field_update(field, &update, &q)};
+            cw_hit_points(field, &q, hits, n, points[0]),   cw_field_update(field, &q, &update)};
         const fault_counts counts = faults_end();
         for (size_t s = 0; s < sizeof status / sizeof status[0]; s++) check_status(status[s], CW_OK);
         check(counts.calls[FAULT_MEMORY] == 0 && counts.calls[FAULT_THREAD] == 0, "%s: %lu allocations, %lu threads",

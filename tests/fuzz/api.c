@@ -7,7 +7,7 @@
 #include "api.h"
 #include "reference.h"
 
-#include "cellwalk.h"
+#include "cellwalk_expert.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -115,9 +115,9 @@ typedef struct work {
 static void ask(work *w, const cw_kernel *kernel, bool any) {
     const cw_kernel_info info = cw_kernel_describe(kernel);
     if (!info.available || (!is_walk(&info) && !w->slow) ||
-        cw_field_build(w->field, &(cw_run){.kernel = kernel}) != CW_OK)
+        cw_field_build(w->field, &(cw_run){.expert.kernel = kernel}) != CW_OK)
         return;
-    w->query.kernel = kernel;
+    w->query.expert.kernel = kernel;
     const bool comparable = w->known && is_walk(&info);
     if (cw_closest(w->field, &w->query, w->rays, w->n, w->hits) == CW_OK) {
         api_done.answers += w->n;
@@ -144,7 +144,7 @@ static void change(cw_field *field, const cw_field_desc *desc, float *samples, s
     for (size_t j = 0; j < u.at.ny; j++)
         for (size_t i = 0; i < u.at.nx; i++) to[j * stride + i] = byte(s) < 128 ? number(s) : to[j * stride + i];
     cw_field *anew;
-    const cw_status status = cw_field_update(field, &u, NULL), made = cw_field_create(desc, NULL, &anew);
+    const cw_status status = cw_field_update(field, NULL, &u), made = cw_field_create(desc, NULL, &anew);
     if (status != CW_OK) return;
     if (made != CW_OK) {
         fprintf(stderr, "updated to what cannot be made: %s\n", cw_status_message(made));
@@ -165,7 +165,7 @@ static void change(cw_field *field, const cw_field_desc *desc, float *samples, s
 
 /* What follows from hits: from some of them. */
 static void look_at_hits(work *w) {
-    w->query.kernel = cw_kernel_find("cell");
+    w->query.expert.kernel = cw_kernel_find("cell");
     if (cw_closest(w->field, &w->query, w->rays, w->n, w->hits) != CW_OK) return;
     const cw_field_info info = cw_field_describe(w->field);
     for (size_t k = 0; k < w->n; k += 1 + w->n / 8) {
@@ -189,7 +189,7 @@ static void ask_user(work *w, source *s) {
         rays[k] = (cw_user_ray){.tmin = r->tmin, .tmax = r->tmax};
         for (int c = 0; c < 3; c++) rays[k].org[c] = r->org[c] * (byte(s) < 8 ? 1e300 : 1), rays[k].dir[c] = r->dir[c];
     }
-    cw_rays_to_field(w->field, rays, n, moved);
+    cw_rays_to_field(w->field, NULL, rays, n, moved);
     if (cw_closest(w->field, &w->query, moved, n, w->hits) == CW_OK) {
         cw_hit *hits = block(n * sizeof *hits);
         if (cw_closest_user(w->field, &w->query, rays, n, hits) != CW_OK ||
@@ -202,9 +202,9 @@ static void ask_user(work *w, source *s) {
     free(rays);
     for (int k = 0; k < 4; k++) {
         cw_hit hit;
-        cw_field_at(w->field, (double)number(s), (double)number(s), &hit);
+        cw_surface_at(w->field, NULL, (double[2]){(double)number(s), (double)number(s)}, 1, &hit);
         const double point[3] = {(double)number(s), (double)number(s), (double)number(s)};
-        if (cw_field_at_user(w->field, point, &hit) != CW_OK) wrong("field_at_user", "an error", 0);
+        if (cw_surface_at_user(w->field, NULL, point, 1, &hit) != CW_OK) wrong("surface_at_user", "an error", 0);
     }
 }
 
@@ -214,16 +214,16 @@ static void ask_heading(const work *w, source *s) {
     const double dir[2] = {(double)number(s), (double)number(s)};
     float low = number(s), high = byte(s) < 128 ? INFINITY : number(s);
     cw_heading *heading;
-    if (cw_heading_create(w->field, dir, &heading) != CW_OK) return;
+    if (cw_heading_create(w->field, &(cw_heading_desc){.dir = {dir[0], dir[1]}}, &heading) != CW_OK) return;
     const size_t i = byte(s) % info.nx, j = byte(s) % info.ny;
     const size_t nx = 1 + byte(s) % (info.nx - i), ny = 1 + byte(s) % (info.ny - j), n = nx * ny;
     float *first = block(n * sizeof *first), *next = block(n * sizeof *next);
     uint8_t *seen = block(n);
-    const cw_run plain = {.kernel = cw_kernel_find("cell")};
+    const cw_run plain = {.expert.kernel = cw_kernel_find("cell")};
     if (cw_heading_steepest(heading, &plain, low, high, (cw_rectangle){i, j, nx, ny}, first) == CW_OK)
         for (size_t k = 0; k < cw_kernel_count(); k++) {
-            const cw_run q = {.kernel = cw_kernel_at(k)};
-            const cw_kernel_info kernel = cw_kernel_describe(q.kernel);
+            const cw_run q = {.expert.kernel = cw_kernel_at(k)};
+            const cw_kernel_info kernel = cw_kernel_describe(q.expert.kernel);
             if (!kernel.available ||
                 cw_heading_steepest(heading, &q, low, high, (cw_rectangle){i, j, nx, ny}, next) != CW_OK)
                 continue;
@@ -244,10 +244,10 @@ static void ask_all(cw_field *field, source *s) {
     w.hits = block(w.n * sizeof *w.hits);
     w.occluded = block(w.n);
     (void)byte(s); /* the corpus has a byte here */
-    w.query.leaf = (cw_leaf)(byte(s) % 4 % 3);
+    w.query.expert.leaf = (cw_leaf)(byte(s) % 4 % 3);
     (void)byte(s);
     make_rays(s, w.rays, w.n);
-    w.query.kernel = cw_kernel_find("cell");
+    w.query.expert.kernel = cw_kernel_find("cell");
     w.known = cw_closest(field, &w.query, w.rays, w.n, w.expected) == CW_OK;
     api_done.rays += w.n;
     const size_t kernels = cw_kernel_count();
@@ -281,13 +281,13 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
         samples[k] = k < period ? number(&s) : samples[k - period];
         if (!any_height && !(fabsf(samples[k]) <= CW_HEIGHT_MAX)) samples[k] = NAN;
     }
-    cw_field_desc desc = cw_field_desc_default();
+    cw_field_desc desc = {.map = {{1}, {0, 1}, {0, 0, 1}}};
     desc.samples = samples;
     desc.nx = nx;
     desc.ny = ny;
     desc.stride = gap ? stride : 0;
     desc.storage = (cw_storage)(byte(&s) % 2);
-    const cw_run bare = {.kernel = cw_kernel_find("cell")}, *how = byte(&s) % 2 ? &bare : NULL;
+    const cw_run bare = {.expert.kernel = cw_kernel_find("cell")}, *how = byte(&s) % 2 ? &bare : NULL;
     if (byte(&s) < 64)
         for (int k = 0; k < 12; k++) desc.map[k / 4][k % 4] += byte(&s) < 64 ? (double)number(&s) : 0;
     cw_field *field;

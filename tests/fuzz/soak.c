@@ -7,7 +7,7 @@
 #include "api.h"
 #include "reference.h"
 
-#include "cellwalk.h"
+#include "cellwalk_expert.h"
 
 #include <malloc.h>
 #include <math.h>
@@ -74,7 +74,7 @@ static void change(cw_field *field, cw_field_desc *desc, float *samples, cw_pool
         for (size_t y = 0; y < update.at.ny; y++)
             for (size_t x = 0; x < update.at.nx; x++) first[y * LARGE_SIDE + x] = (float)(draw() % 64);
         update.samples = first;
-        must(cw_field_update(field, &update, &(cw_run){.pool = pool}), "update");
+        must(cw_field_update(field, &(cw_run){.pool = pool}, &update), "update");
     }
     cw_field *anew;
     must(cw_field_create(desc, NULL, &anew), "field of changed samples");
@@ -96,7 +96,7 @@ static void large(void) {
         rays[k] = (cw_ray){.org = {(float)(draw() % LARGE_SIDE), (float)(draw() % LARGE_SIDE), 70},
                            .dir = {(float)(draw() % 9) - 4, (float)(draw() % 9) - 4, -1},
                            .tmax = INFINITY};
-    cw_field_desc desc = cw_field_desc_default();
+    cw_field_desc desc = {0};
     desc.samples = samples;
     desc.nx = desc.ny = LARGE_SIDE;
     cw_field *field;
@@ -108,14 +108,15 @@ static void large(void) {
         const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
         const bool slow = info.default_leaf != CW_LEAF_WATERTIGHT;
         if (!info.available || (slow && draw() % 8 != 0)) continue;
-        must(cw_field_build(field, &(cw_run){.kernel = cw_kernel_at(k)}), info.name);
+        must(cw_field_build(field, &(cw_run){.expert.kernel = cw_kernel_at(k)}), info.name);
         const size_t n = slow ? LARGE_RAYS / 1000 : LARGE_RAYS;
-        const cw_run query = {.kernel = cw_kernel_at(k), .pool = pool};
+        const cw_run query = {.expert.kernel = cw_kernel_at(k), .pool = pool};
         must(cw_closest(field, &query, rays, n, hits), info.name);
         api_done.rays += n;
     }
     change(field, &desc, samples, pool);
-    must(cw_heading_create(field, (double[2]){1, 0.5}, &heading), "heading"); /* its slopes go where the samples were */
+    must(cw_heading_create(field, &(cw_heading_desc){.dir = {1, 0.5}}, &heading),
+         "heading"); /* its slopes go where the samples were */
     const cw_run query = {.pool = pool};
     must(cw_heading_steepest(heading, &query, -INFINITY, INFINITY, (cw_rectangle){0, 0, LARGE_SIDE, LARGE_SIDE},
                              samples),

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // A consumer in C++: what the header defines itself, rather than declares, has to be C++ too.
-#include "cellwalk.h"
+#include "cellwalk_expert.h"
 
 #include <vector>
 
-static_assert(CW_OK == 0 && CW_ISA_SCALAR == 0, "zero is the default");
+static_assert(CW_OK == 0 && CW_ISA_ANY == 0, "zero is the default");
 
 std::vector<cw_hit> closest(const std::vector<float> &z, std::size_t nx, const std::vector<cw_ray> &rays) {
-    cw_field_desc desc = cw_field_desc_default();
+    cw_field_desc desc = {};
     desc.samples = z.data();
     desc.nx = nx;
     desc.ny = z.size() / nx;

@@ -2,7 +2,7 @@
 /* Prints the number of kernels, and a hash of the bits of hits that all of them return, alone and on a pool. Systems and C
  * libraries must not differ in it. Heights and rays are made by integers and exact divisions alone. */
 
-#include <cellwalk.h>
+#include <cellwalk_expert.h>
 
 #include <stdio.h>
 #include <string.h>
@@ -41,7 +41,7 @@ int main(void) {
     cw_pool *pool;
     if (cw_field_create(&desc, NULL, &field) != CW_OK || cw_pool_create(3, &pool) != CW_OK)
         return fail("no field or pool");
-    const cw_run plain = {.kernel = cw_kernel_find("cell")};
+    const cw_run plain = {.expert.kernel = cw_kernel_find("cell")};
     if (cw_closest(field, &plain, rays, RAYS, expected) != CW_OK) return fail("cell");
     int kernels = 0;
     for (size_t k = 0; k < cw_kernel_count(); k++) {
@@ -49,7 +49,7 @@ int main(void) {
         if (!info.available || (strncmp(info.name, "packet", 6) != 0 && strncmp(info.name, "pyramid", 7) != 0))
             continue;
         for (int threads = 1; threads <= 2; threads++) {
-            const cw_run run = {.kernel = cw_kernel_at(k), .pool = threads == 1 ? NULL : pool};
+            const cw_run run = {.expert.kernel = cw_kernel_at(k), .pool = threads == 1 ? NULL : pool};
             memset(hits, -1, sizeof hits);
             if (cw_closest(field, &run, rays, RAYS, hits) != CW_OK) return fail(info.name);
             if (memcmp(hits, expected, sizeof hits) != 0) return fail(info.name);

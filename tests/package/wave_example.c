@@ -16,7 +16,7 @@ int main(void) {
     for (int frame = 0; frame < 4; frame++) {
         for (int j = AT; j < AT + POND; j++)
             for (int i = AT; i < AT + POND; i++) heights[j * SIDE + i] = sinf(0.25f * (float)(i - AT) - (float)frame);
-        if (cw_field_update(field, &pond, NULL) != CW_OK)
+        if (cw_field_update(field, NULL, &pond) != CW_OK)
             return 1; /* the field borrows its samples: they have changed in place */
         cw_hit hit;
         cw_closest(field, NULL, &down, 1, &hit);

@@ -243,7 +243,9 @@ static void kernels_and_threads_change_no_pixel(void **state) {
                     /* The first is what the others are held against. */
                     if (first.rgb != NULL && !test_takes(k + (size_t)(leaf + phong) + threads / 2, 3)) continue;
                     const scene_render_options options = {
-                        .query = {.kernel = kernel, .leaf = (cw_leaf)leaf}, .threads = threads, .phong = phong != 0};
+                        .query = {.expert.kernel = kernel, .expert.leaf = (cw_leaf)leaf},
+                        .threads = threads,
+                        .phong = phong != 0};
                     io_image image;
                     io_error error = {""};
                     scene_render_stats stats;
@@ -275,7 +277,7 @@ static void kernels_and_threads_change_no_pixel(void **state) {
 static void impossible_queries_are_refused(void **state) {
     (void)state;
     scene *s = pictures_rough_scene();
-    const scene_render_options options = {.query = {.leaf = (cw_leaf)99}};
+    const scene_render_options options = {.query = {.expert.leaf = (cw_leaf)99}};
     io_image image;
     io_error error = {""};
     check(!scene_render(s, &options, &image, NULL, &error) && strstr(error.text, "kernel ") != NULL, "message: %s",
@@ -295,7 +297,8 @@ static void kernels_that_vanish_are_an_error(void **state) {
     const cw_kernel *kernel = cw_kernel_find("packet4");
     if (!cw_kernel_describe(kernel).available) skip();
     scene *s = pictures_rough_scene();
-    const scene_render_options options = {.query = {.kernel = kernel}, .threads = 1, .progress = lower_the_limit};
+    const scene_render_options options = {
+        .query = {.expert.kernel = kernel}, .threads = 1, .progress = lower_the_limit};
     io_image image;
     io_error error = {""};
     const bool rendered = scene_render(s, &options, &image, NULL, &error);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "fields.h"
 
+#include "cellwalk_expert.h"
 #include "check.h"
 
 #include <float.h>
@@ -70,7 +71,7 @@ void field_make(test_field *f, field_shape shape, size_t nx, size_t ny, uint64_t
 }
 
 static cw_field *open_as(const test_field *f, cw_storage storage, double cell, double corner) {
-    cw_field_desc desc = cw_field_desc_default();
+    cw_field_desc desc = {0};
     desc.samples = f->z;
     desc.nx = f->nx;
     desc.ny = f->ny;
@@ -80,7 +81,7 @@ static cw_field *open_as(const test_field *f, cw_storage storage, double cell, d
     cw_field *field;
     check_status(cw_field_create(&desc, NULL, &field), CW_OK);
     for (size_t k = 0; k < cw_kernel_count(); k++)
-        check_status(cw_field_build(field, &(cw_run){.kernel = cw_kernel_at(k)}), CW_OK);
+        check_status(cw_field_build(field, &(cw_run){.expert.kernel = cw_kernel_at(k)}), CW_OK);
     return field;
 }
 

@@ -3,7 +3,7 @@
 #ifndef CELLWALK_TESTS_PATHS_H
 #define CELLWALK_TESTS_PATHS_H
 
-#include "cellwalk.h"
+#include "cellwalk_expert.h"
 
 typedef struct path {
     cw_run query;

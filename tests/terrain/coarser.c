@@ -3,6 +3,7 @@
  * difference is compared at points inside each triangle, found on both surfaces without use of how they overlap, and at the
  * triangle's corners. */
 
+#include "cellwalk_expert.h"
 #include "cellwalk_terrain.h"
 #include "check.h"
 #include "fields.h"
@@ -362,7 +363,7 @@ static void test_map(void **state) {
         assert_true(p[k] == m[0] * there[0] + m[1] * there[1] + m[2] * there[2] + m[3]);
     }
     const float new_height = 9;
-    check_status(cw_field_update(coarser, &(cw_update){.at = {1, 0, 1, 1}, .samples = &new_height}, NULL), CW_OK);
+    check_status(cw_field_update(coarser, NULL, &(cw_update){.at = {1, 0, 1, 1}, .samples = &new_height}), CW_OK);
     assert_true(cw_field_row(coarser, 0)[1] == 9);
     cw_field_destroy(coarser);
     cw_field_destroy(full);

@@ -24,7 +24,7 @@ typedef struct ground {
 typedef double ground_height(const double *shape, double x, double y);
 
 static inline void ground_take(ground *g, size_t nx, size_t ny, float *z, const double map[3][4]) {
-    cw_field_desc desc = cw_field_desc_default();
+    cw_field_desc desc = {0};
     desc.samples = g->z = z;
     desc.nx = nx;
     desc.ny = ny;

@@ -3,6 +3,7 @@
  * from the published formulas, and sums of single shadows. */
 
 #include "insolation.h"
+#include "cellwalk_expert.h"
 
 #include "clear_sky.h"
 #include "ground.h"
@@ -365,9 +366,9 @@ static void same_bits(void **state) {
     static const char *const names[] = {"pyramid1", "pyramid4", "pyramid8", "pyramid16"};
     for (size_t k = 0; k < 8; k++) {
         cw_run query = (cw_run){0};
-        query.kernel = cw_kernel_find(names[k / 2]);
+        query.expert.kernel = cw_kernel_find(names[k / 2]);
         query.pool = k % 2 ? pool : NULL;
-        if (query.kernel == NULL || !cw_kernel_describe(query.kernel).available) continue;
+        if (query.expert.kernel == NULL || !cw_kernel_describe(query.expert.kernel).available) continue;
         const insolation_desc desc = {
             .suns = suns, .count = count, .hours = 0.5, .linke = 3, .curvature = 1, .directions = 100};
         insolation *s = sum_of(&g, &desc);

@@ -3,6 +3,7 @@
  * queries trace one by one; the same bits for every instruction set and number of threads. */
 
 #include "brute_sight.h"
+#include "cellwalk_expert.h"
 #include "grid_horizon.h"
 #include "ground.h"
 #include "horizon.h"
@@ -462,7 +463,7 @@ static void check_grid(const ground *g, double drop, size_t first) {
         if (!test_takes(first + d, 6)) continue;
         const cw_heading_desc desc = {.dir = {directions[d].dx, directions[d].dy}, .drop = drop};
         cw_heading *h = NULL;
-        check_status(cw_heading_create_with(g->field, &desc, &h), CW_OK);
+        check_status(cw_heading_create(g->field, &desc, &h), CW_OK);
         const cw_rectangle all = {0, 0, info.nx, info.ny};
         check_status(cw_heading_steepest(h, NULL, -INFINITY, INFINITY, all, wanted), CW_OK);
         cw_heading_destroy(h);
@@ -596,10 +597,10 @@ static void same_bits(void **state) {
     const char *const names[] = {"pyramid1", "pyramid4", "pyramid8", "pyramid16"};
     for (size_t k = 0; k < 8; k++) {
         cw_run query = (cw_run){0};
-        query.kernel = cw_kernel_find(names[k / 2]);
+        query.expert.kernel = cw_kernel_find(names[k / 2]);
         query.pool = k % 2 ? pool : NULL;
-        check(query.kernel != NULL || k > 1, "there is no kernel %s", names[k / 2]);
-        if (query.kernel == NULL || !cw_kernel_describe(query.kernel).available) continue;
+        check(query.expert.kernel != NULL || k > 1, "there is no kernel %s", names[k / 2]);
+        if (query.expert.kernel == NULL || !cw_kernel_describe(query.expert.kernel).available) continue;
         sunlight *s = NULL, *p = NULL;
         horizon *h = NULL;
         check_status(sunlight_create(&g.terrain, &disc, &s), CW_OK);

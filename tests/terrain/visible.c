@@ -3,6 +3,8 @@
  * through; the same bits for every instruction set, number of threads, part of the eyes and place of the land; closed forms. */
 
 #include "visible.h"
+
+#include "cellwalk_expert.h"
 #include "check.h"
 #include "fields.h"
 #include "workload/random.h"
@@ -385,7 +387,7 @@ static void bits_are_the_same(void **state) {
             if ((int)cw_isa_best() != isa) continue;
             const cw_run run = {.pool = isa % 2 ? pool : NULL};
             look(v, &run, &l, 0, NY, NX * NY);
-            if (isa == 0) {
+            if (isa == CW_ISA_SCALAR) {
                 memcpy(first_area, area, sizeof first_area);
                 memcpy(first_farthest, farthest, sizeof first_farthest);
             }
@@ -508,7 +510,7 @@ static void misuse_is_refused(void **state) {
     check_status(cw_visible_add(v, NULL, NULL, 0, 4, to), CW_ERROR_ARGUMENT);
     check_status(cw_visible_add(v, NULL, &good, 2, 3, to), CW_ERROR_ARGUMENT);
     check_status(cw_visible_add(v, NULL, &good, 0, 4, (cw_visible_sums){.farthest = farthest}), CW_ERROR_ARGUMENT);
-    const cw_run misspelt = {.kernel = cw_kernel_find("packet99")};
+    const cw_run misspelt = {.expert.kernel = cw_kernel_find("packet99")};
     check_status(cw_visible_add(v, &misspelt, &good, 0, 4, to), CW_ERROR_KERNEL);
     check_status(cw_visible_add(v, NULL, &good, 4, 0, to), CW_OK);
     cw_visible_destroy(v);

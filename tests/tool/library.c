@@ -6,7 +6,7 @@
  *
  * KERNEL may be default; KIND is field, of cw_ray, or user, of cw_user_ray. Map: 12 doubles. All of it is binary. */
 
-#include "cellwalk.h"
+#include "cellwalk_expert.h"
 #include "reference.h"
 
 #include <stdio.h>
@@ -50,7 +50,7 @@ static void kernels(void) {
 static void answers(size_t nx, size_t ny, const char *kernel, bool user) {
     size_t size;
     char *bytes = read_all(&size);
-    cw_field_desc desc = cw_field_desc_default();
+    cw_field_desc desc = {0};
     desc.nx = nx;
     desc.ny = ny;
     memcpy(desc.map, bytes, sizeof desc.map);
@@ -59,14 +59,14 @@ static void answers(size_t nx, size_t ny, const char *kernel, bool user) {
     desc.samples = z;
     const char *given = bytes + sizeof desc.map + nx * ny * sizeof *z;
     const size_t n = (size_t)(bytes + size - given) / (user ? sizeof(cw_user_ray) : sizeof(cw_ray));
-    const cw_run run = {.kernel = strcmp(kernel, "default") == 0 ? NULL : cw_kernel_find(kernel)};
+    const cw_run run = {.expert.kernel = strcmp(kernel, "default") == 0 ? NULL : cw_kernel_find(kernel)};
     cw_field *field;
     stop_unless(cw_field_create(&desc, &run, &field) == CW_OK, "the field");
     cw_ray *rays = room(n, sizeof *rays);
     if (user) {
         cw_user_ray *of = room(n, sizeof *of);
         memcpy(of, given, n * sizeof *of);
-        cw_rays_to_field(field, of, n, rays);
+        cw_rays_to_field(field, NULL, of, n, rays);
         free(of);
     } else {
         memcpy(rays, given, n * sizeof *rays);

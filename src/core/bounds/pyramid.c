@@ -179,7 +179,7 @@ static bool lay_out(struct cw_pyramid *p, const cw_field *f) {
         sums += cw_pyramid_across(f, l) * cw_pyramid_down(f, l);
     p->bytes = bricks * BRICK_FLOATS * sizeof(float) + slabs * sizeof(cw_pyramid_slab) + sums * sizeof(cw_pyramid_sum) +
                aheads * sizeof(float);
-    p->memory = cw_memory_allocate(p->bytes);
+    p->memory = cw_memory_allocate(&f->memory, p->bytes);
     if (p->memory == NULL) return false;
     p->slab = (cw_pyramid_slab *)((float *)p->memory + bricks * BRICK_FLOATS);
     cw_pyramid_sum *sum = (cw_pyramid_sum *)(p->slab + slabs);
@@ -209,16 +209,16 @@ enum { TILES_AT_ONCE = 4 };
 cw_status cw_pyramid_build(cw_field *f, const cw_run *how) {
     cw_refusal refusal = {CW_REFUSED_NONE};
     job w = {.f = f, .tiles = {0, 0, cw_tiles_across(f) - 1, cw_tiles_down(f) - 1}, .refusal = &refusal};
-    w.p = cw_memory_clear(sizeof *w.p);
+    w.p = cw_memory_clear(&f->memory, sizeof *w.p);
     if (w.p == NULL || !lay_out(w.p, f)) {
-        cw_pyramid_destroy(w.p);
+        cw_pyramid_destroy(f, w.p);
         return cw_fail_plainly(CW_ERROR_MEMORY);
     }
     clear_upper(w.p);
     cw_status status = cw_run_work(how, count(&w.tiles), TILES_AT_ONCE, TILES_AT_ONCE, do_tiles, &w);
     if (status == CW_OK) status = cw_refusal_status(f, &refusal);
     if (status != CW_OK) {
-        cw_pyramid_destroy(w.p);
+        cw_pyramid_destroy(f, w.p);
         return status;
     }
     cw_survey_total(f, w.tiles);
@@ -235,8 +235,8 @@ void cw_pyramid_update(cw_field *f, cw_tiles changed, cw_pool *pool) {
     do_upper(&w, pool);
 }
 
-void cw_pyramid_destroy(struct cw_pyramid *p) {
+void cw_pyramid_destroy(const cw_field *f, struct cw_pyramid *p) {
     if (p == NULL) return;
-    cw_memory_free(p->memory);
-    cw_memory_free(p);
+    cw_memory_free(&f->memory, p->memory);
+    cw_memory_free(&f->memory, p);
 }

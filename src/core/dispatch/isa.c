@@ -48,10 +48,12 @@ static const struct {
     [CW_ISA_NEON] = {"neon", CW_ISA_SCALAR},
 };
 
-const char *cw_isa_name(cw_isa isa) { return (unsigned)isa < CW_ISA_COUNT ? sets[isa].name : NULL; }
+static bool is_set(cw_isa isa) { return isa > CW_ISA_ANY && isa < CW_ISA_COUNT; }
+
+const char *cw_isa_name(cw_isa isa) { return is_set(isa) ? sets[isa].name : NULL; }
 
 bool cw_isa_includes(cw_isa whole, cw_isa part) {
-    if ((unsigned)whole >= CW_ISA_COUNT || (unsigned)part >= CW_ISA_COUNT) return false;
+    if (!is_set(whole) || !is_set(part)) return false;
     while (whole != part && whole != CW_ISA_SCALAR) whole = sets[whole].includes;
     return whole == part;
 }
@@ -74,7 +76,7 @@ cw_isa cw_isa_machine(void) {
 
 /* The widest set that both include. CW_ISA_ANY, or a set that only a later version knows, includes all. */
 static cw_isa common(cw_isa a, cw_isa b) {
-    if ((unsigned)b >= CW_ISA_COUNT) return a;
+    if (!is_set(b)) return a;
     while (!cw_isa_includes(b, a)) a = sets[a].includes;
     return a;
 }
@@ -82,8 +84,8 @@ static cw_isa common(cw_isa a, cw_isa b) {
 /* The user's limit. A name that is unknown here limits nothing: a later version may know it. */
 static cw_isa allowed(void) {
     const char *text = getenv("CELLWALK_ISA");
-    for (int k = 0; text && k < CW_ISA_COUNT; k++)
-        if (strcmp(text, sets[k].name) == 0) return (cw_isa)k;
+    for (cw_isa k = CW_ISA_SCALAR; text && k < CW_ISA_COUNT; k++)
+        if (strcmp(text, sets[k].name) == 0) return k;
     return CW_ISA_ANY;
 }
 

@@ -3,7 +3,7 @@
 #ifndef CELLWALK_CORE_ISA_H
 #define CELLWALK_CORE_ISA_H
 
-#include "cellwalk.h"
+#include "cellwalk_expert.h"
 
 /* The widest instruction set of the machine itself, without any limit. */
 cw_isa cw_isa_machine(void);

@@ -82,12 +82,12 @@ void cw_kernel_describe_into(const cw_kernel *kernel, cw_kernel_info *info, size
 
 const char *cw_leaf_name(cw_leaf leaf) {
     static const char *const names[CW_LEAF_COUNT] = {"default", "moller-trumbore", "watertight"};
-    return (unsigned)leaf < CW_LEAF_COUNT ? names[leaf] : NULL;
+    return (uint32_t)leaf < CW_LEAF_COUNT ? names[leaf] : NULL;
 }
 
 const cw_kernel *cw_run_kernel(const cw_field *field, const cw_run *run) {
     (void)field;
-    if (run && run->kernel) return run->kernel;
+    if (run && run->expert.kernel) return run->expert.kernel;
     size_t k = KERNEL_COUNT - 1;
     while (k > 0 && !cw_isa_allows(kernels[k].isa)) k--;
     return &kernels[k];

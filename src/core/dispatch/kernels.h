@@ -3,7 +3,7 @@
 #ifndef CELLWALK_CORE_KERNELS_H
 #define CELLWALK_CORE_KERNELS_H
 
-#include "cellwalk.h"
+#include "cellwalk_expert.h"
 
 /* Trace rays[0..n) and write hits[0..n) or occluded[0..n). Run in the IEEE default environment. */
 typedef void cw_closest_fn(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits);

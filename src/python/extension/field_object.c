@@ -51,7 +51,7 @@ static bool is_identity(double m[3][4]) {
  * (columns, rows, column, row, map) of the raster that the samples are a window of]). Returns None in place of a
  * field whose samples hold an infinity, which borrowed samples must not. */
 static cw_status make(py_field *f, work *w) {
-    cw_field_desc desc = cw_field_desc_default();
+    cw_field_desc desc = {0};
     desc.samples = f->samples.buf;
     desc.nx = f->nx;
     desc.ny = f->ny;
@@ -151,11 +151,11 @@ static cw_status put(py_field *f, const cw_update *u, const cw_run *run, const f
         memcpy(before + y * u->at.nx, row, u->at.nx * sizeof *row);
         memcpy(row, block + y * u->at.nx, u->at.nx * sizeof *row);
     }
-    const cw_status status = cw_field_update(f->field, u, run);
+    const cw_status status = cw_field_update(f->field, run, u);
     if (status == CW_OK) return status;
     for (size_t y = 0; y < u->at.ny; y++)
         memcpy(z + (u->at.j + y) * f->nx + u->at.i, before + y * u->at.nx, u->at.nx * sizeof *z);
-    cw_field_update(f->field, u, run);
+    cw_field_update(f->field, run, u);
     return status;
 }
 
@@ -248,7 +248,7 @@ static PyObject *field_describe(PyObject *self, PyObject *unused) {
     const cw_field_info info = cw_field_describe(f->field);
     return Py_BuildValue("{s:d,s:d,s:n,s:n,s:d}", "low", (double)info.low, "high", (double)info.high, "holes",
                          (Py_ssize_t)info.holes, "bytes_built", (Py_ssize_t)info.bytes_built, "build_seconds",
-                         info.build_seconds);
+                         cw_field_build_seconds(f->field));
 }
 
 static PyMethodDef methods[] = {

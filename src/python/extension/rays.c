@@ -122,7 +122,7 @@ static cw_status trace(tracing *t, work *w) {
 
 /* Builds the structure of a kernel if the field lacks it. Must not run beside queries. */
 static bool make_ready(py_field *f, unsigned threads, const char *kernel, PyObject *progress) {
-    const cw_run run = {.kernel = kernel ? cw_kernel_find(kernel) : NULL};
+    const cw_run run = {.expert.kernel = kernel ? cw_kernel_find(kernel) : NULL};
     if (cw_run_check(f->field, &run) != CW_ERROR_NOT_BUILT) return true;
     work w;
     if (f->users != 0) {
@@ -203,7 +203,7 @@ static void look_down(void *context, size_t begin, size_t end) {
         for (; begin < until; begin++) {
             cw_hit hit;
             double point[3] = {l->x[begin], l->y[begin], l->field->ground.map[2][3]};
-            cw_status status = cw_field_at_user(l->field->field, point, &hit);
+            cw_status status = cw_surface_at_user(l->field->field, NULL, point, 1, &hit);
             if (status == CW_OK) status = cw_hit_points(l->field->field, NULL, &hit, 1, point);
             if (status != CW_OK) atomic_store(&l->status, (int)status);
             l->z[begin] = point[2];

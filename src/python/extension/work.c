@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "work.h"
 
+#include "cellwalk_expert.h"
 #include "clock.h"
 
 #include <stdlib.h>
@@ -87,8 +88,8 @@ bool work_begin(work *w, unsigned threads, const char *kernel, PyObject *progres
         return false;
     }
     if (kernel != NULL) {
-        w->run.kernel = cw_kernel_find(kernel);
-        if (!cw_kernel_exists(w->run.kernel)) {
+        w->run.expert.kernel = cw_kernel_find(kernel);
+        if (!cw_kernel_exists(w->run.expert.kernel)) {
             PyErr_Format(PyExc_ValueError, "kernel: '%s' is none of cellwalk.kernels()", kernel);
             leave_pool(w);
             return false;

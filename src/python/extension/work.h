@@ -7,7 +7,7 @@
 #define PY_SSIZE_T_CLEAN
 #include <Python.h>
 
-#include <cellwalk.h>
+#include <cellwalk_expert.h>
 #include <pthread.h>
 #include <stdatomic.h>
 

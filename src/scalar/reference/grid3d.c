@@ -92,17 +92,17 @@ static void enter_triangles(struct cw_grid3d *g, const cw_field *f, bool write) 
 
 static void destroy(void *grid) {
     struct cw_grid3d *g = grid;
-    cw_memory_free(g->begin);
-    cw_memory_free(g->entry);
-    cw_memory_free(g);
+    cw_memory_free(&cw_memory_own, g->begin);
+    cw_memory_free(&cw_memory_own, g->entry);
+    cw_memory_free(&cw_memory_own, g);
 }
 
 cw_status cw_grid3d_build(cw_field *field) {
-    struct cw_grid3d *g = cw_memory_clear(sizeof *g);
+    struct cw_grid3d *g = cw_memory_clear(&cw_memory_own, sizeof *g);
     if (g == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
     set_resolution(g, field);
     const size_t voxels = (size_t)g->n[0] * (size_t)g->n[1] * (size_t)g->n[2];
-    g->begin = cw_memory_clear((voxels + 2) * sizeof *g->begin);
+    g->begin = cw_memory_clear(&cw_memory_own, (voxels + 2) * sizeof *g->begin);
     if (g->begin == NULL) goto no_memory;
     enter_triangles(g, field, false);
     uint64_t entries = 0;
@@ -111,7 +111,7 @@ cw_status cw_grid3d_build(cw_field *field) {
         if (entries > UINT32_MAX) goto no_memory;
         g->begin[v + 1] = (uint32_t)entries;
     }
-    g->entry = cw_memory_allocate(entries * sizeof *g->entry);
+    g->entry = cw_memory_allocate(&cw_memory_own, entries * sizeof *g->entry);
     if (g->entry == NULL) goto no_memory;
     enter_triangles(g, field, true);
     /* Writing moved each begin to its end, which is the next one's begin. */

@@ -142,7 +142,7 @@ static bool surface(pbrt_state *p, const pbrt_site *site, material *out, io_erro
 /* ---- Shape -------------------------------------------------------------------------------------------------------- */
 
 static bool create_field(const pbrt_state *p, const pbrt_site *site, heightfield *h, io_error *error) {
-    cw_field_desc desc = cw_field_desc_default();
+    cw_field_desc desc = {0};
     desc.samples = h->samples;
     desc.nx = h->nx;
     desc.ny = h->ny;

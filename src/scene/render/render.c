@@ -61,7 +61,7 @@ static bool prepare(const library *l, io_error *error) {
     for (size_t k = 0; k < l->scene->heightfield_count; k++) {
         cw_field *field = l->scene->heightfields[k].field;
         const cw_kernel *kernel = cw_run_kernel(field, &l->query);
-        cw_status status = cw_field_build(field, &(cw_run){.kernel = kernel});
+        cw_status status = cw_field_build(field, &(cw_run){.expert.kernel = kernel});
         if (status == CW_OK) status = cw_closest(field, &l->query, NULL, 0, NULL);
         if (status == CW_OK) status = cw_occluded(field, &l->query, NULL, 0, NULL);
         if (status != CW_OK) return io_fail(error, "kernel %s: %s", cw_kernel_describe(kernel).name, cw_last_error());

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "viewshed.h"
 
+#include "cellwalk_expert.h"
 #include "sweep.h"
 
 #include <math.h>

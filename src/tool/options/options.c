@@ -19,16 +19,16 @@ enum { NAMES_MAX = 64 };
 const char *option_kernel_names(size_t number) {
     return number < cw_kernel_count() ? cw_kernel_describe(cw_kernel_at(number)).name : NULL;
 }
-const char *option_isa_names(size_t number) { return number < CW_ISA_COUNT ? cw_isa_name((cw_isa)number) : NULL; }
+const char *option_isa_names(size_t number) { return cw_isa_name(CW_ISA_SCALAR + (cw_isa)number); }
 const char *option_leaf_names(size_t number) { return number < CW_LEAF_COUNT ? cw_leaf_name((cw_leaf)number) : NULL; }
 
 bool option_isa_find(const char *name, const char *what, const char *word, cw_isa *isa) {
-    enum { COUNT = CW_ISA_COUNT };
+    enum { COUNT = CW_ISA_COUNT - CW_ISA_SCALAR };
     const char *names[COUNT];
     for (size_t k = 0; k < COUNT; k++) {
         names[k] = option_isa_names(k);
         if (strcmp(word, names[k]) != 0) continue;
-        *isa = (cw_isa)k;
+        *isa = CW_ISA_SCALAR + (cw_isa)k;
         return true;
     }
     return words_unknown(name, what, word, names, COUNT);

@@ -5,7 +5,7 @@
 #ifndef CELLWALK_OPTIONS_OPTIONS_H
 #define CELLWALK_OPTIONS_OPTIONS_H
 
-#include "cellwalk.h"
+#include "cellwalk_expert.h"
 
 #include <stdbool.h>
 #include <stddef.h>

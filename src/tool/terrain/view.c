@@ -293,7 +293,7 @@ static bool open_lowered(view *v, view_options *o, const char *path, const cw_ru
                          const io_raster_options *raster, io_error *error) {
     cw_run bare = *query; /* no ray meets the flat one */
     double eye[3];
-    bare.kernel = cw_kernel_find("cell");
+    bare.expert.kernel = cw_kernel_find("cell");
     if (!field_file_open(&v->flat, path, raster, &o->raster.coarser, &bare, error)) return false;
     progress_end(&o->raster.line);
     ground_find_scale(&v->scale, &v->flat.raster, path, raster);

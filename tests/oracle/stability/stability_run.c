@@ -35,7 +35,7 @@ static bool add_kernels(stability *s, size_t f, const stability_shares *shares, 
             const bool watertight = leaf == CW_LEAF_WATERTIGHT;
             /* Brute force tests each triangle as grid3d does, and takes thousands of times as long on these fields. */
             if (!info.available || strcmp(info.name, "brute") == 0) continue;
-            if (cw_run_check(NULL, &(cw_run){.kernel = kernel, .leaf = (cw_leaf)leaf}) != CW_OK) continue;
+            if (cw_run_check(NULL, &(cw_run){.expert.kernel = kernel, .expert.leaf = (cw_leaf)leaf}) != CW_OK) continue;
             if (best == NULL && !is_slow(info.name)) best = kernel;
             /* Kernels with the cell walk differ in no bit (lanes.c): one of them speaks for Möller-Trumbore. */
             if (!watertight && kernel != best && !is_slow(info.name)) continue;

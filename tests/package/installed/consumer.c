@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The smallest program that needs all parts of the installed library: header, threads and a kernel. */
 
-#include <cellwalk.h>
+#include <cellwalk_expert.h>
 
 #include <math.h>
 #include <stdio.h>
 
 int main(void) {
     static const float samples[4] = {1, 1, 1, 1};
-    cw_field_desc desc = cw_field_desc_default();
+    cw_field_desc desc = {0};
     desc.samples = samples;
     desc.nx = desc.ny = 2;
     cw_field *field;

@@ -2,7 +2,7 @@
 /* A program compiled with -ffast-math, whose Cellwalk is not: holes are holes, and kernels agree in every bit. Looks at bits and
  * whole numbers alone, since its own comparisons of floats are worth nothing. */
 
-#include <cellwalk.h>
+#include <cellwalk_expert.h>
 
 #include <stdio.h>
 #include <string.h>
@@ -44,7 +44,7 @@ int main(void) {
     rays[0] =
         (cw_ray){.org = {20.25f, 19.75f, 9}, .dir = {0, 0, -1}, .tmax = 100}; /* through the triangles at the hole */
     const cw_kernel *cell = cw_kernel_find("cell");
-    const cw_run plain = {.kernel = cell};
+    const cw_run plain = {.expert.kernel = cell};
     if (cw_closest(field, &plain, rays, RAYS, expected) != CW_OK) return fail("no query");
     if (expected[0].i != -1) return fail("a ray hits a hole");
     int kernels = 0;
@@ -52,9 +52,9 @@ int main(void) {
         const cw_kernel *kernel = cw_kernel_at(k);
         const cw_kernel_info info = cw_kernel_describe(kernel);
         const bool same_rules = strncmp(info.name, "packet", 6) == 0 || strncmp(info.name, "pyramid", 7) == 0;
-        const cw_run query = {.kernel = kernel};
+        const cw_run query = {.expert.kernel = kernel};
         if (!info.available || !same_rules) continue;
-        if (cw_field_build(field, &(cw_run){.kernel = kernel}) != CW_OK) return fail("not built");
+        if (cw_field_build(field, &(cw_run){.expert.kernel = kernel}) != CW_OK) return fail("not built");
         if (cw_closest(field, &query, rays, RAYS, hits) != CW_OK) return fail("no query");
         if (memcmp(hits, expected, sizeof hits) != 0) return fail(info.name);
         kernels++;
