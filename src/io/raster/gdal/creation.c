@@ -27,6 +27,7 @@ static GDALDriverH driver_of(bool cog) {
 }
 
 bool gdal_check_creation(const char *const *creation, size_t count, bool cog, io_error *error) {
+    GDAL_CALL;
     GDALDriverH driver = driver_of(cog);
     const char *kind = cog ? "--co with --cog" : "--co";
     if (driver == NULL) return io_fail(error, "--cog: GDAL was built without its driver COG");

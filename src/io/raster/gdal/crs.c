@@ -43,6 +43,7 @@ void gdal_describe_crs(OGRSpatialReferenceH crs, io_georef *georef) {
 }
 
 bool gdal_lon_lat(const char *crs, bool back, size_t n, double *x, double *y, io_error *error) {
+    GDAL_CALL;
     OGRSpatialReferenceH map = OSRNewSpatialReference(crs), earth = OSRNewSpatialReference(NULL);
     OGRCoordinateTransformationH transformation = NULL;
     bool good = false;
@@ -125,6 +126,7 @@ static bool find_scales(OGRSpatialReferenceH map, size_t n, const double *at_x, 
 
 bool gdal_scales(const char *crs, size_t n, const double *at_x, const double *at_y, double (*metres)[3],
                  io_error *error) {
+    GDAL_CALL;
     CPLErrorReset();
     OGRSpatialReferenceH map = OSRNewSpatialReference(crs);
     double *x = malloc(4 * n * sizeof *x), *y = malloc(4 * n * sizeof *y);

@@ -59,17 +59,18 @@ void gdal_streams(bool shown) {
     if (program != NULL) (shown ? program->show_streams : program->hide_streams)();
 }
 
-/* Around each call of the table. */
-static void enter(void) {
+bool gdal_enter(void) {
     CPLPushErrorHandler(CPLQuietErrorHandler); /* its text goes into the messages of this module */
     for (size_t k = 0; k < SETTINGS; k++) {
         set_here[k] = CPLGetConfigOption(settings[k].key, NULL) == NULL;
         if (set_here[k]) CPLSetThreadLocalConfigOption(settings[k].key, settings[k].value);
     }
     gdal_streams(false);
+    return true;
 }
 
-static void leave(void) {
+void gdal_leave(const bool *entered) {
+    (void)entered;
     gdal_streams(true);
     for (size_t k = 0; k < SETTINGS; k++)
         if (set_here[k]) CPLSetThreadLocalConfigOption(settings[k].key, NULL);
@@ -105,105 +106,22 @@ static void own_process(void) {
     if (CPLGetConfigOption("GDAL_CACHEMAX", NULL) == NULL) GDALSetCacheMax64((GIntBig)64 << 20);
 }
 
-/* ---- the table --------------------------------------------------------------------------------------------------- */
-
-static io_gdal_source *open_source(const char *path, const io_raster_options *options, io_raster *raster,
-                                   size_t *rows_at_once, io_error *error) {
-    enter();
-    io_gdal_source *source = gdal_open(path, options, raster, rows_at_once, error);
-    leave();
-    return source;
-}
-
-static bool read_source(io_gdal_source *source, size_t first, size_t count, float *z, io_error *error) {
-    enter();
-    const bool good = gdal_read(source, first, count, z, error);
-    leave();
-    return good;
-}
-
-static void close_source(io_gdal_source *source) {
-    enter();
-    gdal_close(source);
-    leave();
-}
-
-static bool each_file(io_gdal_source *source, bool (*note)(const char *path)) {
-    enter();
-    const bool good = gdal_each_file(source, note);
-    leave();
-    return good;
-}
-
-static bool points_of(const char *path, const io_points_options *options, io_points *points,
-                      bool (*add)(io_points *points, const io_point *point), bool (*note)(const char *path),
-                      io_error *error) {
-    enter();
-    const bool good = gdal_points(path, options, points, add, note, error);
-    leave();
-    return good;
-}
-
-static bool check_creation(const char *const *creation, size_t count, bool cog, io_error *error) {
-    enter();
-    const bool good = gdal_check_creation(creation, count, cog, error);
-    leave();
-    return good;
-}
-
-static io_gdal_target *create_target(int fd, const char *name, const io_raster_product *product,
-                                     int (*scratch)(void *context), void *context, io_error *error) {
-    enter();
-    io_gdal_target *target = gdal_create(fd, name, product, scratch, context, error);
-    leave();
-    return target;
-}
-
-static bool write_target(io_gdal_target *target, size_t band, const io_raster_window *window, const void *cells,
-                         io_error *error) {
-    enter();
-    const bool good = gdal_write(target, band, window, cells, error);
-    leave();
-    return good;
-}
-
-static bool finish_target(io_gdal_target *target, bool whole, io_error *error) {
-    enter();
-    const bool good = gdal_finish(target, whole, error);
-    leave();
-    return good;
-}
-
-static bool lon_lat(const char *crs, bool back, size_t n, double *x, double *y, io_error *error) {
-    enter();
-    const bool good = gdal_lon_lat(crs, back, n, x, y, error);
-    leave();
-    return good;
-}
-
-static bool scales(const char *crs, size_t n, const double *x, const double *y, double (*metres)[3], io_error *error) {
-    enter();
-    const bool good = gdal_scales(crs, n, x, y, metres, error);
-    leave();
-    return good;
-}
-
 /* The one symbol that the module exports. */
 __attribute__((visibility("default"))) io_gdal_entry cellwalk_gdal_module;
 const io_gdal *cellwalk_gdal_module(const io_gdal_host *host) {
     static const io_gdal table = {
         .version = IO_GDAL_VERSION,
-        .open = open_source,
-        .read = read_source,
-        .close = close_source,
-        .each_file = each_file,
-        .check_creation = check_creation,
-        .points = points_of,
-        .create = create_target,
-        .write = write_target,
-        .finish = finish_target,
-        .lon_lat = lon_lat,
-        .scales = scales,
+        .open = gdal_open,
+        .read = gdal_read,
+        .close = gdal_close,
+        .each_file = gdal_each_file,
+        .check_creation = gdal_check_creation,
+        .points = gdal_points,
+        .create = gdal_create,
+        .write = gdal_write,
+        .finish = gdal_finish,
+        .lon_lat = gdal_lon_lat,
+        .scales = gdal_scales,
     };
     static bool ready;
     if (ready) return &table;

@@ -178,6 +178,7 @@ static bool note_files(GDALDatasetH file, const char *path, bool (*note)(const c
 bool gdal_points(const char *path, const io_points_options *o, io_points *points,
                  bool (*add)(io_points *points, const io_point *point), bool (*note)(const char *path),
                  io_error *error) {
+    GDAL_CALL;
     reader r = {.path = path, .points = points, .add = add, .options = o, .error = error};
     GDALDatasetH file = gdal_open_name(path, GDAL_OF_VECTOR, error);
     if (file == NULL) return false;

@@ -8,7 +8,7 @@
 #include "raster.h"
 #include "raster_out.h"
 
-enum { IO_GDAL_VERSION = 9 };
+enum { IO_GDAL_VERSION = 10 };
 #define IO_GDAL_SYMBOL "cellwalk_gdal_module"
 
 typedef struct io_gdal_source io_gdal_source;

@@ -24,6 +24,12 @@ bool gdal_thread_failed(void);
 /* During a call of GDAL the program's standard streams are hidden; not while GDAL calls the program. */
 void gdal_streams(bool shown);
 
+/* Begins each function of the table: until it returns, the settings and messages of this thread are the module's. Not for
+ * functions that these call. */
+#define GDAL_CALL __attribute__((cleanup(gdal_leave), unused)) const bool entered = gdal_enter()
+bool gdal_enter(void);
+void gdal_leave(const bool *entered);
+
 /* Tells the options' warn. */
 __attribute__((format(printf, 2, 3))) void gdal_warn(const io_raster_options *options, const char *format, ...);
 

@@ -143,38 +143,43 @@ static bool take_window(io_gdal_source *s, const io_raster_options *options, io_
     return true;
 }
 
-io_gdal_source *gdal_open(const char *path, const io_raster_options *options, io_raster *raster, size_t *rows_at_once,
-                          io_error *error) {
-    io_gdal_source *s = calloc(1, sizeof *s);
-    if (s == NULL || (s->path = strdup(path)) == NULL) {
-        io_fail(error, "%s: out of memory", path);
-        gdal_close(s);
-        return NULL;
-    }
-    s->file = gdal_open_name(path, GDAL_OF_RASTER, error);
-    if (s->file == NULL || !choose_band(s, options, error)) {
-        gdal_close(s);
-        return NULL;
-    }
+static void drop(io_gdal_source *s) {
+    if (s == NULL) return;
+    if (s->file) GDALClose(s->file);
+    free(s->path);
+    free(s->row);
+    free(s->mask);
+    free(s);
+}
+
+static bool open_band(io_gdal_source *s, const io_raster_options *options, io_raster *raster, io_error *error) {
+    s->file = gdal_open_name(s->path, GDAL_OF_RASTER, error);
+    if (s->file == NULL || !choose_band(s, options, error)) return false;
     raster->nx = (size_t)GDALGetRasterXSize(s->file);
     raster->ny = raster->rows = (size_t)GDALGetRasterYSize(s->file);
-    place(s->file, path, options, raster);
-    if (!take_window(s, options, raster, error)) {
-        gdal_close(s);
-        return NULL;
-    }
+    place(s->file, s->path, options, raster);
+    if (!take_window(s, options, raster, error)) return false;
     describe_heights(s, options, raster);
-    if (!prepare(s, error)) {
-        gdal_close(s);
-        return NULL;
+    return prepare(s, error);
+}
+
+io_gdal_source *gdal_open(const char *path, const io_raster_options *options, io_raster *raster, size_t *rows_at_once,
+                          io_error *error) {
+    GDAL_CALL;
+    io_gdal_source *s = calloc(1, sizeof *s);
+    if (s == NULL || (s->path = strdup(path)) == NULL)
+        io_fail(error, "%s: out of memory", path);
+    else if (open_band(s, options, raster, error)) {
+        /* Whole rows of blocks, some megabytes of them. */
+        int across = 0, down = 0;
+        GDALGetBlockSize(s->band, &across, &down);
+        const size_t block = down > 0 ? (size_t)down : 1, bytes = block * raster->nx * sizeof(float);
+        const size_t blocks = bytes < (size_t)1 << 22 ? ((size_t)1 << 22) / bytes : 1;
+        *rows_at_once = block * blocks;
+        return s;
     }
-    /* Whole rows of blocks, some megabytes of them. */
-    int across = 0, down = 0;
-    GDALGetBlockSize(s->band, &across, &down);
-    const size_t block = down > 0 ? (size_t)down : 1, bytes = block * raster->nx * sizeof(float);
-    const size_t blocks = bytes < (size_t)1 << 22 ? ((size_t)1 << 22) / bytes : 1;
-    *rows_at_once = block * blocks;
-    return s;
+    drop(s);
+    return NULL;
 }
 
 /* Values that mean no data become NaN; value is the one that the file stores. */
@@ -204,6 +209,7 @@ static bool convert(const io_gdal_source *s, size_t row, float *z, io_error *err
 }
 
 bool gdal_read(io_gdal_source *s, size_t first, size_t count, float *z, io_error *error) {
+    GDAL_CALL;
     const size_t nx = (size_t)s->nx;
     CPLErrorReset();
     if (s->direct) {
@@ -256,6 +262,7 @@ static bool note_files(GDALDatasetH file, bool (*note)(const char *path), int de
 }
 
 bool gdal_each_file(io_gdal_source *s, bool (*note)(const char *path)) {
+    GDAL_CALL;
     int left = VRT_FILES_MAX;
     const bool good = note_files(s->file, note, 0, &left);
     CPLErrorReset();
@@ -263,10 +270,6 @@ bool gdal_each_file(io_gdal_source *s, bool (*note)(const char *path)) {
 }
 
 void gdal_close(io_gdal_source *s) {
-    if (s == NULL) return;
-    if (s->file) GDALClose(s->file);
-    free(s->path);
-    free(s->row);
-    free(s->mask);
-    free(s);
+    GDAL_CALL;
+    drop(s);
 }

@@ -105,6 +105,7 @@ static bool create(io_gdal_target *t, const io_raster_product *p, io_error *erro
 
 io_gdal_target *gdal_create(int fd, const char *name, const io_raster_product *p, int (*scratch)(void *context),
                             void *context, io_error *error) {
+    GDAL_CALL;
     CPLErrorReset();
     io_gdal_target *t = calloc(1, sizeof *t);
     if (t == NULL || (t->name = strdup(name)) == NULL) {
@@ -129,6 +130,7 @@ io_gdal_target *gdal_create(int fd, const char *name, const io_raster_product *p
 }
 
 bool gdal_write(io_gdal_target *t, size_t band, const io_raster_window *w, const void *cells, io_error *error) {
+    GDAL_CALL;
     CPLErrorReset();
     GDALRasterBandH to = GDALGetRasterBand(t->file, (int)band + 1);
     /* It takes a pointer that is not const for reading and writing alike. */
@@ -167,6 +169,7 @@ static bool copy_to_cog(io_gdal_target *t, io_error *error) {
 }
 
 bool gdal_finish(io_gdal_target *t, bool whole, io_error *error) {
+    GDAL_CALL;
     CPLErrorReset();
     GDALFlushCache(t->file);
     bool good = !t->failed && !has_failed(t);
