@@ -9,10 +9,13 @@
 #include "harness/results.h"
 #include "measure/measure.h"
 
+#include <errno.h>
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 /* ---- a workload ---- */
 
@@ -231,6 +234,14 @@ static bool run_plan(const char *name, measure_options *o, json_t *results, io_e
     return good;
 }
 
+/* The folder is made if need be, in one that exists. */
+static bool open_in(io_output *out, const char *folder, const char *name, io_error *error) {
+    char path[PATH_MAX];
+    if (mkdir(folder, 0777) != 0 && errno != EEXIST) return io_fail(error, "folder %s: %s", folder, strerror(errno));
+    if (snprintf(path, sizeof path, "%s/%s", folder, name) < PATH_MAX) return io_output_open(out, path, error);
+    return io_fail(error, "folder %s: %s", folder, strerror(ENAMETOOLONG));
+}
+
 /* Runs a plan into a file, if one is given, and prints the scenes' table if it has any. */
 static int measure(const char *as, const char *name, measure_options *o, const char *folder) {
     io_output out = {0}, text = {0};
@@ -240,9 +251,7 @@ static int measure(const char *as, const char *name, measure_options *o, const c
     size_t size = 0;
     if (!run_options_check(&o->run, as)) return EXIT_USAGE;
     bool good = o->out == NULL || o->resume || io_output_open(&out, o->out, &error);
-    if (folder)
-        good = io_output_open_in(&text, folder, "table.md", &error) &&
-               io_output_open_in(&out, folder, "table.jsonl", &error);
+    if (folder) good = open_in(&text, folder, "table.md", &error) && open_in(&out, folder, "table.jsonl", &error);
     good = good && run_plan(name, o, results, &error);
     good = good && (o->resume ? save(o->out, results, &error) : results_write_all(&out, results, &error));
     if (good && folder) {

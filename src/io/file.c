@@ -28,16 +28,6 @@ int io_file_open(const char *path, uint64_t *size, io_error *error) {
     return -1;
 }
 
-FILE *io_file_stream(const char *path, io_error *error) {
-    uint64_t size;
-    const int fd = io_file_open(path, &size, error);
-    FILE *file = fd >= 0 ? fdopen(fd, "rb") : NULL;
-    if (file != NULL || fd < 0) return file;
-    io_fail(error, "%s: cannot read: %s", path, strerror(errno));
-    close(fd);
-    return NULL;
-}
-
 bool io_file_read_at(int fd, const char *path, void *to, size_t size, uint64_t offset, io_error *error) {
     char *bytes = to;
     size_t have = 0;

@@ -12,9 +12,6 @@
  * device is also an error, because it has no size to check and cannot be mapped. */
 int io_file_open(const char *path, uint64_t *size, io_error *error);
 
-/* The same as a stream; NULL on failure. */
-FILE *io_file_stream(const char *path, io_error *error);
-
 /* size bytes from offset on. False if the file ends before. */
 bool io_file_read_at(int fd, const char *path, void *to, size_t size, uint64_t offset, io_error *error);
 

@@ -140,18 +140,21 @@ static int create_in_place_of(io_output *out, const struct stat *old) {
 
 /* Refuses a file that the process reads or writes already. */
 static bool check_conflicts(const io_output *out, const struct stat *about, io_error *error) {
+    static const char *const streams[] = {"output", "error"};
     struct slot *own = &slots[out->slot];
     if (!io_inputs_are_protected()) return true;
     if (about != NULL && io_inputs_have(about))
         return io_fail(error, "%s: is also an input; choose another name for the output", out->name);
-    if (!io_target_identify(&own->identity, out->target, about)) return true; /* opening it fails */
+    io_target_identify(&own->identity, out->target, out->direct, about);
     for (struct slot *s = slots; s < slots + IO_OUTPUT_MAX; s++)
         if (s != own && atomic_load(&s->state) != FREE && io_target_same(&s->identity, &own->identity))
             return io_fail(error, "%s: is also another output; choose another name for one of them", out->name);
-    for (int stream = STDOUT_FILENO; stream <= STDERR_FILENO && !out->direct; stream++)
-        if (io_target_is_stream(&own->identity, stream))
+    for (int k = 0; k < 2 && about != NULL && !out->direct; k++) {
+        struct stat stream;
+        if (fstat(STDOUT_FILENO + k, &stream) == 0 && stream.st_dev == about->st_dev && stream.st_ino == about->st_ino)
             return io_fail(error, "%s: is also where standard %s leads; choose another name for the output", out->name,
-                           stream == STDOUT_FILENO ? "output" : "error");
+                           streams[k]);
+    }
     return true;
 }
 
@@ -187,14 +190,6 @@ bool io_output_open(io_output *out, const char *path, io_error *error) {
     }
     io_output_discard(out);
     return false;
-}
-
-bool io_output_open_in(io_output *out, const char *folder, const char *name, io_error *error) {
-    char path[PATH_MAX];
-    *out = (io_output){0};
-    if (!io_target_make_folder(folder, error)) return false;
-    if (snprintf(path, sizeof path, "%s/%s", folder, name) < PATH_MAX) return io_output_open(out, path, error);
-    return io_fail(error, "%s/%s: cannot write: %s", folder, name, strerror(ENAMETOOLONG));
 }
 
 bool io_output_open_scratch(io_output *out, const char *target, io_error *error) {

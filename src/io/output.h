@@ -30,9 +30,6 @@ typedef struct io_output {
 enum { IO_OUTPUT_MAX = 64 };
 bool io_output_open(io_output *out, const char *path, io_error *error);
 
-/* Opens the file in the folder, which is made if need be, with those that it lies in. */
-bool io_output_open_in(io_output *out, const char *folder, const char *name, io_error *error);
-
 /* A temporary file beside a target, for intermediate results. It is discarded, never committed. */
 bool io_output_open_scratch(io_output *out, const char *target, io_error *error);
 

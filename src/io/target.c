@@ -69,51 +69,20 @@ char *io_target_follow(const char *path) {
     return NULL;
 }
 
-bool io_target_make_folder(const char *path, io_error *error) {
-    char *copy = strdup(path);
-    if (copy == NULL) return io_fail(error, "out of memory");
-    bool good = true;
-    for (char *end = copy + 1; good; end++) {
-        const char held = *end;
-        if (held != '/' && held != '\0') continue;
-        *end = '\0';
-        struct stat there;
-        if (mkdir(copy, 0777) != 0 && errno != EEXIST)
-            good = io_fail(error, "folder %s: cannot make %s: %s", path, copy, strerror(errno));
-        else if (stat(copy, &there) != 0 || !S_ISDIR(there.st_mode))
-            good = io_fail(error, "folder %s: %s is not a folder", path, copy);
-        *end = held;
-        if (held == '\0') break;
-    }
-    free(copy);
-    return good;
-}
-
-bool io_target_identify(io_target_identity *i, const char *target, const struct stat *about) {
+void io_target_identify(io_target_identity *i, const char *target, bool direct, const struct stat *about) {
     struct stat folder;
     *i = (io_target_identity){.base = io_target_base(target)};
     if (about != NULL && !S_ISCHR(about->st_mode)) {
-        i->file = true;
         i->device = about->st_dev;
         i->inode = about->st_ino;
     }
-    if (io_target_descriptor(target) >= 0 || (about != NULL && !S_ISREG(about->st_mode))) return true;
-    i->place = stat_folder(target, &folder);
-    if (i->place) {
-        i->folder_device = folder.st_dev;
-        i->folder_inode = folder.st_ino;
-    }
-    return i->place;
+    if (direct || !stat_folder(target, &folder)) return;
+    i->folder_device = folder.st_dev;
+    i->folder_inode = folder.st_ino;
 }
 
 bool io_target_same(const io_target_identity *a, const io_target_identity *b) {
-    if (a->file && b->file && a->device == b->device && a->inode == b->inode) return true;
-    return a->place && b->place && a->folder_device == b->folder_device && a->folder_inode == b->folder_inode &&
-           strcmp(a->base, b->base) == 0;
-}
-
-bool io_target_is_stream(const io_target_identity *i, int descriptor) {
-    struct stat about;
-    return i->file && fstat(descriptor, &about) == 0 && S_ISREG(about.st_mode) && about.st_dev == i->device &&
-           about.st_ino == i->inode;
+    return (a->inode != 0 && a->inode == b->inode && a->device == b->device) ||
+           (a->folder_inode != 0 && a->folder_inode == b->folder_inode && a->folder_device == b->folder_device &&
+            strcmp(a->base, b->base) == 0);
 }

@@ -3,7 +3,7 @@
 #ifndef CELLWALK_IO_TARGET_H
 #define CELLWALK_IO_TARGET_H
 
-#include "error.h"
+#include <stdbool.h>
 
 #include <limits.h>
 #include <sys/stat.h>
@@ -21,21 +21,15 @@ char *io_target_follow(const char *path);
 const char *io_target_base(const char *path);
 bool io_target_folder(const char *path, char folder[PATH_MAX]);
 
-/* Makes a folder and those that it lies in; it may exist already. */
-bool io_target_make_folder(const char *path, io_error *error);
-
-/* Two names that lead to one file are found equal before and after the file exists. Devices equal nothing. */
+/* Two names that lead to one file are found equal before and after the file exists. Devices equal nothing. 0: not known. */
 typedef struct io_target_identity {
-    bool file, place; /* which of the two below are known */
     dev_t device, folder_device;
     ino_t inode, folder_inode;
     const char *base; /* in the folder; the target's own text */
 } io_target_identity;
 
-/* about: of the file, or NULL if there is none. target must live as long as identity. False if its folder is unknown. */
-bool io_target_identify(io_target_identity *identity, const char *target, const struct stat *about);
+/* about: of the file, or NULL if there is none; direct: it is no file of the folder. target must live as long as identity. */
+void io_target_identify(io_target_identity *identity, const char *target, bool direct, const struct stat *about);
 bool io_target_same(const io_target_identity *a, const io_target_identity *b);
-/* Whether an open descriptor leads to that regular file. */
-bool io_target_is_stream(const io_target_identity *identity, int descriptor);
 
 #endif

@@ -148,43 +148,42 @@ bool io_raster_can_write(const char *path, size_t bands, io_error *error) {
     return true;
 }
 
+/* Of a picture of a placed terrain, unless it goes to a device or a pipe. */
+static bool has_world(const io_raster_writer *w) {
+    return w->sink == &io_sink_png && w->product.georef->placed && !w->output.direct;
+}
+
 /* Places a picture on its map for programs that read world files, as GIS do: x and y of a column, x and y of a row, and of the
  * upper left pixel's centre. */
-static bool open_world(io_raster_writer *w, io_error *error) {
-    const double(*m)[4] = w->product.map;
-    const char *target = w->output.target;
+static bool write_world(const double (*m)[4], const char *picture, io_error *error) {
     char path[PATH_MAX];
-    struct stat about;
-    if (w->sink != &io_sink_png || !w->product.georef->placed) return true;
-    if (fstat(fileno(w->output.file), &about) != 0 || !S_ISREG(about.st_mode)) return true;
-    if (snprintf(path, sizeof path, "%.*s.pgw", (int)(strlen(target) - strlen(w->sink->ending)), target) >=
-        (int)sizeof path)
-        return io_fail(error, "%s: cannot write: the world file's name is too long", w->output.name);
-    if (!io_output_open(&w->world, path, error)) return false;
-    if (io_output_print(&w->world, error, "%.17g\n%.17g\n%.17g\n%.17g\n%.17g\n%.17g\n", m[0][0], m[1][0], m[0][1],
-                        m[1][1], m[0][3], m[1][3]))
-        return true;
-    io_output_discard(&w->world);
+    io_output out;
+    const int stem = (int)(strlen(picture) - strlen(io_sink_png.ending));
+    if (snprintf(path, sizeof path, "%.*s.pgw", stem, picture) >= (int)sizeof path)
+        return io_fail(error, "%s: the world file's name is too long", picture);
+    if (!io_output_open(&out, path, error)) return false;
+    if (io_output_print(&out, error, "%.17g\n%.17g\n%.17g\n%.17g\n%.17g\n%.17g\n", m[0][0], m[1][0], m[0][1], m[1][1],
+                        m[0][3], m[1][3]))
+        return io_output_commit(&out, error);
+    io_output_discard(&out);
     return false;
 }
 
-/* A picture's world file is an output itself. */
-static bool check_sidecars(const io_raster_writer *w, bool replaces, io_error *error) {
+static bool check_sidecars(const io_raster_writer *w, io_error *error) {
     io_sidecar_list list = w->sink->sidecars;
+    struct stat old;
+    const bool replaces = stat(w->output.target, &old) == 0;
     if (w->output.direct) return true;
-    if (list != NULL && w->world.name != NULL) list++;
+    if (has_world(w)) list++; /* which is written anew */
     return io_sidecars_check(list, w->output.target, replaces, error) &&
            io_sidecars_check(list, w->output.name, replaces, error);
 }
 
 bool io_raster_create(io_raster_writer *w, const char *path, const io_raster_product *product, io_error *error) {
-    struct stat old;
     *w = (io_raster_writer){.product = *product, .left = (uint64_t)product->bands * product->nx * product->ny};
     if (!io_raster_can_write(path, product->bands, error) || !io_output_open(&w->output, path, error)) return false;
     w->sink = sink_of(path);
-    const bool replaces = stat(w->output.target, &old) == 0;
-    if (open_world(w, error) && check_sidecars(w, replaces, error) && w->sink->create(w, error)) return true;
-    io_output_discard(&w->world);
+    if (check_sidecars(w, error) && w->sink->create(w, error)) return true;
     io_output_discard(&w->output);
     *w = (io_raster_writer){0};
     return false;
@@ -207,19 +206,16 @@ bool io_raster_write(io_raster_writer *w, const void *cells, size_t rows, io_err
     return true;
 }
 
+/* The world file last, when none of a picture before it is left. */
 static bool commit(io_raster_writer *w, io_error *error) {
     struct stat old;
-    io_sidecar_list list = w->sink->sidecars;
+    const bool world = has_world(w), replaces = !w->output.direct && stat(w->output.target, &old) == 0;
+    const io_sidecar_list list = replaces ? w->sink->sidecars : NULL;
     char *names[2] = {strdup(w->output.target), strdup(w->output.name)}; /* where programs look for sidecars */
     bool good = (names[0] != NULL && names[1] != NULL) || io_fail(error, "%s: out of memory", w->output.name);
-    if (good && (w->output.direct || stat(names[0], &old) != 0)) list = NULL; /* replaces nothing */
-    if (list != NULL && w->world.name != NULL) list++;
-    good = good && (w->world.name == NULL || io_output_settle(&w->world, error)) && io_output_commit(&w->output, error);
-    good = good && (w->world.name == NULL || io_output_commit(&w->world, error));
-    for (int k = 0; k < 2; k++) {
-        good = good && io_sidecars_remove(list, names[k], error);
-        free(names[k]);
-    }
+    good = good && io_output_commit(&w->output, error) && io_sidecars_remove(list, names[0], error) &&
+           io_sidecars_remove(list, names[1], error) && (!world || write_world(w->product.map, names[0], error));
+    for (int k = 0; k < 2; k++) free(names[k]);
     return good;
 }
 
@@ -227,7 +223,6 @@ bool io_raster_commit(io_raster_writer *w, io_error *error) {
     const bool whole = w->left == 0;
     if (!whole) io_fail(error, "%s: rows are missing", w->output.name);
     const bool good = w->sink->finish(w, whole, whole ? error : NULL) && commit(w, error);
-    io_output_discard(&w->world);
     io_output_discard(&w->output);
     *w = (io_raster_writer){0};
     return good;
@@ -236,7 +231,6 @@ bool io_raster_commit(io_raster_writer *w, io_error *error) {
 void io_raster_discard(io_raster_writer *w) {
     if (w->sink == NULL) return;
     w->sink->finish(w, false, NULL);
-    io_output_discard(&w->world);
     io_output_discard(&w->output);
     *w = (io_raster_writer){0};
 }

@@ -47,7 +47,6 @@ typedef struct io_raster_writer {
     const struct io_raster_sink *sink; /* the format */
     io_raster_product product;
     io_output output;
-    io_output world;  /* of a picture: the world file beside it, if there is one */
     size_t band, row; /* that come next */
     uint64_t left;    /* cells that are still to come */
     void *state;      /* the format's */
