@@ -113,11 +113,11 @@ static cw_status fill(cw_field *f, const cw_field_desc *desc, const cw_run *whol
     const bool borrowed = desc->storage == CW_BORROW;
     run_part part = {whole, 0, borrowed ? 1 : 0.4};
     const cw_run first = cw_run_part_of(&part);
-    cw_status status = cw_survey_create(f) ? CW_OK : cw_fail_plainly(CW_ERROR_MEMORY);
+    cw_status status = CW_OK;
     if (borrowed) {
         f->z = desc->samples;
         f->stride = desc->stride ? desc->stride : desc->nx;
-    } else if (status == CW_OK) {
+    } else {
         status = copy(f, desc, &first);
         part = (run_part){whole, part.end, 1};
     }
@@ -188,7 +188,6 @@ void cw_field_destroy(cw_field *field) {
     if (field == NULL) return;
     destroy_guest(field);
     cw_pyramid_destroy(field, field->pyramid);
-    cw_survey_destroy(field);
     const cw_allocator memory = field->memory;
     cw_memory_free(&memory, field->owned);
     cw_memory_free(&memory, field);

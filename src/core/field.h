@@ -8,7 +8,6 @@
 #include "ieee.h"
 
 struct cw_pyramid;
-struct cw_survey;
 struct cw_tiles;
 
 /* What a kernel of another library walks on, which cw_kernel.build has made. An update destroys it. */
@@ -25,8 +24,7 @@ struct cw_field {
     size_t holes;
     /* A ray whose origin is farther than reach from middle along any axis starts far away: src/scalar/ray.h. */
     float middle[3], reach[3];
-    float *owned;                      /* samples owned by the field; NULL if borrowed */
-    struct cw_survey *tile, *tile_row; /* of each tile, row by row, and of each row of them: survey.h */
+    float *owned; /* samples owned by the field; NULL if borrowed */
 
     double to_user[3][4], to_field[3][4]; /* to_field by affine_invert */
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Lowest and highest sample and number of holes, tile by tile. So the numbers of the whole field are found again in
- * little time when some samples change, even if its range shrinks. 12 bytes for 64 × 64 samples. */
+/* Samples that are holes or refused, tile by tile. So the number of holes is found again in little time when some samples
+ * change. */
 #ifndef CELLWALK_CORE_SURVEY_H
 #define CELLWALK_CORE_SURVEY_H
 
@@ -10,13 +10,6 @@
 
 /* Cells along one side of a tile, as of a node of the pyramid's level 2. */
 enum { TILE_LEVEL = 2, TILE_SIDE = 64 };
-
-/* Of the samples that the tile owns, or all tiles in a row: each sample is owned by one tile, the one in which it is
- * not on the last row or column, if there is one. */
-typedef struct cw_survey {
-    float low, high; /* over samples that are not holes; high < low if there is none */
-    uint32_t holes;
-} cw_survey;
 
 /* Tiles x to x_last, y to y_last, all in. */
 typedef struct cw_tiles {
@@ -36,15 +29,12 @@ typedef struct cw_refusal {
 
 cw_status cw_refusal_status(const cw_field *f, cw_refusal *refusal);
 
-/* Makes room for the survey; false when out of memory. */
-bool cw_survey_create(cw_field *f);
-void cw_survey_destroy(cw_field *f);
+/* Holes among the samples that tile (x, y) owns: each sample is owned by one tile, the one in which it is not on the last row or
+ * column, if there is one. */
+uint32_t cw_count_holes(const cw_field *f, size_t x, size_t y, cw_refusal *refusal);
 
-/* Looks at the samples of tile (x, y). */
-void cw_survey_tile(cw_field *f, size_t x, size_t y, cw_refusal *refusal);
-
-/* Low, high, holes and reach of the field, from its tiles, of which these have changed. */
-void cw_survey_total(cw_field *f, cw_tiles changed);
+/* Sets the field's reach, from its lowest and highest sample. */
+void cw_set_reach(cw_field *f);
 
 /* Fails if one of samples z[0..n), which are (i, j) and on, may not be part of a field. */
 cw_status cw_survey_check(const float *z, size_t i, size_t j, size_t n, bool infinities);

@@ -9,7 +9,7 @@
 #include "run.h"
 #include "survey.h"
 
-#include <stdlib.h>
+#include <float.h>
 
 static size_t blocks(size_t n) { return (n + 3) / 4; }
 static size_t least(size_t a, size_t b) { return a < b ? a : b; }
@@ -35,7 +35,7 @@ static void do_tiles(void *context, size_t begin, size_t end) {
     const fpenv caller = fpenv_enter();
     for (size_t k = begin; k < end; k++) {
         const size_t x = w->tiles.x + k % across(&w->tiles), y = w->tiles.y + k / across(&w->tiles);
-        cw_survey_tile(w->f, x, y, w->refusal);
+        w->p->holes[y * cw_tiles_across(w->f) + x] = cw_count_holes(w->f, x, y, w->refusal);
         cw_pyramid_tile(w->f, w->p, x, y);
     }
     fpenv_leave(caller);
@@ -52,53 +52,31 @@ static void do_slabs(void *context, size_t begin, size_t end) {
 
 /* ---- ahead ------------------------------------------------------------------------------------------------------- */
 
-enum { AHEAD = 256 }; /* numbers a side that are done at a time */
+enum { BRICKS_AT_ONCE = 64 };
 
-/* Numbers begin to end of a row of them, from row y of nodes alone: the higher of two neighbours. */
-static void highest_of_two(const cw_pyramid_level *l, size_t y, size_t begin, size_t end, float *restrict to) {
-    float high[4 + AHEAD + 12]; /* whole bricks, and something lower than all to either side */
-    const size_t first = begin >= 1 ? (begin - 1) / 4 : 0, last = least((end - 1) / 4 + 1, (size_t)l->across);
-    for (size_t b = first; b < last; b++) {
-        const float *from = cw_pyramid_node(l, 4 * b, y) + 16;
-        for (size_t k = 0; k < 4; k++) high[4 + 4 * (b - first) + k] = from[k];
-    }
-    high[3] = high[4 + 4 * (last - first)] = -INFINITY;
-    const float *restrict at = high + 4 + begin - 4 * first;
-    for (size_t k = 0; k < end - begin; k++)
-        to[k] = higher(at[k], higher(at[(ptrdiff_t)k - 1], -INFINITY)); /* a node of holes alone is NaN */
+/* The highest sample of a node; -infinity outside the field, and if all its samples are holes. */
+static float node_high(const cw_pyramid_level *l, size_t x, size_t y) {
+    if (x >= 4 * (size_t)l->across || y >= 4 * (size_t)l->down) return -INFINITY; /* 0 - 1 is, too */
+    return higher(cw_pyramid_node(l, x, y)[16], -INFINITY);
 }
 
-/* Separable: the higher of two nodes in a row, then of two such rows. */
-static void do_ahead_part(const cw_pyramid_level *l, const nodes *part) {
-    float rows[2][AHEAD];
-    const size_t n = 4 * (size_t)l->across + 1, down = 4 * (size_t)l->down, begin = part->x, end = part->x_last + 1;
-    for (size_t y = part->y; y <= part->y_last + 1; y++) { /* row y - 1 of nodes */
-        float *here = rows[y % 2];
-        if (1 <= y && y <= down) {
-            highest_of_two(l, y - 1, begin, end, here);
-        } else {
-            for (size_t x = 0; x < end - begin; x++) here[x] = -INFINITY;
-        }
-        if (y == part->y) continue;
-        const float *before = rows[(y + 1) % 2];
-        float *out = l->ahead + (y - 1) * n + begin;
-        for (size_t x = 0; x < end - begin; x++) out[x] = higher(before[x], here[x]);
-    }
+/* The numbers of brick (x, y), from the nodes of it and of the bricks before it. */
+static void do_ahead_brick(const cw_pyramid_level *l, size_t x, size_t y) {
+    const size_t across = 4 * (size_t)l->across + 1, down = 4 * (size_t)l->down + 1;
+    float high[5][5];
+    for (size_t j = 0; j < 5; j++)
+        for (size_t i = 0; i < 5; i++) high[j][i] = node_high(l, 4 * x + i - 1, 4 * y + j - 1);
+    for (size_t j = 0; j < 4 && 4 * y + j < down; j++)
+        for (size_t i = 0; i < 4 && 4 * x + i < across; i++)
+            l->ahead[(4 * y + j) * across + 4 * x + i] =
+                higher(higher(high[j][i], high[j][i + 1]), higher(high[j + 1][i], high[j + 1][i + 1]));
 }
-
-static size_t parts(size_t first, size_t last) { return (last - first) / AHEAD + 1; }
 
 static void do_ahead(void *context, size_t begin, size_t end) {
     const job *w = context;
-    const nodes *all = &w->nodes;
-    const size_t in_row = parts(all->x, all->x_last);
     const fpenv caller = fpenv_enter();
-    for (size_t k = begin; k < end; k++) {
-        nodes part = {.x = all->x + k % in_row * AHEAD, .y = all->y + k / in_row * AHEAD};
-        part.x_last = least(part.x + AHEAD - 1, all->x_last);
-        part.y_last = least(part.y + AHEAD - 1, all->y_last);
-        do_ahead_part(&w->p->level[w->level], &part);
-    }
+    for (size_t k = begin; k < end; k++)
+        do_ahead_brick(&w->p->level[w->level], w->nodes.x + k % across(&w->nodes), w->nodes.y + k / across(&w->nodes));
     fpenv_leave(caller);
 }
 
@@ -118,13 +96,13 @@ static nodes nodes_of(const job *w, int level) {
     return n;
 }
 
-/* The numbers that depend on them; bricks at the field's far borders have more nodes than the field. */
+/* The bricks whose numbers ahead depend on them: beyond the field's far borders also those of nodes that it does not have. */
 static nodes ahead_of(const job *w, int level) {
     const cw_pyramid_level *l = &w->p->level[level];
-    nodes n = nodes_of(w, level);
-    n.x_last = n.x_last + 1 < cw_pyramid_across(w->f, level) ? n.x_last + 1 : 4 * (size_t)l->across;
-    n.y_last = n.y_last + 1 < cw_pyramid_down(w->f, level) ? n.y_last + 1 : 4 * (size_t)l->down;
-    return n;
+    const nodes n = nodes_of(w, level);
+    return (nodes){n.x / 4, n.y / 4,
+                   n.x_last + 1 < cw_pyramid_across(w->f, level) ? (n.x_last + 1) / 4 : (size_t)l->across,
+                   n.y_last + 1 < cw_pyramid_down(w->f, level) ? (n.y_last + 1) / 4 : (size_t)l->down};
 }
 
 static float steepest(const cw_field *f, const struct cw_pyramid *p) {
@@ -133,6 +111,21 @@ static float steepest(const cw_field *f, const struct cw_pyramid *p) {
     for (size_t k = 0; k < cw_pyramid_across(f, top) * cw_pyramid_down(f, top); k++)
         most = fmax(p->sum[top][k].steepest, most);
     return (float)most;
+}
+
+/* Sets the field's numbers. */
+static void total(cw_field *f, struct cw_pyramid *p) {
+    const float *brick = p->level[p->levels - 1].bricks;
+    float low = FLT_MAX, high = -FLT_MAX;
+    for (int k = 0; k < 16; k++) {
+        low = lower(brick[k], low);
+        high = higher(brick[16 + k], high);
+    }
+    f->low = low + 0.0f; /* which zero is lowest would depend on the order of samples */
+    f->high = p->high = high + 0.0f;
+    f->holes = 0;
+    for (size_t k = 0; k < cw_tiles_across(f) * cw_tiles_down(f); k++) f->holes += p->holes[k];
+    cw_set_reach(f);
 }
 
 /* Everything above the tiles, which are done. */
@@ -147,10 +140,10 @@ static void do_upper(job *w, cw_pool *pool) {
     }
     for (w->level = 0; w->level < p->levels; w->level++) {
         w->nodes = ahead_of(w, w->level);
-        cw_pool_run(pool, parts(w->nodes.x, w->nodes.x_last) * parts(w->nodes.y, w->nodes.y_last), 1, do_ahead, w);
+        cw_pool_run(pool, count(&w->nodes), BRICKS_AT_ONCE, do_ahead, w);
     }
     p->steepest = steepest(w->f, p);
-    p->high = w->f->high;
+    total(w->f, p);
 }
 
 /* Where everything lies in one piece of memory. */
@@ -178,12 +171,13 @@ static bool lay_out(struct cw_pyramid *p, const cw_field *f) {
     for (int l = TILE_LEVEL; l < p->levels || l == TILE_LEVEL; l++)
         sums += cw_pyramid_across(f, l) * cw_pyramid_down(f, l);
     p->bytes = bricks * BRICK_FLOATS * sizeof(float) + slabs * sizeof(cw_pyramid_slab) + sums * sizeof(cw_pyramid_sum) +
-               aheads * sizeof(float);
+               aheads * sizeof(float) + cw_tiles_across(f) * cw_tiles_down(f) * sizeof *p->holes;
     p->memory = cw_memory_allocate(&f->memory, p->bytes);
     if (p->memory == NULL) return false;
     p->slab = (cw_pyramid_slab *)((float *)p->memory + bricks * BRICK_FLOATS);
     cw_pyramid_sum *sum = (cw_pyramid_sum *)(p->slab + slabs);
     float *ahead = (float *)(sum + sums);
+    p->holes = (uint32_t *)(ahead + aheads);
     for (int l = 0; l < p->levels; l++) {
         p->level[l].bricks = (float *)p->memory + first_brick[l] * BRICK_FLOATS;
         p->level[l].ahead = ahead + first_ahead[l];
@@ -221,7 +215,6 @@ cw_status cw_pyramid_build(cw_field *f, const cw_run *how) {
         cw_pyramid_destroy(f, w.p);
         return status;
     }
-    cw_survey_total(f, w.tiles);
     do_upper(&w, how->pool);
     f->pyramid = w.p;
     return CW_OK;
@@ -231,7 +224,6 @@ void cw_pyramid_update(cw_field *f, cw_tiles changed, cw_pool *pool) {
     cw_refusal refusal = {CW_REFUSED_NONE}; /* nothing will be: the samples have been checked */
     job w = {.f = f, .p = f->pyramid, .tiles = changed, .refusal = &refusal};
     cw_pool_run(pool, count(&changed), TILES_AT_ONCE, do_tiles, &w);
-    cw_survey_total(f, changed);
     do_upper(&w, pool);
 }
 

@@ -67,6 +67,7 @@ struct cw_pyramid {
     /* Of nodes of level TILE_LEVEL, which stand for tiles even if there are fewer levels, and above: in rows as
      * slabs are. */
     cw_pyramid_sum *sum[PYRAMID_LEVELS_MAX];
+    uint32_t *holes; /* of each tile, in rows: in the samples that it owns (survey.h) */
     void *memory;
     size_t bytes;
 };

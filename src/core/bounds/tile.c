@@ -153,33 +153,9 @@ static size_t rows_of_nodes(const tile *t, int level) { return ((t->last_row - t
 
 /* ---- blocks, which are most of the work -------------------------------------------------------------------------- */
 
-/* Bounds of the blocks in a row, any number of rows and columns. */
-static void bound_blocks(const tile *t, size_t y) {
-    const node_row r = row_of_nodes(t, 0, y);
-    float low[COLUMNS], high[COLUMNS];
-    for (size_t i = 0; i < r.columns; i++) {
-        low[i] = INFINITY;
-        high[i] = -INFINITY;
-    }
-    for (size_t j = 0; j < r.rows; j++) {
-        const float *restrict z = r.z + j * r.stride;
-        for (size_t i = 0; i < r.columns; i++) {
-            low[i] = lower(z[i], low[i]);
-            high[i] = higher(z[i], high[i]);
-        }
-    }
-    for (size_t x = 0; x < r.nodes; x++) {
-        float lo = INFINITY, hi = -INFINITY;
-        for (size_t i = 4 * x; i <= last_column(&r, x); i++) {
-            lo = lower(low[i], lo);
-            hi = higher(high[i], hi);
-        }
-        cw_pyramid_set_bounds(cw_pyramid_node(&t->p->level[0], t->column / 4 + x, t->row / 4 + y), lo, hi);
-    }
-}
-
-/* A full tile has 16 blocks in a row, which are the lanes here. Column k of all blocks lies together: sample i of a
- * row at (i % 4) * LANES + i / 4. Of k > 0 the last lane has none. */
+/* A tile has 16 blocks in a row, which are the lanes here. Column k of all blocks lies together: sample i of a row at
+ * (i % 4) * LANES + i / 4. Of k > 0 the last lane has none. Beyond the field's far borders there are holes, so that
+ * a block with fewer than 4 × 4 cells has a level slab. */
 enum { BLOCKS = TILE_SIDE / 4, LANES = BLOCKS + 1, PARTED = 4 * LANES };
 typedef float lanes[BLOCKS];
 
@@ -194,7 +170,7 @@ static void part(const float *restrict z, float *restrict to) {
     for (size_t k = 1; k < 4; k++) to[k * LANES + BLOCKS] = 0;
 }
 
-/* Planes of the blocks over five rows, and their bounds: as fit_planes and bound_blocks have them. */
+/* Planes of the blocks over five rows, as fit_planes has them, and their bounds. */
 static void fit_blocks(const float *restrict row, lanes slope_x, lanes slope_y, lanes low, lanes high) {
     float sum[PARTED], moment[PARTED], least_of[PARTED], most_of[PARTED];
     for (size_t c = 0; c < PARTED; c++) {
@@ -252,19 +228,25 @@ static void measure_blocks(const float *restrict row, const lanes slope_x, const
 }
 
 static void do_blocks(tile *t) {
-    float row[COLUMNS * PARTED];
-    for (size_t j = 0; j < COLUMNS; j++) part(t->f->z + (t->row + j) * t->f->stride + t->column, row + j * PARTED);
+    float row[COLUMNS * PARTED], whole[COLUMNS];
+    const size_t columns = t->last_column - t->column, rows = t->last_row - t->row;
+    for (size_t j = 0; j < COLUMNS; j++) {
+        const float *z = t->f->z + (t->row + least(j, rows)) * t->f->stride + t->column;
+        const size_t some = j <= rows ? columns + 1 : 0;
+        for (size_t i = 0; i < COLUMNS && some < COLUMNS; i++) whole[i] = i < some ? z[i] : NAN;
+        part(some < COLUMNS ? whole : z, row + j * PARTED);
+    }
     float steepest = 0;
-    for (size_t y = 0; y < BLOCKS; y++) {
+    for (size_t y = 0; 4 * y < rows; y++) {
         lanes slope_x, slope_y, node_low, node_high, low, high;
         fit_blocks(row + 4 * y * PARTED, slope_x, slope_y, node_low, node_high);
         measure_blocks(row + 4 * y * PARTED, slope_x, slope_y, low, high);
-        const node_row r = row_of_nodes(t, 0, y);
-        for (size_t x = 0; x < BLOCKS; x++) {
+        cw_pyramid_slab *slab = row_of_nodes(t, 0, y).slab;
+        for (size_t x = 0; 4 * x < columns; x++) {
             float *node = cw_pyramid_node(&t->p->level[0], t->column / 4 + x, t->row / 4 + y);
             cw_pyramid_set_bounds(node, node_low[x], node_high[x]);
-            r.slab[x] = (cw_pyramid_slab){low[x], high[x], slope_x[x], slope_y[x]};
-            steepest = higher(cw_slab_outward(&r.slab[x], t->f, node_low[x], node_high[x]), steepest);
+            slab[x] = (cw_pyramid_slab){low[x], high[x], slope_x[x], slope_y[x]};
+            steepest = higher(cw_slab_outward(&slab[x], t->f, node_low[x], node_high[x]), steepest);
         }
     }
     t->steepest = (double)steepest;
@@ -287,16 +269,8 @@ void cw_pyramid_tile(const cw_field *f, struct cw_pyramid *p, size_t x, size_t y
     tile t = {.f = f, .p = p, .column = x * TILE_SIDE, .row = y * TILE_SIDE};
     t.last_column = least(t.column + TILE_SIDE, f->nx - 1);
     t.last_row = least(t.row + TILE_SIDE, f->ny - 1);
-    const bool full = t.last_column - t.column == TILE_SIDE && t.last_row - t.row == TILE_SIDE;
-    if (full) {
-        do_blocks(&t);
-    } else {
-        for (int l = 0; l < TILE_LEVEL && l < p->levels; l++) clear_bricks(&t, l);
-        for (size_t k = 0; k < rows_of_nodes(&t, 0); k++) {
-            bound_blocks(&t, k);
-            do_nodes(&t, 0, k);
-        }
-    }
+    for (int l = 0; l < TILE_LEVEL && l < p->levels; l++) clear_bricks(&t, l);
+    do_blocks(&t);
     for (int l = 1; l <= TILE_LEVEL && l < p->levels; l++) {
         const size_t shift = (size_t)(2 * l + 2);
         for (size_t b = t.row >> shift; b <= (t.last_row - 1) >> shift; b++)
