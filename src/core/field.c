@@ -4,14 +4,12 @@
 #include "affine.h"
 #include "clock.h"
 #include "fpenv.h"
-#include "isa.h"
 #include "kernels.h"
 #include "memory.h"
 #include "pyramid.h"
 #include "run.h"
 #include "sister.h"
 #include "survey.h"
-#include "to_field.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,42 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Queries in user space: rays are moved to field space in blocks that lie on the stack and in the first cache. */
 
-#include "affine.h"
 #include "field.h"
 #include "fpenv.h"
-#include "isa.h"
+#include "kernels.h"
 #include "run.h"
-#include "to_field.h"
 
 #include <stdatomic.h>
 
-static void to_field(const double m[3][4], const cw_user_ray *in, size_t n, cw_ray *out) {
-    for (size_t k = 0; k < n; k++) {
-        double org[3], dir[3];
-        affine_point_back(m, in[k].org, org);
-        affine_vector(m, in[k].dir, dir);
-        out[k] = (cw_ray){
-            .org = {(float)org[0], (float)org[1], (float)org[2]},
-            .tmin = (float)in[k].tmin,
-            .dir = {(float)dir[0], (float)dir[1], (float)dir[2]},
-            .tmax = (float)in[k].tmax,
-        };
-    }
-}
-
-void cw_field_rays_in(const cw_field *field, const cw_user_ray *in, size_t n, cw_ray *out) {
-#if CELLWALK_SIMD && defined(__x86_64__)
-    if (cw_isa_allows(CW_ISA_AVX2)) {
-        cw_to_field_avx2(field->to_field, in, n, out);
-        return;
-    }
-#endif
-    to_field(field->to_field, in, n, out);
+static void rays_in(const cw_field *field, const cw_user_ray *in, size_t n, cw_ray *out) {
+    cw_run_kernel(field, NULL)->to_field(field->to_field, in, n, out);
 }
 
 static void move_rays(void *context, size_t begin, size_t end) {
     const cw_batch *b = context;
-    cw_field_rays_in(b->field, (const cw_user_ray *)b->in + begin, end - begin, (cw_ray *)b->out + begin);
+    rays_in(b->field, (const cw_user_ray *)b->in + begin, end - begin, (cw_ray *)b->out + begin);
 }
 
 cw_status cw_rays_to_field(const cw_field *field, const cw_run *run, const cw_user_ray *in, size_t n, cw_ray *out) {
@@ -61,7 +39,7 @@ static void trace_blocks(void *context, size_t begin, size_t end) {
     for (size_t count; begin < end; begin += count) {
         count = end - begin < BLOCK ? end - begin : BLOCK;
         const fpenv caller = fpenv_enter();
-        cw_field_rays_in(q->field, q->rays + begin, count, block);
+        rays_in(q->field, q->rays + begin, count, block);
         fpenv_leave(caller);
         cw_status status;
         do

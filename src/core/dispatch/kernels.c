@@ -7,33 +7,24 @@
 
 #include <string.h>
 
-#if CELLWALK_SIMD && defined(__aarch64__)
-#define NEON 1
-#else
-#define NEON 0
-#endif
+/* Code for registers of that many lanes, beside the walk. */
+#define OTHER(lanes) cw_heading##lanes, cw_to_field##lanes, NULL
 
-/* From the plainest to the fastest: the last one available is the default. */
+/* From the plainest to the fastest: the last one available is the default. CELLWALK_KERNELS is KERNEL(set, lanes) for each row of
+ * simd/isas.cmake but the scalar one. */
 /* clang-format off */
 static const cw_kernel kernels[] = {
-    {"cell", "2D cell walk, one ray at a time", CW_ISA_SCALAR, 1, &cw_cell, cw_heading1, NULL},
-#if NEON
-    {"packet4", "2D cell walk, 4 rays at once", CW_ISA_NEON, 4, &cw_packet4, cw_heading4, NULL},
-#elif CELLWALK_SIMD
-    {"packet4", "2D cell walk, 4 rays at once", CW_ISA_SSE42, 4, &cw_packet4, cw_heading4, NULL},
-    {"packet8", "2D cell walk, 8 rays at once", CW_ISA_AVX2, 8, &cw_packet8, cw_heading8, NULL},
-    {"packet16", "2D cell walk, 16 rays at once", CW_ISA_AVX512, 16, &cw_packet16, cw_heading16, NULL},
-#endif
-    {"pyramid1", "bounds pyramid, one lane", CW_ISA_SCALAR, 1, &cw_pyramid1, cw_heading1, NULL},
-#if NEON
-    {"pyramid4", "bounds pyramid, 4 lanes, single rays in pairs of 4", CW_ISA_NEON, 8, &cw_pyramid4, cw_heading4, NULL},
-#elif CELLWALK_SIMD
-    {"pyramid4", "bounds pyramid, 4 lanes, single rays in pairs of 4", CW_ISA_SSE42, 8, &cw_pyramid4, cw_heading4, NULL},
-    {"pyramid8", "bounds pyramid, 8 lanes, single rays in pairs of 8",
-     CW_ISA_AVX2, 16, &cw_pyramid8, cw_heading8, NULL},
-    {"pyramid16", "bounds pyramid, 16 lanes, single rays in pairs of 16",
-     CW_ISA_AVX512, 32, &cw_pyramid16, cw_heading16, NULL},
-#endif
+    {"cell", "2D cell walk, one ray at a time", CW_ISA_SCALAR, 1, &cw_cell, OTHER(1)},
+#define KERNEL(set, lanes) \
+    {"packet" #lanes, "2D cell walk, " #lanes " rays at once", CW_ISA_##set, lanes, &cw_packet##lanes, OTHER(lanes)},
+    CELLWALK_KERNELS
+#undef KERNEL
+    {"pyramid1", "bounds pyramid, one lane", CW_ISA_SCALAR, 1, &cw_pyramid1, OTHER(1)},
+#define KERNEL(set, lanes) \
+    {"pyramid" #lanes, "bounds pyramid, " #lanes " lanes, single rays in pairs of " #lanes, \
+     CW_ISA_##set, 2 * lanes, &cw_pyramid##lanes, OTHER(lanes)},
+    CELLWALK_KERNELS
+#undef KERNEL
 };
 /* clang-format on */
 enum { KERNEL_COUNT = sizeof kernels / sizeof kernels[0] };

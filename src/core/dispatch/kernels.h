@@ -13,6 +13,9 @@ typedef void cw_any_fn(const cw_field *field, const cw_ray *rays, size_t n, uint
 struct cw_heading_job;
 typedef void cw_heading_fn(const struct cw_heading_job *job, size_t i, size_t i_end, size_t j, size_t j_end);
 
+/* cw_rays_to_field; m is the field's to_field. */
+typedef void cw_to_field_fn(const double m[3][4], const cw_user_ray *in, size_t n, cw_ray *out);
+
 /* By leaf test; NULL where the kernel does not have it. Entry CW_LEAF_DEFAULT is unused. */
 typedef struct cw_kernel_code {
     cw_closest_fn *closest[CW_LEAF_COUNT];
@@ -24,7 +27,9 @@ struct cw_kernel {
     cw_isa isa;
     unsigned width; /* lanes of the widest vectors it walks with */
     const cw_kernel_code *code;
-    cw_heading_fn *heading;              /* code for headings, for the same instruction set */
+    /* Other code for the same instruction set. */
+    cw_heading_fn *heading;
+    cw_to_field_fn *to_field;
     cw_status (*build)(cw_field *field); /* makes the field's guest, if the bounds alone do not serve it */
 };
 
@@ -44,7 +49,8 @@ extern const cw_kernel_code cw_cell;
 extern const cw_kernel_code cw_packet4, cw_packet8, cw_packet16;
 extern const cw_kernel_code cw_pyramid1, cw_pyramid4, cw_pyramid8, cw_pyramid16;
 
-/* simd/heading_kernel.c */
+/* simd/heading_kernel.c, simd/to_field_kernel.c */
 cw_heading_fn cw_heading1, cw_heading4, cw_heading8, cw_heading16;
+cw_to_field_fn cw_to_field1, cw_to_field4, cw_to_field8, cw_to_field16;
 
 #endif

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Rays from user space to field space, compiled for AVX2. A vector holds x, y, z of a point and one end of the ray's range, which
- * is the layout of both kinds of rays in memory. The sums are those of the scalar form in the same order, so that the bits
- * agree. Rejected: that form compiled for AVX2, which GCC 12 does not vectorise and which takes twice as long. */
-#include "to_field.h"
+/* Rays from user space to field space. A vector holds x, y, z of a point and one end of the ray's range, which is the layout of
+ * both kinds of rays in memory; compilers split it where registers are narrower. The sums are those of affine.h, in the same
+ * order. Rejected: loops over x, y and z, which GCC 12 does not vectorise and which take twice as long with AVX2. */
+#include "kernels.h"
+#include "vocabulary.h"
 
 #include <string.h>
 
@@ -14,7 +15,8 @@ static inline floats combine(const doubles column[3], const double v[3], double 
     return __builtin_convertvector(__builtin_shufflevector(sum, end, 0, 1, 2, 7), floats);
 }
 
-void cw_to_field_avx2(const double m[3][4], const cw_user_ray *in, size_t n, cw_ray *out) {
+/* cw_to_field1, cw_to_field4, cw_to_field8 or cw_to_field16. */
+void CW_CODE(to_field)(const double m[3][4], const cw_user_ray *in, size_t n, cw_ray *out) {
     const doubles column[3] = {
         {m[0][0], m[1][0], m[2][0], 0}, {m[0][1], m[1][1], m[2][1], 0}, {m[0][2], m[1][2], m[2][2], 0}};
     for (size_t k = 0; k < n; k++) {
