@@ -180,7 +180,8 @@ CW_ONE_COPY static void pyramid_rays(const cw_field *f, const cw_ray *rays, size
         for (size_t k = b; k < end; k += TILE) {
             const size_t count = end - k < TILE ? end - k : TILE;
             const ray_set found = pyramid_tile(f, rays + k, count, any, any ? NULL : hits + k, &queue, (k - b) / W);
-            for (size_t m = 0; any && m < count; m++) occluded[k + m] = found >> m & 1;
+            if (any)
+                for (size_t m = 0; m < count; m++) occluded[k + m] = found >> m & 1;
         }
         walk_alone(f, &queue, &alone, end < n && end % LANE_RUN != 0, &answers);
     }
