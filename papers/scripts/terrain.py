@@ -297,13 +297,6 @@ def compare_needed(z, side, out):
     return lines
 
 
-def measure_grid(tool, clock, side, dem, folder):
-    """Directions from sample to sample beside evenly spaced ones."""
-    clock.run([(f"cellwalk, 1 thread{', --grid' if grid else ''}", "sky view, 32 directions", 32, 32,
-                [tool, "horizon", dem + ".tif", "--svf", "--threads", "1", *grid, "-o", os.path.join(folder, "sky.npy")])
-               for grid in ([], ["--grid"])], side)
-
-
 def measure_days(tool, clock, side, dem, folder):
     """Shadow after shadow beside horizons that suns share."""
     sun = [tool, "sun", dem + ".tif", "--threads", "1", "--date", DAY, "-o", os.path.join(folder, "sun.npy")]
@@ -348,7 +341,6 @@ def measure_more(tool, rounds, folder):
         measure_needed(tool, clock, side, dem, out)
         lines += compare_needed(land(side), side, out)
         if side == 1025:
-            measure_grid(tool, clock, side, dem, folder)
             measure_days(tool, clock, side, dem, folder)
     return clock.lines + lines
 

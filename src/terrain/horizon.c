@@ -4,13 +4,11 @@
 #include "horizon.h"
 
 #include "compass.h"
-#include "grid_horizon.h"
 #include "normal.h"
 #include "sight.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 struct horizon {
     const terrain *terrain;
@@ -20,65 +18,11 @@ struct horizon {
     double *sums; /* of the sky */
     size_t room;  /* samples in both */
     bool leans;   /* it has three numbers for each of them */
-    bool grid;
     double curvature, max_distance;
-    grid_direction *directions;
-    float *rises; /* of the whole terrain, in direction number in_rises; NULL until there is one */
-    size_t in_rises;
-    float *sky;           /* of the whole terrain; NULL until it is known */
     sight_bounds *bounds; /* for distances; NULL until they are needed */
 };
 
 static const double degree = 0.017453292519943295;
-
-/* Metres eastward and northward of a step from sample to sample, in the middle of a row. */
-static void step_metres(const terrain *t, grid_direction d, double row, double metres[2]) {
-    double scale[2];
-    terrain_metres(t, 0.5 * (double)(t->nx - 1), row, scale);
-    for (int k = 0; k < 2; k++) metres[k] = scale[k] * (t->map[k][0] * d.dx + t->map[k][1] * d.dy);
-}
-
-static double middle_row(const terrain *t) { return 0.5 * (double)(t->ny - 1); }
-
-static double step_azimuth(const terrain *t, grid_direction d) {
-    double metres[2];
-    step_metres(t, d, middle_row(t), metres);
-    const double azimuth = atan2(metres[0], metres[1]) / degree;
-    return azimuth < 0 ? azimuth + 360 : azimuth;
-}
-
-bool horizon_has_grid(const terrain *t) {
-    double middle[2], end[2];
-    if (t->geographic) return false;
-    terrain_metres(t, 0.5 * (double)(t->nx - 1), middle_row(t), middle);
-    for (int e = 0; e < 2; e++) {
-        terrain_metres(t, 0.5 * (double)(t->nx - 1), e ? (double)(t->ny - 1) : 0, end);
-        for (int k = 0; k < 2; k++)
-            if (!(fabs(end[k] / middle[k] - 1) <= 0.01)) return false;
-    }
-    return true;
-}
-
-/* Directions in the order of their azimuths. */
-static cw_status make_grid(horizon *h, const horizon_desc *desc) {
-    const size_t count = desc->count;
-    if (!horizon_has_grid(h->terrain) || desc->max_distance > 0) return CW_ERROR_ARGUMENT;
-    h->directions = malloc(GRID_DIRECTIONS_MOST * sizeof *h->directions);
-    if (h->directions == NULL) return CW_ERROR_MEMORY;
-    if (!grid_directions(count, h->directions)) return CW_ERROR_ARGUMENT;
-    for (size_t k = 0; k < count; k++) {
-        const grid_direction d = h->directions[k];
-        const double azimuth = step_azimuth(h->terrain, d);
-        size_t to = k;
-        for (; to > 0 && h->azimuths[to - 1] > azimuth; to--) {
-            h->azimuths[to] = h->azimuths[to - 1];
-            h->directions[to] = h->directions[to - 1];
-        }
-        h->azimuths[to] = azimuth;
-        h->directions[to] = d;
-    }
-    return CW_OK;
-}
 
 cw_status horizon_create(const terrain *t, const horizon_desc *desc, horizon **out) {
     const double start = desc->start;
@@ -91,10 +35,9 @@ cw_status horizon_create(const terrain *t, const horizon_desc *desc, horizon **o
     h->azimuths = calloc(count, sizeof *h->azimuths);
     for (size_t k = 0; k < count && h->azimuths != NULL; k++)
         h->azimuths[k] = fmod(start + 360 * (double)k / (double)count, 360);
-    h->grid = desc->grid;
     h->curvature = desc->curvature;
     h->max_distance = desc->max_distance;
-    cw_status status = h->azimuths == NULL ? CW_ERROR_MEMORY : h->grid ? make_grid(h, desc) : CW_OK;
+    cw_status status = h->azimuths == NULL ? CW_ERROR_MEMORY : CW_OK;
     if (status == CW_OK)
         status = compass_create(&h->compass, t, h->azimuths, count, desc->max_distance, desc->curvature);
     if (status == CW_OK)
@@ -110,9 +53,6 @@ void horizon_destroy(horizon *h) {
     free(h->azimuths);
     free(h->work);
     free(h->sums);
-    free(h->directions);
-    free(h->rises);
-    free(h->sky);
     if (h->bounds) sight_bounds_destroy(h->bounds);
     free(h);
 }
@@ -142,42 +82,6 @@ static void to_degrees(void *context, size_t begin, size_t end) {
 
 enum { GRAIN = 1 << 14 };
 
-/* 1 / slope, as compass_heading sets that, of a direction of the grid in the rows that the compass is turned to. */
-static float grid_per_rise(const horizon *h, size_t number) {
-    double metres[2];
-    step_metres(h->terrain, h->directions[number], compass_middle(&h->compass), metres);
-    const double slope = hypot(metres[0], metres[1]) / h->terrain->map[2][2];
-    return (float)(1 / slope);
-}
-
-/* Of the whole terrain in a direction of the grid. The earth falls away by the square of a step in the middle. */
-static cw_status make_rises(horizon *h, const cw_run *query, size_t number) {
-    const terrain *t = h->terrain;
-    double metres[2];
-    step_metres(t, h->directions[number], middle_row(t), metres);
-    const double length = hypot(metres[0], metres[1]);
-    if (h->rises != NULL && h->in_rises == number) return CW_OK;
-    if (h->rises == NULL) h->rises = malloc(t->nx * t->ny * sizeof *h->rises);
-    if (h->rises == NULL) return CW_ERROR_MEMORY;
-    const double drop = h->curvature * length * length / (2 * t->radius * t->map[2][2]);
-    h->in_rises = number;
-    return grid_rises(t, h->directions[number], drop, query, h->rises);
-}
-
-static cw_status grid_angles(horizon *h, const cw_run *query, size_t number, size_t row, size_t rows, float *degrees) {
-    const size_t nx = h->terrain->nx, end = row + rows;
-    const cw_status status = make_rises(h, query, number);
-    if (status != CW_OK) return status;
-    memcpy(degrees, h->rises + row * nx, rows * nx * sizeof *degrees);
-    for (size_t count; row < end; row += count, degrees += count * nx) {
-        compass_turn(&h->compass, row, &count);
-        turning t = {degrees, grid_per_rise(h, number)};
-        count = count < end - row ? count : end - row;
-        cw_pool_run(query ? query->pool : NULL, nx * count, GRAIN, to_degrees, &t);
-    }
-    return CW_OK;
-}
-
 /* The rises of rows from this one on, *rows at most; sets that to how many share a heading; slope as compass_heading sets it. */
 static cw_status find_rises(horizon *h, const cw_run *query, size_t number, size_t row, size_t *rows, float *rises,
                             double *slope) {
@@ -194,7 +98,6 @@ static cw_status find_rises(horizon *h, const cw_run *query, size_t number, size
 cw_status horizon_angles(horizon *h, const cw_run *query, size_t number, size_t row, size_t rows, float *degrees) {
     const size_t nx = h->terrain->nx, end = row + rows;
     if (number >= h->compass.count) return CW_ERROR_ARGUMENT;
-    if (h->grid) return grid_angles(h, query, number, row, rows, degrees);
     for (size_t count; row < end; row += count, degrees += count * nx) {
         double slope;
         count = end - row;
@@ -244,7 +147,7 @@ cw_status horizon_distances(horizon *h, const cw_run *query, size_t number, size
     enum { FEW = 256 };
     const terrain *t = h->terrain, *whole = terrain_whole(t);
     const size_t nx = t->nx, end = row + rows;
-    if (number >= h->compass.count || h->grid) return CW_ERROR_ARGUMENT;
+    if (number >= h->compass.count) return CW_ERROR_ARGUMENT;
     if (h->bounds == NULL) {
         const cw_status status = sight_bounds_create(t, &h->bounds);
         if (status != CW_OK) return status;
@@ -381,53 +284,12 @@ static cw_status sky_view(horizon *h, const cw_run *query, bool tilted, size_t r
     return CW_OK;
 }
 
-/* A direction stands for half the angles to its neighbours. */
-static double share_of_turn(const horizon *h, size_t k) {
-    const size_t count = h->compass.count;
-    const double before = k > 0 ? h->azimuths[k - 1] : h->azimuths[count - 1] - 360;
-    const double after = k + 1 < count ? h->azimuths[k + 1] : h->azimuths[0] + 360;
-    return (after - before) / 720;
-}
-
-/* Of the whole terrain, direction by direction. */
-static cw_status grid_sky(horizon *h, const cw_run *query, terrain_progress *progress, void *context, bool *done) {
-    const size_t n = h->terrain->nx * h->terrain->ny;
-    double *sum = calloc(n, sizeof *sum);
-    cw_status status = sum ? CW_OK : CW_ERROR_MEMORY;
-    for (size_t k = 0; k < h->compass.count && status == CW_OK; k++) {
-        if (progress && !progress(context, (double)k / (double)h->compass.count)) {
-            free(sum);
-            return CW_OK;
-        }
-        status = make_rises(h, query, k);
-        for (size_t row = 0, count; row < h->terrain->ny && status == CW_OK; row += count) {
-            compass_turn(&h->compass, row, &count);
-            const size_t nx = h->terrain->nx, at = row * nx;
-            adding a = {h->rises + at, sum + at, grid_per_rise(h, k), share_of_turn(h, k)};
-            cw_pool_run(query ? query->pool : NULL, nx * count, GRAIN, add_sky, &a);
-        }
-    }
-    if (status == CW_OK) h->sky = malloc(n * sizeof *h->sky);
-    if (status == CW_OK && h->sky == NULL) status = CW_ERROR_MEMORY;
-    *done = status == CW_OK;
-    for (size_t k = 0; *done && k < n; k++) h->sky[k] = (float)sum[k];
-    free(sum);
-    return status;
-}
-
 cw_status horizon_sky_view(horizon *h, const cw_run *query, size_t row, size_t rows, float *share,
                            terrain_progress *progress, void *context, bool *done) {
-    *done = h->grid && h->sky != NULL;
-    if (h->grid) {
-        const cw_status status = *done ? CW_OK : grid_sky(h, query, progress, context, done);
-        if (*done) memcpy(share, h->sky + row * h->terrain->nx, rows * h->terrain->nx * sizeof *share);
-        return status;
-    }
     return sky_view(h, query, false, row, rows, share, progress, context, done);
 }
 
 cw_status horizon_sky_view_tilted(horizon *h, const cw_run *query, size_t row, size_t rows, float *share,
                                   terrain_progress *progress, void *context, bool *done) {
-    if (h->grid) return CW_ERROR_ARGUMENT;
     return sky_view(h, query, true, row, rows, share, progress, context, done);
 }

@@ -9,19 +9,11 @@
 typedef struct horizon horizon;
 
 typedef struct horizon_desc {
-    double start; /* directions are start, start + 360 / count, … in degrees of the compass */
-    size_t count; /* from 1 to COMPASS_MOST */
-    /* Directions from sample to sample instead, count = 8, 16 or 32 of them, in the order of their azimuths: as
-     * exact, and in time that does not grow with the distance. Only where horizon_has_grid is true, and without
-     * max_distance. Whole bands are computed at once: a float more for each sample of the terrain, for the sky view four. */
-    bool grid;
+    double start;        /* directions are start, start + 360 / count, … in degrees of the compass */
+    size_t count;        /* from 1 to COMPASS_MOST */
     double max_distance; /* metres: terrain farther away does not count; 0: no limit */
     double curvature;    /* as sight_init takes it; 0: the earth is flat */
 } horizon_desc;
-
-/* Whether a step from sample to sample is the same direction and length in all rows: the map is not in degrees, and its
- * scale changes by at most 1 % from its middle row. Each row's angles are by its own scale. */
-bool horizon_has_grid(const terrain *t);
 
 /* The terrain must stay. */
 cw_status horizon_create(const terrain *t, const horizon_desc *desc, horizon **h);
@@ -35,7 +27,7 @@ cw_status horizon_angles(horizon *h, const cw_run *query, size_t number, size_t 
 
 /* The distance in metres to the nearest place at which that angle is reached, on the map as terrain_direction has it. NaN where
  * nothing of the terrain is within the distance, and at a hole. The place is a line's crossing of an edge between two samples, in double: the nearest one whose rise is the steepest but for the rounding of both (sight_nearest).
- * Not along the grid's directions. */
+ */
 cw_status horizon_distances(horizon *h, const cw_run *query, size_t number, size_t row, size_t rows, float *metres);
 
 /* The share of the light of an evenly bright sky that reaches level ground, 0 to 1: the mean over all directions of the

@@ -3,6 +3,7 @@
 
 #include "gdal_host.h"
 #include "output.h"
+#include "progress.h"
 
 #include <errno.h>
 #include <signal.h>
@@ -64,6 +65,13 @@ void cancel_install(void) {
     /* Writing fails with EFBIG or EPIPE instead. */
     signal(SIGXFSZ, SIG_IGN);
     signal(SIGPIPE, SIG_IGN);
+}
+
+bool cancel_tell(void *unused, const char *step, double share) {
+    (void)unused;
+    if (atomic_load(&cancelled)) return false;
+    if (step) progress_show(step, share);
+    return true;
 }
 
 void cancel_finish(void) {

@@ -4,55 +4,40 @@
 #include "cellwalk_expert.h"
 #include "clock.h"
 #include "command.h"
-#include "commands.h"
 #include "cpus.h"
-#include "field_file.h"
-#include "info_place.h"
 #include "json.h"
 #include "parts.h"
 #include "proc.h"
+#include "progress.h"
 #include "query_options.h"
 #include "raster_options.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
-typedef struct machine {
-    char cpu[128];
-    unsigned cpus; /* that this process may use */
-} machine;
-
-static machine look_at_machine(void) {
-    machine m = {.cpus = cpus_usable()};
-    proc_value("/proc/cpuinfo", "model name", m.cpu, sizeof m.cpu);
-    return m;
-}
-
-static void print_kernels(const cw_kernel *chosen) {
-    printf("\n    %-14s %5s  %-8s %-16s %s\n", "kernel", "width", "needs", "leaf test", "description");
+static void print_kernels(const cw_kernel *chosen, bool json) {
+    if (json)
+        json_print(stdout, "'kernels': [");
+    else
+        printf("\n    %-14s %5s  %-8s %-16s %s\n", "kernel", "width", "needs", "leaf test", "description");
     for (size_t k = 0; k < cw_kernel_count(); k++) {
         const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
-        const char *mark = cw_kernel_at(k) == chosen ? "*" : info.available ? " " : "-";
-        printf("  %s %-14s %5u  %-8s %-16s %s\n", mark, info.name, info.width, cw_isa_name(info.isa),
-               cw_leaf_name(info.default_leaf), info.what);
+        const bool is_chosen = cw_kernel_at(k) == chosen;
+        const char *isa = cw_isa_name(info.isa), *leaf = cw_leaf_name(info.default_leaf);
+        if (json && k) fputs(", ", stdout);
+        if (json)
+            json_print(stdout,
+                       "{'name': %s, 'width': %u, 'isa': %s, 'leaf': %s, 'available': %b, 'chosen': %b, 'what': %s}",
+                       info.name, (size_t)info.width, isa, leaf, info.available, is_chosen, info.what);
+        else
+            printf("  %s %-14s %5u  %-8s %-16s %s\n",
+                   is_chosen        ? "*"
+                   : info.available ? " "
+                                    : "-",
+                   info.name, info.width, isa, leaf, info.what);
     }
-    puts("  (* chosen, - not available here)");
-}
-
-static void print_kernels_json(const cw_kernel *chosen) {
-    fputs("\"kernels\": [", stdout);
-    for (size_t k = 0; k < cw_kernel_count(); k++) {
-        const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
-        fputs(k ? ", {\"name\": " : "{\"name\": ", stdout);
-        json_string(stdout, info.name);
-        printf(", \"width\": %u, \"isa\": \"%s\", \"leaf\": \"%s\", \"available\": %s, \"chosen\": %s, \"what\": ",
-               info.width, cw_isa_name(info.isa), cw_leaf_name(info.default_leaf), info.available ? "true" : "false",
-               cw_kernel_at(k) == chosen ? "true" : "false");
-        json_string(stdout, info.what);
-        fputs("}", stdout);
-    }
-    fputs("]", stdout);
+    fputs(json ? "]" : "  (* chosen, - not available here)\n", stdout);
 }
 
 /* One line with the parts found, one with those missing. */
@@ -73,37 +58,37 @@ static void print_parts_json(void) {
     fputs("\"libraries\": {", stdout);
     for (size_t k = 0; k < IO_PARTS; k++) {
         const io_part part = io_part_at(k);
-        printf("%s\"%s\": %s", k ? ", " : "", part.name, part.there ? "true" : "false");
+        json_print(stdout, k ? ", %s: %b" : "%s: %b", part.name, part.there);
     }
     fputs("}, ", stdout);
 }
 
-static void print_machine(const machine *m) {
+static void print_machine(bool json) {
+    char cpu[128] = "";
+    const char *isa = cw_isa_name(cw_isa_best()), *limit = getenv("CELLWALK_ISA");
+    proc_value("/proc/cpuinfo", "model name", cpu, sizeof cpu);
+    if (json) {
+        json_print(stdout, "{'version': %s, 'cpu': %s, 'cpus': %u, 'isa': %s, ", CW_VERSION, cpu, (size_t)cpus_usable(),
+                   isa);
+        return;
+    }
     printf("cellwalk        %s\nCPU             ", CW_VERSION);
-    print_text(stdout, m->cpu);
-    printf(", %u to use\ninstruction set %s", m->cpus, cw_isa_name(cw_isa_best()));
-    const char *limit = getenv("CELLWALK_ISA");
-    if (limit) fputs(" (CELLWALK_ISA=", stdout);
+    print_text(stdout, cpu);
+    printf(", %u to use\ninstruction set %s%s", cpus_usable(), isa, limit ? " (CELLWALK_ISA=" : "");
     print_text(stdout, limit ? limit : "");
     puts(limit ? ")" : "");
 }
 
-static void print_machine_json(const machine *m) {
-    printf("{\"version\": \"%s\", \"cpu\": ", CW_VERSION);
-    json_string(stdout, m->cpu);
-    printf(", \"cpus\": %u, \"isa\": \"%s\", ", m->cpus, cw_isa_name(cw_isa_best()));
-}
-
 typedef struct survey {
-    field_file file;
+    raster_field file;
     cw_field_info info;
     double read_seconds; /* from the file's name to the field, without building */
 } survey;
 
-static bool look_at_field(const char *path, const io_raster_options *options, const coarser_options *coarser,
+static bool look_at_field(const char *path, const io_raster_options *options, const raster_options *raster,
                           const cw_run *query, survey *s, io_error *error) {
     const double start = clock_seconds();
-    if (!field_file_open(&s->file, path, options, coarser, query, error)) return false;
+    if (!raster_options_open(raster, path, options, query, &s->file, error)) return false;
     s->info = cw_field_describe(s->file.field);
     s->read_seconds = clock_seconds() - start - cw_field_build_seconds(s->file.field);
     return true;
@@ -116,6 +101,53 @@ static double bytes_per_cell(const cw_field_info *info) {
     return (sample_bytes(info) + (double)info->bytes_built) / ((double)(info->nx - 1) * (double)(info->ny - 1));
 }
 
+/* The unit's name with a blank before it. */
+static const char *unit_name(double metres, char text[IO_UNIT_NAME]) {
+    text[0] = ' ';
+    io_unit_name(metres, text + 1);
+    return text[1] == '\0' ? text + 1 : text;
+}
+
+static const char *height_unit(const io_raster *r, char *text) {
+    const io_georef *g = &r->georef;
+    const double map = g->geographic ? 1 : g->unit; /* metres in a height on the map */
+    return unit_name(g->placed ? r->map[2][2] * map : 0, text);
+}
+
+/* The least and the greatest X and Y of samples. */
+static void find_extent(const io_raster *r, double low[2], double high[2]) {
+    for (int c = 0; c < 2; c++)
+        for (int k = 0; k < 4; k++) {
+            const double x = r->map[c][0] * (k & 1 ? (double)r->nx - 1 : 0) +
+                             r->map[c][1] * (k & 2 ? (double)r->ny - 1 : 0) + r->map[c][3];
+            low[c] = k == 0 ? x : fmin(low[c], x);
+            high[c] = k == 0 ? x : fmax(high[c], x);
+        }
+}
+
+static void find_cell(const io_raster *r, double size[2]) {
+    for (int c = 0; c < 2; c++) size[c] = hypot(r->map[0][c], r->map[1][c]);
+}
+
+static void print_place(const io_raster *r) {
+    const io_georef *g = &r->georef;
+    double low[2], high[2], cell[2];
+    char crs[128], unit[IO_UNIT_NAME];
+    if (!g->placed) {
+        puts("  extent        no map: terrain commands take cells for 1 wide and row 0 for the\n"
+             "                northernmost");
+        return;
+    }
+    find_extent(r, low, high);
+    find_cell(r, cell);
+    io_georef_name(g, crs, sizeof crs);
+    printf("  extent        X %.10g to %.10g, Y %.10g to %.10g (pixels' centres)\n", low[0], high[0], low[1], high[1]);
+    printf("  cell size     %.9g x %.9g%s\n", cell[0], cell[1], g->geographic ? " degrees" : unit_name(g->unit, unit));
+    fputs("  coordinates   ", stdout);
+    print_text(stdout, crs[0] != '\0' ? crs : "no coordinate system");
+    putchar('\n');
+}
+
 /* Facts on the terrain first, then the cost of the field. */
 static void print_field(const char *path, const survey *s) {
     const cw_field_info *f = &s->info;
@@ -123,9 +155,9 @@ static void print_field(const char *path, const survey *s) {
     char unit[40];
     print_text(stdout, path);
     putchar('\n');
-    if (r->z) info_print_place(r);
+    if (r->z) print_place(r);
     if (f->low <= f->high)
-        printf("  heights       %.9g to %.9g%s\n", (double)f->low, (double)f->high, info_height_unit(r, unit));
+        printf("  heights       %.9g to %.9g%s\n", (double)f->low, (double)f->high, height_unit(r, unit));
     else
         puts("  heights       none");
     printf("  holes         %zu", f->holes);
@@ -146,28 +178,32 @@ static void print_field(const char *path, const survey *s) {
 
 static void print_field_json(const char *path, const survey *s) {
     const cw_field_info *f = &s->info;
+    const io_raster *r = &s->file.raster;
+    const io_georef *g = &r->georef;
     const bool some = f->low <= f->high;
-    fputs(", \"field\": {\"path\": ", stdout);
-    json_string(stdout, path);
-    printf(", \"nx\": %zu, \"ny\": %zu, \"low\": ", f->nx, f->ny);
-    json_number(stdout, some ? (double)f->low : NAN);
-    fputs(", \"high\": ", stdout);
-    json_number(stdout, some ? (double)f->high : NAN);
-    printf(", \"holes\": %zu, \"bytes_samples\": %.0f, \"bytes_built\": %zu, \"bytes_per_cell\": ", f->holes,
-           sample_bytes(f), f->bytes_built);
-    json_number(stdout, bytes_per_cell(f));
-    fputs(", \"read_seconds\": ", stdout);
-    json_number(stdout, s->read_seconds);
-    fputs(", \"build_seconds\": ", stdout);
-    json_number(stdout, cw_field_build_seconds(s->file.field));
-    if (s->file.raster.z) info_print_place_json(&s->file.raster);
-    const io_georef *g = &s->file.raster.georef;
-    if (g->scale != 0) printf(", \"scale\": %.17g, \"offset\": %.17g", g->scale, g->offset);
-    fputs(", \"map\": [", stdout);
-    for (int k = 0; k < 3; k++)
-        printf("%s[%.17g, %.17g, %.17g, %.17g]", k ? ", " : "", s->file.map[k][0], s->file.map[k][1], s->file.map[k][2],
-               s->file.map[k][3]);
-    fputs("]}", stdout);
+    json_print(stdout, ", 'field': {'path': %s, 'nx': %u, 'ny': %u, 'low': %g, 'high': %g, 'holes': %u, ", path, f->nx,
+               f->ny, some ? (double)f->low : NAN, some ? (double)f->high : NAN, f->holes);
+    json_print(stdout,
+               "'bytes_samples': %u, 'bytes_built': %u, 'bytes_per_cell': %g, 'read_seconds': %g, "
+               "'build_seconds': %g",
+               (size_t)sample_bytes(f), f->bytes_built, bytes_per_cell(f), s->read_seconds,
+               cw_field_build_seconds(s->file.field));
+    if (r->z && g->placed) {
+        double low[2], high[2], cell[2];
+        char crs[128];
+        find_extent(r, low, high);
+        find_cell(r, cell);
+        io_georef_name(g, crs, sizeof crs);
+        json_print(stdout, ", 'extent': [%G, %G, %G, %G], 'cell_size': [%G, %G], 'degrees': %b", low[0], low[1],
+                   high[0], high[1], cell[0], cell[1], g->geographic);
+        if (crs[0] != '\0') json_print(stdout, ", 'coordinates': %s", crs);
+    }
+    if (g->scale != 0) json_print(stdout, ", 'scale': %G, 'offset': %G", g->scale, g->offset);
+    for (int k = 0; k < 3; k++) {
+        const double *m = s->file.map[k];
+        json_print(stdout, k ? ", [%G, %G, %G, %G]" : ", 'map': [[%G, %G, %G, %G]", m[0], m[1], m[2], m[3]);
+    }
+    json_print(stdout, "]}");
 }
 
 static int show(const char *path, raster_options *raster, const cw_run *query, bool json) {
@@ -175,27 +211,18 @@ static int show(const char *path, raster_options *raster, const cw_run *query, b
     io_error error = {""};
     io_raster_options options;
     if (!raster_options_resolve(raster, "info", &options)) return EXIT_USAGE;
-    const bool good = path == NULL || look_at_field(path, &options, &raster->coarser, query, &s, &error);
-    progress_end(&raster->line);
+    const bool good = path == NULL || look_at_field(path, &options, raster, query, &s, &error);
+    progress_end();
     if (!good) return command_fail("info", "%s", error.text);
-    const machine m = look_at_machine();
     const cw_kernel *chosen = path ? s.file.kernel : cw_run_kernel(NULL, query);
-    if (json) {
-        print_machine_json(&m);
-        print_parts_json();
-        print_kernels_json(chosen);
-        if (path) print_field_json(path, &s);
-        puts("}");
-    } else {
-        if (path) {
-            print_field(path, &s);
-        } else {
-            print_machine(&m);
-            print_parts();
-            print_kernels(chosen);
-        }
+    if (json || !path) {
+        print_machine(json);
+        json ? print_parts_json() : print_parts();
+        print_kernels(chosen, json);
     }
-    field_file_close(&s.file);
+    if (path) json ? print_field_json(path, &s) : print_field(path, &s);
+    if (json) puts("}");
+    raster_field_close(&s.file);
     return EXIT_SUCCESS;
 }
 

@@ -4,7 +4,6 @@
 #include "cancel.h"
 #include "clock.h"
 #include "command.h"
-#include "commands.h"
 #include "image.h"
 #include "json.h"
 #include "options.h"
@@ -67,30 +66,25 @@ static void print_stats(const scene_render_stats *s, const render_times *outside
 
 static void print_json(const scene_render_stats *s, const render_times *outside, const char *kernel, const char *path,
                        const io_image *image) {
-    fputs("{\"scene\": ", stdout);
-    json_string(stdout, path);
-    printf(", \"width\": %zu, \"height\": %zu, \"kernel\": \"%s\", \"camera_rays\": %llu, \"shadow_rays\": %llu, "
-           "\"mirror_rays\": %llu, \"field_queries\": %llu",
-           image->width, image->height, kernel, (unsigned long long)s->camera_rays, (unsigned long long)s->shadow_rays,
-           (unsigned long long)s->mirror_rays, (unsigned long long)s->field_queries);
-    const struct {
-        const char *key;
-        double value;
-    } rest[] = {
-        {"load_seconds", outside->load},   {"build_seconds", s->build_seconds}, {"seconds", s->seconds},
-        {"ray_seconds", s->ray_seconds},   {"trace_seconds", s->trace_seconds}, {"shade_seconds", s->shade_seconds},
-        {"film_seconds", s->film_seconds}, {"write_seconds", outside->write},   {"mrays_per_s", mrays(s)}};
-    for (size_t k = 0; k < sizeof rest / sizeof rest[0]; k++) {
-        printf(", \"%s\": ", rest[k].key);
-        json_number(stdout, rest[k].value);
-    }
-    puts("}");
+    json_print(stdout,
+               "{'scene': %s, 'width': %u, 'height': %u, 'kernel': %s, 'camera_rays': %u, 'shadow_rays': %u, "
+               "'mirror_rays': %u, 'field_queries': %u, 'load_seconds': %g, 'build_seconds': %g, 'seconds': %g, ",
+               path, image->width, image->height, kernel, (size_t)s->camera_rays, (size_t)s->shadow_rays,
+               (size_t)s->mirror_rays, (size_t)s->field_queries, outside->load, s->build_seconds, s->seconds);
+    json_print(stdout,
+               "'ray_seconds': %g, 'trace_seconds': %g, 'shade_seconds': %g, 'film_seconds': %g, 'write_seconds': %g, "
+               "'mrays_per_s': %g}\n",
+               s->ray_seconds, s->trace_seconds, s->shade_seconds, s->film_seconds, outside->write, mrays(s));
+}
+
+static void tell(void *context, double share) {
+    (void)context;
+    progress_show("rendering", share);
 }
 
 /* Renders and writes; the output file was opened before, so that no work is done in vain. */
 static int render(const render_command *c, const char *path, scene *s, const cw_run *query, render_times times,
                   io_output *out) {
-    progress p = progress_start("rendering");
     const scene_render_options options = {.query = *query,
                                           .threads = c->query.threads,
                                           .samples = c->samples,
@@ -100,13 +94,12 @@ static int render(const render_command *c, const char *path, scene *s, const cw_
                                           .crop = c->part,
                                           .phong = c->phong,
                                           .cancel = cancel_flag(),
-                                          .progress = c->quiet ? NULL : progress_update,
-                                          .progress_context = &p};
+                                          .progress = c->quiet ? NULL : tell};
     io_image image;
     io_error error;
     scene_render_stats stats;
     const bool rendered = scene_render(s, &options, &image, &stats, &error);
-    progress_end(&p);
+    progress_end();
     if (!rendered) {
         io_output_discard(out);
         return command_fail(name, "%s", error.text);

@@ -6,8 +6,6 @@
 #include "cellwalk_expert.h"
 #include "clock.h"
 #include "command.h"
-#include "commands.h"
-#include "field_file.h"
 #include "hits_file.h"
 #include "inputs.h"
 #include "json.h"
@@ -36,14 +34,13 @@ typedef struct request {
 typedef struct trace {
     request *request;
     io_raster_options raster;
-    field_file field;
+    raster_field field;
     ray_source rays;
     cw_run query;
     hits_file file; /* not open where no output was asked for */
     size_t piece;
     cw_hit *hits;      /* PIECE of them */
     uint8_t *occluded; /* the same, for --occluded */
-    progress line;
     uint64_t hit_count;
     double *seconds; /* request->repeat of them */
 } trace;
@@ -85,7 +82,7 @@ static bool pass(trace *t, unsigned number, io_error *error) {
             return false;
         if (seconds > 1 && t->piece > PIECE_LEAST) t->piece /= 2;
         done += n;
-        progress_update(&t->line, (number + (double)done / (double)t->rays.count) / t->request->repeat);
+        progress_show("tracing", (number + (double)done / (double)t->rays.count) / t->request->repeat);
     }
     return true;
 }
@@ -97,9 +94,7 @@ static bool prepare(trace *t, io_error *error) {
     if (r->hits && !hits_file_create(&t->file, r->hits, t->rays.count, error)) return false;
     const cw_status status = cw_pool_create(r->query.threads, &t->query.pool);
     if (status != CW_OK) return io_fail(error, "%s", cw_last_error());
-    const bool good = field_file_open(&t->field, r->field, &t->raster, &r->raster.coarser, &t->query, error);
-    progress_end(&t->request->raster.line);
-    if (!good) return false;
+    if (!raster_options_open(&r->raster, r->field, &t->raster, &t->query, &t->field, error)) return false;
     if (r->user && t->field.raster.georef.geographic)
         command_warn("trace",
                      "%s: its map is in degrees, so rays are straight in degrees and heights; gdalwarp -t_srs EPSG:... "
@@ -132,23 +127,17 @@ static void report(trace *t) {
                rays, hits, threads, threads == 1 ? "" : "s", n, n == 1 ? "" : "s", least, median, mrays);
         return;
     }
-    fputs("{\"kernel\": ", stdout);
-    json_string(stdout, kernel);
-    printf(", \"rays\": %llu, \"hits\": %llu, \"threads\": %u, \"seconds_min\": ", rays, hits, threads);
-    json_number(stdout, least);
-    fputs(", \"seconds_median\": ", stdout);
-    json_number(stdout, median);
-    fputs(", \"mrays_per_s\": ", stdout);
-    json_number(stdout, mrays);
-    puts("}");
+    json_print(stdout,
+               "{'kernel': %s, 'rays': %u, 'hits': %u, 'threads': %u, 'seconds_min': %g, 'seconds_median': %g, "
+               "'mrays_per_s': %g}\n",
+               kernel, (size_t)rays, (size_t)hits, (size_t)threads, least, median, mrays);
 }
 
 static bool trace_all(trace *t, io_error *error) {
     if (!prepare(t, error)) return false;
-    t->line = progress_start("tracing");
     bool good = true;
     for (unsigned k = 0; k < t->request->repeat && good; k++) good = pass(t, k, error);
-    progress_end(&t->line);
+    progress_end();
     return good && (t->request->hits == NULL || io_npy_commit(&t->file.writer, error));
 }
 
@@ -187,7 +176,7 @@ static int run_request(request *r, const cw_run *query, const io_raster_options 
     io_npy_discard(&t.file.writer);
     ray_source_close(&t.rays);
     cw_pool_destroy(t.query.pool);
-    field_file_close(&t.field);
+    raster_field_close(&t.field);
     free(t.hits);
     free(t.occluded);
     free(t.seconds);

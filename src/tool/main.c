@@ -2,7 +2,7 @@
 /* The program cellwalk: a table of subcommands. */
 
 #include "cancel.h"
-#include "commands.h"
+#include "command.h"
 #include "gdal_host.h"
 #include "image.h"
 #include "inputs.h"
@@ -11,6 +11,9 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+
+extern const command command_horizon, command_info, command_los, command_render, command_shadow, command_sun,
+    command_trace, command_viewshed, command_visibility;
 
 static const command *const commands[] = {&command_render,     &command_trace,   &command_shadow,
                                           &command_sun,        &command_horizon, &command_viewshed,

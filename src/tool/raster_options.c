@@ -5,14 +5,21 @@
 #include "command.h"
 #include "gdal_host.h"
 #include "number.h"
+#include "scene.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+static const char *filter_names(size_t number) {
+    static const char *const names[] = {"mean", "highest", "lowest"};
+    return number < sizeof names / sizeof *names ? names[number] : NULL;
+}
 
 void raster_options_rows(raster_options *r, option_spec rows[RASTER_OPTION_COUNT]) {
     *r = (raster_options){.cellsize = NAN, .zscale = NAN};
-    coarser_rows(&r->coarser, rows + 5);
     rows[0] =
         option_count("band", "N", &r->band, 1, 1 << 20, "number of the file's band to read, from 1 on (default: 1)");
     rows[1] =
@@ -24,23 +31,19 @@ void raster_options_rows(raster_options *r, option_spec rows[RASTER_OPTION_COUNT
                             "samples are S metres apart, for files that do not say: the first row is the northernmost, "
                             "the last begins at 0, 0");
     rows[4] = option_flag("allow-network", &r->network, "let GDAL fetch what a file names on the network");
+    rows[5] = option_count("coarser", "N", &r->coarser.factor, 2, CW_SIDE_MAX,
+                           "a terrain of every N-th row and column; prints the largest and the root-mean-square "
+                           "distance of its surface from the full one to standard error, in the map's unit of height");
+    rows[6] = option_choice("filter", "NAME", &r->coarser.filter, filter_names,
+                            "with --coarser: a height is the weighted mean of the samples around it (default), or such "
+                            "that the surface is nowhere below (highest) or nowhere above (lowest) the full one");
 }
 
-static void warn(void *context, const char *text) {
-    raster_options *r = context;
-    progress_end(&r->line);
-    command_warn(r->name, "%s", text);
-}
+static void warn(void *context, const char *text) { command_warn(((const raster_options *)context)->name, "%s", text); }
+static void note(void *context, const char *text) { command_note(((const raster_options *)context)->name, "%s", text); }
 
-static bool tell(void *context, double share) {
-    raster_options *r = context;
-    if (atomic_load(cancel_flag())) {
-        progress_end(&r->line);
-        return false;
-    }
-    progress_update(&r->line, share);
-    return true;
-}
+static bool tell_reading(void *context, double share) { return cancel_tell(context, "reading", share); }
+static bool tell_building(void *context, double share) { return cancel_tell(context, "building", share); }
 
 bool raster_options_resolve(raster_options *r, const char *name, io_raster_options *options) {
     const struct {
@@ -60,8 +63,8 @@ bool raster_options_resolve(raster_options *r, const char *name, io_raster_optio
         return false;
     }
     if (r->network) gdal_allow_network();
-    r->name = r->coarser.name = name;
-    r->line = progress_start("reading");
+    r->name = name;
+    r->watch = (ground_watch){cancel_tell, warn, note, r};
     *options = (io_raster_options){
         .band = r->band,
         .nodata = r->nodata_values,
@@ -69,8 +72,30 @@ bool raster_options_resolve(raster_options *r, const char *name, io_raster_optio
         .cellsize = isnan(r->cellsize) ? 0 : r->cellsize,
         .zscale = isnan(r->zscale) ? 0 : r->zscale,
         .warn = warn,
-        .progress = tell,
+        .progress = tell_reading,
         .context = r,
     };
     return true;
+}
+
+static bool open_pbrt(const raster_options *r, const char *path, const cw_run *query, raster_field *f,
+                      io_error *error) {
+    cw_run how = *query;
+    how.watch = tell_building;
+    for (int k = 0; k < 3; k++) f->map[k][k] = 1;
+    f->field = scene_load_heightfield(path, &how, error);
+    if (f->field == NULL) return false;
+    f->kernel = cw_run_kernel(f->field, query);
+    return r->coarser.factor == 0 || raster_field_coarsen(f, path, &r->coarser, query, &r->watch, error);
+}
+
+bool raster_options_open(const raster_options *r, const char *path, const io_raster_options *options,
+                         const cw_run *query, raster_field *field, io_error *error) {
+    const char *ending = strrchr(path, '.');
+    if (ending == NULL || strcasecmp(ending, ".pbrt") != 0)
+        return raster_field_open(field, path, options, &r->coarser, query, &r->watch, error);
+    *field = (raster_field){0};
+    const bool good = open_pbrt(r, path, query, field, error);
+    if (!good) raster_field_close(field);
+    return good;
 }

@@ -60,8 +60,6 @@ RASTERS = [
     ("horizon --directions 7 --curvature 2000", lambda f, p: f.horizon(7, curvature=2000)),
     ("horizon --directions 5 --distance --max-distance {far} --curvature 500",
      lambda f, p: f.horizon(5, p.far, curvature=500, distance=True)),
-    ("horizon --directions 16 --grid", lambda f, p: f.horizon(16, grid=True)),
-    ("horizon --directions 16 --grid --svf --curvature 500", lambda f, p: f.sky_view(16, grid=True, curvature=500)),
     ("horizon --svf", lambda f, p: f.sky_view()),
     ("horizon --directions 12 --svf-tilted", lambda f, p: f.sky_view(12, tilted=True)),
     ("horizon --directions 12 --svf --max-distance {far} --curvature 500", lambda f, p: f.sky_view(12, p.far, curvature=500)),
@@ -159,10 +157,6 @@ def run(tool, ground, tmp_path, text, p):
 @pytest.mark.parametrize("words, made", RASTERS, ids=[words for words, _ in RASTERS])
 def test_rasters(tool, ground, tmp_path, words, made):
     p, out = Places(ground), tmp_path / ("out" + ground.path.suffix)
-    if "--grid" in words and ground.field._source.crs.geographic:
-        with pytest.raises(ValueError, match="^grid: needs a map in metres"):
-            made(ground.field, p)
-        return
     if "--time" in words and not p.known:
         with pytest.raises(ValueError, match="^time: without a coordinate system"):
             made(ground.field, p)

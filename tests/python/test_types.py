@@ -20,7 +20,7 @@ g: cw.Field = cw.open("dem.tif", window=(0, 0, 4, 4)).coarser(2, "highest")
 h: cw.Hits = f.closest([0, 0, 1], [[0, 0, -1]], tmax=np.inf)
 places: np.ndarray = h[h.hit].points()
 lit = f.shadow(azimuth=225, altitude=30, disc=True, curvature=6 / 7)
-f.horizon(8, 2000, grid=True), f.sky_view(max_distance=5.5), f.viewshed([1, 2], 3, needed=False)
+f.horizon(8, 2000), f.sky_view(max_distance=5.5), f.viewshed([1, 2], 3, needed=False)
 f.visibility(64, 5000, observer_height=0, target_height=2, result="share")
 blocked: np.ndarray = f.line_of_sight((0, 0, 2), (4, 4, 2)).blocked_at
 rows, columns = f.shape

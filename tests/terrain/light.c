@@ -4,7 +4,6 @@
 
 #include "brute_sight.h"
 #include "cellwalk_expert.h"
-#include "grid_horizon.h"
 #include "ground.h"
 #include "horizon.h"
 #include "shadow.h"
@@ -449,99 +448,6 @@ static void shadow_on_a_curved_earth(void **state) {
     ground_free(&g);
 }
 
-/* Along lines through samples: the rises of headings, which are off by up to 2^-21 of the rise to a sample, no nearer than a
- * fifth of a step; the same bits by three threads. */
-static void check_grid(const ground *g, double drop, size_t first) {
-    static float wanted[SAMPLES], got[SAMPLES], again[SAMPLES];
-    const cw_field_info info = cw_field_describe(g->field);
-    const double allowed = 5 * 0x1p-21 * (double)(info.high - info.low) + 0x1p-22 * drop * SIDE;
-    grid_direction directions[GRID_DIRECTIONS_MOST];
-    cw_pool *pool = NULL;
-    check_status(cw_pool_create(3, &pool), CW_OK);
-    assert_true(grid_directions(32, directions));
-    for (size_t d = 0; d < 32; d++) {
-        if (!test_takes(first + d, 6)) continue;
-        const cw_heading_desc desc = {.dir = {directions[d].dx, directions[d].dy}, .drop = drop};
-        cw_heading *h = NULL;
-        check_status(cw_heading_create(g->field, &desc, &h), CW_OK);
-        const cw_rectangle all = {0, 0, info.nx, info.ny};
-        check_status(cw_heading_steepest(h, NULL, -INFINITY, INFINITY, all, wanted), CW_OK);
-        cw_heading_destroy(h);
-        check_status(grid_rises(&g->terrain, directions[d], drop, NULL, got), CW_OK);
-        check_status(grid_rises(&g->terrain, directions[d], drop, &(cw_run){.pool = pool}, again), CW_OK);
-        assert_memory_equal(got, again, info.nx * info.ny * sizeof got[0]);
-        for (size_t k = 0; k < info.nx * info.ny; k++)
-            check(got[k] == wanted[k] || (isnan(got[k]) && isnan(wanted[k])) ||
-                      fabs((double)got[k] - (double)wanted[k]) <= allowed,
-                  "%zu x %zu, (%zu, %zu) along (%d, %d): %g, not %g", info.nx, info.ny, k % info.nx, k / info.nx,
-                  directions[d].dx, directions[d].dy, (double)got[k], (double)wanted[k]);
-    }
-    cw_pool_destroy(pool);
-}
-
-static void grid_agrees_with_headings(void **state) {
-    (void)state;
-    static const size_t sides[][2] = {{SIDE, SIDE}, {SIDE, 40}, {41, SIDE}, {2, 30}, {30, 2}, {3, 3}};
-    const double shape[1] = {0.4};
-    random_state r = {12};
-    for (size_t k = 0; k < 12; k++) {
-        ground g;
-        ground_make(&g, sides[k / 2][0], sides[k / 2][1], land, shape);
-        if (k % 2) { /* holes, in a field that is made anew */
-            float *z = g.z;
-            cw_field_destroy(g.field);
-            for (size_t n = 0; n < sides[k / 2][0] * sides[k / 2][1]; n++)
-                if (random_unit(&r) < 0.05) z[n] = NAN;
-            ground_take(&g, sides[k / 2][0], sides[k / 2][1], z, ground_map);
-        }
-        check_grid(&g, 0, k);
-        check_grid(&g, 0.05, k + 3);
-        ground_free(&g);
-    }
-}
-
-/* A plane's horizon in each direction; and its sky, in which the directions, which are not evenly all round, weigh as much as
- * the angles between them. */
-static void grid_of_a_plane(void **state) {
-    (void)state;
-    const double shape[2] = {-0.75, 0.125};
-    static float angles[SAMPLES], share[SAMPLES];
-    ground g;
-    ground_make(&g, SIDE, SIDE, plane, shape);
-    horizon *h = NULL;
-    check_status(horizon_create(&g.terrain, &(horizon_desc){.count = 32, .grid = true}, &h), CW_OK);
-    double sum = 0, turn = 0;
-    for (size_t d = 0; d < 32; d++) {
-        const double azimuth = horizon_azimuth(h, d), a = azimuth * degree;
-        const double rise = shape[0] * sin(a) + shape[1] * cos(a);
-        const double before = d > 0 ? horizon_azimuth(h, d - 1) : horizon_azimuth(h, 31) - 360;
-        check(azimuth > before, "azimuth %g comes after %g", azimuth, before);
-        check_status(horizon_angles(h, NULL, d, 0, SIDE, angles), CW_OK);
-        for (size_t j = 3; j + 3 < SIDE; j++)
-            for (size_t i = 3; i + 3 < SIDE; i++)
-                check(fabs((double)angles[j * SIDE + i] - atan(rise) / degree) < 1e-3,
-                      "(%zu, %zu), %g degrees: %g, not %g", i, j, azimuth, (double)angles[j * SIDE + i],
-                      atan(rise) / degree);
-        const double after = d < 31 ? horizon_azimuth(h, d + 1) : 360 + horizon_azimuth(h, 0);
-        turn += (after - before) / 720;
-        sum += (after - before) / 720 / (1 + fmax(rise, 0) * fmax(rise, 0));
-    }
-    check(fabs(turn - 1) < 1e-12, "the weights' sum is %.17g", turn);
-    bool done;
-    for (size_t row = 0; row < SIDE; row += 20) {
-        const size_t rows = SIDE - row < 20 ? SIDE - row : 20;
-        check_status(horizon_sky_view(h, NULL, row, rows, share + row * SIDE, NULL, NULL, &done), CW_OK);
-        assert_true(done);
-    }
-    const size_t middle = MIDDLE * SIDE + MIDDLE;
-    check(fabs((double)share[middle] - sum) < 1e-5, "sky view %g, not %g", (double)share[middle], sum);
-    horizon_destroy(h);
-    check_status(horizon_create(&g.terrain, &(horizon_desc){.count = 24, .grid = true}, &h), CW_ERROR_ARGUMENT);
-    check_status(horizon_create(&g.terrain, &(horizon_desc){.count = 8, .grid = true, .max_distance = 9}, &h),
-                 CW_ERROR_ARGUMENT);
-    ground_free(&g);
-}
-
 static void degrees_of_tangents(void **state) {
     (void)state;
     random_state r = {5};
@@ -643,8 +549,6 @@ int main(void) {
         cmocka_unit_test(curvature_and_distance),
         cmocka_unit_test(distances_of_horizons),
         cmocka_unit_test(nearest_of_equal_horizons),
-        cmocka_unit_test(grid_agrees_with_headings),
-        cmocka_unit_test(grid_of_a_plane),
         cmocka_unit_test(shadow_on_a_curved_earth),
         cmocka_unit_test(degrees_of_tangents),
         cmocka_unit_test(holes_are_no_ground),

@@ -171,31 +171,21 @@ def distance_of(max_distance) -> float:
     return distance
 
 
-def round_of(site: Site, directions, max_distance, curvature, grid=False, start=0.0) -> dict[str, float]:
+def round_of(directions, max_distance, curvature, start=0.0) -> dict[str, float]:
     sky = {"start": finite(start, "start"), "directions": count(directions, "directions", 1, 3600),
-           "max_distance": distance_of(max_distance), "curvature": finite(curvature, "curvature", 0), "grid": bool(grid)}
-    if grid and directions not in (8, 16, 32):
-        raise ValueError(f"directions: {directions}, expected 8, 16 or 32 with grid")
-    if grid and (sky["start"] != 0 or max_distance is not None):
-        raise ValueError("grid: goes without start and max_distance")
-    if grid and site.crs.geographic:
-        raise ValueError("grid: needs a map in metres, and this one is in degrees")
+           "max_distance": distance_of(max_distance), "curvature": finite(curvature, "curvature", 0)}
     return sky
 
 
-def horizon(site: Site, directions, max_distance, start, curvature, grid, distance) -> Plan:
-    if grid and distance:
-        raise ValueError("distance: goes without grid")
-    sky = round_of(site, directions, max_distance, curvature, grid, start)
+def horizon(site: Site, directions, max_distance, start, curvature, distance) -> Plan:
+    sky = round_of(directions, max_distance, curvature, start)
     azimuths = np.fmod(sky["start"] + 360 * np.arange(directions) / directions, 360)
     about = {"long_name": "distance to the horizon", "units": "m"} if distance else {"long_name": "horizon", "units": "degrees"}
     return Plan("horizon_distance" if distance else "horizon", sky, "horizon", about, lead=("azimuth", azimuths))
 
 
-def sky_view(site: Site, directions, max_distance, curvature, grid, tilted) -> Plan:
-    if grid and tilted:
-        raise ValueError("tilted: goes without grid")
-    return Plan("sky_view_tilted" if tilted else "sky_view", round_of(site, directions, max_distance, curvature, grid), "sky_view",
+def sky_view(site: Site, directions, max_distance, curvature, tilted) -> Plan:
+    return Plan("sky_view_tilted" if tilted else "sky_view", round_of(directions, max_distance, curvature), "sky_view",
                 {"long_name": "sky-view factor"})
 
 

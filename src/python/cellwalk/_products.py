@@ -178,15 +178,13 @@ class Products:
         return self._product(_plans.insolation(self._site, date, to, step, directions, irradiance, linke, sky, lon_lat, curvature), progress)
 
     def horizon(self, directions: int = 32, max_distance: float | None = None, *, start: float = 0.0, curvature: float = 0.0,
-                grid: bool = False, distance: bool = False, progress=None) -> Any:
+                distance: bool = False, progress=None) -> Any:
         """How high the terrain stands against the sky, in directions all round.
 
         directions    how many, evenly spaced, 1 to 3600; the first is start, in degrees from the map's north over east
         max_distance  terrain farther away does not count, metres; default: no limit
         curvature     how much of the earth's curvature counts: 0 flat (default), 1 without air, 6/7 with usual refraction
-        grid          True: 8, 16 or 32 directions from sample to sample instead, which are as exact, not evenly spaced, and faster
-                      on large fields; without start and max_distance, and not on a map in degrees
-        distance      True: how far away the horizon is instead, in metres; without grid
+        distance      True: how far away the horizon is instead, in metres
 
         Returns float32, shape (directions, rows, columns): degrees above the level of the sample, negative below it, NaN at
         holes and where there is no terrain in that direction, or none within max_distance. A DataArray has the dimension
@@ -197,22 +195,22 @@ class Products:
             >>> cw.Field(z).horizon(directions=4)[1, 1, 3:5].round(2)      # toward x
             array([45.  , 63.43], dtype=float32)
         """
-        return self._product(_plans.horizon(self._site, directions, max_distance, start, curvature, grid, distance), progress)
+        return self._product(_plans.horizon(self._site, directions, max_distance, start, curvature, distance), progress)
 
-    def sky_view(self, directions: int = 32, max_distance: float | None = None, *, curvature: float = 0.0, grid: bool = False,
+    def sky_view(self, directions: int = 32, max_distance: float | None = None, *, curvature: float = 0.0,
                  tilted: bool = False, progress=None) -> Any:
         """The share of an evenly bright sky's light that reaches level ground: float32, 0 to 1, NaN at holes.
 
         It is the mean over the directions of the cosine squared of the horizon's angle above the level. Arguments as for
         horizon; with max_distance, the sky is free where no terrain is within it.
 
-        tilted   True: for the ground as it leans, which is also hidden behind itself; without grid
+        tilted   True: for the ground as it leans, which is also hidden behind itself
 
             >>> import numpy as np, cellwalk as cw
             >>> cw.Field(np.zeros((3, 3), "float32")).sky_view()[1, 1]
             1.0
         """
-        return self._product(_plans.sky_view(self._site, directions, max_distance, curvature, grid, tilted), progress)
+        return self._product(_plans.sky_view(self._site, directions, max_distance, curvature, tilted), progress)
 
     def _found(self, spots: np.ndarray, skip_outside: bool) -> np.ndarray:
         """Without those that have no ground to stand on or are under it, if they are to be skipped."""
@@ -318,7 +316,7 @@ class Products:
             (45.0, 2.0)
         """
         spots = _plans.spots_of(x, y, height, elevation, 0.0)
-        numbers = _plans.round_of(self._site, directions, max_distance, curvature, False, start)
+        numbers = _plans.round_of(directions, max_distance, curvature, start)
         out = np.empty((len(spots), directions, 5))
         self._ground.make("place_horizon", numbers, (0, 0, 0, 0), (spots,), (out,), self._threads, progress_call(progress))
         turned = np.full((len(spots), 1), np.nan)

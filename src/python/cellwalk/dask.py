@@ -16,7 +16,7 @@ matters to it.
                        max_distance around the chunk; without one the whole raster in each task, as far mountains may count
 
 Where a task needs more than `memory` bytes, that is said before work starts. The rectangles are those by which the program
-makes rasters larger than memory (src/terrain/reach.c).
+makes rasters larger than memory (src/ground/plan.h).
 """
 
 from __future__ import annotations
@@ -300,14 +300,14 @@ def horizon(source: Any, directions: int = 32, max_distance: float | None = None
             distance: bool = False, **reading: Unpack[_Reading]) -> Any:
     """The horizon's angle in directions all round, or its distance, as Field.horizon."""
     r = _Raster(source, **reading)
-    return r.make_around(_plans.horizon(r.geometry, directions, max_distance, start, curvature, False, distance))
+    return r.make_around(_plans.horizon(r.geometry, directions, max_distance, start, curvature, distance))
 
 
 def sky_view(source: Any, directions: int = 32, max_distance: float | None = None, *, curvature: float = 0.0, tilted: bool = False,
              **reading: Unpack[_Reading]) -> Any:
     """The share of the sky, as Field.sky_view."""
     r = _Raster(source, **reading)
-    return r.make_around(_plans.sky_view(r.geometry, directions, max_distance, curvature, False, tilted))
+    return r.make_around(_plans.sky_view(r.geometry, directions, max_distance, curvature, tilted))
 
 
 def visibility(source: Any, directions: int = 128, max_distance: float | None = None, *, observer_height: float = 2.0,

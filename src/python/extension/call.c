@@ -31,13 +31,12 @@ static const struct {
     const char *name;
     size_t at;
 } numbers[] = {
-    NUMBER(altitude),        NUMBER(azimuth),       NUMBER(azimuth_until), NUMBER(bands),
-    NUMBER(curvature),       NUMBER(directions),    NUMBER(disc),          NUMBER(every),
-    NUMBER(frequency),       NUMBER(grid),          NUMBER(has_azimuths),  NUMBER(has_verticals),
-    NUMBER(highest),         NUMBER(hillshade),     NUMBER(hours),         NUMBER(kind),
-    NUMBER(linke),           NUMBER(lowest),        NUMBER(max_distance),  NUMBER(min_distance),
-    NUMBER(observer_height), NUMBER(share),         NUMBER(sky),           NUMBER(start),
-    NUMBER(table),           NUMBER(target_height), NUMBER(within),
+    NUMBER(altitude),      NUMBER(azimuth), NUMBER(azimuth_until), NUMBER(bands),        NUMBER(curvature),
+    NUMBER(directions),    NUMBER(disc),    NUMBER(every),         NUMBER(frequency),    NUMBER(has_azimuths),
+    NUMBER(has_verticals), NUMBER(highest), NUMBER(hillshade),     NUMBER(hours),        NUMBER(kind),
+    NUMBER(linke),         NUMBER(lowest),  NUMBER(max_distance),  NUMBER(min_distance), NUMBER(observer_height),
+    NUMBER(share),         NUMBER(sky),     NUMBER(start),         NUMBER(table),        NUMBER(target_height),
+    NUMBER(within),
 };
 #undef NUMBER
 
@@ -128,7 +127,7 @@ PyObject *field_make(PyObject *self, PyObject *arguments) {
     bool good = make != NULL && take_numbers(given, &c.n) && take_window(c.field, window, &c.at) &&
                 take_buffers(inputs, PyBUF_SIMPLE, c.in, &c.in_count) &&
                 take_buffers(outputs, PyBUF_WRITABLE, c.out, &c.out_count);
-    if (good && (good = field_enter_ground(c.field))) {
+    if (good && (good = field_enter_site(c.field))) {
         good = run(&c, make, name, threads, progress);
         field_leave(c.field);
     }

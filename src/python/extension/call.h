@@ -8,7 +8,7 @@
 
 /* What products take: 0 where the caller names none. */
 typedef struct call_numbers {
-    double altitude, azimuth, azimuth_until, bands, curvature, directions, disc, every, frequency, grid, has_azimuths,
+    double altitude, azimuth, azimuth_until, bands, curvature, directions, disc, every, frequency, has_azimuths,
         has_verticals, highest, hillshade, hours, kind, linke, lowest, max_distance, min_distance, observer_height,
         share, sky, start, table, target_height, within;
 } call_numbers;

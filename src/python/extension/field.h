@@ -5,14 +5,14 @@
 #ifndef CELLWALK_PYTHON_FIELD_H
 #define CELLWALK_PYTHON_FIELD_H
 
-#include "ground.h"
+#include "site.h"
 #include "work.h"
 
 typedef struct py_field {
     PyObject_HEAD cw_field *field;
     Py_buffer samples; /* borrowed by the field; contiguous float, ny × nx */
     size_t nx, ny;
-    ground ground;
+    site site;
     terrain terrain, whole; /* whole: of a window */
     map_scale scale;        /* of the whole map, once it is set */
     bool identity;          /* the map is */
@@ -22,8 +22,8 @@ typedef struct py_field {
 
 /* The field is not to be changed from here to field_leave. False with an exception set while an update runs. */
 bool field_enter(py_field *f);
-bool field_is_idle(py_field *f);      /* the same, but nothing is begun */
-bool field_enter_ground(py_field *f); /* the same for products, which need a map with a way back */
+bool field_is_idle(py_field *f);    /* the same, but nothing is begun */
+bool field_enter_site(py_field *f); /* the same for products, which need a map with a way back */
 void field_leave(py_field *f);
 
 extern PyType_Spec py_field_spec;

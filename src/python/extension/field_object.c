@@ -33,7 +33,7 @@ bool field_enter(py_field *f) {
     return true;
 }
 
-bool field_enter_ground(py_field *f) {
+bool field_enter_site(py_field *f) {
     if (f->terrain.field != NULL) return field_enter(f);
     PyErr_SetString(PyExc_ValueError, "transform: cannot be inverted");
     return false;
@@ -56,7 +56,7 @@ static cw_status make(py_field *f, work *w) {
     desc.nx = f->nx;
     desc.ny = f->ny;
     desc.storage = CW_BORROW;
-    memcpy(desc.map, f->ground.map, sizeof desc.map);
+    memcpy(desc.map, f->site.map, sizeof desc.map);
     return cw_field_create(&desc, &w->run, &f->field);
 }
 
@@ -83,11 +83,11 @@ static PyObject *field_new(PyTypeObject *type, PyObject *arguments, PyObject *ke
                           &row, &whole_map))
         return NULL;
     const bool is_window = whole_map.obj != NULL;
-    const bool placed = !is_window || ground_take_map(&whole_map, raster);
+    const bool placed = !is_window || site_take_map(&whole_map, raster);
     PyBuffer_Release(&whole_map);
     allocfunc allocate = (allocfunc)PyType_GetSlot(type, Py_tp_alloc);
     py_field *f = (py_field *)allocate(type, 0);
-    const bool good = f != NULL && placed && ground_take_map(&map, f->ground.map) &&
+    const bool good = f != NULL && placed && site_take_map(&map, f->site.map) &&
                       PyObject_GetBuffer(samples, &f->samples, PyBUF_SIMPLE) == 0;
     PyBuffer_Release(&map);
     if (!good || nx < 0 || ny < 0 || (ny > 0 && nx > PY_SSIZE_T_MAX / 4 / ny) ||
@@ -98,12 +98,12 @@ static PyObject *field_new(PyTypeObject *type, PyObject *arguments, PyObject *ke
     }
     f->nx = (size_t)nx;
     f->ny = (size_t)ny;
-    f->ground.geographic = geographic != 0;
-    f->ground.north_up = north_up != 0;
-    f->ground.unit = unit;
-    f->ground.semi_major = semi_major;
-    f->ground.inverse_flattening = inverse_flattening;
-    f->identity = is_identity(f->ground.map);
+    f->site.geographic = geographic != 0;
+    f->site.north_up = north_up != 0;
+    f->site.unit = unit;
+    f->site.semi_major = semi_major;
+    f->site.inverse_flattening = inverse_flattening;
+    f->identity = is_identity(f->site.map);
     work w;
     if (!work_begin(&w, threads, NULL, progress)) {
         Py_DECREF((PyObject *)f);
@@ -119,12 +119,12 @@ static PyObject *field_new(PyTypeObject *type, PyObject *arguments, PyObject *ke
         Py_DECREF((PyObject *)f);
         Py_RETURN_NONE;
     }
-    if (!ground_init(&f->terrain, &f->ground, f->field, f->nx, f->ny, f->samples.buf))
+    if (!site_init(&f->terrain, &f->site, f->field, f->nx, f->ny, f->samples.buf))
         f->terrain.field = NULL; /* products will say so */
     if (is_window) {
-        ground whole = f->ground;
+        site whole = f->site;
         memcpy(whole.map, raster, sizeof whole.map);
-        if (!ground_init(&f->whole, &whole, f->field, (size_t)whole_nx, (size_t)whole_ny, f->samples.buf))
+        if (!site_init(&f->whole, &whole, f->field, (size_t)whole_nx, (size_t)whole_ny, f->samples.buf))
             f->terrain.field = NULL;
         f->terrain.whole = &f->whole;
         f->terrain.column = (size_t)column;
@@ -235,7 +235,7 @@ static PyObject *field_scale(PyObject *self, PyObject *arguments) {
     py_field *f = (py_field *)self;
     Py_buffer nodes = {0};
     if (!PyArg_ParseTuple(arguments, "y*:scale", &nodes)) return NULL;
-    const bool good = ground_take_scale(&nodes, &f->scale, &f->terrain);
+    const bool good = site_take_scale(&nodes, &f->scale, &f->terrain);
     f->whole.scale = f->terrain.scale;
     PyBuffer_Release(&nodes);
     if (!good) return NULL;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "geotiff_object.h"
 
-#include "ground.h"
 #include "raster_object.h"
 #include "raster_out.h"
+#include "site.h"
 
 #include <string.h>
 #include <unistd.h>
@@ -53,7 +53,7 @@ static PyObject *geotiff_new(PyTypeObject *type, PyObject *arguments, PyObject *
         return NULL;
     allocfunc allocate = (allocfunc)PyType_GetSlot(type, Py_tp_alloc);
     py_geotiff *t = (py_geotiff *)allocate(type, 0);
-    bool good = t != NULL && take_cell(dtype, &p.cell) && (map.obj == NULL || ground_take_map(&map, t->map));
+    bool good = t != NULL && take_cell(dtype, &p.cell) && (map.obj == NULL || site_take_map(&map, t->map));
     if (good) {
         t->process = getpid();
         t->georef.placed = map.obj != NULL;

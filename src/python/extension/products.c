@@ -38,8 +38,7 @@ static horizon_desc horizon_of(const call *c) {
     return (horizon_desc){.start = c->n.start,
                           .count = (size_t)c->n.directions,
                           .max_distance = c->n.max_distance,
-                          .curvature = c->n.curvature,
-                          .grid = c->n.grid != 0};
+                          .curvature = c->n.curvature};
 }
 
 typedef cw_status find_some(horizon *h, const cw_run *run, size_t number, size_t row, size_t rows, float *to);

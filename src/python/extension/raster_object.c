@@ -2,9 +2,9 @@
 #include "raster_object.h"
 
 #include "gdal/module.h"
-#include "ground.h"
 #include "raster.h"
 #include "scale.h"
+#include "site.h"
 #include "work.h"
 
 #include <string.h>
@@ -169,7 +169,7 @@ PyObject *find_scale(PyObject *self, PyObject *arguments) {
     sentences said = {0};
     (void)self;
     if (!PyArg_ParseTuple(arguments, "sy*nns:find_scale", &wkt, &numbers, &rows, &columns, &name)) return NULL;
-    bool good = ground_take_map(&numbers, map);
+    bool good = site_take_map(&numbers, map);
     PyBuffer_Release(&numbers);
     if (!good) return NULL;
     io_georef georef = {0};

@@ -202,7 +202,7 @@ static void look_down(void *context, size_t begin, size_t end) {
         const size_t until = end - begin < BLOCK ? end : begin + BLOCK, count = until - begin;
         for (; begin < until; begin++) {
             cw_hit hit;
-            double point[3] = {l->x[begin], l->y[begin], l->field->ground.map[2][3]};
+            double point[3] = {l->x[begin], l->y[begin], l->field->site.map[2][3]};
             cw_status status = cw_surface_at_user(l->field->field, NULL, point, 1, &hit);
             if (status == CW_OK) status = cw_hit_points(l->field->field, NULL, &hit, 1, point);
             if (status != CW_OK) atomic_store(&l->status, (int)status);
@@ -219,7 +219,7 @@ PyObject *field_at(PyObject *self, PyObject *arguments) {
     unsigned threads;
     PyObject *progress;
     if (!PyArg_ParseTuple(arguments, "y*y*w*IO:at", &x, &y, &z, &threads, &progress)) return NULL;
-    if (f->ground.map[0][2] != 0 || f->ground.map[1][2] != 0) {
+    if (f->site.map[0][2] != 0 || f->site.map[1][2] != 0) {
         PyErr_SetString(PyExc_ValueError, "transform: leans the heights, so that no single place is above x and y");
         PyBuffer_Release(&x);
         PyBuffer_Release(&y);

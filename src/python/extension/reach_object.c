@@ -2,12 +2,12 @@
 #include "reach_object.h"
 
 #include "field.h"
-#include "reach.h"
+#include "plan.h"
 
 #include <math.h>
 
 typedef struct py_reach {
-    PyObject_HEAD ground ground;
+    PyObject_HEAD site site;
     terrain whole;
     map_scale scale;
 } py_reach;
@@ -17,21 +17,21 @@ static PyObject *reach_new(PyTypeObject *type, PyObject *arguments, PyObject *ke
     Py_buffer map = {0}, scale = {0};
     Py_ssize_t rows, columns;
     int geographic, north_up;
-    ground g = {0};
+    site g = {0};
     (void)keywords;
     if (!PyArg_ParseTuple(arguments, "nny*ppdddz*:Reach", &rows, &columns, &map, &geographic, &north_up, &g.unit,
                           &g.semi_major, &g.inverse_flattening, &scale))
         return NULL;
     g.geographic = geographic != 0;
     g.north_up = north_up != 0;
-    const bool good = ground_take_map(&map, g.map);
+    const bool good = site_take_map(&map, g.map);
     PyBuffer_Release(&map);
     allocfunc allocate = (allocfunc)PyType_GetSlot(type, Py_tp_alloc);
     py_reach *r = good ? (py_reach *)allocate(type, 0) : NULL;
-    if (r != NULL) r->ground = g;
+    if (r != NULL) r->site = g;
     const bool made = r != NULL && rows >= 2 && columns >= 2 &&
-                      ground_init(&r->whole, &g, NULL, (size_t)columns, (size_t)rows, NULL) &&
-                      ground_take_scale(&scale, &r->scale, &r->whole);
+                      site_init(&r->whole, &g, NULL, (size_t)columns, (size_t)rows, NULL) &&
+                      site_take_scale(&scale, &r->scale, &r->whole);
     PyBuffer_Release(&scale);
     if (made) return (PyObject *)r;
     if (!PyErr_Occurred())
@@ -79,7 +79,9 @@ static PyObject *beside(PyObject *self, PyObject *arguments) {
     cw_rectangle part;
     double metres;
     if (!PyArg_ParseTuple(arguments, "O&d:beside", to_rectangle, &part, &metres) || !is_part(r, part)) return NULL;
-    return from_rectangle(reach_beside(&r->whole, part, metres));
+    ground_plan plan = {.by = {.distance = metres}, .whole = &r->whole};
+    ground_plan_around(&plan, part, &part);
+    return from_rectangle(part);
 }
 
 /* grown(window, more): with so many rows and columns more, and at least 2 of each. */
@@ -96,7 +98,7 @@ static PyObject *around(PyObject *self, PyObject *arguments) {
     const py_reach *r = (const py_reach *)self;
     double x, y, metres, at[2];
     if (!PyArg_ParseTuple(arguments, "ddd:around", &x, &y, &metres)) return NULL;
-    if (!terrain_find_place(&r->whole, x, ground_northward(&r->ground, &r->whole, y), at)) {
+    if (!terrain_find_place(&r->whole, x, site_northward(&r->site, &r->whole, y), at)) {
         PyErr_SetString(PyExc_ValueError, "x, y: an observer is too far away from the terrain");
         return NULL;
     }
@@ -116,17 +118,19 @@ static PyObject *sunward(PyObject *self, PyObject *arguments) {
     if (!PyArg_ParseTuple(arguments, "y*y*fddddO&:sunward", &low, &high, &highest, &light.azimuth, &light.altitude,
                           &light.radius, &light.curvature, to_rectangle, &part))
         return NULL;
-    reach_blocks blocks = {.whole = &r->whole,
-                           .across = blocks_along(r->whole.nx),
-                           .down = blocks_along(r->whole.ny),
-                           .low = low.buf,
-                           .high = high.buf,
-                           .highest = highest};
-    const size_t bytes = blocks.across * blocks.down * sizeof(float);
+    ground_plan plan = {.by = {.suns = &light, .sun_count = 1},
+                        .whole = &r->whole,
+                        .blocks = {.whole = &r->whole,
+                                   .across = blocks_along(r->whole.nx),
+                                   .down = blocks_along(r->whole.ny),
+                                   .low = low.buf,
+                                   .high = high.buf,
+                                   .highest = highest}};
+    const size_t bytes = plan.blocks.across * plan.blocks.down * sizeof(float);
     PyObject *answer = NULL;
     if (buffer_holds(&low, bytes, "low") && buffer_holds(&high, bytes, "high") && is_part(r, part)) {
-        const reach_sunward toward = reach_toward(&r->whole, &light, part);
-        answer = from_rectangle(reach_of_shadows(&blocks, &toward, part));
+        ground_plan_around(&plan, part, &part);
+        answer = from_rectangle(part);
     }
     PyBuffer_Release(&low);
     PyBuffer_Release(&high);

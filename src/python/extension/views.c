@@ -16,7 +16,7 @@ typedef struct spot {
 } spot;
 
 /* y of the caller's to that of the terrain, and back. */
-static double northward(const call *c, double y) { return ground_northward(&c->field->ground, &c->field->terrain, y); }
+static double northward(const call *c, double y) { return site_northward(&c->field->site, &c->field->terrain, y); }
 
 static ground_place place_of(const call *c, const spot *s) {
     return (ground_place){"", s->x, northward(c, s->y), s->z, s->absolute != 0};

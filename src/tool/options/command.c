@@ -4,6 +4,7 @@
 #include "cellwalk.h"
 #include "pages/pages.h"
 #include "printable.h"
+#include "progress.h"
 #include "words.h"
 
 #include <errno.h>
@@ -15,11 +16,12 @@
 
 static const char *running = "cellwalk"; /* the program's name */
 
-/* All that the program writes to standard error, but for the line of progress, comes this way. */
+/* All that the program writes to standard error, but for the line of progress, comes this way. It takes that line's place. */
 static void print_message(const char *name, const char *kind, const char *format, va_list arguments) {
     char text[4096];
     vsnprintf(text, sizeof text, format, arguments);
     make_printable(text);
+    progress_end();
     fprintf(stderr, "%s%s%s: %s%s\n", running, *name ? " " : "", name, kind, text);
 }
 

@@ -135,70 +135,49 @@ static bool set_name(const options_usage *usage, const option_spec *o, const cha
     return words_unknown(usage->name, what, value, names, count);
 }
 
-static bool set_real(const options_usage *usage, const option_spec *o, const char *value, double *to) {
-    char *end = NULL;
-    const double real = number_read(value, &end);
-    if (end != value && *end == '\0' && real >= o->low && real <= o->high) { /* not NaN */
-        *to = real;
-        return true;
-    }
-    if (o->high < (double)FLT_MAX)
-        command_fail(usage->name, "--%s takes a number from %g to %g, not '%s'", o->name, o->low, o->high, value);
-    else
-        command_fail(usage->name, "--%s takes a number from %g on, not '%s'", o->name, o->low, value);
-    return false;
-}
-
+/* A range of numbers is one to both ends, or from one on. */
 static bool set_number(const options_usage *usage, const option_spec *o, const char *value) {
-    char *end = NULL;
+    const bool whole = o->kind == OPTION_COUNT, ranged = o->kind != OPTION_NUMBER;
+    char *end = NULL, range[80] = "";
     const double number = number_read(value, &end);
-    if (end == value || *end != '\0' || !isfinite(number))
-        return command_fail(usage->name, "--%s takes a number, not '%s'", o->name, value), false;
-    *(double *)o->to = number;
-    return true;
-}
-
-static bool add_value(const options_usage *usage, const option_spec *o, const char *value) {
-    option_again *all = o->to;
-    if (value[0] == '\0') return command_fail(usage->name, "--%s needs a value that is not empty", o->name), false;
-    if (all->count == OPTION_AGAIN_MAX)
-        return command_fail(usage->name, "--%s may be given %d times at most", o->name, OPTION_AGAIN_MAX), false;
-    all->values[all->count++] = value;
-    return true;
-}
-
-static bool set_count(const options_usage *usage, const option_spec *o, const char *value, unsigned *to) {
-    char *end = NULL;
-    const unsigned long number = strtoul(value, &end, 10); /* the largest there is, if value is larger */
-    const bool digits = value[0] >= '0' && value[0] <= '9' && *end == '\0'; /* strtoul would take " -1" */
-    if (digits && (double)number >= o->low && (double)number <= o->high) {
-        *to = (unsigned)number;
+    const bool digits = !whole || strspn(value, "0123456789") == strlen(value);
+    if (end != value && *end == '\0' && digits && (ranged ? number >= o->low && number <= o->high : isfinite(number))) {
+        if (whole)
+            *(unsigned *)o->to = (unsigned)number;
+        else
+            *(double *)o->to = number;
         return true;
     }
-    command_fail(usage->name, "--%s takes a whole number from %.0f to %.0f, not '%s'", o->name, o->low, o->high, value);
+    if (whole)
+        snprintf(range, sizeof range, " from %.0f to %.0f", o->low, o->high);
+    else if (ranged && o->high < (double)FLT_MAX)
+        snprintf(range, sizeof range, " from %g to %g", o->low, o->high);
+    else if (ranged)
+        snprintf(range, sizeof range, " from %g on", o->low);
+    command_fail(usage->name, "--%s takes a %snumber%s, not '%s'", o->name, whole ? "whole " : "", range, value);
     return false;
 }
 
 static bool set_value(const options_usage *usage, const option_spec *o, char *value) {
     size_t number;
-    switch (o->kind) {
-    case OPTION_COUNT:
-        return set_count(usage, o, value, o->to);
-    case OPTION_REAL:
-        return set_real(usage, o, value, o->to);
-    case OPTION_NUMBER:
+    option_again *all = o->to;
+    if (o->kind == OPTION_COUNT || o->kind == OPTION_REAL || o->kind == OPTION_NUMBER)
         return set_number(usage, o, value);
-    case OPTION_AGAIN:
-        return add_value(usage, o, value);
-    case OPTION_NAME:
+    if (o->kind == OPTION_NAME) {
         if (!set_name(usage, o, value, &number)) return false;
         *(int *)o->to = (int)number;
-        return true;
-    default:
-        if (value[0] == '\0') return command_fail(usage->name, "--%s needs a value that is not empty", o->name), false;
+    } else if (value[0] == '\0') {
+        command_fail(usage->name, "--%s needs a value that is not empty", o->name);
+        return false;
+    } else if (o->kind == OPTION_AGAIN && all->count == OPTION_AGAIN_MAX) {
+        command_fail(usage->name, "--%s may be given %d times at most", o->name, OPTION_AGAIN_MAX);
+        return false;
+    } else if (o->kind == OPTION_AGAIN) {
+        all->values[all->count++] = value;
+    } else {
         *(const char **)o->to = value;
-        return true;
     }
+    return true;
 }
 
 /* ---- parsing ---- */

@@ -18,9 +18,8 @@
     "and its RMS error is 0.01 instead of 0.001, with 16 1/3.9 and 0.0032.\n"
 
 #define TRADE_HORIZON \
-    "To save time (papers/tradeoff.md): --grid loses no exactness, and 16 directions\n" \
-    "are 2 times as fast as others. For --svf, 16 directions take 1/3.5 of the time\n" \
-    "of 64, and 99 % of the factors are off by at most 0.002. --coarser costs more\n" \
-    "error than it is worth here.\n"
+    "To save time (papers/tradeoff.md): for --svf, 16 directions take 1/3.5 of the\n" \
+    "time of 64, and 99 % of the factors are off by at most 0.002. --coarser costs\n" \
+    "more error than it is worth here.\n"
 
 #endif

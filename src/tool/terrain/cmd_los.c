@@ -6,6 +6,7 @@
 #include "inputs.h"
 #include "line.h"
 #include "los_pairs.h"
+#include "progress.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -14,7 +15,7 @@
 static const char name[] = "los";
 
 typedef struct los_command {
-    ground_options ground;
+    product product;
     double curvature, megahertz;
     bool json;
     const char *pairs, *output, *profile;
@@ -22,66 +23,62 @@ typedef struct los_command {
 } los_command;
 
 /* c is NULL where nothing was asked about radio. */
-static void print(const line *l, const clearance *c, bool json) {
-    if (json) {
-        printf("{\"visible\": %s, \"distance\": ", l->blocked ? "false" : "true");
-        json_number(stdout, l->length);
-        if (l->blocked)
-            printf(", \"blocked_at\": [%.10g, %.10g], \"blocked_height\": %.10g, \"blocked_distance\": %.10g",
-                   l->block[0], l->block[1], l->block_height, l->block_distance);
-        if (c != NULL) {
-            fputs(", \"clearance\": ", stdout);
-            json_number(stdout, c->share);
-            fputs(", \"clearance_distance\": ", stdout);
-            json_number(stdout, c->distance);
-            fputs(", \"fresnel_radius\": ", stdout);
-            json_number(stdout, c->radius);
-        }
-        puts("}");
-    } else if (l->blocked) {
+static void print_json(const line *l, const clearance *c) {
+    json_print(stdout, "{'visible': %b, 'distance': %g", !l->blocked, l->length);
+    if (l->blocked)
+        printf(", \"blocked_at\": [%.10g, %.10g], \"blocked_height\": %.10g, \"blocked_distance\": %.10g", l->block[0],
+               l->block[1], l->block_height, l->block_distance);
+    if (c)
+        json_print(stdout, ", 'clearance': %g, 'clearance_distance': %g, 'fresnel_radius': %g", c->share, c->distance,
+                   c->radius);
+    puts("}");
+}
+
+static void print(const line *l, const clearance *c) {
+    if (l->blocked)
         printf("blocked: %.3f m from the first place, of %.3f m, at a height of %.3f m\nat %.10g,%.10g\n",
                l->block_distance, l->length, l->block_height, l->block[0], l->block[1]);
-    } else {
-        printf("visible: %.3f m\n", l->length);
-    }
-    if (c == NULL || json) return;
-    if (isnan(c->share))
-        puts("no ground lies between the places");
     else
+        printf("visible: %.3f m\n", l->length);
+    if (c && isnan(c->share))
+        puts("no ground lies between the places");
+    else if (c)
         printf("least clearance: %.0f %% of the first Fresnel zone's radius of %.3f m, %.3f m from the first place\n",
                100 * c->share, c->radius, c->distance);
 }
 
-static bool look(ground *g, const los_command *c, io_output *profiles, io_error *error) {
+static bool look(los_command *c, io_output *profiles, io_error *error) {
+    const bool radio = c->megahertz > 0;
     line l;
     profile p = {0};
-    if (!line_find(&l, &g->terrain, c->places, ground_curvature(g, c->curvature), error)) return false;
     clearance free;
-    const bool radio = c->megahertz > 0;
+    if (!line_find(&l, &c->product.ground.terrain, c->places, c->curvature, error)) return false;
     bool good = profiles == NULL || (line_head_profiles(c->megahertz, profiles, error) &&
                                      line_write_profile(&l, 1, c->megahertz, &p, profiles, error));
     good = good && (!radio || line_clearance(&l, c->megahertz, &p, &free, error));
     profile_free(&p);
-    good = good && (ground_tell(g, 1) || io_fail(error, "interrupted"));
-    if (good) print(&l, radio ? &free : NULL, c->json);
-    return good;
+    if (!good) return false;
+    if (!product_tell(&c->product, 1)) return io_fail(error, "interrupted");
+    progress_end();
+    (c->json ? print_json : print)(&l, radio ? &free : NULL);
+    return true;
 }
 
-static bool answer(ground *g, const los_command *c, io_error *error) {
-    io_output results = {0}, profiles = {0};
+static bool answer(los_command *c, io_error *error) {
+    io_output results = {0}, profiles = {0}, *to = c->profile ? &profiles : NULL;
+    c->curvature = ground_curvature(&c->product.ground, c->curvature);
     if (c->pairs && !io_inputs_note_path(c->pairs)) return io_fail(error, "out of memory");
     bool good = !c->profile || io_output_open(&profiles, c->profile, error);
     if (c->pairs) {
         good = good && io_output_open(&results, c->output ? c->output : "-", error) &&
-               los_pairs(g, c->pairs, c->curvature, c->megahertz, &results, c->profile ? &profiles : NULL, error);
-        progress_end(&g->line);
-        good = good && (!c->profile || io_output_settle(&profiles, error)) && io_output_commit(&results, error) &&
-               (!c->profile || io_output_commit(&profiles, error));
-        io_output_discard(&results);
+               los_pairs(&c->product, c->pairs, c->curvature, c->megahertz, &results, to, error);
+        progress_end();
+        good = good && (!to || io_output_settle(to, error)) && io_output_commit(&results, error);
     } else {
-        good = good && look(g, c, c->profile ? &profiles : NULL, error) &&
-               (!c->profile || io_output_commit(&profiles, error));
+        good = good && look(c, to, error);
     }
+    good = good && (!to || io_output_commit(to, error));
+    io_output_discard(&results);
     io_output_discard(&profiles);
     return good;
 }
@@ -100,16 +97,14 @@ static bool wrong(los_command *c, const char *const given[3]) {
         command_fail(name, "--profile needs a file that nothing else is written to");
     else if (c->megahertz != 0 && !(c->megahertz >= 0.1 && c->megahertz <= 1e6))
         command_fail(name, "--frequency takes megahertz from 0.1 to 1000000, not %g", c->megahertz);
-    else if (c->curvature < 0)
-        command_fail(name, "--curvature takes a number from 0 on, not %g", c->curvature);
-    else
-        return places && (!ground_read_place(name, given[1], 0, &c->places[0]) ||
-                          !ground_read_place(name, given[2], 0, &c->places[1]));
+    else if (product_check_curvature(name, c->curvature))
+        return places && (!product_parse_place(name, given[1], 0, &c->places[0]) ||
+                          !product_parse_place(name, given[2], 0, &c->places[1]));
     return true;
 }
 
 static int run(int argc, char **argv) {
-    los_command c = {.curvature = NAN};
+    static los_command c; /* large */
     enum { OWN = 6, ALL = OWN + RASTER_OPTION_COUNT };
     option_spec options[ALL] = {
         option_text("pairs", "FILE.csv", &c.pairs,
@@ -119,17 +114,15 @@ static int run(int argc, char **argv) {
         option_text("profile", "FILE.csv", &c.profile,
                     "write the terrain along each line as a table: distance, heights of ground and line, and whether "
                     "the ground is seen from the first place, wherever the line crosses an edge of a triangle"),
-        option_number("curvature", "K", &c.curvature,
-                      "the earth's curvature as a factor: 0 for a flat earth, 1 without air, 0.857 = 6/7 with usual "
-                      "refraction (default: 6/7, or 0 if the file has no map)"),
+        product_round_earth_row(&c.curvature),
         option_number(
             "frequency", "MHZ", &c.megahertz,
             "of a radio link: also print the least clearance of the line over the ground, as a share of the first "
             "Fresnel zone's radius there; 60 % is the usual demand, and --curvature 0.75 the 4/3 earth of radio"),
         option_flag("json", &c.json, "print one JSON object"),
     };
-    c.ground.name = name;
-    raster_options_rows(&c.ground.raster, options + OWN);
+    c.product.name = name;
+    raster_options_rows(&c.product.raster_options, options + OWN);
     static const char *const operands[] = {"DEM", "FROM", "TO"};
     const options_usage usage = {
         .name = name,
@@ -138,7 +131,7 @@ static int run(int argc, char **argv) {
                 "the place where the line from the first is first blocked. A line that touches the terrain is blocked; "
                 "the ends themselves block nothing. Distances and heights are metres, for any unit of the map. A table "
                 "of pairs is answered by a table: visible is 1 or 0, and blocked_... are empty where nothing "
-                "blocks.\n\n" GROUND_PLACE_HELP "\nWithout H a place is on the ground.\n",
+                "blocks.\n\n" PRODUCT_PLACE_HELP "\nWithout H a place is on the ground.\n",
         .examples = "  cellwalk los dem.tif 600250,5199800,2 601500,5200100,=1250\n"
                     "  cellwalk los dem.tif 600250,5199800,2 601500,5200100 --profile profile.csv\n"
                     "  cellwalk los dem.tif --pairs links.csv -o answers.csv\n"
@@ -154,11 +147,10 @@ static int run(int argc, char **argv) {
     const int status = options_parse(&usage, argc, argv, given);
     if (status != OPTIONS_GO) return status;
     if (wrong(&c, given)) return EXIT_USAGE;
-    c.ground.query.threads = 1;
-    ground g;
+    c.product.query_options.threads = 1;
     io_error error = {""};
-    const int opened = ground_open(&g, &c.ground, given[0], 0, GROUND_SAMPLES);
-    return opened == EXIT_SUCCESS ? ground_close(&g, answer(&g, &c, &error), &error) : opened;
+    const int opened = product_open(&c.product, given[0], 0);
+    return opened == EXIT_SUCCESS ? product_close(&c.product, answer(&c, &error), &error) : opened;
 }
 
 const command command_los = {"los", "compute whether lines between places are free", run};

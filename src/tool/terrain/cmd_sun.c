@@ -23,7 +23,7 @@ static const double day = 86400;
 enum { SUNS_MOST = 1100000 };
 
 typedef struct sun_command {
-    ground_options ground;
+    product product;
     const char *date, *to, *step, *place;
     double linke, curvature;
     unsigned directions, sky;
@@ -32,144 +32,112 @@ typedef struct sun_command {
     double first, last; /* midnights of UTC that begin the first and the last day */
     double seconds;     /* of a step */
     double lon_lat[2];
+    /* The work. */
+    sun_position *suns;
+    size_t count;
+    sunlight_desc *shadows; /* the lowest sun of each direction */
+    insolation *sum;
+    horizon *horizon;
 } sun_command;
 
 enum { DIRECT, DIFFUSE, BANDS };
 
-typedef struct job {
-    const sun_command *command;
-    ground *ground;
-    sun_position *suns;
-    size_t count;
-    insolation *sum;
-    horizon *horizon;
-    reach_blocks blocks; /* once they are needed */
-    reach_horizons sky;
-} job;
-
 /* The ground's terrain is another piece, or the whole without samples. */
-static bool enter(void *context, io_error *error) {
-    job *j = context;
-    const sun_command *c = j->command;
-    const insolation_desc desc = {.suns = j->suns,
-                                  .count = j->count,
+static bool enter(product *p, io_error *error) {
+    sun_command *c = p->context;
+    const insolation_desc desc = {.suns = c->suns,
+                                  .count = c->count,
                                   .hours = c->seconds / 3600,
                                   .linke = c->linke,
                                   .curvature = c->curvature,
                                   .directions = c->directions};
     const horizon_desc sky = {.count = c->sky, .curvature = c->curvature};
-    insolation_destroy(j->sum);
-    horizon_destroy(j->horizon);
-    j->horizon = NULL;
-    cw_status status = insolation_create(&j->ground->terrain, &desc, &j->sum);
-    if (status == CW_OK && c->irradiance) status = horizon_create(&j->ground->terrain, &sky, &j->horizon);
-    return status == CW_OK || io_fail(error, "%s", cw_status_message(status));
+    insolation_destroy(c->sum);
+    horizon_destroy(c->horizon);
+    c->horizon = NULL;
+    cw_status status = insolation_create(&p->ground.terrain, &desc, &c->sum);
+    if (status == CW_OK && c->irradiance) status = horizon_create(&p->ground.terrain, &sky, &c->horizon);
+    return product_good(status, true, error);
 }
 
-/* All that can throw a shadow in the direction of any sun, and for diffuse light all that hides sky. */
-static bool around(void *context, cw_rectangle part, cw_rectangle *piece, io_error *error) {
-    job *j = context;
-    const sun_command *c = j->command;
-    ground *g = j->ground;
-    const cw_rectangle all = pieces_all(g);
-    if (j->blocks.whole == NULL) {
-        if (reach_blocks_create(&g->whole, &j->blocks) != CW_OK) return io_fail(error, "out of memory");
-        if (!pieces_survey(g, &j->blocks, NULL, NULL, error)) return false;
-        if (reach_horizons_create(&j->blocks, g->window, c->curvature, true, &j->sky) != CW_OK)
-            return io_fail(error, "out of memory");
-    }
-    *piece = c->irradiance ? reach_of_horizons(&j->sky, part) : reach_grow(&g->whole, part, 2);
-    for (size_t k = 0; k < insolation_directions(j->sum) && (piece->nx < all.nx || piece->ny < all.ny); k++) {
-        sunlight_desc sun = {.curvature = c->curvature};
-        insolation_direction(j->sum, k, &sun.azimuth, &sun.altitude);
-        const reach_sunward sunward = reach_toward(&g->whole, &sun, part);
-        *piece = reach_both(*piece, reach_of_shadows(&j->blocks, &sunward, part));
-    }
-    return true;
-}
-
-static bool fill(void *context, size_t band, size_t row, size_t rows, void *cells, io_error *error) {
-    job *j = context;
-    const cw_run *q = &j->ground->query;
-    const bool energy = j->command->irradiance;
-    bool done;
-    cw_status status;
-    if (!energy)
-        status = insolation_hours(j->sum, q, row, rows, cells, ground_tell_block, j->ground, &done);
-    else if (band == DIRECT)
-        status = insolation_direct(j->sum, q, row, rows, cells, ground_tell_block, j->ground, &done);
-    else
-        status = horizon_sky_view_tilted(j->horizon, q, row, rows, cells, ground_tell_block, j->ground, &done);
-    if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));
-    if (energy && band == DIFFUSE) {
-        const float light = (float)insolation_diffuse(j->sum);
-        for (size_t k = 0; k < rows * j->ground->terrain.nx; k++) ((float *)cells)[k] *= light;
-    }
-    return done || io_fail(error, "interrupted");
+static bool fill(product *p, size_t band, size_t row, size_t rows, void *cells, io_error *error) {
+    const sun_command *c = p->context;
+    const cw_run *q = &p->ground.query;
+    bool done = true;
+    const cw_status status =
+        !c->irradiance   ? insolation_hours(c->sum, q, row, rows, cells, product_tell_block, p, &done)
+        : band == DIRECT ? insolation_direct(c->sum, q, row, rows, cells, product_tell_block, p, &done)
+                         : horizon_sky_view_tilted(c->horizon, q, row, rows, cells, product_tell_block, p, &done);
+    const float light = c->irradiance && band == DIFFUSE ? (float)insolation_diffuse(c->sum) : 1;
+    for (size_t k = 0; k < rows * p->ground.terrain.nx && status == CW_OK && light != 1; k++)
+        ((float *)cells)[k] *= light;
+    return product_good(status, done, error);
 }
 
 /* The sun in the middle of each step. Days begin at midnight of the place's mean solar time, so that a day's light is one
  * piece. */
-static bool find_suns(job *j, const sun_place *place, io_error *error) {
-    const sun_command *c = j->command;
-    j->count = (size_t)nearbyint((c->last + day - c->first) / c->seconds);
-    j->suns = malloc(j->count * sizeof *j->suns);
-    if (j->suns == NULL) return io_fail(error, "out of memory");
+static bool find_suns(sun_command *c, const sun_place *place, io_error *error) {
+    c->count = (size_t)nearbyint((c->last + day - c->first) / c->seconds);
+    c->suns = malloc(c->count * sizeof *c->suns);
+    if (c->suns == NULL) return io_fail(error, "out of memory");
     const double midnight = c->first - place->longitude / 360 * day;
-    for (size_t k = 0; k < j->count; k++) j->suns[k] = sun_place_at(place, midnight + ((double)k + 0.5) * c->seconds);
+    for (size_t k = 0; k < c->count; k++) c->suns[k] = sun_place_at(place, midnight + ((double)k + 0.5) * c->seconds);
     return true;
 }
 
-static bool prepare(job *j, sun_place *place, io_error *error) {
-    const sun_command *c = j->command;
-    const ground *g = j->ground;
-    *place = (sun_place){c->lon_lat[0], c->lon_lat[1], 0};
-    if (!c->place && !sun_place_find(&g->whole, ground_georef(g), g->path, NULL, place, error)) return false;
-    return find_suns(j, place, error) && enter(j, error);
-}
-
-static bool make_bands(job *j, io_error *error) {
-    const sun_command *c = j->command;
-    sun_place place;
-    if (!prepare(j, &place, error)) return false;
-    static const char *const hours = "hours of direct sunlight",
-                             *const energy = "energy of sunlight on the ground under a cloudless sky",
-                             *const bands[BANDS] = {"direct light on the ground", "diffuse light on the ground"};
-    ground_notes notes = {0};
-    io_raster_product product =
-        ground_product(j->ground, IO_CELL_FLOAT32, c->irradiance ? BANDS : 1, c->irradiance ? &energy : &hours, &notes);
-    product.unit = c->irradiance ? "Wh/m2" : "h";
-    product.white = 24 * ((c->last - c->first) / day + 1);
-    if (c->irradiance) product.band_names = bands;
-    ground_note(&notes, "DATE=%s", c->date);
-    ground_note(&notes, "TO=%s", c->to ? c->to : c->date);
-    ground_note(&notes, "STEP_SECONDS=%.9g", c->seconds);
-    ground_note(&notes, "SUN_OVER=%.9g,%.9g", place.longitude, place.latitude);
-    ground_note(&notes, "SUN_DIRECTIONS=%zu%s", insolation_directions(j->sum),
-                c->directions ? "" : " (each sun's own)");
-    ground_note(&notes, "CURVATURE=%.9g", c->curvature);
-    if (c->irradiance) {
-        ground_note(&notes, "CLEAR_SKY=ESRA (Rigollier, Bauer, Wald 2000)");
-        ground_note(&notes, "LINKE=%.9g", c->linke);
-        ground_note(&notes, "SKY_DIRECTIONS=%u", c->sky);
-        ground_note(&notes, "DIFFUSE_LEVEL=%.9g", insolation_diffuse(j->sum));
+/* All that can throw a shadow in the direction of any sun matters, and for diffuse light all that hides sky. */
+static bool find_what_matters(product *p, io_error *error) {
+    sun_command *c = p->context;
+    const size_t count = insolation_directions(c->sum);
+    c->shadows = calloc(count + 1, sizeof *c->shadows);
+    if (c->shadows == NULL) return io_fail(error, "out of memory");
+    c->shadows[0].altitude = 90; /* without any sun there are no shadows */
+    for (size_t k = 0; k < count; k++) {
+        insolation_direction(c->sum, k, &c->shadows[k].azimuth, &c->shadows[k].altitude);
+        c->shadows[k].curvature = c->curvature;
     }
-    /* fill looks for Ctrl-C itself. */
-    static const pieces_maker maker = {.fill = fill, .around = around, .enter = enter};
-    const bool good = pieces_write(j->ground, &product, 1, &maker, j, error);
-    ground_notes_free(&notes);
-    return good;
+    p->matters = (ground_matters){.suns = c->shadows,
+                                  .sun_count = count > 0 ? count : 1,
+                                  .horizons = c->irradiance,
+                                  .above_level = true,
+                                  .curvature = c->curvature};
+    return true;
 }
 
-static bool make(void *context, ground *g, io_error *error) {
-    job j = {.command = context, .ground = g};
-    const bool good = make_bands(&j, error);
-    insolation_destroy(j.sum);
-    horizon_destroy(j.horizon);
-    reach_horizons_destroy(&j.sky);
-    reach_blocks_destroy(&j.blocks);
-    free(j.suns);
-    return good;
+static bool begin(product *p, io_error *error) {
+    sun_command *c = p->context;
+    const ground *g = &p->ground;
+    static const char *const bands[BANDS] = {"direct light on the ground", "diffuse light on the ground"};
+    sun_place place = {c->lon_lat[0], c->lon_lat[1], 0};
+    if (!c->place && !sun_place_find(&g->whole, &g->about.georef, g->path, NULL, &place, error)) return false;
+    if (!find_suns(c, &place, error) || !enter(p, error) || !find_what_matters(p, error)) return false;
+    product_describe(p, IO_CELL_FLOAT32, c->irradiance ? BANDS : 1,
+                     c->irradiance ? "energy of sunlight on the ground under a cloudless sky"
+                                   : "hours of direct sunlight");
+    p->raster.unit = c->irradiance ? "Wh/m2" : "h";
+    p->raster.white = 24 * ((c->last - c->first) / day + 1);
+    if (c->irradiance) p->raster.band_names = bands;
+    product_note(p, "DATE=%s", c->date);
+    product_note(p, "TO=%s", c->to ? c->to : c->date);
+    product_note(p, "STEP_SECONDS=%.9g", c->seconds);
+    product_note(p, "SUN_OVER=%.9g,%.9g", place.longitude, place.latitude);
+    product_note(p, "SUN_DIRECTIONS=%zu%s", insolation_directions(c->sum), c->directions ? "" : " (each sun's own)");
+    product_note(p, "CURVATURE=%.9g", c->curvature);
+    if (c->irradiance) {
+        product_note(p, "CLEAR_SKY=ESRA (Rigollier, Bauer, Wald 2000)");
+        product_note(p, "LINKE=%.9g", c->linke);
+        product_note(p, "SKY_DIRECTIONS=%u", c->sky);
+        product_note(p, "DIFFUSE_LEVEL=%.9g", insolation_diffuse(c->sum));
+    }
+    return true;
+}
+
+static void end(void *context) {
+    sun_command *c = context;
+    insolation_destroy(c->sum);
+    horizon_destroy(c->horizon);
+    free(c->shadows);
+    free(c->suns);
 }
 
 /* ---- the command line --------------------------------------------------------------------------------------------------- */
@@ -218,20 +186,19 @@ static bool check(void *context, size_t *bands) {
         command_fail(name, "--linke and --sky go with --irradiance");
     else if (!isnan(c->linke) && !(c->linke >= 1 && c->linke <= 10))
         command_fail(name, "--linke takes a turbidity from 1 to 10, not %g", c->linke);
-    else if (c->curvature < 0)
-        command_fail(name, "--curvature takes a number from 0 on, not %g", c->curvature);
     else {
         if (c->to == NULL) c->last = c->first;
         if (isnan(c->linke)) c->linke = CLEAR_SKY_LINKE;
         if (c->sky == 0) c->sky = 32;
         *bands = c->irradiance ? BANDS : 1;
-        return true;
+        return product_check_curvature(name, c->curvature);
     }
     return false;
 }
 
 static int run(int argc, char **argv) {
-    sun_command c = {.step = "15min", .linke = NAN};
+    static sun_command c = {.step = "15min", .linke = NAN}; /* large */
+    c.product = (product){.context = &c, .check = check, .begin = begin, .enter = enter, .fill = fill, .end = end};
     const option_spec options[] = {
         option_text("date", "DAY", &c.date, "the day, as 2024-06-21"),
         option_text("to", "DAY", &c.to, "the last of several days (default: --date)"),
@@ -250,7 +217,7 @@ static int run(int argc, char **argv) {
         option_text("lon-lat", "LON,LAT", &c.place,
                     "where on earth the terrain is, in degrees, for files that do not say; the map's north is then the "
                     "true one"),
-        ground_flat_earth_row(&c.curvature),
+        product_flat_earth_row(&c.curvature),
     };
     const options_usage usage = {
         .name = name,
@@ -271,7 +238,7 @@ static int run(int argc, char **argv) {
         .options = options,
         .option_count = sizeof options / sizeof *options,
     };
-    return product_run(&(product_command){&c.ground, &c, check, make}, &usage, argc, argv);
+    return product_run(&c.product, &usage, argc, argv);
 }
 
 const command command_sun = {"sun", "compute hours or energy of sunlight over days on a terrain", run};

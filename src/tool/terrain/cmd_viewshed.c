@@ -2,7 +2,6 @@
 /* `cellwalk viewshed`: the samples seen from one place or many. */
 
 #include "command.h"
-#include "product.h"
 #include "viewshed_make.h"
 
 #include <math.h>
@@ -10,63 +9,120 @@
 
 static const char name[] = "viewshed";
 
-typedef struct viewshed_command {
-    ground_options ground;
-    viewshed_request request;
-    int extent;
-    bool weights, angle, needed;
-} viewshed_command;
-
-enum { EXTENT_NEAR, EXTENT_FULL };
+static const double eye_height = 2;
 
 static const char *extent_names(size_t number) {
     static const char *const names[] = {"near", "full"};
     return number < sizeof names / sizeof *names ? names[number] : NULL;
 }
 
-static bool check(void *context, size_t *bands) {
-    viewshed_command *c = context;
-    (void)bands; /* known when the observers are read */
-    viewshed_request *r = &c->request;
-    const bool needed = c->needed || r->absolute;
-    if (!observer_options_check(&r->observers, name) || !target_options_read(&r->target, name)) return false;
-    r->kind = needed ? VIEW_NEEDED : c->angle ? VIEW_ANGLE : c->weights ? VIEW_WEIGHT : VIEW_SEEN;
-    r->full = c->extent == EXTENT_FULL;
-    if (needed + c->angle + c->weights > 1)
-        command_fail(name, "of --weights, --angle and --needed one can be written");
-    else if (c->weights && !r->observers.file)
-        command_fail(name, "--weights goes with --observers FILE, whose weights it adds up");
-    else if (c->weights && r->bands)
-        command_fail(name, "--weights adds up observers, and --bands keeps them apart");
-    else if (needed && r->target.vertical)
-        command_fail(name, "--vertical is about targets of a given height, and --needed looks for that height");
-    else if (r->observers.from.count > 1 && r->observers.every == 0 && !r->bands && (needed || c->angle))
-        command_fail(name, "%s is that of one observer, not of %zu; --bands writes a band for each",
-                     needed ? "the height that is needed to be seen" : "the angle", r->observers.from.count);
-    else if (r->table && (r->kind != VIEW_SEEN || r->bands))
-        command_fail(name,
-                     "--table is about what is seen, and goes with none of --angle, --bands, --needed and --weights");
-    else if (r->curvature < 0)
-        command_fail(name, "--curvature takes a number from 0 on, not %g", r->curvature);
-    else
+/* Who looks. */
+static bool check_observers(viewshed_command *c) {
+    observers_from *o = &c->from;
+    const size_t count = o->place_count = c->from_texts.count;
+    if ((count > 0) == (o->file != NULL))
+        command_fail(name, count > 0 ? "--from and --observers do not go together"
+                                     : "--from X,Y is missing, or --observers FILE: the place of an observer");
+    else if (o->layer && !o->file)
+        command_fail(name, "--layer goes with --observers");
+    else if (o->every < 0)
+        command_fail(name, "--every takes metres, not %g", o->every);
+    else if (o->every > 0 && count == 1)
+        command_fail(name, "--every D takes two places or more: the corners of a line");
+    else {
+        o->places = c->places;
+        o->height = eye_height;
+        o->lines = true;
+        for (size_t k = 0; k < count; k++)
+            if (!product_parse_place(name, c->from_texts.values[k], eye_height, &c->places[k])) return false;
         return true;
+    }
     return false;
 }
 
-static bool make(void *context, ground *g, io_error *error) {
-    const viewshed_command *c = context;
-    return viewshed_make(g, &c->request, error);
+/* At which targets. */
+static bool check_limits(viewshed_command *c) {
+    sight_limits *l = &c->limits;
+    double *a = l->azimuths, *v = l->verticals;
+    l->has_sector = c->azimuth != NULL;
+    l->has_verticals = c->vertical != NULL;
+    if (l->farthest <= 0)
+        command_fail(name, "--max-distance takes metres above 0, not %g", l->farthest);
+    else if (l->nearest < 0)
+        command_fail(name, "--min-distance takes metres, not %g", l->nearest);
+    else if (l->farthest > 0 && l->nearest > l->farthest)
+        command_fail(name, "--min-distance %g is more than --max-distance %g", l->nearest, l->farthest);
+    else if (c->azimuth && !(ground_numbers(c->azimuth, a, 2, 2) > 0 && fabs(a[0]) <= 360 && fabs(a[1]) <= 360))
+        command_fail(name, "--azimuth takes two angles from -360 to 360 degrees, as 350,10, not '%s'", c->azimuth);
+    else if (c->vertical && !(ground_numbers(c->vertical, v, 2, 2) > 0 && v[0] >= -90 && v[0] <= v[1] && v[1] <= 90))
+        command_fail(name, "--vertical takes two angles from -90 to 90 degrees, the lower one first, not '%s'",
+                     c->vertical);
+    else {
+        if (isnan(l->farthest)) l->farthest = 0; /* no limit */
+        return true;
+    }
+    return false;
+}
+
+static bool check(void *context, size_t *bands) {
+    viewshed_command *c = context;
+    (void)bands; /* known when the observers are read */
+    const bool needed = c->needed || c->absolute;
+    if (!check_observers(c) || !check_limits(c)) return false;
+    c->kind = needed ? VIEW_NEEDED : c->angle ? VIEW_ANGLE : c->weights ? VIEW_WEIGHT : VIEW_SEEN;
+    if (needed + c->angle + c->weights > 1)
+        command_fail(name, "of --weights, --angle and --needed one can be written");
+    else if (c->weights && !c->from.file)
+        command_fail(name, "--weights goes with --observers FILE, whose weights it adds up");
+    else if (c->weights && c->bands)
+        command_fail(name, "--weights adds up observers, and --bands keeps them apart");
+    else if (needed && c->vertical)
+        command_fail(name, "--vertical is about targets of a given height, and --needed looks for that height");
+    else if (c->from.place_count > 1 && c->from.every == 0 && !c->bands && (needed || c->angle))
+        command_fail(name, "%s is that of one observer, not of %zu; --bands writes a band for each",
+                     needed ? "the height that is needed to be seen" : "the angle", c->from.place_count);
+    else if (c->table && (c->kind != VIEW_SEEN || c->bands))
+        command_fail(name,
+                     "--table is about what is seen, and goes with none of --angle, --bands, --needed and --weights");
+    else
+        return product_check_curvature(name, c->curvature);
+    return false;
 }
 
 static int run(int argc, char **argv) {
     static viewshed_command c; /* large */
-    viewshed_request *r = &c.request;
-    r->curvature = NAN;
-    enum { PLACES = OBSERVER_OPTION_COUNT + TARGET_OPTION_COUNT };
-    option_spec options[] = {
-        [PLACES] = option_number("curvature", "K", &r->curvature,
-                                 "the earth's curvature as a factor: 0 for a flat earth, 1 without air, 0.857 = 6/7 "
-                                 "with usual refraction (default: 6/7, or 0 if the file has no map)"),
+    c.product = (product){.context = &c,
+                          .check = check,
+                          .begin = viewshed_begin,
+                          .fill = viewshed_fill,
+                          .finish = viewshed_finish,
+                          .end = viewshed_end};
+    c.limits.farthest = NAN;
+    const option_spec options[] = {
+        option_several("from", "X,Y[,H]", &c.from_texts,
+                       "the observer's place on the map, with the eye H metres above ground (default: 2), or X,Y,=Z; "
+                       "may be given up to 256 times"),
+        option_text(
+            "observers", "FILE", &c.from.file,
+            "any number of observers: a table (.csv) whose first line names the columns x, y and, if there, height and "
+            "weight; or points of any file that GDAL reads, with such attributes, brought to the terrain's map"),
+        option_text("layer", "NAME", &c.from.layer, "the layer of --observers, for files with several"),
+        option_number("every", "D", &c.from.every,
+                      "the places are the corners of a line, and so are those of each line in a file: an observer "
+                      "stands at its beginning and every D metres; heights and weights change evenly between corners"),
+        option_number("target-height", "T", &c.target_height,
+                      "height of the target above ground, in metres (default: 0, the ground)"),
+        option_number("max-distance", "D", &c.limits.farthest,
+                      "samples farther away than D metres are not seen, nor read and written (default: no limit)"),
+        option_number("min-distance", "D", &c.limits.nearest,
+                      "samples nearer than D metres are not seen, but block the view (default: 0)"),
+        option_text("azimuth", "A,B", &c.azimuth,
+                    "only samples in directions from azimuth A clockwise to B, in degrees from the map's north: 350,10 "
+                    "are 20 degrees"),
+        option_text("vertical", "LO,HI", &c.vertical,
+                    "only targets at angles from LO to HI degrees above the eye's horizontal, from -90 to 90; below it "
+                    "they are negative"),
+        product_round_earth_row(&c.curvature),
         option_flag("weights", &c.weights,
                     "write the sum of the weights of the observers that see the sample (float32; NaN: no data)"),
         option_flag("angle", &c.angle,
@@ -74,17 +130,15 @@ static int run(int argc, char **argv) {
         option_flag("needed", &c.needed,
                     "write the height above ground, in metres, from which on a target is seen; 0 where the ground "
                     "itself is (float32; NaN: no data or too far)"),
-        option_flag("needed-absolute", &r->absolute, "the same as an absolute height in metres"),
-        option_flag("bands", &r->bands,
+        option_flag("needed-absolute", &c.absolute, "the same as an absolute height in metres"),
+        option_flag("bands", &c.bands,
                     "write a band for each observer instead of counts; also with --angle and --needed"),
-        option_text("table", "FILE", &r->table,
+        option_text("table", "FILE", &c.table,
                     "also write a table (CSV) with a line for each observer: how many samples it sees, these times a "
                     "cell's area in square kilometres, and the farthest one"),
         option_choice("extent", "NAME", &c.extent, extent_names,
                       "with --max-distance: write only samples within it (near, the default), or the full raster"),
     };
-    observer_rows(&r->observers, options);
-    target_rows(&r->target, options + OBSERVER_OPTION_COUNT);
     const options_usage usage = {
         .name = name,
         .synopsis = "DEM (--from X,Y | --observers FILE) -o FILE [OPTIONS]",
@@ -98,7 +152,7 @@ static int run(int argc, char **argv) {
             "seen. What is written instead of counts: --weights, --angle or --needed, and with --bands a band for each "
             "observer.\n\n"
             "The surface is two triangles between each four samples, lowered by the earth's curvature; every sample's "
-            "line is decided exactly, and one that touches the surface is blocked.\n\n" GROUND_PLACE_HELP "\n",
+            "line is decided exactly, and one that touches the surface is blocked.\n\n" PRODUCT_PLACE_HELP "\n",
         .examples = "  cellwalk viewshed dem.tif --from 600250,5199800 -o seen.tif\n"
                     "  cellwalk viewshed dem.tif --from 600250,5199800,30 --target-height 1.5 \\\n"
                     "      --max-distance 20000 -o seen.tif\n"
@@ -112,7 +166,7 @@ static int run(int argc, char **argv) {
         .options = options,
         .option_count = sizeof options / sizeof *options,
     };
-    return product_run(&(product_command){&c.ground, &c, check, make}, &usage, argc, argv);
+    return product_run(&c.product, &usage, argc, argv);
 }
 
 const command command_viewshed = {"viewshed", "compute which samples are seen from one place or many", run};

@@ -13,121 +13,102 @@
 static const char name[] = "visibility";
 
 typedef struct visibility_command {
-    ground_options ground;
+    product product;
     visibility_desc desc;
     unsigned directions, every;
-    double curvature; /* NaN if it was not given */
     bool longest, share;
-} visibility_command;
-
-typedef struct job {
-    ground *ground;
-    const visibility_command *command;
-    visibility_desc desc;
     size_t nx, ny;      /* eyes */
     size_t from, until; /* rows of the product that are known */
     float *band[2];
-} job;
+} visibility_command;
 
-static bool enter(void *context, io_error *error) {
-    job *j = context;
+static bool enter(product *p, io_error *error) {
+    visibility_command *c = p->context;
     (void)error;
-    j->from = j->until = 0;
-    return true;
-}
-
-static bool around(void *context, cw_rectangle part, cw_rectangle *piece, io_error *error) {
-    const job *j = context;
-    (void)error;
-    const double reach = j->desc.max_distance;
-    *piece = reach > 0 ? reach_beside(&j->ground->whole, part, reach) : pieces_all(j->ground);
+    c->from = c->until = 0;
     return true;
 }
 
 /* All rows that the piece is good for, at once: the land is turned toward each direction once. */
-static bool find(job *j, size_t row, io_error *error) {
-    ground *g = j->ground;
-    const visibility_command *c = j->command;
-    const size_t every = j->desc.every, first = row * every;
+static bool find(product *p, size_t row, io_error *error) {
+    visibility_command *c = p->context;
+    const ground *g = &p->ground;
+    const size_t every = c->every, first = row * every;
     const cw_rectangle at = {g->window.i - g->terrain.column, g->window.j + first - g->terrain.row, g->window.nx,
-                             g->until - first};
+                             p->until - first};
     const size_t rows = (at.ny + every - 1) / every;
     for (int b = 0; b < (c->longest ? 2 : 1); b++) {
-        free(j->band[b]);
-        j->band[b] = malloc(rows * j->nx * sizeof(float));
-        if (j->band[b] == NULL) return io_fail(error, "out of memory");
+        free(c->band[b]);
+        c->band[b] = malloc(rows * c->nx * sizeof(float));
+        if (c->band[b] == NULL) return io_fail(error, "out of memory");
     }
-    visibility_answers to = {.area = j->band[0]};
-    if (c->longest) to = (visibility_answers){.farthest = j->band[0], .azimuth = j->band[1]};
-    if (c->share) to = (visibility_answers){.share = j->band[0]};
+    visibility_answers to = {.area = c->band[0]};
+    if (c->longest) to = (visibility_answers){.farthest = c->band[0], .azimuth = c->band[1]};
+    if (c->share) to = (visibility_answers){.share = c->band[0]};
     bool done;
-    g->part = (double)rows / (double)j->ny / (c->longest ? 2 : 1); /* of all these rows, not of a block */
-    const cw_status status = visibility_find(&g->terrain, &j->desc, &g->query, at, &to, ground_tell_block, g, &done);
-    if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));
-    j->from = row;
-    j->until = row + rows;
-    return done || io_fail(error, "interrupted");
+    p->part = (double)rows / (double)c->ny / (c->longest ? 2 : 1); /* of all these rows, not of a block */
+    const cw_status status = visibility_find(&g->terrain, &c->desc, &g->query, at, &to, product_tell_block, p, &done);
+    c->from = row;
+    c->until = row + rows;
+    return product_good(status, done, error);
 }
 
-static bool fill(void *context, size_t band, size_t row, size_t rows, void *cells, io_error *error) {
-    job *j = context;
-    if ((row < j->from || row >= j->until) && !find(j, row, error)) return false;
-    memcpy(cells, j->band[band] + (row - j->from) * j->nx, rows * j->nx * sizeof(float));
+static bool fill(product *p, size_t band, size_t row, size_t rows, void *cells, io_error *error) {
+    visibility_command *c = p->context;
+    if ((row < c->from || row >= c->until) && !find(p, row, error)) return false;
+    memcpy(cells, c->band[band] + (row - c->from) * c->nx, rows * c->nx * sizeof(float));
     return true;
 }
 
 /* White in a picture: the most that can be in sight. */
-static double most_of(const job *j) {
-    const terrain *t = &j->ground->whole;
-    const double reach = j->desc.max_distance;
+static double most_of(const visibility_command *c) {
+    const terrain *t = &c->product.ground.whole;
+    const double reach = c->desc.max_distance;
     double metres[2], side[2];
     terrain_metres(t, 0.5 * (double)t->nx, 0.5 * (double)t->ny, metres);
     for (int a = 0; a < 2; a++)
         side[a] = hypot(t->map[0][a] * metres[0], t->map[1][a] * metres[1]) * (double)(a ? t->ny : t->nx);
-    if (j->command->share) return 1;
-    if (j->command->longest) return reach > 0 ? reach : hypot(side[0], side[1]);
+    if (c->share) return 1;
+    if (c->longest) return reach > 0 ? reach : hypot(side[0], side[1]);
     const double all = side[0] * side[1], circle = 3.141592653589793 * reach * reach;
     return 1e-6 * (reach > 0 ? fmin(all, circle) : all);
 }
 
-static bool make(void *context, ground *g, io_error *error) {
-    const visibility_command *c = context;
-    job j = {.ground = g, .command = c, .desc = c->desc};
-    j.desc.directions = c->directions;
-    j.desc.every = c->every;
-    j.desc.curvature = ground_curvature(g, c->curvature);
-    static const char *const area = "square kilometres of ground in sight",
-                             *const share = "share of the ground within the distance that is in sight",
-                             *const longest = "metres to the farthest ground in sight";
+static bool begin(product *p, io_error *error) {
+    visibility_command *c = p->context;
+    visibility_desc *d = &c->desc;
+    ground *g = &p->ground;
     static const char *const names[] = {"metres to the farthest ground in sight", "azimuth of that place"};
-    ground_notes notes = {0};
-    io_raster_product product = ground_product(g, IO_CELL_FLOAT32, c->longest ? 2 : 1,
-                                               c->longest ? &longest
-                                               : c->share ? &share
-                                                          : &area,
-                                               &notes);
-    double map[3][4];
-    memcpy(map, g->map, sizeof map);
+    (void)error;
+    d->directions = c->directions;
+    d->every = c->every;
+    d->curvature = ground_curvature(g, d->curvature);
+    product_describe(p, IO_CELL_FLOAT32, c->longest ? 2 : 1,
+                     c->longest ? names[0]
+                     : c->share ? "share of the ground within the distance that is in sight"
+                                : "square kilometres of ground in sight");
     for (int k = 0; k < 2; k++)
-        for (int a = 0; a < 2; a++) map[k][a] *= (double)c->every;
-    product.map = (const double(*)[4])map;
-    product.nx = j.nx = (g->window.nx + c->every - 1) / c->every;
-    product.ny = j.ny = (g->window.ny + c->every - 1) / c->every;
-    product.white = most_of(&j);
-    if (c->longest) product.band_names = names;
-    ground_note(&notes, "DIRECTIONS=%u", c->directions);
-    ground_note(&notes, "EVERY=%u", c->every);
-    ground_note(&notes, "OBSERVER_HEIGHT=%.9g", j.desc.eye_height);
-    ground_note(&notes, "TARGET_HEIGHT=%.9g", j.desc.target_height);
-    ground_note(&notes, "MAX_DISTANCE=%.9g", j.desc.max_distance);
-    ground_note(&notes, "CURVATURE=%.9g", j.desc.curvature);
-    /* The turned land and its bounds; sums in double, and answers. */
-    const pieces_maker maker = {fill, around, enter, .more = 5 + 8 + (c->share || c->longest ? 8 : 4),
-                                .every = c->every};
-    const bool good = pieces_write(g, &product, 1, &maker, &j, error);
-    ground_notes_free(&notes);
-    for (int b = 0; b < 2; b++) free(j.band[b]);
-    return good;
+        for (int a = 0; a < 2; a++) g->map[k][a] *= (double)c->every;
+    p->raster.nx = c->nx = (g->window.nx + c->every - 1) / c->every;
+    p->raster.ny = c->ny = (g->window.ny + c->every - 1) / c->every;
+    p->raster.white = most_of(c);
+    if (c->longest) p->raster.band_names = names;
+    product_note(p, "DIRECTIONS=%u", c->directions);
+    product_note(p, "EVERY=%u", c->every);
+    product_note(p, "OBSERVER_HEIGHT=%.9g", d->eye_height);
+    product_note(p, "TARGET_HEIGHT=%.9g", d->target_height);
+    product_note(p, "MAX_DISTANCE=%.9g", d->max_distance);
+    product_note(p, "CURVATURE=%.9g", d->curvature);
+    p->matters.distance = d->max_distance;
+    p->more =
+        5 + 8 + (c->share || c->longest ? 8 : 4); /* the turned land and its bounds; sums in double, and answers */
+    p->every = c->every;
+    return true;
+}
+
+static void end(void *context) {
+    visibility_command *c = context;
+    for (int b = 0; b < 2; b++) free(c->band[b]);
 }
 
 static bool check(void *context, size_t *bands) {
@@ -142,15 +123,14 @@ static bool check(void *context, size_t *bands) {
         command_fail(name, "--target-height takes metres from 0 on, not %g", d->target_height);
     else if (!(d->max_distance >= 0))
         command_fail(name, "--max-distance takes metres, not %g", d->max_distance);
-    else if (c->curvature < 0)
-        command_fail(name, "--curvature takes a number from 0 on, not %g", c->curvature);
     else
-        return true;
+        return product_check_curvature(name, d->curvature);
     return false;
 }
 
 static int run(int argc, char **argv) {
-    visibility_command c = {.desc = {.eye_height = 2}, .directions = 128, .every = 1, .curvature = NAN};
+    static visibility_command c = {.desc = {.eye_height = 2}, .directions = 128, .every = 1}; /* large */
+    c.product = (product){.context = &c, .check = check, .begin = begin, .fill = fill, .enter = enter, .end = end};
     const option_spec options[] = {
         option_flag(
             "longest", &c.longest,
@@ -166,9 +146,7 @@ static int run(int argc, char **argv) {
                       "what must be seen is T metres above the ground (default: 0, the ground itself)"),
         option_number("max-distance", "D", &c.desc.max_distance,
                       "what is farther away than D metres does not count (default: no limit)"),
-        option_number("curvature", "K", &c.curvature,
-                      "the earth's curvature as a factor: 0 for a flat earth, 1 without air, 0.857 = 6/7 with usual "
-                      "refraction (default: 6/7, or 0 if the file has no map)"),
+        product_round_earth_row(&c.desc.curvature),
         option_count("every", "K", &c.every, 1, 1 << 20,
                      "eyes at every K-th column and row, on the land in full: a raster of cells K times as wide, in 1 "
                      "/ K^2 of the time"),
@@ -197,7 +175,7 @@ static int run(int argc, char **argv) {
         .options = options,
         .option_count = sizeof options / sizeof *options,
     };
-    return product_run(&(product_command){&c.ground, &c, check, make}, &usage, argc, argv);
+    return product_run(&c.product, &usage, argc, argv);
 }
 
 const command command_visibility = {"visibility", "compute how much of the ground each sample sees", run};

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "los_pairs.h"
 
-#include "../cancel.h"
 #include "line.h"
 #include "table.h"
 
@@ -13,7 +12,7 @@ static const char *const names[NAMES] = {"x1", "y1", "height1", "x2", "y2", "hei
 static bool is_height(int n) { return n == HEIGHT1 || n == HEIGHT2; }
 
 typedef struct job {
-    ground *ground;
+    product *product;
     io_table table;
     size_t columns[NAMES];
     double curvature, megahertz;
@@ -32,8 +31,8 @@ static bool find_columns(job *j, io_error *error) {
     if (!io_table_others(t, names, NAMES, others, sizeof others)) return true;
     snprintf(text, sizeof text, "%s: passed over: %s; columns with a meaning are x1, y1, height1, x2, y2 and height2",
              t->path, others);
-    progress_end(&j->ground->line);
-    j->ground->reading.warn(j->ground->reading.context, text);
+    const ground_watch *w = &j->product->ground.watch;
+    w->warn(w->context, text);
     return true;
 }
 
@@ -75,7 +74,8 @@ static bool look(job *j, size_t row, io_error *error) {
     line l;
     for (int end = 0; end < 2; end++)
         if (!take_place(j, row, end, &places[end], texts[end], error)) return false;
-    if (!line_find(&l, &j->ground->terrain, places, j->curvature, error) || !write_row(j, row, &l, error)) return false;
+    if (!line_find(&l, &j->product->ground.terrain, places, j->curvature, error) || !write_row(j, row, &l, error))
+        return false;
     return j->profiles == NULL || line_write_profile(&l, row + 1, j->megahertz, &j->profile, j->profiles, error);
 }
 
@@ -88,18 +88,14 @@ static bool look_at_all(job *j, io_error *error) {
     if (j->profiles && !line_head_profiles(j->megahertz, j->profiles, error)) return false;
     for (size_t row = 0; row < rows; row++) {
         if (!look(j, row, error)) return false;
-        if (!ground_tell(j->ground, (double)(row + 1) / (double)rows)) return io_fail(error, "interrupted");
+        if (!product_tell(j->product, (double)(row + 1) / (double)rows)) return io_fail(error, "interrupted");
     }
     return true;
 }
 
-bool los_pairs(ground *g, const char *path, double curvature, double megahertz, io_output *results, io_output *profiles,
-               io_error *error) {
-    job j = {.ground = g,
-             .curvature = ground_curvature(g, curvature),
-             .megahertz = megahertz,
-             .results = results,
-             .profiles = profiles};
+bool los_pairs(product *p, const char *path, double curvature, double megahertz, io_output *results,
+               io_output *profiles, io_error *error) {
+    job j = {.product = p, .curvature = curvature, .megahertz = megahertz, .results = results, .profiles = profiles};
     if (!io_table_read(path, &j.table, error)) return false;
     const bool good = look_at_all(&j, error);
     io_table_free(&j.table);

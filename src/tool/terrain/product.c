@@ -1,31 +1,273 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "product.h"
 
+#include "../cancel.h"
+#include "clock.h"
 #include "command.h"
+#include "inputs.h"
+#include "number.h"
+#include "progress.h"
 
+#include <math.h>
+#include <stdarg.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
-int product_run(const product_command *p, const options_usage *usage, int argc, char **argv) {
+/* ---- options ----------------------------------------------------------------------------------------------------- */
+
+static const char *compression_names(size_t number) {
+    static const char *const names[] = {"deflate", "zstd", "none"};
+    return number < sizeof names / sizeof *names ? names[number] : NULL;
+}
+
+enum { SHARED_OPTIONS = 8 + RASTER_OPTION_COUNT + 2 };
+
+static void shared_rows(product *p, option_spec *rows) {
+    const option_spec own[] = {
+        option_text("window", "XMIN,YMIN,XMAX,YMAX", &p->window,
+                    "only the samples in that part of the map, in its coordinates; values are those of the whole "
+                    "raster, of which only the parts needed are read"),
+        option_text("memory", "SIZE", &p->memory,
+                    "limit on memory in bytes, as 2G or 500M: rasters and products that need more are made by bands of "
+                    "rows (default: three quarters of the machine's memory)"),
+        option_output("FILE", &p->output,
+                      "the raster to write: .tif (GeoTIFF), .npy (NumPy array) or .png (a picture over the terrain's "
+                      "relief, with a world file .pgw if that has a map)"),
+        option_choice("compress", "NAME", &p->compression, compression_names,
+                      "lossless compression of a GeoTIFF: deflate (default), which every program reads, or zstd, which "
+                      "is faster and needs a newer program"),
+        option_flag("cog", &p->cog, "write a Cloud Optimized GeoTIFF: GDAL's -of COG"),
+        option_several("co", "NAME=VALUE", &p->creation,
+                       "a creation option for GDAL's GTiff driver, or for COG with --cog; may be given several times"),
+        option_flag("plain", &p->plain, "of a .png: grey values alone, from black to white"),
+        option_flag("quiet", &p->quiet, "leave out the line at the end"),
+    };
+    option_spec query[QUERY_OPTION_COUNT];
+    memcpy(rows, own, sizeof own);
+    rows += sizeof own / sizeof *own;
+    raster_options_rows(&p->raster_options, rows);
+    query_options_rows(&p->query_options, query);
+    rows[RASTER_OPTION_COUNT] = query[QUERY_ISA];
+    rows[RASTER_OPTION_COUNT + 1] = query[QUERY_THREADS];
+}
+
+option_spec product_flat_earth_row(double *curvature) {
+    return option_number("curvature", "K", curvature,
+                         "the earth's curvature as a factor: 0 for a flat earth (default), 1 without air, 0.857 with "
+                         "usual refraction");
+}
+
+option_spec product_round_earth_row(double *curvature) {
+    *curvature = NAN;
+    return option_number("curvature", "K", curvature,
+                         "the earth's curvature as a factor: 0 for a flat earth, 1 without air, 0.857 = 6/7 with usual "
+                         "refraction (default: 6/7, or 0 if the file has no map)");
+}
+
+bool product_check_curvature(const char *name, double curvature) {
+    if (curvature < 0) command_fail(name, "--curvature takes a number from 0 on, not %g", curvature);
+    return !(curvature < 0);
+}
+
+bool product_parse_sun(const char *name, const char *text, double sun[2]) {
+    if (ground_numbers(text, sun, 2, 2) == 0)
+        command_fail(name, "--sun takes azimuth and altitude in degrees, as 225,30, not '%s'", text);
+    else if (fabs(sun[1]) > 90)
+        command_fail(name, "--sun %s: the second number is the altitude, and %g degrees is none; the azimuth is first",
+                     text, sun[1]);
+    else
+        return true;
+    return false;
+}
+
+bool product_parse_place(const char *name, const char *text, double height, ground_place *p) {
+    io_error error;
+    if (ground_parse_place(text, height, p, &error)) return true;
+    command_fail(name, "%s", error.text);
+    return false;
+}
+
+static double size_of_text(const char *text) {
+    static const char units[] = "KMGT";
+    char *end;
+    double size = number_read(text, &end);
+    const char *unit = *end != '\0' ? strchr(units, *end & ~0x20) : NULL;
+    if (end == text || (*end != '\0' && (unit == NULL || end[1] != '\0'))) return NAN;
+    for (const char *u = units; unit != NULL && u <= unit; u++) size *= 1000;
+    return size;
+}
+
+/* Checks the options' values; false after a message. */
+static bool resolve(product *p, size_t bands) {
+    const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
+    const char *of_tif = p->compression != IO_DEFLATE ? "compress" : p->cog ? "cog" : p->creation.count ? "co" : NULL;
+    p->ground.bytes = pages > 0 && page > 0 ? 0.75 * (double)pages * (double)page : 4e9;
+    if (p->memory) p->ground.bytes = size_of_text(p->memory);
+    if (p->window && ground_numbers(p->window, p->extent, 4, 4) == 0)
+        command_fail(p->name, "--window takes XMIN,YMIN,XMAX,YMAX, coordinates of the map, not '%s'", p->window);
+    else if (!(p->ground.bytes > 0 && isfinite(p->ground.bytes)))
+        command_fail(p->name, "--memory takes a number of bytes, as 2G or 500M, not '%s'", p->memory);
+    else if (bands > 0 && p->output == NULL)
+        command_fail(p->name, "nothing to do: give -o FILE for the result");
+    else if (of_tif != NULL && !(bands > 0 && io_raster_is_tif(p->output)))
+        command_fail(p->name, "--%s goes with -o FILE.tif", of_tif);
+    else if (p->plain && !(bands > 0 && io_raster_is_png(p->output)))
+        command_fail(p->name, "--plain goes with -o FILE.png");
+    else
+        return query_options_resolve(&p->query_options, p->name, &p->ground.query) &&
+               raster_options_resolve(&p->raster_options, p->name, &p->ground.reading);
+    return false;
+}
+
+/* ---- opening ----------------------------------------------------------------------------------------------------- */
+
+/* Whether the output would take an input's place: said before any work, since the output is opened after it. */
+static bool is_input(const char *output) {
+    struct stat about;
+    return stat(output, &about) == 0 && io_inputs_have(&about);
+}
+
+bool product_check_output(const product *p, io_error *error) {
+    return !is_input(p->output) ||
+           io_fail(error, "%s: is also an input; choose another name for the output", p->output);
+}
+
+static bool open_ground(product *p, size_t bands, io_error *error) {
+    ground *g = &p->ground;
+    if (bands > 0 && !io_raster_can_write(p->output, bands, error)) return false;
+    if ((p->cog || p->creation.count > 0) &&
+        !io_raster_check_creation(p->creation.values, p->creation.count, p->cog, error))
+        return false;
+    if (bands > 0 && io_inputs_note_path(g->path) && is_input(p->output))
+        return io_fail(error, "%s: is the terrain itself and cannot be overwritten", p->output);
+    if (cw_pool_create(p->query_options.threads, &g->query.pool) != CW_OK) return io_fail(error, "%s", cw_last_error());
+    g->reading.north_up = true;
+    g->coarser = p->raster_options.coarser;
+    g->watch = p->raster_options.watch;
+    if (!ground_open(g, error) || (p->window && !ground_find_window(g, p->extent, p->window, error))) return false;
+    if (bands == 0) return ground_read(g, ground_all(g), false, error);
+    return product_check_output(p, error); /* a VRT's sources, known by now */
+}
+
+static void free_ground(product *p) {
+    progress_end();
+    ground_close(&p->ground);
+    cw_pool_destroy(p->ground.query.pool);
+}
+
+int product_open(product *p, const char *path, size_t bands) {
+    io_error error;
+    p->start = clock_seconds();
+    p->ground.path = path;
+    if (!resolve(p, bands)) return EXIT_USAGE;
+    if (open_ground(p, bands, &error)) return EXIT_SUCCESS;
+    free_ground(p);
+    return command_fail(p->name, "%s", error.text);
+}
+
+int product_close(product *p, bool good, const io_error *error) {
+    free_ground(p);
+    return good ? EXIT_SUCCESS : command_fail(p->name, "%s", error->text);
+}
+
+/* ---- the result -------------------------------------------------------------------------------------------------- */
+
+void product_note(product *p, const char *format, ...) {
+    enum { LONGEST = 300 };
+    char text[LONGEST];
+    if (p->note_count == PRODUCT_NOTES_MOST) return;
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    char *copy = strdup(text);
+    if (copy != NULL) p->notes[p->note_count++] = copy;
+}
+
+static bool goes_on(void *context) { return cancel_tell(context, NULL, 0); }
+
+void product_describe(product *p, io_cell cell, size_t bands, const char *what) {
+    const ground *g = &p->ground;
+    p->what = what;
+    product_note(p, "TIFFTAG_SOFTWARE=cellwalk %s", CW_VERSION);
+    product_note(p, "TIFFTAG_IMAGEDESCRIPTION=%s", what);
+    product_note(p, "PRODUCT=%s", p->name);
+    product_note(p, "SURFACE=two triangles between each four samples, split from sample (i, j) to (i + 1, j + 1)");
+    p->raster = (io_raster_product){
+        .nx = g->window.nx,
+        .ny = g->window.ny,
+        .bands = bands,
+        .cell = cell,
+        .map = (const double(*)[4])g->map,
+        .georef = &g->about.georef,
+        .has_nodata = true,
+        .nodata = cell == IO_CELL_UINT8    ? 255
+                  : cell == IO_CELL_UINT16 ? 65535
+                                           : NAN,
+        .black = 0,
+        .white = 1,
+        .band_names = bands == 1 ? &p->what : NULL,
+        .notes = p->notes,
+        .threads = cw_pool_threads(g->query.pool),
+        .compression = (io_compression)p->compression,
+        .cog = p->cog,
+        .creation = p->creation.values,
+        .creation_count = p->creation.count,
+        .go_on = goes_on,
+    };
+}
+
+void product_scale(product *p, double scale) {
+    p->raster.cell = IO_CELL_INT16;
+    p->raster.scale = scale;
+    p->raster.nodata = INT16_MIN;
+}
+
+bool product_tell(void *context, double share) { return cancel_tell(NULL, ((product *)context)->name, share); }
+
+bool product_tell_block(void *context, double share) {
+    const product *p = context;
+    return product_tell(context, p->done + share * p->part);
+}
+
+bool product_good(cw_status status, bool done, io_error *error) {
+    if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));
+    return done || io_fail(error, "interrupted");
+}
+
+/* ---- all together ------------------------------------------------------------------------------------------------ */
+
+static bool make(product *p, io_error *error) {
+    const bool good = p->begin(p, error) && (p->raster.bands == 0 || product_write(p, error)) &&
+                      (p->finish == NULL || p->finish(p, error));
+    if (p->end) p->end(p->context);
+    for (size_t k = 0; k < p->note_count; k++) free((void *)(uintptr_t)p->notes[k]);
+    free(p->marks);
+    return good;
+}
+
+int product_run(product *p, const options_usage *usage, int argc, char **argv) {
     static const char *const operands[] = {"DEM"};
-    option_spec options[PRODUCT_OPTIONS_MOST + PIECES_OPTION_COUNT + GROUND_OPTION_COUNT];
-    option_spec *shared = options + usage->option_count;
-    memcpy(options, usage->options, usage->option_count * sizeof *options);
-    pieces_rows(p->ground, shared);
-    ground_rows(p->ground, usage->name, shared + PIECES_OPTION_COUNT);
+    option_spec options[PRODUCT_OPTIONS_MOST + SHARED_OPTIONS];
     options_usage all = *usage;
+    memcpy(options, usage->options, usage->option_count * sizeof *options);
+    shared_rows(p, options + usage->option_count);
     all.options = options;
-    all.option_count += PIECES_OPTION_COUNT + GROUND_OPTION_COUNT;
+    all.option_count += SHARED_OPTIONS;
     all.operands = operands;
     all.operand_least = all.operand_most = 1;
+    p->name = usage->name;
+    p->passes = 1;
 
     const char *path;
     size_t bands = 1;
+    io_error error = {""};
     const int status = options_parse(&all, argc, argv, &path);
     if (status != OPTIONS_GO) return status;
     if (!p->check(p->context, &bands)) return EXIT_USAGE;
-    ground g;
-    io_error error = {""};
-    const int opened = ground_open(&g, p->ground, path, bands, bands > 0 ? GROUND_PIECES : GROUND_SAMPLES);
-    return opened == EXIT_SUCCESS ? ground_close(&g, p->make(p->context, &g, &error), &error) : opened;
+    const int opened = product_open(p, path, bands);
+    return opened == EXIT_SUCCESS ? product_close(p, make(p, &error), &error) : opened;
 }

@@ -1,21 +1,108 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Subcommands that make a raster of one terrain: the options that they share, and how they run. */
+/* Subcommands that make a raster of one terrain. They all run the same way: options, opening, pieces of the raster one after the
+ * other, each filling its rows, the output, the line at the end. */
 #ifndef CELLWALK_TOOL_TERRAIN_PRODUCT_H
 #define CELLWALK_TOOL_TERRAIN_PRODUCT_H
 
-#include "pieces.h"
+#include "../query_options.h"
+#include "../raster_options.h"
+#include "ground.h"
+#include "picture.h"
+#include "place.h"
+#include "plan.h"
+#include "raster_out.h"
 
-typedef struct product_command {
-    ground_options *ground;
-    void *context; /* of both functions */
+enum { PRODUCT_NOTES_MOST = 300 };
+
+typedef struct product {
+    /* What the subcommand is; fill and what follows may be NULL. */
+    void *context;
     /* Checks the command line. False after a message. *bands, 1 at first: how many the raster has; 0: none is written, and all
-     * samples are read. */
+     * samples are read before begin. */
     bool (*check)(void *context, size_t *bands);
-    bool (*make)(void *context, ground *g, io_error *error);
-} product_command;
+    /* Describes the result in all fields down to scale. */
+    bool (*begin)(struct product *p, io_error *error);
+    /* Rows row to row + rows - 1 of a band, of the piece in memory and as long as that, with every > 0 of the product. */
+    bool (*fill)(struct product *p, size_t band, size_t row, size_t rows, void *cells, io_error *error);
+    bool (*enter)(struct product *p, io_error *error);  /* the piece in memory is another one, with a field */
+    bool (*finish)(struct product *p, io_error *error); /* the raster is written */
+    void (*end)(void *context);                         /* always, if begin was called */
+
+    /* The result. */
+    io_raster_product raster; /* product_describe begins it */
+    const char *what;
+    size_t note_count;
+    const char *notes[PRODUCT_NOTES_MOST + 1]; /* "NAME=value", up to a NULL */
+    bool in_memory;                            /* begin has read all that matters */
+    ground_matters matters;
+    double more;         /* bytes that fill needs for each sample of a piece, beside the field and the result */
+    double passes;       /* how often as much work as one shadow a row is */
+    size_t every;        /* 0, or it has every so many columns and rows of the window */
+    const char *counted; /* what samples are whose value is above 0: "in sight" */
+    double *marks;       /* places for a picture: columns and rows of the whole raster; freed */
+    size_t mark_count;
+
+    /* Options. */
+    const char *name; /* of the subcommand */
+    const char *output, *window, *memory;
+    int compression; /* io_compression */
+    bool cog, plain, quiet;
+    option_again creation;
+    raster_options raster_options;
+    query_options query_options;
+    double extent[4]; /* of window */
+
+    /* The work. */
+    ground ground;
+    size_t until;      /* the window's row at which the piece is no longer good */
+    double done, part; /* of all work, before a block and by it */
+    double start;      /* seconds of the clock */
+} product;
 
 /* Runs with usage's options, at most PRODUCT_OPTIONS_MOST, then the shared ones, and the operand DEM. Returns the exit status. */
-enum { PRODUCT_OPTIONS_MOST = 20 };
-int product_run(const product_command *p, const options_usage *usage, int argc, char **argv);
+enum { PRODUCT_OPTIONS_MOST = 24 };
+int product_run(product *p, const options_usage *usage, int argc, char **argv);
+
+/* Opens the raster, and reads all of it without bands to write. Returns EXIT_SUCCESS, or after a message the exit status; there is
+ * then nothing to close. */
+int product_open(product *p, const char *path, size_t bands);
+/* Returns the exit status of the work, after the message in error unless it was good. */
+int product_close(product *p, bool good, const io_error *error);
+
+/* The output is none of the inputs that have been noted; an error if it is. */
+bool product_check_output(const product *p, io_error *error);
+
+/* The result's size, place and coordinate system. what: the meaning of a sample's number, in one sentence, and the name of a single
+ * band; it must stay. */
+void product_describe(product *p, io_cell cell, size_t bands, const char *what);
+/* Notes more of what was done. No more than fits. */
+__attribute__((format(printf, 2, 3))) void product_note(product *p, const char *format, ...);
+/* Makes the result int16, of floats that fill fills in: each is the nearest multiple of scale, a power of two. */
+void product_scale(product *p, double scale);
+
+/* For product_run: makes all blocks and writes them. */
+bool product_write(product *p, io_error *error);
+
+/* Shows progress of a step that lasts, for terrain_progress: context is the product. False after Ctrl-C. */
+bool product_tell(void *context, double share);
+/* The same, of the block that is being filled. */
+bool product_tell_block(void *context, double share);
+/* For the end of a fill: an error unless the status is good and the work was not ended. */
+bool product_good(cw_status status, bool done, io_error *error);
+
+/* --curvature of products for which the earth is flat unless it is given, and of lines of sight. Checked: false after a message. */
+option_spec product_flat_earth_row(double *curvature);
+option_spec product_round_earth_row(double *curvature);
+bool product_check_curvature(const char *name, double curvature);
+
+/* --sun AZ,ALT, or a place; false after a message. */
+bool product_parse_sun(const char *name, const char *text, double sun[2]);
+bool product_parse_place(const char *name, const char *text, double height, ground_place *p);
+
+/* The paragraph on places in the help of all subcommands. */
+#define PRODUCT_PLACE_HELP                                                                                             \
+    "A place is X,Y,H: coordinates of the map and metres above ground, or X,Y,=Z with\n"                               \
+    "an absolute height in metres, which may lie outside the raster. Samples are the\n"                                \
+    "pixels' centres, so the surface ends half a pixel inside the raster's edge."
 
 #endif

@@ -2,9 +2,9 @@
 #include "view.h"
 
 #include "command.h"
-#include "curvature.h"
 #include "inputs.h"
 #include "landscape.h"
+#include "sight.h"
 #include "sun_place.h"
 #include "tint.h"
 
@@ -22,17 +22,15 @@ static const float horizon[3] = {0.70f, 0.80f, 0.93f}, above[3] = {0.16f, 0.34f,
                    plain[3] = {0.20f, 0.27f, 0.16f};
 
 struct view {
-    field_file file; /* that rays meet */
-    field_file flat; /* with --curvature, until the scene is made: the terrain before it was lowered */
-    terrain terrain; /* before it was lowered */
-    ground_scale_of_map scale;
-    sight earth;   /* by how much it was: 0 without --curvature */
-    float *filled; /* the file's samples without holes, where smooth normals require it */
+    ground ground;        /* not lowered */
+    raster_field lowered; /* by --curvature: that rays meet */
+    sight earth;          /* by how much it was: 0 without --curvature */
+    float *filled;        /* the file's samples without holes, where smooth normals require it */
     scene *scene;
 };
 
 static option_spec curvature_around_eye_row(double *curvature) {
-    option_spec row = ground_flat_earth_row(curvature);
+    option_spec row = product_flat_earth_row(curvature);
     row.help = "the earth's curvature as a factor: 0 for a flat earth\n(default), 1 without air, 0.857 with usual "
                "refraction;\nterrain is lowered around the eye that --from places, and\nshadows are those of the "
                "lowered terrain";
@@ -98,17 +96,15 @@ typedef struct wish {
 
 static bool read_wish(const view_options *v, wish *w) {
     *w = (wish){.sun = {usual_sun[0], usual_sun[1]}, .fov = isnan(v->fov) ? usual_fov : v->fov};
-    if (v->from && !ground_read_place(name, v->from, usual_eye, &w->from)) return false;
-    if (v->to && !ground_read_place(name, v->to, 0, &w->to)) return false;
-    if (v->sun && !ground_parse_sun(name, v->sun, w->sun)) return false;
+    if (v->from && !product_parse_place(name, v->from, usual_eye, &w->from)) return false;
+    if (v->to && !product_parse_place(name, v->to, 0, &w->to)) return false;
+    if (v->sun && !product_parse_sun(name, v->sun, w->sun)) return false;
     if (v->sun && v->time)
         command_fail(name, "give the sun's place by either --sun or --time");
     else if (v->time && !sun_parse_time(v->time, &w->seconds))
         command_fail(name, "--time takes a time with its zone, as 2024-06-21T12:00:00Z or +02:00, not '%s'", v->time);
     else if (v->haze <= 0)
         command_fail(name, "--haze takes a visibility in metres, above 0, not %g", v->haze);
-    else if (v->curvature < 0)
-        command_fail(name, "--curvature takes a number from 0 on, not %g", v->curvature);
     else if (v->curvature > 0 && v->from == NULL)
         command_fail(name, "--curvature lowers the terrain around the eye: give the eye's place by --from");
     else if (v->curvature > 0 && !isnan(v->water))
@@ -116,7 +112,7 @@ static bool read_wish(const view_options *v, wish *w) {
     else if (!(w->fov > 0 && w->fov < 180))
         command_fail(name, "--fov takes degrees above 0 and below 180, not %g", w->fov);
     else
-        return true;
+        return product_check_curvature(name, v->curvature);
     return false;
 }
 
@@ -138,7 +134,7 @@ static void put(double map[3][4], double i, double j, double z, double out[3]) {
 
 static bool put_place(const view *v, double map[3][4], const ground_place *p, double out[3], io_error *error) {
     double at[3];
-    if (!ground_find_place(&v->terrain, p, at, NULL, error)) return false;
+    if (!ground_find_place(&v->ground.terrain, p, at, NULL, error)) return false;
     put(map, at[0], at[1], at[2] - sight_fall(&v->earth, at[0], at[1]), out);
     return true;
 }
@@ -169,10 +165,13 @@ static double stand_off(const corner c[8], double wide, double high, bool lifted
     return 1.1 * away;
 }
 
+/* What rays meet. */
+static const raster_field *surface(const view *v) { return v->lowered.field ? &v->lowered : &v->ground.file; }
+
 /* From the south, and as near as shows all of the terrain's box. */
 static void stand_back(const view *v, double map[3][4], double fov, double aspect, bool asked, double target[3],
                        double eye[3]) {
-    const cw_field_info info = cw_field_describe(v->file.field);
+    const cw_field_info info = cw_field_describe(surface(v)->field);
     double sine, cosine, lift;
     terrain_sine_cosine(usual_pitch, &sine, &cosine);
     const double half = tan(fov * (3.141592653589793 / 360));
@@ -193,7 +192,7 @@ static void stand_back(const view *v, double map[3][4], double fov, double aspec
 }
 
 static bool aim(const view *v, const view_options *o, const wish *w, landscape_desc *d, io_error *error) {
-    const cw_field_info info = cw_field_describe(v->terrain.field);
+    const cw_field_info info = cw_field_describe(v->ground.terrain.field);
     if (info.low > info.high) return io_fail(error, "all samples are holes");
     if (o->to) {
         if (!put_place(v, d->to_world, &w->to, d->target, error)) return false;
@@ -252,7 +251,7 @@ static float *fill_holes(const float *z, size_t nx, size_t ny, io_error *error) 
 static bool find_sun(const view *v, const view_options *o, const char *path, wish *w, io_error *error) {
     sun_place place;
     if (o->time == NULL) return true;
-    if (!sun_place_find(&v->terrain, &v->file.raster.georef, path, "give --sun", &place, error)) return false;
+    if (!sun_place_find(&v->ground.terrain, &v->ground.about.georef, path, "give --sun", &place, error)) return false;
     const sun_position p = sun_place_at(&place, w->seconds);
     w->sun[0] = p.azimuth;
     w->sun[1] = p.altitude;
@@ -261,84 +260,87 @@ static bool find_sun(const view *v, const view_options *o, const char *path, wis
 
 static bool make_scene(view *v, const view_options *o, const char *path, wish *w, size_t width, size_t height,
                        bool smooth, io_error *error) {
-    landscape_desc d = {.field = v->file.field,
-                        .samples = v->file.raster.z,
-                        .nx = v->terrain.nx,
-                        .ny = v->terrain.ny,
+    landscape_desc d = {.field = surface(v)->field,
+                        .samples = surface(v)->raster.z,
+                        .nx = v->ground.terrain.nx,
+                        .ny = v->ground.terrain.ny,
                         .field_of_view = w->fov,
                         .width = width ? width : WIDTH,
                         .height = height ? height : HEIGHT,
                         .samples_a_pixel = SAMPLES};
-    to_metres(&v->terrain, d.to_world);
+    to_metres(&v->ground.terrain, d.to_world);
     if (!aim(v, o, w, &d, error) || !find_sun(v, o, path, w, error)) return false;
     shine(w, &d);
     d.vault = o->sky;
     if (o->haze > 0) d.visibility = o->haze;
-    const double water = o->water / terrain_metres_of_height(&v->terrain);
+    const double water = o->water / terrain_metres_of_height(&v->ground.terrain);
     if (!isnan(water)) d.water_level = &water;
     if (smooth && cw_field_describe(d.field).holes > 0) {
-        d.samples = v->filled = fill_holes(v->file.raster.z, d.nx, d.ny, error);
+        d.samples = v->filled = fill_holes(d.samples, d.nx, d.ny, error);
         if (v->filled == NULL) return false;
     }
     io_image colours;
-    if (!tint_heights(&colours, &v->terrain, error)) return false;
+    if (!tint_heights(&colours, &v->ground.terrain, error)) return false;
     d.colours = &colours;
     v->scene = landscape_create(&d, error);
     if (v->scene == NULL) io_image_free(&colours);
     return v->scene != NULL;
 }
 
+/* A copy of the raster whose samples are lowered by the sight's curvature. */
+static bool lower(const io_raster *raster, const sight *s, const char *path, io_raster *lowered, io_error *error) {
+    if (!io_raster_allocate(path, raster->nx, raster->ny, lowered, error)) return false;
+    float *z = lowered->memory;
+    for (size_t j = 0; j < raster->ny; j++)
+        for (size_t i = 0; i < raster->nx; i++)
+            z[j * raster->nx + i] =
+                (float)((double)raster->z[j * raster->nx + i] - sight_fall(s, (double)i, (double)j));
+    memcpy(lowered->map, raster->map, sizeof lowered->map);
+    return true;
+}
+
 /* The terrain as it is, and as the eye sees it: lowered by the earth's curvature. */
-static bool open_lowered(view *v, view_options *o, const char *path, const cw_run *query, const wish *w,
-                         const io_raster_options *raster, io_error *error) {
-    cw_run bare = *query; /* no ray meets the flat one */
+static bool read_terrain(view *v, const view_options *o, const wish *w, io_error *error) {
+    ground *g = &v->ground;
+    const bool lowers = o->curvature > 0;
+    const cw_run query = g->query;
     double eye[3];
-    bare.expert.kernel = cw_kernel_find("cell");
-    if (!field_file_open(&v->flat, path, raster, &o->raster.coarser, &bare, error)) return false;
-    progress_end(&o->raster.line);
-    ground_find_scale(&v->scale, &v->flat.raster, path, raster);
-    if (!ground_describe(&v->terrain, &v->flat, &v->scale, path, error) ||
-        !ground_find_place(&v->terrain, &w->from, eye, NULL, error))
-        return false;
-    sight_init(&v->earth, &v->terrain, NULL, eye, o->curvature);
-    return curvature_lower(&v->flat.raster, &v->earth, path, &v->file.raster, error) &&
-           field_file_build(&v->file, path, query, error);
-}
-
-static bool open_field(view *v, view_options *o, const char *path, const cw_run *query, const wish *w,
-                       const io_raster_options *raster, io_error *error) {
-    if (o->curvature > 0) return open_lowered(v, o, path, query, w, raster, error);
-    if (!field_file_open(&v->file, path, raster, &o->raster.coarser, query, error)) return false;
-    ground_find_scale(&v->scale, &v->file.raster, path, raster);
-    return ground_describe(&v->terrain, &v->file, &v->scale, path, error);
-}
-
-static bool open_view(view *v, view_options *o, const char *path, const cw_run *query, wish *w,
-                      const io_raster_options *raster, size_t width, size_t height, bool smooth, io_error *error) {
-    /* GDAL opens files itself, past the readers that remember theirs: no picture is to take their place. */
-    if (!io_inputs_note_path(path)) return io_fail(error, "out of memory");
-    const bool read = open_field(v, o, path, query, w, raster, error);
-    progress_end(&o->raster.line);
-    const bool good = read && make_scene(v, o, path, w, width, height, smooth, error);
-    field_file_close(&v->flat);
-    return good;
+    if (lowers) g->query.expert.kernel = cw_kernel_find("cell"); /* no ray meets the flat one */
+    if (!ground_open(g, error) || !ground_read(g, ground_all(g), true, error)) return false;
+    if (!lowers) return true;
+    if (!ground_find_place(&g->terrain, &w->from, eye, NULL, error)) return false;
+    sight_init(&v->earth, &g->terrain, NULL, eye, o->curvature);
+    return lower(&g->file.raster, &v->earth, g->path, &v->lowered.raster, error) &&
+           raster_field_build(&v->lowered, g->path, &query, &g->watch, error);
 }
 
 view *view_open(view_options *o, const char *path, const cw_run *query, size_t width, size_t height, bool smooth,
                 bool quiet, int *status) {
-    io_raster_options raster;
     wish w;
-    *status = EXIT_USAGE;
-    if (!read_wish(o, &w) || !raster_options_resolve(&o->raster, name, &raster)) return NULL;
-    raster.north_up = true;
-    if (quiet) {
-        raster.warn = NULL;
-        o->raster.coarser.name = NULL;
-    }
     view *v = calloc(1, sizeof *v);
+    *status = EXIT_USAGE;
+    if (v == NULL) {
+        *status = command_fail(name, "out of memory");
+        return NULL;
+    }
+    ground *g = &v->ground;
     io_error error = {"out of memory"};
-    if (v != NULL && open_view(v, o, path, query, &w, &raster, width, height, smooth, &error)) return v;
-    *status = command_fail(name, "%s", error.text);
+    if (read_wish(o, &w) && raster_options_resolve(&o->raster, name, &g->reading)) {
+        g->path = path;
+        g->reading.north_up = true;
+        g->coarser = o->raster.coarser;
+        g->watch = o->raster.watch;
+        if (quiet) g->watch.warn = g->watch.note = NULL;
+        g->query = *query;
+        g->bytes = INFINITY;
+        /* GDAL opens files itself, past the readers that remember theirs: no picture is to take their place. */
+        if (io_inputs_note_path(path) && read_terrain(v, o, &w, &error) &&
+            make_scene(v, o, path, &w, width, height, smooth, &error)) {
+            if (v->lowered.field) raster_field_close(&g->file);
+            return v;
+        }
+        *status = command_fail(name, "%s", error.text);
+    }
     view_close(v);
     return NULL;
 }
@@ -349,6 +351,7 @@ void view_close(view *v) {
     if (v == NULL) return;
     scene_free(v->scene);
     free(v->filled);
-    field_file_close(&v->file);
+    raster_field_close(&v->lowered);
+    ground_close(&v->ground);
     free(v);
 }

@@ -3,7 +3,7 @@
 #ifndef CELLWALK_TOOL_TERRAIN_VIEW_H
 #define CELLWALK_TOOL_TERRAIN_VIEW_H
 
-#include "ground.h"
+#include "product.h"
 #include "scene.h"
 
 typedef struct view_options {

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "viewshed_make.h"
 
-#include "output.h"
-#include "pieces.h"
 #include "view_sum.h"
 #include "viewshed.h"
 
@@ -12,305 +10,280 @@
 
 enum { COUNT_SMALL = 254, COUNT_MOST = 65534, TIF_BANDS_MOST = 65535 };
 
-typedef struct job {
-    ground *ground;
-    const viewshed_request *request;
-    observers observers;
-    view_kind kind; /* the request's; counts that two bytes do not hold are sums */
-    sight_bounds *bounds;
-    uint16_t *seen; /* one of these */
-    double *sums;
-    float *numbers;
-    size_t observer; /* whose view is being computed */
-    size_t made;     /* of bands: the views so far */
-    uint16_t *own;   /* what one observer sees; NULL: there is no table */
-    io_output table;
-} job;
-
 static bool tell(void *context, double share) {
-    job *j = context;
-    return ground_tell(j->ground, ((double)j->observer + share) / (double)j->observers.count);
+    viewshed_command *c = context;
+    return product_tell(&c->product, ((double)c->observer + share) / (double)c->observers.count);
 }
 
 /* ---- samples ------------------------------------------------------------------------------------------------------- */
 
 /* The samples that one observer's answers in the window come from. */
-static cw_rectangle samples_of(const job *j, const double at[2]) {
-    const ground *g = j->ground;
-    const cw_rectangle all = pieces_all(g);
-    const double farthest = j->request->target.limits.farthest;
+static cw_rectangle samples_of(const viewshed_command *c, const double at[2]) {
+    const ground *g = &c->product.ground;
+    const cw_rectangle all = ground_all(g);
+    const double farthest = c->limits.farthest;
     if (farthest > 0) return reach_around(&g->whole, at, farthest);
     /* Needed heights are rounded, and how depends on more than the lines. */
     const bool whole = g->window.nx == all.nx && g->window.ny == all.ny;
-    return whole || j->kind == VIEW_NEEDED ? all : reach_between(&g->whole, at, g->window);
+    return whole || c->kind == VIEW_NEEDED ? all : reach_between(&g->whole, at, g->window);
 }
 
 /* Reads the part that all observers need, and sets the window to the part that they can see. */
-static bool read_samples(job *j, io_error *error) {
-    const double farthest = j->request->target.limits.farthest;
-    ground *g = j->ground;
+static bool read_samples(viewshed_command *c, io_error *error) {
+    const double farthest = c->limits.farthest;
+    ground *g = &c->product.ground;
     cw_rectangle near = {0}, piece = {0};
-    for (size_t k = 0; k < j->observers.count; k++) {
+    for (size_t k = 0; k < c->observers.count; k++) {
         char text[OBSERVER_TEXT];
         double at[2];
-        const observer *o = &j->observers.list[k];
+        const observer *o = &c->observers.list[k];
         if (!terrain_find_place(&g->whole, o->x, o->y, at))
-            return io_fail(error, "%s: is too far away from the terrain", observers_place(&j->observers, k, text).text);
+            return io_fail(error, "%s: is too far away from the terrain", observers_place(&c->observers, k, text).text);
         near = reach_both(near, reach_within(&g->whole, at, farthest));
     }
-    if (farthest > 0 && !j->request->full && g->options->window == NULL) {
+    if (farthest > 0 && c->extent != VIEW_FULL && c->product.window == NULL) {
         if (near.nx == 0)
             return io_fail(error,
                            "no sample is within %g m of any observer; --extent full writes a raster all the same",
                            farthest);
-        pieces_set_window(g, near);
+        ground_set_window(g, near);
     }
-    for (size_t k = 0; k < j->observers.count; k++) {
+    for (size_t k = 0; k < c->observers.count; k++) {
         double at[2];
-        terrain_find_place(&g->whole, j->observers.list[k].x, j->observers.list[k].y, at);
-        piece = reach_both(piece, samples_of(j, at));
+        terrain_find_place(&g->whole, c->observers.list[k].x, c->observers.list[k].y, at);
+        piece = reach_both(piece, samples_of(c, at));
     }
     piece = reach_grow(&g->whole, reach_both(piece, g->window), 0);
-    const double more = (j->kind == VIEW_WEIGHT ? (double)(sizeof *j->sums - sizeof(float))
+    const double more = (c->kind == VIEW_WEIGHT ? (double)(sizeof *c->sums - sizeof(float))
                                                 : 0) + /* sums are longer than other results */
-                        (j->request->table ? (double)sizeof *j->own : 0);
-    return pieces_check(g, piece, more, error) && pieces_read(g, piece, false, error);
+                        (c->table ? (double)sizeof *c->own : 0);
+    return ground_check(g, piece, more, error) && ground_read(g, piece, false, error);
 }
 
 /* ---- views ----------------------------------------------------------------------------------------------------------- */
 
 /* The line of the table about one observer's view of the window, which is then added to those before. */
-static bool print_view(job *j, const double eye[3], io_error *error) {
-    const terrain *t = &j->ground->terrain;
-    const cw_rectangle w = j->ground->window;
-    const observer *o = &j->observers.list[j->observer];
-    const view_sum v = view_sum_of(t, (cw_rectangle){w.i - t->column, w.j - t->row, w.nx, w.ny}, j->own, eye);
+static bool print_view(viewshed_command *c, const double eye[3], io_error *error) {
+    const terrain *t = &c->product.ground.terrain;
+    const cw_rectangle w = c->product.ground.window;
+    const observer *o = &c->observers.list[c->observer];
+    const view_sum v = view_sum_of(t, (cw_rectangle){w.i - t->column, w.j - t->row, w.nx, w.ny}, c->own, eye);
     for (size_t k = 0; k < t->nx * t->ny; k++) {
-        if (j->seen) j->seen[k] = (uint16_t)(j->seen[k] + j->own[k]);
-        if (j->sums) j->sums[k] += j->own[k];
+        if (c->seen) c->seen[k] = (uint16_t)(c->seen[k] + c->own[k]);
+        if (c->sums) c->sums[k] += c->own[k];
     }
-    if (!io_output_print(&j->table, error, "%zu,%.12g,%.12g,%.0f,%.9g,", j->observer + 1, o->x, o->y, v.samples, v.km2))
+    if (!io_output_print(&c->table_file, error, "%zu,%.12g,%.12g,%.0f,%.9g,", c->observer + 1, o->x, o->y, v.samples,
+                         v.km2))
         return false;
-    if (v.samples == 0) return io_output_print(&j->table, error, ",,\n");
-    return io_output_print(&j->table, error, "%.3f,%.12g,%.12g\n", v.farthest, v.farthest_at[0], v.farthest_at[1]);
+    if (v.samples == 0) return io_output_print(&c->table_file, error, ",,\n");
+    return io_output_print(&c->table_file, error, "%.3f,%.12g,%.12g\n", v.farthest, v.farthest_at[0], v.farthest_at[1]);
 }
 
-static bool look_from(job *j, io_error *error) {
-    const viewshed_request *r = j->request;
-    const terrain *t = &j->ground->terrain;
-    const cw_run *query = &j->ground->query;
+static bool look_from(viewshed_command *c, io_error *error) {
+    const terrain *t = &c->product.ground.terrain;
+    const cw_run *query = &c->product.ground.query;
     char text[OBSERVER_TEXT];
     double eye[3];
-    const ground_place place = observers_place(&j->observers, j->observer, text);
+    const ground_place place = observers_place(&c->observers, c->observer, text);
     if (!ground_find_place(t, &place, eye, NULL, error)) return false;
     const viewshed_desc d = {
         .place = {eye[0], eye[1]},
         .height = eye[2] * terrain_metres_of_height(t),
         .absolute = true,
-        .target_height = r->target.height,
-        .curvature = ground_curvature(j->ground, r->curvature),
-        .limits = r->target.limits,
+        .target_height = c->target_height,
+        .curvature = c->curvature,
+        .limits = c->limits,
     };
-    const double weight = r->kind == VIEW_WEIGHT ? j->observers.list[j->observer].weight : 1;
+    const double weight = c->weights ? c->observers.list[c->observer].weight : 1;
     viewshed *v;
     bool done = false;
-    cw_status status = viewshed_create(t, j->bounds, &d, &v);
-    if (j->own) memset(j->own, 0, t->nx * t->ny * sizeof *j->own);
+    cw_status status = viewshed_create(t, c->bounds, &d, &v);
+    if (c->own) memset(c->own, 0, t->nx * t->ny * sizeof *c->own);
     if (status == CW_OK)
-        status = j->own                   ? viewshed_count(v, query, j->own, tell, j, &done)
-                 : j->kind == VIEW_NEEDED ? viewshed_heights(v, query, j->numbers, tell, j, &done)
-                 : j->kind == VIEW_ANGLE  ? viewshed_angles(v, query, j->numbers, tell, j, &done)
-                 : j->kind == VIEW_WEIGHT ? viewshed_weigh(v, query, weight, j->sums, tell, j, &done)
-                                          : viewshed_count(v, query, j->seen, tell, j, &done);
+        status = c->own                   ? viewshed_count(v, query, c->own, tell, c, &done)
+                 : c->kind == VIEW_NEEDED ? viewshed_heights(v, query, c->numbers, tell, c, &done)
+                 : c->kind == VIEW_ANGLE  ? viewshed_angles(v, query, c->numbers, tell, c, &done)
+                 : c->kind == VIEW_WEIGHT ? viewshed_weigh(v, query, weight, c->sums, tell, c, &done)
+                                          : viewshed_count(v, query, c->seen, tell, c, &done);
     viewshed_destroy(v);
     if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));
     if (!done) return io_fail(error, "interrupted");
-    return j->own == NULL || print_view(j, eye, error);
+    return c->own == NULL || print_view(c, eye, error);
 }
 
-static bool make_room(job *j, io_error *error) {
-    const size_t n = j->ground->terrain.nx * j->ground->terrain.ny;
-    if (j->request->table) {
+static bool make_room(viewshed_command *c, io_error *error) {
+    const size_t n = c->product.ground.terrain.nx * c->product.ground.terrain.ny;
+    if (c->table) {
         static const char head[] = "observer,x,y,samples,km2,farthest,farthest_x,farthest_y\n";
-        j->own = malloc(n * sizeof *j->own);
-        if (j->own == NULL) return io_fail(error, "out of memory");
-        if (!io_output_open(&j->table, j->request->table, error) ||
-            !io_output_write(&j->table, head, sizeof head - 1, error))
+        c->own = malloc(n * sizeof *c->own);
+        if (c->own == NULL) return io_fail(error, "out of memory");
+        if (!io_output_open(&c->table_file, c->table, error) ||
+            !io_output_write(&c->table_file, head, sizeof head - 1, error))
             return false;
     }
-    if (j->kind == VIEW_SEEN)
-        j->seen = calloc(n, sizeof *j->seen);
-    else if (j->kind == VIEW_WEIGHT)
-        j->sums = calloc(n, sizeof *j->sums);
+    if (c->kind == VIEW_SEEN)
+        c->seen = calloc(n, sizeof *c->seen);
+    else if (c->kind == VIEW_WEIGHT)
+        c->sums = calloc(n, sizeof *c->sums);
     else
-        j->numbers = malloc(n * sizeof *j->numbers);
-    return j->seen || j->sums || j->numbers || io_fail(error, "out of memory");
+        c->numbers = malloc(n * sizeof *c->numbers);
+    return c->seen || c->sums || c->numbers || io_fail(error, "out of memory");
 }
 
-/* The view of a band's observer, when the band is begun. */
-static bool begin_band(job *j, size_t band, io_error *error) {
-    const terrain *t = &j->ground->terrain;
-    j->observer = band;
-    if (j->seen) memset(j->seen, 0, t->nx * t->ny * sizeof *j->seen);
-    if (!look_from(j, error)) return false;
-    j->made = band + 1;
-    return true;
-}
+static size_t most_seen(const viewshed_command *c) { return c->bands ? 1 : c->observers.count; }
 
-static size_t most_seen(const job *j) { return j->request->bands ? 1 : j->observers.count; }
-
-static bool fill(void *context, size_t band, size_t row, size_t rows, void *cells, io_error *error) {
-    job *j = context;
-    const terrain *t = &j->ground->terrain;
+/* The view of a band's observer is found when the band is begun. */
+bool viewshed_fill(product *p, size_t band, size_t row, size_t rows, void *cells, io_error *error) {
+    viewshed_command *c = p->context;
+    const terrain *t = &p->ground.terrain;
     const size_t first = row * t->nx, n = rows * t->nx;
     const float *z = t->z + first;
-    if (j->request->bands && j->made <= band && !begin_band(j, band, error)) return false;
-    if (j->numbers) {
+    if (c->bands && c->made <= band) {
+        c->observer = band;
+        if (c->seen) memset(c->seen, 0, t->nx * t->ny * sizeof *c->seen);
+        if (!look_from(c, error)) return false;
+        c->made = band + 1;
+    }
+    if (c->numbers) {
         const double metres = terrain_metres_of_height(t);
-        float *to = memcpy(cells, j->numbers + first, n * sizeof *to);
-        for (size_t k = 0; k < n && j->request->absolute; k++) to[k] = (float)(to[k] + z[k] * metres);
-    } else if (j->sums) {
+        float *to = memcpy(cells, c->numbers + first, n * sizeof *to);
+        for (size_t k = 0; k < n && c->absolute; k++) to[k] = (float)(to[k] + z[k] * metres);
+    } else if (c->sums) {
         float *to = cells;
-        for (size_t k = 0; k < n; k++) to[k] = isfinite(z[k]) ? (float)j->sums[first + k] : NAN;
-    } else if (most_seen(j) <= COUNT_SMALL) {
+        for (size_t k = 0; k < n; k++) to[k] = isfinite(z[k]) ? (float)c->sums[first + k] : NAN;
+    } else if (most_seen(c) <= COUNT_SMALL) {
         uint8_t *to = cells;
-        for (size_t k = 0; k < n; k++) to[k] = isfinite(z[k]) ? (uint8_t)j->seen[first + k] : 255;
+        for (size_t k = 0; k < n; k++) to[k] = isfinite(z[k]) ? (uint8_t)c->seen[first + k] : 255;
     } else {
         uint16_t *to = cells;
-        for (size_t k = 0; k < n; k++) to[k] = isfinite(z[k]) ? j->seen[first + k] : 65535;
+        for (size_t k = 0; k < n; k++) to[k] = isfinite(z[k]) ? c->seen[first + k] : 65535;
     }
     return true;
 }
 
 /* ---- the raster ------------------------------------------------------------------------------------------------------ */
 
-static const char *meaning(const job *j) {
-    switch (j->kind) {
-    case VIEW_WEIGHT:
-        return j->request->kind == VIEW_WEIGHT ? "sum of the weights of the observers that see the target"
-                                               : "number of observers that see the target";
-    case VIEW_ANGLE:
+static const char *meaning(const viewshed_command *c) {
+    if (c->weights) return "sum of the weights of the observers that see the target";
+    if (c->kind == VIEW_ANGLE)
         return "angle of the target above the observer's horizontal; no data where it is not seen";
-    case VIEW_NEEDED:
-        return j->request->absolute ? "height that is needed to be seen, absolute"
-                                    : "height above ground that is needed to be seen";
-    case VIEW_SEEN:
-        break;
-    }
-    return most_seen(j) > 1 ? "number of observers that see the target"
+    if (c->kind == VIEW_NEEDED)
+        return c->absolute ? "height that is needed to be seen, absolute"
+                           : "height above ground that is needed to be seen";
+    return most_seen(c) > 1 ? "number of observers that see the target"
                             : "1 where the target is seen, 0 where it is not";
 }
 
-static void note(const job *j, ground_notes *notes) {
-    const observers *all = &j->observers;
-    const viewshed_request *r = j->request;
-    if (r->observers.file) ground_note(notes, "OBSERVERS_FILE=%s", r->observers.file);
-    if (r->observers.every > 0) ground_note(notes, "OBSERVERS_EVERY=%.9g", r->observers.every);
-    ground_note(notes, "HEIGHTS=metres; an observer's third number is above ground, or absolute behind =");
-    if (j->kind != VIEW_NEEDED) ground_note(notes, "TARGET_HEIGHT=%.9g", r->target.height);
-    target_note(&r->target, notes);
-    ground_note(notes, "CURVATURE=%.9g", ground_curvature(j->ground, r->curvature));
-    ground_note(notes, "OBSERVERS=%zu", all->count);
+static void note(viewshed_command *c) {
+    product *p = &c->product;
+    const observers *all = &c->observers;
+    const sight_limits *l = &c->limits;
+    if (c->from.file) product_note(p, "OBSERVERS_FILE=%s", c->from.file);
+    if (c->from.every > 0) product_note(p, "OBSERVERS_EVERY=%.9g", c->from.every);
+    product_note(p, "HEIGHTS=metres; an observer's third number is above ground, or absolute behind =");
+    if (c->kind != VIEW_NEEDED) product_note(p, "TARGET_HEIGHT=%.9g", c->target_height);
+    if (l->farthest > 0) product_note(p, "MAX_DISTANCE=%.9g", l->farthest);
+    if (l->nearest > 0) product_note(p, "MIN_DISTANCE=%.9g", l->nearest);
+    if (c->azimuth) product_note(p, "AZIMUTH=%s", c->azimuth);
+    if (c->vertical) product_note(p, "VERTICAL=%s", c->vertical);
+    product_note(p, "CURVATURE=%.9g", c->curvature);
+    product_note(p, "OBSERVERS=%zu", all->count);
     /* As many as there is room for. */
-    for (size_t k = 0; k < all->count; k++) {
+    for (size_t k = 0; k < all->count && k < PRODUCT_NOTES_MOST; k++) {
         const observer *o = &all->list[k];
         char x[GROUND_NUMBER], y[GROUND_NUMBER], z[GROUND_NUMBER];
-        ground_note(notes, "OBSERVER_%zu=%s,%s,%s%s", k + 1, ground_number(o->x, x), ground_number(o->y, y),
-                    o->absolute ? "=" : "", ground_number(o->z, z));
+        product_note(p, "OBSERVER_%zu=%s,%s,%s%s", k + 1, ground_number(o->x, x), ground_number(o->y, y),
+                     o->absolute ? "=" : "", ground_number(o->z, z));
         const char *name = observers_name(all, k);
-        if (name[0] != '\0') ground_note(notes, "OBSERVER_%zu_NAME=%s", k + 1, name);
+        if (name[0] != '\0') product_note(p, "OBSERVER_%zu_NAME=%s", k + 1, name);
     }
 }
 
-/* Names of bands, which the caller frees with the array. */
-static char **name_bands(const job *j) {
+/* Names of bands. */
+static bool name_bands(viewshed_command *c, io_error *error) {
     enum { LONGEST = 160 };
-    const size_t count = j->observers.count;
-    char **names = malloc(count * (sizeof *names + LONGEST));
-    char *text = names ? (char *)(names + count) : NULL;
-    for (size_t k = 0; names && k < count; k++, text += LONGEST) {
-        const observer *o = &j->observers.list[k];
-        const char *name = observers_name(&j->observers, k);
-        snprintf(names[k] = text, LONGEST, "observer %zu%s%s%s at %.10g,%.10g", k + 1, name[0] ? " (" : "", name,
+    const size_t count = c->observers.count;
+    c->names = malloc(count * (sizeof *c->names + LONGEST));
+    if (c->names == NULL) return io_fail(error, "out of memory");
+    char *text = (char *)(c->names + count);
+    for (size_t k = 0; k < count; k++, text += LONGEST) {
+        const observer *o = &c->observers.list[k];
+        const char *name = observers_name(&c->observers, k);
+        snprintf(text, LONGEST, "observer %zu%s%s%s at %.10g,%.10g", k + 1, name[0] ? " (" : "", name,
                  name[0] ? ")" : "", o->x, o->y);
+        c->names[k] = text;
     }
-    return names;
+    c->product.raster.band_names = c->names;
+    return true;
 }
 
 /* Where the observers stand, in samples of the whole raster. */
-static double *find_marks(const job *j) {
-    double *marks = malloc(2 * j->observers.count * sizeof *marks);
-    for (size_t k = 0; marks && k < j->observers.count; k++)
-        terrain_from_map(&j->ground->whole, j->observers.list[k].x, j->observers.list[k].y, marks + 2 * k);
-    return marks;
+static bool find_marks(viewshed_command *c, io_error *error) {
+    product *p = &c->product;
+    p->mark_count = c->observers.count;
+    p->marks = malloc(2 * p->mark_count * sizeof *p->marks);
+    for (size_t k = 0; p->marks && k < p->mark_count; k++)
+        terrain_from_map(&p->ground.whole, c->observers.list[k].x, c->observers.list[k].y, p->marks + 2 * k);
+    return p->marks != NULL || io_fail(error, "out of memory");
 }
 
-static bool write_raster(job *j, io_error *error) {
-    const bool bands = j->request->bands, floats = j->kind != VIEW_SEEN;
-    const char *what = meaning(j);
-    ground_notes notes = {0};
-    io_raster_product product = ground_product(j->ground,
-                                               floats                        ? IO_CELL_FLOAT32
-                                               : most_seen(j) <= COUNT_SMALL ? IO_CELL_UINT8
-                                                                             : IO_CELL_UINT16,
-                                               bands ? j->observers.count : 1, &what, &notes);
-    char **names = bands ? name_bands(j) : NULL;
-    bool good = names || !bands || io_fail(error, "out of memory");
-    if (names) product.band_names = (const char *const *)names;
-    product.white = j->kind == VIEW_NEEDED ? 100 : (double)most_seen(j);
-    if (j->kind == VIEW_ANGLE) product.black = -90, product.white = 90;
-    if (j->kind == VIEW_NEEDED) product.unit = "m";
-    if (j->kind == VIEW_ANGLE) product.unit = "degree";
-    note(j, &notes);
-    product.notes = notes.notes;
-    double *marks = find_marks(j);
-    good = good && (marks != NULL || io_fail(error, "out of memory"));
-    j->ground->counted = "in sight";
-    j->ground->marks = marks;
-    j->ground->mark_count = j->observers.count;
-    good = good && ground_write(j->ground, &product, 1, fill, j, error);
-    j->ground->marks = NULL;
-    ground_notes_free(&notes);
-    free(marks);
-    free(names);
-    return good;
+static bool describe(viewshed_command *c, io_error *error) {
+    product *p = &c->product;
+    const bool floats = c->kind != VIEW_SEEN;
+    product_describe(p,
+                     floats                        ? IO_CELL_FLOAT32
+                     : most_seen(c) <= COUNT_SMALL ? IO_CELL_UINT8
+                                                   : IO_CELL_UINT16,
+                     c->bands ? c->observers.count : 1, meaning(c));
+    p->raster.white = c->kind == VIEW_NEEDED ? 100 : (double)most_seen(c);
+    if (c->kind == VIEW_ANGLE) p->raster.black = -90, p->raster.white = 90;
+    if (c->kind == VIEW_NEEDED) p->raster.unit = "m";
+    if (c->kind == VIEW_ANGLE) p->raster.unit = "degree";
+    p->in_memory = true;
+    p->counted = "in sight";
+    note(c);
+    return find_marks(c, error) && (!c->bands || name_bands(c, error));
 }
 
-static bool check(const job *j, io_error *error) {
-    const viewshed_request *r = j->request;
-    const char *output = j->ground->options->output;
-    const size_t count = j->observers.count;
-    if (count > 1 && !r->bands && (r->kind == VIEW_ANGLE || r->kind == VIEW_NEEDED))
+static bool check(const viewshed_command *c, io_error *error) {
+    const char *output = c->product.output;
+    const size_t count = c->observers.count;
+    if (count > 1 && !c->bands && (c->kind == VIEW_ANGLE || c->kind == VIEW_NEEDED))
         return io_fail(error, "%s is that of one observer, not of %zu; --bands writes a band for each",
-                       r->kind == VIEW_ANGLE ? "the angle" : "the height that is needed to be seen", count);
-    if (r->kind == VIEW_WEIGHT && !observers_have_weights(&j->observers))
-        return io_fail(error, "%s: has no column 'weight', which --weights adds up", r->observers.file);
-    if (r->bands && count > TIF_BANDS_MOST && io_raster_is_tif(output))
+                       c->kind == VIEW_ANGLE ? "the angle" : "the height that is needed to be seen", count);
+    if (c->weights && !c->observers.points.has_weight)
+        return io_fail(error, "%s: has no column 'weight', which --weights adds up", c->from.file);
+    if (c->bands && count > TIF_BANDS_MOST && io_raster_is_tif(output))
         return io_fail(error, "%s: a GeoTIFF has room for %d bands, not for %zu", output, TIF_BANDS_MOST, count);
-    return !r->bands || io_raster_can_write(output, count, error);
+    return !c->bands || io_raster_can_write(output, count, error);
 }
 
-static bool make(job *j, io_error *error) {
-    if (!observers_find(&j->observers, &j->request->observers, j->ground, error)) return false;
-    if (j->kind == VIEW_SEEN && !j->request->bands && j->observers.count > COUNT_MOST) j->kind = VIEW_WEIGHT;
-    if (!check(j, error) || !ground_check_output(j->ground, error) || !read_samples(j, error)) return false;
-    if (sight_bounds_create(&j->ground->terrain, &j->bounds) != CW_OK) return io_fail(error, "out of memory");
-    if (!make_room(j, error)) return false;
-    for (j->observer = 0; j->observer < j->observers.count && !j->request->bands; j->observer++)
-        if (!look_from(j, error)) return false;
-    if (j->own && !io_output_settle(&j->table, error)) return false;
-    return write_raster(j, error) && (j->own == NULL || io_output_commit(&j->table, error));
+bool viewshed_begin(product *p, io_error *error) {
+    viewshed_command *c = p->context;
+    c->curvature = ground_curvature(&p->ground, c->curvature);
+    if (!observers_find(&c->observers, &c->from, &p->ground, error)) return false;
+    if (c->kind == VIEW_SEEN && !c->bands && c->observers.count > COUNT_MOST) c->kind = VIEW_WEIGHT;
+    if (!check(c, error) || !product_check_output(p, error) || !read_samples(c, error)) return false;
+    if (sight_bounds_create(&p->ground.terrain, &c->bounds) != CW_OK) return io_fail(error, "out of memory");
+    if (!make_room(c, error)) return false;
+    for (c->observer = 0; c->observer < c->observers.count && !c->bands; c->observer++)
+        if (!look_from(c, error)) return false;
+    return (c->own == NULL || io_output_settle(&c->table_file, error)) && describe(c, error);
 }
 
-bool viewshed_make(ground *g, const viewshed_request *request, io_error *error) {
-    job j = {.ground = g, .request = request, .kind = request->kind};
-    const bool good = make(&j, error);
-    sight_bounds_destroy(j.bounds);
-    observers_free(&j.observers);
-    io_output_discard(&j.table);
-    free(j.own);
-    free(j.seen);
-    free(j.sums);
-    free(j.numbers);
-    return good;
+bool viewshed_finish(product *p, io_error *error) {
+    viewshed_command *c = p->context;
+    return c->own == NULL || io_output_commit(&c->table_file, error);
+}
+
+void viewshed_end(void *context) {
+    viewshed_command *c = context;
+    sight_bounds_destroy(c->bounds);
+    observers_free(&c->observers);
+    io_output_discard(&c->table_file);
+    free(c->own);
+    free(c->seen);
+    free(c->sums);
+    free(c->numbers);
+    free(c->names);
 }

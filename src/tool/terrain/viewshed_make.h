@@ -4,7 +4,10 @@
 #define CELLWALK_TOOL_TERRAIN_VIEWSHED_MAKE_H
 
 #include "observers.h"
-#include "target.h"
+#include "output.h"
+#include "product.h"
+#include "sight.h"
+#include "view_limits.h"
 
 typedef enum view_kind {
     VIEW_SEEN,   /* whether, or how many observers see the sample */
@@ -13,17 +16,41 @@ typedef enum view_kind {
     VIEW_NEEDED  /* from which height above ground on a target is seen */
 } view_kind;
 
-typedef struct viewshed_request {
-    observer_options observers;
-    target_options target;
-    double curvature; /* NaN if it was not given */
-    view_kind kind;
+typedef struct viewshed_command {
+    product product;
+    option_again from_texts;
+    ground_place places[OPTION_AGAIN_MAX];
+    observers_from from;
+    double target_height; /* metres above ground */
+    sight_limits limits;
+    const char *azimuth, *vertical; /* the texts of limits; NULL: not given */
+    double curvature;               /* NaN if it was not given */
+    view_kind kind;                 /* counts that two bytes do not hold are sums */
+    bool weights, angle, needed;
     bool absolute;     /* of VIEW_NEEDED: heights */
     bool bands;        /* one for each observer */
     const char *table; /* a file with a line for each observer; NULL: none */
-    bool full;         /* all of the raster, even with a greatest distance */
-} viewshed_request;
+    int extent;        /* VIEW_FULL: all of the raster, even with a greatest distance */
 
-bool viewshed_make(ground *g, const viewshed_request *request, io_error *error);
+    /* The work. */
+    observers observers;
+    sight_bounds *bounds;
+    uint16_t *seen; /* one of these */
+    double *sums;
+    float *numbers;
+    size_t observer; /* whose view is being computed */
+    size_t made;     /* of bands: the views so far */
+    uint16_t *own;   /* what one observer sees; NULL: there is no table */
+    io_output table_file;
+    const char **names; /* of bands */
+} viewshed_command;
+
+enum { VIEW_NEAR, VIEW_FULL };
+
+/* For a product. */
+bool viewshed_begin(product *p, io_error *error);
+bool viewshed_fill(product *p, size_t band, size_t row, size_t rows, void *cells, io_error *error);
+bool viewshed_finish(product *p, io_error *error);
+void viewshed_end(void *context);
 
 #endif

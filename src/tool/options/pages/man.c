@@ -3,6 +3,8 @@
 
 #include "pages.h"
 
+#include <ctype.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -19,7 +21,24 @@ static void print_bytes(FILE *to, const char *text, size_t bytes) {
             putc(*text, to);
     }
 }
-static void print_text(FILE *to, const char *text) { print_bytes(to, text, strlen(text)); }
+
+/* roff, with texts for %s, and for %S in capitals. */
+static void print(FILE *to, const char *roff, ...) {
+    va_list texts;
+    va_start(texts, roff);
+    for (; *roff; roff++) {
+        if (*roff != '%') {
+            putc(*roff, to);
+            continue;
+        }
+        const char *text = va_arg(texts, const char *);
+        if (*++roff == 's')
+            print_bytes(to, text, strlen(text));
+        else
+            for (; *text; text++) putc(toupper((unsigned char)*text), to);
+    }
+    va_end(texts);
+}
 
 /* A line of text: one that begins with a dot would be a request. */
 static void print_line(FILE *to, const char *text, size_t bytes) {
@@ -51,8 +70,9 @@ static void print_paragraphs(FILE *to, const char *text) {
     }
 }
 
-static void print_lines(FILE *to, const char *text) {
-    fputs(".nf\n", to);
+static void print_lines(FILE *to, const char *heading, const char *text) {
+    if (text == NULL) return;
+    print(to, ".SH %s\n.nf\n", heading);
     while (*text) {
         const size_t length = strcspn(text, "\n");
         print_line(to, text, length);
@@ -61,98 +81,54 @@ static void print_lines(FILE *to, const char *text) {
     fputs(".fi\n", to);
 }
 
-static void print_capitals(FILE *to, const char *text) {
-    for (; *text; text++) putc(*text >= 'a' && *text <= 'z' ? *text - 'a' + 'A' : *text, to);
-}
-
-/* The page's title and name. */
-static void print_title(FILE *to, const program *p, const command *c) {
-    fputs(".TH \"", to);
-    print_capitals(to, p->name);
-    if (c) putc('-', to);
-    if (c) print_capitals(to, c->name);
-    fprintf(to, "\" 1 \"\" \"cellwalk %s\" \"Cellwalk\"\n.nh\n.ad l\n.SH NAME\n", CW_VERSION);
-    print_text(to, p->name);
-    if (c) print_text(to, "-");
-    if (c) print_text(to, c->name);
-    fputs(" \\- ", to);
-    print_text(to, c ? c->what : p->what);
-    fputs("\n.SH SYNOPSIS\n", to);
+/* The page's title, name and the beginning of the synopsis. dash is "-" and name the subcommand's, or both are empty. */
+static void print_title(FILE *to, const program *p, const char *dash, const char *name, const char *what) {
+    print(to, ".TH \"%S", p->name);
+    fputs(dash, to);
+    print(to, "%S\" 1 \"\" \"cellwalk ", name);
+    fputs(CW_VERSION, to);
+    print(to, "\" \"Cellwalk\"\n.nh\n.ad l\n.SH NAME\n%s%s%s \\- %s\n.SH SYNOPSIS\n\\fB%s", p->name, dash, name, what,
+          p->name);
 }
 
 static void print_option(FILE *to, const option_spec *o) {
     fputs(".TP\n", to);
     if (o->letter) fprintf(to, "\\fB\\-%c\\fR, ", o->letter);
-    fputs("\\fB\\-\\-", to);
-    print_text(to, o->name);
-    fputs("\\fR", to);
-    if (o->value) {
-        fputs(" \\fI", to);
-        print_text(to, o->value);
-        fputs("\\fR", to);
-    }
-    putc('\n', to);
-    fputs("\\&", to);
-    print_text(to, o->help);
-    for (size_t k = 0; o->names && o->names(k); k++) {
-        fputs(k ? ", " : ": ", to);
-        print_text(to, o->names(k));
-    }
+    print(to, "\\fB\\-\\-%s\\fR", o->name);
+    if (o->value) print(to, " \\fI%s\\fR", o->value);
+    print(to, "\n\\&%s", o->help);
+    for (size_t k = 0; o->names && o->names(k); k++) print(to, "%s%s", k ? ", " : ": ", o->names(k));
     putc('\n', to);
 }
 
-static void print_status(FILE *to) {
-    fprintf(to, ".SH EXIT STATUS\n0 if all went well, %d if the command line is wrong, %d after any other failure.\n",
+static void print_end(FILE *to) {
+    fprintf(to,
+            ".SH EXIT STATUS\n0 if all went well, %d if the command line is wrong, %d after any other failure.\n.SH "
+            "SEE ALSO\n",
             EXIT_USAGE, EXIT_FAILURE);
 }
 
-static void print_reference(FILE *to, const program *p, const command *c, const char *end) {
-    fputs(".BR ", to);
-    print_text(to, p->name);
-    if (c) print_text(to, "-");
-    if (c) print_text(to, c->name);
-    fprintf(to, " (1)%s\n", end);
-}
-
 void man_program(FILE *to, const program *p) {
-    print_title(to, p, NULL);
-    fputs("\\fB", to);
-    print_text(to, p->name);
+    print_title(to, p, "", "", p->what);
     fputs("\\fR \\fICOMMAND\\fR [\\fIARGUMENTS\\fR]\n.SH COMMANDS\n", to);
-    for (size_t k = 0; k < p->command_count; k++) {
-        fputs(".TP\n\\fB", to);
-        print_text(to, p->commands[k]->name);
-        fputs("\\fR\n", to);
-        print_line(to, p->commands[k]->what, strlen(p->commands[k]->what));
-    }
+    for (size_t k = 0; k < p->command_count; k++)
+        print(to, ".TP\n\\fB%s\\fR\n\\&%s\n", p->commands[k]->name, p->commands[k]->what);
     fputs(".SH OPTIONS\n", to);
     print_option(to, &option_help);
     print_option(to, &option_version);
-    if (p->ending) {
-        fputs(".SH NOTES\n", to);
-        print_lines(to, p->ending);
-    }
-    print_status(to);
-    fputs(".SH SEE ALSO\n", to);
+    print_lines(to, "NOTES", p->ending);
+    print_end(to);
     for (size_t k = 0; k < p->command_count; k++)
-        print_reference(to, p, p->commands[k], k + 1 < p->command_count ? "," : "");
+        print(to, ".BR %s%s%s (1)%s\n", p->name, "-", p->commands[k]->name, k + 1 < p->command_count ? "," : "");
 }
 
 void man_command(FILE *to, const program *p, const command *c, const options_usage *usage) {
-    print_title(to, p, c);
-    fputs("\\fB", to);
-    print_text(to, p->name);
-    fprintf(to, " %s\\fR ", c->name);
-    print_text(to, usage->synopsis);
-    fputs("\n.SH DESCRIPTION\n", to);
+    print_title(to, p, "-", c->name, c->what);
+    print(to, " %s\\fR %s\n.SH DESCRIPTION\n", c->name, usage->synopsis);
     print_paragraphs(to, usage->what);
     fputs(".SH OPTIONS\n", to);
     for (size_t k = 0; pages_option(usage, k); k++) print_option(to, pages_option(usage, k));
-    if (usage->examples) {
-        fputs(".SH EXAMPLES\n", to);
-        print_lines(to, usage->examples);
-    }
-    print_status(to);
-    fputs(".SH SEE ALSO\n", to);
-    print_reference(to, p, NULL, "");
+    print_lines(to, "EXAMPLES", usage->examples);
+    print_end(to);
+    print(to, ".BR %s (1)\n", p->name);
 }

@@ -20,26 +20,16 @@ static void fail(pages *g, const char *path) {
     g->good = false;
 }
 
-/* Makes all folders on the way to a file. */
-static void make_folders(char *path) {
-    for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
-        *slash = '\0';
-        mkdir(path, 0755); /* opening the file finds out if that failed */
-        *slash = '/';
-    }
-}
-
 /* The file's name has between and last after the program's. */
 static FILE *open_page(pages *g, const char *folder, const char *between, const char *last) {
     char path[PATH_MAX];
-    const char *name = g->program->name;
-    FILE *file = NULL;
-    if (snprintf(path, sizeof path, "%s/%s/%s%s%s", g->folder, folder, name, between, last) < PATH_MAX) {
-        make_folders(path);
-        file = fopen(path, "w");
-    } else {
-        errno = ENAMETOOLONG;
+    const int length = snprintf(path, sizeof path, "%s/%s/%s%s%s", g->folder, folder, g->program->name, between, last);
+    for (char *slash = path; length < PATH_MAX && (slash = strchr(slash + 1, '/')) != NULL; *slash = '/') {
+        *slash = '\0';
+        mkdir(path, 0755); /* opening the file finds out if that failed */
     }
+    errno = ENAMETOOLONG;
+    FILE *file = length < PATH_MAX ? fopen(path, "w") : NULL;
     if (file == NULL) fail(g, path);
     return file;
 }

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "ground.h"
+#include "site.h"
 
 #include <string.h>
 
-bool ground_take_map(const Py_buffer *buffer, double map[3][4]) {
+bool site_take_map(const Py_buffer *buffer, double map[3][4]) {
     enum { BYTES = 12 * sizeof(double) };
     if (buffer->len == BYTES) {
         memcpy(map, buffer->buf, BYTES);
@@ -13,7 +13,7 @@ bool ground_take_map(const Py_buffer *buffer, double map[3][4]) {
     return false;
 }
 
-bool ground_take_scale(const Py_buffer *buffer, map_scale *to, terrain *t) {
+bool site_take_scale(const Py_buffer *buffer, map_scale *to, terrain *t) {
     if (buffer->obj == NULL) return true;
     if (buffer->len != sizeof *to) {
         PyErr_SetString(PyExc_ValueError, "scale: a buffer of another size");
@@ -24,7 +24,7 @@ bool ground_take_scale(const Py_buffer *buffer, map_scale *to, terrain *t) {
     return true;
 }
 
-bool ground_init(terrain *t, const ground *g, const cw_field *field, size_t nx, size_t ny, const float *z) {
+bool site_init(terrain *t, const site *g, const cw_field *field, size_t nx, size_t ny, const float *z) {
     /* Without a map, a picture's: the first row is in the north. A coarser field's samples stand more than 1 apart. */
     const double apart = g->map[0][0];
     const double picture[3][4] = {{apart, 0, 0, 0}, {0, -apart, 0, apart * (double)(ny - 1)}, {0, 0, g->map[2][2], 0}};
@@ -42,6 +42,6 @@ bool ground_init(terrain *t, const ground *g, const cw_field *field, size_t nx, 
     return terrain_init(t, &desc);
 }
 
-double ground_northward(const ground *g, const terrain *t, double y) {
+double site_northward(const site *g, const terrain *t, double y) {
     return g->north_up ? g->map[0][0] * (double)(terrain_whole(t)->ny - 1) - y : y;
 }

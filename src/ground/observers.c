@@ -1,49 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "observers.h"
 
-#include "command.h"
-
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
-
-static const double eye_height = 2;
-
-void observer_rows(observer_options *o, option_spec rows[OBSERVER_OPTION_COUNT]) {
-    const option_spec own[OBSERVER_OPTION_COUNT] = {
-        option_several("from", "X,Y[,H]", &o->from,
-                       "the observer's place on the map, with the eye H metres above ground (default: 2), or X,Y,=Z; "
-                       "may be given up to 256 times"),
-        option_text(
-            "observers", "FILE", &o->file,
-            "any number of observers: a table (.csv) whose first line names the columns x, y and, if there, height and "
-            "weight; or points of any file that GDAL reads, with such attributes, brought to the terrain's map"),
-        option_text("layer", "NAME", &o->layer, "the layer of --observers, for files with several"),
-        option_number("every", "D", &o->every,
-                      "the places are the corners of a line, and so are those of each line in a file: an observer "
-                      "stands at its beginning and every D metres; heights and weights change evenly between corners"),
-    };
-    memcpy(rows, own, sizeof own);
-}
-
-bool observer_options_check(observer_options *o, const char *name) {
-    const bool given = o->from.count > 0;
-    if (given == (o->file != NULL))
-        command_fail(name, given ? "--from and --observers do not go together"
-                                 : "--from X,Y is missing, or --observers FILE: the place of an observer");
-    else if (o->layer && !o->file)
-        command_fail(name, "--layer goes with --observers");
-    else if (o->every < 0)
-        command_fail(name, "--every takes metres, not %g", o->every);
-    else if (o->every > 0 && o->from.count == 1)
-        command_fail(name, "--every D takes two places or more: the corners of a line");
-    else {
-        for (size_t k = 0; k < o->from.count; k++)
-            if (!ground_read_place(name, o->from.values[k], eye_height, &o->places[k])) return false;
-        return true;
-    }
-    return false;
-}
 
 static bool put(observers *o, const observer *new, io_error *error) {
     if (o->count == OBSERVERS_MOST) return io_fail(error, "there are more than %d observers", OBSERVERS_MOST);
@@ -58,18 +18,18 @@ static bool put(observers *o, const observer *new, io_error *error) {
     return true;
 }
 
-static size_t given_count(const observers *o) { return o->options->file ? o->points.count : o->options->from.count; }
+static size_t given_count(const observers *o) { return o->from->file ? o->points.count : o->from->place_count; }
 
-static size_t part_of(const observers *o, size_t k) { return o->options->file ? o->points.points[k].part : 0; }
+static size_t part_of(const observers *o, size_t k) { return o->from->file ? o->points.points[k].part : 0; }
 
 /* A given place as an observer. */
 static observer given(const observers *o, size_t k) {
-    if (!o->options->file) {
-        const ground_place *p = &o->options->places[k];
+    if (!o->from->file) {
+        const ground_place *p = &o->from->places[k];
         return (observer){p->x, p->y, p->z, p->absolute, 1, NAN, k};
     }
     const io_point *p = &o->points.points[k];
-    return (observer){p->x, p->y, isnan(p->height) ? eye_height : p->height, p->absolute, p->weight, NAN, k};
+    return (observer){p->x, p->y, isnan(p->height) ? o->from->height : p->height, p->absolute, p->weight, NAN, k};
 }
 
 /* Metres between two places, by the scale halfway. */
@@ -84,7 +44,7 @@ static double length_between(const terrain *t, const observer *a, const observer
  * beginning, in steps; before: the corner's distance from there. */
 static bool put_between(observers *o, const observer *a, const observer *b, double before, double length, double *step,
                         io_error *error) {
-    const double every = o->options->every, end = before + length;
+    const double every = o->from->every, end = before + length;
     /* A length that is some steps but for rounding has them all. */
     const double least = 0x1p-40 * end;
     for (; *step * every <= end + least; ++*step) {
@@ -102,9 +62,9 @@ static bool put_between(observers *o, const observer *a, const observer *b, doub
 }
 
 static ground_place place_of(const observers *o, const observer *a, char text[OBSERVER_TEXT]) {
-    if (!o->options->file && isnan(a->along)) return o->options->places[a->given];
+    if (!o->from->file && isnan(a->along)) return o->from->places[a->given];
     char name[OBSERVER_TEXT / 2] = "", way[60] = "";
-    if (o->options->file) io_points_name(&o->points, a->given, name, sizeof name);
+    if (o->from->file) io_points_name(&o->points, a->given, name, sizeof name);
     if (!isnan(a->along)) snprintf(way, sizeof way, "%s%.10g m along the line", name[0] ? ", " : "", a->along);
     snprintf(text, OBSERVER_TEXT, "%s%s: %.10g,%.10g,%s%.10g", name, way, a->x, a->y, a->absolute ? "=" : "", a->z);
     return (ground_place){text, a->x, a->y, a->z, a->absolute};
@@ -126,7 +86,7 @@ static bool put_lines(observers *o, const terrain *t, io_error *error) {
                            place_of(o, &b, text).text);
         }
         const double length = length_between(t, &a, &b);
-        if (!isfinite(length) || before + length > OBSERVERS_MOST * o->options->every)
+        if (!isfinite(length) || before + length > OBSERVERS_MOST * o->from->every)
             return io_fail(error, "there are more than %d observers", OBSERVERS_MOST);
         if (!put_between(o, &a, &b, before, length, &step, error)) return false;
         before += length;
@@ -142,22 +102,16 @@ static bool put_places(observers *o, io_error *error) {
     return true;
 }
 
-static void warn(void *context, const char *text) {
-    ground *g = context;
-    progress_end(&g->line);
-    g->reading.warn(g->reading.context, text);
-}
-
-bool observers_find(observers *o, const observer_options *options, ground *g, io_error *error) {
-    *o = (observers){.options = options};
+bool observers_find(observers *o, const observers_from *from, const ground *g, io_error *error) {
     const io_points_options reading = {
-        .layer = options->layer, .crs = ground_georef(g)->crs, .warn = warn, .context = g};
-    if (options->file && !io_points_read(options->file, &reading, &o->points, error)) return false;
+        .layer = from->layer, .crs = g->about.georef.crs, .warn = g->watch.warn, .context = g->watch.context};
+    *o = (observers){.from = from};
+    if (from->file && !io_points_read(from->file, &reading, &o->points, error)) return false;
     bool good = true;
-    if (options->file && o->points.has_lines && options->every == 0)
-        good = io_fail(error, "%s: holds lines, and --every D says where on them observers stand", options->file);
-    good = good && (options->every > 0 ? put_lines(o, &g->whole, error) : put_places(o, error));
-    if (good && o->count == 0) good = io_fail(error, "%s: a line has two corners or more", options->file);
+    if (from->lines && o->points.has_lines && from->every == 0)
+        good = io_fail(error, "%s: holds lines, and --every D says where on them observers stand", from->file);
+    good = good && (from->every > 0 ? put_lines(o, &g->whole, error) : put_places(o, error));
+    if (good && o->count == 0) good = io_fail(error, "%s: a line has two corners or more", from->file);
     if (!good) observers_free(o);
     return good;
 }
@@ -169,10 +123,8 @@ void observers_free(observers *o) {
 }
 
 const char *observers_name(const observers *o, size_t k) {
-    return o->options->file ? o->points.points[o->list[k].given].name : "";
+    return o->from->file ? o->points.points[o->list[k].given].name : "";
 }
-
-bool observers_have_weights(const observers *o) { return o->points.has_weight; }
 
 ground_place observers_place(const observers *o, size_t k, char text[OBSERVER_TEXT]) {
     return place_of(o, &o->list[k], text);

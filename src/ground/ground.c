@@ -1,0 +1,261 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "ground.h"
+
+#include "scale.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- the raster, without samples --------------------------------------------------------------------------------- */
+
+bool ground_describe(terrain *t, const io_raster *r, const cw_field *field, const map_scale *scale, const char *path,
+                     io_error *error) {
+    const terrain_desc desc = {
+        .field = field,
+        .nx = r->nx,
+        .ny = r->ny,
+        .z = r->z,
+        .map = r->map,
+        .geographic = r->georef.geographic,
+        .unit = r->georef.unit,
+        .semi_major = r->georef.semi_major,
+        .inverse_flattening = r->georef.inverse_flattening,
+        .scale = scale,
+    };
+    return terrain_init(t, &desc) || io_fail(error, "%s: its map cannot be inverted", path);
+}
+
+cw_rectangle ground_all(const ground *g) { return (cw_rectangle){0, 0, g->about.nx, g->about.ny}; }
+
+static bool is_all(const ground *g, cw_rectangle r) { return r.nx == g->about.nx && r.ny == g->about.ny; }
+
+/* The map of a part of the raster. */
+static void map_of(const ground *g, cw_rectangle part, double map[3][4]) {
+    memcpy(map, g->about.map, sizeof g->about.map);
+    for (int k = 0; k < 2; k++) map[k][3] += map[k][0] * (double)part.i + map[k][1] * (double)part.j;
+}
+
+void ground_set_window(ground *g, cw_rectangle window) {
+    g->window = window;
+    map_of(g, window, g->map);
+}
+
+bool ground_find_window(ground *g, const double e[4], const char *text, io_error *error) {
+    const double tolerance = 0x1p-20; /* cells, for coordinates in decimals */
+    double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY}, corners[2][2];
+    const double last[2] = {(double)(g->whole.nx - 1), (double)(g->whole.ny - 1)};
+    for (int k = 0; k < 4; k++) {
+        double at[2];
+        terrain_from_map(&g->whole, e[k & 1 ? 2 : 0], e[k & 2 ? 3 : 1], at);
+        for (int a = 0; a < 2; a++) {
+            low[a] = fmin(low[a], at[a]);
+            high[a] = fmax(high[a], at[a]);
+        }
+    }
+    bool some = e[0] <= e[2] && e[1] <= e[3];
+    for (int a = 0; a < 2; a++) {
+        low[a] = fmax(ceil(low[a] - tolerance), 0);
+        high[a] = fmin(floor(high[a] + tolerance), last[a]);
+        some = some && low[a] <= high[a];
+    }
+    terrain_to_map(&g->whole, 0, 0, corners[0]);
+    terrain_to_map(&g->whole, last[0], last[1], corners[1]);
+    if (!some)
+        return io_fail(error, "--window %s: no sample is in it; they go from %.10g,%.10g to %.10g,%.10g", text,
+                       fmin(corners[0][0], corners[1][0]), fmin(corners[0][1], corners[1][1]),
+                       fmax(corners[0][0], corners[1][0]), fmax(corners[0][1], corners[1][1]));
+    ground_set_window(g, (cw_rectangle){(size_t)low[0], (size_t)low[1], (size_t)(high[0] - low[0]) + 1,
+                                        (size_t)(high[1] - low[1]) + 1});
+    return true;
+}
+
+static bool tell_reading(void *context, double share) {
+    const ground_watch *w = &((ground *)context)->watch;
+    return w->tell(w->context, ((const ground *)context)->pieces > 0 ? NULL : "reading", share);
+}
+
+static void warn(void *context, const char *text) {
+    const ground_watch *w = &((ground *)context)->watch;
+    if (w->warn) w->warn(w->context, text);
+}
+
+/* A coarser raster is made of all samples, and then in memory. */
+static bool read_coarser(ground *g, io_error *error) {
+    raster_field file;
+    if (!raster_field_open(&file, g->path, &g->reading, &g->coarser, &g->query, &g->watch, error)) return false;
+    cw_field_destroy(file.field);
+    g->about = file.raster;
+    return true;
+}
+
+bool ground_open(ground *g, io_error *error) {
+    io_raster *r = &g->about;
+    g->reading.warn = warn;
+    g->reading.progress = tell_reading;
+    g->reading.context = g;
+    io_raster_options o = g->reading;
+    o.no_samples = io_raster_has_windows(g->path);
+    if (!(g->coarser.factor > 0 ? read_coarser(g, error) : io_raster_read(g->path, &o, r, error))) return false;
+    if (r->nx < 2 || r->ny < 2)
+        return io_fail(error, "%s: %zu x %zu samples; a terrain has at least 2 x 2", g->path, r->nx, r->ny);
+    const bool scaled = io_scale_find(&r->georef, r->map, r->nx, r->ny, g->path, warn, g, &g->nodes);
+    if (!ground_describe(&g->whole, r, NULL, scaled ? &g->nodes : NULL, g->path, error)) return false;
+    g->terrain = g->whole;
+    ground_set_window(g, ground_all(g));
+    return true;
+}
+
+void ground_close(ground *g) {
+    raster_field_close(&g->file);
+    io_raster_free(&g->about);
+}
+
+double ground_curvature(const ground *g, double given) {
+    return !isnan(given) ? given : g->about.georef.placed ? 6.0 / 7 : 0;
+}
+
+/* ---- memory ------------------------------------------------------------------------------------------------------ */
+
+/* A sample's four bytes, and its share of the field's structures. */
+static const double bytes_a_sample = 4 + 4, samples_most = 0x1p31;
+
+static double bytes_of(cw_rectangle piece, double more) {
+    return (double)piece.nx * (double)piece.ny * (bytes_a_sample + more);
+}
+
+/* The rest of the program, GDAL's cache and the output. */
+static const double others = 3e8;
+
+static double room(const ground *g) { return fmax(g->bytes - others, 0.25 * g->bytes); }
+
+bool ground_fits(const ground *g, cw_rectangle piece, double more) {
+    return bytes_of(piece, more) <= room(g) && (double)piece.nx * (double)piece.ny <= samples_most;
+}
+
+bool ground_check(const ground *g, cw_rectangle piece, double more, io_error *error) {
+    if (ground_fits(g, piece, more)) return true;
+    if ((double)piece.nx * (double)piece.ny > samples_most)
+        return io_fail(error, "%s: %zu x %zu samples matter, which are more than a field can hold", g->path, piece.nx,
+                       piece.ny);
+    const double bytes = bytes_of(piece, more), need = fmin(bytes + others, 4 * bytes);
+    return io_fail(error, "%s: %zu x %zu samples matter at once, which need --memory %.0fM; there is %.9gM", g->path,
+                   piece.nx, piece.ny, ceil(need / 1e6), g->bytes / 1e6);
+}
+
+/* ---- pieces ------------------------------------------------------------------------------------------------------ */
+
+/* Warnings of the header are not repeated, nor the same warning for piece after piece. */
+static void warn_of_samples(void *context, const char *text) {
+    enum { ENOUGH = 4 };
+    ground *g = context;
+    const bool of_samples = strstr(text, "--nodata") != NULL || strstr(text, "heights are floats") != NULL;
+    if (of_samples && g->warnings++ < ENOUGH) warn(g, text);
+}
+
+/* Of a file that was read as a whole a part is cut out. All of it is lent. */
+static bool read_part(ground *g, cw_rectangle part, io_raster *r, io_error *error) {
+    const io_raster *from = &g->about;
+    io_raster_options o = g->reading;
+    *r = (io_raster){.nx = from->nx, .ny = from->ny, .z = from->z};
+    if (from->z != NULL && is_all(g, part)) return true;
+    if (from->z != NULL) {
+        if (!io_raster_allocate(g->path, part.nx, part.ny, r, error)) return false;
+        float *z = r->memory;
+        for (size_t y = 0; y < part.ny; y++)
+            memcpy(z + y * part.nx, from->z + (part.j + y) * from->nx + part.i, part.nx * sizeof *z);
+        return true;
+    }
+    if (!is_all(g, part)) {
+        o.window.i = part.i;
+        o.window.j = part.j;
+        o.window.nx = part.nx;
+        o.window.ny = part.ny;
+    }
+    /* The map is that of the whole raster, which has been described. */
+    o.cellsize = 0;
+    o.north_up = false;
+    o.warn = warn_of_samples;
+    if (!io_raster_read(g->path, &o, r, error)) return false;
+    g->pieces++;
+    io_georef_free(&r->georef);
+    return true;
+}
+
+bool ground_read(ground *g, cw_rectangle piece, bool field, io_error *error) {
+    io_raster *r = &g->file.raster;
+    raster_field_close(&g->file);
+    g->terrain = g->whole;
+    if ((field && !ground_check(g, piece, 0, error)) || !read_part(g, piece, r, error)) return false;
+    map_of(g, piece, r->map);
+    if (field && !raster_field_build(&g->file, g->path, &g->query, &g->watch, error)) return false;
+    r->georef = g->about.georef; /* lent */
+    const bool described = ground_describe(&g->terrain, r, g->file.field, g->whole.scale, g->path, error);
+    r->georef = (io_georef){0};
+    g->terrain.whole = &g->whole;
+    g->terrain.column = piece.i;
+    g->terrain.row = piece.j;
+    g->piece = piece;
+    return described;
+}
+
+typedef struct survey {
+    ground *ground;
+    reach_blocks *blocks;
+    ground_wanted *wanted;
+    void *context;
+    double most; /* samples at once */
+} survey;
+
+static bool is_wanted(const survey *s, cw_rectangle block) {
+    const cw_rectangle w = s->ground->window, both = reach_both(w, block);
+    return s->wanted == NULL || (both.nx < w.nx + block.nx && both.ny < w.ny + block.ny) ||
+           s->wanted(s->context, block);
+}
+
+/* The rectangle of all that is wanted of rows of blocks, and how many samples of it are. */
+static cw_rectangle find_wanted(const survey *s, size_t first, size_t end, double *samples) {
+    const size_t nx = s->ground->about.nx, ny = s->ground->about.ny;
+    cw_rectangle all = {0};
+    *samples = 0;
+    for (size_t y = first; y < end; y++)
+        for (size_t x = 0; x < s->blocks->across; x++) {
+            const size_t i = x * REACH_BLOCK, j = y * REACH_BLOCK;
+            const cw_rectangle block = {i, j, nx - i < REACH_BLOCK ? nx - i : REACH_BLOCK,
+                                        ny - j < REACH_BLOCK ? ny - j : REACH_BLOCK};
+            if (!is_wanted(s, block)) continue;
+            *samples += (double)block.nx * (double)block.ny;
+            all = reach_both(all, block);
+        }
+    return all;
+}
+
+/* Rows of blocks: together if memory has room and most of them are wanted, since each reading opens the file anew. */
+static bool survey_rows(const survey *s, size_t first, size_t end, io_error *error) {
+    double samples;
+    const cw_rectangle all = find_wanted(s, first, end, &samples);
+    const double size = (double)all.nx * (double)all.ny;
+    if (samples == 0) return true;
+    if (end - first > 1 && (size > s->most || size > 2 * samples)) {
+        const size_t middle = first + (end - first) / 2;
+        return survey_rows(s, first, middle, error) && survey_rows(s, middle, end, error);
+    }
+    const size_t columns = (size_t)fmax(s->most / (double)all.ny / REACH_BLOCK, 1) * REACH_BLOCK;
+    for (size_t i = 0; i < all.nx; i += columns) {
+        const cw_rectangle part = {all.i + i, all.j, all.nx - i < columns ? all.nx - i : columns, all.ny};
+        io_raster r;
+        if (!read_part(s->ground, part, &r, error)) return false;
+        reach_blocks_take(s->blocks, part, r.z);
+        io_raster_free(&r);
+    }
+    return true;
+}
+
+bool ground_survey(ground *g, reach_blocks *b, ground_wanted *wanted, void *context, io_error *error) {
+    if (g->about.z != NULL) {
+        reach_blocks_take(b, ground_all(g), g->about.z);
+        return true;
+    }
+    const survey s = {g, b, wanted, context, fmin(0.5 * room(g), 1e8) / sizeof(float)};
+    return survey_rows(&s, 0, b->down, error);
+}

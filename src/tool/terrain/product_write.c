@@ -1,0 +1,207 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Products of a part of a raster, and of rasters that memory does not hold: bands of rows, each from a piece of the raster that
+ * has all that matters to it. */
+#include "clock.h"
+#include "command.h"
+#include "product.h"
+#include "progress.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* As many rows as a GeoTIFF's tiles have, fewer where that would make Ctrl-C wait, or memory is short. */
+static size_t block_rows(const io_raster_product *p, double passes, bool few) {
+    enum { LEAST = 32 };
+    const size_t tile = io_raster_tile_side(p->ny);
+    size_t rows = tile;
+    if (few) return tile < LEAST ? tile : LEAST;
+    while (rows > LEAST && rows % 2 == 0 && passes * (double)rows * (double)p->nx > 1e7) rows /= 2;
+    while (passes * (double)rows * (double)p->nx < 1e6 && rows < p->ny) rows += tile;
+    return rows;
+}
+
+typedef struct writing {
+    product *product;
+    ground_plan plan;
+    bool surveyed;       /* the plan's blocks have been taken */
+    size_t rows, step;   /* rows of a block; rows of the window for each */
+    size_t from, until;  /* rows of the window that the piece is good for */
+    size_t cell;         /* bytes of one */
+    void *cells, *lines; /* a block of the window; rows of the piece, where those are longer */
+    size_t lines_room;
+    outcome outcome;
+    picture *picture; /* NULL: rows are written as they come */
+    float *values;    /* of a block */
+} writing;
+
+static bool fits(const writing *w, cw_rectangle piece) {
+    return ground_fits(&w->product->ground, piece, w->product->more);
+}
+
+static bool wanted(void *context, cw_rectangle block) { return ground_plan_wants(context, block); }
+
+/* The piece for the next so many blocks from row on. */
+static bool piece_for(writing *w, size_t row, size_t blocks, cw_rectangle *part, cw_rectangle *piece, io_error *error) {
+    ground *g = &w->product->ground;
+    const cw_rectangle window = g->window;
+    const size_t left = window.ny - row, block = w->rows * w->step,
+                 rows = blocks < left / block + 1 ? blocks * block : left;
+    if (ground_plan_has_blocks(&w->plan) && !w->surveyed &&
+        !(w->surveyed = ground_survey(g, &w->plan.blocks, wanted, &w->plan, error)))
+        return false;
+    *part = (cw_rectangle){window.i, window.j + row, window.nx, rows < left ? rows : left};
+    return product_good(ground_plan_around(&w->plan, *part, piece), true, error);
+}
+
+/* Reads the piece for as many rows as there is memory for. */
+static bool next_piece(writing *w, size_t row, io_error *error) {
+    product *p = w->product;
+    ground *g = &p->ground;
+    cw_rectangle part = g->window, piece = ground_all(g);
+    if (part.nx < piece.nx || part.ny < piece.ny || !fits(w, piece)) {
+        size_t least = 1, most = (g->window.ny - row + w->rows * w->step - 1) / (w->rows * w->step);
+        while (least < most) {
+            const size_t blocks = most - (most - least) / 2;
+            if (!piece_for(w, row, blocks, &part, &piece, error)) return false;
+            if (fits(w, piece))
+                least = blocks;
+            else
+                most = blocks - 1;
+        }
+        if (!piece_for(w, row, least, &part, &piece, error)) return false;
+    }
+    if (w->until == 0 || memcmp(&piece, &g->piece, sizeof piece) != 0) {
+        if (!ground_read(g, piece, true, error) || (p->enter && !p->enter(p, error))) return false;
+    }
+    w->from = part.j - g->window.j;
+    w->until = p->until = w->from + part.ny;
+    return true;
+}
+
+/* That all pieces fit is known before the work begins. */
+static bool check_pieces(writing *w, io_error *error) {
+    const product *p = w->product;
+    cw_rectangle part, piece;
+    if (p->in_memory || fits(w, ground_all(&p->ground))) return true;
+    for (size_t row = 0; row < p->ground.window.ny; row += w->rows * w->step)
+        if (!piece_for(w, row, 1, &part, &piece, error) || !ground_check(&p->ground, piece, p->more, error))
+            return false;
+    return true;
+}
+
+static bool fill_block(writing *w, size_t band, size_t row, size_t rows, io_error *error) {
+    product *p = w->product;
+    const ground *g = &p->ground;
+    if (p->every > 0) return p->fill(p, band, row, rows, w->cells, error);
+    const size_t nx = g->terrain.nx, first = g->window.i - g->terrain.column,
+                 local = row + g->window.j - g->terrain.row;
+    if (nx == g->window.nx) return p->fill(p, band, local, rows, w->cells, error);
+    if (w->lines_room < nx * rows) {
+        free(w->lines);
+        w->lines = malloc(nx * rows * w->cell);
+        w->lines_room = w->lines ? nx * rows : 0;
+        if (w->lines == NULL) return io_fail(error, "out of memory");
+    }
+    if (!p->fill(p, band, local, rows, w->lines, error)) return false;
+    for (size_t y = 0; y < rows; y++)
+        memcpy((char *)w->cells + y * g->window.nx * w->cell, (const char *)w->lines + (y * nx + first) * w->cell,
+               g->window.nx * w->cell);
+    return true;
+}
+
+/* Floats to multiples of the scale, in place: each is off by half of that at most, since scales are powers of two. */
+static void pack(void *cells, size_t n, const io_raster_product *p) {
+    for (size_t k = 0; k < n; k++) {
+        float value;
+        memcpy(&value, (const char *)cells + k * sizeof value, sizeof value);
+        const double steps = nearbyint((double)value / p->scale);
+        const int16_t step = (int16_t)(isnan(steps) ? p->nodata : fmin(fmax(steps, -INT16_MAX), INT16_MAX));
+        memcpy((char *)cells + k * sizeof step, &step, sizeof step);
+    }
+}
+
+/* The block as the line at the end counts it and a picture shows it. */
+static bool take_block(writing *w, size_t row, size_t rows, io_error *error) {
+    const io_raster_product *p = &w->product->raster;
+    const ground *g = &w->product->ground;
+    outcome_read(p, w->cells, rows * p->nx, w->values);
+    outcome_take(&w->outcome, w->values, rows * p->nx);
+    const size_t first = g->window.i - g->terrain.column, local = row * w->step + g->window.j - g->terrain.row;
+    return w->picture == NULL ||
+           picture_take(w->picture, row, rows, w->values, &g->terrain, first, local, w->step, error);
+}
+
+static bool write_blocks(writing *w, io_raster_writer *to, io_error *error) {
+    product *made = w->product;
+    const io_raster_product *p = &made->raster;
+    for (size_t band = 0; band < p->bands; band++)
+        for (size_t row = 0; row < p->ny; row += w->rows) {
+            const size_t count = p->ny - row < w->rows ? p->ny - row : w->rows;
+            const size_t at = row * w->step;
+            if (!made->in_memory && (at < w->from || at >= w->until) && !next_piece(w, at, error)) return false;
+            made->done = ((double)band + (double)row / (double)p->ny) / (double)p->bands;
+            made->part = (double)count / (double)p->ny / (double)p->bands;
+            if (!product_tell_block(made, 0)) return io_fail(error, "interrupted");
+            if (!fill_block(w, band, row, count, error) || (band == 0 && !take_block(w, row, count, error)))
+                return false;
+            if (to == NULL) continue;
+            if (p->scale > 0) pack(w->cells, count * p->nx, p);
+            if (!io_raster_write(to, w->cells, count, error)) return false;
+        }
+    return true;
+}
+
+static bool write_rows(writing *w, io_error *error) {
+    io_raster_writer to;
+    if (!io_raster_create(&to, w->product->output, &w->product->raster, error)) return false;
+    const bool good = write_blocks(w, &to, error) && io_raster_commit(&to, error);
+    io_raster_discard(&to);
+    return good;
+}
+
+static bool write_picture(writing *w, io_error *error) {
+    const product *p = w->product;
+    picture drawn;
+    for (size_t k = 0; k < 2 * p->mark_count; k++)
+        p->marks[k] -= (double)(k % 2 ? p->ground.window.j : p->ground.window.i);
+    w->picture = &drawn;
+    const bool good = picture_begin(&drawn, p->output, p->raster.nx, p->raster.ny, error) &&
+                      write_blocks(w, NULL, error) &&
+                      picture_write(&drawn, p->output, &p->raster, &w->outcome, p->marks, p->mark_count, error);
+    picture_end(&drawn);
+    return good;
+}
+
+/* "cellwalk shadow: shadow.tif: 24.1 % of 138632 samples in the sun, 0.31 s" */
+static void tell_outcome(const product *p, const outcome *o) {
+    char text[200];
+    if (p->quiet) return;
+    outcome_text(o, &p->raster, p->counted ? p->counted : "above 0", text, sizeof text);
+    command_note(p->name, "%s: %s%s, %.2f s", p->output, p->raster.bands > 1 ? "in the first band " : "", text,
+                 clock_seconds() - p->start);
+}
+
+bool product_write(product *p, io_error *error) {
+    const io_raster_product *r = &p->raster;
+    writing w = {.product = p,
+                 .step = p->every > 0 ? p->every : 1,
+                 .cell = io_cell_bytes(r->scale > 0 ? IO_CELL_FLOAT32 : r->cell)};
+    w.rows = block_rows(r, p->passes, !p->in_memory && !fits(&w, ground_all(&p->ground)));
+    w.cells = malloc(w.rows * r->nx * w.cell);
+    w.values = malloc(w.rows * r->nx * sizeof *w.values);
+    bool good = (w.cells && w.values) || io_fail(error, "out of memory");
+    good = good && outcome_begin(&w.outcome, r->nx * r->ny, error);
+    good =
+        good && product_good(ground_plan_create(&w.plan, &p->matters, &p->ground.whole, p->ground.window), true, error);
+    good = good && check_pieces(&w, error);
+    if (good) good = io_raster_is_png(p->output) && !p->plain ? write_picture(&w, error) : write_rows(&w, error);
+    if (good) tell_outcome(p, &w.outcome);
+    ground_plan_destroy(&w.plan);
+    outcome_end(&w.outcome);
+    free(w.cells);
+    free(w.values);
+    free(w.lines);
+    return good;
+}
