@@ -219,7 +219,7 @@ const void *io_npy_rows(io_npy *npy, uint64_t first, uint64_t count, io_error *e
     if (npy->rows != NULL && npy->first == first && npy->count == count) return npy->rows;
     if (npy->rows == NULL || npy->room < bytes) {
         free(npy->rows);
-        npy->rows = bytes < SIZE_MAX ? malloc((size_t)bytes + 1) : NULL;
+        npy->rows = bytes < SIZE_MAX ? malloc(bytes > 0 ? (size_t)bytes : 1) : NULL;
         npy->room = bytes;
     }
     npy->first = first;

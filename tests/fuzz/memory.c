@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The linker lets all calls to open and the like end here (--wrap): those of the readers, and between inputs libFuzzer's own,
- * which go on to libc. A mapping is a separate block, as long as the rest of the file, so AddressSanitizer sees
- * each byte that is read behind the end. In a real mapping it would not. */
+ * which go on to libc. */
 
 #include "memory.h"
 
@@ -9,15 +8,13 @@
 #include <fcntl.h>
 #include <stdarg.h>
 #include <stdbool.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 /* Far from the descriptors that the process has. */
-enum { FIRST_FD = 1 << 20, MAPPINGS_MAX = 8 };
+enum { FIRST_FD = 1 << 20 };
 
 static struct {
     const char *name;
@@ -25,8 +22,6 @@ static struct {
     size_t size;
 } files[MEMORY_FILES_MAX];
 
-static void *mappings[MAPPINGS_MAX];
-static int streamed; /* the file of the last stream */
 static bool at_work; /* on an input */
 
 void memory_file(size_t number, const char *name, const uint8_t *data, size_t size) {
@@ -37,11 +32,7 @@ void memory_file(size_t number, const char *name, const uint8_t *data, size_t si
     at_work = true;
 }
 
-void memory_done(void) {
-    at_work = false;
-    for (size_t k = 0; k < MAPPINGS_MAX; k++)
-        if (mappings[k] != NULL) abort(); /* a mapping was left behind */
-}
+void memory_done(void) { at_work = false; }
 
 static int find(const char *path) {
     while (path[0] == '.' && path[1] == '/') path += 2;
@@ -118,55 +109,4 @@ ssize_t __wrap_pread(int fd, void *to, size_t size, off_t offset) {
     const size_t left = offset < about.st_size ? (size_t)(about.st_size - offset) : 0, got = size < left ? size : left;
     if (got > 0) memcpy(to, files[fd - FIRST_FD].data + offset, got);
     return (ssize_t)got;
-}
-
-void *__wrap_mmap(void *place, size_t size, int protection, int flags, int fd, off_t offset);
-void *__real_mmap(void *place, size_t size, int protection, int flags, int fd, off_t offset);
-void *__wrap_mmap(void *place, size_t size, int protection, int flags, int fd, off_t offset) {
-    if (!at_work) return __real_mmap(place, size, protection, flags, fd, offset);
-    (void)place, (void)protection, (void)flags;
-    struct stat about;
-    if (describe(fd - FIRST_FD, &about) != 0 || offset < 0 || offset >= about.st_size) return MAP_FAILED;
-    const size_t left = (size_t)(about.st_size - offset), bytes = size < left ? size : left;
-    size_t slot = 0;
-    while (slot < MAPPINGS_MAX && mappings[slot] != NULL) slot++;
-    if (slot == MAPPINGS_MAX || posix_memalign(&mappings[slot], 64, bytes) != 0) abort();
-    memcpy(mappings[slot], files[fd - FIRST_FD].data + offset, bytes);
-    return mappings[slot];
-}
-
-int __wrap_munmap(void *place, size_t size);
-int __real_munmap(void *place, size_t size);
-int __wrap_munmap(void *place, size_t size) {
-    if (!at_work) return __real_munmap(place, size);
-    size_t slot = 0;
-    while (slot < MAPPINGS_MAX && mappings[slot] != place) slot++;
-    if (slot == MAPPINGS_MAX) abort(); /* what is no mapping is unmapped */
-    mappings[slot] = NULL;
-    free(place);
-    return 0;
-}
-
-int __wrap_madvise(void *place, size_t size, int advice);
-int __real_madvise(void *place, size_t size, int advice);
-int __wrap_madvise(void *place, size_t size, int advice) {
-    if (!at_work) return __real_madvise(place, size, advice);
-    return 0;
-}
-
-FILE *__wrap_fdopen(int fd, const char *mode);
-FILE *__real_fdopen(int fd, const char *mode);
-FILE *__wrap_fdopen(int fd, const char *mode) {
-    if (!at_work) return __real_fdopen(fd, mode);
-    struct stat about;
-    if (describe(fd - FIRST_FD, &about) != 0) return NULL;
-    streamed = fd;
-    return fmemopen((void *)(uintptr_t)files[fd - FIRST_FD].data, files[fd - FIRST_FD].size, mode);
-}
-
-int __wrap_fileno(FILE *file);
-int __real_fileno(FILE *file);
-int __wrap_fileno(FILE *file) {
-    if (!at_work) return __real_fileno(file);
-    return streamed;
 }

@@ -13,7 +13,6 @@ enum { MEMORY_FILES_MAX = 8 };
 
 /* There are these files alone until memory_done. File number holds these bytes, which stay the caller's. */
 void memory_file(size_t number, const char *name, const uint8_t *data, size_t size);
-/* Aborts if something is still mapped. */
 void memory_done(void);
 
 #endif
