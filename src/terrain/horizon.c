@@ -20,15 +20,34 @@ struct horizon {
     bool leans;   /* it has three numbers for each of them */
     double curvature, max_distance;
     sight_bounds *bounds; /* for distances; NULL until they are needed */
+    float *turned;        /* samples upside down, of `under` */
+    cw_field *field;
+    terrain under;
 };
 
 static const double degree = 0.017453292519943295;
+
+/* The same terrain with each height negated. */
+static cw_status turn_over(horizon *h) {
+    const terrain *t = h->terrain;
+    h->turned = malloc(t->nx * t->ny * sizeof *h->turned);
+    if (h->turned == NULL) return CW_ERROR_MEMORY;
+    for (size_t k = 0; k < t->nx * t->ny; k++) h->turned[k] = isfinite(t->z[k]) ? -t->z[k] : NAN;
+    const cw_field_desc desc = {.samples = h->turned, .nx = t->nx, .ny = t->ny, .storage = CW_BORROW};
+    const cw_status status = cw_field_create(&desc, NULL, &h->field);
+    h->under = *t;
+    h->under.field = h->field;
+    h->under.z = h->turned;
+    h->terrain = &h->under;
+    return status;
+}
 
 cw_status horizon_create(const terrain *t, const horizon_desc *desc, horizon **out) {
     const double start = desc->start;
     const size_t count = desc->count;
     *out = NULL;
     if (count == 0 || count > COMPASS_MOST || !isfinite(start)) return CW_ERROR_ARGUMENT;
+    if (desc->below && desc->curvature != 0) return CW_ERROR_ARGUMENT;
     horizon *h = calloc(1, sizeof *h);
     if (h == NULL) return CW_ERROR_MEMORY;
     h->terrain = t;
@@ -38,8 +57,9 @@ cw_status horizon_create(const terrain *t, const horizon_desc *desc, horizon **o
     h->curvature = desc->curvature;
     h->max_distance = desc->max_distance;
     cw_status status = h->azimuths == NULL ? CW_ERROR_MEMORY : CW_OK;
+    if (status == CW_OK && desc->below) status = turn_over(h);
     if (status == CW_OK)
-        status = compass_create(&h->compass, t, h->azimuths, count, desc->max_distance, desc->curvature);
+        status = compass_create(&h->compass, h->terrain, h->azimuths, count, desc->max_distance, desc->curvature);
     if (status == CW_OK)
         *out = h;
     else
@@ -53,6 +73,8 @@ void horizon_destroy(horizon *h) {
     free(h->azimuths);
     free(h->work);
     free(h->sums);
+    cw_field_destroy(h->field);
+    free(h->turned);
     if (h->bounds) sight_bounds_destroy(h->bounds);
     free(h);
 }
@@ -204,20 +226,41 @@ static void add_tilted_sky(void *context, size_t begin, size_t end) {
     }
 }
 
-/* One direction more, for rows that share their headings. lean: NULL for level ground, or slopes eastward of the
- * rows' samples and, room samples on, northward. */
-static cw_status add_direction(horizon *h, const cw_run *query, size_t k, size_t row, size_t rows, const float *lean,
-                               double *sum) {
+typedef struct opening {
+    const float *rises;
+    double *sum;
+    float *count, per_rise;
+} opening;
+
+/* Without terrain in that direction, or at a hole, there is no angle. */
+static void add_opening(void *context, size_t begin, size_t end) {
+    const opening *a = context;
+    for (size_t k = begin; k < end; k++) {
+        if (!isfinite(a->rises[k])) continue;
+        a->sum[k] += 90 - (double)horizon_degrees(a->rises[k] * a->per_rise);
+        a->count[k]++;
+    }
+}
+
+/* One direction more, for rows that share their headings. count: NULL for the sky, or of directions with terrain. lean: NULL for level
+ * ground, or slopes eastward of the rows' samples and, room samples on, northward. */
+static cw_status add_direction(horizon *h, const cw_run *query, size_t k, size_t row, size_t rows, float *count,
+                               const float *lean, double *sum) {
     cw_heading *heading;
     double slope;
     const size_t nx = h->terrain->nx;
     cw_status status = compass_heading(&h->compass, k, &heading, &slope);
     /* Terrain below the level hides nothing of the sky. */
     if (status == CW_OK)
-        status = cw_heading_steepest(heading, query, 0, INFINITY, (cw_rectangle){0, row, nx, rows}, h->work);
+        status = cw_heading_steepest(heading, query, count ? -INFINITY : 0, INFINITY, (cw_rectangle){0, row, nx, rows},
+                                     h->work);
     if (status != CW_OK) return status;
     cw_pool *pool = query ? query->pool : NULL;
     const float per_rise = (float)(1 / slope);
+    if (count) {
+        cw_pool_run(pool, nx * rows, GRAIN, add_opening, &(opening){h->work, sum, count, per_rise});
+        return CW_OK;
+    }
     if (lean == NULL) {
         cw_pool_run(pool, nx * rows, GRAIN, add_sky, &(adding){h->work, sum, per_rise, 1});
         return CW_OK;
@@ -247,10 +290,13 @@ static void turn_upright(void *context, size_t begin, size_t end) {
     for (size_t k = begin; k < end; k++) l->share[k] /= sqrtf(1 + l->east[k] * l->east[k] + l->north[k] * l->north[k]);
 }
 
-static cw_status sky_view(horizon *h, const cw_run *query, bool tilted, size_t row, size_t rows, float *share,
+enum { SKY, TILTED_SKY, OPENNESS };
+
+static cw_status sum_up(horizon *h, const cw_run *query, int kind, size_t row, size_t rows, float *share,
                           terrain_progress *progress, void *context, bool *done) {
     const size_t nx = h->terrain->nx, first = row, end = row + rows;
     cw_pool *pool = query ? query->pool : NULL;
+    const bool tilted = kind == TILTED_SKY;
     *done = false;
     if (h->room < nx * rows || (tilted && !h->leans)) {
         free(h->work);
@@ -264,6 +310,7 @@ static cw_status sky_view(horizon *h, const cw_run *query, bool tilted, size_t r
     leaning lean = {h->terrain, row, h->work + h->room, h->work + 2 * h->room, share};
     if (tilted) cw_pool_run(pool, rows, 4, find_slopes, &lean);
     for (size_t k = 0; k < nx * rows; k++) h->sums[k] = 0;
+    for (size_t k = 0; k < nx * rows && kind == OPENNESS; k++) share[k] = 0; /* counts of directions at first */
     for (size_t count; row < end; row += count) {
         compass_turn(&h->compass, row, &count);
         count = count < end - row ? count : end - row;
@@ -273,12 +320,14 @@ static cw_status sky_view(horizon *h, const cw_run *query, bool tilted, size_t r
             if (progress && !progress(context, ((double)(row - first) + part * (double)count) / (double)rows))
                 return CW_OK;
             const cw_status status =
-                add_direction(h, query, k, row, count, tilted ? lean.east + at : NULL, h->sums + at);
+                add_direction(h, query, k, row, count, kind == OPENNESS ? share + at : NULL,
+                              tilted ? lean.east + at : NULL, h->sums + at);
             if (status != CW_OK) return status;
         }
     }
     /* Shares of a free sky are 1: a sum of so many of them. */
-    for (size_t k = 0; k < nx * rows; k++) share[k] = (float)(h->sums[k] / (double)h->compass.count);
+    for (size_t k = 0; k < nx * rows; k++)
+        share[k] = (float)(h->sums[k] / (kind == OPENNESS ? (double)share[k] : (double)h->compass.count));
     if (tilted) cw_pool_run(pool, nx * rows, GRAIN, turn_upright, &lean);
     *done = true;
     return CW_OK;
@@ -286,10 +335,15 @@ static cw_status sky_view(horizon *h, const cw_run *query, bool tilted, size_t r
 
 cw_status horizon_sky_view(horizon *h, const cw_run *query, size_t row, size_t rows, float *share,
                            terrain_progress *progress, void *context, bool *done) {
-    return sky_view(h, query, false, row, rows, share, progress, context, done);
+    return sum_up(h, query, SKY, row, rows, share, progress, context, done);
 }
 
 cw_status horizon_sky_view_tilted(horizon *h, const cw_run *query, size_t row, size_t rows, float *share,
                                   terrain_progress *progress, void *context, bool *done) {
-    return sky_view(h, query, true, row, rows, share, progress, context, done);
+    return sum_up(h, query, TILTED_SKY, row, rows, share, progress, context, done);
+}
+
+cw_status horizon_openness(horizon *h, const cw_run *query, size_t row, size_t rows, float *degrees,
+                           terrain_progress *progress, void *context, bool *done) {
+    return sum_up(h, query, OPENNESS, row, rows, degrees, progress, context, done);
 }

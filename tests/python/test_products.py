@@ -8,6 +8,7 @@ import re
 import numpy as np
 import pytest
 
+import cellwalk as cw
 from conftest import raster, same
 
 
@@ -63,6 +64,9 @@ RASTERS = [
     ("horizon --svf", lambda f, p: f.sky_view()),
     ("horizon --directions 12 --svf-tilted", lambda f, p: f.sky_view(12, tilted=True)),
     ("horizon --directions 12 --svf --max-distance {far} --curvature 500", lambda f, p: f.sky_view(12, p.far, curvature=500)),
+    ("horizon --directions 9 --openness", lambda f, p: f.openness(9)),
+    ("horizon --directions 9 --start 7 --max-distance {far} --openness-negative",
+     lambda f, p: f.openness(9, p.far, start=7, negative=True)),
     ("visibility", lambda f, p: f.visibility()),
     ("visibility --directions 9 --max-distance {far} --observer-height 1 --target-height 3 --curvature 0 --share",
      lambda f, p: f.visibility(9, p.far, observer_height=1, target_height=3, curvature=0, result="share")),
@@ -186,6 +190,34 @@ def test_tables(tool, ground, tmp_path, words, columns, made):
             digits = len(text.partition(".")[2])
             close = abs(number - float(text or "nan")) <= 0.500001 * 10.0 ** -digits + 1e-9 * abs(number)
             assert close if text else np.isnan(number), (name, text, number)
+
+
+@pytest.mark.parametrize("shape, positive, negative", [
+    (lambda x, y, s: s * x + 2 * y, 90, 90),
+    (lambda x, y, s: -s * np.maximum(abs(x), abs(y)), "up", "down"),  # a pyramid
+    (lambda x, y, s: s * np.maximum(abs(x), abs(y)), "down", "up"),  # a pit
+])
+def test_openness_of_what_has_a_closed_form(shape, positive, negative):
+    y, x = np.mgrid[-9.0:10, -9:10]
+    f = cw.Field(shape(x, y, 1.5), transform=(1, 0, 0, 0, -1, 0))
+    slope = np.degrees(np.arctan(1.5))
+    wanted = {"up": 90 + slope, "down": 90 - slope, 90: 90}
+    assert f.openness(4)[9, 9] == pytest.approx(wanted[positive], abs=1e-4)
+    assert f.openness(4, negative=True)[9, 9] == pytest.approx(wanted[negative], abs=1e-4)
+
+
+def test_openness_of_a_cone_is_the_mean_of_horizons():
+    y, x = np.mgrid[-40.0:41, -40:41]
+    z = -0.5 * np.hypot(x, y)
+    z[3, 5:9] = np.nan
+    f = cw.Field(z, transform=(1, 0, 0, 0, -1, 0))
+    assert f.openness(64)[40, 40] == pytest.approx(90 + np.degrees(np.arctan(0.5)), abs=0.02)
+    for distance in (None, 7):
+        angles = f.horizon(16, distance, start=3)
+        same(np.isnan(f.openness(16, distance, start=3)), np.isnan(f.z))
+        np.testing.assert_allclose(f.openness(16, distance, start=3), np.nanmean(np.where(np.isnan(f.z), 0, 90.0 - angles), 0) + 0 * f.z, atol=2e-5)
+        under = cw.Field(-z, transform=(1, 0, 0, 0, -1, 0))
+        same(f.openness(16, distance, negative=True), under.openness(16, distance))
 
 
 def test_every_option_is_compared_or_excused(tool):

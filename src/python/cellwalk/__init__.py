@@ -18,12 +18,13 @@ Make a field with Field(array) or open(file). Then ask it:
     visibility        how much of the ground every sample sees
     horizon, sky_view the horizon's angle all round, the share of the sky
     horizon_at        the horizon as a place sees it
+    openness          how open the land is, upward or downward
     line_of_sight     whether two places see each other, and the clearance of a radio link; profile
     update            new heights in a rectangle
     coarser           a field of every n-th sample, with its error
 
 cellwalk.sun says where the sun stands, cellwalk.kernels which ways of tracing there are. cellwalk.dask has shadow,
-viewshed, visibility, horizon and sky_view of rasters larger than memory.
+viewshed, visibility, horizon, sky_view and openness of rasters larger than memory.
 
 Places are those of the map: x and y by `transform` or by the coordinates of a DataArray. Without a map, x is the
 column and y the row, and azimuths take the first row for the north, as in a picture. Arrays of samples are indexed

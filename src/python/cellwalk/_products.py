@@ -212,6 +212,21 @@ class Products:
         """
         return self._product(_plans.sky_view(self._site, directions, max_distance, curvature, tilted), progress)
 
+    def openness(self, directions: int = 32, max_distance: float | None = None, *, start: float = 0.0, curvature: float = 0.0,
+                 negative: bool = False, progress=None) -> Any:
+        """Openness (Yokoyama, Shirasawa and Pike 2002): the mean over the directions in which there is terrain of the angle between
+        the zenith and the horizon, in degrees: 90 on a plane, more on ridges. float32, NaN at holes. Arguments as for horizon.
+
+        negative  True: between the nadir and the lowest point in each direction instead, more in valleys; without curvature
+
+            >>> import numpy as np, cellwalk as cw
+            >>> z = np.zeros((5, 5), "float32"); z[2, 2] = 2                   # a peak
+            >>> f = cw.Field(z)
+            >>> f.openness(4)[2, 2].round(2), f.openness(4, negative=True)[2, 2].round(2)
+            (135.0, 26.57)
+        """
+        return self._product(_plans.openness(self._site, directions, max_distance, start, curvature, negative), progress)
+
     def _found(self, spots: np.ndarray, skip_outside: bool) -> np.ndarray:
         """Without those that have no ground to stand on or are under it, if they are to be skipped."""
         if not skip_outside:
@@ -312,7 +327,7 @@ class Products:
             >>> import numpy as np, cellwalk as cw
             >>> z = np.zeros((3, 8), "float32"); z[:, 5] = 2
             >>> h = cw.Field(z).horizon_at(3, 1, directions=4)
-            >>> h.angle[1].round(2), h.distance[1]
+            >>> h.angle[1].round(2), h.distance[1].round(2)
             (45.0, 2.0)
         """
         spots = _plans.spots_of(x, y, height, elevation, 0.0)

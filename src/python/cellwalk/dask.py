@@ -12,7 +12,7 @@ matters to it.
     shadow             what can throw a shadow on the chunk, found by the lowest and highest samples of blocks, which one pass over
                        the raster finds first
     viewshed           max_distance around each observer
-    horizon, sky_view, visibility
+    horizon, sky_view, openness, visibility
                        max_distance around the chunk; without one the whole raster in each task, as far mountains may count
 
 Where a task needs more than `memory` bytes, that is said before work starts. The rectangles are those by which the program
@@ -308,6 +308,13 @@ def sky_view(source: Any, directions: int = 32, max_distance: float | None = Non
     """The share of the sky, as Field.sky_view."""
     r = _Raster(source, **reading)
     return r.make_around(_plans.sky_view(r.geometry, directions, max_distance, curvature, tilted))
+
+
+def openness(source: Any, directions: int = 32, max_distance: float | None = None, *, start: float = 0.0, curvature: float = 0.0,
+             negative: bool = False, **reading: Unpack[_Reading]) -> Any:
+    """How open the land is, as Field.openness."""
+    r = _Raster(source, **reading)
+    return r.make_around(_plans.openness(r.geometry, directions, max_distance, start, curvature, negative), 12)
 
 
 def visibility(source: Any, directions: int = 128, max_distance: float | None = None, *, observer_height: float = 2.0,

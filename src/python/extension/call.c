@@ -21,7 +21,7 @@ static const struct {
     {"found", make_found},
     {"viewshed", make_viewshed},
     {"line_of_sight", make_lines},
-    {"profile", make_profile},
+    {"profile", make_profile}, {"openness", make_openness},
     {"place_horizon", make_place_horizons},
 };
 
@@ -31,7 +31,7 @@ static const struct {
     const char *name;
     size_t at;
 } numbers[] = {
-    NUMBER(altitude),      NUMBER(azimuth), NUMBER(azimuth_until), NUMBER(bands),        NUMBER(curvature),
+    NUMBER(altitude),      NUMBER(azimuth), NUMBER(azimuth_until), NUMBER(bands), NUMBER(below),        NUMBER(curvature),
     NUMBER(directions),    NUMBER(disc),    NUMBER(every),         NUMBER(frequency),    NUMBER(has_azimuths),
     NUMBER(has_verticals), NUMBER(highest), NUMBER(hillshade),     NUMBER(hours),        NUMBER(kind),
     NUMBER(linke),         NUMBER(lowest),  NUMBER(max_distance),  NUMBER(min_distance), NUMBER(observer_height),

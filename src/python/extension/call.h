@@ -8,7 +8,7 @@
 
 /* What products take: 0 where the caller names none. */
 typedef struct call_numbers {
-    double altitude, azimuth, azimuth_until, bands, curvature, directions, disc, every, frequency, has_azimuths,
+    double altitude, azimuth, azimuth_until, bands, below, curvature, directions, disc, every, frequency, has_azimuths,
         has_verticals, highest, hillshade, hours, kind, linke, lowest, max_distance, min_distance, observer_height,
         share, sky, start, table, target_height, within;
 } call_numbers;
@@ -43,7 +43,7 @@ __attribute__((format(printf, 2, 3))) cw_status call_fail(call *c, const char *f
 size_t call_rows(call *c, size_t k, double passes);
 
 /* Products by file. */
-product make_angles, make_distances, make_found, make_hours, make_irradiance, make_lines, make_place_horizons,
+product make_angles, make_distances, make_found, make_hours, make_irradiance, make_lines, make_openness, make_place_horizons,
     make_profile, make_shadow, make_sky, make_tilted_sky, make_visibility, make_viewshed;
 
 PyObject *field_make(PyObject *self, PyObject *arguments);

@@ -38,7 +38,8 @@ static horizon_desc horizon_of(const call *c) {
     return (horizon_desc){.start = c->n.start,
                           .count = (size_t)c->n.directions,
                           .max_distance = c->n.max_distance,
-                          .curvature = c->n.curvature};
+                          .curvature = c->n.curvature,
+                          .below = c->n.below != 0};
 }
 
 typedef cw_status find_some(horizon *h, const cw_run *run, size_t number, size_t row, size_t rows, float *to);
@@ -94,6 +95,7 @@ static cw_status make_sum(call *c, sum_some *sum) {
 
 cw_status make_sky(call *c) { return make_sum(c, horizon_sky_view); }
 cw_status make_tilted_sky(call *c) { return make_sum(c, horizon_sky_view_tilted); }
+cw_status make_openness(call *c) { return make_sum(c, horizon_openness); }
 
 /* ---- sunlight over days ------------------------------------------------------------------------------------------------ */
 

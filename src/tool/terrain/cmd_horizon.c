@@ -26,7 +26,8 @@ typedef struct horizon_command {
     product product;
     horizon_desc desc;
     unsigned directions;
-    bool sky, tilted, distance;
+    bool sky, tilted, open, distance; /* and desc.below */
+    bool sum;                         /* one band, not one of each direction */
     int type; /* 0: float32, 1: int16 */
     horizon_at at;
     horizon *horizon;
@@ -39,18 +40,20 @@ static bool enter(product *p, io_error *error) {
     return product_good(horizon_create(&p->ground.terrain, &c->desc, &c->horizon), true, error);
 }
 
+typedef cw_status sum_of_directions(horizon *h, const cw_run *q, size_t row, size_t rows, float *to,
+                                    terrain_progress *progress, void *context, bool *done);
+
 static bool fill(product *p, size_t band, size_t row, size_t rows, void *cells, io_error *error) {
     const horizon_command *c = p->context;
     const cw_run *q = &p->ground.query;
     bool done = true;
-    const cw_status status =
-        c->tilted     ? horizon_sky_view_tilted(c->horizon, q, row, rows, cells, product_tell_block, p, &done)
-        : c->sky      ? horizon_sky_view(c->horizon, q, row, rows, cells, product_tell_block, p, &done)
-        : c->distance ? horizon_distances(c->horizon, q, band, row, rows, cells)
-                      : horizon_angles(c->horizon, q, band, row, rows, cells);
+    sum_of_directions *sum = c->tilted ? horizon_sky_view_tilted : c->sky ? horizon_sky_view : horizon_openness;
+    const cw_status status = c->sum ? sum(c->horizon, q, row, rows, cells, product_tell_block, p, &done)
+                             : c->distance ? horizon_distances(c->horizon, q, band, row, rows, cells)
+                                           : horizon_angles(c->horizon, q, band, row, rows, cells);
     /* Without terrain in a direction horizon.h has the nadir, which must not count as the least or in the mean. */
     float *angles = cells;
-    for (size_t k = 0; k < rows * p->ground.terrain.nx && status == CW_OK && !c->sky && !c->distance; k++)
+    for (size_t k = 0; k < rows * p->ground.terrain.nx && status == CW_OK && !c->sum && !c->distance; k++)
         if (angles[k] == -90) angles[k] = NAN;
     return product_good(status, done, error);
 }
@@ -70,28 +73,33 @@ static const char **band_names(const horizon *h, size_t count) {
 static bool begin(product *p, io_error *error) {
     horizon_command *c = p->context;
     if (horizon_at_asked(&c->at)) return horizon_at_write(p, &c->at, &c->desc, error);
-    if (!enter(p, error)) return false; /* for the bands' names */
-    c->names = c->sky ? NULL : band_names(c->horizon, c->directions);
-    if (!c->sky && c->names == NULL) return io_fail(error, "out of memory");
-    product_describe(p, IO_CELL_FLOAT32, c->sky ? 1 : c->directions,
+    if (!c->sum && !enter(p, error)) return false; /* for the bands' names */
+    c->names = c->sum ? NULL : band_names(c->horizon, c->directions);
+    if (!c->sum && c->names == NULL) return io_fail(error, "out of memory");
+    product_describe(p, IO_CELL_FLOAT32, c->sum ? 1 : c->directions,
                      c->tilted
                          ? "sky-view factor: share of an evenly bright sky's light that reaches the leaning ground"
                      : c->sky      ? "sky-view factor: share of an evenly bright sky's light that reaches level ground"
+                     : c->open     ? "openness: the mean angle between the zenith and the horizon"
+                     : c->sum      ? "negative openness: the mean angle between the nadir and the lowest point"
                      : c->distance ? "distance to the horizon in metres, one band a direction"
                                    : "angle of the horizon over the level, one band a direction");
     product_note(p, "DIRECTIONS=%u", c->directions);
     product_note(p, "FIRST_AZIMUTH=%.9g", c->desc.start);
     product_note(p, "ANGLES=degrees; azimuth from the map's north over east");
     product_note(p, "CURVATURE=%.9g", c->desc.curvature);
-    if (!c->sky) {
-        p->raster.band_names = c->names;
+    if (c->names) p->raster.band_names = c->names;
+    if (!c->sky && !c->tilted) {
         p->raster.unit = c->distance ? "metre" : "degree";
-        p->raster.white = 90;
+        p->raster.white = c->sum ? 180 : 90;
     }
-    if (c->type == INT16) product_scale(p, c->sky ? step_of_share : step_of_angle);
+    if (c->type == INT16) product_scale(p, c->sum ? step_of_share : step_of_angle);
     /* Without a distance far mountains count, as far as the raster's highest samples let them. */
-    p->matters = (ground_matters){
-        .distance = c->desc.max_distance, .horizons = true, .above_level = c->sky, .curvature = c->desc.curvature};
+    p->matters = (ground_matters){.distance = c->desc.max_distance,
+                                  .horizons = !c->desc.below,
+                                  .above_level = c->sky || c->tilted,
+                                  .curvature = c->desc.curvature};
+    if (c->desc.below) p->more = 8; /* the samples upside down and their bounds */
     p->passes = c->distance ? 30 : 1;
     return true;
 }
@@ -105,28 +113,31 @@ static void end(void *context) {
 static bool check(void *context, size_t *bands) {
     horizon_command *c = context;
     const char *output = c->product.output;
-    const bool tif = output && io_raster_is_tif(output), sky = c->sky || c->tilted, at = horizon_at_asked(&c->at);
+    const bool tif = output && io_raster_is_tif(output), at = horizon_at_asked(&c->at);
+    const bool open = c->open || c->desc.below;
+    c->sum = c->sky || c->tilted || open;
     if (!horizon_at_check(&c->at, name)) return false;
-    if (c->tilted && c->sky)
-        command_fail(name, "--svf-tilted does not go with --svf");
-    else if (c->distance && (sky || at))
-        command_fail(name, "--distance goes with none of --svf, --svf-tilted, --at and --places");
-    else if (c->type == INT16 && (c->distance || !tif))
+    if (c->sky + c->tilted + c->open + c->desc.below > 1)
+        command_fail(name, "of --svf, --svf-tilted, --openness and --openness-negative one can be written");
+    else if (c->desc.below && c->desc.curvature != 0)
+        command_fail(name, "--openness-negative is that of a flat earth, and goes without --curvature");
+    else if (c->distance && (c->sum || at))
+        command_fail(name, "--distance goes with none of --svf, --openness, --at and --places");
+    else if (c->type == INT16 && (c->distance || open || !tif))
         command_fail(name,
-                     c->distance ? "--type int16 has no room for --distance" : "--type int16 goes with -o FILE.tif");
+                     c->distance || open ? "--type int16 is for angles and sky-view factors" : "--type int16 goes with -o FILE.tif");
     else if (c->at.at.count > 0 && c->at.file)
         command_fail(name, "--at and --places do not go together");
-    else if (at && (sky || c->product.window))
-        command_fail(name, "--at and --places print horizons of places, and go with neither --svf nor --window");
+    else if (at && (c->sum || c->product.window))
+        command_fail(name, "--at and --places print horizons of places, and go with none of --svf, --openness and --window");
     else if (c->at.json && !at)
         command_fail(name, "--json goes with --at or --places");
     else if (c->desc.max_distance <= 0)
         command_fail(name, "--max-distance takes metres above 0, not %g", c->desc.max_distance);
     else {
-        c->sky = sky;
         if (isnan(c->desc.max_distance)) c->desc.max_distance = 0; /* no limit */
         c->desc.count = c->directions;
-        *bands = at ? 0 : sky ? 1 : c->directions;
+        *bands = at ? 0 : c->sum ? 1 : c->directions;
         return product_check_curvature(name, c->desc.curvature);
     }
     return false;
@@ -145,6 +156,11 @@ static int run(int argc, char **argv) {
                     "write the sky-view factor instead: the share, 0 to 1, of an evenly bright sky's light that "
                     "reaches level ground (float32)"),
         option_flag("svf-tilted", &c.tilted, "the same for the ground as it leans, which is also hidden behind itself"),
+        option_flag("openness", &c.open,
+                    "write openness instead, in degrees: the mean of the angles between the zenith and the horizon in all "
+                    "directions in which there is terrain, 90 on a plane, more on ridges; usually with --max-distance"),
+        option_flag("openness-negative", &c.desc.below,
+                    "the same between the nadir and the lowest point in each direction: more in valleys"),
         option_flag("distance", &c.distance,
                     "write the distance instead, in metres: how far away the horizon is in each direction"),
         option_choice("type", "NAME", &c.type, type_names,
@@ -167,8 +183,9 @@ static int run(int argc, char **argv) {
         .synopsis = "DEM (-o FILE | --at X,Y | --places FILE) [OPTIONS]",
         .what = "Computes the horizon of every sample of a terrain and writes a raster with one band a direction: the "
                 "elevation angle in degrees of the highest point there, negative below the sample's level (float32). "
-                "--svf writes the sky-view factor instead, --distance how far away that point is (the nearest of "
-                "several), and --at and --places print the horizons of places.\n\n"
+                "--svf writes the sky-view factor instead, --openness the openness (Yokoyama, Shirasawa and Pike 2002), "
+                "--distance how far away that point is (the nearest of several), and --at and --places print the "
+                "horizons of places.\n\n"
                 "NaN means no data: at holes, and where no terrain lies in that direction within --max-distance. The "
                 "sky-view factor counts the sky there as free. Angles are exact to 0.001 degrees (0.003 where the "
                 "scale differs from row to row) for the surface of two triangles between each four samples, if "
@@ -177,6 +194,7 @@ static int run(int argc, char **argv) {
         .examples = "  cellwalk horizon dem.tif --directions 32 -o horizon.tif\n"
                     "  cellwalk horizon dem.tif --directions 64 --svf -o sky.tif\n"
                     "  cellwalk horizon dem.tif --directions 8 --type int16 --cog -o horizon.tif\n"
+                    "  cellwalk horizon dem.tif --openness --directions 8 --max-distance 500 -o open.tif\n"
                     "  cellwalk horizon dem.tif --directions 8 --distance -o metres.tif\n"
                     "  cellwalk horizon dem.tif --at 600250,5199800 --directions 360 > horizon.csv\n",
         .options = options,
