@@ -293,7 +293,7 @@ static void turn_upright(void *context, size_t begin, size_t end) {
 enum { SKY, TILTED_SKY, OPENNESS };
 
 static cw_status sum_up(horizon *h, const cw_run *query, int kind, size_t row, size_t rows, float *share,
-                          terrain_progress *progress, void *context, bool *done) {
+                        terrain_progress *progress, void *context, bool *done) {
     const size_t nx = h->terrain->nx, first = row, end = row + rows;
     cw_pool *pool = query ? query->pool : NULL;
     const bool tilted = kind == TILTED_SKY;
@@ -319,9 +319,8 @@ static cw_status sum_up(horizon *h, const cw_run *query, int kind, size_t row, s
             const double part = (double)k / (double)h->compass.count;
             if (progress && !progress(context, ((double)(row - first) + part * (double)count) / (double)rows))
                 return CW_OK;
-            const cw_status status =
-                add_direction(h, query, k, row, count, kind == OPENNESS ? share + at : NULL,
-                              tilted ? lean.east + at : NULL, h->sums + at);
+            const cw_status status = add_direction(h, query, k, row, count, kind == OPENNESS ? share + at : NULL,
+                                                   tilted ? lean.east + at : NULL, h->sums + at);
             if (status != CW_OK) return status;
         }
     }

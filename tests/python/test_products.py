@@ -220,6 +220,37 @@ def test_openness_of_a_cone_is_the_mean_of_horizons():
         same(f.openness(16, distance, negative=True), under.openness(16, distance))
 
 
+def test_sun_days_are_those_of_the_raster(ground):
+    """At samples, for the sun over the raster's middle."""
+    f = ground.field
+    middle = (11, 47) if ground.path.suffix == ".npy" else cw._plans.locate(f._site, "date")[:2]
+    if ground.path.parent.name.startswith(("turned", "utm", "mercator")):
+        middle = None  # the map's north counts too, and the sun stands over the place: the same but for a step
+    hours = f.insolation("2024-03-20", "2024-03-21", step="5min", lon_lat=middle)
+    energy = f.insolation("2024-03-20", "2024-03-21", step="5min", irradiance=True, lon_lat=middle)
+    for i, j in ((20, 30), (41, 9), (60, 50)):
+        x, y = f.map[:2] @ (i, j, 0, 1)
+        d = f.sun_days(x, y, "2024-03-20", "2024-03-21", step="5min", tilt="ground", lon_lat=middle)
+        assert d.hours.sum() == pytest.approx(hours[j, i], abs=1e-4 if middle else 0.2)
+        assert d.direct.sum() == pytest.approx(energy[0, j, i], rel=2e-5 if middle else 0.02, abs=1e-2 if middle else 20)
+        assert d.diffuse.sum() == pytest.approx(energy[1, j, i], rel=2e-5 if middle else 0.01)
+
+
+def test_sun_days_without_hills():
+    f = cw.Field(np.zeros((9, 9), "float32"))
+    options = {"lon_lat": (0, 50), "step": "1h"}
+    d = f.sun_days(4, 4, "2024-02", **options)
+    assert len(d.day) == 29 and (d.hours == d.free_hours).all() and (d.direct == d.free_direct).all()
+    np.testing.assert_allclose(d.diffuse, d.free_diffuse, rtol=1e-12)
+    level, south, wall = (f.sun_days(4, 4, "2024-02-10", tilt=tilt, **options) for tilt in (0, 40, 90))
+    np.testing.assert_allclose(south.diffuse, level.diffuse * (1 + np.cos(np.radians(40))) / 2, rtol=1e-3)
+    np.testing.assert_allclose(wall.diffuse, level.diffuse / 2, rtol=1e-2)
+    north = f.sun_days(4, 4, "2024-02-10", tilt=90, facing=0, **options)
+    assert south.direct > level.direct > north.direct == 0
+    night = cw.Field(np.pad(np.zeros((3, 3), "float32"), 1, constant_values=1000)).sun_days(2, 2, "2024-02-10", **options)
+    assert night.hours == 0 and np.isnat(night.rise) and np.isnat(night.set) and night.free_direct > 0
+
+
 def test_every_option_is_compared_or_excused(tool):
     cases = {}
     for words, *_ in RASTERS + TABLES:

@@ -17,6 +17,7 @@ Make a field with Field(array) or open(file). Then ask it:
     viewshed, sites   which samples are seen from places, how many from each
     visibility        how much of the ground every sample sees
     horizon, sky_view the horizon's angle all round, the share of the sky
+    sun_days          the sun at one place: rise, set, hours, energy
     horizon_at        the horizon as a place sees it
     openness          how open the land is, upward or downward
     line_of_sight     whether two places see each other, and the clearance of a radio link; profile
@@ -37,7 +38,7 @@ number of threads, any CPU, and the program `cellwalk`.
 from ._cellwalk import version as __version__
 from ._field import Difference, Field, kernels, open
 from ._hits import Hits
-from ._products import LineOfSight, PlaceHorizon, Profile, Sites, sun
+from ._products import LineOfSight, PlaceHorizon, Profile, Sites, SunDays, sun
 from . import _xarray  # noqa: F401  (registers DataArray.cellwalk if xarray is loaded later or already)
 
-__all__ = ["Difference", "Field", "Hits", "LineOfSight", "PlaceHorizon", "Profile", "Sites", "kernels", "open", "sun", "__version__"]
+__all__ = ["Difference", "Field", "Hits", "LineOfSight", "PlaceHorizon", "Profile", "Sites", "SunDays", "kernels", "open", "sun", "__version__"]

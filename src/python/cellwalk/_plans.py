@@ -90,13 +90,21 @@ def locate(site: Site, what: str, place: Optional[tuple[float, float]] = None) -
     return longitude, latitude, math.atan2(x1 - x0, y1 - y0) * _DEGREES
 
 
-def _midnight(day: Day, name: str) -> float:
-    """Seconds to the beginning of a day of UTC."""
+def _days(day: Day, name: str) -> tuple[float, float]:
+    """Seconds to the beginning of a day, month or year of UTC, and to its end."""
     text = day.isoformat() if isinstance(day, datetime.date) else str(day) if isinstance(day, (str, np.datetime64)) else ""
-    seconds = _cellwalk.parse_time(f"{text}T00:00Z") if re.fullmatch(r"\d{4}-\d\d-\d\d", text) else None
-    if seconds is None:
-        raise ValueError(f"{name}: {day!r}, expected a day, as 2024-06-21")
-    return seconds
+    try:
+        if not re.fullmatch(r"\d{4}(-\d\d){0,2}", text):
+            raise ValueError
+        begin = np.datetime64(text)
+    except ValueError:
+        raise ValueError(f"{name}: {day!r}, expected a day, as 2024-06-21, a month or a year") from None
+    begin, end = (float(d.astype("datetime64[s]").astype(np.int64)) for d in (begin, begin + 1))
+    return begin, end
+
+
+def _lon_lat(lon_lat) -> tuple[float, float]:
+    return finite(lon_lat[0], "lon_lat"), finite(lon_lat[1], "lon_lat", -90, 90)
 
 
 def _step(step: str | float | datetime.timedelta) -> float:
@@ -134,16 +142,30 @@ def shadow(site: Site, azimuth, altitude, time, hillshade, disc, curvature) -> P
                 {"long_name": "sunlight", **light, **({} if share else {"_FillValue": np.uint8(255)})}, np.float32 if share else np.uint8)
 
 
-def insolation(site: Site, date, to, step, directions, irradiance, linke, sky, lon_lat, curvature) -> Plan:
-    first, seconds = _midnight(date, "date"), _step(step)
-    last = first if to is None else _midnight(to, "to")
-    if last < first:
+def _span(date, to) -> tuple[float, int]:
+    """The beginning of the first day, in seconds, and how many days there are. "2024-01" and "2024" are all of their days."""
+    first, until = _days(date, "date")
+    until = until if to is None else _days(to, "to")[1]
+    if until <= first:
         raise ValueError(f"to: {to!r} is before date={date!r}")
-    if lon_lat is None:
-        place = locate(site, "date")
-    else:
-        place = finite(lon_lat[0], "lon_lat"), finite(lon_lat[1], "lon_lat", -90, 90), 0.0
-    steps = round((last + 86400 - first) / seconds)
+    return first, round((until - first) / 86400)
+
+
+def sun_days(site: Site, place: tuple[float, float], date, to, step, tilt, facing, linke, sky, lon_lat, curvature) -> dict[str, float]:
+    first, days = _span(date, to)
+    longitude, latitude, turned = locate(site, "date", place) if lon_lat is None else (*_lon_lat(lon_lat), 0.0)
+    ground = isinstance(tilt, str)
+    if ground and tilt != "ground":
+        raise ValueError(f"tilt: {tilt!r}, expected degrees or 'ground'")
+    return {"first": first, "days": days, "step": _step(step), "tilt": 0 if ground else finite(tilt, "tilt", 0, 180), "lean": ground,
+            "facing": finite(facing, "facing"), "linke": finite(linke, "linke", 1, 10), "sky": count(sky, "sky", 1, 3600),
+            "longitude": longitude, "latitude": latitude, "turned": turned, "curvature": finite(curvature, "curvature", 0)}
+
+
+def insolation(site: Site, date, to, step, directions, irradiance, linke, sky, lon_lat, curvature) -> Plan:
+    (first, days), seconds = _span(date, to), _step(step)
+    place = locate(site, "date") if lon_lat is None else (*_lon_lat(lon_lat), 0.0)
+    steps = round(days * 86400 / seconds)
     if steps > 1100000:
         raise ValueError(f"step: {step!r} makes {steps} steps of the time from {date} to {to or date}, expected at most 1100000")
     # Days begin at midnight of the place's mean solar time; the sun stands in the middle of each step.

@@ -76,6 +76,20 @@ class PlaceHorizon(NamedTuple):
     at: np.ndarray
 
 
+class SunDays(NamedTuple):
+    """The sun at one place, a number for each day: when it is first and last seen behind the hills (UTC; NaT: never), hours of its light
+    and energy in Wh/m2 of the surface, direct and diffuse; free: without hills."""
+    day: np.ndarray
+    rise: np.ndarray
+    set: np.ndarray
+    hours: np.ndarray
+    free_hours: np.ndarray
+    direct: np.ndarray
+    free_direct: np.ndarray
+    diffuse: np.ndarray
+    free_diffuse: np.ndarray
+
+
 class Sites(NamedTuple):
     """What each observer sees: how many samples, their area, the distance in metres of the farthest one, and where that is (x, y)."""
     samples: np.ndarray
@@ -155,7 +169,7 @@ class Products:
                    curvature: float = 0.0, progress=None) -> Any:
         """Hours of direct sunlight on every sample over a day or several, or the light's energy.
 
-        date, to    the first and the last day, as "2024-06-21", a date or a datetime64; default: one day
+        date, to    the first and the last day, as "2024-06-21", a date or a datetime64; "2024-06" and "2024": all their days
         step        between two places of the sun: "30s", "15min", "1h", seconds or a timedelta; it divides a day
         directions  cast shadows from the nearest of so many directions all round, 8 to 3600, so that many days share their
                     horizons; azimuths are then off by up to 180 / directions degrees. Default: each sun's own
@@ -176,6 +190,35 @@ class Products:
             array([11.25,  6.5 ], dtype=float32)
         """
         return self._product(_plans.insolation(self._site, date, to, step, directions, irradiance, linke, sky, lon_lat, curvature), progress)
+
+    def sun_days(self, x: float, y: float, date: Day, to: Day | None = None, height: float = 0.0, *, elevation: float | None = None,
+                 step: str | float | datetime.timedelta = "1min", tilt: float | str = 0.0, facing: float = 180.0, linke: float = 3.0,
+                 sky: int = 32, lon_lat: tuple[float, float] | None = None, curvature: float = 0.0, progress=None) -> SunDays:
+        """The sun at one place day by day, behind the hills and without them: for a window, a garden or a roof.
+
+        x, y        of the place on the map
+        date, to    the first and the last day; "2024-01" and "2024" are all days of a month or year
+        height      above ground, metres; elevation in its place: the height itself
+        step        between two places of the sun, to which rise and set are right
+        tilt        of the surface on which energy falls, degrees: 0 level (default), 90 upright; "ground": as the ground leans
+        facing      where a tilted surface looks to, degrees from the map's north; default: south
+        linke, sky, lon_lat, curvature as for insolation
+
+            >>> import numpy as np, cellwalk as cw
+            >>> z = np.zeros((3, 9), "float32"); z[:, 6] = 5                     # a wall in the east
+            >>> d = cw.Field(z).sun_days(5, 1, "2024-03-20", lon_lat=(0, 50))
+            >>> str(d.rise[0]), d.hours.round(2).tolist(), d.free_hours.round(2).tolist()
+            ('2024-03-20T11:38:00', [6.57], [12.13])
+        """
+        spots = _plans.spots_of(x, y, None if elevation is not None else height, elevation, 0.0)
+        if len(spots) != 1:
+            raise ValueError(f"x, y: {len(spots)} places, expected one")
+        numbers = _plans.sun_days(self._site, (spots[0, 0], spots[0, 1]), date, to, step, tilt, facing, linke, sky, lon_lat, curvature)
+        out = np.empty((int(numbers["days"]), 8))
+        self._ground.make("sun_days", numbers, (0, 0, 0, 0), (spots,), (out,), 1, progress_call(progress))
+        days = np.datetime64(int(numbers["first"]), "s").astype("datetime64[D]") + np.arange(len(out))
+        times = np.where(np.isnan(out[:, :2]), np.datetime64("NaT"), np.nan_to_num(out[:, :2]).round().astype("datetime64[s]"))
+        return SunDays(days, times[:, 0], times[:, 1], *out[:, 2:].T.copy())
 
     def horizon(self, directions: int = 32, max_distance: float | None = None, *, start: float = 0.0, curvature: float = 0.0,
                 distance: bool = False, progress=None) -> Any:

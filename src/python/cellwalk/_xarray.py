@@ -37,7 +37,7 @@ def _forward(name: str):
     return call
 
 
-for _name in ("shadow", "viewshed", "horizon", "sky_view", "openness", "visibility", "insolation", "line_of_sight", "profile", "horizon_at", "sites", "sun"):
+for _name in ("shadow", "viewshed", "horizon", "sky_view", "openness", "visibility", "insolation", "sun_days", "line_of_sight", "profile", "horizon_at", "sites", "sun"):
     setattr(Accessor, _name, _forward(_name))
 
 if xarray is not None and not hasattr(xarray.DataArray, "cellwalk"):

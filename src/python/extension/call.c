@@ -21,7 +21,9 @@ static const struct {
     {"found", make_found},
     {"viewshed", make_viewshed},
     {"line_of_sight", make_lines},
-    {"profile", make_profile}, {"openness", make_openness},
+    {"profile", make_profile},
+    {"openness", make_openness},
+    {"sun_days", make_sun_days},
     {"place_horizon", make_place_horizons},
 };
 
@@ -31,12 +33,18 @@ static const struct {
     const char *name;
     size_t at;
 } numbers[] = {
-    NUMBER(altitude),      NUMBER(azimuth), NUMBER(azimuth_until), NUMBER(bands), NUMBER(below),        NUMBER(curvature),
-    NUMBER(directions),    NUMBER(disc),    NUMBER(every),         NUMBER(frequency),    NUMBER(has_azimuths),
-    NUMBER(has_verticals), NUMBER(highest), NUMBER(hillshade),     NUMBER(hours),        NUMBER(kind),
-    NUMBER(linke),         NUMBER(lowest),  NUMBER(max_distance),  NUMBER(min_distance), NUMBER(observer_height),
-    NUMBER(share),         NUMBER(sky),     NUMBER(start),         NUMBER(table),        NUMBER(target_height),
-    NUMBER(within),
+    NUMBER(altitude),     NUMBER(azimuth),      NUMBER(azimuth_until),
+    NUMBER(bands),        NUMBER(below),        NUMBER(curvature),
+    NUMBER(days),         NUMBER(directions),   NUMBER(disc),
+    NUMBER(every),        NUMBER(facing),       NUMBER(first),
+    NUMBER(frequency),    NUMBER(has_azimuths), NUMBER(has_verticals),
+    NUMBER(highest),      NUMBER(hillshade),    NUMBER(hours),
+    NUMBER(kind),         NUMBER(latitude),     NUMBER(lean),
+    NUMBER(linke),        NUMBER(longitude),    NUMBER(lowest),
+    NUMBER(max_distance), NUMBER(min_distance), NUMBER(observer_height),
+    NUMBER(share),        NUMBER(sky),          NUMBER(start),
+    NUMBER(step),         NUMBER(table),        NUMBER(target_height),
+    NUMBER(tilt),         NUMBER(turned),       NUMBER(within),
 };
 #undef NUMBER
 

@@ -8,9 +8,10 @@
 
 /* What products take: 0 where the caller names none. */
 typedef struct call_numbers {
-    double altitude, azimuth, azimuth_until, bands, below, curvature, directions, disc, every, frequency, has_azimuths,
-        has_verticals, highest, hillshade, hours, kind, linke, lowest, max_distance, min_distance, observer_height,
-        share, sky, start, table, target_height, within;
+    double altitude, azimuth, azimuth_until, bands, below, curvature, days, directions, disc, every, facing, first,
+        frequency, has_azimuths, has_verticals, highest, hillshade, hours, kind, latitude, lean, linke, longitude,
+        lowest, max_distance, min_distance, observer_height, share, sky, start, step, table, target_height, tilt,
+        turned, within;
 } call_numbers;
 
 enum { CALL_BUFFERS_MOST = 3 };
@@ -43,8 +44,9 @@ __attribute__((format(printf, 2, 3))) cw_status call_fail(call *c, const char *f
 size_t call_rows(call *c, size_t k, double passes);
 
 /* Products by file. */
-product make_angles, make_distances, make_found, make_hours, make_irradiance, make_lines, make_openness, make_place_horizons,
-    make_profile, make_shadow, make_sky, make_tilted_sky, make_visibility, make_viewshed;
+product make_angles, make_distances, make_found, make_hours, make_irradiance, make_lines, make_openness,
+    make_place_horizons, make_profile, make_shadow, make_sky, make_sun_days, make_tilted_sky, make_visibility,
+    make_viewshed;
 
 PyObject *field_make(PyObject *self, PyObject *arguments);
 

@@ -3,6 +3,7 @@
 #include "call.h"
 #include "line.h"
 #include "place_horizon.h"
+#include "sun_day.h"
 #include "view_sum.h"
 #include "viewshed.h"
 
@@ -291,4 +292,33 @@ cw_status make_place_horizons(call *c) {
     }
     sight_bounds_destroy(bounds);
     return status;
+}
+
+/* Input: one place. Output: a sun_day for each day. lean: the surface is the ground's. */
+cw_status make_sun_days(call *c) {
+    const terrain *t = &c->field->terrain;
+    const call_numbers *n = &c->n;
+    const size_t days = (size_t)n->days;
+    size_t count;
+    const spot *at = call_input(c, 0, sizeof *at, &count);
+    sun_day *out = call_output(c, 0, days * sizeof *out);
+    sun_day_desc d = {.place = {n->longitude, n->latitude, n->turned},
+                      .step = n->step,
+                      .linke = n->linke,
+                      .sky = (unsigned)n->sky,
+                      .tilt = n->tilt,
+                      .facing = n->facing};
+    double eye[3];
+    sight s;
+    sight_bounds *bounds;
+    if (out == NULL || at == NULL || !find_spot(c, "x, y", at, eye)) return CW_ERROR_ARGUMENT;
+    if (n->lean != 0 && !sun_ground_lean(t, eye, &d.tilt, &d.facing)) return CW_ERROR_MEMORY;
+    const cw_status status = sight_bounds_create(t, &bounds);
+    if (status != CW_OK) return status;
+    sight_init(&s, t, bounds, eye, n->curvature);
+    const double share = sun_sky_share(&s, &d);
+    for (size_t k = 0; k < days && work_watch(&c->work, (double)k / (double)days); k++)
+        out[k] = sun_day_find(&s, &d, share, n->first + 86400 * (double)k);
+    sight_bounds_destroy(bounds);
+    return CW_OK;
 }

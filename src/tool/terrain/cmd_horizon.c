@@ -28,7 +28,7 @@ typedef struct horizon_command {
     unsigned directions;
     bool sky, tilted, open, distance; /* and desc.below */
     bool sum;                         /* one band, not one of each direction */
-    int type; /* 0: float32, 1: int16 */
+    int type;                         /* 0: float32, 1: int16 */
     horizon_at at;
     horizon *horizon;
     const char **names; /* of bands */
@@ -48,7 +48,7 @@ static bool fill(product *p, size_t band, size_t row, size_t rows, void *cells, 
     const cw_run *q = &p->ground.query;
     bool done = true;
     sum_of_directions *sum = c->tilted ? horizon_sky_view_tilted : c->sky ? horizon_sky_view : horizon_openness;
-    const cw_status status = c->sum ? sum(c->horizon, q, row, rows, cells, product_tell_block, p, &done)
+    const cw_status status = c->sum        ? sum(c->horizon, q, row, rows, cells, product_tell_block, p, &done)
                              : c->distance ? horizon_distances(c->horizon, q, band, row, rows, cells)
                                            : horizon_angles(c->horizon, q, band, row, rows, cells);
     /* Without terrain in a direction horizon.h has the nadir, which must not count as the least or in the mean. */
@@ -124,12 +124,13 @@ static bool check(void *context, size_t *bands) {
     else if (c->distance && (c->sum || at))
         command_fail(name, "--distance goes with none of --svf, --openness, --at and --places");
     else if (c->type == INT16 && (c->distance || open || !tif))
-        command_fail(name,
-                     c->distance || open ? "--type int16 is for angles and sky-view factors" : "--type int16 goes with -o FILE.tif");
+        command_fail(name, c->distance || open ? "--type int16 is for angles and sky-view factors"
+                                               : "--type int16 goes with -o FILE.tif");
     else if (c->at.at.count > 0 && c->at.file)
         command_fail(name, "--at and --places do not go together");
     else if (at && (c->sum || c->product.window))
-        command_fail(name, "--at and --places print horizons of places, and go with none of --svf, --openness and --window");
+        command_fail(name,
+                     "--at and --places print horizons of places, and go with none of --svf, --openness and --window");
     else if (c->at.json && !at)
         command_fail(name, "--json goes with --at or --places");
     else if (c->desc.max_distance <= 0)
@@ -156,9 +157,10 @@ static int run(int argc, char **argv) {
                     "write the sky-view factor instead: the share, 0 to 1, of an evenly bright sky's light that "
                     "reaches level ground (float32)"),
         option_flag("svf-tilted", &c.tilted, "the same for the ground as it leans, which is also hidden behind itself"),
-        option_flag("openness", &c.open,
-                    "write openness instead, in degrees: the mean of the angles between the zenith and the horizon in all "
-                    "directions in which there is terrain, 90 on a plane, more on ridges; usually with --max-distance"),
+        option_flag(
+            "openness", &c.open,
+            "write openness instead, in degrees: the mean of the angles between the zenith and the horizon in all "
+            "directions in which there is terrain, 90 on a plane, more on ridges; usually with --max-distance"),
         option_flag("openness-negative", &c.desc.below,
                     "the same between the nadir and the lowest point in each direction: more in valleys"),
         option_flag("distance", &c.distance,
@@ -181,16 +183,17 @@ static int run(int argc, char **argv) {
     const options_usage usage = {
         .name = name,
         .synopsis = "DEM (-o FILE | --at X,Y | --places FILE) [OPTIONS]",
-        .what = "Computes the horizon of every sample of a terrain and writes a raster with one band a direction: the "
-                "elevation angle in degrees of the highest point there, negative below the sample's level (float32). "
-                "--svf writes the sky-view factor instead, --openness the openness (Yokoyama, Shirasawa and Pike 2002), "
-                "--distance how far away that point is (the nearest of several), and --at and --places print the "
-                "horizons of places.\n\n"
-                "NaN means no data: at holes, and where no terrain lies in that direction within --max-distance. The "
-                "sky-view factor counts the sky there as free. Angles are exact to 0.001 degrees (0.003 where the "
-                "scale differs from row to row) for the surface of two triangles between each four samples, if "
-                "neighbours differ by less than 30 times their distance. On a map in degrees, directions are off in "
-                "proportion to the distance: by up to 0.03 degrees at 5 km and latitude 50.\n\n" TRADE_HORIZON,
+        .what =
+            "Computes the horizon of every sample of a terrain and writes a raster with one band a direction: the "
+            "elevation angle in degrees of the highest point there, negative below the sample's level (float32). "
+            "--svf writes the sky-view factor instead, --openness the openness (Yokoyama, Shirasawa and Pike 2002), "
+            "--distance how far away that point is (the nearest of several), and --at and --places print the "
+            "horizons of places.\n\n"
+            "NaN means no data: at holes, and where no terrain lies in that direction within --max-distance. The "
+            "sky-view factor counts the sky there as free. Angles are exact to 0.001 degrees (0.003 where the "
+            "scale differs from row to row) for the surface of two triangles between each four samples, if "
+            "neighbours differ by less than 30 times their distance. On a map in degrees, directions are off in "
+            "proportion to the distance: by up to 0.03 degrees at 5 km and latitude 50.\n\n" TRADE_HORIZON,
         .examples = "  cellwalk horizon dem.tif --directions 32 -o horizon.tif\n"
                     "  cellwalk horizon dem.tif --directions 64 --svf -o sky.tif\n"
                     "  cellwalk horizon dem.tif --directions 8 --type int16 --cog -o horizon.tif\n"

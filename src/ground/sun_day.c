@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "sun_day.h"
+
+#include "clear_sky.h"
+#include "normal.h"
+#include "place_horizon.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const double degree = 0.017453292519943295, day = 86400;
+
+/* Horizon.c has the formula: for a surface that rises by slope in that direction. */
+double sun_sky_share(sight *s, const sun_day_desc *d) {
+    const double up = cos(d->tilt * degree), level = sin(d->tilt * degree);
+    double sum = 0;
+    for (unsigned k = 0; k < d->sky; k++) {
+        const double azimuth = fmod(360.0 * k / d->sky, 360);
+        const place_horizon h = place_horizon_toward(s, azimuth, 0);
+        const double lean = -level * cos((azimuth - d->facing) * degree);
+        const double tangent = fmax(h.angle > 0 ? tan(h.angle * degree) : 0, lean / up),
+                     square = 1 / (1 + tangent * tangent);
+        sum += up * square - lean * (atan(1 / tangent) - tangent * square);
+    }
+    return sum / d->sky;
+}
+
+bool sun_ground_lean(const terrain *t, const double at[2], double *tilt, double *facing) {
+    const size_t i = (size_t)fmin(fmax(nearbyint(at[0]), 0), (double)(t->nx - 1)),
+                 j = (size_t)fmin(fmax(nearbyint(at[1]), 0), (double)(t->ny - 1));
+    float *east = malloc(2 * t->nx * sizeof *east);
+    if (east == NULL) return false;
+    terrain_slope_row(t, j, east, east + t->nx);
+    const double slope[2] = {(double)east[i], (double)east[t->nx + i]};
+    free(east);
+    const bool known = isfinite(slope[0]) && isfinite(slope[1]);
+    *tilt = known ? atan(hypot(slope[0], slope[1])) / degree : 0;
+    *facing = known ? atan2(-slope[0], -slope[1]) / degree : 0;
+    return true;
+}
+
+/* Nothing on the way to the terrain's end rises as steeply as the sun stands. */
+static bool is_free(const sight *s, const sun_position *p) {
+    const terrain *t = s->terrain;
+    double dir[2];
+    const double length = terrain_direction(t, s->eye[0], s->eye[1], p->azimuth, dir);
+    const double far = terrain_steps_out(t, s->eye, dir);
+    const double rise = tan(p->altitude * degree) * far * length / terrain_metres_of_height(t);
+    return sight_steepest(s, s->eye[0] + far * dir[0], s->eye[1] + far * dir[1], rise).share == 0;
+}
+
+sun_day sun_day_find(const sight *s, const sun_day_desc *d, double share, double midnight) {
+    const double begin = midnight - d->place.longitude / 360 * day, hours = d->step / 3600;
+    const double up = cos(d->tilt * degree), level = sin(d->tilt * degree);
+    const double height = s->eye[2] * terrain_metres_of_height(s->terrain);
+    sun_day out = {.rise = NAN, .set = NAN};
+    const size_t steps = (size_t)nearbyint(day / d->step);
+    double diffuse = 0;
+    for (size_t k = 0; k < steps; k++) {
+        const double time = begin + ((double)k + 0.5) * d->step;
+        const sun_position p = sun_place_at(&d->place, time);
+        if (!(p.altitude > 0)) continue;
+        const double altitude = p.altitude * degree;
+        const double facing = up * sin(altitude) + level * cos(altitude) * cos((p.azimuth - d->facing) * degree);
+        const double light = fmax(facing, 0) * clear_sky_direct(d->linke, p.distance, p.altitude, height) * hours;
+        diffuse += clear_sky_diffuse(d->linke, p.distance, p.altitude - p.refraction) * hours;
+        out.free_hours += hours;
+        out.free_direct += light;
+        if (!is_free(s, &p)) continue;
+        if (isnan(out.rise)) out.rise = begin + (double)k * d->step;
+        out.set = begin + (double)(k + 1) * d->step;
+        out.hours += hours;
+        out.direct += light;
+    }
+    out.diffuse = share * diffuse;
+    out.free_diffuse = 0.5 * (1 + up) * diffuse;
+    return out;
+}

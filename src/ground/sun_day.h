@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The sun at one place, day by day: behind the hills, and as it would be without them. */
+#ifndef CELLWALK_GROUND_SUN_DAY_H
+#define CELLWALK_GROUND_SUN_DAY_H
+
+#include "sight.h"
+#include "sun_place.h"
+
+typedef struct sun_day_desc {
+    sun_place place;
+    double step;         /* seconds between two places of the sun, which stands in the middle of each */
+    double linke;        /* turbidity (clear_sky.h) */
+    unsigned sky;        /* directions of the sky-view factor for diffuse light */
+    double tilt, facing; /* of what the light falls on, in degrees: 0 is level, and facing is where it leans to */
+} sun_day_desc;
+
+typedef struct sun_day {
+    double rise,
+        set; /* of the sun behind the hills: the first lit step's beginning and the last one's end, in seconds since
+                                 * 1970; NaN: it is never lit */
+    double hours, free_hours;   /* of direct light; free: without hills */
+    double direct, free_direct; /* energy in Wh/m² of the surface */
+    double diffuse, free_diffuse;
+} sun_day;
+
+/* Shares of the sky's light on a surface that leans so, as horizon_sky_view_tilted has them. */
+double sun_sky_share(sight *s, const sun_day_desc *d);
+
+/* How the ground leans at the sample next to field coordinates: tilt and facing. False if memory is short. */
+bool sun_ground_lean(const terrain *t, const double at[2], double *tilt, double *facing);
+
+/* The day that begins at midnight of UTC, moved to that of the place's mean solar time. The eye is that of s. share: sun_sky_share. */
+sun_day sun_day_find(const sight *s, const sun_day_desc *d, double share, double midnight);
+
+#endif
