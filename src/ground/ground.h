@@ -46,6 +46,11 @@ bool ground_find_window(ground *g, const double extent[4], const char *text, io_
 /* Puts a piece, with a field or without, into the place of the one that is in memory. */
 bool ground_read(ground *g, cw_rectangle piece, bool field, io_error *error);
 
+/* Few enough samples to read all of them where many places matter, in place of a piece for each. */
+static inline bool ground_is_small(const ground *g) {
+    return g->about.z != NULL || g->about.nx * g->about.ny <= (size_t)1 << 25;
+}
+
 /* Whether memory has room for a piece with a field or for a result of four bytes a sample; an error if not. more: further bytes a
  * sample. */
 bool ground_fits(const ground *g, cw_rectangle piece, double more);

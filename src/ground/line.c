@@ -4,26 +4,106 @@
 #include <math.h>
 #include <string.h>
 
-bool line_find(line *l, const terrain *t, const ground_place places[2], double curvature, io_error *error) {
-    double metres[2];
-    if (!ground_find_place(t, &places[0], l->eye, NULL, error) ||
-        !ground_find_place(t, &places[1], l->target, NULL, error))
-        return false;
+/* What follows from where the line is blocked: a share of the way, or infinity. The sight is one on all of the terrain. */
+static void settle(line *l, const sight *s, double block) {
+    const terrain *t = s->terrain;
     const double *eye = l->eye, *target = l->target;
-    sight *s = &l->sight;
-    sight_init(s, t, NULL, eye, curvature);
+    double metres[2];
     const double height = target[2] - s->eye[2] - sight_fall(s, target[0], target[1]);
-    const double block = sight_first_block(s, target[0], target[1], target[2]);
     terrain_metres(t, eye[0], eye[1], metres);
     for (int e = 0; e < 2; e++) terrain_to_map(t, e ? target[0] : eye[0], e ? target[1] : eye[1], l->ends[e]);
     l->length = hypot((l->ends[1][0] - l->ends[0][0]) * metres[0], (l->ends[1][1] - l->ends[0][1]) * metres[1]);
     l->blocked = block < INFINITY;
-    if (!l->blocked) return true;
+    if (!l->blocked) return;
     for (int e = 0; e < 2; e++) l->block[e] = l->ends[0][e] + block * (l->ends[1][e] - l->ends[0][e]);
     /* The line bends up against the lowered surface by as much as that is lowered. */
     const double bend = sight_fall(s, eye[0] + block * (target[0] - eye[0]), eye[1] + block * (target[1] - eye[1]));
     l->block_height = (eye[2] + block * height + bend) * terrain_metres_of_height(t);
     l->block_distance = block * l->length;
+}
+
+bool line_find(line *l, const terrain *t, const ground_place places[2], double curvature, io_error *error) {
+    if (!ground_find_place(t, &places[0], l->eye, NULL, error) ||
+        !ground_find_place(t, &places[1], l->target, NULL, error))
+        return false;
+    sight_init(&l->sight, t, NULL, l->eye, curvature);
+    settle(l, &l->sight, sight_first_block(&l->sight, l->target[0], l->target[1], l->target[2]));
+    return true;
+}
+
+/* ---- by pieces ------------------------------------------------------------------------------------------------------- */
+
+/* The samples around the way from one place in the raster's field coordinates to another, and two more; none if it is outside. */
+static cw_rectangle around(const terrain *whole, const double from[2], const double to[2]) {
+    const size_t sides[2] = {whole->nx, whole->ny};
+    size_t first[2], count[2];
+    for (int a = 0; a < 2; a++) {
+        const double low = fmax(floor(fmin(from[a], to[a])) - 2, 0),
+                     high = fmin(ceil(fmax(from[a], to[a])) + 2, (double)(sides[a] - 1));
+        if (!(low < high)) return (cw_rectangle){0};
+        first[a] = (size_t)low;
+        count[a] = (size_t)(high - low) + 1;
+    }
+    return (cw_rectangle){first[0], first[1], count[0], count[1]};
+}
+
+/* An end of the line, from the samples around it. */
+static bool find_end(ground *g, const ground_place *place, double at[3], io_error *error) {
+    double near[2] = {0, 0};
+    terrain_find_place(&g->whole, place->x, place->y, near);
+    cw_rectangle piece = around(&g->whole, near, near);
+    if (piece.nx == 0) piece = (cw_rectangle){0, 0, 2, 2};
+    if (!ground_read(g, piece, false, error) || !ground_find_place(&g->terrain, place, at, NULL, error)) return false;
+    at[0] += (double)piece.i;
+    at[1] += (double)piece.j;
+    return true;
+}
+
+/* Heights of ground that only this piece knows. Both have the same crossings. */
+static void take_ground(profile *all, const profile *piece) {
+    for (size_t k = 0; k < all->count && k < piece->count; k++)
+        if (isnan(all->points[k].ground)) all->points[k].ground = piece->points[k].ground;
+}
+
+bool line_find_on(line *l, ground *g, const ground_place places[2], double curvature, profile *p, io_error *error) {
+    const cw_rectangle all = ground_all(g);
+    const bool whole = g->about.z != NULL;
+    if (whole || (g->piece.nx == all.nx && g->piece.ny == all.ny && g->terrain.z != NULL)) {
+        if (g->terrain.z == NULL && !ground_read(g, all, false, error)) return false;
+        return line_find(l, &g->terrain, places, curvature, error) && (p == NULL || line_profile(l, p, error));
+    }
+    if (!find_end(g, &places[0], l->eye, error) || !find_end(g, &places[1], l->target, error)) return false;
+    const double cells = fmax(fabs(l->target[0] - l->eye[0]), fabs(l->target[1] - l->eye[1]));
+    const size_t pieces = (size_t)fmax(ceil(cells / LINE_PIECE), 1);
+    double block = INFINITY;
+    profile known = {0};
+    bool good = true;
+    if (p) p->count = 0;
+    for (size_t k = 0; k < pieces && good && (p != NULL || block == INFINITY); k++) {
+        double ends[2][2], eye[3] = {l->eye[0], l->eye[1], l->eye[2]}, target[2] = {l->target[0], l->target[1]};
+        for (int e = 0; e < 2; e++)
+            for (int a = 0; a < 2; a++)
+                ends[e][a] = l->eye[a] + (double)(k + (size_t)e) / (double)pieces * (l->target[a] - l->eye[a]);
+        const cw_rectangle piece = around(&g->whole, ends[0], ends[1]);
+        if (piece.nx == 0) continue;
+        if (!(good = ground_check(g, piece, 0, error) && ground_read(g, piece, false, error))) break;
+        eye[0] -= (double)piece.i;
+        eye[1] -= (double)piece.j;
+        target[0] -= (double)piece.i;
+        target[1] -= (double)piece.j;
+        sight s;
+        sight_init(&s, &g->terrain, NULL, eye, curvature);
+        if (block == INFINITY) block = sight_first_block(&s, target[0], target[1], l->target[2]);
+        if (p == NULL) continue;
+        good = profile_make(p->count == 0 ? p : &known, &s, target[0], target[1], l->target[2]) == CW_OK ||
+               io_fail(error, "out of memory");
+        take_ground(p, &known);
+    }
+    profile_free(&known);
+    if (!good) return false;
+    sight_init(&l->sight, &g->whole, NULL, l->eye, curvature);
+    settle(l, &l->sight, block);
+    if (p) profile_judge(p, &l->sight, l->target[0], l->target[1], l->target[2]);
     return true;
 }
 
@@ -36,7 +116,7 @@ double line_fresnel_radius(const line *l, double megahertz, double where) {
     return sqrt(wavelength * hypot(l->length, rise) * share * (1 - share));
 }
 
-static bool find_profile(const line *l, profile *p, io_error *error) {
+bool line_profile(const line *l, profile *p, io_error *error) {
     return profile_make(p, &l->sight, l->target[0], l->target[1], l->target[2]) == CW_OK ||
            io_fail(error, "out of memory");
 }
@@ -47,10 +127,9 @@ static void look_at_clearance(const line *l, double megahertz, double share, dou
     *c = (clearance){gap / radius, share * l->length, radius};
 }
 
-bool line_clearance(const line *l, double megahertz, profile *p, clearance *c, io_error *error) {
+void line_clearance(const line *l, double megahertz, const profile *p, clearance *c) {
     const double metres = terrain_metres_of_height(l->sight.terrain);
     *c = (clearance){.share = INFINITY, .distance = NAN, .radius = NAN};
-    if (!find_profile(l, p, error)) return false;
     for (size_t k = 0; k < p->count; k++) {
         const profile_point *a = &p->points[k], *b = k + 1 < p->count ? a + 1 : a;
         const double gap = (a->line - a->ground) * metres, next = (b->line - b->ground) * metres;
@@ -62,7 +141,6 @@ bool line_clearance(const line *l, double megahertz, profile *p, clearance *c, i
         if (least > a->share && least < b->share) look_at_clearance(l, megahertz, least, first + slope * least, c);
     }
     if (isinf(c->share)) c->share = NAN;
-    return true;
 }
 
 /* ---- profiles ---------------------------------------------------------------------------------------------------------- */
@@ -74,9 +152,9 @@ bool line_head_profiles(double megahertz, io_output *to, io_error *error) {
     return io_output_print(to, error, "pair,distance,x,y,ground,line,seen%s\n", megahertz > 0 ? ",fresnel_radius" : "");
 }
 
-bool line_write_profile(const line *l, size_t number, double megahertz, profile *p, io_output *to, io_error *error) {
+bool line_write_profile(const line *l, size_t number, double megahertz, const profile *p, io_output *to,
+                        io_error *error) {
     const double metres = terrain_metres_of_height(l->sight.terrain);
-    if (!find_profile(l, p, error)) return false;
     for (size_t k = 0; k < p->count; k++) {
         const profile_point *at = &p->points[k];
         double xy[2];

@@ -3,6 +3,7 @@
 #ifndef CELLWALK_GROUND_LINE_H
 #define CELLWALK_GROUND_LINE_H
 
+#include "ground.h"
 #include "output.h"
 #include "place.h"
 #include "profile.h"
@@ -19,6 +20,14 @@ typedef struct line {
 
 bool line_find(line *l, const terrain *t, const ground_place places[2], double curvature, io_error *error);
 
+/* The same, and the profile unless p is NULL, of a ground of which only pieces along the line are read: those of so many cells.
+ * *p is room that is used again. */
+enum { LINE_PIECE = 2048 };
+bool line_find_on(line *l, ground *g, const ground_place places[2], double curvature, profile *p, io_error *error);
+
+/* Of a terrain that is in memory. */
+bool line_profile(const line *l, profile *p, io_error *error);
+
 /* The worst place of a radio link: where the least share of the first Fresnel zone's radius is free below the line. That radius is
  * sqrt(w d1 d2 / (d1 + d2)) for the wavelength w and the distances to the ends (ITU-R P.526). */
 typedef struct clearance {
@@ -26,15 +35,16 @@ typedef struct clearance {
     double distance; /* from the first place, in metres */
     double radius;   /* there */
 } clearance;
-/* megahertz > 0. *p is room that is used again. */
-bool line_clearance(const line *l, double megahertz, profile *p, clearance *c, io_error *error);
+/* megahertz > 0. */
+void line_clearance(const line *l, double megahertz, const profile *p, clearance *c);
 
 /* The first Fresnel zone's radius in metres at a share of the way. */
 double line_fresnel_radius(const line *l, double megahertz, double where);
 
-/* Writes the first line of a table of profiles, and the rows of one. *p is room that is used again. */
+/* Writes the first line of a table of profiles, and the rows of one. */
 /* megahertz: 0 for no column of Fresnel radii. */
 bool line_head_profiles(double megahertz, io_output *to, io_error *error);
-bool line_write_profile(const line *l, size_t number, double megahertz, profile *p, io_output *to, io_error *error);
+bool line_write_profile(const line *l, size_t number, double megahertz, const profile *p, io_output *to,
+                        io_error *error);
 
 #endif

@@ -15,6 +15,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static void print_kernels(const cw_kernel *chosen, bool json) {
     if (json)
@@ -82,8 +83,25 @@ static void print_machine(bool json) {
 typedef struct survey {
     raster_field file;
     cw_field_info info;
+    bool header;         /* samples are not read: there are many, and nobody asked for them */
     double read_seconds; /* from the file's name to the field, without building */
 } survey;
+
+/* Size, map and place alone of a raster of many samples, if its file has windows. */
+static bool look_at_header(const char *path, const io_raster_options *options, survey *s, io_error *error) {
+    const size_t many = (size_t)1 << 26;
+    io_raster_options o = *options;
+    io_raster *r = &s->file.raster;
+    o.no_samples = true;
+    o.progress = NULL;
+    if (!io_raster_has_windows(path)) return true;
+    if (!io_raster_read(path, &o, r, error)) return false;
+    s->header = r->nx > many / r->ny;
+    s->info = (cw_field_info){.nx = r->nx, .ny = r->ny};
+    memcpy(s->file.map, r->map, sizeof r->map);
+    if (!s->header) io_raster_free(r);
+    return true;
+}
 
 static bool look_at_field(const char *path, const io_raster_options *options, const raster_options *raster,
                           const cw_run *query, survey *s, io_error *error) {
@@ -148,6 +166,15 @@ static void print_place(const io_raster *r) {
     putchar('\n');
 }
 
+static void print_cost(const survey *s) {
+    const cw_field_info *f = &s->info;
+    printf("  memory        %.0f bytes of samples, %zu bytes built: %.2f bytes a cell\n", sample_bytes(f),
+           f->bytes_built, bytes_per_cell(f));
+    printf("  read          %.6f s\n", s->read_seconds);
+    printf("  built         %.6f s, for kernel %s\n", cw_field_build_seconds(s->file.field),
+           cw_kernel_describe(s->file.kernel).name);
+}
+
 /* Facts on the terrain first, then the cost of the field. */
 static void print_field(const char *path, const survey *s) {
     const cw_field_info *f = &s->info;
@@ -155,21 +182,20 @@ static void print_field(const char *path, const survey *s) {
     char unit[40];
     print_text(stdout, path);
     putchar('\n');
-    if (r->z) print_place(r);
-    if (f->low <= f->high)
+    if (r->z || s->header) print_place(r);
+    if (s->header)
+        puts("  heights       not read, as there are many: --samples reads them");
+    else if (f->low <= f->high)
         printf("  heights       %.9g to %.9g%s\n", (double)f->low, (double)f->high, height_unit(r, unit));
     else
         puts("  heights       none");
-    printf("  holes         %zu", f->holes);
-    if (r->georef.has_nodata) printf(" (no data: %.9g)", r->georef.nodata);
+    if (!s->header) printf("  holes         %zu", f->holes);
+    if (!s->header && r->georef.has_nodata) printf(" (no data: %.9g)", r->georef.nodata);
+    if (!s->header) putchar('\n');
     if (r->georef.scale != 0)
-        printf("\n  stored        heights are %.9g + %.9g x the file's numbers", r->georef.offset, r->georef.scale);
-    printf("\n  samples       %zu x %zu (%zu x %zu cells)\n", f->nx, f->ny, f->nx - 1, f->ny - 1);
-    printf("  memory        %.0f bytes of samples, %zu bytes built: %.2f bytes a cell\n", sample_bytes(f),
-           f->bytes_built, bytes_per_cell(f));
-    printf("  read          %.6f s\n", s->read_seconds);
-    printf("  built         %.6f s, for kernel %s\n", cw_field_build_seconds(s->file.field),
-           cw_kernel_describe(s->file.kernel).name);
+        printf("  stored        heights are %.9g + %.9g x the file's numbers\n", r->georef.offset, r->georef.scale);
+    printf("  samples       %zu x %zu (%zu x %zu cells)\n", f->nx, f->ny, f->nx - 1, f->ny - 1);
+    if (!s->header) print_cost(s);
     puts("  user space    rows of the map from (x, y, z, 1):");
     for (int k = 0; k < 3; k++)
         printf("                %.17g %.17g %.17g %.17g\n", s->file.map[k][0], s->file.map[k][1], s->file.map[k][2],
@@ -180,15 +206,15 @@ static void print_field_json(const char *path, const survey *s) {
     const cw_field_info *f = &s->info;
     const io_raster *r = &s->file.raster;
     const io_georef *g = &r->georef;
-    const bool some = f->low <= f->high;
+    const bool some = !s->header && f->low <= f->high;
     json_print(stdout, ", 'field': {'path': %s, 'nx': %u, 'ny': %u, 'low': %g, 'high': %g, 'holes': %u, ", path, f->nx,
                f->ny, some ? (double)f->low : NAN, some ? (double)f->high : NAN, f->holes);
     json_print(stdout,
                "'bytes_samples': %u, 'bytes_built': %u, 'bytes_per_cell': %g, 'read_seconds': %g, "
                "'build_seconds': %g",
                (size_t)sample_bytes(f), f->bytes_built, bytes_per_cell(f), s->read_seconds,
-               cw_field_build_seconds(s->file.field));
-    if (r->z && g->placed) {
+               s->header ? 0 : cw_field_build_seconds(s->file.field));
+    if ((r->z || s->header) && g->placed) {
         double low[2], high[2], cell[2];
         char crs[128];
         find_extent(r, low, high);
@@ -206,12 +232,13 @@ static void print_field_json(const char *path, const survey *s) {
     json_print(stdout, "]}");
 }
 
-static int show(const char *path, raster_options *raster, const cw_run *query, bool json) {
+static int show(const char *path, raster_options *raster, const cw_run *query, bool json, bool samples) {
     survey s = {.read_seconds = 0};
     io_error error = {""};
     io_raster_options options;
     if (!raster_options_resolve(raster, "info", &options)) return EXIT_USAGE;
-    const bool good = path == NULL || look_at_field(path, &options, raster, query, &s, &error);
+    bool good = path == NULL || samples || raster->coarser.factor > 0 || look_at_header(path, &options, &s, &error);
+    good = good && (path == NULL || s.header || look_at_field(path, &options, raster, query, &s, &error));
     progress_end();
     if (!good) return command_fail("info", "%s", error.text);
     const cw_kernel *chosen = path ? s.file.kernel : cw_run_kernel(NULL, query);
@@ -228,10 +255,13 @@ static int show(const char *path, raster_options *raster, const cw_run *query, b
 
 static int run(int argc, char **argv) {
     query_options q = {0};
-    bool json = false;
+    bool json = false, samples = false;
     raster_options raster;
-    enum { OWN = 1, SHARED = OWN + QUERY_OPTION_COUNT, ALL = SHARED + RASTER_OPTION_COUNT };
-    option_spec options[ALL] = {option_flag("json", &json, "print one JSON object")};
+    enum { OWN = 2, SHARED = OWN + QUERY_OPTION_COUNT, ALL = SHARED + RASTER_OPTION_COUNT };
+    option_spec options[ALL] = {
+        option_flag("json", &json, "print one JSON object"),
+        option_flag("samples", &samples, "read the samples of rasters with more than 67 million of them too"),
+    };
     query_options_rows(&q, options + OWN);
     raster_options_rows(&raster, options + SHARED);
     static const char *const operand_names[] = {"FIELD"};
@@ -258,7 +288,7 @@ static int run(int argc, char **argv) {
     if (status != OPTIONS_GO) return status;
     cw_run query;
     if (!query_options_resolve(&q, usage.name, &query)) return EXIT_USAGE;
-    return show(path, &raster, &query, json);
+    return show(path, &raster, &query, json, samples);
 }
 
 const command command_info = {"info", "print a field's contents and cost, or this machine's kernels", run};

@@ -3,7 +3,11 @@
 be excused here with a reason."""
 import csv
 import io
+import json
+import os
 import re
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -135,6 +139,7 @@ EXCUSED = {
     "coarser": "Field.coarser(factor)", "filter": "Field.coarser(filter=)", "isa": "the variable CELLWALK_ISA, of which no bit depends",
     "threads": "Field(threads=)", "window": "results are arrays that are cut; cellwalk.open(window=) reads a part",
     "memory": "cellwalk.dask", "places": "arrays of places",
+    "skip-outside": "viewshed has it: test_observers_without_ground_are_skipped",
     "every": "arrays of places; visibility has it, and its case",
 }
 
@@ -251,6 +256,93 @@ def test_sun_days_without_hills():
     assert night.hours == 0 and np.isnat(night.rise) and np.isnat(night.set) and night.free_direct > 0
 
 
+# ---- large rasters ----------------------------------------------------------------------------------------------------------
+
+
+def write(path, z, **options):
+    """A tiled GeoTIFF of UTM with cells of 10 m. z: samples, or (rows, columns) of one without any."""
+    rasterio = pytest.importorskip("rasterio")
+    shape = z if isinstance(z, tuple) else z.shape
+    with rasterio.open(path, "w", driver="GTiff", width=shape[1], height=shape[0], count=1, dtype="float32", crs="EPSG:32632", tiled=True,
+                       transform=rasterio.Affine(10, 0, 300000, 0, -10, 5900000), **options) as file:
+        if not isinstance(z, tuple):
+            file.write(z, 1)
+    return path
+
+
+@pytest.fixture(scope="module")
+def strip(tmp_path_factory):
+    """Longer than a piece of a line (line.h), with holes."""
+    random = np.random.default_rng(7)
+    z = np.cumsum(random.normal(0, 3, (40, 5000)), 1).astype(np.float32)
+    z[18:25, 3000:3008] = np.nan
+    return write(tmp_path_factory.mktemp("strip") / "strip.tif", z)
+
+
+@pytest.mark.parametrize("row, other, height", [(3, 3, 200), (2.4, 37.7, 500), (39, 0, 5), (20, 21, 60)])
+def test_lines_read_in_pieces(tool, strip, tmp_path, row, other, height):
+    field, table = cw.open(strip), tmp_path / "profile.csv"
+    (x, y), (u, v) = field.map[:2] @ (1, row, 0, 1), field.map[:2] @ (4998, other, 0, 1)
+    for a, b in ((x, y, u, v), (u, v, x, y)), ((u, v, x, y), (x, y, u, v)):
+        a, b = (*a[:2], height), (*b[:2], height)
+        said = json.loads(tool("los", strip, f"{a[0]!r},{a[1]!r},{height}", f"{b[0]!r},{b[1]!r},{height}", "--frequency", "100", "--json",
+                               "--profile", table))
+        s, p = field.line_of_sight(a, b, frequency=100), field.profile(a, b, frequency=100)
+        assert said["visible"] == bool(s.visible) and said["clearance"] == pytest.approx(float(s.clearance), rel=1e-8)
+        if not s.visible:
+            np.testing.assert_allclose([*said["blocked_at"], said["blocked_height"]], s.blocked_at, rtol=1e-9)
+        rows = list(csv.DictReader(table.open()))
+        assert len(rows) == len(p.distance) > 4900
+        for name in ("distance", "ground", "line", "seen"):
+            got = np.array([float(row[name] or "nan") for row in rows])
+            wanted = getattr(p, name).astype(float)
+            np.testing.assert_allclose(got, np.where(np.isnan(p.ground), np.nan, wanted) if name == "seen" else wanted, atol=0.000501)
+
+
+def test_horizons_of_circles(tool, strip):
+    field = cw.open(strip)
+    x, y = field.map[:2] @ (2500.3, 20, 0, 1)
+    rows = list(csv.DictReader(io.StringIO(tool("horizon", strip, "--at", f"{x!r},{y!r},2", "--directions", "24", "--max-distance", "700"))))
+    h = field.horizon_at(x, y, 2, 24, 700)
+    np.testing.assert_allclose([float(row["angle"] or "nan") for row in rows], h.angle, atol=1e-6)
+    np.testing.assert_allclose([float(row["distance"] or "nan") for row in rows], h.distance, atol=1e-3)
+
+
+@pytest.mark.parametrize("words", [
+    ["los", "300105,5899895,4000", "899905,5300105,4000", "--frequency", "400"], ["los", "300105,5899895,40", "899905,5300105,40"],
+    ["horizon", "--at", "600000,5600000,10", "--max-distance", "20000"], ["info"],
+])
+def test_little_is_read_of_a_large_raster(tmp_path, words):
+    """60 000 x 60 000 samples are 14.4 GB; less than 300 MB may be held."""
+    path = write(tmp_path / "large.tif", (60000, 60000), SPARSE_OK=True, BIGTIFF="YES", blockxsize=256, blockysize=256)
+    code = ("import resource, subprocess, sys; status = subprocess.run(sys.argv[1:], stdout=subprocess.DEVNULL).returncode; "
+            "print(status, resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)")
+    done = subprocess.run([sys.executable, "-c", code, os.environ["CELLWALK_PROGRAM"], words[0], str(path), *words[1:]], capture_output=True, text=True)
+    status, kilobytes = map(int, done.stdout.split())
+    assert status == 0 and kilobytes < 300000, done.stderr
+
+
+# ---- observers without ground -------------------------------------------------------------------------------------------------
+
+
+def test_observers_without_ground_are_skipped(program, tool, ground, tmp_path):
+    p, f = Places(ground), ground.field
+    hole = f.map[:2] @ (23, 11, 0, 1)
+    xs, ys = [p.xs[0], hole[0], p.xs[1], f.bounds[2] + 9 * abs(f.map[0, 0])], [p.ys[0], hole[1], p.ys[1], p.ys[0]]
+    (tmp_path / "towers.csv").write_text("x,y,height\n" + "".join(f"{x!r},{p.northward(y)!r},9\n" for x, y in zip(map(float, xs), map(float, ys))))
+    words = "viewshed", ground.path, "--observers", tmp_path / "towers.csv", "--table", tmp_path / "table.csv", "-o", tmp_path / "seen.npy"
+    assert "towers.csv:3" in tool(*words, fails=True) or "towers.csv:5" in tool(*words, fails=True)
+    done = program(*words, "--skip-outside")
+    assert done.returncode == 0, done.stderr
+    said = [line for line in done.stderr.splitlines() if "skipped" in line]
+    assert len(said) == 3 and any("towers.csv:5" in line for line in said) and any("towers.csv:3" in line for line in said)
+    assert "2 of 4 observers are skipped" in said[-1]
+    assert [row["observer"] for row in csv.DictReader((tmp_path / "table.csv").open())] == ["1", "3"]
+    with pytest.warns(UserWarning, match="x, y: 2 of 4 observers .* skipped: 1, 3"):
+        same(f.viewshed(xs, ys, 9, skip_outside=True), np.load(tmp_path / "seen.npy"))
+    same(f.viewshed(p.xs[:2], p.ys[:2], 9), np.load(tmp_path / "seen.npy"))
+
+
 def test_every_option_is_compared_or_excused(tool):
     cases = {}
     for words, *_ in RASTERS + TABLES:
@@ -261,4 +353,4 @@ def test_every_option_is_compared_or_excused(tool):
         assert len(named) > 10
         assert named - compared - set(EXCUSED) == set(), f"{command}: neither compared with Python nor excused"
         assert compared <= named
-    assert set(EXCUSED) & set.union(*cases.values()) <= {"every"}
+    assert set(EXCUSED) & set.union(*cases.values()) <= {"every", "type"}

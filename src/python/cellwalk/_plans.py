@@ -212,7 +212,7 @@ def sky_view(site: Site, directions, max_distance, curvature, tilted) -> Plan:
 
 
 def openness(site: Site, directions, max_distance, start, curvature, negative) -> Plan:
-    numbers = {**round_of(site, directions, max_distance, curvature, False, start), "below": bool(negative)}
+    numbers = {**round_of(directions, max_distance, curvature, start), "below": bool(negative)}
     if negative and numbers["curvature"] != 0:
         raise ValueError("negative: is that of a flat earth, and goes without curvature")
     return Plan("openness", numbers, "openness", {"long_name": f"{'negative ' if negative else ''}openness", "units": "degrees"})

@@ -205,7 +205,10 @@ static bool look_along(const lines *all, size_t k, profile *p) {
         a->block[2] = l.block_height;
         a->block_distance = l.block_distance;
     }
-    return !(c->n.frequency > 0) || line_clearance(&l, c->n.frequency, p, &a->clearance, &unused);
+    if (!(c->n.frequency > 0)) return true;
+    if (!line_profile(&l, p, &unused)) return false;
+    line_clearance(&l, c->n.frequency, p, &a->clearance);
+    return true;
 }
 
 static void look_along_some(void *context, size_t begin, size_t end) {

@@ -76,6 +76,12 @@ cw_status profile_make(profile *p, const sight *s, double i, double j, double z)
     if (!good) return CW_ERROR_MEMORY;
     qsort(p->points, p->count, sizeof *p->points, compare);
     drop_doubles(p);
+    profile_judge(p, s, i, j, z);
+    return CW_OK;
+}
+
+void profile_judge(profile *p, const sight *s, double i, double j, double z) {
+    const way w = way_to(s, i, j, z, 0);
     double steepest = -INFINITY;
     for (size_t k = 0; k < p->count; k++) {
         profile_point *at = &p->points[k];
@@ -89,7 +95,6 @@ cw_status profile_make(profile *p, const sight *s, double i, double j, double z)
         at->seen = rise > steepest;
         if (at->seen) steepest = rise;
     }
-    return CW_OK;
 }
 
 void profile_free(profile *p) {

@@ -21,4 +21,7 @@ typedef struct profile {
 cw_status profile_make(profile *p, const sight *s, double i, double j, double z);
 void profile_free(profile *p);
 
+/* Finds lines and what is seen anew, after heights of ground were changed. */
+void profile_judge(profile *p, const sight *s, double i, double j, double z);
+
 #endif

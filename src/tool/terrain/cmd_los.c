@@ -52,10 +52,11 @@ static bool look(los_command *c, io_output *profiles, io_error *error) {
     line l;
     profile p = {0};
     clearance free;
-    if (!line_find(&l, &c->product.ground.terrain, c->places, c->curvature, error)) return false;
-    bool good = profiles == NULL || (line_head_profiles(c->megahertz, profiles, error) &&
-                                     line_write_profile(&l, 1, c->megahertz, &p, profiles, error));
-    good = good && (!radio || line_clearance(&l, c->megahertz, &p, &free, error));
+    const bool along = profiles != NULL || radio;
+    bool good = line_find_on(&l, &c->product.ground, c->places, c->curvature, along ? &p : NULL, error);
+    good = good && (profiles == NULL || (line_head_profiles(c->megahertz, profiles, error) &&
+                                         line_write_profile(&l, 1, c->megahertz, &p, profiles, error)));
+    if (good && radio) line_clearance(&l, c->megahertz, &p, &free);
     profile_free(&p);
     if (!good) return false;
     if (!product_tell(&c->product, 1)) return io_fail(error, "interrupted");

@@ -136,6 +136,9 @@ static int run(int argc, char **argv) {
         option_text("table", "FILE", &c.table,
                     "also write a table (CSV) with a line for each observer: how many samples it sees, these times a "
                     "cell's area in square kilometres, and the farthest one"),
+        option_flag("skip-outside", &c.skip,
+                    "leave out observers outside the raster, on no data or under the ground: they are listed and "
+                    "counted (default: the first one ends the run)"),
         option_choice("extent", "NAME", &c.extent, extent_names,
                       "with --max-distance: write only samples within it (near, the default), or the full raster"),
     };
@@ -162,6 +165,7 @@ static int run(int argc, char **argv) {
                     "      -o angle.tif\n"
                     "  cellwalk viewshed dem.tif --observers towers.csv --weights -o served.tif\n"
                     "  cellwalk viewshed dem.tif --observers towers.csv --table seen.csv -o seen.tif\n"
+                    "  cellwalk viewshed dem.tif --observers towers.csv --skip-outside -o seen.tif\n"
                     "  cellwalk viewshed dem.tif --observers road.gpkg --every 50 -o seen.tif\n",
         .options = options,
         .option_count = sizeof options / sizeof *options,

@@ -60,7 +60,7 @@ static bool write_row(job *j, size_t row, const line *l, io_error *error) {
         return false;
     clearance c;
     if (j->megahertz > 0) {
-        if (!line_clearance(l, j->megahertz, &j->profile, &c, error)) return false;
+        line_clearance(l, j->megahertz, &j->profile, &c);
         if (!(isnan(c.share) ? io_output_print(j->results, error, ",,,")
                              : io_output_print(j->results, error, ",%.4f,%.3f,%.3f", c.share, c.distance, c.radius)))
             return false;
@@ -74,7 +74,8 @@ static bool look(job *j, size_t row, io_error *error) {
     line l;
     for (int end = 0; end < 2; end++)
         if (!take_place(j, row, end, &places[end], texts[end], error)) return false;
-    if (!line_find(&l, &j->product->ground.terrain, places, j->curvature, error) || !write_row(j, row, &l, error))
+    profile *p = j->profiles || j->megahertz > 0 ? &j->profile : NULL;
+    if (!line_find_on(&l, &j->product->ground, places, j->curvature, p, error) || !write_row(j, row, &l, error))
         return false;
     return j->profiles == NULL || line_write_profile(&l, row + 1, j->megahertz, &j->profile, j->profiles, error);
 }
@@ -96,6 +97,8 @@ static bool look_at_all(job *j, io_error *error) {
 bool los_pairs(product *p, const char *path, double curvature, double megahertz, io_output *results,
                io_output *profiles, io_error *error) {
     job j = {.product = p, .curvature = curvature, .megahertz = megahertz, .results = results, .profiles = profiles};
+    ground *g = &p->ground;
+    if (ground_is_small(g) && !ground_read(g, ground_all(g), false, error)) return false;
     if (!io_table_read(path, &j.table, error)) return false;
     const bool good = look_at_all(&j, error);
     io_table_free(&j.table);

@@ -17,8 +17,8 @@ enum { PRODUCT_NOTES_MOST = 300 };
 typedef struct product {
     /* What the subcommand is; fill and what follows may be NULL. */
     void *context;
-    /* Checks the command line. False after a message. *bands, 1 at first: how many the raster has; 0: none is written, and all
-     * samples are read before begin. */
+    /* Checks the command line. False after a message. *bands, 1 at first: how many the raster has; 0: none is written, and
+     * begin reads the samples that it needs. */
     bool (*check)(void *context, size_t *bands);
     /* Describes the result in all fields down to scale. */
     bool (*begin)(struct product *p, io_error *error);
@@ -63,7 +63,7 @@ typedef struct product {
 enum { PRODUCT_OPTIONS_MOST = 24 };
 int product_run(product *p, const options_usage *usage, int argc, char **argv);
 
-/* Opens the raster, and reads all of it without bands to write. Returns EXIT_SUCCESS, or after a message the exit status; there is
+/* Opens the raster. Returns EXIT_SUCCESS, or after a message the exit status; there is
  * then nothing to close. */
 int product_open(product *p, const char *path, size_t bands);
 /* Returns the exit status of the work, after the message in error unless it was good. */

@@ -60,6 +60,45 @@ static bool read_samples(viewshed_command *c, io_error *error) {
     return ground_check(g, piece, more, error) && ground_read(g, piece, false, error);
 }
 
+/* ---- observers that see nothing -------------------------------------------------------------------------------------- */
+
+/* Whether an observer has a place to look from; before samples are read, whether it stands on the raster. */
+static bool can_look(const viewshed_command *c, size_t k, bool read, io_error *why) {
+    const ground *g = &c->product.ground;
+    char text[OBSERVER_TEXT];
+    double at[3];
+    const ground_place place = observers_place(&c->observers, k, text);
+    if (read) return ground_find_place(&g->terrain, &place, at, NULL, why);
+    if (terrain_find_place(&g->whole, place.x, place.y, at) &&
+        (place.absolute ||
+         (at[0] >= 0 && at[1] >= 0 && at[0] <= (double)(g->whole.nx - 1) && at[1] <= (double)(g->whole.ny - 1))))
+        return true;
+    return io_fail(why, "%s: lies outside", place.text);
+}
+
+static bool skip_observers(viewshed_command *c, bool read, io_error *error) {
+    const ground_watch *w = &c->product.ground.watch;
+    observers *o = &c->observers;
+    char text[600];
+    size_t kept = 0;
+    io_error why;
+    if (!c->skip) return true;
+    for (size_t k = 0; k < o->count; k++) {
+        if (can_look(c, k, read, &why)) {
+            o->list[kept++] = o->list[k];
+            continue;
+        }
+        snprintf(text, sizeof text, "skipped: %s", why.text);
+        w->warn(w->context, text);
+    }
+    c->skipped += o->count - kept;
+    o->count = kept;
+    if (kept == 0) return io_fail(error, "none of %zu observers has ground to stand on", c->skipped);
+    snprintf(text, sizeof text, "%zu of %zu observers are skipped", c->skipped, c->skipped + kept);
+    if (read && c->skipped > 0) w->warn(w->context, text);
+    return true;
+}
+
 /* ---- views ----------------------------------------------------------------------------------------------------------- */
 
 /* The line of the table about one observer's view of the window, which is then added to those before. */
@@ -72,8 +111,8 @@ static bool print_view(viewshed_command *c, const double eye[3], io_error *error
         if (c->seen) c->seen[k] = (uint16_t)(c->seen[k] + c->own[k]);
         if (c->sums) c->sums[k] += c->own[k];
     }
-    if (!io_output_print(&c->table_file, error, "%zu,%.12g,%.12g,%.0f,%.9g,", c->observer + 1, o->x, o->y, v.samples,
-                         v.km2))
+    if (!io_output_print(&c->table_file, error, "%zu,%.12g,%.12g,%.0f,%.9g,",
+                         isnan(o->along) ? o->given + 1 : c->observer + 1, o->x, o->y, v.samples, v.km2))
         return false;
     if (v.samples == 0) return io_output_print(&c->table_file, error, ",,\n");
     return io_output_print(&c->table_file, error, "%.3f,%.12g,%.12g\n", v.farthest, v.farthest_at[0], v.farthest_at[1]);
@@ -261,9 +300,11 @@ static bool check(const viewshed_command *c, io_error *error) {
 bool viewshed_begin(product *p, io_error *error) {
     viewshed_command *c = p->context;
     c->curvature = ground_curvature(&p->ground, c->curvature);
-    if (!observers_find(&c->observers, &c->from, &p->ground, error)) return false;
+    if (!observers_find(&c->observers, &c->from, &p->ground, error) || !skip_observers(c, false, error)) return false;
     if (c->kind == VIEW_SEEN && !c->bands && c->observers.count > COUNT_MOST) c->kind = VIEW_WEIGHT;
-    if (!check(c, error) || !product_check_output(p, error) || !read_samples(c, error)) return false;
+    if (!check(c, error) || !product_check_output(p, error) || !read_samples(c, error) ||
+        !skip_observers(c, true, error))
+        return false;
     if (sight_bounds_create(&p->ground.terrain, &c->bounds) != CW_OK) return io_fail(error, "out of memory");
     if (!make_room(c, error)) return false;
     for (c->observer = 0; c->observer < c->observers.count && !c->bands; c->observer++)

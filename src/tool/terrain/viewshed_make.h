@@ -30,6 +30,7 @@ typedef struct viewshed_command {
     bool absolute;     /* of VIEW_NEEDED: heights */
     bool bands;        /* one for each observer */
     const char *table; /* a file with a line for each observer; NULL: none */
+    bool skip;         /* observers without ground, in place of an error */
     int extent;        /* VIEW_FULL: all of the raster, even with a greatest distance */
 
     /* The work. */
@@ -38,6 +39,7 @@ typedef struct viewshed_command {
     uint16_t *seen; /* one of these */
     double *sums;
     float *numbers;
+    size_t skipped;
     size_t observer; /* whose view is being computed */
     size_t made;     /* of bands: the views so far */
     uint16_t *own;   /* what one observer sees; NULL: there is no table */
