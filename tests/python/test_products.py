@@ -91,6 +91,8 @@ RASTERS = [
     ("viewshed --observers FILE --weights", lambda f, p: f.viewshed(p.xs, p.ys, 9, weights=[0.3, 1.7, 0.1])),
 ]
 
+SUN = "hours free_hours direct free_direct diffuse free_diffuse"
+
 # Tables: the program's decimals, and numbers of Python in the same columns.
 TABLES = [
     ("horizon --at {a} --directions 9 --start 5 --max-distance {far}",
@@ -99,6 +101,10 @@ TABLES = [
      "angle distance x y true_azimuth", lambda f, p: at_places(p, f.horizon_at(p.xs[:2], p.ys[:2], 4, 5, curvature=500))),
     ("viewshed --observers FILE --max-distance {far} --extent full --table TABLE",
      "samples km2 farthest farthest_x farthest_y", lambda f, p: of_sites(p, f.sites(p.xs, p.ys, 9, max_distance=p.far))),
+    ("sun --at {a},3 --date 2024-03-20 --to 2024-03-22 --step 5min --tilt 40 --facing 150 --linke 4 --sky 9 --curvature 500", SUN,
+     needs_crs(lambda f, o: f.sun_days(f.bounds[0] + 0.37 * (f.bounds[2] - f.bounds[0]), f.bounds[1] + 0.61 * (f.bounds[3] - f.bounds[1]),
+                                       "2024-03-20", "2024-03-22", 3, step="5min", tilt=40, facing=150, linke=4, sky=9, curvature=500,
+                                       **o)._asdict())),
     ("los --pairs PAIRS", "visible distance blocked_distance blocked_x blocked_y blocked_height", lambda f, p: of_lines(p, links(f, p))),
     ("los --pairs PAIRS --frequency 2400 --curvature 0.75", "clearance clearance_distance fresnel_radius",
      lambda f, p: of_lines(p, links(f, p, curvature=0.75, frequency=2400))),
@@ -341,6 +347,23 @@ def test_observers_without_ground_are_skipped(program, tool, ground, tmp_path):
     with pytest.warns(UserWarning, match="x, y: 2 of 4 observers .* skipped: 1, 3"):
         same(f.viewshed(xs, ys, 9, skip_outside=True), np.load(tmp_path / "seen.npy"))
     same(f.viewshed(p.xs[:2], p.ys[:2], 9), np.load(tmp_path / "seen.npy"))
+
+
+def test_months_of_sun(tool, tmp_path):
+    np.save(tmp_path / "z.npy", np.pad(np.zeros((5, 5), np.float32), 3, constant_values=0.5))
+    words = "sun", tmp_path / "z.npy", "--lon-lat", "10,50", "--at", "5,5", "--step", "1h", "--tilt", "ground"
+    months = list(csv.DictReader(io.StringIO(tool(*words, "--date", "2024"))))
+    days = list(csv.DictReader(io.StringIO(tool(*words, "--date", "2024-02"))))
+    assert [row["month"] for row in months] == [f"2024-{k:02}" for k in range(1, 13)] and len(days) == 29
+    for name in SUN.split():
+        assert float(months[1][name]) == pytest.approx(sum(float(row[name]) for row in days), abs=15)
+    assert float(months[11]["hours"]) < float(months[11]["free_hours"])
+    rises = [np.datetime64(row["rise"][:-1]) for row in days]
+    mean = rises[0] + np.mean([rise - day for rise, day in zip(rises, rises[0] + np.arange(29) * np.timedelta64(1, "D"))])
+    assert abs(mean - np.datetime64(f"2024-02-01T{months[1]['rise'][:-1]}")) <= np.timedelta64(1, "m")
+    assert "--tilt takes degrees" in tool(*words[:-1], "flat", "--date", "2024", fails=True)
+    assert "--facing goes with --tilt" in tool(*words[:-2], "--facing", "9", "--date", "2024", fails=True)
+    assert "--date takes a day" in tool(*words, "--date", "2024-13", fails=True)
 
 
 def test_every_option_is_compared_or_excused(tool):

@@ -8,8 +8,7 @@
 #include "horizon.h"
 #include "insolation.h"
 #include "number.h"
-#include "product.h"
-#include "sun_place.h"
+#include "sun_table.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -28,6 +27,7 @@ typedef struct sun_command {
     double linke, curvature;
     unsigned directions, sky;
     bool irradiance;
+    sun_table at;
     /* By check. */
     double first, last; /* midnights of UTC that begin the first and the last day */
     double seconds;     /* of a step */
@@ -109,6 +109,7 @@ static bool begin(product *p, io_error *error) {
     const ground *g = &p->ground;
     static const char *const bands[BANDS] = {"direct light on the ground", "diffuse light on the ground"};
     sun_place place = {c->lon_lat[0], c->lon_lat[1], 0};
+    if (c->at.at) return sun_table_write(p, &c->at, error);
     if (!c->place && !sun_place_find(&g->whole, &g->about.georef, g->path, NULL, &place, error)) return false;
     if (!find_suns(c, &place, error) || !enter(p, error) || !find_what_matters(p, error)) return false;
     product_describe(p, IO_CELL_FLOAT32, c->irradiance ? BANDS : 1,
@@ -142,9 +143,29 @@ static void end(void *context) {
 
 /* ---- the command line --------------------------------------------------------------------------------------------------- */
 
-static bool read_date(const char *text, double *midnight) {
-    char copy[32];
-    return strlen(text) <= 10 && snprintf(copy, sizeof copy, "%sT00:00Z", text) > 0 && sun_parse_time(copy, midnight);
+static bool read_midnight(unsigned long year, unsigned long month, unsigned long day_of_month, double *midnight) {
+    char text[80];
+    snprintf(text, sizeof text, "%04lu-%02lu-%02luT00:00Z", year, month, day_of_month);
+    return sun_parse_time(text, midnight);
+}
+
+/* The midnights of UTC that begin the first and the last day of a day, a month or a year: 2024-06-21, 2024-06, 2024. */
+static bool read_days(const char *text, double *first, double *last) {
+    const size_t length = strlen(text);
+    unsigned long part[3] = {0, 1, 1};
+    for (size_t k = 0; k < length; k++)
+        if (k == 4 || k == 7 ? text[k] != '-' : text[k] < '0' || text[k] > '9') return false;
+    if (length != 4 && length != 7 && length != 10) return false;
+    part[0] = strtoul(text, NULL, 10);
+    if (length > 4) part[1] = strtoul(text + 5, NULL, 10);
+    if (length > 7) part[2] = strtoul(text + 8, NULL, 10);
+    if (!read_midnight(part[0], part[1], part[2], first)) return false;
+    *last = *first;
+    if (length == 10) return true;
+    const bool year_ends = length == 4 || part[1] == 12;
+    const bool good = read_midnight(part[0] + year_ends, year_ends ? 1 : part[1] + 1, 1, last);
+    *last -= day;
+    return good;
 }
 
 /* A number with s, min or h, which divides a day. */
@@ -166,44 +187,57 @@ static bool read_step(const char *text, double *seconds) {
 
 static bool check(void *context, size_t *bands) {
     sun_command *c = context;
+    double unused;
+    if (c->step == NULL) c->step = c->at.at ? "1min" : "15min";
     const bool energy_only = !isnan(c->linke) || c->sky > 0;
     if (c->date == NULL)
         command_fail(name, "--date is missing");
-    else if (!read_date(c->date, &c->first))
-        command_fail(name, "--date takes a day, as 2024-06-21, not '%s'", c->date);
-    else if (c->to && !read_date(c->to, &c->last))
-        command_fail(name, "--to takes a day, as 2024-06-21, not '%s'", c->to);
+    else if (!read_days(c->date, &c->first, &c->last))
+        command_fail(name, "--date takes a day, as 2024-06-21, a month or a year, not '%s'", c->date);
+    else if (c->to && !read_days(c->to, &unused, &c->last))
+        command_fail(name, "--to takes a day, as 2024-06-21, a month or a year, not '%s'", c->to);
     else if (c->to && c->last < c->first)
         command_fail(name, "--to %s is before --date %s", c->to, c->date);
     else if (!read_step(c->step, &c->seconds))
         command_fail(name, "--step takes a time that divides a day, as 15min, 1h or 30s, not '%s'", c->step);
-    else if (((c->to ? c->last : c->first) + day - c->first) / c->seconds > SUNS_MOST)
+    else if ((c->last + day - c->first) / c->seconds > SUNS_MOST)
         command_fail(name, "there are more than %d steps from %s to %s; give a longer --step", SUNS_MOST, c->date,
                      c->to ? c->to : c->date);
     else if (c->place && (ground_numbers(c->place, c->lon_lat, 2, 2) == 0 || fabs(c->lon_lat[1]) > 90))
         command_fail(name, "--lon-lat takes longitude and latitude in degrees, as 6.1,49.8, not '%s'", c->place);
-    else if (energy_only && !c->irradiance)
+    else if (c->at.at && (c->irradiance || c->directions > 0 || c->product.window))
+        command_fail(name,
+                     "--at prints hours and energy, and goes with none of --irradiance, --directions and --window");
+    else if (energy_only && !c->irradiance && !c->at.at)
         command_fail(name, "--linke and --sky go with --irradiance");
     else if (!isnan(c->linke) && !(c->linke >= 1 && c->linke <= 10))
         command_fail(name, "--linke takes a turbidity from 1 to 10, not %g", c->linke);
     else {
-        if (c->to == NULL) c->last = c->first;
         if (isnan(c->linke)) c->linke = CLEAR_SKY_LINKE;
         if (c->sky == 0) c->sky = 32;
-        *bands = c->irradiance ? BANDS : 1;
-        return product_check_curvature(name, c->curvature);
+        *bands = c->at.at ? 0 : c->irradiance ? BANDS : 1;
+        c->at.curvature = c->curvature;
+        c->at.first = c->first;
+        c->at.days = (size_t)nearbyint((c->last - c->first) / day) + 1;
+        c->at.placed = c->place != NULL;
+        c->at.desc.place = (sun_place){c->lon_lat[0], c->lon_lat[1], 0};
+        c->at.desc.step = c->seconds;
+        c->at.desc.linke = c->linke;
+        c->at.desc.sky = c->sky;
+        return product_check_curvature(name, c->curvature) && sun_table_check(&c->at, name);
     }
     return false;
 }
 
 static int run(int argc, char **argv) {
-    static sun_command c = {.step = "15min", .linke = NAN}; /* large */
+    static sun_command c = {.linke = NAN, .at = {.facing = NAN}}; /* large */
     c.product = (product){.context = &c, .check = check, .begin = begin, .enter = enter, .fill = fill, .end = end};
     const option_spec options[] = {
-        option_text("date", "DAY", &c.date, "the day, as 2024-06-21"),
+        option_text("date", "DAY", &c.date, "the day, as 2024-06-21; 2024-06 and 2024 are all their days"),
         option_text("to", "DAY", &c.to, "the last of several days (default: --date)"),
-        option_text("step", "TIME", &c.step,
-                    "time between two places of the sun, as 30s, 15min (default) or 1h; it divides a day"),
+        option_text(
+            "step", "TIME", &c.step,
+            "time between two places of the sun, as 30s, 15min (default, with --at 1min) or 1h; it divides a day"),
         option_count("directions", "N", &c.directions, 8, 3600,
                      "cast shadows from the nearest of N directions all round, so that many days share their horizons; "
                      "azimuths are then off by up to 180 / N degrees (default: each sun's own)"),
@@ -217,11 +251,23 @@ static int run(int argc, char **argv) {
         option_text("lon-lat", "LON,LAT", &c.place,
                     "where on earth the terrain is, in degrees, for files that do not say; the map's north is then the "
                     "true one"),
+        option_text(
+            "at", "X,Y[,H]", &c.at.at,
+            "print a table of the sun at one place of the map, H metres above ground (default: 0) or X,Y,=Z, as CSV: a "
+            "row a day, or for more than 62 days a row a month: when it is first and last seen behind the hills (UTC; "
+            "of a month the mean), hours, and direct and diffuse light in watt hours a square metre; free_... are "
+            "without hills"),
+        option_text(
+            "tilt", "DEG", &c.at.tilt,
+            "with --at: light on a surface that leans by so much, as a roof (90: a wall), or the word ground: as the "
+            "ground leans there (default: 0, level)"),
+        option_number("facing", "AZ", &c.at.facing,
+                      "with --tilt: where the surface looks to, in degrees from the map's north (default: 180)"),
         product_flat_earth_row(&c.curvature),
     };
     const options_usage usage = {
         .name = name,
-        .synopsis = "DEM --date DAY [--to DAY] -o FILE [OPTIONS]",
+        .synopsis = "DEM --date DAY [--to DAY] (-o FILE | --at X,Y) [OPTIONS]",
         .what = "Computes hours of direct sunlight on every sample of a terrain and writes a raster (float32; NaN: no "
                 "data). --irradiance writes the energy of direct and diffuse light under a cloudless sky instead.\n\n"
                 "The sun stands in the middle of each step, where it is seen from the terrain's middle, lifted by the "
@@ -234,7 +280,9 @@ static int run(int argc, char **argv) {
                 "left out.\n",
         .examples = "  cellwalk sun dem.tif --date 2024-06-21 -o hours.tif\n"
                     "  cellwalk sun dem.tif --date 2024-06-01 --to 2024-06-30 -o june.tif\n"
-                    "  cellwalk sun dem.tif --date 2024-03-20 --irradiance --linke 2.5 -o energy.tif\n",
+                    "  cellwalk sun dem.tif --date 2024-03-20 --irradiance --linke 2.5 -o energy.tif\n"
+                    "  cellwalk sun dem.tif --date 2024 --at 600250,5199800,2 > months.csv\n"
+                    "  cellwalk sun dem.tif --date 2024-01 --at 600250,5199800,6 --tilt 35 --facing 170\n",
         .options = options,
         .option_count = sizeof options / sizeof *options,
     };

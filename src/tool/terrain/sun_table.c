@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "sun_table.h"
+
+#include "command.h"
+#include "number.h"
+#include "output.h"
+
+#include <math.h>
+#include <string.h>
+#include <time.h>
+
+enum { DAYS_MOST = 62 }; /* with a row each */
+
+static const double day = 86400;
+
+bool sun_table_check(sun_table *a, const char *name) {
+    char *end;
+    a->ground = a->tilt && strcmp(a->tilt, "ground") == 0;
+    const double tilt = a->tilt && !a->ground ? number_read(a->tilt, &end) : 0;
+    if (a->at == NULL) {
+        if (a->tilt == NULL && isnan(a->facing)) return true;
+        command_fail(name, "--tilt and --facing go with --at");
+    } else if (a->tilt && !a->ground && (end == a->tilt || *end != '\0' || !(tilt >= 0 && tilt <= 180))) {
+        command_fail(name, "--tilt takes degrees from 0 to 180, or the word ground, not '%s'", a->tilt);
+    } else if (!isnan(a->facing) && (a->tilt == NULL || a->ground)) {
+        command_fail(name, "--facing goes with --tilt DEGREES");
+    } else {
+        a->desc.tilt = tilt;
+        a->desc.facing = isnan(a->facing) ? 180 : a->facing;
+        return product_parse_place(name, a->at, 0, &a->place);
+    }
+    return false;
+}
+
+/* Days that share a row. */
+typedef struct sum {
+    sun_day all;
+    double rises, sets; /* seconds after the days' midnights of UTC */
+    size_t lit;
+} sum;
+
+static void add(sum *s, const sun_day *d, double midnight) {
+    double *to[] = {&s->all.hours,       &s->all.free_hours, &s->all.direct,
+                    &s->all.free_direct, &s->all.diffuse,    &s->all.free_diffuse};
+    const double from[] = {d->hours, d->free_hours, d->direct, d->free_direct, d->diffuse, d->free_diffuse};
+    for (int k = 0; k < 6; k++) *to[k] += from[k];
+    if (isnan(d->rise)) return;
+    s->rises += d->rise - midnight;
+    s->sets += d->set - midnight;
+    s->lit++;
+}
+
+static const char *as_text(double seconds, const char *format, char text[32]) {
+    const time_t time = (time_t)nearbyint(seconds);
+    text[0] = '\0';
+    if (isfinite(seconds)) strftime(text, 32, format, gmtime(&time));
+    return text;
+}
+
+static bool print_row(io_output *to, const sum *s, double midnight, bool month, io_error *error) {
+    char name[32], rise[32], set[32];
+    const double lit = s->lit > 0 ? (double)s->lit : NAN, from = month ? 0 : midnight;
+    const char *clock = month ? "%H:%MZ" : "%Y-%m-%dT%H:%MZ";
+    const sun_day *d = &s->all;
+    return io_output_print(to, error, "%s,%s,%s,%.2f,%.2f,%.0f,%.0f,%.0f,%.0f\n",
+                           as_text(midnight, month ? "%Y-%m" : "%Y-%m-%d", name),
+                           as_text(from + s->rises / lit, clock, rise), as_text(from + s->sets / lit, clock, set),
+                           d->hours, d->free_hours, d->direct, d->free_direct, d->diffuse, d->free_diffuse);
+}
+
+static bool begins_month(double midnight) {
+    char text[32];
+    return strcmp(as_text(midnight, "%d", text), "01") == 0;
+}
+
+static bool print_days(product *p, const sun_table *a, const sight *s, double share, io_output *to, io_error *error) {
+    const bool months = a->days > DAYS_MOST;
+    sum row = {0};
+    if (!io_output_print(to, error, "%s,rise,set,hours,free_hours,direct,free_direct,diffuse,free_diffuse\n",
+                         months ? "month" : "day"))
+        return false;
+    for (size_t k = 0; k < a->days; k++) {
+        const double midnight = a->first + day * (double)k;
+        const sun_day d = sun_day_find(s, &a->desc, share, midnight);
+        add(&row, &d, midnight);
+        if (!product_tell(p, (double)(k + 1) / (double)a->days)) return io_fail(error, "interrupted");
+        if (months && k + 1 < a->days && !begins_month(midnight + day)) continue;
+        if (!print_row(to, &row, midnight, months, error)) return false;
+        row = (sum){0};
+    }
+    return true;
+}
+
+bool sun_table_write(product *p, sun_table *a, io_error *error) {
+    ground *g = &p->ground;
+    const terrain *t = &g->terrain;
+    sun_day_desc *d = &a->desc;
+    double eye[3], xy[2];
+    sight s;
+    sight_bounds *bounds;
+    io_output to = {0};
+    if (!ground_check(g, ground_all(g), 0, error) || !ground_read(g, ground_all(g), false, error)) return false;
+    if (!ground_find_place(t, &a->place, eye, NULL, error)) return false;
+    terrain_to_map(t, eye[0], eye[1], xy);
+    if (!a->placed && !sun_place_of(t, &g->about.georef, xy, g->path, "--lon-lat tells it", &d->place, error))
+        return false;
+    if (a->ground && !sun_ground_lean(t, eye, &d->tilt, &d->facing)) return io_fail(error, "out of memory");
+    if (sight_bounds_create(t, &bounds) != CW_OK) return io_fail(error, "out of memory");
+    sight_init(&s, t, bounds, eye, a->curvature);
+    const bool good = io_output_open(&to, p->output ? p->output : "-", error) &&
+                      print_days(p, a, &s, sun_sky_share(&s, d), &to, error) && io_output_commit(&to, error);
+    io_output_discard(&to);
+    sight_bounds_destroy(bounds);
+    return good;
+}

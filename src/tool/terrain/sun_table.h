@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* `cellwalk sun --at`: the sun at one place as a table. */
+#ifndef CELLWALK_TOOL_TERRAIN_SUN_TABLE_H
+#define CELLWALK_TOOL_TERRAIN_SUN_TABLE_H
+
+#include "product.h"
+#include "sun_day.h"
+
+typedef struct sun_table {
+    const char *at;   /* NULL: not asked for */
+    const char *tilt; /* degrees, or "ground"; NULL: level */
+    double facing;    /* NaN: not given */
+    ground_place place;
+    sun_day_desc desc; /* but for what lies below */
+    bool placed;       /* desc.place is known */
+    bool ground;       /* the surface is the ground as it leans */
+    double curvature;
+    double first; /* midnight of UTC that begins the first day */
+    size_t days;
+} sun_table;
+
+/* Checks place, tilt and facing; false after a message. */
+bool sun_table_check(sun_table *a, const char *name);
+
+/* Prints a row for each day, or if there are more than 62 for each month, as CSV to the output or standard output. */
+bool sun_table_write(product *p, sun_table *a, io_error *error);
+
+#endif
