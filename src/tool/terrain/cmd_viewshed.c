@@ -154,6 +154,11 @@ static int run(int argc, char **argv) {
             "--max-distance, --azimuth and --vertical, each with its ends; a target outside these limits counts as not "
             "seen. What is written instead of counts: --weights, --angle or --needed, and with --bands a band for each "
             "observer.\n\n"
+            "Which site sees most? For a few sites --table says it. For every site at once look from the other end: "
+            "the "
+            "samples of the valley as --observers, of height 0, and --target-height 10 count at each sample how much "
+            "of "
+            "the valley a mast of 10 m sees from there.\n\n"
             "The surface is two triangles between each four samples, lowered by the earth's curvature; every sample's "
             "line is decided exactly, and one that touches the surface is blocked.\n\n" PRODUCT_PLACE_HELP "\n",
         .examples = "  cellwalk viewshed dem.tif --from 600250,5199800 -o seen.tif\n"
