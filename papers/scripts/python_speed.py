@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A million rays from NumPy beside the C query and beside Open3D, interleaved on one machine: prints JSON lines.
+"""A million rays from NumPy beside the C query, interleaved on one machine: prints JSON lines.
 
     python3 python_speed.py --tool build/release/src/tool/cellwalk [--side 1025] [--rays 1000000] [--rounds 7]
 """
@@ -67,32 +67,6 @@ assert (field.closest(org, dirs).t == wanted.t).all()
 commit = subprocess.run(["git", "rev-parse", "--short=10", "HEAD"], capture_output=True, text=True).stdout.strip()
 result = {"commit": commit, "date": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()), "numpy": np.__version__, "rays": len(rays), "side": o.side, "threads": o.threads, "hit": float(wanted.hit.mean()),
           "mapped_cells_differ": int(((mapped.closest(user).i != wanted.i) | (mapped.closest(user).j != wanted.j)).sum())}
-try:
-    import open3d
-    j, i = np.mgrid[0:o.side - 1, 0:o.side - 1]
-    at = (j * o.side + i).ravel().astype("uint32")
-    faces = np.concatenate([np.stack([at, at + 1, at + o.side + 1], -1), np.stack([at, at + o.side + 1, at + o.side], -1)])
-    points = np.stack([x.ravel(), y.ravel(), z.ravel()], -1).astype("float32")
-    scene = open3d.t.geometry.RaycastingScene()
-    result["open3d_build_seconds"] = timed(lambda: (scene.add_triangles(open3d.core.Tensor(points), open3d.core.Tensor(faces)),
-                                                    scene.cast_rays(open3d.core.Tensor(rays[:1, [0, 1, 2, 4, 5, 6]].copy()))))
-    result["cellwalk_build_seconds"] = timed(lambda: cw.Field(z, threads=1))
-    hits = scene.cast_rays(open3d.core.Tensor(rays[::997, [0, 1, 2, 4, 5, 6]].copy()))["t_hit"].numpy()
-    if not (np.isfinite(hits) == wanted[::997].hit).mean() > 0.9:
-        raise ImportError(f"Open3D {open3d.__version__} finds {np.isfinite(hits).mean():.0%} of the hits: not compared")
-    six = open3d.core.Tensor(np.ascontiguousarray(rays[:, [0, 1, 2, 4, 5, 6]]))
-    contenders["Open3D cast_rays"] = lambda: timed(lambda: scene.cast_rays(six, nthreads=o.threads) if o.threads else scene.cast_rays(six))
-    # Straight down at every vertex and at middles of edges: nothing may be missed, and t is the height.
-    top = np.float32(1000)
-    for name, place in (("vertices", (x, y)), ("edges", (x[:, :-1] + 0.5, y[:, :-1]))):
-        px, py = (p.ravel().astype("float32") for p in place)
-        down = np.zeros((px.size, 6), "float32")
-        down[:, 0], down[:, 1], down[:, 2], down[:, 5] = px, py, top, -1
-        down = down[(px > 0) & (px < o.side - 1) & (py > 0) & (py < o.side - 1)]
-        result[f"down_at_{name}"] = {"rays": len(down), "cellwalk_misses": int((~field.closest(down).hit).sum()),
-                                     "open3d_misses": int(np.isinf(scene.cast_rays(open3d.core.Tensor(down))["t_hit"].numpy()).sum())}
-except ImportError as error:
-    result["open3d"] = str(error)
 times = {name: [] for name in contenders}
 for turn in range(o.rounds):
     for name in sorted(contenders, key=lambda n: hash((turn, n))):

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Products of terrain beside gdal_viewshed, r.viewshed, r.sun and r.horizon: time, memory, and which cells differ and who is right,
+"""Products of terrain beside gdal_viewshed, r.viewshed and r.horizon: time, memory, and which cells differ and who is right,
 by looking at every edge on the way in double; and the errors of azimuth and distance on maps in degrees. Writes
 papers/data/terrain.json or, with --pictures, the pictures of README and papers/terrain.md. Needs NumPy and Debian's gdal-bin and grass-core; matplotlib and rasterio for pictures."""
 
@@ -158,49 +158,6 @@ def compare_views(z, eye, ours, theirs, program, rng):
     return lines
 
 
-def leans_away(z, sun):
-    """Where the ground, by differences over three by three samples as r.slope.aspect has it, faces away from the sun."""
-    p = np.pad(z.astype(float), 1, mode="edge")
-    n, m = z.shape
-    at = lambda dj, di: p[1 + dj:1 + dj + n, 1 + di:1 + di + m]  # noqa: E731
-    east = (at(-1, 1) + 2 * at(0, 1) + at(1, 1) - at(-1, -1) - 2 * at(0, -1) - at(1, -1)) / (8 * CELL)
-    north = (at(-1, -1) + 2 * at(-1, 0) + at(-1, 1) - at(1, -1) - 2 * at(1, 0) - at(1, 1)) / (8 * CELL)
-    azimuth, altitude = np.radians(sun)
-    return np.sin(altitude) - np.cos(altitude) * (np.sin(azimuth) * east + np.cos(azimuth) * north) <= 0
-
-
-def compare_suns(z, ours, theirs, sun, rng):
-    """Cells in the sun for one and not for the other; r.sun has nothing at the border."""
-    lines, away = [], leans_away(z, sun)
-    for what, mask in (("they see the sun, we do not", (theirs > 0) & (ours == 0)),
-                       ("we see the sun, they do not", ~(theirs > 0) & (ours == 1))):
-        mask[[0, -1]] = mask[:, [0, -1]] = False
-        cells = np.argwhere(mask & ~away)[:, ::-1]
-        some = cells[rng.permutation(len(cells))[:2000]]
-        above = np.array([sun[1] - exact_angle(z, i, j, sun[0]) for i, j in some])
-        right = np.sum(above > 0) if what.startswith("we") else np.sum(above <= 0)
-        lines.append({"kind": "sun", "program": "r.sun", "side": len(z), "class": what, "azimuth": sun[0], "altitude": sun[1],
-                      "cells": int(mask.sum()), "sunlit": int(np.sum(ours == 1)), "lean_away": int((mask & away).sum()),
-                      "looked_at": len(some), "we_are_right": int(right),
-                      "median_degrees": float(np.median(np.abs(above))) if len(some) else 0.0})
-    return lines
-
-
-def measure_suns(tool, clock, side, z, dem, out, folder, rng):
-    """r.sun at noon of the shortest day, and ours with the sun at the place that it says."""
-    grass_timed(clock, "r.sun", "shadow", side, 1, 1, dem + ".tif",
-                "r.sun --q elevation=dem slope=slope aspect=aspect lat=lat long=lon day=355 time=12 incidout=inc",
-                [("inc", out("grasss"))], folder,
-                before=["r.slope.aspect --q elevation=dem slope=slope aspect=aspect",
-                        'r.mapcalc --q expression="lat = 46.9"', 'r.mapcalc --q expression="lon = 10.3"'],
-                after=[f"r.info -h map=inc > {folder}/sun"])
-    with open(os.path.join(folder, "sun"), encoding="utf-8") as file:
-        text = file.read()
-    sun = [float(re.search(rf"Solar {what} \(deg\): *([0-9.]+)", text).group(1)) for what in ("azimuth", "altitude")]
-    subprocess.run([tool, "shadow", dem + ".tif", "--sun", f"{sun[0]},{sun[1]}", "-o", out("noon")], check=True)
-    return compare_suns(z, read(out("noon"), side), read(out("grasss"), side), sun, rng)
-
-
 def exact_angle(z, i, j, azimuth):
     d = np.array([np.sin(np.radians(azimuth)), -np.cos(np.radians(azimuth))])
     far = min(((len(z) - 1 if v > 0 else 0) - p) / v for p, v in zip((i, j), d) if abs(v) > 1e-12) + 1
@@ -267,10 +224,7 @@ def compare_maps(tool, folder):
     return lines
 
 
-# ---- more products ----------------------------------------------------------------------------------------------------
-
-DAY, LON_LAT = "2024-06-21", "10.3,46.9"
-
+# ---- needed heights ---------------------------------------------------------------------------------------------------
 
 def measure_needed(tool, clock, side, dem, out):
     """Heights that are needed to be seen, beside those of gdal_viewshed."""
@@ -295,54 +249,6 @@ def compare_needed(z, side, out):
         lines.append({"kind": "needed", "program": program, "side": side, "looked_at": len(cells), "median": float(np.median(apart)),
                       "most_of_99": float(np.quantile(apart, 0.99)), "most": float(apart.max())})
     return lines
-
-
-def measure_days(tool, clock, side, dem, folder):
-    """Shadow after shadow beside horizons that suns share."""
-    sun = [tool, "sun", dem + ".tif", "--threads", "1", "--date", DAY, "-o", os.path.join(folder, "sun.npy")]
-    for name, step in (("a day, 15 min", ["--step", "15min"]), ("a day, 1 min", ["--step", "1min"]),
-                       ("5 days, 15 min", ["--step", "15min", "--to", "2024-06-25"])):
-        clock.run([(f"cellwalk, 1 thread{', --directions 720' if shared else ''}", f"sun, {name}", 1, 1, [*sun, *step, *shared])
-                   for shared in ([], ["--directions", "720"])], side)
-
-
-def compare_days(tool, clock, side, dem, out, folder):
-    """A day of r.sun in mode 2 and ours, in the same place on earth: hours of direct light, and its energy."""
-    sun = [tool, "sun", dem + ".tif", "--threads", "1", "--date", DAY, "--step", "15min", "--lon-lat", LON_LAT]
-    clock.run([("cellwalk, 1 thread", "sun --irradiance, a day", 1, 1, [*sun, "--irradiance", "-o", out("energy")])], side)
-    subprocess.run([*sun, "-o", out("hours")], check=True)
-    longitude, latitude = LON_LAT.split(",")
-    grass_timed(clock, "r.sun, mode 2", "sun --irradiance, a day", side, 1, 1, dem + ".tif",
-                "r.sun --q elevation=dem slope=slope aspect=aspect lat=lat long=lon day=173 step=0.25 insol_time=hours "
-                "beam_rad=beam diff_rad=diffuse",
-                [("hours", out("grasshours")), ("beam", out("grassbeam"))], folder,
-                before=["r.slope.aspect --q elevation=dem slope=slope aspect=aspect",
-                        f'r.mapcalc --q expression="lat = {latitude}"', f'r.mapcalc --q expression="lon = {longitude}"'])
-    beam = out("beam")
-    subprocess.run(["gdal_translate", "-q", "-b", "1", out("energy"), beam], check=True)
-    lines = []
-    for what, ours, theirs in (("hours of direct light", "hours", "grasshours"), ("direct light, Wh/m²", "beam", "grassbeam")):
-        a, b = (read(out(name), side)[1:-1, 1:-1].astype(float) for name in (ours, theirs))
-        apart = np.abs(a - b)[np.isfinite(a) & np.isfinite(b)]
-        lines.append({"kind": "day", "side": side, "what": what, "ours": float(np.nanmean(a)), "theirs": float(np.nanmean(b)),
-                      "median": float(np.median(apart)), "most_of_99": float(np.quantile(apart, 0.99))})
-    return lines
-
-
-def measure_more(tool, rounds, folder):
-    clock, lines = Clock(rounds), []
-    for side in (257, 1025, 4097):
-        dem = os.path.join(folder, f"land{side}")
-        out = lambda name, side=side: os.path.join(folder, f"{name}{side}.tif")  # noqa: E731
-        write_dem(land(side), dem)
-        if side == 257:
-            lines += compare_days(tool, clock, side, dem, out, folder)
-            continue
-        measure_needed(tool, clock, side, dem, out)
-        lines += compare_needed(land(side), side, out)
-        if side == 1025:
-            measure_days(tool, clock, side, dem, folder)
-    return clock.lines + lines
 
 
 # ---- the run ----------------------------------------------------------------------------------------------------------
@@ -373,12 +279,13 @@ def measure(tool, side, clock, folder):
     eye = (side // 2, side // 2, float(z[side // 2, side // 2]) + 2)
     ours = read(out("view"), side)
     lines += compare_views(z, eye, ours, read(out("gdal"), side), "gdal_viewshed", rng)
+    measure_needed(tool, clock, side, dem, out)
+    lines += compare_needed(z, side, out)
     if side <= 1025:
         grass_timed(clock, "r.viewshed", "viewshed", side, 1, 1, dem + ".tif",
                     f"r.viewshed --q -b -c -r input=dem output=v coordinates={x},{y} observer_elevation=2 memory=2000",
                     [("v", out("grass"))], folder)
         lines += compare_views(z, eye, ours, read(out("grass"), side), "r.viewshed", rng)
-        lines += measure_suns(tool, clock, side, z, dem, out, folder, rng)
         grass_timed(clock, "r.horizon", "horizon, 32 directions", side, 2, 32, dem + ".tif",
                     "r.horizon --q -d elevation=dem step=180 start=30 output=h", [("h_030", out("grassh"))], folder)
         subprocess.run([tool, "horizon", dem + ".tif", "--directions", "1", "--start", "60", "-o", out("one")], check=True)
@@ -406,8 +313,6 @@ def main():
     parser.add_argument("tool", help="the program cellwalk")
     parser.add_argument("--sides", default="1025,4097", help="samples a side (default: %(default)s)")
     parser.add_argument("--rounds", type=int, default=5, help="times each run is repeated; the least counts")
-    parser.add_argument("--more", action="store_true",
-                        help="measure needed heights, grid horizons and days of sun instead, for papers/data/terrain-more.json")
     parser.add_argument("--pictures", action="store_true", help="draw the pictures and measure nothing")
     options = parser.parse_args()
     tool = os.path.abspath(options.tool)
@@ -418,17 +323,16 @@ def main():
             return
         clock, lines = Clock(options.rounds), []
         load = os.getloadavg()[0]
-        for side in map(int, options.sides.split(",")) if not options.more else ():
+        for side in map(int, options.sides.split(",")):
             lines += measure(tool, side, clock, folder)
-        lines += measure_more(tool, options.rounds, folder) if options.more else compare_maps(tool, folder)
+        lines += compare_maps(tool, folder)
     version = lambda *command: subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()  # noqa: E731
-    run = {"kind": "run", "command": "terrain", "arguments": f"{'--more' if options.more else f'--sides {options.sides}'} --rounds {options.rounds}",
+    run = {"kind": "run", "command": "terrain", "arguments": f"--sides {options.sides} --rounds {options.rounds}",
            "cpu": cpu_name(), "isa": json.loads(version(tool, "info", "--json"))["isa"],
            "commit": version("git", "-C", ROOT, "rev-parse", "--short=10", "HEAD"),
            "gdal": version("gdalinfo", "--version").split(",")[0], "grass": "GRASS " + version("grass", "--config", "version"),
            "load": round(load, 2), "date": datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ")}
-    name = f"terrain{'-more' if options.more else ''}.json"
-    with open(os.path.join(ROOT, "papers/data", name), "w", encoding="utf-8") as file:
+    with open(os.path.join(ROOT, "papers/data/terrain.json"), "w", encoding="utf-8") as file:
         for line in [run, *clock.lines, *lines]:
             file.write(json.dumps(line, separators=(",", ":")) + "\n")
 

@@ -15,7 +15,6 @@ import zlib
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
-import beside_pbrt
 import draw
 import links
 import prose
@@ -224,18 +223,6 @@ class Links(Folder):
                           "`cw_there`, `CW_NEEDS_...` and `cw_gone()`\n")
         self.assertEqual(list(links.missing(page, self.folder.name, links.known_names(self.folder.name))),
                          [(5, "b.md#three"), (6, "c.md"), (6, "src/gone.c"), (7, "cw_gone")])
-
-
-class BesidePbrt(Folder):
-    SCENE = ('Film "image" "string filename" ["a.exr"] \n"integer xresolution" [40] "integer yresolution" 30\n'
-             'Camera "perspective"\n')
-
-    def test_film_is_replaced_and_nothing_else(self):
-        for one_pixel, x, y in ((False, 40, 30), (True, 1, 1)):
-            self.assertEqual(beside_pbrt.with_film(self.SCENE, one_pixel, "b.exr"),
-                             f'Film "image" "string filename" ["b.exr"] "integer xresolution" [{x}] '
-                             f'"integer yresolution" [{y}]\nCamera "perspective"\n')
-        self.fails("2 films", beside_pbrt.with_film, self.SCENE * 2, False, "b.exr")
 
 
 if __name__ == "__main__":
