@@ -2,7 +2,6 @@
 #include "harness/run.h"
 
 #include "build_info.h"
-#include "clock.h"
 #include "command.h"
 #include "commit.h"
 #include "cpus.h"
@@ -63,15 +62,6 @@ void run_record_begin(char **arguments, int count) {
     }
 }
 
-/* Ticks of the time stamp counter a second, measured against the clock for 20 ms; 0 where there is no counter. */
-static double tick_rate(void) {
-    const double start = clock_seconds();
-    const uint64_t first = clock_ticks();
-    double now = start;
-    while (now < start + 0.02) now = clock_seconds();
-    return (double)(clock_ticks() - first) / (now - start);
-}
-
 json_t *run_record(const char *name, uint32_t seed, int cpu) {
     char model[256], cache[64], date[32];
     if (cpus == 0) cpus = cpus_usable();
@@ -92,7 +82,7 @@ json_t *run_record(const char *name, uint32_t seed, int cpu) {
     if (peer_embree_version()) results_set_bool(record, "embree_assertions", peer_embree_has_assertions());
     results_set_count(record, "seed", seed);
     json_object_set_new(record, "pinned_to_cpu", json_integer(cpu));
-    results_set_numbers(record, "load tsc_hz", (double[]){load, tick_rate()});
+    results_set_number(record, "load", load);
     results_set_text(record, "date", date);
     return record;
 }

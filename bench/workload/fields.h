@@ -6,7 +6,7 @@
 #include "cellwalk.h"
 
 typedef struct workload_field {
-    const char *name, *text; /* text: a few words for a table, of fields for aimed rays */
+    const char *name, *text; /* text: a few words for a table, or NULL */
     size_t nx, ny;
     float *z; /* sample (i, j) is z[j * nx + i]; freed by workload_field_free */
 } workload_field;
@@ -16,14 +16,6 @@ typedef struct workload_field {
  * "8193x1025": land as long as the largest, for errors far from the origin; Embree has room for it. It is not timed.
  * "plane", "grooves", "comb", "checkerboard": 1025 × 1025 samples for rays beside them. The plane is tilted; of the others
  * every second row, every eighth row or every second sample is 1 high, the rest 0. Timed on request only. */
-enum { WORKLOAD_FIELDS = 12, WORKLOAD_FIELDS_TIMED = 7 };
-/* NULL from there on. */
-const char *workload_field_name(size_t number);
-
-/* Small fields for aimed rays (aimed.h), from smooth land to whole numbers and cliffs, planes that hardly rise and heights that are denormal. */
-enum { AIMED_FIELDS = 10 };
-const char *workload_aimed_name(size_t number);
-
 /* False if no field has that name, or out of memory: then field->name is NULL or not, in that order. */
 bool workload_field_make(const char *name, workload_field *field);
 void workload_field_free(workload_field *field);

@@ -25,6 +25,7 @@ BLOCK = re.compile(r"(<!-- (table|list|text|files) (.*?)-->\n)(.*?)(<!-- end -->
 CHART = re.compile(r"<!-- chart (.*?)-->", re.DOTALL)
 CLASSES = ("primary", "shadow", "ao", "bounce", "random", "grazing", "afar")
 LANDS = ("65", "257", "1025", "4097", "8193", "sea-calm", "sea-rough")
+NOTHING = "n. c."  # no figure that may be quoted
 ITEMS = {"ao": "ambient occlusion", "afar": "from afar", "within-2": "from within 2 cells"}
 FIELDS = {"sea-calm": "calm sea", "sea-rough": "rough sea", "jacksboro": "Jacksboro", "jacksboro-4": "Jacksboro, 4 × as fine"}
 ISAS = {"avx512": "AVX-512", "avx2": "AVX2", "sse4.2": "SSE4.2", "scalar": "no vector instructions"}
@@ -65,7 +66,7 @@ class Number(float):
         return self._with(float(self) * other, other)
 
     def written(self, text):
-        return "n. c." if self.sure is None else text if self.sure else "~" + text
+        return NOTHING if self.sure is None else text if self.sure else "~" + text
 
 
 def mark(number, text):
@@ -75,13 +76,15 @@ def mark(number, text):
 # ---- how numbers are written ----
 
 def grouped(number):
+    if number is None:
+        return NOTHING
     return f"{int(number):,}".replace(",", " ")
 
 
 def digits(number, count=2):
     """So many significant digits, and no exponent from 1000 on."""
     if number is None:
-        return ""
+        return NOTHING
     text = grouped(float(f"{number:.{count}g}")) if abs(number) >= 999.5 else f"{float(f'{number:.{count}g}'):g}"
     if "e" not in text and " " not in text and abs(number) >= 0.1 and len(re.sub(r"[-.]|^0\.", "", text)) < count:
         text = f"{number:.{max(0, count - 1 - math.floor(math.log10(abs(number))))}f}"
@@ -93,11 +96,15 @@ def three(number):
 
 
 def dur(seconds, count=2):
+    if seconds is None:
+        return NOTHING
     scale, unit = (1, "s") if seconds >= 1 else (1e3, "ms") if seconds >= 1e-3 else (1e6, "µs")
     return mark(seconds, f"{float(f'{seconds * scale:.{count}g}'):g} {unit}")
 
 
 def share(value):
+    if value is None:
+        return NOTHING
     return mark(value, f"{100 * value:.2g} %")
 
 
@@ -140,7 +147,8 @@ class Rows(list):
         for line in sorted({line.get("line", 0) for line in self if "seconds_median" in line}):
             pair = [self.best(name, line=line, **members) for name in (a, b)]
             if all(pair) and all("seconds_median" in of for of in pair):
-                above, below = (of["seconds_median"] / of.get("items", 1) for of in pair)
+                # The median of the rounds' ratios, which the machine's changes from round to round do not enter.
+                above, below = (of.get("time_to_first", of["seconds_median"] / of.get("items", 1)) for of in pair)
                 return Number.of(above / below, *pair, item=f"{name(pair[0]['item'])}, {name(pair[0]['field'])}")
         return None
 
@@ -163,6 +171,11 @@ class Rows(list):
         line = self.best(contender, **members)
         return None if line is None or "per_second" not in line else Number.of(line["per_second"] / 1e6, line)
 
+    def micro(self, contender, **members):
+        """Microseconds an item."""
+        rate = self.rate(contender, **members)
+        return None if rate is None else 1 / rate
+
     def distinct(self, key):
         return list(dict.fromkeys(line[key] for line in self if key in line))
 
@@ -184,20 +197,36 @@ class Names(dict):
         return None
 
 
+def quotable(numbers):
+    return [number for number in numbers if number.sure is not None]
+
+
+def lowest(numbers):
+    return named(min(quotable(numbers), default=None))
+
+
+def highest(numbers):
+    return named(max(quotable(numbers), default=None))
+
+
 def mean(numbers):
     """The geometric mean. It is as sure as the most doubtful of them."""
-    numbers = [number for number in numbers if number.sure is not None]
+    numbers = quotable(numbers)
+    if not numbers:
+        return None
     result = Number(math.exp(sum(map(math.log, numbers)) / len(numbers)))
     result.sure = all(number.sure for number in numbers)
     return result
 
 
 def named(number):
+    if number is None:
+        return NOTHING
     return f"{digits(number)} ({number.item})"
 
 
 HELPERS = {"digits": digits, "two": digits, "three": three, "dur": dur, "share": share, "name": name, "grouped": grouped, "mean": mean,
-           "named": named, "min": min, "max": max, "sum": sum, "len": len, "round": round, "abs": abs, "sorted": sorted, "str": str,
+           "named": named, "lowest": lowest, "highest": highest, "min": min, "max": max, "sum": sum, "len": len, "round": round, "abs": abs, "sorted": sorted, "str": str,
            "int": int, "float": float, "ISAS": ISAS, "Number": Number, "log10": math.log10, "any": any, "all": all, "CLASSES": CLASSES, "LANDS": LANDS}
 
 
@@ -260,7 +289,7 @@ def columns(text):
 
 def evaluate(code, rows, run):
     scope = {**HELPERS, "run": run, "R": rows, "about": run_text(run),
-             **{method: getattr(rows, method) for method in ("best", "faster", "ratios", "value", "rate", "where", "distinct", "timed")}}
+             **{method: getattr(rows, method) for method in ("best", "faster", "ratios", "value", "rate", "where", "distinct", "timed", "micro")}}
     return eval(code, scope)
 
 

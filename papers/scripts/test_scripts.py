@@ -63,7 +63,7 @@ class Blocks(Folder):
         self.assertIn("| ambient occlusion | 2.5 | n. c. |", draw.made("table", query, self.data(*self.LINES)))
         provisional = self.data(*self.LINES, run={**RUN, "provisional": True})
         self.assertIn("| ambient occlusion | 2.5 | ~3.0 |", draw.made("table", query, provisional))
-        self.assertEqual(draw.made("text", "file=a\nLowest {named(min(ratios()))}, mean {digits(mean(ratios()))}.", self.data(*self.LINES)),
+        self.assertEqual(draw.made("text", "file=a\nLowest {lowest(ratios())}, mean {digits(mean(ratios()))}.", self.data(*self.LINES)),
                          "Lowest 2.5 (ambient occlusion, 65²), mean 2.5.\n")
 
     def test_a_pair_is_of_one_line_of_the_plan(self):
@@ -80,6 +80,7 @@ class Blocks(Folder):
         for number, text in ((0, "0"), (0.0123, "0.012"), (1, "1.0"), (5.88, "5.9"), (167, "170"), (12345, "12 000"), (1e-7, "1e-07")):
             self.assertEqual(draw.digits(number), text)
         self.assertEqual([draw.dur(s) for s in (3.2e-5, 0.0081, 12)], ["32 µs", "8.1 ms", "12 s"])
+        self.assertEqual([draw.digits(None), draw.lowest([]), draw.dur(draw.mean([]))], ["n. c."] * 3)
         self.assertIsNone((draw.Number(1) / draw.Number.of(2, {"sure": None})).sure)
 
     def test_wrong_files(self):

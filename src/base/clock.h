@@ -19,14 +19,4 @@ static inline double clock_seconds(void) { return clock_read(CLOCK_MONOTONIC); }
  * to other programs. */
 static inline double clock_cpu_seconds(void) { return clock_read(CLOCK_PROCESS_CPUTIME_ID); }
 
-/* The time stamp counter. It runs at a fixed rate at any clock of the core, so its "cycles" are units of time, not
- * cycles of the core. 0 if there is none. */
-static inline uint64_t clock_ticks(void) {
-#if defined(__x86_64__) || defined(__i386__)
-    return __builtin_ia32_rdtsc();
-#else
-    return 0;
-#endif
-}
-
 #endif

@@ -10,6 +10,11 @@
 #include "stability/aimed.h"
 #include "workload/fields.h"
 
+/* Small fields for aimed rays, from smooth land to whole numbers and cliffs, planes that hardly rise and heights that are denormal.
+ * False if out of memory; freed by workload_field_free. */
+enum { AIMED_FIELDS = 10 };
+bool aimed_field_make(size_t number, workload_field *field);
+
 enum { BATCH_RAYS = 4096, SLOW_RAYS = 512, CONTENDERS_MAX = 48, ULP_BINS = 32 };
 
 typedef enum contender_role {

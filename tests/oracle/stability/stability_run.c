@@ -70,8 +70,7 @@ static bool add_peers(stability *s, size_t f, const stability_shares *shares, un
 
 static bool make_field(stability_field *f, size_t number) {
     workload_field *samples = &f->samples;
-    if (!workload_field_make(workload_aimed_name(number), samples) ||
-        workload_field_open(samples, CW_BORROW, false, &f->field) != CW_OK)
+    if (!aimed_field_make(number, samples) || workload_field_open(samples, CW_BORROW, false, &f->field) != CW_OK)
         return false;
     f->aimed = aimed_field_of(f->field);
     f->oracle = oracle_create(samples->z, samples->nx, samples->ny);
