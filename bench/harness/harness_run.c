@@ -17,7 +17,7 @@
 /* ---- options ---- */
 
 bool run_options_check(run_options *run, const char *name) {
-    if (run->isa < 0) run->isa = (int)cw_isa_best();
+    run->isa = run->isa < 0 ? (int)cw_isa_best() : CW_ISA_SCALAR + run->isa; /* the option counts names */
     return option_isa_environment(name) && option_isa_limit(name, (cw_isa)run->isa);
 }
 

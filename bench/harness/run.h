@@ -16,7 +16,7 @@
 
 typedef struct run_options {
     unsigned seed;
-    int isa;      /* a cw_isa; below 0 the best that may be used here, until run_options_check */
+    int isa;      /* a cw_isa after run_options_check; before it the number of a name, or below 0 for the best */
     unsigned cpu; /* UINT_MAX: the one that the program is on */
     bool no_pin;
 } run_options;

@@ -70,8 +70,8 @@ static bool take_line(plan *p, char *text, const char *field) {
     if (count == 3) return add_line(p, words[0], contenders, entered, metrics, -1, field);
     for (char *name; (name = strsep(&words[3], ",")) != NULL;) {
         int isa = CW_ISA_COUNT - 1;
-        while (isa >= 0 && strcmp(name, cw_isa_name((cw_isa)isa)) != 0) isa--;
-        if (isa < 0 || !add_line(p, words[0], contenders, entered, metrics, isa, field)) return false;
+        while (isa >= CW_ISA_SCALAR && strcmp(name, cw_isa_name((cw_isa)isa)) != 0) isa--;
+        if (isa < CW_ISA_SCALAR || !add_line(p, words[0], contenders, entered, metrics, isa, field)) return false;
     }
     return true;
 }

@@ -111,8 +111,14 @@ static bool build(peer_embree *p, const cw_field *field, const peer_options *o) 
 }
 
 peer_embree *peer_embree_create(const cw_field *field, const peer_options *o, io_error *error) {
-    static const char *const configs[] = {"threads=1,isa=sse2", "threads=1,isa=sse4.2", "threads=1,isa=avx2",
-                                          "threads=1,isa=avx512", "threads=1"};
+    static const char *const configs[CW_ISA_COUNT] = {
+        "threads=1",
+        [CW_ISA_SCALAR] = "threads=1,isa=sse2",
+        [CW_ISA_SSE42] = "threads=1,isa=sse4.2",
+        [CW_ISA_AVX2] = "threads=1,isa=avx2",
+        [CW_ISA_AVX512] = "threads=1,isa=avx512",
+        [CW_ISA_NEON] = "threads=1",
+    };
     const cw_field_info info = cw_field_describe(field);
     if (o->geometry == PEER_GRID && (info.nx > INT16_MAX || info.ny > INT16_MAX)) {
         io_fail(error, "Embree's grids have at most %d samples a side, the field has %zu x %zu", INT16_MAX, info.nx,
