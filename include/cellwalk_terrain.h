@@ -1,7 +1,25 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 
-/* What terrain people ask of a height field. A library beside libcellwalk, libcellwalk_terrain; words, errors, threads and rules of
- * growth are those of cellwalk.h. */
+/* Cellwalk's terrain library, libcellwalk_terrain, computes what terrain people ask of a height field: coarser fields, shadow and
+ * sunlight, horizons, sky views, viewsheds, lines of sight and how much each place sees. It needs libcellwalk and libm.
+ *
+ * The rules of cellwalk.h hold. Functions return a cw_status and leave a sentence for cw_last_error. Structs that the caller fills
+ * end in reserved members, which must be 0, and zero is the default. Records (cw_area, cw_sight, cw_sight_answer) never change. No
+ * output is valid after an error. Of cw_run, pool and watch are used; the answers have the same bits for any pool, instruction
+ * set and part of the field.
+ *
+ * Words. The *map* has x and y, and heights in metres; azimuths are degrees from the map's y axis over its x axis: from north over
+ * east where y grows northward. The *surface* is the field's: two triangles a cell, without interpolation of another kind. Lines
+ * are straight on the map.
+ *
+ * Threads. Any number of threads may use one terrain. Samples must not change while they do, and after a cw_field_update a new
+ * terrain is needed. Functions allocate. A call needs at most 128 KiB of stack.
+ *
+ * Errors. CW_ERROR_ARGUMENT: an argument or member is NULL, out of range or not 0 where it must be. CW_ERROR_MEMORY,
+ * CW_ERROR_CANCELLED, and CW_ERROR_BUSY during an update of the field.
+ *
+ * Curvature. A place at distance d lies lower by curvature d² / 2 R, R being the ellipsoid's radius at the equator. 0: the earth is
+ * flat; 1: it is round and has no air; 6/7: with the refraction that surveyors reckon with. */
 
 #ifndef CELLWALK_TERRAIN_H
 #define CELLWALK_TERRAIN_H
@@ -41,11 +59,197 @@ typedef struct cw_difference {
  * nx - 1, the last samples stand less than factor cells beyond the full field's border, and samples within the field
  * determine them. Both maps lead to the same user space, so t of a user-space ray means the same on both.
  *
- * The caller owns the coarser field, which has a copy of its samples and the structure that run's kernel walks on.
- * The first size bytes of a cw_difference go to difference, which may be NULL. The field has the same bits for any pool. On failure *coarser is NULL: CW_ERROR_ARGUMENT,
- * _KERNEL, _MEMORY, _CANCELLED, or _BUSY during an update of the full field. */
+ * filter is one of CW_FILTER_…. The caller owns the coarser field, which has a copy of its samples. The first size bytes of a
+ * cw_difference go to difference, which may be NULL. On failure *coarser is NULL. */
 CW_API cw_status cw_field_coarser(const cw_field *field, const cw_run *run, size_t factor, int32_t filter,
                                   cw_field **coarser, cw_difference *difference, size_t size);
+
+/* ---- terrains ---------------------------------------------------------------------------------------------------- */
+
+/* A field on the earth. Immutable. It keeps the field, whose samples are not copied. */
+typedef struct cw_terrain cw_terrain;
+
+/* Nodes of cw_terrain_desc.scale: the first and the last ones stand at the corner samples, others at equal distances. */
+enum { CW_SCALE_ROWS = 65, CW_SCALE_COLUMNS = 9 };
+
+typedef struct cw_terrain_desc {
+    /* Its map leads to the map's x and y and to height, which is a positive multiple of the sample: map[0][2], map[1][2], map[2][0],
+     * map[2][1] and map[2][3] are 0. Must stay until cw_terrain_destroy. */
+    const cw_field *field;
+    /* Metres of ground in one of x and in one of y at each node, row by row: the point scale of a projected map, which is
+     * interpolated by cubics. Copied. NULL: unit everywhere. Must be NULL if geographic. */
+    const double *scale;
+    double
+        unit; /* metres in one of x and y and of height; if geographic, radians in one of x and y. 0: a metre, a degree */
+    double semi_major;         /* the ellipsoid's radius at the equator in metres; 0: WGS 84 */
+    double inverse_flattening; /* of that ellipsoid; 0: a sphere. With semi_major 0 it is ignored */
+    uint32_t geographic;       /* 1: x is longitude and y latitude, and heights are in metres; else 0 */
+    uint32_t zero;             /* 0 */
+    uint64_t reserved[8];      /* 0 */
+} cw_terrain_desc;
+
+/* The caller owns the terrain, and destroys it before the field. On failure *terrain is NULL. */
+CW_API cw_status cw_terrain_create(const cw_terrain_desc *desc, const cw_run *run, cw_terrain **terrain);
+/* NULL is allowed. Nothing may be running on the terrain. */
+CW_API void cw_terrain_destroy(cw_terrain *terrain);
+
+/* Where the answers go: that of sample (at.i + x, at.j + y) to [y * stride + x]. */
+typedef struct cw_area {
+    cw_rectangle at; /* all zero: the whole field */
+    size_t stride;   /* numbers from one row to the next, at least at.nx; 0: at.nx */
+} cw_area;
+
+/* ---- sun --------------------------------------------------------------------------------------------------------- */
+
+typedef struct cw_light {
+    double azimuth;       /* degrees */
+    double altitude;      /* degrees, -90 to 90 */
+    double radius;        /* of the disc, 0 to 10 degrees; 0: a point. The sun's is 0.2666. cw_shadow ignores it */
+    double curvature;     /* not negative */
+    uint32_t strips;      /* upright ones that the disc is cut into, up to 64; 0: 16 */
+    uint32_t hillshade;   /* 1: times the cosine of the angle between light and normal; else 0. cw_shadow ignores it */
+    uint64_t reserved[8]; /* 0 */
+} cw_light;
+
+/* lit: 1 where the middle of the light is seen, 0 where the terrain hides it or it is below a free horizon at the sample's height,
+ * 255 at a hole. Rays start on the samples themselves; one that touches the surface is in the shadow. */
+CW_API cw_status cw_shadow(const cw_terrain *terrain, const cw_run *run, const cw_light *light, cw_area area,
+                           uint8_t *lit);
+/* share: of the light, 0 to 1; NaN at a hole. Each strip of the disc is cut exactly at the horizon along its middle line. Normals
+ * are Phong's (1975): the area-weighted mean of the triangles at the sample. */
+CW_API cw_status cw_sunlight(const cw_terrain *terrain, const cw_run *run, const cw_light *light, cw_area area,
+                             float *share);
+
+/* ---- horizon ----------------------------------------------------------------------------------------------------- */
+
+/* Flags. */
+enum {
+    CW_HORIZON_TILTED = 1, /* of cw_sky_view: for the ground as it leans */
+    CW_HORIZON_BELOW =
+        2 /* of cw_openness: of the terrain upside down, which is held meanwhile. Only with curvature 0 */
+};
+
+typedef struct cw_horizon {
+    double start;         /* azimuth of direction 0 in degrees; that of direction k is start + k 360 / count */
+    double max_distance;  /* metres: terrain farther away does not count; 0: no limit */
+    double curvature;     /* not negative */
+    uint32_t count;       /* directions, up to 3600; 0: 32 */
+    uint32_t flags;       /* CW_HORIZON_…, or 0. cw_horizon_angles ignores them */
+    uint64_t reserved[8]; /* 0 */
+} cw_horizon;
+
+/* azimuths: of each direction, in degrees, less than a round from 0. */
+CW_API cw_status cw_horizon_azimuths(const cw_terrain *terrain, const cw_horizon *horizon, double *azimuths);
+
+/* degrees: the angle of the highest point of the terrain in direction number, from 0 to count - 1, over the level of the sample;
+ * negative below it, within 0.003 degrees. metres: how far that point is; the nearest of several. NaN at a hole, and where the
+ * terrain ends at the sample or nothing of it is within max_distance. Either may be NULL. */
+CW_API cw_status cw_horizon_angles(const cw_terrain *terrain, const cw_run *run, const cw_horizon *horizon,
+                                   uint32_t number, cw_area area, float *degrees, float *metres);
+
+/* share: of the light of an evenly bright sky that reaches level ground, 0 to 1: the mean over directions of cos² of the horizon's
+ * angle, where that is above the level (ambient occlusion, open sky weighted by cosine; Steyn 1980). With CW_HORIZON_TILTED, that
+ * reaches the ground as it leans (Dozier and Frew 1990); a free tilted plane has (1 + cos tilt) / 2. NaN at a hole. */
+CW_API cw_status cw_sky_view(const cw_terrain *terrain, const cw_run *run, const cw_horizon *horizon, cw_area area,
+                             float *share);
+
+/* degrees: openness (Yokoyama, Shirasawa and Pike 2002), the mean over the directions in which there is terrain of the angle between
+ * the zenith and the horizon: 90 on a plane, more on a summit. With CW_HORIZON_BELOW the negative one, between the nadir and the
+ * lowest point: more at the bottom of a pit. NaN at a hole and where there is no terrain. */
+CW_API cw_status cw_openness(const cw_terrain *terrain, const cw_run *run, const cw_horizon *horizon, cw_area area,
+                             float *degrees);
+
+/* ---- sight ------------------------------------------------------------------------------------------------------- */
+
+/* Limits of targets. CW_OBSERVER_VERTICALS does not go with needed. */
+enum { CW_OBSERVER_AZIMUTHS = 1, CW_OBSERVER_VERTICALS = 2 };
+
+/* Who looks, and which targets count. */
+typedef struct cw_observer {
+    double x, y;        /* on the map. A place within 1 mm of a sample is on it */
+    double height;      /* of the eye in metres above the ground; must not be below it */
+    double target;      /* metres above the ground that must be seen */
+    double curvature;   /* 0 to 1e9 */
+    double nearest;     /* metres on the map */
+    double farthest;    /* metres on the map, 0: no limit */
+    double azimuths[2]; /* with CW_OBSERVER_AZIMUTHS: degrees, clockwise from the first to the second */
+    double verticals
+        [2]; /* with CW_OBSERVER_VERTICALS: degrees over the horizontal, -90 to 90, the first not above the second */
+    uint32_t absolute;    /* 1: height is absolute, and x and y may lie outside the field or at a hole; else 0 */
+    uint32_t limits;      /* CW_OBSERVER_…, added */
+    uint64_t reserved[8]; /* 0 */
+} cw_observer;
+
+/* Outputs, of which those that are not NULL are computed. */
+typedef struct cw_view {
+    uint16_t *seen; /* grows by 1 where the target is seen, so it counts observers over several calls */
+    double *sum;    /* grows by weight there */
+    double weight;  /* any number; 0: 1 */
+    float *angle;   /* of the target over the eye's horizontal in degrees; NaN where it is not seen */
+    float *
+        needed; /* metres above the ground that are needed to be seen; 0: the ground is; NaN at a hole and beyond limits */
+    uint64_t reserved[8]; /* 0 */
+} cw_view;
+
+/* Exact: for the samples, the eye and the target as numbers, each decision is that of real arithmetic; a line that touches the
+ * surface on the way is blocked. needed and angle are rounded. Terrain outside the limits hides targets too. */
+CW_API cw_status cw_viewshed(const cw_terrain *terrain, const cw_run *run, const cw_observer *from, cw_area area,
+                             const cw_view *view);
+
+/* A line between two places: map x, y, and metres above the ground. */
+typedef struct cw_sight {
+    double from[3], to[3];
+    uint32_t absolute; /* 1: from's height is absolute; 2: to's; 3: both */
+    uint32_t zero;     /* 0 */
+} cw_sight;
+
+enum {
+    CW_SIGHT_BLOCKED = 0,
+    CW_SIGHT_SEEN = 1,
+    /* The line cannot be: its end has no ground to stand on, is too far from the field to compute with, or is more than 1 mm under
+     * the ground. */
+    CW_SIGHT_NO_GROUND = 2,
+    CW_SIGHT_TOO_FAR = 3,
+    CW_SIGHT_UNDER_GROUND = 4
+};
+
+typedef struct cw_sight_answer {
+    double metres;     /* between the places on the map */
+    double blocked[3]; /* the first block: map x, y, and absolute height of the line; NaN: there is none */
+    double distance;   /* of the block from the first place, in metres on the map; NaN: there is none */
+    uint32_t state;    /* CW_SIGHT_… */
+    uint32_t end;      /* of a line that cannot be: 0 from, 1 to */
+} cw_sight_answer;
+
+/* n lines of sight, in any order. state is exact, the place of a block is rounded. */
+CW_API cw_status cw_lines_of_sight(const cw_terrain *terrain, const cw_run *run, double curvature,
+                                   const cw_sight *lines, size_t n, cw_sight_answer *answers);
+
+/* ---- visibility -------------------------------------------------------------------------------------------------- */
+
+/* How much each place sees, along even directions. */
+typedef struct cw_visibility_desc {
+    double height;        /* of the eye in metres above the sample, not negative */
+    double target;        /* metres above the ground that must be seen, not negative */
+    double max_distance;  /* metres: what is farther away does not count; 0: no limit */
+    double curvature;     /* not negative */
+    uint32_t directions;  /* up to 3600, azimuths 0, 360 / directions, …; 0: 32 */
+    uint32_t every;       /* eyes at every so many columns and rows of the area, from its first ones on; 0: 1 */
+    uint64_t reserved[8]; /* 0 */
+} cw_visibility_desc;
+
+/* Outputs, of which those that are not NULL are computed: ceil(at.nx / every) eyes a row, NaN at holes. */
+typedef struct cw_visibility_answers {
+    float *area;     /* square kilometres in sight: the sum over directions of 2 π / directions ∫ t dt, t in sight */
+    float *share;    /* that area as a share of all within the field and max_distance */
+    float *farthest; /* metres to the farthest place in sight; 0: there is none. Together with azimuth */
+    float *azimuth;  /* of that place, in degrees; NaN: there is none */
+    uint64_t reserved[8]; /* 0 */
+} cw_visibility_answers;
+
+/* Along each direction the parts of the surface in sight are exact but for rounding. area.stride counts eyes. */
+CW_API cw_status cw_visibility(const cw_terrain *terrain, const cw_run *run, const cw_visibility_desc *desc,
+                               cw_area area, const cw_visibility_answers *answers);
 
 #ifdef __cplusplus
 }

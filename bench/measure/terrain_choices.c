@@ -5,8 +5,8 @@
 
 #include "harness/memory.h"
 #include "harness/results.h"
-#include "horizon.h"
 #include "measure/measure.h"
+#include "terrain.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -19,7 +19,7 @@ typedef struct choice {
     cw_field *field; /* of the land, or coarser */
     float *z;        /* of coarser land */
     terrain terrain;
-    horizon_desc desc;
+    cw_horizon desc;
     bool sky;
     size_t factor;
     float *out; /* of all rows computed; of horizons, a direction behind the other */
@@ -39,23 +39,21 @@ static size_t strip_of(const choice *c, size_t s) { return s * (c->terrain.ny / 
 static void compute(void *context) {
     choice *c = context;
     const size_t nx = c->terrain.nx, rows = strip_rows(c);
-    horizon *h;
-    bool done = true;
-    cw_status status = horizon_create(&c->terrain, &c->desc, &h);
+    cw_status status = CW_OK;
     for (size_t s = 0; s < strip_count(c) && status == CW_OK; s++) {
+        const cw_area strip = {{0, strip_of(c, s), nx, rows}, 0};
         float *out = c->out + strip_of(c, s) * nx;
-        if (c->sky) status = horizon_sky_view(h, NULL, strip_of(c, s), rows, out, NULL, NULL, &done);
-        for (size_t k = 0; k < c->desc.count && !c->sky && status == CW_OK; k++)
-            status = horizon_angles(h, NULL, k, strip_of(c, s), rows, out + k * nx * c->terrain.ny);
+        if (c->sky) status = cw_sky_view(&c->terrain, NULL, &c->desc, strip, out);
+        for (uint32_t k = 0; k < c->desc.count && !c->sky && status == CW_OK; k++)
+            status = cw_horizon_angles(&c->terrain, NULL, &c->desc, k, strip, out + k * nx * c->terrain.ny, NULL);
     }
-    horizon_destroy(h);
     c->failed = status != CW_OK || c->failed;
 }
 
 static bool prepare(choice *c, land *l, const char *name, bool sky, io_error *error) {
     unsigned number = 0;
     *c = (choice){.land = l, .sky = sky, .factor = 1};
-    c->desc = (horizon_desc){.start = sky ? 0 : 11.25, .count = sky ? SKY_DEFAULT : ANGLES};
+    c->desc = (cw_horizon){.start = sky ? 0 : 11.25, .count = sky ? SKY_DEFAULT : ANGLES};
     const bool good =
         strcmp(name, "default") == 0 ||
         (sky && sscanf(name, "directions:%u", &number) == 1 && number > 0 && (c->desc.count = number)) ||
@@ -129,7 +127,7 @@ static bool open_choices(workload *w, io_error *error) {
     if (all->land == NULL) return w->why[0] != '\0';
     if (!prepare(&all->truth, all->land, "default", w->kind == &measure_sky, error)) return false;
     /* None of these directions is among those that are compared. */
-    if (all->truth.sky) all->truth.desc = (horizon_desc){.start = 0.3, .count = SKY_TRUTH};
+    if (all->truth.sky) all->truth.desc = (cw_horizon){.start = 0.3, .count = SKY_TRUTH};
     w->items = (double)(strip_rows(&all->truth) * STRIPS * all->truth.terrain.nx);
     return true;
 }

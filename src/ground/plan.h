@@ -7,8 +7,8 @@
 
 /* What decides it. All zero: all of the raster matters. */
 typedef struct ground_matters {
-    double distance;           /* metres: nothing farther away; 0: no limit */
-    const sunlight_desc *suns; /* all that throws a shadow from one of these places; they must stay */
+    double distance;      /* metres: nothing farther away; 0: no limit */
+    const cw_light *suns; /* all that throws a shadow from one of these places; they must stay */
     size_t sun_count;
     bool horizons, above_level; /* all that may be a horizon, or only what is above a sample's level */
     double curvature;           /* of horizons */

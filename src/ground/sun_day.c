@@ -30,7 +30,7 @@ bool sun_ground_lean(const terrain *t, const double at[2], double *tilt, double 
                  j = (size_t)fmin(fmax(nearbyint(at[1]), 0), (double)(t->ny - 1));
     float *east = malloc(2 * t->nx * sizeof *east);
     if (east == NULL) return false;
-    terrain_slope_row(t, j, east, east + t->nx);
+    terrain_slope_row(t, j, 0, t->nx, east, east + t->nx);
     const double slope[2] = {(double)east[i], (double)east[t->nx + i]};
     free(east);
     const bool known = isfinite(slope[0]) && isfinite(slope[1]);

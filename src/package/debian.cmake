@@ -20,6 +20,7 @@ set(CPACK_DEBIAN_ENABLE_COMPONENT_DEPENDS ON)
 set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/src/core) # libcellwalk_terrain needs libcellwalk
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_COMPONENTS_ALL "")
 
@@ -37,7 +38,7 @@ if(TARGET cellwalk)
 Cellwalk finds where rays hit terrain. It takes a grid of heights and any
 number of rays, and returns the first hit of each ray, with the same bits
 on every CPU and for any number of threads.")
-    file(CONFIGURE OUTPUT debian/shlibs CONTENT "libcellwalk ${PROJECT_VERSION_MAJOR} libcellwalk${PROJECT_VERSION_MAJOR} (>= ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})\n")
+    file(CONFIGURE OUTPUT debian/shlibs CONTENT "libcellwalk ${PROJECT_VERSION_MAJOR} libcellwalk${PROJECT_VERSION_MAJOR} (>= ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})\nlibcellwalk_terrain ${PROJECT_VERSION_MAJOR} libcellwalk${PROJECT_VERSION_MAJOR} (>= ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})\n")
     file(CONFIGURE OUTPUT debian/triggers CONTENT "activate-noawait ldconfig\n")
     set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_BINARY_DIR}/debian/shlibs ${CMAKE_CURRENT_BINARY_DIR}/debian/triggers)
 endif()

@@ -1,15 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "compass.h"
 
+#include "sister.h"
+
 #include <math.h>
 #include <stdlib.h>
 
 cw_status compass_create(compass *c, const terrain *t, const double *azimuths, size_t count, double reach,
                          double curvature) {
     *c = (compass){.terrain = t, .count = count, .azimuths = azimuths, .reach = reach, .curvature = curvature};
-    if (!(reach >= 0 && curvature >= 0 && isfinite(reach) && isfinite(curvature))) return CW_ERROR_ARGUMENT;
+    if (!(reach >= 0 && curvature >= 0 && isfinite(reach) && isfinite(curvature)))
+        return cw_fail(CW_ERROR_ARGUMENT, "max_distance, curvature: %g, %g; finite and not negative", reach, curvature);
     c->headings = calloc(count, sizeof(cw_heading *));
-    return c->headings ? CW_OK : CW_ERROR_MEMORY;
+    return c->headings ? CW_OK : cw_fail_plainly(CW_ERROR_MEMORY);
 }
 
 static void forget(compass *c) {

@@ -3,83 +3,109 @@
 
 #include "horizon.h"
 
+#include "area.h"
 #include "compass.h"
 #include "normal.h"
 #include "sight.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
-struct horizon {
+enum { DIRECTIONS_USUAL = 32, GRAIN = 1 << 14 };
+
+typedef struct horizon {
     const terrain *terrain;
+    cw_horizon desc;
+    size_t count;
+    int kind;
     double *azimuths;
     compass compass;
-    float *work;
-    double *sums; /* of the sky */
-    size_t room;  /* samples in both */
-    bool leans;   /* it has three numbers for each of them */
-    double curvature, max_distance;
-    sight_bounds *bounds; /* for distances; NULL until they are needed */
-    float *turned;        /* samples upside down, of `under` */
+    size_t number; /* the direction that is looked in, but for sky views */
+    float *work;   /* for samples of a block: rises, and slopes eastward and northward if tilted */
+    double *sums;  /* of the sky, for them */
+    size_t room;
+    const sight_bounds *bounds; /* for distances */
+    float *turned;              /* samples upside down, of `under` */
     cw_field *field;
     terrain under;
-};
+} horizon;
+
+enum { ANGLES, SKY, TILTED_SKY, OPENNESS };
 
 static const double degree = 0.017453292519943295;
 
 /* The same terrain with each height negated. */
-static cw_status turn_over(horizon *h) {
+static cw_status turn_over(horizon *h, const cw_run *run) {
     const terrain *t = h->terrain;
     h->turned = malloc(t->nx * t->ny * sizeof *h->turned);
-    if (h->turned == NULL) return CW_ERROR_MEMORY;
-    for (size_t k = 0; k < t->nx * t->ny; k++) h->turned[k] = isfinite(t->z[k]) ? -t->z[k] : NAN;
+    if (h->turned == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
+    for (size_t j = 0; j < t->ny; j++)
+        for (size_t i = 0; i < t->nx; i++) {
+            const float z = terrain_row(t, j)[i];
+            h->turned[j * t->nx + i] = isfinite(z) ? -z : NAN;
+        }
     const cw_field_desc desc = {.samples = h->turned, .nx = t->nx, .ny = t->ny, .storage = CW_BORROW};
-    const cw_status status = cw_field_create(&desc, NULL, &h->field);
+    const cw_status status = cw_field_create(&desc, &(cw_run){.pool = run->pool}, &h->field);
     h->under = *t;
     h->under.field = h->field;
     h->under.z = h->turned;
+    h->under.stride = t->nx;
+    h->under.bounds = NULL;
+    h->under.own = NULL;
     h->terrain = &h->under;
     return status;
 }
 
-cw_status horizon_create(const terrain *t, const horizon_desc *desc, horizon **out) {
-    const double start = desc->start;
-    const size_t count = desc->count;
-    *out = NULL;
-    if (count == 0 || count > COMPASS_MOST || !isfinite(start)) return CW_ERROR_ARGUMENT;
-    if (desc->below && desc->curvature != 0) return CW_ERROR_ARGUMENT;
-    horizon *h = calloc(1, sizeof *h);
-    if (h == NULL) return CW_ERROR_MEMORY;
-    h->terrain = t;
-    h->azimuths = calloc(count, sizeof *h->azimuths);
-    for (size_t k = 0; k < count && h->azimuths != NULL; k++)
-        h->azimuths[k] = fmod(start + 360 * (double)k / (double)count, 360);
-    h->curvature = desc->curvature;
-    h->max_distance = desc->max_distance;
-    cw_status status = h->azimuths == NULL ? CW_ERROR_MEMORY : CW_OK;
-    if (status == CW_OK && desc->below) status = turn_over(h);
-    if (status == CW_OK)
-        status = compass_create(&h->compass, h->terrain, h->azimuths, count, desc->max_distance, desc->curvature);
-    if (status == CW_OK)
-        *out = h;
-    else
-        horizon_destroy(h);
+static cw_status check(const cw_horizon *d) {
+    cw_status status = cw_check_zeros(d->reserved, 0, "cw_horizon");
+    if (status == CW_OK) status = cw_check_number("start", d->start, -0x1p40, 0x1p40);
+    if (status == CW_OK) status = cw_check_number("max_distance", d->max_distance, 0, DBL_MAX);
+    if (status == CW_OK) status = cw_check_number("curvature", d->curvature, 0, DBL_MAX);
+    if (status == CW_OK) status = cw_check_number("count", d->count, 0, COMPASS_MOST);
+    if (status == CW_OK) status = cw_check_number("flags", d->flags, 0, CW_HORIZON_TILTED + CW_HORIZON_BELOW);
+    if (status == CW_OK && (d->flags & CW_HORIZON_BELOW) != 0 && d->curvature != 0)
+        status = cw_fail(CW_ERROR_ARGUMENT, "curvature: %g; with CW_HORIZON_BELOW the earth is flat", d->curvature);
     return status;
 }
 
-void horizon_destroy(horizon *h) {
-    if (h == NULL) return;
+static void destroy(horizon *h) {
     compass_destroy(&h->compass);
     free(h->azimuths);
     free(h->work);
     free(h->sums);
     cw_field_destroy(h->field);
     free(h->turned);
-    if (h->bounds) sight_bounds_destroy(h->bounds);
-    free(h);
 }
 
-double horizon_azimuth(const horizon *h, size_t number) { return h->azimuths[number]; }
+/* To be destroyed also on failure. */
+static cw_status create(horizon *h, const terrain *t, const cw_horizon *desc, const cw_run *run, int kind) {
+    const cw_status status = check(desc);
+    *h = (horizon){.terrain = t, .desc = *desc, .count = desc->count > 0 ? desc->count : DIRECTIONS_USUAL};
+    if (status != CW_OK) return status;
+    h->kind = kind;
+    if ((desc->flags & CW_HORIZON_BELOW) != 0) {
+        const cw_status turned = turn_over(h, run);
+        if (turned != CW_OK) return turned;
+    }
+    h->azimuths = calloc(h->count, sizeof *h->azimuths);
+    if (h->azimuths == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
+    for (size_t k = 0; k < h->count; k++) h->azimuths[k] = fmod(desc->start + 360 * (double)k / (double)h->count, 360);
+    return compass_create(&h->compass, h->terrain, h->azimuths, h->count, desc->max_distance, desc->curvature);
+}
+
+cw_status cw_horizon_azimuths(const cw_terrain *t, const cw_horizon *desc, double *azimuths) {
+    if (t == NULL || desc == NULL || azimuths == NULL)
+        return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL", !t ? "terrain" : !desc ? "horizon" : "azimuths");
+    horizon h;
+    cw_horizon level = *desc;
+    level.flags = 0;
+    const cw_status status = create(&h, t, &level, NULL, ANGLES);
+    for (size_t k = 0; k < h.count && status == CW_OK; k++) azimuths[k] = h.azimuths[k];
+    destroy(&h);
+    return status;
+}
 
 /* A polynomial fitted at Chebyshev's points of [0, 1]; libm's own function takes another way on another CPU. */
 float horizon_degrees(float x) {
@@ -99,43 +125,21 @@ typedef struct turning {
 
 static void to_degrees(void *context, size_t begin, size_t end) {
     const turning *t = context;
-    for (size_t k = begin; k < end; k++) t->degrees[k] = horizon_degrees(t->degrees[k] * t->per_rise);
+    for (size_t k = begin; k < end; k++)
+        t->degrees[k] = t->degrees[k] == -INFINITY ? NAN : horizon_degrees(t->degrees[k] * t->per_rise);
 }
 
-enum { GRAIN = 1 << 14 };
-
-/* The rises of rows from this one on, *rows at most; sets that to how many share a heading; slope as compass_heading sets it. */
-static cw_status find_rises(horizon *h, const cw_run *query, size_t number, size_t row, size_t *rows, float *rises,
-                            double *slope) {
-    size_t alike;
-    cw_heading *heading;
-    compass_turn(&h->compass, row, &alike);
-    if (alike < *rows) *rows = alike;
-    const cw_status status = compass_heading(&h->compass, number, &heading, slope);
-    if (status != CW_OK) return status;
-    const cw_rectangle at = {0, row, h->terrain->nx, *rows};
-    return cw_heading_steepest(heading, query, -INFINITY, INFINITY, at, rises);
+/* Turns to rows of at that share their scale, and leaves these alone in it. */
+static void turn(horizon *h, cw_rectangle *at, size_t end) {
+    compass_turn(&h->compass, at->j, &at->ny);
+    if (at->ny > end - at->j) at->ny = end - at->j;
 }
 
-cw_status horizon_angles(horizon *h, const cw_run *query, size_t number, size_t row, size_t rows, float *degrees) {
-    const size_t nx = h->terrain->nx, end = row + rows;
-    if (number >= h->compass.count) return CW_ERROR_ARGUMENT;
-    for (size_t count; row < end; row += count, degrees += count * nx) {
-        double slope;
-        count = end - row;
-        const cw_status status = find_rises(h, query, number, row, &count, degrees, &slope);
-        if (status != CW_OK) return status;
-        turning t = {degrees, (float)(1 / slope)};
-        cw_pool_run(query ? query->pool : NULL, nx * count, GRAIN, to_degrees, &t);
-    }
-    return CW_OK;
-}
-
-/* ---- distances ------------------------------------------------------------------------------------------------------ */
+/* ---- angles and distances ---------------------------------------------------------------------------------------------- */
 
 typedef struct locating {
     const horizon *horizon;
-    size_t row;
+    cw_rectangle at;
     double dir[2], length; /* a step of the heading: in cells, and in metres */
     float *metres;         /* rises for each step that the heading has found, and then distances */
 } locating;
@@ -143,12 +147,12 @@ typedef struct locating {
 /* Metres to the horizon of a sample, of which the rise is known as a float. With that most of the line of sight is passed over. */
 static float locate(const locating *l, size_t i, size_t j, double rise) {
     const terrain *t = l->horizon->terrain;
-    const double eye[3] = {(double)i, (double)j, (double)t->z[j * t->nx + i]};
+    const double eye[3] = {(double)i, (double)j, (double)terrain_row(t, j)[i]};
     sight s;
-    sight_init(&s, t, l->horizon->bounds, eye, l->horizon->curvature);
+    sight_init(&s, t, l->horizon->bounds, eye, l->horizon->desc.curvature);
     s.at_crossings = true;
     double far = terrain_steps_out(t, eye, l->dir); /* a limit counts as the heading's */
-    if (l->horizon->max_distance > 0) far = fmin(far, l->horizon->max_distance / l->length * (1 + 0x1p-20));
+    if (l->horizon->desc.max_distance > 0) far = fmin(far, l->horizon->desc.max_distance / l->length * (1 + 0x1p-20));
     const double to[2] = {eye[0] + far * l->dir[0], eye[1] + far * l->dir[1]};
     const double least = (rise - 0x1p-18 * fabs(rise) - 0x1p-40 * fabs(eye[2])) * far;
     sight_rise r = sight_steepest(&s, to[0], to[1], least);
@@ -158,33 +162,67 @@ static float locate(const locating *l, size_t i, size_t j, double rise) {
 
 static void locate_some(void *context, size_t begin, size_t end) {
     const locating *l = context;
-    const size_t nx = l->horizon->terrain->nx;
+    const cw_rectangle at = l->at;
     for (size_t k = begin; k < end; k++) {
         const double rise = (double)l->metres[k];
-        l->metres[k] = isfinite(rise) ? locate(l, k % nx, l->row + k / nx, rise) : NAN;
+        l->metres[k] = isfinite(rise) ? locate(l, at.i + k % at.nx, at.j + k / at.nx, rise) : NAN;
     }
 }
 
-cw_status horizon_distances(horizon *h, const cw_run *query, size_t number, size_t row, size_t rows, float *metres) {
+/* The angles of a block, or the distances if there are bounds for them. */
+static cw_status fill_angles(void *context, const cw_run *run, cw_rectangle at, void *to) {
     enum { FEW = 256 };
-    const terrain *t = h->terrain, *whole = terrain_whole(t);
-    const size_t nx = t->nx, end = row + rows;
-    if (number >= h->compass.count) return CW_ERROR_ARGUMENT;
-    if (h->bounds == NULL) {
-        const cw_status status = sight_bounds_create(t, &h->bounds);
-        if (status != CW_OK) return status;
-    }
-    for (size_t count; row < end; row += count, metres += count * nx) {
+    horizon *h = context;
+    const terrain *whole = terrain_whole(h->terrain);
+    const size_t end = at.j + at.ny, all = at.ny;
+    float *out = to;
+    for (size_t done = 0; at.j < end; at.j += at.ny, done += at.ny, out += at.nx * at.ny) {
+        cw_heading *heading;
         double slope;
-        count = end - row;
-        const cw_status status = find_rises(h, query, number, row, &count, metres, &slope);
+        turn(h, &at, end);
+        run_part part = {run, (double)done / (double)all, (double)(done + at.ny) / (double)all};
+        run_part rest = {run, part.begin + 0.1 * (part.end - part.begin), part.end};
+        if (h->bounds) part.end = rest.begin;
+        const cw_run some = cw_run_part_of(&part), far = cw_run_part_of(&rest);
+        cw_status status = compass_heading(&h->compass, h->number, &heading, &slope);
+        if (status == CW_OK) status = cw_heading_steepest(heading, &some, -INFINITY, INFINITY, at, out);
         if (status != CW_OK) return status;
-        locating l = {.horizon = h, .row = row, .metres = metres};
+        if (h->bounds == NULL) {
+            turning t = {out, (float)(1 / slope)};
+            cw_pool_run(run->pool, at.nx * at.ny, GRAIN, to_degrees, &t);
+            continue;
+        }
+        locating l = {.horizon = h, .at = at, .metres = out};
         l.length = terrain_direction(whole, 0.5 * (double)(whole->nx - 1), compass_middle(&h->compass),
-                                     h->azimuths[number], l.dir);
-        cw_pool_run(query ? query->pool : NULL, nx * count, FEW, locate_some, &l);
+                                     h->azimuths[h->number], l.dir);
+        status = cw_run_work(&far, at.nx * at.ny, FEW, FEW, locate_some, &l);
+        if (status != CW_OK) return status;
     }
     return CW_OK;
+}
+
+cw_status cw_horizon_angles(const cw_terrain *t, const cw_run *run, const cw_horizon *desc, uint32_t number,
+                            cw_area area, float *degrees, float *metres) {
+    horizon h;
+    cw_run how;
+    cw_status status = cw_area_begin(t, desc, "horizon", run, &area, &how);
+    if (status != CW_OK) return status;
+    cw_horizon level = *desc;
+    level.flags = 0;
+    status = create(&h, t, &level, &how, ANGLES);
+    h.number = number;
+    if (status == CW_OK) status = cw_check_number("number", number, 0, (double)h.count - 1);
+    run_part first = {&how, 0, metres ? 0.1 : 1}, second = {&how, degrees ? 0.1 : 0, 1};
+    const cw_run angles = cw_run_part_of(&first), distances = cw_run_part_of(&second);
+    if (status == CW_OK && (degrees || !metres))
+        status = cw_area_make(area, &angles, sizeof *degrees, fill_angles, &h, degrees, "degrees");
+    if (status == CW_OK && metres) {
+        status = terrain_bounds(t, &h.bounds);
+        if (status == CW_OK) status = cw_area_make(area, &distances, sizeof *metres, fill_angles, &h, metres, "metres");
+        terrain_bounds_release(t, h.bounds);
+    }
+    destroy(&h);
+    return status;
 }
 
 /* ---- the sky -------------------------------------------------------------------------------------------------------- */
@@ -242,46 +280,44 @@ static void add_opening(void *context, size_t begin, size_t end) {
     }
 }
 
-/* One direction more, for rows that share their headings. count: NULL for the sky, or of directions with terrain. lean: NULL for level
- * ground, or slopes eastward of the rows' samples and, room samples on, northward. */
-static cw_status add_direction(horizon *h, const cw_run *query, size_t k, size_t row, size_t rows, float *count,
+/* One direction more, for rows that share their headings. count: NULL for the sky, or of directions with terrain. lean: NULL for level ground, or slopes eastward of the
+ * rows' samples and, room samples on, northward. */
+static cw_status add_direction(horizon *h, const cw_run *run, size_t k, cw_rectangle at, float *count,
                                const float *lean, double *sum) {
     cw_heading *heading;
     double slope;
-    const size_t nx = h->terrain->nx;
+    const size_t n = at.nx * at.ny;
     cw_status status = compass_heading(&h->compass, k, &heading, &slope);
     /* Terrain below the level hides nothing of the sky. */
-    if (status == CW_OK)
-        status = cw_heading_steepest(heading, query, count ? -INFINITY : 0, INFINITY, (cw_rectangle){0, row, nx, rows},
-                                     h->work);
+    if (status == CW_OK) status = cw_heading_steepest(heading, run, count ? -INFINITY : 0, INFINITY, at, h->work);
     if (status != CW_OK) return status;
-    cw_pool *pool = query ? query->pool : NULL;
     const float per_rise = (float)(1 / slope);
     if (count) {
-        cw_pool_run(pool, nx * rows, GRAIN, add_opening, &(opening){h->work, sum, count, per_rise});
+        cw_pool_run(run->pool, n, GRAIN, add_opening, &(opening){h->work, sum, count, per_rise});
         return CW_OK;
     }
     if (lean == NULL) {
-        cw_pool_run(pool, nx * rows, GRAIN, add_sky, &(adding){h->work, sum, per_rise, 1});
+        cw_pool_run(run->pool, n, GRAIN, add_sky, &(adding){h->work, sum, per_rise, 1});
         return CW_OK;
     }
     double sine, cosine;
     terrain_sine_cosine(h->azimuths[k], &sine, &cosine);
     tilting a = {h->work, lean, lean + h->room, sum, per_rise, {(float)sine, (float)cosine}};
-    cw_pool_run(pool, nx * rows, GRAIN, add_tilted_sky, &a);
+    cw_pool_run(run->pool, n, GRAIN, add_tilted_sky, &a);
     return CW_OK;
 }
 
 typedef struct leaning {
     const terrain *terrain;
-    size_t row;
+    cw_rectangle at;
     float *east, *north, *share;
 } leaning;
 
 static void find_slopes(void *context, size_t begin, size_t end) {
     const leaning *l = context;
-    const size_t nx = l->terrain->nx;
-    for (size_t j = begin; j < end; j++) terrain_slope_row(l->terrain, l->row + j, l->east + j * nx, l->north + j * nx);
+    const size_t nx = l->at.nx;
+    for (size_t j = begin; j < end; j++)
+        terrain_slope_row(l->terrain, l->at.j + j, l->at.i, nx, l->east + j * nx, l->north + j * nx);
 }
 
 /* Times the normal's upward part. */
@@ -290,59 +326,64 @@ static void turn_upright(void *context, size_t begin, size_t end) {
     for (size_t k = begin; k < end; k++) l->share[k] /= sqrtf(1 + l->east[k] * l->east[k] + l->north[k] * l->north[k]);
 }
 
-enum { SKY, TILTED_SKY, OPENNESS };
+static bool make_room(horizon *h, size_t n) {
+    if (h->room >= n) return true;
+    free(h->work);
+    free(h->sums);
+    h->work = malloc(n * sizeof *h->work * (h->kind == TILTED_SKY ? 3 : 1));
+    h->sums = malloc(n * sizeof *h->sums);
+    h->room = h->work && h->sums ? n : 0;
+    return h->room > 0;
+}
 
-static cw_status sum_up(horizon *h, const cw_run *query, int kind, size_t row, size_t rows, float *share,
-                        terrain_progress *progress, void *context, bool *done) {
-    const size_t nx = h->terrain->nx, first = row, end = row + rows;
-    cw_pool *pool = query ? query->pool : NULL;
-    const bool tilted = kind == TILTED_SKY;
-    *done = false;
-    if (h->room < nx * rows || (tilted && !h->leans)) {
-        free(h->work);
-        free(h->sums);
-        h->work = malloc(nx * rows * sizeof *h->work * (tilted ? 3 : 1));
-        h->sums = malloc(nx * rows * sizeof *h->sums);
-        h->room = h->work && h->sums ? nx * rows : 0;
-        h->leans = tilted;
-        if (h->room == 0) return CW_ERROR_MEMORY;
-    }
-    leaning lean = {h->terrain, row, h->work + h->room, h->work + 2 * h->room, share};
-    if (tilted) cw_pool_run(pool, rows, 4, find_slopes, &lean);
-    for (size_t k = 0; k < nx * rows; k++) h->sums[k] = 0;
-    for (size_t k = 0; k < nx * rows && kind == OPENNESS; k++) share[k] = 0; /* counts of directions at first */
-    for (size_t count; row < end; row += count) {
-        compass_turn(&h->compass, row, &count);
-        count = count < end - row ? count : end - row;
-        const size_t at = (row - first) * nx;
-        for (size_t k = 0; k < h->compass.count; k++) {
-            const double part = (double)k / (double)h->compass.count;
-            if (progress && !progress(context, ((double)(row - first) + part * (double)count) / (double)rows))
-                return CW_OK;
-            const cw_status status = add_direction(h, query, k, row, count, kind == OPENNESS ? share + at : NULL,
-                                                   tilted ? lean.east + at : NULL, h->sums + at);
+static cw_status fill_sky(void *context, const cw_run *run, cw_rectangle at, void *to) {
+    horizon *h = context;
+    const size_t n = at.nx * at.ny, end = at.j + at.ny, all = at.ny;
+    float *share = to;
+    if (!make_room(h, n)) return cw_fail_plainly(CW_ERROR_MEMORY);
+    leaning lean = {h->terrain, at, h->work + h->room, h->work + 2 * h->room, share};
+    if (h->kind == TILTED_SKY) cw_pool_run(run->pool, at.ny, 4, find_slopes, &lean);
+    for (size_t k = 0; k < n; k++) h->sums[k] = 0;
+    for (size_t k = 0; k < n && h->kind == OPENNESS; k++) share[k] = 0; /* counts of directions at first */
+    for (size_t done = 0; at.j < end; at.j += at.ny, done += at.ny) {
+        turn(h, &at, end);
+        run_part part = {run, (double)done / (double)all, (double)(done + at.ny) / (double)all};
+        const cw_run some = cw_run_part_of(&part);
+        for (size_t k = 0; k < h->count; k++) {
+            run_part way;
+            const cw_run one = cw_run_share(&way, &some, k, h->count);
+            const cw_status status =
+                add_direction(h, &one, k, at, h->kind == OPENNESS ? share + done * at.nx : NULL,
+                              h->kind == TILTED_SKY ? lean.east + done * at.nx : NULL, h->sums + done * at.nx);
             if (status != CW_OK) return status;
         }
     }
     /* Shares of a free sky are 1: a sum of so many of them. */
-    for (size_t k = 0; k < nx * rows; k++)
-        share[k] = (float)(h->sums[k] / (kind == OPENNESS ? (double)share[k] : (double)h->compass.count));
-    if (tilted) cw_pool_run(pool, nx * rows, GRAIN, turn_upright, &lean);
-    *done = true;
+    for (size_t k = 0; k < n; k++)
+        share[k] = (float)(h->sums[k] / (h->kind == OPENNESS ? (double)share[k] : (double)h->count));
+    if (h->kind == TILTED_SKY) cw_pool_run(run->pool, n, GRAIN, turn_upright, &lean);
     return CW_OK;
 }
 
-cw_status horizon_sky_view(horizon *h, const cw_run *query, size_t row, size_t rows, float *share,
-                           terrain_progress *progress, void *context, bool *done) {
-    return sum_up(h, query, SKY, row, rows, share, progress, context, done);
+static cw_status make_sum(const cw_terrain *t, const cw_run *run, const cw_horizon *desc, cw_area area, int kind,
+                          float *to, const char *name) {
+    horizon h;
+    cw_run how;
+    cw_status status = cw_area_begin(t, desc, "horizon", run, &area, &how);
+    if (status != CW_OK) return status;
+    status = create(&h, t, desc, &how, kind);
+    if (status == CW_OK) status = cw_area_make(area, &how, sizeof *to, fill_sky, &h, to, name);
+    destroy(&h);
+    return status;
 }
 
-cw_status horizon_sky_view_tilted(horizon *h, const cw_run *query, size_t row, size_t rows, float *share,
-                                  terrain_progress *progress, void *context, bool *done) {
-    return sum_up(h, query, TILTED_SKY, row, rows, share, progress, context, done);
+cw_status cw_sky_view(const cw_terrain *t, const cw_run *run, const cw_horizon *desc, cw_area area, float *share) {
+    const bool tilted = desc && (desc->flags & CW_HORIZON_TILTED) != 0;
+    if (desc && (desc->flags & CW_HORIZON_BELOW) != 0)
+        return cw_fail(CW_ERROR_ARGUMENT, "flags: %u; CW_HORIZON_BELOW goes with cw_openness alone", desc->flags);
+    return make_sum(t, run, desc, area, tilted ? TILTED_SKY : SKY, share, "share");
 }
 
-cw_status horizon_openness(horizon *h, const cw_run *query, size_t row, size_t rows, float *degrees,
-                           terrain_progress *progress, void *context, bool *done) {
-    return sum_up(h, query, OPENNESS, row, rows, degrees, progress, context, done);
+cw_status cw_openness(const cw_terrain *t, const cw_run *run, const cw_horizon *desc, cw_area area, float *degrees) {
+    return make_sum(t, run, desc, area, OPENNESS, degrees, "degrees");
 }

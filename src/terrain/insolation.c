@@ -4,10 +4,12 @@
 
 #include "insolation.h"
 
+#include "area.h"
 #include "clear_sky.h"
 #include "compass.h"
 #include "normal.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -74,19 +76,21 @@ static bool good_suns(const insolation_desc *d) {
 
 cw_status insolation_create(const terrain *t, const insolation_desc *desc, insolation **out) {
     *out = NULL;
-    if (!(desc->hours > 0 && isfinite(desc->hours) && desc->linke > 0 && isfinite(desc->linke)))
-        return CW_ERROR_ARGUMENT;
-    if (!(desc->curvature >= 0 && isfinite(desc->curvature))) return CW_ERROR_ARGUMENT;
-    if (desc->directions > COMPASS_MOST || !good_suns(desc)) return CW_ERROR_ARGUMENT;
+    cw_status status = cw_check_number("hours", desc->hours, DBL_MIN, DBL_MAX);
+    if (status == CW_OK) status = cw_check_number("linke", desc->linke, DBL_MIN, DBL_MAX);
+    if (status == CW_OK) status = cw_check_number("curvature", desc->curvature, 0, DBL_MAX);
+    if (status == CW_OK) status = cw_check_number("directions", (double)desc->directions, 0, COMPASS_MOST);
+    if (status == CW_OK && !good_suns(desc)) status = cw_fail(CW_ERROR_ARGUMENT, "suns: a place is none of a sun");
+    if (status != CW_OK) return status;
     insolation *s = calloc(1, sizeof *s);
-    if (s == NULL) return CW_ERROR_MEMORY;
+    if (s == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
     const size_t room = desc->count > 0 ? desc->count : 1;
     s->terrain = t;
     s->desc = *desc;
     s->beams = calloc(room, sizeof *s->beams);
     s->sectors = calloc(room, sizeof *s->sectors);
     s->azimuths = calloc(room, sizeof *s->azimuths);
-    cw_status status = s->beams && s->sectors && s->azimuths ? CW_OK : CW_ERROR_MEMORY;
+    if (!(s->beams && s->sectors && s->azimuths)) status = cw_fail_plainly(CW_ERROR_MEMORY);
     if (status == CW_OK) {
         take_suns(s);
         status =
@@ -198,8 +202,8 @@ enum { GRAIN = 1 << 14, HEADINGS_KEPT = 64 };
 
 typedef struct block {
     insolation *sum;
-    const cw_run *query;
-    size_t row, rows;
+    const cw_run *run;
+    cw_rectangle at;
     float *rises;
     uint8_t *occluded; /* the same memory */
     adding add;
@@ -209,8 +213,6 @@ static cw_status add_sector(block *b, size_t number) {
     insolation *s = b->sum;
     const sector *of = &s->sectors[number];
     const beam *beams = s->beams + of->first;
-    const size_t nx = s->terrain->nx;
-    const cw_rectangle at = {0, b->row, nx, b->rows};
     cw_heading *heading;
     double slope;
     cw_status status = compass_heading(&s->compass, number, &heading, &slope);
@@ -219,24 +221,23 @@ static cw_status add_sector(block *b, size_t number) {
     b->add.occluded = of->count == 1 ? b->occluded : NULL;
     b->add.rises = b->rises;
     /* A rise that is cut off at the lower end must be below the lowest sun's. */
-    status = of->count == 1 ? cw_heading_occluded(heading, b->query, low, at, b->occluded)
-                            : cw_heading_steepest(heading, b->query, nextafterf(low, -INFINITY), high, at, b->rises);
+    status = of->count == 1 ? cw_heading_occluded(heading, b->run, low, b->at, b->occluded)
+                            : cw_heading_steepest(heading, b->run, nextafterf(low, -INFINITY), high, b->at, b->rises);
     if (s->sector_count > HEADINGS_KEPT) compass_release(&s->compass, number);
     for (size_t k = 0; k < of->count && status == CW_OK; k++) {
         light l;
         if (b->add.energy) make_light(s, &beams[k].sun, &l);
         b->add.light = &l;
         b->add.rise = rise_of(beams + k, slope);
-        cw_pool_run(b->query ? b->query->pool : NULL, nx * b->rows, GRAIN, b->add.energy ? add_energy : add_hours,
-                    &b->add);
+        cw_pool_run(b->run->pool, b->at.nx * b->at.ny, GRAIN, b->add.energy ? add_energy : add_hours, &b->add);
     }
     return status;
 }
 
-/* Rows of slopes and heights. */
+/* Slopes and heights of a block. */
 typedef struct lying {
     const terrain *terrain;
-    size_t row;
+    cw_rectangle at;
     ground_lie lie;
 } lying;
 
@@ -245,14 +246,15 @@ static void find_lie(void *context, size_t begin, size_t end) {
     const terrain *t = l->terrain;
     const double scale = terrain_metres_of_height(t);
     for (size_t j = begin; j < end; j++) {
-        const size_t at = j * t->nx;
-        float *east = l->lie.east + at, *north = l->lie.north + at;
-        terrain_slope_row(t, l->row + j, east, north);
-        for (size_t i = 0; i < t->nx; i++) {
-            const float z = t->z[(l->row + j) * t->nx + i];
+        const size_t first = j * l->at.nx;
+        const float *row = terrain_row(t, l->at.j + j) + l->at.i;
+        float *east = l->lie.east + first, *north = l->lie.north + first;
+        terrain_slope_row(t, l->at.j + j, l->at.i, l->at.nx, east, north);
+        for (size_t i = 0; i < l->at.nx; i++) {
+            const float z = row[i];
             const double height = fmin(fmax((double)z * scale, LOWEST), HIGHEST - 1);
-            l->lie.upright[at + i] = 1 / sqrtf(1 + east[i] * east[i] + north[i] * north[i]);
-            l->lie.place[at + i] = isfinite(z) ? (float)((height - LOWEST) / STEP) : 0;
+            l->lie.upright[first + i] = 1 / sqrtf(1 + east[i] * east[i] + north[i] * north[i]);
+            l->lie.place[first + i] = isfinite(z) ? (float)((height - LOWEST) / STEP) : 0;
         }
     }
 }
@@ -269,48 +271,59 @@ static float *work(insolation *s, size_t samples, size_t floats, size_t doubles,
     return s->work ? (float *)(*out + samples * doubles) : NULL;
 }
 
-static cw_status add_all(insolation *s, const cw_run *query, size_t row, size_t rows, bool energy, float *out,
-                         terrain_progress *progress, void *context, bool *done) {
-    const size_t nx = s->terrain->nx, n = nx * rows, first = row, end = row + rows;
-    const float *z = s->terrain->z + row * nx;
+static cw_status fill(insolation *s, const cw_run *run, cw_rectangle at, bool energy, float *out) {
+    const size_t n = at.nx * at.ny, first = at.j, all = at.ny, end = at.j + at.ny;
     double *energies;
     float *floats = work(s, n, energy ? 5 : 1, energy ? 1 : 0, &energies);
-    *done = false;
-    if (floats == NULL) return CW_ERROR_MEMORY;
-    lying l = {s->terrain, row, {floats + n, floats + 2 * n, floats + 3 * n, floats + 4 * n}};
+    if (floats == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
+    lying l = {s->terrain, at, {floats + n, floats + 2 * n, floats + 3 * n, floats + 4 * n}};
     if (energy) {
         memset(energies, 0, n * sizeof *energies);
-        cw_pool_run(query ? query->pool : NULL, rows, 4, find_lie, &l);
+        cw_pool_run(run->pool, at.ny, 4, find_lie, &l);
     }
     memset(out, 0, n * sizeof *out);
-    for (size_t count; row < end; row += count) {
-        compass_turn(&s->compass, row, &count);
-        count = count < end - row ? count : end - row;
-        const size_t at = (row - first) * nx;
-        block b = {.sum = s, .query = query, .row = row, .rows = count, .rises = floats, .occluded = (uint8_t *)floats};
-        b.add.count = out + at;
-        b.add.energy = energy ? energies + at : NULL;
-        if (energy) b.add.lie = (ground_lie){l.lie.east + at, l.lie.north + at, l.lie.upright + at, l.lie.place + at};
+    for (; at.j < end; at.j += at.ny) {
+        compass_turn(&s->compass, at.j, &at.ny);
+        if (at.ny > end - at.j) at.ny = end - at.j;
+        run_part part = {run, (double)(at.j - first) / (double)all, (double)(at.j + at.ny - first) / (double)all};
+        const cw_run some = cw_run_part_of(&part);
+        const size_t to = (at.j - first) * at.nx;
+        block b = {.sum = s, .at = at, .rises = floats, .occluded = (uint8_t *)floats};
+        b.add.count = out + to;
+        b.add.energy = energy ? energies + to : NULL;
+        if (energy) b.add.lie = (ground_lie){l.lie.east + to, l.lie.north + to, l.lie.upright + to, l.lie.place + to};
         for (size_t k = 0; k < s->sector_count; k++) {
-            const double part = (double)k / (double)s->sector_count;
-            if (progress && !progress(context, ((double)(row - first) + part * (double)count) / (double)rows))
-                return CW_OK;
+            run_part way;
+            const cw_run one = cw_run_share(&way, &some, k, s->sector_count);
+            b.run = &one;
             const cw_status status = add_sector(&b, k);
             if (status != CW_OK) return status;
         }
     }
-    for (size_t k = 0; k < n; k++)
-        out[k] = !isfinite(z[k]) ? NAN : (float)((energy ? energies[k] : (double)out[k]) * s->desc.hours);
-    *done = true;
+    for (size_t y = 0; y < all; y++) {
+        const float *z = terrain_row(s->terrain, first + y) + at.i;
+        for (size_t x = 0, k = y * at.nx; x < at.nx; x++, k++)
+            out[k] = !isfinite(z[x]) ? NAN : (float)((energy ? energies[k] : (double)out[k]) * s->desc.hours);
+    }
     return CW_OK;
 }
 
-cw_status insolation_hours(insolation *s, const cw_run *query, size_t row, size_t rows, float *hours,
-                           terrain_progress *progress, void *context, bool *done) {
-    return add_all(s, query, row, rows, false, hours, progress, context, done);
+static cw_status fill_hours(void *context, const cw_run *run, cw_rectangle at, void *to) {
+    return fill(context, run, at, false, to);
 }
 
-cw_status insolation_direct(insolation *s, const cw_run *query, size_t row, size_t rows, float *energy,
-                            terrain_progress *progress, void *context, bool *done) {
-    return add_all(s, query, row, rows, true, energy, progress, context, done);
+static cw_status fill_energy(void *context, const cw_run *run, cw_rectangle at, void *to) {
+    return fill(context, run, at, true, to);
+}
+
+cw_status insolation_hours(insolation *s, const cw_run *run, cw_area area, float *hours) {
+    cw_run how;
+    const cw_status status = cw_area_begin(s->terrain, s, "sum", run, &area, &how);
+    return status == CW_OK ? cw_area_make(area, &how, sizeof *hours, fill_hours, s, hours, "hours") : status;
+}
+
+cw_status insolation_direct(insolation *s, const cw_run *run, cw_area area, float *energy) {
+    cw_run how;
+    const cw_status status = cw_area_begin(s->terrain, s, "sum", run, &area, &how);
+    return status == CW_OK ? cw_area_make(area, &how, sizeof *energy, fill_energy, s, energy, "energy") : status;
 }

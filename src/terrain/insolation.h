@@ -30,15 +30,12 @@ size_t insolation_directions(const insolation *sum);
 /* One of them: its azimuth, and the altitude of the lowest sun there, in degrees. */
 void insolation_direction(const insolation *sum, size_t number, double *azimuth, double *lowest);
 
-/* Hours in which the middle of the sun is seen: hours[y * nx + x] for rows row to row + rows - 1, NaN at a hole. progress
- * may be NULL; *done is false if it ended the work. */
-cw_status insolation_hours(insolation *sum, const cw_run *query, size_t row, size_t rows, float *hours,
-                           terrain_progress *progress, void *context, bool *done);
+/* Hours in which the middle of the sun is seen; NaN at a hole. */
+cw_status insolation_hours(insolation *sum, const cw_run *run, cw_area area, float *hours);
 
-/* Energy of the direct light on the surface as it leans, in Wh/m² of surface; in the same way. Samples below -1000 m and above
+/* Energy of the direct light on the surface as it leans, in Wh/m² of surface. Samples below -1000 m and above
  * 10000 m count as being there. */
-cw_status insolation_direct(insolation *sum, const cw_run *query, size_t row, size_t rows, float *energy,
-                            terrain_progress *progress, void *context, bool *done);
+cw_status insolation_direct(insolation *sum, const cw_run *run, cw_area area, float *energy);
 
 /* Energy of the diffuse light of the whole sky on level ground, in Wh/m²: the same at all heights. */
 double insolation_diffuse(const insolation *sum);

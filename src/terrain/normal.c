@@ -13,7 +13,7 @@ void terrain_lean(const terrain *t, size_t i, size_t j, double lean[2]) {
         double h[2];
         for (int m = 0; m < 2; m++) {
             const size_t x = i + (size_t)around[k + m][0], y = j + (size_t)around[k + m][1]; /* below 0 wraps */
-            h[m] = x < t->nx && y < t->ny ? (double)t->z[y * t->nx + x] - (double)t->z[j * t->nx + i] : NAN;
+            h[m] = x < t->nx && y < t->ny ? (double)terrain_row(t, y)[x] - (double)terrain_row(t, j)[i] : NAN;
         }
         if (!isfinite(h[0] + h[1])) continue;
         /* (x, y) with x a + y b = h for both of the sides (a, b). */
@@ -27,27 +27,30 @@ void terrain_lean(const terrain *t, size_t i, size_t j, double lean[2]) {
     lean[1] = count > 0 ? sum[1] / count : NAN;
 }
 
-void terrain_lean_row(const terrain *t, size_t j, float *restrict x, float *restrict y) {
-    const size_t nx = t->nx;
-    if (j > 0 && j + 1 < t->ny) {
+void terrain_lean_row(const terrain *t, size_t j, size_t from, size_t count, float *restrict x, float *restrict y) {
+    const size_t end = from + count;
+    const bool inside = j > 0 && j + 1 < t->ny;
+    if (inside) {
         /* The same with all six there: sums of differences along the hexagon around the sample. */
-        const float *restrict here = t->z + j * nx, *restrict below = here - nx, *restrict above = here + nx;
-        for (size_t i = 1; i + 1 < nx; i++) {
+        const float *restrict here = terrain_row(t, j), *restrict below = terrain_row(t, j - 1),
+                              *restrict above = terrain_row(t, j + 1);
+        for (size_t i = from > 0 ? from : 1; i < end && i + 1 < t->nx; i++) {
             const float east = here[i + 1], west = here[i - 1], ahead = above[i + 1], back = below[i - 1];
-            x[i] = (2 * (east - west) + (ahead - above[i]) + (below[i] - back)) / 6;
-            y[i] = (2 * (above[i] - below[i]) + (ahead - east) + (west - back)) / 6;
+            x[i - from] = (2 * (east - west) + (ahead - above[i]) + (below[i] - back)) / 6;
+            y[i - from] = (2 * (above[i] - below[i]) + (ahead - east) + (west - back)) / 6;
         }
     }
-    for (size_t i = 0; i < nx; i++) {
-        if (j > 0 && j + 1 < t->ny && i > 0 && i + 1 < nx && isfinite(x[i] + y[i])) continue;
+    for (size_t i = from; i < end; i++) {
+        if (inside && i > 0 && i + 1 < t->nx && isfinite(x[i - from] + y[i - from])) continue;
         double lean[2];
         terrain_lean(t, i, j, lean);
-        x[i] = (float)lean[0];
-        y[i] = (float)lean[1];
+        x[i - from] = (float)lean[0];
+        y[i - from] = (float)lean[1];
     }
 }
 
-void terrain_slope_row(const terrain *t, size_t j, float *restrict east, float *restrict north) {
+void terrain_slope_row(const terrain *t, size_t j, size_t from, size_t count, float *restrict east,
+                       float *restrict north) {
     const terrain *whole = terrain_whole(t);
     double metres[2];
     terrain_metres(whole, 0.5 * (double)(whole->nx - 1), (double)(j + t->row), metres);
@@ -56,8 +59,8 @@ void terrain_slope_row(const terrain *t, size_t j, float *restrict east, float *
         to_east[k] = (float)(t->back[k][0] * t->map[2][2] / metres[0]);
         to_north[k] = (float)(t->back[k][1] * t->map[2][2] / metres[1]);
     }
-    terrain_lean_row(t, j, east, north);
-    for (size_t i = 0; i < t->nx; i++) {
+    terrain_lean_row(t, j, from, count, east, north);
+    for (size_t i = 0; i < count; i++) {
         const float x = east[i], y = north[i];
         east[i] = x * to_east[0] + y * to_east[1];
         north[i] = x * to_north[0] + y * to_north[1];

@@ -166,9 +166,9 @@ void reach_blocks_take(reach_blocks *b, cw_rectangle part, const float *z) {
 
 /* ---- the sun ----------------------------------------------------------------------------------------------------- */
 
-reach_sunward reach_toward(const terrain *whole, const sunlight_desc *light, cw_rectangle part) {
+reach_sunward reach_toward(const terrain *whole, const cw_light *light, cw_rectangle part) {
     double azimuths[SUNLIGHT_STRIPS_MOST], sine, cosine;
-    const size_t strips = sunlight_azimuths(light, azimuths);
+    const size_t strips = cw_light_azimuths(light, azimuths);
     reach_sunward s = {.cells = {{INFINITY, -INFINITY}, {INFINITY, -INFINITY}}};
     const double lowest = light->altitude - light->radius;
     terrain_sine_cosine(fmax(lowest, -90), &sine, &cosine);

@@ -49,7 +49,7 @@ typedef struct reach_sunward {
 } reach_sunward;
 
 /* light has the sun's place, disc and strips. */
-reach_sunward reach_toward(const terrain *whole, const sunlight_desc *light, cw_rectangle part);
+reach_sunward reach_toward(const terrain *whole, const cw_light *light, cw_rectangle part);
 
 /* Whether rays from the part toward the sun pass over a rectangle at all. */
 bool reach_passes(const reach_sunward *sunward, cw_rectangle part, cw_rectangle over);

@@ -5,9 +5,11 @@
 
 #include "shadow.h"
 
+#include "area.h"
 #include "compass.h"
 #include "normal.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -20,9 +22,9 @@ typedef struct strip {
     double share;          /* of the disc */
 } strip;
 
-struct sunlight {
+typedef struct sunlight {
     const terrain *terrain;
-    sunlight_desc desc;
+    cw_light desc;
     size_t strips;
     strip strip[SUNLIGHT_STRIPS_MOST];
     double azimuths[SUNLIGHT_STRIPS_MOST];
@@ -30,12 +32,12 @@ struct sunlight {
     double towards[3]; /* the sun: east, north, up */
     float *work;       /* for a part of a row block */
     size_t room;
-};
+} sunlight;
 
 /* The middle of a strip from the disc's middle line, as a part of its radius. */
 static double strip_aside(size_t k, size_t strips) { return (2 * (double)k + 1) / (double)strips - 1; }
 
-size_t sunlight_azimuths(const sunlight_desc *d, double azimuths[SUNLIGHT_STRIPS_MOST]) {
+size_t cw_light_azimuths(const cw_light *d, double azimuths[SUNLIGHT_STRIPS_MOST]) {
     const size_t strips = d->radius == 0 ? 1 : d->strips > 0 ? d->strips : STRIPS_USUAL;
     double level, up;
     terrain_sine_cosine(d->altitude, &up, &level);
@@ -45,16 +47,27 @@ size_t sunlight_azimuths(const sunlight_desc *d, double azimuths[SUNLIGHT_STRIPS
     return strips;
 }
 
-cw_status sunlight_create(const terrain *t, const sunlight_desc *desc, sunlight **light) {
-    *light = NULL;
-    if (!(fabs(desc->altitude) <= 90 && isfinite(desc->azimuth) && desc->radius >= 0 && desc->radius <= 10))
-        return CW_ERROR_ARGUMENT;
-    if (desc->strips > SUNLIGHT_STRIPS_MOST) return CW_ERROR_ARGUMENT;
-    sunlight *s = calloc(1, sizeof *s);
-    if (s == NULL) return CW_ERROR_MEMORY;
-    s->terrain = t;
-    s->desc = *desc;
-    s->strips = sunlight_azimuths(desc, s->azimuths);
+static void destroy(sunlight *s) {
+    compass_destroy(&s->compass);
+    free(s->work);
+}
+
+static cw_status check(const cw_light *d) {
+    cw_status status = cw_check_zeros(d->reserved, 0, "cw_light");
+    if (status == CW_OK) status = cw_check_number("azimuth", d->azimuth, -0x1p40, 0x1p40);
+    if (status == CW_OK) status = cw_check_number("altitude", d->altitude, -90, 90);
+    if (status == CW_OK) status = cw_check_number("radius", d->radius, 0, 10);
+    if (status == CW_OK) status = cw_check_number("curvature", d->curvature, 0, DBL_MAX);
+    if (status == CW_OK) status = cw_check_number("strips", d->strips, 0, SUNLIGHT_STRIPS_MOST);
+    if (status == CW_OK) status = cw_check_number("hillshade", d->hillshade, 0, 1);
+    return status;
+}
+
+static cw_status create(sunlight *s, const terrain *t, const cw_light *desc) {
+    const cw_status status = check(desc);
+    *s = (sunlight){.terrain = t, .desc = *desc};
+    if (status != CW_OK) return status;
+    s->strips = cw_light_azimuths(desc, s->azimuths);
     double level, up, area = 0;
     terrain_sine_cosine(desc->altitude, &up, &level);
     for (size_t k = 0; k < s->strips; k++) {
@@ -68,19 +81,7 @@ cw_status sunlight_create(const terrain *t, const sunlight_desc *desc, sunlight 
     s->towards[0] = sine * level;
     s->towards[1] = cosine * level;
     s->towards[2] = up;
-    const cw_status status = compass_create(&s->compass, t, s->azimuths, s->strips, 0, desc->curvature);
-    if (status == CW_OK)
-        *light = s;
-    else
-        sunlight_destroy(s);
-    return status;
-}
-
-void sunlight_destroy(sunlight *s) {
-    if (s == NULL) return;
-    compass_destroy(&s->compass);
-    free(s->work);
-    free(s);
+    return compass_create(&s->compass, t, s->azimuths, s->strips, 0, desc->curvature);
 }
 
 static float *work(sunlight *s, size_t floats) {
@@ -101,13 +102,12 @@ static float rise(double slope, double altitude) {
 }
 
 /* Whether the middle of the sun is hidden. */
-static cw_status blocked(sunlight *s, const cw_run *query, size_t row, size_t rows, uint8_t *occluded) {
+static cw_status blocked(sunlight *s, const cw_run *run, cw_rectangle at, uint8_t *occluded) {
     cw_heading *heading;
     double slope;
     const cw_status status = compass_heading(&s->compass, 0, &heading, &slope);
     if (status != CW_OK) return status;
-    return cw_heading_occluded(heading, query, rise(slope, s->desc.altitude),
-                               (cw_rectangle){0, row, s->terrain->nx, rows}, occluded);
+    return cw_heading_occluded(heading, run, rise(slope, s->desc.altitude), at, occluded);
 }
 
 /* At the raster's rim no terrain hides a sun below the level. From a height h over the sea a free horizon has the dip
@@ -122,40 +122,43 @@ static double night_limit(const sunlight *s) {
     return s->terrain->radius * 2 * half * half / cosine / terrain_metres_of_height(s->terrain);
 }
 
-cw_status sunlight_lit(sunlight *s, const cw_run *query, size_t row, size_t rows, uint8_t *lit) {
-    const size_t nx = s->terrain->nx, end = row + rows;
-    if (s->strips != 1 || s->desc.hillshade) return CW_ERROR_ARGUMENT;
+static cw_status fill_lit(void *context, const cw_run *run, cw_rectangle at, void *to) {
+    sunlight *s = context;
+    const size_t end = at.j + at.ny, all = at.ny;
     const double night = night_limit(s);
-    for (size_t count; row < end; row += count, lit += count * nx) {
-        compass_turn(&s->compass, row, &count);
-        count = count < end - row ? count : end - row;
-        const cw_status status = blocked(s, query, row, count, lit);
+    uint8_t *lit = to;
+    for (size_t done = 0; at.j < end; at.j += at.ny, done += at.ny) {
+        compass_turn(&s->compass, at.j, &at.ny);
+        if (at.ny > end - at.j) at.ny = end - at.j;
+        run_part part = {run, (double)done / (double)all, (double)(done + at.ny) / (double)all};
+        const cw_run some = cw_run_part_of(&part);
+        const cw_status status = blocked(s, &some, at, lit);
         if (status != CW_OK) return status;
-        const float *z = s->terrain->z + row * nx;
-        for (size_t k = 0; k < nx * count; k++)
-            lit[k] = !isfinite(z[k]) ? 255 : (double)z[k] <= night ? 0 : (uint8_t)(1 - lit[k]);
+        for (size_t j = at.j; j < at.j + at.ny; j++, lit += at.nx) {
+            const float *z = terrain_row(s->terrain, j) + at.i;
+            for (size_t k = 0; k < at.nx; k++)
+                lit[k] = !isfinite(z[k]) ? 255 : (double)z[k] <= night ? 0 : (uint8_t)(1 - lit[k]);
+        }
     }
     return CW_OK;
 }
 
 /* Adds the part of a strip that is seen: all of it where the horizon is below its lower end, nothing where it is
  * above its upper one. */
-static cw_status add_strip(sunlight *s, const cw_run *query, size_t k, size_t row, size_t rows, float *steepest,
-                           float *share) {
-    const size_t n = s->terrain->nx * rows;
+static cw_status add_strip(sunlight *s, const cw_run *run, size_t k, cw_rectangle at, float *steepest, float *share) {
     const strip *p = &s->strip[k];
     cw_heading *heading;
     double slope;
     cw_status status = compass_heading(&s->compass, k, &heading, &slope);
     if (status != CW_OK) return status;
     const float low = rise(slope, p->altitude - p->half), high = rise(slope, p->altitude + p->half);
-    status = cw_heading_steepest(heading, query, low, high, (cw_rectangle){0, row, s->terrain->nx, rows}, steepest);
+    status = cw_heading_steepest(heading, run, low, high, at, steepest);
     if (status != CW_OK) return status;
     /* The tangent of the angle between two directions; as the disc is small, that is the angle. */
     const float per_rise = (float)(1 / slope), top = high * per_rise, whole = (float)p->share;
     const float per_tangent = (float)(1 / (2 * p->half * degree));
     const bool even = top < INFINITY && low > -INFINITY;
-    for (size_t m = 0; m < n; m++) {
+    for (size_t m = 0; m < at.nx * at.ny; m++) {
         const float bottom = steepest[m] * per_rise;
         const float part = even                 ? (top - bottom) / (1 + top * bottom) * per_tangent
                            : steepest[m] < high ? 1
@@ -165,21 +168,24 @@ static cw_status add_strip(sunlight *s, const cw_run *query, size_t k, size_t ro
     return CW_OK;
 }
 
-static cw_status share_of_disc(sunlight *s, const cw_run *query, size_t row, size_t rows, float *share) {
-    const size_t n = s->terrain->nx * rows;
-    const float *z = s->terrain->z + row * s->terrain->nx;
+static cw_status share_of_disc(sunlight *s, const cw_run *run, cw_rectangle at, float *share) {
+    const size_t n = at.nx * at.ny;
+    const bool point = s->desc.radius == 0;
     for (size_t m = 0; m < n; m++) share[m] = 0;
-    if (s->desc.radius == 0) {
-        uint8_t *occluded = (uint8_t *)work(s, (n + 3) / 4);
-        if (occluded == NULL) return CW_ERROR_MEMORY;
-        const cw_status status = blocked(s, query, row, rows, occluded);
-        for (size_t m = 0; m < n && status == CW_OK; m++) share[m] = isfinite(z[m]) ? 1 - (float)occluded[m] : NAN;
+    float *room = work(s, n);
+    if (room == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
+    if (point) {
+        const cw_status status = blocked(s, run, at, (uint8_t *)room);
+        for (size_t m = 0; m < n && status == CW_OK; m++) {
+            const float z = terrain_row(s->terrain, at.j + m / at.nx)[at.i + m % at.nx];
+            share[m] = isfinite(z) ? 1 - (float)((uint8_t *)room)[m] : NAN;
+        }
         return status;
     }
-    float *steepest = work(s, n);
-    if (steepest == NULL) return CW_ERROR_MEMORY;
     for (size_t k = 0; k < s->strips; k++) {
-        const cw_status status = add_strip(s, query, k, row, rows, steepest, share);
+        run_part part;
+        const cw_run some = cw_run_share(&part, run, k, s->strips);
+        const cw_status status = add_strip(s, &some, k, at, room, share);
         if (status != CW_OK) return status;
     }
     return CW_OK;
@@ -188,18 +194,18 @@ static cw_status share_of_disc(sunlight *s, const cw_run *query, size_t row, siz
 /* Rows to shade: the light that their tilted ground receives. */
 typedef struct shading {
     const sunlight *light;
-    size_t row;
+    cw_rectangle at;
     float *share, *lean;     /* lean: two rows for each of the block's */
     float east[2], north[2]; /* lean along i and j to slope, in metres, eastward and northward */
 } shading;
 
 static void shade_rows(void *context, size_t begin, size_t end) {
     const shading *h = context;
-    const size_t nx = h->light->terrain->nx;
+    const size_t nx = h->at.nx;
     const float lx = (float)h->light->towards[0], ly = (float)h->light->towards[1], lz = (float)h->light->towards[2];
     for (size_t j = begin; j < end; j++) {
         float *restrict share = h->share + j * nx, *restrict x = h->lean + 2 * j * nx, *restrict y = x + nx;
-        terrain_lean_row(h->light->terrain, h->row + j, x, y);
+        terrain_lean_row(h->light->terrain, h->at.j + j, h->at.i, nx, x, y);
         for (size_t i = 0; i < nx; i++) {
             const float east = x[i] * h->east[0] + y[i] * h->east[1], north = x[i] * h->north[0] + y[i] * h->north[1];
             const float cosine = (lz - east * lx - north * ly) / sqrtf(1 + east * east + north * north);
@@ -208,33 +214,61 @@ static void shade_rows(void *context, size_t begin, size_t end) {
     }
 }
 
-static cw_status shade(sunlight *s, const cw_run *query, size_t row, size_t rows, float *share) {
-    const terrain *t = s->terrain;
+static cw_status shade(sunlight *s, const cw_run *run, cw_rectangle at, float *share) {
+    const terrain *t = s->terrain, *whole = terrain_whole(t);
     double metres[2];
-    const terrain *whole = terrain_whole(t);
     terrain_metres(whole, 0.5 * (double)(whole->nx - 1), compass_middle(&s->compass), metres);
-    shading h = {.light = s, .row = row, .share = share, .lean = work(s, 2 * rows * t->nx)};
-    if (h.lean == NULL) return CW_ERROR_MEMORY;
+    shading h = {.light = s, .at = at, .share = share, .lean = work(s, 2 * at.nx * at.ny)};
+    if (h.lean == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
     for (int k = 0; k < 2; k++) {
         h.east[k] = (float)(t->back[k][0] * t->map[2][2] / metres[0]);
         h.north[k] = (float)(t->back[k][1] * t->map[2][2] / metres[1]);
     }
-    cw_pool_run(query ? query->pool : NULL, rows, 4, shade_rows, &h);
+    cw_pool_run(run->pool, at.ny, 4, shade_rows, &h);
     return CW_OK;
 }
 
-cw_status sunlight_share(sunlight *s, const cw_run *query, size_t row, size_t rows, float *share) {
-    const size_t nx = s->terrain->nx, end = row + rows;
+static cw_status fill_share(void *context, const cw_run *run, cw_rectangle at, void *to) {
+    sunlight *s = context;
+    const size_t end = at.j + at.ny, all = at.ny;
     const double night = night_limit(s);
-    for (size_t count; row < end; row += count, share += count * nx) {
-        compass_turn(&s->compass, row, &count);
-        count = count < end - row ? count : end - row;
-        cw_status status = share_of_disc(s, query, row, count, share);
-        if (status == CW_OK && s->desc.hillshade) status = shade(s, query, row, count, share);
-        const float *z = s->terrain->z + row * nx;
-        for (size_t k = 0; k < nx * count && night > -INFINITY; k++)
-            if ((double)z[k] <= night && isfinite(z[k])) share[k] = 0;
+    float *share = to;
+    for (size_t done = 0; at.j < end; at.j += at.ny, done += at.ny) {
+        compass_turn(&s->compass, at.j, &at.ny);
+        if (at.ny > end - at.j) at.ny = end - at.j;
+        run_part part = {run, (double)done / (double)all, (double)(done + at.ny) / (double)all};
+        const cw_run some = cw_run_part_of(&part);
+        cw_status status = share_of_disc(s, &some, at, share);
+        if (status == CW_OK && s->desc.hillshade) status = shade(s, &some, at, share);
         if (status != CW_OK) return status;
+        for (size_t j = at.j; j < at.j + at.ny; j++, share += at.nx) {
+            const float *z = terrain_row(s->terrain, j) + at.i;
+            for (size_t k = 0; k < at.nx && night > -INFINITY; k++)
+                if ((double)z[k] <= night && isfinite(z[k])) share[k] = 0;
+        }
     }
     return CW_OK;
+}
+
+static cw_status make(const cw_terrain *t, const cw_run *run, const cw_light *light, cw_area area, size_t bytes,
+                      cw_area_fill *fill, void *out, const char *name) {
+    sunlight s;
+    cw_run how;
+    cw_status status = cw_area_begin(t, light, "light", run, &area, &how);
+    if (status != CW_OK) return status;
+    status = create(&s, t, light);
+    if (status == CW_OK) status = cw_area_make(area, &how, bytes, fill, &s, out, name);
+    destroy(&s);
+    return status;
+}
+
+cw_status cw_shadow(const cw_terrain *t, const cw_run *run, const cw_light *light, cw_area area, uint8_t *lit) {
+    cw_light point;
+    if (light) point = *light;
+    if (light) point.radius = point.hillshade = 0;
+    return make(t, run, light ? &point : NULL, area, sizeof *lit, fill_lit, lit, "lit");
+}
+
+cw_status cw_sunlight(const cw_terrain *t, const cw_run *run, const cw_light *light, cw_area area, float *share) {
+    return make(t, run, light, area, sizeof *share, fill_share, share, "share");
 }

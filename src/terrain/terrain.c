@@ -8,6 +8,7 @@ static const double pi = 3.141592653589793;
 
 bool terrain_init(terrain *t, const terrain_desc *d) {
     *t = (terrain){.field = d->field, .nx = d->nx, .ny = d->ny, .z = d->z, .geographic = d->geographic};
+    t->stride = d->stride > 0 ? d->stride : d->nx;
     memcpy(t->map, d->map, sizeof t->map);
     t->unit = d->unit > 0 ? d->unit : d->geographic ? pi / 180 : 1;
     t->scale = d->geographic ? NULL : d->scale;
@@ -98,11 +99,11 @@ double terrain_height(const terrain *t, double i, double j) {
     if (!(i >= 0 && j >= 0 && i <= (double)(t->nx - 1) && j <= (double)(t->ny - 1))) return NAN;
     const size_t ci = i < (double)(t->nx - 1) ? (size_t)i : t->nx - 2,
                  cj = j < (double)(t->ny - 1) ? (size_t)j : t->ny - 2;
-    const float *z = t->z + cj * t->nx + ci;
+    const float *z = terrain_row(t, cj) + ci;
     const double x = i - (double)ci, y = j - (double)cj;
     const double across = x > y ? x : y, along = x > y ? y : x;
     const double weight[3] = {1 - across, across - along, along};
-    const float *const corner[3] = {z, x > y ? z + 1 : z + t->nx, z + t->nx + 1};
+    const float *const corner[3] = {z, x > y ? z + 1 : z + t->stride, z + t->stride + 1};
     double height = 0;
     for (int k = 0; k < 3; k++) /* on an edge or at a sample the cells beyond do not count, hole or not */
         if (weight[k] > 0) height += weight[k] * (double)*corner[k];

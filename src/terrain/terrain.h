@@ -11,13 +11,14 @@
 #ifndef CELLWALK_TERRAIN_TERRAIN_H
 #define CELLWALK_TERRAIN_TERRAIN_H
 
-#include "cellwalk.h"
+#include "cellwalk_terrain.h"
 #include "map_scale.h"
 
-typedef struct terrain {
+typedef struct cw_terrain terrain;
+struct cw_terrain {
     const cw_field *field;
-    size_t nx, ny;
-    const float *z; /* sample (i, j) is z[j * nx + i]; NaN and infinity are holes */
+    size_t nx, ny, stride;
+    const float *z; /* sample (i, j) is z[j * stride + i]; NaN and infinity are holes */
 
     double map[3][4];             /* samples to the map; the third row: heights in metres */
     double back[2][3];            /* map x and y to field x and y */
@@ -28,14 +29,17 @@ typedef struct terrain {
 
     /* NULL, or the raster that the samples are a window of, from that sample of it on. Directions and metres are
      * then those of the raster, bit for bit, and only its size and map are used: its samples need not be in memory. */
-    const struct terrain *whole;
+    const terrain *whole;
     size_t column, row;
-} terrain;
+
+    const struct sight_bounds *bounds; /* those that are given; NULL: none */
+    struct terrain_own *own;           /* of cw_terrain_create: the scale, and bounds once they are needed; else NULL */
+};
 
 /* The inputs of a terrain. */
 typedef struct terrain_desc {
     const cw_field *field;
-    size_t nx, ny;
+    size_t nx, ny, stride; /* stride 0: nx */
     const float *z;
     const double (*map)[4]; /* samples to the map, heights in the unit of x and y, or in metres if they are angles */
     bool geographic;
@@ -46,6 +50,13 @@ typedef struct terrain_desc {
 
 /* False if the map cannot be inverted. The terrain keeps pointers to field, samples and scale. */
 bool terrain_init(terrain *t, const terrain_desc *desc);
+
+static inline const float *terrain_row(const terrain *t, size_t j) { return t->z + j * t->stride; }
+
+/* The pyramid of highest samples: those that are given, those that the terrain has kept since they were first needed, or its own for
+ * the time until they are released. */
+cw_status terrain_bounds(const terrain *t, const struct sight_bounds **bounds);
+void terrain_bounds_release(const terrain *t, const struct sight_bounds *bounds);
 
 /* Metres in one of the map's x and y, at field coordinates (i, j). */
 void terrain_metres(const terrain *t, double i, double j, double metres[2]);
@@ -80,10 +91,6 @@ static inline const terrain *terrain_whole(const terrain *t) { return t->whole ?
 /* Rows from row on whose scales differ by less than 10^-4, so that they may share one heading with angles off by less than
  * 0.003 degrees: all of them, unless scales differ from row to row. */
 size_t terrain_rows_alike(const terrain *t, size_t row);
-
-/* Called during long work with the share that is done of one call. False ends it, with *done false. Called from any
- * thread of the pool, but not from two at once. */
-typedef bool terrain_progress(void *context, double share);
 
 /* False if a place in field coordinates is farther from the field than lines of sight can be computed. */
 bool terrain_is_in_reach(double x, double y);

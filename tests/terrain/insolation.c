@@ -7,9 +7,7 @@
 
 #include "clear_sky.h"
 #include "ground.h"
-#include "horizon.h"
 #include "normal.h"
-#include "shadow.h"
 
 #include <string.h>
 
@@ -61,18 +59,21 @@ static insolation *sum_of(ground *g, const insolation_desc *desc) {
 
 static void hours_of(ground *g, const insolation_desc *desc, float *hours) {
     insolation *s = sum_of(g, desc);
-    bool done;
-    check_status(insolation_hours(s, NULL, 0, g->terrain.ny, hours, NULL, NULL, &done), CW_OK);
-    assert_true(done);
+    check_status(insolation_hours(s, NULL, (cw_area){0}, hours), CW_OK);
     insolation_destroy(s);
 }
 
 static void direct_of(ground *g, const insolation_desc *desc, float *energy) {
     insolation *s = sum_of(g, desc);
-    bool done;
-    check_status(insolation_direct(s, NULL, 0, g->terrain.ny, energy, NULL, NULL, &done), CW_OK);
-    assert_true(done);
+    check_status(insolation_direct(s, NULL, (cw_area){0}, energy), CW_OK);
     insolation_destroy(s);
+}
+
+static double azimuth_of(const ground *g, const cw_horizon *h, size_t number) {
+    static double azimuths[360];
+    assert_true(h->count <= 360);
+    check_status(cw_horizon_azimuths(&g->terrain, h, azimuths), CW_OK);
+    return azimuths[number];
 }
 
 /* Level ground is lit from sunrise to sunset. The almanac's are those of the sun's upper rim, with a refraction of 34 minutes of
@@ -163,14 +164,11 @@ static void sums_of_shadows(void **state) {
         for (size_t k = 0; k < count; k++) {
             if (suns[k].altitude <= 0) continue;
             const double turn = directions > 0 ? 360 / (double)directions : 0;
-            sunlight *s = NULL;
-            const sunlight_desc desc = {
-                .azimuth =
-                    turn > 0 ? fmod(nearbyint(suns[k].azimuth / turn), (double)directions) * turn : suns[k].azimuth,
-                .altitude = suns[k].altitude};
-            check_status(sunlight_create(&g.terrain, &desc, &s), CW_OK);
-            check_status(sunlight_lit(s, NULL, 0, SIDE, lit), CW_OK);
-            sunlight_destroy(s);
+            const cw_light desc = {.azimuth = turn > 0
+                                                  ? fmod(nearbyint(suns[k].azimuth / turn), (double)directions) * turn
+                                                  : suns[k].azimuth,
+                                   .altitude = suns[k].altitude};
+            check_status(cw_shadow(&g.terrain, NULL, &desc, (cw_area){0}, lit), CW_OK);
             for (size_t m = 0; m < SAMPLES; m++) wanted[m] += lit[m] == 1;
         }
         const insolation_desc desc = {.suns = suns, .count = count, .hours = 0.5, .linke = 3, .directions = directions};
@@ -296,12 +294,11 @@ static void sky_over_a_plane(void **state) {
         const double wanted = (1 + cos(tilt)) / 2;
         ground g;
         ground_make(&g, SIDE, SIDE, plane, shape);
-        horizon *h = NULL;
-        bool done;
-        check_status(horizon_create(&g.terrain, &(horizon_desc){.start = 0.7, .count = DIRECTIONS}, &h), CW_OK);
-        check_status(horizon_sky_view_tilted(h, NULL, 0, SIDE, share, NULL, NULL, &done), CW_OK);
-        check_status(horizon_sky_view(h, NULL, 0, SIDE, level, NULL, NULL, &done), CW_OK);
-        horizon_destroy(h);
+        const cw_horizon h = {.start = 0.7, .count = DIRECTIONS};
+        cw_horizon tilted = h;
+        tilted.flags = CW_HORIZON_TILTED;
+        check_status(cw_sky_view(&g.terrain, NULL, &tilted, (cw_area){0}, share), CW_OK);
+        check_status(cw_sky_view(&g.terrain, NULL, &h, (cw_area){0}, level), CW_OK);
         const double slack = 2 * 2 * tan(tilt) * step * step / 8 / (2 * pi) + 1e-5;
         for (size_t k = 0; k < SAMPLES; k++)
             check(fabs((double)share[k] - wanted) <= slack, "%d degrees, (%zu, %zu): %.7g, not %.7g by %g", 15 * n,
@@ -321,20 +318,21 @@ static void sky_over_land(void **state) {
     const double shape[1] = {0};
     ground g;
     ground_make(&g, SIDE, SIDE, land, shape);
-    horizon *h = NULL;
-    bool done;
-    check_status(horizon_create(&g.terrain, &(horizon_desc){.count = DIRECTIONS}, &h), CW_OK);
-    check_status(horizon_sky_view_tilted(h, NULL, 0, SIDE, share, NULL, NULL, &done), CW_OK);
-    for (size_t d = 0; d < DIRECTIONS; d++) check_status(horizon_angles(h, NULL, d, 0, SIDE, angle[d]), CW_OK);
+    const cw_horizon h = {.count = DIRECTIONS};
+    cw_horizon tilted = h;
+    tilted.flags = CW_HORIZON_TILTED;
+    check_status(cw_sky_view(&g.terrain, NULL, &tilted, (cw_area){0}, share), CW_OK);
+    for (size_t d = 0; d < DIRECTIONS; d++)
+        check_status(cw_horizon_angles(&g.terrain, NULL, &h, (uint32_t)d, (cw_area){0}, angle[d], NULL), CW_OK);
     const double piece = pi / 2 / PIECES;
     double leaning = 0;
     for (size_t j = 4; j < SIDE; j += 13) {
-        terrain_slope_row(&g.terrain, j, east, north);
+        terrain_slope_row(&g.terrain, j, 0, SIDE, east, north);
         for (size_t i = 4; i < SIDE; i += 13) {
             double sum = 0;
             const double up = 1 / sqrt(1 + (double)(east[i] * east[i] + north[i] * north[i]));
             for (size_t d = 0; d < DIRECTIONS; d++) {
-                const double a = horizon_azimuth(h, d) * degree;
+                const double a = azimuth_of(&g, &h, d) * degree;
                 const double slope = (double)east[i] * sin(a) + (double)north[i] * cos(a);
                 for (size_t k = 0; k < PIECES; k++) {
                     const double x = ((double)k + 0.5) * piece, cosine = up * (sin(x) - slope * cos(x));
@@ -348,7 +346,6 @@ static void sky_over_land(void **state) {
         }
     }
     check(leaning > 30, "the land leans by %g degrees", leaning);
-    horizon_destroy(h);
     ground_free(&g);
 }
 
@@ -372,25 +369,23 @@ static void same_bits(void **state) {
         const insolation_desc desc = {
             .suns = suns, .count = count, .hours = 0.5, .linke = 3, .curvature = 1, .directions = 100};
         insolation *s = sum_of(&g, &desc);
-        horizon *h = NULL;
-        check_status(horizon_create(&g.terrain, &(horizon_desc){.count = 9}, &h), CW_OK);
+        const cw_horizon h = {.count = 9, .flags = CW_HORIZON_TILTED};
         const size_t rows = k ? 13 : SIDE;
         for (int product = 0; product < 3; product++) {
             float *to = k ? got : want[product];
-            bool done;
             for (size_t j = 0; j < SIDE; j += rows) {
                 const size_t n = SIDE - j < rows ? SIDE - j : rows;
                 float *at = to + j * SIDE;
-                check_status(product == 0   ? insolation_hours(s, &query, j, n, at, NULL, NULL, &done)
-                             : product == 1 ? insolation_direct(s, &query, j, n, at, NULL, NULL, &done)
-                                            : horizon_sky_view_tilted(h, &query, j, n, at, NULL, NULL, &done),
+                const cw_area area = {{0, j, SIDE, n}, 0};
+                check_status(product == 0   ? insolation_hours(s, &query, area, at)
+                             : product == 1 ? insolation_direct(s, &query, area, at)
+                                            : cw_sky_view(&g.terrain, &query, &h, area, at),
                              CW_OK);
             }
             if (k)
                 check(memcmp(got, want[product], sizeof got) == 0, "product %d differs by %s", product, names[k / 2]);
         }
         insolation_destroy(s);
-        horizon_destroy(h);
     }
     cw_pool_destroy(pool);
     ground_free(&g);

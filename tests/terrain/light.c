@@ -6,7 +6,6 @@
 #include "cellwalk_expert.h"
 #include "ground.h"
 #include "horizon.h"
-#include "shadow.h"
 #include "sight.h"
 #include "workload/random.h"
 
@@ -41,18 +40,20 @@ static double land(const double *shape, double x, double y) {
 
 enum { SIDE = 97, MIDDLE = SIDE / 2, SAMPLES = SIDE * SIDE };
 
-static void lit_of(ground *g, double azimuth, double altitude, uint8_t *lit) {
-    sunlight *s = NULL;
-    check_status(sunlight_create(&g->terrain, &(sunlight_desc){.azimuth = azimuth, .altitude = altitude}, &s), CW_OK);
-    check_status(sunlight_lit(s, NULL, 0, g->terrain.ny, lit), CW_OK);
-    sunlight_destroy(s);
+static double azimuth_of(const ground *g, const cw_horizon *h, size_t number) {
+    static double azimuths[360];
+    assert_true(h->count <= 360);
+    check_status(cw_horizon_azimuths(&g->terrain, h, azimuths), CW_OK);
+    return azimuths[number];
 }
 
-static void share_of(ground *g, const sunlight_desc *desc, const cw_run *query, float *share) {
-    sunlight *s = NULL;
-    check_status(sunlight_create(&g->terrain, desc, &s), CW_OK);
-    check_status(sunlight_share(s, query, 0, g->terrain.ny, share), CW_OK);
-    sunlight_destroy(s);
+static void lit_of(ground *g, double azimuth, double altitude, uint8_t *lit) {
+    const cw_light light = {.azimuth = azimuth, .altitude = altitude};
+    check_status(cw_shadow(&g->terrain, NULL, &light, (cw_area){0}, lit), CW_OK);
+}
+
+static void share_of(ground *g, const cw_light *light, const cw_run *run, float *share) {
+    check_status(cw_sunlight(&g->terrain, run, light, (cw_area){0}, share), CW_OK);
 }
 
 /* A plane shades itself where the sun stands lower than it rises, and nowhere else. */
@@ -136,7 +137,7 @@ static void wall_before_the_disc(void **state) {
             const double top = atan(shape[1] / (10 * (double)south)) / degree;
             for (double u = -1.25; u <= 1.25; u += 0.25) { /* the wall's top over the sun's middle, in radii */
                 if (!test_takes(cases++, 7)) continue;
-                share_of(&g, &(sunlight_desc){.altitude = top - u * radius, .radius = radius, .strips = strips}, NULL,
+                share_of(&g, &(cw_light){.altitude = top - u * radius, .radius = radius, .strips = strips}, NULL,
                          share);
                 const double v = fmin(fmax(u, -1), 1), seen = (acos(v) - v * sqrt(1 - v * v)) / 3.141592653589793;
                 /* Away from the middle the wall is farther off: by 1 / cos of 2 degrees over cos of the altitude. */
@@ -157,7 +158,7 @@ static void hillshade_of_a_plane(void **state) {
     ground_make(&g, SIDE, SIDE, plane, shape);
     for (double azimuth = 0; azimuth < 360; azimuth += 30) {
         const double altitude = 50, level = cos(altitude * degree);
-        share_of(&g, &(sunlight_desc){.azimuth = azimuth, .altitude = altitude, .hillshade = true}, NULL, share);
+        share_of(&g, &(cw_light){.azimuth = azimuth, .altitude = altitude, .hillshade = true}, NULL, share);
         const double cosine = (sin(altitude * degree) - shape[0] * sin(azimuth * degree) * level -
                                shape[1] * cos(azimuth * degree) * level) /
                               sqrt(1 + shape[0] * shape[0] + shape[1] * shape[1]);
@@ -179,7 +180,7 @@ static double cliff(const double *shape, double x, double y) {
 static void no_light_from_behind(void **state) {
     (void)state;
     const double shape[1] = {10 * MIDDLE};
-    const sunlight_desc sun = {.azimuth = 270, .altitude = 10, .hillshade = true};
+    const cw_light sun = {.azimuth = 270, .altitude = 10, .hillshade = true};
     static float share[SAMPLES];
     static uint8_t lit[SAMPLES];
     ground g;
@@ -207,11 +208,9 @@ static void shadow_agrees_with_rays(void **state) {
     for (size_t n = 0; n < 12; n++) {
         const double azimuth = random_between(&r, 0, 360), altitude = random_between(&r, 3, 40);
         if (!test_takes(n, 3)) continue;
-        horizon *h = NULL;
         lit_of(&g, azimuth, altitude, lit);
-        check_status(horizon_create(&g.terrain, &(horizon_desc){.start = azimuth, .count = 1}, &h), CW_OK);
-        check_status(horizon_angles(h, NULL, 0, 0, SIDE, angles), CW_OK);
-        horizon_destroy(h);
+        const cw_horizon h = {.start = azimuth, .count = 1};
+        check_status(cw_horizon_angles(&g.terrain, NULL, &h, 0, (cw_area){0}, angles, NULL), CW_OK);
         for (size_t j = 0; j < SIDE; j++)
             for (size_t i = 0; i < SIDE; i++) {
                 const size_t k = j * SIDE + i;
@@ -244,22 +243,20 @@ static void horizon_of_a_plane(void **state) {
     static float angles[SAMPLES];
     ground g;
     ground_make(&g, SIDE, SIDE, plane, shape);
-    horizon *h = NULL;
-    check_status(horizon_create(&g.terrain, &(horizon_desc){.start = 0, .count = 32}, &h), CW_OK);
+    const cw_horizon h = {.start = 0, .count = 32};
     for (size_t d = 0; d < 32; d++) {
-        const double a = horizon_azimuth(h, d) * degree;
+        const double a = azimuth_of(&g, &h, d) * degree;
         const double wanted = atan(shape[0] * sin(a) + shape[1] * cos(a)) / degree;
         if (!test_takes(d, 4)) continue;
-        check_status(horizon_angles(h, NULL, d, 0, SIDE, angles), CW_OK);
+        check_status(cw_horizon_angles(&g.terrain, NULL, &h, (uint32_t)d, (cw_area){0}, angles, NULL), CW_OK);
         for (size_t j = 1; j + 1 < SIDE; j++)
             for (size_t i = 1; i + 1 < SIDE; i++)
                 check(fabs((double)angles[j * SIDE + i] - wanted) < 1e-3, "(%zu, %zu), %g degrees: %g, not %g", i, j,
-                      horizon_azimuth(h, d), (double)angles[j * SIDE + i], wanted);
+                      azimuth_of(&g, &h, d), (double)angles[j * SIDE + i], wanted);
         /* North of the first row there is nothing, nor from the corner. */
-        if (horizon_azimuth(h, d) == 0) assert_true(angles[5] == -90);
-        if (horizon_azimuth(h, d) == 315) assert_true(angles[0] == -90);
+        if (azimuth_of(&g, &h, d) == 0) assert_true(isnan(angles[5]));
+        if (azimuth_of(&g, &h, d) == 315) assert_true(isnan(angles[0]));
     }
-    horizon_destroy(h);
     ground_free(&g);
 }
 
@@ -272,22 +269,18 @@ static void horizon_in_a_pit(void **state) {
     ground g;
     ground_make(&g, SIDE, SIDE, pit, shape);
     const double low = atan(shape[3] / (shape[2] + 10 * sqrt(2))) / degree, high = atan(shape[3] / shape[2]) / degree;
-    horizon *h = NULL;
-    check_status(horizon_create(&g.terrain, &(horizon_desc){.start = 3, .count = 90}, &h), CW_OK);
+    const cw_horizon h = {.start = 3, .count = 90};
     for (size_t d = 0; d < 90; d++) {
         if (!test_takes(d, 4)) continue;
-        check_status(horizon_angles(h, NULL, d, 0, SIDE, angles), CW_OK);
+        check_status(cw_horizon_angles(&g.terrain, NULL, &h, (uint32_t)d, (cw_area){0}, angles, NULL), CW_OK);
         const double got = (double)angles[middle];
-        check(got >= low && got <= high + 1e-4, "%g degrees: %g, not %g to %g", horizon_azimuth(h, d), got, low, high);
+        check(got >= low && got <= high + 1e-4, "%g degrees: %g, not %g to %g", azimuth_of(&g, &h, d), got, low, high);
     }
-    bool done;
-    check_status(horizon_sky_view(h, NULL, 0, SIDE, share, NULL, NULL, &done), CW_OK);
-    assert_true(done);
+    check_status(cw_sky_view(&g.terrain, NULL, &h, (cw_area){0}, share), CW_OK);
     const double most = pow(cos(low * degree), 2), least = pow(cos(high * degree), 2);
     check((double)share[middle] >= least - 1e-5 && (double)share[middle] <= most + 1e-5, "sky view %g, not %g to %g",
           (double)share[middle], least, most);
     assert_true(fabsf(share[0] - 1) < 1e-5f); /* on the rim */
-    horizon_destroy(h);
     ground_free(&g);
 }
 /* A sample away from the border, and the line from it in a direction of the horizon, out of the terrain. */
@@ -328,27 +321,26 @@ static void curvature_and_distance(void **state) {
     check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
     size_t differ = 0;
     for (size_t k = 0; k < 9; k++) {
-        const horizon_desc desc = {
+        const cw_horizon desc = {
             .start = 11, .count = 5, .max_distance = distances[k % 3], .curvature = curvatures[k / 3]};
-        horizon *h = NULL;
-        check_status(horizon_create(&g.terrain, &desc, &h), CW_OK);
+        const cw_horizon h = desc;
         const double allowed = 1e-3 + desc.curvature * GROUND_CELL * sqrt(2) / (4 * g.terrain.radius) / degree;
-        for (size_t d = 0; d < desc.count; d++) {
-            check_status(horizon_angles(h, NULL, d, 0, SIDE, angles), CW_OK);
+        for (uint32_t d = 0; d < desc.count; d++) {
+            check_status(cw_horizon_angles(&g.terrain, NULL, &h, (uint32_t)d, (cw_area){0}, angles, NULL), CW_OK);
             for (size_t n = 0; n < places; n++) {
-                const outlook o = random_outlook(&g, &r, horizon_azimuth(h, d), desc.max_distance);
+                const outlook o = random_outlook(&g, &r, azimuth_of(&g, &h, d), desc.max_distance);
                 sight s;
                 sight_init(&s, &g.terrain, bounds, o.eye, desc.curvature);
                 const sight_rise rise = sight_steepest(&s, o.end[0], o.end[1], -INFINITY);
-                const double wanted = rise.steepest == -INFINITY ? -90 : atan(rise.steepest / o.far) / degree;
-                check(fabs((double)angles[o.j * SIDE + o.i] - wanted) < allowed,
-                      "(%zu, %zu), %g degrees, curvature %g, up to %g m: %g, not %g", o.i, o.j, horizon_azimuth(h, d),
-                      desc.curvature, desc.max_distance, (double)angles[o.j * SIDE + o.i], wanted);
+                const double wanted = atan(rise.steepest / o.far) / degree;
+                const double got = (double)angles[o.j * SIDE + o.i];
+                check(rise.steepest == -INFINITY ? isnan(got) : fabs(got - wanted) < allowed,
+                      "(%zu, %zu), %g degrees, curvature %g, up to %g m: %g, not %g", o.i, o.j, azimuth_of(&g, &h, d),
+                      desc.curvature, desc.max_distance, got, wanted);
                 sight_init(&s, &g.terrain, bounds, o.eye, 0);
                 differ += sight_steepest(&s, o.end[0], o.end[1], -INFINITY).steepest != rise.steepest;
             }
         }
-        horizon_destroy(h);
     }
     check(differ > 3 * places, "curvature changes %zu horizons", differ);
     sight_bounds_destroy(bounds);
@@ -370,13 +362,12 @@ static void distances_of_horizons(void **state) {
     check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
     size_t found = 0, near = 0;
     for (size_t k = 0; k < 3; k++) {
-        const horizon_desc desc = {.start = 11, .count = 5, .max_distance = distances[k]};
-        horizon *h = NULL;
-        check_status(horizon_create(&g.terrain, &desc, &h), CW_OK);
-        for (size_t d = 0; d < desc.count; d++) {
-            check_status(horizon_distances(h, NULL, d, 0, SIDE, metres), CW_OK);
+        const cw_horizon desc = {.start = 11, .count = 5, .max_distance = distances[k]};
+        const cw_horizon h = desc;
+        for (uint32_t d = 0; d < desc.count; d++) {
+            check_status(cw_horizon_angles(&g.terrain, NULL, &h, (uint32_t)d, (cw_area){0}, NULL, metres), CW_OK);
             for (size_t n = 0; n < places; n++) {
-                const outlook o = random_outlook(&g, &r, horizon_azimuth(h, d), desc.max_distance);
+                const outlook o = random_outlook(&g, &r, azimuth_of(&g, &h, d), desc.max_distance);
                 sight s;
                 sight_init(&s, &g.terrain, bounds, o.eye, 0);
                 const double steepest = brute_steepest(&s, o.end[0], o.end[1]) / o.far;
@@ -386,13 +377,12 @@ static void distances_of_horizons(void **state) {
                 const double top = terrain_height(&g.terrain, x, y);
                 check(fabs((top - o.eye[2]) / way - steepest) < 0x1p-22,
                       "(%zu, %zu), %g degrees: %g m away the rise is %.9g, the steepest %.9g", o.i, o.j,
-                      horizon_azimuth(h, d), way, (top - o.eye[2]) / way, steepest);
+                      azimuth_of(&g, &h, d), way, (top - o.eye[2]) / way, steepest);
                 check(desc.max_distance == 0 || way <= desc.max_distance * (1 + 0x1p-19), "%g m", way);
                 found++;
                 near += way < 100;
             }
         }
-        horizon_destroy(h);
     }
     check(near > 5 * places / 3 && found - near > 5 * places / 3, "%zu of %zu are near", near, found);
     sight_bounds_destroy(bounds);
@@ -413,11 +403,9 @@ static void nearest_of_equal_horizons(void **state) {
     static float metres[SAMPLES];
     ground g;
     ground_make(&g, SIDE, SIDE, equal_walls, shape);
-    horizon *h = NULL;
-    check_status(horizon_create(&g.terrain, &(horizon_desc){.start = 90, .count = 1}, &h), CW_OK);
-    check_status(horizon_distances(h, NULL, 0, 0, SIDE, metres), CW_OK);
+    const cw_horizon h = {.start = 90, .count = 1};
+    check_status(cw_horizon_angles(&g.terrain, NULL, &h, 0, (cw_area){0}, NULL, metres), CW_OK);
     for (size_t j = 0; j < SIDE; j++) check(metres[j * SIDE + EYE] == 80, "%g m", (double)metres[j * SIDE + EYE]);
-    horizon_destroy(h);
     ground_free(&g);
 }
 
@@ -429,22 +417,17 @@ static void shadow_on_a_curved_earth(void **state) {
     static float angles[SAMPLES];
     ground g;
     ground_make(&g, SIDE, SIDE, land, shape);
-    horizon *h = NULL;
-    sunlight *s = NULL;
-    check_status(horizon_create(&g.terrain, &(horizon_desc){.start = 200, .count = 1, .curvature = 3000}, &h), CW_OK);
-    check_status(sunlight_create(&g.terrain, &(sunlight_desc){.azimuth = 200, .altitude = 7, .curvature = 3000}, &s),
-                 CW_OK);
-    check_status(horizon_angles(h, NULL, 0, 0, SIDE, angles), CW_OK);
-    check_status(sunlight_lit(s, NULL, 0, SIDE, lit), CW_OK);
+    const cw_horizon h = {.start = 200, .count = 1, .curvature = 3000};
+    const cw_light light = {.azimuth = 200, .altitude = 7, .curvature = 3000};
+    check_status(cw_horizon_angles(&g.terrain, NULL, &h, 0, (cw_area){0}, angles, NULL), CW_OK);
+    check_status(cw_shadow(&g.terrain, NULL, &light, (cw_area){0}, lit), CW_OK);
     size_t dark = 0;
     for (size_t k = 0; k < SAMPLES; k++) {
-        check(fabs((double)angles[k] - 7) < 1e-3 || lit[k] == (angles[k] < 7), "sample %zu: lit %d, the horizon at %g",
-              k, lit[k], (double)angles[k]);
+        check(fabs((double)angles[k] - 7) < 1e-3 || lit[k] == !(angles[k] >= 7),
+              "sample %zu: lit %d, the horizon at %g", k, lit[k], (double)angles[k]);
         dark += lit[k] == 0;
     }
     check(dark > 100, "%zu in the shadow", dark);
-    horizon_destroy(h);
-    sunlight_destroy(s);
     ground_free(&g);
 }
 
@@ -475,16 +458,14 @@ static void holes_are_no_ground(void **state) {
     for (size_t i = 0; i < SIDE; i++) z[MIDDLE * SIDE + i] = NAN; /* the wall is not there */
     ground_take(&g, SIDE, SIDE, z, ground_map);
     lit_of(&g, 0, 20, lit);
-    share_of(&g, &(sunlight_desc){.altitude = 20, .radius = 0.3, .hillshade = true}, NULL, share);
-    horizon *h = NULL;
-    check_status(horizon_create(&g.terrain, &(horizon_desc){.start = 0, .count = 4}, &h), CW_OK);
-    check_status(horizon_angles(h, NULL, 0, 0, SIDE, angles), CW_OK);
+    share_of(&g, &(cw_light){.altitude = 20, .radius = 0.3, .hillshade = true}, NULL, share);
+    const cw_horizon h = {.start = 0, .count = 4};
+    check_status(cw_horizon_angles(&g.terrain, NULL, &h, 0, (cw_area){0}, angles, NULL), CW_OK);
     for (size_t k = 0; k < SAMPLES; k++) {
         const bool hole = k / SIDE == MIDDLE;
         assert_int_equal(lit[k], hole ? 255 : 1);
-        assert_true(hole ? isnan(share[k]) && isnan(angles[k]) : share[k] > 0.3f && angles[k] <= 0);
+        assert_true(hole ? isnan(share[k]) && isnan(angles[k]) : share[k] > 0.3f && !(angles[k] > 0));
     }
-    horizon_destroy(h);
     ground_free(&g);
 }
 
@@ -498,8 +479,8 @@ static void same_bits(void **state) {
     ground_make(&g, SIDE, SIDE, land, shape);
     cw_pool *pool = NULL;
     check_status(cw_pool_create(3, &pool), CW_OK);
-    const sunlight_desc disc = {.azimuth = 77, .altitude = 12, .radius = 0.27, .hillshade = true};
-    const sunlight_desc point = {.azimuth = 77, .altitude = 12};
+    const cw_light disc = {.azimuth = 77, .altitude = 12, .radius = 0.27, .hillshade = true};
+    const cw_light point = {.azimuth = 77, .altitude = 12};
     const char *const names[] = {"pyramid1", "pyramid4", "pyramid8", "pyramid16"};
     for (size_t k = 0; k < 8; k++) {
         cw_run query = (cw_run){0};
@@ -507,30 +488,23 @@ static void same_bits(void **state) {
         query.pool = k % 2 ? pool : NULL;
         check(query.expert.kernel != NULL || k > 1, "there is no kernel %s", names[k / 2]);
         if (query.expert.kernel == NULL || !cw_kernel_describe(query.expert.kernel).available) continue;
-        sunlight *s = NULL, *p = NULL;
-        horizon *h = NULL;
-        check_status(sunlight_create(&g.terrain, &disc, &s), CW_OK);
-        check_status(sunlight_create(&g.terrain, &point, &p), CW_OK);
-        check_status(horizon_create(&g.terrain, &(horizon_desc){.start = 1, .count = 7}, &h), CW_OK);
-        bool done;
+        const cw_horizon h = {.start = 1, .count = 7};
         const size_t rows = k ? 13 : SIDE;
         for (int product = 0; product < 3; product++) {
             float *to = k ? got : want[product];
             for (size_t j = 0; j < SIDE; j += rows) {
                 const size_t n = SIDE - j < rows ? SIDE - j : rows;
-                check_status(product == 0   ? sunlight_share(s, &query, j, n, to + j * SIDE)
-                             : product == 1 ? horizon_angles(h, &query, 3, j, n, to + j * SIDE)
-                                            : horizon_sky_view(h, &query, j, n, to + j * SIDE, NULL, NULL, &done),
+                const cw_area area = {{0, j, SIDE, n}, 0};
+                check_status(product == 0   ? cw_sunlight(&g.terrain, &query, &disc, area, to + j * SIDE)
+                             : product == 1 ? cw_horizon_angles(&g.terrain, &query, &h, 3, area, to + j * SIDE, NULL)
+                                            : cw_sky_view(&g.terrain, &query, &h, area, to + j * SIDE),
                              CW_OK);
-                check_status(sunlight_lit(p, &query, j, n, (k ? lit : lit_want) + j * SIDE), CW_OK);
+                check_status(cw_shadow(&g.terrain, &query, &point, area, (k ? lit : lit_want) + j * SIDE), CW_OK);
             }
             if (k)
                 check(memcmp(got, want[product], sizeof got) == 0, "product %d differs by %s", product, names[k / 2]);
         }
         if (k) check(memcmp(lit, lit_want, sizeof lit) == 0, "shadows differ by %s", names[k / 2]);
-        sunlight_destroy(s);
-        sunlight_destroy(p);
-        horizon_destroy(h);
     }
     cw_pool_destroy(pool);
     ground_free(&g);

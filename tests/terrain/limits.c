@@ -57,16 +57,12 @@ static void look(const ground *g, const sight_bounds *bounds, const eye *e, cons
                              .curvature = e->curvature,
                              .limits = *limits};
     viewshed *v = NULL;
-    bool done = false;
     check_status(viewshed_create(&g->terrain, bounds, &d, &v), CW_OK);
     memset(to, 0, sizeof *to);
-    check_status(viewshed_count(v, query, to->seen, NULL, NULL, &done), CW_OK);
-    assert_true(done);
-    check_status(viewshed_angles(v, query, to->angles, NULL, NULL, &done), CW_OK);
-    assert_true(done);
+    check_status(viewshed_see(v, query, (cw_area){0}, &(cw_view){.seen = to->seen}), CW_OK);
+    check_status(viewshed_see(v, query, (cw_area){0}, &(cw_view){.angle = to->angles}), CW_OK);
     for (int n = 1; n <= 3; n++) {
-        check_status(viewshed_weigh(v, query, n, to->sums, NULL, NULL, &done), CW_OK);
-        assert_true(done);
+        check_status(viewshed_see(v, query, (cw_area){0}, &(cw_view){.sum = to->sums, .weight = n}), CW_OK);
     }
     viewshed_destroy(v);
 }
@@ -193,9 +189,8 @@ static void ends_of_limits(void **state) {
         const viewshed_desc d = {.place = {e.x, e.y}, .height = e.height, .absolute = true, .limits = cases[c].limits};
         uint16_t seen[SIDE * SIDE] = {0};
         viewshed *v;
-        bool done;
         check_status(viewshed_create(&g.terrain, bounds, &d, &v), CW_OK);
-        check_status(viewshed_count(v, NULL, seen, NULL, NULL, &done), CW_OK);
+        check_status(viewshed_see(v, NULL, (cw_area){0}, &(cw_view){.seen = seen}), CW_OK);
         viewshed_destroy(v);
         for (long k = 0; k < SIDE * SIDE; k++) {
             const long x = k % SIDE - AT, y = AT - k / SIDE, square = x * x + y * y; /* east, north */

@@ -24,12 +24,9 @@ static viewshed *view(const ground *g, const sight_bounds *bounds, const viewshe
 }
 
 static void count(viewshed *v, const cw_run *query) {
-    bool done = false;
     memset(seen, 0, sizeof seen);
-    check_status(viewshed_count(v, query, seen, NULL, NULL, &done), CW_OK);
-    assert_true(done);
-    check_status(viewshed_heights(v, query, heights, NULL, NULL, &done), CW_OK);
-    assert_true(done);
+    check_status(viewshed_see(v, query, (cw_area){0}, &(cw_view){.seen = seen}), CW_OK);
+    check_status(viewshed_see(v, query, (cw_area){0}, &(cw_view){.needed = heights}), CW_OK);
 }
 
 typedef struct tally {
@@ -242,10 +239,9 @@ static size_t lines_seen(const ground *g, const sight_bounds *bounds, const view
     const size_t nx = g->terrain.nx, all = nx * g->terrain.ny;
     viewshed *v = view(g, bounds, d);
     const sight *s = viewshed_sight(v);
-    bool done;
     size_t total = 0;
     memset(seen, 0, sizeof seen);
-    check_status(viewshed_count(v, NULL, seen, NULL, NULL, &done), CW_OK);
+    check_status(viewshed_see(v, NULL, (cw_area){0}, &(cw_view){.seen = seen}), CW_OK);
     for (size_t k = first; k < all; k += one_in) {
         const double x = (double)(k % nx), y = (double)(k / nx);
         if (isnan(g->z[k]) || (x == d->place[0] && y == d->place[1])) continue;
@@ -328,8 +324,7 @@ static void needs_are_those_of_lines(void **state) {
         for (int c = 0; c < 2 && round % 4 != 0; c++) d.place[c] = floor(d.place[c]);
         viewshed *v = view(&g, bounds, &d);
         const sight *s = viewshed_sight(v);
-        bool done;
-        check_status(viewshed_heights(v, NULL, heights, NULL, NULL, &done), CW_OK);
+        check_status(viewshed_see(v, NULL, (cw_area){0}, &(cw_view){.needed = heights}), CW_OK);
         for (size_t k = round % one_in; k < (size_t)NX * NY; k += one_in) {
             const double x = (double)(k % NX), y = (double)(k / NX);
             if (x == d.place[0] && y == d.place[1]) continue;
@@ -368,8 +363,7 @@ static void behind_a_joined_piece(void **state) {
     const size_t total = lines_seen(&g, bounds, &d, 0, 1);
     check(total > 100, "%zu are seen", total);
     viewshed *v = view(&g, bounds, &d);
-    bool done;
-    check_status(viewshed_heights(v, NULL, heights, NULL, NULL, &done), CW_OK);
+    check_status(viewshed_see(v, NULL, (cw_area){0}, &(cw_view){.needed = heights}), CW_OK);
     for (size_t k = 0; k < (size_t)NX * NY; k++) {
         const double x = (double)(k % NX), y = (double)(k / NX);
         const float wanted = (float)sight_need(viewshed_sight(v), x, y, (double)g.z[k], -INFINITY);
@@ -452,8 +446,7 @@ static void a_strip_is_no_square(void **state) {
         ground_make(&g, along ? LENGTH : 2, along ? 2 : LENGTH, strip, shape);
         check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
         viewshed *v = view(&g, bounds, &(viewshed_desc){.height = eye, .absolute = true});
-        bool done = false;
-        check_status(viewshed_heights(v, NULL, heights, NULL, NULL, &done), CW_OK);
+        check_status(viewshed_see(v, NULL, (cw_area){0}, &(cw_view){.needed = heights}), CW_OK);
         double steepest = -(double)INFINITY;
         for (size_t k = 1; k < LENGTH; k++) {
             const size_t at = along ? k : 2 * k;

@@ -155,13 +155,12 @@ static void check_view(const ground *g, const viewshed_desc *d, tally *sum) {
     const terrain *t = &g->terrain;
     sight_bounds *bounds = NULL;
     viewshed *v = NULL;
-    bool done;
     check_status(sight_bounds_create(t, &bounds), CW_OK);
     check_status(viewshed_create(t, bounds, d, &v), CW_OK);
     const sight *s = viewshed_sight(v);
     memset(seen, 0, sizeof seen);
-    check_status(viewshed_count(v, NULL, seen, NULL, NULL, &done), CW_OK);
-    check_status(viewshed_heights(v, NULL, need, NULL, NULL, &done), CW_OK);
+    check_status(viewshed_see(v, NULL, (cw_area){0}, &(cw_view){.seen = seen}), CW_OK);
+    check_status(viewshed_see(v, NULL, (cw_area){0}, &(cw_view){.needed = need}), CW_OK);
     for (size_t k = 0; k < t->nx * t->ny; k++) {
         if (t->nx >= SIDE && !test_takes(k, SAMPLES_STEP)) continue;
         const double x = (double)(k % t->nx), y = (double)(k / t->nx), z = (double)g->z[k];

@@ -67,16 +67,6 @@ const void *call_input(call *c, size_t k, size_t bytes, size_t *count) {
     return *count > 0 ? c->in[k].buf : NULL;
 }
 
-enum { ANGLES_AT_ONCE = 1 << 20 };
-
-size_t call_rows(call *c, size_t k, double passes) {
-    const double most = ANGLES_AT_ONCE / (passes * (double)c->field->nx), all = (double)c->at.ny;
-    const size_t left = c->at.ny - k, rows = most < 1 ? 1 : most < (double)left ? (size_t)most : left;
-    if (left == 0 || !work_part(&c->work, c->begin + c->share * (double)k / all, c->share * (double)rows / all))
-        return 0;
-    return rows < left ? rows : left;
-}
-
 /* ---- the call -------------------------------------------------------------------------------------------------------- */
 
 static bool take_numbers(PyObject *given, call_numbers *to) {
@@ -115,7 +105,6 @@ static product *find_product(const char *name) {
 
 static bool run(call *c, product *make, const char *name, unsigned threads, PyObject *progress) {
     if (!work_begin(&c->work, threads, NULL, progress)) return false;
-    c->work.run.watch = work_look;
     const cw_status status = make(c);
     if (!work_end(&c->work, c->error[0] ? CW_OK : status, name)) return false;
     if (c->error[0]) PyErr_SetString(PyExc_ValueError, c->error);
@@ -123,7 +112,7 @@ static bool run(call *c, product *make, const char *name, unsigned threads, PyOb
 }
 
 PyObject *field_make(PyObject *self, PyObject *arguments) {
-    call c = {.field = (py_field *)self, .share = 1};
+    call c = {.field = (py_field *)self};
     const char *name;
     PyObject *given, *inputs, *outputs, *progress;
     Py_ssize_t window[4];

@@ -20,8 +20,7 @@ typedef struct call {
     py_field *field;
     work work;
     call_numbers n;
-    cw_rectangle at;     /* of the field's samples */
-    double begin, share; /* the part of the work that call_rows divides; all of it at first */
+    cw_rectangle at; /* of the field's samples */
     Py_buffer in[CALL_BUFFERS_MOST], out[CALL_BUFFERS_MOST];
     size_t in_count, out_count;
     char error[256]; /* the text of a ValueError; "": the status says what is wrong */
@@ -38,10 +37,6 @@ const void *call_input(call *c, size_t k, size_t bytes, size_t *count);
 
 /* Sets the error; returns CW_ERROR_ARGUMENT. */
 __attribute__((format(printf, 2, 3))) cw_status call_fail(call *c, const char *format, ...);
-
-/* How many of the window's rows come next after the first k: about 0.1 s of work at so many passes over a sample. 0: none are left,
- * or the work is stopped. work_watch then takes shares of these rows' work. */
-size_t call_rows(call *c, size_t k, double passes);
 
 /* Products by file. */
 product make_angles, make_distances, make_found, make_hours, make_irradiance, make_lines, make_openness,

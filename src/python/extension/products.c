@@ -1,101 +1,85 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Products with a number for each sample of the window, which has all of the field's columns but for visibility's. */
+/* Products with a number for each sample of the window. */
 #include "call.h"
-#include "horizon.h"
 #include "insolation.h"
-#include "shadow.h"
-#include "visibility.h"
 
 #include <math.h>
 #include <stdlib.h>
+
+static size_t samples_of(const call *c) { return c->at.nx * c->at.ny; }
 
 /* ---- the sun ----------------------------------------------------------------------------------------------------- */
 
 cw_status make_shadow(call *c) {
     const call_numbers *n = &c->n;
-    const size_t nx = c->field->nx;
-    const sunlight_desc d = {.azimuth = n->azimuth,
-                             .altitude = n->altitude,
-                             .radius = n->disc,
-                             .curvature = n->curvature,
-                             .hillshade = n->hillshade != 0};
+    const cw_light light = {.azimuth = n->azimuth,
+                            .altitude = n->altitude,
+                            .radius = n->disc,
+                            .curvature = n->curvature,
+                            .hillshade = n->hillshade != 0};
     const bool share = n->share != 0;
-    char *out = call_output(c, 0, c->at.ny * nx * (share ? sizeof(float) : 1));
-    sunlight *light;
+    const cw_area area = {c->at, 0};
+    void *out = call_output(c, 0, samples_of(c) * (share ? sizeof(float) : 1));
     if (out == NULL) return CW_ERROR_ARGUMENT;
-    cw_status status = sunlight_create(&c->field->terrain, &d, &light);
-    if (status != CW_OK) return status;
-    for (size_t k = 0, some; status == CW_OK && (some = call_rows(c, k, d.radius > 0 ? 16 : 1)) > 0; k += some)
-        status = share ? sunlight_share(light, &c->work.run, c->at.j + k, some, (float *)out + k * nx)
-                       : sunlight_lit(light, &c->work.run, c->at.j + k, some, (uint8_t *)out + k * nx);
-    sunlight_destroy(light);
-    return status;
+    return share ? cw_sunlight(&c->field->terrain, &c->work.run, &light, area, out)
+                 : cw_shadow(&c->field->terrain, &c->work.run, &light, area, out);
 }
 
 /* ---- what goes all round --------------------------------------------------------------------------------------------- */
 
-static horizon_desc horizon_of(const call *c) {
-    return (horizon_desc){.start = c->n.start,
-                          .count = (size_t)c->n.directions,
-                          .max_distance = c->n.max_distance,
-                          .curvature = c->n.curvature,
-                          .below = c->n.below != 0};
+static cw_horizon horizon_of(const call *c, uint32_t flags) {
+    return (cw_horizon){.start = c->n.start,
+                        .count = (uint32_t)c->n.directions,
+                        .max_distance = c->n.max_distance,
+                        .curvature = c->n.curvature,
+                        .flags = flags};
 }
 
-typedef cw_status find_some(horizon *h, const cw_run *run, size_t number, size_t row, size_t rows, float *to);
-
-/* Direction by direction: a plane of the first output, and an azimuth of the second. */
-static cw_status find_all(call *c, find_some *find) {
-    const horizon_desc d = horizon_of(c);
-    const size_t nx = c->field->nx, plane = c->at.ny * nx;
-    float *out = call_output(c, 0, d.count * plane * sizeof *out);
-    double *azimuths = call_output(c, 1, d.count * sizeof *azimuths);
-    horizon *h;
+/* Direction by direction: a plane of the first output; azimuths are the second. */
+static cw_status find_all(call *c, bool metres) {
+    const cw_horizon h = horizon_of(c, 0);
+    const terrain *t = &c->field->terrain;
+    const size_t plane = samples_of(c);
+    float *out = call_output(c, 0, h.count * plane * sizeof *out);
+    double *azimuths = call_output(c, 1, h.count * sizeof *azimuths);
     if (out == NULL || azimuths == NULL) return CW_ERROR_ARGUMENT;
-    cw_status status = horizon_create(&c->field->terrain, &d, &h);
-    for (size_t k = 0; k < d.count && status == CW_OK; k++, out += plane) {
-        azimuths[k] = horizon_azimuth(h, k);
-        c->begin = (double)k / (double)d.count;
-        c->share = 1 / (double)d.count;
-        for (size_t r = 0, some; status == CW_OK && (some = call_rows(c, r, 1)) > 0; r += some)
-            status = find(h, &c->work.run, k, c->at.j + r, some, out + r * nx);
-        for (size_t s = 0; s < plane && status == CW_OK && find == horizon_angles; s++)
-            if (out[s] == -90) out[s] = NAN; /* nothing is there: no horizon */
+    cw_status status = cw_horizon_azimuths(t, &h, azimuths);
+    for (uint32_t k = 0; k < h.count && status == CW_OK; k++, out += plane) {
+        if (!work_part(&c->work, (double)k / h.count, 1.0 / h.count)) return CW_OK;
+        status =
+            cw_horizon_angles(t, &c->work.run, &h, k, (cw_area){c->at, 0}, metres ? NULL : out, metres ? out : NULL);
     }
-    horizon_destroy(h);
     return status;
 }
 
-cw_status make_angles(call *c) { return find_all(c, horizon_angles); }
-cw_status make_distances(call *c) { return find_all(c, horizon_distances); }
+cw_status make_angles(call *c) { return find_all(c, false); }
+cw_status make_distances(call *c) { return find_all(c, true); }
 
-typedef cw_status sum_some(horizon *h, const cw_run *run, size_t row, size_t rows, float *to,
-                           terrain_progress *progress, void *context, bool *done);
-
-/* Sums over directions, times a number, into plane number k of the output. */
-static cw_status sum_all(call *c, const horizon_desc *d, sum_some *sum, size_t k, float times) {
-    const size_t nx = c->field->nx, plane = c->at.ny * nx;
+/* Into plane number k of the output, times a number. */
+static cw_status sum_all(call *c, const cw_horizon *h, size_t k, float times) {
+    const size_t plane = samples_of(c);
     float *out = call_output(c, 0, (k + 1) * plane * sizeof *out);
-    horizon *h;
     if (out == NULL) return CW_ERROR_ARGUMENT;
     out += k * plane;
-    cw_status status = horizon_create(&c->field->terrain, d, &h);
-    bool done = true;
-    for (size_t r = 0, some; status == CW_OK && done && (some = call_rows(c, r, 1)) > 0; r += some)
-        status = sum(h, &c->work.run, c->at.j + r, some, out + r * nx, work_watch, &c->work, &done);
+    const cw_status status = cw_sky_view(&c->field->terrain, &c->work.run, h, (cw_area){c->at, 0}, out);
     for (size_t s = 0; s < plane && status == CW_OK && times != 1; s++) out[s] *= times;
-    horizon_destroy(h);
     return status;
 }
 
-static cw_status make_sum(call *c, sum_some *sum) {
-    const horizon_desc d = horizon_of(c);
-    return sum_all(c, &d, sum, 0, 1);
+static cw_status make_sum(call *c, uint32_t flags) {
+    const cw_horizon h = horizon_of(c, flags);
+    return sum_all(c, &h, 0, 1);
 }
 
-cw_status make_sky(call *c) { return make_sum(c, horizon_sky_view); }
-cw_status make_tilted_sky(call *c) { return make_sum(c, horizon_sky_view_tilted); }
-cw_status make_openness(call *c) { return make_sum(c, horizon_openness); }
+cw_status make_sky(call *c) { return make_sum(c, 0); }
+cw_status make_tilted_sky(call *c) { return make_sum(c, CW_HORIZON_TILTED); }
+
+cw_status make_openness(call *c) {
+    const cw_horizon h = horizon_of(c, c->n.below != 0 ? CW_HORIZON_BELOW : 0);
+    float *out = call_output(c, 0, samples_of(c) * sizeof *out);
+    if (out == NULL) return CW_ERROR_ARGUMENT;
+    return cw_openness(&c->field->terrain, &c->work.run, &h, (cw_area){c->at, 0}, out);
+}
 
 /* ---- sunlight over days ------------------------------------------------------------------------------------------------ */
 
@@ -112,36 +96,27 @@ static cw_status find_suns(call *c, insolation **sum) {
     return insolation_create(&c->field->terrain, &d, sum);
 }
 
-typedef cw_status sun_some(insolation *s, const cw_run *run, size_t row, size_t rows, float *to,
-                           terrain_progress *progress, void *context, bool *done);
-
-static cw_status add_suns(call *c, insolation *s, sun_some *add) {
-    const size_t nx = c->field->nx;
-    float *out = call_output(c, 0, c->at.ny * nx * sizeof *out);
-    cw_status status = out ? CW_OK : CW_ERROR_ARGUMENT;
-    bool done = true;
-    for (size_t r = 0, some; status == CW_OK && done && (some = call_rows(c, r, 1)) > 0; r += some)
-        status = add(s, &c->work.run, c->at.j + r, some, out + r * nx, work_watch, &c->work, &done);
-    return status;
-}
-
 cw_status make_hours(call *c) {
     insolation *s;
+    float *out = call_output(c, 0, samples_of(c) * sizeof *out);
+    if (out == NULL) return CW_ERROR_ARGUMENT;
     cw_status status = find_suns(c, &s);
-    if (status == CW_OK) status = add_suns(c, s, insolation_hours);
+    if (status == CW_OK) status = insolation_hours(s, &c->work.run, (cw_area){c->at, 0}, out);
     insolation_destroy(s);
     return status;
 }
 
 /* A plane of direct light and one of diffuse light. */
 cw_status make_irradiance(call *c) {
-    const horizon_desc sky = {.count = (size_t)c->n.sky, .curvature = c->n.curvature};
+    const cw_horizon sky = {.count = (uint32_t)c->n.sky, .curvature = c->n.curvature, .flags = CW_HORIZON_TILTED};
     insolation *s;
+    float *out = call_output(c, 0, 2 * samples_of(c) * sizeof *out);
+    if (out == NULL) return CW_ERROR_ARGUMENT;
     cw_status status = find_suns(c, &s);
-    c->share = 0.5;
-    if (status == CW_OK) status = add_suns(c, s, insolation_direct);
-    c->begin = 0.5;
-    if (status == CW_OK) status = sum_all(c, &sky, horizon_sky_view_tilted, 1, (float)insolation_diffuse(s));
+    bool on = work_part(&c->work, 0, 0.5);
+    if (status == CW_OK && on) status = insolation_direct(s, &c->work.run, (cw_area){c->at, 0}, out);
+    on = on && work_part(&c->work, 0.5, 0.5);
+    if (status == CW_OK && on) status = sum_all(c, &sky, 1, (float)insolation_diffuse(s));
     insolation_destroy(s);
     return status;
 }
@@ -153,28 +128,18 @@ cw_status make_visibility(call *c) {
     enum { AREA, SHARE, LONGEST, AZIMUTH };
     const call_numbers *n = &c->n;
     const int kind = (int)n->kind;
-    const visibility_desc d = {.directions = (size_t)n->directions,
-                               .max_distance = n->max_distance,
-                               .eye_height = n->observer_height,
-                               .target_height = n->target_height,
-                               .curvature = n->curvature,
-                               .every = n->every >= 1 ? (size_t)n->every : 1};
+    const cw_visibility_desc d = {.directions = (uint32_t)n->directions,
+                                  .max_distance = n->max_distance,
+                                  .height = n->observer_height,
+                                  .target = n->target_height,
+                                  .curvature = n->curvature,
+                                  .every = n->every >= 1 ? (uint32_t)n->every : 1};
     const size_t wide = (c->at.nx + d.every - 1) / d.every, eyes = wide * ((c->at.ny + d.every - 1) / d.every);
-    float *out = call_output(c, 0, eyes * sizeof *out),
-          *other = kind >= LONGEST ? malloc(eyes * sizeof *other + 1) : NULL;
-    if (out == NULL || (kind >= LONGEST && other == NULL)) {
-        free(other);
-        return out == NULL ? CW_ERROR_ARGUMENT : CW_ERROR_MEMORY;
-    }
-    const visibility_answers to = {.area = kind == AREA ? out : NULL,
-                                   .share = kind == SHARE ? out : NULL,
-                                   .farthest = kind == LONGEST ? out : other,
-                                   .azimuth = kind == LONGEST   ? other
-                                              : kind == AZIMUTH ? out
-                                                                : NULL};
-    bool done;
-    const cw_status status =
-        visibility_find(&c->field->terrain, &d, &c->work.run, c->at, &to, work_watch, &c->work, &done);
-    free(other);
-    return status;
+    float *out = call_output(c, 0, eyes * sizeof *out);
+    if (out == NULL) return CW_ERROR_ARGUMENT;
+    const cw_visibility_answers to = {.area = kind == AREA ? out : NULL,
+                                      .share = kind == SHARE ? out : NULL,
+                                      .farthest = kind == LONGEST ? out : NULL,
+                                      .azimuth = kind == AZIMUTH ? out : NULL};
+    return cw_visibility(&c->field->terrain, &c->work.run, &d, (cw_area){c->at, 0}, &to);
 }

@@ -112,7 +112,7 @@ static size_t blocks_along(size_t samples) { return (samples + REACH_BLOCK - 1) 
 static PyObject *sunward(PyObject *self, PyObject *arguments) {
     const py_reach *r = (const py_reach *)self;
     Py_buffer low = {0}, high = {0};
-    sunlight_desc light = {0};
+    cw_light light = {0};
     float highest;
     cw_rectangle part;
     if (!PyArg_ParseTuple(arguments, "y*y*fddddO&:sunward", &low, &high, &highest, &light.azimuth, &light.altitude,

@@ -5,7 +5,6 @@
 #include "place_horizon.h"
 #include "sun_day.h"
 #include "view_sum.h"
-#include "viewshed.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -66,46 +65,33 @@ typedef struct viewing {
     size_t samples;
 } viewing;
 
-static viewshed_desc view_of(const call *c, const double eye[3]) {
-    const call_numbers *n = &c->n;
-    return (viewshed_desc){.place = {eye[0], eye[1]},
-                           .height = eye[2] * terrain_metres_of_height(&c->field->terrain),
-                           .absolute = true,
-                           .target_height = n->target_height,
-                           .curvature = n->curvature,
-                           .limits = {.nearest = n->min_distance,
-                                      .farthest = n->max_distance,
-                                      .has_sector = n->has_azimuths != 0,
-                                      .azimuths = {n->azimuth, n->azimuth_until},
-                                      .has_verticals = n->has_verticals != 0,
-                                      .verticals = {n->lowest, n->highest}}};
-}
-
-static cw_status look(viewing *v, const double eye[3], double weight, size_t number, bool *done) {
-    call *c = v->call;
-    work *w = &c->work;
-    const viewshed_desc d = view_of(c, eye);
-    const size_t plane = c->n.bands != 0 ? number * v->samples : 0;
-    viewshed *shed;
-    cw_status status = viewshed_create(&c->field->terrain, v->bounds, &d, &shed);
-    if (status != CW_OK) return status;
+static cw_status look(viewing *v, const terrain *t, const spot *at, const double eye[3], size_t number) {
+    const call_numbers *n = &v->call->n;
+    const cw_observer from = {
+        .x = at->x,
+        .y = northward(v->call, at->y),
+        .height = eye[2] * terrain_metres_of_height(t),
+        .absolute = 1,
+        .target = n->target_height,
+        .curvature = n->curvature,
+        .nearest = n->min_distance,
+        .farthest = n->max_distance,
+        .azimuths = {n->azimuth, n->azimuth_until},
+        .verticals = {n->lowest, n->highest},
+        .limits = (n->has_azimuths != 0 ? 1u * CW_OBSERVER_AZIMUTHS : 0) +
+                  (n->has_verticals != 0 ? 1u * CW_OBSERVER_VERTICALS : 0),
+    };
+    const size_t plane = n->bands != 0 ? number * v->samples : 0;
+    const bool needed = n->kind == NEEDED || n->kind == NEEDED_ABSOLUTE;
     if (v->own) memset(v->own, 0, v->samples * sizeof *v->own);
-    switch ((int)c->n.kind) {
-    case WEIGHT:
-        status = viewshed_weigh(shed, &w->run, weight, v->sums, work_watch, w, done);
-        break;
-    case ANGLE:
-        status = viewshed_angles(shed, &w->run, v->numbers + plane, work_watch, w, done);
-        break;
-    case NEEDED:
-    case NEEDED_ABSOLUTE:
-        status = viewshed_heights(shed, &w->run, v->numbers + plane, work_watch, w, done);
-        break;
-    default:
-        status = viewshed_count(shed, &w->run, v->own ? v->own : v->seen + plane, work_watch, w, done);
-    }
-    viewshed_destroy(shed);
-    return status;
+    const cw_view view = {.seen = v->own    ? v->own
+                                  : v->seen ? v->seen + plane
+                                            : NULL,
+                          .sum = at->weight != 0 ? v->sums : NULL, /* a weight of 0 adds nothing */
+                          .weight = at->weight,
+                          .angle = v->numbers && !needed ? v->numbers + plane : NULL,
+                          .needed = v->numbers && needed ? v->numbers + plane : NULL};
+    return cw_viewshed(t, &v->call->work.run, &from, (cw_area){0}, &view);
 }
 
 static void take_own(viewing *v, const double eye[3], size_t number) {
@@ -117,14 +103,15 @@ static void take_own(viewing *v, const double eye[3], size_t number) {
 
 static cw_status view(viewing *v, const spot *spots, size_t count) {
     call *c = v->call;
-    cw_status status = sight_bounds_create(&c->field->terrain, &v->bounds);
-    bool done = true;
-    for (size_t k = 0; k < count && status == CW_OK && done; k++) {
+    terrain t = c->field->terrain; /* with bounds for all observers */
+    cw_status status = sight_bounds_create(&t, &v->bounds);
+    t.bounds = v->bounds;
+    for (size_t k = 0; k < count && status == CW_OK; k++) {
         double eye[3];
         if (!find_spot(c, "x, y", &spots[k], eye)) return CW_ERROR_ARGUMENT;
-        done = work_part(&c->work, (double)k / (double)count, 1 / (double)count);
-        if (done) status = look(v, eye, spots[k].weight, k, &done);
-        if (status == CW_OK && done && v->own) take_own(v, eye, k);
+        if (!work_part(&c->work, (double)k / (double)count, 1 / (double)count)) return CW_ERROR_CANCELLED;
+        status = look(v, &t, &spots[k], eye, k);
+        if (status == CW_OK && v->own) take_own(v, eye, k);
     }
     return status;
 }

@@ -105,14 +105,14 @@ bool work_begin(work *w, unsigned threads, const char *kernel, PyObject *progres
     return true;
 }
 
-static bool watch(work *w, bool tell, double share) {
+static bool watch(work *w, double share) {
     if (atomic_load_explicit(&w->stopped, memory_order_relaxed)) return false;
     if (!pthread_equal(pthread_self(), w->caller)) return true;
     const double now = clock_seconds();
     if (now < w->next) return true;
     PyEval_RestoreThread(w->state);
     bool good = PyErr_CheckSignals() == 0;
-    if (good && tell && w->progress != NULL) {
+    if (good && w->progress != NULL) {
         PyObject *answer = PyObject_CallFunction(w->progress, "d", share);
         good = answer != NULL;
         Py_XDECREF(answer);
@@ -125,12 +125,7 @@ static bool watch(work *w, bool tell, double share) {
 
 bool work_watch(void *context, double done) {
     work *w = context;
-    return watch(w, true, w->begin + w->share * done);
-}
-
-bool work_look(void *context, double done) {
-    (void)done;
-    return watch(context, false, 0);
+    return watch(w, w->begin + w->share * done);
 }
 
 bool work_part(work *w, double begin, double share) {

@@ -30,12 +30,9 @@ bool work_begin(work *w, unsigned threads, const char *kernel, PyObject *progres
  * work. */
 bool work_end(work *w, cw_status status, const char *call);
 
-/* A cw_watch_fn and terrain_progress: context is the work. From threads other than the caller's it only says whether
+/* A cw_watch_fn: context is the work. From threads other than the caller's it only says whether
  * the work is stopped, since Python handles signals on its own threads. */
 bool work_watch(void *context, double done);
-
-/* The same, but tells no progress: for steps whose shares are not those of the whole. */
-bool work_look(void *context, double done);
 
 /* For work in parts: from here on the watch is told shares of [begin, begin + share]. False if the work is stopped. */
 bool work_part(work *w, double begin, double share);

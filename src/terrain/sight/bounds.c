@@ -12,7 +12,7 @@ static void bound_row(const terrain *t, size_t y, float *columns, float *high, s
                  last = first + (1 << SIGHT_FIRST_SHIFT) < t->ny - 1 ? first + (1 << SIGHT_FIRST_SHIFT) : t->ny - 1;
     for (size_t i = 0; i < t->nx; i++) columns[i] = -INFINITY;
     for (size_t j = first; j <= last; j++) {
-        const float *z = t->z + j * t->nx;
+        const float *z = terrain_row(t, j);
         for (size_t i = 0; i < t->nx; i++) columns[i] = higher(z[i], columns[i]);
     }
     for (size_t x = 0; x < across; x++) {

@@ -37,7 +37,7 @@ double sight_fall(const sight *s, double i, double j) {
 }
 
 double sight_sample(const sight *s, size_t i, size_t j) {
-    return (double)s->terrain->z[j * s->terrain->nx + i] - s->eye[2] - sight_fall(s, (double)i, (double)j);
+    return (double)terrain_row(s->terrain, j)[i] - s->eye[2] - sight_fall(s, (double)i, (double)j);
 }
 
 /* ---- the steepest rise ------------------------------------------------------------------------------------------- */
@@ -179,7 +179,7 @@ static bool is_clear(const sight *s) {
     for (double j = floor(s->eye[1]) - 1; j <= s->eye[1] + 2; j++)
         for (double i = floor(s->eye[0]) - 1; i <= s->eye[0] + 2; i++) {
             if (!(i >= 0 && j >= 0 && i < (double)t->nx && j < (double)t->ny)) continue;
-            const double z = (double)t->z[(size_t)j * t->nx + (size_t)i];
+            const double z = (double)terrain_row(t, (size_t)j)[(size_t)i];
             low = z < low ? z : low;
             high = z > high ? z : high;
         }

@@ -80,7 +80,7 @@ static long clipped(const part *p, double i) { return i > 0 ? i < (double)p->len
  * follow it, since each line of memory holds samples of sixteen. */
 static const float *fetch(part *p, long row) {
     const terrain *t = p->sight->terrain;
-    if (!p->swapped) return t->z + (size_t)row * t->nx;
+    if (!p->swapped) return terrain_row(t, (size_t)row);
     const long first = row - row % COLUMNS_AT_ONCE;
     const size_t length = (size_t)p->length;
     if (p->columns_from != first) {
@@ -100,7 +100,7 @@ static const float *fetch(part *p, long row) {
         p->columns_right = right > left ? right : left;
         const size_t count = (size_t)(last - first + 1);
         for (long j = left; j < right; j++) {
-            const float *z = t->z + (size_t)j * t->nx + first;
+            const float *z = terrain_row(t, (size_t)j) + first;
             for (size_t c = 0; c < count; c++) p->columns[c * length + (size_t)j] = z[c];
         }
     }

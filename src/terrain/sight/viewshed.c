@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "viewshed.h"
 
-#include "cellwalk_expert.h"
+#include "area.h"
 #include "sweep.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdatomic.h>
 #include <stdlib.h>
@@ -22,23 +23,27 @@ static const double most_height = 0x1p120;
 
 cw_status viewshed_create(const terrain *t, const sight_bounds *bounds, const viewshed_desc *d, viewshed **out) {
     *out = NULL;
-    const double ground = terrain_height(t, d->place[0], d->place[1]);
-    const double eye = (d->absolute ? d->height : ground + d->height) / t->map[2][2];
-    if (!terrain_is_in_reach(d->place[0], d->place[1]) || !(fabs(eye) <= most_height)) return CW_ERROR_ARGUMENT;
-    if (!(d->curvature >= 0 && d->curvature <= 1e9)) return CW_ERROR_ARGUMENT;
-    if (!(fabs(d->target_height / t->map[2][2]) <= most_height)) return CW_ERROR_ARGUMENT;
+    const double ground = terrain_height(t, d->place[0], d->place[1]), metres = terrain_metres_of_height(t);
+    const double eye = (d->absolute ? d->height : ground + d->height) / metres;
+    if (!terrain_is_in_reach(d->place[0], d->place[1]))
+        return cw_fail(CW_ERROR_ARGUMENT, "x, y: the place is too far away from the terrain");
+    if (isnan(eye)) return cw_fail(CW_ERROR_ARGUMENT, "x, y: there is no ground to stand on, or height is no number");
+    cw_status status = cw_check_number("height", eye, -most_height, most_height);
+    if (status == CW_OK) status = cw_check_number("target", d->target_height / metres, -most_height, most_height);
+    if (status == CW_OK) status = cw_check_number("curvature", d->curvature, 0, 1e9);
+    if (status != CW_OK) return status;
     viewshed *v = malloc(sizeof *v);
-    if (v == NULL) return CW_ERROR_MEMORY;
-    *v = (viewshed){.terrain = t, .desc = *d, .target = d->target_height / t->map[2][2]};
+    if (v == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
+    *v = (viewshed){.terrain = t, .desc = *d, .target = d->target_height / metres};
     sight_init(&v->sight, t, bounds, (double[3]){d->place[0], d->place[1], eye}, d->curvature);
     if (!view_limits_init(&v->limits, &v->sight, &d->limits)) {
         free(v);
-        return CW_ERROR_ARGUMENT;
+        return cw_fail(CW_ERROR_ARGUMENT, "nearest, farthest, azimuths, verticals: a number is none, or out of range");
     }
     /* A metre is at most so many cells long. */
-    const double *metres = v->limits.metres;
     double cells = 0;
-    for (int k = 0; k < 2; k++) cells = fmax(cells, fabs(t->back[k][0]) / metres[0] + fabs(t->back[k][1]) / metres[1]);
+    for (int k = 0; k < 2; k++)
+        cells = fmax(cells, fabs(t->back[k][0]) / v->limits.metres[0] + fabs(t->back[k][1]) / v->limits.metres[1]);
     v->most = d->limits.farthest > 0 ? d->limits.farthest * cells + 1 : INFINITY;
     *out = v;
     return CW_OK;
@@ -48,47 +53,45 @@ void viewshed_destroy(viewshed *v) { free(v); }
 
 const sight *viewshed_sight(const viewshed *v) { return &v->sight; }
 
+/* One sweep over all samples: for those that are seen, or for the heights that are needed. */
 typedef struct job {
     const viewshed *v;
-    sweep_visit *visit;
-    uint16_t *seen; /* one of these */
-    double *sums, weight;
-    float *heights, *angles;
-    terrain_progress *progress;
-    void *context;
+    cw_area area;
+    cw_view to;
+    bool heights;
+    const cw_run *run;
     atomic_flag telling; /* one thread at a time */
     atomic_uint parts;   /* that are done */
     atomic_bool failed, stopped;
 } job;
+
+/* The number of an output, or SIZE_MAX outside the area. */
+static inline size_t place_of(const job *q, size_t i, size_t j) {
+    const cw_rectangle at = q->area.at;
+    return i - at.i < at.nx && j - at.j < at.ny ? (j - at.j) * q->area.stride + (i - at.i) : SIZE_MAX;
+}
 
 /* The target's height over the eye, lowered. */
 static double rise_of(const viewshed *v, size_t i, size_t j) { return sight_sample(&v->sight, i, j) + v->target; }
 
 static inline bool is_seen(const viewshed *v, size_t i, size_t j, const sweep_way *way) {
     if (v->limits.any && !view_limits_have(&v->limits, (double)i, (double)j, rise_of(v, i, j))) return false;
-    const double z = (double)v->terrain->z[j * v->terrain->nx + i];
+    const double z = (double)terrain_row(v->terrain, j)[i];
     return (way->unsure.close == 0 && !way->unsure.eye) ||
            sight_sees(&v->sight, (double)i, (double)j, z, v->target, way->unsure);
 }
 
-static void count_sample(void *context, size_t i, size_t j, const sweep_way *way) {
-    const job *q = context;
-    if (is_seen(q->v, i, j, way)) q->seen[j * q->v->terrain->nx + i]++;
-}
-
-static void weigh_sample(void *context, size_t i, size_t j, const sweep_way *way) {
-    const job *q = context;
-    if (is_seen(q->v, i, j, way)) q->sums[j * q->v->terrain->nx + i] += q->weight;
-}
-
-static void put_angle(const job *q, size_t i, size_t j) {
+static void put_seen(const job *q, size_t i, size_t j, size_t k) {
     const viewshed *v = q->v;
-    q->angles[j * v->terrain->nx + i] = (float)view_limits_angle(&v->limits, (double)i, (double)j, rise_of(v, i, j));
+    if (q->to.seen) q->to.seen[k]++;
+    if (q->to.sum) q->to.sum[k] += q->to.weight;
+    if (q->to.angle) q->to.angle[k] = (float)view_limits_angle(&v->limits, (double)i, (double)j, rise_of(v, i, j));
 }
 
-static void angle_sample(void *context, size_t i, size_t j, const sweep_way *way) {
+static void see_sample(void *context, size_t i, size_t j, const sweep_way *way) {
     const job *q = context;
-    if (is_seen(q->v, i, j, way)) put_angle(q, i, j);
+    const size_t k = place_of(q, i, j);
+    if (k != SIZE_MAX && is_seen(q->v, i, j, way)) put_seen(q, i, j, k);
 }
 
 /* Whether a number that may be off by the error becomes the same float as the exact one, or one within most_apart of it. Small
@@ -101,9 +104,9 @@ static bool is_sure(double x, double error) {
 static void measure_sample(void *context, size_t i, size_t j, const sweep_way *way) {
     const job *q = context;
     const viewshed *v = q->v;
-    if (v->limits.any && !view_limits_have(&v->limits, (double)i, (double)j, 0)) return;
-    const size_t k = j * v->terrain->nx + i;
-    const double z = (double)v->terrain->z[k], metres = v->terrain->map[2][2];
+    const size_t k = place_of(q, i, j);
+    if (k == SIZE_MAX || (v->limits.any && !view_limits_have(&v->limits, (double)i, (double)j, 0))) return;
+    const double z = (double)terrain_row(v->terrain, j)[i], metres = v->terrain->map[2][2];
     double need;
     if (!way->known) {
         need = sight_need(&v->sight, (double)i, (double)j, z, way->low);
@@ -112,13 +115,14 @@ static void measure_sample(void *context, size_t i, size_t j, const sweep_way *w
         if (!is_sure(need * metres, way->error * metres))
             need = sight_need(&v->sight, (double)i, (double)j, z, way->rise - way->error);
     }
-    q->heights[k] = (float)(need * metres);
+    q->to.needed[k] = (float)(need * metres);
 }
 
 static bool tell(void *context) {
     job *q = context;
-    if (q->progress && !atomic_flag_test_and_set(&q->telling)) {
-        if (!q->progress(q->context, (double)atomic_load(&q->parts) / SWEEP_PARTS)) atomic_store(&q->stopped, true);
+    if (q->run->watch && !atomic_flag_test_and_set(&q->telling)) {
+        if (!q->run->watch(q->run->watch_context, (double)atomic_load(&q->parts) / SWEEP_PARTS))
+            atomic_store(&q->stopped, true);
         atomic_flag_clear(&q->telling);
     }
     return !atomic_load_explicit(&q->stopped, memory_order_relaxed);
@@ -127,22 +131,15 @@ static bool tell(void *context) {
 static void sweep_parts(void *context, size_t begin, size_t end) {
     job *q = context;
     const viewshed *v = q->v;
-    const double target = q->heights ? INFINITY : v->target;
     for (size_t k = begin; k < end; k++) {
         double directions[2][2];
         sweep_directions((unsigned)k, directions);
         if (view_limits_meet(&v->limits, directions[0], directions[1]) &&
-            !sweep_part(&v->sight, (unsigned)k, v->most, target, q->visit, tell, q))
+            !sweep_part(&v->sight, (unsigned)k, v->most, q->heights ? INFINITY : v->target,
+                        q->heights ? measure_sample : see_sample, tell, q))
             atomic_store(&q->failed, true);
         atomic_fetch_add(&q->parts, 1);
     }
-}
-
-static cw_status run(job *q, const cw_run *query, bool *done) {
-    atomic_flag_clear(&q->telling);
-    cw_pool_run(query ? query->pool : NULL, SWEEP_PARTS, 1, sweep_parts, q);
-    *done = !atomic_load(&q->failed) && !atomic_load(&q->stopped);
-    return atomic_load(&q->failed) ? CW_ERROR_MEMORY : CW_OK;
 }
 
 /* The observer's own sample, if the eye is right over it and it counts, is in no part. */
@@ -152,53 +149,81 @@ static bool own_sample(const viewshed *v, size_t at[2]) {
     if (x != floor(x) || y != floor(y) || !(x >= 0 && y >= 0 && x < (double)t->nx && y < (double)t->ny)) return false;
     at[0] = (size_t)x;
     at[1] = (size_t)y;
-    return isfinite(t->z[at[1] * t->nx + at[0]]);
+    return isfinite(terrain_row(t, at[1])[at[0]]);
 }
 
-static bool sees_own_sample(const viewshed *v, size_t at[2]) {
-    return own_sample(v, at) && view_limits_have(&v->limits, (double)at[0], (double)at[1], rise_of(v, at[0], at[1]));
-}
-
-cw_status viewshed_count(const viewshed *v, const cw_run *query, uint16_t *seen, terrain_progress *progress,
-                         void *context, bool *done) {
-    job q = {.v = v, .visit = count_sample, .seen = seen, .progress = progress, .context = context};
+static cw_status sweep(const viewshed *v, const cw_run *run, cw_area area, const cw_view *to, bool heights) {
+    job q = {.v = v, .area = area, .to = *to, .heights = heights, .run = run};
+    float *numbers = heights ? to->needed : to->angle;
+    for (size_t y = 0; y < area.at.ny && numbers; y++)
+        for (size_t x = 0; x < area.at.nx; x++) numbers[y * area.stride + x] = NAN;
+    atomic_flag_clear(&q.telling);
+    cw_pool_run(run->pool, SWEEP_PARTS, 1, sweep_parts, &q);
+    if (atomic_load(&q.failed)) return cw_fail_plainly(CW_ERROR_MEMORY);
+    if (atomic_load(&q.stopped)) return cw_fail_plainly(CW_ERROR_CANCELLED);
     size_t own[2];
-    const cw_status status = run(&q, query, done);
-    if (*done && sees_own_sample(v, own)) seen[own[1] * v->terrain->nx + own[0]]++;
-    return status;
+    if (!own_sample(v, own)) return CW_OK;
+    const size_t k = place_of(&q, own[0], own[1]);
+    const double rise = heights ? 0 : rise_of(v, own[0], own[1]);
+    if (k == SIZE_MAX || !view_limits_have(&v->limits, (double)own[0], (double)own[1], rise)) return CW_OK;
+    if (heights)
+        to->needed[k] = 0;
+    else
+        put_seen(&q, own[0], own[1], k);
+    return CW_OK;
 }
 
-cw_status viewshed_weigh(const viewshed *v, const cw_run *query, double weight, double *sums,
-                         terrain_progress *progress, void *context, bool *done) {
-    job q = {.v = v, .visit = weigh_sample, .sums = sums, .weight = weight, .progress = progress, .context = context};
-    size_t own[2];
-    const cw_status status = run(&q, query, done);
-    if (*done && sees_own_sample(v, own)) sums[own[1] * v->terrain->nx + own[0]] += weight;
-    return status;
+cw_status viewshed_see(const viewshed *v, const cw_run *run, cw_area area, const cw_view *view) {
+    cw_run how;
+    cw_status status = cw_area_begin(v->terrain, view, "view", run, &area, &how);
+    if (status == CW_OK) status = cw_area_stride(&area);
+    if (status == CW_OK) status = cw_check_zeros(view->reserved, 0, "cw_view");
+    if (status == CW_OK) status = cw_check_number("weight", view->weight, -DBL_MAX, DBL_MAX);
+    if (status == CW_OK && view->needed && v->desc.limits.has_verticals)
+        status = cw_fail(CW_ERROR_ARGUMENT, "needed: does not go with CW_OBSERVER_VERTICALS");
+    if (status != CW_OK) return status;
+    cw_view to = *view;
+    if (to.weight == 0) to.weight = 1;
+    const bool sees = to.seen || to.sum || to.angle;
+    run_part first = {&how, 0, to.needed ? 0.5 : 1}, second = {&how, sees ? 0.5 : 0, 1};
+    const cw_run one = cw_run_part_of(&first), other = cw_run_part_of(&second);
+    if (sees) status = sweep(v, &one, area, &to, false);
+    return status == CW_OK && to.needed ? sweep(v, &other, area, &to, true) : status;
 }
 
-static void clear(const viewshed *v, float *numbers) {
-    for (size_t k = 0; k < v->terrain->nx * v->terrain->ny; k++) numbers[k] = NAN;
-}
-
-cw_status viewshed_angles(const viewshed *v, const cw_run *query, float *angles, terrain_progress *progress,
-                          void *context, bool *done) {
-    job q = {.v = v, .visit = angle_sample, .angles = angles, .progress = progress, .context = context};
-    size_t own[2];
-    clear(v, angles);
-    const cw_status status = run(&q, query, done);
-    if (*done && sees_own_sample(v, own)) put_angle(&q, own[0], own[1]);
-    return status;
-}
-
-cw_status viewshed_heights(const viewshed *v, const cw_run *query, float *heights, terrain_progress *progress,
-                           void *context, bool *done) {
-    job q = {.v = v, .visit = measure_sample, .heights = heights, .progress = progress, .context = context};
-    size_t own[2];
-    if (v->desc.limits.has_verticals) return CW_ERROR_ARGUMENT;
-    clear(v, heights);
-    const cw_status status = run(&q, query, done);
-    if (*done && own_sample(v, own) && view_limits_have(&v->limits, (double)own[0], (double)own[1], 0))
-        heights[own[1] * v->terrain->nx + own[0]] = 0;
+cw_status cw_viewshed(const cw_terrain *t, const cw_run *run, const cw_observer *from, cw_area area,
+                      const cw_view *view) {
+    const uint32_t flags = CW_OBSERVER_AZIMUTHS | CW_OBSERVER_VERTICALS;
+    if (t == NULL || from == NULL || view == NULL)
+        return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL", !t ? "terrain" : !from ? "from" : "view");
+    cw_status status = cw_check_zeros(from->reserved, 0, "cw_observer");
+    if (status == CW_OK) status = cw_check_number("absolute", from->absolute, 0, 1);
+    if (status == CW_OK) status = cw_check_number("limits", from->limits, 0, flags);
+    if (status != CW_OK) return status;
+    viewshed_desc d = {.height = from->height,
+                       .absolute = from->absolute,
+                       .target_height = from->target,
+                       .curvature = from->curvature,
+                       .limits = {.nearest = from->nearest,
+                                  .farthest = from->farthest,
+                                  .has_sector = (from->limits & CW_OBSERVER_AZIMUTHS) != 0,
+                                  .azimuths = {from->azimuths[0], from->azimuths[1]},
+                                  .has_verticals = (from->limits & CW_OBSERVER_VERTICALS) != 0,
+                                  .verticals = {from->verticals[0], from->verticals[1]}}};
+    if (!terrain_find_place(t, from->x, from->y, d.place))
+        return cw_fail(CW_ERROR_ARGUMENT, "x, y: (%.10g, %.10g) is too far away from the terrain", from->x, from->y);
+    const double ground = terrain_height(t, d.place[0], d.place[1]);
+    const double height = from->absolute ? from->height : ground + from->height;
+    if (height < ground - CW_LEAST_DEPTH)
+        return cw_fail(CW_ERROR_ARGUMENT,
+                       "height: %.10g m is under the ground, which is %.10g m high at (%.10g, %.10g)", height, ground,
+                       from->x, from->y);
+    const sight_bounds *bounds;
+    viewshed *v = NULL;
+    status = terrain_bounds(t, &bounds);
+    if (status == CW_OK) status = viewshed_create(t, bounds, &d, &v);
+    if (status == CW_OK) status = viewshed_see(v, run, area, view);
+    viewshed_destroy(v);
+    terrain_bounds_release(t, bounds);
     return status;
 }

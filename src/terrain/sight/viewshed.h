@@ -22,21 +22,7 @@ cw_status viewshed_create(const terrain *t, const sight_bounds *bounds, const vi
 void viewshed_destroy(viewshed *v);
 const sight *viewshed_sight(const viewshed *v);
 
-/* Adds 1 to seen[j * nx + i] where sample (i, j) is seen. *done: false if progress ended it. progress may be NULL. */
-cw_status viewshed_count(const viewshed *v, const cw_run *query, uint16_t *seen, terrain_progress *progress,
-                         void *context, bool *done);
-
-/* The same, but adds weight. */
-cw_status viewshed_weigh(const viewshed *v, const cw_run *query, double weight, double *sums,
-                         terrain_progress *progress, void *context, bool *done);
-
-/* The target's angle above the eye's horizontal, in degrees, at each sample that is seen; NaN elsewhere. */
-cw_status viewshed_angles(const viewshed *v, const cw_run *query, float *angles, terrain_progress *progress,
-                          void *context, bool *done);
-
-/* The height above ground, in metres, that is needed at each sample to be seen, 0 where the ground is seen itself, NaN at
- * holes and outside the limits, which must not have vertical angles. */
-cw_status viewshed_heights(const viewshed *v, const cw_run *query, float *heights, terrain_progress *progress,
-                           void *context, bool *done);
+/* As cw_viewshed. */
+cw_status viewshed_see(const viewshed *v, const cw_run *run, cw_area area, const cw_view *view);
 
 #endif

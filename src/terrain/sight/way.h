@@ -83,7 +83,7 @@ static inline double whole_above(double x) { return -whole_below(-x); }
 static inline const float *way_sample(const terrain *t, int kind, double n, double m) {
     const double i = kind == WAY_COLUMN ? n : m, j = kind == WAY_COLUMN ? m : kind == WAY_ROW ? n : m - n;
     if (!(i >= 0 && j >= 0 && i < (double)t->nx && j < (double)t->ny)) return NULL;
-    return t->z + (size_t)j * t->nx + (size_t)i;
+    return terrain_row(t, (size_t)j) + (size_t)i;
 }
 
 /* The surface at a crossing. The lowering is a quadratic form q around the eye: q(s v) = s² q(v), and a mean of its

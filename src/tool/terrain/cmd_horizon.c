@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* `cellwalk horizon`: the horizon's angle in directions all round, or how much of the sky is seen. */
 
-#include "horizon.h"
-
 #include "command.h"
 #include "horizon_at.h"
 #include "product.h"
@@ -24,47 +22,37 @@ enum { INT16 = 1 };
 
 typedef struct horizon_command {
     product product;
-    horizon_desc desc;
+    cw_horizon desc;
     unsigned directions;
-    bool sky, tilted, open, distance; /* and desc.below */
-    bool sum;                         /* one band, not one of each direction */
-    int type;                         /* 0: float32, 1: int16 */
+    bool sky, tilted, open, below, distance;
+    bool sum; /* one band, not one of each direction */
+    int type; /* 0: float32, 1: int16 */
     horizon_at at;
-    horizon *horizon;
     const char **names; /* of bands */
 } horizon_command;
 
-static bool enter(product *p, io_error *error) {
-    horizon_command *c = p->context;
-    horizon_destroy(c->horizon);
-    return product_good(horizon_create(&p->ground.terrain, &c->desc, &c->horizon), true, error);
-}
-
-typedef cw_status sum_of_directions(horizon *h, const cw_run *q, size_t row, size_t rows, float *to,
-                                    terrain_progress *progress, void *context, bool *done);
-
 static bool fill(product *p, size_t band, size_t row, size_t rows, void *cells, io_error *error) {
     const horizon_command *c = p->context;
-    const cw_run *q = &p->ground.query;
-    bool done = true;
-    sum_of_directions *sum = c->tilted ? horizon_sky_view_tilted : c->sky ? horizon_sky_view : horizon_openness;
-    const cw_status status = c->sum        ? sum(c->horizon, q, row, rows, cells, product_tell_block, p, &done)
-                             : c->distance ? horizon_distances(c->horizon, q, band, row, rows, cells)
-                                           : horizon_angles(c->horizon, q, band, row, rows, cells);
-    /* Without terrain in a direction horizon.h has the nadir, which must not count as the least or in the mean. */
-    float *angles = cells;
-    for (size_t k = 0; k < rows * p->ground.terrain.nx && status == CW_OK && !c->sum && !c->distance; k++)
-        if (angles[k] == -90) angles[k] = NAN;
-    return product_good(status, done, error);
+    const terrain *t = &p->ground.terrain;
+    const cw_run run = product_query(p);
+    const cw_area area = {{0, row, t->nx, rows}, 0};
+    cw_horizon h = c->desc;
+    h.flags = c->tilted ? CW_HORIZON_TILTED : c->below ? CW_HORIZON_BELOW : 0;
+    return product_good(c->sky || c->tilted ? cw_sky_view(t, &run, &h, area, cells)
+                        : c->open || c->below
+                            ? cw_openness(t, &run, &h, area, cells)
+                            : cw_horizon_angles(t, &run, &h, (uint32_t)band, area, c->distance ? NULL : cells,
+                                                c->distance ? cells : NULL),
+                        error);
 }
 
 /* Bands are called by their direction, as GRASS numbers none of them alike. */
-static const char **band_names(const horizon *h, size_t count) {
+static const char **band_names(const double *azimuths, size_t count) {
     enum { NAME_MOST = 32 };
     const char **names = malloc(count * (sizeof *names + NAME_MOST));
     char *text = names ? (char *)(names + count) : NULL;
     for (size_t k = 0; k < count && names; k++, text += NAME_MOST) {
-        snprintf(text, NAME_MOST, "azimuth %.6g", horizon_azimuth(h, k));
+        snprintf(text, NAME_MOST, "azimuth %.6g", azimuths[k]);
         names[k] = text;
     }
     return names;
@@ -73,8 +61,9 @@ static const char **band_names(const horizon *h, size_t count) {
 static bool begin(product *p, io_error *error) {
     horizon_command *c = p->context;
     if (horizon_at_asked(&c->at)) return horizon_at_write(p, &c->at, &c->desc, error);
-    if (!c->sum && !enter(p, error)) return false; /* for the bands' names */
-    c->names = c->sum ? NULL : band_names(c->horizon, c->directions);
+    static double azimuths[3600];
+    if (!product_good(cw_horizon_azimuths(&p->ground.terrain, &c->desc, azimuths), error)) return false;
+    c->names = c->sum ? NULL : band_names(azimuths, c->directions);
     if (!c->sum && c->names == NULL) return io_fail(error, "out of memory");
     product_describe(p, IO_CELL_FLOAT32, c->sum ? 1 : c->directions,
                      c->tilted
@@ -96,17 +85,16 @@ static bool begin(product *p, io_error *error) {
     if (c->type == INT16) product_scale(p, c->sum ? step_of_share : step_of_angle);
     /* Without a distance far mountains count, as far as the raster's highest samples let them. */
     p->matters = (ground_matters){.distance = c->desc.max_distance,
-                                  .horizons = !c->desc.below,
+                                  .horizons = !c->below,
                                   .above_level = c->sky || c->tilted,
                                   .curvature = c->desc.curvature};
-    if (c->desc.below) p->more = 8; /* the samples upside down and their bounds */
+    if (c->below) p->more = 8; /* the samples upside down and their bounds */
     p->passes = c->distance ? 30 : 1;
     return true;
 }
 
 static void end(void *context) {
     horizon_command *c = context;
-    horizon_destroy(c->horizon);
     free(c->names);
 }
 
@@ -114,12 +102,12 @@ static bool check(void *context, size_t *bands) {
     horizon_command *c = context;
     const char *output = c->product.output;
     const bool tif = output && io_raster_is_tif(output), at = horizon_at_asked(&c->at);
-    const bool open = c->open || c->desc.below;
+    const bool open = c->open || c->below;
     c->sum = c->sky || c->tilted || open;
     if (!horizon_at_check(&c->at, name)) return false;
-    if (c->sky + c->tilted + c->open + c->desc.below > 1)
+    if (c->sky + c->tilted + c->open + c->below > 1)
         command_fail(name, "of --svf, --svf-tilted, --openness and --openness-negative one can be written");
-    else if (c->desc.below && c->desc.curvature != 0)
+    else if (c->below && c->desc.curvature != 0)
         command_fail(name, "--openness-negative is that of a flat earth, and goes without --curvature");
     else if (c->distance && (c->sum || at))
         command_fail(name, "--distance goes with none of --svf, --openness, --at and --places");
@@ -146,7 +134,7 @@ static bool check(void *context, size_t *bands) {
 
 static int run(int argc, char **argv) {
     static horizon_command c; /* large */
-    c.product = (product){.context = &c, .check = check, .begin = begin, .enter = enter, .fill = fill, .end = end};
+    c.product = (product){.context = &c, .check = check, .begin = begin, .fill = fill, .end = end};
     c.directions = 32;
     c.desc.max_distance = NAN;
     const option_spec options[] = {
@@ -161,7 +149,7 @@ static int run(int argc, char **argv) {
             "openness", &c.open,
             "write openness instead, in degrees: the mean of the angles between the zenith and the horizon in all "
             "directions in which there is terrain, 90 on a plane, more on ridges; usually with --max-distance"),
-        option_flag("openness-negative", &c.desc.below,
+        option_flag("openness-negative", &c.below,
                     "the same between the nadir and the lowest point in each direction: more in valleys"),
         option_flag("distance", &c.distance,
                     "write the distance instead, in metres: how far away the horizon is in each direction"),

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* `cellwalk shadow`: sun and shadow on every sample of a terrain. */
 
-#include "shadow.h"
-
 #include "command.h"
 #include "product.h"
 #include "progress.h"
@@ -18,24 +16,19 @@ typedef struct shadow_command {
     const char *sun, *time; /* one of them is NULL */
     double seconds;         /* of time, as sun_at takes it */
     double disc;            /* NaN: the sun is a point */
-    bool usual_disc;
-    sunlight_desc light;
-    sunlight *sunlight;
+    bool usual_disc, hillshade;
+    cw_light light;
     bool share; /* floats */
 } shadow_command;
 
-static bool enter(product *p, io_error *error) {
-    shadow_command *c = p->context;
-    sunlight_destroy(c->sunlight);
-    return product_good(sunlight_create(&p->ground.terrain, &c->light, &c->sunlight), true, error);
-}
-
 static bool fill(product *p, size_t band, size_t row, size_t rows, void *cells, io_error *error) {
     const shadow_command *c = p->context;
+    const terrain *t = &p->ground.terrain;
+    const cw_run run = product_query(p);
+    const cw_area area = {{0, row, t->nx, rows}, 0};
     (void)band;
-    return product_good((c->share ? sunlight_share(c->sunlight, &p->ground.query, row, rows, cells)
-                                  : sunlight_lit(c->sunlight, &p->ground.query, row, rows, cells)),
-                        true, error);
+    return product_good(
+        c->share ? cw_sunlight(t, &run, &c->light, area, cells) : cw_shadow(t, &run, &c->light, area, cells), error);
 }
 
 static bool find_sun(shadow_command *c, io_error *error) {
@@ -57,7 +50,8 @@ static bool find_sun(shadow_command *c, io_error *error) {
 
 static bool begin(product *p, io_error *error) {
     shadow_command *c = p->context;
-    sunlight_desc *sun = &c->light;
+    cw_light *sun = &c->light;
+    sun->hillshade = c->hillshade;
     sun->radius = c->usual_disc ? SUN_RADIUS : 0;
     if (!find_sun(c, error)) return false;
     if (!isnan(c->disc)) sun->radius = c->disc;
@@ -81,8 +75,6 @@ static bool begin(product *p, io_error *error) {
     return true;
 }
 
-static void end(void *context) { sunlight_destroy(((shadow_command *)context)->sunlight); }
-
 static bool check(void *context, size_t *bands) {
     shadow_command *c = context;
     double sun[2] = {0, 0};
@@ -103,14 +95,14 @@ static bool check(void *context, size_t *bands) {
 
 static int run(int argc, char **argv) {
     static shadow_command c = {.disc = NAN}; /* large */
-    c.product = (product){.context = &c, .check = check, .begin = begin, .enter = enter, .fill = fill, .end = end};
+    c.product = (product){.context = &c, .check = check, .begin = begin, .fill = fill};
     const option_spec options[] = {
         option_text("sun", "AZ,ALT", &c.sun, "azimuth from the map's north over east, and altitude, in degrees"),
         option_text("time", "TIME", &c.time,
                     "date and time with a zone (2024-06-21T12:00:00Z, or +02:00 for Z), at which the sun stands over "
                     "the terrain's middle; the file must name a coordinate system"),
         option_flag(
-            "hillshade", &c.light.hillshade,
+            "hillshade", &c.hillshade,
             "light on the ground: the cosine of the angle between the sun and the ground's normal, 0 in shadow"),
         option_flag("sun-disc", &c.usual_disc,
                     "write the share of the sun's disc that is seen, so that shadows have soft edges"),

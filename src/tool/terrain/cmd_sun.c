@@ -5,7 +5,6 @@
 
 #include "clear_sky.h"
 #include "command.h"
-#include "horizon.h"
 #include "insolation.h"
 #include "number.h"
 #include "sun_table.h"
@@ -35,9 +34,8 @@ typedef struct sun_command {
     /* The work. */
     sun_position *suns;
     size_t count;
-    sunlight_desc *shadows; /* the lowest sun of each direction */
+    cw_light *shadows; /* the lowest sun of each direction */
     insolation *sum;
-    horizon *horizon;
 } sun_command;
 
 enum { DIRECT, DIFFUSE, BANDS };
@@ -51,27 +49,22 @@ static bool enter(product *p, io_error *error) {
                                   .linke = c->linke,
                                   .curvature = c->curvature,
                                   .directions = c->directions};
-    const horizon_desc sky = {.count = c->sky, .curvature = c->curvature};
     insolation_destroy(c->sum);
-    horizon_destroy(c->horizon);
-    c->horizon = NULL;
-    cw_status status = insolation_create(&p->ground.terrain, &desc, &c->sum);
-    if (status == CW_OK && c->irradiance) status = horizon_create(&p->ground.terrain, &sky, &c->horizon);
-    return product_good(status, true, error);
+    return product_good(insolation_create(&p->ground.terrain, &desc, &c->sum), error);
 }
 
 static bool fill(product *p, size_t band, size_t row, size_t rows, void *cells, io_error *error) {
     const sun_command *c = p->context;
-    const cw_run *q = &p->ground.query;
-    bool done = true;
-    const cw_status status =
-        !c->irradiance   ? insolation_hours(c->sum, q, row, rows, cells, product_tell_block, p, &done)
-        : band == DIRECT ? insolation_direct(c->sum, q, row, rows, cells, product_tell_block, p, &done)
-                         : horizon_sky_view_tilted(c->horizon, q, row, rows, cells, product_tell_block, p, &done);
+    const terrain *t = &p->ground.terrain;
+    const cw_run run = product_query(p);
+    const cw_area area = {{0, row, t->nx, rows}, 0};
+    const cw_horizon sky = {.count = c->sky, .curvature = c->curvature, .flags = CW_HORIZON_TILTED};
+    const cw_status status = !c->irradiance   ? insolation_hours(c->sum, &run, area, cells)
+                             : band == DIRECT ? insolation_direct(c->sum, &run, area, cells)
+                                              : cw_sky_view(t, &run, &sky, area, cells);
     const float light = c->irradiance && band == DIFFUSE ? (float)insolation_diffuse(c->sum) : 1;
-    for (size_t k = 0; k < rows * p->ground.terrain.nx && status == CW_OK && light != 1; k++)
-        ((float *)cells)[k] *= light;
-    return product_good(status, done, error);
+    for (size_t k = 0; k < rows * t->nx && status == CW_OK && light != 1; k++) ((float *)cells)[k] *= light;
+    return product_good(status, error);
 }
 
 /* The sun in the middle of each step. Days begin at midnight of the place's mean solar time, so that a day's light is one
@@ -136,7 +129,6 @@ static bool begin(product *p, io_error *error) {
 static void end(void *context) {
     sun_command *c = context;
     insolation_destroy(c->sum);
-    horizon_destroy(c->horizon);
     free(c->shadows);
     free(c->suns);
 }

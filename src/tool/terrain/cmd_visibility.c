@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* `cellwalk visibility`: how much of the ground each place sees. */
 
-#include "visibility.h"
-
 #include "command.h"
 #include "product.h"
 
@@ -14,7 +12,7 @@ static const char name[] = "visibility";
 
 typedef struct visibility_command {
     product product;
-    visibility_desc desc;
+    cw_visibility_desc desc;
     unsigned directions, every;
     bool longest, share;
     size_t nx, ny;      /* eyes */
@@ -42,15 +40,14 @@ static bool find(product *p, size_t row, io_error *error) {
         c->band[b] = malloc(rows * c->nx * sizeof(float));
         if (c->band[b] == NULL) return io_fail(error, "out of memory");
     }
-    visibility_answers to = {.area = c->band[0]};
-    if (c->longest) to = (visibility_answers){.farthest = c->band[0], .azimuth = c->band[1]};
-    if (c->share) to = (visibility_answers){.share = c->band[0]};
-    bool done;
+    cw_visibility_answers to = {.area = c->band[0]};
+    if (c->longest) to = (cw_visibility_answers){.farthest = c->band[0], .azimuth = c->band[1]};
+    if (c->share) to = (cw_visibility_answers){.share = c->band[0]};
     p->part = (double)rows / (double)c->ny / (c->longest ? 2 : 1); /* of all these rows, not of a block */
-    const cw_status status = visibility_find(&g->terrain, &c->desc, &g->query, at, &to, product_tell_block, p, &done);
+    const cw_run run = product_query(p);
     c->from = row;
     c->until = row + rows;
-    return product_good(status, done, error);
+    return product_good(cw_visibility(&g->terrain, &run, &c->desc, (cw_area){at, 0}, &to), error);
 }
 
 static bool fill(product *p, size_t band, size_t row, size_t rows, void *cells, io_error *error) {
@@ -76,7 +73,7 @@ static double most_of(const visibility_command *c) {
 
 static bool begin(product *p, io_error *error) {
     visibility_command *c = p->context;
-    visibility_desc *d = &c->desc;
+    cw_visibility_desc *d = &c->desc;
     ground *g = &p->ground;
     static const char *const names[] = {"metres to the farthest ground in sight", "azimuth of that place"};
     (void)error;
@@ -95,8 +92,8 @@ static bool begin(product *p, io_error *error) {
     if (c->longest) p->raster.band_names = names;
     product_note(p, "DIRECTIONS=%u", c->directions);
     product_note(p, "EVERY=%u", c->every);
-    product_note(p, "OBSERVER_HEIGHT=%.9g", d->eye_height);
-    product_note(p, "TARGET_HEIGHT=%.9g", d->target_height);
+    product_note(p, "OBSERVER_HEIGHT=%.9g", d->height);
+    product_note(p, "TARGET_HEIGHT=%.9g", d->target);
     product_note(p, "MAX_DISTANCE=%.9g", d->max_distance);
     product_note(p, "CURVATURE=%.9g", d->curvature);
     p->matters.distance = d->max_distance;
@@ -113,14 +110,14 @@ static void end(void *context) {
 
 static bool check(void *context, size_t *bands) {
     visibility_command *c = context;
-    const visibility_desc *d = &c->desc;
+    const cw_visibility_desc *d = &c->desc;
     *bands = c->longest ? 2 : 1;
     if (c->longest && c->share)
         command_fail(name, "of --longest and --share one can be written");
-    else if (!(d->eye_height >= 0))
-        command_fail(name, "--observer-height takes metres from 0 on, not %g", d->eye_height);
-    else if (!(d->target_height >= 0))
-        command_fail(name, "--target-height takes metres from 0 on, not %g", d->target_height);
+    else if (!(d->height >= 0))
+        command_fail(name, "--observer-height takes metres from 0 on, not %g", d->height);
+    else if (!(d->target >= 0))
+        command_fail(name, "--target-height takes metres from 0 on, not %g", d->target);
     else if (!(d->max_distance >= 0))
         command_fail(name, "--max-distance takes metres, not %g", d->max_distance);
     else
@@ -129,7 +126,7 @@ static bool check(void *context, size_t *bands) {
 }
 
 static int run(int argc, char **argv) {
-    static visibility_command c = {.desc = {.eye_height = 2}, .directions = 128, .every = 1}; /* large */
+    static visibility_command c = {.desc = {.height = 2}, .directions = 128, .every = 1}; /* large */
     c.product = (product){.context = &c, .check = check, .begin = begin, .fill = fill, .enter = enter, .end = end};
     const option_spec options[] = {
         option_flag(
@@ -138,11 +135,11 @@ static int run(int argc, char **argv) {
         option_flag(
             "share", &c.share,
             "write a share instead, 0 to 1: of all ground within --max-distance and the raster, what is in sight"),
-        option_count("directions", "N", &c.directions, 1, VISIBILITY_DIRECTIONS_MOST,
+        option_count("directions", "N", &c.directions, 1, 3600,
                      "number of directions, evenly spaced from north on (default: 128)"),
-        option_number("observer-height", "H", &c.desc.eye_height,
+        option_number("observer-height", "H", &c.desc.height,
                       "height of the eyes above the ground in metres (default: 2)"),
-        option_number("target-height", "T", &c.desc.target_height,
+        option_number("target-height", "T", &c.desc.target,
                       "what must be seen is T metres above the ground (default: 0, the ground itself)"),
         option_number("max-distance", "D", &c.desc.max_distance,
                       "what is farther away than D metres does not count (default: no limit)"),

@@ -19,7 +19,7 @@ bool horizon_at_check(horizon_at *h, const char *name) {
 typedef struct job {
     product *product;
     const horizon_at *options;
-    const horizon_desc *desc;
+    const cw_horizon *desc;
     sight_bounds *bounds;
     bool in_circles; /* the circle around each place is read, not all of the raster */
     io_output to;
@@ -67,7 +67,7 @@ static bool read_circle(job *j, const ground_place *p, io_error *error) {
 
 static bool write_place(job *j, const ground_place *p, io_error *error) {
     const ground *g = &j->product->ground;
-    const horizon_desc *d = j->desc;
+    const cw_horizon *d = j->desc;
     const terrain *t = &g->terrain;
     const bool json = j->options->json;
     double eye[3], level, xy[2];
@@ -109,7 +109,7 @@ static bool write_all(job *j, const observers *all, io_error *error) {
     return !json || io_output_print(&j->to, error, "\n]}\n");
 }
 
-bool horizon_at_write(product *p, const horizon_at *h, const horizon_desc *desc, io_error *error) {
+bool horizon_at_write(product *p, const horizon_at *h, const cw_horizon *desc, io_error *error) {
     const observers_from from = {.places = h->places, .place_count = h->at.count, .file = h->file};
     job j = {.product = p, .options = h, .desc = desc};
     observers all;

@@ -3,8 +3,8 @@
 #ifndef CELLWALK_TOOL_TERRAIN_HORIZON_AT_H
 #define CELLWALK_TOOL_TERRAIN_HORIZON_AT_H
 
-#include "horizon.h"
 #include "product.h"
+#include "sight.h"
 
 typedef struct horizon_at {
     option_again at;                       /* texts of places, or */
@@ -20,6 +20,6 @@ static inline bool horizon_at_asked(const horizon_at *h) { return h->at.count > 
 bool horizon_at_check(horizon_at *h, const char *name);
 
 /* Writes the horizons of all places, in the directions that desc has, to the output or standard output. */
-bool horizon_at_write(product *p, const horizon_at *h, const horizon_desc *desc, io_error *error);
+bool horizon_at_write(product *p, const horizon_at *h, const cw_horizon *desc, io_error *error);
 
 #endif

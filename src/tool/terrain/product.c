@@ -233,9 +233,19 @@ bool product_tell_block(void *context, double share) {
     return product_tell(context, p->done + share * p->part);
 }
 
-bool product_good(cw_status status, bool done, io_error *error) {
-    if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));
-    return done || io_fail(error, "interrupted");
+bool product_good(cw_status status, io_error *error) {
+    if (status == CW_OK) return true;
+    return io_fail(error, "%s",
+                   status == CW_ERROR_CANCELLED  ? "interrupted"
+                   : status == CW_ERROR_ARGUMENT ? cw_last_error()
+                                                 : cw_status_message(status));
+}
+
+cw_run product_query(product *p) {
+    cw_run run = p->ground.query;
+    run.watch = product_tell_block;
+    run.watch_context = p;
+    return run;
 }
 
 /* ---- all together ------------------------------------------------------------------------------------------------ */

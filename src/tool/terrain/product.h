@@ -83,12 +83,14 @@ void product_scale(product *p, double scale);
 /* For product_run: makes all blocks and writes them. */
 bool product_write(product *p, io_error *error);
 
-/* Shows progress of a step that lasts, for terrain_progress: context is the product. False after Ctrl-C. */
+/* Shows progress of a step that lasts, as a watch: context is the product. False after Ctrl-C. */
 bool product_tell(void *context, double share);
 /* The same, of the block that is being filled. */
 bool product_tell_block(void *context, double share);
-/* For the end of a fill: an error unless the status is good and the work was not ended. */
-bool product_good(cw_status status, bool done, io_error *error);
+/* For the end of a fill: false, with the reason, unless the status is CW_OK. */
+bool product_good(cw_status status, io_error *error);
+/* The query under the watch of the block that is being filled. */
+cw_run product_query(product *p);
 
 /* --curvature of products for which the earth is flat unless it is given, and of lines of sight. Checked: false after a message. */
 option_spec product_flat_earth_row(double *curvature);

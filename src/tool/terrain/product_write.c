@@ -52,7 +52,7 @@ static bool piece_for(writing *w, size_t row, size_t blocks, cw_rectangle *part,
         !(w->surveyed = ground_survey(g, &w->plan.blocks, wanted, &w->plan, error)))
         return false;
     *part = (cw_rectangle){window.i, window.j + row, window.nx, rows < left ? rows : left};
-    return product_good(ground_plan_around(&w->plan, *part, piece), true, error);
+    return product_good(ground_plan_around(&w->plan, *part, piece), error);
 }
 
 /* Reads the piece for as many rows as there is memory for. */
@@ -193,8 +193,7 @@ bool product_write(product *p, io_error *error) {
     w.values = malloc(w.rows * r->nx * sizeof *w.values);
     bool good = (w.cells && w.values) || io_fail(error, "out of memory");
     good = good && outcome_begin(&w.outcome, r->nx * r->ny, error);
-    good =
-        good && product_good(ground_plan_create(&w.plan, &p->matters, &p->ground.whole, p->ground.window), true, error);
+    good = good && product_good(ground_plan_create(&w.plan, &p->matters, &p->ground.whole, p->ground.window), error);
     good = good && check_pieces(&w, error);
     if (good) good = io_raster_is_png(p->output) && !p->plain ? write_picture(&w, error) : write_rows(&w, error);
     if (good) tell_outcome(p, &w.outcome);

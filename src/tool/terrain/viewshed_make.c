@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "viewshed_make.h"
 
+#include "sight.h"
 #include "view_sum.h"
-#include "viewshed.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -120,34 +120,38 @@ static bool print_view(viewshed_command *c, const double eye[3], io_error *error
 
 static bool look_from(viewshed_command *c, io_error *error) {
     const terrain *t = &c->product.ground.terrain;
-    const cw_run *query = &c->product.ground.query;
     char text[OBSERVER_TEXT];
     double eye[3];
     const ground_place place = observers_place(&c->observers, c->observer, text);
     if (!ground_find_place(t, &place, eye, NULL, error)) return false;
-    const viewshed_desc d = {
-        .place = {eye[0], eye[1]},
+    const sight_limits *l = &c->limits;
+    const cw_observer from = {
+        .x = place.x,
+        .y = place.y,
         .height = eye[2] * terrain_metres_of_height(t),
-        .absolute = true,
-        .target_height = c->target_height,
+        .absolute = 1,
+        .target = c->target_height,
         .curvature = c->curvature,
-        .limits = c->limits,
+        .nearest = l->nearest,
+        .farthest = l->farthest,
+        .azimuths = {l->azimuths[0], l->azimuths[1]},
+        .verticals = {l->verticals[0], l->verticals[1]},
+        .limits = (l->has_sector ? 1u * CW_OBSERVER_AZIMUTHS : 0) + (l->has_verticals ? 1u * CW_OBSERVER_VERTICALS : 0),
     };
-    const double weight = c->weights ? c->observers.list[c->observer].weight : 1;
-    viewshed *v;
-    bool done = false;
-    cw_status status = viewshed_create(t, c->bounds, &d, &v);
+    cw_view view = {.seen = c->own ? c->own : c->seen};
+    if (!c->own) {
+        if (c->kind == VIEW_NEEDED) view.needed = c->numbers;
+        if (c->kind == VIEW_ANGLE) view.angle = c->numbers;
+        view.sum = c->sums;
+        view.weight = c->weights ? c->observers.list[c->observer].weight : 1;
+        if (view.weight == 0) view.sum = NULL; /* adds nothing */
+    }
+    cw_run run = c->product.ground.query;
+    run.watch = tell;
+    run.watch_context = c;
     if (c->own) memset(c->own, 0, t->nx * t->ny * sizeof *c->own);
-    if (status == CW_OK)
-        status = c->own                   ? viewshed_count(v, query, c->own, tell, c, &done)
-                 : c->kind == VIEW_NEEDED ? viewshed_heights(v, query, c->numbers, tell, c, &done)
-                 : c->kind == VIEW_ANGLE  ? viewshed_angles(v, query, c->numbers, tell, c, &done)
-                 : c->kind == VIEW_WEIGHT ? viewshed_weigh(v, query, weight, c->sums, tell, c, &done)
-                                          : viewshed_count(v, query, c->seen, tell, c, &done);
-    viewshed_destroy(v);
-    if (status != CW_OK) return io_fail(error, "%s", cw_status_message(status));
-    if (!done) return io_fail(error, "interrupted");
-    return c->own == NULL || print_view(c, eye, error);
+    return product_good(cw_viewshed(t, &run, &from, (cw_area){0}, &view), error) &&
+           (c->own == NULL || print_view(c, eye, error));
 }
 
 static bool make_room(viewshed_command *c, io_error *error) {
@@ -306,6 +310,7 @@ bool viewshed_begin(product *p, io_error *error) {
         !skip_observers(c, true, error))
         return false;
     if (sight_bounds_create(&p->ground.terrain, &c->bounds) != CW_OK) return io_fail(error, "out of memory");
+    p->ground.terrain.bounds = c->bounds;
     if (!make_room(c, error)) return false;
     for (c->observer = 0; c->observer < c->observers.count && !c->bands; c->observer++)
         if (!look_from(c, error)) return false;

@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* How public functions begin, and how a product is made for an area: block by block of rows. */
+#ifndef CELLWALK_TERRAIN_AREA_H
+#define CELLWALK_TERRAIN_AREA_H
+
+#include "sister.h"
+#include "terrain.h"
+
+/* Fails with the argument's name unless value is from least to most. */
+cw_status cw_check_number(const char *name, double value, double least, double most);
+/* So far under the ground a place may be, in metres: its height may come from decimals, and floats are known to half a millimetre at
+ * 8000 m. */
+#define CW_LEAST_DEPTH 1e-3
+
+/* Fails unless all are 0. what: the struct's name. */
+cw_status cw_check_zeros(const uint64_t reserved[8], uint32_t zero, const char *what);
+
+/* Fails unless both pointers are there, and the area is a part of the terrain. All of it if it is empty. *how becomes *run. */
+cw_status cw_area_begin(const terrain *t, const void *desc, const char *name, const cw_run *run, cw_area *area,
+                        cw_run *how);
+
+/* Sets a stride of 0; fails with one that is too small. */
+cw_status cw_area_stride(cw_area *area);
+
+/* Writes the numbers of a block, at.nx to a row. */
+typedef cw_status cw_area_fill(void *context, const cw_run *run, cw_rectangle at, void *to);
+
+/* Fills an area that has begun in, bytes to a number. Blocks are small enough for room of a few numbers a sample. */
+cw_status cw_area_make(cw_area area, const cw_run *how, size_t bytes, cw_area_fill *fill, void *context, void *out,
+                       const char *name);
+
+/* The run of number k of count equal parts; *part is its room. */
+static inline cw_run cw_run_share(run_part *part, const cw_run *whole, size_t k, size_t count) {
+    *part = (run_part){whole, (double)k / (double)count, (double)(k + 1) / (double)count};
+    return cw_run_part_of(part);
+}
+
+#endif

@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Lines of sight between any places, each decided on its own. */
+#include "area.h"
+#include "sight.h"
+
+#include <math.h>
+
+typedef struct looking {
+    const terrain *terrain;
+    const cw_sight *lines;
+    cw_sight_answer *answers;
+    double curvature;
+} looking;
+
+/* A place in field coordinates, height in the samples' numbers: CW_SIGHT_SEEN if a line can end there. */
+static uint32_t find_place(const terrain *t, const double place[3], bool absolute, double at[3]) {
+    if (!terrain_find_place(t, place[0], place[1], at)) return CW_SIGHT_TOO_FAR;
+    const double level = terrain_height(t, at[0], at[1]), height = absolute ? place[2] : level + place[2];
+    at[2] = height / terrain_metres_of_height(t);
+    if (!absolute && isnan(level)) return CW_SIGHT_NO_GROUND;
+    if (height < level - CW_LEAST_DEPTH) return CW_SIGHT_UNDER_GROUND;
+    return isfinite(at[2]) ? CW_SIGHT_SEEN : CW_SIGHT_TOO_FAR;
+}
+
+static cw_sight_answer look_along(const looking *l, const cw_sight *line) {
+    const terrain *t = l->terrain;
+    double at[2][3], metres[2], xy[2][2];
+    cw_sight_answer a = {NAN, {NAN, NAN, NAN}, NAN, CW_SIGHT_SEEN, 0};
+    for (uint32_t e = 0; e < 2; e++) {
+        a.state = find_place(t, e ? line->to : line->from, (line->absolute >> e & 1) != 0, at[e]);
+        a.end = e;
+        if (a.state != CW_SIGHT_SEEN) return a;
+    }
+    const double *eye = at[0], *target = at[1];
+    sight s;
+    sight_init(&s, t, NULL, eye, l->curvature);
+    const double height = target[2] - s.eye[2] - sight_fall(&s, target[0], target[1]);
+    const double block = sight_first_block(&s, target[0], target[1], target[2]);
+    terrain_metres(t, eye[0], eye[1], metres);
+    for (int e = 0; e < 2; e++) terrain_to_map(t, at[e][0], at[e][1], xy[e]);
+    a.metres = hypot((xy[1][0] - xy[0][0]) * metres[0], (xy[1][1] - xy[0][1]) * metres[1]);
+    a.end = 0;
+    if (!(block < INFINITY)) return a;
+    a.state = CW_SIGHT_BLOCKED;
+    for (int c = 0; c < 2; c++) a.blocked[c] = xy[0][c] + block * (xy[1][c] - xy[0][c]);
+    /* The line bends up against the lowered surface by as much as that is lowered. */
+    const double bend = sight_fall(&s, eye[0] + block * (target[0] - eye[0]), eye[1] + block * (target[1] - eye[1]));
+    a.blocked[2] = (eye[2] + block * height + bend) * terrain_metres_of_height(t);
+    a.distance = block * a.metres;
+    return a;
+}
+
+static void look_along_some(void *context, size_t begin, size_t end) {
+    const looking *l = context;
+    for (size_t k = begin; k < end; k++) l->answers[k] = look_along(l, &l->lines[k]);
+}
+
+cw_status cw_lines_of_sight(const cw_terrain *t, const cw_run *run, double curvature, const cw_sight *lines, size_t n,
+                            cw_sight_answer *answers) {
+    enum { FEW = 64 };
+    cw_run how;
+    cw_area all = {0};
+    cw_status status = cw_area_begin(t, lines ? lines : n > 0 ? NULL : (const void *)&all, "lines", run, &all, &how);
+    if (status == CW_OK) status = cw_check_number("curvature", curvature, 0, 1e9);
+    if (status == CW_OK && n > 0 && answers == NULL) status = cw_fail(CW_ERROR_ARGUMENT, "answers: NULL");
+    for (size_t k = 0; k < n && status == CW_OK; k++)
+        if (lines[k].absolute > 3 || lines[k].zero != 0)
+            status =
+                cw_fail(CW_ERROR_ARGUMENT, "lines: absolute is %u and zero %u in number %zu; they are 0 to 3 and 0",
+                        lines[k].absolute, lines[k].zero, k);
+    if (status != CW_OK) return status;
+    looking l = {t, lines, answers, curvature};
+    return cw_run_work(&how, n, FEW, FEW, look_along_some, &l);
+}
