@@ -164,16 +164,6 @@ CW_INLINE void rf_load_quads(const float *const at[8], float_reg out[4]) {
     transpose(r, out);
 }
 
-CW_INLINE void rf_load_rays(const cw_ray *rays, float_reg out[8]) {
-    for (int half = 0; half < 2; half++) {
-        __m256 r[4];
-        for (int q = 0; q < 4; q++)
-            r[q] = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps((const float *)(rays + q) + 4 * half)),
-                                        _mm_loadu_ps((const float *)(rays + q + 4) + 4 * half), 1);
-        transpose(r, out + 4 * half);
-    }
-}
-
 /* Members in pairs of two; a hit is three pairs, four hits are three registers. Unpacking leaves pairs of lanes 0, 1
  * and 4, 5 in one register, of 2, 3 and 6, 7 in the other; the halves of registers are put in order as they are
  * stored. */

@@ -154,15 +154,6 @@ CW_INLINE void rf_load_quads(const float *const at[16], float_reg out[4]) {
     transpose(r, out);
 }
 
-CW_INLINE void rf_load_rays(const cw_ray *rays, float_reg out[8]) {
-    for (int half = 0; half < 2; half++) {
-        const float *from = (const float *)rays + 4 * half;
-        __m512 r[4];
-        for (int q = 0; q < 4; q++, from += 8) r[q] = quarters(from, from + 32, from + 64, from + 96);
-        transpose(r, out + 4 * half);
-    }
-}
-
 /* Members in pairs of two; a hit is three pairs, eight hits are three registers. Unpacking leaves the pairs of lanes 0, 1,
  * 4, 5, 8, 9, 12, 13 in one register and the others in the second. */
 CW_INLINE void rf_store_hits(cw_hit *hits, float_reg t, float_reg u, float_reg v, float_reg i, float_reg j,

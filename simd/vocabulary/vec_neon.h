@@ -5,7 +5,7 @@
  * and both order zeros by sign; the vocabulary's yield the second operand in all these cases.
  *
  * Rejected: vec_sse42.h through SIMDe. It takes more instructions a ray (papers/arm.md), as SSE tells masks by their sign bits
- * alone and has no loads that transpose, no shift by a vector and no lookup in 64 bytes. */
+ * alone and has no shift by a vector and no lookup in 64 bytes. */
 #ifndef CELLWALK_SIMD_VEC_NEON_H
 #define CELLWALK_SIMD_VEC_NEON_H
 
@@ -156,15 +156,6 @@ CW_INLINE void rf_gather_quads(const float *base, int_reg index, mask_reg m, flo
     const float *const at[4] = {base + 4 * (ptrdiff_t)k.k[0], base + 4 * (ptrdiff_t)k.k[1],
                                 base + 4 * (ptrdiff_t)k.k[2], base + 4 * (ptrdiff_t)k.k[3]};
     rf_load_quads(at, out);
-}
-
-/* A load that deals floats out to four registers leaves in each, of two rays, the members k and k + 4. */
-CW_INLINE void rf_load_rays(const cw_ray *rays, float_reg out[8]) {
-    const float32x4x4_t low = vld4q_f32((const float *)rays), high = vld4q_f32((const float *)(rays + 2));
-    for (int k = 0; k < 4; k++) {
-        out[k].v = vuzp1q_f32(low.val[k], high.val[k]);
-        out[4 + k].v = vuzp2q_f32(low.val[k], high.val[k]);
-    }
 }
 
 /* Members in pairs of two; a hit is three pairs, two hits are three registers. */

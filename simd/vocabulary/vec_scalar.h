@@ -114,11 +114,6 @@ CW_INLINE void rf_load_quads(const float *const at[1], float_reg out[4]) {
     for (int c = 0; c < 4; c++) out[c].v = at[0][c];
 }
 
-/* Rays of consecutive lanes, from an array of structures to one register each of org x y z, tmin, dir x y z, tmax. */
-CW_INLINE void rf_load_rays(const cw_ray *rays, float_reg out[8]) {
-    for (int c = 0; c < 8; c++) out[c].v = ((const float *)rays)[c];
-}
-
 /* W hits of consecutive lanes, from one vector each of t, u, v, i, j, triangle to an array of structures. i and j
  * are whole numbers; triangle is B where b. */
 CW_INLINE void rf_store_hits(cw_hit *hits, float_reg t, float_reg u, float_reg v, float_reg i, float_reg j,

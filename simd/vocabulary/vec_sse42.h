@@ -139,14 +139,6 @@ CW_INLINE void rf_load_quads(const float *const at[4], float_reg out[4]) {
     transpose(r, out);
 }
 
-CW_INLINE void rf_load_rays(const cw_ray *rays, float_reg out[8]) {
-    for (int half = 0; half < 2; half++) {
-        __m128 r[4];
-        for (int q = 0; q < 4; q++) r[q] = _mm_loadu_ps((const float *)(rays + q) + 4 * half);
-        transpose(r, out + 4 * half);
-    }
-}
-
 /* Members in pairs of two; a hit is three pairs, two hits are three registers. */
 CW_INLINE void rf_store_hits(cw_hit *hits, float_reg t, float_reg u, float_reg v, float_reg i, float_reg j,
                              mask_reg b) {

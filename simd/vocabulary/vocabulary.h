@@ -218,9 +218,9 @@ CW_INLINE void vf_load_each_ray(const cw_ray *const rays[LANES], vfloat out[8]) 
 }
 /* The same of consecutive rays. */
 CW_INLINE void vf_load_rays(const cw_ray *rays, vfloat out[8]) {
-    float_reg member[REGISTERS][8];
-    for (int r = 0; r < REGISTERS; r++) rf_load_rays(rays + r * W, member[r]);
-    join(member[0], member[REGISTERS - 1], out, 8);
+    const cw_ray *at[LANES];
+    for (int k = 0; k < LANES; k++) at[k] = rays + k;
+    vf_load_each_ray(at, out);
 }
 CW_INLINE void vf_store_hits(cw_hit *hits, vfloat t, vfloat u, vfloat v, vfloat i, vfloat j, vmask b) {
     rf_store_hits(hits, t.a, u.a, v.a, i.a, j.a, b.a);
