@@ -1,62 +1,138 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Public queries: check, choose the kernel, split over threads, keep the floating-point environment. */
+/* Public queries: check, choose the kernel, split over threads, keep the floating-point environment. Rays in user space are moved to
+ * field space in blocks that lie on the stack and in the first cache. */
 
 #include "field.h"
 #include "fpenv.h"
 #include "kernels.h"
 #include "run.h"
 
+#include <math.h>
+
 /* Rays a thread takes at a time: some 100 microseconds of work, so that handing out costs nothing; towards the end fewer, so
  * that the last piece does not keep the others waiting, also where there are 10 000 rays in all. */
 enum { LEAST = 256, MOST = 4096 };
 /* Fewer rays than this are found before a thread that sleeps has woken up. */
 enum { SHARED = 1024 };
+/* As many as keep the kernels' batches full, and few. */
+enum { BLOCK = 512, FEW = 8 };
+/* The measured crossing of the cell walk and the pyramid of one lane, and of two rays. */
+enum { SHORT_CELLS = 32, SHORT_MOST = 3 };
 
 typedef struct job {
     const cw_field *field;
     const cw_ray *rays;
+    const cw_user_ray *user_rays; /* instead of rays */
     cw_run how;
+    bool forced;       /* the caller has chosen the kernel */
     cw_hit *hits;      /* of cw_closest */
     uint8_t *occluded; /* of cw_occluded */
 } job;
 
-static void run_closest(void *context, size_t begin, size_t end) {
+/* True if it ends, or leaves the field's heights, within some cells. */
+static bool is_short(const cw_field *f, const cw_ray *r) {
+    const float height = (r->dir[2] < 0 ? f->low : f->high) - r->org[2];
+    const float leave = r->dir[2] != 0 ? height / r->dir[2] : INFINITY, end = leave < r->tmax ? leave : r->tmax;
+    return (end - r->tmin) * (fabsf(r->dir[0]) + fabsf(r->dir[1])) <= SHORT_CELLS;
+}
+
+/* The cell walk makes nothing ready, so it is the fastest for up to three short rays. */
+static const cw_kernel_code *code_for(const job *q, const cw_ray *rays, size_t n) {
+    if (q->forced || n > SHORT_MOST) return q->how.expert.kernel->code;
+    for (size_t k = 0; k < n; k++)
+        if (!is_short(q->field, &rays[k])) return q->how.expert.kernel->code;
+    return &cw_cell;
+}
+
+static void trace(const job *q, const cw_ray *rays, size_t begin, size_t n) {
+    const cw_kernel_code *code = code_for(q, rays, n);
+    const cw_leaf leaf = q->how.expert.leaf;
+    if (q->hits)
+        code->closest[leaf](q->field, rays, n, q->hits + begin);
+    else
+        code->any[leaf](q->field, rays, n, q->occluded + begin);
+}
+
+static void work(void *context, size_t begin, size_t end) {
     const job *q = context;
     const fpenv caller = fpenv_enter();
-    q->how.expert.kernel->code->closest[q->how.expert.leaf](q->field, q->rays + begin, end - begin, q->hits + begin);
+    trace(q, q->rays + begin, begin, end - begin);
     fpenv_leave(caller);
 }
 
-static void run_any(void *context, size_t begin, size_t end) {
-    const job *q = context;
+static inline void work_in_blocks(const job *q, size_t begin, size_t end, cw_ray *block, size_t most) {
     const fpenv caller = fpenv_enter();
-    q->how.expert.kernel->code->any[q->how.expert.leaf](q->field, q->rays + begin, end - begin, q->occluded + begin);
+    for (size_t count; begin < end; begin += count) {
+        count = end - begin < most ? end - begin : most;
+        q->how.expert.kernel->to_field(q->field->to_field, q->user_rays + begin, count, block);
+        trace(q, block, begin, count);
+    }
     fpenv_leave(caller);
+}
+
+static void work_on_few(void *context, size_t begin, size_t end) {
+    cw_ray block[FEW];
+    work_in_blocks(context, begin, end, block, FEW);
+}
+
+static void work_on_many(void *context, size_t begin, size_t end) {
+    cw_ray block[BLOCK];
+    work_in_blocks(context, begin, end, block, BLOCK);
 }
 
 /* An update may drop a structure, so its presence is checked behind the door. */
-static cw_status query(job *q, const cw_run *run, const void *out, const char *out_name, size_t n, cw_work_fn *work) {
+static cw_status query(job *q, const cw_run *run, const void *out, const char *out_name, size_t n) {
     if (q->field == NULL) return cw_fail(CW_ERROR_ARGUMENT, "field: NULL");
-    if (n > 0 && q->rays == NULL) return cw_fail(CW_ERROR_ARGUMENT, "rays: NULL for %zu rays", n);
+    if (n > 0 && q->rays == NULL && q->user_rays == NULL)
+        return cw_fail(CW_ERROR_ARGUMENT, "rays: NULL for %zu rays", n);
     if (n > 0 && out == NULL) return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL for %zu rays", out_name, n);
     cw_status status = cw_run_begin(run, &q->how);
-    if (status == CW_OK) status = cw_run_settle(&q->how);
+    q->forced = q->how.expert.kernel != NULL;
+    if (status == CW_OK) status = cw_run_settle(&q->how, n);
     if (status != CW_OK) return status;
     if (n < SHARED) q->how.pool = NULL;
     const door_pass in = door_enter(&q->field->door);
     if (in.entry == NULL) return cw_fail_plainly(CW_ERROR_BUSY);
+    cw_work_fn *const how = q->user_rays == NULL ? work : n <= FEW ? work_on_few : work_on_many;
     status = cw_run_built(q->field, &q->how);
-    if (status == CW_OK) status = cw_run_work(&q->how, n, LEAST, MOST, work, q);
+    if (status == CW_OK) status = cw_run_work(&q->how, n, q->user_rays ? BLOCK : LEAST, MOST, how, q);
     door_leave(in);
     return status;
 }
 
 cw_status cw_closest(const cw_field *field, const cw_run *run, const cw_ray *rays, size_t n, cw_hit *hits) {
-    job q = {.field = field, .rays = rays, .hits = hits};
-    return query(&q, run, hits, "hits", n, run_closest);
+    job q;
+    q.field = field, q.rays = rays, q.user_rays = NULL, q.hits = hits;
+    return query(&q, run, hits, "hits", n);
 }
 
 cw_status cw_occluded(const cw_field *field, const cw_run *run, const cw_ray *rays, size_t n, uint8_t *occluded) {
-    job q = {.field = field, .rays = rays, .occluded = occluded};
-    return query(&q, run, occluded, "occluded", n, run_any);
+    job q;
+    q.field = field, q.rays = rays, q.user_rays = NULL, q.hits = NULL, q.occluded = occluded;
+    return query(&q, run, occluded, "occluded", n);
+}
+
+cw_status cw_closest_user(const cw_field *field, const cw_run *run, const cw_user_ray *rays, size_t n, cw_hit *hits) {
+    job q;
+    q.field = field, q.rays = NULL, q.user_rays = rays, q.hits = hits;
+    return query(&q, run, hits, "hits", n);
+}
+
+cw_status cw_occluded_user(const cw_field *field, const cw_run *run, const cw_user_ray *rays, size_t n,
+                           uint8_t *occluded) {
+    job q;
+    q.field = field, q.rays = NULL, q.user_rays = rays, q.hits = NULL, q.occluded = occluded;
+    return query(&q, run, occluded, "occluded", n);
+}
+
+/* ---- rays alone -------------------------------------------------------------------------------------------------- */
+
+static void move_rays(void *context, size_t begin, size_t end) {
+    const cw_batch *b = context;
+    cw_run_kernel(b->field, NULL)
+        ->to_field(b->field->to_field, (const cw_user_ray *)b->in + begin, end - begin, (cw_ray *)b->out + begin);
+}
+
+cw_status cw_rays_to_field(const cw_field *field, const cw_run *run, const cw_user_ray *in, size_t n, cw_ray *out) {
+    return cw_run_batch(&(cw_batch){field, move_rays, "rays", "in", in, "out", out}, run, n);
 }

@@ -44,21 +44,36 @@ cw_status cw_run_begin(const cw_run *run, cw_run *how) {
     *how = run ? *run : (cw_run){0};
     if ((uint32_t)how->expert.leaf >= CW_LEAF_COUNT)
         return cw_fail(CW_ERROR_ARGUMENT, "expert: leaf %u is not a leaf test", (uint32_t)how->expert.leaf);
+    if ((uint32_t)how->expert.isa >= CW_ISA_COUNT)
+        return cw_fail(CW_ERROR_ARGUMENT, "expert: isa %d is no instruction set", how->expert.isa);
     return cw_check_reserved(how->reserved, 6, 0, "cw_run");
 }
 
-cw_status cw_run_settle(cw_run *how) {
-    const cw_kernel *given = how->expert.kernel, *kernel = how->expert.kernel = cw_run_kernel(NULL, how);
-    if (!cw_kernel_exists(kernel)) return cw_fail(CW_ERROR_KERNEL, "kernel: there is no kernel of that name");
-    /* A kernel that was chosen here is available, even if the limit has just become lower. */
-    if (given && !cw_isa_allows(kernel->isa))
-        return cw_fail(CW_ERROR_KERNEL, "kernel: %s needs %s; this machine, or the limit on instruction sets, has %s",
-                       kernel->name, cw_isa_name(kernel->isa), cw_isa_name(cw_isa_best()));
-    if (how->expert.leaf == CW_LEAF_DEFAULT) how->expert.leaf = cw_kernel_default_leaf(kernel);
-    if (kernel->code->closest[how->expert.leaf] == NULL)
-        return cw_fail(CW_ERROR_KERNEL, "leaf: %s does not have the leaf test %s", kernel->name,
-                       cw_leaf_name(how->expert.leaf));
+/* The instruction set that run keeps within. */
+static cw_isa isa_of(const cw_run *run) { return cw_isa_common(cw_isa_best(), run ? run->expert.isa : CW_ISA_ANY); }
+
+cw_status cw_run_settle(cw_run *how, size_t n) {
+    cw_expert *e = &how->expert;
+    e->isa = isa_of(how);
+    if (e->kernel == NULL) {
+        e->kernel = cw_kernel_default(e->isa, n);
+    } else {
+        if (!cw_kernel_exists(e->kernel)) return cw_fail(CW_ERROR_KERNEL, "kernel: there is no kernel of that name");
+        if (!cw_isa_includes(e->isa, e->kernel->isa))
+            return cw_fail(CW_ERROR_KERNEL,
+                           "kernel: %s needs %s; this machine, or the limit on instruction sets, has %s",
+                           e->kernel->name, cw_isa_name(e->kernel->isa), cw_isa_name(e->isa));
+    }
+    if (e->leaf == CW_LEAF_DEFAULT) e->leaf = cw_kernel_default_leaf(e->kernel);
+    if (e->kernel->code->closest[e->leaf] == NULL)
+        return cw_fail(CW_ERROR_KERNEL, "leaf: %s does not have the leaf test %s", e->kernel->name,
+                       cw_leaf_name(e->leaf));
     return CW_OK;
+}
+
+const cw_kernel *cw_run_kernel(const cw_field *field, const cw_run *run) {
+    (void)field;
+    return run && run->expert.kernel ? run->expert.kernel : cw_kernel_default(isa_of(run), SIZE_MAX);
 }
 
 cw_status cw_run_built(const cw_field *field, const cw_run *how) {
@@ -71,7 +86,7 @@ cw_status cw_run_built(const cw_field *field, const cw_run *how) {
 cw_status cw_run_check(const cw_field *field, const cw_run *run) {
     cw_run how;
     cw_status status = cw_run_begin(run, &how);
-    if (status == CW_OK) status = cw_run_settle(&how);
+    if (status == CW_OK) status = cw_run_settle(&how, SIZE_MAX);
     return status == CW_OK && field ? cw_run_built(field, &how) : status;
 }
 

@@ -1,13 +1,37 @@
-# The public header is C++14, 17 and 20 as well as C17, without a warning. Arguments: HEADERS, SOURCE, WORK, COMPILERS.
+# The public headers compile as C99 to C2x and C++98 to C++23 without a warning, with every layout that abi.c names, also where
+# enumerations are short. Arguments: HEADERS, SOURCE (C++14 and later), LAYOUT, WORK, C_COMPILERS and COMPILERS (of C++), between commas.
 file(MAKE_DIRECTORY ${WORK})
+
+function(compile compiler)
+    set(warnings -Wall -Wextra -Wpedantic -Wconversion -Wshadow)
+    if(compiler MATCHES "clang")
+        set(warnings -Weverything -Wno-padded)
+    endif()
+    execute_process(COMMAND ${compiler} ${warnings} -Werror -I${HEADERS} ${ARGN} -o ${WORK}/object.o
+        RESULT_VARIABLE result ERROR_VARIABLE errors)
+    if(NOT result EQUAL 0)
+        message(FATAL_ERROR "${compiler} ${ARGN}:\n${errors}")
+    endif()
+endfunction()
+
+string(REPLACE "," ";" c_compilers "${C_COMPILERS}")
+foreach(compiler IN LISTS c_compilers)
+    foreach(standard IN ITEMS c99 c11 c17 c2x)
+        compile(${compiler} -std=${standard} -c ${LAYOUT})
+        compile(${compiler} -std=${standard} -fshort-enums -c ${LAYOUT})
+    endforeach()
+endforeach()
 string(REPLACE "," ";" compilers "${COMPILERS}")
 foreach(compiler IN LISTS compilers)
-    foreach(standard IN ITEMS 14 17 20)
-        execute_process(COMMAND ${compiler} -std=c++${standard} -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wold-style-cast
+    foreach(standard IN ITEMS c++98 c++11 c++14 c++17 c++20 c++2b)
+        compile(${compiler} -std=${standard} -x c++ -c ${LAYOUT})
+    endforeach()
+    foreach(standard IN ITEMS c++14 c++17 c++20)
+        execute_process(COMMAND ${compiler} -std=${standard} -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wold-style-cast
             -Werror -I${HEADERS} -c ${SOURCE} -o ${WORK}/consumer.o RESULT_VARIABLE result ERROR_VARIABLE errors)
         if(NOT result EQUAL 0)
-            message(FATAL_ERROR "${compiler}, C++${standard}:\n${errors}")
+            message(FATAL_ERROR "${compiler}, ${standard}:\n${errors}")
         endif()
     endforeach()
 endforeach()
-message(STATUS "Compiled by ${COMPILERS}")
+message(STATUS "Compiled by ${C_COMPILERS},${COMPILERS}")

@@ -75,7 +75,7 @@ cw_isa cw_isa_machine(void) {
 }
 
 /* The widest set that both include. CW_ISA_ANY, or a set that only a later version knows, includes all. */
-static cw_isa common(cw_isa a, cw_isa b) {
+cw_isa cw_isa_common(cw_isa a, cw_isa b) {
     if (!is_set(b)) return a;
     while (!cw_isa_includes(b, a)) a = sets[a].includes;
     return a;
@@ -92,10 +92,10 @@ static cw_isa allowed(void) {
 cw_isa cw_isa_best(void) {
     int m = atomic_load_explicit(&most, memory_order_relaxed);
     if (m < 0) {
-        m = (int)common(cw_isa_machine(), allowed());
+        m = (int)cw_isa_common(cw_isa_machine(), allowed());
         atomic_store_explicit(&most, m, memory_order_relaxed);
     }
-    return common((cw_isa)m, (cw_isa)atomic_load_explicit(&limit, memory_order_relaxed));
+    return cw_isa_common((cw_isa)m, (cw_isa)atomic_load_explicit(&limit, memory_order_relaxed));
 }
 
 bool cw_isa_allows(cw_isa isa) { return cw_isa_includes(cw_isa_best(), isa); }

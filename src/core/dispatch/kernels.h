@@ -36,6 +36,9 @@ struct cw_kernel {
 /* The kernel that cw_kernel_find returns for an unknown name. */
 extern const cw_kernel cw_kernel_none;
 
+/* The best kernel for n rays within an instruction set. */
+const cw_kernel *cw_kernel_default(cw_isa isa, size_t n);
+
 /* The watertight test where the kernel has it. */
 cw_leaf cw_kernel_default_leaf(const cw_kernel *kernel);
 
