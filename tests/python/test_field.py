@@ -144,7 +144,7 @@ def test_wrong_arguments(z, keywords, kind, words):
     (lambda f: f.coarser(2, "best"), ValueError, "filter: 'best', expected one of 'mean', 'highest', 'lowest'"),
     (lambda f: f.horizon(0), ValueError, "directions: 0, expected 1 to 3600"),
     (lambda f: f.sky_view(2.5), TypeError, "directions: 2.5"),
-    (lambda f: f.viewshed(1e9, 5), ValueError, r"x, y: \(1000000000, 5\) is too far"),
+    (lambda f: f.viewshed(1e9, 5), ValueError, r"x, y: \(1000000000, 5, 2\) is too far"),
     (lambda f: f.viewshed(-5, 5), ValueError, r"x, y: \(-5, 5, 2\) has no ground"),
     (lambda f: f.viewshed([1, 2], [1, 2, 3]), ValueError, r"x \(2,\), y \(3,\)"),
     (lambda f: f.viewshed([1, 2], 3, needed=True), ValueError, "needed: .* not of 2"),

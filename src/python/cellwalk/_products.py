@@ -42,8 +42,9 @@ def sun(time: Time, longitude: float, latitude: float) -> Sun:
 
 class LineOfSight(NamedTuple):
     """visible: bool; distance: metres from end to end on the map; blocked_at: x, y, z where the line first meets the surface,
-    NaN if it does not; blocked_distance: metres from the first place to there. With a frequency, of the place where least of the first
-    Fresnel zone's radius is free: clearance, as a share of the radius; clearance_distance and fresnel_radius in metres. Else NaN."""
+    NaN if it does not; blocked_distance: metres from the first place to there. With a frequency, of the place where least of
+    the first Fresnel zone's radius is free: clearance, as a share of the radius; clearance_distance and fresnel_radius in
+    metres. Else NaN."""
     visible: np.ndarray
     distance: np.ndarray
     blocked_at: np.ndarray
@@ -54,9 +55,9 @@ class LineOfSight(NamedTuple):
 
 
 class Profile(NamedTuple):
-    """Along a line, wherever it crosses an edge of a triangle: metres from the first place; x and y on the map; heights of the ground
-    (NaN at holes) and of the line, bent as the earth falls away; whether the ground is seen from the first place; with a frequency
-    the first Fresnel zone's radius, else NaN."""
+    """Along a line, wherever it crosses an edge of a triangle: metres from the first place; x and y on the map; heights of
+    the ground (NaN at holes) and of the line, bent as the earth falls away; whether the ground is seen from the first place;
+    with a frequency the first Fresnel zone's radius, else NaN."""
     distance: np.ndarray
     x: np.ndarray
     y: np.ndarray
@@ -67,8 +68,9 @@ class Profile(NamedTuple):
 
 
 class PlaceHorizon(NamedTuple):
-    """The horizon of places, each of shape (..., directions): azimuths from the map's north and from the true one (NaN without a
-    coordinate system), angle in degrees, distance in metres; at: (..., directions, 2), x and y of the horizon. NaN where no terrain is."""
+    """The horizon of places, each of shape (..., directions): azimuths from the map's north and from the true one (NaN
+    without a coordinate system), angle in degrees, distance in metres; at: (..., directions, 2), x and y of the horizon. NaN
+    where no terrain is."""
     azimuth: np.ndarray
     true_azimuth: np.ndarray
     angle: np.ndarray
@@ -77,8 +79,8 @@ class PlaceHorizon(NamedTuple):
 
 
 class SunDays(NamedTuple):
-    """The sun at one place, a number for each day: when it is first and last seen behind the hills (UTC; NaT: never), hours of its light
-    and energy in Wh/m2 of the surface, direct and diffuse; free: without hills."""
+    """The sun at one place, a number for each day: when it is first and last seen behind the hills (UTC; NaT: never), hours
+    of its light and energy in Wh/m2 of the surface, direct and diffuse; free: without hills."""
     day: np.ndarray
     rise: np.ndarray
     set: np.ndarray
@@ -91,7 +93,8 @@ class SunDays(NamedTuple):
 
 
 class Sites(NamedTuple):
-    """What each observer sees: how many samples, their area, the distance in metres of the farthest one, and where that is (x, y)."""
+    """What each observer sees: how many samples, their area, the distance in metres of the farthest one, and where that is
+    (x, y)."""
     samples: np.ndarray
     km2: np.ndarray
     farthest: np.ndarray
