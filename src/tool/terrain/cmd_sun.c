@@ -49,7 +49,6 @@ static bool enter(product *p, io_error *error) {
                                   .linke = c->linke,
                                   .curvature = c->curvature,
                                   .directions = c->directions};
-    insolation_destroy(c->sum);
     return product_good(insolation_create(&p->ground.terrain, &desc, &c->sum), error);
 }
 
@@ -126,9 +125,14 @@ static bool begin(product *p, io_error *error) {
     return true;
 }
 
-static void end(void *context) {
+static void leave(void *context) {
     sun_command *c = context;
     insolation_destroy(c->sum);
+    c->sum = NULL;
+}
+
+static void end(void *context) {
+    sun_command *c = context;
     free(c->shadows);
     free(c->suns);
 }
@@ -223,7 +227,8 @@ static bool check(void *context, size_t *bands) {
 
 static int run(int argc, char **argv) {
     static sun_command c = {.linke = NAN, .at = {.facing = NAN}}; /* large */
-    c.product = (product){.context = &c, .check = check, .begin = begin, .enter = enter, .fill = fill, .end = end};
+    c.product = (product){
+        .context = &c, .check = check, .begin = begin, .enter = enter, .leave = leave, .fill = fill, .end = end};
     const option_spec options[] = {
         option_text("date", "DAY", &c.date, "the day, as 2024-06-21; 2024-06 and 2024 are all their days"),
         option_text("to", "DAY", &c.to, "the last of several days (default: --date)"),

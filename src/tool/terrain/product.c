@@ -253,6 +253,7 @@ cw_run product_query(product *p) {
 static bool make(product *p, io_error *error) {
     const bool good = p->begin(p, error) && (p->raster.bands == 0 || product_write(p, error)) &&
                       (p->finish == NULL || p->finish(p, error));
+    if (p->leave) p->leave(p->context);
     if (p->end) p->end(p->context);
     for (size_t k = 0; k < p->note_count; k++) free((void *)(uintptr_t)p->notes[k]);
     free(p->marks);

@@ -25,6 +25,7 @@ typedef struct product {
     /* Rows row to row + rows - 1 of a band, of the piece in memory and as long as that, with every > 0 of the product. */
     bool (*fill)(struct product *p, size_t band, size_t row, size_t rows, void *cells, io_error *error);
     bool (*enter)(struct product *p, io_error *error);  /* the piece in memory is another one, with a field */
+    void (*leave)(void *context);                       /* it goes, and with it what enter made; also before end */
     bool (*finish)(struct product *p, io_error *error); /* the raster is written */
     void (*end)(void *context);                         /* always, if begin was called */
 

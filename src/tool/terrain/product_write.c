@@ -73,6 +73,7 @@ static bool next_piece(writing *w, size_t row, io_error *error) {
         if (!piece_for(w, row, least, &part, &piece, error)) return false;
     }
     if (w->until == 0 || memcmp(&piece, &g->piece, sizeof piece) != 0) {
+        if (p->leave) p->leave(p->context);
         if (!ground_read(g, piece, true, error) || (p->enter && !p->enter(p, error))) return false;
     }
     w->from = part.j - g->window.j;
