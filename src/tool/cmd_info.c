@@ -16,6 +16,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 static void print_kernels(const cw_kernel *chosen, bool json) {
     if (json)
@@ -94,7 +95,8 @@ static bool look_at_header(const char *path, const io_raster_options *options, s
     io_raster *r = &s->file.raster;
     o.no_samples = true;
     o.progress = NULL;
-    if (!io_raster_has_windows(path)) return true;
+    const char *ending = strrchr(path, '.');
+    if (!io_raster_has_windows(path) || (ending && strcasecmp(ending, ".pbrt") == 0)) return true; /* a scene */
     if (!io_raster_read(path, &o, r, error)) return false;
     s->header = r->nx > many / r->ny;
     s->info = (cw_field_info){.nx = r->nx, .ny = r->ny};
