@@ -141,7 +141,7 @@ def test_huge():
     (2, "--memory takes a number of bytes", "shadow", ("--sun", "0,30", "--memory", "2X")),
     (1, "300 x 260 samples matter at once, which need --memory 3M; there is 1M", "horizon", ("--memory", "1M")),
     (1, "no sample is within 5 m of any observer", "viewshed", ("--from", "9000,0,=9", "--max-distance", 5)),
-    (2, "go with neither --svf nor --window", "horizon", ("--at", "10,10", "--window", "0,0,9,9", "-o", ""))])
+    (2, "go with none of --svf, --openness and --window", "horizon", ("--at", "10,10", "--window", "0,0,9,9", "-o", ""))])
 def test_refusals(status, why, command, words):
     words = words[:-2] if words[-1] == "" else (*words, "--cellsize", 10, "-o", "no.npy")
     refused(status, why, command, "land.npy", *words)

@@ -16,7 +16,7 @@ matters to it.
                        max_distance around the chunk; without one the whole raster in each task, as far mountains may count
 
 Where a task needs more than `memory` bytes, that is said before work starts. The rectangles are those by which the program
-makes rasters larger than memory (src/ground/plan.h).
+makes rasters larger than memory (src/ground/ground_plan.h).
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 #include "reach_object.h"
 
 #include "field.h"
-#include "plan.h"
+#include "ground_plan.h"
 
 #include <math.h>
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* _cellwalk.Reach: how much of a raster matters to a part of it, by src/ground/plan.h, without its samples. */
+/* _cellwalk.Reach: how much of a raster matters to a part of it, by src/ground/ground_plan.h, without its samples. */
 #ifndef CELLWALK_PYTHON_REACH_OBJECT_H
 #define CELLWALK_PYTHON_REACH_OBJECT_H
 

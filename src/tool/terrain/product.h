@@ -7,9 +7,9 @@
 #include "../query_options.h"
 #include "../raster_options.h"
 #include "ground.h"
+#include "ground_plan.h"
 #include "picture.h"
 #include "place.h"
-#include "plan.h"
 #include "raster_out.h"
 
 enum { PRODUCT_NOTES_MOST = 300 };

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "plan.h"
+#include "ground_plan.h"
 
 cw_status ground_plan_create(ground_plan *p, const ground_matters *by, const terrain *whole, cw_rectangle window) {
     *p = (ground_plan){.by = *by, .whole = whole, .window = window};

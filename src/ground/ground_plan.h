@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Which samples of a raster matter to a part of a product: the rectangle to read for a band of rows, or for a chunk of Dask's. */
-#ifndef CELLWALK_GROUND_PLAN_H
-#define CELLWALK_GROUND_PLAN_H
+#ifndef CELLWALK_GROUND_GROUND_PLAN_H
+#define CELLWALK_GROUND_GROUND_PLAN_H
 
 #include "reach.h"
 
