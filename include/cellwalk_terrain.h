@@ -79,8 +79,8 @@ typedef struct cw_terrain_desc {
     /* Metres of ground in one of x and in one of y at each node, row by row: the point scale of a projected map, which is
      * interpolated by cubics. Copied. NULL: unit everywhere. Must be NULL if geographic. */
     const double *scale;
-    double
-        unit; /* metres in one of x and y and of height; if geographic, radians in one of x and y. 0: a metre, a degree */
+    /* Metres in one of x and y and of height; if geographic, radians in one of x and y. 0: a metre, a degree. */
+    double unit;
     double semi_major;         /* the ellipsoid's radius at the equator in metres; 0: WGS 84 */
     double inverse_flattening; /* of that ellipsoid; 0: a sphere. With semi_major 0 it is ignored */
     uint32_t geographic;       /* 1: x is longitude and y latitude, and heights are in metres; else 0 */
@@ -125,8 +125,8 @@ CW_API cw_status cw_sunlight(const cw_terrain *terrain, const cw_run *run, const
 /* Flags. */
 enum {
     CW_HORIZON_TILTED = 1, /* of cw_sky_view: for the ground as it leans */
-    CW_HORIZON_BELOW =
-        2 /* of cw_openness: of the terrain upside down, which is held meanwhile. Only with curvature 0 */
+    /* Of cw_openness: of the terrain upside down, which is held meanwhile. Only with curvature 0. */
+    CW_HORIZON_BELOW = 2
 };
 
 typedef struct cw_horizon {
@@ -173,8 +173,8 @@ typedef struct cw_observer {
     double nearest;     /* metres on the map */
     double farthest;    /* metres on the map, 0: no limit */
     double azimuths[2]; /* with CW_OBSERVER_AZIMUTHS: degrees, clockwise from the first to the second */
-    double verticals
-        [2]; /* with CW_OBSERVER_VERTICALS: degrees over the horizontal, -90 to 90, the first not above the second */
+    /* With CW_OBSERVER_VERTICALS: degrees over the horizontal, -90 to 90, the first not above the second. */
+    double verticals[2];
     uint32_t absolute;    /* 1: height is absolute, and x and y may lie outside the field or at a hole; else 0 */
     uint32_t limits;      /* CW_OBSERVER_…, added */
     uint64_t reserved[8]; /* 0 */
@@ -186,8 +186,8 @@ typedef struct cw_view {
     double *sum;    /* grows by weight there */
     double weight;  /* any number; 0: 1 */
     float *angle;   /* of the target over the eye's horizontal in degrees; NaN where it is not seen */
-    float *
-        needed; /* metres above the ground that are needed to be seen; 0: the ground is; NaN at a hole and beyond limits */
+    /* Metres above the ground that are needed to be seen; 0: the ground is; NaN at a hole and beyond limits. */
+    float *needed;
     uint64_t reserved[8]; /* 0 */
 } cw_view;
 
@@ -233,7 +233,7 @@ typedef struct cw_visibility_desc {
     double target;        /* metres above the ground that must be seen, not negative */
     double max_distance;  /* metres: what is farther away does not count; 0: no limit */
     double curvature;     /* not negative */
-    uint32_t directions;  /* up to 3600, azimuths 0, 360 / directions, …; 0: 32 */
+    uint32_t directions;  /* up to 3600, azimuths 0, 360 / directions, …; 0: 128 */
     uint32_t every;       /* eyes at every so many columns and rows of the area, from its first ones on; 0: 1 */
     uint64_t reserved[8]; /* 0 */
 } cw_visibility_desc;

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { DIRECTIONS_USUAL = 32, DIRECTIONS_MOST = 3600 };
+enum { DIRECTIONS_USUAL = 128, DIRECTIONS_MOST = 3600 };
 
 static const double pi = 3.141592653589793;
 
