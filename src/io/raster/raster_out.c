@@ -206,15 +206,21 @@ bool io_raster_write(io_raster_writer *w, const void *cells, size_t rows, io_err
     return true;
 }
 
-/* The world file last, when none of a picture before it is left. */
+/* The world file last, in place of the one before it, whose rights it keeps. If it cannot be written, the old one would put the new
+ * picture in the wrong place. */
 static bool commit(io_raster_writer *w, io_error *error) {
     struct stat old;
     const bool world = has_world(w), replaces = !w->output.direct && stat(w->output.target, &old) == 0;
-    const io_sidecar_list list = replaces ? w->sink->sidecars : NULL;
+    static const char *const world_file[] = {"*.pgw", NULL};
+    const io_sidecar_list list = replaces ? w->sink->sidecars + world : NULL;
     char *names[2] = {strdup(w->output.target), strdup(w->output.name)}; /* where programs look for sidecars */
     bool good = (names[0] != NULL && names[1] != NULL) || io_fail(error, "%s: out of memory", w->output.name);
     good = good && io_output_commit(&w->output, error) && io_sidecars_remove(list, names[0], error) &&
-           io_sidecars_remove(list, names[1], error) && (!world || write_world(w->product.map, names[0], error));
+           io_sidecars_remove(list, names[1], error);
+    if (good && world && !write_world(w->product.map, names[0], error)) {
+        io_sidecars_remove(world_file, names[0], NULL);
+        good = false;
+    }
     for (int k = 0; k < 2; k++) free(names[k]);
     return good;
 }
