@@ -204,15 +204,28 @@ typedef struct cw_update {
      * has changed them already. */
     const float *samples;
     size_t stride;        /* floats from one row to the next; 0: at.nx */
-    uint64_t reserved[8]; /* 0 */
+    uint32_t wait;        /* 1: wait while queries or updates run; 0: fail with CW_ERROR_BUSY */
+    uint32_t zero;        /* 0 */
+    uint64_t reserved[7]; /* 0 */
 } cw_update;
 
 /* Changes samples. Afterwards the field has the same bits as one made of the new samples. The time grows with the rectangle, not
  * with the field. Does not allocate. Only run's pool is used: an update is not cancelled.
  * CW_ERROR_SAMPLE: a sample is refused, and the field does not change; if it borrows, put other samples there and
- * call this again before the next query. CW_ERROR_BUSY: a query or another update is running on the field. Functions
- * without a status are not checked for that. */
+ * call this again before the next query. CW_ERROR_BUSY: a query or another update is running on the field, and wait is 0. Functions
+ * without a status are not checked for that.
+ *
+ * With wait, the update begins when all queries that run have ended. Queries that begin meanwhile wait for it, instead of failing
+ * with CW_ERROR_BUSY. Nobody starves: such updates take turns, and before the next one all queries begin that waited. Two calls
+ * that wait for each other never end, so no watch or task of a query or update may call functions on a field that is updated with
+ * wait, nor wait for a thread that does. In a child made by fork during an update, wait fails with CW_ERROR_BUSY. Borrowed samples
+ * change before the call, so the caller still keeps queries away from them. */
 CW_API cw_status cw_field_update(cw_field *field, const cw_run *run, const cw_update *update);
+
+/* Gives the field another map, as for a floating origin. Samples and answers in field space stay, and user space moves. A query
+ * that runs in another thread has the old map or the new one for all its rays. map as in cw_field_desc, wait as in cw_update.
+ * CW_ERROR_ARGUMENT: the map is not finite or cannot be inverted, and the field keeps its own. CW_ERROR_BUSY as for updates. */
+CW_API cw_status cw_field_move(cw_field *field, const double map[3][4], uint32_t wait);
 
 typedef struct cw_field_info {
     size_t nx, ny;        /* samples in a row; rows */
@@ -275,7 +288,7 @@ typedef struct cw_hit {
 
 /* The closest hit of each of n rays (n may be 0). rays and hits must not overlap. The answer for a ray does not
  * depend on the others, its place in the array or the number of threads. Fails with CW_ERROR_ARGUMENT,
- * _BUSY during an update, or _CANCELLED; with a watch also _MEMORY. */
+ * _BUSY during an update without wait, or _CANCELLED; with a watch also _MEMORY. */
 CW_API cw_status cw_closest(const cw_field *field, const cw_run *run, const cw_ray *rays, size_t n, cw_hit *hits);
 
 /* occluded[k] = 1 if rays[k] hits anything, else 0: always 1 if cw_closest has a hit, else 0. Fails like cw_closest. */

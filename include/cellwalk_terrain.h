@@ -12,8 +12,8 @@
  * east where y grows northward. The *surface* is the field's: two triangles a cell, without interpolation of another kind. Lines
  * are straight on the map.
  *
- * Threads. Any number of threads may use one terrain. Samples must not change while they do, and after a cw_field_update a new
- * terrain is needed. Functions allocate. A call needs at most 128 KiB of stack.
+ * Threads. Any number of threads may use one terrain. Samples must not change while they do, and after a cw_field_update
+ * or cw_field_move a new terrain is needed. Functions allocate. A call needs at most 128 KiB of stack.
  *
  * Errors. CW_ERROR_ARGUMENT: an argument or member is NULL, out of range or not 0 where it must be. CW_ERROR_MEMORY,
  * CW_ERROR_CANCELLED, and CW_ERROR_BUSY during an update of the field.

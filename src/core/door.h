@@ -1,13 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Keeps queries and updates of a field apart: an update fails while queries run, and a query fails while an update
- * runs.
+/* Keeps queries and updates of a field apart. An update fails while queries run, and a query fails while such an update runs. An
+ * update may instead wait: it shuts the door, queries inside run to their end, and later ones wait for the update.
+ *
+ * Nobody starves. Updates that wait are served in the order in which they came, and none shuts the door before all queries that
+ * waited for the last one are in.
  *
  * A query enters and leaves. One counter for all threads would move from core to core with every query. So there are
  * several, each on a separate cache line, and the address of a thread's stack selects one. A thread is mostly alone
  * at its counter, and then leaves by a plain store: one locked instruction a query in all.
  *
  * Counts hold the process that they were made in. A child made by fork has none of its parent's other threads, and what
- * they left in the counters counts for nothing there. */
+ * they left in the counters counts for nothing there. An update of the parent's never ends there, so the field stays shut. */
 #ifndef CELLWALK_CORE_DOOR_H
 #define CELLWALK_CORE_DOOR_H
 
@@ -26,8 +29,17 @@ typedef struct door_entry {
 
 typedef struct door {
     door_entry entry[DOOR_ENTRIES];
-    alignas(CACHE_LINE) atomic_bool updating;
+    /* DOOR_OPEN, or for which process an update has shut it (above 32 bits) and a door_shut */
+    alignas(CACHE_LINE) atomic_uint_least64_t state;
+    atomic_uint owner;    /* the process that the rest belongs to; 0: is being made */
+    pthread_mutex_t lock; /* of the members below */
+    pthread_cond_t changed;
+    size_t waiting;       /* queries that wait for an update */
+    uint64_t came, ended; /* updates that wait: how many came, and how many of them have ended */
 } door;
+
+enum { DOOR_OPEN = 0 };
+typedef enum door_shut { DOOR_REFUSES = 1, DOOR_WAITS } door_shut;
 
 /* The state that a query passes back when it leaves. */
 typedef struct door_pass {
@@ -50,7 +62,7 @@ static inline void door_leave(door_pass pass) {
 }
 
 /* Not in while an update runs. */
-static inline door_pass door_enter(const door *d) {
+static inline door_pass door_try(const door *d) {
     char here; /* on this thread's stack; stacks lie 64 kB apart at least */
     const uint64_t place = (uint64_t)((uintptr_t)&here >> 16) * 0x9E3779B97F4A7C15;
     door_pass pass = {.entry = (door_entry *)&d->entry[place >> 60], /* of a field that is const to its queries */
@@ -63,29 +75,26 @@ static inline door_pass door_enter(const door *d) {
         do more = ((uint64_t)pass.process << 32 | door_others(others, pass.process)) + 1;
         while (!atomic_compare_exchange_weak(&pass.entry->others, &others, more));
     }
-    if (!atomic_load(&d->updating)) return pass;
+    if (atomic_load(&d->state) == DOOR_OPEN) return pass;
     door_leave(pass);
     return (door_pass){NULL, 0, false};
 }
 
-static inline bool door_is_quiet(const door *d) {
-    const unsigned process = cw_process();
-    for (size_t k = 0; k < DOOR_ENTRIES; k++) {
-        const door_entry *e = &d->entry[k];
-        if (atomic_load(&e->first) == process || door_others(atomic_load(&e->others), process) != 0) return false;
-    }
-    return true;
+/* For a query that found it shut. */
+door_pass cw_door_wait(door *d);
+
+/* Waits for an update that waits; not in while another one runs. */
+static inline door_pass door_enter(const door *d) {
+    const door_pass pass = door_try(d);
+    return pass.entry != NULL ? pass : cw_door_wait((door *)d);
 }
 
-/* False if a query or another update runs. Looks twice, so that a query which runs meanwhile hardly ever sees an
- * update that will not be. */
-static inline bool door_close(door *d) {
-    if (!door_is_quiet(d) || atomic_exchange(&d->updating, true)) return false;
-    if (door_is_quiet(d)) return true;
-    atomic_store(&d->updating, false);
-    return false;
-}
+/* False when out of memory. */
+bool cw_door_make(door *d);
+void cw_door_destroy(door *d);
 
-static inline void door_open(door *d) { atomic_store(&d->updating, false); }
+/* Shuts it for an update. Without wait, false if a query or another update runs; else only in a child whose parent shut it. */
+bool cw_door_close(door *d, bool wait);
+void cw_door_open(door *d, bool waited);
 
 #endif

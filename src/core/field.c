@@ -49,13 +49,20 @@ static cw_status check(const cw_field_desc *d) {
     return CW_OK;
 }
 
-/* The same with the map that it stands for: one filled in by hand may leave it at zero. */
-static cw_field_desc with_map(const cw_field_desc *desc) {
-    cw_field_desc d = *desc;
+/* All zero: the identity. NaN is not zero. */
+static cw_status set_map(cw_field *f, const double map[3][4]) {
+    static const double identity[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
     bool given = false;
-    for (int k = 0; k < 12; k++) given = given || d.map[k / 4][k % 4] != 0; /* NaN is given */
-    for (int k = 0; k < 3 && !given; k++) d.map[k][k] = 1;
-    return d;
+    for (int k = 0; k < 12; k++) given = given || map[k / 4][k % 4] != 0;
+    const double(*to_user)[4] = given ? map : identity;
+    double to_field[3][4];
+    if (!affine_invert(to_user, to_field))
+        return cw_fail(CW_ERROR_ARGUMENT, "map: not finite, or it cannot be inverted");
+    memcpy(f->to_user, to_user, sizeof f->to_user);
+    memcpy(f->to_field, to_field, sizeof f->to_field);
+    memcpy(f->to_normals, to_field, sizeof f->to_normals);
+    affine_scale(f->to_normals);
+    return CW_OK;
 }
 
 /* ---- samples ----------------------------------------------------------------------------------------------------- */
@@ -136,14 +143,12 @@ static cw_status create(const cw_field_desc *desc, const cw_run *how, cw_field *
     f->memory = *memory;
     f->nx = desc->nx;
     f->ny = desc->ny;
-    memcpy(f->to_user, desc->map, sizeof f->to_user);
-    if (!affine_invert(desc->map, f->to_field))
-        status = cw_fail(CW_ERROR_ARGUMENT, "map: not finite, or it cannot be inverted");
-    if (status == CW_OK) {
-        memcpy(f->to_normals, f->to_field, sizeof f->to_normals);
-        affine_scale(f->to_normals);
-        status = fill(f, desc, how);
+    if (!cw_door_make(&f->door)) {
+        cw_memory_free(memory, f);
+        return cw_fail_plainly(CW_ERROR_MEMORY);
     }
+    status = set_map(f, desc->map);
+    if (status == CW_OK) status = fill(f, desc, how);
     if (status != CW_OK) {
         cw_field_destroy(f);
         return status;
@@ -169,8 +174,7 @@ cw_status cw_field_create(const cw_field_desc *desc, const cw_run *run, cw_field
     cw_status status = begin(run, &how);
     if (status != CW_OK) return status;
     const fpenv caller = fpenv_enter();
-    const cw_field_desc whole = with_map(desc);
-    status = create(&whole, &how, field);
+    status = create(desc, &how, field);
     fpenv_leave(caller);
     return status;
 }
@@ -186,6 +190,7 @@ void cw_field_destroy(cw_field *field) {
     if (field == NULL) return;
     destroy_guest(field);
     cw_pyramid_destroy(field, field->pyramid);
+    cw_door_destroy(&field->door);
     const cw_allocator memory = field->memory;
     cw_memory_free(&memory, field->owned);
     cw_memory_free(&memory, field);
@@ -205,8 +210,9 @@ cw_status cw_field_build(cw_field *field, const cw_run *run) {
 /* ---- changing it ------------------------------------------------------------------------------------------------- */
 
 static cw_status check_update(const cw_field *f, const cw_update *u) {
-    const cw_status status = cw_check_reserved(u->reserved, 8, 0, "cw_update");
+    const cw_status status = cw_check_reserved(u->reserved, 7, u->zero, "cw_update");
     if (status != CW_OK) return status;
+    if (u->wait > 1) return cw_fail(CW_ERROR_ARGUMENT, "wait: %u is neither 0 nor 1", u->wait);
     if (u->samples != NULL && f->owned == NULL)
         return cw_fail(CW_ERROR_ARGUMENT, "samples: given to a field that borrows; change its samples in place");
     if (u->samples == NULL && f->owned != NULL && u->at.nx > 0 && u->at.ny > 0)
@@ -245,11 +251,22 @@ cw_status cw_field_update(cw_field *field, const cw_run *run, const cw_update *u
     cw_status status = cw_run_begin(run, &how);
     if (status == CW_OK) status = check_update(field, u);
     if (status != CW_OK || u->at.nx == 0 || u->at.ny == 0) return status;
-    if (!door_close(&field->door)) return cw_fail_plainly(CW_ERROR_BUSY);
+    if (!cw_door_close(&field->door, u->wait)) return cw_fail_plainly(CW_ERROR_BUSY);
     const fpenv caller = fpenv_enter();
     status = update(field, u, how.pool);
     fpenv_leave(caller);
-    door_open(&field->door);
+    cw_door_open(&field->door, u->wait);
+    return status;
+}
+
+cw_status cw_field_move(cw_field *field, const double map[3][4], uint32_t wait) {
+    if (field == NULL || map == NULL) return cw_fail(CW_ERROR_ARGUMENT, "%s: NULL", field ? "map" : "field");
+    if (wait > 1) return cw_fail(CW_ERROR_ARGUMENT, "wait: %u is neither 0 nor 1", wait);
+    if (!cw_door_close(&field->door, wait)) return cw_fail_plainly(CW_ERROR_BUSY);
+    const fpenv caller = fpenv_enter();
+    const cw_status status = set_map(field, map);
+    fpenv_leave(caller);
+    cw_door_open(&field->door, wait);
     return status;
 }
 

@@ -194,6 +194,7 @@ static value good_value(const char *function, const parameter *p, size_t number)
     X(cw_field_create, v[0].p, v[1].p, v[2].p)                                                                         \
     X(cw_field_build, v[0].p, v[1].p)                                                                                  \
     X(cw_field_update, v[0].p, v[1].p, v[2].p)                                                                         \
+    X(cw_field_move, v[0].p, v[1].p, (uint32_t)v[2].n)                                                                 \
     X(cw_run_check, v[0].p, v[1].p)                                                                                    \
     X(cw_closest, v[0].p, v[1].p, v[2].p, v[3].n, v[4].p)                                                              \
     X(cw_occluded, v[0].p, v[1].p, v[2].p, v[3].n, v[4].p)                                                             \

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Fields whose samples change, and fields made by several threads: every byte is that of a field made anew by one. The slabs
- * of large nodes, which are found by a search, are those that a look at each sample gives. Here alone tests look inside. */
+ * of large nodes, which are found by a search, are those that a look at each sample gives. Only here and in waiting.c do tests look inside. */
 
 #include "check.h"
 #include "field.h"

@@ -1,0 +1,234 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Updates that wait, beside threads that ask without a pause: none fails or starves, and a query sees all of an update or nothing of it.
+ * Where a thread starves the test does not end. One test looks into the field's door to know that a call waits. */
+
+#include "check.h"
+#include "field.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <sched.h>
+#include <stdatomic.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+enum { SIDE = 70, ASKING = 3, UPDATING = 2, TURNS = 100 };
+
+static float heights[SIDE * SIDE];
+static cw_field *field;
+
+typedef struct worker {
+    pthread_t thread;
+    atomic_bool *stop;   /* NULL: after TURNS */
+    size_t done, failed; /* calls */
+    size_t torn;         /* queries that saw a part of an update */
+} worker;
+
+static bool goes_on(const worker *w) { return w->stop ? !atomic_load(w->stop) : w->done + w->failed < TURNS; }
+
+/* Two rays in one call, to places that are always of one height. */
+static void *ask(void *argument) {
+    worker *w = argument;
+    const cw_ray rays[2] = {{.org = {2.5f, 3.25f, 10000}, .dir = {0, 0, -1}, .tmax = INFINITY},
+                            {.org = {66.5f, 61.25f, 10000}, .dir = {0, 0, -1}, .tmax = INFINITY}};
+    while (goes_on(w)) {
+        cw_hit hits[2];
+        if (cw_closest(field, NULL, rays, 2, hits) != CW_OK) {
+            w->failed++;
+            continue;
+        }
+        w->done++;
+        w->torn += hits[0].t != hits[1].t;
+    }
+    return NULL;
+}
+
+static void *update(void *argument) {
+    worker *w = argument;
+    static _Thread_local float z[SIDE * SIDE];
+    while (goes_on(w)) {
+        for (size_t k = 0; k < SIDE * SIDE; k++) z[k] = (float)((w->done & 31) + 1);
+        const cw_update u = {.at = {0, 0, SIDE, SIDE}, .samples = z, .wait = 1};
+        if (cw_field_update(field, NULL, &u) == CW_OK)
+            w->done++;
+        else
+            w->failed++;
+    }
+    return NULL;
+}
+
+/* Those who ask, or those who update, have TURNS; the others go on until they have had them. */
+static void run(bool asking_is_counted) {
+    const cw_field_desc desc = {.samples = heights, .nx = SIDE, .ny = SIDE};
+    check_status(cw_field_create(&desc, NULL, &field), CW_OK);
+    atomic_bool stop;
+    atomic_init(&stop, false);
+    worker w[ASKING + UPDATING] = {{0}};
+    for (int k = 0; k < ASKING + UPDATING; k++) {
+        w[k].stop = (k < ASKING) == asking_is_counted ? NULL : &stop;
+        assert_int_equal(pthread_create(&w[k].thread, NULL, k < ASKING ? ask : update, &w[k]), 0);
+    }
+    for (int k = 0; k < ASKING + UPDATING; k++)
+        if (w[k].stop == NULL) pthread_join(w[k].thread, NULL);
+    atomic_store(&stop, true);
+    for (int k = 0; k < ASKING + UPDATING; k++)
+        if (w[k].stop != NULL) pthread_join(w[k].thread, NULL);
+    for (int k = 0; k < ASKING + UPDATING; k++) {
+        check(w[k].failed == 0, "thread %d: %zu of %zu calls failed", k, w[k].failed, w[k].failed + w[k].done);
+        check(w[k].torn == 0, "thread %d saw %zu parts of updates", k, w[k].torn);
+        check(w[k].stop != NULL || w[k].done == TURNS, "thread %d: %zu turns", k, w[k].done);
+    }
+    cw_field_destroy(field);
+}
+
+static void updates_do_not_starve(void **state) {
+    (void)state;
+    run(false);
+}
+
+static void queries_do_not_starve(void **state) {
+    (void)state;
+    run(true);
+}
+
+/* ---- one of each, hand in hand ----------------------------------------------------------------------------------- */
+
+typedef struct held {
+    atomic_bool inside, released;
+} held;
+
+static bool hold(void *context, double done) {
+    (void)done;
+    held *h = context;
+    atomic_store(&h->inside, true);
+    while (!atomic_load(&h->released)) sched_yield();
+    return true;
+}
+
+typedef struct call {
+    pthread_t thread;
+    cw_run run;
+    cw_status status;
+    float t;
+    atomic_bool ended;
+} call;
+
+static void *closest(void *argument) {
+    call *c = argument;
+    const cw_ray ray = {.org = {2.5f, 3.25f, 100}, .dir = {0, 0, -1}, .tmax = INFINITY};
+    cw_hit hit = {0};
+    c->status = cw_closest(field, &c->run, &ray, 1, &hit);
+    c->t = hit.t;
+    atomic_store(&c->ended, true);
+    return NULL;
+}
+
+static void *raise_all(void *argument) {
+    call *c = argument;
+    static float z[SIDE * SIDE];
+    for (size_t k = 0; k < SIDE * SIDE; k++) z[k] = 7;
+    const cw_update u = {.at = {0, 0, SIDE, SIDE}, .samples = z, .wait = 1};
+    c->status = cw_field_update(field, NULL, &u);
+    atomic_store(&c->ended, true);
+    return NULL;
+}
+
+static size_t queries_that_wait(void) {
+    pthread_mutex_lock(&field->door.lock);
+    const size_t waiting = field->door.waiting;
+    pthread_mutex_unlock(&field->door.lock);
+    return waiting;
+}
+
+/* A query and an update in a child, where no call of the parent's goes on, have that status. cw_field_destroy returns there. */
+static bool a_child_has(cw_status expected) {
+    const pid_t child = fork();
+    if (child == 0) {
+        call query = {0};
+        closest(&query);
+        const cw_status update = cw_field_move(field, (const double[3][4]){{0}}, 1);
+        cw_field_destroy(field);
+        _exit(query.status == expected && update == expected ? 0 : 1);
+    }
+    int status = -1;
+    return child > 0 && waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+/* The update waits for the query inside, the newcomer for the update. */
+static void newcomers_wait(void **state) {
+    (void)state;
+    const cw_field_desc desc = {.samples = heights, .nx = SIDE, .ny = SIDE};
+    check_status(cw_field_create(&desc, NULL, &field), CW_OK);
+    held h;
+    atomic_init(&h.inside, false);
+    atomic_init(&h.released, false);
+    call first = {.run = {.watch = hold, .watch_context = &h}}, update_call = {0}, newcomer = {0};
+    assert_int_equal(pthread_create(&first.thread, NULL, closest, &first), 0);
+    while (!atomic_load(&h.inside)) sched_yield();
+    check_status(cw_field_move(field, desc.map, 0), CW_ERROR_BUSY);
+    assert_int_equal(pthread_create(&update_call.thread, NULL, raise_all, &update_call), 0);
+    while (atomic_load(&field->door.state) == DOOR_OPEN && !atomic_load(&update_call.ended)) sched_yield();
+    assert_int_equal(pthread_create(&newcomer.thread, NULL, closest, &newcomer), 0);
+    while (queries_that_wait() == 0 && !atomic_load(&newcomer.ended)) sched_yield();
+    const bool both_wait = !atomic_load(&update_call.ended) && !atomic_load(&newcomer.ended);
+    const cw_status other = cw_field_move(field, desc.map, 0);
+    const bool child_is_refused = a_child_has(CW_ERROR_BUSY), is_old = cw_field_row(field, 0)[0] == 1;
+    atomic_store(&h.released, true);
+    pthread_join(first.thread, NULL);
+    pthread_join(update_call.thread, NULL);
+    pthread_join(newcomer.thread, NULL);
+    assert_true(both_wait && child_is_refused && is_old);
+    check_status(other, CW_ERROR_BUSY);
+    check_status(first.status, CW_OK);
+    check_status(update_call.status, CW_OK);
+    check_status(newcomer.status, CW_OK);
+    check(first.t == 99 && newcomer.t == 93, "at %g and %g", (double)first.t, (double)newcomer.t);
+    assert_true(a_child_has(CW_OK));
+    cw_field_destroy(field);
+}
+
+/* ---- moving ------------------------------------------------------------------------------------------------------ */
+
+/* A moved field answers as one that was made there, and keeps its map if the new one is refused. */
+static void fields_move(void **state) {
+    (void)state;
+    static const double far_off[3][4] = {{2, 0, 0, 5e6}, {0, 3, 0, -4e6}, {0, 0, 0.5, 100}}, flat[3][4] = {{1}};
+    cw_field_desc desc = {.samples = heights, .nx = SIDE, .ny = SIDE};
+    cw_field *moved, *made;
+    check_status(cw_field_create(&desc, NULL, &moved), CW_OK);
+    memcpy(desc.map, far_off, sizeof desc.map);
+    check_status(cw_field_create(&desc, NULL, &made), CW_OK);
+    check_status(cw_field_move(moved, far_off, 1), CW_OK);
+    check_status(cw_field_move(moved, flat, 0), CW_ERROR_ARGUMENT);
+    check_status(cw_field_move(moved, far_off, 2), CW_ERROR_ARGUMENT);
+    const cw_user_ray ray = {.org = {5e6 + 31, -4e6 + 77, 400}, .dir = {0.25, 0.5, -9}, .tmax = INFINITY};
+    cw_hit hits[2];
+    double normals[2][3];
+    check_status(cw_closest_user(moved, NULL, &ray, 1, &hits[0]), CW_OK);
+    check_status(cw_closest_user(made, NULL, &ray, 1, &hits[1]), CW_OK);
+    check_status(cw_hit_normals(moved, NULL, &hits[0], 1, normals[0]), CW_OK);
+    check_status(cw_hit_normals(made, NULL, &hits[1], 1, normals[1]), CW_OK);
+    check(hits[0].i >= 0 && memcmp(&hits[0], &hits[1], sizeof hits[0]) == 0, "another hit");
+    assert_memory_equal(normals[0], normals[1], sizeof normals[0]);
+    check_status(cw_field_move(moved, (const double[3][4]){{0}}, 0), CW_OK);
+    assert_true(cw_field_describe(moved).map[0][0] == 1 && cw_field_describe(moved).map[0][3] == 0);
+    cw_field_destroy(moved);
+    cw_field_destroy(made);
+}
+
+static int set_up(void **state) {
+    (void)state;
+    for (size_t k = 0; k < SIDE * SIDE; k++) heights[k] = 1;
+    return 0;
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(newcomers_wait),
+        cmocka_unit_test(updates_do_not_starve),
+        cmocka_unit_test(queries_do_not_starve),
+        cmocka_unit_test(fields_move),
+    };
+    return cmocka_run_group_tests(tests, set_up, NULL);
+}
