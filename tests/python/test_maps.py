@@ -366,7 +366,7 @@ def test_horizons_of_places(program, tool, maps, tmp_path):
         else:
             assert np.allclose(of_map - true, -np.degrees(np.arctan(np.tan(np.radians(lon - 9)) * np.sin(np.radians(lat)))), atol=2e-3)
     for wrong, words in ((["--at", "1,2", "--places", "p.csv"], "do not go together"), (["--json", "-o", "o.tif"], "--json goes with"),
-                         (["--at", "1,2", "--svf"], "go with neither --svf")):
+                         (["--at", "1,2", "--svf"], "go with none of --svf")):
         assert words in tool("horizon", maps["utm"], *wrong, fails=True)
 
 

@@ -164,7 +164,7 @@ def test_each_nodata_counts():
 
 REFUSED = [
     (2, "--type int16 goes with -o FILE.tif", "horizon", "--type", "int16", "-o", "no.npy"),
-    (2, "--type int16 has no room for --distance", "horizon", "--type", "int16", "--distance", "-o", "no.tif"),
+    (2, "--type int16 is for angles and sky-view factors", "horizon", "--type", "int16", "--distance", "-o", "no.tif"),
     (2, "--distance goes with none of", "horizon", "--distance", "--svf", "-o", "no.npy"),
     (1, "no room for 32 bands", "horizon", "-o", "h.png"),
     (2, "--compress goes with -o FILE.tif", "horizon", "--compress", "zstd", "-o", "h.npy"),

@@ -185,7 +185,7 @@ static int run(int argc, char **argv) {
         .examples = "  cellwalk horizon dem.tif --directions 32 -o horizon.tif\n"
                     "  cellwalk horizon dem.tif --directions 64 --svf -o sky.tif\n"
                     "  cellwalk horizon dem.tif --directions 8 --type int16 --cog -o horizon.tif\n"
-                    "  cellwalk horizon dem.tif --openness --directions 8 --max-distance 500 -o open.tif\n"
+                    "  cellwalk horizon dem.tif --openness --max-distance 500 -o open.tif\n"
                     "  cellwalk horizon dem.tif --directions 8 --distance -o metres.tif\n"
                     "  cellwalk horizon dem.tif --at 600250,5199800 --directions 360 > horizon.csv\n",
         .options = options,

@@ -279,7 +279,7 @@ static int run(int argc, char **argv) {
                     "  cellwalk sun dem.tif --date 2024-06-01 --to 2024-06-30 -o june.tif\n"
                     "  cellwalk sun dem.tif --date 2024-03-20 --irradiance --linke 2.5 -o energy.tif\n"
                     "  cellwalk sun dem.tif --date 2024 --at 600250,5199800,2 > months.csv\n"
-                    "  cellwalk sun dem.tif --date 2024-01 --at 600250,5199800,6 --tilt 35 --facing 170\n",
+                    "  cellwalk sun dem.tif --date 2024-01 --at 600250,5199800,6 --tilt 35\n",
         .options = options,
         .option_count = sizeof options / sizeof *options,
     };
