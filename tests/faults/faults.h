@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The calls that can be made to fail: preload.c counts them, faults.c chooses one. */
+/* The calls that can be made to fail: preload.c counts them, ../tool/test_faults.py chooses one. */
 #ifndef CELLWALK_TESTS_FAULTS_H
 #define CELLWALK_TESTS_FAULTS_H
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The program cellwalk as users run it. Tests work in a folder of their own (conftest.py), where its files are."""
 import ctypes
+import errno
 import os
 import pathlib
 import re
@@ -14,7 +15,7 @@ import zlib
 import numpy as np
 import pytest
 
-PROGRAM, BENCH, LIBRARY, SOURCE = (os.environ.get(f"CELLWALK_{name}", "") for name in ("PROGRAM", "BENCH", "LIBRARY", "SOURCE"))
+PROGRAM, BENCH, LIBRARY, PRELOAD, SOURCE = (os.environ.get(f"CELLWALK_{name}", "") for name in ("PROGRAM", "BENCH", "LIBRARY", "PRELOAD", "SOURCE"))
 DIVISOR, TURN, SLOW = (int(os.environ.get(f"CELLWALK_TEST_{name}", least)) for name, least in (("DIVIDE", 1), ("TURN", 0), ("SLOW", 1)))
 SANITIZER = 99  # the exit status of a program that a sanitizer ends
 SANITIZERS = f"symbolize=0:exitcode={SANITIZER}"
@@ -57,19 +58,36 @@ def without_rights():
     return os.geteuid() != 0 or ctypes.CDLL(None).prctl(SECUREBITS, NOROOT, 0, 0, 0) == 0
 
 
-def settings(file_size=0, memory=0, powerless=False):
+def without_filters():
+    """The system call seccomp fails with EINVAL from now on, as in some emulators."""
+    class Instruction(ctypes.Structure):
+        _fields_ = [("code", ctypes.c_uint16), ("true", ctypes.c_uint8), ("false", ctypes.c_uint8), ("k", ctypes.c_uint32)]
+
+    class Filter(ctypes.Structure):
+        _fields_ = [("length", ctypes.c_ushort), ("rules", ctypes.POINTER(Instruction))]
+    number = {"x86_64": 317, "aarch64": 277}[os.uname().machine]
+    LOAD, EQUAL, RETURN, ERROR, ALLOW = 0x20, 0x15, 0x06, 0x00050000, 0x7fff0000
+    rules = (Instruction * 4)((LOAD, 0, 0, 0), (EQUAL, 0, 1, number), (RETURN, 0, 0, ERROR | errno.EINVAL), (RETURN, 0, 0, ALLOW))
+    prctl = ctypes.CDLL(None).prctl
+    NO_NEW_PRIVS, SECCOMP, BY_FILTER = 38, 22, 2
+    return prctl(NO_NEW_PRIVS, 1, 0, 0, 0) == 0 and prctl(SECCOMP, BY_FILTER, ctypes.byref(Filter(4, rules))) == 0
+
+
+def settings(file_size=0, memory=0, powerless=False, no_filters=False, seconds=0):
     def apply():
+        signal.alarm(seconds)  # which the program inherits
         signal.signal(signal.SIGINT, signal.SIG_DFL)  # a shell may have started the tests with it ignored
         for kind, limit in ((resource.RLIMIT_FSIZE, file_size), (resource.RLIMIT_AS, memory)):
             if limit:
                 resource.setrlimit(kind, (limit, limit))
-        if powerless:
-            assert without_rights()
+        assert not powerless or without_rights()
+        assert not no_filters or without_filters()
     return apply
 
 
 def start(*words, env=(), isa=None, streams=None, **limits):
-    """env: variables beside the tests' own; isa: CELLWALK_ISA; limits: bytes of a file, of memory, no rights of root."""
+    """env: variables beside the tests' own; isa: CELLWALK_ISA; limits: bytes of a file and of memory, no rights of root, no
+    filters of calls, seconds after which it is ended."""
     environment = {"ASAN_OPTIONS": SANITIZERS, **os.environ, **dict(env)}
     if isa is not None:
         environment["CELLWALK_ISA"] = isa
@@ -197,6 +215,23 @@ def write(name, text):
 
 def read(name):
     return pathlib.Path(name).read_bytes()
+
+
+def take(name):
+    """The file's content, if there is one; it is removed, and so is a picture's world file."""
+    if not os.path.exists(name):
+        return None
+    content = read(name)
+    os.unlink(name)
+    if os.path.exists("out.pgw"):
+        os.unlink("out.pgw")
+    return content
+
+
+def rough(side):
+    """Land that no compression makes small."""
+    k = np.arange(side * side, dtype=np.uint32)
+    return ((k * np.uint32(2654435761) >> 7) % 1000).astype(np.float32).reshape(side, side)
 
 
 def npy(name, type, shape, data=b""):

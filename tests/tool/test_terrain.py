@@ -5,7 +5,8 @@ import re
 
 import numpy as np
 import pytest
-from program import (REAL, array, asc, interrupted, needs, needs_real, rays, read, refused, run, taken, takes, vrt, well, write)
+from program import (REAL, array, asc, interrupted, needs, needs_real, rays, read, refused, rough, run, taken, takes, vrt, well,
+                     write)
 
 NX, NY = 60, 50
 ROWS, COLUMNS = np.mgrid[:NY, :NX]
@@ -229,8 +230,7 @@ def test_places_that_are_refused(wall, place, why):
 
 def test_interruptions():
     """Ctrl-C in the middle of a long run: no file remains."""
-    k = np.arange(2000 * 2000, dtype=np.uint32)
-    np.save("rough.npy", ((k * np.uint32(2654435761) >> 7) % 1000).astype(np.float32).reshape(2000, 2000))
+    np.save("rough.npy", rough(2000))
     # A viewshed writes nothing before it is done.
     interrupted("viewshed", "rough.npy", *["--from", "1000,1000,100000"] * 4, "-o", "o.npy", "--threads", 1, input="rough.npy", writes=False)
     for more in (), ("--svf",):

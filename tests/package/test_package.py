@@ -1,0 +1,340 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Documents, packages and what users build: each function is a row of ../CMakeLists.txt, which sets the variables in capitals."""
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+
+import pytest
+
+SOURCE = pathlib.Path(os.environ["SOURCE"])
+CMAKE = os.environ["CMAKE"]
+README, GUIDE = SOURCE / "README.md", SOURCE / "papers/using.md"
+
+
+def given(*names):
+    return [os.environ[name] for name in names]
+
+
+def run(*words, folder=None, **env):
+    """What a command that ends well prints, standard error included."""
+    done = subprocess.run(list(map(str, words)), cwd=folder, env={**os.environ, **env}, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    assert done.returncode == 0, f"{' '.join(map(str, words))}\nended with {done.returncode}:\n{done.stdout}"
+    return done.stdout
+
+
+def configure(source, build, *more):
+    return run(CMAKE, "-S", source, "-B", build, "-G", os.environ["GENERATOR"], *more)
+
+
+def build(folder):
+    return run(CMAKE, "--build", folder)
+
+
+def between(text, begin, end):
+    """Fails where either is missing."""
+    return text.split(begin, 1)[1].split(end, 1)[0]
+
+
+# ---- documents ------------------------------------------------------------------------------------------------------------
+
+
+def test_numbers():
+    """No number in src/ is read by a function that depends on the locale, but by src/io/number.h."""
+    forbidden = re.compile(r"(?<!\w)(strto(d|f|ld|d_l|f_l)|atof|setlocale|[vf]*s?scanf[^;]*%[0-9.]*l?[aefgAEFG])\W")
+    for line in "x = strtod(text, &end);", "*z = strtof(at, NULL);", "return atof(a);", 'sscanf(text, "%lf", &x)', 'fscanf(f, "%9f %d", &x)':
+        assert forbidden.search(line), line  # what it should find, it finds
+    found, readers = [], 0
+    for file in (SOURCE / "src").rglob("*.[ch]"):
+        for line in file.read_text().splitlines():
+            readers += bool(re.search(r"number_read(_float)?\(", line))
+            if forbidden.search(line) and not re.match(r" *(/\*|\* )", line) and file.name != "number.c":
+                found.append(f"{file}: {line}")
+    assert not found and readers >= 5
+
+
+def test_papers_references():
+    """Each work in papers/references.bib has its line in papers/references.md, and each line its work."""
+    entries = re.findall(r"^@[a-z]+{(\w+),$", (SOURCE / "papers/references.bib").read_text(), re.M)
+    lines = re.findall(r"^\| ([A-Z]\w*) \|", (SOURCE / "papers/references.md").read_text(), re.M)
+    assert entries and sorted(entries) == sorted(lines)
+
+
+def test_tests_readme():
+    """The table in tests/README.md has every test, and no other; a test with emulated kernels stands with the ordinary one."""
+    tests = [name for name in os.environ["TESTS"].split(",") if not name.endswith("_avx512_emulated")]
+    rows = re.findall(r"^\|( `[^/\n]*` )\|", (SOURCE / "tests/README.md").read_text(), re.M)
+    assert len(tests) >= 30 and sorted(tests) == sorted(name for row in rows for name in re.findall(r"\w+", row))
+
+
+def check_text(page, code, mark="example"):
+    """The C code between two markers of the page is the source file but for the comments at its top."""
+    shown = between(page.read_text(), f"<!-- begin:{mark} -->\n```c\n", f"```\n<!-- end:{mark} -->")
+    assert shown == "#include" + code.read_text().split(" */\n#include", 1)[1]
+
+
+def test_readme_text():
+    check_text(README, SOURCE / "tests/package/readme_example.c")
+
+
+def test_wave_text():
+    check_text(GUIDE, SOURCE / "tests/package/wave_example.c")
+
+
+def check_example(page):
+    """The example ends well and prints what the page says."""
+    output = run(os.environ["EXAMPLE"]).strip()
+    assert output and f"It prints `{output}`" in page.read_text()
+
+
+def test_readme_example():
+    check_example(README)
+
+
+def test_wave_example():
+    check_example(GUIDE)
+
+
+def test_readme_commands(tmp_path):
+    """The README's commands under "Try it" run as they stand, with this build's tool, and write the files that they name; so does the Python program
+    of papers/using.md. Packages are not installed."""
+    tool, python = given("TOOL", "PYTHON")
+    commands = between(README.read_text().split("## Try it", 1)[1], "```sh\n", "```")
+    commands = re.sub(r"(export PATH|[$][(]command -v sudo[)])[^\n]*\n", "", commands)
+    array = re.search(r"/usr/share/[a-z/_-]*[.]npz", commands).group()
+    if not os.path.exists(array):
+        pytest.skip(f"{array} (Debian: python3-matplotlib) is not there")
+    path = f"{os.path.dirname(tool)}:{os.environ['PATH']}"
+    done = subprocess.run(["sh", "-euxc", commands], cwd=tmp_path, env={**os.environ, "PATH": path}, capture_output=True, text=True)
+    if "was built without" in done.stderr:
+        pytest.skip(done.stderr)
+    assert done.returncode == 0, done.stderr
+    outputs = re.findall(r"-o ([a-z.]+)", commands)
+    assert len(outputs) >= 4 and all((tmp_path / name).exists() for name in outputs)
+    (tmp_path / "guide.py").write_text(re.search(r"```python\n((?:(?!```).)*print[^\n]*\n)```", GUIDE.read_text(), re.S).group(1))
+    assert "of the rays hit" in run(python, "-B", "guide.py", folder=tmp_path, PATH=path)
+
+
+# ---- man pages and completions: what --help says ----------------------------------------------------------------------------
+
+
+def folded(text):
+    return re.sub(r"[ \n]+", " ", text).strip()
+
+
+def check_page(file, help):
+    """Every word of the help, in its order; groff has no warning."""
+    page = folded(run("groff", "-man", "-ww", "-Tascii", "-P-cbou", file))
+    help = re.sub(r"\nMore:.*", "", help, flags=re.S)  # the program's last lines are about other pages
+    help = re.sub(r"\n(Commands|Options|Examples):\n", "@", help)
+    help = re.sub(r"^Usage: ([^\n]*)\n\n?", r"\1@", help)
+    help = re.sub(r"(\n  [^\n]*)\n([^ \n])", r"\1@\2", help)  # a list ends: the page has a heading there
+    for part in re.split(r"@|\n\n+", help):
+        assert folded(part) in page, (file, part)
+
+
+COMPLETE = """
+source "$3"
+COMP_CWORD=$2 COMP_WORDS=("${@:4}")
+$1
+echo "${COMPREPLY[@]}"
+"""
+
+
+def test_pages(tmp_path):
+    program, pages = given("PROGRAM", "PAGES")
+    if not shutil.which("groff") or not shutil.which("bash"):
+        pytest.skip("groff or bash (Debian: groff-base, bash) not found")
+    name = os.path.basename(program)
+    (tmp_path / "a.npy").touch()  # the only file that there is to complete
+    (tmp_path.parent / "complete.bash").write_text(COMPLETE)
+    home = str(tmp_path.parent / "home")  # nobody's own settings
+    settings = {"HOME": home, "XDG_CONFIG_HOME": home, "XDG_DATA_HOME": home, "TERM": "dumb"}
+
+    def check_completion(line, wanted):
+        """bash completes the last of the words. What it offers is the list, in any order."""
+        words = [part for word in line.split(" ") for part in (["--isa", "=", word[6:]] if word.startswith("--isa=") else [word])]  # as bash breaks them
+        got = run("bash", tmp_path.parent / "complete.bash", "_" + name.replace("-", "_"), len(words) - 1,
+                  f"{pages}/bash-completion/completions/{name}", *words, folder=tmp_path, **settings)
+        assert sorted(got.split()) == sorted(wanted), line
+
+    help = run(program, "--help")
+    check_page(f"{pages}/man/man1/{name}.1", help)
+    commands = re.findall(r"\n  ([a-z]+) ", re.search(r"Commands:(\n  [^\n]*)+\n", help).group())
+    assert len(commands) >= 3
+    checked = False
+    for command in commands:
+        help = run(program, command, "--help")
+        check_page(f"{pages}/man/man1/{name}-{command}.1", help)
+        options = re.findall(r"-[a-z-]+", " ".join(re.findall(r"\n  ((?:-[a-z],|   ) --[a-z-]+)", help.split("\nExamples:")[0])))
+        check_completion(f"{name} {command} -", options)
+        if "--isa" in options and not checked:
+            check_completion(f"{name} {command} --isa av", ["avx2", "avx512"])
+            check_completion(f"{name} {command} --isa=sc", ["scalar"])
+            check_completion(f"{name} {command} --seed ", [])
+            checked = True
+    check_completion(f"{name} ", [*commands, "--help", "--version"])
+    check_completion(f"{name} --ver", ["--version"])
+    if name == "cellwalk":
+        check_completion("cellwalk render --output ", ["a.npy"])
+        check_completion("cellwalk render a", ["a.npy"])
+    else:
+        check_completion("cellwalk-bench measure --isa av", ["avx2", "avx512"])
+
+
+# ---- the libraries ----------------------------------------------------------------------------------------------------------
+
+
+def check_names(library, *options):
+    """Only names that begin with cw_ leave a library."""
+    names = re.findall(r"[ \t][A-TV-Z] (\S+)", run(os.environ["NM"], *options, "--defined-only", library))
+    assert len(names) >= 20 and all(name.startswith("cw_") for name in names), names
+    return names
+
+
+def test_symbols():
+    """What the libraries show to the linker and what is in their code."""
+    shared, static, objdump = given("SHARED", "STATIC", "OBJDUMP")
+    check_names(static, "-g")
+    if shared:
+        # Exactly these, for as long as the soname stays: a function more is a line here, a function less another soname.
+        assert sorted(check_names(shared, "-D")) == (SOURCE / "tests/package/symbols.txt").read_text().split()
+        for needed in re.findall(r"NEEDED +(.+)", run(objdump, "-p", shared)):
+            assert re.search(r"(libc|libm|libpthread|ld-linux[^.]*)\.so", needed), needed
+    # Nothing is fused, or results would depend on which instruction set a kernel was compiled for; but for what only culls, in the lane walk of
+    # strict queries.
+    objects = os.environ["OBJECTS"].split(",")
+    culls = avx = False
+    for object in objects:
+        code = run(objdump, "-d", "--no-show-raw-insn", object)
+        avx = avx or "vmulps" in code
+        if re.search(r"vfn?m(add|sub)[0-9a-z]*|\tfn?m(add|sub)\t|\tfml[as]\t", code):  # x86-64's, aarch64's
+            assert re.search(r"/cellwalk_(pyramid|lane_pairs)(4|8|16)\.dir/", object), object
+            culls = True
+    assert any("/query.c" in object for object in objects)
+    simd = os.environ["SIMD"] == "ON"
+    assert (culls or not simd) and (avx or not simd or os.environ["X86_64"] in ("", "0", "FALSE", "OFF"))
+
+
+def test_install(tmp_path):
+    """Installs the build into a fresh tree, moves the tree, and builds and runs the consumer against it, once through the CMake package and once
+    through pkg-config, linked as it comes and statically."""
+    compiler, consumer = os.environ["CC"], SOURCE / "tests/package/installed"
+    tree, work = tmp_path / "tree", tmp_path / "build"
+    run(CMAKE, "--install", os.environ["BUILD"], "--prefix", tmp_path / "first")
+    (tmp_path / "first").rename(tree)  # nothing may know where it was installed to
+    configure(consumer, work, f"-DCMAKE_PREFIX_PATH={tree}", f"-DCMAKE_C_COMPILER={compiler}", f"-DCMAKE_BUILD_TYPE={os.environ['CONFIG']}")
+    build(work)
+    for program in "consumer", "consumer_static":
+        run(work / program)
+    if not shutil.which("pkg-config"):
+        pytest.skip("without pkg-config (Debian: pkg-config) its file is not tested")
+    pc, *_ = tree.rglob("cellwalk.pc")
+    for kind, flag, link in ("shared", [], []), ("static", ["--static"], ["-static"]):
+        flags = run("pkg-config", "--cflags", "--libs", *flag, "cellwalk", PKG_CONFIG_PATH=str(pc.parent)).split()
+        run(compiler, "-std=c17", *link, consumer / "consumer.c", "-o", tmp_path / kind, *flags)
+        run(tmp_path / kind, LD_LIBRARY_PATH=str(pc.parent.parent))
+
+
+def test_install_after_table():
+    """README's first command builds the target table and nothing else; cmake --install has to find all that it installs. So every installed file that
+    is built has to be among the target's inputs."""
+    folder, ninja = given("BUILD", "NINJA")
+    needed = run(ninja, "-C", folder, "-t", "inputs", "table").splitlines()
+    built = [line.split(": ")[0] for line in run(ninja, "-C", folder, "-t", "targets", "all").splitlines()
+             if ": CMAKE_SYMLINK_LIBRARY" not in line]  # one step makes both links, of which one is named
+    needed, built = ({re.sub(r"^.*/([^/]+_pages)$", r"\1", name) for name in names} for names in (needed, built))
+    count = 0
+    for script in pathlib.Path(folder).rglob("cmake_install.cmake"):
+        if script.is_relative_to(f"{folder}/tests"):  # tests that run beside this one configure projects there, whose files come and go
+            continue
+        for file in re.findall(rf'"{re.escape(folder)}/([^"]+)"', script.read_text()):
+            pages = re.match(r"share/([^/]+)/", file)  # a folder: ninja 1.11 lists the target that writes it, but not its stamp
+            file = f"{pages.group(1)}_pages" if pages else file
+            count += file in built
+            assert file not in built or file in needed, f"{file} is installed, but not built by the target table"
+    assert count >= 2
+
+
+# ---- other builds -----------------------------------------------------------------------------------------------------------
+
+
+def check_optimised(folder, vendored):
+    """The last -O flag of each command decides: -O3 even in a parent without a build type, and in one that debugs itself."""
+    commands = [c["command"] for c in json.loads((folder / "compile_commands.json").read_text()) if re.search(rf"{vendored}/(src|simd)/.* -c ", c["command"])]
+    assert len(commands) >= 10
+    for command in commands:
+        assert re.findall(r" -O[0-9a-z]+", command)[-1] in (" -O2", " -O3"), command
+
+
+# The static build is what comes without a word about it. The shared one does without the vector kernels, to be built sooner. Without optimisation
+# -ffast-math changes little, but then src/core/ieee.h sees it in every kernel.
+PARENTS = {"static": ["-DCMAKE_C_FLAGS=-ffast-math"],
+           "shared": ["-DCMAKE_BUILD_TYPE=Debug", "-DBUILD_SHARED_LIBS=ON", "-DCELLWALK_SIMD=OFF",
+                      "-DCMAKE_C_FLAGS=-O1 -ffast-math -ffinite-math-only -funsafe-math-optimizations"]}
+
+
+def test_subproject(tmp_path):
+    """Cellwalk as a part of another project, as a static and as a shared library: configures, builds, runs, and installs nothing of its own. The
+    parent is compiled with -ffast-math, which Cellwalk takes back for itself."""
+    vendored = tmp_path / "vendored"  # what is enough to take the library's source along
+    for part in "CMakeLists.txt", "include", "simd", *VENDORED:
+        (vendored / part).parent.mkdir(parents=True, exist_ok=True)
+        (shutil.copytree if (SOURCE / part).is_dir() else shutil.copy)(SOURCE / part, vendored / part)
+    for kind, options in PARENTS.items():
+        folder, tree = tmp_path / kind, tmp_path / f"{kind}-tree"
+        configure(SOURCE / "tests/package/subproject", folder, f"-DCMAKE_C_COMPILER={os.environ['CC']}", f"-DCELLWALK={vendored}", *options)
+        check_optimised(folder, vendored)
+        build(folder)
+        assert bool(list(folder.rglob("*.so"))) == (kind == "shared")
+        for program in "consumer", "fast_math":
+            run(folder / program)
+        run(CMAKE, "--install", folder, "--prefix", tree)
+        assert [str(file.relative_to(tree)) for file in tree.rglob("*") if file.is_file()] == ["bin/consumer"]
+
+
+VENDORED = "src/base", "src/core", "src/scalar", "src/flags.cmake"
+
+
+def test_elsewhere(tmp_path):
+    """The library for other systems and C libraries, with warnings as errors: Windows by mingw-w64, musl. Each must print the line that the native
+    build prints. Programs for Windows are only built where Wine is missing."""
+    native, musl, mingw, wine = given("NATIVE", "MUSL", "MINGW", "WINE")
+    wanted = run(native)
+    source = tmp_path / "source"
+    source.mkdir()
+    (source / "CMakeLists.txt").write_text(f"""cmake_minimum_required(VERSION 3.22)
+project(elsewhere LANGUAGES C)
+add_subdirectory({SOURCE} cellwalk)
+add_executable(same_bits {SOURCE}/tests/package/same_bits.c)
+target_link_libraries(same_bits PRIVATE cellwalk::cellwalk_static)
+""")
+    if musl:
+        configure(source, tmp_path / "musl", "-DCELLWALK_WERROR=ON", f"-DCMAKE_C_COMPILER={musl}", "-DCMAKE_EXE_LINKER_FLAGS=-static")
+        build(tmp_path / "musl")
+        assert run(tmp_path / "musl/same_bits") == wanted
+    if mingw:
+        configure(source, tmp_path / "mingw", "-DCELLWALK_WERROR=ON", f"-DCMAKE_TOOLCHAIN_FILE={SOURCE}/.ci/mingw.cmake", f"-DCMAKE_C_COMPILER={mingw}")
+        build(tmp_path / "mingw")
+        if wine:
+            assert run(wine, tmp_path / "mingw/same_bits.exe", WINEPREFIX=str(tmp_path / "wine"), WINEDEBUG="-all").strip() == wanted.strip()
+
+
+def test_parts(tmp_path):
+    """Optional parts: configuring says which are found and which are not, README's install command has a package for each, and `cellwalk --version`
+    says which work."""
+    tool, gdal, bench = given("TOOL", "GDAL", "BENCH")
+    install = between(README.read_text(), "<!-- begin:install -->", "<!-- end:install -->")
+    packages = re.findall(r"^ +cellwalk_part\([^ ]+ ([^ ]+) ", (SOURCE / "src/parts.cmake").read_text(), re.M)
+    assert len(packages) >= 9 and all(f" {package} " in install for package in packages)
+    options = f"-DCMAKE_C_COMPILER={os.environ['CC']}", "-DCELLWALK_TESTS=OFF"
+    missing = [f"-DCMAKE_DISABLE_FIND_PACKAGE_{part}=ON" for part in ("GDAL", "OpenEXR", "PNG")]
+    said = configure(SOURCE, tmp_path / "without", *options, "-DCELLWALK_BENCH=OFF", *missing)
+    assert re.search(r"Optional parts not found:.  GDAL \(Debian: libgdal-dev\): no GeoTIFF[^\n]*.  OpenEXR [^\n]*.  libpng ", said, re.S)
+    if gdal == "1":
+        said = configure(SOURCE, tmp_path / "with", *options, "-DCELLWALK_BENCH=ON")
+        assert re.search("Optional parts found: GDAL" + (", .*pkg-config, jansson" if bench == "1" else ""), said)
+        assert re.search("GDAL +yes", run(tool, "--version"))
+    assert re.search("GDAL +no.*OpenEXR +(yes|no).*libpng +(yes|no)", run(tool, "--version", CELLWALK_MODULES="/nowhere"), re.S)

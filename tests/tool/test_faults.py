@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Each call to the system that each subcommand makes fails once: the n-th allocation, write, rename, opening, reading, mapping or thread, for every n
+(../faults/preload.c). The program then says what went wrong and ends with a status, soon; or, where it can do without, does all that it was asked.
+Nothing else changes in the folder, and no memory is lost."""
+import numpy as np
+import pytest
+from program import PRELOAD, entries, needs, rays, read, run, take, write
+
+KINDS = "memory", "write", "rename", "open", "read", "map", "thread"
+SCENE = """Film "image" "integer xresolution" [8] "integer yresolution" [8]
+Camera "perspective" "float fov" [60]
+WorldBegin
+LightSource "point" "color I" [9 9 9]
+Texture "t" "color" "imagemap" "string filename" ["sand.exr"]
+Material "matte" "texture Kd" ["t"]
+Translate -2 -2 4
+Scale 4 4 1
+Include "sea.pbrt"
+WorldEnd
+"""
+
+
+@pytest.fixture(autouse=True)
+def inputs(folder):
+    z = (np.arange(30) * 7 % 5).astype(np.float32).reshape(5, 6)
+    np.save("field.npy", z)
+    np.save("wide.npy", z.astype("<f8"))
+    rays("rays.npy", [(0.1 * k, 1.5, 9) for k in range(40)])
+    write("grid.asc", "ncols 3\nnrows 2\ncellsize 1\n1 2 3\n4 5 6\n")
+    write("nothing.pbrt", 'Camera "perspective"\nWorldBegin\nWorldEnd\n')
+    assert run("render", "nothing.pbrt", "--size", "2x2", "-o", "sand.exr").status == 0
+    write("scene.pbrt", SCENE)
+    write("sea.pbrt", 'Shape "heightfield" "integer nu" [3] "integer nv" [2] "float Pz" [0 1 2 3 0 1]\n')
+    write("counts", "")
+
+
+def run_with(fault, words):
+    """Without GDAL: how it ended, what it wrote, how many calls there were of each kind, and how many blocks were lost."""
+    environment = {"LD_PRELOAD": PRELOAD, "CELLWALK_MODULES": "/nowhere", "CELLWALK_FAULT_COUNTS": "counts", **({"CELLWALK_FAULT": fault} if fault else {})}
+    done = run(*words, env=environment, seconds=10)
+    *calls, blocks = map(int, read("counts").split())
+    return done, take(words[words.index("-o") + 1]) if "-o" in words else None, calls, blocks
+
+
+PNG, ONE = ("-o", "out.png"), ("--threads", 1)
+
+
+@pytest.mark.parametrize("words", [
+    ("trace", "field.npy", "rays.npy", "-o", "hits.npy", "--threads", 3),
+    ("trace", "wide.npy", "rays.npy", "-o", "hits.npy", "--occluded", "--kernel", "pyramid1", "--json"),
+    ("trace", "grid.asc", "rays.npy", "-o", "hits.npy"),
+    ("info",), ("info", "grid.asc", "--kernel", "grid3d"), ("info", "sea.pbrt", "--json"),
+    ("shadow", "grid.asc", "--sun", "90,10", *ONE, *PNG),  # a picture and its world file come together, or neither comes
+    ("render", "grid.asc", "--size", "8x8", "--sky", "--haze", 9, "--water", 4, *ONE, "-o", "out.exr"),
+    ("render", "scene.pbrt", "-o", "out.exr", "--threads", 3), ("render", "scene.pbrt", "-o", "out.exr", *ONE),
+    ("render", "scene.pbrt", *PNG)], ids=lambda words: " ".join(map(str, words)))
+def test_every_fault(words):
+    if "out.png" in words:
+        needs("libpng")
+    before = entries()
+    done, wanted, calls, lost = run_with(None, words)
+    assert done.status == 0, done.err
+    survived = 0
+    for kind, count in zip(KINDS, calls):
+        for n in range(1, count + 1):
+            what = f"{kind}:{n}"
+            done, got, _, blocks = run_with(what, words)
+            if done.status == 0:
+                survived += 1
+                assert got == wanted, what
+            else:
+                assert done.status == 1 and done.err.startswith("cellwalk") and len(done.err) > 20, (what, done.status, done.err)
+                # What is printed comes last, when the file is whole, and so does a picture's world file.
+                assert got is None or (got == wanted and ("standard output" in done.err or ".pgw: " in done.err)), (what, done.err)
+            assert entries() == before and blocks <= lost, what
+    print(f"{sum(calls)} faults, {survived} without consequence")
+    assert sum(calls) > survived

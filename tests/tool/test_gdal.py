@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What files may make GDAL do, as users run the program: wait for nobody, read no memory, send no request unless asked for, and leave nothing of a
+GeoTIFF that was not finished. ../io/network_filter.c tries the filter behind that call by call."""
+import os
+import socket
+import threading
+
+import numpy as np
+import pytest
+from program import end, entries, needs, on_map, rough, run, start, vrt, wait_for_output, wait_until_read, write
+
+SOON = {"seconds": 20}
+
+
+@pytest.fixture(autouse=True)
+def gdal(folder):
+    needs("GDAL")
+    write("grid.asc", "ncols 4\nnrows 4\nxllcorner 0\nyllcorner 0\ncellsize 1\n" + 4 * "1 2 3 4\n")
+    np.save("field.npy", np.array([[1, 2], [3, 4]], np.float32))
+
+
+def hide(name, source):
+    vrt(name, source, (4, 4), on_map(None, 0, 1, 0, 4, 0, -1))
+    text = open(name).read().replace(' relativeToVRT="1"', "").replace("ComplexSource", "SimpleSource").replace("<NODATA>-9999</NODATA>", "")
+    write(name, text)
+    return text
+
+
+def is_refused(words, *arguments):
+    done = run(*arguments, **SOON)
+    assert done.status == 1 and words in done.err, (arguments, done.status, done.err)
+
+
+# ---- doors ----------------------------------------------------------------------------------------------------------------
+
+
+def test_pipes_are_refused():
+    os.mkfifo("pipe")
+    os.symlink("pipe", "link.tif")
+    os.symlink("/dev/zero", "zero.tif")
+    hide("source.vrt", "pipe")
+    hide("inner.vrt", "source.vrt")
+    for name, why in [("link.tif", "not a regular file"), ("source.vrt", "pipe is not a regular file"), ("inner.vrt", "pipe is not a regular file"),
+                      ("zero.tif", "not a regular file"), ("/vsistdin/", "cannot read")]:
+        is_refused(why, "info", name)
+    # One that GDAL looks into by itself.
+    hide("good.vrt", "grid.asc")
+    os.mkfifo("grid.prj")
+    assert run("info", "good.vrt", **SOON).status == 0
+
+
+ADDRESS = "MEM:::DATAPOINTER=1,PIXELS=4,LINES=4,DATATYPE=Float32"
+
+
+@pytest.mark.parametrize("name", [ADDRESS, "mem" + ADDRESS[3:], "Mem" + ADDRESS[3:], "DERIVED_SUBDATASET:AMPLITUDE:" + ADDRESS,
+                                  "derived_subdataset:AMPLITUDE:DERIVED_SUBDATASET:AMPLITUDE:" + ADDRESS, "vrt://" + ADDRESS,
+                                  f"vrt://{ADDRESS}?bands=1", "&#77;" + ADDRESS[1:]])
+def test_names_are_files(name):
+    """A name may hold an address in memory, or text in which one stands; entities hide the name in the text of a VRT."""
+    text = hide("hidden.vrt", name)
+    for file in name, "hidden.vrt", text, " " + text:
+        is_refused("cannot read", "info", file)
+    is_refused("cannot read", "viewshed", "field.npy", "--observers", name, "-o", "out.npy")
+
+
+@pytest.mark.parametrize("option", ["--directions=3600", "--cog"])
+def test_killed_geotiffs_leave_nothing(option):
+    np.save("rough.npy", rough(1000))
+    before = entries()
+    process = start("horizon", "rough.npy", "--directions", 3600, option, "-o", "sky.tif")
+    wait_for_output(process)
+    unnamed = entries() == before
+    wait_until_read(process, "rough.npy")
+    process.kill()
+    assert end(process).status == 128 + 9
+    assert entries() == before or not unnamed  # a file system that knows no files without names
+
+
+def test_a_full_disk_is_named():
+    """A limit on the size of files stands for a disk that is full."""
+    np.save("rough.npy", rough(300))
+    words = "horizon", "rough.npy", "--directions", 8, "-o", "sky.tif"
+    run(*words)
+    size = os.path.getsize("sky.tif")
+    os.unlink("sky.tif")
+    before = entries()
+    cog = "--cog", "--co=BLOCKSIZE=128"
+    # The last one fails in the COG, which with its smaller copies is larger than the GeoTIFF that it is copied from.
+    for more, limit in [(("--compress=none",), 100000), (("--compress=deflate",), 100000), (cog, 100000), (cog, size + size // 10)]:
+        done = run(*words, *more, file_size=limit)
+        assert done.status == 1 and "sky.tif: cannot write: File too large" in done.err, (more, done.err)
+        assert entries() == before
+
+
+# ---- the network ----------------------------------------------------------------------------------------------------------
+
+
+class Server:
+    """Counts who comes, and hangs up."""
+
+    def __init__(self):
+        self.socket, self.visits = socket.create_server(("127.0.0.1", 0), backlog=64), 0
+        self.port = self.socket.getsockname()[1]
+        threading.Thread(target=self.serve, daemon=True).start()
+
+    def serve(self):
+        try:
+            while True:
+                visitor, _ = self.socket.accept()
+                self.visits += 1
+                visitor.close()
+        except OSError:
+            pass
+
+    def count(self):
+        """How many came since. Visitors are counted in the order in which they come, so the test visits as the last."""
+        with socket.create_connection(("127.0.0.1", self.port)) as last:
+            try:
+                last.recv(1)  # until the server hangs up
+            except ConnectionResetError:
+                pass
+        came, self.visits = self.visits - 1, 0
+        return came
+
+
+@pytest.fixture
+def server():
+    server = Server()
+    yield server
+    server.socket.shutdown(socket.SHUT_RDWR)
+    server.socket.close()
+
+
+def is_open_on_request(server, file, *words, **env):
+    """Whether the server is visited once that is allowed; never without."""
+    environment = {"no_proxy": "127.0.0.1", "GDAL_HTTP_MAX_RETRY": "0", **env}  # no proxy of the machine's stands between
+    words = words or ("info", file)
+    done = run(*words, env=environment, seconds=60)
+    assert done.status == 1 and "--allow-network" in done.err and server.count() == 0, (file, done.err)
+    assert run(*words, "--allow-network", env=environment, seconds=60).status == 1
+    return server.count() > 0
+
+
+def test_no_request_unless_asked_for(server):
+    here = f"http://127.0.0.1:{server.port}"
+    write("map.tif", f'<GDAL_WMS><Service name="TMS"><ServerUrl>{here}/${{z}}/${{x}}/${{y}}.png</ServerUrl></Service><DataWindow><UpperLeftX>0'
+          "</UpperLeftX><UpperLeftY>4</UpperLeftY><LowerRightX>4</LowerRightX><LowerRightY>0</LowerRightY><TileLevel>0</TileLevel><TileCountX>1"
+          "</TileCountX><TileCountY>1</TileCountY></DataWindow><BlockSizeX>4</BlockSizeX><BlockSizeY>4</BlockSizeY><BandsCount>1</BandsCount>"
+          "</GDAL_WMS>")
+    ways = []
+    for k, source in enumerate([f"/vsicurl/{here}/a.tif", f"/vsicurl_streaming/{here}/a.tif", f"/vsizip//vsicurl/{here}/a.zip/a.tif",
+                                f"NETCDF:&quot;{here}/a.nc&quot;:z", f"{here}/a.tif", f"WMTS:{here}/w", "map.tif"]):
+        hide("net.vrt", source)
+        ways.append(is_open_on_request(server, "net.vrt"))
+        if k < 2:
+            ways.append(is_open_on_request(server, "net.vrt", "shadow", "net.vrt", "--sun", "90,10", "-o", "o.tif"))
+    # By a proxy that GDAL is told of, and that goes before those of the environment.
+    hide("net.vrt", "/vsicurl/http://nowhere.invalid/a.tif")
+    ways.append(is_open_on_request(server, "net.vrt", GDAL_HTTP_PROXY=f"127.0.0.1:{server.port}"))
+    # By one that netCDF finds in the working folder.
+    hide("net.vrt", "NETCDF:&quot;http://nowhere.invalid/a.nc&quot;:z")
+    for name in ".dodsrc", ".ncrc", ".daprc":
+        write(name, f"HTTP.PROXY.SERVER={here}\n")
+        ways.append(is_open_on_request(server, "net.vrt"))
+        os.unlink(name)
+    # By names on the command line.
+    ways += [is_open_on_request(server, "map.tif"), is_open_on_request(server, f"/vsicurl/{here}/b.tif")]
+    print(f"{sum(ways)} of {len(ways)} ways lead to the network")
+    if not any(ways):
+        pytest.skip("this GDAL has no libcurl")
+
+
+def test_without_a_filter():
+    """On a system without one, GDAL is not loaded unless the user says so."""
+    hide("dem.vrt", "grid.asc")
+    done = run("info", "dem.vrt", no_filters=True)
+    assert done.status == 1 and "seccomp" in done.err and "--allow-network" in done.err
+    assert run("info", "dem.vrt", "--allow-network", no_filters=True).status == 0
+    assert run("info", "field.npy", no_filters=True).status == 0
