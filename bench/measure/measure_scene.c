@@ -148,15 +148,17 @@ static bool enter(workload *w, const char *name, io_error *error) {
     return true;
 }
 
-/* Pixels that differ by more than half a step of 8-bit linear colour. */
+/* Half a step of 8-bit linear colour apart in a channel. A function of its own, and early returns: GCC 12 for aarch64 crashes where it
+   makes one vector loop of channels and pixels (an internal compiler error in vect_transform_reduction). */
+static bool looks_other(const float *a, const float *b) {
+    for (size_t c = 0; c < 3; c++)
+        if (fabs(fmax(0, fmin(1, (double)a[c])) - fmax(0, fmin(1, (double)b[c]))) > 0.5 / 255) return true;
+    return false;
+}
+
 static size_t visibly_other(const io_image *a, const io_image *b) {
     size_t count = 0;
-    for (size_t k = 0; k < a->width * a->height; k++) {
-        double seen = 0;
-        for (size_t c = 3 * k; c < 3 * k + 3; c++)
-            seen = fmax(seen, fabs(fmax(0, fmin(1, (double)a->rgb[c])) - fmax(0, fmin(1, (double)b->rgb[c]))));
-        count += seen > 0.5 / 255;
-    }
+    for (size_t k = 0; k < a->width * a->height; k++) count += looks_other(a->rgb + 3 * k, b->rgb + 3 * k);
     return count;
 }
 
