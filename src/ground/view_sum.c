@@ -3,13 +3,14 @@
 
 #include <math.h>
 
-view_sum view_sum_of(const terrain *t, cw_rectangle at, const uint16_t *seen, const double eye[2]) {
+view_sum view_sum_of(const terrain *t, cw_rectangle at, const uint16_t *seen, const uint8_t *within,
+                     const double eye[2]) {
     view_sum v = {0, 0, NAN, {NAN, NAN}};
     double metres[2], far = -1;
     terrain_metres(t, eye[0], eye[1], metres);
     for (size_t y = at.j; y < at.j + at.ny; y++)
         for (size_t x = at.i; x < at.i + at.nx; x++) {
-            if (seen[y * t->nx + x] == 0) continue;
+            if (seen[y * t->nx + x] == 0 || (within && within[y * t->nx + x] == 0)) continue;
             const double dx = (double)x - eye[0], dy = (double)y - eye[1];
             const double away = hypot((t->map[0][0] * dx + t->map[0][1] * dy) * metres[0],
                                       (t->map[1][0] * dx + t->map[1][1] * dy) * metres[1]);

@@ -10,7 +10,9 @@ typedef struct view_sum {
     double farthest, farthest_at[2]; /* metres, and where on the map; NaN: nothing is in sight */
 } view_sum;
 
-/* Of the samples of a rectangle of the terrain that are not 0, as seen from eye in field coordinates. */
-view_sum view_sum_of(const terrain *t, cw_rectangle at, const uint16_t *seen, const double eye[2]);
+/* Of the samples of a rectangle of the terrain that are not 0, and not 0 in within unless that is NULL, as seen from eye in field
+ * coordinates. */
+view_sum view_sum_of(const terrain *t, cw_rectangle at, const uint16_t *seen, const uint8_t *within,
+                     const double eye[2]);
 
 #endif

@@ -95,12 +95,21 @@ static bool read_table(const char *path, const io_points_options *o, io_points *
 
 /* ---- all others ----------------------------------------------------------------------------------------------------- */
 
-static bool read_features(const char *path, const io_points_options *o, io_points *points, io_error *error) {
+static const io_gdal *load(const char *path, const char *what, io_error *error) {
     io_error reason;
     const io_gdal *gdal = io_gdal_load(&reason);
-    if (gdal == NULL)
-        return io_fail(error, "%s: places come from .csv; all other files need GDAL: %s", path, reason.text);
-    return gdal->points(path, o, points, io_points_add, io_inputs_note_path, error);
+    if (gdal == NULL) io_fail(error, "%s: %s need GDAL: %s", path, what, reason.text);
+    return gdal;
+}
+
+static bool read_features(const char *path, const io_points_options *o, io_points *points, io_error *error) {
+    const io_gdal *gdal = load(path, "places come from .csv; all other files", error);
+    return gdal != NULL && gdal->points(path, o, points, io_points_add, io_inputs_note_path, error);
+}
+
+bool io_areas_read(const char *path, const io_points_options *o, const io_mask *mask, io_error *error) {
+    const io_gdal *gdal = load(path, "polygons", error);
+    return gdal != NULL && gdal->areas(path, o, mask, io_inputs_note_path, error);
 }
 
 bool io_points_read(const char *path, const io_points_options *o, io_points *points, io_error *error) {

@@ -7,6 +7,7 @@
 #include "error.h"
 
 #include <stddef.h>
+#include <stdint.h>
 
 typedef struct io_point {
     double x, y;   /* on the map */
@@ -39,6 +40,16 @@ typedef struct io_points_options {
 /* path must stay. A file without places is an error. On failure the points need no freeing. */
 bool io_points_read(const char *path, const io_points_options *options, io_points *points, io_error *error);
 void io_points_free(io_points *points);
+
+/* A byte for each sample, row by row. */
+typedef struct io_mask {
+    const double (*map)[4]; /* of samples to the map */
+    size_t nx, ny;
+    uint8_t *inside;
+} io_mask;
+
+/* Sets the bytes of samples inside the polygons of a file of features, which GDAL draws; it must hold some. */
+bool io_areas_read(const char *path, const io_points_options *options, const io_mask *mask, io_error *error);
 
 /* For the readers: false if memory is short. */
 bool io_points_add(io_points *points, const io_point *point);

@@ -24,6 +24,7 @@ class Places:
         x0, y0, x1, y1 = f.bounds
         self.xs = np.array([x0 + share * (x1 - x0) for share in (0.37, 0.8, 0.5)])
         self.ys = np.array([y0 + share * (y1 - y0) for share in (0.61, 0.2, 0.45)])
+        self.side = [(x0 + s * (x1 - x0), y0 + t * (y1 - y0)) for s, t in ((0.5137, 0.4561), (0.7913, 0.2039))]
         self.far, self.near = (12.5, 4.0) if plain else (410.0, 120.0)
         # The program has the first row of a file without a map in the north, and y counts from the last.
         self.northward = (lambda y: f.shape[0] - 1 - y) if plain else (lambda y: y)
@@ -32,6 +33,12 @@ class Places:
 
     def spot(self, k, *height):
         return (float(self.xs[k]), float(self.ys[k]), *height)
+
+    def inside(self, f):
+        """Samples on the right of a line, and so inside what files() writes."""
+        x, y = np.moveaxis(np.mgrid[:f.shape[1], :f.shape[0]].T @ f.map[:2, :2].T + f.map[:2, 3], -1, 0)
+        (ax, ay), (bx, by) = self.side
+        return (bx - ax) * (y - ay) < (by - ay) * (x - ax)
 
     def words(self, text):
         return text.format(a=self.at[0], b=self.at[1], c=self.at[2], far=self.far, near=self.near).split()
@@ -101,6 +108,8 @@ TABLES = [
      "angle distance x y true_azimuth", lambda f, p: at_places(p, f.horizon_at(p.xs[:2], p.ys[:2], 4, 5, curvature=500))),
     ("viewshed --observers FILE --max-distance {far} --extent full --table TABLE",
      "samples km2 farthest farthest_x farthest_y", lambda f, p: of_sites(p, f.sites(p.xs, p.ys, 9, max_distance=p.far))),
+    ("viewshed --observers FILE --table TABLE --within AREA", "samples km2 farthest farthest_x farthest_y",
+     lambda f, p: of_sites(p, f.sites(p.xs, p.ys, 9, within=p.inside(f)))),
     ("sun --at {a},3 --date 2024-03-20 --to 2024-03-22 --step 5min --tilt 40 --facing 150 --linke 4 --sky 9 --curvature 500", SUN,
      needs_crs(lambda f, o: f.sun_days(f.bounds[0] + 0.37 * (f.bounds[2] - f.bounds[0]), f.bounds[1] + 0.61 * (f.bounds[3] - f.bounds[1]),
                                        "2024-03-20", "2024-03-22", 3, step="5min", tilt=40, facing=150, linke=4, sky=9, curvature=500,
@@ -155,10 +164,15 @@ def long_options(text):
 
 
 def files(p, tmp_path):
-    """Places for the words FILE and PAIRS, and a name for TABLE."""
+    """Places for the words FILE and PAIRS, a name for TABLE, and for AREA land on one side of a line."""
     (tmp_path / "observers.csv").write_text("x,y,height,weight\n" + "".join(f"{at},9,{w}\n" for at, w in zip(p.at, (0.3, 1.7, 0.1))))
     (tmp_path / "pairs.csv").write_text(f"x1,y1,height1,x2,y2,height2\n{p.at[0]},9,{p.at[1]},2\n{p.at[1]},2,{p.at[2]},1\n")
-    return {"FILE": tmp_path / "observers.csv", "PAIRS": tmp_path / "pairs.csv", "TABLE": tmp_path / "table.csv"}
+    (ax, ay), (bx, by) = ((x, p.northward(y)) for x, y in p.side)
+    dx, dy = 9 * (bx - ax), 9 * (by - ay)
+    side = -1 if p.known else 1
+    corners = [[ax - dx, ay - dy], [ax + dx, ay + dy], [ax + dx - side * dy, ay + dy + side * dx], [ax - dx - side * dy, ay - dy + side * dx]]
+    (tmp_path / "area.csv").write_text(f'id,WKT\n1,"POLYGON (({", ".join(f"{x!r} {y!r}" for x, y in [*corners, corners[0]])}))"\n')
+    return {"FILE": tmp_path / "observers.csv", "PAIRS": tmp_path / "pairs.csv", "TABLE": tmp_path / "table.csv", "AREA": tmp_path / "area.csv"}
 
 
 def run(tool, ground, tmp_path, text, p):

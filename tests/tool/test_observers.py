@@ -181,6 +181,39 @@ def test_features():
     same("utm.vrt", ["--observers", "l.csv"], ["--observers", "l.geojson", "--every", 95])
 
 
+def test_polygons():
+    """Only samples in them count in the table, and the raster is that without them. A triangle and a square with a hole."""
+    needs("GDAL")
+    square, hole = ([[500000 + x, 5200000 + y] for x, y in ((a, a), (b, a), (b, b), (a, b), (a, a))] for a, b in ((303, 447), (341, 399)))
+    triangle = [[500102, 5200103], [500298, 5200107], [500201, 5200388], [500102, 5200103]]
+    geojson("a.geojson", feature("Polygon", [triangle]), feature("MultiPolygon", [[square, hole]]))
+    write("t.csv", "x,y,height\n500100,5200100,9\n500250.5,5200321.25,30\n")
+    x, y = 500005 + 10 * COLUMNS, 5200495 - 10 * ROWS
+
+    def inside(corners):
+        return np.all([(bx - ax) * (y - ay) > (by - ay) * (x - ax) for (ax, ay), (bx, by) in zip(corners, corners[1:])], 0)
+    wanted = inside(triangle) | inside(square) & ~inside(hole)
+    words = "--observers", "t.csv", "--table", "s.csv", "--within", "a.geojson"
+    same("utm.vrt", words[:2], words)
+    bands = view("utm.vrt", *words[:2], "--bands")
+
+    def counts(*more):
+        view("utm.vrt", *words, *more)
+        return [int(line.split(",")[3]) for line in read("s.csv").decode().splitlines()[1:]]
+    assert counts() == [(wanted & (band == 1)).sum() for band in bands] and min(counts()) > 9
+    part = wanted & (x > 500100) & (x < 500250) & (y > 5200200) & (y < 5200390)
+    assert counts("--window", "500100,5200200,500250,5200390") == [(part & (band == 1)).sum() for band in bands]
+    geojson("far.geojson", feature("Polygon", [[[9, 40], [9.1, 40], [9, 40.1], [9, 40]]]), crs="OGC:1.3:CRS84")
+    assert set(view("utm.vrt", *words[:5], "far.geojson", says="far.geojson: no sample that is looked at lies inside").ravel()) <= {0, 1, 2, 255}
+    point = feature("Point", LINE[0])
+    for features, why in [([point], "feature 0: is a POINT, no polygon"), ([feature("LineString", LINE)], "feature 0: is a LINESTRING, no polygon"),
+                          ([], "holds no polygons")]:
+        geojson("w.geojson", *features)
+        refused(1, f"w.geojson: {why}", "viewshed", "utm.vrt", *words[:5], "w.geojson", "-o", "o.npy")
+    refused(1, "t.csv: holds no polygons", "viewshed", "utm.vrt", *words[:5], "t.csv", "-o", "o.npy")
+    refused(1, "none.gpkg: ", "viewshed", "utm.vrt", *words[:5], "none.gpkg", "-o", "o.npy")
+
+
 def test_features_that_are_refused():
     needs("GDAL")
     point = feature("Point", LINE[0])
@@ -246,6 +279,7 @@ FILE = "--observers", "t.csv"
     (2, "--every takes metres, not -5", (*FILE, "--every", -5)),
     (1, "more than 16777216 observers", (*FILE, "--every", 1e-9)),
     (1, "9,2,=400: heights along a line are all above", (*from_each("1,2", "9,2,=400"), "--every", 5)),
+    (2, "--within goes with --table", (*FILE, "--within", "a.gpkg")),
     (2, "--weights goes with --observers", ("--from", "1,2", "--weights")),
     (1, "t.csv: has no column 'weight'", (*FILE, "--weights")),
     (2, "keeps them apart", (*FILE, "--weights", "--bands")),

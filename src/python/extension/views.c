@@ -96,8 +96,7 @@ static cw_status look(viewing *v, const terrain *t, const spot *at, const double
 
 static void take_own(viewing *v, const double eye[3], size_t number) {
     const py_field *f = v->call->field;
-    for (size_t k = 0; k < v->samples && v->within; k++) v->own[k] &= v->within[k] ? UINT16_MAX : 0;
-    v->table[number] = view_sum_of(&f->terrain, v->call->at, v->own, eye);
+    v->table[number] = view_sum_of(&f->terrain, v->call->at, v->own, v->within, eye);
     v->table[number].farthest_at[1] = northward(v->call, v->table[number].farthest_at[1]);
 }
 

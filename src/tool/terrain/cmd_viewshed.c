@@ -84,6 +84,8 @@ static bool check(void *context, size_t *bands) {
     else if (c->table && (c->kind != VIEW_SEEN || c->bands))
         command_fail(name,
                      "--table is about what is seen, and goes with none of --angle, --bands, --needed and --weights");
+    else if (c->within && !c->table)
+        command_fail(name, "--within goes with --table");
     else
         return product_check_curvature(name, c->curvature);
     return false;
@@ -136,6 +138,9 @@ static int run(int argc, char **argv) {
         option_text("table", "FILE", &c.table,
                     "also write a table (CSV) with a line for each observer: how many samples it sees, these times a "
                     "cell's area in square kilometres, and the farthest one"),
+        option_text("within", "FILE", &c.within,
+                    "in the table, count only samples inside the polygons of a file that GDAL reads, brought to the "
+                    "terrain's map"),
         option_flag("skip-outside", &c.skip,
                     "leave out observers outside the raster, on no data or under the ground: they are listed and "
                     "counted (default: the first one ends the run)"),
@@ -154,7 +159,8 @@ static int run(int argc, char **argv) {
             "--max-distance, --azimuth and --vertical, each with its ends; a target outside these limits counts as not "
             "seen. What is written instead of counts: --weights, --angle or --needed, and with --bands a band for each "
             "observer.\n\n"
-            "Which site sees most? For a few sites --table says it. For every site at once look from the other end: "
+            "Which site sees most? For a few sites --table says it, with --within of the ground that matters. For "
+            "every site at once look from the other end: "
             "the "
             "samples of the valley as --observers, of height 0, and --target-height 10 count at each sample how much "
             "of "
@@ -170,6 +176,8 @@ static int run(int argc, char **argv) {
                     "      -o angle.tif\n"
                     "  cellwalk viewshed dem.tif --observers towers.csv --weights -o served.tif\n"
                     "  cellwalk viewshed dem.tif --observers towers.csv --table seen.csv -o seen.tif\n"
+                    "  cellwalk viewshed dem.tif --observers towers.csv --table seen.csv \\\n"
+                    "      --within towns.gpkg -o seen.tif\n"
                     "  cellwalk viewshed dem.tif --observers towers.csv --skip-outside -o seen.tif\n"
                     "  cellwalk viewshed dem.tif --observers road.gpkg --every 50 -o seen.tif\n",
         .options = options,

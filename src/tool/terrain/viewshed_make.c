@@ -56,7 +56,8 @@ static bool read_samples(viewshed_command *c, io_error *error) {
     piece = reach_grow(&g->whole, reach_both(piece, g->window), 0);
     const double more = (c->kind == VIEW_WEIGHT ? (double)(sizeof *c->sums - sizeof(float))
                                                 : 0) + /* sums are longer than other results */
-                        (c->table ? (double)sizeof *c->own : 0);
+                        (c->table ? (double)sizeof *c->own : 0) +
+                        (c->within ? (double)sizeof *c->inside : 0);
     return ground_check(g, piece, more, error) && ground_read(g, piece, false, error);
 }
 
@@ -106,7 +107,8 @@ static bool print_view(viewshed_command *c, const double eye[3], io_error *error
     const terrain *t = &c->product.ground.terrain;
     const cw_rectangle w = c->product.ground.window;
     const observer *o = &c->observers.list[c->observer];
-    const view_sum v = view_sum_of(t, (cw_rectangle){w.i - t->column, w.j - t->row, w.nx, w.ny}, c->own, eye);
+    const view_sum v =
+        view_sum_of(t, (cw_rectangle){w.i - t->column, w.j - t->row, w.nx, w.ny}, c->own, c->inside, eye);
     for (size_t k = 0; k < t->nx * t->ny; k++) {
         if (c->seen) c->seen[k] = (uint16_t)(c->seen[k] + c->own[k]);
         if (c->sums) c->sums[k] += c->own[k];
@@ -152,6 +154,22 @@ static bool look_from(viewshed_command *c, io_error *error) {
     if (c->own) memset(c->own, 0, t->nx * t->ny * sizeof *c->own);
     return product_good(cw_viewshed(t, &run, &from, (cw_area){0}, &view), error) &&
            (c->own == NULL || print_view(c, eye, error));
+}
+
+/* The samples that count in the table. */
+static bool find_inside(viewshed_command *c, io_error *error) {
+    const ground *g = &c->product.ground;
+    const terrain *t = &g->terrain;
+    const ground_watch *w = &g->watch;
+    const io_points_options reading = {.crs = g->about.georef.crs, .warn = w->warn, .context = w->context};
+    c->inside = calloc(t->nx, t->ny);
+    if (c->inside == NULL) return io_fail(error, "out of memory");
+    if (!io_areas_read(c->within, &reading, &(io_mask){t->map, t->nx, t->ny, c->inside}, error)) return false;
+    if (memchr(c->inside, 1, t->nx * t->ny) != NULL) return true;
+    char text[500];
+    snprintf(text, sizeof text, "%s: no sample that is looked at lies inside its polygons", c->within);
+    w->warn(w->context, text);
+    return true;
 }
 
 static bool make_room(viewshed_command *c, io_error *error) {
@@ -311,7 +329,7 @@ bool viewshed_begin(product *p, io_error *error) {
         return false;
     if (sight_bounds_create(&p->ground.terrain, &c->bounds) != CW_OK) return io_fail(error, "out of memory");
     p->ground.terrain.bounds = c->bounds;
-    if (!make_room(c, error)) return false;
+    if ((c->within && !find_inside(c, error)) || !make_room(c, error)) return false;
     for (c->observer = 0; c->observer < c->observers.count && !c->bands; c->observer++)
         if (!look_from(c, error)) return false;
     return (c->own == NULL || io_output_settle(&c->table_file, error)) && describe(c, error);
@@ -328,6 +346,7 @@ void viewshed_end(void *context) {
     observers_free(&c->observers);
     io_output_discard(&c->table_file);
     free(c->own);
+    free(c->inside);
     free(c->seen);
     free(c->sums);
     free(c->numbers);

@@ -27,11 +27,12 @@ typedef struct viewshed_command {
     double curvature;               /* NaN if it was not given */
     view_kind kind;                 /* counts that two bytes do not hold are sums */
     bool weights, angle, needed;
-    bool absolute;     /* of VIEW_NEEDED: heights */
-    bool bands;        /* one for each observer */
-    const char *table; /* a file with a line for each observer; NULL: none */
-    bool skip;         /* observers without ground, in place of an error */
-    int extent;        /* VIEW_FULL: all of the raster, even with a greatest distance */
+    bool absolute;      /* of VIEW_NEEDED: heights */
+    bool bands;         /* one for each observer */
+    const char *table;  /* a file with a line for each observer; NULL: none */
+    const char *within; /* of polygons, inside of which samples count in the table; NULL: all do */
+    bool skip;          /* observers without ground, in place of an error */
+    int extent;         /* VIEW_FULL: all of the raster, even with a greatest distance */
 
     /* The work. */
     observers observers;
@@ -43,6 +44,7 @@ typedef struct viewshed_command {
     size_t observer; /* whose view is being computed */
     size_t made;     /* of bands: the views so far */
     uint16_t *own;   /* what one observer sees; NULL: there is no table */
+    uint8_t *inside; /* not 0 where samples count in the table; NULL: they all do */
     io_output table_file;
     const char **names; /* of bands */
 } viewshed_command;

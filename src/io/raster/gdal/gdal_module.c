@@ -117,6 +117,7 @@ const io_gdal *cellwalk_gdal_module(const io_gdal_host *host) {
         .each_file = gdal_each_file,
         .check_creation = gdal_check_creation,
         .points = gdal_points,
+        .areas = gdal_areas,
         .create = gdal_create,
         .write = gdal_write,
         .finish = gdal_finish,

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Points and corners of lines from any file of features that GDAL reads. */
+/* Points, corners of lines and polygons from any file of features that GDAL reads. */
 
 #include "parts.h"
 
 #include <cpl_conv.h>
 #include <cpl_error.h>
 #include <cpl_string.h>
+#include <gdal_alg.h>
 #include <math.h>
 #include <ogr_api.h>
 #include <stdlib.h>
@@ -15,6 +16,7 @@
 typedef struct reader {
     const char *path;
     io_points *points;
+    const io_mask *mask; /* or this, for polygons */
     bool (*add)(io_points *points, const io_point *point);
     OGRCoordinateTransformationH to_map; /* NULL: none */
     int height, weight, name;            /* numbers of the attributes, or -1 */
@@ -25,7 +27,9 @@ typedef struct reader {
     io_error *error;
 } reader;
 
-static OGRLayerH choose_layer(GDALDatasetH file, const char *path, const char *name, io_error *error) {
+static OGRLayerH choose_layer(const reader *r, GDALDatasetH file) {
+    const char *path = r->path, *name = r->options->layer;
+    io_error *error = r->error;
     const int count = GDALDatasetGetLayerCount(file);
     OGRLayerH layer = name ? GDALDatasetGetLayerByName(file, name) : count == 1 ? GDALDatasetGetLayer(file, 0) : NULL;
     if (layer != NULL) return layer;
@@ -39,7 +43,8 @@ static OGRLayerH choose_layer(GDALDatasetH file, const char *path, const char *n
     else if (name)
         io_fail(error, "%s: has no layer '%s'; there are %s", path, name, there);
     else
-        io_fail(error, "%s: has several layers; --layer names one of %s", path, there);
+        io_fail(error, "%s: has several layers%s%s", path,
+                r->mask ? ", and a file with one is needed: " : "; --layer names one of ", there);
     return NULL;
 }
 
@@ -175,18 +180,99 @@ static bool note_files(GDALDatasetH file, const char *path, bool (*note)(const c
     return good || io_fail(error, "%s: out of memory", path);
 }
 
+/* Opens the file and gives its layer to take. */
+static bool read_layer(reader *r, bool (*note)(const char *path), bool (*take)(reader *r, OGRLayerH layer)) {
+    const io_points_options *o = r->options;
+    GDALDatasetH file = gdal_open_name(r->path, GDAL_OF_VECTOR, r->error);
+    if (file == NULL) return false;
+    r->is_kml = strstr(GDALGetDriverShortName(GDALGetDatasetDriver(file)), "KML") != NULL;
+    OGRLayerH layer = choose_layer(r, file);
+    const bool good =
+        layer != NULL && note_files(file, r->path, note, r->error) && find_way(r, layer, o->crs) && take(r, layer);
+    OCTDestroyCoordinateTransformation(r->to_map);
+    GDALClose(file);
+    return good;
+}
+
 bool gdal_points(const char *path, const io_points_options *o, io_points *points,
                  bool (*add)(io_points *points, const io_point *point), bool (*note)(const char *path),
                  io_error *error) {
     GDAL_CALL;
     reader r = {.path = path, .points = points, .add = add, .options = o, .error = error};
-    GDALDatasetH file = gdal_open_name(path, GDAL_OF_VECTOR, error);
-    if (file == NULL) return false;
-    r.is_kml = strstr(GDALGetDriverShortName(GDALGetDatasetDriver(file)), "KML") != NULL;
-    OGRLayerH layer = choose_layer(file, path, o->layer, error);
+    return read_layer(&r, note, take_features);
+}
+
+/* ---- polygons ------------------------------------------------------------------------------------------------------- */
+
+/* A copy of a feature's polygons on the terrain's map; NULL after an error. */
+static OGRGeometryH take_polygons(reader *r, OGRFeatureH f) {
+    const long long number = OGR_F_GetFID(f);
+    OGRGeometryH given = OGR_F_GetGeometryRef(f);
+    if (OGR_G_GetDimension(given) != 2) {
+        io_fail(r->error, "%s: feature %lld: is a %s, no polygon", r->path, number, OGR_G_GetGeometryName(given));
+        return NULL;
+    }
+    OGRGeometryH g = OGR_G_GetLinearGeometry(given, 0, NULL);
+    if (g != NULL && (r->to_map == NULL || OGR_G_Transform(g, r->to_map) == OGRERR_NONE)) return g;
+    OGR_G_DestroyGeometry(g);
+    io_fail(r->error, "%s: feature %lld: has no place on the terrain's map", r->path, number);
+    return NULL;
+}
+
+/* Sets bytes in the memory of a raster that GDAL draws on. */
+static bool draw(const io_mask *m, int count, OGRGeometryH *polygons) {
+    const double(*a)[4] = m->map;
+    double corner[6]; /* of the first sample's pixel */
+    for (int k = 0; k < 2; k++) {
+        corner[3 * k] = a[k][3] - 0.5 * (a[k][0] + a[k][1]);
+        corner[3 * k + 1] = a[k][0];
+        corner[3 * k + 2] = a[k][1];
+    }
+    char bytes[64] = "DATAPOINTER=";
+    bytes[12 + CPLPrintPointer(bytes + 12, m->inside, (int)sizeof bytes - 13)] = '\0';
+    char *const options[] = {bytes, NULL};
+    GDALDatasetH raster = GDALCreate(GDALGetDriverByName("MEM"), "", (int)m->nx, (int)m->ny, 0, GDT_Byte, NULL);
+    if (raster == NULL) return false;
+    const int band = 1;
+    double *values = malloc((size_t)count * sizeof *values);
+    for (int k = 0; values != NULL && k < count; k++) values[k] = 1;
     const bool good =
-        layer != NULL && note_files(file, path, note, error) && find_way(&r, layer, o->crs) && take_features(&r, layer);
-    OCTDestroyCoordinateTransformation(r.to_map);
-    GDALClose(file);
+        values != NULL && GDALSetGeoTransform(raster, corner) == CE_None &&
+        GDALAddBand(raster, GDT_Byte, (char **)(uintptr_t)options) == CE_None &&
+        GDALRasterizeGeometries(raster, 1, &band, count, polygons, NULL, NULL, values, NULL, NULL, NULL) == CE_None;
+    free(values);
+    GDALClose(raster);
     return good;
+}
+
+static bool take_areas(reader *r, OGRLayerH layer) {
+    OGRGeometryH *polygons = NULL;
+    int count = 0, room = 0;
+    bool good = true;
+    OGR_L_ResetReading(layer);
+    CPLErrorReset();
+    for (OGRFeatureH f; good && (f = OGR_L_GetNextFeature(layer)) != NULL; OGR_F_Destroy(f)) {
+        if (OGR_F_GetGeometryRef(f) == NULL || OGR_G_IsEmpty(OGR_F_GetGeometryRef(f))) continue;
+        if (count == room) {
+            room = room ? 2 * room : 64;
+            OGRGeometryH *more = realloc(polygons, (size_t)room * sizeof *more);
+            if (!(good = more != NULL || io_fail(r->error, "%s: out of memory", r->path))) continue;
+            polygons = more;
+        }
+        good = (polygons[count] = take_polygons(r, f)) != NULL;
+        count += good;
+    }
+    if (good && CPLGetLastErrorType() >= CE_Failure) good = gdal_fail_read(r->error, r->path, "cannot read");
+    if (good && count == 0) good = io_fail(r->error, "%s: holds no polygons", r->path);
+    if (good && !draw(r->mask, count, polygons)) good = gdal_fail(r->error, r->path, "cannot be drawn");
+    for (int k = 0; k < count; k++) OGR_G_DestroyGeometry(polygons[k]);
+    free(polygons);
+    return good;
+}
+
+bool gdal_areas(const char *path, const io_points_options *o, const io_mask *mask, bool (*note)(const char *path),
+                io_error *error) {
+    GDAL_CALL;
+    reader r = {.path = path, .mask = mask, .options = o, .error = error};
+    return read_layer(&r, note, take_areas);
 }

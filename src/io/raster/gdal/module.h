@@ -8,7 +8,7 @@
 #include "raster.h"
 #include "raster_out.h"
 
-enum { IO_GDAL_VERSION = 10 };
+enum { IO_GDAL_VERSION = 11 };
 #define IO_GDAL_SYMBOL "cellwalk_gdal_module"
 
 typedef struct io_gdal_source io_gdal_source;
@@ -32,6 +32,10 @@ typedef struct io_gdal {
     bool (*points)(const char *path, const io_points_options *options, io_points *points,
                    bool (*add)(io_points *points, const io_point *point), bool (*note)(const char *path),
                    io_error *error);
+
+    /* Sets the bytes of samples inside the polygons of a file of features. */
+    bool (*areas)(const char *path, const io_points_options *options, const io_mask *mask,
+                  bool (*note)(const char *path), io_error *error);
 
     /* False unless GDAL knows these count creation options, "NAME=VALUE", of GeoTIFFs. */
     bool (*check_creation)(const char *const *creation, size_t count, bool cog, io_error *error);

@@ -50,6 +50,9 @@ bool gdal_points(const char *path, const io_points_options *options, io_points *
                  bool (*add)(io_points *points, const io_point *point), bool (*note)(const char *path),
                  io_error *error);
 
+bool gdal_areas(const char *path, const io_points_options *options, const io_mask *mask, bool (*note)(const char *path),
+                io_error *error);
+
 /* Creation options for GDAL, which the caller frees: the program's, replaced by those of the user. side: of a tile. */
 char **gdal_tiff_options(const io_raster_product *product, const size_t side[2]);
 char **gdal_cog_options(const io_raster_product *product);
