@@ -199,6 +199,19 @@ bool ground_read(ground *g, cw_rectangle piece, bool field, io_error *error) {
     return described;
 }
 
+bool ground_read_around(ground *g, double x, double y, double metres, io_error *error) {
+    cw_rectangle piece = ground_all(g);
+    double at[2];
+    if (metres > 0) {
+        piece = (cw_rectangle){0, 0, 2, 2}; /* a place that is too far away is an error that finding it says */
+        if (terrain_find_place(&g->whole, x, y, at)) {
+            const cw_rectangle around = reach_around(&g->whole, at, metres);
+            if (around.nx > 0) piece = reach_grow(&g->whole, around, 2);
+        }
+    }
+    return ground_check(g, piece, 0, error) && ground_read(g, piece, false, error);
+}
+
 typedef struct survey {
     ground *ground;
     reach_blocks *blocks;

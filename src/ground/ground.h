@@ -46,6 +46,9 @@ bool ground_find_window(ground *g, const double extent[4], const char *text, io_
 /* Puts a piece, with a field or without, into the place of the one that is in memory. */
 bool ground_read(ground *g, cw_rectangle piece, bool field, io_error *error);
 
+/* Puts all of the raster there without a field, or if metres is above 0 the part that a place of the map sees within so many of them. */
+bool ground_read_around(ground *g, double x, double y, double metres, io_error *error);
+
 /* Few enough samples to read all of them where many places matter, in place of a piece for each. */
 static inline bool ground_is_small(const ground *g) {
     return g->about.z != NULL || g->about.nx * g->about.ny <= (size_t)1 << 25;

@@ -116,6 +116,13 @@ bool observers_find(observers *o, const observers_from *from, const ground *g, i
     return good;
 }
 
+bool observers_along(observers *o, const observers_from *from, const terrain *whole, io_error *error) {
+    *o = (observers){.from = from};
+    if (put_lines(o, whole, error)) return true;
+    observers_free(o);
+    return false;
+}
+
 void observers_free(observers *o) {
     io_points_free(&o->points);
     free(o->list);

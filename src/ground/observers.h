@@ -36,6 +36,8 @@ typedef struct observers {
 
 /* Reads the file and finds all places; from must stay. On failure there is nothing to free. */
 bool observers_find(observers *o, const observers_from *from, const ground *g, io_error *error);
+/* The same without a file, for lines alone. */
+bool observers_along(observers *o, const observers_from *from, const terrain *whole, io_error *error);
 void observers_free(observers *o);
 
 /* The name that the file gives; "" if it gives none. */

@@ -16,7 +16,7 @@ double sun_sky_share(sight *s, const sun_day_desc *d) {
     double sum = 0;
     for (unsigned k = 0; k < d->sky; k++) {
         const double azimuth = fmod(360.0 * k / d->sky, 360);
-        const place_horizon h = place_horizon_toward(s, azimuth, 0);
+        const place_horizon h = place_horizon_toward(s, azimuth, d->max_distance);
         const double lean = -level * cos((azimuth - d->facing) * degree);
         const double tangent = fmax(h.angle > 0 ? tan(h.angle * degree) : 0, lean / up),
                      square = 1 / (1 + tangent * tangent);
@@ -39,19 +39,41 @@ bool sun_ground_lean(const terrain *t, const double at[2], double *tilt, double 
     return true;
 }
 
-/* Nothing on the way to the terrain's end rises as steeply as the sun stands. */
-static bool is_free(const sight *s, const sun_position *p) {
+/* Nothing on the way to the terrain's end, or so far away, rises as steeply as the sun stands. */
+static bool is_free(const sight *s, const sun_day_desc *d, const sun_position *p) {
     const terrain *t = s->terrain;
     double dir[2];
     const double length = terrain_direction(t, s->eye[0], s->eye[1], p->azimuth, dir);
-    const double far = terrain_steps_out(t, s->eye, dir);
+    double far = terrain_steps_out(t, s->eye, dir);
+    if (d->max_distance > 0) far = fmin(far, d->max_distance / length);
     const double rise = tan(p->altitude * degree) * far * length / terrain_metres_of_height(t);
     return sight_steepest(s, s->eye[0] + far * dir[0], s->eye[1] + far * dir[1], rise).share == 0;
 }
 
+/* Adds a sun above the level that shines for so long, with so much light on a surface that faces it. Whether it is seen. */
+static bool add_sun(sun_day *out, const sight *s, const sun_day_desc *d, const sun_position *p, double hours,
+                    double light) {
+    const double up = cos(d->tilt * degree), level = sin(d->tilt * degree), altitude = p->altitude * degree;
+    const double facing = up * sin(altitude) + level * cos(altitude) * cos((p->azimuth - d->facing) * degree);
+    const double direct = fmax(facing, 0) * light;
+    out->free_hours += hours;
+    out->free_direct += direct;
+    if (!is_free(s, d, p)) return false;
+    out->hours += hours;
+    out->direct += direct;
+    return true;
+}
+
+sun_day sun_day_of_list(const sight *s, const sun_day_desc *d, const sun_position *suns, const double *weights,
+                        size_t count) {
+    sun_day out = {.rise = NAN, .set = NAN, .diffuse = NAN, .free_diffuse = NAN};
+    for (size_t k = 0; k < count; k++)
+        if (suns[k].altitude > 0) add_sun(&out, s, d, &suns[k], weights[k], weights[k]);
+    return out;
+}
+
 sun_day sun_day_find(const sight *s, const sun_day_desc *d, double share, double midnight) {
     const double begin = midnight - d->place.longitude / 360 * day, hours = d->step / 3600;
-    const double up = cos(d->tilt * degree), level = sin(d->tilt * degree);
     const double height = s->eye[2] * terrain_metres_of_height(s->terrain);
     sun_day out = {.rise = NAN, .set = NAN};
     const size_t steps = (size_t)nearbyint(day / d->step);
@@ -60,19 +82,13 @@ sun_day sun_day_find(const sight *s, const sun_day_desc *d, double share, double
         const double time = begin + ((double)k + 0.5) * d->step;
         const sun_position p = sun_place_at(&d->place, time);
         if (!(p.altitude > 0)) continue;
-        const double altitude = p.altitude * degree;
-        const double facing = up * sin(altitude) + level * cos(altitude) * cos((p.azimuth - d->facing) * degree);
-        const double light = fmax(facing, 0) * clear_sky_direct(d->linke, p.distance, p.altitude, height) * hours;
         diffuse += clear_sky_diffuse(d->linke, p.distance, p.altitude - p.refraction) * hours;
-        out.free_hours += hours;
-        out.free_direct += light;
-        if (!is_free(s, &p)) continue;
+        if (!add_sun(&out, s, d, &p, hours, clear_sky_direct(d->linke, p.distance, p.altitude, height) * hours))
+            continue;
         if (isnan(out.rise)) out.rise = begin + (double)k * d->step;
         out.set = begin + (double)(k + 1) * d->step;
-        out.hours += hours;
-        out.direct += light;
     }
     out.diffuse = share * diffuse;
-    out.free_diffuse = 0.5 * (1 + up) * diffuse;
+    out.free_diffuse = 0.5 * (1 + cos(d->tilt * degree)) * diffuse;
     return out;
 }

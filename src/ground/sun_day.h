@@ -12,6 +12,7 @@ typedef struct sun_day_desc {
     double linke;        /* turbidity (clear_sky.h) */
     unsigned sky;        /* directions of the sky-view factor for diffuse light */
     double tilt, facing; /* of what the light falls on, in degrees: 0 is level, and facing is where it leans to */
+    double max_distance; /* metres, beyond which no terrain counts; 0: no limit */
 } sun_day_desc;
 
 typedef struct sun_day {
@@ -31,5 +32,10 @@ bool sun_ground_lean(const terrain *t, const double at[2], double *tilt, double 
 
 /* The day that begins at midnight of UTC, moved to that of the place's mean solar time. The eye is that of s. share: sun_sky_share. */
 sun_day sun_day_find(const sight *s, const sun_day_desc *d, double share, double midnight);
+
+/* All suns of a list. Hours are sums of weights, and direct light is each sun's weight on a surface that faces it. rise, set and diffuse
+ * light are NaN. */
+sun_day sun_day_of_list(const sight *s, const sun_day_desc *d, const sun_position *suns, const double *weights,
+                        size_t count);
 
 #endif

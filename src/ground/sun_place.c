@@ -2,8 +2,11 @@
 #include "sun_place.h"
 
 #include "gdal/module.h"
+#include "inputs.h"
+#include "table.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 static const double degrees = 180 / 3.141592653589793;
 
@@ -44,4 +47,43 @@ sun_position sun_place_at(const sun_place *place, double seconds) {
     sun_position p = sun_at(seconds, place->longitude, place->latitude);
     p.azimuth = fmod(p.azimuth + place->turned + 360, 360);
     return p;
+}
+
+enum { AZIMUTH, ALTITUDE, WEIGHT, NAMES };
+
+static bool take_sun(const io_table *t, size_t row, const size_t columns[NAMES], sun_list *list, io_error *error) {
+    sun_position *p = &list->suns[row];
+    double *weight = &list->weights[row];
+    *p = (sun_position){.distance = 1};
+    *weight = 1;
+    if (!io_table_number(t, row, columns[AZIMUTH], &p->azimuth, error) ||
+        !io_table_number(t, row, columns[ALTITUDE], &p->altitude, error) ||
+        (columns[WEIGHT] < t->columns && !io_table_number(t, row, columns[WEIGHT], weight, error)))
+        return false;
+    return fabs(p->altitude) <= 90 ||
+           io_table_fail(t, row, columns[ALTITUDE], "an angle from -90 to 90 degrees", error);
+}
+
+bool sun_list_read(const char *path, const ground_watch *w, sun_list *list, io_error *error) {
+    static const char *const names[NAMES] = {"azimuth", "altitude", "weight"};
+    size_t columns[NAMES];
+    io_table t;
+    *list = (sun_list){0};
+    if (!io_inputs_note_path(path)) return io_fail(error, "out of memory");
+    if (!io_table_read(path, &t, error)) return false;
+    bool good = io_table_columns(&t, names, NAMES, WEIGHT, columns, w->warn, w->context, error);
+    if (good && t.rows == 0) good = io_fail(error, "%s: holds no places of the sun", path);
+    list->suns = calloc(t.rows + 1, sizeof *list->suns);
+    list->weights = calloc(t.rows + 1, sizeof *list->weights);
+    if (good && !(list->suns && list->weights)) good = io_fail(error, "out of memory");
+    for (size_t row = 0; good && row < t.rows; row++) good = take_sun(&t, row, columns, list, error);
+    list->count = t.rows;
+    io_table_free(&t);
+    return good;
+}
+
+void sun_list_free(sun_list *list) {
+    free(list->suns);
+    free(list->weights);
+    *list = (sun_list){0};
 }

@@ -5,6 +5,7 @@
 
 #include "error.h"
 #include "georef.h"
+#include "raster_field.h"
 #include "sun.h"
 #include "terrain.h"
 
@@ -22,6 +23,17 @@ bool sun_place_find(const terrain *t, const io_georef *georef, const char *path,
 /* The same of a place of the map. */
 bool sun_place_of(const terrain *t, const io_georef *georef, const double xy[2], const char *path, const char *instead,
                   sun_place *place, io_error *error);
+
+/* Places of the sun from a table with the columns azimuth, from the map's north, altitude as it is seen, and weight (1 if there is
+ * none). sun_list_free is good for what failed, too. */
+typedef struct sun_list {
+    size_t count;
+    sun_position *suns;
+    double *weights;
+} sun_list;
+
+bool sun_list_read(const char *path, const ground_watch *watch, sun_list *list, io_error *error);
+void sun_list_free(sun_list *list);
 
 /* The sun with its azimuth on the map. */
 sun_position sun_place_at(const sun_place *place, double seconds);

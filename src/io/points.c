@@ -63,24 +63,12 @@ static bool take_row(const io_table *t, size_t row, const size_t columns[NAMES],
     return io_points_add(points, &p) || io_fail(error, "%s: out of memory", t->path);
 }
 
-static void warn_of_others(const io_table *t, const io_points_options *o) {
-    char others[200], text[512];
-    if (o->warn == NULL || !io_table_others(t, names, NAMES, others, sizeof others)) return;
-    snprintf(text, sizeof text, "%s: passed over: %s; columns with a meaning are x, y, height, weight and name",
-             t->path, others);
-    o->warn(o->context, text);
-}
-
 static bool take_table(const io_table *t, const io_points_options *o, io_points *points, io_error *error) {
     size_t columns[NAMES];
-    for (int n = 0; n < NAMES; n++)
-        if (!(n <= Y ? io_table_require(t, names[n], &columns[n], error)
-                     : io_table_find(t, names[n], &columns[n], error)))
-            return false;
+    if (!io_table_columns(t, names, NAMES, HEIGHT, columns, o->warn, o->context, error)) return false;
     points->has_weight = columns[WEIGHT] < t->columns;
     for (size_t row = 0; row < t->rows; row++)
         if (!take_row(t, row, columns, points, error)) return false;
-    warn_of_others(t, o);
     return true;
 }
 

@@ -223,3 +223,20 @@ bool io_table_others(const io_table *t, const char *const *names, size_t count, 
     }
     return used > 0;
 }
+
+bool io_table_columns(const io_table *t, const char *const *names, size_t count, size_t needed, size_t *columns,
+                      void (*warn)(void *context, const char *text), void *context, io_error *error) {
+    char others[200], all[200], text[512];
+    size_t used = 0;
+    for (size_t n = 0; n < count; n++) {
+        if (!(n < needed ? io_table_require(t, names[n], &columns[n], error)
+                         : io_table_find(t, names[n], &columns[n], error)))
+            return false;
+        const char *between = n == 0 ? "" : n + 1 == count ? " and " : ", ";
+        used += (size_t)snprintf(all + used, sizeof all - used, "%s%s", between, names[n]);
+    }
+    if (warn == NULL || !io_table_others(t, names, count, others, sizeof others)) return true;
+    snprintf(text, sizeof text, "%s: passed over: %s; columns with a meaning are %s", t->path, others, all);
+    warn(context, text);
+    return true;
+}

@@ -44,6 +44,11 @@ bool io_table_height(const io_table *table, size_t row, size_t column, double *h
  * answer without a word. */
 bool io_table_others(const io_table *table, const char *const *names, size_t count, char *others, size_t size);
 
+/* Numbers of columns by name, of which the first `needed` must be there and others are table->columns if they are not. Tells warn, unless
+ * that is NULL, about columns with other names. */
+bool io_table_columns(const io_table *table, const char *const *names, size_t count, size_t needed, size_t *columns,
+                      void (*warn)(void *context, const char *text), void *context, io_error *error);
+
 /* Fails with file, line, column's name and "'cell' stands where WANTED should". */
 bool io_table_fail(const io_table *table, size_t row, size_t column, const char *wanted, io_error *error);
 

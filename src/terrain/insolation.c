@@ -17,6 +17,7 @@
 typedef struct beam {
     double direction; /* degrees: from where the shadow is cast */
     sun_position sun;
+    double weight; /* 1: not given */
 } beam;
 
 /* Beams first to first + count - 1 share a direction. */
@@ -27,6 +28,7 @@ typedef struct sector {
 struct insolation {
     const terrain *terrain;
     insolation_desc desc;
+    bool weighted;
     beam *beams;
     size_t beam_count;
     sector *sectors;
@@ -54,7 +56,7 @@ static void take_suns(insolation *s) {
             const size_t n = (size_t)nearbyint(direction / 360 * (double)d->directions) % d->directions;
             direction = 360 * (double)n / (double)d->directions;
         }
-        s->beams[s->beam_count++] = (beam){direction, *p};
+        s->beams[s->beam_count++] = (beam){direction, *p, d->weights ? d->weights[k] : 1};
         s->diffuse += clear_sky_diffuse(d->linke, p->distance, p->altitude - p->refraction) * d->hours;
     }
     qsort(s->beams, s->beam_count, sizeof *s->beams, by_direction);
@@ -65,12 +67,17 @@ static void take_suns(insolation *s) {
         }
         s->sectors[s->sector_count - 1].count++;
     }
+    s->weighted = d->weights != NULL;
+    if (s->weighted) s->desc.hours = 1;
     s->desc.suns = NULL;
+    s->desc.weights = NULL;
 }
 
 static bool good_suns(const insolation_desc *d) {
     for (size_t k = 0; k < d->count; k++)
-        if (!(isfinite(d->suns[k].azimuth) && fabs(d->suns[k].altitude) <= 90 && d->suns[k].distance > 0)) return false;
+        if (!(isfinite(d->suns[k].azimuth) && fabs(d->suns[k].altitude) <= 90 && d->suns[k].distance > 0) ||
+            (d->weights && !isfinite(d->weights[k])))
+            return false;
     return true;
 }
 
@@ -136,9 +143,12 @@ typedef struct light {
     float east, north, up; /* towards the sun */
 } light;
 
-static void make_light(const insolation *s, const sun_position *p, light *out) {
+static void make_light(const insolation *s, const beam *b, light *out) {
+    const sun_position *p = &b->sun;
     for (int k = 0; k < LEVELS; k++)
-        out->level[k] = (float)clear_sky_direct(s->desc.linke, p->distance, p->altitude, LOWEST + STEP * k);
+        out->level[k] = s->weighted
+                            ? (float)b->weight
+                            : (float)clear_sky_direct(s->desc.linke, p->distance, p->altitude, LOWEST + STEP * k);
     double sine, cosine, up, level;
     terrain_sine_cosine(p->azimuth, &sine, &cosine);
     terrain_sine_cosine(p->altitude, &up, &level);
@@ -158,7 +168,8 @@ typedef struct adding {
     const float *rises;
     float rise; /* the sun's */
     float *count;
-    double *energy;
+    double *energy; /* or weights */
+    double weight;
     ground_lie lie;
     const light *light;
 } adding;
@@ -173,6 +184,12 @@ static void add_hours(void *context, size_t begin, size_t end) {
         for (size_t k = begin; k < end; k++) count[k] += (float)(1 - a->occluded[k]);
     else
         for (size_t k = begin; k < end; k++) count[k] += a->rises[k] < a->rise ? 1.0f : 0.0f;
+}
+
+static void add_weights(void *context, size_t begin, size_t end) {
+    const adding *a = context;
+    for (size_t k = begin; k < end; k++)
+        if (is_lit(a, k)) a->energy[k] += a->weight;
 }
 
 static void add_energy(void *context, size_t begin, size_t end) {
@@ -206,6 +223,7 @@ typedef struct block {
     cw_rectangle at;
     float *rises;
     uint8_t *occluded; /* the same memory */
+    bool energy;       /* on the ground as it leans */
     adding add;
 } block;
 
@@ -226,10 +244,15 @@ static cw_status add_sector(block *b, size_t number) {
     if (s->sector_count > HEADINGS_KEPT) compass_release(&s->compass, number);
     for (size_t k = 0; k < of->count && status == CW_OK; k++) {
         light l;
-        if (b->add.energy) make_light(s, &beams[k].sun, &l);
+        if (b->energy) make_light(s, beams + k, &l);
         b->add.light = &l;
         b->add.rise = rise_of(beams + k, slope);
-        cw_pool_run(b->run->pool, b->at.nx * b->at.ny, GRAIN, b->add.energy ? add_energy : add_hours, &b->add);
+        b->add.weight = beams[k].weight;
+        cw_pool_run(b->run->pool, b->at.nx * b->at.ny, GRAIN,
+                    b->energy       ? add_energy
+                    : b->add.energy ? add_weights
+                                    : add_hours,
+                    &b->add);
     }
     return status;
 }
@@ -273,14 +296,13 @@ static float *work(insolation *s, size_t samples, size_t floats, size_t doubles,
 
 static cw_status fill(insolation *s, const cw_run *run, cw_rectangle at, bool energy, float *out) {
     const size_t n = at.nx * at.ny, first = at.j, all = at.ny, end = at.j + at.ny;
+    const bool doubles = energy || s->weighted;
     double *energies;
-    float *floats = work(s, n, energy ? 5 : 1, energy ? 1 : 0, &energies);
+    float *floats = work(s, n, energy ? 5 : 1, doubles, &energies);
     if (floats == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
     lying l = {s->terrain, at, {floats + n, floats + 2 * n, floats + 3 * n, floats + 4 * n}};
-    if (energy) {
-        memset(energies, 0, n * sizeof *energies);
-        cw_pool_run(run->pool, at.ny, 4, find_lie, &l);
-    }
+    if (doubles) memset(energies, 0, n * sizeof *energies);
+    if (energy) cw_pool_run(run->pool, at.ny, 4, find_lie, &l);
     memset(out, 0, n * sizeof *out);
     for (; at.j < end; at.j += at.ny) {
         compass_turn(&s->compass, at.j, &at.ny);
@@ -290,7 +312,8 @@ static cw_status fill(insolation *s, const cw_run *run, cw_rectangle at, bool en
         const size_t to = (at.j - first) * at.nx;
         block b = {.sum = s, .at = at, .rises = floats, .occluded = (uint8_t *)floats};
         b.add.count = out + to;
-        b.add.energy = energy ? energies + to : NULL;
+        b.energy = energy;
+        b.add.energy = doubles ? energies + to : NULL;
         if (energy) b.add.lie = (ground_lie){l.lie.east + to, l.lie.north + to, l.lie.upright + to, l.lie.place + to};
         for (size_t k = 0; k < s->sector_count; k++) {
             run_part way;
@@ -303,7 +326,7 @@ static cw_status fill(insolation *s, const cw_run *run, cw_rectangle at, bool en
     for (size_t y = 0; y < all; y++) {
         const float *z = terrain_row(s->terrain, first + y) + at.i;
         for (size_t x = 0, k = y * at.nx; x < at.nx; x++, k++)
-            out[k] = !isfinite(z[x]) ? NAN : (float)((energy ? energies[k] : (double)out[k]) * s->desc.hours);
+            out[k] = !isfinite(z[x]) ? NAN : (float)((doubles ? energies[k] : (double)out[k]) * s->desc.hours);
     }
     return CW_OK;
 }

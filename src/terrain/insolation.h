@@ -12,7 +12,10 @@ typedef struct insolation_desc {
     /* Azimuths are the map's. Places at or below the level give no light. Copied. */
     const sun_position *suns;
     size_t count;
-    double hours;     /* that each of them stands for */
+    double hours; /* that each of them stands for */
+    /* Copied; or NULL. In place of hours, one for each sun; its light is then its weight on a surface that faces it, whatever the
+     * air. */
+    const double *weights;
     double linke;     /* turbidity (clear_sky.h) */
     double curvature; /* as sight_init takes it; 0: the earth is flat */
     /* 0: shadows are exact, in the direction of each sun. Else the sun casts its shadow from the nearest of so many directions
@@ -30,7 +33,7 @@ size_t insolation_directions(const insolation *sum);
 /* One of them: its azimuth, and the altitude of the lowest sun there, in degrees. */
 void insolation_direction(const insolation *sum, size_t number, double *azimuth, double *lowest);
 
-/* Hours in which the middle of the sun is seen; NaN at a hole. */
+/* Hours in which the middle of the sun is seen, or the sum of the weights of suns that are; NaN at a hole. */
 cw_status insolation_hours(insolation *sum, const cw_run *run, cw_area area, float *hours);
 
 /* Energy of the direct light on the surface as it leans, in Wh/m² of surface. Samples below -1000 m and above

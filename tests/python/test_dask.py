@@ -59,7 +59,7 @@ def test_shadow_reaches_over_chunks(file):
     low, high = r.block_ranges()
     z = cw.open(file).z
     assert low.shape == (2, 2) and low[0, 0] == np.nanmin(z[:256, :256]) and high[1, 0] == np.nanmax(z[256:, :256])
-    window = cwd._Window(*r.reach.sunward(low, high, float(high.max()), 90, 30, 0, 0, cwd._Window(0, 0, 64, 64)))
+    window = cwd._Window(*r.reach.sunward(low, high, float(high.max()), np.array([[90.0, 30, 0, 0]]), cwd._Window(0, 0, 64, 64)))
     assert window.columns < COLUMNS and window.row == 0 and window.rows < 80
 
 
@@ -86,10 +86,21 @@ def test_blocks_out_of_reach_are_not_looked_at():
     for _ in range(300):
         azimuth, altitude, disc = random.uniform(0, 360), random.choice([-2, 3, 10, 25, 60, 90]), random.choice([0, 1])
         window = (int(random.integers(0, 9000)), int(random.integers(0, 9000)), 512, 700)
-        every, some, none = (reach.sunward(low, high, top, azimuth, altitude, disc, 0, window) for top in (1e30, float(high.max()), 310))
+        every, some, none = (reach.sunward(low, high, top, np.array([[azimuth, altitude, disc, 0]], float), window) for top in (1e30, float(high.max()), 310))
         assert every == some
         differ += none != every
     assert differ > 50
+
+
+@pytest.mark.parametrize("arguments", [
+    {"date": "2024-12-21", "step": "1h"}, {"date": "2024-12-21", "to": "2024-12-23", "step": 3600, "directions": 30, "curvature": 300},
+    {"suns": [(100, 12, 2.5), (101, 30, 0.25), (240, 3, 1)]}, {"suns": [(90, 8), (0, -3)], "irradiance": True}, {"suns": [(9, -1)]},
+    {"date": "2024-12-21", "step": "4h", "irradiance": True, "sky": 5}])
+def test_insolation(file, arguments):
+    """Lower suns of a direction need more than higher ones: the chunk's window holds all that any of them needs."""
+    same(compute(cwd.insolation(file, chunks=64, **arguments)), cw.open(file).insolation(**arguments))
+    plan = cwd._plans.insolation(cwd._Raster(file).geometry, None, None, "1h", 8, False, 3, 32, None, 7, [(2, 9), (359, 4), (50, 60), (3, -9)])
+    np.testing.assert_array_equal(cwd._plans.lowest_suns(plan), [[0, 4, 0, 7], [45, 60, 0, 7]])
 
 
 def test_horizon_and_sky_view(file):

@@ -193,6 +193,14 @@ REFUSED = [
     (1, "is too far away", "los", "10,10,2", "1e8,3,=9"),
     *((status, why, "sun", *MAP, "-o", "s.npy", *more) for status, why, *more in [
         (2, "--date is missing"),
+        (2, "--suns goes with none of --date", "--suns", "no.csv", "--date", "2024"),
+        (2, "--suns goes with none of --date", "--suns", "no.csv", "--irradiance", "--linke", "3"),
+        (1, "no.csv: cannot read", "--suns", "no.csv"),
+        (1, "suns.csv:3: '91' stands where an angle from -90 to 90 degrees should, in altitude", "--suns", "suns.csv"),
+        (1, "suns.csv:3: '91' stands", "--suns", "suns.csv", "--at", "9,9"),
+        (1, "head.csv: holds no places of the sun", "--suns", "head.csv"),
+        (2, "--max-distance goes with --at", "--suns", "suns.csv", "--max-distance", "9"),
+        (2, "--max-distance takes metres above 0", "--suns", "suns.csv", "--at", "9,9", "--max-distance=-9"),
         (2, "not 'yesterday'", "--date", "yesterday"),
         (2, "not '2024-02-30'", "--date", "2024-02-30"),
         (1, "names no coordinate system", "--date", "2024-06-21"),
@@ -207,6 +215,8 @@ REFUSED = [
 
 @pytest.mark.parametrize("status, why, command, more", [(*case[:3], case[3:]) for case in REFUSED])
 def test_refusals(status, why, command, more):
+    write("suns.csv", "azimuth,altitude\n1,90\n2,91\n")
+    write("head.csv", "azimuth,altitude,weight\n")
     refused(status, why, command, "wall.npy", *more)
 
 

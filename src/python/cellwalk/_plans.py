@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     Time = Union[str, datetime.datetime, np.datetime64]
     Day = Union[str, datetime.date, np.datetime64]
 
+SPOTS_MOST = 65534  # which uint16 counts
 SUN_RADIUS = 0.2666  # degrees, as src/terrain/sun.h has it
 _DEGREES = 180 / 3.141592653589793
 
@@ -151,33 +152,65 @@ def _span(date, to) -> tuple[float, int]:
     return first, round((until - first) / 86400)
 
 
-def sun_days(site: Site, place: tuple[float, float], date, to, step, tilt, facing, linke, sky, lon_lat, curvature) -> dict[str, float]:
-    first, days = _span(date, to)
-    longitude, latitude, turned = locate(site, "date", place) if lon_lat is None else (*_lon_lat(lon_lat), 0.0)
+def suns_of(suns, date, to) -> tuple[np.ndarray, np.ndarray]:
+    """Places of the sun as the extension takes them, and their weights."""
+    if date is not None or to is not None:
+        raise ValueError("suns: goes without date and to")
+    given = numbers(suns, "suns").astype(np.float64)
+    if given.ndim != 2 or given.shape[1] not in (2, 3) or not len(given) or not np.isfinite(given).all() or (abs(given[:, 1]) > 90).any():
+        raise ValueError(f"suns: shape {given.shape}, expected (n, 3) or (n, 2): finite azimuths, altitudes from -90 to 90, weights")
+    places = np.zeros((len(given), 5))
+    places[:, :2], places[:, 4] = given[:, :2], 1
+    return places, np.ascontiguousarray(given[:, 2]) if given.shape[1] == 3 else np.ones(len(given))
+
+
+def sun_days(site: Site, place: tuple[float, float], date, to, step, tilt, facing, linke, sky, lon_lat, curvature, max_distance,
+             listed: bool) -> dict[str, float]:
+    first, days = (0, 1) if listed else _span(date, to)
+    longitude, latitude, turned = ((0.0, 0.0, 0.0) if listed else locate(site, "date", place) if lon_lat is None else
+                                   (*_lon_lat(lon_lat), 0.0))
     ground = isinstance(tilt, str)
     if ground and tilt != "ground":
         raise ValueError(f"tilt: {tilt!r}, expected degrees or 'ground'")
     return {"first": first, "days": days, "step": _step(step), "tilt": 0 if ground else finite(tilt, "tilt", 0, 180), "lean": ground,
             "facing": finite(facing, "facing"), "linke": finite(linke, "linke", 1, 10), "sky": count(sky, "sky", 1, 3600),
-            "longitude": longitude, "latitude": latitude, "turned": turned, "curvature": finite(curvature, "curvature", 0)}
+            "longitude": longitude, "latitude": latitude, "turned": turned, "curvature": finite(curvature, "curvature", 0),
+            "max_distance": distance_of(max_distance)}
 
 
-def insolation(site: Site, date, to, step, directions, irradiance, linke, sky, lon_lat, curvature) -> Plan:
-    (first, days), seconds = _span(date, to), _step(step)
+def insolation(site: Site, date, to, step, directions, irradiance, linke, sky, lon_lat, curvature, suns) -> Plan:
+    seconds = _step(step)
+    how = {"hours": seconds / 3600, "linke": finite(linke, "linke", 1, 10), "sky": count(sky, "sky", 1, 3600),
+           "directions": 0 if directions is None else count(directions, "directions", 8, 3600),
+           "curvature": finite(curvature, "curvature", 0)}
+    if suns is not None:
+        about = {"long_name": f"weights of the suns {'on the ground' if irradiance else 'that are seen'}"}
+        return Plan("irradiance" if irradiance else "hours", how, "sunlight", about, inputs=suns_of(suns, date, to))
+    first, days = _span(date, to)
     place = locate(site, "date") if lon_lat is None else (*_lon_lat(lon_lat), 0.0)
     steps = round(days * 86400 / seconds)
     if steps > 1100000:
         raise ValueError(f"step: {step!r} makes {steps} steps of the time from {date} to {to or date}, expected at most 1100000")
     # Days begin at midnight of the place's mean solar time; the sun stands in the middle of each step.
     midnight = first - place[0] / 360 * 86400
-    suns = suns_at(midnight + (np.arange(steps) + 0.5) * seconds, *place)
-    numbers = {"hours": seconds / 3600, "linke": finite(linke, "linke", 1, 10), "sky": count(sky, "sky", 1, 3600),
-               "directions": 0 if directions is None else count(directions, "directions", 8, 3600),
-               "curvature": finite(curvature, "curvature", 0)}
+    places = suns_at(midnight + (np.arange(steps) + 0.5) * seconds, *place)
     if irradiance:
-        return Plan("irradiance", numbers, "irradiance", {"long_name": "energy of sunlight on the ground", "units": "Wh m-2"},
-                    lead=("light", ["direct", "diffuse"]), inputs=(suns,))
-    return Plan("hours", numbers, "sunlight_hours", {"long_name": "hours of direct sunlight", "units": "h"}, inputs=(suns,))
+        return Plan("irradiance", how, "irradiance", {"long_name": "energy of sunlight on the ground", "units": "Wh m-2"},
+                    lead=("light", ["direct", "diffuse"]), inputs=(places,))
+    return Plan("hours", how, "sunlight_hours", {"long_name": "hours of direct sunlight", "units": "h"}, inputs=(places,))
+
+
+def lowest_suns(plan: Plan) -> np.ndarray:
+    """The lowest sun of each direction from which the plan's shadows are cast: azimuth, altitude, radius and curvature."""
+    suns, n = plan.inputs[0][plan.inputs[0][:, 1] > 0], plan.numbers["directions"]
+    azimuths = np.fmod(np.fmod(suns[:, 0], 360) + 360, 360)
+    if n:
+        azimuths = 360 * (np.rint(azimuths / 360 * n) % n) / n
+    azimuths, of = np.unique(azimuths, return_inverse=True)
+    lowest = np.full(len(azimuths), 90.0)
+    np.minimum.at(lowest, of, suns[:, 1])
+    lights = np.stack([azimuths, lowest, 0 * lowest, np.full(len(lowest), plan.numbers["curvature"])], -1)
+    return lights if len(lights) else np.array([[0.0, 90, 0, 0]])
 
 
 # ---- what goes all round ----------------------------------------------------------------------------------------------------
@@ -256,8 +289,8 @@ def spots_of(x, y, height, elevation, default: float = 2.0, weights=None) -> np.
     spots = np.stack([*columns[:3], np.full(columns[0].shape, float(absolute)), columns[3]], -1).reshape(-1, 5)
     if not np.isfinite(spots).all():
         raise ValueError(f"x, y, {name}: {spots[~np.isfinite(spots).all(1)][0, :3].tolist()} is not finite")
-    if not 1 <= len(spots) <= 65534:
-        raise ValueError(f"x, y: {len(spots)} places, expected 1 to 65534")
+    if not 1 <= len(spots) <= SPOTS_MOST:
+        raise ValueError(f"x, y: {len(spots)} places, expected 1 to {SPOTS_MOST}")
     return np.ascontiguousarray(spots)
 
 

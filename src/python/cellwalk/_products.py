@@ -167,12 +167,15 @@ class Products:
         """
         return self._product(_plans.shadow(self._site, azimuth, altitude, time, hillshade, disc, curvature), progress)
 
-    def insolation(self, date: Day, to: Day | None = None, *, step: str | float | datetime.timedelta = "15min", directions: int | None = None,
+    def insolation(self, date: Day | None = None, to: Day | None = None, *, suns: ArrayLike | None = None, step: str | float | datetime.timedelta = "15min", directions: int | None = None,
                    irradiance: bool = False, linke: float = 3.0, sky: int = 32, lon_lat: tuple[float, float] | None = None,
                    curvature: float = 0.0, progress=None) -> Any:
         """Hours of direct sunlight on every sample over a day or several, or the light's energy.
 
         date, to    the first and the last day, as "2024-06-21", a date or a datetime64; "2024-06" and "2024": all their days
+        suns        in place of days: azimuth from the map's north, altitude and, if there, weight of each place of the sun, shape
+                    (n, 3) or (n, 2). The result is the sum of the weights of those that are seen; with irradiance that of their
+                    light on the ground as it leans, where a weight is the energy on a surface that faces the sun
         step        between two places of the sun: "30s", "15min", "1h", seconds or a timedelta; it divides a day
         directions  cast shadows from the nearest of so many directions all round, 8 to 3600, so that many days share their
                     horizons; azimuths are then off by up to 180 / directions degrees. Default: each sun's own
@@ -192,16 +195,18 @@ class Products:
             >>> cw.Field(z).insolation("2024-03-20", lon_lat=(0, 50))[1, [0, 5]]
             array([11.25,  6.5 ], dtype=float32)
         """
-        return self._product(_plans.insolation(self._site, date, to, step, directions, irradiance, linke, sky, lon_lat, curvature), progress)
+        return self._product(_plans.insolation(self._site, date, to, step, directions, irradiance, linke, sky, lon_lat, curvature, suns), progress)
 
-    def sun_days(self, x: float, y: float, date: Day, to: Day | None = None, height: float = 0.0, *, elevation: float | None = None,
-                 step: str | float | datetime.timedelta = "1min", tilt: float | str = 0.0, facing: float = 180.0, linke: float = 3.0,
+    def sun_days(self, x: float, y: float, date: Day | None = None, to: Day | None = None, height: float = 0.0, *,
+                 elevation: float | None = None, suns: ArrayLike | None = None, max_distance: float | None = None, step: str | float | datetime.timedelta = "1min", tilt: float | str = 0.0, facing: float = 180.0, linke: float = 3.0,
                  sky: int = 32, lon_lat: tuple[float, float] | None = None, curvature: float = 0.0, progress=None) -> SunDays:
         """The sun at one place day by day, behind the hills and without them: for a window, a garden or a roof.
 
         x, y        of the place on the map
         date, to    the first and the last day; "2024-01" and "2024" are all days of a month or year
         height      above ground, metres; elevation in its place: the height itself
+        suns        in place of days, as for insolation: one row without a time, whose hours are sums of weights
+        max_distance  terrain farther away does not count, metres; default: no limit
         step        between two places of the sun, to which rise and set are right
         tilt        of the surface on which energy falls, degrees: 0 level (default), 90 upright; "ground": as the ground leans
         facing      where a tilted surface looks to, degrees from the map's north; default: south
@@ -216,10 +221,13 @@ class Products:
         spots = _plans.spots_of(x, y, None if elevation is not None else height, elevation, 0.0)
         if len(spots) != 1:
             raise ValueError(f"x, y: {len(spots)} places, expected one")
-        numbers = _plans.sun_days(self._site, (spots[0, 0], spots[0, 1]), date, to, step, tilt, facing, linke, sky, lon_lat, curvature)
+        numbers = _plans.sun_days(self._site, (spots[0, 0], spots[0, 1]), date, to, step, tilt, facing, linke, sky, lon_lat, curvature,
+                                  max_distance, suns is not None)
         out = np.empty((int(numbers["days"]), 8))
-        self._ground.make("sun_days", numbers, (0, 0, 0, 0), (spots,), (out,), 1, progress_call(progress))
+        listed = () if suns is None else _plans.suns_of(suns, date, to)
+        self._ground.make("sun_days", numbers, (0, 0, 0, 0), (spots, *listed), (out,), 1, progress_call(progress))
         days = np.datetime64(int(numbers["first"]), "s").astype("datetime64[D]") + np.arange(len(out))
+        days = np.full(1, np.datetime64("NaT", "D")) if listed else days
         times = np.where(np.isnan(out[:, :2]), np.datetime64("NaT"), np.nan_to_num(out[:, :2]).round().astype("datetime64[s]"))
         return SunDays(days, times[:, 0], times[:, 1], *out[:, 2:].T.copy())
 
@@ -273,8 +281,17 @@ class Products:
         """
         return self._product(_plans.openness(self._site, directions, max_distance, start, curvature, negative), progress)
 
-    def _found(self, spots: np.ndarray, skip_outside: bool) -> np.ndarray:
-        """Without those that have no ground to stand on or are under it, if they are to be skipped."""
+    def _spots(self, spots: np.ndarray, every: float | None, skip_outside: bool) -> np.ndarray:
+        """Observers along a line of which the spots are corners; without those that have no ground to stand on or are under it, if
+        they are to be skipped."""
+        if every is not None:
+            if len(spots) < 2 or not finite(every, "every", 0) > 0:
+                raise ValueError(f"every: {every!r}, expected metres above 0, and two corners of a line or more")
+            line, number = np.empty((_plans.SPOTS_MOST, 5)), np.empty(1)
+            self._ground.make("along", {"every": float(every)}, (0, 0, 0, 0), (spots,), (line, number), 1, None)
+            if number[0] > len(line):
+                raise ValueError(f"every: {every!r} makes {number[0]:.0f} observers, expected at most {len(line)}")
+            spots = np.ascontiguousarray(line[:int(number[0])])
         if not skip_outside:
             return spots
         found = np.empty(len(spots), np.uint8)
@@ -291,7 +308,7 @@ class Products:
                  max_distance: float | None = None, needed: bool | str = False, *, observer_elevation: ArrayLike | None = None,
                  curvature: float | None = None, min_distance: float = 0.0, azimuth: tuple[float, float] | None = None,
                  vertical: tuple[float, float] | None = None, angle: bool = False, weights: ArrayLike | None = None, bands: bool = False,
-                 skip_outside: bool = False, progress=None) -> Any:
+                 every: float | None = None, skip_outside: bool = False, progress=None) -> Any:
         """Which samples are seen from a place, or from how many of several.
 
         x, y                of the observers on the map; scalars, or arrays that broadcast with the heights
@@ -308,6 +325,8 @@ class Products:
         angle               True: the angle of the target above the eye's horizontal
         weights             the sum of the weights of the observers that see the sample
         bands               True: a band for each observer in place of counts
+        every               x, y are the corners of a line: an observer at its beginning and every so many metres; heights and weights
+                            change evenly between corners
         skip_outside        True: observers without ground, or under it, are left out with a warning
 
         Returns uint8, shape (rows, columns): 1 where seen, else 0, 255 at holes. From several observers: how many see it
@@ -325,7 +344,7 @@ class Products:
         if bool(needed) + bool(angle) + (weights is not None) > 1:
             raise ValueError("needed, angle, weights: only one can be had")
         kind = "needed_absolute" if needed == "absolute" else "needed" if needed else "angle" if angle else "seen" if weights is None else "weights"
-        spots = self._found(_plans.spots_of(x, y, observer_height, observer_elevation, 2.0, weights), skip_outside)
+        spots = self._spots(_plans.spots_of(x, y, observer_height, observer_elevation, 2.0, weights), every, skip_outside)
         limits = _plans.limits_of(self._site, target_height, max_distance, min_distance, azimuth, vertical, curvature)
         plan = _plans.viewshed(spots, limits, kind, bool(bands))
         data = self._rows(plan, None, progress)
@@ -339,7 +358,7 @@ class Products:
     def sites(self, x: ArrayLike, y: ArrayLike, observer_height: ArrayLike | None = None, target_height: float = 0.0,
               max_distance: float | None = None, *, observer_elevation: ArrayLike | None = None, curvature: float | None = None,
               min_distance: float = 0.0, azimuth: tuple[float, float] | None = None, vertical: tuple[float, float] | None = None,
-              within: Any = None, progress=None) -> Sites:
+              within: Any = None, every: float | None = None, skip_outside: bool = False, progress=None) -> Sites:
         """How much each of several observers sees. Arguments as for viewshed.
 
         within  only samples count where this array of the field's shape is not 0
@@ -349,7 +368,7 @@ class Products:
             >>> cw.Field(z).sites([4, 0], [4, 0]).samples
             array([81, 69])
         """
-        spots = _plans.spots_of(x, y, observer_height, observer_elevation)
+        spots = self._spots(_plans.spots_of(x, y, observer_height, observer_elevation), every, skip_outside)
         limits = _plans.limits_of(self._site, target_height, max_distance, min_distance, azimuth, vertical, curvature)
         mask: tuple = ()
         if within is not None:

@@ -9,7 +9,7 @@ A source is a path, of which each task reads its own window, or a chunked DataAr
 same method of cellwalk.Field gives for the whole raster: each chunk is computed with a halo that is proved to hold all that
 matters to it.
 
-    shadow             what can throw a shadow on the chunk, found by the lowest and highest samples of blocks, which one pass over
+    shadow, insolation what can throw a shadow on the chunk, found by the lowest and highest samples of blocks, which one pass over
                        the raster finds first
     viewshed           max_distance around each observer
     horizon, sky_view, openness, visibility
@@ -245,9 +245,15 @@ class _Raster:
                   for rows in zip(windows, self.windows)]
         return self.result(blocks, plan.dtype, plan.name, plan.attrs, plan.lead)
 
+    def make_sunward(self, plan: _plans.Plan, lights: np.ndarray, chunk_bytes: int = 0) -> Any:
+        """The same from all that can throw a shadow on a chunk: azimuth, altitude, radius and curvature of each light."""
+        low, high = self.block_ranges()
+        highest = float(high.max())
+        return self.make(plan, lambda w: self.reach.sunward(low, high, highest, lights, w), f"altitude: {lights[:, 1].min()}", chunk_bytes)
+
     def make_around(self, plan: _plans.Plan, chunk_bytes: int = 0) -> Any:
         """The same from all within max_distance of a chunk."""
-        distance, g = plan.numbers["max_distance"], self.geometry
+        distance, g = plan.numbers.get("max_distance", 0), self.geometry
         if distance > 0:
             return self.make(plan, lambda w: self.reach.beside(w, distance), f"max_distance: {distance:g}", chunk_bytes)
         return self.make(plan, lambda w: (0, 0, g.rows, g.columns), "max_distance: None, so far mountains may count", chunk_bytes)
@@ -291,9 +297,17 @@ def shadow(source: Any, azimuth: float | None = None, altitude: float | None = N
     r = _Raster(source, **reading)
     plan = _plans.shadow(r.geometry, azimuth, altitude, time, hillshade, disc, curvature)
     light = [plan.numbers[name] for name in ("azimuth", "altitude", "disc", "curvature")]
-    low, high = r.block_ranges()
-    highest = float(high.max())
-    return r.make(plan, lambda w: r.reach.sunward(low, high, highest, *light, w), f"altitude: {light[1]}")
+    return r.make_sunward(plan, np.array([light]))
+
+
+def insolation(source: Any, date: _plans.Day | None = None, to: _plans.Day | None = None, *, suns: Any = None, step: Any = "15min",
+               directions: int | None = None, irradiance: bool = False, linke: float = 3.0, sky: int = 32,
+               lon_lat: tuple[float, float] | None = None, curvature: float = 0.0, **reading: Unpack[_Reading]) -> Any:
+    """Hours of sunlight over days, or its energy, as Field.insolation. One pass over the raster is made at once; diffuse light depends
+    on all of the raster, as sky_view does."""
+    r = _Raster(source, **reading)
+    plan = _plans.insolation(r.geometry, date, to, step, directions, irradiance, linke, sky, lon_lat, curvature, suns)
+    return r.make_around(plan, 16) if plan.lead else r.make_sunward(plan, _plans.lowest_suns(plan), 12)
 
 
 def horizon(source: Any, directions: int = 32, max_distance: float | None = None, *, start: float = 0.0, curvature: float = 0.0,

@@ -19,6 +19,7 @@ static const struct {
     {"sky_view_tilted", make_tilted_sky},
     {"visibility", make_visibility},
     {"found", make_found},
+    {"along", make_along},
     {"viewshed", make_viewshed},
     {"line_of_sight", make_lines},
     {"profile", make_profile},

@@ -39,7 +39,7 @@ const void *call_input(call *c, size_t k, size_t bytes, size_t *count);
 __attribute__((format(printf, 2, 3))) cw_status call_fail(call *c, const char *format, ...);
 
 /* Products by file. */
-product make_angles, make_distances, make_found, make_hours, make_irradiance, make_lines, make_openness,
+product make_along, make_angles, make_distances, make_found, make_hours, make_irradiance, make_lines, make_openness,
     make_place_horizons, make_profile, make_shadow, make_sky, make_sun_days, make_tilted_sky, make_visibility,
     make_viewshed;
 

@@ -83,12 +83,14 @@ cw_status make_openness(call *c) {
 
 /* ---- sunlight over days ------------------------------------------------------------------------------------------------ */
 
-/* Input 0: places of the sun. */
+/* Inputs: places of the sun and, if they have any, as many weights. */
 static cw_status find_suns(call *c, insolation **sum) {
-    size_t count;
+    size_t count, weighted;
     const sun_position *suns = call_input(c, 0, sizeof *suns, &count);
+    const double *weights = call_input(c, 1, sizeof *weights, &weighted);
     const insolation_desc d = {.suns = suns,
-                               .count = count,
+                               .count = weighted > 0 && weighted < count ? weighted : count,
+                               .weights = weights,
                                .hours = c->n.hours,
                                .linke = c->n.linke,
                                .curvature = c->n.curvature,
@@ -106,16 +108,17 @@ cw_status make_hours(call *c) {
     return status;
 }
 
-/* A plane of direct light and one of diffuse light. */
+/* A plane of direct light and, without weights, one of diffuse light. */
 cw_status make_irradiance(call *c) {
     const cw_horizon sky = {.count = (uint32_t)c->n.sky, .curvature = c->n.curvature, .flags = CW_HORIZON_TILTED};
     insolation *s;
-    float *out = call_output(c, 0, 2 * samples_of(c) * sizeof *out);
+    const bool diffuse = c->in_count < 2;
+    float *out = call_output(c, 0, (diffuse ? 2 : 1) * samples_of(c) * sizeof *out);
     if (out == NULL) return CW_ERROR_ARGUMENT;
     cw_status status = find_suns(c, &s);
-    bool on = work_part(&c->work, 0, 0.5);
+    bool on = work_part(&c->work, 0, diffuse ? 0.5 : 1);
     if (status == CW_OK && on) status = insolation_direct(s, &c->work.run, (cw_area){c->at, 0}, out);
-    on = on && work_part(&c->work, 0.5, 0.5);
+    on = on && diffuse && work_part(&c->work, 0.5, 0.5);
     if (status == CW_OK && on) status = sum_all(c, &sky, 1, (float)insolation_diffuse(s));
     insolation_destroy(s);
     return status;

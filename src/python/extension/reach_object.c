@@ -5,6 +5,7 @@
 #include "ground_plan.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 typedef struct py_reach {
     PyObject_HEAD site site;
@@ -107,18 +108,22 @@ static PyObject *around(PyObject *self, PyObject *arguments) {
 
 static size_t blocks_along(size_t samples) { return (samples + REACH_BLOCK - 1) / REACH_BLOCK; }
 
-/* sunward(low, high, highest, azimuth, altitude, radius, curvature, window): the window and all that can throw a shadow on it; low and high
- * of all blocks, row by row. */
+/* sunward(low, high, highest, lights, window): the window and all that can throw a shadow on it; low and high of all blocks, row by
+ * row; azimuth, altitude, radius and curvature of each light. */
 static PyObject *sunward(PyObject *self, PyObject *arguments) {
     const py_reach *r = (const py_reach *)self;
-    Py_buffer low = {0}, high = {0};
-    cw_light light = {0};
+    enum { NUMBERS = 4 };
+    Py_buffer low = {0}, high = {0}, given = {0};
     float highest;
     cw_rectangle part;
-    if (!PyArg_ParseTuple(arguments, "y*y*fddddO&:sunward", &low, &high, &highest, &light.azimuth, &light.altitude,
-                          &light.radius, &light.curvature, to_rectangle, &part))
+    if (!PyArg_ParseTuple(arguments, "y*y*fy*O&:sunward", &low, &high, &highest, &given, to_rectangle, &part))
         return NULL;
-    ground_plan plan = {.by = {.suns = &light, .sun_count = 1},
+    const size_t count = (size_t)given.len / (NUMBERS * sizeof(double));
+    cw_light *lights = calloc(count + 1, sizeof *lights);
+    const double *n = given.buf;
+    for (size_t k = 0; k < count && lights != NULL; k++, n += NUMBERS)
+        lights[k] = (cw_light){.azimuth = n[0], .altitude = n[1], .radius = n[2], .curvature = n[3]};
+    ground_plan plan = {.by = {.suns = lights, .sun_count = count},
                         .whole = &r->whole,
                         .blocks = {.whole = &r->whole,
                                    .across = blocks_along(r->whole.nx),
@@ -128,10 +133,14 @@ static PyObject *sunward(PyObject *self, PyObject *arguments) {
                                    .highest = highest}};
     const size_t bytes = plan.blocks.across * plan.blocks.down * sizeof(float);
     PyObject *answer = NULL;
-    if (buffer_holds(&low, bytes, "low") && buffer_holds(&high, bytes, "high") && is_part(r, part)) {
+    if (lights == NULL)
+        PyErr_NoMemory();
+    else if (buffer_holds(&low, bytes, "low") && buffer_holds(&high, bytes, "high") && is_part(r, part)) {
         ground_plan_around(&plan, part, &part);
         answer = from_rectangle(part);
     }
+    free(lights);
+    PyBuffer_Release(&given);
     PyBuffer_Release(&low);
     PyBuffer_Release(&high);
     return answer;

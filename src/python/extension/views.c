@@ -2,6 +2,7 @@
 /* Products of places of the map: viewsheds, lines of sight, horizons. */
 #include "call.h"
 #include "line.h"
+#include "observers.h"
 #include "place_horizon.h"
 #include "sun_day.h"
 #include "view_sum.h"
@@ -47,6 +48,41 @@ cw_status make_found(call *c) {
     for (size_t k = 0; k < n; k++) out[k] = find_spot(c, "", &spots[k], at);
     c->error[0] = '\0';
     return CW_OK;
+}
+
+/* Inputs: corners of a line. Outputs: spots along it, as many as there is room for, and how many there are. */
+cw_status make_along(call *c) {
+    size_t n;
+    const spot *corners = call_input(c, 0, sizeof *corners, &n);
+    spot *out = call_output(c, 0, 0);
+    double *count = call_output(c, 1, sizeof *count);
+    ground_place *places = malloc((n + 1) * sizeof *places);
+    const observers_from from = {.places = places, .place_count = n, .every = c->n.every};
+    const size_t room = out ? (size_t)c->out[0].len / sizeof *out : 0;
+    bool good = places != NULL && out != NULL && count != NULL;
+    for (int pass = 0; pass < 2 && good; pass++) { /* weights change along the line as heights do */
+        observers all;
+        io_error error;
+        for (size_t k = 0; k < n; k++) {
+            places[k] = place_of(c, &corners[k]);
+            if (pass == 1) places[k].z = corners[k].weight;
+        }
+        if (!(good = observers_along(&all, &from, &c->field->terrain, &error))) {
+            call_fail(c, "every: %s", error.text);
+            break;
+        }
+        for (size_t k = 0; k < all.count && k < room; k++) {
+            const observer *o = &all.list[k];
+            if (pass == 1)
+                out[k].weight = o->z;
+            else
+                out[k] = (spot){o->x, northward(c, o->y), o->z, o->absolute, 1};
+        }
+        *count = (double)all.count;
+        observers_free(&all);
+    }
+    free(places);
+    return good ? CW_OK : places ? CW_ERROR_ARGUMENT : CW_ERROR_MEMORY;
 }
 
 /* ---- viewsheds ----------------------------------------------------------------------------------------------------------- */
@@ -283,20 +319,24 @@ cw_status make_place_horizons(call *c) {
     return status;
 }
 
-/* Input: one place. Output: a sun_day for each day. lean: the surface is the ground's. */
+/* Inputs: one place; places of the sun and their weights, or none. Output: a sun_day for each day, or one. lean: the surface is the
+ * ground's. */
 cw_status make_sun_days(call *c) {
     const terrain *t = &c->field->terrain;
     const call_numbers *n = &c->n;
     const size_t days = (size_t)n->days;
-    size_t count;
+    size_t count, suns, weights;
     const spot *at = call_input(c, 0, sizeof *at, &count);
+    const sun_position *list = call_input(c, 1, sizeof *list, &suns);
+    const double *weight = call_input(c, 2, sizeof *weight, &weights);
     sun_day *out = call_output(c, 0, days * sizeof *out);
     sun_day_desc d = {.place = {n->longitude, n->latitude, n->turned},
                       .step = n->step,
                       .linke = n->linke,
                       .sky = (unsigned)n->sky,
                       .tilt = n->tilt,
-                      .facing = n->facing};
+                      .facing = n->facing,
+                      .max_distance = n->max_distance};
     double eye[3];
     sight s;
     sight_bounds *bounds;
@@ -305,8 +345,9 @@ cw_status make_sun_days(call *c) {
     const cw_status status = sight_bounds_create(t, &bounds);
     if (status != CW_OK) return status;
     sight_init(&s, t, bounds, eye, n->curvature);
-    const double share = sun_sky_share(&s, &d);
-    for (size_t k = 0; k < days && work_watch(&c->work, (double)k / (double)days); k++)
+    const double share = weight ? 0 : sun_sky_share(&s, &d);
+    if (weight) *out = sun_day_of_list(&s, &d, list, weight, suns < weights ? suns : weights);
+    for (size_t k = 0; k < days && !weight && work_watch(&c->work, (double)k / (double)days); k++)
         out[k] = sun_day_find(&s, &d, share, n->first + 86400 * (double)k);
     sight_bounds_destroy(bounds);
     return CW_OK;

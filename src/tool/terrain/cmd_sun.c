@@ -22,7 +22,7 @@ enum { SUNS_MOST = 1100000 };
 
 typedef struct sun_command {
     product product;
-    const char *date, *to, *step, *place;
+    const char *date, *to, *step, *place, *suns_file;
     double linke, curvature;
     unsigned directions, sky;
     bool irradiance;
@@ -32,8 +32,8 @@ typedef struct sun_command {
     double seconds;     /* of a step */
     double lon_lat[2];
     /* The work. */
-    sun_position *suns;
-    size_t count;
+    sun_list suns; /* weights: of the file's */
+    size_t bands;
     cw_light *shadows; /* the lowest sun of each direction */
     insolation *sum;
 } sun_command;
@@ -43,8 +43,9 @@ enum { DIRECT, DIFFUSE, BANDS };
 /* The ground's terrain is another piece, or the whole without samples. */
 static bool enter(product *p, io_error *error) {
     sun_command *c = p->context;
-    const insolation_desc desc = {.suns = c->suns,
-                                  .count = c->count,
+    const insolation_desc desc = {.suns = c->suns.suns,
+                                  .count = c->suns.count,
+                                  .weights = c->suns.weights,
                                   .hours = c->seconds / 3600,
                                   .linke = c->linke,
                                   .curvature = c->curvature,
@@ -69,11 +70,14 @@ static bool fill(product *p, size_t band, size_t row, size_t rows, void *cells, 
 /* The sun in the middle of each step. Days begin at midnight of the place's mean solar time, so that a day's light is one
  * piece. */
 static bool find_suns(sun_command *c, const sun_place *place, io_error *error) {
-    c->count = (size_t)nearbyint((c->last + day - c->first) / c->seconds);
-    c->suns = malloc(c->count * sizeof *c->suns);
-    if (c->suns == NULL) return io_fail(error, "out of memory");
+    sun_list *list = &c->suns;
+    if (c->suns_file) return sun_list_read(c->suns_file, &c->product.ground.watch, list, error);
+    list->count = (size_t)nearbyint((c->last + day - c->first) / c->seconds);
+    list->suns = malloc(list->count * sizeof *list->suns);
+    if (list->suns == NULL) return io_fail(error, "out of memory");
     const double midnight = c->first - place->longitude / 360 * day;
-    for (size_t k = 0; k < c->count; k++) c->suns[k] = sun_place_at(place, midnight + ((double)k + 0.5) * c->seconds);
+    for (size_t k = 0; k < list->count; k++)
+        list->suns[k] = sun_place_at(place, midnight + ((double)k + 0.5) * c->seconds);
     return true;
 }
 
@@ -90,21 +94,32 @@ static bool find_what_matters(product *p, io_error *error) {
     }
     p->matters = (ground_matters){.suns = c->shadows,
                                   .sun_count = count > 0 ? count : 1,
-                                  .horizons = c->irradiance,
+                                  .horizons = c->bands == BANDS,
                                   .above_level = true,
                                   .curvature = c->curvature};
     return true;
 }
 
-static bool begin(product *p, io_error *error) {
-    sun_command *c = p->context;
-    const ground *g = &p->ground;
+static void note_light(product *p, const sun_command *c) {
+    product_note(p, "CLEAR_SKY=ESRA (Rigollier, Bauer, Wald 2000)");
+    product_note(p, "LINKE=%.9g", c->linke);
+    product_note(p, "SKY_DIRECTIONS=%u", c->sky);
+    product_note(p, "DIFFUSE_LEVEL=%.9g", insolation_diffuse(c->sum));
+}
+
+static void describe_list(product *p, const sun_command *c) {
+    product_describe(p, IO_CELL_FLOAT32, 1,
+                     c->irradiance ? "sum of the suns' weights on the ground as it leans"
+                                   : "sum of the weights of suns that are seen");
+    p->raster.white = 0;
+    for (size_t k = 0; k < c->suns.count; k++) p->raster.white += c->suns.weights[k];
+    product_note(p, "SUNS_FILE=%s", c->suns_file);
+    product_note(p, "SUNS=%zu", c->suns.count);
+}
+
+static void describe(product *p, const sun_command *c, const sun_place *place) {
     static const char *const bands[BANDS] = {"direct light on the ground", "diffuse light on the ground"};
-    sun_place place = {c->lon_lat[0], c->lon_lat[1], 0};
-    if (c->at.at) return sun_table_write(p, &c->at, error);
-    if (!c->place && !sun_place_find(&g->whole, &g->about.georef, g->path, NULL, &place, error)) return false;
-    if (!find_suns(c, &place, error) || !enter(p, error) || !find_what_matters(p, error)) return false;
-    product_describe(p, IO_CELL_FLOAT32, c->irradiance ? BANDS : 1,
+    product_describe(p, IO_CELL_FLOAT32, c->bands,
                      c->irradiance ? "energy of sunlight on the ground under a cloudless sky"
                                    : "hours of direct sunlight");
     p->raster.unit = c->irradiance ? "Wh/m2" : "h";
@@ -113,15 +128,26 @@ static bool begin(product *p, io_error *error) {
     product_note(p, "DATE=%s", c->date);
     product_note(p, "TO=%s", c->to ? c->to : c->date);
     product_note(p, "STEP_SECONDS=%.9g", c->seconds);
-    product_note(p, "SUN_OVER=%.9g,%.9g", place.longitude, place.latitude);
+    product_note(p, "SUN_OVER=%.9g,%.9g", place->longitude, place->latitude);
+    if (c->irradiance) note_light(p, c);
+}
+
+static bool begin(product *p, io_error *error) {
+    sun_command *c = p->context;
+    const ground *g = &p->ground;
+    sun_place place = {c->lon_lat[0], c->lon_lat[1], 0};
+    if (c->at.at) return sun_table_write(p, &c->at, error);
+    if (!c->place && !c->suns_file && !sun_place_find(&g->whole, &g->about.georef, g->path, NULL, &place, error))
+        return false;
+    if (!find_suns(c, &place, error) || !product_check_output(p, error) || !enter(p, error) ||
+        !find_what_matters(p, error))
+        return false;
+    if (c->suns_file)
+        describe_list(p, c);
+    else
+        describe(p, c, &place);
     product_note(p, "SUN_DIRECTIONS=%zu%s", insolation_directions(c->sum), c->directions ? "" : " (each sun's own)");
     product_note(p, "CURVATURE=%.9g", c->curvature);
-    if (c->irradiance) {
-        product_note(p, "CLEAR_SKY=ESRA (Rigollier, Bauer, Wald 2000)");
-        product_note(p, "LINKE=%.9g", c->linke);
-        product_note(p, "SKY_DIRECTIONS=%u", c->sky);
-        product_note(p, "DIFFUSE_LEVEL=%.9g", insolation_diffuse(c->sum));
-    }
     return true;
 }
 
@@ -134,7 +160,7 @@ static void leave(void *context) {
 static void end(void *context) {
     sun_command *c = context;
     free(c->shadows);
-    free(c->suns);
+    sun_list_free(&c->suns);
 }
 
 /* ---- the command line --------------------------------------------------------------------------------------------------- */
@@ -184,11 +210,13 @@ static bool read_step(const char *text, double *seconds) {
 static bool check(void *context, size_t *bands) {
     sun_command *c = context;
     double unused;
+    const bool energy_only = !isnan(c->linke) || c->sky > 0, dated = c->date || c->to || c->step || c->place;
     if (c->step == NULL) c->step = c->at.at ? "1min" : "15min";
-    const bool energy_only = !isnan(c->linke) || c->sky > 0;
-    if (c->date == NULL)
-        command_fail(name, "--date is missing");
-    else if (!read_days(c->date, &c->first, &c->last))
+    if (c->suns_file && (dated || energy_only))
+        command_fail(name, "--suns goes with none of --date, --to, --step, --lon-lat, --linke and --sky");
+    else if (!c->suns_file && c->date == NULL)
+        command_fail(name, "--date is missing, or --suns FILE.csv");
+    else if (c->date && !read_days(c->date, &c->first, &c->last))
         command_fail(name, "--date takes a day, as 2024-06-21, a month or a year, not '%s'", c->date);
     else if (c->to && !read_days(c->to, &unused, &c->last))
         command_fail(name, "--to takes a day, as 2024-06-21, a month or a year, not '%s'", c->to);
@@ -201,9 +229,13 @@ static bool check(void *context, size_t *bands) {
                      c->to ? c->to : c->date);
     else if (c->place && (ground_numbers(c->place, c->lon_lat, 2, 2) == 0 || fabs(c->lon_lat[1]) > 90))
         command_fail(name, "--lon-lat takes longitude and latitude in degrees, as 6.1,49.8, not '%s'", c->place);
+    else if (c->at.desc.max_distance != 0 && !c->at.at)
+        command_fail(name, "--max-distance goes with --at");
     else if (c->at.at && (c->irradiance || c->directions > 0 || c->product.window))
         command_fail(name,
                      "--at prints hours and energy, and goes with none of --irradiance, --directions and --window");
+    else if (c->at.desc.max_distance < 0)
+        command_fail(name, "--max-distance takes metres above 0, not %g", c->at.desc.max_distance);
     else if (energy_only && !c->irradiance && !c->at.at)
         command_fail(name, "--linke and --sky go with --irradiance");
     else if (!isnan(c->linke) && !(c->linke >= 1 && c->linke <= 10))
@@ -211,7 +243,8 @@ static bool check(void *context, size_t *bands) {
     else {
         if (isnan(c->linke)) c->linke = CLEAR_SKY_LINKE;
         if (c->sky == 0) c->sky = 32;
-        *bands = c->at.at ? 0 : c->irradiance ? BANDS : 1;
+        *bands = c->bands = c->at.at ? 0 : c->irradiance && !c->suns_file ? BANDS : 1;
+        c->at.suns = c->suns_file;
         c->at.curvature = c->curvature;
         c->at.first = c->first;
         c->at.days = (size_t)nearbyint((c->last - c->first) / day) + 1;
@@ -235,6 +268,11 @@ static int run(int argc, char **argv) {
         option_text(
             "step", "TIME", &c.step,
             "time between two places of the sun, as 30s, 15min (default, with --at 1min) or 1h; it divides a day"),
+        option_text("suns", "FILE.csv", &c.suns_file,
+                    "places of the sun in place of dates, for the Moon, Mars or a weather year: a table whose first "
+                    "line names the columns azimuth (from the map's north), altitude and, if there, weight; the result "
+                    "is the sum of the weights of suns that are seen, with --irradiance that of their light on the "
+                    "ground as it leans, where a weight is the energy on a surface that faces the sun"),
         option_count("directions", "N", &c.directions, 8, 3600,
                      "cast shadows from the nearest of N directions all round, so that many days share their horizons; "
                      "azimuths are then off by up to 180 / N degrees (default: each sun's own)"),
@@ -260,11 +298,14 @@ static int run(int argc, char **argv) {
             "ground leans there (default: 0, level)"),
         option_number("facing", "AZ", &c.at.facing,
                       "with --tilt: where the surface looks to, in degrees from the map's north (default: 180)"),
+        option_number(
+            "max-distance", "D", &c.at.desc.max_distance,
+            "with --at: terrain farther away than D metres does not count and is not read (default: no limit)"),
         product_flat_earth_row(&c.curvature),
     };
     const options_usage usage = {
         .name = name,
-        .synopsis = "DEM --date DAY [--to DAY] (-o FILE | --at X,Y) [OPTIONS]",
+        .synopsis = "DEM (--date DAY [--to DAY] | --suns FILE.csv) (-o FILE | --at X,Y) [OPTIONS]",
         .what = "Computes hours of direct sunlight on every sample of a terrain and writes a raster (float32; NaN: no "
                 "data). --irradiance writes the energy of direct and diffuse light under a cloudless sky instead.\n\n"
                 "The sun stands in the middle of each step, where it is seen from the terrain's middle, lifted by the "
@@ -279,7 +320,8 @@ static int run(int argc, char **argv) {
                     "  cellwalk sun dem.tif --date 2024-06-01 --to 2024-06-30 -o june.tif\n"
                     "  cellwalk sun dem.tif --date 2024-03-20 --irradiance --linke 2.5 -o energy.tif\n"
                     "  cellwalk sun dem.tif --date 2024 --at 600250,5199800,2 > months.csv\n"
-                    "  cellwalk sun dem.tif --date 2024-01 --at 600250,5199800,6 --tilt 35\n",
+                    "  cellwalk sun dem.tif --date 2024-01 --at 600250,5199800,6 --tilt 35\n"
+                    "  cellwalk sun moon.tif --suns month.csv -o share.tif\n",
         .options = options,
         .option_count = sizeof options / sizeof *options,
     };

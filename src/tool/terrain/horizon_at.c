@@ -50,19 +50,12 @@ static void write_json(FILE *to, const finding *f, bool first) {
         fprintf(to, "[%.10g, %.10g]}", f->is.at[0], f->is.at[1]);
 }
 
-/* Reads what is within the distance of a place. */
-static bool read_circle(job *j, const ground_place *p, io_error *error) {
+static bool read_around(job *j, const ground_place *p, double metres, io_error *error) {
     ground *g = &j->product->ground;
-    double at[2];
-    cw_rectangle piece = {0, 0, 2, 2}; /* a place that is too far away is an error that finding it says */
     sight_bounds_destroy(j->bounds);
     j->bounds = NULL;
-    if (terrain_find_place(&g->whole, p->x, p->y, at)) {
-        const cw_rectangle around = reach_around(&g->whole, at, j->desc->max_distance);
-        if (around.nx > 0) piece = reach_grow(&g->whole, around, 2);
-    }
-    if (!ground_check(g, piece, 0, error) || !ground_read(g, piece, false, error)) return false;
-    return sight_bounds_create(&g->terrain, &j->bounds) == CW_OK || io_fail(error, "out of memory");
+    return ground_read_around(g, p->x, p->y, metres, error) &&
+           (sight_bounds_create(&g->terrain, &j->bounds) == CW_OK || io_fail(error, "out of memory"));
 }
 
 static bool write_place(job *j, const ground_place *p, io_error *error) {
@@ -75,7 +68,7 @@ static bool write_place(job *j, const ground_place *p, io_error *error) {
     sun_place north;
     io_error unknown;
     j->number++;
-    if (j->in_circles && !read_circle(j, p, error)) return false;
+    if (j->in_circles && !read_around(j, p, d->max_distance, error)) return false;
     if (!ground_find_place(t, p, eye, &level, error)) return false;
     if (isnan(level)) return io_fail(error, "%s: is not on the terrain, where the horizon is found", p->text);
     sight_init(&s, t, j->bounds, eye, d->curvature);
@@ -117,10 +110,7 @@ bool horizon_at_write(product *p, const horizon_at *h, const cw_horizon *desc, i
     if (!observers_find(&all, &from, &p->ground, error)) return false;
     ground *g = &p->ground;
     j.in_circles = desc->max_distance > 0 && (all.count == 1 || !ground_is_small(g));
-    bool good =
-        j.in_circles || (ground_check(g, ground_all(g), 0, error) && ground_read(g, ground_all(g), false, error));
-    if (good && !j.in_circles && sight_bounds_create(&g->terrain, &j.bounds) != CW_OK)
-        good = io_fail(error, "out of memory");
+    bool good = j.in_circles || read_around(&j, &(ground_place){0}, 0, error);
     good = good && io_output_open(&j.to, p->output ? p->output : "-", error) && write_all(&j, &all, error) &&
            io_output_commit(&j.to, error);
     io_output_discard(&j.to);

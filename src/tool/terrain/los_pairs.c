@@ -6,10 +6,8 @@
 
 #include <math.h>
 
-enum { X1, Y1, HEIGHT1, X2, Y2, HEIGHT2, NAMES };
-static const char *const names[NAMES] = {"x1", "y1", "height1", "x2", "y2", "height2"};
-
-static bool is_height(int n) { return n == HEIGHT1 || n == HEIGHT2; }
+enum { X1, Y1, X2, Y2, HEIGHT1, HEIGHT2, NAMES };
+static const char *const names[NAMES] = {"x1", "y1", "x2", "y2", "height1", "height2"};
 
 typedef struct job {
     product *product;
@@ -22,18 +20,9 @@ typedef struct job {
 
 static bool find_columns(job *j, io_error *error) {
     const io_table *t = &j->table;
-    for (int n = 0; n < NAMES; n++)
-        if (!(is_height(n) ? io_table_find(t, names[n], &j->columns[n], error)
-                           : io_table_require(t, names[n], &j->columns[n], error)))
-            return false;
-    if (t->rows == 0) return io_fail(error, "%s: holds no pairs", t->path);
-    char others[200], text[512];
-    if (!io_table_others(t, names, NAMES, others, sizeof others)) return true;
-    snprintf(text, sizeof text, "%s: passed over: %s; columns with a meaning are x1, y1, height1, x2, y2 and height2",
-             t->path, others);
     const ground_watch *w = &j->product->ground.watch;
-    w->warn(w->context, text);
-    return true;
+    if (t->rows == 0) return io_fail(error, "%s: holds no pairs", t->path);
+    return io_table_columns(t, names, NAMES, HEIGHT1, j->columns, w->warn, w->context, error);
 }
 
 enum { TEXT = 300 };
@@ -41,10 +30,10 @@ enum { TEXT = 300 };
 /* One end of a row's line. */
 static bool take_place(const job *j, size_t row, int end, ground_place *p, char text[TEXT], io_error *error) {
     const io_table *t = &j->table;
-    const size_t *c = j->columns + (end ? X2 : X1);
+    const size_t *c = j->columns, x = c[end ? X2 : X1], y = c[end ? Y2 : Y1], height = c[end ? HEIGHT2 : HEIGHT1];
     *p = (ground_place){.text = text};
-    if (!io_table_number(t, row, c[0], &p->x, error) || !io_table_number(t, row, c[1], &p->y, error)) return false;
-    if (c[2] < t->columns && !io_table_height(t, row, c[2], &p->z, &p->absolute, error)) return false;
+    if (!io_table_number(t, row, x, &p->x, error) || !io_table_number(t, row, y, &p->y, error)) return false;
+    if (height < t->columns && !io_table_height(t, row, height, &p->z, &p->absolute, error)) return false;
     snprintf(text, TEXT, "%.150s:%zu: %.10g,%.10g,%s%.10g", t->path, t->lines[row], p->x, p->y, p->absolute ? "=" : "",
              p->z);
     return true;

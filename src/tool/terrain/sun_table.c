@@ -91,6 +91,18 @@ static bool print_days(product *p, const sun_table *a, const sight *s, double sh
     return true;
 }
 
+static bool print_list(product *p, const sun_table *a, const sight *s, io_output *to, io_error *error) {
+    sun_list list;
+    bool good = sun_list_read(a->suns, &p->ground.watch, &list, error);
+    if (good) {
+        const sun_day d = sun_day_of_list(s, &a->desc, list.suns, list.weights, list.count);
+        good = io_output_print(to, error, "suns,hours,free_hours,direct,free_direct\n%zu,%.6g,%.6g,%.6g,%.6g\n",
+                               list.count, d.hours, d.free_hours, d.direct, d.free_direct);
+    }
+    sun_list_free(&list);
+    return good;
+}
+
 bool sun_table_write(product *p, sun_table *a, io_error *error) {
     ground *g = &p->ground;
     const terrain *t = &g->terrain;
@@ -99,16 +111,20 @@ bool sun_table_write(product *p, sun_table *a, io_error *error) {
     sight s;
     sight_bounds *bounds;
     io_output to = {0};
-    if (!ground_check(g, ground_all(g), 0, error) || !ground_read(g, ground_all(g), false, error)) return false;
-    if (!ground_find_place(t, &a->place, eye, NULL, error)) return false;
+    if (!ground_read_around(g, a->place.x, a->place.y, d->max_distance, error) ||
+        !ground_find_place(t, &a->place, eye, NULL, error))
+        return false;
     terrain_to_map(t, eye[0], eye[1], xy);
-    if (!a->placed && !sun_place_of(t, &g->about.georef, xy, g->path, "--lon-lat tells it", &d->place, error))
+    if (!a->placed && !a->suns &&
+        !sun_place_of(t, &g->about.georef, xy, g->path, "--lon-lat tells it", &d->place, error))
         return false;
     if (a->ground && !sun_ground_lean(t, eye, &d->tilt, &d->facing)) return io_fail(error, "out of memory");
     if (sight_bounds_create(t, &bounds) != CW_OK) return io_fail(error, "out of memory");
     sight_init(&s, t, bounds, eye, a->curvature);
-    const bool good = io_output_open(&to, p->output ? p->output : "-", error) &&
-                      print_days(p, a, &s, sun_sky_share(&s, d), &to, error) && io_output_commit(&to, error);
+    const bool good =
+        io_output_open(&to, p->output ? p->output : "-", error) &&
+        (a->suns ? print_list(p, a, &s, &to, error) : print_days(p, a, &s, sun_sky_share(&s, d), &to, error)) &&
+        io_output_commit(&to, error);
     io_output_discard(&to);
     sight_bounds_destroy(bounds);
     return good;

@@ -14,6 +14,7 @@ typedef struct sun_table {
     sun_day_desc desc; /* but for what lies below */
     bool placed;       /* desc.place is known */
     bool ground;       /* the surface is the ground as it leans */
+    const char *suns;  /* a file with their places in place of days; NULL: none */
     double curvature;
     double first; /* midnight of UTC that begins the first day */
     size_t days;
@@ -22,7 +23,8 @@ typedef struct sun_table {
 /* Checks place, tilt and facing; false after a message. */
 bool sun_table_check(sun_table *a, const char *name);
 
-/* Prints a row for each day, or if there are more than 62 for each month, as CSV to the output or standard output. */
+/* Prints a row for each day, or if there are more than 62 for each month, as CSV to the output or standard output; of a list of suns one
+ * row. */
 bool sun_table_write(product *p, sun_table *a, io_error *error);
 
 #endif
