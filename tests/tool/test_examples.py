@@ -25,8 +25,8 @@ WorldEnd
 
 @pytest.fixture(autouse=True)
 def inputs(folder):
-    """Land around the places of the examples: 5 km, below 1250 m. The GeoTIFF is a VRT by content, so no library is needed to write it, and the road
-    GeoJSON for the same reason."""
+    """Land around the places of the examples: 5 km, below 1250 m. The GeoTIFF is a VRT by content, so no library is needed to write it, and roads
+    and towns are GeoJSON for the same reason."""
     y, x = np.mgrid[:100, :100]
     z = (1000 + 150 * np.sin(x / 9) * np.cos(y / 7)).astype(np.float32)
     np.save("terrain.npy", z)
@@ -34,9 +34,12 @@ def inputs(folder):
     vrt("dem.tif", "dem.asc", z.shape, on_map(32632, 599000, 50, 0, 5204000, 0, -50))
     write("towers.csv", "x,y,height,weight\n600250,5199800,30,1\n602000,5201000,20,2\n")
     write("links.csv", "x1,y1,height1,x2,y2,height2\n600250,5199800,2,601500,5200100,30\n")
-    write("road.gpkg", json.dumps({
-        "type": "FeatureCollection", "crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::32632"}},
-        "features": [{"type": "Feature", "properties": {}, "geometry": {"type": "LineString", "coordinates": [[600250, 5199800], [600400, 5199900]]}}]}))
+    write("moon.csv", "azimuth,altitude,weight\n120,20,1\n200,5,1\n")
+    corners = [[600250, 5199800], [600400, 5199900], [600400, 5200100], [600250, 5199800]]
+    for name, kind, places in ("road", "LineString", corners[:2]), ("towns", "Polygon", [corners]):
+        write(f"{name}.gpkg", json.dumps({
+            "type": "FeatureCollection", "crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::32632"}},
+            "features": [{"type": "Feature", "properties": {}, "geometry": {"type": kind, "coordinates": places}}]}))
     at = 0.9 * np.arange(100)
     rays("rays.npy", np.c_[at, at, np.full(100, 2000)], tmax=np.inf)
     rays("lidar.npy", np.c_[599100 + 40 * at, 5199100 + 40 * at, np.full(100, 2000)], tmax=np.inf, dtype="<f8")

@@ -187,7 +187,8 @@ static int run(int argc, char **argv) {
                     "  cellwalk horizon dem.tif --directions 8 --type int16 --cog -o horizon.tif\n"
                     "  cellwalk horizon dem.tif --openness --max-distance 500 -o open.tif\n"
                     "  cellwalk horizon dem.tif --directions 8 --distance -o metres.tif\n"
-                    "  cellwalk horizon dem.tif --at 600250,5199800 --directions 360 > horizon.csv\n",
+                    "  cellwalk horizon dem.tif --at 600250,5199800 --directions 360 \\\n"
+                    "      --max-distance 50000 > horizon.csv\n",
         .options = options,
         .option_count = sizeof options / sizeof *options,
     };

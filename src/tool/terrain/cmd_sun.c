@@ -268,7 +268,7 @@ static int run(int argc, char **argv) {
         option_text(
             "step", "TIME", &c.step,
             "time between two places of the sun, as 30s, 15min (default, with --at 1min) or 1h; it divides a day"),
-        option_text("suns", "FILE.csv", &c.suns_file,
+        option_text("suns", "CSV", &c.suns_file,
                     "places of the sun in place of dates, for the Moon, Mars or a weather year: a table whose first "
                     "line names the columns azimuth (from the map's north), altitude and, if there, weight; the result "
                     "is the sum of the weights of suns that are seen, with --irradiance that of their light on the "
@@ -305,7 +305,7 @@ static int run(int argc, char **argv) {
     };
     const options_usage usage = {
         .name = name,
-        .synopsis = "DEM (--date DAY [--to DAY] | --suns FILE.csv) (-o FILE | --at X,Y) [OPTIONS]",
+        .synopsis = "DEM (--date DAY | --suns CSV) (-o FILE | --at X,Y) [OPTIONS]",
         .what = "Computes hours of direct sunlight on every sample of a terrain and writes a raster (float32; NaN: no "
                 "data). --irradiance writes the energy of direct and diffuse light under a cloudless sky instead.\n\n"
                 "The sun stands in the middle of each step, where it is seen from the terrain's middle, lifted by the "
@@ -321,7 +321,7 @@ static int run(int argc, char **argv) {
                     "  cellwalk sun dem.tif --date 2024-03-20 --irradiance --linke 2.5 -o energy.tif\n"
                     "  cellwalk sun dem.tif --date 2024 --at 600250,5199800,2 > months.csv\n"
                     "  cellwalk sun dem.tif --date 2024-01 --at 600250,5199800,6 --tilt 35\n"
-                    "  cellwalk sun moon.tif --suns month.csv -o share.tif\n",
+                    "  cellwalk sun dem.tif --suns moon.csv -o share.tif\n",
         .options = options,
         .option_count = sizeof options / sizeof *options,
     };

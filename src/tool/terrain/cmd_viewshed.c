@@ -167,7 +167,7 @@ static int run(int argc, char **argv) {
             "the valley a mast of 10 m sees from there.\n\n"
             "The surface is two triangles between each four samples, lowered by the earth's curvature; every sample's "
             "line is decided exactly, and one that touches the surface is blocked.\n\n" PRODUCT_PLACE_HELP "\n",
-        .examples = "  cellwalk viewshed dem.tif --from 600250,5199800 -o seen.tif\n"
+        .examples = "  cellwalk viewshed dem.tif --from 600250,5199800 -o seen.png\n"
                     "  cellwalk viewshed dem.tif --from 600250,5199800,30 --target-height 1.5 \\\n"
                     "      --max-distance 20000 -o seen.tif\n"
                     "  cellwalk viewshed dem.tif --from 600250,5199800 --needed -o needed.tif\n"

@@ -89,6 +89,7 @@ static bool begin(product *p, io_error *error) {
     p->raster.nx = c->nx = (g->window.nx + c->every - 1) / c->every;
     p->raster.ny = c->ny = (g->window.ny + c->every - 1) / c->every;
     p->raster.white = most_of(c);
+    p->raster.unit = c->share || c->longest ? NULL : "km2";
     if (c->longest) p->raster.band_names = names;
     product_note(p, "DIRECTIONS=%u", c->directions);
     product_note(p, "EVERY=%u", c->every);
