@@ -1,9 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* `cellwalk horizon`: the horizon's angle in directions all round, or how much of the sky is seen. */
+/* `cellwalk horizon`: the horizon's angle in directions all round, or how much of the sky is seen; of all samples, or of places. */
 
+#include "../json.h"
 #include "command.h"
-#include "horizon_at.h"
+#include "inputs.h"
+#include "observers.h"
+#include "output.h"
+#include "place_horizon.h"
 #include "product.h"
+#include "sight.h"
+#include "sun_place.h"
 #include "trade.h"
 
 #include <math.h>
@@ -25,9 +31,12 @@ typedef struct horizon_command {
     cw_horizon desc;
     unsigned directions;
     bool sky, tilted, open, below, distance;
-    bool sum; /* one band, not one of each direction */
-    int type; /* 0: float32, 1: int16 */
-    horizon_at at;
+    bool sum;                              /* one band, not one of each direction */
+    int type;                              /* 0: float32, 1: int16 */
+    option_again at;                       /* texts of places, or */
+    const char *file;                      /* a table of them; NULL: none */
+    ground_place places[OPTION_AGAIN_MAX]; /* of at */
+    bool json;
     const char **names; /* of bands */
 } horizon_command;
 
@@ -58,9 +67,111 @@ static const char **band_names(const double *azimuths, size_t count) {
     return names;
 }
 
+/* ---- horizons of places ------------------------------------------------------------------------------------------- */
+
+typedef struct job {
+    horizon_command *command;
+    sight_bounds *bounds;
+    bool in_circles; /* the circle around each place is read, not all of the raster */
+    io_output to;
+    size_t number; /* of the place, from 1 on */
+} job;
+
+static bool write_row(job *j, const place_horizon *h, double from_true, io_error *error) {
+    char true_azimuth[40] = "";
+    if (isfinite(from_true)) snprintf(true_azimuth, sizeof true_azimuth, "%.6g", from_true);
+    if (!io_output_print(&j->to, error, "%zu,%.6g,%s,", j->number, h->azimuth, true_azimuth)) return false;
+    if (isnan(h->angle)) return io_output_print(&j->to, error, ",,,\n");
+    return io_output_print(&j->to, error, "%.6f,%.3f,%.10g,%.10g\n", h->angle, h->distance, h->at[0], h->at[1]);
+}
+
+static void write_json(FILE *to, const place_horizon *h, double from_true, bool first) {
+    json_print(to, first ? "\n" : ",\n");
+    json_print(to, "  {'azimuth': %g, 'true_azimuth': %g, 'angle': %g, 'distance': %g, 'at': ", h->azimuth, from_true,
+               h->angle, h->distance);
+    if (isnan(h->angle))
+        fputs("null}", to);
+    else
+        fprintf(to, "[%.10g, %.10g]}", h->at[0], h->at[1]);
+}
+
+static bool read_around(job *j, const ground_place *p, double metres, io_error *error) {
+    ground *g = &j->command->product.ground;
+    sight_bounds_destroy(j->bounds);
+    j->bounds = NULL;
+    return ground_read_around(g, p->x, p->y, metres, error) &&
+           (sight_bounds_create(&g->terrain, &j->bounds) == CW_OK || io_fail(error, "out of memory"));
+}
+
+static bool write_place(job *j, const ground_place *p, io_error *error) {
+    const ground *g = &j->command->product.ground;
+    const cw_horizon *d = &j->command->desc;
+    const terrain *t = &g->terrain;
+    const bool json = j->command->json;
+    double eye[3], level, xy[2];
+    sight s;
+    sun_place north;
+    io_error unknown;
+    j->number++;
+    if (j->in_circles && !read_around(j, p, d->max_distance, error)) return false;
+    if (!ground_find_place(t, p, eye, &level, error)) return false;
+    if (isnan(level)) return io_fail(error, "%s: is not on the terrain, where the horizon is found", p->text);
+    sight_init(&s, t, j->bounds, eye, d->curvature);
+    terrain_to_map(t, eye[0], eye[1], xy);
+    if (!sun_place_of(t, &g->about.georef, xy, g->path, NULL, &north, &unknown)) north.turned = NAN;
+    if (json && !io_output_print(&j->to, error, "%s {\"place\": [%.10g, %.10g], \"horizon\": [",
+                                 j->number > 1 ? ",\n" : "", xy[0], xy[1]))
+        return false;
+    for (size_t k = 0; k < d->count; k++) {
+        const place_horizon h =
+            place_horizon_toward(&s, fmod(d->start + 360.0 * (double)k / (double)d->count, 360), d->max_distance);
+        const double from_true = fmod(h.azimuth - north.turned + 360, 360);
+        if (json)
+            write_json(j->to.file, &h, from_true, k == 0);
+        else if (!write_row(j, &h, from_true, error))
+            return false;
+    }
+    return !json || io_output_print(&j->to, error, "]}");
+}
+
+static bool write_all(job *j, const observers *all, io_error *error) {
+    const bool json = j->command->json;
+    if (!io_output_print(&j->to, error, json ? "{\"places\": [\n" : "place,azimuth,true_azimuth,angle,distance,x,y\n"))
+        return false;
+    for (size_t k = 0; k < all->count; k++) {
+        char text[OBSERVER_TEXT];
+        const ground_place place = observers_place(all, k, text);
+        if (!product_tell(&j->command->product, (double)k / (double)all->count)) return io_fail(error, "interrupted");
+        if (!write_place(j, &place, error)) return false;
+    }
+    return !json || io_output_print(&j->to, error, "\n]}\n");
+}
+
+/* The horizons of all places, to the output or standard output. */
+static bool write_places(horizon_command *c, io_error *error) {
+    const observers_from from = {.places = c->places, .place_count = c->at.count, .file = c->file};
+    job j = {.command = c};
+    observers all;
+    if (c->file && !io_inputs_note_path(c->file)) return io_fail(error, "out of memory");
+    if (!observers_find(&all, &from, &c->product.ground, error)) return false;
+    j.in_circles = c->desc.max_distance > 0 && (all.count == 1 || !ground_is_small(&c->product.ground));
+    bool good = j.in_circles || read_around(&j, &(ground_place){0}, 0, error);
+    const char *output = c->product.output;
+    good = good && io_output_open(&j.to, output ? output : "-", error) && write_all(&j, &all, error) &&
+           io_output_commit(&j.to, error);
+    io_output_discard(&j.to);
+    sight_bounds_destroy(j.bounds);
+    observers_free(&all);
+    return good;
+}
+
+/* ---- the command line ---------------------------------------------------------------------------------------------- */
+
+static bool is_of_places(const horizon_command *c) { return c->at.count > 0 || c->file != NULL; }
+
 static bool begin(product *p, io_error *error) {
     horizon_command *c = p->context;
-    if (horizon_at_asked(&c->at)) return horizon_at_write(p, &c->at, &c->desc, error);
+    if (is_of_places(c)) return write_places(c, error);
     static double azimuths[3600];
     if (!product_good(cw_horizon_azimuths(&p->ground.terrain, &c->desc, azimuths), error)) return false;
     c->names = c->sum ? NULL : band_names(azimuths, c->directions);
@@ -101,10 +212,11 @@ static void end(void *context) {
 static bool check(void *context, size_t *bands) {
     horizon_command *c = context;
     const char *output = c->product.output;
-    const bool tif = output && io_raster_is_tif(output), at = horizon_at_asked(&c->at);
+    const bool tif = output && io_raster_is_tif(output), at = is_of_places(c);
     const bool open = c->open || c->below;
     c->sum = c->sky || c->tilted || open;
-    if (!horizon_at_check(&c->at, name)) return false;
+    for (size_t k = 0; k < c->at.count; k++)
+        if (!product_parse_place(name, c->at.values[k], 0, &c->places[k])) return false;
     if (c->sky + c->tilted + c->open + c->below > 1)
         command_fail(name, "of --svf, --svf-tilted, --openness and --openness-negative one can be written");
     else if (c->below && c->desc.curvature != 0)
@@ -114,12 +226,12 @@ static bool check(void *context, size_t *bands) {
     else if (c->type == INT16 && (c->distance || open || !tif))
         command_fail(name, c->distance || open ? "--type int16 is for angles and sky-view factors"
                                                : "--type int16 goes with -o FILE.tif");
-    else if (c->at.at.count > 0 && c->at.file)
+    else if (c->at.count > 0 && c->file)
         command_fail(name, "--at and --places do not go together");
     else if (at && (c->sum || c->product.window))
         command_fail(name,
                      "--at and --places print horizons of places, and go with none of --svf, --openness and --window");
-    else if (c->at.json && !at)
+    else if (c->json && !at)
         command_fail(name, "--json goes with --at or --places");
     else if (c->desc.max_distance <= 0)
         command_fail(name, "--max-distance takes metres above 0, not %g", c->desc.max_distance);
@@ -157,13 +269,13 @@ static int run(int argc, char **argv) {
                       "cells of a GeoTIFF: float32 (default), or int16 with a scale, half as large: angles are off by "
                       "1/512 degree at most, shares by 1/32768"),
         option_several(
-            "at", "X,Y[,H]", &c.at.at,
+            "at", "X,Y[,H]", &c.at,
             "print the horizon at a place of the map, H metres above ground (default: 0) or X,Y,=Z, as CSV: degrees "
             "(azimuths of the map and from true north), metres, coordinates of the map; may be given up to 256 times"),
-        option_text("places", "FILE", &c.at.file,
+        option_text("places", "FILE", &c.file,
                     "the same for the places of a table (.csv) with the columns x, y and, if there, height, or of "
                     "points in any file that GDAL reads; -o names the table to write"),
-        option_flag("json", &c.at.json, "with --at or --places: print one JSON object"),
+        option_flag("json", &c.json, "with --at or --places: print one JSON object"),
         option_number("max-distance", "D", &c.desc.max_distance,
                       "terrain farther away than D metres does not count (default: no limit)"),
         product_flat_earth_row(&c.desc.curvature),

@@ -42,10 +42,9 @@ static bool check_observers(viewshed_command *c) {
 
 /* At which targets. */
 static bool check_limits(viewshed_command *c) {
-    sight_limits *l = &c->limits;
+    cw_observer *l = &c->look;
     double *a = l->azimuths, *v = l->verticals;
-    l->has_sector = c->azimuth != NULL;
-    l->has_verticals = c->vertical != NULL;
+    l->limits = (c->azimuth ? 1u * CW_OBSERVER_AZIMUTHS : 0) + (c->vertical ? 1u * CW_OBSERVER_VERTICALS : 0);
     if (l->farthest <= 0)
         command_fail(name, "--max-distance takes metres above 0, not %g", l->farthest);
     else if (l->nearest < 0)
@@ -87,7 +86,7 @@ static bool check(void *context, size_t *bands) {
     else if (c->within && !c->table)
         command_fail(name, "--within goes with --table");
     else
-        return product_check_curvature(name, c->curvature);
+        return product_check_curvature(name, c->look.curvature);
     return false;
 }
 
@@ -99,7 +98,7 @@ static int run(int argc, char **argv) {
                           .fill = viewshed_fill,
                           .finish = viewshed_finish,
                           .end = viewshed_end};
-    c.limits.farthest = NAN;
+    c.look.farthest = NAN;
     const option_spec options[] = {
         option_several("from", "X,Y[,H]", &c.from_texts,
                        "the observer's place on the map, with the eye H metres above ground (default: 2), or X,Y,=Z; "
@@ -112,11 +111,11 @@ static int run(int argc, char **argv) {
         option_number("every", "D", &c.from.every,
                       "the places are the corners of a line, and so are those of each line in a file: an observer "
                       "stands at its beginning and every D metres; heights and weights change evenly between corners"),
-        option_number("target-height", "T", &c.target_height,
+        option_number("target-height", "T", &c.look.target,
                       "height of the target above ground, in metres (default: 0, the ground)"),
-        option_number("max-distance", "D", &c.limits.farthest,
+        option_number("max-distance", "D", &c.look.farthest,
                       "samples farther away than D metres are not seen, nor read and written (default: no limit)"),
-        option_number("min-distance", "D", &c.limits.nearest,
+        option_number("min-distance", "D", &c.look.nearest,
                       "samples nearer than D metres are not seen, but block the view (default: 0)"),
         option_text("azimuth", "A,B", &c.azimuth,
                     "only samples in directions from azimuth A clockwise to B, in degrees from the map's north: 350,10 "
@@ -124,7 +123,7 @@ static int run(int argc, char **argv) {
         option_text("vertical", "LO,HI", &c.vertical,
                     "only targets at angles from LO to HI degrees above the eye's horizontal, from -90 to 90; below it "
                     "they are negative"),
-        product_round_earth_row(&c.curvature),
+        product_round_earth_row(&c.look.curvature),
         option_flag("weights", &c.weights,
                     "write the sum of the weights of the observers that see the sample (float32; NaN: no data)"),
         option_flag("angle", &c.angle,

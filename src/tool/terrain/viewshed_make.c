@@ -21,7 +21,7 @@ static bool tell(void *context, double share) {
 static cw_rectangle samples_of(const viewshed_command *c, const double at[2]) {
     const ground *g = &c->product.ground;
     const cw_rectangle all = ground_all(g);
-    const double farthest = c->limits.farthest;
+    const double farthest = c->look.farthest;
     if (farthest > 0) return reach_around(&g->whole, at, farthest);
     /* Needed heights are rounded, and how depends on more than the lines. */
     const bool whole = g->window.nx == all.nx && g->window.ny == all.ny;
@@ -30,7 +30,7 @@ static cw_rectangle samples_of(const viewshed_command *c, const double at[2]) {
 
 /* Reads the part that all observers need, and sets the window to the part that they can see. */
 static bool read_samples(viewshed_command *c, io_error *error) {
-    const double farthest = c->limits.farthest;
+    const double farthest = c->look.farthest;
     ground *g = &c->product.ground;
     cw_rectangle near = {0}, piece = {0};
     for (size_t k = 0; k < c->observers.count; k++) {
@@ -126,20 +126,11 @@ static bool look_from(viewshed_command *c, io_error *error) {
     double eye[3];
     const ground_place place = observers_place(&c->observers, c->observer, text);
     if (!ground_find_place(t, &place, eye, NULL, error)) return false;
-    const sight_limits *l = &c->limits;
-    const cw_observer from = {
-        .x = place.x,
-        .y = place.y,
-        .height = eye[2] * terrain_metres_of_height(t),
-        .absolute = 1,
-        .target = c->target_height,
-        .curvature = c->curvature,
-        .nearest = l->nearest,
-        .farthest = l->farthest,
-        .azimuths = {l->azimuths[0], l->azimuths[1]},
-        .verticals = {l->verticals[0], l->verticals[1]},
-        .limits = (l->has_sector ? 1u * CW_OBSERVER_AZIMUTHS : 0) + (l->has_verticals ? 1u * CW_OBSERVER_VERTICALS : 0),
-    };
+    cw_observer from = c->look;
+    from.x = place.x;
+    from.y = place.y;
+    from.height = eye[2] * terrain_metres_of_height(t);
+    from.absolute = 1;
     cw_view view = {.seen = c->own ? c->own : c->seen};
     if (!c->own) {
         if (c->kind == VIEW_NEEDED) view.needed = c->numbers;
@@ -238,16 +229,16 @@ static const char *meaning(const viewshed_command *c) {
 static void note(viewshed_command *c) {
     product *p = &c->product;
     const observers *all = &c->observers;
-    const sight_limits *l = &c->limits;
+    const cw_observer *l = &c->look;
     if (c->from.file) product_note(p, "OBSERVERS_FILE=%s", c->from.file);
     if (c->from.every > 0) product_note(p, "OBSERVERS_EVERY=%.9g", c->from.every);
     product_note(p, "HEIGHTS=metres; an observer's third number is above ground, or absolute behind =");
-    if (c->kind != VIEW_NEEDED) product_note(p, "TARGET_HEIGHT=%.9g", c->target_height);
+    if (c->kind != VIEW_NEEDED) product_note(p, "TARGET_HEIGHT=%.9g", l->target);
     if (l->farthest > 0) product_note(p, "MAX_DISTANCE=%.9g", l->farthest);
     if (l->nearest > 0) product_note(p, "MIN_DISTANCE=%.9g", l->nearest);
     if (c->azimuth) product_note(p, "AZIMUTH=%s", c->azimuth);
     if (c->vertical) product_note(p, "VERTICAL=%s", c->vertical);
-    product_note(p, "CURVATURE=%.9g", c->curvature);
+    product_note(p, "CURVATURE=%.9g", l->curvature);
     product_note(p, "OBSERVERS=%zu", all->count);
     /* As many as there is room for. */
     for (size_t k = 0; k < all->count && k < PRODUCT_NOTES_MOST; k++) {
@@ -321,7 +312,7 @@ static bool check(const viewshed_command *c, io_error *error) {
 
 bool viewshed_begin(product *p, io_error *error) {
     viewshed_command *c = p->context;
-    c->curvature = ground_curvature(&p->ground, c->curvature);
+    c->look.curvature = ground_curvature(&p->ground, c->look.curvature);
     if (!observers_find(&c->observers, &c->from, &p->ground, error) || !skip_observers(c, false, error)) return false;
     if (c->kind == VIEW_SEEN && !c->bands && c->observers.count > COUNT_MOST) c->kind = VIEW_WEIGHT;
     if (!check(c, error) || !product_check_output(p, error) || !read_samples(c, error) ||

@@ -7,7 +7,6 @@
 #include "output.h"
 #include "product.h"
 #include "sight.h"
-#include "view_limits.h"
 
 typedef enum view_kind {
     VIEW_SEEN,   /* whether, or how many observers see the sample */
@@ -21,10 +20,8 @@ typedef struct viewshed_command {
     option_again from_texts;
     ground_place places[OPTION_AGAIN_MAX];
     observers_from from;
-    double target_height; /* metres above ground */
-    sight_limits limits;
-    const char *azimuth, *vertical; /* the texts of limits; NULL: not given */
-    double curvature;               /* NaN if it was not given */
+    cw_observer look;               /* all but the place; curvature is NaN if it was not given */
+    const char *azimuth, *vertical; /* as texts; NULL: not given */
     view_kind kind;                 /* counts that two bytes do not hold are sums */
     bool weights, angle, needed;
     bool absolute;      /* of VIEW_NEEDED: heights */
