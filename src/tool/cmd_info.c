@@ -5,8 +5,9 @@
 #include "clock.h"
 #include "command.h"
 #include "cpus.h"
+#include "gdal/module.h"
+#include "image.h"
 #include "json.h"
-#include "parts.h"
 #include "proc.h"
 #include "progress.h"
 #include "query_options.h"
@@ -42,27 +43,34 @@ static void print_kernels(const cw_kernel *chosen, bool json) {
     fputs(json ? "]" : "  (* chosen, - not available here)\n", stdout);
 }
 
+/* The libraries that reading and writing may do without. */
+typedef struct part {
+    const char *name, *for_what;
+    bool there; /* GDAL: its module is where it belongs; it is not loaded for that */
+} part;
+
 /* One line with the parts found, one with those missing. */
-static void print_parts(void) {
+static void print_parts(bool json) {
+    io_error unused;
+    const part parts[] = {{"GDAL", "GeoTIFF and other rasters", io_gdal_is_there()},
+                          {"libpng", ".png", io_image_can_write("a.png", &unused)},
+                          {"OpenEXR", ".exr", io_image_can_write("a.exr", &unused)}};
+    enum { PARTS = sizeof parts / sizeof *parts };
+    if (json) {
+        fputs("\"libraries\": {", stdout);
+        for (size_t k = 0; k < PARTS; k++) json_print(stdout, k ? ", %s: %b" : "%s: %b", parts[k].name, parts[k].there);
+        fputs("}, ", stdout);
+        return;
+    }
     for (int there = 1; there >= 0; there--) {
         const char *before = there ? "libraries       " : "not there       ";
-        for (size_t k = 0; k < IO_PARTS; k++) {
-            const io_part part = io_part_at(k);
-            if (part.there != (there == 1)) continue;
-            printf("%s%s (%s)", before, part.name, part.for_what);
+        for (size_t k = 0; k < PARTS; k++) {
+            if (parts[k].there != (there == 1)) continue;
+            printf("%s%s (%s)", before, parts[k].name, parts[k].for_what);
             before = ", ";
         }
         if (before[0] == ',') putchar('\n');
     }
-}
-
-static void print_parts_json(void) {
-    fputs("\"libraries\": {", stdout);
-    for (size_t k = 0; k < IO_PARTS; k++) {
-        const io_part part = io_part_at(k);
-        json_print(stdout, k ? ", %s: %b" : "%s: %b", part.name, part.there);
-    }
-    fputs("}, ", stdout);
 }
 
 static void print_machine(bool json) {
@@ -246,7 +254,7 @@ static int show(const char *path, raster_options *raster, const cw_run *query, b
     const cw_kernel *chosen = path ? s.file.kernel : cw_run_kernel(NULL, query);
     if (json || !path) {
         print_machine(json);
-        json ? print_parts_json() : print_parts();
+        print_parts(json);
         print_kernels(chosen, json);
     }
     if (path) json ? print_field_json(path, &s) : print_field(path, &s);

@@ -6,13 +6,12 @@
 #include "cellwalk_expert.h"
 #include "clock.h"
 #include "command.h"
-#include "hits_file.h"
 #include "inputs.h"
 #include "json.h"
 #include "progress.h"
 #include "query_options.h"
 #include "raster_options.h"
-#include "ray_source.h"
+#include "trace_files.h"
 #include "trade.h"
 
 #include <math.h>

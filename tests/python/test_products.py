@@ -381,6 +381,7 @@ def test_horizons_of_circles(tool, strip):
 @pytest.mark.parametrize("words", [
     ["los", "300105,5899895,4000", "899905,5300105,4000", "--frequency", "400"], ["los", "300105,5899895,40", "899905,5300105,40"],
     ["horizon", "--at", "600000,5600000,10", "--max-distance", "20000"], ["info"],
+    ["sun", "--at", "600000,5600000,10", "--max-distance", "20000", "--date", "2024-06-21"],
 ])
 def test_little_is_read_of_a_large_raster(tmp_path, words):
     """60 000 x 60 000 samples are 14.4 GB; less than 300 MB may be held."""
@@ -435,6 +436,8 @@ def test_every_option_is_compared_or_excused(tool):
     for words, *_ in RASTERS + TABLES:
         cases.setdefault(words.split()[0], set()).update(long_options(words))
     cases["sun"].add("lon-lat")
+    commands = re.findall(r"^  (\S+) ", tool("--help").partition("Commands:")[2].partition("By task")[0], re.M)
+    assert set(commands) - set(cases) == {"render", "trace", "info"}  # pictures; Field.closest (test_rays.py); Field has what info prints
     for command, compared in cases.items():
         named = long_options(" ".join(re.findall(r"^ +(?:-\w, )?(--[a-z-]+)", tool(command, "--help"), re.M)))
         assert len(named) > 10
