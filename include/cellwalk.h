@@ -12,10 +12,11 @@
  * A *hole* is a sample without a height (NaN); triangles with a hole at a vertex do not exist. *Field space* has unit cells
  * and the samples' heights. *User space* is the caller's; an affine map in double ties it to field space.
  *
- * Threads. Every function may be called from several threads at once unless it says otherwise. Queries do not allocate. A call
- * needs at most 128 KiB of stack. No function is a cancellation point, and callbacks run with cancellation disabled; asynchronous
- * cancellation is undefined. A callback must return: it must not jump out, throw or end its thread. In a child made by fork,
- * queries of the parent's other threads do not keep a field busy; an update does, so destroy a field that was being updated.
+ * Threads. Every function may be called from several threads at once unless it says otherwise. Queries do not allocate. A query
+ * of at most 8 rays, places or hits takes at most 16 KiB of stack if no kernel is forced, and any other call 128 KiB. No function is
+ * a cancellation point, and callbacks run with cancellation disabled; asynchronous cancellation is undefined. A callback must
+ * return: it must not jump out, throw or end its thread. In a child made by fork, queries of the parent's other threads do not keep
+ * a field busy; an update does, so destroy a field that was being updated.
  *
  * Errors. Functions that can fail return a cw_status and leave a sentence with the argument, its value and the limit for
  * cw_last_error. Unless a function says otherwise, its outputs are untouched on an error. Functions without a status are not

@@ -13,7 +13,7 @@
  * are straight on the map.
  *
  * Threads. Any number of threads may use one terrain. Samples must not change while they do, and after a cw_field_update
- * or cw_field_move a new terrain is needed. Functions allocate. A call needs at most 128 KiB of stack.
+ * or cw_field_move a new terrain is needed. Functions allocate. A call takes at most 48 KiB of stack.
  *
  * Errors. CW_ERROR_ARGUMENT: an argument or member is NULL, out of range or not 0 where it must be. CW_ERROR_MEMORY,
  * CW_ERROR_CANCELLED, and CW_ERROR_BUSY during an update of the field.
@@ -76,8 +76,8 @@ typedef struct cw_terrain_desc {
     /* Its map leads to the map's x and y and to height, which is a positive multiple of the sample: map[0][2], map[1][2], map[2][0],
      * map[2][1] and map[2][3] are 0. Must stay until cw_terrain_destroy. */
     const cw_field *field;
-    /* Metres of ground in one of x and in one of y at each node, row by row: the point scale of a projected map, which is
-     * interpolated by cubics. Copied. NULL: unit everywhere. Must be NULL if geographic. */
+    /* The point scale of a projected map: two positive numbers for each node, row by row, metres of ground in one of x and in one
+     * of y. They are interpolated by cubics. Copied. NULL: unit everywhere. Must be NULL if geographic. */
     const double *scale;
     /* Metres in one of x and y and of height; if geographic, radians in one of x and y. 0: a metre, a degree. */
     double unit;

@@ -84,11 +84,10 @@ static inline void climb_level(climber *c, vray *r, const cw_pyramid_level *l) {
     r->until = vf_select(holds, vf_min(r->until, end), r->until);
 }
 
-/* Shortens r->until of these packets' rays. All packets take one level together: within a packet each level depends
+/* Shortens r->until of these packets' rays; c: one for each packet. All packets take one level together: within a packet each level depends
  * on the one above, and the CPU can overlap the packets. */
-static inline void climb(packet *packets, packet_set which, const cw_field *f) {
+static inline void climb(packet *packets, climber *c, packet_set which, const cw_field *f) {
     const struct cw_pyramid *p = f->pyramid;
-    climber c[PACKETS];
     packet_set climbs = 0;
     for (packet_set left = which; left != 0; left &= left - 1) {
         const int k = __builtin_ctzll(left);

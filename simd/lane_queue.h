@@ -61,8 +61,8 @@ typedef struct queued {
 enum { BATCH = 256, LANE_RUN = 1 << 16 };
 
 typedef struct lane_queue {
-    ready_rays ready[BATCH / W];
-    queued rays[BATCH];
+    ready_rays *ready; /* a batch's, or those of a call of few rays */
+    queued *rays;
     size_t n;
     uint64_t mirrored; /* bits of the present tile's packets that are in ready */
     uint32_t first;    /* number of the batch's first ray, from which those of rays count */
@@ -71,17 +71,16 @@ typedef struct lane_queue {
 /* Numbers of a find. */
 enum { FOUND_NUMBERS = 8 };
 
-/* The caller's arrays, indexed by the numbers of rays; and finds of leaf tests that are not yet hits. A leaf test
- * finds two or three at a time, and refinement takes as long for SLOTS of them as for one. */
+/* The caller's arrays, indexed by the numbers of rays; and fewer than W finds of leaf tests that are not yet hits. A leaf test
+ * finds two or three at a time, and refinement takes as long for W of them as for one. */
 typedef struct lane_answers {
     const cw_ray *rays;
     cw_hit *hits;      /* of closest-hit queries */
     uint8_t *occluded; /* of any-hit queries; one of the two is NULL */
     size_t found;
-    uint32_t number[2 * SLOTS];
-    /* At most SLOTS waiting, another SLOTS as they come, and one more vector that is stored but not used. */
-    alignas(ALIGNMENT) float t0[3 * SLOTS], t1[3 * SLOTS], i[3 * SLOTS], j[3 * SLOTS];
-    float h00[3 * SLOTS], corner[3 * SLOTS], h11[3 * SLOTS], b[3 * SLOTS]; /* b: 1 or 0 */
+    uint32_t number[W];
+    alignas(ALIGNMENT) float t0[W], t1[W], i[W], j[W];
+    float h00[W], corner[W], h11[W], b[W]; /* b: 1 or 0 */
 } lane_answers;
 
 /* The lanes, as they are while they are refilled. */
@@ -96,8 +95,8 @@ typedef struct lane_set {
     unsigned living;     /* lanes that hold a ray; if none does, the other members are undefined */
 } lane_set;
 
-/* Turns count of the finds into hits, from number first on; count is at most W. */
-void CW_CODE(lane_write)(const lane_answers *a, const cw_field *f, size_t first, size_t count);
+/* Turns the finds into hits. */
+void CW_CODE(lane_write)(lane_answers *a, const cw_field *f);
 /* lane_walk in vectors of two registers (lane_pairs_kernel.c). */
 void CW_CODE(lane_pairs)(const cw_field *f, const lane_queue *queue, lane_set *l, bool more, lane_answers *answers);
 /* Walks the ray in a lane to its end (close_walk.h), in a field of at least CLOSE_LEVELS levels. True if it hits: find is then

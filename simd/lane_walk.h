@@ -40,34 +40,30 @@
 static inline unsigned first_lanes(size_t n) { return (unsigned)(((uint64_t)1 << n) - 1); }
 
 #if REGISTERS == 1 /* vectors of two registers call it, too */
-CW_ONE_COPY void CW_CODE(lane_write)(const lane_answers *a, const cw_field *f, size_t first, size_t count) {
+CW_ONE_COPY void CW_CODE(lane_write)(lane_answers *a, const cw_field *f) {
+    const size_t count = a->found;
+    float *const numbers[FOUND_NUMBERS] = {a->t0, a->t1, a->i, a->j, a->h00, a->corner, a->h11, a->b};
     const cw_ray *rays[W];
-    for (size_t k = 0; k < W; k++) rays[k] = &a->rays[a->number[first + (k < count ? k : 0)]];
-    const found_hits found = {{vf_load(a->t0 + first), vf_load(a->t1 + first), vf_gt(vf_load(a->b + first), vf_set(0))},
-                              vf_load(a->i + first),
-                              vf_load(a->j + first),
-                              vf_load(a->h00 + first),
-                              vf_load(a->corner + first),
-                              vf_load(a->h11 + first)};
+    for (size_t m = count; m < W; m++) {
+        for (int k = 0; k < FOUND_NUMBERS; k++) numbers[k][m] = 0; /* not numbers that nothing has set */
+        a->number[m] = a->number[0];
+    }
+    for (size_t k = 0; k < W; k++) rays[k] = &a->rays[a->number[k]];
+    const found_hits found = {{vf_load(a->t0), vf_load(a->t1), vf_gt(vf_load(a->b), vf_set(0))},
+                              vf_load(a->i),
+                              vf_load(a->j),
+                              vf_load(a->h00),
+                              vf_load(a->corner),
+                              vf_load(a->h11)};
     vfloat c[8];
     vf_load_each_ray(rays, c);
     vstart s;
     restart_rays(&s, f, c);
     const vhit h = refine_hits(&s, &found);
-    scatter_hits(&h, &found, first_lanes(count), a->number + first, a->hits);
+    scatter_hits(&h, &found, first_lanes(count), a->number, a->hits);
+    a->found = 0;
 }
 #endif
-
-/* Turns all finds into hits. Lanes beyond the last find would else be computed from numbers that nothing has set. */
-static inline void write_rest(lane_answers *a, const cw_field *f) {
-    float *const numbers[FOUND_NUMBERS] = {a->t0, a->t1, a->i, a->j, a->h00, a->corner, a->h11, a->b};
-    while (a->found > 0) {
-        const size_t count = a->found < W ? a->found : W;
-        for (int k = 0; k < FOUND_NUMBERS; k++)
-            for (size_t m = count; m < W; m++) numbers[k][m] = 0;
-        CW_CODE(lane_write)(a, f, a->found -= count, count);
-    }
-}
 
 /* Adds a ray's find, of which find holds t0, t1, i, j, h00, corner, h11 and b, in this order. */
 CW_INLINE void one_found(lane_answers *a, const cw_field *f, uint32_t ray, const float find[FOUND_NUMBERS]) {
@@ -78,7 +74,7 @@ CW_INLINE void one_found(lane_answers *a, const cw_field *f, uint32_t ray, const
     float *const to[FOUND_NUMBERS] = {a->t0, a->t1, a->i, a->j, a->h00, a->corner, a->h11, a->b};
     for (int k = 0; k < FOUND_NUMBERS; k++) to[k][a->found] = find[k];
     a->number[a->found++] = ray;
-    if (a->found >= W) CW_CODE(lane_write)(a, f, a->found -= W, W);
+    if (a->found == W) CW_CODE(lane_write)(a, f);
 }
 
 /* The same for the lanes of bits, mostly two or three. Not inlined, as it would take registers from the walk. */
@@ -366,7 +362,7 @@ CW_INLINE void lane_walk(const cw_field *f, const lane_queue *queue, lane_set *l
         store_lanes(l, &s);
         end_late(f, l, few, answers);
     }
-    if (!more && LANES_LEFT == 0) write_rest(answers, f);
+    if (!more && LANES_LEFT == 0 && answers->found > 0) CW_CODE(lane_write)(answers, f);
 }
 
 #endif

@@ -26,9 +26,9 @@ enum { FLAT_STEPS = 4 };
 /* Climb and flat steps for the rays of w in these packets, which share no walk; queues those that go on. The packets
  * climb together and step together, since each alone is one chain of dependent operations. Rejected, as slower: one
  * packet after another (papers/walks.md). */
-CW_INLINE void walk_apart(tile_walk *w, packet_set apart, bool any) {
+CW_INLINE void walk_apart(tile_walk *w, climber *climbers, packet_set apart, bool any) {
     const cw_field *f = w->f;
-    climb(w->packets, apart, f);
+    climb(w->packets, climbers, apart, f);
     packet_set flat = 0;
     for (packet_set left = apart; left != 0; left &= left - 1) {
         const int p = __builtin_ctzll(left);
@@ -65,24 +65,34 @@ CW_INLINE bool walk_together(tile_walk *w, float cells, bool any) {
     return true;
 }
 
+/* Memory of a call: for a tile's packets, and in queue for a batch's. */
+typedef struct tile_room {
+    packet *packets;
+    vstart *start;
+    climber *climbers;
+    fat_ray *group; /* of tiles of several groups */
+    lane_queue *queue;
+} tile_room;
+
 /* Traces the first n rays of a tile, whose packets are numbers first_packet and on of the queue. Writes their hits,
  * and misses for rays without a hit so far. Returns the rays that hit if any is set, else 0. Rays that go on alone
  * are queued.
  *
  * Rejected: letting each group of an incoherent tile walk as soon as it is ready, with its rays in registers. Bounce
  * rays gain less than coherent rays lose (papers/walks.md). */
-CW_INLINE ray_set pyramid_tile(const cw_field *f, const cw_ray *rays, size_t n, bool any, cw_hit *hits,
-                               lane_queue *queue, size_t first_packet) {
-    packet packets[PACKETS];
-    vstart start[PACKETS];
+static __attribute__((noinline)) ray_set pyramid_tile(const cw_field *f, const cw_ray *rays, size_t n, bool any,
+                                                      cw_hit *hits, const tile_room *room, size_t first_packet) {
+    packet *const packets = room->packets;
+    vstart *const start = room->start;
     cw_ray tail[W];
     tile_walk w;
     w.f = f;
     w.packets = packets;
-    w.queue = queue;
+    w.queue = room->queue;
+    w.group = room->group;
     w.first_packet = first_packet;
     w.made = 0;
-    queue->mirrored = 0;
+    w.queue->mirrored = 0;
     const size_t count = (n + W - 1) / W;
     ray_set alive = 0;
     for (size_t p = 0; p < count; p++) {
@@ -107,7 +117,7 @@ CW_INLINE ray_set pyramid_tile(const cw_field *f, const cw_ray *rays, size_t n, 
             }
             if (!shared && vm_any(packets[p].alive)) apart |= (packet_set)1 << p;
         }
-        walk_apart(&w, apart, any);
+        walk_apart(&w, room->climbers, apart, any);
     }
     if (any) {
         ray_set found = 0;
@@ -162,8 +172,9 @@ CW_INLINE void walk_alone(const cw_field *f, lane_queue *queue, lane_set *l, boo
 
 /* Closest hits, or any hits; the other array is NULL. Rays are numbered from the beginning of their run. One function for
  * both: a copy for each is twice the text and no faster. */
-CW_ONE_COPY static void pyramid_rays(const cw_field *f, const cw_ray *rays, size_t n, bool any, cw_hit *hits,
-                                     uint8_t *occluded) {
+CW_ONE_COPY static void pyramid_rays(const tile_room *room, const cw_field *f, const cw_ray *rays, size_t n, bool any,
+                                     cw_hit *hits, uint8_t *occluded) {
+    lane_queue *const queue = room->queue;
     lane_set alone;
     lane_answers answers;
     alone.living = 0;
@@ -171,27 +182,51 @@ CW_ONE_COPY static void pyramid_rays(const cw_field *f, const cw_ray *rays, size
     answers.found = 0;
     for (size_t b = 0; b < n; b += BATCH) {
         const size_t end = n - b < BATCH ? n : b + BATCH, run = b / LANE_RUN * LANE_RUN;
-        lane_queue queue;
-        queue.n = 0;
-        queue.first = (uint32_t)(b - run);
+        queue->n = 0;
+        queue->first = (uint32_t)(b - run);
         answers.rays = rays + run;
         answers.hits = any ? NULL : hits + run;
         answers.occluded = any ? occluded + run : NULL;
         for (size_t k = b; k < end; k += TILE) {
             const size_t count = end - k < TILE ? end - k : TILE;
-            const ray_set found = pyramid_tile(f, rays + k, count, any, any ? NULL : hits + k, &queue, (k - b) / W);
+            const ray_set found = pyramid_tile(f, rays + k, count, any, any ? NULL : hits + k, room, (k - b) / W);
             if (any)
                 for (size_t m = 0; m < count; m++) occluded[k + m] = found >> m & 1;
         }
-        walk_alone(f, &queue, &alone, end < n && end % LANE_RUN != 0, &answers);
+        walk_alone(f, queue, &alone, end < n && end % LANE_RUN != 0, &answers);
     }
 }
 
+/* Calls of few rays take little of the stack. */
+static __attribute__((noinline)) void pyramid_few(const cw_field *f, const cw_ray *rays, size_t n, bool any,
+                                                  cw_hit *hits, uint8_t *occluded) {
+    enum { SOME = (CW_FEW_RAYS + W - 1) / W };
+    packet packets[SOME];
+    vstart start[SOME];
+    climber climbers[SOME];
+    ready_rays ready[SOME];
+    queued waiting[CW_FEW_RAYS];
+    lane_queue queue = {.ready = ready, .rays = waiting};
+    pyramid_rays(&(tile_room){packets, start, climbers, NULL, &queue}, f, rays, n, any, hits, occluded);
+}
+
+static __attribute__((noinline)) void pyramid_many(const cw_field *f, const cw_ray *rays, size_t n, bool any,
+                                                   cw_hit *hits, uint8_t *occluded) {
+    packet packets[PACKETS];
+    vstart start[PACKETS];
+    climber climbers[PACKETS];
+    fat_ray group[GROUPS];
+    ready_rays ready[BATCH / W];
+    queued waiting[BATCH];
+    lane_queue queue = {.ready = ready, .rays = waiting};
+    pyramid_rays(&(tile_room){packets, start, climbers, group, &queue}, f, rays, n, any, hits, occluded);
+}
+
 static void CW_CODE(closest_pyramid_)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits) {
-    pyramid_rays(f, rays, n, false, hits, NULL);
+    (n <= CW_FEW_RAYS ? pyramid_few : pyramid_many)(f, rays, n, false, hits, NULL);
 }
 static void CW_CODE(any_pyramid_)(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded) {
-    pyramid_rays(f, rays, n, true, NULL, occluded);
+    (n <= CW_FEW_RAYS ? pyramid_few : pyramid_many)(f, rays, n, true, NULL, occluded);
 }
 
 /* cw_pyramid1, cw_pyramid4, cw_pyramid8 or cw_pyramid16. */

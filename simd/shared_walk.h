@@ -82,7 +82,7 @@ static inline ray_set fall_apart(const fat_ray *a, const packet *packets, ray_se
     return apart;
 }
 
-/* A tile that shares a walk: its fat ray, and those of its groups, made on first use. */
+/* A tile that shares a walk: its fat ray, and those of its groups, made on first use, if there are several. */
 typedef struct tile_walk {
     const cw_field *f;
     packet *packets;
@@ -91,7 +91,7 @@ typedef struct tile_walk {
     ray_set rays; /* still walking together */
     bool several; /* from more than one group */
     unsigned made;
-    fat_ray tile, group[GROUPS];
+    fat_ray tile, *group;
 } tile_walk;
 
 /* The fat ray of a group's rays that still walk together; NULL if they are too few. */

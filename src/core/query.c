@@ -15,7 +15,7 @@ enum { LEAST = 256, MOST = 4096 };
 /* Fewer rays than this are found before a thread that sleeps has woken up. */
 enum { SHARED = 1024 };
 /* As many as keep the kernels' batches full, and few. */
-enum { BLOCK = 512, FEW = 8 };
+enum { BLOCK = 512 };
 /* The measured crossing of the cell walk and the pyramid of one lane, and of two rays. */
 enum { SHORT_CELLS = 32, SHORT_MOST = 3 };
 
@@ -71,8 +71,8 @@ static inline void work_in_blocks(const job *q, size_t begin, size_t end, cw_ray
 }
 
 static void work_on_few(void *context, size_t begin, size_t end) {
-    cw_ray block[FEW];
-    work_in_blocks(context, begin, end, block, FEW);
+    cw_ray block[CW_FEW_RAYS];
+    work_in_blocks(context, begin, end, block, CW_FEW_RAYS);
 }
 
 static void work_on_many(void *context, size_t begin, size_t end) {
@@ -93,7 +93,7 @@ static cw_status query(job *q, const cw_run *run, const void *out, const char *o
     if (n < SHARED) q->how.pool = NULL;
     const door_pass in = door_enter(&q->field->door);
     if (in.entry == NULL) return cw_fail_plainly(CW_ERROR_BUSY);
-    cw_work_fn *const how = q->user_rays == NULL ? work : n <= FEW ? work_on_few : work_on_many;
+    cw_work_fn *const how = q->user_rays == NULL ? work : n <= CW_FEW_RAYS ? work_on_few : work_on_many;
     status = cw_run_built(q->field, &q->how);
     if (status == CW_OK) status = cw_run_work(&q->how, n, q->user_rays ? BLOCK : LEAST, MOST, how, q);
     door_leave(in);

@@ -5,6 +5,9 @@
 
 #include "cellwalk_expert.h"
 
+/* Calls of so many rays take at most 16 KiB of stack. */
+enum { CW_FEW_RAYS = 8 };
+
 /* Trace rays[0..n) and write hits[0..n) or occluded[0..n). Run in the IEEE default environment. */
 typedef void cw_closest_fn(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits);
 typedef void cw_any_fn(const cw_field *field, const cw_ray *rays, size_t n, uint8_t *occluded);
