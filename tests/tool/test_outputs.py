@@ -119,5 +119,20 @@ def test_two_results_do_not_take_one_name():
     os.link("a.csv", "hard.csv")
     for one, other in ("c.csv", "./c.csv"), ("folder/c.csv", "way/c.csv"), ("link.csv", "soft.csv"), ("a.csv", "hard.csv"):
         refused(1, "is also another output", *LOS, "-o", one, "--profile", other)
+    write("places.csv", "x,y\n20,20\n")
+    seen = "viewshed", "field.npy", *MAP, "--observers", "places.csv"
+    for one, other in ("out.npy", "./out.npy"), ("folder/c.npy", "way/c.npy"), ("out.png", "out.pgw"), ("way/out.png", "folder/out.pgw"):
+        for again in range(2):  # where there is none, and in place of old ones
+            refused(1, "is also another output", *seen, "-o", one, "--table", other)
+            write(one, "old")
+        os.unlink(one)
+    for words in (*seen, "-o", "out.npy", "--table"), ("horizon", "field.npy", *MAP, "--places", "places.csv", "-o"), \
+            ("sun", "field.npy", *MAP, "--lon-lat", "9,47", "--date", "2024-06-21", "--step", "6h", "--at", "20,20", "-o"):
+        for name in ["field.npy"] + ["places.csv"] * ("places.csv" in words):
+            refused(1, f"{name}: is also an input", *words, name)
+        done = shell(f"PROGRAM {' '.join(map(str, words))} all.csv > all.csv")
+        assert done.returncode == 1 and "all.csv: is also where standard output leads" in done.stderr
+    os.symlink("places.csv", "view.pgw")
+    refused(1, "view.pgw: is also an input", *seen, "-o", "view.png")
     done = shell("PROGRAM los field.npy --cellsize 10 --pairs pairs.csv --profile all.csv > all.csv")
     assert done.returncode == 1 and "all.csv: is also where standard output leads" in done.stderr

@@ -155,18 +155,16 @@ static bool has_world(const io_raster_writer *w) {
 
 /* Places a picture on its map for programs that read world files, as GIS do: x and y of a column, x and y of a row, and of the
  * upper left pixel's centre. */
-static bool write_world(const double (*m)[4], const char *picture, io_error *error) {
+static bool write_world(io_raster_writer *w, io_error *error) {
+    const double(*m)[4] = w->product.map;
+    const char *picture = w->output.target;
     char path[PATH_MAX];
-    io_output out;
     const int stem = (int)(strlen(picture) - strlen(io_sink_png.ending));
     if (snprintf(path, sizeof path, "%.*s.pgw", stem, picture) >= (int)sizeof path)
         return io_fail(error, "%s: the world file's name is too long", picture);
-    if (!io_output_open(&out, path, error)) return false;
-    if (io_output_print(&out, error, "%.17g\n%.17g\n%.17g\n%.17g\n%.17g\n%.17g\n", m[0][0], m[1][0], m[0][1], m[1][1],
-                        m[0][3], m[1][3]))
-        return io_output_commit(&out, error);
-    io_output_discard(&out);
-    return false;
+    return io_output_open(&w->world, path, error) &&
+           io_output_print(&w->world, error, "%.17g\n%.17g\n%.17g\n%.17g\n%.17g\n%.17g\n", m[0][0], m[1][0], m[0][1],
+                           m[1][1], m[0][3], m[1][3]);
 }
 
 static bool check_sidecars(const io_raster_writer *w, io_error *error) {
@@ -183,7 +181,8 @@ bool io_raster_create(io_raster_writer *w, const char *path, const io_raster_pro
     *w = (io_raster_writer){.product = *product, .left = (uint64_t)product->bands * product->nx * product->ny};
     if (!io_raster_can_write(path, product->bands, error) || !io_output_open(&w->output, path, error)) return false;
     w->sink = sink_of(path);
-    if (check_sidecars(w, error) && w->sink->create(w, error)) return true;
+    if (check_sidecars(w, error) && (!has_world(w) || write_world(w, error)) && w->sink->create(w, error)) return true;
+    io_output_discard(&w->world);
     io_output_discard(&w->output);
     *w = (io_raster_writer){0};
     return false;
@@ -206,18 +205,18 @@ bool io_raster_write(io_raster_writer *w, const void *cells, size_t rows, io_err
     return true;
 }
 
-/* The world file last, in place of the one before it, whose rights it keeps. If it cannot be written, the old one would put the new
- * picture in the wrong place. */
+/* The world file is renamed last, in place of the one before it, whose rights it keeps. If it cannot be, the old one would put the
+ * new picture in the wrong place. */
 static bool commit(io_raster_writer *w, io_error *error) {
     struct stat old;
-    const bool world = has_world(w), replaces = !w->output.direct && stat(w->output.target, &old) == 0;
+    const bool world = w->world.name != NULL, replaces = !w->output.direct && stat(w->output.target, &old) == 0;
     static const char *const world_file[] = {"*.pgw", NULL};
     const io_sidecar_list list = replaces ? w->sink->sidecars + world : NULL;
     char *names[2] = {strdup(w->output.target), strdup(w->output.name)}; /* where programs look for sidecars */
     bool good = (names[0] != NULL && names[1] != NULL) || io_fail(error, "%s: out of memory", w->output.name);
-    good = good && io_output_commit(&w->output, error) && io_sidecars_remove(list, names[0], error) &&
-           io_sidecars_remove(list, names[1], error);
-    if (good && world && !write_world(w->product.map, names[0], error)) {
+    good = good && (!world || io_output_settle(&w->world, error)) && io_output_commit(&w->output, error) &&
+           io_sidecars_remove(list, names[0], error) && io_sidecars_remove(list, names[1], error);
+    if (good && world && !io_output_commit(&w->world, error)) {
         io_sidecars_remove(world_file, names[0], NULL);
         good = false;
     }
@@ -229,6 +228,7 @@ bool io_raster_commit(io_raster_writer *w, io_error *error) {
     const bool whole = w->left == 0;
     if (!whole) io_fail(error, "%s: rows are missing", w->output.name);
     const bool good = w->sink->finish(w, whole, whole ? error : NULL) && commit(w, error);
+    io_output_discard(&w->world);
     io_output_discard(&w->output);
     *w = (io_raster_writer){0};
     return good;
@@ -237,6 +237,7 @@ bool io_raster_commit(io_raster_writer *w, io_error *error) {
 void io_raster_discard(io_raster_writer *w) {
     if (w->sink == NULL) return;
     w->sink->finish(w, false, NULL);
+    io_output_discard(&w->world);
     io_output_discard(&w->output);
     *w = (io_raster_writer){0};
 }

@@ -46,10 +46,10 @@ typedef struct io_raster_window {
 typedef struct io_raster_writer {
     const struct io_raster_sink *sink; /* the format */
     io_raster_product product;
-    io_output output;
-    size_t band, row; /* that come next */
-    uint64_t left;    /* cells that are still to come */
-    void *state;      /* the format's */
+    io_output output, world; /* a picture's world file is the second */
+    size_t band, row;        /* that come next */
+    uint64_t left;           /* cells that are still to come */
+    void *state;             /* the format's */
 } io_raster_writer;
 
 static inline size_t io_cell_bytes(io_cell cell) {
