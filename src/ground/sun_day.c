@@ -10,7 +10,12 @@
 
 static const double degree = 0.017453292519943295, day = 86400;
 
-/* Horizon.c has the formula: for a surface that rises by slope in that direction. */
+/* The light of the sky above a tangent of height, of a surface that rises by lean / up in that direction: horizon.c has the formula. */
+static double light_above(double tangent, double up, double lean) {
+    const double square = 1 / (1 + tangent * tangent);
+    return up * square - lean * (atan(1 / tangent) - tangent * square);
+}
+
 double sun_sky_share(sight *s, const sun_day_desc *d) {
     const double up = cos(d->tilt * degree), level = sin(d->tilt * degree);
     double sum = 0;
@@ -18,9 +23,11 @@ double sun_sky_share(sight *s, const sun_day_desc *d) {
         const double azimuth = fmod(360.0 * k / d->sky, 360);
         const place_horizon h = place_horizon_toward(s, azimuth, d->max_distance);
         const double lean = -level * cos((azimuth - d->facing) * degree);
-        const double tangent = fmax(h.angle > 0 ? tan(h.angle * degree) : 0, lean / up),
-                     square = 1 / (1 + tangent * tangent);
-        sum += up * square - lean * (atan(1 / tangent) - tangent * square);
+        const double hidden = h.angle > 0 ? tan(h.angle * degree) : 0, edge = lean / up;
+        if (up > 0)
+            sum += light_above(fmax(hidden, edge), up, lean);
+        else if (edge > hidden) /* an overhang, which sees the sky up to its own edge */
+            sum += light_above(hidden, up, lean) - light_above(edge, up, lean);
     }
     return sum / d->sky;
 }
