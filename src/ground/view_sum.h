@@ -6,7 +6,7 @@
 #include "terrain.h"
 
 typedef struct view_sum {
-    double samples, km2;             /* in sight; the area is as many of the cell at the observer */
+    double samples, km2;             /* in sight; each with the area of a cell in its row */
     double farthest, farthest_at[2]; /* metres, and where on the map; NaN: nothing is in sight */
 } view_sum;
 
