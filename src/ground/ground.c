@@ -150,7 +150,9 @@ static void warn_of_samples(void *context, const char *text) {
     enum { ENOUGH = 4 };
     ground *g = context;
     const bool of_samples = strstr(text, "--nodata") != NULL || strstr(text, "heights are floats") != NULL;
-    if (of_samples && g->warnings++ < ENOUGH) warn(g, text);
+    if (!of_samples || strncmp(text, g->warned, sizeof g->warned - 1) == 0 || g->warnings++ >= ENOUGH) return;
+    snprintf(g->warned, sizeof g->warned, "%s", text);
+    warn(g, text);
 }
 
 /* Of a file that was read as a whole a part is cut out. All of it is lent. */

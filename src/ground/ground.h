@@ -30,6 +30,7 @@ typedef struct ground {
     cw_rectangle piece;
     terrain terrain;
     size_t pieces, warnings; /* that were read, and printed since then */
+    char warned[300];        /* the last one */
 } ground;
 
 /* Reads the raster's size, map and place. path, reading, coarser, watch, query and bytes are set; the window is all of it. */

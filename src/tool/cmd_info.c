@@ -103,14 +103,16 @@ static bool look_at_header(const char *path, const io_raster_options *options, s
     io_raster *r = &s->file.raster;
     o.no_samples = true;
     o.progress = NULL;
+    o.warn = NULL; /* until it is known that samples are not read, whose reading warns of the header too */
     const char *ending = strrchr(path, '.');
     if (!io_raster_has_windows(path) || (ending && strcasecmp(ending, ".pbrt") == 0)) return true; /* a scene */
     if (!io_raster_read(path, &o, r, error)) return false;
     s->header = r->nx > many / r->ny;
     s->info = (cw_field_info){.nx = r->nx, .ny = r->ny};
     memcpy(s->file.map, r->map, sizeof r->map);
-    if (!s->header) io_raster_free(r);
-    return true;
+    if (s->header) o.warn = options->warn;
+    io_raster_free(r);
+    return !s->header || io_raster_read(path, &o, r, error);
 }
 
 static bool look_at_field(const char *path, const io_raster_options *options, const raster_options *raster,
