@@ -133,6 +133,12 @@ const char *observers_name(const observers *o, size_t k) {
     return o->from->file ? o->points.points[o->list[k].given].name : "";
 }
 
+bool observers_have_names(const observers *o) {
+    for (size_t k = 0; k < o->count; k++)
+        if (observers_name(o, k)[0] != '\0') return true;
+    return false;
+}
+
 ground_place observers_place(const observers *o, size_t k, char text[OBSERVER_TEXT]) {
     return place_of(o, &o->list[k], text);
 }

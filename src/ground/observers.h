@@ -42,6 +42,8 @@ void observers_free(observers *o);
 
 /* The name that the file gives; "" if it gives none. */
 const char *observers_name(const observers *o, size_t k);
+/* Whether it gives any. */
+bool observers_have_names(const observers *o);
 
 /* The place, with a text for messages in the caller's memory. */
 enum { OBSERVER_TEXT = 300 };

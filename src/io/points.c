@@ -3,13 +3,14 @@
 
 #include "gdal/module.h"
 #include "inputs.h"
+#include "printable.h"
 #include "table.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Names go into messages and metadata: on one line, and without the rest of a character that was cut. */
+/* Names go into messages, tables and metadata: text alone, on one line, and without the rest of a character that was cut. */
 static void tidy(char *name, size_t size) {
     size_t length = strlen(name);
     if (length + 1 == size) { /* back to the character's first byte */
@@ -19,6 +20,7 @@ static void tidy(char *name, size_t size) {
     }
     for (char *c = name; *c; c++)
         if ((unsigned char)*c < ' ') *c = ' ';
+    make_printable(name);
 }
 
 bool io_points_add(io_points *p, const io_point *point) {

@@ -240,3 +240,11 @@ bool io_table_columns(const io_table *t, const char *const *names, size_t count,
     warn(context, text);
     return true;
 }
+
+bool io_table_write_cell(io_output *to, const char *text, io_error *error) {
+    if (text[strcspn(text, ",\"\r\n")] == '\0') return io_output_print(to, error, ",%s", text);
+    if (!io_output_write(to, ",\"", 2, error)) return false;
+    for (; *text; text++)
+        if (!io_output_write(to, *text == '"' ? "\"\"" : text, *text == '"' ? 2 : 1, error)) return false;
+    return io_output_write(to, "\"", 1, error);
+}

@@ -4,7 +4,7 @@
 #ifndef CELLWALK_IO_TABLE_H
 #define CELLWALK_IO_TABLE_H
 
-#include "error.h"
+#include "output.h"
 
 #include <stddef.h>
 
@@ -48,6 +48,9 @@ bool io_table_others(const io_table *table, const char *const *names, size_t cou
  * that is NULL, about columns with other names. */
 bool io_table_columns(const io_table *table, const char *const *names, size_t count, size_t needed, size_t *columns,
                       void (*warn)(void *context, const char *text), void *context, io_error *error);
+
+/* Writes a comma and text as one more cell. */
+bool io_table_write_cell(io_output *to, const char *text, io_error *error);
 
 /* Fails with file, line, column's name and "'cell' stands where WANTED should". */
 bool io_table_fail(const io_table *table, size_t row, size_t column, const char *wanted, io_error *error);

@@ -10,6 +10,7 @@
 #include "product.h"
 #include "sight.h"
 #include "sun_place.h"
+#include "table.h"
 #include "trade.h"
 
 #include <math.h>
@@ -75,14 +76,19 @@ typedef struct job {
     bool in_circles; /* the circle around each place is read, not all of the raster */
     io_output to;
     size_t number; /* of the place, from 1 on */
+    bool named;
+    const char *name; /* of the place */
 } job;
 
 static bool write_row(job *j, const place_horizon *h, double from_true, io_error *error) {
     char true_azimuth[40] = "";
     if (isfinite(from_true)) snprintf(true_azimuth, sizeof true_azimuth, "%.6g", from_true);
     if (!io_output_print(&j->to, error, "%zu,%.6g,%s,", j->number, h->azimuth, true_azimuth)) return false;
-    if (isnan(h->angle)) return io_output_print(&j->to, error, ",,,\n");
-    return io_output_print(&j->to, error, "%.6f,%.3f,%.10g,%.10g\n", h->angle, h->distance, h->at[0], h->at[1]);
+    if (!(isnan(h->angle)
+              ? io_output_print(&j->to, error, ",,,")
+              : io_output_print(&j->to, error, "%.6f,%.3f,%.10g,%.10g", h->angle, h->distance, h->at[0], h->at[1])))
+        return false;
+    return (!j->named || io_table_write_cell(&j->to, j->name, error)) && io_output_write(&j->to, "\n", 1, error);
 }
 
 static void write_json(FILE *to, const place_horizon *h, double from_true, bool first) {
@@ -119,9 +125,11 @@ static bool write_place(job *j, const ground_place *p, io_error *error) {
     sight_init(&s, t, j->bounds, eye, d->curvature);
     terrain_to_map(t, eye[0], eye[1], xy);
     if (!sun_place_of(t, &g->about.georef, xy, g->path, NULL, &north, &unknown)) north.turned = NAN;
-    if (json && !io_output_print(&j->to, error, "%s {\"place\": [%.10g, %.10g], \"horizon\": [",
-                                 j->number > 1 ? ",\n" : "", xy[0], xy[1]))
-        return false;
+    if (json) {
+        json_print(j->to.file, j->number > 1 ? ",\n {" : " {");
+        if (j->named) json_print(j->to.file, "'name': %s, ", j->name);
+        if (!io_output_print(&j->to, error, "\"place\": [%.10g, %.10g], \"horizon\": [", xy[0], xy[1])) return false;
+    }
     for (size_t k = 0; k < d->count; k++) {
         const place_horizon h =
             place_horizon_toward(&s, fmod(d->start + 360.0 * (double)k / (double)d->count, 360), d->max_distance);
@@ -136,12 +144,16 @@ static bool write_place(job *j, const ground_place *p, io_error *error) {
 
 static bool write_all(job *j, const observers *all, io_error *error) {
     const bool json = j->command->json;
-    if (!io_output_print(&j->to, error, json ? "{\"places\": [\n" : "place,azimuth,true_azimuth,angle,distance,x,y\n"))
+    j->named = observers_have_names(all);
+    if (!(json ? io_output_print(&j->to, error, "{\"places\": [\n")
+               : io_output_print(&j->to, error, "place,azimuth,true_azimuth,angle,distance,x,y%s\n",
+                                 j->named ? ",name" : "")))
         return false;
     for (size_t k = 0; k < all->count; k++) {
         char text[OBSERVER_TEXT];
         const ground_place place = observers_place(all, k, text);
         if (!product_tell(&j->command->product, (double)k / (double)all->count)) return io_fail(error, "interrupted");
+        j->name = observers_name(all, k);
         if (!write_place(j, &place, error)) return false;
     }
     return !json || io_output_print(&j->to, error, "\n]}\n");
@@ -272,9 +284,10 @@ static int run(int argc, char **argv) {
             "at", "X,Y[,H]", &c.at,
             "print the horizon at a place of the map, H metres above ground (default: 0) or X,Y,=Z, as CSV: degrees "
             "(azimuths of the map and from true north), metres, coordinates of the map; may be given up to 256 times"),
-        option_text("places", "FILE", &c.file,
-                    "the same for the places of a table (.csv) with the columns x, y and, if there, height, or of "
-                    "points in any file that GDAL reads; -o names the table to write"),
+        option_text(
+            "places", "FILE", &c.file,
+            "the same for the places of a table (.csv) with the columns x, y and, if there, height and name, or "
+            "of points in any file that GDAL reads; -o names the table to write"),
         option_flag("json", &c.json, "with --at or --places: print one JSON object"),
         option_number("max-distance", "D", &c.desc.max_distance,
                       "terrain farther away than D metres does not count (default: no limit)"),

@@ -6,6 +6,7 @@
 #include "inputs.h"
 #include "line.h"
 #include "output.h"
+#include "printable.h"
 #include "product.h"
 #include "progress.h"
 #include "table.h"
@@ -69,8 +70,8 @@ static bool look(los_command *c, io_output *profiles, io_error *error) {
 
 /* ---- pairs from a table ------------------------------------------------------------------------------------------- */
 
-enum { X1, Y1, X2, Y2, HEIGHT1, HEIGHT2, NAMES };
-static const char *const columns[NAMES] = {"x1", "y1", "x2", "y2", "height1", "height2"};
+enum { X1, Y1, X2, Y2, HEIGHT1, HEIGHT2, NAME, NAMES };
+static const char *const columns[NAMES] = {"x1", "y1", "x2", "y2", "height1", "height2", "name"};
 
 typedef struct job {
     product *product;
@@ -90,6 +91,16 @@ static bool find_columns(job *j, io_error *error) {
 
 enum { TEXT = 300 };
 
+static bool is_named(const job *j) { return j->columns[NAME] < j->table.columns; }
+
+/* "" without such a column. */
+static const char *name_of(const job *j, size_t row) {
+    if (!is_named(j)) return "";
+    char *text = j->table.cells[row * j->table.columns + j->columns[NAME]];
+    make_printable(text);
+    return text;
+}
+
 /* One end of a row's line. */
 static bool take_place(const job *j, size_t row, int end, ground_place *p, char text[TEXT], io_error *error) {
     const io_table *t = &j->table;
@@ -97,8 +108,9 @@ static bool take_place(const job *j, size_t row, int end, ground_place *p, char 
     *p = (ground_place){.text = text};
     if (!io_table_number(t, row, x, &p->x, error) || !io_table_number(t, row, y, &p->y, error)) return false;
     if (height < t->columns && !io_table_height(t, row, height, &p->z, &p->absolute, error)) return false;
-    snprintf(text, TEXT, "%.150s:%zu: %.10g,%.10g,%s%.10g", t->path, t->lines[row], p->x, p->y, p->absolute ? "=" : "",
-             p->z);
+    const char *called = name_of(j, row);
+    snprintf(text, TEXT, "%.150s:%zu%s%.47s%s: %.10g,%.10g,%s%.10g", t->path, t->lines[row], called[0] ? " (" : "",
+             called, called[0] ? ")" : "", p->x, p->y, p->absolute ? "=" : "", p->z);
     return true;
 }
 
@@ -117,7 +129,8 @@ static bool write_row(job *j, size_t row, const line *l, io_error *error) {
                              : io_output_print(j->results, error, ",%.4f,%.3f,%.3f", c.share, c.distance, c.radius)))
             return false;
     }
-    return io_output_write(j->results, "\n", 1, error);
+    return (!is_named(j) || io_table_write_cell(j->results, name_of(j, row), error)) &&
+           io_output_write(j->results, "\n", 1, error);
 }
 
 static bool look_at_pair(job *j, size_t row, io_error *error) {
@@ -134,10 +147,11 @@ static bool look_at_pair(job *j, size_t row, io_error *error) {
 
 static bool look_at_all(job *j, io_error *error) {
     static const char head[] = "pair,x1,y1,x2,y2,visible,distance,blocked_distance,blocked_x,blocked_y,blocked_height";
-    static const char *const more = ",clearance,clearance_distance,fresnel_radius\n";
+    static const char *const more = ",clearance,clearance_distance,fresnel_radius";
     const size_t rows = j->table.rows;
     if (!find_columns(j, error) || !io_output_write(j->results, head, sizeof head - 1, error)) return false;
-    if (!io_output_print(j->results, error, "%s", j->megahertz > 0 ? more : "\n")) return false;
+    if (!io_output_print(j->results, error, "%s%s\n", j->megahertz > 0 ? more : "", is_named(j) ? ",name" : ""))
+        return false;
     if (j->profiles && !line_head_profiles(j->megahertz, j->profiles, error)) return false;
     for (size_t row = 0; row < rows; row++) {
         if (!look_at_pair(j, row, error)) return false;
@@ -194,7 +208,7 @@ static bool wrong(los_command *c, const char *const given[3]) {
         command_fail(name, "--json goes with two places; the answers of --pairs are CSV");
     else if (c->profile && strcmp(c->profile, c->output ? c->output : "-") == 0)
         command_fail(name, "--profile needs a file that nothing else is written to");
-    else if (c->megahertz != 0 && !(c->megahertz >= 0.1 && c->megahertz <= 1e6))
+    else if (c->megahertz < 0.1 || c->megahertz > 1e6)
         command_fail(name, "--frequency takes megahertz from 0.1 to 1000000, not %g", c->megahertz);
     else if (product_check_curvature(name, c->curvature))
         return places && (!product_parse_place(name, given[1], 0, &c->places[0]) ||
@@ -208,7 +222,7 @@ static int run(int argc, char **argv) {
     option_spec options[ALL] = {
         option_text("pairs", "FILE.csv", &c.pairs,
                     "pairs of places in place of FROM and TO: a table whose first line names the columns x1, y1, x2, "
-                    "y2 and, if there, height1 and height2"),
+                    "y2 and, if there, height1, height2 and name"),
         option_output("FILE.csv", &c.output, "with --pairs: the table of answers (default: standard output)"),
         option_text("profile", "FILE.csv", &c.profile,
                     "write the terrain along each line as a table: distance, heights of ground and line, and whether "
@@ -221,6 +235,7 @@ static int run(int argc, char **argv) {
         option_flag("json", &c.json, "print one JSON object"),
     };
     c.product.name = name;
+    c.megahertz = NAN; /* not given */
     raster_options_rows(&c.product.raster_options, options + OWN);
     static const char *const operands[] = {"DEM", "FROM", "TO"};
     const options_usage usage = {

@@ -25,11 +25,12 @@ static bool check_observers(viewshed_command *c) {
                                      : "--from X,Y is missing, or --observers FILE: the place of an observer");
     else if (o->layer && !o->file)
         command_fail(name, "--layer goes with --observers");
-    else if (o->every < 0)
-        command_fail(name, "--every takes metres, not %g", o->every);
+    else if (o->every <= 0)
+        command_fail(name, "--every takes metres above 0, not %g", o->every);
     else if (o->every > 0 && count == 1)
         command_fail(name, "--every D takes two places or more: the corners of a line");
     else {
+        if (isnan(o->every)) o->every = 0; /* not given */
         o->places = c->places;
         o->height = eye_height;
         o->lines = true;
@@ -98,7 +99,7 @@ static int run(int argc, char **argv) {
                           .fill = viewshed_fill,
                           .finish = viewshed_finish,
                           .end = viewshed_end};
-    c.look.farthest = NAN;
+    c.look.farthest = c.from.every = NAN;
     const option_spec options[] = {
         option_several("from", "X,Y[,H]", &c.from_texts,
                        "the observer's place on the map, with the eye H metres above ground (default: 2), or X,Y,=Z; "
@@ -134,9 +135,10 @@ static int run(int argc, char **argv) {
         option_flag("needed-absolute", &c.absolute, "the same as an absolute height in metres"),
         option_flag("bands", &c.bands,
                     "write a band for each observer instead of counts; also with --angle and --needed"),
-        option_text("table", "FILE", &c.table,
-                    "also write a table (CSV) with a line for each observer: how many samples it sees, these times a "
-                    "cell's area in square kilometres, and the farthest one"),
+        option_text(
+            "table", "FILE", &c.table,
+            "also write a table (CSV) with a line for each observer: how many samples it sees, the area of "
+            "their cells on the map in square kilometres, the farthest one, and the name if the file has names"),
         option_text("within", "FILE", &c.within,
                     "in the table, count only samples inside the polygons of a file that GDAL reads, brought to the "
                     "terrain's map"),

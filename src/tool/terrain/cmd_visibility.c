@@ -75,8 +75,10 @@ static bool begin(product *p, io_error *error) {
     visibility_command *c = p->context;
     cw_visibility_desc *d = &c->desc;
     ground *g = &p->ground;
-    static const char *const names[] = {"metres to the farthest ground in sight", "azimuth of that place"};
+    static const char *const names[] = {"metres to the farthest ground in sight",
+                                        "azimuth of that place from the map's north"};
     (void)error;
+    if (isnan(d->max_distance)) d->max_distance = 0; /* no limit */
     d->directions = c->directions;
     d->every = c->every;
     d->curvature = ground_curvature(g, d->curvature);
@@ -119,25 +121,27 @@ static bool check(void *context, size_t *bands) {
         command_fail(name, "--observer-height takes metres from 0 on, not %g", d->height);
     else if (!(d->target >= 0))
         command_fail(name, "--target-height takes metres from 0 on, not %g", d->target);
-    else if (!(d->max_distance >= 0))
-        command_fail(name, "--max-distance takes metres, not %g", d->max_distance);
+    else if (d->max_distance <= 0)
+        command_fail(name, "--max-distance takes metres above 0, not %g", d->max_distance);
     else
         return product_check_curvature(name, d->curvature);
     return false;
 }
 
 static int run(int argc, char **argv) {
-    static visibility_command c = {.desc = {.height = 2}, .directions = 128, .every = 1}; /* large */
+    static visibility_command c = {
+        .desc = {.height = 2, .max_distance = NAN}, .directions = 128, .every = 1}; /* large */
     c.product = (product){.context = &c, .check = check, .begin = begin, .fill = fill, .enter = enter, .end = end};
     const option_spec options[] = {
-        option_flag(
-            "longest", &c.longest,
-            "write how far one sees instead: metres to the farthest ground in sight, and its azimuth in a second band"),
+        option_flag("longest", &c.longest,
+                    "write how far one sees instead: metres to the farthest ground in sight, and in a second band its "
+                    "azimuth from "
+                    "the map's north"),
         option_flag(
             "share", &c.share,
             "write a share instead, 0 to 1: of all ground within --max-distance and the raster, what is in sight"),
         option_count("directions", "N", &c.directions, 1, 3600,
-                     "number of directions, evenly spaced from north on (default: 128)"),
+                     "number of directions, evenly spaced from the map's north on (default: 128)"),
         option_number("observer-height", "H", &c.desc.height,
                       "height of the eyes above the ground in metres (default: 2)"),
         option_number("target-height", "T", &c.desc.target,

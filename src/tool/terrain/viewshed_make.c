@@ -2,6 +2,7 @@
 #include "viewshed_make.h"
 
 #include "sight.h"
+#include "table.h"
 #include "view_sum.h"
 
 #include <math.h>
@@ -116,8 +117,13 @@ static bool print_view(viewshed_command *c, const double eye[3], io_error *error
     if (!io_output_print(&c->table_file, error, "%zu,%.12g,%.12g,%.0f,%.9g,",
                          isnan(o->along) ? o->given + 1 : c->observer + 1, o->x, o->y, v.samples, v.km2))
         return false;
-    if (v.samples == 0) return io_output_print(&c->table_file, error, ",,\n");
-    return io_output_print(&c->table_file, error, "%.3f,%.12g,%.12g\n", v.farthest, v.farthest_at[0], v.farthest_at[1]);
+    const bool sees = v.samples > 0;
+    if (!io_output_write(&c->table_file, ",,", sees ? 0 : 2, error) ||
+        (sees &&
+         !io_output_print(&c->table_file, error, "%.3f,%.12g,%.12g", v.farthest, v.farthest_at[0], v.farthest_at[1])) ||
+        (c->named && !io_table_write_cell(&c->table_file, observers_name(&c->observers, c->observer), error)))
+        return false;
+    return io_output_write(&c->table_file, "\n", 1, error);
 }
 
 static bool look_from(viewshed_command *c, io_error *error) {
@@ -166,11 +172,12 @@ static bool find_inside(viewshed_command *c, io_error *error) {
 static bool make_room(viewshed_command *c, io_error *error) {
     const size_t n = c->product.ground.terrain.nx * c->product.ground.terrain.ny;
     if (c->table) {
-        static const char head[] = "observer,x,y,samples,km2,farthest,farthest_x,farthest_y\n";
+        c->named = observers_have_names(&c->observers);
         c->own = malloc(n * sizeof *c->own);
         if (c->own == NULL) return io_fail(error, "out of memory");
         if (!io_output_open(&c->table_file, c->table, error) ||
-            !io_output_write(&c->table_file, head, sizeof head - 1, error))
+            !io_output_print(&c->table_file, error, "observer,x,y,samples,km2,farthest,farthest_x,farthest_y%s\n",
+                             c->named ? ",name" : ""))
             return false;
     }
     if (c->kind == VIEW_SEEN)
