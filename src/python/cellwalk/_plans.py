@@ -255,7 +255,7 @@ def openness(site: Site, directions, max_distance, start, curvature, negative) -
 
 _VISIBILITY = {"area": {"long_name": "ground in sight", "units": "km2"}, "share": {"long_name": "share of the ground in sight"},
                "longest": {"long_name": "farthest ground in sight", "units": "m"},
-               "azimuth": {"long_name": "azimuth of the farthest ground in sight", "units": "degrees"}}
+               "azimuth": {"long_name": "azimuth of the farthest ground in sight from the map's north", "units": "degrees"}}
 
 
 def bend_of(site: Site, curvature) -> float:
@@ -272,12 +272,13 @@ def visibility(site: Site, directions, max_distance, observer_height, target_hei
     return Plan("visibility", look, "visibility", _VISIBILITY[result])
 
 
-def spots_of(x, y, height, elevation, default: float = 2.0, weights=None) -> np.ndarray:
-    """Places, shape (n, 5): x, y, height above ground or, if the fourth number is 1, the height itself, weight."""
+def spots_of(x, y, height, elevation, default: float = 2.0, weights=None, of: str = "observer_") -> np.ndarray:
+    """Places, shape (n, 5): x, y, height above ground or, if the fourth number is 1, the height itself, weight. of: what the arguments'
+    names begin with."""
     absolute = elevation is not None
     if absolute and height is not None:
-        raise ValueError("observer_height: goes without observer_elevation")
-    name = "observer_elevation" if absolute else "observer_height"
+        raise ValueError(f"{of}height: goes without {of}elevation")
+    name = f"{of}elevation" if absolute else f"{of}height"
     height = elevation if absolute else default if height is None else height
     given = [numbers(value, what).astype(np.float64) for value, what in
              ((x, "x"), (y, "y"), (height, name), (1.0 if weights is None else weights, "weights"))]

@@ -197,14 +197,15 @@ class Products:
         """
         return self._product(_plans.insolation(self._site, date, to, step, directions, irradiance, linke, sky, lon_lat, curvature, suns), progress)
 
-    def sun_days(self, x: float, y: float, date: Day | None = None, to: Day | None = None, height: float = 0.0, *,
-                 elevation: float | None = None, suns: ArrayLike | None = None, max_distance: float | None = None, step: str | float | datetime.timedelta = "1min", tilt: float | str = 0.0, facing: float = 180.0, linke: float = 3.0,
+    def sun_days(self, x: float, y: float, date: Day | None = None, to: Day | None = None, height: float | None = None,
+                 *, elevation: float | None = None, suns: ArrayLike | None = None, max_distance: float | None = None,
+                 step: str | float | datetime.timedelta = "1min", tilt: float | str = 0.0, facing: float = 180.0, linke: float = 3.0,
                  sky: int = 32, lon_lat: tuple[float, float] | None = None, curvature: float = 0.0, progress=None) -> SunDays:
         """The sun at one place day by day, behind the hills and without them: for a window, a garden or a roof.
 
         x, y        of the place on the map
         date, to    the first and the last day; "2024-01" and "2024" are all days of a month or year
-        height      above ground, metres; elevation in its place: the height itself
+        height      above ground, metres; default: 0; elevation in its place: the height itself
         suns        in place of days, as for insolation: one row without a time, whose hours are sums of weights
         max_distance  terrain farther away does not count, metres; default: no limit
         step        between two places of the sun, to which rise and set are right
@@ -218,7 +219,7 @@ class Products:
             >>> str(d.rise[0]), d.hours.round(2).tolist(), d.free_hours.round(2).tolist()
             ('2024-03-20T11:38:00', [6.57], [12.13])
         """
-        spots = _plans.spots_of(x, y, None if elevation is not None else height, elevation, 0.0)
+        spots = _plans.spots_of(x, y, height, elevation, 0.0, of="")
         if len(spots) != 1:
             raise ValueError(f"x, y: {len(spots)} places, expected one")
         numbers = _plans.sun_days(self._site, (spots[0, 0], spots[0, 1]), date, to, step, tilt, facing, linke, sky, lon_lat, curvature,
@@ -395,7 +396,7 @@ class Products:
             >>> h.angle[1].round(2), h.distance[1].round(2)
             (45.0, 2.0)
         """
-        spots = _plans.spots_of(x, y, height, elevation, 0.0)
+        spots = _plans.spots_of(x, y, height, elevation, 0.0, of="")
         numbers = _plans.round_of(directions, max_distance, curvature, start)
         out = np.empty((len(spots), directions, 5))
         self._ground.make("place_horizon", numbers, (0, 0, 0, 0), (spots,), (out,), self._threads, progress_call(progress))
@@ -411,14 +412,15 @@ class Products:
                    progress=None) -> Any:
         """How much of the ground every sample sees, as float32, NaN at holes.
 
-        directions       how many, evenly spaced, 1 to 3600; along each the parts in sight are exact
+        directions       how many, evenly spaced from the map's north on, 1 to 3600; along each the parts in sight are exact
         max_distance     what is farther away does not count, metres; default: no limit
         observer_height  of the eyes above the ground, metres
         target_height    of what must be seen above the ground, metres
         curvature        how much of the earth's curvature counts; default: 6/7 with a map, else 0
         every            eyes at every so many columns and rows
         result           "area": square kilometres in sight; "share": that area as a share of all within max_distance and
-                         the field; "longest": metres to the farthest place in sight; "azimuth": of that place, in degrees
+                         the field; "longest": metres to the farthest place in sight; "azimuth": of that
+                         place, in degrees from the map's north
 
         How exposed a place is, from how much of the ground one sees it, follows by exchanging the two heights.
 
