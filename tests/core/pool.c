@@ -161,12 +161,56 @@ static void release(void *context, void *memory) {
     free(memory);
 }
 
-enum { PLACES = 17 * 17 };
+enum { PLACES = 17 * 17, LAND = 18, DEEDS = LAND + 11 };
 static double points[RAYS][3];
 static cw_user_ray user_rays[RAYS];
 static float slopes[PLACES];
+static cw_ray moved[RAYS];
 static cw_field *made; /* made under an allocator that looks for an end too */
 static cw_heading *heading;
+
+/* Those of cellwalk_terrain.h, and the end of all. */
+static cw_status of_terrain(const doomed *d, const cw_run *run) {
+    static cw_terrain *land;
+    static uint8_t lit[PLACES];
+    static float numbers[PLACES];
+    static uint16_t seen[PLACES];
+    const cw_area area = {{0, 0, 0, 0}, 0};
+    const cw_light light = {.azimuth = 40, .altitude = 20, .radius = 0.27};
+    const cw_horizon sky = {.count = 3};
+    cw_sight_answer answer;
+    switch (d->number - LAND) {
+    case 0:
+        return cw_terrain_create(&(cw_terrain_desc){.field = made}, run, &land);
+    case 1:
+        return cw_shadow(land, run, &light, area, lit);
+    case 2:
+        return cw_sunlight(land, run, &light, area, numbers);
+    case 3:
+        return cw_horizon_angles(land, run, &sky, 1, area, numbers, slopes);
+    case 4:
+        return cw_sky_view(land, run, &sky, area, numbers);
+    case 5:
+        return cw_openness(land, run, &(cw_horizon){.count = 3, .flags = CW_HORIZON_BELOW}, area, numbers);
+    case 6:
+        return cw_viewshed(land, run, &(cw_observer){.x = 5, .y = 5, .height = 1}, area, &(cw_view){.seen = seen});
+    case 7:
+        return cw_lines_of_sight(land, run, 0, &(cw_sight){.from = {1, 1, 1}, .to = {9, 4, 1}}, 1, &answer);
+    case 8:
+        return cw_visibility(land, run, &(cw_visibility_desc){.directions = 3}, area,
+                             &(cw_visibility_answers){.share = numbers, .farthest = slopes});
+    case 9:
+        cw_heading_destroy(heading);
+        cw_terrain_destroy(land);
+        cw_field_destroy(made);
+        return CW_OK;
+    case 10:
+        cw_pool_destroy(d->pool);
+        return CW_OK;
+    default:
+        return CW_ERROR_ARGUMENT;
+    }
+}
 
 /* What waits for threads, or calls back. */
 static cw_status do_one(const doomed *d) {
@@ -209,17 +253,19 @@ static cw_status do_one(const doomed *d) {
         cw_field_destroy(coarser);
         return CW_OK;
     case 13:
-        cw_heading_destroy(heading);
-        cw_field_destroy(made);
-        return CW_OK;
+        return cw_field_update(made, &run, &(cw_update){.at = all, .samples = shape.z, .wait = 1});
     case 14:
-        cw_pool_destroy(d->pool);
-        return CW_OK;
+        return cw_field_move(made, (const double[3][4]){{0}}, 1);
+    case 15:
+        return cw_surface_at(field, &run, points[0], PLACES, got[0]);
+    case 16:
+        return cw_hit_normals(field, &run, expected, RAYS, points[0]);
+    case 17:
+        return cw_rays_to_field(field, &run, user_rays, RAYS, moved);
     default:
-        return CW_ERROR_ARGUMENT;
+        return of_terrain(d, &run);
     }
 }
-enum { DEEDS = 15 };
 
 /* The end is waiting before it begins, and comes at the first cancellation point. */
 static void *do_one_and_end(void *argument) {

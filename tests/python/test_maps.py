@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """One terrain on maps of several kinds: products are those of the ground, not of the map's metre. Heights are a function
 of the place, so nothing is resampled: grids differ in where their triangles stand."""
+import csv
 import json
+import re
 import warnings
 
 import numpy as np
@@ -77,27 +79,65 @@ def at_places(path, places, crs):
         return file.read(1)[j.astype(int), i.astype(int)].astype(float)
 
 
-# With the metre of the map, Mercator had 0.18 less in the shadow, 0.05 more sky and 1 h more sun.
+# With the metre of the map, Mercator had 0.18 less in the shadow, 0.05 more sky, 1 h more sun, a third more ground in sight. Eyes see
+# more or less as they stand a cell beside their place, so that only the mean tells of what is in sight.
 PRODUCTS = {
-    "shadow": (["--time", "2024-12-21T09:30:00Z"], 0.02),
-    "horizon": (["--svf", "--directions", "16", "--max-distance", "2500"], 0.003),
-    "sun": (["--date", "2024-12-21", "--step", "1h"], 0.15),
+    "shadow": (["shadow", "--time", "2024-12-21T09:30:00Z"], 0.02, 0.005),
+    "sky": (["horizon", "--svf", "--directions", "16", "--max-distance", "2500"], 0.003, 0.001),
+    "openness": (["horizon", "--openness", "--directions", "16", "--max-distance", "1500"], 0.4, 0.1),
+    "sun": (["sun", "--date", "2024-12-21", "--step", "1h"], 0.15, 0.04),
+    "area": (["visibility", "--max-distance", "1500", "--directions", "32"], 0.3, 0.03),
+    "share": (["visibility", "--max-distance", "1500", "--directions", "32", "--share"], 0.05, 0.005),
+    "longest": (["visibility", "--max-distance", "1500", "--directions", "32", "--longest"], 60, 10),
 }
 
 
 @pytest.mark.parametrize("product", PRODUCTS)
 def test_products_are_those_of_the_ground(tool, maps, tmp_path, product):
     """Shadows' edges move by a cell at most, and a sample is up to half a cell beside its place."""
-    words, limit = PRODUCTS[product]
+    words, limit, limit_of_mean = PRODUCTS[product]
     places, found = inside(), {}
     for name, path in maps.items():
         out = tmp_path / f"{name}.tif"
-        tool(product, path, *words, "-o", out)
+        tool(words[0], path, *words[1:], "-o", out)
         found[name] = at_places(out, places, MAPS[name])
     for name, values in found.items():
         off = values - found["utm"]
-        assert abs(off.mean()) < limit / 4 and np.abs(off).mean() < limit, (name, off.mean(), np.abs(off).mean())
+        assert abs(off.mean()) < limit_of_mean and np.abs(off).mean() < limit, (name, off.mean(), np.abs(off).mean())
         assert np.std(values) > 0.02
+
+
+def test_places(maps):
+    """What places see, their sun and radio links between them, by Python, whose bits are the program's."""
+    east, north = inside(12)
+    found = {}
+    for name, path in maps.items():
+        places, field = np.array(transform("EPSG:32632", MAPS[name], list(east), list(north))), cw.open(path)
+        sites = field.sites(*places, 30, max_distance=2500)
+        days = [field.sun_days(*place, "2024-03-20", step="5min", tilt=30) for place in places.T[:4]]
+        ends = np.column_stack([places.T, np.full(12, 150)])
+        links = field.line_of_sight(ends[1:], ends[:-1], frequency=900)
+        found[name] = {"km2": (sites.km2, 0.09), "farthest": (sites.farthest, 60), "hours": ([day.hours[0] for day in days], 0.3),
+                       "direct": ([day.direct[0] for day in days], 200), "clearance": (links.clearance, 0.15), "radius": (links.fresnel_radius, 0.3)}
+    for name, values in found.items():
+        for what, (value, limit) in values.items():
+            off = np.abs(np.array(value) - found["utm"][what][0])
+            assert off.max() < limit < np.ptp(value), (name, what, off, value)
+
+
+@pytest.mark.parametrize("crs, affine", [("EPSG:4326", Affine(0.1, 0, 0, 0, -0.1, 70)), ("EPSG:3857", Affine(2e4, 0, 0, 0, -2e4, 9.6e6))])
+def test_areas_far_from_the_observer(tool, tmp_path, crs, affine):
+    """Cells in the north are smaller than those in the south: all ground in sight is the ellipsoid's zone."""
+    z = np.zeros((200, 50), "float32")
+    path = write(tmp_path / "tall.tif", z, crs, affine)
+    x, y = affine * (25.5, 190.5)
+    tool("viewshed", path, "--from", f"{x},{y},=1e9", "--curvature", 0, "--table", tmp_path / "t.csv", "-o", tmp_path / "o.tif")
+    longitude, edges = degrees_of(crs, [affine.c, affine.c + 50 * affine.a], [affine.f, affine.f + 200 * affine.e])
+    a, e = 6378137.0, 0.0818191908426215
+    s = e * np.sin(np.radians(edges))
+    q = a * a * (1 - e * e) / (2 * e) * (s / (1 - s * s) + np.arctanh(s))  # of the zone from the equator on, for a radian
+    table = np.genfromtxt(tmp_path / "t.csv", delimiter=",", names=True)
+    assert table["samples"] == z.size and abs(table["km2"] / ((q[0] - q[1]) * np.radians(np.ptp(longitude)) * 1e-6) - 1) < 2e-4
 
 
 def test_lines_of_sight(tool, maps):
@@ -177,6 +217,39 @@ def test_what_a_scale_leaves_out_is_said(program, tmp_path, crs, affine, words):
 FEET = MAPS["feet"]
 
 
+@pytest.fixture
+def commands(program, tmp_path):
+    """Each subcommand, with each kind of place, on a raster of cells of 100 units with its north-west corner there."""
+    (tmp_path / "places.csv").write_text("x,y\n1600500,399500\n")
+    (tmp_path / "pairs.csv").write_text("x1,y1,x2,y2\n1600100,399900,1600800,399200\n")
+    np.save(tmp_path / "rays.npy", np.array([[1600500, 399500, 2e9, 0, 0, 0, -1, 3e9]]))
+    out, here = ("-o", tmp_path / "o.tif"), "1600500,399500"
+    lines = [("info",), ("info", "--json"), ("trace", tmp_path / "rays.npy", "--user", "-o", tmp_path / "o.npy"), ("shadow", "--sun", "200,30", *out),
+             ("sun", "--date", "2024-06-21", "--step", "6h", *out), ("sun", "--date", "2024-06-21", "--step", "6h", "--at", here),
+             ("horizon", "--directions", 2, *out), ("horizon", "--openness", "--directions", 2, *out), ("horizon", "--at", here),
+             ("horizon", "--places", tmp_path / "places.csv"), ("viewshed", "--from", here, *out),
+             ("viewshed", "--observers", tmp_path / "places.csv", "--table", tmp_path / "t.csv", *out), ("visibility", "--directions", 2, *out),
+             ("los", "1600420,399580", "1600800,399200"), ("los", "--pairs", tmp_path / "pairs.csv"), ("render", "--size", "8x8", "-o", tmp_path / "o.png")]
+    listed = re.search(r"Commands:\n((?:  .*\n)+)", program("--help").stdout).group(1)
+    assert {line.split()[0] for line in listed.splitlines()} == {words[0] for words in lines}
+    return lines
+
+
+@pytest.mark.parametrize("what, words", [("feet", "heights taken as US survey ft"), ("no data", "1 samples are -9999"), ("high", "rounded to multiples of 64")])
+def test_each_command_warns_once(program, commands, tmp_path, what, words):
+    """Whatever part of the raster it reads, and however often."""
+    z = np.full((10, 10), 1e9 if what == "high" else 500, "float32")
+    if what == "no data":
+        z[4, 4] = -9999
+    path = write(tmp_path / "dem.tif", z, FEET if what == "feet" else MAPS["utm"], Affine(100, 0, 1.6e6, 0, -100, 4e5))
+    if what == "feet":
+        with rasterio.open(path, "r+") as file:
+            file.units = (None,)
+    for command, *rest in commands:
+        done = program(command, path, *rest)
+        assert done.returncode == 0 and done.stderr.count("warning:") == done.stderr.count(words) == 1, (command, rest, done.stderr)
+
+
 def test_guessed_heights(program, tmp_path):
     """Feet for x and y say nothing of heights."""
     place = Affine(100, 0, 1.6e6, 0, -100, 4e5)
@@ -205,6 +278,9 @@ WARNED = {
 REFUSED = {
     "GDAL's order": (lambda z: cw.Field(z, (600000, 10, 0, 5200000, 0, -10)), "Affine.from_gdal"),
     "GDAL's degrees": (lambda z: cw.Field(z, (10.5, 1 / 1200, 0, 47.25, 0, -1 / 1200)), "Affine.from_gdal"),
+    "two heights of the sun's place": (lambda z: cw.Field(z, METRES).sun_days(6e5 + 75, 5.2e6 - 75, "2024-06-21", height=2.0, elevation=9, lon_lat=(9, 47)),
+                                       "^height: goes without elevation"),
+    "two heights of a horizon": (lambda z: cw.Field(z, METRES).horizon_at(6e5 + 75, 5.2e6 - 75, 2.0, elevation=9), "^height: goes without elevation"),
     "two heights": (lambda z: cw.Field(z, METRES).viewshed(6e5 + 75, 5.2e6 - 75, 2.0, observer_elevation=9), "^observer_height: goes without"),
 }
 
@@ -332,6 +408,15 @@ def test_the_sky_of_a_plain_is_whole(directions):
     assert (rough.sky_view(directions) <= 1).all()
 
 
+@pytest.mark.parametrize("tilt", [0, 37, 89.9, 90, 90.1, 135, 180])
+def test_the_sky_of_a_leaning_surface(tilt):
+    """A surface on a plain sees (1 + cos tilt) / 2 of it; one that overhangs sees less and less, and never less than nothing."""
+    day = cw.Field(np.full((7, 9), 300.0)).sun_days(4, 3, "2024-06-21", tilt=tilt, facing=120, step="1h", sky=720, lon_lat=(9, 47))
+    assert abs(day.diffuse[0] - day.free_diffuse[0]) < 0.05 and day.free_direct[0] == day.direct[0] >= 0
+    hills = cw.Field(np.random.default_rng(1).normal(0, 3, (7, 9))).sun_days(4, 3, "2024-06-21", tilt=tilt, sky=32, step="1h", lon_lat=(9, 47))
+    assert 0 <= hills.diffuse[0] <= hills.free_diffuse[0] + 1
+
+
 # ---- horizons of places ------------------------------------------------------------------------------------------------------
 
 
@@ -416,6 +501,9 @@ def test_angle_and_distance_are_of_one_ground(tool, tmp_path):
     (["render", "--sun", "30,225", "-o", "o.png"], "--sun 30,225: the second number is the altitude"),
     (["viewshed", "--from", "600500,5205000", "--max-distance", "0", "-o", "o.tif"], "--max-distance takes metres above 0, not 0"),
     (["horizon", "--max-distance", "0", "-o", "o.tif"], "--max-distance takes metres above 0, not 0"),
+    (["visibility", "--max-distance", "0", "-o", "o.tif"], "--max-distance takes metres above 0, not 0"),
+    (["viewshed", "--from", "600500,5205000", "--every", "0", "-o", "o.tif"], "--every takes metres above 0, not 0"),
+    (["los", "600500,5205000", "600500,5205000", "--frequency", "0"], "--frequency takes megahertz from 0.1 to 1000000, not 0"),
     (["viewshed", "--from", "10.3,47", "-o", "o.tif"], "10.3,47: lies outside and looks like longitude and latitude"),
     (["los", "10.3,47", "10.4,47"], "looks like longitude and latitude"),
     (["viewshed", "--from", "600500,5205000", "--height", "3", "-o", "o.tif"],
@@ -485,5 +573,16 @@ def test_names_of_observers(program, maps, tmp_path):
         tags = file.tags()
         assert tags["OBSERVER_1"] == "601000.639,5206000.639,2" and tags["OBSERVER_1_NAME"] == "High Mast"
         assert "OBSERVER_2_NAME" not in tags and set(tags["OBSERVER_4_NAME"]) == {"ä"}
+    table.write_text("name,x,y\nHigh Mast,601000.639,5206000.639\n,600000,5205000\n\"a, \"\"b\"\"\",600500,5204000\n")
+    names = ["High Mast", "", 'a, "b"']
+    program("viewshed", maps["utm"], "--observers", table, "--table", tmp_path / "t.csv", "-o", tmp_path / "o.tif")
+    assert [row["name"] for row in csv.DictReader((tmp_path / "t.csv").read_text().splitlines())] == names
+    said = program("horizon", maps["utm"], "--places", table, "--directions", 1).stdout
+    assert [row["name"] for row in csv.DictReader(said.splitlines())] == names
+    said = program("horizon", maps["utm"], "--places", table, "--directions", 1, "--json").stdout
+    assert [place["name"] for place in json.loads(said)["places"]] == names
+    table.write_text("x1,y1,x2,y2,name\n600000,5205000,600100,5205000,\"a, \"\"b\"\"\"\n")
+    done = program("los", maps["utm"], "--pairs", table, "--frequency", 900)
+    assert [row["name"] for row in csv.DictReader(done.stdout.splitlines())] == ['a, "b"'] and "warning" not in done.stderr
     table.write_text("name,x,y\nFar Mast,1,1\n")
     assert "towers.csv:2 (Far Mast)" in program("viewshed", maps["utm"], "--observers", table, "-o", tmp_path / "p.tif").stderr

@@ -20,7 +20,7 @@ COMMANDS = [  # @ stands for each of the fields
     "info @", "info @ --coarser 2", "info @ --json", "trace @ rays.npy --user -o out.npy", "trace z.npy @ -o out.npy",
     "shadow @ --sun 90,10 -o out.npy", "shadow @ --time 2024-06-21T12:00Z --lon-lat 9,47 -o out.npy",
     "sun @ --date 2024-06-21 --lon-lat 9,47 --step 6h -o out.npy", "horizon @ --directions 4 -o out.npy", "viewshed @ --from 1,1,2 -o out.npy",
-    "viewshed z.npy --observers @ -o out.npy", "visibility @ --directions 4 -o out.npy", "los @ 1,1,2 2,2,2", "los z.npy --pairs @ -o out.csv",
+    "viewshed z.npy --observers @ -o out.npy", "horizon z.npy --places @", "visibility @ --directions 4 -o out.npy", "los @ 1,1,2 2,2,2", "los z.npy --pairs @ -o out.csv",
     "render @ --size 8x8 -o out.png"]
 
 
@@ -94,10 +94,19 @@ def test_options_and_outputs():
     for table in b"o.csv", HOSTILE + b".csv", HOSTILE + b".geojson":
         check_text("viewshed", "z.npy", "--observers", table, "-o", "out.npy")
         check_text("los", "z.npy", "--pairs", table, "-o", "out.csv")
+    named = b'name,x,y,x1,y1,x2,y2\n"A ' + HOSTILE[:-2] + b'",1,1,1,1,2,2\nB,1,1.5,1,1,2,1\n'
+    write("named.csv", named)
+    for words in (("viewshed", "z.npy", "--observers", "named.csv", "--table", "-", "-o", "out.npy"), ("horizon", "z.npy", "--places", "named.csv"),
+                  ("horizon", "z.npy", "--places", "named.csv", "--json"), ("los", "z.npy", "--pairs", "named.csv")):
+        assert b"A " in shown(*words)[1]
+        check_text(*words)
     for name in {command.split()[0] for command in COMMANDS}:
         check_text(name, "z.npy", b"--" + HOSTILE)
         check_text(name, "z.npy", "--threads", HOSTILE)
         check_text(name, "z.npy", "--sun", HOSTILE, "--from", HOSTILE, "-o", HOSTILE + b".xyz")
+        for k, option in enumerate(re.findall(r"^      (--[a-z-]+) [A-Z]", run(name, "--help").out, re.M)):
+            if takes(k, 8):
+                check_text(name, "z.npy", option, HOSTILE, "-o", "out.npy")
         check_text(name, "z.npy", "--nodata", HOSTILE, "-o", b"none" + HOSTILE + b"/out.npy")
     for words in ("info", "--json"), ("info", "z.npy"):
         check_text(*words, CELLWALK_ISA=HOSTILE)
