@@ -12,6 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { ERROR_TEXT = 300 };
+
 struct io_gdal_target {
     GDALDatasetH file;
     char *name;
@@ -159,12 +161,23 @@ static bool has_failed(const io_gdal_target *t) {
            (t->lent_cog >= 0 && gdal_lent_reason(t->lent_cog) != 0);
 }
 
+/* Without memory for a smaller copy of the raster, GDAL leaves it empty, forgets the error and goes on. */
+static void CPL_STDCALL keep_error(CPLErr class, CPLErrorNum number, const char *text) {
+    char *first = CPLGetErrorHandlerUserData();
+    (void)number;
+    if (class >= CE_Failure && first[0] == '\0') snprintf(first, ERROR_TEXT, "%s", text);
+}
+
 static bool copy_to_cog(io_gdal_target *t, io_error *error) {
+    char first[ERROR_TEXT] = "";
     CPLErrorReset();
+    CPLPushErrorHandlerEx(keep_error, first);
     GDALDatasetH copy =
         GDALCreateCopy(GDALGetDriverByName("COG"), t->path_of_cog, t->file, FALSE, t->cog_options, goes_on, t);
     if (copy != NULL) GDALClose(copy);
+    CPLPopErrorHandler();
     if (copy == NULL && !goes_on(1, NULL, t)) return io_fail(error, "interrupted");
+    if (first[0] != '\0' && !has_failed(t)) CPLError(CE_Failure, CPLE_AppDefined, "%s", first);
     return (copy != NULL && !has_failed(t)) || fail_write(t, error);
 }
 
