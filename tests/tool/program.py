@@ -5,7 +5,6 @@ import errno
 import os
 import pathlib
 import re
-import resource
 import signal
 import subprocess
 import tempfile
@@ -29,6 +28,9 @@ def takes(k, most):
 
 def taken(cases, most):
     return [case for k, case in enumerate(cases) if takes(k, most)]
+
+
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may have started the tests with it ignored, as the program would
 
 
 # ---- runs ---------------------------------------------------------------------------------------------------------------
@@ -73,33 +75,30 @@ def without_filters():
     return prctl(NO_NEW_PRIVS, 1, 0, 0, 0) == 0 and prctl(SECCOMP, BY_FILTER, ctypes.byref(Filter(4, rules))) == 0
 
 
-def settings(file_size=0, memory=0, powerless=False, no_filters=False, seconds=0):
-    def apply():
-        signal.alarm(seconds)  # which the program inherits
-        signal.signal(signal.SIGINT, signal.SIG_DFL)  # a shell may have started the tests with it ignored
-        for kind, limit in ((resource.RLIMIT_FSIZE, file_size), (resource.RLIMIT_AS, memory)):
-            if limit:
-                resource.setrlimit(kind, (limit, limit))
-        assert not powerless or without_rights()
-        assert not no_filters or without_filters()
-    return apply
-
-
-def start(*words, env=(), isa=None, streams=None, **limits):
-    """env: variables beside the tests' own; isa: CELLWALK_ISA; limits: bytes of a file and of memory, no rights of root, no
-    filters of calls, seconds after which it is ended."""
+def start(*words, env=(), isa=None, streams=None, file_size=0, memory=0, powerless=False, no_filters=False, seconds=0):
+    """env: variables beside the tests' own; isa: CELLWALK_ISA; then bytes of a file and of memory, no rights of root, no filters of
+    calls, seconds after which end() ends it. Python copies this process's page tables for a preexec_fn, which takes several times
+    as long as the program: only what no command does is done by one."""
     environment = {"ASAN_OPTIONS": SANITIZERS, **os.environ, **dict(env)}
     if isa is not None:
         environment["CELLWALK_ISA"] = isa
+    limits = [f"--{name}={limit}" for name, limit in (("fsize", file_size), ("as", memory)) if limit]
+
+    def apply():
+        assert not powerless or without_rights()
+        assert not no_filters or without_filters()
     out, err = streams or (tempfile.TemporaryFile(), tempfile.TemporaryFile())
-    process = subprocess.Popen([PROGRAM, *map(str, words)], stdin=subprocess.DEVNULL, stdout=out, stderr=err, env=environment,
-                               preexec_fn=settings(**limits))
-    process.streams = out, err
+    process = subprocess.Popen([*(["prlimit", *limits] if limits else []), PROGRAM, *map(str, words)], stdin=subprocess.DEVNULL, stdout=out,
+                               stderr=err, env=environment, preexec_fn=apply if powerless or no_filters else None)
+    process.streams, process.seconds = (out, err), seconds
     return process
 
 
 def end(process):
+    signal.signal(signal.SIGALRM, lambda *_: process.send_signal(signal.SIGALRM))
+    signal.alarm(process.seconds)
     status, texts = process.wait(), []
+    signal.alarm(0)
     for stream in process.streams:
         stream.seek(0)
         texts.append(stream.read())

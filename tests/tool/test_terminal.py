@@ -54,7 +54,9 @@ def shown(*words, **env):
     """Exit status, and what arrives at a terminal. Reading fails when the program has ended, which alone has the other side."""
     terminal, side = pty.openpty()
     environment = {"ASAN_OPTIONS": "symbolize=0:detect_leaks=0", **os.environb, **{k.encode(): v for k, v in env.items()}}
-    process = subprocess.Popen([PROGRAM, *words], stdin=side, stdout=side, stderr=side, env=environment, preexec_fn=lambda: signal.alarm(60))
+    process = subprocess.Popen([PROGRAM, *words], stdin=side, stdout=side, stderr=side, env=environment)
+    signal.signal(signal.SIGALRM, lambda *_: process.kill())
+    signal.alarm(60)
     os.close(side)
     parts = []
     while True:
@@ -62,6 +64,7 @@ def shown(*words, **env):
             parts.append(os.read(terminal, 1 << 16))
         except OSError:
             break
+    signal.alarm(0)
     os.close(terminal)
     return process.wait(), b"".join(parts)
 
