@@ -1,40 +1,57 @@
 # SPDX-License-Identifier: Apache-2.0
 """GDAL where threads or memory are short, for each subcommand and for GeoTIFF read and written: the program ends, with the same result as ever or
 without one. GDAL would wait for ever for a thread that the system refuses."""
+import functools
 import re
 import signal
 
 import numpy as np
 import pytest
-from program import PRELOAD, needs, rays, rough, run, take, well
+from program import PRELOAD, needs, rays, rough, run, take, taken, well
 
-# dem.tif is compressed, and results of four bands are large enough for threads that compress.
+# Inputs are compressed. Four bands of large.tif are as many bytes as the program lets threads compress by itself.
 HORIZON = "horizon", "dem.tif", "--max-distance", 20, "--directions"
 COMMANDS = [("info", "dem.tif"), ("trace", "dem.tif", "rays.npy", "-o", "out.npy"), ("shadow", "dem.tif", "--sun", "90,10", "-o", "out.tif"),
-            ("sun", "dem.tif", "--lon-lat", "9,47", "--date", "2024-06-21", "--step", "6h", "-o", "out.tif"), (*HORIZON, 4, "-o", "out.tif"),
-            (*HORIZON, 4, "--threads", 1, "-o", "out.tif"), (*HORIZON, 4, "--cog", "-o", "out.tif"), (*HORIZON, 1, "--co=NUM_THREADS=7", "-o", "out.tif"),
-            ("viewshed", "dem.tif", "--from", "500,500,50", "-o", "out.tif"),
+            ("sun", "dem.tif", "--lon-lat", "9,47", "--date", "2024-06-21", "--step", "6h", "-o", "out.tif"), (*HORIZON, 4, "--threads", 1, "-o", "out.tif"),
+            ("horizon", "large.tif", "--max-distance", 4, "--directions", 4, "-o", "out.tif"),
+            (*HORIZON, 1, "--cog", "--co=NUM_THREADS=7", "-o", "out.tif"), (*HORIZON, 1, "--co=NUM_THREADS=7", "-o", "out.tif"),
+            ("viewshed", "dem.tif", "--from", "100,100,50", "-o", "out.tif"),
             ("visibility", "dem.tif", "--directions", 2, "--every", 64, "--max-distance", 20, "-o", "out.tif"),
-            ("los", "dem.tif", "500,500,50", "600,600,50"), ("render", "dem.tif", "--size", "8x8", "-o", "out.png")]
+            ("los", "dem.tif", "100,100,50", "200,200,50"), ("render", "dem.tif", "--size", "8x8", "-o", "out.png")]
 SECONDS = 60  # a run takes one; only one that hangs is ended by the alarm
 
 
-@pytest.fixture(autouse=True)
+@pytest.fixture
 def inputs(folder):
     needs("GDAL")
-    np.save("rough.npy", rough(1025) / 100)
     rays("rays.npy", (3.3, 1.5, 1e4))
-    well("horizon", "rough.npy", "--cellsize", 1, "--directions", 1, "-o", "dem.tif")
+    for name, side in (("dem", 257), ("large", 1025)):
+        np.save("rough.npy", rough(side) / 100)
+        well("horizon", "rough.npy", "--cellsize", 1, "--directions", 1, "--max-distance", 4, "-o", f"{name}.tif")
 
 
 def result(words):
     return take(words[-1]) if "-o" in words else None
 
 
+@functools.cache
 def expected(words):
     done = run(*words)
     assert done.status == 0 or "no library" in done.err, done.err  # for .png
     return result(words)
+
+
+def samples(tiff):
+    """Of the raster and its smaller copies."""
+    import rasterio
+    with rasterio.MemoryFile(tiff) as memory, memory.open() as file:
+        copies = [rasterio.open(memory.name, overview_level=k) for k in range(len(file.overviews(1)))]
+        return [level.read().tobytes() for level in (file, *copies)]
+
+
+def alike(got, wanted):
+    """Short of memory, GDAL writes tiles in another order."""
+    return got == wanted or (got is not None and wanted is not None and got[:2] == b"II" and samples(got) == samples(wanted))
 
 
 def ends(words, wanted, what, **setting):
@@ -44,24 +61,25 @@ def ends(words, wanted, what, **setting):
     assert done.status != 128 + signal.SIGALRM, (words, what, "hangs")
     # GDAL and libraries behind it end a process that has no memory by a signal, also while they are loaded.
     assert done.status in (0, 1, 128 + signal.SIGABRT, 128 + signal.SIGSEGV), (words, what, done.status, done.err)
-    assert got == (wanted if done.status == 0 else None), (words, what, done.status)
+    assert alike(got, wanted if done.status == 0 else None), (words, what, done.status)
     return done.status == 0
 
 
-def test_few_threads():
-    for words in COMMANDS:
+def test_few_threads(inputs):
+    for words in taken(COMMANDS, 4):
         wanted = expected(words)
-        for limit in range(8) if words[0] == "horizon" else (0, 7):
+        for limit in range(8) if "--co=NUM_THREADS=7" in words else (0, 1, 3, 7) if "large.tif" in words else (0, 7):
             good = ends(words, wanted, limit, env={"LD_PRELOAD": PRELOAD, "CELLWALK_THREADS": str(limit)})
             assert good or limit < 7 or (wanted is None and "-o" in words), (words, limit)
 
 
-def test_little_memory():
+def test_little_memory(inputs):
     ended = [0, 0]
-    for c, words in enumerate(COMMANDS):
+    for c, words in taken(list(enumerate(COMMANDS)), 4):
+        words = tuple("large.tif" if word == "dem.tif" else word for word in words)
         wanted = expected(words)
-        for k in range(-c % 8, 24, 8):
-            ended[ends(words, wanted, k, memory=(120 + 12 * k) << 20)] += 1
+        for k in (c, 23 - c):  # GDAL itself takes 175 MB
+            ended[ends(words, wanted, k, memory=(168 + 8 * k) << 20)] += 1
     print(f"{ended[0]} runs ended without a result, {ended[1]} with it")
     assert ended[0] > 0
 
