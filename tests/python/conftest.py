@@ -20,9 +20,14 @@ def share(examples):
 
 
 def pytest_collection_modifyitems(items):
-    """Of a test's cases one in four or less is taken where all have run elsewhere, as test_takes of ../support/check.h says."""
-    tests = {}
+    """Words of the program are tried on the plain ground and on every second of the others, by turns: it is GDAL's start that takes time. Of
+    a test's cases one in four or less is taken where all have run elsewhere, as test_takes of ../support/check.h says."""
+    tests, lines = {}, {}
     for item in items:
+        words, ground = (getattr(item, "callspec", None) and item.callspec.params.get(name) for name in ("words", "ground"))
+        if words and ground and ground != GROUNDS[0]:
+            if (lines.setdefault(words, len(lines)) + GROUNDS.index(ground)) % 2:
+                continue
         tests.setdefault(item.nodeid.split("[")[0], []).append(item)
     items[:] = [item for number, cases in enumerate(tests.values()) for k, item in enumerate(cases)
                 if (k + number + TURN) % min(DIVISOR, 4, len(cases)) == 0]
@@ -91,7 +96,10 @@ class Ground:
         self.path, self.field = path, field
 
 
-@pytest.fixture(scope="session", params=["plain", "utm", "turned", "degrees", "mercator"])
+GROUNDS = "plain", "utm", "turned", "degrees", "mercator"
+
+
+@pytest.fixture(scope="session", params=GROUNDS)
 def ground(request, tmp_path_factory):
     folder = tmp_path_factory.mktemp(request.param)
     z = rough()

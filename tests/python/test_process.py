@@ -40,9 +40,9 @@ def test_two_threads_on_one_field():
 
 def test_update_and_queries_keep_apart():
     """Each query sees the samples of before or after an update, and who comes second is refused."""
-    field = cw.Field(np.zeros((513, 513), np.float32), copy=True, threads=1)
-    n = 20000
-    origins = np.column_stack([np.linspace(1, 511, n), np.linspace(1, 511, n), np.full(n, 9.0)])
+    field = cw.Field(np.zeros((129, 129), np.float32), copy=True, threads=1)
+    n = 2000
+    origins = np.column_stack([np.linspace(1, 127, n), np.linspace(1, 127, n), np.full(n, 9.0)])
     seen, refused, stop = set(), [], threading.Event()
 
     def ask():
@@ -60,7 +60,7 @@ def test_update_and_queries_keep_apart():
         t.start()
     for k in range(200):
         try:
-            field.update(0, 0, np.full((513, 513), k % 2, np.float32))
+            field.update(0, 0, np.full((129, 129), k % 2, np.float32))
         except RuntimeError as error:
             refused.append(str(error))
     stop.set()
@@ -91,7 +91,7 @@ def test_fork():
 def test_update_in_a_child_of_a_busy_parent():
     """Other threads of the parent query the field all the time; the child has none of them."""
     field = cw.Field(np.zeros((257, 257), np.float32), copy=True, threads=1)
-    origins = np.column_stack([np.linspace(1, 255, 200000), np.linspace(1, 255, 200000), np.full(200000, 9.0)])
+    origins = np.column_stack([np.linspace(1, 255, 20000), np.linspace(1, 255, 20000), np.full(20000, 9.0)])
     started, stop = threading.Barrier(3), threading.Event()
 
     def ask():
@@ -218,19 +218,21 @@ def test_progress():
     assert bar.n == 50
 
 
+# Ctrl-C comes when the process has been at work for 0.2 s of its own time, which only the call takes.
 SLOW = """
-import sys, numpy as np, cellwalk as cw
+import os, signal, numpy as np, cellwalk as cw
 z = {field}
 f = cw.Field(z.astype('float32'), threads={threads})
-print('go', flush=True)
+signal.signal(signal.SIGPROF, signal.default_int_handler)
+signal.setitimer(signal.ITIMER_PROF, 0.2)
 try:
     {call}
-    print('done', flush=True)
+    print('done')
 except KeyboardInterrupt:
-    print('interrupted', flush=True)
+    print('interrupted')
 """
 NOISE = "np.random.default_rng(1).normal(0, 3, (1025, 1025))"
-HILLS = "np.add.outer(60 * np.sin(np.arange(4097) / 90), 50 * np.cos(np.arange(4097) / 70))"
+HILLS = "np.add.outer(60 * np.sin(np.arange(2049) / 90), 50 * np.cos(np.arange(2049) / 70))"
 
 
 # Calls that take minutes: rays along a plane, just above it; thousands of directions; needed heights.
@@ -238,21 +240,12 @@ HILLS = "np.add.outer(60 * np.sin(np.arange(4097) / 90), 50 * np.cos(np.arange(4
 @pytest.mark.parametrize("field, call", [
     ("np.full((1025, 1025), .5).cumsum(1)", "f.occluded([1, 512, 1.0001], [1, 0, .5], tmax=np.full(8_000_000, 2000.))"),
     (NOISE, "f.sky_view(3600)"),
-    (HILLS, "f.viewshed(2048, 2048, needed=True)"),
+    (HILLS, "[f.viewshed(1024, 1024, needed=True) is None for _ in range(999)]"),
     (NOISE, "[f.horizon(32) is None for _ in range(999)]"),
 ], ids=["occluded", "sky_view", "viewshed", "horizon"])
 def test_interrupt(field, call, threads):
     program = SLOW.format(field=field, call=call, threads=threads)
-    child = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True)
-    try:
-        assert child.stdout.readline() == "go\n"
-        with pytest.raises(subprocess.TimeoutExpired):
-            child.wait(0.7)  # is at work
-        child.send_signal(signal.SIGINT)
-        assert child.communicate(timeout=30)[0] == "interrupted\n"
-        assert child.returncode == 0
-    finally:
-        child.kill()
+    assert subprocess.run([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True, check=True).stdout == "interrupted\n"
 
 
 def test_an_exception_in_progress_ends_the_query():
@@ -295,14 +288,14 @@ def test_nothing_leaks(tmp_path):
                           lambda: cw.open(tmp_path / "missing.npy"), lambda: field.viewshed(-9, 9)):
                 with pytest.raises((ValueError, OSError)):
                     wrong()
-    work(10)
+    work(5)
     gc.collect()
     memory, blocks = _resident(), sys.getallocatedblocks()
-    work(60)
+    work(30)
     gc.collect()
     # A field that stays would take 1.5 MB each time, a hit array or an exception some blocks.
-    assert _resident() - memory < 30e6
-    assert sys.getallocatedblocks() - blocks < 60 * 10
+    assert _resident() - memory < 15e6
+    assert sys.getallocatedblocks() - blocks < 30 * 10
 
 
 def test_samples_live_as_long_as_the_field():
