@@ -53,8 +53,8 @@ endif()
 #   DEFINES a=b…    for its sources
 #   KERNELS share   its outcome may depend on which kernels the machine has. So it gets the label kernels, and a twin
 #                   NAME_avx512_emulated (emulated.cmake) with one ray in that many where it makes rays by the number; 0: none
-#   TWIN            the twin is built and run with all others, under the label emulated. Other twins have the label long, which only
-#                   the preset long builds and runs
+#   TWIN            the twin has the label emulated; other twins have the label long. The target of that name builds it, all does
+#                   not, and the preset of that name runs it
 #   SECONDS n       of CPU time, if it is long: the longest start first
 function(cellwalk_test folder name)
     cmake_parse_arguments(PARSE_ARGV 2 row "TWIN" "RUNS;KERNELS;SECONDS" "SOURCES;LINKS;NEEDS;AFTER;DEFINES")
@@ -66,6 +66,9 @@ function(cellwalk_test folder name)
     if(possible)
         cellwalk_add_program(${name} "${row_RUNS}" ${row_LINKS})
         set_tests_properties(${name} PROPERTIES LABELS ${folder})
+        if(folder MATCHES "^(core|io|scene|terrain|faults)$")
+            add_dependencies(tests_of_libraries test_${name})
+        endif()
         if(DEFINED row_KERNELS)
             set_property(TEST ${name} APPEND PROPERTY LABELS kernels)
         endif()
@@ -80,16 +83,21 @@ function(cellwalk_test folder name)
             endif()
             cellwalk_add_program(${twin} "${row_RUNS}" cellwalk_emulated ${row_LINKS})
             set_tests_properties(${twin} PROPERTIES ENVIRONMENT CELLWALK_TEST_DIVIDE=${row_KERNELS} LABELS emulated)
-            if(NOT row_TWIN)
+            set_target_properties(test_${twin} PROPERTIES EXCLUDE_FROM_ALL ON)
+            if(row_TWIN)
+                add_dependencies(emulated test_${twin})
+            else()
                 set_tests_properties(${twin} PROPERTIES LABELS long)
-                set_target_properties(test_${twin} PROPERTIES EXCLUDE_FROM_ALL ON)
                 add_dependencies(long test_${twin})
             endif()
         endif()
     endif()
 endfunction()
 
-# What only the preset long runs.
+# The programs that test libraries and start no other.
+add_custom_target(tests_of_libraries)
+# What only the presets emulated and long run.
+add_custom_target(emulated)
 add_custom_target(long)
 
 # The tests of the preset quick.
