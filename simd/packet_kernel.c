@@ -6,12 +6,16 @@
 #include "flat_walk.h"
 #include "kernels.h"
 
+#include <math.h>
 #include <string.h>
 
-/* Walks the first n of W rays to their ends. start: see make_rays. */
-CW_INLINE void packet_walk(packet *l, const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, bool any,
-                           vstart *start) {
+/* Walks the first n of W rays to their ends. start: see make_rays. False if one goes over more than so many cells. */
+CW_INLINE bool packet_walk(packet *l, const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, bool any,
+                           float cells, vstart *start) {
     l->alive = vm_and(vm_first(n), make_rays(&l->r, f, rays, leaf, start));
+    const vfloat speed = vf_add(vf_abs(l->r.x.dir), vf_abs(l->r.y.dir));
+    const vfloat way = vf_mul(vf_sub(l->r.until, l->r.from), speed);
+    if (vm_any(vm_and(l->alive, vf_gt(way, vf_set(cells))))) return false;
     const vfloat zero = vf_set(0);
     l->found = vm_set(false);
     /* As it stays in registers, clearing costs nothing, and a branch at the first hit would. */
@@ -19,18 +23,19 @@ CW_INLINE void packet_walk(packet *l, const cw_field *f, const cw_ray *rays, siz
     flat_start(l, f);
     while (vm_any(l->alive)) /* at most nx + ny turns: a lane goes one way on each axis and leaves the field */
         flat_step(l, f, leaf, any, true);
+    return true;
 }
 
-/* Closest hits, or any hits; the other array is NULL. */
-CW_INLINE void packet_rays(const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, bool any, cw_hit *hits,
-                           uint8_t *occluded) {
+/* Closest hits, or any hits; the other array is NULL. False, with some answers missing, if a ray goes over more than so many cells. */
+CW_INLINE bool packet_rays(const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, bool any, float cells,
+                           cw_hit *hits, uint8_t *occluded) {
     for (size_t k = 0; k < n; k += W) {
         const size_t count = n - k < W ? n - k : W;
         cw_ray tail[W];
         cw_hit answers[W];
         packet l;
         vstart start;
-        packet_walk(&l, f, fill_up(rays + k, count, W, tail), count, leaf, any, &start);
+        if (!packet_walk(&l, f, fill_up(rays + k, count, W, tail), count, leaf, any, cells, &start)) return false;
         if (any) {
             const unsigned found = vm_bits(l.found);
             for (size_t m = 0; m < count; m++) occluded[k + m] = found >> m & 1;
@@ -39,17 +44,18 @@ CW_INLINE void packet_rays(const cw_field *f, const cw_ray *rays, size_t n, cw_l
             if (count < W) memcpy(hits + k, answers, count * sizeof *hits);
         }
     }
+    return true;
 }
 
 /* One function for each leaf test. Rejected: one for both with a branch at its top, as compilers then run out of
  * registers (papers/walks.md). */
-CW_ONE_COPY static void packet_mt(const cw_field *f, const cw_ray *rays, size_t n, bool any, cw_hit *hits,
+CW_ONE_COPY static bool packet_mt(const cw_field *f, const cw_ray *rays, size_t n, bool any, cw_hit *hits,
                                   uint8_t *occluded) {
-    packet_rays(f, rays, n, CW_LEAF_MOLLER_TRUMBORE, any, hits, occluded);
+    return packet_rays(f, rays, n, CW_LEAF_MOLLER_TRUMBORE, any, INFINITY, hits, occluded);
 }
-CW_ONE_COPY static void packet_wt(const cw_field *f, const cw_ray *rays, size_t n, bool any, cw_hit *hits,
+CW_ONE_COPY static bool packet_wt(const cw_field *f, const cw_ray *rays, size_t n, bool any, float cells, cw_hit *hits,
                                   uint8_t *occluded) {
-    packet_rays(f, rays, n, CW_LEAF_WATERTIGHT, any, hits, occluded);
+    return packet_rays(f, rays, n, CW_LEAF_WATERTIGHT, any, cells, hits, occluded);
 }
 
 static void CW_CODE(closest_packet_mt_)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits) {
@@ -59,10 +65,17 @@ static void CW_CODE(any_packet_mt_)(const cw_field *f, const cw_ray *rays, size_
     packet_mt(f, rays, n, true, NULL, occluded);
 }
 static void CW_CODE(closest_packet_wt_)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits) {
-    packet_wt(f, rays, n, false, hits, NULL);
+    packet_wt(f, rays, n, false, INFINITY, hits, NULL);
 }
 static void CW_CODE(any_packet_wt_)(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded) {
-    packet_wt(f, rays, n, true, NULL, occluded);
+    packet_wt(f, rays, n, true, INFINITY, NULL, occluded);
+}
+/* The measured crossing of this walk and that of the pyramid kernels, for few rays. */
+enum { SHORT_CELLS = 32 };
+
+/* cw_short4, cw_short8 or cw_short16. */
+bool CW_CODE(short)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded) {
+    return packet_wt(f, rays, n, hits == NULL, SHORT_CELLS, hits, occluded);
 }
 
 /* cw_packet4, cw_packet8 or cw_packet16. */

@@ -19,6 +19,10 @@ typedef void cw_heading_fn(const struct cw_heading_job *job, size_t i, size_t i_
 /* cw_rays_to_field; m is the field's to_field. */
 typedef void cw_to_field_fn(const double m[3][4], const cw_user_ray *in, size_t n, cw_ray *out);
 
+/* The same if no ray goes over more than some cells, which the rays made ready show; else false, and answers are unspecified. One of
+ * the arrays is NULL. */
+typedef bool cw_short_fn(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded);
+
 /* By leaf test; NULL where the kernel does not have it. Entry CW_LEAF_DEFAULT is unused. */
 typedef struct cw_kernel_code {
     cw_closest_fn *closest[CW_LEAF_COUNT];
@@ -34,6 +38,7 @@ struct cw_kernel {
     cw_heading_fn *heading;
     cw_to_field_fn *to_field;
     cw_status (*build)(cw_field *field); /* makes the field's guest, if the bounds alone do not serve it */
+    cw_short_fn *if_short;               /* the first attempt for few rays, with the watertight test; or NULL */
 };
 
 /* The kernel that cw_kernel_find returns for an unknown name. */
@@ -53,6 +58,7 @@ extern const cw_kernel_code cw_cell;
 
 /* simd/packet_kernel.c and simd/pyramid_kernel.c, each compiled for the instruction sets of simd/isas.cmake */
 extern const cw_kernel_code cw_packet4, cw_packet8, cw_packet16;
+cw_short_fn cw_short4, cw_short8, cw_short16;
 extern const cw_kernel_code cw_pyramid1, cw_pyramid4, cw_pyramid8, cw_pyramid16;
 
 /* simd/heading_kernel.c, simd/to_field_kernel.c */
