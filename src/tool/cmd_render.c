@@ -84,7 +84,7 @@ static void tell(void *context, double share) {
 
 /* Renders and writes; the output file was opened before, so that no work is done in vain. */
 static int render(const render_command *c, const char *path, scene *s, const cw_run *query, render_times times,
-                  io_output *out) {
+                  double begun, io_output *out) {
     const scene_render_options options = {.query = *query,
                                           .threads = c->query.threads,
                                           .samples = c->samples,
@@ -114,6 +114,8 @@ static int render(const render_command *c, const char *path, scene *s, const cw_
     /* Every visible point of the ground traces a shadow ray, of water a mirrored one. */
     if (good && c->terrain && !c->quiet && stats.shadow_rays + stats.mirror_rays == 0)
         warn(NULL, "nothing of the terrain is in the picture; --from and --to are places on its map");
+    if (good)
+        command_wrote(name, c->quiet, c->output, begun, "%zu x %zu pixels", (size_t)image.width, (size_t)image.height);
     if (good && c->stats) print_stats(&stats, &times, kernel_name(s, query));
     if (good && c->json) print_json(&stats, &times, kernel_name(s, query), path, &image);
     io_image_free(&image);
@@ -124,7 +126,7 @@ static int render_to_file(const render_command *c, const char *path, scene *s, c
     const render_times times = {.load = clock_seconds() - start};
     io_error error;
     io_output out;
-    return io_output_open(&out, c->output, &error) ? render(c, path, s, query, times, &out)
+    return io_output_open(&out, c->output, &error) ? render(c, path, s, query, times, start, &out)
                                                    : command_fail(name, "%s", error.text);
 }
 
@@ -221,7 +223,7 @@ static int run(int argc, char **argv) {
                     "only the part from pixel (X0, Y0) up to and without (X1, Y1), counted from the upper left corner"),
         option_count("seed", "N", &c.seed, 0, UINT32_MAX, "number of the pattern of samples in a pixel (default: 0)"),
         option_flag("phong", &c.phong, "smooth height fields by Phong normals"),
-        option_flag("quiet", &c.quiet, "print neither progress nor warnings"),
+        option_flag("quiet", &c.quiet, "print neither progress nor warnings nor the line at the end"),
         option_flag("stats", &c.stats, "print counts of rays, and seconds for each step"),
         option_flag("json", &c.json, "print the counts and times of --stats as one JSON object")};
     for (size_t k = 0; k < OWN; k++) options[k] = own[k];

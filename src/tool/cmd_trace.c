@@ -26,7 +26,7 @@ typedef struct request {
     const char *field, *rays, *hits;
     query_options query;
     raster_options raster;
-    bool any, user, points, normals, stats, json;
+    bool any, user, points, normals, stats, json, quiet;
     unsigned repeat;
 } request;
 
@@ -169,8 +169,13 @@ static int run_request(request *r, const cw_run *query, const io_raster_options 
                .rays = {.npy = {.fd = -1}},
                .file = {.any = r->any, .points = r->points, .normals = r->normals}};
     io_error error = {""};
+    const double start = clock_seconds();
     const bool good = trace_all(&t, &error);
     if (good && timing) report(&t);
+    if (good)
+        command_wrote("trace", r->quiet, r->hits, start, "%.3g %% of %llu rays hit",
+                      t.rays.count > 0 ? 100 * (double)t.hit_count / (double)t.rays.count : 0,
+                      (unsigned long long)t.rays.count);
     if (good && t.rays.count > 0 && t.hit_count == 0 && t.rays.none_meets) warn_of_bounds(&t);
     io_npy_discard(&t.file.writer);
     ray_source_close(&t.rays);
@@ -222,7 +227,7 @@ static bool wrong(const request *r, bool timing) {
 
 static int run(int argc, char **argv) {
     request r = {.repeat = 0};
-    enum { OWN = 8, SHARED = OWN + QUERY_OPTION_COUNT, ALL = SHARED + RASTER_OPTION_COUNT };
+    enum { OWN = 9, SHARED = OWN + QUERY_OPTION_COUNT, ALL = SHARED + RASTER_OPTION_COUNT };
     option_spec options[ALL] = {
         option_output("HITS.npy", &r.hits, "the array of hits to write; - is standard output"),
         option_flag("occluded", &r.any, "only find whether a ray hits anything: one byte a ray"),
@@ -237,6 +242,7 @@ static int run(int argc, char **argv) {
         option_flag("json", &r.json,
                     "print one JSON object: kernel, rays, hits, threads, seconds_min, seconds_median, mrays_per_s (by "
                     "the median); -o is then optional"),
+        option_flag("quiet", &r.quiet, "leave out the line at the end"),
     };
     query_options_rows(&r.query, options + OWN);
     raster_options_rows(&r.raster, options + SHARED);

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rays, coarser fields and what the program prints and draws against Python; test_products.py has the products."""
 import json
+import re
 
 import numpy as np
 import pytest
@@ -107,6 +108,28 @@ def test_the_line_at_the_end_says_what_came_out(program, ground, tmp_path):
     sky = sky[np.isfinite(sky)]
     assert f": {sky.min():.3g} to {sky.max():.3g}, median " in line and f", of {sky.size} samples, " in line
     assert not any("samples" in line for line in outcome(program, "horizon", ground.path, "--svf", "--quiet", "-o", out))
+
+
+@pytest.mark.parametrize("name, words, says", [
+    ("horizon", ["--at", "{at}", "--at", "{at},9"], "horizons of 2 places"), ("sun", ["--at", "{at}", "--date", "2024-03", "--lon-lat", "9,47"],
+                                                                            "31 days of a place"),
+    ("sun", ["--at", "{at}", "--suns", "{suns}"], "the suns of {suns} at a place"), ("los", ["--pairs", "{pairs}"], "1 of 2 pairs see each other"),
+    ("trace", ["{rays}", "--user"], "33.3 % of 3 rays hit"), ("render", ["--size", "40x30", "--samples", "1"], "40 x 30 pixels")])
+@pytest.mark.parametrize("ground", ["plain", "utm"], indirect=True)
+def test_so_does_the_line_of_tables_rays_and_pictures(program, ground, tmp_path, name, words, says):
+    x, y = place(ground.field)
+    at, files = f"{x!r},{north(ground, y)!r}", {key: tmp_path / f"{key}.csv" for key in ("suns", "pairs")}
+    files["suns"].write_text("azimuth,altitude\n180,30\n")
+    u, v = place(ground.field, 0.8, 0.2)
+    far = f"{u!r},{north(ground, v)!r}"
+    files["pairs"].write_text(f"x1,y1,height1,x2,y2,height2\n{at},500,{far},500\n{at},0,{far},0\n")
+    files["rays"] = tmp_path / "rays.npy"
+    np.save(files["rays"], np.array([[x, y, 1e6, 0, dx, 0, -1, np.inf] for dx in (0, 1e9, -1e9)]))
+    out = tmp_path / {"trace": "hits.npy", "render": "out.png"}.get(name, "out.csv")
+    words = [word.format(at=at, **files) for word in words]
+    *_, line = outcome(program, name, ground.path, *words, "-o", out)
+    assert re.fullmatch(rf"cellwalk {name}: {re.escape(str(out))}: {re.escape(says.format(**files))}, \d+\.\d\d s", line)
+    assert not any(str(out) in line for line in outcome(program, name, ground.path, *words, "--quiet", "-o", out))
 
 
 def test_pictures_show_relief_values_and_observers(program, tool, ground, tmp_path):

@@ -47,7 +47,7 @@ class Done:
         self.status, self.bytes = status if status >= 0 else 128 - status, out
         self.out, text = out.decode(errors="replace"), err.decode(errors="replace")
         lines = text.splitlines(keepends=True)
-        written = [line.startswith("cellwalk ") and line.endswith(" s\n") and " samples" in line for line in lines]
+        written = [line.startswith("cellwalk ") and line.endswith(" s\n") and re.search(" (samples|places?|days|pairs|rays|pixels)[ ,]", line) is not None for line in lines]
         self.err, self.outcome = ("".join(line for line, is_one in zip(lines, written) if is_one == wanted) for wanted in (False, True))
         if "LeakSanitizer has encountered a fatal error" in text:
             raise TracerCrashed(text)

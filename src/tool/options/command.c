@@ -2,6 +2,7 @@
 #include "command.h"
 
 #include "cellwalk.h"
+#include "clock.h"
 #include "pages/pages.h"
 #include "printable.h"
 #include "progress.h"
@@ -38,6 +39,16 @@ void command_note(const char *name, const char *format, ...) {
     va_start(arguments, format);
     print_message(name, "", format, arguments);
     va_end(arguments);
+}
+
+void command_wrote(const char *name, bool quiet, const char *file, double start, const char *format, ...) {
+    char text[300];
+    va_list arguments;
+    if (quiet || file == NULL || strcmp(file, "-") == 0) return;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    command_note(name, "%s: %s, %.2f s", file, text, clock_seconds() - start);
 }
 
 void command_warn(const char *name, const char *format, ...) {

@@ -4,6 +4,7 @@
 #ifndef CELLWALK_OPTIONS_COMMAND_H
 #define CELLWALK_OPTIONS_COMMAND_H
 
+#include <stdbool.h>
 #include <stdio.h>
 
 typedef struct command {
@@ -36,6 +37,10 @@ __attribute__((format(printf, 2, 3))) int command_fail(const char *name, const c
 /* The same for what is no failure; "PROGRAM NAME: warning: message". */
 __attribute__((format(printf, 2, 3))) void command_note(const char *name, const char *format, ...);
 __attribute__((format(printf, 2, 3))) void command_warn(const char *name, const char *format, ...);
+
+/* Notes what came of a command that began at a second of the clock: "FILE: TEXT, 0.31 s". Not if quiet, nor if the file is NULL or "-". */
+__attribute__((format(printf, 5, 6))) void command_wrote(const char *name, bool quiet, const char *file, double start,
+                                                         const char *format, ...);
 
 /* Prints "PROGRAM NAME". */
 void command_print_name(FILE *to, const char *name);

@@ -8,6 +8,7 @@
 #include "output.h"
 #include "place_horizon.h"
 #include "product.h"
+#include "progress.h"
 #include "sight.h"
 #include "sun_place.h"
 #include "table.h"
@@ -172,6 +173,10 @@ static bool write_places(horizon_command *c, io_error *error) {
     good = good && io_output_open(&j.to, output ? output : "-", error) && write_all(&j, &all, error) &&
            io_output_commit(&j.to, error);
     io_output_discard(&j.to);
+    progress_end();
+    if (good)
+        command_wrote(name, c->product.quiet, output, c->product.start, "horizons of %zu place%s", all.count,
+                      all.count == 1 ? "" : "s");
     sight_bounds_destroy(j.bounds);
     observers_free(&all);
     return good;

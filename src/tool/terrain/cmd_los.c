@@ -80,6 +80,7 @@ typedef struct job {
     double curvature, megahertz;
     profile profile;
     io_output *results, *profiles;
+    size_t visible; /* pairs so far */
 } job;
 
 static bool find_columns(job *j, io_error *error) {
@@ -142,6 +143,7 @@ static bool look_at_pair(job *j, size_t row, io_error *error) {
     profile *p = j->profiles || j->megahertz > 0 ? &j->profile : NULL;
     if (!line_find_on(&l, &j->product->ground, places, j->curvature, p, error) || !write_row(j, row, &l, error))
         return false;
+    j->visible += !l.blocked;
     return j->profiles == NULL || line_write_profile(&l, row + 1, j->megahertz, &j->profile, j->profiles, error);
 }
 
@@ -160,7 +162,8 @@ static bool look_at_all(job *j, io_error *error) {
     return true;
 }
 
-static bool look_at_pairs(los_command *c, io_output *results, io_output *profiles, io_error *error) {
+static bool look_at_pairs(los_command *c, io_output *results, io_output *profiles, size_t *visible, size_t *pairs,
+                          io_error *error) {
     job j = {.product = &c->product,
              .curvature = c->curvature,
              .megahertz = c->megahertz,
@@ -170,6 +173,8 @@ static bool look_at_pairs(los_command *c, io_output *results, io_output *profile
     if (ground_is_small(g) && !ground_read(g, ground_all(g), false, error)) return false;
     if (!io_table_read(c->pairs, &j.table, error)) return false;
     const bool good = look_at_all(&j, error);
+    *visible = j.visible;
+    *pairs = j.table.rows;
     io_table_free(&j.table);
     profile_free(&j.profile);
     return good;
@@ -178,13 +183,14 @@ static bool look_at_pairs(los_command *c, io_output *results, io_output *profile
 /* ---- all together ------------------------------------------------------------------------------------------------- */
 
 static bool answer(los_command *c, io_error *error) {
+    size_t visible = 0, pairs = 0;
     io_output results = {0}, profiles = {0}, *to = c->profile ? &profiles : NULL;
     c->curvature = ground_curvature(&c->product.ground, c->curvature);
     if (c->pairs && !io_inputs_note_path(c->pairs)) return io_fail(error, "out of memory");
     bool good = !c->profile || io_output_open(&profiles, c->profile, error);
     if (c->pairs) {
         good = good && io_output_open(&results, c->output ? c->output : "-", error) &&
-               look_at_pairs(c, &results, to, error);
+               look_at_pairs(c, &results, to, &visible, &pairs, error);
         progress_end();
         good = good && (!to || io_output_settle(to, error)) && io_output_commit(&results, error);
     } else {
@@ -193,6 +199,9 @@ static bool answer(los_command *c, io_error *error) {
     good = good && (!to || io_output_commit(to, error));
     io_output_discard(&results);
     io_output_discard(&profiles);
+    if (good && c->pairs)
+        command_wrote(name, c->product.quiet, c->output, c->product.start, "%zu of %zu pairs see each other", visible,
+                      pairs);
     return good;
 }
 
@@ -218,7 +227,7 @@ static bool wrong(los_command *c, const char *const given[3]) {
 
 static int run(int argc, char **argv) {
     static los_command c; /* large */
-    enum { OWN = 6, ALL = OWN + RASTER_OPTION_COUNT };
+    enum { OWN = 7, ALL = OWN + RASTER_OPTION_COUNT };
     option_spec options[ALL] = {
         option_text("pairs", "FILE.csv", &c.pairs,
                     "pairs of places in place of FROM and TO: a table whose first line names the columns x1, y1, x2, "
@@ -233,6 +242,7 @@ static int run(int argc, char **argv) {
             "of a radio link: also print the least clearance of the line over the ground, as a share of the first "
             "Fresnel zone's radius there; 60 % is the usual demand, and --curvature 0.75 the 4/3 earth of radio"),
         option_flag("json", &c.json, "print one JSON object"),
+        option_flag("quiet", &c.product.quiet, "leave out the line at the end of --pairs"),
     };
     c.product.name = name;
     c.megahertz = NAN; /* not given */

@@ -178,10 +178,9 @@ static bool write_picture(writing *w, io_error *error) {
 /* "cellwalk shadow: shadow.tif: 24.1 % of 138632 samples in the sun, 0.31 s" */
 static void tell_outcome(const product *p, const outcome *o) {
     char text[200];
-    if (p->quiet) return;
     outcome_text(o, &p->raster, p->counted ? p->counted : "above 0", text, sizeof text);
-    command_note(p->name, "%s: %s%s, %.2f s", p->output, p->raster.bands > 1 ? "in the first band " : "", text,
-                 clock_seconds() - p->start);
+    command_wrote(p->name, p->quiet, p->output, p->start, "%s%s", p->raster.bands > 1 ? "in the first band " : "",
+                  text);
 }
 
 bool product_write(product *p, io_error *error) {

@@ -4,6 +4,7 @@
 #include "command.h"
 #include "number.h"
 #include "output.h"
+#include "progress.h"
 
 #include <math.h>
 #include <string.h>
@@ -126,6 +127,9 @@ bool sun_table_write(product *p, sun_table *a, io_error *error) {
         (a->suns ? print_list(p, a, &s, &to, error) : print_days(p, a, &s, sun_sky_share(&s, d), &to, error)) &&
         io_output_commit(&to, error);
     io_output_discard(&to);
+    progress_end();
+    if (good && a->suns) command_wrote(p->name, p->quiet, p->output, p->start, "the suns of %s at a place", a->suns);
+    if (good && !a->suns) command_wrote(p->name, p->quiet, p->output, p->start, "%zu days of a place", a->days);
     sight_bounds_destroy(bounds);
     return good;
 }
