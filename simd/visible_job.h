@@ -27,7 +27,11 @@ typedef struct visible_crossing {
 /* The piece of the ray that ends at a crossing. */
 typedef struct visible_piece {
     float begin, end, length;
+    float twice; /* its end */
 } visible_piece;
+
+/* What is asked for. */
+enum { VISIBLE_AREA = 1, VISIBLE_FARTHEST = 2 };
 
 typedef struct visible_job {
     const float *land; /* the sample of column 0 and row 0 */
@@ -44,13 +48,15 @@ typedef struct visible_job {
     size_t steps;           /* rows that the ray goes through at most */
     float reach;            /* the last piece ends there; 0: at its crossing */
 
+    unsigned asked; /* VISIBLE_AREA, VISIBLE_FARTHEST or both */
+
     float eye, target; /* heights above the ground */
     float lift;        /* a bound rises so far above it, target and rounding included */
 } visible_job;
 
 /* Eyes of VISIBLE_GROUP columns, the first at `eyes` from column 0, in count rows from row on, step apart. No ray is inside the
- * land for more than most rows. area: twice the integral of the distance over what is in sight, NaN at a hole; farthest: the
- * greatest distance in sight, or 0. Both VISIBLE_GROUP to a row. */
+ * land for more than most rows. area: twice the integral of the distance over what is in sight, NaN at a hole, also if only the
+ * farthest is asked for; farthest: the greatest distance in sight, or 0. Both VISIBLE_GROUP to a row. */
 typedef void visible_walk_fn(const visible_job *job, ptrdiff_t eyes, size_t row, size_t step, size_t count, size_t most,
                              float *area, float *farthest);
 

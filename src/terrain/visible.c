@@ -131,6 +131,7 @@ static cw_status add(cw_visible *v, const cw_run *how, const cw_visible_desc *de
                           .entry = s->entry,
                           .steps = s->steps,
                           .reach = s->ends ? (float)s->reach : 0,
+                          .asked = (to.area ? VISIBLE_AREA : 0u) | (to.farthest ? VISIBLE_FARTHEST : 0u),
                           .eye = desc->eye,
                           .target = desc->target};
     for (int l = 0; l < VISIBLE_LEVELS; l++) w.job.bound[l] = v->bound_memory[l] + AROUND + VISIBLE_MARGIN;

@@ -220,7 +220,8 @@ cw_status cw_visible_make_ways(const cw_visible *v, ways *w) {
                                                            .fraction = (float)p->fraction,
                                                            .inverse = (float)(1 / p->at),
                                                            .drop = (float)(w->drop * p->at)};
-            w->piece[w->crossings++] = (visible_piece){(float)last, (float)p->at, (float)(p->at - last)};
+            w->piece[w->crossings++] =
+                (visible_piece){(float)last, (float)p->at, (float)(p->at - last), 2 * (float)p->at};
             last = p->at;
             w->ends = w->reach > 0 && p->at >= w->reach;
         }
