@@ -50,3 +50,12 @@ target_compile_definitions(cellwalk_plain_flags INTERFACE _GNU_SOURCE)
 if(CELLWALK_PORTABLE)
     target_compile_definitions(cellwalk_plain_flags INTERFACE CELLWALK_PORTABLE)
 endif()
+
+# The shared library exports the names of symbols.map beside it, with their versions, where the linker has them.
+function(cellwalk_version_symbols library)
+    if(UNIX AND NOT APPLE)
+        set(map ${CMAKE_CURRENT_SOURCE_DIR}/symbols.map)
+        target_link_options(${library} PRIVATE LINKER:--version-script=${map})
+        set_target_properties(${library} PROPERTIES LINK_DEPENDS ${map})
+    endif()
+endfunction()

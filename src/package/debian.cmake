@@ -40,7 +40,9 @@ number of rays, and returns the first hit of each ray, with the same bits
 on every CPU and for any number of threads.")
     file(CONFIGURE OUTPUT debian/shlibs CONTENT "libcellwalk ${PROJECT_VERSION_MAJOR} libcellwalk${PROJECT_VERSION_MAJOR} (>= ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})\nlibcellwalk_terrain ${PROJECT_VERSION_MAJOR} libcellwalk${PROJECT_VERSION_MAJOR} (>= ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})\n")
     file(CONFIGURE OUTPUT debian/triggers CONTENT "activate-noawait ldconfig\n")
-    set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_BINARY_DIR}/debian/shlibs ${CMAKE_CURRENT_BINARY_DIR}/debian/triggers)
+    configure_file(${CMAKE_CURRENT_SOURCE_DIR}/debian/symbols.in debian/symbols @ONLY)
+    set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_BINARY_DIR}/debian/shlibs
+        ${CMAKE_CURRENT_BINARY_DIR}/debian/symbols ${CMAKE_CURRENT_BINARY_DIR}/debian/triggers)
 endif()
 cellwalk_package(development libcellwalk-dev libdevel "exact ray queries on height fields - development files
 Cellwalk finds where rays hit terrain. This package has the headers, the static
