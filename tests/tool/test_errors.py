@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the program says to bad input, and that it leaves nothing behind."""
 import os
+import re
 import signal
 import subprocess
 
@@ -54,6 +55,30 @@ def test_bad_command_lines(part, words):
     setting = words[-1] if words and isinstance(words[-1], dict) else {}
     done = run(*(words[:-1] if setting else words), **setting)
     assert done.status == 2 and part in done.err and done.out == "" and entries() == ["field.npy", "rays.npy"], done.err
+
+
+LINES = {"info": (), "trace": ("rays.npy", "-o", "o.npy"), "shadow": ("--sun", "90,10", "-o", "o.npy"), "horizon": ("-o", "o.npy"),
+         "sun": ("--date", "2024-06-21", "--lon-lat", "9,47", "--at", "1,1"), "viewshed": ("--from", "1,1", "-o", "o.npy"), "visibility": ("-o", "o.npy"),
+         "los": ("1,1", "2,2"), "render": ("--size", "8x8", "-o", "o.png")}
+# Options for which 0 is a number like others, by their help or by what they are.
+ZEROS = {"--threads", "--nodata", "--start", "--facing", "--tilt", "--curvature", "--target-height", "--observer-height", "--min-distance", "--seed",
+         "--water", "--at"}
+
+
+@pytest.mark.parametrize("command", LINES)
+def test_zero_is_a_number_or_refused(command):
+    """Never what stands for an option that is not given."""
+    np.save("field.npy", np.arange(20, dtype=np.float32).reshape(4, 5))
+    options = re.findall(r"^      (--[a-z-]+) [A-Z]+$|^      (--[a-z-]+) [A-Z]+  ", run(command, "--help").out, re.M)
+    assert options and run(command, "field.npy", *LINES[command]).status == 0
+    for option in {one or other for one, other in options} - {"--memory", "--co", "--table", "--profile"}:
+        done = run(command, "field.npy", *LINES[command], option, 0)
+        assert option in ZEROS if done.status == 0 else done.err.startswith("cellwalk"), (option, done.status, done.err)
+
+
+def test_all_commands_are_tried():
+    listed = re.search(r"Commands:\n((?:  .*\n)+)", run("--help").out).group(1)
+    assert {line.split()[0] for line in listed.splitlines()} == set(LINES)
 
 
 def test_kernels_out_of_reach():

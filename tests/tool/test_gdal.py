@@ -61,6 +61,8 @@ def test_names_are_files(name):
     for file in name, "hidden.vrt", text, " " + text:
         is_refused("cannot read", "info", file)
     is_refused("cannot read", "viewshed", "field.npy", "--observers", name, "-o", "out.npy")
+    is_refused("cannot read", "viewshed", "field.npy", "--from", "0,0", "--table", "t.csv", "--within", name, "-o", "out.npy")
+    is_refused("cannot read", "horizon", "field.npy", "--places", name)
 
 
 @pytest.mark.parametrize("option", ["--directions=3600", "--cog"])

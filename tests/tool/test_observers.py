@@ -205,9 +205,16 @@ def test_polygons():
     assert counts("--window", "500100,5200200,500250,5200390") == [(part & (band == 1)).sum() for band in bands]
     geojson("far.geojson", feature("Polygon", [[[9, 40], [9.1, 40], [9, 40.1], [9, 40]]]), crs="OGC:1.3:CRS84")
     assert set(view("utm.vrt", *words[:5], "far.geojson", says="far.geojson: no sample that is looked at lies inside").ravel()) <= {0, 1, 2, 255}
+
+    def around(far):
+        return feature("Polygon", [[[a, b] for a, b in ((-far, -far), (far, -far), (far, far), (-far, far), (-far, -far))]])
+    geojson("all.geojson", around(1e9))
+    view("utm.vrt", *words[:5], "all.geojson")
+    assert [int(line.split(",")[3]) for line in read("s.csv").decode().splitlines()[1:]] == [(band == 1).sum() for band in bands]
     point = feature("Point", LINE[0])
     for features, why in [([point], "feature 0: is a POINT, no polygon"), ([feature("LineString", LINE)], "feature 0: is a LINESTRING, no polygon"),
-                          ([], "holds no polygons")]:
+                          ([], "holds no polygons"), ([around(1e12)], "feature 0: reaches too far away from the terrain"),
+                          ([around(1e300)], "feature 0: reaches too far away from the terrain")]:
         geojson("w.geojson", *features)
         refused(1, f"w.geojson: {why}", "viewshed", "utm.vrt", *words[:5], "w.geojson", "-o", "o.npy")
     refused(1, "t.csv: holds no polygons", "viewshed", "utm.vrt", *words[:5], "t.csv", "-o", "o.npy")

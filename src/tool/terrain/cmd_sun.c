@@ -229,12 +229,12 @@ static bool check(void *context, size_t *bands) {
                      c->to ? c->to : c->date);
     else if (c->place && (ground_numbers(c->place, c->lon_lat, 2, 2) == 0 || fabs(c->lon_lat[1]) > 90))
         command_fail(name, "--lon-lat takes longitude and latitude in degrees, as 6.1,49.8, not '%s'", c->place);
-    else if (c->at.desc.max_distance != 0 && !c->at.at)
+    else if (!isnan(c->at.desc.max_distance) && !c->at.at)
         command_fail(name, "--max-distance goes with --at");
     else if (c->at.at && (c->irradiance || c->directions > 0 || c->product.window))
         command_fail(name,
                      "--at prints hours and energy, and goes with none of --irradiance, --directions and --window");
-    else if (c->at.desc.max_distance < 0)
+    else if (c->at.desc.max_distance <= 0)
         command_fail(name, "--max-distance takes metres above 0, not %g", c->at.desc.max_distance);
     else if (energy_only && !c->irradiance && !c->at.at)
         command_fail(name, "--linke and --sky go with --irradiance");
@@ -243,6 +243,7 @@ static bool check(void *context, size_t *bands) {
     else {
         if (isnan(c->linke)) c->linke = CLEAR_SKY_LINKE;
         if (c->sky == 0) c->sky = 32;
+        if (isnan(c->at.desc.max_distance)) c->at.desc.max_distance = 0; /* no limit */
         *bands = c->bands = c->at.at ? 0 : c->irradiance && !c->suns_file ? BANDS : 1;
         c->at.suns = c->suns_file;
         c->at.curvature = c->curvature;
@@ -259,7 +260,7 @@ static bool check(void *context, size_t *bands) {
 }
 
 static int run(int argc, char **argv) {
-    static sun_command c = {.linke = NAN, .at = {.facing = NAN}}; /* large */
+    static sun_command c = {.linke = NAN, .at = {.facing = NAN, .desc = {.max_distance = NAN}}}; /* large */
     c.product = (product){
         .context = &c, .check = check, .begin = begin, .enter = enter, .leave = leave, .fill = fill, .end = end};
     const option_spec options[] = {

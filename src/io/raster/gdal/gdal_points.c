@@ -204,6 +204,16 @@ bool gdal_points(const char *path, const io_points_options *o, io_points *points
 
 /* ---- polygons ------------------------------------------------------------------------------------------------------- */
 
+/* GDAL counts pixels in int, and draws what lies farther away elsewhere. */
+static bool is_in_reach(const io_mask *m, OGRGeometryH polygons) {
+    const double(*a)[4] = m->map, far = 0x1p29 * fabs(a[0][0] * a[1][1] - a[0][1] * a[1][0]);
+    OGREnvelope e;
+    OGR_G_GetEnvelope(polygons, &e);
+    const double x = fmax(fabs(e.MinX - a[0][3]), fabs(e.MaxX - a[0][3])),
+                 y = fmax(fabs(e.MinY - a[1][3]), fabs(e.MaxY - a[1][3]));
+    return fabs(a[1][1]) * x + fabs(a[0][1]) * y < far && fabs(a[1][0]) * x + fabs(a[0][0]) * y < far;
+}
+
 /* A copy of a feature's polygons on the terrain's map; NULL after an error. */
 static OGRGeometryH take_polygons(reader *r, OGRFeatureH f) {
     const long long number = OGR_F_GetFID(f);
@@ -213,9 +223,11 @@ static OGRGeometryH take_polygons(reader *r, OGRFeatureH f) {
         return NULL;
     }
     OGRGeometryH g = OGR_G_GetLinearGeometry(given, 0, NULL);
-    if (g != NULL && (r->to_map == NULL || OGR_G_Transform(g, r->to_map) == OGRERR_NONE)) return g;
+    const bool placed = g != NULL && (r->to_map == NULL || OGR_G_Transform(g, r->to_map) == OGRERR_NONE);
+    if (placed && is_in_reach(r->mask, g)) return g;
     OGR_G_DestroyGeometry(g);
-    io_fail(r->error, "%s: feature %lld: has no place on the terrain's map", r->path, number);
+    io_fail(r->error, "%s: feature %lld: %s", r->path, number,
+            placed ? "reaches too far away from the terrain" : "has no place on the terrain's map");
     return NULL;
 }
 
