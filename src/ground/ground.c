@@ -9,7 +9,8 @@
 
 /* ---- the raster, without samples --------------------------------------------------------------------------------- */
 
-bool ground_describe(terrain *t, const io_raster *r, const cw_field *field, const map_scale *scale, const char *path,
+/* The terrain that a raster holds; scale is NULL or must stay. */
+static bool describe(terrain *t, const io_raster *r, const cw_field *field, const map_scale *scale, const char *path,
                      io_error *error) {
     const terrain_desc desc = {
         .field = field,
@@ -100,7 +101,7 @@ bool ground_open(ground *g, io_error *error) {
     if (r->nx < 2 || r->ny < 2)
         return io_fail(error, "%s: %zu x %zu samples; a terrain has at least 2 x 2", g->path, r->nx, r->ny);
     const bool scaled = io_scale_find(&r->georef, r->map, r->nx, r->ny, g->path, warn, g, &g->nodes);
-    if (!ground_describe(&g->whole, r, NULL, scaled ? &g->nodes : NULL, g->path, error)) return false;
+    if (!describe(&g->whole, r, NULL, scaled ? &g->nodes : NULL, g->path, error)) return false;
     g->terrain = g->whole;
     ground_set_window(g, ground_all(g));
     return true;
@@ -192,7 +193,7 @@ bool ground_read(ground *g, cw_rectangle piece, bool field, io_error *error) {
     map_of(g, piece, r->map);
     if (field && !raster_field_build(&g->file, g->path, &g->query, &g->watch, error)) return false;
     r->georef = g->about.georef; /* lent */
-    const bool described = ground_describe(&g->terrain, r, g->file.field, g->whole.scale, g->path, error);
+    const bool described = describe(&g->terrain, r, g->file.field, g->whole.scale, g->path, error);
     r->georef = (io_georef){0};
     g->terrain.whole = &g->whole;
     g->terrain.column = piece.i;

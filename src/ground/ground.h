@@ -7,10 +7,6 @@
 #include "reach.h"
 #include "terrain.h"
 
-/* The terrain that a raster holds; scale is NULL or must stay. */
-bool ground_describe(terrain *t, const io_raster *r, const cw_field *field, const map_scale *scale, const char *path,
-                     io_error *error);
-
 typedef struct ground {
     const char *path;
     io_raster_options reading;

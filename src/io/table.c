@@ -167,25 +167,6 @@ void io_table_free(io_table *t) {
     *t = (io_table){0};
 }
 
-bool io_table_find(const io_table *t, const char *name, size_t *column, io_error *error) {
-    *column = t->columns;
-    for (size_t k = t->columns; k-- > 0;) {
-        if (strcasecmp(t->names[k], name) != 0) continue;
-        if (*column < t->columns) return io_fail(error, "%s: two columns have the name '%s'", t->path, name);
-        *column = k;
-    }
-    return true;
-}
-
-bool io_table_require(const io_table *t, const char *name, size_t *column, io_error *error) {
-    if (!io_table_find(t, name, column, error)) return false;
-    if (*column < t->columns) return true;
-    char there[200] = "";
-    for (size_t k = 0, used = 0; k < t->columns && used < sizeof there; k++)
-        used += (size_t)snprintf(there + used, sizeof there - used, "%s%s", k ? ", " : "", t->names[k]);
-    return io_fail(error, "%s: has no column '%s'; its first line names %s", t->path, name, there);
-}
-
 bool io_table_fail(const io_table *t, size_t row, size_t column, const char *wanted, io_error *error) {
     const char *cell = t->cells[row * t->columns + column];
     if (cell[0] == '\0')
@@ -213,7 +194,22 @@ bool io_table_height(const io_table *t, size_t row, size_t column, double *heigh
     return good || io_table_fail(t, row, column, "a height, as 2 or =1250,", error);
 }
 
-bool io_table_others(const io_table *t, const char *const *names, size_t count, char *others, size_t size) {
+static bool find_column(const io_table *t, const char *name, bool needed, size_t *column, io_error *error) {
+    char there[200] = "";
+    *column = t->columns;
+    for (size_t k = 0, used = 0; k < t->columns; k++) {
+        if (used < sizeof there)
+            used += (size_t)snprintf(there + used, sizeof there - used, "%s%s", k ? ", " : "", t->names[k]);
+        if (strcasecmp(t->names[k], name) != 0) continue;
+        if (*column < t->columns) return io_fail(error, "%s: two columns have the name '%s'", t->path, name);
+        *column = k;
+    }
+    return *column < t->columns || !needed ||
+           io_fail(error, "%s: has no column '%s'; its first line names %s", t->path, name, there);
+}
+
+/* In quotation marks, with commas between them. */
+static bool list_others(const io_table *t, const char *const *names, size_t count, char *others, size_t size) {
     size_t used = 0;
     others[0] = '\0';
     for (size_t k = 0; k < t->columns && used < size; k++) {
@@ -229,13 +225,11 @@ bool io_table_columns(const io_table *t, const char *const *names, size_t count,
     char others[200], all[200], text[512];
     size_t used = 0;
     for (size_t n = 0; n < count; n++) {
-        if (!(n < needed ? io_table_require(t, names[n], &columns[n], error)
-                         : io_table_find(t, names[n], &columns[n], error)))
-            return false;
+        if (!find_column(t, names[n], n < needed, &columns[n], error)) return false;
         const char *between = n == 0 ? "" : n + 1 == count ? " and " : ", ";
         used += (size_t)snprintf(all + used, sizeof all - used, "%s%s", between, names[n]);
     }
-    if (warn == NULL || !io_table_others(t, names, count, others, sizeof others)) return true;
+    if (warn == NULL || !list_others(t, names, count, others, sizeof others)) return true;
     snprintf(text, sizeof text, "%s: passed over: %s; columns with a meaning are %s", t->path, others, all);
     warn(context, text);
     return true;

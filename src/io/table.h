@@ -29,25 +29,17 @@ bool io_table_is(const char *path);
 bool io_table_read(const char *path, io_table *table, io_error *error);
 void io_table_free(io_table *table);
 
-/* The number of the column with that name, whatever its case; table->columns if there is none. An error if there are two. */
-bool io_table_find(const io_table *table, const char *name, size_t *column, io_error *error);
-/* The same; an error if there is none. */
-bool io_table_require(const io_table *table, const char *name, size_t *column, io_error *error);
+/* Numbers of columns by name, whatever its case. The first `needed` must be there; others are table->columns if they are not. An error if
+ * two columns have one of the names. Tells warn, unless that is NULL, about columns with other names: a misspelt one would change an
+ * answer without a word. */
+bool io_table_columns(const io_table *table, const char *const *names, size_t count, size_t needed, size_t *columns,
+                      void (*warn)(void *context, const char *text), void *context, io_error *error);
 
 /* The decimal number in a cell. An error with file, line and cell if there is none. */
 bool io_table_number(const io_table *table, size_t row, size_t column, double *number, io_error *error);
 
 /* A height above ground, or behind "=" an absolute one; an empty cell leaves both as they are. */
 bool io_table_height(const io_table *table, size_t row, size_t column, double *height, bool *absolute, io_error *error);
-
-/* Whether there are columns with other names than these, in quotation marks with commas between them. A misspelt name would change an
- * answer without a word. */
-bool io_table_others(const io_table *table, const char *const *names, size_t count, char *others, size_t size);
-
-/* Numbers of columns by name, of which the first `needed` must be there and others are table->columns if they are not. Tells warn, unless
- * that is NULL, about columns with other names. */
-bool io_table_columns(const io_table *table, const char *const *names, size_t count, size_t needed, size_t *columns,
-                      void (*warn)(void *context, const char *text), void *context, io_error *error);
 
 /* Writes a comma and text as one more cell. */
 bool io_table_write_cell(io_output *to, const char *text, io_error *error);

@@ -120,33 +120,27 @@ static void numbers_are_decimal(void **state) {
     io_table_free(&t);
 }
 
-static void columns_are_found_by_name(void **state) {
-    (void)state;
-    io_table t = read_text("X,height,y,Y\n1,2,3,4\n");
-    size_t column;
-    io_error error;
-    assert_true(io_table_require(&t, "x", &column, &error));
-    assert_int_equal(column, 0);
-    assert_true(io_table_find(&t, "z", &column, &error));
-    assert_int_equal(column, t.columns);
-    assert_false(io_table_require(&t, "z", &column, &error));
-    assert_string_equal(error.text, "t.csv: has no column 'z'; its first line names X, height, y, Y");
-    assert_false(io_table_find(&t, "y", &column, &error));
-    assert_string_equal(error.text, "t.csv: two columns have the name 'y'");
-    io_table_free(&t);
-}
+static void keep(void *context, const char *text) { snprintf(context, 200, "%s", text); }
 
 /* A column without a meaning is named, one in capitals has its meaning. */
-static void other_columns_are_named(void **state) {
+static void columns_are_found_by_name(void **state) {
     (void)state;
-    static const char *const known[] = {"x", "y"};
-    char others[80];
-    io_table t = read_text("X,colour,y,note\n1,2,3,4\n");
-    assert_true(io_table_others(&t, known, 2, others, sizeof others));
-    assert_string_equal(others, "'colour', 'note'");
+    static const char *const names[] = {"x", "z", "note", "y"};
+    io_table t = read_text("X,height,y,Y,note\n1,2,3,4,5\n");
+    size_t columns[4];
+    char said[200] = "";
+    io_error error;
+    assert_true(io_table_columns(&t, names, 3, 1, columns, keep, said, &error));
+    assert_true(columns[0] == 0 && columns[1] == t.columns && columns[2] == 4);
+    assert_string_equal(said, "t.csv: passed over: 'height', 'y', 'Y'; columns with a meaning are x, z and note");
+    assert_false(io_table_columns(&t, names, 3, 2, columns, NULL, NULL, &error));
+    assert_string_equal(error.text, "t.csv: has no column 'z'; its first line names X, height, y, Y, note");
+    assert_false(io_table_columns(&t, names, 4, 1, columns, NULL, NULL, &error));
+    assert_string_equal(error.text, "t.csv: two columns have the name 'y'");
     io_table_free(&t);
-    t = read_text("X,Y\n1,2\n");
-    assert_false(io_table_others(&t, known, 2, others, sizeof others));
+    t = read_text("X,Z\n1,2\n");
+    said[0] = '\0';
+    assert_true(io_table_columns(&t, names, 2, 2, columns, keep, said, &error) && said[0] == '\0');
     io_table_free(&t);
 }
 
@@ -174,7 +168,6 @@ int main(void) {
         cmocka_unit_test(mistakes_are_named),
         cmocka_unit_test(numbers_are_decimal),
         cmocka_unit_test(columns_are_found_by_name),
-        cmocka_unit_test(other_columns_are_named),
         cmocka_unit_test(a_wide_row_takes_no_room_for_others),
     };
     return cmocka_run_group_tests(tests, scratch_enter, scratch_leave);

@@ -283,7 +283,7 @@ FILE = "--observers", "t.csv"
     (2, "do not go together", (*FILE, "--from", "1,2")),
     (2, "--layer goes with --observers", ("--layer", "a", "--from", "1,2")),
     (2, "takes two places or more", ("--from", "1,2", "--every", 5)),
-    (2, "--every takes metres, not -5", (*FILE, "--every", -5)),
+    (2, "--every takes metres above 0, not -5", (*FILE, "--every", -5)),
     (1, "more than 16777216 observers", (*FILE, "--every", 1e-9)),
     (1, "9,2,=400: heights along a line are all above", (*from_each("1,2", "9,2,=400"), "--every", 5)),
     (2, "--within goes with --table", (*FILE, "--within", "a.gpkg")),

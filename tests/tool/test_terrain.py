@@ -201,6 +201,7 @@ REFUSED = [
         (1, "head.csv: holds no places of the sun", "--suns", "head.csv"),
         (2, "--max-distance goes with --at", "--suns", "suns.csv", "--max-distance", "9"),
         (2, "--max-distance takes metres above 0", "--suns", "suns.csv", "--at", "9,9", "--max-distance=-9"),
+        (2, "--max-distance takes metres above 0", "--suns", "suns.csv", "--at", "9,9", "--max-distance", "0"),
         (2, "not 'yesterday'", "--date", "yesterday"),
         (2, "not '2024-02-30'", "--date", "2024-02-30"),
         (1, "names no coordinate system", "--date", "2024-06-21"),

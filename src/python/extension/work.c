@@ -72,7 +72,8 @@ static void leave_pool(work *w) {
     drop_pools();
 }
 
-void work_raise(cw_status status, const char *call) {
+/* The exception for a status, with the library's message of the last failure on this thread. */
+static void raise_status(cw_status status, const char *call) {
     PyObject *kind = status == CW_ERROR_MEMORY ? PyExc_MemoryError
                      : status == CW_ERROR_BUSY ? PyExc_RuntimeError
                                                : PyExc_ValueError;
@@ -84,7 +85,7 @@ bool work_begin(work *w, unsigned threads, const char *kernel, PyObject *progres
     memset(w, 0, sizeof *w);
     const cw_status status = take_pool(w, threads);
     if (status != CW_OK) {
-        work_raise(status, "threads");
+        raise_status(status, "threads");
         return false;
     }
     if (kernel != NULL) {
@@ -139,7 +140,7 @@ bool work_end(work *w, cw_status status, const char *call) {
     leave_pool(w);
     if (atomic_load(&w->stopped)) return false;
     if (status != CW_OK) {
-        work_raise(status, call);
+        raise_status(status, call);
         return false;
     }
     if (w->progress == NULL) return true;

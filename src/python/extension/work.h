@@ -37,7 +37,4 @@ bool work_watch(void *context, double done);
 /* For work in parts: from here on the watch is told shares of [begin, begin + share]. False if the work is stopped. */
 bool work_part(work *w, double begin, double share);
 
-/* The exception for a status, with the library's message of the last failure on this thread. */
-void work_raise(cw_status status, const char *call);
-
 #endif
