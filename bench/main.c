@@ -2,7 +2,7 @@
 /* The program cellwalk-bench. */
 
 #include "commands.h"
-#include "harness/run.h"
+#include "harness/harness_run.h"
 #include "output.h"
 #include "reference.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "harness/run.h"
+#include "harness/harness_run.h"
 
 #include "build_info.h"
 #include "command.h"

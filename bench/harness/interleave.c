@@ -2,8 +2,8 @@
 #include "harness/interleave.h"
 
 #include "clock.h"
-#include "harness/memory.h"
-#include "workload/terrain.h"
+#include "harness/harness_memory.h"
+#include "workload/fractal_terrain.h"
 
 #include <stdlib.h>
 #include <string.h>

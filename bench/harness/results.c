@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "harness/results.h"
 
-#include "harness/memory.h"
+#include "harness/harness_memory.h"
 #include "harness/statistics.h"
 
 #include <errno.h>

@@ -3,8 +3,8 @@
 #ifndef CELLWALK_BENCH_HARNESS_RESULTS_H
 #define CELLWALK_BENCH_HARNESS_RESULTS_H
 
-#include "error.h"
 #include "harness/agree.h"
+#include "io_error.h"
 #include "output.h"
 
 #include <jansson.h>

@@ -3,7 +3,7 @@
  * counted as time. */
 
 #include "clock.h"
-#include "harness/memory.h"
+#include "harness/harness_memory.h"
 #include "harness/results.h"
 #include "measure/measure.h"
 

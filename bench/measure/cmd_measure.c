@@ -5,7 +5,7 @@
 #include "build_info.h"
 #include "clock.h"
 #include "commands.h"
-#include "harness/memory.h"
+#include "harness/harness_memory.h"
 #include "harness/results.h"
 #include "measure/measure.h"
 

@@ -2,7 +2,7 @@
 /* Answers to rays before the tests' exact oracle, which needs GMP. */
 #include "measure/measure.h"
 
-#include "harness/memory.h"
+#include "harness/harness_memory.h"
 #include "harness/results.h"
 #if BENCH_ORACLE
 #include "oracle.h"

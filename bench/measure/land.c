@@ -3,9 +3,9 @@
 
 #include "build_info.h"
 #include "cellwalk_terrain.h"
-#include "harness/memory.h"
+#include "harness/harness_memory.h"
 #include "raster.h"
-#include "workload/terrain.h"
+#include "workload/fractal_terrain.h"
 
 #include <math.h>
 #include <stdio.h>

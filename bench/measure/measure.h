@@ -5,8 +5,8 @@
 #ifndef CELLWALK_BENCH_MEASURE_MEASURE_H
 #define CELLWALK_BENCH_MEASURE_MEASURE_H
 
+#include "harness/harness_run.h"
 #include "harness/interleave.h"
-#include "harness/run.h"
 #include "peers/bullet.h"
 #include "peers/contender.h"
 #include "peers/embree.h"

@@ -2,7 +2,7 @@
 /* FIELD/CLASS: the rays of a class on a field. CLASS+BACK starts them BACK times the field's longer side farther behind. */
 
 #include "clock.h"
-#include "harness/memory.h"
+#include "harness/harness_memory.h"
 #include "harness/results.h"
 #include "measure/measure.h"
 #include "workload/ray_classes.h"

@@ -3,7 +3,7 @@
  * flat normals instead of Phong's. Of Embree's widths the one counts that was fastest while answers were compared. */
 
 #include "clock.h"
-#include "harness/memory.h"
+#include "harness/harness_memory.h"
 #include "harness/results.h"
 #include "measure/measure.h"
 

@@ -2,7 +2,7 @@
 /* Plans: lines of text, and the table of the kinds of workloads. */
 
 #include "build_info.h"
-#include "harness/memory.h"
+#include "harness/harness_memory.h"
 #include "measure/measure.h"
 
 #include <errno.h>

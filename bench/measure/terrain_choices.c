@@ -3,7 +3,7 @@
  * Contenders are directions:N, coarser:FACTOR and distance:CELLS. Only some strips of rows, spread over the land, are computed
  * of what goes row by row. */
 
-#include "harness/memory.h"
+#include "harness/harness_memory.h"
 #include "harness/results.h"
 #include "measure/measure.h"
 #include "terrain.h"

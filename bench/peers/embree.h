@@ -8,7 +8,7 @@
 #define CELLWALK_BENCH_PEERS_EMBREE_H
 
 #include "cellwalk_expert.h"
-#include "error.h"
+#include "io_error.h"
 #include "peers/contender.h"
 
 typedef enum peer_geometry { PEER_TRIANGLES = 0, PEER_GRID } peer_geometry;

@@ -3,7 +3,7 @@
  * and arithmetic that IEEE defines to the last bit, and numbers are printed with six places, which the C library rounds
  * correctly: the files are the same everywhere. */
 
-#include "workload/terrain.h"
+#include "workload/fractal_terrain.h"
 
 #include "image.h"
 

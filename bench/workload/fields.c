@@ -2,7 +2,7 @@
 #include "workload/fields.h"
 #include "cellwalk_expert.h"
 
-#include "workload/terrain.h"
+#include "workload/fractal_terrain.h"
 
 #include <stdlib.h>
 #include <string.h>

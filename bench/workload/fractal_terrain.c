@@ -3,7 +3,7 @@
  * Along a row the noise between two lattice columns is a blend of two straight lines, whose coefficients are computed
  * once for each column. The 67 million samples of an 8193 × 8193 field take seconds and no further memory. */
 
-#include "workload/terrain.h"
+#include "workload/fractal_terrain.h"
 
 #include <math.h>
 

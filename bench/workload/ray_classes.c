@@ -3,7 +3,7 @@
 #include "cellwalk_expert.h"
 
 #include "stability/aimed.h"
-#include "workload/terrain.h"
+#include "workload/fractal_terrain.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 #ifndef CELLWALK_GROUND_PLACE_H
 #define CELLWALK_GROUND_PLACE_H
 
-#include "error.h"
+#include "io_error.h"
 #include "terrain.h"
 
 #include <stddef.h>

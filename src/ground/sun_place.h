@@ -3,8 +3,8 @@
 #ifndef CELLWALK_GROUND_SUN_PLACE_H
 #define CELLWALK_GROUND_SUN_PLACE_H
 
-#include "error.h"
 #include "georef.h"
+#include "io_error.h"
 #include "raster_field.h"
 #include "sun.h"
 #include "terrain.h"

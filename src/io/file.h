@@ -3,7 +3,7 @@
 #ifndef CELLWALK_IO_FILE_H
 #define CELLWALK_IO_FILE_H
 
-#include "error.h"
+#include "io_error.h"
 
 #include <stddef.h>
 #include <stdint.h>

@@ -4,7 +4,7 @@
 #ifndef CELLWALK_IO_INPUTS_H
 #define CELLWALK_IO_INPUTS_H
 
-#include "error.h"
+#include "io_error.h"
 
 #include <sys/stat.h>
 

@@ -4,7 +4,7 @@
 #ifndef CELLWALK_IO_NPY_H
 #define CELLWALK_IO_NPY_H
 
-#include "error.h"
+#include "io_error.h"
 #include "output.h"
 
 #include <stddef.h>

@@ -8,7 +8,7 @@
 #ifndef CELLWALK_IO_OUTPUT_H
 #define CELLWALK_IO_OUTPUT_H
 
-#include "error.h"
+#include "io_error.h"
 
 #include <stddef.h>
 #include <stdint.h>

@@ -4,7 +4,7 @@
 #ifndef CELLWALK_IO_POINTS_H
 #define CELLWALK_IO_POINTS_H
 
-#include "error.h"
+#include "io_error.h"
 
 #include <stddef.h>
 #include <stdint.h>

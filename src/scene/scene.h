@@ -4,8 +4,8 @@
 #define CELLWALK_SCENE_SCENE_H
 
 #include "cellwalk_expert.h"
-#include "error.h"
 #include "image.h"
+#include "io_error.h"
 
 #include <stdatomic.h>
 

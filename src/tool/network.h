@@ -3,7 +3,7 @@
 #ifndef CELLWALK_TOOL_NETWORK_H
 #define CELLWALK_TOOL_NETWORK_H
 
-#include "error.h"
+#include "io_error.h"
 
 /* From now on no thread of this process, and no process that it starts, gets a socket: socket() fails with EACCES. For good.
  * False where the system has no such filter. */

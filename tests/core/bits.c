@@ -6,8 +6,8 @@
 #include "cellwalk_expert.h"
 #include "check.h"
 
+#include "workload/fractal_terrain.h"
 #include "workload/ray_classes.h"
-#include "workload/terrain.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -8,8 +8,8 @@
 #include "check.h"
 #include "paths.h"
 
+#include "workload/fractal_terrain.h"
 #include "workload/ray_classes.h"
-#include "workload/terrain.h"
 
 #include <errno.h>
 #include <stdio.h>

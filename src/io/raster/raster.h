@@ -3,8 +3,8 @@
 #ifndef CELLWALK_IO_RASTER_H
 #define CELLWALK_IO_RASTER_H
 
-#include "error.h"
 #include "georef.h"
+#include "io_error.h"
 
 #include <stddef.h>
 

@@ -4,7 +4,7 @@
 #ifndef CELLWALK_IO_RASTER_SIDECARS_H
 #define CELLWALK_IO_RASTER_SIDECARS_H
 
-#include "error.h"
+#include "io_error.h"
 
 /* What programs read beside a format, up to a NULL: ".ovr" is added to the raster's name, "*.tfw" takes the place of its
  * ending. */

@@ -4,7 +4,7 @@
 #ifndef CELLWALK_PYTHON_CALL_H
 #define CELLWALK_PYTHON_CALL_H
 
-#include "field.h"
+#include "field_object.h"
 
 /* What products take: 0 where the caller names none. */
 typedef struct call_numbers {

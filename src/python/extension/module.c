@@ -2,7 +2,7 @@
 /* The extension module cellwalk._cellwalk, in Python's limited interface of 3.11: one file serves all later versions, and
  * arrays come and go by the buffer protocol, without NumPy's headers. */
 #include "gdal/module.h"
-#include "field.h"
+#include "field_object.h"
 #include "geotiff_object.h"
 #include "raster_object.h"
 #include "reach.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Rays from arrays of any layout; points and normals of hits. */
-#include "field.h"
+#include "field_object.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "reach_object.h"
 
-#include "field.h"
+#include "field_object.h"
 #include "ground_plan.h"
 
 #include <math.h>

@@ -3,7 +3,7 @@
 #ifndef CELLWALK_SCENE_PBRT_LEX_H
 #define CELLWALK_SCENE_PBRT_LEX_H
 
-#include "error.h"
+#include "io_error.h"
 
 #include <stddef.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "stability/run.h"
-#include "workload/terrain.h"
+#include "workload/fractal_terrain.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -8,8 +8,8 @@
 
 #include "clock.h"
 #include "command.h"
+#include "harness/harness_run.h"
 #include "harness/results.h"
-#include "harness/run.h"
 #include "reference.h"
 #include "stability/run.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* An error message: one line that names file, place and value. */
-#ifndef CELLWALK_IO_ERROR_H
-#define CELLWALK_IO_ERROR_H
+#ifndef CELLWALK_IO_IO_ERROR_H
+#define CELLWALK_IO_IO_ERROR_H
 
 #include "printable.h"
 

@@ -2,8 +2,8 @@
 /* _cellwalk.Field: a height field over samples that a Python object holds. Checks of dtypes, shapes and values are
  * made in Python (cellwalk/_field.py), whose messages name argument, shape and value. This file only refuses
  * arguments that would read or write out of bounds. */
-#ifndef CELLWALK_PYTHON_FIELD_H
-#define CELLWALK_PYTHON_FIELD_H
+#ifndef CELLWALK_PYTHON_FIELD_OBJECT_H
+#define CELLWALK_PYTHON_FIELD_OBJECT_H
 
 #include "site.h"
 #include "work.h"

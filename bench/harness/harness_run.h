@@ -2,10 +2,10 @@
 /* Common parts of the subcommands that measure: the options for instruction set, CPU and seed, and the record of all
  * that a figure depends on besides the code. It is the first line of every JSON file and the last of every printed
  * table. */
-#ifndef CELLWALK_BENCH_HARNESS_RUN_H
-#define CELLWALK_BENCH_HARNESS_RUN_H
+#ifndef CELLWALK_BENCH_HARNESS_HARNESS_RUN_H
+#define CELLWALK_BENCH_HARNESS_HARNESS_RUN_H
 
-#include "error.h"
+#include "io_error.h"
 #include "options.h"
 
 #include <jansson.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Synthetic height fields for scenes, benchmark and tests: the same numbers on every machine, from integer hashes and
  * plain IEEE arithmetic (no function of libm but the square root, which IEEE rounds correctly), at any size. */
-#ifndef CELLWALK_BENCH_WORKLOAD_TERRAIN_H
-#define CELLWALK_BENCH_WORKLOAD_TERRAIN_H
+#ifndef CELLWALK_BENCH_WORKLOAD_FRACTAL_TERRAIN_H
+#define CELLWALK_BENCH_WORKLOAD_FRACTAL_TERRAIN_H
 
 #include <stddef.h>
 #include <stdint.h>
