@@ -166,7 +166,10 @@ cw_status cw_visibility(const cw_terrain *t, const cw_run *run, const cw_visibil
     if (status == CW_OK) status = check(desc, answers);
     if (status != CW_OK) return status;
     finding f = {.terrain = t, .desc = desc, .at = area.at, .to = answers};
+    /* One eye a row and column is least; memory grows with every. */
+    const size_t side = area.at.nx > area.at.ny ? area.at.nx : area.at.ny;
     f.every = desc->every > 0 ? desc->every : 1;
+    if (f.every > side && side > 0) f.every = side;
     f.directions = desc->directions > 0 ? desc->directions : DIRECTIONS_USUAL;
     f.nx = (area.at.nx + f.every - 1) / f.every;
     f.ny = (area.at.ny + f.every - 1) / f.every;

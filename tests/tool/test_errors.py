@@ -76,6 +76,17 @@ def test_zero_is_a_number_or_refused(command):
         assert option in ZEROS if done.status == 0 else done.err.startswith("cellwalk"), (option, done.status, done.err)
 
 
+def test_eyes_far_apart_take_no_more_memory():
+    """One eye is the least; land of 40 x 50 samples asked for gigabytes. Where eyes are few, --memory reckons with the margins beside them."""
+    np.save("field.npy", np.arange(2000, dtype=np.float32).reshape(40, 50) % 7)
+    for every in 50, 1 << 20:
+        assert run("visibility", "field.npy", "--every", every, "-o", f"{every}.npy", memory=300 << 20).status == 0
+    assert read("50.npy") == read(f"{1 << 20}.npy")
+    np.save("field.npy", np.zeros((1000, 1000), np.float32))
+    words = "visibility", "field.npy", "--directions", 1, "-o", "o.npy"
+    fails(1, "matter at once, which need --memory", *words, "--every", 500, "--memory", "90M")
+
+
 def test_all_commands_are_tried():
     listed = re.search(r"Commands:\n((?:  .*\n)+)", run("--help").out).group(1)
     assert {line.split()[0] for line in listed.splitlines()} == set(LINES)

@@ -71,6 +71,14 @@ static double most_of(const visibility_command *c) {
     return 1e-6 * (reach > 0 ? fmin(all, circle) : all);
 }
 
+/* The land that is turned has margins beside the samples that are so many columns apart (src/terrain/visible_land.c). */
+static double turned_bytes(const visibility_command *c) {
+    enum { MARGINS = 80 };
+    const terrain *t = &c->product.ground.whole;
+    const double least = fmin((double)t->nx, (double)t->ny), most = fmax((double)t->nx, (double)t->ny);
+    return 5 * (1 + MARGINS * fmin(c->every, most) / least);
+}
+
 static bool begin(product *p, io_error *error) {
     visibility_command *c = p->context;
     cw_visibility_desc *d = &c->desc;
@@ -100,8 +108,8 @@ static bool begin(product *p, io_error *error) {
     product_note(p, "MAX_DISTANCE=%.9g", d->max_distance);
     product_note(p, "CURVATURE=%.9g", d->curvature);
     p->matters.distance = d->max_distance;
-    p->more =
-        5 + 8 + (c->share || c->longest ? 8 : 4); /* the turned land and its bounds; sums in double, and answers */
+    p->more = turned_bytes(c) + 8 +
+              (c->share || c->longest ? 8 : 4); /* the turned land and its bounds; sums in double, and answers */
     p->every = c->every;
     return true;
 }
