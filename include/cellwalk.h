@@ -13,8 +13,8 @@
  * and the samples' heights. *User space* is the caller's; an affine map in double ties it to field space.
  *
  * Threads. Every function may be called from several threads at once unless it says otherwise. Queries do not allocate. A query
- * of at most 8 rays, places or hits takes at most 16 KiB of stack if no kernel is forced, and any other call 128 KiB. No function is
- * a cancellation point, and callbacks run with cancellation disabled; asynchronous cancellation is undefined. A callback must
+ * of at most 8 rays, places or hits takes at most 16 KiB of stack if no kernel is forced, and any other call 128 KiB. No function
+ * is a cancellation point, and callbacks run with cancellation disabled; asynchronous cancellation is undefined. A callback must
  * return: it must not jump out, throw or end its thread. In a child made by fork, queries of the parent's other threads do not keep
  * a field busy; an update does, so destroy a field that was being updated.
  *
@@ -288,8 +288,9 @@ typedef struct cw_hit {
 } cw_hit;
 
 /* The closest hit of each of n rays (n may be 0). rays and hits must not overlap. The answer for a ray does not
- * depend on the others, its place in the array or the number of threads. Fails with CW_ERROR_ARGUMENT,
- * _BUSY during an update without wait, or _CANCELLED; with a watch also _MEMORY. */
+ * depend on the others, its place in the array or the number of threads. One ray a call costs 4 to 12 times as much as one of a
+ * call of 64, and 25 times as much if it misses the field's box. Fails with CW_ERROR_ARGUMENT, _BUSY during an update without wait,
+ * or _CANCELLED; with a watch also _MEMORY. */
 CW_API cw_status cw_closest(const cw_field *field, const cw_run *run, const cw_ray *rays, size_t n, cw_hit *hits);
 
 /* occluded[k] = 1 if rays[k] hits anything, else 0: always 1 if cw_closest has a hit, else 0. Fails like cw_closest. */

@@ -32,11 +32,9 @@ CW_API const char *cw_isa_name(cw_isa isa);
  * scalar and itself, neon includes scalar. */
 CW_API bool cw_isa_includes(cw_isa whole, cw_isa part);
 
-/* The instruction set in use, which is the widest that is included in all of these:
- *  - the CPU's and the operating system's (CPUID and XGETBV);
- *  - the environment variable CELLWALK_ISA, one of the names above, read once. Another value limits nothing, so a program
- *    should check the variable at its start;
- *  - the last cw_isa_limit. */
+/* The instruction set in use, which is the widest that is included in all of these: the CPU's and the operating system's (CPUID and
+ * XGETBV); the environment variable CELLWALK_ISA, one of the names above, read once, of which another value limits nothing, so a
+ * program should check it at its start; and the last cw_isa_limit. */
 CW_API cw_isa cw_isa_best(void);
 /* Limits the process to an instruction set and those that it includes. CW_ISA_ANY lifts the limit. Queries that have
  * begun are not affected. */
@@ -96,8 +94,9 @@ CW_API cw_status cw_run_check(const cw_field *field, const cw_run *run);
 /* The kernel that a query of many rays with this run uses, on any field. */
 CW_API const cw_kernel *cw_run_kernel(const cw_field *field, const cw_run *run);
 
-/* Makes the structure that run's kernel needs beside the bounds, if it does, unless the field has it. cw_field_create does the same for
- * the kernel of its run; an update drops the structure. Nothing else may be running on the field. On failure the field does not change: CW_ERROR_ARGUMENT, _KERNEL, _MEMORY. */
+/* Makes the structure that run's kernel needs beside the bounds, if any, unless the field has it. cw_field_create does so for the
+ * kernel of its run; an update drops it. Nothing else may be running on the field. On failure the field does not change:
+ * CW_ERROR_ARGUMENT, _KERNEL, _MEMORY. */
 CW_API cw_status cw_field_build(cw_field *field, const cw_run *run);
 /* Elapsed time spent on the field's structures, including the sample scan if it was done in the same pass. */
 CW_API double cw_field_build_seconds(const cw_field *field);

@@ -73,8 +73,8 @@ typedef struct cw_terrain cw_terrain;
 enum { CW_SCALE_ROWS = 65, CW_SCALE_COLUMNS = 9 };
 
 typedef struct cw_terrain_desc {
-    /* Its map leads to the map's x and y and to height, which is a positive multiple of the sample: map[0][2], map[1][2], map[2][0],
-     * map[2][1] and map[2][3] are 0. Must stay until cw_terrain_destroy. */
+    /* Its map leads to the map's x and y and to height, which is a positive multiple of the sample: map[0][2], map[1][2],
+     * map[2][0], map[2][1] and map[2][3] are 0. Must stay until cw_terrain_destroy. */
     const cw_field *field;
     /* The point scale of a projected map: two positive numbers for each node, row by row, metres of ground in one of x and in one
      * of y. They are interpolated by cubics. Copied. NULL: unit everywhere. Must be NULL if geographic. */
@@ -153,9 +153,9 @@ CW_API cw_status cw_horizon_angles(const cw_terrain *terrain, const cw_run *run,
 CW_API cw_status cw_sky_view(const cw_terrain *terrain, const cw_run *run, const cw_horizon *horizon, cw_area area,
                              float *share);
 
-/* degrees: openness (Yokoyama, Shirasawa and Pike 2002), the mean over the directions in which there is terrain of the angle between
- * the zenith and the horizon: 90 on a plane, more on a summit. With CW_HORIZON_BELOW the negative one, between the nadir and the
- * lowest point: more at the bottom of a pit. NaN at a hole and where there is no terrain. */
+/* degrees: openness (Yokoyama, Shirasawa and Pike 2002), the mean over the directions in which there is terrain of the angle
+ * between the zenith and the horizon: 90 on a plane, more on a summit. With CW_HORIZON_BELOW the negative one, between the nadir and
+ * the lowest point: more at the bottom of a pit. NaN at a hole and where there is no terrain. */
 CW_API cw_status cw_openness(const cw_terrain *terrain, const cw_run *run, const cw_horizon *horizon, cw_area area,
                              float *degrees);
 
