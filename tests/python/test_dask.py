@@ -227,7 +227,7 @@ def test_geotiff_has_the_place_of_the_result(tmp_path):
 def test_a_worker_is_killed(file, tmp_path):
     """Two processes; one is killed when it has computed a chunk and begun another. The file is the same, and no unfinished one remains."""
     from distributed import Client, LocalCluster, futures_of
-    wanted = cw.open(file).horizon(256)
+    wanted = cw.open(file).horizon(16)
     pipe = str(tmp_path / "pipe")
     os.mkfifo(pipe)
 
@@ -247,7 +247,7 @@ def test_a_worker_is_killed(file, tmp_path):
             (victim, process), (_, other) = client.run(os.getpid).items()
             assert process != other
             client.run(wait_in_the_second_chunk, workers=[victim])
-            result = cwd.horizon(file, 256, chunks=40)
+            result = cwd.horizon(file, 16, chunks=40)
             assert not isinstance(getattr(result, 'data', result), np.ndarray)
             kept = client.persist(result)
             with open(pipe, "w"):
