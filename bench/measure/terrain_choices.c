@@ -75,7 +75,7 @@ static bool prepare(choice *c, land *l, const char *name, bool sky, io_error *er
     const double step = (double)(CELL * c->factor), map[3][4] = {{step, 0, 0, 0}, {0, step, 0, 0}, {0, 0, CELL, 0}};
     const terrain_desc desc = {
         .field = c->field, .nx = info.nx, .ny = info.ny, .z = c->z ? c->z : l->samples.z, .map = map, .unit = 1};
-    terrain_init(&c->terrain, &desc);
+    cw_terrain_init(&c->terrain, &desc);
     c->out = memory(info.nx * info.ny * (sky ? 1 : ANGLES), sizeof *c->out);
     return true;
 }

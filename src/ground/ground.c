@@ -24,7 +24,7 @@ static bool describe(terrain *t, const io_raster *r, const cw_field *field, cons
         .inverse_flattening = r->georef.inverse_flattening,
         .scale = scale,
     };
-    return terrain_init(t, &desc) || io_fail(error, "%s: its map cannot be inverted", path);
+    return cw_terrain_init(t, &desc) || io_fail(error, "%s: its map cannot be inverted", path);
 }
 
 cw_rectangle ground_all(const ground *g) { return (cw_rectangle){0, 0, g->about.nx, g->about.ny}; }
@@ -207,9 +207,9 @@ bool ground_read_around(ground *g, double x, double y, double metres, io_error *
     double at[2];
     if (metres > 0) {
         piece = (cw_rectangle){0, 0, 2, 2}; /* a place that is too far away is an error that finding it says */
-        if (terrain_find_place(&g->whole, x, y, at)) {
-            const cw_rectangle around = reach_around(&g->whole, at, metres);
-            if (around.nx > 0) piece = reach_grow(&g->whole, around, 2);
+        if (cw_terrain_find_place(&g->whole, x, y, at)) {
+            const cw_rectangle around = cw_reach_around(&g->whole, at, metres);
+            if (around.nx > 0) piece = cw_reach_grow(&g->whole, around, 2);
         }
     }
     return ground_check(g, piece, 0, error) && ground_read(g, piece, false, error);
@@ -224,7 +224,7 @@ typedef struct survey {
 } survey;
 
 static bool is_wanted(const survey *s, cw_rectangle block) {
-    const cw_rectangle w = s->ground->window, both = reach_both(w, block);
+    const cw_rectangle w = s->ground->window, both = cw_reach_both(w, block);
     return s->wanted == NULL || (both.nx < w.nx + block.nx && both.ny < w.ny + block.ny) ||
            s->wanted(s->context, block);
 }
@@ -241,7 +241,7 @@ static cw_rectangle find_wanted(const survey *s, size_t first, size_t end, doubl
                                         ny - j < REACH_BLOCK ? ny - j : REACH_BLOCK};
             if (!is_wanted(s, block)) continue;
             *samples += (double)block.nx * (double)block.ny;
-            all = reach_both(all, block);
+            all = cw_reach_both(all, block);
         }
     return all;
 }
@@ -261,7 +261,7 @@ static bool survey_rows(const survey *s, size_t first, size_t end, io_error *err
         const cw_rectangle part = {all.i + i, all.j, all.nx - i < columns ? all.nx - i : columns, all.ny};
         io_raster r;
         if (!read_part(s->ground, part, &r, error)) return false;
-        reach_blocks_take(s->blocks, part, r.z);
+        cw_reach_blocks_take(s->blocks, part, r.z);
         io_raster_free(&r);
     }
     return true;
@@ -269,7 +269,7 @@ static bool survey_rows(const survey *s, size_t first, size_t end, io_error *err
 
 bool ground_survey(ground *g, reach_blocks *b, ground_wanted *wanted, void *context, io_error *error) {
     if (g->about.z != NULL) {
-        reach_blocks_take(b, ground_all(g), g->about.z);
+        cw_reach_blocks_take(b, ground_all(g), g->about.z);
         return true;
     }
     const survey s = {g, b, wanted, context, fmin(0.5 * room(g), 1e8) / sizeof(float)};

@@ -9,15 +9,15 @@ static void settle(line *l, const sight *s, double block) {
     const terrain *t = s->terrain;
     const double *eye = l->eye, *target = l->target;
     double metres[2];
-    const double height = target[2] - s->eye[2] - sight_fall(s, target[0], target[1]);
-    terrain_metres(t, eye[0], eye[1], metres);
+    const double height = target[2] - s->eye[2] - cw_sight_fall(s, target[0], target[1]);
+    cw_terrain_metres(t, eye[0], eye[1], metres);
     for (int e = 0; e < 2; e++) terrain_to_map(t, e ? target[0] : eye[0], e ? target[1] : eye[1], l->ends[e]);
     l->length = hypot((l->ends[1][0] - l->ends[0][0]) * metres[0], (l->ends[1][1] - l->ends[0][1]) * metres[1]);
     l->blocked = block < INFINITY;
     if (!l->blocked) return;
     for (int e = 0; e < 2; e++) l->block[e] = l->ends[0][e] + block * (l->ends[1][e] - l->ends[0][e]);
     /* The line bends up against the lowered surface by as much as that is lowered. */
-    const double bend = sight_fall(s, eye[0] + block * (target[0] - eye[0]), eye[1] + block * (target[1] - eye[1]));
+    const double bend = cw_sight_fall(s, eye[0] + block * (target[0] - eye[0]), eye[1] + block * (target[1] - eye[1]));
     l->block_height = (eye[2] + block * height + bend) * terrain_metres_of_height(t);
     l->block_distance = block * l->length;
 }
@@ -26,8 +26,8 @@ bool line_find(line *l, const terrain *t, const ground_place places[2], double c
     if (!ground_find_place(t, &places[0], l->eye, NULL, error) ||
         !ground_find_place(t, &places[1], l->target, NULL, error))
         return false;
-    sight_init(&l->sight, t, NULL, l->eye, curvature);
-    settle(l, &l->sight, sight_first_block(&l->sight, l->target[0], l->target[1], l->target[2]));
+    cw_sight_init(&l->sight, t, NULL, l->eye, curvature);
+    settle(l, &l->sight, cw_sight_first_block(&l->sight, l->target[0], l->target[1], l->target[2]));
     return true;
 }
 
@@ -50,7 +50,7 @@ static cw_rectangle around(const terrain *whole, const double from[2], const dou
 /* An end of the line, from the samples around it. */
 static bool find_end(ground *g, const ground_place *place, double at[3], io_error *error) {
     double near[2] = {0, 0};
-    terrain_find_place(&g->whole, place->x, place->y, near);
+    cw_terrain_find_place(&g->whole, place->x, place->y, near);
     cw_rectangle piece = around(&g->whole, near, near);
     if (piece.nx == 0) piece = (cw_rectangle){0, 0, 2, 2};
     if (!ground_read(g, piece, false, error) || !ground_find_place(&g->terrain, place, at, NULL, error)) return false;
@@ -92,18 +92,18 @@ bool line_find_on(line *l, ground *g, const ground_place places[2], double curva
         target[0] -= (double)piece.i;
         target[1] -= (double)piece.j;
         sight s;
-        sight_init(&s, &g->terrain, NULL, eye, curvature);
-        if (block == INFINITY) block = sight_first_block(&s, target[0], target[1], l->target[2]);
+        cw_sight_init(&s, &g->terrain, NULL, eye, curvature);
+        if (block == INFINITY) block = cw_sight_first_block(&s, target[0], target[1], l->target[2]);
         if (p == NULL) continue;
-        good = profile_make(p->count == 0 ? p : &known, &s, target[0], target[1], l->target[2]) == CW_OK ||
+        good = cw_profile_make(p->count == 0 ? p : &known, &s, target[0], target[1], l->target[2]) == CW_OK ||
                io_fail(error, "out of memory");
         take_ground(p, &known);
     }
-    profile_free(&known);
+    cw_profile_free(&known);
     if (!good) return false;
-    sight_init(&l->sight, &g->whole, NULL, l->eye, curvature);
+    cw_sight_init(&l->sight, &g->whole, NULL, l->eye, curvature);
     settle(l, &l->sight, block);
-    if (p) profile_judge(p, &l->sight, l->target[0], l->target[1], l->target[2]);
+    if (p) cw_profile_judge(p, &l->sight, l->target[0], l->target[1], l->target[2]);
     return true;
 }
 
@@ -117,7 +117,7 @@ double line_fresnel_radius(const line *l, double megahertz, double where) {
 }
 
 bool line_profile(const line *l, profile *p, io_error *error) {
-    return profile_make(p, &l->sight, l->target[0], l->target[1], l->target[2]) == CW_OK ||
+    return cw_profile_make(p, &l->sight, l->target[0], l->target[1], l->target[2]) == CW_OK ||
            io_fail(error, "out of memory");
 }
 

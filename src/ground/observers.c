@@ -36,7 +36,7 @@ static observer given(const observers *o, size_t k) {
 static double length_between(const terrain *t, const observer *a, const observer *b) {
     double at[2], metres[2];
     terrain_from_map(t, 0.5 * (a->x + b->x), 0.5 * (a->y + b->y), at);
-    terrain_metres(t, at[0], at[1], metres);
+    cw_terrain_metres(t, at[0], at[1], metres);
     return hypot((b->x - a->x) * metres[0], (b->y - a->y) * metres[1]);
 }
 

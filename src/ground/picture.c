@@ -48,7 +48,7 @@ bool picture_take(picture *p, size_t row, size_t rows, const float *values, cons
         if (p->row_room == 0) return io_fail(error, "out of memory");
     }
     for (size_t y = 0; y < rows; y++) {
-        terrain_slope_row(t, j + y * step, 0, t->nx, p->east, p->north);
+        cw_terrain_slope_row(t, j + y * step, 0, t->nx, p->east, p->north);
         for (size_t x = 0; x < p->nx; x++) {
             const float east = p->east[i + x * step], north = p->north[i + x * step];
             p->toward[(row + y) * p->nx + x] = 0.70710678f * (north - east); /* northwest */

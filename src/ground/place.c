@@ -93,8 +93,8 @@ static bool tell_no_ground(const terrain *part, const ground_place *p, const dou
 static const double least_depth = 1e-3;
 
 bool ground_find_place(const terrain *t, const ground_place *p, double at[3], double *level_there, io_error *error) {
-    const bool near = terrain_find_place(t, p->x, p->y, at);
-    const double level = near ? terrain_height(t, at[0], at[1]) : NAN;
+    const bool near = cw_terrain_find_place(t, p->x, p->y, at);
+    const double level = near ? cw_terrain_height(t, at[0], at[1]) : NAN;
     if (level_there) *level_there = level;
     if (!p->absolute && isnan(level)) return tell_no_ground(t, p, at, error);
     if (!near) return io_fail(error, "%s: is too far away from the terrain", p->text);

@@ -37,7 +37,7 @@ bool sun_ground_lean(const terrain *t, const double at[2], double *tilt, double 
                  j = (size_t)fmin(fmax(nearbyint(at[1]), 0), (double)(t->ny - 1));
     float *east = malloc(2 * t->nx * sizeof *east);
     if (east == NULL) return false;
-    terrain_slope_row(t, j, 0, t->nx, east, east + t->nx);
+    cw_terrain_slope_row(t, j, 0, t->nx, east, east + t->nx);
     const double slope[2] = {(double)east[i], (double)east[t->nx + i]};
     free(east);
     const bool known = isfinite(slope[0]) && isfinite(slope[1]);
@@ -50,11 +50,11 @@ bool sun_ground_lean(const terrain *t, const double at[2], double *tilt, double 
 static bool is_free(const sight *s, const sun_day_desc *d, const sun_position *p) {
     const terrain *t = s->terrain;
     double dir[2];
-    const double length = terrain_direction(t, s->eye[0], s->eye[1], p->azimuth, dir);
-    double far = terrain_steps_out(t, s->eye, dir);
+    const double length = cw_terrain_direction(t, s->eye[0], s->eye[1], p->azimuth, dir);
+    double far = cw_terrain_steps_out(t, s->eye, dir);
     if (d->max_distance > 0) far = fmin(far, d->max_distance / length);
     const double rise = tan(p->altitude * degree) * far * length / terrain_metres_of_height(t);
-    return sight_steepest(s, s->eye[0] + far * dir[0], s->eye[1] + far * dir[1], rise).share == 0;
+    return cw_sight_steepest(s, s->eye[0] + far * dir[0], s->eye[1] + far * dir[1], rise).share == 0;
 }
 
 /* Adds a sun above the level that shines for so long, with so much light on a surface that faces it. Whether it is seen. */
@@ -89,8 +89,8 @@ sun_day sun_day_find(const sight *s, const sun_day_desc *d, double share, double
         const double time = begin + ((double)k + 0.5) * d->step;
         const sun_position p = sun_place_at(&d->place, time);
         if (!(p.altitude > 0)) continue;
-        diffuse += clear_sky_diffuse(d->linke, p.distance, p.altitude - p.refraction) * hours;
-        if (!add_sun(&out, s, d, &p, hours, clear_sky_direct(d->linke, p.distance, p.altitude, height) * hours))
+        diffuse += cw_clear_sky_diffuse(d->linke, p.distance, p.altitude - p.refraction) * hours;
+        if (!add_sun(&out, s, d, &p, hours, cw_clear_sky_direct(d->linke, p.distance, p.altitude, height) * hours))
             continue;
         if (isnan(out.rise)) out.rise = begin + (double)k * d->step;
         out.set = begin + (double)(k + 1) * d->step;

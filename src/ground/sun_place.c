@@ -44,7 +44,7 @@ bool sun_place_of(const terrain *t, const io_georef *georef, const double xy[2],
 }
 
 sun_position sun_place_at(const sun_place *place, double seconds) {
-    sun_position p = sun_at(seconds, place->longitude, place->latitude);
+    sun_position p = cw_sun_at(seconds, place->longitude, place->latitude);
     p.azimuth = fmod(p.azimuth + place->turned + 360, 360);
     return p;
 }

@@ -36,7 +36,7 @@ bool tint_heights(io_image *colours, const terrain *t, io_error *error) {
     if (!io_image_allocate(colours, columns, rows, "the field's colours", error)) return false;
     for (size_t y = 0; y < rows; y++)
         for (size_t x = 0; x < columns; x++)
-            tint(terrain_height(t, place(x, columns, t->nx), place(y, rows, t->ny)), low, high,
+            tint(cw_terrain_height(t, place(x, columns, t->nx), place(y, rows, t->ny)), low, high,
                  colours->halves + ((columns + 2) * y + x + 1) * 4);
     return true;
 }

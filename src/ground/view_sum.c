@@ -7,7 +7,7 @@ view_sum view_sum_of(const terrain *t, cw_rectangle at, const uint16_t *seen, co
                      const double eye[2]) {
     view_sum v = {0, 0, NAN, {NAN, NAN}};
     double metres[2], far = -1;
-    terrain_metres(t, eye[0], eye[1], metres);
+    cw_terrain_metres(t, eye[0], eye[1], metres);
     const double cell = 1e-6 * fabs(t->map[0][0] * t->map[1][1] - t->map[0][1] * t->map[1][0]);
     for (size_t y = at.j; y < at.j + at.ny; y++) {
         double count = 0, sum = 0, scale[2];
@@ -23,7 +23,7 @@ view_sum view_sum_of(const terrain *t, cw_rectangle at, const uint16_t *seen, co
             terrain_to_map(t, (double)x, (double)y, v.farthest_at);
         }
         if (count == 0) continue;
-        terrain_metres(t, sum / count, (double)y, scale);
+        cw_terrain_metres(t, sum / count, (double)y, scale);
         v.samples += count;
         v.km2 += cell * scale[0] * scale[1] * count;
     }

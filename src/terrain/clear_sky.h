@@ -12,14 +12,14 @@
 #define CLEAR_SKY_LINKE 3.0
 
 /* Air masses that light crosses on its way to the height in metres; altitude is in degrees with refraction, above 0. */
-double clear_sky_air_mass(double altitude, double height);
+double cw_clear_sky_air_mass(double altitude, double height);
 
 /* Direct light in W/m² on a surface that faces the sun. distance is the sun's, in astronomical units; altitude as above, 0
  * at and below the horizon. */
-double clear_sky_direct(double linke, double distance, double altitude, double height);
+double cw_clear_sky_direct(double linke, double distance, double altitude, double height);
 
 /* Diffuse light in W/m² on level ground under the whole sky; altitude is in degrees without refraction. It is 0 below the
  * horizon. The model has it the same at all heights. */
-double clear_sky_diffuse(double linke, double distance, double altitude);
+double cw_clear_sky_diffuse(double linke, double distance, double altitude);
 
 #endif

@@ -6,8 +6,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-cw_status compass_create(compass *c, const terrain *t, const double *azimuths, size_t count, double reach,
-                         double curvature) {
+cw_status cw_compass_create(compass *c, const terrain *t, const double *azimuths, size_t count, double reach,
+                            double curvature) {
     *c = (compass){.terrain = t, .count = count, .azimuths = azimuths, .reach = reach, .curvature = curvature};
     if (!(reach >= 0 && curvature >= 0 && isfinite(reach) && isfinite(curvature)))
         return cw_fail(CW_ERROR_ARGUMENT, "max_distance, curvature: %g, %g; finite and not negative", reach, curvature);
@@ -22,13 +22,13 @@ static void forget(compass *c) {
     }
 }
 
-void compass_destroy(compass *c) {
+void cw_compass_destroy(compass *c) {
     forget(c);
     free(c->headings);
     *c = (compass){0};
 }
 
-void compass_turn(compass *c, size_t row, size_t *rows) {
+void cw_compass_turn(compass *c, size_t row, size_t *rows) {
     const terrain *whole = terrain_whole(c->terrain);
     row += c->terrain->row;
     if (row < c->from || row >= c->until) {
@@ -36,24 +36,24 @@ void compass_turn(compass *c, size_t row, size_t *rows) {
         if (row < c->from) c->until = 0;
         do {
             c->from = c->until;
-            c->until = c->from + terrain_rows_alike(whole, c->from);
+            c->until = c->from + cw_terrain_rows_alike(whole, c->from);
         } while (row >= c->until);
     }
     *rows = c->until - row;
 }
 
-void compass_release(compass *c, size_t k) {
+void cw_compass_release(compass *c, size_t k) {
     cw_heading_destroy(c->headings[k]);
     c->headings[k] = NULL;
 }
 
-double compass_middle(const compass *c) { return 0.5 * (double)(c->from + c->until - 1); }
+double cw_compass_middle(const compass *c) { return 0.5 * (double)(c->from + c->until - 1); }
 
-cw_status compass_heading(compass *c, size_t k, cw_heading **heading, double *slope) {
+cw_status cw_compass_heading(compass *c, size_t k, cw_heading **heading, double *slope) {
     const terrain *t = c->terrain, *whole = terrain_whole(t);
     double dir[2];
     const double metres =
-        terrain_direction(whole, 0.5 * (double)(whole->nx - 1), compass_middle(c), c->azimuths[k], dir);
+        cw_terrain_direction(whole, 0.5 * (double)(whole->nx - 1), cw_compass_middle(c), c->azimuths[k], dir);
     *slope = metres / t->map[2][2];
     cw_status status = CW_OK;
     /* The ground d metres away is lower by curvature d² / 2 R; dir is `metres` metres long. */

@@ -14,26 +14,26 @@ typedef struct compass {
     size_t count;
     const double *azimuths; /* degrees */
     double reach;           /* metres: headings end there; 0: they do not */
-    double curvature;       /* as sight_init takes it */
+    double curvature;       /* as cw_sight_init takes it */
     cw_heading **headings;  /* those that were asked for */
     size_t from, until;     /* rows that they are right for */
 } compass;
 
 /* Takes over nothing: azimuths must stay. reach and curvature are not negative. */
-cw_status compass_create(compass *c, const terrain *t, const double *azimuths, size_t count, double reach,
-                         double curvature);
-void compass_destroy(compass *c);
+cw_status cw_compass_create(compass *c, const terrain *t, const double *azimuths, size_t count, double reach,
+                            double curvature);
+void cw_compass_destroy(compass *c);
 
 /* Turns to the row; headings are shared by the same rows of the whole raster, wherever one begins. Sets rows to the number of rows, from this one on, for which headings are then right. */
-void compass_turn(compass *c, size_t row, size_t *rows);
+void cw_compass_turn(compass *c, size_t row, size_t *rows);
 
 /* The middle of these rows, in the whole raster's. */
-double compass_middle(const compass *c);
+double cw_compass_middle(const compass *c);
 
 /* Frees heading number k, which is made anew when it is needed again: for so many directions that they do not fit into memory. */
-void compass_release(compass *c, size_t k);
+void cw_compass_release(compass *c, size_t k);
 
 /* Heading number k for these rows. The tangent of an angle, times slope, is the rise that the heading knows. */
-cw_status compass_heading(compass *c, size_t k, cw_heading **heading, double *slope);
+cw_status cw_compass_heading(compass *c, size_t k, cw_heading **heading, double *slope);
 
 #endif

@@ -18,21 +18,21 @@ struct terrain_own {
 
 _Static_assert((int)MAP_SCALE_ROWS == (int)CW_SCALE_ROWS && (int)MAP_SCALE_COLUMNS == (int)CW_SCALE_COLUMNS, "");
 
-cw_status terrain_bounds(const terrain *t, const sight_bounds **bounds) {
+cw_status cw_terrain_bounds(const terrain *t, const sight_bounds **bounds) {
     sight_bounds *there = t->own ? atomic_load(&t->own->bounds) : NULL, *made;
     *bounds = t->bounds ? t->bounds : there;
     if (*bounds) return CW_OK;
-    const cw_status status = sight_bounds_create(t, &made);
+    const cw_status status = cw_sight_bounds_create(t, &made);
     if (status != CW_OK) return cw_fail_plainly(status);
     *bounds = made;
     if (t->own == NULL || atomic_compare_exchange_strong(&t->own->bounds, &there, made)) return CW_OK;
-    sight_bounds_destroy(made);
+    cw_sight_bounds_destroy(made);
     *bounds = there;
     return CW_OK;
 }
 
-void terrain_bounds_release(const terrain *t, const sight_bounds *bounds) {
-    if (t->own == NULL && t->bounds == NULL) sight_bounds_destroy((sight_bounds *)bounds);
+void cw_terrain_bounds_release(const terrain *t, const sight_bounds *bounds) {
+    if (t->own == NULL && t->bounds == NULL) cw_sight_bounds_destroy((sight_bounds *)bounds);
 }
 
 /* The map of a field that lies on a map: z leads up and nowhere else. */
@@ -87,7 +87,7 @@ cw_status cw_terrain_create(const cw_terrain_desc *desc, const cw_run *run, cw_t
     if (own && desc->scale) memcpy(&own->scale, desc->scale, sizeof own->scale);
     if (t == NULL || own == NULL)
         status = cw_fail_plainly(CW_ERROR_MEMORY);
-    else if (!terrain_init(t, &d))
+    else if (!cw_terrain_init(t, &d))
         status = cw_fail(CW_ERROR_ARGUMENT, "field: its map cannot be inverted");
     if (status != CW_OK) {
         free(t);
@@ -101,7 +101,7 @@ cw_status cw_terrain_create(const cw_terrain_desc *desc, const cw_run *run, cw_t
 
 void cw_terrain_destroy(cw_terrain *t) {
     if (t == NULL) return;
-    sight_bounds_destroy(atomic_load(&t->own->bounds));
+    cw_sight_bounds_destroy(atomic_load(&t->own->bounds));
     free(t->own);
     free(t);
 }

@@ -71,7 +71,7 @@ static cw_status check(const cw_horizon *d) {
 }
 
 static void destroy(horizon *h) {
-    compass_destroy(&h->compass);
+    cw_compass_destroy(&h->compass);
     free(h->azimuths);
     free(h->work);
     free(h->sums);
@@ -92,7 +92,7 @@ static cw_status create(horizon *h, const terrain *t, const cw_horizon *desc, co
     h->azimuths = calloc(h->count, sizeof *h->azimuths);
     if (h->azimuths == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
     for (size_t k = 0; k < h->count; k++) h->azimuths[k] = fmod(desc->start + 360 * (double)k / (double)h->count, 360);
-    return compass_create(&h->compass, h->terrain, h->azimuths, h->count, desc->max_distance, desc->curvature);
+    return cw_compass_create(&h->compass, h->terrain, h->azimuths, h->count, desc->max_distance, desc->curvature);
 }
 
 cw_status cw_horizon_azimuths(const cw_terrain *t, const cw_horizon *desc, double *azimuths) {
@@ -108,7 +108,7 @@ cw_status cw_horizon_azimuths(const cw_terrain *t, const cw_horizon *desc, doubl
 }
 
 /* A polynomial fitted at Chebyshev's points of [0, 1]; libm's own function takes another way on another CPU. */
-float horizon_degrees(float x) {
+float cw_horizon_degrees(float x) {
     static const float c[9] = {57.29578f,   -19.098423f, 11.454499f,   -8.134739f, 6.083878f,
                                -4.2724633f, 2.414308f,   -0.90133417f, 0.15849637f};
     const float size = fabsf(x), low = size > 1 ? 1 / size : size, u = low * low;
@@ -126,12 +126,12 @@ typedef struct turning {
 static void to_degrees(void *context, size_t begin, size_t end) {
     const turning *t = context;
     for (size_t k = begin; k < end; k++)
-        t->degrees[k] = t->degrees[k] == -INFINITY ? NAN : horizon_degrees(t->degrees[k] * t->per_rise);
+        t->degrees[k] = t->degrees[k] == -INFINITY ? NAN : cw_horizon_degrees(t->degrees[k] * t->per_rise);
 }
 
 /* Turns to rows of at that share their scale, and leaves these alone in it. */
 static void turn(horizon *h, cw_rectangle *at, size_t end) {
-    compass_turn(&h->compass, at->j, &at->ny);
+    cw_compass_turn(&h->compass, at->j, &at->ny);
     if (at->ny > end - at->j) at->ny = end - at->j;
 }
 
@@ -149,15 +149,15 @@ static float locate(const locating *l, size_t i, size_t j, double rise) {
     const terrain *t = l->horizon->terrain;
     const double eye[3] = {(double)i, (double)j, (double)terrain_row(t, j)[i]};
     sight s;
-    sight_init(&s, t, l->horizon->bounds, eye, l->horizon->desc.curvature);
+    cw_sight_init(&s, t, l->horizon->bounds, eye, l->horizon->desc.curvature);
     s.at_crossings = true;
-    double far = terrain_steps_out(t, eye, l->dir); /* a limit counts as the heading's */
+    double far = cw_terrain_steps_out(t, eye, l->dir); /* a limit counts as the heading's */
     if (l->horizon->desc.max_distance > 0) far = fmin(far, l->horizon->desc.max_distance / l->length * (1 + 0x1p-20));
     const double to[2] = {eye[0] + far * l->dir[0], eye[1] + far * l->dir[1]};
     const double least = (rise - 0x1p-18 * fabs(rise) - 0x1p-40 * fabs(eye[2])) * far;
-    sight_rise r = sight_steepest(&s, to[0], to[1], least);
-    if (r.share == 0) r = sight_steepest(&s, to[0], to[1], -INFINITY);
-    return r.share > 0 ? (float)(sight_nearest(&s, to[0], to[1], r) * far * l->length) : NAN;
+    sight_rise r = cw_sight_steepest(&s, to[0], to[1], least);
+    if (r.share == 0) r = cw_sight_steepest(&s, to[0], to[1], -INFINITY);
+    return r.share > 0 ? (float)(cw_sight_nearest(&s, to[0], to[1], r) * far * l->length) : NAN;
 }
 
 static void locate_some(void *context, size_t begin, size_t end) {
@@ -184,7 +184,7 @@ static cw_status fill_angles(void *context, const cw_run *run, cw_rectangle at, 
         run_part rest = {run, part.begin + 0.1 * (part.end - part.begin), part.end};
         if (h->bounds) part.end = rest.begin;
         const cw_run some = cw_run_part_of(&part), far = cw_run_part_of(&rest);
-        cw_status status = compass_heading(&h->compass, h->number, &heading, &slope);
+        cw_status status = cw_compass_heading(&h->compass, h->number, &heading, &slope);
         if (status == CW_OK) status = cw_heading_steepest(heading, &some, -INFINITY, INFINITY, at, out);
         if (status != CW_OK) return status;
         if (h->bounds == NULL) {
@@ -193,8 +193,8 @@ static cw_status fill_angles(void *context, const cw_run *run, cw_rectangle at, 
             continue;
         }
         locating l = {.horizon = h, .at = at, .metres = out};
-        l.length = terrain_direction(whole, 0.5 * (double)(whole->nx - 1), compass_middle(&h->compass),
-                                     h->azimuths[h->number], l.dir);
+        l.length = cw_terrain_direction(whole, 0.5 * (double)(whole->nx - 1), cw_compass_middle(&h->compass),
+                                        h->azimuths[h->number], l.dir);
         status = cw_run_work(&far, at.nx * at.ny, FEW, FEW, locate_some, &l);
         if (status != CW_OK) return status;
     }
@@ -217,9 +217,9 @@ cw_status cw_horizon_angles(const cw_terrain *t, const cw_run *run, const cw_hor
     if (status == CW_OK && (degrees || !metres))
         status = cw_area_make(area, &angles, sizeof *degrees, fill_angles, &h, degrees, "degrees");
     if (status == CW_OK && metres) {
-        status = terrain_bounds(t, &h.bounds);
+        status = cw_terrain_bounds(t, &h.bounds);
         if (status == CW_OK) status = cw_area_make(area, &distances, sizeof *metres, fill_angles, &h, metres, "metres");
-        terrain_bounds_release(t, h.bounds);
+        cw_terrain_bounds_release(t, h.bounds);
     }
     destroy(&h);
     return status;
@@ -259,7 +259,7 @@ static void add_tilted_sky(void *context, size_t begin, size_t end) {
         const float slope = a->east[k] * a->towards[0] + a->north[k] * a->towards[1];
         const float rise = a->rises[k] * a->per_rise, tangent = rise < slope ? slope : rise; /* NaN stays */
         const float square = 1 / (1 + tangent * tangent);
-        const float rest = (float)degree * horizon_degrees(1 / fabsf(tangent)) - tangent * square;
+        const float rest = (float)degree * cw_horizon_degrees(1 / fabsf(tangent)) - tangent * square;
         a->sum[k] += (double)(square - slope * rest);
     }
 }
@@ -275,7 +275,7 @@ static void add_opening(void *context, size_t begin, size_t end) {
     const opening *a = context;
     for (size_t k = begin; k < end; k++) {
         if (!isfinite(a->rises[k])) continue;
-        a->sum[k] += 90 - (double)horizon_degrees(a->rises[k] * a->per_rise);
+        a->sum[k] += 90 - (double)cw_horizon_degrees(a->rises[k] * a->per_rise);
         a->count[k]++;
     }
 }
@@ -287,7 +287,7 @@ static cw_status add_direction(horizon *h, const cw_run *run, size_t k, cw_recta
     cw_heading *heading;
     double slope;
     const size_t n = at.nx * at.ny;
-    cw_status status = compass_heading(&h->compass, k, &heading, &slope);
+    cw_status status = cw_compass_heading(&h->compass, k, &heading, &slope);
     /* Terrain below the level hides nothing of the sky. */
     if (status == CW_OK) status = cw_heading_steepest(heading, run, count ? -INFINITY : 0, INFINITY, at, h->work);
     if (status != CW_OK) return status;
@@ -301,7 +301,7 @@ static cw_status add_direction(horizon *h, const cw_run *run, size_t k, cw_recta
         return CW_OK;
     }
     double sine, cosine;
-    terrain_sine_cosine(h->azimuths[k], &sine, &cosine);
+    cw_terrain_sine_cosine(h->azimuths[k], &sine, &cosine);
     tilting a = {h->work, lean, lean + h->room, sum, per_rise, {(float)sine, (float)cosine}};
     cw_pool_run(run->pool, n, GRAIN, add_tilted_sky, &a);
     return CW_OK;
@@ -317,7 +317,7 @@ static void find_slopes(void *context, size_t begin, size_t end) {
     const leaning *l = context;
     const size_t nx = l->at.nx;
     for (size_t j = begin; j < end; j++)
-        terrain_slope_row(l->terrain, l->at.j + j, l->at.i, nx, l->east + j * nx, l->north + j * nx);
+        cw_terrain_slope_row(l->terrain, l->at.j + j, l->at.i, nx, l->east + j * nx, l->north + j * nx);
 }
 
 /* Times the normal's upward part. */

@@ -7,6 +7,6 @@
 #include "terrain.h"
 
 /* Degrees whose tangent is x, off by less than 10^-5 degrees, by operations that are the same on every CPU. */
-float horizon_degrees(float x);
+float cw_horizon_degrees(float x);
 
 #endif

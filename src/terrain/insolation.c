@@ -57,7 +57,7 @@ static void take_suns(insolation *s) {
             direction = 360 * (double)n / (double)d->directions;
         }
         s->beams[s->beam_count++] = (beam){direction, *p, d->weights ? d->weights[k] : 1};
-        s->diffuse += clear_sky_diffuse(d->linke, p->distance, p->altitude - p->refraction) * d->hours;
+        s->diffuse += cw_clear_sky_diffuse(d->linke, p->distance, p->altitude - p->refraction) * d->hours;
     }
     qsort(s->beams, s->beam_count, sizeof *s->beams, by_direction);
     for (size_t k = 0; k < s->beam_count; k++) {
@@ -81,7 +81,7 @@ static bool good_suns(const insolation_desc *d) {
     return true;
 }
 
-cw_status insolation_create(const terrain *t, const insolation_desc *desc, insolation **out) {
+cw_status cw_insolation_create(const terrain *t, const insolation_desc *desc, insolation **out) {
     *out = NULL;
     cw_status status = cw_check_number("hours", desc->hours, DBL_MIN, DBL_MAX);
     if (status == CW_OK) status = cw_check_number("linke", desc->linke, DBL_MIN, DBL_MAX);
@@ -100,19 +100,19 @@ cw_status insolation_create(const terrain *t, const insolation_desc *desc, insol
     if (!(s->beams && s->sectors && s->azimuths)) status = cw_fail_plainly(CW_ERROR_MEMORY);
     if (status == CW_OK) {
         take_suns(s);
-        status =
-            compass_create(&s->compass, t, s->azimuths, s->sector_count > 0 ? s->sector_count : 1, 0, desc->curvature);
+        status = cw_compass_create(&s->compass, t, s->azimuths, s->sector_count > 0 ? s->sector_count : 1, 0,
+                                   desc->curvature);
     }
     if (status == CW_OK)
         *out = s;
     else
-        insolation_destroy(s);
+        cw_insolation_destroy(s);
     return status;
 }
 
-void insolation_destroy(insolation *s) {
+void cw_insolation_destroy(insolation *s) {
     if (s == NULL) return;
-    compass_destroy(&s->compass);
+    cw_compass_destroy(&s->compass);
     free(s->beams);
     free(s->sectors);
     free(s->azimuths);
@@ -120,14 +120,14 @@ void insolation_destroy(insolation *s) {
     free(s);
 }
 
-size_t insolation_directions(const insolation *s) { return s->sector_count; }
+size_t cw_insolation_directions(const insolation *s) { return s->sector_count; }
 
-void insolation_direction(const insolation *s, size_t number, double *azimuth, double *lowest) {
+void cw_insolation_direction(const insolation *s, size_t number, double *azimuth, double *lowest) {
     *azimuth = s->azimuths[number];
     *lowest = s->beams[s->sectors[number].first].sun.altitude;
 }
 
-double insolation_diffuse(const insolation *s) { return s->diffuse; }
+double cw_insolation_diffuse(const insolation *s) { return s->diffuse; }
 
 /* ---- one sun on a block of rows ---------------------------------------------------------------------------------- */
 
@@ -148,10 +148,10 @@ static void make_light(const insolation *s, const beam *b, light *out) {
     for (int k = 0; k < LEVELS; k++)
         out->level[k] = s->weighted
                             ? (float)b->weight
-                            : (float)clear_sky_direct(s->desc.linke, p->distance, p->altitude, LOWEST + STEP * k);
+                            : (float)cw_clear_sky_direct(s->desc.linke, p->distance, p->altitude, LOWEST + STEP * k);
     double sine, cosine, up, level;
-    terrain_sine_cosine(p->azimuth, &sine, &cosine);
-    terrain_sine_cosine(p->altitude, &up, &level);
+    cw_terrain_sine_cosine(p->azimuth, &sine, &cosine);
+    cw_terrain_sine_cosine(p->altitude, &up, &level);
     out->east = (float)(sine * level);
     out->north = (float)(cosine * level);
     out->up = (float)up;
@@ -211,7 +211,7 @@ static void add_energy(void *context, size_t begin, size_t end) {
 static float rise_of(const beam *b, double slope) {
     if (b->sun.altitude >= 90) return INFINITY;
     double sine, cosine;
-    terrain_sine_cosine(b->sun.altitude, &sine, &cosine);
+    cw_terrain_sine_cosine(b->sun.altitude, &sine, &cosine);
     return (float)(sine / cosine * slope);
 }
 
@@ -233,7 +233,7 @@ static cw_status add_sector(block *b, size_t number) {
     const beam *beams = s->beams + of->first;
     cw_heading *heading;
     double slope;
-    cw_status status = compass_heading(&s->compass, number, &heading, &slope);
+    cw_status status = cw_compass_heading(&s->compass, number, &heading, &slope);
     if (status != CW_OK) return status;
     const float low = rise_of(beams, slope), high = rise_of(beams + of->count - 1, slope);
     b->add.occluded = of->count == 1 ? b->occluded : NULL;
@@ -241,7 +241,7 @@ static cw_status add_sector(block *b, size_t number) {
     /* A rise that is cut off at the lower end must be below the lowest sun's. */
     status = of->count == 1 ? cw_heading_occluded(heading, b->run, low, b->at, b->occluded)
                             : cw_heading_steepest(heading, b->run, nextafterf(low, -INFINITY), high, b->at, b->rises);
-    if (s->sector_count > HEADINGS_KEPT) compass_release(&s->compass, number);
+    if (s->sector_count > HEADINGS_KEPT) cw_compass_release(&s->compass, number);
     for (size_t k = 0; k < of->count && status == CW_OK; k++) {
         light l;
         if (b->energy) make_light(s, beams + k, &l);
@@ -272,7 +272,7 @@ static void find_lie(void *context, size_t begin, size_t end) {
         const size_t first = j * l->at.nx;
         const float *row = terrain_row(t, l->at.j + j) + l->at.i;
         float *east = l->lie.east + first, *north = l->lie.north + first;
-        terrain_slope_row(t, l->at.j + j, l->at.i, l->at.nx, east, north);
+        cw_terrain_slope_row(t, l->at.j + j, l->at.i, l->at.nx, east, north);
         for (size_t i = 0; i < l->at.nx; i++) {
             const float z = row[i];
             const double height = fmin(fmax((double)z * scale, LOWEST), HIGHEST - 1);
@@ -305,7 +305,7 @@ static cw_status fill(insolation *s, const cw_run *run, cw_rectangle at, bool en
     if (energy) cw_pool_run(run->pool, at.ny, 4, find_lie, &l);
     memset(out, 0, n * sizeof *out);
     for (; at.j < end; at.j += at.ny) {
-        compass_turn(&s->compass, at.j, &at.ny);
+        cw_compass_turn(&s->compass, at.j, &at.ny);
         if (at.ny > end - at.j) at.ny = end - at.j;
         run_part part = {run, (double)(at.j - first) / (double)all, (double)(at.j + at.ny - first) / (double)all};
         const cw_run some = cw_run_part_of(&part);
@@ -339,13 +339,13 @@ static cw_status fill_energy(void *context, const cw_run *run, cw_rectangle at, 
     return fill(context, run, at, true, to);
 }
 
-cw_status insolation_hours(insolation *s, const cw_run *run, cw_area area, float *hours) {
+cw_status cw_insolation_hours(insolation *s, const cw_run *run, cw_area area, float *hours) {
     cw_run how;
     const cw_status status = cw_area_begin(s->terrain, s, "sum", run, &area, &how);
     return status == CW_OK ? cw_area_make(area, &how, sizeof *hours, fill_hours, s, hours, "hours") : status;
 }
 
-cw_status insolation_direct(insolation *s, const cw_run *run, cw_area area, float *energy) {
+cw_status cw_insolation_direct(insolation *s, const cw_run *run, cw_area area, float *energy) {
     cw_run how;
     const cw_status status = cw_area_begin(s->terrain, s, "sum", run, &area, &how);
     return status == CW_OK ? cw_area_make(area, &how, sizeof *energy, fill_energy, s, energy, "energy") : status;

@@ -17,7 +17,7 @@ typedef struct insolation_desc {
      * air. */
     const double *weights;
     double linke;     /* turbidity (clear_sky.h) */
-    double curvature; /* as sight_init takes it; 0: the earth is flat */
+    double curvature; /* as cw_sight_init takes it; 0: the earth is flat */
     /* 0: shadows are exact, in the direction of each sun. Else the sun casts its shadow from the nearest of so many directions
      * evenly all round, so that suns that share one also share one horizon: its azimuth is off by up to 180 / directions
      * degrees. At most COMPASS_MOST (compass.h). */
@@ -25,22 +25,22 @@ typedef struct insolation_desc {
 } insolation_desc;
 
 /* The terrain must stay. */
-cw_status insolation_create(const terrain *t, const insolation_desc *desc, insolation **sum);
-void insolation_destroy(insolation *sum);
+cw_status cw_insolation_create(const terrain *t, const insolation_desc *desc, insolation **sum);
+void cw_insolation_destroy(insolation *sum);
 
 /* In how many directions the terrain is looked at. */
-size_t insolation_directions(const insolation *sum);
+size_t cw_insolation_directions(const insolation *sum);
 /* One of them: its azimuth, and the altitude of the lowest sun there, in degrees. */
-void insolation_direction(const insolation *sum, size_t number, double *azimuth, double *lowest);
+void cw_insolation_direction(const insolation *sum, size_t number, double *azimuth, double *lowest);
 
 /* Hours in which the middle of the sun is seen, or the sum of the weights of suns that are; NaN at a hole. */
-cw_status insolation_hours(insolation *sum, const cw_run *run, cw_area area, float *hours);
+cw_status cw_insolation_hours(insolation *sum, const cw_run *run, cw_area area, float *hours);
 
 /* Energy of the direct light on the surface as it leans, in Wh/m² of surface. Samples below -1000 m and above
  * 10000 m count as being there. */
-cw_status insolation_direct(insolation *sum, const cw_run *run, cw_area area, float *energy);
+cw_status cw_insolation_direct(insolation *sum, const cw_run *run, cw_area area, float *energy);
 
 /* Energy of the diffuse light of the whole sky on level ground, in Wh/m²: the same at all heights. */
-double insolation_diffuse(const insolation *sum);
+double cw_insolation_diffuse(const insolation *sum);
 
 #endif

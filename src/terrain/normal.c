@@ -5,7 +5,7 @@
 
 /* Each triangle of the grid covers the same half cell, so the area-weighted mean of normals (-x, -y, 1) is the mean of the
  * leans. */
-void terrain_lean(const terrain *t, size_t i, size_t j, double lean[2]) {
+void cw_terrain_lean(const terrain *t, size_t i, size_t j, double lean[2]) {
     /* The six triangles, each by the sample that it has beside (i, j) and the next one round the clock. */
     static const int around[7][2] = {{1, 0}, {1, 1}, {0, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, 0}};
     double sum[2] = {0, 0}, count = 0;
@@ -27,7 +27,7 @@ void terrain_lean(const terrain *t, size_t i, size_t j, double lean[2]) {
     lean[1] = count > 0 ? sum[1] / count : NAN;
 }
 
-void terrain_lean_row(const terrain *t, size_t j, size_t from, size_t count, float *restrict x, float *restrict y) {
+void cw_terrain_lean_row(const terrain *t, size_t j, size_t from, size_t count, float *restrict x, float *restrict y) {
     const size_t end = from + count;
     const bool inside = j > 0 && j + 1 < t->ny;
     if (inside) {
@@ -43,23 +43,23 @@ void terrain_lean_row(const terrain *t, size_t j, size_t from, size_t count, flo
     for (size_t i = from; i < end; i++) {
         if (inside && i > 0 && i + 1 < t->nx && isfinite(x[i - from] + y[i - from])) continue;
         double lean[2];
-        terrain_lean(t, i, j, lean);
+        cw_terrain_lean(t, i, j, lean);
         x[i - from] = (float)lean[0];
         y[i - from] = (float)lean[1];
     }
 }
 
-void terrain_slope_row(const terrain *t, size_t j, size_t from, size_t count, float *restrict east,
-                       float *restrict north) {
+void cw_terrain_slope_row(const terrain *t, size_t j, size_t from, size_t count, float *restrict east,
+                          float *restrict north) {
     const terrain *whole = terrain_whole(t);
     double metres[2];
-    terrain_metres(whole, 0.5 * (double)(whole->nx - 1), (double)(j + t->row), metres);
+    cw_terrain_metres(whole, 0.5 * (double)(whole->nx - 1), (double)(j + t->row), metres);
     float to_east[2], to_north[2];
     for (int k = 0; k < 2; k++) {
         to_east[k] = (float)(t->back[k][0] * t->map[2][2] / metres[0]);
         to_north[k] = (float)(t->back[k][1] * t->map[2][2] / metres[1]);
     }
-    terrain_lean_row(t, j, from, count, east, north);
+    cw_terrain_lean_row(t, j, from, count, east, north);
     for (size_t i = 0; i < count; i++) {
         const float x = east[i], y = north[i];
         east[i] = x * to_east[0] + y * to_east[1];

@@ -7,13 +7,13 @@
 #include "terrain.h"
 
 /* Rise of the surface in a cell along i and j, in the samples' numbers; NaN where there is no triangle. */
-void terrain_lean(const terrain *t, size_t i, size_t j, double lean[2]);
+void cw_terrain_lean(const terrain *t, size_t i, size_t j, double lean[2]);
 
 /* The same for count samples of row j, from that one on. */
-void terrain_lean_row(const terrain *t, size_t j, size_t from, size_t count, float *restrict x, float *restrict y);
+void cw_terrain_lean_row(const terrain *t, size_t j, size_t from, size_t count, float *restrict x, float *restrict y);
 
 /* Slopes of the surface there, metres in a metre: how it rises eastward and northward. */
-void terrain_slope_row(const terrain *t, size_t j, size_t from, size_t count, float *restrict east,
-                       float *restrict north);
+void cw_terrain_slope_row(const terrain *t, size_t j, size_t from, size_t count, float *restrict east,
+                          float *restrict north);
 
 #endif

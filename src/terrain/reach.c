@@ -31,7 +31,7 @@ static void ends(cw_rectangle r, double low[2], double high[2]) {
     high[1] = (double)(r.j + r.ny) - 1;
 }
 
-cw_rectangle reach_grow(const terrain *whole, cw_rectangle part, double more) {
+cw_rectangle cw_reach_grow(const terrain *whole, cw_rectangle part, double more) {
     double low[2], high[2];
     ends(part, low, high);
     for (int k = 0; k < 2; k++) {
@@ -41,7 +41,7 @@ cw_rectangle reach_grow(const terrain *whole, cw_rectangle part, double more) {
     return between(whole, low, high);
 }
 
-cw_rectangle reach_both(cw_rectangle a, cw_rectangle b) {
+cw_rectangle cw_reach_both(cw_rectangle a, cw_rectangle b) {
     if (a.nx == 0 || a.ny == 0) return b;
     if (b.nx == 0 || b.ny == 0) return a;
     const size_t i = a.i < b.i ? a.i : b.i, j = a.j < b.j ? a.j : b.j;
@@ -53,11 +53,11 @@ cw_rectangle reach_both(cw_rectangle a, cw_rectangle b) {
 /* Cells that a metre is long at most, along columns and rows, at a row. */
 static void cells_a_metre(const terrain *whole, double i, double j, double cells[2]) {
     double metres[2];
-    terrain_metres(whole, i, j, metres);
+    cw_terrain_metres(whole, i, j, metres);
     for (int k = 0; k < 2; k++) cells[k] = hypot(whole->back[k][0] / metres[0], whole->back[k][1] / metres[1]);
 }
 
-cw_rectangle reach_within(const terrain *whole, const double at[2], double metres) {
+cw_rectangle cw_reach_within(const terrain *whole, const double at[2], double metres) {
     double cells[2], low[2], high[2];
     cells_a_metre(whole, at[0], at[1], cells);
     for (int k = 0; k < 2; k++) {
@@ -72,7 +72,7 @@ cw_rectangle reach_within(const terrain *whole, const double at[2], double metre
                           (size_t)(high[1] - low[1]) + 1};
 }
 
-cw_rectangle reach_between(const terrain *whole, const double at[2], cw_rectangle part) {
+cw_rectangle cw_reach_between(const terrain *whole, const double at[2], cw_rectangle part) {
     double low[2], high[2];
     ends(part, low, high);
     for (int k = 0; k < 2; k++) {
@@ -83,10 +83,10 @@ cw_rectangle reach_between(const terrain *whole, const double at[2], cw_rectangl
 }
 
 /* The sweep of a viewshed ends at a square around the place: terrain beyond it changes nothing. */
-cw_rectangle reach_around(const terrain *whole, const double at[2], double metres) {
+cw_rectangle cw_reach_around(const terrain *whole, const double at[2], double metres) {
     enum { SWEEP_BESIDE = 8 };
     double each[2], low[2], high[2];
-    terrain_metres(whole, at[0], at[1], each);
+    cw_terrain_metres(whole, at[0], at[1], each);
     double cells = 0;
     for (int k = 0; k < 2; k++)
         cells = fmax(cells, fabs(whole->back[k][0]) / each[0] + fabs(whole->back[k][1]) / each[1]);
@@ -99,7 +99,7 @@ cw_rectangle reach_around(const terrain *whole, const double at[2], double metre
     return between(whole, low, high);
 }
 
-cw_rectangle reach_beside(const terrain *whole, cw_rectangle part, double metres) {
+cw_rectangle cw_reach_beside(const terrain *whole, cw_rectangle part, double metres) {
     double low[2], high[2], most[2] = {0, 0};
     ends(part, low, high);
     /* The compass has one direction for up to 256 rows. */
@@ -118,7 +118,7 @@ cw_rectangle reach_beside(const terrain *whole, cw_rectangle part, double metres
 
 /* ---- blocks ------------------------------------------------------------------------------------------------------ */
 
-cw_status reach_blocks_create(const terrain *whole, reach_blocks *b) {
+cw_status cw_reach_blocks_create(const terrain *whole, reach_blocks *b) {
     *b = (reach_blocks){.whole = whole,
                         .across = (whole->nx + REACH_BLOCK - 1) / REACH_BLOCK,
                         .down = (whole->ny + REACH_BLOCK - 1) / REACH_BLOCK,
@@ -127,7 +127,7 @@ cw_status reach_blocks_create(const terrain *whole, reach_blocks *b) {
     b->low = malloc(2 * n * sizeof *b->low);
     b->holes = calloc(n, sizeof *b->holes);
     if (b->low == NULL || b->holes == NULL) {
-        reach_blocks_destroy(b);
+        cw_reach_blocks_destroy(b);
         return CW_ERROR_MEMORY;
     }
     b->high = b->low + n;
@@ -138,13 +138,13 @@ cw_status reach_blocks_create(const terrain *whole, reach_blocks *b) {
     return CW_OK;
 }
 
-void reach_blocks_destroy(reach_blocks *b) {
+void cw_reach_blocks_destroy(reach_blocks *b) {
     free(b->low);
     free(b->holes);
     *b = (reach_blocks){0};
 }
 
-void reach_blocks_take(reach_blocks *b, cw_rectangle part, const float *z) {
+void cw_reach_blocks_take(reach_blocks *b, cw_rectangle part, const float *z) {
     for (size_t y = 0; y < part.ny; y++, z += part.nx)
         for (size_t x = 0; x < part.nx;) {
             const size_t column = (part.i + x) / REACH_BLOCK, k = (part.j + y) / REACH_BLOCK * b->across + column;
@@ -166,12 +166,12 @@ void reach_blocks_take(reach_blocks *b, cw_rectangle part, const float *z) {
 
 /* ---- the sun ----------------------------------------------------------------------------------------------------- */
 
-reach_sunward reach_toward(const terrain *whole, const cw_light *light, cw_rectangle part) {
+reach_sunward cw_reach_toward(const terrain *whole, const cw_light *light, cw_rectangle part) {
     double azimuths[SUNLIGHT_STRIPS_MOST], sine, cosine;
     const size_t strips = cw_light_azimuths(light, azimuths);
     reach_sunward s = {.cells = {{INFINITY, -INFINITY}, {INFINITY, -INFINITY}}};
     const double lowest = light->altitude - light->radius;
-    terrain_sine_cosine(fmax(lowest, -90), &sine, &cosine);
+    cw_terrain_sine_cosine(fmax(lowest, -90), &sine, &cosine);
     s.tangent = lowest >= 90 ? INFINITY : sine / cosine;
     /* Rises are floats. */
     s.tangent -= 0x1p-20 * fabs(s.tangent);
@@ -182,7 +182,7 @@ reach_sunward reach_toward(const terrain *whole, const cw_light *light, cw_recta
     for (double j = from; j <= until; j += terrain_has_rows(whole) ? 0.5 : until - from + 1)
         for (size_t k = 0; k < strips; k++) {
             double dir[2];
-            const double metres = terrain_direction(whole, 0.5 * (double)(whole->nx - 1), j, azimuths[k], dir);
+            const double metres = cw_terrain_direction(whole, 0.5 * (double)(whole->nx - 1), j, azimuths[k], dir);
             for (int a = 0; a < 2; a++) {
                 const double cells = dir[a] / metres, hair = 0x1p-40 / metres;
                 s.cells[a][0] = fmin(s.cells[a][0], cells - hair);
@@ -219,7 +219,7 @@ static bool passing(const reach_sunward *s, cw_rectangle part, cw_rectangle over
     return *first <= *last;
 }
 
-bool reach_passes(const reach_sunward *s, cw_rectangle part, cw_rectangle over) {
+bool cw_reach_passes(const reach_sunward *s, cw_rectangle part, cw_rectangle over) {
     double first, last;
     return passing(s, part, over, &first, &last);
 }
@@ -256,7 +256,7 @@ static double lowest_of(const reach_blocks *b, cw_rectangle part) {
     return (double)lowest;
 }
 
-cw_rectangle reach_of_shadows(const reach_blocks *b, const reach_sunward *s, cw_rectangle part) {
+cw_rectangle cw_reach_of_shadows(const reach_blocks *b, const reach_sunward *s, cw_rectangle part) {
     double low[2], high[2], from[2], until[2];
     const double lowest = lowest_of(b, part);
     ends(part, from, until);

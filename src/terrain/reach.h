@@ -9,23 +9,23 @@
 #include "shadow.h"
 
 /* The samples that lines from a place to samples of the part pass; the place may lie outside the raster. */
-cw_rectangle reach_between(const terrain *whole, const double at[2], cw_rectangle part);
+cw_rectangle cw_reach_between(const terrain *whole, const double at[2], cw_rectangle part);
 
 /* With more columns and rows on each side, as far as the raster goes, and at least 2 of each. */
-cw_rectangle reach_grow(const terrain *whole, cw_rectangle part, double more);
+cw_rectangle cw_reach_grow(const terrain *whole, cw_rectangle part, double more);
 
 /* The least rectangle that holds both; one without samples counts for nothing. */
-cw_rectangle reach_both(cw_rectangle a, cw_rectangle b);
+cw_rectangle cw_reach_both(cw_rectangle a, cw_rectangle b);
 
 /* The samples within so many metres of a place in the whole raster's field coordinates, as viewshed.h measures them: the least
  * rectangle that has them, which has no samples if there are none. */
-cw_rectangle reach_within(const terrain *whole, const double at[2], double metres);
+cw_rectangle cw_reach_within(const terrain *whole, const double at[2], double metres);
 
 /* The samples that a viewshed from there to that distance looks at. */
-cw_rectangle reach_around(const terrain *whole, const double at[2], double metres);
+cw_rectangle cw_reach_around(const terrain *whole, const double at[2], double metres);
 
 /* The part, grown by so many metres in every direction. */
-cw_rectangle reach_beside(const terrain *whole, cw_rectangle part, double metres);
+cw_rectangle cw_reach_beside(const terrain *whole, cw_rectangle part, double metres);
 
 /* Lowest and highest samples of blocks of the raster. */
 enum { REACH_BLOCK = 256 };
@@ -37,10 +37,10 @@ typedef struct reach_blocks {
     float highest;     /* of all */
 } reach_blocks;
 
-cw_status reach_blocks_create(const terrain *whole, reach_blocks *blocks);
-void reach_blocks_destroy(reach_blocks *blocks);
+cw_status cw_reach_blocks_create(const terrain *whole, reach_blocks *blocks);
+void cw_reach_blocks_destroy(reach_blocks *blocks);
 /* Takes samples that are in memory. Of a block all must have been taken, in any number of parts. */
-void reach_blocks_take(reach_blocks *blocks, cw_rectangle part, const float *z);
+void cw_reach_blocks_take(reach_blocks *blocks, cw_rectangle part, const float *z);
 
 /* The ways from samples of a part toward the sun's disc. */
 typedef struct reach_sunward {
@@ -49,14 +49,14 @@ typedef struct reach_sunward {
 } reach_sunward;
 
 /* light has the sun's place, disc and strips. */
-reach_sunward reach_toward(const terrain *whole, const cw_light *light, cw_rectangle part);
+reach_sunward cw_reach_toward(const terrain *whole, const cw_light *light, cw_rectangle part);
 
 /* Whether rays from the part toward the sun pass over a rectangle at all. */
-bool reach_passes(const reach_sunward *sunward, cw_rectangle part, cw_rectangle over);
+bool cw_reach_passes(const reach_sunward *sunward, cw_rectangle part, cw_rectangle over);
 
 /* The part and all that can throw a shadow on it. All blocks that rays from the part pass over must have been taken, and those
  * of the part. */
-cw_rectangle reach_of_shadows(const reach_blocks *blocks, const reach_sunward *sunward, cw_rectangle part);
+cw_rectangle cw_reach_of_shadows(const reach_blocks *blocks, const reach_sunward *sunward, cw_rectangle part);
 
 /* Horizons of samples of a window: what can matter to them, as far as highest and lowest samples of blocks tell. */
 typedef struct reach_horizons {
@@ -74,11 +74,11 @@ typedef struct reach_horizons {
 
 /* All blocks must have been taken, and stay. curvature is that of horizon.h. above_level: what is not above the level of a sample
  * does not count for it, as in the sky view. */
-cw_status reach_horizons_create(const reach_blocks *blocks, cw_rectangle window, double curvature, bool above_level,
-                                reach_horizons *horizons);
-void reach_horizons_destroy(reach_horizons *horizons);
+cw_status cw_reach_horizons_create(const reach_blocks *blocks, cw_rectangle window, double curvature, bool above_level,
+                                   reach_horizons *horizons);
+void cw_reach_horizons_destroy(reach_horizons *horizons);
 
 /* A part of the window and all that can be the horizon of its samples, normals included. Not from two threads at once. */
-cw_rectangle reach_of_horizons(reach_horizons *horizons, cw_rectangle part);
+cw_rectangle cw_reach_of_horizons(reach_horizons *horizons, cw_rectangle part);
 
 #endif

@@ -32,7 +32,7 @@ static scale scale_of(const terrain *whole, size_t block_row) {
                  until = fmin((double)((block_row + 1) * REACH_BLOCK) + 256, (double)(whole->ny - 1));
     for (double j = from; j <= until; j += terrain_has_rows(whole) ? 0.5 : until - from + 1) {
         double metres[2];
-        terrain_metres(whole, 0.5 * (double)(whole->nx - 1), j, metres);
+        cw_terrain_metres(whole, 0.5 * (double)(whole->nx - 1), j, metres);
         for (int k = 0; k < 2; k++) {
             const double turn = k ? 1 : -1, x = whole->map[0][0] + turn * whole->map[0][1],
                          y = whole->map[1][0] + turn * whole->map[1][1];
@@ -130,7 +130,7 @@ static void add_block(place *p, cw_rectangle *all) {
     for (size_t k = p->count; k-- > 0;)
         for (size_t y = p->y > k ? p->y - k : 0; y <= p->y + k && y < b->down; y++)
             for (size_t x = p->x > k ? p->x - k : 0; x <= p->x + k && x < b->across; x++) {
-                const cw_rectangle block = block_at(b, x, y), both = reach_both(*all, block);
+                const cw_rectangle block = block_at(b, x, y), both = cw_reach_both(*all, block);
                 const bool on_ring = apart(x, p->x) == k || apart(y, p->y) == k;
                 if (!on_ring && x < p->x + k) x = p->x + k - 1 > x ? p->x + k - 1 : x;
                 if (on_ring && memcmp(&both, all, sizeof both) != 0 && matters(p, x, y)) *all = both;
@@ -156,8 +156,8 @@ static cw_rectangle row_of_blocks(const reach_horizons *h, size_t y) {
     return all;
 }
 
-cw_status reach_horizons_create(const reach_blocks *blocks, cw_rectangle window, double curvature, bool above_level,
-                                reach_horizons *h) {
+cw_status cw_reach_horizons_create(const reach_blocks *blocks, cw_rectangle window, double curvature, bool above_level,
+                                   reach_horizons *h) {
     const size_t most = blocks->across > blocks->down ? blocks->across : blocks->down;
     *h = (reach_horizons){.blocks = blocks, .window = window, .curvature = curvature, .above_level = above_level};
     h->rows = calloc(blocks->down, sizeof *h->rows);
@@ -167,25 +167,25 @@ cw_status reach_horizons_create(const reach_blocks *blocks, cw_rectangle window,
         if (blocks->low[k] <= blocks->high[k])
             h->deepest = fmax(h->deepest, fmax(fabs((double)blocks->low[k]), fabs((double)blocks->high[k])));
     if (h->rows && h->rings && h->best) return CW_OK;
-    reach_horizons_destroy(h);
+    cw_reach_horizons_destroy(h);
     return CW_ERROR_MEMORY;
 }
 
-void reach_horizons_destroy(reach_horizons *h) {
+void cw_reach_horizons_destroy(reach_horizons *h) {
     free(h->rows);
     free(h->rings);
     free(h->best);
     *h = (reach_horizons){0};
 }
 
-cw_rectangle reach_of_horizons(reach_horizons *h, cw_rectangle part) {
+cw_rectangle cw_reach_of_horizons(reach_horizons *h, cw_rectangle part) {
     const terrain *whole = h->blocks->whole;
     cw_rectangle all = part;
     for (size_t y = part.j / REACH_BLOCK; y <= (part.j + part.ny - 1) / REACH_BLOCK; y++) {
         struct reach_row *row = &h->rows[y];
         if (!row->known) row->matters = row_of_blocks(h, y);
         row->known = true;
-        all = reach_both(all, row->matters);
+        all = cw_reach_both(all, row->matters);
     }
-    return reach_grow(whole, all, beside);
+    return cw_reach_grow(whole, all, beside);
 }

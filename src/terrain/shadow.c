@@ -40,7 +40,7 @@ static double strip_aside(size_t k, size_t strips) { return (2 * (double)k + 1) 
 size_t cw_light_azimuths(const cw_light *d, double azimuths[SUNLIGHT_STRIPS_MOST]) {
     const size_t strips = d->radius == 0 ? 1 : d->strips > 0 ? d->strips : STRIPS_USUAL;
     double level, up;
-    terrain_sine_cosine(d->altitude, &up, &level);
+    cw_terrain_sine_cosine(d->altitude, &up, &level);
     /* At the zenith the azimuth of a strip is undefined. */
     for (size_t k = 0; k < strips; k++)
         azimuths[k] = d->azimuth + (level > 0.01 ? strip_aside(k, strips) * d->radius / level : 0);
@@ -48,7 +48,7 @@ size_t cw_light_azimuths(const cw_light *d, double azimuths[SUNLIGHT_STRIPS_MOST
 }
 
 static void destroy(sunlight *s) {
-    compass_destroy(&s->compass);
+    cw_compass_destroy(&s->compass);
     free(s->work);
 }
 
@@ -69,7 +69,7 @@ static cw_status create(sunlight *s, const terrain *t, const cw_light *desc) {
     if (status != CW_OK) return status;
     s->strips = cw_light_azimuths(desc, s->azimuths);
     double level, up, area = 0;
-    terrain_sine_cosine(desc->altitude, &up, &level);
+    cw_terrain_sine_cosine(desc->altitude, &up, &level);
     for (size_t k = 0; k < s->strips; k++) {
         const double aside = strip_aside(k, s->strips), half = sqrt(1 - aside * aside);
         s->strip[k] = (strip){.altitude = desc->altitude, .half = half * desc->radius, .share = half};
@@ -77,11 +77,11 @@ static cw_status create(sunlight *s, const terrain *t, const cw_light *desc) {
     }
     for (size_t k = 0; k < s->strips; k++) s->strip[k].share /= area;
     double sine, cosine;
-    terrain_sine_cosine(desc->azimuth, &sine, &cosine);
+    cw_terrain_sine_cosine(desc->azimuth, &sine, &cosine);
     s->towards[0] = sine * level;
     s->towards[1] = cosine * level;
     s->towards[2] = up;
-    return compass_create(&s->compass, t, s->azimuths, s->strips, 0, desc->curvature);
+    return cw_compass_create(&s->compass, t, s->azimuths, s->strips, 0, desc->curvature);
 }
 
 static float *work(sunlight *s, size_t floats) {
@@ -97,7 +97,7 @@ static float rise(double slope, double altitude) {
     if (altitude >= 90) return INFINITY;
     if (altitude <= -90) return -INFINITY;
     double sine, cosine;
-    terrain_sine_cosine(altitude, &sine, &cosine);
+    cw_terrain_sine_cosine(altitude, &sine, &cosine);
     return (float)(sine / cosine * slope);
 }
 
@@ -105,7 +105,7 @@ static float rise(double slope, double altitude) {
 static cw_status blocked(sunlight *s, const cw_run *run, cw_rectangle at, uint8_t *occluded) {
     cw_heading *heading;
     double slope;
-    const cw_status status = compass_heading(&s->compass, 0, &heading, &slope);
+    const cw_status status = cw_compass_heading(&s->compass, 0, &heading, &slope);
     if (status != CW_OK) return status;
     return cw_heading_occluded(heading, run, rise(slope, s->desc.altitude), at, occluded);
 }
@@ -116,8 +116,8 @@ static double night_limit(const sunlight *s) {
     double sine, cosine, half, unused;
     const double top = s->desc.altitude + s->desc.radius;
     if (!(top < 0)) return -INFINITY;
-    terrain_sine_cosine(top, &sine, &cosine);
-    terrain_sine_cosine(top / 2, &half, &unused);
+    cw_terrain_sine_cosine(top, &sine, &cosine);
+    cw_terrain_sine_cosine(top / 2, &half, &unused);
     if (!(cosine > 0)) return INFINITY;
     return s->terrain->radius * 2 * half * half / cosine / terrain_metres_of_height(s->terrain);
 }
@@ -128,7 +128,7 @@ static cw_status fill_lit(void *context, const cw_run *run, cw_rectangle at, voi
     const double night = night_limit(s);
     uint8_t *lit = to;
     for (size_t done = 0; at.j < end; at.j += at.ny, done += at.ny) {
-        compass_turn(&s->compass, at.j, &at.ny);
+        cw_compass_turn(&s->compass, at.j, &at.ny);
         if (at.ny > end - at.j) at.ny = end - at.j;
         run_part part = {run, (double)done / (double)all, (double)(done + at.ny) / (double)all};
         const cw_run some = cw_run_part_of(&part);
@@ -149,7 +149,7 @@ static cw_status add_strip(sunlight *s, const cw_run *run, size_t k, cw_rectangl
     const strip *p = &s->strip[k];
     cw_heading *heading;
     double slope;
-    cw_status status = compass_heading(&s->compass, k, &heading, &slope);
+    cw_status status = cw_compass_heading(&s->compass, k, &heading, &slope);
     if (status != CW_OK) return status;
     const float low = rise(slope, p->altitude - p->half), high = rise(slope, p->altitude + p->half);
     status = cw_heading_steepest(heading, run, low, high, at, steepest);
@@ -205,7 +205,7 @@ static void shade_rows(void *context, size_t begin, size_t end) {
     const float lx = (float)h->light->towards[0], ly = (float)h->light->towards[1], lz = (float)h->light->towards[2];
     for (size_t j = begin; j < end; j++) {
         float *restrict share = h->share + j * nx, *restrict x = h->lean + 2 * j * nx, *restrict y = x + nx;
-        terrain_lean_row(h->light->terrain, h->at.j + j, h->at.i, nx, x, y);
+        cw_terrain_lean_row(h->light->terrain, h->at.j + j, h->at.i, nx, x, y);
         for (size_t i = 0; i < nx; i++) {
             const float east = x[i] * h->east[0] + y[i] * h->east[1], north = x[i] * h->north[0] + y[i] * h->north[1];
             const float cosine = (lz - east * lx - north * ly) / sqrtf(1 + east * east + north * north);
@@ -217,7 +217,7 @@ static void shade_rows(void *context, size_t begin, size_t end) {
 static cw_status shade(sunlight *s, const cw_run *run, cw_rectangle at, float *share) {
     const terrain *t = s->terrain, *whole = terrain_whole(t);
     double metres[2];
-    terrain_metres(whole, 0.5 * (double)(whole->nx - 1), compass_middle(&s->compass), metres);
+    cw_terrain_metres(whole, 0.5 * (double)(whole->nx - 1), cw_compass_middle(&s->compass), metres);
     shading h = {.light = s, .at = at, .share = share, .lean = work(s, 2 * at.nx * at.ny)};
     if (h.lean == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
     for (int k = 0; k < 2; k++) {
@@ -234,7 +234,7 @@ static cw_status fill_share(void *context, const cw_run *run, cw_rectangle at, v
     const double night = night_limit(s);
     float *share = to;
     for (size_t done = 0; at.j < end; at.j += at.ny, done += at.ny) {
-        compass_turn(&s->compass, at.j, &at.ny);
+        cw_compass_turn(&s->compass, at.j, &at.ny);
         if (at.ny > end - at.j) at.ny = end - at.j;
         run_part part = {run, (double)done / (double)all, (double)(done + at.ny) / (double)all};
         const cw_run some = cw_run_part_of(&part);

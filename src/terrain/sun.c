@@ -22,7 +22,7 @@ static double refraction_at(double altitude) {
     return seen > 0 ? seen : 0;
 }
 
-sun_position sun_at(double seconds, double longitude, double latitude) {
+sun_position cw_sun_at(double seconds, double longitude, double latitude) {
     const double days = seconds / 86400 + (2440587.5 - 2451545); /* since 2000-01-01 12:00 UT */
     /* Dynamical time runs ahead of universal time by about 70 seconds, in which the sun moves by 0.0008 degrees. */
     const double c = (days + 70.0 / 86400) / 36525;
@@ -89,7 +89,7 @@ static bool take(const char **at, char wanted) {
     return true;
 }
 
-bool sun_parse_time(const char *text, double *seconds) {
+bool cw_sun_parse_time(const char *text, double *seconds) {
     const char *at = text;
     const int year = digits(&at, 4);
     const bool dashes = take(&at, '-');

@@ -19,10 +19,10 @@ typedef struct sun_position {
 
 /* Seconds since 1970-01-01 00:00 UTC (leap seconds not counted), east longitude and north latitude in degrees. Right to 0.01
  * degrees from 1950 to 2050, refraction apart. */
-sun_position sun_at(double seconds, double longitude, double latitude);
+sun_position cw_sun_at(double seconds, double longitude, double latitude);
 
 /* "2024-06-21T12:00:00Z", or with an offset such as +02:00; seconds and the time of day may be left out. False if the text
  * is none, or names no time zone. */
-bool sun_parse_time(const char *text, double *seconds);
+bool cw_sun_parse_time(const char *text, double *seconds);
 
 #endif

@@ -6,7 +6,7 @@
 
 static const double pi = 3.141592653589793;
 
-bool terrain_init(terrain *t, const terrain_desc *d) {
+bool cw_terrain_init(terrain *t, const terrain_desc *d) {
     *t = (terrain){.field = d->field, .nx = d->nx, .ny = d->ny, .z = d->z, .geographic = d->geographic};
     t->stride = d->stride > 0 ? d->stride : d->nx;
     memcpy(t->map, d->map, sizeof t->map);
@@ -31,11 +31,11 @@ bool terrain_init(terrain *t, const terrain_desc *d) {
 }
 
 /* On an ellipsoid the meridian's radius of curvature is a (1 - e²) / w³, the one across it a / w, w² = 1 - e² sin² latitude. */
-void terrain_metres(const terrain *t, double i, double j, double metres[2]) {
+void cw_terrain_metres(const terrain *t, double i, double j, double metres[2]) {
     metres[0] = metres[1] = t->unit;
     if (!terrain_has_rows(t)) return;
     if (t->whole) { /* coordinates are sums of whole numbers and fractions that have room in double */
-        terrain_metres(t->whole, i + (double)t->column, j + (double)t->row, metres);
+        cw_terrain_metres(t->whole, i + (double)t->column, j + (double)t->row, metres);
         return;
     }
     if (t->scale != NULL) {
@@ -52,7 +52,7 @@ void terrain_metres(const terrain *t, double i, double j, double metres[2]) {
     metres[1] = t->unit * t->radius * (1 - t->eccentricity2) / (w2 * w);
 }
 
-void terrain_sine_cosine(double degrees, double *sine, double *cosine) {
+void cw_terrain_sine_cosine(double degrees, double *sine, double *cosine) {
     const double turn = remainder(degrees, 360); /* exact */
     const double quarter = nearbyint(turn / 90), rest = (turn - 90 * quarter) * (pi / 180);
     const double s = sin(rest), c = cos(rest);
@@ -74,10 +74,10 @@ void terrain_sine_cosine(double degrees, double *sine, double *cosine) {
     }
 }
 
-double terrain_direction(const terrain *t, double i, double j, double azimuth, double dir[2]) {
+double cw_terrain_direction(const terrain *t, double i, double j, double azimuth, double dir[2]) {
     double metres[2], sine, cosine;
-    terrain_metres(t, i, j, metres);
-    terrain_sine_cosine(azimuth, &sine, &cosine);
+    cw_terrain_metres(t, i, j, metres);
+    cw_terrain_sine_cosine(azimuth, &sine, &cosine);
     const double x = sine / metres[0], y = cosine / metres[1]; /* a metre on the map */
     for (int k = 0; k < 2; k++) dir[k] = t->back[k][0] * x + t->back[k][1] * y;
     const double length = 1 / fmax(fabs(dir[0]), fabs(dir[1])); /* metres in a cell along the longer axis */
@@ -86,7 +86,7 @@ double terrain_direction(const terrain *t, double i, double j, double azimuth, d
     return length;
 }
 
-double terrain_steps_out(const terrain *t, const double at[2], const double dir[2]) {
+double cw_terrain_steps_out(const terrain *t, const double at[2], const double dir[2]) {
     double steps = INFINITY;
     for (int a = 0; a < 2; a++) {
         const double last = (double)((a ? t->ny : t->nx) - 1);
@@ -95,7 +95,7 @@ double terrain_steps_out(const terrain *t, const double at[2], const double dir[
     return steps;
 }
 
-double terrain_height(const terrain *t, double i, double j) {
+double cw_terrain_height(const terrain *t, double i, double j) {
     if (!(i >= 0 && j >= 0 && i <= (double)(t->nx - 1) && j <= (double)(t->ny - 1))) return NAN;
     const size_t ci = i < (double)(t->nx - 1) ? (size_t)i : t->nx - 2,
                  cj = j < (double)(t->ny - 1) ? (size_t)j : t->ny - 2;
@@ -110,20 +110,20 @@ double terrain_height(const terrain *t, double i, double j) {
     return isfinite(height) ? height * t->map[2][2] : NAN;
 }
 
-size_t terrain_rows_alike(const terrain *t, size_t row) {
+size_t cw_terrain_rows_alike(const terrain *t, size_t row) {
     if (!terrain_has_rows(t)) return t->ny;
     size_t rows = 1;
     double here[2], there[2];
-    terrain_metres(t, 0.5 * (double)(t->nx - 1), (double)row, here);
+    cw_terrain_metres(t, 0.5 * (double)(t->nx - 1), (double)row, here);
     for (; row + rows < t->ny && rows < 256; rows++) {
-        terrain_metres(t, 0.5 * (double)(t->nx - 1), (double)(row + rows), there);
+        cw_terrain_metres(t, 0.5 * (double)(t->nx - 1), (double)(row + rows), there);
         if (fabs(there[0] / here[0] - 1) > 1e-4) break;
         if (t->scale != NULL && fabs(there[1] / here[1] - 1) > 1e-4) break;
     }
     return rows;
 }
 
-bool terrain_is_in_reach(double x, double y) { return fabs(x) <= 0x1p24 && fabs(y) <= 0x1p24; }
+bool cw_terrain_is_in_reach(double x, double y) { return fabs(x) <= 0x1p24 && fabs(y) <= 0x1p24; }
 
 /* Moves a place to the sample that is within a millimetre of it on the ground; of cells of some millimetres, within a part
  * of them that no place is written for. */
@@ -132,17 +132,17 @@ static void snap_to_sample(const terrain *whole, double at[2]) {
     const double sample[2] = {nearbyint(at[0]), nearbyint(at[1])}, i = at[0] - sample[0], j = at[1] - sample[1];
     if (!(fabs(i) <= part && fabs(j) <= part)) return;
     double metres[2];
-    terrain_metres(whole, sample[0], sample[1], metres);
+    cw_terrain_metres(whole, sample[0], sample[1], metres);
     const double x = whole->map[0][0] * i + whole->map[0][1] * j, y = whole->map[1][0] * i + whole->map[1][1] * j;
     if (hypot(x * metres[0], y * metres[1]) <= near) memcpy(at, sample, sizeof sample);
 }
 
-bool terrain_find_place(const terrain *t, double x, double y, double at[2]) {
+bool cw_terrain_find_place(const terrain *t, double x, double y, double at[2]) {
     static const double unit = 0x1p-28;
     const terrain *whole = terrain_whole(t);
     double slack[2];
     terrain_from_map(whole, x, y, at);
-    const bool near = terrain_is_in_reach(at[0], at[1]);
+    const bool near = cw_terrain_is_in_reach(at[0], at[1]);
     for (int c = 0; c < 2 && near; c++) {
         /* The coordinates and the map's numbers are off by half a last digit each, and so are products and sums of them. */
         const double *b = whole->back[c];

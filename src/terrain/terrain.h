@@ -49,17 +49,17 @@ typedef struct terrain_desc {
 } terrain_desc;
 
 /* False if the map cannot be inverted. The terrain keeps pointers to field, samples and scale. */
-bool terrain_init(terrain *t, const terrain_desc *desc);
+bool cw_terrain_init(terrain *t, const terrain_desc *desc);
 
 static inline const float *terrain_row(const terrain *t, size_t j) { return t->z + j * t->stride; }
 
 /* The pyramid of highest samples: those that are given, those that the terrain has kept since they were first needed, or its own for
  * the time until they are released. */
-cw_status terrain_bounds(const terrain *t, const struct sight_bounds **bounds);
-void terrain_bounds_release(const terrain *t, const struct sight_bounds *bounds);
+cw_status cw_terrain_bounds(const terrain *t, const struct sight_bounds **bounds);
+void cw_terrain_bounds_release(const terrain *t, const struct sight_bounds *bounds);
 
 /* Metres in one of the map's x and y, at field coordinates (i, j). */
-void terrain_metres(const terrain *t, double i, double j, double metres[2]);
+void cw_terrain_metres(const terrain *t, double i, double j, double metres[2]);
 
 /* Whether they differ from row to row. */
 static inline bool terrain_has_rows(const terrain *t) { return t->geographic || t->scale != NULL; }
@@ -74,13 +74,13 @@ static inline void terrain_from_map(const terrain *t, double x, double y, double
 
 /* A direction of the compass in field coordinates, about a cell long, as seen from there; returns its length in
  * metres. */
-double terrain_direction(const terrain *t, double i, double j, double azimuth, double dir[2]);
+double cw_terrain_direction(const terrain *t, double i, double j, double azimuth, double dir[2]);
 
 /* How many such steps lead out of the terrain, and one more; infinite if dir is 0. */
-double terrain_steps_out(const terrain *t, const double at[2], const double dir[2]);
+double cw_terrain_steps_out(const terrain *t, const double at[2], const double dir[2]);
 
 /* Height of the surface in metres at field coordinates, as rays meet it; NaN outside and in holes. */
-double terrain_height(const terrain *t, double i, double j);
+double cw_terrain_height(const terrain *t, double i, double j);
 
 /* Metres that a sample's number stands for, times this. */
 static inline double terrain_metres_of_height(const terrain *t) { return t->map[2][2]; }
@@ -90,19 +90,19 @@ static inline const terrain *terrain_whole(const terrain *t) { return t->whole ?
 
 /* Rows from row on whose scales differ by less than 10^-4, so that they may share one heading with angles off by less than
  * 0.003 degrees: all of them, unless scales differ from row to row. */
-size_t terrain_rows_alike(const terrain *t, size_t row);
+size_t cw_terrain_rows_alike(const terrain *t, size_t row);
 
 /* False if a place in field coordinates is farther from the field than lines of sight can be computed. */
-bool terrain_is_in_reach(double x, double y);
+bool cw_terrain_is_in_reach(double x, double y);
 
 /* Where a place of the map lies, in field coordinates; false if that is not in reach. Places of the map that are
  * computed from a file's numbers are off by some last digits. One that is on a line of samples or on a diagonal but
  * for that shall be on it, so all are rounded. That moves nothing by more than 2^-28 of a cell or, where cells are so
  * small that doubles of that size do not have that, by what they have. A place within a millimetre of a sample is on
  * it, as coordinates are often written to the millimetre. */
-bool terrain_find_place(const terrain *t, double x, double y, double at[2]);
+bool cw_terrain_find_place(const terrain *t, double x, double y, double at[2]);
 
 /* sine and cosine of degrees, exact for multiples of 90 and 45 degrees as far as numbers allow. */
-void terrain_sine_cosine(double degrees, double *sine, double *cosine);
+void cw_terrain_sine_cosine(double degrees, double *sine, double *cosine);
 
 #endif

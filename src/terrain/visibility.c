@@ -38,7 +38,7 @@ typedef struct band {
 static band next_band(const finding *f, size_t from) {
     const terrain *whole = terrain_whole(f->terrain);
     const size_t first = f->terrain->row + f->at.j, every = f->every;
-    const size_t until = from + terrain_rows_alike(whole, from);
+    const size_t until = from + cw_terrain_rows_alike(whole, from);
     band b = {.middle = 0.5 * (double)(from + until - 1), .until = until};
     const size_t before = from > first ? (from - first + every - 1) / every : 0;
     const size_t end = until > first ? (until - first + every - 1) / every : 0;
@@ -62,7 +62,7 @@ static void add_ground(void *context, size_t begin, size_t end) {
         const size_t row = g->band->row + k / f->nx, column = k % f->nx;
         const double at[2] = {(double)(f->terrain->column + f->at.i + column * f->every),
                               (double)(f->terrain->row + f->at.j + row * f->every)};
-        const double out = terrain_steps_out(whole, at, g->dir) - 1, t = g->reach > 0 ? fmin(out, g->reach) : out;
+        const double out = cw_terrain_steps_out(whole, at, g->dir) - 1, t = g->reach > 0 ? fmin(out, g->reach) : out;
         f->ground[row * f->nx + column] += g->weight * t * t / 2;
     }
 }
@@ -73,7 +73,7 @@ static cw_status add_direction(finding *f, const cw_run *run, size_t number, con
     const cw_visibility_desc *d = f->desc;
     const double azimuth = 360 * (double)number / (double)f->directions, up = terrain_metres_of_height(t);
     cw_visible_desc way = {.label = (float)azimuth};
-    const double length = terrain_direction(whole, 0.5 * (double)(whole->nx - 1), b->middle, azimuth, way.dir);
+    const double length = cw_terrain_direction(whole, 0.5 * (double)(whole->nx - 1), b->middle, azimuth, way.dir);
     way.reach = d->max_distance / length;
     way.drop = d->curvature * length * length / (2 * t->radius * up);
     way.eye = (float)(d->height / up);
@@ -97,8 +97,8 @@ static cw_status add_direction(finding *f, const cw_run *run, size_t number, con
 static cw_status add_directions(finding *f, const cw_run *run) {
     const size_t first = f->terrain->row + f->at.j;
     size_t from = 0;
-    while (from + terrain_rows_alike(terrain_whole(f->terrain), from) <= first)
-        from += terrain_rows_alike(terrain_whole(f->terrain), from);
+    while (from + cw_terrain_rows_alike(terrain_whole(f->terrain), from) <= first)
+        from += cw_terrain_rows_alike(terrain_whole(f->terrain), from);
     for (size_t k = 0; k < f->directions; k++) {
         band b = {.until = from};
         run_part whole;

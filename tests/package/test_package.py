@@ -211,7 +211,8 @@ def check_versions(library, header):
 def test_symbols():
     """What the libraries show to the linker and what is in their code."""
     objdump = os.environ["OBJDUMP"]
-    check_names(os.environ["STATIC"], "-g")
+    for static in os.environ["STATIC"], os.environ["TERRAIN_STATIC"]:
+        check_names(static, "-g")
     if os.environ["SHARED"]:
         for library, header in (os.environ["SHARED"], "cellwalk.h"), (os.environ["TERRAIN"], "cellwalk_terrain.h"):
             check_versions(library, header)

@@ -31,10 +31,10 @@ static inline void brute_edge(brute_way *w, size_t i, size_t j, size_t di, size_
     const terrain *t = w->sight->terrain;
     const double x = (double)i, y = (double)j;
     if (isnan(t->z[j * t->nx + i])) return;
-    const double a = brute_side(w, x, y), height = sight_sample(w->sight, i, j), close = 1e-9;
+    const double a = brute_side(w, x, y), height = cw_sight_sample(w->sight, i, j), close = 1e-9;
     if (fabs(a) < close) brute_see(w, brute_share(w, x, y), height);
     if (i + di >= t->nx || j + dj >= t->ny || isnan(t->z[(j + dj) * t->nx + i + di])) return;
-    const double b = brute_side(w, x + (double)di, y + (double)dj), other = sight_sample(w->sight, i + di, j + dj);
+    const double b = brute_side(w, x + (double)di, y + (double)dj), other = cw_sight_sample(w->sight, i + di, j + dj);
     if (a * b >= 0 || fabs(a) < close || fabs(b) < close) return;
     const double f = a / (a - b);
     brute_see(w, brute_share(w, x + f * (double)di, y + f * (double)dj), height + f * (other - height));

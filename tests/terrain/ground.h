@@ -30,7 +30,7 @@ static inline void ground_take(ground *g, size_t nx, size_t ny, float *z, const 
     desc.ny = ny;
     check_status(cw_field_create(&desc, NULL, &g->field), CW_OK);
     const terrain_desc t = {.field = g->field, .nx = nx, .ny = ny, .z = z, .map = map};
-    assert_true(terrain_init(&g->terrain, &t));
+    assert_true(cw_terrain_init(&g->terrain, &t));
 }
 
 static inline void ground_make(ground *g, size_t nx, size_t ny, ground_height *height, const double *shape) {

@@ -32,11 +32,11 @@ static double land(const double *shape, double x, double y) {
 static size_t suns_of(const char *midnight, size_t days, size_t minutes, double longitude, double latitude,
                       sun_position *suns) {
     double start;
-    assert_true(sun_parse_time(midnight, &start));
+    assert_true(cw_sun_parse_time(midnight, &start));
     const size_t count = days * 1440 / minutes;
     assert_true(count <= SUNS_MOST);
     for (size_t k = 0; k < count; k++)
-        suns[k] = sun_at(start + ((double)k + 0.5) * 60 * (double)minutes, longitude, latitude);
+        suns[k] = cw_sun_at(start + ((double)k + 0.5) * 60 * (double)minutes, longitude, latitude);
     return count;
 }
 
@@ -53,20 +53,20 @@ static size_t southern_suns(sun_position *suns) {
 
 static insolation *sum_of(ground *g, const insolation_desc *desc) {
     insolation *s = NULL;
-    check_status(insolation_create(&g->terrain, desc, &s), CW_OK);
+    check_status(cw_insolation_create(&g->terrain, desc, &s), CW_OK);
     return s;
 }
 
 static void hours_of(ground *g, const insolation_desc *desc, float *hours) {
     insolation *s = sum_of(g, desc);
-    check_status(insolation_hours(s, NULL, (cw_area){0}, hours), CW_OK);
-    insolation_destroy(s);
+    check_status(cw_insolation_hours(s, NULL, (cw_area){0}, hours), CW_OK);
+    cw_insolation_destroy(s);
 }
 
 static void direct_of(ground *g, const insolation_desc *desc, float *energy) {
     insolation *s = sum_of(g, desc);
-    check_status(insolation_direct(s, NULL, (cw_area){0}, energy), CW_OK);
-    insolation_destroy(s);
+    check_status(cw_insolation_direct(s, NULL, (cw_area){0}, energy), CW_OK);
+    cw_insolation_destroy(s);
 }
 
 static double azimuth_of(const ground *g, const cw_horizon *h, size_t number) {
@@ -199,15 +199,16 @@ static void light_by_hand(void **state) {
         {3, 1, 0.4, 4000, 20.2446973911, 165.775115119, 13.2132600102},
     };
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        const double mass = clear_sky_air_mass(cases[k].altitude, cases[k].height);
-        const double direct = clear_sky_direct(cases[k].linke, cases[k].distance, cases[k].altitude, cases[k].height);
-        const double diffuse = clear_sky_diffuse(cases[k].linke, cases[k].distance, cases[k].altitude);
+        const double mass = cw_clear_sky_air_mass(cases[k].altitude, cases[k].height);
+        const double direct =
+            cw_clear_sky_direct(cases[k].linke, cases[k].distance, cases[k].altitude, cases[k].height);
+        const double diffuse = cw_clear_sky_diffuse(cases[k].linke, cases[k].distance, cases[k].altitude);
         check(fabs(mass / cases[k].mass - 1) < 1e-9, "%zu: air mass %.12g", k, mass);
         check(fabs(direct / cases[k].direct - 1) < 1e-9, "%zu: direct %.12g", k, direct);
         check(fabs(diffuse / cases[k].diffuse - 1) < 1e-9, "%zu: diffuse %.12g", k, diffuse);
     }
-    assert_true(clear_sky_direct(3, 1, 0, 0) == 0 && clear_sky_direct(3, 1, -5, 0) == 0);
-    assert_true(clear_sky_diffuse(3, 1, -0.01) == 0);
+    assert_true(cw_clear_sky_direct(3, 1, 0, 0) == 0 && cw_clear_sky_direct(3, 1, -5, 0) == 0);
+    assert_true(cw_clear_sky_diffuse(3, 1, -0.01) == 0);
 }
 
 /* The direct light on a plane is that facing the sun times the cosine, for each sun that is before the plane. A sum is off by
@@ -236,7 +237,7 @@ static void energy_on_a_plane(void **state) {
                         (sin(suns[k].altitude * degree) - s[0] * sin(a) * level - s[1] * cos(a) * level) /
                         sqrt(1 + s[0] * s[0] + s[1] * s[1]);
                     const double light =
-                        clear_sky_direct(linke, suns[k].distance, suns[k].altitude, (double)g.z[j * SIDE + i]);
+                        cw_clear_sky_direct(linke, suns[k].distance, suns[k].altitude, (double)g.z[j * SIDE + i]);
                     if (cosine > 0) wanted += cosine * light * hours;
                     slack += (0.006 + 3e-5 * light) * hours;
                 }
@@ -260,13 +261,13 @@ static void energy_behind_a_wall(void **state) {
     direct_of(&g, &desc, energy);
     double diffuse = 0;
     for (size_t k = 0; k < count; k++)
-        diffuse += clear_sky_diffuse(3, suns[k].distance, suns[k].altitude - suns[k].refraction) / 4;
+        diffuse += cw_clear_sky_diffuse(3, suns[k].distance, suns[k].altitude - suns[k].refraction) / 4;
     for (size_t north = 2; north <= BEHIND; north++) {
         double wanted = 0;
         for (size_t k = 0; k < count; k++) {
             const double altitude = suns[k].altitude;
             if (altitude > wall_top(&suns[k], north))
-                wanted += clear_sky_direct(3, suns[k].distance, altitude, 0) * sin(altitude * degree) / 4;
+                wanted += cw_clear_sky_direct(3, suns[k].distance, altitude, 0) * sin(altitude * degree) / 4;
         }
         const double got = (double)energy[(MIDDLE - north) * SIDE + MIDDLE];
         /* Level ground at a height in the table, so that nothing is interpolated. The light, the sun's height, their product and the
@@ -274,9 +275,9 @@ static void energy_behind_a_wall(void **state) {
         check(fabs(got - wanted) <= 0x1.01p-22 * wanted, "%zu rows north: %.9g Wh, not %.9g", north, got, wanted);
     }
     insolation *s = sum_of(&g, &desc);
-    check(fabs(insolation_diffuse(s) - diffuse) <= 1e-9 * diffuse && diffuse > 500, "%g, not %g", insolation_diffuse(s),
-          diffuse);
-    insolation_destroy(s);
+    check(fabs(cw_insolation_diffuse(s) - diffuse) <= 1e-9 * diffuse && diffuse > 500, "%g, not %g",
+          cw_insolation_diffuse(s), diffuse);
+    cw_insolation_destroy(s);
     ground_free(&g);
 }
 
@@ -327,7 +328,7 @@ static void sky_over_land(void **state) {
     const double piece = pi / 2 / PIECES;
     double leaning = 0;
     for (size_t j = 4; j < SIDE; j += 13) {
-        terrain_slope_row(&g.terrain, j, 0, SIDE, east, north);
+        cw_terrain_slope_row(&g.terrain, j, 0, SIDE, east, north);
         for (size_t i = 4; i < SIDE; i += 13) {
             double sum = 0;
             const double up = 1 / sqrt(1 + (double)(east[i] * east[i] + north[i] * north[i]));
@@ -377,15 +378,15 @@ static void same_bits(void **state) {
                 const size_t n = SIDE - j < rows ? SIDE - j : rows;
                 float *at = to + j * SIDE;
                 const cw_area area = {{0, j, SIDE, n}, 0};
-                check_status(product == 0   ? insolation_hours(s, &query, area, at)
-                             : product == 1 ? insolation_direct(s, &query, area, at)
+                check_status(product == 0   ? cw_insolation_hours(s, &query, area, at)
+                             : product == 1 ? cw_insolation_direct(s, &query, area, at)
                                             : cw_sky_view(&g.terrain, &query, &h, area, at),
                              CW_OK);
             }
             if (k)
                 check(memcmp(got, want[product], sizeof got) == 0, "product %d differs by %s", product, names[k / 2]);
         }
-        insolation_destroy(s);
+        cw_insolation_destroy(s);
     }
     cw_pool_destroy(pool);
     ground_free(&g);

@@ -295,7 +295,7 @@ static outlook random_outlook(const ground *g, random_state *r, double azimuth, 
     o.eye[0] = (double)o.i;
     o.eye[1] = (double)o.j;
     o.eye[2] = (double)g->z[o.j * SIDE + o.i];
-    o.length = terrain_direction(&g->terrain, o.eye[0], o.eye[1], azimuth, o.dir);
+    o.length = cw_terrain_direction(&g->terrain, o.eye[0], o.eye[1], azimuth, o.dir);
     double steps = max_distance > 0 ? max_distance / o.length : INFINITY;
     for (int a = 0; a < 2; a++) steps = fmin(steps, ((o.dir[a] > 0 ? SIDE - 1 : 0) - o.eye[a]) / o.dir[a] + 1);
     for (int a = 0; a < 2; a++) o.end[a] = o.eye[a] + steps * o.dir[a];
@@ -318,7 +318,7 @@ static void curvature_and_distance(void **state) {
     ground_make(&g, SIDE, SIDE, land, shape);
     random_state r = {77};
     sight_bounds *bounds = NULL;
-    check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
+    check_status(cw_sight_bounds_create(&g.terrain, &bounds), CW_OK);
     size_t differ = 0;
     for (size_t k = 0; k < 9; k++) {
         const cw_horizon desc = {
@@ -330,20 +330,20 @@ static void curvature_and_distance(void **state) {
             for (size_t n = 0; n < places; n++) {
                 const outlook o = random_outlook(&g, &r, azimuth_of(&g, &h, d), desc.max_distance);
                 sight s;
-                sight_init(&s, &g.terrain, bounds, o.eye, desc.curvature);
-                const sight_rise rise = sight_steepest(&s, o.end[0], o.end[1], -INFINITY);
+                cw_sight_init(&s, &g.terrain, bounds, o.eye, desc.curvature);
+                const sight_rise rise = cw_sight_steepest(&s, o.end[0], o.end[1], -INFINITY);
                 const double wanted = atan(rise.steepest / o.far) / degree;
                 const double got = (double)angles[o.j * SIDE + o.i];
                 check(rise.steepest == -INFINITY ? isnan(got) : fabs(got - wanted) < allowed,
                       "(%zu, %zu), %g degrees, curvature %g, up to %g m: %g, not %g", o.i, o.j, azimuth_of(&g, &h, d),
                       desc.curvature, desc.max_distance, got, wanted);
-                sight_init(&s, &g.terrain, bounds, o.eye, 0);
-                differ += sight_steepest(&s, o.end[0], o.end[1], -INFINITY).steepest != rise.steepest;
+                cw_sight_init(&s, &g.terrain, bounds, o.eye, 0);
+                differ += cw_sight_steepest(&s, o.end[0], o.end[1], -INFINITY).steepest != rise.steepest;
             }
         }
     }
     check(differ > 3 * places, "curvature changes %zu horizons", differ);
-    sight_bounds_destroy(bounds);
+    cw_sight_bounds_destroy(bounds);
     ground_free(&g);
 }
 
@@ -359,7 +359,7 @@ static void distances_of_horizons(void **state) {
     ground_make(&g, SIDE, SIDE, land, shape);
     random_state r = {78};
     sight_bounds *bounds = NULL;
-    check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
+    check_status(cw_sight_bounds_create(&g.terrain, &bounds), CW_OK);
     size_t found = 0, near = 0;
     for (size_t k = 0; k < 3; k++) {
         const cw_horizon desc = {.start = 11, .count = 5, .max_distance = distances[k]};
@@ -369,12 +369,12 @@ static void distances_of_horizons(void **state) {
             for (size_t n = 0; n < places; n++) {
                 const outlook o = random_outlook(&g, &r, azimuth_of(&g, &h, d), desc.max_distance);
                 sight s;
-                sight_init(&s, &g.terrain, bounds, o.eye, 0);
+                cw_sight_init(&s, &g.terrain, bounds, o.eye, 0);
                 const double steepest = brute_steepest(&s, o.end[0], o.end[1]) / o.far;
                 const double way = (double)metres[o.j * SIDE + o.i], cells = way / o.length, last = SIDE - 1;
                 const double x = fmin(fmax(o.eye[0] + cells * o.dir[0], 0), last),
                              y = fmin(fmax(o.eye[1] + cells * o.dir[1], 0), last);
-                const double top = terrain_height(&g.terrain, x, y);
+                const double top = cw_terrain_height(&g.terrain, x, y);
                 check(fabs((top - o.eye[2]) / way - steepest) < 0x1p-22,
                       "(%zu, %zu), %g degrees: %g m away the rise is %.9g, the steepest %.9g", o.i, o.j,
                       azimuth_of(&g, &h, d), way, (top - o.eye[2]) / way, steepest);
@@ -385,7 +385,7 @@ static void distances_of_horizons(void **state) {
         }
     }
     check(near > 5 * places / 3 && found - near > 5 * places / 3, "%zu of %zu are near", near, found);
-    sight_bounds_destroy(bounds);
+    cw_sight_bounds_destroy(bounds);
     ground_free(&g);
 }
 
@@ -437,11 +437,12 @@ static void degrees_of_tangents(void **state) {
     const size_t tangents = test_share(1000000, 20000);
     for (size_t n = 0; n < tangents; n++) {
         const float x = (float)(random_between(&r, -1, 1) * pow(2, random_between(&r, -30, 30)));
-        check(fabs((double)horizon_degrees(x) - atan((double)x) / degree) < 1e-5, "%a: %g", (double)x,
-              (double)horizon_degrees(x));
+        check(fabs((double)cw_horizon_degrees(x) - atan((double)x) / degree) < 1e-5, "%a: %g", (double)x,
+              (double)cw_horizon_degrees(x));
     }
-    assert_true(horizon_degrees(INFINITY) == 90 && horizon_degrees(-INFINITY) == -90 && horizon_degrees(0) == 0);
-    assert_true(isnan(horizon_degrees(NAN)));
+    assert_true(cw_horizon_degrees(INFINITY) == 90 && cw_horizon_degrees(-INFINITY) == -90 &&
+                cw_horizon_degrees(0) == 0);
+    assert_true(isnan(cw_horizon_degrees(NAN)));
 }
 
 static void holes_are_no_ground(void **state) {

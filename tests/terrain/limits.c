@@ -34,7 +34,7 @@ static void make_land(ground *g, random_state *r, int map, bool holes) {
     if (map < 3) return;
     const terrain_desc t = {
         .field = g->field, .nx = NX, .ny = NY, .z = z, .map = maps[map], .geographic = true, .unit = degree};
-    assert_true(terrain_init(&g->terrain, &t));
+    assert_true(cw_terrain_init(&g->terrain, &t));
 }
 
 typedef struct eye {
@@ -57,21 +57,21 @@ static void look(const ground *g, const sight_bounds *bounds, const eye *e, cons
                              .curvature = e->curvature,
                              .limits = *limits};
     viewshed *v = NULL;
-    check_status(viewshed_create(&g->terrain, bounds, &d, &v), CW_OK);
+    check_status(cw_viewshed_create(&g->terrain, bounds, &d, &v), CW_OK);
     memset(to, 0, sizeof *to);
-    check_status(viewshed_see(v, query, (cw_area){0}, &(cw_view){.seen = to->seen}), CW_OK);
-    check_status(viewshed_see(v, query, (cw_area){0}, &(cw_view){.angle = to->angles}), CW_OK);
+    check_status(cw_viewshed_see(v, query, (cw_area){0}, &(cw_view){.seen = to->seen}), CW_OK);
+    check_status(cw_viewshed_see(v, query, (cw_area){0}, &(cw_view){.angle = to->angles}), CW_OK);
     for (int n = 1; n <= 3; n++) {
-        check_status(viewshed_see(v, query, (cw_area){0}, &(cw_view){.sum = to->sums, .weight = n}), CW_OK);
+        check_status(cw_viewshed_see(v, query, (cw_area){0}, &(cw_view){.sum = to->sums, .weight = n}), CW_OK);
     }
-    viewshed_destroy(v);
+    cw_viewshed_destroy(v);
 }
 
 /* Distance, azimuth and vertical angle of a sample's target, in degrees. */
 static void measure(const ground *g, const eye *e, size_t i, size_t j, double to[3]) {
     const terrain *t = &g->terrain;
     double metres[2], at[2], from[2];
-    terrain_metres(t, e->x, e->y, metres);
+    cw_terrain_metres(t, e->x, e->y, metres);
     terrain_to_map(t, (double)i, (double)j, at);
     terrain_to_map(t, e->x, e->y, from);
     const double east = (at[0] - from[0]) * metres[0], north = (at[1] - from[1]) * metres[1];
@@ -119,7 +119,7 @@ static void limits_sample_by_sample(void **state) {
         ground g;
         sight_bounds *bounds;
         make_land(&g, &r, (int)(n % 4), n % 3 == 0);
-        check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
+        check_status(cw_sight_bounds_create(&g.terrain, &bounds), CW_OK);
         eye e = {random_between(&r, -5, NX + 5), random_between(&r, -5, NY + 5), random_between(&r, 20, 60),
                  random_between(&r, 0, 5), random_below(&r, 2) ? 0 : 200};
         if (n % 2) e.x = rint(e.x), e.y = rint(e.y);
@@ -145,7 +145,7 @@ static void limits_sample_by_sample(void **state) {
             seen += wanted;
             left_out += all.seen[k] && !wanted;
         }
-        sight_bounds_destroy(bounds);
+        cw_sight_bounds_destroy(bounds);
         ground_free(&g);
     }
     cw_pool_destroy(pool);
@@ -166,7 +166,7 @@ static void ends_of_limits(void **state) {
     ground g;
     sight_bounds *bounds;
     ground_make(&g, SIDE, SIDE, level, (double[]){0});
-    check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
+    check_status(cw_sight_bounds_create(&g.terrain, &bounds), CW_OK);
     const eye e = {AT, AT, 30, 0, 0};
     static const struct {
         sight_limits limits;
@@ -189,9 +189,9 @@ static void ends_of_limits(void **state) {
         const viewshed_desc d = {.place = {e.x, e.y}, .height = e.height, .absolute = true, .limits = cases[c].limits};
         uint16_t seen[SIDE * SIDE] = {0};
         viewshed *v;
-        check_status(viewshed_create(&g.terrain, bounds, &d, &v), CW_OK);
-        check_status(viewshed_see(v, NULL, (cw_area){0}, &(cw_view){.seen = seen}), CW_OK);
-        viewshed_destroy(v);
+        check_status(cw_viewshed_create(&g.terrain, bounds, &d, &v), CW_OK);
+        check_status(cw_viewshed_see(v, NULL, (cw_area){0}, &(cw_view){.seen = seen}), CW_OK);
+        cw_viewshed_destroy(v);
         for (long k = 0; k < SIDE * SIDE; k++) {
             const long x = k % SIDE - AT, y = AT - k / SIDE, square = x * x + y * y; /* east, north */
             const bool own = square == 0;
@@ -219,9 +219,9 @@ static void ends_of_limits(void **state) {
     for (size_t c = 0; c < sizeof wrong / sizeof *wrong; c++) {
         viewshed *v;
         const viewshed_desc d = {.place = {e.x, e.y}, .height = e.height, .absolute = true, .limits = wrong[c]};
-        check_status(viewshed_create(&g.terrain, bounds, &d, &v), CW_ERROR_ARGUMENT);
+        check_status(cw_viewshed_create(&g.terrain, bounds, &d, &v), CW_ERROR_ARGUMENT);
     }
-    sight_bounds_destroy(bounds);
+    cw_sight_bounds_destroy(bounds);
     ground_free(&g);
 }
 
@@ -247,8 +247,8 @@ static void profiles(void **state) {
         if (n % 5 == 0) ends[1][0] = ends[0][0]; /* along a column */
         if (ends[1][0] == ends[0][0] && ends[1][1] == ends[0][1]) ends[1][1] = ends[0][1] < 20 ? 30 : 3;
         sight s;
-        sight_init(&s, t, NULL, ends[0], n % 4 == 1 ? 50 : 0);
-        check_status(profile_make(&p, &s, ends[1][0], ends[1][1], ends[1][2]), CW_OK);
+        cw_sight_init(&s, t, NULL, ends[0], n % 4 == 1 ? 50 : 0);
+        check_status(cw_profile_make(&p, &s, ends[1][0], ends[1][1], ends[1][2]), CW_OK);
         check(p.count >= 2 && p.points[0].share == 0 && p.points[p.count - 1].share == 1,
               "line %zu: %zu points from %.17g to %.17g", n, p.count, p.points[0].share, p.points[p.count - 1].share);
         /* Within an edge the lowering bends by a quarter of its value at the edge's length. */
@@ -260,7 +260,7 @@ static void profiles(void **state) {
             for (int c = 0; c < 2; c++) at[c] = ends[0][c] + a->share * (ends[1][c] - ends[0][c]);
             holes += isnan(a->ground) ? 1 : 0;
             if (k > 0 && k + 1 < p.count && !isnan(a->ground)) {
-                const double rise = (a->ground - s.eye[2] - sight_fall(&s, at[0], at[1])) / a->share;
+                const double rise = (a->ground - s.eye[2] - cw_sight_fall(&s, at[0], at[1])) / a->share;
                 const double before = brute_steepest(&s, at[0], at[1]) / a->share; /* per share of all of the way */
                 if (fabs(rise - before) > 1e-6) {
                     check(a->seen == (rise > before), "line %zu at %.17g, %.17g: %sseen, rising %.12g after %.12g", n,
@@ -274,7 +274,7 @@ static void profiles(void **state) {
             /* Coordinates below 100 are off by 2^-46, on steps of 60 at most. */
             const double f = random_between(&r, 0, 1), share = a->share + f * (b->share - a->share);
             for (int c = 0; c < 2; c++) at[c] = ends[0][c] + share * (ends[1][c] - ends[0][c]);
-            const double height = terrain_height(t, at[0], at[1]) / metres;
+            const double height = cw_terrain_height(t, at[0], at[1]) / metres;
             if (isnan(height) || isnan(a->ground + b->ground)) continue; /* an edge beside a hole is ground, too */
             check(fabs(a->ground + f * (b->ground - a->ground) - height) < 1e-9 + bend,
                   "between %.17g and %.17g of the way: %g, not %g", a->share, b->share,
@@ -282,7 +282,7 @@ static void profiles(void **state) {
         }
         ground_free(&g);
     }
-    profile_free(&p);
+    cw_profile_free(&p);
     print_message("%zu seen, %zu hidden, %zu holes\n", seen, hidden, holes);
     assert_true(seen > 50 && hidden > 50 && holes > 10);
 }

@@ -12,7 +12,7 @@ static const float flat[6];
 static terrain make(const double map[3][4], bool geographic, double unit) {
     terrain t;
     const terrain_desc d = {.nx = 3, .ny = 2, .z = flat, .map = map, .geographic = geographic, .unit = unit};
-    assert_true(terrain_init(&t, &d));
+    assert_true(cw_terrain_init(&t, &d));
     return t;
 }
 
@@ -25,11 +25,11 @@ static void metres_in_a_degree(void **state) {
         const double map[3][4] = {{0.5, 0, 0, 10}, {0, -0.5, 0, known[k][0]}, {0, 0, 1, 0}};
         const terrain t = make(map, true, 0);
         double metres[2], dir[2];
-        terrain_metres(&t, 1, 0, metres);
+        cw_terrain_metres(&t, 1, 0, metres);
         check(fabs(metres[0] - known[k][1]) < 0.05 && fabs(metres[1] - known[k][2]) < 0.05, "%g: %.3f, %.3f",
               known[k][0], metres[0], metres[1]);
         /* North-east by the compass is more columns than rows, where a column is shorter. */
-        const double length = terrain_direction(&t, 1, 0, 45, dir);
+        const double length = cw_terrain_direction(&t, 1, 0, 45, dir);
         check(fabs(dir[0] / -dir[1] - metres[1] / metres[0]) < 1e-9, "%g: %g, %g", known[k][0], dir[0], dir[1]);
         check(fabs(length - hypot(dir[0] * 0.5 * metres[0], dir[1] * 0.5 * metres[1])) < 1e-6, "%g metres", length);
     }
@@ -40,7 +40,7 @@ static void units_of_a_map(void **state) {
     const double foot = 0.3048, map[3][4] = {{30, 0, 0, 1000}, {0, -30, 0, 2000}, {0, 0, 1, 0}};
     const terrain t = make(map, false, foot);
     double metres[2], xy[2], ij[2];
-    terrain_metres(&t, 1, 1, metres);
+    cw_terrain_metres(&t, 1, 1, metres);
     assert_true(metres[0] == foot && metres[1] == foot && terrain_metres_of_height(&t) == foot);
     terrain_to_map(&t, 2, 1, xy);
     assert_true(xy[0] == 1060 && xy[1] == 1970);
@@ -48,7 +48,7 @@ static void units_of_a_map(void **state) {
     assert_true(fabs(ij[0] - 2) < 1e-12 && fabs(ij[1] - 1) < 1e-12);
     terrain u;
     const double line[3][4] = {{1, 2, 0, 0}, {2, 4, 0, 0}, {0, 0, 1, 0}};
-    assert_false(terrain_init(&u, &(terrain_desc){.nx = 3, .ny = 2, .z = flat, .map = line}));
+    assert_false(cw_terrain_init(&u, &(terrain_desc){.nx = 3, .ny = 2, .z = flat, .map = line}));
 }
 
 /* Multiples of 45 degrees go through samples exactly. */
@@ -56,7 +56,7 @@ static void exact_directions(void **state) {
     (void)state;
     for (int k = -16; k <= 16; k++) {
         double s, c;
-        terrain_sine_cosine(45 * k, &s, &c);
+        cw_terrain_sine_cosine(45 * k, &s, &c);
         if (k % 4 == 0) assert_true(s == 0 && fabs(c) == 1);
         if (k % 4 != 0 && k % 2 == 0) assert_true(fabs(s) == 1 && c == 0);
         if (k % 2 != 0) assert_true(fabs(s) == fabs(c));
@@ -70,8 +70,8 @@ static void exact_directions(void **state) {
 static void sun_of_an_almanac(void **state) {
     (void)state;
     double seconds;
-    assert_true(sun_parse_time("1992-10-13T00:00:00Z", &seconds));
-    const sun_position p = sun_at(seconds, 0, 90);
+    assert_true(cw_sun_parse_time("1992-10-13T00:00:00Z", &seconds));
+    const sun_position p = cw_sun_at(seconds, 0, 90);
     check(fabs(p.altitude - p.refraction + 7.78507 + 0.00243) < 0.0005, "%.5f", p.altitude - p.refraction);
     check(fabs(p.radius - 0.26734) < 1e-3, "radius %.5f", p.radius); /* 959.63 arc seconds over 0.99766 units */
 }
@@ -97,9 +97,10 @@ static void times(void **state) {
                                       "2024-06-21T12:00:00Zx"};
     double seconds;
     for (size_t k = 0; k < sizeof good / sizeof good[0]; k++)
-        check(sun_parse_time(good[k].text, &seconds) && seconds == good[k].seconds, "%s: %.0f", good[k].text, seconds);
+        check(cw_sun_parse_time(good[k].text, &seconds) && seconds == good[k].seconds, "%s: %.0f", good[k].text,
+              seconds);
     for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++)
-        check(!sun_parse_time(bad[k], &seconds), "'%s' is taken for a time", bad[k]);
+        check(!cw_sun_parse_time(bad[k], &seconds), "'%s' is taken for a time", bad[k]);
 }
 
 int main(void) {

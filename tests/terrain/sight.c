@@ -19,14 +19,14 @@ static float heights[SAMPLES_MOST];
 
 static viewshed *view(const ground *g, const sight_bounds *bounds, const viewshed_desc *d) {
     viewshed *v = NULL;
-    check_status(viewshed_create(&g->terrain, bounds, d, &v), CW_OK);
+    check_status(cw_viewshed_create(&g->terrain, bounds, d, &v), CW_OK);
     return v;
 }
 
 static void count(viewshed *v, const cw_run *query) {
     memset(seen, 0, sizeof seen);
-    check_status(viewshed_see(v, query, (cw_area){0}, &(cw_view){.seen = seen}), CW_OK);
-    check_status(viewshed_see(v, query, (cw_area){0}, &(cw_view){.needed = heights}), CW_OK);
+    check_status(cw_viewshed_see(v, query, (cw_area){0}, &(cw_view){.seen = seen}), CW_OK);
+    check_status(cw_viewshed_see(v, query, (cw_area){0}, &(cw_view){.needed = heights}), CW_OK);
 }
 
 typedef struct tally {
@@ -36,7 +36,7 @@ typedef struct tally {
 static void check_sample(const ground *g, const viewshed_desc *d, const viewshed *v, size_t i, size_t j, tally *sum) {
     const terrain *t = &g->terrain;
     const size_t k = j * t->nx + i;
-    const sight *s = viewshed_sight(v);
+    const sight *s = cw_viewshed_sight(v);
     if (isnan(t->z[k])) {
         check(seen[k] == 0 && isnan(heights[k]), "a hole is seen");
         return;
@@ -51,7 +51,7 @@ static void check_sample(const ground *g, const viewshed_desc *d, const viewshed
         check(seen[k] == 0 && isnan(heights[k]), "(%zu, %zu) is seen beyond the greatest distance", i, j);
         return;
     }
-    const double base = sight_sample(s, i, j), metres = terrain_metres_of_height(t);
+    const double base = cw_sight_sample(s, i, j), metres = terrain_metres_of_height(t);
     const double top = base + d->target_height / metres;
     const double steepest = brute_steepest(s, (double)i, (double)j), room = 1e-9 * (1 + fabs(steepest));
     const bool own = (double)i == s->eye[0] && (double)j == s->eye[1], open = steepest == -INFINITY;
@@ -78,7 +78,7 @@ static void check_view(const ground *g, const sight_bounds *bounds, const viewsh
         const size_t k = some == all ? n : random_below(r, all);
         check_sample(g, d, v, k % nx, k / nx, sum);
     }
-    viewshed_destroy(v);
+    cw_viewshed_destroy(v);
 }
 
 /* WRONG: numbers for no data that are taken for heights. */
@@ -120,7 +120,7 @@ static void every_edge_counts(void **state) {
                 ground g;
                 sight_bounds *bounds = NULL;
                 make_land(&g, nx, ny, rough, &r, maps[n / 4]);
-                check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
+                check_status(cw_sight_bounds_create(&g.terrain, &bounds), CW_OK);
                 for (int place = 0; place < 6; place++) {
                     viewshed_desc d = {.height = random_between(&r, 0.5, 30),
                                        .target_height = place % 2 ? random_between(&r, 0, 10) : 0,
@@ -137,12 +137,12 @@ static void every_edge_counts(void **state) {
                         d.place[0] = random_between(&r, -30, 60);
                         d.place[1] = random_between(&r, -30, 60);
                     }
-                    d.absolute = place == 3 || isnan(terrain_height(&g.terrain, d.place[0], d.place[1]));
+                    d.absolute = place == 3 || isnan(cw_terrain_height(&g.terrain, d.place[0], d.place[1]));
                     if (d.absolute) d.height += 20;
                     /* Curvature of 3000 earths, that it be seen on a few hundred metres. */
                     if (test_takes(n + (size_t)place, 3)) check_view(&g, bounds, &d, &r, &sum);
                 }
-                sight_bounds_destroy(bounds);
+                cw_sight_bounds_destroy(bounds);
                 ground_free(&g);
             }
     const size_t least = 3000 / step() / test_step(3);
@@ -165,14 +165,14 @@ static void next_to_the_eye(void **state) {
         ground g;
         sight_bounds *bounds = NULL;
         ground_make(&g, 41, 41, spike, shape);
-        check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
+        check_status(cw_sight_bounds_create(&g.terrain, &bounds), CW_OK);
         const viewshed_desc d = {.place = {eyes[n / 9][0], eyes[n / 9][1]}, .height = 5, .absolute = true};
         viewshed *v = view(&g, bounds, &d);
         count(v, NULL);
         for (size_t j = 0; j < 41; j += 2)
             for (size_t i = 0; i < 41; i += 3) check_sample(&g, &d, v, i, j, &sum);
-        viewshed_destroy(v);
-        sight_bounds_destroy(bounds);
+        cw_viewshed_destroy(v);
+        cw_sight_bounds_destroy(bounds);
         ground_free(&g);
     }
     check(sum.seen > 1000 / apart && sum.hidden > 1000 / apart, "%zu seen, %zu hidden", sum.seen, sum.hidden);
@@ -193,15 +193,15 @@ static void behind_a_tip(void **state) {
     ground g;
     sight_bounds *bounds = NULL;
     ground_make(&g, 41, 41, spike_in_a_bowl, eye);
-    check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
+    check_status(cw_sight_bounds_create(&g.terrain, &bounds), CW_OK);
     const viewshed_desc d = {.place = {eye[0], eye[1]}, .absolute = true};
     viewshed *v = view(&g, bounds, &d);
     count(v, NULL);
     for (size_t j = 0; j < 41; j++)
         for (size_t i = 0; i < 41; i++) check_sample(&g, &d, v, i, j, &sum);
     assert_true(seen[18 * 41 + 28] == 0 && seen[18 * 41 + 27] == 1 && seen[18 * 41 + 29] == 1);
-    viewshed_destroy(v);
-    sight_bounds_destroy(bounds);
+    cw_viewshed_destroy(v);
+    cw_sight_bounds_destroy(bounds);
     ground_free(&g);
 }
 
@@ -213,7 +213,7 @@ static void large_views(void **state) {
     ground g;
     sight_bounds *bounds = NULL;
     make_land(&g, 200, 197, SMOOTH, &r, maps[0]);
-    check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
+    check_status(cw_sight_bounds_create(&g.terrain, &bounds), CW_OK);
     for (size_t n = 0; n < 4; n++) {
         const cw_run query = (cw_run){0};
         const viewshed_desc d = {.place = {random_between(&r, 0, 199), random_between(&r, 0, 196)},
@@ -224,11 +224,11 @@ static void large_views(void **state) {
         count(v, &query);
         for (size_t m = 0; m < test_share(1000, 50); m++)
             check_sample(&g, &d, v, random_below(&r, 200), random_below(&r, 197), &sum);
-        viewshed_destroy(v);
+        cw_viewshed_destroy(v);
     }
     check(sum.seen > test_share(100, 5) && sum.hidden > test_share(100, 5), "%zu seen, %zu hidden", sum.seen,
           sum.hidden);
-    sight_bounds_destroy(bounds);
+    cw_sight_bounds_destroy(bounds);
     ground_free(&g);
 }
 
@@ -238,19 +238,19 @@ static size_t lines_seen(const ground *g, const sight_bounds *bounds, const view
                          size_t one_in) {
     const size_t nx = g->terrain.nx, all = nx * g->terrain.ny;
     viewshed *v = view(g, bounds, d);
-    const sight *s = viewshed_sight(v);
+    const sight *s = cw_viewshed_sight(v);
     size_t total = 0;
     memset(seen, 0, sizeof seen);
-    check_status(viewshed_see(v, NULL, (cw_area){0}, &(cw_view){.seen = seen}), CW_OK);
+    check_status(cw_viewshed_see(v, NULL, (cw_area){0}, &(cw_view){.seen = seen}), CW_OK);
     for (size_t k = first; k < all; k += one_in) {
         const double x = (double)(k % nx), y = (double)(k / nx);
         if (isnan(g->z[k]) || (x == d->place[0] && y == d->place[1])) continue;
-        const bool wanted = sight_sees(s, x, y, (double)g->z[k], d->target_height, (sight_parts){INFINITY, true});
+        const bool wanted = cw_sight_sees(s, x, y, (double)g->z[k], d->target_height, (sight_parts){INFINITY, true});
         check(seen[k] == wanted, "(%g, %g) from (%.17g, %.17g, %.17g): %s by its line", x, y, s->eye[0], s->eye[1],
               s->eye[2], wanted ? "seen" : "hidden");
         total += wanted;
     }
-    viewshed_destroy(v);
+    cw_viewshed_destroy(v);
     return total;
 }
 
@@ -265,7 +265,7 @@ static void lines_decide(void **state) {
         ground g;
         sight_bounds *bounds = NULL;
         make_land(&g, NX, NY, rough, &r, maps[0]);
-        check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
+        check_status(cw_sight_bounds_create(&g.terrain, &bounds), CW_OK);
         for (int n = 0; n < PLACES; n++) {
             viewshed_desc d = {.place = {random_between(&r, 0, NX - 1), random_between(&r, 0, 12)},
                                .height = eyes[n],
@@ -280,7 +280,7 @@ static void lines_decide(void **state) {
             check(n == 4 || (total > 300 / one_in && total < (NX * NY - 300) / one_in), "land %d: %zu are seen",
                   (int)rough, total);
         }
-        sight_bounds_destroy(bounds);
+        cw_sight_bounds_destroy(bounds);
         ground_free(&g);
     }
 }
@@ -318,24 +318,24 @@ static void needs_are_those_of_lines(void **state) {
         ground g;
         sight_bounds *bounds = NULL;
         make_steps(&g, NX, NY, round % 3 == 0 ? 2000 : 100, &r);
-        check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
+        check_status(cw_sight_bounds_create(&g.terrain, &bounds), CW_OK);
         viewshed_desc d = {.place = {random_between(&r, 0, NX - 1), random_between(&r, 0, NY - 1)},
                            .height = round % 2 == 0 ? 2 : 0.5};
         for (int c = 0; c < 2 && round % 4 != 0; c++) d.place[c] = floor(d.place[c]);
         viewshed *v = view(&g, bounds, &d);
-        const sight *s = viewshed_sight(v);
-        check_status(viewshed_see(v, NULL, (cw_area){0}, &(cw_view){.needed = heights}), CW_OK);
+        const sight *s = cw_viewshed_sight(v);
+        check_status(cw_viewshed_see(v, NULL, (cw_area){0}, &(cw_view){.needed = heights}), CW_OK);
         for (size_t k = round % one_in; k < (size_t)NX * NY; k += one_in) {
             const double x = (double)(k % NX), y = (double)(k / NX);
             if (x == d.place[0] && y == d.place[1]) continue;
-            const float wanted = (float)sight_need(s, x, y, (double)g.z[k], -INFINITY);
+            const float wanted = (float)cw_sight_need(s, x, y, (double)g.z[k], -INFINITY);
             large += wanted > 1024;
             check(fabs((double)heights[k] - (double)wanted) <= 0x1p-17,
                   "(%g, %g) from (%.17g, %.17g): %.9g m are needed, not %.9g", x, y, d.place[0], d.place[1],
                   (double)wanted, (double)heights[k]);
         }
-        viewshed_destroy(v);
-        sight_bounds_destroy(bounds);
+        cw_viewshed_destroy(v);
+        cw_sight_bounds_destroy(bounds);
         ground_free(&g);
     }
     check(large > 1000 / one_in, "%zu needs are large", large);
@@ -358,19 +358,19 @@ static void behind_a_joined_piece(void **state) {
     ground g;
     sight_bounds *bounds = NULL;
     ground_make(&g, NX, NY, dam_and_shore, shape);
-    check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
+    check_status(cw_sight_bounds_create(&g.terrain, &bounds), CW_OK);
     const viewshed_desc d = {.place = {9.75, 0}, .absolute = true};
     const size_t total = lines_seen(&g, bounds, &d, 0, 1);
     check(total > 100, "%zu are seen", total);
     viewshed *v = view(&g, bounds, &d);
-    check_status(viewshed_see(v, NULL, (cw_area){0}, &(cw_view){.needed = heights}), CW_OK);
+    check_status(cw_viewshed_see(v, NULL, (cw_area){0}, &(cw_view){.needed = heights}), CW_OK);
     for (size_t k = 0; k < (size_t)NX * NY; k++) {
         const double x = (double)(k % NX), y = (double)(k / NX);
-        const float wanted = (float)sight_need(viewshed_sight(v), x, y, (double)g.z[k], -INFINITY);
+        const float wanted = (float)cw_sight_need(cw_viewshed_sight(v), x, y, (double)g.z[k], -INFINITY);
         check(heights[k] == wanted, "(%g, %g): %.9g m are needed, not %.9g", x, y, (double)wanted, (double)heights[k]);
     }
-    viewshed_destroy(v);
-    sight_bounds_destroy(bounds);
+    cw_viewshed_destroy(v);
+    cw_sight_bounds_destroy(bounds);
     ground_free(&g);
 }
 
@@ -390,14 +390,14 @@ static void ties(void **state) {
         ground g;
         sight_bounds *bounds = NULL;
         ground_make(&g, 150, 90, touched, &kind);
-        check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
+        check_status(cw_sight_bounds_create(&g.terrain, &bounds), CW_OK);
         for (size_t n = 0; n < 4; n++) {
             viewshed_desc d = {.place = {random_between(&r, 40, 80), random_between(&r, 30, 60)}, .absolute = true};
             d.height = 0.5 * d.place[0] + 0.25 * d.place[1];
             const size_t first = random_below(&r, one_in);
             if (test_takes((size_t)kind + n, 4)) lines_seen(&g, bounds, &d, first, one_in);
         }
-        sight_bounds_destroy(bounds);
+        cw_sight_bounds_destroy(bounds);
         ground_free(&g);
     }
 }
@@ -415,7 +415,7 @@ static void behind_a_lone_sample(void **state) {
     ground g;
     sight_bounds *bounds = NULL;
     ground_make(&g, 41, 31, lone_spike, shape);
-    check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
+    check_status(cw_sight_bounds_create(&g.terrain, &bounds), CW_OK);
     static const double eyes[][2] = {{4, 10}, {8, 8}, {12, 2}, {9, 7}, {16, 12}, {15, 13}};
     for (size_t n = 0; n < sizeof eyes / sizeof *eyes; n++) {
         const viewshed_desc d = {.place = {eyes[n][0], eyes[n][1]}, .height = 5, .absolute = true};
@@ -423,7 +423,7 @@ static void behind_a_lone_sample(void **state) {
         lines_seen(&g, bounds, &d, 0, 1);
         check(seen[j * 41 + i] == 0 && seen[(j + 2) * 41 + i + 1] == 1, "from (%g, %g)", eyes[n][0], eyes[n][1]);
     }
-    sight_bounds_destroy(bounds);
+    cw_sight_bounds_destroy(bounds);
     ground_free(&g);
 }
 
@@ -444,9 +444,9 @@ static void a_strip_is_no_square(void **state) {
         ground g;
         sight_bounds *bounds = NULL;
         ground_make(&g, along ? LENGTH : 2, along ? 2 : LENGTH, strip, shape);
-        check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
+        check_status(cw_sight_bounds_create(&g.terrain, &bounds), CW_OK);
         viewshed *v = view(&g, bounds, &(viewshed_desc){.height = eye, .absolute = true});
-        check_status(viewshed_see(v, NULL, (cw_area){0}, &(cw_view){.needed = heights}), CW_OK);
+        check_status(cw_viewshed_see(v, NULL, (cw_area){0}, &(cw_view){.needed = heights}), CW_OK);
         double steepest = -(double)INFINITY;
         for (size_t k = 1; k < LENGTH; k++) {
             const size_t at = along ? k : 2 * k;
@@ -455,8 +455,8 @@ static void a_strip_is_no_square(void **state) {
                   (double)heights[at], needed);
             steepest = fmax(steepest, (z - eye) / (double)k);
         }
-        viewshed_destroy(v);
-        sight_bounds_destroy(bounds);
+        cw_viewshed_destroy(v);
+        cw_sight_bounds_destroy(bounds);
         ground_free(&g);
     }
     alarm(0);
@@ -477,7 +477,7 @@ static void horizon_of_the_sea(void **state) {
     ground g;
     sight_bounds *bounds = NULL;
     ground_make(&g, 200, 200, level, shape);
-    check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
+    check_status(cw_sight_bounds_create(&g.terrain, &bounds), CW_OK);
     const viewshed_desc d = {.place = {100, 100}, .height = eye, .curvature = curvature};
     const double far = sqrt(2 * g.terrain.radius / curvature * eye);
     viewshed *v = view(&g, bounds, &d);
@@ -490,8 +490,8 @@ static void horizon_of_the_sea(void **state) {
             if (away < far) check(got, "%g m away is not seen; the horizon is at %g m", away, far);
             if (away > far + 7.2) check(!got, "%g m away is seen; the horizon is at %g m", away, far);
         }
-    viewshed_destroy(v);
-    sight_bounds_destroy(bounds);
+    cw_viewshed_destroy(v);
+    cw_sight_bounds_destroy(bounds);
     ground_free(&g);
 }
 
@@ -505,7 +505,7 @@ static void views_of_a_plane(void **state) {
     ground g;
     sight_bounds *bounds = NULL;
     ground_make(&g, 90, 80, plane, shape);
-    check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
+    check_status(cw_sight_bounds_create(&g.terrain, &bounds), CW_OK);
     for (int below = 0; below < 2; below++) {
         const viewshed_desc d = {.place = {41.25, 37.5}, .height = below ? -0.5 : 0.5};
         viewshed *v = view(&g, bounds, &d);
@@ -515,9 +515,9 @@ static void views_of_a_plane(void **state) {
                 const bool near = fabs((double)i - 41.25) < 2 && fabs((double)j - 37.5) < 2;
                 if (!near) check(seen[j * 90 + i] == !below, "(%zu, %zu): %d", i, j, seen[j * 90 + i]);
             }
-        viewshed_destroy(v);
+        cw_viewshed_destroy(v);
     }
-    sight_bounds_destroy(bounds);
+    cw_sight_bounds_destroy(bounds);
     ground_free(&g);
 }
 
@@ -534,16 +534,16 @@ static void first_block(void **state) {
     sight s;
     sight_bounds *bounds = NULL;
     ground_make(&g, 100, 20, wall, shape);
-    check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
-    sight_init(&s, &g.terrain, bounds, (double[3]){10, 7.5, 20}, 0);
+    check_status(cw_sight_bounds_create(&g.terrain, &bounds), CW_OK);
+    cw_sight_init(&s, &g.terrain, bounds, (double[3]){10, 7.5, 20}, 0);
     /* The wall's flank rises from 0 at column 49 to 40 at column 50: the line at 20 m meets it halfway, the one at 41 m
      * passes. */
-    const double level_line = sight_first_block(&s, 90, 7.5, 20);
+    const double level_line = cw_sight_first_block(&s, 90, 7.5, 20);
     check(fabs(level_line - 39.5 / 80) < 1e-12, "blocked at %.17g of the way", level_line);
-    assert_true(sight_first_block(&s, 90, 7.5, 20 + 2 * 20 + 2 + 1) == INFINITY);
-    const double down = sight_first_block(&s, 30, 7.5, -20);
+    assert_true(cw_sight_first_block(&s, 90, 7.5, 20 + 2 * 20 + 2 + 1) == INFINITY);
+    const double down = cw_sight_first_block(&s, 30, 7.5, -20);
     check(fabs(down - 0.5) < 1e-12, "the ground is met at %.17g of the way", down);
-    sight_bounds_destroy(bounds);
+    cw_sight_bounds_destroy(bounds);
     ground_free(&g);
 }
 
@@ -556,7 +556,7 @@ static void same_bits_in_threads(void **state) {
     sight_bounds *bounds = NULL;
     cw_pool *pool = NULL;
     make_land(&g, 150, 170, ROUGH, &r, maps[0]);
-    check_status(sight_bounds_create(&g.terrain, &bounds), CW_OK);
+    check_status(cw_sight_bounds_create(&g.terrain, &bounds), CW_OK);
     check_status(cw_pool_create(3, &pool), CW_OK);
     viewshed *v = view(&g, bounds, &(viewshed_desc){.place = {60, 77.25}, .height = 12, .curvature = 1});
     cw_run query = (cw_run){0};
@@ -567,9 +567,9 @@ static void same_bits_in_threads(void **state) {
     count(v, &query);
     assert_memory_equal(seen, seen_alone, sizeof seen);
     assert_memory_equal(heights, heights_alone, sizeof(float) * 150 * 170);
-    viewshed_destroy(v);
+    cw_viewshed_destroy(v);
     cw_pool_destroy(pool);
-    sight_bounds_destroy(bounds);
+    cw_sight_bounds_destroy(bounds);
     ground_free(&g);
 }
 

@@ -71,13 +71,13 @@ static void edges_one_by_one(void **state) {
         edge edges[EDGES];
         const size_t n = 1 + random_below(&r, EDGES);
         skyline s;
-        assert_true(skyline_init(&s, -1, 1));
+        assert_true(cw_skyline_init(&s, -1, 1));
         for (size_t k = 0; k < n; k++) {
             edges[k] = random_edge(&r, k > 0 ? &edges[k - 1] : NULL);
             const double left = fmin(edges[k].ends[0][0], edges[k].ends[1][0]) - 1e-3;
             const uint32_t start =
                 random_below(&r, 2) ? SKYLINE_FIRST : skyline_find(&s, SKYLINE_FIRST, fmax(left, -1.5));
-            skyline_add(&s, start, edges[k].ends[0], edges[k].ends[1]);
+            cw_skyline_add(&s, start, edges[k].ends[0], edges[k].ends[1]);
         }
         assert_false(s.failed);
         double low, high, u = -1, until = -1, least = INFINITY;
@@ -88,7 +88,7 @@ static void edges_one_by_one(void **state) {
             least = fmin(least, high);
             until = u;
         }
-        const double all = skyline_least(&s, SKYLINE_FIRST, -1, until);
+        const double all = cw_skyline_least(&s, SKYLINE_FIRST, -1, until);
         check(all <= least, "%zu edges: %.17g is the lowest, but one is %.17g", n, all, least);
         for (size_t k = 0; k < n; k++) /* at the ends themselves */
             for (int end = 0; end < 2; end++) {
@@ -98,7 +98,7 @@ static void edges_one_by_one(void **state) {
                 skyline_at(&s, &at, u, &low, &high);
                 check_direction(edges, n, u, low, high);
             }
-        skyline_free(&s);
+        cw_skyline_free(&s);
     }
 }
 
@@ -110,7 +110,7 @@ static void rows_of_edges(void **state) {
     random_state r = {3};
     skyline s;
     size_t n = 0;
-    assert_true(skyline_init(&s, -1, 1));
+    assert_true(cw_skyline_init(&s, -1, 1));
     for (size_t row = 0; row < ROWS; row++) {
         const double wide = 2.2 / (double)(ACROSS - row);
         double last[2] = {-1.1, random_unit(&r)};
@@ -121,7 +121,7 @@ static void rows_of_edges(void **state) {
             start = skyline_find(&s, start, last[0] - 1e-2);
             const double far = last[0] + wide + random_between(&r, 0, 0.1);
             const uint32_t behind = skyline_find(&s, start, far);
-            skyline_add(&s, start, e->ends[i % 2], e->ends[1 - i % 2]);
+            cw_skyline_add(&s, start, e->ends[i % 2], e->ends[1 - i % 2]);
             if (s.pieces[behind].from <= far) /* who has found it finds on from it */
                 check(skyline_find(&s, behind, far) == skyline_find(&s, SKYLINE_FIRST, far), "a piece behind is lost");
             last[0] = e->ends[1][0];
@@ -135,7 +135,7 @@ static void rows_of_edges(void **state) {
         }
     }
     assert_false(s.failed);
-    skyline_free(&s);
+    cw_skyline_free(&s);
 }
 
 int main(void) {

@@ -49,7 +49,7 @@ static void set_sample(judge *q, size_t i, size_t j, mpq_t x, mpq_t y, mpq_t z) 
     set_difference(x, (double)i, s->eye[0]);
     set_difference(y, (double)j, s->eye[1]);
     set_difference(z, (double)s->terrain->z[j * s->terrain->nx + i], s->eye[2]);
-    mpq_set_d(q->c, sight_fall(s, (double)i, (double)j));
+    mpq_set_d(q->c, cw_sight_fall(s, (double)i, (double)j));
     mpq_sub(z, z, q->c);
 }
 
@@ -116,7 +116,7 @@ static int judge_line(const sight *s, double i, double j, double z, double above
     set_difference(q.top, z, s->eye[2]);
     mpq_set_d(q.c, above);
     mpq_add(q.top, q.top, q.c);
-    mpq_set_d(q.c, sight_fall(s, i, j));
+    mpq_set_d(q.c, cw_sight_fall(s, i, j));
     mpq_sub(q.top, q.top, q.c);
     for (size_t y = 0; y < s->terrain->ny; y++)
         for (size_t x = 0; x < s->terrain->nx; x++) {
@@ -155,12 +155,12 @@ static void check_view(const ground *g, const viewshed_desc *d, tally *sum) {
     const terrain *t = &g->terrain;
     sight_bounds *bounds = NULL;
     viewshed *v = NULL;
-    check_status(sight_bounds_create(t, &bounds), CW_OK);
-    check_status(viewshed_create(t, bounds, d, &v), CW_OK);
-    const sight *s = viewshed_sight(v);
+    check_status(cw_sight_bounds_create(t, &bounds), CW_OK);
+    check_status(cw_viewshed_create(t, bounds, d, &v), CW_OK);
+    const sight *s = cw_viewshed_sight(v);
     memset(seen, 0, sizeof seen);
-    check_status(viewshed_see(v, NULL, (cw_area){0}, &(cw_view){.seen = seen}), CW_OK);
-    check_status(viewshed_see(v, NULL, (cw_area){0}, &(cw_view){.needed = need}), CW_OK);
+    check_status(cw_viewshed_see(v, NULL, (cw_area){0}, &(cw_view){.seen = seen}), CW_OK);
+    check_status(cw_viewshed_see(v, NULL, (cw_area){0}, &(cw_view){.needed = need}), CW_OK);
     for (size_t k = 0; k < t->nx * t->ny; k++) {
         if (t->nx >= SIDE && !test_takes(k, SAMPLES_STEP)) continue;
         const double x = (double)(k % t->nx), y = (double)(k / t->nx), z = (double)g->z[k];
@@ -172,15 +172,15 @@ static void check_view(const ground *g, const viewshed_desc *d, tally *sum) {
         check((need[k] > 0) == (ground_highest > 0), "(%g, %g) from (%.17g, %.17g, %.17g): %g m are needed, verdict %d",
               x, y, s->eye[0], s->eye[1], s->eye[2], (double)need[k], ground_highest);
         if (k % 4 == 0) check_need(s, x, y, z, (double)need[k]);
-        const double block = sight_first_block(s, x, y, z);
+        const double block = cw_sight_first_block(s, x, y, z);
         check((block < INFINITY) == (ground_highest >= 0), "(%g, %g) from (%.17g, %.17g, %.17g): the line is %s", x, y,
               s->eye[0], s->eye[1], s->eye[2], block < INFINITY ? "blocked" : "free");
         sum->seen += highest < 0;
         sum->touched += highest == 0;
         sum->hidden += highest > 0;
     }
-    viewshed_destroy(v);
-    sight_bounds_destroy(bounds);
+    cw_viewshed_destroy(v);
+    cw_sight_bounds_destroy(bounds);
 }
 
 static void make_ground(ground *g, size_t nx, size_t ny, double (*height)(void *context, size_t i, size_t j),
@@ -377,11 +377,11 @@ static void lines_between_places(void **state) {
             sight s;
             for (int e = 0; e < 2; e++)
                 for (int c = 0; c < 2; c++) ends[e][c] = rint(ends[e][c] * 0x1p44) * 0x1p-44; /* see sight.h */
-            sight_init(&s, &g.terrain, NULL, ends[0], 0);
+            cw_sight_init(&s, &g.terrain, NULL, ends[0], 0);
             const double *to = ends[1];
             if (to[0] == s.eye[0] && to[1] == s.eye[1]) continue;
             const int highest = judge_line(&s, to[0], to[1], to[2], 0);
-            const double block = sight_first_block(&s, to[0], to[1], to[2]);
+            const double block = cw_sight_first_block(&s, to[0], to[1], to[2]);
             check((block < INFINITY) == (highest >= 0), "(%.17g, %.17g, %g) to (%.17g, %.17g, %g) is %s, verdict %d",
                   s.eye[0], s.eye[1], s.eye[2], to[0], to[1], to[2], block < INFINITY ? "blocked" : "free", highest);
             blocked += highest > 0;

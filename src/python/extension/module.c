@@ -36,7 +36,7 @@ static PyObject *suns(PyObject *self, PyObject *arguments) {
     const size_t count = (size_t)times.len / sizeof(double);
     const bool good = buffer_holds(&out, count * sizeof(sun_position), "out");
     for (size_t k = 0; k < count && good; k++) {
-        sun_position p = sun_at(((const double *)times.buf)[k], longitude, latitude);
+        sun_position p = cw_sun_at(((const double *)times.buf)[k], longitude, latitude);
         p.azimuth = fmod(p.azimuth + turned + 360, 360);
         ((sun_position *)out.buf)[k] = p;
     }
@@ -52,7 +52,7 @@ static PyObject *parse_time(PyObject *self, PyObject *arguments) {
     double seconds;
     (void)self;
     if (!PyArg_ParseTuple(arguments, "s:parse_time", &text)) return NULL;
-    if (!sun_parse_time(text, &seconds)) Py_RETURN_NONE;
+    if (!cw_sun_parse_time(text, &seconds)) Py_RETURN_NONE;
     return PyFloat_FromDouble(seconds);
 }
 

@@ -95,7 +95,7 @@ static cw_status find_suns(call *c, insolation **sum) {
                                .linke = c->n.linke,
                                .curvature = c->n.curvature,
                                .directions = (size_t)c->n.directions};
-    return insolation_create(&c->field->terrain, &d, sum);
+    return cw_insolation_create(&c->field->terrain, &d, sum);
 }
 
 cw_status make_hours(call *c) {
@@ -103,8 +103,8 @@ cw_status make_hours(call *c) {
     float *out = call_output(c, 0, samples_of(c) * sizeof *out);
     if (out == NULL) return CW_ERROR_ARGUMENT;
     cw_status status = find_suns(c, &s);
-    if (status == CW_OK) status = insolation_hours(s, &c->work.run, (cw_area){c->at, 0}, out);
-    insolation_destroy(s);
+    if (status == CW_OK) status = cw_insolation_hours(s, &c->work.run, (cw_area){c->at, 0}, out);
+    cw_insolation_destroy(s);
     return status;
 }
 
@@ -117,10 +117,10 @@ cw_status make_irradiance(call *c) {
     if (out == NULL) return CW_ERROR_ARGUMENT;
     cw_status status = find_suns(c, &s);
     bool on = work_part(&c->work, 0, diffuse ? 0.5 : 1);
-    if (status == CW_OK && on) status = insolation_direct(s, &c->work.run, (cw_area){c->at, 0}, out);
+    if (status == CW_OK && on) status = cw_insolation_direct(s, &c->work.run, (cw_area){c->at, 0}, out);
     on = on && diffuse && work_part(&c->work, 0.5, 0.5);
-    if (status == CW_OK && on) status = sum_all(c, &sky, 1, (float)insolation_diffuse(s));
-    insolation_destroy(s);
+    if (status == CW_OK && on) status = sum_all(c, &sky, 1, (float)cw_insolation_diffuse(s));
+    cw_insolation_destroy(s);
     return status;
 }
 

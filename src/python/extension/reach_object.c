@@ -91,7 +91,7 @@ static PyObject *grown(PyObject *self, PyObject *arguments) {
     cw_rectangle part;
     double more;
     if (!PyArg_ParseTuple(arguments, "O&d:grown", to_rectangle, &part, &more) || !is_part(r, part)) return NULL;
-    return from_rectangle(reach_grow(&r->whole, part, more));
+    return from_rectangle(cw_reach_grow(&r->whole, part, more));
 }
 
 /* around(x, y, metres): the part that a viewshed from a place of the map examines, or None. */
@@ -99,11 +99,11 @@ static PyObject *around(PyObject *self, PyObject *arguments) {
     const py_reach *r = (const py_reach *)self;
     double x, y, metres, at[2];
     if (!PyArg_ParseTuple(arguments, "ddd:around", &x, &y, &metres)) return NULL;
-    if (!terrain_find_place(&r->whole, x, site_northward(&r->site, &r->whole, y), at)) {
+    if (!cw_terrain_find_place(&r->whole, x, site_northward(&r->site, &r->whole, y), at)) {
         PyErr_SetString(PyExc_ValueError, "x, y: an observer is too far away from the terrain");
         return NULL;
     }
-    return from_rectangle(reach_around(&r->whole, at, metres));
+    return from_rectangle(cw_reach_around(&r->whole, at, metres));
 }
 
 static size_t blocks_along(size_t samples) { return (samples + REACH_BLOCK - 1) / REACH_BLOCK; }
@@ -169,7 +169,7 @@ PyObject *block_ranges(PyObject *self, PyObject *arguments) {
             blocks.low[k] = INFINITY;
             blocks.high[k] = -INFINITY;
         }
-        reach_blocks_take(&blocks, part, samples.buf);
+        cw_reach_blocks_take(&blocks, part, samples.buf);
         Py_END_ALLOW_THREADS;
     }
     PyBuffer_Release(&samples);

@@ -39,7 +39,7 @@ bool site_init(terrain *t, const site *g, const cw_field *field, size_t nx, size
         .semi_major = g->semi_major,
         .inverse_flattening = g->inverse_flattening,
     };
-    return terrain_init(t, &desc);
+    return cw_terrain_init(t, &desc);
 }
 
 double site_northward(const site *g, const terrain *t, double y) {

@@ -30,10 +30,10 @@ static bool find_spot(call *c, const char *name, const spot *s, double at[3]) {
     double level;
     io_error unused;
     if (ground_find_place(t, &p, at, &level, &unused)) return true;
-    const char *why = !terrain_find_place(t, p.x, p.y, at) ? "is too far away from the terrain"
-                      : isnan(level)                       ? "has no ground under it; give the height itself, absolute"
-                      : p.z < level                        ? "is under the ground"
-                                                           : "is too high";
+    const char *why = !cw_terrain_find_place(t, p.x, p.y, at) ? "is too far away from the terrain"
+                      : isnan(level) ? "has no ground under it; give the height itself, absolute"
+                      : p.z < level  ? "is under the ground"
+                                     : "is too high";
     call_fail(c, "%s: (%.10g, %.10g, %.10g) %s", name, s->x, s->y, s->z, why);
     return false;
 }
@@ -139,7 +139,7 @@ static void take_own(viewing *v, const double eye[3], size_t number) {
 static cw_status view(viewing *v, const spot *spots, size_t count) {
     call *c = v->call;
     terrain t = c->field->terrain; /* with bounds for all observers */
-    cw_status status = sight_bounds_create(&t, &v->bounds);
+    cw_status status = cw_sight_bounds_create(&t, &v->bounds);
     t.bounds = v->bounds;
     for (size_t k = 0; k < count && status == CW_OK; k++) {
         double eye[3];
@@ -186,7 +186,7 @@ cw_status make_viewshed(call *c) {
     const bool room = v.own || v.sums || v.seen || v.numbers;
     const cw_status status = room ? view(&v, spots, count) : CW_ERROR_MEMORY;
     if (status == CW_OK && kind != SEEN) finish(&v, out, planes);
-    sight_bounds_destroy(v.bounds);
+    cw_sight_bounds_destroy(v.bounds);
     free(v.own);
     free(v.sums);
     return status;
@@ -240,7 +240,7 @@ static void look_along_some(void *context, size_t begin, size_t end) {
         if (!look_along(l, begin, &p)) atomic_store(&l->failed, true);
         if (!work_watch(&l->call->work, (double)(atomic_fetch_add(&l->done, 1) + 1) / (double)l->n)) break;
     }
-    profile_free(&p);
+    cw_profile_free(&p);
 }
 
 static bool check_ends(call *c, const spot (*ends)[2], size_t n) {
@@ -272,7 +272,7 @@ cw_status make_profile(call *c) {
     line l;
     profile p = {0};
     if (rows == NULL || count == NULL || !check_ends(c, ends, n) || !find_line(c, &l, *ends)) return CW_ERROR_ARGUMENT;
-    const cw_status status = profile_make(&p, &l.sight, l.target[0], l.target[1], l.target[2]);
+    const cw_status status = cw_profile_make(&p, &l.sight, l.target[0], l.target[1], l.target[2]);
     const double metres = terrain_metres_of_height(&c->field->terrain);
     for (size_t k = 0; k < p.count && k < room && status == CW_OK; k++) {
         const profile_point *at = &p.points[k];
@@ -283,7 +283,7 @@ cw_status make_profile(call *c) {
         if (c->n.frequency > 0) rows[k].radius = line_fresnel_radius(&l, c->n.frequency, at->share);
     }
     *count = (double)p.count;
-    profile_free(&p);
+    cw_profile_free(&p);
     return status;
 }
 
@@ -298,24 +298,24 @@ cw_status make_place_horizons(call *c) {
     place_horizon *out = call_output(c, 0, count * directions * sizeof *out);
     sight_bounds *bounds = NULL;
     if (out == NULL) return CW_ERROR_ARGUMENT;
-    cw_status status = sight_bounds_create(t, &bounds);
+    cw_status status = cw_sight_bounds_create(t, &bounds);
     for (size_t k = 0; k < count && status == CW_OK && work_watch(&c->work, (double)k / (double)count); k++) {
         double eye[3];
         sight s;
         if (!find_spot(c, "x, y", &spots[k], eye)) break;
-        if (isnan(terrain_height(t, eye[0], eye[1]))) {
+        if (isnan(cw_terrain_height(t, eye[0], eye[1]))) {
             call_fail(c, "x, y: (%.10g, %.10g) is not on the terrain, where the horizon is found", spots[k].x,
                       spots[k].y);
             break;
         }
-        sight_init(&s, t, bounds, eye, c->n.curvature);
+        cw_sight_init(&s, t, bounds, eye, c->n.curvature);
         for (size_t d = 0; d < directions; d++, out++) {
             *out = place_horizon_toward(&s, fmod(c->n.start + 360.0 * (double)d / (double)directions, 360),
                                         c->n.max_distance);
             out->at[1] = northward(c, out->at[1]);
         }
     }
-    sight_bounds_destroy(bounds);
+    cw_sight_bounds_destroy(bounds);
     return status;
 }
 
@@ -342,13 +342,13 @@ cw_status make_sun_days(call *c) {
     sight_bounds *bounds;
     if (out == NULL || at == NULL || !find_spot(c, "x, y", at, eye)) return CW_ERROR_ARGUMENT;
     if (n->lean != 0 && !sun_ground_lean(t, eye, &d.tilt, &d.facing)) return CW_ERROR_MEMORY;
-    const cw_status status = sight_bounds_create(t, &bounds);
+    const cw_status status = cw_sight_bounds_create(t, &bounds);
     if (status != CW_OK) return status;
-    sight_init(&s, t, bounds, eye, n->curvature);
+    cw_sight_init(&s, t, bounds, eye, n->curvature);
     const double share = weight ? 0 : sun_sky_share(&s, &d);
     if (weight) *out = sun_day_of_list(&s, &d, list, weight, suns < weights ? suns : weights);
     for (size_t k = 0; k < days && !weight && work_watch(&c->work, (double)k / (double)days); k++)
         out[k] = sun_day_find(&s, &d, share, n->first + 86400 * (double)k);
-    sight_bounds_destroy(bounds);
+    cw_sight_bounds_destroy(bounds);
     return CW_OK;
 }

@@ -57,15 +57,15 @@ static bool bound(const terrain *t, sight_bounds *b) {
     return false;
 }
 
-cw_status sight_bounds_create(const terrain *t, sight_bounds **bounds) {
+cw_status cw_sight_bounds_create(const terrain *t, sight_bounds **bounds) {
     sight_bounds *b = *bounds = calloc(1, sizeof *b);
     if (b && bound(t, b)) return CW_OK;
-    sight_bounds_destroy(b);
+    cw_sight_bounds_destroy(b);
     *bounds = NULL;
     return CW_ERROR_MEMORY;
 }
 
-void sight_bounds_destroy(sight_bounds *b) {
+void cw_sight_bounds_destroy(sight_bounds *b) {
     if (b == NULL) return;
     for (int l = 0; l < b->levels; l++) free(b->high[l]);
     free(b);

@@ -61,26 +61,26 @@ static void drop_doubles(profile *p) {
     p->count = kept;
 }
 
-cw_status profile_make(profile *p, const sight *s, double i, double j, double z) {
+cw_status cw_profile_make(profile *p, const sight *s, double i, double j, double z) {
     const terrain *t = s->terrain;
     const way w = way_to(s, i, j, z, 0);
     p->count = 0;
     const double metres = terrain_metres_of_height(t);
-    bool good = put(p, 0, terrain_height(t, s->eye[0], s->eye[1]) / metres);
+    bool good = put(p, 0, cw_terrain_height(t, s->eye[0], s->eye[1]) / metres);
     if (w.length > 0) {
         good = good && put_crossings(p, &w, WAY_COLUMN, w.place[0], 0, w.step[0]) &&
                put_crossings(p, &w, WAY_ROW, w.place[1], 0, w.step[1]) &&
                put_crossings(p, &w, WAY_DIAGONAL, w.diagonal, w.diagonal_low, w.across) &&
-               put(p, 1, terrain_height(t, i, j) / metres);
+               put(p, 1, cw_terrain_height(t, i, j) / metres);
     }
     if (!good) return CW_ERROR_MEMORY;
     qsort(p->points, p->count, sizeof *p->points, compare);
     drop_doubles(p);
-    profile_judge(p, s, i, j, z);
+    cw_profile_judge(p, s, i, j, z);
     return CW_OK;
 }
 
-void profile_judge(profile *p, const sight *s, double i, double j, double z) {
+void cw_profile_judge(profile *p, const sight *s, double i, double j, double z) {
     const way w = way_to(s, i, j, z, 0);
     double steepest = -INFINITY;
     for (size_t k = 0; k < p->count; k++) {
@@ -97,7 +97,7 @@ void profile_judge(profile *p, const sight *s, double i, double j, double z) {
     }
 }
 
-void profile_free(profile *p) {
+void cw_profile_free(profile *p) {
     free(p->points);
     *p = (profile){0};
 }

@@ -18,10 +18,10 @@ typedef struct profile {
 } profile;
 
 /* Replaces *p, which is all zero at first, by the profile to (i, j), at height z in the samples' numbers. */
-cw_status profile_make(profile *p, const sight *s, double i, double j, double z);
-void profile_free(profile *p);
+cw_status cw_profile_make(profile *p, const sight *s, double i, double j, double z);
+void cw_profile_free(profile *p);
 
 /* Finds lines and what is seen anew, after heights of ground were changed. */
-void profile_judge(profile *p, const sight *s, double i, double j, double z);
+void cw_profile_judge(profile *p, const sight *s, double i, double j, double z);
 
 #endif

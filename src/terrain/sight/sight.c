@@ -14,12 +14,12 @@ static double rounded_place(double x) { return rint(x * 0x1p60) * 0x1p-60; }
 /* For the same reason. */
 static double without_dust(double height) { return fabs(height) < 0x1p-200 ? 0 : height; }
 
-void sight_init(sight *s, const terrain *t, const sight_bounds *bounds, const double eye[3], double curvature) {
+void cw_sight_init(sight *s, const terrain *t, const sight_bounds *bounds, const double eye[3], double curvature) {
     *s = (sight){.terrain = t, .bounds = bounds};
     for (int c = 0; c < 2; c++) s->eye[c] = rounded_place(eye[c]);
     s->eye[2] = without_dust(eye[2]);
     double metres[2];
-    terrain_metres(t, eye[0], eye[1], metres);
+    cw_terrain_metres(t, eye[0], eye[1], metres);
     const double k = curvature / (2 * t->radius * t->map[2][2]);
     const double(*m)[4] = (const double(*)[4])t->map;
     for (int c = 0; c < 2; c++) {
@@ -31,13 +31,13 @@ void sight_init(sight *s, const terrain *t, const sight_bounds *bounds, const do
     for (int c = 0; c < 3; c++) s->fall[c] = without_dust(s->fall[c]);
 }
 
-double sight_fall(const sight *s, double i, double j) {
+double cw_sight_fall(const sight *s, double i, double j) {
     const double x = i - s->eye[0], y = j - s->eye[1];
     return s->fall[0] * x * x + s->fall[1] * x * y + s->fall[2] * y * y;
 }
 
-double sight_sample(const sight *s, size_t i, size_t j) {
-    return (double)terrain_row(s->terrain, j)[i] - s->eye[2] - sight_fall(s, (double)i, (double)j);
+double cw_sight_sample(const sight *s, size_t i, size_t j) {
+    return (double)terrain_row(s->terrain, j)[i] - s->eye[2] - cw_sight_fall(s, (double)i, (double)j);
 }
 
 /* ---- the steepest rise ------------------------------------------------------------------------------------------- */
@@ -66,7 +66,7 @@ static inline bool look_for_steepest(void *context, const crossing *c) {
 static double least_fall(const sight *s, double left, double right, double top, double bottom) {
     if (s->fall[0] == 0 && s->fall[2] == 0) return 0;
     const double i = clamped(s->eye[0], left, right), j = clamped(s->eye[1], top, bottom);
-    if (s->fall[1] == 0) return sight_fall(s, i, j);
+    if (s->fall[1] == 0) return cw_sight_fall(s, i, j);
     /* Turned: in units of the shorter of the ellipse's axes. */
     const double mean = 0.5 * (s->fall[0] + s->fall[2]), half = 0.5 * (s->fall[0] - s->fall[2]);
     const double least = mean - sqrt(half * half + 0.25 * s->fall[1] * s->fall[1]), x = i - s->eye[0],
@@ -128,7 +128,7 @@ static inline void look_along(const way *w, const double *steepest, way_look *lo
     }
 }
 
-sight_rise sight_steepest(const sight *s, double i, double j, double least) {
+sight_rise cw_sight_steepest(const sight *s, double i, double j, double least) {
     const way w = way_to(s, i, j, 0, 0);
     search found = {{least, 0}};
     if (w.length > at_end) look_along(&w, &found.rise.steepest, look_for_steepest, &found);
@@ -156,7 +156,7 @@ static inline bool look_for_tie(void *context, const crossing *c) {
     return false;
 }
 
-double sight_nearest(const sight *s, double i, double j, sight_rise steepest) {
+double cw_sight_nearest(const sight *s, double i, double j, sight_rise steepest) {
     const way w = way_to(s, i, j, 0, 0);
     tie t = {steepest, steepest.share};
     /* Stretches are passed over by a lower rise than any tie has. */
@@ -183,13 +183,13 @@ static bool is_clear(const sight *s) {
             low = z < low ? z : low;
             high = z > high ? z : high;
         }
-    const double ground = terrain_height(t, s->eye[0], s->eye[1]) / t->map[2][2];
+    const double ground = cw_terrain_height(t, s->eye[0], s->eye[1]) / t->map[2][2];
     return ground + 2 * clear_of_edges * (high - low) < s->eye[2];
 }
 
 /* Seen from the eye, an edge is straight: what of it lies between two directions rises highest at one of them or at
  * a sample between them. Edges that are crossed within a cell of the eye end within two of it. */
-double sight_around(const sight *s, const double a[2], const double b[2]) {
+double cw_sight_around(const sight *s, const double a[2], const double b[2]) {
     enum { CELLS = 4 };
     if (!is_clear(s)) return INFINITY;
     const terrain *t = s->terrain;
@@ -208,7 +208,7 @@ double sight_around(const sight *s, const double a[2], const double b[2]) {
             const double x = i - s->eye[0], y = j - s->eye[1], away = fmax(fabs(x), fabs(y));
             const double turn = a[0] * b[1] - a[1] * b[0] < 0 ? -1 : 1;
             const bool between = turn * (a[0] * y - a[1] * x) >= -at_end && turn * (x * b[1] - y * b[0]) >= -at_end;
-            const double height = sight_sample(s, (size_t)i, (size_t)j);
+            const double height = cw_sight_sample(s, (size_t)i, (size_t)j);
             most = isfinite(height) && fabs(height) > most ? fabs(height) : most;
             if (between && x * a[0] + y * a[1] > 0 && height / away > steepest && height < INFINITY)
                 steepest = height / away;
@@ -228,7 +228,7 @@ static inline bool is_blocked(const crossing *c, double *over) {
     if (*over < -doubt) return false;
     const bool inside = c->share > way_share_error && c->share < 1 - way_share_error;
     if (*over > doubt && inside && !c->at_sample) return true;
-    const touch t = touch_at(c);
+    const touch t = cw_touch_at(c);
     return t.crosses && t.side >= 0;
 }
 
@@ -238,7 +238,7 @@ static inline bool look_for_block(void *context, const crossing *c) {
     return *blocked = is_blocked(c, &over);
 }
 
-bool sight_sees(const sight *s, double i, double j, double z, double above, sight_parts parts) {
+bool cw_sight_sees(const sight *s, double i, double j, double z, double above, sight_parts parts) {
     const way w = way_to(s, i, j, z, without_dust(above));
     bool blocked = false;
     if (w.length == 0) return true;
@@ -267,21 +267,21 @@ static inline bool look_for_need(void *context, const crossing *c) {
         n->steepest = fmax(n->steepest, c->height / c->share);
         return false;
     }
-    const touch t = touch_at(c);
+    const touch t = cw_touch_at(c);
     if (t.crosses && t.excess > n->excess) n->excess = t.excess;
     return false;
 }
 
-double sight_need(const sight *s, double i, double j, double z, double low) {
+double cw_sight_need(const sight *s, double i, double j, double z, double low) {
     const way w = way_to(s, i, j, z, 0);
     need n = {fmax(low, w.top), 0};
     if (w.length > 0) look_along(&w, &n.steepest, look_for_need, &n);
     return fmax(n.steepest - w.top, n.excess);
 }
 
-double sight_need_known(const sight *s, double i, double j, double z, double rise, double error, sight_parts parts) {
+double cw_sight_need_known(const sight *s, double i, double j, double z, double rise, double error, sight_parts parts) {
     const way w = way_to(s, i, j, z, 0);
-    if (!(fabs(rise - w.top) > error)) return sight_need(s, i, j, z, rise - error);
+    if (!(fabs(rise - w.top) > error)) return cw_sight_need(s, i, j, z, rise - error);
     need n = {fmax(rise, w.top), 0};
     if (parts.close > 0) look_between(&w, 0, fmin(parts.close / w.length, 1), look_for_need, &n);
     if (parts.eye) look_between(&w, 1 - 1 / w.length, 1, look_for_need, &n);
@@ -316,13 +316,13 @@ static bool look_before(void *context, const crossing *c) {
     return false;
 }
 
-double sight_first_block(const sight *s, double i, double j, double z) {
+double cw_sight_first_block(const sight *s, double i, double j, double z) {
     const way w = way_to(s, rounded_place(i), rounded_place(j), without_dust(z), 0);
     obstacle o = {.first = INFINITY};
     if (w.length == 0) return INFINITY;
     look_between(&w, 0, 1, look_for_obstacle, &o);
     if (o.first == INFINITY) return INFINITY;
-    o.gap = terrain_height(s->terrain, s->eye[0], s->eye[1]) / s->terrain->map[2][2] - s->eye[2];
+    o.gap = cw_terrain_height(s->terrain, s->eye[0], s->eye[1]) / s->terrain->map[2][2] - s->eye[2];
     look_between(&w, 0, 1, look_before, &o);
     /* Between the two the surface is plane, if it is there. */
     return o.gap < 0 ? o.before + (o.first - o.before) * (o.gap / (o.gap - o.over)) : o.first;

@@ -12,8 +12,8 @@
 
 /* Highest samples of blocks of cells, 4 and 16 and so on cells wide. */
 typedef struct sight_bounds sight_bounds;
-cw_status sight_bounds_create(const terrain *t, sight_bounds **bounds);
-void sight_bounds_destroy(sight_bounds *bounds);
+cw_status cw_sight_bounds_create(const terrain *t, sight_bounds **bounds);
+void cw_sight_bounds_destroy(sight_bounds *bounds);
 
 /* A place to look from. Numbers are those of the field: cells, and heights as the samples have them. */
 typedef struct sight {
@@ -28,11 +28,11 @@ typedef struct sight {
 
 /* The lowering is curvature d² / (2 R), d being the distance in metres on the map and R the ellipsoid's radius at
  * the equator: 0 for a flat earth, 1 for one without air, 6/7 with the refraction that surveyors reckon with. */
-void sight_init(sight *s, const terrain *t, const sight_bounds *bounds, const double eye[3], double curvature);
+void cw_sight_init(sight *s, const terrain *t, const sight_bounds *bounds, const double eye[3], double curvature);
 
-double sight_fall(const sight *s, double i, double j);
+double cw_sight_fall(const sight *s, double i, double j);
 /* Sample (i, j) as seen from the eye: its height over the eye's, lowered. */
-double sight_sample(const sight *s, size_t i, size_t j);
+double cw_sight_sample(const sight *s, size_t i, size_t j);
 
 /* The steepest rise from the eye on the way to (i, j), as height over the eye per share of the way, both ends left
  * out, and the share at which it is, the least of several; rounded. Values below least are returned as least, at
@@ -40,11 +40,11 @@ double sight_sample(const sight *s, size_t i, size_t j);
 typedef struct sight_rise {
     double steepest, share;
 } sight_rise;
-sight_rise sight_steepest(const sight *s, double i, double j, double least);
+sight_rise cw_sight_steepest(const sight *s, double i, double j, double least);
 
 /* The least share of the way to (i, j) at which something rises as steeply as that, the steepest, but for twice the error of
  * either: of a plane through the eye, all crossings are such ties. */
-double sight_nearest(const sight *s, double i, double j, sight_rise steepest);
+double cw_sight_nearest(const sight *s, double i, double j, sight_rise steepest);
 
 /* Parts of the way to a place: the first so many cells from it, or all of it, and the last cell before the eye.
  * Cells count along the way's longer axis. */
@@ -55,29 +55,29 @@ typedef struct sight_parts {
 
 /* No rise within one cell of the eye is steeper than that in the directions between a and b, as height over the eye
  * per cell along the way's longer axis, which is the same for both: a and b are one long along it. */
-double sight_around(const sight *s, const double a[2], const double b[2]);
+double cw_sight_around(const sight *s, const double a[2], const double b[2]);
 
-/* These decide exactly: for the samples, eye and heights as they are given, and lowerings as sight_fall rounds them,
+/* These decide exactly: for the samples, eye and heights as they are given, and lowerings as cw_sight_fall rounds them,
  * an answer is that of real numbers. An edge is part of the surface if neither of its samples is a hole, and so is a
  * sample with a height. Coordinates are rounded to multiples of 2^-60. Rounding must be to nearest. */
 
 /* Whether the sample (i, j), or what stands above it, is seen, if nothing hides it outside these parts of the way: z
  * is its height and above that of the target over it, in the samples' numbers. Terrain that touches the line blocks
  * it. */
-bool sight_sees(const sight *s, double i, double j, double z, double above, sight_parts parts);
+bool cw_sight_sees(const sight *s, double i, double j, double z, double above, sight_parts parts);
 
 /* How high over the sample (i, j) of height z something must at least stand so that nothing is above the line to it:
  * 0 only if nothing is above the line to the sample. low: something is known to rise by at least that on the way, as
- * sight_steepest has it, or -infinity. Rounded. */
-double sight_need(const sight *s, double i, double j, double z, double low);
+ * cw_sight_steepest has it, or -infinity. Rounded. */
+double cw_sight_need(const sight *s, double i, double j, double z, double low);
 
 /* The same, where the steepest rise on the way is known to be rise, off by less than error, but for these parts of
  * the way. */
-double sight_need_known(const sight *s, double i, double j, double z, double rise, double error, sight_parts parts);
+double cw_sight_need_known(const sight *s, double i, double j, double z, double rise, double error, sight_parts parts);
 
 /* The first place on the way to (i, j), at height z in the samples' numbers, at which the straight line to there is
  * on or below the surface, as a share of the way, with both ends left out; infinite if there is none. That there is
  * one is exact, where it is is rounded. */
-double sight_first_block(const sight *s, double i, double j, double z);
+double cw_sight_first_block(const sight *s, double i, double j, double z);
 
 #endif

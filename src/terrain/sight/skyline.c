@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-bool skyline_init(skyline *s, double from, double until) {
+bool cw_skyline_init(skyline *s, double from, double until) {
     *s = (skyline){.room = 64, .cuts_room = 64, .count = 2, .from = from, .until = until};
     s->pieces = malloc(s->room * sizeof *s->pieces);
     s->cuts = malloc(s->cuts_room * sizeof *s->cuts);
@@ -13,7 +13,7 @@ bool skyline_init(skyline *s, double from, double until) {
     return true;
 }
 
-void skyline_free(skyline *s) {
+void cw_skyline_free(skyline *s) {
     free(s->pieces);
     free(s->cuts);
 }
@@ -106,7 +106,7 @@ static void leave_room(skyline_piece *p, double above) {
     if (most > p->above) p->above = most;
 }
 
-void skyline_add(skyline *s, uint32_t start, const double one[2], const double other[2]) {
+void cw_skyline_add(skyline *s, uint32_t start, const double one[2], const double other[2]) {
     const bool turned = one[0] > other[0];
     double from = turned ? other[0] : one[0], until = turned ? one[0] : other[0];
     if (!(until > s->from && from < s->until)) return;
@@ -172,7 +172,7 @@ void skyline_add(skyline *s, uint32_t start, const double one[2], const double o
     put_in_place(s, first, last, n);
 }
 
-double skyline_least(const skyline *s, uint32_t start, double from, double until) {
+double cw_skyline_least(const skyline *s, uint32_t start, double from, double until) {
     const skyline_piece *p = s->pieces;
     double least = INFINITY;
     for (uint32_t k = skyline_find(s, start, from); p[k].from < until || k == start; k = p[k].next) {

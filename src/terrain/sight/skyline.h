@@ -40,11 +40,11 @@ typedef struct skyline {
 /* The piece with which all begins: it stays the first. */
 enum { SKYLINE_FIRST = 1 };
 
-bool skyline_init(skyline *s, double from, double until); /* nothing stands anywhere */
-void skyline_free(skyline *s);
+bool cw_skyline_init(skyline *s, double from, double until); /* nothing stands anywhere */
+void cw_skyline_free(skyline *s);
 
 /* An edge from one (u, w) to another. start: a piece that begins before it. */
-void skyline_add(skyline *s, uint32_t start, const double one[2], const double other[2]);
+void cw_skyline_add(skyline *s, uint32_t start, const double one[2], const double other[2]);
 
 /* The last piece that begins at or before u; start begins there or before. */
 static inline uint32_t skyline_find(const skyline *s, uint32_t start, double u) {
@@ -92,6 +92,6 @@ static inline bool skyline_at_closely(const skyline *s, uint32_t at, double u, d
 }
 
 /* The lowest between two directions. */
-double skyline_least(const skyline *s, uint32_t start, double from, double until);
+double cw_skyline_least(const skyline *s, uint32_t start, double from, double until);
 
 #endif

@@ -29,7 +29,7 @@ enum { SLICES = SWEEP_PARTS / 4, BIN_CELLS = 8, COLUMNS_AT_ONCE = 16, AROUND = 3
  * edges are added. */
 static const double close_rows = 3;
 
-/* The skyline begins there: a cell from the eye, less a hair. Nearer terrain is left to sight_around. */
+/* The skyline begins there: a cell from the eye, less a hair. Nearer terrain is left to cw_sight_around. */
 static const double first_distance = 1 - 0x1p-10;
 
 /* A small range of directions. */
@@ -176,7 +176,7 @@ static inline void add(part *p, uint32_t start, double x0, double r0, double h0,
         h0 += share * (h1 - h0);
         r0 = first_distance;
     }
-    skyline_add(&p->line, start, (double[2]){x0 / r0, h0 / r0}, (double[2]){x1 / r1, h1 / r1});
+    cw_skyline_add(&p->line, start, (double[2]){x0 / r0, h0 / r0}, (double[2]){x1 / r1, h1 / r1});
 }
 
 /* Edges of the near row. */
@@ -233,7 +233,7 @@ static void look_around(part *p) {
             direction[end][p->swapped ? 0 : 1] = p->outward;
             direction[end][p->swapped ? 1 : 0] = p->from + (k + end) * ((p->until - p->from) / AROUND);
         }
-        p->around[k] = sight_around(p->sight, direction[0], direction[1]);
+        p->around[k] = cw_sight_around(p->sight, direction[0], direction[1]);
     }
 }
 
@@ -289,7 +289,7 @@ static void look_again(part *p, size_t begin, size_t end, double reached) {
         start = skyline_find(&p->line, start, left);
         if (b > end && p->line.pieces[start].from > reached) break;
         p->of[b].start = start;
-        if (b < end) p->of[b].low = skyline_least(&p->line, start, left, left + p->width + 4 * SKYLINE_BLUR);
+        if (b < end) p->of[b].low = cw_skyline_least(&p->line, start, left, left + p->width + 4 * SKYLINE_BLUR);
     }
 }
 
@@ -400,7 +400,7 @@ static bool sweep(part *p, double most, sweep_tick *tick) {
     return true;
 }
 
-void sweep_directions(unsigned number, double directions[2][2]) {
+void cw_sweep_directions(unsigned number, double directions[2][2]) {
     const unsigned quarter = number / SLICES, slice = number % SLICES, across = quarter >= 2 ? 0 : 1;
     for (unsigned k = 0; k < 2; k++) {
         directions[k][across] = quarter % 2 ? -1 : 1;
@@ -408,8 +408,8 @@ void sweep_directions(unsigned number, double directions[2][2]) {
     }
 }
 
-bool sweep_part(const sight *s, unsigned number, double most, double target, sweep_visit *visit, sweep_tick *tick,
-                void *context) {
+bool cw_sweep_part(const sight *s, unsigned number, double most, double target, sweep_visit *visit, sweep_tick *tick,
+                   void *context) {
     const terrain *t = s->terrain;
     const unsigned quarter = number / SLICES, slice = number % SLICES;
     part p = {.sight = s, .swapped = quarter >= 2, .outward = quarter % 2 ? -1 : 1};
@@ -430,7 +430,7 @@ bool sweep_part(const sight *s, unsigned number, double most, double target, swe
     p.of = malloc(sizeof *p.of);
     double *lines = calloc(5 * length, sizeof *lines);
     if (p.swapped) p.columns = malloc((COLUMNS_AT_ONCE + 1) * (size_t)p.length * sizeof *p.columns);
-    bool good = skyline_init(&p.line, p.from - 0x1p-10, p.until + 0x1p-10);
+    bool good = cw_skyline_init(&p.line, p.from - 0x1p-10, p.until + 0x1p-10);
     good = good && p.of && lines && (p.columns || !p.swapped);
     if (good) {
         double **const line[5] = {&p.near_height, &p.far_height, &p.front, &p.back, &p.back_before};
@@ -439,7 +439,7 @@ bool sweep_part(const sight *s, unsigned number, double most, double target, swe
         look_around(&p);
         good = sweep(&p, most, tick);
     }
-    skyline_free(&p.line);
+    cw_skyline_free(&p.line);
     free(p.of);
     free(lines);
     free(p.columns);

@@ -28,11 +28,11 @@ typedef bool sweep_tick(void *context);
 enum { SWEEP_PARTS = 64 };
 
 /* The two directions that a part goes between, in field coordinates; both are in it, or the part beside has them. */
-void sweep_directions(unsigned part, double directions[2][2]);
+void cw_sweep_directions(unsigned part, double directions[2][2]);
 
 /* Samples farther away than most cells, on the longer axis, are left out. target may be infinite: then all are
  * visited. False if memory is short. */
-bool sweep_part(const sight *s, unsigned part, double most, double target, sweep_visit *visit, sweep_tick *tick,
-                void *context);
+bool cw_sweep_part(const sight *s, unsigned part, double most, double target, sweep_visit *visit, sweep_tick *tick,
+                   void *context);
 
 #endif

@@ -71,7 +71,7 @@ static void take_sample(const crossing *c, double m, const vector *to_target, sa
     if (!out->exists) return;
     out->at = vector_to(s, i, j);
     out->height = difference((double)*z, s->eye[2]);
-    const double fall = sight_fall(s, i, j);
+    const double fall = cw_sight_fall(s, i, j);
     if (fall != 0) out->height.part[out->height.count++] = -fall;
     out->side = cross(to_target, &out->at);
 }
@@ -121,7 +121,7 @@ static touch on_edge(const sample *a, const sample *b, const parts *top) {
     return verdict(&over, exact_sign(&a->side), exact_value(&area));
 }
 
-touch touch_at(const crossing *c) {
+touch cw_touch_at(const crossing *c) {
     const way *w = c->way;
     const sight *s = w->sight;
     if (!is_between(c)) return (touch){.side = -1};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Whether the surface blocks a line of sight at a crossing, decided exactly for the numbers that are given: the samples, the
- * eye, the target, and lowerings as sight_fall rounds them. */
+ * eye, the target, and lowerings as cw_sight_fall rounds them. */
 #ifndef CELLWALK_TERRAIN_TOUCH_H
 #define CELLWALK_TERRAIN_TOUCH_H
 
@@ -14,6 +14,6 @@ typedef struct touch {
 } touch;
 
 /* c has its line, kind and n, and its place on that, which may be off by the way's slack. */
-touch touch_at(const crossing *c);
+touch cw_touch_at(const crossing *c);
 
 #endif

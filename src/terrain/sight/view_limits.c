@@ -16,7 +16,7 @@ static bool init_sector(view_limits *l) {
     if (width >= 360) l->given.has_sector = a[1] < a[0]; /* a whole number of rounds back is no width */
     if (width >= 360) width = 0;
     l->narrow = width < 180;
-    for (int k = 0; k < 2; k++) terrain_sine_cosine(a[k], &l->sector[k][0], &l->sector[k][1]);
+    for (int k = 0; k < 2; k++) cw_terrain_sine_cosine(a[k], &l->sector[k][0], &l->sector[k][1]);
     return true;
 }
 
@@ -25,15 +25,15 @@ static bool init_verticals(view_limits *l) {
     if (!(v[0] >= -90 && v[0] <= v[1] && v[1] <= 90)) return false;
     for (int k = 0; k < 2; k++) {
         double sine, cosine;
-        terrain_sine_cosine(v[k], &sine, &cosine);
+        cw_terrain_sine_cosine(v[k], &sine, &cosine);
         l->tangents[k] = v[k] == -90 ? -INFINITY : v[k] == 90 ? INFINITY : sine / cosine;
     }
     return true;
 }
 
-bool view_limits_init(view_limits *l, const sight *s, const sight_limits *given) {
+bool cw_view_limits_init(view_limits *l, const sight *s, const sight_limits *given) {
     *l = (view_limits){.sight = s, .given = *given};
-    terrain_metres(s->terrain, s->eye[0], s->eye[1], l->metres);
+    cw_terrain_metres(s->terrain, s->eye[0], s->eye[1], l->metres);
     if (!(given->nearest >= 0 && given->farthest >= 0)) return false;
     if (given->has_sector && !init_sector(l)) return false;
     if (given->has_verticals && !init_verticals(l)) return false;
@@ -46,7 +46,7 @@ static void turn_to_metres(const view_limits *l, double x, double y, double step
     for (int k = 0; k < 2; k++) step[k] = (m[k][0] * x + m[k][1] * y) * l->metres[k];
 }
 
-void view_limits_step(const view_limits *l, double i, double j, double step[2]) {
+void cw_view_limits_step(const view_limits *l, double i, double j, double step[2]) {
     turn_to_metres(l, i - l->sight->eye[0], j - l->sight->eye[1], step);
 }
 
@@ -60,32 +60,32 @@ static bool is_in_sector(const view_limits *l, const double step[2], double slac
     return after && before && ahead > 0;
 }
 
-double view_limits_angle(const view_limits *l, double i, double j, double rise) {
+double cw_view_limits_angle(const view_limits *l, double i, double j, double rise) {
     double step[2];
-    view_limits_step(l, i, j, step);
+    cw_view_limits_step(l, i, j, step);
     const double height = rise * terrain_metres_of_height(l->sight->terrain);
     return atan2(height, sqrt(step[0] * step[0] + step[1] * step[1])) / degree;
 }
 
-bool view_limits_have(const view_limits *l, double i, double j, double rise) {
+bool cw_view_limits_have(const view_limits *l, double i, double j, double rise) {
     if (!l->any) return true;
     const sight_limits *g = &l->given;
     double step[2];
-    view_limits_step(l, i, j, step);
+    cw_view_limits_step(l, i, j, step);
     const double square = step[0] * step[0] + step[1] * step[1];
     if (g->farthest > 0 && !(square <= g->farthest * g->farthest)) return false;
     if (!(square >= g->nearest * g->nearest)) return false;
     if (g->has_sector && square > 0 && !is_in_sector(l, step, 0)) return false;
     if (!g->has_verticals) return true;
     if (square == 0) {
-        const double angle = view_limits_angle(l, i, j, rise);
+        const double angle = cw_view_limits_angle(l, i, j, rise);
         return angle >= g->verticals[0] && angle <= g->verticals[1];
     }
     const double distance = sqrt(square), height = rise * terrain_metres_of_height(l->sight->terrain);
     return height >= l->tangents[0] * distance && height <= l->tangents[1] * distance;
 }
 
-bool view_limits_meet(const view_limits *l, const double a[2], const double b[2]) {
+bool cw_view_limits_meet(const view_limits *l, const double a[2], const double b[2]) {
     /* Directions are rounded by less than 2^-50 of them. */
     const double slack = 0x1p-40;
     double ends[2][2];

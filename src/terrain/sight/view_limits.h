@@ -27,18 +27,18 @@ typedef struct view_limits {
 } view_limits;
 
 /* False if a number is none or out of range. */
-bool view_limits_init(view_limits *l, const sight *s, const sight_limits *given);
+bool cw_view_limits_init(view_limits *l, const sight *s, const sight_limits *given);
 
 /* From the place to (i, j): metres east and north on the map. */
-void view_limits_step(const view_limits *l, double i, double j, double step[2]);
+void cw_view_limits_step(const view_limits *l, double i, double j, double step[2]);
 
 /* Whether a target counts. rise: its height over the eye in the samples' numbers, lowered. */
-bool view_limits_have(const view_limits *l, double i, double j, double rise);
+bool cw_view_limits_have(const view_limits *l, double i, double j, double rise);
 
 /* The angle above the eye's horizontal in degrees; at the place itself -90, 0 or 90. */
-double view_limits_angle(const view_limits *l, double i, double j, double rise);
+double cw_view_limits_angle(const view_limits *l, double i, double j, double rise);
 
 /* False if no direction between a and b, in field coordinates and less than half of the round apart, is in the sector. */
-bool view_limits_meet(const view_limits *l, const double a[2], const double b[2]);
+bool cw_view_limits_meet(const view_limits *l, const double a[2], const double b[2]);
 
 #endif

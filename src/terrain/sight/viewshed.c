@@ -21,11 +21,11 @@ struct viewshed {
 /* Samples are within it too, and the products of exact decisions stay far below overflow. */
 static const double most_height = 0x1p120;
 
-cw_status viewshed_create(const terrain *t, const sight_bounds *bounds, const viewshed_desc *d, viewshed **out) {
+cw_status cw_viewshed_create(const terrain *t, const sight_bounds *bounds, const viewshed_desc *d, viewshed **out) {
     *out = NULL;
-    const double ground = terrain_height(t, d->place[0], d->place[1]), metres = terrain_metres_of_height(t);
+    const double ground = cw_terrain_height(t, d->place[0], d->place[1]), metres = terrain_metres_of_height(t);
     const double eye = (d->absolute ? d->height : ground + d->height) / metres;
-    if (!terrain_is_in_reach(d->place[0], d->place[1]))
+    if (!cw_terrain_is_in_reach(d->place[0], d->place[1]))
         return cw_fail(CW_ERROR_ARGUMENT, "x, y: the place is too far away from the terrain");
     if (isnan(eye)) return cw_fail(CW_ERROR_ARGUMENT, "x, y: there is no ground to stand on, or height is no number");
     cw_status status = cw_check_number("height", eye, -most_height, most_height);
@@ -35,8 +35,8 @@ cw_status viewshed_create(const terrain *t, const sight_bounds *bounds, const vi
     viewshed *v = malloc(sizeof *v);
     if (v == NULL) return cw_fail_plainly(CW_ERROR_MEMORY);
     *v = (viewshed){.terrain = t, .desc = *d, .target = d->target_height / metres};
-    sight_init(&v->sight, t, bounds, (double[3]){d->place[0], d->place[1], eye}, d->curvature);
-    if (!view_limits_init(&v->limits, &v->sight, &d->limits)) {
+    cw_sight_init(&v->sight, t, bounds, (double[3]){d->place[0], d->place[1], eye}, d->curvature);
+    if (!cw_view_limits_init(&v->limits, &v->sight, &d->limits)) {
         free(v);
         return cw_fail(CW_ERROR_ARGUMENT, "nearest, farthest, azimuths, verticals: a number is none, or out of range");
     }
@@ -49,9 +49,9 @@ cw_status viewshed_create(const terrain *t, const sight_bounds *bounds, const vi
     return CW_OK;
 }
 
-void viewshed_destroy(viewshed *v) { free(v); }
+void cw_viewshed_destroy(viewshed *v) { free(v); }
 
-const sight *viewshed_sight(const viewshed *v) { return &v->sight; }
+const sight *cw_viewshed_sight(const viewshed *v) { return &v->sight; }
 
 /* One sweep over all samples: for those that are seen, or for the heights that are needed. */
 typedef struct job {
@@ -72,20 +72,20 @@ static inline size_t place_of(const job *q, size_t i, size_t j) {
 }
 
 /* The target's height over the eye, lowered. */
-static double rise_of(const viewshed *v, size_t i, size_t j) { return sight_sample(&v->sight, i, j) + v->target; }
+static double rise_of(const viewshed *v, size_t i, size_t j) { return cw_sight_sample(&v->sight, i, j) + v->target; }
 
 static inline bool is_seen(const viewshed *v, size_t i, size_t j, const sweep_way *way) {
-    if (v->limits.any && !view_limits_have(&v->limits, (double)i, (double)j, rise_of(v, i, j))) return false;
+    if (v->limits.any && !cw_view_limits_have(&v->limits, (double)i, (double)j, rise_of(v, i, j))) return false;
     const double z = (double)terrain_row(v->terrain, j)[i];
     return (way->unsure.close == 0 && !way->unsure.eye) ||
-           sight_sees(&v->sight, (double)i, (double)j, z, v->target, way->unsure);
+           cw_sight_sees(&v->sight, (double)i, (double)j, z, v->target, way->unsure);
 }
 
 static void put_seen(const job *q, size_t i, size_t j, size_t k) {
     const viewshed *v = q->v;
     if (q->to.seen) q->to.seen[k]++;
     if (q->to.sum) q->to.sum[k] += q->to.weight;
-    if (q->to.angle) q->to.angle[k] = (float)view_limits_angle(&v->limits, (double)i, (double)j, rise_of(v, i, j));
+    if (q->to.angle) q->to.angle[k] = (float)cw_view_limits_angle(&v->limits, (double)i, (double)j, rise_of(v, i, j));
 }
 
 static void see_sample(void *context, size_t i, size_t j, const sweep_way *way) {
@@ -105,15 +105,15 @@ static void measure_sample(void *context, size_t i, size_t j, const sweep_way *w
     const job *q = context;
     const viewshed *v = q->v;
     const size_t k = place_of(q, i, j);
-    if (k == SIZE_MAX || (v->limits.any && !view_limits_have(&v->limits, (double)i, (double)j, 0))) return;
+    if (k == SIZE_MAX || (v->limits.any && !cw_view_limits_have(&v->limits, (double)i, (double)j, 0))) return;
     const double z = (double)terrain_row(v->terrain, j)[i], metres = v->terrain->map[2][2];
     double need;
     if (!way->known) {
-        need = sight_need(&v->sight, (double)i, (double)j, z, way->low);
+        need = cw_sight_need(&v->sight, (double)i, (double)j, z, way->low);
     } else {
-        need = sight_need_known(&v->sight, (double)i, (double)j, z, way->rise, way->error, way->unsure);
+        need = cw_sight_need_known(&v->sight, (double)i, (double)j, z, way->rise, way->error, way->unsure);
         if (!is_sure(need * metres, way->error * metres))
-            need = sight_need(&v->sight, (double)i, (double)j, z, way->rise - way->error);
+            need = cw_sight_need(&v->sight, (double)i, (double)j, z, way->rise - way->error);
     }
     q->to.needed[k] = (float)(need * metres);
 }
@@ -133,10 +133,10 @@ static void sweep_parts(void *context, size_t begin, size_t end) {
     const viewshed *v = q->v;
     for (size_t k = begin; k < end; k++) {
         double directions[2][2];
-        sweep_directions((unsigned)k, directions);
-        if (view_limits_meet(&v->limits, directions[0], directions[1]) &&
-            !sweep_part(&v->sight, (unsigned)k, v->most, q->heights ? INFINITY : v->target,
-                        q->heights ? measure_sample : see_sample, tell, q))
+        cw_sweep_directions((unsigned)k, directions);
+        if (cw_view_limits_meet(&v->limits, directions[0], directions[1]) &&
+            !cw_sweep_part(&v->sight, (unsigned)k, v->most, q->heights ? INFINITY : v->target,
+                           q->heights ? measure_sample : see_sample, tell, q))
             atomic_store(&q->failed, true);
         atomic_fetch_add(&q->parts, 1);
     }
@@ -165,7 +165,7 @@ static cw_status sweep(const viewshed *v, const cw_run *run, cw_area area, const
     if (!own_sample(v, own)) return CW_OK;
     const size_t k = place_of(&q, own[0], own[1]);
     const double rise = heights ? 0 : rise_of(v, own[0], own[1]);
-    if (k == SIZE_MAX || !view_limits_have(&v->limits, (double)own[0], (double)own[1], rise)) return CW_OK;
+    if (k == SIZE_MAX || !cw_view_limits_have(&v->limits, (double)own[0], (double)own[1], rise)) return CW_OK;
     if (heights)
         to->needed[k] = 0;
     else
@@ -173,7 +173,7 @@ static cw_status sweep(const viewshed *v, const cw_run *run, cw_area area, const
     return CW_OK;
 }
 
-cw_status viewshed_see(const viewshed *v, const cw_run *run, cw_area area, const cw_view *view) {
+cw_status cw_viewshed_see(const viewshed *v, const cw_run *run, cw_area area, const cw_view *view) {
     cw_run how;
     cw_status status = cw_area_begin(v->terrain, view, "view", run, &area, &how);
     if (status == CW_OK) status = cw_area_stride(&area);
@@ -210,9 +210,9 @@ cw_status cw_viewshed(const cw_terrain *t, const cw_run *run, const cw_observer 
                                   .azimuths = {from->azimuths[0], from->azimuths[1]},
                                   .has_verticals = (from->limits & CW_OBSERVER_VERTICALS) != 0,
                                   .verticals = {from->verticals[0], from->verticals[1]}}};
-    if (!terrain_find_place(t, from->x, from->y, d.place))
+    if (!cw_terrain_find_place(t, from->x, from->y, d.place))
         return cw_fail(CW_ERROR_ARGUMENT, "x, y: (%.10g, %.10g) is too far away from the terrain", from->x, from->y);
-    const double ground = terrain_height(t, d.place[0], d.place[1]);
+    const double ground = cw_terrain_height(t, d.place[0], d.place[1]);
     const double height = from->absolute ? from->height : ground + from->height;
     if (height < ground - CW_LEAST_DEPTH)
         return cw_fail(CW_ERROR_ARGUMENT,
@@ -220,10 +220,10 @@ cw_status cw_viewshed(const cw_terrain *t, const cw_run *run, const cw_observer 
                        from->x, from->y);
     const sight_bounds *bounds;
     viewshed *v = NULL;
-    status = terrain_bounds(t, &bounds);
-    if (status == CW_OK) status = viewshed_create(t, bounds, &d, &v);
-    if (status == CW_OK) status = viewshed_see(v, run, area, view);
-    viewshed_destroy(v);
-    terrain_bounds_release(t, bounds);
+    status = cw_terrain_bounds(t, &bounds);
+    if (status == CW_OK) status = cw_viewshed_create(t, bounds, &d, &v);
+    if (status == CW_OK) status = cw_viewshed_see(v, run, area, view);
+    cw_viewshed_destroy(v);
+    cw_terrain_bounds_release(t, bounds);
     return status;
 }

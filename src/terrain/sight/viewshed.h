@@ -11,18 +11,18 @@ typedef struct viewshed_desc {
     double height;        /* of the eye in metres, above the ground, or absolute */
     bool absolute;        /* must be, if the place is outside or over a hole */
     double target_height; /* metres above the ground */
-    double curvature;     /* as sight_init has it; not negative */
+    double curvature;     /* as cw_sight_init has it; not negative */
     sight_limits limits;  /* of the target */
 } viewshed_desc;
 
 typedef struct viewshed viewshed;
 
 /* CW_ERROR_ARGUMENT if there is no ground at the place to stand on. Terrain and bounds must stay. */
-cw_status viewshed_create(const terrain *t, const sight_bounds *bounds, const viewshed_desc *desc, viewshed **v);
-void viewshed_destroy(viewshed *v);
-const sight *viewshed_sight(const viewshed *v);
+cw_status cw_viewshed_create(const terrain *t, const sight_bounds *bounds, const viewshed_desc *desc, viewshed **v);
+void cw_viewshed_destroy(viewshed *v);
+const sight *cw_viewshed_sight(const viewshed *v);
 
 /* As cw_viewshed. */
-cw_status viewshed_see(const viewshed *v, const cw_run *run, cw_area area, const cw_view *view);
+cw_status cw_viewshed_see(const viewshed *v, const cw_run *run, cw_area area, const cw_view *view);
 
 #endif

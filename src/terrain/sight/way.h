@@ -55,7 +55,7 @@ static inline way way_to(const sight *s, double i, double j, double z, double ab
     const double x = fabs(w.step[0]), y = fabs(w.step[1]);
     w.longer = y > x;
     w.length = w.longer ? y : x;
-    w.fall = sight_fall(s, i, j);
+    w.fall = cw_sight_fall(s, i, j);
     w.top = z + above - s->eye[2] - w.fall;
     double eye_low;
     const double eye_diagonal = exact_two_sum(s->eye[0], -s->eye[1], &eye_low);

@@ -104,10 +104,10 @@ static void write_json(FILE *to, const place_horizon *h, double from_true, bool 
 
 static bool read_around(job *j, const ground_place *p, double metres, io_error *error) {
     ground *g = &j->command->product.ground;
-    sight_bounds_destroy(j->bounds);
+    cw_sight_bounds_destroy(j->bounds);
     j->bounds = NULL;
     return ground_read_around(g, p->x, p->y, metres, error) &&
-           (sight_bounds_create(&g->terrain, &j->bounds) == CW_OK || io_fail(error, "out of memory"));
+           (cw_sight_bounds_create(&g->terrain, &j->bounds) == CW_OK || io_fail(error, "out of memory"));
 }
 
 static bool write_place(job *j, const ground_place *p, io_error *error) {
@@ -123,7 +123,7 @@ static bool write_place(job *j, const ground_place *p, io_error *error) {
     if (j->in_circles && !read_around(j, p, d->max_distance, error)) return false;
     if (!ground_find_place(t, p, eye, &level, error)) return false;
     if (isnan(level)) return io_fail(error, "%s: is not on the terrain, where the horizon is found", p->text);
-    sight_init(&s, t, j->bounds, eye, d->curvature);
+    cw_sight_init(&s, t, j->bounds, eye, d->curvature);
     terrain_to_map(t, eye[0], eye[1], xy);
     if (!sun_place_of(t, &g->about.georef, xy, g->path, NULL, &north, &unknown)) north.turned = NAN;
     if (json) {
@@ -177,7 +177,7 @@ static bool write_places(horizon_command *c, io_error *error) {
     if (good)
         command_wrote(name, c->product.quiet, output, c->product.start, "horizons of %zu place%s", all.count,
                       all.count == 1 ? "" : "s");
-    sight_bounds_destroy(j.bounds);
+    cw_sight_bounds_destroy(j.bounds);
     observers_free(&all);
     return good;
 }

@@ -60,7 +60,7 @@ static bool look(los_command *c, io_output *profiles, io_error *error) {
     good = good && (profiles == NULL || (line_head_profiles(c->megahertz, profiles, error) &&
                                          line_write_profile(&l, 1, c->megahertz, &p, profiles, error)));
     if (good && radio) line_clearance(&l, c->megahertz, &p, &free);
-    profile_free(&p);
+    cw_profile_free(&p);
     if (!good) return false;
     if (!product_tell(&c->product, 1)) return io_fail(error, "interrupted");
     progress_end();
@@ -176,7 +176,7 @@ static bool look_at_pairs(los_command *c, io_output *results, io_output *profile
     *visible = j.visible;
     *pairs = j.table.rows;
     io_table_free(&j.table);
-    profile_free(&j.profile);
+    cw_profile_free(&j.profile);
     return good;
 }
 

@@ -14,7 +14,7 @@ static const char name[] = "shadow";
 typedef struct shadow_command {
     product product;
     const char *sun, *time; /* one of them is NULL */
-    double seconds;         /* of time, as sun_at takes it */
+    double seconds;         /* of time, as cw_sun_at takes it */
     double disc;            /* NaN: the sun is a point */
     bool usual_disc, hillshade;
     cw_light light;
@@ -84,7 +84,7 @@ static bool check(void *context, size_t *bands) {
     c->light.altitude = sun[1];
     if ((c->sun == NULL) == (c->time == NULL))
         command_fail(name, "give the sun's place by either --sun or --time");
-    else if (c->time && !sun_parse_time(c->time, &c->seconds))
+    else if (c->time && !cw_sun_parse_time(c->time, &c->seconds))
         command_fail(name, "--time takes a time with its zone, as 2024-06-21T12:00:00Z or +02:00, not '%s'", c->time);
     else if (!isnan(c->disc) && !(c->disc > 0 && c->disc <= 10))
         command_fail(name, "--disc takes degrees above 0, up to 10, not %g", c->disc);

@@ -50,7 +50,7 @@ static bool enter(product *p, io_error *error) {
                                   .linke = c->linke,
                                   .curvature = c->curvature,
                                   .directions = c->directions};
-    return product_good(insolation_create(&p->ground.terrain, &desc, &c->sum), error);
+    return product_good(cw_insolation_create(&p->ground.terrain, &desc, &c->sum), error);
 }
 
 static bool fill(product *p, size_t band, size_t row, size_t rows, void *cells, io_error *error) {
@@ -59,10 +59,10 @@ static bool fill(product *p, size_t band, size_t row, size_t rows, void *cells, 
     const cw_run run = product_query(p);
     const cw_area area = {{0, row, t->nx, rows}, 0};
     const cw_horizon sky = {.count = c->sky, .curvature = c->curvature, .flags = CW_HORIZON_TILTED};
-    const cw_status status = !c->irradiance   ? insolation_hours(c->sum, &run, area, cells)
-                             : band == DIRECT ? insolation_direct(c->sum, &run, area, cells)
+    const cw_status status = !c->irradiance   ? cw_insolation_hours(c->sum, &run, area, cells)
+                             : band == DIRECT ? cw_insolation_direct(c->sum, &run, area, cells)
                                               : cw_sky_view(t, &run, &sky, area, cells);
-    const float light = c->irradiance && band == DIFFUSE ? (float)insolation_diffuse(c->sum) : 1;
+    const float light = c->irradiance && band == DIFFUSE ? (float)cw_insolation_diffuse(c->sum) : 1;
     for (size_t k = 0; k < rows * t->nx && status == CW_OK && light != 1; k++) ((float *)cells)[k] *= light;
     return product_good(status, error);
 }
@@ -84,12 +84,12 @@ static bool find_suns(sun_command *c, const sun_place *place, io_error *error) {
 /* All that can throw a shadow in the direction of any sun matters, and for diffuse light all that hides sky. */
 static bool find_what_matters(product *p, io_error *error) {
     sun_command *c = p->context;
-    const size_t count = insolation_directions(c->sum);
+    const size_t count = cw_insolation_directions(c->sum);
     c->shadows = calloc(count + 1, sizeof *c->shadows);
     if (c->shadows == NULL) return io_fail(error, "out of memory");
     c->shadows[0].altitude = 90; /* without any sun there are no shadows */
     for (size_t k = 0; k < count; k++) {
-        insolation_direction(c->sum, k, &c->shadows[k].azimuth, &c->shadows[k].altitude);
+        cw_insolation_direction(c->sum, k, &c->shadows[k].azimuth, &c->shadows[k].altitude);
         c->shadows[k].curvature = c->curvature;
     }
     p->matters = (ground_matters){.suns = c->shadows,
@@ -104,7 +104,7 @@ static void note_light(product *p, const sun_command *c) {
     product_note(p, "CLEAR_SKY=ESRA (Rigollier, Bauer, Wald 2000)");
     product_note(p, "LINKE=%.9g", c->linke);
     product_note(p, "SKY_DIRECTIONS=%u", c->sky);
-    product_note(p, "DIFFUSE_LEVEL=%.9g", insolation_diffuse(c->sum));
+    product_note(p, "DIFFUSE_LEVEL=%.9g", cw_insolation_diffuse(c->sum));
 }
 
 static void describe_list(product *p, const sun_command *c) {
@@ -146,14 +146,14 @@ static bool begin(product *p, io_error *error) {
         describe_list(p, c);
     else
         describe(p, c, &place);
-    product_note(p, "SUN_DIRECTIONS=%zu%s", insolation_directions(c->sum), c->directions ? "" : " (each sun's own)");
+    product_note(p, "SUN_DIRECTIONS=%zu%s", cw_insolation_directions(c->sum), c->directions ? "" : " (each sun's own)");
     product_note(p, "CURVATURE=%.9g", c->curvature);
     return true;
 }
 
 static void leave(void *context) {
     sun_command *c = context;
-    insolation_destroy(c->sum);
+    cw_insolation_destroy(c->sum);
     c->sum = NULL;
 }
 
@@ -168,7 +168,7 @@ static void end(void *context) {
 static bool read_midnight(unsigned long year, unsigned long month, unsigned long day_of_month, double *midnight) {
     char text[80];
     snprintf(text, sizeof text, "%04lu-%02lu-%02luT00:00Z", year, month, day_of_month);
-    return sun_parse_time(text, midnight);
+    return cw_sun_parse_time(text, midnight);
 }
 
 /* The midnights of UTC that begin the first and the last day of a day, a month or a year: 2024-06-21, 2024-06, 2024. */

@@ -62,7 +62,7 @@ static double most_of(const visibility_command *c) {
     const terrain *t = &c->product.ground.whole;
     const double reach = c->desc.max_distance;
     double metres[2], side[2];
-    terrain_metres(t, 0.5 * (double)t->nx, 0.5 * (double)t->ny, metres);
+    cw_terrain_metres(t, 0.5 * (double)t->nx, 0.5 * (double)t->ny, metres);
     for (int a = 0; a < 2; a++)
         side[a] = hypot(t->map[0][a] * metres[0], t->map[1][a] * metres[1]) * (double)(a ? t->ny : t->nx);
     if (c->share) return 1;

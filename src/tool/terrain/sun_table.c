@@ -120,8 +120,8 @@ bool sun_table_write(product *p, sun_table *a, io_error *error) {
         !sun_place_of(t, &g->about.georef, xy, g->path, "--lon-lat tells it", &d->place, error))
         return false;
     if (a->ground && !sun_ground_lean(t, eye, &d->tilt, &d->facing)) return io_fail(error, "out of memory");
-    if (sight_bounds_create(t, &bounds) != CW_OK) return io_fail(error, "out of memory");
-    sight_init(&s, t, bounds, eye, a->curvature);
+    if (cw_sight_bounds_create(t, &bounds) != CW_OK) return io_fail(error, "out of memory");
+    cw_sight_init(&s, t, bounds, eye, a->curvature);
     const bool good =
         io_output_open(&to, p->output ? p->output : "-", error) &&
         (a->suns ? print_list(p, a, &s, &to, error) : print_days(p, a, &s, sun_sky_share(&s, d), &to, error)) &&
@@ -130,6 +130,6 @@ bool sun_table_write(product *p, sun_table *a, io_error *error) {
     progress_end();
     if (good && a->suns) command_wrote(p->name, p->quiet, p->output, p->start, "the suns of %s at a place", a->suns);
     if (good && !a->suns) command_wrote(p->name, p->quiet, p->output, p->start, "%zu days of a place", a->days);
-    sight_bounds_destroy(bounds);
+    cw_sight_bounds_destroy(bounds);
     return good;
 }

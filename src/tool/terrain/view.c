@@ -101,7 +101,7 @@ static bool read_wish(const view_options *v, wish *w) {
     if (v->sun && !product_parse_sun(name, v->sun, w->sun)) return false;
     if (v->sun && v->time)
         command_fail(name, "give the sun's place by either --sun or --time");
-    else if (v->time && !sun_parse_time(v->time, &w->seconds))
+    else if (v->time && !cw_sun_parse_time(v->time, &w->seconds))
         command_fail(name, "--time takes a time with its zone, as 2024-06-21T12:00:00Z or +02:00, not '%s'", v->time);
     else if (v->haze <= 0)
         command_fail(name, "--haze takes a visibility in metres, above 0, not %g", v->haze);
@@ -120,7 +120,7 @@ static bool read_wish(const view_options *v, wish *w) {
 static void to_metres(const terrain *t, double map[3][4]) {
     const double i = 0.5 * (double)(t->nx - 1), j = 0.5 * (double)(t->ny - 1);
     double metres[2];
-    terrain_metres(t, i, j, metres);
+    cw_terrain_metres(t, i, j, metres);
     for (int r = 0; r < 3; r++) {
         const double scale = r < 2 ? metres[r] : 1;
         for (int c = 0; c < 3; c++) map[r][c] = t->map[r][c] * scale;
@@ -135,7 +135,7 @@ static void put(double map[3][4], double i, double j, double z, double out[3]) {
 static bool put_place(const view *v, double map[3][4], const ground_place *p, double out[3], io_error *error) {
     double at[3];
     if (!ground_find_place(&v->ground.terrain, p, at, NULL, error)) return false;
-    put(map, at[0], at[1], at[2] - sight_fall(&v->earth, at[0], at[1]), out);
+    put(map, at[0], at[1], at[2] - cw_sight_fall(&v->earth, at[0], at[1]), out);
     return true;
 }
 
@@ -173,7 +173,7 @@ static void stand_back(const view *v, double map[3][4], double fov, double aspec
                        double eye[3]) {
     const cw_field_info info = cw_field_describe(surface(v)->field);
     double sine, cosine, lift;
-    terrain_sine_cosine(usual_pitch, &sine, &cosine);
+    cw_terrain_sine_cosine(usual_pitch, &sine, &cosine);
     const double half = tan(fov * (3.141592653589793 / 360));
     const double wide = aspect > 1 ? half * aspect : half, high = aspect > 1 ? half : half / aspect;
     corner corners[8];
@@ -198,7 +198,8 @@ static bool aim(const view *v, const view_options *o, const wish *w, landscape_d
         if (!put_place(v, d->to_world, &w->to, d->target, error)) return false;
     } else {
         const double i = 0.5 * (double)(info.nx - 1), j = 0.5 * (double)(info.ny - 1);
-        put(d->to_world, i, j, 0.5 * ((double)info.low + (double)info.high) - sight_fall(&v->earth, i, j), d->target);
+        put(d->to_world, i, j, 0.5 * ((double)info.low + (double)info.high) - cw_sight_fall(&v->earth, i, j),
+            d->target);
     }
     if (o->from) {
         if (!put_place(v, d->to_world, &w->from, d->eye, error)) return false;
@@ -211,7 +212,7 @@ static bool aim(const view *v, const view_options *o, const wish *w, landscape_d
 
 static void shine(const wish *w, landscape_desc *d) {
     double s[2], c[2];
-    for (int k = 0; k < 2; k++) terrain_sine_cosine(w->sun[k], &s[k], &c[k]);
+    for (int k = 0; k < 2; k++) cw_terrain_sine_cosine(w->sun[k], &s[k], &c[k]);
     const double sun[3] = {s[0] * c[1], c[0] * c[1], s[1]};
     memcpy(d->sun, sun, sizeof sun);
     d->sun_light = w->sun[1] > 0 ? sun_light : 0;
@@ -294,7 +295,7 @@ static bool lower(const io_raster *raster, const sight *s, const char *path, io_
     for (size_t j = 0; j < raster->ny; j++)
         for (size_t i = 0; i < raster->nx; i++)
             z[j * raster->nx + i] =
-                (float)((double)raster->z[j * raster->nx + i] - sight_fall(s, (double)i, (double)j));
+                (float)((double)raster->z[j * raster->nx + i] - cw_sight_fall(s, (double)i, (double)j));
     memcpy(lowered->map, raster->map, sizeof lowered->map);
     return true;
 }
@@ -309,7 +310,7 @@ static bool read_terrain(view *v, const view_options *o, const wish *w, io_error
     if (!ground_open(g, error) || !ground_read(g, ground_all(g), true, error)) return false;
     if (!lowers) return true;
     if (!ground_find_place(&g->terrain, &w->from, eye, NULL, error)) return false;
-    sight_init(&v->earth, &g->terrain, NULL, eye, o->curvature);
+    cw_sight_init(&v->earth, &g->terrain, NULL, eye, o->curvature);
     return lower(&g->file.raster, &v->earth, g->path, &v->lowered.raster, error) &&
            raster_field_build(&v->lowered, g->path, &query, &g->watch, error);
 }

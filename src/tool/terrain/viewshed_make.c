@@ -23,10 +23,10 @@ static cw_rectangle samples_of(const viewshed_command *c, const double at[2]) {
     const ground *g = &c->product.ground;
     const cw_rectangle all = ground_all(g);
     const double farthest = c->look.farthest;
-    if (farthest > 0) return reach_around(&g->whole, at, farthest);
+    if (farthest > 0) return cw_reach_around(&g->whole, at, farthest);
     /* Needed heights are rounded, and how depends on more than the lines. */
     const bool whole = g->window.nx == all.nx && g->window.ny == all.ny;
-    return whole || c->kind == VIEW_NEEDED ? all : reach_between(&g->whole, at, g->window);
+    return whole || c->kind == VIEW_NEEDED ? all : cw_reach_between(&g->whole, at, g->window);
 }
 
 /* Reads the part that all observers need, and sets the window to the part that they can see. */
@@ -38,9 +38,9 @@ static bool read_samples(viewshed_command *c, io_error *error) {
         char text[OBSERVER_TEXT];
         double at[2];
         const observer *o = &c->observers.list[k];
-        if (!terrain_find_place(&g->whole, o->x, o->y, at))
+        if (!cw_terrain_find_place(&g->whole, o->x, o->y, at))
             return io_fail(error, "%s: is too far away from the terrain", observers_place(&c->observers, k, text).text);
-        near = reach_both(near, reach_within(&g->whole, at, farthest));
+        near = cw_reach_both(near, cw_reach_within(&g->whole, at, farthest));
     }
     if (farthest > 0 && c->extent != VIEW_FULL && c->product.window == NULL) {
         if (near.nx == 0)
@@ -51,10 +51,10 @@ static bool read_samples(viewshed_command *c, io_error *error) {
     }
     for (size_t k = 0; k < c->observers.count; k++) {
         double at[2];
-        terrain_find_place(&g->whole, c->observers.list[k].x, c->observers.list[k].y, at);
-        piece = reach_both(piece, samples_of(c, at));
+        cw_terrain_find_place(&g->whole, c->observers.list[k].x, c->observers.list[k].y, at);
+        piece = cw_reach_both(piece, samples_of(c, at));
     }
-    piece = reach_grow(&g->whole, reach_both(piece, g->window), 0);
+    piece = cw_reach_grow(&g->whole, cw_reach_both(piece, g->window), 0);
     const double more = (c->kind == VIEW_WEIGHT ? (double)(sizeof *c->sums - sizeof(float))
                                                 : 0) + /* sums are longer than other results */
                         (c->table ? (double)sizeof *c->own : 0) +
@@ -71,7 +71,7 @@ static bool can_look(const viewshed_command *c, size_t k, bool read, io_error *w
     double at[3];
     const ground_place place = observers_place(&c->observers, k, text);
     if (read) return ground_find_place(&g->terrain, &place, at, NULL, why);
-    if (terrain_find_place(&g->whole, place.x, place.y, at) &&
+    if (cw_terrain_find_place(&g->whole, place.x, place.y, at) &&
         (place.absolute ||
          (at[0] >= 0 && at[1] >= 0 && at[0] <= (double)(g->whole.nx - 1) && at[1] <= (double)(g->whole.ny - 1))))
         return true;
@@ -325,7 +325,7 @@ bool viewshed_begin(product *p, io_error *error) {
     if (!check(c, error) || !product_check_output(p, error) || !read_samples(c, error) ||
         !skip_observers(c, true, error))
         return false;
-    if (sight_bounds_create(&p->ground.terrain, &c->bounds) != CW_OK) return io_fail(error, "out of memory");
+    if (cw_sight_bounds_create(&p->ground.terrain, &c->bounds) != CW_OK) return io_fail(error, "out of memory");
     p->ground.terrain.bounds = c->bounds;
     if ((c->within && !find_inside(c, error)) || !make_room(c, error)) return false;
     for (c->observer = 0; c->observer < c->observers.count && !c->bands; c->observer++)
@@ -340,7 +340,7 @@ bool viewshed_finish(product *p, io_error *error) {
 
 void viewshed_end(void *context) {
     viewshed_command *c = context;
-    sight_bounds_destroy(c->bounds);
+    cw_sight_bounds_destroy(c->bounds);
     observers_free(&c->observers);
     io_output_discard(&c->table_file);
     free(c->own);
