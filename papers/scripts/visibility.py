@@ -8,8 +8,10 @@ the Python module (PYTHONPATH)."""
 import argparse
 import datetime
 import json
+import math
 import os
 import subprocess
+import tempfile
 import time
 
 import numpy as np
@@ -87,15 +89,51 @@ def line(land, way, directions, got, wanted, seconds):
             "most_of_99": np.quantile(np.abs(off), 0.99), "cpu_seconds": seconds}
 
 
+def pairs(n, directions):
+    """Of an eye and a row or column that its rays cross on their way out of n x n samples."""
+    way, total = np.arange(n), 0
+    for k in range(directions):
+        turn = 2 * math.pi * k / directions
+        aside = min(abs(math.sin(turn)), abs(math.cos(turn))) / max(abs(math.sin(turn)), abs(math.cos(turn)))
+        # Row by row of eyes: as far as the last row, or as the last column from each column.
+        across = np.sort(np.ceil(way / aside)) if aside > 1e-9 else np.full(n, n)
+        before = np.concatenate(([0], np.cumsum(across)))
+        short = np.searchsorted(across, way)
+        total += (before[short] + way * (n - short)).sum()
+    return int(total)
+
+
+def times(tool, sides, folder):
+    for n in sides:
+        z, high = terrain.land(n), n == 6000  # 9 km of relief and cells of 30 m, for the case that CacheTVS publishes
+        np.save(f"{folder}/land.npy", (z - z.min()) * np.float32(9000 / np.ptp(z)) if high else z)
+        for isa in ("avx512", "avx2"):
+            if subprocess.run([tool, "info", "--isa", isa], capture_output=True).returncode:
+                continue
+            before = os.times()
+            subprocess.run([tool, "visibility", f"{folder}/land.npy", "--cellsize", "30" if high else "10", "--threads", "1", "--isa", isa, "--quiet", "-o",
+                            f"{folder}/area.npy"], check=True)
+            seconds = os.times().elapsed - before.elapsed
+            print(json.dumps({"kind": "time", "side": n, "isa": isa, "directions": 128, "seconds": seconds,
+                              "cpu_seconds": os.times().children_user - before.children_user, "pairs": pairs(n, 128),
+                              "load": os.getloadavg()[0]}), flush=True)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--eyes", type=int, default=300)
+    parser.add_argument("--time", metavar="TOOL", help="instead: seconds of whole rasters by the program, on one thread")
+    parser.add_argument("--sides", type=int, nargs="+", default=[1025, 4097, 6000])
     options = parser.parse_args()
     root = terrain.ROOT
     print(json.dumps({"kind": "run", "command": "visibility", "arguments": f"--eyes {options.eyes}", "cpu": terrain.cpu_name(),
                       "isa": [k.isa for k in cw.kernels() if k.available][-1],
                       "commit": subprocess.run(["git", "-C", root, "rev-parse", "--short=10", "HEAD"], capture_output=True, text=True).stdout.strip(),
                       "load": os.getloadavg()[0], "date": datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ")}))
+    if options.time:
+        with tempfile.TemporaryDirectory() as folder:
+            times(options.time, options.sides, folder)
+        return
     for name, z, cell in lands():
         random = np.random.default_rng(5)
         eyes = list(zip(random.integers(0, z.shape[0], options.eyes), random.integers(0, z.shape[1], options.eyes)))
