@@ -145,9 +145,6 @@ void line_clearance(const line *l, double megahertz, const profile *p, clearance
 
 /* ---- profiles ---------------------------------------------------------------------------------------------------------- */
 
-/* A number that three decimals round to 0 has no sign. */
-static double no_minus(double x) { return fabs(x) < 0.0005 ? 0 : x; }
-
 bool line_head_profiles(double megahertz, io_output *to, io_error *error) {
     return io_output_print(to, error, "pair,distance,x,y,ground,line,seen%s\n", megahertz > 0 ? ",fresnel_radius" : "");
 }
@@ -159,11 +156,11 @@ bool line_write_profile(const line *l, size_t number, double megahertz, const pr
         const profile_point *at = &p->points[k];
         double xy[2];
         for (int e = 0; e < 2; e++) xy[e] = l->ends[0][e] + at->share * (l->ends[1][e] - l->ends[0][e]);
-        const double distance = at->share * l->length, over = no_minus(at->line * metres);
+        const double distance = at->share * l->length, over = line_no_minus(at->line * metres);
         bool good = io_output_print(to, error, "%zu,%.3f,%.12g,%.12g,", number, distance, xy[0], xy[1]);
         good = good && (isnan(at->ground) ? io_output_print(to, error, ",%.3f,", over)
-                                          : io_output_print(to, error, "%.3f,%.3f,%d", no_minus(at->ground * metres),
-                                                            over, at->seen));
+                                          : io_output_print(to, error, "%.3f,%.3f,%d",
+                                                            line_no_minus(at->ground * metres), over, at->seen));
         if (megahertz > 0)
             good = good && io_output_print(to, error, ",%.3f", line_fresnel_radius(l, megahertz, at->share));
         if (!good || !io_output_write(to, "\n", 1, error)) return false;

@@ -41,6 +41,9 @@ void line_clearance(const line *l, double megahertz, const profile *p, clearance
 /* The first Fresnel zone's radius in metres at a share of the way. */
 double line_fresnel_radius(const line *l, double megahertz, double where);
 
+/* For three decimals: without the sign of a number that they round to 0. */
+static inline double line_no_minus(double metres) { return metres > -0.0005 && metres < 0.0005 ? 0 : metres; }
+
 /* Writes the first line of a table of profiles, and the rows of one. */
 /* megahertz: 0 for no column of Fresnel radii. */
 bool line_head_profiles(double megahertz, io_output *to, io_error *error);

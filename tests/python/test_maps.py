@@ -532,6 +532,10 @@ def test_profiles_have_no_minus_zero(tool, tmp_path):
     path = write(tmp_path / "flat.tif", z, MAPS["utm"], Affine(*METRES))
     tool("los", path, "600030,5199970,1", "600200,5199830,1", "--curvature", "0", "--profile", tmp_path / "p.csv")
     assert "-0.000" not in (tmp_path / "p.csv").read_text() and ",0.000," in (tmp_path / "p.csv").read_text()
+    (tmp_path / "pairs.csv").write_text("x1,y1,height1,x2,y2,height2\n600030,5199970,0,600200,5199830,0\n")
+    for words in (["600030,5199970,0", "600200,5199830,0"], ["--pairs", tmp_path / "pairs.csv"]):
+        out = tool("los", path, *words, "--curvature", "0")
+        assert "-0.000" not in out and "0.000" in out
 
 
 # ---- observers of files --------------------------------------------------------------------------------------------------------

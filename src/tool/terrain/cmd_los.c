@@ -40,7 +40,7 @@ static void print_json(const line *l, const clearance *c) {
 static void print(const line *l, const clearance *c) {
     if (l->blocked)
         printf("blocked: %.3f m from the first place, of %.3f m, at a height of %.3f m\nat %.10g,%.10g\n",
-               l->block_distance, l->length, l->block_height, l->block[0], l->block[1]);
+               l->block_distance, l->length, line_no_minus(l->block_height), l->block[0], l->block[1]);
     else
         printf("visible: %.3f m\n", l->length);
     if (c && isnan(c->share))
@@ -120,7 +120,7 @@ static bool write_row(job *j, size_t row, const line *l, io_error *error) {
                          l->ends[0][1], l->ends[1][0], l->ends[1][1], !l->blocked, l->length))
         return false;
     if (!(l->blocked ? io_output_print(j->results, error, "%.3f,%.12g,%.12g,%.3f", l->block_distance, l->block[0],
-                                       l->block[1], l->block_height)
+                                       l->block[1], line_no_minus(l->block_height))
                      : io_output_print(j->results, error, ",,,")))
         return false;
     clearance c;
