@@ -24,6 +24,8 @@ typedef struct lanes {
     vfloat slope;    /* up to the target at the last crossing; NaN: there is no edge */
     vfloat steepest; /* up to the ground, so far */
     vdouble area;
+    vfloat more; /* what is to be subtracted from area: of a run of crossings, the present one */
+    size_t run;
     vfloat farthest;
 } lanes;
 
@@ -39,7 +41,7 @@ CW_INLINE vfloat slope_to(const visible_crossing *c, vfloat height) {
 }
 
 /* Adds what is in sight of a piece: from share of its length before its end (late) or after its begin. Areas are negated and
- * subtracted, which changes no bit: a sum whose first part is in memory takes an instruction less. */
+ * subtracted: a difference whose second part is in memory takes an instruction less. */
 CW_INLINE void add_seen(const visible_job *job, lanes *l, const visible_piece *p, vmask seen, vmask late, vfloat share,
                         unsigned asked, bool cut) {
     const vfloat begin = vf_set(p->begin), end = vf_set(p->end), part = vf_mul(vf_set(p->length), share);
@@ -53,8 +55,19 @@ CW_INLINE void add_seen(const visible_job *job, lanes *l, const visible_piece *p
         seen = vm_and(seen, vf_lt(first, last));
         negated = vf_mul(vf_sub(first, last), vf_add(last, first));
     }
-    if (asked & VISIBLE_AREA) l->area = vd_sub(l->area, vd_from_vf(vf_select(seen, negated, vf_set(0))));
+    if (asked & VISIBLE_AREA) l->more = vf_add(l->more, vf_select(seen, negated, vf_set(0)));
     if (asked & VISIBLE_FARTHEST) l->farthest = vf_select(seen, last, l->farthest);
+}
+
+/* Sums are float within a run of crossings, from one multiple of RUN to the next, and double beyond: 1.2 times as fast as double
+ * throughout, with errors below 2^-18 (papers/numerics.md). Runs are counted from the eye, so they do not depend on blocks. */
+enum { RUN = 32 };
+
+CW_INLINE void enter_run(lanes *l, size_t run) {
+    if (run == l->run) return;
+    l->area = vd_sub(l->area, vd_from_vf(l->more));
+    l->more = vf_set(0);
+    l->run = run;
 }
 
 /* The pieces that end at crossings from `from` to before `end`. cut: they may end beyond the reach. */
@@ -103,7 +116,7 @@ CW_INLINE void walk(const visible_job *job, ptrdiff_t eyes, size_t row, size_t m
     const vfloat none = vf_set(-INFINITY), nothing = vf_set(0);
     const float *eye = job->land + (ptrdiff_t)row * job->stride + eyes;
     const vfloat ground = vf_load(eye);
-    lanes l = {.z = vf_add(ground, vf_set(job->eye)), none, none, vd_set(0), nothing};
+    lanes l = {.z = vf_add(ground, vf_set(job->eye)), none, none, vd_set(0), nothing, 0, nothing};
     size_t steps = job->rows - 1 - row;
     steps = steps < most ? steps : most;
     steps = steps < job->steps ? steps : job->steps;
@@ -140,14 +153,21 @@ CW_INLINE void walk(const visible_job *job, ptrdiff_t eyes, size_t row, size_t m
             passed = false;
         }
         const size_t to = job->until[end];
-        scan(job, eye, &l, job->until[k] > 0 ? job->until[k] : 1, to < until ? to : until, above, asked, false);
+        const size_t stop = to < until ? to : until;
+        for (size_t from = job->until[k] > 0 ? job->until[k] : 1, next_run; from < stop; from = next_run) {
+            next_run = (from / RUN + 1) * RUN;
+            if (asked & VISIBLE_AREA) enter_run(&l, from / RUN);
+            scan(job, eye, &l, from, stop < next_run ? stop : next_run, above, asked, false);
+        }
         k = end;
     }
     if (whole && until > 0 && !passed) {
+        enter_run(&l, until / RUN);
         lanes last = l; /* keeps l in registers */
         scan_last(job, eye, &last, until);
         l = last;
     }
+    enter_run(&l, SIZE_MAX);
     vf_store(area, vf_select(exists, vf_from_vd(l.area), ground));
     vf_store(farthest, l.farthest);
 }

@@ -316,7 +316,7 @@ static int run(int argc, char **argv) {
                     "  cellwalk horizon dem.tif --directions 64 --svf -o sky.tif\n"
                     "  cellwalk horizon dem.tif --directions 8 --type int16 --cog -o horizon.tif\n"
                     "  cellwalk horizon dem.tif --openness --max-distance 500 -o open.tif\n"
-                    "  cellwalk horizon dem.tif --openness-negative --max-distance 500 -o deep.png --quiet\n"
+                    "  cellwalk horizon dem.tif --openness-negative -o deep.png --quiet\n"
                     "  cellwalk horizon dem.tif --directions 8 --distance -o metres.tif\n"
                     "  cellwalk horizon dem.tif --at 600250,5199800 --directions 360 \\\n"
                     "      --max-distance 50000 > horizon.csv\n",
