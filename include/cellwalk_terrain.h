@@ -149,7 +149,8 @@ CW_API cw_status cw_horizon_angles(const cw_terrain *terrain, const cw_run *run,
 
 /* share: of the light of an evenly bright sky that reaches level ground, 0 to 1: the mean over directions of cos² of the horizon's
  * angle, where that is above the level (ambient occlusion, open sky weighted by cosine; Steyn 1980). With CW_HORIZON_TILTED, that
- * reaches the ground as it leans (Dozier and Frew 1990); a free tilted plane has (1 + cos tilt) / 2. NaN at a hole. */
+ * reaches the ground as it leans (Dozier and Frew 1990); a free tilted plane has (1 + cos tilt) / 2, and the sum over few directions
+ * may leave 0 to 1. NaN at a hole. */
 CW_API cw_status cw_sky_view(const cw_terrain *terrain, const cw_run *run, const cw_horizon *horizon, cw_area area,
                              float *share);
 
