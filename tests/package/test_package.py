@@ -193,7 +193,8 @@ def test_pages(tmp_path):
 
 def check_names(library, *options):
     """Only names that begin with cw_ leave a library."""
-    names = re.findall(r"[ \t][B-TV-Z] (\S+)", run(os.environ["NM"], *options, "--defined-only", library))
+    nm = "nm" if "--with-symbol-versions" in options else os.environ["NM"]  # not in LLVM 14
+    names = re.findall(r"[ \t][B-TV-Z] (\S+)", run(nm, *options, "--defined-only", library))
     assert len(names) >= 10 and all(name.startswith("cw_") for name in names), names
     return names
 

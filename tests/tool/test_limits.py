@@ -76,7 +76,8 @@ def test_few_threads(inputs):
 def test_little_memory(inputs):
     ended = [0, 0]
     for c, words in taken(list(enumerate(COMMANDS)), 4):
-        words = tuple("large.tif" if word == "dem.tif" else word for word in words)
+        # Threads that are asked for by name end in GDAL where address space is short, or do not end.
+        words = tuple("large.tif" if word == "dem.tif" else word for word in words if word != "--co=NUM_THREADS=7")
         wanted = expected(words)
         for k in (c, 23 - c):  # GDAL itself takes 175 MB
             ended[ends(words, wanted, k, memory=(168 + 8 * k) << 20)] += 1

@@ -174,6 +174,8 @@ REFUSED = [
     (2, "--co goes with -o FILE.tif", "shadow", "--sun", "0,9", "--co", "A=B", "-o", "no.npy"),
     (1, "names no coordinate system, so the sun's place at a time is not known; give --sun", "shadow", "--time", "2024-06-21T12:00:00Z", "-o", "no.npy"),
     (2, "either --sun or --time", "shadow", "-o", "s.npy"),
+    (1, "s.png: is a raster's name, and the result is a table; give -o FILE.csv", "sun", "--at", "5,5,2", "--lon-lat", "9,47", "--date", "2024-06-21", "-o", "s.png"),
+    (1, "s.tif: is a raster's name", "horizon", "--at", "5,5", "-o", "s.tif"),
     (2, "--sun 0,91: the second number is the altitude", "shadow", "--sun", "0,91", "-o", "s.npy"),
     (2, "give -o FILE", "shadow", "--sun", "0,30"),
     (2, "not 'noon'", "shadow", "--time", "noon", "-o", "s.npy"),
@@ -191,7 +193,7 @@ REFUSED = [
     # Farther away than lines of sight are computed, where numbers no longer fit.
     (1, "is too far away", "los", "1e308,1e308,=9", "10,10,2"),
     (1, "is too far away", "los", "10,10,2", "1e8,3,=9"),
-    *((status, why, "sun", *MAP, "-o", "s.npy", *more) for status, why, *more in [
+    *((status, why, "sun", *MAP, "-o", "s.csv" if "--at" in more else "s.npy", *more) for status, why, *more in [
         (2, "--date is missing"),
         (2, "--suns goes with none of --date", "--suns", "no.csv", "--date", "2024"),
         (2, "--suns goes with none of --date", "--suns", "no.csv", "--irradiance", "--linke", "3"),

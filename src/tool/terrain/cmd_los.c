@@ -202,6 +202,10 @@ static bool answer(los_command *c, io_error *error) {
     if (good && c->pairs)
         command_wrote(name, c->product.quiet, c->output, c->product.start, "%zu of %zu pairs see each other", visible,
                       pairs);
+    if (good && c->pairs)
+        command_wrote(name, c->product.quiet, c->profile, c->product.start, "profiles of %zu pairs", pairs);
+    else if (good)
+        command_wrote(name, c->product.quiet, c->profile, c->product.start, "profile between two places");
     return good;
 }
 
@@ -242,7 +246,7 @@ static int run(int argc, char **argv) {
             "of a radio link: also print the least clearance of the line over the ground, as a share of the first "
             "Fresnel zone's radius there; 60 % is the usual demand, and --curvature 0.75 the 4/3 earth of radio"),
         option_flag("json", &c.json, "print one JSON object"),
-        option_flag("quiet", &c.product.quiet, "leave out the line at the end of --pairs"),
+        option_flag("quiet", &c.product.quiet, "leave out the lines at the end of --pairs and --profile"),
     };
     c.product.name = name;
     c.megahertz = NAN; /* not given */

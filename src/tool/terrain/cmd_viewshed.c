@@ -138,7 +138,8 @@ static int run(int argc, char **argv) {
         option_text(
             "table", "FILE", &c.table,
             "also write a table (CSV) with a line for each observer: how many samples it sees, the area of "
-            "their cells on the map in square kilometres, the farthest one, and the name if the file has names"),
+            "their cells on the ground in square kilometres, the farthest one, and the name if the file has names. "
+            "Samples stand out, so more of them are in sight than of the ground: see 'cellwalk visibility'"),
         option_text("within", "FILE", &c.within,
                     "in the table, count only samples inside the polygons of a file that GDAL reads, brought to the "
                     "terrain's map"),

@@ -64,7 +64,7 @@ option_spec product_round_earth_row(double *curvature) {
     *curvature = NAN;
     return option_number("curvature", "K", curvature,
                          "the earth's curvature as a factor: 0 for a flat earth, 1 without air, 0.857 = 6/7 with usual "
-                         "refraction (default: 6/7, or 0 if the file has no map)");
+                         "refraction (default: 6/7, or 0 for a file without map and --cellsize)");
 }
 
 bool product_check_curvature(const char *name, double curvature) {
@@ -148,7 +148,10 @@ static bool open_ground(product *p, size_t bands, io_error *error) {
     g->coarser = p->raster_options.coarser;
     g->watch = p->raster_options.watch;
     if (!ground_open(g, error) || (p->window && !ground_find_window(g, p->extent, p->window, error))) return false;
-    if (bands == 0) return true;
+    if (bands == 0) /* a table; an input's name is refused with the others */
+        return p->output == NULL || (io_inputs_note_path(g->path) && is_input(p->output)) ||
+               !io_raster_can_write(p->output, 1, error) ||
+               io_fail(error, "%s: is a raster's name, and the result is a table; give -o FILE.csv", p->output);
     return product_check_output(p, error); /* a VRT's sources, known by now */
 }
 
