@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """How far the area in sight from a place is off, and what it costs, by the number of directions; beside nearest samples and interpolated
 heights at unit steps. Truth: the viewshed of the same triangles on a lattice four times as fine, by those of its samples that lie inside
-triangles, since edges stick out. Prints papers/data/visibility.json. Needs NumPy, Debian's python3-matplotlib for its elevation model, and
-the Python module (PYTHONPATH)."""
+triangles, since edges stick out. Prints papers/data/visibility.json, with --time papers/data/visibility-time.json. Needs NumPy, Debian's
+python3-matplotlib for its elevation model, and the Python module (PYTHONPATH)."""
 
 import argparse
 import datetime
@@ -111,8 +111,8 @@ def times(tool, sides, folder):
             if subprocess.run([tool, "info", "--isa", isa], capture_output=True).returncode:
                 continue
             before = os.times()
-            subprocess.run([tool, "visibility", f"{folder}/land.npy", "--cellsize", "30" if high else "10", "--threads", "1", "--isa", isa, "--quiet", "-o",
-                            f"{folder}/area.npy"], check=True)
+            subprocess.run([tool, "visibility", f"{folder}/land.npy", "--cellsize", "30" if high else "10", "--threads", "1",
+                            "--isa", isa, "--quiet", "-o", f"{folder}/area.npy"], check=True)
             seconds = os.times().elapsed - before.elapsed
             print(json.dumps({"kind": "time", "side": n, "isa": isa, "directions": 128, "seconds": seconds,
                               "cpu_seconds": os.times().children_user - before.children_user, "pairs": pairs(n, 128),
@@ -126,7 +126,8 @@ def main():
     parser.add_argument("--sides", type=int, nargs="+", default=[1025, 4097, 6000])
     options = parser.parse_args()
     root = terrain.ROOT
-    print(json.dumps({"kind": "run", "command": "visibility", "arguments": f"--eyes {options.eyes}", "cpu": terrain.cpu_name(),
+    how = f"--time TOOL --sides {' '.join(map(str, options.sides))}" if options.time else f"--eyes {options.eyes}"
+    print(json.dumps({"kind": "run", "command": "visibility", "arguments": how, "cpu": terrain.cpu_name(),
                       "isa": [k.isa for k in cw.kernels() if k.available][-1],
                       "commit": subprocess.run(["git", "-C", root, "rev-parse", "--short=10", "HEAD"], capture_output=True, text=True).stdout.strip(),
                       "load": os.getloadavg()[0], "date": datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ")}))
