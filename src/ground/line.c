@@ -59,12 +59,6 @@ static bool find_end(ground *g, const ground_place *place, double at[3], io_erro
     return true;
 }
 
-/* Heights of ground that only this piece knows. Both have the same crossings. */
-static void take_ground(profile *all, const profile *piece) {
-    for (size_t k = 0; k < all->count && k < piece->count; k++)
-        if (isnan(all->points[k].ground)) all->points[k].ground = piece->points[k].ground;
-}
-
 bool line_find_on(line *l, ground *g, const ground_place places[2], double curvature, profile *p, io_error *error) {
     const cw_rectangle all = ground_all(g);
     const bool whole = g->about.z != NULL;
@@ -76,14 +70,13 @@ bool line_find_on(line *l, ground *g, const ground_place places[2], double curva
     const double cells = fmax(fabs(l->target[0] - l->eye[0]), fabs(l->target[1] - l->eye[1]));
     const size_t pieces = (size_t)fmax(ceil(cells / LINE_PIECE), 1);
     double block = INFINITY;
-    profile known = {0};
     bool good = true;
     if (p) p->count = 0;
     for (size_t k = 0; k < pieces && good && (p != NULL || block == INFINITY); k++) {
+        const double parts[2] = {(double)k / (double)pieces, (double)(k + 1) / (double)pieces};
         double ends[2][2], eye[3] = {l->eye[0], l->eye[1], l->eye[2]}, target[2] = {l->target[0], l->target[1]};
         for (int e = 0; e < 2; e++)
-            for (int a = 0; a < 2; a++)
-                ends[e][a] = l->eye[a] + (double)(k + (size_t)e) / (double)pieces * (l->target[a] - l->eye[a]);
+            for (int a = 0; a < 2; a++) ends[e][a] = l->eye[a] + parts[e] * (l->target[a] - l->eye[a]);
         const cw_rectangle piece = around(&g->whole, ends[0], ends[1]);
         if (piece.nx == 0) continue;
         if (!(good = ground_check(g, piece, 0, error) && ground_read(g, piece, false, error))) break;
@@ -95,15 +88,13 @@ bool line_find_on(line *l, ground *g, const ground_place places[2], double curva
         cw_sight_init(&s, &g->terrain, NULL, eye, curvature);
         if (block == INFINITY) block = cw_sight_first_block(&s, target[0], target[1], l->target[2]);
         if (p == NULL) continue;
-        good = cw_profile_make(p->count == 0 ? p : &known, &s, target[0], target[1], l->target[2]) == CW_OK ||
+        good = cw_profile_add(p, &s, target[0], target[1], l->target[2], parts[0], parts[1]) == CW_OK ||
                io_fail(error, "out of memory");
-        take_ground(p, &known);
     }
-    cw_profile_free(&known);
     if (!good) return false;
     cw_sight_init(&l->sight, &g->whole, NULL, l->eye, curvature);
     settle(l, &l->sight, block);
-    if (p) cw_profile_judge(p, &l->sight, l->target[0], l->target[1], l->target[2]);
+    if (p) cw_profile_finish(p, &l->sight, l->target[0], l->target[1], l->target[2]);
     return true;
 }
 

@@ -17,15 +17,18 @@ static bool put(profile *p, double share, double ground) {
     return true;
 }
 
-/* Crossings with the lines of a kind, which the way passes from place `from` on in steps `step`; the ends are left out. */
-static bool put_crossings(profile *p, const way *w, int kind, double from, double from_low, double step) {
+/* Crossings with the lines of a kind, which the way passes from place `from` on in steps `step`, in the part from begin to end as seen
+ * from the target; the way's ends are left out. */
+static bool put_crossings(profile *p, const way *w, int kind, double from, double from_low, double step, double begin,
+                          double end) {
     if (step == 0) return true;
-    const double per_step = 1 / step, to = from + step;
-    const double low = whole_above(fmin(from, to)), high = whole_below(fmax(from, to));
+    const double per_step = 1 / step, first = way_at(from, step, begin), last = way_at(from, step, end);
+    /* The lines next to the part, too: its ends are rounded. */
+    const double low = whole_below(fmin(first, last)), high = whole_above(fmax(first, last));
     const int other = kind == WAY_COLUMN ? 1 : 0;
     for (double n = low; n <= high; n++) {
         const double share = (n - from - from_low) * per_step;
-        if (!(share > 0 && share < 1)) continue;
+        if (!(share > 0 && share < 1 && share >= begin && share <= end)) continue;
         crossing c = {.way = w,
                       .kind = kind,
                       .n = n,
@@ -61,27 +64,33 @@ static void drop_doubles(profile *p) {
     p->count = kept;
 }
 
-cw_status cw_profile_make(profile *p, const sight *s, double i, double j, double z) {
+cw_status cw_profile_add(profile *p, const sight *s, double i, double j, double z, double first, double last) {
     const terrain *t = s->terrain;
     const way w = way_to(s, i, j, z, 0);
-    p->count = 0;
     const double metres = terrain_metres_of_height(t);
-    bool good = put(p, 0, cw_terrain_height(t, s->eye[0], s->eye[1]) / metres);
+    /* Shares from the target; a crossing at the border of two parts is in both. */
+    const double begin = 1 - last - 2 * way_share_error, end = 1 - first + 2 * way_share_error;
+    bool good = first > 0 || put(p, 0, cw_terrain_height(t, s->eye[0], s->eye[1]) / metres);
     if (w.length > 0) {
-        good = good && put_crossings(p, &w, WAY_COLUMN, w.place[0], 0, w.step[0]) &&
-               put_crossings(p, &w, WAY_ROW, w.place[1], 0, w.step[1]) &&
-               put_crossings(p, &w, WAY_DIAGONAL, w.diagonal, w.diagonal_low, w.across) &&
-               put(p, 1, cw_terrain_height(t, i, j) / metres);
+        good = good && put_crossings(p, &w, WAY_COLUMN, w.place[0], 0, w.step[0], begin, end) &&
+               put_crossings(p, &w, WAY_ROW, w.place[1], 0, w.step[1], begin, end) &&
+               put_crossings(p, &w, WAY_DIAGONAL, w.diagonal, w.diagonal_low, w.across, begin, end) &&
+               (last < 1 || put(p, 1, cw_terrain_height(t, i, j) / metres));
     }
-    if (!good) return CW_ERROR_MEMORY;
-    qsort(p->points, p->count, sizeof *p->points, compare);
-    drop_doubles(p);
-    cw_profile_judge(p, s, i, j, z);
-    return CW_OK;
+    return good ? CW_OK : CW_ERROR_MEMORY;
 }
 
-void cw_profile_judge(profile *p, const sight *s, double i, double j, double z) {
+cw_status cw_profile_make(profile *p, const sight *s, double i, double j, double z) {
+    p->count = 0;
+    const cw_status status = cw_profile_add(p, s, i, j, z, 0, 1);
+    if (status == CW_OK) cw_profile_finish(p, s, i, j, z);
+    return status;
+}
+
+void cw_profile_finish(profile *p, const sight *s, double i, double j, double z) {
     const way w = way_to(s, i, j, z, 0);
+    qsort(p->points, p->count, sizeof *p->points, compare);
+    drop_doubles(p);
     double steepest = -INFINITY;
     for (size_t k = 0; k < p->count; k++) {
         profile_point *at = &p->points[k];

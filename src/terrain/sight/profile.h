@@ -21,7 +21,9 @@ typedef struct profile {
 cw_status cw_profile_make(profile *p, const sight *s, double i, double j, double z);
 void cw_profile_free(profile *p);
 
-/* Finds lines and what is seen anew, after heights of ground were changed. */
-void cw_profile_judge(profile *p, const sight *s, double i, double j, double z);
+/* The same part by part: adds the crossings with shares from first to last, of which the parts cover 0 to 1. A part may have a sight
+ * on another piece of the terrain. Then cw_profile_finish, on any of them. */
+cw_status cw_profile_add(profile *p, const sight *s, double i, double j, double z, double first, double last);
+void cw_profile_finish(profile *p, const sight *s, double i, double j, double z);
 
 #endif
