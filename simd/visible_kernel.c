@@ -9,9 +9,9 @@
  * lane. Then the walk would add nothing there. So the answers do not depend on width, nor on how blocks lie. papers/numerics.md
  * derives the bound.
  *
- * Of the pieces that are scanned, three quarters are seen by some of 16 lanes: a branch around the others is foretold too badly to
- * gain. Rejected: sums of squared distances where sight begins and ends, which take a third of the divisions: 0.72 of the speed by
- * a branch, 0.88 by a list of these crossings. */
+ * Some lane of 16 sees most of the pieces that are scanned, so 16 lanes take no branch around the others: it would be mispredicted too
+ * often. Rejected: sums of squared distances where sight begins and ends, which need fewer divisions but are slower
+ * (papers/terrain.md). */
 
 #include "vocabulary.h"
 
@@ -59,8 +59,8 @@ CW_INLINE void add_seen(const visible_job *job, lanes *l, const visible_piece *p
     if (asked & VISIBLE_FARTHEST) l->farthest = vf_select(seen, last, l->farthest);
 }
 
-/* Sums are float within a run of crossings, from one multiple of RUN to the next, and double beyond: 1.2 times as fast as double
- * throughout, with errors below 2^-18 (papers/numerics.md). Runs are counted from the eye, so they do not depend on blocks. */
+/* Areas are summed in float over a run of RUN crossings, and runs in double, because conversion of each piece is slow
+ * (papers/terrain.md); papers/numerics.md bounds the error. Runs are counted from the eye, so they do not depend on blocks. */
 enum { RUN = 32 };
 
 CW_INLINE void enter_run(lanes *l, size_t run) {

@@ -148,8 +148,8 @@ static bool enter(workload *w, const char *name, io_error *error) {
     return true;
 }
 
-/* Half a step of 8-bit linear colour apart in a channel. A function of its own, and early returns: GCC 12 for aarch64 crashes where it
-   makes one vector loop of channels and pixels (an internal compiler error in vect_transform_reduction). */
+/* True if a channel differs by more than half a step of 8-bit linear colour. Separate from the loop over pixels because GCC 12 for
+ * aarch64 ends with an internal error where it vectorizes both loops as one (in vect_transform_reduction). */
 static bool looks_other(const float *a, const float *b) {
     for (size_t c = 0; c < 3; c++)
         if (fabs(fmax(0, fmin(1, (double)a[c])) - fmax(0, fmin(1, (double)b[c]))) > 0.5 / 255) return true;

@@ -292,7 +292,7 @@ PARENTS = {"static": ["-DCMAKE_C_FLAGS=-ffast-math"],
 
 
 def test_subproject(tmp_path):
-    """Cellwalk as a part of another project, as a static and as a shared library: configures, builds, runs, and installs nothing of its own. The
+    """Cellwalk as a part of another project, as a static and as a shared library: configures, builds, runs, and adds nothing to what that installs. The
     parent is compiled with -ffast-math, which Cellwalk takes back for itself."""
     vendored = tmp_path / "vendored"  # what is enough to take the library's source along
     for part in "CMakeLists.txt", "include", "simd", *VENDORED:

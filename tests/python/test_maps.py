@@ -81,7 +81,7 @@ def at_places(path, places, crs):
 
 
 # With the metre of the map, Mercator had 0.18 less in the shadow, 0.05 more sky, 1 h more sun, a third more ground in sight. Eyes see
-# more or less as they stand a cell beside their place, so that only the mean tells of what is in sight.
+# more or less as they stand a cell beside their place, so that only the mean can be compared.
 PRODUCTS = {
     "shadow": (["shadow", "--time", "2024-12-21T09:30:00Z"], 0.02, 0.005),
     "sky": (["horizon", "--svf", "--directions", "16", "--max-distance", "2500"], 0.003, 0.001),

@@ -218,7 +218,7 @@ def test_progress():
     assert bar.n == 50
 
 
-# Ctrl-C comes when the process has been at work for 0.2 s of its own time, which only the call takes.
+# Ctrl-C is sent after 0.2 s of the process's CPU time, which only the call uses.
 SLOW = """
 import os, signal, numpy as np, cellwalk as cw
 z = {field}

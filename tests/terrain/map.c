@@ -100,7 +100,7 @@ static void times(void **state) {
         check(cw_sun_parse_time(good[k].text, &seconds) && seconds == good[k].seconds, "%s: %.0f", good[k].text,
               seconds);
     for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++)
-        check(!cw_sun_parse_time(bad[k], &seconds), "'%s' is taken for a time", bad[k]);
+        check(!cw_sun_parse_time(bad[k], &seconds), "'%s' is accepted as a time", bad[k]);
 }
 
 int main(void) {

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from program import PRELOAD, needs, rays, rough, run, take, taken, well
 
-# Inputs are compressed. Four bands of large.tif are as many bytes as the program lets threads compress by itself.
+# Inputs are compressed. Four bands of large.tif are so many bytes that the program starts threads to compress them.
 HORIZON = "horizon", "dem.tif", "--max-distance", 20, "--directions"
 COMMANDS = [("info", "dem.tif"), ("trace", "dem.tif", "rays.npy", "-o", "out.npy"), ("shadow", "dem.tif", "--sun", "90,10", "-o", "out.tif"),
             ("sun", "dem.tif", "--lon-lat", "9,47", "--date", "2024-06-21", "--step", "6h", "-o", "out.tif"), (*HORIZON, 4, "--threads", 1, "-o", "out.tif"),
