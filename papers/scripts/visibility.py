@@ -103,37 +103,39 @@ def pairs(n, directions):
     return int(total)
 
 
-def times(tool, sides, folder):
+def times(tool, sides, rounds, folder):
+    """Rounds that take turns."""
+    isas = [isa for isa in ("avx512", "avx2") if subprocess.run([tool, "info", "--isa", isa], capture_output=True).returncode == 0]
     for n in sides:
         z, high = terrain.land(n), n == 6000  # 9 km of relief and cells of 30 m, for the case that CacheTVS publishes
         np.save(f"{folder}/land.npy", (z - z.min()) * np.float32(9000 / np.ptp(z)) if high else z)
-        for isa in ("avx512", "avx2"):
-            if subprocess.run([tool, "info", "--isa", isa], capture_output=True).returncode:
-                continue
-            before = os.times()
+        taken = {isa: [] for isa in isas}
+        for isa in isas * rounds:
+            before = os.times().elapsed
             subprocess.run([tool, "visibility", f"{folder}/land.npy", "--cellsize", "30" if high else "10", "--threads", "1",
                             "--isa", isa, "--quiet", "-o", f"{folder}/area.npy"], check=True)
-            seconds = os.times().elapsed - before.elapsed
-            print(json.dumps({"kind": "time", "side": n, "isa": isa, "directions": 128, "seconds": seconds,
-                              "cpu_seconds": os.times().children_user - before.children_user, "pairs": pairs(n, 128),
-                              "load": os.getloadavg()[0]}), flush=True)
+            taken[isa].append(os.times().elapsed - before)
+        for isa, seconds in taken.items():
+            print(json.dumps({"kind": "time", "side": n, "isa": isa, "directions": 128, "rounds": rounds,
+                              "seconds": float(np.median(seconds)), "least": min(seconds), "most": max(seconds), "pairs": pairs(n, 128), "load": os.getloadavg()[0]}), flush=True)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--eyes", type=int, default=300)
     parser.add_argument("--time", metavar="TOOL", help="instead: seconds of whole rasters by the program, on one thread")
+    parser.add_argument("--rounds", type=int, default=7)
     parser.add_argument("--sides", type=int, nargs="+", default=[1025, 4097, 6000])
     options = parser.parse_args()
     root = terrain.ROOT
-    how = f"--time TOOL --sides {' '.join(map(str, options.sides))}" if options.time else f"--eyes {options.eyes}"
+    how = f"--time TOOL --rounds {options.rounds} --sides {' '.join(map(str, options.sides))}" if options.time else f"--eyes {options.eyes}"
     print(json.dumps({"kind": "run", "command": "visibility", "arguments": how, "cpu": terrain.cpu_name(),
                       "isa": [k.isa for k in cw.kernels() if k.available][-1],
                       "commit": subprocess.run(["git", "-C", root, "rev-parse", "--short=10", "HEAD"], capture_output=True, text=True).stdout.strip(),
                       "load": os.getloadavg()[0], "date": datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ")}))
     if options.time:
         with tempfile.TemporaryDirectory() as folder:
-            times(options.time, options.sides, folder)
+            times(options.time, options.sides, options.rounds, folder)
         return
     for name, z, cell in lands():
         random = np.random.default_rng(5)
