@@ -4,6 +4,7 @@
 
 #include "cellwalk_expert.h"
 #include "check.h"
+#include "rays.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -121,12 +122,57 @@ static void test_emulation_is_on(void **state) {
 #endif
 }
 
+/* The last ones, since they ask here, and not in a child, what the variable says. */
+
+static void test_a_run_keeps_within_its_limit(void **state) {
+    (void)state;
+    for (cw_isa isa = CW_ISA_SCALAR; isa < CW_ISA_COUNT; isa++) {
+        const cw_run run = {.expert.isa = isa};
+        const cw_isa used = cw_kernel_describe(cw_run_kernel(NULL, &run)).isa;
+        check(cw_isa_includes(isa, used) && cw_isa_includes(cw_isa_best(), used), "%s for %s", cw_isa_name(used),
+              cw_isa_name(isa));
+        for (size_t k = 0; k < cw_kernel_count(); k++) {
+            const cw_kernel_info info = cw_kernel_describe(cw_kernel_at(k));
+            const cw_run forced = {.expert = {.kernel = cw_kernel_at(k), .isa = isa}};
+            check_status(cw_run_check(NULL, &forced),
+                         info.available && cw_isa_includes(isa, info.isa) ? CW_OK : CW_ERROR_KERNEL);
+        }
+    }
+}
+
+static bool lower_the_limit(void *context, double done) {
+    (void)context, (void)done;
+    cw_isa_limit(CW_ISA_SCALAR);
+    return true;
+}
+
+/* A query goes on with the kernel that it has begun with. */
+static void test_a_limit_does_not_reach_into_a_query(void **state) {
+    (void)state;
+    enum { RAYS = 6000 };
+    static test_field shape;
+    static cw_ray rays[RAYS];
+    static cw_user_ray user_rays[RAYS];
+    static cw_hit expected[RAYS], got[RAYS];
+    cw_field *field = ray_case(&shape, FIELD_RANDOM, 65, 50, 3, rays, expected, RAYS);
+    for (size_t k = 0; k < RAYS; k++) user_rays[k] = ray_for_user(&rays[k]);
+    for (int user = 0; user < 2; user++) {
+        const cw_run run = {.expert.kernel = cw_run_kernel(NULL, NULL), .watch = lower_the_limit};
+        check_status(user ? cw_closest_user(field, &run, user_rays, RAYS, got)
+                          : cw_closest(field, &run, rays, RAYS, got),
+                     CW_OK);
+        cw_isa_limit(CW_ISA_ANY);
+        for (size_t k = 0; k < RAYS; k++) check(hit_same(&got[k], &expected[k]), "ray %zu", k);
+    }
+    check_status(cw_closest(field, &(cw_run){.expert.isa = CW_ISA_COUNT}, rays, 1, got), CW_ERROR_ARGUMENT);
+    cw_field_destroy(field);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_what_includes_what),
-        cmocka_unit_test(test_the_variable_bounds_the_process),
-        cmocka_unit_test(test_unknown_values_bound_nothing),
-        cmocka_unit_test(test_emulation_is_on),
+        cmocka_unit_test(test_what_includes_what),           cmocka_unit_test(test_the_variable_bounds_the_process),
+        cmocka_unit_test(test_unknown_values_bound_nothing), cmocka_unit_test(test_emulation_is_on),
+        cmocka_unit_test(test_a_run_keeps_within_its_limit), cmocka_unit_test(test_a_limit_does_not_reach_into_a_query),
     };
     return cmocka_run_group_tests_name("isa", tests, NULL, NULL);
 }

@@ -369,6 +369,12 @@ cw_ray ray_make(ray_class kind, const test_field *f, random_state *r) {
     }
 }
 
+cw_user_ray ray_for_user(const cw_ray *ray) {
+    cw_user_ray user = {.tmin = (double)ray->tmin, .tmax = (double)ray->tmax};
+    for (int c = 0; c < 3; c++) user.org[c] = (double)ray->org[c], user.dir[c] = (double)ray->dir[c];
+    return user;
+}
+
 cw_field *ray_case(test_field *f, field_shape shape, size_t nx, size_t ny, uint64_t seed, cw_ray *rays, cw_hit *hits,
                    size_t n) {
     random_state r = {seed};
