@@ -14,6 +14,7 @@ dask = pytest.importorskip("dask")
 
 import cellwalk as cw  # noqa: E402
 import cellwalk.dask as cwd  # noqa: E402
+from cellwalk._convert import read_crs  # noqa: E402
 from conftest import UTM, rough, same  # noqa: E402
 
 ROWS, COLUMNS = 301, 263
@@ -59,7 +60,7 @@ def test_shadow_reaches_over_chunks(file):
     low, high = r.block_ranges()
     z = cw.open(file).z
     assert low.shape == (2, 2) and low[0, 0] == np.nanmin(z[:256, :256]) and high[1, 0] == np.nanmax(z[256:, :256])
-    window = cwd._Window(*r.reach.sunward(low, high, float(high.max()), np.array([[90.0, 30, 0, 0]]), cwd._Window(0, 0, 64, 64)))
+    window = r.reach.sunward(low, high, float(high.max()), np.array([[90.0, 30, 0, 0]]), cwd._Window(0, 0, 64, 64))
     assert window.columns < COLUMNS and window.row == 0 and window.rows < 80
 
 
@@ -72,14 +73,17 @@ def test_blocks_of_chunks_that_are_not_aligned(file):
 
 
 def test_a_window_with_too_many_samples_to_count_is_refused():
-    with pytest.raises(ValueError, match="window: no rectangle"):
-        cw._cellwalk.block_ranges(b"", (0, 0, 2 ** 62, 2 ** 62), bytearray(4), bytearray(4))
+    reach = cwd._Reach(cwd._Geometry(300, 200, ((1, 0, 0, 0), (0, -1, 0, 0), (0, 0, 1, 0)), True, read_crs(None), None, b""))
+    for window in (0, 0, 2 ** 62, 2 ** 62), (299, 0, 2, 2), (-1, 0, 2, 2):
+        with pytest.raises(ValueError, match="window: no part"):
+            reach.padded(cwd._Window(*window))
 
 
 def test_blocks_out_of_reach_are_not_looked_at():
     """The highest sample limits which blocks are looked at, and changes no window; too low a one does."""
     random = np.random.default_rng(3)
-    reach = cw._cellwalk.Reach(40 * 256 + 9, 50 * 256 - 3, np.array([[10.0, 1, 0, 6e5], [0.5, -12, 0, 5e6], [0, 0, 1, 0]]), False, False, 1.0, 0.0, 0.0, None)
+    place = ((10.0, 1, 0, 6e5), (0.5, -12, 0, 5e6), (0, 0, 1, 0))
+    reach = cwd._Reach(cwd._Geometry(40 * 256 + 9, 50 * 256 - 3, place, True, read_crs(None)._replace(unit=1.0), None, b""))
     low = random.uniform(0, 300, (41, 50)).astype(np.float32)
     high = low + random.uniform(0, 900, low.shape).astype(np.float32) * (random.random(low.shape) < 0.2)
     differ = 0
@@ -114,7 +118,7 @@ def test_horizon_and_sky_view(file):
         same(compute(cwd.horizon(file, 5, distance, start=3, chunks=64, curvature=20)), wanted)
         same(compute(cwd.sky_view(file, 6, distance, chunks=64, tilted=True)), field.sky_view(6, distance, tilted=True))
     r = cwd._Raster(file, 64, 1, None, None, None, 2e9)
-    near = cwd._Window(*r.reach.beside(cwd._Window(128, 64, 64, 64), 700.0))
+    near = r.reach.beside(cwd._Window(128, 64, 64, 64), 700.0)
     assert near.rows * near.columns < ROWS * COLUMNS / 2 and near.row < 128 and near.row + near.rows > 192
 
 

@@ -246,10 +246,9 @@ class Field(Products):
     def _trace(self, any_hit, origins, directions, tmin, tmax, kernel, progress):
         if kernel is not None and not isinstance(kernel, str):
             raise TypeError(f"kernel: {kernel!r}, expected a name of cellwalk.kernels()")
-        shape, dtype, operands = rays_of(origins, directions, tmin, tmax)
-        n = int(np.prod(shape, dtype=np.int64))
-        out = np.empty(n * (1 if any_hit else _dtype.itemsize), np.uint8)
-        self._core.trace(any_hit, dtype == np.float64, n, *operands, out, self._threads, kernel, progress_call(progress))
+        shape, operands = rays_of(origins, directions, tmin, tmax)
+        out = np.empty(int(np.prod(shape, dtype=np.int64)) * (1 if any_hit else _dtype.itemsize), np.uint8)
+        self._call("occluded" if any_hit else "closest", {}, operands, (out,), progress, core=self._core, kernel=kernel)
         return shape, out
 
     def at(self, x: ArrayLike, y: ArrayLike, *, progress=None) -> Any:
@@ -267,7 +266,7 @@ class Field(Products):
             raise ValueError(f"shapes do not broadcast: x {np.shape(x)}, y {np.shape(y)}") from None
         out = np.empty(x.shape, np.float64)
         if x.size:
-            self._core.at(np.ascontiguousarray(x), np.ascontiguousarray(y), out, self._threads, progress_call(progress))
+            self._call("at", {}, (np.ascontiguousarray(x), np.ascontiguousarray(y)), (out,), progress, core=self._core)
         return out[()] if out.ndim == 0 else out
 
     def coarser(self, factor: int, filter: str = "mean", *, progress=None) -> Field:
@@ -293,14 +292,14 @@ class Field(Products):
             raise ValueError(f"filter: {filter!r}, expected one of {', '.join(map(repr, _filters))}")
         rows, columns = (-(-(n - 1) // factor) + 1 for n in self.shape)
         samples = np.empty((rows, columns), np.float32)
-        difference = self._core.coarser(factor, _filters.index(filter), rows, columns, samples, self._threads,
-                                        progress_call(progress))
+        about = np.empty(5)
+        self._call("coarser", {"factor": factor, "filter": _filters.index(filter)}, (), (samples, about), progress, core=self._core, kernel="cell")
         affine = self._source.map.copy()
         affine[:, :2] *= factor
         like = coarser_like(self._source.like, affine, samples, factor)
         field = Field.__new__(Field)
         field._make(self._source._replace(samples=samples, map=affine, like=like), self._threads, False, None)
-        field._difference = Difference(*difference)
+        field._difference = Difference(*about[:3].tolist(), *map(int, about[3:]))
         return field
 
     def update(self, row: int, column: int, block: ArrayLike, nodata: float | None = None) -> None:
@@ -340,7 +339,7 @@ class Field(Products):
             self._own = True
             self._build(self._samples.copy())
         self._updated = True
-        self._core.update(row, column, rows, columns, block, np.empty_like(block), self._threads)
+        self._call("block", {}, (block,), (np.empty_like(block),), window=(row, column, rows, columns), core=self._core)
 
 
 def open(path: str | os.PathLike[str], window: Any = None, *, band: int | None = None, nodata: float | None = None,

@@ -100,9 +100,8 @@ class Hits:
         return self._follow(2 if smooth else 1, progress)
 
     def _follow(self, kind: int, progress) -> np.ndarray:
-        from ._convert import progress_call
         records = np.ascontiguousarray(self.records)
         out = np.empty(self.shape + (3,), np.float64)
         if records.size:
-            self._field._core.points(kind, records.view(np.uint8), out, self._field._threads, progress_call(progress))
+            self._field._call("normals" if kind else "points", {"kind": kind}, (records.view(np.uint8),), (out,), progress, core=self._field._core)
         return out

@@ -128,12 +128,18 @@ class Products:
     def _site(self) -> _plans.Site:
         return _plans.Site(*self.shape, self._source.map, self._source.placed, self._source.crs)
 
+    def _call(self, name: str, numbers: dict[str, float], inputs: tuple, outputs: tuple, progress=None, *, threads: int | None = None,
+              window: _cellwalk._Window = (0, 0, 0, 0), core: _cellwalk.Field | None = None, kernel: str | None = None) -> None:
+        """One call of the extension: of the ground, or of the field's core, whose map need not have a way back."""
+        (self._ground if core is None else core).make(name, numbers, window, inputs, outputs, self._threads if threads is None else threads,
+                                                      progress_call(progress), kernel)
+
     def _rows(self, plan: _plans.Plan, window: _cellwalk._Window | None = None, progress=None) -> np.ndarray:
         """The plan's product of all samples, or of a window's."""
         window = (0, 0, *self.shape) if window is None else window
         out = np.zeros(plan.shape(*window[2:]), plan.dtype)
         filled = (plan.lead[1],) if plan.lead is not None and isinstance(plan.lead[1], np.ndarray) else ()
-        self._ground.make(plan.make, plan.numbers, window, plan.inputs, (out, *filled), self._threads, progress_call(progress))
+        self._call(plan.make, plan.numbers, plan.inputs, (out, *filled), progress, window=window)
         return out
 
     def _product(self, plan: _plans.Plan, progress=None) -> Any:
@@ -226,7 +232,7 @@ class Products:
                                   max_distance, suns is not None)
         out = np.empty((int(numbers["days"]), 8))
         listed = () if suns is None else _plans.suns_of(suns, date, to)
-        self._ground.make("sun_days", numbers, (0, 0, 0, 0), (spots, *listed), (out,), 1, progress_call(progress))
+        self._call("sun_days", numbers, (spots, *listed), (out,), progress, threads=1)
         days = np.datetime64(int(numbers["first"]), "s").astype("datetime64[D]") + np.arange(len(out))
         days = np.full(1, np.datetime64("NaT", "D")) if listed else days
         times = np.where(np.isnan(out[:, :2]), np.datetime64("NaT"), np.nan_to_num(out[:, :2]).round().astype("datetime64[s]"))
@@ -289,14 +295,14 @@ class Products:
             if len(spots) < 2 or not finite(every, "every", 0) > 0:
                 raise ValueError(f"every: {every!r}, expected metres above 0, and two corners of a line or more")
             line, number = np.empty((_plans.SPOTS_MOST, 5)), np.empty(1)
-            self._ground.make("along", {"every": float(every)}, (0, 0, 0, 0), (spots,), (line, number), 1, None)
+            self._call("along", {"every": float(every)}, (spots,), (line, number), threads=1)
             if number[0] > len(line):
                 raise ValueError(f"every: {every!r} makes {number[0]:.0f} observers, expected at most {len(line)}")
             spots = np.ascontiguousarray(line[:int(number[0])])
         if not skip_outside:
             return spots
         found = np.empty(len(spots), np.uint8)
-        self._ground.make("found", {}, (0, 0, 0, 0), (spots,), (found,), 1, None)
+        self._call("found", {}, (spots,), (found,), threads=1)
         if not found.any():
             raise ValueError(f"x, y: none of {len(spots)} observers has ground to stand on")
         if not found.all():
@@ -377,8 +383,7 @@ class Products:
             if mask[0].shape != self.shape:
                 raise ValueError(f"within: shape {mask[0].shape}, expected the field's {self.shape}")
         out = np.empty((len(spots), 5))
-        self._ground.make("viewshed", {**limits, "table": 1, "within": bool(mask)}, (0, 0, *self.shape), (spots, *mask), (out,), self._threads,
-                          progress_call(progress))
+        self._call("viewshed", {**limits, "table": 1, "within": bool(mask)}, (spots, *mask), (out,), progress, window=(0, 0, *self.shape))
         return Sites(out[:, 0].astype(np.int64), out[:, 1], out[:, 2], out[:, 3:])
 
     def horizon_at(self, x: ArrayLike, y: ArrayLike, height: ArrayLike | None = None, directions: int = 32, max_distance: float | None = None,
@@ -399,7 +404,7 @@ class Products:
         spots = _plans.spots_of(x, y, height, elevation, 0.0, of="")
         numbers = _plans.round_of(directions, max_distance, curvature, start)
         out = np.empty((len(spots), directions, 5))
-        self._ground.make("place_horizon", numbers, (0, 0, 0, 0), (spots,), (out,), self._threads, progress_call(progress))
+        self._call("place_horizon", numbers, (spots,), (out,), progress)
         turned = np.full((len(spots), 1), np.nan)
         if self._source.crs.geographic or self._source.crs.wkt is not None:
             turned[:, 0] = [_plans.locate(self._site, "x, y", (at[0], at[1]))[2] for at in spots.tolist()]
@@ -453,7 +458,7 @@ class Products:
         out = np.full((*shape, 9), np.nan)
         numbers = {"curvature": _plans.bend_of(self._site, curvature), "frequency": _plans.frequency_of(frequency)}
         if out.size:
-            self._ground.make("line_of_sight", numbers, (0, 0, 0, 0), (lines,), (out,), self._threads, progress_call(progress))
+            self._call("line_of_sight", numbers, (lines,), (out,), progress)
         return LineOfSight(out[..., 0] == 1, out[..., 1], out[..., 2:5], out[..., 5], out[..., 6], out[..., 7], out[..., 8])
 
     def profile(self, a: ArrayLike, b: ArrayLike, *, absolute: bool | tuple[bool, bool] = False, curvature: float | None = None,
@@ -474,6 +479,6 @@ class Products:
         while found[0] > room or np.isinf(found[0]):
             room = max(room, int(found[0]) if np.isfinite(found[0]) else 0)
             out = np.empty((room, 7))
-            self._ground.make("profile", numbers, (0, 0, 0, 0), (line,), (out, found), 1, None)
+            self._call("profile", numbers, (line,), (out, found), threads=1)
         out = out[:int(found[0])].T.copy()
         return Profile(*out[:5], out[5] == 1, out[6])

@@ -104,11 +104,11 @@ def _field_of(part, g, window, threads) -> Field:
 
 
 def _ranges(part, g, window):
-    """Lowest and highest samples of the window's blocks."""
-    shape = tuple(s.stop - s.start for s in window.blocks())
-    low, high = np.empty(shape, np.float32), np.empty(shape, np.float32)
-    _cellwalk.block_ranges(_samples(part, g, window), tuple(window), low, high)
-    return low, high
+    """Lowest and highest samples of the window's blocks; none of a block of holes."""
+    z, size = _samples(part, g, window), _cellwalk.BLOCK
+    rows, columns = (np.maximum(np.arange(s.start, s.stop) * size - start, 0) for s, start in zip(window.blocks(), window))
+    return tuple(of.reduceat(of.reduceat(np.where(np.isfinite(z), z, none), rows, 0), columns, 1)
+                 for of, none in ((np.minimum, np.float32(np.inf)), (np.maximum, np.float32(-np.inf))))
 
 
 def _make(part, g, window, chunk, plan, threads):
@@ -154,6 +154,41 @@ def _sum_seen(part, g, chunk, padded, nodata, views):
     return total if nodata > 255 else total.astype(np.uint8)
 
 
+# ---- what matters to a part ---------------------------------------------------------------------------------------------------
+
+
+class _Reach:
+    """How much of a raster matters to a part of it."""
+
+    def __init__(self, g: _Geometry) -> None:
+        self.map = _cellwalk.Field(None, g.columns, g.rows, np.array(g.map), g.crs.geographic, not g.placed, g.crs.unit, g.crs.semi_major,
+                                   g.crs.inverse_flattening, 1, None)
+        if g.scale:
+            self.map.scale(g.scale)
+
+    def _ask(self, what: str, window=(0, 0, 0, 0), inputs=(), **numbers: float) -> _Window:
+        out = np.empty(4)
+        self.map.make(what, numbers, tuple(window), inputs, (out,), 1, None)
+        return _Window(*map(int, out))
+
+    def beside(self, window: _Window, metres: float) -> _Window:
+        """The window and all so near to it."""
+        return self._ask("beside", window, max_distance=metres)
+
+    def padded(self, window: _Window) -> _Window:
+        """At least 2 rows and columns, which a field needs."""
+        return self._ask("grown", window)
+
+    def around(self, x: float, y: float, metres: float) -> _Window:
+        """The part that a viewshed from a place examines: without rows if there is none."""
+        return self._ask("around", x=x, y=y, max_distance=metres)
+
+    def sunward(self, low: np.ndarray, high: np.ndarray, highest: float, lights: np.ndarray, window: _Window) -> _Window:
+        """The window and all that can throw a shadow on it, by the lowest and highest samples of all blocks: azimuth, altitude, radius
+        and curvature of each light."""
+        return self._ask("sunward", window, (low, high, lights), highest=highest)
+
+
 # ---- the graph --------------------------------------------------------------------------------------------------------------
 
 
@@ -185,8 +220,7 @@ class _Raster:
             raise ValueError(f"source: {rows} rows of {columns} samples, expected at least 2 of each")
         self.geometry = g = _Geometry(rows, columns, tuple(map(tuple, about.map.tolist())), about.placed, about.crs._replace(given=None), nodata,
                                       scale_of(about, rows, columns, self.path or "crs") or b"")
-        self.reach = _cellwalk.Reach(rows, columns, np.array(g.map), g.crs.geographic, not g.placed, g.crs.unit, g.crs.semi_major,
-                                     g.crs.inverse_flattening, g.scale or None)
+        self.reach = _Reach(g)
         try:
             self.chunks = da.core.normalize_chunks(2048 if chunks is None else chunks, (rows, columns), dtype=np.float32)
         except (TypeError, ValueError, ZeroDivisionError) as error:
@@ -207,10 +241,6 @@ class _Raster:
                 return make(*arguments)
         return call
 
-    def padded(self, window: _Window) -> _Window:
-        """At least 2 rows and columns, which a field needs."""
-        return _Window(*self.reach.grown(window, 0))
-
     def check_memory(self, what: str, windows, chunk_bytes: int = 4) -> None:
         """Refuses tasks that take more than `memory` bytes: windows and chunks in pairs; chunk_bytes of results a sample of
         their common rows."""
@@ -228,7 +258,7 @@ class _Raster:
         shape = -(-g.rows // size), -(-g.columns // size)
         low, high = np.full(shape, np.inf, np.float32), np.full(shape, -np.inf, np.float32)
         task = dask.delayed(_ranges, pure=True)
-        windows = [self.padded(w) for row in self.windows for w in row]
+        windows = [self.reach.padded(w) for row in self.windows for w in row]
         for window, (least, most) in zip(windows, dask.compute([task(self.part(w), g, w) for w in windows])[0]):
             here = window.blocks()
             np.minimum(low[here], least, out=low[here])
@@ -237,7 +267,7 @@ class _Raster:
 
     def make(self, plan: _plans.Plan, around, what: str, chunk_bytes: int = 0) -> Any:
         """The plan's product, of which each chunk is made from the window that around finds for it."""
-        windows = [[_Window(*around(w)) for w in row] for row in self.windows]
+        windows = [[around(w) for w in row] for row in self.windows]
         self.check_memory(what, [pair for rows in zip(windows, self.windows) for pair in zip(*rows)],
                           chunk_bytes or 4 * (len(plan.lead[1]) if plan.lead else 1))
         task = self.delayed(_make)
@@ -256,7 +286,7 @@ class _Raster:
         distance, g = plan.numbers.get("max_distance", 0), self.geometry
         if distance > 0:
             return self.make(plan, lambda w: self.reach.beside(w, distance), f"max_distance: {distance:g}", chunk_bytes)
-        return self.make(plan, lambda w: (0, 0, g.rows, g.columns), "max_distance: None, so far mountains may count", chunk_bytes)
+        return self.make(plan, lambda w: _Window(0, 0, g.rows, g.columns), "max_distance: None, so far mountains may count", chunk_bytes)
 
     def result(self, blocks, dtype, name, attrs, lead=None):
         """Blocks of tasks, row by row, as one array, and as a DataArray if the source is one."""
@@ -350,11 +380,11 @@ def viewshed(source: Any, x: Any, y: Any, observer_height: Any = None, target_he
     kind, distance = "needed" if needed else "seen", limits["max_distance"]
     if needed and len(places) > 1:
         raise ValueError(f"needed: that of one observer, not of {len(places)}")
-    task, views, whole = r.delayed(_seen), [], (0, 0, g.rows, g.columns)
+    task, views, whole = r.delayed(_seen), [], _Window(0, 0, g.rows, g.columns)
     for place in places:
         window = r.reach.around(place[0], place[1], distance) if distance else whole
-        if window is not None:
-            window = r.padded(_Window(*window))
+        if window.rows:
+            window = r.reach.padded(window)
             r.check_memory("max_distance", [(window, window)])
             views.append((window, task(r.part(window), g, window, _plans.viewshed(place[None], limits, kind, False), r.threads)))
 
@@ -367,7 +397,7 @@ def viewshed(source: Any, x: Any, y: Any, observer_height: Any = None, target_he
                         {"long_name": "height above ground needed to be seen", "units": "m"})
     add = r.delayed(_sum_seen)
     nodata_out = 255 if len(places) <= 254 else 65535
-    blocks = [[add(r.part(r.padded(w)), g, w, r.padded(w), nodata_out, near(w)) for w in row] for row in r.windows]
+    blocks = [[add(r.part(r.reach.padded(w)), g, w, r.reach.padded(w), nodata_out, near(w)) for w in row] for row in r.windows]
     dtype = np.uint8 if nodata_out == 255 else np.uint16
     return r.result(blocks, dtype, "viewshed", {"long_name": "number of observers that see it", "_FillValue": dtype(nodata_out)})
 

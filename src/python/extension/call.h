@@ -1,20 +1,28 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A call of one of the products of src/terrain: Field.make(name, numbers, window, inputs, outputs, threads, progress). Python checks
- * and names the numbers; a product here picks those that it has a use for. */
+/* All that a field is asked: Field.make(name, numbers, window, inputs, outputs, threads, progress[, kernel]). Python checks and names
+ * the numbers; a product here picks those that it has a use for. */
 #ifndef CELLWALK_PYTHON_CALL_H
 #define CELLWALK_PYTHON_CALL_H
 
 #include "field_object.h"
 
-/* What products take: 0 where the caller names none. */
+/* What products take: doubles, 0 where the caller names none. */
+/* clang-format off */
+#define CALL_NUMBERS(NUMBER) \
+    NUMBER(altitude) NUMBER(azimuth) NUMBER(azimuth_until) NUMBER(bands) NUMBER(below) NUMBER(curvature) NUMBER(days) \
+    NUMBER(directions) NUMBER(disc) NUMBER(every) NUMBER(facing) NUMBER(factor) NUMBER(filter) NUMBER(first) \
+    NUMBER(frequency) NUMBER(has_azimuths) NUMBER(has_verticals) NUMBER(highest) NUMBER(hillshade) NUMBER(hours) \
+    NUMBER(kind) NUMBER(latitude) NUMBER(lean) NUMBER(linke) NUMBER(longitude) NUMBER(lowest) NUMBER(max_distance) \
+    NUMBER(min_distance) NUMBER(more) NUMBER(observer_height) NUMBER(share) NUMBER(sky) NUMBER(start) NUMBER(step) \
+    NUMBER(table) NUMBER(target_height) NUMBER(tilt) NUMBER(turned) NUMBER(within) NUMBER(x) NUMBER(y)
+/* clang-format on */
 typedef struct call_numbers {
-    double altitude, azimuth, azimuth_until, bands, below, curvature, days, directions, disc, every, facing, first,
-        frequency, has_azimuths, has_verticals, highest, hillshade, hours, kind, latitude, lean, linke, longitude,
-        lowest, max_distance, min_distance, observer_height, share, sky, start, step, table, target_height, tilt,
-        turned, within;
+#define MEMBER(name) double name;
+    CALL_NUMBERS(MEMBER)
+#undef MEMBER
 } call_numbers;
 
-enum { CALL_BUFFERS_MOST = 3 };
+enum { CALL_BUFFERS_MOST = 4 };
 
 typedef struct call {
     py_field *field;
@@ -32,16 +40,18 @@ typedef cw_status product(call *c);
 /* Output number k, or NULL with an error unless it has so many bytes. */
 void *call_output(call *c, size_t k, size_t bytes);
 
-/* Input number k as records of so many bytes, and how many these are. */
+/* Input number k as records of so many bytes, and how many these are: none if it has gaps. */
 const void *call_input(call *c, size_t k, size_t bytes, size_t *count);
 
 /* Sets the error; returns CW_ERROR_ARGUMENT. */
 __attribute__((format(printf, 2, 3))) cw_status call_fail(call *c, const char *format, ...);
 
-/* Products by file. */
-product make_along, make_angles, make_distances, make_found, make_hours, make_irradiance, make_lines, make_openness,
-    make_place_horizons, make_profile, make_shadow, make_sky, make_sun_days, make_tilted_sky, make_visibility,
-    make_viewshed;
+/* By file: rays.c and field_object.c, products.c, views.c, pieces.c. */
+product make_closest, make_occluded, make_heights, make_points, make_coarser, make_update;
+product make_angles, make_distances, make_hours, make_irradiance, make_openness, make_shadow, make_sky, make_tilted_sky,
+    make_visibility;
+product make_along, make_found, make_lines, make_place_horizons, make_profile, make_sun_days, make_viewshed;
+product make_around, make_beside, make_grown, make_sunward;
 
 PyObject *field_make(PyObject *self, PyObject *arguments);
 

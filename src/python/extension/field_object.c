@@ -5,8 +5,6 @@
 
 #include <math.h>
 #include <string.h>
-#include <structmember.h>
-#include <unistd.h>
 
 bool buffer_holds(const Py_buffer *buffer, size_t bytes, const char *name) {
     if (buffer->len >= 0 && (size_t)buffer->len >= bytes) return true;
@@ -14,48 +12,14 @@ bool buffer_holds(const Py_buffer *buffer, size_t bytes, const char *name) {
     return false;
 }
 
-static void forget_other_process(py_field *f) {
-    const long process = (long)getpid();
-    if (f->process != process) f->users = 0;
-    f->process = process;
-}
-
-bool field_is_idle(py_field *f) {
-    forget_other_process(f);
-    if (f->users >= 0) return true;
-    PyErr_SetString(PyExc_RuntimeError, "the field is being changed by another thread");
-    return false;
-}
-
-bool field_enter(py_field *f) {
-    if (!field_is_idle(f)) return false;
-    f->users++;
-    return true;
-}
-
-bool field_enter_site(py_field *f) {
-    if (f->terrain.field != NULL) return field_enter(f);
-    PyErr_SetString(PyExc_ValueError, "transform: cannot be inverted");
-    return false;
-}
-
-void field_leave(py_field *f) { f->users--; }
-
 static bool is_identity(double m[3][4]) {
     for (int k = 0; k < 12; k++)
         if (m[k / 4][k % 4] != (k / 4 == k % 4 ? 1 : 0)) return false;
     return true;
 }
 
-/* Field(samples, nx, ny, map, geographic, north_up, unit, semi_major, inverse_flattening, threads, progress[,
- * (columns, rows, column, row, map) of the raster that the samples are a window of]). Returns None in place of a
- * field whose samples hold an infinity, which borrowed samples must not. */
 static cw_status make(py_field *f, work *w) {
-    cw_field_desc desc = {0};
-    desc.samples = f->samples.buf;
-    desc.nx = f->nx;
-    desc.ny = f->ny;
-    desc.storage = CW_BORROW;
+    cw_field_desc desc = {.samples = f->samples.buf, .nx = f->nx, .ny = f->ny, .storage = CW_BORROW};
     memcpy(desc.map, f->site.map, sizeof desc.map);
     return cw_field_create(&desc, &w->run, &f->field);
 }
@@ -67,70 +31,69 @@ static bool has_infinity(const py_field *f) {
     return false;
 }
 
+/* Samples, if there are any, of f->nx columns and f->ny rows. */
+static bool take_samples(py_field *f, PyObject *samples) {
+    if (f->nx > CW_SIDE_MAX || f->ny > CW_SIDE_MAX) {
+        PyErr_SetString(PyExc_ValueError, "samples: too many");
+        return false;
+    }
+    return samples == Py_None || (PyObject_GetBuffer(samples, &f->samples, PyBUF_SIMPLE) == 0 &&
+                                  buffer_holds(&f->samples, f->nx * f->ny * sizeof(float), "samples"));
+}
+
+/* Where the samples lie, and those of the raster that they are a window of if that has columns. */
+static void place(py_field *f, const site *raster, size_t columns, size_t rows, size_t column, size_t row) {
+    const float *z = f->samples.buf;
+    f->on_map = site_init(&f->terrain, &f->site, f->field, f->nx, f->ny, z);
+    if (columns == 0) return;
+    f->on_map = f->on_map && site_init(&f->whole, raster, f->field, columns, rows, z);
+    f->terrain.whole = &f->whole;
+    f->terrain.column = column;
+    f->terrain.row = row;
+}
+
+/* Field(samples or None, nx, ny, map, geographic, north_up, unit, semi_major, inverse_flattening, threads, progress[,
+ * (columns, rows, column, row, map) of the raster that the samples are a window of]). Returns None in place of a
+ * field whose samples hold an infinity, which borrowed samples must not. */
 static PyObject *field_new(PyTypeObject *type, PyObject *arguments, PyObject *keywords) {
     PyObject *samples, *progress;
-    Py_buffer map = {0};
-    Py_ssize_t nx, ny;
+    Py_buffer map = {0}, whole_map = {0};
+    Py_ssize_t nx, ny, columns = 0, rows = 0, column = 0, row = 0;
     int geographic, north_up;
-    double unit, semi_major, inverse_flattening;
     unsigned threads;
-    Py_buffer whole_map = {0};
-    double raster[3][4];
-    Py_ssize_t whole_nx = 0, whole_ny = 0, column = 0, row = 0;
+    site g = {0};
     (void)keywords;
     if (!PyArg_ParseTuple(arguments, "Onny*ppdddIO|(nnnny*):Field", &samples, &nx, &ny, &map, &geographic, &north_up,
-                          &unit, &semi_major, &inverse_flattening, &threads, &progress, &whole_nx, &whole_ny, &column,
+                          &g.unit, &g.semi_major, &g.inverse_flattening, &threads, &progress, &columns, &rows, &column,
                           &row, &whole_map))
         return NULL;
-    const bool is_window = whole_map.obj != NULL;
-    const bool placed = !is_window || site_take_map(&whole_map, raster);
+    g.geographic = geographic != 0;
+    g.north_up = north_up != 0;
+    site raster = g;
+    bool good = site_take_map(&map, g.map) && (columns == 0 || site_take_map(&whole_map, raster.map));
+    PyBuffer_Release(&map);
     PyBuffer_Release(&whole_map);
     allocfunc allocate = (allocfunc)PyType_GetSlot(type, Py_tp_alloc);
-    py_field *f = (py_field *)allocate(type, 0);
-    const bool good = f != NULL && placed && site_take_map(&map, f->site.map) &&
-                      PyObject_GetBuffer(samples, &f->samples, PyBUF_SIMPLE) == 0;
-    PyBuffer_Release(&map);
-    if (!good || nx < 0 || ny < 0 || (ny > 0 && nx > PY_SSIZE_T_MAX / 4 / ny) ||
-        !buffer_holds(&f->samples, (size_t)nx * (size_t)ny * sizeof(float), "samples")) {
-        if (!PyErr_Occurred()) PyErr_SetString(PyExc_ValueError, "samples: too many");
-        Py_XDECREF((PyObject *)f);
-        return NULL;
-    }
+    py_field *f = good ? (py_field *)allocate(type, 0) : NULL;
+    if (f == NULL) return NULL;
+    f->site = g;
     f->nx = (size_t)nx;
     f->ny = (size_t)ny;
-    f->site.geographic = geographic != 0;
-    f->site.north_up = north_up != 0;
-    f->site.unit = unit;
-    f->site.semi_major = semi_major;
-    f->site.inverse_flattening = inverse_flattening;
     f->identity = is_identity(f->site.map);
     work w;
-    if (!work_begin(&w, threads, NULL, progress)) {
-        Py_DECREF((PyObject *)f);
-        return NULL;
+    bool infinite = false;
+    good = take_samples(f, samples);
+    if (good && samples != Py_None && (good = work_begin(&w, threads, NULL, progress))) {
+        const cw_status status = make(f, &w);
+        infinite = status == CW_ERROR_SAMPLE && has_infinity(f);
+        good = work_end(&w, infinite ? CW_OK : status, "z");
     }
-    const cw_status status = make(f, &w);
-    const bool infinite = status == CW_ERROR_SAMPLE && has_infinity(f);
-    if (!work_end(&w, infinite ? CW_OK : status, "z")) {
-        Py_DECREF((PyObject *)f);
-        return NULL;
+    if (good && !infinite) {
+        place(f, &raster, (size_t)columns, (size_t)rows, (size_t)column, (size_t)row);
+        return (PyObject *)f;
     }
-    if (infinite) {
-        Py_DECREF((PyObject *)f);
-        Py_RETURN_NONE;
-    }
-    if (!site_init(&f->terrain, &f->site, f->field, f->nx, f->ny, f->samples.buf))
-        f->terrain.field = NULL; /* products will say so */
-    if (is_window) {
-        site whole = f->site;
-        memcpy(whole.map, raster, sizeof whole.map);
-        if (!site_init(&f->whole, &whole, f->field, (size_t)whole_nx, (size_t)whole_ny, f->samples.buf))
-            f->terrain.field = NULL;
-        f->terrain.whole = &f->whole;
-        f->terrain.column = (size_t)column;
-        f->terrain.row = (size_t)row;
-    }
-    return (PyObject *)f;
+    Py_DECREF((PyObject *)f);
+    return good ? Py_NewRef(Py_None) : NULL;
 }
 
 static void field_dealloc(PyObject *self) {
@@ -142,6 +105,8 @@ static void field_dealloc(PyObject *self) {
     release(self);
     Py_DECREF(type);
 }
+
+/* ---- methods ----------------------------------------------------------------------------------------------------------- */
 
 /* Copies block into the samples. If the field refuses it, the old samples are restored. */
 static cw_status put(py_field *f, const cw_update *u, const cw_run *run, const float *block, float *before) {
@@ -159,75 +124,33 @@ static cw_status put(py_field *f, const cw_update *u, const cw_run *run, const f
     return status;
 }
 
-/* update(row, column, rows, columns, block, before, threads): before is as large as block. */
-static PyObject *field_update(PyObject *self, PyObject *arguments) {
-    py_field *f = (py_field *)self;
-    Py_buffer block = {0}, before = {0};
-    Py_ssize_t row, column, rows, columns;
-    unsigned threads;
-    if (!PyArg_ParseTuple(arguments, "nnnny*w*I:update", &row, &column, &rows, &columns, &block, &before, &threads))
-        return NULL;
-    forget_other_process(f);
-    const size_t bytes = (size_t)rows * (size_t)columns * sizeof(float);
-    bool good = buffer_holds(&block, bytes, "block") && buffer_holds(&before, bytes, "before");
-    if (good && (row < 0 || column < 0 || rows < 0 || columns < 0 || (size_t)rows > f->ny || (size_t)columns > f->nx ||
-                 (size_t)row > f->ny - (size_t)rows || (size_t)column > f->nx - (size_t)columns)) {
-        PyErr_SetString(PyExc_ValueError, "update: the rectangle is not within the field");
-        good = false;
-    }
-    if (good && (f->users != 0 || f->samples.readonly)) {
-        PyErr_SetString(PyExc_RuntimeError, f->users ? "update: queries or another update are running on the field"
-                                                     : "update: the samples are read-only");
-        good = false;
-    }
-    if (good) {
-        work w;
-        f->users = -1;
-        if ((good = work_begin(&w, threads, NULL, Py_None))) {
-            const cw_update u = {.at = {(size_t)column, (size_t)row, (size_t)columns, (size_t)rows}};
-            good = work_end(&w, put(f, &u, &w.run, block.buf, before.buf), "block");
-        }
-        f->users = 0;
-    }
-    PyBuffer_Release(&block);
-    PyBuffer_Release(&before);
-    if (!good) return NULL;
-    Py_RETURN_NONE;
+/* Input: samples of the window. Output: room for as many. */
+cw_status make_update(call *c) {
+    const cw_update u = {.at = c->at};
+    size_t n;
+    const float *block = call_input(c, 0, sizeof *block, &n);
+    float *before = call_output(c, 0, c->at.nx * c->at.ny * sizeof *before);
+    if (before == NULL || n < c->at.nx * c->at.ny) return CW_ERROR_ARGUMENT;
+    return put(c->field, &u, &c->work.run, block, before);
 }
 
-/* coarser(factor, filter, rows, columns, out, threads, progress): rows * columns heights go to out. Returns (above,
- * below, rms, lost, made). */
-static PyObject *field_coarser(PyObject *self, PyObject *arguments) {
-    py_field *f = (py_field *)self;
-    Py_buffer out = {0};
-    Py_ssize_t factor, rows, columns;
-    int filter;
-    unsigned threads;
-    PyObject *progress;
-    if (!PyArg_ParseTuple(arguments, "ninnw*IO:coarser", &factor, &filter, &rows, &columns, &out, &threads, &progress))
-        return NULL;
+/* Outputs: the heights, and above, below, rms, lost, made. */
+cw_status make_coarser(call *c) {
+    double *about = call_output(c, 1, 5 * sizeof *about);
     cw_difference d = {0};
-    cw_field *coarser = NULL;
-    bool good = factor >= 0 && field_enter(f);
-    if (good) {
-        work w;
-        if ((good = work_begin(&w, threads, "cell", progress)))
-            good = work_end(&w, cw_field_coarser(f->field, &w.run, (size_t)factor, filter, &coarser, &d, sizeof d),
-                            "coarser");
-        field_leave(f);
-    }
-    if (good) {
-        const cw_field_info info = cw_field_describe(coarser);
-        good = info.nx == (size_t)columns && info.ny == (size_t)rows &&
-               buffer_holds(&out, info.nx * info.ny * sizeof(float), "out");
-        for (size_t j = 0; good && j < info.ny; j++)
-            memcpy((float *)out.buf + j * info.nx, cw_field_row(coarser, j), info.nx * sizeof(float));
-    }
-    if (!good && !PyErr_Occurred()) PyErr_SetString(PyExc_ValueError, "coarser: out is of another size");
+    cw_field *coarser;
+    if (about == NULL) return CW_ERROR_ARGUMENT;
+    const cw_status status =
+        cw_field_coarser(c->field->field, &c->work.run, (size_t)c->n.factor, (int)c->n.filter, &coarser, &d, sizeof d);
+    if (status != CW_OK) return status;
+    const cw_field_info info = cw_field_describe(coarser);
+    float *out = call_output(c, 0, info.nx * info.ny * sizeof *out);
+    for (size_t j = 0; out != NULL && j < info.ny; j++)
+        memcpy(out + j * info.nx, cw_field_row(coarser, j), info.nx * sizeof *out);
+    const double numbers[5] = {d.above, d.below, d.rms, (double)d.lost, (double)d.made};
+    memcpy(about, numbers, sizeof numbers);
     cw_field_destroy(coarser);
-    PyBuffer_Release(&out);
-    if (!good) return NULL;
-    return Py_BuildValue("(dddKK)", d.above, d.below, d.rms, (unsigned long long)d.lost, (unsigned long long)d.made);
+    return out ? CW_OK : CW_ERROR_ARGUMENT;
 }
 
 /* scale(nodes): how long the map's unit is on the ground, as find_scale has it. Before the first product. */
@@ -252,11 +175,6 @@ static PyObject *field_describe(PyObject *self, PyObject *unused) {
 }
 
 static PyMethodDef methods[] = {
-    {"trace", field_trace, METH_VARARGS, NULL},
-    {"at", field_at, METH_VARARGS, NULL},
-    {"points", field_points, METH_VARARGS, NULL},
-    {"update", field_update, METH_VARARGS, NULL},
-    {"coarser", field_coarser, METH_VARARGS, NULL},
     {"describe", field_describe, METH_NOARGS, NULL},
     {"scale", field_scale, METH_VARARGS, NULL},
     {"make", field_make, METH_VARARGS, NULL},

@@ -6,7 +6,6 @@
 #include "geotiff_object.h"
 #include "raster_object.h"
 #include "reach.h"
-#include "reach_object.h"
 #include "sun.h"
 
 #include <math.h>
@@ -92,11 +91,15 @@ static PyObject *lon_lat(PyObject *self, PyObject *arguments) {
 }
 
 static PyMethodDef functions[] = {
-    {"kernels", list_kernels, METH_NOARGS, NULL},       {"suns", suns, METH_VARARGS, NULL},
-    {"parse_time", parse_time, METH_VARARGS, NULL},     {"describe_crs", describe_crs, METH_VARARGS, NULL},
-    {"lon_lat", lon_lat, METH_VARARGS, NULL},           {"read_raster", read_raster, METH_VARARGS, NULL},
-    {"find_scale", find_scale, METH_VARARGS, NULL},     {"raster_size", raster_size, METH_VARARGS, NULL},
-    {"block_ranges", block_ranges, METH_VARARGS, NULL}, {NULL, NULL, 0, NULL},
+    {"kernels", list_kernels, METH_NOARGS, NULL},
+    {"suns", suns, METH_VARARGS, NULL},
+    {"parse_time", parse_time, METH_VARARGS, NULL},
+    {"describe_crs", describe_crs, METH_VARARGS, NULL},
+    {"lon_lat", lon_lat, METH_VARARGS, NULL},
+    {"read_raster", read_raster, METH_VARARGS, NULL},
+    {"find_scale", find_scale, METH_VARARGS, NULL},
+    {"raster_size", raster_size, METH_VARARGS, NULL},
+    {NULL, NULL, 0, NULL},
 };
 
 /* Where the members of a hit are, for a NumPy dtype. */
@@ -125,7 +128,7 @@ static int fill(PyObject *module) {
     }
     if (add_layout(module) != 0 || add_type(module, &py_field_spec, "Field") != 0 ||
         add_type(module, &py_raster_spec, "Raster") != 0 || add_type(module, &py_geotiff_spec, "GeoTiff") != 0 ||
-        add_type(module, &py_reach_spec, "Reach") != 0 || PyModule_AddIntConstant(module, "BLOCK", REACH_BLOCK) != 0)
+        PyModule_AddIntConstant(module, "BLOCK", REACH_BLOCK) != 0)
         return -1;
     return PyModule_AddStringConstant(module, "version", cw_version());
 }

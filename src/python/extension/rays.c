@@ -1,22 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Rays from arrays of any layout; points and normals of hits. */
-#include "field_object.h"
+#include "call.h"
 
 #include <math.h>
 #include <string.h>
 
-/* An operand of rays: number k of it is at + k * step bytes; step 0 is one for all. */
-typedef struct operand {
-    Py_buffer buffer;
-    Py_ssize_t offset, step;
-} operand;
-
 enum { ORIGIN, DIRECTION, TMIN, TMAX, OPERANDS };
 
+/* Number k of an operand is at + k * step bytes; step 0 is one for all. */
 typedef struct tracing {
     const py_field *field;
     const char *at[OPERANDS];
-    size_t step[OPERANDS];
+    Py_ssize_t step[OPERANDS];
     bool wide;  /* operands are double, else float */
     cw_run run; /* of a block */
     cw_hit *hits;
@@ -29,8 +24,12 @@ typedef struct tracing {
 
 enum { BLOCK = 512, PIECE = 8 * BLOCK };
 
+static inline const char *operand(const tracing *t, int which, size_t k) {
+    return t->at[which] + (Py_ssize_t)k * t->step[which];
+}
+
 static inline double number(const tracing *t, int which, size_t k, size_t component) {
-    const char *at = t->at[which] + k * t->step[which];
+    const char *at = operand(t, which, k);
     if (t->wide) {
         double x;
         memcpy(&x, at + component * sizeof x, sizeof x);
@@ -56,11 +55,10 @@ static void gather(const tracing *t, size_t begin, size_t count, cw_user_ray *to
 /* Floats are not widened on the way where user space is field space. */
 static void gather_floats(const tracing *t, size_t begin, size_t count, cw_ray *to) {
     for (size_t k = 0; k < count; k++) {
-        const size_t n = begin + k;
-        memcpy(to[k].org, t->at[ORIGIN] + n * t->step[ORIGIN], sizeof to[k].org);
-        memcpy(to[k].dir, t->at[DIRECTION] + n * t->step[DIRECTION], sizeof to[k].dir);
-        memcpy(&to[k].tmin, t->at[TMIN] + n * t->step[TMIN], sizeof to[k].tmin);
-        memcpy(&to[k].tmax, t->at[TMAX] + n * t->step[TMAX], sizeof to[k].tmax);
+        memcpy(to[k].org, operand(t, ORIGIN, begin + k), sizeof to[k].org);
+        memcpy(to[k].dir, operand(t, DIRECTION, begin + k), sizeof to[k].dir);
+        memcpy(&to[k].tmin, operand(t, TMIN, begin + k), sizeof to[k].tmin);
+        memcpy(&to[k].tmax, operand(t, TMAX, begin + k), sizeof to[k].tmax);
     }
 }
 
@@ -96,7 +94,7 @@ static bool is_packed(const tracing *t) {
     static const size_t place[OPERANDS] = {0, 4, 3, 7};
     if ((uintptr_t)t->at[ORIGIN] % size != 0) return false;
     for (int k = 0; k < OPERANDS; k++)
-        if (t->step[k] != 8 * size || t->at[k] != t->at[ORIGIN] + place[k] * size) return false;
+        if (t->step[k] != (Py_ssize_t)(8 * size) || t->at[k] != t->at[ORIGIN] + place[k] * size) return false;
     return true;
 }
 
@@ -108,83 +106,45 @@ static cw_status trace_packed(const tracing *t, const cw_run *run) {
     return t->hits ? cw_closest(f, run, rays, t->n, t->hits) : cw_occluded(f, run, rays, t->n, t->any);
 }
 
-static cw_status trace(tracing *t, work *w) {
-    const py_field *f = t->field;
-    if (is_packed(t) && (t->wide || f->identity)) return trace_packed(t, &w->run);
-    t->run = w->run;
-    t->run.pool = NULL;
-    t->run.watch = NULL;
-    /* A pool's threads are woken only for as many rays as the library wakes them for. */
-    cw_pool_run(t->n < 2 * BLOCK ? NULL : w->run.pool, t->n, t->n < (size_t)PIECE * 64 ? BLOCK : PIECE, trace_blocks,
-                t);
-    return (cw_status)atomic_load(&t->status);
-}
-
-/* Builds the structure of a kernel if the field lacks it. Must not run beside queries. */
-static bool make_ready(py_field *f, unsigned threads, const char *kernel, PyObject *progress) {
-    const cw_run run = {.expert.kernel = kernel ? cw_kernel_find(kernel) : NULL};
-    if (cw_run_check(f->field, &run) != CW_ERROR_NOT_BUILT) return true;
-    work w;
-    if (f->users != 0) {
-        PyErr_Format(PyExc_RuntimeError, "kernel: %s is to be built first, but other queries are running", kernel);
-        return false;
-    }
-    f->users = -1;
-    const bool good =
-        work_begin(&w, threads, kernel, progress) && work_end(&w, cw_field_build(f->field, &w.run), "kernel");
-    f->users = 0;
-    return good;
-}
-
-static bool is_within(const operand *o, size_t n, size_t width, const char *name) {
-    if (o->offset >= 0 && o->step >= 0)
-        return n == 0 || buffer_holds(&o->buffer, (size_t)o->offset + (n - 1) * (size_t)o->step + width, name);
-    PyErr_Format(PyExc_ValueError, "%s: a negative offset", name);
+/* Takes n rows of three numbers, or n numbers, with any step between them. */
+static bool take_operand(call *c, tracing *t, int which) {
+    static const char *const names[OPERANDS] = {"origins", "directions", "tmin", "tmax"};
+    const Py_buffer *b = &c->in[which];
+    const int ranks = which <= DIRECTION ? 2 : 1;
+    const Py_ssize_t size = t->wide ? sizeof(double) : sizeof(float);
+    t->at[which] = b->buf;
+    t->step[which] = b->strides[0];
+    if (b->itemsize == size && b->ndim == ranks && b->shape[0] == (Py_ssize_t)t->n &&
+        (ranks == 1 || (b->shape[1] == 3 && b->strides[1] == size)))
+        return true;
+    call_fail(c, "%s: not as many numbers as there are rays", names[which]);
     return false;
 }
 
-/* trace(any, wide, n, (buffer, offset, step) of origins, directions, tmin and tmax, out, threads, kernel, progress) */
-PyObject *field_trace(PyObject *self, PyObject *arguments) {
-    py_field *f = (py_field *)self;
-    operand o[OPERANDS];
-    Py_buffer out = {0};
-    int any, wide;
-    Py_ssize_t n;
-    unsigned threads;
-    const char *kernel;
-    PyObject *progress;
-    memset(o, 0, sizeof o);
-    if (!PyArg_ParseTuple(arguments, "ppn(y*nn)(y*nn)(y*nn)(y*nn)w*IzO:trace", &any, &wide, &n, &o[0].buffer,
-                          &o[0].offset, &o[0].step, &o[1].buffer, &o[1].offset, &o[1].step, &o[2].buffer, &o[2].offset,
-                          &o[2].step, &o[3].buffer, &o[3].offset, &o[3].step, &out, &threads, &kernel, &progress))
-        return NULL;
-    static const char *const names[OPERANDS] = {"origins", "directions", "tmin", "tmax"};
-    tracing t = {.field = f, .wide = wide != 0, .n = (size_t)n};
-    const size_t size = wide ? sizeof(double) : sizeof(float);
-    bool good = n >= 0 && buffer_holds(&out, (size_t)n * (any ? 1 : sizeof(cw_hit)), "out");
-    for (int k = 0; k < OPERANDS; k++) {
-        good = good && is_within(&o[k], (size_t)n, size * (k <= DIRECTION ? 3 : 1), names[k]);
-        t.at[k] = (const char *)o[k].buffer.buf + o[k].offset;
-        t.step[k] = (size_t)o[k].step;
-    }
-    if (any)
-        t.any = out.buf;
-    else
-        t.hits = out.buf;
-    if (good && n > 0 && (good = field_is_idle(f) && make_ready(f, threads, kernel, progress) && field_enter(f))) {
-        work w;
-        if ((good = work_begin(&w, threads, kernel, progress))) {
-            t.work = &w;
-            const cw_status status = trace(&t, &w);
-            good = work_end(&w, status == CW_ERROR_CANCELLED ? CW_OK : status, any ? "occluded" : "closest");
-        }
-        field_leave(f);
-    }
-    for (int k = 0; k < OPERANDS; k++) PyBuffer_Release(&o[k].buffer);
-    PyBuffer_Release(&out);
-    if (!good) return NULL;
-    Py_RETURN_NONE;
+/* Inputs: origins and directions as rows of three, tmin and tmax, all of them floats or doubles. Output: a hit for each, or a byte. */
+static cw_status trace(call *c, bool any) {
+    const py_field *f = c->field;
+    tracing t = {.field = f, .work = &c->work, .run = c->work.run};
+    void *out = call_output(c, 0, 0);
+    if (out == NULL || c->in_count != OPERANDS) return call_fail(c, "rays: expected four operands");
+    t.n = (size_t)c->out[0].len / (any ? 1 : sizeof(cw_hit));
+    t.wide = c->in[ORIGIN].itemsize == sizeof(double);
+    t.any = any ? out : NULL;
+    t.hits = any ? NULL : out;
+    for (int k = 0; k < OPERANDS; k++)
+        if (!take_operand(c, &t, k)) return CW_ERROR_ARGUMENT;
+    if (t.n == 0) return CW_OK;
+    if (is_packed(&t) && (t.wide || f->identity)) return trace_packed(&t, &c->work.run);
+    t.run.pool = NULL;
+    t.run.watch = NULL;
+    /* A pool's threads are woken only for as many rays as the library wakes them for. */
+    cw_pool_run(t.n < 2 * BLOCK ? NULL : c->work.run.pool, t.n, t.n < (size_t)PIECE * 64 ? BLOCK : PIECE, trace_blocks,
+                &t);
+    return (cw_status)atomic_load(&t.status);
 }
+
+cw_status make_closest(call *c) { return trace(c, false); }
+cw_status make_occluded(call *c) { return trace(c, true); }
 
 typedef struct looking {
     const py_field *field;
@@ -212,73 +172,36 @@ static void look_down(void *context, size_t begin, size_t end) {
     }
 }
 
-/* at(x, y, z, threads, progress): contiguous doubles, as many of each */
-PyObject *field_at(PyObject *self, PyObject *arguments) {
-    py_field *f = (py_field *)self;
-    Py_buffer x = {0}, y = {0}, z = {0};
-    unsigned threads;
-    PyObject *progress;
-    if (!PyArg_ParseTuple(arguments, "y*y*w*IO:at", &x, &y, &z, &threads, &progress)) return NULL;
-    if (f->site.map[0][2] != 0 || f->site.map[1][2] != 0) {
-        PyErr_SetString(PyExc_ValueError, "transform: leans the heights, so that no single place is above x and y");
-        PyBuffer_Release(&x);
-        PyBuffer_Release(&y);
-        PyBuffer_Release(&z);
-        return NULL;
-    }
-    looking l = {.field = f, .x = x.buf, .y = y.buf, .z = z.buf, .n = (size_t)z.len / sizeof(double)};
-    bool good = buffer_holds(&x, (size_t)z.len, "x") && buffer_holds(&y, (size_t)z.len, "y") && field_enter(f);
-    if (good) {
-        work w;
-        if ((good = work_begin(&w, threads, NULL, progress))) {
-            l.work = &w;
-            cw_pool_run(w.run.pool, l.n, PIECE, look_down, &l);
-            good = work_end(&w, (cw_status)atomic_load(&l.status), "at");
-        }
-        field_leave(f);
-    }
-    PyBuffer_Release(&x);
-    PyBuffer_Release(&y);
-    PyBuffer_Release(&z);
-    if (!good) return NULL;
-    Py_RETURN_NONE;
+/* Inputs: x and y of places, double. Output: as many heights. */
+cw_status make_heights(call *c) {
+    const double(*map)[4] = (const double(*)[4])c->field->site.map;
+    size_t count;
+    looking l = {.field = c->field, .work = &c->work};
+    l.x = call_input(c, 0, sizeof *l.x, &l.n);
+    l.y = call_input(c, 1, sizeof *l.y, &count);
+    l.z = call_output(c, 0, l.n * sizeof *l.z);
+    if (map[0][2] != 0 || map[1][2] != 0)
+        return call_fail(c, "transform: leans the heights, so that no single place is above x and y");
+    if (l.z == NULL || count < l.n) return CW_ERROR_ARGUMENT;
+    cw_pool_run(c->work.run.pool, l.n, PIECE, look_down, &l);
+    return (cw_status)atomic_load(&l.status);
 }
 
-enum { POINTS, NORMALS, SMOOTH_NORMALS };
-
-static cw_status follow(const py_field *f, work *w, int kind, const cw_hit *hits, size_t n, double (*out)[3]) {
-    enum { AT_ONCE = 1 << 18 };
-    for (size_t k = 0; k < n; k += AT_ONCE) {
+/* Input: records as closest makes them. Output: three doubles for each, of the kind. */
+cw_status make_points(call *c) {
+    enum { POINTS, NORMALS, SMOOTH_NORMALS, AT_ONCE = 1 << 18 };
+    const cw_field *f = c->field->field;
+    const cw_run *run = &c->work.run;
+    size_t n;
+    const cw_hit *hits = call_input(c, 0, sizeof *hits, &n);
+    double(*out)[3] = call_output(c, 0, n * sizeof *out);
+    cw_status status = out ? CW_OK : CW_ERROR_ARGUMENT;
+    for (size_t k = 0; k < n && status == CW_OK; k += AT_ONCE) {
         const size_t count = n - k < AT_ONCE ? n - k : AT_ONCE;
-        if (!work_watch(w, (double)k / (double)n)) return CW_ERROR_CANCELLED;
-        const cw_status status = kind == POINTS    ? cw_hit_points(f->field, &w->run, hits + k, count, out[k])
-                                 : kind == NORMALS ? cw_hit_normals(f->field, &w->run, hits + k, count, out[k])
-                                                   : cw_hit_phong_normals(f->field, &w->run, hits + k, count, out[k]);
-        if (status != CW_OK) return status;
+        if (!work_watch(&c->work, (double)k / (double)n)) return CW_ERROR_CANCELLED;
+        status = c->n.kind == POINTS    ? cw_hit_points(f, run, hits + k, count, out[k])
+                 : c->n.kind == NORMALS ? cw_hit_normals(f, run, hits + k, count, out[k])
+                                        : cw_hit_phong_normals(f, run, hits + k, count, out[k]);
     }
-    return CW_OK;
-}
-
-/* points(kind, hits, out, threads, progress): records as closest makes them, three doubles for each */
-PyObject *field_points(PyObject *self, PyObject *arguments) {
-    py_field *f = (py_field *)self;
-    Py_buffer hits = {0}, out = {0};
-    int kind;
-    unsigned threads;
-    PyObject *progress;
-    if (!PyArg_ParseTuple(arguments, "iy*w*IO:points", &kind, &hits, &out, &threads, &progress)) return NULL;
-    const size_t n = (size_t)hits.len / sizeof(cw_hit);
-    bool good = buffer_holds(&out, n * 3 * sizeof(double), "out") && field_enter(f);
-    if (good) {
-        work w;
-        if ((good = work_begin(&w, threads, NULL, progress))) {
-            const cw_status status = n > 0 ? follow(f, &w, kind, hits.buf, n, out.buf) : CW_OK;
-            good = work_end(&w, status, kind == POINTS ? "points" : "normals");
-        }
-        field_leave(f);
-    }
-    PyBuffer_Release(&hits);
-    PyBuffer_Release(&out);
-    if (!good) return NULL;
-    Py_RETURN_NONE;
+    return status;
 }
