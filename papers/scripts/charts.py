@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The four kinds of charts: bars, lines, dots and points. Blue is Cellwalk, orange Embree, grey everything else. Axes follow the
+"""The three kinds of charts: bars, lines and points. Blue is Cellwalk, orange Embree, grey everything else. Axes follow the
 data; layout.py checks that nothing is cut off and no label lies on another. The same results and version of matplotlib give the same
 bytes: fixed ids, no date, text as text."""
 
@@ -21,8 +21,8 @@ from matplotlib.lines import Line2D  # noqa: E402
 import draw  # noqa: E402
 import layout  # noqa: E402
 
-COLORS = {"ours": "#1f6fb4", "light": "#7fb2dc", "embree": "#d9731a", "embree-light": "#efb27c", "grey": "#8a8a8a"}
-MARKS = {"ours": "o", "light": "D", "embree": "s", "embree-light": "v", "grey": "^"}
+COLORS = {"ours": "#1f6fb4", "embree": "#d9731a", "grey": "#8a8a8a"}
+MARKS = {"ours": "o", "embree": "s", "grey": "^"}
 WIDTH = 8.4  # inches
 
 
@@ -83,15 +83,8 @@ def bars(a, run, rows, series):
     return figure
 
 
-def panels_of(a, rows):
-    """(title, rows, value's name) of each panel: of each value of a member, or as panels names them."""
-    if "panels" in a:
-        return [(title.strip(), rows, key.strip()) for title, key in (part.split("|") for part in a["panels"].split(";"))]
-    return [(draw.name(p), rows.where(f"{a['panel']} == {p!r}"), a.get("value", "rate")) for p in ordered(a, rows, "panel")]
-
-
 def lines(a, run, rows, series):
-    panels = panels_of(a, rows)
+    panels = [(draw.name(p), rows.where(f"{a['panel']} == {p!r}")) for p in ordered(a, rows, "panel")]
     columns = min(3, len(panels))
     down = (len(panels) + columns - 1) // columns
     height = 1.15 + 2.15 * down
@@ -100,43 +93,21 @@ def lines(a, run, rows, series):
     xs = ordered(a, rows, "x")
     for panel in axes.flat[len(panels):]:
         panel.set_visible(False)
-    for k, (title, group, key) in enumerate(panels):
+    for k, (title, group) in enumerate(panels):
         panel, drawn = axes[k // columns][k % columns], []
         for s in series:
-            points = [(x, v) for x, v in ((x, value({"value": key}, group, s.contender, **{a["x"]: n})) for x, n in enumerate(xs)) if v]
+            points = [(x, v) for x, v in ((x, value(a, group, s.contender, **{a["x"]: n})) for x, n in enumerate(xs)) if v]
             if points:
                 panel.plot(*zip(*points), s.mark + "-", color=s.color)
                 drawn += [v for _, v in points]
         panel.set_title(title, pad=3)
         panel.grid(axis="y", color="#e4e4e4", linewidth=0.6)
         panel.set_axisbelow(True)
-        layout.log_axis(panel.yaxis, layout.log_limits(drawn), (1, 3) if max(drawn) < 1e3 * min(drawn) else (1,), draw.dur if key.startswith("seconds") else "{:g}".format)
+        layout.log_axis(panel.yaxis, layout.log_limits(drawn), (1, 3))
         panel.set_xlim(-0.25, len(xs) - 0.75)
         panel.set_xticks(range(len(xs)), xs)
         if k + columns >= len(panels):
             panel.set_xlabel(a.get("x_label", "samples a side"))
-    return figure
-
-
-def dots(a, run, rows, series):
-    names = ordered(a, rows, "rows")
-    height = 1.5 + 0.32 * len(names)
-    figure, ((axes,),) = canvas(a, run, height, left=0.13, right=0.97)
-    legend(figure, height, series)
-    drawn = [1.0]
-    for k, n in enumerate(names):
-        axes.axhline(k, color="#e4e4e4", linewidth=0.6, zorder=0)
-        for s in series:
-            v = rows.faster(s.contender, a["relative"], **{a["rows"]: n})
-            if v:
-                axes.plot(v, k, s.mark, color=s.color, markersize=7, linestyle="none")
-                drawn.append(v)
-    axes.axvline(1, color="#444444", linewidth=0.8)
-    layout.log_axis(axes.xaxis, layout.log_limits(drawn, 0.04), (1, 2, 5), "{:g}".format)
-    axes.set_xlabel(a["x_label"])
-    axes.set_yticks(range(len(names)), names)
-    axes.set_ylim(len(names) - 0.5, -0.5)
-    axes.tick_params(axis="y", length=0)
     return figure
 
 
@@ -161,14 +132,14 @@ def points(a, run, rows, series):
         layout.log_axis(panel.xaxis, layout.log_limits(xs, 0.25), 
                         (1, 2, 3, 4, 6) if max(xs) < 5 * min(xs) else (1, 2, 5) if max(xs) < 20 * min(xs) else (1,))
         layout.log_axis(panel.yaxis, layout.log_limits([q for _, q in found], 0.15), (1,),
-                        lambda tick, floor=float(floor): "none" if tick == floor else f"{tick:g}")
+                        lambda tick, floor=float(floor): "none" if tick == floor else draw.share(tick))
         panel.grid(color="#eeeeee", linewidth=0.6)
         panel.set_axisbelow(True)
         layout.label_points(panel, labels, fontsize=8)
     return figure
 
 
-KINDS = {"bars": bars, "lines": lines, "dots": dots, "points": points}
+KINDS = {"bars": bars, "lines": lines, "points": points}
 
 
 def svg(name, a, run, rows):

@@ -105,13 +105,13 @@ def dur(seconds, count=2):
 def share(value):
     if value is None:
         return NOTHING
-    return mark(value, f"{100 * value:.2g} %")
+    return mark(value, f"{float(f'{100 * value:.2g}'):g} %")
 
 
 def name(text):
     """What pages call a field or a class of rays."""
     text = str(text)
-    return FIELDS.get(text) or ITEMS.get(text) or (f"{text}²" if text.isdigit() and (int(text) - 1) & (int(text) - 2) == 0 else text.replace("x", " × ") if re.fullmatch(
+    return FIELDS.get(text) or ITEMS.get(text) or (f"{text}²" if text.isdigit() and int(text) > 64 and (int(text) - 1) & (int(text) - 2) == 0 else text.replace("x", " × ") if re.fullmatch(
         r"\d+x\d+", text) else text)
 
 
@@ -287,8 +287,8 @@ def columns(text):
     return [tuple(part.strip().split("|", 1)) for part in text.split(";")]
 
 
-def evaluate(code, rows, run):
-    scope = {**HELPERS, "run": run, "R": rows, "about": run_text(run),
+def evaluate(code, rows, run, runs=()):
+    scope = {**HELPERS, "run": run, "runs": runs, "R": rows, "total": lambda kind, *keys: sum(line[key] for line in rows if line["kind"] == kind for key in keys),
              **{method: getattr(rows, method) for method in ("best", "faster", "ratios", "value", "rate", "where", "distinct", "timed", "micro")}}
     return eval(code, scope)
 
@@ -355,7 +355,8 @@ def made(kind, query, data):
     if not rows and kind != "text":
         raise Problem(f'no line of {a["file"]}.jsonl has {a.get("where")}')
     if kind == "text":
-        return re.sub(r"\{(.+?)\}", lambda m: str(evaluate(m[1], rows, run)), template.strip()) + "\n"
+        runs = [run for run, _ in found]
+        return re.sub(r"\{(.+?)\}", lambda m: str(evaluate(m[1], rows, run, runs)), template.strip()) + "\n"
     about = f"{run_text(run)}.\n\n" if "about" in a else ""
     return about + (pivot(rows, run, a) if kind == "table" else listing(rows, a))
 

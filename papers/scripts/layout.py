@@ -18,30 +18,23 @@ PLACES = [(dx, dy, ha) for far in (7, 12, 20, 28) for dx, dy, ha in (
     (-far + 2, far - 3, "right"), (far - 2, -far - 3, "left"), (-far + 2, -far - 3, "right"))]
 
 
-def log_limits(values, share=0.08, below=None, above=None):
+def log_limits(values, share=0.08):
     """Limits of a logarithmic axis: those of the values, and a share of their range more on each side."""
     low, high = min(values), max(values)
-    room = math.log(high / low) if high > low else 1
-    return (low * math.exp(-room * (share if below is None else below)),
-            high * math.exp(room * (share if above is None else above)))
+    room = share * (math.log(high / low) if high > low else 1)
+    return low * math.exp(-room), high * math.exp(room)
 
 
-def log_axis(axis, limits, steps=(1, 3), text="{:g}".format, ticks=None):
-    """Logarithmic, with these ticks, or those at these steps of each decade."""
+def log_axis(axis, limits, steps=(1, 3), text="{:g}".format):
+    """Logarithmic, with ticks at these steps of each decade."""
     low, high = limits
     axis.axes.set(**{f"{axis.axis_name}scale": "log", f"{axis.axis_name}lim": limits})
-    ticks = ticks or [step * 10.0 ** decade for decade in range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
-                      for step in steps if low <= step * 10.0 ** decade <= high]
+    ticks = [step * 10.0 ** decade for decade in range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
+             for step in steps if low <= step * 10.0 ** decade <= high]
     axis.set_major_locator(FixedLocator(ticks))
     axis.set_ticklabels([text(tick) for tick in ticks])
     axis.set_minor_locator(NullLocator())
     axis.set_minor_formatter(NullFormatter())
-
-
-def beside(text):
-    """A label that stands beside its axes on purpose, such as a name at the end of a line."""
-    text.beside_axes = True
-    return text
 
 
 # ---- boxes ----
@@ -85,7 +78,7 @@ def _texts(figure):
         if not axes.get_visible():
             continue
         for text in axes.texts:
-            yield text, axes, not getattr(text, "beside_axes", False)
+            yield text, axes, True
         others = [axes.title, axes._left_title, axes._right_title]
         if axes.axison:
             for axis in (axes.xaxis, axes.yaxis):

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* One extreme after the other before every kernel and leaf test: judged, counted, and the counts kept for the table of
- * papers/tables.md. */
+ * papers/robustness.md. */
 #ifndef CELLWALK_TESTS_EXTREMES_JUDGE_H
 #define CELLWALK_TESTS_EXTREMES_JUDGE_H
 
