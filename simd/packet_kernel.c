@@ -49,38 +49,26 @@ CW_INLINE bool packet_rays(const cw_field *f, const cw_ray *rays, size_t n, cw_l
 
 /* One function for each leaf test. Rejected: one for both with a branch at its top, as compilers then run out of
  * registers (papers/walks.md). */
-CW_ONE_COPY static bool packet_mt(const cw_field *f, const cw_ray *rays, size_t n, bool any, cw_hit *hits,
-                                  uint8_t *occluded) {
-    return packet_rays(f, rays, n, CW_LEAF_MOLLER_TRUMBORE, any, INFINITY, hits, occluded);
+static void CW_CODE(packet_mt_)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded) {
+    packet_rays(f, rays, n, CW_LEAF_MOLLER_TRUMBORE, hits == NULL, INFINITY, hits, occluded);
 }
-CW_ONE_COPY static bool packet_wt(const cw_field *f, const cw_ray *rays, size_t n, bool any, float cells, cw_hit *hits,
+CW_ONE_COPY static bool packet_wt(const cw_field *f, const cw_ray *rays, size_t n, float cells, cw_hit *hits,
                                   uint8_t *occluded) {
-    return packet_rays(f, rays, n, CW_LEAF_WATERTIGHT, any, cells, hits, occluded);
+    return packet_rays(f, rays, n, CW_LEAF_WATERTIGHT, hits == NULL, cells, hits, occluded);
+}
+static void CW_CODE(packet_wt_)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded) {
+    packet_wt(f, rays, n, INFINITY, hits, occluded);
 }
 
-static void CW_CODE(closest_packet_mt_)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits) {
-    packet_mt(f, rays, n, false, hits, NULL);
-}
-static void CW_CODE(any_packet_mt_)(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded) {
-    packet_mt(f, rays, n, true, NULL, occluded);
-}
-static void CW_CODE(closest_packet_wt_)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits) {
-    packet_wt(f, rays, n, false, INFINITY, hits, NULL);
-}
-static void CW_CODE(any_packet_wt_)(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded) {
-    packet_wt(f, rays, n, true, INFINITY, NULL, occluded);
-}
 /* The measured crossing of this walk and that of the pyramid kernels, for few rays. */
 enum { SHORT_CELLS = 32 };
 
 /* cw_short4, cw_short8 or cw_short16. */
 bool CW_CODE(short)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded) {
-    return packet_wt(f, rays, n, hits == NULL, SHORT_CELLS, hits, occluded);
+    return packet_wt(f, rays, n, SHORT_CELLS, hits, occluded);
 }
 
 /* cw_packet4, cw_packet8 or cw_packet16. */
 const cw_kernel_code CW_CODE(packet) = {
-    .closest =
-        {[CW_LEAF_MOLLER_TRUMBORE] = CW_CODE(closest_packet_mt_), [CW_LEAF_WATERTIGHT] = CW_CODE(closest_packet_wt_)},
-    .any = {[CW_LEAF_MOLLER_TRUMBORE] = CW_CODE(any_packet_mt_), [CW_LEAF_WATERTIGHT] = CW_CODE(any_packet_wt_)},
+    .trace = {[CW_LEAF_MOLLER_TRUMBORE] = CW_CODE(packet_mt_), [CW_LEAF_WATERTIGHT] = CW_CODE(packet_wt_)},
 };

@@ -222,15 +222,9 @@ static __attribute__((noinline)) void pyramid_many(const cw_field *f, const cw_r
     pyramid_rays(&(tile_room){packets, start, climbers, group, &queue}, f, rays, n, any, hits, occluded);
 }
 
-static void CW_CODE(closest_pyramid_)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits) {
-    (n <= CW_FEW_RAYS ? pyramid_few : pyramid_many)(f, rays, n, false, hits, NULL);
-}
-static void CW_CODE(any_pyramid_)(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded) {
-    (n <= CW_FEW_RAYS ? pyramid_few : pyramid_many)(f, rays, n, true, NULL, occluded);
+static void CW_CODE(pyramid_wt_)(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded) {
+    (n <= CW_FEW_RAYS ? pyramid_few : pyramid_many)(f, rays, n, hits == NULL, hits, occluded);
 }
 
 /* cw_pyramid1, cw_pyramid4, cw_pyramid8 or cw_pyramid16. */
-const cw_kernel_code CW_CODE(pyramid) = {
-    .closest = {[CW_LEAF_WATERTIGHT] = CW_CODE(closest_pyramid_)},
-    .any = {[CW_LEAF_WATERTIGHT] = CW_CODE(any_pyramid_)},
-};
+const cw_kernel_code CW_CODE(pyramid) = {.trace = {[CW_LEAF_WATERTIGHT] = CW_CODE(pyramid_wt_)}};

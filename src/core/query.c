@@ -51,11 +51,7 @@ static void trace(const job *q, const cw_ray *rays, size_t begin, size_t n) {
     if (q->if_short && q->if_short(q->field, rays, n, hits, occluded)) return;
     /* The cell walk makes nothing ready. */
     const cw_kernel_code *code = q->single && is_short(q->field, rays) ? &cw_cell : q->how.expert.kernel->code;
-    const cw_leaf leaf = q->how.expert.leaf;
-    if (hits)
-        code->closest[leaf](q->field, rays, n, hits);
-    else
-        code->any[leaf](q->field, rays, n, occluded);
+    code->trace[q->how.expert.leaf](q->field, rays, n, hits, occluded);
 }
 
 static void work(void *context, size_t begin, size_t end) {

@@ -65,7 +65,7 @@ cw_status cw_run_settle(cw_run *how, size_t n) {
                            e->kernel->name, cw_isa_name(e->kernel->isa), cw_isa_name(e->isa));
     }
     if (e->leaf == CW_LEAF_DEFAULT) e->leaf = cw_kernel_default_leaf(e->kernel);
-    if (e->kernel->code->closest[e->leaf] == NULL)
+    if (e->kernel->code->trace[e->leaf] == NULL)
         return cw_fail(CW_ERROR_KERNEL, "leaf: %s does not have the leaf test %s", e->kernel->name,
                        cw_leaf_name(e->leaf));
     return CW_OK;

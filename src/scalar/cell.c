@@ -66,29 +66,20 @@ static inline bool walk(const cw_field *f, const cw_ray *ray, cw_leaf leaf, bool
     }
 }
 
-static inline void trace(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, cw_leaf leaf) {
-    for (size_t k = 0; k < n; k++)
-        if (!walk(f, &rays[k], leaf, false, &hits[k])) hits[k] = miss();
+static inline void trace(const cw_field *f, const cw_ray *rays, size_t n, cw_leaf leaf, cw_hit *hits,
+                         uint8_t *occluded) {
+    for (size_t k = 0; k < n; k++) {
+        if (hits == NULL)
+            occluded[k] = walk(f, &rays[k], leaf, true, NULL);
+        else if (!walk(f, &rays[k], leaf, false, &hits[k]))
+            hits[k] = miss();
+    }
+}
+static void trace_mt(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded) {
+    trace(f, rays, n, CW_LEAF_MOLLER_TRUMBORE, hits, occluded);
+}
+static void trace_wt(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded) {
+    trace(f, rays, n, CW_LEAF_WATERTIGHT, hits, occluded);
 }
 
-static inline void occlude(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded, cw_leaf leaf) {
-    for (size_t k = 0; k < n; k++) occluded[k] = walk(f, &rays[k], leaf, true, NULL);
-}
-
-static void closest_cell_mt(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits) {
-    trace(f, rays, n, hits, CW_LEAF_MOLLER_TRUMBORE);
-}
-static void any_cell_mt(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded) {
-    occlude(f, rays, n, occluded, CW_LEAF_MOLLER_TRUMBORE);
-}
-static void closest_cell_wt(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits) {
-    trace(f, rays, n, hits, CW_LEAF_WATERTIGHT);
-}
-static void any_cell_wt(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded) {
-    occlude(f, rays, n, occluded, CW_LEAF_WATERTIGHT);
-}
-
-const cw_kernel_code cw_cell = {
-    .closest = {[CW_LEAF_MOLLER_TRUMBORE] = closest_cell_mt, [CW_LEAF_WATERTIGHT] = closest_cell_wt},
-    .any = {[CW_LEAF_MOLLER_TRUMBORE] = any_cell_mt, [CW_LEAF_WATERTIGHT] = any_cell_wt},
-};
+const cw_kernel_code cw_cell = {.trace = {[CW_LEAF_MOLLER_TRUMBORE] = trace_mt, [CW_LEAF_WATERTIGHT] = trace_wt}};

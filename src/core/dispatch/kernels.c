@@ -53,7 +53,7 @@ const cw_kernel *cw_kernel_find(const char *name) {
 }
 
 cw_leaf cw_kernel_default_leaf(const cw_kernel *kernel) {
-    return kernel->code->closest[CW_LEAF_WATERTIGHT] ? CW_LEAF_WATERTIGHT : CW_LEAF_MOLLER_TRUMBORE;
+    return kernel->code->trace[CW_LEAF_WATERTIGHT] ? CW_LEAF_WATERTIGHT : CW_LEAF_MOLLER_TRUMBORE;
 }
 
 bool cw_kernel_exists(const cw_kernel *kernel) { return kernel != NULL && kernel != &cw_kernel_none; }

@@ -8,9 +8,11 @@
 /* Calls of so many rays take at most 16 KiB of stack. */
 enum { CW_FEW_RAYS = 8 };
 
-/* Trace rays[0..n) and write hits[0..n) or occluded[0..n). Run in the IEEE default environment. */
-typedef void cw_closest_fn(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits);
-typedef void cw_any_fn(const cw_field *field, const cw_ray *rays, size_t n, uint8_t *occluded);
+/* Traces rays[0..n) and writes hits[0..n), or occluded[0..n) if hits is NULL. Runs in the IEEE default environment. */
+typedef void cw_trace_fn(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded);
+
+/* The same if no ray goes over more than some cells, which the rays made ready show; else false, and answers are unspecified. */
+typedef bool cw_short_fn(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded);
 
 /* Samples i to i_end, j to j_end of a rectangle, without the ends: see heading.h. */
 struct cw_heading_job;
@@ -19,14 +21,9 @@ typedef void cw_heading_fn(const struct cw_heading_job *job, size_t i, size_t i_
 /* cw_rays_to_field; m is the field's to_field. */
 typedef void cw_to_field_fn(const double m[3][4], const cw_user_ray *in, size_t n, cw_ray *out);
 
-/* The same if no ray goes over more than some cells, which the rays made ready show; else false, and answers are unspecified. One of
- * the arrays is NULL. */
-typedef bool cw_short_fn(const cw_field *field, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded);
-
 /* By leaf test; NULL where the kernel does not have it. Entry CW_LEAF_DEFAULT is unused. */
 typedef struct cw_kernel_code {
-    cw_closest_fn *closest[CW_LEAF_COUNT];
-    cw_any_fn *any[CW_LEAF_COUNT];
+    cw_trace_fn *trace[CW_LEAF_COUNT];
 } cw_kernel_code;
 
 struct cw_kernel {

@@ -32,15 +32,15 @@ static bool trace(const cw_field *f, const cw_ray *given, bool any, cw_hit *best
     return found;
 }
 
-static void closest(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits) {
-    for (size_t k = 0; k < n; k++)
-        if (!trace(f, &rays[k], false, &hits[k])) hits[k] = miss();
+static void trace_all(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded) {
+    for (size_t k = 0; k < n; k++) {
+        cw_hit hit;
+        const bool found = trace(f, &rays[k], hits == NULL, &hit);
+        if (hits == NULL)
+            occluded[k] = found;
+        else
+            hits[k] = found ? hit : miss();
+    }
 }
 
-static void any(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded) {
-    cw_hit unused;
-    for (size_t k = 0; k < n; k++) occluded[k] = trace(f, &rays[k], true, &unused);
-}
-
-const cw_kernel_code cw_brute = {.closest = {[CW_LEAF_MOLLER_TRUMBORE] = closest},
-                                 .any = {[CW_LEAF_MOLLER_TRUMBORE] = any}};
+const cw_kernel_code cw_brute = {.trace = {[CW_LEAF_MOLLER_TRUMBORE] = trace_all}};

@@ -224,16 +224,15 @@ static inline bool trace(const cw_field *f, const cw_ray *given, bool any, cw_hi
     return true;
 }
 
-static void closest(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits) {
-    for (size_t k = 0; k < n; k++)
-        if (!trace(f, &rays[k], false, &hits[k])) hits[k] = miss();
+/* For occluded it returns at the first triangle hit, also if a later voxel has a nearer one. */
+static void trace_all(const cw_field *f, const cw_ray *rays, size_t n, cw_hit *hits, uint8_t *occluded) {
+    for (size_t k = 0; k < n; k++) {
+        cw_hit unused;
+        if (hits == NULL)
+            occluded[k] = trace(f, &rays[k], true, &unused);
+        else if (!trace(f, &rays[k], false, &hits[k]))
+            hits[k] = miss();
+    }
 }
 
-/* Returns at the first triangle hit, also if a later voxel has a nearer one. */
-static void any(const cw_field *f, const cw_ray *rays, size_t n, uint8_t *occluded) {
-    cw_hit unused;
-    for (size_t k = 0; k < n; k++) occluded[k] = trace(f, &rays[k], true, &unused);
-}
-
-const cw_kernel_code cw_grid3d = {.closest = {[CW_LEAF_MOLLER_TRUMBORE] = closest},
-                                  .any = {[CW_LEAF_MOLLER_TRUMBORE] = any}};
+const cw_kernel_code cw_grid3d = {.trace = {[CW_LEAF_MOLLER_TRUMBORE] = trace_all}};
